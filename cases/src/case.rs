@@ -1,0 +1,91 @@
+//! A case file: why the case is here, where it comes from, its scene, and what is known of the answer.
+
+use crate::error::CaseError;
+use crate::sample::{Disc, Sample};
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A scene with its sample, and the question that it asks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// Name, that of the file.
+    pub name: String,
+    /// Why the case is here, in a sentence.
+    pub why: String,
+    /// Where it comes from.
+    pub source: String,
+    /// What is known of the answer.
+    pub known: String,
+    /// The time step, counted from 1, whose contact problem stands for the case where one is asked for.
+    pub solve_at: u64,
+    /// Time steps of interest by name; `solve_at` apart.
+    #[serde(default)]
+    pub moments: BTreeMap<String, u64>,
+    /// The grains.
+    pub sample: Sample,
+    /// What surrounds them.
+    pub scene: Scene,
+}
+
+impl Case {
+    /// Reads a case file; then each of `overrides`, such as (`sample.grains`, `250`), replaces a value that the file
+    /// could hold.
+    ///
+    /// # Errors
+    /// Names the file, the key, the value and what would be accepted.
+    pub fn read(path: &Path, overrides: &[(String, String)]) -> Result<Self, CaseError> {
+        let text = std::fs::read_to_string(path).map_err(CaseError::file(path))?;
+        // Read once as it stands: the errors of the text name its lines.
+        let mut case: Self = toml::from_str(&text).map_err(|error| CaseError::content(path, error))?;
+        if !overrides.is_empty() {
+            let mut table: toml::Table = toml::from_str(&text).map_err(|error| CaseError::content(path, error))?;
+            for (key, value) in overrides {
+                set(&mut table, key, value).map_err(|message| CaseError::content(path, message))?;
+            }
+            case = serde_path_to_error::deserialize(table).map_err(|error| {
+                CaseError::content(path, format!("`{}`: {}", error.path(), error.inner().message()))
+            })?;
+        }
+        case.check().map_err(|message| CaseError::content(path, message))?;
+        Ok(case)
+    }
+
+    /// The discs before time begins.
+    pub(crate) fn discs(&self) -> Result<Vec<Disc>, String> {
+        self.sample.discs(self.scene.walls.as_ref().and_then(|walls| walls.width_m))
+    }
+
+    fn check(&self) -> Result<(), String> {
+        self.scene.check()?;
+        if self.solve_at == 0 {
+            return Err("`solve_at` is 0: time steps are counted from 1".to_owned());
+        }
+        if let Some((name, _)) = self.moments.iter().find(|(_, time_step)| **time_step == 0) {
+            return Err(format!("`moments.{name}` is 0: time steps are counted from 1"));
+        }
+        self.discs().map(|_| ())
+    }
+}
+
+/// Sets the value at a dotted key, read as TOML if it is any, else as text.
+fn set(table: &mut toml::Table, key: &str, value: &str) -> Result<(), String> {
+    let value = format!("value = {value}")
+        .parse::<toml::Table>()
+        .ok()
+        .and_then(|mut table| table.remove("value"))
+        .unwrap_or_else(|| toml::Value::String(value.to_owned()));
+    let (folders, last) = key.rsplit_once('.').unwrap_or(("", key));
+    let mut table = table;
+    for folder in folders.split('.').filter(|folder| !folder.is_empty()) {
+        table = table
+            .entry(folder)
+            .or_insert_with(|| toml::Table::new().into())
+            .as_table_mut()
+            .ok_or_else(|| format!("`{key}`: `{folder}` is a value, it has no keys"))?;
+    }
+    table.insert(last.to_owned(), value);
+    Ok(())
+}

@@ -1,0 +1,113 @@
+//! Discs laid one by one at the lowest place where two others, or one and a wall, hold it.
+//!
+//! The discs that can still be touched from above form the front, a chain from wall to wall in which each disc touches
+//! the next. A new disc replaces what it covers of the chain. The cost of a disc grows with the front, that is
+//! with the square root of the number of discs.
+
+use nalgebra::Vector2;
+
+type Placed = (Vector2<f64>, f64);
+
+/// Centres and radii (m) of discs with the given radii, in a box of `width` (m) with a floor at y = 0.
+pub(crate) fn deposit(radii: impl Iterator<Item = f64>, width: f64) -> Vec<Placed> {
+    let mut discs: Vec<Placed> = Vec::new();
+    let mut front: Vec<usize> = Vec::new();
+    let mut on_floor = true;
+    for radius in radii {
+        let chain: Vec<Placed> = front.iter().map(|k| discs[*k]).collect();
+        if on_floor {
+            let x = chain.last().map_or(radius, |last| {
+                // Beside the last, both on the floor: (R + r)² = (R − r)² + Δx²
+                last.0.x + 2.0 * (last.1 * radius).sqrt()
+            });
+            on_floor = x + radius <= width;
+            if on_floor {
+                front.push(discs.len());
+                discs.push((Vector2::new(x, radius), radius));
+                continue;
+            }
+        }
+        let (place, covered) = lowest_place(&chain, radius, width);
+        front.splice(covered, [discs.len()]);
+        discs.push((place, radius));
+    }
+    discs
+}
+
+/// The lowest place of a disc on the chain, and the part of the chain that it covers.
+fn lowest_place(chain: &[Placed], radius: f64, width: f64) -> (Vector2<f64>, std::ops::Range<usize>) {
+    // If no pocket holds it, as may be on a front of few discs, it falls from above the highest.
+    let highest = chain.iter().map(|(x, r)| x.y + r).fold(0.0, f64::max);
+    let mut best = (Vector2::new(0.5 * width, highest + radius), chain.len()..chain.len());
+    let mut take = |place: Option<Vector2<f64>>, covered: std::ops::Range<usize>| {
+        if let Some(place) = place.filter(|place| place.y < best.0.y && fits(chain, *place, radius, width)) {
+            best = (place, covered);
+        }
+    };
+    for (k, held) in chain.iter().enumerate() {
+        take(beside_wall(*held, radius, radius), 0..k);
+        take(beside_wall(*held, width - radius, radius), k + 1..chain.len());
+        for (ahead, other) in chain[k + 1..].iter().enumerate() {
+            // The chain winds, but beyond this the new disc reaches no further along it.
+            if other.0.x - held.0.x > 2.0 * radius + held.1 + other.1 {
+                break;
+            }
+            take(on_two(*held, *other, radius), k + 1..k + 1 + ahead);
+        }
+    }
+    best
+}
+
+/// Against a wall, with the centre at `x`, and on one disc.
+fn beside_wall((centre, r): Placed, x: f64, radius: f64) -> Option<Vector2<f64>> {
+    let height = (r + radius).powi(2) - (centre.x - x).powi(2);
+    (height >= 0.0).then(|| Vector2::new(x, centre.y + height.sqrt()))
+}
+
+/// On two discs, between them.
+fn on_two((left, r_left): Placed, (right, r_right): Placed, radius: f64) -> Option<Vector2<f64>> {
+    let (to_left, to_right) = (r_left + radius, r_right + radius);
+    let between = right - left;
+    let distance = between.norm();
+    let along = (to_left * to_left - to_right * to_right + distance * distance) / (2.0 * distance);
+    let height = to_left * to_left - along * along;
+    if !(height >= 0.0) {
+        return None;
+    }
+    let axis = between / distance;
+    let place = left + axis * along + Vector2::new(-axis.y, axis.x) * height.sqrt();
+    (left.x <= place.x && place.x <= right.x).then_some(place)
+}
+
+/// Whether a disc can lie there, and come there from above.
+fn fits(chain: &[Placed], place: Vector2<f64>, radius: f64, width: f64) -> bool {
+    // Round-off of a place on two discs, in the units of the box.
+    let slack = 1e-12 * width;
+    let inside = place.x >= radius - slack && place.x <= width - radius + slack && place.y >= radius - slack;
+    let below_or_aside = |(centre, r): &Placed| {
+        let between = place - centre;
+        let apart = between.norm() >= r + radius - slack;
+        apart && (between.y >= 0.0 || between.x.abs() >= r + radius - slack)
+    };
+    inside && chain.iter().all(below_or_aside)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn deposited_discs_fill_the_box_without_overlap() {
+        let radii = (0..400).map(|k| 0.05 + 0.05 * (f64::from(k) * 0.618_034).fract());
+        let discs = deposit(radii, 3.0);
+        for (k, (x, r)) in discs.iter().enumerate() {
+            assert!(x.x >= r - 1e-11 && x.x <= 3.0 - r + 1e-11 && x.y >= r - 1e-11, "disc {k} leaves the box");
+            for (other, s) in &discs[..k] {
+                assert!((x - other).norm() >= r + s - 1e-11, "disc {k} overlaps another");
+            }
+        }
+        let area: f64 = discs.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum();
+        let top = discs.iter().map(|(x, r)| x.y + r).fold(0.0, f64::max);
+        assert!(area / (3.0 * top) > 0.7, "solid fraction {}", area / (3.0 * top));
+    }
+}

@@ -1,0 +1,48 @@
+//! What can be wrong with a case or a frozen problem.
+
+use contact::{ProblemError, SetupError};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// What is wrong with a case or a frozen problem: the file, the key, the value.
+#[derive(Debug, Error)]
+pub enum CaseError {
+    /// A file cannot be read or written.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The content of a file, or an override of it, is not what the format asks.
+    #[error("{}: {message}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// Key, value and what would be accepted.
+        message: String,
+    },
+    /// A time step made a contact problem without meaning, which a simulation does once it explodes.
+    #[error("time step {time_step} has no contact problem: {source}")]
+    TimeStep {
+        /// The time step, counted from 1.
+        time_step: u64,
+        /// What is wrong with its problem.
+        source: ProblemError,
+    },
+    /// The solver of a time step refused its settings.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+}
+
+impl CaseError {
+    pub(crate) fn file(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Self::File { path, source }
+    }
+
+    pub(crate) fn content(path: &Path, message: impl ToString) -> Self {
+        Self::Content { path: path.to_owned(), message: message.to_string() }
+    }
+}

@@ -1,0 +1,195 @@
+//! Frozen problems: the contact problem of a chosen time step as a file, so that every method meets the same input.
+
+use crate::error::CaseError;
+use contact::{Contact, ContactProblem, ProblemError};
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+use std::io::Write;
+use std::path::Path;
+
+/// The contact problem of one time step, with what a method does not need but a reader does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frozen {
+    /// Name of the problem.
+    pub name: String,
+    /// Where it comes from, in a sentence.
+    pub source: String,
+    /// h (s).
+    pub time_step: f64,
+    /// Radius of each grain (m).
+    pub radius: Vec<f64>,
+    /// Gap of each contact at detection (m).
+    pub gap: Vec<f64>,
+    /// The problem itself.
+    pub problem: ContactProblem,
+    /// Impulses of the time step before, where the contact existed (N·s); empty for none.
+    pub start: Vec<f64>,
+}
+
+const FORMAT: &str = "gravel/contact-problem/1";
+
+/// The file, key by key.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    format: String,
+    name: String,
+    source: String,
+    time_step: f64,
+    grains: Grains,
+    contacts: Contacts,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Grains {
+    mass: Vec<f64>,
+    radius: Vec<f64>,
+    position: Vec<[f64; 2]>,
+    free_velocity: Vec<[f64; 2]>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Contacts {
+    candidate: Vec<u32>,
+    antagonist: Vec<Option<u32>>,
+    normal: Vec<[f64; 2]>,
+    offset: Vec<f64>,
+    gap: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    start: Vec<f64>,
+}
+
+impl Frozen {
+    /// Reads a file of format `gravel/contact-problem/1`.
+    ///
+    /// # Errors
+    /// Names the file, the key, the index and the value.
+    pub fn read(path: &Path) -> Result<Self, CaseError> {
+        let text = std::fs::read_to_string(path).map_err(CaseError::file(path))?;
+        let mut json = serde_json::Deserializer::from_str(&text);
+        let file: File = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+            let key = error.path().to_string();
+            let key = if key == "." { String::new() } else { format!("`{key}`: ") };
+            CaseError::content(path, format!("{key}{}", error.inner()))
+        })?;
+        json.end().map_err(|error| CaseError::content(path, error))?;
+        file.check().map_err(|message| CaseError::content(path, message))?;
+        file.into_frozen().map_err(|error| CaseError::content(path, error))
+    }
+
+    /// Writes the file whole, or not at all.
+    ///
+    /// # Errors
+    /// What the system says, with the file.
+    pub fn write(&self, path: &Path) -> Result<(), CaseError> {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let write = || {
+            let mut file = tempfile::NamedTempFile::new_in(folder)?;
+            serde_json::to_writer(&mut file, &File::from(self))?;
+            file.write_all(b"\n")?;
+            file.persist(path).map(|_| ()).map_err(|error| error.error)
+        };
+        write().map_err(CaseError::file(path))
+    }
+
+    /// The impulses to begin from: those of the time step before if `warm`, else none (N·s).
+    pub fn start(&self, warm: bool) -> Vec<f64> {
+        if warm && !self.start.is_empty() {
+            self.start.clone()
+        } else {
+            vec![0.0; self.problem.contact_count()]
+        }
+    }
+}
+
+impl File {
+    /// What [`ContactProblem::new`] does not see.
+    fn check(&self) -> Result<(), String> {
+        if self.format != FORMAT {
+            return Err(format!("`format` is \"{}\": it must be \"{FORMAT}\"", self.format));
+        }
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        if !positive(self.time_step) {
+            return Err(format!("`time_step` is {}: it must be positive and finite", self.time_step));
+        }
+        let (grains, contacts) = (self.grains.mass.len(), self.contacts.candidate.len());
+        for (key, found, expected) in [
+            ("grains.radius", self.grains.radius.len(), grains),
+            ("contacts.antagonist", self.contacts.antagonist.len(), contacts),
+            ("contacts.normal", self.contacts.normal.len(), contacts),
+            ("contacts.offset", self.contacts.offset.len(), contacts),
+            ("contacts.gap", self.contacts.gap.len(), contacts),
+        ] {
+            if found != expected {
+                return Err(ProblemError::Length { key, found, expected }.to_string());
+            }
+        }
+        let start = &self.contacts.start;
+        if !start.is_empty() && start.len() != contacts {
+            return Err(ProblemError::Length { key: "contacts.start", found: start.len(), expected: contacts }
+                .to_string());
+        }
+        type Valid = fn(f64) -> bool;
+        let lists: [(&str, &[f64], &str, Valid); 3] = [
+            ("grains.radius", &self.grains.radius, "positive", |x| x > 0.0),
+            ("contacts.gap", &self.contacts.gap, "finite", f64::is_finite),
+            ("contacts.start", start, "not negative", |x| x >= 0.0),
+        ];
+        for (key, values, expected, valid) in lists {
+            if let Some(index) = values.iter().position(|x| !(valid(*x) && x.is_finite())) {
+                return Err(format!("`{key}[{index}]` is {}: it must be {expected}", values[index]));
+            }
+        }
+        Ok(())
+    }
+
+    fn into_frozen(self) -> Result<Frozen, ProblemError> {
+        let vectors = |list: Vec<[f64; 2]>| list.into_iter().map(Vector2::from).collect();
+        let Contacts { candidate, antagonist, normal, offset, gap, start } = self.contacts;
+        let contacts = candidate
+            .into_iter()
+            .zip(antagonist)
+            .zip(normal.into_iter().zip(offset))
+            .map(|((candidate, antagonist), (normal, offset))| Contact {
+                candidate,
+                antagonist,
+                normal: normal.into(),
+                offset,
+            })
+            .collect();
+        let Grains { mass, radius, position, free_velocity } = self.grains;
+        let problem = ContactProblem::new(mass, vectors(position), vectors(free_velocity), contacts)?;
+        let Self { name, source, time_step, .. } = self;
+        Ok(Frozen { name, source, time_step, radius, gap, problem, start })
+    }
+}
+
+impl From<&Frozen> for File {
+    fn from(frozen: &Frozen) -> Self {
+        let vectors = |list: &[Vector2<f64>]| list.iter().map(|v| [v.x, v.y]).collect();
+        let problem = &frozen.problem;
+        let contacts = problem.contacts();
+        Self {
+            format: FORMAT.to_owned(),
+            name: frozen.name.clone(),
+            source: frozen.source.clone(),
+            time_step: frozen.time_step,
+            grains: Grains {
+                mass: problem.mass().to_vec(),
+                radius: frozen.radius.clone(),
+                position: vectors(problem.position()),
+                free_velocity: vectors(problem.free_velocity()),
+            },
+            contacts: Contacts {
+                candidate: contacts.iter().map(|contact| contact.candidate).collect(),
+                antagonist: contacts.iter().map(|contact| contact.antagonist).collect(),
+                normal: contacts.iter().map(|contact| contact.normal.into()).collect(),
+                offset: contacts.iter().map(|contact| contact.offset).collect(),
+                gap: frozen.gap.clone(),
+                start: frozen.start.clone(),
+            },
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! From a scene to a contact problem: samples, neighbours, laws, time marching; and frozen problems.
+
+mod case;
+mod deposit;
+mod detect;
+mod error;
+mod frozen;
+mod march;
+mod sample;
+mod scene;
+
+pub use case::Case;
+pub use detect::{DetectedContact, Side, detect};
+pub use error::CaseError;
+pub use frozen::Frozen;
+pub use march::{March, Observables, TimeStep};
+pub use sample::{Disc, Sample};
+pub use scene::{Direction, Law, Scene, Vibration, Walls};

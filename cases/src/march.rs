@@ -1,0 +1,221 @@
+//! Time marching: the θ-scheme around any solver, one contact problem per time step, each begun from the impulses
+//! of the one before (§2).
+
+use crate::case::Case;
+use crate::detect::{DetectedContact, Side, detect, walls_near};
+use crate::error::CaseError;
+use crate::frozen::Frozen;
+use crate::scene::{Law, Scene, Wall};
+use contact::{Contact, ContactProblem, Outcome, Solver, Stop, solve};
+use nalgebra::Vector2;
+use std::path::Path;
+
+/// A scene on its way through time.
+#[derive(Clone, Debug)]
+pub struct March {
+    name: String,
+    scene: Scene,
+    radius: Vec<f64>,
+    mass: Vec<f64>,
+    position: Vec<Vector2<f64>>,
+    velocity: Vec<Vector2<f64>>,
+    /// Time steps made.
+    made: u64,
+    /// Impulses of the last time step, ordered by contact (N·s).
+    last: Vec<((u32, Side), f64)>,
+}
+
+/// The contact problem of a time step that is not made yet.
+#[derive(Clone, Debug)]
+pub struct TimeStep {
+    /// The problem, with the impulses of the time step before as its start.
+    pub frozen: Frozen,
+    /// The antagonist of each contact.
+    sides: Vec<Side>,
+}
+
+/// What a simulation shows of itself after a time step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observables {
+    /// Time reached (s).
+    pub time: f64,
+    /// ½ Σ m V² (J).
+    pub kinetic_energy: f64,
+    /// Mean height of the centres of mass, weighted by mass (m).
+    pub mean_height: f64,
+    /// Greatest overlap at a contact of the problem just solved (m).
+    pub greatest_overlap: f64,
+}
+
+impl March {
+    /// The scene of `case` at time 0, every grain at rest. `path` is the case's file, for errors.
+    ///
+    /// # Errors
+    /// Names what the sample cannot be made of.
+    pub fn new(case: &Case, path: &Path) -> Result<Self, CaseError> {
+        let discs = case.discs().map_err(|message| CaseError::content(path, message))?;
+        Ok(Self {
+            name: case.name.clone(),
+            scene: case.scene.clone(),
+            radius: discs.iter().map(|disc| disc.radius).collect(),
+            mass: discs.iter().map(|disc| disc.mass).collect(),
+            position: discs.iter().map(|disc| disc.position).collect(),
+            velocity: vec![Vector2::zeros(); discs.len()],
+            made: 0,
+            last: Vec::new(),
+        })
+    }
+
+    /// Time steps made.
+    pub fn made(&self) -> u64 {
+        self.made
+    }
+
+    /// The contact problem of the next time step.
+    ///
+    /// # Errors
+    /// A simulation that exploded has none.
+    pub fn next(&self) -> Result<TimeStep, CaseError> {
+        let Scene { time_step_s: h, theta, gravity_m_per_s2: g, law, .. } = self.scene;
+        // Contacts are sought at q + h(1−θ)V⁻, and V_free = V⁻ + M⁻¹Rᵈ.
+        let position: Vec<_> =
+            self.position.iter().zip(&self.velocity).map(|(q, v)| q + v * (h * (1.0 - theta))).collect();
+        let free_velocity: Vec<_> = self.velocity.iter().map(|v| v - Vector2::new(0.0, g * h)).collect();
+
+        let (contacts, near) = self.contacts(&position, &free_velocity);
+        let keys = near.iter().map(|contact| (contact.candidate, contact.antagonist));
+        let start = recall(&self.last, keys);
+        let gap = near.iter().map(|contact| contact.gap).collect();
+        let sides = near.iter().map(|contact| contact.antagonist).collect();
+        let problem = ContactProblem::new(self.mass.clone(), position, free_velocity, contacts)
+            .map_err(|source| CaseError::TimeStep { time_step: self.made + 1, source })?;
+        let frozen = Frozen {
+            name: format!("{}-t{}", self.name, self.made + 1),
+            source: format!("Case {}, time step {} of {h} s, law {}.", self.name, self.made + 1, law.name()),
+            time_step: h,
+            radius: self.radius.clone(),
+            gap,
+            problem,
+            start,
+        };
+        Ok(TimeStep { frozen, sides })
+    }
+
+    /// The contacts that the law lets in, with their offsets c, and the pairs that they are.
+    fn contacts(
+        &self,
+        position: &[Vector2<f64>],
+        free_velocity: &[Vector2<f64>],
+    ) -> (Vec<Contact>, Vec<DetectedContact>) {
+        let Scene { time_step_s: h, theta, law, .. } = self.scene;
+        // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h]; walls move as they do
+        // in the middle of it.
+        let detection = (self.made as f64 + 1.0 - theta) * h;
+        let walls = self.scene.walls.as_ref().map_or([None; 3], |walls| walls.at(detection, detection + 0.5 * h));
+        let reach = 2.0 * h * greatest_speed(free_velocity, position, &walls);
+
+        let mut pairs = detect(position, &self.radius, reach).into_iter().peekable();
+        let (mut contacts, mut near) = (Vec::new(), Vec::new());
+        for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)) {
+            let with_walls = walls_near(&walls, grain, *x, *radius, reach)
+                .map(|(contact, wall)| (contact, -wall.normal_velocity(*x)));
+            let with_grains = std::iter::from_fn(|| pairs.next_if(|pair| pair.candidate == grain));
+            for (pair, wall_offset) in with_walls.chain(with_grains.map(|pair| (pair, 0.0))) {
+                let antagonist = match pair.antagonist {
+                    Side::Grain(j) => Some(j),
+                    _ => None,
+                };
+                let mut contact =
+                    Contact { candidate: grain, antagonist, normal: pair.normal, offset: wall_offset };
+                let b = contact.relative(free_velocity) + contact.offset;
+                let enters = match law {
+                    Law::PredictedGap => pair.gap + h * b <= 0.0,
+                    Law::Iqs => true,
+                };
+                if enters {
+                    contact.offset += law.gap_offset(pair.gap, h);
+                    contacts.push(contact);
+                    near.push(pair);
+                }
+            }
+        }
+        (contacts, near)
+    }
+
+    /// Ends the time step with the impulses `r` (N·s) and velocities `velocity` (m/s) found for it: q ← q + h((1−θ)V⁻ + θV).
+    ///
+    /// # Panics
+    /// If the impulses or velocities are not those of the time step's problem.
+    pub fn advance(&mut self, time_step: &TimeStep, r: &[f64], velocity: &[Vector2<f64>]) -> Observables {
+        let Scene { time_step_s: h, theta, .. } = self.scene;
+        let problem = &time_step.frozen.problem;
+        assert_eq!(r.len(), problem.contact_count(), "one impulse per contact");
+        assert_eq!(velocity.len(), problem.grain_count(), "one velocity per grain");
+        for ((q, detected), v) in self.position.iter_mut().zip(problem.position()).zip(velocity) {
+            *q = detected + v * (h * theta);
+        }
+        self.velocity.copy_from_slice(velocity);
+        let keys = problem.contacts().iter().zip(&time_step.sides).map(|(contact, side)| (contact.candidate, *side));
+        self.last = keys.zip(r.iter().copied()).collect();
+        self.made += 1;
+        self.observe(&time_step.frozen.gap)
+    }
+
+    /// Makes one time step with `solver`, from the impulses of the time step before.
+    ///
+    /// # Errors
+    /// Names a setting of the solver without meaning, or the time step at which the simulation exploded.
+    pub fn time_step(&mut self, solver: &dyn Solver, stop: &Stop) -> Result<(Outcome, Observables), CaseError> {
+        let next = self.next()?;
+        let outcome = solve(solver, &next.frozen.problem, &next.frozen.start, stop, &mut |_| {})?;
+        let observables = self.advance(&next, &outcome.impulses, &outcome.velocity);
+        Ok((outcome, observables))
+    }
+
+    fn observe(&self, gap: &[f64]) -> Observables {
+        let kinetic = self.mass.iter().zip(&self.velocity).map(|(m, v)| 0.5 * m * v.norm_squared());
+        let moment = self.mass.iter().zip(&self.position).map(|(m, q)| m * q.y);
+        Observables {
+            time: self.made as f64 * self.scene.time_step_s,
+            kinetic_energy: kinetic.sum(),
+            mean_height: moment.sum::<f64>() / self.mass.iter().sum::<f64>(),
+            greatest_overlap: gap.iter().fold(0.0, |greatest, gap| f64::max(greatest, -gap)),
+        }
+    }
+}
+
+impl Law {
+    /// The gap term of c (m/s).
+    fn gap_offset(self, gap: f64, h: f64) -> f64 {
+        match self {
+            Self::PredictedGap => 0.0,
+            Self::Iqs => gap.max(0.0) / h,
+        }
+    }
+
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PredictedGap => "predicted-gap",
+            Self::Iqs => "iqs",
+        }
+    }
+}
+
+/// The greatest free speed of a grain, and of a wall where it faces one (m/s). Twice this times h is as far as two
+/// surfaces come together in a time step without impulses.
+fn greatest_speed(free_velocity: &[Vector2<f64>], position: &[Vector2<f64>], walls: &[Option<Wall>; 3]) -> f64 {
+    let grains = free_velocity.iter().map(|v| v.norm());
+    let facing = walls.iter().flatten().flat_map(|wall| position.iter().map(|x| wall.normal_velocity(*x).abs()));
+    grains.chain(facing).fold(0.0, f64::max)
+}
+
+/// The impulses of the contacts `keys` in the last time step, 0 for a new one. Both lists rise.
+fn recall(last: &[((u32, Side), f64)], keys: impl Iterator<Item = (u32, Side)>) -> Vec<f64> {
+    let mut last = last.iter().peekable();
+    keys.map(|key| {
+        while last.next_if(|(known, _)| *known < key).is_some() {}
+        last.next_if(|(known, _)| *known == key).map_or(0.0, |(_, r)| *r)
+    })
+    .collect()
+}

@@ -1,0 +1,55 @@
+//! `gravel freeze`: the contact problem of one time step of a case, as a file.
+
+use crate::inputs::{Root, march_to, stem, time_step};
+use crate::solve::{CaseArgs, MethodArgs, StopArgs};
+use anyhow::{Result, bail};
+use cases::{Case, March};
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// A case: its name, or the path of its file
+    case: String,
+    /// The time step, counted from 1, or one of the case's moments
+    #[arg(long, value_name = "K")]
+    time_step: String,
+    /// The file to write; the problem is named after it
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Replace FILE if it exists
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    changes: CaseArgs,
+    #[command(flatten)]
+    method: MethodArgs,
+    #[command(flatten)]
+    stop: StopArgs,
+}
+
+pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
+    if args.output.exists() && !args.force {
+        bail!("{} exists: give another file, or --force to replace it", args.output.display());
+    }
+    let path = root.case(&args.case)?;
+    let case = Case::read(&path, &args.changes.overrides)?;
+    let (method, stop) = (args.method.method()?, args.stop.stop());
+    let time_step = time_step(&case, &args.time_step)?;
+    let mut frozen = march_to(&mut March::new(&case, &path)?, time_step, &method, &stop)?;
+    frozen.name = stem(&args.output);
+    for (key, value) in &args.changes.overrides {
+        frozen.source += &format!(" {key} = {value}.");
+    }
+    frozen.source += &format!(
+        " Time steps before it solved by {} to {} ≤ {:e}, from the impulses of the one before.",
+        method.name, stop.on, stop.tolerance
+    );
+    frozen.write(&args.output)?;
+    println!(
+        "{}: {} grains, {} contacts",
+        args.output.display(),
+        frozen.problem.grain_count(),
+        frozen.problem.contact_count()
+    );
+    Ok(())
+}

@@ -1,0 +1,54 @@
+//! `gravel list`: what there is.
+
+use crate::inputs::{Root, stem};
+use crate::methods::METHODS;
+use crate::plan::Plan;
+use anyhow::Result;
+use cases::{Case, Frozen};
+use clap::ValueEnum;
+use serde_json::Value;
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// What to list
+    what: What,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum What {
+    /// Cases, and the problems that were frozen from them
+    Cases,
+    /// Methods, with their settings and defaults
+    Methods,
+    /// Plans
+    Plans,
+}
+
+pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
+    match args.what {
+        What::Cases => {
+            println!("cases");
+            for path in root.cases()? {
+                println!("  {:<24}{}", stem(&path), Case::read(&path, &[])?.why);
+            }
+            println!("frozen problems");
+            for path in root.frozen()? {
+                let frozen = Frozen::read(&path)?;
+                let (grains, contacts) = (frozen.problem.grain_count(), frozen.problem.contact_count());
+                println!("  {:<24}{grains} grains, {contacts} contacts", stem(&path));
+            }
+        }
+        What::Methods => {
+            for entry in METHODS {
+                println!("{:<10}{}", entry.name, entry.what);
+                println!("{:<10}{}", "", Value::Object(entry.defaults()?));
+            }
+        }
+        What::Plans => {
+            for path in root.plans()? {
+                println!("{:<16}{}", stem(&path), Plan::read(&path)?.why);
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,60 @@
+//! `gravel`: solves contact problems, sweeps methods over plans, freezes problems and simulates scenes.
+
+mod bench;
+mod curve;
+mod freeze;
+mod inputs;
+mod list;
+mod methods;
+mod output;
+mod plan;
+mod progress;
+mod rows;
+mod simulate;
+mod solve;
+
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Benchmark of the solvers of non-smooth contact dynamics of granular media.
+#[derive(Parser)]
+#[command(name = "gravel", version, max_term_width = 100)]
+struct Cli {
+    /// Threads that methods may use [default: one per processor]; results do not depend on it
+    #[arg(long, global = true, value_name = "N")]
+    threads: Option<std::num::NonZeroUsize>,
+    /// The checkout with cases/ and harness/plans/ [default: the current folder or one above it]
+    #[arg(long, global = true, value_name = "DIR")]
+    root: Option<PathBuf>,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run a plan; write its rows to results/runs and its table and figures to reports/out
+    Bench(bench::Args),
+    /// Solve one contact problem with one method
+    Solve(solve::Args),
+    /// Write the contact problem of one time step of a case as a file
+    Freeze(freeze::Args),
+    /// March a case through time
+    Simulate(simulate::Args),
+    /// List what there is: cases, methods or plans
+    List(list::Args),
+}
+
+fn main() -> anyhow::Result<()> {
+    let cli = Cli::parse();
+    if let Some(threads) = cli.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global()?;
+    }
+    let root = inputs::Root::find(cli.root)?;
+    match cli.command {
+        Command::Bench(args) => bench::run(&root, &args),
+        Command::Solve(args) => solve::run(&root, &args),
+        Command::Freeze(args) => freeze::run(&root, &args),
+        Command::Simulate(args) => simulate::run(&root, &args),
+        Command::List(args) => list::run(&root, &args),
+    }
+}

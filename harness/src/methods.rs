@@ -1,0 +1,88 @@
+//! The methods by name. To add one: its line in [`METHODS`], its crate in this package's manifest.
+
+use anyhow::{Result, anyhow, bail};
+use contact::Solver;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+
+/// A method with all its parameters.
+pub(crate) struct Method {
+    pub(crate) name: &'static str,
+    /// Every parameter, defaults spelled out.
+    pub(crate) settings: Map<String, Value>,
+    pub(crate) solver: Box<dyn Solver>,
+}
+
+/// A method that can be asked for.
+pub(crate) struct Entry {
+    pub(crate) name: &'static str,
+    pub(crate) what: &'static str,
+    build: fn(Map<String, Value>) -> Result<(Map<String, Value>, Box<dyn Solver>)>,
+}
+
+/// Every method: its name in plans and on the command line, and what it is.
+pub(crate) const METHODS: &[Entry] = &[
+    Entry::of::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem"),
+    Entry::of::<nsgs::Jacobi>("jacobi", "projected Jacobi with relaxation"),
+    Entry::of::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart"),
+    Entry::of::<nsgs_dd::NsgsDd>("nsgs-dd", "non-linear Gauss-Seidel by subdomains, with split masses"),
+];
+
+impl Entry {
+    const fn of<S>(name: &'static str, what: &'static str) -> Self
+    where
+        S: Solver + Serialize + DeserializeOwned + 'static,
+    {
+        Self { name, what, build: build::<S> }
+    }
+
+    /// Every parameter with its default.
+    pub(crate) fn defaults(&self) -> Result<Map<String, Value>> {
+        (self.build)(Map::new()).map(|(settings, _)| settings)
+    }
+}
+
+impl Method {
+    /// The method `name` with `settings`; what they leave out has its default.
+    pub(crate) fn new(name: &str, settings: Map<String, Value>) -> Result<Self> {
+        let Some(entry) = METHODS.iter().find(|entry| entry.name == name) else {
+            let names: Vec<&str> = METHODS.iter().map(|entry| entry.name).collect();
+            bail!("unknown method `{name}`: there are {}", names.join(", "));
+        };
+        let (settings, solver) =
+            (entry.build)(settings).map_err(|error| anyhow!("method `{name}`, {error}"))?;
+        Ok(Self { name: entry.name, settings, solver })
+    }
+
+    /// The method `name` with settings as they are typed: `relaxation=0.8`.
+    pub(crate) fn parse(name: &str, settings: &[(String, String)]) -> Result<Self> {
+        // A number or a boolean is one; anything else is text, which needs no quotes.
+        let value = |text: &String| serde_json::from_str(text).unwrap_or_else(|_| Value::from(text.as_str()));
+        Self::new(name, settings.iter().map(|(key, text)| (key.clone(), value(text))).collect())
+    }
+}
+
+fn build<S>(settings: Map<String, Value>) -> Result<(Map<String, Value>, Box<dyn Solver>)>
+where
+    S: Solver + Serialize + DeserializeOwned + 'static,
+{
+    let solver: S = serde_path_to_error::deserialize(Value::Object(settings)).map_err(|error| {
+        match error.path().to_string().as_str() {
+            "." => anyhow!("{}", error.inner()),
+            key => anyhow!("`{key}`: {}", error.inner()),
+        }
+    })?;
+    let Value::Object(settings) = serde_json::to_value(&solver)? else {
+        bail!("its settings are not a list of keys and values");
+    };
+    Ok((settings, Box::new(solver)))
+}
+
+/// Reads `key=value` as an argument.
+pub(crate) fn key_value(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.is_empty() => Ok((key.to_owned(), value.to_owned())),
+        _ => Err("expected KEY=VALUE".to_owned()),
+    }
+}

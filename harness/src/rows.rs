@@ -1,0 +1,142 @@
+//! From what the harness holds to the rows of the results.
+
+use crate::curve::first_at;
+use crate::inputs::content_hash;
+use crate::plan::{Plan, Variant};
+use cases::Frozen;
+use contact::Outcome;
+use nalgebra::Vector2;
+use partition::{Decomposition, Grid, Partition, Scheme};
+use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample};
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+/// The row of a run that ended.
+pub(crate) fn run_row(
+    run: u32,
+    plan: &Plan,
+    frozen: &Frozen,
+    variant: &Variant,
+    outcome: &Outcome,
+    curve: &[Sample],
+    provenance: &Provenance,
+) -> Run {
+    let zeta = |tolerance| first_at(curve, |sample| sample.zeta, tolerance);
+    let natural_map = |tolerance| first_at(curve, |sample| sample.natural_map, tolerance);
+    Run {
+        run,
+        plan: plan.name.clone(),
+        problem: frozen.name.clone(),
+        problem_hash: content_hash(frozen),
+        grains: frozen.problem.grain_count() as u32,
+        contacts: frozen.problem.contact_count() as u32,
+        method: variant.method.name.to_owned(),
+        settings: Value::Object(variant.method.settings.clone()).to_string(),
+        variant: variant.name.clone(),
+        subdomains: setting::<Grid>(variant, "subdomains").map_or(1, |grid| grid.nx * grid.ny),
+        warm_start: plan.warm_start,
+        stop_on: plan.stop.on.name().to_owned(),
+        tolerance: plan.stop.tolerance,
+        max_iterations: plan.stop.max_iterations,
+        status: outcome.status.name().to_owned(),
+        iterations: outcome.iterations,
+        setup_s: outcome.setup.as_secs_f64(),
+        iterating_s: outcome.iterating.as_secs_f64(),
+        iterations_to_zeta_1e_3: zeta(1e-3),
+        iterations_to_zeta_1e_4: zeta(1e-4),
+        iterations_to_natural_map_1e_2: natural_map(1e-2),
+        iterations_to_natural_map_1e_4: natural_map(1e-4),
+        end: curve[curve.len() - 1],
+        provenance: provenance.clone(),
+    }
+}
+
+/// The partitions that the methods of a plan use, by name, each once.
+pub(crate) fn partitions(variants: &[Variant]) -> Vec<(String, Grid, Scheme)> {
+    let mut partitions = Vec::new();
+    for variant in variants {
+        let scheme = setting::<Scheme>(variant, "partition");
+        if let (Some(grid), Some(scheme)) = (setting::<Grid>(variant, "subdomains"), scheme) {
+            let name = match scheme {
+                Scheme::Boxes => grid.to_string(),
+                Scheme::Balanced => format!("{grid}-balanced"),
+            };
+            if !partitions.iter().any(|(known, _, _)| *known == name) {
+                partitions.push((name, grid, scheme));
+            }
+        }
+    }
+    partitions
+}
+
+/// The grains and contacts of a problem under a partition, as they are drawn.
+pub(crate) fn scene_rows(
+    frozen: &Frozen,
+    name: &str,
+    partition: &Partition,
+    impulses: Option<&[f64]>,
+) -> (Vec<GrainRow>, Vec<ContactRow>) {
+    let problem = &frozen.problem;
+    let decomposition = Decomposition::new(problem, partition);
+    let most_contacts = subdomain_of_grains(frozen, partition);
+    let grains = (0..problem.grain_count())
+        .map(|grain| GrainRow {
+            problem: frozen.name.clone(),
+            partition: name.to_owned(),
+            grain: grain as u32,
+            x_m: problem.position()[grain].x,
+            y_m: problem.position()[grain].y,
+            radius_m: frozen.radius[grain],
+            subdomain: most_contacts[grain],
+            multiplicity: decomposition.multiplicity[grain],
+        })
+        .collect();
+    let contacts = (0..problem.contact_count())
+        .map(|contact| {
+            let (from, to) = ends(frozen, contact);
+            ContactRow {
+                problem: frozen.name.clone(),
+                partition: name.to_owned(),
+                contact: contact as u32,
+                x0_m: from.x,
+                y0_m: from.y,
+                x1_m: to.x,
+                y1_m: to.y,
+                wall: problem.contacts()[contact].antagonist.is_none(),
+                subdomain: partition.subdomain[contact],
+                impulse_n_s: impulses.map_or(f64::NAN, |r| r[contact]),
+            }
+        })
+        .collect();
+    (grains, contacts)
+}
+
+/// Centre of the candidate, and centre of the antagonist or the touched point of a wall (m).
+fn ends(frozen: &Frozen, contact: usize) -> (Vector2<f64>, Vector2<f64>) {
+    let (position, gap) = (frozen.problem.position(), frozen.gap[contact]);
+    let contact = &frozen.problem.contacts()[contact];
+    let from = position[contact.candidate as usize];
+    let to_wall = frozen.radius[contact.candidate as usize] + gap;
+    (from, contact.antagonist.map_or(from - contact.normal * to_wall, |j| position[j as usize]))
+}
+
+/// The subdomain with most of each grain's contacts, the first among equals.
+fn subdomain_of_grains(frozen: &Frozen, partition: &Partition) -> Vec<Option<u32>> {
+    let mut of_grain: Vec<Vec<u32>> = vec![Vec::new(); frozen.problem.grain_count()];
+    for (contact, subdomain) in frozen.problem.contacts().iter().zip(&partition.subdomain) {
+        of_grain[contact.candidate as usize].push(*subdomain);
+        if let Some(j) = contact.antagonist {
+            of_grain[j as usize].push(*subdomain);
+        }
+    }
+    let most = |subdomains: &Vec<u32>| {
+        let count = |e: u32| subdomains.iter().filter(|other| **other == e).count();
+        subdomains.iter().copied().max_by_key(|e| (count(*e), std::cmp::Reverse(*e)))
+    };
+    of_grain.iter().map(most).collect()
+}
+
+/// A setting of a variant, where its method has one of that name and type.
+fn setting<T: DeserializeOwned>(variant: &Variant, key: &str) -> Option<T> {
+    variant.method.settings.get(key).and_then(|value| T::deserialize(value).ok())
+}

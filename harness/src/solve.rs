@@ -1,0 +1,182 @@
+//! `gravel solve`: one contact problem, one method.
+
+use crate::inputs::{Root, content_hash, march_to, time_step};
+use crate::methods::{Method, key_value};
+use crate::output::write_whole;
+use crate::progress;
+use anyhow::{Context, Result, bail};
+use cases::{Case, Frozen, March};
+use clap::ValueEnum;
+use contact::{Measure, Outcome, Stop};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// A frozen problem or a case: its name, or the path of its file
+    #[arg(value_name = "PROBLEM-OR-CASE")]
+    problem: String,
+    #[command(flatten)]
+    method: MethodArgs,
+    #[command(flatten)]
+    stop: StopArgs,
+    /// Begin from r = 0, or from the impulses of the time step before
+    #[arg(long, value_enum, default_value = "cold")]
+    start: Start,
+    #[command(flatten)]
+    case: CaseArgs,
+    /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]
+    #[arg(long, value_name = "K")]
+    time_step: Option<String>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Write the impulses to FILE, as {"impulse": [N·s, in the problem's contact order]}
+    #[arg(long, value_name = "FILE")]
+    impulses: Option<PathBuf>,
+}
+
+/// A method on the command line.
+#[derive(clap::Args)]
+pub(crate) struct MethodArgs {
+    /// A method; `gravel list methods` shows them with their settings
+    #[arg(long, default_value = "cg", value_name = "M")]
+    method: String,
+    /// A setting of the method, such as relaxation=0.8 or subdomains=4x2; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    settings: Vec<(String, String)>,
+}
+
+/// A stop rule on the command line.
+#[derive(clap::Args)]
+pub(crate) struct StopArgs {
+    /// The run has converged when the measure is at most this
+    #[arg(long, value_name = "T", default_value_t = Stop::default().tolerance)]
+    tolerance: f64,
+    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv or max_dv
+    #[arg(long, value_name = "MEASURE", default_value_t = Stop::default().on, value_parser = measure)]
+    on: Measure,
+    /// The run ends after this many iterations at the latest
+    #[arg(long, value_name = "N", default_value_t = Stop::default().max_iterations)]
+    max_iterations: u64,
+}
+
+/// Changes to a case on the command line.
+#[derive(clap::Args)]
+pub(crate) struct CaseArgs {
+    /// A value of the case file to replace, such as sample.grains=250 or scene.law=iqs; may be repeated
+    #[arg(long = "scene", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub(crate) overrides: Vec<(String, String)>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Start {
+    Cold,
+    Warm,
+}
+
+impl MethodArgs {
+    pub(crate) fn method(&self) -> Result<Method> {
+        Method::parse(&self.method, &self.settings)
+    }
+}
+
+impl StopArgs {
+    pub(crate) fn stop(&self) -> Stop {
+        Stop { on: self.on, tolerance: self.tolerance, max_iterations: self.max_iterations }
+    }
+}
+
+fn measure(name: &str) -> Result<Measure, String> {
+    Measure::ALL.into_iter().find(|measure| measure.name() == name).ok_or_else(|| {
+        let names: Vec<&str> = Measure::ALL.iter().map(|measure| measure.name()).collect();
+        format!("there are {}", names.join(", "))
+    })
+}
+
+pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
+    let method = args.method.method()?;
+    let stop = args.stop.stop();
+    let path = root.problem_or_case(&args.problem)?;
+    let frozen = read(&path, args)?;
+    let r0 = frozen.start(args.start == Start::Warm);
+
+    let line = progress::spinner();
+    let outcome = contact::solve(&*method.solver, &frozen.problem, &r0, &stop, &mut |progress| {
+        if progress.iteration % 256 == 0 {
+            let value = progress.measures.get(stop.on);
+            line.set_message(format!("{}: iteration {}, {} {value:.2e}", method.name, progress.iteration, stop.on));
+            line.tick();
+        }
+    })
+    .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
+    line.finish_and_clear();
+
+    if let Some(file) = &args.impulses {
+        if file.exists() {
+            eprintln!("replacing {}", file.display());
+        }
+        write_whole(file, &json!({ "impulse": outcome.impulses }).to_string())?;
+    }
+    if args.json {
+        println!("{}", to_json(&frozen, &method, &stop, args.start, &outcome)?);
+    } else {
+        print(&frozen, &method, &stop, &outcome);
+    }
+    Ok(())
+}
+
+fn read(path: &Path, args: &Args) -> Result<Frozen> {
+    if path.extension().is_none_or(|ending| ending != "toml") {
+        if let Some((key, _)) = args.case.overrides.first() {
+            bail!("--scene {key}: {} is a frozen problem, it has no scene", path.display());
+        }
+        if args.time_step.is_some() {
+            bail!("--time-step: {} is a frozen problem, it has no other time step", path.display());
+        }
+        return Ok(Frozen::read(path)?);
+    }
+    let case = Case::read(path, &args.case.overrides)?;
+    let time_step = args.time_step.as_ref().map_or(Ok(case.solve_at), |moment| time_step(&case, moment))?;
+    // The march before the problem is the same whichever method then solves it.
+    march_to(&mut March::new(&case, path)?, time_step, &Method::parse("cg", &[])?, &Stop::default())
+}
+
+fn to_json(frozen: &Frozen, method: &Method, stop: &Stop, start: Start, outcome: &Outcome) -> Result<Value> {
+    let mut object = json!({
+        "problem": frozen.name,
+        "problem_hash": content_hash(frozen),
+        "grains": frozen.problem.grain_count(),
+        "contacts": frozen.problem.contact_count(),
+        "method": method.name,
+        "settings": method.settings,
+        "start": if start == Start::Warm { "warm" } else { "cold" },
+        "stop": stop,
+        "status": outcome.status,
+        "iterations": outcome.iterations,
+    });
+    let measures = serde_json::to_value(outcome.measures)?;
+    if let (Value::Object(object), Value::Object(measures)) = (&mut object, measures) {
+        object.extend(measures);
+        object.insert("setup_s".to_owned(), outcome.setup.as_secs_f64().into());
+        object.insert("iterating_s".to_owned(), outcome.iterating.as_secs_f64().into());
+        object.insert("work".to_owned(), serde_json::to_value(outcome.work)?);
+    }
+    Ok(object)
+}
+
+fn print(frozen: &Frozen, method: &Method, stop: &Stop, outcome: &Outcome) {
+    let problem = &frozen.problem;
+    println!("{}: {} grains, {} contacts", frozen.name, problem.grain_count(), problem.contact_count());
+    println!("{} {}", method.name, Value::Object(method.settings.clone()));
+    let limit = format!("{} ≤ {:e}", stop.on, stop.tolerance);
+    println!("{} after {} iterations ({limit} asked)", outcome.status.name(), outcome.iterations);
+    println!("  set-up {:.3e} s, iterating {:.3e} s", outcome.setup.as_secs_f64(), outcome.iterating.as_secs_f64());
+    for measure in Measure::ALL {
+        let unit = if measure == Measure::PenetrationRate { " m/s" } else { "" };
+        println!("  {:<17}{:.3e}{unit}", measure.name(), outcome.measures.get(measure));
+    }
+    if let Some(contact) = outcome.measures.worst_contact {
+        println!("  {:<17}{contact}", "worst_contact");
+    }
+}

@@ -1,0 +1,219 @@
+//! Measures against iterations: ζ, the paper's indicator, on the left, and the natural map of the same runs.
+
+use std::collections::BTreeMap;
+
+use plotters::style::text_anchor::{HPos, VPos};
+use results::store::Tables;
+
+use crate::ReportError;
+use crate::axis::{Frame, LogAxis};
+use crate::canvas::{Canvas, Place, svg};
+use crate::curve::{LogPoint, height_at, log_point, range, visible};
+use crate::legend::{Ending, Legend, Looks};
+use crate::number::{counted, number, round_up};
+use crate::rows::{Point, RunRow, curves, runs};
+use crate::style::{LEADING, MARGIN, PAGE, PAGE_HEIGHT, TEXT, TICK_TEXT, TOLERANCE};
+
+/// Left of a panel for the labels of its ticks, and right of it for the tolerance (mm).
+const LEFT: f64 = 11.0;
+const RIGHT: f64 = 9.0;
+/// Above a panel for its titles, and below it for the labels and the name of its iterations (mm).
+const ABOVE: f64 = 2.0 * LEADING + 0.8;
+const BELOW: f64 = 9.0;
+/// Height of a panel alone, and bounds of it in a stack (mm).
+const ALONE: f64 = 66.0;
+const LEAST: f64 = 32.0;
+const GREATEST: f64 = 54.0;
+
+/// A column of panels.
+struct Measure {
+    /// Name in the tables.
+    name: &'static str,
+    title: &'static str,
+    of: fn(&Point) -> Option<f64>,
+}
+
+const MEASURES: [Measure; 2] = [
+    Measure { name: "zeta", title: "ζ, relative size of the last step (–)", of: |point| point.zeta },
+    Measure {
+        name: "natural_map",
+        title: "natural map, distance to a solution (–)",
+        of: |point| point.natural_map,
+    },
+];
+
+/// What all panels of a study share.
+struct Study<'t> {
+    runs: &'t [RunRow],
+    curves: BTreeMap<u32, Vec<Point>>,
+    looks: Looks<'t>,
+}
+
+/// `convergence-<problem>` for each problem, and `convergence` with all of them if a page holds that many.
+pub(crate) fn figures(tables: &Tables) -> Result<Vec<(String, String)>, ReportError> {
+    let runs = runs(&tables.runs)?;
+    let study = Study { runs: &runs, curves: curves(&tables.curves)?, looks: Looks::new(&runs) };
+    let mut problems: Vec<&str> = Vec::new();
+    for run in &runs {
+        if !problems.contains(&run.problem.as_str()) {
+            problems.push(&run.problem);
+        }
+    }
+    let mut figures = Vec::new();
+    for &problem in &problems {
+        let name = format!("convergence-{}", crate::file_name(problem));
+        figures.push((name, study.figure(&[problem], ALONE)?));
+    }
+    let legend = study.legend(&problems)?.height() + 2.0 * MARGIN;
+    let panel = (PAGE_HEIGHT - legend) / problems.len().max(1) as f64 - ABOVE - BELOW;
+    if panel >= LEAST {
+        figures.push(("convergence".to_owned(), study.figure(&problems, panel.min(GREATEST))?));
+    }
+    Ok(figures)
+}
+
+impl Study<'_> {
+    /// One row of panels per problem, with one legend below.
+    fn figure(&self, problems: &[&str], panel: f64) -> Result<String, ReportError> {
+        let legend = self.legend(problems)?;
+        let rows = problems.len().max(1) as f64 * (ABOVE + panel + BELOW);
+        let height = (2.0 * MARGIN + rows + legend.height()).ceil();
+        svg((PAGE, height), |canvas| {
+            if problems.is_empty() {
+                let middle = (PAGE / 2.0, MARGIN + rows / 2.0);
+                canvas.text("no run in this study", middle, TEXT, (HPos::Center, VPos::Center))?;
+            }
+            for (i, problem) in problems.iter().enumerate() {
+                let top = MARGIN + i as f64 * (ABOVE + panel + BELOW);
+                self.draw_problem(canvas, problem, (top + ABOVE, top + ABOVE + panel))?;
+            }
+            legend.draw(canvas, (MARGIN + LEFT, MARGIN + rows))
+        })
+    }
+
+    fn runs_of(&self, problem: &str) -> Vec<&RunRow> {
+        let mut runs: Vec<&RunRow> = self.runs.iter().filter(|run| run.problem == problem).collect();
+        runs.sort_by_key(|run| self.looks.rank(run));
+        runs
+    }
+
+    /// One entry per kind of run.
+    fn legend(&self, problems: &[&str]) -> Result<Legend, ReportError> {
+        let mut shown: BTreeMap<(usize, usize), &RunRow> = BTreeMap::new();
+        for run in problems.iter().flat_map(|problem| self.runs_of(problem)) {
+            shown.entry(self.looks.rank(run)).or_insert(run);
+        }
+        let entries = shown.values().map(|run| (self.looks.label(run), self.looks.look(run))).collect();
+        Legend::new(entries, PAGE - 2.0 * MARGIN - LEFT)
+    }
+
+    fn draw_problem(
+        &self,
+        canvas: &Canvas,
+        problem: &str,
+        (top, bottom): (f64, f64),
+    ) -> Result<(), ReportError> {
+        let runs = self.runs_of(problem);
+        let left = MARGIN + LEFT;
+        canvas.text(&title(problem, &runs), (left, top - ABOVE), TEXT, (HPos::Left, VPos::Top))?;
+        let last = runs.iter().filter_map(|run| self.curve(run).last()).map(|point| point.iteration).max();
+        let most = round_up(last.unwrap_or(1).max(10) as f64).log10();
+        let pitch = (PAGE - 2.0 * MARGIN) / MEASURES.len() as f64;
+        for (i, measure) in MEASURES.iter().enumerate() {
+            let from = left + pitch * i as f64;
+            let x = LogAxis { low: 0.0, high: most, from, to: from + pitch - LEFT - RIGHT };
+            self.draw_panel(canvas, measure, &runs, x, (top, bottom))?;
+        }
+        Ok(())
+    }
+
+    fn curve(&self, run: &RunRow) -> &[Point] {
+        self.curves.get(&run.run).map_or(&[], Vec::as_slice)
+    }
+
+    fn draw_panel(
+        &self,
+        canvas: &Canvas,
+        measure: &Measure,
+        runs: &[&RunRow],
+        x: LogAxis,
+        (top, bottom): (f64, f64),
+    ) -> Result<(), ReportError> {
+        let logs = |run: &&RunRow| -> (bool, Vec<LogPoint>) {
+            let points = self.curve(run).iter().filter_map(|p| log_point(p.iteration, (measure.of)(p)));
+            (Ending::of(&run.status) != Ending::Failed, points.collect())
+        };
+        let lines: Vec<_> = runs.iter().map(logs).collect();
+        let tolerances = tolerances(runs, measure.name);
+        let (low, high) = range(&lines, &tolerances);
+        let frame = Frame { x, y: LogAxis { low, high, from: bottom, to: top } };
+        frame.draw(canvas)?;
+        canvas.text(measure.title, (frame.x.from, top - 0.8), TEXT, (HPos::Left, VPos::Bottom))?;
+        let below = (f64::midpoint(frame.x.from, frame.x.to), bottom + 0.8 + LEADING);
+        canvas.text("iterations", below, TEXT, (HPos::Center, VPos::Top))?;
+        for tolerance in tolerances {
+            draw_tolerance(canvas, &frame, tolerance)?;
+        }
+        let mut drawn = 0;
+        for (i, (run, (_, line))) in runs.iter().zip(&lines).enumerate() {
+            let pieces = visible(line, (low, high));
+            drawn += pieces.len();
+            self.draw_line(canvas, &frame, run, &pieces, i as f64 / runs.len() as f64)?;
+        }
+        if drawn == 0 {
+            let middle = (f64::midpoint(frame.x.from, frame.x.to), f64::midpoint(top, bottom));
+            canvas.text("no value in this range", middle, TEXT, (HPos::Center, VPos::Center))?;
+        }
+        Ok(())
+    }
+
+    /// A line, signs of its method along it at a phase of its own, and how the run ended.
+    fn draw_line(
+        &self,
+        canvas: &Canvas,
+        frame: &Frame,
+        run: &RunRow,
+        pieces: &[Vec<(f64, f64)>],
+        phase: f64,
+    ) -> Result<(), ReportError> {
+        const MARKS: usize = 3;
+        let look = self.looks.look(run);
+        for piece in pieces {
+            let places: Vec<Place> = piece.iter().map(|&point| frame.place(point)).collect();
+            canvas.line(&places, look.pen)?;
+        }
+        for k in 0..MARKS {
+            let x = frame.x.low + (k as f64 + phase) / MARKS as f64 * (frame.x.high - frame.x.low);
+            if let Some(y) = height_at(pieces, x) {
+                canvas.mark(look.mark, frame.place((x, y)), look.pen)?;
+            }
+        }
+        match pieces.last().and_then(|piece| piece.last()) {
+            Some(&end) => Ending::of(&run.status).draw(canvas, frame.place(end), look.pen.color),
+            None => Ok(()),
+        }
+    }
+}
+
+fn draw_tolerance(canvas: &Canvas, frame: &Frame, tolerance: f64) -> Result<(), ReportError> {
+    let y = frame.y.place(tolerance.log10());
+    canvas.line(&[(frame.x.from, y), (frame.x.to, y)], TOLERANCE)?;
+    canvas.text(&number(tolerance, 2), (frame.x.to + 0.9, y), TICK_TEXT, (HPos::Left, VPos::Center))
+}
+
+/// The tolerances at which a measure stops some of the runs.
+fn tolerances(runs: &[&RunRow], measure: &str) -> Vec<f64> {
+    let asked = runs.iter().filter(|run| run.stop_on == measure).filter_map(|run| run.tolerance);
+    let mut tolerances: Vec<f64> = asked.filter(|t| t.is_finite() && *t > 0.0).collect();
+    tolerances.sort_by(f64::total_cmp);
+    tolerances.dedup();
+    tolerances
+}
+
+/// The problem, its size, and how many runs were made on it.
+fn title(problem: &str, runs: &[&RunRow]) -> String {
+    let size = runs.first().map_or_else(String::new, |run| {
+        format!(": {}, {}", counted(run.grains as usize, "grain"), counted(run.contacts as usize, "contact"))
+    });
+    format!("{problem}{size}, {}", counted(runs.len(), "run"))
+}

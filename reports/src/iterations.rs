@@ -1,0 +1,73 @@
+//! The table of iterations and work: one row per run, as a table and as text.
+
+use polars::prelude::{AnyValue, DataFrame};
+use results::store::Tables;
+
+use crate::ReportError;
+use crate::number::number;
+
+/// What is told of each run.
+const COLUMNS: [&str; 14] = [
+    "problem",
+    "method",
+    "variant",
+    "subdomains",
+    "status",
+    "iterations_to_zeta_1e_3",
+    "iterations_to_zeta_1e_4",
+    "iterations_to_natural_map_1e_2",
+    "iterations_to_natural_map_1e_4",
+    "iterations",
+    "contact_updates",
+    "delassus_products",
+    "setup_s",
+    "iterating_s",
+];
+
+/// Iterations to each accuracy, counted work and seconds, one row per run in the order of the study.
+///
+/// # Errors
+///
+/// If the table of runs lacks a column.
+pub fn iterations(tables: &Tables) -> Result<DataFrame, ReportError> {
+    Ok(tables.runs.select(COLUMNS)?)
+}
+
+/// A table as Markdown that also reads well on a terminal: numbers to the right, a dash where there is none.
+///
+/// # Errors
+///
+/// Those of polars.
+pub fn to_markdown(table: &DataFrame) -> Result<String, ReportError> {
+    let mut lines = vec![String::from("|"); table.height() + 2];
+    for column in table.columns() {
+        let numeric = column.dtype().is_primitive_numeric();
+        let mut cells = vec![column.name().to_string()];
+        for row in 0..table.height() {
+            cells.push(cell(&column.get(row)?));
+        }
+        let width = cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0).max(3);
+        let rule = if numeric { format!("{:->width$}", ":") } else { "-".repeat(width) };
+        let pad =
+            |cell: &String| if numeric { format!(" {cell:>width$} |") } else { format!(" {cell:<width$} |") };
+        lines[0] += &pad(&cells[0]);
+        lines[1].extend([" ", rule.as_str(), " |"]);
+        for (line, cell) in lines[2..].iter_mut().zip(&cells[1..]) {
+            *line += &pad(cell);
+        }
+    }
+    let mut text = lines.join("\n") + "\n";
+    if table.height() == 0 {
+        text += "\nno run in this study\n";
+    }
+    Ok(text)
+}
+
+fn cell(value: &AnyValue) -> String {
+    match value {
+        AnyValue::Null => "–".to_owned(),
+        AnyValue::Float64(x) => number(*x, 3),
+        AnyValue::String(text) => text.replace('|', "\\|").replace('\n', " "),
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,90 @@
+//! Sizes, colours, dashes and marks of all figures, in one place. Lengths are millimetres on paper, text is in points.
+
+use plotters::style::RGBColor;
+
+/// Width of a column of a journal.
+pub(crate) const COLUMN: f64 = 90.0;
+/// Width of a journal's page.
+pub(crate) const PAGE: f64 = 190.0;
+/// Greatest height that leaves room for a caption below.
+pub(crate) const PAGE_HEIGHT: f64 = 235.0;
+/// Text, never smaller than 7 pt in print.
+pub(crate) const TEXT: f64 = 7.5;
+/// Numbers at ticks.
+pub(crate) const TICK_TEXT: f64 = 7.0;
+/// From a line of text to the next.
+pub(crate) const LEADING: f64 = 3.9;
+/// White at the edges of a figure.
+pub(crate) const MARGIN: f64 = 1.5;
+
+pub(crate) const BLACK: RGBColor = RGBColor(0, 0, 0);
+pub(crate) const WHITE: RGBColor = RGBColor(255, 255, 255);
+const GRID_GREY: RGBColor = RGBColor(222, 222, 222);
+const TOLERANCE_GREY: RGBColor = RGBColor(90, 90, 90);
+const OUTLINE_GREY: RGBColor = RGBColor(140, 140, 140);
+/// Fill of a grain without contact.
+pub(crate) const IDLE: RGBColor = RGBColor(245, 245, 245);
+
+/// How a line is drawn.
+#[derive(Clone, Copy)]
+pub(crate) struct Pen {
+    pub(crate) color: RGBColor,
+    pub(crate) width: f64,
+    /// Lengths drawn and left out in turn; empty for a solid line.
+    pub(crate) dash: &'static [f64],
+}
+
+impl Pen {
+    const fn solid(color: RGBColor, width: f64) -> Self {
+        Self { color, width, dash: &[] }
+    }
+}
+
+pub(crate) const FRAME: Pen = Pen::solid(BLACK, 0.18);
+pub(crate) const GRID: Pen = Pen::solid(GRID_GREY, 0.1);
+pub(crate) const TOLERANCE: Pen = Pen { color: TOLERANCE_GREY, width: 0.16, dash: &[1.2, 0.8] };
+/// Outline of a grain with contacts in one subdomain, and of a boundary grain.
+pub(crate) const GRAIN: Pen = Pen::solid(OUTLINE_GREY, 0.06);
+pub(crate) const BOUNDARY_GRAIN: Pen = Pen::solid(BLACK, 0.24);
+pub(crate) const WALL: Pen = Pen::solid(BLACK, 0.5);
+pub(crate) const SCALE_BAR: Pen = Pen::solid(BLACK, 0.4);
+/// Line of a contact, to be given a width in proportion to its impulse.
+pub(crate) const CHAIN: RGBColor = RGBColor(45, 20, 20);
+
+/// A small sign on a line: tells methods apart without colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Mark {
+    None,
+    Square,
+    Diamond,
+    Plus,
+    Bar,
+}
+
+/// How the curves of a method look; in the order in which the study names its methods. The colours are close to
+/// those of Okabe and Ito, told apart with any colour vision, and made to differ in lightness where they can. The first
+/// method is wide, since one that decomposes into one subdomain may lie exactly upon it.
+pub(crate) const METHODS: [(Pen, Mark); 6] = [
+    (Pen::solid(BLACK, 0.6), Mark::None),
+    (Pen::solid(RGBColor(230, 159, 0), 0.3), Mark::Square),
+    (Pen::solid(RGBColor(0, 96, 160), 0.3), Mark::Diamond),
+    (Pen::solid(RGBColor(213, 94, 0), 0.3), Mark::None),
+    (Pen::solid(RGBColor(0, 140, 100), 0.3), Mark::Plus),
+    (Pen::solid(RGBColor(190, 100, 160), 0.3), Mark::Bar),
+];
+
+/// Dashes of the variants of a method, in the order of their subdomains.
+pub(crate) const DASHES: [&[f64]; 6] =
+    [&[], &[2.6, 0.8], &[1.1, 0.7], &[2.6, 0.7, 0.5, 0.7], &[0.4, 0.5], &[2.6, 0.6, 0.4, 0.6, 0.4, 0.6]];
+
+/// Fills of subdomains, soft enough for a dark line above, neighbours in the list apart in lightness.
+pub(crate) const SUBDOMAINS: [RGBColor; 8] = [
+    RGBColor(251, 231, 198),
+    RGBColor(127, 191, 224),
+    RGBColor(181, 222, 155),
+    RGBColor(204, 143, 181),
+    RGBColor(229, 161, 90),
+    RGBColor(201, 228, 242),
+    RGBColor(109, 165, 140),
+    RGBColor(227, 191, 214),
+];

@@ -1,0 +1,198 @@
+//! The reports of small studies: what they show, and that nothing in the tables stops them.
+
+use std::fs;
+
+use polars::prelude::DataFrame;
+use results::schema::{Run, Sample};
+use results::store::Tables;
+use results::tables::{contacts_table, grains_table};
+use tempfile::TempDir;
+
+use crate::fixture::{decay, explosion, run, sample, scene, tables};
+use crate::{ReportError, convergence, iterations, paper, sample as sample_figure, to_markdown};
+
+fn figures(tables: &Tables) -> Vec<(String, String)> {
+    let mut figures = convergence::figures(tables).unwrap();
+    figures.extend(sample_figure::figures(tables).unwrap());
+    for (name, svg) in &figures {
+        assert_well_formed(name, svg);
+    }
+    figures
+}
+
+/// Elements are closed in order, and no number is NaN or infinite.
+fn assert_well_formed(name: &str, svg: &str) {
+    let mut open = Vec::new();
+    for tag in svg.split('<').skip(1) {
+        let (tag, _) = tag.split_once('>').expect("every tag ends");
+        let word = tag.trim_start_matches('/').split([' ', '/']).next().unwrap();
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(word), "{name}");
+        } else if !tag.ends_with('/') {
+            open.push(word);
+        }
+        assert_eq!(tag.matches('"').count() % 2, 0, "{name}: {tag}");
+        assert!(!tag.contains("NaN") && !tag.contains("inf"), "{name}: {tag}");
+    }
+    assert!(open.is_empty(), "{name}: {open:?}");
+}
+
+fn study() -> Tables {
+    let runs = [
+        run(0, "nsgs", "", "converged"),
+        Run { subdomains: 8, ..run(1, "nsgs-dd", "4x2", "iteration-limit") },
+        Run { subdomains: 2, ..run(2, "nsgs-dd", "2x1", "converged") },
+        run(3, "cg", "", "diverged"),
+    ];
+    tables(&runs, &[(0, decay()), (1, decay()), (2, decay()), (3, explosion())])
+}
+
+#[test]
+fn study_without_runs_says_so() {
+    let empty = tables(&[], &[]);
+    let figures = figures(&empty);
+    assert_eq!(figures.len(), 1);
+    assert!(figures[0].1.contains("no run in this study"));
+    assert!(to_markdown(&iterations(&empty).unwrap()).unwrap().contains("no run in this study"));
+}
+
+#[test]
+fn each_problem_has_a_figure_and_a_page_has_all() {
+    let runs =
+        [run(0, "nsgs", "", "converged"), Run { problem: "a b/c".into(), ..run(1, "nsgs", "", "converged") }];
+    let figures = figures(&tables(&runs, &[(0, decay())]));
+    let names: Vec<&str> = figures.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["convergence-column", "convergence-a-b-c", "convergence"]);
+    assert!(figures[1].1.contains("no value in this range"), "the second run has no curve");
+}
+
+#[test]
+fn more_problems_than_a_page_holds_are_not_squeezed() {
+    let many: Vec<Run> =
+        (0..9).map(|i| Run { problem: format!("problem {i}"), ..run(i, "nsgs", "", "converged") }).collect();
+    assert!(figures(&tables(&many, &[])).iter().all(|(name, _)| name != "convergence"));
+}
+
+#[test]
+fn runs_that_only_fail_are_drawn_until_they_leave_the_frame() {
+    let failed = tables(&[run(0, "jacobi", "", "diverged")], &[(0, explosion())]);
+    let svg = &figures(&failed)[0].1;
+    assert!(svg.contains("10¹") && !svg.contains("10³⁰"), "one decade above 1 shows that it grew");
+    assert!(!svg.contains("no value in this range"));
+}
+
+#[test]
+fn undefined_infinite_zero_and_negative_values_are_no_obstacle() {
+    let values = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -1.0, 1e300, 1e-300];
+    let curve: Vec<Sample> = (0..).zip(values).map(|(i, value)| sample(i, value, value)).collect();
+    let odd = Run { tolerance: f64::NAN, ..run(0, "nsgs", "", "converged") };
+    let none = Run { tolerance: 0.0, ..run(1, "cg", "", "converged") };
+    figures(&tables(&[odd, none], &[(0, curve), (1, vec![sample(0, f64::NAN, f64::NAN)])]));
+}
+
+#[test]
+fn legend_orders_variants_by_subdomains_and_shows_a_warm_start_only_beside_a_cold_one() {
+    let svg = &figures(&study())[0].1;
+    assert!(svg.find("nsgs-dd 2x1").unwrap() < svg.find("nsgs-dd 4x2").unwrap());
+    assert!(!svg.contains("warm start"));
+    let warm = Run { warm_start: true, ..run(1, "nsgs", "", "converged") };
+    let both = tables(&[run(0, "nsgs", "", "converged"), warm], &[]);
+    assert!(figures(&both)[0].1.contains("nsgs, warm start"));
+}
+
+#[test]
+fn tolerance_is_written_beside_the_measure_that_stops() {
+    let texts = |stop_on: &str| {
+        let asked = Run { stop_on: stop_on.into(), tolerance: 3e-5, ..run(0, "nsgs", "", "converged") };
+        figures(&tables(&[asked], &[(0, decay())]))[0].1.matches("3·10⁻⁵").count()
+    };
+    assert_eq!((texts("zeta"), texts("natural_map"), texts("quad_dv")), (1, 1, 0));
+}
+
+#[test]
+fn sample_shows_counts_scales_and_boundary_grains() {
+    let (grains, contacts) = scene(2.0);
+    let scene = Tables {
+        grains: grains_table(&grains).unwrap(),
+        contacts: contacts_table(&contacts).unwrap(),
+        ..tables(&[], &[])
+    };
+    let (name, svg) = figures(&scene).pop().unwrap();
+    assert_eq!(name, "sample-pair-2x1");
+    for text in [
+        "3\u{a0}grains,",
+        "3\u{a0}contacts,",
+        "2 of them",
+        "0.1 m",
+        "2.0 N·s",
+        "boundary grain",
+        "no contact",
+        "E0",
+        "E1",
+    ] {
+        assert!(svg.contains(text), "{text}");
+    }
+    // Three grains, two in the key, two that bear a name; each with an outline.
+    assert_eq!(svg.matches("<circle").count(), 2 * (3 + 2 + 2));
+}
+
+#[test]
+fn scene_without_impulses_or_without_grains_says_so() {
+    let (grains, contacts) = scene(f64::NAN);
+    let mut unknown = tables(&[], &[]);
+    unknown.grains = grains_table(&grains).unwrap();
+    unknown.contacts = contacts_table(&contacts).unwrap();
+    assert!(figures(&unknown).pop().unwrap().1.contains("No impulse is known."));
+    unknown.grains = grains_table(&[]).unwrap();
+    assert!(figures(&unknown).pop().unwrap().1.contains("0\u{a0}grains"));
+}
+
+#[test]
+fn same_tables_give_the_same_bytes_and_replace_the_files() {
+    let out = TempDir::new().unwrap();
+    let read = |paths: &[std::path::PathBuf]| paths.iter().map(|p| fs::read(p).unwrap()).collect::<Vec<_>>();
+    let first = paper(&study(), out.path()).unwrap();
+    let bytes = read(&first);
+    fs::write(&first[0], "old").unwrap();
+    let second = paper(&study(), out.path()).unwrap();
+    assert_eq!(first, second);
+    assert_eq!(bytes, read(&second));
+    assert_eq!(fs::read_dir(out.path()).unwrap().count(), first.len(), "no draft is left");
+}
+
+#[test]
+fn table_reads_off_what_the_rows_say() {
+    let table = iterations(&study()).unwrap();
+    let number = |table: &DataFrame, column: &str, row| table.column(column).unwrap().u64().unwrap().get(row);
+    assert_eq!(number(&table, "iterations_to_zeta_1e_3", 0), Some(31));
+    assert_eq!(number(&table, "iterations_to_zeta_1e_4", 0), None);
+    assert_eq!(number(&table, "iterations_to_natural_map_1e_2", 2), Some(47));
+    assert_eq!(number(&table, "contact_updates", 3), Some(4000));
+    let text = to_markdown(&table).unwrap();
+    let row: Vec<&str> = text.lines().nth(3).unwrap().split('|').map(str::trim).collect();
+    let expected = [
+        "",
+        "column",
+        "nsgs-dd",
+        "4x2",
+        "8",
+        "iteration-limit",
+        "31",
+        "–",
+        "47",
+        "100",
+        "100",
+        "4000",
+        "200",
+    ];
+    assert_eq!(row[..13], expected);
+    assert_eq!(row[13..], ["10⁻⁵", "0.0123", ""]);
+}
+
+#[test]
+fn table_without_a_column_is_an_error_that_names_it() {
+    let mut broken = study();
+    broken.curves = broken.curves.drop("natural_map").unwrap();
+    let error = convergence::figures(&broken).unwrap_err();
+    assert!(matches!(error, ReportError::Table(_)) && error.to_string().contains("natural_map"));
+}

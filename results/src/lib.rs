@@ -1,0 +1,6 @@
+//! What was measured: the schema of the tables, how they are stored, where they come from.
+
+pub mod provenance;
+pub mod schema;
+pub mod store;
+pub mod tables;

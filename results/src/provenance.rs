@@ -1,0 +1,90 @@
+//! Where a row comes from: build, machine, time.
+
+use jiff::Timestamp;
+use sysinfo::{CpuRefreshKind, RefreshKind, System};
+use thiserror::Error;
+
+use crate::schema::Provenance;
+
+/// Why a provenance is not accepted.
+#[derive(Debug, Error)]
+pub enum ProvenanceError {
+    /// A field is empty: the row could not be traced.
+    #[error("provenance: `{0}` is unknown, and a run without it is not stored")]
+    Unknown(&'static str),
+    /// The operating system does not describe the machine.
+    #[error("provenance: the processor cannot be read: {0}")]
+    System(String),
+}
+
+impl Provenance {
+    /// Describes this build, on this machine, now.
+    ///
+    /// # Errors
+    ///
+    /// If any field would be empty, or no thread is named.
+    pub fn gather(commit: &str, rustc: &str, threads: u32) -> Result<Self, ProvenanceError> {
+        let provenance = Self {
+            commit: commit.trim().to_owned(),
+            processor: processor()?,
+            threads,
+            rustc: rustc.trim().to_owned(),
+            started_utc: Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),
+        };
+        provenance.check()?;
+        Ok(provenance)
+    }
+
+    /// Refuses what could not be traced.
+    ///
+    /// # Errors
+    ///
+    /// If a field is empty, or no thread is named.
+    pub fn check(&self) -> Result<(), ProvenanceError> {
+        let texts = [
+            ("commit", &self.commit),
+            ("processor", &self.processor),
+            ("rustc", &self.rustc),
+            ("started_utc", &self.started_utc),
+        ];
+        match texts.into_iter().find(|(_, text)| text.trim().is_empty()) {
+            Some((name, _)) => Err(ProvenanceError::Unknown(name)),
+            None if self.threads == 0 => Err(ProvenanceError::Unknown("threads")),
+            None => Ok(()),
+        }
+    }
+}
+
+fn processor() -> Result<String, ProvenanceError> {
+    let wanted = RefreshKind::nothing().with_cpu(CpuRefreshKind::nothing());
+    let system = System::new_with_specifics(wanted).map_err(|e| ProvenanceError::System(format!("{e:?}")))?;
+    Ok(system.cpus().first().map(|cpu| cpu.brand().trim().to_owned()).unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schema::fixture::run;
+
+    #[test]
+    fn empty_commit_compiler_or_no_thread_is_refused() {
+        assert!(matches!(Provenance::gather(" ", "1.95.0", 1), Err(ProvenanceError::Unknown("commit"))));
+        assert!(matches!(Provenance::gather("0123abc", "", 1), Err(ProvenanceError::Unknown("rustc"))));
+        assert!(matches!(
+            Provenance::gather("0123abc", "1.95.0", 0),
+            Err(ProvenanceError::Unknown("threads"))
+        ));
+    }
+
+    #[test]
+    fn empty_processor_is_refused() {
+        let provenance = Provenance { processor: String::new(), ..run(0).provenance };
+        assert!(matches!(provenance.check(), Err(ProvenanceError::Unknown("processor"))));
+    }
+
+    #[test]
+    fn time_is_an_rfc_3339_instant() {
+        let provenance = Provenance::gather("0123abc", "1.95.0", 2).unwrap();
+        assert!(provenance.started_utc.parse::<Timestamp>().is_ok());
+    }
+}

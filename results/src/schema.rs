@@ -1,0 +1,204 @@
+//! The tables, one struct per row: every column's name ends in its unit, unless it has none.
+
+use serde::{Deserialize, Serialize};
+
+/// One run: a method with its parameters on a problem, stopped by a rule; where it ended and what it cost.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// Joins a run to its curve; unique within a table.
+    pub run: u32,
+    /// Name of the plan that asked for the run.
+    pub plan: String,
+    /// Name of the contact problem.
+    pub problem: String,
+    /// Hash of the problem's content.
+    pub problem_hash: String,
+    /// Number of grains.
+    pub grains: u32,
+    /// Number of contacts.
+    pub contacts: u32,
+    /// Name of the method.
+    pub method: String,
+    /// All its parameters as JSON, defaults spelled out.
+    pub settings: String,
+    /// The settings in which the runs of this method in this plan differ, such as `4x2`; empty if they are alone.
+    pub variant: String,
+    /// Number of subdomains; 1 for a method that does not decompose.
+    pub subdomains: u32,
+    /// Whether the run began from the impulses of the previous time step.
+    pub warm_start: bool,
+    /// The measure that was asked to stop the run.
+    pub stop_on: String,
+    /// Value of that measure at which the run was to stop.
+    pub tolerance: f64,
+    /// Greatest number of iterations allowed.
+    pub max_iterations: u64,
+    /// `converged`, `iteration-limit` or `diverged`.
+    pub status: String,
+    /// Iterations made.
+    pub iterations: u64,
+    /// Time in `start`: layout, partition, factorisation (s).
+    pub setup_s: f64,
+    /// Time in `advance`, measures excluded (s).
+    pub iterating_s: f64,
+    /// First iteration with ζ ≤ 1e-3, if any.
+    pub iterations_to_zeta_1e_3: Option<u64>,
+    /// First iteration with ζ ≤ 1e-4, if any.
+    pub iterations_to_zeta_1e_4: Option<u64>,
+    /// First iteration with `natural_map` ≤ 1e-2, if any.
+    pub iterations_to_natural_map_1e_2: Option<u64>,
+    /// First iteration with `natural_map` ≤ 1e-4, if any.
+    pub iterations_to_natural_map_1e_4: Option<u64>,
+    /// The last sample of the curve.
+    pub end: Sample,
+    /// Where the run comes from.
+    pub provenance: Provenance,
+}
+
+/// One point of a run's curve. NaN where a measure is undefined.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Iterations made.
+    pub iteration: u64,
+    /// Time in `advance` so far (s).
+    pub iterating_s: f64,
+    /// The paper's indicator ζ: relative size of the last step (–).
+    pub zeta: f64,
+    /// Distance to a solution in the natural map (–).
+    pub natural_map: f64,
+    /// Greatest approach velocity left at a contact (m/s).
+    pub penetration_rate_m_per_s: f64,
+    /// LMGC90's quadratic norm (–).
+    pub quad_dv: f64,
+    /// LMGC90's maximum norm (–).
+    pub max_dv: f64,
+    /// Greatest disagreement of a copy with its grain before gluing (m/s).
+    pub velocity_jump_m_per_s: f64,
+    /// q(r) = ½ rᵗ W r + bᵗ r (J).
+    pub energy_j: f64,
+    /// Contacts updated so far.
+    pub contact_updates: u64,
+    /// Products W p so far.
+    pub delassus_products: u64,
+    /// Velocity components sent to the interface so far.
+    pub interface_values: u64,
+}
+
+/// Where a row comes from. A run without it is not stored.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Commit of the build; ends in `-modified` if the tree was.
+    pub commit: String,
+    /// The processor's own name.
+    pub processor: String,
+    /// Threads that the run could use.
+    pub threads: u32,
+    /// Version of the compiler.
+    pub rustc: String,
+    /// When the study began (UTC, RFC 3339).
+    pub started_utc: String,
+}
+
+/// One grain of a problem under one partition.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GrainRow {
+    /// Name of the contact problem.
+    pub problem: String,
+    /// The partition, such as `4x2`.
+    pub partition: String,
+    /// Index of the grain.
+    pub grain: u32,
+    /// Centre (m).
+    pub x_m: f64,
+    /// Centre (m).
+    pub y_m: f64,
+    /// Radius (m).
+    pub radius_m: f64,
+    /// The subdomain that holds most of the grain's contacts; `None` for a grain without contact.
+    pub subdomain: Option<u32>,
+    /// Number of subdomains in which the grain has contacts: a boundary grain has more than 1.
+    pub multiplicity: u32,
+}
+
+/// One contact of a problem under one partition, as a segment between the two sides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactRow {
+    /// Name of the contact problem.
+    pub problem: String,
+    /// The partition, such as `4x2`.
+    pub partition: String,
+    /// Index of the contact.
+    pub contact: u32,
+    /// Centre of the candidate (m).
+    pub x0_m: f64,
+    /// Centre of the candidate (m).
+    pub y0_m: f64,
+    /// Centre of the antagonist, or the point of the wall that is touched (m).
+    pub x1_m: f64,
+    /// Centre of the antagonist, or the point of the wall that is touched (m).
+    pub y1_m: f64,
+    /// Whether the antagonist is a wall.
+    pub wall: bool,
+    /// The subdomain of the contact.
+    pub subdomain: u32,
+    /// Impulse of the first converged run of the study on this problem (N·s).
+    pub impulse_n_s: f64,
+}
+
+/// Rows for the tests of this crate.
+#[cfg(test)]
+pub(crate) mod fixture {
+    use super::{Provenance, Run, Sample};
+
+    pub(crate) fn sample(iteration: u64) -> Sample {
+        Sample {
+            iteration,
+            iterating_s: 1e-4 * iteration as f64,
+            zeta: 0.5,
+            natural_map: 0.1,
+            penetration_rate_m_per_s: 0.01,
+            quad_dv: 0.02,
+            max_dv: 0.03,
+            velocity_jump_m_per_s: 0.0,
+            energy_j: -1.0,
+            contact_updates: 10 * iteration,
+            delassus_products: 0,
+            interface_values: 0,
+        }
+    }
+
+    pub(crate) fn run(run: u32) -> Run {
+        Run {
+            run,
+            plan: "paper".into(),
+            problem: "column".into(),
+            problem_hash: "c0ffee".into(),
+            grains: 10,
+            contacts: 10,
+            method: "nsgs".into(),
+            settings: "{\"sweeps\":1}".into(),
+            variant: String::new(),
+            subdomains: 1,
+            warm_start: false,
+            stop_on: "natural_map".into(),
+            tolerance: 1e-4,
+            max_iterations: 1000,
+            status: "converged".into(),
+            iterations: 7,
+            setup_s: 1e-5,
+            iterating_s: 7e-4,
+            iterations_to_zeta_1e_3: Some(5),
+            iterations_to_zeta_1e_4: None,
+            iterations_to_natural_map_1e_2: Some(3),
+            iterations_to_natural_map_1e_4: Some(7),
+            end: sample(7),
+            provenance: Provenance {
+                commit: "0123abc".into(),
+                processor: "a processor".into(),
+                threads: 1,
+                rustc: "1.95.0".into(),
+                started_utc: "2026-01-02T03:04:05Z".into(),
+            },
+        }
+    }
+}

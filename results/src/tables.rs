@@ -1,0 +1,183 @@
+//! From rows to tables: one column per field, named after it; an undefined (NaN) value is a null.
+
+use polars::df;
+use polars::prelude::{DataFrame, PolarsResult};
+
+use crate::schema::{ContactRow, GrainRow, Run, Sample};
+
+/// One row per run, flat: its own fields, the counts and measures of its last sample, its provenance.
+///
+/// # Errors
+///
+/// Those of polars.
+pub fn runs_table(runs: &[Run]) -> PolarsResult<DataFrame> {
+    let parts = [asked(runs)?, reached(runs)?, end(runs)?, provenance(runs)?];
+    let columns = parts.into_iter().flat_map(DataFrame::into_columns).collect();
+    DataFrame::new(runs.len(), columns)
+}
+
+/// What was asked: the problem, the method, the rule that stops the run.
+fn asked(runs: &[Run]) -> PolarsResult<DataFrame> {
+    df!(
+        "run" => column(runs, |r| r.run),
+        "plan" => column(runs, |r| r.plan.as_str()),
+        "problem" => column(runs, |r| r.problem.as_str()),
+        "problem_hash" => column(runs, |r| r.problem_hash.as_str()),
+        "grains" => column(runs, |r| r.grains),
+        "contacts" => column(runs, |r| r.contacts),
+        "method" => column(runs, |r| r.method.as_str()),
+        "settings" => column(runs, |r| r.settings.as_str()),
+        "variant" => column(runs, |r| r.variant.as_str()),
+        "subdomains" => column(runs, |r| r.subdomains),
+        "warm_start" => column(runs, |r| r.warm_start),
+        "stop_on" => column(runs, |r| r.stop_on.as_str()),
+        "tolerance" => column(runs, |r| defined(r.tolerance)),
+        "max_iterations" => column(runs, |r| r.max_iterations),
+    )
+}
+
+/// How the run ended and what it took.
+fn reached(runs: &[Run]) -> PolarsResult<DataFrame> {
+    df!(
+        "status" => column(runs, |r| r.status.as_str()),
+        "iterations" => column(runs, |r| r.iterations),
+        "setup_s" => column(runs, |r| defined(r.setup_s)),
+        "iterating_s" => column(runs, |r| defined(r.iterating_s)),
+        "iterations_to_zeta_1e_3" => column(runs, |r| r.iterations_to_zeta_1e_3),
+        "iterations_to_zeta_1e_4" => column(runs, |r| r.iterations_to_zeta_1e_4),
+        "iterations_to_natural_map_1e_2" => column(runs, |r| r.iterations_to_natural_map_1e_2),
+        "iterations_to_natural_map_1e_4" => column(runs, |r| r.iterations_to_natural_map_1e_4),
+    )
+}
+
+/// The last sample, without the iterations and the seconds that the run states itself.
+fn end(runs: &[Run]) -> PolarsResult<DataFrame> {
+    let samples: Vec<Sample> = runs.iter().map(|r| r.end).collect();
+    measures(&samples)
+}
+
+fn provenance(runs: &[Run]) -> PolarsResult<DataFrame> {
+    df!(
+        "commit" => column(runs, |r| r.provenance.commit.as_str()),
+        "processor" => column(runs, |r| r.provenance.processor.as_str()),
+        "threads" => column(runs, |r| r.provenance.threads),
+        "rustc" => column(runs, |r| r.provenance.rustc.as_str()),
+        "started_utc" => column(runs, |r| r.provenance.started_utc.as_str()),
+    )
+}
+
+fn measures(samples: &[Sample]) -> PolarsResult<DataFrame> {
+    df!(
+        "zeta" => column(samples, |s| defined(s.zeta)),
+        "natural_map" => column(samples, |s| defined(s.natural_map)),
+        "penetration_rate_m_per_s" => column(samples, |s| defined(s.penetration_rate_m_per_s)),
+        "quad_dv" => column(samples, |s| defined(s.quad_dv)),
+        "max_dv" => column(samples, |s| defined(s.max_dv)),
+        "velocity_jump_m_per_s" => column(samples, |s| defined(s.velocity_jump_m_per_s)),
+        "energy_j" => column(samples, |s| defined(s.energy_j)),
+        "contact_updates" => column(samples, |s| s.contact_updates),
+        "delassus_products" => column(samples, |s| s.delassus_products),
+        "interface_values" => column(samples, |s| s.interface_values),
+    )
+}
+
+/// The curves of the runs, one below the other: `run`, then the fields of [`Sample`].
+///
+/// # Errors
+///
+/// Those of polars.
+pub fn curves_table(curves: &[(u32, Vec<Sample>)]) -> PolarsResult<DataFrame> {
+    let runs: Vec<u32> = curves.iter().flat_map(|(run, curve)| vec![*run; curve.len()]).collect();
+    let samples: Vec<Sample> = curves.iter().flat_map(|(_, curve)| curve.iter().copied()).collect();
+    let progress = df!(
+        "run" => runs,
+        "iteration" => column(&samples, |s| s.iteration),
+        "iterating_s" => column(&samples, |s| defined(s.iterating_s)),
+    )?;
+    progress.hstack(measures(&samples)?.columns())
+}
+
+/// The grains, one row per grain, problem and partition.
+///
+/// # Errors
+///
+/// Those of polars.
+pub fn grains_table(rows: &[GrainRow]) -> PolarsResult<DataFrame> {
+    df!(
+        "problem" => column(rows, |g| g.problem.as_str()),
+        "partition" => column(rows, |g| g.partition.as_str()),
+        "grain" => column(rows, |g| g.grain),
+        "x_m" => column(rows, |g| defined(g.x_m)),
+        "y_m" => column(rows, |g| defined(g.y_m)),
+        "radius_m" => column(rows, |g| defined(g.radius_m)),
+        "subdomain" => column(rows, |g| g.subdomain),
+        "multiplicity" => column(rows, |g| g.multiplicity),
+    )
+}
+
+/// The contacts, one row per contact, problem and partition.
+///
+/// # Errors
+///
+/// Those of polars.
+pub fn contacts_table(rows: &[ContactRow]) -> PolarsResult<DataFrame> {
+    df!(
+        "problem" => column(rows, |c| c.problem.as_str()),
+        "partition" => column(rows, |c| c.partition.as_str()),
+        "contact" => column(rows, |c| c.contact),
+        "x0_m" => column(rows, |c| defined(c.x0_m)),
+        "y0_m" => column(rows, |c| defined(c.y0_m)),
+        "x1_m" => column(rows, |c| defined(c.x1_m)),
+        "y1_m" => column(rows, |c| defined(c.y1_m)),
+        "wall" => column(rows, |c| c.wall),
+        "subdomain" => column(rows, |c| c.subdomain),
+        "impulse_n_s" => column(rows, |c| defined(c.impulse_n_s)),
+    )
+}
+
+fn column<'a, Row, Value>(rows: &'a [Row], field: impl Fn(&'a Row) -> Value) -> Vec<Value> {
+    rows.iter().map(field).collect()
+}
+
+/// NaN means "undefined" in a row and would be taken for a number in a table.
+fn defined(value: f64) -> Option<f64> {
+    (!value.is_nan()).then_some(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schema::fixture::{run, sample};
+
+    #[test]
+    fn no_rows_give_tables_with_all_their_columns() {
+        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 37));
+        assert_eq!(curves_table(&[]).unwrap().shape(), (0, 13));
+        assert_eq!(curves_table(&[(4, Vec::new())]).unwrap().shape(), (0, 13));
+        assert_eq!(grains_table(&[]).unwrap().shape(), (0, 8));
+        assert_eq!(contacts_table(&[]).unwrap().shape(), (0, 10));
+    }
+
+    #[test]
+    fn undefined_measure_is_null_and_infinite_one_is_kept() {
+        let curve = vec![Sample { zeta: f64::NAN, natural_map: f64::INFINITY, ..sample(1) }];
+        let table = curves_table(&[(3, curve)]).unwrap();
+        assert_eq!(table.column("zeta").unwrap().f64().unwrap().get(0), None);
+        assert_eq!(table.column("natural_map").unwrap().f64().unwrap().get(0), Some(f64::INFINITY));
+    }
+
+    #[test]
+    fn run_ends_with_the_measures_of_its_last_sample() {
+        let end = Sample { natural_map: 0.25, contact_updates: 12, ..sample(7) };
+        let table = runs_table(&[Run { end, ..run(0) }]).unwrap();
+        assert_eq!(table.column("natural_map").unwrap().f64().unwrap().get(0), Some(0.25));
+        assert_eq!(table.column("contact_updates").unwrap().u64().unwrap().get(0), Some(12));
+    }
+
+    #[test]
+    fn each_sample_names_its_run() {
+        let table = curves_table(&[(5, vec![sample(1), sample(2)]), (6, vec![sample(1)])]).unwrap();
+        let runs: Vec<u32> = table.column("run").unwrap().u32().unwrap().into_no_null_iter().collect();
+        assert_eq!(runs, [5, 5, 6]);
+    }
+}

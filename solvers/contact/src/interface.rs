@@ -1,0 +1,95 @@
+//! What a method is: a value that holds its settings and starts on a problem; an iteration that advances.
+
+use crate::problem::ContactProblem;
+use serde::Serialize;
+use thiserror::Error;
+
+/// A method with its parameters, not yet bound to a problem. The value *is* the settings.
+pub trait Solver: Send + Sync {
+    /// Binds the method to a problem from the impulses `r0` (N·s, one per contact, ≥ 0).
+    ///
+    /// # Errors
+    /// Names the setting that has no meaning, alone or for this problem.
+    fn start<'p>(
+        &self,
+        problem: &'p ContactProblem,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError>;
+}
+
+/// One run of a method on one problem. Knows no tolerance, no clock, no file.
+pub trait Iteration {
+    /// One iteration of the method.
+    fn advance(&mut self);
+
+    /// Writes the impulses (N·s) in the problem's contact order.
+    fn impulses(&self, r: &mut [f64]);
+
+    /// Greatest |`V_E` − V̄| over the copies of the boundary grains before the last gluing (m/s); 0 without copies.
+    fn velocity_jump(&self) -> f64 {
+        0.0
+    }
+
+    /// Exact counts since `start`.
+    fn work(&self) -> Work;
+}
+
+/// Counted work: the same on any machine, with any number of threads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Work {
+    /// Contacts updated by the law.
+    pub contact_updates: u64,
+    /// Products W p.
+    pub delassus_products: u64,
+    /// Velocity components that copies sent to the interface.
+    pub interface_values: u64,
+}
+
+/// Why a method cannot start: the setting, its value, what would be accepted.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("`{key}` is {value}: it must be {expected}")]
+pub struct SetupError {
+    /// Name of the setting.
+    pub key: &'static str,
+    /// Its value.
+    pub value: String,
+    /// What would be accepted.
+    pub expected: String,
+}
+
+impl SetupError {
+    /// The error of a setting `key` whose `value` is not as `expected`.
+    pub fn new(key: &'static str, value: impl ToString, expected: impl Into<String>) -> Self {
+        Self { key, value: value.to_string(), expected: expected.into() }
+    }
+
+    /// Accepts a positive finite value.
+    ///
+    /// # Errors
+    /// Names `key` otherwise.
+    pub fn unless_positive(key: &'static str, value: f64) -> Result<(), Self> {
+        if value > 0.0 && value.is_finite() {
+            Ok(())
+        } else {
+            Err(Self::new(key, value, "positive and finite"))
+        }
+    }
+
+    /// Accepts a warm start with one admissible impulse per contact.
+    ///
+    /// # Errors
+    /// Names the first impulse that is not.
+    pub fn unless_admissible(problem: &ContactProblem, r0: &[f64]) -> Result<(), Self> {
+        if r0.len() != problem.contact_count() {
+            let expected = format!("of one impulse per contact, {} in all", problem.contact_count());
+            return Err(Self::new("start", format!("{} impulses", r0.len()), expected));
+        }
+        match r0.iter().position(|r| !(*r >= 0.0 && r.is_finite())) {
+            None => Ok(()),
+            Some(index) => {
+                let value = format!("{} at contact {index}", r0[index]);
+                Err(Self::new("start", value, "finite and not negative"))
+            }
+        }
+    }
+}

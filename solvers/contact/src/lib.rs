@@ -1,0 +1,15 @@
+//! The contact problem of one time step, eq. (1)-(2): data, law, measures, the interface of the methods, the only loop.
+//!
+//! Equation numbers are those of Iceta, Dureisseix, Alart, Giens 2009, hal-00413720. No method lives here.
+
+pub mod interface;
+pub mod law;
+pub mod measures;
+pub mod operators;
+pub mod problem;
+pub mod solve;
+
+pub use interface::{Iteration, SetupError, Solver, Work};
+pub use measures::{Measure, Measures, Meter};
+pub use problem::{Contact, ContactProblem, ProblemError};
+pub use solve::{Outcome, Progress, Status, Stop, solve};

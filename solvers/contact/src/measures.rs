@@ -1,0 +1,163 @@
+//! Measures of an iterate that need no reference solution, all recomputed from the impulses r alone.
+
+use crate::law;
+use crate::problem::ContactProblem;
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+/// A measure on which a run may be stopped: it falls to 0 at a solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measure {
+    /// ζ, the paper's indicator.
+    Zeta,
+    /// The residual of the natural map: the working measure.
+    NaturalMap,
+    /// The greatest approach velocity.
+    PenetrationRate,
+    /// LMGC90's quadratic norm.
+    QuadDv,
+    /// LMGC90's maximum norm.
+    MaxDv,
+}
+
+impl Measure {
+    /// Every measure, in the order in which it is listed.
+    pub const ALL: [Self; 5] =
+        [Self::Zeta, Self::NaturalMap, Self::PenetrationRate, Self::QuadDv, Self::MaxDv];
+
+    /// Name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Zeta => "zeta",
+            Self::NaturalMap => "natural_map",
+            Self::PenetrationRate => "penetration_rate",
+            Self::QuadDv => "quad_dv",
+            Self::MaxDv => "max_dv",
+        }
+    }
+}
+
+impl std::fmt::Display for Measure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// The measures of one iterate. NaN where one is undefined.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Measures {
+    /// ζ = √( |rᵢ − rᵢ₋₁|² / rᵢᵗ rᵢ₋₁ ) (–). It measures the last iteration, not the error; undefined from r = 0.
+    pub zeta: f64,
+    /// √( Σ `W_αα` (r − r⁺)² / Σ max(0, −b)²/`W_αα` ) with r⁺ = max(0, r − v/`W_αα`) (–): 0 exactly at a solution.
+    pub natural_map: f64,
+    /// `max_α` max(0, −`v_α`) (m/s).
+    pub penetration_rate: f64,
+    /// The contact at which `penetration_rate` is reached; `None` where no contact approaches.
+    pub worst_contact: Option<usize>,
+    /// LMGC90's `QuadDV` times its tolerance: √( Σ DV² / Σ ½(WR² + WR⁺²) ), with DV = `W_αα` (r⁺ − r), WR = `W_αα` r (–).
+    pub quad_dv: f64,
+    /// LMGC90's `MaxmDV` times its tolerance: max |DV| over the quadratic mean of WR on the contacts with r⁺ > 0 (–).
+    pub max_dv: f64,
+    /// Greatest disagreement of copies before gluing (m/s); 0 without copies.
+    pub velocity_jump: f64,
+    /// q(r) = ½ rᵗ W r + bᵗ r (J): what every impulse method decreases.
+    pub energy: f64,
+}
+
+impl Measures {
+    /// The value of one measure.
+    pub fn get(&self, measure: Measure) -> f64 {
+        match measure {
+            Measure::Zeta => self.zeta,
+            Measure::NaturalMap => self.natural_map,
+            Measure::PenetrationRate => self.penetration_rate,
+            Measure::QuadDv => self.quad_dv,
+            Measure::MaxDv => self.max_dv,
+        }
+    }
+}
+
+/// Measures the iterates of one run, one after the other.
+pub struct Meter<'p> {
+    problem: &'p ContactProblem,
+    b: Vec<f64>,
+    delassus_diagonal: Vec<f64>,
+    /// Σ max(0, −b)²/W_αα (J): the scale of the impulses' work, fixed by the problem.
+    scale: f64,
+    velocity: Vec<Vector2<f64>>,
+    v: Vec<f64>,
+    previous: Option<Vec<f64>>,
+}
+
+impl<'p> Meter<'p> {
+    /// Prepares what the measures of all iterates share.
+    pub fn new(problem: &'p ContactProblem) -> Self {
+        let b = problem.b();
+        let delassus_diagonal = problem.delassus_diagonal();
+        let scale = b.iter().zip(&delassus_diagonal).map(|(b, w)| law::non_negative(-b).powi(2) / w).sum();
+        Self {
+            problem,
+            v: vec![0.0; b.len()],
+            b,
+            delassus_diagonal,
+            scale,
+            velocity: vec![Vector2::zeros(); problem.grain_count()],
+            previous: None,
+        }
+    }
+
+    /// Σ max(0, −b)²/`W_αα` (J). It is 0 where no contact pushes: the solution is then r = 0.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// V = `V_free` + M⁻¹ H r of the iterate measured last (m/s).
+    pub fn velocity(&self) -> &[Vector2<f64>] {
+        &self.velocity
+    }
+
+    /// Measures the iterate `r`; ζ compares it with the iterate measured before.
+    pub fn measure(&mut self, r: &[f64], velocity_jump: f64) -> Measures {
+        self.problem.velocity(r, &mut self.velocity);
+        self.problem.relative_velocity(&self.velocity, &mut self.v);
+
+        let zeta = self.previous.as_deref().map_or(f64::NAN, |previous| zeta(r, previous));
+        self.previous.get_or_insert_default().clear();
+        self.previous.get_or_insert_default().extend_from_slice(r);
+
+        let mut natural_map = 0.0;
+        let (mut sum_dv, mut sum_wr, mut greatest_dv, mut active) = (0.0, 0.0, 0.0_f64, 0_u64);
+        let (mut penetration_rate, mut worst_contact) = (0.0, None);
+        for (contact, ((&r, &v), &w)) in r.iter().zip(&self.v).zip(&self.delassus_diagonal).enumerate() {
+            let r_plus = law::update(r, v, 1.0 / w, 1.0);
+            let dv = w * (r_plus - r);
+            natural_map += dv * dv / w;
+            sum_dv += dv * dv;
+            sum_wr += 0.5 * w * w * (r * r + r_plus * r_plus);
+            greatest_dv = greatest_dv.max(dv.abs());
+            active += u64::from(r_plus > 0.0);
+            if -v > penetration_rate {
+                (penetration_rate, worst_contact) = (-v, Some(contact));
+            }
+        }
+        let natural_map = if natural_map == 0.0 { 0.0 } else { (natural_map / self.scale).sqrt() };
+        Measures {
+            zeta,
+            natural_map,
+            penetration_rate,
+            worst_contact,
+            quad_dv: (sum_dv / sum_wr).sqrt(),
+            max_dv: greatest_dv / (sum_wr / active as f64).sqrt(),
+            velocity_jump,
+            energy: ContactProblem::energy(r, &self.v, &self.b),
+        }
+    }
+}
+
+/// ζ = √( |rᵢ − rᵢ₋₁|² / rᵢᵗ rᵢ₋₁ ); NaN unless rᵢᵗ rᵢ₋₁ > 0.
+fn zeta(r: &[f64], previous: &[f64]) -> f64 {
+    let step: f64 = r.iter().zip(previous).map(|(r, p)| (r - p) * (r - p)).sum();
+    let product: f64 = r.iter().zip(previous).map(|(r, p)| r * p).sum();
+    if product > 0.0 { (step / product).sqrt() } else { f64::NAN }
+}

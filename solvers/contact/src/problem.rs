@@ -1,0 +1,174 @@
+//! The contact problem of one time step as data, and what makes it valid.
+
+use nalgebra::Vector2;
+use thiserror::Error;
+
+/// One contact α. v_α = n · (V_candidate − V_antagonist) + c_α.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Index of the candidate grain.
+    pub candidate: u32,
+    /// Index of the antagonist grain; `None` for a wall, whose motion is in `offset`.
+    pub antagonist: Option<u32>,
+    /// Unit normal n, from antagonist to candidate (–).
+    pub normal: Vector2<f64>,
+    /// c_α: what the scene imposes: a wall's motion and the law's gap term (m/s).
+    pub offset: f64,
+}
+
+/// The contact problem of one time step: v − W r = b (1), 0 ≤ v ⊥ r ≥ 0 (2).
+///
+/// Every value was validated by [`ContactProblem::new`], so a method need not check any.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactProblem {
+    mass: Vec<f64>,
+    position: Vec<Vector2<f64>>,
+    free_velocity: Vec<Vector2<f64>>,
+    contacts: Vec<Contact>,
+}
+
+/// Why a contact problem makes no sense. Keys are those of the frozen problem file.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ProblemError {
+    /// A list has another length than the list that it belongs to.
+    #[error("`{key}` has {found} values where {expected} are expected")]
+    Length {
+        /// Key of the list.
+        key: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length of the list that it goes with.
+        expected: usize,
+    },
+    /// A value is outside what has a meaning.
+    #[error("`{key}[{index}]` is {value}: it must be {expected}")]
+    Value {
+        /// Key of the list.
+        key: &'static str,
+        /// Index in the list.
+        index: usize,
+        /// The value found.
+        value: String,
+        /// What would be accepted.
+        expected: String,
+    },
+}
+
+impl ContactProblem {
+    /// Checks and takes the data of a problem: `mass` (kg), `position` of the mass centres (m) and `free_velocity`
+    /// V⁻ + M⁻¹Rᵈ (m/s) have one value per grain.
+    ///
+    /// # Errors
+    /// Names the first item that has no meaning.
+    pub fn new(
+        mass: Vec<f64>,
+        position: Vec<Vector2<f64>>,
+        free_velocity: Vec<Vector2<f64>>,
+        contacts: Vec<Contact>,
+    ) -> Result<Self, ProblemError> {
+        let grains = mass.len();
+        for (key, found) in
+            [("grains.position", position.len()), ("grains.free_velocity", free_velocity.len())]
+        {
+            if found != grains {
+                return Err(ProblemError::Length { key, found, expected: grains });
+            }
+        }
+        check_each("grains.mass", &mass, "positive and finite", |m| *m > 0.0 && m.is_finite())?;
+        check_each("grains.position", &position, "finite", |x| finite(*x))?;
+        check_each("grains.free_velocity", &free_velocity, "finite", |v| finite(*v))?;
+        for (index, contact) in contacts.iter().enumerate() {
+            check_contact(contact, index, grains)?;
+        }
+        Ok(Self { mass, position, free_velocity, contacts })
+    }
+
+    /// Number of grains.
+    pub fn grain_count(&self) -> usize {
+        self.mass.len()
+    }
+
+    /// Number of contacts.
+    pub fn contact_count(&self) -> usize {
+        self.contacts.len()
+    }
+
+    /// M: one mass per grain (kg).
+    pub fn mass(&self) -> &[f64] {
+        &self.mass
+    }
+
+    /// Mass centres (m).
+    pub fn position(&self) -> &[Vector2<f64>] {
+        &self.position
+    }
+
+    /// `V_free` = V⁻ + M⁻¹Rᵈ, the velocity without contact impulses (m/s).
+    pub fn free_velocity(&self) -> &[Vector2<f64>] {
+        &self.free_velocity
+    }
+
+    /// The contacts, in the order in which impulses are given and taken everywhere.
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// Midpoint of the two mass centres; the grain's centre for a contact with a wall (§3) (m).
+    pub fn contact_position(&self, contact: &Contact) -> Vector2<f64> {
+        let candidate = self.position[contact.candidate as usize];
+        contact.antagonist.map_or(candidate, |j| 0.5 * (candidate + self.position[j as usize]))
+    }
+}
+
+fn finite(v: Vector2<f64>) -> bool {
+    v.x.is_finite() && v.y.is_finite()
+}
+
+fn check_each<T: std::fmt::Debug>(
+    key: &'static str,
+    values: &[T],
+    expected: &str,
+    valid: impl Fn(&T) -> bool,
+) -> Result<(), ProblemError> {
+    match values.iter().position(|value| !valid(value)) {
+        None => Ok(()),
+        Some(index) => {
+            let value = format!("{:?}", values[index]);
+            Err(ProblemError::Value { key, index, value, expected: expected.to_owned() })
+        }
+    }
+}
+
+fn check_contact(contact: &Contact, index: usize, grains: usize) -> Result<(), ProblemError> {
+    let wrong = |key, value: String, expected: String| ProblemError::Value { key, index, value, expected };
+    let Contact { candidate, antagonist, normal, offset } = *contact;
+    let grain_range = || format!("the index of one of {grains} grains");
+    if candidate as usize >= grains {
+        return Err(wrong("contacts.candidate", candidate.to_string(), grain_range()));
+    }
+    if let Some(j) = antagonist {
+        if j as usize >= grains {
+            return Err(wrong("contacts.antagonist", j.to_string(), grain_range()));
+        }
+        if j == candidate {
+            return Err(wrong(
+                "contacts.antagonist",
+                j.to_string(),
+                "another grain than the candidate".to_owned(),
+            ));
+        }
+    }
+    // The frozen files keep 16 digits: 1e-9 lets a normal of any careful code pass and stops a wrong one.
+    let length = normal.norm();
+    if !((length - 1.0).abs() <= 1e-9) {
+        return Err(wrong(
+            "contacts.normal",
+            format!("[{}, {}] of length {length}", normal.x, normal.y),
+            "of length 1 (to 1e-9)".to_owned(),
+        ));
+    }
+    if !offset.is_finite() {
+        return Err(wrong("contacts.offset", offset.to_string(), "finite".to_owned()));
+    }
+    Ok(())
+}

@@ -1,0 +1,145 @@
+//! The only iteration loop of the workspace: it advances, reads the impulses, measures, and decides when to stop.
+
+use crate::interface::{SetupError, Solver, Work};
+use crate::measures::{Measure, Measures, Meter};
+use crate::problem::ContactProblem;
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+use std::time::{Duration, Instant};
+
+/// Until when a method is advanced.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Stop {
+    /// The measure that decides.
+    pub on: Measure,
+    /// The run has converged when the measure is at most this.
+    pub tolerance: f64,
+    /// The run ends after this many iterations at the latest.
+    pub max_iterations: u64,
+}
+
+/// `natural_map` ≤ 1e-6, where velocities agree to about four digits on a packing of a thousand discs; and enough
+/// iterations for non-linear Gauss-Seidel to come there from rest.
+impl Default for Stop {
+    fn default() -> Self {
+        Self { on: Measure::NaturalMap, tolerance: 1e-6, max_iterations: 100_000 }
+    }
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// The asked measure is at most the tolerance.
+    Converged,
+    /// All iterations were made.
+    IterationLimit,
+    /// The iterate is not finite, or q(r) is far above q(0) = 0.
+    Diverged,
+}
+
+impl Status {
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::IterationLimit => "iteration-limit",
+            Self::Diverged => "diverged",
+        }
+    }
+}
+
+/// What an observer sees after every iteration, and once before the first.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// Iterations made.
+    pub iteration: u64,
+    /// Time spent in `advance` so far.
+    pub iterating: Duration,
+    /// Measures of the iterate.
+    pub measures: &'a Measures,
+    /// Counted work so far.
+    pub work: Work,
+}
+
+/// What came out of a run.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// How it ended.
+    pub status: Status,
+    /// Iterations made.
+    pub iterations: u64,
+    /// Measures of the last iterate.
+    pub measures: Measures,
+    /// r of the last iterate (N·s).
+    pub impulses: Vec<f64>,
+    /// V = `V_free` + M⁻¹ H r of the last iterate (m/s).
+    pub velocity: Vec<Vector2<f64>>,
+    /// Time in `start`.
+    pub setup: Duration,
+    /// Time in `advance`.
+    pub iterating: Duration,
+    /// Counted work.
+    pub work: Work,
+}
+
+/// q(r) above this many times the problem's own scale of energy is a divergence. Every method of the line-up that
+/// converges stays below its start or close to it; a diverging one grows geometrically and passes any bound.
+const ENERGY_BOUND: f64 = 1e6;
+
+/// Runs `solver` on `problem` from the impulses `r0` (N·s) until `stop`; `observe` sees every iterate.
+///
+/// The clock runs in `start` and `advance` only. Where no contact pushes (b ≥ 0), r = 0 solves the problem and
+/// the run has converged before its first iteration, whatever `r0`.
+///
+/// # Errors
+/// Names the setting, the stop rule or the start impulse that has no meaning.
+pub fn solve(
+    solver: &dyn Solver,
+    problem: &ContactProblem,
+    r0: &[f64],
+    stop: &Stop,
+    observe: &mut dyn FnMut(&Progress),
+) -> Result<Outcome, SetupError> {
+    SetupError::unless_admissible(problem, r0)?;
+    if !(stop.tolerance >= 0.0 && stop.tolerance.is_finite()) {
+        return Err(SetupError::new("tolerance", stop.tolerance, "finite and not negative"));
+    }
+    let clock = Instant::now();
+    let mut iteration = solver.start(problem, r0)?;
+    let setup = clock.elapsed();
+
+    let mut meter = Meter::new(problem);
+    let mut r = r0.to_vec();
+    if meter.scale() == 0.0 {
+        r.fill(0.0);
+    }
+    let mut measures = meter.measure(&r, 0.0);
+    let energy_bound = ENERGY_BOUND * f64::max(meter.scale(), measures.energy.abs());
+    let mut iterations = 0;
+    let mut iterating = Duration::ZERO;
+    let status = loop {
+        let work = iteration.work();
+        observe(&Progress { iteration: iterations, iterating, measures: &measures, work });
+        if meter.scale() == 0.0 || measures.get(stop.on) <= stop.tolerance {
+            break Status::Converged;
+        }
+        // Written so that a NaN counts as diverged.
+        if !(measures.energy <= energy_bound && measures.natural_map.is_finite()) {
+            break Status::Diverged;
+        }
+        if iterations == stop.max_iterations {
+            break Status::IterationLimit;
+        }
+        let clock = Instant::now();
+        iteration.advance();
+        iterating += clock.elapsed();
+        iterations += 1;
+        iteration.impulses(&mut r);
+        measures = meter.measure(&r, iteration.velocity_jump());
+    };
+    let work = iteration.work();
+    let velocity = meter.velocity().to_vec();
+    Ok(Outcome { status, iterations, measures, impulses: r, velocity, setup, iterating, work })
+}

@@ -1,0 +1,58 @@
+//! Which subdomains work at the same time, and how boundary grains move when masses are not split.
+
+use nalgebra::Vector2;
+use partition::Decomposition;
+
+/// Groups of subdomains that work at the same time.
+pub(crate) struct Colours {
+    pub(crate) of_subdomain: Vec<u32>,
+    pub(crate) count: u32,
+}
+
+impl Colours {
+    /// One group.
+    pub(crate) fn all_at_once(decomposition: &Decomposition) -> Self {
+        Self { of_subdomain: vec![0; decomposition.subdomains.len()], count: 1 }
+    }
+
+    /// Each subdomain, in order, takes the least colour that no earlier subdomain with a common grain has.
+    pub(crate) fn greedy(decomposition: &Decomposition) -> Self {
+        let subdomains = decomposition.subdomains.len();
+        let mut neighbours = vec![Vec::new(); subdomains];
+        for copies in decomposition.boundary() {
+            // Copies are in the order of the subdomains.
+            for (k, (later, _)) in copies.iter().enumerate() {
+                neighbours[*later as usize].extend(copies[..k].iter().map(|(earlier, _)| *earlier));
+            }
+        }
+        let mut of_subdomain: Vec<u32> = Vec::with_capacity(subdomains);
+        for earlier in &neighbours {
+            let taken: Vec<u32> = earlier.iter().map(|e| of_subdomain[*e as usize]).collect();
+            let free = (0..=taken.len() as u32).find(|colour| !taken.contains(colour));
+            of_subdomain.push(free.unwrap_or(0));
+        }
+        let count = of_subdomain.iter().max().map_or(0, |greatest| greatest + 1);
+        Self { of_subdomain, count }
+    }
+}
+
+/// Without mass splitting: V̄ ← V̄ + Σ_E (`V_E` − V̄), every copy then moves at V̄. Returns the greatest |`V_E` − V̄|
+/// before (m/s).
+pub(crate) fn add_increments(
+    decomposition: &Decomposition,
+    velocity: &mut [Vec<Vector2<f64>>],
+    glued: &mut [Vector2<f64>],
+) -> f64 {
+    let mut jump: f64 = 0.0;
+    for (copies, glued) in decomposition.boundary().zip(glued) {
+        let of = |(e, local): &(u32, u32)| velocity[*e as usize][*local as usize];
+        let sum = *glued + copies.iter().map(|copy| of(copy) - *glued).sum::<Vector2<f64>>();
+        *glued = sum;
+        for (e, local) in copies {
+            let copy = &mut velocity[*e as usize][*local as usize];
+            jump = jump.max((*copy - sum).norm());
+            *copy = sum;
+        }
+    }
+    jump
+}

@@ -1,0 +1,186 @@
+//! Non-linear Gauss-Seidel by subdomains (NSGS-DD), §4.2: each subdomain sweeps over its own contacts with split
+//! masses, the interface impulses kept; then the copies of the boundary grains are glued, eq. (3).
+//!
+//! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §4.2. With split masses q(r) never increases, for any number of
+//! subdomains and of inner sweeps. Cost of an iteration: `inner_sweeps` sweeps over all contacts, and the gluing.
+
+mod exchange;
+mod subdomain;
+
+use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
+use exchange::Colours;
+use nalgebra::Vector2;
+use partition::{Decomposition, Grid, Scheme};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use subdomain::Sweeper;
+
+/// Settings of NSGS-DD.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct NsgsDd {
+    /// Subdomains, as columns × rows.
+    pub subdomains: Grid,
+    /// How the contacts are distributed.
+    pub partition: Scheme,
+    /// `n_in`: sweeps of each subdomain between two gluings.
+    pub inner_sweeps: u32,
+    /// When a subdomain sees what the others did.
+    pub exchange: Exchange,
+    /// Whether each copy of a boundary grain has its share `M_i/m_i` of the mass. Without it (Schwarz) each copy has
+    /// the whole mass and the changes of velocity are added up; nothing bounds q(r) then.
+    pub mass_splitting: bool,
+}
+
+/// The paper's choices, on one subdomain.
+impl Default for NsgsDd {
+    fn default() -> Self {
+        Self {
+            subdomains: Grid::ONE,
+            partition: Scheme::Boxes,
+            inner_sweeps: 1,
+            exchange: Exchange::Jacobi,
+            mass_splitting: true,
+        }
+    }
+}
+
+/// When a subdomain sees what the others did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Exchange {
+    /// After all of them: all subdomains at once, then one gluing. The paper's.
+    Jacobi,
+    /// After each colour of subdomains, which share no grain: one gluing per colour.
+    GaussSeidel,
+}
+
+struct Run {
+    decomposition: Decomposition,
+    sweepers: Vec<Sweeper>,
+    /// Velocities of the copies, subdomain by subdomain; a wall's "grain" at rest is the last of each.
+    velocity: Vec<Vec<Vector2<f64>>>,
+    /// V̄ of each boundary grain after the last gluing.
+    glued: Vec<Vector2<f64>>,
+    /// Subdomains that work at the same time, group after group.
+    groups: Colours,
+    settings: NsgsDd,
+    velocity_jump: f64,
+    iterations: u64,
+}
+
+impl Iteration for Run {
+    fn advance(&mut self) {
+        self.velocity_jump = 0.0;
+        for group in 0..self.groups.count {
+            self.sweep(group);
+            self.velocity_jump = self.velocity_jump.max(self.glue());
+        }
+        self.iterations += 1;
+    }
+
+    fn impulses(&self, r: &mut [f64]) {
+        for (sweeper, subdomain) in self.sweepers.iter().zip(&self.decomposition.subdomains) {
+            for (value, contact) in sweeper.impulses().iter().zip(&subdomain.contacts) {
+                r[*contact as usize] = *value;
+            }
+        }
+    }
+
+    fn velocity_jump(&self) -> f64 {
+        self.velocity_jump
+    }
+
+    fn work(&self) -> Work {
+        let contacts: usize = self.sweepers.iter().map(|sweeper| sweeper.impulses().len()).sum();
+        let sweeps = self.iterations * u64::from(self.settings.inner_sweeps);
+        Work {
+            contact_updates: sweeps * contacts as u64,
+            // Every copy belongs to one group and sends its two components once per iteration.
+            interface_values: self.iterations * 2 * self.decomposition.copy_count() as u64,
+            ..Work::default()
+        }
+    }
+}
+
+/// Below this many contact updates between two gluings, waking the threads costs more than they save (measured at
+/// about 10 µs against 5 ns per update). The result does not depend on it.
+const WORTH_THREADS: usize = 10_000;
+
+impl Run {
+    /// From the glued velocity, `inner_sweeps` sweeps in each subdomain of `group`, with split masses, F fixed.
+    fn sweep(&mut self, group: u32) {
+        let sweeps = self.settings.inner_sweeps;
+        let colour = &self.groups.of_subdomain;
+        let updates: usize = self.sweepers.iter().map(|s| s.impulses().len() * sweeps as usize).sum();
+        let work = |(e, (sweeper, velocity)): (usize, (&mut Sweeper, &mut Vec<Vector2<f64>>))| {
+            if colour[e] == group {
+                (0..sweeps).for_each(|_| sweeper.sweep(velocity));
+            }
+        };
+        if self.sweepers.len() > 1 && updates >= WORTH_THREADS {
+            self.sweepers.par_iter_mut().zip(&mut self.velocity).enumerate().for_each(work);
+        } else {
+            self.sweepers.iter_mut().zip(&mut self.velocity).enumerate().for_each(work);
+        }
+    }
+
+    /// Brings the copies together and returns the greatest disagreement before (m/s).
+    fn glue(&mut self) -> f64 {
+        if self.settings.mass_splitting {
+            return self.decomposition.glue(&mut self.velocity);
+        }
+        exchange::add_increments(&self.decomposition, &mut self.velocity, &mut self.glued)
+    }
+}
+
+impl Solver for NsgsDd {
+    fn start<'p>(
+        &self,
+        problem: &'p ContactProblem,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        if self.inner_sweeps == 0 {
+            return Err(SetupError::new("inner_sweeps", 0, "at least 1"));
+        }
+        let partition = self.partition.partition(problem, self.subdomains)?;
+        let decomposition = Decomposition::new(problem, &partition);
+        let sweepers = decomposition
+            .subdomains
+            .iter()
+            .map(|subdomain| {
+                let multiplicity = self.mass_splitting.then_some(&decomposition.multiplicity[..]);
+                Sweeper::new(problem, subdomain, multiplicity, r0)
+            })
+            .collect();
+
+        // Every copy starts at V_free + M⁻¹ H r0.
+        let mut start = vec![Vector2::zeros(); problem.grain_count()];
+        problem.velocity(r0, &mut start);
+        let velocity: Vec<Vec<Vector2<f64>>> = decomposition
+            .subdomains
+            .iter()
+            .map(|subdomain| {
+                let copies = subdomain.grains.iter().map(|grain| start[*grain as usize]);
+                copies.chain([Vector2::zeros()]).collect()
+            })
+            .collect();
+        let first_copy = |copies: &[(u32, u32)]| velocity[copies[0].0 as usize][copies[0].1 as usize];
+        let glued = decomposition.boundary().map(first_copy).collect();
+        let groups = match self.exchange {
+            Exchange::Jacobi => Colours::all_at_once(&decomposition),
+            Exchange::GaussSeidel => Colours::greedy(&decomposition),
+        };
+        let settings = *self;
+        Ok(Box::new(Run {
+            decomposition,
+            sweepers,
+            velocity,
+            glued,
+            groups,
+            settings,
+            velocity_jump: 0.0,
+            iterations: 0,
+        }))
+    }
+}

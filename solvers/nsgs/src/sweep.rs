@@ -1,0 +1,132 @@
+//! Non-linear Gauss-Seidel: one contact after the other, each solved for (2) with all others kept.
+//!
+//! M. Jean, The non-smooth contact dynamics method, Comput. Methods Appl. Mech. Engrg. 177 (1999) 235-257; the
+//! paper's reference \[1\]. Cost of a sweep: one visit of each contact, that is two gathers and two scatters of a
+//! velocity. q(r) never increases for 0 < ω < 2.
+
+use crate::order::Order;
+use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+/// Settings of NSGS.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Nsgs {
+    /// Order in which a sweep visits the contacts.
+    pub order: Order,
+    /// Seed of the order `shuffled`; the others ignore it.
+    pub seed: u64,
+    /// ω (–): 1 solves (2) exactly at each contact; above, over-relaxation. Any positive value is accepted, since
+    /// where it fails (ω ≥ 2) is of interest.
+    pub relaxation: f64,
+    /// Whether an iteration is a sweep forward and a sweep backward, instead of one forward.
+    pub symmetric: bool,
+}
+
+/// The paper's method: the order of the list, ω = 1, forward sweeps.
+impl Default for Nsgs {
+    fn default() -> Self {
+        Self { order: Order::Natural, seed: 1, relaxation: 1.0, symmetric: false }
+    }
+}
+
+/// One contact as the sweep needs it.
+struct Row {
+    candidate: u32,
+    /// A wall is the last "grain", of infinite mass and at rest: its own motion is in `offset`.
+    antagonist: u32,
+    normal: Vector2<f64>,
+    offset: f64,
+    /// 1/`W_αα` (kg).
+    inverse_delassus: f64,
+    /// 1/mass of candidate and antagonist (1/kg).
+    inverse_mass: [f64; 2],
+}
+
+struct Run {
+    /// In the order of the sweep, like `r`.
+    rows: Vec<Row>,
+    /// The contact of each row.
+    order: Vec<u32>,
+    r: Vec<f64>,
+    /// V = `V_free` + M⁻¹ H r, kept up to date contact by contact.
+    velocity: Vec<Vector2<f64>>,
+    relaxation: f64,
+    symmetric: bool,
+    sweeps: u64,
+}
+
+impl Row {
+    /// v = Hᵗ V + c at α; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
+    #[inline]
+    fn solve(&self, r: &mut f64, velocity: &mut [Vector2<f64>], relaxation: f64) {
+        let (i, j) = (self.candidate as usize, self.antagonist as usize);
+        let v = self.normal.dot(&(velocity[i] - velocity[j])) + self.offset;
+        let r_plus = law::update(*r, v, self.inverse_delassus, relaxation);
+        let impulse = self.normal * (r_plus - *r);
+        velocity[i] += impulse * self.inverse_mass[0];
+        velocity[j] -= impulse * self.inverse_mass[1];
+        *r = r_plus;
+    }
+}
+
+impl Iteration for Run {
+    fn advance(&mut self) {
+        for (row, r) in self.rows.iter().zip(&mut self.r) {
+            row.solve(r, &mut self.velocity, self.relaxation);
+        }
+        self.sweeps += 1;
+        if self.symmetric {
+            for (row, r) in self.rows.iter().zip(&mut self.r).rev() {
+                row.solve(r, &mut self.velocity, self.relaxation);
+            }
+            self.sweeps += 1;
+        }
+    }
+
+    fn impulses(&self, r: &mut [f64]) {
+        for (value, contact) in self.r.iter().zip(&self.order) {
+            r[*contact as usize] = *value;
+        }
+    }
+
+    fn work(&self) -> Work {
+        Work { contact_updates: self.sweeps * self.rows.len() as u64, ..Work::default() }
+    }
+}
+
+impl Solver for Nsgs {
+    fn start<'p>(
+        &self,
+        problem: &'p ContactProblem,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        SetupError::unless_positive("relaxation", self.relaxation)?;
+        let order = self.order.of(problem, self.seed);
+        let wall = problem.grain_count();
+        let rows = order
+            .iter()
+            .map(|contact| {
+                let contact = &problem.contacts()[*contact as usize];
+                let inverse_mass = [
+                    1.0 / problem.mass()[contact.candidate as usize],
+                    contact.antagonist.map_or(0.0, |j| 1.0 / problem.mass()[j as usize]),
+                ];
+                Row {
+                    candidate: contact.candidate,
+                    antagonist: contact.antagonist.unwrap_or(wall as u32),
+                    normal: contact.normal,
+                    offset: contact.offset,
+                    inverse_delassus: 1.0 / (inverse_mass[0] + inverse_mass[1]),
+                    inverse_mass,
+                }
+            })
+            .collect();
+        let mut velocity = vec![Vector2::zeros(); wall + 1];
+        problem.velocity(r0, &mut velocity[..wall]);
+        let r = order.iter().map(|contact| r0[*contact as usize]).collect();
+        let Self { relaxation, symmetric, .. } = *self;
+        Ok(Box::new(Run { rows, order, r, velocity, relaxation, symmetric, sweeps: 0 }))
+    }
+}

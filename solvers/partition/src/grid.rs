@@ -1,0 +1,92 @@
+//! How many subdomains, as columns × rows.
+
+use serde::de::{Deserializer, Error, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
+use std::fmt;
+
+/// Columns × rows of subdomains, written `4x2`. A bare number n stands for its most square division with at least
+/// as many columns as rows: 8 is `4x2`, 25 is `5x5`, 7 is `7x1`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grid {
+    /// Columns, along x.
+    pub nx: u32,
+    /// Rows, along y.
+    pub ny: u32,
+}
+
+impl Grid {
+    /// One subdomain.
+    pub const ONE: Self = Self { nx: 1, ny: 1 };
+
+    /// The most square division of `count` ≥ 1 subdomains.
+    pub fn of_count(count: u32) -> Self {
+        let divides = |ny: &u32| u64::from(*ny).pow(2) <= u64::from(count) && count.is_multiple_of(*ny);
+        let ny = (1..=count.isqrt()).rev().find(divides).unwrap_or(1);
+        Self { nx: count / ny, ny }
+    }
+
+    /// Number of subdomains.
+    pub fn count(self) -> u64 {
+        u64::from(self.nx) * u64::from(self.ny)
+    }
+}
+
+impl fmt::Display for Grid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.nx, self.ny)
+    }
+}
+
+impl Serialize for Grid {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Grid {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct GridVisitor;
+        impl Visitor<'_> for GridVisitor {
+            type Value = Grid;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a number of subdomains, at least 1, such as 8, or columns x rows such as \"4x2\"")
+            }
+
+            fn visit_u64<E: Error>(self, count: u64) -> Result<Grid, E> {
+                match u32::try_from(count) {
+                    Ok(count) if count > 0 => Ok(Grid::of_count(count)),
+                    _ => Err(E::invalid_value(serde::de::Unexpected::Unsigned(count), &self)),
+                }
+            }
+
+            fn visit_i64<E: Error>(self, count: i64) -> Result<Grid, E> {
+                u64::try_from(count)
+                    .map_err(|_| E::invalid_value(serde::de::Unexpected::Signed(count), &self))
+                    .and_then(|count| self.visit_u64(count))
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<Grid, E> {
+                text.split_once('x')
+                    .and_then(|(nx, ny)| Some(Grid { nx: nx.parse().ok()?, ny: ny.parse().ok()? }))
+                    .filter(|grid| grid.count() > 0)
+                    .ok_or_else(|| E::invalid_value(serde::de::Unexpected::Str(text), &self))
+            }
+        }
+        deserializer.deserialize_any(GridVisitor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bare_count_is_divided_as_squarely_as_it_goes() {
+        for (count, nx, ny) in
+            [(1, 1, 1), (2, 2, 1), (4, 2, 2), (7, 7, 1), (8, 4, 2), (25, 5, 5), (64, 8, 8)]
+        {
+            assert_eq!(Grid::of_count(count), Grid { nx, ny });
+        }
+    }
+}
