@@ -5,7 +5,7 @@ use crate::sample::{Disc, Sample};
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A scene with its sample, and the question that it asks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,6 +28,9 @@ pub struct Case {
     pub sample: Sample,
     /// What surrounds them.
     pub scene: Scene,
+    /// The file that the case was read from.
+    #[serde(skip)]
+    path: PathBuf,
 }
 
 impl Case {
@@ -41,7 +44,8 @@ impl Case {
         // Read once as it stands: the errors of the text name its lines.
         let mut case: Self = toml::from_str(&text).map_err(|error| CaseError::content(path, error))?;
         if !overrides.is_empty() {
-            let mut table: toml::Table = toml::from_str(&text).map_err(|error| CaseError::content(path, error))?;
+            let mut table: toml::Table =
+                toml::from_str(&text).map_err(|error| CaseError::content(path, error))?;
             for (key, value) in overrides {
                 set(&mut table, key, value).map_err(|message| CaseError::content(path, message))?;
             }
@@ -49,13 +53,16 @@ impl Case {
                 CaseError::content(path, format!("`{}`: {}", error.path(), error.inner().message()))
             })?;
         }
+        path.clone_into(&mut case.path);
         case.check().map_err(|message| CaseError::content(path, message))?;
         Ok(case)
     }
 
     /// The discs before time begins.
-    pub(crate) fn discs(&self) -> Result<Vec<Disc>, String> {
-        self.sample.discs(self.scene.walls.as_ref().and_then(|walls| walls.width_m))
+    pub(crate) fn discs(&self) -> Result<Vec<Disc>, CaseError> {
+        let width = self.scene.walls.as_ref().and_then(|walls| walls.width_m);
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        self.sample.discs(width, folder).map_err(|message| CaseError::content(&self.path, message))
     }
 
     fn check(&self) -> Result<(), String> {
@@ -66,7 +73,7 @@ impl Case {
         if let Some((name, _)) = self.moments.iter().find(|(_, time_step)| **time_step == 0) {
             return Err(format!("`moments.{name}` is 0: time steps are counted from 1"));
         }
-        self.discs().map(|_| ())
+        Ok(())
     }
 }
 

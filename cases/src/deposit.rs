@@ -101,7 +101,10 @@ mod tests {
         let radii = (0..400).map(|k| 0.05 + 0.05 * (f64::from(k) * 0.618_034).fract());
         let discs = deposit(radii, 3.0);
         for (k, (x, r)) in discs.iter().enumerate() {
-            assert!(x.x >= r - 1e-11 && x.x <= 3.0 - r + 1e-11 && x.y >= r - 1e-11, "disc {k} leaves the box");
+            assert!(
+                x.x >= r - 1e-11 && x.x <= 3.0 - r + 1e-11 && x.y >= r - 1e-11,
+                "disc {k} leaves the box"
+            );
             for (other, s) in &discs[..k] {
                 assert!((x - other).norm() >= r + s - 1e-11, "disc {k} overlaps another");
             }

@@ -103,10 +103,12 @@ impl Cells {
         let size = size.max((extent.x * extent.y / most).sqrt()).max(extent.max() / most);
         let count = |extent: f64| (extent / size) as usize + 1;
         let (columns, rows) = (count(extent.x), count(extent.y));
-        let mut cells = Self { low, size, columns, rows, first: vec![0; columns * rows + 1], grains: Vec::new() };
+        let mut cells =
+            Self { low, size, columns, rows, first: vec![0; columns * rows + 1], grains: Vec::new() };
 
         // Counting sort: cell by cell, by rising index within each.
-        let cell: Vec<usize> = position.iter().map(|x| cells.cell(*x)).map(|(x, y)| x + columns * y).collect();
+        let cell: Vec<usize> =
+            position.iter().map(|x| cells.cell(*x)).map(|(x, y)| x + columns * y).collect();
         for c in &cell {
             cells.first[c + 1] += 1;
         }

@@ -4,7 +4,6 @@ use crate::error::CaseError;
 use contact::{Contact, ContactProblem, ProblemError};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
-use std::io::Write;
 use std::path::Path;
 
 /// The contact problem of one time step, with what a method does not need but a reader does.
@@ -79,19 +78,12 @@ impl Frozen {
         file.into_frozen().map_err(|error| CaseError::content(path, error))
     }
 
-    /// Writes the file whole, or not at all.
+    /// The text of the file.
     ///
     /// # Errors
-    /// What the system says, with the file.
-    pub fn write(&self, path: &Path) -> Result<(), CaseError> {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let write = || {
-            let mut file = tempfile::NamedTempFile::new_in(folder)?;
-            serde_json::to_writer(&mut file, &File::from(self))?;
-            file.write_all(b"\n")?;
-            file.persist(path).map(|_| ()).map_err(|error| error.error)
-        };
-        write().map_err(CaseError::file(path))
+    /// Those of JSON, which none of the validated values causes.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        Ok(serde_json::to_string(&File::from(self))? + "\n")
     }
 
     /// The impulses to begin from: those of the time step before if `warm`, else none (N·s).
@@ -128,8 +120,12 @@ impl File {
         }
         let start = &self.contacts.start;
         if !start.is_empty() && start.len() != contacts {
-            return Err(ProblemError::Length { key: "contacts.start", found: start.len(), expected: contacts }
-                .to_string());
+            return Err(ProblemError::Length {
+                key: "contacts.start",
+                found: start.len(),
+                expected: contacts,
+            }
+            .to_string());
         }
         type Valid = fn(f64) -> bool;
         let lists: [(&str, &[f64], &str, Valid); 3] = [

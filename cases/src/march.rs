@@ -8,7 +8,6 @@ use crate::frozen::Frozen;
 use crate::scene::{Law, Scene, Wall};
 use contact::{Contact, ContactProblem, Outcome, Solver, Stop, solve};
 use nalgebra::Vector2;
-use std::path::Path;
 
 /// A scene on its way through time.
 #[derive(Clone, Debug)]
@@ -48,12 +47,12 @@ pub struct Observables {
 }
 
 impl March {
-    /// The scene of `case` at time 0, every grain at rest. `path` is the case's file, for errors.
+    /// The scene of `case` at time 0, every grain at rest.
     ///
     /// # Errors
     /// Names what the sample cannot be made of.
-    pub fn new(case: &Case, path: &Path) -> Result<Self, CaseError> {
-        let discs = case.discs().map_err(|message| CaseError::content(path, message))?;
+    pub fn new(case: &Case) -> Result<Self, CaseError> {
+        let discs = case.discs()?;
         Ok(Self {
             name: case.name.clone(),
             scene: case.scene.clone(),
@@ -111,7 +110,8 @@ impl March {
         // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h]; walls move as they do
         // in the middle of it.
         let detection = (self.made as f64 + 1.0 - theta) * h;
-        let walls = self.scene.walls.as_ref().map_or([None; 3], |walls| walls.at(detection, detection + 0.5 * h));
+        let walls =
+            self.scene.walls.as_ref().map_or([None; 3], |walls| walls.at(detection, detection + 0.5 * h));
         let reach = 2.0 * h * greatest_speed(free_velocity, position, &walls);
 
         let mut pairs = detect(position, &self.radius, reach).into_iter().peekable();
@@ -155,7 +155,8 @@ impl March {
             *q = detected + v * (h * theta);
         }
         self.velocity.copy_from_slice(velocity);
-        let keys = problem.contacts().iter().zip(&time_step.sides).map(|(contact, side)| (contact.candidate, *side));
+        let keys =
+            problem.contacts().iter().zip(&time_step.sides).map(|(contact, side)| (contact.candidate, *side));
         self.last = keys.zip(r.iter().copied()).collect();
         self.made += 1;
         self.observe(&time_step.frozen.gap)
@@ -165,7 +166,11 @@ impl March {
     ///
     /// # Errors
     /// Names a setting of the solver without meaning, or the time step at which the simulation exploded.
-    pub fn time_step(&mut self, solver: &dyn Solver, stop: &Stop) -> Result<(Outcome, Observables), CaseError> {
+    pub fn time_step(
+        &mut self,
+        solver: &dyn Solver,
+        stop: &Stop,
+    ) -> Result<(Outcome, Observables), CaseError> {
         let next = self.next()?;
         let outcome = solve(solver, &next.frozen.problem, &next.frozen.start, stop, &mut |_| {})?;
         let observables = self.advance(&next, &outcome.impulses, &outcome.velocity);
@@ -204,9 +209,14 @@ impl Law {
 
 /// The greatest free speed of a grain, and of a wall where it faces one (m/s). Twice this times h is as far as two
 /// surfaces come together in a time step without impulses.
-fn greatest_speed(free_velocity: &[Vector2<f64>], position: &[Vector2<f64>], walls: &[Option<Wall>; 3]) -> f64 {
+fn greatest_speed(
+    free_velocity: &[Vector2<f64>],
+    position: &[Vector2<f64>],
+    walls: &[Option<Wall>; 3],
+) -> f64 {
     let grains = free_velocity.iter().map(|v| v.norm());
-    let facing = walls.iter().flatten().flat_map(|wall| position.iter().map(|x| wall.normal_velocity(*x).abs()));
+    let facing =
+        walls.iter().flatten().flat_map(|wall| position.iter().map(|x| wall.normal_velocity(*x).abs()));
     grains.chain(facing).fold(0.0, f64::max)
 }
 

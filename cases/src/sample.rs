@@ -1,10 +1,12 @@
 //! Samples: discs with radius, mass and place before time begins. What is random comes from the sample's seed.
 
 use crate::deposit;
+use crate::frozen::Frozen;
 use nalgebra::Vector2;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 
 /// A rigid disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,11 +63,16 @@ pub enum Sample {
         /// Mass per area (kg/m²).
         density_kg_per_m2: f64,
     },
+    /// The grains of a frozen problem, at rest where it found them.
+    Frozen {
+        /// File of the problem, seen from the folder of the case.
+        file: PathBuf,
+    },
 }
 
 impl Sample {
-    /// The discs, for a box of `width` (m), if it has side walls.
-    pub(crate) fn discs(&self, width: Option<f64>) -> Result<Vec<Disc>, String> {
+    /// The discs, for a box of `width` (m), if it has side walls; `folder` is that of the case.
+    pub(crate) fn discs(&self, width: Option<f64>, folder: &Path) -> Result<Vec<Disc>, String> {
         let discs = match *self {
             Self::Discs { ref discs, density_kg_per_m2 } => {
                 discs.iter().map(|&[x, y, radius]| disc(x, y, radius, density_kg_per_m2)).collect()
@@ -85,7 +92,9 @@ impl Sample {
                     ));
                 }
                 if width < 4.0 * greatest {
-                    return Err(format!("`scene.box.width_m` is {width}: it must be at least 4 greatest radii"));
+                    return Err(format!(
+                        "`scene.box.width_m` is {width}: it must be at least 4 greatest radii"
+                    ));
                 }
                 let mut rng = ChaCha8Rng::seed_from_u64(seed);
                 let radii = (0..grains).map(|_| least + (greatest - least) * rng.random::<f64>());
@@ -94,11 +103,20 @@ impl Sample {
                     .map(|(x, radius)| disc(x.x, x.y, radius, density_kg_per_m2))
                     .collect()
             }
+            Self::Frozen { ref file } => {
+                let frozen =
+                    Frozen::read(&folder.join(file)).map_err(|error| format!("`sample.file`: {error}"))?;
+                let problem = frozen.problem;
+                let grains = problem.position().iter().zip(problem.mass()).zip(frozen.radius);
+                grains
+                    .map(|((position, mass), radius)| Disc { radius, mass: *mass, position: *position })
+                    .collect()
+            }
         };
         match discs.iter().find(|disc| !(disc.mass > 0.0 && disc.mass.is_finite() && disc.radius > 0.0)) {
-            Some(Disc { radius, mass, .. }) => {
-                Err(format!("`sample` has a disc of radius {radius} m and mass {mass} kg: both must be positive and finite"))
-            }
+            Some(Disc { radius, mass, .. }) => Err(format!(
+                "`sample` has a disc of radius {radius} m and mass {mass} kg: both must be positive and finite"
+            )),
             None if discs.is_empty() => Err("`sample` has no grain".to_owned()),
             None => Ok(discs),
         }

@@ -151,7 +151,9 @@ impl Vibration {
 impl Scene {
     /// What is outside the model's meaning, as key, value and what would be accepted.
     pub(crate) fn check(&self) -> Result<(), String> {
-        let wrong = |key: &str, value: f64, expected: &str| Err(format!("`scene.{key}` is {value}: it must be {expected}"));
+        let wrong = |key: &str, value: f64, expected: &str| {
+            Err(format!("`scene.{key}` is {value}: it must be {expected}"))
+        };
         if !(self.time_step_s > 0.0 && self.time_step_s.is_finite()) {
             return wrong("time_step_s", self.time_step_s, "positive and finite");
         }
@@ -193,7 +195,12 @@ mod tests {
             width_m: Some(3.0),
             tilt_rate_rad_per_s: 0.2,
             tilt_start_s: 0.5,
-            vibration: Some(Vibration { amplitude_m: 0.1, frequency_hz: 2.0, direction: Direction::Y, start_s: 0.0 }),
+            vibration: Some(Vibration {
+                amplitude_m: 0.1,
+                frequency_hz: 2.0,
+                direction: Direction::Y,
+                start_s: 0.0,
+            }),
         };
         let disc = Vector2::new(1.0, 1.5);
         let (time, half) = (1.3, 1e-5);

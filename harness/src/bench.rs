@@ -65,7 +65,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let stored = store.write(&tables)?;
     let out = root.join("reports/out").join(&plan.name);
     let files = reports::paper(&tables, &out)?;
-    println!("{}", reports::to_markdown(&reports::iterations(&tables)?)?);
+    println!("{}", reports::iterations_text(&tables)?);
     println!("rows and curves   {}", stored.display());
     println!("table and figures {}", out.display());
     for file in files {
@@ -86,10 +86,11 @@ impl Rows {
     ) -> Result<Option<Vec<f64>>> {
         let r0 = frozen.start(plan.warm_start);
         let mut recorder = Recorder::default();
-        let outcome = contact::solve(&*variant.method.solver, &frozen.problem, &r0, &plan.stop, &mut |progress| {
-            recorder.observe(progress);
-        })
-        .with_context(|| format!("method `{}` on {}", variant.method.name, frozen.name))?;
+        let outcome =
+            contact::solve(&*variant.method.solver, &frozen.problem, &r0, &plan.stop, &mut |progress| {
+                recorder.observe(progress);
+            })
+            .with_context(|| format!("method `{}` on {}", variant.method.name, frozen.name))?;
         let curve = recorder.finish();
         let run = self.runs.len() as u32;
         self.runs.push(run_row(run, plan, frozen, variant, &outcome, &curve, provenance));

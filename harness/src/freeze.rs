@@ -1,6 +1,7 @@
 //! `gravel freeze`: the contact problem of one time step of a case, as a file.
 
 use crate::inputs::{Root, march_to, stem, time_step};
+use crate::output::write_whole;
 use crate::solve::{CaseArgs, MethodArgs, StopArgs};
 use anyhow::{Result, bail};
 use cases::{Case, March};
@@ -35,7 +36,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let case = Case::read(&path, &args.changes.overrides)?;
     let (method, stop) = (args.method.method()?, args.stop.stop());
     let time_step = time_step(&case, &args.time_step)?;
-    let mut frozen = march_to(&mut March::new(&case, &path)?, time_step, &method, &stop)?;
+    let mut frozen = march_to(&mut March::new(&case)?, time_step, &method, &stop)?;
     frozen.name = stem(&args.output);
     for (key, value) in &args.changes.overrides {
         frozen.source += &format!(" {key} = {value}.");
@@ -44,7 +45,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         " Time steps before it solved by {} to {} ≤ {:e}, from the impulses of the one before.",
         method.name, stop.on, stop.tolerance
     );
-    frozen.write(&args.output)?;
+    write_whole(&args.output, &frozen.to_json()?)?;
     println!(
         "{}: {} grains, {} contacts",
         args.output.display(),

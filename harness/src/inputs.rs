@@ -14,7 +14,8 @@ pub(crate) struct Root(PathBuf);
 impl Root {
     /// The folder asked for, or the nearest one above the current folder that holds cases and plans.
     pub(crate) fn find(asked: Option<PathBuf>) -> Result<Self> {
-        let is_root = |folder: &Path| folder.join("cases/frozen").is_dir() && folder.join("harness/plans").is_dir();
+        let is_root =
+            |folder: &Path| folder.join("cases/frozen").is_dir() && folder.join("harness/plans").is_dir();
         if let Some(folder) = asked {
             if !is_root(&folder) {
                 bail!("--root {}: this folder has no cases/frozen and harness/plans", folder.display());
@@ -29,7 +30,9 @@ impl Root {
             }
             folder.push("..");
         }
-        bail!("no folder from here up holds cases/frozen and harness/plans: run gravel in its checkout, or give --root DIR")
+        bail!(
+            "no folder from here up holds cases/frozen and harness/plans: run gravel in its checkout, or give --root DIR"
+        )
     }
 
     /// A path inside the checkout.
@@ -123,7 +126,10 @@ pub(crate) fn time_step(case: &Case, moment: &str) -> Result<u64> {
         (Err(_), Some(time_step)) => Ok(*time_step),
         (Err(_), None) => {
             let moments: Vec<&str> = case.moments.keys().map(String::as_str).collect();
-            bail!("time step `{moment}`: expected a number from 1, or a moment of the case: {}", moments.join(", "))
+            bail!(
+                "time step `{moment}`: expected a number from 1, or a moment of the case: {}",
+                moments.join(", ")
+            )
         }
     }
 }

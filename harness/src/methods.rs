@@ -67,12 +67,13 @@ fn build<S>(settings: Map<String, Value>) -> Result<(Map<String, Value>, Box<dyn
 where
     S: Solver + Serialize + DeserializeOwned + 'static,
 {
-    let solver: S = serde_path_to_error::deserialize(Value::Object(settings)).map_err(|error| {
-        match error.path().to_string().as_str() {
-            "." => anyhow!("{}", error.inner()),
-            key => anyhow!("`{key}`: {}", error.inner()),
-        }
-    })?;
+    let solver: S =
+        serde_path_to_error::deserialize(Value::Object(settings)).map_err(|error| {
+            match error.path().to_string().as_str() {
+                "." => anyhow!("{}", error.inner()),
+                key => anyhow!("`{key}`: {}", error.inner()),
+            }
+        })?;
     let Value::Object(settings) = serde_json::to_value(&solver)? else {
         bail!("its settings are not a list of keys and values");
     };

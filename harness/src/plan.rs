@@ -88,8 +88,10 @@ impl PlannedMethod {
                 settings.insert(key.clone(), value.clone());
                 settings
             };
-            combinations =
-                combinations.iter().flat_map(|settings| values.iter().map(move |v| with(settings, v))).collect();
+            combinations = combinations
+                .iter()
+                .flat_map(|settings| values.iter().map(move |v| with(settings, v)))
+                .collect();
         }
         Ok(combinations)
     }
@@ -98,7 +100,8 @@ impl PlannedMethod {
 /// The values of those settings in which the runs of one method differ, such as `4x2`.
 fn differences(method: &Method, all: &[Method]) -> String {
     let same_method = |other: &&Method| other.name == method.name;
-    let differs = |key: &str| all.iter().filter(same_method).any(|other| other.settings[key] != method.settings[key]);
+    let differs =
+        |key: &str| all.iter().filter(same_method).any(|other| other.settings[key] != method.settings[key]);
     let values = method.settings.iter().filter(|(key, _)| differs(key)).map(|(_, value)| match value {
         Value::String(text) => text.clone(),
         other => other.to_string(),

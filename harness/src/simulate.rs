@@ -38,12 +38,15 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let path = root.case(&args.case)?;
     let case = Case::read(&path, &args.changes.overrides)?;
     let (method, stop) = (args.method.method()?, args.stop.stop());
-    let mut march = March::new(&case, &path)?;
+    let mut march = March::new(&case)?;
     let mut csv = format!("{COLUMNS}\n");
     let mut missed = 0;
     // Ten lines on the terminal, whatever the length.
     let shown_every = (args.time_steps / 10).max(1);
-    println!("{:>10}  {:>9}  {:>8}  {:>10}  {:>14}  {:>13}  {:>11}", "time step", "time (s)", "contacts", "iterations", "kinetic e. (J)", "mean h. (m)", "overlap (m)");
+    println!(
+        "{:>10}  {:>9}  {:>8}  {:>10}  {:>14}  {:>13}  {:>11}",
+        "time step", "time (s)", "contacts", "iterations", "kinetic e. (J)", "mean h. (m)", "overlap (m)"
+    );
     let bar = progress::bar(args.time_steps, "time steps");
     for k in 1..=args.time_steps {
         let (outcome, observables) = march.time_step(&*method.solver, &stop)?;
@@ -58,7 +61,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     }
     bar.finish_and_clear();
     if missed > 0 {
-        println!("{missed} of {} time steps did not converge to {} ≤ {:e}", args.time_steps, stop.on, stop.tolerance);
+        println!(
+            "{missed} of {} time steps did not converge to {} ≤ {:e}",
+            args.time_steps, stop.on, stop.tolerance
+        );
     }
     if let Some(file) = &args.output {
         write_whole(file, &csv)?;
@@ -70,5 +76,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
 fn row(time_step: u64, outcome: &Outcome, observables: &Observables) -> String {
     let Observables { time, kinetic_energy, mean_height, greatest_overlap } = observables;
     let (contacts, status, iterations) = (outcome.impulses.len(), outcome.status.name(), outcome.iterations);
-    format!("{time_step},{time},{contacts},{status},{iterations},{kinetic_energy},{mean_height},{greatest_overlap}")
+    format!(
+        "{time_step},{time},{contacts},{status},{iterations},{kinetic_energy},{mean_height},{greatest_overlap}"
+    )
 }

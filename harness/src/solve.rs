@@ -105,7 +105,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let outcome = contact::solve(&*method.solver, &frozen.problem, &r0, &stop, &mut |progress| {
         if progress.iteration % 256 == 0 {
             let value = progress.measures.get(stop.on);
-            line.set_message(format!("{}: iteration {}, {} {value:.2e}", method.name, progress.iteration, stop.on));
+            line.set_message(format!(
+                "{}: iteration {}, {} {value:.2e}",
+                method.name, progress.iteration, stop.on
+            ));
             line.tick();
         }
     })
@@ -139,7 +142,7 @@ fn read(path: &Path, args: &Args) -> Result<Frozen> {
     let case = Case::read(path, &args.case.overrides)?;
     let time_step = args.time_step.as_ref().map_or(Ok(case.solve_at), |moment| time_step(&case, moment))?;
     // The march before the problem is the same whichever method then solves it.
-    march_to(&mut March::new(&case, path)?, time_step, &Method::parse("cg", &[])?, &Stop::default())
+    march_to(&mut March::new(&case)?, time_step, &Method::parse("cg", &[])?, &Stop::default())
 }
 
 fn to_json(frozen: &Frozen, method: &Method, stop: &Stop, start: Start, outcome: &Outcome) -> Result<Value> {
@@ -171,7 +174,11 @@ fn print(frozen: &Frozen, method: &Method, stop: &Stop, outcome: &Outcome) {
     println!("{} {}", method.name, Value::Object(method.settings.clone()));
     let limit = format!("{} ≤ {:e}", stop.on, stop.tolerance);
     println!("{} after {} iterations ({limit} asked)", outcome.status.name(), outcome.iterations);
-    println!("  set-up {:.3e} s, iterating {:.3e} s", outcome.setup.as_secs_f64(), outcome.iterating.as_secs_f64());
+    println!(
+        "  set-up {:.3e} s, iterating {:.3e} s",
+        outcome.setup.as_secs_f64(),
+        outcome.iterating.as_secs_f64()
+    );
     for measure in Measure::ALL {
         let unit = if measure == Measure::PenetrationRate { " m/s" } else { "" };
         println!("  {:<17}{:.3e}{unit}", measure.name(), outcome.measures.get(measure));

@@ -34,7 +34,9 @@ struct Measure {
 }
 
 const MEASURES: [Measure; 2] = [
-    Measure { name: "zeta", title: "ζ, relative size of the last step (–)", of: |point| point.zeta },
+    Measure {
+        name: "zeta", title: "ζ, relative change in the last iteration (–)", of: |point| point.zeta
+    },
     Measure {
         name: "natural_map",
         title: "natural map, distance to a solution (–)",

@@ -1,6 +1,6 @@
 //! The table of iterations and work: one row per run, as a table and as text.
 
-use polars::prelude::{AnyValue, DataFrame};
+use polars::prelude::{AnyValue, DataFrame, PolarsResult};
 use results::store::Tables;
 
 use crate::ReportError;
@@ -24,6 +24,20 @@ const COLUMNS: [&str; 14] = [
     "iterating_s",
 ];
 
+/// What of it a page is wide enough for, with the headings there.
+const TEXT_COLUMNS: [(&str, &str); 10] = [
+    ("problem", "problem"),
+    ("method", "method"),
+    ("variant", "variant"),
+    ("status", "status"),
+    ("iterations_to_zeta_1e_3", "ζ ≤ 10⁻³"),
+    ("iterations_to_zeta_1e_4", "ζ ≤ 10⁻⁴"),
+    ("iterations_to_natural_map_1e_2", "natural map ≤ 10⁻²"),
+    ("iterations_to_natural_map_1e_4", "≤ 10⁻⁴"),
+    ("iterations", "iterations"),
+    ("iterating_s", "seconds"),
+];
+
 /// Iterations to each accuracy, counted work and seconds, one row per run in the order of the study.
 ///
 /// # Errors
@@ -33,12 +47,25 @@ pub fn iterations(tables: &Tables) -> Result<DataFrame, ReportError> {
     Ok(tables.runs.select(COLUMNS)?)
 }
 
+/// The same table as text, less what a page has no room for.
+///
+/// # Errors
+///
+/// If the table of runs lacks a column.
+pub fn iterations_text(tables: &Tables) -> Result<String, ReportError> {
+    let columns = TEXT_COLUMNS
+        .iter()
+        .map(|(name, heading)| Ok(tables.runs.column(name)?.clone().with_name((*heading).into())))
+        .collect::<PolarsResult<Vec<_>>>()?;
+    to_markdown(&DataFrame::new(tables.runs.height(), columns)?)
+}
+
 /// A table as Markdown that also reads well on a terminal: numbers to the right, a dash where there is none.
 ///
 /// # Errors
 ///
 /// Those of polars.
-pub fn to_markdown(table: &DataFrame) -> Result<String, ReportError> {
+pub(crate) fn to_markdown(table: &DataFrame) -> Result<String, ReportError> {
     let mut lines = vec![String::from("|"); table.height() + 2];
     for column in table.columns() {
         let numeric = column.dtype().is_primitive_numeric();

@@ -25,7 +25,7 @@ use results::store::Tables;
 use tempfile::TempDir;
 use thiserror::Error;
 
-pub use iterations::{iterations, to_markdown};
+pub use iterations::{iterations, iterations_text};
 
 /// Why a report was not made.
 #[derive(Debug, Error)]
@@ -65,7 +65,7 @@ pub fn paper(tables: &Tables, out: &Path) -> Result<Vec<PathBuf>, ReportError> {
     let table = iterations(tables)?;
     let mut files = vec![
         ("iterations.csv".to_owned(), csv(&table)?),
-        ("iterations.md".to_owned(), to_markdown(&table)?.into_bytes()),
+        ("iterations.md".to_owned(), iterations_text(tables)?.into_bytes()),
     ];
     let figures = convergence::figures(tables)?.into_iter().chain(sample::figures(tables)?);
     files.extend(figures.map(|(name, svg)| (format!("{name}.svg"), svg.into_bytes())));

@@ -9,7 +9,8 @@ use results::tables::{contacts_table, grains_table};
 use tempfile::TempDir;
 
 use crate::fixture::{decay, explosion, run, sample, scene, tables};
-use crate::{ReportError, convergence, iterations, paper, sample as sample_figure, to_markdown};
+use crate::iterations::to_markdown;
+use crate::{ReportError, convergence, iterations, paper, sample as sample_figure};
 
 fn figures(tables: &Tables) -> Vec<(String, String)> {
     let mut figures = convergence::figures(tables).unwrap();

@@ -62,7 +62,7 @@ pub struct Sample {
     pub iteration: u64,
     /// Time in `advance` so far (s).
     pub iterating_s: f64,
-    /// The paper's indicator ζ: relative size of the last step (–).
+    /// The paper's indicator ζ: relative change in the last iteration (–).
     pub zeta: f64,
     /// Distance to a solution in the natural map (–).
     pub natural_map: f64,
@@ -141,7 +141,7 @@ pub struct ContactRow {
     pub wall: bool,
     /// The subdomain of the contact.
     pub subdomain: u32,
-    /// Impulse of the first converged run of the study on this problem (N·s).
+    /// Impulse of the first converged run of the study on this problem; NaN if none converged (N·s).
     pub impulse_n_s: f64,
 }
 

@@ -58,7 +58,8 @@ impl Run<'_> {
         self.products += 1;
         for (contact, u) in self.u.iter_mut().enumerate() {
             *u = -(*u + self.b[contact]);
-            self.w[contact] = if self.r[contact] > 0.0 || *u > 0.0 { *u * self.scaling[contact] } else { 0.0 };
+            self.w[contact] =
+                if self.r[contact] > 0.0 || *u > 0.0 { *u * self.scaling[contact] } else { 0.0 };
         }
     }
 }

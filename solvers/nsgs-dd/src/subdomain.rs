@@ -38,7 +38,8 @@ impl Sweeper {
         };
         let row = |k: usize| {
             let contact = &problem.contacts()[subdomain.contacts[k] as usize];
-            let inverse_mass = [inverse_mass(contact.candidate), contact.antagonist.map_or(0.0, inverse_mass)];
+            let inverse_mass =
+                [inverse_mass(contact.candidate), contact.antagonist.map_or(0.0, inverse_mass)];
             Row {
                 candidate: subdomain.candidate[k],
                 antagonist: subdomain.antagonist[k].unwrap_or(wall),

@@ -50,7 +50,9 @@ impl<'de> Deserialize<'de> for Grid {
             type Value = Grid;
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a number of subdomains, at least 1, such as 8, or columns x rows such as \"4x2\"")
+                f.write_str(
+                    "a number of subdomains, at least 1, such as 8, or columns x rows such as \"4x2\"",
+                )
             }
 
             fn visit_u64<E: Error>(self, count: u64) -> Result<Grid, E> {
@@ -83,8 +85,7 @@ mod tests {
 
     #[test]
     fn bare_count_is_divided_as_squarely_as_it_goes() {
-        for (count, nx, ny) in
-            [(1, 1, 1), (2, 2, 1), (4, 2, 2), (7, 7, 1), (8, 4, 2), (25, 5, 5), (64, 8, 8)]
+        for (count, nx, ny) in [(1, 1, 1), (2, 2, 1), (4, 2, 2), (7, 7, 1), (8, 4, 2), (25, 5, 5), (64, 8, 8)]
         {
             assert_eq!(Grid::of_count(count), Grid { nx, ny });
         }

@@ -55,9 +55,8 @@ fn boxes(position: &[Vector2<f64>], grains: &[Vector2<f64>], grid: Grid) -> Vec<
     let index = |x: f64, low: f64, high: f64, n: u32| {
         if high > low { (((x - low) / (high - low) * f64::from(n)) as u32).min(n - 1) } else { 0 }
     };
-    let subdomain = |x: &Vector2<f64>| {
-        index(x.x, low.x, high.x, grid.nx) + grid.nx * index(x.y, low.y, high.y, grid.ny)
-    };
+    let subdomain =
+        |x: &Vector2<f64>| index(x.x, low.x, high.x, grid.nx) + grid.nx * index(x.y, low.y, high.y, grid.ny);
     position.iter().map(subdomain).collect()
 }
 
