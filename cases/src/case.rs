@@ -50,7 +50,10 @@ impl Case {
                 set(&mut table, key, value).map_err(|message| CaseError::content(path, message))?;
             }
             case = serde_path_to_error::deserialize(table).map_err(|error| {
-                CaseError::content(path, format!("`{}`: {}", error.path(), error.inner().message()))
+                // The path ends at a table whose keys depend on its `kind`, so the error may not name the key.
+                let set: Vec<String> = overrides.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+                let (key, message) = (error.path().to_string(), error.inner().message().to_owned());
+                CaseError::content(path, format!("with {}: `{key}`: {message}", set.join(", ")))
             })?;
         }
         path.clone_into(&mut case.path);

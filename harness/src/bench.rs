@@ -4,7 +4,7 @@ use crate::curve::Recorder;
 use crate::inputs::{Root, stem};
 use crate::plan::{Plan, Variant};
 use crate::progress;
-use crate::rows::{partitions, run_row, scene_rows};
+use crate::rows::{asked_row, ended_row, partitions, scene_rows};
 use anyhow::{Context, Result};
 use cases::Frozen;
 use contact::Status;
@@ -35,7 +35,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let problems = plan
         .problems
         .iter()
-        .map(|name| Ok(Frozen::read(&root.problem_or_case(name)?)?))
+        .map(|name| Ok(Frozen::read(&root.problem(name)?)?))
         .collect::<Result<Vec<_>>>()
         .with_context(|| format!("{}: `problems`", path.display()))?;
     let commit = git_version::git_version!(
@@ -53,7 +53,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         let mut impulses = None;
         for variant in &variants {
             bar.set_message(format!("{} {} on {}", variant.method.name, variant.name, frozen.name));
-            let solved = rows.run(&plan, frozen, variant, &provenance)?;
+            let solved = rows.run(&plan, frozen, variant, &provenance);
             impulses = impulses.or(solved);
             bar.inc(1);
         }
@@ -83,25 +83,33 @@ impl Rows {
         frozen: &Frozen,
         variant: &Variant,
         provenance: &Provenance,
-    ) -> Result<Option<Vec<f64>>> {
+    ) -> Option<Vec<f64>> {
+        let run = self.runs.len() as u32;
+        let asked = asked_row(run, plan, frozen, variant, provenance);
         let r0 = frozen.start(plan.warm_start);
         let mut recorder = Recorder::default();
         let outcome =
             contact::solve(&*variant.method.solver, &frozen.problem, &r0, &plan.stop, &mut |progress| {
                 recorder.observe(progress);
-            })
-            .with_context(|| format!("method `{}` on {}", variant.method.name, frozen.name))?;
-        let curve = recorder.finish();
-        let run = self.runs.len() as u32;
-        self.runs.push(run_row(run, plan, frozen, variant, &outcome, &curve, provenance));
-        self.curves.push((run, curve));
-        Ok((outcome.status == Status::Converged).then_some(outcome.impulses))
+            });
+        match outcome {
+            Ok(outcome) => {
+                let curve = recorder.finish();
+                self.runs.push(ended_row(asked, &outcome, &curve));
+                self.curves.push((run, curve));
+                (outcome.status == Status::Converged).then_some(outcome.impulses)
+            }
+            Err(reason) => {
+                self.runs.push(Run { reason: reason.to_string(), ..asked });
+                None
+            }
+        }
     }
 
     /// Adds what the pictures of a problem under each of the plan's partitions need.
     fn draw(&mut self, frozen: &Frozen, variants: &[Variant], impulses: Option<&[f64]>) {
         for (name, grid, scheme) in partitions(variants) {
-            // A partition that does not fit the problem has failed in its runs already.
+            // Runs with a partition that does not fit the problem were skipped.
             if let Ok(partition) = scheme.partition(&frozen.problem, grid) {
                 let (grains, contacts) = scene_rows(frozen, &name, &partition, impulses);
                 self.grains.extend(grains);

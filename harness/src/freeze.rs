@@ -1,7 +1,7 @@
 //! `gravel freeze`: the contact problem of one time step of a case, as a file.
 
 use crate::inputs::{Root, march_to, stem, time_step};
-use crate::output::write_whole;
+use crate::output::{check_place, write_whole};
 use crate::solve::{CaseArgs, MethodArgs, StopArgs};
 use anyhow::{Result, bail};
 use cases::{Case, March};
@@ -12,7 +12,7 @@ pub(crate) struct Args {
     /// A case: its name, or the path of its file
     case: String,
     /// The time step, counted from 1, or one of the case's moments
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
     time_step: String,
     /// The file to write; the problem is named after it
     #[arg(short, long, value_name = "FILE")]
@@ -32,6 +32,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     if args.output.exists() && !args.force {
         bail!("{} exists: give another file, or --force to replace it", args.output.display());
     }
+    check_place(&args.output)?;
     let path = root.case(&args.case)?;
     let case = Case::read(&path, &args.changes.overrides)?;
     let (method, stop) = (args.method.method()?, args.stop.stop());

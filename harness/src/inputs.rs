@@ -60,12 +60,17 @@ impl Root {
 
     /// The file of a case, given by name or path.
     pub(crate) fn case(&self, name: &str) -> Result<PathBuf> {
-        named_or_path(name, "case", &self.cases()?)
+        toml(named_or_path(name, "case", &self.cases()?)?, "case")
     }
 
     /// The file of a plan, given by name or path.
     pub(crate) fn plan(&self, name: &str) -> Result<PathBuf> {
-        named_or_path(name, "plan", &self.plans()?)
+        toml(named_or_path(name, "plan", &self.plans()?)?, "plan")
+    }
+
+    /// The file of a frozen problem, given by name or path.
+    pub(crate) fn problem(&self, name: &str) -> Result<PathBuf> {
+        named_or_path(name, "frozen problem", &self.frozen()?)
     }
 
     /// The file of a frozen problem or a case, given by name or path.
@@ -102,8 +107,24 @@ fn named_or_path(name: &str, kind: &str, known: &[PathBuf]) -> Result<PathBuf> {
     if path.is_file() {
         return Ok(path);
     }
+    if path.is_dir() {
+        bail!("{name} is a folder: give a {kind}, by name or by the path of its file");
+    }
     let names: Vec<String> = known.iter().map(|path| stem(path)).collect();
     bail!("no {kind} `{name}`, and no file of that path; known are {}", names.join(", "))
+}
+
+/// Refuses a file of another format by its name: as TOML, the first line of a frozen problem is all of it.
+fn toml(path: PathBuf, kind: &str) -> Result<PathBuf> {
+    if !is_toml(&path) {
+        bail!("{}: a {kind} is a file that ends in .toml", path.display());
+    }
+    Ok(path)
+}
+
+/// Whether a file is a case or a plan, by its name.
+pub(crate) fn is_toml(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "toml")
 }
 
 /// Marches a case to its `time_step`-th problem, counted from 1, with a bar on anything long.
@@ -121,15 +142,15 @@ pub(crate) fn march_to(march: &mut March, time_step: u64, method: &Method, stop:
 /// The time step of `case` that `moment` names: a number, or one of the case's moments.
 pub(crate) fn time_step(case: &Case, moment: &str) -> Result<u64> {
     match (moment.parse(), case.moments.get(moment)) {
-        (Ok(0), _) => bail!("time step 0: time steps are counted from 1"),
+        (Ok(0), _) => bail!("--time-step 0: time steps are counted from 1"),
         (Ok(time_step), _) => Ok(time_step),
         (Err(_), Some(time_step)) => Ok(*time_step),
         (Err(_), None) => {
-            let moments: Vec<&str> = case.moments.keys().map(String::as_str).collect();
-            bail!(
-                "time step `{moment}`: expected a number from 1, or a moment of the case: {}",
-                moments.join(", ")
-            )
+            let mut accepted = "a number from 1".to_owned();
+            for name in case.moments.keys() {
+                accepted += &format!(", or {name}");
+            }
+            bail!("--time-step {moment}: it must be {accepted}")
         }
     }
 }

@@ -13,8 +13,10 @@ mod rows;
 mod simulate;
 mod solve;
 
+use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 /// Benchmark of the solvers of non-smooth contact dynamics of granular media.
 #[derive(Parser)]
@@ -44,8 +46,17 @@ enum Command {
     List(list::Args),
 }
 
-fn main() -> anyhow::Result<()> {
-    let cli = Cli::parse();
+fn main() -> ExitCode {
+    match run(Cli::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}", in_one_paragraph(&error));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(cli: Cli) -> Result<()> {
     if let Some(threads) = cli.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global()?;
     }
@@ -57,4 +68,15 @@ fn main() -> anyhow::Result<()> {
         Command::Simulate(args) => simulate::run(&root, &args),
         Command::List(args) => list::run(&root, &args),
     }
+}
+
+/// The error, then its causes, without those that the text before them tells already.
+fn in_one_paragraph(error: &anyhow::Error) -> String {
+    let mut text = error.to_string().trim_end().to_owned();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.ends_with(cause.trim_end()) {
+            text = format!("{text}: {}", cause.trim_end());
+        }
+    }
+    text
 }

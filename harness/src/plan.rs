@@ -53,6 +53,10 @@ impl Plan {
         if plan.problems.is_empty() {
             bail!("{}: `problems` is empty", path.display());
         }
+        let Stop { tolerance, .. } = plan.stop;
+        if !(tolerance >= 0.0 && tolerance.is_finite()) {
+            bail!("{}: `stop.tolerance` is {tolerance}: it must be finite and not negative", path.display());
+        }
         plan.variants().with_context(|| path.display().to_string())?;
         Ok(plan)
     }

@@ -11,18 +11,16 @@ use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-/// The row of a run that ended.
-pub(crate) fn run_row(
+/// What is asked of a run, with nothing reached yet: a skipped run, if it is not made.
+pub(crate) fn asked_row(
     run: u32,
     plan: &Plan,
     frozen: &Frozen,
     variant: &Variant,
-    outcome: &Outcome,
-    curve: &[Sample],
     provenance: &Provenance,
 ) -> Run {
-    let zeta = |tolerance| first_at(curve, |sample| sample.zeta, tolerance);
-    let natural_map = |tolerance| first_at(curve, |sample| sample.natural_map, tolerance);
+    // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
+    let subdomains = |grid: Grid| u32::try_from(grid.count()).unwrap_or(u32::MAX);
     Run {
         run,
         plan: plan.name.clone(),
@@ -33,11 +31,46 @@ pub(crate) fn run_row(
         method: variant.method.name.to_owned(),
         settings: Value::Object(variant.method.settings.clone()).to_string(),
         variant: variant.name.clone(),
-        subdomains: setting::<Grid>(variant, "subdomains").map_or(1, |grid| grid.nx * grid.ny),
+        subdomains: setting::<Grid>(variant, "subdomains").map_or(1, subdomains),
         warm_start: plan.warm_start,
         stop_on: plan.stop.on.name().to_owned(),
         tolerance: plan.stop.tolerance,
         max_iterations: plan.stop.max_iterations,
+        status: "skipped".to_owned(),
+        reason: String::new(),
+        iterations: 0,
+        setup_s: f64::NAN,
+        iterating_s: f64::NAN,
+        iterations_to_zeta_1e_3: None,
+        iterations_to_zeta_1e_4: None,
+        iterations_to_natural_map_1e_2: None,
+        iterations_to_natural_map_1e_4: None,
+        end: NO_ITERATE,
+        provenance: provenance.clone(),
+    }
+}
+
+/// Nothing was done, and no measure is defined.
+const NO_ITERATE: Sample = Sample {
+    iteration: 0,
+    iterating_s: f64::NAN,
+    zeta: f64::NAN,
+    natural_map: f64::NAN,
+    penetration_rate_m_per_s: f64::NAN,
+    quad_dv: f64::NAN,
+    max_dv: f64::NAN,
+    velocity_jump_m_per_s: f64::NAN,
+    energy_j: f64::NAN,
+    contact_updates: 0,
+    delassus_products: 0,
+    interface_values: 0,
+};
+
+/// What was asked, and what the run reached.
+pub(crate) fn ended_row(asked: Run, outcome: &Outcome, curve: &[Sample]) -> Run {
+    let zeta = |tolerance| first_at(curve, |sample| sample.zeta, tolerance);
+    let natural_map = |tolerance| first_at(curve, |sample| sample.natural_map, tolerance);
+    Run {
         status: outcome.status.name().to_owned(),
         iterations: outcome.iterations,
         setup_s: outcome.setup.as_secs_f64(),
@@ -47,7 +80,7 @@ pub(crate) fn run_row(
         iterations_to_natural_map_1e_2: natural_map(1e-2),
         iterations_to_natural_map_1e_4: natural_map(1e-4),
         end: curve[curve.len() - 1],
-        provenance: provenance.clone(),
+        ..asked
     }
 }
 

@@ -1,7 +1,7 @@
 //! `gravel simulate`: a case through time, with what the scene shows of itself.
 
 use crate::inputs::Root;
-use crate::output::write_whole;
+use crate::output::{check_place, write_whole};
 use crate::progress;
 use crate::solve::{CaseArgs, MethodArgs, StopArgs};
 use anyhow::{Result, bail};
@@ -15,7 +15,7 @@ pub(crate) struct Args {
     /// A case: its name, or the path of its file
     case: String,
     /// How many time steps to make
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     time_steps: u64,
     /// Write the observables of every time step to FILE, as CSV
     #[arg(short, long, value_name = "FILE")]
@@ -32,8 +32,11 @@ const COLUMNS: &str =
     "time_step,time_s,contacts,status,iterations,kinetic_energy_j,mean_height_m,greatest_overlap_m";
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    if let Some(file) = args.output.as_ref().filter(|file| file.exists()) {
-        bail!("{} exists: give another file", file.display());
+    if let Some(file) = &args.output {
+        if file.exists() {
+            bail!("{} exists: give another file", file.display());
+        }
+        check_place(file)?;
     }
     let path = root.case(&args.case)?;
     let case = Case::read(&path, &args.changes.overrides)?;

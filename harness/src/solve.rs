@@ -1,8 +1,8 @@
 //! `gravel solve`: one contact problem, one method.
 
-use crate::inputs::{Root, content_hash, march_to, time_step};
+use crate::inputs::{Root, content_hash, is_toml, march_to, time_step};
 use crate::methods::{Method, key_value};
-use crate::output::write_whole;
+use crate::output::{check_place, write_whole};
 use crate::progress;
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
@@ -26,7 +26,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     case: CaseArgs,
     /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
     time_step: Option<String>,
     /// Print one JSON object
     #[arg(long)]
@@ -51,13 +51,13 @@ pub(crate) struct MethodArgs {
 #[derive(clap::Args)]
 pub(crate) struct StopArgs {
     /// The run has converged when the measure is at most this
-    #[arg(long, value_name = "T", default_value_t = Stop::default().tolerance)]
+    #[arg(long, value_name = "T", default_value_t = Stop::default().tolerance, allow_negative_numbers = true)]
     tolerance: f64,
     /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv or max_dv
     #[arg(long, value_name = "MEASURE", default_value_t = Stop::default().on, value_parser = measure)]
     on: Measure,
     /// The run ends after this many iterations at the latest
-    #[arg(long, value_name = "N", default_value_t = Stop::default().max_iterations)]
+    #[arg(long, value_name = "N", default_value_t = Stop::default().max_iterations, allow_negative_numbers = true)]
     max_iterations: u64,
 }
 
@@ -97,6 +97,9 @@ fn measure(name: &str) -> Result<Measure, String> {
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let method = args.method.method()?;
     let stop = args.stop.stop();
+    if let Some(file) = &args.impulses {
+        check_place(file)?;
+    }
     let path = root.problem_or_case(&args.problem)?;
     let frozen = read(&path, args)?;
     let r0 = frozen.start(args.start == Start::Warm);
@@ -130,7 +133,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
 }
 
 fn read(path: &Path, args: &Args) -> Result<Frozen> {
-    if path.extension().is_none_or(|ending| ending != "toml") {
+    if !is_toml(path) {
         if let Some((key, _)) = args.case.overrides.first() {
             bail!("--scene {key}: {} is a frozen problem, it has no scene", path.display());
         }

@@ -93,8 +93,10 @@ impl Study<'_> {
         })
     }
 
+    /// A run that was skipped has no line.
     fn runs_of(&self, problem: &str) -> Vec<&RunRow> {
-        let mut runs: Vec<&RunRow> = self.runs.iter().filter(|run| run.problem == problem).collect();
+        let has_line = |run: &&RunRow| run.problem == problem && run.status != "skipped";
+        let mut runs: Vec<&RunRow> = self.runs.iter().filter(has_line).collect();
         runs.sort_by_key(|run| self.looks.rank(run));
         runs
     }

@@ -39,6 +39,7 @@ pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
         tolerance: 1e-4,
         max_iterations: 1000,
         status: status.into(),
+        reason: String::new(),
         iterations: 100,
         setup_s: 1e-5,
         iterating_s: 0.0123,

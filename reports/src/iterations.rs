@@ -7,12 +7,13 @@ use crate::ReportError;
 use crate::number::number;
 
 /// What is told of each run.
-const COLUMNS: [&str; 14] = [
+const COLUMNS: [&str; 15] = [
     "problem",
     "method",
     "variant",
     "subdomains",
     "status",
+    "reason",
     "iterations_to_zeta_1e_3",
     "iterations_to_zeta_1e_4",
     "iterations_to_natural_map_1e_2",
@@ -47,7 +48,7 @@ pub fn iterations(tables: &Tables) -> Result<DataFrame, ReportError> {
     Ok(tables.runs.select(COLUMNS)?)
 }
 
-/// The same table as text, less what a page has no room for.
+/// The same table as text, less what a page has no room for; below it, why runs were skipped.
 ///
 /// # Errors
 ///
@@ -57,7 +58,20 @@ pub fn iterations_text(tables: &Tables) -> Result<String, ReportError> {
         .iter()
         .map(|(name, heading)| Ok(tables.runs.column(name)?.clone().with_name((*heading).into())))
         .collect::<PolarsResult<Vec<_>>>()?;
-    to_markdown(&DataFrame::new(tables.runs.height(), columns)?)
+    Ok(to_markdown(&DataFrame::new(tables.runs.height(), columns)?)? + &skipped(tables)?)
+}
+
+/// A line for each run that was skipped.
+fn skipped(tables: &Tables) -> Result<String, ReportError> {
+    let text = |name| Ok::<_, ReportError>(tables.runs.column(name)?.str()?);
+    let (problem, method, variant) = (text("problem")?, text("method")?, text("variant")?);
+    let (status, reason) = (text("status")?, text("reason")?);
+    let line = |row: usize| {
+        let [problem, method, variant, reason] =
+            [problem, method, variant, reason].map(|column| column.get(row).unwrap_or_default());
+        format!("\nskipped: {} on {problem}: {reason}\n", format!("{method} {variant}").trim_end())
+    };
+    Ok((0..tables.runs.height()).filter(|row| status.get(*row) == Some("skipped")).map(line).collect())
 }
 
 /// A table as Markdown that also reads well on a terminal: numbers to the right, a dash where there is none.

@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 use crate::fixture::{decay, explosion, run, sample, scene, tables};
 use crate::iterations::to_markdown;
-use crate::{ReportError, convergence, iterations, paper, sample as sample_figure};
+use crate::{ReportError, convergence, iterations, iterations_text, paper, sample as sample_figure};
 
 fn figures(tables: &Tables) -> Vec<(String, String)> {
     let mut figures = convergence::figures(tables).unwrap();
@@ -99,6 +99,17 @@ fn legend_orders_variants_by_subdomains_and_shows_a_warm_start_only_beside_a_col
     let warm = Run { warm_start: true, ..run(1, "nsgs", "", "converged") };
     let both = tables(&[run(0, "nsgs", "", "converged"), warm], &[]);
     assert!(figures(&both)[0].1.contains("nsgs, warm start"));
+}
+
+#[test]
+fn skipped_run_has_its_reason_below_the_table_and_no_place_in_the_figure() {
+    let reason = "`subdomains` is 8x8: it must be at most 20 subdomains, the number of contacts";
+    let skipped = Run { reason: reason.into(), ..run(1, "nsgs-dd", "8x8", "skipped") };
+    let study = tables(&[run(0, "nsgs", "", "converged"), skipped], &[(0, decay())]);
+    let text = iterations_text(&study).unwrap();
+    assert!(text.ends_with(&format!("\nskipped: nsgs-dd 8x8 on column: {reason}\n")), "{text}");
+    let svg = &figures(&study)[0].1;
+    assert!(svg.contains("1 run<") && !svg.contains("nsgs-dd"), "{svg}");
 }
 
 #[test]

@@ -33,8 +33,10 @@ pub struct Run {
     pub tolerance: f64,
     /// Greatest number of iterations allowed.
     pub max_iterations: u64,
-    /// `converged`, `iteration-limit` or `diverged`.
+    /// `converged`, `iteration-limit`, `diverged`, or `skipped` if the method could not start on the problem.
     pub status: String,
+    /// Why the run was skipped: the setting, its value, what would be accepted; empty for a run that ended.
+    pub reason: String,
     /// Iterations made.
     pub iterations: u64,
     /// Time in `start`: layout, partition, factorisation (s).
@@ -184,6 +186,7 @@ pub(crate) mod fixture {
             tolerance: 1e-4,
             max_iterations: 1000,
             status: "converged".into(),
+            reason: String::new(),
             iterations: 7,
             setup_s: 1e-5,
             iterating_s: 7e-4,

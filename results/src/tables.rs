@@ -40,6 +40,7 @@ fn asked(runs: &[Run]) -> PolarsResult<DataFrame> {
 fn reached(runs: &[Run]) -> PolarsResult<DataFrame> {
     df!(
         "status" => column(runs, |r| r.status.as_str()),
+        "reason" => column(runs, |r| r.reason.as_str()),
         "iterations" => column(runs, |r| r.iterations),
         "setup_s" => column(runs, |r| defined(r.setup_s)),
         "iterating_s" => column(runs, |r| defined(r.iterating_s)),
@@ -151,7 +152,7 @@ mod tests {
 
     #[test]
     fn no_rows_give_tables_with_all_their_columns() {
-        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 37));
+        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 38));
         assert_eq!(curves_table(&[]).unwrap().shape(), (0, 13));
         assert_eq!(curves_table(&[(4, Vec::new())]).unwrap().shape(), (0, 13));
         assert_eq!(grains_table(&[]).unwrap().shape(), (0, 8));

@@ -1,0 +1,140 @@
+//! Running the program, and small problems, cases and plans for it.
+
+use serde_json::{Value, json};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use tempfile::TempDir;
+
+/// The folder with cases/ and harness/plans/. Tests read it and write nothing into it.
+pub(crate) fn checkout() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
+}
+
+/// What a run of the program left.
+pub(crate) struct Ran {
+    code: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+/// Runs `gravel` in the checkout.
+pub(crate) fn gravel(args: &[&str]) -> Ran {
+    let output = command(args).output().unwrap();
+    Ran {
+        code: output.status.code(),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+pub(crate) fn command(args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gravel"));
+    // Whoever asks for backtraces of panics, as a build server does, must not get one with an error.
+    command.args(args).current_dir(checkout()).env("RUST_BACKTRACE", "1").stdin(Stdio::null());
+    command
+}
+
+impl Ran {
+    /// The run ended well.
+    #[track_caller]
+    pub(crate) fn succeeded(self) -> Self {
+        assert_eq!(self.code, Some(0), "{}{}", self.stdout, self.stderr);
+        self
+    }
+
+    /// The run ended well and printed one JSON value, which is returned.
+    #[track_caller]
+    pub(crate) fn json(self) -> Value {
+        serde_json::from_str(&self.succeeded().stdout).unwrap()
+    }
+
+    /// The run was refused: nothing on standard output, and an error of one paragraph with all of `words` in it.
+    #[track_caller]
+    pub(crate) fn refused(self, words: &[&str]) {
+        let Self { code, stdout, stderr } = self;
+        assert!(code.is_some_and(|code| code != 0), "exit code {code:?}\n{stdout}{stderr}");
+        assert!(!stderr.contains("panicked"), "{stderr}");
+        assert_eq!(stdout, "", "{stderr}");
+        let (error, rest) = stderr.split_once("\n\n").unwrap_or((&stderr, ""));
+        // The reader of arguments adds how to use them.
+        assert!(rest.is_empty() || rest.ends_with("For more information, try '--help'.\n"), "{stderr}");
+        assert!(error.starts_with("error: "), "{stderr}");
+        for word in words {
+            assert!(error.contains(word), "no `{word}` in: {error}");
+        }
+    }
+}
+
+/// The path as an argument.
+pub(crate) fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+pub(crate) fn write(folder: &TempDir, name: &str, content: &str) -> PathBuf {
+    let path = folder.path().join(name);
+    fs::write(&path, content).unwrap();
+    path
+}
+
+/// Names of all entries of a folder, in order.
+pub(crate) fn entries(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// The frozen problem of two discs of 1 kg and 2 kg on each other, the first on the floor: its contacts carry
+/// 0.15 N·s and 0.1 N·s.
+pub(crate) fn pair() -> Value {
+    json!({
+        "format": "gravel/contact-problem/1",
+        "name": "pair",
+        "source": "made for a test",
+        "time_step": 0.005,
+        "grains": {
+            "mass": [1.0, 2.0],
+            "radius": [0.5, 0.5],
+            "position": [[0.0, 0.5], [0.0, 1.5]],
+            "free_velocity": [[0.0, -0.05], [0.0, -0.05]]
+        },
+        "contacts": {
+            "candidate": [0, 1],
+            "antagonist": [null, 0],
+            "normal": [[0.0, 1.0], [0.0, 1.0]],
+            "offset": [0.0, 0.0],
+            "gap": [0.0, 0.0]
+        }
+    })
+}
+
+/// The pair with one value changed, at a path such as `/grains/mass`.
+pub(crate) fn pair_with(pointer: &str, value: Value) -> Value {
+    let mut pair = pair();
+    let (folder, key) = pointer.rsplit_once('/').unwrap();
+    pair.pointer_mut(folder).unwrap().as_object_mut().unwrap().insert(key.to_owned(), value);
+    pair
+}
+
+/// Names and default settings of all methods, as the program lists them.
+pub(crate) fn methods() -> Vec<(String, Value)> {
+    let listed = gravel(&["list", "methods"]).succeeded().stdout;
+    let lines: Vec<&str> = listed.lines().collect();
+    let method = |lines: &[&str]| {
+        let name = lines[0].split_whitespace().next().unwrap();
+        (name.to_owned(), serde_json::from_str(lines[1].trim()).unwrap())
+    };
+    lines.chunks(2).map(method).collect()
+}
+
+/// The impulses that `gravel solve` with `args` writes (N·s).
+#[track_caller]
+pub(crate) fn impulses(args: &[&str]) -> Vec<f64> {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("r.json");
+    gravel(&[&["solve"], args, &["--impulses", text(&file)]].concat()).succeeded();
+    let written: Value = serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap();
+    assert_eq!(written.as_object().unwrap().len(), 1, "`impulse` and nothing else");
+    written["impulse"].as_array().unwrap().iter().map(|r| r.as_f64().unwrap()).collect()
+}

@@ -1,0 +1,13 @@
+//! The program `gravel` as it is used: arguments in; exit code, texts and files out.
+#![allow(clippy::unwrap_used)]
+
+mod bench;
+mod common;
+mod degenerate;
+mod freeze;
+mod refused_files;
+mod refused_plans;
+mod refused_requests;
+mod same_bits;
+mod shown;
+mod solve;

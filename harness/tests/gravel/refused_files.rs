@@ -1,0 +1,174 @@
+//! Frozen problems that make no sense: the error names the file, the key, the index and the value.
+
+use crate::common::{gravel, pair, pair_with, text, write};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+/// `gravel solve` on a file with this content is refused, with the file and all of `words`.
+#[track_caller]
+fn refused(content: &str, words: &[&str]) {
+    let folder = TempDir::new().unwrap();
+    let file = write(&folder, "bad.json", content);
+    gravel(&["solve", text(&file)]).refused(&[&["bad.json"], words].concat());
+}
+
+/// The pair with one value changed is refused.
+#[track_caller]
+fn refused_with(pointer: &str, value: Value, words: &[&str]) {
+    refused(&pair_with(pointer, value).to_string(), words);
+}
+
+#[test]
+fn unchanged_pair_is_accepted() {
+    let folder = TempDir::new().unwrap();
+    gravel(&["solve", text(&write(&folder, "pair.json", &pair().to_string()))]).succeeded();
+}
+
+#[test]
+fn nan_and_infinity_are_refused_at_their_place() {
+    let text = pair_with("/grains/mass", json!([1.0, 12345.0])).to_string();
+    let with = |token: &str| text.replace("12345.0", token);
+    refused(&with("NaN"), &["`grains.mass[1]`", "line 1 column"]);
+    refused(&with("Infinity"), &["`grains.mass[1]`", "line 1 column"]);
+    refused(&with("1e999"), &["`grains.mass[1]`", "number out of range", "line 1 column"]);
+}
+
+#[test]
+fn null_in_a_list_of_numbers_is_refused() {
+    refused_with("/grains/mass", json!([1.0, null]), &["`grains.mass[1]`", "null"]);
+    refused_with("/contacts/gap", json!([null, 0.0]), &["`contacts.gap[0]`", "null"]);
+    refused_with("/contacts/candidate", json!([0, null]), &["`contacts.candidate[1]`", "null"]);
+}
+
+#[test]
+fn mass_and_radius_that_are_not_positive_are_refused() {
+    refused_with("/grains/mass", json!([1.0, -2.0]), &["`grains.mass[1]` is -2", "positive"]);
+    refused_with("/grains/mass", json!([0.0, 2.0]), &["`grains.mass[0]` is 0", "positive"]);
+    refused_with("/grains/radius", json!([0.5, -0.5]), &["`grains.radius[1]` is -0.5", "positive"]);
+}
+
+#[test]
+fn time_step_that_is_not_positive_is_refused() {
+    refused_with("/time_step", json!(0.0), &["`time_step` is 0", "positive"]);
+    refused_with("/time_step", json!(-0.005), &["`time_step` is -0.005", "positive"]);
+}
+
+#[test]
+fn negative_impulse_of_the_time_step_before_is_refused() {
+    refused_with("/contacts/start", json!([0.0, -1.0]), &["`contacts.start[1]` is -1", "not negative"]);
+}
+
+#[test]
+fn index_beyond_the_grains_is_refused() {
+    refused_with("/contacts/candidate", json!([0, 2]), &["`contacts.candidate[1]` is 2", "2 grains"]);
+    refused_with("/contacts/antagonist", json!([null, 7]), &["`contacts.antagonist[1]` is 7", "2 grains"]);
+    refused_with("/contacts/candidate", json!([-1, 1]), &["`contacts.candidate[0]`", "-1"]);
+    refused_with("/contacts/antagonist", json!([null, 0.5]), &["`contacts.antagonist[1]`", "0.5"]);
+}
+
+#[test]
+fn contact_of_a_grain_with_itself_is_refused() {
+    refused_with("/contacts/antagonist", json!([null, 1]), &["`contacts.antagonist[1]` is 1", "candidate"]);
+}
+
+#[test]
+fn normal_that_is_not_a_unit_vector_of_the_plane_is_refused() {
+    let refused_with = |normal: Value, words| {
+        refused_with("/contacts/normal", json!([[0.0, 1.0], normal]), words);
+    };
+    refused_with(json!([0.0, 2.0]), &["`contacts.normal[1]` is [0, 2] of length 2", "length 1"]);
+    refused_with(json!([0.0, 0.0]), &["`contacts.normal[1]` is [0, 0] of length 0", "length 1"]);
+    // 1e-9 is allowed, since files keep 16 digits.
+    refused_with(json!([0.0, 1.000_000_002]), &["`contacts.normal[1]` is [0, 1.000000002]", "length 1"]);
+    refused_with(json!([1.0]), &["`contacts.normal[1]`", "length 1"]);
+    refused_with(json!([0.0, 1.0, 0.0]), &["`contacts.normal[1]`"]);
+}
+
+#[test]
+fn unknown_key_is_refused_with_the_known_ones() {
+    refused_with("/friction", json!(0.3), &["`friction`", "`time_step`"]);
+    refused_with("/grains/inertia", json!([1.0, 1.0]), &["`grains.inertia`", "`free_velocity`"]);
+    refused_with("/contacts/friction", json!([0.3, 0.3]), &["`contacts.friction`", "`antagonist`"]);
+}
+
+#[test]
+fn missing_and_repeated_keys_are_refused() {
+    let mut without = pair();
+    without["contacts"].as_object_mut().unwrap().remove("gap");
+    refused(&without.to_string(), &["`contacts`", "missing", "`gap`"]);
+    let twice = pair().to_string().replacen('{', "{\"name\":\"one more\",", 1);
+    refused(&twice, &["duplicate", "`name`"]);
+}
+
+#[test]
+fn lists_of_unequal_length_are_refused() {
+    for key in ["radius", "position", "free_velocity"] {
+        let mut one = pair()["grains"][key].clone();
+        one.as_array_mut().unwrap().pop();
+        let name = format!("`grains.{key}` has 1 values where 2 are expected");
+        refused_with(&format!("/grains/{key}"), one, &[&name]);
+    }
+    for key in ["antagonist", "normal", "offset", "gap"] {
+        let mut one = pair()["contacts"][key].clone();
+        one.as_array_mut().unwrap().pop();
+        let name = format!("`contacts.{key}` has 1 values where 2 are expected");
+        refused_with(&format!("/contacts/{key}"), one, &[&name]);
+    }
+    let words = ["`contacts.start` has 3 values where 2 are expected"];
+    refused_with("/contacts/start", json!([0.0, 0.0, 0.0]), &words);
+}
+
+#[test]
+fn value_of_another_type_is_refused() {
+    refused_with("/time_step", json!("0.005"), &["`time_step`", "\"0.005\""]);
+    refused_with("/grains/mass", json!([1.0, "2 kg"]), &["`grains.mass[1]`", "\"2 kg\""]);
+    refused_with("/contacts/candidate", json!({}), &["`contacts.candidate`", "map"]);
+}
+
+#[test]
+fn another_format_is_refused() {
+    let words = ["`format` is \"gravel/contact-problem/2\"", "\"gravel/contact-problem/1\""];
+    refused_with("/format", json!("gravel/contact-problem/2"), &words);
+}
+
+#[test]
+fn empty_truncated_and_continued_files_are_refused() {
+    let whole = pair().to_string();
+    refused("", &["line 1 column 0"]);
+    for quarters in [1, 2, 3] {
+        refused(&whole[..whole.len() * quarters / 4], &["EOF", "line 1 column"]);
+    }
+    refused(&whole[..whole.len() - 1], &["EOF", "line 1 column"]);
+    refused(&format!("{whole}\n{whole}"), &["trailing characters", "line 2 column 1"]);
+    refused("gravel", &["line 1 column 1"]);
+}
+
+#[test]
+fn file_that_is_not_text_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("bad.json");
+    std::fs::write(&file, [0xff, 0xfe, 0x00]).unwrap();
+    gravel(&["solve", text(&file)]).refused(&["bad.json", "UTF-8"]);
+}
+
+#[test]
+fn folder_given_as_a_file_is_refused() {
+    let folder = TempDir::new().unwrap();
+    gravel(&["solve", text(folder.path())]).refused(&[text(folder.path()), "is a folder"]);
+    gravel(&["simulate", text(folder.path()), "--time-steps", "1"]).refused(&["is a folder"]);
+    gravel(&["bench", text(folder.path())]).refused(&["is a folder"]);
+}
+
+#[test]
+fn missing_file_is_refused_with_the_known_names() {
+    gravel(&["solve", "absent.json"]).refused(&["`absent.json`", "settled-991", "column"]);
+    gravel(&["simulate", "absent.toml", "--time-steps", "1"]).refused(&["`absent.toml`", "column"]);
+    gravel(&["bench", "absent"]).refused(&["`absent`", "paper"]);
+}
+
+#[test]
+fn frozen_problem_given_as_a_case_or_a_plan_is_refused_in_a_line() {
+    let file = "cases/frozen/settled-991.json";
+    gravel(&["simulate", file, "--time-steps", "1"]).refused(&["settled-991.json: a case", ".toml"]);
+    gravel(&["bench", file]).refused(&["settled-991.json: a plan", ".toml"]);
+}

@@ -1,0 +1,165 @@
+//! Arguments that make no sense: the error names the argument or setting and its value.
+
+use crate::common::{checkout, gravel, pair, text, write};
+use std::fs;
+use tempfile::TempDir;
+
+/// `gravel solve` on the pair with these arguments is refused.
+#[track_caller]
+fn refused(args: &[&str], words: &[&str]) {
+    let folder = TempDir::new().unwrap();
+    let file = write(&folder, "pair.json", &pair().to_string());
+    gravel(&[&["solve", text(&file)], args].concat()).refused(words);
+}
+
+#[track_caller]
+fn refused_setting(method: &str, setting: &str, words: &[&str]) {
+    let key = format!("`{}`", setting.split_once('=').unwrap().0);
+    refused(&["--method", method, "--set", setting], &[&[method, &key], words].concat());
+}
+
+#[test]
+fn unknown_method_is_refused_with_the_known_ones() {
+    refused(&["--method", "newton"], &["`newton`", "nsgs", "jacobi", "cg", "nsgs-dd"]);
+}
+
+#[test]
+fn unknown_setting_is_refused_with_the_known_ones() {
+    refused_setting("nsgs", "relax=1", &["`order`", "`relaxation`"]);
+    refused_setting("cg", "relaxation=1", &["`preconditioner`"]);
+    refused_setting("nsgs-dd", "sweeps=1", &["`inner_sweeps`"]);
+}
+
+#[test]
+fn setting_of_another_type_is_refused_with_its_value() {
+    refused_setting("nsgs", "relaxation=abc", &["\"abc\""]);
+    refused_setting("nsgs", "relaxation=NaN", &["\"NaN\""]);
+    refused_setting("nsgs", "order=diagonal", &["`diagonal`", "`natural`"]);
+    refused_setting("nsgs", "symmetric=1", &["`1`", "boolean"]);
+    refused_setting("nsgs-dd", "inner_sweeps=-1", &["`-1`"]);
+    refused_setting("nsgs-dd", "inner_sweeps=1.5", &["`1.5`"]);
+    refused_setting("nsgs-dd", "subdomains=4y2", &["\"4y2\"", "\"4x2\""]);
+    refused_setting("nsgs-dd", "subdomains=-3", &["`-3`", "at least 1"]);
+    refused_setting("nsgs-dd", "subdomains=99999999999", &["`99999999999`"]);
+}
+
+#[test]
+fn text_that_is_no_setting_is_refused() {
+    refused(&["--set", "relaxation"], &["--set", "'relaxation'", "KEY=VALUE"]);
+    refused(&["--set", "=1"], &["--set", "'=1'", "KEY=VALUE"]);
+}
+
+#[test]
+fn relaxation_that_is_not_positive_is_refused() {
+    for method in ["nsgs", "jacobi"] {
+        refused_setting(method, "relaxation=0", &["pair.json", "is 0:", "positive"]);
+        refused_setting(method, "relaxation=-1", &["pair.json", "is -1:", "positive"]);
+    }
+}
+
+#[test]
+fn no_subdomain_is_refused() {
+    refused_setting("nsgs-dd", "subdomains=0", &["`0`", "at least 1"]);
+    refused_setting("nsgs-dd", "subdomains=0x2", &["\"0x2\"", "at least 1"]);
+}
+
+#[test]
+fn more_subdomains_than_contacts_are_refused() {
+    refused_setting("nsgs-dd", "subdomains=3", &["pair.json", "is 3x1:", "at most 2"]);
+    refused_setting("nsgs-dd", "subdomains=65536x65536", &["is 65536x65536:", "at most 2"]);
+}
+
+#[test]
+fn no_inner_sweep_is_refused() {
+    refused_setting("nsgs-dd", "inner_sweeps=0", &["pair.json", "is 0:", "at least 1"]);
+}
+
+#[test]
+fn tolerance_that_is_not_a_positive_number_is_refused() {
+    refused(&["--tolerance", "-1"], &["`tolerance` is -1:", "not negative"]);
+    refused(&["--tolerance", "nan"], &["`tolerance` is NaN:", "finite"]);
+    refused(&["--tolerance", "inf"], &["`tolerance` is inf:", "finite"]);
+    refused(&["--tolerance", "tight"], &["--tolerance", "'tight'"]);
+}
+
+#[test]
+fn unknown_measure_is_refused_with_the_known_ones() {
+    refused(&["--on", "energy"], &["--on", "'energy'", "zeta, natural_map, penetration_rate"]);
+}
+
+#[test]
+fn counts_that_are_not_counts_are_refused() {
+    refused(&["--max-iterations", "-1"], &["--max-iterations", "'-1'"]);
+    refused(&["--max-iterations", "1.5"], &["--max-iterations", "'1.5'"]);
+    refused(&["--threads", "0"], &["--threads", "'0'"]);
+    gravel(&["simulate", "column", "--time-steps", "-1"]).refused(&["--time-steps", "'-1'"]);
+}
+
+#[test]
+fn typo_in_a_case_is_refused_at_its_line() {
+    let folder = TempDir::new().unwrap();
+    let case = fs::read_to_string(checkout().join("cases/column.toml")).unwrap();
+    let line = 1 + case.lines().position(|line| line.starts_with("gravity_m_per_s2")).unwrap();
+    let typo = write(&folder, "typo.toml", &case.replace("gravity_m_per_s2", "gravity"));
+    let place = format!("line {line}, column 1");
+    gravel(&["solve", text(&typo)]).refused(&["typo.toml", &place, "`gravity`", "`gravity_m_per_s2`"]);
+}
+
+#[test]
+fn change_of_a_case_that_its_file_could_not_hold_is_refused() {
+    let refused = |change, words: &[&str]| {
+        gravel(&["solve", "column", "--scene", change]).refused(&[&["column.toml"], words].concat());
+    };
+    refused("sample.grain=3", &["sample.grain = 3", "`grain`", "`grains`"]);
+    refused("scene.boxx.width_m=3", &["scene.boxx.width_m = 3", "`scene.boxx`", "`box`"]);
+    refused("sample.grains=many", &["sample.grains = many", "u32"]);
+    refused("scene.law=hertz", &["`scene.law`", "`hertz`", "`iqs`"]);
+    refused("scene.law.name=iqs", &["`scene.law.name`", "`law` is a value"]);
+    refused("sample.grains=0", &["`sample` has no grain"]);
+    refused("scene.time_step_s=0", &["`scene.time_step_s` is 0:", "positive"]);
+    refused("scene.theta=2", &["`scene.theta` is 2:", "between 0 and 1"]);
+    refused("solve_at=0", &["`solve_at` is 0:", "from 1"]);
+}
+
+#[test]
+fn change_of_the_scene_of_a_frozen_problem_is_refused() {
+    refused(&["--scene", "sample.grains=3"], &["--scene sample.grains", "pair.json", "no scene"]);
+    refused(&["--time-step", "3"], &["--time-step", "pair.json", "no other time step"]);
+}
+
+#[test]
+fn time_step_that_the_case_does_not_have_is_refused() {
+    let refused = |case, time_step, words: &[&str]| {
+        gravel(&["solve", case, "--time-step", time_step]).refused(words);
+    };
+    refused("column", "0", &["--time-step 0", "from 1"]);
+    refused("column", "-1", &["--time-step -1", "from 1"]);
+    refused("column", "onset", &["--time-step onset", "a number from 1"]);
+    refused("shear-box-991", "onst", &["--time-step onst", "onset"]);
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("column.json");
+    gravel(&["freeze", "column", "--time-step", "0", "-o", text(&file)]).refused(&["--time-step 0"]);
+    assert!(!file.exists());
+}
+
+#[test]
+fn place_where_no_file_can_be_is_refused_before_the_work() {
+    let folder = TempDir::new().unwrap();
+    let nowhere = folder.path().join("absent/file");
+    // 10¹² time steps would not end within any test.
+    let long = ["--time-steps", "1000000000000"];
+    for (file, words) in [(nowhere.as_path(), ["absent/file", "no folder"]), (folder.path(), ["", "is a folder"])] {
+        refused(&["--impulses", text(file)], &words);
+        let freeze = ["freeze", "column", "--time-step", long[1], "--force", "-o", text(file)];
+        gravel(&freeze).refused(&words);
+    }
+    gravel(&[&["simulate", "column", "-o", text(&nowhere)], &long[..]].concat()).refused(&["no folder"]);
+}
+
+#[test]
+fn folder_that_is_no_checkout_is_refused() {
+    let folder = TempDir::new().unwrap();
+    gravel(&["--root", text(folder.path()), "list", "cases"]).refused(&["--root", "cases/frozen"]);
+    let absent = folder.path().join("absent");
+    gravel(&["--root", text(&absent), "list", "cases"]).refused(&["--root", "absent"]);
+}

@@ -1,0 +1,93 @@
+//! `gravel list` and `gravel simulate`, and what is printed where nobody reads.
+
+use crate::common::{checkout, command, entries, gravel, methods, text, write};
+use std::fs;
+use tempfile::TempDir;
+
+/// Names of the files of a folder of the checkout with this ending, without it.
+fn names(folder: &str, ending: &str) -> Vec<String> {
+    let files = entries(&checkout().join(folder));
+    let names: Vec<String> =
+        files.iter().filter_map(|file| file.strip_suffix(ending)).map(str::to_owned).collect();
+    assert!(!names.is_empty());
+    names
+}
+
+/// The first word of every line.
+fn first_words(told: &str) -> Vec<&str> {
+    told.lines().filter_map(|line| line.split_whitespace().next()).collect()
+}
+
+#[test]
+fn list_of_cases_has_every_case_and_every_frozen_problem() {
+    let told = gravel(&["list", "cases"]).succeeded().stdout;
+    let listed = first_words(&told);
+    let mut expected: Vec<String> = names("cases", ".toml");
+    expected.retain(|name| name != "Cargo");
+    let frozen = names("cases/frozen", ".json");
+    expected.extend(frozen.into_iter().filter(|name| !name.ends_with(".solution")));
+    for name in &expected {
+        assert!(listed.contains(&name.as_str()), "no {name} in: {told}");
+    }
+    // And two headings.
+    assert_eq!(listed.len(), expected.len() + 2, "{told}");
+}
+
+#[test]
+fn list_of_plans_has_every_plan() {
+    let told = gravel(&["list", "plans"]).succeeded().stdout;
+    assert_eq!(first_words(&told), names("harness/plans", ".toml"));
+}
+
+#[test]
+fn every_listed_method_solves_and_no_other_is_known() {
+    let listed = methods();
+    for (method, _) in &listed {
+        let object = gravel(&["solve", "two-discs", "--json", "--method", method]).json();
+        assert_eq!(object["status"], "converged", "{method}");
+    }
+    let names: Vec<&str> = listed.iter().map(|(name, _)| name.as_str()).collect();
+    gravel(&["solve", "two-discs", "--method", "?"]).refused(&[&format!("there are {}", names.join(", "))]);
+}
+
+#[test]
+fn simulation_writes_a_row_per_time_step() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("column.csv");
+    gravel(&["simulate", "column", "--time-steps", "3", "-o", text(&file)]).succeeded();
+    let csv = fs::read_to_string(&file).unwrap();
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 1 + 3, "{csv}");
+    assert_eq!(&rows[0][..5], ["time_step", "time_s", "contacts", "status", "iterations"]);
+    for (k, row) in (1..).zip(&rows[1..]) {
+        assert_eq!(row.len(), rows[0].len(), "{csv}");
+        assert_eq!((row[0], row[2], row[3]), (&*k.to_string(), "20", "converged"), "{csv}");
+        // 5 ms per time step, to the rounding of a product.
+        assert!((row[1].parse::<f64>().unwrap() - 0.005 * f64::from(k)).abs() < 1e-15, "{csv}");
+    }
+}
+
+#[test]
+fn simulation_refuses_to_replace_a_file() {
+    let folder = TempDir::new().unwrap();
+    let file = write(&folder, "kept.csv", "what was there");
+    gravel(&["simulate", "column", "--time-steps", "3", "-o", text(&file)]).refused(&["kept.csv", "exists"]);
+    assert_eq!(fs::read_to_string(&file).unwrap(), "what was there");
+}
+
+#[test]
+fn simulation_says_how_many_time_steps_did_not_converge() {
+    let told = gravel(&["simulate", "column", "--time-steps", "3", "--max-iterations", "1"]).succeeded().stdout;
+    assert!(told.contains("3 of 3 time steps did not converge to natural_map ≤ 1e-6"), "{told}");
+}
+
+#[test]
+fn output_that_nobody_reads_is_no_panic() {
+    for args in [&["list", "methods"][..], &["solve", "column"], &["simulate", "column", "--time-steps", "3"]] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = command(args).stdout(writer).output().unwrap();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), &*told), (Some(0), ""), "{args:?}");
+    }
+}

@@ -1,0 +1,104 @@
+//! What the tests of the methods share: problems, and runs that are watched iterate by iterate.
+
+use cases::{Case, Frozen, March};
+use contact::{Contact, ContactProblem, Iteration, Meter, Solver};
+use nalgebra::Vector2;
+use proptest::prelude::*;
+use std::path::{Path, PathBuf};
+
+fn cases_folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases")
+}
+
+/// Names of the frozen packings.
+pub const PACKINGS: [&str; 5] = [
+    "settled-991",
+    "shear-box-991-rest",
+    "shear-box-991-onset",
+    "shear-box-991-sheared",
+    "lmgc90-shear-991-t1",
+];
+
+/// A frozen problem by name.
+///
+/// # Panics
+/// If there is none.
+pub fn frozen(name: &str) -> Frozen {
+    let path = cases_folder().join("frozen").join(name).with_extension("json");
+    Frozen::read(&path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The first contact problem of a case, with some of its values replaced.
+///
+/// # Panics
+/// If there is none.
+pub fn first_problem(case: &str, overrides: &[(&str, &str)]) -> Frozen {
+    let path = cases_folder().join(case).with_extension("toml");
+    let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).into(), (*value).into())).collect();
+    let case = Case::read(&path, &overrides).unwrap_or_else(|error| panic!("{error}"));
+    let step = March::new(&case).and_then(|march| march.next());
+    step.unwrap_or_else(|error| panic!("{error}")).frozen
+}
+
+/// Starts `solver` on `problem` from r = 0.
+///
+/// # Panics
+/// If it refuses.
+pub fn start<'p>(solver: &dyn Solver, problem: &'p ContactProblem) -> Box<dyn Iteration + 'p> {
+    let r0 = vec![0.0; problem.contact_count()];
+    solver.start(problem, &r0).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The impulses of an iteration (N·s).
+pub fn impulses(iteration: &dyn Iteration, problem: &ContactProblem) -> Vec<f64> {
+    let mut r = vec![f64::NAN; problem.contact_count()];
+    iteration.impulses(&mut r);
+    r
+}
+
+/// q(r) of every iterate from the start to `iterations` (J).
+pub fn energies(solver: &dyn Solver, problem: &ContactProblem, iterations: u64) -> Vec<f64> {
+    let mut iteration = start(solver, problem);
+    let mut meter = Meter::new(problem);
+    (0..=iterations)
+        .map(|k| {
+            if k > 0 {
+                iteration.advance();
+            }
+            meter.measure(&impulses(&*iteration, problem), 0.0).energy
+        })
+        .collect()
+}
+
+/// Greatest |a − b| over greatest |a| (–).
+pub fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    let scale = greatest(&mut a.iter().map(|a| a.abs()));
+    greatest(&mut a.iter().zip(b).map(|(a, b)| (a - b).abs())) / scale.max(f64::MIN_POSITIVE)
+}
+
+/// Problems of up to 30 grains and 60 contacts in no order that a scene would give: masses over four decades, any
+/// normals, several contacts on a pair, walls anywhere.
+pub fn any_problem() -> impl Strategy<Value = ContactProblem> {
+    (2..30_u32, 1..60_usize).prop_flat_map(|(grains, contacts)| {
+        let vector = |size: f64| (-size..size, -size..size).prop_map(|(x, y)| Vector2::new(x, y));
+        let n = grains as usize;
+        let masses = prop::collection::vec((-2.0..2.0_f64).prop_map(|exponent| 10_f64.powf(exponent)), n);
+        let positions = prop::collection::vec(vector(10.0), n);
+        let velocities = prop::collection::vec(vector(1.0), n);
+        let contact = (0..grains, 0..=grains, 0.0..std::f64::consts::TAU, -1.0..1.0_f64).prop_map(
+            move |(candidate, other, angle, offset)| Contact {
+                candidate,
+                antagonist: (other < grains && other != candidate).then_some(other),
+                normal: Vector2::new(angle.cos(), angle.sin()),
+                offset,
+            },
+        );
+        (masses, positions, velocities, prop::collection::vec(contact, contacts)).prop_map(
+            |(masses, positions, velocities, contacts)| {
+                ContactProblem::new(masses, positions, velocities, contacts)
+                    .unwrap_or_else(|error| panic!("{error}"))
+            },
+        )
+    })
+}

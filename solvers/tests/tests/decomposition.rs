@@ -1,0 +1,205 @@
+//! What a partition must be, what gluing must give, and the descent that split masses assure.
+
+use contact::{ContactProblem, Solver};
+use nalgebra::Vector2;
+use nsgs::{Nsgs, Order};
+use nsgs_dd::{Exchange, NsgsDd};
+use partition::{Decomposition, Grid, Partition, Scheme};
+use proptest::prelude::*;
+use solver_tests::{PACKINGS, any_problem, difference, energies, frozen, impulses, start};
+
+const GRIDS: [Grid; 5] = [
+    Grid::ONE,
+    Grid { nx: 2, ny: 1 },
+    Grid { nx: 2, ny: 2 },
+    Grid { nx: 4, ny: 2 },
+    Grid { nx: 5, ny: 5 },
+];
+
+/// Round-off of q relative to its greatest size: sums of a few thousand terms of either sign (–).
+const ROUND_OFF: f64 = 1e-12;
+
+fn assert_never_increases(energies: &[f64], what: &str) {
+    let scale = energies.iter().fold(0.0_f64, |scale, q| scale.max(q.abs()));
+    for (k, pair) in energies.windows(2).enumerate() {
+        let bound = pair[0] + ROUND_OFF * scale;
+        assert!(pair[1] <= bound, "{what}: q goes from {:e} to {:e} in iteration {}", pair[0], pair[1], k + 1);
+    }
+}
+
+fn fits(problem: &ContactProblem, grid: Grid) -> bool {
+    grid.count() <= problem.contact_count() as u64
+}
+
+fn assert_is_a_partition(problem: &ContactProblem, partition: &Partition) {
+    let decomposition = Decomposition::new(problem, partition);
+    let mut held: Vec<u32> = decomposition.subdomains.iter().flat_map(|e| e.contacts.clone()).collect();
+    held.sort_unstable();
+    assert_eq!(held, (0..problem.contact_count() as u32).collect::<Vec<_>>(), "each contact in one subdomain");
+
+    // The masses M_i/m_i of the copies, found by walking through the subdomains, sum to the grain's.
+    let mut mass = vec![0.0; problem.grain_count()];
+    for subdomain in &decomposition.subdomains {
+        for (contact, (i, j)) in
+            subdomain.contacts.iter().zip(subdomain.candidate.iter().zip(&subdomain.antagonist))
+        {
+            let contact = problem.contacts()[*contact as usize];
+            assert_eq!(subdomain.grains[*i as usize], contact.candidate);
+            assert_eq!(j.map(|j| subdomain.grains[j as usize]), contact.antagonist);
+        }
+        for grain in &subdomain.grains {
+            let grain = *grain as usize;
+            mass[grain] += problem.mass()[grain] / f64::from(decomposition.multiplicity[grain]);
+        }
+    }
+    for (grain, (copies, whole)) in mass.iter().zip(problem.mass()).enumerate() {
+        let touched = decomposition.multiplicity[grain] > 0;
+        assert!(!touched || (copies / whole - 1.0).abs() < 1e-14, "grain {grain}: {copies} of {whole} kg");
+    }
+}
+
+#[test]
+fn partitions_of_packings_hold_every_contact_once_and_the_whole_mass() {
+    for name in PACKINGS {
+        let problem = frozen(name).problem;
+        for grid in GRIDS {
+            for scheme in [Scheme::Boxes, Scheme::Balanced] {
+                assert_is_a_partition(&problem, &scheme.partition(&problem, grid).unwrap());
+            }
+        }
+    }
+}
+
+#[test]
+fn balanced_subdomains_differ_by_few_contacts() {
+    let problem = frozen("shear-box-991-sheared").problem;
+    let partition = Scheme::Balanced.partition(&problem, Grid { nx: 4, ny: 2 }).unwrap();
+    let count = |e: u32| partition.subdomain.iter().filter(|other| **other == e).count();
+    let counts: Vec<usize> = (0..8).map(count).collect();
+    assert!(counts.iter().max().unwrap() - counts.iter().min().unwrap() <= 2, "{counts:?}");
+}
+
+/// From V̄ = `V_free` + M⁻¹ H r, each copy takes the change of its own subdomain's impulses on its share of the mass.
+#[test]
+fn glued_copies_move_at_the_velocity_of_the_whole_problem() {
+    let problem = frozen("shear-box-991-sheared").problem;
+    let n = problem.contact_count();
+    let r: Vec<f64> = (0..n).map(|k| (k as f64).sin().abs()).collect();
+    let change: Vec<f64> = (0..n).map(|k| (1.7 * k as f64).cos()).collect();
+    let sum: Vec<f64> = r.iter().zip(&change).map(|(r, dr)| r + dr).collect();
+    let (mut before, mut after) =
+        (vec![Vector2::zeros(); problem.grain_count()], vec![Vector2::zeros(); problem.grain_count()]);
+    problem.velocity(&r, &mut before);
+    problem.velocity(&sum, &mut after);
+
+    let partition = Scheme::Boxes.partition(&problem, Grid { nx: 5, ny: 5 }).unwrap();
+    let decomposition = Decomposition::new(&problem, &partition);
+    assert!(*decomposition.multiplicity.iter().max().unwrap() >= 3, "the cut has corners");
+    let mut velocity: Vec<Vec<Vector2<f64>>> = decomposition
+        .subdomains
+        .iter()
+        .map(|e| e.grains.iter().map(|grain| before[*grain as usize]).collect())
+        .collect();
+    for (e, velocity) in decomposition.subdomains.iter().zip(&mut velocity) {
+        let inverse_mass = |local: u32| {
+            let grain = e.grains[local as usize] as usize;
+            f64::from(decomposition.multiplicity[grain]) / problem.mass()[grain]
+        };
+        for (k, contact) in e.contacts.iter().enumerate() {
+            let impulse = problem.contacts()[*contact as usize].normal * change[*contact as usize];
+            velocity[e.candidate[k] as usize] += impulse * inverse_mass(e.candidate[k]);
+            if let Some(j) = e.antagonist[k] {
+                velocity[j as usize] -= impulse * inverse_mass(j);
+            }
+        }
+    }
+    let jump = decomposition.glue(&mut velocity);
+    assert!(jump > 0.1, "there was something to glue: {jump} m/s");
+    for (e, velocity) in decomposition.subdomains.iter().zip(&velocity) {
+        for (grain, v) in e.grains.iter().zip(velocity) {
+            // Velocities are of the order of 1 m/s.
+            assert!((v - after[*grain as usize]).norm() < 1e-13);
+        }
+    }
+    assert!(decomposition.glue(&mut velocity) < 1e-15, "what is glued stays");
+}
+
+/// The copies are not seen from outside; but a run that is started afresh from the impulses, hence from
+/// `V_free` + M⁻¹ H r, must go on as one that was glued into the same state.
+#[test]
+fn a_run_goes_on_as_one_that_starts_from_its_impulses() {
+    let problem = frozen("shear-box-991-sheared").problem;
+    for exchange in [Exchange::Jacobi, Exchange::GaussSeidel] {
+        for mass_splitting in [true, false] {
+            let settings = NsgsDd {
+                subdomains: Grid { nx: 5, ny: 5 },
+                exchange,
+                mass_splitting,
+                inner_sweeps: 2,
+                ..NsgsDd::default()
+            };
+            let mut run = start(&settings, &problem);
+            (0..20).for_each(|_| run.advance());
+            let mut fresh = settings.start(&problem, &impulses(&*run, &problem)).unwrap();
+            run.advance();
+            fresh.advance();
+            let difference = difference(&impulses(&*run, &problem), &impulses(&*fresh, &problem));
+            assert!(difference < 1e-12, "{exchange:?}, splitting {mass_splitting}: {difference}");
+            assert!(run.velocity_jump() > 0.0);
+        }
+    }
+}
+
+#[test]
+fn split_masses_never_increase_the_energy_of_packings() {
+    for name in PACKINGS {
+        let problem = frozen(name).problem;
+        for subdomains in &GRIDS[1..] {
+            for inner_sweeps in [1, 2, 5] {
+                let settings = NsgsDd { subdomains: *subdomains, inner_sweeps, ..NsgsDd::default() };
+                let what = format!("{name}, {subdomains}, {inner_sweeps} inner sweeps");
+                assert_never_increases(&energies(&settings, &problem, 60), &what);
+            }
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn partitions_of_any_problem_hold_every_contact_once_and_the_whole_mass(problem in any_problem()) {
+        for grid in GRIDS.into_iter().filter(|grid| fits(&problem, *grid)) {
+            for scheme in [Scheme::Boxes, Scheme::Balanced] {
+                assert_is_a_partition(&problem, &scheme.partition(&problem, grid).unwrap());
+            }
+        }
+    }
+
+    #[test]
+    fn split_masses_never_increase_the_energy_of_any_problem(
+        problem in any_problem(),
+        inner_sweeps in prop::sample::select(vec![1_u32, 2, 5]),
+        gauss_seidel: bool,
+    ) {
+        let exchange = if gauss_seidel { Exchange::GaussSeidel } else { Exchange::Jacobi };
+        for subdomains in GRIDS.into_iter().filter(|grid| fits(&problem, *grid)) {
+            for partition in [Scheme::Boxes, Scheme::Balanced] {
+                let settings =
+                    NsgsDd { subdomains, partition, inner_sweeps, exchange, mass_splitting: true };
+                assert_never_increases(&energies(&settings, &problem, 40), &format!("{settings:?}"));
+            }
+        }
+    }
+
+    #[test]
+    fn nsgs_never_increases_the_energy_of_any_problem(
+        problem in any_problem(),
+        relaxation in 0.1..1.95_f64,
+        seed: u64,
+        symmetric: bool,
+    ) {
+        for order in [Order::Natural, Order::BottomUp, Order::Shuffled, Order::Coloured] {
+            let settings = Nsgs { order, seed, relaxation, symmetric };
+            assert_never_increases(&energies(&settings, &problem, 40), &format!("{settings:?}"));
+        }
+    }
+}
