@@ -51,7 +51,8 @@ impl Case {
             }
             case = serde_path_to_error::deserialize(table).map_err(|error| {
                 // The path ends at a table whose keys depend on its `kind`, so the error may not name the key.
-                let set: Vec<String> = overrides.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+                let set: Vec<String> =
+                    overrides.iter().map(|(key, value)| format!("{key} = {value}")).collect();
                 let (key, message) = (error.path().to_string(), error.inner().message().to_owned());
                 CaseError::content(path, format!("with {}: `{key}`: {message}", set.join(", ")))
             })?;

@@ -2,6 +2,7 @@
 
 use crate::curve::Recorder;
 use crate::inputs::{Root, stem};
+use crate::output::say;
 use crate::plan::{Plan, Variant};
 use crate::progress;
 use crate::rows::{asked_row, ended_row, partitions, scene_rows};
@@ -46,7 +47,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let provenance = Provenance::gather(commit, &rustc, rayon::current_num_threads() as u32)?;
     let store = Store::create(&root.join("results/runs"), &plan.name, &provenance.started_utc)?;
 
-    println!("plan {}: {} problems, {} methods", stem(&path), problems.len(), variants.len());
+    say(format_args!("plan {}: {} problems, {} methods", stem(&path), problems.len(), variants.len()))?;
     let mut rows = Rows::default();
     let bar = progress::bar((problems.len() * variants.len()) as u64, "runs");
     for frozen in &problems {
@@ -65,11 +66,11 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let stored = store.write(&tables)?;
     let out = root.join("reports/out").join(&plan.name);
     let files = reports::paper(&tables, &out)?;
-    println!("{}", reports::iterations_text(&tables)?);
-    println!("rows and curves   {}", stored.display());
-    println!("table and figures {}", out.display());
+    say(format_args!("{}", reports::iterations_text(&tables)?))?;
+    say(format_args!("rows and curves   {}", stored.display()))?;
+    say(format_args!("table and figures {}", out.display()))?;
     for file in files {
-        println!("  {}", file.file_name().unwrap_or_default().to_string_lossy());
+        say(format_args!("  {}", file.file_name().unwrap_or_default().to_string_lossy()))?;
     }
     Ok(())
 }

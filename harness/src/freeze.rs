@@ -1,7 +1,7 @@
 //! `gravel freeze`: the contact problem of one time step of a case, as a file.
 
 use crate::inputs::{Root, march_to, stem, time_step};
-use crate::output::{check_place, write_whole};
+use crate::output::{check_place, say, write_whole};
 use crate::solve::{CaseArgs, MethodArgs, StopArgs};
 use anyhow::{Result, bail};
 use cases::{Case, March};
@@ -47,11 +47,11 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         method.name, stop.on, stop.tolerance
     );
     write_whole(&args.output, &frozen.to_json()?)?;
-    println!(
+    say(format_args!(
         "{}: {} grains, {} contacts",
         args.output.display(),
         frozen.problem.grain_count(),
         frozen.problem.contact_count()
-    );
+    ))?;
     Ok(())
 }

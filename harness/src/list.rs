@@ -2,6 +2,7 @@
 
 use crate::inputs::{Root, stem};
 use crate::methods::METHODS;
+use crate::output::say;
 use crate::plan::Plan;
 use anyhow::Result;
 use cases::{Case, Frozen};
@@ -27,26 +28,26 @@ enum What {
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     match args.what {
         What::Cases => {
-            println!("cases");
+            say(format_args!("cases"))?;
             for path in root.cases()? {
-                println!("  {:<24}{}", stem(&path), Case::read(&path, &[])?.why);
+                say(format_args!("  {:<24}{}", stem(&path), Case::read(&path, &[])?.why))?;
             }
-            println!("frozen problems");
+            say(format_args!("frozen problems"))?;
             for path in root.frozen()? {
                 let frozen = Frozen::read(&path)?;
                 let (grains, contacts) = (frozen.problem.grain_count(), frozen.problem.contact_count());
-                println!("  {:<24}{grains} grains, {contacts} contacts", stem(&path));
+                say(format_args!("  {:<24}{grains} grains, {contacts} contacts", stem(&path)))?;
             }
         }
         What::Methods => {
             for entry in METHODS {
-                println!("{:<10}{}", entry.name, entry.what);
-                println!("{:<10}{}", "", Value::Object(entry.defaults()?));
+                say(format_args!("{:<10}{}", entry.name, entry.what))?;
+                say(format_args!("{:<10}{}", "", Value::Object(entry.defaults()?)))?;
             }
         }
         What::Plans => {
             for path in root.plans()? {
-                println!("{:<16}{}", stem(&path), Plan::read(&path)?.why);
+                say(format_args!("{:<16}{}", stem(&path), Plan::read(&path)?.why))?;
             }
         }
     }

@@ -1,8 +1,17 @@
-//! Files that appear whole or not at all.
+//! Lines on standard output, and files that appear whole or not at all.
 
 use anyhow::{Context, Result, bail};
-use std::io::Write;
+use std::fmt::Arguments;
+use std::io::{self, ErrorKind, Write};
 use std::path::Path;
+
+/// Prints a line. Whoever reads may have left, as `head` does: the work goes on without.
+pub(crate) fn say(line: Arguments) -> io::Result<()> {
+    match writeln!(io::stdout(), "{line}") {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        result => result,
+    }
+}
 
 /// Refuses a place where no file can be: known before the work, not after it.
 pub(crate) fn check_place(path: &Path) -> Result<()> {
@@ -21,7 +30,7 @@ fn folder(path: &Path) -> &Path {
 
 /// Writes `content` to a file beside `path` and gives it that name once it is complete.
 pub(crate) fn write_whole(path: &Path, content: &str) -> Result<()> {
-    let write = || -> std::io::Result<()> {
+    let write = || -> io::Result<()> {
         let mut builder = tempfile::Builder::new();
         // A temporary file is closed to other users unless it asks for what files usually get.
         #[cfg(unix)]

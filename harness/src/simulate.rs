@@ -1,7 +1,7 @@
 //! `gravel simulate`: a case through time, with what the scene shows of itself.
 
 use crate::inputs::Root;
-use crate::output::{check_place, write_whole};
+use crate::output::{check_place, say, write_whole};
 use crate::progress;
 use crate::solve::{CaseArgs, MethodArgs, StopArgs};
 use anyhow::{Result, bail};
@@ -46,10 +46,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let mut missed = 0;
     // Ten lines on the terminal, whatever the length.
     let shown_every = (args.time_steps / 10).max(1);
-    println!(
+    say(format_args!(
         "{:>10}  {:>9}  {:>8}  {:>10}  {:>14}  {:>13}  {:>11}",
         "time step", "time (s)", "contacts", "iterations", "kinetic e. (J)", "mean h. (m)", "overlap (m)"
-    );
+    ))?;
     let bar = progress::bar(args.time_steps, "time steps");
     for k in 1..=args.time_steps {
         let (outcome, observables) = march.time_step(&*method.solver, &stop)?;
@@ -58,20 +58,20 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         if k % shown_every == 0 || k == args.time_steps {
             let Observables { time, kinetic_energy, mean_height, greatest_overlap } = observables;
             let (contacts, iterations) = (outcome.impulses.len(), outcome.iterations);
-            bar.suspend(|| println!("{k:>10}  {time:>9.4}  {contacts:>8}  {iterations:>10}  {kinetic_energy:>14.4e}  {mean_height:>13.6}  {greatest_overlap:>11.3e}"));
+            bar.suspend(|| say(format_args!("{k:>10}  {time:>9.4}  {contacts:>8}  {iterations:>10}  {kinetic_energy:>14.4e}  {mean_height:>13.6}  {greatest_overlap:>11.3e}")))?;
         }
         bar.inc(1);
     }
     bar.finish_and_clear();
     if missed > 0 {
-        println!(
+        say(format_args!(
             "{missed} of {} time steps did not converge to {} ≤ {:e}",
             args.time_steps, stop.on, stop.tolerance
-        );
+        ))?;
     }
     if let Some(file) = &args.output {
         write_whole(file, &csv)?;
-        println!("{}", file.display());
+        say(format_args!("{}", file.display()))?;
     }
     Ok(())
 }

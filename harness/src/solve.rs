@@ -2,7 +2,7 @@
 
 use crate::inputs::{Root, content_hash, is_toml, march_to, time_step};
 use crate::methods::{Method, key_value};
-use crate::output::{check_place, write_whole};
+use crate::output::{check_place, say, write_whole};
 use crate::progress;
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
@@ -125,9 +125,9 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         write_whole(file, &json!({ "impulse": outcome.impulses }).to_string())?;
     }
     if args.json {
-        println!("{}", to_json(&frozen, &method, &stop, args.start, &outcome)?);
+        say(format_args!("{}", to_json(&frozen, &method, &stop, args.start, &outcome)?))?;
     } else {
-        print(&frozen, &method, &stop, &outcome);
+        print(&frozen, &method, &stop, &outcome)?;
     }
     Ok(())
 }
@@ -171,22 +171,28 @@ fn to_json(frozen: &Frozen, method: &Method, stop: &Stop, start: Start, outcome:
     Ok(object)
 }
 
-fn print(frozen: &Frozen, method: &Method, stop: &Stop, outcome: &Outcome) {
+fn print(frozen: &Frozen, method: &Method, stop: &Stop, outcome: &Outcome) -> Result<()> {
     let problem = &frozen.problem;
-    println!("{}: {} grains, {} contacts", frozen.name, problem.grain_count(), problem.contact_count());
-    println!("{} {}", method.name, Value::Object(method.settings.clone()));
+    say(format_args!(
+        "{}: {} grains, {} contacts",
+        frozen.name,
+        problem.grain_count(),
+        problem.contact_count()
+    ))?;
+    say(format_args!("{} {}", method.name, Value::Object(method.settings.clone())))?;
     let limit = format!("{} ≤ {:e}", stop.on, stop.tolerance);
-    println!("{} after {} iterations ({limit} asked)", outcome.status.name(), outcome.iterations);
-    println!(
+    say(format_args!("{} after {} iterations ({limit} asked)", outcome.status.name(), outcome.iterations))?;
+    say(format_args!(
         "  set-up {:.3e} s, iterating {:.3e} s",
         outcome.setup.as_secs_f64(),
         outcome.iterating.as_secs_f64()
-    );
+    ))?;
     for measure in Measure::ALL {
         let unit = if measure == Measure::PenetrationRate { " m/s" } else { "" };
-        println!("  {:<17}{:.3e}{unit}", measure.name(), outcome.measures.get(measure));
+        say(format_args!("  {:<17}{:.3e}{unit}", measure.name(), outcome.measures.get(measure)))?;
     }
     if let Some(contact) = outcome.measures.worst_contact {
-        println!("  {:<17}{contact}", "worst_contact");
+        say(format_args!("  {:<17}{contact}", "worst_contact"))?;
     }
+    Ok(())
 }

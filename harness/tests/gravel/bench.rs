@@ -112,14 +112,8 @@ fn study_leaves_its_rows_and_its_figures_under_its_root() {
     let root = study.folder().path();
     assert_eq!(entries(root), ["cases", "harness", "reports", "results"]);
     assert_eq!(entries(&root.join("results/runs")), ["small"]);
-    let tables = [
-        "contacts.parquet",
-        "curves.csv",
-        "curves.parquet",
-        "grains.parquet",
-        "runs.csv",
-        "runs.parquet",
-    ];
+    let tables =
+        ["contacts.parquet", "curves.csv", "curves.parquet", "grains.parquet", "runs.csv", "runs.parquet"];
     assert_eq!(entries(&folder), tables);
     let out = entries(&root.join("reports/out/small"));
     let figures = ["convergence-column-9.svg", "convergence-pair.svg", "convergence.svg"];
@@ -221,9 +215,7 @@ fn number_of_threads_changes_seconds_only() {
         let mut rows = rows(newest.join("runs.csv"));
         assert!(rows.iter().all(|row| row["threads"] == threads));
         for row in &mut rows {
-            row.retain(|column, _| {
-                !column.ends_with("_s") && column != "started_utc" && column != "threads"
-            });
+            row.retain(|column, _| !column.ends_with("_s") && column != "started_utc" && column != "threads");
         }
         rows
     };

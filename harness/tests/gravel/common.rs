@@ -79,8 +79,10 @@ pub(crate) fn write(folder: &TempDir, name: &str, content: &str) -> PathBuf {
 
 /// Names of all entries of a folder, in order.
 pub(crate) fn entries(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> =
-        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    let mut names: Vec<String> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
     names.sort();
     names
 }

@@ -1,6 +1,6 @@
 //! Problems with nothing to do, or with grains that have nothing to do.
 
-use crate::common::{impulses, gravel, methods, pair, pair_with, text, write};
+use crate::common::{gravel, impulses, methods, pair, pair_with, text, write};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -14,7 +14,11 @@ fn nothing_to_do(problem: &Value) {
         for (method, _) in methods() {
             let request = [text(&file), "--method", &method, "--start", start, "--json"];
             let object = gravel(&[&["solve"], &request[..]].concat()).json();
-            assert_eq!((&object["status"], &object["iterations"]), (&json!("converged"), &json!(0)), "{method}");
+            assert_eq!(
+                (&object["status"], &object["iterations"]),
+                (&json!("converged"), &json!(0)),
+                "{method}"
+            );
             assert_eq!(object["natural_map"], 0.0, "{method}");
             assert_eq!(impulses(&request), vec![0.0; contacts], "{method}");
         }

@@ -7,15 +7,8 @@ use std::fs;
 use tempfile::TempDir;
 
 /// A time step of a packing of few discs, in which some contacts are new and some are not.
-const PACKING: [&str; 7] = [
-    "settled-box",
-    "--scene",
-    "sample.grains=40",
-    "--scene",
-    "scene.box.width_m=1",
-    "--time-step",
-    "20",
-];
+const PACKING: [&str; 7] =
+    ["settled-box", "--scene", "sample.grains=40", "--scene", "scene.box.width_m=1", "--time-step", "20"];
 
 /// What `gravel solve` with `args` prints, less seconds and name, and the bytes of its impulses.
 fn solve(args: &[&str]) -> (Value, Vec<u8>) {
@@ -101,7 +94,8 @@ fn reading_and_writing_a_problem_keeps_all_bits() {
     let mut files = vec![write(&folder, "odd.json", &odd.to_string())];
     let frozen = checkout().join("cases/frozen");
     let problems = entries(&frozen);
-    let problems = problems.iter().filter(|name| name.ends_with(".json") && !name.ends_with(".solution.json"));
+    let problems =
+        problems.iter().filter(|name| name.ends_with(".json") && !name.ends_with(".solution.json"));
     files.extend(problems.map(|name| frozen.join(name)));
     assert!(files.len() > 1);
     for file in files {

@@ -16,7 +16,10 @@ const NSGS: &str = "[[methods]]\nmethod = \"nsgs\"\n";
 
 #[test]
 fn unknown_key_of_a_plan_is_refused_at_its_line() {
-    refused(&format!("tolerance = 1e-3\n{}", plan("bad", &["pair"], NSGS)), &["line 1, column 1", "`tolerance`"]);
+    refused(
+        &format!("tolerance = 1e-3\n{}", plan("bad", &["pair"], NSGS)),
+        &["line 1, column 1", "`tolerance`"],
+    );
     let nested = plan("bad", &["pair"], &format!("{NSGS}axis = {{ relaxation = [1.0] }}\n"));
     let line = 1 + nested.lines().position(|line| line.starts_with("axis")).unwrap();
     refused(&nested, &[&format!("line {line}, column 1"), "`axis`", "`axes`"]);

@@ -148,7 +148,9 @@ fn place_where_no_file_can_be_is_refused_before_the_work() {
     let nowhere = folder.path().join("absent/file");
     // 10¹² time steps would not end within any test.
     let long = ["--time-steps", "1000000000000"];
-    for (file, words) in [(nowhere.as_path(), ["absent/file", "no folder"]), (folder.path(), ["", "is a folder"])] {
+    for (file, words) in
+        [(nowhere.as_path(), ["absent/file", "no folder"]), (folder.path(), ["", "is a folder"])]
+    {
         refused(&["--impulses", text(file)], &words);
         let freeze = ["freeze", "column", "--time-step", long[1], "--force", "-o", text(file)];
         gravel(&freeze).refused(&words);

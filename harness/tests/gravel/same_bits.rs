@@ -54,5 +54,7 @@ fn subdomains_that_work_in_threads_give_the_same_bits() {
 
 #[test]
 fn march_gives_the_same_bits() {
-    assert_same("settled-box --scene sample.grains=40 --scene scene.box.width_m=1 --time-step 20 --method nsgs");
+    assert_same(
+        "settled-box --scene sample.grains=40 --scene scene.box.width_m=1 --time-step 20 --method nsgs",
+    );
 }

@@ -77,17 +77,22 @@ fn simulation_refuses_to_replace_a_file() {
 
 #[test]
 fn simulation_says_how_many_time_steps_did_not_converge() {
-    let told = gravel(&["simulate", "column", "--time-steps", "3", "--max-iterations", "1"]).succeeded().stdout;
+    let told =
+        gravel(&["simulate", "column", "--time-steps", "3", "--max-iterations", "1"]).succeeded().stdout;
     assert!(told.contains("3 of 3 time steps did not converge to natural_map ≤ 1e-6"), "{told}");
 }
 
 #[test]
-fn output_that_nobody_reads_is_no_panic() {
-    for args in [&["list", "methods"][..], &["solve", "column"], &["simulate", "column", "--time-steps", "3"]] {
+fn output_that_nobody_reads_stops_no_work() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("column.csv");
+    let simulate = ["simulate", "column", "--time-steps", "3", "-o", text(&file)];
+    for args in [&["list", "methods"][..], &["solve", "column"], &["solve", "column", "--json"], &simulate] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
         let output = command(args).stdout(writer).output().unwrap();
         let told = String::from_utf8(output.stderr).unwrap();
         assert_eq!((output.status.code(), &*told), (Some(0), ""), "{args:?}");
     }
+    assert_eq!(fs::read_to_string(file).unwrap().lines().count(), 1 + 3);
 }

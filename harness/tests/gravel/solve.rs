@@ -25,9 +25,16 @@ fn json_is_one_object_with_the_ending_the_measures_the_work_and_the_settings() {
     assert_eq!(object["status"], "converged");
     let iterations = object["iterations"].as_u64().unwrap();
     assert!(iterations > 0);
-    for key in
-        ["zeta", "natural_map", "penetration_rate", "quad_dv", "max_dv", "velocity_jump", "setup_s", "iterating_s"]
-    {
+    for key in [
+        "zeta",
+        "natural_map",
+        "penetration_rate",
+        "quad_dv",
+        "max_dv",
+        "velocity_jump",
+        "setup_s",
+        "iterating_s",
+    ] {
         assert!(object[key].as_f64().is_some_and(|value| value >= 0.0), "{key}: {}", object[key]);
     }
     assert!(object["natural_map"].as_f64().unwrap() <= 1e-2);
@@ -36,11 +43,11 @@ fn json_is_one_object_with_the_ending_the_measures_the_work_and_the_settings() {
         object["work"],
         json!({ "contact_updates": 20 * iterations, "delassus_products": 0, "interface_values": 0 })
     );
-    assert_eq!((&object["problem"], &object["grains"], &object["contacts"]), (&json!("column-t1"), &json!(20), &json!(20)));
     assert_eq!(
-        object["stop"],
-        json!({ "on": "natural_map", "tolerance": 1e-2, "max_iterations": 100_000 })
+        (&object["problem"], &object["grains"], &object["contacts"]),
+        (&json!("column-t1"), &json!(20), &json!(20))
     );
+    assert_eq!(object["stop"], json!({ "on": "natural_map", "tolerance": 1e-2, "max_iterations": 100_000 }));
 }
 
 #[test]
@@ -126,7 +133,8 @@ fn jacobi_without_relaxation_diverges_on_a_packing_and_ends_well() {
 #[test]
 fn text_names_the_ending_and_every_measure() {
     let told = gravel(&["solve", "column", "--method", "nsgs", "--max-iterations", "3"]).succeeded().stdout;
-    let words = ["column-t1: 20 grains, 20 contacts", "\"relaxation\":1.0", "iteration-limit after 3 iterations"];
+    let words =
+        ["column-t1: 20 grains, 20 contacts", "\"relaxation\":1.0", "iteration-limit after 3 iterations"];
     let measures = ["zeta", "natural_map", "penetration_rate", "quad_dv", "max_dv", "worst_contact"];
     for word in words.iter().chain(&measures) {
         assert!(told.contains(word), "no `{word}` in: {told}");

@@ -1,0 +1,199 @@
+//! What is known of the cases, against what they give.
+
+use cases::{Case, Frozen, March, Side, detect};
+use cg::Cg;
+use contact::{Measure, Status, Stop, solve};
+use nalgebra::Vector2;
+use proptest::prelude::*;
+use std::path::{Path, PathBuf};
+
+const GRAVITY: f64 = 9.81;
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn case(name: &str, overrides: &[(&str, &str)]) -> Case {
+    let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).into(), (*value).into())).collect();
+    Case::read(&folder().join(name).with_extension("toml"), &overrides)
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn march(name: &str, overrides: &[(&str, &str)]) -> March {
+    March::new(&case(name, overrides)).unwrap()
+}
+
+fn tight() -> Stop {
+    Stop { on: Measure::NaturalMap, tolerance: 1e-10, max_iterations: 100_000 }
+}
+
+/// Impulses on the floor: the contacts whose normal points up and that have no antagonist (N·s).
+fn on_the_floor(frozen: &Frozen, r: &[f64]) -> f64 {
+    let contacts = frozen.problem.contacts().iter().zip(r);
+    contacts
+        .filter(|(contact, _)| contact.antagonist.is_none() && contact.normal.y == 1.0)
+        .map(|(_, r)| r)
+        .sum()
+}
+
+#[test]
+fn every_case_file_is_named_as_it_says_and_makes_a_problem() {
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|ending| ending == "toml") && !path.ends_with("Cargo.toml") {
+            let case = Case::read(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(case.name, path.file_stem().unwrap().to_string_lossy());
+            assert!(
+                March::new(&case).unwrap().next().unwrap().frozen.problem.contact_count() > 0,
+                "{}",
+                case.name
+            );
+            count += 1;
+        }
+    }
+    assert!(count >= 5);
+}
+
+#[test]
+fn two_discs_press_as_the_case_file_says() {
+    let frozen = march("two-discs", &[]).next().unwrap().frozen;
+    let r = solve(&Cg::default(), &frozen.problem, &frozen.start, &tight(), &mut |_| {}).unwrap().impulses;
+    let area = std::f64::consts::PI;
+    let weight = |discs: f64| discs * 1000.0 * area * GRAVITY * 0.005;
+    assert_eq!(r.len(), 2);
+    // The lower disc's contact with the floor, then that between the two; areas are π/4 and π.
+    assert!((r[0] / weight(1.25) - 1.0).abs() < 1e-9, "{r:?}");
+    assert!((r[1] / weight(1.0) - 1.0).abs() < 1e-9, "{r:?}");
+    assert!(case("two-discs", &[]).known.contains(&format!("{:.2} and {:.2} N s", r[1], r[0])), "{r:?}");
+}
+
+#[test]
+fn crystal_at_rest_puts_its_whole_weight_on_the_floor() {
+    let frozen = march("triangular", &[]).next().unwrap().frozen;
+    let outcome = solve(&Cg::default(), &frozen.problem, &frozen.start, &tight(), &mut |_| {}).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    let weight: f64 = frozen.problem.mass().iter().sum::<f64>() * GRAVITY * frozen.time_step;
+    assert!((on_the_floor(&frozen, &outcome.impulses) / weight - 1.0).abs() < 1e-6);
+    assert!(outcome.velocity.iter().all(|v| v.norm() < 1e-7), "nothing moves");
+    // More contacts than the 2 n velocities that they hold: impulses are not unique.
+    assert!(frozen.problem.contact_count() > 2 * frozen.problem.grain_count());
+}
+
+#[test]
+fn settled_box_comes_to_rest_on_its_floor_without_overlap() {
+    let mut march = march("settled-box", &[("sample.grains", "60"), ("scene.box.width_m", "1.2")]);
+    let stop = Stop { tolerance: 1e-8, ..tight() };
+    for _ in 0..400 {
+        let (_, observables) = march.time_step(&Cg::default(), &stop).unwrap();
+        // v ≥ −gap/h holds to the tolerance; a gap is advanced to first order, which two discs of 0.1 m that slide by
+        // 0.1 m/s past each other exceed by (h v)²/4R < 1e-6 m.
+        assert!(observables.greatest_overlap < 1e-5, "{observables:?}");
+    }
+    let next = march.next().unwrap();
+    let outcome =
+        solve(&Cg::default(), &next.frozen.problem, &next.frozen.start, &stop, &mut |_| {}).unwrap();
+    let observables = march.advance(&next, &outcome.impulses, &outcome.velocity);
+    let mass: f64 = next.frozen.problem.mass().iter().sum();
+    // One thousandth of the speed that a grain gains in free fall over one time step.
+    assert!(
+        observables.kinetic_energy < 0.5 * mass * (1e-3 * GRAVITY * 0.005_f64).powi(2),
+        "{observables:?}"
+    );
+    let weight = mass * GRAVITY * 0.005;
+    assert!((on_the_floor(&next.frozen, &outcome.impulses) / weight - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn samples_follow_their_seed() {
+    let sample = |seed| march("settled-box", &[("sample.seed", seed)]).next().unwrap().frozen.radius;
+    assert_eq!(sample("5"), sample("5"));
+    assert_ne!(sample("5"), sample("6"));
+}
+
+/// θ = ½ gives the exact parabola: y = y₀ − ½ g t².
+#[test]
+fn free_fall_is_exact() {
+    let discs = "[[0.0, 100.0, 0.5]]";
+    let mut march = march("two-discs", &[("sample.discs", discs), ("scene.law", "predicted-gap")]);
+    let mut height = 0.0;
+    for _ in 0..200 {
+        height = march.time_step(&Cg::default(), &tight()).unwrap().1.mean_height;
+    }
+    assert!((height - (100.0 - 0.5 * GRAVITY)).abs() < 1e-10, "{height} m after 1 s");
+}
+
+/// A disc that lies on a shaken floor moves with it, as long as the floor's acceleration is below g.
+#[test]
+fn disc_on_a_vibrating_floor_follows_it() {
+    let shaken = [
+        ("sample.discs", "[[0.0, 0.5, 0.5]]"),
+        ("scene.time_step_s", "1e-3"),
+        ("scene.box.vibration", "{ amplitude_m = 0.01, frequency_hz = 2.0, direction = \"y\" }"),
+    ];
+    let mut march = march("two-discs", &shaken);
+    for _ in 0..1000 {
+        let observables = march.time_step(&Cg::default(), &tight()).unwrap().1;
+        let floor = 0.01 * (4.0 * std::f64::consts::PI * observables.time).sin();
+        // The box sets off at A 2πf = 0.126 m/s, which the disc learns half a time step late; nothing is lost after.
+        assert!((observables.mean_height - 0.5 - floor).abs() < 0.127 * 0.5e-3, "{observables:?}");
+    }
+}
+
+#[test]
+fn impulses_of_a_contact_begin_the_next_time_step() {
+    let mut march = march("column", &[]);
+    let step = march.next().unwrap();
+    assert!(step.frozen.start.iter().all(|r| *r == 0.0));
+    let r = solve(&Cg::default(), &step.frozen.problem, &step.frozen.start, &tight(), &mut |_| {}).unwrap();
+    march.advance(&step, &r.impulses, &r.velocity);
+    assert_eq!(march.next().unwrap().frozen.start, r.impulses);
+}
+
+/// The paper's law leaves a contact out that will not close; the other keeps it, with its gap in c.
+#[test]
+fn laws_treat_an_open_contact_each_in_its_way() {
+    let floating = |law| {
+        let discs = "[[0.0, 0.5, 0.5], [0.0, 1.5001, 0.5]]";
+        march("two-discs", &[("sample.discs", discs), ("scene.law", law)]).next().unwrap().frozen
+    };
+    let (kept, left_out) = (floating("iqs"), floating("predicted-gap"));
+    assert_eq!(kept.problem.contact_count(), 2);
+    assert!((kept.problem.contacts()[1].offset - 0.0001 / 0.005).abs() < 1e-9);
+    assert_eq!(left_out.problem.contact_count(), 1, "the two fall side by side: their gap stays open");
+}
+
+proptest! {
+    #[test]
+    fn cells_find_the_pairs_that_a_double_loop_finds(
+        discs in prop::collection::vec((-3.0..3.0_f64, -3.0..3.0_f64, 0.05..0.4_f64), 1..80),
+        far in prop::option::of(-1e6..1e6_f64),
+        reach in 0.0..0.3_f64,
+    ) {
+        let mut position: Vec<_> = discs.iter().map(|(x, y, _)| Vector2::new(*x, *y)).collect();
+        let radius: Vec<_> = discs.iter().map(|(_, _, r)| *r).collect();
+        if let Some(far) = far {
+            position[0].x = far;
+        }
+        let found: Vec<_> =
+            detect(&position, &radius, reach).iter().map(|pair| (pair.candidate, pair.antagonist)).collect();
+        let mut expected = Vec::new();
+        for i in 0..position.len() {
+            for j in i + 1..position.len() {
+                if (position[i] - position[j]).norm() - radius[i] - radius[j] <= reach {
+                    expected.push((i as u32, Side::Grain(j as u32)));
+                }
+            }
+        }
+        prop_assert_eq!(found, expected);
+    }
+}
+
+#[test]
+fn unknown_key_is_named_with_its_line() {
+    let error = Case::read(Path::new("no-such-case.toml"), &[]).unwrap_err().to_string();
+    assert!(error.contains("no-such-case.toml"), "{error}");
+    let error =
+        Case::read(&folder().join("column.toml"), &[("sample.grain".into(), "3".into())]).unwrap_err();
+    assert!(error.to_string().contains("column.toml") && error.to_string().contains("grain"), "{error}");
+}

@@ -1,0 +1,205 @@
+//! The loop's outcomes, the measures' definitions, and what a problem is refused for.
+
+use contact::{
+    Contact, ContactProblem, Iteration, Measure, Meter, ProblemError, SetupError, Solver, Status, Stop, Work, solve,
+};
+use nalgebra::Vector2;
+
+/// A grain of 2 kg falling at 1 m/s onto a floor: W = ½, b = −1, so r = 2 N·s.
+fn falling_on_a_floor() -> ContactProblem {
+    let contact = Contact { candidate: 0, antagonist: None, normal: Vector2::y(), offset: 0.0 };
+    ContactProblem::new(vec![2.0], vec![Vector2::zeros()], vec![Vector2::new(0.0, -1.0)], vec![contact]).unwrap()
+}
+
+/// A method that plays back given impulses, the same at every contact.
+struct Recorded(Vec<f64>);
+
+struct Playing {
+    ahead: Vec<f64>,
+    r: Vec<f64>,
+}
+
+impl Solver for Recorded {
+    fn start<'p>(&self, _: &'p ContactProblem, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        Ok(Box::new(Playing { ahead: self.0.iter().rev().copied().collect(), r: r0.to_vec() }))
+    }
+}
+
+impl Iteration for Playing {
+    fn advance(&mut self) {
+        let r = self.ahead.pop().expect("an iterate is left");
+        self.r.fill(r);
+    }
+
+    fn impulses(&self, r: &mut [f64]) {
+        r.copy_from_slice(&self.r);
+    }
+
+    fn work(&self) -> Work {
+        Work::default()
+    }
+}
+
+fn stop(max_iterations: u64) -> Stop {
+    Stop { on: Measure::NaturalMap, tolerance: 1e-3, max_iterations }
+}
+
+#[test]
+fn loop_stops_at_the_first_iterate_that_meets_the_tolerance() {
+    let mut seen = Vec::new();
+    let method = Recorded(vec![1.0, 1.9, 2.0, 2.0]);
+    let outcome = solve(&method, &falling_on_a_floor(), &[0.0], &stop(9), &mut |progress| {
+        seen.push(progress.iteration);
+    });
+    let outcome = outcome.unwrap();
+    assert_eq!((outcome.status, outcome.iterations), (Status::Converged, 3));
+    assert_eq!((outcome.impulses, outcome.velocity), (vec![2.0], vec![Vector2::zeros()]));
+    assert_eq!(seen, [0, 1, 2, 3]);
+}
+
+#[test]
+fn loop_ends_at_its_limit() {
+    let outcome = solve(&Recorded(vec![1.0; 5]), &falling_on_a_floor(), &[0.0], &stop(5), &mut |_| {}).unwrap();
+    assert_eq!((outcome.status, outcome.iterations), (Status::IterationLimit, 5));
+}
+
+#[test]
+fn an_iterate_that_is_not_finite_or_of_endless_energy_has_diverged() {
+    for bad in [f64::NAN, f64::INFINITY, 1e30] {
+        let method = Recorded(vec![1.0, bad, 2.0]);
+        let outcome = solve(&method, &falling_on_a_floor(), &[0.0], &stop(9), &mut |_| {}).unwrap();
+        assert_eq!((outcome.status, outcome.iterations), (Status::Diverged, 2), "{bad}");
+    }
+}
+
+#[test]
+fn where_no_contact_pushes_rest_is_the_answer_before_any_iteration() {
+    let contact = Contact { candidate: 0, antagonist: None, normal: Vector2::y(), offset: 2.0 };
+    let grain = (vec![2.0], vec![Vector2::zeros()], vec![Vector2::new(0.0, -1.0)]);
+    for contacts in [vec![], vec![contact]] {
+        let r0 = vec![7.0; contacts.len()];
+        let problem = ContactProblem::new(grain.0.clone(), grain.1.clone(), grain.2.clone(), contacts).unwrap();
+        for on in Measure::ALL {
+            let stop = Stop { on, ..stop(9) };
+            let outcome = solve(&Recorded(vec![]), &problem, &r0, &stop, &mut |_| {}).unwrap();
+            assert_eq!((outcome.status, outcome.iterations), (Status::Converged, 0));
+            assert!(outcome.impulses.iter().all(|r| *r == 0.0));
+            assert_eq!(outcome.measures.natural_map, 0.0);
+        }
+    }
+}
+
+#[test]
+fn measures_of_one_contact_are_as_by_hand() {
+    let problem = falling_on_a_floor();
+    let mut meter = Meter::new(&problem);
+    // r = 1: v = −1 + ½ = −½, r⁺ = 1 + ½ / ½ = 2, so the natural map is √(½ · 1² / (1² / ½)) = ½.
+    let first = meter.measure(&[1.0], 0.25);
+    assert!(first.zeta.is_nan());
+    assert_eq!((first.natural_map, first.penetration_rate, first.worst_contact), (0.5, 0.5, Some(0)));
+    assert_eq!(first.velocity_jump, 0.25);
+    // DV = ½ (2 − 1), WR = ½ and 1: √(¼ / ½ (¼ + 1)).
+    assert!((first.quad_dv - 0.4_f64.sqrt()).abs() < 1e-15);
+    assert!((first.max_dv - 0.4_f64.sqrt()).abs() < 1e-15);
+    // q = ½ · ½ · 1 − 1
+    assert_eq!(first.energy, -0.75);
+    let second = meter.measure(&[2.0], 0.0);
+    // ζ = |2 − 1| / √(2 · 1)
+    assert!((second.zeta - 0.5_f64.sqrt()).abs() < 1e-15);
+    assert_eq!((second.natural_map, second.penetration_rate, second.worst_contact), (0.0, 0.0, None));
+    assert_eq!(second.energy, -1.0, "the least that q can be");
+}
+
+#[test]
+fn zeta_is_undefined_from_rest() {
+    let problem = falling_on_a_floor();
+    let mut meter = Meter::new(&problem);
+    assert!(meter.measure(&[0.0], 0.0).zeta.is_nan());
+    assert!(meter.measure(&[1.0], 0.0).zeta.is_nan());
+    assert_eq!(meter.measure(&[1.0], 0.0).zeta, 0.0);
+}
+
+#[test]
+fn natural_map_is_the_same_in_any_units() {
+    let contact = |offset| Contact { candidate: 0, antagonist: Some(1), normal: Vector2::x(), offset };
+    let problem = |mass: f64, speed: f64| {
+        let velocity = vec![Vector2::new(-speed, 0.0), Vector2::new(speed, speed)];
+        let contacts = vec![contact(0.0), contact(0.5 * speed)];
+        ContactProblem::new(vec![mass, 3.0 * mass], vec![Vector2::zeros(); 2], velocity, contacts).unwrap()
+    };
+    let (kilograms, tonnes) = (problem(1.0, 1.0), problem(1e-3, 1e3));
+    let one = Meter::new(&kilograms).measure(&[0.7, 0.1], 0.0);
+    let other = Meter::new(&tonnes).measure(&[0.7, 0.1], 0.0);
+    assert!((one.natural_map / other.natural_map - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn delassus_operator_is_symmetric_and_has_its_diagonal() {
+    let grains = 4;
+    let contacts: Vec<Contact> = (0..6_u32)
+        .map(|k| Contact {
+            candidate: k % 4,
+            antagonist: (k % 3 != 0).then_some((k + 1) % 4),
+            normal: Vector2::new(f64::from(k).cos(), f64::from(k).sin()),
+            offset: 0.0,
+        })
+        .collect();
+    let mass = (1..=grains).map(f64::from).collect();
+    let at_rest = vec![Vector2::zeros(); grains as usize];
+    let problem = ContactProblem::new(mass, at_rest.clone(), at_rest.clone(), contacts).unwrap();
+    let column = |k: usize| {
+        let (mut unit, mut column, mut scratch) = (vec![0.0; 6], vec![0.0; 6], at_rest.clone());
+        unit[k] = 1.0;
+        problem.delassus_product(&unit, &mut column, &mut scratch);
+        column
+    };
+    let w: Vec<Vec<f64>> = (0..6).map(column).collect();
+    for i in 0..6 {
+        assert!((w[i][i] - problem.delassus_diagonal()[i]).abs() < 1e-15);
+        for j in 0..6 {
+            assert!((w[i][j] - w[j][i]).abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
+fn senseless_problems_are_refused_by_name() {
+    let with = |change: &dyn Fn(&mut Vec<f64>, &mut Vec<Vector2<f64>>, &mut Vec<Vector2<f64>>, &mut Contact)| {
+        let (mut mass, mut position) = (vec![1.0, 2.0], vec![Vector2::zeros(); 2]);
+        let mut velocity = position.clone();
+        let mut contact = Contact { candidate: 0, antagonist: Some(1), normal: Vector2::x(), offset: 0.0 };
+        change(&mut mass, &mut position, &mut velocity, &mut contact);
+        ContactProblem::new(mass, position, velocity, vec![contact])
+    };
+    assert!(with(&|_, _, _, _| {}).is_ok());
+    let refused = |change: &dyn Fn(&mut Vec<f64>, &mut Vec<Vector2<f64>>, &mut Vec<Vector2<f64>>, &mut Contact)| {
+        with(change).unwrap_err().to_string()
+    };
+    for mass in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
+        assert!(refused(&|m, _, _, _| m[1] = mass).contains("grains.mass[1]"));
+    }
+    assert!(refused(&|_, x, _, _| x[1].y = f64::NAN).contains("grains.position[1]"));
+    assert!(refused(&|_, _, v, _| v[0].x = f64::INFINITY).contains("grains.free_velocity[0]"));
+    assert!(refused(&|_, x, _, _| x.truncate(1)).contains("`grains.position` has 1 values where 2"));
+    assert!(refused(&|_, _, _, c| c.candidate = 2).contains("contacts.candidate[0]"));
+    assert!(refused(&|_, _, _, c| c.antagonist = Some(9)).contains("contacts.antagonist[0]` is 9"));
+    assert!(refused(&|_, _, _, c| c.antagonist = Some(0)).contains("another grain"));
+    assert!(refused(&|_, _, _, c| c.normal *= 2.0).contains("of length 2"));
+    assert!(refused(&|_, _, _, c| c.normal = Vector2::zeros()).contains("contacts.normal[0]"));
+    assert!(refused(&|_, _, _, c| c.normal.x = f64::NAN).contains("contacts.normal[0]"));
+    assert!(refused(&|_, _, _, c| c.offset = f64::NAN).contains("contacts.offset[0]"));
+    assert!(matches!(with(&|m, _, _, _| m[0] = -1.0), Err(ProblemError::Value { index: 0, .. })));
+}
+
+#[test]
+fn senseless_starts_and_stop_rules_are_refused_by_name() {
+    let problem = falling_on_a_floor();
+    let refused = |r0: &[f64], stop: Stop| {
+        solve(&Recorded(vec![]), &problem, r0, &stop, &mut |_| {}).unwrap_err().to_string()
+    };
+    assert!(refused(&[], stop(1)).contains("`start`"));
+    assert!(refused(&[-1.0], stop(1)).contains("-1 at contact 0"));
+    assert!(refused(&[f64::NAN], stop(1)).contains("NaN at contact 0"));
+    assert!(refused(&[0.0], Stop { tolerance: -1.0, ..stop(1) }).contains("`tolerance` is -1"));
+    assert!(refused(&[0.0], Stop { tolerance: f64::NAN, ..stop(1) }).contains("`tolerance` is NaN"));
+}
