@@ -42,7 +42,7 @@ impl CaseError {
         move |source| Self::File { path, source }
     }
 
-    pub(crate) fn content(path: &Path, message: impl ToString) -> Self {
-        Self::Content { path: path.to_owned(), message: message.to_string() }
+    pub(crate) fn content(path: &Path, message: impl std::fmt::Display) -> Self {
+        Self::Content { path: path.to_owned(), message: format!("{message}") }
     }
 }

@@ -127,18 +127,9 @@ impl File {
             }
             .to_string());
         }
-        type Valid = fn(f64) -> bool;
-        let lists: [(&str, &[f64], &str, Valid); 3] = [
-            ("grains.radius", &self.grains.radius, "positive", |x| x > 0.0),
-            ("contacts.gap", &self.contacts.gap, "finite", f64::is_finite),
-            ("contacts.start", start, "not negative", |x| x >= 0.0),
-        ];
-        for (key, values, expected, valid) in lists {
-            if let Some(index) = values.iter().position(|x| !(valid(*x) && x.is_finite())) {
-                return Err(format!("`{key}[{index}]` is {}: it must be {expected}", values[index]));
-            }
-        }
-        Ok(())
+        check_each("grains.radius", &self.grains.radius, "positive and finite", |x| x > 0.0)?;
+        check_each("contacts.gap", &self.contacts.gap, "finite", |_| true)?;
+        check_each("contacts.start", start, "finite and not negative", |x| x >= 0.0)
     }
 
     fn into_frozen(self) -> Result<Frozen, ProblemError> {
@@ -159,6 +150,13 @@ impl File {
         let problem = ContactProblem::new(mass, vectors(position), vectors(free_velocity), contacts)?;
         let Self { name, source, time_step, .. } = self;
         Ok(Frozen { name, source, time_step, radius, gap, problem, start })
+    }
+}
+
+fn check_each(key: &str, values: &[f64], expected: &str, valid: fn(f64) -> bool) -> Result<(), String> {
+    match values.iter().position(|x| !(valid(*x) && x.is_finite())) {
+        None => Ok(()),
+        Some(index) => Err(format!("`{key}[{index}]` is {}: it must be {expected}", values[index])),
     }
 }
 

@@ -214,7 +214,7 @@ fn greatest_speed(
     position: &[Vector2<f64>],
     walls: &[Option<Wall>; 3],
 ) -> f64 {
-    let grains = free_velocity.iter().map(|v| v.norm());
+    let grains = free_velocity.iter().map(Vector2::norm);
     let facing =
         walls.iter().flatten().flat_map(|wall| position.iter().map(|x| wall.normal_velocity(*x).abs()));
     grains.chain(facing).fold(0.0, f64::max)

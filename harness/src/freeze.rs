@@ -37,7 +37,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let case = Case::read(&path, &args.changes.overrides)?;
     let (method, stop) = (args.method.method()?, args.stop.stop());
     let time_step = time_step(&case, &args.time_step)?;
-    let mut frozen = march_to(&mut March::new(&case)?, time_step, &method, &stop)?;
+    let (mut frozen, missed) = march_to(&mut March::new(&case)?, time_step, &method, &stop)?;
     frozen.name = stem(&args.output);
     for (key, value) in &args.changes.overrides {
         frozen.source += &format!(" {key} = {value}.");
@@ -46,6 +46,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         " Time steps before it solved by {} to {} ≤ {:e}, from the impulses of the one before.",
         method.name, stop.on, stop.tolerance
     );
+    if let Some(missed) = missed {
+        eprintln!("{missed}");
+        frozen.source += &format!(" {missed}");
+    }
     write_whole(&args.output, &frozen.to_json()?)?;
     say(format_args!(
         "{}: {} grains, {} contacts",

@@ -4,7 +4,7 @@ use crate::methods::Method;
 use crate::progress;
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
-use contact::Stop;
+use contact::{Status, Stop};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
@@ -127,16 +127,25 @@ pub(crate) fn is_toml(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == "toml")
 }
 
-/// Marches a case to its `time_step`-th problem, counted from 1, with a bar on anything long.
-pub(crate) fn march_to(march: &mut March, time_step: u64, method: &Method, stop: &Stop) -> Result<Frozen> {
+/// Marches a case to its `time_step`-th problem, counted from 1, with a bar on anything long; says how many of the time
+/// steps before it did not converge, if any.
+pub(crate) fn march_to(
+    march: &mut March,
+    time_step: u64,
+    method: &Method,
+    stop: &Stop,
+) -> Result<(Frozen, Option<String>)> {
+    let mut missed = 0;
     let bar = progress::bar(time_step - 1, "time steps");
     while march.made() + 1 < time_step {
         let (outcome, _) = march.time_step(&*method.solver, stop)?;
+        missed += u64::from(outcome.status != Status::Converged);
         bar.set_message(format!("{} iterations", outcome.iterations));
         bar.inc(1);
     }
     bar.finish_and_clear();
-    Ok(march.next()?.frozen)
+    let note = format!("{missed} of the {} time steps before did not converge.", time_step - 1);
+    Ok((march.next()?.frozen, (missed > 0).then_some(note)))
 }
 
 /// The time step of `case` that `moment` names: a number, or one of the case's moments.

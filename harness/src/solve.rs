@@ -145,7 +145,12 @@ fn read(path: &Path, args: &Args) -> Result<Frozen> {
     let case = Case::read(path, &args.case.overrides)?;
     let time_step = args.time_step.as_ref().map_or(Ok(case.solve_at), |moment| time_step(&case, moment))?;
     // The march before the problem is the same whichever method then solves it.
-    march_to(&mut March::new(&case)?, time_step, &Method::parse("cg", &[])?, &Stop::default())
+    let method = Method::parse("cg", &[])?;
+    let (frozen, missed) = march_to(&mut March::new(&case)?, time_step, &method, &Stop::default())?;
+    if let Some(missed) = missed {
+        eprintln!("{missed}");
+    }
+    Ok(frozen)
 }
 
 fn to_json(frozen: &Frozen, method: &Method, stop: &Stop, start: Start, outcome: &Outcome) -> Result<Value> {

@@ -87,6 +87,22 @@ pub(crate) fn entries(folder: &Path) -> Vec<String> {
     names
 }
 
+/// Names of the files of a folder of the checkout with this ending, without it.
+pub(crate) fn names(folder: &str, ending: &str) -> Vec<String> {
+    let files = entries(&checkout().join(folder));
+    let names: Vec<String> =
+        files.iter().filter_map(|file| file.strip_suffix(ending)).map(str::to_owned).collect();
+    assert!(!names.is_empty(), "no *{ending} in {folder}");
+    names
+}
+
+/// Names of the frozen problems of the checkout. Beside some of them lies a solution.
+pub(crate) fn frozen_names() -> Vec<String> {
+    let mut names = names("cases/frozen", ".json");
+    names.retain(|name| !name.ends_with(".solution"));
+    names
+}
+
 /// The frozen problem of two discs of 1 kg and 2 kg on each other, the first on the floor: its contacts carry
 /// 0.15 N·s and 0.1 N·s.
 pub(crate) fn pair() -> Value {

@@ -1,6 +1,6 @@
 //! `gravel freeze`: the file stands for the time step of the case, bit by bit.
 
-use crate::common::{checkout, entries, gravel, pair, text, write};
+use crate::common::{checkout, entries, frozen_names, gravel, pair, text, write};
 use cases::Frozen;
 use serde_json::{Value, json};
 use std::fs;
@@ -84,6 +84,20 @@ fn file_says_how_the_time_step_was_reached() {
 }
 
 #[test]
+fn file_says_how_many_time_steps_before_did_not_converge() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("packing.json");
+    let freeze = [&["freeze", "-o", text(&file)], &PACKING[..]].concat();
+    let words = "of the 19 time steps before did not converge.";
+    let stopped = gravel(&[&freeze[..], &["--max-iterations", "1"]].concat()).succeeded();
+    assert!(stopped.stderr.contains(words), "{}", stopped.stderr);
+    assert!(Frozen::read(&file).unwrap().source.ends_with(words));
+    let whole = gravel(&[&freeze[..], &["--force"]].concat()).succeeded();
+    assert_eq!(whole.stderr, "");
+    assert!(!Frozen::read(&file).unwrap().source.contains("did not converge"));
+}
+
+#[test]
 fn reading_and_writing_a_problem_keeps_all_bits() {
     let folder = TempDir::new().unwrap();
     let mut odd = pair();
@@ -92,12 +106,8 @@ fn reading_and_writing_a_problem_keeps_all_bits() {
     odd["grains"]["free_velocity"] = json!([[-0.0, 5e-324], [0.1 + 0.2, -1.0 / 3.0]]);
     odd["contacts"]["normal"] = json!([[0.6, 0.8], [-0.28, 0.96]]);
     let mut files = vec![write(&folder, "odd.json", &odd.to_string())];
-    let frozen = checkout().join("cases/frozen");
-    let problems = entries(&frozen);
-    let problems =
-        problems.iter().filter(|name| name.ends_with(".json") && !name.ends_with(".solution.json"));
-    files.extend(problems.map(|name| frozen.join(name)));
-    assert!(files.len() > 1);
+    let folder_of = checkout().join("cases/frozen");
+    files.extend(frozen_names().iter().map(|name| folder_of.join(format!("{name}.json"))));
     for file in files {
         let read = Frozen::read(&file).unwrap();
         let written = read.to_json().unwrap();

@@ -1,17 +1,8 @@
 //! `gravel list` and `gravel simulate`, and what is printed where nobody reads.
 
-use crate::common::{checkout, command, entries, gravel, methods, text, write};
+use crate::common::{command, frozen_names, gravel, methods, names, text, write};
 use std::fs;
 use tempfile::TempDir;
-
-/// Names of the files of a folder of the checkout with this ending, without it.
-fn names(folder: &str, ending: &str) -> Vec<String> {
-    let files = entries(&checkout().join(folder));
-    let names: Vec<String> =
-        files.iter().filter_map(|file| file.strip_suffix(ending)).map(str::to_owned).collect();
-    assert!(!names.is_empty());
-    names
-}
 
 /// The first word of every line.
 fn first_words(told: &str) -> Vec<&str> {
@@ -24,8 +15,7 @@ fn list_of_cases_has_every_case_and_every_frozen_problem() {
     let listed = first_words(&told);
     let mut expected: Vec<String> = names("cases", ".toml");
     expected.retain(|name| name != "Cargo");
-    let frozen = names("cases/frozen", ".json");
-    expected.extend(frozen.into_iter().filter(|name| !name.ends_with(".solution")));
+    expected.extend(frozen_names());
     for name in &expected {
         assert!(listed.contains(&name.as_str()), "no {name} in: {told}");
     }

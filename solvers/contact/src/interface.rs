@@ -59,8 +59,8 @@ pub struct SetupError {
 
 impl SetupError {
     /// The error of a setting `key` whose `value` is not as `expected`.
-    pub fn new(key: &'static str, value: impl ToString, expected: impl Into<String>) -> Self {
-        Self { key, value: value.to_string(), expected: expected.into() }
+    pub fn new(key: &'static str, value: impl std::fmt::Display, expected: impl Into<String>) -> Self {
+        Self { key, value: format!("{value}"), expected: expected.into() }
     }
 
     /// Accepts a positive finite value.

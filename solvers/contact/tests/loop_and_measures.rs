@@ -1,14 +1,16 @@
 //! The loop's outcomes, the measures' definitions, and what a problem is refused for.
 
 use contact::{
-    Contact, ContactProblem, Iteration, Measure, Meter, ProblemError, SetupError, Solver, Status, Stop, Work, solve,
+    Contact, ContactProblem, Iteration, Measure, Meter, ProblemError, SetupError, Solver, Status, Stop, Work,
+    solve,
 };
 use nalgebra::Vector2;
 
 /// A grain of 2 kg falling at 1 m/s onto a floor: W = ½, b = −1, so r = 2 N·s.
 fn falling_on_a_floor() -> ContactProblem {
     let contact = Contact { candidate: 0, antagonist: None, normal: Vector2::y(), offset: 0.0 };
-    ContactProblem::new(vec![2.0], vec![Vector2::zeros()], vec![Vector2::new(0.0, -1.0)], vec![contact]).unwrap()
+    ContactProblem::new(vec![2.0], vec![Vector2::zeros()], vec![Vector2::new(0.0, -1.0)], vec![contact])
+        .unwrap()
 }
 
 /// A method that plays back given impulses, the same at every contact.
@@ -59,7 +61,8 @@ fn loop_stops_at_the_first_iterate_that_meets_the_tolerance() {
 
 #[test]
 fn loop_ends_at_its_limit() {
-    let outcome = solve(&Recorded(vec![1.0; 5]), &falling_on_a_floor(), &[0.0], &stop(5), &mut |_| {}).unwrap();
+    let outcome =
+        solve(&Recorded(vec![1.0; 5]), &falling_on_a_floor(), &[0.0], &stop(5), &mut |_| {}).unwrap();
     assert_eq!((outcome.status, outcome.iterations), (Status::IterationLimit, 5));
 }
 
@@ -78,7 +81,8 @@ fn where_no_contact_pushes_rest_is_the_answer_before_any_iteration() {
     let grain = (vec![2.0], vec![Vector2::zeros()], vec![Vector2::new(0.0, -1.0)]);
     for contacts in [vec![], vec![contact]] {
         let r0 = vec![7.0; contacts.len()];
-        let problem = ContactProblem::new(grain.0.clone(), grain.1.clone(), grain.2.clone(), contacts).unwrap();
+        let problem =
+            ContactProblem::new(grain.0.clone(), grain.1.clone(), grain.2.clone(), contacts).unwrap();
         for on in Measure::ALL {
             let stop = Stop { on, ..stop(9) };
             let outcome = solve(&Recorded(vec![]), &problem, &r0, &stop, &mut |_| {}).unwrap();
@@ -164,17 +168,20 @@ fn delassus_operator_is_symmetric_and_has_its_diagonal() {
 
 #[test]
 fn senseless_problems_are_refused_by_name() {
-    let with = |change: &dyn Fn(&mut Vec<f64>, &mut Vec<Vector2<f64>>, &mut Vec<Vector2<f64>>, &mut Contact)| {
-        let (mut mass, mut position) = (vec![1.0, 2.0], vec![Vector2::zeros(); 2]);
-        let mut velocity = position.clone();
-        let mut contact = Contact { candidate: 0, antagonist: Some(1), normal: Vector2::x(), offset: 0.0 };
-        change(&mut mass, &mut position, &mut velocity, &mut contact);
-        ContactProblem::new(mass, position, velocity, vec![contact])
-    };
+    let with =
+        |change: &dyn Fn(&mut Vec<f64>, &mut Vec<Vector2<f64>>, &mut Vec<Vector2<f64>>, &mut Contact)| {
+            let (mut mass, mut position) = (vec![1.0, 2.0], vec![Vector2::zeros(); 2]);
+            let mut velocity = position.clone();
+            let mut contact =
+                Contact { candidate: 0, antagonist: Some(1), normal: Vector2::x(), offset: 0.0 };
+            change(&mut mass, &mut position, &mut velocity, &mut contact);
+            ContactProblem::new(mass, position, velocity, vec![contact])
+        };
     assert!(with(&|_, _, _, _| {}).is_ok());
-    let refused = |change: &dyn Fn(&mut Vec<f64>, &mut Vec<Vector2<f64>>, &mut Vec<Vector2<f64>>, &mut Contact)| {
-        with(change).unwrap_err().to_string()
-    };
+    let refused =
+        |change: &dyn Fn(&mut Vec<f64>, &mut Vec<Vector2<f64>>, &mut Vec<Vector2<f64>>, &mut Contact)| {
+            with(change).unwrap_err().to_string()
+        };
     for mass in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
         assert!(refused(&|m, _, _, _| m[1] = mass).contains("grains.mass[1]"));
     }

@@ -1,4 +1,4 @@
-//! Non-linear Gauss-Seidel (NSGS) on the whole problem, the paper's reference method [1], and projected Jacobi.
+//! Non-linear Gauss-Seidel (NSGS) on the whole problem, the paper's reference method \[1\], and projected Jacobi.
 
 mod jacobi;
 mod order;

@@ -79,6 +79,9 @@ pub fn difference(a: &[f64], b: &[f64]) -> f64 {
 
 /// Problems of up to 30 grains and 60 contacts in no order that a scene would give: masses over four decades, any
 /// normals, several contacts on a pair, walls anywhere.
+///
+/// # Panics
+/// If one of them is refused.
 pub fn any_problem() -> impl Strategy<Value = ContactProblem> {
     (2..30_u32, 1..60_usize).prop_flat_map(|(grains, contacts)| {
         let vector = |size: f64| (-size..size, -size..size).prop_map(|(x, y)| Vector2::new(x, y));

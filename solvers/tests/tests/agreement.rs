@@ -1,5 +1,7 @@
 //! All methods, and another code, reach the one velocity that a problem has.
 
+#![allow(clippy::unwrap_used)]
+
 use cg::{Cg, Preconditioner};
 use contact::{ContactProblem, Measure, Meter, Solver, Status, Stop, solve};
 use nalgebra::Vector2;
@@ -27,7 +29,8 @@ impl Answer {
 
     fn of(solver: &dyn Solver, name: String, problem: &ContactProblem, tolerance: f64) -> Self {
         let stop = Stop { on: Measure::NaturalMap, tolerance, max_iterations: 200_000 };
-        let outcome = solve(solver, problem, &vec![0.0; problem.contact_count()], &stop, &mut |_| {}).unwrap();
+        let outcome =
+            solve(solver, problem, &vec![0.0; problem.contact_count()], &stop, &mut |_| {}).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{name}");
         Self::new(name, problem, outcome.impulses)
     }
@@ -39,10 +42,8 @@ fn bound(a: &Answer, b: &Answer) -> f64 {
     let part = |r: &[f64], v: &[f64], sign: f64| -> f64 {
         r.iter().zip(v).map(|(r, v)| r * (sign * v).max(0.0)).sum()
     };
-    let (own, crossed) = (
-        part(&a.r, &a.v, 1.0) + part(&b.r, &b.v, 1.0),
-        part(&a.r, &b.v, -1.0) + part(&b.r, &a.v, -1.0),
-    );
+    let (own, crossed) =
+        (part(&a.r, &a.v, 1.0) + part(&b.r, &b.v, 1.0), part(&a.r, &b.v, -1.0) + part(&b.r, &a.v, -1.0));
     (own + crossed).sqrt()
 }
 
@@ -63,7 +64,10 @@ fn assert_all_methods_agree_on(name: &str) {
     let methods: [(&str, &dyn Solver); 7] = [
         ("cg, preconditioned", &Cg { preconditioner: Preconditioner::Diagonal }),
         ("nsgs", &Nsgs::default()),
-        ("nsgs, coloured, over-relaxed", &Nsgs { order: Order::Coloured, relaxation: 1.6, ..Nsgs::default() }),
+        (
+            "nsgs, coloured, over-relaxed",
+            &Nsgs { order: Order::Coloured, relaxation: 1.6, ..Nsgs::default() },
+        ),
         ("jacobi", &Jacobi::default()),
         ("nsgs-dd 4x2", &grid(4, 2)),
         ("nsgs-dd 5x5, balanced", &NsgsDd { partition: Scheme::Balanced, ..grid(5, 5) }),

@@ -8,13 +8,8 @@ use partition::{Decomposition, Grid, Partition, Scheme};
 use proptest::prelude::*;
 use solver_tests::{PACKINGS, any_problem, difference, energies, frozen, impulses, start};
 
-const GRIDS: [Grid; 5] = [
-    Grid::ONE,
-    Grid { nx: 2, ny: 1 },
-    Grid { nx: 2, ny: 2 },
-    Grid { nx: 4, ny: 2 },
-    Grid { nx: 5, ny: 5 },
-];
+const GRIDS: [Grid; 5] =
+    [Grid::ONE, Grid { nx: 2, ny: 1 }, Grid { nx: 2, ny: 2 }, Grid { nx: 4, ny: 2 }, Grid { nx: 5, ny: 5 }];
 
 /// Round-off of q relative to its greatest size: sums of a few thousand terms of either sign (–).
 const ROUND_OFF: f64 = 1e-12;
@@ -23,7 +18,13 @@ fn assert_never_increases(energies: &[f64], what: &str) {
     let scale = energies.iter().fold(0.0_f64, |scale, q| scale.max(q.abs()));
     for (k, pair) in energies.windows(2).enumerate() {
         let bound = pair[0] + ROUND_OFF * scale;
-        assert!(pair[1] <= bound, "{what}: q goes from {:e} to {:e} in iteration {}", pair[0], pair[1], k + 1);
+        assert!(
+            pair[1] <= bound,
+            "{what}: q goes from {:e} to {:e} in iteration {}",
+            pair[0],
+            pair[1],
+            k + 1
+        );
     }
 }
 
@@ -35,7 +36,11 @@ fn assert_is_a_partition(problem: &ContactProblem, partition: &Partition) {
     let decomposition = Decomposition::new(problem, partition);
     let mut held: Vec<u32> = decomposition.subdomains.iter().flat_map(|e| e.contacts.clone()).collect();
     held.sort_unstable();
-    assert_eq!(held, (0..problem.contact_count() as u32).collect::<Vec<_>>(), "each contact in one subdomain");
+    assert_eq!(
+        held,
+        (0..problem.contact_count() as u32).collect::<Vec<_>>(),
+        "each contact in one subdomain"
+    );
 
     // The masses M_i/m_i of the copies, found by walking through the subdomains, sum to the grain's.
     let mut mass = vec![0.0; problem.grain_count()];
