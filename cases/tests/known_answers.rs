@@ -1,5 +1,7 @@
 //! What is known of the cases, against what they give.
 
+#![allow(clippy::unwrap_used)]
+
 use cases::{Case, Frozen, March, Side, detect};
 use cg::Cg;
 use contact::{Measure, Status, Stop, solve};

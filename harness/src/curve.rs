@@ -66,5 +66,7 @@ fn sample(progress: &Progress) -> Sample {
         contact_updates: work.contact_updates,
         delassus_products: work.delassus_products,
         interface_values: work.interface_values,
+        triangular_solve_entries: work.triangular_solve_entries,
+        factorisations: work.factorisations,
     }
 }

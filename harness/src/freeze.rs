@@ -5,6 +5,7 @@ use crate::output::{check_place, say, write_whole};
 use crate::solve::{CaseArgs, MethodArgs, StopArgs};
 use anyhow::{Result, bail};
 use cases::{Case, March};
+use std::fmt::Write;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -40,15 +41,16 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let (mut frozen, missed) = march_to(&mut March::new(&case)?, time_step, &method, &stop)?;
     frozen.name = stem(&args.output);
     for (key, value) in &args.changes.overrides {
-        frozen.source += &format!(" {key} = {value}.");
+        write!(frozen.source, " {key} = {value}.")?;
     }
-    frozen.source += &format!(
+    write!(
+        frozen.source,
         " Time steps before it solved by {} to {} ≤ {:e}, from the impulses of the one before.",
         method.name, stop.on, stop.tolerance
-    );
+    )?;
     if let Some(missed) = missed {
         eprintln!("{missed}");
-        frozen.source += &format!(" {missed}");
+        write!(frozen.source, " {missed}")?;
     }
     write_whole(&args.output, &frozen.to_json()?)?;
     say(format_args!(

@@ -157,7 +157,7 @@ pub(crate) fn time_step(case: &Case, moment: &str) -> Result<u64> {
         (Err(_), None) => {
             let mut accepted = "a number from 1".to_owned();
             for name in case.moments.keys() {
-                accepted += &format!(", or {name}");
+                accepted.extend([", or ", name.as_str()]);
             }
             bail!("--time-step {moment}: it must be {accepted}")
         }
@@ -178,5 +178,6 @@ pub(crate) fn content_hash(frozen: &Frozen) -> String {
         number(contact.offset);
     }
     frozen.start.iter().for_each(|r| number(*r));
-    hash.finalize()[..8].iter().map(|byte| format!("{byte:02x}")).collect()
+    let first = hash.finalize()[..8].iter().fold(0, |first: u64, byte| first << 8 | u64::from(*byte));
+    format!("{first:016x}")
 }

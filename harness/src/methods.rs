@@ -18,7 +18,7 @@ pub(crate) struct Method {
 pub(crate) struct Entry {
     pub(crate) name: &'static str,
     pub(crate) what: &'static str,
-    build: fn(Map<String, Value>) -> Result<(Map<String, Value>, Box<dyn Solver>)>,
+    build: fn(Map<String, Value>) -> Result<Built>,
 }
 
 /// Every method: its name in plans and on the command line, and what it is.
@@ -26,6 +26,7 @@ pub(crate) const METHODS: &[Entry] = &[
     Entry::of::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem"),
     Entry::of::<nsgs::Jacobi>("jacobi", "projected Jacobi with relaxation"),
     Entry::of::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart"),
+    Entry::of::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions"),
     Entry::of::<nsgs_dd::NsgsDd>("nsgs-dd", "non-linear Gauss-Seidel by subdomains, with split masses"),
 ];
 
@@ -63,7 +64,10 @@ impl Method {
     }
 }
 
-fn build<S>(settings: Map<String, Value>) -> Result<(Map<String, Value>, Box<dyn Solver>)>
+/// A method's settings, defaults spelled out, and the method.
+type Built = (Map<String, Value>, Box<dyn Solver>);
+
+fn build<S>(settings: Map<String, Value>) -> Result<Built>
 where
     S: Solver + Serialize + DeserializeOwned + 'static,
 {

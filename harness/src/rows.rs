@@ -64,6 +64,8 @@ const NO_ITERATE: Sample = Sample {
     contact_updates: 0,
     delassus_products: 0,
     interface_values: 0,
+    triangular_solve_entries: 0,
+    factorisations: 0,
 };
 
 /// What was asked, and what the run reached.

@@ -18,6 +18,8 @@ pub(crate) fn sample(iteration: u64, zeta: f64, natural_map: f64) -> Sample {
         contact_updates: 40 * iteration,
         delassus_products: 2 * iteration,
         interface_values: 0,
+        triangular_solve_entries: 0,
+        factorisations: 0,
     }
 }
 

@@ -7,13 +7,12 @@ use crate::ReportError;
 use crate::number::number;
 
 /// What is told of each run.
-const COLUMNS: [&str; 15] = [
+const COLUMNS: [&str; 17] = [
     "problem",
     "method",
     "variant",
     "subdomains",
     "status",
-    "reason",
     "iterations_to_zeta_1e_3",
     "iterations_to_zeta_1e_4",
     "iterations_to_natural_map_1e_2",
@@ -21,8 +20,11 @@ const COLUMNS: [&str; 15] = [
     "iterations",
     "contact_updates",
     "delassus_products",
+    "triangular_solve_entries",
+    "factorisations",
     "setup_s",
     "iterating_s",
+    "reason",
 ];
 
 /// What of it a page is wide enough for, with the headings there.

@@ -84,6 +84,10 @@ pub struct Sample {
     pub delassus_products: u64,
     /// Velocity components sent to the interface so far.
     pub interface_values: u64,
+    /// Entries of triangular factors gone through so far, two passes per solve.
+    pub triangular_solve_entries: u64,
+    /// Matrices factorised so far.
+    pub factorisations: u64,
 }
 
 /// Where a row comes from. A run without it is not stored.
@@ -166,6 +170,8 @@ pub(crate) mod fixture {
             contact_updates: 10 * iteration,
             delassus_products: 0,
             interface_values: 0,
+            triangular_solve_entries: 0,
+            factorisations: 0,
         }
     }
 

@@ -79,6 +79,8 @@ fn measures(samples: &[Sample]) -> PolarsResult<DataFrame> {
         "contact_updates" => column(samples, |s| s.contact_updates),
         "delassus_products" => column(samples, |s| s.delassus_products),
         "interface_values" => column(samples, |s| s.interface_values),
+        "triangular_solve_entries" => column(samples, |s| s.triangular_solve_entries),
+        "factorisations" => column(samples, |s| s.factorisations),
     )
 }
 

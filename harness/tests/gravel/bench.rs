@@ -180,6 +180,27 @@ fn method_that_cannot_start_is_a_skipped_row_with_its_reason_and_the_plan_goes_o
 }
 
 #[test]
+fn curve_of_a_run_ends_at_its_last_iterate() {
+    let study = study_of_the_pair_and_a_column();
+    let nsgs = "[[methods]]\nmethod = \"nsgs\"\n";
+    // Beyond 100 iterations a curve keeps one sample in each hundredth of them: of these two ends, it keeps one only
+    // because it is the end.
+    for limit in ["133", "134"] {
+        let plan = plan("limited", &["column-9"], nsgs).replace("1e-3", "0.0").replace("10_000", limit);
+        write(study.folder(), "harness/plans/limited.toml", &plan);
+        let folder = study.bench("limited");
+        let (run, curve) = (&rows(folder.join("runs.csv"))[0], rows(folder.join("curves.csv")));
+        assert_eq!((&*run["status"], &*run["iterations"]), ("iteration-limit", limit));
+        let (first, last) = (&curve[0], &curve[curve.len() - 1]);
+        assert_eq!((&*first["iteration"], &*first["zeta"]), ("0", ""), "ζ is undefined there");
+        assert_eq!(&*last["iteration"], limit);
+        for column in ["natural_map", "zeta", "energy_j", "contact_updates"] {
+            assert_eq!(run[column], last[column], "{column}");
+        }
+    }
+}
+
+#[test]
 fn reasons_of_skipped_runs_are_told_below_the_table() {
     let study = study_of_the_pair_and_a_column();
     let told = study.gravel(&["bench", "small"]).succeeded().stdout;

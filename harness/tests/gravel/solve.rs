@@ -39,10 +39,12 @@ fn json_is_one_object_with_the_ending_the_measures_the_work_and_the_settings() {
     }
     assert!(object["natural_map"].as_f64().unwrap() <= 1e-2);
     assert!(object["worst_contact"].as_u64().unwrap() < 20);
-    assert_eq!(
-        object["work"],
-        json!({ "contact_updates": 20 * iterations, "delassus_products": 0, "interface_values": 0 })
-    );
+    for (count, value) in object["work"].as_object().unwrap() {
+        // NSGS updates each contact once per iteration and does no other work.
+        let expected = if count == "contact_updates" { 20 * iterations } else { 0 };
+        assert_eq!(value.as_u64(), Some(expected), "{count}");
+    }
+    assert!(object["work"]["contact_updates"].is_u64());
     assert_eq!(
         (&object["problem"], &object["grains"], &object["contacts"]),
         (&json!("column-t1"), &json!(20), &json!(20))

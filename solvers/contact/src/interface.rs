@@ -43,6 +43,10 @@ pub struct Work {
     pub delassus_products: u64,
     /// Velocity components that copies sent to the interface.
     pub interface_values: u64,
+    /// Entries of triangular factors that solves went through, two passes per solve.
+    pub triangular_solve_entries: u64,
+    /// Matrices factorised.
+    pub factorisations: u64,
 }
 
 /// Why a method cannot start: the setting, its value, what would be accepted.

@@ -1,5 +1,7 @@
 //! The loop's outcomes, the measures' definitions, and what a problem is refused for.
 
+#![allow(clippy::unwrap_used)]
+
 use contact::{
     Contact, ContactProblem, Iteration, Measure, Meter, ProblemError, SetupError, Solver, Status, Stop, Work,
     solve,
@@ -166,36 +168,40 @@ fn delassus_operator_is_symmetric_and_has_its_diagonal() {
     }
 }
 
+/// The data of a problem of two grains and one contact, which makes sense until it is changed.
+struct Data {
+    mass: Vec<f64>,
+    position: Vec<Vector2<f64>>,
+    velocity: Vec<Vector2<f64>>,
+    contact: Contact,
+}
+
+fn with(change: impl Fn(&mut Data)) -> Result<ContactProblem, ProblemError> {
+    let contact = Contact { candidate: 0, antagonist: Some(1), normal: Vector2::x(), offset: 0.0 };
+    let at_rest = vec![Vector2::zeros(); 2];
+    let mut data = Data { mass: vec![1.0, 2.0], position: at_rest.clone(), velocity: at_rest, contact };
+    change(&mut data);
+    ContactProblem::new(data.mass, data.position, data.velocity, vec![data.contact])
+}
+
 #[test]
 fn senseless_problems_are_refused_by_name() {
-    let with =
-        |change: &dyn Fn(&mut Vec<f64>, &mut Vec<Vector2<f64>>, &mut Vec<Vector2<f64>>, &mut Contact)| {
-            let (mut mass, mut position) = (vec![1.0, 2.0], vec![Vector2::zeros(); 2]);
-            let mut velocity = position.clone();
-            let mut contact =
-                Contact { candidate: 0, antagonist: Some(1), normal: Vector2::x(), offset: 0.0 };
-            change(&mut mass, &mut position, &mut velocity, &mut contact);
-            ContactProblem::new(mass, position, velocity, vec![contact])
-        };
-    assert!(with(&|_, _, _, _| {}).is_ok());
-    let refused =
-        |change: &dyn Fn(&mut Vec<f64>, &mut Vec<Vector2<f64>>, &mut Vec<Vector2<f64>>, &mut Contact)| {
-            with(change).unwrap_err().to_string()
-        };
+    assert!(with(|_| {}).is_ok());
+    let refused = |change: &dyn Fn(&mut Data)| with(change).unwrap_err().to_string();
     for mass in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
-        assert!(refused(&|m, _, _, _| m[1] = mass).contains("grains.mass[1]"));
+        assert!(refused(&|data| data.mass[1] = mass).contains("grains.mass[1]"));
     }
-    assert!(refused(&|_, x, _, _| x[1].y = f64::NAN).contains("grains.position[1]"));
-    assert!(refused(&|_, _, v, _| v[0].x = f64::INFINITY).contains("grains.free_velocity[0]"));
-    assert!(refused(&|_, x, _, _| x.truncate(1)).contains("`grains.position` has 1 values where 2"));
-    assert!(refused(&|_, _, _, c| c.candidate = 2).contains("contacts.candidate[0]"));
-    assert!(refused(&|_, _, _, c| c.antagonist = Some(9)).contains("contacts.antagonist[0]` is 9"));
-    assert!(refused(&|_, _, _, c| c.antagonist = Some(0)).contains("another grain"));
-    assert!(refused(&|_, _, _, c| c.normal *= 2.0).contains("of length 2"));
-    assert!(refused(&|_, _, _, c| c.normal = Vector2::zeros()).contains("contacts.normal[0]"));
-    assert!(refused(&|_, _, _, c| c.normal.x = f64::NAN).contains("contacts.normal[0]"));
-    assert!(refused(&|_, _, _, c| c.offset = f64::NAN).contains("contacts.offset[0]"));
-    assert!(matches!(with(&|m, _, _, _| m[0] = -1.0), Err(ProblemError::Value { index: 0, .. })));
+    assert!(refused(&|data| data.position[1].y = f64::NAN).contains("grains.position[1]"));
+    assert!(refused(&|data| data.velocity[0].x = f64::INFINITY).contains("grains.free_velocity[0]"));
+    assert!(refused(&|data| data.position.truncate(1)).contains("`grains.position` has 1 values where 2"));
+    assert!(refused(&|data| data.contact.candidate = 2).contains("contacts.candidate[0]"));
+    assert!(refused(&|data| data.contact.antagonist = Some(9)).contains("contacts.antagonist[0]` is 9"));
+    assert!(refused(&|data| data.contact.antagonist = Some(0)).contains("another grain"));
+    assert!(refused(&|data| data.contact.normal *= 2.0).contains("of length 2"));
+    assert!(refused(&|data| data.contact.normal = Vector2::zeros()).contains("contacts.normal[0]"));
+    assert!(refused(&|data| data.contact.normal.x = f64::NAN).contains("contacts.normal[0]"));
+    assert!(refused(&|data| data.contact.offset = f64::NAN).contains("contacts.offset[0]"));
+    assert!(matches!(with(|data| data.mass[0] = -1.0), Err(ProblemError::Value { index: 0, .. })));
 }
 
 #[test]

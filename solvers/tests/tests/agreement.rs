@@ -4,6 +4,7 @@
 
 use cg::{Cg, Preconditioner};
 use contact::{ContactProblem, Measure, Meter, Solver, Status, Stop, solve};
+use latin_dd::LatinDd;
 use nalgebra::Vector2;
 use nsgs::{Jacobi, Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
@@ -61,7 +62,11 @@ fn assert_all_methods_agree_on(name: &str) {
     let problem = frozen(name).problem;
     let reference = Answer::of(&Cg::default(), "cg".into(), &problem, 1e-9);
     let grid = |nx, ny| NsgsDd { subdomains: Grid { nx, ny }, ..NsgsDd::default() };
-    let methods: [(&str, &dyn Solver); 7] = [
+    let latin = |nx, ny| LatinDd { subdomains: Grid { nx, ny }, ..LatinDd::default() };
+    let methods: [(&str, &dyn Solver); 10] = [
+        ("latin-dd 1x1", &latin(1, 1)),
+        ("latin-dd 4x2", &latin(4, 2)),
+        ("latin-dd 8x8, balanced", &LatinDd { partition: Scheme::Balanced, ..latin(8, 8) }),
         ("cg, preconditioned", &Cg { preconditioner: Preconditioner::Diagonal }),
         ("nsgs", &Nsgs::default()),
         (

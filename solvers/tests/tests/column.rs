@@ -2,6 +2,7 @@
 
 use cg::{Cg, Preconditioner};
 use contact::{Measure, Meter, Solver, Status, Stop, solve};
+use latin_dd::LatinDd;
 use nsgs::Nsgs;
 use nsgs_dd::NsgsDd;
 use solver_tests::{first_problem, impulses, start};
@@ -10,8 +11,8 @@ fn column(n: usize) -> cases::Frozen {
     first_problem("column", &[("sample.grains", &n.to_string())])
 }
 
-/// Sweeps from a velocity error of 1e-4 to one of 1e-8, in decades. The column is at rest: V* = 0.
-fn sweeps_per_decade(solver: &dyn Solver, n: usize) -> f64 {
+/// Iterations from a velocity error of 1e-4 to one of 1e-8, in decades. The column is at rest: V* = 0.
+fn iterations_per_decade(solver: &dyn Solver, n: usize) -> f64 {
     let frozen = column(n);
     let mut iteration = start(solver, &frozen.problem);
     let mut meter = Meter::new(&frozen.problem);
@@ -37,9 +38,20 @@ fn sweeps_per_decade(solver: &dyn Solver, n: usize) -> f64 {
 #[test]
 fn nsgs_contracts_by_ten_in_0_93_n_squared_sweeps() {
     for n in [10, 20, 40] {
-        let sweeps = sweeps_per_decade(&Nsgs::default(), n);
+        let sweeps = iterations_per_decade(&Nsgs::default(), n);
         let expected = 0.93 * (n * n) as f64;
         assert!((sweeps / expected - 1.0).abs() < 0.05, "n = {n}: {sweeps} sweeps, {expected} expected");
+    }
+}
+
+#[test]
+fn latin_contracts_by_ten_in_1_47_n_iterations_at_its_best_direction() {
+    for n in [10, 20, 40] {
+        let best = 2.0 * n as f64 / std::f64::consts::PI;
+        let solver = LatinDd { kappa_l: Some(best), relaxation: 1.0, ..LatinDd::default() };
+        let iterations = iterations_per_decade(&solver, n);
+        let expected = 1.47 * n as f64;
+        assert!((iterations / expected - 1.0).abs() < 0.05, "n = {n}: {iterations}, {expected} expected");
     }
 }
 
