@@ -9,7 +9,8 @@ use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample};
 use serde::de::DeserializeOwned;
-use serde_json::Value;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// What is asked of a run, with nothing reached yet: a skipped run, if it is not made.
 pub(crate) fn asked_row(
@@ -30,6 +31,7 @@ pub(crate) fn asked_row(
         contacts: frozen.problem.contact_count() as u32,
         method: variant.method.name.to_owned(),
         settings: Value::Object(variant.method.settings.clone()).to_string(),
+        derived: "{}".to_owned(),
         variant: variant.name.clone(),
         subdomains: setting::<Grid>(variant, "subdomains").map_or(1, subdomains),
         warm_start: plan.warm_start,
@@ -73,6 +75,7 @@ pub(crate) fn ended_row(asked: Run, outcome: &Outcome, curve: &[Sample]) -> Run 
     let zeta = |tolerance| first_at(curve, |sample| sample.zeta, tolerance);
     let natural_map = |tolerance| first_at(curve, |sample| sample.natural_map, tolerance);
     Run {
+        derived: json!(outcome.derived.iter().copied().collect::<BTreeMap<_, _>>()).to_string(),
         status: outcome.status.name().to_owned(),
         iterations: outcome.iterations,
         setup_s: outcome.setup.as_secs_f64(),

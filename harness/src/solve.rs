@@ -9,6 +9,7 @@ use cases::{Case, Frozen, March};
 use clap::ValueEnum;
 use contact::{Measure, Outcome, Stop};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -161,6 +162,7 @@ fn to_json(frozen: &Frozen, method: &Method, stop: &Stop, start: Start, outcome:
         "contacts": frozen.problem.contact_count(),
         "method": method.name,
         "settings": method.settings,
+        "derived": outcome.derived.iter().copied().collect::<BTreeMap<_, _>>(),
         "start": if start == Start::Warm { "warm" } else { "cold" },
         "stop": stop,
         "status": outcome.status,

@@ -34,6 +34,7 @@ pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
         contacts: 20,
         method: method.into(),
         settings: "{}".into(),
+        derived: "{}".into(),
         variant: variant.into(),
         subdomains: 1,
         warm_start: false,

@@ -21,6 +21,8 @@ pub struct Run {
     pub method: String,
     /// All its parameters as JSON, defaults spelled out.
     pub settings: String,
+    /// The values that it worked with where the settings leave one open, as JSON.
+    pub derived: String,
     /// The settings in which the runs of this method in this plan differ, such as `4x2`; empty if they are alone.
     pub variant: String,
     /// Number of subdomains; 1 for a method that does not decompose.
@@ -185,6 +187,7 @@ pub(crate) mod fixture {
             contacts: 10,
             method: "nsgs".into(),
             settings: "{\"sweeps\":1}".into(),
+            derived: "{}".into(),
             variant: String::new(),
             subdomains: 1,
             warm_start: false,

@@ -27,6 +27,7 @@ fn asked(runs: &[Run]) -> PolarsResult<DataFrame> {
         "contacts" => column(runs, |r| r.contacts),
         "method" => column(runs, |r| r.method.as_str()),
         "settings" => column(runs, |r| r.settings.as_str()),
+        "derived" => column(runs, |r| r.derived.as_str()),
         "variant" => column(runs, |r| r.variant.as_str()),
         "subdomains" => column(runs, |r| r.subdomains),
         "warm_start" => column(runs, |r| r.warm_start),

@@ -30,6 +30,11 @@ pub trait Iteration {
         0.0
     }
 
+    /// The values that the method works with where its settings leave one open, by the setting's name.
+    fn derived(&self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
+
     /// Exact counts since `start`.
     fn work(&self) -> Work;
 }

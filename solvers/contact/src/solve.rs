@@ -82,6 +82,8 @@ pub struct Outcome {
     pub iterating: Duration,
     /// Counted work.
     pub work: Work,
+    /// The values that the method worked with where its settings leave one open.
+    pub derived: Vec<(&'static str, f64)>,
 }
 
 /// q(r) above this many times the problem's own scale of energy is a divergence. Every method of the line-up that
@@ -141,5 +143,6 @@ pub fn solve(
     };
     let work = iteration.work();
     let velocity = meter.velocity().to_vec();
-    Ok(Outcome { status, iterations, measures, impulses: r, velocity, setup, iterating, work })
+    let derived = iteration.derived();
+    Ok(Outcome { status, iterations, measures, impulses: r, velocity, setup, iterating, work, derived })
 }

@@ -8,6 +8,8 @@
 mod directions;
 mod factor;
 mod subdomain;
+#[cfg(test)]
+mod tests;
 
 pub use directions::{Directions, derived_kappa};
 
@@ -112,6 +114,16 @@ impl Iteration for Run<'_> {
         self.velocity_jump
     }
 
+    fn derived(&self) -> Vec<(&'static str, f64)> {
+        let Directions { l_minus, l_plus, d_minus, d_plus } = self.directions;
+        vec![
+            ("kappa_l_minus", l_minus),
+            ("kappa_l_plus", l_plus),
+            ("kappa_d_minus", d_minus),
+            ("kappa_d_plus", d_plus),
+        ]
+    }
+
     fn work(&self) -> Work {
         let entries: usize = self.subdomains.iter().map(Latin::factor_entries).sum();
         Work {
@@ -166,6 +178,18 @@ impl Solver for LatinDd {
         }
         let directions = self.directions(problem);
         directions.check()?;
+        Ok(Box::new(self.bind(problem, directions, r0)?))
+    }
+}
+
+impl LatinDd {
+    /// A run with these directions, factorised.
+    fn bind<'p>(
+        &self,
+        problem: &'p ContactProblem,
+        directions: Directions,
+        r0: &[f64],
+    ) -> Result<Run<'p>, SetupError> {
         let partition = self.partition.partition(problem, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
         let mut start = vec![Vector2::zeros(); problem.grain_count()];
@@ -177,7 +201,7 @@ impl Solver for LatinDd {
                 Latin::new(problem, subdomain, &decomposition.multiplicity, &directions, r0, &start)
             })
             .collect::<Result<_, _>>()?;
-        Ok(Box::new(Run {
+        Ok(Run {
             problem,
             decomposition,
             subdomains,
@@ -185,6 +209,6 @@ impl Solver for LatinDd {
             relaxation: self.relaxation,
             velocity_jump: 0.0,
             iterations: 0,
-        }))
+        })
     }
 }

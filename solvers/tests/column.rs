@@ -1,11 +1,11 @@
 //! The column of n equal discs, of which everything is known.
 
+use crate::problems::{first_problem, impulses, start};
 use cg::{Cg, Preconditioner};
 use contact::{Measure, Meter, Solver, Status, Stop, solve};
 use latin_dd::LatinDd;
 use nsgs::Nsgs;
 use nsgs_dd::NsgsDd;
-use solver_tests::{first_problem, impulses, start};
 
 fn column(n: usize) -> cases::Frozen {
     first_problem("column", &[("sample.grains", &n.to_string())])

@@ -1,4 +1,4 @@
-//! What the tests of the methods share: problems, and runs that are watched iterate by iterate.
+//! What the tests share: problems, and runs that are watched iterate by iterate.
 
 use cases::{Case, Frozen, March};
 use contact::{Contact, ContactProblem, Iteration, Meter, Solver};
@@ -11,7 +11,7 @@ fn cases_folder() -> PathBuf {
 }
 
 /// Names of the frozen packings.
-pub const PACKINGS: [&str; 5] = [
+pub(crate) const PACKINGS: [&str; 5] = [
     "settled-991",
     "shear-box-991-rest",
     "shear-box-991-onset",
@@ -20,19 +20,13 @@ pub const PACKINGS: [&str; 5] = [
 ];
 
 /// A frozen problem by name.
-///
-/// # Panics
-/// If there is none.
-pub fn frozen(name: &str) -> Frozen {
+pub(crate) fn frozen(name: &str) -> Frozen {
     let path = cases_folder().join("frozen").join(name).with_extension("json");
     Frozen::read(&path).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The first contact problem of a case, with some of its values replaced.
-///
-/// # Panics
-/// If there is none.
-pub fn first_problem(case: &str, overrides: &[(&str, &str)]) -> Frozen {
+pub(crate) fn first_problem(case: &str, overrides: &[(&str, &str)]) -> Frozen {
     let path = cases_folder().join(case).with_extension("toml");
     let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).into(), (*value).into())).collect();
     let case = Case::read(&path, &overrides).unwrap_or_else(|error| panic!("{error}"));
@@ -41,23 +35,20 @@ pub fn first_problem(case: &str, overrides: &[(&str, &str)]) -> Frozen {
 }
 
 /// Starts `solver` on `problem` from r = 0.
-///
-/// # Panics
-/// If it refuses.
-pub fn start<'p>(solver: &dyn Solver, problem: &'p ContactProblem) -> Box<dyn Iteration + 'p> {
+pub(crate) fn start<'p>(solver: &dyn Solver, problem: &'p ContactProblem) -> Box<dyn Iteration + 'p> {
     let r0 = vec![0.0; problem.contact_count()];
     solver.start(problem, &r0).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The impulses of an iteration (N·s).
-pub fn impulses(iteration: &dyn Iteration, problem: &ContactProblem) -> Vec<f64> {
+pub(crate) fn impulses(iteration: &dyn Iteration, problem: &ContactProblem) -> Vec<f64> {
     let mut r = vec![f64::NAN; problem.contact_count()];
     iteration.impulses(&mut r);
     r
 }
 
 /// q(r) of every iterate from the start to `iterations` (J).
-pub fn energies(solver: &dyn Solver, problem: &ContactProblem, iterations: u64) -> Vec<f64> {
+pub(crate) fn energies(solver: &dyn Solver, problem: &ContactProblem, iterations: u64) -> Vec<f64> {
     let mut iteration = start(solver, problem);
     let mut meter = Meter::new(problem);
     (0..=iterations)
@@ -71,7 +62,7 @@ pub fn energies(solver: &dyn Solver, problem: &ContactProblem, iterations: u64) 
 }
 
 /// Greatest |a − b| over greatest |a| (–).
-pub fn difference(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn difference(a: &[f64], b: &[f64]) -> f64 {
     let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
     let scale = greatest(&mut a.iter().map(|a| a.abs()));
     greatest(&mut a.iter().zip(b).map(|(a, b)| (a - b).abs())) / scale.max(f64::MIN_POSITIVE)
@@ -79,10 +70,7 @@ pub fn difference(a: &[f64], b: &[f64]) -> f64 {
 
 /// Problems of up to 30 grains and 60 contacts in no order that a scene would give: masses over four decades, any
 /// normals, several contacts on a pair, walls anywhere.
-///
-/// # Panics
-/// If one of them is refused.
-pub fn any_problem() -> impl Strategy<Value = ContactProblem> {
+pub(crate) fn any_problem() -> impl Strategy<Value = ContactProblem> {
     (2..30_u32, 1..60_usize).prop_flat_map(|(grains, contacts)| {
         let vector = |size: f64| (-size..size, -size..size).prop_map(|(x, y)| Vector2::new(x, y));
         let n = grains as usize;

@@ -1,5 +1,6 @@
 //! Methods that must be one another, iterate by iterate.
 
+use crate::problems::{PACKINGS, any_problem, difference, frozen, impulses, start};
 use contact::{Contact, ContactProblem, Iteration, law};
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
@@ -7,7 +8,6 @@ use nsgs::{Jacobi, Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Grid, Scheme};
 use proptest::prelude::*;
-use solver_tests::{PACKINGS, any_problem, difference, frozen, impulses, start};
 
 /// l⁻ = 0 makes the linear stage explicit: the local stage then is a Jacobi update, with ω = 1 for l⁺ = 1/W_αα.
 #[test]

@@ -1,7 +1,6 @@
 //! All methods, and another code, reach the one velocity that a problem has.
 
-#![allow(clippy::unwrap_used)]
-
+use crate::problems::frozen;
 use cg::{Cg, Preconditioner};
 use contact::{ContactProblem, Measure, Meter, Solver, Status, Stop, solve};
 use latin_dd::LatinDd;
@@ -9,7 +8,6 @@ use nalgebra::Vector2;
 use nsgs::{Jacobi, Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Grid, Scheme};
-use solver_tests::frozen;
 
 /// An answer: impulses, and the velocities that follow from them.
 struct Answer {

@@ -1,12 +1,12 @@
 //! What a partition must be, what gluing must give, and the descent that split masses assure.
 
+use crate::problems::{PACKINGS, any_problem, difference, energies, frozen, impulses, start};
 use contact::{ContactProblem, Solver};
 use nalgebra::Vector2;
 use nsgs::{Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Decomposition, Grid, Partition, Scheme};
 use proptest::prelude::*;
-use solver_tests::{PACKINGS, any_problem, difference, energies, frozen, impulses, start};
 
 const GRIDS: [Grid; 5] =
     [Grid::ONE, Grid { nx: 2, ny: 1 }, Grid { nx: 2, ny: 2 }, Grid { nx: 4, ny: 2 }, Grid { nx: 5, ny: 5 }];

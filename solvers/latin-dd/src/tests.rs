@@ -1,0 +1,65 @@
+//! The interface conditions (3) at convergence, and what the settings may be.
+
+use super::*;
+use cases::Frozen;
+use std::path::Path;
+
+fn frozen(name: &str) -> Frozen {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/frozen");
+    Frozen::read(&folder.join(name).with_extension("json")).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn interface_velocities_agree_and_interface_impulses_sum_to_zero() {
+    let problem = frozen("shear-box-991-sheared").problem;
+    let r0 = vec![0.0; problem.contact_count()];
+    let mut greatest_multiplicity = 0;
+    for subdomains in [2, 4, 8, 64].map(Grid::of_count) {
+        let settings = LatinDd { subdomains, ..LatinDd::default() };
+        let mut run = settings.bind(&problem, settings.directions(&problem), &r0).unwrap();
+        (0..1500).for_each(|_| run.advance());
+        // Velocities are of the order of 1 m/s; 1500 iterations are past where round-off stops the run.
+        assert!(run.velocity_jump < 1e-9, "{subdomains}: {} m/s", run.velocity_jump);
+
+        let (mut sum, mut scale) = (0.0_f64, 0.0_f64);
+        let Run { decomposition, subdomains: latins, .. } = &mut run;
+        for copies in decomposition.boundary() {
+            let (e, local) = copies[0];
+            let grain = decomposition.subdomains[e as usize].grains[local as usize] as usize;
+            let d_minus = settings.directions(&problem).d_minus * problem.mass()[grain] / copies.len() as f64;
+            let mut of_grain = Vector2::zeros();
+            for (e, local) in copies {
+                let (v, tau) = latins[*e as usize].boundary(*local);
+                let f = *tau - d_minus * v;
+                scale = scale.max(f.norm());
+                of_grain += f;
+            }
+            sum = sum.max(of_grain.norm());
+            greatest_multiplicity = greatest_multiplicity.max(copies.len());
+        }
+        assert!(sum < 1e-8 * scale, "{subdomains}: {sum} of {scale} N·s");
+    }
+    assert!(greatest_multiplicity >= 4, "{greatest_multiplicity}");
+}
+
+#[test]
+fn senseless_settings_are_refused_by_name() {
+    let problem = frozen("shear-box-991-sheared").problem;
+    let r0 = vec![0.0; problem.contact_count()];
+    let refused = |settings: LatinDd| match settings.start(&problem, &r0) {
+        Ok(_) => panic!("{settings:?} was accepted"),
+        Err(error) => error.to_string(),
+    };
+    let default = LatinDd::default();
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(refused(LatinDd { kappa_l: Some(bad), ..default }).contains("kappa_l_plus"));
+        assert!(refused(LatinDd { kappa_d: Some(bad), ..default }).contains("kappa_d_plus"));
+    }
+    assert!(refused(LatinDd { kappa_l_minus: Some(-1.0), ..default }).contains("`kappa_l_minus` is -1"));
+    assert!(refused(LatinDd { kappa_d_minus: Some(f64::NAN), ..default }).contains("`kappa_d_minus` is NaN"));
+    for bad in [0.0, -0.5, 1.01, f64::NAN] {
+        assert!(refused(LatinDd { relaxation: bad, ..default }).contains("`relaxation`"));
+    }
+    assert!(refused(LatinDd { subdomains: Grid { nx: 2000, ny: 1 }, ..default }).contains("1748"));
+    assert!(LatinDd { kappa_l_minus: Some(0.0), ..default }.start(&problem, &r0).is_ok(), "l⁻ = 0 works");
+}

@@ -1,0 +1,8 @@
+//! Methods against each other, on random problems and on the frozen ones.
+#![allow(clippy::unwrap_used)]
+
+mod agreement;
+mod column;
+mod decomposition;
+mod equivalences;
+mod problems;
