@@ -26,9 +26,9 @@ bench-kernels:
 readme: bench
     cp reports/out/paper/convergence-shear-box-991-sheared.svg reports/readme.svg
 
-# Make the frozen problems anew, into FOLDER
-freeze folder:
-    cargo run --release -- freeze settled-box --scene sample.grains=991 --scene scene.box.width_m=4.75 --time-step 1000 --set preconditioner=diagonal -o {{folder}}/settled-991.json
-    cargo run --release -- freeze shear-box-991 --time-step rest --set preconditioner=diagonal -o {{folder}}/shear-box-991-rest.json
-    cargo run --release -- freeze shear-box-991 --time-step onset --set preconditioner=diagonal -o {{folder}}/shear-box-991-onset.json
-    cargo run --release -- freeze shear-box-991 --time-step sheared --set preconditioner=diagonal -o {{folder}}/shear-box-991-sheared.json
+# Make our frozen problems anew, the shear boxes from the new sample; git then shows what changed
+freeze: (freeze-one "settled-box" "1000" "settled-991" "--scene sample.grains=991 --scene scene.box.width_m=4.75") (freeze-one "shear-box-991" "rest" "shear-box-991-rest" "") (freeze-one "shear-box-991" "onset" "shear-box-991-onset" "") (freeze-one "shear-box-991" "sheared" "shear-box-991-sheared" "")
+
+[private]
+freeze-one case moment name scene:
+    cargo run --release -- freeze {{case}} --time-step {{moment}} {{scene}} --set preconditioner=diagonal --force -o cases/frozen/{{name}}.json

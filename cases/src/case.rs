@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// Name, that of the file.
+    /// Name, in results and in the names of its problems.
     pub name: String,
     /// Why the case is here, in a sentence.
     pub why: String,

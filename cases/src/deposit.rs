@@ -1,15 +1,18 @@
 //! Discs laid one by one at the lowest place where two others, or one and a wall, hold it.
 //!
 //! The discs that can still be touched from above form the front, a chain from wall to wall in which each disc touches
-//! the next. A new disc replaces what it covers of the chain. The cost of a disc grows with the front, that is
-//! with the square root of the number of discs.
+//! the next. A new disc replaces what it covers of the chain. The cost of a disc grows with the length of the front, which
+//! is the width of the box, times the pockets that are tried.
 
 use nalgebra::Vector2;
+use std::ops::Range;
 
+/// Centre and radius (m).
 type Placed = (Vector2<f64>, f64);
 
-/// Centres and radii (m) of discs with the given radii, in a box of `width` (m) with a floor at y = 0.
-pub(crate) fn deposit(radii: impl Iterator<Item = f64>, width: f64) -> Vec<Placed> {
+/// Centres and radii (m) of discs with the given radii, in a box of `width` (m) with a floor at y = 0; `Err` is the
+/// radius of a disc that no place holds.
+pub(crate) fn deposit(radii: impl Iterator<Item = f64>, width: f64) -> Result<Vec<Placed>, f64> {
     let mut discs: Vec<Placed> = Vec::new();
     let mut front: Vec<usize> = Vec::new();
     let mut on_floor = true;
@@ -27,21 +30,20 @@ pub(crate) fn deposit(radii: impl Iterator<Item = f64>, width: f64) -> Vec<Place
                 continue;
             }
         }
-        let (place, covered) = lowest_place(&chain, radius, width);
+        let (place, covered) = lowest_place(&chain, radius, width).ok_or(radius)?;
         front.splice(covered, [discs.len()]);
         discs.push((place, radius));
     }
-    discs
+    Ok(discs)
 }
 
 /// The lowest place of a disc on the chain, and the part of the chain that it covers.
-fn lowest_place(chain: &[Placed], radius: f64, width: f64) -> (Vector2<f64>, std::ops::Range<usize>) {
-    // If no pocket holds it, as may be on a front of few discs, it falls from above the highest.
-    let highest = chain.iter().map(|(x, r)| x.y + r).fold(0.0, f64::max);
-    let mut best = (Vector2::new(0.5 * width, highest + radius), chain.len()..chain.len());
-    let mut take = |place: Option<Vector2<f64>>, covered: std::ops::Range<usize>| {
-        if let Some(place) = place.filter(|place| place.y < best.0.y && fits(chain, *place, radius, width)) {
-            best = (place, covered);
+fn lowest_place(chain: &[Placed], radius: f64, width: f64) -> Option<(Vector2<f64>, Range<usize>)> {
+    let mut best: Option<(Vector2<f64>, Range<usize>)> = None;
+    let mut take = |place: Option<Vector2<f64>>, covered: Range<usize>| {
+        let Some(place) = place.filter(|place| fits(chain, *place, radius, width)) else { return };
+        if best.as_ref().is_none_or(|(lowest, _)| place.y < lowest.y) {
+            best = Some((place, covered));
         }
     };
     for (k, held) in chain.iter().enumerate() {
@@ -60,7 +62,8 @@ fn lowest_place(chain: &[Placed], radius: f64, width: f64) -> (Vector2<f64>, std
 
 /// Against a wall, with the centre at `x`, and on one disc.
 fn beside_wall((centre, r): Placed, x: f64, radius: f64) -> Option<Vector2<f64>> {
-    let height = (r + radius).powi(2) - (centre.x - x).powi(2);
+    let (distance, across) = (r + radius, centre.x - x);
+    let height = distance * distance - across * across;
     (height >= 0.0).then(|| Vector2::new(x, centre.y + height.sqrt()))
 }
 
@@ -99,7 +102,7 @@ mod tests {
     #[test]
     fn deposited_discs_fill_the_box_without_overlap() {
         let radii = (0..400).map(|k| 0.05 + 0.05 * (f64::from(k) * 0.618_034).fract());
-        let discs = deposit(radii, 3.0);
+        let discs = deposit(radii, 3.0).unwrap();
         for (k, (x, r)) in discs.iter().enumerate() {
             assert!(
                 x.x >= r - 1e-11 && x.x <= 3.0 - r + 1e-11 && x.y >= r - 1e-11,

@@ -1,6 +1,6 @@
 //! Neighbours and gaps: which discs and walls are close, on a grid of cells, in time linear in the number of grains.
 
-use crate::scene::Wall;
+use crate::scene::MovingWall;
 use nalgebra::Vector2;
 
 /// The antagonist of a detected contact. Its order is that of the contacts of one candidate in a problem.
@@ -46,7 +46,8 @@ pub fn detect(position: &[Vector2<f64>], radius: &[f64], reach: f64) -> Vec<Dete
             let between = x - position[j as usize];
             let contact_distance = r + radius[j as usize];
             // Most pairs are too far: no square root for them.
-            if between.norm_squared() > (contact_distance + reach).powi(2) {
+            let farthest = contact_distance + reach;
+            if between.norm_squared() > farthest * farthest {
                 return;
             }
             let distance = between.norm();
@@ -65,19 +66,20 @@ pub fn detect(position: &[Vector2<f64>], radius: &[f64], reach: f64) -> Vec<Dete
     contacts
 }
 
-/// The contacts of one disc with the walls that are within `reach` (m).
+/// The contacts of one disc with the walls that are within `reach` (m), and the rate at which each opens its gap (m/s).
 pub(crate) fn walls_near(
-    walls: &[Option<Wall>; 3],
+    walls: &[Option<MovingWall>; 3],
     grain: u32,
     position: Vector2<f64>,
     radius: f64,
     reach: f64,
-) -> impl Iterator<Item = (DetectedContact, Wall)> {
+) -> impl Iterator<Item = (DetectedContact, f64)> {
     [Side::Floor, Side::Left, Side::Right].into_iter().zip(*walls).filter_map(move |(side, wall)| {
         let wall = wall?;
-        let gap = wall.gap(position, radius);
-        let contact = DetectedContact { candidate: grain, antagonist: side, normal: wall.normal, gap };
-        (gap <= reach).then_some((contact, wall))
+        let gap = wall.now.gap(position, radius);
+        let normal = wall.now.normal;
+        let contact = DetectedContact { candidate: grain, antagonist: side, normal, gap };
+        (gap <= reach).then_some((contact, wall.opening_rate(position)))
     })
 }
 

@@ -5,7 +5,7 @@ use crate::case::Case;
 use crate::detect::{DetectedContact, Side, detect, walls_near};
 use crate::error::CaseError;
 use crate::frozen::Frozen;
-use crate::scene::{Law, Scene, Wall};
+use crate::scene::{Law, MovingWall, Scene};
 use contact::{Contact, ContactProblem, Outcome, Solver, Stop, solve};
 use nalgebra::Vector2;
 
@@ -107,18 +107,15 @@ impl March {
         free_velocity: &[Vector2<f64>],
     ) -> (Vec<Contact>, Vec<DetectedContact>) {
         let Scene { time_step_s: h, theta, law, .. } = self.scene;
-        // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h]; walls move as they do
-        // in the middle of it.
+        // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
         let detection = (self.made as f64 + 1.0 - theta) * h;
-        let walls =
-            self.scene.walls.as_ref().map_or([None; 3], |walls| walls.at(detection, detection + 0.5 * h));
+        let walls = self.scene.walls.as_ref().map_or([None; 3], |walls| walls.over(detection, h));
         let reach = 2.0 * h * greatest_speed(free_velocity, position, &walls);
 
         let mut pairs = detect(position, &self.radius, reach).into_iter().peekable();
         let (mut contacts, mut near) = (Vec::new(), Vec::new());
         for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)) {
-            let with_walls = walls_near(&walls, grain, *x, *radius, reach)
-                .map(|(contact, wall)| (contact, -wall.normal_velocity(*x)));
+            let with_walls = walls_near(&walls, grain, *x, *radius, reach);
             let with_grains = std::iter::from_fn(|| pairs.next_if(|pair| pair.candidate == grain));
             for (pair, wall_offset) in with_walls.chain(with_grains.map(|pair| (pair, 0.0))) {
                 let antagonist = match pair.antagonist {
@@ -142,7 +139,8 @@ impl March {
         (contacts, near)
     }
 
-    /// Ends the time step with the impulses `r` (N·s) and velocities `velocity` (m/s) found for it: q ← q + h((1−θ)V⁻ + θV).
+    /// Ends the time step with the impulses `r` (N·s) and velocities `velocity` (m/s) found for it:
+    /// q ← q + h((1−θ)V⁻ + θV).
     ///
     /// # Panics
     /// If the impulses or velocities are not those of the time step's problem.
@@ -212,11 +210,10 @@ impl Law {
 fn greatest_speed(
     free_velocity: &[Vector2<f64>],
     position: &[Vector2<f64>],
-    walls: &[Option<Wall>; 3],
+    walls: &[Option<MovingWall>; 3],
 ) -> f64 {
     let grains = free_velocity.iter().map(Vector2::norm);
-    let facing =
-        walls.iter().flatten().flat_map(|wall| position.iter().map(|x| wall.normal_velocity(*x).abs()));
+    let facing = walls.iter().flatten().flat_map(|wall| position.iter().map(|x| wall.opening_rate(*x).abs()));
     grains.chain(facing).fold(0.0, f64::max)
 }
 

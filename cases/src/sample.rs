@@ -78,7 +78,7 @@ impl Sample {
                 discs.iter().map(|&[x, y, radius]| disc(x, y, radius, density_kg_per_m2)).collect()
             }
             Self::Column { grains, radius_m, density_kg_per_m2 } => (0..grains)
-                .map(|k| disc(0.0, f64::from(2 * k + 1) * radius_m, radius_m, density_kg_per_m2))
+                .map(|k| disc(0.0, (2.0 * f64::from(k) + 1.0) * radius_m, radius_m, density_kg_per_m2))
                 .collect(),
             Self::Triangular { columns, rows, radius_m, density_kg_per_m2 } => {
                 triangular(columns, rows, radius_m, density_kg_per_m2)
@@ -99,6 +99,9 @@ impl Sample {
                 let mut rng = ChaCha8Rng::seed_from_u64(seed);
                 let radii = (0..grains).map(|_| least + (greatest - least) * rng.random::<f64>());
                 deposit::deposit(radii, width)
+                    .map_err(|radius| {
+                        format!("`sample`: no place in the box holds a disc of radius {radius} m")
+                    })?
                     .into_iter()
                     .map(|(x, radius)| disc(x.x, x.y, radius, density_kg_per_m2))
                     .collect()
@@ -113,9 +116,15 @@ impl Sample {
                     .collect()
             }
         };
-        match discs.iter().find(|disc| !(disc.mass > 0.0 && disc.mass.is_finite() && disc.radius > 0.0)) {
-            Some(Disc { radius, mass, .. }) => Err(format!(
-                "`sample` has a disc of radius {radius} m and mass {mass} kg: both must be positive and finite"
+        let valid = |disc: &&Disc| {
+            let positive = |x: f64| x > 0.0 && x.is_finite();
+            positive(disc.mass) && positive(disc.radius) && disc.position.iter().all(|x| x.is_finite())
+        };
+        match discs.iter().find(|disc| !valid(disc)) {
+            Some(Disc { radius, mass, position }) => Err(format!(
+                "`sample` has a disc of radius {radius} m and mass {mass} kg at ({}, {}) m: radius and mass must be \
+                 positive, all finite",
+                position.x, position.y
             )),
             None if discs.is_empty() => Err("`sample` has no grain".to_owned()),
             None => Ok(discs),
@@ -132,7 +141,7 @@ fn triangular(columns: u32, rows: u32, radius: f64, density: f64) -> Vec<Disc> {
     for row in 0..rows {
         let odd = row % 2;
         for column in 0..columns.saturating_sub(odd) {
-            let x = f64::from(2 * column + 1 + odd) * radius;
+            let x = (2.0 * f64::from(column) + 1.0 + f64::from(odd)) * radius;
             let y = radius * (1.0 + 3.0_f64.sqrt() * f64::from(row));
             discs.push(disc(x, y, radius, density));
         }

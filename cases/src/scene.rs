@@ -32,7 +32,8 @@ pub enum Law {
     /// The paper's rule: a contact enters if its gap at q + h(1−θ)V⁻, advanced over h by the free velocity, is not
     /// positive; c has no gap term.
     PredictedGap,
-    /// Inelastic quasi-shock: a contact enters if its gap could close within the time step; c has max(0, gap)/h.
+    /// Inelastic quasi-shock: a contact enters if its gap is no more than what the two fastest bodies of the scene could
+    /// close within the time step; c has max(0, gap)/h.
     Iqs,
 }
 
@@ -77,38 +78,31 @@ pub enum Direction {
     Y,
 }
 
-/// A wall at one instant: a straight line that turns about its foot.
+/// A wall at one instant: a straight line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wall {
     /// Unit normal into the box (–).
     pub(crate) normal: Vector2<f64>,
-    /// A fixed point of the wall: its foot (m).
-    pub(crate) foot: Vector2<f64>,
-    /// Velocity of the foot (m/s).
-    pub(crate) foot_velocity: Vector2<f64>,
-    /// Velocity along the normal gained per metre above the foot along the wall (1/s).
-    pub(crate) turning: f64,
+    /// A point of the wall: its foot (m).
+    foot: Vector2<f64>,
 }
 
 impl Walls {
-    /// Floor, left and right wall as they stand at `time` and move at `moving` (s).
-    pub(crate) fn at(&self, time: f64, moving: f64) -> [Option<Wall>; 3] {
-        let (shift, foot_velocity) =
-            self.vibration.as_ref().map_or((Vector2::zeros(), Vector2::zeros()), |vibration| {
-                (vibration.displacement(time), vibration.velocity(moving))
-            });
+    /// Floor, left and right wall from `time` to `time` + `span` (s).
+    pub(crate) fn over(&self, time: f64, span: f64) -> [Option<MovingWall>; 3] {
+        let (now, next) = (self.at(time), self.at(time + span));
+        [0, 1, 2].map(|side| Some(MovingWall { now: now[side]?, next: next[side]?, span }))
+    }
+
+    /// Floor, left and right wall as they stand at `time` (s).
+    fn at(&self, time: f64) -> [Option<Wall>; 3] {
+        let foot = self.vibration.as_ref().map_or(Vector2::zeros(), |vibration| vibration.displacement(time));
         let angle = self.tilt_rate_rad_per_s * (time - self.tilt_start_s).max(0.0);
-        let rate = if moving > self.tilt_start_s { self.tilt_rate_rad_per_s } else { 0.0 };
         let (sin, cos) = (libm::sin(angle), libm::cos(angle));
-        let floor = Wall { normal: Vector2::new(0.0, 1.0), foot: shift, foot_velocity, turning: 0.0 };
-        let left = Wall { normal: Vector2::new(cos, -sin), turning: rate, ..floor };
-        let right = |width: f64| Wall {
-            normal: Vector2::new(-cos, sin),
-            foot: shift + Vector2::new(width, 0.0),
-            turning: -rate,
-            foot_velocity,
-        };
-        [Some(floor), self.width_m.map(|_| left), self.width_m.map(right)]
+        let floor = Wall { normal: Vector2::y(), foot };
+        let left = |_| Wall { normal: Vector2::new(cos, -sin), foot };
+        let right = |width| Wall { normal: Vector2::new(-cos, sin), foot: foot + Vector2::new(width, 0.0) };
+        [Some(floor), self.width_m.map(left), self.width_m.map(right)]
     }
 }
 
@@ -117,34 +111,31 @@ impl Wall {
     pub(crate) fn gap(&self, position: Vector2<f64>, radius: f64) -> f64 {
         self.normal.dot(&(position - self.foot)) - radius
     }
+}
 
-    /// Normal velocity of the wall where it faces `position` (m/s).
-    pub(crate) fn normal_velocity(&self, position: Vector2<f64>) -> f64 {
-        let above_foot = (position - self.foot).perp(&self.normal).abs();
-        self.normal.dot(&self.foot_velocity) + self.turning * above_foot
+/// A wall as it stands at the beginning and at the end of a span of time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MovingWall {
+    pub(crate) now: Wall,
+    next: Wall,
+    span: f64,
+}
+
+impl MovingWall {
+    /// Rate at which the wall opens the gap of a disc at rest, on average over the span (m/s).
+    pub(crate) fn opening_rate(&self, position: Vector2<f64>) -> f64 {
+        (self.next.gap(position, 0.0) - self.now.gap(position, 0.0)) / self.span
     }
 }
 
 impl Vibration {
-    fn phase(&self, time: f64) -> Option<f64> {
-        let since = time - self.start_s;
-        (since >= 0.0).then_some(std::f64::consts::TAU * self.frequency_hz * since)
-    }
-
-    fn along(&self, value: f64) -> Vector2<f64> {
+    fn displacement(&self, time: f64) -> Vector2<f64> {
+        let phase = std::f64::consts::TAU * self.frequency_hz * (time - self.start_s).max(0.0);
+        let value = self.amplitude_m * libm::sin(phase);
         match self.direction {
             Direction::X => Vector2::new(value, 0.0),
             Direction::Y => Vector2::new(0.0, value),
         }
-    }
-
-    fn displacement(&self, time: f64) -> Vector2<f64> {
-        self.along(self.phase(time).map_or(0.0, |phase| self.amplitude_m * libm::sin(phase)))
-    }
-
-    fn velocity(&self, time: f64) -> Vector2<f64> {
-        let pulsation = std::f64::consts::TAU * self.frequency_hz;
-        self.along(self.phase(time).map_or(0.0, |phase| self.amplitude_m * pulsation * libm::cos(phase)))
     }
 }
 
@@ -190,29 +181,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn walls_move_as_their_positions_say() {
+    fn walls_turn_about_their_feet_and_shake_with_the_box() {
+        let vibration =
+            Vibration { amplitude_m: 0.1, frequency_hz: 0.25, direction: Direction::Y, start_s: 1.0 };
         let walls = Walls {
             width_m: Some(3.0),
-            tilt_rate_rad_per_s: 0.2,
-            tilt_start_s: 0.5,
-            vibration: Some(Vibration {
-                amplitude_m: 0.1,
-                frequency_hz: 2.0,
-                direction: Direction::Y,
-                start_s: 0.0,
-            }),
+            tilt_rate_rad_per_s: std::f64::consts::FRAC_PI_4,
+            tilt_start_s: 1.0,
+            vibration: Some(vibration),
         };
         let disc = Vector2::new(1.0, 1.5);
-        let (time, half) = (1.3, 1e-5);
-        let before = walls.at(time - half, time);
-        let after = walls.at(time + half, time);
-        let now = walls.at(time, time);
-        for side in 0..3 {
-            let [before, now, after] = [before, now, after].map(|walls| walls[side].unwrap());
-            let difference = (after.gap(disc, 0.1) - before.gap(disc, 0.1)) / (2.0 * half);
-            // A disc at rest sees its gap change by minus the wall's normal velocity; central differences are
-            // exact to half² times the third derivative, about 2e3 (m/s³) here.
-            assert!((difference + now.normal_velocity(disc)).abs() < 1e-6, "{side}: {difference}");
+        let gaps = |time| walls.at(time).map(|wall| wall.unwrap().gap(disc, 0.1));
+        assert_eq!(gaps(0.5), [1.4, 0.9, 1.9], "nothing moves before its start");
+        // A second later the walls lean by π/4 and the box is at its highest, 0.1 m.
+        let along = 1.4 / std::f64::consts::SQRT_2;
+        let expected = [
+            1.3,
+            1.0 / std::f64::consts::SQRT_2 - along - 0.1,
+            along - 2.0 / -std::f64::consts::SQRT_2 - 0.1,
+        ];
+        for (gap, expected) in gaps(2.0).iter().zip(expected) {
+            assert!((gap - expected).abs() < 1e-14, "{gap} m, {expected} m expected");
         }
     }
 }

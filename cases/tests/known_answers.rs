@@ -7,7 +7,7 @@ use cg::Cg;
 use contact::{Measure, Status, Stop, solve};
 use nalgebra::Vector2;
 use proptest::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const GRAVITY: f64 = 9.81;
 
@@ -137,8 +137,11 @@ fn disc_on_a_vibrating_floor_follows_it() {
     for _ in 0..1000 {
         let observables = march.time_step(&Cg::default(), &tight()).unwrap().1;
         let floor = 0.01 * (4.0 * std::f64::consts::PI * observables.time).sin();
-        // The box sets off at A 2πf = 0.126 m/s, which the disc learns half a time step late; nothing is lost after.
-        assert!((observables.mean_height - 0.5 - floor).abs() < 0.127 * 0.5e-3, "{observables:?}");
+        // The first detection, half a time step after the start, finds the floor risen into the disc, and the law leaves it
+        // there. From then on the floor is followed exactly from one detection to the next; the end of a time step lies
+        // between, where the chord is off by at most A (2πf)² h²/8.
+        let late = 0.01 * (4.0 * std::f64::consts::PI * 0.5e-3).sin();
+        assert!((observables.mean_height - 0.5 - floor + late).abs() < 2.1e-7, "{observables:?}");
     }
 }
 
@@ -192,10 +195,8 @@ proptest! {
 }
 
 #[test]
-fn unknown_key_is_named_with_its_line() {
-    let error = Case::read(Path::new("no-such-case.toml"), &[]).unwrap_err().to_string();
-    assert!(error.contains("no-such-case.toml"), "{error}");
-    let error =
-        Case::read(&folder().join("column.toml"), &[("sample.grain".into(), "3".into())]).unwrap_err();
-    assert!(error.to_string().contains("column.toml") && error.to_string().contains("grain"), "{error}");
+fn unknown_key_of_a_change_is_named_with_its_file() {
+    let changes = [("sample.grain".into(), "3".into())];
+    let error = Case::read(&folder().join("column.toml"), &changes).unwrap_err().to_string();
+    assert!(error.contains("column.toml") && error.contains("unknown field `grain`"), "{error}");
 }

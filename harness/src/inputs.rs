@@ -169,6 +169,9 @@ pub(crate) fn content_hash(frozen: &Frozen) -> String {
     let mut hash = Sha256::new();
     let mut number = |x: f64| hash.update(x.to_bits().to_le_bytes());
     let problem = &frozen.problem;
+    // The lengths first: no two problems are the same numbers otherwise cut.
+    number(problem.grain_count() as f64);
+    number(problem.contact_count() as f64);
     problem.mass().iter().for_each(|m| number(*m));
     problem.position().iter().chain(problem.free_velocity()).flatten().for_each(|x| number(*x));
     for contact in problem.contacts() {

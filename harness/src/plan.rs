@@ -12,7 +12,7 @@ use std::path::Path;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Plan {
-    /// Name, that of the file.
+    /// Name, in results and of their folders.
     pub(crate) name: String,
     /// What the study asks, in a sentence.
     pub(crate) why: String,
@@ -53,10 +53,7 @@ impl Plan {
         if plan.problems.is_empty() {
             bail!("{}: `problems` is empty", path.display());
         }
-        let Stop { tolerance, .. } = plan.stop;
-        if !(tolerance >= 0.0 && tolerance.is_finite()) {
-            bail!("{}: `stop.tolerance` is {tolerance}: it must be finite and not negative", path.display());
-        }
+        plan.stop.check().with_context(|| format!("{}: `stop`", path.display()))?;
         plan.variants().with_context(|| path.display().to_string())?;
         Ok(plan)
     }

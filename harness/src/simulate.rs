@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 use cases::{Case, March, Observables};
 use contact::{Outcome, Status};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -52,13 +52,23 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     ))?;
     let bar = progress::bar(args.time_steps, "time steps");
     for k in 1..=args.time_steps {
-        let (outcome, observables) = march.time_step(&*method.solver, &stop)?;
+        let (outcome, observables) = match march.time_step(&*method.solver, &stop) {
+            Ok(made) => made,
+            Err(error) => {
+                // What was made before is kept.
+                bar.finish_and_clear();
+                write_observables(args.output.as_deref(), &csv)?;
+                return Err(error.into());
+            }
+        };
         missed += u64::from(outcome.status != Status::Converged);
         writeln!(csv, "{}", row(k, &outcome, &observables))?;
         if k % shown_every == 0 || k == args.time_steps {
             let Observables { time, kinetic_energy, mean_height, greatest_overlap } = observables;
             let (contacts, iterations) = (outcome.impulses.len(), outcome.iterations);
-            bar.suspend(|| say(format_args!("{k:>10}  {time:>9.4}  {contacts:>8}  {iterations:>10}  {kinetic_energy:>14.4e}  {mean_height:>13.6}  {greatest_overlap:>11.3e}")))?;
+            let solved = format!("{k:>10}  {time:>9.4}  {contacts:>8}  {iterations:>10}");
+            let seen = format!("{kinetic_energy:>14.4e}  {mean_height:>13.6}  {greatest_overlap:>11.3e}");
+            bar.suspend(|| say(format_args!("{solved}  {seen}")))?;
         }
         bar.inc(1);
     }
@@ -69,10 +79,13 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
             args.time_steps, stop.on, stop.tolerance
         ))?;
     }
-    if let Some(file) = &args.output {
-        write_whole(file, &csv)?;
-        say(format_args!("{}", file.display()))?;
-    }
+    write_observables(args.output.as_deref(), &csv)
+}
+
+fn write_observables(file: Option<&Path>, csv: &str) -> Result<()> {
+    let Some(file) = file else { return Ok(()) };
+    write_whole(file, csv)?;
+    say(format_args!("{}", file.display()))?;
     Ok(())
 }
 

@@ -26,7 +26,8 @@ pub(crate) struct Args {
     start: Start,
     #[command(flatten)]
     case: CaseArgs,
-    /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]
+    /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]; those before
+    /// it are solved by cg, whatever the method
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     time_step: Option<String>,
     /// Print one JSON object
@@ -101,6 +102,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     if let Some(file) = &args.impulses {
         check_place(file)?;
     }
+    stop.check()?;
     let path = root.problem_or_case(&args.problem)?;
     let frozen = read(&path, args)?;
     let r0 = frozen.start(args.start == Start::Warm);

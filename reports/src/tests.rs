@@ -198,7 +198,7 @@ fn table_reads_off_what_the_rows_say() {
         "200",
     ];
     assert_eq!(row[..13], expected);
-    assert_eq!(row[13..], ["10⁻⁵", "0.0123", "", ""]);
+    assert_eq!(row[13..], ["0", "0", "10⁻⁵", "0.0123", "", ""]);
 }
 
 #[test]

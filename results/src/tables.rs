@@ -155,9 +155,9 @@ mod tests {
 
     #[test]
     fn no_rows_give_tables_with_all_their_columns() {
-        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 38));
-        assert_eq!(curves_table(&[]).unwrap().shape(), (0, 13));
-        assert_eq!(curves_table(&[(4, Vec::new())]).unwrap().shape(), (0, 13));
+        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 41));
+        assert_eq!(curves_table(&[]).unwrap().shape(), (0, 15));
+        assert_eq!(curves_table(&[(4, Vec::new())]).unwrap().shape(), (0, 15));
         assert_eq!(grains_table(&[]).unwrap().shape(), (0, 8));
         assert_eq!(contacts_table(&[]).unwrap().shape(), (0, 10));
     }

@@ -38,11 +38,11 @@ impl Answer {
 /// How far two answers with r, s ≥ 0 can be apart, from what each leaves of the law alone:
 /// ‖V − U‖²_M = (r − s)ᵗ (v − u) ≤ rᵗ max(0, v) + sᵗ max(0, u) + rᵗ max(0, −u) + sᵗ max(0, −v).
 fn bound(a: &Answer, b: &Answer) -> f64 {
-    let part = |r: &[f64], v: &[f64], sign: f64| -> f64 {
+    let sum = |r: &[f64], v: &[f64], sign: f64| -> f64 {
         r.iter().zip(v).map(|(r, v)| r * (sign * v).max(0.0)).sum()
     };
     let (own, crossed) =
-        (part(&a.r, &a.v, 1.0) + part(&b.r, &b.v, 1.0), part(&a.r, &b.v, -1.0) + part(&b.r, &a.v, -1.0));
+        (sum(&a.r, &a.v, 1.0) + sum(&b.r, &b.v, 1.0), sum(&a.r, &b.v, -1.0) + sum(&b.r, &a.v, -1.0));
     (own + crossed).sqrt()
 }
 
@@ -52,7 +52,8 @@ fn assert_agree(problem: &ContactProblem, a: &Answer, b: &Answer) {
     let tolerance = bound(a, b) / scale;
     let pair = format!("{} and {}", a.name, b.name);
     assert!(distance <= tolerance, "{pair}: {distance:e} apart, {tolerance:e} allowed");
-    // The bound must say something: two digits of the change of velocity.
+    // The bound holds for any two answers, if H and W are right; it is what must be small: two digits of the change of
+    // velocity.
     assert!(tolerance < 1e-2, "{pair}: the residuals allow {tolerance:e}");
 }
 
@@ -80,7 +81,7 @@ fn assert_all_methods_agree_on(name: &str) {
         ),
     ];
     for (method, solver) in methods {
-        assert_agree(&problem, &Answer::of(solver, method.into(), &problem, 1e-5), &reference);
+        assert_agree(&problem, &Answer::of(solver, method.into(), &problem, 5e-6), &reference);
     }
 }
 
@@ -117,7 +118,7 @@ fn lmgc90_gives_the_same_velocity() {
     .unwrap();
     let solution: serde_json::Value = serde_json::from_str(&text).unwrap();
     let r: Vec<f64> = serde_json::from_value(solution["impulse"].clone()).unwrap();
-    // What came with the file: least relative velocity −2.4e-7 m/s.
+    // What LMGC90 left of the law, as told beside the file in cases/README.md: −2.4e-7 m/s at the worst contact.
     let measures = Meter::new(&problem).measure(&r, 0.0);
     assert!((measures.penetration_rate - 2.4e-7).abs() < 0.05e-7, "{:e} m/s", measures.penetration_rate);
     let lmgc90 = Answer::new("LMGC90".into(), &problem, r);

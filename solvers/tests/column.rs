@@ -4,8 +4,9 @@ use crate::problems::{first_problem, impulses, start};
 use cg::{Cg, Preconditioner};
 use contact::{Measure, Meter, Solver, Status, Stop, solve};
 use latin_dd::LatinDd;
-use nsgs::Nsgs;
+use nsgs::{Jacobi, Nsgs};
 use nsgs_dd::NsgsDd;
+use partition::Grid;
 
 fn column(n: usize) -> cases::Frozen {
     first_problem("column", &[("sample.grains", &n.to_string())])
@@ -61,7 +62,7 @@ fn conjugate_gradient_ends_in_n_iterations() {
         for preconditioner in [Preconditioner::None, Preconditioner::Diagonal] {
             let frozen = column(n as usize);
             let r0 = frozen.start(false);
-            // Round-off in n steps of a problem of condition n².
+            // Round-off in n iterations on a problem of condition n².
             let tolerance = 1e-15 * (n * n * n) as f64;
             let stop = Stop { on: Measure::NaturalMap, tolerance, max_iterations: 10 * n };
             let outcome = solve(&Cg { preconditioner }, &frozen.problem, &r0, &stop, &mut |_| {}).unwrap();
@@ -76,9 +77,17 @@ fn column_of_discs_carries_its_weight() {
     let n = 12;
     let frozen = column(n);
     let weight = frozen.problem.mass()[0] * 9.81 * frozen.time_step;
-    for solver in [&Nsgs::default() as &dyn Solver, &Cg::default(), &NsgsDd::default()] {
+    let halves = Grid { nx: 1, ny: 2 };
+    for solver in [
+        &Nsgs::default() as &dyn Solver,
+        &Jacobi::default(),
+        &Cg::default(),
+        &NsgsDd { subdomains: halves, ..NsgsDd::default() },
+        &LatinDd { subdomains: halves, ..LatinDd::default() },
+    ] {
         let stop = Stop { tolerance: 1e-11, ..Stop::default() };
         let outcome = solve(solver, &frozen.problem, &frozen.start(false), &stop, &mut |_| {}).unwrap();
+        assert_eq!(outcome.status, Status::Converged);
         // Contact k from the floor carries n − k discs; the list is in that order, each disc's lower contact first.
         for (contact, r) in frozen.problem.contacts().iter().zip(&outcome.impulses) {
             let below = contact.antagonist.map_or(0, |j| j.min(contact.candidate) as usize + 1);

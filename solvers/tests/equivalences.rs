@@ -1,7 +1,8 @@
 //! Methods that must be one another, iterate by iterate.
 
 use crate::problems::{PACKINGS, any_problem, difference, frozen, impulses, start};
-use contact::{Contact, ContactProblem, Iteration, law};
+use cg::Cg;
+use contact::{Contact, ContactProblem, Iteration, Solver, Stop, law, solve};
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
 use nsgs::{Jacobi, Nsgs, Order};
@@ -27,6 +28,22 @@ fn latin_without_l_minus_is_projected_jacobi() {
         };
         // Few iterations: ω = 1 diverges on a packing, and takes round-off with it.
         assert_same_iterates(&problem, &mut *start(&explicit, &problem), &mut advance, 20);
+    }
+}
+
+/// Begun from a solution, every stage of LATIN finds what it had: the start values satisfy all of (1)-(7).
+#[test]
+fn latin_stays_at_a_solution() {
+    let problem = frozen("shear-box-991-sheared").problem;
+    let stop = Stop { tolerance: 1e-12, ..Stop::default() };
+    let r0 = vec![0.0; problem.contact_count()];
+    let solution = solve(&Cg::default(), &problem, &r0, &stop, &mut |_| {}).unwrap().impulses;
+    for subdomains in [Grid::ONE, Grid { nx: 4, ny: 2 }] {
+        let settings = LatinDd { subdomains, ..LatinDd::default() };
+        let mut run = settings.start(&problem, &solution).unwrap();
+        run.advance();
+        let difference = difference(&solution, &impulses(&*run, &problem));
+        assert!(difference < 1e-9, "{subdomains}: {difference}");
     }
 }
 

@@ -62,8 +62,8 @@ fn missing_problem_of_a_plan_is_refused_with_the_known_ones() {
 #[test]
 fn tolerance_of_a_plan_that_is_not_a_positive_number_is_refused() {
     let tolerance = |value: &str| plan("bad", &["pair"], NSGS).replace("1e-3", value);
-    refused(&tolerance("-1.0"), &["`stop.tolerance` is -1:", "not negative"]);
-    refused(&tolerance("nan"), &["`stop.tolerance` is NaN:", "finite"]);
+    refused(&tolerance("-1.0"), &["`stop`: `tolerance` is -1:", "not negative"]);
+    refused(&tolerance("nan"), &["`stop`: `tolerance` is NaN:", "finite"]);
 }
 
 #[test]

@@ -53,6 +53,15 @@ fn subdomains_that_work_in_threads_give_the_same_bits() {
 }
 
 #[test]
+fn latin_in_threads_gives_the_same_bits() {
+    // From 2,000 contacts on, LATIN-DD gives its subdomains to the threads.
+    for settings in ["--set subdomains=4x2", "--set subdomains=8x8 --set partition=balanced"] {
+        let object = assert_same(&format!("settled-991 --method latin-dd {settings} --max-iterations 40"));
+        assert!(object["contacts"].as_u64().unwrap() >= 2_000);
+    }
+}
+
+#[test]
 fn march_gives_the_same_bits() {
     assert_same(
         "settled-box --scene sample.grains=40 --scene scene.box.width_m=1 --time-step 20 --method nsgs",

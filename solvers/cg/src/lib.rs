@@ -68,14 +68,15 @@ impl Iteration for Run<'_> {
     fn advance(&mut self) {
         self.problem.delassus_product(&self.p, &mut self.w_p, &mut self.scratch);
         self.products += 1;
-        // pᵗ W p is 0 at a solution, where p = 0.
+        // pᵗ W p is 0 at a solution, where p = 0; and on a problem without one, along a p of which grains feel nothing:
+        // there the iterate stays.
         let curvature = dot(&self.p, &self.w_p);
         let ratio = |numerator: f64| if curvature == 0.0 { 0.0 } else { numerator / curvature };
 
         // r = max(0, r + α p),  α = uᵗ p / pᵗ W p
-        let step = ratio(dot(&self.u, &self.p));
+        let length = ratio(dot(&self.u, &self.p));
         for (r, p) in self.r.iter_mut().zip(&self.p) {
-            *r = law::non_negative(*r + step * p);
+            *r = law::non_negative(*r + length * p);
         }
         self.project_gradient();
 

@@ -1,4 +1,5 @@
-//! Measures of an iterate that need no reference solution, all recomputed from the impulses r alone.
+//! Measures of an iterate that need no reference solution, recomputed from the impulses r alone; only the velocity jump
+//! is the method's own word.
 
 use crate::law;
 use crate::problem::ContactProblem;
@@ -51,13 +52,15 @@ pub struct Measures {
     pub zeta: f64,
     /// √( Σ `W_αα` (r − r⁺)² / Σ max(0, −b)²/`W_αα` ) with r⁺ = max(0, r − v/`W_αα`) (–): 0 exactly at a solution.
     pub natural_map: f64,
-    /// `max_α` max(0, −`v_α`) (m/s).
+    /// `max_α` max(0, −`v_α`) (m/s). One-sided: it is 0 as well where impulses are too large.
     pub penetration_rate: f64,
     /// The contact at which `penetration_rate` is reached; `None` where no contact approaches.
     pub worst_contact: Option<usize>,
-    /// LMGC90's `QuadDV` times its tolerance: √( Σ DV² / Σ ½(WR² + WR⁺²) ), with DV = `W_αα` (r⁺ − r), WR = `W_αα` r (–).
+    /// LMGC90's `QuadDV` times its tolerance: √( Σ DV² / Σ ½(WR² + WR⁺²) ), with DV = `W_αα` (r⁺ − r) and WR = `W_αα` r
+    /// (–).
     pub quad_dv: f64,
-    /// LMGC90's `MaxmDV` times its tolerance: max |DV| over the quadratic mean of WR on the contacts with r⁺ > 0 (–).
+    /// LMGC90's `MaxmDV` times its tolerance: max |DV| over the quadratic mean of WR, both over the contacts with r or r⁺
+    /// above 0 (–).
     pub max_dv: f64,
     /// Greatest disagreement of copies before gluing (m/s); 0 without copies.
     pub velocity_jump: f64,
@@ -95,7 +98,11 @@ impl<'p> Meter<'p> {
     pub fn new(problem: &'p ContactProblem) -> Self {
         let b = problem.b();
         let delassus_diagonal = problem.delassus_diagonal();
-        let scale = b.iter().zip(&delassus_diagonal).map(|(b, w)| law::non_negative(-b).powi(2) / w).sum();
+        let scale = b
+            .iter()
+            .zip(&delassus_diagonal)
+            .map(|(b, w)| law::non_negative(-b) * law::non_negative(-b) / w)
+            .sum();
         Self {
             problem,
             v: vec![0.0; b.len()],
@@ -136,28 +143,33 @@ impl<'p> Meter<'p> {
             sum_dv += dv * dv;
             sum_wr += 0.5 * w * w * (r * r + r_plus * r_plus);
             greatest_dv = greatest_dv.max(dv.abs());
-            active += u64::from(r_plus > 0.0);
-            if -v > penetration_rate {
+            active += u64::from(r + r_plus > 0.0);
+            // Written so that a NaN is taken, and stays.
+            if !(-v <= penetration_rate) && !penetration_rate.is_nan() {
                 (penetration_rate, worst_contact) = (-v, Some(contact));
             }
         }
-        let natural_map = if natural_map == 0.0 { 0.0 } else { (natural_map / self.scale).sqrt() };
         Measures {
             zeta,
-            natural_map,
+            natural_map: ratio(natural_map.sqrt(), self.scale.sqrt()),
             penetration_rate,
             worst_contact,
-            quad_dv: (sum_dv / sum_wr).sqrt(),
-            max_dv: greatest_dv / (sum_wr / active as f64).sqrt(),
+            quad_dv: ratio(sum_dv.sqrt(), sum_wr.sqrt()),
+            max_dv: ratio(greatest_dv, (sum_wr / active.max(1) as f64).sqrt()),
             velocity_jump,
             energy: ContactProblem::energy(r, &self.v, &self.b),
         }
     }
 }
 
+/// A residual over its scale; 0 where there is nothing left, whatever the scale.
+fn ratio(residual: f64, scale: f64) -> f64 {
+    if residual == 0.0 { 0.0 } else { residual / scale }
+}
+
 /// ζ = √( |rᵢ − rᵢ₋₁|² / rᵢᵗ rᵢ₋₁ ); NaN unless rᵢᵗ rᵢ₋₁ > 0.
 fn zeta(r: &[f64], previous: &[f64]) -> f64 {
-    let step: f64 = r.iter().zip(previous).map(|(r, p)| (r - p) * (r - p)).sum();
+    let change: f64 = r.iter().zip(previous).map(|(r, p)| (r - p) * (r - p)).sum();
     let product: f64 = r.iter().zip(previous).map(|(r, p)| r * p).sum();
-    if product > 0.0 { (step / product).sqrt() } else { f64::NAN }
+    if product > 0.0 { (change / product).sqrt() } else { f64::NAN }
 }

@@ -74,7 +74,10 @@ impl ContactProblem {
                 return Err(ProblemError::Length { key, found, expected: grains });
             }
         }
-        check_each("grains.mass", &mass, "positive and finite", |m| *m > 0.0 && m.is_finite())?;
+        // The inverse too must be finite: that of 1e-320 kg is not.
+        check_each("grains.mass", &mass, "positive and finite", |m| {
+            *m > 0.0 && m.recip() > 0.0 && m.recip().is_finite()
+        })?;
         check_each("grains.position", &position, "finite", |x| finite(*x))?;
         check_each("grains.free_velocity", &free_velocity, "finite", |v| finite(*v))?;
         for (index, contact) in contacts.iter().enumerate() {
@@ -158,7 +161,7 @@ fn check_contact(contact: &Contact, index: usize, grains: usize) -> Result<(), P
             ));
         }
     }
-    // The frozen files keep 16 digits: 1e-9 lets a normal of any careful code pass and stops a wrong one.
+    // Normals come from files of other codes too: 1e-9 lets a normal of any careful code pass and stops a wrong one.
     let length = normal.norm();
     if !((length - 1.0).abs() <= 1e-9) {
         return Err(wrong(

@@ -19,11 +19,25 @@ pub struct Stop {
     pub max_iterations: u64,
 }
 
-/// `natural_map` ≤ 1e-6, where velocities agree to about four digits on a packing of a thousand discs; and enough
-/// iterations for non-linear Gauss-Seidel to come there from rest.
+/// `natural_map` ≤ 1e-6, and enough iterations for non-linear Gauss-Seidel to come there on a packing of a thousand
+/// discs.
 impl Default for Stop {
     fn default() -> Self {
         Self { on: Measure::NaturalMap, tolerance: 1e-6, max_iterations: 100_000 }
+    }
+}
+
+impl Stop {
+    /// Accepts a tolerance that can be met.
+    ///
+    /// # Errors
+    /// Names it otherwise.
+    pub fn check(&self) -> Result<(), SetupError> {
+        if self.tolerance >= 0.0 && self.tolerance.is_finite() {
+            Ok(())
+        } else {
+            Err(SetupError::new("tolerance", self.tolerance, "finite and not negative"))
+        }
     }
 }
 
@@ -86,9 +100,10 @@ pub struct Outcome {
     pub derived: Vec<(&'static str, f64)>,
 }
 
-/// q(r) above this many times the problem's own scale of energy is a divergence. Every method of the line-up that
-/// converges stays below its start or close to it; a diverging one grows geometrically and passes any bound.
-const ENERGY_BOUND: f64 = 1e6;
+/// q(r) above this many times the problem's own scale of energy is a divergence. It is far, since a method may converge
+/// from far: the first iterate of LATIN has q of the order of κ² times the scale. What grows geometrically passes it
+/// all the same.
+const ENERGY_BOUND: f64 = 1e20;
 
 /// Runs `solver` on `problem` from the impulses `r0` (N·s) until `stop`; `observe` sees every iterate.
 ///
@@ -105,9 +120,7 @@ pub fn solve(
     observe: &mut dyn FnMut(&Progress),
 ) -> Result<Outcome, SetupError> {
     SetupError::unless_admissible(problem, r0)?;
-    if !(stop.tolerance >= 0.0 && stop.tolerance.is_finite()) {
-        return Err(SetupError::new("tolerance", stop.tolerance, "finite and not negative"));
-    }
+    stop.check()?;
     let clock = Instant::now();
     let mut iteration = solver.start(problem, r0)?;
     let setup = clock.elapsed();
@@ -124,12 +137,12 @@ pub fn solve(
     let status = loop {
         let work = iteration.work();
         observe(&Progress { iteration: iterations, iterating, measures: &measures, work });
-        if meter.scale() == 0.0 || measures.get(stop.on) <= stop.tolerance {
-            break Status::Converged;
-        }
-        // Written so that a NaN counts as diverged.
+        // Before convergence, which a measure can feign where others overflow; and so that a NaN counts as diverged.
         if !(measures.energy <= energy_bound && measures.natural_map.is_finite()) {
             break Status::Diverged;
+        }
+        if meter.scale() == 0.0 || measures.get(stop.on) <= stop.tolerance {
+            break Status::Converged;
         }
         if iterations == stop.max_iterations {
             break Status::IterationLimit;

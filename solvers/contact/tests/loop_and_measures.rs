@@ -70,10 +70,13 @@ fn loop_ends_at_its_limit() {
 
 #[test]
 fn an_iterate_that_is_not_finite_or_of_endless_energy_has_diverged() {
-    for bad in [f64::NAN, f64::INFINITY, 1e30] {
-        let method = Recorded(vec![1.0, bad, 2.0]);
-        let outcome = solve(&method, &falling_on_a_floor(), &[0.0], &stop(9), &mut |_| {}).unwrap();
-        assert_eq!((outcome.status, outcome.iterations), (Status::Diverged, 2), "{bad}");
+    for bad in [f64::NAN, f64::INFINITY, 1e30, 1e200] {
+        for on in Measure::ALL {
+            let stop = Stop { on, tolerance: 1e-12, max_iterations: 9 };
+            let method = Recorded(vec![1.0, bad, 2.0]);
+            let outcome = solve(&method, &falling_on_a_floor(), &[0.0], &stop, &mut |_| {}).unwrap();
+            assert_eq!((outcome.status, outcome.iterations), (Status::Diverged, 2), "{bad} on {on}");
+        }
     }
 }
 
@@ -114,6 +117,19 @@ fn measures_of_one_contact_are_as_by_hand() {
     assert!((second.zeta - 0.5_f64.sqrt()).abs() < 1e-15);
     assert_eq!((second.natural_map, second.penetration_rate, second.worst_contact), (0.0, 0.0, None));
     assert_eq!(second.energy, -1.0, "the least that q can be");
+}
+
+/// Two equal contacts that push twice as hard as they should: v = 1 m/s at both, r⁺ = 0.
+#[test]
+fn no_norm_but_the_penetration_rate_is_blind_to_impulses_that_are_too_large() {
+    let contact = Contact { candidate: 0, antagonist: None, normal: Vector2::y(), offset: 0.0 };
+    let (at_rest, falling) = (vec![Vector2::zeros()], vec![Vector2::new(0.0, -1.0)]);
+    let problem = ContactProblem::new(vec![1.0], at_rest, falling, vec![contact; 2]).unwrap();
+    let measures = Meter::new(&problem).measure(&[1.0, 1.0], 0.0);
+    // DV = −1 and WR = 1, WR⁺ = 0 at both: √(2 / ½ · 2) and 1 / √(½ · 2 / 2).
+    assert!((measures.quad_dv - 2.0_f64.sqrt()).abs() < 1e-15);
+    assert!((measures.max_dv - 2.0_f64.sqrt()).abs() < 1e-15);
+    assert_eq!((measures.natural_map, measures.penetration_rate), (1.0, 0.0));
 }
 
 #[test]
@@ -188,7 +204,7 @@ fn with(change: impl Fn(&mut Data)) -> Result<ContactProblem, ProblemError> {
 fn senseless_problems_are_refused_by_name() {
     assert!(with(|_| {}).is_ok());
     let refused = |change: &dyn Fn(&mut Data)| with(change).unwrap_err().to_string();
-    for mass in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
+    for mass in [-1.0, 0.0, 1e-320, f64::NAN, f64::INFINITY] {
         assert!(refused(&|data| data.mass[1] = mass).contains("grains.mass[1]"));
     }
     assert!(refused(&|data| data.position[1].y = f64::NAN).contains("grains.position[1]"));

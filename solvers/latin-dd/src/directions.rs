@@ -32,14 +32,13 @@ impl Directions {
 
 /// κ from the depth n of the contact network and its number of contacts per grain: κ = 2n/π · contacts/grains.
 ///
-/// For conjugate directions the best κ is 1/√(λ̃min λ̃max) over the spectrum of W_D^{-½} W W_D^{-½} on the active contacts. A
-/// column of n equal discs on a floor has λ̃min ≈ π²/8n² and λ̃max ≈ 2, hence κ = 2n/π, with one contact per grain. A
-/// packing has about two, and its best κ on a grid was found at about twice that: 20 (seen) for 24 (this rule) at 250 settled discs,
-/// 45 for 45 at 1000, 90 for 94 at 4000, 40 for 38 at 991 sheared ones. A packing at the verge of moving has slower modes than
-/// its depth tells, and wants more.
+/// For conjugate directions the best κ is 1/√(λ̃min λ̃max) over the spectrum of W_D^{-½} W W_D^{-½} on the active contacts.
+/// A column of n equal discs on a floor has λ̃min ≈ π²/8n² and λ̃max ≈ 2, hence κ = 2n/π, with one contact per grain. A
+/// packing has about two, and wants about twice as much: the factor is an observation on packings of 250 to 4000
+/// discs, not a proof. A packing at the verge of moving has slower modes than its depth tells, and wants more still.
 ///
-/// n counts the grains on the longest of the shortest ways from a grain to a wall that pushes: one that grains approach by
-/// their free velocity, at no less than a tenth of the fastest such approach (the rest is what is left of motion).
+/// n counts the grains on the longest of the shortest ways from a grain to a wall that pushes: one that grains approach
+/// by their free velocity, at no less than a tenth of the fastest such approach (the rest is what is left of motion).
 pub fn derived_kappa(problem: &ContactProblem) -> f64 {
     let b = problem.b();
     let walls = || problem.contacts().iter().zip(&b).filter(|(contact, _)| contact.antagonist.is_none());

@@ -30,8 +30,8 @@ impl Factor {
     /// Factorises the symmetric matrix whose lower triangle has these entries; entries of one place add up.
     pub(crate) fn new(dimension: usize, lower: &[Triplet<usize, usize, f64>]) -> Result<Self, SetupError> {
         let failed = |why: &dyn std::fmt::Debug| {
-            let value = format!("such that a subdomain's matrix cannot be factorised ({why:?})");
-            SetupError::new("search directions", value, "finite, with l⁻ and d⁻ not negative")
+            let value = format!("so large that a subdomain's matrix cannot be factorised ({why:?})");
+            SetupError::new("kappa_l_minus", value, "smaller")
         };
         let matrix =
             SparseColMat::try_new_from_triplets(dimension, dimension, lower).map_err(|e| failed(&e))?;

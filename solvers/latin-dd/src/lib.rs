@@ -2,8 +2,8 @@
 //! grain take turns, joined by search directions, eq. (4)-(7).
 //!
 //! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §4.1. Conjugate directions (l⁻ = l⁺, d⁻ = d⁺) make it a
-//! Peaceman-Rachford splitting (μ = 1) or ADMM (μ = ½), which converges for 0 < μ < 1 and any positive direction. Cost of an iteration: one
-//! pair of triangular solves per subdomain, two passes over the contacts, and the gluing.
+//! Peaceman-Rachford splitting (μ = 1) or ADMM (μ = ½), which converges for 0 < μ < 1 and any positive direction. Cost of
+//! an iteration: one pair of triangular solves per subdomain, two passes over the contacts, and the gluing.
 
 mod directions;
 mod factor;
@@ -75,6 +75,9 @@ impl LatinDd {
     }
 }
 
+/// Below this many contacts, waking the threads costs more than they save. The result does not depend on it.
+const WORTH_THREADS: usize = 2_000;
+
 struct Run<'p> {
     problem: &'p ContactProblem,
     decomposition: Decomposition,
@@ -92,8 +95,7 @@ impl Iteration for Run<'_> {
             subdomain.linear_stage();
             subdomain.local_stage(relaxation);
         };
-        // Waking the threads costs some 10 µs, a subdomain of 50 grains about 2 µs.
-        if self.subdomains.len() > 1 && self.problem.contact_count() >= 10_000 {
+        if self.subdomains.len() > 1 && self.problem.contact_count() >= WORTH_THREADS {
             self.subdomains.par_iter_mut().for_each(stages);
         } else {
             self.subdomains.iter_mut().for_each(stages);
@@ -103,11 +105,7 @@ impl Iteration for Run<'_> {
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        for (latin, subdomain) in self.subdomains.iter().zip(&self.decomposition.subdomains) {
-            for (value, contact) in latin.impulses().iter().zip(&subdomain.contacts) {
-                r[*contact as usize] = *value;
-            }
-        }
+        self.decomposition.in_problem_order(self.subdomains.iter().map(Latin::impulses), r);
     }
 
     fn velocity_jump(&self) -> f64 {
@@ -175,6 +173,9 @@ impl Solver for LatinDd {
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         if !(self.relaxation > 0.0 && self.relaxation <= 1.0) {
             return Err(SetupError::new("relaxation", self.relaxation, "above 0 and at most 1"));
+        }
+        for (key, value) in [("kappa_l", self.kappa_l), ("kappa_d", self.kappa_d)] {
+            value.map_or(Ok(()), |value| SetupError::unless_positive(key, value))?;
         }
         let directions = self.directions(problem);
         directions.check()?;

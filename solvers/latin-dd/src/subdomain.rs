@@ -36,7 +36,8 @@ pub(crate) struct Latin {
 }
 
 impl Latin {
-    /// Factorises M_E + H_E l⁻ H_Eᵗ + d⁻_E, and begins from the impulses `r0` and the velocities `v0` that follow from them.
+    /// Factorises M_E + H_E l⁻ H_Eᵗ + d⁻_E, and begins from the impulses `r0` and the velocities `start` that follow from
+    /// them.
     pub(crate) fn new(
         problem: &ContactProblem,
         subdomain: &Subdomain,

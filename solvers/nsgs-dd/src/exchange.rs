@@ -6,13 +6,23 @@ use partition::Decomposition;
 /// Groups of subdomains that work at the same time.
 pub(crate) struct Colours {
     pub(crate) of_subdomain: Vec<u32>,
-    pub(crate) count: u32,
+    /// Contacts of each group.
+    pub(crate) contacts: Vec<usize>,
 }
 
 impl Colours {
     /// One group.
     pub(crate) fn all_at_once(decomposition: &Decomposition) -> Self {
-        Self { of_subdomain: vec![0; decomposition.subdomains.len()], count: 1 }
+        Self::new(decomposition, vec![0; decomposition.subdomains.len()])
+    }
+
+    fn new(decomposition: &Decomposition, of_subdomain: Vec<u32>) -> Self {
+        let count = of_subdomain.iter().max().map_or(0, |greatest| *greatest as usize + 1);
+        let mut contacts = vec![0; count];
+        for (group, subdomain) in of_subdomain.iter().zip(&decomposition.subdomains) {
+            contacts[*group as usize] += subdomain.contacts.len();
+        }
+        Self { of_subdomain, contacts }
     }
 
     /// Each subdomain, in order, takes the least colour that no earlier subdomain with a common grain has.
@@ -31,8 +41,7 @@ impl Colours {
             let free = (0..=taken.len() as u32).find(|colour| !taken.contains(colour));
             of_subdomain.push(free.unwrap_or(0));
         }
-        let count = of_subdomain.iter().max().map_or(0, |greatest| greatest + 1);
-        Self { of_subdomain, count }
+        Self::new(decomposition, of_subdomain)
     }
 }
 

@@ -72,7 +72,7 @@ struct Run {
 impl Iteration for Run {
     fn advance(&mut self) {
         self.velocity_jump = 0.0;
-        for group in 0..self.groups.count {
+        for group in 0..self.groups.contacts.len() as u32 {
             self.sweep(group);
             self.velocity_jump = self.velocity_jump.max(self.glue());
         }
@@ -80,11 +80,7 @@ impl Iteration for Run {
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        for (sweeper, subdomain) in self.sweepers.iter().zip(&self.decomposition.subdomains) {
-            for (value, contact) in sweeper.impulses().iter().zip(&subdomain.contacts) {
-                r[*contact as usize] = *value;
-            }
-        }
+        self.decomposition.in_problem_order(self.sweepers.iter().map(Sweeper::impulses), r);
     }
 
     fn velocity_jump(&self) -> f64 {
@@ -103,16 +99,16 @@ impl Iteration for Run {
     }
 }
 
-/// Below this many contact updates between two gluings, waking the threads costs more than they save (measured at
-/// about 10 µs against 5 ns per update). The result does not depend on it.
+/// Below this many contact updates between two gluings, some tens of microseconds, waking the threads costs more than
+/// they save. The result does not depend on it.
 const WORTH_THREADS: usize = 10_000;
 
 impl Run {
-    /// From the glued velocity, `inner_sweeps` sweeps in each subdomain of `group`, with split masses, F fixed.
+    /// From the glued velocity, `inner_sweeps` sweeps in each subdomain of `group`, F fixed.
     fn sweep(&mut self, group: u32) {
         let sweeps = self.settings.inner_sweeps;
         let colour = &self.groups.of_subdomain;
-        let updates: usize = self.sweepers.iter().map(|s| s.impulses().len() * sweeps as usize).sum();
+        let updates = self.groups.contacts[group as usize] * sweeps as usize;
         let work = |(e, (sweeper, velocity)): (usize, (&mut Sweeper, &mut Vec<Vector2<f64>>))| {
             if colour[e] == group {
                 (0..sweeps).for_each(|_| sweeper.sweep(velocity));

@@ -72,6 +72,15 @@ impl Decomposition {
         self.first.windows(2).map(|ends| &self.copies[ends[0]..ends[1]])
     }
 
+    /// Brings values that are given subdomain by subdomain, in the order of their contacts, into the order of the problem.
+    pub fn in_problem_order<'a>(&self, by_subdomain: impl Iterator<Item = &'a [f64]>, values: &mut [f64]) {
+        for (subdomain, own) in self.subdomains.iter().zip(by_subdomain) {
+            for (contact, value) in subdomain.contacts.iter().zip(own) {
+                values[*contact as usize] = *value;
+            }
+        }
+    }
+
     /// Number of copies of boundary grains.
     pub fn copy_count(&self) -> usize {
         self.copies.len()

@@ -20,8 +20,7 @@ impl Grid {
 
     /// The most square division of `count` ≥ 1 subdomains.
     pub fn of_count(count: u32) -> Self {
-        let divides = |ny: &u32| u64::from(*ny).pow(2) <= u64::from(count) && count.is_multiple_of(*ny);
-        let ny = (1..=count.isqrt()).rev().find(divides).unwrap_or(1);
+        let ny = (1..=count.isqrt()).rev().find(|ny| count.is_multiple_of(*ny)).unwrap_or(1);
         Self { nx: count / ny, ny }
     }
 
