@@ -2,6 +2,7 @@
 //!
 //! Converges for ω < 2/λmax(`W_D`⁻¹ W) only. Cost of an iteration: that of a sweep, and a copy of the velocities.
 
+use crate::row::{Row, start_velocity};
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -22,11 +23,9 @@ impl Default for Jacobi {
     }
 }
 
-struct Run<'p> {
-    problem: &'p ContactProblem,
+struct Run {
+    rows: Vec<Row>,
     relaxation: f64,
-    /// 1/`W_αα` (kg).
-    inverse_delassus: Vec<f64>,
     r: Vec<f64>,
     /// V of the impulses `r`.
     velocity: Vec<Vector2<f64>>,
@@ -35,21 +34,14 @@ struct Run<'p> {
     iterations: u64,
 }
 
-impl Iteration for Run<'_> {
+impl Iteration for Run {
     fn advance(&mut self) {
         self.old_velocity.copy_from_slice(&self.velocity);
-        let mass = self.problem.mass();
-        let contacts = self.problem.contacts().iter().zip(&mut self.r).zip(&self.inverse_delassus);
-        for ((contact, r), inverse_delassus) in contacts {
+        for (row, r) in self.rows.iter().zip(&mut self.r) {
             // v = Hᵗ V_old + c;  r⁺ = max(0, r − ω v/W_αα);  V ← V + M⁻¹ h_α (r⁺ − r)
-            let v = contact.relative(&self.old_velocity) + contact.offset;
-            let r_plus = law::update(*r, v, *inverse_delassus, self.relaxation);
-            let impulse = contact.normal * (r_plus - *r);
-            let i = contact.candidate as usize;
-            self.velocity[i] += impulse / mass[i];
-            if let Some(j) = contact.antagonist {
-                self.velocity[j as usize] -= impulse / mass[j as usize];
-            }
+            let v = row.relative(&self.old_velocity);
+            let r_plus = law::update(*r, v, row.inverse_delassus, self.relaxation);
+            row.push(r_plus - *r, &mut self.velocity);
             *r = r_plus;
         }
         self.iterations += 1;
@@ -71,12 +63,10 @@ impl Solver for Jacobi {
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("relaxation", self.relaxation)?;
-        let mut velocity = vec![Vector2::zeros(); problem.grain_count()];
-        problem.velocity(r0, &mut velocity);
+        let velocity = start_velocity(problem, r0);
         Ok(Box::new(Run {
-            problem,
+            rows: (0..problem.contact_count() as u32).map(|contact| Row::new(problem, contact)).collect(),
             relaxation: self.relaxation,
-            inverse_delassus: problem.delassus_diagonal().iter().map(|w| 1.0 / w).collect(),
             r: r0.to_vec(),
             old_velocity: velocity.clone(),
             velocity,

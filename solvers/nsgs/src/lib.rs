@@ -2,6 +2,7 @@
 
 mod jacobi;
 mod order;
+mod row;
 mod sweep;
 
 pub use jacobi::Jacobi;

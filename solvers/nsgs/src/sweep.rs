@@ -5,6 +5,7 @@
 //! velocity. q(r) never increases for 0 < ω < 2.
 
 use crate::order::Order;
+use crate::row::{Row, start_velocity};
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -31,19 +32,6 @@ impl Default for Nsgs {
     }
 }
 
-/// One contact as the sweep needs it.
-struct Row {
-    candidate: u32,
-    /// A wall is the last "grain", of infinite mass and at rest: its own motion is in `offset`.
-    antagonist: u32,
-    normal: Vector2<f64>,
-    offset: f64,
-    /// 1/`W_αα` (kg).
-    inverse_delassus: f64,
-    /// 1/mass of candidate and antagonist (1/kg).
-    inverse_mass: [f64; 2],
-}
-
 struct Run {
     /// In the order of the sweep, like `r`.
     rows: Vec<Row>,
@@ -57,29 +45,23 @@ struct Run {
     sweeps: u64,
 }
 
-impl Row {
-    /// v = Hᵗ V + c at α; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
-    #[inline]
-    fn solve(&self, r: &mut f64, velocity: &mut [Vector2<f64>], relaxation: f64) {
-        let (i, j) = (self.candidate as usize, self.antagonist as usize);
-        let v = self.normal.dot(&(velocity[i] - velocity[j])) + self.offset;
-        let r_plus = law::update(*r, v, self.inverse_delassus, relaxation);
-        let impulse = self.normal * (r_plus - *r);
-        velocity[i] += impulse * self.inverse_mass[0];
-        velocity[j] -= impulse * self.inverse_mass[1];
-        *r = r_plus;
-    }
+/// v = Hᵗ V + c at α; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
+#[inline]
+fn solve(row: &Row, r: &mut f64, velocity: &mut [Vector2<f64>], relaxation: f64) {
+    let r_plus = law::update(*r, row.relative(velocity), row.inverse_delassus, relaxation);
+    row.push(r_plus - *r, velocity);
+    *r = r_plus;
 }
 
 impl Iteration for Run {
     fn advance(&mut self) {
         for (row, r) in self.rows.iter().zip(&mut self.r) {
-            row.solve(r, &mut self.velocity, self.relaxation);
+            solve(row, r, &mut self.velocity, self.relaxation);
         }
         self.sweeps += 1;
         if self.symmetric {
             for (row, r) in self.rows.iter().zip(&mut self.r).rev() {
-                row.solve(r, &mut self.velocity, self.relaxation);
+                solve(row, r, &mut self.velocity, self.relaxation);
             }
             self.sweeps += 1;
         }
@@ -104,27 +86,8 @@ impl Solver for Nsgs {
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("relaxation", self.relaxation)?;
         let order = self.order.of(problem, self.seed);
-        let wall = problem.grain_count();
-        let rows = order
-            .iter()
-            .map(|contact| {
-                let contact = &problem.contacts()[*contact as usize];
-                let inverse_mass = [
-                    1.0 / problem.mass()[contact.candidate as usize],
-                    contact.antagonist.map_or(0.0, |j| 1.0 / problem.mass()[j as usize]),
-                ];
-                Row {
-                    candidate: contact.candidate,
-                    antagonist: contact.antagonist.unwrap_or(wall as u32),
-                    normal: contact.normal,
-                    offset: contact.offset,
-                    inverse_delassus: 1.0 / (inverse_mass[0] + inverse_mass[1]),
-                    inverse_mass,
-                }
-            })
-            .collect();
-        let mut velocity = vec![Vector2::zeros(); wall + 1];
-        problem.velocity(r0, &mut velocity[..wall]);
+        let rows = order.iter().map(|contact| Row::new(problem, *contact)).collect();
+        let velocity = start_velocity(problem, r0);
         let r = order.iter().map(|contact| r0[*contact as usize]).collect();
         let Self { relaxation, symmetric, .. } = *self;
         Ok(Box::new(Run { rows, order, r, velocity, relaxation, symmetric, sweeps: 0 }))
