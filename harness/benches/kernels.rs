@@ -4,6 +4,7 @@ use cases::{Frozen, detect};
 use cg::Cg;
 use contact::{Meter, Solver};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use latin_dd::LatinDd;
 use nalgebra::Vector2;
 use nsgs::{Jacobi, Nsgs, Order};
 use nsgs_dd::NsgsDd;
@@ -21,7 +22,7 @@ fn iterations(criterion: &mut Criterion) {
     let problem = &frozen.problem;
     let r0 = frozen.start(false);
     let nsgs = |order| Nsgs { order, ..Nsgs::default() };
-    let methods: [(&str, &dyn Solver); 7] = [
+    let methods: [(&str, &dyn Solver); 9] = [
         ("nsgs natural", &nsgs(Order::Natural)),
         ("nsgs bottom-up", &nsgs(Order::BottomUp)),
         ("nsgs shuffled", &nsgs(Order::Shuffled)),
@@ -29,6 +30,8 @@ fn iterations(criterion: &mut Criterion) {
         ("jacobi", &Jacobi::default()),
         ("cg", &Cg::default()),
         ("nsgs-dd 4x2", &NsgsDd { subdomains: Grid { nx: 4, ny: 2 }, ..NsgsDd::default() }),
+        ("latin-dd 1x1", &LatinDd::default()),
+        ("latin-dd 4x2", &LatinDd { subdomains: Grid { nx: 4, ny: 2 }, ..LatinDd::default() }),
     ];
     let mut group = criterion.benchmark_group("iteration");
     group.throughput(Throughput::Elements(problem.contact_count() as u64));

@@ -34,8 +34,9 @@ impl Directions {
 ///
 /// For conjugate directions the best κ is 1/√(λ̃min λ̃max) over the spectrum of W_D^{-½} W W_D^{-½} on the active contacts.
 /// A column of n equal discs on a floor has λ̃min ≈ π²/8n² and λ̃max ≈ 2, hence κ = 2n/π, with one contact per grain. A
-/// packing has about two, and wants about twice as much: the factor is an observation on packings of 250 to 4000
-/// discs, not a proof. A packing at the verge of moving has slower modes than its depth tells, and wants more still.
+/// packing has about two, and wants about twice as much: an observation, not a proof. A packing at the verge of moving has
+/// slower modes than its depth tells, and wants more still: plan `derived-direction` shows by how much, over sizes and
+/// seeds, and what adapting mends.
 ///
 /// n counts the grains on the longest of the shortest ways from a grain to a wall that pushes: one that grains approach
 /// by their free velocity, at no less than a tenth of the fastest such approach (the rest is what is left of motion).

@@ -1,24 +1,36 @@
-//! Sparse Cholesky factor of a subdomain's matrix, with a fill-reducing order.
+//! Sparse Cholesky factor of a subdomain's matrix, with a fill-reducing order of the grains, in 2×2 blocks.
 
 use contact::SetupError;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMat, Triplet};
-use faer::{Conj, MatMut, Par, Side, Spec};
+use faer::{Par, Side, Spec};
+use nalgebra::{Matrix2, Vector2};
 
-/// The factor L of P K Pᵗ = L Lᵗ, where P is an approximate minimum degree order.
-pub(crate) struct Factor {
+/// What a factor owes to the contact list alone: the order of the grains, and where the factor has entries.
+pub(crate) struct Structure {
+    /// Place of each grain in the order.
+    position: Vec<u32>,
     symbolic: SymbolicCholesky<usize>,
-    values: Vec<f64>,
-    scratch: MemBuffer,
-    dimension: usize,
 }
 
-/// Many solves of one small system: simplicial factors beat blocks of columns, and are summed in one order everywhere.
+/// The factor L of P K Pᵗ = L Lᵗ by columns of 2×2 blocks: many solves of one small system are bound by the entries that
+/// they read, and a block has one index for four of them.
+pub(crate) struct Factor {
+    /// Diagonal blocks, lower triangular, with the inverses of their diagonal entries.
+    diagonal: Vec<Matrix2<f64>>,
+    /// Column j has the blocks `first[j]..first[j + 1]` below its diagonal.
+    first: Vec<u32>,
+    row: Vec<u32>,
+    block: Vec<Matrix2<f64>>,
+}
+
+/// Simplicial factors are summed in one order everywhere.
 fn parameters() -> CholeskySymbolicParams<'static> {
     CholeskySymbolicParams {
         supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SIMPLICIAL,
@@ -26,49 +38,117 @@ fn parameters() -> CholeskySymbolicParams<'static> {
     }
 }
 
-impl Factor {
-    /// Factorises the symmetric matrix whose lower triangle has these entries; entries of one place add up.
-    pub(crate) fn new(dimension: usize, lower: &[Triplet<usize, usize, f64>]) -> Result<Self, SetupError> {
-        let failed = |why: &dyn std::fmt::Debug| {
-            let value = format!("so large that a subdomain's matrix cannot be factorised ({why:?})");
-            SetupError::new("kappa_l_minus", value, "smaller")
+fn failed(why: &dyn std::fmt::Debug) -> SetupError {
+    let value = format!("so large that a subdomain's matrix cannot be factorised ({why:?})");
+    SetupError::new("kappa_l_minus", value, "smaller")
+}
+
+impl Structure {
+    /// Orders the `grains` of a subdomain by approximate minimum degree. `pairs` are those that touch.
+    pub(crate) fn new(grains: usize, pairs: &[(u32, u32)]) -> Result<Self, SetupError> {
+        let symbolic = |pairs: &mut dyn Iterator<Item = (usize, usize)>, size: usize, order| {
+            let entries: Vec<_> = pairs.map(|(i, j)| Triplet::new(i.min(j), i.max(j), 1.0)).collect();
+            let graph = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &entries)
+                .map_err(|error| failed(&error))?;
+            factorize_symbolic_cholesky(graph.symbolic(), Side::Upper, order, parameters())
+                .map_err(|error| failed(&error))
         };
+        let themselves = (0..grains).map(|grain| (grain, grain));
+        let touching = pairs.iter().map(|(i, j)| (*i as usize, *j as usize));
+        let by_grain =
+            symbolic(&mut themselves.clone().chain(touching.clone()), grains, SymmetricOrdering::Amd)?;
+        let position: Vec<u32> = match by_grain.perm() {
+            Some(order) => order.arrays().1.iter().map(|place| *place as u32).collect(),
+            None => (0..grains as u32).collect(),
+        };
+        let blocks = themselves.chain(touching).flat_map(|(i, j)| {
+            let (i, j) = (2 * position[i] as usize, 2 * position[j] as usize);
+            [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)]
+        });
+        let symbolic = symbolic(&mut { blocks }, 2 * grains, SymmetricOrdering::Identity)?;
+        Ok(Self { position, symbolic })
+    }
+
+    /// Place of each grain in the order: row and column of its block.
+    pub(crate) fn position(&self) -> &[u32] {
+        &self.position
+    }
+
+    /// Factorises the matrix with these entries in the upper triangle, rows 2p and 2p + 1 for the grain at place p.
+    /// Entries of one place add up.
+    pub(crate) fn factorise(&self, upper: &[Triplet<usize, usize, f64>]) -> Result<Factor, SetupError> {
+        let dimension = 2 * self.position.len();
         let matrix =
-            SparseColMat::try_new_from_triplets(dimension, dimension, lower).map_err(|e| failed(&e))?;
-        let matrix = matrix.as_ref();
-        let order = SymmetricOrdering::Amd;
-        let symbolic = factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, order, parameters())
-            .map_err(|error| failed(&error))?;
-        let mut values = vec![0.0; symbolic.len_val()];
-        let needed = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
-        symbolic
+            SparseColMat::try_new_from_triplets(dimension, dimension, upper).map_err(|e| failed(&e))?;
+        let mut values = vec![0.0; self.symbolic.len_val()];
+        let needed = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
+        self.symbolic
             .factorize_numeric_llt(
                 &mut values,
-                matrix,
-                Side::Lower,
+                matrix.as_ref(),
+                Side::Upper,
                 LltRegularization::default(),
                 Par::Seq,
                 MemStack::new(&mut MemBuffer::new(needed)),
                 Spec::default(),
             )
             .map_err(|error| failed(&error))?;
-        let scratch = MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        Ok(Self { symbolic, values, scratch, dimension })
+        let SymbolicCholeskyRaw::Simplicial(columns) = self.symbolic.raw() else {
+            return Err(failed(&"not simplicial"));
+        };
+        Ok(Factor::in_blocks(columns.col_ptr(), columns.row_idx(), &values))
+    }
+}
+
+impl Factor {
+    /// From columns of entries, in rising rows. Columns 2j and 2j + 1 have entries in the same blocks.
+    fn in_blocks(start: &[usize], row_of: &[usize], values: &[f64]) -> Self {
+        let mut factor = Self { diagonal: Vec::new(), first: vec![0], row: Vec::new(), block: Vec::new() };
+        for ends in start.windows(3).step_by(2) {
+            let (left, right) = (&values[ends[0]..ends[1]], &values[ends[1]..ends[2]]);
+            factor.diagonal.push(Matrix2::new(1.0 / left[0], 0.0, left[1], 1.0 / right[0]));
+            let rows = row_of[ends[0]..ends[1]][2..].chunks_exact(2);
+            for ((rows, left), right) in rows.zip(left[2..].chunks_exact(2)).zip(right[1..].chunks_exact(2)) {
+                factor.row.push((rows[0] / 2) as u32);
+                factor.block.push(Matrix2::new(left[0], right[0], left[1], right[1]));
+            }
+            factor.first.push(factor.row.len() as u32);
+        }
+        factor
     }
 
-    /// x ← K⁻¹ x.
-    pub(crate) fn solve(&mut self, x: &mut [f64]) {
-        let x = MatMut::from_column_major_slice_mut(x, self.dimension, 1);
-        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            x,
-            Par::Seq,
-            MemStack::new(&mut self.scratch),
-        );
+    /// x ← (P K Pᵗ)⁻¹ x, for one x per place.
+    pub(crate) fn solve(&self, x: &mut [Vector2<f64>]) {
+        // L y = x, column by column
+        for (j, diagonal) in self.diagonal.iter().enumerate() {
+            let (row, block) = self.column(j);
+            let y0 = x[j].x * diagonal.m11;
+            let y = Vector2::new(y0, (x[j].y - diagonal.m21 * y0) * diagonal.m22);
+            x[j] = y;
+            for (i, block) in row.iter().zip(block) {
+                x[*i as usize] -= block * y;
+            }
+        }
+        // Lᵗ x = y, from the last
+        for (j, diagonal) in self.diagonal.iter().enumerate().rev() {
+            let (row, block) = self.column(j);
+            let mut y = x[j];
+            for (i, block) in row.iter().zip(block) {
+                y -= block.tr_mul(&x[*i as usize]);
+            }
+            let x1 = y.y * diagonal.m22;
+            x[j] = Vector2::new((y.x - diagonal.m21 * x1) * diagonal.m11, x1);
+        }
+    }
+
+    /// The blocks of column j below its diagonal.
+    fn column(&self, j: usize) -> (&[u32], &[Matrix2<f64>]) {
+        let blocks = self.first[j] as usize..self.first[j + 1] as usize;
+        (&self.row[blocks.clone()], &self.block[blocks])
     }
 
     /// Entries of L: each is used twice in a solve.
     pub(crate) fn entries(&self) -> usize {
-        self.values.len()
+        3 * self.diagonal.len() + 4 * self.block.len()
     }
 }

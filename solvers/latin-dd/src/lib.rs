@@ -5,6 +5,8 @@
 //! Peaceman-Rachford splitting (μ = 1) or ADMM (μ = ½), which converges for 0 < μ < 1 and any positive direction. Cost of
 //! an iteration: one pair of triangular solves per subdomain, two passes over the contacts, and the gluing.
 
+mod balance;
+mod coarse;
 mod directions;
 mod factor;
 mod subdomain;
@@ -13,6 +15,8 @@ mod tests;
 
 pub use directions::{Directions, derived_kappa};
 
+use balance::Balance;
+use coarse::Coarse;
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Scheme};
@@ -42,9 +46,14 @@ pub struct LatinDd {
     pub kappa_d_minus: Option<f64>,
     /// κ of d⁺ alone (–).
     pub kappa_d_plus: Option<f64>,
+    /// Whether all directions are scaled a few times so that impulses and velocities change alike; without it, where no
+    /// direction is given.
+    pub adaptive: Option<bool>,
+    /// Whether a coarse problem keeps the resultants of every interface at zero.
+    pub coarse: bool,
 }
 
-/// One subdomain, derived directions, and μ = 0.8, which converges for any of them.
+/// One subdomain, derived directions that adapt, and μ = 0.8, which converges for any of them.
 impl Default for LatinDd {
     fn default() -> Self {
         Self {
@@ -57,6 +66,8 @@ impl Default for LatinDd {
             kappa_l_plus: None,
             kappa_d_minus: None,
             kappa_d_plus: None,
+            adaptive: None,
+            coarse: false,
         }
     }
 }
@@ -73,6 +84,19 @@ impl LatinDd {
             d_plus: self.kappa_d_plus.unwrap_or(kappa_d),
         }
     }
+
+    /// Whether the directions adapt.
+    fn adapts(&self) -> bool {
+        let given = [
+            self.kappa_l,
+            self.kappa_d,
+            self.kappa_l_minus,
+            self.kappa_l_plus,
+            self.kappa_d_minus,
+            self.kappa_d_plus,
+        ];
+        self.adaptive.unwrap_or(given.iter().all(Option::is_none))
+    }
 }
 
 /// Below this many contacts, waking the threads costs more than they save. The result does not depend on it.
@@ -84,24 +108,30 @@ struct Run<'p> {
     subdomains: Vec<Latin>,
     directions: Directions,
     relaxation: f64,
+    coarse: Option<Coarse>,
+    balance: Option<Balance>,
     velocity_jump: f64,
     iterations: u64,
+    work: Work,
 }
 
 impl Iteration for Run<'_> {
     fn advance(&mut self) {
         let relaxation = self.relaxation;
-        let stages = |subdomain: &mut Latin| {
-            subdomain.linear_stage();
-            subdomain.local_stage(relaxation);
-        };
-        if self.subdomains.len() > 1 && self.problem.contact_count() >= WORTH_THREADS {
-            self.subdomains.par_iter_mut().for_each(stages);
-        } else {
-            self.subdomains.iter_mut().for_each(stages);
+        self.in_subdomains(Latin::linear_stage);
+        if let Some(coarse) = &self.coarse {
+            coarse.correct(&mut self.subdomains);
         }
+        let factor = self.balance.as_mut().and_then(|balance| {
+            balance.factor(self.iterations + 1, self.directions.l_minus, &self.subdomains)
+        });
+        self.in_subdomains(|subdomain| subdomain.local_stage(relaxation));
         self.velocity_jump = self.interface();
         self.iterations += 1;
+        self.count();
+        if let Some(factor) = factor {
+            self.turn(self.directions.scaled(factor));
+        }
     }
 
     fn impulses(&self, r: &mut [f64]) {
@@ -123,18 +153,52 @@ impl Iteration for Run<'_> {
     }
 
     fn work(&self) -> Work {
-        let entries: usize = self.subdomains.iter().map(Latin::factor_entries).sum();
-        Work {
-            contact_updates: self.iterations * self.problem.contact_count() as u64,
-            interface_values: self.iterations * 2 * self.decomposition.copy_count() as u64,
-            triangular_solve_entries: self.iterations * 2 * entries as u64,
-            factorisations: self.subdomains.len() as u64,
-            ..Work::default()
-        }
+        self.work
     }
 }
 
 impl Run<'_> {
+    fn in_subdomains(&mut self, stage: impl Fn(&mut Latin) + Sync + Send) {
+        if self.subdomains.len() > 1 && self.problem.contact_count() >= WORTH_THREADS {
+            self.subdomains.par_iter_mut().for_each(stage);
+        } else {
+            self.subdomains.iter_mut().for_each(stage);
+        }
+    }
+
+    /// Takes other directions; where they cannot be factorised, the old ones stay.
+    fn turn(&mut self, directions: Directions) {
+        let factors: Result<Vec<_>, _> =
+            self.subdomains.par_iter().map(|subdomain| subdomain.factorise(&directions)).collect();
+        let Ok(factors) = factors else { return };
+        for (subdomain, factor) in self.subdomains.iter_mut().zip(factors) {
+            subdomain.turn(&directions, factor);
+        }
+        self.directions = directions;
+        self.work.factorisations += self.subdomains.len() as u64;
+        if self.coarse.is_some() {
+            self.assemble_coarse();
+        }
+    }
+
+    /// The coarse problem for the present factors; none, where it cannot be factorised.
+    fn assemble_coarse(&mut self) {
+        let kappa = self.directions.d_minus;
+        self.coarse = Coarse::new(self.problem, &self.decomposition, &self.subdomains, kappa).ok();
+        self.work.factorisations += 1;
+    }
+
+    /// Adds the work of one iteration.
+    fn count(&mut self) {
+        let entries: usize = self.subdomains.iter().map(Latin::factor_entries).sum();
+        let coarse = self.coarse.as_ref();
+        let (entries_of_coarse, values_of_coarse) =
+            coarse.map_or((0, 0), |coarse| (coarse.entries(), 4 * coarse.interfaces()));
+        self.work.contact_updates += self.problem.contact_count() as u64;
+        self.work.interface_values += (2 * self.decomposition.copy_count() + values_of_coarse) as u64;
+        self.work.triangular_solve_entries += (2 * entries + entries_of_coarse) as u64;
+    }
+
     /// Local stage of the boundary grains, with F_E = τ − d⁻ V_E:
     /// V̂ = Σ_E (d⁺ V_E − F_E) / Σ_E d⁺,   F̂_E = F_E + d⁺ (V̂ − V_E)     (3) (7);   τ ← τ + μ (F̂ + d⁻ V̂ − τ)
     ///
@@ -179,6 +243,12 @@ impl Solver for LatinDd {
         }
         let directions = self.directions(problem);
         directions.check()?;
+        if self.adapts() && directions.l_minus == 0.0 {
+            return Err(SetupError::new("adaptive", true, "false where kappa_l_minus is 0"));
+        }
+        if self.coarse && directions.d_minus == 0.0 {
+            return Err(SetupError::new("coarse", true, "false where kappa_d_minus is 0"));
+        }
         Ok(Box::new(self.bind(problem, directions, r0)?))
     }
 }
@@ -195,21 +265,26 @@ impl LatinDd {
         let decomposition = Decomposition::new(problem, &partition);
         let mut start = vec![Vector2::zeros(); problem.grain_count()];
         problem.velocity(r0, &mut start);
-        let subdomains = decomposition
-            .subdomains
-            .par_iter()
-            .map(|subdomain| {
-                Latin::new(problem, subdomain, &decomposition.multiplicity, &directions, r0, &start)
-            })
-            .collect::<Result<_, _>>()?;
+        let subdomains = (0..decomposition.subdomains.len())
+            .into_par_iter()
+            .map(|e| Latin::new(problem, &decomposition, e, &directions, r0, &start))
+            .collect::<Result<Vec<_>, _>>()?;
+        let coarse = self
+            .coarse
+            .then(|| Coarse::new(problem, &decomposition, &subdomains, directions.d_minus))
+            .transpose()?;
+        let factorisations = subdomains.len() as u64 + u64::from(self.coarse);
         Ok(Run {
             problem,
             decomposition,
             subdomains,
             directions,
             relaxation: self.relaxation,
+            coarse,
+            balance: self.adapts().then(Balance::default),
             velocity_jump: 0.0,
             iterations: 0,
+            work: Work { factorisations, ..Work::default() },
         })
     }
 }

@@ -1,146 +1,227 @@
 //! One subdomain: its linear stage (1) (4) (5), and the local stage (2) (6) of its contacts.
 
 use crate::directions::Directions;
-use crate::factor::Factor;
+use crate::factor::{Factor, Structure};
 use contact::{ContactProblem, SetupError, law};
 use faer::sparse::Triplet;
-use nalgebra::Vector2;
-use partition::Subdomain;
+use nalgebra::{Matrix2, Vector2};
+use partition::{Decomposition, Subdomain};
 
-/// One contact, in local indices.
+/// One contact between two places of the factor's order.
 struct Row {
     candidate: u32,
     /// A wall is the last "grain", at rest: its own motion is in `offset`.
     antagonist: u32,
     normal: Vector2<f64>,
     offset: f64,
-    /// l⁻ and l⁺ (kg).
-    l_minus: f64,
-    l_plus: f64,
+    /// 1/W_αα with the undivided masses (kg).
+    mass: f64,
 }
 
-/// A subdomain between two local stages.
+/// The part of a grain in the subdomain.
+struct Share {
+    /// M_i/m_i (kg).
+    mass: f64,
+    /// Whether other subdomains have a part of it.
+    boundary: bool,
+    /// V_free (m/s).
+    free_velocity: Vector2<f64>,
+}
+
+/// A subdomain between two local stages. Grains are in the order of the factor.
 pub(crate) struct Latin {
     rows: Vec<Row>,
+    shares: Vec<Share>,
+    directions: Directions,
+    structure: Structure,
     factor: Factor,
     /// `M_E V_free` − `H_E` l⁻ c, what does not change in the right-hand side (N·s).
-    constant: Vec<f64>,
+    constant: Vec<Vector2<f64>>,
     /// t = r̂ + l⁻ v̂ of each contact (N·s).
     t: Vec<f64>,
     /// r̂ of each contact (N·s).
     r_hat: Vec<f64>,
     /// τ = F̂ + d⁻ V̂ of each grain, 0 where it is no boundary grain (N·s).
     tau: Vec<Vector2<f64>>,
-    /// V_E of the linear stage, x and y in turn, a wall's zeros last (m/s).
-    velocity: Vec<f64>,
+    /// `constant` + `H_E` t, and what was added to the walls, last (N·s).
+    right_hand_side: Vec<Vector2<f64>>,
+    /// V_E of the linear stage, and the rest of the walls, last (m/s).
+    velocity: Vec<Vector2<f64>>,
 }
 
 impl Latin {
-    /// Factorises M_E + H_E l⁻ H_Eᵗ + d⁻_E, and begins from the impulses `r0` and the velocities `start` that follow from
-    /// them.
+    /// Factorises M_E + H_E l⁻ H_Eᵗ + d⁻_E of the subdomain `e`, and begins from the impulses `r0` and the velocities
+    /// `start` that follow from them.
     pub(crate) fn new(
         problem: &ContactProblem,
-        subdomain: &Subdomain,
-        multiplicity: &[u32],
+        decomposition: &Decomposition,
+        e: usize,
         directions: &Directions,
         r0: &[f64],
         start: &[Vector2<f64>],
     ) -> Result<Self, SetupError> {
-        let grains = subdomain.grains.len();
-        let rows: Vec<Row> = (0..subdomain.contacts.len())
-            .map(|k| {
-                let contact = problem.contacts()[subdomain.contacts[k] as usize];
-                let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
-                let w = inverse_mass(contact.candidate) + contact.antagonist.map_or(0.0, inverse_mass);
-                Row {
-                    candidate: subdomain.candidate[k],
-                    antagonist: subdomain.antagonist[k].unwrap_or(grains as u32),
-                    normal: contact.normal,
-                    offset: contact.offset,
-                    l_minus: directions.l_minus / w,
-                    l_plus: directions.l_plus / w,
-                }
-            })
-            .collect();
-        let share = |grain: &u32| {
-            let multiplicity = multiplicity[*grain as usize];
-            (problem.mass()[*grain as usize] / f64::from(multiplicity), multiplicity > 1)
+        let subdomain = &decomposition.subdomains[e];
+        let structure = Structure::new(subdomain.grains.len(), &pairs(subdomain))?;
+        let rows = rows(problem, subdomain, structure.position());
+        let shares = shares(problem, decomposition, subdomain, structure.position());
+        let factor = structure.factorise(&matrix(&rows, &shares, directions))?;
+        let grains = shares.len();
+        let mut latin = Self {
+            directions: *directions,
+            structure,
+            factor,
+            constant: Vec::new(),
+            t: vec![0.0; rows.len()],
+            r_hat: subdomain.contacts.iter().map(|contact| r0[*contact as usize]).collect(),
+            tau: vec![Vector2::zeros(); grains],
+            right_hand_side: vec![Vector2::zeros(); grains + 1],
+            velocity: vec![Vector2::zeros(); grains + 1],
+            rows,
+            shares,
         };
-        let mass: Vec<(f64, bool)> = subdomain.grains.iter().map(share).collect();
-        let factor = Factor::new(2 * grains, &matrix(&rows, &mass, directions.d_minus))?;
+        for (place, grain) in latin.structure.position().iter().zip(&subdomain.grains) {
+            latin.velocity[*place as usize] = start[*grain as usize];
+        }
+        latin.begin();
+        Ok(latin)
+    }
 
-        let r_hat: Vec<f64> = subdomain.contacts.iter().map(|contact| r0[*contact as usize]).collect();
-        let mut constant = vec![0.0; 2 * (grains + 1)];
-        for (local, (grain, (mass, _))) in subdomain.grains.iter().zip(&mass).enumerate() {
-            let momentum = *mass * problem.free_velocity()[*grain as usize];
-            constant[2 * local..2 * local + 2].copy_from_slice(momentum.as_slice());
-        }
-        // F̂ = (M_i/m_i) (V̂ − V_free) − H_E r̂ lets every copy move as its grain does; τ = F̂ + d⁻ V̂.
-        let mut tau: Vec<Vector2<f64>> = subdomain
-            .grains
+    /// t and τ from r̂ and the velocities: what satisfies (2) and (3) beside them.
+    fn begin(&mut self) {
+        let Directions { l_minus, d_minus, .. } = self.directions;
+        // F̂ = (M_i/m_i) (V̂ − V_free) − H_E r̂ lets every copy move as its grain does.
+        let mut f_hat: Vec<Vector2<f64>> = self
+            .shares
             .iter()
-            .zip(&mass)
-            .map(|(grain, (mass, _))| {
-                let (v, v_free) = (start[*grain as usize], problem.free_velocity()[*grain as usize]);
-                *mass * (v - v_free) + directions.d_minus * *mass * v
-            })
+            .zip(&self.velocity)
+            .map(|(share, v)| share.mass * (v - share.free_velocity))
             .collect();
-        let mut t = Vec::with_capacity(rows.len());
-        for ((row, r), contact) in rows.iter().zip(&r_hat).zip(&subdomain.contacts) {
-            row.add(-row.l_minus * row.offset, &mut constant);
-            for (grain, sign) in [(row.candidate as usize, 1.0), (row.antagonist as usize, -1.0)] {
-                if grain < grains {
-                    tau[grain] -= sign * *r * row.normal;
-                }
-            }
-            // v̂ = max(0, v) where r̂ = 0, else 0: what satisfies (2) beside r̂.
-            let v = problem.contacts()[*contact as usize].relative(start) + row.offset;
+        f_hat.push(Vector2::zeros());
+        for ((row, r), t) in self.rows.iter().zip(&self.r_hat).zip(&mut self.t) {
+            row.add(-*r, &mut f_hat);
+            let v = row.relative(&self.velocity) + row.offset;
             let v_hat = if *r > 0.0 { 0.0 } else { law::non_negative(v) };
-            t.push(r + row.l_minus * v_hat);
+            *t = r + l_minus * row.mass * v_hat;
         }
-        for (tau, (_, boundary)) in tau.iter_mut().zip(&mass) {
-            if !boundary {
-                *tau = Vector2::zeros();
+        for (((tau, share), f_hat), v) in
+            self.tau.iter_mut().zip(&self.shares).zip(&f_hat).zip(&self.velocity)
+        {
+            if share.boundary {
+                *tau = f_hat + d_minus * share.mass * v;
             }
         }
-        constant.truncate(2 * grains);
-        Ok(Self { rows, factor, constant, t, r_hat, tau, velocity: vec![0.0; 2 * (grains + 1)] })
+        self.assemble();
+    }
+
+    /// What does not change in the right-hand side, and the rest of it but τ.
+    fn assemble(&mut self) {
+        self.constant = self.shares.iter().map(|share| share.mass * share.free_velocity).collect();
+        self.constant.push(Vector2::zeros());
+        for row in &self.rows {
+            row.add(-self.directions.l_minus * row.mass * row.offset, &mut self.constant);
+        }
+        self.right_hand_side.copy_from_slice(&self.constant);
+        for (row, t) in self.rows.iter().zip(&self.t) {
+            row.add(*t, &mut self.right_hand_side);
+        }
+    }
+
+    /// The factor for other directions.
+    pub(crate) fn factorise(&self, directions: &Directions) -> Result<Factor, SetupError> {
+        self.structure.factorise(&matrix(&self.rows, &self.shares, directions))
+    }
+
+    /// Takes other directions with their factor; r̂, v̂ and F̂ stay, and V̂ is near V_E.
+    pub(crate) fn turn(&mut self, directions: &Directions, factor: Factor) {
+        self.factor = factor;
+        for (t, r_hat) in self.t.iter_mut().zip(&self.r_hat) {
+            *t = r_hat + directions.l_minus / self.directions.l_minus * (*t - r_hat);
+        }
+        let change = directions.d_minus - self.directions.d_minus;
+        for ((tau, share), v) in self.tau.iter_mut().zip(&self.shares).zip(&self.velocity) {
+            if share.boundary {
+                *tau += change * share.mass * v;
+            }
+        }
+        self.directions = *directions;
+        self.assemble();
     }
 
     /// (M_E + H_E l⁻ H_Eᵗ + d⁻_E) V_E = M_E V_free + H_E (t − l⁻ c) + τ     (1) (4) (5)
     pub(crate) fn linear_stage(&mut self) {
-        let dimension = self.constant.len();
-        for ((v, constant), tau) in
-            self.velocity.chunks_exact_mut(2).zip(self.constant.chunks_exact(2)).zip(&self.tau)
-        {
-            v[0] = constant[0] + tau.x;
-            v[1] = constant[1] + tau.y;
+        let sums = self.velocity.iter_mut().zip(&self.right_hand_side).zip(&self.tau);
+        for ((v, right_hand_side), tau) in sums {
+            *v = right_hand_side + tau;
         }
-        for (row, t) in self.rows.iter().zip(&self.t) {
-            row.add(*t, &mut self.velocity);
-        }
-        self.factor.solve(&mut self.velocity[..dimension]);
-        // Walls do not move, whatever was added to them.
-        self.velocity[dimension..].fill(0.0);
+        self.factor.solve(&mut self.velocity);
     }
 
     /// With v = H_Eᵗ V_E + c and r = t − l⁻ v of the linear stage, contact by contact:
     /// s = r − l⁺ v :  r̂ = max(s, 0),  v̂ = max(−s, 0)/l⁺     (2) (6);   t ← t + μ (r̂ + l⁻ v̂ − t)
     pub(crate) fn local_stage(&mut self, relaxation: f64) {
+        let Directions { l_minus, l_plus, .. } = self.directions;
+        self.right_hand_side.copy_from_slice(&self.constant);
         for ((row, t), r_hat) in self.rows.iter().zip(&mut self.t).zip(&mut self.r_hat) {
             let v = row.relative(&self.velocity) + row.offset;
-            let s = *t - (row.l_minus + row.l_plus) * v;
+            let s = *t - (l_minus + l_plus) * row.mass * v;
             *r_hat = law::non_negative(s);
-            let v_hat = law::non_negative(-s) / row.l_plus;
-            *t += relaxation * (*r_hat + row.l_minus * v_hat - *t);
+            *t += relaxation * (*r_hat + l_minus / l_plus * law::non_negative(-s) - *t);
+            row.add(*t, &mut self.right_hand_side);
         }
     }
 
-    /// V_E and τ of a grain.
+    /// V_E and τ of a grain, by its index in the subdomain.
     pub(crate) fn boundary(&mut self, local: u32) -> (Vector2<f64>, &mut Vector2<f64>) {
-        let local = local as usize;
-        let velocity = Vector2::new(self.velocity[2 * local], self.velocity[2 * local + 1]);
-        (velocity, &mut self.tau[local])
+        let place = self.place(local);
+        (self.velocity[place], &mut self.tau[place])
+    }
+
+    /// r and v of each contact, and F and V of each boundary grain, after the linear stage, both in √J.
+    pub(crate) fn linear_iterate(&self) -> impl Iterator<Item = (f64, f64)> {
+        let Directions { l_minus, d_minus, .. } = self.directions;
+        let contacts = self.rows.iter().zip(&self.t).map(move |(row, t)| {
+            let v = row.relative(&self.velocity) + row.offset;
+            (row.mass, t - l_minus * row.mass * v, v)
+        });
+        let grains = self.shares.iter().zip(&self.tau).zip(&self.velocity);
+        let boundary = grains.filter(|((share, _), _)| share.boundary).flat_map(move |((share, tau), v)| {
+            let f = tau - d_minus * share.mass * v;
+            [(share.mass, f.x, v.x), (share.mass, f.y, v.y)]
+        });
+        contacts.chain(boundary).map(|(mass, r, v)| (r / mass.sqrt(), v * mass.sqrt()))
+    }
+
+    /// Place of a grain in the factor's order, by its index in the subdomain.
+    pub(crate) fn place(&self, local: u32) -> usize {
+        self.structure.position()[local as usize] as usize
+    }
+
+    /// K_E⁻¹ d⁻ B_E for the two translations of `grains` (place, d⁻).
+    pub(crate) fn influence(&self, grains: &[(usize, f64)]) -> Vec<Matrix2<f64>> {
+        let [along_x, along_y] = [Vector2::x(), Vector2::y()].map(|direction| {
+            let mut x = vec![Vector2::zeros(); self.shares.len()];
+            for (place, d_minus) in grains {
+                x[*place] = *d_minus * direction;
+            }
+            self.factor.solve(&mut x);
+            x
+        });
+        along_x.iter().zip(&along_y).map(|(x, y)| Matrix2::from_columns(&[*x, *y])).collect()
+    }
+
+    /// Σ F_E over `grains` (place, d⁻), with F_E = τ − d⁻ V_E (N·s).
+    pub(crate) fn resultant(&self, grains: &[(usize, f64)]) -> Vector2<f64> {
+        grains.iter().map(|(place, d_minus)| self.tau[*place] - *d_minus * self.velocity[*place]).sum()
+    }
+
+    /// Adds d⁻ w to τ of `grains`, and what that does to V_E.
+    pub(crate) fn translate(&mut self, grains: &[(usize, f64)], influence: &[Matrix2<f64>], w: Vector2<f64>) {
+        for (place, d_minus) in grains {
+            self.tau[*place] += *d_minus * w;
+        }
+        for (v, influence) in self.velocity.iter_mut().zip(influence) {
+            *v += influence * w;
+        }
     }
 
     /// r̂, in the order of the subdomain's contacts (N·s).
@@ -157,46 +238,86 @@ impl Latin {
 impl Row {
     /// (Hᵗ V)_α.
     #[inline]
-    fn relative(&self, velocity: &[f64]) -> f64 {
-        let (i, j) = (2 * self.candidate as usize, 2 * self.antagonist as usize);
-        self.normal.x * (velocity[i] - velocity[j]) + self.normal.y * (velocity[i + 1] - velocity[j + 1])
+    fn relative(&self, velocity: &[Vector2<f64>]) -> f64 {
+        self.normal.dot(&(velocity[self.candidate as usize] - velocity[self.antagonist as usize]))
     }
 
     /// Adds h_α r.
     #[inline]
-    fn add(&self, r: f64, resultant: &mut [f64]) {
-        let (i, j) = (2 * self.candidate as usize, 2 * self.antagonist as usize);
-        let (x, y) = (self.normal.x * r, self.normal.y * r);
-        resultant[i] += x;
-        resultant[i + 1] += y;
-        resultant[j] -= x;
-        resultant[j + 1] -= y;
+    fn add(&self, r: f64, resultant: &mut [Vector2<f64>]) {
+        let impulse = self.normal * r;
+        resultant[self.candidate as usize] += impulse;
+        resultant[self.antagonist as usize] -= impulse;
     }
 }
 
-/// Lower triangle of M_E + H_E l⁻ H_Eᵗ + d⁻_E, two rows per grain. `mass` is M_i/m_i, and whether i is a boundary grain.
-fn matrix(rows: &[Row], mass: &[(f64, bool)], kappa_d_minus: f64) -> Vec<Triplet<usize, usize, f64>> {
-    let mut lower = Vec::with_capacity(2 * mass.len() + 10 * rows.len());
-    for (local, (mass, boundary)) in mass.iter().enumerate() {
-        let diagonal = if *boundary { *mass + kappa_d_minus * *mass } else { *mass };
-        lower.extend([2 * local, 2 * local + 1].map(|k| Triplet::new(k, k, diagonal)));
+/// Local indices of the grains that touch.
+fn pairs(subdomain: &Subdomain) -> Vec<(u32, u32)> {
+    let ends = subdomain.candidate.iter().zip(&subdomain.antagonist);
+    ends.filter_map(|(i, j)| Some((*i, (*j)?))).collect()
+}
+
+fn rows(problem: &ContactProblem, subdomain: &Subdomain, position: &[u32]) -> Vec<Row> {
+    let place = |local: u32| position[local as usize];
+    (0..subdomain.contacts.len())
+        .map(|k| {
+            let contact = problem.contacts()[subdomain.contacts[k] as usize];
+            let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
+            let w = inverse_mass(contact.candidate) + contact.antagonist.map_or(0.0, inverse_mass);
+            Row {
+                candidate: place(subdomain.candidate[k]),
+                antagonist: subdomain.antagonist[k].map_or(position.len() as u32, place),
+                normal: contact.normal,
+                offset: contact.offset,
+                mass: 1.0 / w,
+            }
+        })
+        .collect()
+}
+
+/// The subdomain's parts of its grains, in the order of the factor.
+fn shares(
+    problem: &ContactProblem,
+    decomposition: &Decomposition,
+    subdomain: &Subdomain,
+    position: &[u32],
+) -> Vec<Share> {
+    let mut shares: Vec<(u32, Share)> = position
+        .iter()
+        .zip(&subdomain.grains)
+        .map(|(place, grain)| {
+            let grain = *grain as usize;
+            let multiplicity = decomposition.multiplicity[grain];
+            let mass = problem.mass()[grain] / f64::from(multiplicity);
+            let free_velocity = problem.free_velocity()[grain];
+            (*place, Share { mass, boundary: multiplicity > 1, free_velocity })
+        })
+        .collect();
+    shares.sort_by_key(|(place, _)| *place);
+    shares.into_iter().map(|(_, share)| share).collect()
+}
+
+/// Upper triangle of M_E + H_E l⁻ H_Eᵗ + d⁻_E, two rows per grain.
+fn matrix(rows: &[Row], shares: &[Share], directions: &Directions) -> Vec<Triplet<usize, usize, f64>> {
+    let mut upper = Vec::with_capacity(3 * shares.len() + 10 * rows.len());
+    for (place, share) in shares.iter().enumerate() {
+        let d_minus = if share.boundary { directions.d_minus * share.mass } else { 0.0 };
+        let (x, y) = (2 * place, 2 * place + 1);
+        upper.extend([(x, x, share.mass + d_minus), (x, y, 0.0), (y, y, share.mass + d_minus)]);
     }
     for row in rows {
-        let (n, grains) = (row.normal, mass.len());
-        let block = [[n.x * n.x, n.x * n.y], [n.y * n.x, n.y * n.y]];
+        let block = directions.l_minus * row.mass * row.normal * row.normal.transpose();
         let ends = [(row.candidate as usize, 1.0), (row.antagonist as usize, -1.0)];
         for (i, sign_i) in ends {
             for (j, sign_j) in ends {
-                for (x, block) in block.iter().enumerate() {
-                    for (y, entry) in block.iter().enumerate() {
-                        let (from, to) = (2 * i + x, 2 * j + y);
-                        if i < grains && j < grains && from >= to {
-                            lower.push(Triplet::new(from, to, sign_i * sign_j * row.l_minus * entry));
-                        }
+                for (x, y) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    let (from, to) = (2 * i + x, 2 * j + y);
+                    if j < shares.len() && from <= to {
+                        upper.push((from, to, sign_i * sign_j * block[(x, y)]));
                     }
                 }
             }
         }
     }
-    lower
+    upper.into_iter().map(|(from, to, entry)| Triplet::new(from, to, entry)).collect()
 }

@@ -1,0 +1,151 @@
+//! The coarse problem: interface impulses whose resultants vanish on every interface, at each linear stage.
+//!
+//! The multiscale step that Iceta et al. 2009 name as perspective, after Alart & Dureisseix, Comput. Methods Appl. Mech.
+//! Engrg. 197 (2008) 319-331: an interface is the set of boundary grains between the same subdomains, its large scale two
+//! translations. A velocity w per interface is added to what the local stage asks of its copies, τ ← τ + d⁻ w, such that
+//! Σ F_E = 0 over the interface's grains and copies:
+//!
+//! S w = −g,   S = Σ_E `B_E`ᵗ (d⁻ − d⁻ K_E⁻¹ d⁻) `B_E`,   g = Σ_E `B_E`ᵗ F_E
+//!
+//! with K_E the matrix of the linear stage and `B_E` the translations of the interfaces' grains. At convergence w = 0.
+
+use crate::factor::{Factor, Structure};
+use crate::subdomain::Latin;
+use contact::{ContactProblem, SetupError};
+use faer::sparse::Triplet;
+use nalgebra::{Matrix2, Vector2};
+use partition::Decomposition;
+use std::collections::BTreeMap;
+
+/// What an interface is to one of its subdomains.
+struct Side {
+    /// Place of the interface in the order of the coarse factor.
+    interface: usize,
+    /// Places of the interface's grains in the subdomain, and their d⁻ (kg).
+    grains: Vec<(usize, f64)>,
+    /// K_E⁻¹ d⁻ `B_E`: what a unit w does to each grain's velocity (–).
+    influence: Vec<Matrix2<f64>>,
+}
+
+/// The coarse problem, factorised.
+pub(crate) struct Coarse {
+    /// By subdomain.
+    sides: Vec<Vec<Side>>,
+    factor: Factor,
+    interfaces: usize,
+}
+
+impl Coarse {
+    /// Groups the boundary grains into interfaces, and assembles and factorises S.
+    pub(crate) fn new(
+        problem: &ContactProblem,
+        decomposition: &Decomposition,
+        subdomains: &[Latin],
+        kappa_d_minus: f64,
+    ) -> Result<Self, SetupError> {
+        let interfaces = interfaces(decomposition);
+        let mut sides: Vec<Vec<Side>> = subdomains.iter().map(|_| Vec::new()).collect();
+        for (interface, grains) in interfaces.iter().enumerate() {
+            for (k, (e, _)) in grains[0].iter().enumerate() {
+                let latin = &subdomains[*e as usize];
+                let grains: Vec<(usize, f64)> = grains
+                    .iter()
+                    .map(|copies| {
+                        let (e, local) = copies[k];
+                        let grain = decomposition.subdomains[e as usize].grains[local as usize] as usize;
+                        (latin.place(local), kappa_d_minus * problem.mass()[grain] / copies.len() as f64)
+                    })
+                    .collect();
+                let influence = latin.influence(&grains);
+                sides[*e as usize].push(Side { interface, grains, influence });
+            }
+        }
+        let structure = Structure::new(interfaces.len(), &neighbours(&sides))?;
+        for side in sides.iter_mut().flatten() {
+            side.interface = structure.position()[side.interface] as usize;
+        }
+        let factor = structure.factorise(&matrix(&sides))?;
+        Ok(Self { sides, factor, interfaces: interfaces.len() })
+    }
+
+    /// Solves for w, and brings every subdomain's V_E and τ to it.
+    pub(crate) fn correct(&self, subdomains: &mut [Latin]) {
+        let mut w: Vec<_> = self.resultants(subdomains).into_iter().map(|g| -g).collect();
+        self.factor.solve(&mut w);
+        for (sides, latin) in self.sides.iter().zip(subdomains) {
+            for side in sides {
+                latin.translate(&side.grains, &side.influence, w[side.interface]);
+            }
+        }
+    }
+
+    /// g: Σ F_E over the grains and copies of each interface (N·s).
+    pub(crate) fn resultants(&self, subdomains: &[Latin]) -> Vec<Vector2<f64>> {
+        let mut g = vec![Vector2::zeros(); self.interfaces];
+        for (sides, latin) in self.sides.iter().zip(subdomains) {
+            for side in sides {
+                g[side.interface] += latin.resultant(&side.grains);
+            }
+        }
+        g
+    }
+
+    /// Entries that a correction goes through: those of the factor twice, those of the influences once.
+    pub(crate) fn entries(&self) -> usize {
+        let influences: usize = self.sides.iter().flatten().map(|side| 4 * side.influence.len()).sum();
+        2 * self.factor.entries() + influences
+    }
+
+    /// Number of interfaces.
+    pub(crate) fn interfaces(&self) -> usize {
+        self.interfaces
+    }
+}
+
+/// The boundary grains by the subdomains between which they are, as the copies (subdomain, local index) of each.
+fn interfaces(decomposition: &Decomposition) -> Vec<Vec<&[(u32, u32)]>> {
+    let mut interfaces = BTreeMap::<Vec<u32>, Vec<_>>::new();
+    for copies in decomposition.boundary() {
+        let between = copies.iter().map(|(e, _)| *e).collect();
+        interfaces.entry(between).or_default().push(copies);
+    }
+    interfaces.into_values().collect()
+}
+
+/// Pairs of interfaces of one subdomain, each pair once.
+fn neighbours(sides: &[Vec<Side>]) -> Vec<(u32, u32)> {
+    let mut pairs = Vec::new();
+    for sides in sides {
+        for (k, side) in sides.iter().enumerate() {
+            pairs.extend(sides[..k].iter().map(|other| (other.interface as u32, side.interface as u32)));
+        }
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}
+
+/// Upper triangle of S, two rows per interface.
+fn matrix(sides: &[Vec<Side>]) -> Vec<Triplet<usize, usize, f64>> {
+    let mut upper = Vec::new();
+    for sides in sides {
+        for row in sides {
+            for column in sides {
+                let mut block = Matrix2::zeros();
+                for (place, d_minus) in &row.grains {
+                    block -= *d_minus * column.influence[*place];
+                    if row.interface == column.interface {
+                        block += *d_minus * Matrix2::identity();
+                    }
+                }
+                for (x, y) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    let (from, to) = (2 * row.interface + x, 2 * column.interface + y);
+                    if from <= to {
+                        upper.push(Triplet::new(from, to, block[(x, y)]));
+                    }
+                }
+            }
+        }
+    }
+    upper
+}
