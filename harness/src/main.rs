@@ -8,15 +8,24 @@ mod list;
 mod methods;
 mod output;
 mod plan;
+mod problems;
 mod progress;
 mod rows;
 mod simulate;
 mod solve;
+mod study;
+mod suggest;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+/// Commit of the build.
+const COMMIT: &str = git_version::git_version!(
+    args = ["--always", "--abbrev=12", "--exclude=*", "--dirty=-modified"],
+    fallback = "not built from a git checkout"
+);
 
 /// Benchmark of the solvers of non-smooth contact dynamics of granular media.
 #[derive(Parser)]
@@ -78,5 +87,6 @@ fn in_one_paragraph(error: &anyhow::Error) -> String {
             text = format!("{text}: {}", cause.trim_end());
         }
     }
-    text
+    let nearest = suggest::in_error(&text);
+    text + &nearest
 }

@@ -56,7 +56,7 @@ fn plan_without_methods_or_problems_is_refused() {
 fn missing_problem_of_a_plan_is_refused_with_the_known_ones() {
     refused(&plan("bad", &["absent"], NSGS), &["`problems`", "`absent`", "pair"]);
     // A case is no frozen problem: which of its time steps is meant?
-    refused(&plan("bad", &["column"], NSGS), &["`problems`", "`column`", "pair"]);
+    refused(&plan("bad", &["column"], NSGS), &["`problems`", "`column` is a case", "[[cases]]", "pair"]);
 }
 
 #[test]
