@@ -37,8 +37,8 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let provenance = Provenance::gather(COMMIT, &rustc, rayon::current_num_threads() as u32)?;
     let store = Store::create(&root.join("results/runs"), &plan.name, &provenance.started_utc)?;
 
-    let made = (problems.len(), variants.len());
-    say(format_args!("plan {}: {} problems × {} variants of methods", plan.name, made.0, made.1))?;
+    let (made, of_each) = (problems.len() * variants.len(), variants.len());
+    say(format_args!("plan {}: {made} runs, {of_each} on each problem", plan.name))?;
     for note in &notes {
         say(format_args!("  {note}"))?;
     }

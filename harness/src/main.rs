@@ -11,6 +11,7 @@ mod plan;
 mod problems;
 mod progress;
 mod rows;
+mod show;
 mod simulate;
 mod solve;
 mod study;
@@ -45,6 +46,8 @@ struct Cli {
 enum Command {
     /// Run a plan; write its rows to results/runs and its table and figures to reports/out
     Bench(bench::Args),
+    /// Show the runs of a plan
+    Plan(show::Args),
     /// Solve one contact problem with one method
     Solve(solve::Args),
     /// Write the contact problem of one time step of a case as a file
@@ -72,6 +75,7 @@ fn run(cli: Cli) -> Result<()> {
     let root = inputs::Root::find(cli.root)?;
     match cli.command {
         Command::Bench(args) => bench::run(&root, &args),
+        Command::Plan(args) => show::run(&root, &args),
         Command::Solve(args) => solve::run(&root, &args),
         Command::Freeze(args) => freeze::run(&root, &args),
         Command::Simulate(args) => simulate::run(&root, &args),

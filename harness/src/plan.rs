@@ -15,6 +15,13 @@ use serde_json::Value;
 use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
 
+/// The figures that reports draw.
+const CHARTS: [&str; 2] = ["convergence", "sample"];
+
+fn all_charts() -> Vec<String> {
+    CHARTS.map(str::to_owned).to_vec()
+}
+
 /// A study.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -37,6 +44,9 @@ pub(crate) struct Plan {
     /// Which samples of a run are kept.
     #[serde(default)]
     pub(crate) curves: Curves,
+    /// Names of the figures.
+    #[serde(default = "all_charts")]
+    pub(crate) charts: Vec<String>,
     /// The methods.
     methods: Vec<PlannedMethod>,
     /// The same study in under a minute: these keys replace those of the plan.
@@ -132,6 +142,13 @@ impl Plan {
     fn check(&self) -> Result<()> {
         if self.problems.is_empty() && self.cases.is_empty() {
             bail!("`problems` is empty, and there are no `cases`");
+        }
+        if let Some(chart) = self.charts.iter().find(|chart| !CHARTS.contains(&chart.as_str())) {
+            bail!(
+                "`charts`: no chart `{chart}`: there are {}{}",
+                CHARTS.join(", "),
+                suggest::of(chart, CHARTS)
+            );
         }
         self.stop.check().context("`stop`")?;
         self.variants(&[]).map(|_| ())

@@ -192,7 +192,11 @@ fn print(frozen: &Frozen, method: &Method, stop: &Stop, outcome: &Outcome) -> Re
     ))?;
     say(format_args!("{} {}", method.name, Value::Object(method.settings.clone())))?;
     let limit = format!("{} ≤ {:e}", stop.on, stop.tolerance);
-    say(format_args!("{} after {} iterations ({limit} asked)", outcome.status.name(), outcome.iterations))?;
+    let iterations = match outcome.iterations {
+        1 => "1 iteration".to_owned(),
+        n => format!("{n} iterations"),
+    };
+    say(format_args!("{} after {iterations} ({limit} asked)", outcome.status.name()))?;
     say(format_args!(
         "  set-up {:.3e} s, iterating {:.3e} s",
         outcome.setup.as_secs_f64(),

@@ -1,8 +1,16 @@
 //! Plans with cases, axes and quick forms: what `gravel bench` and `gravel plan` make of them.
 
 use crate::bench::{Study, plan, rows};
-use crate::common::{entries, text, write};
+use crate::common::{checkout, entries, gravel, names, text, write};
 use std::fs;
+use tempfile::TempDir;
+
+/// Example plan of the harness's page.
+fn example() -> String {
+    let page = fs::read_to_string(checkout().join("harness/README.md")).unwrap();
+    let (_, example) = page.split_once("```toml\n").unwrap();
+    example.split_once("```").unwrap().0.to_owned()
+}
 
 const CG: &str = "[[methods]]\nmethod = \"cg\"\n";
 
@@ -130,7 +138,7 @@ fn quick_changed_and_partial_studies_have_places_of_their_own() {
         let folder = results::store::latest(&root, place).unwrap();
         assert_eq!(rows(folder.join("runs.csv")).len(), runs);
     };
-    bench(&[], "small", 3, &["plan small: 1 problems × 3 variants"]);
+    bench(&[], "small", 3, &["plan small: 3 runs, 3 on each problem"]);
     bench(&["--quick"], "small-quick", 3, &["plan small-quick"]);
     bench(&["--only", "method=ns*"], "small-part", 2, &["2 of the 3 runs"]);
     bench(&["--only", "method=ns*", "--only", "variant=1.5", "--only", "problem=p*"], "small-part", 1, &[]);
@@ -180,4 +188,46 @@ fn case_of_a_plan_that_makes_no_sense_is_refused() {
     );
     refused(&column("scene = { \"sample.grains\" = 0 }"), &["`sample` has no grain"]);
     refused(&format!("{0}\n{0}", column("")), &["two problems have the name `column`"]);
+}
+
+#[test]
+fn runs_of_a_plan_are_shown_and_counted_and_none_is_made() {
+    let study = study_of_columns();
+    let told = |args: &[&str]| study.gravel(&[&["plan", "columns"], args].concat()).succeeded().stdout;
+    let shown = told(&[]);
+    let lines: Vec<&str> = shown.lines().collect();
+    assert_eq!(lines[0], "plan columns: A test.");
+    for (line, name) in lines[1..].iter().zip(NAMES) {
+        assert_eq!(line.split_once(" cg").unwrap().0.trim(), name);
+    }
+    let count = told(&["--count", "--only", "problem=column*9.81"]);
+    let expected = "plan columns-part: A test.\n  3 of the 7 runs of the plan\nruns\n";
+    assert!(count.starts_with(expected), "{count}");
+    assert!(count.ends_with("        3  of cg\n        3  in all\n"), "{count}");
+    assert_eq!(count.lines().count(), 3 + 3 + 2, "{count}");
+    assert_eq!(entries(study.folder().path()), ["cases", "harness"]);
+}
+
+#[test]
+fn example_of_the_page_is_a_plan() {
+    let folder = TempDir::new().unwrap();
+    let file = write(&folder, "NAME.toml", &example());
+    let count =
+        |args: &[&str]| gravel(&[&["plan", text(&file), "--count"], args].concat()).succeeded().stdout;
+    // One frozen problem and 2 × 5 made ones, for 3 + 5 variants; the quick form has the frozen one alone.
+    assert!(count(&[]).contains("88  in all"), "{}", count(&[]));
+    assert!(count(&["--quick"]).contains("8  in all"), "{}", count(&["--quick"]));
+}
+
+#[test]
+fn every_plan_of_the_checkout_is_one_in_both_its_forms() {
+    for name in names("harness/plans", ".toml") {
+        gravel(&["plan", &name, "--count"]).succeeded();
+        if fs::read_to_string(checkout().join(format!("harness/plans/{name}.toml")))
+            .unwrap()
+            .contains("[quick]")
+        {
+            gravel(&["plan", &name, "--count", "--quick"]).succeeded();
+        }
+    }
 }

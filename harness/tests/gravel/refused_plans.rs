@@ -73,6 +73,18 @@ fn unknown_measure_of_a_plan_is_refused() {
 }
 
 #[test]
+fn unknown_chart_of_a_plan_is_refused_with_the_known_ones() {
+    let charts = |names: &str| format!("charts = {names}\n{}", plan("bad", &["pair"], NSGS));
+    refused(
+        &charts("[\"sampel\"]"),
+        &["`charts`", "`sampel`", "convergence, sample; did you mean `sample`?"],
+    );
+    refused(&charts("\"sample\""), &["line 1", "a sequence"]);
+    let curves = format!("curves = \"end\"\n{}", plan("bad", &["pair"], NSGS));
+    refused(&curves, &["line 1", "`end`", "did you mean `ends`?"]);
+}
+
+#[test]
 fn plan_whose_name_is_no_folder_is_refused() {
     for name in ["", "../bad", ".bad"] {
         let study = Study::new();
