@@ -1,12 +1,15 @@
 //! `gravel bench`: every method of a plan on every problem of it, then rows, table and figures.
 
+use crate::COMMIT;
 use crate::curve::Recorder;
-use crate::inputs::{Root, stem};
+use crate::inputs::Root;
 use crate::output::say;
 use crate::plan::{Plan, Variant};
+use crate::problems::Problem;
 use crate::progress;
 use crate::rows::{asked_row, ended_row, partitions, scene_rows};
-use anyhow::{Context, Result};
+use crate::study::{Study, StudyArgs};
+use anyhow::Result;
 use cases::Frozen;
 use contact::Status;
 use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample};
@@ -15,9 +18,8 @@ use results::tables;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A plan: its name, or the path of its file
-    #[arg(default_value = "paper")]
-    plan: String,
+    #[command(flatten)]
+    study: StudyArgs,
 }
 
 /// All rows of a study.
@@ -30,31 +32,25 @@ struct Rows {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    let path = root.plan(&args.plan)?;
-    let plan = Plan::read(&path)?;
-    let variants = plan.variants()?;
-    let problems = plan
-        .problems
-        .iter()
-        .map(|name| Ok(Frozen::read(&root.problem(name)?)?))
-        .collect::<Result<Vec<_>>>()
-        .with_context(|| format!("{}: `problems`", path.display()))?;
-    let commit = git_version::git_version!(
-        args = ["--always", "--abbrev=12", "--exclude=*", "--dirty=-modified"],
-        fallback = "not built from a git checkout"
-    );
+    let Study { plan, problems, variants, notes } = args.study.study(root)?;
     let rustc = rustc_version_runtime::version().to_string();
-    let provenance = Provenance::gather(commit, &rustc, rayon::current_num_threads() as u32)?;
+    let provenance = Provenance::gather(COMMIT, &rustc, rayon::current_num_threads() as u32)?;
     let store = Store::create(&root.join("results/runs"), &plan.name, &provenance.started_utc)?;
 
-    say(format_args!("plan {}: {} problems, {} methods", stem(&path), problems.len(), variants.len()))?;
+    let (made, of_each) = (problems.len() * variants.len(), variants.len());
+    say(format_args!("plan {}: {made} runs, {of_each} on each problem", plan.name))?;
+    for note in &notes {
+        say(format_args!("  {note}"))?;
+    }
+    let problems = problems.into_iter().map(|problem| problem.made(root)).collect::<Result<Vec<_>>>()?;
     let mut rows = Rows::default();
     let bar = progress::bar((problems.len() * variants.len()) as u64, "runs");
-    for frozen in &problems {
+    for problem in &problems {
+        let Problem { frozen, .. } = problem;
         let mut impulses = None;
         for variant in &variants {
             bar.set_message(format!("{} {} on {}", variant.method.name, variant.name, frozen.name));
-            let solved = rows.run(&plan, frozen, variant, &provenance);
+            let solved = rows.run(&plan, problem, variant, &provenance);
             impulses = impulses.or(solved);
             bar.inc(1);
         }
@@ -81,14 +77,15 @@ impl Rows {
     fn run(
         &mut self,
         plan: &Plan,
-        frozen: &Frozen,
+        problem: &Problem,
         variant: &Variant,
         provenance: &Provenance,
     ) -> Option<Vec<f64>> {
         let run = self.runs.len() as u32;
-        let asked = asked_row(run, plan, frozen, variant, provenance);
+        let asked = asked_row(run, plan, problem, variant, provenance);
+        let Problem { frozen, .. } = problem;
         let r0 = frozen.start(plan.warm_start);
-        let mut recorder = Recorder::default();
+        let mut recorder = Recorder::new(plan.curves);
         let outcome =
             contact::solve(&*variant.method.solver, &frozen.problem, &r0, &plan.stop, &mut |progress| {
                 recorder.observe(progress);

@@ -1,5 +1,6 @@
 //! The curve of a run, thinned geometrically, and the iterations at which measures pass powers of ten.
 
+use crate::plan::Curves;
 use contact::{Measure, Progress};
 use results::schema::Sample;
 
@@ -7,8 +8,8 @@ use results::schema::Sample;
 const DECADES: [f64; 12] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12];
 
 /// Keeps the samples of a run that a chart or a table needs.
-#[derive(Default)]
 pub(crate) struct Recorder {
+    curves: Curves,
     samples: Vec<Sample>,
     /// The iterate seen last, if it is not in `samples`.
     pending: Option<Sample>,
@@ -17,8 +18,12 @@ pub(crate) struct Recorder {
 }
 
 impl Recorder {
-    /// Sees every iterate. Kept are all of the first hundred, then one in each hundredth of the iterations, and those
-    /// at which a measure first passes one of the [`DECADES`].
+    pub(crate) fn new(curves: Curves) -> Self {
+        Self { curves, samples: Vec::new(), pending: None, reached: [0; Measure::ALL.len()] }
+    }
+
+    /// Sees every iterate. Kept are the first, and those at which a measure first passes one of the [`DECADES`]; of
+    /// whole curves all of the first hundred too, then one in each hundredth of the iterations.
     pub(crate) fn observe(&mut self, progress: &Progress) {
         let sample = sample(progress);
         let mut keep = false;
@@ -30,7 +35,9 @@ impl Recorder {
             }
         }
         let last = self.samples.last().map_or(0, |sample| sample.iteration);
-        if keep || progress.iteration <= 100 || progress.iteration * 100 >= last * 101 {
+        let whole = self.curves == Curves::Whole
+            && (progress.iteration <= 100 || progress.iteration * 100 >= last * 101);
+        if keep || whole || progress.iteration == 0 {
             self.samples.push(sample);
             self.pending = None;
         } else {

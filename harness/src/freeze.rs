@@ -37,7 +37,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let path = root.case(&args.case)?;
     let case = Case::read(&path, &args.changes.overrides)?;
     let (method, stop) = (args.method.method()?, args.stop.stop());
-    let time_step = time_step(&case, &args.time_step)?;
+    let time_step = time_step(&case, "--time-step", &args.time_step)?;
     let (mut frozen, missed) = march_to(&mut March::new(&case)?, time_step, &method, &stop)?;
     frozen.name = stem(&args.output);
     for (key, value) in &args.changes.overrides {

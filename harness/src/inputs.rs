@@ -2,6 +2,7 @@
 
 use crate::methods::Method;
 use crate::progress;
+use crate::suggest;
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
 use contact::{Status, Stop};
@@ -60,24 +61,24 @@ impl Root {
 
     /// The file of a case, given by name or path.
     pub(crate) fn case(&self, name: &str) -> Result<PathBuf> {
-        toml(named_or_path(name, "case", &self.cases()?)?, "case")
+        checked(named_or_path(name, "case", &self.cases()?)?, &[Kind::Case])
     }
 
     /// The file of a plan, given by name or path.
     pub(crate) fn plan(&self, name: &str) -> Result<PathBuf> {
-        toml(named_or_path(name, "plan", &self.plans()?)?, "plan")
+        checked(named_or_path(name, "plan", &self.plans()?)?, &[Kind::Plan])
     }
 
     /// The file of a frozen problem, given by name or path.
     pub(crate) fn problem(&self, name: &str) -> Result<PathBuf> {
-        named_or_path(name, "frozen problem", &self.frozen()?)
+        checked(named_or_path(name, "frozen problem", &self.frozen()?)?, &[Kind::Frozen])
     }
 
     /// The file of a frozen problem or a case, given by name or path.
     pub(crate) fn problem_or_case(&self, name: &str) -> Result<PathBuf> {
         let mut known = self.frozen()?;
         known.extend(self.cases()?);
-        named_or_path(name, "problem or case", &known)
+        checked(named_or_path(name, "problem or case", &known)?, &[Kind::Case, Kind::Frozen])
     }
 }
 
@@ -111,15 +112,59 @@ fn named_or_path(name: &str, kind: &str, known: &[PathBuf]) -> Result<PathBuf> {
         bail!("{name} is a folder: give a {kind}, by name or by the path of its file");
     }
     let names: Vec<String> = known.iter().map(|path| stem(path)).collect();
-    bail!("no {kind} `{name}`, and no file of that path; known are {}", names.join(", "))
+    let nearest = suggest::of(name, names.iter().map(String::as_str));
+    bail!("no {kind} `{name}`, and no file of that path; known are {}{nearest}", names.join(", "))
 }
 
-/// Refuses a file of another format by its name: as TOML, the first line of a frozen problem is all of it.
-fn toml(path: PathBuf, kind: &str) -> Result<PathBuf> {
-    if !is_toml(&path) {
-        bail!("{}: a {kind} is a file that ends in .toml", path.display());
+/// What a file holds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Case,
+    Plan,
+    Frozen,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Case => "a case",
+            Self::Plan => "a plan",
+            Self::Frozen => "a frozen problem",
+        }
     }
-    Ok(path)
+
+    /// Of a file that cannot be taken for anything else; whether it is right in itself is not asked.
+    fn of(path: &Path) -> Option<Self> {
+        if !is_toml(path) {
+            return path.extension().is_some_and(|ending| ending == "json").then_some(Self::Frozen);
+        }
+        let table: toml::Table = std::fs::read_to_string(path).ok()?.parse().ok()?;
+        let has = |key| table.contains_key(key);
+        match (has("scene") || has("sample"), has("methods") || has("problems")) {
+            (true, false) => Some(Self::Case),
+            (false, true) => Some(Self::Plan),
+            _ => None,
+        }
+    }
+}
+
+/// Refuses a file that holds something else than is asked.
+fn checked(path: PathBuf, asked: &[Kind]) -> Result<PathBuf> {
+    let ending = |kind: &Kind| if *kind == Kind::Frozen { ".json" } else { ".toml" };
+    let found = Kind::of(&path);
+    // What is wrong inside a file is told by whoever reads it.
+    let unclear = found.is_none() && is_toml(&path) && asked.iter().any(|kind| ending(kind) == ".toml");
+    if unclear || found.is_some_and(|found| asked.contains(&found)) {
+        return Ok(path);
+    }
+    let list = |words: Vec<&str>| words.join(" or ");
+    let is = found.map_or_else(String::new, |found| format!(" is {}", found.name()));
+    bail!(
+        "{}{is}: {} is asked, a file that ends in {}",
+        path.display(),
+        list(asked.iter().map(|kind| kind.name()).collect()),
+        list(asked.iter().map(ending).collect())
+    )
 }
 
 /// Whether a file is a case or a plan, by its name.
@@ -148,10 +193,10 @@ pub(crate) fn march_to(
     Ok((march.next()?.frozen, (missed > 0).then_some(note)))
 }
 
-/// The time step of `case` that `moment` names: a number, or one of the case's moments.
-pub(crate) fn time_step(case: &Case, moment: &str) -> Result<u64> {
+/// The time step of `case` that `moment` names, as the value of `key`: a number, or one of the case's moments.
+pub(crate) fn time_step(case: &Case, key: &str, moment: &str) -> Result<u64> {
     match (moment.parse(), case.moments.get(moment)) {
-        (Ok(0), _) => bail!("--time-step 0: time steps are counted from 1"),
+        (Ok(0), _) => bail!("{key} 0: time steps are counted from 1"),
         (Ok(time_step), _) => Ok(time_step),
         (Err(_), Some(time_step)) => Ok(*time_step),
         (Err(_), None) => {
@@ -159,7 +204,8 @@ pub(crate) fn time_step(case: &Case, moment: &str) -> Result<u64> {
             for name in case.moments.keys() {
                 accepted.extend([", or ", name.as_str()]);
             }
-            bail!("--time-step {moment}: it must be {accepted}")
+            let nearest = suggest::of(moment, case.moments.keys().map(String::as_str));
+            bail!("{key} {moment}: it must be {accepted}{nearest}")
         }
     }
 }
@@ -181,6 +227,11 @@ pub(crate) fn content_hash(frozen: &Frozen) -> String {
         number(contact.offset);
     }
     frozen.start.iter().for_each(|r| number(*r));
-    let first = hash.finalize()[..8].iter().fold(0, |first: u64, byte| first << 8 | u64::from(*byte));
+    first_hex(&hash.finalize())
+}
+
+/// The first eight bytes of a hash.
+pub(crate) fn first_hex(hash: &[u8]) -> String {
+    let first = hash.iter().take(8).fold(0, |first: u64, byte| first << 8 | u64::from(*byte));
     format!("{first:016x}")
 }

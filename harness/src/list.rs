@@ -47,7 +47,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         }
         What::Plans => {
             for path in root.plans()? {
-                say(format_args!("{:<16}{}", stem(&path), Plan::read(&path)?.why))?;
+                say(format_args!("{:<20}{}", stem(&path), Plan::read(&path, false)?.why))?;
             }
         }
     }

@@ -8,15 +8,25 @@ mod list;
 mod methods;
 mod output;
 mod plan;
+mod problems;
 mod progress;
 mod rows;
+mod show;
 mod simulate;
 mod solve;
+mod study;
+mod suggest;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+/// Commit of the build.
+const COMMIT: &str = git_version::git_version!(
+    args = ["--always", "--abbrev=12", "--exclude=*", "--dirty=-modified"],
+    fallback = "not built from a git checkout"
+);
 
 /// Benchmark of the solvers of non-smooth contact dynamics of granular media.
 #[derive(Parser)]
@@ -36,6 +46,8 @@ struct Cli {
 enum Command {
     /// Run a plan; write its rows to results/runs and its table and figures to reports/out
     Bench(bench::Args),
+    /// Show the runs of a plan
+    Plan(show::Args),
     /// Solve one contact problem with one method
     Solve(solve::Args),
     /// Write the contact problem of one time step of a case as a file
@@ -63,6 +75,7 @@ fn run(cli: Cli) -> Result<()> {
     let root = inputs::Root::find(cli.root)?;
     match cli.command {
         Command::Bench(args) => bench::run(&root, &args),
+        Command::Plan(args) => show::run(&root, &args),
         Command::Solve(args) => solve::run(&root, &args),
         Command::Freeze(args) => freeze::run(&root, &args),
         Command::Simulate(args) => simulate::run(&root, &args),
@@ -78,5 +91,6 @@ fn in_one_paragraph(error: &anyhow::Error) -> String {
             text = format!("{text}: {}", cause.trim_end());
         }
     }
-    text
+    let nearest = suggest::in_error(&text);
+    text + &nearest
 }

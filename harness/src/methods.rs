@@ -1,5 +1,6 @@
 //! The methods by name. To add one: its line in [`METHODS`], its crate in this package's manifest.
 
+use crate::suggest;
 use anyhow::{Result, anyhow, bail};
 use contact::Solver;
 use serde::Serialize;
@@ -49,7 +50,8 @@ impl Method {
     pub(crate) fn new(name: &str, settings: Map<String, Value>) -> Result<Self> {
         let Some(entry) = METHODS.iter().find(|entry| entry.name == name) else {
             let names: Vec<&str> = METHODS.iter().map(|entry| entry.name).collect();
-            bail!("unknown method `{name}`: there are {}", names.join(", "));
+            let nearest = suggest::of(name, names.iter().copied());
+            bail!("unknown method `{name}`: there are {}{nearest}", names.join(", "));
         };
         let (settings, solver) =
             (entry.build)(settings).map_err(|error| anyhow!("method `{name}`, {error}"))?;
@@ -58,10 +60,33 @@ impl Method {
 
     /// The method `name` with settings as they are typed: `relaxation=0.8`.
     pub(crate) fn parse(name: &str, settings: &[(String, String)]) -> Result<Self> {
-        // A number or a boolean is one; anything else is text, which needs no quotes.
-        let value = |text: &String| serde_json::from_str(text).unwrap_or_else(|_| Value::from(text.as_str()));
-        Self::new(name, settings.iter().map(|(key, text)| (key.clone(), value(text))).collect())
+        if let Some((key, _)) = repeated(settings) {
+            bail!("--set {key}: it is given twice");
+        }
+        Self::new(name, settings.iter().map(|(key, text)| (key.clone(), typed(text))).collect())
     }
+
+    /// The method with those of `changes`, as they are typed, that name a setting of it.
+    pub(crate) fn changed(&self, changes: &[(String, String)]) -> Result<Self> {
+        let mut settings = self.settings.clone();
+        for (key, text) in changes {
+            if let Some(value) = settings.get_mut(key) {
+                *value = typed(text);
+            }
+        }
+        Self::new(self.name, settings)
+    }
+}
+
+/// A value as it is typed: a number or a boolean is one; anything else is text, which needs no quotes.
+fn typed(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|_| Value::from(text))
+}
+
+/// The first of `settings` whose key an earlier one has.
+pub(crate) fn repeated(settings: &[(String, String)]) -> Option<&(String, String)> {
+    let before = |n: usize| settings[..n].iter();
+    (0..settings.len()).find(|n| before(*n).any(|(key, _)| *key == settings[*n].0)).map(|n| &settings[n])
 }
 
 /// A method's settings, defaults spelled out, and the method.

@@ -3,6 +3,7 @@
 use crate::curve::first_at;
 use crate::inputs::content_hash;
 use crate::plan::{Plan, Variant};
+use crate::problems::Problem;
 use cases::Frozen;
 use contact::Outcome;
 use nalgebra::Vector2;
@@ -16,10 +17,11 @@ use std::collections::BTreeMap;
 pub(crate) fn asked_row(
     run: u32,
     plan: &Plan,
-    frozen: &Frozen,
+    problem: &Problem,
     variant: &Variant,
     provenance: &Provenance,
 ) -> Run {
+    let Problem { frozen, settings } = problem;
     // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
     let subdomains = |grid: Grid| u32::try_from(grid.count()).unwrap_or(u32::MAX);
     Run {
@@ -27,6 +29,7 @@ pub(crate) fn asked_row(
         plan: plan.name.clone(),
         problem: frozen.name.clone(),
         problem_hash: content_hash(frozen),
+        problem_settings: settings.clone(),
         grains: frozen.problem.grain_count() as u32,
         contacts: frozen.problem.contact_count() as u32,
         method: variant.method.name.to_owned(),

@@ -1,11 +1,12 @@
 //! `gravel solve`: one contact problem, one method.
 
-use crate::inputs::{Root, content_hash, is_toml, march_to, time_step};
+use crate::inputs::{Root, content_hash, is_toml, time_step};
 use crate::methods::{Method, key_value};
 use crate::output::{check_place, say, write_whole};
+use crate::problems::marched;
 use crate::progress;
 use anyhow::{Context, Result, bail};
-use cases::{Case, Frozen, March};
+use cases::{Case, Frozen};
 use clap::ValueEnum;
 use contact::{Measure, Outcome, Stop};
 use serde_json::{Value, json};
@@ -27,7 +28,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     case: CaseArgs,
     /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]; those before
-    /// it are solved by cg, whatever the method
+    /// it are solved by preconditioned cg, whatever the method
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     time_step: Option<String>,
     /// Print one JSON object
@@ -89,7 +90,7 @@ impl StopArgs {
     }
 }
 
-fn measure(name: &str) -> Result<Measure, String> {
+pub(crate) fn measure(name: &str) -> Result<Measure, String> {
     Measure::ALL.into_iter().find(|measure| measure.name() == name).ok_or_else(|| {
         let names: Vec<&str> = Measure::ALL.iter().map(|measure| measure.name()).collect();
         format!("there are {}", names.join(", "))
@@ -146,10 +147,11 @@ fn read(path: &Path, args: &Args) -> Result<Frozen> {
         return Ok(Frozen::read(path)?);
     }
     let case = Case::read(path, &args.case.overrides)?;
-    let time_step = args.time_step.as_ref().map_or(Ok(case.solve_at), |moment| time_step(&case, moment))?;
-    // The march before the problem is the same whichever method then solves it.
-    let method = Method::parse("cg", &[])?;
-    let (frozen, missed) = march_to(&mut March::new(&case)?, time_step, &method, &Stop::default())?;
+    let time_step = args
+        .time_step
+        .as_ref()
+        .map_or(Ok(case.solve_at), |moment| time_step(&case, "--time-step", moment))?;
+    let (frozen, missed) = marched(&case, time_step)?;
     if let Some(missed) = missed {
         eprintln!("{missed}");
     }
@@ -190,7 +192,11 @@ fn print(frozen: &Frozen, method: &Method, stop: &Stop, outcome: &Outcome) -> Re
     ))?;
     say(format_args!("{} {}", method.name, Value::Object(method.settings.clone())))?;
     let limit = format!("{} ≤ {:e}", stop.on, stop.tolerance);
-    say(format_args!("{} after {} iterations ({limit} asked)", outcome.status.name(), outcome.iterations))?;
+    let iterations = match outcome.iterations {
+        1 => "1 iteration".to_owned(),
+        n => format!("{n} iterations"),
+    };
+    say(format_args!("{} after {iterations} ({limit} asked)", outcome.status.name()))?;
     say(format_args!(
         "  set-up {:.3e} s, iterating {:.3e} s",
         outcome.setup.as_secs_f64(),

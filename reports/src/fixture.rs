@@ -30,6 +30,7 @@ pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
         plan: "paper".into(),
         problem: "column".into(),
         problem_hash: "c0ffee".into(),
+        problem_settings: "{}".into(),
         grains: 20,
         contacts: 20,
         method: method.into(),

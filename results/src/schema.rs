@@ -13,6 +13,9 @@ pub struct Run {
     pub problem: String,
     /// Hash of the problem's content.
     pub problem_hash: String,
+    /// What was set to make the problem, as JSON: `case`, `time_step`, and what replaced values of the case by their keys,
+    /// such as `sample.seed`; `{}` for a frozen one.
+    pub problem_settings: String,
     /// Number of grains.
     pub grains: u32,
     /// Number of contacts.
@@ -183,6 +186,7 @@ pub(crate) mod fixture {
             plan: "paper".into(),
             problem: "column".into(),
             problem_hash: "c0ffee".into(),
+            problem_settings: "{}".into(),
             grains: 10,
             contacts: 10,
             method: "nsgs".into(),

@@ -23,6 +23,7 @@ fn asked(runs: &[Run]) -> PolarsResult<DataFrame> {
         "plan" => column(runs, |r| r.plan.as_str()),
         "problem" => column(runs, |r| r.problem.as_str()),
         "problem_hash" => column(runs, |r| r.problem_hash.as_str()),
+        "problem_settings" => column(runs, |r| r.problem_settings.as_str()),
         "grains" => column(runs, |r| r.grains),
         "contacts" => column(runs, |r| r.contacts),
         "method" => column(runs, |r| r.method.as_str()),
@@ -155,7 +156,7 @@ mod tests {
 
     #[test]
     fn no_rows_give_tables_with_all_their_columns() {
-        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 41));
+        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 42));
         assert_eq!(curves_table(&[]).unwrap().shape(), (0, 15));
         assert_eq!(curves_table(&[(4, Vec::new())]).unwrap().shape(), (0, 15));
         assert_eq!(grains_table(&[]).unwrap().shape(), (0, 8));

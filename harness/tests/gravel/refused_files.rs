@@ -167,8 +167,15 @@ fn missing_file_is_refused_with_the_known_names() {
 }
 
 #[test]
-fn frozen_problem_given_as_a_case_or_a_plan_is_refused_in_a_line() {
-    let file = "cases/frozen/settled-991.json";
-    gravel(&["simulate", file, "--time-steps", "1"]).refused(&["settled-991.json: a case", ".toml"]);
-    gravel(&["bench", file]).refused(&["settled-991.json: a plan", ".toml"]);
+fn file_of_another_kind_is_named_as_what_it_is() {
+    let (frozen, case) = ("cases/frozen/settled-991.json", "cases/column.toml");
+    let simulate = |file| gravel(&["simulate", file, "--time-steps", "1"]);
+    simulate(frozen).refused(&["settled-991.json is a frozen problem: a case is asked", ".toml"]);
+    simulate("harness/plans/paper.toml").refused(&["paper.toml is a plan: a case is asked"]);
+    gravel(&["bench", frozen]).refused(&["settled-991.json is a frozen problem: a plan is asked"]);
+    gravel(&["bench", case]).refused(&["column.toml is a case: a plan is asked"]);
+    let solve = |file| gravel(&["solve", file]);
+    solve("harness/plans/paper.toml").refused(&["paper.toml is a plan: a case or a frozen problem is asked"]);
+    solve("README.md").refused(&["README.md: a case or a frozen problem is asked", ".toml", ".json"]);
+    gravel(&["bench", "README.md"]).refused(&["README.md: a plan is asked, a file that ends in .toml"]);
 }

@@ -56,7 +56,7 @@ fn plan_without_methods_or_problems_is_refused() {
 fn missing_problem_of_a_plan_is_refused_with_the_known_ones() {
     refused(&plan("bad", &["absent"], NSGS), &["`problems`", "`absent`", "pair"]);
     // A case is no frozen problem: which of its time steps is meant?
-    refused(&plan("bad", &["column"], NSGS), &["`problems`", "`column`", "pair"]);
+    refused(&plan("bad", &["column"], NSGS), &["`problems`", "`column` is a case", "[[cases]]", "pair"]);
 }
 
 #[test]
@@ -70,6 +70,18 @@ fn tolerance_of_a_plan_that_is_not_a_positive_number_is_refused() {
 fn unknown_measure_of_a_plan_is_refused() {
     let energy = plan("bad", &["pair"], NSGS).replace("natural_map", "energy");
     refused(&energy, &["line ", "`energy`", "`natural_map`"]);
+}
+
+#[test]
+fn unknown_chart_of_a_plan_is_refused_with_the_known_ones() {
+    let charts = |names: &str| format!("charts = {names}\n{}", plan("bad", &["pair"], NSGS));
+    refused(
+        &charts("[\"sampel\"]"),
+        &["`charts`", "`sampel`", "convergence, sample; did you mean `sample`?"],
+    );
+    refused(&charts("\"sample\""), &["line 1", "a sequence"]);
+    let curves = format!("curves = \"end\"\n{}", plan("bad", &["pair"], NSGS));
+    refused(&curves, &["line 1", "`end`", "did you mean `ends`?"]);
 }
 
 #[test]

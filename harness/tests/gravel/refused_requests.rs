@@ -21,11 +21,12 @@ fn refused_setting(method: &str, setting: &str, words: &[&str]) {
 #[test]
 fn unknown_method_is_refused_with_the_known_ones() {
     refused(&["--method", "newton"], &["`newton`", "nsgs", "jacobi", "cg", "nsgs-dd"]);
+    refused(&["--method", "latindd"], &["`latindd`", "did you mean `latin-dd`?"]);
 }
 
 #[test]
 fn unknown_setting_is_refused_with_the_known_ones() {
-    refused_setting("nsgs", "relax=1", &["`order`", "`relaxation`"]);
+    refused_setting("nsgs", "relax=1", &["`order`", "did you mean `relaxation`?"]);
     refused_setting("cg", "relaxation=1", &["`preconditioner`"]);
     refused_setting("nsgs-dd", "sweeps=1", &["`inner_sweeps`"]);
 }
@@ -47,6 +48,10 @@ fn setting_of_another_type_is_refused_with_its_value() {
 fn text_that_is_no_setting_is_refused() {
     refused(&["--set", "relaxation"], &["--set", "'relaxation'", "KEY=VALUE"]);
     refused(&["--set", "=1"], &["--set", "'=1'", "KEY=VALUE"]);
+    refused(
+        &["--set", "preconditioner=none", "--set", "preconditioner=none"],
+        &["--set preconditioner", "twice"],
+    );
 }
 
 #[test]

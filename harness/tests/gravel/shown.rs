@@ -41,6 +41,17 @@ fn every_listed_method_solves_and_no_other_is_known() {
 }
 
 #[test]
+fn help_fits_a_hundred_columns() {
+    for name in ["bench", "plan", "solve", "freeze", "simulate", "list"] {
+        // However wide the terminal says that it is.
+        let output = command(&[name, "--help"]).env("COLUMNS", "300").output().unwrap();
+        for line in String::from_utf8(output.stdout).unwrap().lines() {
+            assert!(line.chars().count() <= 100, "{name}: {line}");
+        }
+    }
+}
+
+#[test]
 fn simulation_writes_a_row_per_time_step() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("column.csv");

@@ -141,6 +141,8 @@ fn text_names_the_ending_and_every_measure() {
     for word in words.iter().chain(&measures) {
         assert!(told.contains(word), "no `{word}` in: {told}");
     }
+    let told = gravel(&["solve", "column", "--max-iterations", "1"]).succeeded().stdout;
+    assert!(told.contains("iteration-limit after 1 iteration (natural_map ≤ 1e-6 asked)"), "{told}");
 }
 
 #[test]

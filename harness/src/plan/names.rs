@@ -1,0 +1,101 @@
+//! Names of runs and of made problems: what tells them apart, and no more.
+
+use super::axes::Settings;
+use crate::methods::Method;
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// For each method, the settings in which it differs from the others of the same name: the value where there is one such
+/// setting, as `4x2`; with several of them, `key=value` of each that is not left open.
+pub(crate) fn of_variants(methods: &[Method]) -> Vec<String> {
+    let mut first: BTreeMap<&str, &Settings> = BTreeMap::new();
+    let mut differing: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for Method { name, settings, .. } in methods {
+        let first = *first.entry(name).or_insert(settings);
+        let differs = settings.iter().filter(|(key, value)| first.get(*key) != Some(*value));
+        differing.entry(name).or_default().extend(differs.map(|(key, _)| key.as_str()));
+    }
+    let name = |Method { name, settings, .. }: &Method| {
+        let keys = &differing[name];
+        let set = || settings.iter().filter(|(key, value)| keys.contains(key.as_str()) && !value.is_null());
+        match (keys.len(), set().next()) {
+            (0, _) => String::new(),
+            (_, None) => "default".to_owned(),
+            (1, Some((_, value))) => short(value),
+            _ => pairs(set().map(|(key, value)| (key.as_str(), value))),
+        }
+    };
+    methods.iter().map(name).collect()
+}
+
+/// `key=value` of each, in their order.
+pub(crate) fn pairs<'a>(settings: impl Iterator<Item = (&'a str, &'a Value)>) -> String {
+    settings.map(|(key, value)| format!("{key}={}", short(value))).collect::<Vec<_>>().join(" ")
+}
+
+/// A value as it is read: text without quotes, a whole number without a fraction.
+fn short(value: &Value) -> String {
+    match (value, value.as_f64()) {
+        (Value::String(text), _) => text.clone(),
+        // Of the shortest two, the one with fewer characters: 1000, but 1e-7.
+        (_, Some(x)) => {
+            let (plain, scientific) = (format!("{x}"), format!("{x:e}"));
+            if scientific.len() < plain.len() && plain.len() > 5 { scientific } else { plain }
+        }
+        _ => value.to_string(),
+    }
+}
+
+/// For each of `keys`, such as `scene.box.width_m`, its last part where no other of them ends so.
+pub(crate) fn last_parts<'k>(keys: &[&'k str]) -> Vec<&'k str> {
+    let last = |key: &'k str| key.rsplit_once('.').map_or(key, |(_, last)| last);
+    let alone = |key: &str| keys.iter().filter(|other| last(other) == key).count() == 1;
+    keys.iter().map(|key| if alone(last(key)) { last(key) } else { *key }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn names(method: &str, all: &[Value]) -> Vec<String> {
+        let methods: Vec<Method> = all
+            .iter()
+            .map(|settings| Method::new(method, settings.as_object().unwrap().clone()).unwrap())
+            .collect();
+        of_variants(&methods)
+    }
+
+    #[test]
+    fn method_that_is_alone_has_no_name() {
+        assert_eq!(names("nsgs", &[json!({ "relaxation": 1.5 })]), [""]);
+    }
+
+    #[test]
+    fn one_differing_setting_names_a_run_by_its_value() {
+        let subdomains = |grid: &str| json!({ "subdomains": grid, "inner_sweeps": 2 });
+        assert_eq!(names("nsgs-dd", &[subdomains("1x1"), subdomains("4x2")]), ["1x1", "4x2"]);
+        let kappa = |kappa: f64| json!({ "kappa_l": kappa });
+        let all = [kappa(1.0), kappa(31.6), kappa(1000.0), kappa(1e-7), json!({})];
+        assert_eq!(names("latin-dd", &all), ["1", "31.6", "1000", "1e-7", "default"]);
+    }
+
+    #[test]
+    fn several_differing_settings_name_a_run_by_keys_and_values() {
+        let all = [
+            json!({ "subdomains": "4x2", "kappa_l": 10.0 }),
+            json!({ "subdomains": "4x2", "kappa_d": 10.0 }),
+            json!({ "subdomains": "2x1" }),
+        ];
+        let expected = ["kappa_l=10 subdomains=4x2", "kappa_d=10 subdomains=4x2", "subdomains=2x1"];
+        assert_eq!(names("latin-dd", &all), expected);
+        let open = [json!({ "kappa_l": 10.0 }), json!({ "kappa_d": 10.0 }), json!({})];
+        assert_eq!(names("latin-dd", &open), ["kappa_l=10", "kappa_d=10", "default"]);
+    }
+
+    #[test]
+    fn key_is_short_unless_another_ends_so() {
+        assert_eq!(last_parts(&["sample.grains", "scene.box.width_m"]), ["grains", "width_m"]);
+        assert_eq!(last_parts(&["a.width", "b.width", "seed"]), ["a.width", "b.width", "seed"]);
+    }
+}

@@ -1,0 +1,233 @@
+//! Plans with cases, axes and quick forms: what `gravel bench` and `gravel plan` make of them.
+
+use crate::bench::{Study, plan, rows};
+use crate::common::{checkout, entries, gravel, names, text, write};
+use std::fs;
+use tempfile::TempDir;
+
+/// Example plan of the harness's page.
+fn example() -> String {
+    let page = fs::read_to_string(checkout().join("harness/README.md")).unwrap();
+    let (_, example) = page.split_once("```toml\n").unwrap();
+    example.split_once("```").unwrap().0.to_owned()
+}
+
+const CG: &str = "[[methods]]\nmethod = \"cg\"\n";
+
+/// Columns of three heights under two gravities: six problems.
+const CASES: &str = "[[cases]]\ncase = \"column\"\n\
+     scene = { \"scene.law\" = \"iqs\" }\n\
+     zip = { \"sample.grains\" = [2, 3, 4], \"scene.time_step_s\" = [0.002, 0.005, 0.005] }\n\
+     axes = { \"scene.gravity_m_per_s2\" = [9.81, 1.62] }\n";
+
+fn study_of_columns() -> Study {
+    let study = Study::new();
+    let columns = plan("columns", &["pair"], &format!("{CASES}\n{CG}"));
+    write(study.folder(), "harness/plans/columns.toml", &columns);
+    study
+}
+
+const NAMES: [&str; 7] = [
+    "pair",
+    "column grains=2 gravity_m_per_s2=9.81",
+    "column grains=2 gravity_m_per_s2=1.62",
+    "column grains=3 gravity_m_per_s2=9.81",
+    "column grains=3 gravity_m_per_s2=1.62",
+    "column grains=4 gravity_m_per_s2=9.81",
+    "column grains=4 gravity_m_per_s2=1.62",
+];
+
+#[test]
+fn every_combination_of_the_axes_of_a_case_is_a_problem_with_its_settings() {
+    let study = study_of_columns();
+    let rows = rows(study.bench("columns").join("runs.csv"));
+    let names: Vec<&str> = rows.iter().map(|row| &*row["problem"]).collect();
+    assert_eq!(names, NAMES);
+    let grains: Vec<&str> = rows.iter().map(|row| &*row["grains"]).collect();
+    assert_eq!(grains, ["2", "2", "2", "3", "3", "4", "4"]);
+    assert_eq!(rows[0]["problem_settings"], "{}");
+    let settings: serde_json::Value = serde_json::from_str(&rows[1]["problem_settings"]).unwrap();
+    let expected = serde_json::json!({
+        "case": "column", "time_step": 1, "scene.law": "iqs", "sample.grains": 2, "scene.time_step_s": 0.002,
+        "scene.gravity_m_per_s2": 9.81
+    });
+    assert_eq!(settings, expected);
+}
+
+#[test]
+fn made_problem_is_kept_and_one_that_does_not_read_is_made_anew() {
+    let study = study_of_columns();
+    let made = |ran: &str| ran.lines().filter(|line| line.starts_with("making column ")).count();
+    let bench = || study.gravel(&["bench", "columns"]).succeeded();
+    assert_eq!(made(&bench().stdout), 6);
+    let folder = study.folder().path().join("results/problems");
+    let kept = entries(&folder);
+    assert_eq!(kept.len(), 6);
+    assert_eq!(made(&bench().stdout), 0);
+    let file = folder.join(&kept[0]);
+    let before = fs::read_to_string(&file).unwrap();
+    fs::write(&file, &before[..before.len() / 2]).unwrap();
+    let ran = bench();
+    assert_eq!(made(&ran.stdout), 1);
+    assert!(ran.stderr.contains(&kept[0]) && ran.stderr.contains("made anew"), "{}", ran.stderr);
+    assert_eq!(fs::read_to_string(&file).unwrap(), before);
+    // Another case, another problem.
+    let case = study.folder().path().join("cases/column.toml");
+    fs::write(&case, fs::read_to_string(&case).unwrap().replace("9.81", "9.8")).unwrap();
+    assert_eq!(made(&bench().stdout), 6);
+}
+
+#[test]
+fn time_step_of_a_case_is_a_number_or_a_moment() {
+    let study = Study::new();
+    let case = study.folder().path().join("cases/column.toml");
+    let moments = "[moments]\nlate = 3\n\n[sample]";
+    fs::write(&case, fs::read_to_string(&case).unwrap().replacen("[sample]", moments, 1)).unwrap();
+    let bench = |moment: &str| {
+        let case = format!("[[cases]]\ncase = \"column\"\ntime_step = {moment}\n\n{CG}");
+        write(study.folder(), "harness/plans/moment.toml", &plan("moment", &[], &case));
+        study.gravel(&["bench", "moment"])
+    };
+    assert!(bench("\"late\"").succeeded().stdout.contains("making column: 3 time steps"));
+    assert!(bench("2").succeeded().stdout.contains("making column: 2 time steps"));
+    bench("0").refused(&["moment.toml", "case `column`", "`time_step` 0", "from 1"]);
+    bench("\"lte\"").refused(&["`time_step` lte", "late", "did you mean `late`?"]);
+}
+
+#[test]
+fn curves_of_ends_have_fewer_samples_and_the_same_rows() {
+    let study = Study::new();
+    let nsgs = "[[cases]]\ncase = \"column\"\n\n[[methods]]\nmethod = \"nsgs\"\n";
+    let whole = plan("whole", &[], nsgs);
+    write(study.folder(), "harness/plans/whole.toml", &whole);
+    write(
+        study.folder(),
+        "harness/plans/ends.toml",
+        &format!("curves = \"ends\"\n{}", whole.replace("whole", "ends")),
+    );
+    let (whole, ends) = (study.bench("whole"), study.bench("ends"));
+    let curve = |folder: &std::path::Path| -> Vec<u64> {
+        rows(folder.join("curves.csv")).iter().map(|row| row["iteration"].parse().unwrap()).collect()
+    };
+    let (whole_curve, ends_curve) = (curve(&whole), curve(&ends));
+    assert!(ends_curve.len() * 10 < whole_curve.len(), "{} of {}", ends_curve.len(), whole_curve.len());
+    assert_eq!(ends_curve.first(), Some(&0));
+    assert_eq!(ends_curve.last(), whole_curve.last());
+    let counts = |folder: &std::path::Path| {
+        let mut rows = rows(folder.join("runs.csv"));
+        for row in &mut rows {
+            row.retain(|column, _| column.contains("iterations") || column.contains("natural_map"));
+        }
+        rows
+    };
+    assert_eq!(counts(&whole), counts(&ends));
+}
+
+#[test]
+fn quick_changed_and_partial_studies_have_places_of_their_own() {
+    let study = Study::new();
+    let nsgs = "[[methods]]\nmethod = \"nsgs\"\naxes = { relaxation = [1.0, 1.5] }\n";
+    let text = plan("small", &["pair"], &format!("{nsgs}\n{CG}\n[quick]\nstop.max_iterations = 5\n"));
+    write(study.folder(), "harness/plans/small.toml", &text);
+    let bench = |args: &[&str], place: &str, runs: usize, words: &[&str]| {
+        let ran = study.gravel(&[&["bench", "small"], args].concat()).succeeded();
+        for word in words {
+            assert!(ran.stdout.contains(word), "no `{word}` in: {}", ran.stdout);
+        }
+        let root = study.folder().path().join("results/runs");
+        let folder = results::store::latest(&root, place).unwrap();
+        assert_eq!(rows(folder.join("runs.csv")).len(), runs);
+    };
+    bench(&[], "small", 3, &["plan small: 3 runs, 3 on each problem"]);
+    bench(&["--quick"], "small-quick", 3, &["plan small-quick"]);
+    bench(&["--only", "method=ns*"], "small-part", 2, &["2 of the 3 runs"]);
+    bench(&["--only", "method=ns*", "--only", "variant=1.5", "--only", "problem=p*"], "small-part", 1, &[]);
+    bench(&["--set", "relaxation=1.2"], "small-changed", 2, &["changed: relaxation = 1.2"]);
+    let changed = ["--quick", "--tolerance", "1e-2", "--on", "zeta", "--max-iterations", "9"];
+    let words = ["changed: tolerance = 1e-2, on = zeta, max_iterations = 9"];
+    bench(&changed, "small-quick-changed", 3, &words);
+}
+
+#[test]
+fn request_for_a_study_that_makes_no_sense_is_refused() {
+    let study = study_of_columns();
+    let refused = |args: &[&str], words: &[&str]| {
+        study.gravel(&[&["bench", "columns"], args].concat()).refused(words);
+    };
+    refused(&["--quick"], &["columns.toml", "no table [quick]"]);
+    refused(&["--only", "method=cgg"], &["--only method=cgg", "there are cg", "did you mean `cg`?"]);
+    refused(&["--only", "problem=pair", "--only", "problem=col*"], &["problem=col*", "there are pair"]);
+    refused(&["--only", "methods=cg"], &["--only methods=cg", "variant", "did you mean `method`?"]);
+    refused(&["--only", "cg"], &["--only", "KEY=PATTERN", "'cg'"]);
+    refused(&["--set", "relaxation=1"], &["columns.toml", "--set relaxation=1", "no method"]);
+    refused(&["--set", "preconditioner=1", "--set", "preconditioner=2"], &["preconditioner", "twice"]);
+    refused(&["--tolerance", "-1"], &["`tolerance` is -1"]);
+    study.gravel(&["bench", "colums"]).refused(&["no plan `colums`", "did you mean `columns`?"]);
+    assert_eq!(entries(study.folder().path()), ["cases", "harness"]);
+}
+
+#[test]
+fn case_of_a_plan_that_makes_no_sense_is_refused() {
+    let study = Study::new();
+    let refused = |cases: &str, words: &[&str]| {
+        let file =
+            write(study.folder(), "harness/plans/bad.toml", &plan("bad", &[], &format!("{cases}\n{CG}")));
+        study.gravel(&["bench", text(&file)]).refused(&[&["bad.toml"], words].concat());
+        assert_eq!(entries(study.folder().path()), ["cases", "harness"]);
+    };
+    let column = |keys: &str| format!("[[cases]]\ncase = \"column\"\n{keys}\n");
+    refused("[[cases]]\ncase = \"colum\"\n", &["no case `colum`", "did you mean `column`?"]);
+    refused(&column("seed = 1"), &["line ", "`seed`", "`scene`"]);
+    refused(
+        &column("axes = { \"sample.grain\" = [3] }"),
+        &["column.toml", "`grain`", "did you mean `grains`?"],
+    );
+    refused(
+        &column("axes = { \"sample.grains\" = \"3..1\" }"),
+        &["case `column`", "`sample.grains` is \"3..1\""],
+    );
+    refused(&column("scene = { \"sample.grains\" = 0 }"), &["`sample` has no grain"]);
+    refused(&format!("{0}\n{0}", column("")), &["two problems have the name `column`"]);
+}
+
+#[test]
+fn runs_of_a_plan_are_shown_and_counted_and_none_is_made() {
+    let study = study_of_columns();
+    let told = |args: &[&str]| study.gravel(&[&["plan", "columns"], args].concat()).succeeded().stdout;
+    let shown = told(&[]);
+    let lines: Vec<&str> = shown.lines().collect();
+    assert_eq!(lines[0], "plan columns: A test.");
+    for (line, name) in lines[1..].iter().zip(NAMES) {
+        assert_eq!(line.split_once(" cg").unwrap().0.trim(), name);
+    }
+    let count = told(&["--count", "--only", "problem=column*9.81"]);
+    let expected = "plan columns-part: A test.\n  3 of the 7 runs of the plan\nruns\n";
+    assert!(count.starts_with(expected), "{count}");
+    assert!(count.ends_with("        3  of cg\n        3  in all\n"), "{count}");
+    assert_eq!(count.lines().count(), 3 + 3 + 2, "{count}");
+    assert_eq!(entries(study.folder().path()), ["cases", "harness"]);
+}
+
+#[test]
+fn example_of_the_page_is_a_plan() {
+    let folder = TempDir::new().unwrap();
+    let file = write(&folder, "NAME.toml", &example());
+    let count =
+        |args: &[&str]| gravel(&[&["plan", text(&file), "--count"], args].concat()).succeeded().stdout;
+    // One frozen problem and 2 × 5 made ones, for 3 + 5 variants; the quick form has the frozen one alone.
+    assert!(count(&[]).contains("88  in all"), "{}", count(&[]));
+    assert!(count(&["--quick"]).contains("8  in all"), "{}", count(&["--quick"]));
+}
+
+#[test]
+fn every_plan_of_the_checkout_is_one_in_both_its_forms() {
+    for name in names("harness/plans", ".toml") {
+        gravel(&["plan", &name, "--count"]).succeeded();
+        if fs::read_to_string(checkout().join(format!("harness/plans/{name}.toml")))
+            .unwrap()
+            .contains("[quick]")
+        {
+            gravel(&["plan", &name, "--count", "--quick"]).succeeded();
+        }
+    }
+}
