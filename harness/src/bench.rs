@@ -96,7 +96,7 @@ impl Rows {
         match outcome {
             Ok(outcome) => {
                 let curve = recorder.finish();
-                self.runs.push(ended_row(asked, &outcome, &curve));
+                self.runs.push(ended_row(asked, &plan.stop, &outcome, &curve));
                 self.curves.push((run, curve));
                 (outcome.status == Status::Converged).then_some(outcome.impulses)
             }

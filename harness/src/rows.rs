@@ -4,7 +4,7 @@ use crate::curve::first_at;
 use crate::inputs::content_hash;
 use crate::plan::{Plan, Variant};
 use cases::Frozen;
-use contact::Outcome;
+use contact::{Measure, Outcome, Status, Stop};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample};
@@ -47,6 +47,8 @@ pub(crate) fn asked_row(
         iterations_to_zeta_1e_4: None,
         iterations_to_natural_map_1e_2: None,
         iterations_to_natural_map_1e_4: None,
+        iterations_to_velocity_error_1e_2: None,
+        iterations_to_velocity_error_1e_4: None,
         end: NO_ITERATE,
         provenance: provenance.clone(),
     }
@@ -61,6 +63,8 @@ const NO_ITERATE: Sample = Sample {
     penetration_rate_m_per_s: f64::NAN,
     quad_dv: f64::NAN,
     max_dv: f64::NAN,
+    velocity_error: f64::NAN,
+    energy_gap: f64::NAN,
     velocity_jump_m_per_s: f64::NAN,
     energy_j: f64::NAN,
     contact_updates: 0,
@@ -71,12 +75,17 @@ const NO_ITERATE: Sample = Sample {
 };
 
 /// What was asked, and what the run reached.
-pub(crate) fn ended_row(asked: Run, outcome: &Outcome, curve: &[Sample]) -> Run {
+pub(crate) fn ended_row(asked: Run, stop: &Stop, outcome: &Outcome, curve: &[Sample]) -> Run {
+    // ζ measures the last iteration, not the error.
+    let false_convergence = outcome.status == Status::Converged
+        && stop.on == Measure::Zeta
+        && outcome.measures.velocity_error > 100.0 * stop.tolerance;
     let zeta = |tolerance| first_at(curve, |sample| sample.zeta, tolerance);
     let natural_map = |tolerance| first_at(curve, |sample| sample.natural_map, tolerance);
+    let velocity_error = |tolerance| first_at(curve, |sample| sample.velocity_error, tolerance);
     Run {
         derived: json!(outcome.derived.iter().copied().collect::<BTreeMap<_, _>>()).to_string(),
-        status: outcome.status.name().to_owned(),
+        status: if false_convergence { "false-convergence" } else { outcome.status.name() }.to_owned(),
         iterations: outcome.iterations,
         setup_s: outcome.setup.as_secs_f64(),
         iterating_s: outcome.iterating.as_secs_f64(),
@@ -84,6 +93,8 @@ pub(crate) fn ended_row(asked: Run, outcome: &Outcome, curve: &[Sample]) -> Run 
         iterations_to_zeta_1e_4: zeta(1e-4),
         iterations_to_natural_map_1e_2: natural_map(1e-2),
         iterations_to_natural_map_1e_4: natural_map(1e-4),
+        iterations_to_velocity_error_1e_2: velocity_error(1e-2),
+        iterations_to_velocity_error_1e_4: velocity_error(1e-4),
         end: curve[curve.len() - 1],
         ..asked
     }

@@ -55,7 +55,8 @@ pub(crate) struct StopArgs {
     /// The run has converged when the measure is at most this
     #[arg(long, value_name = "T", default_value_t = Stop::default().tolerance, allow_negative_numbers = true)]
     tolerance: f64,
-    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv or max_dv
+    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv, max_dv or
+    /// velocity_error
     #[arg(long, value_name = "MEASURE", default_value_t = Stop::default().on, value_parser = measure)]
     on: Measure,
     /// The run ends after this many iterations at the latest
