@@ -6,6 +6,7 @@ use crate::output::say;
 use crate::plan::{Plan, Variant};
 use crate::progress;
 use crate::rows::{asked_row, ended_row, partitions, scene_rows};
+use crate::truth::{Known, known};
 use anyhow::{Context, Result};
 use cases::Frozen;
 use contact::Status;
@@ -52,9 +53,11 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let bar = progress::bar((problems.len() * variants.len()) as u64, "runs");
     for frozen in &problems {
         let mut impulses = None;
+        bar.set_message(format!("reference of {}", frozen.name));
+        let known = known(root, frozen)?;
         for variant in &variants {
             bar.set_message(format!("{} {} on {}", variant.method.name, variant.name, frozen.name));
-            let solved = rows.run(&plan, frozen, variant, &provenance);
+            let solved = rows.run(&plan, frozen, &known, variant, &provenance);
             impulses = impulses.or(solved);
             bar.inc(1);
         }
@@ -82,6 +85,7 @@ impl Rows {
         &mut self,
         plan: &Plan,
         frozen: &Frozen,
+        known: &Known,
         variant: &Variant,
         provenance: &Provenance,
     ) -> Option<Vec<f64>> {
@@ -89,14 +93,18 @@ impl Rows {
         let asked = asked_row(run, plan, frozen, variant, provenance);
         let r0 = frozen.start(plan.warm_start);
         let mut recorder = Recorder::default();
-        let outcome =
-            contact::solve(&*variant.method.solver, &frozen.problem, &r0, &plan.stop, &mut |progress| {
-                recorder.observe(progress);
-            });
+        let outcome = contact::solve_against(
+            known.truth(),
+            &*variant.method.solver,
+            &frozen.problem,
+            &r0,
+            &plan.stop,
+            &mut |progress| recorder.observe(progress),
+        );
         match outcome {
             Ok(outcome) => {
                 let curve = recorder.finish();
-                self.runs.push(ended_row(asked, &plan.stop, &outcome, &curve));
+                self.runs.push(ended_row(asked, known.belies(&plan.stop, &outcome), &outcome, &curve));
                 self.curves.push((run, curve));
                 (outcome.status == Status::Converged).then_some(outcome.impulses)
             }

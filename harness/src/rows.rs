@@ -4,7 +4,7 @@ use crate::curve::first_at;
 use crate::inputs::content_hash;
 use crate::plan::{Plan, Variant};
 use cases::Frozen;
-use contact::{Measure, Outcome, Status, Stop};
+use contact::Outcome;
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample};
@@ -74,12 +74,8 @@ const NO_ITERATE: Sample = Sample {
     factorisations: 0,
 };
 
-/// What was asked, and what the run reached.
-pub(crate) fn ended_row(asked: Run, stop: &Stop, outcome: &Outcome, curve: &[Sample]) -> Run {
-    // ζ measures the last iteration, not the error.
-    let false_convergence = outcome.status == Status::Converged
-        && stop.on == Measure::Zeta
-        && outcome.measures.velocity_error > 100.0 * stop.tolerance;
+/// What was asked, and what the run reached; `false_convergence` tells what is known better than its stop rule.
+pub(crate) fn ended_row(asked: Run, false_convergence: bool, outcome: &Outcome, curve: &[Sample]) -> Run {
     let zeta = |tolerance| first_at(curve, |sample| sample.zeta, tolerance);
     let natural_map = |tolerance| first_at(curve, |sample| sample.natural_map, tolerance);
     let velocity_error = |tolerance| first_at(curve, |sample| sample.velocity_error, tolerance);
