@@ -49,6 +49,9 @@ pub struct Walls {
     /// When they begin to tilt (s).
     #[serde(default)]
     pub tilt_start_s: f64,
+    /// Speed at which each side wall moves towards the other (m/s).
+    #[serde(default)]
+    pub closing_speed_m_per_s: f64,
     /// Vibration of the whole box.
     pub vibration: Option<Vibration>,
 }
@@ -99,9 +102,11 @@ impl Walls {
         let foot = self.vibration.as_ref().map_or(Vector2::zeros(), |vibration| vibration.displacement(time));
         let angle = self.tilt_rate_rad_per_s * (time - self.tilt_start_s).max(0.0);
         let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+        let closed = self.closing_speed_m_per_s * time;
+        let along = |x| foot + Vector2::new(x, 0.0);
         let floor = Wall { normal: Vector2::y(), foot };
-        let left = |_| Wall { normal: Vector2::new(cos, -sin), foot };
-        let right = |width| Wall { normal: Vector2::new(-cos, sin), foot: foot + Vector2::new(width, 0.0) };
+        let left = |_| Wall { normal: Vector2::new(cos, -sin), foot: along(closed) };
+        let right = |width| Wall { normal: Vector2::new(-cos, sin), foot: along(width - closed) };
         [Some(floor), self.width_m.map(left), self.width_m.map(right)]
     }
 }
@@ -161,6 +166,7 @@ impl Scene {
         let finite = [
             ("box.tilt_rate_rad_per_s", walls.tilt_rate_rad_per_s),
             ("box.tilt_start_s", walls.tilt_start_s),
+            ("box.closing_speed_m_per_s", walls.closing_speed_m_per_s),
         ];
         let vibration = walls.vibration.iter().flat_map(|vibration| {
             [
@@ -188,6 +194,7 @@ mod tests {
             width_m: Some(3.0),
             tilt_rate_rad_per_s: std::f64::consts::FRAC_PI_4,
             tilt_start_s: 1.0,
+            closing_speed_m_per_s: 0.0,
             vibration: Some(vibration),
         };
         let disc = Vector2::new(1.0, 1.5);

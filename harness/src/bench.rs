@@ -9,6 +9,7 @@ use crate::problems::Problem;
 use crate::progress;
 use crate::rows::{asked_row, ended_row, partitions, scene_rows};
 use crate::study::{Study, StudyArgs};
+use crate::truth::{Known, known};
 use anyhow::Result;
 use cases::Frozen;
 use contact::Status;
@@ -48,9 +49,11 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     for problem in &problems {
         let Problem { frozen, .. } = problem;
         let mut impulses = None;
+        bar.set_message(format!("reference of {}", frozen.name));
+        let known = known(root, frozen)?;
         for variant in &variants {
             bar.set_message(format!("{} {} on {}", variant.method.name, variant.name, frozen.name));
-            let solved = rows.run(&plan, problem, variant, &provenance);
+            let solved = rows.run(&plan, problem, &known, variant, &provenance);
             impulses = impulses.or(solved);
             bar.inc(1);
         }
@@ -78,6 +81,7 @@ impl Rows {
         &mut self,
         plan: &Plan,
         problem: &Problem,
+        known: &Known,
         variant: &Variant,
         provenance: &Provenance,
     ) -> Option<Vec<f64>> {
@@ -86,14 +90,18 @@ impl Rows {
         let Problem { frozen, .. } = problem;
         let r0 = frozen.start(plan.warm_start);
         let mut recorder = Recorder::new(plan.curves);
-        let outcome =
-            contact::solve(&*variant.method.solver, &frozen.problem, &r0, &plan.stop, &mut |progress| {
-                recorder.observe(progress);
-            });
+        let outcome = contact::solve_against(
+            known.truth(),
+            &*variant.method.solver,
+            &frozen.problem,
+            &r0,
+            &plan.stop,
+            &mut |progress| recorder.observe(progress),
+        );
         match outcome {
             Ok(outcome) => {
                 let curve = recorder.finish();
-                self.runs.push(ended_row(asked, &outcome, &curve));
+                self.runs.push(ended_row(asked, known.belies(&plan.stop, &outcome), &outcome, &curve));
                 self.curves.push((run, curve));
                 (outcome.status == Status::Converged).then_some(outcome.impulses)
             }

@@ -68,6 +68,8 @@ fn sample(progress: &Progress) -> Sample {
         penetration_rate_m_per_s: measures.penetration_rate,
         quad_dv: measures.quad_dv,
         max_dv: measures.max_dv,
+        velocity_error: measures.velocity_error,
+        energy_gap: measures.energy_gap,
         velocity_jump_m_per_s: measures.velocity_jump,
         energy_j: measures.energy,
         contact_updates: work.contact_updates,

@@ -41,8 +41,8 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         }
         What::Methods => {
             for entry in METHODS {
-                say(format_args!("{:<10}{}", entry.name, entry.what))?;
-                say(format_args!("{:<10}{}", "", Value::Object(entry.defaults()?)))?;
+                say(format_args!("{:<16}{}", entry.name, entry.what))?;
+                say(format_args!("{:<16}{}", "", Value::Object(entry.defaults()?)))?;
             }
         }
         What::Plans => {

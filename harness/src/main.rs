@@ -1,6 +1,7 @@
 //! `gravel`: solves contact problems, sweeps methods over plans, freezes problems and simulates scenes.
 
 mod bench;
+mod certify;
 mod curve;
 mod freeze;
 mod inputs;
@@ -16,6 +17,7 @@ mod simulate;
 mod solve;
 mod study;
 mod suggest;
+mod truth;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -50,6 +52,8 @@ enum Command {
     Plan(show::Args),
     /// Solve one contact problem with one method
     Solve(solve::Args),
+    /// Print what the reference solution, or a given one, leaves of a contact problem
+    Certify(certify::Args),
     /// Write the contact problem of one time step of a case as a file
     Freeze(freeze::Args),
     /// March a case through time
@@ -77,6 +81,7 @@ fn run(cli: Cli) -> Result<()> {
         Command::Bench(args) => bench::run(&root, &args),
         Command::Plan(args) => show::run(&root, &args),
         Command::Solve(args) => solve::run(&root, &args),
+        Command::Certify(args) => certify::run(&root, &args),
         Command::Freeze(args) => freeze::run(&root, &args),
         Command::Simulate(args) => simulate::run(&root, &args),
         Command::List(args) => list::run(&root, &args),

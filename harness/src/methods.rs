@@ -29,6 +29,9 @@ pub(crate) const METHODS: &[Entry] = &[
     Entry::of::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart"),
     Entry::of::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions"),
     Entry::of::<nsgs_dd::NsgsDd>("nsgs-dd", "non-linear Gauss-Seidel by subdomains, with split masses"),
+    Entry::of::<apgd::Apgd>("apgd", "accelerated projected gradient of Mazhar et al."),
+    Entry::of::<nncg::Nncg>("nncg", "non-smooth non-linear conjugate gradient of Silcowitz et al."),
+    Entry::of::<reference::InteriorPoint>("interior-point", "interior point, then an active set"),
 ];
 
 impl Entry {

@@ -50,6 +50,8 @@ pub(crate) fn asked_row(
         iterations_to_zeta_1e_4: None,
         iterations_to_natural_map_1e_2: None,
         iterations_to_natural_map_1e_4: None,
+        iterations_to_velocity_error_1e_2: None,
+        iterations_to_velocity_error_1e_4: None,
         end: NO_ITERATE,
         provenance: provenance.clone(),
     }
@@ -64,6 +66,8 @@ const NO_ITERATE: Sample = Sample {
     penetration_rate_m_per_s: f64::NAN,
     quad_dv: f64::NAN,
     max_dv: f64::NAN,
+    velocity_error: f64::NAN,
+    energy_gap: f64::NAN,
     velocity_jump_m_per_s: f64::NAN,
     energy_j: f64::NAN,
     contact_updates: 0,
@@ -73,13 +77,14 @@ const NO_ITERATE: Sample = Sample {
     factorisations: 0,
 };
 
-/// What was asked, and what the run reached.
-pub(crate) fn ended_row(asked: Run, outcome: &Outcome, curve: &[Sample]) -> Run {
+/// What was asked, and what the run reached; `false_convergence` tells what is known better than its stop rule.
+pub(crate) fn ended_row(asked: Run, false_convergence: bool, outcome: &Outcome, curve: &[Sample]) -> Run {
     let zeta = |tolerance| first_at(curve, |sample| sample.zeta, tolerance);
     let natural_map = |tolerance| first_at(curve, |sample| sample.natural_map, tolerance);
+    let velocity_error = |tolerance| first_at(curve, |sample| sample.velocity_error, tolerance);
     Run {
         derived: json!(outcome.derived.iter().copied().collect::<BTreeMap<_, _>>()).to_string(),
-        status: outcome.status.name().to_owned(),
+        status: if false_convergence { "false-convergence" } else { outcome.status.name() }.to_owned(),
         iterations: outcome.iterations,
         setup_s: outcome.setup.as_secs_f64(),
         iterating_s: outcome.iterating.as_secs_f64(),
@@ -87,6 +92,8 @@ pub(crate) fn ended_row(asked: Run, outcome: &Outcome, curve: &[Sample]) -> Run 
         iterations_to_zeta_1e_4: zeta(1e-4),
         iterations_to_natural_map_1e_2: natural_map(1e-2),
         iterations_to_natural_map_1e_4: natural_map(1e-4),
+        iterations_to_velocity_error_1e_2: velocity_error(1e-2),
+        iterations_to_velocity_error_1e_4: velocity_error(1e-4),
         end: curve[curve.len() - 1],
         ..asked
     }

@@ -5,10 +5,11 @@ use crate::methods::{Method, key_value};
 use crate::output::{check_place, say, write_whole};
 use crate::problems::marched;
 use crate::progress;
+use crate::truth::{Known, known};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen};
 use clap::ValueEnum;
-use contact::{Measure, Outcome, Stop};
+use contact::{Measure, Outcome, Progress, Stop, solve_against};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -31,6 +32,10 @@ pub(crate) struct Args {
     /// it are solved by preconditioned cg, whatever the method
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     time_step: Option<String>,
+    /// Measure the distance to the reference solution as well, which is kept in results/references; so does
+    /// `--on velocity_error`
+    #[arg(long)]
+    truth: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -56,7 +61,8 @@ pub(crate) struct StopArgs {
     /// The run has converged when the measure is at most this
     #[arg(long, value_name = "T", default_value_t = Stop::default().tolerance, allow_negative_numbers = true)]
     tolerance: f64,
-    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv or max_dv
+    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv, max_dv or
+    /// velocity_error
     #[arg(long, value_name = "MEASURE", default_value_t = Stop::default().on, value_parser = measure)]
     on: Measure,
     /// The run ends after this many iterations at the latest
@@ -108,9 +114,11 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let frozen = read(&path, args)?;
     let r0 = frozen.start(args.start == Start::Warm);
 
+    let asked = args.truth || stop.on == Measure::VelocityError;
+    let known = if asked { known(root, &frozen)? } else { Known::Nothing };
     let line = progress::spinner();
-    let outcome = contact::solve(&*method.solver, &frozen.problem, &r0, &stop, &mut |progress| {
-        if progress.iteration % 256 == 0 {
+    let mut observe = |progress: &Progress| {
+        if progress.iteration.is_multiple_of(256) {
             let value = progress.measures.get(stop.on);
             line.set_message(format!(
                 "{}: iteration {}, {} {value:.2e}",
@@ -118,8 +126,9 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
             ));
             line.tick();
         }
-    })
-    .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
+    };
+    let outcome = solve_against(known.truth(), &*method.solver, &frozen.problem, &r0, &stop, &mut observe)
+        .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
     line.finish_and_clear();
 
     if let Some(file) = &args.impulses {
@@ -202,7 +211,9 @@ fn print(frozen: &Frozen, method: &Method, stop: &Stop, outcome: &Outcome) -> Re
         outcome.setup.as_secs_f64(),
         outcome.iterating.as_secs_f64()
     ))?;
-    for measure in Measure::ALL {
+    let unknown =
+        |measure: &Measure| *measure == Measure::VelocityError && outcome.measures.velocity_error.is_nan();
+    for measure in Measure::ALL.into_iter().filter(|measure| !unknown(measure)) {
         let unit = if measure == Measure::PenetrationRate { " m/s" } else { "" };
         say(format_args!("  {:<17}{:.3e}{unit}", measure.name(), outcome.measures.get(measure)))?;
     }

@@ -13,6 +13,8 @@ pub(crate) fn sample(iteration: u64, zeta: f64, natural_map: f64) -> Sample {
         penetration_rate_m_per_s: natural_map,
         quad_dv: natural_map,
         max_dv: natural_map,
+        velocity_error: natural_map,
+        energy_gap: natural_map * natural_map,
         velocity_jump_m_per_s: 0.0,
         energy_j: -1.0,
         contact_updates: 40 * iteration,
@@ -51,6 +53,8 @@ pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
         iterations_to_zeta_1e_4: None,
         iterations_to_natural_map_1e_2: Some(47),
         iterations_to_natural_map_1e_4: Some(100),
+        iterations_to_velocity_error_1e_2: Some(50),
+        iterations_to_velocity_error_1e_4: None,
         end: sample(100, 1e-3, 1e-4),
         provenance: Provenance {
             commit: "0123abc".into(),

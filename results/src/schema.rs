@@ -38,7 +38,9 @@ pub struct Run {
     pub tolerance: f64,
     /// Greatest number of iterations allowed.
     pub max_iterations: u64,
-    /// `converged`, `iteration-limit`, `diverged`, or `skipped` if the method could not start on the problem.
+    /// `converged`, `iteration-limit`, `diverged` or `infeasible`; `false-convergence` if it was stopped on ζ as
+    /// converged while `velocity_error` is more than 100 times the tolerance, or the problem has no solution; `skipped` if
+    /// the method could not start on the problem.
     pub status: String,
     /// Why the run was skipped: the setting, its value, what would be accepted; empty for a run that ended.
     pub reason: String,
@@ -56,6 +58,10 @@ pub struct Run {
     pub iterations_to_natural_map_1e_2: Option<u64>,
     /// First iteration with `natural_map` ≤ 1e-4, if any.
     pub iterations_to_natural_map_1e_4: Option<u64>,
+    /// First iteration with `velocity_error` ≤ 1e-2, if any.
+    pub iterations_to_velocity_error_1e_2: Option<u64>,
+    /// First iteration with `velocity_error` ≤ 1e-4, if any.
+    pub iterations_to_velocity_error_1e_4: Option<u64>,
     /// The last sample of the curve.
     pub end: Sample,
     /// Where the run comes from.
@@ -79,6 +85,10 @@ pub struct Sample {
     pub quad_dv: f64,
     /// LMGC90's maximum norm (–).
     pub max_dv: f64,
+    /// ‖V − V*‖_M / ‖V* − V_free‖_M, the distance to the certified reference (–); NaN where there is none.
+    pub velocity_error: f64,
+    /// (q(r) − q*) / |q*|, beside the certified reference (–); NaN where there is none.
+    pub energy_gap: f64,
     /// Greatest disagreement of a copy with its grain before gluing (m/s).
     pub velocity_jump_m_per_s: f64,
     /// q(r) = ½ rᵗ W r + bᵗ r (J).
@@ -170,6 +180,8 @@ pub(crate) mod fixture {
             penetration_rate_m_per_s: 0.01,
             quad_dv: 0.02,
             max_dv: 0.03,
+            velocity_error: 0.04,
+            energy_gap: 0.002,
             velocity_jump_m_per_s: 0.0,
             energy_j: -1.0,
             contact_updates: 10 * iteration,
@@ -207,6 +219,8 @@ pub(crate) mod fixture {
             iterations_to_zeta_1e_4: None,
             iterations_to_natural_map_1e_2: Some(3),
             iterations_to_natural_map_1e_4: Some(7),
+            iterations_to_velocity_error_1e_2: Some(4),
+            iterations_to_velocity_error_1e_4: None,
             end: sample(7),
             provenance: Provenance {
                 commit: "0123abc".into(),

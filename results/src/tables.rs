@@ -50,6 +50,8 @@ fn reached(runs: &[Run]) -> PolarsResult<DataFrame> {
         "iterations_to_zeta_1e_4" => column(runs, |r| r.iterations_to_zeta_1e_4),
         "iterations_to_natural_map_1e_2" => column(runs, |r| r.iterations_to_natural_map_1e_2),
         "iterations_to_natural_map_1e_4" => column(runs, |r| r.iterations_to_natural_map_1e_4),
+        "iterations_to_velocity_error_1e_2" => column(runs, |r| r.iterations_to_velocity_error_1e_2),
+        "iterations_to_velocity_error_1e_4" => column(runs, |r| r.iterations_to_velocity_error_1e_4),
     )
 }
 
@@ -76,6 +78,8 @@ fn measures(samples: &[Sample]) -> PolarsResult<DataFrame> {
         "penetration_rate_m_per_s" => column(samples, |s| defined(s.penetration_rate_m_per_s)),
         "quad_dv" => column(samples, |s| defined(s.quad_dv)),
         "max_dv" => column(samples, |s| defined(s.max_dv)),
+        "velocity_error" => column(samples, |s| defined(s.velocity_error)),
+        "energy_gap" => column(samples, |s| defined(s.energy_gap)),
         "velocity_jump_m_per_s" => column(samples, |s| defined(s.velocity_jump_m_per_s)),
         "energy_j" => column(samples, |s| defined(s.energy_j)),
         "contact_updates" => column(samples, |s| s.contact_updates),
@@ -156,9 +160,9 @@ mod tests {
 
     #[test]
     fn no_rows_give_tables_with_all_their_columns() {
-        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 42));
-        assert_eq!(curves_table(&[]).unwrap().shape(), (0, 15));
-        assert_eq!(curves_table(&[(4, Vec::new())]).unwrap().shape(), (0, 15));
+        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 46));
+        assert_eq!(curves_table(&[]).unwrap().shape(), (0, 17));
+        assert_eq!(curves_table(&[(4, Vec::new())]).unwrap().shape(), (0, 17));
         assert_eq!(grains_table(&[]).unwrap().shape(), (0, 8));
         assert_eq!(contacts_table(&[]).unwrap().shape(), (0, 10));
     }

@@ -1,13 +1,16 @@
 //! All methods, and another code, reach the one velocity that a problem has.
 
 use crate::problems::frozen;
+use apgd::Apgd;
 use cg::{Cg, Preconditioner};
 use contact::{ContactProblem, Measure, Meter, Solver, Status, Stop, solve};
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
+use nncg::Nncg;
 use nsgs::{Jacobi, Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Grid, Scheme};
+use reference::InteriorPoint;
 
 /// An answer: impulses, and the velocities that follow from them.
 struct Answer {
@@ -62,11 +65,15 @@ fn assert_all_methods_agree_on(name: &str) {
     let reference = Answer::of(&Cg::default(), "cg".into(), &problem, 1e-9);
     let grid = |nx, ny| NsgsDd { subdomains: Grid { nx, ny }, ..NsgsDd::default() };
     let latin = |nx, ny| LatinDd { subdomains: Grid { nx, ny }, ..LatinDd::default() };
-    let methods: [(&str, &dyn Solver); 10] = [
+    let methods: [(&str, &dyn Solver); 14] = [
         ("latin-dd 1x1", &latin(1, 1)),
         ("latin-dd 4x2", &latin(4, 2)),
         ("latin-dd 8x8, balanced", &LatinDd { partition: Scheme::Balanced, ..latin(8, 8) }),
         ("cg, preconditioned", &Cg { preconditioner: Preconditioner::Diagonal }),
+        ("apgd", &Apgd::default()),
+        ("apgd, preconditioned", &Apgd { preconditioner: apgd::Preconditioner::Diagonal, ..Apgd::default() }),
+        ("nncg", &Nncg::default()),
+        ("interior-point", &InteriorPoint::default()),
         ("nsgs", &Nsgs::default()),
         (
             "nsgs, coloured, over-relaxed",

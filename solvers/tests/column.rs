@@ -1,19 +1,22 @@
 //! The column of n equal discs, of which everything is known.
 
 use crate::problems::{first_problem, impulses, start};
+use apgd::Apgd;
 use cg::{Cg, Preconditioner};
 use contact::{Measure, Meter, Solver, Status, Stop, solve};
 use latin_dd::LatinDd;
+use nncg::Nncg;
 use nsgs::{Jacobi, Nsgs};
 use nsgs_dd::NsgsDd;
 use partition::Grid;
+use reference::InteriorPoint;
 
 fn column(n: usize) -> cases::Frozen {
     first_problem("column", &[("sample.grains", &n.to_string())])
 }
 
 /// Iterations from a velocity error of 1e-4 to one of 1e-8, in decades. The column is at rest: V* = 0.
-fn iterations_per_decade(solver: &dyn Solver, n: usize) -> f64 {
+pub(crate) fn iterations_per_decade(solver: &dyn Solver, n: usize) -> f64 {
     let frozen = column(n);
     let mut iteration = start(solver, &frozen.problem);
     let mut meter = Meter::new(&frozen.problem);
@@ -84,6 +87,9 @@ fn column_of_discs_carries_its_weight() {
         &Cg::default(),
         &NsgsDd { subdomains: halves, ..NsgsDd::default() },
         &LatinDd { subdomains: halves, ..LatinDd::default() },
+        &Apgd::default(),
+        &Nncg::default(),
+        &InteriorPoint::default(),
     ] {
         let stop = Stop { tolerance: 1e-11, ..Stop::default() };
         let outcome = solve(solver, &frozen.problem, &frozen.start(false), &stop, &mut |_| {}).unwrap();

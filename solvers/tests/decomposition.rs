@@ -1,6 +1,8 @@
 //! What a partition must be, what gluing must give, and the descent that split masses assure.
 
-use crate::problems::{PACKINGS, any_problem, difference, energies, frozen, impulses, start};
+use crate::problems::{
+    PACKINGS, any_problem, assert_never_increases, difference, energies, frozen, impulses, start,
+};
 use contact::{ContactProblem, Solver};
 use nalgebra::Vector2;
 use nsgs::{Nsgs, Order};
@@ -10,23 +12,6 @@ use proptest::prelude::*;
 
 const GRIDS: [Grid; 5] =
     [Grid::ONE, Grid { nx: 2, ny: 1 }, Grid { nx: 2, ny: 2 }, Grid { nx: 4, ny: 2 }, Grid { nx: 5, ny: 5 }];
-
-/// Round-off of q relative to its greatest size: sums of a few thousand terms of either sign (–).
-const ROUND_OFF: f64 = 1e-12;
-
-fn assert_never_increases(energies: &[f64], what: &str) {
-    let scale = energies.iter().fold(0.0_f64, |scale, q| scale.max(q.abs()));
-    for (k, pair) in energies.windows(2).enumerate() {
-        let bound = pair[0] + ROUND_OFF * scale;
-        assert!(
-            pair[1] <= bound,
-            "{what}: q goes from {:e} to {:e} in iteration {}",
-            pair[0],
-            pair[1],
-            k + 1
-        );
-    }
-}
 
 fn fits(problem: &ContactProblem, grid: Grid) -> bool {
     grid.count() <= problem.contact_count() as u64

@@ -5,4 +5,6 @@ mod agreement;
 mod column;
 mod decomposition;
 mod equivalences;
+mod first_order;
 mod problems;
+mod reference;

@@ -61,6 +61,25 @@ pub(crate) fn energies(solver: &dyn Solver, problem: &ContactProblem, iterations
         .collect()
 }
 
+/// Round-off of q relative to its greatest size: sums of a few thousand terms of either sign (–).
+const ROUND_OFF: f64 = 1e-12;
+
+/// Asserts that each value is no more than the one before, round-off apart.
+#[track_caller]
+pub(crate) fn assert_never_increases(energies: &[f64], what: &str) {
+    let scale = energies.iter().fold(0.0_f64, |scale, q| scale.max(q.abs()));
+    for (k, pair) in energies.windows(2).enumerate() {
+        let bound = pair[0] + ROUND_OFF * scale;
+        assert!(
+            pair[1] <= bound,
+            "{what}: q goes from {:e} to {:e} in iteration {}",
+            pair[0],
+            pair[1],
+            k + 1
+        );
+    }
+}
+
 /// Greatest |a − b| over greatest |a| (–).
 pub(crate) fn difference(a: &[f64], b: &[f64]) -> f64 {
     let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);

@@ -8,8 +8,10 @@ pub mod measures;
 pub mod operators;
 pub mod problem;
 pub mod solve;
+pub mod truth;
 
 pub use interface::{Iteration, SetupError, Solver, Work};
 pub use measures::{Measure, Measures, Meter};
 pub use problem::{Contact, ContactProblem, ProblemError};
-pub use solve::{Outcome, Progress, Status, Stop, solve};
+pub use solve::{Outcome, Progress, Status, Stop, solve, solve_against};
+pub use truth::{Truth, proves_infeasible};

@@ -1,8 +1,9 @@
-//! Measures of an iterate that need no reference solution, recomputed from the impulses r alone; only the velocity jump
-//! is the method's own word.
+//! Measures of an iterate, recomputed from the impulses r alone, two of them beside a known solution; only the velocity
+//! jump is the method's own word.
 
 use crate::law;
 use crate::problem::ContactProblem;
+use crate::truth::Truth;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
@@ -20,12 +21,14 @@ pub enum Measure {
     QuadDv,
     /// LMGC90's maximum norm.
     MaxDv,
+    /// The distance to the true velocity. Only where that is known.
+    VelocityError,
 }
 
 impl Measure {
     /// Every measure, in the order in which it is listed.
-    pub const ALL: [Self; 5] =
-        [Self::Zeta, Self::NaturalMap, Self::PenetrationRate, Self::QuadDv, Self::MaxDv];
+    pub const ALL: [Self; 6] =
+        [Self::Zeta, Self::NaturalMap, Self::PenetrationRate, Self::QuadDv, Self::MaxDv, Self::VelocityError];
 
     /// Name in files and on the command line.
     pub fn name(self) -> &'static str {
@@ -35,6 +38,7 @@ impl Measure {
             Self::PenetrationRate => "penetration_rate",
             Self::QuadDv => "quad_dv",
             Self::MaxDv => "max_dv",
+            Self::VelocityError => "velocity_error",
         }
     }
 }
@@ -62,6 +66,10 @@ pub struct Measures {
     /// LMGC90's `MaxmDV` times its tolerance: max |DV| over the quadratic mean of WR, both over the contacts with r or r⁺
     /// above 0 (–).
     pub max_dv: f64,
+    /// ‖V − V*‖_M / ‖V* − `V_free`‖_M (–): the truth; NaN where it is not known.
+    pub velocity_error: f64,
+    /// (q(r) − q*) / |q*| (–), at least the square of `velocity_error`; NaN where the truth is not known.
+    pub energy_gap: f64,
     /// Greatest disagreement of copies before gluing (m/s); 0 without copies.
     pub velocity_jump: f64,
     /// q(r) = ½ rᵗ W r + bᵗ r (J): what every impulse method decreases.
@@ -77,6 +85,7 @@ impl Measures {
             Measure::PenetrationRate => self.penetration_rate,
             Measure::QuadDv => self.quad_dv,
             Measure::MaxDv => self.max_dv,
+            Measure::VelocityError => self.velocity_error,
         }
     }
 }
@@ -91,6 +100,7 @@ pub struct Meter<'p> {
     velocity: Vec<Vector2<f64>>,
     v: Vec<f64>,
     previous: Option<Vec<f64>>,
+    truth: Option<&'p Truth>,
 }
 
 impl<'p> Meter<'p> {
@@ -111,7 +121,18 @@ impl<'p> Meter<'p> {
             scale,
             velocity: vec![Vector2::zeros(); problem.grain_count()],
             previous: None,
+            truth: None,
         }
+    }
+
+    /// Measures the distance to `truth`, the solution of the same problem, as well.
+    ///
+    /// # Panics
+    /// If the truth is that of another number of grains.
+    #[must_use]
+    pub fn against(self, truth: &'p Truth) -> Self {
+        assert_eq!(truth.velocity().len(), self.problem.grain_count(), "one true velocity per grain");
+        Self { truth: Some(truth), ..self }
     }
 
     /// Σ max(0, −b)²/`W_αα` (J). It is 0 where no contact pushes: the solution is then r = 0.
@@ -149,6 +170,9 @@ impl<'p> Meter<'p> {
                 (penetration_rate, worst_contact) = (-v, Some(contact));
             }
         }
+        let energy = ContactProblem::energy(r, &self.v, &self.b);
+        let (velocity_error, energy_gap) =
+            self.truth.map_or((f64::NAN, f64::NAN), |truth| self.errors(truth, energy));
         Measures {
             zeta,
             natural_map: ratio(natural_map.sqrt(), self.scale.sqrt()),
@@ -156,9 +180,19 @@ impl<'p> Meter<'p> {
             worst_contact,
             quad_dv: ratio(sum_dv.sqrt(), sum_wr.sqrt()),
             max_dv: ratio(greatest_dv, (sum_wr / active.max(1) as f64).sqrt()),
+            velocity_error,
+            energy_gap,
             velocity_jump,
-            energy: ContactProblem::energy(r, &self.v, &self.b),
+            energy,
         }
+    }
+
+    /// `velocity_error` and `energy_gap` of the iterate whose velocity was computed last. Where the solution is r = 0, both
+    /// are 0 there and infinite elsewhere.
+    fn errors(&self, truth: &Truth, energy: f64) -> (f64, f64) {
+        let distance = |velocity| self.problem.velocity_distance(velocity, truth.velocity());
+        let velocity_error = ratio(distance(&self.velocity), distance(self.problem.free_velocity()));
+        (velocity_error, ratio(energy - truth.energy(), truth.energy().abs()))
     }
 }
 

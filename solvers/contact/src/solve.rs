@@ -1,8 +1,10 @@
 //! The only iteration loop of the workspace: it advances, reads the impulses, measures, and decides when to stop.
 
 use crate::interface::{SetupError, Solver, Work};
+use crate::law;
 use crate::measures::{Measure, Measures, Meter};
 use crate::problem::ContactProblem;
+use crate::truth::{Truth, proves_infeasible};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
@@ -51,6 +53,8 @@ pub enum Status {
     IterationLimit,
     /// The iterate is not finite, or q(r) is far above q(0) = 0.
     Diverged,
+    /// The impulses grow for ever: they, or their growth, prove that the problem has no solution.
+    Infeasible,
 }
 
 impl Status {
@@ -60,6 +64,7 @@ impl Status {
             Self::Converged => "converged",
             Self::IterationLimit => "iteration-limit",
             Self::Diverged => "diverged",
+            Self::Infeasible => "infeasible",
         }
     }
 }
@@ -105,14 +110,34 @@ pub struct Outcome {
 /// all the same.
 const ENERGY_BOUND: f64 = 1e20;
 
+/// Where the proof that there is no solution is first looked for, and then at every power of two (iterations): rarely,
+/// so that it costs nothing, and late, so that a curve shows what the measures say meanwhile.
+const FIRST_LOOK: u64 = 1024;
+
 /// Runs `solver` on `problem` from the impulses `r0` (N·s) until `stop`; `observe` sees every iterate.
 ///
 /// The clock runs in `start` and `advance` only. Where no contact pushes (b ≥ 0), r = 0 solves the problem and
 /// the run has converged before its first iteration, whatever `r0`.
 ///
 /// # Errors
-/// Names the setting, the stop rule or the start impulse that has no meaning.
+/// Names the setting, the stop rule or the start impulse that has no meaning; stopping on the velocity error is the
+/// business of [`solve_against`].
 pub fn solve(
+    solver: &dyn Solver,
+    problem: &ContactProblem,
+    r0: &[f64],
+    stop: &Stop,
+    observe: &mut dyn FnMut(&Progress),
+) -> Result<Outcome, SetupError> {
+    solve_against(None, solver, problem, r0, stop, observe)
+}
+
+/// [`solve`] beside a `truth` that is known, if it is: the measures then tell the error.
+///
+/// # Errors
+/// Those of [`solve`]; names the stop rule if it asks for the error of a solution that is not known.
+pub fn solve_against(
+    truth: Option<&Truth>,
     solver: &dyn Solver,
     problem: &ContactProblem,
     r0: &[f64],
@@ -121,19 +146,36 @@ pub fn solve(
 ) -> Result<Outcome, SetupError> {
     SetupError::unless_admissible(problem, r0)?;
     stop.check()?;
+    let meter = match truth {
+        Some(truth) => Meter::new(problem).against(truth),
+        None if stop.on == Measure::VelocityError => {
+            let expected = "another measure: the true velocity of this problem is not known";
+            return Err(SetupError::new("on", stop.on, expected));
+        }
+        None => Meter::new(problem),
+    };
+    run(meter, solver, problem, r0, stop, observe)
+}
+
+fn run(
+    mut meter: Meter,
+    solver: &dyn Solver,
+    problem: &ContactProblem,
+    r0: &[f64],
+    stop: &Stop,
+    observe: &mut dyn FnMut(&Progress),
+) -> Result<Outcome, SetupError> {
     let clock = Instant::now();
     let mut iteration = solver.start(problem, r0)?;
     let setup = clock.elapsed();
 
-    let mut meter = Meter::new(problem);
     let mut r = r0.to_vec();
     if meter.scale() == 0.0 {
         r.fill(0.0);
     }
     let mut measures = meter.measure(&r, 0.0);
     let energy_bound = ENERGY_BOUND * f64::max(meter.scale(), measures.energy.abs());
-    let mut iterations = 0;
-    let mut iterating = Duration::ZERO;
+    let (mut iterations, mut iterating, mut endless) = (0, Duration::ZERO, false);
     let status = loop {
         let work = iteration.work();
         observe(&Progress { iteration: iterations, iterating, measures: &measures, work });
@@ -144,6 +186,9 @@ pub fn solve(
         if meter.scale() == 0.0 || measures.get(stop.on) <= stop.tolerance {
             break Status::Converged;
         }
+        if endless {
+            break Status::Infeasible;
+        }
         if iterations == stop.max_iterations {
             break Status::IterationLimit;
         }
@@ -151,11 +196,21 @@ pub fn solve(
         iteration.advance();
         iterating += clock.elapsed();
         iterations += 1;
+        let looked_at = iterations >= FIRST_LOOK && iterations.is_power_of_two();
+        let before = looked_at.then(|| r.clone());
         iteration.impulses(&mut r);
         measures = meter.measure(&r, iteration.velocity_jump());
+        endless = before.is_some_and(|before| prove_infeasible(problem, &before, &r));
     };
     let work = iteration.work();
     let velocity = meter.velocity().to_vec();
     let derived = iteration.derived();
     Ok(Outcome { status, iterations, measures, impulses: r, velocity, setup, iterating, work, derived })
+}
+
+/// Whether the impulses `r`, or their growth since `before`, prove that there is no solution. The growth tells it much
+/// earlier: what is constant in the impulses is not in it.
+fn prove_infeasible(problem: &ContactProblem, before: &[f64], r: &[f64]) -> bool {
+    let growth: Vec<f64> = r.iter().zip(before).map(|(r, before)| law::non_negative(r - before)).collect();
+    [r, &growth].into_iter().any(|ray| proves_infeasible(problem, ray))
 }

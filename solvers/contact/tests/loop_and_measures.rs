@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use contact::{
-    Contact, ContactProblem, Iteration, Measure, Meter, ProblemError, SetupError, Solver, Status, Stop, Work,
-    solve,
+    Contact, ContactProblem, Iteration, Measure, Meter, ProblemError, SetupError, Solver, Status, Stop,
+    Truth, Work, proves_infeasible, solve, solve_against,
 };
 use nalgebra::Vector2;
 
@@ -73,8 +73,9 @@ fn an_iterate_that_is_not_finite_or_of_endless_energy_has_diverged() {
     for bad in [f64::NAN, f64::INFINITY, 1e30, 1e200] {
         for on in Measure::ALL {
             let stop = Stop { on, tolerance: 1e-12, max_iterations: 9 };
-            let method = Recorded(vec![1.0, bad, 2.0]);
-            let outcome = solve(&method, &falling_on_a_floor(), &[0.0], &stop, &mut |_| {}).unwrap();
+            let (method, problem) = (Recorded(vec![1.0, bad, 2.0]), falling_on_a_floor());
+            let truth = Truth::new(&problem, &[2.0]);
+            let outcome = solve_against(Some(&truth), &method, &problem, &[0.0], &stop, &mut |_| {}).unwrap();
             assert_eq!((outcome.status, outcome.iterations), (Status::Diverged, 2), "{bad} on {on}");
         }
     }
@@ -88,12 +89,14 @@ fn where_no_contact_pushes_rest_is_the_answer_before_any_iteration() {
         let r0 = vec![7.0; contacts.len()];
         let problem =
             ContactProblem::new(grain.0.clone(), grain.1.clone(), grain.2.clone(), contacts).unwrap();
+        let truth = Truth::new(&problem, &vec![0.0; r0.len()]);
         for on in Measure::ALL {
             let stop = Stop { on, ..stop(9) };
-            let outcome = solve(&Recorded(vec![]), &problem, &r0, &stop, &mut |_| {}).unwrap();
+            let method = Recorded(vec![]);
+            let outcome = solve_against(Some(&truth), &method, &problem, &r0, &stop, &mut |_| {}).unwrap();
             assert_eq!((outcome.status, outcome.iterations), (Status::Converged, 0));
             assert!(outcome.impulses.iter().all(|r| *r == 0.0));
-            assert_eq!(outcome.measures.natural_map, 0.0);
+            assert_eq!((outcome.measures.natural_map, outcome.measures.velocity_error), (0.0, 0.0));
         }
     }
 }
@@ -117,6 +120,82 @@ fn measures_of_one_contact_are_as_by_hand() {
     assert!((second.zeta - 0.5_f64.sqrt()).abs() < 1e-15);
     assert_eq!((second.natural_map, second.penetration_rate, second.worst_contact), (0.0, 0.0, None));
     assert_eq!(second.energy, -1.0, "the least that q can be");
+}
+
+#[test]
+fn errors_beside_the_truth_are_as_by_hand() {
+    let problem = falling_on_a_floor();
+    let truth = Truth::new(&problem, &[2.0]);
+    assert_eq!((truth.velocity(), truth.energy()), (&[Vector2::zeros()][..], -1.0));
+    let mut meter = Meter::new(&problem).against(&truth);
+    // r = 1: V = −½ of the −1 it was at first; q = −¾ of −1. The gap is the error squared, as v* = 0.
+    let half = meter.measure(&[1.0], 0.0);
+    assert_eq!((half.velocity_error, half.energy_gap), (0.5, 0.25));
+    let solved = meter.measure(&[2.0], 0.0);
+    assert_eq!((solved.velocity_error, solved.energy_gap), (0.0, 0.0));
+    let unknown = Meter::new(&problem).measure(&[1.0], 0.0);
+    assert!(unknown.velocity_error.is_nan() && unknown.energy_gap.is_nan());
+}
+
+#[test]
+fn where_nothing_is_pushed_any_impulse_is_an_endless_error() {
+    let contact = Contact { candidate: 0, antagonist: None, normal: Vector2::y(), offset: 2.0 };
+    let problem =
+        ContactProblem::new(vec![1.0], vec![Vector2::zeros()], vec![Vector2::zeros()], vec![contact])
+            .unwrap();
+    let truth = Truth::new(&problem, &[0.0]);
+    let mut meter = Meter::new(&problem).against(&truth);
+    assert_eq!(meter.measure(&[0.0], 0.0).velocity_error, 0.0);
+    assert_eq!(meter.measure(&[1.0], 0.0).velocity_error, f64::INFINITY);
+}
+
+#[test]
+fn loop_stops_on_the_velocity_error_where_it_is_known_and_refuses_to_elsewhere() {
+    let problem = falling_on_a_floor();
+    let truth = Truth::new(&problem, &[2.0]);
+    let stop = Stop { on: Measure::VelocityError, tolerance: 0.1, max_iterations: 9 };
+    let method = Recorded(vec![1.0, 1.9, 2.0]);
+    let outcome = solve_against(Some(&truth), &method, &problem, &[0.0], &stop, &mut |_| {}).unwrap();
+    assert_eq!((outcome.status, outcome.iterations), (Status::Converged, 2));
+    let refused = solve(&method, &problem, &[0.0], &stop, &mut |_| {}).unwrap_err().to_string();
+    assert!(refused.contains("`on` is velocity_error") && refused.contains("not known"), "{refused}");
+}
+
+/// A disc of 1 kg between two walls that close at 1 m/s; `tilt` (rad) of the second leaves a way out upwards.
+fn between_walls(tilt: f64) -> ContactProblem {
+    let wall = |normal| Contact { candidate: 0, antagonist: None, normal, offset: -1.0 };
+    let contacts = vec![wall(Vector2::x()), wall(Vector2::new(-tilt.cos(), tilt.sin()))];
+    let at_rest = vec![Vector2::zeros()];
+    ContactProblem::new(vec![1.0], at_rest.clone(), at_rest, contacts).unwrap()
+}
+
+#[test]
+fn impulses_that_balance_while_contacts_approach_prove_that_there_is_no_solution() {
+    let closing = between_walls(0.0);
+    assert!(proves_infeasible(&closing, &[1.0, 1.0]));
+    assert!(proves_infeasible(&closing, &[1e9, 1e9]));
+    for no_proof in [[0.0, 0.0], [1.0, 0.0], [1.0, 1.001], [-1.0, -1.0], [f64::NAN, 1.0]] {
+        assert!(!proves_infeasible(&closing, &no_proof), "{no_proof:?}");
+    }
+    // The disc escapes at 2/sin(tilt) m/s: 2e3 m/s at the narrowest, which is a solution.
+    for tilt in [0.1, 1e-2, 1e-3] {
+        for grown in [1.0, 1e6, 1e12] {
+            assert!(!proves_infeasible(&between_walls(tilt), &[grown, grown]), "{tilt} rad");
+        }
+    }
+}
+
+#[test]
+fn impulses_that_grow_for_ever_end_the_loop_with_the_proof() {
+    let growing: Vec<f64> = (1..=2000).map(f64::from).collect();
+    let stop = Stop { max_iterations: 2000, ..stop(9) };
+    let run = |tilt| {
+        let outcome =
+            solve(&Recorded(growing.clone()), &between_walls(tilt), &[0.0; 2], &stop, &mut |_| {}).unwrap();
+        (outcome.status, outcome.iterations)
+    };
+    assert_eq!(run(0.0), (Status::Infeasible, 1024));
+    assert_eq!(run(1e-3), (Status::IterationLimit, 2000));
 }
 
 /// Two equal contacts that push twice as hard as they should: v = 1 m/s at both, r⁺ = 0.

@@ -1,0 +1,98 @@
+//! `gravel certify`: what a solution leaves of the contact problem, condition by condition.
+
+use crate::inputs::Root;
+use crate::output::say;
+use crate::truth::answer;
+use anyhow::{Context, Result, bail};
+use cases::Frozen;
+use contact::{ContactProblem, Meter, Truth};
+use reference::{Answer, Certificate, ROUND_OFF, certify};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// A frozen problem: its name, or the path of its file
+    problem: String,
+    /// Certify these impulses instead of the reference, and tell how far from it they are: a file with
+    /// {"impulse": [N·s, in the problem's contact order]}, as `gravel solve --impulses` writes it
+    #[arg(long, value_name = "FILE")]
+    impulses: Option<PathBuf>,
+}
+
+/// The part of a file of impulses that is read; another code may tell more.
+#[derive(Deserialize)]
+struct Impulses {
+    impulse: Vec<f64>,
+}
+
+pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
+    let frozen = Frozen::read(&root.problem(&args.problem)?)?;
+    let problem = &frozen.problem;
+    let given = args.impulses.as_deref().map(|file| read(file, problem)).transpose()?;
+    let reference = answer(root, &frozen)?;
+    let (grains, contacts) = (problem.grain_count(), problem.contact_count());
+    say(format_args!("{}: {grains} grains, {contacts} contacts", frozen.name))?;
+    if let Some(impulses) = &given {
+        say(format_args!("given impulses: {}", verdict(&certify(problem, impulses))))?;
+        print(&certify(problem, impulses))?;
+    }
+    match &reference {
+        Answer::Infeasible { .. } => {
+            say(format_args!("the problem has no solution: impulses balance while contacts approach"))?;
+        }
+        Answer::Unknown { certificate, interior_point, .. } => {
+            say(format_args!("reference: {} (interior point: {interior_point})", verdict(certificate)))?;
+            print(certificate)?;
+        }
+        Answer::Solution { impulses, certificate } => {
+            say(format_args!("reference: {}", verdict(certificate)))?;
+            match &given {
+                Some(given) => print_errors(problem, &Truth::new(problem, impulses), given)?,
+                None => print(certificate)?,
+            }
+        }
+    }
+    Ok(())
+}
+
+fn read(file: &Path, problem: &ContactProblem) -> Result<Vec<f64>> {
+    let name = || file.display().to_string();
+    let text = std::fs::read_to_string(file).with_context(name)?;
+    let Impulses { impulse } = serde_json::from_str(&text).with_context(name)?;
+    if impulse.len() != problem.contact_count() {
+        bail!(
+            "{}: `impulse` has {} values where the problem has {} contacts",
+            name(),
+            impulse.len(),
+            problem.contact_count()
+        );
+    }
+    Ok(impulse)
+}
+
+fn verdict(certificate: &Certificate) -> String {
+    let word = if certificate.certified() { "certified" } else { "not certified" };
+    format!("{word} to {ROUND_OFF:e}")
+}
+
+fn print(certificate: &Certificate) -> Result<()> {
+    say(format_args!("  {:<17}{:>10}  absolute", "", "relative"))?;
+    for (name, residual) in certificate.residuals() {
+        let unit = match name {
+            "approach" | "complementarity" => "m/s",
+            "pull" | "momentum" => "N·s",
+            _ => "J",
+        };
+        say(format_args!("  {name:<17}{:>10.1e}  {:.1e} {unit}", residual.relative, residual.absolute))?;
+    }
+    Ok(())
+}
+
+fn print_errors(problem: &ContactProblem, truth: &Truth, impulses: &[f64]) -> Result<()> {
+    let measures = Meter::new(problem).against(truth).measure(impulses, 0.0);
+    say(format_args!("the given impulses beside it"))?;
+    say(format_args!("  {:<17}{:>10.1e}", "velocity_error", measures.velocity_error))?;
+    say(format_args!("  {:<17}{:>10.1e}", "energy_gap", measures.energy_gap))?;
+    Ok(())
+}

@@ -1,0 +1,109 @@
+//! Reference solutions: computed once for each problem, kept in `results/references`, certified anew each time they are read.
+
+use crate::inputs::{Root, content_hash};
+use crate::output::write_whole;
+use anyhow::{Context, Result, bail};
+use cases::Frozen;
+use contact::{ContactProblem, Measure, Outcome, Status, Stop, Truth, proves_infeasible};
+use reference::{Answer, certify};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// What is known of the solution of a problem.
+pub(crate) enum Known {
+    /// The solution.
+    Solution(Truth),
+    /// That there is none.
+    Infeasible,
+    /// Nothing: no reference could be certified.
+    Nothing,
+}
+
+impl Known {
+    pub(crate) fn truth(&self) -> Option<&Truth> {
+        match self {
+            Self::Solution(truth) => Some(truth),
+            Self::Infeasible | Self::Nothing => None,
+        }
+    }
+
+    /// Whether a run that was stopped on ζ as converged has not: ζ measures the last iteration, not the error.
+    pub(crate) fn belies(&self, stop: &Stop, outcome: &Outcome) -> bool {
+        let wrong = match self {
+            Self::Solution(_) => outcome.measures.velocity_error > 100.0 * stop.tolerance,
+            Self::Infeasible => true,
+            Self::Nothing => false,
+        };
+        wrong && outcome.status == Status::Converged && stop.on == Measure::Zeta
+    }
+}
+
+/// A kept answer: impulses that solve the problem, or a ray that proves that nothing does (N·s).
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+enum Kept {
+    Impulses(Vec<f64>),
+    Ray(Vec<f64>),
+}
+
+/// What is known of a problem, from `results/references` if it is there, else computed and kept there.
+pub(crate) fn known(root: &Root, frozen: &Frozen) -> Result<Known> {
+    Ok(match answer(root, frozen)? {
+        Answer::Solution { impulses, .. } => Known::Solution(Truth::new(&frozen.problem, &impulses)),
+        Answer::Infeasible { .. } => {
+            eprintln!("{}: the problem has no solution", frozen.name);
+            Known::Infeasible
+        }
+        Answer::Unknown { certificate, interior_point, .. } => {
+            eprintln!("{}: no reference, the best is {certificate} ({interior_point})", frozen.name);
+            Known::Nothing
+        }
+    })
+}
+
+/// The reference of a problem, kept or computed.
+pub(crate) fn answer(root: &Root, frozen: &Frozen) -> Result<Answer> {
+    let folder = root.join("results/references");
+    let path = folder.join(content_hash(frozen)).with_extension("json");
+    if path.exists() {
+        match read(&path, &frozen.problem) {
+            Ok(answer) => return Ok(answer),
+            Err(error) => eprintln!("{error:#}: computed anew"),
+        }
+    }
+    let answer = reference::solve(&frozen.problem);
+    let kept = match &answer {
+        Answer::Solution { impulses, .. } => Kept::Impulses(impulses.clone()),
+        Answer::Infeasible { ray } => Kept::Ray(ray.clone()),
+        Answer::Unknown { .. } => return Ok(answer),
+    };
+    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    write_whole(&path, &serde_json::to_string(&kept)?)?;
+    Ok(answer)
+}
+
+/// Reads a kept answer, and believes nothing of it that the problem does not confirm.
+fn read(path: &Path, problem: &ContactProblem) -> Result<Answer> {
+    let file = || path.display().to_string();
+    let text = std::fs::read_to_string(path).with_context(file)?;
+    let kept: Kept = serde_json::from_str(&text).with_context(file)?;
+    let (Kept::Impulses(values) | Kept::Ray(values)) = &kept;
+    if values.len() != problem.contact_count() {
+        bail!("{}: {} values for {} contacts", file(), values.len(), problem.contact_count());
+    }
+    match kept {
+        Kept::Impulses(impulses) => {
+            let certificate = certify(problem, &impulses);
+            if !certificate.certified() {
+                bail!("{}: {certificate}", file());
+            }
+            Ok(Answer::Solution { impulses, certificate })
+        }
+        Kept::Ray(ray) => {
+            if !proves_infeasible(problem, &ray) {
+                bail!("{}: no proof that the problem has no solution", file());
+            }
+            Ok(Answer::Infeasible { ray })
+        }
+    }
+}

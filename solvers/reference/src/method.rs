@@ -1,0 +1,104 @@
+//! The reference as a method of the line-up.
+
+use crate::interior::{Interior, Verdict};
+use crate::polish::Polish;
+use crate::row::Row;
+use contact::{ContactProblem, Iteration, Meter, SetupError, Solver, Work};
+use serde::{Deserialize, Serialize};
+
+/// Settings of the interior point. The start impulses are ignored: an interior point begins from its own centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct InteriorPoint {
+    /// Whether the iterations after the first, which is the interior point's whole run, are polish steps; else they
+    /// change nothing.
+    pub polish: bool,
+}
+
+/// To round-off, as the reference needs it.
+impl Default for InteriorPoint {
+    fn default() -> Self {
+        Self { polish: true }
+    }
+}
+
+/// A run on one problem.
+pub(crate) struct Run<'p> {
+    /// None where no contact pushes: r = 0.
+    interior: Option<Interior>,
+    polish: Polish<'p>,
+    polishes: bool,
+    r: Vec<f64>,
+    ran: bool,
+}
+
+impl<'p> Run<'p> {
+    /// Lays the programme out; says why it cannot.
+    pub(crate) fn new(problem: &'p ContactProblem, r0: &[f64], polishes: bool) -> Result<Self, String> {
+        let rows = Row::all(problem);
+        let pushed = Meter::new(problem).scale() > 0.0;
+        let interior = if pushed { Some(Interior::new(problem, &rows)?) } else { None };
+        Ok(Self { interior, polish: Polish::new(problem, rows), polishes, r: r0.to_vec(), ran: false })
+    }
+
+    /// r of the interior point, 0 where no contact pushes.
+    pub(crate) fn interior_point(&mut self) -> Verdict {
+        self.ran = true;
+        if let Some(interior) = &mut self.interior {
+            interior.run(&mut self.r)
+        } else {
+            self.r.fill(0.0);
+            Verdict::Solution
+        }
+    }
+
+    pub(crate) fn polish(&mut self) {
+        self.polish.step(&mut self.r);
+    }
+
+    /// See [`Polish::balance`].
+    pub(crate) fn balance(&mut self, ray: &mut [f64]) {
+        self.polish.balance(ray);
+    }
+
+    /// r (N·s).
+    pub(crate) fn impulses(&self) -> &[f64] {
+        &self.r
+    }
+}
+
+impl Iteration for Run<'_> {
+    fn advance(&mut self) {
+        if !self.ran {
+            self.interior_point();
+        } else if self.polishes {
+            self.polish();
+        }
+    }
+
+    fn impulses(&self, r: &mut [f64]) {
+        r.copy_from_slice(&self.r);
+    }
+
+    /// Clarabel counts its factorisations; the entries of its solves it does not tell, so those are the polish's alone.
+    fn work(&self) -> Work {
+        let of_interior = self.interior.as_ref().filter(|_| self.ran).map_or(0, Interior::factorisations);
+        Work {
+            factorisations: of_interior + self.polish.factorisations,
+            triangular_solve_entries: self.polish.solve_entries,
+            ..Work::default()
+        }
+    }
+}
+
+impl Solver for InteriorPoint {
+    fn start<'p>(
+        &self,
+        problem: &'p ContactProblem,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        let run = Run::new(problem, r0, self.polish);
+        // What no validated problem gives, unless its numbers overflow when scaled.
+        Ok(Box::new(run.map_err(|why| SetupError::new("problem", why, "one whose numbers can be scaled"))?))
+    }
+}
