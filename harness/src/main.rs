@@ -10,6 +10,7 @@ mod output;
 mod plan;
 mod problems;
 mod progress;
+mod report;
 mod rows;
 mod show;
 mod simulate;
@@ -48,6 +49,10 @@ enum Command {
     Bench(bench::Args),
     /// Show the runs of a plan
     Plan(show::Args),
+    /// Draw the tables and figures of the newest stored study of a plan again
+    Report(report::Args),
+    /// Draw one chart of the newest stored study of a plan, into reports/out/PLAN-CHART
+    Figure(report::FigureArgs),
     /// Solve one contact problem with one method
     Solve(solve::Args),
     /// Write the contact problem of one time step of a case as a file
@@ -76,6 +81,8 @@ fn run(cli: Cli) -> Result<()> {
     match cli.command {
         Command::Bench(args) => bench::run(&root, &args),
         Command::Plan(args) => show::run(&root, &args),
+        Command::Report(args) => report::run(&root, &args),
+        Command::Figure(args) => report::figure(&root, &args),
         Command::Solve(args) => solve::run(&root, &args),
         Command::Freeze(args) => freeze::run(&root, &args),
         Command::Simulate(args) => simulate::run(&root, &args),

@@ -5,14 +5,16 @@ use std::collections::BTreeMap;
 use plotters::style::text_anchor::{HPos, VPos};
 use results::store::Tables;
 
-use crate::ReportError;
 use crate::axis::{Frame, LogAxis};
 use crate::canvas::{Canvas, Place, svg};
 use crate::curve::{LogPoint, height_at, log_point, range, visible};
-use crate::legend::{Ending, Legend, Looks};
+use crate::ending::Ending;
+use crate::legend::{Legend, Looks};
 use crate::number::{counted, number, round_up};
-use crate::rows::{Point, RunRow, curves, runs};
+use crate::rows::{Point, RunRow, curves, problems, runs};
+use crate::signs::{Sign, endings};
 use crate::style::{LEADING, MARGIN, PAGE, PAGE_HEIGHT, TEXT, TICK_TEXT, TOLERANCE};
+use crate::{File, ReportError};
 
 /// Left of a panel for the labels of its ticks, and right of it for the tolerance (mm).
 const LEFT: f64 = 11.0;
@@ -51,27 +53,22 @@ struct Study<'t> {
     looks: Looks<'t>,
 }
 
-/// `convergence-<problem>` for each problem, and `convergence` with all of them if a page holds that many.
-pub(crate) fn figures(tables: &Tables) -> Result<Vec<(String, String)>, ReportError> {
+/// `convergence-<problem>.svg` for each problem, and `convergence.svg` with all of them if a page holds that many.
+pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
     let runs = runs(&tables.runs)?;
     let study = Study { runs: &runs, curves: curves(&tables.curves)?, looks: Looks::new(&runs) };
-    let mut problems: Vec<&str> = Vec::new();
-    for run in &runs {
-        if !problems.contains(&run.problem.as_str()) {
-            problems.push(&run.problem);
-        }
-    }
-    let mut figures = Vec::new();
+    let problems = problems(&runs);
+    let mut files = Vec::new();
     for &problem in &problems {
-        let name = format!("convergence-{}", crate::file_name(problem));
-        figures.push((name, study.figure(&[problem], ALONE)?));
+        let name = format!("convergence-{}.svg", crate::file_name(problem));
+        files.push((name, study.figure(&[problem], ALONE)?));
     }
     let legend = study.legend(&problems)?.height() + 2.0 * MARGIN;
     let panel = (PAGE_HEIGHT - legend) / problems.len().max(1) as f64 - ABOVE - BELOW;
     if panel >= LEAST {
-        figures.push(("convergence".to_owned(), study.figure(&problems, panel.min(GREATEST))?));
+        files.push(("convergence.svg".to_owned(), study.figure(&problems, panel.min(GREATEST))?));
     }
-    Ok(figures)
+    Ok(files)
 }
 
 impl Study<'_> {
@@ -95,20 +92,29 @@ impl Study<'_> {
 
     /// A run that was skipped has no line.
     fn runs_of(&self, problem: &str) -> Vec<&RunRow> {
-        let has_line = |run: &&RunRow| run.problem == problem && run.status != "skipped";
+        let has_line = |run: &&RunRow| run.problem == problem && run.ending != Ending::Skipped;
         let mut runs: Vec<&RunRow> = self.runs.iter().filter(has_line).collect();
         runs.sort_by_key(|run| self.looks.rank(run));
         runs
     }
 
-    /// One entry per kind of run.
+    /// One entry per kind of run, the signs, and the runs that have no line since nothing was left to do.
     fn legend(&self, problems: &[&str]) -> Result<Legend, ReportError> {
+        let runs: Vec<&RunRow> = problems.iter().flat_map(|problem| self.runs_of(problem)).collect();
         let mut shown: BTreeMap<(usize, usize), &RunRow> = BTreeMap::new();
-        for run in problems.iter().flat_map(|problem| self.runs_of(problem)) {
+        for run in &runs {
             shown.entry(self.looks.rank(run)).or_insert(run);
         }
         let entries = shown.values().map(|run| (self.looks.label(run), self.looks.look(run))).collect();
-        Legend::new(entries, PAGE - 2.0 * MARGIN - LEFT)
+        let mut signs = endings(runs.iter().map(|run| run.ending));
+        signs.push((Sign::Line(TOLERANCE), "stopping tolerance".to_owned()));
+        let begun = |run: &&&RunRow| run.ending == Ending::Converged && run.iterations == 0;
+        signs.extend(runs.iter().filter(begun).map(|run| {
+            let text =
+                format!("{} on {}: converged at its start, no line", self.looks.label(run), run.problem);
+            (Sign::Word, text)
+        }));
+        Legend::new(entries, signs, PAGE - 2.0 * MARGIN - LEFT)
     }
 
     fn draw_problem(
@@ -145,16 +151,14 @@ impl Study<'_> {
     ) -> Result<(), ReportError> {
         let logs = |run: &&RunRow| -> (bool, Vec<LogPoint>) {
             let points = self.curve(run).iter().filter_map(|p| log_point(p.iteration, (measure.of)(p)));
-            (Ending::of(&run.status) != Ending::Failed, points.collect())
+            (matches!(run.ending, Ending::Converged | Ending::IterationLimit), points.collect())
         };
         let lines: Vec<_> = runs.iter().map(logs).collect();
         let tolerances = tolerances(runs, measure.name);
         let (low, high) = range(&lines, &tolerances);
         let frame = Frame { x, y: LogAxis { low, high, from: bottom, to: top } };
         frame.draw(canvas)?;
-        canvas.text(measure.title, (frame.x.from, top - 0.8), TEXT, (HPos::Left, VPos::Bottom))?;
-        let below = (f64::midpoint(frame.x.from, frame.x.to), bottom + 0.8 + LEADING);
-        canvas.text("iterations", below, TEXT, (HPos::Center, VPos::Top))?;
+        frame.name(canvas, "iterations", measure.title)?;
         for tolerance in tolerances {
             draw_tolerance(canvas, &frame, tolerance)?;
         }
@@ -165,8 +169,7 @@ impl Study<'_> {
             self.draw_line(canvas, &frame, run, &pieces, i as f64 / runs.len() as f64)?;
         }
         if drawn == 0 {
-            let middle = (f64::midpoint(frame.x.from, frame.x.to), f64::midpoint(top, bottom));
-            canvas.text("no value in this range", middle, TEXT, (HPos::Center, VPos::Center))?;
+            canvas.text("no value in this range", frame.middle(), TEXT, (HPos::Center, VPos::Center))?;
         }
         Ok(())
     }
@@ -193,7 +196,7 @@ impl Study<'_> {
             }
         }
         match pieces.last().and_then(|piece| piece.last()) {
-            Some(&end) => Ending::of(&run.status).draw(canvas, frame.place(end), look.pen.color),
+            Some(&end) => run.ending.draw(canvas, frame.place(end), look.pen.color),
             None => Ok(()),
         }
     }
