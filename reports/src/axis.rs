@@ -1,4 +1,4 @@
-//! Logarithmic axes, and the frame that two of them span.
+//! Axes, and the frame that two of them span. A logarithmic axis is one of logarithms to base ten.
 
 use plotters::style::text_anchor::{HPos, VPos};
 
@@ -13,17 +13,34 @@ const MINOR_TICK: f64 = 0.6;
 /// Labels nearer to each other than this (mm) are hard to read.
 const LABEL_PITCH: f64 = 5.0;
 
-/// A range of logarithms to base ten on a length of paper (mm).
+/// What the coordinates of an axis are, and so where its ticks stand.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Scale {
+    /// Logarithms, with powers of ten.
+    Ten,
+    /// Logarithms to base ten too, with powers of two.
+    Two,
+    /// Shares from 0 to 1.
+    Share,
+}
+
+/// A range of coordinates on a length of paper (mm).
 #[derive(Clone, Copy)]
-pub(crate) struct LogAxis {
+pub(crate) struct Axis {
+    pub(crate) scale: Scale,
     pub(crate) low: f64,
     pub(crate) high: f64,
     pub(crate) from: f64,
     pub(crate) to: f64,
 }
 
-impl LogAxis {
-    /// Where a logarithm is on paper.
+impl Axis {
+    /// A logarithmic axis with powers of ten.
+    pub(crate) fn log((low, high): (f64, f64), from: f64, to: f64) -> Self {
+        Self { scale: Scale::Ten, low, high, from, to }
+    }
+
+    /// Where a coordinate is on paper.
     pub(crate) fn place(&self, log: f64) -> f64 {
         self.from + (log - self.low) / (self.high - self.low) * (self.to - self.from)
     }
@@ -41,6 +58,17 @@ impl LogAxis {
     /// The labels with their logarithms: powers of ten in steps that keep labels apart; where there are fewer than two,
     /// once or twice and five times a power too.
     pub(crate) fn labels(&self) -> Vec<(f64, String)> {
+        match self.scale {
+            Scale::Ten => self.powers_of_ten(),
+            Scale::Two => (0..32)
+                .map(|exponent| (f64::from(exponent) * 2f64.log10(), (1_u64 << exponent).to_string()))
+                .filter(|(log, _)| self.holds(*log))
+                .collect(),
+            Scale::Share => [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (share, share.to_string())).to_vec(),
+        }
+    }
+
+    fn powers_of_ten(&self) -> Vec<(f64, String)> {
         let decades = self.decades();
         if decades.len() < 2 {
             return self.labels_between();
@@ -73,16 +101,19 @@ impl LogAxis {
 
     /// Places of the ticks at powers of ten, and between them, with their lengths.
     pub(crate) fn ticks(&self) -> Vec<(f64, f64)> {
+        if self.scale != Scale::Ten {
+            return self.labels().into_iter().map(|(at, _)| (self.place(at), MAJOR_TICK)).collect();
+        }
         let major = self.decades().into_iter().map(|e| (self.place(f64::from(e)), MAJOR_TICK));
         major.chain(self.minor_places().into_iter().map(|place| (place, MINOR_TICK))).collect()
     }
 }
 
-/// A panel: two logarithmic axes, one to the right, one upwards.
+/// A panel: an axis to the right, one upwards.
 #[derive(Clone, Copy)]
 pub(crate) struct Frame {
-    pub(crate) x: LogAxis,
-    pub(crate) y: LogAxis,
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
 }
 
 /// On which side of a panel's edge the ticks are.
@@ -164,13 +195,13 @@ fn room(ticks: Ticks) -> f64 {
 mod tests {
     use super::*;
 
-    fn logs(axis: &LogAxis) -> Vec<f64> {
+    fn logs(axis: &Axis) -> Vec<f64> {
         axis.labels().into_iter().map(|(log, _)| log).collect()
     }
 
     #[test]
     fn powers_at_both_ends_are_kept_and_minor_ticks_lie_between() {
-        let axis = LogAxis { low: -4.0, high: 0.0, from: 0.0, to: 40.0 };
+        let axis = Axis::log((-4.0, 0.0), 0.0, 40.0);
         assert_eq!(logs(&axis), [-4.0, -3.0, -2.0, -1.0, 0.0]);
         assert_eq!(axis.minor_places().len(), 32);
         assert_eq!(axis.place(-3.0), 10.0);
@@ -178,13 +209,21 @@ mod tests {
 
     #[test]
     fn many_decades_are_labelled_in_steps() {
-        let axis = LogAxis { low: -12.0, high: 2.0, from: 60.0, to: 0.0 };
+        let axis = Axis::log((-12.0, 2.0), 60.0, 0.0);
         assert_eq!(logs(&axis), [-12.0, -10.0, -8.0, -6.0, -4.0, -2.0, 0.0, 2.0]);
     }
 
     #[test]
+    fn powers_of_two_are_labelled_by_their_values() {
+        let axis = Axis { scale: Scale::Two, ..Axis::log((-0.1, 1.0), 0.0, 40.0) };
+        let texts: Vec<String> = axis.labels().into_iter().map(|(_, text)| text).collect();
+        assert_eq!(texts, ["1", "2", "4", "8"]);
+        assert_eq!(axis.ticks().len(), 4);
+    }
+
+    #[test]
     fn short_axis_has_labels_between_the_powers() {
-        let axis = LogAxis { low: 2.2, high: 3.1, from: 0.0, to: 40.0 };
+        let axis = Axis::log((2.2, 3.1), 0.0, 40.0);
         let texts: Vec<String> = axis.labels().into_iter().map(|(_, text)| text).collect();
         assert_eq!(texts, ["200", "500", "1000"]);
     }

@@ -145,6 +145,11 @@ impl Canvas<'_> {
                 let h = 1.1 * HALF;
                 self.polygon(&[(x - h, y + h), (x, y - h), (x + h, y + h)], WHITE, Some(pen))
             }
+            Mark::Cross => {
+                let h = 0.8 * HALF;
+                self.line(&[(x - h, y - h), (x + h, y + h)], pen)?;
+                self.line(&[(x - h, y + h), (x + h, y - h)], pen)
+            }
             Mark::Bar => self.line(&[(x, y - HALF), (x, y + HALF)], pen),
         }
     }

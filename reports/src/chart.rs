@@ -6,7 +6,9 @@ use std::str::FromStr;
 use results::store::Tables;
 use thiserror::Error;
 
-use crate::{File, ReportError, convergence, directions, sample};
+use crate::{
+    File, ReportError, convergence, directions, profiles, sample, size, subdomains, truth, work_precision,
+};
 
 /// A kind of figure, with the tables that belong to it.
 #[derive(Clone, Copy)]
@@ -20,6 +22,11 @@ const CHARTS: &[Chart] = &[
     Chart { name: "convergence", files: convergence::files },
     Chart { name: "sample", files: sample::files },
     Chart { name: "directions", files: directions::files },
+    Chart { name: "work-precision", files: work_precision::files },
+    Chart { name: "truth", files: truth::files },
+    Chart { name: "profiles", files: profiles::files },
+    Chart { name: "subdomains", files: subdomains::files },
+    Chart { name: "size", files: size::files },
 ];
 
 impl Chart {

@@ -33,3 +33,8 @@ pub(crate) fn f64s(table: &DataFrame, column: &str) -> Result<Vec<f64>, ReportEr
 pub(crate) fn measures(table: &DataFrame, column: &str) -> Result<Vec<Option<f64>>, ReportError> {
     Ok(table.column(column)?.f64()?.iter().map(|value| value.filter(|v| !v.is_nan())).collect())
 }
+
+/// A column that older studies lack: all its values are then undefined.
+pub(crate) fn newer(table: &DataFrame, column: &str) -> Result<Vec<Option<f64>>, ReportError> {
+    if table.column(column).is_ok() { measures(table, column) } else { Ok(vec![None; table.height()]) }
+}

@@ -5,6 +5,7 @@ mod canvas;
 mod chart;
 mod columns;
 mod convergence;
+mod cost;
 mod curve;
 mod directions;
 mod ending;
@@ -13,15 +14,25 @@ mod groups;
 mod iterations;
 mod legend;
 mod number;
+mod panels;
+mod profiles;
 mod rows;
 mod sample;
 mod scale;
+mod series;
 mod signs;
+mod size;
 mod statistics;
+mod study;
 mod style;
+mod subdomains;
+mod truth;
+mod work_precision;
 
 #[cfg(test)]
 mod fixture;
+#[cfg(test)]
+mod sweep_tests;
 #[cfg(test)]
 mod tests;
 

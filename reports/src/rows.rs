@@ -6,7 +6,7 @@ use polars::prelude::DataFrame;
 use serde_json::{Map, Value};
 
 use crate::ReportError;
-use crate::columns::{bools, measures, texts, u32s, u64s};
+use crate::columns::{bools, measures, newer, texts, u32s, u64s};
 use crate::ending::Ending;
 
 /// A run, without its curve.
@@ -25,13 +25,32 @@ pub(crate) struct RunRow {
     pub(crate) tolerance: Option<f64>,
     pub(crate) ending: Ending,
     pub(crate) iterations: u64,
+    pub(crate) setup_s: Option<f64>,
+    pub(crate) iterating_s: Option<f64>,
 }
 
 /// A sample of a curve; `None` where the measure is undefined.
 pub(crate) struct Point {
     pub(crate) iteration: u64,
+    pub(crate) iterating_s: Option<f64>,
     pub(crate) zeta: Option<f64>,
     pub(crate) natural_map: Option<f64>,
+    pub(crate) quad_dv: Option<f64>,
+    pub(crate) velocity_error: Option<f64>,
+    contact_updates: u64,
+    delassus_products: u64,
+    triangular_solve_entries: u64,
+}
+
+impl Point {
+    /// Counted work in sweeps over `contacts`: a contact updated counts as much as a contact passed in a product W p, that
+    /// is eight multiply-adds (two components of two grains, read and written back); an entry of a triangular factor is one.
+    /// Factorisations are not in it.
+    pub(crate) fn work(&self, contacts: u32) -> f64 {
+        let contacts = f64::from(contacts.max(1));
+        let visits = self.contact_updates as f64 + contacts * self.delassus_products as f64;
+        (visits + self.triangular_solve_entries as f64 / 8.0) / contacts
+    }
 }
 
 pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
@@ -42,6 +61,7 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
     let (variant, status) = (texts(table, "variant")?, texts(table, "status")?);
     let (stop_on, tolerance) = (texts(table, "stop_on")?, measures(table, "tolerance")?);
     let (warm_start, iterations) = (bools(table, "warm_start")?, u64s(table, "iterations")?);
+    let (setup_s, iterating_s) = (measures(table, "setup_s")?, measures(table, "iterating_s")?);
     let row = |i: usize| RunRow {
         run: run[i],
         problem: problem[i].clone(),
@@ -57,6 +77,8 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
         tolerance: tolerance[i],
         ending: Ending::of(&status[i]),
         iterations: iterations[i],
+        setup_s: setup_s[i],
+        iterating_s: iterating_s[i],
     };
     Ok((0..table.height()).map(row).collect())
 }
@@ -82,10 +104,23 @@ pub(crate) fn problems(runs: &[RunRow]) -> Vec<&str> {
 pub(crate) fn curves(table: &DataFrame) -> Result<BTreeMap<u32, Vec<Point>>, ReportError> {
     let (run, iteration) = (u32s(table, "run")?, u64s(table, "iteration")?);
     let (zeta, natural_map) = (measures(table, "zeta")?, measures(table, "natural_map")?);
+    let (quad_dv, iterating_s) = (measures(table, "quad_dv")?, measures(table, "iterating_s")?);
+    let velocity_error = newer(table, "velocity_error")?;
+    let (updates, products) = (u64s(table, "contact_updates")?, u64s(table, "delassus_products")?);
+    let entries = u64s(table, "triangular_solve_entries")?;
     let mut curves: BTreeMap<u32, Vec<Point>> = BTreeMap::new();
     for i in 0..table.height() {
-        let point = Point { iteration: iteration[i], zeta: zeta[i], natural_map: natural_map[i] };
-        curves.entry(run[i]).or_default().push(point);
+        curves.entry(run[i]).or_default().push(Point {
+            iteration: iteration[i],
+            iterating_s: iterating_s[i],
+            zeta: zeta[i],
+            natural_map: natural_map[i],
+            quad_dv: quad_dv[i],
+            velocity_error: velocity_error[i],
+            contact_updates: updates[i],
+            delassus_products: products[i],
+            triangular_solve_entries: entries[i],
+        });
     }
     for curve in curves.values_mut() {
         curve.sort_by_key(|point| point.iteration);

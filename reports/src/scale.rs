@@ -5,7 +5,7 @@ use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::ReportError;
-use crate::axis::LogAxis;
+use crate::axis::Axis;
 use crate::canvas::{Canvas, Place};
 use crate::style::{BLACK, FRAME, TEXT, TICK_TEXT, WHITE};
 
@@ -55,7 +55,7 @@ impl ColorScale {
             let piece = [(left, from), (right, from), (right, top), (left, top)];
             canvas.polygon(&piece, shade((i as f64 + 0.5) / PIECES as f64), None)?;
         }
-        let axis = LogAxis { low: self.low, high: self.high, from: bottom, to: top };
+        let axis = Axis::log((self.low, self.high), bottom, top);
         canvas.line(&[(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], FRAME)?;
         for (y, length) in axis.ticks() {
             canvas.line(&[(right, y), (right + length, y)], FRAME)?;

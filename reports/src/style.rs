@@ -48,6 +48,8 @@ pub(crate) const TOLERANCE: Pen = Pen { color: INK, width: 0.16, dash: &[1.2, 0.
 pub(crate) const GRAIN: Pen = Pen::solid(OUTLINE_GREY, 0.06);
 pub(crate) const BOUNDARY_GRAIN: Pen = Pen::solid(BLACK, 0.24);
 pub(crate) const WALL: Pen = Pen::solid(BLACK, 0.5);
+/// Under the curves that no other undercuts.
+pub(crate) const PARETO: Pen = Pen::solid(RGBColor(255, 214, 150), 1.8);
 /// Around the best cell of a map, on a line that shows on dark cells; and the derived directions.
 pub(crate) const BEST: Pen = Pen::solid(BLACK, 0.35);
 pub(crate) const HALO: Pen = Pen::solid(WHITE, 0.8);
@@ -66,6 +68,7 @@ pub(crate) enum Mark {
     Diamond,
     Plus,
     Bar,
+    Cross,
     Ring,
     Triangle,
 }
@@ -73,20 +76,22 @@ pub(crate) enum Mark {
 /// How the curves of each method look, in every study. The colours are close to those of Okabe and Ito, told apart with
 /// any colour vision, and made to differ in lightness where they can; the signs tell the rest in grey. `nsgs` is wide,
 /// since a method that decomposes into one subdomain may lie exactly upon it.
-pub(crate) const METHODS: [(&str, Pen, Mark); 6] = [
+pub(crate) const METHODS: [(&str, Pen, Mark); 8] = [
     ("nsgs", Pen::solid(BLACK, 0.6), Mark::None),
     ("nsgs-dd", Pen::solid(RGBColor(230, 159, 0), 0.3), Mark::Square),
     ("latin-dd", Pen::solid(RGBColor(0, 96, 160), 0.3), Mark::Diamond),
     ("jacobi", Pen::solid(RGBColor(190, 70, 0), 0.3), Mark::Ring),
     ("cg", Pen::solid(RGBColor(0, 150, 110), 0.3), Mark::Plus),
+    ("apgd", Pen::solid(RGBColor(86, 180, 233), 0.3), Mark::Bar),
+    ("nncg", Pen::solid(RGBColor(110, 60, 30), 0.3), Mark::Cross),
     ("interior-point", Pen::solid(RGBColor(190, 100, 160), 0.3), Mark::Triangle),
 ];
 
 /// For methods that have no look of their own, in the order in which a study names them.
 pub(crate) const SPARE: [(Pen, Mark); 3] = [
-    (Pen::solid(RGBColor(86, 180, 233), 0.3), Mark::Bar),
     (Pen::solid(RGBColor(120, 120, 120), 0.3), Mark::Square),
-    (Pen::solid(RGBColor(110, 60, 30), 0.3), Mark::Diamond),
+    (Pen::solid(RGBColor(150, 150, 40), 0.3), Mark::Diamond),
+    (Pen::solid(RGBColor(90, 90, 170), 0.3), Mark::Ring),
 ];
 
 /// Dashes of the variants of a method, in the order of their subdomains.

@@ -4,11 +4,11 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use super::field::Field;
 use crate::ReportError;
-use crate::axis::{Frame, LogAxis};
+use crate::axis::{Axis, Frame};
 use crate::canvas::{Canvas, Place, svg};
 use crate::number::{counted, number};
 use crate::signs::{Sign, Signs};
-use crate::statistics::{median, span};
+use crate::statistics::{median, padded};
 use crate::style::{BLACK, DERIVED, INK, LEADING, MARGIN, Mark, PAGE, Pen, TEXT};
 
 const LEFT: f64 = 12.0;
@@ -39,11 +39,11 @@ pub(crate) fn figure(fields: &[Field]) -> Result<String, ReportError> {
         canvas.text(&head(fields), (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top))?;
         let grains = padded(best.iter().chain(&derived).map(|p| p.0), 0.15);
         let pitch = PAGE / 2.0 - MARGIN;
-        let frame = |panel: usize, (low, high)| {
+        let frame = |panel: usize, range| {
             let from = MARGIN + LEFT + pitch * panel as f64;
             let top = MARGIN + ABOVE;
-            let x = LogAxis { low: grains.0, high: grains.1, from, to: from + pitch - LEFT - RIGHT };
-            Frame { x, y: LogAxis { low, high, from: top + HEIGHT, to: top } }
+            let x = Axis::log(grains, from, from + pitch - LEFT - RIGHT);
+            Frame { x, y: Axis::log(range, top + HEIGHT, top) }
         };
         let left = frame(0, padded(best.iter().chain(&derived).map(|p| p.1), 0.1));
         let right = frame(1, padded(ratios.iter().map(|p| p.1).chain([0.0]), 0.05));
@@ -81,13 +81,6 @@ fn medians(points: &Points) -> Points {
     xs.dedup();
     let of = |x: f64| points.iter().filter(|point| point.0 == x).map(|point| point.1).collect();
     xs.into_iter().filter_map(|x| Some((x, median(of(x))?))).collect()
-}
-
-/// A range with room at both ends, and some even if all values are equal.
-fn padded(values: impl Iterator<Item = f64>, room: f64) -> (f64, f64) {
-    let (low, high) = span(values).unwrap_or((0.0, 1.0));
-    let room = if high > low { room * (high - low).max(1.0) } else { 0.3 };
-    (low - room, high + room)
 }
 
 fn head(fields: &[Field]) -> String {

@@ -6,7 +6,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use super::field::{Cell, Field};
 use super::words::{head, notes, signs, title};
 use crate::ReportError;
-use crate::axis::{Frame, LogAxis, Ticks};
+use crate::axis::{Axis, Frame, Ticks};
 use crate::canvas::{Canvas, Place, svg, text_width};
 use crate::ending::Ending;
 use crate::number::count;
@@ -135,10 +135,9 @@ impl Page {
     ) -> Result<(), ReportError> {
         let left = MARGIN + LEFT + column as f64 * (self.side + GAP);
         let top = MARGIN + HEAD + row as f64 * (ABOVE + self.side + BELOW) + ABOVE;
-        let axis = |(low, high), from, to| LogAxis { low, high, from, to };
         let frame = Frame {
-            x: axis(self.kappa_l, left, left + self.side),
-            y: axis(self.kappa_d, top + self.side, top),
+            x: Axis::log(self.kappa_l, left, left + self.side),
+            y: Axis::log(self.kappa_d, top + self.side, top),
         };
         for (i, line) in title(field).iter().chain(&notes(field)).enumerate() {
             let place = (left, top - ABOVE + LEADING * i as f64);
