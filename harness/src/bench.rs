@@ -7,6 +7,7 @@ use crate::output::say;
 use crate::plan::{Plan, Variant};
 use crate::problems::Problem;
 use crate::progress;
+use crate::report;
 use crate::rows::{asked_row, ended_row, partitions, scene_rows};
 use crate::study::{Study, StudyArgs};
 use crate::truth::{Known, known};
@@ -64,14 +65,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let tables = rows.tables()?;
     let stored = store.write(&tables)?;
     let out = root.join("reports/out").join(&plan.name);
-    let files = reports::paper(&tables, &out)?;
+    let files = reports::report(&tables, reports::Chart::default_set(), &out)?;
     say(format_args!("{}", reports::iterations_text(&tables)?))?;
     say(format_args!("rows and curves   {}", stored.display()))?;
-    say(format_args!("table and figures {}", out.display()))?;
-    for file in files {
-        say(format_args!("  {}", file.file_name().unwrap_or_default().to_string_lossy()))?;
-    }
-    Ok(())
+    report::say_files(&out, &files)
 }
 
 impl Rows {

@@ -11,6 +11,7 @@ mod output;
 mod plan;
 mod problems;
 mod progress;
+mod report;
 mod rows;
 mod show;
 mod simulate;
@@ -50,6 +51,10 @@ enum Command {
     Bench(bench::Args),
     /// Show the runs of a plan
     Plan(show::Args),
+    /// Draw the tables and figures of the newest stored study of a plan again
+    Report(report::Args),
+    /// Draw one chart of the newest stored study of a plan, into reports/out/PLAN-CHART
+    Figure(report::FigureArgs),
     /// Solve one contact problem with one method
     Solve(solve::Args),
     /// Print what the reference solution, or a given one, leaves of a contact problem
@@ -80,6 +85,8 @@ fn run(cli: Cli) -> Result<()> {
     match cli.command {
         Command::Bench(args) => bench::run(&root, &args),
         Command::Plan(args) => show::run(&root, &args),
+        Command::Report(args) => report::run(&root, &args),
+        Command::Figure(args) => report::figure(&root, &args),
         Command::Solve(args) => solve::run(&root, &args),
         Command::Certify(args) => certify::run(&root, &args),
         Command::Freeze(args) => freeze::run(&root, &args),

@@ -1,11 +1,11 @@
-//! Logarithmic axes, and the frame that two of them span.
+//! Axes, and the frame that two of them span. A logarithmic axis is one of logarithms to base ten.
 
 use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::ReportError;
 use crate::canvas::{Canvas, Place};
-use crate::number::power_of_ten;
-use crate::style::{FRAME, GRID, TICK_TEXT};
+use crate::number::{number, power_of_ten};
+use crate::style::{FRAME, GRID, LEADING, TEXT, TICK_TEXT};
 
 /// Lengths of ticks at powers of ten and between them (mm).
 const MAJOR_TICK: f64 = 1.1;
@@ -13,31 +13,82 @@ const MINOR_TICK: f64 = 0.6;
 /// Labels nearer to each other than this (mm) are hard to read.
 const LABEL_PITCH: f64 = 5.0;
 
-/// A range of logarithms to base ten on a length of paper (mm).
-pub(crate) struct LogAxis {
+/// What the coordinates of an axis are, and so where its ticks stand.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Scale {
+    /// Logarithms, with powers of ten.
+    Ten,
+    /// Logarithms to base ten too, with powers of two.
+    Two,
+    /// Shares from 0 to 1.
+    Share,
+}
+
+/// A range of coordinates on a length of paper (mm).
+#[derive(Clone, Copy)]
+pub(crate) struct Axis {
+    pub(crate) scale: Scale,
     pub(crate) low: f64,
     pub(crate) high: f64,
     pub(crate) from: f64,
     pub(crate) to: f64,
 }
 
-impl LogAxis {
-    /// Where a logarithm is on paper.
+impl Axis {
+    /// A logarithmic axis with powers of ten.
+    pub(crate) fn log((low, high): (f64, f64), from: f64, to: f64) -> Self {
+        Self { scale: Scale::Ten, low, high, from, to }
+    }
+
+    /// Where a coordinate is on paper.
     pub(crate) fn place(&self, log: f64) -> f64 {
         self.from + (log - self.low) / (self.high - self.low) * (self.to - self.from)
     }
 
-    /// The powers of ten on the axis.
-    fn decades(&self) -> std::ops::RangeInclusive<i32> {
+    fn holds(&self, log: f64) -> bool {
         // Round-off must not lose the power at an end.
-        (self.low - 1e-9).ceil() as i32..=(self.high + 1e-9).floor() as i32
+        (self.low - 1e-9..=self.high + 1e-9).contains(&log)
     }
 
-    /// The powers of ten that get a label, in steps that keep labels apart.
-    fn labelled(&self) -> Vec<i32> {
+    /// Logarithms of the powers of ten on the axis.
+    fn decades(&self) -> Vec<i32> {
+        (self.low.floor() as i32..=self.high.ceil() as i32).filter(|e| self.holds(f64::from(*e))).collect()
+    }
+
+    /// The labels with their logarithms: powers of ten in steps that keep labels apart; where there are fewer than two,
+    /// once or twice and five times a power too.
+    pub(crate) fn labels(&self) -> Vec<(f64, String)> {
+        match self.scale {
+            Scale::Ten => self.powers_of_ten(),
+            Scale::Two => (0..32)
+                .map(|exponent| (f64::from(exponent) * 2f64.log10(), (1_u64 << exponent).to_string()))
+                .filter(|(log, _)| self.holds(*log))
+                .collect(),
+            Scale::Share => [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (share, share.to_string())).to_vec(),
+        }
+    }
+
+    fn powers_of_ten(&self) -> Vec<(f64, String)> {
+        let decades = self.decades();
+        if decades.len() < 2 {
+            return self.labels_between();
+        }
         let pitch = (self.place(1.0) - self.place(0.0)).abs();
         let step = (LABEL_PITCH / pitch).ceil() as i32;
-        self.decades().filter(|exponent| exponent % step == 0).collect()
+        let labelled = decades.into_iter().filter(|exponent| exponent % step == 0);
+        labelled.map(|exponent| (f64::from(exponent), power_of_ten(exponent))).collect()
+    }
+
+    fn labels_between(&self) -> Vec<(f64, String)> {
+        let multiples = |multiples: &[f64]| -> Vec<(f64, String)> {
+            let powers =
+                (self.low.floor() as i32..=self.high.ceil() as i32).map(|exponent| 10f64.powi(exponent));
+            let values = powers.flat_map(|power| multiples.iter().map(move |m| m * power));
+            let labels = values.map(|value| (value.log10(), number(value, 1)));
+            labels.filter(|(log, _)| self.holds(*log)).collect()
+        };
+        let few = multiples(&[1.0, 2.0, 5.0]);
+        if few.len() < 2 { multiples(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]) } else { few }
     }
 
     /// Places of the ticks at 2, 3 … 9 times a power of ten.
@@ -45,14 +96,31 @@ impl LogAxis {
         let first = self.low.floor() as i32;
         let logs = (first..=self.high.ceil() as i32)
             .flat_map(|exponent| (2..10).map(move |m| f64::from(exponent) + f64::from(m).log10()));
-        logs.filter(|log| (self.low..=self.high).contains(log)).map(|log| self.place(log)).collect()
+        logs.filter(|log| self.holds(*log)).map(|log| self.place(log)).collect()
+    }
+
+    /// Places of the ticks at powers of ten, and between them, with their lengths.
+    pub(crate) fn ticks(&self) -> Vec<(f64, f64)> {
+        if self.scale != Scale::Ten {
+            return self.labels().into_iter().map(|(at, _)| (self.place(at), MAJOR_TICK)).collect();
+        }
+        let major = self.decades().into_iter().map(|e| (self.place(f64::from(e)), MAJOR_TICK));
+        major.chain(self.minor_places().into_iter().map(|place| (place, MINOR_TICK))).collect()
     }
 }
 
-/// A panel: iterations to the right, a measure upwards.
+/// A panel: an axis to the right, one upwards.
+#[derive(Clone, Copy)]
 pub(crate) struct Frame {
-    pub(crate) x: LogAxis,
-    pub(crate) y: LogAxis,
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
+}
+
+/// On which side of a panel's edge the ticks are.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Ticks {
+    Inside,
+    Outside,
 }
 
 impl Frame {
@@ -61,53 +129,102 @@ impl Frame {
         (self.x.place(x), self.y.place(y))
     }
 
+    /// Its middle, for a word instead of a curve.
+    pub(crate) fn middle(&self) -> Place {
+        (f64::midpoint(self.x.from, self.x.to), f64::midpoint(self.y.from, self.y.to))
+    }
+
     /// Grid, ticks and their labels; what is drawn next lies above them.
     pub(crate) fn draw(&self, canvas: &Canvas) -> Result<(), ReportError> {
+        for (log, _) in self.x.labels() {
+            let x = self.x.place(log);
+            canvas.line(&[(x, self.y.from), (x, self.y.to)], GRID)?;
+        }
+        for (log, _) in self.y.labels() {
+            let y = self.y.place(log);
+            canvas.line(&[(self.x.from, y), (self.x.to, y)], GRID)?;
+        }
+        self.draw_border(canvas, Ticks::Inside)?;
+        self.label_x(canvas, Ticks::Inside)?;
+        self.label_y(canvas, Ticks::Inside)
+    }
+
+    /// Edges and ticks alone.
+    pub(crate) fn draw_border(&self, canvas: &Canvas, ticks: Ticks) -> Result<(), ReportError> {
         let (left, right, bottom, top) = (self.x.from, self.x.to, self.y.from, self.y.to);
-        for exponent in self.x.decades() {
-            let x = self.x.place(f64::from(exponent));
-            canvas.line(&[(x, bottom), (x, top)], GRID)?;
-            canvas.line(&[(x, bottom), (x, bottom - MAJOR_TICK)], FRAME)?;
+        let inwards = if ticks == Ticks::Inside { 1.0 } else { -1.0 };
+        for (x, length) in self.x.ticks() {
+            canvas.line(&[(x, bottom), (x, bottom - inwards * length)], FRAME)?;
         }
-        for exponent in self.y.decades() {
-            let y = self.y.place(f64::from(exponent));
-            canvas.line(&[(left, y), (right, y)], GRID)?;
-            canvas.line(&[(left, y), (left + MAJOR_TICK, y)], FRAME)?;
+        for (y, length) in self.y.ticks() {
+            canvas.line(&[(left, y), (left + inwards * length, y)], FRAME)?;
         }
-        for x in self.x.minor_places() {
-            canvas.line(&[(x, bottom), (x, bottom - MINOR_TICK)], FRAME)?;
-        }
-        for y in self.y.minor_places() {
-            canvas.line(&[(left, y), (left + MINOR_TICK, y)], FRAME)?;
-        }
-        canvas.line(&[(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)], FRAME)?;
-        for exponent in self.x.labelled() {
-            let place = (self.x.place(f64::from(exponent)), bottom + 0.8);
-            canvas.text(&power_of_ten(exponent), place, TICK_TEXT, (HPos::Center, VPos::Top))?;
-        }
-        for exponent in self.y.labelled() {
-            let place = (left - 0.9, self.y.place(f64::from(exponent)));
-            canvas.text(&power_of_ten(exponent), place, TICK_TEXT, (HPos::Right, VPos::Center))?;
+        canvas.line(&[(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)], FRAME)
+    }
+
+    pub(crate) fn label_x(&self, canvas: &Canvas, ticks: Ticks) -> Result<(), ReportError> {
+        let y = self.y.from + 0.8 + room(ticks);
+        for (log, text) in self.x.labels() {
+            canvas.text(&text, (self.x.place(log), y), TICK_TEXT, (HPos::Center, VPos::Top))?;
         }
         Ok(())
     }
+
+    pub(crate) fn label_y(&self, canvas: &Canvas, ticks: Ticks) -> Result<(), ReportError> {
+        let x = self.x.from - 0.9 - room(ticks);
+        for (log, text) in self.y.labels() {
+            canvas.text(&text, (x, self.y.place(log)), TICK_TEXT, (HPos::Right, VPos::Center))?;
+        }
+        Ok(())
+    }
+
+    /// The names of both axes: below, and above the upper left corner.
+    pub(crate) fn name(&self, canvas: &Canvas, x: &str, y: &str) -> Result<(), ReportError> {
+        let below = (self.middle().0, self.y.from + 0.8 + LEADING);
+        canvas.text(x, below, TEXT, (HPos::Center, VPos::Top))?;
+        canvas.text(y, (self.x.from, self.y.to - 0.8), TEXT, (HPos::Left, VPos::Bottom))
+    }
+}
+
+/// What ticks take beside a panel (mm).
+fn room(ticks: Ticks) -> f64 {
+    if ticks == Ticks::Outside { MAJOR_TICK } else { 0.0 }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn logs(axis: &Axis) -> Vec<f64> {
+        axis.labels().into_iter().map(|(log, _)| log).collect()
+    }
+
     #[test]
     fn powers_at_both_ends_are_kept_and_minor_ticks_lie_between() {
-        let axis = LogAxis { low: -4.0, high: 0.0, from: 0.0, to: 40.0 };
-        assert_eq!(axis.labelled(), [-4, -3, -2, -1, 0]);
+        let axis = Axis::log((-4.0, 0.0), 0.0, 40.0);
+        assert_eq!(logs(&axis), [-4.0, -3.0, -2.0, -1.0, 0.0]);
         assert_eq!(axis.minor_places().len(), 32);
         assert_eq!(axis.place(-3.0), 10.0);
     }
 
     #[test]
     fn many_decades_are_labelled_in_steps() {
-        let axis = LogAxis { low: -12.0, high: 2.0, from: 60.0, to: 0.0 };
-        assert_eq!(axis.labelled(), [-12, -10, -8, -6, -4, -2, 0, 2]);
+        let axis = Axis::log((-12.0, 2.0), 60.0, 0.0);
+        assert_eq!(logs(&axis), [-12.0, -10.0, -8.0, -6.0, -4.0, -2.0, 0.0, 2.0]);
+    }
+
+    #[test]
+    fn powers_of_two_are_labelled_by_their_values() {
+        let axis = Axis { scale: Scale::Two, ..Axis::log((-0.1, 1.0), 0.0, 40.0) };
+        let texts: Vec<String> = axis.labels().into_iter().map(|(_, text)| text).collect();
+        assert_eq!(texts, ["1", "2", "4", "8"]);
+        assert_eq!(axis.ticks().len(), 4);
+    }
+
+    #[test]
+    fn short_axis_has_labels_between_the_powers() {
+        let axis = Axis::log((2.2, 3.1), 0.0, 40.0);
+        let texts: Vec<String> = axis.labels().into_iter().map(|(_, text)| text).collect();
+        assert_eq!(texts, ["200", "500", "1000"]);
     }
 }

@@ -103,7 +103,18 @@ impl Canvas<'_> {
         size_pt: f64,
         anchor: (HPos, VPos),
     ) -> Result<(), ReportError> {
-        let style = TextStyle::from(font(size_pt)).pos(Pos::new(anchor.0, anchor.1)).color(&BLACK);
+        self.text_in(BLACK, text, place, size_pt, anchor)
+    }
+
+    pub(crate) fn text_in(
+        &self,
+        color: RGBColor,
+        text: &str,
+        place: Place,
+        size_pt: f64,
+        anchor: (HPos, VPos),
+    ) -> Result<(), ReportError> {
+        let style = TextStyle::from(font(size_pt)).pos(Pos::new(anchor.0, anchor.1)).color(&color);
         self.area.draw_text(text, &style, (units(place.0), units(place.1))).map_err(refused)
     }
 
@@ -128,6 +139,16 @@ impl Canvas<'_> {
             Mark::Plus => {
                 self.line(&[(x - HALF, y), (x + HALF, y)], pen)?;
                 self.line(&[(x, y - HALF), (x, y + HALF)], pen)
+            }
+            Mark::Ring => self.disc((x, y), HALF, WHITE, Some(pen)),
+            Mark::Triangle => {
+                let h = 1.1 * HALF;
+                self.polygon(&[(x - h, y + h), (x, y - h), (x + h, y + h)], WHITE, Some(pen))
+            }
+            Mark::Cross => {
+                let h = 0.8 * HALF;
+                self.line(&[(x - h, y - h), (x + h, y + h)], pen)?;
+                self.line(&[(x - h, y + h), (x + h, y - h)], pen)
             }
             Mark::Bar => self.line(&[(x, y - HALF), (x, y + HALF)], pen),
         }

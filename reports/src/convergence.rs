@@ -1,18 +1,19 @@
 //! Measures against iterations: ζ, the paper's indicator, on the left, and the natural map of the same runs.
 
-use std::collections::BTreeMap;
-
 use plotters::style::text_anchor::{HPos, VPos};
 use results::store::Tables;
 
-use crate::ReportError;
-use crate::axis::{Frame, LogAxis};
-use crate::canvas::{Canvas, Place, svg};
-use crate::curve::{LogPoint, height_at, log_point, range, visible};
-use crate::legend::{Ending, Legend, Looks};
+use crate::axis::{Axis, Frame};
+use crate::canvas::{Canvas, svg};
+use crate::curve::{log_point, range};
+use crate::ending::Ending;
+use crate::legend::Legend;
 use crate::number::{counted, number, round_up};
-use crate::rows::{Point, RunRow, curves, runs};
+use crate::rows::{Point, RunRow, problems, runs};
+use crate::signs::Sign;
+use crate::study::{Study, draw_lines};
 use crate::style::{LEADING, MARGIN, PAGE, PAGE_HEIGHT, TEXT, TICK_TEXT, TOLERANCE};
+use crate::{File, ReportError};
 
 /// Left of a panel for the labels of its ticks, and right of it for the tolerance (mm).
 const LEFT: f64 = 11.0;
@@ -44,40 +45,28 @@ const MEASURES: [Measure; 2] = [
     },
 ];
 
-/// What all panels of a study share.
-struct Study<'t> {
-    runs: &'t [RunRow],
-    curves: BTreeMap<u32, Vec<Point>>,
-    looks: Looks<'t>,
-}
-
-/// `convergence-<problem>` for each problem, and `convergence` with all of them if a page holds that many.
-pub(crate) fn figures(tables: &Tables) -> Result<Vec<(String, String)>, ReportError> {
+/// `convergence-<problem>.svg` for each problem, and `convergence.svg` with all of them if a page holds that many.
+pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
     let runs = runs(&tables.runs)?;
-    let study = Study { runs: &runs, curves: curves(&tables.curves)?, looks: Looks::new(&runs) };
-    let mut problems: Vec<&str> = Vec::new();
-    for run in &runs {
-        if !problems.contains(&run.problem.as_str()) {
-            problems.push(&run.problem);
-        }
-    }
-    let mut figures = Vec::new();
+    let study = Study::of(&runs, tables)?;
+    let problems = problems(&runs);
+    let mut files = Vec::new();
     for &problem in &problems {
-        let name = format!("convergence-{}", crate::file_name(problem));
-        figures.push((name, study.figure(&[problem], ALONE)?));
+        let name = format!("convergence-{}.svg", crate::file_name(problem));
+        files.push((name, study.figure(&[problem], ALONE)?));
     }
-    let legend = study.legend(&problems)?.height() + 2.0 * MARGIN;
+    let legend = study.key(&problems)?.height() + 2.0 * MARGIN;
     let panel = (PAGE_HEIGHT - legend) / problems.len().max(1) as f64 - ABOVE - BELOW;
     if panel >= LEAST {
-        figures.push(("convergence".to_owned(), study.figure(&problems, panel.min(GREATEST))?));
+        files.push(("convergence.svg".to_owned(), study.figure(&problems, panel.min(GREATEST))?));
     }
-    Ok(figures)
+    Ok(files)
 }
 
 impl Study<'_> {
     /// One row of panels per problem, with one legend below.
     fn figure(&self, problems: &[&str], panel: f64) -> Result<String, ReportError> {
-        let legend = self.legend(problems)?;
+        let legend = self.key(problems)?;
         let rows = problems.len().max(1) as f64 * (ABOVE + panel + BELOW);
         let height = (2.0 * MARGIN + rows + legend.height()).ceil();
         svg((PAGE, height), |canvas| {
@@ -93,22 +82,18 @@ impl Study<'_> {
         })
     }
 
-    /// A run that was skipped has no line.
-    fn runs_of(&self, problem: &str) -> Vec<&RunRow> {
-        let has_line = |run: &&RunRow| run.problem == problem && run.status != "skipped";
-        let mut runs: Vec<&RunRow> = self.runs.iter().filter(has_line).collect();
-        runs.sort_by_key(|run| self.looks.rank(run));
-        runs
-    }
-
-    /// One entry per kind of run.
-    fn legend(&self, problems: &[&str]) -> Result<Legend, ReportError> {
-        let mut shown: BTreeMap<(usize, usize), &RunRow> = BTreeMap::new();
-        for run in problems.iter().flat_map(|problem| self.runs_of(problem)) {
-            shown.entry(self.looks.rank(run)).or_insert(run);
-        }
-        let entries = shown.values().map(|run| (self.looks.label(run), self.looks.look(run))).collect();
-        Legend::new(entries, PAGE - 2.0 * MARGIN - LEFT)
+    /// One entry per kind of run, the signs, and the runs that have no line since nothing was left to do.
+    fn key(&self, problems: &[&str]) -> Result<Legend, ReportError> {
+        let runs: Vec<&RunRow> = problems.iter().flat_map(|problem| self.runs_of(problem)).collect();
+        let begun = |run: &&&RunRow| run.ending == Ending::Converged && run.iterations == 0;
+        let note = |run: &&RunRow| {
+            let text =
+                format!("{} on {}: converged at its start, no line", self.looks.label(run), run.problem);
+            (Sign::Word, text)
+        };
+        let tolerance = (Sign::Line(TOLERANCE), "stopping tolerance".to_owned());
+        let more = std::iter::once(tolerance).chain(runs.iter().filter(begun).map(note)).collect();
+        self.legend(&runs, more, PAGE - 2.0 * MARGIN - LEFT)
     }
 
     fn draw_problem(
@@ -125,14 +110,10 @@ impl Study<'_> {
         let pitch = (PAGE - 2.0 * MARGIN) / MEASURES.len() as f64;
         for (i, measure) in MEASURES.iter().enumerate() {
             let from = left + pitch * i as f64;
-            let x = LogAxis { low: 0.0, high: most, from, to: from + pitch - LEFT - RIGHT };
+            let x = Axis::log((0.0, most), from, from + pitch - LEFT - RIGHT);
             self.draw_panel(canvas, measure, &runs, x, (top, bottom))?;
         }
         Ok(())
-    }
-
-    fn curve(&self, run: &RunRow) -> &[Point] {
-        self.curves.get(&run.run).map_or(&[], Vec::as_slice)
     }
 
     fn draw_panel(
@@ -140,62 +121,18 @@ impl Study<'_> {
         canvas: &Canvas,
         measure: &Measure,
         runs: &[&RunRow],
-        x: LogAxis,
+        x: Axis,
         (top, bottom): (f64, f64),
     ) -> Result<(), ReportError> {
-        let logs = |run: &&RunRow| -> (bool, Vec<LogPoint>) {
-            let points = self.curve(run).iter().filter_map(|p| log_point(p.iteration, (measure.of)(p)));
-            (Ending::of(&run.status) != Ending::Failed, points.collect())
-        };
-        let lines: Vec<_> = runs.iter().map(logs).collect();
+        let lines = self.lines(runs, |_, point| log_point(point.iteration as f64, (measure.of)(point)));
         let tolerances = tolerances(runs, measure.name);
-        let (low, high) = range(&lines, &tolerances);
-        let frame = Frame { x, y: LogAxis { low, high, from: bottom, to: top } };
+        let frame = Frame { x, y: Axis::log(range(&lines, &tolerances), bottom, top) };
         frame.draw(canvas)?;
-        canvas.text(measure.title, (frame.x.from, top - 0.8), TEXT, (HPos::Left, VPos::Bottom))?;
-        let below = (f64::midpoint(frame.x.from, frame.x.to), bottom + 0.8 + LEADING);
-        canvas.text("iterations", below, TEXT, (HPos::Center, VPos::Top))?;
+        frame.name(canvas, "iterations", measure.title)?;
         for tolerance in tolerances {
             draw_tolerance(canvas, &frame, tolerance)?;
         }
-        let mut drawn = 0;
-        for (i, (run, (_, line))) in runs.iter().zip(&lines).enumerate() {
-            let pieces = visible(line, (low, high));
-            drawn += pieces.len();
-            self.draw_line(canvas, &frame, run, &pieces, i as f64 / runs.len() as f64)?;
-        }
-        if drawn == 0 {
-            let middle = (f64::midpoint(frame.x.from, frame.x.to), f64::midpoint(top, bottom));
-            canvas.text("no value in this range", middle, TEXT, (HPos::Center, VPos::Center))?;
-        }
-        Ok(())
-    }
-
-    /// A line, signs of its method along it at a phase of its own, and how the run ended.
-    fn draw_line(
-        &self,
-        canvas: &Canvas,
-        frame: &Frame,
-        run: &RunRow,
-        pieces: &[Vec<(f64, f64)>],
-        phase: f64,
-    ) -> Result<(), ReportError> {
-        const MARKS: usize = 3;
-        let look = self.looks.look(run);
-        for piece in pieces {
-            let places: Vec<Place> = piece.iter().map(|&point| frame.place(point)).collect();
-            canvas.line(&places, look.pen)?;
-        }
-        for k in 0..MARKS {
-            let x = frame.x.low + (k as f64 + phase) / MARKS as f64 * (frame.x.high - frame.x.low);
-            if let Some(y) = height_at(pieces, x) {
-                canvas.mark(look.mark, frame.place((x, y)), look.pen)?;
-            }
-        }
-        match pieces.last().and_then(|piece| piece.last()) {
-            Some(&end) => Ending::of(&run.status).draw(canvas, frame.place(end), look.pen.color),
-            None => Ok(()),
-        }
+        draw_lines(canvas, &frame, &lines)
     }
 }
 
@@ -215,7 +152,7 @@ fn tolerances(runs: &[&RunRow], measure: &str) -> Vec<f64> {
 }
 
 /// The problem, its size, and how many runs were made on it.
-fn title(problem: &str, runs: &[&RunRow]) -> String {
+pub(crate) fn title(problem: &str, runs: &[&RunRow]) -> String {
     let size = runs.first().map_or_else(String::new, |run| {
         format!(": {}, {}", counted(run.grains as usize, "grain"), counted(run.contacts as usize, "contact"))
     });

@@ -1,26 +1,34 @@
-//! Curves of a measure over iterations, in logarithms: their range, and what of them lies in a frame.
+//! Curves in logarithms: their range, and what of them lies in a frame.
+
+use crate::ending::Ending;
+use crate::study::Line;
 
 /// Stands for the logarithms of zero and of infinity: beyond every number, and still fit to interpolate with.
 const BEYOND: f64 = 400.0;
 
-/// Logarithms of iteration and measure; `None` where the measure is undefined.
+/// Logarithms of a cost and of a measure; `None` where one is undefined.
 pub(crate) type LogPoint = Option<(f64, f64)>;
 
-/// A point in logarithms. Iteration 0 has no place on the axis.
-pub(crate) fn log_point(iteration: u64, measure: Option<f64>) -> Option<LogPoint> {
-    let log = |value: f64| value.log10().clamp(-BEYOND, BEYOND);
-    (iteration > 0).then(|| measure.map(|value| ((iteration as f64).log10(), log(value.max(0.0)))))
+/// A logarithm that is a number for any value that is one.
+pub(crate) fn log(value: f64) -> f64 {
+    value.max(0.0).log10().clamp(-BEYOND, BEYOND)
+}
+
+/// A point in logarithms. A cost of 0 has no place on the axis.
+pub(crate) fn log_point(cost: f64, measure: Option<f64>) -> Option<LogPoint> {
+    (cost > 0.0).then(|| measure.map(|value| (log(cost), log(value))))
 }
 
 /// Range of the curves and the tolerances, at least a decade: all that the settled runs reach between 10⁻¹² and 10³,
 /// and of the others what lies below ten, so that they are seen to leave the frame.
-pub(crate) fn range(curves: &[(bool, Vec<LogPoint>)], tolerances: &[f64]) -> (f64, f64) {
+pub(crate) fn range(lines: &[Line], tolerances: &[f64]) -> (f64, f64) {
     const LOWEST: f64 = -12.0;
     /// Room for the sign at the end of a line, and between the labels that meet in a corner.
     const ROOM: f64 = 0.3;
-    let reached = curves.iter().flat_map(|(settled, points)| {
-        let highest = if *settled { 3.0 } else { 1.0 };
-        points.iter().flatten().map(move |&(_, y)| y.clamp(LOWEST, highest))
+    let reached = lines.iter().flat_map(|line| {
+        let settled = matches!(line.ending, Ending::Converged | Ending::IterationLimit);
+        let highest = if settled { 3.0 } else { 1.0 };
+        line.points.iter().flatten().map(move |&(_, y)| y.clamp(LOWEST, highest))
     });
     let logs = reached.chain(tolerances.iter().map(|tolerance| tolerance.log10()));
     let (low, high) =
@@ -59,6 +67,13 @@ pub(crate) fn visible(points: &[LogPoint], (low, high): (f64, f64)) -> Vec<Vec<(
     pieces
 }
 
+/// The pieces of a curve inside a frame.
+pub(crate) fn inside(points: &[LogPoint], x: (f64, f64), y: (f64, f64)) -> Vec<Vec<(f64, f64)>> {
+    let turned = |piece: &[(f64, f64)]| piece.iter().map(|&(x, y)| Some((y, x))).collect::<Vec<LogPoint>>();
+    let within = visible(points, y).into_iter().flat_map(|piece| visible(&turned(&piece), x));
+    within.map(|piece| piece.into_iter().map(|(y, x)| (x, y)).collect()).collect()
+}
+
 type Segment = ((f64, f64), (f64, f64));
 
 /// The part of a segment between two heights.
@@ -74,17 +89,32 @@ fn cut(from: (f64, f64), to: (f64, f64), (low, high): (f64, f64)) -> Option<Segm
     (enter <= leave).then(|| (at(enter), if leave == 1.0 { to } else { at(leave) }))
 }
 
-/// Height of the pieces at a given x, if one of them passes there.
-pub(crate) fn height_at(pieces: &[Vec<(f64, f64)>], x: f64) -> Option<f64> {
-    let segment = pieces.iter().flat_map(|piece| piece.windows(2)).find(|s| s[0].0 <= x && x <= s[1].0)?;
-    let run = segment[1].0 - segment[0].0;
-    let t = if run > 0.0 { (x - segment[0].0) / run } else { 0.0 };
-    Some(segment[0].1 + t * (segment[1].1 - segment[0].1))
+/// The place after a share of the length of all pieces.
+pub(crate) fn along(pieces: &[Vec<(f64, f64)>], share: f64) -> Option<(f64, f64)> {
+    let length = |s: &[(f64, f64)]| (s[1].0 - s[0].0).hypot(s[1].1 - s[0].1);
+    let segments = || pieces.iter().flat_map(|piece| piece.windows(2));
+    let mut left = share * segments().map(length).sum::<f64>();
+    for segment in segments() {
+        let length = length(segment);
+        if left <= length && length > 0.0 {
+            let t = left / length;
+            let between = |a: f64, b: f64| a + t * (b - a);
+            return Some((between(segment[0].0, segment[1].0), between(segment[0].1, segment[1].1)));
+        }
+        left -= length;
+    }
+    None
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::legend::Look;
+    use crate::style::{GRID, Mark};
+
+    fn line(ending: Ending, points: Vec<LogPoint>) -> Line {
+        Line { look: Look { pen: GRID, mark: Mark::None }, ending, points }
+    }
 
     #[test]
     fn curve_is_cut_where_it_leaves_and_enters_the_frame() {
@@ -101,40 +131,52 @@ mod tests {
 
     #[test]
     fn zero_and_infinity_leave_the_frame_at_its_edges() {
-        let points: Vec<LogPoint> =
-            [1.0, 0.0].into_iter().zip(1..).filter_map(|(value, i)| log_point(i, Some(value))).collect();
+        let points: Vec<LogPoint> = [1.0, 0.0]
+            .into_iter()
+            .zip(1..)
+            .filter_map(|(value, i)| log_point(f64::from(i), Some(value)))
+            .collect();
         let pieces = visible(&points, (-4.0, 0.0));
         assert_eq!(pieces.len(), 1);
         assert_eq!(pieces[0][1].1, -4.0);
-        let infinite = log_point(10, Some(f64::INFINITY)).unwrap().unwrap();
+        let infinite = log_point(10.0, Some(f64::INFINITY)).unwrap().unwrap();
         assert_eq!(infinite, (1.0, BEYOND));
         assert!(visible(&[Some(infinite)], (-4.0, 0.0)).is_empty());
     }
 
     #[test]
     fn iteration_zero_has_no_place() {
-        assert_eq!(log_point(0, Some(1.0)), None);
-        assert_eq!(log_point(1, None), Some(None));
+        assert_eq!(log_point(0.0, Some(1.0)), None);
+        assert_eq!(log_point(1.0, None), Some(None));
     }
 
     #[test]
     fn range_holds_values_and_tolerance_with_a_little_room() {
         let curve = vec![Some((0.0, -0.5)), None, Some((1.0, -2.5))];
-        assert_eq!(range(&[(true, curve.clone())], &[1e-4]), (-4.3, -0.2));
-        assert_eq!(range(&[(true, curve)], &[]), (-2.8, -0.2));
-        assert_eq!(range(&[(true, vec![Some((0.0, 0.0))])], &[]), (-1.3, 0.3));
+        assert_eq!(range(&[line(Ending::Converged, curve.clone())], &[1e-4]), (-4.3, -0.2));
+        assert_eq!(range(&[line(Ending::Converged, curve)], &[]), (-2.8, -0.2));
+        assert_eq!(range(&[line(Ending::Converged, vec![Some((0.0, 0.0))])], &[]), (-1.3, 0.3));
         assert_eq!(range(&[], &[]), (-4.0, 0.0));
     }
 
     #[test]
     fn failed_run_does_not_stretch_the_range() {
         let explosion = vec![Some((0.0, -0.5)), Some((1.0, 300.0))];
-        assert_eq!(range(&[(false, explosion)], &[]), (-0.8, 1.3));
+        assert_eq!(range(&[line(Ending::Diverged, explosion)], &[]), (-0.8, 1.3));
     }
 
     #[test]
-    fn height_is_interpolated() {
-        assert_eq!(height_at(&[vec![(0.0, 0.0), (2.0, 4.0)]], 0.5), Some(1.0));
-        assert_eq!(height_at(&[vec![(0.0, 0.0), (2.0, 4.0)]], 2.5), None);
+    fn curve_is_cut_at_all_sides_of_a_frame() {
+        let points = [Some((-2.0, 0.5)), Some((2.0, 0.5)), Some((2.0, 3.0)), Some((0.0, 1.0))];
+        let pieces = inside(&points, (-1.0, 1.5), (0.0, 2.0));
+        assert_eq!(pieces, [vec![(-1.0, 0.5), (1.5, 0.5)], vec![(1.0, 2.0), (0.0, 1.0)]]);
+    }
+
+    #[test]
+    fn place_along_pieces_is_measured_from_their_start() {
+        let pieces = [vec![(0.0, 0.0), (2.0, 0.0)], vec![(5.0, 1.0), (5.0, 3.0)]];
+        assert_eq!(along(&pieces, 0.25), Some((1.0, 0.0)));
+        assert_eq!(along(&pieces, 0.75), Some((5.0, 2.0)));
+        assert_eq!(along(&[vec![(0.0, 0.0)]], 0.5), None);
     }
 }

@@ -87,6 +87,13 @@ pub(crate) fn tables(runs: &[Run], curves: &[(u32, Vec<Sample>)]) -> Tables {
     }
 }
 
+/// The same tables with a velocity error that is the natural map.
+pub(crate) fn with_truth(mut tables: Tables) -> Tables {
+    let error = tables.curves.column("natural_map").unwrap().clone().with_name("velocity_error".into());
+    tables.curves.with_column(error).unwrap();
+    tables
+}
+
 /// Two touching discs on a wall, each with contacts in a subdomain of its own, and a disc above without contact.
 pub(crate) fn scene(impulse: f64) -> (Vec<GrainRow>, Vec<ContactRow>) {
     let grain = |grain, x_m, y_m, subdomain, multiplicity| GrainRow {

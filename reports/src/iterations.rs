@@ -101,7 +101,7 @@ pub(crate) fn to_markdown(table: &DataFrame) -> Result<String, ReportError> {
     }
     let mut text = lines.join("\n") + "\n";
     if table.height() == 0 {
-        text += "\nno run in this study\n";
+        text += "\nno such run in this study\n";
     }
     Ok(text)
 }

@@ -1,12 +1,12 @@
-//! Which line is which run, below the panels and covering nothing; and what the ends of lines say.
+//! Which line is which run, below the panels and covering nothing.
 
-use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::ReportError;
 use crate::canvas::{Canvas, Place, text_width};
 use crate::rows::RunRow;
-use crate::style::{DASHES, LEADING, METHODS, Mark, Pen, TEXT, TOLERANCE, WHITE};
+use crate::signs::{Sign, Signs};
+use crate::style::{DASHES, LEADING, METHODS, Mark, Pen, SPARE, TEXT};
 
 /// Length of the sample of a line (mm).
 const KEY: f64 = 9.0;
@@ -66,15 +66,27 @@ impl<'t> Looks<'t> {
     }
 
     pub(crate) fn look(&self, run: &RunRow) -> Look {
-        let (method, variant) = self.rank(run);
-        let (pen, mark) = METHODS[method % METHODS.len()];
-        Look { pen: Pen { dash: DASHES[variant % DASHES.len()], ..pen }, mark }
+        let (pen, mark) = self.method(&run.method);
+        Look { pen: Pen { dash: DASHES[self.rank(run).1 % DASHES.len()], ..pen }, mark }
+    }
+
+    /// A method looks the same in every study; one without a look of its own takes the next spare one.
+    pub(crate) fn method(&self, name: &str) -> (Pen, Mark) {
+        let own = |name: &str| METHODS.iter().find(|(known, ..)| *known == name);
+        if let Some((_, pen, mark)) = own(name) {
+            return (*pen, *mark);
+        }
+        let mut others = self.methods.iter().map(|(other, _)| *other).filter(|other| own(other).is_none());
+        SPARE[others.position(|other| other == name).unwrap_or(0) % SPARE.len()]
     }
 
     pub(crate) fn label(&self, run: &RunRow) -> String {
         let mut label = run.method.clone();
-        if !run.variant.is_empty() {
-            label.extend([" ", run.variant.as_str()]);
+        match run.variant.as_str() {
+            // Such as a preconditioner that is none.
+            "" | "none" => {}
+            grid if grid.starts_with(|c: char| c.is_ascii_digit()) => label.extend([" ", grid]),
+            words => label.extend([", ", words]),
         }
         if self.both_starts && run.warm_start {
             label += ", warm start";
@@ -83,64 +95,33 @@ impl<'t> Looks<'t> {
     }
 }
 
-/// How a run ended, as a sign at the end of its line.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Ending {
-    Converged,
-    IterationLimit,
-    Failed,
-}
-
-impl Ending {
-    pub(crate) fn of(status: &str) -> Self {
-        match status {
-            "converged" => Self::Converged,
-            "iteration-limit" => Self::IterationLimit,
-            _ => Self::Failed,
-        }
-    }
-
-    pub(crate) fn draw(self, canvas: &Canvas, (x, y): Place, color: RGBColor) -> Result<(), ReportError> {
-        const HALF: f64 = 0.85;
-        let pen = Pen { color, width: 0.3, dash: &[] };
-        match self {
-            Self::Converged => {
-                canvas.disc((x, y), 0.7, color, Some(Pen { color: WHITE, width: 0.1, dash: &[] }))
-            }
-            Self::IterationLimit => {
-                canvas.polygon(&[(x, y - HALF), (x + 1.7 * HALF, y), (x, y + HALF)], WHITE, Some(pen))
-            }
-            Self::Failed => {
-                let pen = Pen { width: 0.45, ..pen };
-                canvas.line(&[(x - HALF, y - HALF), (x + HALF, y + HALF)], pen)?;
-                canvas.line(&[(x - HALF, y + HALF), (x + HALF, y - HALF)], pen)
-            }
-        }
-    }
-}
-
-/// Entries in columns, filled downwards so that the variants of a method stand together.
+/// Entries in columns, filled downwards so that the variants of a method stand together; the key of the signs below.
 pub(crate) struct Legend {
     entries: Vec<(String, Look)>,
     rows: usize,
     /// Widths of the columns (mm).
     column: f64,
+    signs: Signs,
 }
 
 impl Legend {
     /// Lays entries out in a width (mm).
-    pub(crate) fn new(entries: Vec<(String, Look)>, width: f64) -> Result<Self, ReportError> {
+    pub(crate) fn new(
+        entries: Vec<(String, Look)>,
+        signs: Vec<(Sign, String)>,
+        width: f64,
+    ) -> Result<Self, ReportError> {
         let mut column = 0.0_f64;
         for (label, _) in &entries {
             column = column.max(KEY + GAP + text_width(label, TEXT)? + COLUMN_GAP);
         }
         let columns = if column > 0.0 { ((width / column) as usize).max(1) } else { 1 };
-        Ok(Self { rows: entries.len().div_ceil(columns), entries, column })
+        Ok(Self { rows: entries.len().div_ceil(columns), entries, column, signs: Signs::new(signs, width)? })
     }
 
-    /// Height with the line that explains the signs (mm).
+    /// Height (mm).
     pub(crate) fn height(&self) -> f64 {
-        LEADING * (self.rows + 1) as f64
+        LEADING * self.rows as f64 + self.signs.height()
     }
 
     pub(crate) fn draw(&self, canvas: &Canvas, (left, top): Place) -> Result<(), ReportError> {
@@ -151,27 +132,6 @@ impl Legend {
             canvas.mark(look.mark, (x + KEY / 2.0, y), look.pen)?;
             canvas.text(label, (x + KEY + GAP, y), TEXT, (HPos::Left, VPos::Center))?;
         }
-        draw_signs(canvas, (left, top + LEADING * (self.rows as f64 + 0.5)))
+        self.signs.draw(canvas, (left, top + LEADING * self.rows as f64))
     }
-}
-
-/// What the signs at the ends of lines and the thin dashed line mean.
-fn draw_signs(canvas: &Canvas, (left, y): Place) -> Result<(), ReportError> {
-    let color = TOLERANCE.color;
-    let endings = [
-        (Ending::Converged, "converged"),
-        (Ending::IterationLimit, "iteration limit"),
-        (Ending::Failed, "failed, or left the frame"),
-    ];
-    let mut x = left;
-    canvas.text("ends:", (x, y), TEXT, (HPos::Left, VPos::Center))?;
-    x += text_width("ends:", TEXT)? + 2.0 * GAP;
-    for (ending, text) in endings {
-        ending.draw(canvas, (x, y), color)?;
-        x += 2.0 * GAP;
-        canvas.text(text, (x, y), TEXT, (HPos::Left, VPos::Center))?;
-        x += text_width(text, TEXT)? + COLUMN_GAP;
-    }
-    canvas.line(&[(x, y), (x + KEY, y)], TOLERANCE)?;
-    canvas.text("stopping tolerance", (x + KEY + GAP, y), TEXT, (HPos::Left, VPos::Center))
 }

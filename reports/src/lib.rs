@@ -2,29 +2,48 @@
 
 mod axis;
 mod canvas;
+mod chart;
+mod columns;
 mod convergence;
+mod cost;
 mod curve;
+mod directions;
+mod ending;
+mod folder;
+mod groups;
 mod iterations;
 mod legend;
 mod number;
+mod panels;
+mod profiles;
 mod rows;
 mod sample;
+mod scale;
+mod series;
+mod signs;
+mod size;
+mod statistics;
+mod study;
 mod style;
+mod subdomains;
+mod truth;
+mod work_precision;
 
 #[cfg(test)]
 mod fixture;
 #[cfg(test)]
+mod sweep_tests;
+#[cfg(test)]
 mod tests;
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use polars::prelude::{CsvWriter, DataFrame, PolarsError, SerWriter};
 use results::store::Tables;
-use tempfile::TempDir;
 use thiserror::Error;
 
+pub use chart::{Chart, UnknownChart};
 pub use iterations::{iterations, iterations_text};
 
 /// Why a report was not made.
@@ -41,6 +60,16 @@ pub enum ReportError {
         /// The first such row.
         row: usize,
     },
+    /// A column of JSON has something else.
+    #[error("the stored tables: column `{column}` in row {row} is not a JSON object: {source}")]
+    Json {
+        /// Name of the column.
+        column: String,
+        /// The first such row.
+        row: usize,
+        /// Why.
+        source: serde_json::Error,
+    },
     /// The drawing library refuses.
     #[error("a figure cannot be drawn: {0}")]
     Drawing(String),
@@ -54,49 +83,32 @@ pub enum ReportError {
     },
 }
 
-/// Makes all tables and figures of a study in the folder `out`, and returns their paths.
+/// A file of a report: its name and what it holds.
+pub(crate) type File = (String, String);
+
+/// Makes the table of iterations and the files of the `charts` of a study, and puts them into the folder `out`.
+/// Returns their paths.
 ///
-/// A file of the same name is replaced at once; files of other names stay.
+/// Files that an earlier report left in `out` go, files of anyone else stay.
 ///
 /// # Errors
 ///
 /// If a table lacks a column or a file cannot be written; nothing is replaced before all is drawn.
-pub fn paper(tables: &Tables, out: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    let table = iterations(tables)?;
+pub fn report(tables: &Tables, charts: &[Chart], out: &Path) -> Result<Vec<PathBuf>, ReportError> {
     let mut files = vec![
-        ("iterations.csv".to_owned(), csv(&table)?),
-        ("iterations.md".to_owned(), iterations_text(tables)?.into_bytes()),
+        ("iterations.csv".to_owned(), csv(&iterations(tables)?)?),
+        ("iterations.md".to_owned(), iterations_text(tables)?),
     ];
-    let figures = convergence::figures(tables)?.into_iter().chain(sample::figures(tables)?);
-    files.extend(figures.map(|(name, svg)| (format!("{name}.svg"), svg.into_bytes())));
-    replace(&files, out)
+    for chart in charts {
+        files.extend(chart.files(tables)?);
+    }
+    folder::replace(&files, out)
 }
 
-fn csv(table: &DataFrame) -> Result<Vec<u8>, ReportError> {
+fn csv(table: &DataFrame) -> Result<String, ReportError> {
     let mut bytes = Vec::new();
     CsvWriter::new(&mut bytes).finish(&mut table.clone())?;
-    Ok(bytes)
-}
-
-/// Writes the files beside their place and renames them, so that no reader meets half a file.
-fn replace(files: &[(String, Vec<u8>)], out: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    fs::create_dir_all(out).map_err(at(out))?;
-    let drafts = TempDir::with_prefix_in(".unfinished-", out).map_err(at(out))?;
-    let draft = |name: &str| drafts.path().join(name);
-    for (name, bytes) in files {
-        fs::write(draft(name), bytes).map_err(at(&draft(name)))?;
-    }
-    let replace_one = |(name, _): &(String, Vec<u8>)| {
-        let path = out.join(name);
-        fs::rename(draft(name), &path).map_err(at(&path))?;
-        Ok(path)
-    };
-    files.iter().map(replace_one).collect()
-}
-
-fn at(path: &Path) -> impl FnOnce(io::Error) -> ReportError {
-    let path = path.to_owned();
-    |source| ReportError::File { path, source }
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 /// A file's name from a problem's or partition's: letters, digits, dot, dash, underscore.

@@ -1,10 +1,13 @@
 //! What the figures read of the stored tables, row by row.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use polars::prelude::DataFrame;
+use serde_json::{Map, Value};
 
 use crate::ReportError;
+use crate::columns::{bools, measures, newer, texts, u32s, u64s};
+use crate::ending::Ending;
 
 /// A run, without its curve.
 pub(crate) struct RunRow {
@@ -13,49 +16,40 @@ pub(crate) struct RunRow {
     pub(crate) grains: u32,
     pub(crate) contacts: u32,
     pub(crate) method: String,
+    pub(crate) settings: Map<String, Value>,
+    pub(crate) derived: Map<String, Value>,
     pub(crate) variant: String,
     pub(crate) subdomains: u32,
     pub(crate) warm_start: bool,
     pub(crate) stop_on: String,
     pub(crate) tolerance: Option<f64>,
-    pub(crate) status: String,
+    pub(crate) ending: Ending,
+    pub(crate) iterations: u64,
+    pub(crate) setup_s: Option<f64>,
+    pub(crate) iterating_s: Option<f64>,
 }
 
 /// A sample of a curve; `None` where the measure is undefined.
 pub(crate) struct Point {
     pub(crate) iteration: u64,
+    pub(crate) iterating_s: Option<f64>,
     pub(crate) zeta: Option<f64>,
     pub(crate) natural_map: Option<f64>,
+    pub(crate) quad_dv: Option<f64>,
+    pub(crate) velocity_error: Option<f64>,
+    contact_updates: u64,
+    delassus_products: u64,
+    triangular_solve_entries: u64,
 }
 
-/// A disc of a problem under a partition.
-pub(crate) struct GrainRow {
-    pub(crate) centre: (f64, f64),
-    pub(crate) radius: f64,
-    pub(crate) subdomain: Option<u32>,
-    pub(crate) multiplicity: u32,
-}
-
-/// A contact of a problem under a partition: from the candidate's centre to the antagonist's, or to the wall.
-pub(crate) struct ContactRow {
-    pub(crate) from: (f64, f64),
-    pub(crate) to: (f64, f64),
-    pub(crate) wall: bool,
-    pub(crate) subdomain: u32,
-    pub(crate) impulse: Option<f64>,
-}
-
-/// The discs and contacts of one figure.
-#[derive(Default)]
-pub(crate) struct Scene {
-    pub(crate) grains: Vec<GrainRow>,
-    pub(crate) contacts: Vec<ContactRow>,
-}
-
-impl Scene {
-    /// The subdomains that hold contacts, in order.
-    pub(crate) fn subdomains(&self) -> BTreeSet<u32> {
-        self.contacts.iter().map(|contact| contact.subdomain).collect()
+impl Point {
+    /// Counted work in sweeps over `contacts`: a contact updated counts as much as a contact passed in a product W p, that
+    /// is eight multiply-adds (two components of two grains, read and written back); an entry of a triangular factor is one.
+    /// Factorisations are not in it.
+    pub(crate) fn work(&self, contacts: u32) -> f64 {
+        let contacts = f64::from(contacts.max(1));
+        let visits = self.contact_updates as f64 + contacts * self.delassus_products as f64;
+        (visits + self.triangular_solve_entries as f64 / 8.0) / contacts
     }
 }
 
@@ -63,113 +57,73 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
     let (run, grains) = (u32s(table, "run")?, u32s(table, "grains")?);
     let (contacts, subdomains) = (u32s(table, "contacts")?, u32s(table, "subdomains")?);
     let (problem, method) = (texts(table, "problem")?, texts(table, "method")?);
+    let (settings, derived) = (json(table, "settings")?, json(table, "derived")?);
     let (variant, status) = (texts(table, "variant")?, texts(table, "status")?);
     let (stop_on, tolerance) = (texts(table, "stop_on")?, measures(table, "tolerance")?);
-    let warm_start = bools(table, "warm_start")?;
+    let (warm_start, iterations) = (bools(table, "warm_start")?, u64s(table, "iterations")?);
+    let (setup_s, iterating_s) = (measures(table, "setup_s")?, measures(table, "iterating_s")?);
     let row = |i: usize| RunRow {
         run: run[i],
         problem: problem[i].clone(),
         grains: grains[i],
         contacts: contacts[i],
         method: method[i].clone(),
+        settings: settings[i].clone(),
+        derived: derived[i].clone(),
         variant: variant[i].clone(),
         subdomains: subdomains[i],
         warm_start: warm_start[i],
         stop_on: stop_on[i].clone(),
         tolerance: tolerance[i],
-        status: status[i].clone(),
+        ending: Ending::of(&status[i]),
+        iterations: iterations[i],
+        setup_s: setup_s[i],
+        iterating_s: iterating_s[i],
     };
     Ok((0..table.height()).map(row).collect())
+}
+
+fn json(table: &DataFrame, column: &str) -> Result<Vec<Map<String, Value>>, ReportError> {
+    let not_json = |row, source| ReportError::Json { column: column.to_owned(), row, source };
+    let read = |(row, text): (usize, &String)| serde_json::from_str(text).map_err(|e| not_json(row, e));
+    texts(table, column)?.iter().enumerate().map(read).collect()
+}
+
+/// The problems in the order of the study.
+pub(crate) fn problems(runs: &[RunRow]) -> Vec<&str> {
+    let mut problems: Vec<&str> = Vec::new();
+    for run in runs {
+        if !problems.contains(&run.problem.as_str()) {
+            problems.push(&run.problem);
+        }
+    }
+    problems
 }
 
 /// The curves by run, each in the order of its iterations.
 pub(crate) fn curves(table: &DataFrame) -> Result<BTreeMap<u32, Vec<Point>>, ReportError> {
     let (run, iteration) = (u32s(table, "run")?, u64s(table, "iteration")?);
     let (zeta, natural_map) = (measures(table, "zeta")?, measures(table, "natural_map")?);
+    let (quad_dv, iterating_s) = (measures(table, "quad_dv")?, measures(table, "iterating_s")?);
+    let velocity_error = newer(table, "velocity_error")?;
+    let (updates, products) = (u64s(table, "contact_updates")?, u64s(table, "delassus_products")?);
+    let entries = u64s(table, "triangular_solve_entries")?;
     let mut curves: BTreeMap<u32, Vec<Point>> = BTreeMap::new();
     for i in 0..table.height() {
-        let point = Point { iteration: iteration[i], zeta: zeta[i], natural_map: natural_map[i] };
-        curves.entry(run[i]).or_default().push(point);
+        curves.entry(run[i]).or_default().push(Point {
+            iteration: iteration[i],
+            iterating_s: iterating_s[i],
+            zeta: zeta[i],
+            natural_map: natural_map[i],
+            quad_dv: quad_dv[i],
+            velocity_error: velocity_error[i],
+            contact_updates: updates[i],
+            delassus_products: products[i],
+            triangular_solve_entries: entries[i],
+        });
     }
     for curve in curves.values_mut() {
         curve.sort_by_key(|point| point.iteration);
     }
     Ok(curves)
-}
-
-/// The scenes by problem and partition.
-pub(crate) fn scenes(
-    grains: &DataFrame,
-    contacts: &DataFrame,
-) -> Result<BTreeMap<(String, String), Scene>, ReportError> {
-    let mut scenes: BTreeMap<(String, String), Scene> = BTreeMap::new();
-    for (name, grain) in names(grains)?.into_iter().zip(grain_rows(grains)?) {
-        scenes.entry(name).or_default().grains.push(grain);
-    }
-    for (name, contact) in names(contacts)?.into_iter().zip(contact_rows(contacts)?) {
-        scenes.entry(name).or_default().contacts.push(contact);
-    }
-    Ok(scenes)
-}
-
-fn names(table: &DataFrame) -> Result<Vec<(String, String)>, ReportError> {
-    Ok(texts(table, "problem")?.into_iter().zip(texts(table, "partition")?).collect())
-}
-
-fn grain_rows(table: &DataFrame) -> Result<Vec<GrainRow>, ReportError> {
-    let (x, y, radius) = (f64s(table, "x_m")?, f64s(table, "y_m")?, f64s(table, "radius_m")?);
-    let subdomain = table.column("subdomain")?.u32()?;
-    let multiplicity = u32s(table, "multiplicity")?;
-    let row = |i: usize| GrainRow {
-        centre: (x[i], y[i]),
-        radius: radius[i],
-        subdomain: subdomain.get(i),
-        multiplicity: multiplicity[i],
-    };
-    Ok((0..table.height()).map(row).collect())
-}
-
-fn contact_rows(table: &DataFrame) -> Result<Vec<ContactRow>, ReportError> {
-    let (x0, y0) = (f64s(table, "x0_m")?, f64s(table, "y0_m")?);
-    let (x1, y1) = (f64s(table, "x1_m")?, f64s(table, "y1_m")?);
-    let (wall, impulse) = (bools(table, "wall")?, measures(table, "impulse_n_s")?);
-    let subdomain = u32s(table, "subdomain")?;
-    let row = |i: usize| ContactRow {
-        from: (x0[i], y0[i]),
-        to: (x1[i], y1[i]),
-        wall: wall[i],
-        subdomain: subdomain[i],
-        impulse: impulse[i],
-    };
-    Ok((0..table.height()).map(row).collect())
-}
-
-fn filled<T>(column: &str, values: impl Iterator<Item = Option<T>>) -> Result<Vec<T>, ReportError> {
-    let null = |row| ReportError::Null { column: column.to_owned(), row };
-    values.enumerate().map(|(row, value)| value.ok_or_else(|| null(row))).collect()
-}
-
-fn texts(table: &DataFrame, column: &str) -> Result<Vec<String>, ReportError> {
-    filled(column, table.column(column)?.str()?.iter().map(|text| text.map(str::to_owned)))
-}
-
-fn u32s(table: &DataFrame, column: &str) -> Result<Vec<u32>, ReportError> {
-    filled(column, table.column(column)?.u32()?.iter())
-}
-
-fn u64s(table: &DataFrame, column: &str) -> Result<Vec<u64>, ReportError> {
-    filled(column, table.column(column)?.u64()?.iter())
-}
-
-fn bools(table: &DataFrame, column: &str) -> Result<Vec<bool>, ReportError> {
-    filled(column, table.column(column)?.bool()?.iter())
-}
-
-fn f64s(table: &DataFrame, column: &str) -> Result<Vec<f64>, ReportError> {
-    filled(column, table.column(column)?.f64()?.iter())
-}
-
-/// A measure may be undefined; a NaN that reached the table means the same as a null.
-fn measures(table: &DataFrame, column: &str) -> Result<Vec<Option<f64>>, ReportError> {
-    Ok(table.column(column)?.f64()?.iter().map(|value| value.filter(|v| !v.is_nan())).collect())
 }

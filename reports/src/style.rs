@@ -3,9 +3,9 @@
 use plotters::style::RGBColor;
 
 /// Width of a column of a journal.
-pub(crate) const COLUMN: f64 = 90.0;
+pub(crate) const COLUMN: f64 = 85.0;
 /// Width of a journal's page.
-pub(crate) const PAGE: f64 = 190.0;
+pub(crate) const PAGE: f64 = 175.0;
 /// Greatest height that leaves room for a caption below.
 pub(crate) const PAGE_HEIGHT: f64 = 235.0;
 /// Text, never smaller than 7 pt in print.
@@ -20,7 +20,8 @@ pub(crate) const MARGIN: f64 = 1.5;
 pub(crate) const BLACK: RGBColor = RGBColor(0, 0, 0);
 pub(crate) const WHITE: RGBColor = RGBColor(255, 255, 255);
 const GRID_GREY: RGBColor = RGBColor(222, 222, 222);
-const TOLERANCE_GREY: RGBColor = RGBColor(90, 90, 90);
+/// Signs of no method.
+pub(crate) const INK: RGBColor = RGBColor(90, 90, 90);
 const OUTLINE_GREY: RGBColor = RGBColor(140, 140, 140);
 /// Fill of a grain without contact.
 pub(crate) const IDLE: RGBColor = RGBColor(245, 245, 245);
@@ -42,11 +43,19 @@ impl Pen {
 
 pub(crate) const FRAME: Pen = Pen::solid(BLACK, 0.18);
 pub(crate) const GRID: Pen = Pen::solid(GRID_GREY, 0.1);
-pub(crate) const TOLERANCE: Pen = Pen { color: TOLERANCE_GREY, width: 0.16, dash: &[1.2, 0.8] };
+pub(crate) const TOLERANCE: Pen = Pen { color: INK, width: 0.16, dash: &[1.2, 0.8] };
 /// Outline of a grain with contacts in one subdomain, and of a boundary grain.
 pub(crate) const GRAIN: Pen = Pen::solid(OUTLINE_GREY, 0.06);
 pub(crate) const BOUNDARY_GRAIN: Pen = Pen::solid(BLACK, 0.24);
 pub(crate) const WALL: Pen = Pen::solid(BLACK, 0.5);
+/// Under the curves that no other undercuts.
+pub(crate) const PARETO: Pen = Pen::solid(RGBColor(255, 214, 150), 1.8);
+/// Around the best cell of a map, on a line that shows on dark cells; and the derived directions.
+pub(crate) const BEST: Pen = Pen::solid(BLACK, 0.35);
+pub(crate) const HALO: Pen = Pen::solid(WHITE, 0.8);
+pub(crate) const DERIVED: Pen = Pen::solid(RGBColor(190, 70, 0), 0.3);
+/// Ground of a cell whose run failed.
+pub(crate) const FAILED_CELL: RGBColor = RGBColor(240, 240, 240);
 pub(crate) const SCALE_BAR: Pen = Pen::solid(BLACK, 0.4);
 /// Line of a contact, to be given a width in proportion to its impulse.
 pub(crate) const CHAIN: RGBColor = RGBColor(45, 20, 20);
@@ -59,18 +68,30 @@ pub(crate) enum Mark {
     Diamond,
     Plus,
     Bar,
+    Cross,
+    Ring,
+    Triangle,
 }
 
-/// How the curves of a method look; in the order in which the study names its methods. The colours are close to
-/// those of Okabe and Ito, told apart with any colour vision, and made to differ in lightness where they can. The first
-/// method is wide, since one that decomposes into one subdomain may lie exactly upon it.
-pub(crate) const METHODS: [(Pen, Mark); 6] = [
-    (Pen::solid(BLACK, 0.6), Mark::None),
-    (Pen::solid(RGBColor(230, 159, 0), 0.3), Mark::Square),
-    (Pen::solid(RGBColor(0, 96, 160), 0.3), Mark::Diamond),
-    (Pen::solid(RGBColor(213, 94, 0), 0.3), Mark::None),
-    (Pen::solid(RGBColor(0, 140, 100), 0.3), Mark::Plus),
-    (Pen::solid(RGBColor(190, 100, 160), 0.3), Mark::Bar),
+/// How the curves of each method look, in every study. The colours are close to those of Okabe and Ito, told apart with
+/// any colour vision, and made to differ in lightness where they can; the signs tell the rest in grey. `nsgs` is wide,
+/// since a method that decomposes into one subdomain may lie exactly upon it.
+pub(crate) const METHODS: [(&str, Pen, Mark); 8] = [
+    ("nsgs", Pen::solid(BLACK, 0.6), Mark::None),
+    ("nsgs-dd", Pen::solid(RGBColor(230, 159, 0), 0.3), Mark::Square),
+    ("latin-dd", Pen::solid(RGBColor(0, 96, 160), 0.3), Mark::Diamond),
+    ("jacobi", Pen::solid(RGBColor(190, 70, 0), 0.3), Mark::Ring),
+    ("cg", Pen::solid(RGBColor(0, 150, 110), 0.3), Mark::Plus),
+    ("apgd", Pen::solid(RGBColor(86, 180, 233), 0.3), Mark::Bar),
+    ("nncg", Pen::solid(RGBColor(110, 60, 30), 0.3), Mark::Cross),
+    ("interior-point", Pen::solid(RGBColor(190, 100, 160), 0.3), Mark::Triangle),
+];
+
+/// For methods that have no look of their own, in the order in which a study names them.
+pub(crate) const SPARE: [(Pen, Mark); 3] = [
+    (Pen::solid(RGBColor(120, 120, 120), 0.3), Mark::Square),
+    (Pen::solid(RGBColor(150, 150, 40), 0.3), Mark::Diamond),
+    (Pen::solid(RGBColor(90, 90, 170), 0.3), Mark::Ring),
 ];
 
 /// Dashes of the variants of a method, in the order of their subdomains.

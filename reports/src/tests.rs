@@ -10,11 +10,11 @@ use tempfile::TempDir;
 
 use crate::fixture::{decay, explosion, run, sample, scene, tables};
 use crate::iterations::to_markdown;
-use crate::{ReportError, convergence, iterations, iterations_text, paper, sample as sample_figure};
+use crate::{Chart, ReportError, convergence, iterations, iterations_text, report, sample as sample_figure};
 
 fn figures(tables: &Tables) -> Vec<(String, String)> {
-    let mut figures = convergence::figures(tables).unwrap();
-    figures.extend(sample_figure::figures(tables).unwrap());
+    let mut figures = convergence::files(tables).unwrap();
+    figures.extend(sample_figure::files(tables).unwrap());
     for (name, svg) in &figures {
         assert_well_formed(name, svg);
     }
@@ -22,7 +22,7 @@ fn figures(tables: &Tables) -> Vec<(String, String)> {
 }
 
 /// Elements are closed in order, and no number is NaN or infinite.
-fn assert_well_formed(name: &str, svg: &str) {
+pub(crate) fn assert_well_formed(name: &str, svg: &str) {
     let mut open = Vec::new();
     for tag in svg.split('<').skip(1) {
         let (tag, _) = tag.split_once('>').expect("every tag ends");
@@ -54,7 +54,7 @@ fn study_without_runs_says_so() {
     let figures = figures(&empty);
     assert_eq!(figures.len(), 1);
     assert!(figures[0].1.contains("no run in this study"));
-    assert!(to_markdown(&iterations(&empty).unwrap()).unwrap().contains("no run in this study"));
+    assert!(to_markdown(&iterations(&empty).unwrap()).unwrap().contains("no such run in this study"));
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn each_problem_has_a_figure_and_a_page_has_all() {
         [run(0, "nsgs", "", "converged"), Run { problem: "a b/c".into(), ..run(1, "nsgs", "", "converged") }];
     let figures = figures(&tables(&runs, &[(0, decay())]));
     let names: Vec<&str> = figures.iter().map(|(name, _)| name.as_str()).collect();
-    assert_eq!(names, ["convergence-column", "convergence-a-b-c", "convergence"]);
+    assert_eq!(names, ["convergence-column.svg", "convergence-a-b-c.svg", "convergence.svg"]);
     assert!(figures[1].1.contains("no value in this range"), "the second run has no curve");
 }
 
@@ -71,7 +71,7 @@ fn each_problem_has_a_figure_and_a_page_has_all() {
 fn more_problems_than_a_page_holds_are_not_squeezed() {
     let many: Vec<Run> =
         (0..9).map(|i| Run { problem: format!("problem {i}"), ..run(i, "nsgs", "", "converged") }).collect();
-    assert!(figures(&tables(&many, &[])).iter().all(|(name, _)| name != "convergence"));
+    assert!(figures(&tables(&many, &[])).iter().all(|(name, _)| name != "convergence.svg"));
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn sample_shows_counts_scales_and_boundary_grains() {
         ..tables(&[], &[])
     };
     let (name, svg) = figures(&scene).pop().unwrap();
-    assert_eq!(name, "sample-pair-2x1");
+    assert_eq!(name, "sample-pair-2x1.svg");
     for text in [
         "3\u{a0}grains,",
         "3\u{a0}contacts,",
@@ -163,13 +163,13 @@ fn scene_without_impulses_or_without_grains_says_so() {
 fn same_tables_give_the_same_bytes_and_replace_the_files() {
     let out = TempDir::new().unwrap();
     let read = |paths: &[std::path::PathBuf]| paths.iter().map(|p| fs::read(p).unwrap()).collect::<Vec<_>>();
-    let first = paper(&study(), out.path()).unwrap();
+    let first = report(&study(), Chart::default_set(), &out.path().join("paper")).unwrap();
     let bytes = read(&first);
     fs::write(&first[0], "old").unwrap();
-    let second = paper(&study(), out.path()).unwrap();
+    let second = report(&study(), Chart::default_set(), &out.path().join("paper")).unwrap();
     assert_eq!(first, second);
     assert_eq!(bytes, read(&second));
-    assert_eq!(fs::read_dir(out.path()).unwrap().count(), first.len(), "no draft is left");
+    assert_eq!(fs::read_dir(out.path()).unwrap().count(), 1, "no draft is left");
 }
 
 #[test]
@@ -205,6 +205,6 @@ fn table_reads_off_what_the_rows_say() {
 fn table_without_a_column_is_an_error_that_names_it() {
     let mut broken = study();
     broken.curves = broken.curves.drop("natural_map").unwrap();
-    let error = convergence::figures(&broken).unwrap_err();
+    let error = convergence::files(&broken).unwrap_err();
     assert!(matches!(error, ReportError::Table(_)) && error.to_string().contains("natural_map"));
 }

@@ -3,9 +3,9 @@
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
+use super::scene::Scene;
 use crate::ReportError;
 use crate::canvas::{Canvas, Place, text_width};
-use crate::rows::Scene;
 use crate::style::{BOUNDARY_GRAIN, GRAIN, IDLE, LEADING, Pen, TEXT, WHITE};
 
 /// Radius of a disc of the key, space to its text, and to the next disc (mm).

@@ -3,10 +3,10 @@
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::THINNEST_CHAIN;
+use super::scene::Scene;
 use crate::ReportError;
 use crate::canvas::{Canvas, Place, text_width};
 use crate::number::{number, round_down};
-use crate::rows::Scene;
 use crate::style::{CHAIN, COLUMN, MARGIN, PAGE, Pen, SCALE_BAR, TEXT, WALL};
 
 /// A scene that is more than so many times as wide as high takes the width of a page.

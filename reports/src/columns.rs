@@ -1,0 +1,40 @@
+//! The columns of a stored table as vectors; a column that is missing or empty is an error that names it.
+
+use polars::prelude::DataFrame;
+
+use crate::ReportError;
+
+fn filled<T>(column: &str, values: impl Iterator<Item = Option<T>>) -> Result<Vec<T>, ReportError> {
+    let null = |row| ReportError::Null { column: column.to_owned(), row };
+    values.enumerate().map(|(row, value)| value.ok_or_else(|| null(row))).collect()
+}
+
+pub(crate) fn texts(table: &DataFrame, column: &str) -> Result<Vec<String>, ReportError> {
+    filled(column, table.column(column)?.str()?.iter().map(|text| text.map(str::to_owned)))
+}
+
+pub(crate) fn u32s(table: &DataFrame, column: &str) -> Result<Vec<u32>, ReportError> {
+    filled(column, table.column(column)?.u32()?.iter())
+}
+
+pub(crate) fn u64s(table: &DataFrame, column: &str) -> Result<Vec<u64>, ReportError> {
+    filled(column, table.column(column)?.u64()?.iter())
+}
+
+pub(crate) fn bools(table: &DataFrame, column: &str) -> Result<Vec<bool>, ReportError> {
+    filled(column, table.column(column)?.bool()?.iter())
+}
+
+pub(crate) fn f64s(table: &DataFrame, column: &str) -> Result<Vec<f64>, ReportError> {
+    filled(column, table.column(column)?.f64()?.iter())
+}
+
+/// A measure may be undefined; a NaN that reached the table means the same as a null.
+pub(crate) fn measures(table: &DataFrame, column: &str) -> Result<Vec<Option<f64>>, ReportError> {
+    Ok(table.column(column)?.f64()?.iter().map(|value| value.filter(|v| !v.is_nan())).collect())
+}
+
+/// A column that older studies lack: all its values are then undefined.
+pub(crate) fn newer(table: &DataFrame, column: &str) -> Result<Vec<Option<f64>>, ReportError> {
+    if table.column(column).is_ok() { measures(table, column) } else { Ok(vec![None; table.height()]) }
+}

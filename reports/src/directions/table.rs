@@ -1,0 +1,51 @@
+//! The table of directions: the best of a field beside the derived ones.
+
+use polars::df;
+use polars::prelude::DataFrame;
+
+use super::field::Field;
+use crate::ReportError;
+use crate::ending::Ending;
+use crate::iterations::to_markdown;
+
+/// One row per problem, μ and group.
+pub(crate) fn table(fields: &[Field]) -> Result<DataFrame, ReportError> {
+    let best =
+        |of: fn(&super::field::Cell) -> f64| fields.iter().map(|f| f.best().map(of)).collect::<Vec<_>>();
+    let count = |ending| fields.iter().map(|f| f.count(ending) as u64).collect::<Vec<_>>();
+    let others = |f: &Field| {
+        let counted: usize = [Ending::Converged, Ending::Diverged, Ending::IterationLimit, Ending::Skipped]
+            .into_iter()
+            .map(|ending| f.count(ending))
+            .sum();
+        (f.cells.len() - counted) as u64
+    };
+    Ok(df!(
+        "problem" => fields.iter().map(|f| f.problem).collect::<Vec<_>>(),
+        "grains" => fields.iter().map(|f| f.grains).collect::<Vec<_>>(),
+        "method" => fields.iter().map(|f| f.method).collect::<Vec<_>>(),
+        "relaxation" => fields.iter().map(|f| f.relaxation).collect::<Vec<_>>(),
+        "group" => fields.iter().map(|f| f.group.as_str()).collect::<Vec<_>>(),
+        "subdomains" => fields.iter().map(|f| f.subdomains).collect::<Vec<_>>(),
+        "best_kappa_l" => best(|cell| cell.kappa_l),
+        "best_kappa_d" => best(|cell| cell.kappa_d),
+        "best_iterations" => fields.iter().map(|f| f.best().map(|c| c.run.iterations)).collect::<Vec<_>>(),
+        "derived_kappa_l" => fields.iter().map(|f| f.kappa.map(|(l, _)| l)).collect::<Vec<_>>(),
+        "derived_kappa_d" => fields.iter().map(|f| f.kappa.map(|(_, d)| d)).collect::<Vec<_>>(),
+        "derived_status" => fields.iter().map(|f| f.derived.map(|run| run.ending.text())).collect::<Vec<_>>(),
+        "derived_iterations" => fields.iter().map(Field::derived_iterations).collect::<Vec<_>>(),
+        "derived_over_best" => fields.iter().map(Field::ratio).collect::<Vec<_>>(),
+        "runs" => fields.iter().map(|f| f.cells.len() as u64).collect::<Vec<_>>(),
+        "diverged" => count(Ending::Diverged),
+        "iteration_limit" => count(Ending::IterationLimit),
+        "skipped" => count(Ending::Skipped),
+        "other_failures" => fields.iter().map(others).collect::<Vec<_>>(),
+    )?)
+}
+
+/// The table as text, and what its columns mean.
+pub(crate) fn text(fields: &[Field]) -> Result<String, ReportError> {
+    let note = "\nIterations are those to the stop rule of the plan. Best: the fewest among the converged runs with given \
+                directions. Derived: the run of the same method that derives its own; none where it did not converge.\n";
+    Ok(to_markdown(&table(fields)?)? + note)
+}

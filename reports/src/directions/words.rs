@@ -1,0 +1,65 @@
+//! The words of the maps.
+
+use super::field::Field;
+use crate::ending::Ending;
+use crate::number::{count, counted, number};
+use crate::signs::{Sign, endings};
+use crate::style::{BEST, DERIVED, Mark};
+
+/// Which panel it is.
+pub(super) fn title(field: &Field) -> [String; 1] {
+    let group = if field.group.is_empty() {
+        counted(field.subdomains as usize, "subdomain")
+    } else {
+        field.group.clone()
+    };
+    [format!("{group}, μ {}", field.relaxation)]
+}
+
+/// Iterations of the best and of the derived directions.
+pub(super) fn notes(field: &Field) -> [String; 2] {
+    let best = field.best().map_or_else(
+        || "none converged".to_owned(),
+        |cell| format!("best {}", count(cell.run.iterations as usize)),
+    );
+    let derived = match (field.derived, field.derived_iterations(), field.ratio()) {
+        (None, ..) => "derived not run".to_owned(),
+        (Some(_), Some(_), Some(ratio)) => format!("derived ×{}", number(ratio, 3)),
+        (Some(_), Some(iterations), None) => format!("derived {}", count(iterations as usize)),
+        (Some(_), None, _) => "derived failed".to_owned(),
+    };
+    [best, derived]
+}
+
+/// What the figure shows, and how many runs failed.
+pub(super) fn head(problem: &str, fields: &[&Field]) -> [String; 2] {
+    let method = fields[0].method;
+    let stop = fields[0].cells.first().map_or_else(String::new, |cell| {
+        let measure = cell.run.stop_on.replace('_', " ");
+        cell.run.tolerance.map_or(String::new(), |t| format!(" to {measure} ≤ {}", number(t, 2)))
+    });
+    let runs = fields.iter().map(|f| f.cells.len()).sum();
+    let mut counts = vec![counted(runs, "run")];
+    for ending in Ending::ALL.into_iter().filter(|ending| *ending != Ending::Converged) {
+        let number: usize = fields.iter().map(|f| f.count(ending)).sum();
+        if number > 0 {
+            counts.push(format!("{} {}", count(number), ending.text()));
+        }
+    }
+    [format!("{problem}, {method}: iterations{stop}, over the search directions"), counts.join(", ")]
+}
+
+/// The key.
+pub(super) fn signs(fields: &[&Field]) -> Vec<(Sign, String)> {
+    let mut signs = Vec::new();
+    if fields.iter().any(|f| f.best().is_some()) {
+        signs.push((Sign::Mark(Mark::Square, BEST), "best of the grid".to_owned()));
+    }
+    if fields.iter().any(|f| f.kappa.is_some()) {
+        let text = "derived directions, and their iterations over the best".to_owned();
+        signs.push((Sign::Mark(Mark::Diamond, DERIVED), text));
+    }
+    let cells = fields.iter().flat_map(|f| &f.cells).map(|cell| cell.run.ending);
+    signs.extend(endings(cells.filter(|ending| *ending != Ending::Converged)));
+    signs
+}

@@ -1,0 +1,59 @@
+//! A row of panels of one size, with lines of text above and a legend below.
+
+use plotters::style::text_anchor::{HPos, VPos};
+
+use crate::ReportError;
+use crate::canvas::{Canvas, svg};
+use crate::legend::Legend;
+use crate::style::{LEADING, MARGIN, PAGE, TEXT};
+
+/// Left of a panel for the labels of its ticks, and right of it (mm).
+const LEFT: f64 = 10.5;
+const RIGHT: f64 = 3.0;
+/// Above a panel for the name of its measure, and below it for the labels and the name of its axis (mm).
+const ABOVE: f64 = LEADING + 1.8;
+const BELOW: f64 = 10.0;
+/// Height of a panel, at most its width (mm).
+const HEIGHT: f64 = 66.0;
+
+/// Room of a panel on paper (mm).
+#[derive(Clone, Copy)]
+pub(crate) struct Room {
+    pub(crate) left: f64,
+    pub(crate) right: f64,
+    pub(crate) bottom: f64,
+    pub(crate) top: f64,
+}
+
+/// Width inside the margins, for legends (mm).
+pub(crate) const INSIDE: f64 = PAGE - 2.0 * MARGIN;
+
+/// A page as wide as a journal's, with `count` panels side by side, each drawn by `panel`.
+pub(crate) fn row(
+    title: &[String],
+    count: usize,
+    legend: &Legend,
+    panel: impl Fn(&Canvas, usize, Room) -> Result<(), ReportError>,
+) -> Result<String, ReportError> {
+    let pitch = INSIDE / count as f64;
+    let wide = pitch - LEFT - RIGHT;
+    let top = MARGIN + LEADING * title.len() as f64 + ABOVE;
+    let bottom = top + HEIGHT.min(wide);
+    svg((PAGE, (bottom + BELOW + legend.height() + MARGIN).ceil()), |canvas| {
+        for (i, line) in title.iter().enumerate() {
+            let place = (MARGIN, MARGIN + LEADING * i as f64);
+            canvas.text(line, place, TEXT, (HPos::Left, VPos::Top))?;
+        }
+        for i in 0..count {
+            let left = MARGIN + pitch * i as f64 + LEFT;
+            panel(canvas, i, Room { left, right: left + wide, bottom, top })?;
+        }
+        legend.draw(canvas, (MARGIN, bottom + BELOW))
+    })
+}
+
+/// A page that says why it shows nothing.
+pub(crate) fn nothing(title: &str, why: &str) -> Result<String, ReportError> {
+    let legend = Legend::new(Vec::new(), Vec::new(), INSIDE)?;
+    row(&[format!("{title}: {why}")], 1, &legend, |_, _, _| Ok(()))
+}

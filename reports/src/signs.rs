@@ -1,0 +1,87 @@
+//! The key of the signs in a figure, in lines below it.
+
+use std::collections::BTreeSet;
+
+use plotters::style::text_anchor::{HPos, VPos};
+
+use crate::ReportError;
+use crate::canvas::{Canvas, Place, text_width};
+use crate::ending::Ending;
+use crate::style::{INK, LEADING, Mark, Pen, TEXT};
+
+/// Room of a sign, of the sample of a line, and between entries (mm).
+const SIGN: f64 = 2.6;
+const SAMPLE: f64 = 8.0;
+const NEXT: f64 = 4.0;
+
+/// What an entry explains.
+pub(crate) enum Sign {
+    /// Text alone.
+    Word,
+    Ending(Ending),
+    Line(Pen),
+    Mark(Mark, Pen),
+}
+
+impl Sign {
+    fn width(&self) -> f64 {
+        match self {
+            Self::Word => 0.0,
+            Self::Line(_) => SAMPLE + 1.2,
+            Self::Ending(_) | Self::Mark(..) => SIGN,
+        }
+    }
+
+    fn draw(&self, canvas: &Canvas, (x, y): Place) -> Result<(), ReportError> {
+        match self {
+            Self::Word => Ok(()),
+            Self::Ending(ending) => ending.draw(canvas, (x + 0.9, y), INK),
+            Self::Line(pen) => canvas.line(&[(x, y), (x + SAMPLE, y)], *pen),
+            Self::Mark(mark, pen) => canvas.mark(*mark, (x + 0.9, y), *pen),
+        }
+    }
+}
+
+/// An entry for each way in which some of the runs ended.
+pub(crate) fn endings(runs: impl IntoIterator<Item = Ending>) -> Vec<(Sign, String)> {
+    let seen: BTreeSet<Ending> = runs.into_iter().collect();
+    seen.into_iter().map(|ending| (Sign::Ending(ending), ending.text().to_owned())).collect()
+}
+
+/// Entries, each with its place from the upper left corner of the key.
+pub(crate) struct Signs {
+    entries: Vec<(Place, Sign, String)>,
+    lines: usize,
+}
+
+impl Signs {
+    /// Lays entries out in lines of a width (mm).
+    pub(crate) fn new(entries: Vec<(Sign, String)>, width: f64) -> Result<Self, ReportError> {
+        let (mut x, mut line) = (0.0, 0);
+        let mut placed = Vec::new();
+        for (sign, text) in entries {
+            let length = sign.width() + text_width(&text, TEXT)?;
+            if x > 0.0 && x + length > width {
+                (x, line) = (0.0, line + 1);
+            }
+            placed.push(((x, LEADING * (line as f64 + 0.5)), sign, text));
+            x += length + NEXT;
+        }
+        let lines = if placed.is_empty() { 0 } else { line + 1 };
+        Ok(Self { entries: placed, lines })
+    }
+
+    /// Height (mm).
+    pub(crate) fn height(&self) -> f64 {
+        LEADING * self.lines as f64
+    }
+
+    pub(crate) fn draw(&self, canvas: &Canvas, (left, top): Place) -> Result<(), ReportError> {
+        for ((x, y), sign, text) in &self.entries {
+            let (x, y) = (left + x, top + y);
+            sign.draw(canvas, (x, y))?;
+            canvas.text(text, (x + sign.width(), y), TEXT, (HPos::Left, VPos::Center))?;
+        }
+        Ok(())
+    }
+}

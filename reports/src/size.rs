@@ -1,0 +1,128 @@
+//! Cost against the number of grains, with the exponents of fitted powers.
+
+use polars::df;
+use polars::prelude::DataFrame;
+use results::store::Tables;
+
+use crate::axis::{Axis, Frame};
+use crate::canvas::Canvas;
+use crate::cost::WORK;
+use crate::ending::Ending;
+use crate::iterations::to_markdown;
+use crate::legend::Legend;
+use crate::number::counted;
+use crate::panels::{INSIDE, Room, row};
+use crate::rows::{RunRow, problems, runs};
+use crate::series::{Series, draw_empty, draw_points, reach, series};
+use crate::signs::endings;
+use crate::statistics::{slope, span};
+use crate::study::Study;
+use crate::{File, ReportError, csv};
+
+/// Points of a series: how the run ended, logarithms of grains and cost.
+type Points = Vec<(Ending, (f64, f64))>;
+
+/// A cost of a run, and what it is called.
+struct Cost {
+    title: &'static str,
+    of: fn(&Study, &RunRow) -> Option<f64>,
+}
+
+const COSTS: [Cost; 3] = [
+    Cost { title: "iterations to the tolerance", of: |_, run| Some(run.iterations as f64) },
+    Cost { title: "set-up and iterations (s)", of: |_, run| Some(run.setup_s? + run.iterating_s?) },
+    Cost {
+        title: "counted work (sweeps)",
+        of: |study, run| Some(study.curve(run).last()?.work(run.contacts)),
+    },
+];
+
+/// `size.svg`, and `size.csv` and `.md` with the exponents.
+pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
+    let runs = runs(&tables.runs)?;
+    let study = Study::of(&runs, tables)?;
+    let mut all = series(&runs, &[]);
+    for series in &mut all {
+        series.runs.retain(|run| run.ending != Ending::Skipped);
+    }
+    let table = table(&study, &all)?;
+    let note = format!(
+        "\nCost = a · grains^exponent, least squares in logarithms over the runs that converged; none on one size. {WORK}\n"
+    );
+    Ok(vec![
+        ("size.svg".to_owned(), figure(&study, &all)?),
+        ("size.csv".to_owned(), csv(&table)?),
+        ("size.md".to_owned(), to_markdown(&table)? + &note),
+    ])
+}
+
+fn points(study: &Study, series: &Series, cost: &Cost) -> Points {
+    series.points(|run| f64::from(run.grains), |run| (cost.of)(study, run))
+}
+
+fn converged(points: &Points) -> Vec<(f64, f64)> {
+    points.iter().filter(|(ending, _)| *ending == Ending::Converged).map(|(_, point)| *point).collect()
+}
+
+fn exponent(study: &Study, series: &Series, cost: &Cost) -> Option<f64> {
+    slope(&converged(&points(study, series, cost)))
+}
+
+fn figure(study: &Study, all: &[Series]) -> Result<String, ReportError> {
+    let label = |series: &Series| {
+        let exponents = COSTS.each_ref().map(|cost| {
+            exponent(study, series, cost).map_or("–".to_owned(), |exponent| format!("{exponent:.2}"))
+        });
+        format!("{} ({})", series.label(), exponents.join(", "))
+    };
+    let shown = all.iter().flat_map(|series| &series.runs);
+    let failures = shown.clone().map(|run| run.ending).filter(|ending| *ending != Ending::Converged);
+    let entries = all.iter().map(|series| (label(series), series.look)).collect();
+    let legend = Legend::new(entries, endings(failures), INSIDE)?;
+    let title = format!(
+        "{}, {}. In brackets the exponents of the fitted powers, in the order of the panels.",
+        counted(problems(study.runs).len(), "problem"),
+        counted(shown.count(), "run"),
+    );
+    row(&[title], COSTS.len(), &legend, |canvas, i, room| panel(canvas, study, all, &COSTS[i], room))
+}
+
+fn panel(canvas: &Canvas, study: &Study, all: &[Series], cost: &Cost, room: Room) -> Result<(), ReportError> {
+    let clouds: Vec<Points> = all.iter().map(|series| points(study, series, cost)).collect();
+    let range = |of| reach(clouds.iter().flatten(), of);
+    let frame = Frame {
+        x: Axis::log(range(|point| point.0), room.left, room.right),
+        y: Axis::log(range(|point| point.1), room.bottom, room.top),
+    };
+    frame.draw(canvas)?;
+    frame.name(canvas, "grains", cost.title)?;
+    for (series, cloud) in all.iter().zip(&clouds) {
+        let fit = fit(&converged(cloud)).map(|line| line.map(|point| frame.place(point)));
+        canvas.line(fit.as_ref().map_or(&[], |line| line.as_slice()), series.look.pen)?;
+        draw_points(canvas, &frame, series.look, cloud)?;
+    }
+    if clouds.iter().all(Vec::is_empty) { draw_empty(canvas, &frame) } else { Ok(()) }
+}
+
+/// Ends of the fitted line over the sizes that there are.
+fn fit(points: &[(f64, f64)]) -> Option<[(f64, f64); 2]> {
+    let slope = slope(points)?;
+    let (low, high) = span(points.iter().map(|point| point.0))?;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    Some([low, high].map(|at| (at, y + slope * (at - x))))
+}
+
+fn table(study: &Study, all: &[Series]) -> Result<DataFrame, ReportError> {
+    let exponents = |i: usize| all.iter().map(|s| exponent(study, s, &COSTS[i])).collect::<Vec<_>>();
+    let failed =
+        |series: &Series| series.runs.iter().filter(|run| run.ending != Ending::Converged).count() as u64;
+    Ok(df!(
+        "method" => all.iter().map(Series::label).collect::<Vec<_>>(),
+        "runs" => all.iter().map(|series| series.runs.len() as u64).collect::<Vec<_>>(),
+        "failed" => all.iter().map(failed).collect::<Vec<_>>(),
+        "iterations_exponent" => exponents(0),
+        "seconds_exponent" => exponents(1),
+        "work_exponent" => exponents(2),
+    )?)
+}

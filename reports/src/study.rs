@@ -1,0 +1,107 @@
+//! The runs of a study with their curves and looks, and lines of them in a frame.
+
+use std::collections::BTreeMap;
+
+use plotters::style::text_anchor::{HPos, VPos};
+use results::store::Tables;
+
+use crate::ReportError;
+use crate::axis::Frame;
+use crate::canvas::{Canvas, Place};
+use crate::curve::{LogPoint, along, inside};
+use crate::ending::Ending;
+use crate::legend::{Legend, Look, Looks};
+use crate::rows::{Point, RunRow, curves};
+use crate::signs::{Sign, endings};
+use crate::style::TEXT;
+
+/// What all panels of a study share.
+pub(crate) struct Study<'t> {
+    pub(crate) runs: &'t [RunRow],
+    curves: BTreeMap<u32, Vec<Point>>,
+    pub(crate) looks: Looks<'t>,
+}
+
+/// The line of a run.
+pub(crate) struct Line {
+    pub(crate) look: Look,
+    pub(crate) ending: Ending,
+    pub(crate) points: Vec<LogPoint>,
+}
+
+impl<'t> Study<'t> {
+    pub(crate) fn of(runs: &'t [RunRow], tables: &Tables) -> Result<Self, ReportError> {
+        Ok(Self { runs, curves: curves(&tables.curves)?, looks: Looks::new(runs) })
+    }
+
+    pub(crate) fn curve(&self, run: &RunRow) -> &[Point] {
+        self.curves.get(&run.run).map_or(&[], Vec::as_slice)
+    }
+
+    /// The runs on a problem in the order of the legend; one that was skipped has no line.
+    pub(crate) fn runs_of(&self, problem: &str) -> Vec<&'t RunRow> {
+        let has_line = |run: &&RunRow| run.problem == problem && run.ending != Ending::Skipped;
+        let mut runs: Vec<&RunRow> = self.runs.iter().filter(has_line).collect();
+        runs.sort_by_key(|run| self.looks.rank(run));
+        runs
+    }
+
+    /// One entry per kind of run, how they ended, and `more`.
+    pub(crate) fn legend(
+        &self,
+        runs: &[&RunRow],
+        more: Vec<(Sign, String)>,
+        width: f64,
+    ) -> Result<Legend, ReportError> {
+        let mut shown: BTreeMap<(usize, usize), &RunRow> = BTreeMap::new();
+        for run in runs {
+            shown.entry(self.looks.rank(run)).or_insert(run);
+        }
+        let entries = shown.values().map(|run| (self.looks.label(run), self.looks.look(run))).collect();
+        let mut signs = endings(runs.iter().map(|run| run.ending));
+        signs.extend(more);
+        Legend::new(entries, signs, width)
+    }
+
+    /// A line per run, through the points that `at` makes of its samples.
+    pub(crate) fn lines(
+        &self,
+        runs: &[&RunRow],
+        at: impl Fn(&RunRow, &Point) -> Option<LogPoint>,
+    ) -> Vec<Line> {
+        let line = |run: &&RunRow| Line {
+            look: self.looks.look(run),
+            ending: run.ending,
+            points: self.curve(run).iter().filter_map(|point| at(run, point)).collect(),
+        };
+        runs.iter().map(line).collect()
+    }
+}
+
+/// Lines cut at the frame, with signs of their methods, and signs at their ends of how they ended.
+pub(crate) fn draw_lines(canvas: &Canvas, frame: &Frame, lines: &[Line]) -> Result<(), ReportError> {
+    const MARKS: usize = 3;
+    let mut drawn = 0;
+    for (i, line) in lines.iter().enumerate() {
+        let pieces = inside(&line.points, (frame.x.low, frame.x.high), (frame.y.low, frame.y.high));
+        drawn += pieces.len();
+        for piece in &pieces {
+            let places: Vec<Place> = piece.iter().map(|&point| frame.place(point)).collect();
+            canvas.line(&places, line.look.pen)?;
+        }
+        for k in 0..MARKS {
+            // A phase of its own, so that signs of neighbours do not cover each other.
+            let phase = (i as f64 + 0.5) / lines.len() as f64;
+            if let Some(point) = along(&pieces, (k as f64 + phase) / MARKS as f64) {
+                canvas.mark(line.look.mark, frame.place(point), line.look.pen)?;
+            }
+        }
+        if let Some(&end) = pieces.last().and_then(|piece| piece.last()) {
+            line.ending.draw(canvas, frame.place(end), line.look.pen.color)?;
+        }
+    }
+    if drawn == 0 {
+        canvas.text("no value in this range", frame.middle(), TEXT, (HPos::Center, VPos::Center))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,113 @@
+//! Iterations, and seconds of an iteration, against the number of subdomains.
+
+use polars::df;
+use results::store::Tables;
+
+use crate::axis::{Axis, Frame, Scale};
+use crate::canvas::Canvas;
+use crate::convergence::title;
+use crate::ending::Ending;
+use crate::iterations::to_markdown;
+use crate::legend::Legend;
+use crate::panels::{INSIDE, Room, row};
+use crate::rows::{RunRow, problems, runs};
+use crate::series::{Series, draw_empty, draw_points, reach, series};
+use crate::signs::endings;
+use crate::{File, ReportError, csv, file_name};
+
+/// What a panel shows of a run.
+struct Measure {
+    title: &'static str,
+    of: fn(&RunRow) -> Option<f64>,
+}
+
+const MEASURES: [Measure; 2] = [
+    Measure { title: "iterations to the tolerance", of: |run| Some(run.iterations as f64) },
+    Measure { title: "seconds per iteration (s)", of: seconds_per_iteration },
+];
+
+fn seconds_per_iteration(run: &RunRow) -> Option<f64> {
+    run.iterating_s.filter(|_| run.iterations > 0).map(|seconds| seconds / run.iterations as f64)
+}
+
+/// `subdomains-<problem>.svg`, and `subdomains.csv` and `.md` with the growth.
+pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
+    let runs = runs(&tables.runs)?;
+    let mut files = Vec::new();
+    for problem in problems(&runs) {
+        files.push((format!("subdomains-{}.svg", file_name(problem)), figure(&runs, problem)?));
+    }
+    let table = table(&series(&runs, &["subdomains"]))?;
+    let note =
+        "\nGrowth: iterations over those of the same method and settings with the fewest subdomains.\n";
+    files.push(("subdomains.csv".to_owned(), csv(&table)?));
+    files.push(("subdomains.md".to_owned(), to_markdown(&table)? + note));
+    Ok(files)
+}
+
+/// The series on one problem; a run that was skipped has no point.
+fn series_on<'r>(runs: &'r [RunRow], problem: &str) -> Vec<Series<'r>> {
+    let mut all = series(runs, &["subdomains"]);
+    for series in &mut all {
+        series.runs.retain(|run| run.problem == problem && run.ending != Ending::Skipped);
+    }
+    all.retain(|series| !series.runs.is_empty());
+    all
+}
+
+fn figure(runs: &[RunRow], problem: &str) -> Result<String, ReportError> {
+    let all = series_on(runs, problem);
+    let shown: Vec<&RunRow> = all.iter().flat_map(|series| series.runs.iter().copied()).collect();
+    let failures = shown.iter().map(|run| run.ending).filter(|ending| *ending != Ending::Converged);
+    let entries = all.iter().map(|series| (series.label(), series.look)).collect();
+    let legend = Legend::new(entries, endings(failures), INSIDE)?;
+    row(&[title(problem, &shown)], MEASURES.len(), &legend, |canvas, i, room| {
+        panel(canvas, &all, &MEASURES[i], room)
+    })
+}
+
+fn panel(canvas: &Canvas, all: &[Series], measure: &Measure, room: Room) -> Result<(), ReportError> {
+    let lines: Vec<_> = all.iter().map(|s| s.points(|run| f64::from(run.subdomains), measure.of)).collect();
+    let x = reach(lines.iter().flatten(), |point| point.0);
+    let frame = Frame {
+        x: Axis { scale: Scale::Two, ..Axis::log(x, room.left, room.right) },
+        y: Axis::log(reach(lines.iter().flatten(), |point| point.1), room.bottom, room.top),
+    };
+    frame.draw(canvas)?;
+    frame.name(canvas, "subdomains", measure.title)?;
+    for (series, points) in all.iter().zip(&lines) {
+        let converged = points.iter().filter(|(ending, _)| *ending == Ending::Converged);
+        canvas.line(&converged.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>(), series.look.pen)?;
+        draw_points(canvas, &frame, series.look, points)?;
+    }
+    if lines.iter().all(Vec::is_empty) { draw_empty(canvas, &frame) } else { Ok(()) }
+}
+
+/// One row per run, with its iterations over those of the fewest subdomains.
+fn table(all: &[Series]) -> Result<polars::prelude::DataFrame, ReportError> {
+    let mut rows: Vec<(&Series, &RunRow, Option<f64>)> = Vec::new();
+    for series in all {
+        for run in &series.runs {
+            let same = series.runs.iter().filter(|other| other.problem == run.problem);
+            let fewest = same.min_by_key(|other| other.subdomains);
+            let iterations = |run: &&&RunRow| run.ending == Ending::Converged && run.iterations > 0;
+            let base = fewest.filter(iterations).map(|fewest| fewest.iterations as f64);
+            let growth =
+                base.filter(|_| run.ending == Ending::Converged).map(|base| run.iterations as f64 / base);
+            rows.push((series, run, growth));
+        }
+    }
+    let seconds = |run: &RunRow| Some(run.setup_s? + run.iterating_s?);
+    Ok(df!(
+        "problem" => rows.iter().map(|(_, run, _)| run.problem.as_str()).collect::<Vec<_>>(),
+        "method" => rows.iter().map(|(series, ..)| series.label()).collect::<Vec<_>>(),
+        "subdomains" => rows.iter().map(|(_, run, _)| run.subdomains).collect::<Vec<_>>(),
+        "status" => rows.iter().map(|(_, run, _)| run.ending.text()).collect::<Vec<_>>(),
+        "iterations" => rows.iter().map(|(_, run, _)| run.iterations).collect::<Vec<_>>(),
+        "growth" => rows.iter().map(|(.., growth)| *growth).collect::<Vec<_>>(),
+        "seconds_per_iteration" =>
+            rows.iter().map(|(_, run, _)| seconds_per_iteration(run)).collect::<Vec<_>>(),
+        "setup_s" => rows.iter().map(|(_, run, _)| run.setup_s).collect::<Vec<_>>(),
+        "seconds" => rows.iter().map(|(_, run, _)| seconds(run)).collect::<Vec<_>>(),
+    )?)
+}

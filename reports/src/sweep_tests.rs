@@ -1,0 +1,87 @@
+//! The charts over subdomains, sizes and sets of problems, of small studies.
+
+use results::schema::Run;
+
+use crate::fixture::{decay, explosion, run, sample, tables, with_truth};
+use crate::tests::assert_well_formed;
+use crate::{File, profiles, size, subdomains};
+
+fn text<'f>(files: &'f [File], name: &str) -> &'f str {
+    for (name, svg) in files.iter().filter(|(name, _)| name.contains(".svg")) {
+        assert_well_formed(name, svg);
+    }
+    &files.iter().find(|(other, _)| other == name).unwrap_or_else(|| panic!("no {name}")).1
+}
+
+fn on(id: u32, subdomains: u32, kappa: &str, iterations: u64) -> Run {
+    let settings = format!(r#"{{"kappa_d":{kappa},"subdomains":"{subdomains}x1"}}"#);
+    Run { settings, subdomains, iterations, ..run(id, "latin-dd", "", "converged") }
+}
+
+#[test]
+fn growth_with_subdomains_is_told_for_each_setting_apart() {
+    let runs = [
+        on(0, 1, "null", 100),
+        on(1, 8, "null", 125),
+        on(2, 1, "0.3", 100),
+        Run { status: "iteration-limit".into(), ..on(3, 8, "0.3", 1000) },
+        Run { status: "skipped".into(), iterating_s: f64::NAN, ..on(4, 64, "0.3", 0) },
+    ];
+    let files = subdomains::files(&tables(&runs, &[])).unwrap();
+    let rows: Vec<&str> = text(&files, "subdomains.csv").lines().skip(1).collect();
+    assert!(rows[1].starts_with("column,latin-dd,8,converged,125,1.25,"), "{}", rows[1]);
+    assert!(rows[3].starts_with("column,\"latin-dd, kappa d 0.3\",8,iteration limit,1000,,"), "{}", rows[3]);
+    let svg = text(&files, "subdomains-column.svg");
+    assert!(
+        svg.contains("iteration limit") && svg.contains("latin-dd, kappa d 0.3") && !svg.contains("skipped")
+    );
+}
+
+#[test]
+fn exponents_are_those_of_the_runs_that_converged() {
+    let sized = |id, grains: u32, iterations| Run {
+        problem: format!("{grains} grains"),
+        grains,
+        iterations,
+        ..run(id, "nsgs", "", "converged")
+    };
+    let runs = [
+        sized(0, 10, 100),
+        sized(1, 1000, 100_000),
+        Run { status: "iteration-limit".into(), ..sized(2, 100_000, 7) },
+        run(3, "cg", "", "converged"),
+    ];
+    let files = size::files(&tables(&runs, &[])).unwrap();
+    let rows: Vec<&str> = text(&files, "size.csv").lines().skip(1).collect();
+    assert!(rows[0].starts_with("nsgs,3,1,1.5,") && rows[1].starts_with("cg,1,0,,"), "{rows:?}");
+    assert!(text(&files, "size.svg").contains("nsgs (1.50, 0.00, –)"));
+}
+
+#[test]
+fn profile_counts_what_is_reached_and_what_is_censored() {
+    let other = |id, method| Run { problem: "other".into(), ..run(id, method, "", "converged") };
+    let runs =
+        [run(0, "nsgs", "", "converged"), run(1, "cg", "", "converged"), other(2, "nsgs"), other(3, "cg")];
+    let twice = || (0..=200).map(|i| sample(i, 1.0, 10f64.powf(-4.0 * i as f64 / 200.0))).collect();
+    let curves = [(0, decay()), (1, twice()), (2, decay()), (3, explosion())];
+    let files = profiles::files(&with_truth(tables(&runs, &curves))).unwrap();
+    let row = |start: &str| text(&files, "profiles.csv").lines().find(|row| row.starts_with(start)).unwrap();
+    assert_eq!(row("0.01,sweeps,nsgs"), "0.01,sweeps,nsgs,2,2,2,1.0");
+    assert_eq!(row("0.01,sweeps,cg"), "0.01,sweeps,cg,2,1,0,2.0");
+    assert_eq!(row("1e-6,sweeps,cg"), "1e-6,sweeps,cg,2,0,0,");
+    assert!(text(&files, "profiles-sweeps.svg").contains("≤ 10⁻², 1 of 4 censored"));
+    assert!(text(&files, "profiles.md").contains("Problems: column, other."));
+}
+
+#[test]
+fn no_run_only_failures_and_undefined_values_are_no_obstacle() {
+    let failed = Run { setup_s: f64::NAN, iterations: 0, ..run(0, "jacobi", "", "diverged") };
+    let skipped = Run { grains: 0, ..run(1, "cg", "", "skipped") };
+    let one = tables(&[failed, skipped], &[(0, explosion())]);
+    for tables in [tables(&[], &[]), with_truth(one.clone()), one] {
+        for chart in [subdomains::files, size::files, profiles::files] {
+            let files = chart(&tables).unwrap();
+            text(&files, &files[0].0);
+        }
+    }
+}

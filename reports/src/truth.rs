@@ -1,0 +1,129 @@
+//! Measures against the truth: where a measure is smaller than the velocity error, it promises too much.
+
+use plotters::style::text_anchor::{HPos, VPos};
+use results::store::Tables;
+
+use crate::axis::{Axis, Frame};
+use crate::canvas::{Canvas, text_width};
+use crate::convergence::title;
+use crate::curve::{LogPoint, log, range};
+use crate::number::{number, power_of_ten};
+use crate::panels::{INSIDE, Room, nothing, row};
+use crate::rows::{Point, RunRow, problems, runs};
+use crate::signs::Sign;
+use crate::statistics::span;
+use crate::study::{Line, Study, draw_lines};
+use crate::style::{TICK_TEXT, TOLERANCE};
+use crate::{File, ReportError, file_name};
+
+/// A measure that every method can be stopped by.
+struct Measure {
+    title: &'static str,
+    short: &'static str,
+    of: fn(&Point) -> Option<f64>,
+}
+
+const MEASURES: [Measure; 3] = [
+    Measure { title: "ζ (–)", short: "ζ", of: |point| point.zeta },
+    Measure { title: "natural map (–)", short: "the natural map", of: |point| point.natural_map },
+    Measure {
+        title: "quadratic norm of LMGC90 (–)", short: "the quadratic norm", of: |point| point.quad_dv
+    },
+];
+
+/// The value of a measure at which the text says what it is worth.
+const ASKED: f64 = 1e-4;
+
+/// `truth-<problem>.svg`, and `truth.md` with the errors behind a measure of 10⁻⁴.
+pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
+    let runs = runs(&tables.runs)?;
+    let study = Study::of(&runs, tables)?;
+    let mut files = Vec::new();
+    let mut text = String::new();
+    for problem in problems(&runs) {
+        files.push((format!("truth-{}.svg", file_name(problem)), figure(&study, problem)?));
+        for measure in &MEASURES {
+            text += &sentence(&study, problem, measure);
+        }
+    }
+    if files.is_empty() {
+        text += "no run in this study\n";
+    }
+    files.push(("truth.md".to_owned(), text));
+    Ok(files)
+}
+
+fn figure(study: &Study, problem: &str) -> Result<String, ReportError> {
+    let runs = study.runs_of(problem);
+    let with_truth = |run: &&RunRow| study.curve(run).iter().any(|point| point.velocity_error.is_some());
+    if !runs.iter().any(with_truth) {
+        return nothing(problem, "no velocity error in its rows, hence no truth to compare with");
+    }
+    let more = vec![(
+        Sign::Line(TOLERANCE),
+        "measure = velocity error; below it the measure promises too much".into(),
+    )];
+    let legend = study.legend(&runs, more, INSIDE)?;
+    row(&[title(problem, &runs)], MEASURES.len(), &legend, |canvas, i, room| {
+        panel(canvas, study, &runs, &MEASURES[i], room)
+    })
+}
+
+fn panel(
+    canvas: &Canvas,
+    study: &Study,
+    runs: &[&RunRow],
+    measure: &Measure,
+    room: Room,
+) -> Result<(), ReportError> {
+    let lines = study.lines(runs, |_, point| {
+        // At its start a run has measured nothing.
+        let pair = point.velocity_error.zip((measure.of)(point));
+        (point.iteration > 0).then(|| pair.map(|(error, measure)| (log(error), log(measure))))
+    });
+    let turn = |line: &Line| Line {
+        points: line.points.iter().map(|point: &LogPoint| point.map(|(x, y)| (y, x))).collect(),
+        ..*line
+    };
+    let x = range(&lines.iter().map(turn).collect::<Vec<_>>(), &[]);
+    let frame = Frame {
+        x: Axis::log(x, room.left, room.right),
+        y: Axis::log(range(&lines, &[]), room.bottom, room.top),
+    };
+    frame.draw(canvas)?;
+    frame.name(canvas, "velocity error (–)", measure.title)?;
+    draw_diagonal(canvas, &frame)?;
+    draw_lines(canvas, &frame, &lines)
+}
+
+fn draw_diagonal(canvas: &Canvas, frame: &Frame) -> Result<(), ReportError> {
+    let (low, high) = (frame.x.low.max(frame.y.low), frame.x.high.min(frame.y.high));
+    if low >= high {
+        return Ok(());
+    }
+    canvas.line(&[frame.place((low, low)), frame.place((high, high))], TOLERANCE)?;
+    // In the corner below the diagonal, where the curves of an honest measure do not come.
+    let text = "promises too much";
+    let place = (frame.x.to - text_width(text, TICK_TEXT)? - 1.5, frame.y.from - 1.6);
+    canvas.text(text, place, TICK_TEXT, (HPos::Left, VPos::Bottom))
+}
+
+/// Between which velocity errors the runs are when the measure comes down to the value asked.
+fn sentence(study: &Study, problem: &str, measure: &Measure) -> String {
+    let small =
+        |point: &&Point| point.iteration > 0 && (measure.of)(point).is_some_and(|value| value <= ASKED);
+    let runs = study.runs_of(problem);
+    let error = |run: &&RunRow| study.curve(run).iter().find(small)?.velocity_error;
+    let errors: Vec<f64> = runs.iter().filter_map(error).collect();
+    let (short, asked) = (measure.short, power_of_ten(ASKED.log10().round() as i32));
+    match span(errors.iter().copied()) {
+        Some((least, greatest)) => format!(
+            "{problem}: where {short} is {asked} for the first time, the velocity error is between {} and {} ({} of {} runs).\n",
+            number(least, 2),
+            number(greatest, 2),
+            errors.len(),
+            runs.len(),
+        ),
+        None => format!("{problem}: no run with a known velocity error brings {short} to {asked}.\n"),
+    }
+}

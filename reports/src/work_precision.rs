@@ -1,0 +1,128 @@
+//! Work and precision: the velocity error against seconds and against counted work, with the Pareto front.
+
+use results::store::Tables;
+
+use crate::axis::{Axis, Frame};
+use crate::canvas::{Canvas, Place};
+use crate::convergence::title;
+use crate::cost::{ACCURACIES, COSTS, Cost, WORK, reached};
+use crate::curve::{LogPoint, log_point, range};
+use crate::number::{number, power_of_ten};
+use crate::panels::{INSIDE, Room, nothing, row};
+use crate::rows::{RunRow, problems, runs};
+use crate::signs::Sign;
+use crate::statistics::padded;
+use crate::study::{Line, Study, draw_lines};
+use crate::style::{PARETO, TOLERANCE};
+use crate::{File, ReportError, file_name};
+
+/// `work-precision-<problem>.svg`, and `work-precision.md` with the first to each accuracy.
+pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
+    let runs = runs(&tables.runs)?;
+    let study = Study::of(&runs, tables)?;
+    let mut files = Vec::new();
+    let mut text = String::new();
+    for problem in problems(&runs) {
+        files.push((format!("work-precision-{}.svg", file_name(problem)), figure(&study, problem)?));
+        text += &firsts(&study, problem);
+    }
+    if files.is_empty() {
+        text += "no run in this study\n";
+    }
+    files.push(("work-precision.md".to_owned(), format!("{text}\nOne run each. {WORK}\n")));
+    Ok(files)
+}
+
+fn figure(study: &Study, problem: &str) -> Result<String, ReportError> {
+    let runs = study.runs_of(problem);
+    let with_truth = |run: &&RunRow| study.curve(run).iter().any(|point| point.velocity_error.is_some());
+    if !runs.iter().any(with_truth) {
+        return nothing(problem, "no velocity error in its rows, hence nothing to compare");
+    }
+    let more = vec![
+        (Sign::Line(PARETO), "Pareto front: nothing is cheaper and as accurate".to_owned()),
+        (Sign::Line(TOLERANCE), "accuracies of the tables".to_owned()),
+    ];
+    let legend = study.legend(&runs, more, INSIDE)?;
+    row(&[title(problem, &runs)], COSTS.len(), &legend, |canvas, i, room| {
+        panel(canvas, study, &runs, &COSTS[i], room)
+    })
+}
+
+fn panel(
+    canvas: &Canvas,
+    study: &Study,
+    runs: &[&RunRow],
+    cost: &Cost,
+    room: Room,
+) -> Result<(), ReportError> {
+    let lines = study.lines(runs, |run, point| {
+        (cost.of)(run, point).and_then(|cost| log_point(cost, point.velocity_error))
+    });
+    let x = padded(lines.iter().flat_map(|line| &line.points).flatten().map(|point| point.0), 0.05);
+    let y = range(&lines, &[]);
+    let frame = Frame {
+        x: Axis::log(x, room.left, room.right),
+        y: Axis::log((y.0.max(-12.0), y.1), room.bottom, room.top),
+    };
+    frame.draw(canvas)?;
+    frame.name(canvas, cost.title, "velocity error (–)")?;
+    for accuracy in
+        ACCURACIES.map(f64::log10).into_iter().filter(|log| (frame.y.low..frame.y.high).contains(log))
+    {
+        let y = frame.y.place(accuracy);
+        canvas.line(&[(room.left, y), (room.right, y)], TOLERANCE)?;
+    }
+    draw_front(canvas, &frame, &lines)?;
+    draw_lines(canvas, &frame, &lines)
+}
+
+/// A broad pale line under the curves.
+fn draw_front(canvas: &Canvas, frame: &Frame, lines: &[Line]) -> Result<(), ReportError> {
+    let front = front(lines.iter().flat_map(|line| &line.points));
+    let clamp = |axis: &Axis, at: f64| axis.place(at.clamp(axis.low, axis.high));
+    let place = |&(x, y): &(f64, f64)| -> Place { (clamp(&frame.x, x), clamp(&frame.y, y)) };
+    canvas.line(&front.iter().map(place).collect::<Vec<_>>(), PARETO)
+}
+
+/// Corners of the stairs below which no sample lies, from the cheapest to the most accurate.
+fn front<'p>(points: impl Iterator<Item = &'p LogPoint>) -> Vec<(f64, f64)> {
+    let mut points: Vec<(f64, f64)> = points.copied().flatten().collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut stairs: Vec<(f64, f64)> = Vec::new();
+    for (x, y) in points {
+        match stairs.last() {
+            Some(&(_, lowest)) if y >= lowest => {}
+            Some(&(_, lowest)) => stairs.extend([(x, lowest), (x, y)]),
+            None => stairs.push((x, y)),
+        }
+    }
+    stairs
+}
+
+/// Which run is the first to each accuracy, in each cost.
+fn firsts(study: &Study, problem: &str) -> String {
+    ACCURACIES.map(|accuracy| first(study, problem, accuracy)).concat()
+}
+
+fn first(study: &Study, problem: &str, accuracy: f64) -> String {
+    let runs = study.runs_of(problem);
+    let says = |cost: &Cost| {
+        let price = |run: &RunRow| (cost.of)(run, reached(study.curve(run), accuracy)?);
+        let prices = runs.iter().filter_map(|run| Some((price(run)?, run)));
+        let (price, run) = prices.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(format!("{} ({} {})", study.looks.label(run), number(price, 2), cost.name))
+    };
+    let name = power_of_ten(accuracy.log10().round() as i32);
+    match COSTS.each_ref().map(says) {
+        [Some(seconds), Some(work)] => {
+            format!(
+                "{problem}: first to a velocity error of {name} are {seconds} and, in counted work, {work}.\n"
+            )
+        }
+        _ => format!("{problem}: no run reaches a velocity error of {name}.\n"),
+    }
+}
+
+#[cfg(test)]
+mod tests;

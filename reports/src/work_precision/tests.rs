@@ -1,0 +1,59 @@
+use results::schema::Run;
+
+use super::{files, front};
+use crate::fixture::{decay, explosion, run, sample, tables, with_truth};
+use crate::tests::assert_well_formed;
+use crate::{File, truth};
+
+fn made(files: Vec<File>) -> Vec<File> {
+    for (name, text) in files.iter().filter(|(name, _)| name.contains(".svg")) {
+        assert_well_formed(name, text);
+    }
+    files
+}
+
+#[test]
+fn front_is_below_every_point() {
+    let points = [(1.0, 0.0), (0.0, 0.0), (2.0, -2.0), (1.5, -1.0), (3.0, -1.5)].map(Some);
+    assert_eq!(front(points.iter()), [(0.0, 0.0), (1.5, 0.0), (1.5, -1.0), (2.0, -1.0), (2.0, -2.0)]);
+    assert!(front([None].iter()).is_empty());
+}
+
+#[test]
+fn first_run_to_each_accuracy_is_named_with_its_cost() {
+    let runs = [run(0, "nsgs", "", "converged"), Run { setup_s: 1.0, ..run(1, "cg", "none", "converged") }];
+    let slow = (0..=50).map(|i| sample(i, 1.0, 10f64.powf(-4.0 * i as f64 / 50.0))).collect();
+    let files = made(files(&with_truth(tables(&runs, &[(0, decay()), (1, slow)]))).unwrap());
+    let text = &files.last().unwrap().1;
+    // 50 iterations of 1e-4 s and a set-up of 1e-5 s; 25 of 40 updates and 2 products on 20 contacts.
+    let said = "column: first to a velocity error of 10⁻² are nsgs (5·10⁻³ seconds) and, in counted work, cg (100 sweeps).";
+    assert!(text.contains(said), "{text}");
+    assert!(text.contains("no run reaches a velocity error of 10⁻⁶"), "{text}");
+}
+
+#[test]
+fn rows_without_truth_or_with_failures_only_are_said_and_drawn() {
+    let untrue = tables(&[run(0, "nsgs", "", "converged")], &[(0, decay())]);
+    let failed = with_truth(tables(&[run(0, "jacobi", "", "diverged")], &[(0, explosion())]));
+    let lone = with_truth(tables(
+        &[run(0, "cg", "", "skipped"), run(1, "cg", "", "converged")],
+        &[(1, vec![sample(0, f64::NAN, 0.0)])],
+    ));
+    for chart in [files, truth::files] {
+        let page = made(chart(&untrue).unwrap());
+        assert!(page[0].1.contains("no velocity error in its rows"));
+        assert!(made(chart(&tables(&[], &[])).unwrap())[0].1.contains("no run in this study"));
+        made(chart(&failed).unwrap());
+        made(chart(&lone).unwrap());
+    }
+}
+
+#[test]
+fn error_behind_a_small_measure_is_told() {
+    let lies = (0..=10).map(|i| sample(i, 1e-5, 0.5)).collect();
+    let runs = [run(0, "nsgs", "", "converged"), run(1, "jacobi", "", "iteration-limit")];
+    let files = made(truth::files(&with_truth(tables(&runs, &[(0, decay()), (1, lies)]))).unwrap());
+    let text = &files.last().unwrap().1;
+    let said = "column: where ζ is 10⁻⁴ for the first time, the velocity error is between 10⁻⁴ and 0.50 (2 of 2 runs).";
+    assert!(text.contains(said), "{text}");
+}
