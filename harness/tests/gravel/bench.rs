@@ -34,7 +34,7 @@ impl Study {
     }
 
     /// Runs a plan and returns the folder of its rows.
-    fn bench(&self, name: &str) -> PathBuf {
+    pub(crate) fn bench(&self, name: &str) -> PathBuf {
         let before = self.studies(name);
         self.gravel(&["bench", name]).succeeded();
         let mut new = self.studies(name);
@@ -71,7 +71,7 @@ fn study_of_the_pair_and_a_column() -> Study {
 }
 
 /// The rows of a CSV file, each by column.
-fn rows(file: PathBuf) -> Vec<BTreeMap<String, String>> {
+pub(crate) fn rows(file: PathBuf) -> Vec<BTreeMap<String, String>> {
     let text = fs::read_to_string(file).unwrap();
     let mut lines = text.lines().map(fields);
     let header = lines.next().unwrap();
