@@ -40,7 +40,7 @@ fn study(root: &Root, name: &str) -> Result<String> {
     if !name.is_empty() && !name.contains(['/', '\\', '.']) && latest(&runs(root), name).is_some() {
         return Ok(name.to_owned());
     }
-    Ok(Plan::read(&root.plan(name)?)?.name)
+    Ok(Plan::read(&root.plan(name)?, false)?.name)
 }
 
 fn runs(root: &Root) -> PathBuf {

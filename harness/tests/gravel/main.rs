@@ -12,3 +12,4 @@ mod refused_requests;
 mod same_bits;
 mod shown;
 mod solve;
+mod truth;

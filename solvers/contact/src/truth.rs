@@ -44,8 +44,8 @@ const ROUND_OFF: f64 = 1e-14;
 /// Whether the impulses `ray` prove that the problem has no solution (lemma of Farkas).
 ///
 /// For d ≥ 0 and any admissible V, that is Hᵗ V + c ≥ 0, dᵗ (Hᵗ V + c) ≥ 0, hence
-/// ‖V − `V_free`‖_M ≥ −bᵗ d / ‖H d‖_{M⁻¹}. If H d = 0 and bᵗ d < 0, there is no such V: the impulses d balance each other at
-/// every grain, and still every one of the contacts approaches. In floating point, this holds if the bound is above 1e8
+/// ‖V − `V_free`‖_M ≥ −bᵗ d / ‖H d‖_{M⁻¹}. If H d = 0 and bᵗ d < 0, there is no such V: the impulses d balance at every
+/// grain, and on the whole they act against approach, whatever V. In floating point, this holds if the bound is above 1e8
 /// √(Σ max(0, −b)²/`W_αα`), with ‖H d‖ raised by its round-off: no method, however slow, makes it hold on a problem whose
 /// solution is nearer than that.
 pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {

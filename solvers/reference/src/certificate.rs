@@ -26,6 +26,9 @@ impl Residual {
 /// The scales depend on the problem alone. That of velocities is v₀ = max(0, −b), at its greatest: the fastest approach
 /// without impulses; that of impulses is max(0, −b)/`W_αα`, at its greatest: what one contact needs to stop it. Where no
 /// contact pushes both are 0, and r = 0 alone has a certificate.
+///
+/// The error in V that is left is about the residuals times the condition of the closed contacts. Guaranteed is, for any
+/// solution r*, no more than its square: ‖V − V*‖²_M ≤ rᵗ max(0, v) + r*ᵗ max(0, −v).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Certificate {
     /// Greatest max(0, −v): the approach that is left, over v₀ (m/s).

@@ -1,0 +1,146 @@
+//! References: kept, certified anew, and what is told beside them.
+
+use crate::bench::{Study, plan, rows};
+use crate::common::{checkout, entries, impulses, text, write};
+use serde_json::{Value, json};
+use std::fs;
+
+#[test]
+fn certify_prints_every_condition_of_the_reference_and_keeps_it() {
+    let study = Study::new();
+    let told = study.gravel(&["certify", "pair"]).succeeded().stdout;
+    for word in
+        ["reference: certified to 1e-12", "approach", "pull", "complementarity", "momentum", "duality_gap"]
+    {
+        assert!(told.contains(word), "no `{word}` in: {told}");
+    }
+    let kept = entries(&study.folder().path().join("results/references"));
+    assert_eq!(kept.len(), 1, "{kept:?}");
+    assert_eq!(study.gravel(&["certify", "pair"]).succeeded().stdout, told, "read back");
+}
+
+#[test]
+fn corrupted_references_are_computed_anew_with_a_word() {
+    let study = Study::new();
+    study.gravel(&["certify", "pair"]).succeeded();
+    let folder = study.folder().path().join("results/references");
+    let file = folder.join(&entries(&folder)[0]);
+    let good = fs::read_to_string(&file).unwrap();
+    let kept: Value = serde_json::from_str(&good).unwrap();
+    let r: Vec<f64> = serde_json::from_value(kept["impulses"].clone()).unwrap();
+    let bad = [
+        json!({ "impulses": [r[0] * (1.0 + 1e-6), r[1]] }).to_string(),
+        json!({ "impulses": [r[0]] }).to_string(),
+        json!({ "ray": [1.0, 1.0] }).to_string(),
+        json!({ "else": r }).to_string(),
+        good[..good.len() / 2].to_owned(),
+        String::new(),
+    ];
+    for bad in bad {
+        fs::write(&file, &bad).unwrap();
+        let ran = study.gravel(&["certify", "pair"]).succeeded();
+        assert!(ran.stderr.contains("computed anew"), "{bad}: {}", ran.stderr);
+        assert!(ran.stdout.contains("reference: certified"), "{bad}: {}", ran.stdout);
+        assert_eq!(fs::read_to_string(&file).unwrap(), good, "{bad}");
+    }
+}
+
+#[test]
+fn certify_tells_how_far_given_impulses_are_from_the_reference() {
+    let study = Study::new();
+    let frozen = |ending: &str| checkout().join("cases/frozen/lmgc90-shear-991-t1").with_extension(ending);
+    let (problem, solution) = (frozen("json"), frozen("solution.json"));
+    let ran = study.gravel(&["certify", text(&problem), "--impulses", text(&solution)]).succeeded();
+    // What LMGC90 left: 2.4e-7 m/s.
+    for word in ["given impulses: not certified", "2.4e-7 m/s", "reference: certified"] {
+        assert!(ran.stdout.contains(word), "no `{word}` in: {}", ran.stdout);
+    }
+    let error = ran.stdout.lines().find_map(|line| line.trim().strip_prefix("velocity_error")).unwrap();
+    assert!((1e-9..1e-2).contains(&error.trim().parse::<f64>().unwrap()), "{error}");
+}
+
+#[test]
+fn impulses_of_another_problem_are_refused() {
+    let study = Study::new();
+    for (content, words) in [
+        (json!({ "impulse": [1.0] }), &["`impulse` has 1 values", "2 contacts"][..]),
+        (json!({ "impulses": [1.0, 1.0] }), &["missing field `impulse`"]),
+        (json!({ "impulse": [1.0, "x"] }), &["given.json", "f64"]),
+    ] {
+        let file = write(study.folder(), "given.json", &content.to_string());
+        study.gravel(&["certify", "pair", "--impulses", text(&file)]).refused(words);
+    }
+    study.gravel(&["certify", "nothing"]).refused(&["no frozen problem `nothing`"]);
+}
+
+#[test]
+fn solve_tells_the_error_where_it_is_asked_to() {
+    let study = Study::new();
+    let solve = |more: &[&str]| study.gravel(&[&["solve", "pair", "--json"], more].concat()).json();
+    assert!(solve(&[])["velocity_error"].is_null());
+    assert!(solve(&["--truth"])["velocity_error"].as_f64().is_some_and(|error| error < 1e-6));
+    let stopped = solve(&["--method", "nsgs", "--on", "velocity_error", "--tolerance", "1e-3"]);
+    assert_eq!(stopped["status"], "converged");
+    assert!(stopped["velocity_error"].as_f64().is_some_and(|error| error <= 1e-3));
+    assert!(stopped["energy_gap"].as_f64().is_some_and(|gap| (0.0..1e-3).contains(&gap)));
+    // The time steps before a frozen problem are solved beside no reference.
+    let output = study.folder().path().join("later.json");
+    let freeze = ["freeze", "column", "--time-step", "2", "-o", text(&output), "--on", "velocity_error"];
+    study.gravel(&freeze).refused(&["`on` is velocity_error", "not known"]);
+}
+
+#[test]
+fn impulses_of_the_interior_point_have_a_certificate() {
+    let study = Study::new();
+    let problem = checkout().join("cases/frozen/shear-box-991-sheared.json");
+    let exact = ["--method", "interior-point", "--tolerance", "1e-13"];
+    let r = impulses(&[&[text(&problem)][..], &exact].concat());
+    let file = write(study.folder(), "r.json", &json!({ "impulse": r }).to_string());
+    let told = study.gravel(&["certify", text(&problem), "--impulses", text(&file)]).succeeded().stdout;
+    assert!(told.contains("given impulses: certified"), "{told}");
+}
+
+/// A disc between two walls that close at 1 m/s.
+fn closing_walls() -> Value {
+    json!({
+        "format": "gravel/contact-problem/1",
+        "name": "closing",
+        "source": "made for a test",
+        "time_step": 0.005,
+        "grains": {
+            "mass": [1.0], "radius": [0.5], "position": [[0.0, 0.5]], "free_velocity": [[0.0, 0.0]]
+        },
+        "contacts": {
+            "candidate": [0, 0],
+            "antagonist": [null, null],
+            "normal": [[1.0, 0.0], [-1.0, 0.0]],
+            "offset": [-1.0, -1.0],
+            "gap": [0.0, 0.0]
+        }
+    })
+}
+
+#[test]
+fn studies_tell_the_error_and_the_convergence_that_is_none() {
+    let study = Study::new();
+    write(study.folder(), "cases/frozen/closing.json", &closing_walls().to_string());
+    let methods = "[[methods]]\nmethod = \"nsgs\"\n";
+    let text = plan("test", &["pair", "closing"], methods);
+    let ends = |text: &str| {
+        write(study.folder(), "harness/plans/test.toml", text);
+        let runs = rows(study.bench("test").join("runs.csv"));
+        runs.iter().map(|run| (run["status"].clone(), run["velocity_error"].clone())).collect::<Vec<_>>()
+    };
+    let on_the_natural_map = ends(&text);
+    assert_eq!(on_the_natural_map[0].0, "converged");
+    assert!(on_the_natural_map[0].1.parse::<f64>().unwrap() < 1e-2, "{on_the_natural_map:?}");
+    assert_eq!(on_the_natural_map[1], ("infeasible".to_owned(), String::new()));
+    let on_zeta = ends(&text.replace("natural_map", "zeta").replace("1e-3", "1e-2"));
+    assert_eq!(on_zeta[1], ("false-convergence".to_owned(), String::new()));
+    let on_the_error = ends(&text.replace("natural_map", "velocity_error"));
+    assert_eq!(on_the_error[0].0, "converged");
+    assert!(on_the_error[0].1.parse::<f64>().unwrap() <= 1e-3, "{on_the_error:?}");
+    assert_eq!(on_the_error[1].0, "skipped");
+    let told = study.gravel(&["certify", "closing"]).succeeded().stdout;
+    assert!(told.contains("no solution"), "{told}");
+}
