@@ -12,4 +12,4 @@ pub mod solve;
 pub use interface::{Iteration, SetupError, Solver, Work};
 pub use measures::{Measure, Measures, Meter};
 pub use problem::{Contact, ContactProblem, ProblemError};
-pub use solve::{Outcome, Progress, Status, Stop, solve};
+pub use solve::{Outcome, Progress, Status, Stop, solve, solve_interruptibly};

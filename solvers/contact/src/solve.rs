@@ -5,6 +5,7 @@ use crate::measures::{Measure, Measures, Meter};
 use crate::problem::ContactProblem;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 /// Until when a method is advanced.
@@ -51,6 +52,8 @@ pub enum Status {
     IterationLimit,
     /// The iterate is not finite, or q(r) is far above q(0) = 0.
     Diverged,
+    /// The observer asked to stop: the run says nothing of the method.
+    Interrupted,
 }
 
 impl Status {
@@ -60,6 +63,7 @@ impl Status {
             Self::Converged => "converged",
             Self::IterationLimit => "iteration-limit",
             Self::Diverged => "diverged",
+            Self::Interrupted => "interrupted",
         }
     }
 }
@@ -119,6 +123,24 @@ pub fn solve(
     stop: &Stop,
     observe: &mut dyn FnMut(&Progress),
 ) -> Result<Outcome, SetupError> {
+    solve_interruptibly(solver, problem, r0, stop, &mut |progress| {
+        observe(progress);
+        ControlFlow::Continue(())
+    })
+}
+
+/// [`solve`] with an observer that may end the run after any iterate; it is then [`Status::Interrupted`], unless that
+/// iterate was the last one anyway.
+///
+/// # Errors
+/// Those of [`solve`].
+pub fn solve_interruptibly(
+    solver: &dyn Solver,
+    problem: &ContactProblem,
+    r0: &[f64],
+    stop: &Stop,
+    observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+) -> Result<Outcome, SetupError> {
     SetupError::unless_admissible(problem, r0)?;
     stop.check()?;
     let clock = Instant::now();
@@ -136,7 +158,7 @@ pub fn solve(
     let mut iterating = Duration::ZERO;
     let status = loop {
         let work = iteration.work();
-        observe(&Progress { iteration: iterations, iterating, measures: &measures, work });
+        let goes_on = observe(&Progress { iteration: iterations, iterating, measures: &measures, work });
         // Before convergence, which a measure can feign where others overflow; and so that a NaN counts as diverged.
         if !(measures.energy <= energy_bound && measures.natural_map.is_finite()) {
             break Status::Diverged;
@@ -146,6 +168,9 @@ pub fn solve(
         }
         if iterations == stop.max_iterations {
             break Status::IterationLimit;
+        }
+        if goes_on.is_break() {
+            break Status::Interrupted;
         }
         let clock = Instant::now();
         iteration.advance();
