@@ -1,5 +1,6 @@
 //! Where cases, frozen problems and plans are, and how a name or a path becomes one of them.
 
+use crate::identity::first_hex;
 use crate::methods::Method;
 use crate::progress;
 use anyhow::{Context, Result, bail};
@@ -181,6 +182,5 @@ pub(crate) fn content_hash(frozen: &Frozen) -> String {
         number(contact.offset);
     }
     frozen.start.iter().for_each(|r| number(*r));
-    let first = hash.finalize()[..8].iter().fold(0, |first: u64, byte| first << 8 | u64::from(*byte));
-    format!("{first:016x}")
+    first_hex(hash.finalize().as_slice())
 }

@@ -1,6 +1,7 @@
 //! The methods by name. To add one: its line in [`METHODS`], its crate in this package's manifest.
 
-use anyhow::{Result, anyhow, bail};
+use crate::identity::code_version;
+use anyhow::{Context, Result, anyhow, bail};
 use contact::Solver;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -12,12 +13,15 @@ pub(crate) struct Method {
     /// Every parameter, defaults spelled out.
     pub(crate) settings: Map<String, Value>,
     pub(crate) solver: Box<dyn Solver>,
+    /// Version of its code.
+    pub(crate) code: &'static str,
 }
 
 /// A method that can be asked for.
 pub(crate) struct Entry {
     pub(crate) name: &'static str,
     pub(crate) what: &'static str,
+    code: fn() -> Option<&'static str>,
     build: fn(Map<String, Value>) -> Result<Built>,
 }
 
@@ -35,7 +39,7 @@ impl Entry {
     where
         S: Solver + Serialize + DeserializeOwned + 'static,
     {
-        Self { name, what, build: build::<S> }
+        Self { name, what, code: code_version::<S>, build: build::<S> }
     }
 
     /// Every parameter with its default.
@@ -53,7 +57,9 @@ impl Method {
         };
         let (settings, solver) =
             (entry.build)(settings).map_err(|error| anyhow!("method `{name}`, {error}"))?;
-        Ok(Self { name: entry.name, settings, solver })
+        let code =
+            (entry.code)().with_context(|| format!("method `{name}` is not of a crate in solvers/"))?;
+        Ok(Self { name: entry.name, settings, solver, code })
     }
 
     /// The method `name` with settings as they are typed: `relaxation=0.8`.

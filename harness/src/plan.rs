@@ -6,6 +6,7 @@ use contact::Stop;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
+use std::num::NonZeroU32;
 use std::path::Path;
 
 /// A study.
@@ -21,10 +22,17 @@ pub(crate) struct Plan {
     /// Whether runs begin from the impulses of the time step before.
     #[serde(default)]
     pub(crate) warm_start: bool,
+    /// How often each run is made for its seconds, which are then medians.
+    #[serde(default = "once")]
+    pub(crate) repeats: NonZeroU32,
     /// Until when.
     pub(crate) stop: Stop,
     /// The methods.
     methods: Vec<PlannedMethod>,
+}
+
+fn once() -> NonZeroU32 {
+    NonZeroU32::MIN
 }
 
 /// A method with fixed settings, and settings along which it varies.

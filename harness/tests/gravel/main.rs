@@ -8,6 +8,8 @@ mod freeze;
 mod refused_files;
 mod refused_plans;
 mod refused_requests;
+mod regress;
 mod same_bits;
 mod shown;
 mod solve;
+mod store;
