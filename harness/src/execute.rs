@@ -37,19 +37,19 @@ pub(crate) fn execute(
     let board = Board::new(tasks.len() as u64);
     let next = AtomicUsize::new(0);
     let failed = AtomicBool::new(false);
-    let work = || -> Result<()> {
-        let halt = || interrupt::asked() || failed.load(Ordering::Relaxed);
+    let halt = || interrupt::asked() || failed.load(Ordering::Relaxed);
+    let make_the_next = || -> Result<()> {
         while !halt()
             && let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed))
         {
-            let made = make(study, task, how, provenance, &board, &halt);
-            if let Some(record) = made.inspect_err(|_| failed.store(true, Ordering::Relaxed))? {
-                keep(record).inspect_err(|_| failed.store(true, Ordering::Relaxed))?;
+            if let Some(record) = make(study, task, how, provenance, &board, &halt)? {
+                keep(record)?;
                 board.run_ended();
             }
         }
         Ok(())
     };
+    let work = || make_the_next().inspect_err(|_| failed.store(true, Ordering::Relaxed));
     let workers = how.jobs.get().min(tasks.len());
     let ended: Vec<Result<()>> = std::thread::scope(|scope| {
         let handles: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();

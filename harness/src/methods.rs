@@ -30,6 +30,7 @@ pub(crate) const METHODS: &[Entry] = &[
     Entry::of::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem"),
     Entry::of::<nsgs::Jacobi>("jacobi", "projected Jacobi with relaxation"),
     Entry::of::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart"),
+    Entry::of::<gradient::Gradient>("gradient", "projected gradient with a fixed step"),
     Entry::of::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions"),
     Entry::of::<nsgs_dd::NsgsDd>("nsgs-dd", "non-linear Gauss-Seidel by subdomains, with split masses"),
 ];

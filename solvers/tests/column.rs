@@ -3,6 +3,7 @@
 use crate::problems::{first_problem, impulses, start};
 use cg::{Cg, Preconditioner};
 use contact::{Measure, Meter, Solver, Status, Stop, solve};
+use gradient::Gradient;
 use latin_dd::LatinDd;
 use nsgs::{Jacobi, Nsgs};
 use nsgs_dd::NsgsDd;
@@ -82,6 +83,7 @@ fn column_of_discs_carries_its_weight() {
         &Nsgs::default() as &dyn Solver,
         &Jacobi::default(),
         &Cg::default(),
+        &Gradient::default(),
         &NsgsDd { subdomains: halves, ..NsgsDd::default() },
         &LatinDd { subdomains: halves, ..LatinDd::default() },
     ] {
