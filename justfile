@@ -18,6 +18,14 @@ test:
 bench plan="paper":
     cargo run --release -- bench {{plan}}
 
+# Compare the counts of a plan with the accepted ones
+regress plan="regress":
+    cargo run --release -- regress {{plan}}
+
+# Accept the counts of a plan
+bless plan="regress":
+    cargo run --release -- bless {{plan}}
+
 # Time the kernels alone
 bench-kernels:
     cargo bench --package harness --bench kernels

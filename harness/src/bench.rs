@@ -1,132 +1,125 @@
-//! `gravel bench`: every method of a plan on every problem of it, then rows, table and figures.
+//! `gravel bench`: the runs of a plan that its store lacks, then tables and a report.
 
 use crate::COMMIT;
-use crate::curve::Recorder;
+use crate::asked::StudyArgs;
+use crate::execute::{How, execute};
 use crate::inputs::Root;
+use crate::interrupt;
 use crate::output::say;
-use crate::plan::{Plan, Variant};
-use crate::problems::Problem;
-use crate::progress;
-use crate::report;
-use crate::rows::{asked_row, ended_row, partitions, scene_rows};
-use crate::study::{Study, StudyArgs};
-use crate::truth::{Known, known};
-use anyhow::Result;
-use cases::Frozen;
-use contact::Status;
-use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample};
-use results::store::{Store, Tables};
-use results::tables;
+use crate::report::say_files;
+use crate::study::{Made, Study};
+use crate::tables::{notes, tables};
+use anyhow::{Context, Result, anyhow};
+use results::schema::Provenance;
+use results::store::{Store, StoreError};
+use std::collections::HashSet;
+use std::num::{NonZeroU32, NonZeroUsize};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
     study: StudyArgs,
+    /// Make N different runs at a time: the counts are the same, but seconds are then not taken alone
+    #[arg(long, value_name = "N", default_value = "1")]
+    jobs: NonZeroUsize,
+    /// Make every run N times, and one before that is not counted; its seconds are medians [default: the plan's
+    /// `repeats`, or 1]
+    #[arg(long, value_name = "N")]
+    repeats: Option<NonZeroU32>,
+    /// Make all runs again, those that are there as well; the new rows replace them in the tables
+    #[arg(long)]
+    rerun: bool,
+    /// Begin anew; what was there is kept in a folder named after the time
+    #[arg(long, conflicts_with = "rerun")]
+    fresh: bool,
 }
 
-/// All rows of a study.
-#[derive(Default)]
-struct Rows {
-    runs: Vec<Run>,
-    curves: Vec<(u32, Vec<Sample>)>,
-    grains: Vec<GrainRow>,
-    contacts: Vec<ContactRow>,
-}
+pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
+    let study = args.study.study(root)?;
+    let plan = &study.plan;
+    let provenance = provenance()?;
+    if args.fresh
+        && let Some(kept) = Store::set_aside(&runs_folder(root), &plan.name)?
+    {
+        say(format_args!("what was there is now in {}", kept.display()))?;
+    }
+    let store = open(root, &plan.name)?;
+    let Made { missing, left_s } = study.made(store.records());
+    let tasks = if args.rerun { study.missing(&HashSet::new()) } else { missing };
+    interrupt::listen()?;
+    let (problems, methods) = (study.problems.len(), study.variants.len());
+    let (all, missing) = (problems * methods, tasks.len());
+    let left =
+        left_s.filter(|s| *s >= 1.0 && !args.rerun).map_or(String::new(), |s| format!(", about {s:.0} s"));
+    say(format_args!(
+        "plan {}: {problems} problems, {methods} methods; {missing} of {all} runs to make{left}",
+        plan.name
+    ))?;
 
-pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    let Study { plan, problems, variants, notes } = args.study.study(root)?;
-    let rustc = rustc_version_runtime::version().to_string();
-    let provenance = Provenance::gather(COMMIT, &rustc, rayon::current_num_threads() as u32)?;
-    let store = Store::create(&root.join("results/runs"), &plan.name, &provenance.started_utc)?;
-
-    let (made, of_each) = (problems.len() * variants.len(), variants.len());
-    say(format_args!("plan {}: {made} runs, {of_each} on each problem", plan.name))?;
-    for note in &notes {
+    for note in &study.notes {
         say(format_args!("  {note}"))?;
     }
-    let problems = problems.into_iter().map(|problem| problem.made(root)).collect::<Result<Vec<_>>>()?;
-    let mut rows = Rows::default();
-    let bar = progress::bar((problems.len() * variants.len()) as u64, "runs");
-    for problem in &problems {
-        let Problem { frozen, .. } = problem;
-        let mut impulses = None;
-        bar.set_message(format!("reference of {}", frozen.name));
-        let known = known(root, frozen)?;
-        for variant in &variants {
-            bar.set_message(format!("{} {} on {}", variant.method.name, variant.name, frozen.name));
-            let solved = rows.run(&plan, problem, &known, variant, &provenance);
-            impulses = impulses.or(solved);
-            bar.inc(1);
-        }
-        rows.draw(frozen, &variants, impulses.as_deref());
-    }
-    bar.finish_and_clear();
-
-    let tables = rows.tables()?;
-    let stored = store.write(&tables)?;
-    let out = root.join("reports/out").join(&plan.name);
-    let files = reports::report(&tables, reports::Chart::default_set(), &out)?;
-    say(format_args!("{}", reports::iterations_text(&tables)?))?;
-    say(format_args!("rows and curves   {}", stored.display()))?;
-    report::say_files(&out, &files)
+    let how = How { jobs: args.jobs, repeats: args.repeats.unwrap_or(plan.repeats).get() };
+    let store = Mutex::new(store);
+    let ended = execute(&study, &tasks, how, &provenance, &|record| {
+        Ok(store.lock().unwrap_or_else(PoisonError::into_inner).append(record)?)
+    });
+    let store = store.into_inner().unwrap_or_else(PoisonError::into_inner);
+    ended.with_context(|| {
+        format!("stopped; what ended before is kept, `gravel bench {}` goes on", study.again)
+    })?;
+    finish(root, &study, store)
 }
 
-impl Rows {
-    /// Adds a run with its curve, and returns its impulses if it converged. A method that cannot start on the
-    /// problem is a row too: it says why.
-    fn run(
-        &mut self,
-        plan: &Plan,
-        problem: &Problem,
-        known: &Known,
-        variant: &Variant,
-        provenance: &Provenance,
-    ) -> Option<Vec<f64>> {
-        let run = self.runs.len() as u32;
-        let asked = asked_row(run, plan, problem, variant, provenance);
-        let Problem { frozen, .. } = problem;
-        let r0 = frozen.start(plan.warm_start);
-        let mut recorder = Recorder::new(plan.curves);
-        let outcome = contact::solve_against(
-            known.truth(),
-            &*variant.method.solver,
-            &frozen.problem,
-            &r0,
-            &plan.stop,
-            &mut |progress| recorder.observe(progress),
-        );
-        match outcome {
-            Ok(outcome) => {
-                let curve = recorder.finish();
-                self.runs.push(ended_row(asked, known.belies(&plan.stop, &outcome), &outcome, &curve));
-                self.curves.push((run, curve));
-                (outcome.status == Status::Converged).then_some(outcome.impulses)
-            }
-            Err(reason) => {
-                self.runs.push(Run { reason: reason.to_string(), ..asked });
-                None
-            }
-        }
-    }
+/// Where studies are stored.
+pub(crate) fn runs_folder(root: &Root) -> PathBuf {
+    root.join("results/runs")
+}
 
-    /// Adds what the pictures of a problem under each of the plan's partitions need.
-    fn draw(&mut self, frozen: &Frozen, variants: &[Variant], impulses: Option<&[f64]>) {
-        for (name, grid, scheme) in partitions(variants) {
-            // Runs with a partition that does not fit the problem were skipped.
-            if let Ok(partition) = scheme.partition(&frozen.problem, grid) {
-                let (grains, contacts) = scene_rows(frozen, &name, &partition, impulses);
-                self.grains.extend(grains);
-                self.contacts.extend(contacts);
-            }
+/// Opens the store of a plan, and says what was lost with a process that was killed.
+pub(crate) fn open(root: &Root, plan: &str) -> Result<Store> {
+    let store = Store::open(&runs_folder(root), plan).map_err(|error| match error {
+        StoreError::Line { .. } => {
+            anyhow!("{error}; `gravel bench --fresh` keeps the file aside and begins anew")
         }
+        error => error.into(),
+    })?;
+    if store.dropped() > 0 {
+        let folder = store.folder().display();
+        eprintln!("{folder}: the last run was not written to its end ({} bytes): dropped", store.dropped());
     }
+    Ok(store)
+}
 
-    fn tables(&self) -> Result<Tables> {
-        Ok(Tables {
-            runs: tables::runs_table(&self.runs)?,
-            curves: tables::curves_table(&self.curves)?,
-            grains: tables::grains_table(&self.grains)?,
-            contacts: tables::contacts_table(&self.contacts)?,
-        })
+/// Makes the tables of a study from its store, and its report if the user did not stop it.
+pub(crate) fn finish(root: &Root, study: &Study, mut store: Store) -> Result<ExitCode> {
+    let tables = tables(study, store.records())?;
+    store.write_tables(&tables)?;
+    if interrupt::asked() {
+        let missing = study.made(store.records()).missing.len();
+        say(format_args!(
+            "stopped; runs missing: {missing}, the others are kept; `gravel bench {}` goes on",
+            study.again
+        ))?;
+        return Ok(ExitCode::from(interrupt::EXIT_CODE));
     }
+    let out = root.join("reports/out").join(&study.plan.name);
+    let files = reports::report(&tables, &study.plan.charts()?, &out)?;
+    say(format_args!("{}", reports::iterations_text(&tables)?))?;
+    for note in notes(study, store.records()) {
+        say(format_args!("{note}"))?;
+    }
+    say(format_args!("rows and curves   {}", store.folder().display()))?;
+    say_files(&out, &files)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// This build, on this machine.
+pub(crate) fn provenance() -> Result<Provenance> {
+    let rustc = rustc_version_runtime::version().to_string();
+    let profile = if cfg!(debug_assertions) { "debug" } else { "release" };
+    Ok(Provenance::gather(COMMIT, &rustc, profile, rayon::current_num_threads() as u32)?)
 }

@@ -58,6 +58,11 @@ pub(crate) fn first_at(curve: &[Sample], measure: fn(&Sample) -> f64, tolerance:
     curve.iter().find(|sample| measure(sample) <= tolerance).map(|sample| sample.iteration)
 }
 
+/// The first iterations of a recorded curve at which `measure` is at most 0.1, 0.01, …, as far as it falls.
+pub(crate) fn decades(curve: &[Sample], measure: fn(&Sample) -> f64) -> Vec<u64> {
+    DECADES.iter().map_while(|decade| first_at(curve, measure, *decade)).collect()
+}
+
 fn sample(progress: &Progress) -> Sample {
     let Progress { iteration, iterating, measures, work } = *progress;
     Sample {

@@ -1,5 +1,6 @@
 //! Where cases, frozen problems and plans are, and how a name or a path becomes one of them.
 
+use crate::identity::first_hex;
 use crate::methods::Method;
 use crate::progress;
 use crate::suggest;
@@ -227,11 +228,5 @@ pub(crate) fn content_hash(frozen: &Frozen) -> String {
         number(contact.offset);
     }
     frozen.start.iter().for_each(|r| number(*r));
-    first_hex(&hash.finalize())
-}
-
-/// The first eight bytes of a hash.
-pub(crate) fn first_hex(hash: &[u8]) -> String {
-    let first = hash.iter().take(8).fold(0, |first: u64, byte| first << 8 | u64::from(*byte));
-    format!("{first:016x}")
+    first_hex(hash.finalize().as_slice())
 }

@@ -1,16 +1,23 @@
 //! `gravel`: solves contact problems, sweeps methods over plans, freezes problems and simulates scenes.
 
+mod asked;
+mod baseline;
 mod bench;
 mod certify;
 mod curve;
+mod execute;
 mod freeze;
+mod identity;
 mod inputs;
+mod interrupt;
 mod list;
+mod merge;
 mod methods;
 mod output;
 mod plan;
 mod problems;
 mod progress;
+mod regress;
 mod report;
 mod rows;
 mod show;
@@ -18,6 +25,7 @@ mod simulate;
 mod solve;
 mod study;
 mod suggest;
+mod tables;
 mod truth;
 
 use anyhow::Result;
@@ -47,7 +55,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run a plan; write its rows to results/runs and its table and figures to reports/out
+    /// Make the runs of a plan that are not in results/runs yet; write its table and figures to reports/out
     Bench(bench::Args),
     /// Show the runs of a plan
     Plan(show::Args),
@@ -55,6 +63,12 @@ enum Command {
     Report(report::Args),
     /// Draw one chart of the newest stored study of a plan, into reports/out/PLAN-CHART
     Figure(report::FigureArgs),
+    /// Join the runs of other stores of a plan to its own
+    Merge(merge::Args),
+    /// Make the runs of a plan and compare their counts with the accepted ones, exactly
+    Regress(regress::Args),
+    /// Make the runs of a plan and accept their counts
+    Bless(regress::Args),
     /// Solve one contact problem with one method
     Solve(solve::Args),
     /// Print what the reference solution, or a given one, leaves of a contact problem
@@ -69,7 +83,7 @@ enum Command {
 
 fn main() -> ExitCode {
     match run(Cli::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             eprintln!("error: {}", in_one_paragraph(&error));
             ExitCode::FAILURE
@@ -77,22 +91,26 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(cli: Cli) -> Result<()> {
+fn run(cli: Cli) -> Result<ExitCode> {
     if let Some(threads) = cli.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global()?;
     }
     let root = inputs::Root::find(cli.root)?;
     match cli.command {
-        Command::Bench(args) => bench::run(&root, &args),
-        Command::Plan(args) => show::run(&root, &args),
-        Command::Report(args) => report::run(&root, &args),
-        Command::Figure(args) => report::figure(&root, &args),
-        Command::Solve(args) => solve::run(&root, &args),
-        Command::Certify(args) => certify::run(&root, &args),
-        Command::Freeze(args) => freeze::run(&root, &args),
-        Command::Simulate(args) => simulate::run(&root, &args),
-        Command::List(args) => list::run(&root, &args),
+        Command::Bench(args) => return bench::run(&root, &args),
+        Command::Plan(args) => show::run(&root, &args)?,
+        Command::Report(args) => report::run(&root, &args)?,
+        Command::Figure(args) => report::figure(&root, &args)?,
+        Command::Merge(args) => return merge::run(&root, &args),
+        Command::Regress(args) => return regress::regress(&root, &args),
+        Command::Bless(args) => return regress::bless(&root, &args),
+        Command::Solve(args) => solve::run(&root, &args)?,
+        Command::Certify(args) => certify::run(&root, &args)?,
+        Command::Freeze(args) => freeze::run(&root, &args)?,
+        Command::Simulate(args) => simulate::run(&root, &args)?,
+        Command::List(args) => list::run(&root, &args)?,
     }
+    Ok(ExitCode::SUCCESS)
 }
 
 /// The error, then its causes, without those that the text before them tells already.

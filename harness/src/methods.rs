@@ -1,7 +1,8 @@
 //! The methods by name. To add one: its line in [`METHODS`], its crate in this package's manifest.
 
+use crate::identity::code_version;
 use crate::suggest;
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use contact::Solver;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -13,12 +14,15 @@ pub(crate) struct Method {
     /// Every parameter, defaults spelled out.
     pub(crate) settings: Map<String, Value>,
     pub(crate) solver: Box<dyn Solver>,
+    /// Version of its code.
+    pub(crate) code: &'static str,
 }
 
 /// A method that can be asked for.
 pub(crate) struct Entry {
     pub(crate) name: &'static str,
     pub(crate) what: &'static str,
+    code: fn() -> Option<&'static str>,
     build: fn(Map<String, Value>) -> Result<Built>,
 }
 
@@ -27,6 +31,7 @@ pub(crate) const METHODS: &[Entry] = &[
     Entry::of::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem"),
     Entry::of::<nsgs::Jacobi>("jacobi", "projected Jacobi with relaxation"),
     Entry::of::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart"),
+    Entry::of::<gradient::Gradient>("gradient", "projected gradient with a fixed step"),
     Entry::of::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions"),
     Entry::of::<nsgs_dd::NsgsDd>("nsgs-dd", "non-linear Gauss-Seidel by subdomains, with split masses"),
     Entry::of::<apgd::Apgd>("apgd", "accelerated projected gradient of Mazhar et al."),
@@ -39,7 +44,7 @@ impl Entry {
     where
         S: Solver + Serialize + DeserializeOwned + 'static,
     {
-        Self { name, what, build: build::<S> }
+        Self { name, what, code: code_version::<S>, build: build::<S> }
     }
 
     /// Every parameter with its default.
@@ -58,7 +63,9 @@ impl Method {
         };
         let (settings, solver) =
             (entry.build)(settings).map_err(|error| anyhow!("method `{name}`, {error}"))?;
-        Ok(Self { name: entry.name, settings, solver })
+        let code =
+            (entry.code)().with_context(|| format!("method `{name}` is not of a crate in solvers/"))?;
+        Ok(Self { name: entry.name, settings, solver, code })
     }
 
     /// The method `name` with settings as they are typed: `relaxation=0.8`.

@@ -10,16 +10,15 @@ use crate::methods::Method;
 use crate::suggest;
 use anyhow::{Context, Result, anyhow, bail};
 use contact::Stop;
+use reports::Chart;
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::{BTreeSet, HashSet};
+use std::num::NonZeroU32;
 use std::path::Path;
 
-/// The figures that reports draw.
-const CHARTS: [&str; 2] = ["convergence", "sample"];
-
-fn all_charts() -> Vec<String> {
-    CHARTS.map(str::to_owned).to_vec()
+fn default_charts() -> Vec<String> {
+    Chart::default_set().iter().map(|chart| chart.name().to_owned()).collect()
 }
 
 /// A study.
@@ -39,19 +38,26 @@ pub(crate) struct Plan {
     /// Whether runs begin from the impulses of the time step before.
     #[serde(default)]
     pub(crate) warm_start: bool,
+    /// How often each run is made for its seconds, which are then medians.
+    #[serde(default = "once")]
+    pub(crate) repeats: NonZeroU32,
     /// Until when.
     pub(crate) stop: Stop,
     /// Which samples of a run are kept.
     #[serde(default)]
     pub(crate) curves: Curves,
     /// Names of the figures.
-    #[serde(default = "all_charts")]
-    pub(crate) charts: Vec<String>,
+    #[serde(default = "default_charts")]
+    charts: Vec<String>,
     /// The methods.
     methods: Vec<PlannedMethod>,
     /// The same study in under a minute: these keys replace those of the plan.
     #[serde(default)]
     quick: Option<toml::Table>,
+}
+
+fn once() -> NonZeroU32 {
+    NonZeroU32::MIN
 }
 
 /// A case, with the values of its file that the plan replaces; every combination is a problem.
@@ -143,15 +149,17 @@ impl Plan {
         if self.problems.is_empty() && self.cases.is_empty() {
             bail!("`problems` is empty, and there are no `cases`");
         }
-        if let Some(chart) = self.charts.iter().find(|chart| !CHARTS.contains(&chart.as_str())) {
-            bail!(
-                "`charts`: no chart `{chart}`: there are {}{}",
-                CHARTS.join(", "),
-                suggest::of(chart, CHARTS)
-            );
-        }
+        self.charts()?;
         self.stop.check().context("`stop`")?;
         self.variants(&[]).map(|_| ())
+    }
+
+    /// What is drawn of the study.
+    pub(crate) fn charts(&self) -> Result<Vec<Chart>> {
+        let names = || Chart::all().iter().map(|chart| chart.name());
+        let chart =
+            |name: &String| name.parse().with_context(|| format!("`charts`{}", suggest::of(name, names())));
+        self.charts.iter().map(chart).collect()
     }
 
     /// Every method with every combination of its axes, in the order of the plan. Each of `changes` replaces a setting of

@@ -1,10 +1,12 @@
 //! The problems of a plan: frozen ones, and those of cases, which are made on the spot and kept.
 
 use crate::COMMIT;
-use crate::inputs::{Root, content_hash, first_hex, march_to, stem, time_step};
+use crate::identity::first_hex;
+use crate::inputs::{Root, content_hash, march_to, stem, time_step};
 use crate::methods::Method;
 use crate::output::{say, write_whole};
 use crate::plan::{Plan, PlannedCase, Settings, combinations, last_parts, pairs, values};
+use crate::truth::{Known, known};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
 use contact::Stop;
@@ -40,8 +42,12 @@ struct Scene {
 /// A problem of a study.
 pub(crate) struct Problem {
     pub(crate) frozen: Frozen,
+    /// Hash of its content.
+    pub(crate) hash: String,
     /// What was set to make it, as JSON.
     pub(crate) settings: String,
+    /// Its solution.
+    pub(crate) known: Known,
 }
 
 /// The problems of a plan in its order, frozen ones first.
@@ -113,7 +119,8 @@ impl PlannedProblem {
             Source::Frozen(frozen) => *frozen,
             Source::Case(scene) => Frozen { name: self.name.clone(), ..scene.kept(root, &self.name)? },
         };
-        Ok(Problem { frozen, settings: Value::Object(self.settings).to_string() })
+        let (hash, known) = (content_hash(&frozen), known(root, &frozen)?);
+        Ok(Problem { hash, settings: Value::Object(self.settings).to_string(), known, frozen })
     }
 }
 

@@ -1,6 +1,8 @@
-//! Progress on anything long: one bar on the terminal, nothing where there is none.
+//! Progress on anything long: bars and lines on the terminal, nothing where there is none.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use contact::{Measure, Progress};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use std::time::{Duration, Instant};
 
 /// A bar of `total` `units`, with the time left.
 pub(crate) fn bar(total: u64, units: &str) -> ProgressBar {
@@ -15,4 +17,64 @@ pub(crate) fn spinner() -> ProgressBar {
     let style =
         ProgressStyle::with_template("{spinner} {msg}").unwrap_or_else(|_| ProgressStyle::default_spinner());
     ProgressBar::new_spinner().with_style(style)
+}
+
+/// What a study shows of itself: a bar for all its runs, and a line for each that is being made.
+pub(crate) struct Board {
+    all: MultiProgress,
+    runs: ProgressBar,
+}
+
+impl Board {
+    pub(crate) fn new(runs: u64) -> Self {
+        let all = MultiProgress::new();
+        let runs = all.add(bar(runs, "runs"));
+        runs.enable_steady_tick(Duration::from_secs(1));
+        Self { all, runs }
+    }
+
+    pub(crate) fn run_ended(&self) {
+        self.runs.inc(1);
+    }
+
+    /// The line of a run; it vanishes with the value.
+    pub(crate) fn line(&self, name: String) -> Line {
+        Line { bar: self.all.add(spinner()), name, shown: Instant::now() }
+    }
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        self.runs.finish_and_clear();
+    }
+}
+
+/// The line of a run that is being made.
+pub(crate) struct Line {
+    bar: ProgressBar,
+    name: String,
+    shown: Instant,
+}
+
+impl Line {
+    /// Shows where the run is, some times per second.
+    pub(crate) fn show(&mut self, progress: &Progress, on: Measure) {
+        if self.shown.elapsed() < Duration::from_millis(200) {
+            return;
+        }
+        self.shown = Instant::now();
+        let (iteration, value) = (progress.iteration, progress.measures.get(on));
+        let rate = iteration as f64 / progress.iterating.as_secs_f64();
+        self.bar.set_message(format!(
+            "{}: iteration {iteration}, {on} {value:.2e}, {rate:.0} iterations/s",
+            self.name
+        ));
+        self.bar.tick();
+    }
+}
+
+impl Drop for Line {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
 }

@@ -26,7 +26,11 @@ pub(crate) struct FigureArgs {
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let study = study(root, &args.plan)?;
-    draw(root, &study, Chart::default_set(), &study)
+    // A stored study may outlive its plan.
+    let plan =
+        root.plan(study.strip_suffix("-quick").unwrap_or(&study)).and_then(|path| Plan::read(&path, false));
+    let charts = plan.and_then(|plan| plan.charts()).unwrap_or_else(|_| Chart::default_set().to_vec());
+    draw(root, &study, &charts, &study)
 }
 
 /// One chart, in a folder of its own: the report of the study stays as it is.

@@ -1,35 +1,30 @@
 //! From what the harness holds to the rows of the results.
 
 use crate::curve::first_at;
-use crate::inputs::content_hash;
-use crate::plan::{Plan, Variant};
-use crate::problems::Problem;
+use crate::plan::Variant;
+use crate::study::{Study, Task};
 use cases::Frozen;
 use contact::Outcome;
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Partition, Scheme};
-use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample};
+use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Timing};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// What is asked of a run, with nothing reached yet: a skipped run, if it is not made.
-pub(crate) fn asked_row(
-    run: u32,
-    plan: &Plan,
-    problem: &Problem,
-    variant: &Variant,
-    provenance: &Provenance,
-) -> Run {
-    let Problem { frozen, settings } = problem;
+/// What is asked of a run, with nothing reached yet: a skipped run, if it is not made. Its number in the tables comes
+/// with them.
+pub(crate) fn asked_row(study: &Study, task: &Task, provenance: &Provenance, timing: Timing) -> Run {
     // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
     let subdomains = |grid: Grid| u32::try_from(grid.count()).unwrap_or(u32::MAX);
+    let (plan, variant, frozen) = (&study.plan, task.variant, &task.problem.frozen);
     Run {
-        run,
+        run: 0,
+        id: task.id.clone(),
         plan: plan.name.clone(),
         problem: frozen.name.clone(),
-        problem_hash: content_hash(frozen),
-        problem_settings: settings.clone(),
+        problem_hash: task.problem.hash.clone(),
+        problem_settings: task.problem.settings.clone(),
         grains: frozen.problem.grain_count() as u32,
         contacts: frozen.problem.contact_count() as u32,
         method: variant.method.name.to_owned(),
@@ -52,6 +47,7 @@ pub(crate) fn asked_row(
         iterations_to_natural_map_1e_4: None,
         iterations_to_velocity_error_1e_2: None,
         iterations_to_velocity_error_1e_4: None,
+        timing,
         end: NO_ITERATE,
         provenance: provenance.clone(),
     }

@@ -1,8 +1,8 @@
 //! `gravel plan`: the runs of a plan, and how many they are, with nothing run.
 
+use crate::asked::{Asked, StudyArgs};
 use crate::inputs::Root;
 use crate::output::say;
-use crate::study::{Study, StudyArgs};
 use anyhow::Result;
 
 #[derive(clap::Args)]
@@ -15,7 +15,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    let study = args.study.study(root)?;
+    let study = args.study.asked(root)?;
     say(format_args!("plan {}: {}", study.plan.name, study.plan.why))?;
     for note in &study.notes {
         say(format_args!("  {note}"))?;
@@ -34,7 +34,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
 }
 
 /// Runs on each problem, of each method, and in all.
-fn say_counts(study: &Study) -> Result<()> {
+fn say_counts(study: &Asked) -> Result<()> {
     let (problems, variants) = (study.problems.len(), study.variants.len());
     let mut methods: Vec<(&str, usize)> = Vec::new();
     for variant in &study.variants {

@@ -12,6 +12,7 @@ use clap::ValueEnum;
 use contact::{Measure, Outcome, Progress, Stop, solve_against};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -126,6 +127,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
             ));
             line.tick();
         }
+        ControlFlow::Continue(())
     };
     let outcome = solve_against(known.truth(), &*method.solver, &frozen.problem, &r0, &stop, &mut observe)
         .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;

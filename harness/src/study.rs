@@ -1,129 +1,97 @@
-//! A study: a plan as it was asked for on the command line, quick, in part or changed.
+//! A plan with its problems at hand: the runs that it asks for, each with its identity.
 
-use crate::inputs::Root;
-use crate::methods::{key_value, repeated};
+use crate::identity::run_id;
 use crate::plan::{Plan, Variant};
-use crate::problems::{PlannedProblem, planned};
-use crate::solve::measure;
-use crate::suggest;
-use anyhow::{Context, Result, bail};
-use contact::Measure;
-use wildmatch::WildMatch;
+use crate::problems::Problem;
+use results::journal::Record;
+use results::schema::Run;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
-/// A study on the command line.
-#[derive(clap::Args)]
-pub(crate) struct StudyArgs {
-    /// A plan: its name, or the path of its file
-    #[arg(default_value = "paper")]
-    plan: String,
-    /// The quick form of the plan
-    #[arg(long)]
-    quick: bool,
-    /// Only the runs with this problem, method or variant, such as method=latin-dd or problem=shear*; of several, all
-    /// must hold
-    #[arg(long, value_name = "KEY=PATTERN", value_parser = key_value)]
-    only: Vec<(String, String)>,
-    /// A setting of every method that has it, in place of the plan's; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
-    settings: Vec<(String, String)>,
-    /// A run has converged when the measure is at most this [default: the plan's]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    tolerance: Option<f64>,
-    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv or max_dv [default: the plan's]
-    #[arg(long, value_name = "MEASURE", value_parser = measure)]
-    on: Option<Measure>,
-    /// A run ends after this many iterations at the latest [default: the plan's]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    max_iterations: Option<u64>,
-}
-
-/// The runs to be made: every variant on every problem.
+/// A plan and all that it names.
 pub(crate) struct Study {
+    /// The arguments that ask for it again.
+    pub(crate) again: String,
     /// The plan; its name says whether it is quick, changed or not the whole one.
     pub(crate) plan: Plan,
-    pub(crate) problems: Vec<PlannedProblem>,
+    pub(crate) problems: Vec<Problem>,
     pub(crate) variants: Vec<Variant>,
     /// What was changed or left out, in words.
     pub(crate) notes: Vec<String>,
 }
 
-impl StudyArgs {
-    pub(crate) fn study(&self, root: &Root) -> Result<Study> {
-        if let Some((key, _)) = repeated(&self.settings) {
-            bail!("--set {key}: it is given twice");
-        }
-        let path = root.plan(&self.plan)?;
-        let mut plan = Plan::read(&path, self.quick)?;
-        let changes = self.change_stop(&mut plan)?;
-        let in_plan = || path.display().to_string();
-        let problems = planned(root, &plan).with_context(in_plan)?;
-        let variants = plan.variants(&self.settings).with_context(in_plan)?;
-        let whole = problems.len() * variants.len();
-        let mut study = Study { plan, problems, variants, notes: Vec::new() };
-        for (key, pattern) in &self.only {
-            study.keep(key, pattern)?;
-        }
-        // Its rows must not pass for those of the plan.
-        if !changes.is_empty() {
-            study.plan.name += "-changed";
-            study.notes.push(format!("changed: {}", changes.join(", ")));
-        }
-        if study.runs() < whole {
-            study.plan.name += "-part";
-            study.notes.push(format!("{} of the {whole} runs of the plan", study.runs()));
-        }
-        Ok(study)
-    }
-
-    /// Changes the stop rule as asked, and tells all that is changed.
-    fn change_stop(&self, plan: &mut Plan) -> Result<Vec<String>> {
-        let mut changes: Vec<String> =
-            self.settings.iter().map(|(key, value)| format!("{key} = {value}")).collect();
-        if let Some(tolerance) = self.tolerance {
-            plan.stop.tolerance = tolerance;
-            changes.push(format!("tolerance = {tolerance:e}"));
-        }
-        if let Some(on) = self.on {
-            plan.stop.on = on;
-            changes.push(format!("on = {on}"));
-        }
-        if let Some(max_iterations) = self.max_iterations {
-            plan.stop.max_iterations = max_iterations;
-            changes.push(format!("max_iterations = {max_iterations}"));
-        }
-        plan.stop.check()?;
-        Ok(changes)
-    }
+/// One run that a study asks for.
+#[derive(Clone)]
+pub(crate) struct Task<'s> {
+    pub(crate) problem: &'s Problem,
+    pub(crate) variant: &'s Variant,
+    pub(crate) id: String,
 }
 
 impl Study {
-    /// Number of runs.
-    pub(crate) fn runs(&self) -> usize {
-        self.problems.len() * self.variants.len()
+    /// Every run, in the order of the plan.
+    pub(crate) fn tasks(&self) -> Vec<Task<'_>> {
+        let of_problem = |problem| self.variants.iter().map(move |variant| self.task(problem, variant));
+        self.problems.iter().flat_map(of_problem).collect()
     }
 
-    /// Keeps the runs whose `key` matches `pattern`, in which `*` stands for any text.
-    fn keep(&mut self, key: &str, pattern: &str) -> Result<()> {
-        let wanted = WildMatch::new(pattern);
-        let mut known: Vec<String> = match key {
-            "problem" => self.problems.iter().map(|problem| problem.name.clone()).collect(),
-            "method" => self.variants.iter().map(|variant| variant.method.name.to_owned()).collect(),
-            "variant" => self.variants.iter().map(|variant| variant.name.clone()).collect(),
-            _ => {
-                let keys = ["problem", "method", "variant"];
-                bail!("--only {key}={pattern}: it must name a {}{}", keys.join(", "), suggest::of(key, keys));
-            }
-        };
-        match key {
-            "problem" => self.problems.retain(|problem| wanted.matches(&problem.name)),
-            "method" => self.variants.retain(|variant| wanted.matches(variant.method.name)),
-            _ => self.variants.retain(|variant| wanted.matches(&variant.name)),
-        }
-        if self.runs() == 0 {
-            known.dedup();
-            let nearest = suggest::of(pattern, known.iter().map(String::as_str));
-            bail!("--only {key}={pattern}: there is none; there are {}{nearest}", known.join(", "));
-        }
-        Ok(())
+    /// The runs whose id is not in `done`, each once.
+    pub(crate) fn missing(&self, done: &HashSet<&str>) -> Vec<Task<'_>> {
+        let mut known = HashSet::new();
+        let mut tasks = self.tasks();
+        tasks.retain(|task| !done.contains(task.id.as_str()) && known.insert(task.id.clone()));
+        tasks
     }
+
+    fn task<'s>(&'s self, problem: &'s Problem, variant: &'s Variant) -> Task<'s> {
+        let id = run_id(&problem.hash, &variant.method, &self.plan.stop, self.plan.warm_start);
+        Task { problem, variant, id }
+    }
+}
+
+/// How much of a study there is.
+pub(crate) struct Made<'s> {
+    /// The runs that are missing, each once.
+    pub(crate) missing: Vec<Task<'s>>,
+    /// How long the missing ones take, one at a time, judged by those of the same method that are there, or else by all;
+    /// `None` if there are none (s).
+    pub(crate) left_s: Option<f64>,
+}
+
+impl Study {
+    /// Which runs the records lack.
+    pub(crate) fn made(&self, records: &[Record]) -> Made<'_> {
+        let done: HashSet<&str> = records.iter().map(|record| record.run.id.as_str()).collect();
+        let missing = self.missing(&done);
+        let mut seconds: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+        for Run { method, timing, .. } in records.iter().map(|record| &record.run) {
+            // A run that was skipped took no time.
+            if timing.wall_s.is_finite() {
+                seconds.entry(method).or_default().push(timing.wall_s);
+            }
+        }
+        let all = median(seconds.values().flatten().copied().collect());
+        let of_method: BTreeMap<&str, Option<f64>> =
+            seconds.into_iter().map(|(method, seconds)| (method, median(seconds))).collect();
+        let one = |task: &Task| of_method.get(task.variant.method.name).copied().flatten().or(all);
+        let left_s = missing.iter().map(one).sum();
+        Made { missing, left_s }
+    }
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+impl Task<'_> {
+    /// The run, as it is told to the user.
+    pub(crate) fn name(&self) -> String {
+        let name = format!("{} {}", self.variant.method.name, self.variant.name);
+        format!("{} on {}", name.trim_end(), self.problem.frozen.name)
+    }
+}
+
+/// The records that count, by id: of two, the later.
+pub(crate) fn by_id(records: &[Record]) -> HashMap<&str, &Record> {
+    records.iter().map(|record| (record.run.id.as_str(), record)).collect()
 }

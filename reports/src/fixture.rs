@@ -1,6 +1,6 @@
 //! Small tables for the tests.
 
-use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample};
+use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Timing};
 use results::store::Tables;
 use results::tables::{contacts_table, curves_table, grains_table, runs_table};
 
@@ -29,6 +29,7 @@ pub(crate) fn sample(iteration: u64, zeta: f64, natural_map: f64) -> Sample {
 pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
     Run {
         run,
+        id: format!("{run:016x}"),
         plan: "paper".into(),
         problem: "column".into(),
         problem_hash: "c0ffee".into(),
@@ -55,12 +56,21 @@ pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
         iterations_to_natural_map_1e_4: Some(100),
         iterations_to_velocity_error_1e_2: Some(50),
         iterations_to_velocity_error_1e_4: None,
+        timing: Timing {
+            repeats: 1,
+            timed_alone: true,
+            setup_spread_s: f64::NAN,
+            iterating_spread_s: f64::NAN,
+            wall_s: 0.02,
+            load_average: 0.5,
+        },
         end: sample(100, 1e-3, 1e-4),
         provenance: Provenance {
             commit: "0123abc".into(),
             processor: "a processor".into(),
             threads: 1,
             rustc: "1.95.0".into(),
+            profile: "release".into(),
             started_utc: "2026-01-02T03:04:05Z".into(),
         },
     }

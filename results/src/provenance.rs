@@ -23,16 +23,23 @@ impl Provenance {
     /// # Errors
     ///
     /// If any field would be empty, or no thread is named.
-    pub fn gather(commit: &str, rustc: &str, threads: u32) -> Result<Self, ProvenanceError> {
+    pub fn gather(commit: &str, rustc: &str, profile: &str, threads: u32) -> Result<Self, ProvenanceError> {
         let provenance = Self {
             commit: commit.trim().to_owned(),
             processor: processor()?,
             threads,
             rustc: rustc.trim().to_owned(),
-            started_utc: Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),
+            profile: profile.trim().to_owned(),
+            started_utc: now(),
         };
         provenance.check()?;
         Ok(provenance)
+    }
+
+    /// The same, for what begins now.
+    #[must_use]
+    pub fn restarted(&self) -> Self {
+        Self { started_utc: now(), ..self.clone() }
     }
 
     /// Refuses what could not be traced.
@@ -45,6 +52,7 @@ impl Provenance {
             ("commit", &self.commit),
             ("processor", &self.processor),
             ("rustc", &self.rustc),
+            ("profile", &self.profile),
             ("started_utc", &self.started_utc),
         ];
         match texts.into_iter().find(|(_, text)| text.trim().is_empty()) {
@@ -53,6 +61,15 @@ impl Provenance {
             None => Ok(()),
         }
     }
+}
+
+/// Processes that ran or waited to, on average over the last minute (–); NaN where the system does not tell.
+pub fn load_average() -> f64 {
+    System::load_average().map_or(f64::NAN, |load| load.one)
+}
+
+fn now() -> String {
+    Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
 }
 
 fn processor() -> Result<String, ProvenanceError> {
@@ -68,10 +85,16 @@ mod tests {
 
     #[test]
     fn empty_commit_compiler_or_no_thread_is_refused() {
-        assert!(matches!(Provenance::gather(" ", "1.95.0", 1), Err(ProvenanceError::Unknown("commit"))));
-        assert!(matches!(Provenance::gather("0123abc", "", 1), Err(ProvenanceError::Unknown("rustc"))));
         assert!(matches!(
-            Provenance::gather("0123abc", "1.95.0", 0),
+            Provenance::gather(" ", "1.95.0", "release", 1),
+            Err(ProvenanceError::Unknown("commit"))
+        ));
+        assert!(matches!(
+            Provenance::gather("0123abc", "", "release", 1),
+            Err(ProvenanceError::Unknown("rustc"))
+        ));
+        assert!(matches!(
+            Provenance::gather("0123abc", "1.95.0", "release", 0),
             Err(ProvenanceError::Unknown("threads"))
         ));
     }
@@ -84,7 +107,7 @@ mod tests {
 
     #[test]
     fn time_is_an_rfc_3339_instant() {
-        let provenance = Provenance::gather("0123abc", "1.95.0", 2).unwrap();
+        let provenance = Provenance::gather("0123abc", "1.95.0", "release", 2).unwrap();
         assert!(provenance.started_utc.parse::<Timestamp>().is_ok());
     }
 }

@@ -2,11 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::number;
+
 /// One run: a method with its parameters on a problem, stopped by a rule; where it ended and what it cost.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Run {
-    /// Joins a run to its curve; unique within a table.
+    /// Joins a run to its curve; unique within a table, and given when the table is made.
+    #[serde(skip)]
     pub run: u32,
+    /// Hash of all that decides the counts: problem, method, settings, stop rule, start, and the method's code. The
+    /// same id means the same counts.
+    pub id: String,
     /// Name of the plan that asked for the run.
     pub plan: String,
     /// Name of the contact problem.
@@ -35,6 +41,7 @@ pub struct Run {
     /// The measure that was asked to stop the run.
     pub stop_on: String,
     /// Value of that measure at which the run was to stop.
+    #[serde(with = "number")]
     pub tolerance: f64,
     /// Greatest number of iterations allowed.
     pub max_iterations: u64,
@@ -46,9 +53,11 @@ pub struct Run {
     pub reason: String,
     /// Iterations made.
     pub iterations: u64,
-    /// Time in `start`: layout, partition, factorisation (s).
+    /// Time in `start`: layout, partition, factorisation; the median of the repeats (s).
+    #[serde(with = "number")]
     pub setup_s: f64,
-    /// Time in `advance`, measures excluded (s).
+    /// Time in `advance`, measures excluded; the median of the repeats, the lower of the middle two (s).
+    #[serde(with = "number")]
     pub iterating_s: f64,
     /// First iteration with ζ ≤ 1e-3, if any.
     pub iterations_to_zeta_1e_3: Option<u64>,
@@ -62,10 +71,33 @@ pub struct Run {
     pub iterations_to_velocity_error_1e_2: Option<u64>,
     /// First iteration with `velocity_error` ≤ 1e-4, if any.
     pub iterations_to_velocity_error_1e_4: Option<u64>,
+    /// How the seconds were taken.
+    pub timing: Timing,
     /// The last sample of the curve.
     pub end: Sample,
     /// Where the run comes from.
     pub provenance: Provenance,
+}
+
+/// How the seconds of a run were taken.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    /// How many times the run was made for its seconds; one more, before them, is not counted if there are several.
+    pub repeats: u32,
+    /// Whether no other run of the study was made at the same time.
+    pub timed_alone: bool,
+    /// Longest less shortest `setup_s` of the repeats; undefined for a single one (s).
+    #[serde(with = "number")]
+    pub setup_spread_s: f64,
+    /// Longest less shortest `iterating_s` of the repeats; undefined for a single one (s).
+    #[serde(with = "number")]
+    pub iterating_spread_s: f64,
+    /// From the run's begin to its end: all repeats, with their measures (s).
+    #[serde(with = "number")]
+    pub wall_s: f64,
+    /// Processes that ran or waited to, on average over the minute before the run began, as the system tells (–).
+    #[serde(with = "number")]
+    pub load_average: f64,
 }
 
 /// One point of a run's curve. NaN where a measure is undefined.
@@ -74,24 +106,32 @@ pub struct Sample {
     /// Iterations made.
     pub iteration: u64,
     /// Time in `advance` so far (s).
+    #[serde(with = "number")]
     pub iterating_s: f64,
     /// The paper's indicator ζ: relative change in the last iteration (–).
+    #[serde(with = "number")]
     pub zeta: f64,
     /// Distance to a solution in the natural map (–).
+    #[serde(with = "number")]
     pub natural_map: f64,
     /// Greatest approach velocity left at a contact (m/s).
+    #[serde(with = "number")]
     pub penetration_rate_m_per_s: f64,
     /// LMGC90's quadratic norm (–).
+    #[serde(with = "number")]
     pub quad_dv: f64,
     /// LMGC90's maximum norm (–).
+    #[serde(with = "number")]
     pub max_dv: f64,
     /// ‖V − V*‖_M / ‖V* − V_free‖_M, the distance to the certified reference (–); NaN where there is none.
     pub velocity_error: f64,
     /// (q(r) − q*) / |q*|, beside the certified reference (–); NaN where there is none.
     pub energy_gap: f64,
     /// Greatest disagreement of a copy with its grain before gluing (m/s).
+    #[serde(with = "number")]
     pub velocity_jump_m_per_s: f64,
     /// q(r) = ½ rᵗ W r + bᵗ r (J).
+    #[serde(with = "number")]
     pub energy_j: f64,
     /// Contacts updated so far.
     pub contact_updates: u64,
@@ -116,8 +156,31 @@ pub struct Provenance {
     pub threads: u32,
     /// Version of the compiler.
     pub rustc: String,
-    /// When the study began (UTC, RFC 3339).
+    /// `release`, or `debug`, whose seconds mean nothing.
+    pub profile: String,
+    /// When the run began (UTC, RFC 3339).
     pub started_utc: String,
+}
+
+impl Run {
+    /// Whether the two ended alike and counted the same work: what two runs of one id always do.
+    pub fn same_counts(&self, other: &Self) -> bool {
+        let counts = |run: &Self| {
+            let end = run.end;
+            let work = [end.contact_updates, end.delassus_products, end.interface_values];
+            let factors = [end.triangular_solve_entries, end.factorisations];
+            (run.status.clone(), run.iterations, work, factors)
+        };
+        counts(self) == counts(other)
+    }
+}
+
+impl Provenance {
+    /// Whether seconds of the two can be compared: the same build on the same processor with as many threads.
+    pub fn comparable(&self, other: &Self) -> bool {
+        Self { started_utc: String::new(), ..self.clone() }
+            == Self { started_utc: String::new(), ..other.clone() }
+    }
 }
 
 /// One grain of a problem under one partition.
@@ -162,14 +225,14 @@ pub struct ContactRow {
     pub wall: bool,
     /// The subdomain of the contact.
     pub subdomain: u32,
-    /// Impulse of the first converged run of the study on this problem; NaN if none converged (N·s).
+    /// Impulse that solves the problem, the same in every study; NaN if it was not solved (N·s).
     pub impulse_n_s: f64,
 }
 
 /// Rows for the tests of this crate.
 #[cfg(test)]
 pub(crate) mod fixture {
-    use super::{Provenance, Run, Sample};
+    use super::{Provenance, Run, Sample, Timing};
 
     pub(crate) fn sample(iteration: u64) -> Sample {
         Sample {
@@ -195,6 +258,7 @@ pub(crate) mod fixture {
     pub(crate) fn run(run: u32) -> Run {
         Run {
             run,
+            id: format!("{run:016x}"),
             plan: "paper".into(),
             problem: "column".into(),
             problem_hash: "c0ffee".into(),
@@ -221,12 +285,21 @@ pub(crate) mod fixture {
             iterations_to_natural_map_1e_4: Some(7),
             iterations_to_velocity_error_1e_2: Some(4),
             iterations_to_velocity_error_1e_4: None,
+            timing: Timing {
+                repeats: 1,
+                timed_alone: true,
+                setup_spread_s: f64::NAN,
+                iterating_spread_s: f64::NAN,
+                wall_s: 2e-3,
+                load_average: 0.5,
+            },
             end: sample(7),
             provenance: Provenance {
                 commit: "0123abc".into(),
                 processor: "a processor".into(),
                 threads: 1,
                 rustc: "1.95.0".into(),
+                profile: "release".into(),
                 started_utc: "2026-01-02T03:04:05Z".into(),
             },
         }

@@ -1,16 +1,20 @@
-//! A study on disk: one folder `root/<plan>/<time>`, which appears once all its files are in it.
+//! A study on disk: the folder `root/<plan>` with its journal, and the tables that are made from it.
 
-use std::fs::{self, File};
-use std::io;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use jiff::Timestamp;
 use polars::prelude::{
     CsvWriter, DataFrame, ParquetReader, ParquetWriter, PolarsError, SerReader, SerWriter,
 };
-use tempfile::TempDir;
 use thiserror::Error;
 
+use crate::journal::{Journal, Lines, Record, read as read_journal};
+use crate::provenance::ProvenanceError;
+
+const JOURNAL: &str = "journal.jsonl";
+const LOCK: &str = "lock";
 const RUNS: &str = "runs.parquet";
 const CURVES: &str = "curves.parquet";
 const GRAINS: &str = "grains.parquet";
@@ -32,10 +36,10 @@ pub struct Tables {
     pub contacts: DataFrame,
 }
 
-/// Why tables were not written or read.
+/// Why a study was not written or read.
 #[derive(Debug, Error)]
 pub enum StoreError {
-    /// A file or folder cannot be made, opened or renamed.
+    /// A file or folder cannot be made, opened, written or renamed.
     #[error("{path}: {source}")]
     File {
         /// Which one.
@@ -51,99 +55,160 @@ pub enum StoreError {
         /// Why.
         source: PolarsError,
     },
-    /// A run does not say where it comes from.
-    #[error("row {row} of the runs has no `{column}`, and a run without it is not stored")]
-    Untraced {
-        /// Row of the table of runs.
-        row: usize,
-        /// What is missing.
-        column: &'static str,
+    /// A line of a journal is no run, or one of another version of the schema.
+    #[error("{path}, line {line}: not a run as this version writes them: {source}")]
+    Line {
+        /// Which journal.
+        path: PathBuf,
+        /// Which line, counted from 1.
+        line: usize,
+        /// Why.
+        source: serde_json::Error,
     },
+    /// Another process writes to the study.
+    #[error("{folder} is being written by {holder}: wait until it ends, or stop it")]
+    InUse {
+        /// Which study.
+        folder: PathBuf,
+        /// Who writes.
+        holder: String,
+    },
+    /// A run does not say where it comes from.
+    #[error(transparent)]
+    Untraced(#[from] ProvenanceError),
     /// A plan's name is the name of a folder.
     #[error("plan `{0}`: its name must be one folder's name, not starting with a dot")]
     Plan(String),
-    /// The time is part of the folder's name.
-    #[error("`{text}` is not a time in UTC: {source}")]
-    Time {
-        /// What was given.
-        text: String,
-        /// Why it is none.
-        source: jiff::Error,
-    },
 }
 
-/// Room for the tables of one study. Until [`Store::write`] they have no visible folder.
+/// A study that this process, and no other, writes to.
 #[derive(Debug)]
 pub struct Store {
-    /// `root/<plan>`.
-    plan: PathBuf,
-    /// Name of the folder to be.
-    time: String,
-    /// Where the files are gathered; removed with this value.
-    gathered: TempDir,
+    folder: PathBuf,
+    journal: Journal,
+    lines: Lines,
+    /// Locked as long as it is open, whatever ends the process.
+    _lock: File,
 }
 
 impl Store {
-    /// Makes room below `root/<plan>` for a study that began at `started_utc` (RFC 3339).
-    /// A place that cannot be written to is so known before the first run, not after the last.
+    /// Opens the study of a plan below `root`, and goes on behind what it holds. A place that cannot be written to is so
+    /// known before the first run, not after the last.
     ///
     /// # Errors
     ///
-    /// If the plan's name is not a folder's, the time not a time, or the folder cannot be written to.
-    pub fn create(root: &Path, plan: &str, started_utc: &str) -> Result<Self, StoreError> {
-        if plan.is_empty() || plan.starts_with('.') || plan.contains(['/', '\\', ':']) {
-            return Err(StoreError::Plan(plan.to_owned()));
-        }
-        let time: Timestamp = started_utc
-            .parse()
-            .map_err(|source| StoreError::Time { text: started_utc.to_owned(), source })?;
-        let plan = root.join(plan);
-        fs::create_dir_all(&plan).map_err(at(&plan))?;
-        let gathered = TempDir::with_prefix_in(".unfinished-", &plan).map_err(at(&plan))?;
-        // Some file systems allow no colon in a name.
-        Ok(Self { plan, time: time.strftime("%Y-%m-%dT%H-%M-%SZ").to_string(), gathered })
+    /// If the plan's name is not a folder's, the folder cannot be written to or another process writes to it, or its
+    /// journal holds something else than runs.
+    pub fn open(root: &Path, plan: &str) -> Result<Self, StoreError> {
+        let folder = folder(root, plan)?;
+        fs::create_dir_all(&folder).map_err(at(&folder))?;
+        let lock = lock(&folder)?;
+        let (journal, lines) = Journal::open(&folder.join(JOURNAL))?;
+        Ok(Self { folder, journal, lines, _lock: lock })
     }
 
-    /// Writes all tables, or nothing, and returns their folder: the time, with `-2`, `-3` … if that exists.
+    /// Moves all that the study of a plan holds, readable or not, to a folder inside it that is named after the time, and
+    /// returns that folder; `None` if there is nothing to move.
     ///
     /// # Errors
     ///
-    /// If a file cannot be written, or a run has no commit, compiler, processor, threads, time or problem hash.
-    pub fn write(self, tables: &Tables) -> Result<PathBuf, StoreError> {
-        check_traced(&tables.runs)?;
-        // A folder inside the temporary one, since the temporary one is closed to other users.
-        let files = self.gathered.path().join("tables");
-        fs::create_dir(&files).map_err(at(&files))?;
-        write_parquet(&tables.runs, &files.join(RUNS))?;
-        write_parquet(&tables.curves, &files.join(CURVES))?;
-        write_parquet(&tables.grains, &files.join(GRAINS))?;
-        write_parquet(&tables.contacts, &files.join(CONTACTS))?;
-        write_csv(&tables.runs, &files.join(RUNS_CSV))?;
-        write_csv(&tables.curves, &files.join(CURVES_CSV))?;
-        self.publish(&files)
+    /// As [`Store::open`], and if a file cannot be moved.
+    pub fn set_aside(root: &Path, plan: &str) -> Result<Option<PathBuf>, StoreError> {
+        let folder = folder(root, plan)?;
+        // The journal first: what it holds is what counts.
+        let files = [JOURNAL, RUNS, CURVES, GRAINS, CONTACTS, RUNS_CSV, CURVES_CSV];
+        let files: Vec<&str> = files.into_iter().filter(|file| folder.join(file).exists()).collect();
+        if files.is_empty() {
+            return Ok(None);
+        }
+        let _lock = lock(&folder)?;
+        let aside = new_dated_folder(&folder)?;
+        for file in files {
+            fs::rename(folder.join(file), aside.join(file)).map_err(at(&folder.join(file)))?;
+        }
+        Ok(Some(aside))
     }
 
-    /// Renames the folder of files to the first name that is free.
-    fn publish(&self, files: &Path) -> Result<PathBuf, StoreError> {
-        let mut count = 1;
-        loop {
-            let name = if count == 1 { self.time.clone() } else { format!("{}-{count}", self.time) };
-            let folder = self.plan.join(name);
-            // A rename would replace an empty folder; one that holds files refuses by itself.
-            if !folder.exists() {
-                match fs::rename(files, &folder) {
-                    Ok(()) => return Ok(folder),
-                    // Another study took the name in the meantime.
-                    Err(_) if folder.exists() => {}
-                    Err(e) => return Err(at(&folder)(e)),
-                }
-            }
-            count += 1;
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// All runs, in the order in which they ended: of two with one id, the later counts.
+    pub fn records(&self) -> &[Record] {
+        &self.lines.records
+    }
+
+    /// Length of a torn last line that was dropped (bytes); 0 if there was none.
+    pub fn dropped(&self) -> u64 {
+        self.lines.torn
+    }
+
+    /// Adds a run. It is in the journal, whole, when this returns; if it fails, the journal is as before.
+    ///
+    /// # Errors
+    ///
+    /// If the run has no commit, compiler, processor, threads, time or problem hash, or the journal cannot be written.
+    pub fn append(&mut self, record: Record) -> Result<(), StoreError> {
+        if record.run.problem_hash.is_empty() {
+            return Err(ProvenanceError::Unknown("problem_hash").into());
         }
+        record.run.provenance.check()?;
+        self.journal.append(&record)?;
+        self.lines.records.push(record);
+        Ok(())
+    }
+
+    /// Replaces the tables, each file at once.
+    ///
+    /// # Errors
+    ///
+    /// If a file cannot be written.
+    pub fn write_tables(&mut self, tables: &Tables) -> Result<(), StoreError> {
+        self.journal.sync()?;
+        let parquet = [
+            (RUNS, &tables.runs),
+            (CURVES, &tables.curves),
+            (GRAINS, &tables.grains),
+            (CONTACTS, &tables.contacts),
+        ];
+        for (name, table) in parquet {
+            write_whole(&self.folder.join(name), |file| {
+                ParquetWriter::new(file).finish(&mut table.clone()).map(drop)
+            })?;
+        }
+        for (name, table) in [(RUNS_CSV, &tables.runs), (CURVES_CSV, &tables.curves)] {
+            write_whole(&self.folder.join(name), |file| CsvWriter::new(file).finish(&mut table.clone()))?;
+        }
+        Ok(())
     }
 }
 
-/// Reads the tables of a folder that [`Store::write`] made.
+/// The runs that the study of a plan holds at this moment, whoever writes to it; those of a study that is not there
+/// are none.
+///
+/// # Errors
+///
+/// If the plan's name is not a folder's, or the journal cannot be read.
+pub fn records(root: &Path, plan: &str) -> Result<Vec<Record>, StoreError> {
+    records_of(&folder(root, plan)?)
+}
+
+/// The runs that a study's folder holds.
+///
+/// # Errors
+///
+/// If its journal cannot be read.
+pub fn records_of(folder: &Path) -> Result<Vec<Record>, StoreError> {
+    Ok(read_journal(&folder.join(JOURNAL))?.records)
+}
+
+/// Whether a folder is a study: it has a journal.
+pub fn is_study(folder: &Path) -> bool {
+    folder.join(JOURNAL).is_file()
+}
+
+/// Reads the tables of a study's folder.
 ///
 /// # Errors
 ///
@@ -157,66 +222,82 @@ pub fn read(folder: &Path) -> Result<Tables, StoreError> {
     })
 }
 
-/// The latest study of a plan, if there is any.
+/// The folder of a plan's study, if it has tables.
 pub fn latest(root: &Path, plan: &str) -> Option<PathBuf> {
-    let folders = fs::read_dir(root.join(plan)).ok()?.filter_map(Result::ok).map(|entry| entry.path());
-    folders
-        .filter(|folder| folder.join(RUNS).is_file())
-        .filter_map(|f| Some((age_key(&f)?, f)))
-        .max()
-        .map(|(_, f)| f)
+    let folder = folder(root, plan).ok()?;
+    folder.join(RUNS).is_file().then_some(folder)
 }
 
-/// Time and count of a folder's name, in an order in which `-10` comes after `-9`.
-fn age_key(folder: &Path) -> Option<(String, u32)> {
-    let name = folder.file_name()?.to_str()?;
-    if name.starts_with('.') {
-        return None;
+fn folder(root: &Path, plan: &str) -> Result<PathBuf, StoreError> {
+    if plan.is_empty() || plan.starts_with('.') || plan.contains(['/', '\\', ':']) {
+        return Err(StoreError::Plan(plan.to_owned()));
     }
-    let (time, count) = name.split_once('Z')?;
-    Some((time.to_owned(), count.strip_prefix('-').and_then(|n| n.parse().ok()).unwrap_or(1)))
+    Ok(root.join(plan))
 }
 
-fn check_traced(runs: &DataFrame) -> Result<(), StoreError> {
-    let path = || format(Path::new(RUNS));
-    for column in ["problem_hash", "commit", "processor", "rustc", "started_utc"] {
-        let texts = runs.column(column).and_then(|c| c.str()).map_err(path())?;
-        if let Some(row) = texts.iter().position(|text| text.is_none_or(|text| text.trim().is_empty())) {
-            return Err(StoreError::Untraced { row, column });
+/// Locks the folder, or says who holds it.
+fn lock(folder: &Path) -> Result<File, StoreError> {
+    let path = folder.join(LOCK);
+    let mut options = OpenOptions::new();
+    let mut file = options.write(true).create(true).truncate(false).open(&path).map_err(at(&path))?;
+    match file.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => {
+            let holder = fs::read_to_string(&path).map_err(at(&path))?;
+            return Err(StoreError::InUse { folder: folder.to_owned(), holder });
+        }
+        Err(TryLockError::Error(error)) => return Err(at(&path)(error)),
+    }
+    let since = Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ");
+    let holder = format!("process {} since {since}", std::process::id());
+    file.set_len(0).and_then(|()| file.write_all(holder.as_bytes())).map_err(at(&path))?;
+    Ok(file)
+}
+
+/// A folder named after the time, with `-2`, `-3` … if that exists. Some file systems allow no colon in a name.
+fn new_dated_folder(parent: &Path) -> Result<PathBuf, StoreError> {
+    let time = Timestamp::now().strftime("%Y-%m-%dT%H-%M-%SZ").to_string();
+    let mut path = parent.join(&time);
+    let mut count = 1;
+    loop {
+        match fs::create_dir(&path) {
+            Ok(()) => return Ok(path),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                count += 1;
+                path = parent.join(format!("{time}-{count}"));
+            }
+            Err(error) => return Err(at(&path)(error)),
         }
     }
-    let threads = runs.column("threads").and_then(|c| c.u32()).map_err(path())?;
-    match threads.iter().position(|n| n.is_none_or(|n| n == 0)) {
-        Some(row) => Err(StoreError::Untraced { row, column: "threads" }),
-        None => Ok(()),
-    }
 }
 
-fn write_parquet(table: &DataFrame, path: &Path) -> Result<(), StoreError> {
-    let file = File::create_new(path).map_err(at(path))?;
-    ParquetWriter::new(&file).finish(&mut table.clone()).map_err(format(path))?;
-    file.sync_all().map_err(at(path))
-}
-
-fn write_csv(table: &DataFrame, path: &Path) -> Result<(), StoreError> {
-    let mut file = File::create_new(path).map_err(at(path))?;
-    CsvWriter::new(&mut file).finish(&mut table.clone()).map_err(format(path))?;
-    file.sync_all().map_err(at(path))
+/// Writes a table beside its place and gives it its name once it is complete.
+fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> Result<(), PolarsError>,
+) -> Result<(), StoreError> {
+    let folder = path.parent().unwrap_or(path);
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".unfinished-");
+    // A temporary file is closed to other users unless it asks for what files usually get.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(folder).map_err(at(path))?;
+    write(file.as_file_mut()).map_err(|source| StoreError::Format { path: path.to_owned(), source })?;
+    file.as_file().sync_all().map_err(at(path))?;
+    file.persist(path).map_err(|error| at(path)(error.error))?;
+    Ok(())
 }
 
 fn read_parquet(path: &Path) -> Result<DataFrame, StoreError> {
     let file = File::open(path).map_err(at(path))?;
-    ParquetReader::new(file).finish().map_err(format(path))
+    let format = |source| StoreError::Format { path: path.to_owned(), source };
+    ParquetReader::new(file).finish().map_err(format)
 }
 
-fn at(path: &Path) -> impl FnOnce(io::Error) -> StoreError {
+pub(crate) fn at(path: &Path) -> impl FnOnce(io::Error) -> StoreError {
     let path = path.to_owned();
     |source| StoreError::File { path, source }
-}
-
-fn format(path: &Path) -> impl FnOnce(PolarsError) -> StoreError {
-    let path = path.to_owned();
-    |source| StoreError::Format { path, source }
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::schema::{ContactRow, GrainRow, Run, Sample};
 ///
 /// Those of polars.
 pub fn runs_table(runs: &[Run]) -> PolarsResult<DataFrame> {
-    let parts = [asked(runs)?, reached(runs)?, end(runs)?, provenance(runs)?];
+    let parts = [asked(runs)?, reached(runs)?, timing(runs)?, end(runs)?, provenance(runs)?];
     let columns = parts.into_iter().flat_map(DataFrame::into_columns).collect();
     DataFrame::new(runs.len(), columns)
 }
@@ -20,6 +20,7 @@ pub fn runs_table(runs: &[Run]) -> PolarsResult<DataFrame> {
 fn asked(runs: &[Run]) -> PolarsResult<DataFrame> {
     df!(
         "run" => column(runs, |r| r.run),
+        "id" => column(runs, |r| r.id.as_str()),
         "plan" => column(runs, |r| r.plan.as_str()),
         "problem" => column(runs, |r| r.problem.as_str()),
         "problem_hash" => column(runs, |r| r.problem_hash.as_str()),
@@ -55,6 +56,18 @@ fn reached(runs: &[Run]) -> PolarsResult<DataFrame> {
     )
 }
 
+/// How the seconds were taken.
+fn timing(runs: &[Run]) -> PolarsResult<DataFrame> {
+    df!(
+        "repeats" => column(runs, |r| r.timing.repeats),
+        "timed_alone" => column(runs, |r| r.timing.timed_alone),
+        "setup_spread_s" => column(runs, |r| defined(r.timing.setup_spread_s)),
+        "iterating_spread_s" => column(runs, |r| defined(r.timing.iterating_spread_s)),
+        "wall_s" => column(runs, |r| defined(r.timing.wall_s)),
+        "load_average" => column(runs, |r| defined(r.timing.load_average)),
+    )
+}
+
 /// The last sample, without the iterations and the seconds that the run states itself.
 fn end(runs: &[Run]) -> PolarsResult<DataFrame> {
     let samples: Vec<Sample> = runs.iter().map(|r| r.end).collect();
@@ -67,6 +80,7 @@ fn provenance(runs: &[Run]) -> PolarsResult<DataFrame> {
         "processor" => column(runs, |r| r.provenance.processor.as_str()),
         "threads" => column(runs, |r| r.provenance.threads),
         "rustc" => column(runs, |r| r.provenance.rustc.as_str()),
+        "profile" => column(runs, |r| r.provenance.profile.as_str()),
         "started_utc" => column(runs, |r| r.provenance.started_utc.as_str()),
     )
 }
@@ -95,9 +109,10 @@ fn measures(samples: &[Sample]) -> PolarsResult<DataFrame> {
 /// # Errors
 ///
 /// Those of polars.
-pub fn curves_table(curves: &[(u32, Vec<Sample>)]) -> PolarsResult<DataFrame> {
-    let runs: Vec<u32> = curves.iter().flat_map(|(run, curve)| vec![*run; curve.len()]).collect();
-    let samples: Vec<Sample> = curves.iter().flat_map(|(_, curve)| curve.iter().copied()).collect();
+pub fn curves_table<Curve: AsRef<[Sample]>>(curves: &[(u32, Curve)]) -> PolarsResult<DataFrame> {
+    let curves = || curves.iter().map(|(run, curve)| (*run, curve.as_ref()));
+    let runs: Vec<u32> = curves().flat_map(|(run, curve)| vec![run; curve.len()]).collect();
+    let samples: Vec<Sample> = curves().flat_map(|(_, curve)| curve.iter().copied()).collect();
     let progress = df!(
         "run" => runs,
         "iteration" => column(&samples, |s| s.iteration),
@@ -160,8 +175,8 @@ mod tests {
 
     #[test]
     fn no_rows_give_tables_with_all_their_columns() {
-        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 46));
-        assert_eq!(curves_table(&[]).unwrap().shape(), (0, 17));
+        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 53));
+        assert_eq!(curves_table::<Vec<Sample>>(&[]).unwrap().shape(), (0, 17));
         assert_eq!(curves_table(&[(4, Vec::new())]).unwrap().shape(), (0, 17));
         assert_eq!(grains_table(&[]).unwrap().shape(), (0, 8));
         assert_eq!(contacts_table(&[]).unwrap().shape(), (0, 10));

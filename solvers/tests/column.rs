@@ -4,6 +4,7 @@ use crate::problems::{first_problem, impulses, start};
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
 use contact::{Measure, Meter, Solver, Status, Stop, solve};
+use gradient::Gradient;
 use latin_dd::LatinDd;
 use nncg::Nncg;
 use nsgs::{Jacobi, Nsgs};
@@ -85,6 +86,7 @@ fn column_of_discs_carries_its_weight() {
         &Nsgs::default() as &dyn Solver,
         &Jacobi::default(),
         &Cg::default(),
+        &Gradient::default(),
         &NsgsDd { subdomains: halves, ..NsgsDd::default() },
         &LatinDd { subdomains: halves, ..LatinDd::default() },
         &Apgd::default(),

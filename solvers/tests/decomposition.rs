@@ -4,6 +4,7 @@ use crate::problems::{
     PACKINGS, any_problem, assert_never_increases, difference, energies, frozen, impulses, start,
 };
 use contact::{ContactProblem, Solver};
+use gradient::Gradient;
 use nalgebra::Vector2;
 use nsgs::{Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
@@ -184,6 +185,13 @@ proptest! {
                 assert_never_increases(&energies(&settings, &problem, 40), &format!("{settings:?}"));
             }
         }
+    }
+
+    /// And so Λ ≥ λmax(W): a step of 2/λmax or more is no descent on some problem.
+    #[test]
+    fn gradient_never_increases_the_energy_of_any_problem(problem in any_problem(), step in 0.1..1.99_f64) {
+        let settings = Gradient { step };
+        assert_never_increases(&energies(&settings, &problem, 40), &format!("{settings:?}"));
     }
 
     #[test]

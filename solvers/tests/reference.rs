@@ -14,6 +14,7 @@ use nsgs::{Jacobi, Nsgs};
 use nsgs_dd::NsgsDd;
 use proptest::prelude::*;
 use reference::{Answer, Certificate, InteriorPoint, certify};
+use std::ops::ControlFlow;
 
 fn certified(problem: &ContactProblem) -> (Vec<f64>, Certificate) {
     match reference::solve(problem) {
@@ -109,6 +110,7 @@ fn methods_run_to_round_off_reach_the_velocity_of_the_reference() {
             let outcome = solve_against(Some(&truth), solver, &problem, &r0, &stop, &mut |progress| {
                 let measures = progress.measures;
                 least_gap = least_gap.min(measures.energy_gap - measures.velocity_error.powi(2));
+                ControlFlow::Continue(())
             });
             let outcome = outcome.unwrap();
             assert_eq!(outcome.status, Status::Converged, "{name}, {method}");
@@ -130,6 +132,7 @@ fn interior_point_ends_in_its_first_iteration_and_its_polish_at_round_off() {
         let mut errors = Vec::new();
         let outcome = solve_against(Some(&truth), &solver, &problem, &r0, &stop, &mut |progress| {
             errors.push((progress.measures.velocity_error, progress.work.factorisations));
+            ControlFlow::Continue(())
         });
         (outcome.unwrap(), errors)
     };

@@ -29,23 +29,19 @@ impl Study {
         gravel(&[&["--root", text(self.0.path())], args].concat())
     }
 
-    fn plan(&self, name: &str, problems: &[&str], methods: &str) {
+    pub(crate) fn plan(&self, name: &str, problems: &[&str], methods: &str) {
         write(&self.0, &format!("harness/plans/{name}.toml"), &plan(name, problems, methods));
     }
 
     /// Runs a plan and returns the folder of its rows.
     pub(crate) fn bench(&self, name: &str) -> PathBuf {
-        let before = self.studies(name);
         self.gravel(&["bench", name]).succeeded();
-        let mut new = self.studies(name);
-        new.retain(|study| !before.contains(study));
-        assert_eq!(new.len(), 1, "one new folder");
-        self.0.path().join("results/runs").join(name).join(&new[0])
+        self.runs(name)
     }
 
-    fn studies(&self, name: &str) -> Vec<String> {
-        let plan = self.0.path().join("results/runs").join(name);
-        if plan.exists() { entries(&plan) } else { Vec::new() }
+    /// The folder of a plan's rows.
+    pub(crate) fn runs(&self, name: &str) -> PathBuf {
+        self.0.path().join("results/runs").join(name)
     }
 }
 
@@ -61,13 +57,24 @@ pub(crate) fn plan(name: &str, problems: &[&str], methods: &str) -> String {
 const METHODS: &str = "[[methods]]\nmethod = \"nsgs\"\n\n\
      [[methods]]\nmethod = \"nsgs-dd\"\naxes = { subdomains = [\"1x2\", \"3x3\", \"65536x65536\"] }\n";
 
-fn study_of_the_pair_and_a_column() -> Study {
+pub(crate) fn study_of_the_pair_and_a_column() -> Study {
     let study = Study::new();
     let column = study.folder().path().join("cases/frozen/column-9.json");
     let freeze = ["freeze", "column", "--time-step", "1", "--scene", "sample.grains=9", "-o", text(&column)];
     study.gravel(&freeze).succeeded();
     study.plan("small", &["pair", "column-9"], METHODS);
     study
+}
+
+/// The rows of a plan's runs or curves, less what differs from one time to the next.
+pub(crate) fn counts(study: &Study, plan: &str, table: &str) -> Vec<BTreeMap<String, String>> {
+    let mut rows = rows(study.runs(plan).join(table));
+    let timing = ["started_utc", "load_average", "timed_alone", "repeats", "threads"];
+    for row in &mut rows {
+        row.retain(|column, _| !column.ends_with("_s") && !timing.contains(&&**column));
+    }
+    assert!(!rows.is_empty());
+    rows
 }
 
 /// The rows of a CSV file, each by column.
@@ -114,7 +121,9 @@ fn study_leaves_its_rows_and_its_figures_under_its_root() {
     assert_eq!(entries(&root.join("results/runs")), ["small"]);
     let tables =
         ["contacts.parquet", "curves.csv", "curves.parquet", "grains.parquet", "runs.csv", "runs.parquet"];
-    assert_eq!(entries(&folder), tables);
+    let mut files = entries(&folder);
+    files.retain(|file| file != "journal.jsonl" && file != "lock");
+    assert_eq!(files, tables);
     let out = entries(&root.join("reports/out/small"));
     let figures = ["convergence-column-9.svg", "convergence-pair.svg", "convergence.svg"];
     for file in ["iterations.csv", "iterations.md"].iter().chain(&figures) {
@@ -145,7 +154,9 @@ fn every_run_says_what_was_asked_and_where_it_comes_from() {
         assert_eq!((&*row["plan"], &*row["stop_on"], &*row["tolerance"]), ("small", "natural_map", "0.001"));
         let settings: serde_json::Value = serde_json::from_str(&row["settings"]).unwrap();
         assert!(settings.as_object().unwrap().len() > 2, "defaults are spelled out");
-        for column in ["problem_hash", "commit", "processor", "threads", "rustc", "started_utc"] {
+        for column in
+            ["id", "problem_hash", "commit", "processor", "threads", "rustc", "profile", "started_utc"]
+        {
             assert!(!row[column].is_empty(), "{column}");
         }
     }
@@ -213,32 +224,45 @@ fn reasons_of_skipped_runs_are_told_below_the_table() {
 #[test]
 fn study_made_twice_differs_in_seconds_and_its_time_only() {
     let study = study_of_the_pair_and_a_column();
-    let (first, second) = (study.bench("small"), study.bench("small"));
-    for table in ["runs.csv", "curves.csv"] {
-        let rows = |folder: &PathBuf| {
-            let mut rows = rows(folder.join(table));
-            for row in &mut rows {
-                row.retain(|column, _| !column.ends_with("_s") && column != "started_utc");
-            }
-            rows
-        };
-        assert!(!rows(&first).is_empty());
-        assert_eq!(rows(&first), rows(&second), "{table}");
-    }
+    study.bench("small");
+    let first = ["runs.csv", "curves.csv"].map(|table| counts(&study, "small", table));
+    study.gravel(&["bench", "small", "--rerun"]).succeeded();
+    assert_eq!(first, ["runs.csv", "curves.csv"].map(|table| counts(&study, "small", table)));
 }
 
 #[test]
-fn number_of_threads_changes_seconds_only() {
+fn number_of_threads_and_of_jobs_changes_seconds_only() {
     let study = study_of_the_pair_and_a_column();
-    let bench = |threads| {
-        study.gravel(&["--threads", threads, "bench", "small"]).succeeded();
-        let newest = results::store::latest(&study.folder().path().join("results/runs"), "small").unwrap();
-        let mut rows = rows(newest.join("runs.csv"));
+    let bench = |threads, jobs| {
+        let how = ["--threads", threads, "bench", "small", "--jobs", jobs, "--rerun"];
+        study.gravel(&how).succeeded();
+        let rows = rows(study.runs("small").join("runs.csv"));
         assert!(rows.iter().all(|row| row["threads"] == threads));
-        for row in &mut rows {
-            row.retain(|column, _| !column.ends_with("_s") && column != "started_utc" && column != "threads");
-        }
-        rows
+        assert!(rows.iter().all(|row| row["timed_alone"] == (jobs == "1").to_string()));
+        ["runs.csv", "curves.csv"].map(|table| counts(&study, "small", table))
     };
-    assert_eq!(bench("1"), bench("2"));
+    let alone = bench("1", "1");
+    assert_eq!(alone, bench("2", "1"));
+    assert_eq!(alone, bench("2", "4"));
+}
+
+#[test]
+fn repeats_give_medians_with_their_spreads() {
+    let study = study_of_the_pair_and_a_column();
+    study.gravel(&["bench", "small", "--repeats", "3"]).succeeded();
+    let repeated = rows(study.runs("small").join("runs.csv"));
+    let curves = rows(study.runs("small").join("curves.csv"));
+    for row in repeated.iter().filter(|row| row["status"] == "converged") {
+        let seconds = |column: &str| row[column].parse::<f64>().unwrap();
+        assert_eq!(row["repeats"], "3");
+        assert!(seconds("setup_spread_s") >= 0.0 && seconds("iterating_spread_s") >= 0.0);
+        // Four times: once before the three, which is not counted.
+        assert!(seconds("wall_s") >= 3.0 * seconds("iterating_s") - 2.0 * seconds("iterating_spread_s"));
+        let last = curves.iter().rfind(|sample| sample["run"] == row["run"]).unwrap();
+        assert_eq!(last["iterating_s"], row["iterating_s"], "the curve is that of the median");
+    }
+    let counted = counts(&study, "small", "curves.csv");
+    study.gravel(&["bench", "small", "--rerun"]).succeeded();
+    assert_eq!(counted, counts(&study, "small", "curves.csv"));
+    assert_eq!(rows(study.runs("small").join("runs.csv"))[0]["setup_spread_s"], "");
 }

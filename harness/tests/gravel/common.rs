@@ -43,6 +43,13 @@ impl Ran {
         self
     }
 
+    /// The run did what was asked, and found something wrong: exit code 1.
+    #[track_caller]
+    pub(crate) fn failed(self) -> Self {
+        assert_eq!((self.code, &*self.stderr), (Some(1), ""), "{}", self.stdout);
+        self
+    }
+
     /// The run ended well and printed one JSON value, which is returned.
     #[track_caller]
     pub(crate) fn json(self) -> Value {

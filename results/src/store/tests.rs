@@ -1,9 +1,21 @@
 use super::*;
 use crate::schema::fixture::{run, sample};
-use crate::schema::{ContactRow, GrainRow, Run, Sample};
+use crate::schema::{ContactRow, GrainRow, Provenance, Run, Sample};
 use crate::tables::{contacts_table, curves_table, grains_table, runs_table};
+use tempfile::TempDir;
 
-const TIME: &str = "2026-01-02T03:04:05.678Z";
+fn record(number: u32) -> Record {
+    // What JSON has no number for, and numbers that are hard to write.
+    let odd = Sample { zeta: f64::NAN, natural_map: f64::INFINITY, energy_j: f64::NEG_INFINITY, ..sample(1) };
+    let fine = Sample { zeta: 0.1 + 0.2, quad_dv: 5e-324, max_dv: f64::MAX, ..sample(2) };
+    // A row has the number of its table only.
+    Record { run: Run { run: 0, ..run(number) }, curve: vec![odd, fine] }
+}
+
+/// NaN is what it is, here.
+fn same(a: &[Record], b: &[Record]) -> bool {
+    format!("{a:?}") == format!("{b:?}")
+}
 
 fn tables() -> Tables {
     let grain = GrainRow {
@@ -44,75 +56,155 @@ fn entries(folder: &Path) -> Vec<String> {
     names
 }
 
+/// A store of `runs` runs that is closed again, and the path of its journal.
+fn stored(root: &TempDir, runs: u32) -> PathBuf {
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    for number in 0..runs {
+        store.append(record(number)).unwrap();
+    }
+    root.path().join("paper").join(JOURNAL)
+}
+
 #[test]
-fn tables_read_equal_the_tables_written() {
+fn runs_read_equal_the_runs_appended_to_the_last_bit() {
+    let root = TempDir::new().unwrap();
+    let journal = stored(&root, 2);
+    let all: Vec<Record> = (0..3).map(record).collect();
+    assert!(same(&records(root.path(), "paper").unwrap(), &all[..2]));
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    store.append(record(2)).unwrap();
+    assert!(same(store.records(), &all));
+    assert_eq!(store.dropped(), 0);
+    assert_eq!(fs::read_to_string(journal).unwrap().lines().count(), 3);
+    assert!(records(root.path(), "absent").unwrap().is_empty());
+}
+
+#[test]
+fn line_torn_at_any_byte_is_dropped_and_the_next_run_stands_behind_the_whole_ones() {
+    let root = TempDir::new().unwrap();
+    let journal = stored(&root, 2);
+    let bytes = fs::read(&journal).unwrap();
+    let first = bytes.iter().position(|byte| *byte == b'\n').unwrap() + 1;
+    for length in (first..bytes.len()).step_by(97).chain([bytes.len() - 1]) {
+        fs::write(&journal, &bytes[..length]).unwrap();
+        let mut store = Store::open(root.path(), "paper").unwrap();
+        assert_eq!(store.dropped(), (length - first) as u64);
+        assert!(same(store.records(), &[record(0)]));
+        store.append(record(1)).unwrap();
+        drop(store);
+        assert!(fs::read(&journal).unwrap() == bytes, "{length}");
+    }
+}
+
+#[test]
+fn line_that_is_whole_and_no_run_is_refused_by_its_number_and_left_alone() {
+    let root = TempDir::new().unwrap();
+    let journal = stored(&root, 3);
+    let text = fs::read_to_string(&journal).unwrap();
+    let second = text.lines().nth(1).unwrap();
+    for wrong in ["{}", "", "\u{0}\u{0}", &second.replacen("\"id\"", "\"ID\"", 1)] {
+        let wrong = text.replacen(second, wrong, 1);
+        fs::write(&journal, &wrong).unwrap();
+        let error = Store::open(root.path(), "paper").unwrap_err();
+        assert!(matches!(&error, StoreError::Line { line: 2, .. }), "{error}");
+        assert!(error.to_string().contains("journal.jsonl, line 2"), "{error}");
+        assert_eq!(fs::read_to_string(&journal).unwrap(), wrong);
+    }
+}
+
+#[test]
+fn second_writer_is_refused_and_told_who_the_first_is() {
+    let root = TempDir::new().unwrap();
+    let first = Store::open(root.path(), "paper").unwrap();
+    let refused = Store::open(root.path(), "paper").unwrap_err().to_string();
+    assert!(refused.contains(&format!("process {} since 2", std::process::id())), "{refused}");
+    drop(first);
+    stored(&root, 1);
+    let _first = Store::open(root.path(), "paper").unwrap();
+    assert!(matches!(Store::set_aside(root.path(), "paper"), Err(StoreError::InUse { .. })));
+    assert!(Store::open(root.path(), "other").is_ok());
+}
+
+#[test]
+fn what_is_set_aside_is_kept_in_a_folder_of_its_own() {
+    let root = TempDir::new().unwrap();
+    assert_eq!(Store::set_aside(root.path(), "paper").unwrap(), None);
+    assert!(entries(root.path()).is_empty());
+    let journal = stored(&root, 1);
+    Store::open(root.path(), "paper").unwrap().write_tables(&tables()).unwrap();
+    let first = Store::set_aside(root.path(), "paper").unwrap().unwrap();
+    assert_eq!(records_of(&first).unwrap().len(), 1);
+    assert_eq!(read(&first).unwrap().runs.height(), 2);
+    assert_eq!(latest(root.path(), "paper"), None);
+    // Even what cannot be read.
+    fs::write(&journal, "no run\n").unwrap();
+    let second = Store::set_aside(root.path(), "paper").unwrap().unwrap();
+    assert_eq!(fs::read_to_string(second.join(JOURNAL)).unwrap(), "no run\n");
+    assert_ne!(first, second);
+    assert!(Store::open(root.path(), "paper").unwrap().records().is_empty());
+}
+
+#[test]
+fn tables_read_equal_the_tables_written_and_replace_those_before() {
     let root = TempDir::new().unwrap();
     let written = tables();
-    let folder = Store::create(root.path(), "paper", TIME).unwrap().write(&written).unwrap();
-    let read = read(&folder).unwrap();
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    assert_eq!(latest(root.path(), "paper"), None);
+    let mut before = written.clone();
+    before.runs = runs_table(&[]).unwrap();
+    store.write_tables(&before).unwrap();
+    store.write_tables(&written).unwrap();
+    let read = read(&latest(root.path(), "paper").unwrap()).unwrap();
     assert!(read.runs.equals_missing(&written.runs));
     assert!(read.curves.equals_missing(&written.curves));
     assert!(read.grains.equals_missing(&written.grains));
     assert!(read.contacts.equals_missing(&written.contacts));
-    assert_eq!(entries(&folder), [CONTACTS, CURVES_CSV, CURVES, GRAINS, RUNS_CSV, RUNS]);
-}
-
-#[test]
-fn study_is_invisible_until_written_and_never_replaces_another() {
-    let root = TempDir::new().unwrap();
-    let write = || Store::create(root.path(), "paper", TIME).unwrap().write(&tables()).unwrap();
-    let store = Store::create(root.path(), "paper", TIME).unwrap();
-    assert_eq!(latest(root.path(), "paper"), None);
-    drop(store);
-    assert!(entries(&root.path().join("paper")).is_empty());
-    let folders: Vec<PathBuf> = (0..11).map(|_| write()).collect();
-    assert!(folders[0].ends_with("paper/2026-01-02T03-04-05Z"));
-    assert!(folders[1].ends_with("paper/2026-01-02T03-04-05Z-2"));
-    assert_eq!(latest(root.path(), "paper").as_ref(), folders.last());
-    assert_eq!(entries(&root.path().join("paper")).len(), 11);
+    let files = [CONTACTS, CURVES_CSV, CURVES, GRAINS, JOURNAL, LOCK, RUNS_CSV, RUNS];
+    assert_eq!(entries(store.folder()), files);
 }
 
 #[test]
 fn untraced_run_is_refused_and_leaves_nothing() {
     let root = TempDir::new().unwrap();
-    let mut tables = tables();
-    tables.runs = runs_table(&[run(0), Run { problem_hash: String::new(), ..run(1) }]).unwrap();
-    let refused = Store::create(root.path(), "paper", TIME).unwrap().write(&tables);
-    assert!(matches!(refused, Err(StoreError::Untraced { row: 1, column: "problem_hash" })));
-    assert!(entries(&root.path().join("paper")).is_empty());
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    let good = run(0);
+    let untraced = [
+        Run { problem_hash: String::new(), ..good.clone() },
+        Run { provenance: Provenance { commit: " ".into(), ..good.provenance.clone() }, ..good.clone() },
+        Run { provenance: Provenance { threads: 0, ..good.provenance.clone() }, ..good.clone() },
+    ];
+    for run in untraced {
+        let refused = store.append(Record { run, curve: Vec::new() });
+        assert!(matches!(refused, Err(StoreError::Untraced(_))), "{refused:?}");
+    }
+    assert_eq!(fs::read(store.folder().join(JOURNAL)).unwrap(), b"");
 }
 
 #[test]
-fn place_that_cannot_hold_a_folder_is_refused_by_name_before_any_run() {
+fn place_that_cannot_hold_a_folder_or_a_journal_is_refused_by_name_before_any_run() {
     let root = TempDir::new().unwrap();
-    // A file in the place of the folder refuses every user; a read-only folder would not refuse the superuser.
+    // A file in the place of a folder refuses every user; a read-only folder would not refuse the superuser.
     fs::write(root.path().join("paper"), "").unwrap();
-    let error = Store::create(root.path(), "paper", TIME).unwrap_err();
+    let error = Store::open(root.path(), "paper").unwrap_err();
     assert!(matches!(&error, StoreError::File { path, .. } if path.ends_with("paper")), "{error}");
-}
-
-#[test]
-fn folder_that_vanishes_during_the_study_leaves_nothing_half_written() {
-    let root = TempDir::new().unwrap();
-    let store = Store::create(root.path(), "paper", TIME).unwrap();
-    fs::remove_dir_all(root.path().join("paper")).unwrap();
-    assert!(matches!(store.write(&tables()), Err(StoreError::File { .. })));
-    assert!(entries(root.path()).is_empty());
+    fs::create_dir_all(root.path().join("other").join(JOURNAL)).unwrap();
+    let error = Store::open(root.path(), "other").unwrap_err();
+    assert!(matches!(&error, StoreError::File { path, .. } if path.ends_with(JOURNAL)), "{error}");
 }
 
 #[test]
 fn file_that_is_no_table_is_named() {
     let root = TempDir::new().unwrap();
-    let folder = Store::create(root.path(), "paper", TIME).unwrap().write(&tables()).unwrap();
-    fs::write(folder.join(GRAINS), "not a table").unwrap();
-    assert!(read(&folder).unwrap_err().to_string().contains(GRAINS));
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    store.write_tables(&tables()).unwrap();
+    fs::write(store.folder().join(GRAINS), "not a table").unwrap();
+    assert!(read(store.folder()).unwrap_err().to_string().contains(GRAINS));
 }
 
 #[test]
-fn plan_or_time_that_names_no_folder_is_refused() {
+fn plan_that_names_no_folder_is_refused() {
     let root = TempDir::new().unwrap();
     for plan in ["", "..", "a/b"] {
-        assert!(matches!(Store::create(root.path(), plan, TIME), Err(StoreError::Plan(_))), "{plan}");
+        assert!(matches!(Store::open(root.path(), plan), Err(StoreError::Plan(_))), "{plan}");
     }
-    assert!(matches!(Store::create(root.path(), "paper", "today"), Err(StoreError::Time { .. })));
 }

@@ -7,6 +7,7 @@ use crate::problem::ContactProblem;
 use crate::truth::{Truth, proves_infeasible};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 /// Until when a method is advanced.
@@ -55,6 +56,8 @@ pub enum Status {
     Diverged,
     /// The impulses grow for ever: they, or their growth, prove that the problem has no solution.
     Infeasible,
+    /// The observer asked to stop: the run says nothing of the method.
+    Interrupted,
 }
 
 impl Status {
@@ -65,6 +68,7 @@ impl Status {
             Self::IterationLimit => "iteration-limit",
             Self::Diverged => "diverged",
             Self::Infeasible => "infeasible",
+            Self::Interrupted => "interrupted",
         }
     }
 }
@@ -129,10 +133,14 @@ pub fn solve(
     stop: &Stop,
     observe: &mut dyn FnMut(&Progress),
 ) -> Result<Outcome, SetupError> {
-    solve_against(None, solver, problem, r0, stop, observe)
+    solve_against(None, solver, problem, r0, stop, &mut |progress| {
+        observe(progress);
+        ControlFlow::Continue(())
+    })
 }
 
-/// [`solve`] beside a `truth` that is known, if it is: the measures then tell the error.
+/// [`solve`] beside a `truth` that is known, if it is: the measures then tell the error. The observer may end the run after
+/// any iterate; it is then [`Status::Interrupted`], unless that iterate was the last one anyway.
 ///
 /// # Errors
 /// Those of [`solve`]; names the stop rule if it asks for the error of a solution that is not known.
@@ -142,7 +150,7 @@ pub fn solve_against(
     problem: &ContactProblem,
     r0: &[f64],
     stop: &Stop,
-    observe: &mut dyn FnMut(&Progress),
+    observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<Outcome, SetupError> {
     SetupError::unless_admissible(problem, r0)?;
     stop.check()?;
@@ -163,7 +171,7 @@ fn run(
     problem: &ContactProblem,
     r0: &[f64],
     stop: &Stop,
-    observe: &mut dyn FnMut(&Progress),
+    observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<Outcome, SetupError> {
     let clock = Instant::now();
     let mut iteration = solver.start(problem, r0)?;
@@ -178,7 +186,7 @@ fn run(
     let (mut iterations, mut iterating, mut endless) = (0, Duration::ZERO, false);
     let status = loop {
         let work = iteration.work();
-        observe(&Progress { iteration: iterations, iterating, measures: &measures, work });
+        let goes_on = observe(&Progress { iteration: iterations, iterating, measures: &measures, work });
         // Before convergence, which a measure can feign where others overflow; and so that a NaN counts as diverged.
         if !(measures.energy <= energy_bound && measures.natural_map.is_finite()) {
             break Status::Diverged;
@@ -191,6 +199,9 @@ fn run(
         }
         if iterations == stop.max_iterations {
             break Status::IterationLimit;
+        }
+        if goes_on.is_break() {
+            break Status::Interrupted;
         }
         let clock = Instant::now();
         iteration.advance();

@@ -3,10 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 use contact::{
-    Contact, ContactProblem, Iteration, Measure, Meter, ProblemError, SetupError, Solver, Status, Stop,
-    Truth, Work, proves_infeasible, solve, solve_against,
+    Contact, ContactProblem, Iteration, Measure, Meter, ProblemError, Progress, SetupError, Solver, Status,
+    Stop, Truth, Work, proves_infeasible, solve, solve_against,
 };
 use nalgebra::Vector2;
+use std::ops::ControlFlow;
 
 /// A grain of 2 kg falling at 1 m/s onto a floor: W = ½, b = −1, so r = 2 N·s.
 fn falling_on_a_floor() -> ContactProblem {
@@ -66,6 +67,21 @@ fn loop_ends_at_its_limit() {
     let outcome =
         solve(&Recorded(vec![1.0; 5]), &falling_on_a_floor(), &[0.0], &stop(5), &mut |_| {}).unwrap();
     assert_eq!((outcome.status, outcome.iterations), (Status::IterationLimit, 5));
+}
+
+#[test]
+fn observer_ends_a_run_that_has_not_ended_yet() {
+    let interrupted_at = |iteration| {
+        let method = Recorded(vec![1.0, 1.9, 2.0, 2.0]);
+        let mut observe = |progress: &Progress| {
+            if progress.iteration == iteration { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        solve_against(None, &method, &falling_on_a_floor(), &[0.0], &stop(9), &mut observe).unwrap()
+    };
+    let outcome = interrupted_at(2);
+    assert_eq!((outcome.status, outcome.iterations), (Status::Interrupted, 2));
+    assert_eq!(outcome.impulses, [1.9]);
+    assert_eq!((interrupted_at(3).status, interrupted_at(3).iterations), (Status::Converged, 3));
 }
 
 #[test]

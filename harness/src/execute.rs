@@ -1,0 +1,157 @@
+//! Runs are made: alone for their seconds or several at a time for their counts, once or repeatedly.
+
+use crate::curve::Recorder;
+use crate::interrupt;
+use crate::progress::Board;
+use crate::rows::{asked_row, ended_row};
+use crate::study::{Study, Task};
+use anyhow::{Result, bail};
+use contact::{Outcome, SetupError, Status, solve_against};
+use results::journal::Record;
+use results::provenance::load_average;
+use results::schema::{Provenance, Run, Sample, Timing};
+use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread::ScopedJoinHandle;
+use std::time::{Duration, Instant};
+
+/// How runs are made.
+#[derive(Clone, Copy)]
+pub(crate) struct How {
+    /// How many at a time.
+    pub(crate) jobs: NonZeroUsize,
+    /// How often each is made for its seconds.
+    pub(crate) repeats: u32,
+}
+
+/// Makes the runs of `tasks` and gives each to `keep` as soon as it has ended, in whatever order they end. Stops at the
+/// first error, and when the user asks for it: then `keep` has seen the runs that had ended, and no part of another.
+pub(crate) fn execute(
+    study: &Study,
+    tasks: &[Task],
+    how: How,
+    provenance: &Provenance,
+    keep: &(dyn Fn(Record) -> Result<()> + Sync),
+) -> Result<()> {
+    let board = Board::new(tasks.len() as u64);
+    let next = AtomicUsize::new(0);
+    let failed = AtomicBool::new(false);
+    let halt = || interrupt::asked() || failed.load(Ordering::Relaxed);
+    let make_the_next = || -> Result<()> {
+        while !halt()
+            && let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed))
+        {
+            if let Some(record) = make(study, task, how, provenance, &board, &halt)? {
+                keep(record)?;
+                board.run_ended();
+            }
+        }
+        Ok(())
+    };
+    let work = || make_the_next().inspect_err(|_| failed.store(true, Ordering::Relaxed));
+    let workers = how.jobs.get().min(tasks.len());
+    let ended: Vec<Result<()>> = std::thread::scope(|scope| {
+        let handles: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
+        let joined = handles.into_iter().map(ScopedJoinHandle::join);
+        joined.map(|ended| ended.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
+    });
+    ended.into_iter().collect()
+}
+
+/// One run, repeated for its seconds; `None` if it was halted. A method that cannot start on the problem is a row too: it
+/// says why.
+fn make(
+    study: &Study,
+    task: &Task,
+    how: How,
+    provenance: &Provenance,
+    board: &Board,
+    halt: &dyn Fn() -> bool,
+) -> Result<Option<Record>> {
+    let clock = Instant::now();
+    let asked = asked_row(study, task, &provenance.restarted(), untimed(how));
+    let mut made = Vec::new();
+    // The first of several brings code and data into the caches.
+    let warm_ups = u32::from(how.repeats > 1);
+    for repeat in 0..warm_ups + how.repeats {
+        match once(study, task, board, halt) {
+            Err(reason) => {
+                return Ok(Some(Record {
+                    run: Run { reason: reason.to_string(), ..asked },
+                    curve: Vec::new(),
+                }));
+            }
+            Ok((outcome, _)) if outcome.status == Status::Interrupted => return Ok(None),
+            Ok(ended) if repeat >= warm_ups => made.push(ended),
+            Ok(_) => {}
+        }
+    }
+    let Some((outcome, curve, timing)) = median(made, &asked.timing) else {
+        bail!("{}: it counts other work when it is repeated; a run must not", task.name());
+    };
+    let belied = task.problem.known.belies(&study.plan.stop, &outcome);
+    let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
+    Ok(Some(Record { run: ended_row(Run { timing, ..asked }, belied, &outcome, &curve), curve }))
+}
+
+fn once(
+    study: &Study,
+    task: &Task,
+    board: &Board,
+    halt: &dyn Fn() -> bool,
+) -> Result<(Outcome, Vec<Sample>), SetupError> {
+    let (frozen, plan) = (&task.problem.frozen, &study.plan);
+    let mut recorder = Recorder::new(plan.curves);
+    let mut line = board.line(task.name());
+    let solver = &*task.variant.method.solver;
+    let r0 = frozen.start(plan.warm_start);
+    let outcome = solve_against(
+        task.problem.known.truth(),
+        solver,
+        &frozen.problem,
+        &r0,
+        &plan.stop,
+        &mut |progress| {
+            recorder.observe(progress);
+            line.show(progress, plan.stop.on);
+            if halt() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        },
+    )?;
+    Ok((outcome, recorder.finish()))
+}
+
+/// Before the run.
+fn untimed(how: How) -> Timing {
+    Timing {
+        repeats: how.repeats,
+        timed_alone: how.jobs.get() == 1,
+        setup_spread_s: f64::NAN,
+        iterating_spread_s: f64::NAN,
+        wall_s: f64::NAN,
+        load_average: load_average(),
+    }
+}
+
+/// The repeat with the median time in `advance`, with the median time in `start` and the spreads of both. `None` if the
+/// repeats do not count the same work.
+fn median(mut made: Vec<(Outcome, Vec<Sample>)>, timing: &Timing) -> Option<(Outcome, Vec<Sample>, Timing)> {
+    let counts = |(outcome, _): &(Outcome, _)| (outcome.status, outcome.iterations, outcome.work);
+    if made.windows(2).any(|pair| counts(&pair[0]) != counts(&pair[1])) {
+        return None;
+    }
+    let mut setup: Vec<_> = made.iter().map(|(outcome, _)| outcome.setup).collect();
+    setup.sort_unstable();
+    made.sort_by_key(|(outcome, _)| outcome.iterating);
+    let (last, middle) = (made.len().checked_sub(1)?, (made.len() - 1) / 2);
+    let spread = |least: Duration, greatest: Duration| {
+        if last == 0 { f64::NAN } else { greatest.abs_diff(least).as_secs_f64() }
+    };
+    let timing = Timing {
+        setup_spread_s: spread(setup[0], setup[last]),
+        iterating_spread_s: spread(made[0].0.iterating, made[last].0.iterating),
+        ..timing.clone()
+    };
+    let (outcome, curve) = made.swap_remove(middle);
+    Some((Outcome { setup: setup[middle], ..outcome }, curve, timing))
+}

@@ -1,0 +1,100 @@
+//! The journal of a study: one line of JSON per run, written at once, never changed.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use crate::schema::{Run, Sample};
+use crate::store::{StoreError, at};
+
+/// A run with its curve: one line of the journal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// The row.
+    pub run: Run,
+    /// Its samples; none for a run that was skipped.
+    pub curve: Vec<Sample>,
+}
+
+/// What a journal holds.
+#[derive(Debug, Default)]
+pub struct Lines {
+    /// Its runs, in the order in which they ended.
+    pub records: Vec<Record>,
+    /// Length of a last line that has no end: whoever wrote it was stopped (bytes).
+    pub torn: u64,
+    /// Length of all lines before it (bytes).
+    whole: u64,
+}
+
+/// Reads a journal; a file that is not there holds nothing.
+///
+/// # Errors
+///
+/// If the file cannot be read, or a line that has an end is not a run.
+pub fn read(path: &Path) -> Result<Lines, StoreError> {
+    let mut lines = Lines::default();
+    let mut reader = match File::open(path) {
+        Ok(file) => BufReader::new(file),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(lines),
+        Err(error) => return Err(at(path)(error)),
+    };
+    let mut line = Vec::new();
+    loop {
+        line.clear();
+        let length = reader.read_until(b'\n', &mut line).map_err(at(path))? as u64;
+        if line.last() != Some(&b'\n') {
+            lines.torn = length;
+            return Ok(lines);
+        }
+        let number = lines.records.len() + 1;
+        let not_a_run = |source| StoreError::Line { path: path.to_owned(), line: number, source };
+        lines.records.push(serde_json::from_slice(&line).map_err(not_a_run)?);
+        lines.whole += length;
+    }
+}
+
+/// A journal that is being written.
+#[derive(Debug)]
+pub(crate) struct Journal {
+    path: PathBuf,
+    file: File,
+    length: u64,
+    synced: Instant,
+}
+
+/// What a power cut may lose; whatever else stops the program loses nothing that was appended.
+const UNSYNCED: Duration = Duration::from_secs(1);
+
+impl Journal {
+    /// Opens the journal behind its last whole line; what is torn is cut off.
+    pub(crate) fn open(path: &Path) -> Result<(Self, Lines), StoreError> {
+        let lines = read(path)?;
+        let file = OpenOptions::new().append(true).create(true).open(path).map_err(at(path))?;
+        if lines.torn > 0 {
+            file.set_len(lines.whole).map_err(at(path))?;
+        }
+        let journal = Self { path: path.to_owned(), file, length: lines.whole, synced: Instant::now() };
+        Ok((journal, lines))
+    }
+
+    pub(crate) fn append(&mut self, record: &Record) -> Result<(), StoreError> {
+        let mut line = serde_json::to_vec(record).map_err(|e| at(&self.path)(e.into()))?;
+        line.push(b'\n');
+        if let Err(error) = self.file.write_all(&line) {
+            // The next reader would drop the half line all the same.
+            let _ = self.file.set_len(self.length);
+            return Err(at(&self.path)(error));
+        }
+        self.length += line.len() as u64;
+        if self.synced.elapsed() >= UNSYNCED { self.sync() } else { Ok(()) }
+    }
+
+    pub(crate) fn sync(&mut self) -> Result<(), StoreError> {
+        self.synced = Instant::now();
+        self.file.sync_data().map_err(at(&self.path))
+    }
+}
