@@ -91,7 +91,10 @@ fn an_iterate_that_is_not_finite_or_of_endless_energy_has_diverged() {
             let stop = Stop { on, tolerance: 1e-12, max_iterations: 9 };
             let (method, problem) = (Recorded(vec![1.0, bad, 2.0]), falling_on_a_floor());
             let truth = Truth::new(&problem, &[2.0]);
-            let outcome = solve_against(Some(&truth), &method, &problem, &[0.0], &stop, &mut |_| {}).unwrap();
+            let outcome = solve_against(Some(&truth), &method, &problem, &[0.0], &stop, &mut |_| {
+                ControlFlow::Continue(())
+            })
+            .unwrap();
             assert_eq!((outcome.status, outcome.iterations), (Status::Diverged, 2), "{bad} on {on}");
         }
     }
@@ -109,7 +112,16 @@ fn where_no_contact_pushes_rest_is_the_answer_before_any_iteration() {
         for on in Measure::ALL {
             let stop = Stop { on, ..stop(9) };
             let method = Recorded(vec![]);
-            let outcome = solve_against(Some(&truth), &method, &problem, &r0, &stop, &mut |_| {}).unwrap();
+            let outcome =
+                solve_against(
+                    Some(&truth),
+                    &method,
+                    &problem,
+                    &r0,
+                    &stop,
+                    &mut |_| ControlFlow::Continue(()),
+                )
+                .unwrap();
             assert_eq!((outcome.status, outcome.iterations), (Status::Converged, 0));
             assert!(outcome.impulses.iter().all(|r| *r == 0.0));
             assert_eq!((outcome.measures.natural_map, outcome.measures.velocity_error), (0.0, 0.0));
@@ -171,7 +183,9 @@ fn loop_stops_on_the_velocity_error_where_it_is_known_and_refuses_to_elsewhere()
     let truth = Truth::new(&problem, &[2.0]);
     let stop = Stop { on: Measure::VelocityError, tolerance: 0.1, max_iterations: 9 };
     let method = Recorded(vec![1.0, 1.9, 2.0]);
-    let outcome = solve_against(Some(&truth), &method, &problem, &[0.0], &stop, &mut |_| {}).unwrap();
+    let outcome =
+        solve_against(Some(&truth), &method, &problem, &[0.0], &stop, &mut |_| ControlFlow::Continue(()))
+            .unwrap();
     assert_eq!((outcome.status, outcome.iterations), (Status::Converged, 2));
     let refused = solve(&method, &problem, &[0.0], &stop, &mut |_| {}).unwrap_err().to_string();
     assert!(refused.contains("`on` is velocity_error") && refused.contains("not known"), "{refused}");
