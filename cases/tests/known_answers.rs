@@ -4,7 +4,7 @@
 
 use cases::{Case, Frozen, March, Side, detect};
 use cg::Cg;
-use contact::{Measure, Status, Stop, solve};
+use contact::{Measure, Status, Stop, proves_infeasible, solve};
 use nalgebra::Vector2;
 use proptest::prelude::*;
 use std::path::PathBuf;
@@ -68,6 +68,18 @@ fn two_discs_press_as_the_case_file_says() {
     assert!((r[0] / weight(1.25) - 1.0).abs() < 1e-9, "{r:?}");
     assert!((r[1] / weight(1.0) - 1.0).abs() < 1e-9, "{r:?}");
     assert!(case("two-discs", &[]).known.contains(&format!("{:.2} and {:.2} N s", r[1], r[0])), "{r:?}");
+}
+
+#[test]
+fn disc_between_closing_walls_has_no_answer() {
+    let problem = march("closing-walls", &[]).next().unwrap().frozen.problem;
+    let b = problem.b();
+    let wall = |k: &usize| problem.contacts()[*k].normal.x != 0.0;
+    let walls: Vec<usize> = (0..problem.contact_count()).filter(wall).collect();
+    assert_eq!((walls.len(), problem.contact_count()), (2, 3), "two walls and the floor");
+    assert!(walls.iter().all(|k| (b[*k] + 0.1).abs() < 1e-12), "{b:?}");
+    let equal: Vec<f64> = (0..3).map(|k| if walls.contains(&k) { 1.0 } else { 0.0 }).collect();
+    assert!(proves_infeasible(&problem, &equal));
 }
 
 #[test]

@@ -6,5 +6,6 @@ mod column;
 mod decomposition;
 mod equivalences;
 mod first_order;
+mod infeasible;
 mod problems;
 mod reference;

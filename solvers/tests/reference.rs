@@ -1,17 +1,12 @@
-//! The reference against exact solutions, brute force and the other methods; its certificates; problems without solution.
+//! The reference against exact solutions, brute force and the other methods; its certificates.
 
 use crate::problems::{PACKINGS, first_problem, frozen};
-use apgd::Apgd;
 use cg::{Cg, Preconditioner};
 use contact::{
-    Contact, ContactProblem, Measure, Meter, Solver, Status, Stop, Truth, proves_infeasible, solve,
-    solve_against,
+    Contact, ContactProblem, Measure, Meter, Solver, Status, Stop, Truth, proves_infeasible, solve_against,
 };
-use latin_dd::LatinDd;
 use nalgebra::{DMatrix, DVector, Vector2};
-use nncg::Nncg;
-use nsgs::{Jacobi, Nsgs};
-use nsgs_dd::NsgsDd;
+use nsgs::Nsgs;
 use proptest::prelude::*;
 use reference::{Answer, Certificate, InteriorPoint, certify};
 use std::ops::ControlFlow;
@@ -143,67 +138,6 @@ fn interior_point_ends_in_its_first_iteration_and_its_polish_at_round_off() {
     let (raw, errors) = run(false);
     assert_eq!(raw.status, Status::IterationLimit);
     assert!(errors[1..].iter().all(|error| *error == errors[1]), "{errors:?}");
-}
-
-/// Every method, as it is by default.
-fn all_methods() -> [(&'static str, Box<dyn Solver>); 9] {
-    [
-        ("nsgs", Box::new(Nsgs::default())),
-        ("jacobi", Box::new(Jacobi::default())),
-        ("cg", Box::new(Cg::default())),
-        ("cg, preconditioned", Box::new(Cg { preconditioner: Preconditioner::Diagonal })),
-        ("latin-dd", Box::new(LatinDd::default())),
-        ("nsgs-dd", Box::new(NsgsDd::default())),
-        ("apgd", Box::new(Apgd::default())),
-        ("nncg", Box::new(Nncg::default())),
-        ("interior-point", Box::new(InteriorPoint::default())),
-    ]
-}
-
-#[test]
-fn between_closing_walls_no_method_converges_on_what_sees_the_approach() {
-    let problem = first_problem("closing-walls", &[]).problem;
-    let Answer::Infeasible { ray } = reference::solve(&problem) else { panic!("there is no solution") };
-    assert!(proves_infeasible(&problem, &ray));
-    for (name, solver) in all_methods() {
-        for on in [Measure::NaturalMap, Measure::PenetrationRate] {
-            let stop = Stop { on, tolerance: 1e-6, max_iterations: 5000 };
-            let r0 = vec![0.0; problem.contact_count()];
-            let outcome = solve(&*solver, &problem, &r0, &stop, &mut |_| {}).unwrap();
-            let ended = outcome.status;
-            assert!(
-                matches!(ended, Status::Infeasible | Status::IterationLimit | Status::Diverged),
-                "{name} on {on}: {ended:?}"
-            );
-        }
-    }
-}
-
-/// ζᵢ is about 1/i while the walls still close at their full speed.
-#[test]
-fn between_closing_walls_zeta_promises_convergence_and_the_growth_of_impulses_disproves_it() {
-    let problem = first_problem("closing-walls", &[]).problem;
-    let run = |on, tolerance| {
-        let stop = Stop { on, tolerance, max_iterations: 5000 };
-        solve(&Nsgs::default(), &problem, &vec![0.0; problem.contact_count()], &stop, &mut |_| {}).unwrap()
-    };
-    let promised = run(Measure::Zeta, 1e-2);
-    assert_eq!(promised.status, Status::Converged);
-    assert!(promised.measures.penetration_rate >= 0.1, "{:?}", promised.measures);
-    assert_eq!(run(Measure::NaturalMap, 1e-2).status, Status::Infeasible);
-    assert_eq!(run(Measure::PenetrationRate, 1e-2).status, Status::Infeasible);
-}
-
-/// Slow is not without solution: on a column of 300 discs 5000 sweeps do not reach the answer.
-#[test]
-fn slow_methods_are_not_called_infeasible() {
-    let problem = first_problem("column", &[("sample.grains", "300")]).problem;
-    for solver in [&Nsgs::default() as &dyn Solver, &Jacobi::default(), &Nncg::default()] {
-        let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-12, max_iterations: 5000 };
-        let r0 = vec![0.0; problem.contact_count()];
-        let outcome = solve(solver, &problem, &r0, &stop, &mut |_| {}).unwrap();
-        assert_ne!(outcome.status, Status::Infeasible);
-    }
 }
 
 /// Up to 4 grains and 7 contacts, of which some have no solution.
