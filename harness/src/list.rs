@@ -7,7 +7,6 @@ use crate::plan::Plan;
 use anyhow::Result;
 use cases::{Case, Frozen};
 use clap::ValueEnum;
-use serde_json::Value;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -42,7 +41,11 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         What::Methods => {
             for entry in METHODS {
                 say(format_args!("{:<16}{}", entry.name, entry.what))?;
-                say(format_args!("{:<16}{}", "", Value::Object(entry.defaults()?)))?;
+                for (key, default) in entry.defaults()? {
+                    let default = if default.is_null() { "none".to_owned() } else { default.to_string() };
+                    say(format_args!("  {key} = {default}: {}", entry.takes(&key)))?;
+                    say(format_args!("      {}", entry.what_is(&key)))?;
+                }
             }
         }
         What::Plans => {

@@ -145,12 +145,19 @@ pub(crate) fn pair_with(pointer: &str, value: Value) -> Value {
 /// Names and default settings of all methods, as the program lists them.
 pub(crate) fn methods() -> Vec<(String, Value)> {
     let listed = gravel(&["list", "methods"]).succeeded().stdout;
-    let lines: Vec<&str> = listed.lines().collect();
-    let method = |lines: &[&str]| {
-        let name = lines[0].split_whitespace().next().unwrap();
-        (name.to_owned(), serde_json::from_str(lines[1].trim()).unwrap())
-    };
-    lines.chunks(2).map(method).collect()
+    let mut methods: Vec<(String, Value)> = Vec::new();
+    for line in listed.lines() {
+        if let Some(setting) = line.strip_prefix("  ").filter(|setting| !setting.starts_with(' ')) {
+            let (key, rest) = setting.split_once(" = ").unwrap();
+            let default = rest.split_once(": ").unwrap().0;
+            let default =
+                if default == "none" { Value::Null } else { serde_json::from_str(default).unwrap() };
+            methods.last_mut().unwrap().1[key] = default;
+        } else if !line.starts_with(' ') {
+            methods.push((line.split_whitespace().next().unwrap().to_owned(), json!({})));
+        }
+    }
+    methods
 }
 
 /// The impulses that `gravel solve` with `args` writes (N·s).

@@ -41,6 +41,28 @@ fn every_listed_method_solves_and_no_other_is_known() {
 }
 
 #[test]
+fn every_setting_is_listed_with_its_default_what_it_takes_and_what_it_is() {
+    let told = gravel(&["list", "methods"]).succeeded().stdout;
+    let lines: Vec<&str> = told.lines().collect();
+    let settings: Vec<usize> =
+        (0..lines.len()).filter(|n| lines[*n].starts_with("  ") && !lines[*n].starts_with("   ")).collect();
+    assert!(settings.len() > 10, "{told}");
+    for n in settings {
+        let takes = lines[n].split_once(": ").unwrap().1;
+        assert!(!takes.is_empty() && !takes.contains('?'), "{}", lines[n]);
+        assert!(lines[n + 1].trim().len() > 10, "{}: {}", lines[n], lines[n + 1]);
+    }
+    for line in [
+        "  order = \"natural\": natural, bottom-up, shuffled, coloured",
+        "  kappa_l = none: a number",
+        "  symmetric = false: true or false",
+        "  inner_sweeps = 1: a whole number, not negative",
+    ] {
+        assert!(lines.contains(&line), "no `{line}` in: {told}");
+    }
+}
+
+#[test]
 fn help_fits_a_hundred_columns() {
     for name in ["bench", "plan", "solve", "freeze", "simulate", "list"] {
         // However wide the terminal says that it is.

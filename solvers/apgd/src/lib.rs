@@ -6,11 +6,12 @@
 //! one.
 
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
+use documented::DocumentedFields;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the accelerated gradient.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, DocumentedFields, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Apgd {
     /// Nesterov's extrapolation; without it q(r) never increases.

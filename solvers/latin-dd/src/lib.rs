@@ -18,6 +18,7 @@ pub use directions::{Directions, derived_kappa};
 use balance::Balance;
 use coarse::Coarse;
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
+use documented::DocumentedFields;
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Scheme};
 use rayon::prelude::*;
@@ -25,7 +26,7 @@ use serde::{Deserialize, Serialize};
 use subdomain::Latin;
 
 /// Settings of LATIN-DD.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, DocumentedFields, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LatinDd {
     /// Subdomains, as columns × rows.

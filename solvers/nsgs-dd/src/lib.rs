@@ -8,6 +8,7 @@ mod exchange;
 mod subdomain;
 
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
+use documented::DocumentedFields;
 use exchange::Colours;
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Scheme};
@@ -16,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use subdomain::Sweeper;
 
 /// Settings of NSGS-DD.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, DocumentedFields, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct NsgsDd {
     /// Subdomains, as columns × rows.
