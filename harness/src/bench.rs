@@ -65,7 +65,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let tables = rows.tables()?;
     let stored = store.write(&tables)?;
     let out = root.join("reports/out").join(&plan.name);
-    let files = reports::report(&tables, reports::Chart::default_set(), &out)?;
+    let files = reports::report(&tables, &plan.charts()?, &out)?;
     say(format_args!("{}", reports::iterations_text(&tables)?))?;
     say(format_args!("rows and curves   {}", stored.display()))?;
     report::say_files(&out, &files)

@@ -10,16 +10,14 @@ use crate::methods::Method;
 use crate::suggest;
 use anyhow::{Context, Result, anyhow, bail};
 use contact::Stop;
+use reports::Chart;
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
 
-/// The figures that reports draw.
-const CHARTS: [&str; 2] = ["convergence", "sample"];
-
-fn all_charts() -> Vec<String> {
-    CHARTS.map(str::to_owned).to_vec()
+fn default_charts() -> Vec<String> {
+    Chart::default_set().iter().map(|chart| chart.name().to_owned()).collect()
 }
 
 /// A study.
@@ -45,8 +43,8 @@ pub(crate) struct Plan {
     #[serde(default)]
     pub(crate) curves: Curves,
     /// Names of the figures.
-    #[serde(default = "all_charts")]
-    pub(crate) charts: Vec<String>,
+    #[serde(default = "default_charts")]
+    charts: Vec<String>,
     /// The methods.
     methods: Vec<PlannedMethod>,
     /// The same study in under a minute: these keys replace those of the plan.
@@ -143,15 +141,18 @@ impl Plan {
         if self.problems.is_empty() && self.cases.is_empty() {
             bail!("`problems` is empty, and there are no `cases`");
         }
-        if let Some(chart) = self.charts.iter().find(|chart| !CHARTS.contains(&chart.as_str())) {
-            bail!(
-                "`charts`: no chart `{chart}`: there are {}{}",
-                CHARTS.join(", "),
-                suggest::of(chart, CHARTS)
-            );
-        }
+        self.charts()?;
         self.stop.check().context("`stop`")?;
         self.variants(&[]).map(|_| ())
+    }
+
+    /// The figures of the study.
+    pub(crate) fn charts(&self) -> Result<Vec<Chart>> {
+        let known = || Chart::all().iter().map(|chart| chart.name());
+        let read = |name: &String| {
+            name.parse().map_err(|error| anyhow!("`charts`: {error}{}", suggest::of(name, known())))
+        };
+        self.charts.iter().map(read).collect()
     }
 
     /// Every method with every combination of its axes, in the order of the plan. Each of `changes` replaces a setting of

@@ -35,8 +35,7 @@ pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
 
 fn figure(study: &Study, problem: &str) -> Result<String, ReportError> {
     let runs = study.runs_of(problem);
-    let with_truth = |run: &&RunRow| study.curve(run).iter().any(|point| point.velocity_error.is_some());
-    if !runs.iter().any(with_truth) {
+    if !study.knows_truth(problem) {
         return nothing(problem, "no velocity error in its rows, hence nothing to compare");
     }
     let more = vec![
@@ -102,6 +101,9 @@ fn front<'p>(points: impl Iterator<Item = &'p LogPoint>) -> Vec<(f64, f64)> {
 
 /// Which run is the first to each accuracy, in each cost.
 fn firsts(study: &Study, problem: &str) -> String {
+    if !study.knows_truth(problem) {
+        return format!("{problem}: no velocity error in its rows.\n");
+    }
     ACCURACIES.map(|accuracy| first(study, problem, accuracy)).concat()
 }
 
