@@ -9,6 +9,7 @@ mod plans;
 mod refused_files;
 mod refused_plans;
 mod refused_requests;
+mod report;
 mod same_bits;
 mod shown;
 mod solve;
