@@ -154,12 +154,13 @@ impl Plan {
         self.variants(&[]).map(|_| ())
     }
 
-    /// What is drawn of the study.
+    /// The figures of the study.
     pub(crate) fn charts(&self) -> Result<Vec<Chart>> {
-        let names = || Chart::all().iter().map(|chart| chart.name());
-        let chart =
-            |name: &String| name.parse().with_context(|| format!("`charts`{}", suggest::of(name, names())));
-        self.charts.iter().map(chart).collect()
+        let known = || Chart::all().iter().map(|chart| chart.name());
+        let read = |name: &String| {
+            name.parse().map_err(|error| anyhow!("`charts`: {error}{}", suggest::of(name, known())))
+        };
+        self.charts.iter().map(read).collect()
     }
 
     /// Every method with every combination of its axes, in the order of the plan. Each of `changes` replaces a setting of

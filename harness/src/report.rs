@@ -10,50 +10,37 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A plan, or a stored study: its name, or the path of the plan's file
+    /// A plan: its name, or the path of its file
     #[arg(default_value = "paper")]
     plan: String,
+    /// The quick form of the plan
+    #[arg(long)]
+    quick: bool,
 }
 
 #[derive(clap::Args)]
 pub(crate) struct FigureArgs {
     /// The chart
     chart: Chart,
-    /// A plan, or a stored study: its name, or the path of the plan's file
-    #[arg(default_value = "paper")]
-    plan: String,
+    #[command(flatten)]
+    of: Args,
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    let study = study(root, &args.plan)?;
-    // A stored study may outlive its plan.
-    let plan =
-        root.plan(study.strip_suffix("-quick").unwrap_or(&study)).and_then(|path| Plan::read(&path, false));
-    let charts = plan.and_then(|plan| plan.charts()).unwrap_or_else(|_| Chart::default_set().to_vec());
-    draw(root, &study, &charts, &study)
+    let plan = Plan::read(&root.plan(&args.plan)?, args.quick)?;
+    draw(root, &plan.name, &plan.charts()?, &plan.name)
 }
 
 /// One chart, in a folder of its own: the report of the study stays as it is.
 pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
-    let study = study(root, &args.plan)?;
-    draw(root, &study, &[args.chart], &format!("{study}-{}", args.chart.name()))
-}
-
-/// Name of the stored studies that `name` means.
-fn study(root: &Root, name: &str) -> Result<String> {
-    if !name.is_empty() && !name.contains(['/', '\\', '.']) && latest(&runs(root), name).is_some() {
-        return Ok(name.to_owned());
-    }
-    Ok(Plan::read(&root.plan(name)?, false)?.name)
-}
-
-fn runs(root: &Root) -> PathBuf {
-    root.join("results/runs")
+    let plan = Plan::read(&root.plan(&args.of.plan)?, args.of.quick)?;
+    draw(root, &plan.name, &[args.chart], &format!("{}-{}", plan.name, args.chart.name()))
 }
 
 fn draw(root: &Root, study: &str, charts: &[Chart], folder: &str) -> Result<()> {
-    let Some(stored) = latest(&runs(root), study) else {
-        bail!("no stored study of plan `{study}` in {}: `gravel bench` makes one", runs(root).display());
+    let runs = root.join("results/runs");
+    let Some(stored) = latest(&runs, study) else {
+        bail!("no study of plan `{study}` is stored in {}: `gravel bench` makes one", runs.display());
     };
     let out = root.join("reports/out").join(folder);
     let files = reports::report(&read(&stored)?, charts, &out)?;

@@ -19,17 +19,14 @@ pub(crate) const COSTS: [Cost; 2] = [
         title: "set-up and iterations (s)",
         of: |run, point| Some(run.setup_s? + point.iterating_s?),
     },
-    Cost {
-        name: "sweeps",
-        title: "counted work (sweeps), without factorisations",
-        of: |run, point| Some(point.work(run.contacts)),
-    },
+    Cost { name: "sweeps", title: "counted work (sweeps)", of: |run, point| point.work(run) },
 ];
 
 /// What a sweep of work is.
 pub(crate) const WORK: &str = "A sweep of counted work is eight multiply-adds per contact of the problem: a contact updated \
                                counts as much as a contact passed in a product with W, an entry of a triangular factor an \
-                               eighth. Factorisations are in the seconds, not in the work.";
+                               eighth. Factorisations are in the seconds alone; a run that factorises again while it \
+                               iterates has no counted work.";
 
 /// The first sample with a velocity error of at most `accuracy`.
 pub(crate) fn reached(curve: &[Point], accuracy: f64) -> Option<&Point> {

@@ -21,19 +21,15 @@ pub(crate) fn differing(runs: &[RunRow], except: &[&str]) -> BTreeSet<String> {
     differing
 }
 
-/// What of `keys` a run has, as text: `4x2`, `4x2, relaxation 0.8`. What is unset or `none` is left out.
+/// What of `keys` a run has, as text: `4x2`, `4x2, relaxation=0.8`. What is unset or `none` is left out.
 pub(crate) fn settings_text(run: &RunRow, keys: &BTreeSet<String>) -> String {
     let word = |key: &String| match run.settings.get(key)? {
         Value::Null => None,
-        Value::Bool(true) => Some(spaced(key)),
-        Value::Bool(false) => Some(format!("no {}", spaced(key))),
+        Value::Bool(true) => Some(key.clone()),
+        Value::Bool(false) => Some(format!("no {key}")),
         Value::String(text) if text == "none" => None,
         Value::String(text) => Some(text.clone()),
-        value => Some(format!("{} {value}", spaced(key))),
+        value => Some(format!("{key}={value}")),
     };
     keys.iter().filter_map(word).collect::<Vec<_>>().join(", ")
-}
-
-fn spaced(key: &str) -> String {
-    key.replace('_', " ")
 }

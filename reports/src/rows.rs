@@ -40,16 +40,18 @@ pub(crate) struct Point {
     contact_updates: u64,
     delassus_products: u64,
     triangular_solve_entries: u64,
+    factorisations: u64,
 }
 
 impl Point {
     /// Counted work in sweeps over `contacts`: a contact updated counts as much as a contact passed in a product W p, that
     /// is eight multiply-adds (two components of two grains, read and written back); an entry of a triangular factor is one.
-    /// Factorisations are not in it.
-    pub(crate) fn work(&self, contacts: u32) -> f64 {
-        let contacts = f64::from(contacts.max(1));
+    /// Factorisations are not in it: a run that makes more than one per subdomain, and one for all, has no counted work.
+    pub(crate) fn work(&self, run: &RunRow) -> Option<f64> {
+        let once = self.factorisations <= u64::from(run.subdomains) + 1;
+        let contacts = f64::from(run.contacts.max(1));
         let visits = self.contact_updates as f64 + contacts * self.delassus_products as f64;
-        (visits + self.triangular_solve_entries as f64 / 8.0) / contacts
+        once.then_some((visits + self.triangular_solve_entries as f64 / 8.0) / contacts)
     }
 }
 
@@ -107,7 +109,8 @@ pub(crate) fn curves(table: &DataFrame) -> Result<BTreeMap<u32, Vec<Point>>, Rep
     let (quad_dv, iterating_s) = (measures(table, "quad_dv")?, measures(table, "iterating_s")?);
     let velocity_error = newer(table, "velocity_error")?;
     let (updates, products) = (u64s(table, "contact_updates")?, u64s(table, "delassus_products")?);
-    let entries = u64s(table, "triangular_solve_entries")?;
+    let (entries, factorisations) =
+        (u64s(table, "triangular_solve_entries")?, u64s(table, "factorisations")?);
     let mut curves: BTreeMap<u32, Vec<Point>> = BTreeMap::new();
     for i in 0..table.height() {
         curves.entry(run[i]).or_default().push(Point {
@@ -120,6 +123,7 @@ pub(crate) fn curves(table: &DataFrame) -> Result<BTreeMap<u32, Vec<Point>>, Rep
             contact_updates: updates[i],
             delassus_products: products[i],
             triangular_solve_entries: entries[i],
+            factorisations: factorisations[i],
         });
     }
     for curve in curves.values_mut() {

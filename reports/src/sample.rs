@@ -3,19 +3,24 @@
 mod key;
 mod scene;
 mod view;
+mod walls;
 
 use plotters::style::text_anchor::{HPos, VPos};
 use results::store::Tables;
 
 use crate::canvas::{Canvas, svg, text_width};
+use crate::ending::Ending;
+use crate::legend::Looks;
 use crate::number::{count, counted, number};
+use crate::rows::runs;
 use crate::style::{
     BOUNDARY_GRAIN, CHAIN, GRAIN, IDLE, LEADING, MARGIN, Pen, SUBDOMAINS, TEXT, TICK_TEXT, WALL, WHITE,
 };
 use crate::{File, ReportError};
 use key::Key;
-use scene::{ContactRow, GrainRow, Scene, scenes};
+use scene::{GrainRow, Scene, scenes};
 use view::View;
+use walls::walls;
 
 /// Thinner lines than this (mm) do not print.
 const THINNEST_CHAIN: f64 = 0.04;
@@ -23,20 +28,28 @@ const THINNEST_CHAIN: f64 = 0.04;
 /// `sample-<problem>-<partition>.svg` for each problem and partition of the tables.
 pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
     let scenes = scenes(&tables.grains, &tables.contacts)?;
+    let runs = runs(&tables.runs)?;
+    let looks = Looks::new(&runs);
+    // As the column of impulses is documented: those of the first run that converged on the problem.
+    let source = |problem: &str| {
+        runs.iter()
+            .find(|run| run.problem == problem && run.ending == Ending::Converged)
+            .map(|run| looks.label(run))
+    };
     let figure = |((problem, partition), scene): ((String, String), Scene)| {
         let name = format!("sample-{}-{}.svg", crate::file_name(&problem), crate::file_name(&partition));
-        Ok((name, draw(&format!("{problem}, {partition}"), &scene)?))
+        Ok((name, draw(&format!("{problem}, {partition}"), &scene, source(&problem))?))
     };
     scenes.into_iter().map(figure).collect()
 }
 
 /// The scene, its scales, the key of its colours, and its counts in words.
-fn draw(title: &str, scene: &Scene) -> Result<String, ReportError> {
+fn draw(title: &str, scene: &Scene, source: Option<String>) -> Result<String, ReportError> {
     let view = View::of(scene);
     let inside = view.width - 2.0 * MARGIN;
     let key = Key::of(scene);
     let mut lines = wrapped(title, inside)?;
-    lines.extend(wrapped(&caption(scene, &view), inside)?);
+    lines.extend(wrapped(&caption(scene, &view, source), inside)?);
     let scales = MARGIN + view.height + 0.8 * LEADING;
     let key_top = scales + 0.8 * LEADING;
     let text_top = key_top + key.height() + 0.3 * LEADING;
@@ -59,8 +72,8 @@ fn draw_scene(canvas: &Canvas, view: &View, scene: &Scene) -> Result<(), ReportE
         let (fill, outline) = looks(grain);
         canvas.disc(view.place(grain.centre), grain.radius * view.scale, fill, Some(outline))?;
     }
-    for contact in scene.contacts.iter().filter(|contact| contact.wall) {
-        draw_wall(canvas, view, contact)?;
+    for (from, to) in walls(&scene.contacts) {
+        canvas.line(&[view.place(from), view.place(to)], WALL)?;
     }
     for contact in &scene.contacts {
         let width = contact.impulse.map_or(0.0, |impulse| view.chain_width(impulse));
@@ -100,16 +113,8 @@ fn looks(grain: &GrainRow) -> (plotters::style::RGBColor, Pen) {
     (fill, if grain.multiplicity > 1 { BOUNDARY_GRAIN } else { GRAIN })
 }
 
-/// A tick across the end of the contact, as wide as a part of the grain.
-fn draw_wall(canvas: &Canvas, view: &View, contact: &ContactRow) -> Result<(), ReportError> {
-    const HALF: f64 = 0.6;
-    let ((x0, y0), (x1, y1)) = (view.place(contact.from), view.place(contact.to));
-    let (across_x, across_y) = (-HALF * (y1 - y0), HALF * (x1 - x0));
-    canvas.line(&[(x1 - across_x, y1 - across_y), (x1 + across_x, y1 + across_y)], WALL)
-}
-
 /// The counts, and what the lines mean.
-fn caption(scene: &Scene, view: &View) -> String {
+fn caption(scene: &Scene, view: &View, source: Option<String>) -> String {
     let walls = scene.contacts.iter().filter(|contact| contact.wall).count();
     let boundary = scene.grains.iter().filter(|grain| grain.multiplicity > 1).count();
     let counts = format!(
@@ -122,7 +127,8 @@ fn caption(scene: &Scene, view: &View) -> String {
     );
     if view.greatest > 0.0 {
         let share = number(100.0 * THINNEST_CHAIN / view.widest, 1);
-        format!("{counts} Lines: impulses; below {share}\u{a0}% of the greatest not drawn.")
+        let of = source.map_or(String::new(), |label| format!(" by {label}"));
+        format!("{counts} Lines: impulses{of}; below {share}\u{a0}% of the greatest not drawn.")
     } else {
         format!("{counts} No impulse is known.")
     }

@@ -31,10 +31,7 @@ struct Cost {
 const COSTS: [Cost; 3] = [
     Cost { title: "iterations to the tolerance", of: |_, run| Some(run.iterations as f64) },
     Cost { title: "set-up and iterations (s)", of: |_, run| Some(run.setup_s? + run.iterating_s?) },
-    Cost {
-        title: "counted work (sweeps)",
-        of: |study, run| Some(study.curve(run).last()?.work(run.contacts)),
-    },
+    Cost { title: "counted work (sweeps)", of: |study, run| study.curve(run).last()?.work(run) },
 ];
 
 /// `size.svg`, and `size.csv` and `.md` with the exponents.

@@ -38,6 +38,12 @@ impl<'t> Study<'t> {
         self.curves.get(&run.run).map_or(&[], Vec::as_slice)
     }
 
+    /// Whether some run on a problem was measured against a known solution.
+    pub(crate) fn knows_truth(&self, problem: &str) -> bool {
+        let known = |run: &&RunRow| self.curve(run).iter().any(|point| point.velocity_error.is_some());
+        self.runs_of(problem).iter().any(known)
+    }
+
     /// The runs on a problem in the order of the legend; one that was skipped has no line.
     pub(crate) fn runs_of(&self, problem: &str) -> Vec<&'t RunRow> {
         let has_line = |run: &&RunRow| run.problem == problem && run.ending != Ending::Skipped;

@@ -30,10 +30,10 @@ fn growth_with_subdomains_is_told_for_each_setting_apart() {
     let files = subdomains::files(&tables(&runs, &[])).unwrap();
     let rows: Vec<&str> = text(&files, "subdomains.csv").lines().skip(1).collect();
     assert!(rows[1].starts_with("column,latin-dd,8,converged,125,1.25,"), "{}", rows[1]);
-    assert!(rows[3].starts_with("column,\"latin-dd, kappa d 0.3\",8,iteration limit,1000,,"), "{}", rows[3]);
+    assert!(rows[3].starts_with("column,\"latin-dd, kappa_d=0.3\",8,iteration limit,1000,,"), "{}", rows[3]);
     let svg = text(&files, "subdomains-column.svg");
     assert!(
-        svg.contains("iteration limit") && svg.contains("latin-dd, kappa d 0.3") && !svg.contains("skipped")
+        svg.contains("iteration limit") && svg.contains("latin-dd, kappa_d=0.3") && !svg.contains("skipped")
     );
 }
 

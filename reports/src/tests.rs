@@ -113,6 +113,26 @@ fn skipped_run_has_its_reason_below_the_table_and_no_place_in_the_figure() {
 }
 
 #[test]
+fn run_that_begins_converged_is_told_for_it_has_no_line() {
+    let begun = Run { iterations: 0, ..run(0, "cg", "none", "converged") };
+    let svg = figures(&tables(&[begun], &[(0, vec![sample(0, f64::NAN, 0.0)])])).remove(0).1;
+    assert!(svg.contains("cg on column: converged at its start, no line"), "{svg}");
+}
+
+#[test]
+fn method_looks_the_same_in_every_study() {
+    let alone = [run(0, "cg", "", "converged")];
+    let beside =
+        [run(0, "nsgs", "", "converged"), run(1, "mine", "", "converged"), run(2, "cg", "", "converged")];
+    let color = |runs: &[Run], method: &str| {
+        let runs = crate::rows::runs(&tables(runs, &[]).runs).unwrap();
+        crate::legend::Looks::new(&runs).method(method).0.color
+    };
+    assert_eq!(color(&alone, "cg"), color(&beside, "cg"));
+    assert_ne!(color(&beside, "mine"), color(&beside, "nsgs"));
+}
+
+#[test]
 fn tolerance_is_written_beside_the_measure_that_stops() {
     let texts = |stop_on: &str| {
         let asked = Run { stop_on: stop_on.into(), tolerance: 3e-5, ..run(0, "nsgs", "", "converged") };
@@ -127,10 +147,11 @@ fn sample_shows_counts_scales_and_boundary_grains() {
     let scene = Tables {
         grains: grains_table(&grains).unwrap(),
         contacts: contacts_table(&contacts).unwrap(),
-        ..tables(&[], &[])
+        ..tables(&[Run { problem: "pair".into(), ..run(0, "cg", "diagonal", "converged") }], &[])
     };
     let (name, svg) = figures(&scene).pop().unwrap();
     assert_eq!(name, "sample-pair-2x1.svg");
+    assert!(svg.contains("by cg, diagonal"), "whose impulses they are: {svg}");
     for text in [
         "3\u{a0}grains,",
         "3\u{a0}contacts,",

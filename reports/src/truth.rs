@@ -42,6 +42,10 @@ pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
     let mut text = String::new();
     for problem in problems(&runs) {
         files.push((format!("truth-{}.svg", file_name(problem)), figure(&study, problem)?));
+        if !study.knows_truth(problem) {
+            text.extend([problem, ": no velocity error in its rows.\n"]);
+            continue;
+        }
         for measure in &MEASURES {
             text += &sentence(&study, problem, measure);
         }
@@ -55,8 +59,7 @@ pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
 
 fn figure(study: &Study, problem: &str) -> Result<String, ReportError> {
     let runs = study.runs_of(problem);
-    let with_truth = |run: &&RunRow| study.curve(run).iter().any(|point| point.velocity_error.is_some());
-    if !runs.iter().any(with_truth) {
+    if !study.knows_truth(problem) {
         return nothing(problem, "no velocity error in its rows, hence no truth to compare with");
     }
     let more = vec![(

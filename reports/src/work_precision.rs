@@ -35,13 +35,17 @@ pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
 
 fn figure(study: &Study, problem: &str) -> Result<String, ReportError> {
     let runs = study.runs_of(problem);
-    let with_truth = |run: &&RunRow| study.curve(run).iter().any(|point| point.velocity_error.is_some());
-    if !runs.iter().any(with_truth) {
+    if !study.knows_truth(problem) {
         return nothing(problem, "no velocity error in its rows, hence nothing to compare");
     }
     let more = vec![
         (Sign::Line(PARETO), "Pareto front: nothing is cheaper and as accurate".to_owned()),
         (Sign::Line(TOLERANCE), "accuracies of the tables".to_owned()),
+        (
+            Sign::Word,
+            "Counted work is without factorisations; runs that make more than the first have none."
+                .to_owned(),
+        ),
     ];
     let legend = study.legend(&runs, more, INSIDE)?;
     row(&[title(problem, &runs)], COSTS.len(), &legend, |canvas, i, room| {
@@ -102,6 +106,9 @@ fn front<'p>(points: impl Iterator<Item = &'p LogPoint>) -> Vec<(f64, f64)> {
 
 /// Which run is the first to each accuracy, in each cost.
 fn firsts(study: &Study, problem: &str) -> String {
+    if !study.knows_truth(problem) {
+        return format!("{problem}: no velocity error in its rows.\n");
+    }
     ACCURACIES.map(|accuracy| first(study, problem, accuracy)).concat()
 }
 
@@ -114,13 +121,13 @@ fn first(study: &Study, problem: &str, accuracy: f64) -> String {
         Some(format!("{} ({} {})", study.looks.label(run), number(price, 2), cost.name))
     };
     let name = power_of_ten(accuracy.log10().round() as i32);
-    match COSTS.each_ref().map(says) {
-        [Some(seconds), Some(work)] => {
-            format!(
-                "{problem}: first to a velocity error of {name} are {seconds} and, in counted work, {work}.\n"
-            )
+    let [seconds, work] = COSTS.each_ref().map(says);
+    match (seconds, work) {
+        (None, _) => format!("{problem}: no run reaches a velocity error of {name}.\n"),
+        (Some(seconds), None) => format!("{problem}: first to a velocity error of {name} is {seconds}.\n"),
+        (Some(seconds), Some(work)) => {
+            format!("{problem}: first to a velocity error of {name} is {seconds}; in counted work {work}.\n")
         }
-        _ => format!("{problem}: no run reaches a velocity error of {name}.\n"),
     }
 }
 

@@ -10,6 +10,7 @@ mod refused_files;
 mod refused_plans;
 mod refused_requests;
 mod regress;
+mod report;
 mod same_bits;
 mod shown;
 mod solve;

@@ -77,7 +77,7 @@ fn unknown_chart_of_a_plan_is_refused_with_the_known_ones() {
     let charts = |names: &str| format!("charts = {names}\n{}", plan("bad", &["pair"], NSGS));
     refused(
         &charts("[\"sampel\"]"),
-        &["`charts`", "`sampel`", "convergence, sample; did you mean `sample`?"],
+        &["`charts`", "`sampel`", "convergence, sample, directions", "did you mean `sample`?"],
     );
     refused(&charts("\"sample\""), &["line 1", "a sequence"]);
     let curves = format!("curves = \"end\"\n{}", plan("bad", &["pair"], NSGS));

@@ -1,4 +1,4 @@
-use results::schema::Run;
+use results::schema::{Run, Sample};
 
 use super::{files, front};
 use crate::fixture::{decay, explosion, run, sample, tables, with_truth};
@@ -26,9 +26,21 @@ fn first_run_to_each_accuracy_is_named_with_its_cost() {
     let files = made(files(&with_truth(tables(&runs, &[(0, decay()), (1, slow)]))).unwrap());
     let text = &files.last().unwrap().1;
     // 50 iterations of 1e-4 s and a set-up of 1e-5 s; 25 of 40 updates and 2 products on 20 contacts.
-    let said = "column: first to a velocity error of 10⁻² are nsgs (5·10⁻³ seconds) and, in counted work, cg (100 sweeps).";
+    let said = "column: first to a velocity error of 10⁻² is nsgs (5·10⁻³ seconds); in counted work cg (100 sweeps).";
     assert!(text.contains(said), "{text}");
     assert!(text.contains("no run reaches a velocity error of 10⁻⁶"), "{text}");
+}
+
+#[test]
+fn run_that_factorises_again_has_no_counted_work() {
+    let again = decay().into_iter().map(|s| Sample { factorisations: s.iteration, ..s }).collect();
+    let only = [run(0, "interior-point", "", "converged")];
+    let files = made(files(&with_truth(tables(&only, &[(0, again)]))).unwrap());
+    let text = &files.last().unwrap().1;
+    assert!(
+        text.contains("first to a velocity error of 10⁻² is interior-point (5·10⁻³ seconds).\n"),
+        "{text}"
+    );
 }
 
 #[test]

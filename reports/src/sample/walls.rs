@@ -1,0 +1,76 @@
+//! The walls of a scene, from the contacts with them.
+
+use super::scene::ContactRow;
+
+/// A straight piece of a wall (m).
+pub(super) type Wall = ((f64, f64), (f64, f64));
+
+/// One piece per wall, from the first to the last place at which a grain touches it, and half a grain beyond. What no
+/// grain touches is unknown to the tables.
+pub(super) fn walls(contacts: &[ContactRow]) -> Vec<Wall> {
+    let mut sides: Vec<Side> = Vec::new();
+    for contact in contacts.iter().filter(|contact| contact.wall) {
+        let ((x0, y0), (x1, y1)) = (contact.from, contact.to);
+        let reach = (x0 - x1).hypot(y0 - y1);
+        if !(reach > 0.0) {
+            continue;
+        }
+        let normal = ((x0 - x1) / reach, (y0 - y1) / reach);
+        let at = normal.0 * x1 + normal.1 * y1;
+        let along = normal.0 * y1 - normal.1 * x1;
+        let index = sides.iter().position(|side| side.holds(normal, at, reach)).unwrap_or_else(|| {
+            sides.push(Side { normal, at, low: f64::INFINITY, high: f64::NEG_INFINITY });
+            sides.len() - 1
+        });
+        let side = &mut sides[index];
+        side.low = side.low.min(along - reach / 2.0);
+        side.high = side.high.max(along + reach / 2.0);
+    }
+    sides.iter().map(|side| (side.place(side.low), side.place(side.high))).collect()
+}
+
+/// A line with a unit normal: its distance from the origin, and the part of it that is touched (m).
+struct Side {
+    normal: (f64, f64),
+    at: f64,
+    low: f64,
+    high: f64,
+}
+
+impl Side {
+    /// Whether a touched place is on the line; `reach` is the distance of the grain's centre (m).
+    fn holds(&self, normal: (f64, f64), at: f64, reach: f64) -> bool {
+        const PARALLEL: f64 = 1e-6;
+        let turn = (self.normal.0 - normal.0).hypot(self.normal.1 - normal.1);
+        turn < PARALLEL && (self.at - at).abs() < 0.05 * reach
+    }
+
+    fn place(&self, along: f64) -> (f64, f64) {
+        let (x, y) = self.normal;
+        (self.at * x - along * y, self.at * y + along * x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contacts_with_one_wall_are_one_line_and_another_wall_is_another() {
+        let contact = |from, to| ContactRow { from, to, wall: true, subdomain: 0, impulse: None };
+        let contacts = [
+            contact((0.0, 1.0), (0.0, 0.0)),
+            contact((5.0, 2.0), (5.0, 0.0)),
+            contact((1.0, 3.0), (-1.0, 3.0)),
+            ContactRow { wall: false, ..contact((9.0, 9.0), (8.0, 8.0)) },
+        ];
+        let mut ends: Vec<Wall> = walls(&contacts);
+        for (a, b) in &mut ends {
+            if (a.0, a.1) > (b.0, b.1) {
+                std::mem::swap(a, b);
+            }
+        }
+        assert_eq!(ends, [((-0.5, 0.0), (6.0, 0.0)), ((-1.0, 2.0), (-1.0, 4.0))]);
+        assert!(walls(&[contact((0.0, 0.0), (0.0, 0.0))]).is_empty());
+    }
+}
