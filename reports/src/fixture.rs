@@ -97,10 +97,9 @@ pub(crate) fn tables(runs: &[Run], curves: &[(u32, Vec<Sample>)]) -> Tables {
     }
 }
 
-/// The same tables with a velocity error that is the natural map.
-pub(crate) fn with_truth(mut tables: Tables) -> Tables {
-    let error = tables.curves.column("natural_map").unwrap().clone().with_name("velocity_error".into());
-    tables.curves.with_column(error).unwrap();
+/// The same tables as of a study before there were velocity errors.
+pub(crate) fn without_truth(mut tables: Tables) -> Tables {
+    tables.curves = tables.curves.drop("velocity_error").unwrap();
     tables
 }
 

@@ -2,7 +2,7 @@
 
 use results::schema::Run;
 
-use crate::fixture::{decay, explosion, run, sample, tables, with_truth};
+use crate::fixture::{decay, explosion, run, sample, tables, without_truth};
 use crate::tests::assert_well_formed;
 use crate::{File, profiles, size, subdomains};
 
@@ -64,7 +64,7 @@ fn profile_counts_what_is_reached_and_what_is_censored() {
         [run(0, "nsgs", "", "converged"), run(1, "cg", "", "converged"), other(2, "nsgs"), other(3, "cg")];
     let twice = || (0..=200).map(|i| sample(i, 1.0, 10f64.powf(-4.0 * i as f64 / 200.0))).collect();
     let curves = [(0, decay()), (1, twice()), (2, decay()), (3, explosion())];
-    let files = profiles::files(&with_truth(tables(&runs, &curves))).unwrap();
+    let files = profiles::files(&tables(&runs, &curves)).unwrap();
     let row = |start: &str| text(&files, "profiles.csv").lines().find(|row| row.starts_with(start)).unwrap();
     assert_eq!(row("0.01,sweeps,nsgs"), "0.01,sweeps,nsgs,2,2,2,1.0");
     assert_eq!(row("0.01,sweeps,cg"), "0.01,sweeps,cg,2,1,0,2.0");
@@ -78,7 +78,7 @@ fn no_run_only_failures_and_undefined_values_are_no_obstacle() {
     let failed = Run { setup_s: f64::NAN, iterations: 0, ..run(0, "jacobi", "", "diverged") };
     let skipped = Run { grains: 0, ..run(1, "cg", "", "skipped") };
     let one = tables(&[failed, skipped], &[(0, explosion())]);
-    for tables in [tables(&[], &[]), with_truth(one.clone()), one] {
+    for tables in [tables(&[], &[]), without_truth(one.clone()), one] {
         for chart in [subdomains::files, size::files, profiles::files] {
             let files = chart(&tables).unwrap();
             text(&files, &files[0].0);

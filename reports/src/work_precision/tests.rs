@@ -1,7 +1,7 @@
 use results::schema::{Run, Sample};
 
 use super::{files, front};
-use crate::fixture::{decay, explosion, run, sample, tables, with_truth};
+use crate::fixture::{decay, explosion, run, sample, tables, without_truth};
 use crate::tests::assert_well_formed;
 use crate::{File, truth};
 
@@ -23,7 +23,7 @@ fn front_is_below_every_point() {
 fn first_run_to_each_accuracy_is_named_with_its_cost() {
     let runs = [run(0, "nsgs", "", "converged"), Run { setup_s: 1.0, ..run(1, "cg", "none", "converged") }];
     let slow = (0..=50).map(|i| sample(i, 1.0, 10f64.powf(-4.0 * i as f64 / 50.0))).collect();
-    let files = made(files(&with_truth(tables(&runs, &[(0, decay()), (1, slow)]))).unwrap());
+    let files = made(files(&tables(&runs, &[(0, decay()), (1, slow)])).unwrap());
     let text = &files.last().unwrap().1;
     // 50 iterations of 1e-4 s and a set-up of 1e-5 s; 25 of 40 updates and 2 products on 20 contacts.
     let said = "column: first to a velocity error of 10⁻² is nsgs (5·10⁻³ seconds); in counted work cg (100 sweeps).";
@@ -35,7 +35,7 @@ fn first_run_to_each_accuracy_is_named_with_its_cost() {
 fn run_that_factorises_again_has_no_counted_work() {
     let again = decay().into_iter().map(|s| Sample { factorisations: s.iteration, ..s }).collect();
     let only = [run(0, "interior-point", "", "converged")];
-    let files = made(files(&with_truth(tables(&only, &[(0, again)]))).unwrap());
+    let files = made(files(&tables(&only, &[(0, again)])).unwrap());
     let text = &files.last().unwrap().1;
     assert!(
         text.contains("first to a velocity error of 10⁻² is interior-point (5·10⁻³ seconds).\n"),
@@ -45,12 +45,12 @@ fn run_that_factorises_again_has_no_counted_work() {
 
 #[test]
 fn rows_without_truth_or_with_failures_only_are_said_and_drawn() {
-    let untrue = tables(&[run(0, "nsgs", "", "converged")], &[(0, decay())]);
-    let failed = with_truth(tables(&[run(0, "jacobi", "", "diverged")], &[(0, explosion())]));
-    let lone = with_truth(tables(
+    let untrue = without_truth(tables(&[run(0, "nsgs", "", "converged")], &[(0, decay())]));
+    let failed = tables(&[run(0, "jacobi", "", "diverged")], &[(0, explosion())]);
+    let lone = tables(
         &[run(0, "cg", "", "skipped"), run(1, "cg", "", "converged")],
         &[(1, vec![sample(0, f64::NAN, 0.0)])],
-    ));
+    );
     for chart in [files, truth::files] {
         let page = made(chart(&untrue).unwrap());
         assert!(page[0].1.contains("no velocity error in its rows"));
@@ -64,7 +64,7 @@ fn rows_without_truth_or_with_failures_only_are_said_and_drawn() {
 fn error_behind_a_small_measure_is_told() {
     let lies = (0..=10).map(|i| sample(i, 1e-5, 0.5)).collect();
     let runs = [run(0, "nsgs", "", "converged"), run(1, "jacobi", "", "iteration-limit")];
-    let files = made(truth::files(&with_truth(tables(&runs, &[(0, decay()), (1, lies)]))).unwrap());
+    let files = made(truth::files(&tables(&runs, &[(0, decay()), (1, lies)])).unwrap());
     let text = &files.last().unwrap().1;
     let said = "column: where ζ is 10⁻⁴ for the first time, the velocity error is between 10⁻⁴ and 0.50 (2 of 2 runs).";
     assert!(text.contains(said), "{text}");
