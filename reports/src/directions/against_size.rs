@@ -19,6 +19,7 @@ const HEIGHT: f64 = 55.0;
 
 const MEDIAN: Pen = Pen { color: BLACK, width: 0.3, dash: &[] };
 const MEDIAN_DERIVED: Pen = Pen { color: INK, width: 0.3, dash: &[1.6, 0.8] };
+const MEDIAN_ADAPTIVE: Pen = Pen { color: BLACK, width: 0.3, dash: &[0.3, 0.6] };
 const BEST_POINT: Pen = Pen { color: BLACK, width: 0.25, dash: &[] };
 
 /// Points with their grains; each a logarithm.
@@ -32,8 +33,9 @@ pub(crate) fn figure(fields: &[Field]) -> Result<String, ReportError> {
     };
     let best = points(&|field| field.best().map(|cell| cell.kappa_l));
     let derived = points(&|field| field.kappa.map(|(l, _)| l));
-    let ratios = points(&|field| field.ratio());
-    let signs = Signs::new(signs(&ratios), PAGE - 2.0 * MARGIN)?;
+    let ratios = points(&|field| field.ratio(field.derived));
+    let adaptive = points(&|field| field.ratio(field.adaptive));
+    let signs = Signs::new(signs(&ratios, &adaptive), PAGE - 2.0 * MARGIN)?;
     let below = MARGIN + ABOVE + HEIGHT + BELOW;
     svg((PAGE, (below + signs.height() + MARGIN).ceil()), |canvas| {
         canvas.text(&head(fields), (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top))?;
@@ -46,15 +48,19 @@ pub(crate) fn figure(fields: &[Field]) -> Result<String, ReportError> {
             Frame { x, y: Axis::log(range, top + HEIGHT, top) }
         };
         let left = frame(0, padded(best.iter().chain(&derived).map(|p| p.1), 0.1));
-        let right = frame(1, padded(ratios.iter().map(|p| p.1).chain([0.0]), 0.05));
-        for (frame, name) in [(&left, "κ_l, at contacts (–)"), (&right, "iterations, derived / best (–)")]
+        let right = frame(1, padded(ratios.iter().chain(&adaptive).map(|p| p.1).chain([0.0]), 0.05));
+        for (frame, name) in
+            [(&left, "κ_l, at contacts (–)"), (&right, "iterations over those of the best (–)")]
         {
             frame.draw(canvas)?;
             frame.name(canvas, "grains", name)?;
         }
         draw(canvas, &left, &derived, (Mark::Diamond, DERIVED), MEDIAN_DERIVED)?;
         draw(canvas, &left, &best, (Mark::Ring, BEST_POINT), MEDIAN)?;
-        draw(canvas, &right, &ratios, (Mark::Ring, BEST_POINT), MEDIAN)?;
+        draw(canvas, &right, &ratios, (Mark::Diamond, DERIVED), MEDIAN_DERIVED)?;
+        if !adaptive.is_empty() {
+            draw(canvas, &right, &adaptive, (Mark::Cross, BEST_POINT), MEDIAN_ADAPTIVE)?;
+        }
         signs.draw(canvas, (MARGIN, below))
     })
 }
@@ -98,19 +104,24 @@ fn head(fields: &[Field]) -> String {
     )
 }
 
-fn signs(ratios: &Points) -> Vec<(Sign, String)> {
+fn signs(ratios: &Points, adaptive: &Points) -> Vec<(Sign, String)> {
     let mut signs = vec![
         (Sign::Mark(Mark::Ring, BEST_POINT), "best of the grid, one per problem".to_owned()),
         (Sign::Line(MEDIAN), "median".to_owned()),
         (Sign::Mark(Mark::Diamond, DERIVED), "derived".to_owned()),
         (Sign::Line(MEDIAN_DERIVED), "median".to_owned()),
     ];
-    let medians = medians(ratios);
-    if !medians.is_empty() {
+    if !adaptive.is_empty() {
+        signs.push((Sign::Mark(Mark::Cross, BEST_POINT), "derived, then adapted".to_owned()));
+        signs.push((Sign::Line(MEDIAN_ADAPTIVE), "median".to_owned()));
+    }
+    for (what, points) in [("derived", ratios), ("adapted", adaptive)] {
         let text =
-            |(x, y): &(f64, f64)| format!("{} at {:.0} grains", number(10f64.powf(*y), 3), 10f64.powf(*x));
-        let texts: Vec<String> = medians.iter().map(text).collect();
-        signs.push((Sign::Word, format!("Median ratio: {}.", texts.join(", "))));
+            |(x, y): (f64, f64)| format!("{} at {:.0} grains", number(10f64.powf(y), 3), 10f64.powf(x));
+        let texts: Vec<String> = medians(points).into_iter().map(text).collect();
+        if !texts.is_empty() {
+            signs.push((Sign::Word, format!("Median ratio, {what}: {}.", texts.join(", "))));
+        }
     }
     signs
 }

@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use crate::ending::Ending;
 use crate::groups::{differing, settings_text};
 use crate::rows::RunRow;
+use serde_json::Value;
 
 /// What runs may differ in inside a field, or is told beside the group.
-const APART: [&str; 3] = ["kappa_l", "kappa_d", "relaxation"];
+const APART: [&str; 4] = ["kappa_l", "kappa_d", "relaxation", "adaptive"];
 const SINGLE_SIDED: [&str; 4] = ["kappa_l_minus", "kappa_l_plus", "kappa_d_minus", "kappa_d_plus"];
 
 /// A run with its directions; κ_d is κ_l unless it is set.
@@ -28,8 +29,10 @@ pub(crate) struct Field<'r> {
     /// The other settings in which the study's runs differ.
     pub(crate) group: String,
     pub(crate) cells: Vec<Cell<'r>>,
-    /// The run that derives its directions.
+    /// The run that derives its directions, and keeps them.
     pub(crate) derived: Option<&'r RunRow>,
+    /// The run that derives its directions, and adapts them.
+    pub(crate) adaptive: Option<&'r RunRow>,
     /// The derived κ_l and κ_d of the problem, of whichever run says them (–).
     pub(crate) kappa: Option<(f64, f64)>,
 }
@@ -49,15 +52,10 @@ impl<'r> Field<'r> {
         })
     }
 
-    /// Iterations with derived directions, if that run converged.
-    pub(crate) fn derived_iterations(&self) -> Option<u64> {
-        self.derived.filter(|run| run.ending == Ending::Converged).map(|run| run.iterations)
-    }
-
-    /// How many times the iterations of the best run the derived directions take.
-    pub(crate) fn ratio(&self) -> Option<f64> {
-        let best = self.best()?.run.iterations.max(1);
-        Some(self.derived_iterations()? as f64 / best as f64)
+    /// How many times the iterations of the best run this run of the field takes, if it converged.
+    pub(crate) fn ratio(&self, run: Option<&RunRow>) -> Option<f64> {
+        let best = self.best().map(|cell| cell.run.iterations).filter(|iterations| *iterations > 0)?;
+        Some(iterations(run)? as f64 / best as f64)
     }
 
     /// Runs with given directions that ended so.
@@ -70,7 +68,7 @@ impl<'r> Field<'r> {
 pub(crate) fn fields(runs: &[RunRow]) -> Vec<Field<'_>> {
     let directed = |run: &&RunRow| {
         run.settings.contains_key("kappa_l")
-            && SINGLE_SIDED.iter().all(|key| run.settings.get(*key).is_none_or(serde_json::Value::is_null))
+            && SINGLE_SIDED.iter().all(|key| run.settings.get(*key).is_none_or(Value::is_null))
     };
     let keys = differing(runs, &APART);
     let mut fields: Vec<Field> = Vec::new();
@@ -107,6 +105,7 @@ fn add<'r>(fields: &mut Vec<Field<'r>>, run: &'r RunRow, keys: &BTreeSet<String>
             group,
             cells: Vec::new(),
             derived: None,
+            adaptive: None,
             kappa: None,
         });
         fields.len() - 1
@@ -116,15 +115,28 @@ fn add<'r>(fields: &mut Vec<Field<'r>>, run: &'r RunRow, keys: &BTreeSet<String>
         (Some(kappa_l), kappa_d) if kappa_l > 0.0 => {
             field.cells.push(Cell { kappa_l, kappa_d: kappa_d.unwrap_or(kappa_l), run });
         }
+        // A method that knows of no adapting keeps what it derives.
+        (None, None) if !matches!(run.settings.get("adaptive"), None | Some(Value::Bool(false))) => {
+            field.adaptive = Some(run);
+        }
         (None, None) => {
             field.derived = Some(run);
-            let kappa = |key| run.derived.get(key).and_then(serde_json::Value::as_f64).filter(|k| *k > 0.0);
-            field.kappa = kappa("kappa_l_minus").zip(kappa("kappa_d_minus"));
+            field.kappa = kappa(run, "kappa_l_minus").zip(kappa(run, "kappa_d_minus"));
         }
         _ => {}
     }
 }
 
+/// Iterations of a run that converged.
+pub(crate) fn iterations(run: Option<&RunRow>) -> Option<u64> {
+    run.filter(|run| run.ending == Ending::Converged).map(|run| run.iterations)
+}
+
+/// A direction that a run worked with at its end (–).
+pub(crate) fn kappa(run: &RunRow, key: &str) -> Option<f64> {
+    run.derived.get(key).and_then(Value::as_f64).filter(|kappa| *kappa > 0.0)
+}
+
 fn number(run: &RunRow, key: &str) -> Option<f64> {
-    run.settings.get(key).and_then(serde_json::Value::as_f64)
+    run.settings.get(key).and_then(Value::as_f64)
 }

@@ -3,7 +3,7 @@
 use polars::df;
 use polars::prelude::DataFrame;
 
-use super::field::Field;
+use super::field::{Field, iterations, kappa};
 use crate::ReportError;
 use crate::ending::Ending;
 use crate::iterations::to_markdown;
@@ -33,8 +33,12 @@ pub(crate) fn table(fields: &[Field]) -> Result<DataFrame, ReportError> {
         "derived_kappa_l" => fields.iter().map(|f| f.kappa.map(|(l, _)| l)).collect::<Vec<_>>(),
         "derived_kappa_d" => fields.iter().map(|f| f.kappa.map(|(_, d)| d)).collect::<Vec<_>>(),
         "derived_status" => fields.iter().map(|f| f.derived.map(|run| run.ending.text())).collect::<Vec<_>>(),
-        "derived_iterations" => fields.iter().map(Field::derived_iterations).collect::<Vec<_>>(),
-        "derived_over_best" => fields.iter().map(Field::ratio).collect::<Vec<_>>(),
+        "derived_iterations" => fields.iter().map(|f| iterations(f.derived)).collect::<Vec<_>>(),
+        "derived_over_best" => fields.iter().map(|f| f.ratio(f.derived)).collect::<Vec<_>>(),
+        "adaptive_kappa_l" =>
+            fields.iter().map(|f| f.adaptive.and_then(|run| kappa(run, "kappa_l_minus"))).collect::<Vec<_>>(),
+        "adaptive_iterations" => fields.iter().map(|f| iterations(f.adaptive)).collect::<Vec<_>>(),
+        "adaptive_over_best" => fields.iter().map(|f| f.ratio(f.adaptive)).collect::<Vec<_>>(),
         "runs" => fields.iter().map(|f| f.cells.len() as u64).collect::<Vec<_>>(),
         "diverged" => count(Ending::Diverged),
         "iteration_limit" => count(Ending::IterationLimit),
@@ -46,6 +50,7 @@ pub(crate) fn table(fields: &[Field]) -> Result<DataFrame, ReportError> {
 /// The table as text, and what its columns mean.
 pub(crate) fn text(fields: &[Field]) -> Result<String, ReportError> {
     let note = "\nIterations are those to the stop rule of the plan. Best: the fewest among the converged runs with given \
-                directions. Derived: the run of the same method that derives its own; none where it did not converge.\n";
+                directions. Derived: the run of the same method that derives its own; none where it did not converge. Adaptive: \
+                the run that begins with them and adapts them; its κ_l is the last.\n";
     Ok(to_markdown(&table(fields)?)? + note)
 }

@@ -1,6 +1,6 @@
 //! The words of the maps.
 
-use super::field::Field;
+use super::field::{Field, iterations};
 use crate::ending::Ending;
 use crate::number::{count, counted, number};
 use crate::signs::{Sign, endings};
@@ -22,7 +22,7 @@ pub(super) fn notes(field: &Field) -> [String; 2] {
         || "none converged".to_owned(),
         |cell| format!("best {}", count(cell.run.iterations as usize)),
     );
-    let derived = match (field.derived, field.derived_iterations(), field.ratio()) {
+    let derived = match (field.derived, iterations(field.derived), field.ratio(field.derived)) {
         (None, ..) => "derived not run".to_owned(),
         (Some(_), Some(_), Some(ratio)) => format!("derived ×{}", number(ratio, 3)),
         (Some(_), Some(iterations), None) => format!("derived {}", count(iterations as usize)),
