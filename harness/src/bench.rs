@@ -38,27 +38,27 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    let study = args.study.study(root)?;
-    let plan = &study.plan;
+    let asked = args.study.asked(root)?;
     let provenance = provenance()?;
     if args.fresh
-        && let Some(kept) = Store::set_aside(&runs_folder(root), &plan.name)?
+        && let Some(kept) = Store::set_aside(&runs_folder(root), &asked.plan.name)?
     {
         say(format_args!("what was there is now in {}", kept.display()))?;
     }
-    let store = open(root, &plan.name)?;
+    // A place that cannot be written to is known before a problem is made.
+    let store = open(root, &asked.plan.name)?;
+    let study = asked.made(root)?;
+    let plan = &study.plan;
     let Made { missing, left_s } = study.made(store.records());
     let tasks = if args.rerun { study.missing(&HashSet::new()) } else { missing };
     interrupt::listen()?;
-    let (problems, methods) = (study.problems.len(), study.variants.len());
-    let (all, missing) = (problems * methods, tasks.len());
+    let (all, of_each, missing) = (study.tasks().len(), study.variants.len(), tasks.len());
     let left =
         left_s.filter(|s| *s >= 1.0 && !args.rerun).map_or(String::new(), |s| format!(", about {s:.0} s"));
     say(format_args!(
-        "plan {}: {problems} problems, {methods} methods; {missing} of {all} runs to make{left}",
+        "plan {}: {all} runs, {of_each} on each problem; {missing} of {all} runs to make{left}",
         plan.name
     ))?;
-
     for note in &study.notes {
         say(format_args!("  {note}"))?;
     }

@@ -1,7 +1,8 @@
 //! The identity of a run: a hash of all that decides its counts.
 
 use crate::methods::Method;
-use contact::Stop;
+use contact::{Measure, Stop};
+use reference::InteriorPoint;
 use serde_json::json;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
@@ -20,8 +21,10 @@ pub(crate) fn code_version<T>() -> Option<&'static str> {
 pub(crate) fn run_id(problem_hash: &str, method: &Method, stop: &Stop, warm_start: bool) -> String {
     // Sorted, whatever the map of the JSON crate does with its keys.
     let settings: BTreeMap<_, _> = method.settings.iter().collect();
+    // What stops on the error needs the solution, and whether ζ lied is judged by it.
+    let truth = matches!(stop.on, Measure::VelocityError | Measure::Zeta).then(code_version::<InteriorPoint>);
     let stop = (stop.on, stop.tolerance, stop.max_iterations);
-    let all = json!([problem_hash, method.name, method.code, settings, stop, warm_start]);
+    let all = json!([problem_hash, method.name, method.code, settings, stop, warm_start, truth]);
     first_hex(Sha256::digest(all.to_string()).as_slice())
 }
 

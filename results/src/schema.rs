@@ -124,8 +124,10 @@ pub struct Sample {
     #[serde(with = "number")]
     pub max_dv: f64,
     /// ‖V − V*‖_M / ‖V* − V_free‖_M, the distance to the certified reference (–); NaN where there is none.
+    #[serde(with = "number")]
     pub velocity_error: f64,
     /// (q(r) − q*) / |q*|, beside the certified reference (–); NaN where there is none.
+    #[serde(with = "number")]
     pub energy_gap: f64,
     /// Greatest disagreement of a copy with its grain before gluing (m/s).
     #[serde(with = "number")]

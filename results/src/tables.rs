@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn no_rows_give_tables_with_all_their_columns() {
-        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 53));
+        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 54));
         assert_eq!(curves_table::<Vec<Sample>>(&[]).unwrap().shape(), (0, 17));
         assert_eq!(curves_table(&[(4, Vec::new())]).unwrap().shape(), (0, 17));
         assert_eq!(grains_table(&[]).unwrap().shape(), (0, 8));

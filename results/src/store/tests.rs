@@ -80,6 +80,23 @@ fn runs_read_equal_the_runs_appended_to_the_last_bit() {
 }
 
 #[test]
+fn every_number_of_a_record_may_be_undefined() {
+    fn undefine(value: &mut serde_json::Value) {
+        match value {
+            serde_json::Value::Object(fields) => fields.values_mut().for_each(undefine),
+            serde_json::Value::Array(items) => items.iter_mut().for_each(undefine),
+            number if number.is_f64() => *number = serde_json::Value::Null,
+            _ => {}
+        }
+    }
+    let mut json = serde_json::to_value(record(0)).unwrap();
+    undefine(&mut json);
+    let read: Record = serde_json::from_value(json).unwrap();
+    assert!(read.run.setup_s.is_nan() && read.run.timing.wall_s.is_nan());
+    assert!(read.curve[1].zeta.is_nan() && read.curve[1].velocity_error.is_nan());
+}
+
+#[test]
 fn line_torn_at_any_byte_is_dropped_and_the_next_run_stands_behind_the_whole_ones() {
     let root = TempDir::new().unwrap();
     let journal = stored(&root, 2);
