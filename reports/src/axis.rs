@@ -11,7 +11,7 @@ use crate::style::{FRAME, GRID, LEADING, TEXT, TICK_TEXT};
 const MAJOR_TICK: f64 = 1.1;
 const MINOR_TICK: f64 = 0.6;
 /// Labels nearer to each other than this (mm) are hard to read.
-const LABEL_PITCH: f64 = 5.0;
+const LABEL_PITCH: f64 = 6.5;
 
 /// What the coordinates of an axis are, and so where its ticks stand.
 #[derive(Clone, Copy, PartialEq)]

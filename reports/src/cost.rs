@@ -25,8 +25,8 @@ pub(crate) const COSTS: [Cost; 2] = [
 /// What a sweep of work is.
 pub(crate) const WORK: &str = "A sweep of counted work is eight multiply-adds per contact of the problem: a contact updated \
                                counts as much as a contact passed in a product with W, an entry of a triangular factor an \
-                               eighth. Factorisations are in the seconds alone; a run that factorises again while it \
-                               iterates has no counted work.";
+                               eighth. Factorisations are in the seconds alone; a run that factorises many times has \
+                               no counted work.";
 
 /// The first sample with a velocity error of at most `accuracy`.
 pub(crate) fn reached(curve: &[Point], accuracy: f64) -> Option<&Point> {

@@ -80,6 +80,12 @@ impl<'t> Looks<'t> {
         SPARE[others.position(|other| other == name).unwrap_or(0) % SPARE.len()]
     }
 
+    /// The look of the n-th method of all.
+    pub(crate) fn nth(n: usize) -> (Pen, Mark) {
+        let (_, pen, mark) = METHODS[n % METHODS.len()];
+        (pen, mark)
+    }
+
     pub(crate) fn label(&self, run: &RunRow) -> String {
         let mut label = run.method.clone();
         match run.variant.as_str() {

@@ -46,12 +46,13 @@ pub(crate) struct Point {
 impl Point {
     /// Counted work in sweeps over `contacts`: a contact updated counts as much as a contact passed in a product W p, that
     /// is eight multiply-adds (two components of two grains, read and written back); an entry of a triangular factor is one.
-    /// Factorisations are not in it: a run that makes more than one per subdomain, and one for all, has no counted work.
+    /// Factorisations are not in it: a run that makes more than a few, as many as directions that adapt take, has no counted
+    /// work.
     pub(crate) fn work(&self, run: &RunRow) -> Option<f64> {
-        let once = self.factorisations <= u64::from(run.subdomains) + 1;
+        let few = self.factorisations <= 6 * (u64::from(run.subdomains) + 1);
         let contacts = f64::from(run.contacts.max(1));
         let visits = self.contact_updates as f64 + contacts * self.delassus_products as f64;
-        once.then_some((visits + self.triangular_solve_entries as f64 / 8.0) / contacts)
+        few.then_some((visits + self.triangular_solve_entries as f64 / 8.0) / contacts)
     }
 }
 

@@ -24,6 +24,7 @@ pub(crate) struct Series<'r> {
 /// All series in the order of the study; runs of one may differ in the settings `varied`.
 pub(crate) fn series<'r>(runs: &'r [RunRow], varied: &[&str]) -> Vec<Series<'r>> {
     let (keys, looks) = (differing(runs, varied), Looks::new(runs));
+    let one_method = runs.windows(2).all(|pair| pair[0].method == pair[1].method);
     let mut all: Vec<Series> = Vec::new();
     for run in runs {
         let group = settings_text(run, &keys);
@@ -32,8 +33,9 @@ pub(crate) fn series<'r>(runs: &'r [RunRow], varied: &[&str]) -> Vec<Series<'r>>
             series.runs.push(run);
             continue;
         }
-        let (pen, mark) = looks.method(&run.method);
         let earlier = all.iter().filter(|series| series.method == run.method).count();
+        // Where there is one method alone, colours and marks tell its settings apart as well.
+        let (pen, mark) = if one_method { Looks::nth(earlier) } else { looks.method(&run.method) };
         let look = Look { pen: Pen { dash: DASHES[earlier % DASHES.len()], ..pen }, mark };
         all.push(Series { method: &run.method, group, look, runs: vec![run] });
     }
