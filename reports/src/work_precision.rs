@@ -43,8 +43,7 @@ fn figure(study: &Study, problem: &str) -> Result<String, ReportError> {
         (Sign::Line(TOLERANCE), "accuracies of the tables".to_owned()),
         (
             Sign::Word,
-            "Counted work is without factorisations; runs that make more than a few have none."
-                .to_owned(),
+            "Counted work is without factorisations; runs that make more than a few have none.".to_owned(),
         ),
     ];
     let legend = study.legend(&runs, more, INSIDE)?;

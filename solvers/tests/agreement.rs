@@ -65,9 +65,12 @@ fn assert_all_methods_agree_on(name: &str) {
     let reference = Answer::of(&Cg::default(), "cg".into(), &problem, 1e-9);
     let grid = |nx, ny| NsgsDd { subdomains: Grid { nx, ny }, ..NsgsDd::default() };
     let latin = |nx, ny| LatinDd { subdomains: Grid { nx, ny }, ..LatinDd::default() };
-    let methods: [(&str, &dyn Solver); 14] = [
+    let methods: [(&str, &dyn Solver); 17] = [
         ("latin-dd 1x1", &latin(1, 1)),
+        ("latin-dd 2x1", &latin(2, 1)),
+        ("latin-dd 2x2, directions kept", &LatinDd { adaptive: Some(false), ..latin(2, 2) }),
         ("latin-dd 4x2", &latin(4, 2)),
+        ("latin-dd 4x2, coarse", &LatinDd { coarse: true, ..latin(4, 2) }),
         ("latin-dd 8x8, balanced", &LatinDd { partition: Scheme::Balanced, ..latin(8, 8) }),
         ("cg, preconditioned", &Cg { preconditioner: Preconditioner::Diagonal }),
         ("apgd", &Apgd::default()),

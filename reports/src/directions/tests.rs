@@ -56,7 +56,10 @@ fn best_and_derived_directions_are_read_off_the_rows() {
     let files = made(&plane());
     assert_eq!(names(&files), ["directions-column.svg", "directions.csv", "directions.md"]);
     let rows: Vec<&str> = text(&files, "directions.csv").lines().skip(1).collect();
-    assert_eq!(rows[0], "column,20,latin-dd,0.8,1x1,1,1.0,10.0,40,12.5,12.5,converged,50,1.25,9.5,30,0.75,4,1,0,0,0");
+    assert_eq!(
+        rows[0],
+        "column,20,latin-dd,0.8,1x1,1,1.0,10.0,40,12.5,12.5,converged,50,1.25,9.5,30,0.75,4,1,0,0,0"
+    );
     assert_eq!(rows[1], "column,20,latin-dd,0.8,2x1,2,,,,12.5,12.5,iteration limit,,,,,,2,0,1,0,1");
     let svg = text(&files, "directions-column.svg");
     for note in ["best 40", "derived ×1.25", "none converged", "derived failed", "6\u{a0}runs, 1 iteration"]
