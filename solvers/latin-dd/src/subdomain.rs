@@ -1,32 +1,11 @@
 //! One subdomain: its linear stage (1) (4) (5), and the local stage (2) (6) of its contacts.
 
+use crate::assembly::{Row, Share, matrix, pairs, rows, shares};
 use crate::directions::Directions;
 use crate::factor::{Factor, Structure};
 use contact::{ContactProblem, SetupError, law};
-use faer::sparse::Triplet;
 use nalgebra::{Matrix2, Vector2};
-use partition::{Decomposition, Subdomain};
-
-/// One contact between two places of the factor's order.
-struct Row {
-    candidate: u32,
-    /// A wall is the last "grain", at rest: its own motion is in `offset`.
-    antagonist: u32,
-    normal: Vector2<f64>,
-    offset: f64,
-    /// 1/W_αα with the undivided masses (kg).
-    mass: f64,
-}
-
-/// The part of a grain in the subdomain.
-struct Share {
-    /// M_i/m_i (kg).
-    mass: f64,
-    /// Whether other subdomains have a part of it.
-    boundary: bool,
-    /// V_free (m/s).
-    free_velocity: Vector2<f64>,
-}
+use partition::Decomposition;
 
 /// A subdomain between two local stages. Grains are in the order of the factor.
 pub(crate) struct Latin {
@@ -233,91 +212,4 @@ impl Latin {
     pub(crate) fn factor_entries(&self) -> usize {
         self.factor.entries()
     }
-}
-
-impl Row {
-    /// (Hᵗ V)_α.
-    #[inline]
-    fn relative(&self, velocity: &[Vector2<f64>]) -> f64 {
-        self.normal.dot(&(velocity[self.candidate as usize] - velocity[self.antagonist as usize]))
-    }
-
-    /// Adds h_α r.
-    #[inline]
-    fn add(&self, r: f64, resultant: &mut [Vector2<f64>]) {
-        let impulse = self.normal * r;
-        resultant[self.candidate as usize] += impulse;
-        resultant[self.antagonist as usize] -= impulse;
-    }
-}
-
-/// Local indices of the grains that touch.
-fn pairs(subdomain: &Subdomain) -> Vec<(u32, u32)> {
-    let ends = subdomain.candidate.iter().zip(&subdomain.antagonist);
-    ends.filter_map(|(i, j)| Some((*i, (*j)?))).collect()
-}
-
-fn rows(problem: &ContactProblem, subdomain: &Subdomain, position: &[u32]) -> Vec<Row> {
-    let place = |local: u32| position[local as usize];
-    (0..subdomain.contacts.len())
-        .map(|k| {
-            let contact = problem.contacts()[subdomain.contacts[k] as usize];
-            let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
-            let w = inverse_mass(contact.candidate) + contact.antagonist.map_or(0.0, inverse_mass);
-            Row {
-                candidate: place(subdomain.candidate[k]),
-                antagonist: subdomain.antagonist[k].map_or(position.len() as u32, place),
-                normal: contact.normal,
-                offset: contact.offset,
-                mass: 1.0 / w,
-            }
-        })
-        .collect()
-}
-
-/// The subdomain's parts of its grains, in the order of the factor.
-fn shares(
-    problem: &ContactProblem,
-    decomposition: &Decomposition,
-    subdomain: &Subdomain,
-    position: &[u32],
-) -> Vec<Share> {
-    let mut shares: Vec<(u32, Share)> = position
-        .iter()
-        .zip(&subdomain.grains)
-        .map(|(place, grain)| {
-            let grain = *grain as usize;
-            let multiplicity = decomposition.multiplicity[grain];
-            let mass = problem.mass()[grain] / f64::from(multiplicity);
-            let free_velocity = problem.free_velocity()[grain];
-            (*place, Share { mass, boundary: multiplicity > 1, free_velocity })
-        })
-        .collect();
-    shares.sort_by_key(|(place, _)| *place);
-    shares.into_iter().map(|(_, share)| share).collect()
-}
-
-/// Upper triangle of M_E + H_E l⁻ H_Eᵗ + d⁻_E, two rows per grain.
-fn matrix(rows: &[Row], shares: &[Share], directions: &Directions) -> Vec<Triplet<usize, usize, f64>> {
-    let mut upper = Vec::with_capacity(3 * shares.len() + 10 * rows.len());
-    for (place, share) in shares.iter().enumerate() {
-        let d_minus = if share.boundary { directions.d_minus * share.mass } else { 0.0 };
-        let (x, y) = (2 * place, 2 * place + 1);
-        upper.extend([(x, x, share.mass + d_minus), (x, y, 0.0), (y, y, share.mass + d_minus)]);
-    }
-    for row in rows {
-        let block = directions.l_minus * row.mass * row.normal * row.normal.transpose();
-        let ends = [(row.candidate as usize, 1.0), (row.antagonist as usize, -1.0)];
-        for (i, sign_i) in ends {
-            for (j, sign_j) in ends {
-                for (x, y) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                    let (from, to) = (2 * i + x, 2 * j + y);
-                    if j < shares.len() && from <= to {
-                        upper.push((from, to, sign_i * sign_j * block[(x, y)]));
-                    }
-                }
-            }
-        }
-    }
-    upper.into_iter().map(|(from, to, entry)| Triplet::new(from, to, entry)).collect()
 }

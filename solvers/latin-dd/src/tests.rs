@@ -1,8 +1,11 @@
 //! The interface conditions (3) at convergence, and what the settings may be.
 
 use super::*;
+use crate::run::Run;
+use crate::subdomain::Latin;
 use cases::Frozen;
 use contact::{Measure, Stop};
+use nalgebra::Vector2;
 use std::path::Path;
 
 fn frozen(name: &str) -> Frozen {
