@@ -159,7 +159,9 @@ impl<'p> Meter<'p> {
         let (mut penetration_rate, mut worst_contact) = (0.0, None);
         for (contact, ((&r, &v), &w)) in r.iter().zip(&self.v).zip(&self.delassus_diagonal).enumerate() {
             let r_plus = law::update(r, v, 1.0 / w, 1.0);
-            let dv = w * (r_plus - r);
+            // r⁺ − r = −min(r, v/W_αα), which does not cancel where r is large: a problem without solution drives it there.
+            // Written so that a NaN is taken.
+            let dv = if v / w >= r { -w * r } else { -v };
             natural_map += dv * dv / w;
             sum_dv += dv * dv;
             sum_wr += 0.5 * w * w * (r * r + r_plus * r_plus);
