@@ -1,5 +1,6 @@
-//! The version of every solver crate's code: a hash of all that decides its counts. Cargo runs this again whenever one
-//! of these files changes, so the versions cannot go stale; and a commit that touches none of them changes no version.
+//! The versions of the code of every solver crate, and of the crate that makes problems: a hash of all that decides what
+//! comes out. Cargo runs this again whenever one of these files changes, so the versions cannot go stale; and a commit that
+//! touches none of them changes no version.
 
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,15 +13,17 @@ use toml::{Table, Value};
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 const SOLVERS: &str = "../solvers";
+/// What problems are made by.
+const CASES: &str = "../cases";
 const LOCK: &str = "../Cargo.lock";
 /// What decides at which iterations a curve is read.
 const CURVE: &str = "src/curve.rs";
 
 fn main() -> Result<()> {
-    for path in ["build.rs", LOCK, SOLVERS, CURVE] {
+    for path in ["build.rs", LOCK, SOLVERS, "../cases/src", "../cases/Cargo.toml", CURVE] {
         println!("cargo::rerun-if-changed={path}");
     }
-    let crates = solver_crates()?;
+    let crates = our_crates()?;
     let locked = locked_packages()?;
     let mut list = String::from("&[");
     for name in crates.keys() {
@@ -30,16 +33,19 @@ fn main() -> Result<()> {
     Ok(fs::write(PathBuf::from(std::env::var("OUT_DIR")?).join("code_versions.rs"), list)?)
 }
 
-/// A crate below `solvers/`: its folder, and what it uses outside its tests.
-struct SolverCrate {
+/// A crate below `solvers/`, or `cases`: its folder, and what it uses outside its tests.
+struct OurCrate {
     folder: PathBuf,
     uses: BTreeSet<String>,
 }
 
-fn solver_crates() -> Result<BTreeMap<String, SolverCrate>> {
+fn our_crates() -> Result<BTreeMap<String, OurCrate>> {
     let mut crates = BTreeMap::new();
+    let mut folders = vec![PathBuf::from(CASES)];
     for entry in fs::read_dir(SOLVERS)? {
-        let folder = entry?.path();
+        folders.push(entry?.path());
+    }
+    for folder in folders {
         let manifest = folder.join("Cargo.toml");
         // The folder of the tests holds no method.
         if folder.join("src").is_dir() {
@@ -47,7 +53,7 @@ fn solver_crates() -> Result<BTreeMap<String, SolverCrate>> {
             let name = text(manifest.get("package").and_then(|package| package.get("name")))?;
             let uses = manifest.get("dependencies").and_then(Value::as_table);
             let uses = uses.map(|uses| uses.keys().cloned().collect()).unwrap_or_default();
-            crates.insert(name, SolverCrate { folder, uses });
+            crates.insert(name, OurCrate { folder, uses });
         }
     }
     Ok(crates)
@@ -69,7 +75,7 @@ fn locked_packages() -> Result<BTreeMap<String, Table>> {
 /// Hash of the sources of a crate and of the solver crates it uses, and of the locked versions of all else that they use.
 fn version(
     name: &str,
-    crates: &BTreeMap<String, SolverCrate>,
+    crates: &BTreeMap<String, OurCrate>,
     locked: &BTreeMap<String, Table>,
 ) -> Result<String> {
     let mut parts = BTreeMap::from([("curve".to_owned(), fs::read(CURVE)?)]);

@@ -3,12 +3,13 @@
 use crate::error::CaseError;
 use crate::sample::{Disc, Sample};
 use crate::scene::Scene;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// A scene with its sample, and the question that it asks.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
     /// Name, in results and in the names of its problems.

@@ -1,10 +1,11 @@
 //! A scene: gravity, the box and its motion, the contact law, the time step.
 
 use nalgebra::Vector2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What surrounds the grains, and how time is cut.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// Which contacts enter a problem, and with what offset.
@@ -26,7 +27,7 @@ fn midpoint() -> f64 {
 }
 
 /// Which contacts enter a problem, and with what offset (§1, §2).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Law {
     /// The paper's rule: a contact enters if its gap at q + h(1−θ)V⁻, advanced over h by the free velocity, is not
@@ -38,7 +39,7 @@ pub enum Law {
 }
 
 /// A floor at y = 0 and, with a width, two side walls with their feet at x = 0 and x = width.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Walls {
     /// Distance between the feet of the side walls (m); without it there is a floor only.
@@ -57,7 +58,7 @@ pub struct Walls {
 }
 
 /// The box moves by A sin(2π f (t − start)) from `start_s` on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Vibration {
     /// A (m).
@@ -72,7 +73,7 @@ pub struct Vibration {
 }
 
 /// An axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Direction {
     /// Horizontal.

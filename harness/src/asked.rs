@@ -5,14 +5,14 @@ use crate::methods::{key_value, repeated};
 use crate::plan::{Plan, Variant};
 use crate::problems::{PlannedProblem, planned};
 use crate::solve::measure;
-use crate::study::Study;
 use crate::suggest;
 use anyhow::{Context, Result, bail};
 use contact::Measure;
+use std::collections::BTreeSet;
 use wildmatch::WildMatch;
 
 /// A plan on the command line.
-#[derive(clap::Args)]
+#[derive(Default, clap::Args)]
 pub(crate) struct StudyArgs {
     /// A plan: its name, or the path of its file
     #[arg(default_value = "paper")]
@@ -20,8 +20,8 @@ pub(crate) struct StudyArgs {
     /// The quick form of the plan
     #[arg(long)]
     quick: bool,
-    /// Only the runs with this problem, method or variant, such as method=latin-dd or problem=shear*; of several, all
-    /// must hold
+    /// Only those of the runs with this problem, method or variant, such as method=latin-dd or problem=shear*; of several,
+    /// all must hold
     #[arg(long, value_name = "KEY=PATTERN", value_parser = key_value)]
     only: Vec<(String, String)>,
     /// A setting of every method that has it, in place of the plan's; may be repeated
@@ -38,30 +38,29 @@ pub(crate) struct StudyArgs {
     max_iterations: Option<u64>,
 }
 
-/// The runs to be made, every variant on every problem, before the problems are made.
+/// A plan as it was asked for: every variant on every problem, before a problem is made.
 pub(crate) struct Asked {
-    /// How the user named the plan, and how a run of the same is asked for again.
+    /// The arguments that ask for it again.
     pub(crate) again: String,
-    /// The plan; its name says whether it is quick, changed or not the whole one.
+    /// The plan; its name says whether it is quick or changed.
     pub(crate) plan: Plan,
     pub(crate) problems: Vec<PlannedProblem>,
     pub(crate) variants: Vec<Variant>,
     /// What was changed or left out, in words.
     pub(crate) notes: Vec<String>,
+    only: Vec<Only>,
+}
+
+/// What the runs to be made have in common.
+struct Only {
+    of: fn(&str, &Variant) -> String,
+    wanted: WildMatch,
 }
 
 impl StudyArgs {
     /// The plan alone, whole.
     pub(crate) fn plan(plan: &str) -> Self {
-        Self {
-            plan: plan.to_owned(),
-            quick: false,
-            only: Vec::new(),
-            settings: Vec::new(),
-            tolerance: None,
-            on: None,
-            max_iterations: None,
-        }
+        Self { plan: plan.to_owned(), ..Self::default() }
     }
 
     /// The arguments that ask for the same.
@@ -76,11 +75,6 @@ impl StudyArgs {
         words.join(" ")
     }
 
-    /// The runs that are asked for, with their problems made.
-    pub(crate) fn study(&self, root: &Root) -> Result<Study> {
-        self.asked(root)?.made(root)
-    }
-
     pub(crate) fn asked(&self, root: &Root) -> Result<Asked> {
         if let Some((key, _)) = repeated(&self.settings) {
             bail!("--set {key}: it is given twice");
@@ -91,19 +85,19 @@ impl StudyArgs {
         let in_plan = || path.display().to_string();
         let problems = planned(root, &plan).with_context(in_plan)?;
         let variants = plan.variants(&self.settings).with_context(in_plan)?;
-        let whole = problems.len() * variants.len();
-        let mut asked = Asked { again: self.again(), plan, problems, variants, notes: Vec::new() };
-        for (key, pattern) in &self.only {
-            asked.keep(key, pattern)?;
-        }
+        let mut asked =
+            Asked { again: self.again(), plan, problems, variants, notes: Vec::new(), only: Vec::new() };
         // Its rows must not pass for those of the plan.
         if !changes.is_empty() {
             asked.plan.name += "-changed";
             asked.notes.push(format!("changed: {}", changes.join(", ")));
         }
-        if asked.runs() < whole {
-            asked.plan.name += "-part";
-            asked.notes.push(format!("{} of the {whole} runs of the plan", asked.runs()));
+        for (key, pattern) in &self.only {
+            asked.keep(key, pattern)?;
+        }
+        if !self.only.is_empty() {
+            let (some, all) = (asked.selected().count(), asked.runs());
+            asked.notes.push(format!("{some} of the {all} runs of the plan are asked for"));
         }
         Ok(asked)
     }
@@ -130,38 +124,40 @@ impl StudyArgs {
 }
 
 impl Asked {
-    /// Makes the problems of cases.
-    pub(crate) fn made(self, root: &Root) -> Result<Study> {
-        let Self { again, plan, problems, variants, notes } = self;
-        let problems = problems.into_iter().map(|problem| problem.made(root)).collect::<Result<_>>()?;
-        Ok(Study { again, plan, problems, variants, notes })
-    }
-
-    /// Number of runs.
+    /// Number of runs of the plan.
     pub(crate) fn runs(&self) -> usize {
         self.problems.len() * self.variants.len()
     }
 
-    /// Keeps the runs whose `key` matches `pattern`, in which `*` stands for any text.
+    /// Whether the run of a variant on a problem is to be made.
+    pub(crate) fn selects(&self, problem: &str, variant: &Variant) -> bool {
+        self.only.iter().all(|only| only.wanted.matches(&(only.of)(problem, variant)))
+    }
+
+    /// The runs to be made, in the order of the plan.
+    pub(crate) fn selected(&self) -> impl Iterator<Item = (&PlannedProblem, &Variant)> {
+        let of_problem = |problem| self.variants.iter().map(move |variant| (problem, variant));
+        let all = self.problems.iter().flat_map(of_problem);
+        all.filter(|(problem, variant)| self.selects(&problem.name, variant))
+    }
+
+    /// Keeps, of the runs to be made, those whose `key` matches `pattern`, in which `*` stands for any text.
     fn keep(&mut self, key: &str, pattern: &str) -> Result<()> {
-        let wanted = WildMatch::new(pattern);
-        let mut known: Vec<String> = match key {
-            "problem" => self.problems.iter().map(|problem| problem.name.clone()).collect(),
-            "method" => self.variants.iter().map(|variant| variant.method.name.to_owned()).collect(),
-            "variant" => self.variants.iter().map(|variant| variant.name.clone()).collect(),
+        const KEYS: [&str; 3] = ["problem", "method", "variant"];
+        let of: fn(&str, &Variant) -> String = match key {
+            "problem" => |problem, _| problem.to_owned(),
+            "method" => |_, variant| variant.method.name.to_owned(),
+            "variant" => |_, variant| variant.name.clone(),
             _ => {
-                let keys = ["problem", "method", "variant"];
-                bail!("--only {key}={pattern}: it must name a {}{}", keys.join(", "), suggest::of(key, keys));
+                bail!("--only {key}={pattern}: it must name a {}{}", KEYS.join(", "), suggest::of(key, KEYS))
             }
         };
-        match key {
-            "problem" => self.problems.retain(|problem| wanted.matches(&problem.name)),
-            "method" => self.variants.retain(|variant| wanted.matches(variant.method.name)),
-            _ => self.variants.retain(|variant| wanted.matches(&variant.name)),
-        }
-        if self.runs() == 0 {
-            known.dedup();
-            let nearest = suggest::of(pattern, known.iter().map(String::as_str));
+        let known: BTreeSet<String> =
+            self.selected().map(|(problem, variant)| of(&problem.name, variant)).collect();
+        self.only.push(Only { of, wanted: WildMatch::new(pattern) });
+        if self.selected().next().is_none() {
+            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            let nearest = suggest::of(pattern, known.iter().copied());
             bail!("--only {key}={pattern}: there is none; there are {}{nearest}", known.join(", "));
         }
         Ok(())

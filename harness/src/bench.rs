@@ -6,8 +6,8 @@ use crate::execute::{How, execute};
 use crate::inputs::Root;
 use crate::interrupt;
 use crate::output::say;
-use crate::report::say_files;
-use crate::study::{Made, Study};
+use crate::report::draw;
+use crate::study::{Progress, Study};
 use crate::tables::{notes, tables};
 use anyhow::{Context, Result, anyhow};
 use results::schema::Provenance;
@@ -47,31 +47,31 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     }
     // A place that cannot be written to is known before a problem is made.
     let store = open(root, &asked.plan.name)?;
-    let study = asked.made(root)?;
-    let plan = &study.plan;
-    let Made { missing, left_s } = study.made(store.records());
+    let study = Study::made(asked, root)?;
+    let plan = &study.asked.plan;
+    let Progress { missing, left_s } = study.progress(store.records());
     let tasks = if args.rerun { study.missing(&HashSet::new()) } else { missing };
     interrupt::listen()?;
-    let (all, of_each, missing) = (study.tasks().len(), study.variants.len(), tasks.len());
+    let (all, of_each, missing) = (study.asked.runs(), study.asked.variants.len(), tasks.len());
     let left =
         left_s.filter(|s| *s >= 1.0 && !args.rerun).map_or(String::new(), |s| format!(", about {s:.0} s"));
     say(format_args!(
         "plan {}: {all} runs, {of_each} on each problem; {missing} of {all} runs to make{left}",
         plan.name
     ))?;
-    for note in &study.notes {
+    for note in &study.asked.notes {
         say(format_args!("  {note}"))?;
     }
     let how = How { jobs: args.jobs, repeats: args.repeats.unwrap_or(plan.repeats).get() };
     let store = Mutex::new(store);
-    let ended = execute(&study, &tasks, how, &provenance, &|record| {
+    let ended = execute(root, &study, &tasks, how, &provenance, &|record| {
         Ok(store.lock().unwrap_or_else(PoisonError::into_inner).append(record)?)
     });
     let store = store.into_inner().unwrap_or_else(PoisonError::into_inner);
     ended.with_context(|| {
-        format!("stopped; what ended before is kept, `gravel bench {}` goes on", study.again)
+        format!("stopped; what ended before is kept, `gravel bench {}` goes on", study.asked.again)
     })?;
-    finish(root, &study, store)
+    finish(root, &study, store, &provenance)
 }
 
 /// Where studies are stored.
@@ -95,25 +95,28 @@ pub(crate) fn open(root: &Root, plan: &str) -> Result<Store> {
 }
 
 /// Makes the tables of a study from its store, and its report if the user did not stop it.
-pub(crate) fn finish(root: &Root, study: &Study, mut store: Store) -> Result<ExitCode> {
-    let tables = tables(study, store.records())?;
+pub(crate) fn finish(
+    root: &Root,
+    study: &Study,
+    mut store: Store,
+    provenance: &Provenance,
+) -> Result<ExitCode> {
+    let tables = tables(root, study, store.records(), provenance)?;
     store.write_tables(&tables)?;
     if interrupt::asked() {
-        let missing = study.made(store.records()).missing.len();
+        let missing = study.progress(store.records()).missing.len();
         say(format_args!(
             "stopped; runs missing: {missing}, the others are kept; `gravel bench {}` goes on",
-            study.again
+            study.asked.again
         ))?;
         return Ok(ExitCode::from(interrupt::EXIT_CODE));
     }
-    let out = root.join("reports/out").join(&study.plan.name);
-    let files = reports::report(&tables, &study.plan.charts()?, &out)?;
     say(format_args!("{}", reports::iterations_text(&tables)?))?;
     for note in notes(study, store.records()) {
         say(format_args!("{note}"))?;
     }
-    say(format_args!("rows and curves   {}", store.folder().display()))?;
-    say_files(&out, &files)?;
+    let plan = &study.asked.plan;
+    draw(root, &tables, &plan.charts, store.folder(), &plan.name)?;
     Ok(ExitCode::SUCCESS)
 }
 

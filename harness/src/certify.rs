@@ -2,13 +2,12 @@
 
 use crate::inputs::Root;
 use crate::output::say;
-use crate::truth::answer;
-use anyhow::{Context, Result, bail};
+use crate::truth::{Given, answer};
+use anyhow::Result;
 use cases::Frozen;
 use contact::{ContactProblem, Meter, Truth};
 use reference::{Answer, Certificate, ROUND_OFF, certify};
-use serde::Deserialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -20,22 +19,17 @@ pub(crate) struct Args {
     impulses: Option<PathBuf>,
 }
 
-/// The part of a file of impulses that is read; another code may tell more.
-#[derive(Deserialize)]
-struct Impulses {
-    impulse: Vec<f64>,
-}
-
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let frozen = Frozen::read(&root.problem(&args.problem)?)?;
     let problem = &frozen.problem;
-    let given = args.impulses.as_deref().map(|file| read(file, problem)).transpose()?;
+    let given = args.impulses.as_deref().map(|file| Given::read(file, problem)).transpose()?;
     let reference = answer(root, &frozen)?;
     let (grains, contacts) = (problem.grain_count(), problem.contact_count());
     say(format_args!("{}: {grains} grains, {contacts} contacts", frozen.name))?;
-    if let Some(impulses) = &given {
-        say(format_args!("given impulses: {}", verdict(&certify(problem, impulses))))?;
-        print(&certify(problem, impulses))?;
+    if let Some(Given { impulse, .. }) = &given {
+        let certificate = certify(problem, impulse);
+        say(format_args!("given impulses: {}", verdict(&certificate)))?;
+        print(&certificate)?;
     }
     match &reference {
         Answer::Infeasible { .. } => {
@@ -48,27 +42,12 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         Answer::Solution { impulses, certificate } => {
             say(format_args!("reference: {}", verdict(certificate)))?;
             match &given {
-                Some(given) => print_errors(problem, &Truth::new(problem, impulses), given)?,
+                Some(given) => print_errors(problem, &Truth::new(problem, impulses), &given.impulse)?,
                 None => print(certificate)?,
             }
         }
     }
     Ok(())
-}
-
-fn read(file: &Path, problem: &ContactProblem) -> Result<Vec<f64>> {
-    let name = || file.display().to_string();
-    let text = std::fs::read_to_string(file).with_context(name)?;
-    let Impulses { impulse } = serde_json::from_str(&text).with_context(name)?;
-    if impulse.len() != problem.contact_count() {
-        bail!(
-            "{}: `impulse` has {} values where the problem has {} contacts",
-            name(),
-            impulse.len(),
-            problem.contact_count()
-        );
-    }
-    Ok(impulse)
 }
 
 fn verdict(certificate: &Certificate) -> String {

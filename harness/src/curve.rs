@@ -1,7 +1,7 @@
 //! The curve of a run, thinned geometrically, and the iterations at which measures pass powers of ten.
 
 use crate::plan::Curves;
-use contact::{Measure, Progress};
+use contact::{Measure, Measures, Progress, Work};
 use results::schema::Sample;
 
 /// Tolerances that are read off a curve exactly.
@@ -64,10 +64,15 @@ pub(crate) fn decades(curve: &[Sample], measure: fn(&Sample) -> f64) -> Vec<u64>
 }
 
 fn sample(progress: &Progress) -> Sample {
-    let Progress { iteration, iterating, measures, work } = *progress;
+    let Progress { iteration, iterating, measures, work } = progress;
+    Sample { iteration: *iteration, iterating_s: iterating.as_secs_f64(), ..measured(measures, work) }
+}
+
+/// The sample of an iterate before anything is done.
+pub(crate) fn measured(measures: &Measures, work: &Work) -> Sample {
     Sample {
-        iteration,
-        iterating_s: iterating.as_secs_f64(),
+        iteration: 0,
+        iterating_s: 0.0,
         zeta: measures.zeta,
         natural_map: measures.natural_map,
         penetration_rate_m_per_s: measures.penetration_rate,

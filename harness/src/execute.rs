@@ -1,10 +1,12 @@
 //! Runs are made: alone for their seconds or several at a time for their counts, once or repeatedly.
 
 use crate::curve::Recorder;
+use crate::inputs::Root;
 use crate::interrupt;
 use crate::progress::Board;
-use crate::rows::{asked_row, ended_row};
+use crate::rows::{UNTIMED, asked_row, ended_row};
 use crate::study::{Study, Task};
+use crate::truth::Known;
 use anyhow::{Result, bail};
 use contact::{Outcome, SetupError, Status, solve_against};
 use results::journal::Record;
@@ -28,6 +30,7 @@ pub(crate) struct How {
 /// Makes the runs of `tasks` and gives each to `keep` as soon as it has ended, in whatever order they end. Stops at the
 /// first error, and when the user asks for it: then `keep` has seen the runs that had ended, and no part of another.
 pub(crate) fn execute(
+    root: &Root,
     study: &Study,
     tasks: &[Task],
     how: How,
@@ -42,7 +45,7 @@ pub(crate) fn execute(
         while !halt()
             && let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed))
         {
-            if let Some(record) = make(study, task, how, provenance, &board, &halt)? {
+            if let Some(record) = make(root, study, task, how, provenance, &board, &halt)? {
                 keep(record)?;
                 board.run_ended();
             }
@@ -62,6 +65,7 @@ pub(crate) fn execute(
 /// One run, repeated for its seconds; `None` if it was halted. A method that cannot start on the problem is a row too: it
 /// says why.
 fn make(
+    root: &Root,
     study: &Study,
     task: &Task,
     how: How,
@@ -69,19 +73,22 @@ fn make(
     board: &Board,
     halt: &dyn Fn() -> bool,
 ) -> Result<Option<Record>> {
-    let clock = Instant::now();
     let asked = asked_row(study, task, &provenance.restarted(), untimed(how));
+    let skipped = |reason: &str| {
+        let run = Run { reason: reason.to_owned(), ..asked.clone() };
+        Ok(Some(Record { run, curve: Vec::new() }))
+    };
+    if task.variant.warm_start && task.problem.frozen.start.is_empty() {
+        return skipped("the problem has no impulses of a time step before to begin from");
+    }
+    let known = task.problem.known(root)?;
+    let clock = Instant::now();
     let mut made = Vec::new();
     // The first of several brings code and data into the caches.
     let warm_ups = u32::from(how.repeats > 1);
     for repeat in 0..warm_ups + how.repeats {
-        match once(study, task, board, halt) {
-            Err(reason) => {
-                return Ok(Some(Record {
-                    run: Run { reason: reason.to_string(), ..asked },
-                    curve: Vec::new(),
-                }));
-            }
+        match once(study, task, known, board, halt) {
+            Err(reason) => return skipped(&reason.to_string()),
             Ok((outcome, _)) if outcome.status == Status::Interrupted => return Ok(None),
             Ok(ended) if repeat >= warm_ups => made.push(ended),
             Ok(_) => {}
@@ -90,7 +97,7 @@ fn make(
     let Some((outcome, curve, timing)) = median(made, &asked.timing) else {
         bail!("{}: it counts other work when it is repeated; a run must not", task.name());
     };
-    let belied = task.problem.known.belies(&study.plan.stop, &outcome);
+    let belied = known.belies(&study.asked.plan.stop, &outcome);
     let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
     Ok(Some(Record { run: ended_row(Run { timing, ..asked }, belied, &outcome, &curve), curve }))
 }
@@ -98,39 +105,26 @@ fn make(
 fn once(
     study: &Study,
     task: &Task,
+    known: &Known,
     board: &Board,
     halt: &dyn Fn() -> bool,
 ) -> Result<(Outcome, Vec<Sample>), SetupError> {
-    let (frozen, plan) = (&task.problem.frozen, &study.plan);
+    let (frozen, plan) = (&task.problem.frozen, &study.asked.plan);
     let mut recorder = Recorder::new(plan.curves);
     let mut line = board.line(task.name());
     let solver = &*task.variant.method.solver;
-    let r0 = frozen.start(plan.warm_start);
-    let outcome = solve_against(
-        task.problem.known.truth(),
-        solver,
-        &frozen.problem,
-        &r0,
-        &plan.stop,
-        &mut |progress| {
-            recorder.observe(progress);
-            line.show(progress, plan.stop.on);
-            if halt() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        },
-    )?;
+    let r0 = frozen.start(task.variant.warm_start);
+    let outcome = solve_against(known.truth(), solver, &frozen.problem, &r0, &plan.stop, &mut |progress| {
+        recorder.observe(progress);
+        line.show(progress, plan.stop.on);
+        if halt() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
     Ok((outcome, recorder.finish()))
 }
 
 /// Before the run.
 fn untimed(how: How) -> Timing {
-    Timing {
-        repeats: how.repeats,
-        timed_alone: how.jobs.get() == 1,
-        setup_spread_s: f64::NAN,
-        iterating_spread_s: f64::NAN,
-        wall_s: f64::NAN,
-        load_average: load_average(),
-    }
+    Timing { repeats: how.repeats, timed_alone: how.jobs.get() == 1, load_average: load_average(), ..UNTIMED }
 }
 
 /// The repeat with the median time in `advance`, with the median time in `start` and the spreads of both. `None` if the

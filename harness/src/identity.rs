@@ -1,16 +1,16 @@
 //! The identity of a run: a hash of all that decides its counts.
 
-use crate::methods::Method;
+use crate::plan::Variant;
 use contact::{Measure, Stop};
 use reference::InteriorPoint;
 use serde_json::json;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 
-/// Versions of the solver crates' code, from the build script.
+/// Versions of the code of the solver crates and of `cases`, from the build script.
 const CODE_VERSIONS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/code_versions.rs"));
 
-/// Version of the code of the crate that a type comes from; `None` if it is no solver crate.
+/// Version of the code of the crate that a type comes from; `None` if it is none of those.
 pub(crate) fn code_version<T>() -> Option<&'static str> {
     // Crates have dashes where their modules have underscores.
     let of_type = std::any::type_name::<T>().split("::").next()?.replace('_', "-");
@@ -18,7 +18,8 @@ pub(crate) fn code_version<T>() -> Option<&'static str> {
 }
 
 /// The same id means the same counts: on any machine, with any number of threads.
-pub(crate) fn run_id(problem_hash: &str, method: &Method, stop: &Stop, warm_start: bool) -> String {
+pub(crate) fn run_id(problem_hash: &str, variant: &Variant, stop: &Stop) -> String {
+    let Variant { method, warm_start, .. } = variant;
     // Sorted, whatever the map of the JSON crate does with its keys.
     let settings: BTreeMap<_, _> = method.settings.iter().collect();
     // What stops on the error needs the solution, and whether ζ lied is judged by it.
@@ -37,33 +38,33 @@ pub(crate) fn first_hex(hash: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::METHODS;
+    use crate::methods::{METHODS, Method};
 
-    fn id(settings: &[(&str, &str)]) -> String {
+    fn nsgs(settings: &[(&str, &str)]) -> Variant {
         let settings: Vec<(String, String)> =
             settings.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-        run_id("c0ffee", &Method::parse("nsgs", &settings).unwrap(), &Stop::default(), false)
+        variant(Method::parse("nsgs", &settings).unwrap())
+    }
+
+    fn variant(method: Method) -> Variant {
+        Variant { method, warm_start: false, name: String::new() }
     }
 
     #[test]
     fn defaults_spelled_out_do_not_change_the_id_and_every_part_does() {
+        let stop = Stop::default();
+        let id = |settings: &[(&str, &str)]| run_id("c0ffee", &nsgs(settings), &stop);
         let defaults = id(&[]);
         assert_eq!(defaults, id(&[("relaxation", "1.0")]));
-        let nsgs = Method::parse("nsgs", &[]).unwrap();
-        let stop = Stop::default();
+        let changed = Method { code: "changed", ..nsgs(&[]).method };
         let others = [
             id(&[("relaxation", "1.5")]),
-            run_id("decaf", &nsgs, &stop, false),
-            run_id("c0ffee", &nsgs, &stop, true),
-            run_id("c0ffee", &nsgs, &Stop { tolerance: 1e-7, ..stop }, false),
-            run_id("c0ffee", &nsgs, &Stop { max_iterations: 7, ..stop }, false),
-            run_id(
-                "c0ffee",
-                &Method { code: "changed", ..Method::parse("nsgs", &[]).unwrap() },
-                &stop,
-                false,
-            ),
-            run_id("c0ffee", &Method::parse("jacobi", &[]).unwrap(), &stop, false),
+            run_id("decaf", &nsgs(&[]), &stop),
+            run_id("c0ffee", &Variant { warm_start: true, ..nsgs(&[]) }, &stop),
+            run_id("c0ffee", &nsgs(&[]), &Stop { tolerance: 1e-7, ..stop }),
+            run_id("c0ffee", &nsgs(&[]), &Stop { max_iterations: 7, ..stop }),
+            run_id("c0ffee", &variant(changed), &stop),
+            run_id("c0ffee", &variant(Method::parse("jacobi", &[]).unwrap()), &stop),
         ];
         assert!(others.iter().all(|other| *other != defaults), "{others:?}");
     }

@@ -4,6 +4,7 @@ use crate::inputs::{Root, stem};
 use crate::methods::METHODS;
 use crate::output::say;
 use crate::plan::Plan;
+use crate::schema::takes;
 use anyhow::Result;
 use cases::{Case, Frozen};
 use clap::ValueEnum;
@@ -41,10 +42,12 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         What::Methods => {
             for entry in METHODS {
                 say(format_args!("{:<16}{}", entry.name, entry.what))?;
+                let settings = entry.settings();
                 for (key, default) in entry.defaults()? {
                     let default = if default.is_null() { "none".to_owned() } else { default.to_string() };
-                    say(format_args!("  {key} = {default}: {}", entry.takes(&key)))?;
-                    say(format_args!("      {}", entry.what_is(&key)))?;
+                    let setting = &settings[&key];
+                    say(format_args!("  {key} = {default}: {}", takes(setting)))?;
+                    say(format_args!("      {}", setting["description"].as_str().unwrap_or_default()))?;
                 }
             }
         }

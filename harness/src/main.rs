@@ -20,6 +20,7 @@ mod progress;
 mod regress;
 mod report;
 mod rows;
+mod schema;
 mod show;
 mod simulate;
 mod solve;
@@ -57,7 +58,7 @@ struct Cli {
 enum Command {
     /// Make the runs of a plan that are not in results/runs yet; write its table and figures to reports/out
     Bench(bench::Args),
-    /// Show the runs of a plan
+    /// Show the runs of a plan: which are made, and how long the others take
     Plan(show::Args),
     /// Draw the tables and figures of the newest stored study of a plan again
     Report(report::Args),
@@ -79,6 +80,8 @@ enum Command {
     Simulate(simulate::Args),
     /// List what there is: cases, methods or plans
     List(list::Args),
+    /// Print the JSON schema of plans or cases, with which an editor completes and checks them
+    Schema(schema::Args),
 }
 
 fn main() -> ExitCode {
@@ -109,6 +112,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
         Command::Freeze(args) => freeze::run(&root, &args)?,
         Command::Simulate(args) => simulate::run(&root, &args)?,
         Command::List(args) => list::run(&root, &args)?,
+        Command::Schema(args) => schema::run(&args)?,
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,9 +1,10 @@
 //! `gravel merge`: the runs of other stores of a plan, such as those of another machine, join this one.
 
 use crate::asked::StudyArgs;
-use crate::bench::{finish, open};
+use crate::bench::{finish, open, provenance};
 use crate::inputs::Root;
 use crate::output::say;
+use crate::study::Study;
 use anyhow::{Result, bail};
 use results::store::{is_study, records_of};
 use std::collections::HashSet;
@@ -20,7 +21,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    let study = StudyArgs::plan(&args.plan).study(root)?;
+    let study = Study::made(StudyArgs::plan(&args.plan).asked(root)?, root)?;
     let mut stores = Vec::new();
     for folder in &args.from {
         if !is_study(folder) {
@@ -28,7 +29,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         }
         stores.push((folder, records_of(folder)?));
     }
-    let mut store = open(root, &study.plan.name)?;
+    let mut store = open(root, &study.asked.plan.name)?;
     let mut known: HashSet<String> = store.records().iter().map(|record| record.run.id.clone()).collect();
     for (folder, records) in stores {
         let all = records.len();
@@ -42,5 +43,5 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         }
         say(format_args!("{}: {added} of {all} runs are new here", folder.display()))?;
     }
-    finish(root, &study, store)
+    finish(root, &study, store, &provenance()?)
 }

@@ -1,10 +1,10 @@
 //! The methods by name. To add one: its line in [`METHODS`], its crate in this package's manifest.
 
 use crate::identity::code_version;
-use crate::suggest;
+use crate::{schema, suggest};
 use anyhow::{Context, Result, anyhow, bail};
 use contact::Solver;
-use documented::DocumentedFields;
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
@@ -24,8 +24,7 @@ pub(crate) struct Entry {
     pub(crate) name: &'static str,
     pub(crate) what: &'static str,
     code: fn() -> Option<&'static str>,
-    /// Names of its settings, and what each is.
-    settings: (&'static [&'static str], &'static [&'static str]),
+    schema: fn() -> Value,
     build: fn(Map<String, Value>) -> Result<Built>,
 }
 
@@ -45,10 +44,9 @@ pub(crate) const METHODS: &[Entry] = &[
 impl Entry {
     const fn of<S>(name: &'static str, what: &'static str) -> Self
     where
-        S: Solver + DocumentedFields + Serialize + DeserializeOwned + 'static,
+        S: Solver + JsonSchema + Serialize + DeserializeOwned + 'static,
     {
-        let settings = (S::FIELD_NAMES, S::FIELD_DOCS);
-        Self { name, what, code: code_version::<S>, settings, build: build::<S> }
+        Self { name, what, code: code_version::<S>, schema: schema::of::<S>, build: build::<S> }
     }
 
     /// Every parameter with its default.
@@ -56,25 +54,15 @@ impl Entry {
         (self.build)(Map::new()).map(|(settings, _)| settings)
     }
 
-    /// What the setting `key` is, in the words of its documentation.
-    pub(crate) fn what_is(&self, key: &str) -> String {
-        let (names, docs) = self.settings;
-        let doc = names.iter().zip(docs).find(|(name, _)| **name == key).map_or("", |(_, doc)| doc);
-        // A link is a name in brackets.
-        doc.replace('\n', " ").replace("[`", "`").replace("`]", "`")
-    }
-
-    /// What kind of value the setting `key` takes, as the error of a value of no kind says it.
-    pub(crate) fn takes(&self, key: &str) -> String {
-        let nothing = Map::from_iter([(key.to_owned(), Value::from("?"))]);
-        let told = (self.build)(nothing).err().map_or_else(String::new, |error| error.to_string());
-        let expected = told.rsplit_once("expected ").map_or("", |(_, expected)| expected);
-        match expected {
-            "f64" => "a number".to_owned(),
-            "u32" | "u64" => "a whole number, not negative".to_owned(),
-            "a boolean" => "true or false".to_owned(),
-            other => other.strip_prefix("one of ").unwrap_or(other).replace('`', ""),
+    /// The schema of each of its settings: what it is, in the words of its documentation, and what it takes.
+    pub(crate) fn settings(&self) -> Map<String, Value> {
+        let Value::Object(mut settings) = (self.schema)()["properties"].take() else { return Map::new() };
+        for setting in settings.values_mut() {
+            let what = setting["description"].as_str().unwrap_or_default();
+            // A link is a name in brackets.
+            setting["description"] = what.replace('\n', " ").replace("[`", "`").replace("`]", "`").into();
         }
+        settings
     }
 }
 

@@ -11,18 +11,16 @@ use crate::suggest;
 use anyhow::{Context, Result, anyhow, bail};
 use contact::Stop;
 use reports::Chart;
-use serde::Deserialize;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 use std::collections::{BTreeSet, HashSet};
 use std::num::NonZeroU32;
 use std::path::Path;
 
-fn default_charts() -> Vec<String> {
-    Chart::default_set().iter().map(|chart| chart.name().to_owned()).collect()
-}
-
 /// A study.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Plan {
     /// Name, in results and of their folders.
@@ -35,9 +33,9 @@ pub(crate) struct Plan {
     /// Cases whose problems are made for the study.
     #[serde(default)]
     pub(crate) cases: Vec<PlannedCase>,
-    /// Whether runs begin from the impulses of the time step before.
+    /// Whether runs begin from the impulses of the time step before, where a method does not say it of itself.
     #[serde(default)]
-    pub(crate) warm_start: bool,
+    warm_start: bool,
     /// How often each run is made for its seconds, which are then medians.
     #[serde(default = "once")]
     pub(crate) repeats: NonZeroU32,
@@ -47,13 +45,33 @@ pub(crate) struct Plan {
     #[serde(default)]
     pub(crate) curves: Curves,
     /// Names of the figures.
-    #[serde(default = "default_charts")]
-    charts: Vec<String>,
+    #[serde(default = "default_charts", deserialize_with = "charts")]
+    #[schemars(schema_with = "charts_schema")]
+    pub(crate) charts: Vec<Chart>,
     /// The methods.
     methods: Vec<PlannedMethod>,
     /// The same study in under a minute: these keys replace those of the plan.
     #[serde(default)]
+    #[schemars(with = "Settings")]
     quick: Option<toml::Table>,
+}
+
+fn default_charts() -> Vec<Chart> {
+    Chart::default_set().to_vec()
+}
+
+fn charts<'de, D: Deserializer<'de>>(names: D) -> Result<Vec<Chart>, D::Error> {
+    let known = || Chart::all().iter().map(|chart| chart.name());
+    let read = |name: &String| {
+        let nearest = || suggest::of(name, known());
+        name.parse().map_err(|error| D::Error::custom(format!("`charts`: {error}{}", nearest())))
+    };
+    Vec::<String>::deserialize(names)?.iter().map(read).collect()
+}
+
+fn charts_schema(_: &mut SchemaGenerator) -> Schema {
+    let names: Vec<&str> = Chart::all().iter().map(|chart| chart.name()).collect();
+    json_schema!({ "type": "array", "items": { "enum": names } })
 }
 
 fn once() -> NonZeroU32 {
@@ -61,7 +79,7 @@ fn once() -> NonZeroU32 {
 }
 
 /// A case, with the values of its file that the plan replaces; every combination is a problem.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PlannedCase {
     /// Its name, or the path of its file.
@@ -80,9 +98,9 @@ pub(crate) struct PlannedCase {
 }
 
 /// A method with fixed settings, and settings along which it varies; every combination is a run.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct PlannedMethod {
+pub(crate) struct PlannedMethod {
     method: String,
     #[serde(default)]
     set: Settings,
@@ -90,10 +108,21 @@ struct PlannedMethod {
     zip: Settings,
     #[serde(default)]
     axes: Settings,
+    /// Whether its runs begin from the impulses of the time step before; `[false, true]` for both.
+    #[serde(default)]
+    warm_start: Option<WarmStart>,
+}
+
+/// One way to begin, or several.
+#[derive(Debug, JsonSchema, Deserialize)]
+#[serde(untagged, expecting = "expected true, false or a list of them")]
+enum WarmStart {
+    One(bool),
+    Several(Vec<bool>),
 }
 
 /// Which samples of a run are kept.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Curves {
     /// Enough to draw its curve.
@@ -103,9 +132,10 @@ pub(crate) enum Curves {
     Ends,
 }
 
-/// A method of a plan, with the settings in which it differs from the plan's other runs of it.
+/// A method of a plan and how it begins, with what tells it from the plan's other runs of it.
 pub(crate) struct Variant {
     pub(crate) method: Method,
+    pub(crate) warm_start: bool,
     pub(crate) name: String,
 }
 
@@ -149,33 +179,23 @@ impl Plan {
         if self.problems.is_empty() && self.cases.is_empty() {
             bail!("`problems` is empty, and there are no `cases`");
         }
-        self.charts()?;
         self.stop.check().context("`stop`")?;
         self.variants(&[]).map(|_| ())
-    }
-
-    /// The figures of the study.
-    pub(crate) fn charts(&self) -> Result<Vec<Chart>> {
-        let known = || Chart::all().iter().map(|chart| chart.name());
-        let read = |name: &String| {
-            name.parse().map_err(|error| anyhow!("`charts`: {error}{}", suggest::of(name, known())))
-        };
-        self.charts.iter().map(read).collect()
     }
 
     /// Every method with every combination of its axes, in the order of the plan. Each of `changes` replaces a setting of
     /// every method that has it; runs that are the same then are one.
     pub(crate) fn variants(&self, changes: &[(String, String)]) -> Result<Vec<Variant>> {
-        let mut methods: Vec<Method> = Vec::new();
+        let mut methods: Vec<(Method, bool)> = Vec::new();
         let mut seen = HashSet::new();
         let mut unused: Vec<&(String, String)> = changes.iter().collect();
         for planned in &self.methods {
-            for method in planned.methods()? {
+            for (method, warm_start) in planned.methods(self.warm_start)? {
                 let (known, changed) = (method.settings.clone(), method.changed(changes)?);
                 unused.retain(|(key, _)| !known.contains_key(key));
-                let new = seen.insert((changed.name, Value::Object(changed.settings.clone()).to_string()));
-                if new {
-                    methods.push(changed);
+                let settings = Value::Object(changed.settings.clone()).to_string();
+                if seen.insert((changed.name, settings, warm_start)) {
+                    methods.push((changed, warm_start));
                 } else if changes.is_empty() {
                     bail!("method `{}`: two runs have the settings {}", method.name, Value::Object(known));
                 }
@@ -186,19 +206,30 @@ impl Plan {
         }
         if let Some((key, value)) = unused.first() {
             let known: BTreeSet<&str> =
-                methods.iter().flat_map(|method| method.settings.keys()).map(String::as_str).collect();
+                methods.iter().flat_map(|(method, _)| method.settings.keys()).map(String::as_str).collect();
             bail!("--set {key}={value}: no method of the plan has `{key}`{}", suggest::of(key, known));
         }
         let names = names::of_variants(&methods);
-        Ok(methods.into_iter().zip(names).map(|(method, name)| Variant { method, name }).collect())
+        let variant = |((method, warm_start), name)| Variant { method, warm_start, name };
+        Ok(methods.into_iter().zip(names).map(variant).collect())
     }
 }
 
 impl PlannedMethod {
-    fn methods(&self) -> Result<Vec<Method>> {
-        let settings = combinations(&self.set, &self.zip, &self.axes)
-            .with_context(|| format!("method `{}`", self.method))?;
-        settings.into_iter().map(|settings| Method::new(&self.method, settings)).collect()
+    /// Every combination of its settings, with every way to begin.
+    fn methods(&self, warm_start: bool) -> Result<Vec<(Method, bool)>> {
+        let of_method = || format!("method `{}`", self.method);
+        let settings = combinations(&self.set, &self.zip, &self.axes).with_context(of_method)?;
+        let starts = match &self.warm_start {
+            None => &[warm_start],
+            Some(WarmStart::One(start)) => std::slice::from_ref(start),
+            Some(WarmStart::Several(starts)) => starts.as_slice(),
+        };
+        if starts.is_empty() {
+            bail!("{}: `warm_start` is empty", of_method());
+        }
+        let each = settings.iter().flat_map(|settings| starts.iter().map(move |start| (settings, *start)));
+        each.map(|(settings, start)| Ok((Method::new(&self.method, settings.clone())?, start))).collect()
     }
 }
 

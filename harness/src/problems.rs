@@ -1,20 +1,21 @@
 //! The problems of a plan: frozen ones, and those of cases, which are made on the spot and kept.
 
-use crate::COMMIT;
-use crate::identity::first_hex;
+use crate::identity::{code_version, first_hex};
 use crate::inputs::{Root, content_hash, march_to, stem, time_step};
 use crate::methods::Method;
 use crate::output::{say, write_whole};
 use crate::plan::{Plan, PlannedCase, Settings, combinations, last_parts, pairs, values};
-use crate::truth::{Known, known};
+use crate::truth::{Given, Known, known};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
+use cg::Cg;
 use contact::Stop;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// A problem of a study, before it is made.
 pub(crate) struct PlannedProblem {
@@ -26,7 +27,7 @@ pub(crate) struct PlannedProblem {
 }
 
 enum Source {
-    Frozen(Box<Frozen>),
+    Frozen(Box<Frozen>, Option<Given>),
     Case(Box<Scene>),
 }
 
@@ -46,8 +47,20 @@ pub(crate) struct Problem {
     pub(crate) hash: String,
     /// What was set to make it, as JSON.
     pub(crate) settings: String,
-    /// Its solution.
-    pub(crate) known: Known,
+    /// What another code answered, if that lies beside it.
+    pub(crate) given: Option<Given>,
+    known: OnceLock<Known>,
+}
+
+impl Problem {
+    /// What is known of its solution; computed when it is first asked for, unless it was kept.
+    pub(crate) fn known(&self, root: &Root) -> Result<&Known> {
+        if let Some(known) = self.known.get() {
+            return Ok(known);
+        }
+        let known = known(root, &self.frozen)?;
+        Ok(self.known.get_or_init(|| known))
+    }
 }
 
 /// The problems of a plan in its order, frozen ones first.
@@ -56,8 +69,14 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
     for name in &plan.problems {
         let path = frozen_path(root, name).context("`problems`")?;
         let frozen = Box::new(Frozen::read(&path)?);
+        let beside = path.with_extension("solution.json");
+        let given = beside.is_file().then(|| Given::read(&beside, &frozen.problem)).transpose()?;
         let name = frozen.name.clone();
-        problems.push(PlannedProblem { name, settings: Settings::new(), source: Source::Frozen(frozen) });
+        problems.push(PlannedProblem {
+            name,
+            settings: Settings::new(),
+            source: Source::Frozen(frozen, given),
+        });
     }
     for planned in &plan.cases {
         problems.extend(of_case(root, planned).with_context(|| format!("`cases`: case `{}`", planned.case))?);
@@ -114,13 +133,28 @@ fn of_case(root: &Root, planned: &PlannedCase) -> Result<Vec<PlannedProblem>> {
 
 impl PlannedProblem {
     /// The problem itself. That of a case is made once, then kept under results/problems.
-    pub(crate) fn made(self, root: &Root) -> Result<Problem> {
-        let frozen = match self.source {
-            Source::Frozen(frozen) => *frozen,
-            Source::Case(scene) => Frozen { name: self.name.clone(), ..scene.kept(root, &self.name)? },
-        };
-        let (hash, known) = (content_hash(&frozen), known(root, &frozen)?);
-        Ok(Problem { hash, settings: Value::Object(self.settings).to_string(), known, frozen })
+    pub(crate) fn made(&self, root: &Root) -> Result<Problem> {
+        match &self.source {
+            Source::Frozen(frozen, given) => Ok(self.problem((**frozen).clone(), given.clone())),
+            Source::Case(scene) => {
+                let kept = scene.kept(root).map_or_else(|| scene.make_and_keep(root, &self.name), Ok);
+                Ok(self.problem(kept?, None))
+            }
+        }
+    }
+
+    /// The problem, if it need not be made.
+    pub(crate) fn at_hand(&self, root: &Root) -> Option<Problem> {
+        match &self.source {
+            Source::Frozen(frozen, given) => Some(self.problem((**frozen).clone(), given.clone())),
+            Source::Case(scene) => scene.kept(root).map(|frozen| self.problem(frozen, None)),
+        }
+    }
+
+    fn problem(&self, frozen: Frozen, given: Option<Given>) -> Problem {
+        let frozen = Frozen { name: self.name.clone(), ..frozen };
+        let settings = Value::Object(self.settings.clone()).to_string();
+        Problem { hash: content_hash(&frozen), settings, given, known: OnceLock::new(), frozen }
     }
 }
 
@@ -137,21 +171,28 @@ impl Scene {
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
         // The first problem of the case tells its sample, which other files may hold.
         let first = content_hash(&March::new(&case)?.next()?.frozen);
-        let all = json!([text, overrides, first, time_step, COMMIT]).to_string();
+        // The code that makes it.
+        let code = (code_version::<Case>(), code_version::<Cg>());
+        let all = json!([text, overrides, first, time_step, code]).to_string();
         Ok(Self { case, overrides, time_step, identity: first_hex(&Sha256::digest(all)) })
     }
 
-    /// The problem as it was kept, if it was; else made and kept.
-    fn kept(&self, root: &Root, name: &str) -> Result<Frozen> {
-        let file = root.join("results/problems").join(format!("{}.json", self.identity));
-        if file.is_file() {
-            match Frozen::read(&file) {
-                Ok(frozen) => return Ok(frozen),
-                Err(error) => eprintln!("{error}; it is made anew"),
-            }
+    fn file(&self, root: &Root) -> PathBuf {
+        root.join("results/problems").join(format!("{}.json", self.identity))
+    }
+
+    /// The problem as it was kept.
+    fn kept(&self, root: &Root) -> Option<Frozen> {
+        let file = self.file(root);
+        if !file.is_file() {
+            return None;
         }
+        Frozen::read(&file).inspect_err(|error| eprintln!("{error}; it is made anew")).ok()
+    }
+
+    fn make_and_keep(&self, root: &Root, name: &str) -> Result<Frozen> {
         say(format_args!("making {name}: {} time steps", self.time_step))?;
-        let frozen = self.make()?;
+        let (frozen, file) = (self.make()?, self.file(root));
         if let Some(folder) = file.parent() {
             std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
         }

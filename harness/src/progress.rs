@@ -12,8 +12,8 @@ pub(crate) fn bar(total: u64, units: &str) -> ProgressBar {
     ProgressBar::new(total).with_style(style)
 }
 
-/// A line without an end in sight.
-pub(crate) fn spinner() -> ProgressBar {
+/// Without an end in sight.
+fn spinner() -> ProgressBar {
     let style =
         ProgressStyle::with_template("{spinner} {msg}").unwrap_or_else(|_| ProgressStyle::default_spinner());
     ProgressBar::new_spinner().with_style(style)
@@ -39,7 +39,7 @@ impl Board {
 
     /// The line of a run; it vanishes with the value.
     pub(crate) fn line(&self, name: String) -> Line {
-        Line { bar: self.all.add(spinner()), name, shown: Instant::now() }
+        Line::new(self.all.add(spinner()), name)
     }
 }
 
@@ -57,6 +57,15 @@ pub(crate) struct Line {
 }
 
 impl Line {
+    /// The line of a run beside no other.
+    pub(crate) fn alone(name: String) -> Self {
+        Self::new(spinner(), name)
+    }
+
+    fn new(bar: ProgressBar, name: String) -> Self {
+        Self { bar, name, shown: Instant::now() }
+    }
+
     /// Shows where the run is, some times per second.
     pub(crate) fn show(&mut self, progress: &Progress, on: Measure) {
         if self.shown.elapsed() < Duration::from_millis(200) {

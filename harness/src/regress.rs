@@ -1,12 +1,13 @@
 //! `gravel regress` and `gravel bless`: the counts of a plan against those that were accepted.
 
-use crate::asked::StudyArgs;
+use crate::asked::{Asked, StudyArgs};
 use crate::baseline::{Counts, ExpectedFailure, expected_failures, read, to_csv};
 use crate::bench::provenance;
 use crate::execute::{How, execute};
 use crate::inputs::Root;
 use crate::interrupt;
 use crate::output::{say, write_whole};
+use crate::study::Study;
 use anyhow::{Context, Result, bail};
 use std::collections::{BTreeMap, HashSet};
 use std::io;
@@ -35,12 +36,13 @@ struct Now {
 
 /// Compares the counts with the baseline.
 pub(crate) fn regress(root: &Root, args: &Args) -> Result<ExitCode> {
-    let baseline = baseline(root, &StudyArgs::plan(&args.plan).asked(root)?.plan.name);
+    let asked = StudyArgs::plan(&args.plan).asked(root)?;
+    let baseline = baseline(root, &asked.plan.name);
     if !baseline.is_file() {
         bail!("{}: there is no baseline yet; `gravel bless {}` writes it", baseline.display(), args.plan);
     }
     let before = read(&baseline)?;
-    let now = Now::count(root, args)?;
+    let now = Now::count(root, args, asked)?;
     let mut wrong = changes(&before, &now.counts);
     wrong.extend(now.unexpected());
     if wrong.is_empty() {
@@ -60,7 +62,7 @@ pub(crate) fn regress(root: &Root, args: &Args) -> Result<ExitCode> {
 
 /// Makes the counts the baseline.
 pub(crate) fn bless(root: &Root, args: &Args) -> Result<ExitCode> {
-    let now = Now::count(root, args)?;
+    let now = Now::count(root, args, StudyArgs::plan(&args.plan).asked(root)?)?;
     let before = if now.baseline.is_file() { read(&now.baseline)? } else { Vec::new() };
     say_all(&changes(&before, &now.counts))?;
     if let Some(folder) = now.baseline.parent() {
@@ -75,16 +77,16 @@ pub(crate) fn bless(root: &Root, args: &Args) -> Result<ExitCode> {
 
 impl Now {
     /// Makes all runs of the plan; nothing is stored.
-    fn count(root: &Root, args: &Args) -> Result<Self> {
-        let study = StudyArgs::plan(&args.plan).study(root)?;
-        let plan = study.plan.name.clone();
+    fn count(root: &Root, args: &Args, asked: Asked) -> Result<Self> {
+        let study = Study::made(asked, root)?;
+        let plan = study.asked.plan.name.clone();
         let baseline = baseline(root, &plan);
         let expected = expected_failures(&baseline.with_file_name("expected-failures.toml"), &plan)?;
         let jobs = args.jobs.or_else(|| std::thread::available_parallelism().ok());
         let how = How { jobs: jobs.unwrap_or(NonZeroUsize::MIN), repeats: 1 };
         interrupt::listen()?;
         let records = Mutex::new(Vec::new());
-        execute(&study, &study.missing(&HashSet::new()), how, &provenance()?, &|record| {
+        execute(root, &study, &study.missing(&HashSet::new()), how, &provenance()?, &|record| {
             records.lock().unwrap_or_else(PoisonError::into_inner).push(record);
             Ok(())
         })?;

@@ -1,11 +1,12 @@
 //! `gravel report` and `gravel figure`: tables and figures of the newest stored study of a plan, without running it.
 
+use crate::bench::runs_folder;
 use crate::inputs::Root;
 use crate::output::say;
 use crate::plan::Plan;
 use anyhow::{Result, bail};
 use reports::Chart;
-use results::store::{latest, read};
+use results::store::{Tables, read, tables_folder};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -27,29 +28,42 @@ pub(crate) struct FigureArgs {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    let plan = Plan::read(&root.plan(&args.plan)?, args.quick)?;
-    draw(root, &plan.name, &plan.charts()?, &plan.name)
+    let plan = plan(root, args)?;
+    let (tables, stored) = stored(root, &plan.name)?;
+    draw(root, &tables, &plan.charts, &stored, &plan.name)
 }
 
 /// One chart, in a folder of its own: the report of the study stays as it is.
 pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
-    let plan = Plan::read(&root.plan(&args.of.plan)?, args.of.quick)?;
-    draw(root, &plan.name, &[args.chart], &format!("{}-{}", plan.name, args.chart.name()))
+    let plan = plan(root, &args.of)?;
+    let (tables, stored) = stored(root, &plan.name)?;
+    draw(root, &tables, &[args.chart], &stored, &format!("{}-{}", plan.name, args.chart.name()))
 }
 
-fn draw(root: &Root, study: &str, charts: &[Chart], folder: &str) -> Result<()> {
-    let runs = root.join("results/runs");
-    let Some(stored) = latest(&runs, study) else {
+fn plan(root: &Root, args: &Args) -> Result<Plan> {
+    Plan::read(&root.plan(&args.plan)?, args.quick)
+}
+
+/// The tables of a study, and where they are.
+fn stored(root: &Root, study: &str) -> Result<(Tables, PathBuf)> {
+    let runs = runs_folder(root);
+    let Some(folder) = tables_folder(&runs, study) else {
         bail!("no study of plan `{study}` is stored in {}: `gravel bench` makes one", runs.display());
     };
-    let out = root.join("reports/out").join(folder);
-    let files = reports::report(&read(&stored)?, charts, &out)?;
-    say(format_args!("rows and curves   {}", stored.display()))?;
-    say_files(&out, &files)
+    Ok((read(&folder)?, folder))
 }
 
-/// Where the files of a report are, and their names.
-pub(crate) fn say_files(out: &Path, files: &[PathBuf]) -> Result<()> {
+/// Draws charts of a study into a folder of reports/out, and says where all is.
+pub(crate) fn draw(
+    root: &Root,
+    tables: &Tables,
+    charts: &[Chart],
+    stored: &Path,
+    folder: &str,
+) -> Result<()> {
+    let out = root.join("reports/out").join(folder);
+    let files = reports::report(tables, charts, &out)?;
+    say(format_args!("rows and curves   {}", stored.display()))?;
     say(format_args!("tables and figures {}", out.display()))?;
     for file in files {
         say(format_args!("  {}", file.file_name().unwrap_or_default().to_string_lossy()))?;

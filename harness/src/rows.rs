@@ -1,10 +1,12 @@
 //! From what the harness holds to the rows of the results.
 
-use crate::curve::first_at;
-use crate::plan::Variant;
+use crate::curve::{first_at, measured};
+use crate::plan::{Plan, Variant};
+use crate::problems::Problem;
 use crate::study::{Study, Task};
+use crate::truth::Given;
 use cases::Frozen;
-use contact::Outcome;
+use contact::{Meter, Outcome, Truth, Work};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Timing};
@@ -17,26 +19,60 @@ use std::collections::BTreeMap;
 pub(crate) fn asked_row(study: &Study, task: &Task, provenance: &Provenance, timing: Timing) -> Run {
     // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
     let subdomains = |grid: Grid| u32::try_from(grid.count()).unwrap_or(u32::MAX);
-    let (plan, variant, frozen) = (&study.plan, task.variant, &task.problem.frozen);
+    let variant = task.variant;
     Run {
-        run: 0,
         id: task.id.clone(),
-        plan: plan.name.clone(),
-        problem: frozen.name.clone(),
-        problem_hash: task.problem.hash.clone(),
-        problem_settings: task.problem.settings.clone(),
-        grains: frozen.problem.grain_count() as u32,
-        contacts: frozen.problem.contact_count() as u32,
         method: variant.method.name.to_owned(),
         settings: Value::Object(variant.method.settings.clone()).to_string(),
-        derived: "{}".to_owned(),
         variant: variant.name.clone(),
         subdomains: setting::<Grid>(variant, "subdomains").map_or(1, subdomains),
-        warm_start: plan.warm_start,
+        warm_start: variant.warm_start,
+        status: "skipped".to_owned(),
+        timing,
+        ..nothing_done(&study.asked.plan, task.problem, provenance)
+    }
+}
+
+/// The row of impulses that another code gave: measured as ours are, with nothing run.
+pub(crate) fn given_row(
+    plan: &Plan,
+    problem: &Problem,
+    given: &Given,
+    truth: Option<&Truth>,
+    provenance: &Provenance,
+) -> Run {
+    let meter = Meter::new(&problem.frozen.problem);
+    let mut meter = if let Some(truth) = truth { meter.against(truth) } else { meter };
+    let measures = meter.measure(&given.impulse, 0.0);
+    Run {
+        method: "given".to_owned(),
+        variant: given.from.clone(),
+        status: "given".to_owned(),
+        end: Sample { iteration: 0, iterating_s: f64::NAN, ..measured(&measures, &Work::default()) },
+        ..nothing_done(plan, problem, provenance)
+    }
+}
+
+fn nothing_done(plan: &Plan, problem: &Problem, provenance: &Provenance) -> Run {
+    Run {
+        run: 0,
+        id: String::new(),
+        plan: plan.name.clone(),
+        problem: problem.frozen.name.clone(),
+        problem_hash: problem.hash.clone(),
+        problem_settings: problem.settings.clone(),
+        grains: problem.frozen.problem.grain_count() as u32,
+        contacts: problem.frozen.problem.contact_count() as u32,
+        method: String::new(),
+        settings: "{}".to_owned(),
+        derived: "{}".to_owned(),
+        variant: String::new(),
+        subdomains: 1,
+        warm_start: false,
         stop_on: plan.stop.on.name().to_owned(),
         tolerance: plan.stop.tolerance,
         max_iterations: plan.stop.max_iterations,
-        status: "skipped".to_owned(),
+        status: String::new(),
         reason: String::new(),
         iterations: 0,
         setup_s: f64::NAN,
@@ -47,11 +83,21 @@ pub(crate) fn asked_row(study: &Study, task: &Task, provenance: &Provenance, tim
         iterations_to_natural_map_1e_4: None,
         iterations_to_velocity_error_1e_2: None,
         iterations_to_velocity_error_1e_4: None,
-        timing,
+        timing: UNTIMED,
         end: NO_ITERATE,
         provenance: provenance.clone(),
     }
 }
+
+/// Before a run, and where there is none.
+pub(crate) const UNTIMED: Timing = Timing {
+    repeats: 0,
+    timed_alone: false,
+    setup_spread_s: f64::NAN,
+    iterating_spread_s: f64::NAN,
+    wall_s: f64::NAN,
+    load_average: f64::NAN,
+};
 
 /// Nothing was done, and no measure is defined.
 const NO_ITERATE: Sample = Sample {

@@ -1,9 +1,15 @@
-//! `gravel plan`: the runs of a plan, and how many they are, with nothing run.
+//! `gravel plan`: the runs of a plan, which of them are made, and how long the others take, with nothing run.
 
-use crate::asked::{Asked, StudyArgs};
+use crate::asked::StudyArgs;
+use crate::bench::runs_folder;
 use crate::inputs::Root;
 use crate::output::say;
+use crate::study::{Progress, Study};
 use anyhow::Result;
+use indicatif::HumanDuration;
+use results::store::records_of;
+use std::collections::HashSet;
+use std::time::Duration;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -14,41 +20,74 @@ pub(crate) struct Args {
     count: bool,
 }
 
+/// A run of the plan, as it is shown.
+struct Row<'s> {
+    problem: &'s str,
+    method: &'s str,
+    variant: &'s str,
+    done: bool,
+}
+
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    let study = args.study.asked(root)?;
-    say(format_args!("plan {}: {}", study.plan.name, study.plan.why))?;
-    for note in &study.notes {
+    let asked = args.study.asked(root)?;
+    let records = records_of(&runs_folder(root).join(&asked.plan.name))?;
+    let study = Study::at_hand(asked, root);
+    say(format_args!("plan {}: {}", study.asked.plan.name, study.asked.plan.why))?;
+    for note in &study.asked.notes {
         say(format_args!("  {note}"))?;
     }
+    let Progress { missing, left_s } = study.progress(&records);
+    let missing: HashSet<(&str, &str, &str)> = missing
+        .iter()
+        .map(|task| (task.problem.frozen.name.as_str(), task.variant.method.name, task.variant.name.as_str()))
+        .collect();
+    // A problem that is not made has no run.
+    let at_hand: HashSet<&str> = study.problems.iter().map(|problem| problem.frozen.name.as_str()).collect();
+    let rows: Vec<Row> = study
+        .asked
+        .selected()
+        .map(|(problem, variant)| (problem.name.as_str(), variant.method.name, variant.name.as_str()))
+        .map(|run| (run, at_hand.contains(run.0) && !missing.contains(&run)))
+        .map(|((problem, method, variant), done)| Row { problem, method, variant, done })
+        .collect();
     if !args.count {
-        let problems = study.problems.iter().map(|problem| problem.name.chars().count());
-        let width = problems.max().unwrap_or(0);
-        for problem in &study.problems {
-            for variant in &study.variants {
-                let run = format!("{:<width$}  {} {}", problem.name, variant.method.name, variant.name);
-                say(format_args!("  {}", run.trim_end()))?;
+        say_runs(&rows)?;
+    }
+    say_counts(&rows, left_s)
+}
+
+fn say_runs(rows: &[Row]) -> Result<()> {
+    let width = rows.iter().map(|row| row.problem.chars().count()).max().unwrap_or(0);
+    for Row { problem, method, variant, done } in rows {
+        let made = if *done { "done" } else { "" };
+        say(format_args!("  {made:<4}  {}", format!("{problem:<width$}  {method} {variant}").trim_end()))?;
+    }
+    Ok(())
+}
+
+/// Runs on each problem, of each method, and in all; those that are made, and all.
+fn say_counts(rows: &[Row], left_s: Option<f64>) -> Result<()> {
+    let mut counts: Vec<(String, usize, usize)> = Vec::new();
+    let on = |row: &Row| format!("on {}", row.problem);
+    let of = |row: &Row| format!("of {}", row.method);
+    let all = |_: &Row| "in all".to_owned();
+    for kind in [&on as &dyn Fn(&Row) -> String, &of, &all] {
+        for row in rows {
+            let (name, done) = (kind(row), usize::from(row.done));
+            match counts.iter_mut().find(|(known, ..)| *known == name) {
+                Some((_, made, runs)) => (*made, *runs) = (*made + done, *runs + 1),
+                None => counts.push((name, done, 1)),
             }
         }
     }
-    say_counts(&study)
-}
-
-/// Runs on each problem, of each method, and in all.
-fn say_counts(study: &Asked) -> Result<()> {
-    let (problems, variants) = (study.problems.len(), study.variants.len());
-    let mut methods: Vec<(&str, usize)> = Vec::new();
-    for variant in &study.variants {
-        match methods.iter_mut().find(|(name, _)| *name == variant.method.name) {
-            Some((_, runs)) => *runs += problems,
-            None => methods.push((variant.method.name, problems)),
-        }
+    say(format_args!("  {:>7}  {:>7}", "done", "runs"))?;
+    for (what, done, runs) in counts {
+        say(format_args!("  {done:>7}  {runs:>7}  {what}"))?;
     }
-    let on = study.problems.iter().map(|problem| (format!("on {}", problem.name), variants));
-    let of = methods.into_iter().map(|(name, runs)| (format!("of {name}"), runs));
-    let all = std::iter::once(("in all".to_owned(), study.runs()));
-    say(format_args!("runs"))?;
-    for (what, runs) in on.chain(of).chain(all) {
-        say(format_args!("  {runs:>7}  {what}"))?;
+    if let Some(left) = left_s.filter(|s| *s > 0.0) {
+        // The others are judged by runs of the same method.
+        let left = HumanDuration(Duration::from_secs_f64(left));
+        say(format_args!("about {left} left on problems that are made, one run at a time"))?;
     }
     Ok(())
 }

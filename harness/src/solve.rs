@@ -4,7 +4,7 @@ use crate::inputs::{Root, content_hash, is_toml, time_step};
 use crate::methods::{Method, key_value};
 use crate::output::{check_place, say, write_whole};
 use crate::problems::marched;
-use crate::progress;
+use crate::progress::Line;
 use crate::truth::{Known, known};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen};
@@ -117,21 +117,14 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
 
     let asked = args.truth || stop.on == Measure::VelocityError;
     let known = if asked { known(root, &frozen)? } else { Known::Nothing };
-    let line = progress::spinner();
+    let mut line = Line::alone(method.name.to_owned());
     let mut observe = |progress: &Progress| {
-        if progress.iteration.is_multiple_of(256) {
-            let value = progress.measures.get(stop.on);
-            line.set_message(format!(
-                "{}: iteration {}, {} {value:.2e}",
-                method.name, progress.iteration, stop.on
-            ));
-            line.tick();
-        }
+        line.show(progress, stop.on);
         ControlFlow::Continue(())
     };
     let outcome = solve_against(known.truth(), &*method.solver, &frozen.problem, &r0, &stop, &mut observe)
         .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
-    line.finish_and_clear();
+    drop(line);
 
     if let Some(file) = &args.impulses {
         if file.exists() {

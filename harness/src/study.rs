@@ -1,22 +1,19 @@
 //! A plan with its problems at hand: the runs that it asks for, each with its identity.
 
+use crate::asked::Asked;
 use crate::identity::run_id;
-use crate::plan::{Plan, Variant};
-use crate::problems::Problem;
+use crate::inputs::Root;
+use crate::plan::Variant;
+use crate::problems::{PlannedProblem, Problem};
+use anyhow::Result;
 use results::journal::Record;
 use results::schema::Run;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-/// A plan and all that it names.
+/// A plan with those of its problems that are at hand: all that runs to be made need, and others that need not be made.
 pub(crate) struct Study {
-    /// The arguments that ask for it again.
-    pub(crate) again: String,
-    /// The plan; its name says whether it is quick, changed or not the whole one.
-    pub(crate) plan: Plan,
+    pub(crate) asked: Asked,
     pub(crate) problems: Vec<Problem>,
-    pub(crate) variants: Vec<Variant>,
-    /// What was changed or left out, in words.
-    pub(crate) notes: Vec<String>,
 }
 
 /// One run that a study asks for.
@@ -28,28 +25,48 @@ pub(crate) struct Task<'s> {
 }
 
 impl Study {
-    /// Every run, in the order of the plan.
+    /// Makes the problems of the runs to be made.
+    pub(crate) fn made(asked: Asked, root: &Root) -> Result<Self> {
+        let needed = |problem: &PlannedProblem| {
+            asked.variants.iter().any(|variant| asked.selects(&problem.name, variant))
+        };
+        let mut problems = Vec::new();
+        for problem in &asked.problems {
+            let made = if needed(problem) { Some(problem.made(root)?) } else { problem.at_hand(root) };
+            problems.extend(made);
+        }
+        Ok(Self { asked, problems })
+    }
+
+    /// Makes nothing.
+    pub(crate) fn at_hand(asked: Asked, root: &Root) -> Self {
+        let problems = asked.problems.iter().filter_map(|problem| problem.at_hand(root)).collect();
+        Self { asked, problems }
+    }
+
+    /// Every run on the problems at hand, in the order of the plan.
     pub(crate) fn tasks(&self) -> Vec<Task<'_>> {
-        let of_problem = |problem| self.variants.iter().map(move |variant| self.task(problem, variant));
+        let of_problem = |problem| self.asked.variants.iter().map(move |variant| self.task(problem, variant));
         self.problems.iter().flat_map(of_problem).collect()
     }
 
-    /// The runs whose id is not in `done`, each once.
+    /// The runs to be made whose id is not in `done`, each once.
     pub(crate) fn missing(&self, done: &HashSet<&str>) -> Vec<Task<'_>> {
         let mut known = HashSet::new();
         let mut tasks = self.tasks();
+        tasks.retain(|task| self.asked.selects(&task.problem.frozen.name, task.variant));
         tasks.retain(|task| !done.contains(task.id.as_str()) && known.insert(task.id.clone()));
         tasks
     }
 
     fn task<'s>(&'s self, problem: &'s Problem, variant: &'s Variant) -> Task<'s> {
-        let id = run_id(&problem.hash, &variant.method, &self.plan.stop, self.plan.warm_start);
+        let id = run_id(&problem.hash, variant, &self.asked.plan.stop);
         Task { problem, variant, id }
     }
 }
 
-/// How much of a study there is.
-pub(crate) struct Made<'s> {
+/// How far a study is.
+pub(crate) struct Progress<'s> {
     /// The runs that are missing, each once.
     pub(crate) missing: Vec<Task<'s>>,
     /// How long the missing ones take, one at a time, judged by those of the same method that are there, or else by all;
@@ -58,8 +75,8 @@ pub(crate) struct Made<'s> {
 }
 
 impl Study {
-    /// Which runs the records lack.
-    pub(crate) fn made(&self, records: &[Record]) -> Made<'_> {
+    /// Which of the runs to be made the records lack.
+    pub(crate) fn progress(&self, records: &[Record]) -> Progress<'_> {
         let done: HashSet<&str> = records.iter().map(|record| record.run.id.as_str()).collect();
         let missing = self.missing(&done);
         let mut seconds: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
@@ -74,7 +91,7 @@ impl Study {
             seconds.into_iter().map(|(method, seconds)| (method, median(seconds))).collect();
         let one = |task: &Task| of_method.get(task.variant.method.name).copied().flatten().or(all);
         let left_s = missing.iter().map(one).sum();
-        Made { missing, left_s }
+        Progress { missing, left_s }
     }
 }
 

@@ -1,21 +1,25 @@
 //! From the records of a store to the tables of a study as its plan is now, and what is to be said of them.
 
-use crate::methods::Method;
-use crate::rows::{partitions, scene_rows};
+use crate::inputs::Root;
+use crate::rows::{given_row, partitions, scene_rows};
 use crate::study::{Study, by_id};
 use anyhow::Result;
-use cases::Frozen;
-use contact::{Status, Stop};
 use results::journal::Record;
-use results::schema::{Run, Sample};
+use results::schema::{Provenance, Run, Sample};
 use results::store::Tables;
 use results::tables::{contacts_table, curves_table, grains_table, runs_table};
 use std::collections::{HashMap, HashSet};
 
 /// The runs that the plan asks for and the store has, in the plan's order, under the names that the plan gives them now;
 /// and the problems as they are drawn.
-pub(crate) fn tables(study: &Study, records: &[Record]) -> Result<Tables> {
+pub(crate) fn tables(
+    root: &Root,
+    study: &Study,
+    records: &[Record],
+    provenance: &Provenance,
+) -> Result<Tables> {
     let known = by_id(records);
+    let plan = &study.asked.plan;
     let mut runs = Vec::new();
     let mut curves: Vec<(u32, &[Sample])> = Vec::new();
     for task in study.tasks() {
@@ -23,7 +27,7 @@ pub(crate) fn tables(study: &Study, records: &[Record]) -> Result<Tables> {
             let run = runs.len() as u32;
             runs.push(Run {
                 run,
-                plan: study.plan.name.clone(),
+                plan: plan.name.clone(),
                 problem: task.problem.frozen.name.clone(),
                 variant: task.variant.name.clone(),
                 ..record.run.clone()
@@ -31,15 +35,22 @@ pub(crate) fn tables(study: &Study, records: &[Record]) -> Result<Tables> {
             curves.push((run, &record.curve));
         }
     }
+    for problem in &study.problems {
+        if let Some(given) = &problem.given {
+            let run = runs.len() as u32;
+            let row = given_row(plan, problem, given, problem.known(root)?.truth(), provenance);
+            runs.push(Run { run, ..row });
+        }
+    }
     let (mut grains, mut contacts) = (Vec::new(), Vec::new());
-    let partitions = partitions(&study.variants);
+    let partitions = partitions(&study.asked.variants);
     // Without a partition there is nothing to draw.
     for problem in study.problems.iter().filter(|_| !partitions.is_empty()) {
-        let impulses = impulses(&problem.frozen)?;
+        let impulses = problem.known(root)?.impulses();
         for (name, grid, scheme) in &partitions {
             // Runs with a partition that does not fit the problem were skipped.
             if let Ok(partition) = scheme.partition(&problem.frozen.problem, *grid) {
-                let (g, c) = scene_rows(&problem.frozen, name, &partition, impulses.as_deref());
+                let (g, c) = scene_rows(&problem.frozen, name, &partition, impulses);
                 grains.extend(g);
                 contacts.extend(c);
             }
@@ -51,15 +62,6 @@ pub(crate) fn tables(study: &Study, records: &[Record]) -> Result<Tables> {
         grains: grains_table(&grains)?,
         contacts: contacts_table(&contacts)?,
     })
-}
-
-/// Impulses to draw (N·s): the same whatever methods a study compares, and whether they converge; `None` if the method
-/// for it does not.
-fn impulses(frozen: &Frozen) -> Result<Option<Vec<f64>>> {
-    let cg = Method::parse("cg", &[("preconditioner".to_owned(), "diagonal".to_owned())])?;
-    let r0 = frozen.start(false);
-    let outcome = contact::solve(&*cg.solver, &frozen.problem, &r0, &Stop::default(), &mut |_| {})?;
-    Ok((outcome.status == Status::Converged).then_some(outcome.impulses))
 }
 
 /// What a reader of the tables must know of where their rows come from: one sentence each.
@@ -88,9 +90,13 @@ pub(crate) fn notes(study: &Study, records: &[Record]) -> Vec<String> {
             "Runs made beside others: {together}; their seconds are not those of a run alone."
         ));
     }
-    let once = timed().filter(|run| run.timing.repeats < study.plan.repeats.get()).count();
+    let once = timed().filter(|run| run.timing.repeats < study.asked.plan.repeats.get()).count();
     if once > 0 {
         notes.push(format!("Runs repeated less often than the plan asks: {once}."));
+    }
+    let missing = study.asked.runs() - runs.len();
+    if missing > 0 {
+        notes.push(format!("Runs of the plan that are not made yet: {missing}."));
     }
     let others = known.keys().filter(|id| !asked.contains(**id)).count();
     if others > 0 {

@@ -11,8 +11,8 @@ use std::path::Path;
 
 /// What is known of the solution of a problem.
 pub(crate) enum Known {
-    /// The solution.
-    Solution(Truth),
+    /// The solution, and impulses that reach it (N·s).
+    Solution { truth: Truth, impulses: Vec<f64> },
     /// That there is none.
     Infeasible,
     /// Nothing: no reference could be certified.
@@ -22,7 +22,14 @@ pub(crate) enum Known {
 impl Known {
     pub(crate) fn truth(&self) -> Option<&Truth> {
         match self {
-            Self::Solution(truth) => Some(truth),
+            Self::Solution { truth, .. } => Some(truth),
+            Self::Infeasible | Self::Nothing => None,
+        }
+    }
+
+    pub(crate) fn impulses(&self) -> Option<&[f64]> {
+        match self {
+            Self::Solution { impulses, .. } => Some(impulses),
             Self::Infeasible | Self::Nothing => None,
         }
     }
@@ -30,11 +37,35 @@ impl Known {
     /// Whether a run that was stopped on ζ as converged has not: ζ measures the last iteration, not the error.
     pub(crate) fn belies(&self, stop: &Stop, outcome: &Outcome) -> bool {
         let wrong = match self {
-            Self::Solution(_) => outcome.measures.velocity_error > 100.0 * stop.tolerance,
+            Self::Solution { .. } => outcome.measures.velocity_error > 100.0 * stop.tolerance,
             Self::Infeasible => true,
             Self::Nothing => false,
         };
         wrong && outcome.status == Status::Converged && stop.on == Measure::Zeta
+    }
+}
+
+/// Impulses that another code, or another run, gave.
+#[derive(Clone, Debug, Deserialize)]
+pub(crate) struct Given {
+    /// In the problem's contact order (N·s).
+    pub(crate) impulse: Vec<f64>,
+    /// Who gave them.
+    #[serde(default)]
+    pub(crate) from: String,
+}
+
+impl Given {
+    /// Reads a file with `{"impulse": […]}`; whatever else it tells is left aside.
+    pub(crate) fn read(file: &Path, problem: &ContactProblem) -> Result<Self> {
+        let name = || file.display().to_string();
+        let text = std::fs::read_to_string(file).with_context(name)?;
+        let given: Self = serde_json::from_str(&text).with_context(name)?;
+        let (found, expected) = (given.impulse.len(), problem.contact_count());
+        if found != expected {
+            bail!("{}: `impulse` has {found} values where the problem has {expected} contacts", name());
+        }
+        Ok(given)
     }
 }
 
@@ -49,7 +80,9 @@ enum Kept {
 /// What is known of a problem, from `results/references` if it is there, else computed and kept there.
 pub(crate) fn known(root: &Root, frozen: &Frozen) -> Result<Known> {
     Ok(match answer(root, frozen)? {
-        Answer::Solution { impulses, .. } => Known::Solution(Truth::new(&frozen.problem, &impulses)),
+        Answer::Solution { impulses, .. } => {
+            Known::Solution { truth: Truth::new(&frozen.problem, &impulses), impulses }
+        }
         Answer::Infeasible { .. } => {
             eprintln!("{}: the problem has no solution", frozen.name);
             Known::Infeasible

@@ -7,7 +7,7 @@ use crate::ReportError;
 use crate::number::number;
 
 /// What is told of each run.
-const COLUMNS: [&str; 17] = [
+const COLUMNS: [&str; 19] = [
     "problem",
     "method",
     "variant",
@@ -24,11 +24,13 @@ const COLUMNS: [&str; 17] = [
     "factorisations",
     "setup_s",
     "iterating_s",
+    "natural_map",
+    "velocity_error",
     "reason",
 ];
 
 /// What of it a page is wide enough for, with the headings there.
-const TEXT_COLUMNS: [(&str, &str); 10] = [
+const TEXT_COLUMNS: [(&str, &str); 11] = [
     ("problem", "problem"),
     ("method", "method"),
     ("variant", "variant"),
@@ -39,6 +41,7 @@ const TEXT_COLUMNS: [(&str, &str); 10] = [
     ("iterations_to_natural_map_1e_4", "≤ 10⁻⁴"),
     ("iterations", "iterations"),
     ("iterating_s", "seconds"),
+    ("velocity_error", "error at the end"),
 ];
 
 /// Iterations to each accuracy, counted work and seconds, one row per run in the order of the study.

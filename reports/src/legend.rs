@@ -25,15 +25,13 @@ pub(crate) struct Look {
 pub(crate) struct Looks<'t> {
     /// Methods in the order of the study, each with its kinds of run in the order of their subdomains.
     methods: Vec<(&'t str, Vec<Kind<'t>>)>,
-    /// Whether runs differ in how they begin.
-    both_starts: bool,
 }
 
-/// Subdomains, variant, warm start: what tells two runs of a method on a problem apart.
-type Kind<'t> = (u32, &'t str, bool);
+/// Subdomains and variant: what tells two runs of a method on a problem apart.
+type Kind<'t> = (u32, &'t str);
 
 fn kind(run: &RunRow) -> Kind<'_> {
-    (run.subdomains, &run.variant, run.warm_start)
+    (run.subdomains, &run.variant)
 }
 
 impl<'t> Looks<'t> {
@@ -52,10 +50,9 @@ impl<'t> Looks<'t> {
         }
         for (_, kinds) in &mut methods {
             // Stable: kinds with as many subdomains stay in the order of the study.
-            kinds.sort_by_key(|&(subdomains, _, _)| subdomains);
+            kinds.sort_by_key(|&(subdomains, _)| subdomains);
         }
-        let both_starts = runs.iter().any(|run| run.warm_start) && runs.iter().any(|run| !run.warm_start);
-        Self { methods, both_starts }
+        Self { methods }
     }
 
     /// Place of a run in the order of the legend.
@@ -93,9 +90,6 @@ impl<'t> Looks<'t> {
             "" | "none" => {}
             grid if grid.starts_with(|c: char| c.is_ascii_digit()) => label.extend([" ", grid]),
             words => label.extend([", ", words]),
-        }
-        if self.both_starts && run.warm_start {
-            label += ", warm start";
         }
         label
     }

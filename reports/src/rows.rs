@@ -6,7 +6,7 @@ use polars::prelude::DataFrame;
 use serde_json::{Map, Value};
 
 use crate::ReportError;
-use crate::columns::{bools, measures, newer, texts, u32s, u64s};
+use crate::columns::{measures, newer, texts, u32s, u64s};
 use crate::ending::Ending;
 
 /// A run, without its curve.
@@ -20,7 +20,6 @@ pub(crate) struct RunRow {
     pub(crate) derived: Map<String, Value>,
     pub(crate) variant: String,
     pub(crate) subdomains: u32,
-    pub(crate) warm_start: bool,
     pub(crate) stop_on: String,
     pub(crate) tolerance: Option<f64>,
     pub(crate) ending: Ending,
@@ -56,6 +55,18 @@ impl Point {
     }
 }
 
+/// Impulses that another code gave are no run.
+const GIVEN: &str = "given";
+
+/// The velocity errors of the impulses that other codes gave: problem, code, error.
+pub(crate) fn given(table: &DataFrame) -> Result<Vec<(String, String, Option<f64>)>, ReportError> {
+    let (problem, from) = (texts(table, "problem")?, texts(table, "variant")?);
+    let (status, error) = (texts(table, "status")?, newer(table, "velocity_error")?);
+    let rows = problem.into_iter().zip(from).zip(error).zip(status);
+    let given = rows.filter(|(_, status)| status == GIVEN);
+    Ok(given.map(|(((problem, from), error), _)| (problem, from, error)).collect())
+}
+
 pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
     let (run, grains) = (u32s(table, "run")?, u32s(table, "grains")?);
     let (contacts, subdomains) = (u32s(table, "contacts")?, u32s(table, "subdomains")?);
@@ -63,7 +74,7 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
     let (settings, derived) = (json(table, "settings")?, json(table, "derived")?);
     let (variant, status) = (texts(table, "variant")?, texts(table, "status")?);
     let (stop_on, tolerance) = (texts(table, "stop_on")?, measures(table, "tolerance")?);
-    let (warm_start, iterations) = (bools(table, "warm_start")?, u64s(table, "iterations")?);
+    let iterations = u64s(table, "iterations")?;
     let (setup_s, iterating_s) = (measures(table, "setup_s")?, measures(table, "iterating_s")?);
     let row = |i: usize| RunRow {
         run: run[i],
@@ -75,7 +86,6 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
         derived: derived[i].clone(),
         variant: variant[i].clone(),
         subdomains: subdomains[i],
-        warm_start: warm_start[i],
         stop_on: stop_on[i].clone(),
         tolerance: tolerance[i],
         ending: Ending::of(&status[i]),
@@ -83,7 +93,7 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
         setup_s: setup_s[i],
         iterating_s: iterating_s[i],
     };
-    Ok((0..table.height()).map(row).collect())
+    Ok((0..table.height()).filter(|i| status[*i] != GIVEN).map(row).collect())
 }
 
 fn json(table: &DataFrame, column: &str) -> Result<Vec<Map<String, Value>>, ReportError> {

@@ -9,10 +9,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use results::store::Tables;
 
 use crate::canvas::{Canvas, svg, text_width};
-use crate::ending::Ending;
-use crate::legend::Looks;
 use crate::number::{count, counted, number};
-use crate::rows::runs;
 use crate::style::{
     BOUNDARY_GRAIN, CHAIN, GRAIN, IDLE, LEADING, MARGIN, Pen, SUBDOMAINS, TEXT, TICK_TEXT, WALL, WHITE,
 };
@@ -28,28 +25,20 @@ const THINNEST_CHAIN: f64 = 0.04;
 /// `sample-<problem>-<partition>.svg` for each problem and partition of the tables.
 pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
     let scenes = scenes(&tables.grains, &tables.contacts)?;
-    let runs = runs(&tables.runs)?;
-    let looks = Looks::new(&runs);
-    // As the column of impulses is documented: those of the first run that converged on the problem.
-    let source = |problem: &str| {
-        runs.iter()
-            .find(|run| run.problem == problem && run.ending == Ending::Converged)
-            .map(|run| looks.label(run))
-    };
     let figure = |((problem, partition), scene): ((String, String), Scene)| {
         let name = format!("sample-{}-{}.svg", crate::file_name(&problem), crate::file_name(&partition));
-        Ok((name, draw(&format!("{problem}, {partition}"), &scene, source(&problem))?))
+        Ok((name, draw(&format!("{problem}, {partition}"), &scene)?))
     };
     scenes.into_iter().map(figure).collect()
 }
 
 /// The scene, its scales, the key of its colours, and its counts in words.
-fn draw(title: &str, scene: &Scene, source: Option<String>) -> Result<String, ReportError> {
+fn draw(title: &str, scene: &Scene) -> Result<String, ReportError> {
     let view = View::of(scene);
     let inside = view.width - 2.0 * MARGIN;
     let key = Key::of(scene);
     let mut lines = wrapped(title, inside)?;
-    lines.extend(wrapped(&caption(scene, &view, source), inside)?);
+    lines.extend(wrapped(&caption(scene, &view), inside)?);
     let scales = MARGIN + view.height + 0.8 * LEADING;
     let key_top = scales + 0.8 * LEADING;
     let text_top = key_top + key.height() + 0.3 * LEADING;
@@ -114,7 +103,7 @@ fn looks(grain: &GrainRow) -> (plotters::style::RGBColor, Pen) {
 }
 
 /// The counts, and what the lines mean.
-fn caption(scene: &Scene, view: &View, source: Option<String>) -> String {
+fn caption(scene: &Scene, view: &View) -> String {
     let walls = scene.contacts.iter().filter(|contact| contact.wall).count();
     let boundary = scene.grains.iter().filter(|grain| grain.multiplicity > 1).count();
     let counts = format!(
@@ -127,8 +116,9 @@ fn caption(scene: &Scene, view: &View, source: Option<String>) -> String {
     );
     if view.greatest > 0.0 {
         let share = number(100.0 * THINNEST_CHAIN / view.widest, 1);
-        let of = source.map_or(String::new(), |label| format!(" by {label}"));
-        format!("{counts} Lines: impulses{of}; below {share}\u{a0}% of the greatest not drawn.")
+        format!(
+            "{counts} Lines: impulses of the reference solution; below {share}\u{a0}% of the greatest not drawn."
+        )
     } else {
         format!("{counts} No impulse is known.")
     }

@@ -92,13 +92,9 @@ fn undefined_infinite_zero_and_negative_values_are_no_obstacle() {
 }
 
 #[test]
-fn legend_orders_variants_by_subdomains_and_shows_a_warm_start_only_beside_a_cold_one() {
+fn legend_orders_variants_by_subdomains() {
     let svg = &figures(&study())[0].1;
     assert!(svg.find("nsgs-dd 2x1").unwrap() < svg.find("nsgs-dd 4x2").unwrap());
-    assert!(!svg.contains("warm start"));
-    let warm = Run { warm_start: true, ..run(1, "nsgs", "", "converged") };
-    let both = tables(&[run(0, "nsgs", "", "converged"), warm], &[]);
-    assert!(figures(&both)[0].1.contains("nsgs, warm start"));
 }
 
 #[test]

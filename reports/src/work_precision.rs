@@ -9,7 +9,7 @@ use crate::cost::{ACCURACIES, COSTS, Cost, WORK, reached};
 use crate::curve::{LogPoint, log_point, range};
 use crate::number::{number, power_of_ten};
 use crate::panels::{INSIDE, Room, nothing, row};
-use crate::rows::{RunRow, problems, runs};
+use crate::rows::{RunRow, given, problems, runs};
 use crate::signs::Sign;
 use crate::statistics::padded;
 use crate::study::{Line, Study, draw_lines};
@@ -28,6 +28,12 @@ pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
     }
     if files.is_empty() {
         text += "no run in this study\n";
+    }
+    for (problem, code, error) in given(&tables.runs)? {
+        if let Some(error) = error {
+            let error = number(error, 2);
+            text += &format!("{problem}: the impulses that {code} gave have a velocity error of {error}.\n");
+        }
     }
     files.push(("work-precision.md".to_owned(), format!("{text}\nOne run each. {WORK}\n")));
     Ok(files)

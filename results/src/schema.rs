@@ -47,7 +47,7 @@ pub struct Run {
     pub max_iterations: u64,
     /// `converged`, `iteration-limit`, `diverged` or `infeasible`; `false-convergence` if it was stopped on ζ as
     /// converged while `velocity_error` is more than 100 times the tolerance, or the problem has no solution; `skipped` if
-    /// the method could not start on the problem.
+    /// the method could not start on the problem; `given` for impulses of another code, which no run here made.
     pub status: String,
     /// Why the run was skipped: the setting, its value, what would be accepted; empty for a run that ended.
     pub reason: String,
@@ -227,7 +227,7 @@ pub struct ContactRow {
     pub wall: bool,
     /// The subdomain of the contact.
     pub subdomain: u32,
-    /// Impulse that solves the problem, the same in every study; NaN if it was not solved (N·s).
+    /// Impulse of the reference solution, the same in every study; NaN if there is none (N·s).
     pub impulse_n_s: f64,
 }
 

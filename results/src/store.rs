@@ -184,17 +184,7 @@ impl Store {
     }
 }
 
-/// The runs that the study of a plan holds at this moment, whoever writes to it; those of a study that is not there
-/// are none.
-///
-/// # Errors
-///
-/// If the plan's name is not a folder's, or the journal cannot be read.
-pub fn records(root: &Path, plan: &str) -> Result<Vec<Record>, StoreError> {
-    records_of(&folder(root, plan)?)
-}
-
-/// The runs that a study's folder holds.
+/// The runs that a study's folder holds at this moment, whoever writes to it; none if it is not there.
 ///
 /// # Errors
 ///
@@ -223,7 +213,7 @@ pub fn read(folder: &Path) -> Result<Tables, StoreError> {
 }
 
 /// The folder of a plan's study, if it has tables.
-pub fn latest(root: &Path, plan: &str) -> Option<PathBuf> {
+pub fn tables_folder(root: &Path, plan: &str) -> Option<PathBuf> {
     let folder = folder(root, plan).ok()?;
     folder.join(RUNS).is_file().then_some(folder)
 }

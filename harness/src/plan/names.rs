@@ -6,11 +6,12 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// For each method, the settings in which it differs from the others of the same name: the value where there is one such
-/// setting, as `4x2`; with several of them, `key=value` of each that is not left open.
-pub(crate) fn of_variants(methods: &[Method]) -> Vec<String> {
+/// setting, as `4x2`; with several of them, `key=value` of each that is not left open. Then whether it begins warm, if some
+/// other begins cold.
+pub(crate) fn of_variants(methods: &[(Method, bool)]) -> Vec<String> {
     let mut first: BTreeMap<&str, &Settings> = BTreeMap::new();
     let mut differing: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
-    for Method { name, settings, .. } in methods {
+    for (Method { name, settings, .. }, _) in methods {
         let first = *first.entry(name).or_insert(settings);
         let differs = settings.iter().filter(|(key, value)| first.get(*key) != Some(*value));
         differing.entry(name).or_default().extend(differs.map(|(key, _)| key.as_str()));
@@ -25,7 +26,14 @@ pub(crate) fn of_variants(methods: &[Method]) -> Vec<String> {
             _ => pairs(set().map(|(key, value)| (key.as_str(), value))),
         }
     };
-    methods.iter().map(name).collect()
+    let some_begin_cold = methods.iter().any(|(_, warm_start)| !warm_start);
+    let with_start =
+        |(method, warm_start): &(Method, bool)| match (name(method), warm_start & some_begin_cold) {
+            (name, false) => name,
+            (name, true) if name.is_empty() => "warm start".to_owned(),
+            (name, true) => name + ", warm start",
+        };
+    methods.iter().map(with_start).collect()
 }
 
 /// `key=value` of each, in their order.
@@ -59,11 +67,8 @@ mod tests {
     use serde_json::json;
 
     fn names(method: &str, all: &[Value]) -> Vec<String> {
-        let methods: Vec<Method> = all
-            .iter()
-            .map(|settings| Method::new(method, settings.as_object().unwrap().clone()).unwrap())
-            .collect();
-        of_variants(&methods)
+        let method = |settings: &Value| Method::new(method, settings.as_object().unwrap().clone()).unwrap();
+        of_variants(&all.iter().map(|settings| (method(settings), false)).collect::<Vec<_>>())
     }
 
     #[test]
@@ -91,6 +96,17 @@ mod tests {
         assert_eq!(names("latin-dd", &all), expected);
         let open = [json!({ "kappa_l": 10.0 }), json!({ "kappa_d": 10.0 }), json!({})];
         assert_eq!(names("latin-dd", &open), ["kappa_l=10", "kappa_d=10", "default"]);
+    }
+
+    #[test]
+    fn warm_start_is_named_beside_a_cold_one_only() {
+        let nsgs = |relaxation: f64, warm_start| {
+            let settings = json!({ "relaxation": relaxation });
+            (Method::new("nsgs", settings.as_object().unwrap().clone()).unwrap(), warm_start)
+        };
+        assert_eq!(of_variants(&[nsgs(1.0, false), nsgs(1.0, true)]), ["", "warm start"]);
+        assert_eq!(of_variants(&[nsgs(1.0, false), nsgs(1.5, true)]), ["1", "1.5, warm start"]);
+        assert_eq!(of_variants(&[nsgs(1.0, true), nsgs(1.5, true)]), ["1", "1.5"]);
     }
 
     #[test]

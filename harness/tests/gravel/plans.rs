@@ -124,7 +124,7 @@ fn curves_of_ends_have_fewer_samples_and_the_same_rows() {
 }
 
 #[test]
-fn quick_changed_and_partial_studies_have_places_of_their_own() {
+fn quick_and_changed_studies_have_places_of_their_own() {
     let study = Study::new();
     let nsgs = "[[methods]]\nmethod = \"nsgs\"\naxes = { relaxation = [1.0, 1.5] }\n";
     let text = plan("small", &["pair"], &format!("{nsgs}\n{CG}\n[quick]\nstop.max_iterations = 5\n"));
@@ -135,13 +135,11 @@ fn quick_changed_and_partial_studies_have_places_of_their_own() {
             assert!(ran.stdout.contains(word), "no `{word}` in: {}", ran.stdout);
         }
         let root = study.folder().path().join("results/runs");
-        let folder = results::store::latest(&root, place).unwrap();
+        let folder = results::store::tables_folder(&root, place).unwrap();
         assert_eq!(rows(folder.join("runs.csv")).len(), runs);
     };
     bench(&[], "small", 3, &["plan small: 3 runs, 3 on each problem"]);
     bench(&["--quick"], "small-quick", 3, &["plan small-quick"]);
-    bench(&["--only", "method=ns*"], "small-part", 2, &["2 of the 3 runs"]);
-    bench(&["--only", "method=ns*", "--only", "variant=1.5", "--only", "problem=p*"], "small-part", 1, &[]);
     bench(&["--set", "relaxation=1.2"], "small-changed", 2, &["changed: relaxation = 1.2"]);
     let changed = ["--quick", "--tolerance", "1e-2", "--on", "zeta", "--max-iterations", "9"];
     let words = ["changed: tolerance = 1e-2, on = zeta, max_iterations = 9"];
@@ -191,6 +189,44 @@ fn case_of_a_plan_that_makes_no_sense_is_refused() {
 }
 
 #[test]
+fn part_of_a_study_is_made_first_and_the_rest_later() {
+    let study = study_of_columns();
+    let bench = |args: &[&str]| study.gravel(&[&["bench", "columns"], args].concat()).succeeded().stdout;
+    let problems = || -> Vec<String> {
+        let rows = rows(study.runs("columns").join("runs.csv"));
+        rows.into_iter().map(|mut row| row.remove("problem").unwrap()).collect()
+    };
+    let told = bench(&["--only", "problem=column*9.81", "--only", "method=c*"]);
+    assert!(told.contains("3 of the 7 runs of the plan are asked for"), "{told}");
+    assert!(told.contains("3 of 7 runs to make"), "{told}");
+    assert!(told.contains("Runs of the plan that are not made yet: 4."), "{told}");
+    assert_eq!(problems(), [NAMES[1], NAMES[3], NAMES[5]]);
+    // What is there stays in the tables, whatever is asked for next.
+    assert!(bench(&["--only", "problem=pair"]).contains("1 of 7 runs to make"));
+    assert_eq!(problems(), [NAMES[0], NAMES[1], NAMES[3], NAMES[5]]);
+    let told = bench(&[]);
+    assert!(told.contains("3 of 7 runs to make") && !told.contains("not made yet"), "{told}");
+    assert_eq!(problems(), NAMES);
+}
+
+#[test]
+fn runs_begin_cold_or_warm_as_the_plan_says() {
+    let study = Study::new();
+    let cg = "[[cases]]\ncase = \"column\"\ntime_step = 3\n\n[[methods]]\nmethod = \"cg\"\nwarm_start = [false, true]\n";
+    study.plan("starts", &["pair"], cg);
+    let rows = rows(study.bench("starts").join("runs.csv"));
+    let row = |i: usize| ["problem", "variant", "warm_start", "status"].map(|key| rows[i][key].as_str());
+    assert_eq!(row(0), ["pair", "", "false", "converged"]);
+    assert_eq!(row(1), ["pair", "warm start", "true", "skipped"]);
+    assert!(rows[1]["reason"].contains("no impulses of a time step before"), "{}", rows[1]["reason"]);
+    assert_eq!(row(2), ["column", "", "false", "converged"]);
+    assert_eq!(row(3), ["column", "warm start", "true", "converged"]);
+    // The column rests, and the impulses of the time step before are those of this one.
+    let iterations = |i: usize| rows[i]["iterations"].parse::<u64>().unwrap();
+    assert!(iterations(3) < iterations(2), "{} and {}", iterations(3), iterations(2));
+}
+
+#[test]
 fn runs_of_a_plan_are_shown_and_counted_and_none_is_made() {
     let study = study_of_columns();
     let told = |args: &[&str]| study.gravel(&[&["plan", "columns"], args].concat()).succeeded().stdout;
@@ -201,11 +237,50 @@ fn runs_of_a_plan_are_shown_and_counted_and_none_is_made() {
         assert_eq!(line.split_once(" cg").unwrap().0.trim(), name);
     }
     let count = told(&["--count", "--only", "problem=column*9.81"]);
-    let expected = "plan columns-part: A test.\n  3 of the 7 runs of the plan\nruns\n";
+    let expected = "plan columns: A test.\n  3 of the 7 runs of the plan are asked for\n     done     runs\n";
     assert!(count.starts_with(expected), "{count}");
-    assert!(count.ends_with("        3  of cg\n        3  in all\n"), "{count}");
+    assert!(count.ends_with("        0        3  of cg\n        0        3  in all\n"), "{count}");
     assert_eq!(count.lines().count(), 3 + 3 + 2, "{count}");
     assert_eq!(entries(study.folder().path()), ["cases", "harness"]);
+}
+
+#[test]
+fn runs_that_are_made_are_shown_so_and_the_others_with_the_time_they_may_take() {
+    let study = study_of_columns();
+    study.gravel(&["bench", "columns", "--only", "problem=column*9.81"]).succeeded();
+    let shown = study.gravel(&["plan", "columns"]).succeeded().stdout;
+    let done = |line: &&str| line.starts_with("  done  column ") && line.contains("9.81");
+    assert_eq!(shown.lines().filter(done).count(), 3, "{shown}");
+    assert!(shown.contains("        3        7  in all\n"), "{shown}");
+    assert!(shown.ends_with("left on problems that are made, one run at a time\n"), "{shown}");
+}
+
+#[test]
+fn plans_and_cases_of_the_checkout_satisfy_their_schemas_and_a_typo_does_not() {
+    let (mut compiler, mut schemas) = (boon::Compiler::new(), boon::Schemas::new());
+    for what in ["plan", "case"] {
+        compiler.add_resource(what, gravel(&["schema", what]).succeeded().json()).unwrap();
+    }
+    let [plan, case] = ["plan", "case"].map(|what| compiler.compile(what, &mut schemas).unwrap());
+    let value = |text: &str| -> serde_json::Value { toml::from_str(text).unwrap() };
+    let read = |path: &str| fs::read_to_string(checkout().join(path)).unwrap();
+    for (schema, folder) in [(plan, "harness/plans"), (case, "cases")] {
+        for name in names(folder, ".toml").iter().filter(|name| *name != "Cargo") {
+            let checked = value(&read(&format!("{folder}/{name}.toml")));
+            schemas.validate(&checked, schema).unwrap_or_else(|error| panic!("{name}: {error}"));
+        }
+    }
+    for (schema, path, from, to) in [
+        (plan, "harness/plans/paper.toml", "tolerance", "tolerence"),
+        (plan, "harness/plans/paper.toml", "method = \"jacobi\"", "method = \"jakobi\""),
+        (plan, "harness/plans/paper.toml", "preconditioner =", "precondition ="),
+        (plan, "harness/plans/paper.toml", "\"diagonal\"", "\"diag\""),
+        (case, "cases/column.toml", "gravity_m_per_s2", "gravity"),
+    ] {
+        let text = read(path);
+        assert!(text.contains(from), "no `{from}` to replace in {path}");
+        assert!(schemas.validate(&value(&text.replace(from, to)), schema).is_err(), "{to}");
+    }
 }
 
 #[test]

@@ -69,3 +69,13 @@ fn error_behind_a_small_measure_is_told() {
     let said = "column: where ζ is 10⁻⁴ for the first time, the velocity error is between 10⁻⁴ and 0.50 (2 of 2 runs).";
     assert!(text.contains(said), "{text}");
 }
+
+#[test]
+fn impulses_of_another_code_are_told_with_their_error_and_not_drawn() {
+    let given = Run { variant: "other code".into(), end: sample(0, 1e-7, 2e-5), ..run(1, "given", "", "given") };
+    let made = made(files(&tables(&[run(0, "nsgs", "", "converged"), given], &[(0, decay())])).unwrap());
+    let text = &made.last().unwrap().1;
+    let said = "column: the impulses that other code gave have a velocity error of 2·10⁻⁵.\n";
+    assert!(text.contains(said), "{text}");
+    assert!(!made[0].1.contains("given"));
+}

@@ -70,13 +70,13 @@ fn runs_read_equal_the_runs_appended_to_the_last_bit() {
     let root = TempDir::new().unwrap();
     let journal = stored(&root, 2);
     let all: Vec<Record> = (0..3).map(record).collect();
-    assert!(same(&records(root.path(), "paper").unwrap(), &all[..2]));
+    assert!(same(&records_of(&root.path().join("paper")).unwrap(), &all[..2]));
     let mut store = Store::open(root.path(), "paper").unwrap();
     store.append(record(2)).unwrap();
     assert!(same(store.records(), &all));
     assert_eq!(store.dropped(), 0);
     assert_eq!(fs::read_to_string(journal).unwrap().lines().count(), 3);
-    assert!(records(root.path(), "absent").unwrap().is_empty());
+    assert!(records_of(&root.path().join("absent")).unwrap().is_empty());
 }
 
 #[test]
@@ -152,7 +152,7 @@ fn what_is_set_aside_is_kept_in_a_folder_of_its_own() {
     let first = Store::set_aside(root.path(), "paper").unwrap().unwrap();
     assert_eq!(records_of(&first).unwrap().len(), 1);
     assert_eq!(read(&first).unwrap().runs.height(), 2);
-    assert_eq!(latest(root.path(), "paper"), None);
+    assert_eq!(tables_folder(root.path(), "paper"), None);
     // Even what cannot be read.
     fs::write(&journal, "no run\n").unwrap();
     let second = Store::set_aside(root.path(), "paper").unwrap().unwrap();
@@ -166,12 +166,12 @@ fn tables_read_equal_the_tables_written_and_replace_those_before() {
     let root = TempDir::new().unwrap();
     let written = tables();
     let mut store = Store::open(root.path(), "paper").unwrap();
-    assert_eq!(latest(root.path(), "paper"), None);
+    assert_eq!(tables_folder(root.path(), "paper"), None);
     let mut before = written.clone();
     before.runs = runs_table(&[]).unwrap();
     store.write_tables(&before).unwrap();
     store.write_tables(&written).unwrap();
-    let read = read(&latest(root.path(), "paper").unwrap()).unwrap();
+    let read = read(&tables_folder(root.path(), "paper").unwrap()).unwrap();
     assert!(read.runs.equals_missing(&written.runs));
     assert!(read.curves.equals_missing(&written.curves));
     assert!(read.grains.equals_missing(&written.grains));

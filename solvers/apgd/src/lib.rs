@@ -6,12 +6,12 @@
 //! one.
 
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
-use documented::DocumentedFields;
 use nalgebra::Vector2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the accelerated gradient.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, DocumentedFields, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Apgd {
     /// Nesterov's extrapolation; without it q(r) never increases.
@@ -28,7 +28,7 @@ impl Default for Apgd {
 }
 
 /// The metric of the steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preconditioner {
     /// D = 1.

@@ -5,10 +5,11 @@ use crate::law;
 use crate::problem::ContactProblem;
 use crate::truth::Truth;
 use nalgebra::Vector2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A measure on which a run may be stopped: it falls to 0 at a solution.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
     /// ζ, the paper's indicator.

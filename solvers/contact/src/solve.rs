@@ -6,12 +6,13 @@ use crate::measures::{Measure, Measures, Meter};
 use crate::problem::ContactProblem;
 use crate::truth::{Truth, proves_infeasible};
 use nalgebra::Vector2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 /// Until when a method is advanced.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Stop {
     /// The measure that decides.

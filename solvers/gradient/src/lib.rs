@@ -5,12 +5,12 @@
 //! one product with W and two passes over the contacts. q(r) decreases at every iteration for 0 < s < 2.
 
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
-use documented::DocumentedFields;
 use nalgebra::Vector2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the projected gradient.
-#[derive(Clone, Copy, Debug, PartialEq, DocumentedFields, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Gradient {
     /// s (–): the step is ρ = s/Λ, where Λ ≥ λmax(W). Any positive value is accepted, since where it fails is of

@@ -18,12 +18,12 @@ mod tests;
 pub use directions::{Directions, derived_kappa};
 
 use contact::{ContactProblem, Iteration, SetupError, Solver};
-use documented::DocumentedFields;
 use partition::{Grid, Scheme};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Settings of LATIN-DD.
-#[derive(Clone, Copy, Debug, PartialEq, DocumentedFields, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LatinDd {
     /// Subdomains, as columns × rows.

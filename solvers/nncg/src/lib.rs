@@ -5,12 +5,12 @@
 //! iteration: a sweep, and a few passes over impulses and velocities. Neither q(r) nor the error falls at each iteration.
 
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
-use documented::DocumentedFields;
 use nalgebra::Vector2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The method has no settings.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, DocumentedFields, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Nncg {}
 

@@ -8,16 +8,16 @@ mod exchange;
 mod subdomain;
 
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
-use documented::DocumentedFields;
 use exchange::Colours;
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Scheme};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use subdomain::Sweeper;
 
 /// Settings of NSGS-DD.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, DocumentedFields, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct NsgsDd {
     /// Subdomains, as columns × rows.
@@ -47,7 +47,7 @@ impl Default for NsgsDd {
 }
 
 /// When a subdomain sees what the others did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Exchange {
     /// After all of them: all subdomains at once, then one gluing. The paper's.

@@ -4,12 +4,12 @@
 
 use crate::row::{Row, start_velocity};
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
-use documented::DocumentedFields;
 use nalgebra::Vector2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Settings of projected Jacobi.
-#[derive(Clone, Copy, Debug, PartialEq, DocumentedFields, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Jacobi {
     /// ω (–). Any positive value is accepted: that a packing diverges at ω = 1 is a result.

@@ -7,12 +7,12 @@
 use crate::order::Order;
 use crate::row::{Row, start_velocity};
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
-use documented::DocumentedFields;
 use nalgebra::Vector2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Settings of NSGS.
-#[derive(Clone, Copy, Debug, PartialEq, DocumentedFields, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Nsgs {
     /// Order in which a sweep visits the contacts.

@@ -1,7 +1,9 @@
 //! How many subdomains, as columns × rows.
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Deserializer, Error, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
+use std::borrow::Cow;
 use std::fmt;
 
 /// Columns × rows of subdomains, written `4x2`. A bare number n stands for its most square division with at least
@@ -75,6 +77,26 @@ impl<'de> Deserialize<'de> for Grid {
             }
         }
         deserializer.deserialize_any(GridVisitor)
+    }
+}
+
+impl JsonSchema for Grid {
+    fn schema_name() -> Cow<'static, str> {
+        "Grid".into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "title": "a number of subdomains such as 8, or columns x rows such as \"4x2\"",
+            "anyOf": [
+                { "type": "integer", "minimum": 1 },
+                { "type": "string", "pattern": "^[1-9][0-9]*x[1-9][0-9]*$" },
+            ],
+        })
     }
 }
 

@@ -3,10 +3,11 @@
 use crate::grid::Grid;
 use contact::{ContactProblem, SetupError};
 use nalgebra::Vector2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A rule that gives each contact a subdomain.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
     /// Boxes of equal size on the bounding box of the mass centres: the paper's way, and LMGC90's. A box may be empty.

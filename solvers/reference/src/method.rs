@@ -4,11 +4,11 @@ use crate::interior::{Interior, Verdict};
 use crate::polish::Polish;
 use crate::row::Row;
 use contact::{ContactProblem, Iteration, Meter, SetupError, Solver, Work};
-use documented::DocumentedFields;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the interior point. The start impulses are ignored: an interior point begins from its own centre.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, DocumentedFields, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct InteriorPoint {
     /// Whether the iterations after the first, which is the interior point's whole run, are polish steps; else they

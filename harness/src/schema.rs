@@ -1,0 +1,94 @@
+//! `gravel schema`: JSON schemas of plans and cases, for editors; and what a setting takes, in words.
+
+use crate::methods::{Entry, METHODS};
+use crate::output::say;
+use crate::plan::{Plan, PlannedMethod};
+use anyhow::Result;
+use cases::Case;
+use clap::ValueEnum;
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, SchemaGenerator};
+use serde_json::{Map, Value, json};
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// What the schema describes
+    what: What,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum What {
+    /// harness/plans/*.toml
+    Plan,
+    /// cases/*.toml
+    Case,
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let schema = match args.what {
+        What::Plan => plan(),
+        What::Case => of::<Case>(),
+    };
+    say(format_args!("{}", serde_json::to_string_pretty(&schema)?))?;
+    Ok(())
+}
+
+/// Every type stands where it is used, as what a setting takes stands with the setting.
+pub(crate) fn of<T: JsonSchema>() -> Value {
+    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
+    SchemaGenerator::new(settings).into_root_schema_for::<T>().to_value()
+}
+
+/// The methods with their settings; and, in the quick form, the plan's keys once more.
+fn plan() -> Value {
+    let mut plan = of::<Plan>();
+    plan["properties"]["methods"]["items"] =
+        json!({ "oneOf": METHODS.iter().map(planned_method).collect::<Vec<_>>() });
+    let mut quick = plan["properties"].clone();
+    if let Some(keys) = quick.as_object_mut() {
+        keys.remove("name");
+        keys.remove("quick");
+    }
+    plan["properties"]["quick"]["properties"] = quick;
+    plan["properties"]["quick"]["additionalProperties"] = false.into();
+    plan
+}
+
+fn planned_method(entry: &Entry) -> Value {
+    let settings = entry.settings();
+    let axes: Map<String, Value> =
+        settings.iter().map(|(key, value)| (key.clone(), axis(value.clone()))).collect();
+    let mut method = of::<PlannedMethod>();
+    let keys = &mut method["properties"];
+    keys["method"] = json!({ "const": entry.name, "description": entry.what });
+    for (table, settings) in [("set", settings), ("zip", axes.clone()), ("axes", axes)] {
+        keys[table]["properties"] = settings.into();
+        keys[table]["additionalProperties"] = false.into();
+    }
+    method
+}
+
+/// A list of values, or a range.
+fn axis(value: Value) -> Value {
+    json!({ "anyOf": [
+        { "type": "array", "items": value, "minItems": 1 },
+        { "type": "string", "pattern": r"^(lin|geom)\(.*\)$|^-?[0-9]+\.\.-?[0-9]+$" },
+    ] })
+}
+
+/// What kind of value the schema of a setting allows.
+pub(crate) fn takes(setting: &Value) -> String {
+    if let Some(words) = setting["title"].as_str() {
+        return words.to_owned();
+    }
+    let consts = setting["oneOf"].as_array().into_iter().flatten().map(|one| &one["const"]);
+    let names = consts.chain(setting["enum"].as_array().into_iter().flatten());
+    let names: Vec<&str> = names.filter_map(Value::as_str).collect();
+    // One that may be left open has two types, and the other is none.
+    match setting["type"].as_str().or_else(|| setting["type"][0].as_str()) {
+        Some("number") => "a number".to_owned(),
+        Some("integer") => "a whole number, not negative".to_owned(),
+        Some("boolean") => "true or false".to_owned(),
+        _ => names.join(", "),
+    }
+}
