@@ -10,6 +10,7 @@ use crate::report::say_files;
 use crate::study::{Made, Study};
 use crate::tables::{notes, tables};
 use anyhow::{Context, Result, anyhow};
+use reports::{About, Formats, Wanted};
 use results::schema::Provenance;
 use results::store::{Store, StoreError};
 use std::collections::HashSet;
@@ -107,7 +108,13 @@ pub(crate) fn finish(root: &Root, study: &Study, mut store: Store) -> Result<Exi
         return Ok(ExitCode::from(interrupt::EXIT_CODE));
     }
     let out = root.join("reports/out").join(&study.plan.name);
-    let files = reports::report(&tables, &study.plan.charts()?, &out)?;
+    let (name, why) = (study.plan.name.clone(), study.plan.why.clone());
+    // A study in part or changed is drawn by its own command alone.
+    let draw =
+        study.again.split_whitespace().skip(1).all(|word| word == "--quick").then(|| study.again.clone());
+    let about = About { name, why, bench: study.again.clone(), draw };
+    let wanted = Wanted { charts: &study.plan.charts()?, formats: Formats::default(), against: None };
+    let files = reports::report(&tables, &about, wanted, &out)?;
     say(format_args!("{}", reports::iterations_text(&tables)?))?;
     for note in notes(study, store.records()) {
         say(format_args!("{note}"))?;

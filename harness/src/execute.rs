@@ -1,6 +1,7 @@
 //! Runs are made: alone for their seconds or several at a time for their counts, once or repeatedly.
 
 use crate::curve::Recorder;
+use crate::film::Film;
 use crate::interrupt;
 use crate::progress::Board;
 use crate::rows::{asked_row, ended_row};
@@ -9,7 +10,7 @@ use anyhow::{Result, bail};
 use contact::{Outcome, SetupError, Status, solve_against};
 use results::journal::Record;
 use results::provenance::load_average;
-use results::schema::{Provenance, Run, Sample, Timing};
+use results::schema::{Provenance, Run, Sample, Snapshot, Timing};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -80,6 +81,7 @@ fn make(
                 return Ok(Some(Record {
                     run: Run { reason: reason.to_string(), ..asked },
                     curve: Vec::new(),
+                    snapshots: Vec::new(),
                 }));
             }
             Ok((outcome, _)) if outcome.status == Status::Interrupted => return Ok(None),
@@ -87,22 +89,27 @@ fn make(
             Ok(_) => {}
         }
     }
-    let Some((outcome, curve, timing)) = median(made, &asked.timing) else {
+    let Some((outcome, (curve, snapshots), timing)) = median(made, &asked.timing) else {
         bail!("{}: it counts other work when it is repeated; a run must not", task.name());
     };
     let belied = task.problem.known.belies(&study.plan.stop, &outcome);
     let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
-    Ok(Some(Record { run: ended_row(Run { timing, ..asked }, belied, &outcome, &curve), curve }))
+    Ok(Some(Record { run: ended_row(Run { timing, ..asked }, belied, &outcome, &curve), curve, snapshots }))
 }
+
+/// The curve of a run, and the iterates that the page shows, if any.
+type Kept = (Vec<Sample>, Vec<Snapshot>);
 
 fn once(
     study: &Study,
     task: &Task,
     board: &Board,
     halt: &dyn Fn() -> bool,
-) -> Result<(Outcome, Vec<Sample>), SetupError> {
+) -> Result<(Outcome, Kept), SetupError> {
     let (frozen, plan) = (&task.problem.frozen, &study.plan);
     let mut recorder = Recorder::new(plan.curves);
+    let shown = plan.view.as_ref().is_some_and(|view| view.shows(task));
+    let mut film = shown.then(Film::new);
     let mut line = board.line(task.name());
     let solver = &*task.variant.method.solver;
     let r0 = frozen.start(plan.warm_start);
@@ -114,11 +121,15 @@ fn once(
         &plan.stop,
         &mut |progress| {
             recorder.observe(progress);
+            if let Some(film) = &mut film {
+                film.observe(progress);
+            }
             line.show(progress, plan.stop.on);
             if halt() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         },
     )?;
-    Ok((outcome, recorder.finish()))
+    let snapshots = film.map_or_else(Vec::new, |film| film.finish(&outcome));
+    Ok((outcome, (recorder.finish(), snapshots)))
 }
 
 /// Before the run.
@@ -135,7 +146,7 @@ fn untimed(how: How) -> Timing {
 
 /// The repeat with the median time in `advance`, with the median time in `start` and the spreads of both. `None` if the
 /// repeats do not count the same work.
-fn median(mut made: Vec<(Outcome, Vec<Sample>)>, timing: &Timing) -> Option<(Outcome, Vec<Sample>, Timing)> {
+fn median(mut made: Vec<(Outcome, Kept)>, timing: &Timing) -> Option<(Outcome, Kept, Timing)> {
     let counts = |(outcome, _): &(Outcome, _)| (outcome.status, outcome.iterations, outcome.work);
     if made.windows(2).any(|pair| counts(&pair[0]) != counts(&pair[1])) {
         return None;
@@ -152,6 +163,6 @@ fn median(mut made: Vec<(Outcome, Vec<Sample>)>, timing: &Timing) -> Option<(Out
         iterating_spread_s: spread(made[0].0.iterating, made[last].0.iterating),
         ..timing.clone()
     };
-    let (outcome, curve) = made.swap_remove(middle);
-    Some((Outcome { setup: setup[middle], ..outcome }, curve, timing))
+    let (outcome, kept) = made.swap_remove(middle);
+    Some((Outcome { setup: setup[middle], ..outcome }, kept, timing))
 }

@@ -7,6 +7,7 @@ pub(crate) use axes::{Settings, combinations, values};
 pub(crate) use names::{last_parts, pairs};
 
 use crate::methods::Method;
+use crate::study::Task;
 use crate::suggest;
 use anyhow::{Context, Result, anyhow, bail};
 use contact::Stop;
@@ -49,6 +50,8 @@ pub(crate) struct Plan {
     /// Names of the figures.
     #[serde(default = "default_charts")]
     charts: Vec<String>,
+    /// What the page of the study shows through the iterations.
+    pub(crate) view: Option<View>,
     /// The methods.
     methods: Vec<PlannedMethod>,
     /// The same study in under a minute: these keys replace those of the plan.
@@ -90,6 +93,16 @@ struct PlannedMethod {
     zip: Settings,
     #[serde(default)]
     axes: Settings,
+}
+
+/// Runs of which iterates are kept, for the viewer of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct View {
+    /// Name of the problem.
+    pub(crate) problem: String,
+    /// Runs by method and variant, such as `nsgs-dd 4x2`.
+    pub(crate) runs: Vec<String>,
 }
 
 /// Which samples of a run are kept.
@@ -151,7 +164,8 @@ impl Plan {
         }
         self.charts()?;
         self.stop.check().context("`stop`")?;
-        self.variants(&[]).map(|_| ())
+        let variants = self.variants(&[])?;
+        self.view.as_ref().map_or(Ok(()), |view| view.check(&variants)).context("`view`")
     }
 
     /// The figures of the study.
@@ -191,6 +205,31 @@ impl Plan {
         }
         let names = names::of_variants(&methods);
         Ok(methods.into_iter().zip(names).map(|(method, name)| Variant { method, name }).collect())
+    }
+}
+
+impl Variant {
+    /// Method and variant, as a figure names them.
+    pub(crate) fn label(&self) -> String {
+        format!("{} {}", self.method.name, self.name).trim_end().to_owned()
+    }
+}
+
+impl View {
+    /// Whether the iterates of a run are kept.
+    pub(crate) fn shows(&self, task: &Task) -> bool {
+        task.problem.frozen.name == self.problem && self.runs.contains(&task.variant.label())
+    }
+
+    fn check(&self, variants: &[Variant]) -> Result<()> {
+        let known: Vec<String> = variants.iter().map(Variant::label).collect();
+        match self.runs.iter().find(|run| !known.contains(run)) {
+            None => Ok(()),
+            Some(run) => {
+                let nearest = suggest::of(run, known.iter().map(String::as_str));
+                bail!("`runs`: no run `{run}` in this plan; there are {}{nearest}", known.join(", "))
+            }
+        }
     }
 }
 

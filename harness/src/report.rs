@@ -1,15 +1,40 @@
 //! `gravel report` and `gravel figure`: tables and figures of the newest stored study of a plan, without running it.
 
 use crate::inputs::Root;
-use crate::output::say;
+use crate::output::{say, write_whole};
 use crate::plan::Plan;
-use anyhow::{Result, bail};
-use reports::Chart;
-use results::store::{latest, read};
+use anyhow::{Context, Result, bail};
+use reports::{About, Chart, Formats, Wanted};
+use results::store::{Tables, latest, read};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
+    #[command(flatten)]
+    study: Stored,
+    #[command(flatten)]
+    formats: FormatArgs,
+    /// Compare with an earlier study of the plan, run by run: the folder of its tables
+    #[arg(long, value_name = "FOLDER")]
+    against: Option<PathBuf>,
+    /// Fill a template with numbers of the study's runs as well: FILE.in becomes FILE, beside it
+    #[arg(long, value_name = "FILE.in")]
+    fill: Option<PathBuf>,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct FigureArgs {
+    /// The chart
+    chart: Chart,
+    #[command(flatten)]
+    study: Stored,
+    #[command(flatten)]
+    formats: FormatArgs,
+}
+
+/// A stored study on the command line.
+#[derive(clap::Args)]
+struct Stored {
     /// A plan: its name, or the path of its file
     #[arg(default_value = "paper")]
     plan: String,
@@ -18,34 +43,89 @@ pub(crate) struct Args {
     quick: bool,
 }
 
+/// Formats of figures on the command line.
 #[derive(clap::Args)]
-pub(crate) struct FigureArgs {
-    /// The chart
-    chart: Chart,
-    #[command(flatten)]
-    of: Args,
+struct FormatArgs {
+    /// Figures as PNG too, 300 pixels to the inch
+    #[arg(long)]
+    png: bool,
+    /// Figures as PDF too
+    #[arg(long)]
+    pdf: bool,
+}
+
+impl FormatArgs {
+    fn formats(&self) -> Formats {
+        Formats { png: self.png, pdf: self.pdf }
+    }
+}
+
+impl Stored {
+    fn plan(&self, root: &Root) -> Result<Plan> {
+        Plan::read(&root.plan(&self.plan)?, self.quick)
+    }
+
+    /// The arguments that ask for the same.
+    fn again(&self) -> String {
+        format!("{}{}", self.plan, if self.quick { " --quick" } else { "" })
+    }
+
+    /// The folder of the study of `plan`, and its tables.
+    fn tables(root: &Root, plan: &Plan) -> Result<(PathBuf, Tables)> {
+        let runs = root.join("results/runs");
+        let Some(stored) = latest(&runs, &plan.name) else {
+            bail!(
+                "no study of plan `{}` is stored in {}: `gravel bench` makes one",
+                plan.name,
+                runs.display()
+            );
+        };
+        let tables = read(&stored)?;
+        Ok((stored, tables))
+    }
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    let plan = Plan::read(&root.plan(&args.plan)?, args.quick)?;
-    draw(root, &plan.name, &plan.charts()?, &plan.name)
+    let plan = args.study.plan(root)?;
+    let (stored, tables) = Stored::tables(root, &plan)?;
+    let again = args.study.again();
+    let about =
+        About { name: plan.name.clone(), why: plan.why.clone(), bench: again.clone(), draw: Some(again) };
+    let out = root.join("reports/out").join(&plan.name);
+    let before = args.against.as_deref().map(read).transpose().context("--against")?;
+    let wanted =
+        Wanted { charts: &plan.charts()?, formats: args.formats.formats(), against: before.as_ref() };
+    if let Some(template) = &args.fill {
+        fill(&tables, template)?;
+    }
+    let files = reports::report(&tables, &about, wanted, &out)?;
+    say_all(&stored, &out, &files)
+}
+
+fn fill(tables: &Tables, template: &Path) -> Result<()> {
+    if template.extension().is_none_or(|ending| ending != "in") {
+        bail!("--fill {}: the name of a template ends in .in", template.display());
+    }
+    let text = std::fs::read_to_string(template).with_context(|| format!("--fill {}", template.display()))?;
+    let filled = reports::fill(tables, &text).with_context(|| format!("--fill {}", template.display()))?;
+    let page = template.with_extension("");
+    write_whole(&page, &filled)?;
+    say(format_args!("{}", page.display()))?;
+    Ok(())
 }
 
 /// One chart, in a folder of its own: the report of the study stays as it is.
 pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
-    let plan = Plan::read(&root.plan(&args.of.plan)?, args.of.quick)?;
-    draw(root, &plan.name, &[args.chart], &format!("{}-{}", plan.name, args.chart.name()))
+    let plan = args.study.plan(root)?;
+    let (stored, tables) = Stored::tables(root, &plan)?;
+    let out = root.join("reports/out").join(format!("{}-{}", plan.name, args.chart.name()));
+    let files = reports::figure(&tables, args.chart, args.formats.formats(), &out)?;
+    say_all(&stored, &out, &files)
 }
 
-fn draw(root: &Root, study: &str, charts: &[Chart], folder: &str) -> Result<()> {
-    let runs = root.join("results/runs");
-    let Some(stored) = latest(&runs, study) else {
-        bail!("no study of plan `{study}` is stored in {}: `gravel bench` makes one", runs.display());
-    };
-    let out = root.join("reports/out").join(folder);
-    let files = reports::report(&read(&stored)?, charts, &out)?;
+fn say_all(stored: &Path, out: &Path, files: &[PathBuf]) -> Result<()> {
     say(format_args!("rows and curves   {}", stored.display()))?;
-    say_files(&out, &files)
+    say_files(out, files)
 }
 
 /// Where the files of a report are, and their names.

@@ -7,9 +7,9 @@ use anyhow::Result;
 use cases::Frozen;
 use contact::{Status, Stop};
 use results::journal::Record;
-use results::schema::{Run, Sample};
+use results::schema::{Run, Sample, Snapshot};
 use results::store::Tables;
-use results::tables::{contacts_table, curves_table, grains_table, runs_table};
+use results::tables::{contacts_table, curves_table, grains_table, runs_table, snapshots_table};
 use std::collections::{HashMap, HashSet};
 
 /// The runs that the plan asks for and the store has, in the plan's order, under the names that the plan gives them now;
@@ -18,6 +18,7 @@ pub(crate) fn tables(study: &Study, records: &[Record]) -> Result<Tables> {
     let known = by_id(records);
     let mut runs = Vec::new();
     let mut curves: Vec<(u32, &[Sample])> = Vec::new();
+    let mut snapshots: Vec<(u32, &Vec<Snapshot>)> = Vec::new();
     for task in study.tasks() {
         if let Some(record) = known.get(task.id.as_str()) {
             let run = runs.len() as u32;
@@ -29,6 +30,7 @@ pub(crate) fn tables(study: &Study, records: &[Record]) -> Result<Tables> {
                 ..record.run.clone()
             });
             curves.push((run, &record.curve));
+            snapshots.push((run, &record.snapshots));
         }
     }
     let (mut grains, mut contacts) = (Vec::new(), Vec::new());
@@ -50,12 +52,13 @@ pub(crate) fn tables(study: &Study, records: &[Record]) -> Result<Tables> {
         curves: curves_table(&curves)?,
         grains: grains_table(&grains)?,
         contacts: contacts_table(&contacts)?,
+        snapshots: snapshots_table(&snapshots)?,
     })
 }
 
 /// Impulses to draw (N·s): the same whatever methods a study compares, and whether they converge; `None` if the method
 /// for it does not.
-fn impulses(frozen: &Frozen) -> Result<Option<Vec<f64>>> {
+pub(crate) fn impulses(frozen: &Frozen) -> Result<Option<Vec<f64>>> {
     let cg = Method::parse("cg", &[("preconditioner".to_owned(), "diagonal".to_owned())])?;
     let r0 = frozen.start(false);
     let outcome = contact::solve(&*cg.solver, &frozen.problem, &r0, &Stop::default(), &mut |_| {})?;
