@@ -30,6 +30,18 @@ bless plan="regress":
 bench-kernels:
     cargo bench --package harness --bench kernels
 
+# Draw a stored study again, with PNG and PDF
+figures plan="paper":
+    cargo run --release -- report {{plan}} --png --pdf
+
+# A page that shows how methods come to the impulses of a problem
+view problem="shear-box-991-sheared":
+    cargo run --release -- view {{problem}}
+
+# The paper's section 5 against our runs: every run, figure and number of reports/giens2009.md from nothing
+paper: readme
+    cargo run --release -- report paper --png --pdf --fill reports/giens2009.md.in
+
 # Draw the figure of the README anew
 readme: bench
     cp reports/out/paper/convergence-shear-box-991-sheared.svg reports/readme.svg

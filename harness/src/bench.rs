@@ -1,15 +1,16 @@
 //! `gravel bench`: the runs of a plan that its store lacks, then tables and a report.
 
 use crate::COMMIT;
-use crate::asked::StudyArgs;
+use crate::asked::{Asked, StudyArgs};
 use crate::execute::{How, execute};
 use crate::inputs::Root;
 use crate::interrupt;
 use crate::output::say;
-use crate::report::draw;
+use crate::report::say_files;
 use crate::study::{Progress, Study};
 use crate::tables::{notes, tables};
 use anyhow::{Context, Result, anyhow};
+use reports::{About, Formats, Wanted};
 use results::schema::Provenance;
 use results::store::{Store, StoreError};
 use std::collections::HashSet;
@@ -115,8 +116,19 @@ pub(crate) fn finish(
     for note in notes(study, store.records()) {
         say(format_args!("{note}"))?;
     }
-    let plan = &study.asked.plan;
-    draw(root, &tables, &plan.charts, store.folder(), &plan.name)?;
+    let Asked { plan, again, .. } = &study.asked;
+    // A study that is changed is drawn by its own command alone.
+    let drawn_again = again.split_whitespace().skip(1).all(|word| word == "--quick");
+    let about = About {
+        name: plan.name.clone(),
+        why: plan.why.clone(),
+        bench: again.clone(),
+        draw: drawn_again.then(|| again.clone()),
+    };
+    let wanted = Wanted { charts: &plan.charts, formats: Formats::default(), against: None };
+    let out = root.join("reports/out").join(&plan.name);
+    let files = reports::report(&tables, &about, wanted, &out)?;
+    say_files(store.folder(), &out, &files)?;
     Ok(ExitCode::SUCCESS)
 }
 

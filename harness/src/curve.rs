@@ -64,7 +64,7 @@ pub(crate) fn decades(curve: &[Sample], measure: fn(&Sample) -> f64) -> Vec<u64>
 }
 
 fn sample(progress: &Progress) -> Sample {
-    let Progress { iteration, iterating, measures, work } = progress;
+    let Progress { iteration, iterating, measures, work, .. } = progress;
     Sample { iteration: *iteration, iterating_s: iterating.as_secs_f64(), ..measured(measures, work) }
 }
 

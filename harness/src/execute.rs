@@ -1,6 +1,7 @@
 //! Runs are made: alone for their seconds or several at a time for their counts, once or repeatedly.
 
 use crate::curve::Recorder;
+use crate::film::Film;
 use crate::inputs::Root;
 use crate::interrupt;
 use crate::progress::Board;
@@ -11,7 +12,7 @@ use anyhow::{Result, bail};
 use contact::{Outcome, SetupError, Status, solve_against};
 use results::journal::Record;
 use results::provenance::load_average;
-use results::schema::{Provenance, Run, Sample, Timing};
+use results::schema::{Provenance, Run, Sample, Snapshot, Timing};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -76,7 +77,7 @@ fn make(
     let asked = asked_row(study, task, &provenance.restarted(), untimed(how));
     let skipped = |reason: &str| {
         let run = Run { reason: reason.to_owned(), ..asked.clone() };
-        Ok(Some(Record { run, curve: Vec::new() }))
+        Ok(Some(Record { run, curve: Vec::new(), snapshots: Vec::new() }))
     };
     if task.variant.warm_start && task.problem.frozen.start.is_empty() {
         return skipped("the problem has no impulses of a time step before to begin from");
@@ -94,13 +95,16 @@ fn make(
             Ok(_) => {}
         }
     }
-    let Some((outcome, curve, timing)) = median(made, &asked.timing) else {
+    let Some((outcome, (curve, snapshots), timing)) = median(made, &asked.timing) else {
         bail!("{}: it counts other work when it is repeated; a run must not", task.name());
     };
     let belied = known.belies(&study.asked.plan.stop, &outcome);
     let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
-    Ok(Some(Record { run: ended_row(Run { timing, ..asked }, belied, &outcome, &curve), curve }))
+    Ok(Some(Record { run: ended_row(Run { timing, ..asked }, belied, &outcome, &curve), curve, snapshots }))
 }
+
+/// The curve of a run, and the iterates that the page shows, if any.
+type Kept = (Vec<Sample>, Vec<Snapshot>);
 
 fn once(
     study: &Study,
@@ -108,18 +112,24 @@ fn once(
     known: &Known,
     board: &Board,
     halt: &dyn Fn() -> bool,
-) -> Result<(Outcome, Vec<Sample>), SetupError> {
+) -> Result<(Outcome, Kept), SetupError> {
     let (frozen, plan) = (&task.problem.frozen, &study.asked.plan);
     let mut recorder = Recorder::new(plan.curves);
+    let shown = plan.view.as_ref().is_some_and(|view| view.shows(task));
+    let mut film = shown.then(Film::new);
     let mut line = board.line(task.name());
     let solver = &*task.variant.method.solver;
     let r0 = frozen.start(task.variant.warm_start);
     let outcome = solve_against(known.truth(), solver, &frozen.problem, &r0, &plan.stop, &mut |progress| {
         recorder.observe(progress);
+        if let Some(film) = &mut film {
+            film.observe(progress);
+        }
         line.show(progress, plan.stop.on);
         if halt() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
-    Ok((outcome, recorder.finish()))
+    let snapshots = film.map_or_else(Vec::new, |film| film.finish(&outcome));
+    Ok((outcome, (recorder.finish(), snapshots)))
 }
 
 /// Before the run.
@@ -129,7 +139,7 @@ fn untimed(how: How) -> Timing {
 
 /// The repeat with the median time in `advance`, with the median time in `start` and the spreads of both. `None` if the
 /// repeats do not count the same work.
-fn median(mut made: Vec<(Outcome, Vec<Sample>)>, timing: &Timing) -> Option<(Outcome, Vec<Sample>, Timing)> {
+fn median(mut made: Vec<(Outcome, Kept)>, timing: &Timing) -> Option<(Outcome, Kept, Timing)> {
     let counts = |(outcome, _): &(Outcome, _)| (outcome.status, outcome.iterations, outcome.work);
     if made.windows(2).any(|pair| counts(&pair[0]) != counts(&pair[1])) {
         return None;
@@ -146,6 +156,6 @@ fn median(mut made: Vec<(Outcome, Vec<Sample>)>, timing: &Timing) -> Option<(Out
         iterating_spread_s: spread(made[0].0.iterating, made[last].0.iterating),
         ..timing.clone()
     };
-    let (outcome, curve) = made.swap_remove(middle);
-    Some((Outcome { setup: setup[middle], ..outcome }, curve, timing))
+    let (outcome, kept) = made.swap_remove(middle);
+    Some((Outcome { setup: setup[middle], ..outcome }, kept, timing))
 }

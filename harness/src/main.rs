@@ -6,6 +6,7 @@ mod bench;
 mod certify;
 mod curve;
 mod execute;
+mod film;
 mod freeze;
 mod identity;
 mod inputs;
@@ -28,6 +29,7 @@ mod study;
 mod suggest;
 mod tables;
 mod truth;
+mod view;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -64,6 +66,8 @@ enum Command {
     Report(report::Args),
     /// Draw one chart of the newest stored study of a plan, into reports/out/PLAN-CHART
     Figure(report::FigureArgs),
+    /// Write a page that shows how runs come to the impulses of a problem, iteration by iteration
+    View(view::Args),
     /// Join the runs of other stores of a plan to its own
     Merge(merge::Args),
     /// Make the runs of a plan and compare their counts with the accepted ones, exactly
@@ -104,6 +108,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
         Command::Plan(args) => show::run(&root, &args)?,
         Command::Report(args) => report::run(&root, &args)?,
         Command::Figure(args) => report::figure(&root, &args)?,
+        Command::View(args) => view::run(&root, &args)?,
         Command::Merge(args) => return merge::run(&root, &args),
         Command::Regress(args) => return regress::regress(&root, &args),
         Command::Bless(args) => return regress::bless(&root, &args),

@@ -7,6 +7,7 @@ pub(crate) use axes::{Settings, combinations, values};
 pub(crate) use names::{last_parts, pairs};
 
 use crate::methods::Method;
+use crate::study::Task;
 use crate::suggest;
 use anyhow::{Context, Result, anyhow, bail};
 use contact::Stop;
@@ -48,6 +49,8 @@ pub(crate) struct Plan {
     #[serde(default = "default_charts", deserialize_with = "charts")]
     #[schemars(schema_with = "charts_schema")]
     pub(crate) charts: Vec<Chart>,
+    /// What the page of the study shows through the iterations.
+    pub(crate) view: Option<View>,
     /// The methods.
     methods: Vec<PlannedMethod>,
     /// The same study in under a minute: these keys replace those of the plan.
@@ -121,6 +124,16 @@ enum WarmStart {
     Several(Vec<bool>),
 }
 
+/// Runs of which iterates are kept, for the viewer of the page.
+#[derive(Debug, JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct View {
+    /// Name of the problem.
+    pub(crate) problem: String,
+    /// Runs by method and variant, such as `nsgs-dd 4x2`.
+    pub(crate) runs: Vec<String>,
+}
+
 /// Which samples of a run are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -180,7 +193,8 @@ impl Plan {
             bail!("`problems` is empty, and there are no `cases`");
         }
         self.stop.check().context("`stop`")?;
-        self.variants(&[]).map(|_| ())
+        let variants = self.variants(&[])?;
+        self.view.as_ref().map_or(Ok(()), |view| view.check(&variants)).context("`view`")
     }
 
     /// Every method with every combination of its axes, in the order of the plan. Each of `changes` replaces a setting of
@@ -212,6 +226,31 @@ impl Plan {
         let names = names::of_variants(&methods);
         let variant = |((method, warm_start), name)| Variant { method, warm_start, name };
         Ok(methods.into_iter().zip(names).map(variant).collect())
+    }
+}
+
+impl Variant {
+    /// Method and variant, as a figure names them.
+    pub(crate) fn label(&self) -> String {
+        format!("{} {}", self.method.name, self.name).trim_end().to_owned()
+    }
+}
+
+impl View {
+    /// Whether the iterates of a run are kept.
+    pub(crate) fn shows(&self, task: &Task) -> bool {
+        task.problem.frozen.name == self.problem && self.runs.contains(&task.variant.label())
+    }
+
+    fn check(&self, variants: &[Variant]) -> Result<()> {
+        let known: Vec<String> = variants.iter().map(Variant::label).collect();
+        match self.runs.iter().find(|run| !known.contains(run)) {
+            None => Ok(()),
+            Some(run) => {
+                let nearest = suggest::of(run, known.iter().map(String::as_str));
+                bail!("`runs`: no run `{run}` in this plan; there are {}{nearest}", known.join(", "))
+            }
+        }
     }
 }
 

@@ -2,15 +2,40 @@
 
 use crate::bench::runs_folder;
 use crate::inputs::Root;
-use crate::output::say;
+use crate::output::{say, write_whole};
 use crate::plan::Plan;
-use anyhow::{Result, bail};
-use reports::Chart;
+use anyhow::{Context, Result, bail};
+use reports::{About, Chart, Formats, Wanted};
 use results::store::{Tables, read, tables_folder};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
+    #[command(flatten)]
+    study: Stored,
+    #[command(flatten)]
+    formats: FormatArgs,
+    /// Compare with an earlier study of the plan, run by run: the folder of its tables
+    #[arg(long, value_name = "FOLDER")]
+    against: Option<PathBuf>,
+    /// Fill a template with numbers of the study's runs as well: FILE.in becomes FILE, beside it
+    #[arg(long, value_name = "FILE.in")]
+    fill: Option<PathBuf>,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct FigureArgs {
+    /// The chart
+    chart: Chart,
+    #[command(flatten)]
+    study: Stored,
+    #[command(flatten)]
+    formats: FormatArgs,
+}
+
+/// A stored study on the command line.
+#[derive(clap::Args)]
+struct Stored {
     /// A plan: its name, or the path of its file
     #[arg(default_value = "paper")]
     plan: String,
@@ -19,50 +44,88 @@ pub(crate) struct Args {
     quick: bool,
 }
 
+/// Formats of figures on the command line.
 #[derive(clap::Args)]
-pub(crate) struct FigureArgs {
-    /// The chart
-    chart: Chart,
-    #[command(flatten)]
-    of: Args,
+struct FormatArgs {
+    /// Figures as PNG too, 300 pixels to the inch
+    #[arg(long)]
+    png: bool,
+    /// Figures as PDF too
+    #[arg(long)]
+    pdf: bool,
+}
+
+impl FormatArgs {
+    fn formats(&self) -> Formats {
+        Formats { png: self.png, pdf: self.pdf }
+    }
+}
+
+impl Stored {
+    fn plan(&self, root: &Root) -> Result<Plan> {
+        Plan::read(&root.plan(&self.plan)?, self.quick)
+    }
+
+    /// The arguments that ask for the same.
+    fn again(&self) -> String {
+        format!("{}{}", self.plan, if self.quick { " --quick" } else { "" })
+    }
+
+    /// The folder of the study of `plan`, and its tables.
+    fn tables(root: &Root, plan: &Plan) -> Result<(PathBuf, Tables)> {
+        let runs = runs_folder(root);
+        let Some(stored) = tables_folder(&runs, &plan.name) else {
+            bail!(
+                "no study of plan `{}` is stored in {}: `gravel bench` makes one",
+                plan.name,
+                runs.display()
+            );
+        };
+        let tables = read(&stored)?;
+        Ok((stored, tables))
+    }
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    let plan = plan(root, args)?;
-    let (tables, stored) = stored(root, &plan.name)?;
-    draw(root, &tables, &plan.charts, &stored, &plan.name)
+    let plan = args.study.plan(root)?;
+    let (stored, tables) = Stored::tables(root, &plan)?;
+    let again = args.study.again();
+    let about =
+        About { name: plan.name.clone(), why: plan.why.clone(), bench: again.clone(), draw: Some(again) };
+    let out = root.join("reports/out").join(&plan.name);
+    let before = args.against.as_deref().map(read).transpose().context("--against")?;
+    let wanted =
+        Wanted { charts: &plan.charts, formats: args.formats.formats(), against: before.as_ref() };
+    if let Some(template) = &args.fill {
+        fill(&tables, template)?;
+    }
+    let files = reports::report(&tables, &about, wanted, &out)?;
+    say_files(&stored, &out, &files)
+}
+
+fn fill(tables: &Tables, template: &Path) -> Result<()> {
+    if template.extension().is_none_or(|ending| ending != "in") {
+        bail!("--fill {}: the name of a template ends in .in", template.display());
+    }
+    let text = std::fs::read_to_string(template).with_context(|| format!("--fill {}", template.display()))?;
+    let filled = reports::fill(tables, &text).with_context(|| format!("--fill {}", template.display()))?;
+    let page = template.with_extension("");
+    write_whole(&page, &filled)?;
+    say(format_args!("{}", page.display()))?;
+    Ok(())
 }
 
 /// One chart, in a folder of its own: the report of the study stays as it is.
 pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
-    let plan = plan(root, &args.of)?;
-    let (tables, stored) = stored(root, &plan.name)?;
-    draw(root, &tables, &[args.chart], &stored, &format!("{}-{}", plan.name, args.chart.name()))
+    let plan = args.study.plan(root)?;
+    let (stored, tables) = Stored::tables(root, &plan)?;
+    let out = root.join("reports/out").join(format!("{}-{}", plan.name, args.chart.name()));
+    let files = reports::figure(&tables, args.chart, args.formats.formats(), &out)?;
+    say_files(&stored, &out, &files)
 }
 
-fn plan(root: &Root, args: &Args) -> Result<Plan> {
-    Plan::read(&root.plan(&args.plan)?, args.quick)
-}
-
-/// The tables of a study, and where they are.
-fn stored(root: &Root, study: &str) -> Result<(Tables, PathBuf)> {
-    let runs = runs_folder(root);
-    let Some(folder) = tables_folder(&runs, study) else {
-        bail!("no study of plan `{study}` is stored in {}: `gravel bench` makes one", runs.display());
-    };
-    Ok((read(&folder)?, folder))
-}
-
-/// Draws charts of a study into a folder of reports/out, and says where all is.
-pub(crate) fn draw(
-    root: &Root,
-    tables: &Tables,
-    charts: &[Chart],
-    stored: &Path,
-    folder: &str,
-) -> Result<()> {
-    let out = root.join("reports/out").join(folder);
-    let files = reports::report(tables, charts, &out)?;
+/// Where the rows and the files of a report are.
+pub(crate) fn say_files(stored: &Path, out: &Path, files: &[PathBuf]) -> Result<()> {
     say(format_args!("rows and curves   {}", stored.display()))?;
     say(format_args!("tables and figures {}", out.display()))?;
     for file in files {

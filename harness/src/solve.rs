@@ -17,9 +17,8 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A frozen problem or a case: its name, or the path of its file
-    #[arg(value_name = "PROBLEM-OR-CASE")]
-    problem: String,
+    #[command(flatten)]
+    problem: ProblemArgs,
     #[command(flatten)]
     method: MethodArgs,
     #[command(flatten)]
@@ -27,12 +26,6 @@ pub(crate) struct Args {
     /// Begin from r = 0, or from the impulses of the time step before
     #[arg(long, value_enum, default_value = "cold")]
     start: Start,
-    #[command(flatten)]
-    case: CaseArgs,
-    /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]; those before
-    /// it are solved by preconditioned cg, whatever the method
-    #[arg(long, value_name = "K", allow_negative_numbers = true)]
-    time_step: Option<String>,
     /// Measure the distance to the reference solution as well, which is kept in results/references; so does
     /// `--on velocity_error`
     #[arg(long)]
@@ -43,6 +36,20 @@ pub(crate) struct Args {
     /// Write the impulses to FILE, as {"impulse": [N·s, in the problem's contact order]}
     #[arg(long, value_name = "FILE")]
     impulses: Option<PathBuf>,
+}
+
+/// A contact problem on the command line.
+#[derive(clap::Args)]
+pub(crate) struct ProblemArgs {
+    /// A frozen problem or a case: its name, or the path of its file
+    #[arg(value_name = "PROBLEM-OR-CASE")]
+    pub(crate) problem: String,
+    #[command(flatten)]
+    case: CaseArgs,
+    /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]; those before
+    /// it are solved by preconditioned cg, whatever the method
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    time_step: Option<String>,
 }
 
 /// A method on the command line.
@@ -85,6 +92,31 @@ enum Start {
     Warm,
 }
 
+impl ProblemArgs {
+    /// The problem of the file that the user named.
+    pub(crate) fn read(&self, path: &Path) -> Result<Frozen> {
+        if !is_toml(path) {
+            if let Some((key, _)) = self.case.overrides.first() {
+                bail!("--scene {key}: {} is a frozen problem, it has no scene", path.display());
+            }
+            if self.time_step.is_some() {
+                bail!("--time-step: {} is a frozen problem, it has no other time step", path.display());
+            }
+            return Ok(Frozen::read(path)?);
+        }
+        let case = Case::read(path, &self.case.overrides)?;
+        let time_step = self
+            .time_step
+            .as_ref()
+            .map_or(Ok(case.solve_at), |moment| time_step(&case, "--time-step", moment))?;
+        let (frozen, missed) = marched(&case, time_step)?;
+        if let Some(missed) = missed {
+            eprintln!("{missed}");
+        }
+        Ok(frozen)
+    }
+}
+
 impl MethodArgs {
     pub(crate) fn method(&self) -> Result<Method> {
         Method::parse(&self.method, &self.settings)
@@ -111,8 +143,8 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         check_place(file)?;
     }
     stop.check()?;
-    let path = root.problem_or_case(&args.problem)?;
-    let frozen = read(&path, args)?;
+    let path = root.problem_or_case(&args.problem.problem)?;
+    let frozen = args.problem.read(&path)?;
     let r0 = frozen.start(args.start == Start::Warm);
 
     let asked = args.truth || stop.on == Measure::VelocityError;
@@ -138,28 +170,6 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         print(&frozen, &method, &stop, &outcome)?;
     }
     Ok(())
-}
-
-fn read(path: &Path, args: &Args) -> Result<Frozen> {
-    if !is_toml(path) {
-        if let Some((key, _)) = args.case.overrides.first() {
-            bail!("--scene {key}: {} is a frozen problem, it has no scene", path.display());
-        }
-        if args.time_step.is_some() {
-            bail!("--time-step: {} is a frozen problem, it has no other time step", path.display());
-        }
-        return Ok(Frozen::read(path)?);
-    }
-    let case = Case::read(path, &args.case.overrides)?;
-    let time_step = args
-        .time_step
-        .as_ref()
-        .map_or(Ok(case.solve_at), |moment| time_step(&case, "--time-step", moment))?;
-    let (frozen, missed) = marched(&case, time_step)?;
-    if let Some(missed) = missed {
-        eprintln!("{missed}");
-    }
-    Ok(frozen)
 }
 
 fn to_json(frozen: &Frozen, method: &Method, stop: &Stop, start: Start, outcome: &Outcome) -> Result<Value> {

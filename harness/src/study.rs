@@ -103,8 +103,7 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 impl Task<'_> {
     /// The run, as it is told to the user.
     pub(crate) fn name(&self) -> String {
-        let name = format!("{} {}", self.variant.method.name, self.variant.name);
-        format!("{} on {}", name.trim_end(), self.problem.frozen.name)
+        format!("{} on {}", self.variant.label(), self.problem.frozen.name)
     }
 }
 

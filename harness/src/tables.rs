@@ -5,9 +5,9 @@ use crate::rows::{given_row, partitions, scene_rows};
 use crate::study::{Study, by_id};
 use anyhow::Result;
 use results::journal::Record;
-use results::schema::{Provenance, Run, Sample};
+use results::schema::{Provenance, Run, Sample, Snapshot};
 use results::store::Tables;
-use results::tables::{contacts_table, curves_table, grains_table, runs_table};
+use results::tables::{contacts_table, curves_table, grains_table, runs_table, snapshots_table};
 use std::collections::{HashMap, HashSet};
 
 /// The runs that the plan asks for and the store has, in the plan's order, under the names that the plan gives them now;
@@ -22,6 +22,7 @@ pub(crate) fn tables(
     let plan = &study.asked.plan;
     let mut runs = Vec::new();
     let mut curves: Vec<(u32, &[Sample])> = Vec::new();
+    let mut snapshots: Vec<(u32, &Vec<Snapshot>)> = Vec::new();
     for task in study.tasks() {
         if let Some(record) = known.get(task.id.as_str()) {
             let run = runs.len() as u32;
@@ -33,6 +34,7 @@ pub(crate) fn tables(
                 ..record.run.clone()
             });
             curves.push((run, &record.curve));
+            snapshots.push((run, &record.snapshots));
         }
     }
     for problem in &study.problems {
@@ -61,6 +63,7 @@ pub(crate) fn tables(
         curves: curves_table(&curves)?,
         grains: grains_table(&grains)?,
         contacts: contacts_table(&contacts)?,
+        snapshots: snapshots_table(&snapshots)?,
     })
 }
 

@@ -6,27 +6,28 @@ use std::str::FromStr;
 use results::store::Tables;
 use thiserror::Error;
 
+use crate::part::Part;
 use crate::{
-    File, ReportError, convergence, directions, profiles, sample, size, subdomains, truth, work_precision,
+    ReportError, convergence, directions, profiles, sample, size, subdomains, truth, work_precision,
 };
 
 /// A kind of figure, with the tables that belong to it.
 #[derive(Clone, Copy)]
 pub struct Chart {
     name: &'static str,
-    files: fn(&Tables) -> Result<Vec<File>, ReportError>,
+    parts: fn(&Tables) -> Result<Vec<Part>, ReportError>,
 }
 
 /// All kinds, in the order in which help names them.
 const CHARTS: &[Chart] = &[
-    Chart { name: "convergence", files: convergence::files },
-    Chart { name: "sample", files: sample::files },
-    Chart { name: "directions", files: directions::files },
-    Chart { name: "work-precision", files: work_precision::files },
-    Chart { name: "truth", files: truth::files },
-    Chart { name: "profiles", files: profiles::files },
-    Chart { name: "subdomains", files: subdomains::files },
-    Chart { name: "size", files: size::files },
+    Chart { name: "convergence", parts: convergence::parts },
+    Chart { name: "sample", parts: sample::parts },
+    Chart { name: "directions", parts: directions::parts },
+    Chart { name: "work-precision", parts: work_precision::parts },
+    Chart { name: "truth", parts: truth::parts },
+    Chart { name: "profiles", parts: profiles::parts },
+    Chart { name: "subdomains", parts: subdomains::parts },
+    Chart { name: "size", parts: size::parts },
 ];
 
 impl Chart {
@@ -45,8 +46,8 @@ impl Chart {
         self.name
     }
 
-    pub(crate) fn files(self, tables: &Tables) -> Result<Vec<File>, ReportError> {
-        (self.files)(tables)
+    pub(crate) fn parts(self, tables: &Tables) -> Result<Vec<Part>, ReportError> {
+        (self.parts)(tables)
     }
 }
 

@@ -8,12 +8,14 @@ use crate::canvas::{Canvas, svg};
 use crate::curve::{log_point, range};
 use crate::ending::Ending;
 use crate::legend::Legend;
-use crate::number::{counted, number, round_up};
+use crate::number::{number, round_up};
+use crate::panels::{MOST_LINES, title, too_many};
+use crate::part::Part;
 use crate::rows::{Point, RunRow, problems, runs};
 use crate::signs::Sign;
 use crate::study::{Study, draw_lines};
 use crate::style::{LEADING, MARGIN, PAGE, PAGE_HEIGHT, TEXT, TICK_TEXT, TOLERANCE};
-use crate::{File, ReportError};
+use crate::{ReportError, file_name};
 
 /// Left of a panel for the labels of its ticks, and right of it for the tolerance (mm).
 const LEFT: f64 = 11.0;
@@ -45,22 +47,30 @@ const MEASURES: [Measure; 2] = [
     },
 ];
 
-/// `convergence-<problem>.svg` for each problem, and `convergence.svg` with all of them if a page holds that many.
-pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
+/// `convergence-<problem>` for each problem, and `convergence` with all of them if a page holds that many.
+pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let runs = runs(&tables.runs)?;
     let study = Study::of(&runs, tables)?;
     let problems = problems(&runs);
-    let mut files = Vec::new();
+    let mut parts = Vec::new();
+    let lines = |problem: &&str| study.runs_of(problem).len();
     for &problem in &problems {
-        let name = format!("convergence-{}.svg", crate::file_name(problem));
-        files.push((name, study.figure(&[problem], ALONE)?));
+        let name = format!("convergence-{}", file_name(problem));
+        let svg = match lines(&problem) {
+            many if many > MOST_LINES => too_many(problem, many)?,
+            _ => study.figure(&[problem], ALONE)?,
+        };
+        parts.push(Part::figure(name, svg));
+    }
+    if problems.iter().any(|problem| lines(problem) > MOST_LINES) {
+        return Ok(parts);
     }
     let legend = study.key(&problems)?.height() + 2.0 * MARGIN;
     let panel = (PAGE_HEIGHT - legend) / problems.len().max(1) as f64 - ABOVE - BELOW;
     if panel >= LEAST {
-        files.push(("convergence.svg".to_owned(), study.figure(&problems, panel.min(GREATEST))?));
+        parts.push(Part::figure("convergence", study.figure(&problems, panel.min(GREATEST))?));
     }
-    Ok(files)
+    Ok(parts)
 }
 
 impl Study<'_> {
@@ -149,12 +159,4 @@ fn tolerances(runs: &[&RunRow], measure: &str) -> Vec<f64> {
     tolerances.sort_by(f64::total_cmp);
     tolerances.dedup();
     tolerances
-}
-
-/// The problem, its size, and how many runs were made on it.
-pub(crate) fn title(problem: &str, runs: &[&RunRow]) -> String {
-    let size = runs.first().map_or_else(String::new, |run| {
-        format!(": {}, {}", counted(run.grains as usize, "grain"), counted(run.contacts as usize, "contact"))
-    });
-    format!("{problem}{size}, {}", counted(runs.len(), "run"))
 }

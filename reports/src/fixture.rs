@@ -1,8 +1,11 @@
 //! Small tables for the tests.
 
-use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Timing};
+use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
 use results::store::Tables;
-use results::tables::{contacts_table, curves_table, grains_table, runs_table};
+use results::tables::{contacts_table, curves_table, grains_table, runs_table, snapshots_table};
+
+use crate::part::Part;
+use crate::picture::Formats;
 
 pub(crate) fn sample(iteration: u64, zeta: f64, natural_map: f64) -> Sample {
     Sample {
@@ -94,7 +97,17 @@ pub(crate) fn tables(runs: &[Run], curves: &[(u32, Vec<Sample>)]) -> Tables {
         curves: curves_table(curves).unwrap(),
         grains: grains_table(&[]).unwrap(),
         contacts: contacts_table(&[]).unwrap(),
+        snapshots: snapshots_table::<Vec<Snapshot>>(&[]).unwrap(),
     }
+}
+
+/// Name and text.
+pub(crate) type File = (String, String);
+
+/// All files that parts become.
+pub(crate) fn files(parts: &[Part]) -> Vec<File> {
+    let files = parts.iter().flat_map(|part| part.files(Formats::default()).unwrap());
+    files.map(|file| (file.name, String::from_utf8(file.content).unwrap())).collect()
 }
 
 /// The same tables as of a study before there were velocity errors.

@@ -6,7 +6,8 @@ use std::{fs, io};
 
 use tempfile::TempDir;
 
-use crate::{File, ReportError};
+use crate::ReportError;
+use crate::part::File;
 
 /// Names the files of the report, so that the next one knows which files it may replace.
 const MADE: &str = ".report";
@@ -21,10 +22,10 @@ pub(crate) fn replace(files: &[File], out: &Path) -> Result<Vec<PathBuf>, Report
     // Folders inside the temporary one, since the temporary one is closed to other users.
     let (new, old) = (drafts.path().join("new"), drafts.path().join("old"));
     fs::create_dir(&new).map_err(at(&new))?;
-    for (name, text) in files {
-        fs::write(new.join(name), text).map_err(at(&new.join(name)))?;
+    for File { name, content } in files {
+        fs::write(new.join(name), content).map_err(at(&new.join(name)))?;
     }
-    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
     fs::write(new.join(MADE), names.join("\n") + "\n").map_err(at(&new))?;
     let swapped = swap(&new, &old, out);
     if swapped.is_err() && old.exists() {
@@ -63,7 +64,7 @@ mod tests {
     use super::*;
 
     fn file(name: &str, text: &str) -> File {
-        (name.to_owned(), text.to_owned())
+        File::new(name.to_owned(), text)
     }
 
     fn entries(folder: &Path) -> Vec<String> {

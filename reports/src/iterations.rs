@@ -1,10 +1,11 @@
 //! The table of iterations and work: one row per run, as a table and as text.
 
-use polars::prelude::{AnyValue, DataFrame, PolarsResult};
+use polars::prelude::{DataFrame, PolarsResult};
 use results::store::Tables;
 
 use crate::ReportError;
-use crate::number::number;
+use crate::part::{Kind, Part, Table};
+use crate::table::markdown;
 
 /// What is told of each run.
 const COLUMNS: [&str; 19] = [
@@ -45,12 +46,8 @@ const TEXT_COLUMNS: [(&str, &str); 11] = [
 ];
 
 /// Iterations to each accuracy, counted work and seconds, one row per run in the order of the study.
-///
-/// # Errors
-///
-/// If the table of runs lacks a column.
-pub fn iterations(tables: &Tables) -> Result<DataFrame, ReportError> {
-    Ok(tables.runs.select(COLUMNS)?)
+pub(crate) fn part(tables: &Tables) -> Result<Part, ReportError> {
+    Ok(Part { name: "iterations".to_owned(), kind: Kind::Table(table(tables)?) })
 }
 
 /// The same table as text, less what a page has no room for; below it, why runs were skipped.
@@ -59,11 +56,18 @@ pub fn iterations(tables: &Tables) -> Result<DataFrame, ReportError> {
 ///
 /// If the table of runs lacks a column.
 pub fn iterations_text(tables: &Tables) -> Result<String, ReportError> {
+    let Table { shown, note, .. } = table(tables)?;
+    Ok(markdown(&shown)? + &note)
+}
+
+fn table(tables: &Tables) -> Result<Table, ReportError> {
+    let all = tables.runs.select(COLUMNS)?;
     let columns = TEXT_COLUMNS
         .iter()
-        .map(|(name, heading)| Ok(tables.runs.column(name)?.clone().with_name((*heading).into())))
+        .map(|(name, heading)| Ok(all.column(name)?.clone().with_name((*heading).into())))
         .collect::<PolarsResult<Vec<_>>>()?;
-    Ok(to_markdown(&DataFrame::new(tables.runs.height(), columns)?)? + &skipped(tables)?)
+    let shown = DataFrame::new(all.height(), columns)?;
+    Ok(Table { all, shown, note: skipped(tables)? })
 }
 
 /// A line for each run that was skipped.
@@ -77,43 +81,4 @@ fn skipped(tables: &Tables) -> Result<String, ReportError> {
         format!("\nskipped: {} on {problem}: {reason}\n", format!("{method} {variant}").trim_end())
     };
     Ok((0..tables.runs.height()).filter(|row| status.get(*row) == Some("skipped")).map(line).collect())
-}
-
-/// A table as Markdown that also reads well on a terminal: numbers to the right, a dash where there is none.
-///
-/// # Errors
-///
-/// Those of polars.
-pub(crate) fn to_markdown(table: &DataFrame) -> Result<String, ReportError> {
-    let mut lines = vec![String::from("|"); table.height() + 2];
-    for column in table.columns() {
-        let numeric = column.dtype().is_primitive_numeric();
-        let mut cells = vec![column.name().to_string()];
-        for row in 0..table.height() {
-            cells.push(cell(&column.get(row)?));
-        }
-        let width = cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0).max(3);
-        let rule = if numeric { format!("{:->width$}", ":") } else { "-".repeat(width) };
-        let pad =
-            |cell: &String| if numeric { format!(" {cell:>width$} |") } else { format!(" {cell:<width$} |") };
-        lines[0] += &pad(&cells[0]);
-        lines[1].extend([" ", rule.as_str(), " |"]);
-        for (line, cell) in lines[2..].iter_mut().zip(&cells[1..]) {
-            *line += &pad(cell);
-        }
-    }
-    let mut text = lines.join("\n") + "\n";
-    if table.height() == 0 {
-        text += "\nno such run in this study\n";
-    }
-    Ok(text)
-}
-
-fn cell(value: &AnyValue) -> String {
-    match value {
-        AnyValue::Null => "–".to_owned(),
-        AnyValue::Float64(x) => number(*x, 3),
-        AnyValue::String(text) => text.replace('|', "\\|").replace('\n', " "),
-        other => other.to_string(),
-    }
 }

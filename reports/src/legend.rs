@@ -1,5 +1,7 @@
 //! Which line is which run, below the panels and covering nothing.
 
+use std::collections::BTreeMap;
+
 use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::ReportError;
@@ -23,8 +25,8 @@ pub(crate) struct Look {
 
 /// Looks for all runs of a study, so that a method looks the same on every problem.
 pub(crate) struct Looks<'t> {
-    /// Methods in the order of the study, each with its kinds of run in the order of their subdomains.
-    methods: Vec<(&'t str, Vec<Kind<'t>>)>,
+    /// Methods in the order of the study, each with the places of its kinds of run in the order of their subdomains.
+    methods: Vec<(&'t str, BTreeMap<Kind<'t>, usize>)>,
 }
 
 /// Subdomains and variant: what tells two runs of a method on a problem apart.
@@ -36,21 +38,22 @@ fn kind(run: &RunRow) -> Kind<'_> {
 
 impl<'t> Looks<'t> {
     pub(crate) fn new(runs: &'t [RunRow]) -> Self {
-        let mut methods: Vec<(&str, Vec<Kind>)> = Vec::new();
+        let mut methods: Vec<(&str, BTreeMap<Kind, usize>)> = Vec::new();
         for run in runs {
             let known = methods.iter().position(|(method, _)| *method == run.method);
             let index = known.unwrap_or_else(|| {
-                methods.push((&run.method, Vec::new()));
+                methods.push((&run.method, BTreeMap::new()));
                 methods.len() - 1
             });
             let kinds = &mut methods[index].1;
-            if !kinds.contains(&kind(run)) {
-                kinds.push(kind(run));
-            }
+            let next = kinds.len();
+            kinds.entry(kind(run)).or_insert(next);
         }
         for (_, kinds) in &mut methods {
-            // Stable: kinds with as many subdomains stay in the order of the study.
-            kinds.sort_by_key(|&(subdomains, _)| subdomains);
+            // Kinds with as many subdomains stay in the order of the study.
+            let mut order: Vec<(Kind, usize)> = kinds.iter().map(|(kind, place)| (*kind, *place)).collect();
+            order.sort_by_key(|((subdomains, _), place)| (*subdomains, *place));
+            kinds.extend(order.into_iter().enumerate().map(|(place, (kind, _))| (kind, place)));
         }
         Self { methods }
     }
@@ -58,7 +61,7 @@ impl<'t> Looks<'t> {
     /// Place of a run in the order of the legend.
     pub(crate) fn rank(&self, run: &RunRow) -> (usize, usize) {
         let method = self.methods.iter().position(|(method, _)| *method == run.method).unwrap_or(0);
-        let place = |(_, kinds): &(&str, Vec<Kind>)| kinds.iter().position(|k| *k == kind(run));
+        let place = |(_, kinds): &(&str, BTreeMap<Kind, usize>)| kinds.get(&kind(run)).copied();
         (method, self.methods.get(method).and_then(place).unwrap_or(0))
     }
 
@@ -75,6 +78,12 @@ impl<'t> Looks<'t> {
         }
         let mut others = self.methods.iter().map(|(other, _)| *other).filter(|other| own(other).is_none());
         SPARE[others.position(|other| other == name).unwrap_or(0) % SPARE.len()]
+    }
+
+    /// The look of a method where its runs are not told apart.
+    pub(crate) fn of_method(&self, name: &str) -> Look {
+        let (pen, mark) = self.method(name);
+        Look { pen, mark }
     }
 
     /// The look of the n-th method of all.

@@ -1,5 +1,6 @@
 //! Tables and figures, each one a function of stored tables.
 
+mod against;
 mod axis;
 mod canvas;
 mod chart;
@@ -9,12 +10,18 @@ mod cost;
 mod curve;
 mod directions;
 mod ending;
+mod failures;
+mod fill;
 mod folder;
+mod found;
 mod groups;
 mod iterations;
 mod legend;
 mod number;
+mod page;
 mod panels;
+mod part;
+mod picture;
 mod profiles;
 mod rows;
 mod sample;
@@ -26,7 +33,9 @@ mod statistics;
 mod study;
 mod style;
 mod subdomains;
+mod table;
 mod truth;
+mod viewer;
 mod work_precision;
 
 #[cfg(test)]
@@ -39,12 +48,19 @@ mod tests;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use polars::prelude::{CsvWriter, DataFrame, PolarsError, SerWriter};
+use polars::prelude::PolarsError;
 use results::store::Tables;
 use thiserror::Error;
 
 pub use chart::{Chart, UnknownChart};
-pub use iterations::{iterations, iterations_text};
+pub use fill::fill;
+pub use iterations::iterations_text;
+pub use page::view;
+pub use picture::Formats;
+pub use viewer::Filmed;
+
+use page::Chapter;
+use part::File;
 
 /// Why a report was not made.
 #[derive(Debug, Error)]
@@ -73,6 +89,9 @@ pub enum ReportError {
     /// The drawing library refuses.
     #[error("a figure cannot be drawn: {0}")]
     Drawing(String),
+    /// A template is none, or asks for what is not there.
+    #[error("the template: {0}")]
+    Template(String),
     /// A file or folder cannot be made or replaced.
     #[error("{path}: {source}")]
     File {
@@ -83,10 +102,31 @@ pub enum ReportError {
     },
 }
 
-/// A file of a report: its name and what it holds.
-pub(crate) type File = (String, String);
+/// What a report says of its study beside the rows.
+#[derive(Clone, Debug)]
+pub struct About {
+    /// Name of the study.
+    pub name: String,
+    /// What it asks, in a sentence.
+    pub why: String,
+    /// The arguments of `gravel bench` that make it.
+    pub bench: String,
+    /// The arguments of `gravel report` and `gravel figure` that draw it, where they can.
+    pub draw: Option<String>,
+}
 
-/// Makes the table of iterations and the files of the `charts` of a study, and puts them into the folder `out`.
+/// What a report is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted<'w> {
+    /// The charts.
+    pub charts: &'w [Chart],
+    /// The formats of their figures.
+    pub formats: Formats,
+    /// An earlier study to compare with.
+    pub against: Option<&'w Tables>,
+}
+
+/// Makes the table of iterations, the charts of a study and its page, and puts their files into the folder `out`.
 /// Returns their paths.
 ///
 /// Files that an earlier report left in `out` go, files of anyone else stay.
@@ -94,21 +134,43 @@ pub(crate) type File = (String, String);
 /// # Errors
 ///
 /// If a table lacks a column or a file cannot be written; nothing is replaced before all is drawn.
-pub fn report(tables: &Tables, charts: &[Chart], out: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    let mut files = vec![
-        ("iterations.csv".to_owned(), csv(&iterations(tables)?)?),
-        ("iterations.md".to_owned(), iterations_text(tables)?),
-    ];
-    for chart in charts {
-        files.extend(chart.files(tables)?);
+pub fn report(
+    tables: &Tables,
+    about: &About,
+    wanted: Wanted,
+    out: &Path,
+) -> Result<Vec<PathBuf>, ReportError> {
+    let mut chapters = Vec::new();
+    if let Some(before) = wanted.against {
+        chapters.push(Chapter::new("against", against::parts(before, tables)?));
+    }
+    for chart in wanted.charts {
+        chapters.push(Chapter::of_chart(*chart, tables)?);
+    }
+    chapters.push(Chapter::new("iterations", vec![iterations::part(tables)?]));
+    let mut files = vec![File::new("index.html".to_owned(), page::page(tables, &chapters, about)?)];
+    for part in chapters.iter().flat_map(|chapter| &chapter.parts) {
+        files.extend(part.files(wanted.formats)?);
     }
     folder::replace(&files, out)
 }
 
-fn csv(table: &DataFrame) -> Result<String, ReportError> {
-    let mut bytes = Vec::new();
-    CsvWriter::new(&mut bytes).finish(&mut table.clone())?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+/// Makes the figures and tables of one chart, as [`report`] does, without a page.
+///
+/// # Errors
+///
+/// Those of [`report`].
+pub fn figure(
+    tables: &Tables,
+    chart: Chart,
+    formats: Formats,
+    out: &Path,
+) -> Result<Vec<PathBuf>, ReportError> {
+    let mut files = Vec::new();
+    for part in chart.parts(tables)? {
+        files.extend(part.files(formats)?);
+    }
+    folder::replace(&files, out)
 }
 
 /// A file's name from a problem's or partition's: letters, digits, dot, dash, underscore.

@@ -5,6 +5,8 @@ use plotters::style::text_anchor::{HPos, VPos};
 use crate::ReportError;
 use crate::canvas::{Canvas, svg};
 use crate::legend::Legend;
+use crate::number::counted;
+use crate::rows::RunRow;
 use crate::style::{LEADING, MARGIN, PAGE, TEXT};
 
 /// Left of a panel for the labels of its ticks, and right of it (mm).
@@ -52,8 +54,24 @@ pub(crate) fn row(
     })
 }
 
+/// More lines than this are not told apart by anyone, and take a page of legend.
+pub(crate) const MOST_LINES: usize = 120;
+
+/// A page that says that it would show too many lines.
+pub(crate) fn too_many(title: &str, lines: usize) -> Result<String, ReportError> {
+    nothing(title, &format!("{} are too many for a figure; the tables have them all", counted(lines, "line")))
+}
+
 /// A page that says why it shows nothing.
 pub(crate) fn nothing(title: &str, why: &str) -> Result<String, ReportError> {
     let legend = Legend::new(Vec::new(), Vec::new(), INSIDE)?;
     row(&[format!("{title}: {why}")], 1, &legend, |_, _, _| Ok(()))
+}
+
+/// The problem, its size, and how many runs were made on it.
+pub(crate) fn title(problem: &str, runs: &[&RunRow]) -> String {
+    let size = runs.first().map_or_else(String::new, |run| {
+        format!(": {}, {}", counted(run.grains as usize, "grain"), counted(run.contacts as usize, "contact"))
+    });
+    format!("{problem}{size}, {}", counted(runs.len(), "run"))
 }

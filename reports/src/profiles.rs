@@ -7,27 +7,27 @@ use polars::df;
 use polars::prelude::DataFrame;
 use results::store::Tables;
 
+use crate::ReportError;
 use crate::axis::{Axis, Frame, Scale};
 use crate::canvas::{Canvas, Place};
 use crate::cost::{ACCURACIES, COSTS, Cost, WORK};
-use crate::iterations::to_markdown;
 use crate::legend::Legend;
 use crate::number::{counted, power_of_ten};
-use crate::panels::{INSIDE, Room, nothing, row};
+use crate::panels::{INSIDE, MOST_LINES, Room, nothing, row, too_many};
+use crate::part::Part;
 use crate::rows::{problems, runs};
 use crate::series::{Series, draw_empty, series};
 use crate::statistics::median;
 use crate::study::Study;
-use crate::{File, ReportError, csv};
 use ratios::Ratios;
 
-/// `profiles-seconds.svg`, `profiles-sweeps.svg`, and `profiles.csv` and `.md`: which method for which accuracy.
-pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
+/// `profiles-seconds`, `profiles-sweeps`, and the table `profiles`: which method for which accuracy.
+pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let runs = runs(&tables.runs)?;
     let (study, methods) = (Study::of(&runs, tables)?, series(&runs, &[]));
-    let mut files = Vec::new();
+    let mut parts = Vec::new();
     for cost in &COSTS {
-        files.push((format!("profiles-{}.svg", cost.name), figure(&study, &methods, cost)?));
+        parts.push(Part::figure(format!("profiles-{}", cost.name), figure(&study, &methods, cost)?));
     }
     let table = table(&study, &methods)?;
     let set = problems(&runs).join(", ");
@@ -35,12 +35,14 @@ pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
         "\nProblems: {set}. Reached: with the accuracy reached, the other runs are censored. Best: with no method cheaper. \
          Median ratio: of the cost to the least, where reached. One run each. {WORK}\n"
     );
-    files.push(("profiles.csv".to_owned(), csv(&table)?));
-    files.push(("profiles.md".to_owned(), to_markdown(&table)? + &note));
-    Ok(files)
+    parts.push(Part::table("profiles", table, note));
+    Ok(parts)
 }
 
 fn figure(study: &Study, methods: &[Series], cost: &Cost) -> Result<String, ReportError> {
+    if methods.len() > MOST_LINES {
+        return too_many("performance profiles", methods.len());
+    }
     let all = ACCURACIES.map(|accuracy| Ratios::of(study, methods, cost, accuracy));
     if all.iter().all(|ratios| ratios.best().is_empty()) {
         return nothing("performance profiles", "no run reaches a known velocity error of 10⁻² or less");

@@ -1,6 +1,6 @@
 //! What the figures read of the stored tables, row by row.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use polars::prelude::DataFrame;
 use serde_json::{Map, Value};
@@ -104,13 +104,8 @@ fn json(table: &DataFrame, column: &str) -> Result<Vec<Map<String, Value>>, Repo
 
 /// The problems in the order of the study.
 pub(crate) fn problems(runs: &[RunRow]) -> Vec<&str> {
-    let mut problems: Vec<&str> = Vec::new();
-    for run in runs {
-        if !problems.contains(&run.problem.as_str()) {
-            problems.push(&run.problem);
-        }
-    }
-    problems
+    let mut seen = HashSet::new();
+    runs.iter().map(|run| run.problem.as_str()).filter(|problem| seen.insert(*problem)).collect()
 }
 
 /// The curves by run, each in the order of its iterations.

@@ -1,19 +1,20 @@
 //! A sample under a partition: discs by subdomain, boundary grains, walls, and chains of impulses.
 
 mod key;
-mod scene;
+pub(crate) mod scene;
 mod view;
-mod walls;
+pub(crate) mod walls;
 
 use plotters::style::text_anchor::{HPos, VPos};
 use results::store::Tables;
 
+use crate::ReportError;
 use crate::canvas::{Canvas, svg, text_width};
 use crate::number::{count, counted, number};
+use crate::part::Part;
 use crate::style::{
     BOUNDARY_GRAIN, CHAIN, GRAIN, IDLE, LEADING, MARGIN, Pen, SUBDOMAINS, TEXT, TICK_TEXT, WALL, WHITE,
 };
-use crate::{File, ReportError};
 use key::Key;
 use scene::{GrainRow, Scene, scenes};
 use view::View;
@@ -22,12 +23,12 @@ use walls::walls;
 /// Thinner lines than this (mm) do not print.
 const THINNEST_CHAIN: f64 = 0.04;
 
-/// `sample-<problem>-<partition>.svg` for each problem and partition of the tables.
-pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
+/// `sample-<problem>-<partition>` for each problem and partition of the tables.
+pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let scenes = scenes(&tables.grains, &tables.contacts)?;
     let figure = |((problem, partition), scene): ((String, String), Scene)| {
-        let name = format!("sample-{}-{}.svg", crate::file_name(&problem), crate::file_name(&partition));
-        Ok((name, draw(&format!("{problem}, {partition}"), &scene)?))
+        let name = format!("sample-{}-{}", crate::file_name(&problem), crate::file_name(&partition));
+        Ok(Part::figure(name, draw(&format!("{problem}, {partition}"), &scene)?))
     };
     scenes.into_iter().map(figure).collect()
 }

@@ -1,5 +1,7 @@
 //! Runs of one method that agree in all but what a chart varies, as a series of points.
 
+use std::collections::BTreeMap;
+
 use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::ReportError;
@@ -26,17 +28,20 @@ pub(crate) fn series<'r>(runs: &'r [RunRow], varied: &[&str]) -> Vec<Series<'r>>
     let (keys, looks) = (differing(runs, varied), Looks::new(runs));
     let one_method = runs.windows(2).all(|pair| pair[0].method == pair[1].method);
     let mut all: Vec<Series> = Vec::new();
+    let mut known: BTreeMap<(&str, String), usize> = BTreeMap::new();
+    let mut of_method: BTreeMap<&str, usize> = BTreeMap::new();
     for run in runs {
         let group = settings_text(run, &keys);
-        let known = all.iter_mut().find(|series| series.method == run.method && series.group == group);
-        if let Some(series) = known {
-            series.runs.push(run);
+        if let Some(&index) = known.get(&(run.method.as_str(), group.clone())) {
+            all[index].runs.push(run);
             continue;
         }
-        let earlier = all.iter().filter(|series| series.method == run.method).count();
+        let earlier = of_method.entry(&run.method).or_default();
         // Where there is one method alone, colours and marks tell its settings apart as well.
-        let (pen, mark) = if one_method { Looks::nth(earlier) } else { looks.method(&run.method) };
-        let look = Look { pen: Pen { dash: DASHES[earlier % DASHES.len()], ..pen }, mark };
+        let (pen, mark) = if one_method { Looks::nth(*earlier) } else { looks.method(&run.method) };
+        let look = Look { pen: Pen { dash: DASHES[*earlier % DASHES.len()], ..pen }, mark };
+        *earlier += 1;
+        known.insert((&run.method, group.clone()), all.len());
         all.push(Series { method: &run.method, group, look, runs: vec![run] });
     }
     all

@@ -4,20 +4,20 @@ use polars::df;
 use polars::prelude::DataFrame;
 use results::store::Tables;
 
+use crate::ReportError;
 use crate::axis::{Axis, Frame};
 use crate::canvas::Canvas;
 use crate::cost::WORK;
 use crate::ending::Ending;
-use crate::iterations::to_markdown;
 use crate::legend::Legend;
 use crate::number::counted;
-use crate::panels::{INSIDE, Room, row};
+use crate::panels::{INSIDE, MOST_LINES, Room, row, too_many};
+use crate::part::Part;
 use crate::rows::{RunRow, problems, runs};
 use crate::series::{Series, draw_empty, draw_points, reach, series};
 use crate::signs::endings;
 use crate::statistics::{slope, span};
 use crate::study::Study;
-use crate::{File, ReportError, csv};
 
 /// Points of a series: how the run ended, logarithms of grains and cost.
 type Points = Vec<(Ending, (f64, f64))>;
@@ -34,8 +34,8 @@ const COSTS: [Cost; 3] = [
     Cost { title: "counted work (sweeps)", of: |study, run| study.curve(run).last()?.work(run) },
 ];
 
-/// `size.svg`, and `size.csv` and `.md` with the exponents.
-pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
+/// The figure `size`, and the table with the exponents.
+pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let runs = runs(&tables.runs)?;
     let study = Study::of(&runs, tables)?;
     let mut all = series(&runs, &[]);
@@ -46,11 +46,7 @@ pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
     let note = format!(
         "\nCost = a · grains^exponent, least squares in logarithms over the runs that converged; none on one size. {WORK}\n"
     );
-    Ok(vec![
-        ("size.svg".to_owned(), figure(&study, &all)?),
-        ("size.csv".to_owned(), csv(&table)?),
-        ("size.md".to_owned(), to_markdown(&table)? + &note),
-    ])
+    Ok(vec![Part::figure("size", figure(&study, &all)?), Part::table("size", table, note)])
 }
 
 fn points(study: &Study, series: &Series, cost: &Cost) -> Points {
@@ -66,6 +62,9 @@ fn exponent(study: &Study, series: &Series, cost: &Cost) -> Option<f64> {
 }
 
 fn figure(study: &Study, all: &[Series]) -> Result<String, ReportError> {
+    if all.len() > MOST_LINES {
+        return too_many("size", all.len());
+    }
     let label = |series: &Series| {
         let exponents = COSTS.each_ref().map(|cost| {
             exponent(study, series, cost).map_or("–".to_owned(), |exponent| format!("{exponent:.2}"))

@@ -5,15 +5,17 @@ use std::collections::BTreeMap;
 use plotters::style::text_anchor::{HPos, VPos};
 use results::store::Tables;
 
-use crate::ReportError;
 use crate::axis::Frame;
 use crate::canvas::{Canvas, Place};
 use crate::curve::{LogPoint, along, inside};
 use crate::ending::Ending;
 use crate::legend::{Legend, Look, Looks};
-use crate::rows::{Point, RunRow, curves};
+use crate::panels::{MOST_LINES, nothing, too_many};
+use crate::part::Part;
+use crate::rows::{Point, RunRow, curves, problems, runs};
 use crate::signs::{Sign, endings};
 use crate::style::TEXT;
+use crate::{ReportError, file_name};
 
 /// What all panels of a study share.
 pub(crate) struct Study<'t> {
@@ -81,6 +83,46 @@ impl<'t> Study<'t> {
             points: self.curve(run).iter().filter_map(|point| at(run, point)).collect(),
         };
         runs.iter().map(line).collect()
+    }
+}
+
+/// A chart that compares the runs on each problem with the truth: a figure, and sentences; both say where it is not known.
+pub(crate) struct AgainstTruth {
+    /// Name of the chart.
+    pub(crate) name: &'static str,
+    /// What cannot be drawn without the truth.
+    pub(crate) lacks: &'static str,
+    pub(crate) figure: fn(&Study, &str, &[&RunRow]) -> Result<String, ReportError>,
+    pub(crate) sentences: fn(&Study, &str) -> String,
+    /// Said below the sentences.
+    pub(crate) note: String,
+}
+
+impl AgainstTruth {
+    pub(crate) fn parts(&self, tables: &Tables) -> Result<Vec<Part>, ReportError> {
+        const UNKNOWN: &str = "no velocity error in its rows";
+        let runs = runs(&tables.runs)?;
+        let study = Study::of(&runs, tables)?;
+        let (mut parts, mut text) = (Vec::new(), String::new());
+        for problem in problems(&runs) {
+            let on_problem = study.runs_of(problem);
+            let svg = if study.knows_truth(problem) {
+                text += &(self.sentences)(&study, problem);
+                match on_problem.len() {
+                    lines if lines > MOST_LINES => too_many(problem, lines)?,
+                    _ => (self.figure)(&study, problem, &on_problem)?,
+                }
+            } else {
+                text.extend([problem, ": ", UNKNOWN, ".\n"]);
+                nothing(problem, &format!("{UNKNOWN}, hence {}", self.lacks))?
+            };
+            parts.push(Part::figure(format!("{}-{}", self.name, file_name(problem)), svg));
+        }
+        if parts.is_empty() {
+            text += "no run in this study\n";
+        }
+        parts.push(Part::text(self.name, text + &self.note));
+        Ok(parts)
     }
 }
 

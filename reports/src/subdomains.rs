@@ -5,15 +5,14 @@ use results::store::Tables;
 
 use crate::axis::{Axis, Frame, Scale};
 use crate::canvas::Canvas;
-use crate::convergence::title;
 use crate::ending::Ending;
-use crate::iterations::to_markdown;
 use crate::legend::Legend;
-use crate::panels::{INSIDE, Room, row};
+use crate::panels::{INSIDE, MOST_LINES, Room, row, title, too_many};
+use crate::part::Part;
 use crate::rows::{RunRow, problems, runs};
 use crate::series::{Series, draw_empty, draw_points, reach, series};
 use crate::signs::endings;
-use crate::{File, ReportError, csv, file_name};
+use crate::{ReportError, file_name};
 
 /// What a panel shows of a run.
 struct Measure {
@@ -30,19 +29,18 @@ fn seconds_per_iteration(run: &RunRow) -> Option<f64> {
     run.iterating_s.filter(|_| run.iterations > 0).map(|seconds| seconds / run.iterations as f64)
 }
 
-/// `subdomains-<problem>.svg`, and `subdomains.csv` and `.md` with the growth.
-pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
+/// `subdomains-<problem>` for each problem, and the table `subdomains` with the growth.
+pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let runs = runs(&tables.runs)?;
-    let mut files = Vec::new();
+    let mut parts = Vec::new();
     for problem in problems(&runs) {
-        files.push((format!("subdomains-{}.svg", file_name(problem)), figure(&runs, problem)?));
+        parts.push(Part::figure(format!("subdomains-{}", file_name(problem)), figure(&runs, problem)?));
     }
     let table = table(&series(&runs, &["subdomains"]))?;
     let note =
         "\nGrowth: iterations over those of the same method and settings with the fewest subdomains.\n";
-    files.push(("subdomains.csv".to_owned(), csv(&table)?));
-    files.push(("subdomains.md".to_owned(), to_markdown(&table)? + note));
-    Ok(files)
+    parts.push(Part::table("subdomains", table, note));
+    Ok(parts)
 }
 
 /// The series on one problem; a run that was skipped has no point.
@@ -57,6 +55,9 @@ fn series_on<'r>(runs: &'r [RunRow], problem: &str) -> Vec<Series<'r>> {
 
 fn figure(runs: &[RunRow], problem: &str) -> Result<String, ReportError> {
     let all = series_on(runs, problem);
+    if all.len() > MOST_LINES {
+        return too_many(problem, all.len());
+    }
     let shown: Vec<&RunRow> = all.iter().flat_map(|series| series.runs.iter().copied()).collect();
     let failures = shown.iter().map(|run| run.ending).filter(|ending| *ending != Ending::Converged);
     let entries = all.iter().map(|series| (series.label(), series.look)).collect();

@@ -2,9 +2,9 @@
 
 use results::schema::Run;
 
-use crate::fixture::{decay, explosion, run, sample, tables, without_truth};
+use crate::fixture::{File, decay, explosion, files, run, sample, tables, without_truth};
 use crate::tests::assert_well_formed;
-use crate::{File, profiles, size, subdomains};
+use crate::{profiles, size, subdomains};
 
 fn text<'f>(files: &'f [File], name: &str) -> &'f str {
     for (name, svg) in files.iter().filter(|(name, _)| name.contains(".svg")) {
@@ -27,7 +27,7 @@ fn growth_with_subdomains_is_told_for_each_setting_apart() {
         Run { status: "iteration-limit".into(), ..on(3, 8, "0.3", 1000) },
         Run { status: "skipped".into(), iterating_s: f64::NAN, ..on(4, 64, "0.3", 0) },
     ];
-    let files = subdomains::files(&tables(&runs, &[])).unwrap();
+    let files = files(&subdomains::parts(&tables(&runs, &[])).unwrap());
     let rows: Vec<&str> = text(&files, "subdomains.csv").lines().skip(1).collect();
     assert!(rows[1].starts_with("column,latin-dd,8,converged,125,1.25,"), "{}", rows[1]);
     assert!(rows[3].starts_with("column,\"latin-dd, kappa_d=0.3\",8,iteration limit,1000,,"), "{}", rows[3]);
@@ -51,7 +51,7 @@ fn exponents_are_those_of_the_runs_that_converged() {
         Run { status: "iteration-limit".into(), ..sized(2, 100_000, 7) },
         run(3, "cg", "", "converged"),
     ];
-    let files = size::files(&tables(&runs, &[])).unwrap();
+    let files = files(&size::parts(&tables(&runs, &[])).unwrap());
     let rows: Vec<&str> = text(&files, "size.csv").lines().skip(1).collect();
     assert!(rows[0].starts_with("nsgs,3,1,1.5,") && rows[1].starts_with("cg,1,0,,"), "{rows:?}");
     assert!(text(&files, "size.svg").contains("nsgs (1.50, 0.00, –)"));
@@ -64,7 +64,7 @@ fn profile_counts_what_is_reached_and_what_is_censored() {
         [run(0, "nsgs", "", "converged"), run(1, "cg", "", "converged"), other(2, "nsgs"), other(3, "cg")];
     let twice = || (0..=200).map(|i| sample(i, 1.0, 10f64.powf(-4.0 * i as f64 / 200.0))).collect();
     let curves = [(0, decay()), (1, twice()), (2, decay()), (3, explosion())];
-    let files = profiles::files(&tables(&runs, &curves)).unwrap();
+    let files = files(&profiles::parts(&tables(&runs, &curves)).unwrap());
     let row = |start: &str| text(&files, "profiles.csv").lines().find(|row| row.starts_with(start)).unwrap();
     assert_eq!(row("0.01,sweeps,nsgs"), "0.01,sweeps,nsgs,2,2,2,1.0");
     assert_eq!(row("0.01,sweeps,cg"), "0.01,sweeps,cg,2,1,0,2.0");
@@ -79,8 +79,8 @@ fn no_run_only_failures_and_undefined_values_are_no_obstacle() {
     let skipped = Run { grains: 0, ..run(1, "cg", "", "skipped") };
     let one = tables(&[failed, skipped], &[(0, explosion())]);
     for tables in [tables(&[], &[]), without_truth(one.clone()), one] {
-        for chart in [subdomains::files, size::files, profiles::files] {
-            let files = chart(&tables).unwrap();
+        for chart in [subdomains::parts, size::parts, profiles::parts] {
+            let files = files(&chart(&tables).unwrap());
             text(&files, &files[0].0);
         }
     }

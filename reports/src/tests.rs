@@ -8,13 +8,16 @@ use results::store::Tables;
 use results::tables::{contacts_table, grains_table};
 use tempfile::TempDir;
 
-use crate::fixture::{decay, explosion, run, sample, scene, tables};
-use crate::iterations::to_markdown;
-use crate::{Chart, ReportError, convergence, iterations, iterations_text, report, sample as sample_figure};
+use crate::fixture::{decay, explosion, files, run, sample, scene, tables};
+use crate::part::{Kind, Table};
+use crate::table::markdown;
+use crate::{
+    About, Chart, Formats, ReportError, Wanted, convergence, iterations_text, report, sample as sample_figure,
+};
 
 fn figures(tables: &Tables) -> Vec<(String, String)> {
-    let mut figures = convergence::files(tables).unwrap();
-    figures.extend(sample_figure::files(tables).unwrap());
+    let mut figures = files(&convergence::parts(tables).unwrap());
+    figures.extend(files(&sample_figure::parts(tables).unwrap()));
     for (name, svg) in &figures {
         assert_well_formed(name, svg);
     }
@@ -48,13 +51,18 @@ fn study() -> Tables {
     tables(&runs, &[(0, decay()), (1, decay()), (2, decay()), (3, explosion())])
 }
 
+pub(crate) fn about() -> About {
+    let again = "paper".to_owned();
+    About { name: "paper".into(), why: "What <it> asks.".into(), bench: again.clone(), draw: Some(again) }
+}
+
 #[test]
 fn study_without_runs_says_so() {
     let empty = tables(&[], &[]);
     let figures = figures(&empty);
     assert_eq!(figures.len(), 1);
     assert!(figures[0].1.contains("no run in this study"));
-    assert!(to_markdown(&iterations(&empty).unwrap()).unwrap().contains("no such run in this study"));
+    assert!(iterations_text(&empty).unwrap().contains("no such run in this study"));
 }
 
 #[test]
@@ -180,10 +188,12 @@ fn scene_without_impulses_or_without_grains_says_so() {
 fn same_tables_give_the_same_bytes_and_replace_the_files() {
     let out = TempDir::new().unwrap();
     let read = |paths: &[std::path::PathBuf]| paths.iter().map(|p| fs::read(p).unwrap()).collect::<Vec<_>>();
-    let first = report(&study(), Chart::default_set(), &out.path().join("paper")).unwrap();
+    let wanted = Wanted { charts: Chart::default_set(), formats: Formats::default(), against: None };
+    let make = || report(&study(), &about(), wanted, &out.path().join("paper"));
+    let first = make().unwrap();
     let bytes = read(&first);
     fs::write(&first[0], "old").unwrap();
-    let second = report(&study(), Chart::default_set(), &out.path().join("paper")).unwrap();
+    let second = make().unwrap();
     assert_eq!(first, second);
     assert_eq!(bytes, read(&second));
     assert_eq!(fs::read_dir(out.path()).unwrap().count(), 1, "no draft is left");
@@ -191,13 +201,15 @@ fn same_tables_give_the_same_bytes_and_replace_the_files() {
 
 #[test]
 fn table_reads_off_what_the_rows_say() {
-    let table = iterations(&study()).unwrap();
+    let Kind::Table(Table { all: table, .. }) = crate::iterations::part(&study()).unwrap().kind else {
+        panic!()
+    };
     let number = |table: &DataFrame, column: &str, row| table.column(column).unwrap().u64().unwrap().get(row);
     assert_eq!(number(&table, "iterations_to_zeta_1e_3", 0), Some(31));
     assert_eq!(number(&table, "iterations_to_zeta_1e_4", 0), None);
     assert_eq!(number(&table, "iterations_to_natural_map_1e_2", 2), Some(47));
     assert_eq!(number(&table, "contact_updates", 3), Some(4000));
-    let text = to_markdown(&table).unwrap();
+    let text = markdown(&table).unwrap();
     let row: Vec<&str> = text.lines().nth(3).unwrap().split('|').map(str::trim).collect();
     let expected = [
         "",
@@ -222,6 +234,6 @@ fn table_reads_off_what_the_rows_say() {
 fn table_without_a_column_is_an_error_that_names_it() {
     let mut broken = study();
     broken.curves = broken.curves.drop("natural_map").unwrap();
-    let error = convergence::files(&broken).unwrap_err();
+    let error = convergence::parts(&broken).err().unwrap();
     assert!(matches!(error, ReportError::Table(_)) && error.to_string().contains("natural_map"));
 }

@@ -3,18 +3,18 @@
 use plotters::style::text_anchor::{HPos, VPos};
 use results::store::Tables;
 
+use crate::ReportError;
 use crate::axis::{Axis, Frame};
 use crate::canvas::{Canvas, text_width};
-use crate::convergence::title;
 use crate::curve::{LogPoint, log, range};
 use crate::number::{number, power_of_ten};
-use crate::panels::{INSIDE, Room, nothing, row};
-use crate::rows::{Point, RunRow, problems, runs};
+use crate::panels::{INSIDE, Room, row, title};
+use crate::part::Part;
+use crate::rows::{Point, RunRow};
 use crate::signs::Sign;
 use crate::statistics::span;
-use crate::study::{Line, Study, draw_lines};
+use crate::study::{AgainstTruth, Line, Study, draw_lines};
 use crate::style::{TICK_TEXT, TOLERANCE};
-use crate::{File, ReportError, file_name};
 
 /// A measure that every method can be stopped by.
 struct Measure {
@@ -34,41 +34,20 @@ const MEASURES: [Measure; 3] = [
 /// The value of a measure at which the text says what it is worth.
 const ASKED: f64 = 1e-4;
 
-/// `truth-<problem>.svg`, and `truth.md` with the errors behind a measure of 10⁻⁴.
-pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
-    let runs = runs(&tables.runs)?;
-    let study = Study::of(&runs, tables)?;
-    let mut files = Vec::new();
-    let mut text = String::new();
-    for problem in problems(&runs) {
-        files.push((format!("truth-{}.svg", file_name(problem)), figure(&study, problem)?));
-        if !study.knows_truth(problem) {
-            text.extend([problem, ": no velocity error in its rows.\n"]);
-            continue;
-        }
-        for measure in &MEASURES {
-            text += &sentence(&study, problem, measure);
-        }
-    }
-    if files.is_empty() {
-        text += "no run in this study\n";
-    }
-    files.push(("truth.md".to_owned(), text));
-    Ok(files)
+/// `truth-<problem>` for each problem, and `truth` with the errors behind a measure of 10⁻⁴.
+pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
+    let lacks = "no truth to compare with";
+    AgainstTruth { name: "truth", lacks, figure, sentences, note: String::new() }.parts(tables)
 }
 
-fn figure(study: &Study, problem: &str) -> Result<String, ReportError> {
-    let runs = study.runs_of(problem);
-    if !study.knows_truth(problem) {
-        return nothing(problem, "no velocity error in its rows, hence no truth to compare with");
-    }
+fn figure(study: &Study, problem: &str, runs: &[&RunRow]) -> Result<String, ReportError> {
     let more = vec![(
         Sign::Line(TOLERANCE),
         "measure = velocity error; below it the measure promises too much".into(),
     )];
-    let legend = study.legend(&runs, more, INSIDE)?;
-    row(&[title(problem, &runs)], MEASURES.len(), &legend, |canvas, i, room| {
-        panel(canvas, study, &runs, &MEASURES[i], room)
+    let legend = study.legend(runs, more, INSIDE)?;
+    row(&[title(problem, runs)], MEASURES.len(), &legend, |canvas, i, room| {
+        panel(canvas, study, runs, &MEASURES[i], room)
     })
 }
 
@@ -109,6 +88,10 @@ fn draw_diagonal(canvas: &Canvas, frame: &Frame) -> Result<(), ReportError> {
     let text = "promises too much";
     let place = (frame.x.to - text_width(text, TICK_TEXT)? - 1.5, frame.y.from - 1.6);
     canvas.text(text, place, TICK_TEXT, (HPos::Left, VPos::Bottom))
+}
+
+fn sentences(study: &Study, problem: &str) -> String {
+    MEASURES.iter().map(|measure| sentence(study, problem, measure)).collect()
 }
 
 /// Between which velocity errors the runs are when the measure comes down to the value asked.

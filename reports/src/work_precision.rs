@@ -2,48 +2,35 @@
 
 use results::store::Tables;
 
+use crate::ReportError;
 use crate::axis::{Axis, Frame};
 use crate::canvas::{Canvas, Place};
-use crate::convergence::title;
 use crate::cost::{ACCURACIES, COSTS, Cost, WORK, reached};
 use crate::curve::{LogPoint, log_point, range};
 use crate::number::{number, power_of_ten};
-use crate::panels::{INSIDE, Room, nothing, row};
-use crate::rows::{RunRow, given, problems, runs};
+use crate::panels::{INSIDE, Room, row, title};
+use crate::part::Part;
+use crate::rows::{RunRow, given};
 use crate::signs::Sign;
 use crate::statistics::padded;
-use crate::study::{Line, Study, draw_lines};
+use crate::study::{AgainstTruth, Line, Study, draw_lines};
 use crate::style::{PARETO, TOLERANCE};
-use crate::{File, ReportError, file_name};
 
-/// `work-precision-<problem>.svg`, and `work-precision.md` with the first to each accuracy.
-pub(crate) fn files(tables: &Tables) -> Result<Vec<File>, ReportError> {
-    let runs = runs(&tables.runs)?;
-    let study = Study::of(&runs, tables)?;
-    let mut files = Vec::new();
-    let mut text = String::new();
-    for problem in problems(&runs) {
-        files.push((format!("work-precision-{}.svg", file_name(problem)), figure(&study, problem)?));
-        text += &firsts(&study, problem);
-    }
-    if files.is_empty() {
-        text += "no run in this study\n";
-    }
+/// `work-precision-<problem>` for each problem, and `work-precision` with the first to each accuracy.
+pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
+    let mut note = String::new();
     for (problem, code, error) in given(&tables.runs)? {
         if let Some(error) = error {
             let error = number(error, 2);
-            text += &format!("{problem}: the impulses that {code} gave have a velocity error of {error}.\n");
+            note += &format!("{problem}: the impulses that {code} gave have a velocity error of {error}.\n");
         }
     }
-    files.push(("work-precision.md".to_owned(), format!("{text}\nOne run each. {WORK}\n")));
-    Ok(files)
+    note += &format!("\nOne run each. {WORK}\n");
+    AgainstTruth { name: "work-precision", lacks: "nothing to compare", figure, sentences, note }
+        .parts(tables)
 }
 
-fn figure(study: &Study, problem: &str) -> Result<String, ReportError> {
-    let runs = study.runs_of(problem);
-    if !study.knows_truth(problem) {
-        return nothing(problem, "no velocity error in its rows, hence nothing to compare");
-    }
+fn figure(study: &Study, problem: &str, runs: &[&RunRow]) -> Result<String, ReportError> {
     let more = vec![
         (Sign::Line(PARETO), "Pareto front: nothing is cheaper and as accurate".to_owned()),
         (Sign::Line(TOLERANCE), "accuracies of the tables".to_owned()),
@@ -52,9 +39,9 @@ fn figure(study: &Study, problem: &str) -> Result<String, ReportError> {
             "Counted work is without factorisations; runs that make more than a few have none.".to_owned(),
         ),
     ];
-    let legend = study.legend(&runs, more, INSIDE)?;
-    row(&[title(problem, &runs)], COSTS.len(), &legend, |canvas, i, room| {
-        panel(canvas, study, &runs, &COSTS[i], room)
+    let legend = study.legend(runs, more, INSIDE)?;
+    row(&[title(problem, runs)], COSTS.len(), &legend, |canvas, i, room| {
+        panel(canvas, study, runs, &COSTS[i], room)
     })
 }
 
@@ -110,10 +97,7 @@ fn front<'p>(points: impl Iterator<Item = &'p LogPoint>) -> Vec<(f64, f64)> {
 }
 
 /// Which run is the first to each accuracy, in each cost.
-fn firsts(study: &Study, problem: &str) -> String {
-    if !study.knows_truth(problem) {
-        return format!("{problem}: no velocity error in its rows.\n");
-    }
+fn sentences(study: &Study, problem: &str) -> String {
     ACCURACIES.map(|accuracy| first(study, problem, accuracy)).concat()
 }
 

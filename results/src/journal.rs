@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use crate::schema::{Run, Sample};
+use crate::schema::{Run, Sample, Snapshot};
 use crate::store::{StoreError, at};
 
 /// A run with its curve: one line of the journal.
@@ -17,6 +17,9 @@ pub struct Record {
     pub run: Run,
     /// Its samples; none for a run that was skipped.
     pub curve: Vec<Sample>,
+    /// Some of its iterates, where its plan names it in `[view]`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub snapshots: Vec<Snapshot>,
 }
 
 /// What a journal holds.

@@ -231,6 +231,19 @@ pub struct ContactRow {
     pub impulse_n_s: f64,
 }
 
+/// The impulses of a run after some of its iterations, to be drawn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    /// Iterations made.
+    pub iteration: u64,
+    /// Distance to a solution in the natural map (–).
+    #[serde(with = "number")]
+    pub natural_map: f64,
+    /// r, in the problem's contact order, to three significant digits; NaN where it is not finite (N·s).
+    #[serde(with = "number::list")]
+    pub impulses_n_s: Vec<f64>,
+}
+
 /// Rows for the tests of this crate.
 #[cfg(test)]
 pub(crate) mod fixture {

@@ -12,6 +12,8 @@ use thiserror::Error;
 
 use crate::journal::{Journal, Lines, Record, read as read_journal};
 use crate::provenance::ProvenanceError;
+use crate::schema::Snapshot;
+use crate::tables::snapshots_table;
 
 const JOURNAL: &str = "journal.jsonl";
 const LOCK: &str = "lock";
@@ -19,6 +21,7 @@ const RUNS: &str = "runs.parquet";
 const CURVES: &str = "curves.parquet";
 const GRAINS: &str = "grains.parquet";
 const CONTACTS: &str = "contacts.parquet";
+const SNAPSHOTS: &str = "snapshots.parquet";
 /// The same rows once more, for spreadsheets and `diff`.
 const RUNS_CSV: &str = "runs.csv";
 const CURVES_CSV: &str = "curves.csv";
@@ -34,6 +37,8 @@ pub struct Tables {
     pub grains: DataFrame,
     /// One row per contact and partition.
     pub contacts: DataFrame,
+    /// One row per contact of the kept iterates of some runs; of older studies none.
+    pub snapshots: DataFrame,
 }
 
 /// Why a study was not written or read.
@@ -116,7 +121,7 @@ impl Store {
     pub fn set_aside(root: &Path, plan: &str) -> Result<Option<PathBuf>, StoreError> {
         let folder = folder(root, plan)?;
         // The journal first: what it holds is what counts.
-        let files = [JOURNAL, RUNS, CURVES, GRAINS, CONTACTS, RUNS_CSV, CURVES_CSV];
+        let files = [JOURNAL, RUNS, CURVES, GRAINS, CONTACTS, SNAPSHOTS, RUNS_CSV, CURVES_CSV];
         let files: Vec<&str> = files.into_iter().filter(|file| folder.join(file).exists()).collect();
         if files.is_empty() {
             return Ok(None);
@@ -171,6 +176,7 @@ impl Store {
             (CURVES, &tables.curves),
             (GRAINS, &tables.grains),
             (CONTACTS, &tables.contacts),
+            (SNAPSHOTS, &tables.snapshots),
         ];
         for (name, table) in parquet {
             write_whole(&self.folder.join(name), |file| {
@@ -204,11 +210,18 @@ pub fn is_study(folder: &Path) -> bool {
 ///
 /// If a file is missing or is not a table.
 pub fn read(folder: &Path) -> Result<Tables, StoreError> {
+    let snapshots = folder.join(SNAPSHOTS);
+    let none = |source| StoreError::Format { path: snapshots.clone(), source };
     Ok(Tables {
         runs: read_parquet(&folder.join(RUNS))?,
         curves: read_parquet(&folder.join(CURVES))?,
         grains: read_parquet(&folder.join(GRAINS))?,
         contacts: read_parquet(&folder.join(CONTACTS))?,
+        snapshots: if snapshots.is_file() {
+            read_parquet(&snapshots)?
+        } else {
+            snapshots_table::<Vec<Snapshot>>(&[]).map_err(none)?
+        },
     })
 }
 

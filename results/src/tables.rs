@@ -3,7 +3,7 @@
 use polars::df;
 use polars::prelude::{DataFrame, PolarsResult};
 
-use crate::schema::{ContactRow, GrainRow, Run, Sample};
+use crate::schema::{ContactRow, GrainRow, Run, Sample, Snapshot};
 
 /// One row per run, flat: its own fields, the counts and measures of its last sample, its provenance.
 ///
@@ -159,6 +159,30 @@ pub fn contacts_table(rows: &[ContactRow]) -> PolarsResult<DataFrame> {
     )
 }
 
+/// The snapshots, one row per contact of each.
+///
+/// # Errors
+///
+/// Those of polars.
+pub fn snapshots_table<Snapshots: AsRef<[Snapshot]>>(runs: &[(u32, Snapshots)]) -> PolarsResult<DataFrame> {
+    let of_run = |(run, snapshots): &(u32, Snapshots)| {
+        let row = |s: &Snapshot, contact: usize| {
+            (*run, s.iteration, s.natural_map, contact as u32, s.impulses_n_s[contact])
+        };
+        let rows =
+            |s: &Snapshot| (0..s.impulses_n_s.len()).map(|contact| row(s, contact)).collect::<Vec<_>>();
+        snapshots.as_ref().iter().flat_map(rows).collect::<Vec<_>>()
+    };
+    let rows: Vec<(u32, u64, f64, u32, f64)> = runs.iter().flat_map(of_run).collect();
+    df!(
+        "run" => column(&rows, |row| row.0),
+        "iteration" => column(&rows, |row| row.1),
+        "natural_map" => column(&rows, |row| defined(row.2)),
+        "contact" => column(&rows, |row| row.3),
+        "impulse_n_s" => column(&rows, |row| defined(row.4)),
+    )
+}
+
 fn column<'a, Row, Value>(rows: &'a [Row], field: impl Fn(&'a Row) -> Value) -> Vec<Value> {
     rows.iter().map(field).collect()
 }
@@ -180,6 +204,7 @@ mod tests {
         assert_eq!(curves_table(&[(4, Vec::new())]).unwrap().shape(), (0, 17));
         assert_eq!(grains_table(&[]).unwrap().shape(), (0, 8));
         assert_eq!(contacts_table(&[]).unwrap().shape(), (0, 10));
+        assert_eq!(snapshots_table::<Vec<Snapshot>>(&[]).unwrap().shape(), (0, 5));
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod bench;
 mod common;
 mod degenerate;
 mod freeze;
+mod page;
 mod plans;
 mod refused_files;
 mod refused_plans;

@@ -3,6 +3,7 @@
 use crate::bench::Study;
 use crate::common::{entries, write};
 use std::fs;
+use std::process::Command;
 
 const PLAN: &str = r#"
 name = "drawn"
@@ -28,11 +29,14 @@ fn report_draws_the_charts_of_the_plan_from_its_stored_rows() {
     let out = study.folder().path().join("reports/out/drawn");
     let made = [
         ".report",
+        "index.html",
         "iterations.csv",
         "iterations.md",
+        "iterations.tex",
         "subdomains-pair.svg",
         "subdomains.csv",
         "subdomains.md",
+        "subdomains.tex",
     ];
     assert_eq!(entries(&out), made);
     let read = || made.map(|name| fs::read(out.join(name)).unwrap());
@@ -54,4 +58,46 @@ fn figure_draws_one_chart_beside_the_report() {
     assert_eq!(entries(&out), ["drawn", "drawn-size"]);
     assert!(entries(&out.join("drawn-size")).contains(&"size.svg".to_owned()));
     study.gravel(&["figure", "sizes", "drawn"]).refused(&["`sizes`", "convergence", "size"]);
+}
+
+#[test]
+fn figures_become_png_and_pdf_with_their_font_where_asked() {
+    let study = Study::new();
+    write(study.folder(), "harness/plans/drawn.toml", PLAN);
+    study.bench("drawn");
+    study.gravel(&["report", "drawn", "--png", "--pdf"]).succeeded();
+    let read = |name: &str| fs::read(study.folder().path().join("reports/out/drawn").join(name)).unwrap();
+    let png = read("subdomains-pair.png");
+    assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
+    let side = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
+    // A page of a journal, 175 mm, at 300 to the inch.
+    assert_eq!(side(16), 2067);
+    let pdf = read("subdomains-pair.pdf");
+    assert!(pdf.starts_with(b"%PDF-") && pdf.windows(8).any(|word| word == b"FontFile".as_slice()));
+    study.gravel(&["report", "drawn"]).succeeded();
+    assert!(
+        !study.folder().path().join("reports/out/drawn/subdomains-pair.png").exists(),
+        "asked anew, it is gone"
+    );
+}
+
+#[test]
+fn latex_takes_a_table_and_a_figure() {
+    let Ok(version) = Command::new("pdflatex").arg("--version").output() else {
+        eprintln!("skipped: pdflatex is not installed");
+        return;
+    };
+    assert!(version.status.success());
+    let study = Study::new();
+    write(study.folder(), "harness/plans/drawn.toml", PLAN);
+    study.bench("drawn");
+    study.gravel(&["report", "drawn", "--pdf"]).succeeded();
+    let out = study.folder().path().join("reports/out/drawn");
+    let paper = "\\documentclass{article}\\usepackage{booktabs,graphicx}\\begin{document}\n\
+                 \\input{iterations}\\input{subdomains}\\includegraphics{subdomains-pair}\n\\end{document}\n";
+    fs::write(out.join("paper.tex"), paper).unwrap();
+    let ran =
+        Command::new("pdflatex").args(["-halt-on-error", "paper.tex"]).current_dir(&out).output().unwrap();
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stdout));
+    assert!(out.join("paper.pdf").is_file());
 }

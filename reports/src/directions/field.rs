@@ -52,6 +52,23 @@ impl<'r> Field<'r> {
         })
     }
 
+    /// Which directions of the best run are the least or the greatest of several: the grid does not hold it then.
+    pub(crate) fn edge(&self) -> Option<&'static str> {
+        let best = self.best()?;
+        let at_edge = |of: fn(&Cell) -> f64| {
+            let values = self.cells.iter().map(of);
+            let (low, high) =
+                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            low < high && (of(best) == low || of(best) == high)
+        };
+        match (at_edge(|cell| cell.kappa_l), self.is_plane() && at_edge(|cell| cell.kappa_d)) {
+            (true, true) => Some("κ_l, κ_d"),
+            (true, false) => Some("κ_l"),
+            (false, true) => Some("κ_d"),
+            (false, false) => None,
+        }
+    }
+
     /// How many times the iterations of the best run this run of the field takes, if it converged.
     pub(crate) fn ratio(&self, run: Option<&RunRow>) -> Option<f64> {
         let best = self.best().map(|cell| cell.run.iterations).filter(|iterations| *iterations > 0)?;

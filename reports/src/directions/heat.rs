@@ -21,8 +21,7 @@ use crate::style::{
 const LEFT: f64 = 13.0;
 const RIGHT: f64 = 15.0;
 const GAP: f64 = 2.5;
-/// Above a panel for its title and two lines, below a row for labels (mm).
-const ABOVE: f64 = 3.0 * LEADING + 0.6;
+/// Below a row of panels for labels (mm).
 const BELOW: f64 = 5.5;
 /// Bounds of the side of a panel (mm).
 const LEAST: f64 = 21.0;
@@ -49,6 +48,8 @@ struct Page {
     columns: usize,
     rows: usize,
     side: f64,
+    /// Above a panel for its title and its notes (mm).
+    above: f64,
     head: [String; 2],
     /// Ranges of log κ_l and log κ_d.
     kappa_l: (f64, f64),
@@ -60,6 +61,8 @@ struct Page {
 impl Page {
     fn of(problem: &str, fields: &[&Field]) -> Result<Self, ReportError> {
         let mut least = LEAST;
+        let lines = fields.iter().map(|field| 1 + notes(field).len()).max().unwrap_or(1);
+        let above = LEADING * lines as f64 + 0.6;
         for field in fields {
             for line in title(field).iter().chain(&notes(field)) {
                 least = least.max(text_width(line, TICK_TEXT)? + 0.5);
@@ -80,8 +83,9 @@ impl Page {
         Ok(Self {
             width,
             columns,
-            rows: ((free / (ABOVE + side + BELOW)) as usize).max(1),
+            rows: ((free / (above + side + BELOW)) as usize).max(1),
             side,
+            above,
             head,
             kappa_l: range(fields, |cell| cell.kappa_l, |kappa| kappa.0),
             kappa_d: range(fields, |cell| cell.kappa_d, |kappa| kappa.1),
@@ -92,7 +96,7 @@ impl Page {
 
     fn draw(&self, fields: &[&Field], number: usize) -> Result<String, ReportError> {
         let rows = fields.len().div_ceil(self.columns);
-        let panels = rows as f64 * (ABOVE + self.side + BELOW);
+        let panels = rows as f64 * (self.above + self.side + BELOW);
         let below = MARGIN + HEAD + panels + FOOT;
         svg((self.width, (below + self.signs.height() + MARGIN).ceil()), |canvas| {
             for (i, line) in self.head.iter().enumerate() {
@@ -114,12 +118,12 @@ impl Page {
             canvas.text("κ_l, at contacts (–)", (middle, below - FOOT), TEXT, (HPos::Center, VPos::Top))?;
             if let Some(scale) = &self.scale {
                 let left = MARGIN + LEFT + columns * (self.side + GAP) + 0.5;
-                let top = MARGIN + HEAD + ABOVE;
+                let top = MARGIN + HEAD + self.above;
                 scale.draw(
                     canvas,
                     "iterations",
                     (left, top),
-                    self.side.max(30.0).min(panels - ABOVE - BELOW),
+                    self.side.max(30.0).min(panels - self.above - BELOW),
                 )?;
             }
             self.signs.draw(canvas, (MARGIN, below))
@@ -134,13 +138,13 @@ impl Page {
         last: bool,
     ) -> Result<(), ReportError> {
         let left = MARGIN + LEFT + column as f64 * (self.side + GAP);
-        let top = MARGIN + HEAD + row as f64 * (ABOVE + self.side + BELOW) + ABOVE;
+        let top = MARGIN + HEAD + row as f64 * (self.above + self.side + BELOW) + self.above;
         let frame = Frame {
             x: Axis::log(self.kappa_l, left, left + self.side),
             y: Axis::log(self.kappa_d, top + self.side, top),
         };
         for (i, line) in title(field).iter().chain(&notes(field)).enumerate() {
-            let place = (left, top - ABOVE + LEADING * i as f64);
+            let place = (left, top - self.above + LEADING * i as f64);
             canvas.text(line, place, TICK_TEXT, (HPos::Left, VPos::Top))?;
         }
         self.cells(canvas, &frame, field)?;

@@ -6,7 +6,6 @@ use polars::prelude::DataFrame;
 use super::field::{Field, iterations, kappa};
 use crate::ReportError;
 use crate::ending::Ending;
-use crate::iterations::to_markdown;
 
 /// One row per problem, μ and group.
 pub(crate) fn table(fields: &[Field]) -> Result<DataFrame, ReportError> {
@@ -29,6 +28,7 @@ pub(crate) fn table(fields: &[Field]) -> Result<DataFrame, ReportError> {
         "subdomains" => fields.iter().map(|f| f.subdomains).collect::<Vec<_>>(),
         "best_kappa_l" => best(|cell| cell.kappa_l),
         "best_kappa_d" => best(|cell| cell.kappa_d),
+        "at_edge" => fields.iter().map(|f| f.edge()).collect::<Vec<_>>(),
         "best_iterations" => fields.iter().map(|f| f.best().map(|c| c.run.iterations)).collect::<Vec<_>>(),
         "derived_kappa_l" => fields.iter().map(|f| f.kappa.map(|(l, _)| l)).collect::<Vec<_>>(),
         "derived_kappa_d" => fields.iter().map(|f| f.kappa.map(|(_, d)| d)).collect::<Vec<_>>(),
@@ -47,10 +47,8 @@ pub(crate) fn table(fields: &[Field]) -> Result<DataFrame, ReportError> {
     )?)
 }
 
-/// The table as text, and what its columns mean.
-pub(crate) fn text(fields: &[Field]) -> Result<String, ReportError> {
-    let note = "\nIterations are those to the stop rule of the plan. Best: the fewest among the converged runs with given \
-                directions. Derived: the run of the same method that derives its own; none where it did not converge. Adaptive: \
-                the run that begins with them and adapts them; its κ_l is the last.\n";
-    Ok(to_markdown(&table(fields)?)? + note)
-}
+/// What its columns mean.
+pub(crate) const NOTE: &str = "\nIterations are those to the stop rule of the plan. Best: the fewest among the converged runs with given \
+                               directions; `at_edge` says which of them is the least or greatest of the grid, which may then hold \
+                               no best at all. Derived: the run of the same method that derives its own; none where it did not \
+                               converge. Adaptive: the run that begins with them and adapts them; its κ_l is the last.\n";

@@ -2,10 +2,10 @@
 
 use results::schema::Run;
 
-use super::files;
-use crate::fixture::{run, tables};
+use super::parts;
+use crate::fixture::{File, files, run, tables};
+use crate::table::csv;
 use crate::tests::assert_well_formed;
-use crate::{File, csv};
 
 /// A run of `latin-dd` with directions as JSON, `null` for derived ones.
 fn directed(id: u32, kappa_l: &str, kappa_d: &str, subdomains: u32, iterations: u64) -> Run {
@@ -35,7 +35,7 @@ fn plane() -> Vec<Run> {
 }
 
 fn made(runs: &[Run]) -> Vec<File> {
-    let files = files(&tables(runs, &[])).unwrap();
+    let files = files(&parts(&tables(runs, &[])).unwrap());
     for (name, text) in files.iter().filter(|(name, _)| name.contains(".svg")) {
         assert_well_formed(name, text);
     }
@@ -54,16 +54,23 @@ fn names(files: &[File]) -> Vec<&str> {
 #[test]
 fn best_and_derived_directions_are_read_off_the_rows() {
     let files = made(&plane());
-    assert_eq!(names(&files), ["directions-column.svg", "directions.csv", "directions.md"]);
+    assert_eq!(names(&files), ["directions-column.svg", "directions.csv", "directions.md", "directions.tex"]);
     let rows: Vec<&str> = text(&files, "directions.csv").lines().skip(1).collect();
     assert_eq!(
         rows[0],
-        "column,20,latin-dd,0.8,1x1,1,1.0,10.0,40,12.5,12.5,converged,50,1.25,9.5,30,0.75,4,1,0,0,0"
+        "column,20,latin-dd,0.8,1x1,1,1.0,10.0,\"κ_l, κ_d\",40,12.5,12.5,converged,50,1.25,9.5,30,0.75,4,1,0,0,0"
     );
-    assert_eq!(rows[1], "column,20,latin-dd,0.8,2x1,2,,,,12.5,12.5,iteration limit,,,,,,2,0,1,0,1");
+    assert_eq!(rows[1], "column,20,latin-dd,0.8,2x1,2,,,,,12.5,12.5,iteration limit,,,,,,2,0,1,0,1");
     let svg = text(&files, "directions-column.svg");
-    for note in ["best 40", "derived ×1.25", "none converged", "derived failed", "6\u{a0}runs, 1 iteration"]
-    {
+    for note in [
+        "best 40*",
+        "derived ×1.25",
+        "adapted ×0.75",
+        "at the edge of the grid",
+        "none converged",
+        "derived failed",
+        "6\u{a0}runs, 1 iteration",
+    ] {
         assert!(svg.contains(note), "{note}: {svg}");
     }
 }
@@ -90,7 +97,7 @@ fn one_run_without_derived_ones_is_drawn() {
 fn study_without_directions_says_so() {
     for runs in [vec![], vec![run(0, "nsgs", "", "converged")]] {
         let files = made(&runs);
-        assert_eq!(names(&files), ["directions.csv", "directions.md"]);
+        assert_eq!(names(&files), ["directions.csv", "directions.md", "directions.tex"]);
         assert!(text(&files, "directions.md").contains("no such run"));
     }
 }
@@ -121,7 +128,10 @@ fn matched_directions_on_problems_of_several_sizes_are_drawn_against_them() {
         }
     }
     let files = made(&runs);
-    assert_eq!(names(&files), ["derived-direction.svg", "derived-direction.csv", "derived-direction.md"]);
+    assert_eq!(
+        names(&files),
+        ["derived-direction.svg", "derived-direction.csv", "derived-direction.md", "derived-direction.tex"]
+    );
     // Medians of 1.5 and 1.333 in logarithms, and of 1.25 and 1.167.
     let svg = text(&files, "derived-direction.svg");
     assert!(svg.contains("1.41 at 250 grains, 1.21 at 1000 grains"), "{svg}");

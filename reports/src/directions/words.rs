@@ -16,19 +16,25 @@ pub(super) fn title(field: &Field) -> [String; 1] {
     [format!("{group}, μ {}", field.relaxation)]
 }
 
-/// Iterations of the best and of the derived directions.
-pub(super) fn notes(field: &Field) -> [String; 2] {
+/// Iterations of the best, and how many times as many the derived and the adapted directions take.
+pub(super) fn notes(field: &Field) -> Vec<String> {
     let best = field.best().map_or_else(
         || "none converged".to_owned(),
-        |cell| format!("best {}", count(cell.run.iterations as usize)),
+        |cell| format!("best {}{}", count(cell.run.iterations as usize), edge_sign(field)),
     );
-    let derived = match (field.derived, iterations(field.derived), field.ratio(field.derived)) {
-        (None, ..) => "derived not run".to_owned(),
-        (Some(_), Some(_), Some(ratio)) => format!("derived ×{}", number(ratio, 3)),
-        (Some(_), Some(iterations), None) => format!("derived {}", count(iterations as usize)),
-        (Some(_), None, _) => "derived failed".to_owned(),
+    let cost = |run| match (iterations(run), field.ratio(run)) {
+        (Some(_), Some(ratio)) => format!("×{}", number(ratio, 3)),
+        (Some(iterations), None) => count(iterations as usize),
+        (None, _) => "failed".to_owned(),
     };
-    [best, derived]
+    let line = |word, run: Option<_>| run.map(|run| format!("{word} {}", cost(Some(run))));
+    let derived = line("derived", field.derived).unwrap_or_else(|| "derived not run".to_owned());
+    [Some(best), Some(derived), line("adapted", field.adaptive)].into_iter().flatten().collect()
+}
+
+/// Beside the best of a grid that lies at its edge.
+pub(super) fn edge_sign(field: &Field) -> &'static str {
+    if field.edge().is_some() { "*" } else { "" }
 }
 
 /// What the figure shows, and how many runs failed.
@@ -58,6 +64,16 @@ pub(super) fn signs(fields: &[&Field]) -> Vec<(Sign, String)> {
     if fields.iter().any(|f| f.kappa.is_some()) {
         let text = "derived directions, and their iterations over the best".to_owned();
         signs.push((Sign::Mark(Mark::Diamond, DERIVED), text));
+    }
+    if fields.iter().any(|f| f.adaptive.is_some()) {
+        let text = "adapted: begun with the derived directions; it has no cell of its own".to_owned();
+        signs.push((Sign::Word, text));
+    }
+    if fields.iter().any(|f| f.edge().is_some()) {
+        signs.push((
+            Sign::Word,
+            "* the best is at the edge of the grid: there may be better beyond".to_owned(),
+        ));
     }
     let cells = fields.iter().flat_map(|f| &f.cells).map(|cell| cell.run.ending);
     signs.extend(endings(cells.filter(|ending| *ending != Ending::Converged)));

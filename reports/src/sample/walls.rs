@@ -3,11 +3,11 @@
 use super::scene::ContactRow;
 
 /// A straight piece of a wall (m).
-pub(super) type Wall = ((f64, f64), (f64, f64));
+pub(crate) type Wall = ((f64, f64), (f64, f64));
 
 /// One piece per wall, from the first to the last place at which a grain touches it, and half a grain beyond. What no
 /// grain touches is unknown to the tables.
-pub(super) fn walls(contacts: &[ContactRow]) -> Vec<Wall> {
+pub(crate) fn walls(contacts: &[ContactRow]) -> Vec<Wall> {
     let mut sides: Vec<Side> = Vec::new();
     for contact in contacts.iter().filter(|contact| contact.wall) {
         let ((x0, y0), (x1, y1)) = (contact.from, contact.to);

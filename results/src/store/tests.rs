@@ -1,15 +1,16 @@
 use super::*;
 use crate::schema::fixture::{run, sample};
-use crate::schema::{ContactRow, GrainRow, Provenance, Run, Sample};
-use crate::tables::{contacts_table, curves_table, grains_table, runs_table};
+use crate::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Snapshot};
+use crate::tables::{contacts_table, curves_table, grains_table, runs_table, snapshots_table};
 use tempfile::TempDir;
 
 fn record(number: u32) -> Record {
     // What JSON has no number for, and numbers that are hard to write.
     let odd = Sample { zeta: f64::NAN, natural_map: f64::INFINITY, energy_j: f64::NEG_INFINITY, ..sample(1) };
     let fine = Sample { zeta: 0.1 + 0.2, quad_dv: 5e-324, max_dv: f64::MAX, ..sample(2) };
+    let seen = Snapshot { iteration: 2, natural_map: f64::NAN, impulses_n_s: vec![0.1, f64::NAN] };
     // A row has the number of its table only.
-    Record { run: Run { run: 0, ..run(number) }, curve: vec![odd, fine] }
+    Record { run: Run { run: 0, ..run(number) }, curve: vec![odd, fine], snapshots: vec![seen] }
 }
 
 /// NaN is what it is, here.
@@ -41,11 +42,13 @@ fn tables() -> Tables {
         impulse_n_s: f64::NAN,
     };
     let curve = vec![Sample { zeta: f64::NAN, ..sample(1) }, sample(2)];
+    let snapshot = Snapshot { iteration: 4, natural_map: 0.5, impulses_n_s: vec![0.1, f64::NAN] };
     Tables {
         runs: runs_table(&[run(0), run(1)]).unwrap(),
         curves: curves_table(&[(0, curve)]).unwrap(),
         grains: grains_table(&[grain]).unwrap(),
         contacts: contacts_table(&[contact]).unwrap(),
+        snapshots: snapshots_table(&[(0, [snapshot])]).unwrap(),
     }
 }
 
@@ -176,7 +179,8 @@ fn tables_read_equal_the_tables_written_and_replace_those_before() {
     assert!(read.curves.equals_missing(&written.curves));
     assert!(read.grains.equals_missing(&written.grains));
     assert!(read.contacts.equals_missing(&written.contacts));
-    let files = [CONTACTS, CURVES_CSV, CURVES, GRAINS, JOURNAL, LOCK, RUNS_CSV, RUNS];
+    assert!(read.snapshots.equals_missing(&written.snapshots));
+    let files = [CONTACTS, CURVES_CSV, CURVES, GRAINS, JOURNAL, LOCK, RUNS_CSV, RUNS, SNAPSHOTS];
     assert_eq!(entries(store.folder()), files);
 }
 
@@ -191,7 +195,7 @@ fn untraced_run_is_refused_and_leaves_nothing() {
         Run { provenance: Provenance { threads: 0, ..good.provenance.clone() }, ..good.clone() },
     ];
     for run in untraced {
-        let refused = store.append(Record { run, curve: Vec::new() });
+        let refused = store.append(Record { run, curve: Vec::new(), snapshots: Vec::new() });
         assert!(matches!(refused, Err(StoreError::Untraced(_))), "{refused:?}");
     }
     assert_eq!(fs::read(store.folder().join(JOURNAL)).unwrap(), b"");
@@ -224,4 +228,13 @@ fn plan_that_names_no_folder_is_refused() {
     for plan in ["", "..", "a/b"] {
         assert!(matches!(Store::open(root.path(), plan), Err(StoreError::Plan(_))), "{plan}");
     }
+}
+
+#[test]
+fn study_from_before_there_were_snapshots_has_none() {
+    let root = TempDir::new().unwrap();
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    store.write_tables(&tables()).unwrap();
+    fs::remove_file(store.folder().join(SNAPSHOTS)).unwrap();
+    assert_eq!(read(store.folder()).unwrap().snapshots.height(), 0);
 }

@@ -85,6 +85,8 @@ pub struct Progress<'a> {
     pub measures: &'a Measures,
     /// Counted work so far.
     pub work: Work,
+    /// r (N·s).
+    pub impulses: &'a [f64],
 }
 
 /// What came out of a run.
@@ -187,7 +189,8 @@ fn run(
     let (mut iterations, mut iterating, mut endless) = (0, Duration::ZERO, false);
     let status = loop {
         let work = iteration.work();
-        let goes_on = observe(&Progress { iteration: iterations, iterating, measures: &measures, work });
+        let goes_on =
+            observe(&Progress { iteration: iterations, iterating, measures: &measures, work, impulses: &r });
         // Before convergence, which a measure can feign where others overflow; and so that a NaN counts as diverged.
         if !(measures.energy <= energy_bound && measures.natural_map.is_finite()) {
             break Status::Diverged;

@@ -1,0 +1,188 @@
+//! Two studies side by side, run by run: what has changed from one to the other.
+
+use std::collections::BTreeMap;
+
+use polars::df;
+use results::store::Tables;
+
+use crate::ReportError;
+use crate::axis::{Axis, Frame};
+use crate::canvas::Canvas;
+use crate::ending::Ending;
+use crate::legend::{Legend, Looks};
+use crate::number::{counted, number};
+use crate::panels::{INSIDE, Room, row};
+use crate::part::Part;
+use crate::rows::{RunRow, runs};
+use crate::series::draw_empty;
+use crate::signs::Sign;
+use crate::statistics::{median, padded};
+use crate::style::TOLERANCE;
+
+/// What a panel compares.
+struct Measure {
+    title: &'static str,
+    of: fn(&RunRow) -> Option<f64>,
+}
+
+const MEASURES: [Measure; 2] = [
+    Measure { title: "iterations", of: |run| Some(run.iterations as f64) },
+    Measure { title: "set-up and iterations (s)", of: |run| Some(run.setup_s? + run.iterating_s?) },
+];
+
+/// A run before and after.
+type Pair<'r> = (&'r RunRow, &'r RunRow);
+
+/// The figure and the table `against`, and the sentences `against-found`.
+pub(crate) fn parts(before: &Tables, after: &Tables) -> Result<Vec<Part>, ReportError> {
+    let (old, new) = (runs(&before.runs)?, runs(&after.runs)?);
+    let key = |run: &RunRow| (run.problem.clone(), run.method.clone(), run.variant.clone(), run.warm_start);
+    let known: BTreeMap<_, &RunRow> = old.iter().map(|run| (key(run), run)).collect();
+    let pairs: Vec<Pair> = new.iter().filter_map(|run| Some((*known.get(&key(run))?, run))).collect();
+    let looks = Looks::new(&new);
+    let text = sentences(&pairs, old.len(), new.len());
+    let note = "\nA ratio is after over before. Seconds compare if both studies come from one machine.\n";
+    Ok(vec![
+        Part::text("against-found", text),
+        Part::figure("against", figure(&pairs, &looks)?),
+        Part::table("against", table(&pairs)?, note),
+    ])
+}
+
+fn ratio((before, after): &Pair, of: fn(&RunRow) -> Option<f64>) -> Option<f64> {
+    let both = before.ending == Ending::Converged && after.ending == Ending::Converged;
+    let (before, after) = (of(before)?, of(after)?);
+    (both && before > 0.0).then_some(after / before)
+}
+
+fn sentences(pairs: &[Pair], before: usize, after: usize) -> String {
+    let [iterations, seconds] = MEASURES
+        .each_ref()
+        .map(|measure| pairs.iter().filter_map(|pair| ratio(pair, measure.of)).collect::<Vec<f64>>());
+    let count = |of: fn(f64) -> bool| iterations.iter().filter(|ratio| of(**ratio)).count();
+    let mut text = format!(
+        "{} before, {} after, {} in both. Of those that converged in both, {} made as many iterations, {} fewer, {} more.\n",
+        counted(before, "run"),
+        counted(after, "run"),
+        pairs.len(),
+        count(|ratio| ratio == 1.0),
+        count(|ratio| ratio < 1.0),
+        count(|ratio| ratio > 1.0),
+    );
+    if let Some(median) = median(seconds) {
+        text += &format!("The median of their seconds, after over before, is {}.\n", number(median, 3));
+    }
+    for (before, after) in pairs.iter().filter(|(before, after)| before.ending != after.ending) {
+        let run = format!("{} {}", after.method, after.variant);
+        let (was, is) = (before.ending.text(), after.ending.text());
+        text += &format!("{}: {} ended with {was} before, with {is} after.\n", after.problem, run.trim_end());
+    }
+    text
+}
+
+fn figure(pairs: &[Pair], looks: &Looks) -> Result<String, ReportError> {
+    let mut methods: Vec<&str> = Vec::new();
+    for (_, after) in pairs {
+        if !methods.contains(&after.method.as_str()) {
+            methods.push(&after.method);
+        }
+    }
+    let entries = methods.iter().map(|method| ((*method).to_owned(), looks.of_method(method))).collect();
+    let same = vec![(Sign::Line(TOLERANCE), "the same; below it less than before".to_owned())];
+    let legend = Legend::new(entries, same, INSIDE)?;
+    let title =
+        format!("{} in both studies; those that converged in both are drawn", counted(pairs.len(), "run"));
+    row(&[title], MEASURES.len(), &legend, |canvas, i, room| panel(canvas, pairs, looks, &MEASURES[i], room))
+}
+
+/// The run after, and its logarithms before and after.
+fn point<'r>(pair: &Pair<'r>, measure: &Measure) -> Option<(&'r RunRow, (f64, f64))> {
+    ratio(pair, measure.of)?;
+    let (x, y) = ((measure.of)(pair.0)?.log10(), (measure.of)(pair.1)?.log10());
+    (x.is_finite() && y.is_finite()).then_some((pair.1, (x, y)))
+}
+
+fn panel(
+    canvas: &Canvas,
+    pairs: &[Pair],
+    looks: &Looks,
+    measure: &Measure,
+    room: Room,
+) -> Result<(), ReportError> {
+    let points: Vec<(&RunRow, (f64, f64))> = pairs.iter().filter_map(|pair| point(pair, measure)).collect();
+    let range = padded(points.iter().flat_map(|(_, (x, y))| [*x, *y]), 0.08);
+    let frame =
+        Frame { x: Axis::log(range, room.left, room.right), y: Axis::log(range, room.bottom, room.top) };
+    frame.draw(canvas)?;
+    frame.name(canvas, "before", &format!("after: {}", measure.title))?;
+    canvas.line(&[frame.place((range.0, range.0)), frame.place((range.1, range.1))], TOLERANCE)?;
+    for (run, place) in &points {
+        let look = looks.of_method(&run.method);
+        Ending::Converged.draw(canvas, frame.place(*place), look.pen.color)?;
+        canvas.mark(look.mark, frame.place(*place), look.pen)?;
+    }
+    if points.is_empty() { draw_empty(canvas, &frame) } else { Ok(()) }
+}
+
+fn table(pairs: &[Pair]) -> Result<polars::prelude::DataFrame, ReportError> {
+    let of_both = |i: usize| pairs.iter().map(|pair| ratio(pair, MEASURES[i].of)).collect::<Vec<_>>();
+    let seconds = |run: &RunRow| (MEASURES[1].of)(run);
+    Ok(df!(
+        "problem" => pairs.iter().map(|(_, run)| run.problem.as_str()).collect::<Vec<_>>(),
+        "method" => pairs.iter().map(|(_, run)| run.method.as_str()).collect::<Vec<_>>(),
+        "variant" => pairs.iter().map(|(_, run)| run.variant.as_str()).collect::<Vec<_>>(),
+        "ended_before" => pairs.iter().map(|(run, _)| run.ending.text()).collect::<Vec<_>>(),
+        "ended_after" => pairs.iter().map(|(_, run)| run.ending.text()).collect::<Vec<_>>(),
+        "iterations_before" => pairs.iter().map(|(run, _)| run.iterations).collect::<Vec<_>>(),
+        "iterations_after" => pairs.iter().map(|(_, run)| run.iterations).collect::<Vec<_>>(),
+        "iterations_ratio" => of_both(0),
+        "seconds_before" => pairs.iter().map(|(run, _)| seconds(run)).collect::<Vec<_>>(),
+        "seconds_after" => pairs.iter().map(|(_, run)| seconds(run)).collect::<Vec<_>>(),
+        "seconds_ratio" => of_both(1),
+    )?)
+}
+
+#[cfg(test)]
+mod tests {
+    use results::schema::Run;
+
+    use super::*;
+    use crate::fixture::{files, run, tables};
+    use crate::tests::assert_well_formed;
+
+    #[test]
+    fn runs_of_both_studies_are_compared_and_others_are_counted() {
+        let before = [
+            run(0, "nsgs", "", "converged"),
+            run(1, "cg", "", "converged"),
+            run(2, "jacobi", "", "iteration-limit"),
+            run(3, "gone", "", "converged"),
+        ];
+        let after = [
+            Run { iterations: 50, iterating_s: 0.006_15, setup_s: 5e-6, ..run(0, "nsgs", "", "converged") },
+            run(1, "cg", "", "converged"),
+            run(2, "jacobi", "", "diverged"),
+        ];
+        let files = files(&parts(&tables(&before, &[]), &tables(&after, &[])).unwrap());
+        let text = |name: &str| &files.iter().find(|(other, _)| other == name).unwrap().1;
+        let said = "4\u{a0}runs before, 3\u{a0}runs after, 3 in both. Of those that converged in both, 1 made as many iterations, \
+                    1 fewer, 0 more.\nThe median of their seconds, after over before, is 0.750.\n\
+                    column: jacobi ended with iteration limit before, with diverged after.\n";
+        assert_eq!(text("against-found.md"), said);
+        assert!(
+            text("against.csv").contains("column,nsgs,,converged,converged,100,50,0.5,"),
+            "{}",
+            text("against.csv")
+        );
+        assert_well_formed("against.svg", text("against.svg"));
+    }
+
+    #[test]
+    fn studies_without_a_common_run_are_no_obstacle() {
+        let some = tables(&[run(0, "nsgs", "", "converged")], &[]);
+        let none = tables(&[], &[]);
+        for (before, after) in [(&none, &some), (&some, &none), (&none, &none)] {
+            assert!(files(&parts(before, after).unwrap())[0].1.contains("0 in both"));
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! The runs that did not converge, each with its reason.
+
+use polars::df;
+use polars::prelude::DataFrame;
+use results::store::Tables;
+
+use crate::ReportError;
+use crate::columns::{newer, texts};
+use crate::ending::Ending;
+use crate::number::{count, number};
+use crate::rows::{RunRow, runs};
+
+/// One row per run that failed.
+pub(crate) fn failures(tables: &Tables) -> Result<DataFrame, ReportError> {
+    let runs = runs(&tables.runs)?;
+    let reasons = texts(&tables.runs, "reason")?;
+    let reached = reached(tables, &runs)?;
+    let errors = newer(&tables.runs, "velocity_error")?;
+    let failed: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].ending != Ending::Converged).collect();
+    let column = |of: &dyn Fn(&RunRow) -> String| failed.iter().map(|i| of(&runs[*i])).collect::<Vec<_>>();
+    Ok(df!(
+        "problem" => column(&|run| run.problem.clone()),
+        "method" => column(&|run| run.method.clone()),
+        "variant" => column(&|run| run.variant.clone()),
+        "ended" => column(&|run| run.ending.text().to_owned()),
+        "iterations" => failed.iter().map(|i| runs[*i].iterations).collect::<Vec<_>>(),
+        "reason" => failed.iter().map(|i| reason(&runs[*i], &reasons[*i], reached[*i], errors[*i])).collect::<Vec<_>>(),
+    )?)
+}
+
+/// The value of its own measure that each run ended with.
+fn reached(tables: &Tables, runs: &[RunRow]) -> Result<Vec<Option<f64>>, ReportError> {
+    let mut reached = vec![None; runs.len()];
+    for measure in ["zeta", "natural_map", "penetration_rate_m_per_s", "quad_dv", "max_dv", "velocity_error"]
+    {
+        let values = newer(&tables.runs, measure)?;
+        for (i, value) in values.into_iter().enumerate() {
+            if measure.starts_with(&runs[i].stop_on) {
+                reached[i] = value;
+            }
+        }
+    }
+    Ok(reached)
+}
+
+/// What the row says, or what its ending means.
+fn reason(run: &RunRow, said: &str, reached: Option<f64>, error: Option<f64>) -> String {
+    if !said.is_empty() {
+        return said.to_owned();
+    }
+    let (iterations, measure) = (count(run.iterations as usize), run.stop_on.replace('_', " "));
+    let value = |value: Option<f64>| value.map_or("undefined".to_owned(), |value| number(value, 2));
+    match run.ending {
+        Ending::IterationLimit => format!(
+            "all {iterations} iterations made, and {measure} is {} where {} was asked",
+            value(reached),
+            value(run.tolerance)
+        ),
+        Ending::Diverged => {
+            format!("not finite, or far above its own scale of energy, at iteration {iterations}")
+        }
+        Ending::Infeasible => {
+            format!("its impulses at iteration {iterations} prove that the problem has no solution")
+        }
+        Ending::FalseConvergence => {
+            format!("{measure} met its tolerance while the velocity error is {}", value(error))
+        }
+        Ending::Converged | Ending::Skipped | Ending::Failed => "no reason is stored".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use results::schema::Run;
+
+    use super::*;
+    use crate::fixture::{run, sample, tables};
+    use crate::table::csv;
+
+    #[test]
+    fn each_failure_has_its_reason_and_success_is_not_among_them() {
+        let lies = Run {
+            end: sample(9, 1e-5, 0.5),
+            stop_on: "zeta".into(),
+            ..run(3, "nsgs", "", "false-convergence")
+        };
+        let runs = [
+            run(0, "cg", "", "converged"),
+            Run { end: sample(100, 1e-3, 3e-2), ..run(1, "nsgs", "", "iteration-limit") },
+            Run { reason: "`subdomains` is 8x8".into(), ..run(2, "nsgs-dd", "8x8", "skipped") },
+            lies,
+        ];
+        let text = csv(&failures(&tables(&runs, &[])).unwrap()).unwrap();
+        let rows: Vec<&str> = text.lines().skip(1).collect();
+        assert_eq!(rows.len(), 3, "{text}");
+        assert!(
+            rows[0].ends_with("all 100 iterations made, and natural map is 0.030 where 10⁻⁴ was asked\""),
+            "{text}"
+        );
+        assert!(rows[1].ends_with("`subdomains` is 8x8"), "{text}");
+        assert!(rows[2].ends_with("zeta met its tolerance while the velocity error is 0.50"), "{text}");
+    }
+}

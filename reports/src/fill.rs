@@ -1,0 +1,116 @@
+//! A text with numbers from the rows of a study in it: a template that names runs, so that none is typed.
+
+use std::collections::BTreeMap;
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::Kwargs;
+use minijinja::{Environment, Error, ErrorKind, UndefinedBehavior, Value, context};
+use polars::prelude::{AnyValue, DataFrame};
+use results::store::Tables;
+
+use crate::ReportError;
+use crate::number::{count, number};
+
+/// A run by the names of its columns.
+type Row = BTreeMap<String, Value>;
+
+/// Fills a template: `run(problem=…, method=…, …)` is the one row with these values, `runs(…)` all of them; the filter
+/// `number` writes up to so many digits, `count` groups them by three. A name that is not there is an error.
+///
+/// # Errors
+///
+/// If the template is none, asks for what is not in the rows, or a table lacks a column.
+pub fn fill(tables: &Tables, template: &str) -> Result<String, ReportError> {
+    let rows = rows(&tables.runs)?;
+    let refused = |error: Error| ReportError::Template(format!("{error:#}"));
+    let mut templates = Environment::new();
+    templates.set_undefined_behavior(UndefinedBehavior::Strict);
+    let syntax = SyntaxConfig::builder().trim_blocks(true).keep_trailing_newline(true).build();
+    templates.set_syntax(syntax.map_err(refused)?);
+    let all = rows.clone();
+    templates.add_function("runs", move |asked: Kwargs| chosen(&all, &asked).map(Value::from));
+    templates.add_function("run", move |asked: Kwargs| one(&rows, &asked));
+    templates.add_filter("number", |value: f64, digits: u8| number(value, digits));
+    templates.add_filter("count", |value: usize| count(value));
+    templates.add_template("text", template).map_err(refused)?;
+    templates.get_template("text").and_then(|text| text.render(context! {})).map_err(refused)
+}
+
+fn rows(table: &DataFrame) -> Result<Vec<Row>, ReportError> {
+    let mut rows = vec![Row::new(); table.height()];
+    for column in table.columns() {
+        for (i, row) in rows.iter_mut().enumerate() {
+            row.insert(column.name().to_string(), value(&column.get(i)?));
+        }
+    }
+    Ok(rows)
+}
+
+fn value(cell: &AnyValue) -> Value {
+    match cell {
+        AnyValue::Null => Value::from(()),
+        AnyValue::String(text) => Value::from(*text),
+        AnyValue::Boolean(is) => Value::from(*is),
+        AnyValue::Float64(x) => Value::from(*x),
+        AnyValue::UInt32(n) => Value::from(*n),
+        AnyValue::UInt64(n) => Value::from(*n),
+        other => Value::from(other.to_string()),
+    }
+}
+
+fn chosen(rows: &[Row], asked: &Kwargs) -> Result<Vec<Value>, Error> {
+    let mut wanted: Vec<(String, Value)> = Vec::new();
+    for key in asked.args() {
+        if rows.first().is_some_and(|row| !row.contains_key(key)) {
+            return Err(Error::new(ErrorKind::InvalidOperation, format!("runs have no column `{key}`")));
+        }
+        wanted.push((key.to_owned(), asked.get(key)?));
+    }
+    let fits = |row: &&Row| wanted.iter().all(|(key, value)| row.get(key) == Some(value));
+    Ok(rows.iter().filter(fits).cloned().map(Value::from).collect())
+}
+
+fn one(rows: &[Row], asked: &Kwargs) -> Result<Value, Error> {
+    let mut found = chosen(rows, asked)?;
+    if found.len() == 1 {
+        return Ok(found.remove(0));
+    }
+    let told = asked.args().map(|key| Ok(format!("{key}={}", asked.get::<Value>(key)?)));
+    let told: Vec<String> = told.collect::<Result<_, Error>>()?;
+    let what = format!("{} runs have {}: name one", found.len(), told.join(", "));
+    Err(Error::new(ErrorKind::InvalidOperation, what))
+}
+
+#[cfg(test)]
+mod tests {
+    use results::schema::Run;
+
+    use super::*;
+    use crate::fixture::{run, tables};
+
+    fn filled(template: &str) -> Result<String, String> {
+        let runs = [
+            Run { iterations: 1234, ..run(0, "nsgs", "", "converged") },
+            Run { iterations: 2468, ..run(1, "nsgs-dd", "4x2", "converged") },
+        ];
+        fill(&tables(&runs, &[]), template).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn numbers_and_verdicts_come_from_the_rows() {
+        let text = r#"{% set a = run(method="nsgs") %}{% set b = run(method="nsgs-dd", variant="4x2") %}
+{{ a.iterations|count }}, {{ (b.iterations / a.iterations)|number(2) }}: {{ "holds" if b.iterations < 1.1 * a.iterations else "fails" }}
+"#;
+        assert_eq!(filled(text).unwrap(), "1\u{202f}234, 2.0: fails\n");
+        assert_eq!(filled(r#"{{ runs(status="converged")|length }}"#).unwrap(), "2");
+    }
+
+    #[test]
+    fn what_is_not_there_is_an_error_that_names_it() {
+        assert!(
+            filled(r#"{{ run(method="cg").iterations }}"#).unwrap_err().contains("0 runs have method=cg")
+        );
+        assert!(filled(r#"{{ run(methode="cg") }}"#).unwrap_err().contains("`methode`"));
+        assert!(filled(r#"{{ run(method="nsgs").iteration }}"#).is_err());
+    }
+}

@@ -1,0 +1,161 @@
+//! The page of a study: one file that needs no other, no network, and no program but a browser.
+
+mod provenance;
+mod rows;
+
+use std::collections::BTreeMap;
+
+use minijinja::value::Serde;
+use minijinja::{Environment, Value, context};
+use polars::prelude::DataFrame;
+use results::store::Tables;
+use serde::Serialize;
+
+use crate::failures::failures;
+use crate::found::sentences;
+use crate::part::{Kind, Part};
+use crate::rows::runs;
+use crate::sample::scene::scenes;
+use crate::viewer::{Filmed, Viewer};
+use crate::{About, Chart, ReportError};
+use provenance::provenance;
+use rows::Rows;
+
+/// Parts that belong together.
+pub(crate) struct Chapter {
+    name: &'static str,
+    /// Whether `gravel figure` draws it.
+    is_chart: bool,
+    pub(crate) parts: Vec<Part>,
+}
+
+impl Chapter {
+    pub(crate) fn new(name: &'static str, parts: Vec<Part>) -> Self {
+        Self { name, is_chart: false, parts }
+    }
+
+    pub(crate) fn of_chart(chart: Chart, tables: &Tables) -> Result<Self, ReportError> {
+        Ok(Self { name: chart.name(), is_chart: true, parts: chart.parts(tables)? })
+    }
+}
+
+#[derive(Serialize)]
+struct Figure {
+    name: String,
+    svg: String,
+}
+
+#[derive(Serialize)]
+struct Section {
+    name: &'static str,
+    command: Option<String>,
+    figures: Vec<Figure>,
+    /// Figures that the viewer takes the place of.
+    files: Vec<String>,
+    tables: Vec<Rows>,
+    sentences: Vec<String>,
+}
+
+/// The page of a study.
+pub(crate) fn page(tables: &Tables, chapters: &[Chapter], about: &About) -> Result<String, ReportError> {
+    let viewer = Viewer::of(tables)?;
+    let shown = |figure: &str| viewer.films.iter().any(|film| sample_of(figure, &film.problem));
+    let sections = chapters.iter().map(|chapter| section(chapter, about, &shown));
+    let sections: Vec<Section> = sections.collect::<Result<_, _>>()?;
+    let failed = Rows::of("failures", &failures(tables)?, "")?;
+    let provenance = Rows::of("provenance", &provenance(tables)?, "")?;
+    render(
+        "page.html",
+        &viewer,
+        context! {
+            about => context! { name => &about.name, why => &about.why, bench => &about.bench },
+            found => sentences(&runs(&tables.runs)?),
+            sections => Serde(&sections),
+            failed => Serde(&failed),
+            provenance => Serde(&provenance),
+        },
+    )
+}
+
+/// A page with the viewer alone: the sample of one problem in tables of its `grains` and `contacts`, and runs on it.
+///
+/// # Errors
+///
+/// If a table lacks a column.
+pub fn view(
+    problem: &str,
+    (grains, contacts): (&DataFrame, &DataFrame),
+    runs: Vec<Filmed>,
+    command: &str,
+) -> Result<String, ReportError> {
+    let viewer = Viewer::new(scenes(grains, contacts)?, BTreeMap::from([(problem.to_owned(), runs)]));
+    render("view.html", &viewer, context! { title => problem, command })
+}
+
+fn render(template: &str, viewer: &Viewer, values: Value) -> Result<String, ReportError> {
+    let refused = |error: minijinja::Error| ReportError::Drawing(format!("the page: {error:#}"));
+    let mut templates = Environment::new();
+    let sources = [
+        ("page.html", include_str!("page/page.html")),
+        ("view.html", include_str!("page/view.html")),
+        ("viewer.html", include_str!("page/viewer.html")),
+    ];
+    for (name, source) in sources {
+        templates.add_template(name, source).map_err(refused)?;
+    }
+    // `</script>` and `<!--` in a name must not end the script that holds it.
+    let films = serde_json::to_string(viewer).unwrap_or_default().replace('<', "\\u003c");
+    let values = context! {
+        films, viewer => !viewer.films.is_empty(), left_out => &viewer.left_out,
+        moves => viewer.films.iter().any(|film| film.tracks.iter().any(|track| track.frames.len() > 1)),
+        style => include_str!("page/style.css"),
+        page_script => include_str!("page/page.js"),
+        viewer_script => include_str!("page/viewer.js"),
+        ..values
+    };
+    templates.get_template(template).and_then(|page| page.render(values)).map_err(refused)
+}
+
+/// Whether a figure is the sample of a problem, under any partition.
+fn sample_of(figure: &str, problem: &str) -> bool {
+    figure.starts_with(&format!("sample-{}-", crate::file_name(problem)))
+}
+
+fn section(chapter: &Chapter, about: &About, shown: &dyn Fn(&str) -> bool) -> Result<Section, ReportError> {
+    let command = || match &about.draw {
+        Some(study) => format!("gravel figure {} {study}", chapter.name),
+        None => format!("gravel bench {}", about.bench),
+    };
+    let mut section = Section {
+        name: chapter.name,
+        command: chapter.is_chart.then(command),
+        figures: Vec::new(),
+        files: Vec::new(),
+        tables: Vec::new(),
+        sentences: Vec::new(),
+    };
+    for part in &chapter.parts {
+        match &part.kind {
+            Kind::Figure(_) if shown(&part.name) => section.files.push(format!("{}.svg", part.name)),
+            Kind::Figure(svg) => {
+                section.figures.push(Figure { name: part.name.clone(), svg: inline(svg, &part.name) })
+            }
+            Kind::Table(table) => section.tables.push(Rows::of(&part.name, &table.shown, &table.note)?),
+            Kind::Text(text) => {
+                let lines = text.lines().filter(|line| !line.is_empty());
+                section.sentences.extend(lines.map(str::to_owned));
+            }
+        }
+    }
+    Ok(section)
+}
+
+/// A figure in a page: it takes the width that it is given, and has a name for who cannot see it.
+fn inline(svg: &str, name: &str) -> String {
+    let Some((head, rest)) = svg.split_once('>') else { return svg.to_owned() };
+    let view = head.split_once("viewBox=").map_or("", |(_, view)| view);
+    format!(r#"<svg role="img" aria-label="{name}" stroke-linejoin="round" viewBox={view}>{rest}"#)
+}
+
+#[cfg(test)]
+mod tests;

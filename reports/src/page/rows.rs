@@ -1,0 +1,56 @@
+//! A table as the rows of a page.
+
+use polars::prelude::DataFrame;
+use serde::Serialize;
+
+use crate::ReportError;
+use crate::table::columns;
+
+/// More rows than this are left to the file: a browser would be slow.
+const MOST_ROWS: usize = 5000;
+
+#[derive(Serialize)]
+pub(crate) struct Rows {
+    name: String,
+    headings: Vec<Heading>,
+    /// The rows as HTML.
+    body: String,
+    shown: usize,
+    of: usize,
+    notes: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Heading {
+    text: String,
+    numeric: bool,
+}
+
+impl Rows {
+    pub(crate) fn of(name: &str, table: &DataFrame, note: &str) -> Result<Self, ReportError> {
+        let columns = columns(table, MOST_ROWS)?;
+        let shown = table.height().min(MOST_ROWS);
+        // The whole value, by which a row is sorted: what is written is rounded.
+        let floats: Vec<_> = table.columns().iter().map(|column| column.f64().ok()).collect();
+        let mut body = String::new();
+        for row in 0..shown {
+            body += "<tr>";
+            for (column, floats) in columns.iter().zip(&floats) {
+                match floats.and_then(|floats| floats.get(row)) {
+                    Some(value) => body += &format!("<td data-v=\"{value}\">"),
+                    None => body += "<td>",
+                }
+                body += &escaped(&column.cells[row]);
+            }
+            body += "\n";
+        }
+        let headings =
+            columns.iter().map(|c| Heading { text: c.name.replace('_', " "), numeric: c.numeric }).collect();
+        let notes = note.lines().filter(|line| !line.is_empty()).map(str::to_owned).collect();
+        Ok(Self { name: name.to_owned(), headings, body, shown, of: table.height(), notes })
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}

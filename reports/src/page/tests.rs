@@ -1,0 +1,82 @@
+use results::schema::{Run, Snapshot};
+use results::tables::{contacts_table, grains_table, snapshots_table};
+
+use super::*;
+use crate::fixture::{decay, explosion, run, sample, scene, tables};
+use crate::tests::about;
+use crate::{Chart, iterations};
+
+fn made(tables: &Tables) -> String {
+    let mut chapters = vec![Chapter::new("iterations", vec![iterations::part(tables).unwrap()])];
+    chapters.extend(Chart::all().iter().map(|chart| Chapter::of_chart(*chart, tables).unwrap()));
+    let page = page(tables, &chapters, &about()).unwrap();
+    assert!(page.contains("What &lt;it&gt; asks."), "texts are escaped");
+    for network in ["http://", "https://", "src=\"", "@import", "url("] {
+        let foreign = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!foreign.contains(network), "{network}");
+    }
+    page
+}
+
+#[test]
+fn no_row_one_row_only_failures_and_undefined_values_make_a_page_that_says_so() {
+    assert!(made(&tables(&[], &[])).contains("No run of this study is stored."));
+    let one = made(&tables(&[run(0, "cg", "", "converged")], &[(0, decay())]));
+    assert!(one.contains("cg (100) has the fewest iterations") && one.contains("failures: none."));
+    let failed = Run { reason: "why </script> not".into(), ..run(0, "jacobi", "", "skipped") };
+    let failed = made(&tables(&[failed, run(1, "cg", "", "diverged")], &[(1, explosion())]));
+    assert!(failed.contains("column: no run converged.") && failed.contains("why &lt;/script&gt; not"));
+    let odd = Run { tolerance: f64::NAN, setup_s: f64::NAN, ..run(0, "cg", "", "converged") };
+    made(&tables(&[odd], &[(0, vec![sample(0, f64::NAN, f64::NAN), sample(1, f64::INFINITY, f64::NAN)])]));
+}
+
+#[test]
+fn sentences_of_the_page_change_with_the_rows() {
+    let page = |iterations| {
+        let cg = Run { iterations, ..run(0, "cg", "", "converged") };
+        made(&tables(&[cg, run(1, "nsgs", "", "converged")], &[(0, decay()), (1, decay())]))
+    };
+    assert!(page(7).contains("column: cg (7) has the fewest iterations"));
+    assert!(page(700).contains("column: nsgs (100) has the fewest iterations"));
+}
+
+#[test]
+fn viewer_holds_the_sample_and_the_snapshots_of_its_runs() {
+    let (grains, contacts) = scene(2.0);
+    let kept = |iteration, impulse| Snapshot {
+        iteration,
+        natural_map: 0.5,
+        impulses_n_s: vec![impulse, 1.0, f64::NAN],
+    };
+    let mut study = tables(&[Run { problem: "pair".into(), ..run(0, "cg", "", "converged") }], &[]);
+    study.grains = grains_table(&grains).unwrap();
+    study.contacts = contacts_table(&contacts).unwrap();
+    study.snapshots = snapshots_table(&[(0, [kept(0, 0.0), kept(3, 2.0)])]).unwrap();
+    let page = made(&study);
+    // Thousandths of the greatest impulse of the solution, 2 N·s.
+    assert!(page.contains(r#""frames":[{"iteration":0,"natural_map":0.5,"impulses":[0,500,0]},{"iteration":3,"natural_map":0.5,"impulses":[1000,500,0]}]"#), "{page}");
+    assert!(page.contains(r#""label":"solution""#) && page.contains("sample-pair-2x1.svg"));
+    study.snapshots = snapshots_table::<Vec<Snapshot>>(&[]).unwrap();
+    assert!(made(&study).contains("<code>gravel view PROBLEM --run"), "what shows the iterations is said");
+}
+
+#[test]
+fn more_rows_than_a_browser_likes_are_left_to_the_file() {
+    let runs: Vec<Run> = (0..6000).map(|i| run(i, "cg", "", "converged")).collect();
+    let study = tables(&runs, &[]);
+    let chapters = [Chapter::new("iterations", vec![iterations::part(&study).unwrap()])];
+    assert!(page(&study, &chapters, &about()).unwrap().contains("The first 5000 of 6000 rows"));
+}
+
+#[test]
+fn hundred_thousand_runs_of_as_many_kinds_are_a_page_that_leaves_lines_and_rows_out() {
+    let many: Vec<Run> = (0..100_000)
+        .map(|i| {
+            let settings = format!(r#"{{"relaxation":{i}}}"#);
+            Run { settings, ..run(i, "nsgs", &format!("relaxation={i}"), "converged") }
+        })
+        .collect();
+    let page = made(&tables(&many, &[(0, decay())]));
+    assert!(page.contains("100\u{202f}000\u{a0}lines are too many for a figure"));
+    assert!(page.contains("The first 5000 of 100000 rows"));
+}

@@ -1,0 +1,110 @@
+"use strict";
+// The sample: grains by subdomain, boundary grains outlined, a line for each contact as wide as its impulse.
+(() => {
+  const { colors, films } = JSON.parse(document.getElementById("films").textContent);
+  const form = document.querySelector(".controls"), stage = document.querySelector(".stage");
+  const { film: filmBox, partition: partitionBox, time, play } = form.elements;
+  const now = form.querySelector("output");
+  let film, stops, panels, timer;
+
+  const options = (box, names) => box.replaceChildren(...names.map((name, i) => new Option(name, i)));
+  const short = value => value == null ? "–" : value.toExponential(1);
+
+  function choose() {
+    film = films[filmBox.value || 0];
+    options(partitionBox, film.partitions.map(split => split.name));
+    partitionBox.value = film.partitions.length - 1;
+    const iterations = film.tracks.flatMap(track => track.frames.map(frame => frame.iteration));
+    stops = [...new Set(iterations)].sort((a, b) => a - b);
+    if (!stops.length) stops = [0];
+    time.max = stops.length - 1;
+    time.value = time.max;
+    time.disabled = play.disabled = stops.length < 2;
+    // Without any impulse the sample alone is shown.
+    const tracks = film.tracks.length ? film.tracks : [{ label: "no impulse is known", ending: "", frames: [] }];
+    panels = tracks.map(track => {
+      const figure = document.createElement("figure"), canvas = document.createElement("canvas");
+      const caption = document.createElement("figcaption");
+      canvas.setAttribute("role", "img");
+      figure.append(canvas, caption);
+      return { track, figure, canvas, caption };
+    });
+    stage.replaceChildren(...panels.map(panel => panel.figure));
+    draw();
+  }
+
+  // The box around all grains, in the units of the film.
+  function bounds() {
+    let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
+    for (const [x, y, r] of film.grains) {
+      left = Math.min(left, x - r); right = Math.max(right, x + r);
+      low = Math.min(low, y - r); high = Math.max(high, y + r);
+    }
+    return film.grains.length ? { left, low, width: right - left, height: high - low } : { left: 0, low: 0, width: 1, height: 1 };
+  }
+
+  function draw() {
+    const style = getComputedStyle(document.documentElement), ink = name => style.getPropertyValue(name).trim();
+    const split = film.partitions[partitionBox.value || 0], iteration = stops[time.value] ?? 0;
+    const box = bounds(), radii = film.grains.map(grain => grain[2]).sort((a, b) => a - b);
+    const median = radii[radii.length >> 1] || 1;
+    now.textContent = stops.length > 1 ? `iteration ${iteration}` : "";
+    for (const { track, canvas, caption } of panels) {
+      const frame = track.frames.findLast(frame => frame.iteration <= iteration) ?? track.frames[0];
+      const width = canvas.clientWidth || 320, ratio = window.devicePixelRatio || 1;
+      // A column of grains must not be higher than the window.
+      const scale = Math.min((width - 8) / box.width, .75 * Math.max(window.innerHeight, 400) / box.height);
+      const height = Math.ceil(box.height * scale) + 8, edge = (width - box.width * scale) / 2;
+      canvas.width = width * ratio; canvas.height = height * ratio;
+      const c = canvas.getContext("2d");
+      c.setTransform(ratio, 0, 0, ratio, 0, 0);
+      const X = x => edge + (x - box.left) * scale, Y = y => height - 4 - (y - box.low) * scale;
+      const disc = ([x, y, r]) => { c.beginPath(); c.arc(X(x), Y(y), r * scale, 0, 7); };
+      film.grains.forEach((grain, i) => {
+        const subdomain = split.subdomain[i];
+        disc(grain);
+        c.globalAlpha = subdomain < 0 ? 1 : Number(ink("--fill"));
+        c.fillStyle = subdomain < 0 ? ink("--idle") : colors[subdomain % colors.length];
+        c.fill();
+        c.globalAlpha = 1; c.lineWidth = .5; c.strokeStyle = ink("--outline"); c.stroke();
+      });
+      c.strokeStyle = ink("--boundary"); c.lineWidth = 1.4;
+      film.grains.forEach((grain, i) => { if (split.multiplicity[i] > 1) { disc(grain); c.stroke(); } });
+      const line = ([x0, y0, x1, y1]) => { c.beginPath(); c.moveTo(X(x0), Y(y0)); c.lineTo(X(x1), Y(y1)); c.stroke(); };
+      c.lineWidth = 2; c.strokeStyle = ink("--boundary");
+      film.walls.forEach(line);
+      c.strokeStyle = ink("--chain"); c.lineCap = "round";
+      // The greatest impulse of the solution is almost as wide as a grain; what is beyond is cut at twice that.
+      const widest = Math.max(1.8 * median * scale, 1.5);
+      frame?.impulses.forEach((share, i) => {
+        c.lineWidth = widest * Math.min(share / 1000, 2);
+        if (c.lineWidth > .08 && share > 0) line(film.contacts[i]);
+      });
+      const over = frame && frame.iteration === track.frames.at(-1).iteration && track.ending;
+      caption.textContent = !frame || !track.ending ? track.label
+        : `${track.label}: iteration ${frame.iteration}, natural map ${short(frame.natural_map)}${over ? `, ${track.ending}` : ""}`;
+      canvas.setAttribute("aria-label", `${film.problem}, ${split.name}. ${caption.textContent}`);
+    }
+    const boundary = split ? split.multiplicity.filter(copies => copies > 1).length : 0;
+    document.querySelector("[data-key]").textContent = `${film.grains.length} grains, ${film.contacts.length} contacts; `
+      + `colours are subdomains, outlined: ${boundary} boundary grains; the widest line is ${film.greatest_n_s.toPrecision(2)} N·s, `
+      + `the greatest impulse of the solution.`;
+  }
+
+  function stop() { clearInterval(timer); timer = undefined; play.textContent = "▶"; play.setAttribute("aria-label", "Play"); }
+  play.addEventListener("click", () => {
+    if (timer) return stop();
+    if (time.value === time.max) time.value = 0;
+    play.textContent = "⏸"; play.setAttribute("aria-label", "Pause");
+    timer = setInterval(() => { if (time.value === time.max) stop(); else { time.value++; draw(); } }, 350);
+    draw();
+  });
+  filmBox.addEventListener("change", () => { stop(); choose(); });
+  partitionBox.addEventListener("change", draw);
+  time.addEventListener("input", draw);
+  form.addEventListener("submit", event => event.preventDefault());
+  window.addEventListener("resize", draw);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  options(filmBox, films.map(film => film.problem));
+  choose();
+})();
