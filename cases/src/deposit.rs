@@ -43,8 +43,9 @@ pub(crate) fn deposit(radii: impl Iterator<Item = f64>, width: f64) -> Result<Ve
 fn lowest_place(chain: &[Placed], radius: f64, width: f64) -> Option<(Vector2<f64>, Range<usize>)> {
     let slack = slack(width);
     let mut best = (Vector2::repeat(f64::INFINITY), 0..0);
-    let take = |best: &mut (Vector2<f64>, Range<usize>), place: Option<Vector2<f64>>, covered| {
-        if let Some(place) = place.filter(|place| place.y < best.0.y && fits(chain, *place, radius, width)) {
+    let take = |best: &mut (Vector2<f64>, _), place: Option<Vector2<f64>>, covered: Range<usize>| {
+        let fits = |place: &Vector2<f64>| fits(chain, covered.start, *place, radius, width);
+        if let Some(place) = place.filter(|place| place.y < best.0.y && fits(place)) {
             *best = (place, covered);
         }
     };
@@ -93,8 +94,9 @@ fn on_two((left, r_left): Placed, (right, r_right): Placed, radius: f64) -> Opti
     (left.x <= place.x && place.x <= right.x).then_some(place)
 }
 
-/// Whether a disc can lie there, and come there from above.
-fn fits(chain: &[Placed], place: Vector2<f64>, radius: f64, width: f64) -> bool {
+/// Whether a disc can lie there, and come there from above. What is in the way is mostly close to `near` in the chain, where
+/// the search begins.
+fn fits(chain: &[Placed], near: usize, place: Vector2<f64>, radius: f64, width: f64) -> bool {
     let slack = slack(width);
     let inside = place.x >= radius - slack && place.x <= width - radius + slack && place.y >= radius - slack;
     let below_or_aside = |(centre, r): &Placed| {
@@ -106,7 +108,8 @@ fn fits(chain: &[Placed], place: Vector2<f64>, radius: f64, width: f64) -> bool 
         let apart = between.norm() >= r + radius - slack;
         apart && (between.y >= 0.0 || between.x.abs() >= r + radius - slack)
     };
-    inside && chain.iter().all(below_or_aside)
+    let (before, after) = chain.split_at(near.saturating_sub(4));
+    inside && after.iter().chain(before).all(below_or_aside)
 }
 
 #[cfg(test)]
