@@ -90,6 +90,10 @@ impl Iteration for Run {
         self.velocity_jump
     }
 
+    fn derived(&self) -> Vec<(&'static str, f64)> {
+        vec![("critical_path", self.critical_path() as f64)]
+    }
+
     fn work(&self) -> Work {
         let contacts: usize = self.groups.contacts.iter().sum();
         let sweeps = self.iterations * u64::from(self.settings.inner_sweeps);
@@ -107,6 +111,18 @@ impl Iteration for Run {
 const WORTH_THREADS: usize = 10_000;
 
 impl Run {
+    /// Multiply-adds of the longest subdomain of each group: eight per contact updated, one per value exchanged.
+    fn critical_path(&self) -> usize {
+        let sweeps = self.settings.inner_sweeps as usize;
+        let mut longest = vec![0; self.groups.contacts.len()];
+        let copies = self.decomposition.copies_by_subdomain();
+        for ((sweeper, copies), group) in self.sweepers.iter().zip(copies).zip(&self.groups.of_subdomain) {
+            let longest = &mut longest[*group as usize];
+            *longest = (8 * sweeps * sweeper.contacts() + 2 * copies).max(*longest);
+        }
+        longest.iter().sum()
+    }
+
     /// From the glued velocity, `inner_sweeps` sweeps in each subdomain of `group`, F fixed.
     fn sweep(&mut self, group: u32) {
         let sweeps = self.settings.inner_sweeps;

@@ -45,6 +45,11 @@ impl Sweeper {
         Self { rows, contacts, s, unit }
     }
 
+    /// Number of contacts.
+    pub(crate) fn contacts(&self) -> usize {
+        self.rows.len()
+    }
+
     /// Puts the impulses in the problem's order (N·s).
     pub(crate) fn impulses(&self, r: &mut [f64]) {
         for ((s, unit), contact) in self.s.iter().zip(&self.unit).zip(&self.contacts) {

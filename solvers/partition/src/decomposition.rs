@@ -104,6 +104,13 @@ impl Decomposition {
         jump
     }
 
+    /// Number of copies of boundary grains in each subdomain.
+    pub fn copies_by_subdomain(&self) -> Vec<usize> {
+        let mut copies = vec![0; self.subdomains.len()];
+        self.copies.iter().for_each(|(e, _)| copies[*e as usize] += 1);
+        copies
+    }
+
     /// Gives every copy of a boundary grain the sum over its copies.
     pub fn assemble(&self, y: &mut [Vec<Vector2<f64>>]) {
         for copies in self.boundary() {
