@@ -26,9 +26,18 @@ regress plan="regress":
 bless plan="regress":
     cargo run --release -- bless {{plan}}
 
-# Time the kernels alone
-bench-kernels:
-    cargo bench --package harness --bench kernels
+# Time the kernels alone, on packings of so many grains
+bench-kernels grains="1000 100000":
+    GRAINS="{{grains}}" cargo bench --package harness --bench kernels
+
+# Count the instructions of the kernels, which a busy machine does not change (needs valgrind)
+count-instructions:
+    .ci/count-instructions
+
+# Bytes, flops and bandwidth of the kernels on one thread: reports/out/roofline.md
+roofline grains="1000 100000 1000000":
+    mkdir -p reports/out
+    GRAINS="{{grains}}" RAYON_NUM_THREADS=1 cargo bench --package harness --bench roofline | tee reports/out/roofline.md
 
 # Draw a stored study again, with PNG and PDF
 figures plan="paper":

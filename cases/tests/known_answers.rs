@@ -71,6 +71,13 @@ fn two_discs_press_as_the_case_file_says() {
 }
 
 #[test]
+fn deposited_discs_have_the_two_contacts_that_hold_them_and_few_more() {
+    let problem = march("deposited-box", &[]).next().unwrap().frozen.problem;
+    let contacts = problem.contact_count();
+    assert!((2 * 1000..2 * 1050).contains(&contacts), "{contacts}");
+}
+
+#[test]
 fn disc_between_closing_walls_has_no_answer() {
     let problem = march("closing-walls", &[]).next().unwrap().frozen.problem;
     let b = problem.b();

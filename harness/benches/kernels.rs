@@ -1,69 +1,113 @@
-//! The kernels alone, on the packings that the studies use: time per contact is the number to compare.
+//! The kernels alone, on packings of several sizes: time per contact is the number to compare.
+//!
+//! One thread: `RAYON_NUM_THREADS=1`. The sizes: `GRAINS="1000 100000 1000000"`.
+
+mod common;
 
 use cases::{Frozen, detect};
 use cg::Cg;
 use contact::{Meter, Solver};
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
 use nsgs::{Jacobi, Nsgs, Order};
 use nsgs_dd::NsgsDd;
-use partition::Grid;
-use std::path::Path;
+use partition::{Decomposition, Grid, Scheme};
 
-fn packing() -> Frozen {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/frozen");
-    Frozen::read(&folder.join("shear-box-991-sheared.json")).unwrap_or_else(|error| panic!("{error}"))
+/// Subdomains of about a thousand contacts.
+fn small_subdomains(frozen: &Frozen) -> Grid {
+    let n = (frozen.problem.contact_count() / 1000).max(1).isqrt() as u32;
+    Grid { nx: n, ny: n }
 }
 
-/// One `advance` of each method, after the first hundred.
+/// One `advance` of each method, after the first ten.
 fn iterations(criterion: &mut Criterion) {
-    let frozen = packing();
-    let problem = &frozen.problem;
-    let r0 = frozen.start(false);
-    let nsgs = |order| Nsgs { order, ..Nsgs::default() };
-    let methods: [(&str, &dyn Solver); 9] = [
-        ("nsgs natural", &nsgs(Order::Natural)),
-        ("nsgs bottom-up", &nsgs(Order::BottomUp)),
-        ("nsgs shuffled", &nsgs(Order::Shuffled)),
-        ("nsgs coloured", &nsgs(Order::Coloured)),
-        ("jacobi", &Jacobi::default()),
-        ("cg", &Cg::default()),
-        ("nsgs-dd 4x2", &NsgsDd { subdomains: Grid { nx: 4, ny: 2 }, ..NsgsDd::default() }),
-        ("latin-dd 1x1", &LatinDd::default()),
-        ("latin-dd 4x2", &LatinDd { subdomains: Grid { nx: 4, ny: 2 }, ..LatinDd::default() }),
-    ];
-    let mut group = criterion.benchmark_group("iteration");
-    group.throughput(Throughput::Elements(problem.contact_count() as u64));
-    for (name, solver) in methods {
-        let mut iteration = solver.start(problem, &r0).unwrap_or_else(|error| panic!("{error}"));
-        (0..100).for_each(|_| iteration.advance());
-        group.bench_function(BenchmarkId::from_parameter(name), |bencher| {
-            bencher.iter(|| iteration.advance());
-        });
+    for grains in common::sizes() {
+        let frozen = common::packing(grains);
+        let (problem, subdomains) = (&frozen.problem, small_subdomains(&frozen));
+        let r0 = frozen.start(false);
+        let nsgs = |order| Nsgs { order, ..Nsgs::default() };
+        // Directions that stay, so that no iteration factorises.
+        let latin = |subdomains| LatinDd { subdomains, kappa_l: Some(40.0), ..LatinDd::default() };
+        let methods: [(&str, &dyn Solver); 10] = [
+            ("nsgs natural", &nsgs(Order::Natural)),
+            ("nsgs bottom-up", &nsgs(Order::BottomUp)),
+            ("nsgs shuffled", &nsgs(Order::Shuffled)),
+            ("nsgs coloured", &nsgs(Order::Coloured)),
+            ("jacobi", &Jacobi::default()),
+            ("cg", &Cg::default()),
+            ("nsgs-dd, one subdomain", &NsgsDd::default()),
+            ("nsgs-dd, small subdomains", &NsgsDd { subdomains, ..NsgsDd::default() }),
+            ("latin-dd, one subdomain", &latin(Grid::ONE)),
+            ("latin-dd, small subdomains", &latin(subdomains)),
+        ];
+        let mut group = criterion.benchmark_group("iteration");
+        group.throughput(Throughput::Elements(problem.contact_count() as u64));
+        for (name, solver) in methods {
+            let mut iteration = solver.start(problem, &r0).unwrap_or_else(|error| panic!("{error}"));
+            (0..10).for_each(|_| iteration.advance());
+            group.bench_function(BenchmarkId::new(name, grains), |bencher| {
+                bencher.iter(|| iteration.advance());
+            });
+        }
+        group.finish();
     }
-    group.finish();
 }
 
-/// What a problem's operators and measures cost.
+/// What goes before the first iteration: layout, partition, factorisation.
+fn starts(criterion: &mut Criterion) {
+    for grains in common::sizes() {
+        let frozen = common::packing(grains);
+        let r0 = frozen.start(false);
+        let mut group = criterion.benchmark_group("start");
+        group.throughput(Throughput::Elements(frozen.problem.contact_count() as u64)).sample_size(10);
+        let latin = LatinDd { kappa_l: Some(40.0), ..LatinDd::default() };
+        let methods: [(&str, &dyn Solver); 4] = [
+            ("nsgs", &Nsgs::default()),
+            ("cg", &Cg::default()),
+            ("nsgs-dd", &NsgsDd::default()),
+            ("latin-dd", &latin),
+        ];
+        for (name, solver) in methods {
+            group.bench_function(BenchmarkId::new(name, grains), |bencher| {
+                bencher.iter(|| solver.start(&frozen.problem, &r0).map(drop));
+            });
+        }
+        group.finish();
+    }
+}
+
+/// What a problem's operators, its gluing, its measures and its detection cost.
 fn operators(criterion: &mut Criterion) {
-    let frozen = packing();
-    let problem = &frozen.problem;
-    let r = vec![1.0; problem.contact_count()];
-    let mut product = r.clone();
-    let mut scratch = vec![Vector2::zeros(); problem.grain_count()];
-    let mut meter = Meter::new(problem);
-    let mut group = criterion.benchmark_group("operator");
-    group.throughput(Throughput::Elements(problem.contact_count() as u64));
-    group.bench_function("W p", |bencher| {
-        bencher.iter(|| problem.delassus_product(&r, &mut product, &mut scratch));
-    });
-    group.bench_function("measures", |bencher| bencher.iter(|| meter.measure(&r, 0.0)));
-    group.bench_function("detection", |bencher| {
-        bencher.iter(|| detect(problem.position(), &frozen.radius, 1e-3));
-    });
-    group.finish();
+    for grains in common::sizes() {
+        let frozen = common::packing(grains);
+        let problem = &frozen.problem;
+        let r = vec![1.0; problem.contact_count()];
+        let mut product = r.clone();
+        let mut scratch = vec![Vector2::zeros(); problem.grain_count()];
+        let mut meter = Meter::new(problem);
+        let mut group = criterion.benchmark_group("operator");
+        group.throughput(Throughput::Elements(problem.contact_count() as u64));
+        group.bench_function(BenchmarkId::new("W p", grains), |bencher| {
+            bencher.iter(|| problem.delassus_product(&r, &mut product, &mut scratch));
+        });
+        group.bench_function(BenchmarkId::new("measures", grains), |bencher| {
+            bencher.iter(|| meter.measure(&r, 0.0));
+        });
+        group.bench_function(BenchmarkId::new("detection", grains), |bencher| {
+            bencher.iter(|| detect(problem.position(), &frozen.radius, 1e-3));
+        });
+        let partition = Scheme::Balanced.partition(problem, small_subdomains(&frozen));
+        let partition = partition.unwrap_or_else(|error| panic!("{error}"));
+        let decomposition = Decomposition::new(problem, &partition);
+        let unit = vec![1.0; decomposition.boundary().count()];
+        let y: Vec<_> = decomposition.subdomains.iter().map(|e| vec![Vector2::x(); e.grains.len()]).collect();
+        group.bench_function(BenchmarkId::new("gluing, small subdomains", grains), |bencher| {
+            bencher.iter_batched_ref(|| y.clone(), |y| decomposition.glue(y, &unit), BatchSize::LargeInput);
+        });
+        group.finish();
+    }
 }
 
-criterion_group!(kernels, iterations, operators);
+criterion_group!(kernels, iterations, starts, operators);
 criterion_main!(kernels);

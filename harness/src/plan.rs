@@ -10,7 +10,7 @@ use crate::methods::Method;
 use crate::study::Task;
 use crate::suggest;
 use anyhow::{Context, Result, anyhow, bail};
-use contact::Stop;
+use contact::{Measure, Stop};
 use reports::Chart;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::Error;
@@ -40,6 +40,9 @@ pub(crate) struct Plan {
     /// How often each run is made for its seconds, which are then medians.
     #[serde(default = "once")]
     pub(crate) repeats: NonZeroU32,
+    /// Whether a reference solution is computed for every problem: without it no error is known, nor whether ζ lied.
+    #[serde(default = "yes")]
+    pub(crate) reference: bool,
     /// Until when.
     pub(crate) stop: Stop,
     /// Which samples of a run are kept.
@@ -75,6 +78,10 @@ fn charts<'de, D: Deserializer<'de>>(names: D) -> Result<Vec<Chart>, D::Error> {
 fn charts_schema(_: &mut SchemaGenerator) -> Schema {
     let names: Vec<&str> = Chart::all().iter().map(|chart| chart.name()).collect();
     json_schema!({ "type": "array", "items": { "enum": names } })
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn once() -> NonZeroU32 {
@@ -193,6 +200,9 @@ impl Plan {
             bail!("`problems` is empty, and there are no `cases`");
         }
         self.stop.check().context("`stop`")?;
+        if self.stop.on == Measure::VelocityError && !self.reference {
+            bail!("`reference` is false: it must be true where `stop.on` is velocity_error");
+        }
         let variants = self.variants(&[])?;
         self.view.as_ref().map_or(Ok(()), |view| view.check(&variants)).context("`view`")
     }

@@ -24,6 +24,8 @@ pub(crate) struct PlannedProblem {
     /// What was set to make it: nothing for a frozen problem.
     settings: Settings,
     source: Source,
+    /// Whether its solution is wanted.
+    reference: bool,
 }
 
 enum Source {
@@ -79,7 +81,7 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
         });
     }
     for planned in &plan.cases {
-        problems.extend(of_case(root, planned).with_context(|| format!("`cases`: case `{}`", planned.case))?);
+        problems.extend(of_case(root, planned, plan.reference).with_context(|| format!("`cases`: case `{}`", planned.case))?);
     }
     let mut seen = BTreeSet::new();
     if let Some(twice) = problems.iter().find(|problem| !seen.insert(&problem.name)) {
@@ -102,7 +104,7 @@ fn frozen_path(root: &Root, name: &str) -> Result<PathBuf> {
 
 /// Every combination of a case's axes, named by the values on them: of values that are taken together, by the first that
 /// tells them apart.
-fn of_case(root: &Root, planned: &PlannedCase) -> Result<Vec<PlannedProblem>> {
+fn of_case(root: &Root, planned: &PlannedCase, reference: bool) -> Result<Vec<PlannedProblem>> {
     let path = root.case(&planned.case)?;
     let mut naming: Vec<&str> = Vec::new();
     for (key, axis) in &planned.zip {
@@ -126,7 +128,7 @@ fn of_case(root: &Root, planned: &PlannedCase) -> Result<Vec<PlannedProblem>> {
             ("time_step".to_owned(), json!(scene.time_step)),
         ]);
         all.extend(settings);
-        problems.push(PlannedProblem { name, settings: all, source: Source::Case(Box::new(scene)) });
+        problems.push(PlannedProblem { name, settings: all, source: Source::Case(Box::new(scene)), reference });
     }
     Ok(problems)
 }
@@ -154,7 +156,8 @@ impl PlannedProblem {
     fn problem(&self, frozen: Frozen, given: Option<Given>) -> Problem {
         let frozen = Frozen { name: self.name.clone(), ..frozen };
         let settings = Value::Object(self.settings.clone()).to_string();
-        Problem { hash: content_hash(&frozen), settings, given, known: OnceLock::new(), frozen }
+        let known = if self.reference { OnceLock::new() } else { OnceLock::from(Known::Nothing) };
+        Problem { hash: content_hash(&frozen), settings, given, known, frozen }
     }
 }
 

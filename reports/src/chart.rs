@@ -8,7 +8,8 @@ use thiserror::Error;
 
 use crate::part::Part;
 use crate::{
-    ReportError, convergence, directions, profiles, sample, size, subdomains, truth, work_precision,
+    ReportError, convergence, critical_path, directions, profiles, sample, size, subdomains, truth,
+    work_precision,
 };
 
 /// A kind of figure, with the tables that belong to it.
@@ -28,6 +29,7 @@ const CHARTS: &[Chart] = &[
     Chart { name: "profiles", parts: profiles::parts },
     Chart { name: "subdomains", parts: subdomains::parts },
     Chart { name: "size", parts: size::parts },
+    Chart { name: "critical-path", parts: critical_path::parts },
 ];
 
 impl Chart {

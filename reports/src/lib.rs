@@ -7,6 +7,7 @@ mod chart;
 mod columns;
 mod convergence;
 mod cost;
+mod critical_path;
 mod curve;
 mod directions;
 mod ending;

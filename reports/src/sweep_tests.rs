@@ -4,7 +4,7 @@ use results::schema::Run;
 
 use crate::fixture::{File, decay, explosion, files, run, sample, tables, without_truth};
 use crate::tests::assert_well_formed;
-use crate::{profiles, size, subdomains};
+use crate::{critical_path, profiles, size, subdomains};
 
 fn text<'f>(files: &'f [File], name: &str) -> &'f str {
     for (name, svg) in files.iter().filter(|(name, _)| name.contains(".svg")) {
@@ -35,6 +35,22 @@ fn growth_with_subdomains_is_told_for_each_setting_apart() {
     assert!(
         svg.contains("iteration limit") && svg.contains("latin-dd, kappa_d=0.3") && !svg.contains("skipped")
     );
+}
+
+#[test]
+fn speed_up_is_counted_on_the_longest_subdomain_and_measured_in_seconds() {
+    let path = |path: u32, run: Run| Run { derived: format!(r#"{{"critical_path":{path}}}"#), ..run };
+    let runs = [
+        path(800, Run { iterating_s: 3.0, ..on(0, 1, "null", 100) }),
+        path(250, Run { iterating_s: 2.0, ..on(1, 4, "null", 128) }),
+        path(9, Run { status: "iteration-limit".into(), ..on(2, 16, "null", 1000) }),
+        run(3, "cg", "", "converged"),
+    ];
+    let files = critical_path::files(&tables(&runs, &[])).unwrap();
+    let rows: Vec<&str> = text(&files, "critical-path.csv").lines().skip(1).collect();
+    assert!(rows[1].contains(",128,250.0,2.5,1.5,"), "{}", rows[1]);
+    assert!(rows[2].contains("iteration limit,1000,9.0,,,"), "{}", rows[2]);
+    assert_eq!(rows.len(), 3, "cg has no subdomains");
 }
 
 #[test]
@@ -79,7 +95,7 @@ fn no_run_only_failures_and_undefined_values_are_no_obstacle() {
     let skipped = Run { grains: 0, ..run(1, "cg", "", "skipped") };
     let one = tables(&[failed, skipped], &[(0, explosion())]);
     for tables in [tables(&[], &[]), without_truth(one.clone()), one] {
-        for chart in [subdomains::parts, size::parts, profiles::parts] {
+        for chart in [subdomains::parts, size::parts, profiles::parts, critical_path::parts] {
             let files = files(&chart(&tables).unwrap());
             text(&files, &files[0].0);
         }

@@ -30,7 +30,8 @@ pub struct Run {
     pub method: String,
     /// All its parameters as JSON, defaults spelled out.
     pub settings: String,
-    /// The values that it worked with where the settings leave one open, as JSON.
+    /// What it worked with beside its settings, as JSON: a value that they leave open, by its name; and, of a method with
+    /// subdomains, `critical_path`, the multiply-adds of an iteration on the longest of them.
     pub derived: String,
     /// The settings in which the runs of this method in this plan differ, such as `4x2`; empty if they are alone.
     pub variant: String,

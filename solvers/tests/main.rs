@@ -7,5 +7,6 @@ mod decomposition;
 mod equivalences;
 mod first_order;
 mod infeasible;
+mod layouts;
 mod problems;
 mod reference;

@@ -65,6 +65,14 @@ fn latin_in_threads_gives_the_same_bits() {
 }
 
 #[test]
+fn cg_in_blocks_gives_the_same_bits() {
+    let large = "deposited-box --scene sample.grains=5000 --scene scene.box.width_m=10.7";
+    let object = assert_same(&format!("{large} --method cg --max-iterations 20"));
+    // From 8,192 contacts on, CG passes over them in several blocks, in threads.
+    assert!(object["contacts"].as_u64().unwrap() > 8_192);
+}
+
+#[test]
 fn march_gives_the_same_bits() {
     assert_same(
         "settled-box --scene sample.grains=40 --scene scene.box.width_m=1 --time-step 20 --method nsgs",

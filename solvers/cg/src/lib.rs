@@ -2,10 +2,15 @@
 //!
 //! M. Renouf, P. Alart, Conjugate gradient type algorithms for frictional multi-contact problems: applications to
 //! granular materials, Comput. Methods Appl. Mech. Engrg. 194 (2005) 2019-2041. Cost of an iteration: two products
-//! with W and a few passes over the contacts.
+//! with W, in four passes over the contacts; the blocks in which these are made are for the threads alone.
 
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
+mod block;
+
+use block::Block;
+use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
 use nalgebra::Vector2;
+use partition::{Decomposition, Grid, Scheme, Subdomain};
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -34,68 +39,80 @@ pub enum Preconditioner {
     Diagonal,
 }
 
-struct Run<'p> {
-    problem: &'p ContactProblem,
-    b: Vec<f64>,
-    /// 1/`W_αα` (kg) with the preconditioner, 1 without.
-    scaling: Vec<f64>,
-    r: Vec<f64>,
-    /// u = −(W r + b), minus the gradient of q (m/s).
-    u: Vec<f64>,
-    /// The direction.
-    p: Vec<f64>,
-    /// W p.
-    w_p: Vec<f64>,
-    /// The projected, scaled gradient.
-    w: Vec<f64>,
-    scratch: Vec<Vector2<f64>>,
+struct Run {
+    decomposition: Decomposition,
+    blocks: Vec<Block>,
+    /// M^-½ H r or M^-½ H p, block by block in local indices; of grains that blocks share, each has the sum.
+    y: Vec<Vec<Vector2<f64>>>,
+    /// What each block adds to a scalar product.
+    parts: Vec<f64>,
+    /// uᵗ p.
+    descent: f64,
     products: u64,
 }
 
-impl Run<'_> {
-    /// u = −(W r + b), and w = u/`W_αα` where r > 0 or u > 0, else 0: the part of it that r ≥ 0 does not block.
-    fn project_gradient(&mut self) {
-        self.problem.delassus_product(&self.r, &mut self.u, &mut self.scratch);
-        self.products += 1;
-        for (contact, u) in self.u.iter_mut().enumerate() {
-            *u = -(*u + self.b[contact]);
-            self.w[contact] =
-                if self.r[contact] > 0.0 || *u > 0.0 { *u * self.scaling[contact] } else { 0.0 };
+impl Run {
+    /// One pass over all contacts; returns the sum over the blocks, which no number of threads changes.
+    fn pass(&mut self, pass: impl Fn(&mut Block, &mut [Vector2<f64>]) -> f64 + Sync + Send) -> f64 {
+        if self.blocks.len() > 1 {
+            let blocks = self.blocks.par_iter_mut().zip(&mut self.y).zip(&mut self.parts);
+            blocks.for_each(|((block, y), part)| *part = pass(block, y));
+        } else {
+            let blocks = self.blocks.iter_mut().zip(&mut self.y).zip(&mut self.parts);
+            blocks.for_each(|((block, y), part)| *part = pass(block, y));
         }
+        self.parts.iter().sum()
+    }
+
+    /// u and wᵗ W p of the present r, whose `M^-½ H r` is in y block by block.
+    fn gradient(&mut self) -> f64 {
+        self.decomposition.assemble(&mut self.y);
+        self.products += 1;
+        self.pass(|block, y| block.gradient(y))
+    }
+
+    /// p = w + β z.
+    fn turn(&mut self, beta: f64) {
+        self.descent = self.pass(|block, y| block.turn(beta, y));
+        self.decomposition.assemble(&mut self.y);
     }
 }
 
-impl Iteration for Run<'_> {
+impl Iteration for Run {
     fn advance(&mut self) {
-        self.problem.delassus_product(&self.p, &mut self.w_p, &mut self.scratch);
-        self.products += 1;
         // pᵗ W p is 0 at a solution, where p = 0; and on a problem without one, along a p of which grains feel nothing:
         // there the iterate stays.
-        let curvature = dot(&self.p, &self.w_p);
+        let curvature = self.pass(|block, y| block.curvature(y));
+        self.products += 1;
         let ratio = |numerator: f64| if curvature == 0.0 { 0.0 } else { numerator / curvature };
 
         // r = max(0, r + α p),  α = uᵗ p / pᵗ W p
-        let length = ratio(dot(&self.u, &self.p));
-        for (r, p) in self.r.iter_mut().zip(&self.p) {
-            *r = law::non_negative(*r + length * p);
-        }
-        self.project_gradient();
+        let length = ratio(self.descent);
+        self.pass(|block, y| block.step(length, y));
 
         // p = w + β z,  z = p on the set of w, else 0,  β = −wᵗ W p / pᵗ W p
-        let beta = -ratio(dot(&self.w, &self.w_p));
-        for (contact, p) in self.p.iter_mut().enumerate() {
-            let free = self.r[contact] > 0.0 || self.u[contact] > 0.0;
-            *p = if free { self.w[contact] + beta * *p } else { 0.0 };
-        }
+        let beta = -ratio(self.gradient());
+        self.turn(beta);
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        r.copy_from_slice(&self.r);
+        self.blocks.iter().for_each(|block| block.impulses(r));
     }
 
     fn work(&self) -> Work {
         Work { delassus_products: self.products, ..Work::default() }
     }
+}
+
+/// Contacts of a block, about: few enough that some threads have work where there is work for them, so many that blocks
+/// share few grains.
+const BLOCK: usize = 8192;
+
+/// Columns and rows of blocks, of equal numbers of contacts.
+fn grid(contacts: usize) -> Grid {
+    let blocks = contacts.div_ceil(BLOCK).max(1);
+    let n = (blocks - 1).isqrt() as u32 + 1;
+    Grid { nx: n, ny: n }
 }
 
 impl Solver for Cg {
@@ -104,29 +121,23 @@ impl Solver for Cg {
         problem: &'p ContactProblem,
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        let contacts = problem.contact_count();
-        let scaling = match self.preconditioner {
-            Preconditioner::None => vec![1.0; contacts],
-            Preconditioner::Diagonal => problem.delassus_diagonal().iter().map(|w| 1.0 / w).collect(),
-        };
+        let partition = Scheme::Balanced.partition(problem, grid(problem.contact_count()))?;
+        let decomposition = Decomposition::new(problem, &partition);
+        let (b, preconditioned) = (problem.b(), self.preconditioner == Preconditioner::Diagonal);
+        let subdomains = &decomposition.subdomains;
+        let block = |subdomain: &Subdomain| Block::new(problem, subdomain, preconditioned, &b, r0);
         let mut run = Run {
-            problem,
-            b: problem.b(),
-            scaling,
-            r: r0.to_vec(),
-            u: vec![0.0; contacts],
-            p: vec![0.0; contacts],
-            w_p: vec![0.0; contacts],
-            w: vec![0.0; contacts],
-            scratch: vec![Vector2::zeros(); problem.grain_count()],
+            blocks: subdomains.iter().map(block).collect(),
+            y: subdomains.iter().map(|block| vec![Vector2::zeros(); block.grains.len()]).collect(),
+            parts: vec![0.0; subdomains.len()],
+            decomposition,
+            descent: 0.0,
             products: 0,
         };
-        run.project_gradient();
-        run.p.copy_from_slice(&run.w);
+        // p = 0 so far: no step, u, and p = w.
+        run.pass(|block, y| block.step(0.0, y));
+        run.gradient();
+        run.turn(0.0);
         Ok(Box::new(run))
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

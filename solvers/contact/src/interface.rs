@@ -30,7 +30,8 @@ pub trait Iteration {
         0.0
     }
 
-    /// The values that the method works with where its settings leave one open, by the setting's name.
+    /// What the method works with beside its settings: a value that they leave open, by the setting's name; and, where
+    /// subdomains work at the same time, `critical_path`: the multiply-adds of an iteration on the longest of them.
     fn derived(&self) -> Vec<(&'static str, f64)> {
         Vec::new()
     }

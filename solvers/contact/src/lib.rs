@@ -7,11 +7,13 @@ pub mod law;
 pub mod measures;
 pub mod operators;
 pub mod problem;
+pub mod scaled;
 pub mod solve;
 pub mod truth;
 
 pub use interface::{Iteration, SetupError, Solver, Work};
 pub use measures::{Measure, Measures, Meter};
 pub use problem::{Contact, ContactProblem, ProblemError};
+pub use scaled::ScaledContact;
 pub use solve::{Outcome, Progress, Status, Stop, solve, solve_against};
 pub use truth::{Truth, proves_infeasible};

@@ -4,6 +4,11 @@ use crate::problem::{Contact, ContactProblem};
 use nalgebra::Vector2;
 
 impl Contact {
+    /// Candidate and antagonist.
+    pub fn ends(&self) -> (u32, Option<u32>) {
+        (self.candidate, self.antagonist)
+    }
+
     /// (Hᵗ V)_α = n · (V_candidate − V_antagonist) (m/s).
     #[inline]
     pub fn relative(&self, velocity: &[Vector2<f64>]) -> f64 {

@@ -99,7 +99,8 @@ pub(crate) fn matrix(
     for (place, share) in shares.iter().enumerate() {
         let d_minus = if share.boundary { directions.d_minus * share.mass } else { 0.0 };
         let (x, y) = (2 * place, 2 * place + 1);
-        upper.extend([(x, x, share.mass + d_minus), (x, y, 0.0), (y, y, share.mass + d_minus)]);
+        let mass = share.mass + d_minus;
+        upper.extend([Triplet::new(x, x, mass), Triplet::new(x, y, 0.0), Triplet::new(y, y, mass)]);
     }
     for row in rows {
         let block = directions.l_minus * row.mass * row.normal * row.normal.transpose();
@@ -109,11 +110,11 @@ pub(crate) fn matrix(
                 for (x, y) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                     let (from, to) = (2 * i + x, 2 * j + y);
                     if j < shares.len() && from <= to {
-                        upper.push((from, to, sign_i * sign_j * block[(x, y)]));
+                        upper.push(Triplet::new(from, to, sign_i * sign_j * block[(x, y)]));
                     }
                 }
             }
         }
     }
-    upper.into_iter().map(|(from, to, entry)| Triplet::new(from, to, entry)).collect()
+    upper
 }

@@ -8,7 +8,7 @@ use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
-use faer::sparse::{SparseColMat, Triplet};
+use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMat, Triplet};
 use faer::{Par, Side, Spec};
 use nalgebra::{Matrix2, Vector2};
 
@@ -16,6 +16,8 @@ use nalgebra::{Matrix2, Vector2};
 pub(crate) struct Structure {
     /// Place of each grain in the order.
     position: Vec<u32>,
+    /// Where the matrix has entries, in the upper triangle and in this order.
+    pattern: SymbolicSparseColMat<usize>,
     symbolic: SymbolicCholesky<usize>,
 }
 
@@ -48,14 +50,16 @@ impl Structure {
     pub(crate) fn new(grains: usize, pairs: &[(u32, u32)]) -> Result<Self, SetupError> {
         let symbolic = |pairs: &mut dyn Iterator<Item = (usize, usize)>, size: usize, order| {
             let entries: Vec<_> = pairs.map(|(i, j)| Triplet::new(i.min(j), i.max(j), 1.0)).collect();
-            let graph = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &entries)
+            let (pattern, _) = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &entries)
+                .map_err(|error| failed(&error))?
+                .into_parts();
+            let symbolic = factorize_symbolic_cholesky(pattern.as_ref(), Side::Upper, order, parameters())
                 .map_err(|error| failed(&error))?;
-            factorize_symbolic_cholesky(graph.symbolic(), Side::Upper, order, parameters())
-                .map_err(|error| failed(&error))
+            Ok::<_, SetupError>((pattern, symbolic))
         };
         let themselves = (0..grains).map(|grain| (grain, grain));
         let touching = pairs.iter().map(|(i, j)| (*i as usize, *j as usize));
-        let by_grain =
+        let (_, by_grain) =
             symbolic(&mut themselves.clone().chain(touching.clone()), grains, SymmetricOrdering::Amd)?;
         let position: Vec<u32> = match by_grain.perm() {
             Some(order) => order.arrays().1.iter().map(|place| *place as u32).collect(),
@@ -65,8 +69,8 @@ impl Structure {
             let (i, j) = (2 * position[i] as usize, 2 * position[j] as usize);
             [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)]
         });
-        let symbolic = symbolic(&mut { blocks }, 2 * grains, SymmetricOrdering::Identity)?;
-        Ok(Self { position, symbolic })
+        let (pattern, symbolic) = symbolic(&mut { blocks }, 2 * grains, SymmetricOrdering::Identity)?;
+        Ok(Self { position, pattern, symbolic })
     }
 
     /// Place of each grain in the order: row and column of its block.
@@ -74,18 +78,30 @@ impl Structure {
         &self.position
     }
 
+    /// The values of the matrix with these entries in the upper triangle, in the order of its pattern. Entries of one place
+    /// add up.
+    fn values(&self, upper: &[Triplet<usize, usize, f64>]) -> Vec<f64> {
+        let mut values = vec![0.0; self.pattern.row_idx().len()];
+        for entry in upper {
+            let column = self.pattern.col_range(entry.col);
+            let rows = &self.pattern.row_idx()[column.clone()];
+            let place = rows.partition_point(|row| *row < entry.row);
+            assert!(rows.get(place) == Some(&entry.row), "the structure has every place of the matrix");
+            values[column.start + place] += entry.val;
+        }
+        values
+    }
+
     /// Factorises the matrix with these entries in the upper triangle, rows 2p and 2p + 1 for the grain at place p.
-    /// Entries of one place add up.
     pub(crate) fn factorise(&self, upper: &[Triplet<usize, usize, f64>]) -> Result<Factor, SetupError> {
-        let dimension = 2 * self.position.len();
-        let matrix =
-            SparseColMat::try_new_from_triplets(dimension, dimension, upper).map_err(|e| failed(&e))?;
+        let entries = self.values(upper);
+        let matrix = SparseColMatRef::new(self.pattern.as_ref(), &entries);
         let mut values = vec![0.0; self.symbolic.len_val()];
         let needed = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
         self.symbolic
             .factorize_numeric_llt(
                 &mut values,
-                matrix.as_ref(),
+                matrix,
                 Side::Upper,
                 LltRegularization::default(),
                 Par::Seq,

@@ -61,6 +61,7 @@ impl Iteration for Run<'_> {
             ("kappa_l_plus", l_plus),
             ("kappa_d_minus", d_minus),
             ("kappa_d_plus", d_plus),
+            ("critical_path", self.critical_path() as f64),
         ]
     }
 
@@ -76,6 +77,17 @@ impl Run<'_> {
         } else {
             self.subdomains.iter_mut().for_each(stage);
         }
+    }
+
+    /// Multiply-adds of the longest subdomain: eight per contact, one per entry of its factor in each pass, one per value
+    /// exchanged; and the coarse problem, which waits for all.
+    fn critical_path(&self) -> usize {
+        let copies = self.decomposition.copies_by_subdomain();
+        let work = |(latin, copies): (&Latin, usize)| {
+            8 * latin.impulses().len() + 2 * latin.factor_entries() + 2 * copies
+        };
+        let longest = self.subdomains.iter().zip(copies).map(work).max().unwrap_or(0);
+        longest + self.coarse.as_ref().map_or(0, Coarse::entries)
     }
 
     /// Takes other directions; where they cannot be factorised, the old ones stay.

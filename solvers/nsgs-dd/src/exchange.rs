@@ -46,20 +46,21 @@ impl Colours {
 }
 
 /// Without mass splitting: V̄ ← V̄ + Σ_E (`V_E` − V̄), every copy then moves at V̄. Returns the greatest |`V_E` − V̄|
-/// before (m/s).
+/// before (m/s). `unit` is V/y of each boundary grain.
 pub(crate) fn add_increments(
     decomposition: &Decomposition,
-    velocity: &mut [Vec<Vector2<f64>>],
+    y: &mut [Vec<Vector2<f64>>],
+    unit: &[f64],
     glued: &mut [Vector2<f64>],
 ) -> f64 {
     let mut jump: f64 = 0.0;
-    for (copies, glued) in decomposition.boundary().zip(glued) {
-        let of = |(e, local): &(u32, u32)| velocity[*e as usize][*local as usize];
+    for ((copies, unit), glued) in decomposition.boundary().zip(unit).zip(glued) {
+        let of = |(e, local): &(u32, u32)| y[*e as usize][*local as usize];
         let sum = *glued + copies.iter().map(|copy| of(copy) - *glued).sum::<Vector2<f64>>();
         *glued = sum;
         for (e, local) in copies {
-            let copy = &mut velocity[*e as usize][*local as usize];
-            jump = jump.max((*copy - sum).norm());
+            let copy = &mut y[*e as usize][*local as usize];
+            jump = jump.max(unit * (*copy - sum).norm());
             *copy = sum;
         }
     }

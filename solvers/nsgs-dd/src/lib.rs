@@ -59,9 +59,11 @@ pub enum Exchange {
 struct Run {
     decomposition: Decomposition,
     sweepers: Vec<Sweeper>,
-    /// Velocities of the copies, subdomain by subdomain; a wall's "grain" at rest is the last of each.
-    velocity: Vec<Vec<Vector2<f64>>>,
-    /// V̄ of each boundary grain after the last gluing.
+    /// y = M^½ V of the copies, with the copies' masses, subdomain by subdomain (√J).
+    y: Vec<Vec<Vector2<f64>>>,
+    /// 1/√mass of a copy of each boundary grain: V = y times it (kg^-½).
+    unit: Vec<f64>,
+    /// y of each boundary grain after the last gluing (√J).
     glued: Vec<Vector2<f64>>,
     /// Subdomains that work at the same time, group after group.
     groups: Colours,
@@ -81,15 +83,19 @@ impl Iteration for Run {
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        self.decomposition.in_problem_order(self.sweepers.iter().map(Sweeper::impulses), r);
+        self.sweepers.iter().for_each(|sweeper| sweeper.impulses(r));
     }
 
     fn velocity_jump(&self) -> f64 {
         self.velocity_jump
     }
 
+    fn derived(&self) -> Vec<(&'static str, f64)> {
+        vec![("critical_path", self.critical_path() as f64)]
+    }
+
     fn work(&self) -> Work {
-        let contacts: usize = self.sweepers.iter().map(|sweeper| sweeper.impulses().len()).sum();
+        let contacts: usize = self.groups.contacts.iter().sum();
         let sweeps = self.iterations * u64::from(self.settings.inner_sweeps);
         Work {
             contact_updates: sweeps * contacts as u64,
@@ -105,29 +111,41 @@ impl Iteration for Run {
 const WORTH_THREADS: usize = 10_000;
 
 impl Run {
+    /// Multiply-adds of the longest subdomain of each group: eight per contact updated, one per value exchanged.
+    fn critical_path(&self) -> usize {
+        let sweeps = self.settings.inner_sweeps as usize;
+        let mut longest = vec![0; self.groups.contacts.len()];
+        let copies = self.decomposition.copies_by_subdomain();
+        for ((sweeper, copies), group) in self.sweepers.iter().zip(copies).zip(&self.groups.of_subdomain) {
+            let longest = &mut longest[*group as usize];
+            *longest = (8 * sweeps * sweeper.contacts() + 2 * copies).max(*longest);
+        }
+        longest.iter().sum()
+    }
+
     /// From the glued velocity, `inner_sweeps` sweeps in each subdomain of `group`, F fixed.
     fn sweep(&mut self, group: u32) {
         let sweeps = self.settings.inner_sweeps;
         let colour = &self.groups.of_subdomain;
         let updates = self.groups.contacts[group as usize] * sweeps as usize;
-        let work = |(e, (sweeper, velocity)): (usize, (&mut Sweeper, &mut Vec<Vector2<f64>>))| {
+        let work = |(e, (sweeper, y)): (usize, (&mut Sweeper, &mut Vec<Vector2<f64>>))| {
             if colour[e] == group {
-                (0..sweeps).for_each(|_| sweeper.sweep(velocity));
+                (0..sweeps).for_each(|_| sweeper.sweep(y));
             }
         };
         if self.sweepers.len() > 1 && updates >= WORTH_THREADS {
-            self.sweepers.par_iter_mut().zip(&mut self.velocity).enumerate().for_each(work);
+            self.sweepers.par_iter_mut().zip(&mut self.y).enumerate().for_each(work);
         } else {
-            self.sweepers.iter_mut().zip(&mut self.velocity).enumerate().for_each(work);
+            self.sweepers.iter_mut().zip(&mut self.y).enumerate().for_each(work);
         }
     }
 
     /// Brings the copies together and returns the greatest disagreement before (m/s).
     fn glue(&mut self) -> f64 {
         if self.settings.mass_splitting {
-            return self.decomposition.glue(&mut self.velocity);
+            return self.decomposition.glue(&mut self.y, &self.unit);
         }
-        exchange::add_increments(&self.decomposition, &mut self.velocity, &mut self.glued)
+        exchange::add_increments(&self.decomposition, &mut self.y, &self.unit, &mut self.glued)
     }
 }
 
@@ -142,28 +160,24 @@ impl Solver for NsgsDd {
         }
         let partition = self.partition.partition(problem, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
+        let inverse_mass = |grain: u32| {
+            let share = if self.mass_splitting { decomposition.multiplicity[grain as usize] } else { 1 };
+            f64::from(share) / problem.mass()[grain as usize]
+        };
         let sweepers = decomposition
             .subdomains
-            .iter()
-            .map(|subdomain| {
-                let multiplicity = self.mass_splitting.then_some(&decomposition.multiplicity[..]);
-                Sweeper::new(problem, subdomain, multiplicity, r0)
-            })
+            .par_iter()
+            .map(|subdomain| Sweeper::new(problem, subdomain, &inverse_mass, r0))
             .collect();
 
         // Every copy starts at V_free + M⁻¹ H r0.
         let mut start = vec![Vector2::zeros(); problem.grain_count()];
         problem.velocity(r0, &mut start);
-        let velocity: Vec<Vec<Vector2<f64>>> = decomposition
-            .subdomains
-            .iter()
-            .map(|subdomain| {
-                let copies = subdomain.grains.iter().map(|grain| start[*grain as usize]);
-                copies.chain([Vector2::zeros()]).collect()
-            })
-            .collect();
-        let first_copy = |copies: &[(u32, u32)]| velocity[copies[0].0 as usize][copies[0].1 as usize];
-        let glued = decomposition.boundary().map(first_copy).collect();
+        let y_of = |grain: &u32| start[*grain as usize] / inverse_mass(*grain).sqrt();
+        let subdomains = decomposition.subdomains.iter();
+        let y = subdomains.map(|subdomain| subdomain.grains.iter().map(y_of).collect()).collect();
+        let glued = decomposition.boundary_grains().map(|grain| y_of(&grain)).collect();
+        let unit = decomposition.boundary_grains().map(|grain| inverse_mass(grain).sqrt()).collect();
         let groups = match self.exchange {
             Exchange::Jacobi => Colours::all_at_once(&decomposition),
             Exchange::GaussSeidel => Colours::greedy(&decomposition),
@@ -172,7 +186,8 @@ impl Solver for NsgsDd {
         Ok(Box::new(Run {
             decomposition,
             sweepers,
-            velocity,
+            y,
+            unit,
             glued,
             groups,
             settings,

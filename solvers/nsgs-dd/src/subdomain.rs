@@ -1,75 +1,68 @@
-//! The sweep of one subdomain: that of NSGS on the subdomain's contacts, with its own masses.
+//! The sweep of one subdomain: that of NSGS on the subdomain's contacts, with its own masses, in mass-scaled unknowns.
 
+use contact::scaled::{ScaledContact, by_levels, inverse_masses};
 use contact::{ContactProblem, law};
 use nalgebra::Vector2;
 use partition::Subdomain;
 
 /// One contact as the sweep needs it, in local indices.
 struct Row {
-    candidate: u32,
-    /// A wall is the last "grain", of infinite mass and at rest: its own motion is in `offset`.
-    antagonist: u32,
-    normal: Vector2<f64>,
+    contact: ScaledContact,
+    /// c/√`W_αα` (√J).
     offset: f64,
-    /// 1/`W_αα` with the subdomain's masses (kg).
-    inverse_delassus: f64,
-    /// 1/mass of candidate and antagonist (1/kg).
-    inverse_mass: [f64; 2],
 }
 
-/// The contacts of a subdomain with their impulses.
+/// The contacts of a subdomain with their impulses, in the order of the sweep, level by level.
 pub(crate) struct Sweeper {
     rows: Vec<Row>,
-    r: Vec<f64>,
+    /// The problem's contact of each row.
+    contacts: Vec<u32>,
+    /// s = √`W_αα` r (√J).
+    s: Vec<f64>,
+    /// √`W_αα` with the subdomain's masses (kg^-½).
+    unit: Vec<f64>,
 }
 
 impl Sweeper {
-    /// Takes the impulses from `r0`, and the share `M_i/m_i` of each mass if `multiplicity` is given.
+    /// Takes the impulses from `r0`; `inverse_mass` is that of the subdomain's share of a grain (1/kg).
     pub(crate) fn new(
         problem: &ContactProblem,
         subdomain: &Subdomain,
-        multiplicity: Option<&[u32]>,
+        inverse_mass: &(dyn Fn(u32) -> f64 + Sync),
         r0: &[f64],
     ) -> Self {
-        let wall = subdomain.grains.len() as u32;
-        let inverse_mass = |grain: u32| {
-            let share = multiplicity.map_or(1.0, |m| f64::from(m[grain as usize]));
-            share / problem.mass()[grain as usize]
+        let ends = |k: usize| (subdomain.candidate[k], subdomain.antagonist[k]);
+        let order = by_levels((0..subdomain.contacts.len()).map(ends), subdomain.grains.len());
+        let row = |k: &u32| {
+            let contact = &problem.contacts()[subdomain.contacts[*k as usize] as usize];
+            let (inverse_mass, unit) = inverse_masses(contact.ends(), inverse_mass);
+            let scaled = ScaledContact::new(ends(*k as usize), contact.normal, inverse_mass, unit);
+            (Row { contact: scaled, offset: contact.offset / unit }, unit)
         };
-        let row = |k: usize| {
-            let contact = &problem.contacts()[subdomain.contacts[k] as usize];
-            let inverse_mass =
-                [inverse_mass(contact.candidate), contact.antagonist.map_or(0.0, inverse_mass)];
-            Row {
-                candidate: subdomain.candidate[k],
-                antagonist: subdomain.antagonist[k].unwrap_or(wall),
-                normal: contact.normal,
-                offset: contact.offset,
-                inverse_delassus: 1.0 / (inverse_mass[0] + inverse_mass[1]),
-                inverse_mass,
-            }
-        };
-        Self {
-            rows: (0..subdomain.contacts.len()).map(row).collect(),
-            r: subdomain.contacts.iter().map(|contact| r0[*contact as usize]).collect(),
+        let (rows, unit): (Vec<Row>, Vec<f64>) = order.iter().map(row).unzip();
+        let contacts: Vec<u32> = order.iter().map(|k| subdomain.contacts[*k as usize]).collect();
+        let s = contacts.iter().zip(&unit).map(|(contact, unit)| unit * r0[*contact as usize]).collect();
+        Self { rows, contacts, s, unit }
+    }
+
+    /// Number of contacts.
+    pub(crate) fn contacts(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Puts the impulses in the problem's order (N·s).
+    pub(crate) fn impulses(&self, r: &mut [f64]) {
+        for ((s, unit), contact) in self.s.iter().zip(&self.unit).zip(&self.contacts) {
+            r[*contact as usize] = s / unit;
         }
     }
 
-    /// The impulses, in the order of the subdomain's contacts (N·s).
-    pub(crate) fn impulses(&self) -> &[f64] {
-        &self.r
-    }
-
     /// Contact by contact: v = Hᵗ V + c; r⁺ = max(0, r − v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
-    pub(crate) fn sweep(&mut self, velocity: &mut [Vector2<f64>]) {
-        for (row, r) in self.rows.iter().zip(&mut self.r) {
-            let (i, j) = (row.candidate as usize, row.antagonist as usize);
-            let v = row.normal.dot(&(velocity[i] - velocity[j])) + row.offset;
-            let r_plus = law::update(*r, v, row.inverse_delassus, 1.0);
-            let impulse = row.normal * (r_plus - *r);
-            velocity[i] += impulse * row.inverse_mass[0];
-            velocity[j] -= impulse * row.inverse_mass[1];
-            *r = r_plus;
+    pub(crate) fn sweep(&mut self, y: &mut [Vector2<f64>]) {
+        for (row, s) in self.rows.iter().zip(&mut self.s) {
+            let change = law::change(*s, row.contact.relative(y) + row.offset, 1.0);
+            row.contact.push(change, y);
+            *s += change;
         }
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Converges for ω < 2/λmax(`W_D`⁻¹ W) only. Cost of an iteration: that of a sweep, and a copy of the velocities.
 
-use crate::row::{Row, start_velocity};
+use crate::row::{Row, row};
+use contact::scaled::scaled_velocity;
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
@@ -27,33 +28,37 @@ impl Default for Jacobi {
 struct Run {
     rows: Vec<Row>,
     relaxation: f64,
-    r: Vec<f64>,
-    /// V of the impulses `r`.
-    velocity: Vec<Vector2<f64>>,
-    /// V of the iteration before, from which all v are taken.
-    old_velocity: Vec<Vector2<f64>>,
+    /// s = √`W_αα` r (√J).
+    s: Vec<f64>,
+    /// √`W_αα` (kg^-½).
+    unit: Vec<f64>,
+    /// M^½ V of the impulses.
+    y: Vec<Vector2<f64>>,
+    /// That of the iteration before, from which all v are taken.
+    old_y: Vec<Vector2<f64>>,
     iterations: u64,
 }
 
 impl Iteration for Run {
     fn advance(&mut self) {
-        self.old_velocity.copy_from_slice(&self.velocity);
-        for (row, r) in self.rows.iter().zip(&mut self.r) {
+        self.old_y.copy_from_slice(&self.y);
+        for (row, s) in self.rows.iter().zip(&mut self.s) {
             // v = Hᵗ V_old + c;  r⁺ = max(0, r − ω v/W_αα);  V ← V + M⁻¹ h_α (r⁺ − r)
-            let v = row.relative(&self.old_velocity);
-            let r_plus = law::update(*r, v, row.inverse_delassus, self.relaxation);
-            row.push(r_plus - *r, &mut self.velocity);
-            *r = r_plus;
+            let change = law::change(*s, row.relative(&self.old_y), self.relaxation);
+            row.push(change, &mut self.y);
+            *s += change;
         }
         self.iterations += 1;
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        r.copy_from_slice(&self.r);
+        for ((r, s), unit) in r.iter_mut().zip(&self.s).zip(&self.unit) {
+            *r = s / unit;
+        }
     }
 
     fn work(&self) -> Work {
-        Work { contact_updates: self.iterations * self.r.len() as u64, ..Work::default() }
+        Work { contact_updates: self.iterations * self.s.len() as u64, ..Work::default() }
     }
 }
 
@@ -64,13 +69,16 @@ impl Solver for Jacobi {
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("relaxation", self.relaxation)?;
-        let velocity = start_velocity(problem, r0);
+        let contacts = 0..problem.contact_count() as u32;
+        let (rows, unit): (Vec<Row>, Vec<f64>) = contacts.map(|contact| row(problem, contact)).unzip();
+        let y = scaled_velocity(problem, r0);
         Ok(Box::new(Run {
-            rows: (0..problem.contact_count() as u32).map(|contact| Row::new(problem, contact)).collect(),
+            rows,
             relaxation: self.relaxation,
-            r: r0.to_vec(),
-            old_velocity: velocity.clone(),
-            velocity,
+            s: r0.iter().zip(&unit).map(|(r, unit)| r * unit).collect(),
+            unit,
+            old_y: y.clone(),
+            y,
             iterations: 0,
         }))
     }

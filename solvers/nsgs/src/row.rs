@@ -1,58 +1,42 @@
-//! One contact as a sweep needs it.
+//! The contacts of a sweep, in mass-scaled unknowns.
 
-use contact::ContactProblem;
+use contact::scaled::{ScaledContact, inverse_masses};
+use contact::{ContactProblem, law};
 use nalgebra::Vector2;
 
+/// One contact as a sweep needs it.
 pub(crate) struct Row {
-    candidate: u32,
-    /// A wall is the last "grain", of infinite mass and at rest: its own motion is in `offset`.
-    antagonist: u32,
-    normal: Vector2<f64>,
+    contact: ScaledContact,
+    /// c/√`W_αα` (√J).
     offset: f64,
-    /// 1/`W_αα` (kg).
-    pub(crate) inverse_delassus: f64,
-    /// 1/mass of candidate and antagonist (1/kg).
-    inverse_mass: [f64; 2],
 }
 
 impl Row {
-    pub(crate) fn new(problem: &ContactProblem, contact: u32) -> Self {
-        let contact = &problem.contacts()[contact as usize];
-        let inverse_mass = [
-            1.0 / problem.mass()[contact.candidate as usize],
-            contact.antagonist.map_or(0.0, |j| 1.0 / problem.mass()[j as usize]),
-        ];
-        Self {
-            candidate: contact.candidate,
-            antagonist: contact.antagonist.unwrap_or(problem.grain_count() as u32),
-            normal: contact.normal,
-            offset: contact.offset,
-            inverse_delassus: 1.0 / (inverse_mass[0] + inverse_mass[1]),
-            inverse_mass,
-        }
+    /// (H̃ᵗ y)_α + c/√`W_αα` (√J).
+    #[inline]
+    pub(crate) fn relative(&self, y: &[Vector2<f64>]) -> f64 {
+        self.contact.relative(y) + self.offset
     }
 
-    /// v = Hᵗ V + c at this contact.
+    /// y ← y + h̃_α Δs.
     #[inline]
-    pub(crate) fn relative(&self, velocity: &[Vector2<f64>]) -> f64 {
-        let (i, j) = (self.candidate as usize, self.antagonist as usize);
-        self.normal.dot(&(velocity[i] - velocity[j])) + self.offset
+    pub(crate) fn push(&self, change: f64, y: &mut [Vector2<f64>]) {
+        self.contact.push(change, y);
     }
 
-    /// V ← V + M⁻¹ `h_α` Δr.
+    /// v = Hᵗ V + c at α; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
     #[inline]
-    pub(crate) fn push(&self, change: f64, velocity: &mut [Vector2<f64>]) {
-        let (i, j) = (self.candidate as usize, self.antagonist as usize);
-        let impulse = self.normal * change;
-        velocity[i] += impulse * self.inverse_mass[0];
-        velocity[j] -= impulse * self.inverse_mass[1];
+    pub(crate) fn solve(&self, s: &mut f64, y: &mut [Vector2<f64>], relaxation: f64) {
+        let change = law::change(*s, self.relative(y), relaxation);
+        self.push(change, y);
+        *s += change;
     }
 }
 
-/// V = `V_free` + M⁻¹ H r of the grains, and a wall's rest as the last.
-pub(crate) fn start_velocity(problem: &ContactProblem, r: &[f64]) -> Vec<Vector2<f64>> {
-    let grains = problem.grain_count();
-    let mut velocity = vec![Vector2::zeros(); grains + 1];
-    problem.velocity(r, &mut velocity[..grains]);
-    velocity
+/// The row of a contact, and √`W_αα` (kg^-½).
+pub(crate) fn row(problem: &ContactProblem, contact: u32) -> (Row, f64) {
+    let contact = &problem.contacts()[contact as usize];
+    let (inverse_mass, unit) = inverse_masses(contact.ends(), |grain| 1.0 / problem.mass()[grain as usize]);
+    let scaled = ScaledContact::new(contact.ends(), contact.normal, inverse_mass, unit);
+    (Row { contact: scaled, offset: contact.offset / unit }, unit)
 }

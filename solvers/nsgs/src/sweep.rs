@@ -2,11 +2,13 @@
 //!
 //! M. Jean, The non-smooth contact dynamics method, Comput. Methods Appl. Mech. Engrg. 177 (1999) 235-257; the
 //! paper's reference \[1\]. Cost of a sweep: one visit of each contact, that is two gathers and two scatters of a
-//! velocity. q(r) never increases for 0 < ω < 2.
+//! velocity; whatever the order, the visits are made level by level, which changes no bit. q(r) never increases for
+//! 0 < ω < 2.
 
 use crate::order::Order;
-use crate::row::{Row, start_velocity};
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
+use crate::row::{Row, row};
+use contact::scaled::{by_levels, scaled_velocity};
+use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -34,43 +36,38 @@ impl Default for Nsgs {
 }
 
 struct Run {
-    /// In the order of the sweep, like `r`.
+    /// In the order of the sweep, level by level, like all that follows.
     rows: Vec<Row>,
     /// The contact of each row.
     order: Vec<u32>,
-    r: Vec<f64>,
-    /// V = `V_free` + M⁻¹ H r, kept up to date contact by contact.
-    velocity: Vec<Vector2<f64>>,
+    /// s = √`W_αα` r (√J).
+    s: Vec<f64>,
+    /// √`W_αα` (kg^-½).
+    unit: Vec<f64>,
+    /// y = M^½ (`V_free` + M⁻¹ H r), kept up to date contact by contact.
+    y: Vec<Vector2<f64>>,
     relaxation: f64,
     symmetric: bool,
     sweeps: u64,
 }
 
-/// v = Hᵗ V + c at α; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
-#[inline]
-fn solve(row: &Row, r: &mut f64, velocity: &mut [Vector2<f64>], relaxation: f64) {
-    let r_plus = law::update(*r, row.relative(velocity), row.inverse_delassus, relaxation);
-    row.push(r_plus - *r, velocity);
-    *r = r_plus;
-}
-
 impl Iteration for Run {
     fn advance(&mut self) {
-        for (row, r) in self.rows.iter().zip(&mut self.r) {
-            solve(row, r, &mut self.velocity, self.relaxation);
+        for (row, s) in self.rows.iter().zip(&mut self.s) {
+            row.solve(s, &mut self.y, self.relaxation);
         }
         self.sweeps += 1;
         if self.symmetric {
-            for (row, r) in self.rows.iter().zip(&mut self.r).rev() {
-                solve(row, r, &mut self.velocity, self.relaxation);
+            for (row, s) in self.rows.iter().zip(&mut self.s).rev() {
+                row.solve(s, &mut self.y, self.relaxation);
             }
             self.sweeps += 1;
         }
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        for (value, contact) in self.r.iter().zip(&self.order) {
-            r[*contact as usize] = *value;
+        for ((s, unit), contact) in self.s.iter().zip(&self.unit).zip(&self.order) {
+            r[*contact as usize] = s / unit;
         }
     }
 
@@ -86,11 +83,17 @@ impl Solver for Nsgs {
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("relaxation", self.relaxation)?;
-        let order = self.order.of(problem, self.seed);
-        let rows = order.iter().map(|contact| Row::new(problem, *contact)).collect();
-        let velocity = start_velocity(problem, r0);
-        let r = order.iter().map(|contact| r0[*contact as usize]).collect();
+        let order = in_levels(problem, &self.order.of(problem, self.seed));
+        let (rows, unit): (Vec<Row>, Vec<f64>) = order.iter().map(|contact| row(problem, *contact)).unzip();
+        let y = scaled_velocity(problem, r0);
+        let s = order.iter().zip(&unit).map(|(contact, unit)| unit * r0[*contact as usize]).collect();
         let Self { relaxation, symmetric, .. } = *self;
-        Ok(Box::new(Run { rows, order, r, velocity, relaxation, symmetric, sweeps: 0 }))
+        Ok(Box::new(Run { rows, order, s, unit, y, relaxation, symmetric, sweeps: 0 }))
     }
+}
+
+/// The same sweep, level by level.
+fn in_levels(problem: &ContactProblem, order: &[u32]) -> Vec<u32> {
+    let ends = order.iter().map(|contact| problem.contacts()[*contact as usize].ends());
+    by_levels(ends, problem.grain_count()).iter().map(|place| order[*place as usize]).collect()
 }

@@ -86,21 +86,42 @@ impl Decomposition {
         self.copies.len()
     }
 
-    /// Gluing, eq. (3) for equal copies: every copy moves at the plain mean V̄ of the copies. `velocity[E]` holds the
-    /// copies of subdomain E (m/s). Returns the greatest |`V_E` − V̄| before gluing (m/s).
-    pub fn glue(&self, velocity: &mut [Vec<Vector2<f64>>]) -> f64 {
+    /// Gluing, eq. (3) for equal copies: every copy moves at the plain mean V̄ of the copies. `y[E]` holds the copies of
+    /// subdomain E in any unit that the copies of a grain share: V is `unit`·y (m/s), `unit` boundary grain by boundary
+    /// grain. Returns the greatest |`V_E` − V̄| before gluing (m/s).
+    pub fn glue(&self, y: &mut [Vec<Vector2<f64>>], unit: &[f64]) -> f64 {
         let mut jump: f64 = 0.0;
-        for copies in self.boundary() {
-            let of = |(e, local): &(u32, u32)| velocity[*e as usize][*local as usize];
+        for (copies, unit) in self.boundary().zip(unit) {
+            let of = |(e, local): &(u32, u32)| y[*e as usize][*local as usize];
             // V̄ = Σ_E V_E / m_i
             let mean = copies.iter().map(of).sum::<Vector2<f64>>() / copies.len() as f64;
             for (e, local) in copies {
-                let copy = &mut velocity[*e as usize][*local as usize];
-                jump = jump.max((*copy - mean).norm());
+                let copy = &mut y[*e as usize][*local as usize];
+                jump = jump.max(unit * (*copy - mean).norm());
                 *copy = mean;
             }
         }
         jump
+    }
+
+    /// Number of copies of boundary grains in each subdomain.
+    pub fn copies_by_subdomain(&self) -> Vec<usize> {
+        let mut copies = vec![0; self.subdomains.len()];
+        self.copies.iter().for_each(|(e, _)| copies[*e as usize] += 1);
+        copies
+    }
+
+    /// Gives every copy of a boundary grain the sum over its copies.
+    pub fn assemble(&self, y: &mut [Vec<Vector2<f64>>]) {
+        for copies in self.boundary() {
+            let sum: Vector2<f64> = copies.iter().map(|(e, local)| y[*e as usize][*local as usize]).sum();
+            copies.iter().for_each(|(e, local)| y[*e as usize][*local as usize] = sum);
+        }
+    }
+
+    /// The problem's index of each boundary grain.
+    pub fn boundary_grains(&self) -> impl Iterator<Item = u32> {
+        self.boundary().map(|copies| self.subdomains[copies[0].0 as usize].grains[copies[0].1 as usize])
     }
 }
 

@@ -1,0 +1,23 @@
+//! The packings that are timed.
+
+use cases::{Case, Frozen, March};
+use std::path::Path;
+
+/// The first problem of `deposited-box` with so many grains, in a box about as wide as high.
+pub(crate) fn packing(grains: usize) -> Frozen {
+    let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/deposited-box.toml");
+    let overrides = [
+        ("sample.grains".to_owned(), grains.to_string()),
+        ("scene.box.width_m".to_owned(), format!("{:.3}", 0.152 * (grains as f64).sqrt())),
+    ];
+    let made = Case::read(&case, &overrides).and_then(|case| March::new(&case)?.next());
+    made.unwrap_or_else(|error| panic!("{error}")).frozen
+}
+
+/// The numbers of grains of the environment variable `GRAINS`, such as "1000 1000000", or else 1000 and 100,000.
+pub(crate) fn sizes() -> Vec<usize> {
+    let asked = std::env::var("GRAINS").unwrap_or_else(|_| "1000 100000".to_owned());
+    let size =
+        |text: &str| text.parse().unwrap_or_else(|_| panic!("GRAINS: `{text}` is no number of grains"));
+    asked.split_whitespace().map(size).collect()
+}

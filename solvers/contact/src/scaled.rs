@@ -1,0 +1,87 @@
+//! The contacts in mass-scaled unknowns, as sweeps and products with W want them: no division and no root is left, and a
+//! contact is 32 bytes.
+//!
+//! With y = M^½ V (√J) and s = √`W_αα` r (√J), H̃ = M^-½ H W_D^-½ takes the place of H: relative velocities are
+//! v/√`W_αα` = H̃ᵗ y + c/√`W_αα`, an impulse moves y by H̃ s, and the diagonal of H̃ᵗ H̃ is 1.
+
+use crate::problem::ContactProblem;
+use nalgebra::Vector2;
+
+/// A column of H̃: `normal` at the candidate, −`ratio`·`normal` at the antagonist.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScaledContact {
+    candidate: u32,
+    /// At a wall the candidate itself, which a ratio of 0 leaves out.
+    antagonist: u32,
+    /// n/√(`m_candidate` `W_αα`) (–).
+    normal: Vector2<f64>,
+    /// √(`m_candidate`/`m_antagonist`) (–); 0 at a wall.
+    ratio: f64,
+}
+
+impl ScaledContact {
+    /// A contact between two places of y, or one place and a wall, with the `inverse_mass` of each (1/kg). `unit` is √`W_αα`
+    /// (kg^-½), or 1 to leave r as it is: then it is a column of M^-½ H.
+    pub fn new(
+        (candidate, antagonist): (u32, Option<u32>),
+        normal: Vector2<f64>,
+        inverse_mass: [f64; 2],
+        unit: f64,
+    ) -> Self {
+        let root = inverse_mass[0].sqrt();
+        Self {
+            candidate,
+            antagonist: antagonist.unwrap_or(candidate),
+            normal: normal * (root / unit),
+            ratio: antagonist.map_or(0.0, |_| inverse_mass[1].sqrt() / root),
+        }
+    }
+
+    /// (H̃ᵗ y)_α.
+    #[inline]
+    pub fn relative(&self, y: &[Vector2<f64>]) -> f64 {
+        let (i, j) = (y[self.candidate as usize], y[self.antagonist as usize]);
+        self.normal.x * (i.x - self.ratio * j.x) + self.normal.y * (i.y - self.ratio * j.y)
+    }
+
+    /// y ← y + h̃_α s.
+    #[inline]
+    pub fn push(&self, s: f64, y: &mut [Vector2<f64>]) {
+        let push = self.normal * s;
+        y[self.candidate as usize] += push;
+        y[self.antagonist as usize] -= push * self.ratio;
+    }
+}
+
+/// 1/`m_i` of a contact's grains (1/kg), 0 for a wall, and √`W_αα` = √(1/`m_i` + 1/`m_j`).
+pub fn inverse_masses(ends: (u32, Option<u32>), inverse_mass: impl Fn(u32) -> f64) -> ([f64; 2], f64) {
+    let inverse_mass = [inverse_mass(ends.0), ends.1.map_or(0.0, inverse_mass)];
+    (inverse_mass, (inverse_mass[0] + inverse_mass[1]).sqrt())
+}
+
+/// y = M^½ (`V_free` + M⁻¹ H r) of the grains (√J).
+pub fn scaled_velocity(problem: &ContactProblem, r: &[f64]) -> Vec<Vector2<f64>> {
+    let mut y = vec![Vector2::zeros(); problem.grain_count()];
+    problem.velocity(r, &mut y);
+    y.iter_mut().zip(problem.mass()).for_each(|(y, mass)| *y *= mass.sqrt());
+    y
+}
+
+/// The order in which a sweep is fast and gives the bits that it gives in the order of the list: level by level.
+///
+/// The level of a contact is one above the greatest of those before it with which it shares a grain. So contacts that share
+/// a grain keep their order; those of one level share none, and none waits for another.
+pub fn by_levels(ends: impl Iterator<Item = (u32, Option<u32>)>, places: usize) -> Vec<u32> {
+    let mut reached = vec![0_u32; places];
+    let level: Vec<u32> = ends
+        .map(|(i, j)| {
+            let (i, j) = (i as usize, j.unwrap_or(i) as usize);
+            let level = reached[i].max(reached[j]) + 1;
+            (reached[i], reached[j]) = (level, level);
+            level
+        })
+        .collect();
+    let mut order: Vec<u32> = (0..level.len() as u32).collect();
+    order.sort_by_key(|contact| level[*contact as usize]);
+    order
+}

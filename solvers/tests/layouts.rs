@@ -1,0 +1,152 @@
+//! Layouts that make methods fast must not change them: mass-scaled unknowns, sweeps by levels, blocks.
+
+use crate::problems::{PACKINGS, any_problem, difference, first_problem, frozen, impulses, start};
+use cg::{Cg, Preconditioner};
+use contact::scaled::{ScaledContact, by_levels, inverse_masses, scaled_velocity};
+use contact::{ContactProblem, law};
+use nalgebra::Vector2;
+use nsgs::{Nsgs, Order};
+use proptest::prelude::*;
+use std::collections::HashMap;
+
+/// The contact in mass-scaled unknowns, and √W_αα.
+fn scaled(problem: &ContactProblem, contact: u32) -> (ScaledContact, f64) {
+    let contact = &problem.contacts()[contact as usize];
+    let (inverse_mass, unit) = inverse_masses(contact.ends(), |grain| 1.0 / problem.mass()[grain as usize]);
+    (ScaledContact::new(contact.ends(), contact.normal, inverse_mass, unit), unit)
+}
+
+/// The sweep of NSGS, contact after contact in the order of the list.
+fn plain_sweep(problem: &ContactProblem, order: &[u32], s: &mut [f64], y: &mut [Vector2<f64>]) {
+    for contact in order {
+        let (column, unit) = scaled(problem, *contact);
+        let v = column.relative(y) + problem.contacts()[*contact as usize].offset / unit;
+        let change = law::change(s[*contact as usize], v, 1.0);
+        column.push(change, y);
+        s[*contact as usize] += change;
+    }
+}
+
+#[test]
+fn sweeps_by_levels_give_the_bits_of_sweeps_in_the_order_of_the_list() {
+    for name in PACKINGS {
+        let problem = frozen(name).problem;
+        for order in [Order::Natural, Order::BottomUp, Order::Shuffled, Order::Coloured] {
+            let settings = Nsgs { order, ..Nsgs::default() };
+            let mut by_levels = start(&settings, &problem);
+            let mut s = vec![0.0; problem.contact_count()];
+            let mut y = scaled_velocity(&problem, &s);
+            for _ in 0..50 {
+                by_levels.advance();
+                plain_sweep(&problem, &order.of(&problem, settings.seed), &mut s, &mut y);
+            }
+            let plain: Vec<f64> = (0_u32..).zip(&s).map(|(k, s)| s / scaled(&problem, k).1).collect();
+            assert!(plain == impulses(&*by_levels, &problem), "{name}, {order:?}");
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn levels_keep_the_order_of_contacts_that_share_a_grain(problem in any_problem()) {
+        let contacts = problem.contacts();
+        let order = by_levels(contacts.iter().map(contact::Contact::ends), problem.grain_count());
+        let grains = |k: u32| {
+            let (i, j) = contacts[k as usize].ends();
+            [Some(i), j].into_iter().flatten()
+        };
+        let mut last = HashMap::new();
+        for contact in &order {
+            for grain in grains(*contact) {
+                let before = last.insert(grain, *contact);
+                prop_assert!(before.is_none_or(|before| before < *contact));
+            }
+        }
+        prop_assert_eq!(order.len(), contacts.len());
+    }
+
+    /// H̃ᵗ M^½ V = Hᵗ V/√W_αα, M^½ M⁻¹ h = h̃ √W_αα, and W_αα = 1 in these unknowns.
+    #[test]
+    fn scaled_contacts_are_those_of_the_problem_in_other_units(problem in any_problem(), change in -1.0..1.0_f64) {
+        let y: Vec<_> = problem.free_velocity().iter().zip(problem.mass()).map(|(v, m)| v * m.sqrt()).collect();
+        for (k, contact) in (0_u32..).zip(problem.contacts()) {
+            let (column, unit) = scaled(&problem, k);
+            // Velocities are below 1 m/s, masses below 100 kg.
+            let v = contact.relative(problem.free_velocity());
+            prop_assert!((column.relative(&y) * unit - v).abs() < 1e-13, "{} of {v}", column.relative(&y) * unit);
+
+            let mut pushed = vec![Vector2::zeros(); problem.grain_count()];
+            column.push(change, &mut pushed);
+            prop_assert!((column.relative(&pushed) - change).abs() < 1e-14, "the diagonal of H̃ᵗ H̃ is 1");
+            let mut r = vec![0.0; problem.contact_count()];
+            r[k as usize] = change / unit;
+            let mut resultant = pushed.clone();
+            problem.resultant(&r, &mut resultant);
+            for ((pushed, resultant), mass) in pushed.iter().zip(&resultant).zip(problem.mass()) {
+                prop_assert!((pushed - resultant / mass.sqrt()).norm() < 1e-14);
+            }
+        }
+    }
+}
+
+/// The conjugate projected gradient as the reference has it, with whole products W p. `scaling` is 1/`W_αα`, or 1.
+struct PlainCg<'p> {
+    problem: &'p ContactProblem,
+    scaling: Vec<f64>,
+    r: Vec<f64>,
+    u: Vec<f64>,
+    p: Vec<f64>,
+}
+
+impl PlainCg<'_> {
+    fn product(&self, p: &[f64]) -> Vec<f64> {
+        let mut product = vec![0.0; p.len()];
+        let mut scratch = vec![Vector2::zeros(); self.problem.grain_count()];
+        self.problem.delassus_product(p, &mut product, &mut scratch);
+        product
+    }
+
+    fn w(&mut self) -> Vec<f64> {
+        self.u = self.product(&self.r).iter().zip(self.problem.b()).map(|(w_r, b)| -(w_r + b)).collect();
+        (0..self.r.len()).map(|k| if self.free(k) { self.u[k] * self.scaling[k] } else { 0.0 }).collect()
+    }
+
+    fn free(&self, k: usize) -> bool {
+        self.r[k] > 0.0 || self.u[k] > 0.0
+    }
+
+    fn advance(&mut self) {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let w_p = self.product(&self.p);
+        let curvature = dot(&self.p, &w_p);
+        let length = dot(&self.u, &self.p) / curvature;
+        self.r.iter_mut().zip(&self.p).for_each(|(r, p)| *r = law::non_negative(*r + length * p));
+        let w = self.w();
+        let beta = -dot(&w, &w_p) / curvature;
+        self.p = (0..w.len()).map(|k| if self.free(k) { w[k] + beta * self.p[k] } else { 0.0 }).collect();
+    }
+}
+
+/// Conjugate directions amplify round-off, by less than a decade in three iterations.
+#[test]
+fn cg_in_blocks_is_the_method_of_the_reference() {
+    let box_of = [("sample.grains", "4500"), ("scene.box.width_m", "10.2")];
+    let problem = first_problem("deposited-box", &box_of).problem;
+    assert!(problem.contact_count() > 8192, "it has several blocks: {}", problem.contact_count());
+    for preconditioner in [Preconditioner::None, Preconditioner::Diagonal] {
+        let scaling = match preconditioner {
+            Preconditioner::None => vec![1.0; problem.contact_count()],
+            Preconditioner::Diagonal => problem.delassus_diagonal().iter().map(|w| 1.0 / w).collect(),
+        };
+        let r = vec![0.0; problem.contact_count()];
+        let mut plain = PlainCg { problem: &problem, scaling, u: r.clone(), p: r.clone(), r };
+        plain.p = plain.w();
+        let mut blocks = start(&Cg { preconditioner }, &problem);
+        for iteration in 1..=15 {
+            plain.advance();
+            blocks.advance();
+            let difference = difference(&plain.r, &impulses(&*blocks, &problem));
+            assert!(difference < 1e-10, "{preconditioner:?}, iteration {iteration}: {difference}");
+        }
+    }
+}
