@@ -6,6 +6,8 @@ mod column;
 mod decomposition;
 mod equivalences;
 mod first_order;
+mod fuzz;
 mod infeasible;
+mod predictions;
 mod problems;
 mod reference;

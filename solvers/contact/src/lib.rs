@@ -8,10 +8,12 @@ pub mod measures;
 pub mod operators;
 pub mod problem;
 pub mod solve;
+pub mod spectrum;
 pub mod truth;
 
 pub use interface::{Iteration, SetupError, Solver, Work};
 pub use measures::{Measure, Measures, Meter};
 pub use problem::{Contact, ContactProblem, ProblemError};
 pub use solve::{Outcome, Progress, Status, Stop, solve, solve_against};
+pub use spectrum::Spectrum;
 pub use truth::{Truth, proves_infeasible};
