@@ -8,6 +8,7 @@ mod frozen;
 mod march;
 mod sample;
 mod scene;
+mod shapes;
 
 pub use case::Case;
 pub use detect::{DetectedContact, Side, detect};

@@ -47,19 +47,24 @@ pub struct Observables {
 }
 
 impl March {
-    /// The scene of `case` at time 0, every grain at rest.
+    /// The scene of `case` at time 0, every grain at rest but one that the scene throws.
     ///
     /// # Errors
     /// Names what the sample cannot be made of.
     pub fn new(case: &Case) -> Result<Self, CaseError> {
         let discs = case.discs()?;
+        let mut velocity = vec![Vector2::zeros(); discs.len()];
+        let height = |k: &usize| discs[*k].position.y;
+        if let Some(highest) = (0..discs.len()).rev().max_by(|a, b| height(a).total_cmp(&height(b))) {
+            velocity[highest].y -= case.scene.impact_speed_m_per_s;
+        }
         Ok(Self {
             name: case.name.clone(),
             scene: case.scene.clone(),
             radius: discs.iter().map(|disc| disc.radius).collect(),
             mass: discs.iter().map(|disc| disc.mass).collect(),
             position: discs.iter().map(|disc| disc.position).collect(),
-            velocity: vec![Vector2::zeros(); discs.len()],
+            velocity,
             made: 0,
             last: Vec::new(),
         })
@@ -106,7 +111,7 @@ impl March {
         position: &[Vector2<f64>],
         free_velocity: &[Vector2<f64>],
     ) -> (Vec<Contact>, Vec<DetectedContact>) {
-        let Scene { time_step_s: h, theta, law, .. } = self.scene;
+        let Scene { time_step_s: h, theta, law, contact_copies, .. } = self.scene;
         // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
         let detection = (self.made as f64 + 1.0 - theta) * h;
         let walls = self.scene.walls.as_ref().map_or([None; 3], |walls| walls.over(detection, h));
@@ -131,8 +136,10 @@ impl March {
                 };
                 if enters {
                     contact.offset += law.gap_offset(pair.gap, h);
-                    contacts.push(contact);
-                    near.push(pair);
+                    for _ in 0..contact_copies {
+                        contacts.push(contact);
+                        near.push(pair);
+                    }
                 }
             }
         }

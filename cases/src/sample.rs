@@ -2,6 +2,7 @@
 
 use crate::deposit;
 use crate::frozen::Frozen;
+use crate::shapes;
 use nalgebra::Vector2;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -39,6 +40,9 @@ pub enum Sample {
         radius_m: f64,
         /// Mass per area (kg/m²).
         density_kg_per_m2: f64,
+        /// Mass of the highest disc over that of the others (–).
+        #[serde(default = "one")]
+        top_mass_ratio: f64,
     },
     /// Equal discs in a triangular crystal: rows of `columns` and `columns` − 1 in turn, the first on the floor, between
     /// walls that are `columns` diameters apart.
@@ -51,6 +55,33 @@ pub enum Sample {
         radius_m: f64,
         /// Mass per area (kg/m²).
         density_kg_per_m2: f64,
+        /// How far neighbours overlap, over a diameter (–).
+        #[serde(default)]
+        overlap: f64,
+    },
+    /// Equal discs in a zigzag from wall to wall, low and high in turn, each touching the next; the low ones on the
+    /// floor. The width of the box, up to `grains` diameters, says how flat it is.
+    Zigzag {
+        /// Number of discs.
+        grains: u32,
+        /// Their radius (m).
+        radius_m: f64,
+        /// Mass per area (kg/m²).
+        density_kg_per_m2: f64,
+    },
+    /// A disc on a row of rollers, which stand apart on the floor and all touch it.
+    Rollers {
+        /// Number of rollers.
+        rollers: u32,
+        /// Radius of a roller right below (m); those aside are larger.
+        radius_m: f64,
+        /// Radius of the disc above (m).
+        top_radius_m: f64,
+        /// Mass per area (kg/m²).
+        density_kg_per_m2: f64,
+        /// Mass of the disc above over what its area gives (–).
+        #[serde(default = "one")]
+        top_mass_ratio: f64,
     },
     /// Discs with radii drawn evenly from a range, laid one by one at the lowest place left where two others, or one
     /// and a wall, hold it: close to a packing at rest, which time then settles.
@@ -61,6 +92,8 @@ pub enum Sample {
         seed: u64,
         /// Least and greatest radius (m).
         radius_m: [f64; 2],
+        /// Radius of one disc in the midst of the others, in place of its own (m).
+        intruder_radius_m: Option<f64>,
         /// Mass per area (kg/m²).
         density_kg_per_m2: f64,
     },
@@ -71,35 +104,39 @@ pub enum Sample {
     },
 }
 
+fn one() -> f64 {
+    1.0
+}
+
 impl Sample {
     /// The discs, for a box of `width` (m), if it has side walls; `folder` is that of the case.
     pub(crate) fn discs(&self, width: Option<f64>, folder: &Path) -> Result<Vec<Disc>, String> {
+        let walls = || width.ok_or("`sample.kind` asks for side walls: it needs `scene.box.width_m`");
         let discs = match *self {
             Self::Discs { ref discs, density_kg_per_m2 } => {
                 discs.iter().map(|&[x, y, radius]| disc(x, y, radius, density_kg_per_m2)).collect()
             }
-            Self::Column { grains, radius_m, density_kg_per_m2 } => (0..grains)
-                .map(|k| disc(0.0, (2.0 * f64::from(k) + 1.0) * radius_m, radius_m, density_kg_per_m2))
-                .collect(),
-            Self::Triangular { columns, rows, radius_m, density_kg_per_m2 } => {
-                triangular(columns, rows, radius_m, density_kg_per_m2)
+            Self::Column { grains, radius_m, density_kg_per_m2, top_mass_ratio } => {
+                let height = |k: u32| (2.0 * f64::from(k) + 1.0) * radius_m;
+                let mut discs: Vec<Disc> =
+                    (0..grains).map(|k| disc(0.0, height(k), radius_m, density_kg_per_m2)).collect();
+                discs.iter_mut().rev().take(1).for_each(|top| top.mass *= top_mass_ratio);
+                discs
             }
-            Self::Deposited { grains, seed, radius_m, density_kg_per_m2 } => {
-                let width = width.ok_or("`sample.kind` is deposited: it needs `scene.box.width_m`")?;
-                let [least, greatest] = radius_m;
-                if !(least > 0.0 && least <= greatest && greatest.is_finite()) {
-                    return Err(format!(
-                        "`sample.radius_m` is [{least}, {greatest}]: it must be positive, and not falling"
-                    ));
-                }
-                if width < 4.0 * greatest {
-                    return Err(format!(
-                        "`scene.box.width_m` is {width}: it must be at least 4 greatest radii"
-                    ));
-                }
-                let mut rng = ChaCha8Rng::seed_from_u64(seed);
-                let radii = (0..grains).map(|_| least + (greatest - least) * rng.random::<f64>());
-                deposit::deposit(radii, width)
+            Self::Triangular { columns, rows, radius_m, density_kg_per_m2, overlap } => {
+                shapes::triangular(columns, rows, radius_m, density_kg_per_m2, overlap)
+            }
+            Self::Zigzag { grains, radius_m, density_kg_per_m2 } => {
+                shapes::zigzag(grains, radius_m, density_kg_per_m2, walls()?)?
+            }
+            Self::Rollers { rollers, radius_m, top_radius_m, density_kg_per_m2, top_mass_ratio } => {
+                let mut discs = shapes::rollers(rollers, radius_m, top_radius_m, density_kg_per_m2)?;
+                discs.iter_mut().rev().take(1).for_each(|top| top.mass *= top_mass_ratio);
+                discs
+            }
+            Self::Deposited { grains, seed, radius_m, intruder_radius_m, density_kg_per_m2 } => {
+                let radii = drawn(grains, seed, radius_m, intruder_radius_m, walls()?)?;
+                deposit::deposit(radii.into_iter(), walls()?)
                     .map_err(|radius| {
                         format!("`sample`: no place in the box holds a disc of radius {radius} m")
                     })?
@@ -133,19 +170,33 @@ impl Sample {
     }
 }
 
-fn disc(x: f64, y: f64, radius: f64, density: f64) -> Disc {
-    Disc { radius, mass: density * std::f64::consts::PI * radius * radius, position: Vector2::new(x, y) }
+/// Radii drawn evenly from a range, that of the intruder in the middle of the list.
+fn drawn(
+    grains: u32,
+    seed: u64,
+    [least, greatest]: [f64; 2],
+    intruder: Option<f64>,
+    width: f64,
+) -> Result<Vec<f64>, String> {
+    if !(least > 0.0 && least <= greatest && greatest.is_finite()) {
+        return Err(format!(
+            "`sample.radius_m` is [{least}, {greatest}]: it must be positive, and not falling"
+        ));
+    }
+    if let Some(radius) = intruder.filter(|radius| !(*radius > 0.0 && radius.is_finite())) {
+        return Err(format!("`sample.intruder_radius_m` is {radius}: it must be positive and finite"));
+    }
+    if width < 4.0 * f64::max(greatest, intruder.unwrap_or(0.0)) {
+        return Err(format!("`scene.box.width_m` is {width}: it must be at least 4 greatest radii"));
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut radii: Vec<f64> = (0..grains).map(|_| least + (greatest - least) * rng.random::<f64>()).collect();
+    if let (Some(intruder), Some(middle)) = (intruder, radii.get_mut(grains as usize / 2)) {
+        *middle = intruder;
+    }
+    Ok(radii)
 }
 
-fn triangular(columns: u32, rows: u32, radius: f64, density: f64) -> Vec<Disc> {
-    let mut discs = Vec::new();
-    for row in 0..rows {
-        let odd = row % 2;
-        for column in 0..columns.saturating_sub(odd) {
-            let x = (2.0 * f64::from(column) + 1.0 + f64::from(odd)) * radius;
-            let y = radius * (1.0 + 3.0_f64.sqrt() * f64::from(row));
-            discs.push(disc(x, y, radius, density));
-        }
-    }
-    discs
+pub(crate) fn disc(x: f64, y: f64, radius: f64, density: f64) -> Disc {
+    Disc { radius, mass: density * std::f64::consts::PI * radius * radius, position: Vector2::new(x, y) }
 }

@@ -17,6 +17,12 @@ pub struct Scene {
     pub theta: f64,
     /// Downward acceleration (m/s²).
     pub gravity_m_per_s2: f64,
+    /// Speed at which the highest grain, the first of several, begins downwards; the others are at rest (m/s).
+    #[serde(default)]
+    pub impact_speed_m_per_s: f64,
+    /// How often each contact enters a problem: more than once, and impulses are not unique.
+    #[serde(default = "once")]
+    pub contact_copies: u32,
     /// The box. Without it grains fall for ever.
     #[serde(rename = "box")]
     pub walls: Option<Walls>,
@@ -24,6 +30,10 @@ pub struct Scene {
 
 fn midpoint() -> f64 {
     0.5
+}
+
+fn once() -> u32 {
+    1
 }
 
 /// Which contacts enter a problem, and with what offset (§1, §2).
@@ -159,6 +169,12 @@ impl Scene {
         }
         if !self.gravity_m_per_s2.is_finite() {
             return wrong("gravity_m_per_s2", self.gravity_m_per_s2, "finite");
+        }
+        if !self.impact_speed_m_per_s.is_finite() {
+            return wrong("impact_speed_m_per_s", self.impact_speed_m_per_s, "finite");
+        }
+        if self.contact_copies == 0 {
+            return wrong("contact_copies", 0.0, "at least 1");
         }
         let Some(walls) = &self.walls else { return Ok(()) };
         if let Some(width) = walls.width_m.filter(|width| !(*width > 0.0 && width.is_finite())) {

@@ -219,3 +219,112 @@ fn unknown_key_of_a_change_is_named_with_its_file() {
     let error = Case::read(&folder().join("column.toml"), &changes).unwrap_err().to_string();
     assert!(error.contains("column.toml") && error.contains("unknown field `grain`"), "{error}");
 }
+
+/// Thrust, weight and their directions, solved by `Cg`.
+fn solved(name: &str, overrides: &[(&str, &str)]) -> (Frozen, contact::Outcome) {
+    let frozen = march(name, overrides).next().unwrap().frozen;
+    let outcome = solve(&Cg::default(), &frozen.problem, &frozen.start, &tight(), &mut |_| {}).unwrap();
+    assert_eq!(outcome.status, Status::Converged, "{name}");
+    (frozen, outcome)
+}
+
+#[test]
+fn flat_arch_carries_its_keystone_by_thrust() {
+    for width in ["2.9", "2.99", "2.999"] {
+        let (frozen, outcome) = solved("flat-arch", &[("scene.box.width_m", width)]);
+        let weight = frozen.problem.mass()[1] * GRAVITY * frozen.time_step;
+        let along: f64 = 0.5 * (width.parse::<f64>().unwrap() - 1.0);
+        let thrust = weight / (2.0 * (1.0 - along * along).sqrt());
+        let links = frozen.problem.contacts().iter().zip(&outcome.impulses);
+        for (_, r) in links.filter(|(contact, _)| contact.antagonist.is_some()) {
+            // The condition of the arch, 1/(1 − along²), times the residual.
+            assert!((r / thrust - 1.0).abs() < 1e-6, "{r} N·s, {thrust} expected");
+        }
+        assert!(outcome.velocity.iter().all(|v| v.norm() < 1e-6));
+    }
+}
+
+#[test]
+fn middle_disc_escapes_from_almost_closing_walls() {
+    let (_, outcome) = solved("almost-closing", &[("scene.box.width_m", "2.9")]);
+    let along: f64 = 0.95;
+    // The outer discs follow the walls at 0.1 m/s: the link turns, and its end moves at right angles to it.
+    let expected = 0.1 * along / (1.0 - along * along).sqrt();
+    assert!((outcome.velocity[1].y / expected - 1.0).abs() < 1e-6, "{:?}", outcome.velocity);
+}
+
+#[test]
+fn rollers_all_touch_the_floor_and_the_disc_above_and_carry_its_weight() {
+    let (frozen, outcome) = solved("rollers", &[]);
+    let problem = &frozen.problem;
+    assert_eq!((problem.grain_count(), problem.contact_count()), (6, 10));
+    assert!(frozen.gap.iter().all(|gap| gap.abs() < 1e-12), "{:?}", frozen.gap);
+    let weight = problem.mass().iter().sum::<f64>() * GRAVITY * frozen.time_step;
+    // The outer rollers are pushed aside, by a normal that is 1/40 off the vertical.
+    let floor = on_the_floor(&frozen, &outcome.impulses);
+    assert!(floor <= weight * (1.0 + 1e-9) && floor > 0.99 * weight, "{floor} of {weight} N·s");
+}
+
+#[test]
+fn heavy_top_is_carried_by_every_contact_below_it() {
+    let (frozen, outcome) = solved("heavy-top", &[]);
+    let weight = |discs: f64| discs * frozen.problem.mass()[0] * GRAVITY * frozen.time_step;
+    assert_eq!(frozen.problem.mass()[9], 100.0 * frozen.problem.mass()[0]);
+    let floor = on_the_floor(&frozen, &outcome.impulses);
+    assert!((floor / weight(109.0) - 1.0).abs() < 1e-6, "{floor} N·s");
+}
+
+#[test]
+fn copies_of_contacts_change_no_velocity() {
+    let solved = |copies| solved("copied-contacts", &[("scene.contact_copies", copies)]);
+    let ((one, once), (two, twice)) = (solved("1"), solved("3"));
+    assert_eq!(two.problem.contact_count(), 3 * one.problem.contact_count());
+    assert!(once.velocity.iter().zip(&twice.velocity).all(|(v, u)| (v - u).norm() < 1e-9));
+}
+
+#[test]
+fn iterations_depend_on_no_units() {
+    let ours = [
+        ("sample.radius_m", "0.5"),
+        ("sample.density_kg_per_m2", "1000.0"),
+        ("scene.gravity_m_per_s2", "9.81"),
+        ("scene.box.width_m", "8.0"),
+    ];
+    let ((_, si), (_, mm)) = (solved("units", &ours), solved("units", &[]));
+    let apart = si.iterations.abs_diff(mm.iterations);
+    assert!(apart <= si.iterations / 10, "{} in SI, {} in mm and tonnes", si.iterations, mm.iterations);
+}
+
+#[test]
+fn weightless_crystal_has_nothing_to_solve() {
+    let (_, outcome) = solved("weightless", &[]);
+    assert_eq!((outcome.iterations, outcome.impulses.iter().sum::<f64>()), (0, 0.0));
+}
+
+#[test]
+fn thrown_disc_begins_with_its_speed_and_no_other_moves() {
+    let problem = march("impact", &[("scene.gravity_m_per_s2", "0.0")]).next().unwrap().frozen.problem;
+    let moving: Vec<_> = problem.free_velocity().iter().filter(|v| v.norm() > 0.0).collect();
+    assert_eq!(moving, [&Vector2::new(0.0, -10.0)]);
+}
+
+#[test]
+fn squeezed_crystal_has_no_answer_and_its_thrust_proves_it() {
+    let frozen = march("squeezed-crystal", &[]).next().unwrap().frozen;
+    let level = |contact: &contact::Contact| contact.normal.y.abs() < 1e-12;
+    let row: Vec<f64> =
+        frozen.problem.contacts().iter().map(|contact| f64::from(u8::from(level(contact)))).collect();
+    assert!(proves_infeasible(&frozen.problem, &row));
+}
+
+#[test]
+fn shapes_that_do_not_fit_are_refused_by_key_and_value() {
+    let refused = |name: &str, key: &str, value: &str| {
+        let error = March::new(&case(name, &[(key, value)])).unwrap_err().to_string();
+        assert!(error.contains(&format!("{name}.toml")) && error.contains(value), "{error}");
+        error
+    };
+    assert!(refused("flat-arch", "scene.box.width_m", "3.5").contains("between 2 and 3"));
+    assert!(refused("rollers", "sample.top_radius_m", "1").contains("too small for 5 rollers"));
+    assert!(refused("intruder", "sample.intruder_radius_m", "-1").contains("`sample.intruder_radius_m`"));
+}

@@ -3,6 +3,7 @@
 use crate::problems::frozen;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
+use contact::spectrum::greatest_eigenvalue;
 use contact::{ContactProblem, Measure, Meter, Solver, Status, Stop, solve};
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
@@ -136,30 +137,13 @@ fn lmgc90_gives_the_same_velocity() {
     assert_agree(&problem, &lmgc90, &cg);
 }
 
-/// λmax(W_D⁻¹ W) by power iteration, a lower bound (–).
-fn greatest_eigenvalue(problem: &ContactProblem) -> f64 {
-    let diagonal = problem.delassus_diagonal();
-    let n = problem.contact_count();
-    let mut p: Vec<f64> = (0..n).map(|k| 1.0 + (k as f64).sin()).collect();
-    let (mut w_p, mut scratch) = (vec![0.0; n], vec![Vector2::zeros(); problem.grain_count()]);
-    let mut eigenvalue = 0.0;
-    for _ in 0..300 {
-        problem.delassus_product(&p, &mut w_p, &mut scratch);
-        // Rayleigh quotient in the scalar product of W_D, in which W_D⁻¹ W is symmetric.
-        let energy: f64 = p.iter().zip(&w_p).map(|(p, w)| p * w).sum();
-        let norm: f64 = p.iter().zip(&diagonal).map(|(p, w)| p * p * w).sum();
-        eigenvalue = energy / norm;
-        p.iter_mut().zip(w_p.iter().zip(&diagonal)).for_each(|(p, (w, d))| *p = w / d / norm.sqrt());
-    }
-    eigenvalue
-}
-
 #[test]
 fn jacobi_without_relaxation_diverges_on_a_packing() {
     let problem = frozen("settled-991").problem;
     assert!(greatest_eigenvalue(&problem) > 2.0);
     let stop = Stop { max_iterations: 100_000, ..Stop::default() };
     let r0 = vec![0.0; problem.contact_count()];
-    let outcome = solve(&Jacobi { relaxation: 1.0 }, &problem, &r0, &stop, &mut |_| {}).unwrap();
+    let outcome =
+        solve(&Jacobi { relaxation: 1.0, ..Jacobi::default() }, &problem, &r0, &stop, &mut |_| {}).unwrap();
     assert_eq!(outcome.status, Status::Diverged);
 }

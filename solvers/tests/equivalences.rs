@@ -21,7 +21,7 @@ fn latin_without_l_minus_is_projected_jacobi() {
             kappa_l_plus: Some(1.0),
             ..LatinDd::default()
         };
-        let mut jacobi = start(&Jacobi { relaxation: 1.0 }, &problem);
+        let mut jacobi = start(&Jacobi { relaxation: 1.0, ..Jacobi::default() }, &problem);
         let mut advance = || {
             jacobi.advance();
             impulses(&*jacobi, &problem)

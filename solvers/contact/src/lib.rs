@@ -9,6 +9,7 @@ pub mod operators;
 pub mod problem;
 pub mod scaled;
 pub mod solve;
+pub mod spectrum;
 pub mod truth;
 
 pub use interface::{Iteration, SetupError, Solver, Work};
@@ -16,4 +17,5 @@ pub use measures::{Measure, Measures, Meter};
 pub use problem::{Contact, ContactProblem, ProblemError};
 pub use scaled::ScaledContact;
 pub use solve::{Outcome, Progress, Status, Stop, solve, solve_against};
+pub use spectrum::Spectrum;
 pub use truth::{Truth, proves_infeasible};

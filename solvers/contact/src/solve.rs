@@ -4,7 +4,7 @@ use crate::interface::{SetupError, Solver, Work};
 use crate::law;
 use crate::measures::{Measure, Measures, Meter};
 use crate::problem::ContactProblem;
-use crate::truth::{Truth, proves_infeasible};
+use crate::truth::{Truth, balanced, proves_infeasible};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -118,7 +118,7 @@ pub struct Outcome {
 const ENERGY_BOUND: f64 = 1e20;
 
 /// Where the proof that there is no solution is first looked for, and then at every power of two (iterations): rarely,
-/// so that it costs nothing, and late, so that a curve shows what the measures say meanwhile.
+/// so that it costs little, and late, so that a curve shows what the measures say meanwhile. A power of two.
 const FIRST_LOOK: u64 = 1024;
 
 /// Runs `solver` on `problem` from the impulses `r0` (N·s) until `stop`; `observe` sees every iterate.
@@ -187,13 +187,16 @@ fn run(
     let mut measures = meter.measure(&r, 0.0);
     let energy_bound = ENERGY_BOUND * f64::max(meter.scale(), measures.energy.abs());
     let (mut iterations, mut iterating, mut endless) = (0, Duration::ZERO, false);
+    let mut at_last_look = Vec::new();
     let status = loop {
         let work = iteration.work();
         let goes_on =
             observe(&Progress { iteration: iterations, iterating, measures: &measures, work, impulses: &r });
         // Before convergence, which a measure can feign where others overflow; and so that a NaN counts as diverged.
         if !(measures.energy <= energy_bound && measures.natural_map.is_finite()) {
-            break Status::Diverged;
+            let proved =
+                r.iter().all(|r| r.is_finite()) && prove_infeasible(problem, std::slice::from_ref(&r));
+            break if proved { Status::Infeasible } else { Status::Diverged };
         }
         if meter.scale() == 0.0 || measures.get(stop.on) <= stop.tolerance {
             break Status::Converged;
@@ -211,11 +214,16 @@ fn run(
         iteration.advance();
         iterating += clock.elapsed();
         iterations += 1;
-        let looked_at = iterations >= FIRST_LOOK && iterations.is_power_of_two();
+        let looked_at = iterations >= FIRST_LOOK / 2 && iterations.is_power_of_two();
         let before = looked_at.then(|| r.clone());
         iteration.impulses(&mut r);
         measures = meter.measure(&r, iteration.velocity_jump());
-        endless = before.is_some_and(|before| prove_infeasible(problem, &before, &r));
+        if let Some(before) = before {
+            // The impulses, and their growth in one iteration and in half of all: what is constant in them is not in it.
+            endless = iterations >= FIRST_LOOK
+                && prove_infeasible(problem, &[r.clone(), growth(&before, &r), growth(&at_last_look, &r)]);
+            at_last_look.clone_from(&r);
+        }
     };
     let work = iteration.work();
     let velocity = meter.velocity().to_vec();
@@ -223,9 +231,12 @@ fn run(
     Ok(Outcome { status, iterations, measures, impulses: r, velocity, setup, iterating, work, derived })
 }
 
-/// Whether the impulses `r`, or their growth since `before`, prove that there is no solution. The growth tells it much
-/// earlier: what is constant in the impulses is not in it.
-fn prove_infeasible(problem: &ContactProblem, before: &[f64], r: &[f64]) -> bool {
-    let growth: Vec<f64> = r.iter().zip(before).map(|(r, before)| law::non_negative(r - before)).collect();
-    [r, &growth].into_iter().any(|ray| proves_infeasible(problem, ray))
+fn growth(before: &[f64], r: &[f64]) -> Vec<f64> {
+    r.iter().zip(before).map(|(r, before)| law::non_negative(r - before)).collect()
+}
+
+/// Whether one of the `rays`, as it is or balanced, proves that there is no solution.
+fn prove_infeasible(problem: &ContactProblem, rays: &[Vec<f64>]) -> bool {
+    let proves = |ray: &Vec<f64>| proves_infeasible(problem, ray);
+    rays.iter().any(proves) || rays.iter().any(|ray| proves(&balanced(problem, ray)))
 }

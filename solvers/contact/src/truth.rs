@@ -63,3 +63,56 @@ pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
     let admissible = ray.iter().all(|d| *d >= 0.0);
     admissible && work > OUT_OF_REACH * f64::sqrt(scale) * (unbalanced + ROUND_OFF * f64::sqrt(size))
 }
+
+/// Products W p of one descent towards balance, and descents.
+const PRODUCTS: u32 = 200;
+const DESCENTS: u32 = 3;
+
+/// Impulses near `ray` that balance at every grain, if there are any: what is left of it when ½ dᵗ W d has fallen as far as it can over
+/// the contacts with d > 0; those that would pull are let go, and it falls anew. What a method adds to its impulses where
+/// there is no solution comes so to the proof that is in it, long before the rest of it is negligible.
+pub(crate) fn balanced(problem: &ContactProblem, ray: &[f64]) -> Vec<f64> {
+    let mut d = ray.to_vec();
+    for _ in 0..DESCENTS {
+        descend(problem, &mut d);
+        let pulls = d.iter().any(|d| *d < 0.0);
+        d.iter_mut().for_each(|d| *d = law::non_negative(*d));
+        if !pulls {
+            break;
+        }
+    }
+    d
+}
+
+/// Conjugate gradients on ½ dᵗ W d over the contacts with d > 0, preconditioned by W_D.
+fn descend(problem: &ContactProblem, d: &mut [f64]) {
+    let diagonal = problem.delassus_diagonal();
+    let presses: Vec<bool> = d.iter().map(|d| *d > 0.0).collect();
+    let mut scratch = vec![Vector2::zeros(); problem.grain_count()];
+    let mut product = |p: &[f64], w_p: &mut [f64]| {
+        problem.delassus_product(p, w_p, &mut scratch);
+        w_p.iter_mut().zip(&presses).filter(|(_, presses)| !**presses).for_each(|(w_p, _)| *w_p = 0.0);
+    };
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (mut g, mut w_p) = (vec![0.0; d.len()], vec![0.0; d.len()]);
+    product(d, &mut g);
+    let scaled = |g: &[f64]| g.iter().zip(&diagonal).map(|(g, w)| g / w).collect::<Vec<f64>>();
+    let mut z = scaled(&g);
+    let mut p: Vec<f64> = z.iter().map(|z| -z).collect();
+    for _ in 0..PRODUCTS {
+        product(&p, &mut w_p);
+        let (fall, curvature) = (dot(&g, &z), dot(&p, &w_p));
+        if !(curvature > 0.0 && fall > 0.0) {
+            return;
+        }
+        // d ← d + α p,  α = gᵗ z / pᵗ W p;  p ← −z + β p,  β = g⁺ᵗ z⁺ / gᵗ z
+        let length = fall / curvature;
+        for contact in 0..d.len() {
+            d[contact] += length * p[contact];
+            g[contact] += length * w_p[contact];
+        }
+        z = scaled(&g);
+        let beta = dot(&g, &z) / fall;
+        p.iter_mut().zip(&z).for_each(|(p, z)| *p = beta * *p - z);
+    }
+}

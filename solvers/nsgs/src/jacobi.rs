@@ -1,9 +1,10 @@
 //! Projected Jacobi: the sweep of NSGS with every relative velocity taken at the old impulses.
 //!
-//! Converges for ω < 2/λmax(`W_D`⁻¹ W) only. Cost of an iteration: that of a sweep, and a copy of the velocities.
+//! Converges for ω < 2/λmax(`W_D`⁻¹ W) only; `bounded` keeps it there. Cost of an iteration: that of a sweep, and a copy of the velocities.
 
 use crate::row::{Row, row};
 use contact::scaled::scaled_velocity;
+use contact::spectrum::eigenvalue_bound;
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
@@ -15,19 +16,22 @@ use serde::{Deserialize, Serialize};
 pub struct Jacobi {
     /// ω (–). Any positive value is accepted: that a packing diverges at ω = 1 is a result.
     pub relaxation: f64,
+    /// Whether ω is `relaxation` times 2/Λ instead, with Λ ≥ λmax(W_D⁻¹W): then any value below 1 converges, on any problem.
+    pub bounded: bool,
 }
 
 /// ω = ½. Equal discs touch at most 6 others, so λmax(`W_D`⁻¹ W) ≤ 3 on them and any ω < 2/3 converges; ½ leaves a
 /// margin for unequal discs.
 impl Default for Jacobi {
     fn default() -> Self {
-        Self { relaxation: 0.5 }
+        Self { relaxation: 0.5, bounded: false }
     }
 }
 
 struct Run {
     rows: Vec<Row>,
     relaxation: f64,
+    bounded: bool,
     /// s = √`W_αα` r (√J).
     s: Vec<f64>,
     /// √`W_αα` (kg^-½).
@@ -57,6 +61,10 @@ impl Iteration for Run {
         }
     }
 
+    fn derived(&self) -> Vec<(&'static str, f64)> {
+        if self.bounded { vec![("relaxation", self.relaxation)] } else { Vec::new() }
+    }
+
     fn work(&self) -> Work {
         Work { contact_updates: self.iterations * self.s.len() as u64, ..Work::default() }
     }
@@ -72,9 +80,12 @@ impl Solver for Jacobi {
         let contacts = 0..problem.contact_count() as u32;
         let (rows, unit): (Vec<Row>, Vec<f64>) = contacts.map(|contact| row(problem, contact)).unzip();
         let y = scaled_velocity(problem, r0);
+        let bound = eigenvalue_bound(problem);
+        let scale = if self.bounded && bound > 0.0 { 2.0 / bound } else { 1.0 };
         Ok(Box::new(Run {
             rows,
-            relaxation: self.relaxation,
+            relaxation: scale * self.relaxation,
+            bounded: self.bounded,
             s: r0.iter().zip(&unit).map(|(r, unit)| r * unit).collect(),
             unit,
             old_y: y.clone(),

@@ -1,0 +1,59 @@
+//! Discs placed by a formula: the crystal, the zigzag, the rollers.
+
+use crate::sample::{Disc, disc};
+
+/// Rows of `columns` and `columns` − 1 discs in turn, neighbours closer than touching by `overlap` diameters.
+pub(crate) fn triangular(columns: u32, rows: u32, radius: f64, density: f64, overlap: f64) -> Vec<Disc> {
+    // Half the distance of neighbours; those on the floor and at the left wall touch these.
+    let half = radius * (1.0 - overlap);
+    let edge = radius - half;
+    let mut discs = Vec::new();
+    for row in 0..rows {
+        let odd = row % 2;
+        for column in 0..columns.saturating_sub(odd) {
+            let x = edge + (2.0 * f64::from(column) + 1.0 + f64::from(odd)) * half;
+            let y = edge + half * (1.0 + 3.0_f64.sqrt() * f64::from(row));
+            discs.push(disc(x, y, radius, density));
+        }
+    }
+    discs
+}
+
+/// Discs from wall to wall, low and high in turn, each touching the next.
+pub(crate) fn zigzag(grains: u32, radius: f64, density: f64, width: f64) -> Result<Vec<Disc>, String> {
+    // Links of length 2R, of which `along` is horizontal. Below R, a disc would touch the next but one.
+    let along = (width - 2.0 * radius) / f64::from(grains.max(2) - 1);
+    let rise = 4.0 * radius * radius - along * along;
+    if !(along >= radius && rise >= 0.0) {
+        let (least, most) = (f64::from(grains + 1) * radius, 2.0 * f64::from(grains) * radius);
+        return Err(format!(
+            "`scene.box.width_m` is {width}: {grains} discs in a zigzag need between {least} and {most}"
+        ));
+    }
+    let height = |k: u32| radius + f64::from(k % 2) * rise.sqrt();
+    let x = |k: u32| radius + f64::from(k) * along;
+    Ok((0..grains).map(|k| disc(x(k), height(k), radius, density)).collect())
+}
+
+/// Discs on the floor that all touch a disc of radius `top`, the last, and stand apart.
+pub(crate) fn rollers(rollers: u32, radius: f64, top: f64, density: f64) -> Result<Vec<Disc>, String> {
+    // A circle of radius r at x touches the floor and the top disc: x² + (R + 2r₀ − r)² = (R + r)².
+    let touching = |x: f64| radius + x * x / (4.0 * (top + radius));
+    // From the middle outwards, half a radius and more between two of them.
+    let mut right = vec![if rollers % 2 == 1 { 0.0 } else { 1.25 * radius }];
+    while right.len() < rollers.div_ceil(2) as usize {
+        let x = right[right.len() - 1];
+        right.push(x + 2.5 * touching(x));
+    }
+    if let Some(pair) = right.windows(2).find(|x| !(x[1] - x[0] > touching(x[0]) + touching(x[1]))) {
+        return Err(format!(
+            "`sample.top_radius_m` is {top}: it is too small for {rollers} rollers, which overlap at {} m",
+            pair[1]
+        ));
+    }
+    let left = right.iter().rev().filter(|x| **x > 0.0).map(|x| -x);
+    let mut discs: Vec<Disc> =
+        left.chain(right.iter().copied()).map(|x| disc(x, touching(x), touching(x), density)).collect();
+    discs.push(disc(0.0, top + 2.0 * radius, top, density));
+    Ok(discs)
+}
