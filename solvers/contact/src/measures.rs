@@ -96,7 +96,7 @@ pub struct Meter<'p> {
     problem: &'p ContactProblem,
     b: Vec<f64>,
     delassus_diagonal: Vec<f64>,
-    /// Σ max(0, −b)²/W_αα (J): the scale of the impulses' work, fixed by the problem.
+    /// [`ContactProblem::scale`] (J).
     scale: f64,
     velocity: Vec<Vector2<f64>>,
     v: Vec<f64>,
@@ -107,19 +107,12 @@ pub struct Meter<'p> {
 impl<'p> Meter<'p> {
     /// Prepares what the measures of all iterates share.
     pub fn new(problem: &'p ContactProblem) -> Self {
-        let b = problem.b();
-        let delassus_diagonal = problem.delassus_diagonal();
-        let scale = b
-            .iter()
-            .zip(&delassus_diagonal)
-            .map(|(b, w)| law::non_negative(-b) * law::non_negative(-b) / w)
-            .sum();
         Self {
             problem,
-            v: vec![0.0; b.len()],
-            b,
-            delassus_diagonal,
-            scale,
+            b: problem.b(),
+            delassus_diagonal: problem.delassus_diagonal(),
+            scale: problem.scale(),
+            v: vec![0.0; problem.contact_count()],
             velocity: vec![Vector2::zeros(); problem.grain_count()],
             previous: None,
             truth: None,
@@ -134,11 +127,6 @@ impl<'p> Meter<'p> {
     pub fn against(self, truth: &'p Truth) -> Self {
         assert_eq!(truth.velocity().len(), self.problem.grain_count(), "one true velocity per grain");
         Self { truth: Some(truth), ..self }
-    }
-
-    /// Σ max(0, −b)²/`W_αα` (J). It is 0 where no contact pushes: the solution is then r = 0.
-    pub fn scale(&self) -> f64 {
-        self.scale
     }
 
     /// V = `V_free` + M⁻¹ H r of the iterate measured last (m/s).

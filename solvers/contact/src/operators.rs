@@ -1,5 +1,6 @@
 //! H, Hᵗ, W and its diagonal, eq. (1). W is never assembled.
 
+use crate::law;
 use crate::problem::{Contact, ContactProblem};
 use nalgebra::Vector2;
 
@@ -72,6 +73,13 @@ impl ContactProblem {
                 contact.antagonist.map_or(candidate, |j| candidate + 1.0 / self.mass()[j as usize])
             })
             .collect()
+    }
+
+    /// Σ max(0, −b)²/`W_αα` (J): the scale of the impulses' work, fixed by the problem. It is 0 where no contact pushes: the
+    /// solution is then r = 0.
+    pub fn scale(&self) -> f64 {
+        let squared = |(b, w): (f64, f64)| law::non_negative(-b) * law::non_negative(-b) / w;
+        self.b().into_iter().zip(self.delassus_diagonal()).map(squared).sum()
     }
 
     /// q(r) = ½ rᵗ W r + bᵗ r, from v = W r + b: ½ rᵗ (v + b) (J).

@@ -180,12 +180,13 @@ fn run(
     let mut iteration = solver.start(problem, r0)?;
     let setup = clock.elapsed();
 
+    let scale = problem.scale();
     let mut r = r0.to_vec();
-    if meter.scale() == 0.0 {
+    if scale == 0.0 {
         r.fill(0.0);
     }
     let mut measures = meter.measure(&r, 0.0);
-    let energy_bound = ENERGY_BOUND * f64::max(meter.scale(), measures.energy.abs());
+    let energy_bound = ENERGY_BOUND * f64::max(scale, measures.energy.abs());
     let (mut iterations, mut iterating, mut endless) = (0, Duration::ZERO, false);
     let mut at_last_look = Vec::new();
     let status = loop {
@@ -198,7 +199,7 @@ fn run(
                 r.iter().all(|r| r.is_finite()) && prove_infeasible(problem, std::slice::from_ref(&r));
             break if proved { Status::Infeasible } else { Status::Diverged };
         }
-        if meter.scale() == 0.0 || measures.get(stop.on) <= stop.tolerance {
+        if scale == 0.0 || measures.get(stop.on) <= stop.tolerance {
             break Status::Converged;
         }
         if endless {

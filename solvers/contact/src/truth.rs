@@ -50,10 +50,9 @@ const ROUND_OFF: f64 = 1e-14;
 /// solution is nearer than that.
 pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
     let b = problem.b();
-    let (mut work, mut scale, mut size) = (0.0, 0.0, 0.0);
+    let (mut work, mut size) = (0.0, 0.0);
     for ((d, b), w) in ray.iter().zip(&b).zip(problem.delassus_diagonal()) {
         work -= b * d;
-        scale += law::non_negative(-b) * law::non_negative(-b) / w;
         size += w * d * d;
     }
     let mut resultant = vec![Vector2::zeros(); problem.grain_count()];
@@ -61,7 +60,7 @@ pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
     let squared = |(h_d, m): (&Vector2<f64>, &f64)| h_d.norm_squared() / m;
     let unbalanced = resultant.iter().zip(problem.mass()).map(squared).sum::<f64>().sqrt();
     let admissible = ray.iter().all(|d| *d >= 0.0);
-    admissible && work > OUT_OF_REACH * f64::sqrt(scale) * (unbalanced + ROUND_OFF * f64::sqrt(size))
+    admissible && work > OUT_OF_REACH * problem.scale().sqrt() * (unbalanced + ROUND_OFF * f64::sqrt(size))
 }
 
 /// Products W p of one descent towards balance, and descents.

@@ -1,6 +1,6 @@
 //! The certificate of a solution: what impulses leave of (1)-(2), recomputed from the problem alone.
 
-use contact::{ContactProblem, Truth, law};
+use contact::{ContactProblem, law};
 use nalgebra::Vector2;
 use serde::Serialize;
 use std::fmt;
@@ -112,11 +112,6 @@ pub fn certify(problem: &ContactProblem, r: &[f64]) -> Certificate {
             0.5 * distance * distance,
         ),
     }
-}
-
-/// The truth of impulses that [`certify`] certified.
-pub fn truth(problem: &ContactProblem, r: &[f64]) -> Option<Truth> {
-    certify(problem, r).certified().then(|| Truth::new(problem, r))
 }
 
 /// The greatest value; NaN if there is one, 0 for none.

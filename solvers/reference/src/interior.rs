@@ -5,7 +5,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus,
 };
-use contact::{ContactProblem, Meter, law};
+use contact::{ContactProblem, law};
 
 /// min ½ |y|² subject to H̃ᵗ y + b̃ ≥ 0, with y = M^½ (V − `V_free`) and b̃ = `W_D`^(−½) b, both over √(Σ max(0, −b)²/`W_αα`):
 /// the solution is of the order of 1, as absolute tolerances want it. The multipliers are r̃.
@@ -37,7 +37,7 @@ impl Interior {
     /// Lays the programme out. Its matrix does not change: its order is found here, its factors in the run.
     pub(crate) fn new(problem: &ContactProblem, rows: &[Row]) -> Result<Self, String> {
         let (contacts, columns) = (rows.len(), 2 * problem.grain_count());
-        let scale = Meter::new(problem).scale().sqrt();
+        let scale = problem.scale().sqrt();
         let identity = CscMatrix::identity(columns);
         let (mut of_row, mut of_column, mut values) = (Vec::new(), Vec::new(), Vec::new());
         for (contact, row) in rows.iter().enumerate() {

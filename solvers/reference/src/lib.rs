@@ -11,7 +11,7 @@ mod method;
 mod polish;
 mod row;
 
-pub use certificate::{Certificate, ROUND_OFF, Residual, certify, truth};
+pub use certificate::{Certificate, ROUND_OFF, Residual, certify};
 pub use method::InteriorPoint;
 
 use contact::{ContactProblem, proves_infeasible};

@@ -3,7 +3,7 @@
 use crate::interior::{Interior, Verdict};
 use crate::polish::Polish;
 use crate::row::Row;
-use contact::{ContactProblem, Iteration, Meter, SetupError, Solver, Work};
+use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -37,7 +37,7 @@ impl<'p> Run<'p> {
     /// Lays the programme out; says why it cannot.
     pub(crate) fn new(problem: &'p ContactProblem, r0: &[f64], polishes: bool) -> Result<Self, String> {
         let rows = Row::all(problem);
-        let pushed = Meter::new(problem).scale() > 0.0;
+        let pushed = problem.scale() > 0.0;
         let interior = if pushed { Some(Interior::new(problem, &rows)?) } else { None };
         Ok(Self { interior, polish: Polish::new(problem, rows), polishes, r: r0.to_vec(), ran: false })
     }
