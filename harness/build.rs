@@ -12,12 +12,14 @@ use toml::{Table, Value};
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 const SOLVERS: &str = "../solvers";
+/// Simulations depend on it, no run on a problem does.
+const CASES: &str = "../cases";
 const LOCK: &str = "../Cargo.lock";
 /// What decides at which iterations a curve is read.
 const CURVE: &str = "src/curve.rs";
 
 fn main() -> Result<()> {
-    for path in ["build.rs", LOCK, SOLVERS, CURVE] {
+    for path in ["build.rs", LOCK, SOLVERS, "../cases/src", "../cases/Cargo.toml", CURVE] {
         println!("cargo::rerun-if-changed={path}");
     }
     let crates = solver_crates()?;
@@ -30,7 +32,7 @@ fn main() -> Result<()> {
     Ok(fs::write(PathBuf::from(std::env::var("OUT_DIR")?).join("code_versions.rs"), list)?)
 }
 
-/// A crate below `solvers/`: its folder, and what it uses outside its tests.
+/// A crate below `solvers/`, or `cases`: its folder, and what it uses outside its tests.
 struct SolverCrate {
     folder: PathBuf,
     uses: BTreeSet<String>,
@@ -38,8 +40,9 @@ struct SolverCrate {
 
 fn solver_crates() -> Result<BTreeMap<String, SolverCrate>> {
     let mut crates = BTreeMap::new();
-    for entry in fs::read_dir(SOLVERS)? {
-        let folder = entry?.path();
+    let solvers = fs::read_dir(SOLVERS)?.map(|entry| entry.map(|entry| entry.path()));
+    for folder in solvers.chain([Ok(PathBuf::from(CASES))]) {
+        let folder = folder?;
         let manifest = folder.join("Cargo.toml");
         // The folder of the tests holds no method.
         if folder.join("src").is_dir() {

@@ -6,6 +6,7 @@ mod detect;
 mod error;
 mod frozen;
 mod march;
+mod observables;
 mod sample;
 mod scene;
 
@@ -13,6 +14,7 @@ pub use case::Case;
 pub use detect::{DetectedContact, Side, detect};
 pub use error::CaseError;
 pub use frozen::Frozen;
-pub use march::{March, Observables, TimeStep};
+pub use march::{March, TimeStep};
+pub use observables::{Explosion, Observables};
 pub use sample::{Disc, Sample};
 pub use scene::{Direction, Law, Scene, Vibration, Walls};

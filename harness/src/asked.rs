@@ -91,8 +91,8 @@ impl StudyArgs {
         let in_plan = || path.display().to_string();
         let problems = planned(root, &plan).with_context(in_plan)?;
         let variants = plan.variants(&self.settings).with_context(in_plan)?;
-        let whole = problems.len() * variants.len();
         let mut asked = Asked { again: self.again(), plan, problems, variants, notes: Vec::new() };
+        let whole = asked.runs();
         for (key, pattern) in &self.only {
             asked.keep(key, pattern)?;
         }
@@ -112,15 +112,20 @@ impl StudyArgs {
     fn change_stop(&self, plan: &mut Plan) -> Result<Vec<String>> {
         let mut changes: Vec<String> =
             self.settings.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+        // What a rule of a study through time varies is then the same for all.
+        let mut forget = |key| plan.simulate.iter_mut().for_each(|simulate| simulate.forget(key));
         if let Some(tolerance) = self.tolerance {
+            forget("tolerance");
             plan.stop.tolerance = tolerance;
             changes.push(format!("tolerance = {tolerance:e}"));
         }
         if let Some(on) = self.on {
+            forget("on");
             plan.stop.on = on;
             changes.push(format!("on = {on}"));
         }
         if let Some(max_iterations) = self.max_iterations {
+            forget("max_iterations");
             plan.stop.max_iterations = max_iterations;
             changes.push(format!("max_iterations = {max_iterations}"));
         }
@@ -139,7 +144,12 @@ impl Asked {
 
     /// Number of runs.
     pub(crate) fn runs(&self) -> usize {
-        self.problems.len() * self.variants.len()
+        self.problems.len() * self.variants.len() * self.rules()
+    }
+
+    /// Number of rules under which every variant meets every scene, in a study through time; else 1.
+    pub(crate) fn rules(&self) -> usize {
+        self.plan.rules().map_or(1, |rules| rules.len().max(1))
     }
 
     /// Keeps the runs whose `key` matches `pattern`, in which `*` stands for any text.

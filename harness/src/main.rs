@@ -22,6 +22,7 @@ mod report;
 mod rows;
 mod show;
 mod simulate;
+mod simulations;
 mod solve;
 mod study;
 mod suggest;

@@ -5,7 +5,7 @@ use crate::output::say;
 use crate::plan::Plan;
 use anyhow::{Result, bail};
 use reports::Chart;
-use results::store::{latest, read};
+use results::store::{latest, read, read_simulations};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -28,22 +28,27 @@ pub(crate) struct FigureArgs {
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let plan = Plan::read(&root.plan(&args.plan)?, args.quick)?;
-    draw(root, &plan.name, &plan.charts()?, &plan.name)
+    draw(root, &plan, &plan.charts()?, &plan.name)
 }
 
 /// One chart, in a folder of its own: the report of the study stays as it is.
 pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
     let plan = Plan::read(&root.plan(&args.of.plan)?, args.of.quick)?;
-    draw(root, &plan.name, &[args.chart], &format!("{}-{}", plan.name, args.chart.name()))
+    plan.suits(args.chart)?;
+    draw(root, &plan, &[args.chart], &format!("{}-{}", plan.name, args.chart.name()))
 }
 
-fn draw(root: &Root, study: &str, charts: &[Chart], folder: &str) -> Result<()> {
+fn draw(root: &Root, plan: &Plan, charts: &[Chart], folder: &str) -> Result<()> {
     let runs = root.join("results/runs");
-    let Some(stored) = latest(&runs, study) else {
-        bail!("no study of plan `{study}` is stored in {}: `gravel bench` makes one", runs.display());
+    let Some(stored) = latest(&runs, &plan.name) else {
+        bail!("no study of plan `{}` is stored in {}: `gravel bench` makes one", plan.name, runs.display());
     };
     let out = root.join("reports/out").join(folder);
-    let files = reports::report(&read(&stored)?, charts, &out)?;
+    let files = if plan.simulate.is_some() {
+        reports::report_simulations(&read_simulations(&stored)?, charts, &out)?
+    } else {
+        reports::report(&read(&stored)?, charts, &out)?
+    };
     say(format_args!("rows and curves   {}", stored.display()))?;
     say_files(&out, &files)
 }

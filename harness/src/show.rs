@@ -30,12 +30,17 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
             }
         }
     }
+    let rules = study.plan.rules()?;
+    for (_, name) in &rules {
+        say(format_args!("  each under the rule  {name}"))?;
+    }
     say_counts(&study)
 }
 
 /// Runs on each problem, of each method, and in all.
 fn say_counts(study: &Asked) -> Result<()> {
-    let (problems, variants) = (study.problems.len(), study.variants.len());
+    let rules = study.rules();
+    let (problems, variants) = (study.problems.len() * rules, study.variants.len() * rules);
     let mut methods: Vec<(&str, usize)> = Vec::new();
     for variant in &study.variants {
         match methods.iter_mut().find(|(name, _)| *name == variant.method.name) {

@@ -3,30 +3,43 @@
 use std::fmt;
 use std::str::FromStr;
 
+use results::simulation::SimulationTables;
 use results::store::Tables;
 use thiserror::Error;
 
 use crate::{
-    File, ReportError, convergence, directions, profiles, sample, size, subdomains, truth, work_precision,
+    File, ReportError, atlas_in_time, convergence, directions, profiles, sample, size, subdomains,
+    trajectory, truth, work_precision,
 };
 
 /// A kind of figure, with the tables that belong to it.
 #[derive(Clone, Copy)]
 pub struct Chart {
     name: &'static str,
-    files: fn(&Tables) -> Result<Vec<File>, ReportError>,
+    files: Files,
+}
+
+/// What a chart is drawn from.
+#[derive(Clone, Copy)]
+enum Files {
+    /// Runs on problems.
+    Problems(fn(&Tables) -> Result<Vec<File>, ReportError>),
+    /// Simulations.
+    Simulations(fn(&SimulationTables) -> Result<Vec<File>, ReportError>),
 }
 
 /// All kinds, in the order in which help names them.
 const CHARTS: &[Chart] = &[
-    Chart { name: "convergence", files: convergence::files },
-    Chart { name: "sample", files: sample::files },
-    Chart { name: "directions", files: directions::files },
-    Chart { name: "work-precision", files: work_precision::files },
-    Chart { name: "truth", files: truth::files },
-    Chart { name: "profiles", files: profiles::files },
-    Chart { name: "subdomains", files: subdomains::files },
-    Chart { name: "size", files: size::files },
+    Chart { name: "convergence", files: Files::Problems(convergence::files) },
+    Chart { name: "sample", files: Files::Problems(sample::files) },
+    Chart { name: "directions", files: Files::Problems(directions::files) },
+    Chart { name: "work-precision", files: Files::Problems(work_precision::files) },
+    Chart { name: "truth", files: Files::Problems(truth::files) },
+    Chart { name: "profiles", files: Files::Problems(profiles::files) },
+    Chart { name: "subdomains", files: Files::Problems(subdomains::files) },
+    Chart { name: "size", files: Files::Problems(size::files) },
+    Chart { name: "trajectory", files: Files::Simulations(trajectory::files) },
+    Chart { name: "atlas-in-time", files: Files::Simulations(atlas_in_time::files) },
 ];
 
 impl Chart {
@@ -35,9 +48,15 @@ impl Chart {
         CHARTS
     }
 
-    /// What a study gets that asks for nothing else: `convergence` and `sample`.
-    pub fn default_set() -> &'static [Self] {
-        &CHARTS[..2]
+    /// What a study gets that asks for nothing else: `convergence` and `sample`, or `trajectory` if it is through time.
+    pub fn default_set(through_time: bool) -> Vec<Self> {
+        let first = if through_time { 1 } else { 2 };
+        CHARTS.iter().filter(|chart| chart.through_time() == through_time).take(first).copied().collect()
+    }
+
+    /// Whether it is drawn from simulations.
+    pub fn through_time(self) -> bool {
+        matches!(self.files, Files::Simulations(_))
     }
 
     /// Its name in plans and on the command line.
@@ -46,7 +65,17 @@ impl Chart {
     }
 
     pub(crate) fn files(self, tables: &Tables) -> Result<Vec<File>, ReportError> {
-        (self.files)(tables)
+        match self.files {
+            Files::Problems(files) => files(tables),
+            Files::Simulations(_) => Ok(Vec::new()),
+        }
+    }
+
+    pub(crate) fn simulation_files(self, tables: &SimulationTables) -> Result<Vec<File>, ReportError> {
+        match self.files {
+            Files::Problems(_) => Ok(Vec::new()),
+            Files::Simulations(files) => files(tables),
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Tables and figures, each one a function of stored tables.
 
+mod atlas_in_time;
 mod axis;
 mod canvas;
 mod chart;
@@ -26,11 +27,15 @@ mod statistics;
 mod study;
 mod style;
 mod subdomains;
+mod through_time;
+mod trajectory;
 mod truth;
 mod work_precision;
 
 #[cfg(test)]
 mod fixture;
+#[cfg(test)]
+mod fixture_in_time;
 #[cfg(test)]
 mod sweep_tests;
 #[cfg(test)]
@@ -40,11 +45,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use polars::prelude::{CsvWriter, DataFrame, PolarsError, SerWriter};
+use results::simulation::SimulationTables;
 use results::store::Tables;
 use thiserror::Error;
 
 pub use chart::{Chart, UnknownChart};
 pub use iterations::{iterations, iterations_text};
+pub use through_time::simulations_text;
 
 /// Why a report was not made.
 #[derive(Debug, Error)]
@@ -101,6 +108,23 @@ pub fn report(tables: &Tables, charts: &[Chart], out: &Path) -> Result<Vec<PathB
     ];
     for chart in charts {
         files.extend(chart.files(tables)?);
+    }
+    folder::replace(&files, out)
+}
+
+/// The same of a study through time: its table of simulations and the files of its `charts`.
+///
+/// # Errors
+///
+/// Those of [`report`].
+pub fn report_simulations(
+    tables: &SimulationTables,
+    charts: &[Chart],
+    out: &Path,
+) -> Result<Vec<PathBuf>, ReportError> {
+    let mut files = through_time::files(tables)?;
+    for chart in charts {
+        files.extend(chart.simulation_files(tables)?);
     }
     folder::replace(&files, out)
 }

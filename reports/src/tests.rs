@@ -184,10 +184,10 @@ fn scene_without_impulses_or_without_grains_says_so() {
 fn same_tables_give_the_same_bytes_and_replace_the_files() {
     let out = TempDir::new().unwrap();
     let read = |paths: &[std::path::PathBuf]| paths.iter().map(|p| fs::read(p).unwrap()).collect::<Vec<_>>();
-    let first = report(&study(), Chart::default_set(), &out.path().join("paper")).unwrap();
+    let first = report(&study(), &Chart::default_set(false), &out.path().join("paper")).unwrap();
     let bytes = read(&first);
     fs::write(&first[0], "old").unwrap();
-    let second = report(&study(), Chart::default_set(), &out.path().join("paper")).unwrap();
+    let second = report(&study(), &Chart::default_set(false), &out.path().join("paper")).unwrap();
     assert_eq!(first, second);
     assert_eq!(bytes, read(&second));
     assert_eq!(fs::read_dir(out.path()).unwrap().count(), 1, "no draft is left");
