@@ -13,7 +13,7 @@ use toml::{Table, Value};
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 const SOLVERS: &str = "../solvers";
-/// What problems are made by.
+/// What problems are made by, and what simulations depend on.
 const CASES: &str = "../cases";
 const LOCK: &str = "../Cargo.lock";
 /// What decides at which iterations a curve is read.

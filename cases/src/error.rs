@@ -1,5 +1,6 @@
 //! What can be wrong with a case or a frozen problem.
 
+use crate::observables::Explosion;
 use contact::{ProblemError, SetupError};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -30,6 +31,14 @@ pub enum CaseError {
         time_step: u64,
         /// What is wrong with its problem.
         source: ProblemError,
+    },
+    /// A time step gave a state that no longer says anything of the scene.
+    #[error("exploded in time step {time_step}: {why}")]
+    Exploded {
+        /// The time step, counted from 1.
+        time_step: u64,
+        /// How it is known.
+        why: Explosion,
     },
     /// The solver of a time step refused its settings.
     #[error(transparent)]

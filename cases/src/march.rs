@@ -5,6 +5,7 @@ use crate::case::Case;
 use crate::detect::{DetectedContact, Side, detect, walls_near};
 use crate::error::CaseError;
 use crate::frozen::Frozen;
+use crate::observables::{Observables, greatest_speed, wall_impulses};
 use crate::scene::{Law, MovingWall, Scene};
 use contact::{Contact, ContactProblem, Outcome, Solver, Stop, solve};
 use nalgebra::Vector2;
@@ -31,19 +32,6 @@ pub struct TimeStep {
     pub frozen: Frozen,
     /// The antagonist of each contact.
     sides: Vec<Side>,
-}
-
-/// What a simulation shows of itself after a time step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Observables {
-    /// Time reached (s).
-    pub time: f64,
-    /// ½ Σ m V² (J).
-    pub kinetic_energy: f64,
-    /// Mean height of the centres of mass, weighted by mass (m).
-    pub mean_height: f64,
-    /// Greatest overlap at a contact of the problem just solved (m).
-    pub greatest_overlap: f64,
 }
 
 impl March {
@@ -73,6 +61,16 @@ impl March {
     /// Time steps made.
     pub fn made(&self) -> u64 {
         self.made
+    }
+
+    /// Mean diameter of the grains (m).
+    pub fn mean_diameter(&self) -> f64 {
+        2.0 * self.radius.iter().sum::<f64>() / self.radius.len() as f64
+    }
+
+    /// The grains as they are: radius (m), place (m) and velocity (m/s) of each.
+    pub fn grains(&self) -> impl Iterator<Item = (f64, Vector2<f64>, Vector2<f64>)> {
+        self.radius.iter().zip(&self.position).zip(&self.velocity).map(|((r, q), v)| (*r, *q, *v))
     }
 
     /// The contact problem of the next time step.
@@ -115,7 +113,7 @@ impl March {
         // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
         let detection = (self.made as f64 + 1.0 - theta) * h;
         let walls = self.scene.walls.as_ref().map_or([None; 3], |walls| walls.over(detection, h));
-        let reach = 2.0 * h * greatest_speed(free_velocity, position, &walls);
+        let reach = 2.0 * h * greatest_approach(free_velocity, position, &walls);
 
         let mut pairs = detect(position, &self.radius, reach).into_iter().peekable();
         let (mut contacts, mut near) = (Vec::new(), Vec::new());
@@ -164,32 +162,56 @@ impl March {
             problem.contacts().iter().zip(&time_step.sides).map(|(contact, side)| (contact.candidate, *side));
         self.last = keys.zip(r.iter().copied()).collect();
         self.made += 1;
-        self.observe(&time_step.frozen.gap)
+        self.observe(time_step, r)
     }
 
     /// Makes one time step with `solver`, from the impulses of the time step before.
     ///
     /// # Errors
-    /// Names a setting of the solver without meaning, or the time step at which the simulation exploded.
+    /// Those of [`March::make`].
     pub fn time_step(
         &mut self,
         solver: &dyn Solver,
         stop: &Stop,
     ) -> Result<(Outcome, Observables), CaseError> {
         let next = self.next()?;
-        let outcome = solve(solver, &next.frozen.problem, &next.frozen.start, stop, &mut |_| {})?;
-        let observables = self.advance(&next, &outcome.impulses, &outcome.velocity);
-        Ok((outcome, observables))
+        self.make(&next, solver, stop, true)
     }
 
-    fn observe(&self, gap: &[f64]) -> Observables {
+    /// Makes the time step that [`March::next`] gave with `solver`: from the impulses of the one before if `warm`, else
+    /// from none.
+    ///
+    /// # Errors
+    /// Names a setting of the solver without meaning, or says how the simulation has exploded: `next` is then the problem
+    /// of its last good state.
+    pub fn make(
+        &mut self,
+        next: &TimeStep,
+        solver: &dyn Solver,
+        stop: &Stop,
+        warm: bool,
+    ) -> Result<(Outcome, Observables), CaseError> {
+        let outcome = solve(solver, &next.frozen.problem, &next.frozen.start(warm), stop, &mut |_| {})?;
+        let observables = self.advance(next, &outcome.impulses, &outcome.velocity);
+        match observables.explosion(self.mean_diameter(), self.scene.time_step_s) {
+            None => Ok((outcome, observables)),
+            Some(why) => Err(CaseError::Exploded { time_step: self.made, why }),
+        }
+    }
+
+    fn observe(&self, time_step: &TimeStep, r: &[f64]) -> Observables {
         let kinetic = self.mass.iter().zip(&self.velocity).map(|(m, v)| 0.5 * m * v.norm_squared());
         let moment = self.mass.iter().zip(&self.position).map(|(m, q)| m * q.y);
+        let overlaps = || time_step.frozen.gap.iter().map(|gap| f64::max(0.0, -gap));
         Observables {
             time: self.made as f64 * self.scene.time_step_s,
             kinetic_energy: kinetic.sum(),
             mean_height: moment.sum::<f64>() / self.mass.iter().sum::<f64>(),
-            greatest_overlap: gap.iter().fold(0.0, |greatest, gap| f64::max(greatest, -gap)),
+            greatest_overlap: overlaps().fold(0.0, f64::max),
+            mean_overlap: overlaps().sum::<f64>() / self.mass.len() as f64,
+            wall_impulses: wall_impulses(&time_step.sides, r),
+            contacts: r.len(),
+            greatest_speed: greatest_speed(&self.velocity),
         }
     }
 }
@@ -214,7 +236,7 @@ impl Law {
 
 /// The greatest free speed of a grain, and of a wall where it faces one (m/s). Twice this times h is as far as two
 /// surfaces come together in a time step without impulses.
-fn greatest_speed(
+fn greatest_approach(
     free_velocity: &[Vector2<f64>],
     position: &[Vector2<f64>],
     walls: &[Option<MovingWall>; 3],

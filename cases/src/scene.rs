@@ -67,7 +67,8 @@ pub struct Walls {
     pub vibration: Option<Vibration>,
 }
 
-/// The box moves by A sin(2π f (t − start)) from `start_s` on.
+/// The box moves by A (sin(2π f (t − start) + φ) − sin φ) from `start_s` on. It begins at its full speed with φ = 0, at
+/// rest with φ = −π/2. Its greatest acceleration is Γ = A (2π f)²/g times that of gravity.
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Vibration {
@@ -77,6 +78,9 @@ pub struct Vibration {
     pub frequency_hz: f64,
     /// Along x or y.
     pub direction: Direction,
+    /// φ (rad).
+    #[serde(default)]
+    pub phase_rad: f64,
     /// When it begins (s).
     #[serde(default)]
     pub start_s: f64,
@@ -146,8 +150,8 @@ impl MovingWall {
 
 impl Vibration {
     fn displacement(&self, time: f64) -> Vector2<f64> {
-        let phase = std::f64::consts::TAU * self.frequency_hz * (time - self.start_s).max(0.0);
-        let value = self.amplitude_m * libm::sin(phase);
+        let turned = std::f64::consts::TAU * self.frequency_hz * (time - self.start_s).max(0.0);
+        let value = self.amplitude_m * (libm::sin(turned + self.phase_rad) - libm::sin(self.phase_rad));
         match self.direction {
             Direction::X => Vector2::new(value, 0.0),
             Direction::Y => Vector2::new(0.0, value),
@@ -189,6 +193,7 @@ impl Scene {
             [
                 ("box.vibration.amplitude_m", vibration.amplitude_m),
                 ("box.vibration.frequency_hz", vibration.frequency_hz),
+                ("box.vibration.phase_rad", vibration.phase_rad),
                 ("box.vibration.start_s", vibration.start_s),
             ]
         });
@@ -204,9 +209,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn vibration_of_a_quarter_turn_back_begins_at_rest() {
+        let phase_rad = -std::f64::consts::FRAC_PI_2;
+        let (amplitude_m, frequency_hz, direction) = (0.1, 1.0, Direction::X);
+        let from_rest = Vibration { amplitude_m, frequency_hz, direction, phase_rad, start_s: 0.0 };
+        assert_eq!(from_rest.displacement(0.0), Vector2::zeros());
+        // A (1 − cos(2π f t)): all the way after half a period; A (2π f t)²/2 soon after the start.
+        assert!((from_rest.displacement(0.5).x - 0.2).abs() < 1e-15);
+        let soon = 0.1 * (std::f64::consts::TAU * 1e-4_f64).powi(2) / 2.0;
+        assert!((from_rest.displacement(1e-4).x / soon - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
     fn walls_turn_about_their_feet_and_shake_with_the_box() {
-        let vibration =
-            Vibration { amplitude_m: 0.1, frequency_hz: 0.25, direction: Direction::Y, start_s: 1.0 };
+        let (amplitude_m, frequency_hz, direction) = (0.1, 0.25, Direction::Y);
+        let vibration = Vibration { amplitude_m, frequency_hz, direction, phase_rad: 0.0, start_s: 1.0 };
         let walls = Walls {
             width_m: Some(3.0),
             tilt_rate_rad_per_s: std::f64::consts::FRAC_PI_4,

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use cases::{Case, Frozen, March, Side, detect};
+use cases::{Case, CaseError, Explosion, Frozen, March, Side, detect};
 use cg::Cg;
 use contact::{Measure, Status, Stop, proves_infeasible, solve};
 use nalgebra::Vector2;
@@ -122,7 +122,12 @@ fn settled_box_comes_to_rest_on_its_floor_without_overlap() {
         "{observables:?}"
     );
     let weight = mass * GRAVITY * 0.005;
-    assert!((on_the_floor(&next.frozen, &outcome.impulses) / weight - 1.0).abs() < 1e-3);
+    let floor = on_the_floor(&next.frozen, &outcome.impulses);
+    assert!((floor / weight - 1.0).abs() < 1e-3);
+    // At rest the side walls hold each other's balance.
+    let [shown, left, right] = observables.wall_impulses;
+    assert_eq!(shown, floor);
+    assert!(left > 0.0 && (left - right).abs() < 1e-3 * weight, "{observables:?}");
 }
 
 #[test]
@@ -142,6 +147,20 @@ fn free_fall_is_exact() {
         height = march.time_step(&Cg::default(), &tight()).unwrap().1.mean_height;
     }
     assert!((height - (100.0 - 0.5 * GRAVITY)).abs() < 1e-10, "{height} m after 1 s");
+}
+
+/// A disc that falls by more than its diameter within a time step would pass others unseen.
+#[test]
+fn absurd_time_step_explodes_at_once() {
+    let changes = [("sample.discs", "[[0.0, 100.0, 0.5]]"), ("scene.time_step_s", "1.0")];
+    let error = march("two-discs", &changes).time_step(&Cg::default(), &tight()).unwrap_err();
+    let Explosion::Speed { speed, bound } = (match error {
+        CaseError::Exploded { time_step: 1, why } => why,
+        other => panic!("{other}"),
+    }) else {
+        panic!("of speed")
+    };
+    assert!((speed - GRAVITY).abs() < 1e-12 && bound == 1.0, "{speed} m/s, {bound} m/s");
 }
 
 /// A disc that lies on a shaken floor moves with it, as long as the floor's acceleration is below g.

@@ -96,7 +96,7 @@ impl StudyArgs {
             asked.keep(key, pattern)?;
         }
         if !self.only.is_empty() {
-            let (some, all) = (asked.selected().count(), asked.runs());
+            let (some, all) = (asked.selected().count() * asked.rules(), asked.runs());
             asked.notes.push(format!("{some} of the {all} runs of the plan are asked for"));
         }
         Ok(asked)
@@ -106,15 +106,20 @@ impl StudyArgs {
     fn change_stop(&self, plan: &mut Plan) -> Result<Vec<String>> {
         let mut changes: Vec<String> =
             self.settings.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+        // What a rule of a study through time varies is then the same for all.
+        let mut forget = |key| plan.simulate.iter_mut().for_each(|simulate| simulate.forget(key));
         if let Some(tolerance) = self.tolerance {
+            forget("tolerance");
             plan.stop.tolerance = tolerance;
             changes.push(format!("tolerance = {tolerance:e}"));
         }
         if let Some(on) = self.on {
+            forget("on");
             plan.stop.on = on;
             changes.push(format!("on = {on}"));
         }
         if let Some(max_iterations) = self.max_iterations {
+            forget("max_iterations");
             plan.stop.max_iterations = max_iterations;
             changes.push(format!("max_iterations = {max_iterations}"));
         }
@@ -126,7 +131,12 @@ impl StudyArgs {
 impl Asked {
     /// Number of runs of the plan.
     pub(crate) fn runs(&self) -> usize {
-        self.problems.len() * self.variants.len()
+        self.problems.len() * self.variants.len() * self.rules()
+    }
+
+    /// Number of rules under which every variant meets every scene, in a study through time; else 1.
+    pub(crate) fn rules(&self) -> usize {
+        self.plan.rules().map_or(1, |rules| rules.len().max(1))
     }
 
     /// Whether the run of a variant on a problem is to be made.

@@ -7,10 +7,12 @@ use crate::inputs::Root;
 use crate::interrupt;
 use crate::output::say;
 use crate::report::say_files;
+use crate::simulations;
 use crate::study::{Progress, Study};
 use crate::tables::{notes, tables};
 use anyhow::{Context, Result, anyhow};
 use reports::{About, Formats, Wanted};
+use results::journal::Entry;
 use results::schema::Provenance;
 use results::store::{Store, StoreError};
 use std::collections::HashSet;
@@ -25,14 +27,14 @@ pub(crate) struct Args {
     study: StudyArgs,
     /// Make N different runs at a time: the counts are the same, but seconds are then not taken alone
     #[arg(long, value_name = "N", default_value = "1")]
-    jobs: NonZeroUsize,
+    pub(crate) jobs: NonZeroUsize,
     /// Make every run N times, and one before that is not counted; its seconds are medians [default: the plan's
     /// `repeats`, or 1]
     #[arg(long, value_name = "N")]
-    repeats: Option<NonZeroU32>,
+    pub(crate) repeats: Option<NonZeroU32>,
     /// Make all runs again, those that are there as well; the new rows replace them in the tables
     #[arg(long)]
-    rerun: bool,
+    pub(crate) rerun: bool,
     /// Begin anew; what was there is kept in a folder named after the time
     #[arg(long, conflicts_with = "rerun")]
     fresh: bool,
@@ -40,12 +42,11 @@ pub(crate) struct Args {
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let asked = args.study.asked(root)?;
-    let provenance = provenance()?;
-    if args.fresh
-        && let Some(kept) = Store::set_aside(&runs_folder(root), &asked.plan.name)?
-    {
-        say(format_args!("what was there is now in {}", kept.display()))?;
+    if asked.plan.simulate.is_some() {
+        return simulations::bench(root, args, asked);
     }
+    let provenance = provenance()?;
+    begin_anew(root, args, &asked.plan.name)?;
     // A place that cannot be written to is known before a problem is made.
     let store = open(root, &asked.plan.name)?;
     let study = Study::made(asked, root)?;
@@ -69,10 +70,23 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         Ok(store.lock().unwrap_or_else(PoisonError::into_inner).append(record)?)
     });
     let store = store.into_inner().unwrap_or_else(PoisonError::into_inner);
-    ended.with_context(|| {
-        format!("stopped; what ended before is kept, `gravel bench {}` goes on", study.asked.again)
-    })?;
+    stopped(ended, &study.asked.again)?;
     finish(root, &study, store, &provenance)
+}
+
+/// Keeps aside what the store of a plan holds, if asked.
+pub(crate) fn begin_anew(root: &Root, args: &Args, plan: &str) -> Result<()> {
+    if args.fresh
+        && let Some(kept) = Store::set_aside(&runs_folder(root), plan)?
+    {
+        say(format_args!("what was there is now in {}", kept.display()))?;
+    }
+    Ok(())
+}
+
+/// An error does not lose what ended before it.
+pub(crate) fn stopped(ended: Result<()>, again: &str) -> Result<()> {
+    ended.with_context(|| format!("stopped; what ended before is kept, `gravel bench {again}` goes on"))
 }
 
 /// Where studies are stored.
@@ -81,7 +95,7 @@ pub(crate) fn runs_folder(root: &Root) -> PathBuf {
 }
 
 /// Opens the store of a plan, and says what was lost with a process that was killed.
-pub(crate) fn open(root: &Root, plan: &str) -> Result<Store> {
+pub(crate) fn open<R: Entry>(root: &Root, plan: &str) -> Result<Store<R>> {
     let store = Store::open(&runs_folder(root), plan).map_err(|error| match error {
         StoreError::Line { .. } => {
             anyhow!("{error}; `gravel bench --fresh` keeps the file aside and begins anew")
@@ -116,20 +130,25 @@ pub(crate) fn finish(
     for note in notes(study, store.records()) {
         say(format_args!("{note}"))?;
     }
-    let Asked { plan, again, .. } = &study.asked;
+    let Asked { plan, .. } = &study.asked;
+    let wanted = Wanted { charts: &plan.charts(), formats: Formats::default(), against: None };
+    let out = root.join("reports/out").join(&plan.name);
+    let files = reports::report(&tables, &about(&study.asked), wanted, &out)?;
+    say_files(store.folder(), &out, &files)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What the page of a study says of it.
+pub(crate) fn about(asked: &Asked) -> About {
+    let Asked { plan, again, .. } = asked;
     // A study that is changed is drawn by its own command alone.
     let drawn_again = again.split_whitespace().skip(1).all(|word| word == "--quick");
-    let about = About {
+    About {
         name: plan.name.clone(),
         why: plan.why.clone(),
         bench: again.clone(),
         draw: drawn_again.then(|| again.clone()),
-    };
-    let wanted = Wanted { charts: &plan.charts, formats: Formats::default(), against: None };
-    let out = root.join("reports/out").join(&plan.name);
-    let files = reports::report(&tables, &about, wanted, &out)?;
-    say_files(store.folder(), &out, &files)?;
-    Ok(ExitCode::SUCCESS)
+    }
 }
 
 /// This build, on this machine.

@@ -39,22 +39,35 @@ pub(crate) fn execute(
     keep: &(dyn Fn(Record) -> Result<()> + Sync),
 ) -> Result<()> {
     let board = Board::new(tasks.len() as u64);
+    in_parallel(tasks, how.jobs, &|task, halt| {
+        if let Some(record) = make(root, study, task, how, provenance, &board, halt)? {
+            keep(record)?;
+            board.run_ended();
+        }
+        Ok(())
+    })
+}
+
+/// Does the `work` of every task, `jobs` at a time, until the first error or until the user asks for an end; the work
+/// learns of both by its second argument.
+pub(crate) fn in_parallel<T: Sync>(
+    tasks: &[T],
+    jobs: NonZeroUsize,
+    work: &(dyn Fn(&T, &dyn Fn() -> bool) -> Result<()> + Sync),
+) -> Result<()> {
     let next = AtomicUsize::new(0);
     let failed = AtomicBool::new(false);
     let halt = || interrupt::asked() || failed.load(Ordering::Relaxed);
-    let make_the_next = || -> Result<()> {
+    let do_the_next = || -> Result<()> {
         while !halt()
             && let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed))
         {
-            if let Some(record) = make(root, study, task, how, provenance, &board, &halt)? {
-                keep(record)?;
-                board.run_ended();
-            }
+            work(task, &halt)?;
         }
         Ok(())
     };
-    let work = || make_the_next().inspect_err(|_| failed.store(true, Ordering::Relaxed));
-    let workers = how.jobs.get().min(tasks.len());
+    let work = || do_the_next().inspect_err(|_| failed.store(true, Ordering::Relaxed));
+    let workers = jobs.get().min(tasks.len());
     let ended: Vec<Result<()>> = std::thread::scope(|scope| {
         let handles: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
         let joined = handles.into_iter().map(ScopedJoinHandle::join);
@@ -133,7 +146,7 @@ fn once(
 }
 
 /// Before the run.
-fn untimed(how: How) -> Timing {
+pub(crate) fn untimed(how: How) -> Timing {
     Timing { repeats: how.repeats, timed_alone: how.jobs.get() == 1, load_average: load_average(), ..UNTIMED }
 }
 

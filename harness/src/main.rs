@@ -24,6 +24,7 @@ mod rows;
 mod schema;
 mod show;
 mod simulate;
+mod simulations;
 mod solve;
 mod study;
 mod suggest;

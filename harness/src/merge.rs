@@ -4,9 +4,11 @@ use crate::asked::StudyArgs;
 use crate::bench::{finish, open, provenance};
 use crate::inputs::Root;
 use crate::output::say;
+use crate::simulations;
 use crate::study::Study;
 use anyhow::{Result, bail};
-use results::store::{is_study, records_of};
+use results::journal::Entry;
+use results::store::{Store, is_study, records_of};
 use std::collections::HashSet;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -21,27 +23,39 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    let study = Study::made(StudyArgs::plan(&args.plan).asked(root)?, root)?;
+    let asked = StudyArgs::plan(&args.plan).asked(root)?;
+    let plan = asked.plan.name.clone();
+    if asked.plan.simulate.is_some() {
+        let store = joined(root, &plan, &args.from)?;
+        return simulations::merged(root, asked, store);
+    }
+    let store = joined(root, &plan, &args.from)?;
+    finish(root, &Study::made(asked, root)?, store, &provenance()?)
+}
+
+/// The store of a plan with what those in the folders `from` hold beside it.
+fn joined<R: Entry>(root: &Root, plan: &str, from: &[PathBuf]) -> Result<Store<R>> {
     let mut stores = Vec::new();
-    for folder in &args.from {
+    for folder in from {
         if !is_study(folder) {
             bail!("{}: this folder has no journal.jsonl", folder.display());
         }
-        stores.push((folder, records_of(folder)?));
+        stores.push((folder, records_of::<R>(folder)?));
     }
-    let mut store = open(root, &study.asked.plan.name)?;
-    let mut known: HashSet<String> = store.records().iter().map(|record| record.run.id.clone()).collect();
+    let mut store = open(root, plan)?;
+    let mut known: HashSet<String> =
+        store.records().iter().map(|record: &R| record.id().to_owned()).collect();
     for (folder, records) in stores {
         let all = records.len();
         let mut added = 0;
         for record in records {
             // A run that is here keeps its seconds.
-            if known.insert(record.run.id.clone()) {
+            if known.insert(record.id().to_owned()) {
                 store.append(record)?;
                 added += 1;
             }
         }
         say(format_args!("{}: {added} of {all} runs are new here", folder.display()))?;
     }
-    finish(root, &study, store, &provenance()?)
+    Ok(store)
 }

@@ -2,9 +2,11 @@
 
 mod axes;
 mod names;
+mod simulate;
 
 pub(crate) use axes::{Settings, combinations, values};
 pub(crate) use names::{last_parts, pairs};
+pub(crate) use simulate::{Rule, Simulate};
 
 use crate::methods::Method;
 use crate::study::Task;
@@ -45,13 +47,15 @@ pub(crate) struct Plan {
     pub(crate) reference: bool,
     /// Until when.
     pub(crate) stop: Stop,
+    /// Makes of the study one through time: simulations of its cases, instead of problems.
+    pub(crate) simulate: Option<Simulate>,
     /// Which samples of a run are kept.
     #[serde(default)]
     pub(crate) curves: Curves,
     /// Names of the figures.
-    #[serde(default = "default_charts", deserialize_with = "charts")]
+    #[serde(default, deserialize_with = "charts")]
     #[schemars(schema_with = "charts_schema")]
-    pub(crate) charts: Vec<Chart>,
+    charts: Option<Vec<Chart>>,
     /// What the page of the study shows through the iterations.
     pub(crate) view: Option<View>,
     /// The methods.
@@ -62,17 +66,13 @@ pub(crate) struct Plan {
     quick: Option<toml::Table>,
 }
 
-fn default_charts() -> Vec<Chart> {
-    Chart::default_set().to_vec()
-}
-
-fn charts<'de, D: Deserializer<'de>>(names: D) -> Result<Vec<Chart>, D::Error> {
+fn charts<'de, D: Deserializer<'de>>(names: D) -> Result<Option<Vec<Chart>>, D::Error> {
     let known = || Chart::all().iter().map(|chart| chart.name());
     let read = |name: &String| {
         let nearest = || suggest::of(name, known());
         name.parse().map_err(|error| D::Error::custom(format!("`charts`: {error}{}", nearest())))
     };
-    Vec::<String>::deserialize(names)?.iter().map(read).collect()
+    Vec::<String>::deserialize(names)?.iter().map(read).collect::<Result<_, _>>().map(Some)
 }
 
 fn charts_schema(_: &mut SchemaGenerator) -> Schema {
@@ -96,6 +96,8 @@ pub(crate) struct PlannedCase {
     pub(crate) case: String,
     /// The time step, counted from 1, or one of the case's moments; the case's `solve_at` where there is none.
     pub(crate) time_step: Option<Value>,
+    /// The time to simulate, in a study through time; the plan's where there is none (s).
+    pub(crate) duration_s: Option<f64>,
     /// Values that are the same for all, such as `"scene.law" = "iqs"`.
     #[serde(default)]
     pub(crate) scene: Settings,
@@ -176,7 +178,7 @@ impl Plan {
         read().with_context(|| path.display().to_string())
     }
 
-    /// The plan with the keys of `quick` in place of its own: those of `stop` one by one, all others whole.
+    /// The plan with the keys of `quick` in place of its own: those of `stop` and `simulate` one by one, all others whole.
     fn quick(&self, text: &str) -> Result<Option<Self>> {
         let Some(quick) = &self.quick else { return Ok(None) };
         let mut plan: toml::Table = toml::from_str(text)?;
@@ -184,7 +186,7 @@ impl Plan {
         for (key, value) in quick {
             match (key.as_str(), plan.get_mut(key).and_then(toml::Value::as_table_mut), value.as_table()) {
                 ("name" | "quick", ..) => bail!("`{key}`: a quick study has the name of its plan and -quick"),
-                ("stop", Some(stop), Some(quick)) => stop.extend(quick.clone()),
+                ("stop" | "simulate", Some(table), Some(quick)) => table.extend(quick.clone()),
                 _ => drop(plan.insert(key.clone(), value.clone())),
             }
         }
@@ -199,12 +201,44 @@ impl Plan {
         if self.problems.is_empty() && self.cases.is_empty() {
             bail!("`problems` is empty, and there are no `cases`");
         }
-        self.stop.check().context("`stop`")?;
         if self.stop.on == Measure::VelocityError && !self.reference {
-            bail!("`reference` is false: it must be true where `stop.on` is velocity_error");
+            bail!("`reference` is false: no run can stop on {}, which needs it", self.stop.on);
         }
+        if self.simulate.is_some() {
+            if !self.problems.is_empty() {
+                bail!("`problems`: a frozen problem has no time; a plan with `simulate` has `cases` only");
+            }
+            if let Some(case) = self.cases.iter().find(|case| case.time_step.is_some()) {
+                bail!("`cases`: case `{}`: `time_step`: a simulation begins at the first", case.case);
+            }
+        } else if let Some(case) = self.cases.iter().find(|case| case.duration_s.is_some()) {
+            bail!("`cases`: case `{}`: `duration_s`: the plan has no table [simulate]", case.case);
+        }
+        self.charts().into_iter().try_for_each(|chart| self.suits(chart)).context("`charts`")?;
+        self.stop.check().context("`stop`")?;
+        self.rules()?;
         let variants = self.variants(&[])?;
         self.view.as_ref().map_or(Ok(()), |view| view.check(&variants)).context("`view`")
+    }
+
+    /// The rules of a study through time, each with its name; none for a study of problems.
+    pub(crate) fn rules(&self) -> Result<Vec<(Rule, String)>> {
+        self.simulate.as_ref().map_or(Ok(Vec::new()), |simulate| simulate.rules(&self.stop, self.warm_start))
+    }
+
+    /// The figures of the study.
+    pub(crate) fn charts(&self) -> Vec<Chart> {
+        self.charts.clone().unwrap_or_else(|| Chart::default_set(self.simulate.is_some()))
+    }
+
+    /// Refuses a chart of the other kind of study.
+    pub(crate) fn suits(&self, chart: Chart) -> Result<()> {
+        let name = chart.name();
+        match (chart.through_time(), self.simulate.is_some()) {
+            (true, false) => bail!("chart `{name}` is of simulations, and the plan has no table [simulate]"),
+            (false, true) => bail!("chart `{name}` is of problems, and the plan is of simulations"),
+            _ => Ok(()),
+        }
     }
 
     /// Every method with every combination of its axes, in the order of the plan. Each of `changes` replaces a setting of

@@ -5,6 +5,7 @@ use crate::inputs::{Root, content_hash, march_to, stem, time_step};
 use crate::methods::Method;
 use crate::output::{say, write_whole};
 use crate::plan::{Plan, PlannedCase, Settings, combinations, last_parts, pairs, values};
+use crate::simulations;
 use crate::truth::{Given, Known, known};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
@@ -31,6 +32,8 @@ pub(crate) struct PlannedProblem {
 enum Source {
     Frozen(Box<Frozen>, Option<Given>),
     Case(Box<Scene>),
+    /// No problem, but the many of a simulation.
+    Simulated(Box<simulations::Scene>),
 }
 
 /// A case with its values replaced, at a time step.
@@ -74,14 +77,12 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
         let beside = path.with_extension("solution.json");
         let given = beside.is_file().then(|| Given::read(&beside, &frozen.problem)).transpose()?;
         let name = frozen.name.clone();
-        problems.push(PlannedProblem {
-            name,
-            settings: Settings::new(),
-            source: Source::Frozen(frozen, given),
-        });
+        let (settings, reference) = (Settings::new(), plan.reference);
+        problems.push(PlannedProblem { name, settings, source: Source::Frozen(frozen, given), reference });
     }
     for planned in &plan.cases {
-        problems.extend(of_case(root, planned, plan.reference).with_context(|| format!("`cases`: case `{}`", planned.case))?);
+        let of_case = of_case(root, plan, planned);
+        problems.extend(of_case.with_context(|| format!("`cases`: case `{}`", planned.case))?);
     }
     let mut seen = BTreeSet::new();
     if let Some(twice) = problems.iter().find(|problem| !seen.insert(&problem.name)) {
@@ -104,7 +105,7 @@ fn frozen_path(root: &Root, name: &str) -> Result<PathBuf> {
 
 /// Every combination of a case's axes, named by the values on them: of values that are taken together, by the first that
 /// tells them apart.
-fn of_case(root: &Root, planned: &PlannedCase, reference: bool) -> Result<Vec<PlannedProblem>> {
+fn of_case(root: &Root, plan: &Plan, planned: &PlannedCase) -> Result<Vec<PlannedProblem>> {
     let path = root.case(&planned.case)?;
     let mut naming: Vec<&str> = Vec::new();
     for (key, axis) in &planned.zip {
@@ -118,17 +119,30 @@ fn of_case(root: &Root, planned: &PlannedCase, reference: bool) -> Result<Vec<Pl
     }
     naming.extend(planned.axes.keys().map(String::as_str));
     let short = last_parts(&naming);
+    let named = |case: &str, settings: &Settings, except: &str| {
+        let named = short.iter().copied().zip(&naming).filter(|(_, key)| **key != except);
+        format!("{case} {}", pairs(named.map(|(short, key)| (short, &settings[*key])))).trim_end().to_owned()
+    };
     let mut problems = Vec::new();
     for settings in combinations(&planned.scene, &planned.zip, &planned.axes)? {
+        if let Some(simulate) = &plan.simulate {
+            let case = Case::read(&path, &overrides(&settings))?;
+            let name = named(&case.name, &settings, "");
+            let alone = named(&case.name, &settings, simulations::TIME_STEP);
+            let scene = simulations::Scene::planned(case, alone, settings.clone(), planned, simulate)?;
+            let source = Source::Simulated(Box::new(scene));
+            problems.push(PlannedProblem { name, settings, source, reference: false });
+            continue;
+        }
         let scene = Scene::read(&path, &settings, planned.time_step.as_ref())?;
-        let named = short.iter().copied().zip(naming.iter().map(|key| &settings[*key]));
-        let name = format!("{} {}", scene.case.name, pairs(named)).trim_end().to_owned();
+        let name = named(&scene.case.name, &settings, "");
         let mut all = Settings::from_iter([
             ("case".to_owned(), json!(scene.case.name)),
             ("time_step".to_owned(), json!(scene.time_step)),
         ]);
         all.extend(settings);
-        problems.push(PlannedProblem { name, settings: all, source: Source::Case(Box::new(scene)), reference });
+        let (source, reference) = (Source::Case(Box::new(scene)), plan.reference);
+        problems.push(PlannedProblem { name, settings: all, source, reference });
     }
     Ok(problems)
 }
@@ -142,6 +156,7 @@ impl PlannedProblem {
                 let kept = scene.kept(root).map_or_else(|| scene.make_and_keep(root, &self.name), Ok);
                 Ok(self.problem(kept?, None))
             }
+            Source::Simulated(_) => bail!("{} is a scene of a study through time, no problem", self.name),
         }
     }
 
@@ -150,6 +165,7 @@ impl PlannedProblem {
         match &self.source {
             Source::Frozen(frozen, given) => Some(self.problem((**frozen).clone(), given.clone())),
             Source::Case(scene) => scene.kept(root).map(|frozen| self.problem(frozen, None)),
+            Source::Simulated(_) => None,
         }
     }
 
@@ -159,13 +175,28 @@ impl PlannedProblem {
         let known = if self.reference { OnceLock::new() } else { OnceLock::from(Known::Nothing) };
         Problem { hash: content_hash(&frozen), settings, given, known, frozen }
     }
+
+    /// The scene of a study through time.
+    pub(crate) fn scene(&self) -> Option<&simulations::Scene> {
+        match &self.source {
+            Source::Simulated(scene) => Some(scene),
+            _ => None,
+        }
+    }
+}
+
+fn typed(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// Settings as they are typed.
+fn overrides(settings: &Settings) -> Vec<(String, String)> {
+    settings.iter().map(|(key, value)| (key.clone(), typed(value))).collect()
 }
 
 impl Scene {
     fn read(path: &Path, settings: &Settings, moment: Option<&Value>) -> Result<Self> {
-        let typed = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-        let overrides: Vec<(String, String)> =
-            settings.iter().map(|(key, value)| (key.clone(), typed(value))).collect();
+        let overrides = overrides(settings);
         let case = Case::read(path, &overrides)?;
         let time_step = match moment {
             None => case.solve_at,

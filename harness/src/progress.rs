@@ -82,6 +82,18 @@ impl Line {
     }
 }
 
+impl Line {
+    /// Shows where a simulation is, some times per second.
+    pub(crate) fn show_time_step(&mut self, time_step: u64, of: u64) {
+        if self.shown.elapsed() < Duration::from_millis(200) {
+            return;
+        }
+        self.shown = Instant::now();
+        self.bar.set_message(format!("{}: time step {time_step} of {of}", self.name));
+        self.bar.tick();
+    }
+}
+
 impl Drop for Line {
     fn drop(&mut self) {
         self.bar.finish_and_clear();

@@ -6,7 +6,7 @@ use crate::output::{say, write_whole};
 use crate::plan::Plan;
 use anyhow::{Context, Result, bail};
 use reports::{About, Chart, Formats, Wanted};
-use results::store::{Tables, read, tables_folder};
+use results::store::{Tables, read, read_simulations, tables_folder};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -70,36 +70,30 @@ impl Stored {
     fn again(&self) -> String {
         format!("{}{}", self.plan, if self.quick { " --quick" } else { "" })
     }
-
-    /// The folder of the study of `plan`, and its tables.
-    fn tables(root: &Root, plan: &Plan) -> Result<(PathBuf, Tables)> {
-        let runs = runs_folder(root);
-        let Some(stored) = tables_folder(&runs, &plan.name) else {
-            bail!(
-                "no study of plan `{}` is stored in {}: `gravel bench` makes one",
-                plan.name,
-                runs.display()
-            );
-        };
-        let tables = read(&stored)?;
-        Ok((stored, tables))
-    }
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let plan = args.study.plan(root)?;
-    let (stored, tables) = Stored::tables(root, &plan)?;
+    let stored = stored(root, &plan)?;
     let again = args.study.again();
     let about =
         About { name: plan.name.clone(), why: plan.why.clone(), bench: again.clone(), draw: Some(again) };
     let out = root.join("reports/out").join(&plan.name);
     let before = args.against.as_deref().map(read).transpose().context("--against")?;
-    let wanted =
-        Wanted { charts: &plan.charts, formats: args.formats.formats(), against: before.as_ref() };
-    if let Some(template) = &args.fill {
-        fill(&tables, template)?;
-    }
-    let files = reports::report(&tables, &about, wanted, &out)?;
+    let (charts, formats) = (plan.charts(), args.formats.formats());
+    let wanted = Wanted { charts: &charts, formats, against: before.as_ref() };
+    let files = if plan.simulate.is_some() {
+        if args.fill.is_some() || args.against.is_some() {
+            bail!("--against and --fill are for studies of problems, and `{}` is one through time", plan.name);
+        }
+        reports::report(&read_simulations(&stored)?, &about, wanted, &out)?
+    } else {
+        let tables = read(&stored)?;
+        if let Some(template) = &args.fill {
+            fill(&tables, template)?;
+        }
+        reports::report(&tables, &about, wanted, &out)?
+    };
     say_files(&stored, &out, &files)
 }
 
@@ -118,10 +112,24 @@ fn fill(tables: &Tables, template: &Path) -> Result<()> {
 /// One chart, in a folder of its own: the report of the study stays as it is.
 pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
     let plan = args.study.plan(root)?;
-    let (stored, tables) = Stored::tables(root, &plan)?;
+    plan.suits(args.chart)?;
+    let stored = stored(root, &plan)?;
     let out = root.join("reports/out").join(format!("{}-{}", plan.name, args.chart.name()));
-    let files = reports::figure(&tables, args.chart, args.formats.formats(), &out)?;
+    let formats = args.formats.formats();
+    let files = if plan.simulate.is_some() {
+        reports::figure(&read_simulations(&stored)?, args.chart, formats, &out)?
+    } else {
+        reports::figure(&read(&stored)?, args.chart, formats, &out)?
+    };
     say_files(&stored, &out, &files)
+}
+
+/// The folder of the study of `plan`.
+fn stored(root: &Root, plan: &Plan) -> Result<PathBuf> {
+    let runs = runs_folder(root);
+    tables_folder(&runs, &plan.name).with_context(|| {
+        format!("no study of plan `{}` is stored in {}: `gravel bench` makes one", plan.name, runs.display())
+    })
 }
 
 /// Where the rows and the files of a report are.

@@ -1,9 +1,12 @@
 //! `gravel plan`: the runs of a plan, which of them are made, and how long the others take, with nothing run.
 
-use crate::asked::StudyArgs;
+use crate::asked::{Asked, StudyArgs};
 use crate::bench::runs_folder;
 use crate::inputs::Root;
 use crate::output::say;
+use crate::plan::Variant;
+use crate::problems::PlannedProblem;
+use crate::simulations;
 use crate::study::{Progress, Study};
 use anyhow::Result;
 use indicatif::HumanDuration;
@@ -21,21 +24,31 @@ pub(crate) struct Args {
 }
 
 /// A run of the plan, as it is shown.
-struct Row<'s> {
-    problem: &'s str,
-    method: &'s str,
-    variant: &'s str,
-    done: bool,
+pub(crate) struct Row {
+    pub(crate) problem: String,
+    pub(crate) method: String,
+    pub(crate) variant: String,
+    pub(crate) done: bool,
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let asked = args.study.asked(root)?;
-    let records = records_of(&runs_folder(root).join(&asked.plan.name))?;
-    let study = Study::at_hand(asked, root);
-    say(format_args!("plan {}: {}", study.asked.plan.name, study.asked.plan.why))?;
-    for note in &study.asked.notes {
+    say(format_args!("plan {}: {}", asked.plan.name, asked.plan.why))?;
+    for note in &asked.notes {
         say(format_args!("  {note}"))?;
     }
+    let (rows, left_s) =
+        if asked.plan.simulate.is_some() { simulations::rows(root, asked)? } else { rows(root, asked)? };
+    if !args.count {
+        say_runs(&rows)?;
+    }
+    say_counts(&rows, left_s)
+}
+
+/// The runs to be made, and how long the missing ones may take (s).
+fn rows(root: &Root, asked: Asked) -> Result<(Vec<Row>, Option<f64>)> {
+    let records = records_of(&runs_folder(root).join(&asked.plan.name))?;
+    let study = Study::at_hand(asked, root);
     let Progress { missing, left_s } = study.progress(&records);
     let missing: HashSet<(&str, &str, &str)> = missing
         .iter()
@@ -43,17 +56,12 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         .collect();
     // A problem that is not made has no run.
     let at_hand: HashSet<&str> = study.problems.iter().map(|problem| problem.frozen.name.as_str()).collect();
-    let rows: Vec<Row> = study
-        .asked
-        .selected()
-        .map(|(problem, variant)| (problem.name.as_str(), variant.method.name, variant.name.as_str()))
-        .map(|run| (run, at_hand.contains(run.0) && !missing.contains(&run)))
-        .map(|((problem, method, variant), done)| Row { problem, method, variant, done })
-        .collect();
-    if !args.count {
-        say_runs(&rows)?;
-    }
-    say_counts(&rows, left_s)
+    let row = |(problem, variant): (&PlannedProblem, &Variant)| {
+        let run = (problem.name.as_str(), variant.method.name, variant.name.as_str());
+        let done = at_hand.contains(run.0) && !missing.contains(&run);
+        Row { problem: run.0.to_owned(), method: run.1.to_owned(), variant: run.2.to_owned(), done }
+    };
+    Ok((study.asked.selected().map(row).collect(), left_s))
 }
 
 fn say_runs(rows: &[Row]) -> Result<()> {

@@ -7,7 +7,6 @@ use crate::plan::Variant;
 use crate::problems::{PlannedProblem, Problem};
 use anyhow::Result;
 use results::journal::Record;
-use results::schema::Run;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A plan with those of its problems that are at hand: all that runs to be made need, and others that need not be made.
@@ -79,20 +78,27 @@ impl Study {
     pub(crate) fn progress(&self, records: &[Record]) -> Progress<'_> {
         let done: HashSet<&str> = records.iter().map(|record| record.run.id.as_str()).collect();
         let missing = self.missing(&done);
-        let mut seconds: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-        for Run { method, timing, .. } in records.iter().map(|record| &record.run) {
-            // A run that was skipped took no time.
-            if timing.wall_s.is_finite() {
-                seconds.entry(method).or_default().push(timing.wall_s);
-            }
-        }
-        let all = median(seconds.values().flatten().copied().collect());
-        let of_method: BTreeMap<&str, Option<f64>> =
-            seconds.into_iter().map(|(method, seconds)| (method, median(seconds))).collect();
-        let one = |task: &Task| of_method.get(task.variant.method.name).copied().flatten().or(all);
-        let left_s = missing.iter().map(one).sum();
+        let seconds = records.iter().map(|Record { run, .. }| (&*run.method, run.timing.wall_s));
+        let left_s = left_s(seconds, missing.iter().map(|task| task.variant.method.name));
         Progress { missing, left_s }
     }
+}
+
+/// How long runs of the `missing` methods take, judged by the `seconds` of those of each method that are there, or else by
+/// all; `None` if there are none (s).
+pub(crate) fn left_s<'s>(
+    seconds: impl Iterator<Item = (&'s str, f64)>,
+    missing: impl Iterator<Item = &'s str>,
+) -> Option<f64> {
+    let mut of_methods: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    // A run that was skipped took no time.
+    for (method, wall_s) in seconds.filter(|(_, wall_s)| wall_s.is_finite()) {
+        of_methods.entry(method).or_default().push(wall_s);
+    }
+    let all = median(of_methods.values().flatten().copied().collect());
+    let of_method: BTreeMap<&str, Option<f64>> =
+        of_methods.into_iter().map(|(method, seconds)| (method, median(seconds))).collect();
+    missing.map(|method| of_method.get(method).copied().flatten().or(all)).sum()
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {

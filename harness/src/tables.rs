@@ -72,20 +72,7 @@ pub(crate) fn notes(study: &Study, records: &[Record]) -> Vec<String> {
     let known = by_id(records);
     let asked: HashSet<String> = study.tasks().into_iter().map(|task| task.id).collect();
     let runs: Vec<&Run> = asked.iter().filter_map(|id| known.get(id.as_str())).map(|r| &r.run).collect();
-    let mut notes = Vec::new();
-    let mut origins: Vec<&Run> = Vec::new();
-    for run in &runs {
-        if !origins.iter().any(|other| other.provenance.comparable(&run.provenance)) {
-            origins.push(run);
-        }
-    }
-    if origins.len() > 1 {
-        notes.push(format!(
-            "The rows come from {} builds, machines or numbers of threads: their counts compare, their seconds do not. \
-             --rerun times all again.",
-            origins.len()
-        ));
-    }
+    let mut notes: Vec<String> = origins(runs.iter().map(|run| &run.provenance)).into_iter().collect();
     let timed = || runs.iter().filter(|run| run.status != "skipped");
     let together = timed().filter(|run| !run.timing.timed_alone).count();
     if together > 0 {
@@ -115,6 +102,23 @@ pub(crate) fn notes(study: &Study, records: &[Record]) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// Says so if rows do not come from one build on one machine.
+pub(crate) fn origins<'r>(rows: impl Iterator<Item = &'r Provenance>) -> Option<String> {
+    let mut origins: Vec<&Provenance> = Vec::new();
+    for row in rows {
+        if !origins.iter().any(|other| other.comparable(row)) {
+            origins.push(row);
+        }
+    }
+    (origins.len() > 1).then(|| {
+        format!(
+            "The rows come from {} builds, machines or numbers of threads: their counts compare, their seconds do not. \
+             --rerun times all again.",
+            origins.len()
+        )
+    })
 }
 
 /// Runs of one id that did not count the same: method, problem and id of each.

@@ -3,33 +3,45 @@
 use std::fmt;
 use std::str::FromStr;
 
+use results::simulation::SimulationTables;
 use results::store::Tables;
 use thiserror::Error;
 
 use crate::part::Part;
 use crate::{
-    ReportError, convergence, critical_path, directions, profiles, sample, size, subdomains, truth,
-    work_precision,
+    ReportError, StudyTables, atlas_in_time, convergence, critical_path, directions, profiles, sample, size,
+    subdomains, trajectory, truth, work_precision,
 };
 
 /// A kind of figure, with the tables that belong to it.
 #[derive(Clone, Copy)]
 pub struct Chart {
     name: &'static str,
-    parts: fn(&Tables) -> Result<Vec<Part>, ReportError>,
+    parts: Parts,
+}
+
+/// What a chart is drawn from.
+#[derive(Clone, Copy)]
+enum Parts {
+    /// Runs on problems.
+    Problems(fn(&Tables) -> Result<Vec<Part>, ReportError>),
+    /// Simulations.
+    Simulations(fn(&SimulationTables) -> Result<Vec<Part>, ReportError>),
 }
 
 /// All kinds, in the order in which help names them.
 const CHARTS: &[Chart] = &[
-    Chart { name: "convergence", parts: convergence::parts },
-    Chart { name: "sample", parts: sample::parts },
-    Chart { name: "directions", parts: directions::parts },
-    Chart { name: "work-precision", parts: work_precision::parts },
-    Chart { name: "truth", parts: truth::parts },
-    Chart { name: "profiles", parts: profiles::parts },
-    Chart { name: "subdomains", parts: subdomains::parts },
-    Chart { name: "size", parts: size::parts },
-    Chart { name: "critical-path", parts: critical_path::parts },
+    Chart { name: "convergence", parts: Parts::Problems(convergence::parts) },
+    Chart { name: "sample", parts: Parts::Problems(sample::parts) },
+    Chart { name: "directions", parts: Parts::Problems(directions::parts) },
+    Chart { name: "work-precision", parts: Parts::Problems(work_precision::parts) },
+    Chart { name: "truth", parts: Parts::Problems(truth::parts) },
+    Chart { name: "profiles", parts: Parts::Problems(profiles::parts) },
+    Chart { name: "subdomains", parts: Parts::Problems(subdomains::parts) },
+    Chart { name: "size", parts: Parts::Problems(size::parts) },
+    Chart { name: "critical-path", parts: Parts::Problems(critical_path::parts) },
+    Chart { name: "trajectory", parts: Parts::Simulations(trajectory::parts) },
+    Chart { name: "atlas-in-time", parts: Parts::Simulations(atlas_in_time::parts) },
 ];
 
 impl Chart {
@@ -38,9 +50,15 @@ impl Chart {
         CHARTS
     }
 
-    /// What a study gets that asks for nothing else: `convergence` and `sample`.
-    pub fn default_set() -> &'static [Self] {
-        &CHARTS[..2]
+    /// What a study gets that asks for nothing else: `convergence` and `sample`, or `trajectory` if it is through time.
+    pub fn default_set(through_time: bool) -> Vec<Self> {
+        let first = if through_time { 1 } else { 2 };
+        CHARTS.iter().filter(|chart| chart.through_time() == through_time).take(first).copied().collect()
+    }
+
+    /// Whether it is drawn from simulations.
+    pub fn through_time(self) -> bool {
+        matches!(self.parts, Parts::Simulations(_))
     }
 
     /// Its name in plans and on the command line.
@@ -48,8 +66,13 @@ impl Chart {
         self.name
     }
 
-    pub(crate) fn parts(self, tables: &Tables) -> Result<Vec<Part>, ReportError> {
-        (self.parts)(tables)
+    /// Nothing of a study of the other kind.
+    pub(crate) fn parts(self, tables: StudyTables) -> Result<Vec<Part>, ReportError> {
+        match (self.parts, tables) {
+            (Parts::Problems(parts), StudyTables::Problems(tables)) => parts(tables),
+            (Parts::Simulations(parts), StudyTables::Simulations(tables)) => parts(tables),
+            _ => Ok(Vec::new()),
+        }
     }
 }
 

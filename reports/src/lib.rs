@@ -1,6 +1,7 @@
 //! Tables and figures, each one a function of stored tables.
 
 mod against;
+mod atlas_in_time;
 mod axis;
 mod canvas;
 mod chart;
@@ -35,12 +36,16 @@ mod study;
 mod style;
 mod subdomains;
 mod table;
+mod through_time;
+mod trajectory;
 mod truth;
 mod viewer;
 mod work_precision;
 
 #[cfg(test)]
 mod fixture;
+#[cfg(test)]
+mod fixture_in_time;
 #[cfg(test)]
 mod sweep_tests;
 #[cfg(test)]
@@ -50,6 +55,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use polars::prelude::PolarsError;
+use results::simulation::SimulationTables;
 use results::store::Tables;
 use thiserror::Error;
 
@@ -58,6 +64,7 @@ pub use fill::fill;
 pub use iterations::iterations_text;
 pub use page::view;
 pub use picture::Formats;
+pub use through_time::simulations_text;
 pub use viewer::Filmed;
 
 use page::Chapter;
@@ -103,6 +110,27 @@ pub enum ReportError {
     },
 }
 
+/// The tables of a study.
+#[derive(Clone, Copy, Debug)]
+pub enum StudyTables<'t> {
+    /// Of runs on problems.
+    Problems(&'t Tables),
+    /// Of simulations.
+    Simulations(&'t SimulationTables),
+}
+
+impl<'t> From<&'t Tables> for StudyTables<'t> {
+    fn from(tables: &'t Tables) -> Self {
+        Self::Problems(tables)
+    }
+}
+
+impl<'t> From<&'t SimulationTables> for StudyTables<'t> {
+    fn from(tables: &'t SimulationTables) -> Self {
+        Self::Simulations(tables)
+    }
+}
+
 /// What a report says of its study beside the rows.
 #[derive(Clone, Debug)]
 pub struct About {
@@ -127,28 +155,32 @@ pub struct Wanted<'w> {
     pub against: Option<&'w Tables>,
 }
 
-/// Makes the table of iterations, the charts of a study and its page, and puts their files into the folder `out`.
-/// Returns their paths.
+/// Makes the table of runs or simulations, the charts of a study and its page, and puts their files into the folder
+/// `out`. Returns their paths.
 ///
 /// Files that an earlier report left in `out` go, files of anyone else stay.
 ///
 /// # Errors
 ///
 /// If a table lacks a column or a file cannot be written; nothing is replaced before all is drawn.
-pub fn report(
-    tables: &Tables,
+pub fn report<'t>(
+    tables: impl Into<StudyTables<'t>>,
     about: &About,
     wanted: Wanted,
     out: &Path,
 ) -> Result<Vec<PathBuf>, ReportError> {
+    let tables = tables.into();
     let mut chapters = Vec::new();
-    if let Some(before) = wanted.against {
+    if let (Some(before), StudyTables::Problems(tables)) = (wanted.against, tables) {
         chapters.push(Chapter::new("against", against::parts(before, tables)?));
     }
     for chart in wanted.charts {
         chapters.push(Chapter::of_chart(*chart, tables)?);
     }
-    chapters.push(Chapter::new("iterations", vec![iterations::part(tables)?]));
+    chapters.push(match tables {
+        StudyTables::Problems(tables) => Chapter::new("iterations", vec![iterations::part(tables)?]),
+        StudyTables::Simulations(tables) => Chapter::new("simulations", vec![through_time::part(tables)?]),
+    });
     let mut files = vec![File::new("index.html".to_owned(), page::page(tables, &chapters, about)?)];
     for part in chapters.iter().flat_map(|chapter| &chapter.parts) {
         files.extend(part.files(wanted.formats)?);
@@ -161,14 +193,14 @@ pub fn report(
 /// # Errors
 ///
 /// Those of [`report`].
-pub fn figure(
-    tables: &Tables,
+pub fn figure<'t>(
+    tables: impl Into<StudyTables<'t>>,
     chart: Chart,
     formats: Formats,
     out: &Path,
 ) -> Result<Vec<PathBuf>, ReportError> {
     let mut files = Vec::new();
-    for part in chart.parts(tables)? {
+    for part in chart.parts(tables.into())? {
         files.extend(part.files(formats)?);
     }
     folder::replace(&files, out)

@@ -8,7 +8,6 @@ use std::collections::BTreeMap;
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
 use polars::prelude::DataFrame;
-use results::store::Tables;
 use serde::Serialize;
 
 use crate::failures::failures;
@@ -17,7 +16,7 @@ use crate::part::{Kind, Part};
 use crate::rows::runs;
 use crate::sample::scene::scenes;
 use crate::viewer::{Filmed, Viewer};
-use crate::{About, Chart, ReportError};
+use crate::{About, Chart, ReportError, StudyTables, through_time};
 use provenance::provenance;
 use rows::Rows;
 
@@ -34,7 +33,7 @@ impl Chapter {
         Self { name, is_chart: false, parts }
     }
 
-    pub(crate) fn of_chart(chart: Chart, tables: &Tables) -> Result<Self, ReportError> {
+    pub(crate) fn of_chart(chart: Chart, tables: StudyTables) -> Result<Self, ReportError> {
         Ok(Self { name: chart.name(), is_chart: true, parts: chart.parts(tables)? })
     }
 }
@@ -57,19 +56,27 @@ struct Section {
 }
 
 /// The page of a study.
-pub(crate) fn page(tables: &Tables, chapters: &[Chapter], about: &About) -> Result<String, ReportError> {
-    let viewer = Viewer::of(tables)?;
+pub(crate) fn page(tables: StudyTables, chapters: &[Chapter], about: &About) -> Result<String, ReportError> {
+    let (viewer, found, failed, rows) = match tables {
+        StudyTables::Problems(tables) => {
+            (Viewer::of(tables)?, sentences(&runs(&tables.runs)?), failures(tables)?, &tables.runs)
+        }
+        StudyTables::Simulations(tables) => {
+            let nothing = Viewer::new(BTreeMap::new(), BTreeMap::new());
+            (nothing, through_time::found(tables)?, through_time::failures(tables)?, &tables.simulations)
+        }
+    };
     let shown = |figure: &str| viewer.films.iter().any(|film| sample_of(figure, &film.problem));
     let sections = chapters.iter().map(|chapter| section(chapter, about, &shown));
     let sections: Vec<Section> = sections.collect::<Result<_, _>>()?;
-    let failed = Rows::of("failures", &failures(tables)?, "")?;
-    let provenance = Rows::of("provenance", &provenance(tables)?, "")?;
+    let failed = Rows::of("failures", &failed, "")?;
+    let provenance = Rows::of("provenance", &provenance(rows)?, "")?;
     render(
         "page.html",
         &viewer,
         context! {
             about => context! { name => &about.name, why => &about.why, bench => &about.bench },
-            found => sentences(&runs(&tables.runs)?),
+            found,
             sections => Serde(&sections),
             failed => Serde(&failed),
             provenance => Serde(&provenance),

@@ -37,18 +37,30 @@ pub(crate) fn row(
     legend: &Legend,
     panel: impl Fn(&Canvas, usize, Room) -> Result<(), ReportError>,
 ) -> Result<String, ReportError> {
-    let pitch = INSIDE / count as f64;
+    grid(title, (count, 1), legend, panel)
+}
+
+/// The same with panels in columns and rows, row by row.
+pub(crate) fn grid(
+    title: &[String],
+    (columns, rows): (usize, usize),
+    legend: &Legend,
+    panel: impl Fn(&Canvas, usize, Room) -> Result<(), ReportError>,
+) -> Result<String, ReportError> {
+    let pitch = INSIDE / columns as f64;
     let wide = pitch - LEFT - RIGHT;
-    let top = MARGIN + LEADING * title.len() as f64 + ABOVE;
-    let bottom = top + HEIGHT.min(wide);
+    let first = MARGIN + LEADING * title.len() as f64 + ABOVE;
+    let high = HEIGHT.min(wide);
+    let bottom = first + high + (rows - 1) as f64 * (high + BELOW + ABOVE);
     svg((PAGE, (bottom + BELOW + legend.height() + MARGIN).ceil()), |canvas| {
         for (i, line) in title.iter().enumerate() {
             let place = (MARGIN, MARGIN + LEADING * i as f64);
             canvas.text(line, place, TEXT, (HPos::Left, VPos::Top))?;
         }
-        for i in 0..count {
-            let left = MARGIN + pitch * i as f64 + LEFT;
-            panel(canvas, i, Room { left, right: left + wide, bottom, top })?;
+        for i in 0..columns * rows {
+            let left = MARGIN + pitch * (i % columns) as f64 + LEFT;
+            let top = first + (i / columns) as f64 * (high + BELOW + ABOVE);
+            panel(canvas, i, Room { left, right: left + wide, bottom: top + high, top })?;
         }
         legend.draw(canvas, (MARGIN, bottom + BELOW))
     })

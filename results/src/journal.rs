@@ -5,10 +5,25 @@ use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use crate::provenance::ProvenanceError;
 use crate::schema::{Run, Sample, Snapshot};
 use crate::store::{StoreError, at};
+
+/// What the journal of a study holds, one per line.
+pub trait Entry: Serialize + DeserializeOwned {
+    /// Hash of all that decides what counts of it: of two with one id the later counts.
+    fn id(&self) -> &str;
+
+    /// Refuses what could not be traced.
+    ///
+    /// # Errors
+    ///
+    /// Names what is missing.
+    fn check(&self) -> Result<(), ProvenanceError>;
+}
 
 /// A run with its curve: one line of the journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,11 +37,24 @@ pub struct Record {
     pub snapshots: Vec<Snapshot>,
 }
 
+impl Entry for Record {
+    fn id(&self) -> &str {
+        &self.run.id
+    }
+
+    fn check(&self) -> Result<(), ProvenanceError> {
+        if self.run.problem_hash.is_empty() {
+            return Err(ProvenanceError::Unknown("problem_hash"));
+        }
+        self.run.provenance.check()
+    }
+}
+
 /// What a journal holds.
-#[derive(Debug, Default)]
-pub struct Lines {
+#[derive(Debug)]
+pub struct Lines<R> {
     /// Its runs, in the order in which they ended.
-    pub records: Vec<Record>,
+    pub records: Vec<R>,
     /// Length of a last line that has no end: whoever wrote it was stopped (bytes).
     pub torn: u64,
     /// Length of all lines before it (bytes).
@@ -38,8 +66,8 @@ pub struct Lines {
 /// # Errors
 ///
 /// If the file cannot be read, or a line that has an end is not a run.
-pub fn read(path: &Path) -> Result<Lines, StoreError> {
-    let mut lines = Lines::default();
+pub fn read<R: Entry>(path: &Path) -> Result<Lines<R>, StoreError> {
+    let mut lines = Lines { records: Vec::new(), torn: 0, whole: 0 };
     let mut reader = match File::open(path) {
         Ok(file) => BufReader::new(file),
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(lines),
@@ -74,7 +102,7 @@ const UNSYNCED: Duration = Duration::from_secs(1);
 
 impl Journal {
     /// Opens the journal behind its last whole line; what is torn is cut off.
-    pub(crate) fn open(path: &Path) -> Result<(Self, Lines), StoreError> {
+    pub(crate) fn open<R: Entry>(path: &Path) -> Result<(Self, Lines<R>), StoreError> {
         let lines = read(path)?;
         let file = OpenOptions::new().append(true).create(true).open(path).map_err(at(path))?;
         if lines.torn > 0 {
@@ -84,7 +112,7 @@ impl Journal {
         Ok((journal, lines))
     }
 
-    pub(crate) fn append(&mut self, record: &Record) -> Result<(), StoreError> {
+    pub(crate) fn append<R: Entry>(&mut self, record: &R) -> Result<(), StoreError> {
         let mut line = serde_json::to_vec(record).map_err(|e| at(&self.path)(e.into()))?;
         line.push(b'\n');
         if let Err(error) = self.file.write_all(&line) {

@@ -4,5 +4,6 @@ pub mod journal;
 mod number;
 pub mod provenance;
 pub mod schema;
+pub mod simulation;
 pub mod store;
 pub mod tables;

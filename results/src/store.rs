@@ -1,19 +1,21 @@
 //! A study on disk: the folder `root/<plan>` with its journal, and the tables that are made from it.
 
-use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, Write};
+mod files;
+
+use std::fs::{self, File};
+use std::io;
 use std::path::{Path, PathBuf};
 
-use jiff::Timestamp;
-use polars::prelude::{
-    CsvWriter, DataFrame, ParquetReader, ParquetWriter, PolarsError, SerReader, SerWriter,
-};
+use polars::prelude::{CsvWriter, DataFrame, ParquetWriter, PolarsError, SerWriter};
 use thiserror::Error;
 
-use crate::journal::{Journal, Lines, Record, read as read_journal};
+use crate::journal::{Entry, Journal, Lines, Record, read as read_journal};
 use crate::provenance::ProvenanceError;
 use crate::schema::Snapshot;
+use crate::simulation::{Simulated, SimulationTables};
 use crate::tables::snapshots_table;
+pub(crate) use files::at;
+use files::{lock, new_dated_folder, read_parquet, write_whole};
 
 const JOURNAL: &str = "journal.jsonl";
 const LOCK: &str = "lock";
@@ -25,6 +27,13 @@ const SNAPSHOTS: &str = "snapshots.parquet";
 /// The same rows once more, for spreadsheets and `diff`.
 const RUNS_CSV: &str = "runs.csv";
 const CURVES_CSV: &str = "curves.csv";
+/// The tables of a study through time.
+const SIMULATIONS: &str = "simulations.parquet";
+const SERIES: &str = "series.parquet";
+const SIMULATIONS_CSV: &str = "simulations.csv";
+const SERIES_CSV: &str = "series.csv";
+/// Problems of the last good states of simulations that exploded.
+pub const LAST_STATES: &str = "last-states";
 
 /// The tables of a study, as [`crate::tables`] makes them.
 #[derive(Clone, Debug)]
@@ -86,17 +95,17 @@ pub enum StoreError {
     Plan(String),
 }
 
-/// A study that this process, and no other, writes to.
+/// A study that this process, and no other, writes to: runs on problems, or simulations.
 #[derive(Debug)]
-pub struct Store {
+pub struct Store<R = Record> {
     folder: PathBuf,
     journal: Journal,
-    lines: Lines,
+    lines: Lines<R>,
     /// Locked as long as it is open, whatever ends the process.
     _lock: File,
 }
 
-impl Store {
+impl<R: Entry> Store<R> {
     /// Opens the study of a plan below `root`, and goes on behind what it holds. A place that cannot be written to is so
     /// known before the first run, not after the last.
     ///
@@ -107,31 +116,9 @@ impl Store {
     pub fn open(root: &Path, plan: &str) -> Result<Self, StoreError> {
         let folder = folder(root, plan)?;
         fs::create_dir_all(&folder).map_err(at(&folder))?;
-        let lock = lock(&folder)?;
+        let lock = lock(&folder.join(LOCK))?;
         let (journal, lines) = Journal::open(&folder.join(JOURNAL))?;
         Ok(Self { folder, journal, lines, _lock: lock })
-    }
-
-    /// Moves all that the study of a plan holds, readable or not, to a folder inside it that is named after the time, and
-    /// returns that folder; `None` if there is nothing to move.
-    ///
-    /// # Errors
-    ///
-    /// As [`Store::open`], and if a file cannot be moved.
-    pub fn set_aside(root: &Path, plan: &str) -> Result<Option<PathBuf>, StoreError> {
-        let folder = folder(root, plan)?;
-        // The journal first: what it holds is what counts.
-        let files = [JOURNAL, RUNS, CURVES, GRAINS, CONTACTS, SNAPSHOTS, RUNS_CSV, CURVES_CSV];
-        let files: Vec<&str> = files.into_iter().filter(|file| folder.join(file).exists()).collect();
-        if files.is_empty() {
-            return Ok(None);
-        }
-        let _lock = lock(&folder)?;
-        let aside = new_dated_folder(&folder)?;
-        for file in files {
-            fs::rename(folder.join(file), aside.join(file)).map_err(at(&folder.join(file)))?;
-        }
-        Ok(Some(aside))
     }
 
     /// The folder.
@@ -140,7 +127,7 @@ impl Store {
     }
 
     /// All runs, in the order in which they ended: of two with one id, the later counts.
-    pub fn records(&self) -> &[Record] {
+    pub fn records(&self) -> &[R] {
         &self.lines.records
     }
 
@@ -154,14 +141,54 @@ impl Store {
     /// # Errors
     ///
     /// If the run has no commit, compiler, processor, threads, time or problem hash, or the journal cannot be written.
-    pub fn append(&mut self, record: Record) -> Result<(), StoreError> {
-        if record.run.problem_hash.is_empty() {
-            return Err(ProvenanceError::Unknown("problem_hash").into());
-        }
-        record.run.provenance.check()?;
+    pub fn append(&mut self, record: R) -> Result<(), StoreError> {
+        record.check()?;
         self.journal.append(&record)?;
         self.lines.records.push(record);
         Ok(())
+    }
+
+    fn replace(
+        &mut self,
+        parquet: &[(&str, &DataFrame)],
+        csv: &[(&str, &DataFrame)],
+    ) -> Result<(), StoreError> {
+        self.journal.sync()?;
+        for &(name, table) in parquet {
+            write_whole(&self.folder.join(name), |file| {
+                ParquetWriter::new(file).finish(&mut table.clone()).map(drop)
+            })?;
+        }
+        for &(name, table) in csv {
+            write_whole(&self.folder.join(name), |file| CsvWriter::new(file).finish(&mut table.clone()))?;
+        }
+        Ok(())
+    }
+}
+
+impl Store {
+    /// Moves all that the study of a plan holds, readable or not, to a folder inside it that is named after the time, and
+    /// returns that folder; `None` if there is nothing to move.
+    ///
+    /// # Errors
+    ///
+    /// As [`Store::open`], and if a file cannot be moved.
+    pub fn set_aside(root: &Path, plan: &str) -> Result<Option<PathBuf>, StoreError> {
+        let folder = folder(root, plan)?;
+        // The journal first: what it holds is what counts.
+        let of_problems = [JOURNAL, RUNS, CURVES, GRAINS, CONTACTS, SNAPSHOTS, RUNS_CSV, CURVES_CSV];
+        let through_time = [SIMULATIONS, SERIES, SIMULATIONS_CSV, SERIES_CSV, LAST_STATES];
+        let files = of_problems.into_iter().chain(through_time);
+        let files: Vec<&str> = files.filter(|file| folder.join(file).exists()).collect();
+        if files.is_empty() {
+            return Ok(None);
+        }
+        let _lock = lock(&folder.join(LOCK))?;
+        let aside = new_dated_folder(&folder)?;
+        for file in files {
+            fs::rename(folder.join(file), aside.join(file)).map_err(at(&folder.join(file)))?;
+        }
+        Ok(Some(aside))
     }
 
     /// Replaces the tables, each file at once.
@@ -170,23 +197,28 @@ impl Store {
     ///
     /// If a file cannot be written.
     pub fn write_tables(&mut self, tables: &Tables) -> Result<(), StoreError> {
-        self.journal.sync()?;
+        let Tables { runs, curves, grains, contacts, snapshots } = tables;
         let parquet = [
-            (RUNS, &tables.runs),
-            (CURVES, &tables.curves),
-            (GRAINS, &tables.grains),
-            (CONTACTS, &tables.contacts),
-            (SNAPSHOTS, &tables.snapshots),
+            (RUNS, runs),
+            (CURVES, curves),
+            (GRAINS, grains),
+            (CONTACTS, contacts),
+            (SNAPSHOTS, snapshots),
         ];
-        for (name, table) in parquet {
-            write_whole(&self.folder.join(name), |file| {
-                ParquetWriter::new(file).finish(&mut table.clone()).map(drop)
-            })?;
-        }
-        for (name, table) in [(RUNS_CSV, &tables.runs), (CURVES_CSV, &tables.curves)] {
-            write_whole(&self.folder.join(name), |file| CsvWriter::new(file).finish(&mut table.clone()))?;
-        }
-        Ok(())
+        self.replace(&parquet, &[(RUNS_CSV, runs), (CURVES_CSV, curves)])
+    }
+}
+
+impl Store<Simulated> {
+    /// Replaces the tables, each file at once.
+    ///
+    /// # Errors
+    ///
+    /// If a file cannot be written.
+    pub fn write_tables(&mut self, tables: &SimulationTables) -> Result<(), StoreError> {
+        let SimulationTables { simulations, series } = tables;
+        let parquet = [(SIMULATIONS, simulations), (SERIES, series)];
+        self.replace(&parquet, &[(SIMULATIONS_CSV, simulations), (SERIES_CSV, series)])
     }
 }
 
@@ -195,7 +227,7 @@ impl Store {
 /// # Errors
 ///
 /// If its journal cannot be read.
-pub fn records_of(folder: &Path) -> Result<Vec<Record>, StoreError> {
+pub fn records_of<R: Entry>(folder: &Path) -> Result<Vec<R>, StoreError> {
     Ok(read_journal(&folder.join(JOURNAL))?.records)
 }
 
@@ -225,10 +257,20 @@ pub fn read(folder: &Path) -> Result<Tables, StoreError> {
     })
 }
 
+/// Reads the tables of a folder of a study through time.
+///
+/// # Errors
+///
+/// If a file is missing or is not a table.
+pub fn read_simulations(folder: &Path) -> Result<SimulationTables, StoreError> {
+    let (simulations, series) = (folder.join(SIMULATIONS), folder.join(SERIES));
+    Ok(SimulationTables { simulations: read_parquet(&simulations)?, series: read_parquet(&series)? })
+}
+
 /// The folder of a plan's study, if it has tables.
 pub fn tables_folder(root: &Path, plan: &str) -> Option<PathBuf> {
     let folder = folder(root, plan).ok()?;
-    folder.join(RUNS).is_file().then_some(folder)
+    [RUNS, SIMULATIONS].iter().any(|table| folder.join(table).is_file()).then_some(folder)
 }
 
 fn folder(root: &Path, plan: &str) -> Result<PathBuf, StoreError> {
@@ -236,71 +278,6 @@ fn folder(root: &Path, plan: &str) -> Result<PathBuf, StoreError> {
         return Err(StoreError::Plan(plan.to_owned()));
     }
     Ok(root.join(plan))
-}
-
-/// Locks the folder, or says who holds it.
-fn lock(folder: &Path) -> Result<File, StoreError> {
-    let path = folder.join(LOCK);
-    let mut options = OpenOptions::new();
-    let mut file = options.write(true).create(true).truncate(false).open(&path).map_err(at(&path))?;
-    match file.try_lock() {
-        Ok(()) => {}
-        Err(TryLockError::WouldBlock) => {
-            let holder = fs::read_to_string(&path).map_err(at(&path))?;
-            return Err(StoreError::InUse { folder: folder.to_owned(), holder });
-        }
-        Err(TryLockError::Error(error)) => return Err(at(&path)(error)),
-    }
-    let since = Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ");
-    let holder = format!("process {} since {since}", std::process::id());
-    file.set_len(0).and_then(|()| file.write_all(holder.as_bytes())).map_err(at(&path))?;
-    Ok(file)
-}
-
-/// A folder named after the time, with `-2`, `-3` … if that exists. Some file systems allow no colon in a name.
-fn new_dated_folder(parent: &Path) -> Result<PathBuf, StoreError> {
-    let time = Timestamp::now().strftime("%Y-%m-%dT%H-%M-%SZ").to_string();
-    let mut path = parent.join(&time);
-    let mut count = 1;
-    loop {
-        match fs::create_dir(&path) {
-            Ok(()) => return Ok(path),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-                count += 1;
-                path = parent.join(format!("{time}-{count}"));
-            }
-            Err(error) => return Err(at(&path)(error)),
-        }
-    }
-}
-
-/// Writes a table beside its place and gives it its name once it is complete.
-fn write_whole(
-    path: &Path,
-    write: impl FnOnce(&mut File) -> Result<(), PolarsError>,
-) -> Result<(), StoreError> {
-    let folder = path.parent().unwrap_or(path);
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".unfinished-");
-    // A temporary file is closed to other users unless it asks for what files usually get.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder).map_err(at(path))?;
-    write(file.as_file_mut()).map_err(|source| StoreError::Format { path: path.to_owned(), source })?;
-    file.as_file().sync_all().map_err(at(path))?;
-    file.persist(path).map_err(|error| at(path)(error.error))?;
-    Ok(())
-}
-
-fn read_parquet(path: &Path) -> Result<DataFrame, StoreError> {
-    let file = File::open(path).map_err(at(path))?;
-    let format = |source| StoreError::Format { path: path.to_owned(), source };
-    ParquetReader::new(file).finish().map_err(format)
-}
-
-pub(crate) fn at(path: &Path) -> impl FnOnce(io::Error) -> StoreError {
-    let path = path.to_owned();
-    |source| StoreError::File { path, source }
 }
 
 #[cfg(test)]

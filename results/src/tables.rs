@@ -3,7 +3,7 @@
 use polars::df;
 use polars::prelude::{DataFrame, PolarsResult};
 
-use crate::schema::{ContactRow, GrainRow, Run, Sample, Snapshot};
+use crate::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
 
 /// One row per run, flat: its own fields, the counts and measures of its last sample, its provenance.
 ///
@@ -11,7 +11,9 @@ use crate::schema::{ContactRow, GrainRow, Run, Sample, Snapshot};
 ///
 /// Those of polars.
 pub fn runs_table(runs: &[Run]) -> PolarsResult<DataFrame> {
-    let parts = [asked(runs)?, reached(runs)?, timing(runs)?, end(runs)?, provenance(runs)?];
+    let timings: Vec<&Timing> = runs.iter().map(|r| &r.timing).collect();
+    let origins: Vec<&Provenance> = runs.iter().map(|r| &r.provenance).collect();
+    let parts = [asked(runs)?, reached(runs)?, timing(&timings)?, end(runs)?, provenance(&origins)?];
     let columns = parts.into_iter().flat_map(DataFrame::into_columns).collect();
     DataFrame::new(runs.len(), columns)
 }
@@ -57,14 +59,14 @@ fn reached(runs: &[Run]) -> PolarsResult<DataFrame> {
 }
 
 /// How the seconds were taken.
-fn timing(runs: &[Run]) -> PolarsResult<DataFrame> {
+pub(crate) fn timing(timings: &[&Timing]) -> PolarsResult<DataFrame> {
     df!(
-        "repeats" => column(runs, |r| r.timing.repeats),
-        "timed_alone" => column(runs, |r| r.timing.timed_alone),
-        "setup_spread_s" => column(runs, |r| defined(r.timing.setup_spread_s)),
-        "iterating_spread_s" => column(runs, |r| defined(r.timing.iterating_spread_s)),
-        "wall_s" => column(runs, |r| defined(r.timing.wall_s)),
-        "load_average" => column(runs, |r| defined(r.timing.load_average)),
+        "repeats" => column(timings, |t| t.repeats),
+        "timed_alone" => column(timings, |t| t.timed_alone),
+        "setup_spread_s" => column(timings, |t| defined(t.setup_spread_s)),
+        "iterating_spread_s" => column(timings, |t| defined(t.iterating_spread_s)),
+        "wall_s" => column(timings, |t| defined(t.wall_s)),
+        "load_average" => column(timings, |t| defined(t.load_average)),
     )
 }
 
@@ -74,14 +76,14 @@ fn end(runs: &[Run]) -> PolarsResult<DataFrame> {
     measures(&samples)
 }
 
-fn provenance(runs: &[Run]) -> PolarsResult<DataFrame> {
+pub(crate) fn provenance(origins: &[&Provenance]) -> PolarsResult<DataFrame> {
     df!(
-        "commit" => column(runs, |r| r.provenance.commit.as_str()),
-        "processor" => column(runs, |r| r.provenance.processor.as_str()),
-        "threads" => column(runs, |r| r.provenance.threads),
-        "rustc" => column(runs, |r| r.provenance.rustc.as_str()),
-        "profile" => column(runs, |r| r.provenance.profile.as_str()),
-        "started_utc" => column(runs, |r| r.provenance.started_utc.as_str()),
+        "commit" => column(origins, |p| p.commit.as_str()),
+        "processor" => column(origins, |p| p.processor.as_str()),
+        "threads" => column(origins, |p| p.threads),
+        "rustc" => column(origins, |p| p.rustc.as_str()),
+        "profile" => column(origins, |p| p.profile.as_str()),
+        "started_utc" => column(origins, |p| p.started_utc.as_str()),
     )
 }
 
@@ -183,12 +185,12 @@ pub fn snapshots_table<Snapshots: AsRef<[Snapshot]>>(runs: &[(u32, Snapshots)]) 
     )
 }
 
-fn column<'a, Row, Value>(rows: &'a [Row], field: impl Fn(&'a Row) -> Value) -> Vec<Value> {
+pub(crate) fn column<'a, Row, Value>(rows: &'a [Row], field: impl Fn(&'a Row) -> Value) -> Vec<Value> {
     rows.iter().map(field).collect()
 }
 
 /// NaN means "undefined" in a row and would be taken for a number in a table.
-fn defined(value: f64) -> Option<f64> {
+pub(crate) fn defined(value: f64) -> Option<f64> {
     (!value.is_nan()).then_some(value)
 }
 

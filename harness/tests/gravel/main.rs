@@ -14,6 +14,7 @@ mod regress;
 mod report;
 mod same_bits;
 mod shown;
+mod simulations;
 mod solve;
 mod store;
 mod truth;

@@ -177,7 +177,8 @@ fn rerun_appends_and_its_rows_count() {
 #[test]
 fn study_that_another_process_makes_is_refused() {
     let study = study_of_the_pair_and_a_column();
-    let holder = results::store::Store::open(study.runs("small").parent().unwrap(), "small").unwrap();
+    let holder: results::store::Store =
+        results::store::Store::open(study.runs("small").parent().unwrap(), "small").unwrap();
     let process = format!("process {} since", std::process::id());
     study.gravel(&["bench", "small"]).refused(&["results/runs/small", &process, "wait"]);
     study.gravel(&["bench", "small", "--fresh"]).refused(&[&process]);

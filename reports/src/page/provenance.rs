@@ -4,14 +4,12 @@ use std::collections::BTreeMap;
 
 use polars::df;
 use polars::prelude::DataFrame;
-use results::store::Tables;
 
 use crate::ReportError;
 use crate::columns::{bools, texts, u32s};
 
 /// One row per build, machine and number of threads; seconds compare within a row only.
-pub(crate) fn provenance(tables: &Tables) -> Result<DataFrame, ReportError> {
-    let table = &tables.runs;
+pub(crate) fn provenance(table: &DataFrame) -> Result<DataFrame, ReportError> {
     let (commit, processor) = (texts(table, "commit")?, texts(table, "processor")?);
     let (rustc, profile) = (texts(table, "rustc")?, texts(table, "profile")?);
     let (threads, started) = (u32s(table, "threads")?, texts(table, "started_utc")?);

@@ -4,6 +4,8 @@ use crate::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Snapshot};
 use crate::tables::{contacts_table, curves_table, grains_table, runs_table, snapshots_table};
 use tempfile::TempDir;
 
+type Store = super::Store<Record>;
+
 fn record(number: u32) -> Record {
     // What JSON has no number for, and numbers that are hard to write.
     let odd = Sample { zeta: f64::NAN, natural_map: f64::INFINITY, energy_j: f64::NEG_INFINITY, ..sample(1) };

@@ -1,0 +1,246 @@
+//! Studies through time: simulations, their store, what explodes and what is refused.
+
+use crate::bench::{Study, rows};
+use crate::common::{command, entries, gravel, text, write};
+use std::collections::BTreeMap;
+use std::fs;
+
+/// The column through 20 time steps under two stop rules, with NSGS and CG, at two time steps.
+const PLAN: &str = r#"
+name = "time"
+why = "A test."
+warm_start = true
+
+[stop]
+on = "natural_map"
+tolerance = 1e-3
+max_iterations = 10_000
+
+[simulate]
+duration_s = 0.04
+sample_every_s = 0.01
+axes = { tolerance = [1e-1, 1e-6] }
+
+[simulate.reference]
+method = "cg"
+tolerance = 1e-10
+
+[[cases]]
+case = "column"
+axes = { "sample.grains" = [3, 6], "scene.time_step_s" = [0.01, 0.005] }
+
+[[methods]]
+method = "nsgs"
+
+[[methods]]
+method = "cg"
+"#;
+
+fn study(plan: &str) -> Study {
+    let study = Study::new();
+    write(study.folder(), "harness/plans/time.toml", plan);
+    study
+}
+
+/// The rows of a table, less what differs from one time to the next.
+fn counted(study: &Study, table: &str) -> Vec<BTreeMap<String, String>> {
+    let mut rows = rows(study.runs("time").join(table));
+    let timing =
+        ["setup_s", "iterating_s", "wall_s", "load_average", "started_utc", "threads", "timed_alone"];
+    rows.iter_mut().for_each(|row| row.retain(|column, _| !timing.contains(&column.as_str())));
+    assert!(!rows.is_empty());
+    rows
+}
+
+fn lines(study: &Study) -> Vec<String> {
+    let journal = fs::read_to_string(study.runs("time").join("journal.jsonl")).unwrap();
+    journal.lines().map(str::to_owned).collect()
+}
+
+#[test]
+fn every_scene_meets_every_method_under_every_rule_beside_a_reference() {
+    let study = study(PLAN);
+    let told = study.gravel(&["bench", "time"]).succeeded().stdout;
+    assert!(told.contains("16 simulations, and 8 to compare them with; 24 of 24 to make"), "{told}");
+    let table = rows(study.runs("time").join("simulations.csv"));
+    let roles = |role: &str| table.iter().filter(|row| row["role"] == role).count();
+    assert_eq!(["reference", "twin", "floor", "run"].map(roles), [2, 2, 4, 16]);
+    for row in &table {
+        let h: f64 = row["time_step_s"].parse().unwrap();
+        let steps: f64 = row["time_steps"].parse().unwrap();
+        assert!((h * steps - 0.04).abs() < 1e-12, "{row:?}");
+        assert_eq!(h == 0.00125, ["reference", "twin"].contains(&&*row["role"]), "{row:?}");
+    }
+    // Four rows of series each; the floor bears the weight: 0.01 s of n m g.
+    let series = rows(study.runs("time").join("series.csv"));
+    assert_eq!(series.len(), 4 * table.len());
+    for row in series.iter().filter(|row| row["simulation"] == "0") {
+        let weight = 3.0 * std::f64::consts::PI * 250.0 * 9.81;
+        let impulse: f64 = row["floor_impulse_n_s"].parse().unwrap();
+        assert!((impulse / (0.01 * weight) - 1.0).abs() < 1e-6, "{row:?}");
+    }
+    assert!(study.gravel(&["bench", "time"]).succeeded().stdout.contains("0 of 24 to make"));
+    study.gravel(&["report", "time"]).succeeded();
+    study.gravel(&["figure", "atlas-in-time", "time"]).succeeded();
+    let shown = study.gravel(&["plan", "time", "--count"]).succeeded().stdout;
+    assert!(shown.contains("     16  in all"), "{shown}");
+}
+
+/// The column is at rest and the floor bears its weight: the reference is exact, and what a tolerance leaves is error.
+#[test]
+fn tighter_tolerance_lowers_the_error_and_the_reference_has_none() {
+    let study = study(PLAN);
+    study.bench("time");
+    let errors = rows(study.folder().path().join("reports/out/time/trajectory.csv"));
+    let nsgs = |row: &&BTreeMap<String, String>| row["role"] == "run" && row["method"] == "nsgs";
+    let error = |row: &BTreeMap<String, String>| row["wall_impulse"].parse::<f64>().unwrap();
+    let runs: Vec<_> = errors.iter().filter(nsgs).collect();
+    assert_eq!(runs.len(), 8);
+    for pair in runs.chunks(2) {
+        assert_eq!((&*pair[0]["tolerance"], &*pair[1]["tolerance"]), ("0.1", "1e-6"));
+        assert!(error(pair[1]) < 1e-3 * error(pair[0]), "{pair:?}");
+    }
+    for row in errors.iter().filter(|row| row["role"] == "reference") {
+        assert_eq!(error(row), 0.0);
+        assert_eq!(row["mean_height_mean_diameters"].parse::<f64>().unwrap(), 0.0);
+    }
+}
+
+#[test]
+fn series_are_the_same_with_any_number_of_threads_and_jobs() {
+    let (one, other) = (study(PLAN), study(PLAN));
+    one.gravel(&["--threads", "1", "bench", "time"]).succeeded();
+    other.gravel(&["--threads", "3", "bench", "time", "--jobs", "3"]).succeeded();
+    for table in ["simulations.csv", "series.csv"] {
+        assert_eq!(counted(&one, table), counted(&other, table));
+    }
+}
+
+#[test]
+fn study_that_was_stopped_goes_on_and_ends_like_an_undisturbed_one() {
+    let (stopped, undisturbed) = (study(PLAN), study(PLAN));
+    undisturbed.bench("time");
+    stopped.bench("time");
+    let journal = stopped.runs("time").join("journal.jsonl");
+    let whole = fs::read_to_string(&journal).unwrap();
+    let kept: usize = lines(&stopped)[..5].iter().map(|line| line.len() + 1).sum();
+    fs::write(&journal, &whole[..kept + 100]).unwrap();
+    let told = stopped.gravel(&["bench", "time"]).succeeded();
+    assert!(told.stderr.contains("was not written to its end") && told.stdout.contains("19 of 24 to make"));
+    assert_eq!(lines(&stopped).len(), 24);
+    for table in ["simulations.csv", "series.csv"] {
+        assert_eq!(counted(&stopped, table), counted(&undisturbed, table));
+    }
+}
+
+#[test]
+fn stores_of_simulations_join() {
+    let (here, there) = (study(PLAN), study(PLAN));
+    here.bench("time");
+    there.bench("time");
+    let journal = here.runs("time").join("journal.jsonl");
+    fs::write(&journal, lines(&here)[..9].join("\n") + "\n").unwrap();
+    let told = here.gravel(&["merge", "time", text(&there.runs("time"))]).succeeded().stdout;
+    assert!(told.contains("15 of 24 runs are new here"), "{told}");
+    assert_eq!(counted(&here, "series.csv"), counted(&there, "series.csv"));
+}
+
+/// With two iterations of Jacobi at twice its limit a packing flies apart.
+fn exploding() -> String {
+    let jacobi = "[[methods]]\nmethod = \"jacobi\"\nset = { relaxation = 1.9 }\n";
+    let (before, _) = PLAN.split_once("[[methods]]").unwrap();
+    before
+        .replace("[3, 6], \"scene.time_step_s\" = [0.01, 0.005]", "[40], \"scene.time_step_s\" = [0.01]")
+        .replace("axes = { tolerance = [1e-1, 1e-6] }", "set = { tolerance = 0.0, max_iterations = 40 }")
+        .replace("duration_s = 0.04", "duration_s = 0.4")
+        + jacobi
+}
+
+#[test]
+fn explosion_is_a_row_with_its_class_and_a_state_that_can_be_solved_again() {
+    let study = study(&exploding().replace("[simulate.reference]", "[simulate.reference]\nrefine = 1"));
+    study.gravel(&["bench", "time"]).succeeded();
+    let table = rows(study.runs("time").join("simulations.csv"));
+    let row = table.iter().find(|row| row["role"] == "run").unwrap();
+    assert_eq!(row["status"], "exploded", "{row:?}");
+    assert!(row["reason"].starts_with("exploded in time step "), "{row:?}");
+    let made: u64 = row["time_steps"].parse().unwrap();
+    assert!(row["reason"].contains(&format!("time step {}:", made + 1)), "{row:?}");
+    let state = study.runs("time").join(&row["last_state"]);
+    let solved = gravel(&["solve", text(&state), "--set", "preconditioner=diagonal", "--json"]).json();
+    assert_eq!(solved["status"], "converged");
+    study.gravel(&["figure", "atlas-in-time", "time"]).succeeded();
+    let atlas = study.folder().path().join("reports/out/time-atlas-in-time/atlas-in-time.csv");
+    assert_eq!(rows(atlas)[0]["class"], "exploded");
+    assert!(study.gravel(&["bench", "time"]).succeeded().stdout.contains("0 of"));
+    study.gravel(&["bench", "time", "--fresh"]).succeeded();
+    assert!(state.is_file(), "made anew");
+}
+
+#[test]
+fn simulation_that_explodes_says_how_and_keeps_its_last_good_state() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let file = folder.path().join("column.csv");
+    let scene = ["--scene", "sample.grains=40", "--method", "jacobi", "--set", "relaxation=1.9"];
+    let run = ["simulate", "column", "--time-steps", "50", "--max-iterations", "40", "--tolerance", "0"];
+    let ran = command(&[&run[..], &scene, &["-o", text(&file)]].concat()).output().unwrap();
+    let told = String::from_utf8(ran.stderr).unwrap();
+    assert_eq!(ran.status.code(), Some(1), "{told}");
+    assert!(told.starts_with("error: column: exploded in time step "), "{told}");
+    let made = fs::read_to_string(&file).unwrap().lines().count() - 1;
+    let state = folder.path().join(format!("column-t{}.json", made + 1));
+    assert!(told.contains(text(&state)), "{told}");
+    gravel(&["solve", text(&state)]).succeeded();
+}
+
+#[test]
+fn plans_through_time_that_make_no_sense_are_refused() {
+    let refused = |from: &str, to: &str, words: &[&str]| {
+        assert!(PLAN.contains(from), "{from}");
+        study(&PLAN.replacen(from, to, 1)).gravel(&["bench", "time"]).refused(words);
+    };
+    refused("sample_every_s = 0.01", "sample_every_s = 0.012", &["sample_every_s", "0.012", "0.01 s"]);
+    refused("duration_s = 0.04", "duration_s = 0.045", &["duration_s", "0.045", "whole number"]);
+    refused("duration_s = 0.04\n", "", &["column", "`duration_s`"]);
+    refused("tolerance = [1e-1, 1e-6]", "tolerance = [-1.0]", &["simulate", "tolerance", "-1"]);
+    refused("axes = { tolerance", "axes = { tolerence", &["simulate", "tolerence"]);
+    refused("why =", "problems = [\"pair\"]\nwhy =", &["`problems`", "`cases` only"]);
+    refused("why =", "charts = [\"size\"]\nwhy =", &["`charts`", "size", "simulations"]);
+    refused("on = \"natural_map\"", "on = \"velocity_error\"", &["velocity_error", "not known"]);
+    study(PLAN).gravel(&["bench", "time", "--repeats", "3"]).refused(&["--repeats"]);
+    study(PLAN).gravel(&["regress", "time"]).refused(&["time"]);
+}
+
+#[test]
+fn frames_are_read_back_with_radius_velocity_and_impulses() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let vtk = folder.path().join("frames");
+    let args = ["simulate", "two-discs", "--time-steps", "6", "--every", "3", "--cold", "--vtk", text(&vtk)];
+    gravel(&args).succeeded();
+    assert_eq!(entries(&vtk), ["two-discs-000003.vtp", "two-discs-000006.vtp", "two-discs.pvd"]);
+    let collection = fs::read_to_string(vtk.join("two-discs.pvd")).unwrap();
+    assert!(
+        collection.contains("timestep=\"0.03\" part=\"0\" file=\"two-discs-000006.vtp\""),
+        "{collection}"
+    );
+    let file = vtkio::Vtk::import(vtk.join("two-discs-000003.vtp")).unwrap();
+    let vtkio::model::DataSet::PolyData { pieces, .. } = file.data else { panic!("no polydata") };
+    let piece = pieces.into_iter().next().unwrap().into_loaded_piece_data(None).unwrap();
+    let values = |attribute: &vtkio::model::Attribute| match attribute {
+        vtkio::model::Attribute::DataArray(array) => array.data.cast_into::<f64>().unwrap(),
+        vtkio::model::Attribute::Field { .. } => panic!("a field"),
+    };
+    // Two discs and the point of the floor below the first.
+    assert_eq!(values(&piece.data.point[0]), [0.5, 1.0, 0.0]);
+    let points: Vec<f64> = piece.points.cast_into::<f64>().unwrap();
+    assert!((points[1] - 0.5).abs() < 1e-9 && points[7].abs() < 1e-9, "{points:?}");
+    assert!(values(&piece.data.point[1]).iter().all(|v| v.abs() < 1e-6));
+    // Cells are the two discs, then the contacts: the floor bears both discs, the upper contact one.
+    let impulses = values(&piece.data.cell[0]);
+    assert_eq!(impulses[..2], [0.0, 0.0]);
+    assert!(
+        (impulses[2] / 192.62 - 1.0).abs() < 1e-4 && (impulses[3] / 154.10 - 1.0).abs() < 1e-4,
+        "{impulses:?}"
+    );
+    gravel(&args).refused(&["--vtk", "frames", "empty"]);
+}

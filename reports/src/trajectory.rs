@@ -1,0 +1,219 @@
+//! Accuracy of the simulation: errors of the trajectory against seconds per simulated second.
+
+mod error;
+#[cfg(test)]
+mod tests;
+
+use plotters::style::text_anchor::{HPos, VPos};
+use polars::df;
+use results::simulation::SimulationTables;
+
+use crate::axis::{Axis, Frame};
+use crate::canvas::{Canvas, Place};
+use crate::curve::log;
+use crate::legend::{Legend, Look};
+use crate::number::number;
+use crate::panels::{INSIDE, Room, grid};
+use crate::part::Part;
+use crate::signs::Sign;
+use crate::statistics::{padded, span};
+use crate::style::{INK, Mark, Pen, TICK_TEXT, TOLERANCE};
+use crate::through_time::{Simulation, distinct, in_role, looks, milliseconds, simulations};
+use crate::{ReportError, file_name};
+use error::{OBSERVABLES, errors};
+
+/// Tells time steps apart, from the longest.
+const MARKS: [Mark; 5] = [Mark::Ring, Mark::Square, Mark::Diamond, Mark::Triangle, Mark::Cross];
+/// Two references that differ in their tolerance alone: below their distance no error is told.
+const TWINS: Pen = Pen { color: INK, width: 0.3, dash: &[0.4, 0.5] };
+/// A run within this factor of the error of its time step alone is as good as exact.
+const AT_THE_FLOOR: f64 = 1.5;
+/// Errors below this are drawn at the lower edge (logarithm).
+const LOWEST: f64 = -12.0;
+
+/// A simulation beside the reference of its scene.
+struct Compared<'s> {
+    simulation: &'s Simulation,
+    errors: Option<[f64; 4]>,
+}
+
+/// `trajectory-<scene>` for each scene, `trajectory-found` in words, and the table `trajectory` with all errors.
+pub(crate) fn parts(tables: &SimulationTables) -> Result<Vec<Part>, ReportError> {
+    let all = simulations(tables)?;
+    let compared: Vec<Compared> = all
+        .iter()
+        .map(|simulation| {
+            let reference = in_role(&all, &simulation.scene, "reference");
+            Compared { simulation, errors: reference.and_then(|reference| errors(simulation, reference)) }
+        })
+        .collect();
+    let looks = looks(&all);
+    let mut parts = Vec::new();
+    let mut text = String::new();
+    for scene in distinct(&all, |s| s.scene.as_str()) {
+        let of_scene: Vec<&Compared> = compared.iter().filter(|c| c.simulation.scene == scene).collect();
+        let name = format!("trajectory-{}", file_name(scene));
+        parts.push(Part::figure(name, figure(scene, &of_scene, &looks)?));
+        text += &sentences(scene, &of_scene);
+    }
+    parts.push(Part::text("trajectory-found", text));
+    parts.push(Part::table("trajectory", table(&compared)?, format!("\n{NORMS}\n")));
+    Ok(parts)
+}
+
+const NORMS: &str = "Errors over the common times of the series, beside the reference: root of the mean square, for the \
+                     impulses of the walls and the kinetic energy over that of the reference, for the greatest overlap \
+                     and the mean height in mean diameters d. Seconds are those in the method alone.";
+
+fn table(compared: &[Compared]) -> Result<polars::prelude::DataFrame, ReportError> {
+    fn column<'c, T>(compared: &[Compared<'c>], of: impl Fn(&'c Simulation) -> T) -> Vec<T> {
+        compared.iter().map(|c| of(c.simulation)).collect()
+    }
+    let error = |i: usize| compared.iter().map(|c| c.errors.map(|e| e[i])).collect::<Vec<Option<f64>>>();
+    Ok(df!(
+        "scene" => column(compared, |s| s.scene.as_str()),
+        "role" => column(compared, |s| s.role.as_str()),
+        "time_step_s" => column(compared, |s| s.time_step_s),
+        "method" => column(compared, Simulation::label),
+        "warm_start" => column(compared, |s| s.warm_start),
+        "tolerance" => column(compared, |s| s.tolerance),
+        "max_iterations" => column(compared, |s| s.max_iterations),
+        "status" => column(compared, |s| s.status.as_str()),
+        "wall_impulse" => error(0),
+        "kinetic_energy" => error(1),
+        "greatest_overlap_mean_diameters" => error(2),
+        "mean_height_mean_diameters" => error(3),
+        "seconds_per_second" => column(compared, |s| s.seconds_per_second),
+    )?)
+}
+
+fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> Result<String, ReportError> {
+    let steps = time_steps(compared);
+    let mut signs: Vec<(Sign, String)> = steps
+        .iter()
+        .zip(MARKS.iter().cycle())
+        .map(|(h, mark)| {
+            let pen = Pen { color: INK, width: 0.3, dash: &[] };
+            (Sign::Mark(*mark, pen), format!("h = {} ms", milliseconds(*h)))
+        })
+        .collect();
+    signs.push((Sign::Line(TOLERANCE), "error of the time step alone".to_owned()));
+    signs.push((
+        Sign::Line(TWINS),
+        "distance of two references, if it is in the frame: below it no error is told".to_owned(),
+    ));
+    signs.push((Sign::Word, "Along a line the tolerance changes, tighter to the right.".to_owned()));
+    let failed = compared.iter().filter(|c| c.simulation.is_run() && c.errors.is_none()).count();
+    if failed > 0 {
+        signs.push((Sign::Word, format!("Not drawn, since they did not come to the end: {failed}.")));
+    }
+    let legend = Legend::new(looks.to_vec(), signs, INSIDE)?;
+    let title =
+        [format!("{scene}: errors of the trajectory against seconds of the method per simulated second")];
+    grid(&title, (2, 2), &legend, |canvas, i, room| panel(canvas, compared, looks, i, room))
+}
+
+/// The time steps of the runs, the longest first.
+fn time_steps(compared: &[&Compared]) -> Vec<f64> {
+    let mut steps: Vec<f64> =
+        compared.iter().filter(|c| c.simulation.is_run()).map(|c| c.simulation.time_step_s).collect();
+    steps.sort_by(|a, b| b.total_cmp(a));
+    steps.dedup();
+    steps
+}
+
+fn panel(
+    canvas: &Canvas,
+    compared: &[&Compared],
+    looks: &[(String, Look)],
+    i: usize,
+    room: Room,
+) -> Result<(), ReportError> {
+    let runs = || compared.iter().filter(|c| c.simulation.is_run());
+    let value = |c: &Compared| c.errors.map(|errors| log(errors[i]).max(LOWEST));
+    let of_role = |role: &'static str| compared.iter().filter(move |c| c.simulation.role == role);
+    let cost = |c: &Compared| c.simulation.seconds_per_second.map(log);
+    let x = padded(runs().filter_map(|c| value(c).and(cost(c))), 0.05);
+    let heights = runs().chain(of_role("floor")).filter_map(|c| value(c));
+    let Some(y) = span(heights) else {
+        return canvas.text("no error known", (room.left, room.top), TICK_TEXT, (HPos::Left, VPos::Top));
+    };
+    let (low, high) = padded([y.0, y.1].into_iter(), 0.08);
+    let frame = Frame {
+        x: Axis::log(x, room.left, room.right),
+        y: Axis::log((low, high.max(low + 1.0)), room.bottom, room.top),
+    };
+    frame.draw(canvas)?;
+    frame.name(canvas, "seconds per simulated second", &format!("error of the {}", OBSERVABLES[i]))?;
+    let across = |canvas: &Canvas, at: f64, pen: Pen| {
+        canvas.line(&[(room.left, frame.y.place(at)), (room.right, frame.y.place(at))], pen)
+    };
+    for twin in of_role("twin").filter_map(|c| value(c)).filter(|at| (low..=high).contains(at)) {
+        across(canvas, twin, TWINS)?;
+    }
+    let steps = time_steps(compared);
+    for floor in of_role("floor") {
+        let Some(at) = value(floor) else { continue };
+        across(canvas, at, TOLERANCE)?;
+        let text = format!("{} ms", milliseconds(floor.simulation.time_step_s));
+        let place = (room.left + 0.8, frame.y.place(at) - 0.2);
+        canvas.text(&text, place, TICK_TEXT, (HPos::Left, VPos::Bottom))?;
+    }
+    for (label, look) in looks {
+        for (step, mark) in steps.iter().zip(MARKS.iter().cycle()) {
+            let mut points: Vec<(f64, Place)> = runs()
+                .filter(|c| c.simulation.label() == *label && c.simulation.time_step_s == *step)
+                .filter_map(|c| Some((c.simulation.tolerance, frame.place((cost(c)?, value(c)?)))))
+                .collect();
+            points.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let places: Vec<Place> = points.into_iter().map(|(_, place)| place).collect();
+            canvas.line(&places, look.pen)?;
+            for place in places {
+                canvas.mark(*mark, place, look.pen)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What the rows of a scene say, one sentence for each time step.
+fn sentences(scene: &str, compared: &[&Compared]) -> String {
+    let Some(twin) = compared.iter().find(|c| c.simulation.role == "twin").and_then(|c| c.errors) else {
+        return format!("{scene}: no reference was made, so no error is known.\n");
+    };
+    let words = |errors: &[f64; 4]| {
+        let [walls, energy, overlap, height] = errors.map(|e| number(e, 2));
+        format!(
+            "{walls} in the impulses of the walls, {energy} in kinetic energy, {overlap} d in overlap, {height} d in height"
+        )
+    };
+    let mut text =
+        format!("{scene}: two references whose tolerances differ tenfold differ by {}.\n", words(&twin));
+    for step in time_steps(compared) {
+        let at = |c: &&&Compared| c.simulation.time_step_s == step;
+        let floor = compared.iter().filter(at).find(|c| c.simulation.role == "floor").and_then(|c| c.errors);
+        let Some(floor) = floor else { continue };
+        let good = |c: &&&Compared| {
+            c.errors.is_some_and(|e| e.iter().zip(floor).all(|(e, floor)| *e <= AT_THE_FLOOR * floor))
+        };
+        let cost = |c: &&&Compared| c.simulation.seconds_per_second.unwrap_or(f64::INFINITY);
+        let cheapest = compared
+            .iter()
+            .filter(|c| c.simulation.is_run())
+            .filter(at)
+            .filter(good)
+            .min_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let h = milliseconds(step);
+        text += &format!("{scene}: with h = {h} ms the time step alone costs {}; ", words(&floor));
+        text += &match cheapest {
+            Some(c) => format!(
+                "the cheapest run within a factor of {AT_THE_FLOOR} of all four is {} at a tolerance of {}, with {} s per simulated second.\n",
+                c.simulation.label(),
+                number(c.simulation.tolerance, 2),
+                number(cost(&c), 2)
+            ),
+            None => format!("no run comes within a factor of {AT_THE_FLOOR} of all four.\n"),
+        };
+    }
+    text
+}

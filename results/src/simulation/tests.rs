@@ -1,0 +1,114 @@
+use super::*;
+use crate::schema::fixture::run;
+use crate::store::{Store, StoreError, records_of};
+use tempfile::TempDir;
+
+fn simulated(number: u32) -> Simulated {
+    let row = run(number);
+    let simulation = Simulation {
+        simulation: 0,
+        id: row.id,
+        plan: "time".into(),
+        scene: "column".into(),
+        scene_settings: "{}".into(),
+        scene_hash: row.problem_hash,
+        role: "run".into(),
+        grains: 20,
+        mass_kg: 1.0,
+        mean_diameter_m: 0.1,
+        gravity_m_per_s2: 9.81,
+        time_step_s: 0.005,
+        duration_s: 1.0,
+        method: row.method,
+        settings: row.settings,
+        variant: String::new(),
+        warm_start: true,
+        stop_on: row.stop_on,
+        tolerance: row.tolerance,
+        max_iterations: row.max_iterations,
+        status: "exploded".into(),
+        reason: "exploded in time step 7".into(),
+        last_state: "last-states/7.json".into(),
+        time_steps: 6,
+        missed_time_steps: 2,
+        iterations: 60,
+        setup_s: 0.1,
+        iterating_s: 0.2,
+        contact_updates: 1,
+        delassus_products: 2,
+        triangular_solve_entries: 3,
+        factorisations: 4,
+        timing: row.timing,
+        provenance: row.provenance,
+    };
+    let observed = Observed {
+        time_step: 6,
+        time_s: 0.1 + 0.2,
+        contacts: 20,
+        iterations: 60,
+        kinetic_energy_j: f64::INFINITY,
+        mean_height_m: 1.0,
+        greatest_overlap_m: f64::NAN,
+        mean_overlap_m: 5e-324,
+        greatest_speed_m_per_s: 1.0,
+        floor_impulse_n_s: 1.0,
+        left_impulse_n_s: 2.0,
+        right_impulse_n_s: 3.0,
+    };
+    Simulated { simulation, series: vec![observed] }
+}
+
+/// NaN is what it is, here.
+fn same(a: &[Simulated], b: &[Simulated]) -> bool {
+    format!("{a:?}") == format!("{b:?}")
+}
+
+#[test]
+fn simulations_read_equal_those_appended_to_the_last_bit() {
+    let root = TempDir::new().unwrap();
+    let all = [simulated(1), simulated(2)];
+    let mut store: Store<Simulated> = Store::open(root.path(), "time").unwrap();
+    all.iter().for_each(|one| store.append(one.clone()).unwrap());
+    assert!(same(&records_of(store.folder()).unwrap(), &all));
+    drop(store);
+    // A store of runs does not take them for its own.
+    let error = Store::<crate::journal::Record>::open(root.path(), "time").unwrap_err();
+    assert!(matches!(error, StoreError::Line { line: 1, .. }), "{error}");
+}
+
+#[test]
+fn simulation_of_no_known_scene_or_origin_is_not_stored() {
+    let root = TempDir::new().unwrap();
+    let mut store: Store<Simulated> = Store::open(root.path(), "time").unwrap();
+    let mut no_scene = simulated(1);
+    no_scene.simulation.scene_hash.clear();
+    let mut no_commit = simulated(1);
+    no_commit.simulation.provenance.commit.clear();
+    for odd in [no_scene, no_commit] {
+        assert!(matches!(store.append(odd), Err(StoreError::Untraced(_))));
+    }
+    assert!(store.records().is_empty());
+}
+
+#[test]
+fn tables_number_the_simulations_and_are_kept_aside_whole() {
+    let root = TempDir::new().unwrap();
+    let mut store: Store<Simulated> = Store::open(root.path(), "time").unwrap();
+    let tables = SimulationTables::new(&[simulated(1), simulated(2)]).unwrap();
+    assert_eq!((tables.simulations.shape(), tables.series.shape()), ((2, 44), (2, 13)));
+    let numbers: Vec<u32> =
+        tables.series.column("simulation").unwrap().u32().unwrap().into_no_null_iter().collect();
+    assert_eq!(numbers, [0, 1]);
+    assert_eq!(tables.series.column("greatest_overlap_m").unwrap().f64().unwrap().get(0), None);
+    store.write_tables(&tables).unwrap();
+    let read = crate::store::read_simulations(store.folder()).unwrap();
+    assert!(
+        read.simulations.equals_missing(&tables.simulations) && read.series.equals_missing(&tables.series)
+    );
+    drop(store);
+    let aside = Store::set_aside(root.path(), "time").unwrap().unwrap();
+    for file in ["simulations.parquet", "series.parquet", "simulations.csv", "series.csv", "journal.jsonl"] {
+        assert!(aside.join(file).is_file() && !root.path().join("time").join(file).exists(), "{file}");
+    }
+    assert_eq!(SimulationTables::new(&[]).unwrap().simulations.shape(), (0, 44));
+}
