@@ -9,7 +9,7 @@ pub(crate) use names::{last_parts, pairs};
 use crate::methods::Method;
 use crate::suggest;
 use anyhow::{Context, Result, anyhow, bail};
-use contact::Stop;
+use contact::{Measure, Stop};
 use reports::Chart;
 use serde::Deserialize;
 use serde_json::Value;
@@ -38,6 +38,10 @@ pub(crate) struct Plan {
     /// Whether runs begin from the impulses of the time step before.
     #[serde(default)]
     pub(crate) warm_start: bool,
+    /// Whether errors are measured beside reference solutions, and scenes kept to be drawn; not where problems are so
+    /// large that this would take longer than the runs.
+    #[serde(default = "yes")]
+    pub(crate) reference: bool,
     /// How often each run is made for its seconds, which are then medians.
     #[serde(default = "once")]
     pub(crate) repeats: NonZeroU32,
@@ -54,6 +58,10 @@ pub(crate) struct Plan {
     /// The same study in under a minute: these keys replace those of the plan.
     #[serde(default)]
     quick: Option<toml::Table>,
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn once() -> NonZeroU32 {
@@ -151,6 +159,9 @@ impl Plan {
         }
         self.charts()?;
         self.stop.check().context("`stop`")?;
+        if !self.reference && self.stop.on == Measure::VelocityError {
+            bail!("`reference` is false: no run can stop on {}, which needs it", self.stop.on);
+        }
         self.variants(&[]).map(|_| ())
     }
 

@@ -8,7 +8,7 @@ use crate::output::{say, write_whole};
 use crate::plan::{Plan, PlannedCase, Settings, combinations, last_parts, pairs, values};
 use crate::truth::{Known, known};
 use anyhow::{Context, Result, bail};
-use cases::{Case, Frozen, March};
+use cases::{Case, Frozen, March, Sample};
 use contact::Stop;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -23,6 +23,8 @@ pub(crate) struct PlannedProblem {
     /// What was set to make it: nothing for a frozen problem.
     settings: Settings,
     source: Source,
+    /// Whether its solution is wanted.
+    reference: bool,
 }
 
 enum Source {
@@ -56,11 +58,15 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
     for name in &plan.problems {
         let path = frozen_path(root, name).context("`problems`")?;
         let frozen = Box::new(Frozen::read(&path)?);
-        let name = frozen.name.clone();
-        problems.push(PlannedProblem { name, settings: Settings::new(), source: Source::Frozen(frozen) });
+        let (name, reference) = (frozen.name.clone(), plan.reference);
+        let (settings, source) = (Settings::new(), Source::Frozen(frozen));
+        problems.push(PlannedProblem { name, settings, source, reference });
     }
     for planned in &plan.cases {
-        problems.extend(of_case(root, planned).with_context(|| format!("`cases`: case `{}`", planned.case))?);
+        problems.extend(
+            of_case(root, planned, plan.reference)
+                .with_context(|| format!("`cases`: case `{}`", planned.case))?,
+        );
     }
     let mut seen = BTreeSet::new();
     if let Some(twice) = problems.iter().find(|problem| !seen.insert(&problem.name)) {
@@ -83,7 +89,7 @@ fn frozen_path(root: &Root, name: &str) -> Result<PathBuf> {
 
 /// Every combination of a case's axes, named by the values on them: of values that are taken together, by the first that
 /// tells them apart.
-fn of_case(root: &Root, planned: &PlannedCase) -> Result<Vec<PlannedProblem>> {
+fn of_case(root: &Root, planned: &PlannedCase, reference: bool) -> Result<Vec<PlannedProblem>> {
     let path = root.case(&planned.case)?;
     let mut naming: Vec<&str> = Vec::new();
     for (key, axis) in &planned.zip {
@@ -107,7 +113,8 @@ fn of_case(root: &Root, planned: &PlannedCase) -> Result<Vec<PlannedProblem>> {
             ("time_step".to_owned(), json!(scene.time_step)),
         ]);
         all.extend(settings);
-        problems.push(PlannedProblem { name, settings: all, source: Source::Case(Box::new(scene)) });
+        let source = Source::Case(Box::new(scene));
+        problems.push(PlannedProblem { name, settings: all, source, reference });
     }
     Ok(problems)
 }
@@ -119,7 +126,8 @@ impl PlannedProblem {
             Source::Frozen(frozen) => *frozen,
             Source::Case(scene) => Frozen { name: self.name.clone(), ..scene.kept(root, &self.name)? },
         };
-        let (hash, known) = (content_hash(&frozen), known(root, &frozen)?);
+        let hash = content_hash(&frozen);
+        let known = if self.reference { known(root, &frozen)? } else { Known::Nothing };
         Ok(Problem { hash, settings: Value::Object(self.settings).to_string(), known, frozen })
     }
 }
@@ -135,8 +143,11 @@ impl Scene {
             Some(moment) => time_step(&case, "`time_step`", &typed(moment))?,
         };
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-        // The first problem of the case tells its sample, which other files may hold.
-        let first = content_hash(&March::new(&case)?.next()?.frozen);
+        // The first problem of the case tells its sample, which another file may hold.
+        let first = match case.sample {
+            Sample::Frozen { .. } => Some(content_hash(&March::new(&case)?.next()?.frozen)),
+            _ => None,
+        };
         let all = json!([text, overrides, first, time_step, COMMIT]).to_string();
         Ok(Self { case, overrides, time_step, identity: first_hex(&Sha256::digest(all)) })
     }

@@ -34,7 +34,8 @@ pub(crate) fn tables(study: &Study, records: &[Record]) -> Result<Tables> {
     let (mut grains, mut contacts) = (Vec::new(), Vec::new());
     let partitions = partitions(&study.variants);
     // Without a partition there is nothing to draw.
-    for problem in study.problems.iter().filter(|_| !partitions.is_empty()) {
+    let drawn = study.plan.reference && !partitions.is_empty();
+    for problem in study.problems.iter().filter(|_| drawn) {
         let impulses = impulses(&problem.frozen)?;
         for (name, grid, scheme) in &partitions {
             // Runs with a partition that does not fit the problem were skipped.
