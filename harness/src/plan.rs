@@ -42,7 +42,8 @@ pub(crate) struct Plan {
     /// How often each run is made for its seconds, which are then medians.
     #[serde(default = "once")]
     pub(crate) repeats: NonZeroU32,
-    /// Whether a reference solution is computed for every problem: without it no error is known, nor whether ζ lied.
+    /// Whether errors are measured beside reference solutions, and scenes kept to be drawn; not where problems are so
+    /// large that this would take longer than the runs.
     #[serde(default = "yes")]
     pub(crate) reference: bool,
     /// Until when.

@@ -8,7 +8,7 @@ use crate::plan::{Plan, PlannedCase, Settings, combinations, last_parts, pairs, 
 use crate::simulations;
 use crate::truth::{Given, Known, known};
 use anyhow::{Context, Result, bail};
-use cases::{Case, Frozen, March};
+use cases::{Case, Frozen, March, Sample};
 use cg::Cg;
 use contact::Stop;
 use serde_json::{Value, json};
@@ -203,8 +203,11 @@ impl Scene {
             Some(moment) => time_step(&case, "`time_step`", &typed(moment))?,
         };
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-        // The first problem of the case tells its sample, which other files may hold.
-        let first = content_hash(&March::new(&case)?.next()?.frozen);
+        // The first problem of the case tells its sample, which another file may hold.
+        let first = match case.sample {
+            Sample::Frozen { .. } => Some(content_hash(&March::new(&case)?.next()?.frozen)),
+            _ => None,
+        };
         // The code that makes it.
         let code = (code_version::<Case>(), code_version::<Cg>());
         let all = json!([text, overrides, first, time_step, code]).to_string();

@@ -47,7 +47,8 @@ pub(crate) fn tables(
     let (mut grains, mut contacts) = (Vec::new(), Vec::new());
     let partitions = partitions(&study.asked.variants);
     // Without a partition there is nothing to draw.
-    for problem in study.problems.iter().filter(|_| !partitions.is_empty()) {
+    let drawn = plan.reference && !partitions.is_empty();
+    for problem in study.problems.iter().filter(|_| drawn) {
         let impulses = problem.known(root)?.impulses();
         for (name, grid, scheme) in &partitions {
             // Runs with a partition that does not fit the problem were skipped.

@@ -81,6 +81,13 @@ fn quick_that_makes_no_sense_is_refused_even_where_it_is_not_asked() {
 }
 
 #[test]
+fn error_that_no_reference_tells_stops_no_run() {
+    let without = format!("reference = false{PLAN}");
+    assert!(!read(&without, false).unwrap().reference && read(PLAN, false).unwrap().reference);
+    refused(&without.replace("zeta", "velocity_error"), false, &["`reference`", "velocity_error"]);
+}
+
+#[test]
 fn change_replaces_the_setting_of_every_method_that_has_it() {
     let plan = read(PLAN, false).unwrap();
     // The two values of the axis become one run.

@@ -1,6 +1,8 @@
 use results::schema::{Run, Snapshot};
 use results::tables::{contacts_table, grains_table, snapshots_table};
 
+use results::store::Tables;
+
 use super::*;
 use crate::fixture::{decay, explosion, run, sample, scene, tables};
 use crate::tests::about;
@@ -8,8 +10,8 @@ use crate::{Chart, iterations};
 
 fn made(tables: &Tables) -> String {
     let mut chapters = vec![Chapter::new("iterations", vec![iterations::part(tables).unwrap()])];
-    chapters.extend(Chart::all().iter().map(|chart| Chapter::of_chart(*chart, tables).unwrap()));
-    let page = page(tables, &chapters, &about()).unwrap();
+    chapters.extend(Chart::all().iter().map(|chart| Chapter::of_chart(*chart, tables.into()).unwrap()));
+    let page = page(tables.into(), &chapters, &about()).unwrap();
     assert!(page.contains("What &lt;it&gt; asks."), "texts are escaped");
     for network in ["http://", "https://", "src=\"", "@import", "url("] {
         let foreign = page.replace("http://www.w3.org/2000/svg", "");
@@ -65,7 +67,7 @@ fn more_rows_than_a_browser_likes_are_left_to_the_file() {
     let runs: Vec<Run> = (0..6000).map(|i| run(i, "cg", "", "converged")).collect();
     let study = tables(&runs, &[]);
     let chapters = [Chapter::new("iterations", vec![iterations::part(&study).unwrap()])];
-    assert!(page(&study, &chapters, &about()).unwrap().contains("The first 5000 of 6000 rows"));
+    assert!(page((&study).into(), &chapters, &about()).unwrap().contains("The first 5000 of 6000 rows"));
 }
 
 #[test]

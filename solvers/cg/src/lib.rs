@@ -54,7 +54,7 @@ struct Run {
 impl Run {
     /// One pass over all contacts; returns the sum over the blocks, which no number of threads changes.
     fn pass(&mut self, pass: impl Fn(&mut Block, &mut [Vector2<f64>]) -> f64 + Sync + Send) -> f64 {
-        if self.blocks.len() > 1 {
+        if self.blocks.len().min(rayon::current_num_threads()) > 1 {
             let blocks = self.blocks.par_iter_mut().zip(&mut self.y).zip(&mut self.parts);
             blocks.for_each(|((block, y), part)| *part = pass(block, y));
         } else {

@@ -72,7 +72,8 @@ impl Iteration for Run<'_> {
 
 impl Run<'_> {
     pub(crate) fn in_subdomains(&mut self, stage: impl Fn(&mut Latin) + Sync + Send) {
-        if self.subdomains.len() > 1 && self.problem.contact_count() >= WORTH_THREADS {
+        let threads = self.subdomains.len().min(rayon::current_num_threads());
+        if threads > 1 && self.problem.contact_count() >= WORTH_THREADS {
             self.subdomains.par_iter_mut().for_each(stage);
         } else {
             self.subdomains.iter_mut().for_each(stage);

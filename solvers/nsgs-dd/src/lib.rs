@@ -133,7 +133,7 @@ impl Run {
                 (0..sweeps).for_each(|_| sweeper.sweep(y));
             }
         };
-        if self.sweepers.len() > 1 && updates >= WORTH_THREADS {
+        if self.sweepers.len().min(rayon::current_num_threads()) > 1 && updates >= WORTH_THREADS {
             self.sweepers.par_iter_mut().zip(&mut self.y).enumerate().for_each(work);
         } else {
             self.sweepers.iter_mut().zip(&mut self.y).enumerate().for_each(work);
