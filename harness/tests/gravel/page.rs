@@ -67,7 +67,7 @@ seen.figures = [...document.querySelectorAll("figure svg, canvas")].map(node => 
   return [Math.round(box.width), Math.round(box.height)];
 });
 seen.wide = document.documentElement.scrollWidth - document.documentElement.clientWidth;
-const column = (box, i) => [...box.querySelectorAll("tbody tr:not([hidden])")].map(row => row.cells[i].textContent);
+const column = (box, i) => [...box.querySelectorAll("tbody tr:not([hidden])")].map(row => row.cells[i].textContent.trim());
 const box = document.querySelector("[data-table=iterations]");
 if (box) {
   const heads = [...box.querySelectorAll("th")], i = heads.findIndex(head => head.textContent === "iterations");
