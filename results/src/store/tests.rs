@@ -155,7 +155,7 @@ fn what_is_set_aside_is_kept_in_a_folder_of_its_own() {
     let journal = stored(&root, 1);
     Store::open(root.path(), "paper").unwrap().write_tables(&tables()).unwrap();
     let first = Store::set_aside(root.path(), "paper").unwrap().unwrap();
-    assert_eq!(records_of(&first).unwrap().len(), 1);
+    assert_eq!(records_of::<Record>(&first).unwrap().len(), 1);
     assert_eq!(read(&first).unwrap().runs.height(), 2);
     assert_eq!(tables_folder(root.path(), "paper"), None);
     // Even what cannot be read.
