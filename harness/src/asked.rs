@@ -51,11 +51,11 @@ pub(crate) struct Asked {
 }
 
 impl StudyArgs {
-    /// The plan alone, whole.
-    pub(crate) fn plan(plan: &str) -> Self {
+    /// All runs of the plan, or of its quick form.
+    pub(crate) fn plan(plan: &str, quick: bool) -> Self {
         Self {
             plan: plan.to_owned(),
-            quick: false,
+            quick,
             only: Vec::new(),
             settings: Vec::new(),
             tolerance: None,

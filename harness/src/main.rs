@@ -23,6 +23,7 @@ mod rows;
 mod show;
 mod simulate;
 mod solve;
+mod spectrum;
 mod study;
 mod suggest;
 mod tables;

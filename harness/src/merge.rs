@@ -20,7 +20,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    let study = StudyArgs::plan(&args.plan).study(root)?;
+    let study = StudyArgs::plan(&args.plan, false).study(root)?;
     let mut stores = Vec::new();
     for folder in &args.from {
         if !is_study(folder) {

@@ -99,7 +99,7 @@ pub(crate) enum Curves {
     /// Enough to draw its curve.
     #[default]
     Whole,
-    /// The first, the last, and those at which a measure first passes a power of ten.
+    /// The first, the last, those of iterations 1, 2, 4, …, and those at which a measure first passes a power of ten.
     Ends,
 }
 

@@ -6,6 +6,7 @@ use crate::inputs::{Root, content_hash, march_to, stem, time_step};
 use crate::methods::Method;
 use crate::output::{say, write_whole};
 use crate::plan::{Plan, PlannedCase, Settings, combinations, last_parts, pairs, values};
+use crate::spectrum::of_problem;
 use crate::truth::{Known, known};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
@@ -48,6 +49,8 @@ pub(crate) struct Problem {
     pub(crate) settings: String,
     /// Its solution.
     pub(crate) known: Known,
+    /// What is computed of its eigenvalues.
+    pub(crate) spectrum: Settings,
 }
 
 /// The problems of a plan in its order, frozen ones first.
@@ -120,7 +123,8 @@ impl PlannedProblem {
             Source::Case(scene) => Frozen { name: self.name.clone(), ..scene.kept(root, &self.name)? },
         };
         let (hash, known) = (content_hash(&frozen), known(root, &frozen)?);
-        Ok(Problem { hash, settings: Value::Object(self.settings).to_string(), known, frozen })
+        let spectrum = of_problem(&frozen.problem, &known);
+        Ok(Problem { hash, settings: Value::Object(self.settings).to_string(), known, spectrum, frozen })
     }
 }
 

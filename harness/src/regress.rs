@@ -20,9 +20,18 @@ pub(crate) struct Args {
     /// A plan: its name, or the path of its file
     #[arg(default_value = "regress")]
     plan: String,
+    /// The quick form of the plan
+    #[arg(long)]
+    quick: bool,
     /// Make N different runs at a time [default: one per processor]; counts do not depend on it
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
+}
+
+impl Args {
+    fn study(&self) -> StudyArgs {
+        StudyArgs::plan(&self.plan, self.quick)
+    }
 }
 
 /// The counts of a plan now, and where those that were accepted are.
@@ -35,9 +44,10 @@ struct Now {
 
 /// Compares the counts with the baseline.
 pub(crate) fn regress(root: &Root, args: &Args) -> Result<ExitCode> {
-    let baseline = baseline(root, &StudyArgs::plan(&args.plan).asked(root)?.plan.name);
+    let asked = args.study().asked(root)?;
+    let baseline = baseline(root, &asked.plan.name);
     if !baseline.is_file() {
-        bail!("{}: there is no baseline yet; `gravel bless {}` writes it", baseline.display(), args.plan);
+        bail!("{}: there is no baseline yet; `gravel bless {}` writes it", baseline.display(), asked.again);
     }
     let before = read(&baseline)?;
     let now = Now::count(root, args)?;
@@ -53,7 +63,7 @@ pub(crate) fn regress(root: &Root, args: &Args) -> Result<ExitCode> {
         "{}: not as in {}; if that is meant, `gravel bless {}` accepts it",
         now.plan,
         baseline.display(),
-        args.plan
+        asked.again
     ))?;
     Ok(ExitCode::FAILURE)
 }
@@ -76,7 +86,7 @@ pub(crate) fn bless(root: &Root, args: &Args) -> Result<ExitCode> {
 impl Now {
     /// Makes all runs of the plan; nothing is stored.
     fn count(root: &Root, args: &Args) -> Result<Self> {
-        let study = StudyArgs::plan(&args.plan).study(root)?;
+        let study = args.study().study(root)?;
         let plan = study.plan.name.clone();
         let baseline = baseline(root, &plan);
         let expected = expected_failures(&baseline.with_file_name("expected-failures.toml"), &plan)?;

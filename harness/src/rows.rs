@@ -2,6 +2,7 @@
 
 use crate::curve::first_at;
 use crate::plan::Variant;
+use crate::spectrum::of_partition;
 use crate::study::{Study, Task};
 use cases::Frozen;
 use contact::Outcome;
@@ -18,6 +19,8 @@ pub(crate) fn asked_row(study: &Study, task: &Task, provenance: &Provenance, tim
     // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
     let subdomains = |grid: Grid| u32::try_from(grid.count()).unwrap_or(u32::MAX);
     let (plan, variant, frozen) = (&study.plan, task.variant, &task.problem.frozen);
+    let mut spectrum = task.problem.spectrum.clone();
+    spectrum.extend(of_partition(&frozen.problem, variant));
     Run {
         run: 0,
         id: task.id.clone(),
@@ -30,6 +33,7 @@ pub(crate) fn asked_row(study: &Study, task: &Task, provenance: &Provenance, tim
         method: variant.method.name.to_owned(),
         settings: Value::Object(variant.method.settings.clone()).to_string(),
         derived: "{}".to_owned(),
+        spectrum: Value::Object(spectrum).to_string(),
         variant: variant.name.clone(),
         subdomains: setting::<Grid>(variant, "subdomains").map_or(1, subdomains),
         warm_start: plan.warm_start,
@@ -181,6 +185,6 @@ fn subdomain_of_grains(frozen: &Frozen, partition: &Partition) -> Vec<Option<u32
 }
 
 /// A setting of a variant, where its method has one of that name and type.
-fn setting<T: DeserializeOwned>(variant: &Variant, key: &str) -> Option<T> {
+pub(crate) fn setting<T: DeserializeOwned>(variant: &Variant, key: &str) -> Option<T> {
     variant.method.settings.get(key).and_then(|value| T::deserialize(value).ok())
 }

@@ -25,6 +25,7 @@ pub(crate) fn tables(study: &Study, records: &[Record]) -> Result<Tables> {
                 run,
                 plan: study.plan.name.clone(),
                 problem: task.problem.frozen.name.clone(),
+                problem_settings: task.problem.settings.clone(),
                 variant: task.variant.name.clone(),
                 ..record.run.clone()
             });

@@ -7,7 +7,8 @@ use results::store::Tables;
 use thiserror::Error;
 
 use crate::{
-    File, ReportError, convergence, directions, profiles, sample, size, subdomains, truth, work_precision,
+    File, ReportError, atlas, convergence, directions, profiles, sample, size, subdomains, truth,
+    work_precision,
 };
 
 /// A kind of figure, with the tables that belong to it.
@@ -27,6 +28,7 @@ const CHARTS: &[Chart] = &[
     Chart { name: "profiles", files: profiles::files },
     Chart { name: "subdomains", files: subdomains::files },
     Chart { name: "size", files: size::files },
+    Chart { name: "atlas", files: atlas::files },
 ];
 
 impl Chart {

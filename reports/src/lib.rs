@@ -1,5 +1,6 @@
 //! Tables and figures, each one a function of stored tables.
 
+mod atlas;
 mod axis;
 mod canvas;
 mod chart;
