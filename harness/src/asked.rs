@@ -58,9 +58,9 @@ struct Only {
 }
 
 impl StudyArgs {
-    /// The plan alone, whole.
-    pub(crate) fn plan(plan: &str) -> Self {
-        Self { plan: plan.to_owned(), ..Self::default() }
+    /// All runs of the plan, or of its quick form.
+    pub(crate) fn plan(plan: &str, quick: bool) -> Self {
+        Self { plan: plan.to_owned(), quick, ..Self::default() }
     }
 
     /// The arguments that ask for the same.

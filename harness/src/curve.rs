@@ -22,11 +22,12 @@ impl Recorder {
         Self { curves, samples: Vec::new(), pending: None, reached: [0; Measure::ALL.len()] }
     }
 
-    /// Sees every iterate. Kept are the first, and those at which a measure first passes one of the [`DECADES`]; of
-    /// whole curves all of the first hundred too, then one in each hundredth of the iterations.
+    /// Sees every iterate. Kept are the first, those of the iterations 1, 2, 4, …, which tell whether a measure still falls, and
+    /// those at which a measure first passes one of the [`DECADES`]; of whole curves all of the first hundred too, then one
+    /// in each hundredth of the iterations.
     pub(crate) fn observe(&mut self, progress: &Progress) {
         let sample = sample(progress);
-        let mut keep = false;
+        let mut keep = progress.iteration == 0 || progress.iteration.is_power_of_two();
         for (measure, reached) in Measure::ALL.into_iter().zip(&mut self.reached) {
             let value = progress.measures.get(measure);
             while DECADES.get(*reached).is_some_and(|decade| value <= *decade) {
@@ -37,7 +38,7 @@ impl Recorder {
         let last = self.samples.last().map_or(0, |sample| sample.iteration);
         let whole = self.curves == Curves::Whole
             && (progress.iteration <= 100 || progress.iteration * 100 >= last * 101);
-        if keep || whole || progress.iteration == 0 {
+        if keep || whole {
             self.samples.push(sample);
             self.pending = None;
         } else {

@@ -6,6 +6,7 @@ use crate::inputs::Root;
 use crate::interrupt;
 use crate::progress::Board;
 use crate::rows::{UNTIMED, asked_row, ended_row};
+use crate::spectrum::of_partition;
 use crate::study::{Study, Task};
 use crate::truth::Known;
 use anyhow::{Result, bail};
@@ -13,6 +14,7 @@ use contact::{Outcome, SetupError, Status, solve_against};
 use results::journal::Record;
 use results::provenance::load_average;
 use results::schema::{Provenance, Run, Sample, Snapshot, Timing};
+use serde_json::Value;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -87,7 +89,11 @@ fn make(
     board: &Board,
     halt: &dyn Fn() -> bool,
 ) -> Result<Option<Record>> {
-    let asked = asked_row(study, task, &provenance.restarted(), untimed(how));
+    let known = task.problem.known(root)?;
+    let asked = Run {
+        spectrum: spectrum(study, task, known),
+        ..asked_row(study, task, &provenance.restarted(), untimed(how))
+    };
     let skipped = |reason: &str| {
         let run = Run { reason: reason.to_owned(), ..asked.clone() };
         Ok(Some(Record { run, curve: Vec::new(), snapshots: Vec::new() }))
@@ -95,7 +101,6 @@ fn make(
     if task.variant.warm_start && task.problem.frozen.start.is_empty() {
         return skipped("the problem has no impulses of a time step before to begin from");
     }
-    let known = task.problem.known(root)?;
     let clock = Instant::now();
     let mut made = Vec::new();
     // The first of several brings code and data into the caches.
@@ -114,6 +119,16 @@ fn make(
     let belied = known.belies(&study.asked.plan.stop, &outcome);
     let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
     Ok(Some(Record { run: ended_row(Run { timing, ..asked }, belied, &outcome, &curve), curve, snapshots }))
+}
+
+/// What explains how the run ends, where the plan asks for it.
+fn spectrum(study: &Study, task: &Task, known: &Known) -> String {
+    if !study.asked.plan.spectra {
+        return "{}".to_owned();
+    }
+    let mut spectrum = task.problem.spectrum(known).clone();
+    spectrum.extend(of_partition(&task.problem.frozen.problem, task.variant));
+    Value::Object(spectrum).to_string()
 }
 
 /// The curve of a run, and the iterates that the page shows, if any.

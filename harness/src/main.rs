@@ -26,6 +26,7 @@ mod show;
 mod simulate;
 mod simulations;
 mod solve;
+mod spectrum;
 mod study;
 mod suggest;
 mod tables;

@@ -23,7 +23,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    let asked = StudyArgs::plan(&args.plan).asked(root)?;
+    let asked = StudyArgs::plan(&args.plan, false).asked(root)?;
     let plan = asked.plan.name.clone();
     if asked.plan.simulate.is_some() {
         let store = joined(root, &plan, &args.from)?;

@@ -39,6 +39,9 @@ pub(crate) struct Plan {
     /// Whether runs begin from the impulses of the time step before, where a method does not say it of itself.
     #[serde(default)]
     warm_start: bool,
+    /// Whether rows tell the eigenvalues of their problems, which explain failures.
+    #[serde(default)]
+    pub(crate) spectra: bool,
     /// How often each run is made for its seconds, which are then medians.
     #[serde(default = "once")]
     pub(crate) repeats: NonZeroU32,
@@ -151,7 +154,7 @@ pub(crate) enum Curves {
     /// Enough to draw its curve.
     #[default]
     Whole,
-    /// The first, the last, and those at which a measure first passes a power of ten.
+    /// The first, the last, those of iterations 1, 2, 4, …, and those at which a measure first passes a power of ten.
     Ends,
 }
 

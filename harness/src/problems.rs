@@ -6,6 +6,7 @@ use crate::methods::Method;
 use crate::output::{say, write_whole};
 use crate::plan::{Plan, PlannedCase, Settings, combinations, last_parts, pairs, values};
 use crate::simulations;
+use crate::spectrum::of_problem;
 use crate::truth::{Given, Known, known};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March, Sample};
@@ -55,6 +56,7 @@ pub(crate) struct Problem {
     /// What another code answered, if that lies beside it.
     pub(crate) given: Option<Given>,
     known: OnceLock<Known>,
+    spectrum: OnceLock<Settings>,
 }
 
 impl Problem {
@@ -65,6 +67,11 @@ impl Problem {
         }
         let known = known(root, &self.frozen)?;
         Ok(self.known.get_or_init(|| known))
+    }
+
+    /// Its eigenvalues; computed when they are first asked for.
+    pub(crate) fn spectrum(&self, known: &Known) -> &Settings {
+        self.spectrum.get_or_init(|| of_problem(&self.frozen.problem, known))
     }
 }
 
@@ -173,7 +180,7 @@ impl PlannedProblem {
         let frozen = Frozen { name: self.name.clone(), ..frozen };
         let settings = Value::Object(self.settings.clone()).to_string();
         let known = if self.reference { OnceLock::new() } else { OnceLock::from(Known::Nothing) };
-        Problem { hash: content_hash(&frozen), settings, given, known, frozen }
+        Problem { hash: content_hash(&frozen), settings, given, known, spectrum: OnceLock::new(), frozen }
     }
 
     /// The scene of a study through time.

@@ -21,9 +21,18 @@ pub(crate) struct Args {
     /// A plan: its name, or the path of its file
     #[arg(default_value = "regress")]
     plan: String,
+    /// The quick form of the plan
+    #[arg(long)]
+    quick: bool,
     /// Make N different runs at a time [default: one per processor]; counts do not depend on it
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
+}
+
+impl Args {
+    fn study(&self) -> StudyArgs {
+        StudyArgs::plan(&self.plan, self.quick)
+    }
 }
 
 /// The counts of a plan now, and where those that were accepted are.
@@ -36,12 +45,13 @@ struct Now {
 
 /// Compares the counts with the baseline.
 pub(crate) fn regress(root: &Root, args: &Args) -> Result<ExitCode> {
-    let asked = StudyArgs::plan(&args.plan).asked(root)?;
+    let asked = args.study().asked(root)?;
     let baseline = baseline(root, &asked.plan.name);
     if !baseline.is_file() {
-        bail!("{}: there is no baseline yet; `gravel bless {}` writes it", baseline.display(), args.plan);
+        bail!("{}: there is no baseline yet; `gravel bless {}` writes it", baseline.display(), asked.again);
     }
     let before = read(&baseline)?;
+    let again = asked.again.clone();
     let now = Now::count(root, args, asked)?;
     let mut wrong = changes(&before, &now.counts);
     wrong.extend(now.unexpected());
@@ -55,14 +65,14 @@ pub(crate) fn regress(root: &Root, args: &Args) -> Result<ExitCode> {
         "{}: not as in {}; if that is meant, `gravel bless {}` accepts it",
         now.plan,
         baseline.display(),
-        args.plan
+        again
     ))?;
     Ok(ExitCode::FAILURE)
 }
 
 /// Makes the counts the baseline.
 pub(crate) fn bless(root: &Root, args: &Args) -> Result<ExitCode> {
-    let now = Now::count(root, args, StudyArgs::plan(&args.plan).asked(root)?)?;
+    let now = Now::count(root, args, args.study().asked(root)?)?;
     let before = if now.baseline.is_file() { read(&now.baseline)? } else { Vec::new() };
     say_all(&changes(&before, &now.counts))?;
     if let Some(folder) = now.baseline.parent() {

@@ -66,6 +66,7 @@ fn nothing_done(plan: &Plan, problem: &Problem, provenance: &Provenance) -> Run 
         method: String::new(),
         settings: "{}".to_owned(),
         derived: "{}".to_owned(),
+        spectrum: "{}".to_owned(),
         variant: String::new(),
         subdomains: 1,
         warm_start: false,
@@ -227,6 +228,6 @@ fn subdomain_of_grains(frozen: &Frozen, partition: &Partition) -> Vec<Option<u32
 }
 
 /// A setting of a variant, where its method has one of that name and type.
-fn setting<T: DeserializeOwned>(variant: &Variant, key: &str) -> Option<T> {
+pub(crate) fn setting<T: DeserializeOwned>(variant: &Variant, key: &str) -> Option<T> {
     variant.method.settings.get(key).and_then(|value| T::deserialize(value).ok())
 }

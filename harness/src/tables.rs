@@ -30,6 +30,7 @@ pub(crate) fn tables(
                 run,
                 plan: plan.name.clone(),
                 problem: task.problem.frozen.name.clone(),
+                problem_settings: task.problem.settings.clone(),
                 variant: task.variant.name.clone(),
                 ..record.run.clone()
             });

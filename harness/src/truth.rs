@@ -15,7 +15,9 @@ pub(crate) enum Known {
     Solution { truth: Truth, impulses: Vec<f64> },
     /// That there is none.
     Infeasible,
-    /// Nothing: no reference could be certified.
+    /// A solution that could not be certified: no truth.
+    Uncertified(Truth),
+    /// Nothing.
     Nothing,
 }
 
@@ -23,6 +25,14 @@ impl Known {
     pub(crate) fn truth(&self) -> Option<&Truth> {
         match self {
             Self::Solution { truth, .. } => Some(truth),
+            Self::Infeasible | Self::Uncertified(_) | Self::Nothing => None,
+        }
+    }
+
+    /// The velocity that is nearest to a solution, as far as is known: it tells which contacts are closed.
+    pub(crate) fn nearest(&self) -> Option<&Truth> {
+        match self {
+            Self::Solution { truth, .. } | Self::Uncertified(truth) => Some(truth),
             Self::Infeasible | Self::Nothing => None,
         }
     }
@@ -30,6 +40,7 @@ impl Known {
     pub(crate) fn impulses(&self) -> Option<&[f64]> {
         match self {
             Self::Solution { impulses, .. } => Some(impulses),
+            Self::Uncertified(_) => None,
             Self::Infeasible | Self::Nothing => None,
         }
     }
@@ -39,7 +50,7 @@ impl Known {
         let wrong = match self {
             Self::Solution { .. } => outcome.measures.velocity_error > 100.0 * stop.tolerance,
             Self::Infeasible => true,
-            Self::Nothing => false,
+            Self::Uncertified(_) | Self::Nothing => false,
         };
         wrong && outcome.status == Status::Converged && stop.on == Measure::Zeta
     }
@@ -87,9 +98,9 @@ pub(crate) fn known(root: &Root, frozen: &Frozen) -> Result<Known> {
             eprintln!("{}: the problem has no solution", frozen.name);
             Known::Infeasible
         }
-        Answer::Unknown { certificate, interior_point, .. } => {
+        Answer::Unknown { impulses, certificate, interior_point } => {
             eprintln!("{}: no reference, the best is {certificate} ({interior_point})", frozen.name);
-            Known::Nothing
+            Known::Uncertified(Truth::new(&frozen.problem, &impulses))
         }
     })
 }

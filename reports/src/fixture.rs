@@ -42,6 +42,7 @@ pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
         method: method.into(),
         settings: "{}".into(),
         derived: "{}".into(),
+        spectrum: "{}".into(),
         variant: variant.into(),
         subdomains: 1,
         warm_start: false,

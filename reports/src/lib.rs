@@ -1,6 +1,7 @@
 //! Tables and figures, each one a function of stored tables.
 
 mod against;
+mod atlas;
 mod atlas_in_time;
 mod axis;
 mod canvas;

@@ -13,16 +13,23 @@ use crate::ending::Ending;
 pub(crate) struct RunRow {
     pub(crate) run: u32,
     pub(crate) problem: String,
+    /// What was set to make the problem.
+    pub(crate) problem_settings: Map<String, Value>,
     pub(crate) grains: u32,
     pub(crate) contacts: u32,
     pub(crate) method: String,
     pub(crate) settings: Map<String, Value>,
     pub(crate) derived: Map<String, Value>,
+    /// Empty in older studies.
+    pub(crate) spectrum: Map<String, Value>,
     pub(crate) variant: String,
     pub(crate) subdomains: u32,
     pub(crate) stop_on: String,
     pub(crate) tolerance: Option<f64>,
+    pub(crate) max_iterations: u64,
     pub(crate) ending: Ending,
+    /// Why it was skipped, if it was.
+    pub(crate) reason: String,
     pub(crate) iterations: u64,
     pub(crate) setup_s: Option<f64>,
     pub(crate) iterating_s: Option<f64>,
@@ -72,6 +79,10 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
     let (contacts, subdomains) = (u32s(table, "contacts")?, u32s(table, "subdomains")?);
     let (problem, method) = (texts(table, "problem")?, texts(table, "method")?);
     let (settings, derived) = (json(table, "settings")?, json(table, "derived")?);
+    let problem_settings = json(table, "problem_settings")?;
+    let older = table.column("spectrum").is_err();
+    let spectrum = if older { vec![Map::new(); table.height()] } else { json(table, "spectrum")? };
+    let (reason, max_iterations) = (texts(table, "reason")?, u64s(table, "max_iterations")?);
     let (variant, status) = (texts(table, "variant")?, texts(table, "status")?);
     let (stop_on, tolerance) = (texts(table, "stop_on")?, measures(table, "tolerance")?);
     let iterations = u64s(table, "iterations")?;
@@ -79,15 +90,19 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
     let row = |i: usize| RunRow {
         run: run[i],
         problem: problem[i].clone(),
+        problem_settings: problem_settings[i].clone(),
         grains: grains[i],
         contacts: contacts[i],
         method: method[i].clone(),
         settings: settings[i].clone(),
         derived: derived[i].clone(),
+        spectrum: spectrum[i].clone(),
         variant: variant[i].clone(),
         subdomains: subdomains[i],
         stop_on: stop_on[i].clone(),
         tolerance: tolerance[i],
+        max_iterations: max_iterations[i],
+        reason: reason[i].clone(),
         ending: Ending::of(&status[i]),
         iterations: iterations[i],
         setup_s: setup_s[i],

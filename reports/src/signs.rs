@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::ReportError;
+use crate::atlas::{Class, ring, swatch, wedge};
 use crate::canvas::{Canvas, Place, text_width};
 use crate::ending::Ending;
 use crate::style::{INK, LEADING, Mark, Pen, TEXT};
@@ -21,6 +22,10 @@ pub(crate) enum Sign {
     Ending(Ending),
     Line(Pen),
     Mark(Mark, Pen),
+    /// A cell of the atlas, and its marks.
+    Class(Class),
+    Ring,
+    Wedge,
 }
 
 impl Sign {
@@ -28,7 +33,8 @@ impl Sign {
         match self {
             Self::Word => 0.0,
             Self::Line(_) => SAMPLE + 1.2,
-            Self::Ending(_) | Self::Mark(..) => SIGN,
+            Self::Ending(_) | Self::Mark(..) | Self::Ring | Self::Wedge => SIGN,
+            Self::Class(_) => SIGN + 1.4,
         }
     }
 
@@ -38,6 +44,9 @@ impl Sign {
             Self::Ending(ending) => ending.draw(canvas, (x + 0.9, y), INK),
             Self::Line(pen) => canvas.line(&[(x, y), (x + SAMPLE, y)], *pen),
             Self::Mark(mark, pen) => canvas.mark(*mark, (x + 0.9, y), *pen),
+            Self::Class(class) => swatch(canvas, *class, (x + 1.4, y)),
+            Self::Ring => ring(canvas, (x + 0.9, y)),
+            Self::Wedge => wedge(canvas, (x + 0.9, y)),
         }
     }
 }

@@ -33,6 +33,13 @@ pub struct Run {
     /// What it worked with beside its settings, as JSON: a value that they leave open, by its name; and, of a method with
     /// subdomains, `critical_path`, the multiply-adds of an iteration on the longest of them.
     pub derived: String,
+    /// What was computed of the problem and of the run's partition, as JSON: `lambda_max`, the greatest eigenvalue of
+    /// W_D⁻¹W, for many contacts by power iteration; of small problems `closed_lambda_max` and `closed_lambda_min`, the
+    /// greatest and the least positive one over the contacts that the solution keeps closed, `redundant`, how many are 0, and
+    /// `kappa_opt`, the best direction of LATIN that follows; `multiplicity`, the most copies of a grain; `coupling`, without
+    /// split masses, the greatest eigenvalue of W_D⁻¹W with all within a subdomain left out.
+    #[serde(default = "nothing")]
+    pub spectrum: String,
     /// The settings in which the runs of this method in this plan differ, such as `4x2`; empty if they are alone.
     pub variant: String,
     /// Number of subdomains; 1 for a method that does not decompose.
@@ -78,6 +85,10 @@ pub struct Run {
     pub end: Sample,
     /// Where the run comes from.
     pub provenance: Provenance,
+}
+
+fn nothing() -> String {
+    "{}".to_owned()
 }
 
 /// How the seconds of a run were taken.
@@ -284,6 +295,7 @@ pub(crate) mod fixture {
             method: "nsgs".into(),
             settings: "{\"sweeps\":1}".into(),
             derived: "{}".into(),
+            spectrum: "{}".into(),
             variant: String::new(),
             subdomains: 1,
             warm_start: false,

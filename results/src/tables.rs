@@ -32,6 +32,7 @@ fn asked(runs: &[Run]) -> PolarsResult<DataFrame> {
         "method" => column(runs, |r| r.method.as_str()),
         "settings" => column(runs, |r| r.settings.as_str()),
         "derived" => column(runs, |r| r.derived.as_str()),
+        "spectrum" => column(runs, |r| r.spectrum.as_str()),
         "variant" => column(runs, |r| r.variant.as_str()),
         "subdomains" => column(runs, |r| r.subdomains),
         "warm_start" => column(runs, |r| r.warm_start),
@@ -201,7 +202,7 @@ mod tests {
 
     #[test]
     fn no_rows_give_tables_with_all_their_columns() {
-        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 54));
+        assert_eq!(runs_table(&[]).unwrap().shape(), (0, 55));
         assert_eq!(curves_table::<Vec<Sample>>(&[]).unwrap().shape(), (0, 17));
         assert_eq!(curves_table(&[(4, Vec::new())]).unwrap().shape(), (0, 17));
         assert_eq!(grains_table(&[]).unwrap().shape(), (0, 8));

@@ -69,6 +69,23 @@ fn squeezed_crystal_is_proved_to_have_no_solution() {
     assert!(!proves_infeasible(&problem, &without(0.5 * ray.iter().copied().fold(0.0, f64::max))));
 }
 
+/// What is constant in the impulses hides the thrust that grows, so rays are balanced before they are judged. Between walls of
+/// the crystal LATIN's directions adapt to ever larger impulses, and it diverges before the first look.
+#[test]
+fn every_method_names_what_has_no_solution() {
+    for case in ["closing-walls", "squeezed-crystal"] {
+        let problem = first_problem(case, &[]).problem;
+        for (name, solver) in all_methods() {
+            let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-6, max_iterations: 5000 };
+            let r0 = vec![0.0; problem.contact_count()];
+            let ended = solve(&*solver, &problem, &r0, &stop, &mut |_| {}).unwrap().status;
+            let diverges = name == "latin-dd" && case == "squeezed-crystal";
+            let expected = ended == Status::Infeasible || diverges && ended == Status::Diverged;
+            assert!(expected, "{name} on {case}: {ended:?}");
+        }
+    }
+}
+
 /// Slow is not without solution: on a column of 300 discs 5000 sweeps do not reach the answer.
 #[test]
 fn slow_methods_are_not_called_infeasible() {

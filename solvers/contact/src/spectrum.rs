@@ -38,7 +38,7 @@ impl Spectrum {
         let all: Vec<usize> = (0..problem.contact_count()).collect();
         let closed = closed.and_then(|closed| {
             let few: Vec<usize> = all.iter().copied().filter(|contact| closed[*contact]).collect();
-            Closed::of(eigenvalues(problem, &few)?)
+            Closed::of(&eigenvalues(problem, &few)?)
         });
         let whole = eigenvalues(problem, &all).and_then(|values| values.last().copied());
         Self { greatest: whole.unwrap_or_else(|| greatest_eigenvalue(problem)), closed }
@@ -47,7 +47,7 @@ impl Spectrum {
 
 impl Closed {
     /// From rising eigenvalues; `None` without contact.
-    fn of(values: Vec<f64>) -> Option<Self> {
+    fn of(values: &[f64]) -> Option<Self> {
         let greatest = *values.last()?;
         let redundant = values.iter().take_while(|value| **value <= ZERO * greatest).count();
         Some(Self { greatest, least: values[redundant.min(values.len() - 1)], redundant })
@@ -61,7 +61,7 @@ impl Closed {
 
 /// The eigenvalues, rising, of W_D^-½ W W_D^-½ over `contacts`; `None` if these are too many.
 fn eigenvalues(problem: &ContactProblem, contacts: &[usize]) -> Option<Vec<f64>> {
-    (contacts.len() <= DENSE).then(|| rising(scaled(problem, contacts)))
+    (contacts.len() <= DENSE).then(|| rising(&scaled(problem, contacts)))
 }
 
 /// λmax(W_D⁻¹ W_off), where W_off is what of W couples contacts of different subdomains (–); `None` if there are too many.
@@ -80,7 +80,7 @@ pub fn coupling(problem: &ContactProblem, subdomain: &[u32]) -> Option<f64> {
             }
         }
     }
-    Some(rising(matrix).last().copied().unwrap_or(0.0))
+    Some(rising(&matrix).last().copied().unwrap_or(0.0))
 }
 
 /// W_D^-½ W W_D^-½ over `contacts`.
@@ -100,7 +100,7 @@ fn scaled(problem: &ContactProblem, contacts: &[usize]) -> DMatrix<f64> {
     matrix
 }
 
-fn rising(matrix: DMatrix<f64>) -> Vec<f64> {
+fn rising(matrix: &DMatrix<f64>) -> Vec<f64> {
     let mut values: Vec<f64> = matrix.symmetric_eigenvalues().iter().copied().collect();
     values.sort_by(f64::total_cmp);
     values
