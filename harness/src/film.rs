@@ -55,7 +55,7 @@ mod tests {
         let mut film = Film::new();
         let start = frozen.start(false);
         let outcome = solve(&nsgs::Nsgs::default(), &frozen.problem, &start, &stop, &mut |progress| {
-            film.observe(progress)
+            film.observe(progress);
         });
         let outcome = outcome.unwrap();
         let snapshots = film.finish(&outcome);

@@ -36,13 +36,12 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     stop.check()?;
     let path = root.problem_or_case(&args.problem.problem)?;
     let frozen = args.problem.read(&path)?;
-    let page = match &args.output {
-        Some(page) => page.clone(),
-        None => {
-            let folder = root.join("reports/out");
-            std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-            folder.join(format!("view-{}.html", frozen.name))
-        }
+    let page = if let Some(page) = &args.output {
+        page.clone()
+    } else {
+        let folder = root.join("reports/out");
+        std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+        folder.join(format!("view-{}.html", frozen.name))
     };
     check_place(&page)?;
 

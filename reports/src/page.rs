@@ -145,7 +145,7 @@ fn section(chapter: &Chapter, about: &About, shown: &dyn Fn(&str) -> bool) -> Re
         match &part.kind {
             Kind::Figure(_) if shown(&part.name) => section.files.push(format!("{}.svg", part.name)),
             Kind::Figure(svg) => {
-                section.figures.push(Figure { name: part.name.clone(), svg: inline(svg, &part.name) })
+                section.figures.push(Figure { name: part.name.clone(), svg: inline(svg, &part.name) });
             }
             Kind::Table(table) => section.tables.push(Rows::of(&part.name, &table.shown, &table.note)?),
             Kind::Text(text) => {

@@ -101,7 +101,7 @@ pub(crate) fn tex(text: &str) -> String {
                 power.push(next);
                 letters.next();
             }
-            tex += &format!("$^{{{power}}}$");
+            tex.extend(["$^{", &power, "}$"]);
             continue;
         }
         match letter {
@@ -109,7 +109,7 @@ pub(crate) fn tex(text: &str) -> String {
             '\\' => tex += "\\textbackslash{}",
             '~' => tex += "\\textasciitilde{}",
             '^' => tex += "\\textasciicircum{}",
-            '<' | '>' | '|' => tex += &format!("${letter}$"),
+            '<' | '>' | '|' => tex.extend(['$', letter, '$']),
             '–' => tex += "--",
             '\u{a0}' => tex.push('~'),
             '\u{202f}' => tex += "\\,",

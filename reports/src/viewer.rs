@@ -158,16 +158,7 @@ impl Film {
             |r: &mut dyn Iterator<Item = &f64>| r.copied().filter(|r| r.is_finite()).fold(0.0, f64::max);
         let known = greatest(&mut solution.iter());
         let greatest_n_s = if known > 0.0 { known } else { greatest(&mut last.into_iter()) };
-        let span = |of: fn(&(f64, f64)) -> f64| {
-            let range = scene.grains.iter().map(|grain| of(&grain.centre));
-            let (low, high) =
-                range.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-            high - low
-        };
-        let side = span(|place| place.0).max(span(|place| place.1));
-        let radius = scene.grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
-        // A grain alone has no side.
-        let unit_m = if side.is_finite() { (side + 2.0 * radius) / STEPS } else { 1.0 };
+        let unit_m = unit_m(scene);
         let place = |length: f64| (length / unit_m).round() as i64;
         let segment =
             |(from, to): &((f64, f64), (f64, f64))| [place(from.0), place(from.1), place(to.0), place(to.1)];
@@ -206,6 +197,19 @@ impl Film {
             tracks,
         }
     }
+}
+
+/// Metres of a unit of length of the film.
+fn unit_m(scene: &Scene) -> f64 {
+    let span = |of: fn(&(f64, f64)) -> f64| {
+        let range = scene.grains.iter().map(|grain| of(&grain.centre));
+        let (low, high) = range.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        high - low
+    };
+    let side = span(|place| place.0).max(span(|place| place.1));
+    let radius = scene.grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+    // A scene without grains has no side.
+    if side.is_finite() { (side + 2.0 * radius) / STEPS } else { 1.0 }
 }
 
 impl Split {

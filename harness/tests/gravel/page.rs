@@ -43,7 +43,7 @@ console.error = console.warn = (...words) => seen.errors.push(words.join(" "));
 </script>"#;
 
 /// Sizes, sorting, filter, slider, enlargement, and the contrast of every text with what is behind it.
-const USE: &str = r##"<script>
+const USE: &str = r#"<script>
 const rgb = color => (color.match(/[\d.]+/g) ?? [0, 0, 0, 0]).map(Number);
 const light = color => rgb(color).slice(0, 3).map(c => c / 255)
   .map(c => c <= .04045 ? c / 12.92 : ((c + .055) / 1.055) ** 2.4).reduce((sum, c, i) => sum + c * [.2126, .7152, .0722][i], 0);
@@ -93,7 +93,7 @@ seen.moved = begin[0] !== end[0] && begin[1] !== end[1];
 seen.same = picture(0)[0] === begin[0];
 document.body.insertAdjacentHTML("beforeend", "<pre id=seen></pre>");
 document.getElementById("seen").textContent = JSON.stringify(seen);
-</script>"##;
+</script>"#;
 
 fn browser() -> Option<&'static str> {
     let known = ["chromium", "chromium-browser", "google-chrome"];
@@ -117,7 +117,7 @@ fn used(browser: &str, page: &Path, width: u32, dark: bool) -> Value {
     let copy = write(&folder, "page.html", &copy);
     let profile = format!("--user-data-dir={}", folder.path().join("profile").display());
     let window = format!("--window-size={width},900");
-    let scheme = format!("--blink-settings=preferredColorScheme={}", if dark { 0 } else { 1 });
+    let scheme = format!("--blink-settings=preferredColorScheme={}", u8::from(!dark));
     let flags = "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking \
                  --disable-component-update --disable-sync --virtual-time-budget=5000 --dump-dom";
     let output = Command::new(browser)

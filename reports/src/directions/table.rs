@@ -28,7 +28,7 @@ pub(crate) fn table(fields: &[Field]) -> Result<DataFrame, ReportError> {
         "subdomains" => fields.iter().map(|f| f.subdomains).collect::<Vec<_>>(),
         "best_kappa_l" => best(|cell| cell.kappa_l),
         "best_kappa_d" => best(|cell| cell.kappa_d),
-        "at_edge" => fields.iter().map(|f| f.edge()).collect::<Vec<_>>(),
+        "at_edge" => fields.iter().map(Field::edge).collect::<Vec<_>>(),
         "best_iterations" => fields.iter().map(|f| f.best().map(|c| c.run.iterations)).collect::<Vec<_>>(),
         "derived_kappa_l" => fields.iter().map(|f| f.kappa.map(|(l, _)| l)).collect::<Vec<_>>(),
         "derived_kappa_d" => fields.iter().map(|f| f.kappa.map(|(_, d)| d)).collect::<Vec<_>>(),

@@ -23,7 +23,7 @@ pub(super) fn notes(field: &Field) -> Vec<String> {
         |cell| format!("best {}{}", count(cell.run.iterations as usize), edge_sign(field)),
     );
     let cost = |run| match (iterations(run), field.ratio(run)) {
-        (Some(_), Some(ratio)) => format!("×{}", number(ratio, 3)),
+        (Some(_), Some(ratio)) => format!("×{ratio:.2}"),
         (Some(iterations), None) => count(iterations as usize),
         (None, _) => "failed".to_owned(),
     };

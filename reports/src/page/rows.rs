@@ -37,7 +37,7 @@ impl Rows {
             body += "<tr>";
             for (column, floats) in columns.iter().zip(&floats) {
                 match floats.and_then(|floats| floats.get(row)) {
-                    Some(value) => body += &format!("<td data-v=\"{value}\">"),
+                    Some(value) => body.extend(["<td data-v=\"", &value.to_string(), "\">"]),
                     None => body += "<td>",
                 }
                 body += &escaped(&column.cells[row]);

@@ -6,8 +6,8 @@ use crate::part::Part;
 use crate::tests::assert_well_formed;
 use crate::truth;
 
-fn made(parts: Vec<Part>) -> Vec<File> {
-    let files = files(&parts);
+fn made(parts: &[Part]) -> Vec<File> {
+    let files = files(parts);
     for (name, text) in files.iter().filter(|(name, _)| name.contains(".svg")) {
         assert_well_formed(name, text);
     }
@@ -25,7 +25,7 @@ fn front_is_below_every_point() {
 fn first_run_to_each_accuracy_is_named_with_its_cost() {
     let runs = [run(0, "nsgs", "", "converged"), Run { setup_s: 1.0, ..run(1, "cg", "none", "converged") }];
     let slow = (0..=50).map(|i| sample(i, 1.0, 10f64.powf(-4.0 * i as f64 / 50.0))).collect();
-    let files = made(parts(&tables(&runs, &[(0, decay()), (1, slow)])).unwrap());
+    let files = made(&parts(&tables(&runs, &[(0, decay()), (1, slow)])).unwrap());
     let text = &files.last().unwrap().1;
     // 50 iterations of 1e-4 s and a set-up of 1e-5 s; 25 of 40 updates and 2 products on 20 contacts.
     let said = "column: first to a velocity error of 10⁻² is nsgs (5·10⁻³ seconds); in counted work cg (100 sweeps).";
@@ -37,7 +37,7 @@ fn first_run_to_each_accuracy_is_named_with_its_cost() {
 fn run_that_factorises_again_has_no_counted_work() {
     let again = decay().into_iter().map(|s| Sample { factorisations: s.iteration, ..s }).collect();
     let only = [run(0, "interior-point", "", "converged")];
-    let files = made(parts(&tables(&only, &[(0, again)])).unwrap());
+    let files = made(&parts(&tables(&only, &[(0, again)])).unwrap());
     let text = &files.last().unwrap().1;
     assert!(
         text.contains("first to a velocity error of 10⁻² is interior-point (5·10⁻³ seconds).\n"),
@@ -54,11 +54,11 @@ fn rows_without_truth_or_with_failures_only_are_said_and_drawn() {
         &[(1, vec![sample(0, f64::NAN, 0.0)])],
     );
     for chart in [parts, truth::parts] {
-        let page = made(chart(&untrue).unwrap());
+        let page = made(&chart(&untrue).unwrap());
         assert!(page[0].1.contains("no velocity error in its rows"));
-        assert!(made(chart(&tables(&[], &[])).unwrap())[0].1.contains("no run in this study"));
-        made(chart(&failed).unwrap());
-        made(chart(&lone).unwrap());
+        assert!(made(&chart(&tables(&[], &[])).unwrap())[0].1.contains("no run in this study"));
+        made(&chart(&failed).unwrap());
+        made(&chart(&lone).unwrap());
     }
 }
 
@@ -66,7 +66,7 @@ fn rows_without_truth_or_with_failures_only_are_said_and_drawn() {
 fn error_behind_a_small_measure_is_told() {
     let lies = (0..=10).map(|i| sample(i, 1e-5, 0.5)).collect();
     let runs = [run(0, "nsgs", "", "converged"), run(1, "jacobi", "", "iteration-limit")];
-    let files = made(truth::parts(&tables(&runs, &[(0, decay()), (1, lies)])).unwrap());
+    let files = made(&truth::parts(&tables(&runs, &[(0, decay()), (1, lies)])).unwrap());
     let text = &files.last().unwrap().1;
     let said = "column: where ζ is 10⁻⁴ for the first time, the velocity error is between 10⁻⁴ and 0.50 (2 of 2 runs).";
     assert!(text.contains(said), "{text}");
