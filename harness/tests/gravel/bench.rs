@@ -119,14 +119,21 @@ fn study_leaves_its_rows_and_its_figures_under_its_root() {
     let root = study.folder().path();
     assert_eq!(entries(root), ["cases", "harness", "reports", "results"]);
     assert_eq!(entries(&root.join("results/runs")), ["small"]);
-    let tables =
-        ["contacts.parquet", "curves.csv", "curves.parquet", "grains.parquet", "runs.csv", "runs.parquet"];
+    let tables = [
+        "contacts.parquet",
+        "curves.csv",
+        "curves.parquet",
+        "grains.parquet",
+        "runs.csv",
+        "runs.parquet",
+        "snapshots.parquet",
+    ];
     let mut files = entries(&folder);
     files.retain(|file| file != "journal.jsonl" && file != "lock");
     assert_eq!(files, tables);
     let out = entries(&root.join("reports/out/small"));
     let figures = ["convergence-column-9.svg", "convergence-pair.svg", "convergence.svg"];
-    for file in ["iterations.csv", "iterations.md"].iter().chain(&figures) {
+    for file in ["index.html", "iterations.csv", "iterations.md", "iterations.tex"].iter().chain(&figures) {
         assert!(out.iter().any(|name| name == file), "no {file} in {out:?}");
     }
     for figure in out.iter().filter(|name| name.contains(".svg")) {
@@ -138,6 +145,7 @@ fn study_leaves_its_rows_and_its_figures_under_its_root() {
     // The pair has 2 grains and 2 contacts, the column 9; 1x2 fits both, 3x3 the column only.
     assert_eq!(tables.runs.height(), 8);
     assert_eq!((tables.grains.height(), tables.contacts.height()), (2 + 2 * 9, 2 + 2 * 9));
+    assert_eq!(tables.snapshots.height(), 0, "the plan shows no run");
 }
 
 #[test]
