@@ -330,7 +330,9 @@ fn thrown_disc_begins_with_its_speed_and_no_other_moves() {
 #[test]
 fn squeezed_crystal_has_no_answer_and_its_thrust_proves_it() {
     let frozen = march("squeezed-crystal", &[]).next().unwrap().frozen;
-    let level = |contact: &contact::Contact| contact.normal.y.abs() < 1e-12;
+    // Thrust along the lowest row, from wall to wall.
+    let low = |grain: u32| frozen.problem.position()[grain as usize].y < 0.6;
+    let level = |contact: &contact::Contact| contact.normal.y.abs() < 1e-12 && low(contact.candidate);
     let row: Vec<f64> =
         frozen.problem.contacts().iter().map(|contact| f64::from(u8::from(level(contact)))).collect();
     assert!(proves_infeasible(&frozen.problem, &row));

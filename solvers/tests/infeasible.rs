@@ -86,6 +86,17 @@ fn every_method_names_what_has_no_solution() {
     }
 }
 
+/// A light disc on rollers: a bad condition, and a solution.
+#[test]
+fn bad_condition_is_not_called_infeasible() {
+    let problem = first_problem("balloon", &[("sample.rollers", "16")]).problem;
+    let solver = Apgd { acceleration: false, ..Apgd::default() };
+    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-6, max_iterations: 4096 };
+    let r0 = vec![0.0; problem.contact_count()];
+    let outcome = solve(&solver, &problem, &r0, &stop, &mut |_| {}).unwrap();
+    assert_ne!(outcome.status, Status::Infeasible, "{:?}", outcome.measures);
+}
+
 /// Slow is not without solution: on a column of 300 discs 5000 sweeps do not reach the answer.
 #[test]
 fn slow_methods_are_not_called_infeasible() {

@@ -3,6 +3,7 @@
 use crate::problems::{
     any_problem, assert_never_increases, energies, first_problem, frozen, impulses, start,
 };
+use cg::Cg;
 use contact::spectrum::{coupling, greatest_eigenvalue};
 use contact::{Contact, ContactProblem, Meter, Solver, Spectrum, Status, Stop, solve};
 use latin_dd::LatinDd;
@@ -140,6 +141,17 @@ fn iterations_of_tuned_latin_grow_like_the_root_of_the_mass_ratio() {
         iterations
     });
     assert!((exponent(&ratios, &measured) - 0.5).abs() < 0.02, "{measured:?}");
+}
+
+/// The root of the condition number is a bound for many iterations; as many as there are contacts are enough, whatever the ratio.
+#[test]
+fn conjugate_gradient_ends_in_n_iterations_whatever_the_mass_ratio() {
+    for ratio in [1.0, 1e2, 1e4] {
+        let (problem, ..) = heavy_top(ratio);
+        let r0 = vec![0.0; problem.contact_count()];
+        let outcome = solve(&Cg::default(), &problem, &r0, &Stop::default(), &mut |_| {}).unwrap();
+        assert_eq!((outcome.status, outcome.iterations), (Status::Converged, 10), "R = {ratio}");
+    }
 }
 
 fn ends(solver: &dyn Solver, problem: &ContactProblem) -> Status {

@@ -92,7 +92,7 @@ fn sentence_tells_how_why_and_what_mends_it_and_follows_the_rows() {
     };
     let told = |status, lambda| text(&made(rows(status, lambda)), "atlas-found.md").to_owned();
     let diverged = told("diverged", "2.9");
-    let sentence = "jacobi, crystal (rows 5, 9): 1.0: diverged on 2 of 2 (ω λmax(W_D⁻¹W) = 2.5 to 2.9, above 2). Well on all of it: 0.5.";
+    let sentence = "jacobi, crystal (rows 5, 9): 1.0: diverged on 2 of 2 (ω λmax(W_D⁻¹W) = 2.50 to 2.90, above 2). Well on all of it: 0.5.";
     assert!(diverged.contains(sentence), "{diverged}");
     assert!(told("diverged", "1.5").contains("above 2; no spectral reason is known for 1)"));
     let converged = told("converged", "2.9");

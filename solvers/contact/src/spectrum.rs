@@ -101,6 +101,10 @@ fn scaled(problem: &ContactProblem, contacts: &[usize]) -> DMatrix<f64> {
 }
 
 fn rising(matrix: &DMatrix<f64>) -> Vec<f64> {
+    // The library takes no empty matrix.
+    if matrix.is_empty() {
+        return Vec::new();
+    }
     let mut values: Vec<f64> = matrix.symmetric_eigenvalues().iter().copied().collect();
     values.sort_by(f64::total_cmp);
     values

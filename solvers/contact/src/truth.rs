@@ -49,6 +49,12 @@ const ROUND_OFF: f64 = 1e-14;
 /// √(Σ max(0, −b)²/`W_αα`), with ‖H d‖ raised by its round-off: no method, however slow, makes it hold on a problem whose
 /// solution is nearer than that.
 pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
+    // The proof does not depend on the length of the ray; squares of small numbers would vanish.
+    let greatest = ray.iter().copied().fold(0.0, f64::max);
+    if !greatest.is_normal() {
+        return false;
+    }
+    let ray: Vec<f64> = ray.iter().map(|d| d / greatest).collect();
     let b = problem.b();
     let (mut work, mut size) = (0.0, 0.0);
     for ((d, b), w) in ray.iter().zip(&b).zip(problem.delassus_diagonal()) {
@@ -56,12 +62,15 @@ pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
         size += w * d * d;
     }
     let mut resultant = vec![Vector2::zeros(); problem.grain_count()];
-    problem.resultant(ray, &mut resultant);
+    problem.resultant(&ray, &mut resultant);
     let squared = |(h_d, m): (&Vector2<f64>, &f64)| h_d.norm_squared() / m;
     let unbalanced = resultant.iter().zip(problem.mass()).map(squared).sum::<f64>().sqrt();
     let admissible = ray.iter().all(|d| *d >= 0.0);
     admissible && work > OUT_OF_REACH * problem.scale().sqrt() * (unbalanced + ROUND_OFF * f64::sqrt(size))
 }
+
+/// What is left of a ray below this share of it is the round-off of its descent (–).
+const LEFT: f64 = 1e-10;
 
 /// Products W p of one descent towards balance, and descents.
 const PRODUCTS: u32 = 200;
@@ -71,6 +80,7 @@ const DESCENTS: u32 = 3;
 /// the contacts with d > 0; those that would pull are let go, and it falls anew. What a method adds to its impulses where
 /// there is no solution comes so to the proof that is in it, long before the rest of it is negligible.
 pub(crate) fn balanced(problem: &ContactProblem, ray: &[f64]) -> Vec<f64> {
+    let greatest = |d: &[f64]| d.iter().copied().fold(0.0, f64::max);
     let mut d = ray.to_vec();
     for _ in 0..DESCENTS {
         descend(problem, &mut d);
@@ -79,6 +89,9 @@ pub(crate) fn balanced(problem: &ContactProblem, ray: &[f64]) -> Vec<f64> {
         if !pulls {
             break;
         }
+    }
+    if greatest(&d) < LEFT * greatest(ray) {
+        d.fill(0.0);
     }
     d
 }
