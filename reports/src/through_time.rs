@@ -227,7 +227,7 @@ pub fn simulations_text(tables: &SimulationTables) -> Result<String, ReportError
     let mut text = to_markdown(&DataFrame::new(table.height(), columns)?)?;
     for i in (0..table.height()).filter(|i| !reason[*i].is_empty()) {
         let method = format!("{} {}", rows[1][i], rows[2][i]);
-        text += &format!("\n{}: {} on {}: {}\n", status[i], method.trim_end(), rows[0][i], reason[i]);
+        text.extend([format!("\n{}: {} on {}: {}\n", status[i], method.trim_end(), rows[0][i], reason[i])]);
     }
     Ok(text)
 }
