@@ -41,7 +41,7 @@ pub(crate) fn execute(
     keep: &(dyn Fn(Record) -> Result<()> + Sync),
 ) -> Result<()> {
     let board = Board::new(tasks.len() as u64);
-    in_parallel(tasks, how.jobs, &|task, halt| {
+    in_parallel(tasks, how.jobs, |task, halt| {
         if let Some(record) = make(root, study, task, how, provenance, &board, halt)? {
             keep(record)?;
             board.run_ended();
@@ -55,7 +55,7 @@ pub(crate) fn execute(
 pub(crate) fn in_parallel<T: Sync>(
     tasks: &[T],
     jobs: NonZeroUsize,
-    work: &(dyn Fn(&T, &dyn Fn() -> bool) -> Result<()> + Sync),
+    work: impl Fn(&T, &dyn Fn() -> bool) -> Result<()> + Sync,
 ) -> Result<()> {
     let next = AtomicUsize::new(0);
     let failed = AtomicBool::new(false);

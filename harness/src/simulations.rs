@@ -48,7 +48,7 @@ pub(crate) fn bench(root: &Root, args: &Args, asked: Asked) -> Result<ExitCode> 
     let folder = store.folder().to_owned();
     let store = Mutex::new(store);
     let board = Board::new(tasks.len() as u64);
-    let ended = in_parallel(&tasks, how.jobs, &|task, halt| {
+    let ended = in_parallel(&tasks, how.jobs, |task, halt| {
         let (plan, timing) = (&study.asked.plan.name, untimed(how));
         if let Some(simulated) = make::make(task, plan, timing, &provenance, &board, halt, &folder)? {
             store.lock().unwrap_or_else(PoisonError::into_inner).append(simulated)?;

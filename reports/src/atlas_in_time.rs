@@ -257,7 +257,7 @@ fn sentences(judged: &[Judged]) -> String {
     methods.sort();
     methods.dedup();
     for method in methods {
-        text += &format!("{method}: {}.\n", counts(&|j| j.simulation.label() == method));
+        text.extend([format!("{method}: {}.\n", counts(&|j| j.simulation.label() == method))]);
     }
     text + &of_starts(judged)
 }

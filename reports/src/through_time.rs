@@ -258,7 +258,7 @@ fn table(tables: &SimulationTables) -> Result<Table, ReportError> {
     let mut note = String::new();
     for i in (0..table.height()).filter(|i| !reason[*i].is_empty()) {
         let method = format!("{} {}", rows[1][i], rows[2][i]);
-        note += &format!("\n{}: {} on {}: {}\n", status[i], method.trim_end(), rows[0][i], reason[i]);
+        note.extend([format!("\n{}: {} on {}: {}\n", status[i], method.trim_end(), rows[0][i], reason[i])]);
     }
     let shown = DataFrame::new(table.height(), columns)?;
     Ok(Table { all: table.select(COLUMNS)?, shown, note })

@@ -204,8 +204,8 @@ fn sentences(scene: &str, compared: &[&Compared]) -> String {
             .filter(good)
             .min_by(|a, b| cost(a).total_cmp(&cost(b)));
         let h = milliseconds(step);
-        text += &format!("{scene}: with h = {h} ms the time step alone costs {}; ", words(&floor));
-        text += &match cheapest {
+        text.extend([format!("{scene}: with h = {h} ms the time step alone costs {}; ", words(&floor))]);
+        text.extend([match cheapest {
             Some(c) => format!(
                 "the cheapest run within a factor of {AT_THE_FLOOR} of all four is {} at a tolerance of {}, with {} s per simulated second.\n",
                 c.simulation.label(),
@@ -213,7 +213,7 @@ fn sentences(scene: &str, compared: &[&Compared]) -> String {
                 number(cost(&c), 2)
             ),
             None => format!("no run comes within a factor of {AT_THE_FLOOR} of all four.\n"),
-        };
+        }]);
     }
     text
 }

@@ -72,7 +72,7 @@ impl Scene {
 /// The whole number that a ratio is, to the rounding of decimal fractions.
 fn whole(ratio: f64) -> Option<u64> {
     let whole = ratio.round();
-    (whole >= 1.0 && whole < 1e12 && (ratio - whole).abs() <= 1e-9 * whole).then_some(whole as u64)
+    ((1.0..1e12).contains(&whole) && (ratio - whole).abs() <= 1e-9 * whole).then_some(whole as u64)
 }
 
 #[cfg(test)]
