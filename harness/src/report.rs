@@ -84,7 +84,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let wanted = Wanted { charts: &charts, formats, against: before.as_ref() };
     let files = if plan.simulate.is_some() {
         if args.fill.is_some() || args.against.is_some() {
-            bail!("--against and --fill are for studies of problems, and `{}` is one through time", plan.name);
+            bail!(
+                "--against and --fill are for studies of problems, and `{}` is one through time",
+                plan.name
+            );
         }
         reports::report(&read_simulations(&stored)?, &about, wanted, &out)?
     } else {

@@ -36,7 +36,7 @@ type Pair<'r> = (&'r RunRow, &'r RunRow);
 /// The figure and the table `against`, and the sentences `against-found`.
 pub(crate) fn parts(before: &Tables, after: &Tables) -> Result<Vec<Part>, ReportError> {
     let (old, new) = (runs(&before.runs)?, runs(&after.runs)?);
-    let key = |run: &RunRow| (run.problem.clone(), run.method.clone(), run.variant.clone(), run.warm_start);
+    let key = |run: &RunRow| (run.problem.clone(), run.method.clone(), run.variant.clone());
     let known: BTreeMap<_, &RunRow> = old.iter().map(|run| (key(run), run)).collect();
     let pairs: Vec<Pair> = new.iter().filter_map(|run| Some((*known.get(&key(run))?, run))).collect();
     let looks = Looks::new(&new);

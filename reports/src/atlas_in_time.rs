@@ -10,13 +10,13 @@ use polars::df;
 use polars::prelude::DataFrame;
 use results::simulation::SimulationTables;
 
+use crate::ReportError;
 use crate::canvas::{Canvas, svg, text_width};
 use crate::number::{counted, number};
 use crate::part::Part;
 use crate::scale::ColorScale;
 use crate::style::{FRAME, INK, LEADING, MARGIN, PAGE, Pen, TEXT, TICK_TEXT, WHITE};
 use crate::through_time::{Simulation, in_role, milliseconds, simulations};
-use crate::ReportError;
 use class::{CREEP, Class, Drift, MORE_ENERGY, SHARE_OF_FALL, class, drift};
 
 /// A simulation, judged.

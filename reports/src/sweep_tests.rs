@@ -46,7 +46,7 @@ fn speed_up_is_counted_on_the_longest_subdomain_and_measured_in_seconds() {
         path(9, Run { status: "iteration-limit".into(), ..on(2, 16, "null", 1000) }),
         run(3, "cg", "", "converged"),
     ];
-    let files = critical_path::files(&tables(&runs, &[])).unwrap();
+    let files = files(&critical_path::parts(&tables(&runs, &[])).unwrap());
     let rows: Vec<&str> = text(&files, "critical-path.csv").lines().skip(1).collect();
     assert!(rows[1].contains(",128,250.0,2.5,1.5,"), "{}", rows[1]);
     assert!(rows[2].contains("iteration limit,1000,9.0,,,"), "{}", rows[2]);

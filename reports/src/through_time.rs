@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use polars::prelude::{DataFrame, NamedFrom, PolarsResult, Series};
 use results::simulation::SimulationTables;
 
+use crate::ReportError;
 use crate::columns::{bools, f64s, measures, texts, u32s, u64s};
 use crate::legend::Look;
 use crate::number::{count, counted};
-use crate::style::{DASHES, METHODS, Mark, Pen, SPARE};
-use crate::ReportError;
 use crate::part::{Kind, Part, Table};
+use crate::style::{DASHES, METHODS, Mark, Pen, SPARE};
 use crate::table::markdown;
 
 /// A simulation with its series.

@@ -198,13 +198,8 @@ impl Store {
     /// If a file cannot be written.
     pub fn write_tables(&mut self, tables: &Tables) -> Result<(), StoreError> {
         let Tables { runs, curves, grains, contacts, snapshots } = tables;
-        let parquet = [
-            (RUNS, runs),
-            (CURVES, curves),
-            (GRAINS, grains),
-            (CONTACTS, contacts),
-            (SNAPSHOTS, snapshots),
-        ];
+        let parquet =
+            [(RUNS, runs), (CURVES, curves), (GRAINS, grains), (CONTACTS, contacts), (SNAPSHOTS, snapshots)];
         self.replace(&parquet, &[(RUNS_CSV, runs), (CURVES_CSV, curves)])
     }
 }

@@ -60,7 +60,9 @@ impl Study {
     pub(crate) fn selects(&self, task: &Task) -> bool {
         let (asked, is_run) = (&self.asked, task.role == "run");
         let variants = || asked.variants.iter().filter(|v| !is_run || std::ptr::eq(*v, task.variant));
-        let same = |scene: &Scene| if is_run { std::ptr::eq(scene, task.scene) } else { scene.name == task.scene.name };
+        let same = |scene: &Scene| {
+            if is_run { std::ptr::eq(scene, task.scene) } else { scene.name == task.scene.name }
+        };
         let mut scenes = self.scenes().filter(|(_, scene)| same(scene));
         scenes.any(|(name, _)| variants().any(|variant| asked.selects(name, variant)))
     }

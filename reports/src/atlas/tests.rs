@@ -131,7 +131,8 @@ fn zeta_that_met_the_tolerance_far_from_the_solution_is_told() {
 fn study_without_runs_has_tables_and_no_figure() {
     let files = made(Vec::new());
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    let tables = ["atlas-counts.csv", "atlas-counts.md", "atlas-counts.tex", "atlas.csv", "atlas.md", "atlas.tex"];
+    let tables =
+        ["atlas-counts.csv", "atlas-counts.md", "atlas-counts.tex", "atlas.csv", "atlas.md", "atlas.tex"];
     assert_eq!(names[0], "atlas-found.md");
     assert_eq!(names[1..], tables);
 }

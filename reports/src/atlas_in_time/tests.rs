@@ -75,13 +75,16 @@ fn matrix_has_the_letter_of_each_class_and_sentences_count_them() {
     other.simulation.scene = "other".into();
     let files = files(&parts(&tables(&[reference(), run(|_| {}), cold, other])).unwrap());
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    assert_eq!(names, [
-        "atlas-in-time.svg",
-        "atlas-in-time-found.md",
-        "atlas-in-time.csv",
-        "atlas-in-time.md",
-        "atlas-in-time.tex"
-    ]);
+    assert_eq!(
+        names,
+        [
+            "atlas-in-time.svg",
+            "atlas-in-time-found.md",
+            "atlas-in-time.csv",
+            "atlas-in-time.md",
+            "atlas-in-time.tex"
+        ]
+    );
     let letters = |letter: &str| files[0].1.matches(&format!("\n{letter}\n")).count();
     // Each once in the matrix, and once in the key; the cold run on the other scene was not made.
     assert_eq!(["s", "j", "c", "x", "–"].map(letters), [2, 1, 2, 2, 2], "{}", files[0].1);

@@ -79,10 +79,11 @@ fn hundred_thousand_runs_of_as_many_kinds_are_a_page_that_leaves_lines_and_rows_
         })
         .collect();
     let study = tables(&many, &[(0, decay())]);
-    let chapters = Chart::default_set().iter().map(|chart| Chapter::of_chart(*chart, &study).unwrap());
+    let chapters =
+        Chart::default_set(false).into_iter().map(|chart| Chapter::of_chart(chart, (&study).into()).unwrap());
     let mut chapters: Vec<Chapter> = chapters.collect();
     chapters.push(Chapter::new("iterations", vec![iterations::part(&study).unwrap()]));
-    let page = page(&study, &chapters, &about()).unwrap();
+    let page = page((&study).into(), &chapters, &about()).unwrap();
     assert!(page.contains("100\u{202f}000\u{a0}lines are too many for a figure"));
     assert!(page.contains("The first 5000 of 100000 rows"));
 }

@@ -49,9 +49,10 @@ fn simulation_that_ended_early_has_no_error_and_is_told() {
     assert_eq!(errors(&all[6], &all[0]), None);
     let files = files(&parts(&tables(&study())).unwrap());
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    assert_eq!(names, [
-        "trajectory-box.svg", "trajectory-found.md", "trajectory.csv", "trajectory.md", "trajectory.tex"
-    ]);
+    assert_eq!(
+        names,
+        ["trajectory-box.svg", "trajectory-found.md", "trajectory.csv", "trajectory.md", "trajectory.tex"]
+    );
     assert!(files[0].1.contains("did not come to the end: 1"));
 }
 

@@ -74,7 +74,8 @@ fn error_behind_a_small_measure_is_told() {
 
 #[test]
 fn impulses_of_another_code_are_told_with_their_error_and_not_drawn() {
-    let given = Run { variant: "other code".into(), end: sample(0, 1e-7, 2e-5), ..run(1, "given", "", "given") };
+    let given =
+        Run { variant: "other code".into(), end: sample(0, 1e-7, 2e-5), ..run(1, "given", "", "given") };
     let made = made(&parts(&tables(&[run(0, "nsgs", "", "converged"), given], &[(0, decay())])).unwrap());
     let text = &made.last().unwrap().1;
     let said = "column: the impulses that other code gave have a velocity error of 2·10⁻⁵.\n";

@@ -81,7 +81,7 @@ fn runs_read_equal_the_runs_appended_to_the_last_bit() {
     assert!(same(store.records(), &all));
     assert_eq!(store.dropped(), 0);
     assert_eq!(fs::read_to_string(journal).unwrap().lines().count(), 3);
-    assert!(records_of(&root.path().join("absent")).unwrap().is_empty());
+    assert!(records_of::<Record>(&root.path().join("absent")).unwrap().is_empty());
 }
 
 #[test]
