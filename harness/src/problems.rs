@@ -210,10 +210,11 @@ impl Scene {
             Some(moment) => time_step(&case, "`time_step`", &typed(moment))?,
         };
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-        // The first problem of the case tells its sample, which another file may hold.
+        // The first problem of the case tells whether its sample can be made, and what another file holds of it; a deposit
+        // may take long, and its settings tell all of it.
         let first = match case.sample {
-            Sample::Frozen { .. } => Some(content_hash(&March::new(&case)?.next()?.frozen)),
-            _ => None,
+            Sample::Deposited { .. } => None,
+            _ => Some(content_hash(&March::new(&case)?.next()?.frozen)),
         };
         // The code that makes it.
         let code = (code_version::<Case>(), code_version::<Cg>());

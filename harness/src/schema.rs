@@ -48,6 +48,10 @@ fn plan() -> Value {
     if let Some(keys) = quick.as_object_mut() {
         keys.remove("name");
         keys.remove("quick");
+        // Their keys replace those of the plan one by one.
+        for table in ["stop", "simulate"] {
+            keys[table].as_object_mut().into_iter().for_each(|table| drop(table.remove("required")));
+        }
     }
     plan["properties"]["quick"]["properties"] = quick;
     plan["properties"]["quick"]["additionalProperties"] = false.into();

@@ -155,7 +155,7 @@ fn sample_shows_counts_scales_and_boundary_grains() {
     };
     let (name, svg) = figures(&scene).pop().unwrap();
     assert_eq!(name, "sample-pair-2x1.svg");
-    assert!(svg.contains("by cg, diagonal"), "whose impulses they are: {svg}");
+    assert!(svg.contains("of the reference"), "whose impulses they are: {svg}");
     for text in [
         "3\u{a0}grains,",
         "3\u{a0}contacts,",
@@ -228,7 +228,7 @@ fn table_reads_off_what_the_rows_say() {
         "200",
     ];
     assert_eq!(row[..13], expected);
-    assert_eq!(row[13..], ["0", "0", "10⁻⁵", "0.0123", "", ""]);
+    assert_eq!(row[13..], ["0", "0", "10⁻⁵", "0.0123", "10⁻⁴", "10⁻⁴", "", ""]);
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn every_scene_meets_every_method_under_every_rule_beside_a_reference() {
     study.gravel(&["report", "time"]).succeeded();
     study.gravel(&["figure", "atlas-in-time", "time"]).succeeded();
     let shown = study.gravel(&["plan", "time", "--count"]).succeeded().stdout;
-    assert!(shown.contains("     16  in all"), "{shown}");
+    assert!(shown.contains("       24       24  in all"), "{shown}");
 }
 
 /// The column is at rest and the floor bears its weight: the reference is exact, and what a tolerance leaves is error.

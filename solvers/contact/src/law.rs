@@ -13,7 +13,8 @@ pub fn update(r: f64, v: f64, inverse_delassus: f64, relaxation: f64) -> f64 {
     non_negative(r - relaxation * v * inverse_delassus)
 }
 
-/// r⁺ − r = max(−r, −ω v) of [`update`] where `W_αα` = 1, which waits for v one addition less; a NaN is handed on.
+/// r⁺ − r = max(−r, −ω v) of [`update`] where `W_αα` = 1, which waits for v one addition less; r plus this is NaN where r or v
+/// is.
 #[inline]
 pub fn change(r: f64, v: f64, relaxation: f64) -> f64 {
     let change = -relaxation * v;
@@ -43,7 +44,7 @@ mod tests {
     fn not_a_number_is_not_hidden_by_the_projection() {
         assert!(non_negative(f64::NAN).is_nan());
         assert_eq!(non_negative(-1.0), 0.0);
-        assert!(change(f64::NAN, 1.0, 1.0).is_nan() && change(1.0, f64::NAN, 1.0).is_nan());
+        assert!([(f64::NAN, 1.0), (1.0, f64::NAN)].iter().all(|(r, v)| (r + change(*r, *v, 1.0)).is_nan()));
         assert_eq!(change(2.0, 3.0, 1.0), -2.0);
     }
 }
