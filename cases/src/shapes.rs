@@ -45,10 +45,10 @@ pub(crate) fn rollers(rollers: u32, radius: f64, top: f64, density: f64) -> Resu
         let x = right[right.len() - 1];
         right.push(x + 2.5 * touching(x));
     }
-    if let Some(pair) = right.windows(2).find(|x| !(x[1] - x[0] > touching(x[0]) + touching(x[1]))) {
+    let apart = |x: &[f64]| x[1] - x[0] > touching(x[0]) + touching(x[1]);
+    if let Some(&[_, x]) = right.windows(2).find(|pair| !apart(pair)) {
         return Err(format!(
-            "`sample.top_radius_m` is {top}: it is too small for {rollers} rollers, which overlap at {} m",
-            pair[1]
+            "`sample.top_radius_m` is {top}: it is too small for {rollers} rollers, which overlap at {x} m"
         ));
     }
     let left = right.iter().rev().filter(|x| **x > 0.0).map(|x| -x);

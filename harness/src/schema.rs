@@ -60,8 +60,7 @@ fn plan() -> Value {
 
 fn planned_method(entry: &Entry) -> Value {
     let settings = entry.settings();
-    let axes: Map<String, Value> =
-        settings.iter().map(|(key, value)| (key.clone(), axis(value.clone()))).collect();
+    let axes: Map<String, Value> = settings.iter().map(|(key, value)| (key.clone(), axis(value))).collect();
     let mut method = of::<PlannedMethod>();
     let keys = &mut method["properties"];
     keys["method"] = json!({ "const": entry.name, "description": entry.what });
@@ -73,7 +72,7 @@ fn planned_method(entry: &Entry) -> Value {
 }
 
 /// A list of values, or a range.
-fn axis(value: Value) -> Value {
+fn axis(value: &Value) -> Value {
     json!({ "anyOf": [
         { "type": "array", "items": value, "minItems": 1 },
         { "type": "string", "pattern": r"^(lin|geom)\(.*\)$|^-?[0-9]+\.\.-?[0-9]+$" },

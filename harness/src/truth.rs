@@ -40,8 +40,7 @@ impl Known {
     pub(crate) fn impulses(&self) -> Option<&[f64]> {
         match self {
             Self::Solution { impulses, .. } => Some(impulses),
-            Self::Uncertified(_) => None,
-            Self::Infeasible | Self::Nothing => None,
+            Self::Infeasible | Self::Uncertified(_) | Self::Nothing => None,
         }
     }
 

@@ -97,8 +97,7 @@ impl Study<'_> {
         let runs: Vec<&RunRow> = problems.iter().flat_map(|problem| self.runs_of(problem)).collect();
         let begun = |run: &&&RunRow| run.ending == Ending::Converged && run.iterations == 0;
         let note = |run: &&RunRow| {
-            let text =
-                format!("{} on {}: converged at its start, no line", self.looks.label(run), run.problem);
+            let text = format!("{} on {}: converged at its start, no line", run.label(), run.problem);
             (Sign::Word, text)
         };
         let tolerance = (Sign::Line(TOLERANCE), "stopping tolerance".to_owned());

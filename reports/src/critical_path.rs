@@ -58,7 +58,9 @@ fn speed_up(series: &Series, run: &RunRow, cost: fn(&RunRow) -> Option<f64>) -> 
 
 fn figure(runs: &[RunRow], problem: &str) -> Result<String, ReportError> {
     let mut all = series(runs, &["subdomains"]);
-    all.iter_mut().for_each(|series| series.runs.retain(|run| run.problem == problem));
+    for series in &mut all {
+        series.runs.retain(|run| run.problem == problem);
+    }
     all.retain(|series| !series.runs.is_empty());
     if all.len() > MOST_LINES {
         return too_many(problem, all.len());

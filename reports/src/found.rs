@@ -19,7 +19,7 @@ pub(crate) fn sentences(runs: &[RunRow]) -> Vec<String> {
     let looks = Looks::new(runs);
     let mut sentences = vec![overview(runs, problems.len())];
     if problems.len() <= FEW_PROBLEMS {
-        sentences.extend(problems.iter().map(|problem| first_and_last(runs, &looks, problem)));
+        sentences.extend(problems.iter().map(|problem| first_and_last(runs, problem)));
     } else {
         sentences.extend(wins(runs, &looks, &problems));
     }
@@ -61,12 +61,12 @@ fn seconds(run: &RunRow) -> Option<f64> {
     Some(run.setup_s? + run.iterating_s?)
 }
 
-fn first_and_last(runs: &[RunRow], looks: &Looks, problem: &str) -> String {
+fn first_and_last(runs: &[RunRow], problem: &str) -> String {
     let runs = comparable(runs, problem);
     let Some(fewest) = runs.iter().min_by_key(|run| run.iterations) else {
         return format!("{problem}: no run converged.");
     };
-    let told = |run: &RunRow| format!("{} ({})", looks.label(run), count(run.iterations as usize));
+    let told = |run: &RunRow| format!("{} ({})", run.label(), count(run.iterations as usize));
     let rule = fewest.tolerance.map_or(String::new(), |tolerance| {
         format!(" to {} ≤ {}", fewest.stop_on.replace('_', " "), number(tolerance, 2))
     });
@@ -76,7 +76,7 @@ fn first_and_last(runs: &[RunRow], looks: &Looks, problem: &str) -> String {
     }
     let timed = runs.iter().filter_map(|run| Some((seconds(run)?, run)));
     if let Some((least, first)) = timed.min_by(|a, b| a.0.total_cmp(&b.0)) {
-        sentence.extend(["; ", &looks.label(first), " is first in time (", &number(least, 2), " s)"]);
+        sentence.extend(["; ", &first.label(), " is first in time (", &number(least, 2), " s)"]);
     }
     sentence + "."
 }
@@ -85,7 +85,7 @@ fn first_and_last(runs: &[RunRow], looks: &Looks, problem: &str) -> String {
 fn wins(runs: &[RunRow], looks: &Looks, problems: &[&str]) -> Vec<String> {
     let mut kinds: BTreeMap<(usize, usize), (String, usize, usize)> = BTreeMap::new();
     for run in runs {
-        let kind = kinds.entry(looks.rank(run)).or_insert_with(|| (looks.label(run), 0, 0));
+        let kind = kinds.entry(looks.rank(run)).or_insert_with(|| (run.label(), 0, 0));
         kind.1 += usize::from(run.ending == Ending::Converged);
     }
     for problem in problems {

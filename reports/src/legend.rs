@@ -91,17 +91,6 @@ impl<'t> Looks<'t> {
         let (_, pen, mark) = METHODS[n % METHODS.len()];
         (pen, mark)
     }
-
-    pub(crate) fn label(&self, run: &RunRow) -> String {
-        let mut label = run.method.clone();
-        match run.variant.as_str() {
-            // Such as a preconditioner that is none.
-            "" | "none" => {}
-            grid if grid.starts_with(|c: char| c.is_ascii_digit()) => label.extend([" ", grid]),
-            words => label.extend([", ", words]),
-        }
-        label
-    }
 }
 
 /// Entries in columns, filled downwards so that the variants of a method stand together; the key of the signs below.

@@ -35,6 +35,20 @@ pub(crate) struct RunRow {
     pub(crate) iterating_s: Option<f64>,
 }
 
+impl RunRow {
+    /// Method and variant, as a key says them.
+    pub(crate) fn label(&self) -> String {
+        let mut label = self.method.clone();
+        match self.variant.as_str() {
+            // Such as a preconditioner that is none.
+            "" | "none" => {}
+            grid if grid.starts_with(|c: char| c.is_ascii_digit()) => label.extend([" ", grid]),
+            words => label.extend([", ", words]),
+        }
+        label
+    }
+}
+
 /// A sample of a curve; `None` where the measure is undefined.
 pub(crate) struct Point {
     pub(crate) iteration: u64,

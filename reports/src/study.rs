@@ -65,7 +65,7 @@ impl<'t> Study<'t> {
         for run in runs {
             shown.entry(self.looks.rank(run)).or_insert(run);
         }
-        let entries = shown.values().map(|run| (self.looks.label(run), self.looks.look(run))).collect();
+        let entries = shown.values().map(|run| (run.label(), self.looks.look(run))).collect();
         let mut signs = endings(runs.iter().map(|run| run.ending));
         signs.extend(more);
         Legend::new(entries, signs, width)

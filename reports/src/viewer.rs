@@ -9,7 +9,6 @@ use serde::Serialize;
 
 use crate::ReportError;
 use crate::columns::{measures, u32s, u64s};
-use crate::legend::Looks;
 use crate::rows::runs;
 use crate::sample::scene::{Scene, scenes};
 use crate::sample::walls::walls;
@@ -137,11 +136,10 @@ fn filmed(tables: &Tables) -> Result<BTreeMap<String, Vec<Filmed>>, ReportError>
         }
     }
     let rows = runs(&tables.runs)?;
-    let looks = Looks::new(&rows);
     let mut filmed: BTreeMap<String, Vec<Filmed>> = BTreeMap::new();
     for row in &rows {
         if let Some(snapshots) = snapshots.remove(&row.run) {
-            let (label, ending) = (looks.label(row), row.ending.text().to_owned());
+            let (label, ending) = (row.label(), row.ending.text().to_owned());
             filmed.entry(row.problem.clone()).or_default().push(Filmed { label, ending, snapshots });
         }
     }

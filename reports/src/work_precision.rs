@@ -22,10 +22,17 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     for (problem, code, error) in given(&tables.runs)? {
         if let Some(error) = error {
             let error = number(error, 2);
-            note += &format!("{problem}: the impulses that {code} gave have a velocity error of {error}.\n");
+            note.extend([
+                &problem,
+                ": the impulses that ",
+                &code,
+                " gave have a velocity error of ",
+                &error,
+                ".\n",
+            ]);
         }
     }
-    note += &format!("\nOne run each. {WORK}\n");
+    note.extend(["\nOne run each. ", WORK, "\n"]);
     AgainstTruth { name: "work-precision", lacks: "nothing to compare", figure, sentences, note }
         .parts(tables)
 }
@@ -107,7 +114,7 @@ fn first(study: &Study, problem: &str, accuracy: f64) -> String {
         let price = |run: &RunRow| (cost.of)(run, reached(study.curve(run), accuracy)?);
         let prices = runs.iter().filter_map(|run| Some((price(run)?, run)));
         let (price, run) = prices.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some(format!("{} ({} {})", study.looks.label(run), number(price, 2), cost.name))
+        Some(format!("{} ({} {})", run.label(), number(price, 2), cost.name))
     };
     let name = power_of_ten(accuracy.log10().round() as i32);
     let [seconds, work] = COSTS.each_ref().map(says);

@@ -93,7 +93,7 @@ fn residual(problem: &ContactProblem, r: &[f64]) -> (f64, f64) {
     let inverse = |grain: u32| 1.0 / problem.mass()[grain as usize];
     let grains = |contact: &Contact| std::iter::once(contact.candidate).chain(contact.antagonist);
     let mut velocity = problem.free_velocity().to_vec();
-    let mut size: Vec<f64> = velocity.iter().map(|v| v.norm()).collect();
+    let mut size: Vec<f64> = velocity.iter().map(Vector2::norm).collect();
     for (contact, r) in problem.contacts().iter().zip(r) {
         for grain in grains(contact) {
             let sign = if grain == contact.candidate { 1.0 } else { -1.0 };

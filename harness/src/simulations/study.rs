@@ -48,7 +48,7 @@ impl Study {
         let refined = shortest.into_iter().map(|scene| scene.refined(refine)).collect::<Result<_>>()?;
         let reference = simulate.reference(&asked.plan.stop)?;
         let rules = asked.plan.rules()?.into_iter().map(|(rule, _)| rule).collect();
-        Ok(Self { rules, refined, reference, asked })
+        Ok(Self { asked, rules, refined, reference })
     }
 
     /// The scenes of the plan, with the names that `--only` knows.

@@ -30,9 +30,12 @@ pub(super) struct Grid<'g, 'r> {
     pub(super) notes: Vec<String>,
     pub(super) columns: Vec<Column>,
     pub(super) hazards: &'g [Hazard],
-    /// The run of a column on a problem, and whether another setting mends it.
-    pub(super) cell: &'g dyn Fn(usize, &str) -> Option<(&'g Judged<'r>, bool)>,
+    /// What a column has on a problem.
+    pub(super) cell: &'g dyn Fn(usize, &str) -> Option<Cell<'g, 'r>>,
 }
+
+/// A run, and whether another setting mends it.
+type Cell<'g, 'r> = (&'g Judged<'r>, bool);
 
 /// Where the cells are (mm).
 struct Layout {

@@ -15,7 +15,9 @@ pub(crate) struct Hazard {
 
 /// The problems of the study in its order, by hazard.
 pub(crate) fn hazards(runs: &[RunRow]) -> Vec<Hazard> {
-    let mut known: Vec<((String, Vec<String>), Vec<String>)> = Vec::new();
+    // The case and its knobs, with the problems.
+    type Known = ((String, Vec<String>), Vec<String>);
+    let mut known: Vec<Known> = Vec::new();
     for problem in problems(runs) {
         let settings = runs.iter().find(|run| run.problem == problem).map(|run| &run.problem_settings);
         let case =

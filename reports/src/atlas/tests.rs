@@ -44,7 +44,9 @@ fn classes(files: &[File]) -> Vec<String> {
 #[test]
 fn class_is_decided_by_the_ending_and_the_curve() {
     let far = |(run, mut curve): (Run, Vec<Sample>)| {
-        curve.iter_mut().for_each(|sample| sample.velocity_error = 0.5);
+        for sample in &mut curve {
+            sample.velocity_error = 0.5;
+        }
         (run, curve)
     };
     let files = made(vec![

@@ -13,7 +13,7 @@ pub(super) fn text(judged: &[Judged], hazards: &[Hazard], kinds: &[Kind]) -> Str
         let sentences: Vec<String> =
             hazards.iter().filter_map(|hazard| region(judged, hazard, kind)).collect();
         match sentences.as_slice() {
-            [] => text += &format!("{}: no setting of the plan fails on any hazard.\n", kind.method),
+            [] => text.extend([kind.method, ": no setting of the plan fails on any hazard.\n"]),
             sentences => {
                 text.extend(sentences.iter().map(|sentence| format!("{}, {sentence}\n", kind.method)));
             }
@@ -22,7 +22,7 @@ pub(super) fn text(judged: &[Judged], hazards: &[Hazard], kinds: &[Kind]) -> Str
         if let Some(first) = skipped.next() {
             let runs = counted(1 + skipped.count(), "run");
             let (method, reason) = (kind.method, &first.run.reason);
-            text += &format!("{method}, skipped {runs}: {reason}; and alike, as the table says.\n");
+            text.extend([method, ", skipped ", &runs, ": ", reason, "; and alike, as the table says.\n"]);
         }
     }
     text + &zeta(judged)

@@ -68,7 +68,9 @@ fn simulations_read_equal_those_appended_to_the_last_bit() {
     let root = TempDir::new().unwrap();
     let all = [simulated(1), simulated(2)];
     let mut store: Store<Simulated> = Store::open(root.path(), "time").unwrap();
-    all.iter().for_each(|one| store.append(one.clone()).unwrap());
+    for one in &all {
+        store.append(one.clone()).unwrap();
+    }
     assert!(same(&records_of(store.folder()).unwrap(), &all));
     drop(store);
     // A store of runs does not take them for its own.

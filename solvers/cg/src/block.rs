@@ -28,6 +28,7 @@ pub(crate) struct Block {
 
 /// u where r > 0 or u > 0, else 0: the part of it that r ≥ 0 does not block.
 #[inline]
+#[expect(clippy::needless_bitwise_bool, reason = "no branch: which contacts are blocked is hard to predict")]
 fn unblocked(r: f64, u: f64, value: f64) -> f64 {
     if (r > 0.0) | (u > 0.0) { value } else { 0.0 }
 }

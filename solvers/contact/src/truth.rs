@@ -85,7 +85,9 @@ pub(crate) fn balanced(problem: &ContactProblem, ray: &[f64]) -> Vec<f64> {
     for _ in 0..DESCENTS {
         descend(problem, &mut d);
         let pulls = d.iter().any(|d| *d < 0.0);
-        d.iter_mut().for_each(|d| *d = law::non_negative(*d));
+        for d in &mut d {
+            *d = law::non_negative(*d);
+        }
         if !pulls {
             break;
         }

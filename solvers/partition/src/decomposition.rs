@@ -115,7 +115,9 @@ impl Decomposition {
     pub fn assemble(&self, y: &mut [Vec<Vector2<f64>>]) {
         for copies in self.boundary() {
             let sum: Vector2<f64> = copies.iter().map(|(e, local)| y[*e as usize][*local as usize]).sum();
-            copies.iter().for_each(|(e, local)| y[*e as usize][*local as usize] = sum);
+            for (e, local) in copies {
+                y[*e as usize][*local as usize] = sum;
+            }
         }
     }
 
