@@ -34,6 +34,16 @@ pub(crate) fn measures(table: &DataFrame, column: &str) -> Result<Vec<Option<f64
     Ok(table.column(column)?.f64()?.iter().map(|value| value.filter(|v| !v.is_nan())).collect())
 }
 
+/// Lists of numbers.
+pub(crate) fn lists(table: &DataFrame, column: &str) -> Result<Vec<Vec<f64>>, ReportError> {
+    let lists = table.column(column)?.list()?;
+    let list = |row: usize| {
+        let null = ReportError::Null { column: column.to_owned(), row };
+        Ok(lists.get_as_series(row).ok_or(null)?.f64()?.into_no_null_iter().collect())
+    };
+    (0..table.height()).map(list).collect()
+}
+
 /// A column that older studies lack: all its values are then undefined.
 pub(crate) fn newer(table: &DataFrame, column: &str) -> Result<Vec<Option<f64>>, ReportError> {
     if table.column(column).is_ok() { measures(table, column) } else { Ok(vec![None; table.height()]) }

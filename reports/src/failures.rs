@@ -5,17 +5,17 @@ use polars::prelude::DataFrame;
 use results::store::Tables;
 
 use crate::ReportError;
-use crate::columns::{newer, texts};
+use crate::columns::newer;
 use crate::ending::Ending;
 use crate::number::{count, number};
-use crate::rows::{RunRow, runs};
+use crate::rows::{RunRow, made, runs};
 
 /// One row per run that failed.
 pub(crate) fn failures(tables: &Tables) -> Result<DataFrame, ReportError> {
-    let runs = runs(&tables.runs)?;
-    let reasons = texts(&tables.runs, "reason")?;
-    let reached = reached(tables, &runs)?;
-    let errors = newer(&tables.runs, "velocity_error")?;
+    let table = made(&tables.runs)?;
+    let runs = runs(&table)?;
+    let reached = reached(&table, &runs)?;
+    let errors = newer(&table, "velocity_error")?;
     let failed: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].ending != Ending::Converged).collect();
     let column = |of: &dyn Fn(&RunRow) -> String| failed.iter().map(|i| of(&runs[*i])).collect::<Vec<_>>();
     Ok(df!(
@@ -24,16 +24,16 @@ pub(crate) fn failures(tables: &Tables) -> Result<DataFrame, ReportError> {
         "variant" => column(&|run| run.variant.clone()),
         "ended" => column(&|run| run.ending.text().to_owned()),
         "iterations" => failed.iter().map(|i| runs[*i].iterations).collect::<Vec<_>>(),
-        "reason" => failed.iter().map(|i| reason(&runs[*i], &reasons[*i], reached[*i], errors[*i])).collect::<Vec<_>>(),
+        "reason" => failed.iter().map(|i| reason(&runs[*i], reached[*i], errors[*i])).collect::<Vec<_>>(),
     )?)
 }
 
 /// The value of its own measure that each run ended with.
-fn reached(tables: &Tables, runs: &[RunRow]) -> Result<Vec<Option<f64>>, ReportError> {
+fn reached(table: &DataFrame, runs: &[RunRow]) -> Result<Vec<Option<f64>>, ReportError> {
     let mut reached = vec![None; runs.len()];
     for measure in ["zeta", "natural_map", "penetration_rate_m_per_s", "quad_dv", "max_dv", "velocity_error"]
     {
-        let values = newer(&tables.runs, measure)?;
+        let values = newer(table, measure)?;
         for (i, value) in values.into_iter().enumerate() {
             if measure.starts_with(&runs[i].stop_on) {
                 reached[i] = value;
@@ -44,9 +44,9 @@ fn reached(tables: &Tables, runs: &[RunRow]) -> Result<Vec<Option<f64>>, ReportE
 }
 
 /// What the row says, or what its ending means.
-fn reason(run: &RunRow, said: &str, reached: Option<f64>, error: Option<f64>) -> String {
-    if !said.is_empty() {
-        return said.to_owned();
+fn reason(run: &RunRow, reached: Option<f64>, error: Option<f64>) -> String {
+    if !run.reason.is_empty() {
+        return run.reason.clone();
     }
     let (iterations, measure) = (count(run.iterations as usize), run.stop_on.replace('_', " "));
     let value = |value: Option<f64>| value.map_or("undefined".to_owned(), |value| number(value, 2));
@@ -89,6 +89,8 @@ mod tests {
             Run { end: sample(100, 1e-3, 3e-2), ..run(1, "nsgs", "", "iteration-limit") },
             Run { reason: "`subdomains` is 8x8".into(), ..run(2, "nsgs-dd", "8x8", "skipped") },
             lies,
+            // Impulses of another code, after all runs.
+            run(4, "given", "", "given"),
         ];
         let text = csv(&failures(&tables(&runs, &[])).unwrap()).unwrap();
         let rows: Vec<&str> = text.lines().skip(1).collect();

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashSet};
 
-use polars::prelude::DataFrame;
+use polars::prelude::{BooleanChunked, DataFrame};
 use serde_json::{Map, Value};
 
 use crate::ReportError;
@@ -88,7 +88,14 @@ pub(crate) fn given(table: &DataFrame) -> Result<Vec<(String, String, Option<f64
     Ok(given.map(|(((problem, from), error), _)| (problem, from, error)).collect())
 }
 
+/// The rows of runs.
+pub(crate) fn made(table: &DataFrame) -> Result<DataFrame, ReportError> {
+    let is_run: BooleanChunked = texts(table, "status")?.iter().map(|status| status != GIVEN).collect();
+    Ok(table.filter(&is_run)?)
+}
+
 pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
+    let table = &made(table)?;
     let (run, grains) = (u32s(table, "run")?, u32s(table, "grains")?);
     let (contacts, subdomains) = (u32s(table, "contacts")?, u32s(table, "subdomains")?);
     let (problem, method) = (texts(table, "problem")?, texts(table, "method")?);
@@ -122,7 +129,7 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
         setup_s: setup_s[i],
         iterating_s: iterating_s[i],
     };
-    Ok((0..table.height()).filter(|i| status[*i] != GIVEN).map(row).collect())
+    Ok((0..table.height()).map(row).collect())
 }
 
 fn json(table: &DataFrame, column: &str) -> Result<Vec<Map<String, Value>>, ReportError> {

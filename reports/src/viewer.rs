@@ -8,7 +8,7 @@ use results::store::Tables;
 use serde::Serialize;
 
 use crate::ReportError;
-use crate::columns::{measures, u32s, u64s};
+use crate::columns::{lists, measures, u32s, u64s};
 use crate::rows::runs;
 use crate::sample::scene::{Scene, scenes};
 use crate::sample::walls::walls;
@@ -123,17 +123,11 @@ pub struct Filmed {
 fn filmed(tables: &Tables) -> Result<BTreeMap<String, Vec<Filmed>>, ReportError> {
     let table = &tables.snapshots;
     let (run, iteration) = (u32s(table, "run")?, u64s(table, "iteration")?);
-    let (map, impulse) = (measures(table, "natural_map")?, measures(table, "impulse_n_s")?);
+    let (map, impulses) = (measures(table, "natural_map")?, lists(table, "impulses_n_s")?);
     let mut snapshots: BTreeMap<u32, Vec<Snapshot>> = BTreeMap::new();
-    for i in 0..table.height() {
+    for (i, impulses_n_s) in impulses.into_iter().enumerate() {
         let (iteration, natural_map) = (iteration[i], map[i].unwrap_or(f64::NAN));
-        let of_run = snapshots.entry(run[i]).or_default();
-        if of_run.last().is_none_or(|last| last.iteration != iteration) {
-            of_run.push(Snapshot { iteration, natural_map, impulses_n_s: Vec::new() });
-        }
-        if let Some(last) = of_run.last_mut() {
-            last.impulses_n_s.push(impulse[i].unwrap_or(f64::NAN));
-        }
+        snapshots.entry(run[i]).or_default().push(Snapshot { iteration, natural_map, impulses_n_s });
     }
     let rows = runs(&tables.runs)?;
     let mut filmed: BTreeMap<String, Vec<Filmed>> = BTreeMap::new();

@@ -1,7 +1,9 @@
 //! From rows to tables: one column per field, named after it; an undefined (NaN) value is a null.
 
 use polars::df;
-use polars::prelude::{DataFrame, PolarsResult};
+use polars::prelude::{
+    DataFrame, DataType, Float64Type, IntoSeries, ListBuilderTrait, ListPrimitiveChunkedBuilder, PolarsResult,
+};
 
 use crate::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
 
@@ -162,27 +164,28 @@ pub fn contacts_table(rows: &[ContactRow]) -> PolarsResult<DataFrame> {
     )
 }
 
-/// The snapshots, one row per contact of each.
+/// The snapshots, one row for each, with a list of its impulses.
 ///
 /// # Errors
 ///
 /// Those of polars.
 pub fn snapshots_table<Snapshots: AsRef<[Snapshot]>>(runs: &[(u32, Snapshots)]) -> PolarsResult<DataFrame> {
-    let of_run = |(run, snapshots): &(u32, Snapshots)| {
-        let row = |s: &Snapshot, contact: usize| {
-            (*run, s.iteration, s.natural_map, contact as u32, s.impulses_n_s[contact])
-        };
-        let rows =
-            |s: &Snapshot| (0..s.impulses_n_s.len()).map(|contact| row(s, contact)).collect::<Vec<_>>();
-        snapshots.as_ref().iter().flat_map(rows).collect::<Vec<_>>()
-    };
-    let rows: Vec<(u32, u64, f64, u32, f64)> = runs.iter().flat_map(of_run).collect();
+    let mut rows: Vec<(u32, &Snapshot)> = Vec::new();
+    for run in runs {
+        rows.extend(run.1.as_ref().iter().map(|snapshot| (run.0, snapshot)));
+    }
+    let values = rows.iter().map(|row| row.1.impulses_n_s.len()).sum();
+    let name = "impulses_n_s".into();
+    let mut impulses =
+        ListPrimitiveChunkedBuilder::<Float64Type>::new(name, rows.len(), values, DataType::Float64);
+    for (_, snapshot) in &rows {
+        impulses.append_slice(&snapshot.impulses_n_s);
+    }
     df!(
         "run" => column(&rows, |row| row.0),
-        "iteration" => column(&rows, |row| row.1),
-        "natural_map" => column(&rows, |row| defined(row.2)),
-        "contact" => column(&rows, |row| row.3),
-        "impulse_n_s" => column(&rows, |row| defined(row.4)),
+        "iteration" => column(&rows, |row| row.1.iteration),
+        "natural_map" => column(&rows, |row| defined(row.1.natural_map)),
+        "impulses_n_s" => impulses.finish().into_series(),
     )
 }
 
@@ -207,7 +210,7 @@ mod tests {
         assert_eq!(curves_table(&[(4, Vec::new())]).unwrap().shape(), (0, 17));
         assert_eq!(grains_table(&[]).unwrap().shape(), (0, 8));
         assert_eq!(contacts_table(&[]).unwrap().shape(), (0, 10));
-        assert_eq!(snapshots_table::<Vec<Snapshot>>(&[]).unwrap().shape(), (0, 5));
+        assert_eq!(snapshots_table::<Vec<Snapshot>>(&[]).unwrap().shape(), (0, 4));
     }
 
     #[test]
