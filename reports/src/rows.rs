@@ -67,12 +67,13 @@ impl Point {
     /// Counted work in sweeps over `contacts`: a contact updated counts as much as a contact passed in a product W p, that
     /// is eight multiply-adds (two components of two grains, read and written back); an entry of a triangular factor is one.
     /// Factorisations are not in it: a run that makes more than a few, as many as directions that adapt take, has no counted
-    /// work.
+    /// work; nor has one that tells none after an iteration.
     pub(crate) fn work(&self, run: &RunRow) -> Option<f64> {
         let few = self.factorisations <= 6 * (u64::from(run.subdomains) + 1);
         let contacts = f64::from(run.contacts.max(1));
         let visits = self.contact_updates as f64 + contacts * self.delassus_products as f64;
-        few.then_some((visits + self.triangular_solve_entries as f64 / 8.0) / contacts)
+        let work = visits + self.triangular_solve_entries as f64 / 8.0;
+        (few && (work > 0.0 || self.iteration == 0)).then_some(work / contacts)
     }
 }
 

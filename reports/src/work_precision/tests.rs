@@ -82,3 +82,11 @@ fn impulses_of_another_code_are_told_with_their_error_and_not_drawn() {
     assert!(text.contains(said), "{text}");
     assert!(!made[0].1.contains("given"));
 }
+
+#[test]
+fn run_that_tells_no_work_has_none_after_its_start() {
+    let untold =
+        decay().into_iter().map(|s| Sample { contact_updates: 0, delassus_products: 0, ..s }).collect();
+    let made = made(&parts(&tables(&[run(0, "interior-point", "", "converged")], &[(0, untold)])).unwrap());
+    assert!(!made.last().unwrap().1.contains("in counted work"), "{}", made.last().unwrap().1);
+}
