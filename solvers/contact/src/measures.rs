@@ -2,6 +2,7 @@
 //! jump is the method's own word.
 
 use crate::law;
+use crate::operators::scale;
 use crate::problem::ContactProblem;
 use crate::truth::Truth;
 use nalgebra::Vector2;
@@ -107,11 +108,12 @@ pub struct Meter<'p> {
 impl<'p> Meter<'p> {
     /// Prepares what the measures of all iterates share.
     pub fn new(problem: &'p ContactProblem) -> Self {
+        let (b, delassus_diagonal) = (problem.b(), problem.delassus_diagonal());
         Self {
             problem,
-            b: problem.b(),
-            delassus_diagonal: problem.delassus_diagonal(),
-            scale: problem.scale(),
+            scale: scale(&b, &delassus_diagonal),
+            b,
+            delassus_diagonal,
             v: vec![0.0; problem.contact_count()],
             velocity: vec![Vector2::zeros(); problem.grain_count()],
             previous: None,
@@ -127,6 +129,11 @@ impl<'p> Meter<'p> {
     pub fn against(self, truth: &'p Truth) -> Self {
         assert_eq!(truth.velocity().len(), self.problem.grain_count(), "one true velocity per grain");
         Self { truth: Some(truth), ..self }
+    }
+
+    /// [`ContactProblem::scale`] (J).
+    pub(crate) fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// V = `V_free` + M⁻¹ H r of the iterate measured last (m/s).

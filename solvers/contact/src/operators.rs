@@ -78,8 +78,7 @@ impl ContactProblem {
     /// Σ max(0, −b)²/`W_αα` (J): the scale of the impulses' work, fixed by the problem. It is 0 where no contact pushes: the
     /// solution is then r = 0.
     pub fn scale(&self) -> f64 {
-        let squared = |(b, w): (f64, f64)| law::non_negative(-b) * law::non_negative(-b) / w;
-        self.b().into_iter().zip(self.delassus_diagonal()).map(squared).sum()
+        scale(&self.b(), &self.delassus_diagonal())
     }
 
     /// q(r) = ½ rᵗ W r + bᵗ r, from v = W r + b: ½ rᵗ (v + b) (J).
@@ -92,4 +91,10 @@ impl ContactProblem {
         let squared = |((v, u), m): ((&Vector2<f64>, &Vector2<f64>), &f64)| m * (v - u).norm_squared();
         velocity.iter().zip(other).zip(self.mass()).map(squared).sum::<f64>().sqrt()
     }
+}
+
+/// [`ContactProblem::scale`], where b and `W_αα` are at hand.
+pub(crate) fn scale(b: &[f64], delassus_diagonal: &[f64]) -> f64 {
+    let squared = |(b, w): (&f64, &f64)| law::non_negative(-b) * law::non_negative(-b) / w;
+    b.iter().zip(delassus_diagonal).map(squared).sum()
 }

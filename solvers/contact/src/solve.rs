@@ -180,7 +180,7 @@ fn run(
     let mut iteration = solver.start(problem, r0)?;
     let setup = clock.elapsed();
 
-    let scale = problem.scale();
+    let scale = meter.scale();
     let mut r = r0.to_vec();
     if scale == 0.0 {
         r.fill(0.0);
