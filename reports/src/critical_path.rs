@@ -5,26 +5,22 @@ use polars::df;
 use polars::prelude::DataFrame;
 use results::store::Tables;
 
-use crate::axis::{Axis, Frame, Scale};
-use crate::canvas::Canvas;
 use crate::ending::Ending;
-use crate::legend::Legend;
-use crate::panels::{INSIDE, MOST_LINES, Room, row, title, too_many};
 use crate::part::Part;
 use crate::rows::{RunRow, problems, runs};
-use crate::series::{Series, draw_empty, draw_points, reach, series};
-use crate::signs::endings;
+use crate::series::{Series, series};
+use crate::subdomains::{Panel, figure};
 use crate::{ReportError, file_name};
 
-/// What is compared with that of the fewest subdomains.
-struct Cost {
-    title: &'static str,
-    of: fn(&RunRow) -> Option<f64>,
-}
-
-const COSTS: [Cost; 2] = [
-    Cost { title: "counted speed-up, a machine per subdomain", of: path },
-    Cost { title: "measured speed-up of the iterations", of: |run| run.iterating_s },
+const PANELS: [Panel; 2] = [
+    Panel {
+        title: "counted speed-up, a machine per subdomain",
+        of: |series, run| speed_up(series, run, path),
+    },
+    Panel {
+        title: "measured speed-up of the iterations",
+        of: |series, run| speed_up(series, run, |run| run.iterating_s),
+    },
 ];
 
 const NOTE: &str = "\nThe critical path of an iteration is the multiply-adds of the longest subdomain, exchange with its \
@@ -42,7 +38,10 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     runs.retain(|run| run.ending != Ending::Skipped && path(run).is_some());
     let mut parts = Vec::new();
     for problem in problems(&runs) {
-        parts.push(Part::figure(format!("critical-path-{}", file_name(problem)), figure(&runs, problem)?));
+        parts.push(Part::figure(
+            format!("critical-path-{}", file_name(problem)),
+            figure(&runs, problem, &PANELS)?,
+        ));
     }
     parts.push(Part::table("critical-path", table(&series(&runs, &["subdomains"]))?, NOTE));
     Ok(parts)
@@ -54,48 +53,6 @@ fn speed_up(series: &Series, run: &RunRow, cost: fn(&RunRow) -> Option<f64>) -> 
     let same = series.runs.iter().filter(|other| other.problem == run.problem);
     let fewest = same.min_by_key(|other| other.subdomains).filter(converged)?;
     Some(cost(fewest)? / cost(run)?).filter(|_| converged(&&run))
-}
-
-fn figure(runs: &[RunRow], problem: &str) -> Result<String, ReportError> {
-    let mut all = series(runs, &["subdomains"]);
-    for series in &mut all {
-        series.runs.retain(|run| run.problem == problem);
-    }
-    all.retain(|series| !series.runs.is_empty());
-    if all.len() > MOST_LINES {
-        return too_many(problem, all.len());
-    }
-    let shown: Vec<&RunRow> = all.iter().flat_map(|series| series.runs.iter().copied()).collect();
-    let failures = shown.iter().map(|run| run.ending).filter(|ending| *ending != Ending::Converged);
-    let entries = all.iter().map(|series| (series.label(), series.look)).collect();
-    let legend = Legend::new(entries, endings(failures), INSIDE)?;
-    row(&[title(problem, &shown)], COSTS.len(), &legend, |canvas, i, room| {
-        panel(canvas, &all, &COSTS[i], room)
-    })
-}
-
-fn panel(canvas: &Canvas, all: &[Series], cost: &Cost, room: Room) -> Result<(), ReportError> {
-    let points = |series: &Series| {
-        series.points(|run| f64::from(run.subdomains), |run| speed_up(series, run, cost.of))
-    };
-    let lines: Vec<_> = all.iter().map(points).collect();
-    let frame = Frame {
-        x: Axis {
-            scale: Scale::Two,
-            ..Axis::log(reach(lines.iter().flatten(), |point| point.0), room.left, room.right)
-        },
-        y: Axis::log(reach(lines.iter().flatten(), |point| point.1), room.bottom, room.top),
-    };
-    frame.draw(canvas)?;
-    frame.name(canvas, "subdomains", cost.title)?;
-    for (series, points) in all.iter().zip(&lines) {
-        canvas.line(
-            &points.iter().map(|(_, point)| frame.place(*point)).collect::<Vec<_>>(),
-            series.look.pen,
-        )?;
-        draw_points(canvas, &frame, series.look, points)?;
-    }
-    if lines.iter().all(Vec::is_empty) { draw_empty(canvas, &frame) } else { Ok(()) }
 }
 
 /// One row per run.
@@ -114,8 +71,8 @@ fn table(all: &[Series]) -> Result<DataFrame, ReportError> {
         "status" => rows.iter().map(|(_, run)| run.ending.text()).collect::<Vec<_>>(),
         "iterations" => rows.iter().map(|(_, run)| run.iterations).collect::<Vec<_>>(),
         "path_per_iteration" => of(&|_, run| run.derived.get("critical_path")?.as_f64()),
-        "counted_speed_up" => of(&|series, run| speed_up(series, run, COSTS[0].of)),
-        "measured_speed_up" => of(&|series, run| speed_up(series, run, COSTS[1].of)),
+        "counted_speed_up" => of(&PANELS[0].of),
+        "measured_speed_up" => of(&PANELS[1].of),
         "ns_per_contact" => of(&|_, run| Some(1e9 * run.iterating_s? / visits(run)).filter(|ns| ns.is_finite())),
     )?)
 }

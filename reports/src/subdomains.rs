@@ -14,15 +14,15 @@ use crate::series::{Series, draw_empty, draw_points, reach, series};
 use crate::signs::endings;
 use crate::{ReportError, file_name};
 
-/// What a panel shows of a run.
-struct Measure {
-    title: &'static str,
-    of: fn(&RunRow) -> Option<f64>,
+/// What a panel shows of a run of a series.
+pub(crate) struct Panel {
+    pub(crate) title: &'static str,
+    pub(crate) of: fn(&Series, &RunRow) -> Option<f64>,
 }
 
-const MEASURES: [Measure; 2] = [
-    Measure { title: "iterations to the tolerance", of: |run| Some(run.iterations as f64) },
-    Measure { title: "seconds per iteration (s)", of: seconds_per_iteration },
+const PANELS: [Panel; 2] = [
+    Panel { title: "iterations to the tolerance", of: |_, run| Some(run.iterations as f64) },
+    Panel { title: "seconds per iteration (s)", of: |_, run| seconds_per_iteration(run) },
 ];
 
 fn seconds_per_iteration(run: &RunRow) -> Option<f64> {
@@ -34,7 +34,10 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let runs = runs(&tables.runs)?;
     let mut parts = Vec::new();
     for problem in problems(&runs) {
-        parts.push(Part::figure(format!("subdomains-{}", file_name(problem)), figure(&runs, problem)?));
+        parts.push(Part::figure(
+            format!("subdomains-{}", file_name(problem)),
+            figure(&runs, problem, &PANELS)?,
+        ));
     }
     let table = table(&series(&runs, &["subdomains"]))?;
     let note =
@@ -53,7 +56,8 @@ fn series_on<'r>(runs: &'r [RunRow], problem: &str) -> Vec<Series<'r>> {
     all
 }
 
-fn figure(runs: &[RunRow], problem: &str) -> Result<String, ReportError> {
+/// The runs on a problem against their subdomains.
+pub(crate) fn figure(runs: &[RunRow], problem: &str, panels: &[Panel]) -> Result<String, ReportError> {
     let all = series_on(runs, problem);
     if all.len() > MOST_LINES {
         return too_many(problem, all.len());
@@ -62,20 +66,22 @@ fn figure(runs: &[RunRow], problem: &str) -> Result<String, ReportError> {
     let failures = shown.iter().map(|run| run.ending).filter(|ending| *ending != Ending::Converged);
     let entries = all.iter().map(|series| (series.label(), series.look)).collect();
     let legend = Legend::new(entries, endings(failures), INSIDE)?;
-    row(&[title(problem, &shown)], MEASURES.len(), &legend, |canvas, i, room| {
-        panel(canvas, &all, &MEASURES[i], room)
+    row(&[title(problem, &shown)], panels.len(), &legend, |canvas, i, room| {
+        panel(canvas, &all, &panels[i], room)
     })
 }
 
-fn panel(canvas: &Canvas, all: &[Series], measure: &Measure, room: Room) -> Result<(), ReportError> {
-    let lines: Vec<_> = all.iter().map(|s| s.points(|run| f64::from(run.subdomains), measure.of)).collect();
+fn panel(canvas: &Canvas, all: &[Series], panel: &Panel, room: Room) -> Result<(), ReportError> {
+    let points =
+        |series: &Series| series.points(|run| f64::from(run.subdomains), |run| (panel.of)(series, run));
+    let lines: Vec<_> = all.iter().map(points).collect();
     let x = reach(lines.iter().flatten(), |point| point.0);
     let frame = Frame {
         x: Axis { scale: Scale::Two, ..Axis::log(x, room.left, room.right) },
         y: Axis::log(reach(lines.iter().flatten(), |point| point.1), room.bottom, room.top),
     };
     frame.draw(canvas)?;
-    frame.name(canvas, "subdomains", measure.title)?;
+    frame.name(canvas, "subdomains", panel.title)?;
     for (series, points) in all.iter().zip(&lines) {
         let converged = points.iter().filter(|(ending, _)| *ending == Ending::Converged);
         canvas.line(&converged.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>(), series.look.pen)?;
