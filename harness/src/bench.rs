@@ -6,6 +6,7 @@ use crate::execute::{How, execute};
 use crate::inputs::Root;
 use crate::interrupt;
 use crate::output::say;
+use crate::plan::Plan;
 use crate::report::say_files;
 use crate::simulations;
 use crate::study::{Progress, Study};
@@ -130,25 +131,20 @@ pub(crate) fn finish(
     for note in notes(study, store.records()) {
         say(format_args!("{note}"))?;
     }
-    let Asked { plan, .. } = &study.asked;
+    let Asked { plan, again, .. } = &study.asked;
     let wanted = Wanted { charts: &plan.charts(), formats: Formats::default(), against: None };
     let out = root.join("reports/out").join(&plan.name);
-    let files = reports::report(&tables, &about(&study.asked), wanted, &out)?;
+    let files = reports::report(&tables, &about(plan, again), wanted, &out)?;
     say_files(store.folder(), &out, &files)?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// What the page of a study says of it.
-pub(crate) fn about(asked: &Asked) -> About {
-    let Asked { plan, again, .. } = asked;
+/// What the page of a study says of it, whose arguments are `again`.
+pub(crate) fn about(plan: &Plan, again: &str) -> About {
     // A study that is changed is drawn by its own command alone.
     let drawn_again = again.split_whitespace().skip(1).all(|word| word == "--quick");
-    About {
-        name: plan.name.clone(),
-        why: plan.why.clone(),
-        bench: again.clone(),
-        draw: drawn_again.then(|| again.clone()),
-    }
+    let draw = drawn_again.then(|| again.to_owned());
+    About { name: plan.name.clone(), why: plan.why.clone(), bench: again.to_owned(), draw }
 }
 
 /// This build, on this machine.

@@ -1,11 +1,11 @@
 //! `gravel report` and `gravel figure`: tables and figures of the newest stored study of a plan, without running it.
 
-use crate::bench::runs_folder;
+use crate::bench::{about, runs_folder};
 use crate::inputs::Root;
 use crate::output::{say, write_whole};
 use crate::plan::Plan;
 use anyhow::{Context, Result, bail};
-use reports::{About, Chart, Formats, Wanted};
+use reports::{Chart, Formats, Wanted};
 use results::store::{Tables, read, read_simulations, tables_folder};
 use std::path::{Path, PathBuf};
 
@@ -75,9 +75,7 @@ impl Stored {
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let plan = args.study.plan(root)?;
     let stored = stored(root, &plan)?;
-    let again = args.study.again();
-    let about =
-        About { name: plan.name.clone(), why: plan.why.clone(), bench: again.clone(), draw: Some(again) };
+    let about = about(&plan, &args.study.again());
     let out = root.join("reports/out").join(&plan.name);
     let before = args.against.as_deref().map(read).transpose().context("--against")?;
     let (charts, formats) = (plan.charts(), args.formats.formats());

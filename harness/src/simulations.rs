@@ -134,10 +134,10 @@ fn finish(root: &Root, study: &Study, mut store: Store<Simulated>) -> Result<Exi
     if let Some(note) = unlike_twins(store.records()) {
         say(format_args!("{note}"))?;
     }
-    let plan = &study.asked.plan;
+    let Asked { plan, again, .. } = &study.asked;
     let wanted = Wanted { charts: &plan.charts(), formats: Formats::default(), against: None };
     let out = root.join("reports/out").join(&plan.name);
-    let files = reports::report(&tables, &about(&study.asked), wanted, &out)?;
+    let files = reports::report(&tables, &about(plan, again), wanted, &out)?;
     say_files(store.folder(), &out, &files)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -36,16 +36,18 @@ pub(crate) struct RunRow {
 }
 
 impl RunRow {
-    /// Method and variant, as a key says them.
     pub(crate) fn label(&self) -> String {
-        let mut label = self.method.clone();
-        match self.variant.as_str() {
-            // Such as a preconditioner that is none.
-            "" | "none" => {}
-            grid if grid.starts_with(|c: char| c.is_ascii_digit()) => label.extend([" ", grid]),
-            words => label.extend([", ", words]),
-        }
-        label
+        // Such as a preconditioner that is none.
+        label(&self.method, if self.variant == "none" { "" } else { &self.variant })
+    }
+}
+
+/// Method and variant, as a key says them.
+pub(crate) fn label(method: &str, variant: &str) -> String {
+    match variant {
+        "" => method.to_owned(),
+        grid if grid.starts_with(|c: char| c.is_ascii_digit()) => format!("{method} {grid}"),
+        words => format!("{method}, {words}"),
     }
 }
 

@@ -10,6 +10,7 @@ use crate::columns::{bools, f64s, measures, texts, u32s, u64s};
 use crate::legend::Look;
 use crate::number::{count, counted};
 use crate::part::{Kind, Part, Table};
+use crate::rows::label;
 use crate::style::{DASHES, METHODS, Mark, Pen, SPARE};
 use crate::table::markdown;
 
@@ -129,13 +130,8 @@ impl Simulation {
         self.role == "run"
     }
 
-    /// Method and variant, as a key says them.
     pub(crate) fn label(&self) -> String {
-        match self.variant.as_str() {
-            "" => self.method.clone(),
-            grid if grid.starts_with(|c: char| c.is_ascii_digit()) => format!("{} {grid}", self.method),
-            words => format!("{}, {words}", self.method),
-        }
+        label(&self.method, &self.variant)
     }
 }
 
