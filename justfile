@@ -39,6 +39,11 @@ roofline grains="1000 100000 1000000":
     mkdir -p reports/out
     GRAINS="{{grains}}" RAYON_NUM_THREADS=1 cargo bench --package harness --bench roofline | tee reports/out/roofline.md
 
+# Iterations on one thread against all, in turns: reports/out/threads.md
+threads grains="50000":
+    mkdir -p reports/out
+    GRAINS="{{grains}}" cargo bench --package harness --bench threads | tee reports/out/threads.md
+
 # Draw a stored study again, with PNG and PDF
 figures plan="paper":
     cargo run --release -- report {{plan}} --png --pdf

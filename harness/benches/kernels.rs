@@ -100,10 +100,15 @@ fn operators(criterion: &mut Criterion) {
         let partition = Scheme::Balanced.partition(problem, small_subdomains(&frozen));
         let partition = partition.unwrap_or_else(|error| panic!("{error}"));
         let decomposition = Decomposition::new(problem, &partition);
-        let unit = vec![1.0; decomposition.boundary().count()];
+        let unit = vec![1.0; decomposition.boundary_count()];
+        let mut glued = vec![Vector2::zeros(); unit.len()];
         let y: Vec<_> = decomposition.subdomains.iter().map(|e| vec![Vector2::x(); e.grains.len()]).collect();
         group.bench_function(BenchmarkId::new("gluing, small subdomains", grains), |bencher| {
-            bencher.iter_batched_ref(|| y.clone(), |y| decomposition.glue(y, &unit), BatchSize::LargeInput);
+            bencher.iter_batched_ref(
+                || y.clone(),
+                |y| decomposition.glue(y, &unit, &mut glued),
+                BatchSize::LargeInput,
+            );
         });
         group.finish();
     }

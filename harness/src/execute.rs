@@ -50,6 +50,12 @@ pub(crate) fn execute(
     })
 }
 
+/// Does `work` in one of the threads that methods use: a method called from elsewhere sleeps while these work, and every
+/// one of its iterations wakes all of them.
+pub(crate) fn in_the_pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    rayon::scope(|_| work())
+}
+
 /// Does the `work` of every task, `jobs` at a time, until the first error or until the user asks for an end; the work
 /// learns of both by its second argument.
 pub(crate) fn in_parallel<T: Sync>(
@@ -70,6 +76,9 @@ pub(crate) fn in_parallel<T: Sync>(
     };
     let work = || do_the_next().inspect_err(|_| failed.store(true, Ordering::Relaxed));
     let workers = jobs.get().min(tasks.len());
+    if workers < 2 {
+        return in_the_pool(work);
+    }
     let ended: Vec<Result<()>> = std::thread::scope(|scope| {
         let handles: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
         let joined = handles.into_iter().map(ScopedJoinHandle::join);

@@ -35,6 +35,7 @@ mod view;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+use execute::in_the_pool;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -110,14 +111,14 @@ fn run(cli: Cli) -> Result<ExitCode> {
         Command::Plan(args) => show::run(&root, &args)?,
         Command::Report(args) => report::run(&root, &args)?,
         Command::Figure(args) => report::figure(&root, &args)?,
-        Command::View(args) => view::run(&root, &args)?,
+        Command::View(args) => in_the_pool(|| view::run(&root, &args))?,
         Command::Merge(args) => return merge::run(&root, &args),
         Command::Regress(args) => return regress::regress(&root, &args),
         Command::Bless(args) => return regress::bless(&root, &args),
-        Command::Solve(args) => solve::run(&root, &args)?,
+        Command::Solve(args) => in_the_pool(|| solve::run(&root, &args))?,
         Command::Certify(args) => certify::run(&root, &args)?,
-        Command::Freeze(args) => freeze::run(&root, &args)?,
-        Command::Simulate(args) => simulate::run(&root, &args)?,
+        Command::Freeze(args) => in_the_pool(|| freeze::run(&root, &args))?,
+        Command::Simulate(args) => in_the_pool(|| simulate::run(&root, &args))?,
         Command::List(args) => list::run(&root, &args)?,
         Command::Schema(args) => schema::run(&args)?,
     }

@@ -44,6 +44,8 @@ struct Run {
     blocks: Vec<Block>,
     /// M^-½ H r or M^-½ H p, block by block in local indices; of grains that blocks share, each has the sum.
     y: Vec<Vec<Vector2<f64>>>,
+    /// y of each grain that blocks share, after the last assembly.
+    sums: Vec<Vector2<f64>>,
     /// What each block adds to a scalar product.
     parts: Vec<f64>,
     /// uᵗ p.
@@ -66,7 +68,7 @@ impl Run {
 
     /// u and wᵗ W p of the present r, whose `M^-½ H r` is in y block by block.
     fn gradient(&mut self) -> f64 {
-        self.decomposition.assemble(&mut self.y);
+        self.decomposition.assemble(&mut self.y, &mut self.sums);
         self.products += 1;
         self.pass(|block, y| block.gradient(y))
     }
@@ -74,7 +76,7 @@ impl Run {
     /// p = w + β z.
     fn turn(&mut self, beta: f64) {
         self.descent = self.pass(|block, y| block.turn(beta, y));
-        self.decomposition.assemble(&mut self.y);
+        self.decomposition.assemble(&mut self.y, &mut self.sums);
     }
 }
 
@@ -129,6 +131,7 @@ impl Solver for Cg {
         let mut run = Run {
             blocks: subdomains.iter().map(block).collect(),
             y: subdomains.iter().map(|block| vec![Vector2::zeros(); block.grains.len()]).collect(),
+            sums: vec![Vector2::zeros(); decomposition.boundary_count()],
             parts: vec![0.0; subdomains.len()],
             decomposition,
             descent: 0.0,

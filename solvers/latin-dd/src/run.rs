@@ -22,6 +22,8 @@ pub(crate) struct Run<'p> {
     relaxation: f64,
     pub(crate) coarse: Option<Coarse>,
     balance: Option<Balance>,
+    /// V̂ of each boundary grain (m/s).
+    v_hat: Vec<Vector2<f64>>,
     pub(crate) velocity_jump: f64,
     iterations: u64,
     work: Work,
@@ -125,31 +127,24 @@ impl Run<'_> {
     }
 
     /// Local stage of the boundary grains, with F_E = τ − d⁻ V_E:
-    /// V̂ = Σ_E (d⁺ V_E − F_E) / Σ_E d⁺,   F̂_E = F_E + d⁺ (V̂ − V_E)     (3) (7);   τ ← τ + μ (F̂ + d⁻ V̂ − τ)
+    /// V̂ = Σ_E (d⁺ V_E − F_E) / Σ_E d⁺,   then F̂_E, see [`Latin::glue`]     (3) (7)
     ///
     /// Returns the greatest |V_E − V̄| (m/s).
     fn interface(&mut self) -> f64 {
-        let Self { decomposition, subdomains, directions, relaxation, problem, .. } = self;
-        let mut jump: f64 = 0.0;
-        for copies in decomposition.boundary() {
-            let (e, local) = copies[0];
-            let grain = decomposition.subdomains[e as usize].grains[local as usize] as usize;
-            let mass = problem.mass()[grain] / copies.len() as f64;
+        let Self { decomposition, subdomains, directions, relaxation, v_hat, .. } = self;
+        let jump = decomposition.join(v_hat, |_, copies, v_hat| {
+            let copy = |(e, local): &(u32, u32)| subdomains[*e as usize].boundary(*local);
+            let (_, _, mass) = copy(&copies[0]);
             let (d_minus, d_plus) = (directions.d_minus * mass, directions.d_plus * mass);
             let (mut sum, mut mean) = (Vector2::zeros(), Vector2::zeros());
-            for (e, local) in copies {
-                let (v, tau) = subdomains[*e as usize].boundary(*local);
-                sum += (d_plus + d_minus) * v - *tau;
+            for (v, tau, _) in copies.iter().map(copy) {
+                sum += (d_plus + d_minus) * v - tau;
                 mean += v / copies.len() as f64;
             }
-            let v_hat = sum / (d_plus * copies.len() as f64);
-            for (e, local) in copies {
-                let (v, tau) = subdomains[*e as usize].boundary(*local);
-                jump = jump.max((v - mean).norm());
-                let f_hat = *tau - d_minus * v + d_plus * (v_hat - v);
-                *tau += *relaxation * (f_hat + d_minus * v_hat - *tau);
-            }
-        }
+            *v_hat = sum / (d_plus * copies.len() as f64);
+            copies.iter().map(|at| (copy(at).0 - mean).norm()).fold(0.0, f64::max)
+        });
+        decomposition.hand_back(subdomains, |latin, copies| latin.glue(copies, v_hat, *relaxation));
         jump
     }
 }
@@ -177,6 +172,7 @@ impl LatinDd {
         let factorisations = subdomains.len() as u64 + u64::from(self.coarse);
         Ok(Run {
             problem,
+            v_hat: vec![Vector2::zeros(); decomposition.boundary_count()],
             decomposition,
             subdomains,
             directions,

@@ -149,10 +149,23 @@ impl Latin {
         }
     }
 
-    /// V_E and τ of a grain, by its index in the subdomain.
-    pub(crate) fn boundary(&mut self, local: u32) -> (Vector2<f64>, &mut Vector2<f64>) {
+    /// F̂_E = τ − d⁻ V_E + d⁺ (V̂ − V_E) of `copies` of boundary grains (local index, place in `v_hat`);
+    /// τ ← τ + μ (F̂_E + d⁻ V̂ − τ)     (3) (7)
+    pub(crate) fn glue(&mut self, copies: &[(u32, u32)], v_hat: &[Vector2<f64>], relaxation: f64) {
+        for (local, k) in copies {
+            let (place, v_hat) = (self.place(*local), v_hat[*k as usize]);
+            let (v, mass) = (self.velocity[place], self.shares[place].mass);
+            let (d_minus, d_plus) = (self.directions.d_minus * mass, self.directions.d_plus * mass);
+            let tau = &mut self.tau[place];
+            let f_hat = *tau - d_minus * v + d_plus * (v_hat - v);
+            *tau += relaxation * (f_hat + d_minus * v_hat - *tau);
+        }
+    }
+
+    /// V_E (m/s), τ (N·s) and M_i/m_i (kg) of a grain, by its index in the subdomain.
+    pub(crate) fn boundary(&self, local: u32) -> (Vector2<f64>, Vector2<f64>, f64) {
         let place = self.place(local);
-        (self.velocity[place], &mut self.tau[place])
+        (self.velocity[place], self.tau[place], self.shares[place].mass)
     }
 
     /// r and v of each contact, and F and V of each boundary grain, after the linear stage, both in √J.

@@ -53,16 +53,11 @@ pub(crate) fn add_increments(
     unit: &[f64],
     glued: &mut [Vector2<f64>],
 ) -> f64 {
-    let mut jump: f64 = 0.0;
-    for ((copies, unit), glued) in decomposition.boundary().zip(unit).zip(glued) {
+    let jump = decomposition.join(glued, |k, copies, glued| {
         let of = |(e, local): &(u32, u32)| y[*e as usize][*local as usize];
-        let sum = *glued + copies.iter().map(|copy| of(copy) - *glued).sum::<Vector2<f64>>();
-        *glued = sum;
-        for (e, local) in copies {
-            let copy = &mut y[*e as usize][*local as usize];
-            jump = jump.max(unit * (*copy - sum).norm());
-            *copy = sum;
-        }
-    }
+        *glued += copies.iter().map(|copy| of(copy) - *glued).sum::<Vector2<f64>>();
+        copies.iter().map(|copy| unit[k] * (of(copy) - *glued).norm()).fold(0.0, f64::max)
+    });
+    decomposition.move_copies(y, glued);
     jump
 }

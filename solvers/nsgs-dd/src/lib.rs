@@ -8,7 +8,7 @@ mod exchange;
 mod subdomain;
 
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
-use exchange::Colours;
+use exchange::{Colours, add_increments};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Scheme};
 use rayon::prelude::*;
@@ -142,10 +142,8 @@ impl Run {
 
     /// Brings the copies together and returns the greatest disagreement before (m/s).
     fn glue(&mut self) -> f64 {
-        if self.settings.mass_splitting {
-            return self.decomposition.glue(&mut self.y, &self.unit);
-        }
-        exchange::add_increments(&self.decomposition, &mut self.y, &self.unit, &mut self.glued)
+        let glue = if self.settings.mass_splitting { Decomposition::glue } else { add_increments };
+        glue(&self.decomposition, &mut self.y, &self.unit, &mut self.glued)
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::scheme::Partition;
 use contact::ContactProblem;
 use nalgebra::Vector2;
+use rayon::prelude::*;
 
 /// One subdomain E: its contacts, and its own copy of each grain that they touch.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,7 +30,12 @@ pub struct Decomposition {
     copies: Vec<(u32, u32)>,
     /// Boundary grain k has the copies `copies[first[k]..first[k + 1]]`.
     first: Vec<usize>,
+    /// By subdomain, its copies of boundary grains: local index, and k.
+    of_subdomain: Vec<Vec<(u32, u32)>>,
 }
+
+/// Boundary grains, or copies of them, for which waking a thread is worth it. Results do not depend on it.
+const WORTH_A_THREAD: usize = 512;
 
 impl Decomposition {
     /// Cuts `problem` along `partition`.
@@ -64,7 +70,13 @@ impl Decomposition {
             copies.extend_from_slice(boundary);
             first.push(copies.len());
         }
-        Self { subdomains, multiplicity, copies, first }
+        let mut of_subdomain = vec![Vec::new(); subdomains.len()];
+        for (k, ends) in (0_u32..).zip(first.windows(2)) {
+            for (e, local) in &copies[ends[0]..ends[1]] {
+                of_subdomain[*e as usize].push((*local, k));
+            }
+        }
+        Self { subdomains, multiplicity, copies, first, of_subdomain }
     }
 
     /// The copies (subdomain, local index) of each boundary grain.
@@ -86,39 +98,65 @@ impl Decomposition {
         self.copies.len()
     }
 
+    /// Boundary grain by boundary grain, `join` makes what its copies have in common, `joined[k]`, from k and the copies
+    /// (subdomain, local index). Returns the greatest of what `join` returns.
+    pub fn join<T: Send>(
+        &self,
+        joined: &mut [T],
+        join: impl Fn(usize, &[(u32, u32)], &mut T) -> f64 + Sync,
+    ) -> f64 {
+        let copies = |k: usize| &self.copies[self.first[k]..self.first[k + 1]];
+        let grains = joined.par_iter_mut().enumerate().with_min_len(WORTH_A_THREAD);
+        grains.map(|(k, joined)| join(k, copies(k), joined)).reduce(|| 0.0, f64::max)
+    }
+
+    /// Subdomain by subdomain, `take` does what follows for its copies of boundary grains: local indices and k.
+    pub fn hand_back<S: Send>(&self, subdomains: &mut [S], take: impl Fn(&mut S, &[(u32, u32)]) + Sync) {
+        let per_thread = WORTH_A_THREAD * subdomains.len() / self.copies.len().max(1);
+        let subdomains = subdomains.par_iter_mut().zip(&self.of_subdomain).with_min_len(per_thread + 1);
+        subdomains.for_each(|(subdomain, copies)| take(subdomain, copies));
+    }
+
     /// Gluing, eq. (3) for equal copies: every copy moves at the plain mean V̄ of the copies. `y[E]` holds the copies of
     /// subdomain E in any unit that the copies of a grain share: V is `unit`·y (m/s), `unit` boundary grain by boundary
-    /// grain. Returns the greatest |`V_E` − V̄| before gluing (m/s).
-    pub fn glue(&self, y: &mut [Vec<Vector2<f64>>], unit: &[f64]) -> f64 {
-        let mut jump: f64 = 0.0;
-        for (copies, unit) in self.boundary().zip(unit) {
+    /// grain, like `glued`, which takes the means. Returns the greatest |`V_E` − V̄| before gluing (m/s).
+    pub fn glue(&self, y: &mut [Vec<Vector2<f64>>], unit: &[f64], glued: &mut [Vector2<f64>]) -> f64 {
+        let jump = self.join(glued, |k, copies, mean| {
             let of = |(e, local): &(u32, u32)| y[*e as usize][*local as usize];
             // V̄ = Σ_E V_E / m_i
-            let mean = copies.iter().map(of).sum::<Vector2<f64>>() / copies.len() as f64;
-            for (e, local) in copies {
-                let copy = &mut y[*e as usize][*local as usize];
-                jump = jump.max(unit * (*copy - mean).norm());
-                *copy = mean;
-            }
-        }
+            *mean = copies.iter().map(of).sum::<Vector2<f64>>() / copies.len() as f64;
+            copies.iter().map(|copy| unit[k] * (of(copy) - *mean).norm()).fold(0.0, f64::max)
+        });
+        self.move_copies(y, glued);
         jump
     }
 
-    /// Number of copies of boundary grains in each subdomain.
-    pub fn copies_by_subdomain(&self) -> Vec<usize> {
-        let mut copies = vec![0; self.subdomains.len()];
-        self.copies.iter().for_each(|(e, _)| copies[*e as usize] += 1);
-        copies
+    /// Gives every copy of a boundary grain what `joined` has for the grain.
+    pub fn move_copies(&self, y: &mut [Vec<Vector2<f64>>], joined: &[Vector2<f64>]) {
+        self.hand_back(y, |y, copies| {
+            for (local, k) in copies {
+                y[*local as usize] = joined[*k as usize];
+            }
+        });
     }
 
-    /// Gives every copy of a boundary grain the sum over its copies.
-    pub fn assemble(&self, y: &mut [Vec<Vector2<f64>>]) {
-        for copies in self.boundary() {
-            let sum: Vector2<f64> = copies.iter().map(|(e, local)| y[*e as usize][*local as usize]).sum();
-            for (e, local) in copies {
-                y[*e as usize][*local as usize] = sum;
-            }
-        }
+    /// Gives every copy of a boundary grain the sum over its copies, which `sums` takes.
+    pub fn assemble(&self, y: &mut [Vec<Vector2<f64>>], sums: &mut [Vector2<f64>]) {
+        self.join(sums, |_, copies, sum| {
+            *sum = copies.iter().map(|(e, local)| y[*e as usize][*local as usize]).sum();
+            0.0
+        });
+        self.move_copies(y, sums);
+    }
+
+    /// Number of boundary grains.
+    pub fn boundary_count(&self) -> usize {
+        self.first.len() - 1
+    }
+
+    /// Number of copies of boundary grains in each subdomain.
+    pub fn copies_by_subdomain(&self) -> impl Iterator<Item = usize> {
+        self.of_subdomain.iter().map(Vec::len)
     }
 
     /// The problem's index of each boundary grain.
