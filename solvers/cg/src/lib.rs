@@ -9,7 +9,7 @@ mod block;
 use block::Block;
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
 use nalgebra::Vector2;
-use partition::{Decomposition, Grid, Scheme, Subdomain};
+use partition::{Decomposition, Grid, Scheme, Subdomain, together};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -46,6 +46,7 @@ struct Run {
     y: Vec<Vec<Vector2<f64>>>,
     /// y of each grain that blocks share, after the last assembly.
     sums: Vec<Vector2<f64>>,
+    contacts: usize,
     /// What each block adds to a scalar product.
     parts: Vec<f64>,
     /// uᵗ p.
@@ -56,13 +57,9 @@ struct Run {
 impl Run {
     /// One pass over all contacts; returns the sum over the blocks, which no number of threads changes.
     fn pass(&mut self, pass: impl Fn(&mut Block, &mut [Vector2<f64>]) -> f64 + Sync + Send) -> f64 {
-        if self.blocks.len().min(rayon::current_num_threads()) > 1 {
-            let blocks = self.blocks.par_iter_mut().zip(&mut self.y).zip(&mut self.parts);
-            blocks.for_each(|((block, y), part)| *part = pass(block, y));
-        } else {
-            let blocks = self.blocks.iter_mut().zip(&mut self.y).zip(&mut self.parts);
-            blocks.for_each(|((block, y), part)| *part = pass(block, y));
-        }
+        let blocks = self.blocks.par_iter_mut().zip(&mut self.y).zip(&mut self.parts);
+        let together = together(NS_PER_CONTACT * self.contacts);
+        blocks.with_min_len(together).for_each(|((block, y), part)| *part = pass(block, y));
         self.parts.iter().sum()
     }
 
@@ -106,6 +103,9 @@ impl Iteration for Run {
     }
 }
 
+/// What a pass takes per contact, about (ns).
+const NS_PER_CONTACT: usize = 3;
+
 /// Contacts of a block, about: few enough that some threads have work where there is work for them, so many that blocks
 /// share few grains.
 const BLOCK: usize = 8192;
@@ -132,6 +132,7 @@ impl Solver for Cg {
             blocks: subdomains.iter().map(block).collect(),
             y: subdomains.iter().map(|block| vec![Vector2::zeros(); block.grains.len()]).collect(),
             sums: vec![Vector2::zeros(); decomposition.boundary_count()],
+            contacts: problem.contact_count(),
             parts: vec![0.0; subdomains.len()],
             decomposition,
             descent: 0.0,

@@ -97,11 +97,14 @@ pub struct Meter<'p> {
     problem: &'p ContactProblem,
     b: Vec<f64>,
     delassus_diagonal: Vec<f64>,
+    /// 1/`W_αα` (kg).
+    inverse_delassus: Vec<f64>,
     /// [`ContactProblem::scale`] (J).
     scale: f64,
     velocity: Vec<Vector2<f64>>,
     v: Vec<f64>,
-    previous: Option<Vec<f64>>,
+    /// The iterate measured before (N·s); NaN before the first.
+    previous: Vec<f64>,
     truth: Option<&'p Truth>,
 }
 
@@ -113,10 +116,11 @@ impl<'p> Meter<'p> {
             problem,
             scale: scale(&b, &delassus_diagonal),
             b,
+            inverse_delassus: delassus_diagonal.iter().map(|w| 1.0 / w).collect(),
             delassus_diagonal,
             v: vec![0.0; problem.contact_count()],
             velocity: vec![Vector2::zeros(); problem.grain_count()],
-            previous: None,
+            previous: vec![f64::NAN; problem.contact_count()],
             truth: None,
         }
     }
@@ -146,19 +150,26 @@ impl<'p> Meter<'p> {
         self.problem.velocity(r, &mut self.velocity);
         self.problem.relative_velocity(&self.velocity, &mut self.v);
 
-        let zeta = self.previous.as_deref().map_or(f64::NAN, |previous| zeta(r, previous));
-        self.previous.get_or_insert_default().clear();
-        self.previous.get_or_insert_default().extend_from_slice(r);
+        // Two passes, whose sums fit in registers.
+        let (mut change, mut product, mut energy) = (0.0, 0.0, 0.0);
+        for (((&r, previous), v), b) in r.iter().zip(&mut self.previous).zip(&self.v).zip(&self.b) {
+            change += (r - *previous) * (r - *previous);
+            product += r * *previous;
+            *previous = r;
+            energy += 0.5 * r * (v + b);
+        }
+        let zeta = if product > 0.0 { (change / product).sqrt() } else { f64::NAN };
 
         let mut natural_map = 0.0;
         let (mut sum_dv, mut sum_wr, mut greatest_dv, mut active) = (0.0, 0.0, 0.0_f64, 0_u64);
         let (mut penetration_rate, mut worst_contact) = (0.0, None);
-        for (contact, ((&r, &v), &w)) in r.iter().zip(&self.v).zip(&self.delassus_diagonal).enumerate() {
-            let r_plus = law::update(r, v, 1.0 / w, 1.0);
+        let delassus = self.delassus_diagonal.iter().zip(&self.inverse_delassus);
+        for (contact, ((&r, &v), (&w, &inverse))) in r.iter().zip(&self.v).zip(delassus).enumerate() {
+            let r_plus = law::update(r, v, inverse, 1.0);
             // r⁺ − r = −min(r, v/W_αα), which does not cancel where r is large: a problem without solution drives it there.
             // Written so that a NaN is taken.
-            let dv = if v / w >= r { -w * r } else { -v };
-            natural_map += dv * dv / w;
+            let dv = if v * inverse >= r { -w * r } else { -v };
+            natural_map += dv * dv * inverse;
             sum_dv += dv * dv;
             sum_wr += 0.5 * w * w * (r * r + r_plus * r_plus);
             greatest_dv = greatest_dv.max(dv.abs());
@@ -168,7 +179,6 @@ impl<'p> Meter<'p> {
                 (penetration_rate, worst_contact) = (-v, Some(contact));
             }
         }
-        let energy = ContactProblem::energy(r, &self.v, &self.b);
         let (velocity_error, energy_gap) =
             self.truth.map_or((f64::NAN, f64::NAN), |truth| self.errors(truth, energy));
         Measures {
@@ -197,11 +207,4 @@ impl<'p> Meter<'p> {
 /// A residual over its scale; 0 where there is nothing left, whatever the scale.
 fn ratio(residual: f64, scale: f64) -> f64 {
     if residual == 0.0 { 0.0 } else { residual / scale }
-}
-
-/// ζ = √( |rᵢ − rᵢ₋₁|² / rᵢᵗ rᵢ₋₁ ); NaN unless rᵢᵗ rᵢ₋₁ > 0.
-fn zeta(r: &[f64], previous: &[f64]) -> f64 {
-    let change: f64 = r.iter().zip(previous).map(|(r, p)| (r - p) * (r - p)).sum();
-    let product: f64 = r.iter().zip(previous).map(|(r, p)| r * p).sum();
-    if product > 0.0 { (change / product).sqrt() } else { f64::NAN }
 }

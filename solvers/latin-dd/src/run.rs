@@ -7,11 +7,11 @@ use crate::directions::Directions;
 use crate::subdomain::Latin;
 use contact::{ContactProblem, Iteration, SetupError, Work};
 use nalgebra::Vector2;
-use partition::Decomposition;
+use partition::{Decomposition, together};
 use rayon::prelude::*;
 
-/// Below this many contacts, waking the threads costs more than they save. The result does not depend on it.
-const WORTH_THREADS: usize = 2_000;
+/// What a stage takes per contact, about (ns).
+const NS_PER_CONTACT: usize = 20;
 
 /// LATIN-DD on one problem.
 pub(crate) struct Run<'p> {
@@ -74,12 +74,8 @@ impl Iteration for Run<'_> {
 
 impl Run<'_> {
     pub(crate) fn in_subdomains(&mut self, stage: impl Fn(&mut Latin) + Sync + Send) {
-        let threads = self.subdomains.len().min(rayon::current_num_threads());
-        if threads > 1 && self.problem.contact_count() >= WORTH_THREADS {
-            self.subdomains.par_iter_mut().for_each(stage);
-        } else {
-            self.subdomains.iter_mut().for_each(stage);
-        }
+        let nanoseconds = NS_PER_CONTACT * self.problem.contact_count();
+        self.subdomains.par_iter_mut().with_min_len(together(nanoseconds)).for_each(stage);
     }
 
     /// Multiply-adds of the longest subdomain: eight per contact, one per entry of its factor in each pass, one per value

@@ -10,7 +10,7 @@ mod subdomain;
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
 use exchange::{Colours, add_increments};
 use nalgebra::Vector2;
-use partition::{Decomposition, Grid, Scheme};
+use partition::{Decomposition, Grid, Scheme, together};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -106,9 +106,8 @@ impl Iteration for Run {
     }
 }
 
-/// Below this many contact updates between two gluings, some tens of microseconds, waking the threads costs more than
-/// they save. The result does not depend on it.
-const WORTH_THREADS: usize = 10_000;
+/// What an update of a contact takes, about (ns).
+const NS_PER_UPDATE: usize = 5;
 
 impl Run {
     /// Multiply-adds of the longest subdomain of each group: eight per contact updated, one per value exchanged.
@@ -133,11 +132,8 @@ impl Run {
                 (0..sweeps).for_each(|_| sweeper.sweep(y));
             }
         };
-        if self.sweepers.len().min(rayon::current_num_threads()) > 1 && updates >= WORTH_THREADS {
-            self.sweepers.par_iter_mut().zip(&mut self.y).enumerate().for_each(work);
-        } else {
-            self.sweepers.iter_mut().zip(&mut self.y).enumerate().for_each(work);
-        }
+        let subdomains = self.sweepers.par_iter_mut().zip(&mut self.y).enumerate();
+        subdomains.with_min_len(together(NS_PER_UPDATE * updates)).for_each(work);
     }
 
     /// Brings the copies together and returns the greatest disagreement before (m/s).

@@ -1,6 +1,7 @@
 //! Subdomains with their own copies of the grains, and gluing, eq. (3).
 
 use crate::scheme::Partition;
+use crate::threads::together;
 use contact::ContactProblem;
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -34,8 +35,8 @@ pub struct Decomposition {
     of_subdomain: Vec<Vec<(u32, u32)>>,
 }
 
-/// Boundary grains, or copies of them, for which waking a thread is worth it. Results do not depend on it.
-const WORTH_A_THREAD: usize = 512;
+/// What it takes to fetch a copy that another thread wrote, about (ns).
+const NS_PER_COPY: usize = 20;
 
 impl Decomposition {
     /// Cuts `problem` along `partition`.
@@ -106,14 +107,14 @@ impl Decomposition {
         join: impl Fn(usize, &[(u32, u32)], &mut T) -> f64 + Sync,
     ) -> f64 {
         let copies = |k: usize| &self.copies[self.first[k]..self.first[k + 1]];
-        let grains = joined.par_iter_mut().enumerate().with_min_len(WORTH_A_THREAD);
+        let grains = joined.par_iter_mut().enumerate().with_min_len(together(NS_PER_COPY * self.copies.len()));
         grains.map(|(k, joined)| join(k, copies(k), joined)).reduce(|| 0.0, f64::max)
     }
 
     /// Subdomain by subdomain, `take` does what follows for its copies of boundary grains: local indices and k.
     pub fn hand_back<S: Send>(&self, subdomains: &mut [S], take: impl Fn(&mut S, &[(u32, u32)]) + Sync) {
-        let per_thread = WORTH_A_THREAD * subdomains.len() / self.copies.len().max(1);
-        let subdomains = subdomains.par_iter_mut().zip(&self.of_subdomain).with_min_len(per_thread + 1);
+        let subdomains = subdomains.par_iter_mut().zip(&self.of_subdomain);
+        let subdomains = subdomains.with_min_len(together(NS_PER_COPY * self.copies.len()));
         subdomains.for_each(|(subdomain, copies)| take(subdomain, copies));
     }
 
