@@ -123,7 +123,7 @@ const FIRST_LOOK: u64 = 1024;
 
 /// What is left of the natural map since the last look, at most, where no proof is looked for (–): on a problem without
 /// solution it stays away from 0.
-const CONVERGES: f64 = 0.5;
+const CONVERGES: f64 = 0.9;
 
 /// Runs `solver` on `problem` from the impulses `r0` (N·s) until `stop`; `observe` sees every iterate.
 ///
