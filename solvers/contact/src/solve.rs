@@ -224,7 +224,8 @@ fn run(
         iteration.impulses(&mut r);
         measures = meter.measure(&r, iteration.velocity_jump());
         if let Some(before) = before {
-            let (r_then, natural_map_then) = std::mem::replace(&mut at_last_look, (r.clone(), measures.natural_map));
+            let (r_then, natural_map_then) =
+                std::mem::replace(&mut at_last_look, (r.clone(), measures.natural_map));
             // The impulses, and their growth in one iteration and in half of all: what is constant in them is not in it.
             endless = iterations >= FIRST_LOOK
                 && !(measures.natural_map < CONVERGES * natural_map_then)

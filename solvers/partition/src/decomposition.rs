@@ -107,7 +107,8 @@ impl Decomposition {
         join: impl Fn(usize, &[(u32, u32)], &mut T) -> f64 + Sync,
     ) -> f64 {
         let copies = |k: usize| &self.copies[self.first[k]..self.first[k + 1]];
-        let grains = joined.par_iter_mut().enumerate().with_min_len(together(NS_PER_COPY * self.copies.len()));
+        let grains =
+            joined.par_iter_mut().enumerate().with_min_len(together(NS_PER_COPY * self.copies.len()));
         grains.map(|(k, joined)| join(k, copies(k), joined)).reduce(|| 0.0, f64::max)
     }
 
