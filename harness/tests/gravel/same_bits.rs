@@ -46,7 +46,12 @@ fn subdomains_give_the_same_bits() {
 
 #[test]
 fn methods_that_work_in_threads_give_the_same_bits() {
-    let large = "deposited-box --scene sample.grains=18000 --scene scene.box.width_m=20.4";
+    let folder = TempDir::new().unwrap();
+    let large = folder.path().join("large.json");
+    let size = ["--scene", "sample.grains=18000", "--scene", "scene.box.width_m=20.4"];
+    let freeze = ["freeze", "deposited-box", "--time-step", "1", "-o", text(&large)];
+    gravel(&[freeze.as_slice(), &size].concat()).succeeded();
+    let large = text(&large);
     let subdomains = "--set subdomains=16x16 --set partition=balanced";
     for method in ["cg", "nsgs-dd", "nsgs-dd --set exchange=gauss-seidel --set inner_sweeps=4", "latin-dd"] {
         let subdomains = if method == "cg" { "" } else { subdomains };
