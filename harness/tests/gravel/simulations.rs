@@ -84,6 +84,7 @@ fn every_scene_meets_every_method_under_every_rule_beside_a_reference() {
     assert!(study.gravel(&["bench", "time"]).succeeded().stdout.contains("0 of 24 to make"));
     study.gravel(&["report", "time"]).succeeded();
     study.gravel(&["figure", "atlas-in-time", "time"]).succeeded();
+    study.gravel(&["view", &table[0]["id"]]).refused(&[&table[0]["id"], "simulation", "gravel simulate"]);
     let shown = study.gravel(&["plan", "time", "--count"]).succeeded().stdout;
     assert!(shown.contains("       24       24  in all"), "{shown}");
 }
@@ -211,6 +212,19 @@ fn plans_through_time_that_make_no_sense_are_refused() {
     refused("why =", "problems = [\"pair\"]\nwhy =", &["`problems`", "`cases` only"]);
     refused("why =", "charts = [\"size\"]\nwhy =", &["`charts`", "size", "simulations"]);
     refused("on = \"natural_map\"", "on = \"velocity_error\"", &["velocity_error", "not known"]);
+    let top = |key: &str, words: &[&str]| refused("why =", &format!("{key}\nwhy ="), words);
+    top("spectra = true", &["time.toml", "`spectra` is true"]);
+    top("repeats = 3", &["time.toml", "`repeats` is 3"]);
+    top("curves = \"ends\"", &["time.toml", "`curves` is \"ends\""]);
+    top("reference = false", &["time.toml", "`reference` is false"]);
+    let view = "[view]\nproblem = \"column\"\nruns = [\"cg\"]\n\n[stop]";
+    refused("[stop]", view, &["time.toml", "`view` is of problem `column`"]);
+    let own = "method = \"nsgs\"\nwarm_start = [false, true]";
+    refused(
+        "method = \"nsgs\"",
+        own,
+        &["time.toml", "`nsgs`", "`warm_start` is [false, true]", "[simulate]"],
+    );
     study(PLAN).gravel(&["bench", "time", "--repeats", "3"]).refused(&["--repeats"]);
     study(PLAN).gravel(&["regress", "time"]).refused(&["time"]);
 }
