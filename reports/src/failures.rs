@@ -21,7 +21,7 @@ pub(crate) fn failures(tables: &Tables) -> Result<DataFrame, ReportError> {
     Ok(df!(
         "problem" => column(&|run| run.problem.clone()),
         "method" => column(&|run| run.method.clone()),
-        "variant" => column(&|run| run.variant.clone()),
+        "variant" => column(&|run| run.words.clone()),
         "ended" => column(&|run| run.ending.text().to_owned()),
         "iterations" => failed.iter().map(|i| runs[*i].iterations).collect::<Vec<_>>(),
         "run" => failed.iter().map(|i| id[*i].clone()).collect::<Vec<_>>(),

@@ -48,6 +48,8 @@ pub(crate) const TOLERANCE: Pen = Pen { color: INK, width: 0.16, dash: &[1.2, 0.
 pub(crate) const GRAIN: Pen = Pen::solid(OUTLINE_GREY, 0.06);
 pub(crate) const BOUNDARY_GRAIN: Pen = Pen::solid(BLACK, 0.24);
 pub(crate) const WALL: Pen = Pen::solid(BLACK, 0.5);
+/// Curves that are not told apart.
+pub(crate) const OTHERS: Pen = Pen::solid(RGBColor(190, 190, 190), 0.18);
 /// Under the curves that no other undercuts.
 pub(crate) const PARETO: Pen = Pen::solid(RGBColor(255, 214, 150), 1.8);
 /// Around the best cell of a map, on a line that shows on dark cells; and the derived directions.

@@ -120,24 +120,7 @@ fn series_are_the_same_with_any_number_of_threads_and_jobs() {
 }
 
 #[test]
-fn study_that_was_stopped_goes_on_and_ends_like_an_undisturbed_one() {
-    let (stopped, undisturbed) = (study(PLAN), study(PLAN));
-    undisturbed.bench("time");
-    stopped.bench("time");
-    let journal = stopped.runs("time").join("journal.jsonl");
-    let whole = fs::read_to_string(&journal).unwrap();
-    let kept: usize = lines(&stopped)[..5].iter().map(|line| line.len() + 1).sum();
-    fs::write(&journal, &whole[..kept + 100]).unwrap();
-    let told = stopped.gravel(&["bench", "time"]).succeeded();
-    assert!(told.stderr.contains("was not written to its end") && told.stdout.contains("19 of 24 to make"));
-    assert_eq!(lines(&stopped).len(), 24);
-    for table in ["simulations.csv", "series.csv"] {
-        assert_eq!(counted(&stopped, table), counted(&undisturbed, table));
-    }
-}
-
-#[test]
-fn stores_of_simulations_join() {
+fn stores_of_simulations_join_and_go_on() {
     let (here, there) = (study(PLAN), study(PLAN));
     here.bench("time");
     there.bench("time");
@@ -146,6 +129,12 @@ fn stores_of_simulations_join() {
     let told = here.gravel(&["merge", "time", text(&there.runs("time"))]).succeeded().stdout;
     assert!(told.contains("15 of 24 runs are new here"), "{told}");
     assert_eq!(counted(&here, "series.csv"), counted(&there, "series.csv"));
+    fs::write(&journal, lines(&here)[..5].join("\n") + "\n").unwrap();
+    let told = here.gravel(&["bench", "time"]).succeeded().stdout;
+    assert!(told.contains("19 of 24 to make"), "{told}");
+    for table in ["simulations.csv", "series.csv"] {
+        assert_eq!(counted(&here, table), counted(&there, table));
+    }
 }
 
 /// With two iterations of Jacobi at twice its limit a packing flies apart.

@@ -59,7 +59,8 @@ fn stored_run_is_shown_as_it_was_kept_or_made_again_as_it_was() {
     let page = format!("view-{}.html", kept["id"]);
     assert!(entries(&study.folder().path().join("reports/out")).contains(&page));
 
-    let (cold, warm) = (row(&study, "column 9", "nsgs", ""), row(&study, "column 9", "nsgs", "warm start"));
+    let (cold, warm) =
+        (row(&study, "column grains=9", "nsgs", ""), row(&study, "column grains=9", "nsgs", "warm start"));
     assert_ne!(cold["iterations"], warm["iterations"]);
     for row in [&cold, &warm] {
         let told = study.gravel(&["view", &row["id"][..12], "--run", "cg"]).succeeded().stdout;
@@ -77,7 +78,7 @@ fn run_that_cannot_be_shown_is_refused() {
     let skipped = row(&study, "pair", "nsgs-dd", "");
     study.gravel(&["view", &skipped["id"]]).refused(&[&skipped["id"], "was skipped", "subdomains"]);
     study.gravel(&["view", "0123456"]).refused(&["`0123456`", "results/runs", "iterations.csv"]);
-    let (kept, other) = (row(&study, "pair", "nsgs", ""), row(&study, "column 6", "nsgs", ""));
+    let (kept, other) = (row(&study, "pair", "nsgs", ""), row(&study, "column grains=6", "nsgs", ""));
     study.gravel(&["view", &kept["id"], "--scene", "sample.grains=9"]).refused(&[
         "--scene",
         &kept["id"],
@@ -88,7 +89,7 @@ fn run_that_cannot_be_shown_is_refused() {
     let lines = fs::read_to_string(&journal).unwrap();
     let alike = lines.replace(&kept["id"], "abcd000000000001").replace(&other["id"], "abcd000000000002");
     fs::write(&journal, alike).unwrap();
-    let both = ["`abcd`", "abcd000000000001 (nsgs on pair", "abcd000000000002 (nsgs on column 6"];
+    let both = ["`abcd`", "abcd000000000001 (nsgs on pair", "abcd000000000002 (nsgs on column grains=6"];
     study.gravel(&["view", "abcd"]).refused(&both);
     study.gravel(&["view", "abcd000000000001"]).succeeded();
 

@@ -155,7 +155,10 @@ impl Page {
         if column == 0 {
             frame.label_y(canvas, Ticks::Outside)?;
             let middle = (MARGIN, frame.middle().1);
-            canvas.text("κ_d", middle, TEXT, (HPos::Left, VPos::Center))?;
+            for (line, text) in ["κ_d", "(–)"].into_iter().enumerate() {
+                let place = (middle.0, middle.1 + LEADING * (line as f64 - 0.5));
+                canvas.text(text, place, TEXT, (HPos::Left, VPos::Center))?;
+            }
         }
         match field.kappa {
             Some((l, d)) => canvas.mark(Mark::Diamond, frame.place((l.log10(), d.log10())), DERIVED),
