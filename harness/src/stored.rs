@@ -4,7 +4,6 @@ use crate::bench::runs_folder;
 use crate::inputs::Root;
 use anyhow::{Context, Result, bail};
 use results::journal::Record;
-use results::schema::Run;
 use results::simulation::Simulated;
 use results::store::journals;
 use std::collections::BTreeMap;
@@ -27,8 +26,10 @@ pub(crate) fn stored(root: &Root, begin: &str) -> Result<Record> {
         found.read(&journal, begin).with_context(|| journal.display().to_string())?;
     }
     let Found { mut runs, simulations } = found;
-    let told = runs.values().map(|record| format!("{} ({})", record.run.id, told(&record.run)));
-    let told: Vec<String> = told.chain(simulations.into_values()).collect();
+    let of_runs = runs
+        .values()
+        .map(|Record { run, .. }| told([&run.id, &run.method, &run.variant, &run.problem, &run.plan]));
+    let told: Vec<String> = of_runs.chain(simulations.into_values()).collect();
     match (told.as_slice(), runs.pop_first()) {
         ([], _) => bail!(
             "`{begin}` is no problem and no case, and no run in {} begins so: reports tell the id of each run, on their \
@@ -62,11 +63,12 @@ impl Found {
                 continue;
             }
             if let Ok(Simulated { simulation: s, .. }) = serde_json::from_str(&line) {
-                let told = format!("{} ({} {} on {} in `{}`)", s.id, s.method, s.variant, s.scene, s.plan);
+                let told = told([&s.id, &s.method, &s.variant, &s.scene, &s.plan]);
                 self.simulations.insert(s.id, told);
                 continue;
             }
-            let record: Record = serde_json::from_str(&line)?;
+            let record: Record =
+                serde_json::from_str(&line).context("the run is not as this version writes them")?;
             let before = self.runs.get(&record.run.id);
             if !record.snapshots.is_empty() || before.is_none_or(|before| before.snapshots.is_empty()) {
                 self.runs.insert(record.run.id.clone(), record);
@@ -75,6 +77,7 @@ impl Found {
     }
 }
 
-fn told(run: &Run) -> String {
-    format!("{} on {} in `{}`", format!("{} {}", run.method, run.variant).trim_end(), run.problem, run.plan)
+/// Id, then method and variant, on what, in which study.
+fn told([id, method, variant, on, plan]: [&str; 5]) -> String {
+    format!("{id} ({} on {on} in `{plan}`)", format!("{method} {variant}").trim_end())
 }

@@ -31,8 +31,8 @@ pub(crate) struct Args {
     problem: String,
     #[command(flatten)]
     scene: SceneArgs,
-    /// A run to show: a method with its settings, such as "nsgs-dd subdomains=4x2"; may be repeated. Of a stored run: one
-    /// to show beside it
+    /// A run to show: a method with its settings, such as "nsgs-dd subdomains=4x2"; may be repeated; of a problem
+    /// without any, NSGS, LATIN-DD and CG. Of a stored run: one to show beside it
     #[arg(long = "run", value_name = "METHOD [KEY=VALUE …]")]
     runs: Vec<String>,
     /// A run has converged when the measure is at most this [default: as `gravel solve`, or the stored run's]
