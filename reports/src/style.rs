@@ -56,8 +56,9 @@ pub(crate) const PARETO: Pen = Pen::solid(RGBColor(255, 214, 150), 1.8);
 pub(crate) const BEST: Pen = Pen::solid(BLACK, 0.35);
 pub(crate) const HALO: Pen = Pen::solid(WHITE, 0.8);
 pub(crate) const DERIVED: Pen = Pen::solid(RGBColor(190, 70, 0), 0.3);
-/// Ground of a cell whose run failed.
+/// Ground of a cell whose run failed, and its sign: of many, paler than what converged.
 pub(crate) const FAILED_CELL: RGBColor = RGBColor(240, 240, 240);
+pub(crate) const FAILED_SIGN: RGBColor = RGBColor(140, 140, 140);
 pub(crate) const SCALE_BAR: Pen = Pen::solid(BLACK, 0.4);
 /// Line of a contact, to be given a width in proportion to its impulse.
 pub(crate) const CHAIN: RGBColor = RGBColor(45, 20, 20);

@@ -53,8 +53,8 @@ pub(crate) struct Film {
 #[derive(Serialize)]
 struct Split {
     name: String,
-    /// The fill of each grain, that of its subdomain; -1 without contact.
-    fill: Vec<i64>,
+    /// The fill of each grain, that of its subdomain; none without contact.
+    fill: Vec<Option<usize>>,
     multiplicity: Vec<u32>,
 }
 
@@ -207,10 +207,9 @@ fn unit_m(scene: &Scene) -> f64 {
 impl Split {
     fn of(name: &str, scene: &Scene) -> Self {
         let fills = scene.fills();
-        let fill = |subdomain: Option<u32>| subdomain.and_then(|e| fills.get(&e)).map_or(-1, |n| *n as i64);
         Self {
             name: name.to_owned(),
-            fill: scene.grains.iter().map(|grain| fill(grain.subdomain)).collect(),
+            fill: scene.grains.iter().map(|grain| fills.get(&grain.subdomain?).copied()).collect(),
             multiplicity: scene.grains.iter().map(|grain| grain.multiplicity).collect(),
         }
     }

@@ -13,8 +13,8 @@ use crate::number::count;
 use crate::scale::ColorScale;
 use crate::signs::Signs;
 use crate::style::{
-    BEST, COLUMN, DERIVED, FAILED_CELL, HALO, INK, LEADING, MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen, TEXT,
-    TICK_TEXT,
+    BEST, COLUMN, DERIVED, FAILED_CELL, FAILED_SIGN, HALO, LEADING, MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen,
+    TEXT, TICK_TEXT,
 };
 
 /// Left of the panels for labels, right of them for the scale of colours, between them (mm).
@@ -194,7 +194,7 @@ impl Page {
         let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)];
         let Some((iterations, scale)) = converged(cell).zip(self.scale.as_ref()) else {
             canvas.polygon(&corners, FAILED_CELL, Some(seam(FAILED_CELL)))?;
-            return cell.run.ending.draw(canvas, (f64::midpoint(x0, x1), f64::midpoint(y0, y1)), INK);
+            return cell.run.ending.draw(canvas, (f64::midpoint(x0, x1), f64::midpoint(y0, y1)), FAILED_SIGN);
         };
         let fill = scale.color(iterations);
         canvas.polygon(&corners, fill, Some(seam(fill)))?;

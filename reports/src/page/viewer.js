@@ -64,8 +64,8 @@
       film.grains.forEach((grain, i) => {
         const fill = split.fill[i];
         disc(grain);
-        c.globalAlpha = fill < 0 ? 1 : Number(ink("--fill"));
-        c.fillStyle = fill < 0 ? ink("--idle") : colors[fill];
+        c.globalAlpha = fill == null ? 1 : Number(ink("--fill"));
+        c.fillStyle = fill == null ? ink("--idle") : colors[fill];
         c.fill();
         c.globalAlpha = 1; c.lineWidth = .5; c.strokeStyle = ink("--outline"); c.stroke();
       });

@@ -49,7 +49,7 @@ fn of_many_runs_the_first_to_the_finest_accuracy_is_told_apart() {
     let few = figure(12);
     assert!((0..12).all(|n| few.contains(&format!("nsgs, {}", letter(n)))) && !few.contains("other runs"));
     let many = figure(13);
-    let told: Vec<u32> = (0..13).filter(|n| many.contains(&format!("nsgs, {}", letter(n)))).collect();
+    let told: Vec<u32> = (0..13).filter(|n| many.contains(&format!("nsgs, {}", letter(*n)))).collect();
     assert_eq!(told, [0, 12], "first in seconds, first in counted work");
     assert!(many.contains("11 other runs."));
 }
