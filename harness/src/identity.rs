@@ -29,6 +29,11 @@ pub(crate) fn run_id(problem_hash: &str, variant: &Variant, stop: &Stop) -> Stri
     first_hex(Sha256::digest(all.to_string()).as_slice())
 }
 
+/// Whether a text can be an id, or as much of its begin as is worth looking for.
+pub(crate) fn is_id(text: &str) -> bool {
+    (4..=16).contains(&text.len()) && text.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'))
+}
+
 /// The first eight bytes of a hash.
 pub(crate) fn first_hex(hash: &[u8]) -> String {
     let first = hash.iter().take(8).fold(0, |first: u64, byte| first << 8 | u64::from(*byte));

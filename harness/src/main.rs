@@ -27,6 +27,7 @@ mod simulate;
 mod simulations;
 mod solve;
 mod spectrum;
+mod stored;
 mod study;
 mod suggest;
 mod tables;
@@ -69,7 +70,7 @@ enum Command {
     Report(report::Args),
     /// Draw one chart of the newest stored study of a plan, into reports/out/PLAN-CHART
     Figure(report::FigureArgs),
-    /// Write a page that shows how runs come to the impulses of a problem, iteration by iteration
+    /// Write a page that shows how runs come to the impulses of a problem, or how a stored run did, iteration by iteration
     View(view::Args),
     /// Join the runs of other stores of a plan to its own
     Merge(merge::Args),

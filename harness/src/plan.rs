@@ -19,6 +19,7 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 use std::collections::{BTreeSet, HashSet};
+use std::fmt::{self, Display, Formatter};
 use std::num::NonZeroU32;
 use std::path::Path;
 
@@ -130,11 +131,20 @@ pub(crate) struct PlannedMethod {
 }
 
 /// One way to begin, or several.
-#[derive(Debug, JsonSchema, Deserialize)]
+#[derive(Clone, Debug, JsonSchema, Deserialize)]
 #[serde(untagged, expecting = "expected true, false or a list of them")]
 enum WarmStart {
     One(bool),
     Several(Vec<bool>),
+}
+
+impl Display for WarmStart {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        match self {
+            Self::One(start) => write!(f, "{start}"),
+            Self::Several(starts) => write!(f, "{starts:?}"),
+        }
+    }
 }
 
 /// Runs of which iterates are kept, for the viewer of the page.
@@ -215,6 +225,7 @@ impl Plan {
             if let Some(case) = self.cases.iter().find(|case| case.time_step.is_some()) {
                 bail!("`cases`: case `{}`: `time_step`: a simulation begins at the first", case.case);
             }
+            self.refuse_what_is_of_problems()?;
         } else if let Some(case) = self.cases.iter().find(|case| case.duration_s.is_some()) {
             bail!("`cases`: case `{}`: `duration_s`: the plan has no table [simulate]", case.case);
         }
@@ -223,6 +234,32 @@ impl Plan {
         self.rules()?;
         let variants = self.variants(&[])?;
         self.view.as_ref().map_or(Ok(()), |view| view.check(&variants)).context("`view`")
+    }
+
+    /// Refuses, in a study through time, what only runs on single problems heed.
+    fn refuse_what_is_of_problems(&self) -> Result<()> {
+        let method = |planned: &PlannedMethod| Some((planned.method.clone(), planned.warm_start.clone()?));
+        if let Some((method, warm_start)) = self.methods.iter().find_map(method) {
+            bail!(
+                "method `{method}`: `warm_start` is {warm_start}: in a plan with `simulate` it is a key of the rules; give it \
+                 for all methods, at the top of the plan or under [simulate], in `set` or `axes`"
+            );
+        }
+        let ignored = [
+            ("view", self.view.as_ref().map(|view| format!("of problem `{}`", view.problem))),
+            ("spectra", self.spectra.then(|| "true".to_owned())),
+            ("repeats", Some(self.repeats).filter(|n| n.get() > 1).map(|n| n.to_string())),
+            ("curves", (self.curves != Curves::Whole).then(|| "\"ends\"".to_owned())),
+            ("reference", (!self.reference).then(|| "false".to_owned())),
+        ];
+        for (key, value) in ignored {
+            if let Some(value) = value {
+                bail!(
+                    "`{key}` is {value}: it is of runs on single problems; leave it out of a plan with `simulate`"
+                );
+            }
+        }
+        Ok(())
     }
 
     /// The rules of a study through time, each with its name; none for a study of problems.

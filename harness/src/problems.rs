@@ -12,6 +12,7 @@ use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March, Sample};
 use cg::Cg;
 use contact::Stop;
+use results::schema::Run;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeSet;
@@ -96,6 +97,29 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
         bail!("two problems have the name `{}`: vary them as axes of one case", twice.name);
     }
     Ok(problems)
+}
+
+/// The problem of a stored run, if it still is what it was.
+pub(crate) fn of_run(root: &Root, run: &Run) -> Result<Frozen> {
+    let mut settings: Settings = serde_json::from_str(&run.problem_settings)?;
+    let source = match settings.remove("case") {
+        None => Source::Frozen(Box::new(Frozen::read(&root.problem(&run.problem)?)?), None),
+        Some(case) => {
+            let time_step = settings.remove("time_step");
+            let path = root.case(&typed(&case))?;
+            Source::Case(Box::new(Scene::read(&path, &settings, time_step.as_ref())?))
+        }
+    };
+    let name = run.problem.clone();
+    let problem = PlannedProblem { name, settings, source, reference: false }.made(root)?;
+    if problem.hash != run.problem_hash {
+        bail!(
+            "the problem has changed since: its hash was {}, and is {} now",
+            run.problem_hash,
+            problem.hash
+        );
+    }
+    Ok(problem.frozen)
 }
 
 fn frozen_path(root: &Root, name: &str) -> Result<PathBuf> {

@@ -43,7 +43,14 @@ pub(crate) struct Args {
 pub(crate) struct ProblemArgs {
     /// A frozen problem or a case: its name, or the path of its file
     #[arg(value_name = "PROBLEM-OR-CASE")]
-    pub(crate) problem: String,
+    problem: String,
+    #[command(flatten)]
+    scene: SceneArgs,
+}
+
+/// What a case on the command line changes.
+#[derive(clap::Args)]
+pub(crate) struct SceneArgs {
     #[command(flatten)]
     case: CaseArgs,
     /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]; those before
@@ -92,16 +99,28 @@ enum Start {
     Warm,
 }
 
-impl ProblemArgs {
+impl SceneArgs {
+    /// Refuses them where `what`, such as "x.json is a frozen problem", leaves nothing to change.
+    pub(crate) fn refused(&self, what: &str) -> Result<()> {
+        if let Some((key, _)) = self.case.overrides.first() {
+            bail!("--scene {key}: {what}, it has no scene");
+        }
+        if self.time_step.is_some() {
+            bail!("--time-step: {what}, it has no other time step");
+        }
+        Ok(())
+    }
+
+    /// The arguments that ask for the same.
+    pub(crate) fn again(&self) -> Vec<String> {
+        let scene = self.case.overrides.iter().map(|(key, value)| format!("--scene '{key}={value}'"));
+        scene.chain(self.time_step.iter().map(|moment| format!("--time-step {moment}"))).collect()
+    }
+
     /// The problem of the file that the user named.
-    pub(crate) fn read(&self, path: &Path) -> Result<Frozen> {
+    pub(crate) fn problem(&self, path: &Path) -> Result<Frozen> {
         if !is_toml(path) {
-            if let Some((key, _)) = self.case.overrides.first() {
-                bail!("--scene {key}: {} is a frozen problem, it has no scene", path.display());
-            }
-            if self.time_step.is_some() {
-                bail!("--time-step: {} is a frozen problem, it has no other time step", path.display());
-            }
+            self.refused(&format!("{} is a frozen problem", path.display()))?;
             return Ok(Frozen::read(path)?);
         }
         let case = Case::read(path, &self.case.overrides)?;
@@ -144,7 +163,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     }
     stop.check()?;
     let path = root.problem_or_case(&args.problem.problem)?;
-    let frozen = args.problem.read(&path)?;
+    let frozen = args.problem.scene.problem(&path)?;
     let r0 = frozen.start(args.start == Start::Warm);
 
     let asked = args.truth || stop.on == Measure::VelocityError;

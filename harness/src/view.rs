@@ -1,88 +1,201 @@
-//! `gravel view`: a page that shows how runs come to the impulses of a problem, iteration by iteration.
+//! `gravel view`: a page that shows how runs come to the impulses of a problem, or how a stored run did, iteration by
+//! iteration.
 
 use crate::film::Film;
+use crate::identity::is_id;
 use crate::inputs::Root;
 use crate::methods::{Method, key_value};
 use crate::output::{check_place, say, write_whole};
 use crate::plan::Variant;
+use crate::problems::of_run;
 use crate::rows::{partitions, scene_rows};
-use crate::solve::{ProblemArgs, StopArgs};
+use crate::solve::{SceneArgs, measure};
+use crate::stored::stored;
 use crate::truth::known;
-use anyhow::{Context, Result};
-use contact::solve;
+use anyhow::{Context, Result, anyhow};
+use cases::Frozen;
+use contact::{Measure, Stop, Truth, solve_against};
 use partition::{Grid, Scheme};
 use reports::Filmed;
+use results::journal::Record;
+use results::schema::Run;
 use results::tables::{contacts_table, grains_table};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
+    /// A frozen problem or a case, by name or by the path of its file; or a run that a study stored: its id, or as much of
+    /// its begin as tells it from others
+    #[arg(value_name = "PROBLEM-OR-RUN")]
+    problem: String,
     #[command(flatten)]
-    problem: ProblemArgs,
-    /// A run to show: a method with its settings, such as "nsgs-dd subdomains=4x2"; may be repeated
-    #[arg(long = "run", value_name = "METHOD [KEY=VALUE …]",
-        default_values = ["nsgs", "latin-dd subdomains=4x2", "cg preconditioner=diagonal"])]
+    scene: SceneArgs,
+    /// A run to show: a method with its settings, such as "nsgs-dd subdomains=4x2"; may be repeated; of a problem
+    /// without any, NSGS, LATIN-DD and CG. Of a stored run: one to show beside it
+    #[arg(long = "run", value_name = "METHOD [KEY=VALUE …]")]
     runs: Vec<String>,
-    #[command(flatten)]
-    stop: StopArgs,
-    /// The page [default: reports/out/view-PROBLEM.html]; one that is there is replaced
+    /// A run has converged when the measure is at most this [default: as `gravel solve`, or the stored run's]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+    /// The measure that decides [default: as `gravel solve`, or the stored run's]
+    #[arg(long, value_name = "MEASURE", value_parser = measure)]
+    on: Option<Measure>,
+    /// A run ends after this many iterations at the latest [default: as `gravel solve`, or the stored run's]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    max_iterations: Option<u64>,
+    /// The page [default: reports/out/view-PROBLEM-OR-RUN.html]; one that is there is replaced
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
+/// What is shown of a problem that nobody asks for more of.
+const RUNS: [&str; 3] = ["nsgs", "latin-dd subdomains=4x2", "cg preconditioner=diagonal"];
+
+/// What a page shows.
+struct Shown {
+    frozen: Frozen,
+    stop: Stop,
+    /// A stored run, if one was asked for: it is the first of the variants.
+    stored: Option<Record>,
+    variants: Vec<Variant>,
+}
+
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    let variants: Vec<Variant> = args.runs.iter().map(|text| variant(text)).collect::<Result<_>>()?;
-    let stop = args.stop.stop();
-    stop.check()?;
-    let path = root.problem_or_case(&args.problem.problem)?;
-    let frozen = args.problem.read(&path)?;
+    let shown = args.shown(root)?;
+    let Shown { frozen, stored, variants, .. } = &shown;
     let page = if let Some(page) = &args.output {
         page.clone()
     } else {
         let folder = root.join("reports/out");
         std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-        folder.join(format!("view-{}.html", frozen.name))
+        let name = stored.as_ref().map_or(&frozen.name, |record| &record.run.id);
+        folder.join(format!("view-{name}.html"))
     };
     check_place(&page)?;
 
-    let start = frozen.start(false);
+    let known = known(root, frozen)?;
     let mut filmed = Vec::new();
-    for Variant { method, name, .. } in &variants {
-        let mut film = Film::new();
-        let outcome =
-            solve(&*method.solver, &frozen.problem, &start, &stop, &mut |progress| film.observe(progress))
-                .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
-        let snapshots = film.finish(&outcome);
-        let ending = outcome.status.name().replace('-', " ");
-        say(format_args!("{name}: {ending} after {} iterations", outcome.iterations))?;
-        filmed.push(Filmed { label: name.clone(), ending, snapshots });
+    for (n, variant) in variants.iter().enumerate() {
+        filmed.push(shown.film(variant, stored.as_ref().filter(|_| n == 0), known.truth())?);
     }
-    let known = known(root, &frozen)?;
-    let mut shown = partitions(&variants);
-    if shown.is_empty() {
-        shown.push(("1x1".to_owned(), Grid::ONE, Scheme::Boxes));
+    let mut split = partitions(variants);
+    if split.is_empty() {
+        split.push(("1x1".to_owned(), Grid::ONE, Scheme::Boxes));
     }
     let (mut grains, mut contacts) = (Vec::new(), Vec::new());
-    for (name, grid, scheme) in shown {
+    for (name, grid, scheme) in split {
         let partition = scheme.partition(&frozen.problem, grid)?;
-        let (g, c) = scene_rows(&frozen, &name, &partition, known.impulses());
+        let (g, c) = scene_rows(frozen, &name, &partition, known.impulses());
         grains.extend(g);
         contacts.extend(c);
     }
     let (grains, contacts) = (grains_table(&grains)?, contacts_table(&contacts)?);
-    let runs: Vec<String> = args.runs.iter().map(|run| format!("--run '{run}'")).collect();
-    let command = format!("gravel view {} {}", args.problem.problem, runs.join(" "));
-    write_whole(&page, &reports::view(&frozen.name, (&grains, &contacts), filmed, &command)?)?;
+    write_whole(&page, &reports::view(&frozen.name, (&grains, &contacts), filmed, &args.again())?)?;
     say(format_args!("{}", page.display()))?;
     Ok(())
 }
 
+impl Args {
+    fn shown(&self, root: &Root) -> Result<Shown> {
+        let mut variants: Vec<Variant> = self.runs.iter().map(|text| variant(text)).collect::<Result<_>>()?;
+        let path = match root.problem_or_case(&self.problem) {
+            Err(_) if is_id(&self.problem) => {
+                return self.shown_of(root, stored(root, &self.problem)?, variants);
+            }
+            path => path?,
+        };
+        if variants.is_empty() {
+            variants = RUNS.iter().map(|text| variant(text)).collect::<Result<_>>()?;
+        }
+        let stop = self.stop(Stop::default())?;
+        Ok(Shown { frozen: self.scene.problem(&path)?, stop, stored: None, variants })
+    }
+
+    /// A stored run, and `others` beside it that begin as it does.
+    fn shown_of(&self, root: &Root, record: Record, others: Vec<Variant>) -> Result<Shown> {
+        let run = &record.run;
+        let told = format!("run {} ({} on {})", run.id, run.method, run.problem);
+        self.scene.refused(&format!("{told} is stored"))?;
+        let stop = self.stop(stop_of(run)?)?;
+        let method = || Method::new(&run.method, serde_json::from_str(&run.settings)?);
+        let method = method().with_context(|| told.clone())?;
+        let variant = Variant { method, warm_start: run.warm_start, name: run.variant.clone() };
+        let others = others.into_iter().map(|other| Variant { warm_start: run.warm_start, ..other });
+        let variants = std::iter::once(variant).chain(others).collect();
+        let frozen = of_run(root, run).context(told)?;
+        Ok(Shown { frozen, stop, stored: Some(record), variants })
+    }
+
+    /// `stop` as it is changed.
+    fn stop(&self, stop: Stop) -> Result<Stop> {
+        let Stop { on, tolerance, max_iterations } = stop;
+        let stop = Stop {
+            on: self.on.unwrap_or(on),
+            tolerance: self.tolerance.unwrap_or(tolerance),
+            max_iterations: self.max_iterations.unwrap_or(max_iterations),
+        };
+        stop.check()?;
+        Ok(stop)
+    }
+
+    /// The command.
+    fn again(&self) -> String {
+        let mut words = vec![format!("gravel view {}", self.problem)];
+        words.extend(self.scene.again());
+        words.extend(self.runs.iter().map(|run| format!("--run '{run}'")));
+        words.extend(self.tolerance.map(|tolerance| format!("--tolerance {tolerance:e}")));
+        words.extend(self.on.map(|on| format!("--on {on}")));
+        words.extend(self.max_iterations.map(|n| format!("--max-iterations {n}")));
+        words.join(" ")
+    }
+}
+
+impl Shown {
+    /// The iterates of a run: those that are `stored`, or else it is made.
+    fn film(&self, variant: &Variant, stored: Option<&Record>, truth: Option<&Truth>) -> Result<Filmed> {
+        let label = variant.label();
+        let as_stored = stored.filter(|record| stop_of(&record.run).is_ok_and(|stop| stop == self.stop));
+        if let Some(Record { run, snapshots, .. }) = as_stored.filter(|record| !record.snapshots.is_empty()) {
+            let ending = run.status.replace('-', " ");
+            say(format_args!("{label}: {ending} after {} iterations, as stored", run.iterations))?;
+            return Ok(Filmed { label, ending, snapshots: snapshots.clone() });
+        }
+        let (mut film, start) = (Film::new(), self.frozen.start(variant.warm_start));
+        let (solver, problem) = (&*variant.method.solver, &self.frozen.problem);
+        let outcome = solve_against(truth, solver, problem, &start, &self.stop, &mut |progress| {
+            film.observe(progress);
+            ControlFlow::Continue(())
+        })
+        .with_context(|| format!("method `{}` on {}", variant.method.name, self.frozen.name))?;
+        let ending = outcome.status.name().replace('-', " ");
+        let why = match (stored, as_stored) {
+            (None, _) => "",
+            (Some(_), None) => ", made again with another stop rule",
+            (Some(_), Some(_)) => ", made again: its iterates are not stored",
+        };
+        say(format_args!("{label}: {ending} after {} iterations{why}", outcome.iterations))?;
+        if let Some(Record { run, .. }) =
+            as_stored.filter(|record| record.run.iterations != outcome.iterations)
+        {
+            say(format_args!("  the stored run took {}: the method has changed since", run.iterations))?;
+        }
+        Ok(Filmed { label, ending, snapshots: film.finish(&outcome) })
+    }
+}
+
+/// The stop rule of a stored run.
+fn stop_of(run: &Run) -> Result<Stop> {
+    let on = measure(&run.stop_on)
+        .map_err(|known| anyhow!("run {}: measure `{}`: {known}", run.id, run.stop_on))?;
+    Ok(Stop { on, tolerance: run.tolerance, max_iterations: run.max_iterations })
+}
+
 /// A method and its settings in one text.
 fn variant(text: &str) -> Result<Variant> {
-    let mut words = text.split_whitespace();
-    let name = words.next().unwrap_or_default();
-    let settings = words.map(|word| key_value(word).map_err(anyhow::Error::msg)).collect::<Result<Vec<_>>>();
-    let read = || Method::parse(name, &settings?);
+    let (name, settings) = text.trim().split_once(char::is_whitespace).unwrap_or((text.trim(), ""));
+    let pairs = settings.split_whitespace().map(|word| key_value(word).map_err(anyhow::Error::msg));
+    let read = || Method::parse(name, &pairs.collect::<Result<Vec<_>>>()?);
     let method = read().with_context(|| format!("--run '{text}'"))?;
-    Ok(Variant { method, warm_start: false, name: text.to_owned() })
+    Ok(Variant { method, warm_start: false, name: settings.trim().to_owned() })
 }

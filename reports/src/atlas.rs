@@ -80,8 +80,8 @@ fn kinds(runs: &[RunRow]) -> Vec<Kind<'_>> {
             kinds.len() - 1
         });
         let variants = &mut kinds[index].variants;
-        if !variants.contains(&run.variant.as_str()) {
-            variants.push(&run.variant);
+        if !variants.contains(&run.words.as_str()) {
+            variants.push(&run.words);
         }
     }
     kinds
@@ -94,7 +94,7 @@ pub(crate) fn find<'j, 'r>(
     variant: &str,
     problem: &str,
 ) -> Option<&'j Judged<'r>> {
-    judged.iter().find(|j| j.run.problem == problem && j.run.method == method && j.run.variant == variant)
+    judged.iter().find(|j| j.run.problem == problem && j.run.method == method && j.run.words == variant)
 }
 
 /// Each method by the first of its settings in the plan, with a ring where another one mends it.

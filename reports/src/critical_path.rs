@@ -16,10 +16,12 @@ const PANELS: [Panel; 2] = [
     Panel {
         title: "counted speed-up, a machine per subdomain",
         of: |series, run| speed_up(series, run, path),
+        ideal: true,
     },
     Panel {
         title: "measured speed-up of the iterations",
         of: |series, run| speed_up(series, run, |run| run.iterating_s),
+        ideal: true,
     },
 ];
 

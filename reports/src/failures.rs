@@ -5,7 +5,7 @@ use polars::prelude::DataFrame;
 use results::store::Tables;
 
 use crate::ReportError;
-use crate::columns::newer;
+use crate::columns::{newer, texts};
 use crate::ending::Ending;
 use crate::number::{count, number};
 use crate::rows::{RunRow, made, runs};
@@ -15,15 +15,16 @@ pub(crate) fn failures(tables: &Tables) -> Result<DataFrame, ReportError> {
     let table = made(&tables.runs)?;
     let runs = runs(&table)?;
     let reached = reached(&table, &runs)?;
-    let errors = newer(&table, "velocity_error")?;
+    let (errors, id) = (newer(&table, "velocity_error")?, texts(&table, "id")?);
     let failed: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].ending != Ending::Converged).collect();
     let column = |of: &dyn Fn(&RunRow) -> String| failed.iter().map(|i| of(&runs[*i])).collect::<Vec<_>>();
     Ok(df!(
         "problem" => column(&|run| run.problem.clone()),
         "method" => column(&|run| run.method.clone()),
-        "variant" => column(&|run| run.variant.clone()),
+        "variant" => column(&|run| run.words.clone()),
         "ended" => column(&|run| run.ending.text().to_owned()),
         "iterations" => failed.iter().map(|i| runs[*i].iterations).collect::<Vec<_>>(),
+        "run" => failed.iter().map(|i| id[*i].clone()).collect::<Vec<_>>(),
         "reason" => failed.iter().map(|i| reason(&runs[*i], reached[*i], errors[*i])).collect::<Vec<_>>(),
     )?)
 }

@@ -6,15 +6,15 @@ use serde_json::Value;
 
 use crate::rows::RunRow;
 
-/// The settings, other than those in `except`, in which some runs of one method differ.
-pub(crate) fn differing(runs: &[RunRow], except: &[&str]) -> BTreeSet<String> {
+/// Methods, each with a setting, other than those in `except`, in which some of its runs differ.
+pub(crate) fn differing(runs: &[RunRow], except: &[&str]) -> BTreeSet<(String, String)> {
     let mut first = std::collections::BTreeMap::new();
     let mut differing = BTreeSet::new();
     for run in runs {
         let reference: &RunRow = first.entry(&run.method).or_insert(run);
         for (key, value) in &run.settings {
             if reference.settings.get(key) != Some(value) && !except.contains(&key.as_str()) {
-                differing.insert(key.clone());
+                differing.insert((run.method.clone(), key.clone()));
             }
         }
     }
@@ -22,14 +22,15 @@ pub(crate) fn differing(runs: &[RunRow], except: &[&str]) -> BTreeSet<String> {
 }
 
 /// What of `keys` a run has, as text: `4x2`, `4x2, relaxation=0.8`. What is unset or `none` is left out.
-pub(crate) fn settings_text(run: &RunRow, keys: &BTreeSet<String>) -> String {
-    let word = |key: &String| match run.settings.get(key)? {
+pub(crate) fn settings_text(run: &RunRow, keys: &BTreeSet<(String, String)>) -> String {
+    let word = |(_, key): &(String, String)| match run.settings.get(key)? {
         Value::Null => None,
         Value::Bool(true) => Some(key.clone()),
         Value::Bool(false) => Some(format!("no {key}")),
         Value::String(text) if text == "none" => None,
         Value::String(text) => Some(text.clone()),
-        value => Some(format!("{key}={value}")),
+        // A whole number has no fraction.
+        value => Some(format!("{key}={}", value.as_f64().map_or(value.to_string(), |x| x.to_string()))),
     };
-    keys.iter().filter_map(word).collect::<Vec<_>>().join(", ")
+    keys.iter().filter(|(method, _)| *method == run.method).filter_map(word).collect::<Vec<_>>().join(", ")
 }

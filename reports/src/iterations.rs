@@ -8,7 +8,7 @@ use crate::part::{Kind, Part, Table};
 use crate::table::markdown;
 
 /// What is told of each run.
-const COLUMNS: [&str; 19] = [
+const COLUMNS: [&str; 20] = [
     "problem",
     "method",
     "variant",
@@ -28,6 +28,7 @@ const COLUMNS: [&str; 19] = [
     "natural_map",
     "velocity_error",
     "reason",
+    "id",
 ];
 
 /// What of it a page is wide enough for, with the headings there.

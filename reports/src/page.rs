@@ -147,7 +147,14 @@ fn section(chapter: &Chapter, about: &About, shown: &dyn Fn(&str) -> bool) -> Re
             Kind::Figure(svg) => {
                 section.figures.push(Figure { name: part.name.clone(), svg: inline(svg, &part.name) });
             }
-            Kind::Table(table) => section.tables.push(Rows::of(&part.name, &table.shown, &table.note)?),
+            Kind::Table(table) => {
+                let mut shown = table.shown.clone();
+                // `gravel view` takes it.
+                if let Ok(id) = table.all.column("id") {
+                    shown.with_column(id.clone().with_name("run".into()))?;
+                }
+                section.tables.push(Rows::of(&part.name, &shown, &table.note)?);
+            }
             Kind::Text(text) => {
                 let lines = text.lines().filter(|line| !line.is_empty());
                 section.sentences.extend(lines.map(str::to_owned));

@@ -74,10 +74,11 @@ pub(crate) fn too_many(title: &str, lines: usize) -> Result<String, ReportError>
     nothing(title, &format!("{} are too many for a figure; the tables have them all", counted(lines, "line")))
 }
 
-/// A page that says why it shows nothing.
+/// A figure that says why it shows nothing, a few lines high.
 pub(crate) fn nothing(title: &str, why: &str) -> Result<String, ReportError> {
-    let legend = Legend::new(Vec::new(), Vec::new(), INSIDE)?;
-    row(&[format!("{title}: {why}")], 1, &legend, |_, _, _| Ok(()))
+    svg((PAGE, (2.0 * MARGIN + 3.0 * LEADING).ceil()), |canvas| {
+        canvas.text(&format!("{title}: {why}"), (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top))
+    })
 }
 
 /// The problem, its size, and how many runs were made on it.

@@ -81,10 +81,11 @@ fn panel(
         let stairs = stairs(ratios, frame.x.high);
         canvas
             .line(&stairs.iter().map(|point| frame.place(*point)).collect::<Vec<Place>>(), method.look.pen)?;
-        if stairs.len() > 1 {
-            let at = (k as f64 + 0.5) / methods.len() as f64 * frame.x.high;
-            let height = stairs.iter().take_while(|(x, _)| *x <= at).last().map_or(0.0, |(_, y)| *y);
-            canvas.mark(method.look.mark, frame.place((at, height)), method.look.pen)?;
+        // Where the line rises, at a height of its own: what is flat lies on what others have flat.
+        let height = (k as f64 + 0.5) / methods.len() as f64 * stairs.last().map_or(0.0, |(_, share)| *share);
+        let rises = |step: &&[(f64, f64)]| step[0].1 < height && height <= step[1].1;
+        if let Some(step) = stairs.windows(2).find(rises) {
+            canvas.mark(method.look.mark, frame.place((step[1].0, height)), method.look.pen)?;
         }
     }
     if ratios.best().is_empty() { draw_empty(canvas, &frame) } else { Ok(()) }

@@ -1,6 +1,6 @@
 //! What the figures read of the stored tables, row by row.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use polars::prelude::{BooleanChunked, DataFrame};
 use serde_json::{Map, Value};
@@ -23,6 +23,8 @@ pub(crate) struct RunRow {
     /// Empty in older studies.
     pub(crate) spectrum: Map<String, Value>,
     pub(crate) variant: String,
+    /// The variant as it is read: a number or a truth value with the name of its setting.
+    pub(crate) words: String,
     pub(crate) subdomains: u32,
     pub(crate) stop_on: String,
     pub(crate) tolerance: Option<f64>,
@@ -38,7 +40,8 @@ pub(crate) struct RunRow {
 impl RunRow {
     pub(crate) fn label(&self) -> String {
         // Such as a preconditioner that is none.
-        label(&self.method, if self.variant == "none" { "" } else { &self.variant })
+        let words = self.words.strip_prefix("none").unwrap_or(&self.words);
+        label(&self.method, words.strip_prefix(", ").unwrap_or(words))
     }
 }
 
@@ -111,6 +114,7 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
     let (stop_on, tolerance) = (texts(table, "stop_on")?, measures(table, "tolerance")?);
     let iterations = u64s(table, "iterations")?;
     let (setup_s, iterating_s) = (measures(table, "setup_s")?, measures(table, "iterating_s")?);
+    let differing = differing(&method, &settings);
     let row = |i: usize| RunRow {
         run: run[i],
         problem: problem[i].clone(),
@@ -122,6 +126,7 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
         derived: derived[i].clone(),
         spectrum: spectrum[i].clone(),
         variant: variant[i].clone(),
+        words: words(&variant[i], &settings[i], &differing[&method[i]]),
         subdomains: subdomains[i],
         stop_on: stop_on[i].clone(),
         tolerance: tolerance[i],
@@ -133,6 +138,41 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
         iterating_s: iterating_s[i],
     };
     Ok((0..table.height()).map(row).collect())
+}
+
+/// The settings in which runs of each method differ.
+fn differing<'s>(
+    methods: &'s [String],
+    settings: &'s [Map<String, Value>],
+) -> BTreeMap<&'s String, Keys<'s>> {
+    let mut first = BTreeMap::new();
+    let mut differing: BTreeMap<&String, Keys> = BTreeMap::new();
+    for (method, settings) in methods.iter().zip(settings) {
+        let first: &Map<String, Value> = first.entry(method).or_insert(settings);
+        let differs = settings.iter().filter(|(key, value)| first.get(*key) != Some(value));
+        differing.entry(method).or_default().extend(differs.map(|(key, _)| key.as_str()));
+    }
+    differing
+}
+
+type Keys<'s> = BTreeSet<&'s str>;
+
+/// A variant that is the value of one setting, such as `0.5` or `false`, says of which: `relaxation=0.5`, `no polish`.
+fn words(variant: &str, settings: &Map<String, Value>, differing: &Keys) -> String {
+    let (value, start) = variant.find(',').map_or((variant, ""), |comma| variant.split_at(comma));
+    let number = value.parse::<f64>().ok();
+    let is = |of: &&Value| match of {
+        Value::Bool(truth) => truth.to_string() == value,
+        Value::Number(of) => number.is_some() && of.as_f64() == number,
+        _ => false,
+    };
+    let mut keys = differing.iter().filter(|key| settings.get(**key).as_ref().is_some_and(is));
+    match (keys.next(), keys.next()) {
+        (Some(key), None) if value == "true" => format!("{key}{start}"),
+        (Some(key), None) if value == "false" => format!("no {key}{start}"),
+        (Some(key), None) => format!("{key}={value}{start}"),
+        _ => variant.to_owned(),
+    }
 }
 
 fn json(table: &DataFrame, column: &str) -> Result<Vec<Map<String, Value>>, ReportError> {
@@ -175,4 +215,43 @@ pub(crate) fn curves(table: &DataFrame) -> Result<BTreeMap<u32, Vec<Point>>, Rep
         curve.sort_by_key(|point| point.iteration);
     }
     Ok(curves)
+}
+
+#[cfg(test)]
+mod tests {
+    use results::schema::Run;
+    use serde_json::json;
+
+    use super::*;
+    use crate::fixture::{run, tables};
+
+    /// Labels of runs of one method with these variants and settings.
+    fn labels(all: &[(&str, Value)]) -> Vec<String> {
+        let row = |(variant, settings): &(&str, Value)| Run {
+            settings: settings.to_string(),
+            ..run(0, "m", variant, "converged")
+        };
+        let tables = tables(&all.iter().map(row).collect::<Vec<_>>(), &[]);
+        runs(&tables.runs).unwrap().iter().map(RunRow::label).collect()
+    }
+
+    #[test]
+    fn number_or_truth_value_is_told_with_the_setting_that_it_is_of() {
+        let polish = |on: bool| json!({ "polish": on, "symmetric": false });
+        assert_eq!(
+            labels(&[("true", polish(true)), ("false", polish(false))]),
+            ["m, polish", "m, no polish"]
+        );
+        let omega = |omega: f64| json!({ "relaxation": omega, "sweeps": 1 });
+        let told = labels(&[("1", omega(1.0)), ("0.5", omega(0.5)), ("0.5, warm start", omega(0.5))]);
+        assert_eq!(told, ["m, relaxation=1", "m, relaxation=0.5", "m, relaxation=0.5, warm start"]);
+        let names = |name: &str| json!({ "preconditioner": name });
+        let variants = ["none", "none, warm start", "diagonal"];
+        let named: Vec<_> =
+            variants.iter().zip(["none", "none", "diagonal"]).map(|(v, n)| (*v, names(n))).collect();
+        assert_eq!(labels(&named), ["m", "m, warm start", "m, diagonal"]);
+        // Two settings have the value: of which it is, is not known.
+        let both = |x: f64| json!({ "kappa_l": x, "kappa_d": x });
+        assert_eq!(labels(&[("1", both(1.0)), ("2", both(2.0))]), ["m 1", "m 2"]);
+    }
 }

@@ -16,7 +16,7 @@ use crate::style::{
     BOUNDARY_GRAIN, CHAIN, GRAIN, IDLE, LEADING, MARGIN, Pen, SUBDOMAINS, TEXT, TICK_TEXT, WALL, WHITE,
 };
 use key::Key;
-use scene::{GrainRow, Scene, scenes};
+use scene::{Scene, scenes};
 use view::View;
 use walls::walls;
 
@@ -58,8 +58,11 @@ fn draw(title: &str, scene: &Scene) -> Result<String, ReportError> {
 fn draw_scene(canvas: &Canvas, view: &View, scene: &Scene) -> Result<(), ReportError> {
     // Boundary grains last, so that no neighbour covers their outline.
     let (boundary, inner): (Vec<_>, Vec<_>) = scene.grains.iter().partition(|grain| grain.multiplicity > 1);
+    let fills = scene.fills();
     for grain in inner.into_iter().chain(boundary) {
-        let (fill, outline) = looks(grain);
+        let fill =
+            grain.subdomain.and_then(|subdomain| fills.get(&subdomain)).map_or(IDLE, |n| SUBDOMAINS[*n]);
+        let outline = if grain.multiplicity > 1 { BOUNDARY_GRAIN } else { GRAIN };
         canvas.disc(view.place(grain.centre), grain.radius * view.scale, fill, Some(outline))?;
     }
     for (from, to) in walls(&scene.contacts) {
@@ -95,12 +98,6 @@ fn draw_names(canvas: &Canvas, view: &View, scene: &Scene) -> Result<(), ReportE
         canvas.text(&format!("E{subdomain}"), middle, TICK_TEXT, (HPos::Center, VPos::Center))?;
     }
     Ok(())
-}
-
-/// Fill and outline of a grain.
-fn looks(grain: &GrainRow) -> (plotters::style::RGBColor, Pen) {
-    let fill = grain.subdomain.map_or(IDLE, |subdomain| SUBDOMAINS[subdomain as usize % SUBDOMAINS.len()]);
-    (fill, if grain.multiplicity > 1 { BOUNDARY_GRAIN } else { GRAIN })
 }
 
 /// The counts, and what the lines mean.

@@ -3,6 +3,7 @@
 use polars::df;
 use polars::prelude::DataFrame;
 use results::store::Tables;
+use std::collections::BTreeSet;
 
 use crate::ReportError;
 use crate::axis::{Axis, Frame};
@@ -11,7 +12,7 @@ use crate::cost::WORK;
 use crate::ending::Ending;
 use crate::legend::Legend;
 use crate::number::counted;
-use crate::panels::{INSIDE, MOST_LINES, Room, row, too_many};
+use crate::panels::{INSIDE, MOST_LINES, Room, nothing, row, too_many};
 use crate::part::Part;
 use crate::rows::{RunRow, problems, runs};
 use crate::series::{Series, draw_empty, draw_points, reach, series};
@@ -65,9 +66,14 @@ fn figure(study: &Study, all: &[Series]) -> Result<String, ReportError> {
     if all.len() > MOST_LINES {
         return too_many("size", all.len());
     }
+    let sizes: BTreeSet<u32> = all.iter().flat_map(|series| &series.runs).map(|run| run.grains).collect();
+    if let (Some(grains), 1) = (sizes.first(), sizes.len()) {
+        let same = counted(*grains as usize, "grain");
+        return nothing("size", &format!("every problem has {same}, and cost has nothing to grow with"));
+    }
     let label = |series: &Series| {
         let exponents = COSTS.each_ref().map(|cost| {
-            exponent(study, series, cost).map_or("–".to_owned(), |exponent| format!("{exponent:.2}"))
+            exponent(study, series, cost).map_or("–".to_owned(), |e| format!("{e:.2}").replace('-', "−"))
         });
         format!("{} ({})", series.label(), exponents.join(", "))
     };

@@ -1,12 +1,13 @@
 //! The runs of a study with their curves and looks, and lines of them in a frame.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use plotters::style::text_anchor::{HPos, VPos};
 use results::store::Tables;
 
 use crate::axis::Frame;
 use crate::canvas::{Canvas, Place};
+use crate::cost::{ACCURACIES, COSTS, Cost, reached};
 use crate::curve::{LogPoint, along, inside};
 use crate::ending::Ending;
 use crate::legend::{Legend, Look, Looks};
@@ -14,7 +15,7 @@ use crate::panels::{MOST_LINES, nothing, too_many};
 use crate::part::Part;
 use crate::rows::{Point, RunRow, curves, problems, runs};
 use crate::signs::{Sign, endings};
-use crate::style::TEXT;
+use crate::style::{Mark, OTHERS, TEXT};
 use crate::{ReportError, file_name};
 
 /// What all panels of a study share.
@@ -23,6 +24,9 @@ pub(crate) struct Study<'t> {
     curves: BTreeMap<u32, Vec<Point>>,
     pub(crate) looks: Looks<'t>,
 }
+
+/// More lines than these are not told apart at a glance.
+const MOST_TOLD_APART: usize = 12;
 
 /// The line of a run.
 pub(crate) struct Line {
@@ -69,6 +73,65 @@ impl<'t> Study<'t> {
         let mut signs = endings(runs.iter().map(|run| run.ending));
         signs.extend(more);
         Legend::new(entries, signs, width)
+    }
+
+    /// Runs by their numbers, to be told apart among `runs`: all, if they are few; of many, of each method the first, in
+    /// each cost, to the finest accuracy that the method reaches, or else the one that ends nearest.
+    fn best(&self, runs: &[&RunRow]) -> BTreeSet<u32> {
+        if runs.len() <= MOST_TOLD_APART {
+            return runs.iter().map(|run| run.run).collect();
+        }
+        let mut of_methods: BTreeMap<&str, Vec<&RunRow>> = BTreeMap::new();
+        for run in runs {
+            of_methods.entry(&run.method).or_default().push(run);
+        }
+        of_methods.values().flat_map(|runs| COSTS.iter().filter_map(|cost| self.first(runs, cost))).collect()
+    }
+
+    fn first(&self, runs: &[&RunRow], cost: &Cost) -> Option<u32> {
+        let least = |price: &dyn Fn(&RunRow) -> Option<f64>| {
+            let priced = runs.iter().filter_map(|run| Some((price(run)?, run.run)));
+            priced.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, run)| run)
+        };
+        let at = |accuracy: f64| least(&|run| (cost.of)(run, reached(self.curve(run), accuracy)?));
+        let end = || least(&|run| self.curve(run).last()?.velocity_error);
+        ACCURACIES.into_iter().rev().find_map(at).or_else(end)
+    }
+
+    /// The legend of the best runs.
+    pub(crate) fn legend_of_best(
+        &self,
+        runs: &[&RunRow],
+        mut more: Vec<(Sign, String)>,
+        width: f64,
+    ) -> Result<Legend, ReportError> {
+        let best = self.best(runs);
+        let told: Vec<&RunRow> = runs.iter().copied().filter(|run| best.contains(&run.run)).collect();
+        if told.len() < runs.len() {
+            let others = runs.len() - told.len();
+            more.push((
+                Sign::Line(OTHERS),
+                format!("{others} other runs. In colour: of each method the first to 10⁻⁶ (else 10⁻⁴, 10⁻²), in seconds and in work."),
+            ));
+        }
+        self.legend(&told, more, width)
+    }
+
+    /// The same lines as [`Study::lines`], with those of all but the best runs behind the others, and grey.
+    pub(crate) fn lines_of_best(
+        &self,
+        runs: &[&RunRow],
+        at: impl Fn(&RunRow, &Point) -> Option<LogPoint>,
+    ) -> Vec<Line> {
+        let best = self.best(runs);
+        let (told, others): (Vec<&RunRow>, Vec<&RunRow>) =
+            runs.iter().partition(|run| best.contains(&run.run));
+        let mut lines = self.lines(&others, &at);
+        for line in &mut lines {
+            line.look = Look { pen: OTHERS, mark: Mark::None };
+        }
+        lines.extend(self.lines(&told, at));
+        lines
     }
 
     /// A line per run, through the points that `at` makes of its samples.

@@ -48,14 +48,17 @@ pub(crate) const TOLERANCE: Pen = Pen { color: INK, width: 0.16, dash: &[1.2, 0.
 pub(crate) const GRAIN: Pen = Pen::solid(OUTLINE_GREY, 0.06);
 pub(crate) const BOUNDARY_GRAIN: Pen = Pen::solid(BLACK, 0.24);
 pub(crate) const WALL: Pen = Pen::solid(BLACK, 0.5);
+/// Curves that are not told apart.
+pub(crate) const OTHERS: Pen = Pen::solid(RGBColor(190, 190, 190), 0.18);
 /// Under the curves that no other undercuts.
 pub(crate) const PARETO: Pen = Pen::solid(RGBColor(255, 214, 150), 1.8);
 /// Around the best cell of a map, on a line that shows on dark cells; and the derived directions.
 pub(crate) const BEST: Pen = Pen::solid(BLACK, 0.35);
 pub(crate) const HALO: Pen = Pen::solid(WHITE, 0.8);
 pub(crate) const DERIVED: Pen = Pen::solid(RGBColor(190, 70, 0), 0.3);
-/// Ground of a cell whose run failed.
+/// Ground of a cell whose run failed, and its sign: of many, paler than what converged.
 pub(crate) const FAILED_CELL: RGBColor = RGBColor(240, 240, 240);
+pub(crate) const FAILED_SIGN: RGBColor = RGBColor(140, 140, 140);
 pub(crate) const SCALE_BAR: Pen = Pen::solid(BLACK, 0.4);
 /// Line of a contact, to be given a width in proportion to its impulse.
 pub(crate) const CHAIN: RGBColor = RGBColor(45, 20, 20);

@@ -11,18 +11,21 @@ use crate::panels::{INSIDE, MOST_LINES, Room, row, title, too_many};
 use crate::part::Part;
 use crate::rows::{RunRow, problems, runs};
 use crate::series::{Series, draw_empty, draw_points, reach, series};
-use crate::signs::endings;
+use crate::signs::{Sign, endings};
+use crate::style::TOLERANCE;
 use crate::{ReportError, file_name};
 
 /// What a panel shows of a run of a series.
 pub(crate) struct Panel {
     pub(crate) title: &'static str,
     pub(crate) of: fn(&Series, &RunRow) -> Option<f64>,
+    /// Whether as many times as there are subdomains is the ideal.
+    pub(crate) ideal: bool,
 }
 
 const PANELS: [Panel; 2] = [
-    Panel { title: "iterations to the tolerance", of: |_, run| Some(run.iterations as f64) },
-    Panel { title: "seconds per iteration (s)", of: |_, run| seconds_per_iteration(run) },
+    Panel { title: "iterations to the tolerance", of: |_, run| Some(run.iterations as f64), ideal: false },
+    Panel { title: "seconds per iteration (s)", of: |_, run| seconds_per_iteration(run), ideal: false },
 ];
 
 fn seconds_per_iteration(run: &RunRow) -> Option<f64> {
@@ -65,7 +68,11 @@ pub(crate) fn figure(runs: &[RunRow], problem: &str, panels: &[Panel]) -> Result
     let shown: Vec<&RunRow> = all.iter().flat_map(|series| series.runs.iter().copied()).collect();
     let failures = shown.iter().map(|run| run.ending).filter(|ending| *ending != Ending::Converged);
     let entries = all.iter().map(|series| (series.label(), series.look)).collect();
-    let legend = Legend::new(entries, endings(failures), INSIDE)?;
+    let mut signs = endings(failures);
+    if panels.iter().any(|panel| panel.ideal) {
+        signs.push((Sign::Line(TOLERANCE), "ideal: as many times faster as there are subdomains".to_owned()));
+    }
+    let legend = Legend::new(entries, signs, INSIDE)?;
     row(&[title(problem, &shown)], panels.len(), &legend, |canvas, i, room| {
         panel(canvas, &all, &panels[i], room)
     })
@@ -82,6 +89,10 @@ fn panel(canvas: &Canvas, all: &[Series], panel: &Panel, room: Room) -> Result<(
     };
     frame.draw(canvas)?;
     frame.name(canvas, "subdomains", panel.title)?;
+    if panel.ideal {
+        let (low, high) = (frame.x.low.max(frame.y.low), frame.x.high.min(frame.y.high));
+        canvas.line(&[low, high].map(|at| frame.place((at, at))), TOLERANCE)?;
+    }
     for (series, points) in all.iter().zip(&lines) {
         let converged = points.iter().filter(|(ending, _)| *ending == Ending::Converged);
         canvas.line(&converged.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>(), series.look.pen)?;

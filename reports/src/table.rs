@@ -111,6 +111,7 @@ pub(crate) fn tex(text: &str) -> String {
             '^' => tex += "\\textasciicircum{}",
             '<' | '>' | '|' => tex.extend(['$', letter, '$']),
             '–' => tex += "--",
+            '−' => tex += "$-$",
             '\u{a0}' => tex.push('~'),
             '\u{202f}' => tex += "\\,",
             'ζ' => tex += "$\\zeta$",

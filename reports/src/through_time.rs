@@ -135,23 +135,23 @@ impl Simulation {
     }
 }
 
-/// Each method of the runs as a key says it, in the colour that it has in every study.
+/// Each method of the runs as a key says it, in the colour that it has in every study; its dashes tell it in grey, since
+/// signs tell time steps.
 pub(crate) fn looks(all: &[Simulation]) -> Vec<(String, Look)> {
     let mut looks: Vec<(String, Look)> = Vec::new();
-    let mut methods: Vec<(&str, usize)> = Vec::new();
+    let mut methods: Vec<&str> = Vec::new();
     for run in all.iter().filter(|s| s.is_run()) {
         if looks.iter().any(|(label, _)| *label == run.label()) {
             continue;
         }
-        let known = methods.iter().position(|(method, _)| *method == run.method);
+        let known = methods.iter().position(|method| *method == run.method);
         let place = known.unwrap_or_else(|| {
-            methods.push((&run.method, 0));
+            methods.push(&run.method);
             methods.len() - 1
         });
         let own = METHODS.iter().find(|(method, ..)| *method == run.method);
         let pen = own.map_or(SPARE[place % SPARE.len()].0, |(_, pen, _)| *pen);
-        let pen = Pen { dash: DASHES[methods[place].1 % DASHES.len()], ..pen };
-        methods[place].1 += 1;
+        let pen = Pen { dash: DASHES[looks.len() % DASHES.len()], ..pen };
         looks.push((run.label(), Look { pen, mark: Mark::None }));
     }
     looks

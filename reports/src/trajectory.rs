@@ -156,7 +156,8 @@ fn panel(
         let Some(at) = value(floor) else { continue };
         across(canvas, at, TOLERANCE)?;
         let text = format!("{} ms", milliseconds(floor.simulation.time_step_s));
-        let place = (room.left + 0.8, frame.y.place(at) - 0.2);
+        // Beside the ticks.
+        let place = (room.left + 2.0, frame.y.place(at) - 0.2);
         canvas.text(&text, place, TICK_TEXT, (HPos::Left, VPos::Bottom))?;
     }
     for (label, look) in looks {

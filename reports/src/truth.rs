@@ -45,7 +45,7 @@ fn figure(study: &Study, problem: &str, runs: &[&RunRow]) -> Result<String, Repo
         Sign::Line(TOLERANCE),
         "measure = velocity error; below it the measure promises too much".into(),
     )];
-    let legend = study.legend(runs, more, INSIDE)?;
+    let legend = study.legend_of_best(runs, more, INSIDE)?;
     row(&[title(problem, runs)], MEASURES.len(), &legend, |canvas, i, room| {
         panel(canvas, study, runs, &MEASURES[i], room)
     })
@@ -58,7 +58,7 @@ fn panel(
     measure: &Measure,
     room: Room,
 ) -> Result<(), ReportError> {
-    let lines = study.lines(runs, |_, point| {
+    let lines = study.lines_of_best(runs, |_, point| {
         // At its start a run has measured nothing.
         let pair = point.velocity_error.zip((measure.of)(point));
         (point.iteration > 0).then(|| pair.map(|(error, measure)| (log(error), log(measure))))

@@ -53,8 +53,8 @@ pub(crate) struct Film {
 #[derive(Serialize)]
 struct Split {
     name: String,
-    /// The subdomain of each grain, -1 without contact.
-    subdomain: Vec<i64>,
+    /// The fill of each grain, that of its subdomain; none without contact.
+    fill: Vec<Option<usize>>,
     multiplicity: Vec<u32>,
 }
 
@@ -206,9 +206,10 @@ fn unit_m(scene: &Scene) -> f64 {
 
 impl Split {
     fn of(name: &str, scene: &Scene) -> Self {
+        let fills = scene.fills();
         Self {
             name: name.to_owned(),
-            subdomain: scene.grains.iter().map(|grain| grain.subdomain.map_or(-1, i64::from)).collect(),
+            fill: scene.grains.iter().map(|grain| fills.get(&grain.subdomain?).copied()).collect(),
             multiplicity: scene.grains.iter().map(|grain| grain.multiplicity).collect(),
         }
     }

@@ -6,7 +6,7 @@ use crate::ReportError;
 use crate::axis::{Axis, Frame};
 use crate::canvas::{Canvas, Place};
 use crate::cost::{ACCURACIES, COSTS, Cost, WORK, reached};
-use crate::curve::{LogPoint, log_point, range};
+use crate::curve::{LogPoint, log, log_point, range};
 use crate::number::{number, power_of_ten};
 use crate::panels::{INSIDE, Room, row, title};
 use crate::part::Part;
@@ -46,7 +46,7 @@ fn figure(study: &Study, problem: &str, runs: &[&RunRow]) -> Result<String, Repo
             "Counted work is without factorisations; runs that make more than a few have none.".to_owned(),
         ),
     ];
-    let legend = study.legend(runs, more, INSIDE)?;
+    let legend = study.legend_of_best(runs, more, INSIDE)?;
     row(&[title(problem, runs)], COSTS.len(), &legend, |canvas, i, room| {
         panel(canvas, study, runs, &COSTS[i], room)
     })
@@ -59,11 +59,13 @@ fn panel(
     cost: &Cost,
     room: Room,
 ) -> Result<(), ReportError> {
-    let lines = study.lines(runs, |run, point| {
+    let lines = study.lines_of_best(runs, |run, point| {
         (cost.of)(run, point).and_then(|cost| log_point(cost, point.velocity_error))
     });
     let x = padded(lines.iter().flat_map(|line| &line.points).flatten().map(|point| point.0), 0.05);
-    let y = range(&lines, &[]);
+    // The same in all panels.
+    let y =
+        range(&study.lines(runs, |_, point| Some(point.velocity_error.map(|error| (0.0, log(error))))), &[]);
     let frame = Frame {
         x: Axis::log(x, room.left, room.right),
         y: Axis::log((y.0.max(-12.0), y.1), room.bottom, room.top),

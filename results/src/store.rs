@@ -226,6 +226,24 @@ pub fn records_of<R: Entry>(folder: &Path) -> Result<Vec<R>, StoreError> {
     Ok(read_journal(&folder.join(JOURNAL))?.records)
 }
 
+/// The journals of all studies below `root`, by name; none if it is not there.
+///
+/// # Errors
+///
+/// If the folder cannot be listed.
+pub fn journals(root: &Path) -> Result<Vec<PathBuf>, StoreError> {
+    let entries = match fs::read_dir(root) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries.map_err(at(root))?,
+    };
+    let folders: Vec<PathBuf> =
+        entries.map(|entry| Ok(entry?.path())).collect::<Result<_, _>>().map_err(at(root))?;
+    let mut journals: Vec<PathBuf> =
+        folders.iter().filter(|folder| is_study(folder)).map(|folder| folder.join(JOURNAL)).collect();
+    journals.sort();
+    Ok(journals)
+}
+
 /// Whether a folder is a study: it has a journal.
 pub fn is_study(folder: &Path) -> bool {
     folder.join(JOURNAL).is_file()

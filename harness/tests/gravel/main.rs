@@ -18,3 +18,4 @@ mod simulations;
 mod solve;
 mod store;
 mod truth;
+mod view;

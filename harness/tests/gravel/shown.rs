@@ -64,7 +64,7 @@ fn every_setting_is_listed_with_its_default_what_it_takes_and_what_it_is() {
 
 #[test]
 fn help_fits_a_hundred_columns() {
-    for name in ["bench", "plan", "solve", "freeze", "simulate", "list"] {
+    for name in ["bench", "plan", "view", "solve", "freeze", "simulate", "list"] {
         // However wide the terminal says that it is.
         let output = command(&[name, "--help"]).env("COLUMNS", "300").output().unwrap();
         for line in String::from_utf8(output.stdout).unwrap().lines() {

@@ -84,6 +84,7 @@ fn every_scene_meets_every_method_under_every_rule_beside_a_reference() {
     assert!(study.gravel(&["bench", "time"]).succeeded().stdout.contains("0 of 24 to make"));
     study.gravel(&["report", "time"]).succeeded();
     study.gravel(&["figure", "atlas-in-time", "time"]).succeeded();
+    study.gravel(&["view", &table[0]["id"]]).refused(&[&table[0]["id"], "simulation", "gravel simulate"]);
     let shown = study.gravel(&["plan", "time", "--count"]).succeeded().stdout;
     assert!(shown.contains("       24       24  in all"), "{shown}");
 }
@@ -119,24 +120,7 @@ fn series_are_the_same_with_any_number_of_threads_and_jobs() {
 }
 
 #[test]
-fn study_that_was_stopped_goes_on_and_ends_like_an_undisturbed_one() {
-    let (stopped, undisturbed) = (study(PLAN), study(PLAN));
-    undisturbed.bench("time");
-    stopped.bench("time");
-    let journal = stopped.runs("time").join("journal.jsonl");
-    let whole = fs::read_to_string(&journal).unwrap();
-    let kept: usize = lines(&stopped)[..5].iter().map(|line| line.len() + 1).sum();
-    fs::write(&journal, &whole[..kept + 100]).unwrap();
-    let told = stopped.gravel(&["bench", "time"]).succeeded();
-    assert!(told.stderr.contains("was not written to its end") && told.stdout.contains("19 of 24 to make"));
-    assert_eq!(lines(&stopped).len(), 24);
-    for table in ["simulations.csv", "series.csv"] {
-        assert_eq!(counted(&stopped, table), counted(&undisturbed, table));
-    }
-}
-
-#[test]
-fn stores_of_simulations_join() {
+fn stores_of_simulations_join_and_go_on() {
     let (here, there) = (study(PLAN), study(PLAN));
     here.bench("time");
     there.bench("time");
@@ -145,6 +129,12 @@ fn stores_of_simulations_join() {
     let told = here.gravel(&["merge", "time", text(&there.runs("time"))]).succeeded().stdout;
     assert!(told.contains("15 of 24 runs are new here"), "{told}");
     assert_eq!(counted(&here, "series.csv"), counted(&there, "series.csv"));
+    fs::write(&journal, lines(&here)[..5].join("\n") + "\n").unwrap();
+    let told = here.gravel(&["bench", "time"]).succeeded().stdout;
+    assert!(told.contains("19 of 24 to make"), "{told}");
+    for table in ["simulations.csv", "series.csv"] {
+        assert_eq!(counted(&here, table), counted(&there, table));
+    }
 }
 
 /// With two iterations of Jacobi at twice its limit a packing flies apart.
@@ -211,6 +201,19 @@ fn plans_through_time_that_make_no_sense_are_refused() {
     refused("why =", "problems = [\"pair\"]\nwhy =", &["`problems`", "`cases` only"]);
     refused("why =", "charts = [\"size\"]\nwhy =", &["`charts`", "size", "simulations"]);
     refused("on = \"natural_map\"", "on = \"velocity_error\"", &["velocity_error", "not known"]);
+    let top = |key: &str, words: &[&str]| refused("why =", &format!("{key}\nwhy ="), words);
+    top("spectra = true", &["time.toml", "`spectra` is true"]);
+    top("repeats = 3", &["time.toml", "`repeats` is 3"]);
+    top("curves = \"ends\"", &["time.toml", "`curves` is \"ends\""]);
+    top("reference = false", &["time.toml", "`reference` is false"]);
+    let view = "[view]\nproblem = \"column\"\nruns = [\"cg\"]\n\n[stop]";
+    refused("[stop]", view, &["time.toml", "`view` is of problem `column`"]);
+    let own = "method = \"nsgs\"\nwarm_start = [false, true]";
+    refused(
+        "method = \"nsgs\"",
+        own,
+        &["time.toml", "`nsgs`", "`warm_start` is [false, true]", "[simulate]"],
+    );
     study(PLAN).gravel(&["bench", "time", "--repeats", "3"]).refused(&["--repeats"]);
     study(PLAN).gravel(&["regress", "time"]).refused(&["time"]);
 }

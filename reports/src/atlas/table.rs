@@ -22,7 +22,7 @@ pub(super) fn runs(judged: &[Judged], hazards: &[Hazard]) -> Result<DataFrame, R
         "problem" => judged.iter().map(|j| j.run.problem.as_str()).collect::<Vec<_>>(),
         "contacts" => judged.iter().map(|j| j.run.contacts).collect::<Vec<_>>(),
         "method" => judged.iter().map(|j| j.run.method.as_str()).collect::<Vec<_>>(),
-        "setting" => judged.iter().map(|j| setting(&j.run.variant)).collect::<Vec<_>>(),
+        "setting" => judged.iter().map(|j| setting(&j.run.words)).collect::<Vec<_>>(),
         "class" => judged.iter().map(|j| j.class.text()).collect::<Vec<_>>(),
         "reason" => judged.iter().map(|j| j.run.reason.as_str()).collect::<Vec<_>>(),
         "iterations" => judged.iter().map(|j| j.run.iterations).collect::<Vec<_>>(),

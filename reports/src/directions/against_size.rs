@@ -107,13 +107,13 @@ fn head(fields: &[Field]) -> String {
 fn signs(ratios: &Points, adaptive: &Points) -> Vec<(Sign, String)> {
     let mut signs = vec![
         (Sign::Mark(Mark::Ring, BEST_POINT), "best of the grid, one per problem".to_owned()),
-        (Sign::Line(MEDIAN), "median".to_owned()),
+        (Sign::Line(MEDIAN), "their median".to_owned()),
         (Sign::Mark(Mark::Diamond, DERIVED), "derived".to_owned()),
-        (Sign::Line(MEDIAN_DERIVED), "median".to_owned()),
+        (Sign::Line(MEDIAN_DERIVED), "median of the derived".to_owned()),
     ];
     if !adaptive.is_empty() {
         signs.push((Sign::Mark(Mark::Cross, BEST_POINT), "derived, then adapted".to_owned()));
-        signs.push((Sign::Line(MEDIAN_ADAPTIVE), "median".to_owned()));
+        signs.push((Sign::Line(MEDIAN_ADAPTIVE), "median of the adapted".to_owned()));
     }
     for (what, points) in [("derived", ratios), ("adapted", adaptive)] {
         let text =

@@ -106,7 +106,7 @@ pub(crate) fn fields(runs: &[RunRow]) -> Vec<Field<'_>> {
     fields
 }
 
-fn add<'r>(fields: &mut Vec<Field<'r>>, run: &'r RunRow, keys: &BTreeSet<String>) {
+fn add<'r>(fields: &mut Vec<Field<'r>>, run: &'r RunRow, keys: &BTreeSet<(String, String)>) {
     let relaxation = number(run, "relaxation").unwrap_or(1.0);
     let group = settings_text(run, keys);
     let same = |f: &Field| {

@@ -13,8 +13,8 @@ use crate::number::count;
 use crate::scale::ColorScale;
 use crate::signs::Signs;
 use crate::style::{
-    BEST, COLUMN, DERIVED, FAILED_CELL, HALO, INK, LEADING, MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen, TEXT,
-    TICK_TEXT,
+    BEST, COLUMN, DERIVED, FAILED_CELL, FAILED_SIGN, HALO, LEADING, MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen,
+    TEXT, TICK_TEXT,
 };
 
 /// Left of the panels for labels, right of them for the scale of colours, between them (mm).
@@ -155,7 +155,10 @@ impl Page {
         if column == 0 {
             frame.label_y(canvas, Ticks::Outside)?;
             let middle = (MARGIN, frame.middle().1);
-            canvas.text("κ_d", middle, TEXT, (HPos::Left, VPos::Center))?;
+            for (line, text) in ["κ_d", "(–)"].into_iter().enumerate() {
+                let place = (middle.0, middle.1 + LEADING * (line as f64 - 0.5));
+                canvas.text(text, place, TEXT, (HPos::Left, VPos::Center))?;
+            }
         }
         match field.kappa {
             Some((l, d)) => canvas.mark(Mark::Diamond, frame.place((l.log10(), d.log10())), DERIVED),
@@ -191,7 +194,7 @@ impl Page {
         let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)];
         let Some((iterations, scale)) = converged(cell).zip(self.scale.as_ref()) else {
             canvas.polygon(&corners, FAILED_CELL, Some(seam(FAILED_CELL)))?;
-            return cell.run.ending.draw(canvas, (f64::midpoint(x0, x1), f64::midpoint(y0, y1)), INK);
+            return cell.run.ending.draw(canvas, (f64::midpoint(x0, x1), f64::midpoint(y0, y1)), FAILED_SIGN);
         };
         let fill = scale.color(iterations);
         canvas.polygon(&corners, fill, Some(seam(fill)))?;

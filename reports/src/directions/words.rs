@@ -57,7 +57,7 @@ pub(super) fn head(problem: &str, fields: &[&Field]) -> [String; 2] {
 
 /// The key.
 pub(super) fn signs(fields: &[&Field]) -> Vec<(Sign, String)> {
-    let mut signs = Vec::new();
+    let mut signs = vec![(Sign::Word, "μ: relaxation".to_owned())];
     if fields.iter().any(|f| f.best().is_some()) {
         signs.push((Sign::Mark(Mark::Square, BEST), "best of the grid".to_owned()));
     }

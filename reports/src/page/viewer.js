@@ -19,7 +19,8 @@
     if (!stops.length) stops = [0];
     time.max = stops.length - 1;
     time.value = time.max;
-    time.disabled = play.disabled = stops.length < 2;
+    // The solution alone has no iterations.
+    form.querySelector(".player").hidden = stops.length < 2;
     // Without any impulse the sample alone is shown.
     const tracks = film.tracks.length ? film.tracks : [{ label: "no impulse is known", ending: "", frames: [] }];
     panels = tracks.map(track => {
@@ -61,10 +62,10 @@
       const X = x => edge + (x - box.left) * scale, Y = y => height - 4 - (y - box.low) * scale;
       const disc = ([x, y, r]) => { c.beginPath(); c.arc(X(x), Y(y), r * scale, 0, 7); };
       film.grains.forEach((grain, i) => {
-        const subdomain = split.subdomain[i];
+        const fill = split.fill[i];
         disc(grain);
-        c.globalAlpha = subdomain < 0 ? 1 : Number(ink("--fill"));
-        c.fillStyle = subdomain < 0 ? ink("--idle") : colors[subdomain % colors.length];
+        c.globalAlpha = fill == null ? 1 : Number(ink("--fill"));
+        c.fillStyle = fill == null ? ink("--idle") : colors[fill];
         c.fill();
         c.globalAlpha = 1; c.lineWidth = .5; c.strokeStyle = ink("--outline"); c.stroke();
       });
@@ -74,8 +75,8 @@
       c.lineWidth = 2; c.strokeStyle = ink("--boundary");
       film.walls.forEach(line);
       c.strokeStyle = ink("--chain"); c.lineCap = "round";
-      // The greatest impulse of the solution is almost as wide as a grain; what is beyond is cut at twice that.
-      const widest = Math.max(1.8 * median * scale, 1.5);
+      // The greatest impulse of the solution is almost as wide as a grain, if that is small; what is beyond is cut at twice that.
+      const widest = Math.min(Math.max(1.8 * median * scale, 1.5), 12);
       frame?.impulses.forEach((share, i) => {
         c.lineWidth = widest * Math.min(share / 1000, 2);
         if (c.lineWidth > .08 && share > 0) line(film.contacts[i]);
@@ -87,7 +88,7 @@
     }
     const boundary = split ? split.multiplicity.filter(copies => copies > 1).length : 0;
     document.querySelector("[data-key]").textContent = `${film.grains.length} grains, ${film.contacts.length} contacts; `
-      + `colours are subdomains, outlined: ${boundary} boundary grains; the widest line is ${film.greatest_n_s.toPrecision(2)} N·s, `
+      + `colours are subdomains, outlined: ${boundary} boundary grains; the widest line is ${Number(film.greatest_n_s.toPrecision(2))} N·s, `
       + `the greatest impulse of the solution.`;
   }
 

@@ -33,6 +33,27 @@ fn first_run_to_each_accuracy_is_named_with_its_cost() {
     assert!(text.contains("no run reaches a velocity error of 10⁻⁶"), "{text}");
 }
 
+/// Runs of one method, each with a longer set-up and less work than the one before.
+#[test]
+fn of_many_runs_the_first_to_the_finest_accuracy_is_told_apart() {
+    let letter = |n: u32| char::from_u32(u32::from('a') + n).unwrap().to_string();
+    let variant = |n: u32| Run { setup_s: 1e-3 * f64::from(n), ..run(n, "nsgs", &letter(n), "converged") };
+    let work = |n: u32| {
+        decay().into_iter().map(move |s| Sample { contact_updates: s.iteration * (99 - u64::from(n)), ..s })
+    };
+    let figure = |runs: u32| {
+        let curves: Vec<_> = (0..runs).map(|n| (n, work(n).collect())).collect();
+        let rows: Vec<Run> = (0..runs).map(variant).collect();
+        made(&parts(&tables(&rows, &curves)).unwrap()).remove(0).1
+    };
+    let few = figure(12);
+    assert!((0..12).all(|n| few.contains(&format!("nsgs, {}", letter(n)))) && !few.contains("other runs"));
+    let many = figure(13);
+    let told: Vec<u32> = (0..13).filter(|n| many.contains(&format!("nsgs, {}", letter(*n)))).collect();
+    assert_eq!(told, [0, 12], "first in seconds, first in counted work");
+    assert!(many.contains("11 other runs."));
+}
+
 #[test]
 fn run_that_factorises_again_has_no_counted_work() {
     let again = decay().into_iter().map(|s| Sample { factorisations: s.iteration, ..s }).collect();
