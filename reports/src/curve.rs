@@ -6,6 +6,9 @@ use crate::study::Line;
 /// Stands for the logarithms of zero and of infinity: beyond every number, and still fit to interpolate with.
 const BEYOND: f64 = 400.0;
 
+/// Below this a measure is round-off, and so is its distance to zero (logarithm).
+pub(crate) const LOWEST: f64 = -12.0;
+
 /// Logarithms of a cost and of a measure; `None` where one is undefined.
 pub(crate) type LogPoint = Option<(f64, f64)>;
 
@@ -22,7 +25,6 @@ pub(crate) fn log_point(cost: f64, measure: Option<f64>) -> Option<LogPoint> {
 /// Range of the curves and the tolerances, at least a decade: all that the settled runs reach between 10⁻¹² and 10³,
 /// and of the others what lies below ten, so that they are seen to leave the frame.
 pub(crate) fn range(lines: &[Line], tolerances: &[f64]) -> (f64, f64) {
-    const LOWEST: f64 = -12.0;
     /// Room for the sign at the end of a line, and between the labels that meet in a corner.
     const ROOM: f64 = 0.3;
     let reached = lines.iter().flat_map(|line| {

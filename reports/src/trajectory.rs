@@ -10,7 +10,7 @@ use results::simulation::SimulationTables;
 
 use crate::axis::{Axis, Frame};
 use crate::canvas::{Canvas, Place};
-use crate::curve::log;
+use crate::curve::{LOWEST, log};
 use crate::legend::{Legend, Look};
 use crate::number::number;
 use crate::panels::{INSIDE, Room, grid};
@@ -28,8 +28,6 @@ const MARKS: [Mark; 5] = [Mark::Ring, Mark::Square, Mark::Diamond, Mark::Triangl
 const TWINS: Pen = Pen { color: INK, width: 0.3, dash: &[0.4, 0.5] };
 /// A run within this factor of the error of its time step alone is as good as exact.
 const AT_THE_FLOOR: f64 = 1.5;
-/// Errors below this are drawn at the lower edge (logarithm).
-const LOWEST: f64 = -12.0;
 
 /// A simulation beside the reference of its scene.
 struct Compared<'s> {

@@ -6,7 +6,7 @@ use results::store::Tables;
 use crate::ReportError;
 use crate::axis::{Axis, Frame};
 use crate::canvas::{Canvas, text_width};
-use crate::curve::{LogPoint, log, range};
+use crate::curve::{LOWEST, LogPoint, log, range};
 use crate::number::{number, power_of_ten};
 use crate::panels::{INSIDE, Room, row, title};
 use crate::part::Part;
@@ -59,9 +59,9 @@ fn panel(
     room: Room,
 ) -> Result<(), ReportError> {
     let lines = study.lines_of_best(runs, |_, point| {
-        // At its start a run has measured nothing.
+        // At its start a run has measured nothing. An error of 0 is at the end of the axis, not beyond all others.
         let pair = point.velocity_error.zip((measure.of)(point));
-        (point.iteration > 0).then(|| pair.map(|(error, measure)| (log(error), log(measure))))
+        (point.iteration > 0).then(|| pair.map(|(error, measure)| (log(error).max(LOWEST), log(measure))))
     });
     let turn = |line: &Line| Line {
         points: line.points.iter().map(|point: &LogPoint| point.map(|(x, y)| (y, x))).collect(),

@@ -6,7 +6,7 @@ use crate::ReportError;
 use crate::axis::{Axis, Frame};
 use crate::canvas::{Canvas, Place};
 use crate::cost::{ACCURACIES, COSTS, Cost, WORK, reached};
-use crate::curve::{LogPoint, log, log_point, range};
+use crate::curve::{LOWEST, LogPoint, log, log_point, range};
 use crate::number::{number, power_of_ten};
 use crate::panels::{INSIDE, Room, row, title};
 use crate::part::Part;
@@ -68,7 +68,7 @@ fn panel(
         range(&study.lines(runs, |_, point| Some(point.velocity_error.map(|error| (0.0, log(error))))), &[]);
     let frame = Frame {
         x: Axis::log(x, room.left, room.right),
-        y: Axis::log((y.0.max(-12.0), y.1), room.bottom, room.top),
+        y: Axis::log((y.0.max(LOWEST), y.1), room.bottom, room.top),
     };
     frame.draw(canvas)?;
     frame.name(canvas, cost.title, "velocity error (–)")?;
