@@ -150,13 +150,11 @@ impl<'p> Meter<'p> {
         self.problem.velocity(r, &mut self.velocity);
         self.problem.relative_velocity(&self.velocity, &mut self.v);
 
-        // Two passes, whose sums fit in registers.
-        let (mut change, mut product, mut energy) = (0.0, 0.0, 0.0);
-        for (((&r, previous), v), b) in r.iter().zip(&mut self.previous).zip(&self.v).zip(&self.b) {
+        let (mut change, mut product) = (0.0, 0.0);
+        for (r, previous) in r.iter().zip(&mut self.previous) {
             change += (r - *previous) * (r - *previous);
             product += r * *previous;
-            *previous = r;
-            energy += 0.5 * r * (v + b);
+            *previous = *r;
         }
         let zeta = if product > 0.0 { (change / product).sqrt() } else { f64::NAN };
 
@@ -179,6 +177,7 @@ impl<'p> Meter<'p> {
                 (penetration_rate, worst_contact) = (-v, Some(contact));
             }
         }
+        let energy = ContactProblem::energy(r, &self.v, &self.b);
         let (velocity_error, energy_gap) =
             self.truth.map_or((f64::NAN, f64::NAN), |truth| self.errors(truth, energy));
         Measures {
