@@ -4,10 +4,9 @@ use crate::inputs::Root;
 use crate::methods::{key_value, repeated};
 use crate::plan::{Plan, Variant};
 use crate::problems::{PlannedProblem, planned};
-use crate::solve::measure;
+use crate::solve::StopChanges;
 use crate::suggest;
 use anyhow::{Context, Result, bail};
-use contact::Measure;
 use std::collections::BTreeSet;
 use wildmatch::WildMatch;
 
@@ -27,15 +26,8 @@ pub(crate) struct StudyArgs {
     /// A setting of every method that has it, in place of the plan's; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     settings: Vec<(String, String)>,
-    /// A run has converged when the measure is at most this [default: the plan's]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    tolerance: Option<f64>,
-    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv or max_dv [default: the plan's]
-    #[arg(long, value_name = "MEASURE", value_parser = measure)]
-    on: Option<Measure>,
-    /// A run ends after this many iterations at the latest [default: the plan's]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    max_iterations: Option<u64>,
+    #[command(flatten)]
+    stop: StopChanges,
 }
 
 /// A plan as it was asked for: every variant on every problem, before a problem is made.
@@ -69,9 +61,7 @@ impl StudyArgs {
         words.extend(self.quick.then(|| "--quick".to_owned()));
         words.extend(self.only.iter().map(|(key, pattern)| format!("--only '{key}={pattern}'")));
         words.extend(self.settings.iter().map(|(key, value)| format!("--set '{key}={value}'")));
-        words.extend(self.tolerance.map(|tolerance| format!("--tolerance {tolerance:e}")));
-        words.extend(self.on.map(|on| format!("--on {on}")));
-        words.extend(self.max_iterations.map(|n| format!("--max-iterations {n}")));
+        words.extend(self.stop.again());
         words.join(" ")
     }
 
@@ -106,24 +96,12 @@ impl StudyArgs {
     fn change_stop(&self, plan: &mut Plan) -> Result<Vec<String>> {
         let mut changes: Vec<String> =
             self.settings.iter().map(|(key, value)| format!("{key} = {value}")).collect();
-        // What a rule of a study through time varies is then the same for all.
-        let mut forget = |key| plan.simulate.iter_mut().for_each(|simulate| simulate.forget(key));
-        if let Some(tolerance) = self.tolerance {
-            forget("tolerance");
-            plan.stop.tolerance = tolerance;
-            changes.push(format!("tolerance = {tolerance:e}"));
+        for (key, value) in self.stop.changed() {
+            // What a rule of a study through time varies is then the same for all.
+            plan.simulate.iter_mut().for_each(|simulate| simulate.forget(key));
+            changes.push(format!("{key} = {value}"));
         }
-        if let Some(on) = self.on {
-            forget("on");
-            plan.stop.on = on;
-            changes.push(format!("on = {on}"));
-        }
-        if let Some(max_iterations) = self.max_iterations {
-            forget("max_iterations");
-            plan.stop.max_iterations = max_iterations;
-            changes.push(format!("max_iterations = {max_iterations}"));
-        }
-        plan.stop.check()?;
+        plan.stop = self.stop.of(plan.stop)?;
         Ok(changes)
     }
 }

@@ -85,6 +85,22 @@ pub(crate) struct StopArgs {
     max_iterations: u64,
 }
 
+/// Changes to a stop rule on the command line.
+#[derive(Default, clap::Args)]
+pub(crate) struct StopChanges {
+    /// A run has converged when the measure is at most this [default: the plan's or the stored run's, else as
+    /// `gravel solve`]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv, max_dv or velocity_error [default: as
+    /// above]
+    #[arg(long, value_name = "MEASURE", value_parser = measure)]
+    on: Option<Measure>,
+    /// A run ends after this many iterations at the latest [default: as above]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    max_iterations: Option<u64>,
+}
+
 /// Changes to a case on the command line.
 #[derive(clap::Args)]
 pub(crate) struct CaseArgs {
@@ -145,6 +161,32 @@ impl MethodArgs {
 impl StopArgs {
     pub(crate) fn stop(&self) -> Stop {
         Stop { on: self.on, tolerance: self.tolerance, max_iterations: self.max_iterations }
+    }
+}
+
+impl StopChanges {
+    /// The keys of the stop rule that are changed, and their new values.
+    pub(crate) fn changed(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let tolerance = self.tolerance.map(|tolerance| ("tolerance", format!("{tolerance:e}")));
+        let on = self.on.map(|on| ("on", on.to_string()));
+        let max_iterations = self.max_iterations.map(|n| ("max_iterations", n.to_string()));
+        tolerance.into_iter().chain(on).chain(max_iterations)
+    }
+
+    /// The arguments that ask for the same.
+    pub(crate) fn again(&self) -> impl Iterator<Item = String> {
+        self.changed().map(|(key, value)| format!("--{} {value}", key.replace('_', "-")))
+    }
+
+    /// `stop` as it is changed.
+    pub(crate) fn of(&self, stop: Stop) -> Result<Stop> {
+        let stop = Stop {
+            on: self.on.unwrap_or(stop.on),
+            tolerance: self.tolerance.unwrap_or(stop.tolerance),
+            max_iterations: self.max_iterations.unwrap_or(stop.max_iterations),
+        };
+        stop.check()?;
+        Ok(stop)
     }
 }
 

@@ -9,12 +9,12 @@ use crate::output::{check_place, say, write_whole};
 use crate::plan::Variant;
 use crate::problems::of_run;
 use crate::rows::{partitions, scene_rows};
-use crate::solve::{SceneArgs, measure};
+use crate::solve::{SceneArgs, StopChanges, measure};
 use crate::stored::stored;
 use crate::truth::known;
 use anyhow::{Context, Result, anyhow};
 use cases::Frozen;
-use contact::{Measure, Stop, Truth, solve_against};
+use contact::{Stop, Truth, solve_against};
 use partition::{Grid, Scheme};
 use reports::Filmed;
 use results::journal::Record;
@@ -35,15 +35,8 @@ pub(crate) struct Args {
     /// without any, NSGS, LATIN-DD and CG. Of a stored run: one to show beside it
     #[arg(long = "run", value_name = "METHOD [KEY=VALUE …]")]
     runs: Vec<String>,
-    /// A run has converged when the measure is at most this [default: as `gravel solve`, or the stored run's]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    tolerance: Option<f64>,
-    /// The measure that decides [default: as `gravel solve`, or the stored run's]
-    #[arg(long, value_name = "MEASURE", value_parser = measure)]
-    on: Option<Measure>,
-    /// A run ends after this many iterations at the latest [default: as `gravel solve`, or the stored run's]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    max_iterations: Option<u64>,
+    #[command(flatten)]
+    stop: StopChanges,
     /// The page [default: reports/out/view-PROBLEM-OR-RUN.html]; one that is there is replaced
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -108,7 +101,7 @@ impl Args {
         if variants.is_empty() {
             variants = RUNS.iter().map(|text| variant(text)).collect::<Result<_>>()?;
         }
-        let stop = self.stop(Stop::default())?;
+        let stop = self.stop.of(Stop::default())?;
         Ok(Shown { frozen: self.scene.problem(&path)?, stop, stored: None, variants })
     }
 
@@ -117,7 +110,7 @@ impl Args {
         let run = &record.run;
         let told = format!("run {} ({} on {})", run.id, run.method, run.problem);
         self.scene.refused(&format!("{told} is stored"))?;
-        let stop = self.stop(stop_of(run)?)?;
+        let stop = self.stop.of(stop_of(run)?)?;
         let method = || Method::new(&run.method, serde_json::from_str(&run.settings)?);
         let method = method().with_context(|| told.clone())?;
         let variant = Variant { method, warm_start: run.warm_start, name: run.variant.clone() };
@@ -127,26 +120,12 @@ impl Args {
         Ok(Shown { frozen, stop, stored: Some(record), variants })
     }
 
-    /// `stop` as it is changed.
-    fn stop(&self, stop: Stop) -> Result<Stop> {
-        let Stop { on, tolerance, max_iterations } = stop;
-        let stop = Stop {
-            on: self.on.unwrap_or(on),
-            tolerance: self.tolerance.unwrap_or(tolerance),
-            max_iterations: self.max_iterations.unwrap_or(max_iterations),
-        };
-        stop.check()?;
-        Ok(stop)
-    }
-
     /// The command.
     fn again(&self) -> String {
         let mut words = vec![format!("gravel view {}", self.problem)];
         words.extend(self.scene.again());
         words.extend(self.runs.iter().map(|run| format!("--run '{run}'")));
-        words.extend(self.tolerance.map(|tolerance| format!("--tolerance {tolerance:e}")));
-        words.extend(self.on.map(|on| format!("--on {on}")));
-        words.extend(self.max_iterations.map(|n| format!("--max-iterations {n}")));
+        words.extend(self.stop.again());
         words.join(" ")
     }
 }
