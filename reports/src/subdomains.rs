@@ -89,9 +89,8 @@ fn panel(canvas: &Canvas, all: &[Series], panel: &Panel, room: Room) -> Result<(
     };
     frame.draw(canvas)?;
     frame.name(canvas, "subdomains", panel.title)?;
-    if panel.ideal {
-        let (low, high) = (frame.x.low.max(frame.y.low), frame.x.high.min(frame.y.high));
-        canvas.line(&[low, high].map(|at| frame.place((at, at))), TOLERANCE)?;
+    if let Some(ideal) = frame.diagonal().filter(|_| panel.ideal) {
+        canvas.line(&ideal, TOLERANCE)?;
     }
     for (series, points) in all.iter().zip(&lines) {
         let converged = points.iter().filter(|(ending, _)| *ending == Ending::Converged);

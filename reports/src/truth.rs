@@ -79,11 +79,8 @@ fn panel(
 }
 
 fn draw_diagonal(canvas: &Canvas, frame: &Frame) -> Result<(), ReportError> {
-    let (low, high) = (frame.x.low.max(frame.y.low), frame.x.high.min(frame.y.high));
-    if low >= high {
-        return Ok(());
-    }
-    canvas.line(&[frame.place((low, low)), frame.place((high, high))], TOLERANCE)?;
+    let Some(diagonal) = frame.diagonal() else { return Ok(()) };
+    canvas.line(&diagonal, TOLERANCE)?;
     // In the corner below the diagonal, where the curves of an honest measure do not come.
     let text = "promises too much";
     let place = (frame.x.to - text_width(text, TICK_TEXT)? - 1.5, frame.y.from - 1.6);
