@@ -1,20 +1,23 @@
 //! Runs that belong together: those of a method that agree in all settings but some.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::rows::RunRow;
 
 /// Methods, each with a setting, other than those in `except`, in which some of its runs differ.
-pub(crate) fn differing(runs: &[RunRow], except: &[&str]) -> BTreeSet<(String, String)> {
-    let mut first = std::collections::BTreeMap::new();
+pub(crate) fn differing<'r>(
+    runs: impl IntoIterator<Item = (&'r String, &'r Map<String, Value>)>,
+    except: &[&str],
+) -> BTreeSet<(String, String)> {
+    let mut first = BTreeMap::new();
     let mut differing = BTreeSet::new();
-    for run in runs {
-        let reference: &RunRow = first.entry(&run.method).or_insert(run);
-        for (key, value) in &run.settings {
-            if reference.settings.get(key) != Some(value) && !except.contains(&key.as_str()) {
-                differing.insert((run.method.clone(), key.clone()));
+    for (method, settings) in runs {
+        let first: &Map<String, Value> = first.entry(method).or_insert(settings);
+        for (key, value) in settings {
+            if first.get(key) != Some(value) && !except.contains(&key.as_str()) {
+                differing.insert((method.clone(), key.clone()));
             }
         }
     }

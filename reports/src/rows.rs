@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 use crate::ReportError;
 use crate::columns::{measures, newer, texts, u32s, u64s};
 use crate::ending::Ending;
+use crate::groups::differing;
 
 /// A run, without its curve.
 pub(crate) struct RunRow {
@@ -114,7 +115,7 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
     let (stop_on, tolerance) = (texts(table, "stop_on")?, measures(table, "tolerance")?);
     let iterations = u64s(table, "iterations")?;
     let (setup_s, iterating_s) = (measures(table, "setup_s")?, measures(table, "iterating_s")?);
-    let differing = differing(&method, &settings);
+    let differing = differing(method.iter().zip(&settings), &[]);
     let row = |i: usize| RunRow {
         run: run[i],
         problem: problem[i].clone(),
@@ -126,7 +127,7 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
         derived: derived[i].clone(),
         spectrum: spectrum[i].clone(),
         variant: variant[i].clone(),
-        words: words(&variant[i], &settings[i], &differing[&method[i]]),
+        words: words(&variant[i], (&method[i], &settings[i]), &differing),
         subdomains: subdomains[i],
         stop_on: stop_on[i].clone(),
         tolerance: tolerance[i],
@@ -140,25 +141,12 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
     Ok((0..table.height()).map(row).collect())
 }
 
-/// The settings in which runs of each method differ.
-fn differing<'s>(
-    methods: &'s [String],
-    settings: &'s [Map<String, Value>],
-) -> BTreeMap<&'s String, Keys<'s>> {
-    let mut first = BTreeMap::new();
-    let mut differing: BTreeMap<&String, Keys> = BTreeMap::new();
-    for (method, settings) in methods.iter().zip(settings) {
-        let first: &Map<String, Value> = first.entry(method).or_insert(settings);
-        let differs = settings.iter().filter(|(key, value)| first.get(*key) != Some(value));
-        differing.entry(method).or_default().extend(differs.map(|(key, _)| key.as_str()));
-    }
-    differing
-}
-
-type Keys<'s> = BTreeSet<&'s str>;
-
 /// A variant that is the value of one setting, such as `0.5` or `false`, says of which: `relaxation=0.5`, `no polish`.
-fn words(variant: &str, settings: &Map<String, Value>, differing: &Keys) -> String {
+fn words(
+    variant: &str,
+    (method, settings): (&str, &Map<String, Value>),
+    differing: &BTreeSet<(String, String)>,
+) -> String {
     let (value, start) = variant.find(',').map_or((variant, ""), |comma| variant.split_at(comma));
     let number = value.parse::<f64>().ok();
     let is = |of: &&Value| match of {
@@ -166,7 +154,8 @@ fn words(variant: &str, settings: &Map<String, Value>, differing: &Keys) -> Stri
         Value::Number(of) => number.is_some() && of.as_f64() == number,
         _ => false,
     };
-    let mut keys = differing.iter().filter(|key| settings.get(**key).as_ref().is_some_and(is));
+    let keys = differing.iter().filter(|(of, _)| of == method).map(|(_, key)| key);
+    let mut keys = keys.filter(|key| settings.get(*key).as_ref().is_some_and(is));
     match (keys.next(), keys.next()) {
         (Some(key), None) if value == "true" => format!("{key}{start}"),
         (Some(key), None) if value == "false" => format!("no {key}{start}"),

@@ -25,7 +25,8 @@ pub(crate) struct Series<'r> {
 
 /// All series in the order of the study; runs of one may differ in the settings `varied`.
 pub(crate) fn series<'r>(runs: &'r [RunRow], varied: &[&str]) -> Vec<Series<'r>> {
-    let (keys, looks) = (differing(runs, varied), Looks::new(runs));
+    let (keys, looks) =
+        (differing(runs.iter().map(|run| (&run.method, &run.settings)), varied), Looks::new(runs));
     let one_method = runs.windows(2).all(|pair| pair[0].method == pair[1].method);
     let mut all: Vec<Series> = Vec::new();
     let mut known: BTreeMap<(&str, String), usize> = BTreeMap::new();

@@ -11,6 +11,7 @@ use crate::cost::{ACCURACIES, COSTS, Cost, reached};
 use crate::curve::{LogPoint, along, inside};
 use crate::ending::Ending;
 use crate::legend::{Legend, Look, Looks};
+use crate::number::power_of_ten;
 use crate::panels::{MOST_LINES, nothing, too_many};
 use crate::part::Part;
 use crate::rows::{Point, RunRow, curves, problems, runs};
@@ -109,9 +110,15 @@ impl<'t> Study<'t> {
         let told: Vec<&RunRow> = runs.iter().copied().filter(|run| best.contains(&run.run)).collect();
         if told.len() < runs.len() {
             let others = runs.len() - told.len();
+            let accuracies = ACCURACIES.map(|accuracy| power_of_ten(accuracy.log10().round() as i32));
+            let [coarser @ .., finest] = &accuracies;
+            let coarser: Vec<&str> = coarser.iter().rev().map(String::as_str).collect();
             more.push((
                 Sign::Line(OTHERS),
-                format!("{others} other runs. In colour: of each method the first to 10⁻⁶ (else 10⁻⁴, 10⁻²), in seconds and in work."),
+                format!(
+                    "{others} other runs. In colour: of each method the first to {finest} (else {}), in seconds and in work.",
+                    coarser.join(", ")
+                ),
             ));
         }
         self.legend(&told, more, width)

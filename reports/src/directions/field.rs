@@ -87,7 +87,7 @@ pub(crate) fn fields(runs: &[RunRow]) -> Vec<Field<'_>> {
         run.settings.contains_key("kappa_l")
             && SINGLE_SIDED.iter().all(|key| run.settings.get(*key).is_none_or(Value::is_null))
     };
-    let keys = differing(runs, &APART);
+    let keys = differing(runs.iter().map(|run| (&run.method, &run.settings)), &APART);
     let mut fields: Vec<Field> = Vec::new();
     for run in runs.iter().filter(directed) {
         add(&mut fields, run, &keys);
