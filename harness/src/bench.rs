@@ -118,8 +118,8 @@ pub(crate) fn finish(
     provenance: &Provenance,
 ) -> Result<ExitCode> {
     let tables = tables(root, study, store.records(), provenance)?;
-    store.write_tables(&tables)?;
     if interrupt::asked() {
+        store.write_tables(&tables)?;
         let missing = study.progress(store.records()).missing.len();
         say(format_args!(
             "stopped; runs missing: {missing}, the others are kept; `gravel bench {}` goes on",
@@ -134,8 +134,11 @@ pub(crate) fn finish(
     let Asked { plan, again, .. } = &study.asked;
     let wanted = Wanted { charts: &plan.charts(), formats: Formats::default(), against: None };
     let out = root.join("reports/out").join(&plan.name);
-    let files = reports::report(&tables, &about(plan, again), wanted, &out)?;
-    say_files(store.folder(), &out, &files)?;
+    let about = about(plan, again);
+    let (written, drawn) =
+        rayon::join(|| store.write_tables(&tables), || reports::report(&tables, &about, wanted, &out));
+    written?;
+    say_files(store.folder(), &out, &drawn?)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -53,6 +53,8 @@ impl Drop for Board {
 pub(crate) struct Line {
     bar: ProgressBar,
     name: String,
+    /// Whether there is a terminal to show it on.
+    seen: bool,
     shown: Instant,
 }
 
@@ -63,15 +65,14 @@ impl Line {
     }
 
     fn new(bar: ProgressBar, name: String) -> Self {
-        Self { bar, name, shown: Instant::now() }
+        Self { seen: !bar.is_hidden(), bar, name, shown: Instant::now() }
     }
 
     /// Shows where the run is, some times per second.
     pub(crate) fn show(&mut self, progress: &Progress, on: Measure) {
-        if self.shown.elapsed() < Duration::from_millis(200) {
+        if !self.due() {
             return;
         }
-        self.shown = Instant::now();
         let (iteration, value) = (progress.iteration, progress.measures.get(on));
         let rate = iteration as f64 / progress.iterating.as_secs_f64();
         self.bar.set_message(format!(
@@ -80,17 +81,22 @@ impl Line {
         ));
         self.bar.tick();
     }
-}
 
-impl Line {
     /// Shows where a simulation is, some times per second.
     pub(crate) fn show_time_step(&mut self, time_step: u64, of: u64) {
-        if self.shown.elapsed() < Duration::from_millis(200) {
-            return;
+        if self.due() {
+            self.bar.set_message(format!("{}: time step {time_step} of {of}", self.name));
+            self.bar.tick();
         }
-        self.shown = Instant::now();
-        self.bar.set_message(format!("{}: time step {time_step} of {of}", self.name));
-        self.bar.tick();
+    }
+
+    /// Whether someone looks, and what they see is older than a fifth of a second.
+    fn due(&mut self) -> bool {
+        let due = self.seen && self.shown.elapsed() >= Duration::from_millis(200);
+        if due {
+            self.shown = Instant::now();
+        }
+        due
     }
 }
 

@@ -56,6 +56,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use polars::prelude::PolarsError;
+use rayon::prelude::*;
 use results::simulation::SimulationTables;
 use results::store::Tables;
 use thiserror::Error;
@@ -69,7 +70,7 @@ pub use through_time::simulations_text;
 pub use viewer::Filmed;
 
 use page::Chapter;
-use part::File;
+use part::{File, Part};
 
 /// Why a report was not made.
 #[derive(Debug, Error)]
@@ -175,17 +176,16 @@ pub fn report<'t>(
     if let (Some(before), StudyTables::Problems(tables)) = (wanted.against, tables) {
         chapters.push(Chapter::new("against", against::parts(before, tables)?));
     }
-    for chart in wanted.charts {
-        chapters.push(Chapter::of_chart(*chart, tables)?);
-    }
+    let charts = wanted.charts.par_iter().map(|chart| Chapter::of_chart(*chart, tables));
+    chapters.extend(charts.collect::<Result<Vec<_>, _>>()?);
     chapters.push(match tables {
         StudyTables::Problems(tables) => Chapter::new("iterations", vec![iterations::part(tables)?]),
         StudyTables::Simulations(tables) => Chapter::new("simulations", vec![through_time::part(tables)?]),
     });
     let mut files = vec![File::new("index.html".to_owned(), page::page(tables, &chapters, about)?)];
-    for part in chapters.iter().flat_map(|chapter| &chapter.parts) {
-        files.extend(part.files(wanted.formats)?);
-    }
+    let parts: Vec<&Part> = chapters.iter().flat_map(|chapter| &chapter.parts).collect();
+    let of_parts = parts.par_iter().map(|part| part.files(wanted.formats));
+    files.extend(of_parts.collect::<Result<Vec<_>, _>>()?.into_iter().flatten());
     folder::replace(&files, out)
 }
 

@@ -6,6 +6,7 @@ mod view;
 pub(crate) mod walls;
 
 use plotters::style::text_anchor::{HPos, VPos};
+use rayon::prelude::*;
 use results::store::Tables;
 
 use crate::ReportError;
@@ -30,7 +31,7 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
         let name = format!("sample-{}-{}", crate::file_name(&problem), crate::file_name(&partition));
         Ok(Part::figure(name, draw(&format!("{problem}, {partition}"), &scene)?))
     };
-    scenes.into_iter().map(figure).collect()
+    scenes.into_par_iter().map(figure).collect()
 }
 
 /// The scene, its scales, the key of its colours, and its counts in words.
