@@ -7,6 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use polars::prelude::{CsvWriter, DataFrame, ParquetWriter, PolarsError, SerWriter};
+use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::journal::{Entry, Journal, Lines, Record, read as read_journal};
@@ -154,15 +155,14 @@ impl<R: Entry> Store<R> {
         csv: &[(&str, &DataFrame)],
     ) -> Result<(), StoreError> {
         self.journal.sync()?;
-        for &(name, table) in parquet {
+        parquet.par_iter().try_for_each(|&(name, table)| {
             write_whole(&self.folder.join(name), |file| {
                 ParquetWriter::new(file).finish(&mut table.clone()).map(drop)
-            })?;
-        }
-        for &(name, table) in csv {
-            write_whole(&self.folder.join(name), |file| CsvWriter::new(file).finish(&mut table.clone()))?;
-        }
-        Ok(())
+            })
+        })?;
+        csv.par_iter().try_for_each(|&(name, table)| {
+            write_whole(&self.folder.join(name), |file| CsvWriter::new(file).finish(&mut table.clone()))
+        })
     }
 }
 
