@@ -78,7 +78,8 @@ impl Solver for Jacobi {
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("relaxation", self.relaxation)?;
         let contacts = 0..problem.contact_count() as u32;
-        let (rows, unit): (Vec<Row>, Vec<f64>) = contacts.map(|contact| row(problem, contact)).unzip();
+        let (rows, unit): (Vec<Row>, Vec<f64>) =
+            contacts.map(|contact| row(problem, contact, |grain| grain)).unzip();
         let y = scaled_velocity(problem, r0);
         let bound = eigenvalue_bound(problem);
         let scale = if self.bounded && bound > 0.0 { 2.0 / bound } else { 1.0 };

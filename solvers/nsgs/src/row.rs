@@ -33,10 +33,12 @@ impl Row {
     }
 }
 
-/// The row of a contact, and √`W_αα` (kg^-½).
-pub(crate) fn row(problem: &ContactProblem, contact: u32) -> (Row, f64) {
+/// The row of a contact, and √`W_αα` (kg^-½). A grain has the `place` in y.
+pub(crate) fn row(problem: &ContactProblem, contact: u32, place: impl Fn(u32) -> u32) -> (Row, f64) {
     let contact = &problem.contacts()[contact as usize];
+    let (candidate, antagonist) = contact.ends();
     let (inverse_mass, unit) = inverse_masses(contact.ends(), |grain| 1.0 / problem.mass()[grain as usize]);
-    let scaled = ScaledContact::new(contact.ends(), contact.normal, inverse_mass, unit);
+    let places = (place(candidate), antagonist.map(place));
+    let scaled = ScaledContact::new(places, contact.normal, inverse_mass, unit);
     (Row { contact: scaled, offset: contact.offset / unit }, unit)
 }

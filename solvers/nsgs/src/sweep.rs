@@ -44,7 +44,7 @@ struct Run {
     s: Vec<f64>,
     /// √`W_αα` (kg^-½).
     unit: Vec<f64>,
-    /// y = M^½ (`V_free` + M⁻¹ H r), kept up to date contact by contact.
+    /// y = M^½ (`V_free` + M⁻¹ H r), kept up to date contact by contact; grains in the order of their first visit.
     y: Vec<Vector2<f64>>,
     relaxation: f64,
     symmetric: bool,
@@ -84,8 +84,15 @@ impl Solver for Nsgs {
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("relaxation", self.relaxation)?;
         let order = in_levels(problem, &self.order.of(problem, self.seed));
-        let (rows, unit): (Vec<Row>, Vec<f64>) = order.iter().map(|contact| row(problem, *contact)).unzip();
+        let grains = by_first_visit(problem, &order);
+        let mut place = vec![0; problem.grain_count()];
+        for (new, grain) in (0_u32..).zip(&grains) {
+            place[*grain as usize] = new;
+        }
+        let row = |contact: &u32| row(problem, *contact, |grain| place[grain as usize]);
+        let (rows, unit): (Vec<Row>, Vec<f64>) = order.iter().map(row).unzip();
         let y = scaled_velocity(problem, r0);
+        let y = grains.iter().map(|grain| y[*grain as usize]).collect();
         let s = order.iter().zip(&unit).map(|(contact, unit)| unit * r0[*contact as usize]).collect();
         let Self { relaxation, symmetric, .. } = *self;
         Ok(Box::new(Run { rows, order, s, unit, y, relaxation, symmetric, sweeps: 0 }))
@@ -96,4 +103,15 @@ impl Solver for Nsgs {
 fn in_levels(problem: &ContactProblem, order: &[u32]) -> Vec<u32> {
     let ends = order.iter().map(|contact| problem.contacts()[*contact as usize].ends());
     by_levels(ends, problem.grain_count()).iter().map(|place| order[*place as usize]).collect()
+}
+
+/// The grains that have contacts, in the order in which a sweep first visits them: those that it needs one after the other
+/// then lie close together.
+fn by_first_visit(problem: &ContactProblem, order: &[u32]) -> Vec<u32> {
+    let mut seen = vec![false; problem.grain_count()];
+    let ends = order.iter().flat_map(|contact| {
+        let (candidate, antagonist) = problem.contacts()[*contact as usize].ends();
+        std::iter::once(candidate).chain(antagonist)
+    });
+    ends.filter(|grain| !std::mem::replace(&mut seen[*grain as usize], true)).collect()
 }
