@@ -2,8 +2,8 @@
 //!
 //! M. Jean, The non-smooth contact dynamics method, Comput. Methods Appl. Mech. Engrg. 177 (1999) 235-257; the
 //! paper's reference \[1\]. Cost of a sweep: one visit of each contact, that is two gathers and two scatters of a
-//! velocity; whatever the order, the visits are made level by level, which changes no bit. q(r) never increases for
-//! 0 < ω < 2.
+//! velocity; whatever the order, the visits are made level by level, and the grains are numbered as they are visited, which
+//! changes no bit. q(r) never increases for 0 < ω < 2.
 
 use crate::order::Order;
 use crate::row::{Row, row};
