@@ -127,17 +127,18 @@ pub(crate) fn finish(
         ))?;
         return Ok(ExitCode::from(interrupt::EXIT_CODE));
     }
-    say(format_args!("{}", reports::iterations_text(&tables)?))?;
-    for note in notes(study, store.records()) {
-        say(format_args!("{note}"))?;
-    }
     let Asked { plan, again, .. } = &study.asked;
     let wanted = Wanted { charts: &plan.charts(), formats: Formats::default(), against: None };
     let out = root.join("reports/out").join(&plan.name);
     let about = about(plan, again);
     let (written, drawn) =
         rayon::join(|| store.write_tables(&tables), || reports::report(&tables, &about, wanted, &out));
+    // The tables come before the words, which may meet a closed pipe.
     written?;
+    say(format_args!("{}", reports::iterations_text(&tables)?))?;
+    for note in notes(study, store.records()) {
+        say(format_args!("{note}"))?;
+    }
     say_files(store.folder(), &out, &drawn?)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -115,7 +115,9 @@ fn panel(
         Frame { x: Axis::log(range, room.left, room.right), y: Axis::log(range, room.bottom, room.top) };
     frame.draw(canvas)?;
     frame.name(canvas, "before", &format!("after: {}", measure.title))?;
-    canvas.line(&[frame.place((range.0, range.0)), frame.place((range.1, range.1))], TOLERANCE)?;
+    if let Some(same) = frame.diagonal() {
+        canvas.line(&same, TOLERANCE)?;
+    }
     for (run, place) in &points {
         let look = looks.of_method(&run.method);
         Ending::Converged.draw(canvas, frame.place(*place), look.pen.color)?;
