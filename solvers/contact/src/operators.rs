@@ -10,6 +10,11 @@ impl Contact {
         (self.candidate, self.antagonist)
     }
 
+    /// The one or two grains that touch.
+    pub fn grains(&self) -> impl Iterator<Item = u32> + Clone {
+        std::iter::once(self.candidate).chain(self.antagonist)
+    }
+
     /// (Hᵗ V)_α = n · (V_candidate − V_antagonist) (m/s).
     #[inline]
     pub fn relative(&self, velocity: &[Vector2<f64>]) -> f64 {

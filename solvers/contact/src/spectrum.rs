@@ -143,7 +143,7 @@ pub fn eigenvalue_bound(problem: &ContactProblem) -> f64 {
     for contact in problem.contacts() {
         let n = contact.normal;
         let deviator = Vector2::new(n.x * n.x - n.y * n.y, 2.0 * n.x * n.y);
-        for grain in std::iter::once(contact.candidate).chain(contact.antagonist) {
+        for grain in contact.grains() {
             let (trace, sum) = &mut sums[grain as usize];
             *trace += n.norm_squared();
             *sum += deviator;

@@ -83,7 +83,7 @@ impl Solver for Gradient {
 pub fn eigenvalue_bound(problem: &ContactProblem) -> f64 {
     let mut row = vec![0.0; problem.grain_count()];
     for contact in problem.contacts() {
-        for grain in std::iter::once(contact.candidate).chain(contact.antagonist) {
+        for grain in contact.grains() {
             row[grain as usize] += 1.0 / problem.mass()[grain as usize];
         }
     }

@@ -50,7 +50,7 @@ pub fn colours(problem: &ContactProblem) -> Vec<u32> {
         .contacts()
         .iter()
         .map(|contact| {
-            let grains = [Some(contact.candidate), contact.antagonist].into_iter().flatten();
+            let grains = contact.grains();
             let words = |grain: u32, word: usize| taken[grain as usize].get(word).copied().unwrap_or(0);
             let both = |word: usize| grains.clone().fold(0, |all, grain| all | words(grain, word));
             let mut word = 0;

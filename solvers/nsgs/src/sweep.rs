@@ -109,9 +109,6 @@ fn in_levels(problem: &ContactProblem, order: &[u32]) -> Vec<u32> {
 /// then lie close together.
 fn by_first_visit(problem: &ContactProblem, order: &[u32]) -> Vec<u32> {
     let mut seen = vec![false; problem.grain_count()];
-    let ends = order.iter().flat_map(|contact| {
-        let (candidate, antagonist) = problem.contacts()[*contact as usize].ends();
-        std::iter::once(candidate).chain(antagonist)
-    });
-    ends.filter(|grain| !std::mem::replace(&mut seen[*grain as usize], true)).collect()
+    let visits = order.iter().flat_map(|contact| problem.contacts()[*contact as usize].grains());
+    visits.filter(|grain| !std::mem::replace(&mut seen[*grain as usize], true)).collect()
 }
