@@ -22,8 +22,10 @@ pub(crate) struct Block {
     u: Vec<f64>,
     /// The direction.
     p: Vec<f64>,
-    /// W p.
-    w_p: Vec<f64>,
+    /// M^-½ H r, in local indices.
+    y_r: Vec<Vector2<f64>>,
+    /// 1 over the number of blocks that have the grain, in local indices.
+    share: Vec<f64>,
 }
 
 /// u where r > 0 or u > 0, else 0: the part of it that r ≥ 0 does not block.
@@ -34,10 +36,12 @@ fn unblocked(r: f64, u: f64, value: f64) -> f64 {
 }
 
 impl Block {
-    /// The contacts of `subdomain`, in its local indices, from the impulses `r0`.
+    /// The contacts of `subdomain`, in its local indices, from the impulses `r0`. `multiplicity` says of each grain of the
+    /// problem how many blocks have it.
     pub(crate) fn new(
         problem: &ContactProblem,
         subdomain: &Subdomain,
+        multiplicity: &[u32],
         preconditioned: bool,
         b: &[f64],
         r0: &[f64],
@@ -53,45 +57,59 @@ impl Block {
         let contacts = subdomain.contacts.clone();
         let (columns, unit): (Vec<_>, Vec<f64>) = (0..contacts.len()).map(column).unzip();
         let each = || contacts.iter().map(|contact| *contact as usize).zip(&unit);
+        let share = |grain: &u32| 1.0 / f64::from(multiplicity[*grain as usize]);
         Self {
             b: each().map(|(contact, unit)| b[contact] / unit).collect(),
             r: each().map(|(contact, unit)| r0[contact] * unit).collect(),
             u: vec![0.0; contacts.len()],
             p: vec![0.0; contacts.len()],
-            w_p: vec![0.0; contacts.len()],
+            y_r: vec![Vector2::zeros(); subdomain.grains.len()],
+            share: subdomain.grains.iter().map(share).collect(),
             contacts,
             columns,
             unit,
         }
     }
 
-    /// W p from y = M^-½ H p; returns the block's part of pᵗ W p.
-    pub(crate) fn curvature(&mut self, y: &[Vector2<f64>]) -> f64 {
-        let mut sum = 0.0;
-        for ((column, p), w_p) in self.columns.iter().zip(&self.p).zip(&mut self.w_p) {
-            *w_p = column.relative(y);
-            sum += p * *w_p;
-        }
-        sum
+    /// The block's part of pᵗ W p = |y|² from y = M^-½ H p.
+    pub(crate) fn curvature(&self, y: &[Vector2<f64>]) -> f64 {
+        y.iter().zip(&self.share).map(|(y, share)| share * y.norm_squared()).sum()
     }
 
-    /// r = max(0, r + α p), and y = M^-½ H r; there is nothing to sum.
-    pub(crate) fn step(&mut self, length: f64, y: &mut [Vector2<f64>]) -> f64 {
-        y.fill(Vector2::zeros());
+    /// r = max(0, r + α p); `change` becomes M^-½ H r, or only that of what the maximum adds to r + α p.
+    pub(crate) fn step(&mut self, length: f64, whole: bool, change: &mut [Vector2<f64>]) {
+        change.fill(Vector2::zeros());
         for ((column, p), r) in self.columns.iter().zip(&self.p).zip(&mut self.r) {
-            *r = non_negative(*r + length * p);
-            column.push(*r, y);
+            let moved = *r + length * p;
+            *r = non_negative(moved);
+            if whole {
+                column.push(*r, change);
+            } else if moved < 0.0 {
+                column.push(-moved, change);
+            }
         }
-        0.0
     }
 
-    /// u = −(W r + b) from y = M^-½ H r; returns the block's part of wᵗ W p, with w the part of u that is not blocked.
-    pub(crate) fn gradient(&mut self, y: &[Vector2<f64>]) -> f64 {
+    /// u = −(W r + b) after the step of the same `length`, from y = M^-½ H p and the `change`; returns the block's part of
+    /// wᵗ W p, with w the part of u that is not blocked.
+    pub(crate) fn gradient(
+        &mut self,
+        length: f64,
+        whole: bool,
+        y: &[Vector2<f64>],
+        change: &[Vector2<f64>],
+    ) -> f64 {
+        if whole {
+            self.y_r.copy_from_slice(change);
+        } else {
+            for ((y_r, y), change) in self.y_r.iter_mut().zip(y).zip(change) {
+                *y_r += length * y + change;
+            }
+        }
         let mut sum = 0.0;
-        let known = self.b.iter().zip(&self.r).zip(&self.w_p);
-        for ((column, u), ((b, r), w_p)) in self.columns.iter().zip(&mut self.u).zip(known) {
-            *u = -(column.relative(y) + b);
-            sum += unblocked(*r, *u, *u) * w_p;
+        for ((column, u), (b, r)) in self.columns.iter().zip(&mut self.u).zip(self.b.iter().zip(&self.r)) {
+            *u = -(column.relative(&self.y_r) + b);
+            sum += unblocked(*r, *u, *u) * column.relative(y);
         }
         sum
     }
