@@ -1,125 +1,129 @@
 //! Discs laid one by one at the lowest place where two others, or one and a wall, hold it.
 //!
 //! The discs that can still be touched from above form the front, a chain from wall to wall in which each disc touches
-//! the next. A new disc replaces what it covers of the chain. The cost of a disc grows with the length of the front, which
-//! is the width of the box: some 10 ns per disc of it.
+//! the next. A new disc replaces what it covers of the chain.
+//!
+//! The front is searched by columns of the box, the one that promises the lowest place first. What a column promises is the
+//! height above which a smaller disc was held there once. It stays true: the front only rises; and a disc that is larger by d
+//! lies higher by at least d, since the smaller one fits into it, bottom to bottom. So a few columns are looked at for each disc,
+//! however wide the box.
 
+mod front;
+
+use front::{Front, Place, Placed};
 use nalgebra::Vector2;
-use std::ops::Range;
-
-/// Centre and radius (m).
-type Placed = (Vector2<f64>, f64);
 
 /// Centres and radii (m) of discs with the given radii, in a box of `width` (m) with a floor at y = 0; `Err` is the
 /// radius of a disc that no place holds.
-pub(crate) fn deposit(radii: impl Iterator<Item = f64>, width: f64) -> Result<Vec<Placed>, f64> {
-    let mut discs: Vec<Placed> = Vec::new();
-    let mut chain: Vec<Placed> = Vec::new();
-    let mut on_floor = true;
-    for radius in radii {
+pub(crate) fn deposit(radii: &[f64], width: f64) -> Result<Vec<Placed>, f64> {
+    let mut front = Front::new(width, radii);
+    let mut promises = Promises::new(radii, front.columns());
+    let (mut on_floor, mut last) = (true, None);
+    for &radius in radii {
         if on_floor {
-            let x = chain.last().map_or(radius, |last| {
+            let x = last.map_or(radius, |last: u32| {
                 // Beside the last, both on the floor: (R + r)² = (R − r)² + Δx²
-                last.0.x + 2.0 * (last.1 * radius).sqrt()
+                let (centre, r) = front.discs[last as usize];
+                centre.x + 2.0 * (r * radius).sqrt()
             });
             on_floor = x + radius <= width;
             if on_floor {
-                chain.push((Vector2::new(x, radius), radius));
-                discs.push((Vector2::new(x, radius), radius));
+                let at = Vector2::new(x, radius);
+                last = Some(front.lay(&Place { at, left: last, right: None }, radius));
                 continue;
             }
         }
-        let (place, covered) = lowest_place(&chain, radius, width).ok_or(radius)?;
-        chain.splice(covered, [(place, radius)]);
-        discs.push((place, radius));
+        let place = promises.lowest_place(&front, radius).ok_or(radius)?;
+        front.lay(&place, radius);
     }
-    Ok(discs)
+    Ok(front.discs)
 }
 
-/// The lowest place of a disc on the chain, and the part of the chain that it covers.
-///
-/// No place is lower than the lower of the discs that hold it, so most of the chain is left out at a glance; and only a place
-/// that is lower than the best so far is tried against the whole chain.
-fn lowest_place(chain: &[Placed], radius: f64, width: f64) -> Option<(Vector2<f64>, Range<usize>)> {
-    let slack = slack(width);
-    let mut best = (Vector2::repeat(f64::INFINITY), 0..0);
-    let take = |best: &mut (Vector2<f64>, _), place: Option<Vector2<f64>>, covered: Range<usize>| {
-        let fits = |place: &Vector2<f64>| fits(chain, covered.start, *place, radius, width);
-        if let Some(place) = place.filter(|place| place.y < best.0.y && fits(place)) {
-            *best = (place, covered);
+/// Classes of radius, so many that a promise is close.
+const CLASSES: usize = 8;
+
+/// What each column promises for each class of radius.
+struct Promises {
+    /// The least radius of each class, rising.
+    radius: Vec<f64>,
+    /// By class and column: no disc of the least radius lies lower (m).
+    height: Vec<Vec<f64>>,
+    /// The changes of the column when the promise was made.
+    made: Vec<Vec<Option<u32>>>,
+}
+
+impl Promises {
+    /// Classes of about as many discs each; nothing is promised.
+    fn new(radii: &[f64], columns: usize) -> Self {
+        let mut rising = radii.to_vec();
+        rising.sort_by(f64::total_cmp);
+        let mut radius: Vec<f64> =
+            rising.chunks(radii.len().div_ceil(CLASSES).max(1)).map(|class| class[0]).collect();
+        radius.dedup();
+        Self {
+            height: vec![vec![0.0; columns]; radius.len()],
+            made: vec![vec![None; columns]; radius.len()],
+            radius,
         }
-    };
-    for (k, held) in chain.iter().enumerate() {
-        if held.0.y <= best.0.y + slack {
-            take(&mut best, beside_wall(*held, radius, radius), 0..k);
-            take(&mut best, beside_wall(*held, width - radius, radius), k + 1..chain.len());
-        }
-        for (ahead, other) in chain[k + 1..].iter().enumerate() {
-            // The chain winds, but beyond this the new disc reaches no further along it.
-            if other.0.x - held.0.x > 2.0 * radius + held.1 + other.1 {
+    }
+
+    /// The lowest place of a disc on the front; of places as low, that at the left.
+    fn lowest_place(&mut self, front: &Front, radius: f64) -> Option<Place> {
+        let class = self.radius.partition_point(|least| *least <= radius) - 1;
+        let larger = radius - self.radius[class];
+        let (mut best, mut seen): (Option<Place>, Vec<(usize, f64)>) = (None, Vec::new());
+        loop {
+            let (column, promised) = lowest(&self.height[class]);
+            let too_high = |best: &Place| promised + larger > best.at.y + front.slack();
+            if promised == f64::INFINITY || best.as_ref().is_some_and(too_high) {
                 break;
             }
-            if held.0.y.min(other.0.y) <= best.0.y + slack {
-                take(&mut best, on_two(*held, *other, radius), k + 1..k + 1 + ahead);
+            let out_of_date = |class: &usize| self.made[*class][column] != Some(front.changes[column]);
+            if let Some(class) = [0, class].into_iter().find(out_of_date) {
+                self.promise(front, column, class);
+            } else {
+                front.lower_place(column, radius, &mut best);
+                seen.push((column, promised));
+                self.height[class][column] = f64::INFINITY;
             }
         }
-    }
-    best.0.y.is_finite().then_some(best)
-}
-
-/// Round-off of a place on two discs, in the units of the box (m).
-fn slack(width: f64) -> f64 {
-    1e-12 * width
-}
-
-/// Against a wall, with the centre at `x`, and on one disc.
-fn beside_wall((centre, r): Placed, x: f64, radius: f64) -> Option<Vector2<f64>> {
-    let (distance, across) = (r + radius, centre.x - x);
-    let height = distance * distance - across * across;
-    (height >= 0.0).then(|| Vector2::new(x, centre.y + height.sqrt()))
-}
-
-/// On two discs, between them.
-fn on_two((left, r_left): Placed, (right, r_right): Placed, radius: f64) -> Option<Vector2<f64>> {
-    let (to_left, to_right) = (r_left + radius, r_right + radius);
-    let between = right - left;
-    let distance = between.norm();
-    let along = (to_left * to_left - to_right * to_right + distance * distance) / (2.0 * distance);
-    let height = to_left * to_left - along * along;
-    if !(height >= 0.0) {
-        return None;
-    }
-    let axis = between / distance;
-    let place = left + axis * along + Vector2::new(-axis.y, axis.x) * height.sqrt();
-    (left.x <= place.x && place.x <= right.x).then_some(place)
-}
-
-/// Whether a disc can lie there, and come there from above. What is in the way is mostly close to `near` in the chain, where
-/// the search begins.
-fn fits(chain: &[Placed], near: usize, place: Vector2<f64>, radius: f64, width: f64) -> bool {
-    let slack = slack(width);
-    let inside = place.x >= radius - slack && place.x <= width - radius + slack && place.y >= radius - slack;
-    let below_or_aside = |(centre, r): &Placed| {
-        let between = place - centre;
-        // Most of the chain is far aside: no square root for it.
-        if between.x.abs() >= r + radius {
-            return true;
+        for (column, promised) in seen {
+            self.height[class][column] = promised;
         }
-        let apart = between.norm() >= r + radius - slack;
-        apart && (between.y >= 0.0 || between.x.abs() >= r + radius - slack)
+        best
+    }
+
+    /// Looks how low a disc of the class can be in the column, which promises something to larger ones too.
+    fn promise(&mut self, front: &Front, column: usize, class: usize) {
+        let lowest = front.lowest_height(column, self.radius[class]);
+        self.made[class][column] = Some(front.changes[column]);
+        for (height, radius) in self.height.iter_mut().zip(&self.radius).skip(class) {
+            height[column] = height[column].max(lowest + (radius - self.radius[class]));
+        }
+    }
+}
+
+/// The first of the lowest heights, and it.
+fn lowest(height: &[f64]) -> (usize, f64) {
+    let lower = |lowest: (usize, f64), (k, height): (usize, &f64)| {
+        if *height < lowest.1 { (k, *height) } else { lowest }
     };
-    let (before, after) = chain.split_at(near.saturating_sub(4));
-    inside && after.iter().chain(before).all(below_or_aside)
+    height.iter().enumerate().fold((0, f64::INFINITY), lower)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::front::{beside_wall, on_two};
     use super::*;
+
+    /// `count` radii from `least` to `greatest`, drawn evenly.
+    fn radii(count: u32, least: f64, greatest: f64) -> Vec<f64> {
+        (0..count).map(|k| least + (greatest - least) * (f64::from(k) * 0.618_034).fract()).collect()
+    }
 
     #[test]
     fn deposited_discs_fill_the_box_without_overlap() {
-        let radii = (0..400).map(|k| 0.05 + 0.05 * (f64::from(k) * 0.618_034).fract());
-        let discs = deposit(radii, 3.0).unwrap();
+        let discs = deposit(&radii(400, 0.05, 0.1), 3.0).unwrap();
         for (k, (x, r)) in discs.iter().enumerate() {
             assert!(
                 x.x >= r - 1e-11 && x.x <= 3.0 - r + 1e-11 && x.y >= r - 1e-11,
@@ -132,5 +136,58 @@ mod tests {
         let area: f64 = discs.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum();
         let top = discs.iter().map(|(x, r)| x.y + r).fold(0.0, f64::max);
         assert!(area / (3.0 * top) > 0.7, "solid fraction {}", area / (3.0 * top));
+    }
+
+    /// The lowest of all places on any two discs of the front, or on one and beside a wall.
+    fn lowest_of_all(front: &Front, radius: f64) -> Option<Place> {
+        let chain: Vec<u32> =
+            std::iter::successors(front.first, |disc| front.after[*disc as usize]).collect();
+        let disc = |k: u32| front.discs[k as usize];
+        let beside = |k: u32| {
+            let left =
+                beside_wall(disc(k), radius, radius).map(|at| Place { at, left: None, right: Some(k) });
+            let right = beside_wall(disc(k), front.width - radius, radius);
+            left.into_iter().chain(right.map(|at| Place { at, left: Some(k), right: None }))
+        };
+        let on = |k: u32, other: u32| {
+            on_two(disc(k), disc(other), radius).map(|at| Place { at, left: Some(k), right: Some(other) })
+        };
+        let pairs = chain.iter().enumerate().flat_map(|(k, held)| {
+            chain[k + 1..].iter().filter_map(move |other| on(*held, *other)).chain(beside(*held))
+        });
+        pairs
+            .filter(|place| front.fits(chain.iter().copied(), place.at, radius))
+            .min_by(|a, b| a.at.y.total_cmp(&b.at.y).then(a.at.x.total_cmp(&b.at.x)))
+    }
+
+    #[test]
+    fn every_disc_lies_at_the_lowest_of_all_places() {
+        let mut with_intruder = radii(250, 0.05, 0.1);
+        with_intruder[120] = 0.4;
+        for (radii, width) in [
+            (radii(250, 0.05, 0.1), 2.4),
+            (radii(250, 0.02, 0.2), 3.0),
+            (radii(150, 0.001, 0.1), 1.5),
+            (with_intruder, 2.4),
+        ] {
+            let mut front = Front::new(width, &radii);
+            for (k, (at, radius)) in (0_u32..).zip(deposit(&radii, width).unwrap()) {
+                let on_floor = at.y == radius;
+                let place = if on_floor {
+                    Place { at, left: k.checked_sub(1), right: None }
+                } else {
+                    lowest_of_all(&front, radius).unwrap()
+                };
+                assert_eq!(place.at, at, "disc {k} of radius {radius}");
+                front.lay(&place, radius);
+            }
+        }
+    }
+
+    #[test]
+    fn equal_discs_lie_in_rows_of_five_and_four() {
+        let discs = deposit(&[0.1; 60], 1.0).unwrap();
+        let top = discs.iter().map(|(x, _)| x.y).fold(0.0, f64::max);
+        assert!((top - (0.1 + 13.0 * 0.1 * 3.0_f64.sqrt())).abs() < 1e-9, "{top}");
     }
 }

@@ -136,7 +136,7 @@ impl Sample {
             }
             Self::Deposited { grains, seed, radius_m, intruder_radius_m, density_kg_per_m2 } => {
                 let radii = drawn(grains, seed, radius_m, intruder_radius_m, walls()?)?;
-                deposit::deposit(radii.into_iter(), walls()?)
+                deposit::deposit(&radii, walls()?)
                     .map_err(|radius| {
                         format!("`sample`: no place in the box holds a disc of radius {radius} m")
                     })?
