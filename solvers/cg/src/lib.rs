@@ -7,9 +7,9 @@
 mod block;
 
 use block::Block;
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
+use contact::{ContactProblem, Iteration, SetupError, Solver, Work, together};
 use nalgebra::Vector2;
-use partition::{Decomposition, Grid, Scheme, Subdomain, together};
+use partition::{Decomposition, Grid, Scheme, Subdomain};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -76,7 +76,7 @@ impl Run {
 
     /// r = max(0, r + α p) and u = −(W r + b); returns wᵗ W p.
     fn step(&mut self, length: f64) -> f64 {
-        let whole = self.iterations % WHOLE == 0;
+        let whole = self.iterations.is_multiple_of(WHOLE);
         self.pass(|block, _, change| {
             block.step(length, whole, change);
             0.0

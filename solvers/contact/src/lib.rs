@@ -10,6 +10,7 @@ pub mod problem;
 pub mod scaled;
 pub mod solve;
 pub mod spectrum;
+pub mod threads;
 pub mod truth;
 
 pub use interface::{Iteration, SetupError, Solver, Work};
@@ -18,4 +19,5 @@ pub use problem::{Contact, ContactProblem, ProblemError};
 pub use scaled::ScaledContact;
 pub use solve::{Outcome, Progress, Status, Stop, solve, solve_against};
 pub use spectrum::Spectrum;
+pub use threads::together;
 pub use truth::{Truth, proves_infeasible};

@@ -3,9 +3,11 @@
 
 use crate::law;
 use crate::operators::scale;
-use crate::problem::ContactProblem;
+use crate::problem::{Contact, ContactProblem};
+use crate::threads::together;
 use crate::truth::Truth;
 use nalgebra::Vector2;
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -92,19 +94,23 @@ impl Measures {
     }
 }
 
+/// Contacts that are summed up together, then block by block, so that the number of threads changes no bit.
+const BLOCK: usize = 8192;
+
+/// What a contact takes, about (ns).
+const NS_PER_CONTACT: usize = 5;
+
 /// Measures the iterates of one run, one after the other.
 pub struct Meter<'p> {
     problem: &'p ContactProblem,
-    b: Vec<f64>,
-    delassus_diagonal: Vec<f64>,
-    /// 1/`W_αα` (kg).
-    inverse_delassus: Vec<f64>,
+    known: Vec<Known>,
     /// [`ContactProblem::scale`] (J).
     scale: f64,
     velocity: Vec<Vector2<f64>>,
-    v: Vec<f64>,
     /// The iterate measured before (N·s); NaN before the first.
     previous: Vec<f64>,
+    /// Scratch.
+    blocks: Vec<Sums>,
     truth: Option<&'p Truth>,
 }
 
@@ -112,15 +118,14 @@ impl<'p> Meter<'p> {
     /// Prepares what the measures of all iterates share.
     pub fn new(problem: &'p ContactProblem) -> Self {
         let (b, delassus_diagonal) = (problem.b(), problem.delassus_diagonal());
+        let known = |(b, w): (&f64, &f64)| Known { b: *b, delassus: *w, inverse_delassus: 1.0 / w };
         Self {
             problem,
             scale: scale(&b, &delassus_diagonal),
-            b,
-            inverse_delassus: delassus_diagonal.iter().map(|w| 1.0 / w).collect(),
-            delassus_diagonal,
-            v: vec![0.0; problem.contact_count()],
+            known: b.iter().zip(&delassus_diagonal).map(known).collect(),
             velocity: vec![Vector2::zeros(); problem.grain_count()],
             previous: vec![f64::NAN; problem.contact_count()],
+            blocks: Vec::new(),
             truth: None,
         }
     }
@@ -148,45 +153,27 @@ impl<'p> Meter<'p> {
     /// Measures the iterate `r`; ζ compares it with the iterate measured before.
     pub fn measure(&mut self, r: &[f64], velocity_jump: f64) -> Measures {
         self.problem.velocity(r, &mut self.velocity);
-        self.problem.relative_velocity(&self.velocity, &mut self.v);
-
-        let (mut change, mut product) = (0.0, 0.0);
-        for (r, previous) in r.iter().zip(&mut self.previous) {
-            change += (r - *previous) * (r - *previous);
-            product += r * *previous;
-            *previous = *r;
+        let velocity = &self.velocity;
+        let contacts = self.problem.contacts().par_chunks(BLOCK).zip(self.known.par_chunks(BLOCK));
+        let iterates = r.par_chunks(BLOCK).zip(self.previous.par_chunks_mut(BLOCK));
+        let blocks = contacts.zip(iterates).with_min_len(together(NS_PER_CONTACT * r.len()));
+        blocks
+            .map(|((contacts, known), (r, previous))| Sums::of(contacts, known, r, previous, velocity))
+            .collect_into_vec(&mut self.blocks);
+        let mut sums = Sums::default();
+        for (k, block) in self.blocks.iter().enumerate() {
+            sums.join(block, k * BLOCK);
         }
-        let zeta = if product > 0.0 { (change / product).sqrt() } else { f64::NAN };
-
-        let mut natural_map = 0.0;
-        let (mut sum_dv, mut sum_wr, mut greatest_dv, mut active) = (0.0, 0.0, 0.0_f64, 0_u64);
-        let (mut penetration_rate, mut worst_contact) = (0.0, None);
-        let delassus = self.delassus_diagonal.iter().zip(&self.inverse_delassus);
-        for (contact, ((&r, &v), (&w, &inverse))) in r.iter().zip(&self.v).zip(delassus).enumerate() {
-            let r_plus = law::update(r, v, inverse, 1.0);
-            // r⁺ − r = −min(r, v/W_αα), which does not cancel where r is large: a problem without solution drives it there.
-            // Written so that a NaN is taken.
-            let dv = if v * inverse >= r { -w * r } else { -v };
-            natural_map += dv * dv * inverse;
-            sum_dv += dv * dv;
-            sum_wr += 0.5 * w * w * (r * r + r_plus * r_plus);
-            greatest_dv = greatest_dv.max(dv.abs());
-            active += u64::from(r + r_plus > 0.0);
-            // Written so that a NaN is taken, and stays.
-            if !(-v <= penetration_rate) && !penetration_rate.is_nan() {
-                (penetration_rate, worst_contact) = (-v, Some(contact));
-            }
-        }
-        let energy = ContactProblem::energy(r, &self.v, &self.b);
+        let (energy, wr) = (0.5 * sums.energy_twice, 0.5 * sums.wr_twice);
         let (velocity_error, energy_gap) =
             self.truth.map_or((f64::NAN, f64::NAN), |truth| self.errors(truth, energy));
         Measures {
-            zeta,
-            natural_map: ratio(natural_map.sqrt(), self.scale.sqrt()),
-            penetration_rate,
-            worst_contact,
-            quad_dv: ratio(sum_dv.sqrt(), sum_wr.sqrt()),
-            max_dv: ratio(greatest_dv, (sum_wr / active.max(1) as f64).sqrt()),
+            zeta: if sums.product > 0.0 { (sums.change / sums.product).sqrt() } else { f64::NAN },
+            natural_map: ratio(sums.natural_map.sqrt(), self.scale.sqrt()),
+            penetration_rate: sums.penetration_rate,
+            worst_contact: sums.worst_contact,
+            quad_dv: ratio(sums.dv.sqrt(), wr.sqrt()),
+            max_dv: ratio(sums.greatest_dv, (wr / sums.active.max(1) as f64).sqrt()),
             velocity_error,
             energy_gap,
             velocity_jump,
@@ -200,6 +187,98 @@ impl<'p> Meter<'p> {
         let distance = |velocity| self.problem.velocity_distance(velocity, truth.velocity());
         let velocity_error = ratio(distance(&self.velocity), distance(self.problem.free_velocity()));
         (velocity_error, ratio(energy - truth.energy(), truth.energy().abs()))
+    }
+}
+
+/// What the problem says of a contact, beside the contact itself.
+struct Known {
+    /// Without contact impulses (m/s).
+    b: f64,
+    /// `W_αα` (1/kg).
+    delassus: f64,
+    /// 1/`W_αα` (kg).
+    inverse_delassus: f64,
+}
+
+/// What the measures are made of, over some contacts.
+#[derive(Clone, Default)]
+struct Sums {
+    /// Σ (rᵢ − rᵢ₋₁)².
+    change: f64,
+    /// Σ rᵢ rᵢ₋₁.
+    product: f64,
+    /// Σ `W_αα` (r − r⁺)².
+    natural_map: f64,
+    /// Σ DV².
+    dv: f64,
+    /// Σ (WR² + WR⁺²).
+    wr_twice: f64,
+    /// max |DV|.
+    greatest_dv: f64,
+    /// How many have r or r⁺ above 0.
+    active: u64,
+    penetration_rate: f64,
+    worst_contact: Option<usize>,
+    /// Σ r (v + b).
+    energy_twice: f64,
+}
+
+impl Sums {
+    /// Those of `contacts`; the `previous` impulses become `r`.
+    fn of(
+        contacts: &[Contact],
+        known: &[Known],
+        r: &[f64],
+        previous: &mut [f64],
+        velocity: &[Vector2<f64>],
+    ) -> Self {
+        let mut sums = Self::default();
+        let contacts = contacts.iter().zip(known).enumerate();
+        for ((k, (contact, known)), (&r, previous)) in contacts.zip(r.iter().zip(previous)) {
+            let (w, inverse) = (known.delassus, known.inverse_delassus);
+            let v = contact.relative(velocity) + contact.offset;
+            sums.change += (r - *previous) * (r - *previous);
+            sums.product += r * *previous;
+            *previous = r;
+
+            let r_plus = law::update(r, v, inverse, 1.0);
+            // r⁺ − r = −min(r, v/W_αα), which does not cancel where r is large: a problem without solution drives it there.
+            // Written so that a NaN is taken.
+            let dv = if v * inverse >= r { -w * r } else { -v };
+            sums.natural_map += dv * dv * inverse;
+            sums.dv += dv * dv;
+            sums.wr_twice += w * w * (r * r + r_plus * r_plus);
+            sums.take_dv(dv.abs());
+            sums.active += u64::from(r + r_plus > 0.0);
+            sums.take_rate(-v, Some(k));
+            sums.energy_twice += r * (v + known.b);
+        }
+        sums
+    }
+
+    /// Takes a |DV| that is greater than that so far.
+    fn take_dv(&mut self, dv: f64) {
+        self.greatest_dv = if dv > self.greatest_dv { dv } else { self.greatest_dv };
+    }
+
+    /// Takes a rate that is greater than that so far, or NaN, which stays.
+    fn take_rate(&mut self, rate: f64, contact: Option<usize>) {
+        if !(rate <= self.penetration_rate) && !self.penetration_rate.is_nan() {
+            (self.penetration_rate, self.worst_contact) = (rate, contact);
+        }
+    }
+
+    /// Adds those of the contacts from `first` on.
+    fn join(&mut self, block: &Self, first: usize) {
+        self.change += block.change;
+        self.product += block.product;
+        self.natural_map += block.natural_map;
+        self.dv += block.dv;
+        self.wr_twice += block.wr_twice;
+        self.take_dv(block.greatest_dv);
+        self.active += block.active;
+        self.take_rate(block.penetration_rate, block.worst_contact.map(|k| first + k));
+        self.energy_twice += block.energy_twice;
     }
 }
 

@@ -5,9 +5,9 @@ use crate::balance::Balance;
 use crate::coarse::Coarse;
 use crate::directions::Directions;
 use crate::subdomain::Latin;
-use contact::{ContactProblem, Iteration, SetupError, Work};
+use contact::{ContactProblem, Iteration, SetupError, Work, together};
 use nalgebra::Vector2;
-use partition::{Decomposition, together};
+use partition::Decomposition;
 use rayon::prelude::*;
 
 /// What a stage takes per contact, about (ns).

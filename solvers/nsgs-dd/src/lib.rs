@@ -7,10 +7,10 @@
 mod exchange;
 mod subdomain;
 
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
+use contact::{ContactProblem, Iteration, SetupError, Solver, Work, together};
 use exchange::{Colours, add_increments};
 use nalgebra::Vector2;
-use partition::{Decomposition, Grid, Scheme, together};
+use partition::{Decomposition, Grid, Scheme};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

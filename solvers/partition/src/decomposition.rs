@@ -1,8 +1,8 @@
 //! Subdomains with their own copies of the grains, and gluing, eq. (3).
 
 use crate::scheme::Partition;
-use crate::threads::together;
 use contact::ContactProblem;
+use contact::together;
 use nalgebra::Vector2;
 use rayon::prelude::*;
 

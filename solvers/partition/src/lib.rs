@@ -6,9 +6,7 @@
 mod decomposition;
 mod grid;
 mod scheme;
-mod threads;
 
 pub use decomposition::{Decomposition, Subdomain};
 pub use grid::Grid;
 pub use scheme::{Partition, Scheme};
-pub use threads::together;
