@@ -37,9 +37,7 @@ fn main() {
     println!(
         "Medians of {ROUNDS} rounds of {ITERATIONS} iterations, in turns; {subdomains} subdomains, those of cg are its own."
     );
-    println!(
-        "In a run, measures on one thread come between two iterations: caches forget, threads fall asleep.\n"
-    );
+    println!("In a run, measures come between two iterations: caches forget, threads fall asleep.\n");
     println!("| method | contacts | between iterations | one thread, ms | {threads} threads, ms | ratio |");
     println!("|---|--:|---|--:|--:|--:|");
     for grains in common::sizes() {

@@ -59,17 +59,25 @@ impl Decomposition {
             .map(|contacts| Subdomain::new(problem, contacts, &mut local_of))
             .collect();
 
-        let mut copies_of: Vec<Vec<(u32, u32)>> = vec![Vec::new(); problem.grain_count()];
+        let mut multiplicity = vec![0; problem.grain_count()];
+        for grain in subdomains.iter().flat_map(|subdomain| &subdomain.grains) {
+            multiplicity[*grain as usize] += 1;
+        }
+        let (mut first, mut place_of) = (vec![0], vec![None; problem.grain_count()]);
+        let mut end = 0;
+        for (copies, place) in multiplicity.iter().zip(&mut place_of).filter(|(copies, _)| **copies > 1) {
+            *place = Some(end);
+            end += *copies as usize;
+            first.push(end);
+        }
+        let mut copies = vec![(0, 0); end];
         for (e, subdomain) in (0_u32..).zip(&subdomains) {
             for (local, grain) in (0_u32..).zip(&subdomain.grains) {
-                copies_of[*grain as usize].push((e, local));
+                if let Some(place) = &mut place_of[*grain as usize] {
+                    copies[*place] = (e, local);
+                    *place += 1;
+                }
             }
-        }
-        let multiplicity = copies_of.iter().map(|copies| copies.len() as u32).collect();
-        let (mut copies, mut first) = (Vec::new(), vec![0]);
-        for boundary in copies_of.iter().filter(|copies| copies.len() > 1) {
-            copies.extend_from_slice(boundary);
-            first.push(copies.len());
         }
         let mut of_subdomain = vec![Vec::new(); subdomains.len()];
         for (k, ends) in (0_u32..).zip(first.windows(2)) {

@@ -39,6 +39,9 @@ impl Scheme {
             let expected = format!("at most {most} subdomains, the number of contacts");
             return Err(SetupError::new("subdomains", grid, expected));
         }
+        if grid.count() == 1 {
+            return Ok(Partition { subdomain: vec![0; problem.contact_count()], count: 1 });
+        }
         let position: Vec<Vector2<f64>> =
             problem.contacts().iter().map(|contact| problem.contact_position(contact)).collect();
         let subdomain = match self {
