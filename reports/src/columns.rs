@@ -21,6 +21,11 @@ pub(crate) fn u64s(table: &DataFrame, column: &str) -> Result<Vec<u64>, ReportEr
     filled(column, table.column(column)?.u64()?.iter())
 }
 
+/// Counts that some rows lack.
+pub(crate) fn counts(table: &DataFrame, column: &str) -> Result<Vec<Option<u64>>, ReportError> {
+    Ok(table.column(column)?.u64()?.iter().collect())
+}
+
 pub(crate) fn bools(table: &DataFrame, column: &str) -> Result<Vec<bool>, ReportError> {
     filled(column, table.column(column)?.bool()?.iter())
 }

@@ -6,7 +6,7 @@ use polars::prelude::{BooleanChunked, DataFrame};
 use serde_json::{Map, Value};
 
 use crate::ReportError;
-use crate::columns::{measures, newer, texts, u32s, u64s};
+use crate::columns::{counts, measures, newer, texts, u32s, u64s};
 use crate::ending::Ending;
 use crate::groups::differing;
 
@@ -34,6 +34,7 @@ pub(crate) struct RunRow {
     /// Why it was skipped, if it was.
     pub(crate) reason: String,
     pub(crate) iterations: u64,
+    pub(crate) to_natural_map_1e_2: Option<u64>,
     pub(crate) setup_s: Option<f64>,
     pub(crate) iterating_s: Option<f64>,
 }
@@ -115,6 +116,7 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
     let (stop_on, tolerance) = (texts(table, "stop_on")?, measures(table, "tolerance")?);
     let iterations = u64s(table, "iterations")?;
     let (setup_s, iterating_s) = (measures(table, "setup_s")?, measures(table, "iterating_s")?);
+    let to_natural_map_1e_2 = counts(table, "iterations_to_natural_map_1e_2")?;
     let differing = differing(method.iter().zip(&settings), &[]);
     let row = |i: usize| RunRow {
         run: run[i],
@@ -135,6 +137,7 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
         reason: reason[i].clone(),
         ending: Ending::of(&status[i]),
         iterations: iterations[i],
+        to_natural_map_1e_2: to_natural_map_1e_2[i],
         setup_s: setup_s[i],
         iterating_s: iterating_s[i],
     };

@@ -12,7 +12,7 @@ use crate::cost::WORK;
 use crate::ending::Ending;
 use crate::legend::Legend;
 use crate::number::counted;
-use crate::panels::{INSIDE, MOST_LINES, Room, nothing, row, too_many};
+use crate::panels::{INSIDE, MOST_LINES, Room, grid, nothing, too_many};
 use crate::part::Part;
 use crate::rows::{RunRow, problems, runs};
 use crate::series::{Series, draw_empty, draw_points, reach, series};
@@ -27,12 +27,31 @@ type Points = Vec<(Ending, (f64, f64))>;
 struct Cost {
     title: &'static str,
     of: fn(&Study, &RunRow) -> Option<f64>,
+    /// Whether it was reached however the run ended.
+    on_the_way: bool,
 }
 
-const COSTS: [Cost; 3] = [
-    Cost { title: "iterations to the tolerance", of: |_, run| Some(run.iterations as f64) },
-    Cost { title: "set-up and iterations (s)", of: |_, run| Some(run.setup_s? + run.iterating_s?) },
-    Cost { title: "counted work (sweeps)", of: |study, run| study.curve(run).last()?.work(run) },
+const COSTS: [Cost; 4] = [
+    Cost {
+        title: "iterations to a natural map of 10⁻²",
+        of: |_, run| run.to_natural_map_1e_2.map(|iterations| iterations as f64),
+        on_the_way: true,
+    },
+    Cost {
+        title: "iterations to the tolerance",
+        of: |_, run| Some(run.iterations as f64),
+        on_the_way: false,
+    },
+    Cost {
+        title: "set-up and iterations (s)",
+        of: |_, run| Some(run.setup_s? + run.iterating_s?),
+        on_the_way: false,
+    },
+    Cost {
+        title: "counted work (sweeps)",
+        of: |study, run| study.curve(run).last()?.work(run),
+        on_the_way: false,
+    },
 ];
 
 /// The figure `size`, and the table with the exponents.
@@ -45,13 +64,19 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     }
     let table = table(&study, &all)?;
     let note = format!(
-        "\nCost = a · grains^exponent, least squares in logarithms over the runs that converged; none on one size. {WORK}\n"
+        "\nCost = a · grains^exponent, least squares in logarithms over the runs that converged, or reached 10⁻² on their way; none on one size. {WORK}\n"
     );
     Ok(vec![Part::figure("size", figure(&study, &all)?), Part::table("size", table, note)])
 }
 
 fn points(study: &Study, series: &Series, cost: &Cost) -> Points {
-    series.points(|run| f64::from(run.grains), |run| (cost.of)(study, run))
+    let mut points = series.points(|run| f64::from(run.grains), |run| (cost.of)(study, run));
+    if cost.on_the_way {
+        for (ending, _) in &mut points {
+            *ending = Ending::Converged;
+        }
+    }
+    points
 }
 
 fn converged(points: &Points) -> Vec<(f64, f64)> {
@@ -86,7 +111,7 @@ fn figure(study: &Study, all: &[Series]) -> Result<String, ReportError> {
         counted(problems(study.runs).len(), "problem"),
         counted(shown.count(), "run"),
     );
-    row(&[title], COSTS.len(), &legend, |canvas, i, room| panel(canvas, study, all, &COSTS[i], room))
+    grid(&[title], (2, 2), &legend, |canvas, i, room| panel(canvas, study, all, &COSTS[i], room))
 }
 
 fn panel(canvas: &Canvas, study: &Study, all: &[Series], cost: &Cost, room: Room) -> Result<(), ReportError> {
@@ -123,8 +148,9 @@ fn table(study: &Study, all: &[Series]) -> Result<DataFrame, ReportError> {
         "method" => all.iter().map(Series::label).collect::<Vec<_>>(),
         "runs" => all.iter().map(|series| series.runs.len() as u64).collect::<Vec<_>>(),
         "failed" => all.iter().map(failed).collect::<Vec<_>>(),
-        "iterations_exponent" => exponents(0),
-        "seconds_exponent" => exponents(1),
-        "work_exponent" => exponents(2),
+        "to_natural_map_1e_2_exponent" => exponents(0),
+        "iterations_exponent" => exponents(1),
+        "seconds_exponent" => exponents(2),
+        "work_exponent" => exponents(3),
     )?)
 }

@@ -19,7 +19,7 @@ use crate::{ReportError, file_name};
 pub(crate) struct Panel {
     pub(crate) title: &'static str,
     pub(crate) of: fn(&Series, &RunRow) -> Option<f64>,
-    /// Whether as many times as there are subdomains is the ideal.
+    /// Whether as many times as there are subdomains is the ideal, where one subdomain is what it is compared with.
     pub(crate) ideal: bool,
 }
 
@@ -67,21 +67,35 @@ pub(crate) fn figure(runs: &[RunRow], problem: &str, panels: &[Panel]) -> Result
     }
     let shown: Vec<&RunRow> = all.iter().flat_map(|series| series.runs.iter().copied()).collect();
     let failures = shown.iter().map(|run| run.ending).filter(|ending| *ending != Ending::Converged);
-    let entries = all.iter().map(|series| (series.label(), series.look)).collect();
+    let label = |series: &Series| {
+        let valued = panels.iter().any(|panel| !points(series, panel).is_empty());
+        series.label() + if valued { "" } else { ": no value" }
+    };
+    let entries = all.iter().map(|series| (label(series), series.look)).collect();
     let mut signs = endings(failures);
-    if panels.iter().any(|panel| panel.ideal) {
+    let from_one = shown.iter().any(|run| run.subdomains == 1);
+    if from_one && panels.iter().any(|panel| panel.ideal) {
         signs.push((Sign::Line(TOLERANCE), "ideal: as many times faster as there are subdomains".to_owned()));
     }
     let legend = Legend::new(entries, signs, INSIDE)?;
     row(&[title(problem, &shown)], panels.len(), &legend, |canvas, i, room| {
-        panel(canvas, &all, &panels[i], room)
+        panel(canvas, &all, &panels[i], from_one, room)
     })
 }
 
-fn panel(canvas: &Canvas, all: &[Series], panel: &Panel, room: Room) -> Result<(), ReportError> {
-    let points =
-        |series: &Series| series.points(|run| f64::from(run.subdomains), |run| (panel.of)(series, run));
-    let lines: Vec<_> = all.iter().map(points).collect();
+/// Subdomains and value of the runs of a series.
+fn points(series: &Series, panel: &Panel) -> Vec<(Ending, (f64, f64))> {
+    series.points(|run| f64::from(run.subdomains), |run| (panel.of)(series, run))
+}
+
+fn panel(
+    canvas: &Canvas,
+    all: &[Series],
+    panel: &Panel,
+    from_one: bool,
+    room: Room,
+) -> Result<(), ReportError> {
+    let lines: Vec<_> = all.iter().map(|series| points(series, panel)).collect();
     let x = reach(lines.iter().flatten(), |point| point.0);
     let frame = Frame {
         x: Axis { scale: Scale::Two, ..Axis::log(x, room.left, room.right) },
@@ -89,7 +103,7 @@ fn panel(canvas: &Canvas, all: &[Series], panel: &Panel, room: Room) -> Result<(
     };
     frame.draw(canvas)?;
     frame.name(canvas, "subdomains", panel.title)?;
-    if let Some(ideal) = frame.diagonal().filter(|_| panel.ideal) {
+    if let Some(ideal) = frame.diagonal().filter(|_| panel.ideal && from_one) {
         canvas.line(&ideal, TOLERANCE)?;
     }
     for (series, points) in all.iter().zip(&lines) {

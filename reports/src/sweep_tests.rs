@@ -69,8 +69,8 @@ fn exponents_are_those_of_the_runs_that_converged() {
     ];
     let files = files(&size::parts(&tables(&runs, &[])).unwrap());
     let rows: Vec<&str> = text(&files, "size.csv").lines().skip(1).collect();
-    assert!(rows[0].starts_with("nsgs,3,1,1.5,") && rows[1].starts_with("cg,1,0,,"), "{rows:?}");
-    assert!(text(&files, "size.svg").contains("nsgs (1.50, 0.00, –)"));
+    assert!(rows[0].starts_with("nsgs,3,1,0.0,1.5,") && rows[1].starts_with("cg,1,0,,"), "{rows:?}");
+    assert!(text(&files, "size.svg").contains("nsgs (0.00, 1.50, 0.00, –)"));
 }
 
 #[test]
