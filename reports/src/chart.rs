@@ -10,7 +10,7 @@ use thiserror::Error;
 use crate::part::Part;
 use crate::{
     ReportError, StudyTables, atlas, atlas_in_time, convergence, critical_path, directions, profiles, sample,
-    size, subdomains, trajectory, truth, work_precision,
+    size, subdomains, trajectory, truth, weak, work_precision,
 };
 
 /// A kind of figure, with the tables that belong to it.
@@ -38,6 +38,7 @@ const CHARTS: &[Chart] = &[
     Chart { name: "truth", parts: Parts::Problems(truth::parts) },
     Chart { name: "profiles", parts: Parts::Problems(profiles::parts) },
     Chart { name: "subdomains", parts: Parts::Problems(subdomains::parts) },
+    Chart { name: "weak", parts: Parts::Problems(weak::parts) },
     Chart { name: "size", parts: Parts::Problems(size::parts) },
     Chart { name: "critical-path", parts: Parts::Problems(critical_path::parts) },
     Chart { name: "atlas", parts: Parts::Problems(atlas::parts) },

@@ -9,18 +9,20 @@ use crate::ending::Ending;
 use crate::part::Part;
 use crate::rows::{RunRow, problems, runs};
 use crate::series::{Series, series};
-use crate::subdomains::{Panel, figure};
+use crate::subdomains::{Panel, on_problem};
 use crate::{ReportError, file_name};
 
 const PANELS: [Panel; 2] = [
     Panel {
         title: "counted speed-up, a machine per subdomain",
         of: |series, run| speed_up(series, run, path),
+        on_the_way: false,
         ideal: true,
     },
     Panel {
         title: "measured speed-up of the iterations",
         of: |series, run| speed_up(series, run, |run| run.iterating_s),
+        on_the_way: false,
         ideal: true,
     },
 ];
@@ -30,7 +32,7 @@ const NOTE: &str = "\nThe critical path of an iteration is the multiply-adds of 
                     settings on the same problem with the fewest subdomains, both to the same tolerance.\n";
 
 /// Multiply-adds of the longest subdomain in all iterations.
-fn path(run: &RunRow) -> Option<f64> {
+pub(crate) fn path(run: &RunRow) -> Option<f64> {
     Some(run.iterations as f64 * run.derived.get("critical_path")?.as_f64()?)
 }
 
@@ -42,7 +44,7 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     for problem in problems(&runs) {
         parts.push(Part::figure(
             format!("critical-path-{}", file_name(problem)),
-            figure(&runs, problem, &PANELS)?,
+            on_problem(&runs, problem, &PANELS)?,
         ));
     }
     parts.push(Part::table("critical-path", table(&series(&runs, &["subdomains"]))?, NOTE));

@@ -41,6 +41,7 @@ mod through_time;
 mod trajectory;
 mod truth;
 mod viewer;
+mod weak;
 mod work_precision;
 
 #[cfg(test)]

@@ -14,7 +14,16 @@ use crate::rows::RunRow;
 use crate::statistics::padded;
 use crate::style::{DASHES, Mark, Pen, TEXT, WHITE};
 
+/// Points of a series: how the run ended, logarithms of x and y.
+pub(crate) type Points = Vec<(Ending, (f64, f64))>;
+
+/// The same of something that was reached, however the run ended later.
+pub(crate) fn reached(points: Points) -> Points {
+    points.into_iter().map(|(_, point)| (Ending::Converged, point)).collect()
+}
+
 /// The runs of a method with the same settings.
+#[derive(Clone)]
 pub(crate) struct Series<'r> {
     pub(crate) method: &'r str,
     /// The settings in which it differs from the method's other series.
@@ -58,11 +67,7 @@ impl Series<'_> {
     }
 
     /// Logarithms of x and y of its runs, by x; those without are left out.
-    pub(crate) fn points(
-        &self,
-        x: impl Fn(&RunRow) -> f64,
-        y: impl Fn(&RunRow) -> Option<f64>,
-    ) -> Vec<(Ending, (f64, f64))> {
+    pub(crate) fn points(&self, x: impl Fn(&RunRow) -> f64, y: impl Fn(&RunRow) -> Option<f64>) -> Points {
         let point = |run: &&RunRow| Some((run.ending, (x(run).log10(), y(run)?.log10())));
         let finite = |(_, (x, y)): &(Ending, (f64, f64))| x.is_finite() && y.is_finite();
         let mut points: Vec<_> = self.runs.iter().filter_map(point).filter(finite).collect();

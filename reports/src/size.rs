@@ -15,13 +15,10 @@ use crate::number::counted;
 use crate::panels::{INSIDE, MOST_LINES, Room, grid, nothing, too_many};
 use crate::part::Part;
 use crate::rows::{RunRow, problems, runs};
-use crate::series::{Series, draw_empty, draw_points, reach, series};
+use crate::series::{Points, Series, draw_empty, draw_points, reach, reached, series};
 use crate::signs::endings;
 use crate::statistics::{slope, span};
 use crate::study::Study;
-
-/// Points of a series: how the run ended, logarithms of grains and cost.
-type Points = Vec<(Ending, (f64, f64))>;
 
 /// A cost of a run, and what it is called.
 struct Cost {
@@ -70,13 +67,8 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
 }
 
 fn points(study: &Study, series: &Series, cost: &Cost) -> Points {
-    let mut points = series.points(|run| f64::from(run.grains), |run| (cost.of)(study, run));
-    if cost.on_the_way {
-        for (ending, _) in &mut points {
-            *ending = Ending::Converged;
-        }
-    }
-    points
+    let points = series.points(|run| f64::from(run.grains), |run| (cost.of)(study, run));
+    if cost.on_the_way { reached(points) } else { points }
 }
 
 fn converged(points: &Points) -> Vec<(f64, f64)> {

@@ -7,10 +7,10 @@ use crate::axis::{Axis, Frame, Scale};
 use crate::canvas::Canvas;
 use crate::ending::Ending;
 use crate::legend::Legend;
-use crate::panels::{INSIDE, MOST_LINES, Room, row, title, too_many};
+use crate::panels::{INSIDE, MOST_LINES, Room, grid, title, too_many};
 use crate::part::Part;
 use crate::rows::{RunRow, problems, runs};
-use crate::series::{Series, draw_empty, draw_points, reach, series};
+use crate::series::{Points, Series, draw_empty, draw_points, reach, reached, series};
 use crate::signs::{Sign, endings};
 use crate::style::TOLERANCE;
 use crate::{ReportError, file_name};
@@ -19,16 +19,28 @@ use crate::{ReportError, file_name};
 pub(crate) struct Panel {
     pub(crate) title: &'static str,
     pub(crate) of: fn(&Series, &RunRow) -> Option<f64>,
-    /// Whether as many times as there are subdomains is the ideal, where one subdomain is what it is compared with.
+    /// Whether it was reached however the run ended.
+    pub(crate) on_the_way: bool,
+    /// Whether as many times as there are subdomains is the ideal.
     pub(crate) ideal: bool,
 }
 
 const PANELS: [Panel; 2] = [
-    Panel { title: "iterations to the tolerance", of: |_, run| Some(run.iterations as f64), ideal: false },
-    Panel { title: "seconds per iteration (s)", of: |_, run| seconds_per_iteration(run), ideal: false },
+    Panel {
+        title: "iterations to the tolerance",
+        of: |_, run| Some(run.iterations as f64),
+        on_the_way: false,
+        ideal: false,
+    },
+    Panel {
+        title: "seconds per iteration (s)",
+        of: |_, run| seconds_per_iteration(run),
+        on_the_way: false,
+        ideal: false,
+    },
 ];
 
-fn seconds_per_iteration(run: &RunRow) -> Option<f64> {
+pub(crate) fn seconds_per_iteration(run: &RunRow) -> Option<f64> {
     run.iterating_s.filter(|_| run.iterations > 0).map(|seconds| seconds / run.iterations as f64)
 }
 
@@ -39,7 +51,7 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     for problem in problems(&runs) {
         parts.push(Part::figure(
             format!("subdomains-{}", file_name(problem)),
-            figure(&runs, problem, &PANELS)?,
+            on_problem(&runs, problem, &PANELS)?,
         ));
     }
     let table = table(&series(&runs, &["subdomains"]))?;
@@ -60,41 +72,46 @@ fn series_on<'r>(runs: &'r [RunRow], problem: &str) -> Vec<Series<'r>> {
 }
 
 /// The runs on a problem against their subdomains.
-pub(crate) fn figure(runs: &[RunRow], problem: &str, panels: &[Panel]) -> Result<String, ReportError> {
+pub(crate) fn on_problem(runs: &[RunRow], problem: &str, panels: &[Panel]) -> Result<String, ReportError> {
     let all = series_on(runs, problem);
-    if all.len() > MOST_LINES {
-        return too_many(problem, all.len());
-    }
     let shown: Vec<&RunRow> = all.iter().flat_map(|series| series.runs.iter().copied()).collect();
-    let failures = shown.iter().map(|run| run.ending).filter(|ending| *ending != Ending::Converged);
+    figure(title(problem, &shown), &all, panels)
+}
+
+/// The runs of all series against their subdomains, one panel or an even number of them.
+pub(crate) fn figure(title: String, all: &[Series], panels: &[Panel]) -> Result<String, ReportError> {
+    if all.len() > MOST_LINES {
+        return too_many(&title, all.len());
+    }
+    let shown = all.iter().flat_map(|series| &series.runs);
+    let failures = shown.map(|run| run.ending).filter(|ending| *ending != Ending::Converged);
     let label = |series: &Series| {
         let valued = panels.iter().any(|panel| !points(series, panel).is_empty());
         series.label() + if valued { "" } else { ": no value" }
     };
     let entries = all.iter().map(|series| (label(series), series.look)).collect();
     let mut signs = endings(failures);
-    let from_one = shown.iter().any(|run| run.subdomains == 1);
-    if from_one && panels.iter().any(|panel| panel.ideal) {
+    if panels.iter().any(|panel| has_ideal(all, panel)) {
         signs.push((Sign::Line(TOLERANCE), "ideal: as many times faster as there are subdomains".to_owned()));
     }
     let legend = Legend::new(entries, signs, INSIDE)?;
-    row(&[title(problem, &shown)], panels.len(), &legend, |canvas, i, room| {
-        panel(canvas, &all, &panels[i], from_one, room)
-    })
+    let columns = panels.len().min(2);
+    let rows = panels.len().div_ceil(columns);
+    grid(&[title], (columns, rows), &legend, |canvas, i, room| panel(canvas, all, &panels[i], room))
 }
 
 /// Subdomains and value of the runs of a series.
-fn points(series: &Series, panel: &Panel) -> Vec<(Ending, (f64, f64))> {
-    series.points(|run| f64::from(run.subdomains), |run| (panel.of)(series, run))
+fn points(series: &Series, panel: &Panel) -> Points {
+    let points = series.points(|run| f64::from(run.subdomains), |run| (panel.of)(series, run));
+    if panel.on_the_way { reached(points) } else { points }
 }
 
-fn panel(
-    canvas: &Canvas,
-    all: &[Series],
-    panel: &Panel,
-    from_one: bool,
-    room: Room,
-) -> Result<(), ReportError> {
+/// Whether the panel has an ideal, and a run on one subdomain that it is to be measured by.
+fn has_ideal(all: &[Series], panel: &Panel) -> bool {
+    panel.ideal && all.iter().flat_map(|series| points(series, panel)).any(|(_, (log, _))| log == 0.0)
+}
+
+fn panel(canvas: &Canvas, all: &[Series], panel: &Panel, room: Room) -> Result<(), ReportError> {
     let lines: Vec<_> = all.iter().map(|series| points(series, panel)).collect();
     let x = reach(lines.iter().flatten(), |point| point.0);
     let frame = Frame {
@@ -103,7 +120,7 @@ fn panel(
     };
     frame.draw(canvas)?;
     frame.name(canvas, "subdomains", panel.title)?;
-    if let Some(ideal) = frame.diagonal().filter(|_| panel.ideal && from_one) {
+    if let Some(ideal) = frame.diagonal().filter(|_| has_ideal(all, panel)) {
         canvas.line(&ideal, TOLERANCE)?;
     }
     for (series, points) in all.iter().zip(&lines) {

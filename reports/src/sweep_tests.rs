@@ -4,7 +4,7 @@ use results::schema::Run;
 
 use crate::fixture::{File, decay, explosion, files, run, sample, tables, without_truth};
 use crate::tests::assert_well_formed;
-use crate::{critical_path, profiles, size, subdomains};
+use crate::{critical_path, profiles, size, subdomains, weak};
 
 fn text<'f>(files: &'f [File], name: &str) -> &'f str {
     for (name, svg) in files.iter().filter(|(name, _)| name.contains(".svg")) {
@@ -54,6 +54,24 @@ fn speed_up_is_counted_on_the_longest_subdomain_and_measured_in_seconds() {
 }
 
 #[test]
+fn weak_series_have_as_many_grains_in_each_subdomain() {
+    let of = |id, subdomains: u32, grains: u32, iterations| Run {
+        problem: format!("{grains} grains"),
+        grains,
+        derived: r#"{"critical_path":10}"#.into(),
+        ..on(id, subdomains, "null", iterations)
+    };
+    let runs =
+        [of(0, 1, 250, 100), of(1, 4, 1000, 150), of(2, 2, 1000, 120), of(3, 3, 900, 1), of(4, 8, 4000, 180)];
+    let files = files(&weak::parts(&tables(&runs, &[])).unwrap());
+    let rows: Vec<&str> = text(&files, "weak.csv").lines().skip(1).collect();
+    assert!(rows[0].contains(",250.0,1,250,converged,47,100,1.0,1000.0,"), "{}", rows[0]);
+    assert!(rows[1].contains(",250.0,4,1000,converged,47,150,1.5,1500.0,"), "{}", rows[1]);
+    assert!(rows[3].contains(",500.0,8,4000,converged,47,180,1.5,1800.0,"), "{}", rows[3]);
+    assert_eq!(rows.len(), 4, "no other run has 300 grains each");
+}
+
+#[test]
 fn exponents_are_those_of_the_runs_that_converged() {
     let sized = |id, grains: u32, iterations| Run {
         problem: format!("{grains} grains"),
@@ -95,7 +113,7 @@ fn no_run_only_failures_and_undefined_values_are_no_obstacle() {
     let skipped = Run { grains: 0, ..run(1, "cg", "", "skipped") };
     let one = tables(&[failed, skipped], &[(0, explosion())]);
     for tables in [tables(&[], &[]), without_truth(one.clone()), one] {
-        for chart in [subdomains::parts, size::parts, profiles::parts, critical_path::parts] {
+        for chart in [subdomains::parts, weak::parts, size::parts, profiles::parts, critical_path::parts] {
             let files = files(&chart(&tables).unwrap());
             text(&files, &files[0].0);
         }

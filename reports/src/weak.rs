@@ -1,0 +1,144 @@
+//! Iterations, the longest subdomain and time, with as many grains in each subdomain however many there are.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use polars::df;
+use polars::prelude::DataFrame;
+use results::store::Tables;
+
+use crate::ReportError;
+use crate::critical_path::path;
+use crate::ending::Ending;
+use crate::legend::{Look, Looks};
+use crate::number::counted;
+use crate::panels::nothing;
+use crate::part::Part;
+use crate::rows::{RunRow, runs};
+use crate::series::{Series, series};
+use crate::style::{DASHES, Pen};
+use crate::subdomains::{Panel, figure, seconds_per_iteration};
+
+const PANELS: [Panel; 4] = [
+    Panel {
+        title: "iterations to a natural map of 10⁻²",
+        of: |_, run| run.to_natural_map_1e_2.map(|iterations| iterations as f64),
+        on_the_way: true,
+        ideal: false,
+    },
+    Panel {
+        title: "iterations to the tolerance",
+        of: |_, run| Some(run.iterations as f64),
+        on_the_way: false,
+        ideal: false,
+    },
+    Panel {
+        title: "longest subdomain, all iterations (multiply-adds)",
+        of: |_, run| path(run),
+        on_the_way: false,
+        ideal: false,
+    },
+    Panel {
+        title: "time per iteration and grain (ns)",
+        of: |_, run| Some(1e9 * seconds_per_iteration(run)? / f64::from(run.grains)),
+        on_the_way: true,
+        ideal: false,
+    },
+];
+
+const NOTE: &str = "\nThe longest subdomain: its multiply-adds in all iterations, exchange with its neighbours included; with a \
+                    machine per subdomain the time to the tolerance goes with it, and constant is ideal. Growth: iterations over \
+                    those with the fewest subdomains, as many grains in each.\n";
+
+/// The figure `weak`, and the table of all runs whose grains per subdomain come with several numbers of subdomains.
+pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
+    let mut runs = runs(&tables.runs)?;
+    runs.retain(|run| run.ending != Ending::Skipped && path(run).is_some());
+    let all = all(&runs);
+    Ok(vec![Part::figure("weak", drawn(all.clone())?), Part::table("weak", table(&all)?, NOTE)])
+}
+
+/// Grains per subdomain, as a key that equal ratios share.
+fn each(run: &RunRow) -> (u32, u32) {
+    let (mut a, mut b) = (run.grains, run.subdomains);
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    (run.grains / a.max(1), run.subdomains / a.max(1))
+}
+
+/// Runs that agree in their settings and in their grains per subdomain, with at least two numbers of subdomains.
+fn all(runs: &[RunRow]) -> Vec<(f64, Series<'_>)> {
+    let mut all = Vec::new();
+    for whole in series(runs, &["subdomains"]) {
+        let mut by_each: BTreeMap<_, Vec<&RunRow>> = BTreeMap::new();
+        for run in &whole.runs {
+            by_each.entry(each(run)).or_default().push(run);
+        }
+        for ((grains, subdomains), runs) in by_each {
+            let counts: BTreeSet<u32> = runs.iter().map(|run| run.subdomains).collect();
+            if counts.len() > 1 {
+                all.push((f64::from(grains) / f64::from(subdomains), Series { runs, ..whole.clone() }));
+            }
+        }
+    }
+    all.sort_by(|(a, x), (b, y)| x.method.cmp(y.method).then(x.group.cmp(&y.group)).then(a.total_cmp(b)));
+    all
+}
+
+/// The figure of the numbers of grains per subdomain that come most often, as many as there are dashes.
+fn drawn(mut all: Vec<(f64, Series)>) -> Result<String, ReportError> {
+    let mut often: BTreeMap<u64, (f64, usize)> = BTreeMap::new();
+    for (each, series) in &all {
+        often.entry(each.to_bits()).or_insert((*each, 0)).1 += series.runs.len();
+    }
+    let mut often: Vec<(f64, usize)> = often.into_values().collect();
+    often.sort_by_key(|(_, runs)| std::cmp::Reverse(*runs));
+    often.truncate(DASHES.len());
+    often.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    all.retain(|(each, _)| often.iter().any(|(of, _)| of == each));
+    if all.is_empty() {
+        return nothing("weak", "no number of grains per subdomain comes with several numbers of subdomains");
+    }
+    let one_method = all.windows(2).all(|pair| pair[0].1.method == pair[1].1.method);
+    let runs: usize = all.iter().map(|(_, series)| series.runs.len()).sum();
+    let series = all.into_iter().map(|(each, series)| {
+        let rank = often.iter().take_while(|(of, _)| *of < each).count();
+        let (pen, mark) = if one_method { Looks::nth(rank) } else { (series.look.pen, series.look.mark) };
+        let look = Look { pen: Pen { dash: DASHES[rank], ..pen }, mark };
+        let each = format!("{each} grains each");
+        let group = if series.group.is_empty() { each } else { format!("{}, {each}", series.group) };
+        Series { group, look, ..series }
+    });
+    let title =
+        format!("{}, with as many grains in each subdomain however many there are.", counted(runs, "run"));
+    figure(title, &series.collect::<Vec<_>>(), &PANELS)
+}
+
+/// One row per run.
+fn table(all: &[(f64, Series)]) -> Result<DataFrame, ReportError> {
+    let rows: Vec<(f64, &Series, &RunRow)> = all
+        .iter()
+        .flat_map(|(each, series)| {
+            let mut runs = series.runs.clone();
+            runs.sort_by_key(|run| run.subdomains);
+            runs.into_iter().map(move |run| (*each, series, run))
+        })
+        .collect();
+    let growth = |series: &Series, run: &RunRow| {
+        let converged = |run: &&&RunRow| run.ending == Ending::Converged && run.iterations > 0;
+        let fewest = series.runs.iter().min_by_key(|other| other.subdomains).filter(converged)?;
+        converged(&&run).then(|| run.iterations as f64 / fewest.iterations as f64)
+    };
+    Ok(df!(
+        "method" => rows.iter().map(|(_, series, _)| series.label()).collect::<Vec<_>>(),
+        "grains_per_subdomain" => rows.iter().map(|(each, ..)| *each).collect::<Vec<_>>(),
+        "subdomains" => rows.iter().map(|(.., run)| run.subdomains).collect::<Vec<_>>(),
+        "grains" => rows.iter().map(|(.., run)| run.grains).collect::<Vec<_>>(),
+        "status" => rows.iter().map(|(.., run)| run.ending.text()).collect::<Vec<_>>(),
+        "to_natural_map_1e_2" => rows.iter().map(|(.., run)| run.to_natural_map_1e_2).collect::<Vec<_>>(),
+        "iterations" => rows.iter().map(|(.., run)| run.iterations).collect::<Vec<_>>(),
+        "growth" => rows.iter().map(|(_, series, run)| growth(series, run)).collect::<Vec<_>>(),
+        "longest_subdomain" => rows.iter().map(|(.., run)| path(run)).collect::<Vec<_>>(),
+        "seconds_per_iteration" => rows.iter().map(|(.., run)| seconds_per_iteration(run)).collect::<Vec<_>>(),
+    )?)
+}
