@@ -25,13 +25,16 @@ pub(crate) struct Panel {
     pub(crate) ideal: bool,
 }
 
+/// Iterations of runs that converged; of others those that they made.
+pub(crate) const ITERATIONS: Panel = Panel {
+    title: "iterations to the tolerance",
+    of: |_, run| Some(run.iterations as f64),
+    on_the_way: false,
+    ideal: false,
+};
+
 const PANELS: [Panel; 2] = [
-    Panel {
-        title: "iterations to the tolerance",
-        of: |_, run| Some(run.iterations as f64),
-        on_the_way: false,
-        ideal: false,
-    },
+    ITERATIONS,
     Panel {
         title: "seconds per iteration (s)",
         of: |_, run| seconds_per_iteration(run),

@@ -16,7 +16,7 @@ use crate::part::Part;
 use crate::rows::{RunRow, runs};
 use crate::series::{Series, series};
 use crate::style::{DASHES, Pen};
-use crate::subdomains::{Panel, figure, seconds_per_iteration};
+use crate::subdomains::{ITERATIONS, Panel, figure, seconds_per_iteration};
 
 const PANELS: [Panel; 4] = [
     Panel {
@@ -25,12 +25,7 @@ const PANELS: [Panel; 4] = [
         on_the_way: true,
         ideal: false,
     },
-    Panel {
-        title: "iterations to the tolerance",
-        of: |_, run| Some(run.iterations as f64),
-        on_the_way: false,
-        ideal: false,
-    },
+    ITERATIONS,
     Panel {
         title: "longest subdomain, all iterations (multiply-adds)",
         of: |_, run| path(run),
