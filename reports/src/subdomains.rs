@@ -86,8 +86,8 @@ pub(crate) fn figure(title: String, all: &[Series], panels: &[Panel]) -> Result<
     if all.len() > MOST_LINES {
         return too_many(&title, all.len());
     }
-    let shown = all.iter().flat_map(|series| &series.runs);
-    let failures = shown.map(|run| run.ending).filter(|ending| *ending != Ending::Converged);
+    let shown = panels.iter().flat_map(|panel| all.iter().flat_map(|series| points(series, panel)));
+    let failures = shown.map(|(ending, _)| ending).filter(|ending| *ending != Ending::Converged);
     let label = |series: &Series| {
         let valued = panels.iter().any(|panel| !points(series, panel).is_empty());
         series.label() + if valued { "" } else { ": no value" }
