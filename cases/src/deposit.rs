@@ -4,7 +4,7 @@
 //! the next. A new disc replaces what it covers of the chain.
 //!
 //! The front is searched by columns of the box, the one that promises the lowest place first. What a column promises is the
-//! height above which a smaller disc was held there once. It stays true: the front only rises; and a disc that is larger by d
+//! least height at which a smaller disc fitted there once. It stays true: the front only rises; and a disc that is larger by d
 //! lies higher by at least d, since the smaller one fits into it, bottom to bottom. So a few columns are looked at for each disc,
 //! however wide the box.
 

@@ -61,7 +61,8 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     }
     let table = table(&study, &all)?;
     let note = format!(
-        "\nCost = a · grains^exponent, least squares in logarithms over the runs that converged, or reached 10⁻² on their way; none on one size. {WORK}\n"
+        "\nCost = a · grains^exponent, least squares in logarithms over the runs that converged, or reached 10⁻² on their \
+         way; none on one size. {WORK}\n"
     );
     Ok(vec![Part::figure("size", figure(&study, &all)?), Part::table("size", table, note)])
 }

@@ -86,21 +86,26 @@ pub(crate) fn figure(title: String, all: &[Series], panels: &[Panel]) -> Result<
     if all.len() > MOST_LINES {
         return too_many(&title, all.len());
     }
-    let shown = panels.iter().flat_map(|panel| all.iter().flat_map(|series| points(series, panel)));
-    let failures = shown.map(|(ending, _)| ending).filter(|ending| *ending != Ending::Converged);
-    let label = |series: &Series| {
-        let valued = panels.iter().any(|panel| !points(series, panel).is_empty());
-        series.label() + if valued { "" } else { ": no value" }
+    // By panel, then by series.
+    let lines: Vec<Vec<Points>> =
+        panels.iter().map(|panel| all.iter().map(|series| points(series, panel)).collect()).collect();
+    let shown = lines.iter().flatten().flatten();
+    let failures = shown.map(|(ending, _)| *ending).filter(|ending| *ending != Ending::Converged);
+    let label = |(i, series): (usize, &Series)| {
+        let valued = lines.iter().any(|lines| !lines[i].is_empty());
+        (series.label() + if valued { "" } else { ": no value" }, series.look)
     };
-    let entries = all.iter().map(|series| (label(series), series.look)).collect();
+    let entries = all.iter().enumerate().map(label).collect();
     let mut signs = endings(failures);
-    if panels.iter().any(|panel| has_ideal(all, panel)) {
+    if panels.iter().zip(&lines).any(|(panel, lines)| has_ideal(panel, lines)) {
         signs.push((Sign::Line(TOLERANCE), "ideal: as many times faster as there are subdomains".to_owned()));
     }
     let legend = Legend::new(entries, signs, INSIDE)?;
     let columns = panels.len().min(2);
     let rows = panels.len().div_ceil(columns);
-    grid(&[title], (columns, rows), &legend, |canvas, i, room| panel(canvas, all, &panels[i], room))
+    grid(&[title], (columns, rows), &legend, |canvas, i, room| {
+        panel(canvas, all, &panels[i], &lines[i], room)
+    })
 }
 
 /// Subdomains and value of the runs of a series.
@@ -110,12 +115,17 @@ fn points(series: &Series, panel: &Panel) -> Points {
 }
 
 /// Whether the panel has an ideal, and a run on one subdomain that it is to be measured by.
-fn has_ideal(all: &[Series], panel: &Panel) -> bool {
-    panel.ideal && all.iter().flat_map(|series| points(series, panel)).any(|(_, (log, _))| log == 0.0)
+fn has_ideal(panel: &Panel, lines: &[Points]) -> bool {
+    panel.ideal && lines.iter().flatten().any(|(_, (log, _))| *log == 0.0)
 }
 
-fn panel(canvas: &Canvas, all: &[Series], panel: &Panel, room: Room) -> Result<(), ReportError> {
-    let lines: Vec<_> = all.iter().map(|series| points(series, panel)).collect();
+fn panel(
+    canvas: &Canvas,
+    all: &[Series],
+    panel: &Panel,
+    lines: &[Points],
+    room: Room,
+) -> Result<(), ReportError> {
     let x = reach(lines.iter().flatten(), |point| point.0);
     let frame = Frame {
         x: Axis { scale: Scale::Two, ..Axis::log(x, room.left, room.right) },
@@ -123,15 +133,22 @@ fn panel(canvas: &Canvas, all: &[Series], panel: &Panel, room: Room) -> Result<(
     };
     frame.draw(canvas)?;
     frame.name(canvas, "subdomains", panel.title)?;
-    if let Some(ideal) = frame.diagonal().filter(|_| has_ideal(all, panel)) {
+    if let Some(ideal) = frame.diagonal().filter(|_| has_ideal(panel, lines)) {
         canvas.line(&ideal, TOLERANCE)?;
     }
-    for (series, points) in all.iter().zip(&lines) {
+    for (series, points) in all.iter().zip(lines) {
         let converged = points.iter().filter(|(ending, _)| *ending == Ending::Converged);
         canvas.line(&converged.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>(), series.look.pen)?;
         draw_points(canvas, &frame, series.look, points)?;
     }
     if lines.iter().all(Vec::is_empty) { draw_empty(canvas, &frame) } else { Ok(()) }
+}
+
+/// Iterations of a run over those of the one with the fewest subdomains among `same`, if both converged.
+pub(crate) fn growth<'r>(run: &RunRow, same: impl Iterator<Item = &'r RunRow>) -> Option<f64> {
+    let fewest = same.min_by_key(|other| other.subdomains)?;
+    let converged = [run, fewest].iter().all(|run| run.ending == Ending::Converged);
+    (converged && fewest.iterations > 0).then(|| run.iterations as f64 / fewest.iterations as f64)
 }
 
 /// One row per run, with its iterations over those of the fewest subdomains.
@@ -140,12 +157,7 @@ fn table(all: &[Series]) -> Result<polars::prelude::DataFrame, ReportError> {
     for series in all {
         for run in &series.runs {
             let same = series.runs.iter().filter(|other| other.problem == run.problem);
-            let fewest = same.min_by_key(|other| other.subdomains);
-            let iterations = |run: &&&RunRow| run.ending == Ending::Converged && run.iterations > 0;
-            let base = fewest.filter(iterations).map(|fewest| fewest.iterations as f64);
-            let growth =
-                base.filter(|_| run.ending == Ending::Converged).map(|base| run.iterations as f64 / base);
-            rows.push((series, run, growth));
+            rows.push((series, run, growth(run, same.copied())));
         }
     }
     let seconds = |run: &RunRow| Some(run.setup_s? + run.iterating_s?);

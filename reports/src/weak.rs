@@ -16,7 +16,7 @@ use crate::part::Part;
 use crate::rows::{RunRow, runs};
 use crate::series::{Series, series};
 use crate::style::{DASHES, Pen};
-use crate::subdomains::{ITERATIONS, Panel, figure, seconds_per_iteration};
+use crate::subdomains::{ITERATIONS, Panel, figure, growth, seconds_per_iteration};
 
 const PANELS: [Panel; 4] = [
     Panel {
@@ -52,27 +52,20 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     Ok(vec![Part::figure("weak", drawn(all.clone())?), Part::table("weak", table(&all)?, NOTE)])
 }
 
-/// Grains per subdomain, as a key that equal ratios share.
-fn each(run: &RunRow) -> (u32, u32) {
-    let (mut a, mut b) = (run.grains, run.subdomains);
-    while b > 0 {
-        (a, b) = (b, a % b);
-    }
-    (run.grains / a.max(1), run.subdomains / a.max(1))
-}
-
 /// Runs that agree in their settings and in their grains per subdomain, with at least two numbers of subdomains.
 fn all(runs: &[RunRow]) -> Vec<(f64, Series<'_>)> {
     let mut all = Vec::new();
     for whole in series(runs, &["subdomains"]) {
-        let mut by_each: BTreeMap<_, Vec<&RunRow>> = BTreeMap::new();
+        // Equal ratios have equal bits.
+        let mut by_each: BTreeMap<u64, Vec<&RunRow>> = BTreeMap::new();
         for run in &whole.runs {
-            by_each.entry(each(run)).or_default().push(run);
+            let each = f64::from(run.grains) / f64::from(run.subdomains);
+            by_each.entry(each.to_bits()).or_default().push(run);
         }
-        for ((grains, subdomains), runs) in by_each {
+        for (each, runs) in by_each {
             let counts: BTreeSet<u32> = runs.iter().map(|run| run.subdomains).collect();
             if counts.len() > 1 {
-                all.push((f64::from(grains) / f64::from(subdomains), Series { runs, ..whole.clone() }));
+                all.push((f64::from_bits(each), Series { runs, ..whole.clone() }));
             }
         }
     }
@@ -82,11 +75,12 @@ fn all(runs: &[RunRow]) -> Vec<(f64, Series<'_>)> {
 
 /// The figure of the numbers of grains per subdomain that come most often, as many as there are dashes.
 fn drawn(mut all: Vec<(f64, Series)>) -> Result<String, ReportError> {
-    let mut often: BTreeMap<u64, (f64, usize)> = BTreeMap::new();
+    let mut often: BTreeMap<u64, usize> = BTreeMap::new();
     for (each, series) in &all {
-        often.entry(each.to_bits()).or_insert((*each, 0)).1 += series.runs.len();
+        *often.entry(each.to_bits()).or_default() += series.runs.len();
     }
-    let mut often: Vec<(f64, usize)> = often.into_values().collect();
+    let mut often: Vec<(f64, usize)> =
+        often.into_iter().map(|(each, runs)| (f64::from_bits(each), runs)).collect();
     often.sort_by_key(|(_, runs)| std::cmp::Reverse(*runs));
     often.truncate(DASHES.len());
     often.sort_by(|(a, _), (b, _)| a.total_cmp(b));
@@ -119,11 +113,6 @@ fn table(all: &[(f64, Series)]) -> Result<DataFrame, ReportError> {
             runs.into_iter().map(move |run| (*each, series, run))
         })
         .collect();
-    let growth = |series: &Series, run: &RunRow| {
-        let converged = |run: &&&RunRow| run.ending == Ending::Converged && run.iterations > 0;
-        let fewest = series.runs.iter().min_by_key(|other| other.subdomains).filter(converged)?;
-        converged(&&run).then(|| run.iterations as f64 / fewest.iterations as f64)
-    };
     Ok(df!(
         "method" => rows.iter().map(|(_, series, _)| series.label()).collect::<Vec<_>>(),
         "grains_per_subdomain" => rows.iter().map(|(each, ..)| *each).collect::<Vec<_>>(),
@@ -132,7 +121,7 @@ fn table(all: &[(f64, Series)]) -> Result<DataFrame, ReportError> {
         "status" => rows.iter().map(|(.., run)| run.ending.text()).collect::<Vec<_>>(),
         "to_natural_map_1e_2" => rows.iter().map(|(.., run)| run.to_natural_map_1e_2).collect::<Vec<_>>(),
         "iterations" => rows.iter().map(|(.., run)| run.iterations).collect::<Vec<_>>(),
-        "growth" => rows.iter().map(|(_, series, run)| growth(series, run)).collect::<Vec<_>>(),
+        "growth" => rows.iter().map(|(_, series, run)| growth(run, series.runs.iter().copied())).collect::<Vec<_>>(),
         "longest_subdomain" => rows.iter().map(|(.., run)| path(run)).collect::<Vec<_>>(),
         "seconds_per_iteration" => rows.iter().map(|(.., run)| seconds_per_iteration(run)).collect::<Vec<_>>(),
     )?)

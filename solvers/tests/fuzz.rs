@@ -91,11 +91,10 @@ fn worst_problem() -> impl Strategy<Value = ContactProblem> {
 /// add to it: each v is a sum, in any order, of no more than 70 terms, known to as many rounding errors of their sizes.
 fn residual(problem: &ContactProblem, r: &[f64]) -> (f64, f64) {
     let inverse = |grain: u32| 1.0 / problem.mass()[grain as usize];
-    let grains = |contact: &Contact| std::iter::once(contact.candidate).chain(contact.antagonist);
     let mut velocity = problem.free_velocity().to_vec();
     let mut size: Vec<f64> = velocity.iter().map(Vector2::norm).collect();
     for (contact, r) in problem.contacts().iter().zip(r) {
-        for grain in grains(contact) {
+        for grain in contact.grains() {
             let sign = if grain == contact.candidate { 1.0 } else { -1.0 };
             velocity[grain as usize] += contact.normal * (sign * r * inverse(grain));
             size[grain as usize] += r * inverse(grain);
@@ -107,9 +106,9 @@ fn residual(problem: &ContactProblem, r: &[f64]) -> (f64, f64) {
     };
     let (mut left, mut round_off, mut scale) = (0.0, 0.0, 0.0);
     for (contact, r) in problem.contacts().iter().zip(r) {
-        let w: f64 = grains(contact).map(inverse).sum();
+        let w: f64 = contact.grains().map(inverse).sum();
         let (v, b) = (approach(contact, &velocity), approach(contact, problem.free_velocity()));
-        let terms = contact.offset.abs() + grains(contact).map(|grain| size[grain as usize]).sum::<f64>();
+        let terms = contact.offset.abs() + contact.grains().map(|grain| size[grain as usize]).sum::<f64>();
         left += w * r.min(v / w).powi(2);
         round_off += (70.0 * f64::EPSILON * terms).powi(2) / w;
         scale += (-b).max(0.0).powi(2) / w;

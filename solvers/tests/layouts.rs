@@ -51,13 +51,9 @@ proptest! {
     fn levels_keep_the_order_of_contacts_that_share_a_grain(problem in any_problem()) {
         let contacts = problem.contacts();
         let order = by_levels(contacts.iter().map(contact::Contact::ends), problem.grain_count());
-        let grains = |k: u32| {
-            let (i, j) = contacts[k as usize].ends();
-            [Some(i), j].into_iter().flatten()
-        };
         let mut last = HashMap::new();
         for contact in &order {
-            for grain in grains(*contact) {
+            for grain in contacts[*contact as usize].grains() {
                 let before = last.insert(grain, *contact);
                 prop_assert!(before.is_none_or(|before| before < *contact));
             }
