@@ -9,6 +9,16 @@ use contact::law::non_negative;
 use contact::scaled::{ScaledContact, inverse_masses};
 use nalgebra::Vector2;
 use partition::Subdomain;
+use pulp::{Arch, Simd, WithSimd};
+
+/// A pass over the contacts or the grains of a block.
+#[derive(Clone, Copy)]
+pub(crate) enum Pass {
+    Curvature,
+    Step { length: f64, whole: bool },
+    Gradient { length: f64, whole: bool },
+    Turn { beta: f64 },
+}
 
 /// Some contacts, with what the method knows of each.
 pub(crate) struct Block {
@@ -22,8 +32,12 @@ pub(crate) struct Block {
     u: Vec<f64>,
     /// The direction.
     p: Vec<f64>,
-    /// M^-½ H r, in local indices.
+    /// M^-½ H p, in local indices; of grains that blocks share, each has the sum once they have met. Likewise what follows.
+    y: Vec<Vector2<f64>>,
+    /// M^-½ H r.
     y_r: Vec<Vector2<f64>>,
+    /// What a step adds to M^-½ H r beyond α y.
+    change: Vec<Vector2<f64>>,
     /// 1 over the number of blocks that have the grain, in local indices.
     share: Vec<f64>,
 }
@@ -58,12 +72,15 @@ impl Block {
         let (columns, unit): (Vec<_>, Vec<f64>) = (0..contacts.len()).map(column).unzip();
         let each = || contacts.iter().map(|contact| *contact as usize).zip(&unit);
         let share = |grain: &u32| 1.0 / f64::from(multiplicity[*grain as usize]);
+        let zeros = vec![Vector2::zeros(); subdomain.grains.len()];
         Self {
             b: each().map(|(contact, unit)| b[contact] / unit).collect(),
             r: each().map(|(contact, unit)| r0[contact] * unit).collect(),
             u: vec![0.0; contacts.len()],
             p: vec![0.0; contacts.len()],
-            y_r: vec![Vector2::zeros(); subdomain.grains.len()],
+            y: zeros.clone(),
+            y_r: zeros.clone(),
+            change: zeros,
             share: subdomain.grains.iter().map(share).collect(),
             contacts,
             columns,
@@ -71,13 +88,30 @@ impl Block {
         }
     }
 
-    /// The block's part of pᵗ W p = |y|² from y = M^-½ H p.
-    pub(crate) fn curvature(&self, y: &[Vector2<f64>]) -> f64 {
-        y.iter().zip(&self.share).map(|(y, share)| share * y.norm_squared()).sum()
+    /// Makes a pass, with the best instructions that the processor has: the same operations in the same order with any. Returns
+    /// what the block adds to the scalar product that the pass is for.
+    pub(crate) fn make(&mut self, pass: Pass) -> f64 {
+        Arch::new().dispatch(Dispatched(self, pass))
     }
 
-    /// r = max(0, r + α p); `change` becomes M^-½ H r, or only that of what the maximum adds to r + α p.
-    pub(crate) fn step(&mut self, length: f64, whole: bool, change: &mut [Vector2<f64>]) {
+    /// What blocks have in common after the pass, or before it.
+    pub(crate) fn shared(&mut self, pass: Pass) -> &mut [Vector2<f64>] {
+        match pass {
+            Pass::Step { .. } | Pass::Gradient { .. } => &mut self.change,
+            Pass::Turn { .. } | Pass::Curvature => &mut self.y,
+        }
+    }
+
+    /// The block's part of pᵗ W p = |y|².
+    #[inline(always)]
+    fn curvature(&self) -> f64 {
+        self.y.iter().zip(&self.share).map(|(y, share)| share * y.norm_squared()).sum()
+    }
+
+    /// r = max(0, r + α p); `change` becomes the block's part of M^-½ H r, or only of what the maximum adds to r + α p.
+    #[inline(always)]
+    fn step(&mut self, length: f64, whole: bool) -> f64 {
+        let change = &mut self.change[..];
         change.fill(Vector2::zeros());
         for ((column, p), r) in self.columns.iter().zip(&self.p).zip(&mut self.r) {
             let moved = *r + length * p;
@@ -88,34 +122,33 @@ impl Block {
                 column.push(-moved, change);
             }
         }
+        0.0
     }
 
-    /// u = −(W r + b) after the step of the same `length`, from y = M^-½ H p and the `change`; returns the block's part of
-    /// wᵗ W p, with w the part of u that is not blocked.
-    pub(crate) fn gradient(
-        &mut self,
-        length: f64,
-        whole: bool,
-        y: &[Vector2<f64>],
-        change: &[Vector2<f64>],
-    ) -> f64 {
+    /// u = −(W r + b) after the step of the same `length`; returns the block's part of wᵗ W p, with w the part of u that is not
+    /// blocked.
+    #[inline(always)]
+    fn gradient(&mut self, length: f64, whole: bool) -> f64 {
         if whole {
-            self.y_r.copy_from_slice(change);
+            self.y_r.copy_from_slice(&self.change);
         } else {
-            for ((y_r, y), change) in self.y_r.iter_mut().zip(y).zip(change) {
+            for ((y_r, y), change) in self.y_r.iter_mut().zip(&self.y).zip(&self.change) {
                 *y_r += length * y + change;
             }
         }
+        let (y, y_r) = (&self.y[..], &self.y_r[..]);
         let mut sum = 0.0;
         for ((column, u), (b, r)) in self.columns.iter().zip(&mut self.u).zip(self.b.iter().zip(&self.r)) {
-            *u = -(column.relative(&self.y_r) + b);
+            *u = -(column.relative(y_r) + b);
             sum += unblocked(*r, *u, *u) * column.relative(y);
         }
         sum
     }
 
-    /// p = w + β z, with z = p where w is not blocked, and y = M^-½ H p; returns the block's part of uᵗ p.
-    pub(crate) fn turn(&mut self, beta: f64, y: &mut [Vector2<f64>]) -> f64 {
+    /// p = w + β z, with z = p where w is not blocked; y becomes the block's part of M^-½ H p; returns that of uᵗ p.
+    #[inline(always)]
+    fn turn(&mut self, beta: f64) -> f64 {
+        let y = &mut self.y[..];
         y.fill(Vector2::zeros());
         let mut sum = 0.0;
         for ((column, p), (r, u)) in self.columns.iter().zip(&mut self.p).zip(self.r.iter().zip(&self.u)) {
@@ -130,6 +163,23 @@ impl Block {
     pub(crate) fn impulses(&self, impulses: &mut [f64]) {
         for ((r, unit), contact) in self.r.iter().zip(&self.unit).zip(&self.contacts) {
             impulses[*contact as usize] = r / unit;
+        }
+    }
+}
+
+struct Dispatched<'b>(&'b mut Block, Pass);
+
+impl WithSimd for Dispatched<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let Self(block, pass) = self;
+        match pass {
+            Pass::Curvature => block.curvature(),
+            Pass::Step { length, whole } => block.step(length, whole),
+            Pass::Gradient { length, whole } => block.gradient(length, whole),
+            Pass::Turn { beta } => block.turn(beta),
         }
     }
 }

@@ -6,7 +6,7 @@
 
 mod block;
 
-use block::Block;
+use block::{Block, Pass};
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, together};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Scheme, Subdomain};
@@ -42,19 +42,14 @@ pub enum Preconditioner {
 struct Run {
     decomposition: Decomposition,
     blocks: Vec<Block>,
-    /// M^-½ H p, block by block in local indices; of grains that blocks share, each has the sum.
-    y: Vec<Vec<Vector2<f64>>>,
-    /// What a step adds to M^-½ H r beyond α y, likewise.
-    change: Vec<Vec<Vector2<f64>>>,
-    /// What blocks share of y or of the change, after the last assembly.
-    sums: Vec<Vector2<f64>>,
+    /// What blocks show each other of the grains they share.
+    shown: Vec<Vec<Vector2<f64>>>,
     contacts: usize,
     /// What each block adds to a scalar product.
     parts: Vec<f64>,
     /// uᵗ p.
     descent: f64,
     iterations: u64,
-    products: u64,
 }
 
 /// After so many iterations M^-½ H r is made from r. Between, it moves by M^-½ H α p and by what the maximum adds, which costs
@@ -62,33 +57,39 @@ struct Run {
 const WHOLE: u64 = 16;
 
 impl Run {
-    /// One pass over all contacts; returns the sum over the blocks, which no number of threads changes.
-    fn pass(
-        &mut self,
-        pass: impl Fn(&mut Block, &mut [Vector2<f64>], &mut [Vector2<f64>]) -> f64 + Sync + Send,
-    ) -> f64 {
-        let y = self.y.par_iter_mut().zip(&mut self.change);
-        let blocks = self.blocks.par_iter_mut().zip(y).zip(&mut self.parts);
-        let together = together(NS_PER_CONTACT * self.contacts);
-        blocks.with_min_len(together).for_each(|((block, (y, change)), part)| *part = pass(block, y, change));
+    /// One pass over all blocks, each of which then shows what it has of the grains it shares; returns the sum over the blocks,
+    /// which no number of threads changes.
+    fn show_after(&mut self, pass: Pass) -> f64 {
+        let blocks = self.blocks.par_iter_mut().zip(&mut self.shown).zip(&mut self.parts).enumerate();
+        let blocks = blocks.with_min_len(together(NS_PER_CONTACT * self.contacts));
+        blocks.for_each(|(e, ((block, shown), part))| {
+            *part = block.make(pass);
+            self.decomposition.show(e, block.shared(pass), shown);
+        });
+        self.parts.iter().sum()
+    }
+
+    /// The same, but each block first adds up what all have shown.
+    fn assemble_before(&mut self, pass: Pass) -> f64 {
+        let blocks = self.blocks.par_iter_mut().zip(&mut self.parts).enumerate();
+        let blocks = blocks.with_min_len(together(NS_PER_CONTACT * self.contacts));
+        blocks.for_each(|(e, (block, part))| {
+            self.decomposition.assemble(e, &self.shown, block.shared(pass));
+            *part = block.make(pass);
+        });
         self.parts.iter().sum()
     }
 
     /// r = max(0, r + α p) and u = −(W r + b); returns wᵗ W p.
     fn step(&mut self, length: f64) -> f64 {
         let whole = self.iterations.is_multiple_of(WHOLE);
-        self.pass(|block, _, change| {
-            block.step(length, whole, change);
-            0.0
-        });
-        self.decomposition.assemble(&mut self.change, &mut self.sums);
-        self.pass(|block, y, change| block.gradient(length, whole, y, change))
+        self.show_after(Pass::Step { length, whole });
+        self.assemble_before(Pass::Gradient { length, whole })
     }
 
     /// p = w + β z.
     fn turn(&mut self, beta: f64) {
-        self.descent = self.pass(|block, y, _| block.turn(beta, y));
-        self.decomposition.assemble(&mut self.y, &mut self.sums);
+        self.descent = self.show_after(Pass::Turn { beta });
     }
 }
 
@@ -96,13 +97,12 @@ impl Iteration for Run {
     fn advance(&mut self) {
         // pᵗ W p is 0 at a solution, where p = 0; and on a problem without one, along a p of which grains feel nothing:
         // there the iterate stays.
-        let curvature = self.pass(|block, y, _| block.curvature(y));
+        let curvature = self.assemble_before(Pass::Curvature);
         let ratio = |numerator: f64| if curvature == 0.0 { 0.0 } else { numerator / curvature };
 
         // α = uᵗ p / pᵗ W p
         self.iterations += 1;
         let product = self.step(ratio(self.descent));
-        self.products += 2;
 
         // p = w + β z,  z = p on the set of w, else 0,  β = −wᵗ W p / pᵗ W p
         self.turn(-ratio(product));
@@ -113,7 +113,8 @@ impl Iteration for Run {
     }
 
     fn work(&self) -> Work {
-        Work { delassus_products: self.products, ..Work::default() }
+        // W p and W r in each iteration, W r0 before the first.
+        Work { delassus_products: 2 * self.iterations + 1, ..Work::default() }
     }
 }
 
@@ -144,19 +145,16 @@ impl Solver for Cg {
         let multiplicity = &decomposition.multiplicity;
         let block =
             |subdomain: &Subdomain| Block::new(problem, subdomain, multiplicity, preconditioned, &b, r0);
-        let zeros: Vec<_> =
-            subdomains.iter().map(|block| vec![Vector2::zeros(); block.grains.len()]).collect();
+        let shown =
+            decomposition.copies_by_subdomain().map(|copies| vec![Vector2::zeros(); copies]).collect();
         let mut run = Run {
             blocks: subdomains.iter().map(block).collect(),
-            y: zeros.clone(),
-            change: zeros,
-            sums: vec![Vector2::zeros(); decomposition.boundary_count()],
+            shown,
             contacts: problem.contact_count(),
             parts: vec![0.0; subdomains.len()],
             decomposition,
             descent: 0.0,
             iterations: 0,
-            products: 1,
         };
         // p = 0 so far: u of r0, and p = w.
         run.step(0.0);

@@ -1,8 +1,7 @@
 //! Subdomains with their own copies of the grains, and gluing, eq. (3).
 
 use crate::scheme::Partition;
-use contact::ContactProblem;
-use contact::together;
+use contact::{ContactProblem, together};
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
@@ -33,6 +32,8 @@ pub struct Decomposition {
     first: Vec<usize>,
     /// By subdomain, its copies of boundary grains: local index, and k.
     of_subdomain: Vec<Vec<(u32, u32)>>,
+    /// The place of each of `copies` in the list of its subdomain.
+    place: Vec<u32>,
 }
 
 /// What it takes to fetch a copy that another thread wrote, about (ns).
@@ -80,12 +81,15 @@ impl Decomposition {
             }
         }
         let mut of_subdomain = vec![Vec::new(); subdomains.len()];
+        let mut place = Vec::with_capacity(copies.len());
         for (k, ends) in (0_u32..).zip(first.windows(2)) {
             for (e, local) in &copies[ends[0]..ends[1]] {
-                of_subdomain[*e as usize].push((*local, k));
+                let own = &mut of_subdomain[*e as usize];
+                place.push(own.len() as u32);
+                own.push((*local, k));
             }
         }
-        Self { subdomains, multiplicity, copies, first, of_subdomain }
+        Self { subdomains, multiplicity, copies, first, of_subdomain, place }
     }
 
     /// The copies (subdomain, local index) of each boundary grain.
@@ -150,13 +154,21 @@ impl Decomposition {
         });
     }
 
-    /// Gives every copy of a boundary grain the sum over its copies, which `sums` takes.
-    pub fn assemble(&self, y: &mut [Vec<Vector2<f64>>], sums: &mut [Vector2<f64>]) {
-        self.join(sums, |_, copies, sum| {
-            *sum = copies.iter().map(|(e, local)| y[*e as usize][*local as usize]).sum();
-            0.0
-        });
-        self.move_copies(y, sums);
+    /// What subdomain `e` has of its boundary grains, in the order of its own list.
+    pub fn show(&self, e: usize, y: &[Vector2<f64>], shown: &mut [Vector2<f64>]) {
+        for ((local, _), shown) in self.of_subdomain[e].iter().zip(shown) {
+            *shown = y[*local as usize];
+        }
+    }
+
+    /// Gives the copies in subdomain `e` of boundary grains the sum over all copies, of which each subdomain has shown its own.
+    /// Subdomains need not wait for each other between the two: what they read is not what they write.
+    pub fn assemble(&self, e: usize, shown: &[Vec<Vector2<f64>>], y: &mut [Vector2<f64>]) {
+        for (local, k) in &self.of_subdomain[e] {
+            let copies = self.first[*k as usize]..self.first[*k as usize + 1];
+            let copies = self.copies[copies.clone()].iter().zip(&self.place[copies]);
+            y[*local as usize] = copies.map(|((e, _), place)| shown[*e as usize][*place as usize]).sum();
+        }
     }
 
     /// Number of boundary grains.
