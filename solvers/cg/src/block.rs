@@ -11,12 +11,20 @@ use nalgebra::Vector2;
 use partition::Subdomain;
 use pulp::{Arch, Simd, WithSimd};
 
-/// A pass over the contacts or the grains of a block.
+/// A pass over a block, and the scalar product that it is for. w is the part of u = −(W r + b) that r ≥ 0 does not block.
 #[derive(Clone, Copy)]
 pub(crate) enum Pass {
+    /// pᵗ W p = |y|², with y = M^-½ H p.
     Curvature,
-    Step { length: f64, whole: bool },
-    Gradient { length: f64, whole: bool },
+    /// r = max(0, r + α p), and u as if the maximum added nothing to r + α p; wᵗ W p.
+    Step { length: f64 },
+    /// u with what the maximum added; wᵗ W p.
+    Correct,
+    /// r = max(0, r + α p), and M^-½ H r; nothing.
+    Whole { length: f64 },
+    /// u from M^-½ H r; wᵗ W p.
+    Afresh,
+    /// p = w + β z, with z = p where w is not blocked, else 0; uᵗ p.
     Turn { beta: f64 },
 }
 
@@ -34,10 +42,15 @@ pub(crate) struct Block {
     p: Vec<f64>,
     /// M^-½ H p, in local indices; of grains that blocks share, each has the sum once they have met. Likewise what follows.
     y: Vec<Vector2<f64>>,
-    /// M^-½ H r.
-    y_r: Vec<Vector2<f64>>,
-    /// What a step adds to M^-½ H r beyond α y.
+    /// M^-½ H of what the maximum adds in a step, or of all r; 0 when it has been used.
     change: Vec<Vector2<f64>>,
+    /// Whether the maximum added anything in the last step.
+    added: bool,
+    /// What the block adds to the scalar product that the last pass was for.
+    part: f64,
+    /// Grain i has the contacts `around[first[i]..first[i + 1]]`.
+    first: Vec<u32>,
+    around: Vec<u32>,
     /// 1 over the number of blocks that have the grain, in local indices.
     share: Vec<f64>,
 }
@@ -47,6 +60,26 @@ pub(crate) struct Block {
 #[expect(clippy::needless_bitwise_bool, reason = "no branch: which contacts are blocked is hard to predict")]
 fn unblocked(r: f64, u: f64, value: f64) -> f64 {
     if (r > 0.0) | (u > 0.0) { value } else { 0.0 }
+}
+
+/// The contacts around each grain of `subdomain`, grain after grain, and where the list of each begins.
+fn around(subdomain: &Subdomain) -> (Vec<u32>, Vec<u32>) {
+    let ends = || (0_u32..).zip(subdomain.candidate.iter().zip(&subdomain.antagonist));
+    let touches = || {
+        ends().flat_map(|(k, (i, j))| [(k, Some(*i)), (k, *j)]).filter_map(|(k, i)| Some((k, i? as usize)))
+    };
+    let mut first = vec![0; subdomain.grains.len() + 1];
+    touches().for_each(|(_, grain)| first[grain + 1] += 1);
+    for grain in 1..first.len() {
+        first[grain] += first[grain - 1];
+    }
+    let mut next = first.clone();
+    let mut around = vec![0; next[next.len() - 1] as usize];
+    for (k, grain) in touches() {
+        around[next[grain] as usize] = k;
+        next[grain] += 1;
+    }
+    (first, around)
 }
 
 impl Block {
@@ -69,6 +102,7 @@ impl Block {
             (ScaledContact::new(ends, contact.normal, inverse_mass, unit), unit)
         };
         let contacts = subdomain.contacts.clone();
+        let (first, around) = around(subdomain);
         let (columns, unit): (Vec<_>, Vec<f64>) = (0..contacts.len()).map(column).unzip();
         let each = || contacts.iter().map(|contact| *contact as usize).zip(&unit);
         let share = |grain: &u32| 1.0 / f64::from(multiplicity[*grain as usize]);
@@ -79,8 +113,11 @@ impl Block {
             u: vec![0.0; contacts.len()],
             p: vec![0.0; contacts.len()],
             y: zeros.clone(),
-            y_r: zeros.clone(),
             change: zeros,
+            added: false,
+            part: 0.0,
+            first,
+            around,
             share: subdomain.grains.iter().map(share).collect(),
             contacts,
             columns,
@@ -88,64 +125,93 @@ impl Block {
         }
     }
 
-    /// Makes a pass, with the best instructions that the processor has: the same operations in the same order with any. Returns
-    /// what the block adds to the scalar product that the pass is for.
-    pub(crate) fn make(&mut self, pass: Pass) -> f64 {
-        Arch::new().dispatch(Dispatched(self, pass))
+    /// Makes a pass, with the best instructions that the processor has: the same operations in the same order with any.
+    pub(crate) fn make(&mut self, pass: Pass) {
+        self.part = Arch::new().dispatch(Dispatched(self, pass));
     }
 
     /// What blocks have in common after the pass, or before it.
     pub(crate) fn shared(&mut self, pass: Pass) -> &mut [Vector2<f64>] {
         match pass {
-            Pass::Step { .. } | Pass::Gradient { .. } => &mut self.change,
+            Pass::Step { .. } | Pass::Correct | Pass::Whole { .. } | Pass::Afresh => &mut self.change,
             Pass::Turn { .. } | Pass::Curvature => &mut self.y,
         }
     }
 
-    /// The block's part of pᵗ W p = |y|².
+    /// What the block adds to the scalar product that the last pass was for.
+    pub(crate) fn part(&self) -> f64 {
+        self.part
+    }
+
+    /// Whether the maximum added anything in the last step: then a correction must follow.
+    pub(crate) fn added(&self) -> bool {
+        self.added
+    }
+
     #[inline(always)]
     fn curvature(&self) -> f64 {
         self.y.iter().zip(&self.share).map(|(y, share)| share * y.norm_squared()).sum()
     }
 
-    /// r = max(0, r + α p); `change` becomes the block's part of M^-½ H r, or only of what the maximum adds to r + α p.
     #[inline(always)]
-    fn step(&mut self, length: f64, whole: bool) -> f64 {
-        let change = &mut self.change[..];
-        change.fill(Vector2::zeros());
-        for ((column, p), r) in self.columns.iter().zip(&self.p).zip(&mut self.r) {
+    fn step(&mut self, length: f64) -> f64 {
+        let (y, change) = (&self.y[..], &mut self.change[..]);
+        let (mut added, mut product) = (false, 0.0);
+        for ((column, p), (r, u)) in self.columns.iter().zip(&self.p).zip(self.r.iter_mut().zip(&mut self.u))
+        {
+            let of_p = column.relative(y);
             let moved = *r + length * p;
             *r = non_negative(moved);
-            if whole {
-                column.push(*r, change);
-            } else if moved < 0.0 {
+            *u -= length * of_p;
+            if moved < 0.0 {
                 column.push(-moved, change);
+                added = true;
             }
+            product += unblocked(*r, *u, *u) * of_p;
+        }
+        self.added = added;
+        product
+    }
+
+    #[inline(always)]
+    fn correct(&mut self) -> f64 {
+        let mut product = self.part;
+        for (grain, change) in self.change.iter_mut().enumerate() {
+            if *change != Vector2::zeros() {
+                for k in &self.around[self.first[grain] as usize..self.first[grain + 1] as usize] {
+                    let k = *k as usize;
+                    let (column, r, u) = (&self.columns[k], self.r[k], &mut self.u[k]);
+                    let before = unblocked(r, *u, *u);
+                    *u -= column.relative_of(grain as u32, change);
+                    product += (unblocked(r, *u, *u) - before) * column.relative(&self.y);
+                }
+                *change = Vector2::zeros();
+            }
+        }
+        product
+    }
+
+    #[inline(always)]
+    fn whole(&mut self, length: f64) -> f64 {
+        let change = &mut self.change[..];
+        for ((column, p), r) in self.columns.iter().zip(&self.p).zip(&mut self.r) {
+            *r = non_negative(*r + length * p);
+            column.push(*r, change);
         }
         0.0
     }
 
-    /// u = −(W r + b) after the step of the same `length`; returns the block's part of wᵗ W p, with w the part of u that is not
-    /// blocked.
     #[inline(always)]
-    fn gradient(&mut self, length: f64, whole: bool) -> f64 {
-        if whole {
-            self.y_r.copy_from_slice(&self.change);
-        } else {
-            for ((y_r, y), change) in self.y_r.iter_mut().zip(&self.y).zip(&self.change) {
-                *y_r += length * y + change;
-            }
-        }
-        let (y, y_r) = (&self.y[..], &self.y_r[..]);
-        let mut sum = 0.0;
+    fn afresh(&mut self) -> f64 {
+        let mut product = 0.0;
         for ((column, u), (b, r)) in self.columns.iter().zip(&mut self.u).zip(self.b.iter().zip(&self.r)) {
-            *u = -(column.relative(y_r) + b);
-            sum += unblocked(*r, *u, *u) * column.relative(y);
+            *u = -(column.relative(&self.change) + b);
+            product += unblocked(*r, *u, *u) * column.relative(&self.y);
         }
-        sum
+        self.change.fill(Vector2::zeros());
+        product
     }
 
-    /// p = w + β z, with z = p where w is not blocked; y becomes the block's part of M^-½ H p; returns that of uᵗ p.
     #[inline(always)]
     fn turn(&mut self, beta: f64) -> f64 {
         let y = &mut self.y[..];
@@ -167,6 +233,7 @@ impl Block {
     }
 }
 
+/// What the processor's instructions are chosen for.
 struct Dispatched<'b>(&'b mut Block, Pass);
 
 impl WithSimd for Dispatched<'_> {
@@ -177,8 +244,10 @@ impl WithSimd for Dispatched<'_> {
         let Self(block, pass) = self;
         match pass {
             Pass::Curvature => block.curvature(),
-            Pass::Step { length, whole } => block.step(length, whole),
-            Pass::Gradient { length, whole } => block.gradient(length, whole),
+            Pass::Step { length } => block.step(length),
+            Pass::Correct => block.correct(),
+            Pass::Whole { length } => block.whole(length),
+            Pass::Afresh => block.afresh(),
             Pass::Turn { beta } => block.turn(beta),
         }
     }

@@ -1,8 +1,8 @@
 //! Conjugate projected gradient on min over r ≥ 0 of q(r) = ½ rᵗ W r + bᵗ r, the paper's reference \[2\].
 //!
 //! M. Renouf, P. Alart, Conjugate gradient type algorithms for frictional multi-contact problems: applications to
-//! granular materials, Comput. Methods Appl. Mech. Engrg. 194 (2005) 2019-2041. Cost of an iteration: two products
-//! with W, in three passes over the contacts; the blocks in which these are made are for the threads alone.
+//! granular materials, Comput. Methods Appl. Mech. Engrg. 194 (2005) 2019-2041. Cost of an iteration: one product
+//! with W, in two passes over the contacts; the blocks in which these are made are for the threads alone.
 
 mod block;
 
@@ -45,46 +45,45 @@ struct Run {
     /// What blocks show each other of the grains they share.
     shown: Vec<Vec<Vector2<f64>>>,
     contacts: usize,
-    /// What each block adds to a scalar product.
-    parts: Vec<f64>,
     /// uᵗ p.
     descent: f64,
     iterations: u64,
 }
 
-/// After so many iterations M^-½ H r is made from r. Between, it moves by M^-½ H α p and by what the maximum adds, which costs
-/// a pass less and lets the two part by the round-off of r.
+/// After so many iterations u is made from r. Between, it moves by −α W p, which β needs anyway, and by what the maximum adds, at
+/// the few contacts around it: that costs a product with W less, and lets u and r part by round-off.
 const WHOLE: u64 = 16;
 
 impl Run {
     /// One pass over all blocks, each of which then shows what it has of the grains it shares; returns the sum over the blocks,
     /// which no number of threads changes.
     fn show_after(&mut self, pass: Pass) -> f64 {
-        let blocks = self.blocks.par_iter_mut().zip(&mut self.shown).zip(&mut self.parts).enumerate();
-        let blocks = blocks.with_min_len(together(NS_PER_CONTACT * self.contacts));
-        blocks.for_each(|(e, ((block, shown), part))| {
-            *part = block.make(pass);
+        let blocks = self.blocks.par_iter_mut().zip(&mut self.shown).enumerate();
+        blocks.with_min_len(together(NS_PER_CONTACT * self.contacts)).for_each(|(e, (block, shown))| {
+            block.make(pass);
             self.decomposition.show(e, block.shared(pass), shown);
         });
-        self.parts.iter().sum()
+        self.blocks.iter().map(Block::part).sum()
     }
 
     /// The same, but each block first adds up what all have shown.
     fn assemble_before(&mut self, pass: Pass) -> f64 {
-        let blocks = self.blocks.par_iter_mut().zip(&mut self.parts).enumerate();
-        let blocks = blocks.with_min_len(together(NS_PER_CONTACT * self.contacts));
-        blocks.for_each(|(e, (block, part))| {
+        let blocks = self.blocks.par_iter_mut().enumerate();
+        blocks.with_min_len(together(NS_PER_CONTACT * self.contacts)).for_each(|(e, block)| {
             self.decomposition.assemble(e, &self.shown, block.shared(pass));
-            *part = block.make(pass);
+            block.make(pass);
         });
-        self.parts.iter().sum()
+        self.blocks.iter().map(Block::part).sum()
     }
 
     /// r = max(0, r + α p) and u = −(W r + b); returns wᵗ W p.
     fn step(&mut self, length: f64) -> f64 {
-        let whole = self.iterations.is_multiple_of(WHOLE);
-        self.show_after(Pass::Step { length, whole });
-        self.assemble_before(Pass::Gradient { length, whole })
+        if self.iterations.is_multiple_of(WHOLE) {
+            self.show_after(Pass::Whole { length });
+            return self.assemble_before(Pass::Afresh);
+        }
+        let product = self.show_after(Pass::Step { length });
+        if self.blocks.iter().any(Block::added) { self.assemble_before(Pass::Correct) } else { product }
     }
 
     /// p = w + β z.
@@ -113,8 +112,9 @@ impl Iteration for Run {
     }
 
     fn work(&self) -> Work {
-        // W p and W r in each iteration, W r0 before the first.
-        Work { delassus_products: 2 * self.iterations + 1, ..Work::default() }
+        // W p in each iteration; W r before the first, and where u is made from r. What the maximum adds is no product.
+        let products = self.iterations + self.iterations / WHOLE + 1;
+        Work { delassus_products: products, ..Work::default() }
     }
 }
 
@@ -151,7 +151,6 @@ impl Solver for Cg {
             blocks: subdomains.iter().map(block).collect(),
             shown,
             contacts: problem.contact_count(),
-            parts: vec![0.0; subdomains.len()],
             decomposition,
             descent: 0.0,
             iterations: 0,

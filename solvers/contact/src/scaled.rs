@@ -44,6 +44,13 @@ impl ScaledContact {
         self.normal.x * (i.x - self.ratio * j.x) + self.normal.y * (i.y - self.ratio * j.y)
     }
 
+    /// What a `change` of one grain of the contact, in the place `grain` of y, adds to (H̃ᵗ y)_α.
+    #[inline]
+    pub fn relative_of(&self, grain: u32, change: &Vector2<f64>) -> f64 {
+        let along = self.normal.dot(change);
+        if grain == self.candidate { along } else { -self.ratio * along }
+    }
+
     /// y ← y + h̃_α s.
     #[inline]
     pub fn push(&self, s: f64, y: &mut [Vector2<f64>]) {
