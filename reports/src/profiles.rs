@@ -15,7 +15,7 @@ use crate::legend::Legend;
 use crate::number::{counted, power_of_ten};
 use crate::panels::{INSIDE, MOST_LINES, Room, nothing, row, too_many};
 use crate::part::Part;
-use crate::rows::{problems, runs};
+use crate::rows::{problems, repeats, runs};
 use crate::series::{Series, draw_empty, series};
 use crate::statistics::median;
 use crate::study::Study;
@@ -31,9 +31,10 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     }
     let table = table(&study, &methods)?;
     let set = problems(&runs).join(", ");
+    let repeats = repeats(&tables.runs)?;
     let note = format!(
         "\nProblems: {set}. Reached: with the accuracy reached, the other runs are censored. Best: with no method cheaper. \
-         Median ratio: of the cost to the least, where reached. One run each. {WORK}\n"
+         Median ratio: of the cost to the least, where reached. {repeats} {WORK}\n"
     );
     parts.push(Part::table("profiles", table, note));
     Ok(parts)

@@ -96,6 +96,17 @@ pub(crate) fn given(table: &DataFrame) -> Result<Vec<(String, String, Option<f64
     Ok(given.map(|(((problem, from), error), _)| (problem, from, error)).collect())
 }
 
+/// How often the runs were made for their seconds, as a note says it.
+pub(crate) fn repeats(table: &DataFrame) -> Result<String, ReportError> {
+    let repeats = u32s(&made(table)?, "repeats")?;
+    let (least, most) = (repeats.iter().min().unwrap_or(&1), repeats.iter().max().unwrap_or(&1));
+    Ok(match (least, most) {
+        (_, 1) => "One run each.".to_owned(),
+        (least, most) if least == most => format!("Seconds: medians of {most} runs each."),
+        (least, most) => format!("Seconds: medians of {least} to {most} runs each."),
+    })
+}
+
 /// The rows of runs.
 pub(crate) fn made(table: &DataFrame) -> Result<DataFrame, ReportError> {
     let is_run: BooleanChunked = texts(table, "status")?.iter().map(|status| status != GIVEN).collect();

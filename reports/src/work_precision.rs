@@ -10,7 +10,7 @@ use crate::curve::{LOWEST, LogPoint, log, log_point, range};
 use crate::number::{number, power_of_ten};
 use crate::panels::{INSIDE, Room, row, title};
 use crate::part::Part;
-use crate::rows::{RunRow, given};
+use crate::rows::{RunRow, given, repeats};
 use crate::signs::Sign;
 use crate::statistics::padded;
 use crate::study::{AgainstTruth, Line, Study, draw_lines};
@@ -32,7 +32,7 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
             ]);
         }
     }
-    note.extend(["\nOne run each. ", WORK, "\n"]);
+    note.extend(["\n", &repeats(&tables.runs)?, " ", WORK, "\n"]);
     AgainstTruth { name: "work-precision", lacks: "nothing to compare", figure, sentences, note }
         .parts(tables)
 }

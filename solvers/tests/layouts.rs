@@ -135,7 +135,6 @@ fn moving_packing() -> ContactProblem {
     ContactProblem::new(mass, position, velocity, fallen.contacts().to_vec()).unwrap()
 }
 
-/// Conjugate directions amplify round-off, by less than a decade in three iterations.
 #[test]
 fn cg_in_blocks_is_the_method_of_the_reference() {
     let problem = moving_packing();
@@ -149,11 +148,12 @@ fn cg_in_blocks_is_the_method_of_the_reference() {
         let mut plain = PlainCg { problem: &problem, scaling, u: r.clone(), p: r.clone(), r };
         plain.p = plain.w();
         let mut blocks = start(&Cg { preconditioner }, &problem);
-        for iteration in 1..=15 {
+        // Twice, u is made from r anew.
+        for iteration in 1..=40 {
             plain.advance();
             blocks.advance();
             let difference = difference(&plain.r, &impulses(&*blocks, &problem));
-            assert!(difference < 1e-10, "{preconditioner:?}, iteration {iteration}: {difference}");
+            assert!(difference < 1e-13, "{preconditioner:?}, iteration {iteration}: {difference}");
         }
     }
 }

@@ -1,4 +1,4 @@
-use results::schema::{Run, Sample};
+use results::schema::{Run, Sample, Timing};
 
 use super::{front, parts};
 use crate::fixture::{File, decay, explosion, files, run, sample, tables, without_truth};
@@ -110,4 +110,18 @@ fn run_that_tells_no_work_has_none_after_its_start() {
         decay().into_iter().map(|s| Sample { contact_updates: 0, delassus_products: 0, ..s }).collect();
     let made = made(&parts(&tables(&[run(0, "interior-point", "", "converged")], &[(0, untold)])).unwrap());
     assert!(!made.last().unwrap().1.contains("in counted work"), "{}", made.last().unwrap().1);
+}
+
+#[test]
+fn note_says_how_often_runs_were_made() {
+    let note = |repeats: [u32; 2]| {
+        let runs = [0, 1].map(|n| {
+            let run = run(n, "nsgs", &n.to_string(), "converged");
+            Run { timing: Timing { repeats: repeats[n as usize], ..run.timing.clone() }, ..run }
+        });
+        made(&parts(&tables(&runs, &[(0, decay()), (1, decay())])).unwrap()).pop().unwrap().1
+    };
+    assert!(note([1, 1]).contains("\nOne run each. "));
+    assert!(note([3, 3]).contains("\nSeconds: medians of 3 runs each. "));
+    assert!(note([1, 5]).contains("\nSeconds: medians of 1 to 5 runs each. "));
 }
