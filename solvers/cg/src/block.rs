@@ -4,6 +4,11 @@
 //! of H̃, r is √`W_αα` r, u and b are u/√`W_αα` and b/√`W_αα`: the plain method in these unknowns is the one
 //! preconditioned by `W_D`, in which g = u/`W_αα` enters w only.
 
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined where the processor's instructions are chosen does not get them"
+)]
+
 use contact::ContactProblem;
 use contact::law::non_negative;
 use contact::scaled::{ScaledContact, inverse_masses};

@@ -148,7 +148,7 @@ impl Solver for Cg {
         let shown =
             decomposition.copies_by_subdomain().map(|copies| vec![Vector2::zeros(); copies]).collect();
         let mut run = Run {
-            blocks: subdomains.iter().map(block).collect(),
+            blocks: subdomains.par_iter().map(block).collect(),
             shown,
             contacts: problem.contact_count(),
             decomposition,

@@ -3,6 +3,7 @@
 use crate::grid::Grid;
 use contact::{ContactProblem, SetupError};
 use nalgebra::Vector2;
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -66,14 +67,15 @@ fn boxes(position: &[Vector2<f64>], grains: &[Vector2<f64>], grid: Grid) -> Vec<
 
 fn balanced(position: &[Vector2<f64>], grid: Grid) -> Vec<u32> {
     let mut subdomain = vec![0; position.len()];
-    let mut order: Vec<usize> = (0..position.len()).collect();
-    order.sort_by(|a, b| position[*a].x.total_cmp(&position[*b].x));
+    // Positions go along, so that none is looked up.
+    let mut order: Vec<(Vector2<f64>, u32)> = position.iter().copied().zip(0..).collect();
+    order.par_sort_by(|(a, _), (b, _)| a.x.total_cmp(&b.x));
     for column in 0..grid.nx {
         let column_contacts = &mut order[share(position.len(), column, grid.nx)];
-        column_contacts.sort_by(|a, b| position[*a].y.total_cmp(&position[*b].y));
+        column_contacts.par_sort_by(|(a, _), (b, _)| a.y.total_cmp(&b.y));
         for row in 0..grid.ny {
-            for contact in &column_contacts[share(column_contacts.len(), row, grid.ny)] {
-                subdomain[*contact] = column + grid.nx * row;
+            for (_, contact) in &column_contacts[share(column_contacts.len(), row, grid.ny)] {
+                subdomain[*contact as usize] = column + grid.nx * row;
             }
         }
     }
