@@ -30,9 +30,9 @@ bless plan="regress":
 bench-kernels grains="1000 100000":
     GRAINS="{{grains}}" cargo bench --package harness --bench kernels
 
-# Count the instructions of the kernels, which a busy machine does not change (needs valgrind)
-count-instructions:
-    .ci/count-instructions
+# Compare the instructions of the kernels, which a busy machine does not change, with the accepted ones; `--bless` accepts those of now (needs valgrind)
+count-instructions *bless:
+    .ci/count-instructions {{bless}}
 
 # Bytes, flops and bandwidth of the kernels on one thread: reports/out/roofline.md
 roofline grains="1000 100000 1000000":
