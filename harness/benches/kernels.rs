@@ -6,7 +6,7 @@ mod common;
 
 use cases::{Frozen, detect};
 use cg::Cg;
-use contact::{Meter, Solver};
+use contact::{Iteration, Meter, Solver};
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
@@ -48,6 +48,30 @@ fn iterations(criterion: &mut Criterion) {
             (0..10).for_each(|_| iteration.advance());
             group.bench_function(BenchmarkId::new(name, grains), |bencher| {
                 bencher.iter(|| iteration.advance());
+            });
+        }
+        group.finish();
+    }
+}
+
+/// The two stages of LATIN-DD, the gluing of the boundary grains in the second.
+fn stages(criterion: &mut Criterion) {
+    for grains in common::sizes() {
+        let frozen = common::packing(grains);
+        let (problem, r0) = (&frozen.problem, frozen.start(false));
+        let mut group = criterion.benchmark_group("stage");
+        group.throughput(Throughput::Elements(problem.contact_count() as u64));
+        for (name, subdomains) in
+            [("one subdomain", Grid::ONE), ("small subdomains", small_subdomains(&frozen))]
+        {
+            let latin = LatinDd { subdomains, kappa_l: Some(40.0), ..LatinDd::default() };
+            let mut run = latin.run(problem, &r0).unwrap_or_else(|error| panic!("{error}"));
+            (0..10).for_each(|_| run.advance());
+            group.bench_function(BenchmarkId::new(format!("linear, {name}"), grains), |bencher| {
+                bencher.iter(|| run.linear_stage());
+            });
+            group.bench_function(BenchmarkId::new(format!("local, {name}"), grains), |bencher| {
+                bencher.iter(|| run.local_stage());
             });
         }
         group.finish();
@@ -114,5 +138,5 @@ fn operators(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(kernels, iterations, starts, operators);
+criterion_group!(kernels, iterations, stages, starts, operators);
 criterion_main!(kernels);

@@ -16,6 +16,7 @@ mod subdomain;
 mod tests;
 
 pub use directions::{Directions, derived_kappa};
+pub use run::Run;
 
 use contact::{ContactProblem, Iteration, SetupError, Solver};
 use partition::{Grid, Scheme};
@@ -95,14 +96,12 @@ impl LatinDd {
         ];
         self.adaptive.unwrap_or(given.iter().all(Option::is_none))
     }
-}
 
-impl Solver for LatinDd {
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    /// What [`Solver::start`] begins.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn run<'p>(&self, problem: &'p ContactProblem, r0: &[f64]) -> Result<Run<'p>, SetupError> {
         if !(self.relaxation > 0.0 && self.relaxation <= 1.0) {
             return Err(SetupError::new("relaxation", self.relaxation, "above 0 and at most 1"));
         }
@@ -117,6 +116,16 @@ impl Solver for LatinDd {
         if self.coarse && directions.d_minus == 0.0 {
             return Err(SetupError::new("coarse", true, "false where kappa_d_minus is 0"));
         }
-        Ok(Box::new(self.bind(problem, directions, r0)?))
+        self.bind(problem, directions, r0)
+    }
+}
+
+impl Solver for LatinDd {
+    fn start<'p>(
+        &self,
+        problem: &'p ContactProblem,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        Ok(Box::new(self.run(problem, r0)?))
     }
 }

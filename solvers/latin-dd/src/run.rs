@@ -13,8 +13,8 @@ use rayon::prelude::*;
 /// What a stage takes per contact, about (ns).
 const NS_PER_CONTACT: usize = 20;
 
-/// LATIN-DD on one problem.
-pub(crate) struct Run<'p> {
+/// LATIN-DD on one problem. `advance` takes its stages in turn; alone, they are for those who look at one of them.
+pub struct Run<'p> {
     problem: &'p ContactProblem,
     pub(crate) decomposition: Decomposition,
     pub(crate) subdomains: Vec<Latin>,
@@ -31,16 +31,11 @@ pub(crate) struct Run<'p> {
 
 impl Iteration for Run<'_> {
     fn advance(&mut self) {
-        let relaxation = self.relaxation;
-        self.in_subdomains(Latin::linear_stage);
-        if let Some(coarse) = &self.coarse {
-            coarse.correct(&mut self.subdomains);
-        }
+        self.linear_stage();
         let factor = self.balance.as_mut().and_then(|balance| {
             balance.factor(self.iterations + 1, self.directions.l_minus, &self.subdomains)
         });
-        self.in_subdomains(|subdomain| subdomain.local_stage(relaxation));
-        self.velocity_jump = self.interface();
+        self.local_stage();
         self.iterations += 1;
         self.count();
         if let Some(factor) = factor {
@@ -73,6 +68,21 @@ impl Iteration for Run<'_> {
 }
 
 impl Run<'_> {
+    /// The linear stage of all subdomains, (1) (4) (5), and the coarse problem.
+    pub fn linear_stage(&mut self) {
+        self.in_subdomains(Latin::linear_stage);
+        if let Some(coarse) = &self.coarse {
+            coarse.correct(&mut self.subdomains);
+        }
+    }
+
+    /// The local stage of all contacts, (2) (6), and of the boundary grains, (3) (7).
+    pub fn local_stage(&mut self) {
+        let relaxation = self.relaxation;
+        self.in_subdomains(|subdomain| subdomain.local_stage(relaxation));
+        self.velocity_jump = self.interface();
+    }
+
     pub(crate) fn in_subdomains(&mut self, stage: impl Fn(&mut Latin) + Sync + Send) {
         let nanoseconds = NS_PER_CONTACT * self.problem.contact_count();
         self.subdomains.par_iter_mut().with_min_len(together(nanoseconds)).for_each(stage);
