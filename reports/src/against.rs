@@ -14,7 +14,7 @@ use crate::number::{counted, number};
 use crate::panels::{INSIDE, Room, row};
 use crate::part::Part;
 use crate::rows::{RunRow, runs};
-use crate::series::draw_empty;
+use crate::series::{draw_empty, draw_points};
 use crate::signs::Sign;
 use crate::statistics::{median, padded};
 use crate::style::TOLERANCE;
@@ -120,8 +120,7 @@ fn panel(
     }
     for (run, place) in &points {
         let look = looks.of_method(&run.method);
-        Ending::Converged.draw(canvas, frame.place(*place), look.pen.color)?;
-        canvas.mark(look.mark, frame.place(*place), look.pen)?;
+        draw_points(canvas, &frame, look, &[(Ending::Converged, *place)])?;
     }
     if points.is_empty() { draw_empty(canvas, &frame) } else { Ok(()) }
 }

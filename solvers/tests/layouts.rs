@@ -70,6 +70,8 @@ proptest! {
             // Velocities are below 1 m/s, masses below 100 kg.
             let v = contact.relative(problem.free_velocity());
             prop_assert!((column.relative(&y) * unit - v).abs() < 1e-13, "{} of {v}", column.relative(&y) * unit);
+            let by_grain = contact.grains().map(|grain| column.relative_of(grain, &y[grain as usize])).sum::<f64>();
+            prop_assert!((by_grain - column.relative(&y)).abs() < 1e-13);
 
             let mut pushed = vec![Vector2::zeros(); problem.grain_count()];
             column.push(change, &mut pushed);
