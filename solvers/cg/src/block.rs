@@ -45,9 +45,9 @@ pub(crate) struct Block {
     u: Vec<f64>,
     /// The direction.
     p: Vec<f64>,
-    /// M^-½ H p, in local indices; of grains that blocks share, each has the sum once they have met. Likewise what follows.
+    /// M^-½ H p, in local indices; of grains that blocks share, each has the sum after it has been assembled.
     y: Vec<Vector2<f64>>,
-    /// M^-½ H of what the maximum adds in a step, or of all r; 0 when it has been used.
+    /// M^-½ H of what the maximum adds in a step, or of all r, likewise; 0 when it has been used.
     change: Vec<Vector2<f64>>,
     /// Whether the maximum added anything in the last step.
     added: bool,

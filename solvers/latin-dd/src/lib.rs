@@ -97,7 +97,7 @@ impl LatinDd {
         self.adaptive.unwrap_or(given.iter().all(Option::is_none))
     }
 
-    /// What [`Solver::start`] begins.
+    /// The run that [`Solver::start`] begins, with its stages open to be taken alone.
     ///
     /// # Errors
     /// As there.

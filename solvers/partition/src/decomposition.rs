@@ -154,15 +154,15 @@ impl Decomposition {
         });
     }
 
-    /// What subdomain `e` has of its boundary grains, in the order of its own list.
+    /// Copies what subdomain `e` has of its boundary grains to `shown`, one place for each, where the others may read it.
     pub fn show(&self, e: usize, y: &[Vector2<f64>], shown: &mut [Vector2<f64>]) {
         for ((local, _), shown) in self.of_subdomain[e].iter().zip(shown) {
             *shown = y[*local as usize];
         }
     }
 
-    /// Gives the copies in subdomain `e` of boundary grains the sum over all copies, of which each subdomain has shown its own.
-    /// Subdomains need not wait for each other between the two: what they read is not what they write.
+    /// Gives the copies in subdomain `e` of boundary grains the sum over all copies, once every subdomain has shown its own. It
+    /// reads what was shown and writes to no other subdomain, so none waits for another after that.
     pub fn assemble(&self, e: usize, shown: &[Vec<Vector2<f64>>], y: &mut [Vector2<f64>]) {
         for (local, k) in &self.of_subdomain[e] {
             let copies = self.first[*k as usize]..self.first[*k as usize + 1];
