@@ -35,8 +35,8 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         Answer::Infeasible { .. } => {
             say(format_args!("the problem has no solution: impulses balance while contacts approach"))?;
         }
-        Answer::Unknown { certificate, interior_point, .. } => {
-            say(format_args!("reference: {} (interior point: {interior_point})", verdict(certificate)))?;
+        Answer::Unknown { certificate, why, .. } => {
+            say(format_args!("reference: {}: {why}", verdict(certificate)))?;
             print(certificate)?;
         }
         Answer::Solution { impulses, certificate } => {
@@ -61,6 +61,7 @@ fn print(certificate: &Certificate) -> Result<()> {
         let unit = match name {
             "approach" | "complementarity" => "m/s",
             "pull" | "momentum" => "N·s",
+            "natural_map" => "√J",
             _ => "J",
         };
         say(format_args!("  {name:<17}{:>10.1e}  {:.1e} {unit}", residual.relative, residual.absolute))?;

@@ -97,8 +97,8 @@ pub(crate) fn known(root: &Root, frozen: &Frozen) -> Result<Known> {
             eprintln!("{}: the problem has no solution", frozen.name);
             Known::Infeasible
         }
-        Answer::Unknown { impulses, certificate, interior_point } => {
-            eprintln!("{}: no reference, the best is {certificate} ({interior_point})", frozen.name);
+        Answer::Unknown { impulses, certificate, why } => {
+            eprintln!("{}: no reference: {why}; the best impulses are {certificate}", frozen.name);
             Known::Uncertified(Truth::new(&frozen.problem, &impulses))
         }
     })

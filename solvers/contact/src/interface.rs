@@ -30,6 +30,11 @@ pub trait Iteration {
         0.0
     }
 
+    /// Whether no further iteration will bring the impulses nearer to a solution: the run then ends.
+    fn stalled(&self) -> bool {
+        false
+    }
+
     /// What the method works with beside its settings: a value that they leave open, by the setting's name; and, where
     /// subdomains work at the same time, `critical_path`: the multiply-adds of an iteration on the longest of them.
     fn derived(&self) -> Vec<(&'static str, f64)> {

@@ -53,6 +53,8 @@ pub enum Status {
     Converged,
     /// All iterations were made.
     IterationLimit,
+    /// The method says that no further iteration brings it nearer to a solution.
+    Stalled,
     /// The iterate is not finite, or q(r) is far above q(0) = 0.
     Diverged,
     /// The impulses grow for ever: they, or their growth, prove that the problem has no solution.
@@ -67,6 +69,7 @@ impl Status {
         match self {
             Self::Converged => "converged",
             Self::IterationLimit => "iteration-limit",
+            Self::Stalled => "stalled",
             Self::Diverged => "diverged",
             Self::Infeasible => "infeasible",
             Self::Interrupted => "interrupted",
@@ -211,6 +214,9 @@ fn run(
         }
         if iterations == stop.max_iterations {
             break Status::IterationLimit;
+        }
+        if iteration.stalled() {
+            break Status::Stalled;
         }
         if goes_on.is_break() {
             break Status::Interrupted;

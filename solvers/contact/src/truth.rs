@@ -34,20 +34,27 @@ impl Truth {
     }
 }
 
-/// How far, in units of the problem's own scale, a velocity must be from `V_free` to be called out of reach (–). A feasible
-/// problem comes near it only where contacts leave a gap of some 1e-8 rad to escape through.
-const OUT_OF_REACH: f64 = 1e8;
+/// How far, in units of the problem's own scale, a velocity must be from `V_free` to be called out of reach (–).
+const OUT_OF_REACH: f64 = 1e6;
 
-/// Round-off of H d relative to the size of its terms (–). A lever finer than this proves nothing.
+/// What impulses that balance leave at any grain, over the sum of their sizes at the grain that is pressed most (–): the
+/// round-off of some thousand of them. A lever finer than this is none.
+const BALANCED: f64 = 1e-12;
+
+/// Round-off of a sum relative to the sizes of its terms (–).
 const ROUND_OFF: f64 = 1e-14;
 
 /// Whether the impulses `ray` prove that the problem has no solution (lemma of Farkas).
 ///
 /// For d ≥ 0 and any admissible V, that is Hᵗ V + c ≥ 0, dᵗ (Hᵗ V + c) ≥ 0, hence
 /// ‖V − `V_free`‖_M ≥ −bᵗ d / ‖H d‖_{M⁻¹}. If H d = 0 and bᵗ d < 0, there is no such V: the impulses d balance at every
-/// grain, and on the whole they act against approach, whatever V. In floating point, this holds if the bound is above 1e8
-/// √(Σ max(0, −b)²/`W_αα`), with ‖H d‖ raised by its round-off: no method, however slow, makes it hold on a problem whose
-/// solution is nearer than that.
+/// grain, and on the whole they act against approach, whatever V. In floating point all three must be told from round-off:
+///
+/// - H d is that of impulses that balance, to 1e-12 of their sizes. A lever of 3e-9 is none of these, nor is a grain too heavy to
+///   feel the rest of its impulses;
+/// - −bᵗ d is above the round-off of its terms n·`V_i`, n·`V_j` and c;
+/// - the bound is above 1e6 √(Σ max(0, −b)²/`W_αα`), with ‖H d‖ raised by its round-off: no velocity nearer than that is
+///   admissible, whatever rounding made of the ray.
 pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
     // The proof does not depend on the length of the ray; squares of small numbers would vanish.
     let greatest = ray.iter().copied().fold(0.0, f64::max);
@@ -55,18 +62,30 @@ pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
         return false;
     }
     let ray: Vec<f64> = ray.iter().map(|d| d / greatest).collect();
-    let b = problem.b();
-    let (mut work, mut size) = (0.0, 0.0);
-    for ((d, b), w) in ray.iter().zip(&b).zip(problem.delassus_diagonal()) {
-        work -= b * d;
-        size += w * d * d;
+    if !ray.iter().all(|d| *d >= 0.0) {
+        return false;
     }
-    let mut resultant = vec![Vector2::zeros(); problem.grain_count()];
+    let (grains, free) = (problem.grain_count(), problem.free_velocity());
+    let (mut work, mut terms, mut sizes) = (0.0, 0.0, vec![0.0; grains]);
+    for (contact, d) in problem.contacts().iter().zip(&ray) {
+        work -= d * (contact.relative(free) + contact.offset);
+        terms += d * contact.offset.abs();
+        for grain in contact.grains() {
+            terms += d * contact.normal.dot(&free[grain as usize]).abs();
+            sizes[grain as usize] += d;
+        }
+    }
+    let mut resultant = vec![Vector2::zeros(); grains];
     problem.resultant(&ray, &mut resultant);
-    let squared = |(h_d, m): (&Vector2<f64>, &f64)| h_d.norm_squared() / m;
-    let unbalanced = resultant.iter().zip(problem.mass()).map(squared).sum::<f64>().sqrt();
-    let admissible = ray.iter().all(|d| *d >= 0.0);
-    admissible && work > OUT_OF_REACH * problem.scale().sqrt() * (unbalanced + ROUND_OFF * f64::sqrt(size))
+    let left = resultant.iter().map(|h_d| h_d.amax()).fold(0.0, f64::max);
+    let pressed = sizes.iter().copied().fold(0.0, f64::max);
+    // ‖H d‖² of M⁻¹, each grain raised by its round-off.
+    let raised =
+        |((h_d, size), m): ((&Vector2<f64>, &f64), &f64)| (h_d.norm() + ROUND_OFF * size).powi(2) / m;
+    let unbalanced = resultant.iter().zip(&sizes).zip(problem.mass()).map(raised).sum::<f64>().sqrt();
+    left <= BALANCED * pressed
+        && work > ROUND_OFF * terms
+        && work > OUT_OF_REACH * problem.scale().sqrt() * unbalanced
 }
 
 /// What is left of a ray below this share of it is the round-off of its descent (–).

@@ -5,16 +5,18 @@
 //! unique; of the impulses, the nearest to the centre of all that solve the problem.
 
 mod certificate;
+mod dual;
 mod factor;
 mod interior;
 mod method;
 mod polish;
 mod row;
 
-pub use certificate::{Certificate, ROUND_OFF, Residual, certify};
+pub use certificate::{Certificate, ENERGY_ROUND_OFF, ROUND_OFF, Residual, certify};
 pub use method::InteriorPoint;
 
-use contact::{ContactProblem, proves_infeasible};
+use contact::{ContactProblem, Iteration, proves_infeasible};
+use dual::End;
 use interior::Verdict;
 use method::Run;
 
@@ -39,47 +41,77 @@ pub enum Answer {
         impulses: Vec<f64>,
         /// What they leave.
         certificate: Certificate,
-        /// How the interior point ended.
-        interior_point: String,
+        /// How the methods of the reference ended.
+        why: String,
     },
 }
 
-/// Polish steps without a better certificate after which there is none to expect.
-const PATIENCE: u32 = 8;
+/// Grains up to which the dual active set is asked where the interior point leads to no answer: its matrix is dense.
+const FEW: usize = 200;
 
-/// The answer to `problem`: solved, polished, and certified; or proved to have none. Clarabel's word counts in neither.
+/// The answer to `problem`: solved, polished, and certified; or proved to have none. Neither the interior point's word counts
+/// nor that of the dual active set, which has the last try on small problems.
 pub fn solve(problem: &ContactProblem) -> Answer {
     let none = vec![0.0; problem.contact_count()];
-    let mut run = match Run::new(problem, &none, true) {
-        Ok(run) => run,
-        Err(why) => {
-            let certificate = certify(problem, &none);
-            return Answer::Unknown { impulses: none, certificate, interior_point: why };
-        }
+    let mut best = Best { certificate: certify(problem, &none), impulses: none };
+    let mut why = match interior_point(problem, &mut best) {
+        Ok(answer) => return answer,
+        Err(why) => why,
     };
+    if problem.grain_count() <= FEW && problem.scale() > 0.0 {
+        match dual::solve(problem) {
+            End::Solution(impulses) => {
+                best.take(problem, &impulses);
+                why += "; rounded to double precision, the impulses of the dual active set do not solve the problem";
+            }
+            End::Ray(ray) if proves_infeasible(problem, &ray) => return Answer::Infeasible { ray },
+            End::Ray(_) => why += "; impulses that nearly balance prove nothing",
+            End::Stopped => why += "; the dual active set was stopped",
+        }
+    }
+    let Best { impulses, certificate } = best;
+    if certificate.certified() {
+        Answer::Solution { impulses, certificate }
+    } else {
+        Answer::Unknown { impulses, certificate, why }
+    }
+}
+
+/// The impulses with the least residuals so far.
+struct Best {
+    impulses: Vec<f64>,
+    certificate: Certificate,
+}
+
+impl Best {
+    /// Takes `impulses` that leave less.
+    fn take(&mut self, problem: &ContactProblem, impulses: &[f64]) {
+        let certificate = certify(problem, impulses);
+        if certificate.worst() < self.certificate.worst() || certificate.certified() {
+            *self = Self { impulses: impulses.to_vec(), certificate };
+        }
+    }
+}
+
+/// The answer of the interior point and its polish; or how it ended without one, the `best` impulses kept.
+fn interior_point(problem: &ContactProblem, best: &mut Best) -> Result<Answer, String> {
+    let mut run = Run::new(problem, &best.impulses, true)?;
     let verdict = run.interior_point();
     if verdict != Verdict::Solution {
         let mut ray = run.impulses().to_vec();
         run.balance(&mut ray);
         if proves_infeasible(problem, &ray) {
-            return Answer::Infeasible { ray };
+            return Ok(Answer::Infeasible { ray });
         }
     }
-    let mut best = (run.impulses().to_vec(), certify(problem, run.impulses()));
-    let mut in_vain = 0;
-    while !best.1.certified() && in_vain < PATIENCE {
+    best.take(problem, run.impulses());
+    while !best.certificate.certified() && !run.stalled() {
         run.polish();
-        let certificate = certify(problem, run.impulses());
-        if certificate.worst() < best.1.worst() {
-            (best, in_vain) = ((run.impulses().to_vec(), certificate), 0);
-        } else {
-            in_vain += 1;
-        }
+        best.take(problem, run.impulses());
     }
-    let (impulses, certificate) = best;
-    if certificate.certified() {
-        Answer::Solution { impulses, certificate }
-    } else {
-        Answer::Unknown { impulses, certificate, interior_point: format!("{verdict:?}") }
+    if best.certificate.certified() {
+        let Best { impulses, certificate } = best;
+        return Ok(Answer::Solution { impulses: std::mem::take(impulses), certificate: *certificate });
     }
+    Err(format!("the interior point ended with {verdict:?}"))
 }

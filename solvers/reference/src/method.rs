@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct InteriorPoint {
-    /// Whether the iterations after the first, which is the interior point's whole run, are polish steps; else they
-    /// change nothing.
+    /// Whether the iterations after the first, which is the interior point's whole run, are polish steps; else it ends with
+    /// the first.
     pub polish: bool,
 }
 
@@ -31,7 +31,13 @@ pub(crate) struct Run<'p> {
     polishes: bool,
     r: Vec<f64>,
     ran: bool,
+    /// What the best polished impulses have left, and the steps since it was halved.
+    left: f64,
+    in_vain: u32,
 }
+
+/// Polish steps that do not halve what is left after which no better impulses are to be expected.
+const PATIENCE: u32 = 8;
 
 impl<'p> Run<'p> {
     /// Lays the programme out; says why it cannot.
@@ -39,7 +45,15 @@ impl<'p> Run<'p> {
         let rows = Row::all(problem);
         let pushed = problem.scale() > 0.0;
         let interior = if pushed { Some(Interior::new(problem, &rows)?) } else { None };
-        Ok(Self { interior, polish: Polish::new(problem, rows), polishes, r: r0.to_vec(), ran: false })
+        Ok(Self {
+            interior,
+            polish: Polish::new(problem, rows),
+            polishes,
+            r: r0.to_vec(),
+            ran: false,
+            left: f64::INFINITY,
+            in_vain: 0,
+        })
     }
 
     /// r of the interior point, 0 where no contact pushes.
@@ -54,7 +68,12 @@ impl<'p> Run<'p> {
     }
 
     pub(crate) fn polish(&mut self) {
-        self.polish.step(&mut self.r);
+        let left = self.polish.step(&mut self.r);
+        if left < 0.5 * self.left {
+            (self.left, self.in_vain) = (left, 0);
+        } else {
+            self.in_vain += 1;
+        }
     }
 
     /// See [`Polish::balance`].
@@ -79,6 +98,10 @@ impl Iteration for Run<'_> {
 
     fn impulses(&self, r: &mut [f64]) {
         r.copy_from_slice(&self.r);
+    }
+
+    fn stalled(&self) -> bool {
+        self.ran && (!self.polishes || self.in_vain >= PATIENCE)
     }
 
     /// Clarabel counts its factorisations; the entries of its solves it does not tell, so those are the polish's alone.

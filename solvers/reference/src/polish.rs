@@ -5,7 +5,7 @@
 //! programming, Math. Oper. Res. 1 (1976) 97-116. The proximal term keeps the matrix regular where more contacts are active
 //! than equilibrium needs, and chooses among their impulses those nearest to the given ones.
 
-use crate::factor::Factor;
+use crate::factor::{Factor, Order};
 use crate::row::Row;
 use contact::{ContactProblem, law};
 use nalgebra::Vector2;
@@ -27,6 +27,8 @@ pub(crate) struct Polish<'p> {
     pub(crate) factorisations: u64,
     /// Entries of the factors that solves went through.
     pub(crate) solve_entries: u64,
+    /// The order of the unknowns, found once for all contacts.
+    order: Option<Order>,
 }
 
 impl<'p> Polish<'p> {
@@ -38,6 +40,7 @@ impl<'p> Polish<'p> {
             velocity: vec![Vector2::zeros(); problem.grain_count()],
             factorisations: 0,
             solve_entries: 0,
+            order: None,
         }
     }
 
@@ -45,13 +48,14 @@ impl<'p> Polish<'p> {
     ///
     /// K δy = −κ H̃_A ṽ_A − H̃_I r̃_I,   r̃_A ← r̃_A − κ (ṽ_A + H̃_Aᵗ δy),   r̃_I ← 0,
     ///
-    /// a few times, and at last r ← max(0, r). The residual ṽ comes from r each time: no error of K stays.
-    pub(crate) fn step(&mut self, r: &mut [f64]) {
+    /// a few times, and at last r ← max(0, r). The residual ṽ comes from r each time: no error of K stays. Returns what is
+    /// left of the law, √(Σ min(r̃, ṽ)²) (√J).
+    pub(crate) fn step(&mut self, r: &mut [f64]) -> f64 {
         self.measure(r);
         let rows = &self.rows;
         let active: Vec<bool> =
             (0..rows.len()).map(|k| r[k] * rows[k].root > self.v[k] / rows[k].root).collect();
-        let Some(mut factor) = self.factorise(&active) else { return };
+        let Some(mut factor) = self.factorise(&active) else { return f64::NAN };
         for _ in 0..SOLVES {
             let mut change = vec![0.0; factor.dimension()];
             for (k, row) in self.rows.iter().enumerate() {
@@ -65,9 +69,12 @@ impl<'p> Polish<'p> {
             }
             self.measure(r);
         }
-        for r in r {
+        for r in &mut *r {
             *r = law::non_negative(*r);
         }
+        self.measure(r);
+        let left = |(row, (r, v)): (&Row, (&f64, &f64))| f64::min(r * row.root, v / row.root).powi(2);
+        self.rows.iter().zip(r.iter().zip(&self.v)).map(left).sum::<f64>().sqrt()
     }
 
     /// Turns impulses near a proof of infeasibility into one: the change of those above 0 that is least in r̃ and after
@@ -101,9 +108,13 @@ impl<'p> Polish<'p> {
 
     /// The factor of K, if numbers allow it.
     fn factorise(&mut self, active: &[bool]) -> Option<Factor> {
+        let dimension = 2 * self.problem.grain_count();
+        if self.order.is_none() {
+            self.order = Some(Order::of(dimension, self.rows.iter())?);
+        }
         let rows = self.rows.iter().zip(active).filter(|(_, active)| **active).map(|(row, _)| row);
         self.factorisations += 1;
-        Factor::new(2 * self.problem.grain_count(), rows, PENALTY)
+        Factor::new(dimension, rows, PENALTY, self.order.as_ref()?)
     }
 
     fn solve(&mut self, factor: &mut Factor, x: &mut [f64]) {
