@@ -7,6 +7,7 @@ mod decomposition;
 mod equivalences;
 mod first_order;
 mod fuzz;
+mod hazards;
 mod infeasible;
 mod layouts;
 mod predictions;
