@@ -27,7 +27,7 @@ pub(crate) enum Pass {
     Correct,
     /// M^-½ H r.
     Whole,
-    /// u from M^-½ H r; wᵗ W p.
+    /// u from M^-½ H r; wᵗ W p and, where w is not blocked, Σ b² + Σ (`W_αα` r)².
     Afresh,
     /// p = w + β z, with z = p where w is not blocked, else 0; uᵗ p and pᵗ p.
     Turn { beta: f64 },
@@ -228,14 +228,16 @@ impl Block {
     }
 
     #[inline(always)]
-    fn afresh(&mut self) -> f64 {
-        let mut product = 0.0;
+    fn afresh(&mut self) -> [f64; 2] {
+        let (mut product, mut squared_size) = (0.0, 0.0);
         for ((column, u), (b, r)) in self.columns.iter().zip(&mut self.u).zip(self.b.iter().zip(&self.r)) {
             *u = -(column.relative(&self.change) + b);
             product += unblocked(*r, *u, *u) * column.relative(&self.y);
+            let pressed = column.squared() * r;
+            squared_size += unblocked(*r, *u, b * b + pressed * pressed);
         }
         self.change.fill(Vector2::zeros());
-        product
+        [product, squared_size]
     }
 
     #[inline(always)]
@@ -277,7 +279,7 @@ impl WithSimd for Dispatched<'_> {
                 block.whole();
                 [0.0; 2]
             }
-            Pass::Afresh => [block.afresh(), 0.0],
+            Pass::Afresh => block.afresh(),
             Pass::Turn { beta } => block.turn(beta),
         }
     }

@@ -5,8 +5,9 @@
 //! with W, in two passes over the contacts; the blocks in which these are made are for the threads alone.
 //!
 //! The reference does not say what to do where W is singular, as it is where contacts depend on each other: a direction that the
-//! grains hardly feel makes a step so long that what r ≥ 0 cuts off would throw them out. So q(r) never increases: the step that
-//! would make it do so is withdrawn, and the method begins anew with p = w.
+//! grains hardly feel makes a step so long that what r ≥ 0 cuts off would throw them out. So q(r) never increases: where the step would make
+//! it do so, or where pᵗ W p is round-off, it goes as far as the first contact that it would open, and the method begins anew with
+//! p = w; if that is next to nothing, it makes the step of the projected gradient. Packings ask for none of this.
 
 mod block;
 
@@ -56,6 +57,8 @@ struct Run {
     descent: f64,
     /// pᵗ p.
     squared: f64,
+    /// What u = −(W r + b) is the difference of, where r ≥ 0 does not block it, when it was last made from r: √(Σ b² + Σ (`W_αα` r)²).
+    size: f64,
     iterations: u64,
     products: u64,
 }
@@ -101,7 +104,9 @@ impl Run {
     fn renew(&mut self) -> f64 {
         self.products += 1;
         self.show_after(Pass::Whole);
-        self.assemble_before(Pass::Afresh)[0]
+        let [product, squared_size] = self.assemble_before(Pass::Afresh);
+        self.size = squared_size.sqrt();
+        product
     }
 
     /// p = w + β z.
@@ -109,33 +114,39 @@ impl Run {
         [self.descent, self.squared] = self.show_after(Pass::Turn { beta });
     }
 
-    /// The step of the conjugate gradient, and the next direction; `false` and no step where pᵗ W p is round-off or q would increase.
+    /// A step along p on which q decreases, and the next direction; `false` and no step if there is none.
     fn conjugate_step(&mut self) -> bool {
         self.products += 1;
         let [curvature, _] = self.assemble_before(Pass::Curvature);
-        if !(curvature > ROUND_OFF * ROUND_OFF * self.greatest * self.squared) {
+        if !(self.descent > ROUND_OFF * self.size * self.squared.sqrt()) {
             return false;
         }
-        // α = uᵗ p / pᵗ W p;  q changes by −½ α uᵗ p − uᵗ d + ½ dᵗ W d
-        let length = self.descent / curvature;
-        let [mut product, uphill] = self.step(length);
-        if !(uphill <= 0.5 * length * self.descent) {
+        if curvature > ROUND_OFF * ROUND_OFF * self.greatest * self.squared {
+            // α = uᵗ p / pᵗ W p;  q changes by −½ α uᵗ p − uᵗ d + ½ dᵗ W d
+            let length = self.descent / curvature;
+            let [mut product, uphill] = self.step(length);
+            if uphill <= 0.5 * length * self.descent {
+                if self.iterations.is_multiple_of(WHOLE) {
+                    product = self.renew();
+                }
+                // p = w + β z,  z = p on the set of w, else 0,  β = −wᵗ W p / pᵗ W p
+                self.turn(-product / curvature);
+                return true;
+            }
             self.blocks.iter_mut().for_each(Block::withdraw);
-            return false;
         }
-        if self.iterations.is_multiple_of(WHOLE) {
-            product = self.renew();
+        // As far as no contact opens, d = 0 and q decreases all the way.
+        let reach = self.blocks.iter().filter_map(Block::reach).reduce(f64::min).unwrap_or(0.0);
+        let goes = reach * self.greatest >= 1.0;
+        if goes {
+            self.short_step(reach);
         }
-        // p = w + β z,  z = p on the set of w, else 0,  β = −wᵗ W p / pᵗ W p
-        self.turn(-product / curvature);
-        true
+        goes
     }
 
-    /// A step along p = w on which q cannot increase: that of the projected gradient, 1/Λ, or up to the first contact that it opens.
-    /// It follows where the conjugate gradient would go further than that contact, or for ever.
-    fn projected_step(&mut self) {
-        let reach = self.blocks.iter().filter_map(Block::reach).reduce(f64::min).unwrap_or(0.0);
-        self.step(f64::max(reach, 1.0 / self.greatest));
+    /// A step along p that is no longer than it may be, and p = w.
+    fn short_step(&mut self, length: f64) {
+        self.step(length);
         if self.iterations.is_multiple_of(WHOLE) {
             self.renew();
         }
@@ -149,7 +160,8 @@ impl Iteration for Run {
         if !self.conjugate_step() {
             self.turn(0.0);
             if !self.conjugate_step() {
-                self.projected_step();
+                // The projected gradient's: q never increases on it. Where there is no solution, impulses grow by it.
+                self.short_step(1.0 / self.greatest);
             }
         }
     }
@@ -165,8 +177,9 @@ impl Iteration for Run {
     }
 }
 
-/// Round-off of M^-½ H p relative to √Λ |p|, with a margin (–): below its square, pᵗ W p says nothing.
-const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
+/// Round-off, with a margin, of M^-½ H p relative to √Λ |p| and of u relative to what it is the difference of (–): uᵗ p and pᵗ W p
+/// say nothing below it.
+const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
 /// What a pass takes per contact, about (ns).
 const NS_PER_CONTACT: usize = 3;
@@ -205,6 +218,7 @@ impl Solver for Cg {
             decomposition,
             descent: 0.0,
             squared: 0.0,
+            size: 0.0,
             iterations: 0,
             products: 0,
         };
