@@ -8,6 +8,7 @@ mod equivalences;
 mod first_order;
 mod fuzz;
 mod hard;
+mod hazards;
 mod infeasible;
 mod layouts;
 mod predictions;

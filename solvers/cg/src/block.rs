@@ -16,20 +16,20 @@ use nalgebra::Vector2;
 use partition::Subdomain;
 use pulp::{Arch, Simd, WithSimd};
 
-/// A pass over a block, and the scalar product that it is for. w is the part of u = −(W r + b) that r ≥ 0 does not block.
+/// A pass over a block, and the two sums that it is for. w is the part of u = −(W r + b) that r ≥ 0 does not block.
 #[derive(Clone, Copy)]
 pub(crate) enum Pass {
     /// pᵗ W p = |y|², with y = M^-½ H p.
     Curvature,
-    /// r = max(0, r + α p), and u as if the maximum added nothing to r + α p; wᵗ W p.
+    /// r = max(0, r + α p) = r + α p + d, and u as if d were 0; wᵗ W p and −uᵗ d.
     Step { length: f64 },
-    /// u with what the maximum added; wᵗ W p.
+    /// u with d; wᵗ W p and −uᵗ d + ½ dᵗ W d.
     Correct,
-    /// r = max(0, r + α p), and M^-½ H r; nothing.
-    Whole { length: f64 },
-    /// u from M^-½ H r; wᵗ W p.
+    /// M^-½ H r.
+    Whole,
+    /// u from M^-½ H r; wᵗ W p and, where w is not blocked, Σ b² + Σ (`W_αα` r)².
     Afresh,
-    /// p = w + β z, with z = p where w is not blocked, else 0; uᵗ p.
+    /// p = w + β z, with z = p where w is not blocked, else 0; uᵗ p and pᵗ p.
     Turn { beta: f64 },
 }
 
@@ -43,16 +43,19 @@ pub(crate) struct Block {
     r: Vec<f64>,
     /// u = −(W r + b), minus the gradient of q.
     u: Vec<f64>,
+    /// r and u before the step.
+    r_before: Vec<f64>,
+    u_before: Vec<f64>,
     /// The direction.
     p: Vec<f64>,
     /// M^-½ H p, in local indices; of grains that blocks share, each has the sum after it has been assembled.
     y: Vec<Vector2<f64>>,
-    /// M^-½ H of what the maximum adds in a step, or of all r, likewise; 0 when it has been used.
+    /// M^-½ H d, or of all r, likewise; 0 when it has been used.
     change: Vec<Vector2<f64>>,
     /// Whether the maximum added anything in the last step.
     added: bool,
-    /// What the block adds to the scalar product that the last pass was for.
-    part: f64,
+    /// What the block adds to the sums that the last pass was for.
+    parts: [f64; 2],
     /// Grain i has the contacts `around[first[i]..first[i + 1]]`.
     first: Vec<u32>,
     around: Vec<u32>,
@@ -116,11 +119,13 @@ impl Block {
             b: each().map(|(contact, unit)| b[contact] / unit).collect(),
             r: each().map(|(contact, unit)| r0[contact] * unit).collect(),
             u: vec![0.0; contacts.len()],
+            r_before: vec![0.0; contacts.len()],
+            u_before: vec![0.0; contacts.len()],
             p: vec![0.0; contacts.len()],
             y: zeros.clone(),
             change: zeros,
             added: false,
-            part: 0.0,
+            parts: [0.0; 2],
             first,
             around,
             share: subdomain.grains.iter().map(share).collect(),
@@ -132,25 +137,37 @@ impl Block {
 
     /// Makes a pass, with the best instructions that the processor has: the same operations in the same order with any.
     pub(crate) fn make(&mut self, pass: Pass) {
-        self.part = Arch::new().dispatch(Dispatched(self, pass));
+        self.parts = Arch::new().dispatch(Dispatched(self, pass));
     }
 
     /// What blocks have in common after the pass, or before it.
     pub(crate) fn shared(&mut self, pass: Pass) -> &mut [Vector2<f64>] {
         match pass {
-            Pass::Step { .. } | Pass::Correct | Pass::Whole { .. } | Pass::Afresh => &mut self.change,
+            Pass::Step { .. } | Pass::Correct | Pass::Whole | Pass::Afresh => &mut self.change,
             Pass::Turn { .. } | Pass::Curvature => &mut self.y,
         }
     }
 
-    /// What the block adds to the scalar product that the last pass was for.
-    pub(crate) fn part(&self) -> f64 {
-        self.part
+    /// What the block adds to the sums that the last pass was for.
+    pub(crate) fn parts(&self) -> [f64; 2] {
+        self.parts
     }
 
     /// Whether the maximum added anything in the last step: then a correction must follow.
     pub(crate) fn added(&self) -> bool {
         self.added
+    }
+
+    /// r and u become what they were before the step.
+    pub(crate) fn withdraw(&mut self) {
+        std::mem::swap(&mut self.r, &mut self.r_before);
+        std::mem::swap(&mut self.u, &mut self.u_before);
+    }
+
+    /// How far r + α p stays above 0: the least −r/p of the contacts with p < 0, if there are any.
+    pub(crate) fn reach(&self) -> Option<f64> {
+        let falling = self.r.iter().zip(&self.p).filter(|(_, p)| **p < 0.0);
+        falling.map(|(r, p)| -r / p).reduce(f64::min)
     }
 
     #[inline(always)]
@@ -159,30 +176,37 @@ impl Block {
     }
 
     #[inline(always)]
-    fn step(&mut self, length: f64) -> f64 {
+    fn step(&mut self, length: f64) -> [f64; 2] {
+        std::mem::swap(&mut self.r, &mut self.r_before);
+        std::mem::swap(&mut self.u, &mut self.u_before);
         let (y, change) = (&self.y[..], &mut self.change[..]);
-        let (mut added, mut product) = (false, 0.0);
-        for ((column, p), (r, u)) in self.columns.iter().zip(&self.p).zip(self.r.iter_mut().zip(&mut self.u))
+        let before = self.r_before.iter().zip(&self.u_before);
+        let after = self.r.iter_mut().zip(&mut self.u);
+        let (mut added, mut product, mut uphill) = (false, 0.0, 0.0);
+        for ((column, p), ((r_before, u_before), (r, u))) in
+            self.columns.iter().zip(&self.p).zip(before.zip(after))
         {
             let of_p = column.relative(y);
-            let moved = *r + length * p;
+            let moved = r_before + length * p;
             *r = non_negative(moved);
-            *u -= length * of_p;
+            *u = u_before - length * of_p;
             if moved < 0.0 {
                 column.push(-moved, change);
+                uphill += *u * moved;
                 added = true;
             }
             product += unblocked(*r, *u, *u) * of_p;
         }
         self.added = added;
-        product
+        [product, uphill]
     }
 
     #[inline(always)]
-    fn correct(&mut self) -> f64 {
-        let mut product = self.part;
-        for (grain, change) in self.change.iter_mut().enumerate() {
+    fn correct(&mut self) -> [f64; 2] {
+        let [mut product, mut uphill] = self.parts;
+        for (grain, (change, share)) in self.change.iter_mut().zip(&self.share).enumerate() {
             if *change != Vector2::zeros() {
+                uphill += 0.5 * share * change.norm_squared();
                 for k in &self.around[self.first[grain] as usize..self.first[grain + 1] as usize] {
                     let k = *k as usize;
                     let (column, r, u) = (&self.columns[k], self.r[k], &mut self.u[k]);
@@ -193,41 +217,41 @@ impl Block {
                 *change = Vector2::zeros();
             }
         }
-        product
+        [product, uphill]
     }
 
     #[inline(always)]
-    fn whole(&mut self, length: f64) -> f64 {
-        let change = &mut self.change[..];
-        for ((column, p), r) in self.columns.iter().zip(&self.p).zip(&mut self.r) {
-            *r = non_negative(*r + length * p);
-            column.push(*r, change);
+    fn whole(&mut self) {
+        for (column, r) in self.columns.iter().zip(&self.r) {
+            column.push(*r, &mut self.change);
         }
-        0.0
     }
 
     #[inline(always)]
-    fn afresh(&mut self) -> f64 {
-        let mut product = 0.0;
+    fn afresh(&mut self) -> [f64; 2] {
+        let (mut product, mut squared_size) = (0.0, 0.0);
         for ((column, u), (b, r)) in self.columns.iter().zip(&mut self.u).zip(self.b.iter().zip(&self.r)) {
             *u = -(column.relative(&self.change) + b);
             product += unblocked(*r, *u, *u) * column.relative(&self.y);
+            let pressed = column.squared() * r;
+            squared_size += unblocked(*r, *u, b * b + pressed * pressed);
         }
         self.change.fill(Vector2::zeros());
-        product
+        [product, squared_size]
     }
 
     #[inline(always)]
-    fn turn(&mut self, beta: f64) -> f64 {
+    fn turn(&mut self, beta: f64) -> [f64; 2] {
         let y = &mut self.y[..];
         y.fill(Vector2::zeros());
-        let mut sum = 0.0;
+        let (mut descent, mut squared) = (0.0, 0.0);
         for ((column, p), (r, u)) in self.columns.iter().zip(&mut self.p).zip(self.r.iter().zip(&self.u)) {
             *p = unblocked(*r, *u, u + beta * *p);
             column.push(*p, y);
-            sum += u * *p;
+            descent += u * *p;
+            squared += *p * *p;
         }
-        sum
+        [descent, squared]
     }
 
     /// Puts the impulses in the problem's order (N·s).
@@ -242,16 +266,19 @@ impl Block {
 struct Dispatched<'b>(&'b mut Block, Pass);
 
 impl WithSimd for Dispatched<'_> {
-    type Output = f64;
+    type Output = [f64; 2];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
+    fn with_simd<S: Simd>(self, _: S) -> [f64; 2] {
         let Self(block, pass) = self;
         match pass {
-            Pass::Curvature => block.curvature(),
+            Pass::Curvature => [block.curvature(), 0.0],
             Pass::Step { length } => block.step(length),
             Pass::Correct => block.correct(),
-            Pass::Whole { length } => block.whole(length),
+            Pass::Whole => {
+                block.whole();
+                [0.0; 2]
+            }
             Pass::Afresh => block.afresh(),
             Pass::Turn { beta } => block.turn(beta),
         }

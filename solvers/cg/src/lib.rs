@@ -3,10 +3,16 @@
 //! M. Renouf, P. Alart, Conjugate gradient type algorithms for frictional multi-contact problems: applications to
 //! granular materials, Comput. Methods Appl. Mech. Engrg. 194 (2005) 2019-2041. Cost of an iteration: one product
 //! with W, in two passes over the contacts; the blocks in which these are made are for the threads alone.
+//!
+//! The reference does not say what to do where W is singular, as it is where contacts depend on each other: a direction that the
+//! grains hardly feel makes a step so long that what r ≥ 0 cuts off would throw them out. So q(r) never increases: where the step would make
+//! it do so, or where pᵗ W p is round-off, it goes as far as the first contact that it would open, and the method begins anew with
+//! p = w; if that is next to nothing, it makes the step of the projected gradient. Packings ask for none of this.
 
 mod block;
 
 use block::{Block, Pass};
+use contact::spectrum::{delassus_bound, eigenvalue_bound};
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, together};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Scheme, Subdomain};
@@ -45,9 +51,16 @@ struct Run {
     /// What blocks show each other of the grains they share.
     shown: Vec<Vec<Vector2<f64>>>,
     contacts: usize,
+    /// Λ ≥ λmax(W), or λmax(W_D⁻¹W) where the diagonal preconditions.
+    greatest: f64,
     /// uᵗ p.
     descent: f64,
+    /// pᵗ p.
+    squared: f64,
+    /// What u = −(W r + b) is the difference of, where r ≥ 0 does not block it, when it was last made from r: √(Σ b² + Σ (`W_αα` r)²).
+    size: f64,
     iterations: u64,
+    products: u64,
 }
 
 /// After so many iterations u is made from r. Between, it moves by −α W p, which β needs anyway, and by what the maximum adds, at
@@ -55,56 +68,102 @@ struct Run {
 const WHOLE: u64 = 16;
 
 impl Run {
-    /// One pass over all blocks, each of which then shows what it has of the grains it shares; returns the sum over the blocks,
+    /// One pass over all blocks, each of which then shows what it has of the grains it shares; returns the sums over the blocks,
     /// which no number of threads changes.
-    fn show_after(&mut self, pass: Pass) -> f64 {
+    fn show_after(&mut self, pass: Pass) -> [f64; 2] {
         let blocks = self.blocks.par_iter_mut().zip(&mut self.shown).enumerate();
         blocks.with_min_len(together(NS_PER_CONTACT * self.contacts)).for_each(|(e, (block, shown))| {
             block.make(pass);
             self.decomposition.show(e, block.shared(pass), shown);
         });
-        self.blocks.iter().map(Block::part).sum()
+        self.sums()
     }
 
     /// The same, but each block first adds up what all have shown.
-    fn assemble_before(&mut self, pass: Pass) -> f64 {
+    fn assemble_before(&mut self, pass: Pass) -> [f64; 2] {
         let blocks = self.blocks.par_iter_mut().enumerate();
         blocks.with_min_len(together(NS_PER_CONTACT * self.contacts)).for_each(|(e, block)| {
             self.decomposition.assemble(e, &self.shown, block.shared(pass));
             block.make(pass);
         });
-        self.blocks.iter().map(Block::part).sum()
+        self.sums()
     }
 
-    /// r = max(0, r + α p) and u = −(W r + b); returns wᵗ W p.
-    fn step(&mut self, length: f64) -> f64 {
-        if self.iterations.is_multiple_of(WHOLE) {
-            self.show_after(Pass::Whole { length });
-            return self.assemble_before(Pass::Afresh);
-        }
-        let product = self.show_after(Pass::Step { length });
-        if self.blocks.iter().any(Block::added) { self.assemble_before(Pass::Correct) } else { product }
+    fn sums(&self) -> [f64; 2] {
+        let sum = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
+        self.blocks.iter().map(Block::parts).fold([0.0; 2], sum)
+    }
+
+    /// r = max(0, r + α p) = r + α p + d and u = −(W r + b); returns wᵗ W p and −uᵗ d + ½ dᵗ W d, with the u of r + α p.
+    fn step(&mut self, length: f64) -> [f64; 2] {
+        let sums = self.show_after(Pass::Step { length });
+        if self.blocks.iter().any(Block::added) { self.assemble_before(Pass::Correct) } else { sums }
+    }
+
+    /// u from r; returns wᵗ W p.
+    fn renew(&mut self) -> f64 {
+        self.products += 1;
+        self.show_after(Pass::Whole);
+        let [product, squared_size] = self.assemble_before(Pass::Afresh);
+        self.size = squared_size.sqrt();
+        product
     }
 
     /// p = w + β z.
     fn turn(&mut self, beta: f64) {
-        self.descent = self.show_after(Pass::Turn { beta });
+        [self.descent, self.squared] = self.show_after(Pass::Turn { beta });
+    }
+
+    /// A step along p on which q decreases, and the next direction; `false` and no step if there is none.
+    fn conjugate_step(&mut self) -> bool {
+        self.products += 1;
+        let [curvature, _] = self.assemble_before(Pass::Curvature);
+        if !(self.descent > ROUND_OFF * self.size * self.squared.sqrt()) {
+            return false;
+        }
+        if curvature > ROUND_OFF * ROUND_OFF * self.greatest * self.squared {
+            // α = uᵗ p / pᵗ W p;  q changes by −½ α uᵗ p − uᵗ d + ½ dᵗ W d
+            let length = self.descent / curvature;
+            let [mut product, uphill] = self.step(length);
+            if uphill <= 0.5 * length * self.descent {
+                if self.iterations.is_multiple_of(WHOLE) {
+                    product = self.renew();
+                }
+                // p = w + β z,  z = p on the set of w, else 0,  β = −wᵗ W p / pᵗ W p
+                self.turn(-product / curvature);
+                return true;
+            }
+            self.blocks.iter_mut().for_each(Block::withdraw);
+        }
+        // As far as no contact opens, d = 0 and q decreases all the way.
+        let reach = self.blocks.iter().filter_map(Block::reach).reduce(f64::min).unwrap_or(0.0);
+        let goes = reach * self.greatest >= 1.0;
+        if goes {
+            self.short_step(reach);
+        }
+        goes
+    }
+
+    /// A step along p that is no longer than it may be, and p = w.
+    fn short_step(&mut self, length: f64) {
+        self.step(length);
+        if self.iterations.is_multiple_of(WHOLE) {
+            self.renew();
+        }
+        self.turn(0.0);
     }
 }
 
 impl Iteration for Run {
     fn advance(&mut self) {
-        // pᵗ W p is 0 at a solution, where p = 0; and on a problem without one, along a p of which grains feel nothing:
-        // there the iterate stays.
-        let curvature = self.assemble_before(Pass::Curvature);
-        let ratio = |numerator: f64| if curvature == 0.0 { 0.0 } else { numerator / curvature };
-
-        // α = uᵗ p / pᵗ W p
         self.iterations += 1;
-        let product = self.step(ratio(self.descent));
-
-        // p = w + β z,  z = p on the set of w, else 0,  β = −wᵗ W p / pᵗ W p
-        self.turn(-ratio(product));
+        if !self.conjugate_step() {
+            self.turn(0.0);
+            if !self.conjugate_step() {
+                // The projected gradient's: q never increases on it. Where there is no solution, impulses grow by it.
+                self.short_step(1.0 / self.greatest);
+            }
+        }
     }
 
     fn impulses(&self, r: &mut [f64]) {
@@ -112,11 +171,15 @@ impl Iteration for Run {
     }
 
     fn work(&self) -> Work {
-        // W p in each iteration; W r before the first, and where u is made from r. What the maximum adds is no product.
-        let products = self.iterations + self.iterations / WHOLE + 1;
-        Work { delassus_products: products, ..Work::default() }
+        // W p in each iteration, and for each direction begun anew; W r before the first, and where u is made from r. What the
+        // maximum adds is no product.
+        Work { delassus_products: self.products, ..Work::default() }
     }
 }
+
+/// Round-off, with a margin, of M^-½ H p relative to √Λ |p| and of u relative to what it is the difference of (–): uᵗ p and pᵗ W p
+/// say nothing below it.
+const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
 /// What a pass takes per contact, about (ns).
 const NS_PER_CONTACT: usize = 3;
@@ -151,12 +214,15 @@ impl Solver for Cg {
             blocks: subdomains.par_iter().map(block).collect(),
             shown,
             contacts: problem.contact_count(),
+            greatest: if preconditioned { eigenvalue_bound(problem) } else { delassus_bound(problem) },
             decomposition,
             descent: 0.0,
+            squared: 0.0,
+            size: 0.0,
             iterations: 0,
+            products: 0,
         };
-        // p = 0 so far: u of r0, and p = w.
-        run.step(0.0);
+        run.renew();
         run.turn(0.0);
         Ok(Box::new(run))
     }

@@ -37,6 +37,12 @@ impl ScaledContact {
         }
     }
 
+    /// The diagonal of H̃ᵗ H̃, which is 1, or of W.
+    #[inline]
+    pub fn squared(&self) -> f64 {
+        self.normal.norm_squared() * (1.0 + self.ratio * self.ratio)
+    }
+
     /// (H̃ᵗ y)_α.
     #[inline]
     pub fn relative(&self, y: &[Vector2<f64>]) -> f64 {

@@ -1,6 +1,6 @@
 //! The spectrum of W_D⁻¹ W, on which the rates and the limits of most methods hang. W_D is the diagonal of W.
 
-use crate::problem::ContactProblem;
+use crate::problem::{Contact, ContactProblem};
 use nalgebra::{DMatrix, Vector2};
 
 /// Products W p of a power iteration: on packings the quotient then stands to some four digits.
@@ -152,10 +152,24 @@ pub fn eigenvalue_bound(problem: &ContactProblem) -> f64 {
     sums.iter().map(|(trace, deviator)| 0.5 * (trace + deviator.norm())).fold(0.0, f64::max)
 }
 
+/// Λ = `max_α` (`k_i/m_i` + `k_j/m_j`) ≥ λmax(W), where `k_i` contacts hold grain i: Gershgorin's circles, with
+/// |`W_αβ`| ≤ 1/m for contacts that share a grain of mass m (1/kg).
+pub fn delassus_bound(problem: &ContactProblem) -> f64 {
+    let mut row = vec![0.0; problem.grain_count()];
+    for contact in problem.contacts() {
+        for grain in contact.grains() {
+            row[grain as usize] += 1.0 / problem.mass()[grain as usize];
+        }
+    }
+    let of_contact = |contact: &Contact| {
+        row[contact.candidate as usize] + contact.antagonist.map_or(0.0, |j| row[j as usize])
+    };
+    problem.contacts().iter().map(of_contact).fold(0.0, f64::max)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::Contact;
 
     /// n discs of mass 1 on a floor, one on top of the other.
     fn column(n: u32) -> ContactProblem {

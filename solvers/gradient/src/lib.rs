@@ -4,6 +4,7 @@
 //! A. A. Goldstein, Convex programming in Hilbert space, Bull. Amer. Math. Soc. 70 (1964) 709-710. Cost of an iteration:
 //! one product with W and two passes over the contacts. q(r) decreases at every iteration for 0 < s < 2.
 
+use contact::spectrum::delassus_bound;
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
@@ -64,7 +65,7 @@ impl Solver for Gradient {
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("step", self.step)?;
-        let greatest = eigenvalue_bound(problem);
+        let greatest = delassus_bound(problem);
         Ok(Box::new(Run {
             problem,
             b: problem.b(),
@@ -76,19 +77,4 @@ impl Solver for Gradient {
             products: 0,
         }))
     }
-}
-
-/// Λ = `max_α` (`k_i/m_i` + `k_j/m_j`) ≥ λmax(W), where `k_i` contacts hold grain i: Gershgorin's circles, with
-/// |`W_αβ`| ≤ 1/m for contacts that share a grain of mass m (1/kg).
-pub fn eigenvalue_bound(problem: &ContactProblem) -> f64 {
-    let mut row = vec![0.0; problem.grain_count()];
-    for contact in problem.contacts() {
-        for grain in contact.grains() {
-            row[grain as usize] += 1.0 / problem.mass()[grain as usize];
-        }
-    }
-    let of_contact = |contact: &contact::Contact| {
-        row[contact.candidate as usize] + contact.antagonist.map_or(0.0, |j| row[j as usize])
-    };
-    problem.contacts().iter().map(of_contact).fold(0.0, f64::max)
 }
