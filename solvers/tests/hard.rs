@@ -8,7 +8,7 @@ use crate::problems::first_problem;
 use cases::Frozen;
 use cg::{Cg, Preconditioner};
 use contact::{Contact, ContactProblem, Stop};
-use microlp::{ComparisonOp, OptimizationDirection, Problem};
+use microlp::{ComparisonOp, OptimizationDirection, Problem, SolveOutcome};
 use nalgebra::Vector2;
 use num_rational::BigRational;
 use proptest::prelude::*;
@@ -118,8 +118,8 @@ fn by_linear_programme(problem: &ContactProblem) -> Judged {
         programme.add_constraint(&terms[..], ComparisonOp::Ge, -b / fastest);
     }
     match programme.solve() {
-        Ok(solution) if solution[margin] > MARGIN => Judged::Feasible,
-        Ok(solution) if solution[margin] < -MARGIN => Judged::Infeasible,
+        Ok(SolveOutcome::Solution(solution)) if solution[margin] > MARGIN => Judged::Feasible,
+        Ok(SolveOutcome::Solution(solution)) if solution[margin] < -MARGIN => Judged::Infeasible,
         _ => Judged::Open,
     }
 }
