@@ -31,8 +31,10 @@ pub(crate) struct Balance {
 }
 
 impl Balance {
-    pub(crate) fn new(problem: &ContactProblem) -> Self {
-        Self { previous: Vec::new(), current: Vec::new(), eigenvalue_bound: eigenvalue_bound(problem) }
+    /// With room for the iterates of so many contacts, and components of boundary grains.
+    pub(crate) fn new(problem: &ContactProblem, iterates: usize) -> Self {
+        let room = || Vec::with_capacity(iterates);
+        Self { previous: room(), current: room(), eigenvalue_bound: eigenvalue_bound(problem) }
     }
 
     /// Sees the linear stage of an iteration; returns the factor by which to scale, at the end of a round.

@@ -176,6 +176,10 @@ impl LatinDd {
                 Coarse::new(problem, &decomposition, &subdomains, factor_of, directions.d_minus)
             })
             .transpose()?;
+        let balance = self.adapts().then(|| {
+            let iterates = subdomains.iter().flat_map(Latin::linear_iterate).count();
+            Balance::new(problem, iterates)
+        });
         let factorisations = subdomains.len() as u64 + u64::from(self.coarse);
         Ok(Run {
             problem,
@@ -185,7 +189,7 @@ impl LatinDd {
             directions,
             relaxation: self.relaxation,
             coarse,
-            balance: self.adapts().then(|| Balance::new(problem)),
+            balance,
             velocity_jump: 0.0,
             iterations: 0,
             work: Work { factorisations, ..Work::default() },
