@@ -19,10 +19,14 @@ const FAR_ON_THE_RATE: f64 = 100.0;
 /// Below this nothing is judged (–): a truth is certified to 1e-12, and its velocity may be off by more.
 const LEAST: f64 = 1e-9;
 
+/// Above this share of the natural map of r = 0, which is 1, a proof that there is no solution is looked for however fast the
+/// natural map falls (–): with a coarse tolerance a run ends before it can stay.
+const HARDLY_FALLEN: f64 = 0.1;
+
 /// Whether `stop`, which the last iterate met, promises too much.
 ///
 /// The truth decides where it is known. Elsewhere the natural map does: it is far above the tolerance, or it stays
-/// (`stays`) while one of the `rays`, the impulses and their growth, proves that there is no solution.
+/// (`stays`), or has hardly fallen, while one of the `rays`, the impulses and their growth, proves that there is no solution.
 pub(crate) fn is_false(
     stop: &Stop,
     problem: &ContactProblem,
@@ -41,7 +45,9 @@ pub(crate) fn is_false(
         Measure::Zeta | Measure::QuadDv | Measure::MaxDv => FAR_ON_THE_NATURAL_MAP,
     };
     measures.natural_map > LEAST.max(far * tolerance)
-        || measures.natural_map > tolerance && stays && prove_infeasible(problem, &rays())
+        || measures.natural_map > tolerance
+            && (stays || measures.natural_map > HARDLY_FALLEN)
+            && prove_infeasible(problem, &rays())
 }
 
 /// The tolerance of a penetration rate over the rate of r = 0; that of the other measures, which are shares (–).
