@@ -120,14 +120,14 @@ const NO_ITERATE: Sample = Sample {
     factorisations: 0,
 };
 
-/// What was asked, and what the run reached; `false_convergence` tells what is known better than its stop rule.
-pub(crate) fn ended_row(asked: Run, false_convergence: bool, outcome: &Outcome, curve: &[Sample]) -> Run {
+/// What was asked, and what the run reached.
+pub(crate) fn ended_row(asked: Run, outcome: &Outcome, curve: &[Sample]) -> Run {
     let zeta = |tolerance| first_at(curve, |sample| sample.zeta, tolerance);
     let natural_map = |tolerance| first_at(curve, |sample| sample.natural_map, tolerance);
     let velocity_error = |tolerance| first_at(curve, |sample| sample.velocity_error, tolerance);
     Run {
         derived: json!(outcome.derived.iter().copied().collect::<BTreeMap<_, _>>()).to_string(),
-        status: if false_convergence { "false-convergence" } else { outcome.status.name() }.to_owned(),
+        status: outcome.status.name().to_owned(),
         iterations: outcome.iterations,
         setup_s: outcome.setup.as_secs_f64(),
         iterating_s: outcome.iterating.as_secs_f64(),

@@ -217,6 +217,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     };
     let outcome = solve_against(known.truth(), &*method.solver, &frozen.problem, &r0, &stop, &mut observe)
         .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
+    let outcome = Outcome { status: known.ending(outcome.status), ..outcome };
     drop(line);
 
     if let Some(file) = &args.impulses {

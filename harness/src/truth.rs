@@ -4,7 +4,7 @@ use crate::inputs::{Root, content_hash};
 use crate::output::write_whole;
 use anyhow::{Context, Result, bail};
 use cases::Frozen;
-use contact::{ContactProblem, Measure, Outcome, Status, Stop, Truth, proves_infeasible};
+use contact::{ContactProblem, Status, Truth, proves_infeasible};
 use reference::{Answer, certify};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -44,14 +44,12 @@ impl Known {
         }
     }
 
-    /// Whether a run that was stopped on ζ as converged has not: ζ measures the last iteration, not the error.
-    pub(crate) fn belies(&self, stop: &Stop, outcome: &Outcome) -> bool {
-        let wrong = match self {
-            Self::Solution { .. } => outcome.measures.velocity_error > 100.0 * stop.tolerance,
-            Self::Infeasible => true,
-            Self::Uncertified(_) | Self::Nothing => false,
-        };
-        wrong && outcome.status == Status::Converged && stop.on == Measure::Zeta
+    /// How a run ended: nothing converges on a problem without solution.
+    pub(crate) fn ending(&self, status: Status) -> Status {
+        match (self, status) {
+            (Self::Infeasible, Status::Converged) => Status::FalseConvergence,
+            _ => status,
+        }
     }
 }
 

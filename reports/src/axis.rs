@@ -22,6 +22,15 @@ pub(crate) enum Scale {
     Two,
     /// Shares from 0 to 1.
     Share,
+    /// −log₁₀(2 − ω), with ω at the ticks: what matters of a relaxation is how near it is to 2.
+    Relaxation,
+}
+
+impl Scale {
+    /// The coordinate of ω on [`Scale::Relaxation`].
+    pub(crate) fn of_relaxation(omega: f64) -> f64 {
+        -(2.0 - omega).log10()
+    }
 }
 
 /// A range of coordinates on a length of paper (mm).
@@ -65,6 +74,11 @@ impl Axis {
                 .filter(|(log, _)| self.holds(*log))
                 .collect(),
             Scale::Share => [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (share, share.to_string())).to_vec(),
+            Scale::Relaxation => [0.0, 1.0, 1.5, 1.8, 1.9, 1.95, 1.98, 1.99, 1.995, 1.998, 1.999]
+                .map(|omega| (Scale::of_relaxation(omega), omega.to_string()))
+                .into_iter()
+                .filter(|(place, _)| self.holds(*place))
+                .collect(),
         }
     }
 

@@ -9,8 +9,8 @@ use thiserror::Error;
 
 use crate::part::Part;
 use crate::{
-    ReportError, StudyTables, atlas, atlas_in_time, convergence, critical_path, directions, profiles, sample,
-    size, subdomains, trajectory, truth, weak, work_precision,
+    ReportError, StudyTables, atlas, atlas_in_time, convergence, critical_path, directions, profiles,
+    relaxation, sample, size, subdomains, trajectory, truth, weak, work_precision,
 };
 
 /// A kind of figure, with the tables that belong to it.
@@ -40,6 +40,7 @@ const CHARTS: &[Chart] = &[
     Chart { name: "subdomains", parts: Parts::Problems(subdomains::parts) },
     Chart { name: "weak", parts: Parts::Problems(weak::parts) },
     Chart { name: "size", parts: Parts::Problems(size::parts) },
+    Chart { name: "relaxation", parts: Parts::Problems(relaxation::parts) },
     Chart { name: "critical-path", parts: Parts::Problems(critical_path::parts) },
     Chart { name: "atlas", parts: Parts::Problems(atlas::parts) },
     Chart { name: "trajectory", parts: Parts::Simulations(trajectory::parts) },

@@ -16,6 +16,7 @@ pub(crate) fn failures(tables: &Tables) -> Result<DataFrame, ReportError> {
     let runs = runs(&table)?;
     let reached = reached(&table, &runs)?;
     let (errors, id) = (newer(&table, "velocity_error")?, texts(&table, "id")?);
+    let natural_maps = newer(&table, "natural_map")?;
     let failed: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].ending != Ending::Converged).collect();
     let column = |of: &dyn Fn(&RunRow) -> String| failed.iter().map(|i| of(&runs[*i])).collect::<Vec<_>>();
     Ok(df!(
@@ -25,7 +26,7 @@ pub(crate) fn failures(tables: &Tables) -> Result<DataFrame, ReportError> {
         "ended" => column(&|run| run.ending.text().to_owned()),
         "iterations" => failed.iter().map(|i| runs[*i].iterations).collect::<Vec<_>>(),
         "run" => failed.iter().map(|i| id[*i].clone()).collect::<Vec<_>>(),
-        "reason" => failed.iter().map(|i| reason(&runs[*i], reached[*i], errors[*i])).collect::<Vec<_>>(),
+        "reason" => failed.iter().map(|i| reason(&runs[*i], reached[*i], errors[*i], natural_maps[*i])).collect::<Vec<_>>(),
     )?)
 }
 
@@ -45,7 +46,7 @@ fn reached(table: &DataFrame, runs: &[RunRow]) -> Result<Vec<Option<f64>>, Repor
 }
 
 /// What the row says, or what its ending means.
-fn reason(run: &RunRow, reached: Option<f64>, error: Option<f64>) -> String {
+fn reason(run: &RunRow, reached: Option<f64>, error: Option<f64>, natural_map: Option<f64>) -> String {
     if !run.reason.is_empty() {
         return run.reason.clone();
     }
@@ -64,7 +65,11 @@ fn reason(run: &RunRow, reached: Option<f64>, error: Option<f64>) -> String {
             format!("its impulses at iteration {iterations} prove that the problem has no solution")
         }
         Ending::FalseConvergence => {
-            format!("{measure} met its tolerance while the velocity error is {}", value(error))
+            let but = match error {
+                Some(error) => format!("the velocity error is {}", number(error, 2)),
+                None => format!("the natural map is {}", value(natural_map)),
+            };
+            format!("{measure} met its tolerance while {but}")
         }
         Ending::Converged | Ending::Skipped | Ending::Failed => "no reason is stored".to_owned(),
     }
@@ -72,7 +77,7 @@ fn reason(run: &RunRow, reached: Option<f64>, error: Option<f64>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use results::schema::Run;
+    use results::schema::{Run, Sample};
 
     use super::*;
     use crate::fixture::{run, sample, tables};
@@ -85,22 +90,29 @@ mod tests {
             stop_on: "zeta".into(),
             ..run(3, "nsgs", "", "false-convergence")
         };
+        let unknown = Run {
+            end: Sample { velocity_error: f64::NAN, ..sample(9, 1e-5, 0.7) },
+            stop_on: "quad_dv".into(),
+            ..run(5, "nsgs", "", "false-convergence")
+        };
         let runs = [
             run(0, "cg", "", "converged"),
             Run { end: sample(100, 1e-3, 3e-2), ..run(1, "nsgs", "", "iteration-limit") },
             Run { reason: "`subdomains` is 8x8".into(), ..run(2, "nsgs-dd", "8x8", "skipped") },
             lies,
+            unknown,
             // Impulses of another code, after all runs.
             run(4, "given", "", "given"),
         ];
         let text = csv(&failures(&tables(&runs, &[])).unwrap()).unwrap();
         let rows: Vec<&str> = text.lines().skip(1).collect();
-        assert_eq!(rows.len(), 3, "{text}");
+        assert_eq!(rows.len(), 4, "{text}");
         assert!(
             rows[0].ends_with("all 100 iterations made, and natural map is 0.030 where 10⁻⁴ was asked\""),
             "{text}"
         );
         assert!(rows[1].ends_with("`subdomains` is 8x8"), "{text}");
         assert!(rows[2].ends_with("zeta met its tolerance while the velocity error is 0.50"), "{text}");
+        assert!(rows[3].ends_with("quad dv met its tolerance while the natural map is 0.70"), "{text}");
     }
 }

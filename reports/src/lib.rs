@@ -26,6 +26,7 @@ mod panels;
 mod part;
 mod picture;
 mod profiles;
+mod relaxation;
 mod rows;
 mod sample;
 mod scale;

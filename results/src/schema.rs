@@ -53,8 +53,8 @@ pub struct Run {
     pub tolerance: f64,
     /// Greatest number of iterations allowed.
     pub max_iterations: u64,
-    /// `converged`, `iteration-limit`, `diverged` or `infeasible`; `false-convergence` if it was stopped on ζ as
-    /// converged while `velocity_error` is more than 100 times the tolerance, or the problem has no solution; `skipped` if
+    /// `converged`, `iteration-limit`, `diverged` or `infeasible`; `false-convergence` if the measure met the tolerance
+    /// far from a solution, or where there is none (`solvers/contact/src/convergence.rs` has the rule); `skipped` if
     /// the method could not start on the problem; `given` for impulses of another code, which no run here made.
     pub status: String,
     /// Why the run was skipped: the setting, its value, what would be accepted; empty for a run that ended.

@@ -177,13 +177,20 @@ proptest! {
     fn split_masses_never_increase_the_energy_of_any_problem(
         problem in any_problem(),
         inner_sweeps in prop::sample::select(vec![1_u32, 2, 5]),
+        relaxation in 0.1..1.95_f64,
         gauss_seidel: bool,
     ) {
         let exchange = if gauss_seidel { Exchange::GaussSeidel } else { Exchange::Jacobi };
         for subdomains in GRIDS.into_iter().filter(|grid| fits(&problem, *grid)) {
             for partition in [Scheme::Boxes, Scheme::Balanced] {
-                let settings =
-                    NsgsDd { subdomains, partition, inner_sweeps, exchange, mass_splitting: true };
+                let settings = NsgsDd {
+                    subdomains,
+                    partition,
+                    inner_sweeps,
+                    relaxation,
+                    exchange,
+                    mass_splitting: true,
+                };
                 assert_never_increases(&energies(&settings, &problem, 40), &format!("{settings:?}"));
             }
         }

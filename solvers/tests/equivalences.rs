@@ -67,12 +67,15 @@ fn assert_same_iterates(
 fn nsgs_dd_on_one_subdomain_is_nsgs() {
     for name in PACKINGS {
         let problem = frozen(name).problem;
-        let mut nsgs = start(&Nsgs::default(), &problem);
-        let mut advance = || {
-            nsgs.advance();
-            impulses(&*nsgs, &problem)
-        };
-        assert_same_iterates(&problem, &mut *start(&NsgsDd::default(), &problem), &mut advance, 100);
+        for relaxation in [1.0, 1.6] {
+            let mut nsgs = start(&Nsgs { relaxation, ..Nsgs::default() }, &problem);
+            let mut advance = || {
+                nsgs.advance();
+                impulses(&*nsgs, &problem)
+            };
+            let settings = NsgsDd { relaxation, ..NsgsDd::default() };
+            assert_same_iterates(&problem, &mut *start(&settings, &problem), &mut advance, 100);
+        }
     }
 }
 

@@ -1,14 +1,15 @@
 //! Problems without solution: the reference proves it, and no method converges on a measure that sees it.
 
-use crate::problems::first_problem;
+use crate::problems::{first_problem, frozen};
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::{Measure, Solver, Status, Stop, proves_infeasible, solve};
+use contact::{Measure, Progress, Solver, Status, Stop, Truth, proves_infeasible, solve, solve_against};
 use latin_dd::LatinDd;
 use nncg::Nncg;
 use nsgs::{Jacobi, Nsgs};
 use nsgs_dd::NsgsDd;
 use reference::{Answer, InteriorPoint};
+use std::ops::ControlFlow;
 
 /// Every method, as it is by default.
 fn all_methods() -> [(&'static str, Box<dyn Solver>); 9] {
@@ -53,10 +54,89 @@ fn between_closing_walls_zeta_promises_convergence_and_the_growth_of_impulses_di
         solve(&Nsgs::default(), &problem, &vec![0.0; problem.contact_count()], &stop, &mut |_| {}).unwrap()
     };
     let promised = run(Measure::Zeta, 1e-2);
-    assert_eq!(promised.status, Status::Converged);
+    assert_eq!(promised.status, Status::FalseConvergence);
     assert!(promised.measures.penetration_rate >= 0.1, "{:?}", promised.measures);
     assert_eq!(run(Measure::NaturalMap, 1e-2).status, Status::Infeasible);
     assert_eq!(run(Measure::PenetrationRate, 1e-2).status, Status::Infeasible);
+}
+
+/// Iterations that change little, and impulses that balance ever better: each measure is met sooner or later. With a coarse
+/// tolerance runs on the crystal end after some ten iterations, and their impulses prove nothing yet.
+#[test]
+fn no_method_converges_where_there_is_no_solution_whatever_measure_decides() {
+    let mut promised = 0;
+    for (case, tolerances) in [("closing-walls", &[1e-1, 1e-2, 1e-4][..]), ("squeezed-crystal", &[1e-4])] {
+        let problem = first_problem(case, &[]).problem;
+        let r0 = vec![0.0; problem.contact_count()];
+        for (name, solver) in all_methods() {
+            for on in [Measure::Zeta, Measure::QuadDv, Measure::MaxDv, Measure::PenetrationRate] {
+                for tolerance in tolerances {
+                    // A rate of a tenth of that of the walls is no promise.
+                    let tolerance = if on == Measure::PenetrationRate { 0.1 * tolerance } else { *tolerance };
+                    let stop = Stop { on, tolerance, max_iterations: 5000 };
+                    let outcome = solve(&*solver, &problem, &r0, &stop, &mut |_| {}).unwrap();
+                    let ended = (outcome.status, outcome.iterations, outcome.measures);
+                    assert_ne!(ended.0, Status::Converged, "{name} on {case}, {on} ≤ {tolerance}: {ended:?}");
+                    promised += usize::from(ended.0 == Status::FalseConvergence);
+                }
+            }
+        }
+    }
+    assert!(promised > 50, "{promised}");
+}
+
+/// The natural map of runs on LMGC90's norms may be some hundred tolerances on a packing, and they have converged for what
+/// they ask.
+#[test]
+fn runs_on_packings_are_not_called_false_without_a_truth() {
+    for name in ["settled-60", "settled-250"] {
+        let problem = frozen(name).problem;
+        let r0 = vec![0.0; problem.contact_count()];
+        for (method, solver) in all_methods() {
+            for on in Measure::ALL.into_iter().filter(|on| *on != Measure::VelocityError) {
+                let stop = Stop { on, tolerance: 1e-3, max_iterations: 3000 };
+                let ended = solve(&*solver, &problem, &r0, &stop, &mut |_| {}).unwrap();
+                let status = ended.status;
+                assert_ne!(
+                    status,
+                    Status::FalseConvergence,
+                    "{method} on {name}, {on}: {:?}",
+                    ended.measures
+                );
+                assert_ne!(status, Status::Infeasible, "{method} on {name}, {on}");
+            }
+        }
+    }
+}
+
+/// On a column the changes of one sweep say little of what is left. The truth tells, the natural map alone does not.
+#[test]
+fn truth_decides_where_it_is_known() {
+    let problem = first_problem("column", &[("sample.grains", "100")]).problem;
+    let Answer::Solution { impulses, .. } = reference::solve(&problem) else { panic!("there is a solution") };
+    let truth = Truth::new(&problem, &impulses);
+    let r0 = vec![0.0; problem.contact_count()];
+    let ended = |truth: Option<&Truth>, on, tolerance| {
+        let stop = Stop { on, tolerance, max_iterations: 100_000 };
+        let go_on = &mut |_: &Progress| ControlFlow::Continue(());
+        solve_against(truth, &Nsgs::default(), &problem, &r0, &stop, go_on).unwrap().status
+    };
+    assert_eq!(ended(Some(&truth), Measure::QuadDv, 1e-3), Status::FalseConvergence);
+    assert_eq!(ended(None, Measure::QuadDv, 1e-3), Status::Converged);
+    for on in [Measure::NaturalMap, Measure::PenetrationRate, Measure::VelocityError] {
+        assert_eq!(ended(Some(&truth), on, 1e-4), Status::Converged, "{on}");
+    }
+}
+
+/// Impulses that throw all discs upwards leave no approach.
+#[test]
+fn impulses_that_are_too_large_do_not_converge_on_the_penetration_rate() {
+    let problem = first_problem("column", &[]).problem;
+    let Answer::Solution { impulses, .. } = reference::solve(&problem) else { panic!("there is a solution") };
+    let r0: Vec<f64> = impulses.iter().map(|r| 1e4 * r).collect();
+    let stop = Stop { on: Measure::PenetrationRate, tolerance: 1e-6, max_iterations: 100 };
+    let outcome = solve(&Nsgs::default(), &problem, &r0, &stop, &mut |_| {}).unwrap();
+    assert_eq!((outcome.status, outcome.iterations), (Status::FalseConvergence, 0), "{:?}", outcome.measures);
 }
 
 /// Rows of discs from wall to wall, held by hundreds of contacts that have nothing to do with the proof.
@@ -69,8 +149,7 @@ fn squeezed_crystal_is_proved_to_have_no_solution() {
     assert!(!proves_infeasible(&problem, &without(0.5 * ray.iter().copied().fold(0.0, f64::max))));
 }
 
-/// What is constant in the impulses hides the thrust that grows, so rays are balanced before they are judged. Between walls of
-/// the crystal LATIN's directions adapt to ever larger impulses, and it diverges before the first look.
+/// What is constant in the impulses hides the thrust that grows, so rays are balanced before they are judged.
 #[test]
 fn every_method_names_what_has_no_solution() {
     for case in ["closing-walls", "squeezed-crystal"] {
@@ -79,9 +158,7 @@ fn every_method_names_what_has_no_solution() {
             let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-6, max_iterations: 5000 };
             let r0 = vec![0.0; problem.contact_count()];
             let ended = solve(&*solver, &problem, &r0, &stop, &mut |_| {}).unwrap().status;
-            let diverges = name == "latin-dd" && case == "squeezed-crystal";
-            let expected = ended == Status::Infeasible || diverges && ended == Status::Diverged;
-            assert!(expected, "{name} on {case}: {ended:?}");
+            assert_eq!(ended, Status::Infeasible, "{name} on {case}");
         }
     }
 }

@@ -121,6 +121,24 @@ fn closing_walls() -> Value {
 }
 
 #[test]
+fn solve_says_that_a_measure_was_met_where_there_is_no_solution() {
+    let study = Study::new();
+    write(study.folder(), "cases/frozen/closing.json", &closing_walls().to_string());
+    let solve = ["solve", "closing", "--method", "nsgs", "--tolerance", "1e-2", "--on"];
+    for on in ["zeta", "quad_dv", "max_dv"] {
+        let ran = study.gravel(&[&solve[..], &[on]].concat());
+        assert!(ran.stdout.contains("\nfalse-convergence after"), "{on}: {}", ran.stdout);
+        assert_eq!(
+            study.gravel(&[&solve[..], &[on, "--json"]].concat()).json()["status"],
+            "false-convergence"
+        );
+    }
+    // A tolerance above the rate of the walls is met at once, and only the proof of the reference says otherwise.
+    let rate = ["solve", "closing", "--json", "--on", "penetration_rate", "--tolerance", "1.5"];
+    assert_eq!(study.gravel(&[&rate[..], &["--truth"]].concat()).json()["status"], "false-convergence");
+}
+
+#[test]
 fn studies_tell_the_error_and_the_convergence_that_is_none() {
     let study = Study::new();
     write(study.folder(), "cases/frozen/closing.json", &closing_walls().to_string());
@@ -135,8 +153,12 @@ fn studies_tell_the_error_and_the_convergence_that_is_none() {
     assert_eq!(on_the_natural_map[0].0, "converged");
     assert!(on_the_natural_map[0].1.parse::<f64>().unwrap() < 1e-2, "{on_the_natural_map:?}");
     assert_eq!(on_the_natural_map[1], ("infeasible".to_owned(), String::new()));
-    let on_zeta = ends(&text.replace("natural_map", "zeta").replace("1e-3", "1e-2"));
-    assert_eq!(on_zeta[1], ("false-convergence".to_owned(), String::new()));
+    for (on, tolerance) in
+        [("zeta", "1e-2"), ("quad_dv", "1e-2"), ("max_dv", "1e-2"), ("penetration_rate", "1.5")]
+    {
+        let ended = ends(&text.replace("natural_map", on).replace("1e-3", tolerance));
+        assert_eq!(ended[1], ("false-convergence".to_owned(), String::new()), "{on}");
+    }
     let on_the_error = ends(&text.replace("natural_map", "velocity_error"));
     assert_eq!(on_the_error[0].0, "converged");
     assert!(on_the_error[0].1.parse::<f64>().unwrap() <= 1e-3, "{on_the_error:?}");

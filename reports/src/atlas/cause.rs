@@ -54,12 +54,13 @@ fn at_least(key: &str, before: &'static str, limit: f64, after: &'static str, ru
     value.map(|value| Cause { before, value, after }).into_iter().collect()
 }
 
-/// Whole masses of copies that work at once; with one sweep between gluings, λmax(W_D⁻¹W_off) ≥ 1.
+/// Whole masses of copies that work at once; with one sweep between gluings and ω = 1, λmax(W_D⁻¹W_off) ≥ 1.
 fn whole_masses(run: &RunRow) -> Vec<Cause> {
     let whole = run.settings.get("mass_splitting") == Some(&Value::Bool(false));
     let at_once = run.settings.get("exchange").is_none_or(|exchange| exchange == "jacobi");
     let copies = spectral(run, "multiplicity").filter(|copies| whole && at_once && *copies >= 2.0);
-    let one_sweep = used(run, "inner_sweeps") == Some(1.0);
+    let exact = used(run, "relaxation").is_none_or(|omega| omega == 1.0);
+    let one_sweep = exact && used(run, "inner_sweeps") == Some(1.0);
     let coupling = spectral(run, "coupling").filter(|coupling| one_sweep && *coupling >= 1.0);
     let told = |copies| Cause { before: "masses are whole in up to ", value: copies, after: " copies" };
     let bound = |value| Cause { before: "λmax(W_D⁻¹W_off) = ", value, after: ", not below 1" };

@@ -27,7 +27,7 @@ pub(crate) enum Class {
 
 /// A run whose measure falls by less than this share while its iterations double is stalled (–).
 const STALLED: f64 = 0.01;
-/// A velocity error of more than this many times the tolerance is no convergence, as of a run stopped on ζ (–).
+/// A velocity error of more than this many times the tolerance is no convergence, as in the loop that stops runs (–).
 const FAR: f64 = 100.0;
 
 impl Class {

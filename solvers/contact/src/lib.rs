@@ -2,6 +2,7 @@
 //!
 //! Equation numbers are those of Iceta, Dureisseix, Alart, Giens 2009, hal-00413720. No method lives here.
 
+mod convergence;
 pub mod interface;
 pub mod law;
 pub mod measures;

@@ -1,5 +1,6 @@
 //! The only iteration loop of the workspace: it advances, reads the impulses, measures, and decides when to stop.
 
+use crate::convergence::is_false;
 use crate::interface::{SetupError, Solver, Work};
 use crate::law;
 use crate::measures::{Measure, Measures, Meter};
@@ -51,6 +52,8 @@ impl Stop {
 pub enum Status {
     /// The asked measure is at most the tolerance.
     Converged,
+    /// It is, and the iterate is far from a solution all the same.
+    FalseConvergence,
     /// All iterations were made.
     IterationLimit,
     /// The method says that no further iteration brings it nearer to a solution.
@@ -68,6 +71,7 @@ impl Status {
     pub fn name(self) -> &'static str {
         match self {
             Self::Converged => "converged",
+            Self::FalseConvergence => "false-convergence",
             Self::IterationLimit => "iteration-limit",
             Self::Stalled => "stalled",
             Self::Diverged => "diverged",
@@ -195,7 +199,8 @@ fn run(
     let mut measures = meter.measure(&r, 0.0);
     let energy_bound = ENERGY_BOUND * f64::max(scale, measures.energy.abs());
     let (mut iterations, mut iterating, mut endless) = (0, Duration::ZERO, false);
-    let mut at_last_look = (Vec::new(), f64::NAN);
+    // r and natural map at the last two powers of two.
+    let (mut at_last_look, mut before_last_look) = (none(), none());
     let status = loop {
         let work = iteration.work();
         let goes_on =
@@ -206,8 +211,15 @@ fn run(
                 r.iter().all(|r| r.is_finite()) && prove_infeasible(problem, std::slice::from_ref(&r));
             break if proved { Status::Infeasible } else { Status::Diverged };
         }
-        if scale == 0.0 || measures.get(stop.on) <= stop.tolerance {
+        if scale == 0.0 {
             break Status::Converged;
+        }
+        if measures.get(stop.on) <= stop.tolerance {
+            let (r_then, natural_map_then) = &before_last_look;
+            let stays = !(measures.natural_map < CONVERGES * natural_map_then);
+            let rays = || vec![r.clone(), growth(r_then, &r)];
+            let is_false = is_false(stop, problem, &measures, stays, &rays);
+            break if is_false { Status::FalseConvergence } else { Status::Converged };
         }
         if endless {
             break Status::Infeasible;
@@ -225,17 +237,16 @@ fn run(
         iteration.advance();
         iterating += clock.elapsed();
         iterations += 1;
-        let looked_at = iterations >= FIRST_LOOK / 2 && iterations.is_power_of_two();
-        let before = looked_at.then(|| r.clone());
+        let before = iterations.is_power_of_two().then(|| r.clone());
         iteration.impulses(&mut r);
         measures = meter.measure(&r, iteration.velocity_jump());
         if let Some(before) = before {
-            let (r_then, natural_map_then) =
-                std::mem::replace(&mut at_last_look, (r.clone(), measures.natural_map));
+            before_last_look = std::mem::replace(&mut at_last_look, (r.clone(), measures.natural_map));
+            let (r_then, natural_map_then) = &before_last_look;
             // The impulses, and their growth in one iteration and in half of all: what is constant in them is not in it.
             endless = iterations >= FIRST_LOOK
                 && !(measures.natural_map < CONVERGES * natural_map_then)
-                && prove_infeasible(problem, &[r.clone(), growth(&before, &r), growth(&r_then, &r)]);
+                && prove_infeasible(problem, &[r.clone(), growth(&before, &r), growth(r_then, &r)]);
         }
     };
     let work = iteration.work();
@@ -244,12 +255,17 @@ fn run(
     Ok(Outcome { status, iterations, measures, impulses: r, velocity, setup, iterating, work, derived })
 }
 
+/// No iterate, and no natural map.
+fn none() -> (Vec<f64>, f64) {
+    (Vec::new(), f64::NAN)
+}
+
 fn growth(before: &[f64], r: &[f64]) -> Vec<f64> {
     r.iter().zip(before).map(|(r, before)| law::non_negative(r - before)).collect()
 }
 
 /// Whether one of the `rays`, as it is or balanced, proves that there is no solution.
-fn prove_infeasible(problem: &ContactProblem, rays: &[Vec<f64>]) -> bool {
+pub(crate) fn prove_infeasible(problem: &ContactProblem, rays: &[Vec<f64>]) -> bool {
     let proves = |ray: &Vec<f64>| proves_infeasible(problem, ray);
     rays.iter().any(proves) || rays.iter().any(|ray| proves(&balanced(problem, ray)))
 }

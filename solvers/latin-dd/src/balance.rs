@@ -4,23 +4,39 @@
 //! much and velocities little; above it, those between neighbours, the other way round. Where both are equally slow,
 //! κ = ‖Δr‖/‖Δv‖, with r/√M and √M V for contacts (M = 1/W_αα) and for the copies of boundary grains alike: a form of
 //! the residual balancing of ADMM (Boyd et al. 2011, Found. Trends Mach. Learn. 3(1), §3.4.1).
+//!
+//! On one subdomain Δv = W Δr. Where impulses grow against each other, as between walls that close, W Δr vanishes and the
+//! quotient is round-off: it is not believed, and κ stays among the values that can be the best of some set of closed
+//! contacts, see [`Balance::limits`].
 
 use crate::directions::Directions;
-use crate::subdomain::Latin;
+use crate::subdomain::{Iterate, Latin};
+use contact::ContactProblem;
+use contact::spectrum::eigenvalue_bound;
+use std::ops::RangeInclusive;
 
 /// Iterations after which directions are scaled. In between, the fast part of the change dies out.
 const ROUNDS: [u64; 5] = [20, 40, 80, 160, 320];
 /// A change of direction below this factor is not worth a factorisation.
 const WORTH: f64 = 1.25;
+/// Round-off of an iterate over the size of its terms, at κ = 0 (–).
+const ROUND_OFF: f64 = 1e-14;
 
 /// The iterates of one iteration, to compare those of the next with.
-#[derive(Default)]
 pub(crate) struct Balance {
-    previous: Vec<(f64, f64)>,
-    current: Vec<(f64, f64)>,
+    previous: Vec<Iterate>,
+    current: Vec<Iterate>,
+    /// Λ ≥ λmax(W_D⁻¹ W) (–).
+    eigenvalue_bound: f64,
 }
 
 impl Balance {
+    /// With room for the iterates of so many contacts, and components of boundary grains.
+    pub(crate) fn new(problem: &ContactProblem, iterates: usize) -> Self {
+        let room = || Vec::with_capacity(iterates);
+        Self { previous: room(), current: room(), eigenvalue_bound: eigenvalue_bound(problem) }
+    }
+
     /// Sees the linear stage of an iteration; returns the factor by which to scale, at the end of a round.
     pub(crate) fn factor(&mut self, iteration: u64, kappa: f64, subdomains: &[Latin]) -> Option<f64> {
         if !ROUNDS.iter().any(|round| *round == iteration || *round == iteration + 1) {
@@ -32,15 +48,32 @@ impl Balance {
         if !ROUNDS.contains(&iteration) {
             return None;
         }
-        let (mut impulses, mut velocities) = (0.0, 0.0);
-        for ((r, v), (r_before, v_before)) in self.current.iter().zip(&self.previous) {
-            impulses += (r - r_before) * (r - r_before);
-            velocities += (v - v_before) * (v - v_before);
-        }
-        let factor = (impulses / velocities).sqrt() / kappa;
+        // M + H l⁻ Hᵗ amplifies the round-off of v by the root of its condition, at most 1 + κ Λ.
+        let round_off = ROUND_OFF * (1.0 + kappa * self.eigenvalue_bound).sqrt();
+        let changes = || self.current.iter().zip(&self.previous);
+        let impulses = believed(changes().map(|(i, before)| (i.r - before.r, i.terms_of_r)), round_off)?;
+        let velocities = believed(changes().map(|(i, before)| (i.v - before.v, i.terms_of_v)), round_off)?;
+        let limits = self.limits();
+        let factor = (impulses / velocities).clamp(*limits.start(), *limits.end()) / kappa;
         let worth = factor.is_finite() && !(1.0 / WORTH..=WORTH).contains(&factor);
         worth.then_some(factor)
     }
+
+    /// The κ that can be the best, 1/√(λ̃min λ̃max) over the spectrum of `W_D^{-½} W W_D^{-½}` on some closed contacts.
+    ///
+    /// The diagonal of that matrix is 1, so λ̃min ≤ 1 ≤ λ̃max ≤ Λ and κ ≥ 1/√Λ. Eigenvalues below ε λ̃max are 0 but for
+    /// round-off, so κ ≤ 1/(√ε λ̃max); Λ for λ̃max keeps half of the digits of M in M + H l⁻ Hᵗ as well.
+    pub(crate) fn limits(&self) -> RangeInclusive<f64> {
+        let bound = self.eigenvalue_bound.max(1.0);
+        1.0 / bound.sqrt()..=1.0 / (f64::EPSILON.sqrt() * bound)
+    }
+}
+
+/// The norm of changes, each beside the size of the terms that it is the difference of; `None` if it is round-off.
+fn believed(changes: impl Iterator<Item = (f64, f64)>, round_off: f64) -> Option<f64> {
+    let (change, terms) =
+        changes.fold((0.0, 0.0), |(change, terms), (of, size)| (change + of * of, terms + size * size));
+    (change.sqrt() > round_off * terms.sqrt()).then(|| change.sqrt())
 }
 
 impl Directions {

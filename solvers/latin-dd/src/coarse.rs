@@ -9,7 +9,7 @@
 //!
 //! with K_E the matrix of the linear stage and `B_E` the translations of the interfaces' grains. At convergence w = 0.
 
-use crate::factor::{Factor, Structure};
+use crate::factor::{Factor, Singular, Structure};
 use crate::subdomain::Latin;
 use contact::{ContactProblem, SetupError};
 use faer::sparse::Triplet;
@@ -32,17 +32,23 @@ pub(crate) struct Coarse {
     /// By subdomain.
     sides: Vec<Vec<Side>>,
     factor: Factor,
-    interfaces: usize,
+    /// g, then w, of each interface in the order of the factor.
+    w: Vec<Vector2<f64>>,
 }
 
 impl Coarse {
-    /// Groups the boundary grains into interfaces, and assembles and factorises S.
-    pub(crate) fn new(
+    /// Groups the boundary grains into interfaces, and assembles and factorises S for these factors of K_E.
+    pub(crate) fn new<'f>(
         problem: &ContactProblem,
         decomposition: &Decomposition,
         subdomains: &[Latin],
+        factor_of: impl Fn(usize) -> &'f Factor,
         kappa_d_minus: f64,
     ) -> Result<Self, SetupError> {
+        let refused = |Singular(why)| {
+            let where_not = format!("false where kappa_d_minus is {kappa_d_minus:e}");
+            SetupError::new("coarse", true, format!("{where_not}: its matrix cannot be factorised ({why})"))
+        };
         let interfaces = interfaces(decomposition);
         let mut sides: Vec<Vec<Side>> = subdomains.iter().map(|_| Vec::new()).collect();
         for (interface, grains) in interfaces.iter().enumerate() {
@@ -56,37 +62,36 @@ impl Coarse {
                         (latin.place(local), kappa_d_minus * problem.mass()[grain] / copies.len() as f64)
                     })
                     .collect();
-                let influence = latin.influence(&grains);
+                let influence = latin.influence(factor_of(*e as usize), &grains);
                 sides[*e as usize].push(Side { interface, grains, influence });
             }
         }
-        let structure = Structure::new(interfaces.len(), &neighbours(&sides))?;
+        let structure = Structure::new(interfaces.len(), &neighbours(&sides)).map_err(refused)?;
         for side in sides.iter_mut().flatten() {
             side.interface = structure.position()[side.interface] as usize;
         }
-        let factor = structure.factorise(&matrix(&sides))?;
-        Ok(Self { sides, factor, interfaces: interfaces.len() })
+        let factor = structure.factorise(&matrix(&sides)).map_err(refused)?;
+        Ok(Self { sides, factor, w: vec![Vector2::zeros(); interfaces.len()] })
     }
 
     /// Solves for w, and brings every subdomain's V_E and τ to it.
-    pub(crate) fn correct(&self, subdomains: &mut [Latin]) {
-        let mut w: Vec<_> = self.resultants(subdomains).into_iter().map(|g| -g).collect();
-        self.factor.solve(&mut w);
-        for (sides, latin) in self.sides.iter().zip(subdomains) {
+    pub(crate) fn correct(&mut self, subdomains: &mut [Latin]) {
+        let Self { sides, factor, w } = self;
+        resultants(sides, subdomains, w);
+        w.iter_mut().for_each(|g| *g = -*g);
+        factor.solve(w);
+        for (sides, latin) in sides.iter().zip(subdomains) {
             for side in sides {
                 latin.translate(&side.grains, &side.influence, w[side.interface]);
             }
         }
     }
 
-    /// g: Σ F_E over the grains and copies of each interface (N·s).
+    /// g of each interface (N·s).
+    #[cfg(test)]
     pub(crate) fn resultants(&self, subdomains: &[Latin]) -> Vec<Vector2<f64>> {
-        let mut g = vec![Vector2::zeros(); self.interfaces];
-        for (sides, latin) in self.sides.iter().zip(subdomains) {
-            for side in sides {
-                g[side.interface] += latin.resultant(&side.grains);
-            }
-        }
+        let mut g = self.w.clone();
+        resultants(&self.sides, subdomains, &mut g);
         g
     }
 
@@ -98,7 +103,17 @@ impl Coarse {
 
     /// Number of interfaces.
     pub(crate) fn interfaces(&self) -> usize {
-        self.interfaces
+        self.w.len()
+    }
+}
+
+/// g: Σ F_E over the grains and copies of each interface (N·s).
+fn resultants(sides: &[Vec<Side>], subdomains: &[Latin], g: &mut [Vector2<f64>]) {
+    g.fill(Vector2::zeros());
+    for (sides, latin) in sides.iter().zip(subdomains) {
+        for side in sides {
+            g[side.interface] += latin.resultant(&side.grains);
+        }
     }
 }
 

@@ -1,6 +1,5 @@
 //! Sparse Cholesky factor of a subdomain's matrix, with a fill-reducing order of the grains, in 2×2 blocks.
 
-use contact::SetupError;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;
@@ -40,14 +39,17 @@ fn parameters() -> CholeskySymbolicParams<'static> {
     }
 }
 
-fn failed(why: &dyn std::fmt::Debug) -> SetupError {
-    let value = format!("so large that a subdomain's matrix cannot be factorised ({why:?})");
-    SetupError::new("kappa_l_minus", value, "smaller")
+/// Why a matrix cannot be factorised.
+#[derive(Debug)]
+pub(crate) struct Singular(pub(crate) String);
+
+fn failed(why: &dyn std::fmt::Debug) -> Singular {
+    Singular(format!("{why:?}"))
 }
 
 impl Structure {
     /// Orders the `grains` of a subdomain by approximate minimum degree. `pairs` are those that touch.
-    pub(crate) fn new(grains: usize, pairs: &[(u32, u32)]) -> Result<Self, SetupError> {
+    pub(crate) fn new(grains: usize, pairs: &[(u32, u32)]) -> Result<Self, Singular> {
         let symbolic = |pairs: &mut dyn Iterator<Item = (usize, usize)>, size: usize, order| {
             let entries: Vec<_> = pairs.map(|(i, j)| Triplet::new(i.min(j), i.max(j), 1.0)).collect();
             let (pattern, _) = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &entries)
@@ -55,7 +57,7 @@ impl Structure {
                 .into_parts();
             let symbolic = factorize_symbolic_cholesky(pattern.as_ref(), Side::Upper, order, parameters())
                 .map_err(|error| failed(&error))?;
-            Ok::<_, SetupError>((pattern, symbolic))
+            Ok::<_, Singular>((pattern, symbolic))
         };
         let themselves = (0..grains).map(|grain| (grain, grain));
         let touching = pairs.iter().map(|(i, j)| (*i as usize, *j as usize));
@@ -93,7 +95,7 @@ impl Structure {
     }
 
     /// Factorises the matrix with these entries in the upper triangle, rows 2p and 2p + 1 for the grain at place p.
-    pub(crate) fn factorise(&self, upper: &[Triplet<usize, usize, f64>]) -> Result<Factor, SetupError> {
+    pub(crate) fn factorise(&self, upper: &[Triplet<usize, usize, f64>]) -> Result<Factor, Singular> {
         let entries = self.values(upper);
         let matrix = SparseColMatRef::new(self.pattern.as_ref(), &entries);
         let mut values = vec![0.0; self.symbolic.len_val()];

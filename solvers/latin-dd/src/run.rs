@@ -71,7 +71,7 @@ impl Run<'_> {
     /// The linear stage of all subdomains, (1) (4) (5), and the coarse problem.
     pub fn linear_stage(&mut self) {
         self.in_subdomains(Latin::linear_stage);
-        if let Some(coarse) = &self.coarse {
+        if let Some(coarse) = &mut self.coarse {
             coarse.correct(&mut self.subdomains);
         }
     }
@@ -99,26 +99,24 @@ impl Run<'_> {
         longest + self.coarse.as_ref().map_or(0, Coarse::entries)
     }
 
-    /// Takes other directions; where they cannot be factorised, the old ones stay.
-    fn turn(&mut self, directions: Directions) {
+    /// Takes other directions; where a matrix of theirs cannot be factorised, all stays as it is.
+    pub(crate) fn turn(&mut self, directions: Directions) {
         let factors: Result<Vec<_>, _> =
             self.subdomains.par_iter().map(|subdomain| subdomain.factorise(&directions)).collect();
+        self.work.factorisations += self.subdomains.len() as u64;
         let Ok(factors) = factors else { return };
+        if self.coarse.is_some() {
+            let factor_of = |e: usize| &factors[e];
+            let (decomposition, kappa) = (&self.decomposition, directions.d_minus);
+            let coarse = Coarse::new(self.problem, decomposition, &self.subdomains, factor_of, kappa);
+            self.work.factorisations += 1;
+            let Ok(coarse) = coarse else { return };
+            self.coarse = Some(coarse);
+        }
         for (subdomain, factor) in self.subdomains.iter_mut().zip(factors) {
             subdomain.turn(&directions, factor);
         }
         self.directions = directions;
-        self.work.factorisations += self.subdomains.len() as u64;
-        if self.coarse.is_some() {
-            self.assemble_coarse();
-        }
-    }
-
-    /// The coarse problem for the present factors; none, where it cannot be factorised.
-    fn assemble_coarse(&mut self) {
-        let kappa = self.directions.d_minus;
-        self.coarse = Coarse::new(self.problem, &self.decomposition, &self.subdomains, kappa).ok();
-        self.work.factorisations += 1;
     }
 
     /// Adds the work of one iteration.
@@ -173,8 +171,15 @@ impl LatinDd {
             .collect::<Result<Vec<_>, _>>()?;
         let coarse = self
             .coarse
-            .then(|| Coarse::new(problem, &decomposition, &subdomains, directions.d_minus))
+            .then(|| {
+                let factor_of = |e: usize| subdomains[e].factor();
+                Coarse::new(problem, &decomposition, &subdomains, factor_of, directions.d_minus)
+            })
             .transpose()?;
+        let balance = self.adapts().then(|| {
+            let iterates = subdomains.iter().flat_map(Latin::linear_iterate).count();
+            Balance::new(problem, iterates)
+        });
         let factorisations = subdomains.len() as u64 + u64::from(self.coarse);
         Ok(Run {
             problem,
@@ -184,7 +189,7 @@ impl LatinDd {
             directions,
             relaxation: self.relaxation,
             coarse,
-            balance: self.adapts().then(Balance::default),
+            balance,
             velocity_jump: 0.0,
             iterations: 0,
             work: Work { factorisations, ..Work::default() },

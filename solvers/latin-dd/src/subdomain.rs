@@ -2,7 +2,7 @@
 
 use crate::assembly::{Row, Share, matrix, pairs, rows, shares};
 use crate::directions::Directions;
-use crate::factor::{Factor, Structure};
+use crate::factor::{Factor, Singular, Structure};
 use contact::{ContactProblem, SetupError, law};
 use nalgebra::{Matrix2, Vector2};
 use partition::Decomposition;
@@ -28,6 +28,16 @@ pub(crate) struct Latin {
     velocity: Vec<Vector2<f64>>,
 }
 
+/// r and v of a contact, or F and V of a boundary grain along one axis, after the linear stage, each with the sizes of the
+/// terms that it is the sum of, added up; all in √J.
+#[derive(Clone, Copy)]
+pub(crate) struct Iterate {
+    pub(crate) r: f64,
+    pub(crate) v: f64,
+    pub(crate) terms_of_r: f64,
+    pub(crate) terms_of_v: f64,
+}
+
 impl Latin {
     /// Factorises M_E + H_E l⁻ H_Eᵗ + d⁻_E of the subdomain `e`, and begins from the impulses `r0` and the velocities
     /// `start` that follow from them.
@@ -40,10 +50,10 @@ impl Latin {
         start: &[Vector2<f64>],
     ) -> Result<Self, SetupError> {
         let subdomain = &decomposition.subdomains[e];
-        let structure = Structure::new(subdomain.grains.len(), &pairs(subdomain))?;
+        let structure = Structure::new(subdomain.grains.len(), &pairs(subdomain)).map_err(too_large)?;
         let rows = rows(problem, subdomain, structure.position());
         let shares = shares(problem, decomposition, subdomain, structure.position());
-        let factor = structure.factorise(&matrix(&rows, &shares, directions))?;
+        let factor = structure.factorise(&matrix(&rows, &shares, directions)).map_err(too_large)?;
         let grains = shares.len();
         let mut latin = Self {
             directions: *directions,
@@ -106,7 +116,7 @@ impl Latin {
     }
 
     /// The factor for other directions.
-    pub(crate) fn factorise(&self, directions: &Directions) -> Result<Factor, SetupError> {
+    pub(crate) fn factorise(&self, directions: &Directions) -> Result<Factor, Singular> {
         self.structure.factorise(&matrix(&self.rows, &self.shares, directions))
     }
 
@@ -168,19 +178,25 @@ impl Latin {
         (self.velocity[place], self.tau[place], self.shares[place].mass)
     }
 
-    /// r and v of each contact, and F and V of each boundary grain, after the linear stage, both in √J.
-    pub(crate) fn linear_iterate(&self) -> impl Iterator<Item = (f64, f64)> {
+    /// r and v of each contact, and F and V of each boundary grain, after the linear stage.
+    pub(crate) fn linear_iterate(&self) -> impl Iterator<Item = Iterate> {
         let Directions { l_minus, d_minus, .. } = self.directions;
+        let of = |mass: f64, kappa: f64, t: f64, v: f64, terms: f64| Iterate {
+            r: (t - kappa * mass * v) / mass.sqrt(),
+            v: v * mass.sqrt(),
+            terms_of_r: (t.abs() + kappa * mass * terms) / mass.sqrt(),
+            terms_of_v: terms * mass.sqrt(),
+        };
         let contacts = self.rows.iter().zip(&self.t).map(move |(row, t)| {
             let v = row.relative(&self.velocity) + row.offset;
-            (row.mass, t - l_minus * row.mass * v, v)
+            let size = |grain: u32| self.velocity[grain as usize].norm();
+            of(row.mass, l_minus, *t, v, size(row.candidate) + size(row.antagonist) + row.offset.abs())
         });
         let grains = self.shares.iter().zip(&self.tau).zip(&self.velocity);
         let boundary = grains.filter(|((share, _), _)| share.boundary).flat_map(move |((share, tau), v)| {
-            let f = tau - d_minus * share.mass * v;
-            [(share.mass, f.x, v.x), (share.mass, f.y, v.y)]
+            [(tau.x, v.x), (tau.y, v.y)].map(|(tau, v)| of(share.mass, d_minus, tau, v, v.abs()))
         });
-        contacts.chain(boundary).map(|(mass, r, v)| (r / mass.sqrt(), v * mass.sqrt()))
+        contacts.chain(boundary)
     }
 
     /// Place of a grain in the factor's order, by its index in the subdomain.
@@ -188,14 +204,14 @@ impl Latin {
         self.structure.position()[local as usize] as usize
     }
 
-    /// K_E⁻¹ d⁻ B_E for the two translations of `grains` (place, d⁻).
-    pub(crate) fn influence(&self, grains: &[(usize, f64)]) -> Vec<Matrix2<f64>> {
+    /// K_E⁻¹ d⁻ B_E for the two translations of `grains` (place, d⁻), with a factor of K_E.
+    pub(crate) fn influence(&self, factor: &Factor, grains: &[(usize, f64)]) -> Vec<Matrix2<f64>> {
         let [along_x, along_y] = [Vector2::x(), Vector2::y()].map(|direction| {
             let mut x = vec![Vector2::zeros(); self.shares.len()];
             for (place, d_minus) in grains {
                 x[*place] = *d_minus * direction;
             }
-            self.factor.solve(&mut x);
+            factor.solve(&mut x);
             x
         });
         along_x.iter().zip(&along_y).map(|(x, y)| Matrix2::from_columns(&[*x, *y])).collect()
@@ -221,8 +237,17 @@ impl Latin {
         &self.r_hat
     }
 
+    pub(crate) fn factor(&self) -> &Factor {
+        &self.factor
+    }
+
     /// Entries of the factor.
     pub(crate) fn factor_entries(&self) -> usize {
         self.factor.entries()
     }
+}
+
+fn too_large(Singular(why): Singular) -> SetupError {
+    let value = format!("so large that a subdomain's matrix cannot be factorised ({why})");
+    SetupError::new("kappa_l_minus", value, "smaller")
 }

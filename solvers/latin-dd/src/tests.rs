@@ -1,10 +1,12 @@
 //! The interface conditions (3) at convergence, and what the settings may be.
 
 use super::*;
+use crate::balance::Balance;
 use crate::run::Run;
 use crate::subdomain::Latin;
-use cases::Frozen;
-use contact::{Measure, Stop};
+use cases::{Case, Frozen, March};
+use contact::spectrum::Spectrum;
+use contact::{Measure, Status, Stop};
 use nalgebra::Vector2;
 use std::path::Path;
 
@@ -94,6 +96,80 @@ fn adaptive_directions_mend_a_bad_one_with_a_few_factorisations() {
     }
 }
 
+/// The first problem of three discs that walls squeeze upwards, over a time step (s).
+fn almost_closing(time_step: &str) -> ContactProblem {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/almost-closing.toml");
+    let case = Case::read(&file, &[("scene.time_step_s".into(), time_step.into())]).unwrap();
+    March::new(&case).and_then(|march| march.next()).unwrap().frozen.problem
+}
+
+/// While its impulses grow against each other, velocities change by round-off alone.
+#[test]
+fn directions_do_not_run_away_from_round_off() {
+    for time_step in ["0.05", "0.07", "0.1", "0.15", "0.2"] {
+        let problem = almost_closing(time_step);
+        let r0 = vec![0.0; problem.contact_count()];
+        let outcome =
+            contact::solve(&LatinDd::default(), &problem, &r0, &Stop::default(), &mut |_| ()).unwrap();
+        let kappa = outcome.derived.iter().find(|(key, _)| *key == "kappa_l_minus").unwrap().1;
+        assert_eq!(outcome.status, Status::Converged, "{time_step} s: κ = {kappa:e}");
+        assert!(kappa < 1e4, "{time_step} s: {kappa:e}");
+    }
+}
+
+#[test]
+fn best_direction_of_any_closed_contacts_is_within_the_limits() {
+    let frozen = ["settled-60", "settled-250"].map(|name| frozen(name).problem);
+    for problem in frozen.into_iter().chain(["0.005", "0.1"].map(almost_closing)) {
+        let limits = Balance::new(&problem, 0).limits();
+        for every in 1..10 {
+            let closed: Vec<bool> =
+                (0..problem.contact_count()).map(|contact| contact % every == 0).collect();
+            if let Some(closed) = Spectrum::of(&problem, Some(&closed)).closed {
+                let best = closed.best_direction();
+                assert!(limits.contains(&best), "{best} is not in {limits:?}");
+            }
+        }
+    }
+}
+
+/// A run on 16 subdomains with a coarse problem.
+fn coarse_run(problem: &ContactProblem) -> Run<'_> {
+    let settings = LatinDd { coarse: true, subdomains: Grid::of_count(16), ..LatinDd::default() };
+    let r0 = vec![0.0; problem.contact_count()];
+    settings.bind(problem, settings.directions(problem), &r0).unwrap()
+}
+
+/// At κ = 1e18 nothing is left of M in the coarse matrix.
+#[test]
+fn a_turn_whose_coarse_problem_cannot_be_factorised_changes_nothing() {
+    let problem = frozen("shear-box-991-sheared").problem;
+    let (mut turned, mut other) = (coarse_run(&problem), coarse_run(&problem));
+    for run in [&mut turned, &mut other] {
+        (0..5).for_each(|_| run.advance());
+    }
+    let before = turned.directions;
+    let steep = Directions { d_minus: 1e18, ..before };
+    turned.turn(steep);
+    assert_eq!(turned.directions, before);
+    assert!(turned.coarse.is_some());
+    (0..5).for_each(|_| turned.advance());
+    (0..5).for_each(|_| other.advance());
+    let impulses = |run: &Run| {
+        let mut r = vec![0.0; problem.contact_count()];
+        run.impulses(&mut r);
+        r
+    };
+    assert_eq!(impulses(&turned), impulses(&other));
+    assert_eq!(turned.work().factorisations, other.work().factorisations + 16 + 1, "they were tried");
+
+    let settings =
+        LatinDd { coarse: true, subdomains: Grid::of_count(16), kappa_d: Some(1e18), ..LatinDd::default() };
+    let r0 = vec![0.0; problem.contact_count()];
+    let error = settings.start(&problem, &r0).err().unwrap().to_string();
+    assert!(error.starts_with("`coarse` is true: it must be false where kappa_d_minus is 1e18"), "{error}");
+}
+
 #[test]
 fn matched_directions_scale_and_a_low_interface_direction_does_not() {
     let problem = frozen("shear-box-991-sheared").problem;
@@ -119,7 +195,7 @@ fn the_coarse_problem_leaves_no_resultant_on_an_interface() {
     let mut run = settings.bind(&problem, settings.directions(&problem), &r0).unwrap();
     (0..10).for_each(|_| run.advance());
     run.in_subdomains(Latin::linear_stage);
-    let coarse = run.coarse.as_ref().unwrap();
+    let coarse = run.coarse.as_mut().unwrap();
     let before = coarse.resultants(&run.subdomains);
     coarse.correct(&mut run.subdomains);
     let after = coarse.resultants(&run.subdomains);

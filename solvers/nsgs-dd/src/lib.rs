@@ -1,8 +1,8 @@
 //! Non-linear Gauss-Seidel by subdomains (NSGS-DD), §4.2: each subdomain sweeps over its own contacts with split
 //! masses, the interface impulses kept; then the copies of the boundary grains are glued, eq. (3).
 //!
-//! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §4.2. With split masses q(r) never increases, for any number of
-//! subdomains and of inner sweeps. Cost of an iteration: `inner_sweeps` sweeps over all contacts, and the gluing.
+//! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §4.2. With split masses and 0 < ω < 2, q(r) never increases, for
+//! any number of subdomains and of inner sweeps. Cost of an iteration: `inner_sweeps` sweeps over all contacts, and the gluing.
 
 mod exchange;
 mod subdomain;
@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use subdomain::Sweeper;
 
 /// Settings of NSGS-DD.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct NsgsDd {
     /// Subdomains, as columns × rows.
@@ -26,6 +26,8 @@ pub struct NsgsDd {
     pub partition: Scheme,
     /// `n_in`: sweeps of each subdomain between two gluings.
     pub inner_sweeps: u32,
+    /// ω of the sweeps (–): 1 solves (2) exactly at each contact; above, over-relaxation.
+    pub relaxation: f64,
     /// When a subdomain sees what the others did.
     pub exchange: Exchange,
     /// Whether each copy of a boundary grain has its share `M_i/m_i` of the mass. Without it (Schwarz) each copy has
@@ -40,6 +42,7 @@ impl Default for NsgsDd {
             subdomains: Grid::ONE,
             partition: Scheme::Boxes,
             inner_sweeps: 1,
+            relaxation: 1.0,
             exchange: Exchange::Jacobi,
             mass_splitting: true,
         }
@@ -124,12 +127,12 @@ impl Run {
 
     /// From the glued velocity, `inner_sweeps` sweeps in each subdomain of `group`, F fixed.
     fn sweep(&mut self, group: u32) {
-        let sweeps = self.settings.inner_sweeps;
+        let NsgsDd { inner_sweeps: sweeps, relaxation, .. } = self.settings;
         let colour = &self.groups.of_subdomain;
         let updates = self.groups.contacts[group as usize] * sweeps as usize;
         let work = |(e, (sweeper, y)): (usize, (&mut Sweeper, &mut Vec<Vector2<f64>>))| {
             if colour[e] == group {
-                (0..sweeps).for_each(|_| sweeper.sweep(y));
+                (0..sweeps).for_each(|_| sweeper.sweep(y, relaxation));
             }
         };
         let subdomains = self.sweepers.par_iter_mut().zip(&mut self.y).enumerate();
@@ -152,6 +155,7 @@ impl Solver for NsgsDd {
         if self.inner_sweeps == 0 {
             return Err(SetupError::new("inner_sweeps", 0, "at least 1"));
         }
+        SetupError::unless_positive("relaxation", self.relaxation)?;
         let partition = self.partition.partition(problem, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
         let inverse_mass = |grain: u32| {

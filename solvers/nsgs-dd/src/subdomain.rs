@@ -57,10 +57,10 @@ impl Sweeper {
         }
     }
 
-    /// Contact by contact: v = Hᵗ V + c; r⁺ = max(0, r − v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
-    pub(crate) fn sweep(&mut self, y: &mut [Vector2<f64>]) {
+    /// Contact by contact: v = Hᵗ V + c; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
+    pub(crate) fn sweep(&mut self, y: &mut [Vector2<f64>], relaxation: f64) {
         for (row, s) in self.rows.iter().zip(&mut self.s) {
-            let change = law::change(*s, row.contact.relative(y) + row.offset, 1.0);
+            let change = law::change(*s, row.contact.relative(y) + row.offset, relaxation);
             row.contact.push(change, y);
             *s += change;
         }
