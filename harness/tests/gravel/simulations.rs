@@ -179,7 +179,7 @@ fn simulation_that_explodes_says_how_and_keeps_its_last_good_state() {
     let run = ["simulate", "column", "--time-steps", "50", "--max-iterations", "40", "--tolerance", "0"];
     let ran = command(&[&run[..], &scene, &["-o", text(&file)]].concat()).output().unwrap();
     let told = String::from_utf8(ran.stderr).unwrap();
-    assert_eq!(ran.status.code(), Some(1), "{told}");
+    assert_eq!(ran.status.code(), Some(3), "{told}");
     assert!(told.starts_with("error: column: exploded in time step "), "{told}");
     let made = fs::read_to_string(&file).unwrap().lines().count() - 1;
     let state = folder.path().join(format!("column-t{}.json", made + 1));
