@@ -6,6 +6,7 @@ use cases::{Case, CaseError, Explosion, Frozen, March, Missed, Side, detect};
 use cg::Cg;
 use contact::{Measure, Status, Stop, proves_infeasible, solve};
 use nalgebra::Vector2;
+use nsgs::Nsgs;
 use proptest::prelude::*;
 use std::path::PathBuf;
 
@@ -166,7 +167,7 @@ fn absurd_time_step_explodes_at_once() {
 /// The march until it explodes: how it is known, and the solve that it goes back to.
 fn explosion(mut march: March, stop: &Stop) -> (Explosion, Option<Missed>) {
     loop {
-        match march.time_step(&Cg::default(), stop) {
+        match march.time_step(&Nsgs::default(), stop) {
             Ok(_) => assert!(march.made() < 1000, "no explosion"),
             Err(CaseError::Exploded { why, solved, .. }) => return (why, solved),
             Err(other) => panic!("{other}"),
@@ -210,7 +211,7 @@ fn explosion_goes_back_to_the_problem_without_solution() {
 fn impulses_of_a_failed_time_step_do_not_begin_the_next() {
     let next_start = |stop: &Stop, expected| {
         let mut march = march("closing-walls", &[]);
-        let (outcome, _) = march.time_step(&Cg::default(), stop).unwrap();
+        let (outcome, _) = march.time_step(&Nsgs::default(), stop).unwrap();
         assert_eq!(outcome.status, expected);
         assert!(outcome.impulses.iter().any(|r| *r > 0.0));
         (outcome.impulses, march.next().unwrap().frozen.start)

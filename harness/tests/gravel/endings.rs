@@ -1,7 +1,7 @@
 //! How runs end: exit codes, what a simulation says of its ending, and what is left of one that is stopped.
 
 use crate::bench::{Study, plan, rows};
-use crate::common::{Ran, command, entries, gravel, text, write};
+use crate::common::{Ran, checkout, command, entries, gravel, text, write};
 use crate::truth::closing_walls;
 use serde_json::{Value, json};
 use std::fs;
@@ -18,7 +18,7 @@ fn exit_code_of_solve_says_whether_there_is_a_solution_and_whether_it_was_found(
     let solve = |args: &[&str]| study.gravel(&[&["solve"], args].concat());
     solve(&["pair"]).ended(0);
     solve(&["pair", "--method", "nsgs", "--max-iterations", "1"]).ended(3);
-    solve(&["closing"]).ended(4);
+    solve(&["closing", "--method", "nsgs"]).ended(4);
     let on_zeta = ["closing", "--method", "nsgs", "--on", "zeta", "--tolerance", "1e-2"];
     // ζ falls where nothing converges; the reference knows it.
     solve(&[&on_zeta[..], &["--truth"]].concat()).ended(3);
@@ -53,8 +53,21 @@ fn help_says_which_exit_code_means_what() {
 }
 
 /// Walls that close on a disc at 10 m/s: no time step has a solution, and in the eleventh they have passed its centre.
-const SQUEEZED: [&str; 6] =
-    ["simulate", "closing-walls", "--scene", "scene.box.closing_speed_m_per_s=10", "--time-steps", "50"];
+const SQUEEZED: [&str; 8] = [
+    "simulate",
+    "closing-walls",
+    "--scene",
+    "scene.box.closing_speed_m_per_s=10",
+    "--time-steps",
+    "50",
+    "--method",
+    "gradient",
+];
+
+fn copy_case(study: &Study, name: &str) {
+    let case = format!("cases/{name}.toml");
+    fs::copy(checkout().join(&case), study.folder().path().join(case)).unwrap();
+}
 
 fn simulate(args: &[&str]) -> (TempDir, Ran) {
     let folder = TempDir::new().unwrap();
@@ -104,7 +117,7 @@ fn simulation_whose_solver_diverges_says_so() {
     assert!(Path::new(state).starts_with(folder.path()), "{state}");
     gravel(&["solve", state]).succeeded();
     // What is stopped early has not diverged: it exploded, and the time steps say what they missed.
-    let early = ["--max-iterations", "40", "--tolerance", "0", "--json"];
+    let early = ["--max-iterations", "12", "--tolerance", "0", "--json"];
     let object = simulate(&[&packing[..], &jacobi, &early].concat()).1.json();
     assert_eq!(object["status"], "exploded", "{object}");
     assert_eq!(object["missed_time_steps"], object["time_steps"]);
@@ -139,7 +152,7 @@ duration_s = 0.1
 sample_every_s = 0.005
 
 [simulate.reference]
-method = "cg"
+method = "gradient"
 tolerance = 1e-8
 refine = 1
 
@@ -151,6 +164,7 @@ scene = { "scene.box.closing_speed_m_per_s" = 10.0 }
 method = "nsgs"
 "#;
     write(study.folder(), "harness/plans/squeezed.toml", squeezed);
+    copy_case(&study, "closing-walls");
     study.bench("squeezed");
     let table = rows(study.runs("squeezed").join("simulations.csv"));
     let run = table.iter().find(|row| row["role"] == "run").unwrap();
@@ -162,7 +176,7 @@ method = "nsgs"
     assert!(rows(atlas).iter().all(|row| row["class"] == "no solution"));
 }
 
-/// The lines of a file as long as it is, once there are `count`.
+/// Waits until a file that `child` writes has `count` lines.
 fn wait_for_lines(file: &Path, count: usize, child: &mut Child) {
     while fs::read_to_string(file).map_or(0, |text| text.lines().count()) < count {
         assert!(child.try_wait().unwrap().is_none(), "ended");
@@ -252,9 +266,10 @@ fn study_through_time_is_stopped_inside_a_solve() {
     let through_time = "[simulate]\nduration_s = 0.005\nsample_every_s = 0.005\n\n[simulate.reference]\nmethod = \"cg\"\n\
                         tolerance = 1e-3\nrefine = 1\n\n[[cases]]\ncase = \"settled-box\"\n";
     write(study.folder(), "harness/plans/endless.toml", &format!("{endless}{through_time}"));
+    copy_case(&study, "settled-box");
     let args = ["--root", text(study.folder().path()), "bench", "endless"];
     let mut child = command(&args).stdout(Stdio::piped()).spawn().unwrap();
-    // The reference, its twin and the floor end; the run never does.
+    // The reference, which is the floor as well, and its twin end; the run never does.
     let journal = study.runs("endless").join("journal.jsonl");
     wait_for_lines(&journal, 2, &mut child);
     let (code, told) = terminated(child);
