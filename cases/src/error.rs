@@ -1,6 +1,6 @@
 //! What can be wrong with a case or a frozen problem.
 
-use crate::observables::Explosion;
+use crate::observables::{Explosion, Missed};
 use contact::{ProblemError, SetupError};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -33,12 +33,22 @@ pub enum CaseError {
         source: ProblemError,
     },
     /// A time step gave a state that no longer says anything of the scene.
-    #[error("exploded in time step {time_step}: {why}")]
+    #[error("exploded in time step {time_step}: {why}{}", solved.map_or_else(String::new, |s| format!("; {s}")))]
     Exploded {
         /// The time step, counted from 1.
         time_step: u64,
         /// How it is known.
         why: Explosion,
+        /// The solve that it goes back to, if one failed.
+        solved: Option<Missed>,
+    },
+    /// The caller asked for an end inside a solve; the time step is not made.
+    #[error("stopped in time step {time_step}, after {iterations} iterations of it")]
+    Interrupted {
+        /// The time step, counted from 1.
+        time_step: u64,
+        /// Iterations made of its problem.
+        iterations: u64,
     },
     /// The solver of a time step refused its settings.
     #[error(transparent)]

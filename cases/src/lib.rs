@@ -16,6 +16,6 @@ pub use detect::{DetectedContact, Side, detect};
 pub use error::CaseError;
 pub use frozen::Frozen;
 pub use march::{March, TimeStep};
-pub use observables::{Explosion, Observables};
+pub use observables::{Explosion, Missed, Observables};
 pub use sample::{Disc, Sample};
 pub use scene::{Direction, Law, Scene, Vibration, Walls};

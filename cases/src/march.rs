@@ -5,10 +5,11 @@ use crate::case::Case;
 use crate::detect::{DetectedContact, Side, detect, walls_near};
 use crate::error::CaseError;
 use crate::frozen::Frozen;
-use crate::observables::{Observables, greatest_speed, wall_impulses};
+use crate::observables::{Missed, Observables, explosion, greatest_speed, wall_impulses};
 use crate::scene::{Law, MovingWall, Scene};
-use contact::{Contact, ContactProblem, Outcome, Solver, Stop, solve};
+use contact::{Contact, ContactProblem, Outcome, Progress, Solver, Status, Stop, solve_against};
 use nalgebra::Vector2;
+use std::ops::ControlFlow;
 
 /// A scene on its way through time.
 #[derive(Clone, Debug)]
@@ -21,8 +22,10 @@ pub struct March {
     velocity: Vec<Vector2<f64>>,
     /// Time steps made.
     made: u64,
-    /// Impulses of the last time step, ordered by contact (N·s).
+    /// Impulses of the last time step, ordered by contact (N·s); none if its solve failed.
     last: Vec<((u32, Side), f64)>,
+    /// How the last time step ended, if it did not converge.
+    missed: Option<Missed>,
 }
 
 /// The contact problem of a time step that is not made yet.
@@ -55,6 +58,7 @@ impl March {
             velocity,
             made: 0,
             last: Vec::new(),
+            missed: None,
         })
     }
 
@@ -175,27 +179,45 @@ impl March {
         stop: &Stop,
     ) -> Result<(Outcome, Observables), CaseError> {
         let next = self.next()?;
-        self.make(&next, solver, stop, true)
+        self.make(&next, solver, stop, true, &|| false)
     }
 
-    /// Makes the time step that [`March::next`] gave with `solver`: from the impulses of the one before if `warm`, else
-    /// from none.
+    /// Makes the time step that [`March::next`] gave with `solver`: from the impulses of the one before if `warm` and if
+    /// its solve did not fail, else from none. `halt` is asked after every iteration.
     ///
     /// # Errors
     /// Names a setting of the solver without meaning, or says how the simulation has exploded: `next` is then the problem
-    /// of its last good state.
+    /// of its last good state. If `halt` asked for an end, nothing is made.
     pub fn make(
         &mut self,
         next: &TimeStep,
         solver: &dyn Solver,
         stop: &Stop,
         warm: bool,
+        halt: &dyn Fn() -> bool,
     ) -> Result<(Outcome, Observables), CaseError> {
-        let outcome = solve(solver, &next.frozen.problem, &next.frozen.start(warm), stop, &mut |_| {})?;
+        let (Frozen { problem, gap, .. }, start) = (&next.frozen, next.frozen.start(warm));
+        let mut observe =
+            |_: &Progress| if halt() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let outcome = solve_against(None, solver, problem, &start, stop, &mut observe)?;
+        let (time_step, status) = (self.made + 1, outcome.status);
+        if status == Status::Interrupted {
+            return Err(CaseError::Interrupted { time_step, iterations: outcome.iterations });
+        }
         let observables = self.advance(next, &outcome.impulses, &outcome.velocity);
-        match observables.explosion(self.mean_diameter(), self.scene.time_step_s) {
+        let missed = (status != Status::Converged).then_some(Missed { time_step, status });
+        if missed.is_some_and(Missed::failed) {
+            self.last.clear();
+        }
+        let before = std::mem::replace(&mut self.missed, missed);
+        match explosion(problem.contacts(), gap, &self.radius, &self.velocity, self.scene.time_step_s) {
             None => Ok((outcome, observables)),
-            Some(why) => Err(CaseError::Exploded { time_step: self.made, why }),
+            // Speeds are those of this time step; overlaps were found at its beginning, where the one before had led.
+            Some(why) => {
+                let recent = || missed.into_iter().chain(before);
+                let solved = recent().find(|missed| missed.failed()).or_else(|| recent().next());
+                Err(CaseError::Exploded { time_step, why, solved })
+            }
         }
     }
 

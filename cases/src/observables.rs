@@ -1,6 +1,7 @@
 //! What a simulation shows of itself after a time step, and when it has exploded.
 
 use crate::detect::Side;
+use contact::{Contact, Status};
 use nalgebra::Vector2;
 use std::fmt;
 
@@ -25,54 +26,101 @@ pub struct Observables {
     pub greatest_speed: f64,
 }
 
+/// A time step that did not come to its tolerance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Missed {
+    /// The time step, counted from 1.
+    pub time_step: u64,
+    /// How its solve ended.
+    pub status: Status,
+}
+
+impl Missed {
+    /// Whether its impulses mean nothing, so that no other time step may begin from them.
+    pub fn failed(self) -> bool {
+        matches!(self.status, Status::Diverged | Status::Infeasible)
+    }
+}
+
+impl fmt::Display for Missed {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { time_step, status } = self;
+        match status {
+            Status::Diverged => write!(f, "the solver diverged in time step {time_step}"),
+            Status::Infeasible => write!(f, "the problem of time step {time_step} has no solution"),
+            status => write!(f, "the solver ended time step {time_step} with {}", status.name()),
+        }
+    }
+}
+
 /// A state that no longer says anything of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Explosion {
     /// A velocity is infinite or undefined.
     NotFinite,
-    /// An overlap is above half the mean diameter: grains have passed into each other.
+    /// The centre of a grain has passed into another grain, or behind a wall.
     Overlap {
-        /// The greatest overlap (m).
+        /// The grain, the smaller one of its contact.
+        grain: u32,
+        /// The overlap (m).
         overlap: f64,
-        /// Half the mean diameter (m).
+        /// Its radius (m).
         bound: f64,
     },
-    /// A grain moves by more than the mean diameter within a time step: it passes others unseen.
+    /// A grain moves by more than its diameter within a time step: it passes others unseen.
     Speed {
-        /// The greatest speed (m/s).
+        /// The grain.
+        grain: u32,
+        /// Its speed (m/s).
         speed: f64,
-        /// The mean diameter over the time step (m/s).
+        /// Its diameter over the time step (m/s).
         bound: f64,
     },
 }
 
-impl Observables {
-    /// Whether the scene has exploded, with grains of `mean_diameter` (m) and time steps of `h` (s).
-    pub fn explosion(&self, mean_diameter: f64, h: f64) -> Option<Explosion> {
-        let Self { greatest_speed: speed, greatest_overlap: overlap, .. } = *self;
-        let bounds = (0.5 * mean_diameter, mean_diameter / h);
-        if !(speed.is_finite() && self.kinetic_energy.is_finite()) {
-            Some(Explosion::NotFinite)
-        } else if overlap > bounds.0 {
-            Some(Explosion::Overlap { overlap, bound: bounds.0 })
-        } else if speed > bounds.1 {
-            Some(Explosion::Speed { speed, bound: bounds.1 })
-        } else {
-            None
-        }
+/// Whether grains of these radii (m) have exploded: by the gaps (m) of the problem just solved, or the velocities (m/s)
+/// found for it, over a time step of `h` (s). Each grain is judged by its own size: beside large ones, a small one is
+/// swallowed long before the mean diameter notices.
+pub(crate) fn explosion(
+    contacts: &[Contact],
+    gap: &[f64],
+    radius: &[f64],
+    velocity: &[Vector2<f64>],
+    h: f64,
+) -> Option<Explosion> {
+    // Speeds are squared wherever energies are summed.
+    if !velocity.iter().all(|v| v.norm_squared().is_finite()) {
+        return Some(Explosion::NotFinite);
     }
+    let size = |grain: u32| radius[grain as usize];
+    let smaller = |contact: &Contact| {
+        let candidate = contact.candidate;
+        contact.antagonist.filter(|j| size(*j) < size(candidate)).unwrap_or(candidate)
+    };
+    let overlaps = contacts.iter().zip(gap).map(|(contact, gap)| (smaller(contact), -gap));
+    let overlaps = overlaps.map(|(grain, overlap)| (grain, overlap, size(grain)));
+    let speeds = (0_u32..).zip(velocity).map(|(grain, v)| (grain, v.norm(), 2.0 * size(grain) / h));
+    let overlap = |(grain, overlap, bound)| Explosion::Overlap { grain, overlap, bound };
+    let speed = |(grain, speed, bound)| Explosion::Speed { grain, speed, bound };
+    worst(overlaps).map(overlap).or_else(|| worst(speeds).map(speed))
+}
+
+/// Of grains with a value and its bound, the one that is farthest beyond it; of equal ones the first.
+fn worst(values: impl Iterator<Item = (u32, f64, f64)>) -> Option<(u32, f64, f64)> {
+    let beyond = values.filter(|(_, value, bound)| value > bound);
+    beyond.reduce(|worst, next| if next.1 / next.2 > worst.1 / worst.2 { next } else { worst })
 }
 
 impl fmt::Display for Explosion {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::NotFinite => write!(f, "a velocity is not finite"),
-            Self::Overlap { overlap, bound } => {
-                write!(f, "an overlap of {overlap:.3e} m is above half the mean diameter, {bound:.3e} m")
+            Self::Overlap { grain, overlap, bound } => {
+                write!(f, "an overlap of {overlap:.3e} m is above the radius of grain {grain}, {bound:.3e} m")
             }
-            Self::Speed { speed, bound } => write!(
+            Self::Speed { grain, speed, bound } => write!(
                 f,
-                "a speed of {speed:.3e} m/s is above a mean diameter per time step, {bound:.3e} m/s"
+                "the speed of grain {grain}, {speed:.3e} m/s, is above its diameter per time step, {bound:.3e} m/s"
             ),
         }
     }
@@ -105,30 +153,36 @@ pub(crate) fn greatest_speed(velocity: &[Vector2<f64>]) -> f64 {
 mod tests {
     use super::*;
 
-    fn observables(greatest_overlap: f64, greatest_speed: f64) -> Observables {
-        Observables {
-            time: 1.0,
-            kinetic_energy: greatest_speed * greatest_speed,
-            mean_height: 1.0,
-            greatest_overlap,
-            mean_overlap: 0.0,
-            wall_impulses: [0.0; 3],
-            contacts: 1,
-            greatest_speed,
-        }
+    const RADIUS: [f64; 2] = [1.0, 0.05];
+    const H: f64 = 0.01;
+
+    /// A large grain and a small one with a contact between them, and one of the large grain with a wall.
+    fn exploded(gap: [f64; 2], speed: [f64; 2]) -> Option<Explosion> {
+        let contact = |antagonist| Contact { candidate: 0, antagonist, normal: Vector2::y(), offset: 0.0 };
+        let velocity = speed.map(|v| Vector2::new(0.0, -v));
+        explosion(&[contact(Some(1)), contact(None)], &gap, &RADIUS, &velocity, H)
     }
 
     #[test]
-    fn explosion_is_told_by_the_bound_that_is_passed() {
-        let explosion = |overlap, speed| observables(overlap, speed).explosion(0.1, 0.01);
-        assert_eq!(explosion(0.05, 10.0), None);
-        assert_eq!(explosion(0.06, 10.0), Some(Explosion::Overlap { overlap: 0.06, bound: 0.05 }));
-        assert_eq!(explosion(0.05, 10.1), Some(Explosion::Speed { speed: 10.1, bound: 10.0 }));
-        for odd in [f64::NAN, f64::INFINITY] {
-            assert_eq!(explosion(0.0, odd), Some(Explosion::NotFinite));
-        }
+    fn each_grain_is_judged_by_its_own_size() {
+        let [large, small] = RADIUS;
+        assert_eq!(exploded([-small, -large], [2.0 * large / H, 2.0 * small / H]), None);
+        let overlap = |grain, overlap, bound| Some(Explosion::Overlap { grain, overlap, bound });
+        assert_eq!(exploded([-0.06, -0.9], [0.0; 2]), overlap(1, 0.06, small));
+        assert_eq!(exploded([0.01, -1.01], [0.0; 2]), overlap(0, 1.01, large));
+        // Of several, the one farthest beyond its bound.
+        assert_eq!(exploded([-0.1, -1.5], [0.0; 2]), overlap(1, 0.1, small));
+        let speed = |grain, speed, bound| Some(Explosion::Speed { grain, speed, bound });
+        assert_eq!(exploded([0.0; 2], [100.0, 10.5]), speed(1, 10.5, 2.0 * small / H));
+        assert_eq!(exploded([0.0; 2], [201.0, 9.0]), speed(0, 201.0, 2.0 * large / H));
+    }
+
+    #[test]
+    fn velocities_that_are_not_finite_come_first() {
         // The square of a finite speed need not be finite.
-        assert_eq!(explosion(0.0, 1e200), Some(Explosion::NotFinite));
+        for odd in [f64::NAN, f64::INFINITY, 1e200] {
+            assert_eq!(exploded([-2.0; 2], [0.0, odd]), Some(Explosion::NotFinite));
+        }
     }
 
     #[test]

@@ -2,10 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
-use cases::{Case, CaseError, Explosion, Frozen, March, Side, detect};
+use cases::{Case, CaseError, Explosion, Frozen, March, Missed, Side, detect};
 use cg::Cg;
 use contact::{Measure, Status, Stop, proves_infeasible, solve};
 use nalgebra::Vector2;
+use nsgs::Nsgs;
 use proptest::prelude::*;
 use std::path::PathBuf;
 
@@ -154,13 +155,85 @@ fn free_fall_is_exact() {
 fn absurd_time_step_explodes_at_once() {
     let changes = [("sample.discs", "[[0.0, 100.0, 0.5]]"), ("scene.time_step_s", "1.0")];
     let error = march("two-discs", &changes).time_step(&Cg::default(), &tight()).unwrap_err();
-    let Explosion::Speed { speed, bound } = (match error {
-        CaseError::Exploded { time_step: 1, why } => why,
+    let Explosion::Speed { grain: 0, speed, bound } = (match error {
+        CaseError::Exploded { time_step: 1, why, solved: None } => why,
         other => panic!("{other}"),
     }) else {
         panic!("of speed")
     };
     assert!((speed - GRAVITY).abs() < 1e-12 && bound == 1.0, "{speed} m/s, {bound} m/s");
+}
+
+/// The march until it explodes: how it is known, and the solve that it goes back to.
+fn explosion(mut march: March, stop: &Stop) -> (Explosion, Option<Missed>) {
+    loop {
+        match march.time_step(&Nsgs::default(), stop) {
+            Ok(_) => assert!(march.made() < 1000, "no explosion"),
+            Err(CaseError::Exploded { why, solved, .. }) => return (why, solved),
+            Err(other) => panic!("{other}"),
+        }
+    }
+}
+
+/// Without impulses all grains fall through the floor: of a binary mixture the small one is below it first, long before
+/// half the mean diameter.
+#[test]
+fn small_grain_beside_a_large_one_explodes_by_its_own_size() {
+    let mixture = [("sample.discs", "[[0.0, 1.0, 1.0], [3.0, 0.05, 0.05]]")];
+    let no_impulses = Stop { max_iterations: 0, ..tight() };
+    let (why, solved) = explosion(march("two-discs", &mixture), &no_impulses);
+    let Explosion::Overlap { grain: 1, overlap, bound } = why else { panic!("{why}") };
+    // Within 0.1 s it falls at 1 m/s, 5 mm per time step.
+    assert!(bound == 0.05 && (0.05..0.056).contains(&overlap), "{overlap} m, {bound} m");
+    assert_eq!(solved.map(|missed| missed.status), Some(Status::IterationLimit));
+
+    let falling = [
+        ("sample.discs", "[[0.0, 105.0, 5.0], [20.0, 100.0, 0.05]]"),
+        ("scene.time_step_s", "0.05"),
+        ("scene.law", "predicted-gap"),
+    ];
+    let (why, solved) = explosion(march("two-discs", &falling), &tight());
+    let Explosion::Speed { grain: 1, speed, bound } = why else { panic!("{why}") };
+    assert!((bound - 2.0).abs() < 1e-12 && (2.0..2.5).contains(&speed), "{speed} m/s, {bound} m/s");
+    assert_eq!(solved, None);
+}
+
+#[test]
+fn explosion_goes_back_to_the_problem_without_solution() {
+    let squeezed = march("closing-walls", &[("scene.box.closing_speed_m_per_s", "10.0")]);
+    let (why, solved) = explosion(squeezed, &tight());
+    assert!(matches!(why, Explosion::Overlap { grain: 0, bound: 0.5, .. }), "{why}");
+    assert_eq!(solved.map(|missed| missed.status), Some(Status::Infeasible));
+}
+
+/// Impulses that grew for ever say nothing of the next time step; those of a solve that only ended early do.
+#[test]
+fn impulses_of_a_failed_time_step_do_not_begin_the_next() {
+    let next_start = |stop: &Stop, expected| {
+        let mut march = march("closing-walls", &[]);
+        let (outcome, _) = march.time_step(&Nsgs::default(), stop).unwrap();
+        assert_eq!(outcome.status, expected);
+        assert!(outcome.impulses.iter().any(|r| *r > 0.0));
+        (outcome.impulses, march.next().unwrap().frozen.start)
+    };
+    let (_, start) = next_start(&tight(), Status::Infeasible);
+    assert!(start.len() == 3 && start.iter().all(|r| *r == 0.0), "{start:?}");
+    let (impulses, start) = next_start(&Stop { max_iterations: 2, ..tight() }, Status::IterationLimit);
+    assert_eq!(start, impulses);
+}
+
+#[test]
+fn time_step_that_is_stopped_inside_its_solve_is_not_made() {
+    let mut march = march("column", &[]);
+    let next = march.next().unwrap();
+    let asked = std::cell::Cell::new(0);
+    let halt = || {
+        asked.set(asked.get() + 1);
+        asked.get() > 3
+    };
+    let stopped = march.make(&next, &Cg::default(), &tight(), true, &halt).unwrap_err();
+    assert!(matches!(stopped, CaseError::Interrupted { time_step: 1, iterations: 3 }), "{stopped}");
+    assert_eq!((march.made(), march.next().unwrap().frozen), (0, next.frozen));
 }
 
 /// A disc that lies on a shaken floor moves with it, as long as the floor's acceleration is below g.

@@ -3,6 +3,7 @@
 use crate::COMMIT;
 use crate::asked::{Asked, StudyArgs};
 use crate::execute::{How, execute};
+use crate::exit;
 use crate::inputs::Root;
 use crate::interrupt;
 use crate::output::say;
@@ -125,7 +126,7 @@ pub(crate) fn finish(
             "stopped; runs missing: {missing}, the others are kept; `gravel bench {}` goes on",
             study.asked.again
         ))?;
-        return Ok(ExitCode::from(interrupt::EXIT_CODE));
+        return Ok(ExitCode::from(exit::INTERRUPTED));
     }
     let Asked { plan, again, .. } = &study.asked;
     let wanted = Wanted { charts: &plan.charts(), formats: Formats::default(), against: None };

@@ -1,5 +1,6 @@
 //! `gravel certify`: what a solution leaves of the contact problem, condition by condition.
 
+use crate::exit;
 use crate::inputs::Root;
 use crate::output::say;
 use crate::truth::{Given, answer};
@@ -8,6 +9,7 @@ use cases::Frozen;
 use contact::{ContactProblem, Meter, Truth};
 use reference::{Answer, Certificate, ROUND_OFF, certify};
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -19,17 +21,25 @@ pub(crate) struct Args {
     impulses: Option<PathBuf>,
 }
 
-pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
+pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let frozen = Frozen::read(&root.problem(&args.problem)?)?;
     let problem = &frozen.problem;
     let given = args.impulses.as_deref().map(|file| Given::read(file, problem)).transpose()?;
     let reference = answer(root, &frozen)?;
     let (grains, contacts) = (problem.grain_count(), problem.contact_count());
     say(format_args!("{}: {grains} grains, {contacts} contacts", frozen.name))?;
+    let mut status = match &reference {
+        Answer::Infeasible { .. } => "no-solution",
+        Answer::Unknown { certificate, .. } | Answer::Solution { certificate, .. } => word(certificate),
+    };
     if let Some(Given { impulse, .. }) = &given {
         let certificate = certify(problem, impulse);
         say(format_args!("given impulses: {}", verdict(&certificate)))?;
         print(&certificate)?;
+        // Where there is a solution, the given impulses are what is asked about.
+        if status != "no-solution" {
+            status = word(&certificate);
+        }
     }
     match &reference {
         Answer::Infeasible { .. } => {
@@ -47,12 +57,15 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
             }
         }
     }
-    Ok(())
+    Ok(exit::code(status))
+}
+
+fn word(certificate: &Certificate) -> &'static str {
+    if certificate.certified() { "certified" } else { "not certified" }
 }
 
 fn verdict(certificate: &Certificate) -> String {
-    let word = if certificate.certified() { "certified" } else { "not certified" };
-    format!("{word} to {ROUND_OFF:e}")
+    format!("{} to {ROUND_OFF:e}", word(certificate))
 }
 
 fn print(certificate: &Certificate) -> Result<()> {

@@ -6,6 +6,7 @@ mod bench;
 mod certify;
 mod curve;
 mod execute;
+mod exit;
 mod film;
 mod freeze;
 mod identity;
@@ -48,7 +49,7 @@ const COMMIT: &str = git_version::git_version!(
 
 /// Benchmark of the solvers of non-smooth contact dynamics of granular media.
 #[derive(Parser)]
-#[command(name = "gravel", version, max_term_width = 100)]
+#[command(name = "gravel", version, max_term_width = 100, after_help = exit::HELP)]
 struct Cli {
     /// Threads that methods may use [default: one per processor]; results do not depend on it
     #[arg(long, global = true, value_name = "N")]
@@ -79,12 +80,15 @@ enum Command {
     /// Make the runs of a plan and accept their counts
     Bless(regress::Args),
     /// Solve one contact problem with one method
+    #[command(after_help = exit::HELP)]
     Solve(solve::Args),
     /// Print what the reference solution, or a given one, leaves of a contact problem
+    #[command(after_help = exit::HELP)]
     Certify(certify::Args),
     /// Write the contact problem of one time step of a case as a file
     Freeze(freeze::Args),
     /// March a case through time
+    #[command(after_help = exit::HELP)]
     Simulate(simulate::Args),
     /// List what there is: cases, methods or plans
     List(list::Args),
@@ -116,10 +120,10 @@ fn run(cli: Cli) -> Result<ExitCode> {
         Command::Merge(args) => return merge::run(&root, &args),
         Command::Regress(args) => return regress::regress(&root, &args),
         Command::Bless(args) => return regress::bless(&root, &args),
-        Command::Solve(args) => in_the_pool(|| solve::run(&root, &args))?,
-        Command::Certify(args) => certify::run(&root, &args)?,
+        Command::Solve(args) => return in_the_pool(|| solve::run(&root, &args)),
+        Command::Certify(args) => return certify::run(&root, &args),
         Command::Freeze(args) => in_the_pool(|| freeze::run(&root, &args))?,
-        Command::Simulate(args) => in_the_pool(|| simulate::run(&root, &args))?,
+        Command::Simulate(args) => return in_the_pool(|| simulate::run(&root, &args)),
         Command::List(args) => list::run(&root, &args)?,
         Command::Schema(args) => schema::run(&args)?,
     }

@@ -7,12 +7,13 @@ mod through_time;
 mod vtk;
 
 pub(crate) use scene::{Scene, TIME_STEP};
-pub(crate) use through_time::{End, Seen, through_time};
+pub(crate) use through_time::{End, Seen, Totals, through_time};
 pub(crate) use vtk::Frames;
 
 use crate::asked::Asked;
 use crate::bench::{Args, about, begin_anew, open, provenance, runs_folder, stopped};
 use crate::execute::{How, in_parallel, untimed};
+use crate::exit;
 use crate::inputs::Root;
 use crate::interrupt;
 use crate::output::say;
@@ -125,7 +126,7 @@ fn finish(root: &Root, study: &Study, mut store: Store<Simulated>) -> Result<Exi
             "stopped; simulations missing: {missing}, the others are kept; `gravel bench {}` goes on",
             study.asked.again
         ))?;
-        return Ok(ExitCode::from(interrupt::EXIT_CODE));
+        return Ok(ExitCode::from(exit::INTERRUPTED));
     }
     say(format_args!("{}", reports::simulations_text(&tables)?))?;
     if let Some(note) = origins(simulated.iter().map(|s| &s.simulation.provenance)) {

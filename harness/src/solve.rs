@@ -1,6 +1,8 @@
 //! `gravel solve`: one contact problem, one method.
 
+use crate::exit;
 use crate::inputs::{Root, content_hash, is_toml, time_step};
+use crate::interrupt;
 use crate::methods::{Method, key_value};
 use crate::output::{check_place, say, write_whole};
 use crate::problems::marched;
@@ -14,6 +16,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -197,7 +200,7 @@ pub(crate) fn measure(name: &str) -> Result<Measure, String> {
     })
 }
 
-pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
+pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let method = args.method.method()?;
     let stop = args.stop.stop();
     if let Some(file) = &args.impulses {
@@ -210,10 +213,11 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
 
     let asked = args.truth || stop.on == Measure::VelocityError;
     let known = if asked { known(root, &frozen)? } else { Known::Nothing };
+    interrupt::listen()?;
     let mut line = Line::alone(method.name.to_owned());
     let mut observe = |progress: &Progress| {
         line.show(progress, stop.on);
-        ControlFlow::Continue(())
+        if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let outcome = solve_against(known.truth(), &*method.solver, &frozen.problem, &r0, &stop, &mut observe)
         .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
@@ -231,7 +235,8 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     } else {
         print(&frozen, &method, &stop, &outcome)?;
     }
-    Ok(())
+    let belied = known.belies(&stop, &outcome);
+    Ok(exit::code(if belied { "false-convergence" } else { outcome.status.name() }))
 }
 
 fn to_json(frozen: &Frozen, method: &Method, stop: &Stop, start: Start, outcome: &Outcome) -> Result<Value> {

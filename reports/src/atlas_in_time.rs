@@ -53,7 +53,8 @@ fn rule() -> String {
          is off or the median greatest overlap larger by more than {CREEP} mean diameters; else jittering, if the median \
          kinetic energy exceeds the reference's by more than {MORE_ENERGY} times it, and by more than that of grains at \
          {SHARE_OF_FALL} times the speed that free fall gives in a time step; else stable. Exploded: not finite, an overlap \
-         above half the mean diameter, or a grain that moves by more than the mean diameter within a time step."
+         above the radius of the smaller grain, or a grain that moves by more than its diameter within a time step; no \
+         solution, solver diverged: it exploded because of that."
     )
 }
 
@@ -227,18 +228,24 @@ fn look(class: Option<Class>) -> (RGBColor, &'static str) {
         Some(Class::Stable) => (RGBColor(225, 240, 232), "s"),
         Some(Class::Jittering) => (RGBColor(242, 205, 120), "j"),
         Some(Class::Creeping) => (RGBColor(205, 110, 50), "c"),
-        Some(Class::Exploded) => (RGBColor(70, 20, 60), "x"),
+        Some(Class::Exploded) => (RGBColor(110, 45, 85), "x"),
+        Some(Class::NoSolution) => (RGBColor(70, 20, 60), "n"),
+        Some(Class::SolverDiverged) => (RGBColor(30, 8, 30), "d"),
         None => (RGBColor(248, 248, 248), "–"),
     }
 }
 
 fn key(canvas: &Canvas, top: f64) -> Result<(), ReportError> {
-    let mut x = MARGIN;
+    let (mut x, mut y) = (MARGIN, top);
     let classes = Class::ALL.map(|class| (Some(class), class.name()));
     for (class, name) in classes.into_iter().chain([(None, "not made, or nothing to judge it by")]) {
-        draw_cell(canvas, class, (x, top), CELL.0)?;
-        canvas.text(name, (x + CELL.0 + 1.0, top + ROW / 2.0), TEXT, (HPos::Left, VPos::Center))?;
-        x += CELL.0 + 1.0 + text_width(name, TEXT)? + 4.0;
+        let width = CELL.0 + 1.0 + text_width(name, TEXT)?;
+        if x + width > PAGE - MARGIN {
+            (x, y) = (MARGIN, y + ROW + 0.5);
+        }
+        draw_cell(canvas, class, (x, y), CELL.0)?;
+        canvas.text(name, (x + CELL.0 + 1.0, y + ROW / 2.0), TEXT, (HPos::Left, VPos::Center))?;
+        x += width + 4.0;
     }
     Ok(())
 }
@@ -247,7 +254,10 @@ fn key(canvas: &Canvas, top: f64) -> Result<(), ReportError> {
 fn sentences(judged: &[Judged]) -> String {
     let counts = |of: &dyn Fn(&Judged) -> bool| {
         let count = |class| judged.iter().filter(|j| of(j) && j.class == Some(class)).count();
-        let words = Class::ALL.into_iter().map(|class| format!("{} {}", count(class), class.name()));
+        // Why one exploded, only where it is more than that.
+        let counted = Class::ALL.map(|class| (class, count(class)));
+        let told = counted.into_iter().filter(|(class, count)| *class <= Class::Exploded || *count > 0);
+        let words = told.map(|(class, count)| format!("{count} {}", class.name()));
         words.collect::<Vec<_>>().join(", ")
     };
     let mut text = format!("Of {}: {}.\n", counted(judged.len(), "simulation"), counts(&|_| true));

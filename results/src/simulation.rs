@@ -62,7 +62,8 @@ pub struct Simulation {
     pub tolerance: f64,
     /// Greatest number of iterations allowed in a time step.
     pub max_iterations: u64,
-    /// `completed`, `exploded`, or `skipped` if the method refused a time step.
+    /// `completed`; `exploded`, or what made it explode: `solver-diverged`, or `no-solution` of a time step's problem;
+    /// `skipped` if the method refused a time step.
     pub status: String,
     /// How it is known that it exploded, or why the method refused; empty for one that was completed.
     pub reason: String,
@@ -72,6 +73,15 @@ pub struct Simulation {
     pub time_steps: u64,
     /// Those of them that did not come to the tolerance.
     pub missed_time_steps: u64,
+    /// Those of these whose solver diverged; 0 in journals of before they were counted, as below.
+    #[serde(default)]
+    pub diverged_time_steps: u64,
+    /// Those of these whose problem has no solution.
+    #[serde(default)]
+    pub infeasible_time_steps: u64,
+    /// Time steps that began from no impulses because the one before had diverged or had no solution.
+    #[serde(default)]
+    pub restarted_time_steps: u64,
     /// Iterations of all time steps.
     pub iterations: u64,
     /// Time in `start` of all time steps (s).
@@ -220,6 +230,9 @@ fn reached(rows: &[Simulation]) -> PolarsResult<DataFrame> {
         "last_state" => column(rows, |s| s.last_state.as_str()),
         "time_steps" => column(rows, |s| s.time_steps),
         "missed_time_steps" => column(rows, |s| s.missed_time_steps),
+        "diverged_time_steps" => column(rows, |s| s.diverged_time_steps),
+        "infeasible_time_steps" => column(rows, |s| s.infeasible_time_steps),
+        "restarted_time_steps" => column(rows, |s| s.restarted_time_steps),
         "iterations" => column(rows, |s| s.iterations),
         "setup_s" => column(rows, |s| defined(s.setup_s)),
         "iterating_s" => column(rows, |s| defined(s.iterating_s)),

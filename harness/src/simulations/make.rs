@@ -11,7 +11,6 @@ use results::schema::{Provenance, Timing};
 use results::simulation::{Observed, Simulated, Simulation};
 use results::store::LAST_STATES;
 use serde_json::Value;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -32,17 +31,17 @@ pub(super) fn make(
     let mut line = board.line(task.name());
     let mut series = Series { every: *every, rows: Vec::new(), since: None };
     let solver = &*task.variant.method.solver;
-    let (totals, end) = through_time(&mut march, solver, &task.rule, *time_steps, &mut |seen| {
+    let (totals, end) = through_time(&mut march, solver, &task.rule, *time_steps, halt, &mut |seen| {
         series.see(seen);
         line.show_time_step(seen.totals.time_steps, *time_steps);
-        Ok(if halt() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        Ok(())
     })?;
-    let (status, reason, last_state) = match end {
-        End::Interrupted => return Ok(None),
-        End::Completed => ("completed", String::new(), String::new()),
-        End::Refused(why) => ("skipped", why, String::new()),
-        End::Exploded { why, last } => ("exploded", why, keep(&last, folder, &task.id)?),
+    let last_state = match &end {
+        End::Interrupted(_) => return Ok(None),
+        End::Completed | End::Refused(_) => String::new(),
+        End::Exploded { last, .. } => keep(last, folder, &task.id)?,
     };
+    let (status, reason) = (end.status(), end.reason().to_owned());
     let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..asked.timing.clone() };
     let asked = Simulation { status: status.to_owned(), reason, last_state, timing, ..asked };
     Ok(Some(Simulated { simulation: ended_row(asked, &totals), series: series.rows }))
@@ -94,6 +93,9 @@ fn asked_row(
         last_state: String::new(),
         time_steps: 0,
         missed_time_steps: 0,
+        diverged_time_steps: 0,
+        infeasible_time_steps: 0,
+        restarted_time_steps: 0,
         iterations: 0,
         setup_s: 0.0,
         iterating_s: 0.0,
@@ -110,6 +112,9 @@ fn ended_row(asked: Simulation, totals: &Totals) -> Simulation {
     Simulation {
         time_steps: totals.time_steps,
         missed_time_steps: totals.missed,
+        diverged_time_steps: totals.diverged,
+        infeasible_time_steps: totals.infeasible,
+        restarted_time_steps: totals.restarted,
         iterations: totals.iterations,
         setup_s: totals.setup.as_secs_f64(),
         iterating_s: totals.iterating.as_secs_f64(),

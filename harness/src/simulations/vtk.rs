@@ -4,17 +4,22 @@ use crate::output::{say, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::{March, TimeStep};
 use nalgebra::Vector2;
-use std::fmt::Write;
+use std::fs::File;
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use vtkio::model::{Attribute, Attributes, ByteOrder, DataSet, PolyDataPiece, Version, VertexNumbers, Vtk};
 
-/// A folder of frames.
+/// A folder of frames, with their collection: whole at any moment, so that a program that is killed leaves what it made.
 pub(crate) struct Frames {
     folder: PathBuf,
     name: String,
-    /// Time and file of each frame.
-    made: Vec<(f64, String)>,
+    path: PathBuf,
+    collection: File,
+    made: usize,
 }
+
+const HEAD: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n";
+const TAIL: &str = "  </Collection>\n</VTKFile>\n";
 
 impl Frames {
     /// In a folder that is not there, or empty.
@@ -23,7 +28,14 @@ impl Frames {
             bail!("--vtk {}: it exists, and is no empty folder: give another one", folder.display());
         }
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-        Ok(Self { folder: folder.to_owned(), name: name.to_owned(), made: Vec::new() })
+        let path = folder.join(format!("{name}.pvd"));
+        let begin = || -> io::Result<File> {
+            let mut file = File::create_new(&path)?;
+            file.write_all(format!("{HEAD}{TAIL}").as_bytes())?;
+            Ok(file)
+        };
+        let collection = begin().with_context(|| path.display().to_string())?;
+        Ok(Self { folder: folder.to_owned(), name: name.to_owned(), path, collection, made: 0 })
     }
 
     /// Adds the state after a time step, with the impulses `r` (N·s) that it took.
@@ -32,23 +44,19 @@ impl Frames {
         let mut bytes = Vec::new();
         frame(march, time_step, r).write_xml(&mut bytes).with_context(|| file.clone())?;
         write_whole(&self.folder.join(&file), &String::from_utf8(bytes)?)?;
-        self.made.push((time, file));
+        // In place of the closing tags, in one write with them.
+        let line = format!("    <DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>\n{TAIL}");
+        let collection = &mut self.collection;
+        let before_the_tail = SeekFrom::End(-(TAIL.len() as i64));
+        let write = collection.seek(before_the_tail).and_then(|_| collection.write_all(line.as_bytes()));
+        write.with_context(|| self.path.display().to_string())?;
+        self.made += 1;
         Ok(())
     }
 
-    /// Writes the collection, which ParaView opens as one.
-    pub(crate) fn finish(&self) -> Result<()> {
-        let mut text =
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n"
-                .to_owned();
-        for (time, file) in &self.made {
-            writeln!(text, "    <DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>")?;
-        }
-        text += "  </Collection>\n</VTKFile>\n";
-        let path = self.folder.join(format!("{}.pvd", self.name));
-        write_whole(&path, &text)?;
-        say(format_args!("{}: {} frames", path.display(), self.made.len()))?;
-        Ok(())
+    /// Says where they are.
+    pub(crate) fn say(&self) -> Result<()> {
+        Ok(say(format_args!("{}: {} frames", self.path.display(), self.made))?)
     }
 }
 

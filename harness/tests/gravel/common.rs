@@ -50,10 +50,24 @@ impl Ran {
         self
     }
 
-    /// The run ended well and printed one JSON value, which is returned.
+    /// The run ended with this exit code.
+    #[track_caller]
+    pub(crate) fn ended(self, code: i32) -> Self {
+        assert_eq!(self.code, Some(code), "{}{}", self.stdout, self.stderr);
+        self
+    }
+
+    /// The run printed one JSON value, which is returned, and its exit code is that of the status in it.
     #[track_caller]
     pub(crate) fn json(self) -> Value {
-        serde_json::from_str(&self.succeeded().stdout).unwrap()
+        let value: Value = serde_json::from_str(&self.stdout).unwrap_or_else(|_| panic!("{}", self.stderr));
+        self.ended(match value["status"].as_str() {
+            None | Some("converged" | "completed") => 0,
+            Some("infeasible" | "no-solution") => 4,
+            Some("interrupted") => 130,
+            Some(_) => 3,
+        });
+        value
     }
 
     /// The run was refused: nothing on standard output, and an error of one paragraph with all of `words` in it.

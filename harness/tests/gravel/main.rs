@@ -4,6 +4,7 @@
 mod bench;
 mod common;
 mod degenerate;
+mod endings;
 mod freeze;
 mod page;
 mod plans;

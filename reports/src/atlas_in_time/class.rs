@@ -14,6 +14,10 @@ pub(crate) enum Class {
     Creeping,
     /// It was stopped: see the reason.
     Exploded,
+    /// The same, because the problem of a time step had no solution.
+    NoSolution,
+    /// The same, because the solver diverged.
+    SolverDiverged,
 }
 
 /// The mean height is off, or the greatest overlap larger than the reference's, by more than this many mean diameters.
@@ -36,7 +40,14 @@ pub(crate) struct Drift {
 
 impl Class {
     /// In the order of badness.
-    pub(crate) const ALL: [Self; 4] = [Self::Stable, Self::Jittering, Self::Creeping, Self::Exploded];
+    pub(crate) const ALL: [Self; 6] = [
+        Self::Stable,
+        Self::Jittering,
+        Self::Creeping,
+        Self::Exploded,
+        Self::NoSolution,
+        Self::SolverDiverged,
+    ];
 
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -44,6 +55,8 @@ impl Class {
             Self::Jittering => "jittering",
             Self::Creeping => "creeping",
             Self::Exploded => "exploded",
+            Self::NoSolution => "no solution",
+            Self::SolverDiverged => "solver diverged",
         }
     }
 }
@@ -68,8 +81,11 @@ pub(crate) fn drift(simulation: &Simulation, reference: &Simulation) -> Option<D
 
 /// The class; none of a simulation that was refused, or where there is no reference to judge it by.
 pub(crate) fn class(simulation: &Simulation, reference: Option<&Simulation>) -> Option<Class> {
-    if simulation.status == "exploded" {
-        return Some(Class::Exploded);
+    match &*simulation.status {
+        "exploded" => return Some(Class::Exploded),
+        "no-solution" => return Some(Class::NoSolution),
+        "solver-diverged" => return Some(Class::SolverDiverged),
+        _ => {}
     }
     let drift = drift(simulation, reference?)?;
     let fall = SHARE_OF_FALL * simulation.gravity_m_per_s2 * simulation.time_step_s;

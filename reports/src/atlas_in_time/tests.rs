@@ -68,6 +68,23 @@ fn explosion_needs_no_reference_and_all_else_does() {
 }
 
 #[test]
+fn what_made_a_simulation_explode_has_a_class_of_its_own() {
+    let because = |status: &str| {
+        let mut one = exploded(run(|_| {}));
+        one.simulation.status = status.into();
+        one.simulation.scene = status.into();
+        one
+    };
+    let all = [reference(), because("solver-diverged"), because("no-solution")];
+    let classes: Vec<_> = read(&all).iter().map(|s| class(s, None)).collect();
+    assert_eq!(classes, [None, Some(Class::SolverDiverged), Some(Class::NoSolution)]);
+    let files = files(&parts(&tables(&all)).unwrap());
+    let letters = |letter: &str| files[0].1.matches(&format!("\n{letter}\n")).count();
+    assert_eq!(["x", "n", "d"].map(letters), [1, 2, 2], "{}", files[0].1);
+    assert!(files[1].1.contains("0 exploded, 1 no solution, 1 solver diverged.\n"), "{}", files[1].1);
+}
+
+#[test]
 fn matrix_has_the_letter_of_each_class_and_sentences_count_them() {
     let mut cold = run(|row| row.mean_height_m -= 0.01);
     cold.simulation.warm_start = false;

@@ -31,6 +31,9 @@ fn simulated(number: u32) -> Simulated {
         last_state: "last-states/7.json".into(),
         time_steps: 6,
         missed_time_steps: 2,
+        diverged_time_steps: 1,
+        infeasible_time_steps: 1,
+        restarted_time_steps: 1,
         iterations: 60,
         setup_s: 0.1,
         iterating_s: 0.2,
@@ -79,6 +82,18 @@ fn simulations_read_equal_those_appended_to_the_last_bit() {
 }
 
 #[test]
+fn journals_from_before_failed_time_steps_were_counted_are_read() {
+    let root = TempDir::new().unwrap();
+    let mut line = serde_json::to_value(simulated(1)).unwrap();
+    for key in ["diverged_time_steps", "infeasible_time_steps", "restarted_time_steps"] {
+        line["simulation"].as_object_mut().unwrap().remove(key).unwrap();
+    }
+    std::fs::write(root.path().join("journal.jsonl"), format!("{line}\n")).unwrap();
+    let read: Vec<Simulated> = records_of(root.path()).unwrap();
+    assert_eq!((read[0].simulation.missed_time_steps, read[0].simulation.diverged_time_steps), (2, 0));
+}
+
+#[test]
 fn simulation_of_no_known_scene_or_origin_is_not_stored() {
     let root = TempDir::new().unwrap();
     let mut store: Store<Simulated> = Store::open(root.path(), "time").unwrap();
@@ -97,7 +112,7 @@ fn tables_number_the_simulations_and_are_kept_aside_whole() {
     let root = TempDir::new().unwrap();
     let mut store: Store<Simulated> = Store::open(root.path(), "time").unwrap();
     let tables = SimulationTables::new(&[simulated(1), simulated(2)]).unwrap();
-    assert_eq!((tables.simulations.shape(), tables.series.shape()), ((2, 44), (2, 13)));
+    assert_eq!((tables.simulations.shape(), tables.series.shape()), ((2, 47), (2, 13)));
     let numbers: Vec<u32> =
         tables.series.column("simulation").unwrap().u32().unwrap().into_no_null_iter().collect();
     assert_eq!(numbers, [0, 1]);
@@ -112,5 +127,5 @@ fn tables_number_the_simulations_and_are_kept_aside_whole() {
     for file in ["simulations.parquet", "series.parquet", "simulations.csv", "series.csv", "journal.jsonl"] {
         assert!(aside.join(file).is_file() && !root.path().join("time").join(file).exists(), "{file}");
     }
-    assert_eq!(SimulationTables::new(&[]).unwrap().simulations.shape(), (0, 44));
+    assert_eq!(SimulationTables::new(&[]).unwrap().simulations.shape(), (0, 47));
 }

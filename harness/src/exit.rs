@@ -1,0 +1,34 @@
+//! Exit codes: what a script may ask of `gravel` without reading what it prints.
+
+use std::process::ExitCode;
+
+/// The answer was found, or all that was asked is done.
+const DONE: u8 = 0;
+/// The method did not solve the problem, the impulses are not certified, or the simulation exploded.
+const NOT_CONVERGED: u8 = 3;
+/// It is proved that the problem has no solution.
+const NO_SOLUTION: u8 = 4;
+/// What a shell gives to a program that Ctrl-C ended.
+pub(crate) const INTERRUPTED: u8 = 130;
+
+/// Below the help of every command whose answer is one of them.
+pub(crate) const HELP: &str = "\
+Exit codes:
+    0  solve: converged; certify: certified; simulate: all time steps made; else: done
+    1  an error: a file, a key or a value is wrong; regress: a count has changed
+    2  wrong arguments
+    3  solve: not converged (iteration-limit, diverged, false-convergence); certify: not certified;
+       simulate: exploded or solver-diverged
+    4  solve, certify, simulate: it is proved that the problem has no solution
+  130  stopped by Ctrl-C or SIGTERM; what was reached is kept
+A run of `bench` that fails is a row like any other: exit code 0.";
+
+/// The code of a solve, a certificate or a simulation that ended with this status.
+pub(crate) fn code(status: &str) -> ExitCode {
+    ExitCode::from(match status {
+        "converged" | "certified" | "completed" => DONE,
+        "infeasible" | "no-solution" => NO_SOLUTION,
+        "interrupted" => INTERRUPTED,
+        _ => NOT_CONVERGED,
+    })
+}

@@ -1,0 +1,278 @@
+//! How runs end: exit codes, what a simulation says of its ending, and what is left of one that is stopped.
+
+use crate::bench::{Study, plan, rows};
+use crate::common::{Ran, checkout, command, entries, gravel, text, write};
+use crate::truth::closing_walls;
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+use tempfile::TempDir;
+
+#[test]
+fn exit_code_of_solve_says_whether_there_is_a_solution_and_whether_it_was_found() {
+    let study = Study::new();
+    write(study.folder(), "cases/frozen/closing.json", &closing_walls().to_string());
+    let solve = |args: &[&str]| study.gravel(&[&["solve"], args].concat());
+    solve(&["pair"]).ended(0);
+    solve(&["pair", "--method", "nsgs", "--max-iterations", "1"]).ended(3);
+    solve(&["closing", "--method", "nsgs"]).ended(4);
+    let on_zeta = ["closing", "--method", "nsgs", "--on", "zeta", "--tolerance", "1e-2"];
+    // ζ falls where nothing converges; the reference knows it.
+    solve(&[&on_zeta[..], &["--truth"]].concat()).ended(3);
+    solve(&["absent"]).ended(1);
+    solve(&["pair", "--max-iterations", "x"]).ended(2);
+}
+
+#[test]
+fn exit_code_of_certify_is_that_of_what_was_asked_about() {
+    let study = Study::new();
+    write(study.folder(), "cases/frozen/closing.json", &closing_walls().to_string());
+    let certify = |problem: &str, impulses: Option<Value>| {
+        let given = impulses.map(|r| write(study.folder(), "r.json", &json!({ "impulse": r }).to_string()));
+        let given = given.iter().flat_map(|file| ["--impulses", text(file)]);
+        study.gravel(&["certify", problem].into_iter().chain(given).collect::<Vec<_>>())
+    };
+    certify("pair", None).ended(0);
+    certify("pair", Some(json!([0.15, 0.1]))).ended(0);
+    certify("pair", Some(json!([0.15, 0.2]))).ended(3);
+    certify("closing", None).ended(4);
+    certify("closing", Some(json!([1.0, 1.0]))).ended(4);
+}
+
+#[test]
+fn help_says_which_exit_code_means_what() {
+    for command in [&["--help"][..], &["solve", "--help"], &["certify", "--help"], &["simulate", "--help"]] {
+        let told = gravel(command).succeeded().stdout;
+        for word in ["Exit codes:", "false-convergence", "not certified", "no solution", "130"] {
+            assert!(told.contains(word), "{command:?}: no `{word}` in: {told}");
+        }
+    }
+}
+
+/// Walls that close on a disc at 10 m/s: no time step has a solution, and in the eleventh they have passed its centre.
+const SQUEEZED: [&str; 8] = [
+    "simulate",
+    "closing-walls",
+    "--scene",
+    "scene.box.closing_speed_m_per_s=10",
+    "--time-steps",
+    "50",
+    "--method",
+    "gradient",
+];
+
+fn copy_case(study: &Study, name: &str) {
+    let case = format!("cases/{name}.toml");
+    fs::copy(checkout().join(&case), study.folder().path().join(case)).unwrap();
+}
+
+fn simulate(args: &[&str]) -> (TempDir, Ran) {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("rows.csv");
+    let ran = gravel(&[args, &["-o", text(&file)]].concat());
+    (folder, ran)
+}
+
+#[test]
+fn simulation_without_solution_says_so_and_counts_what_it_began_anew() {
+    let (folder, ran) = simulate(&SQUEEZED);
+    let ran = ran.ended(4);
+    assert!(ran.stdout.contains("no-solution after "), "{}", ran.stdout);
+    assert!(ran.stderr.contains("has no solution; the problem of its last good state is"), "{}", ran.stderr);
+    let object = simulate(&[&SQUEEZED[..], &["--json"]].concat()).1.json();
+    assert_eq!((&object["case"], &object["status"]), (&json!("closing-walls"), &json!("no-solution")));
+    let made = object["time_steps"].as_u64().unwrap();
+    assert!((5..15).contains(&made), "{object}");
+    for (key, expected) in [
+        ("missed_time_steps", made),
+        ("infeasible_time_steps", made),
+        ("diverged_time_steps", 0),
+        ("restarted_time_steps", made - 1),
+    ] {
+        assert_eq!(object[key], expected, "{key}");
+    }
+    let csv = fs::read_to_string(folder.path().join("rows.csv")).unwrap();
+    assert_eq!(csv.lines().filter(|row| row.contains(",infeasible,")).count() as u64, made);
+    let reason = object["reason"].as_str().unwrap();
+    assert!(reason.contains(&format!("exploded in time step {}: an overlap of", made + 1)), "{reason}");
+    let last = &object["last_time_step"];
+    assert!(last["time_s"].as_f64().unwrap() > 0.0 && last["contacts"] == 3, "{last}");
+    // Where each time step begins from r = 0 anyway, none is begun anew.
+    let cold = simulate(&[&SQUEEZED[..], &["--json", "--cold"]].concat()).1.json();
+    assert_eq!((&cold["infeasible_time_steps"], &cold["restarted_time_steps"]), (&json!(made), &json!(0)));
+}
+
+#[test]
+fn simulation_whose_solver_diverges_says_so() {
+    let packing = ["simulate", "settled-box", "--time-steps", "50", "--scene", "sample.grains=60"];
+    let jacobi = ["--scene", "scene.box.width_m=1.2", "--method", "jacobi", "--set", "relaxation=1.9"];
+    let (folder, ran) = simulate(&[&packing[..], &jacobi, &["--json"]].concat());
+    let object = ran.json();
+    assert_eq!(object["status"], "solver-diverged", "{object}");
+    assert!(object["reason"].as_str().unwrap().contains("the solver diverged in time step"), "{object}");
+    let state = object["last_state"].as_str().unwrap();
+    assert!(Path::new(state).starts_with(folder.path()), "{state}");
+    gravel(&["solve", state]).succeeded();
+    // What is stopped early has not diverged: it exploded, and the time steps say what they missed.
+    let early = ["--max-iterations", "12", "--tolerance", "0", "--json"];
+    let object = simulate(&[&packing[..], &jacobi, &early].concat()).1.json();
+    assert_eq!(object["status"], "exploded", "{object}");
+    assert_eq!(object["missed_time_steps"], object["time_steps"]);
+    assert!(object["reason"].as_str().unwrap().ends_with("with iteration-limit"), "{object}");
+}
+
+#[test]
+fn completed_simulation_prints_one_object() {
+    let object =
+        gravel(&["simulate", "column", "--time-steps", "3", "--max-iterations", "1", "--json"]).json();
+    assert_eq!((&object["status"], &object["reason"]), (&json!("completed"), &json!("")));
+    assert_eq!((&object["time_steps_asked"], &object["time_steps"]), (&json!(3), &json!(3)));
+    assert_eq!((&object["missed_time_steps"], &object["iterations"]), (&json!(3), &json!(3)));
+    assert_eq!(object["stop"]["max_iterations"], 1);
+    assert!(object["last_state"].is_null() && object["work"]["delassus_products"].is_u64(), "{object}");
+}
+
+#[test]
+fn study_through_time_keeps_what_made_a_simulation_explode() {
+    let study = Study::new();
+    let squeezed = r#"
+name = "squeezed"
+why = "A test."
+
+[stop]
+on = "natural_map"
+tolerance = 1e-6
+max_iterations = 2_000
+
+[simulate]
+duration_s = 0.1
+sample_every_s = 0.005
+
+[simulate.reference]
+method = "gradient"
+tolerance = 1e-8
+refine = 1
+
+[[cases]]
+case = "closing-walls"
+scene = { "scene.box.closing_speed_m_per_s" = 10.0 }
+
+[[methods]]
+method = "nsgs"
+"#;
+    write(study.folder(), "harness/plans/squeezed.toml", squeezed);
+    copy_case(&study, "closing-walls");
+    study.bench("squeezed");
+    let table = rows(study.runs("squeezed").join("simulations.csv"));
+    let run = table.iter().find(|row| row["role"] == "run").unwrap();
+    assert_eq!(run["status"], "no-solution", "{run:?}");
+    assert_eq!(run["infeasible_time_steps"], run["time_steps"], "{run:?}");
+    assert!(study.runs("squeezed").join(&run["last_state"]).is_file(), "{run:?}");
+    study.gravel(&["figure", "atlas-in-time", "squeezed"]).succeeded();
+    let atlas = study.folder().path().join("reports/out/squeezed-atlas-in-time/atlas-in-time.csv");
+    assert!(rows(atlas).iter().all(|row| row["class"] == "no solution"));
+}
+
+/// Waits until a file that `child` writes has `count` lines.
+fn wait_for_lines(file: &Path, count: usize, child: &mut Child) {
+    while fs::read_to_string(file).map_or(0, |text| text.lines().count()) < count {
+        assert!(child.try_wait().unwrap().is_none(), "ended");
+        sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn killed_simulation_leaves_the_rows_and_frames_that_it_made() {
+    let folder = TempDir::new().unwrap();
+    let (file, vtk) = (folder.path().join("rows.csv"), folder.path().join("frames"));
+    let args = ["simulate", "column", "--time-steps", "1000000000", "-o", text(&file), "--vtk", text(&vtk)];
+    let mut child = command(&args).stdout(Stdio::null()).spawn().unwrap();
+    wait_for_lines(&file, 20, &mut child);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let csv = fs::read_to_string(&file).unwrap();
+    let widths: Vec<usize> = csv.lines().map(|row| row.split(',').count()).collect();
+    assert!(csv.ends_with('\n') && widths.len() >= 20 && widths.iter().all(|width| *width == 14), "{csv}");
+    let collection = fs::read_to_string(vtk.join("column.pvd")).unwrap();
+    assert!(collection.starts_with("<?xml") && collection.ends_with("</VTKFile>\n"), "{collection}");
+    let shown: Vec<&str> = collection.split("file=\"").skip(1).map(|rest| &rest[..17]).collect();
+    // The kill may fall between a frame and its line, or a row and its frame.
+    assert!(widths.len() - 2 <= shown.len() && shown.len() < widths.len(), "{}", shown.len());
+    let frames = entries(&vtk);
+    assert!(shown.iter().all(|name| frames.iter().any(|file| file == name)), "{shown:?}: {frames:?}");
+}
+
+/// Ends the child as `kill` does, and returns its exit code and what it printed.
+#[cfg(unix)]
+fn terminated(child: Child) -> (Option<i32>, String) {
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    (output.status.code(), String::from_utf8(output.stdout).unwrap())
+}
+
+/// Nothing is at or below a tolerance of 0 but the exact solution, which NSGS does not meet.
+const ENDLESS: [&str; 6] = ["--method", "nsgs", "--tolerance", "0", "--max-iterations", "1000000000000"];
+
+#[cfg(unix)]
+#[test]
+fn simulation_is_stopped_inside_a_solve_and_says_where() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("rows.csv");
+    let run = ["simulate", "shear-box-991", "--time-steps", "3", "--json", "-o", text(&file)];
+    let mut child = command(&[&run[..], &ENDLESS].concat()).stdout(Stdio::piped()).spawn().unwrap();
+    wait_for_lines(&file, 1, &mut child);
+    let (code, told) = terminated(child);
+    let object: Value = serde_json::from_str(&told).unwrap();
+    assert_eq!((code, &object["status"]), (Some(130), &json!("interrupted")), "{object}");
+    assert_eq!(object["time_steps"], 0, "{object}");
+    assert_eq!(fs::read_to_string(&file).unwrap().lines().count(), 1);
+}
+
+/// The signals that a process catches are a mask of its status.
+#[cfg(target_os = "linux")]
+#[test]
+fn solve_that_is_stopped_writes_what_it_reached() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("r.json");
+    let run = ["solve", "settled-250", "--json", "--impulses", text(&file)];
+    let mut child = command(&[&run[..], &ENDLESS].concat()).stdout(Stdio::piped()).spawn().unwrap();
+    let catches_sigterm = |child: &Child| {
+        let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap().trim();
+        u64::from_str_radix(mask, 16).unwrap() & 1 << 14 != 0
+    };
+    while !catches_sigterm(&child) {
+        assert!(child.try_wait().unwrap().is_none(), "ended");
+        sleep(Duration::from_millis(2));
+    }
+    let (code, told) = terminated(child);
+    let object: Value = serde_json::from_str(&told).unwrap();
+    assert_eq!((code, &object["status"]), (Some(130), &json!("interrupted")), "{object}");
+    let written: Value = serde_json::from_str(&fs::read_to_string(&file).unwrap()).unwrap();
+    assert_eq!(written["impulse"].as_array().unwrap().len() as u64, object["contacts"].as_u64().unwrap());
+}
+
+#[cfg(unix)]
+#[test]
+fn study_through_time_is_stopped_inside_a_solve() {
+    let study = Study::new();
+    let endless = plan("endless", &[], "[[methods]]\nmethod = \"nsgs\"\n")
+        .replace("10_000", "1_000_000_000_000")
+        .replace("1e-3", "0.0");
+    let through_time = "[simulate]\nduration_s = 0.005\nsample_every_s = 0.005\n\n[simulate.reference]\nmethod = \"cg\"\n\
+                        tolerance = 1e-3\nrefine = 1\n\n[[cases]]\ncase = \"settled-box\"\n";
+    write(study.folder(), "harness/plans/endless.toml", &format!("{endless}{through_time}"));
+    copy_case(&study, "settled-box");
+    let args = ["--root", text(study.folder().path()), "bench", "endless"];
+    let mut child = command(&args).stdout(Stdio::piped()).spawn().unwrap();
+    // The reference, which is the floor as well, and its twin end; the run never does.
+    let journal = study.runs("endless").join("journal.jsonl");
+    wait_for_lines(&journal, 2, &mut child);
+    let (code, told) = terminated(child);
+    assert_eq!(code, Some(130), "{told}");
+    assert!(told.contains("stopped; simulations missing: "), "{told}");
+}
