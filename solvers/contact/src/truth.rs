@@ -52,7 +52,7 @@ const ROUND_OFF: f64 = 1e-14;
 ///
 /// - H d is that of impulses that balance, to 1e-12 of their sizes. A lever of 3e-9 is none of these, nor is a grain too heavy to
 ///   feel the rest of its impulses;
-/// - −bᵗ d is above the round-off of its terms n·`V_i`, n·`V_j` and c;
+/// - −bᵗ d is above the round-off of its terms, of the sizes of `V_i`, `V_j` and c;
 /// - the bound is above 1e6 √(Σ max(0, −b)²/`W_αα`), with ‖H d‖ raised by its round-off: no velocity nearer than that is
 ///   admissible, whatever rounding made of the ray.
 pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
@@ -71,7 +71,7 @@ pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
         work -= d * (contact.relative(free) + contact.offset);
         terms += d * contact.offset.abs();
         for grain in contact.grains() {
-            terms += d * contact.normal.dot(&free[grain as usize]).abs();
+            terms += d * free[grain as usize].norm();
             sizes[grain as usize] += d;
         }
     }

@@ -19,9 +19,10 @@ pub(crate) enum End {
     Stopped,
 }
 
-/// A contact whose column of H̃ is within this of the span of the active ones is a combination of them (–): normals in
-/// double precision do not say more.
-const DEPENDENT: f64 = 1e-13;
+/// A contact whose column of H̃ is within this of the span of the active ones is a combination of them (–): from coarse to
+/// what normals in double precision say at most. With the first, levers that a solution has no need of stay out of it, and
+/// so do the impulses that they would multiply.
+pub(crate) const DEPENDENT: [f64; 3] = [1e-6, 1e-9, 1e-13];
 
 /// A contact is satisfied if it approaches by no more than this share of the terms that its velocity is made of (–): the
 /// round-off of its normal, where it repeats what others ask; or of the fastest approach without impulses.
@@ -62,8 +63,8 @@ impl Column {
                 {
                     entries.push((2 * grain as usize + k, TwoFloat::from(sign * n) / lever));
                     b += TwoFloat::new_mul(sign * n, v);
-                    size += (n * v).abs();
                 }
+                size += free.norm();
             }
             let unit = f64::from(root) * scale;
             Self {
@@ -181,8 +182,8 @@ impl Active {
     }
 }
 
-/// Solves `problem`, of which some contact pushes.
-pub(crate) fn solve(problem: &ContactProblem) -> End {
+/// Solves `problem`, of which some contact pushes; a column nearer than `nearness` to the span of others depends on them.
+pub(crate) fn solve(problem: &ContactProblem, nearness: f64) -> End {
     let columns = Column::all(problem, problem.scale().sqrt());
     let unknowns = 2 * problem.grain_count();
     let mut active = Active::new(unknowns);
@@ -202,7 +203,7 @@ pub(crate) fn solve(problem: &ContactProblem) -> End {
             let rho = active.solve(&d);
             // What is left of the approach needs t₂ of the remainder; t₁ makes an active multiplier 0.
             let squared = d[active.r.len()..].iter().fold(ZERO, |sum, d| sum + *d * *d);
-            let dependent = f64::from(squared) <= DEPENDENT * DEPENDENT;
+            let dependent = f64::from(squared) <= nearness * nearness;
             let blocking = (0..u.len()).filter(|k| rho[*k] > ZERO).map(|k| (u[k] / rho[k], k)).fold(
                 None,
                 |least: Option<(TwoFloat, usize)>, at| match least {

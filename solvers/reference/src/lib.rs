@@ -59,15 +59,17 @@ pub fn solve(problem: &ContactProblem) -> Answer {
         Err(why) => why,
     };
     if problem.grain_count() <= FEW && problem.scale() > 0.0 {
-        match dual::solve(problem) {
-            End::Solution(impulses) => {
-                best.take(problem, &impulses);
-                why += "; rounded to double precision, the impulses of the dual active set do not solve the problem";
+        for nearness in dual::DEPENDENT {
+            match dual::solve(problem, nearness) {
+                End::Solution(impulses) => best.take(problem, &impulses),
+                End::Ray(ray) if proves_infeasible(problem, &ray) => return Answer::Infeasible { ray },
+                End::Ray(_) | End::Stopped => {}
             }
-            End::Ray(ray) if proves_infeasible(problem, &ray) => return Answer::Infeasible { ray },
-            End::Ray(_) => why += "; impulses that nearly balance prove nothing",
-            End::Stopped => why += "; the dual active set was stopped",
+            if best.certificate.certified() {
+                break;
+            }
         }
+        why += "; the dual active set has neither impulses that solve it in double precision nor a proof";
     }
     let Best { impulses, certificate } = best;
     if certificate.certified() {
