@@ -41,6 +41,7 @@ fn cell(value: &AnyValue) -> String {
         AnyValue::Null => "–".to_owned(),
         AnyValue::Float64(x) => number(*x, DIGITS),
         AnyValue::String(text) => text.replace('\n', " "),
+        AnyValue::StringOwned(text) => text.replace('\n', " "),
         other => other.to_string(),
     }
 }
