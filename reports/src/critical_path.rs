@@ -51,13 +51,16 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let panels = panels(&threads(tables)?);
     let mut parts = Vec::new();
     for problem in problems(&runs) {
-        let mut notes = vec!["Counted: multiply-adds of the longest subdomain, no communication cost.".to_owned()];
+        let mut notes =
+            vec!["Counted: multiply-adds of the longest subdomain, no communication cost.".to_owned()];
         let beyond = |series: &Series, run: &RunRow| {
             counted_speed_up(series, run).is_some_and(|times| times > f64::from(run.subdomains))
         };
         let all = series(&runs, &["subdomains"]);
         if all.iter().any(|s| s.runs.iter().any(|run| run.problem == problem && beyond(s, run))) {
-            notes.push("Above the ideal: fewer iterations, or factors with fewer entries per contact.".to_owned());
+            notes.push(
+                "Above the ideal: fewer iterations, or factors with fewer entries per contact.".to_owned(),
+            );
         }
         let name = format!("critical-path-{}", file_name(problem));
         parts.push(on_problem(name, &runs, problem, &panels, notes)?);

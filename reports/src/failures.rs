@@ -61,7 +61,9 @@ fn reason(run: &RunRow, reached: Option<f64>) -> String {
             format!("not finite, or far above its own scale of energy, at iteration {iterations}")
         }
         Ending::Infeasible => {
-            format!("at iteration {iterations} it claimed to prove that there is no solution, and there is one")
+            format!(
+                "at iteration {iterations} it claimed to prove that there is no solution, and there is one"
+            )
         }
         Ending::FalseConvergence => {
             format!("{measure} met its tolerance while the velocity error is {}", value(run.velocity_error))

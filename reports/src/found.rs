@@ -203,7 +203,10 @@ mod tests {
         ];
         assert_eq!(told(&runs), expected);
         runs[1].status = "converged".into();
-        assert_eq!(told(&runs)[2], "cg: 1 of 1\u{a0}run failed (1 claimed wrongly that there is no solution).");
+        assert_eq!(
+            told(&runs)[2],
+            "cg: 1 of 1\u{a0}run failed (1 claimed wrongly that there is no solution)."
+        );
         // The reference is certified: the velocity error is known.
         runs[1].status = "iteration-limit".into();
         runs[0].end = sample(9, 1.0, 0.5);

@@ -58,6 +58,8 @@ const SIZES: usize = 3;
 
 /// Slopes to compare with, as powers of the number of grains n.
 const SLOPES: [(f64, &str); 2] = [(0.5, "∝ √n"), (1.0, "∝ n")];
+/// The part of a panel's height that is left to them.
+const BELOW: f64 = 0.2;
 
 /// The figure `size`, and the table with the exponents.
 pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
@@ -97,9 +99,9 @@ fn figure(study: &Study, all: &[Series]) -> Result<Part, ReportError> {
     }
     let sizes: BTreeSet<u32> = all.iter().flat_map(|series| &series.runs).map(|run| run.grains).collect();
     if sizes.len() < 2 {
-        let same = sizes.first().map_or("no run".to_owned(), |n| {
-            format!("every problem has {}", counted(*n as usize, "grain"))
-        });
+        let same = sizes
+            .first()
+            .map_or("no run".to_owned(), |n| format!("every problem has {}", counted(*n as usize, "grain")));
         return Ok(nothing("size-found", "size", &format!("{same}, and cost has nothing to grow with")));
     }
     let costs: Vec<&Cost> =
@@ -130,7 +132,9 @@ fn figure(study: &Study, all: &[Series]) -> Result<Part, ReportError> {
         counted(sizes.len(), "size"),
     );
     let lines = if fitted {
-        format!("In brackets the exponents of the powers fitted to {SIZES} sizes or more, in the order of the panels.")
+        format!(
+            "In brackets the exponents of the powers fitted to {SIZES} sizes or more, in the order of the panels."
+        )
     } else {
         format!("Lines join the means of the sizes; an exponent needs {SIZES}.")
     };
@@ -148,10 +152,10 @@ fn panel(
     clouds: &[Points],
     room: Room,
 ) -> Result<(), ReportError> {
-    let range = |of| reach(clouds.iter().flatten(), of);
+    let (low, high) = reach(clouds.iter().flatten(), |point| point.1);
     let frame = Frame {
-        x: Axis::log(range(|point| point.0), room.left, room.right),
-        y: Axis::log(range(|point| point.1), room.bottom, room.top),
+        x: Axis::log(reach(clouds.iter().flatten(), |point| point.0), room.left, room.right),
+        y: Axis::log((low - BELOW / (1.0 - BELOW) * (high - low), high), room.bottom, room.top),
     };
     frame.draw(canvas)?;
     frame.name(canvas, "grains", cost.title)?;
@@ -163,19 +167,20 @@ fn panel(
         let fit = fit(&converged(cloud)).map(|line| line.map(|point| frame.place(point)));
         canvas.line(fit.as_ref().map_or(&[], |line| line.as_slice()), series.look.pen)?;
     }
-    let signs: Vec<_> = all.iter().zip(clouds).map(|(series, cloud)| (series.look, cloud.as_slice())).collect();
+    let signs: Vec<_> =
+        all.iter().zip(clouds).map(|(series, cloud)| (series.look, cloud.as_slice())).collect();
     draw_signs(canvas, &frame, &signs)
 }
 
-/// The slopes to compare with, from one place in the lower right, where costs that grow leave room.
+/// The slopes to compare with, from one place below the costs.
 fn draw_slopes(canvas: &Canvas, frame: &Frame) -> Result<(), ReportError> {
     let (wide, high) = (frame.x.high - frame.x.low, frame.y.high - frame.y.low);
-    let from = (frame.x.low + 0.62 * wide, frame.y.low + 0.05 * high);
-    for (slope, text) in SLOPES {
-        let run = (0.16 * wide).min(0.25 * high / slope);
+    let from = (frame.x.low + 0.4 * wide, frame.y.low + 0.03 * high);
+    for ((slope, text), lower) in SLOPES.into_iter().zip([1.2, -1.2]) {
+        let run = (0.3 * wide).min(0.8 * BELOW * high / slope);
         let to = frame.place((from.0 + run, from.1 + slope * run));
         canvas.line(&[frame.place(from), to], TOLERANCE)?;
-        canvas.text(text, (to.0 + 0.6, to.1), TICK_TEXT, (HPos::Left, VPos::Center))?;
+        canvas.text(text, (to.0 + 0.6, to.1 + lower), TICK_TEXT, (HPos::Left, VPos::Center))?;
     }
     Ok(())
 }

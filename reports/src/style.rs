@@ -113,16 +113,8 @@ const fn family(width: f64, mark: Mark, [own, second, third]: [(u8, u8, u8); 3])
 }
 
 /// Signs of variants, where no other method is beside them.
-pub(crate) const MARKS: [Mark; 8] = [
-    Mark::Disc,
-    Mark::Square,
-    Mark::Diamond,
-    Mark::Ring,
-    Mark::Plus,
-    Mark::Triangle,
-    Mark::Cross,
-    Mark::Bar,
-];
+pub(crate) const MARKS: [Mark; 8] =
+    [Mark::Disc, Mark::Square, Mark::Diamond, Mark::Ring, Mark::Plus, Mark::Triangle, Mark::Cross, Mark::Bar];
 
 /// Dashes of the variants of a method, in the order of their subdomains.
 pub(crate) const DASHES: [&[f64]; 6] =
@@ -140,3 +132,50 @@ pub(crate) const SUBDOMAINS: [RGBColor; 8] = [
     RGBColor(193, 150, 186),
     RGBColor(96, 156, 130),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parts(RGBColor(r, g, b): RGBColor) -> [f64; 3] {
+        [r, g, b].map(f64::from)
+    }
+
+    /// Hue (°) of a colour that has one.
+    fn hue(color: RGBColor) -> Option<f64> {
+        let [r, g, b] = parts(color);
+        let (low, high) = (r.min(g).min(b), r.max(g).max(b));
+        let hue = 60.0
+            * if high == r {
+                (g - b) / (high - low)
+            } else if high == g {
+                2.0 + (b - r) / (high - low)
+            } else {
+                4.0 + (r - g) / (high - low)
+            };
+        (high > low).then_some(hue.rem_euclid(360.0))
+    }
+
+    #[test]
+    fn shades_keep_the_hue_of_their_method_and_their_distance_from_all_others() {
+        for (i, (method, family)) in METHODS.iter().enumerate() {
+            for shade in family.shades {
+                match (hue(shade), hue(family.shades[0])) {
+                    (Some(hue), Some(own)) => assert!((hue - own).abs() <= 8.0, "{method}: {hue} for {own}"),
+                    (hue, own) => assert_eq!(hue, own, "{method}"),
+                }
+                for (other, others) in METHODS.iter().skip(i + 1) {
+                    for of_other in others.shades {
+                        let apart = parts(shade)
+                            .iter()
+                            .zip(parts(of_other))
+                            .map(|(a, b)| (a - b).powi(2))
+                            .sum::<f64>()
+                            .sqrt();
+                        assert!(apart >= 48.0, "{method} and {other} have shades that differ by {apart}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -189,7 +189,8 @@ fn panel(
         canvas.line(&places(|e| matches!(e, Ending::Converged | Ending::IterationLimit)), thin)?;
         canvas.line(&places(|ending| ending == Ending::Converged), pen)?;
     }
-    let signs: Vec<_> = all.iter().zip(lines).map(|(series, points)| (series.look, points.as_slice())).collect();
+    let signs: Vec<_> =
+        all.iter().zip(lines).map(|(series, points)| (series.look, points.as_slice())).collect();
     draw_signs(canvas, &frame, &signs)?;
     if lines.iter().all(Vec::is_empty) { draw_empty(canvas, &frame) } else { Ok(()) }
 }

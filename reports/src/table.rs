@@ -153,6 +153,12 @@ mod tests {
     }
 
     #[test]
+    fn text_of_the_only_row_has_no_quotes() {
+        let table = df!("processor" => ["a processor"]).unwrap();
+        assert!(!markdown(&table).unwrap().contains('"'), "{}", markdown(&table).unwrap());
+    }
+
+    #[test]
     fn the_three_formats_hold_the_same_rows() {
         let table = df!("method" => ["cg", "a|b"], "seconds" => [0.5, 2e-9]).unwrap();
         assert_eq!(csv(&table).unwrap(), "method,seconds\ncg,0.5\na|b,2e-9\n");

@@ -136,7 +136,10 @@ fn tolerances(compared: &[&Compared]) -> String {
     format!("Tolerances along a line, from loose to tight: {}.", texts.join(", "))
 }
 
-fn of_role<'c>(compared: &'c [&'c Compared<'c>], role: &'static str) -> impl Iterator<Item = &'c Compared<'c>> {
+fn of_role<'c>(
+    compared: &'c [&'c Compared<'c>],
+    role: &'static str,
+) -> impl Iterator<Item = &'c Compared<'c>> {
     compared.iter().copied().filter(move |c| c.simulation.role == role)
 }
 
@@ -179,8 +182,7 @@ fn panel(
     let Some(Axes { x, y, twins }) = axes(compared, i) else {
         return canvas.text("no error known", (room.left, room.top), TICK_TEXT, (HPos::Left, VPos::Top));
     };
-    let frame =
-        Frame { x: Axis::log(x, room.left, room.right), y: Axis::log(y, room.bottom, room.top) };
+    let frame = Frame { x: Axis::log(x, room.left, room.right), y: Axis::log(y, room.bottom, room.top) };
     frame.draw(canvas)?;
     frame.name(canvas, "seconds per simulated second", &format!("error of the {}", OBSERVABLES[i]))?;
     let across = |canvas: &Canvas, at: f64, pen: Pen| {

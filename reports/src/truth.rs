@@ -103,10 +103,7 @@ fn panel(
     measure: &Measure,
     room: Room,
 ) -> Result<(), ReportError> {
-    let frame = Frame {
-        x: Axis::log(*x, room.left, room.right),
-        y: Axis::log(*y, room.bottom, room.top),
-    };
+    let frame = Frame { x: Axis::log(*x, room.left, room.right), y: Axis::log(*y, room.bottom, room.top) };
     frame.draw(canvas)?;
     frame.name(canvas, "velocity error (–)", measure.title)?;
     for (color, band) in bands {

@@ -64,7 +64,8 @@ pub(super) fn signs(fields: &[&Field]) -> Vec<(Sign, String)> {
         signs.push((Sign::Mark(Mark::Square, BEST), "best of the grid's cells".to_owned()));
     }
     if fields.iter().any(|f| f.kappa.is_some()) {
-        let text = "derived directions, which are on no cell; × over the grid's best".to_owned();
+        let text =
+            "derived directions, between the cells; ×: iterations over those of the grid's best".to_owned();
         signs.push((Sign::Mark(Mark::Diamond, DERIVED), text));
     }
     if fields.iter().any(|f| f.adaptive.is_some()) {
@@ -72,10 +73,7 @@ pub(super) fn signs(fields: &[&Field]) -> Vec<(Sign, String)> {
         signs.push((Sign::Word, text));
     }
     if fields.iter().any(|f| f.edge().is_some()) {
-        signs.push((
-            Sign::Word,
-            "* at the edge of the grid: there may be better beyond".to_owned(),
-        ));
+        signs.push((Sign::Word, "* at the edge of the grid: there may be better beyond".to_owned()));
     }
     let cells = fields.iter().flat_map(|f| &f.cells).map(|cell| cell.run.ending);
     signs.extend(endings(cells.filter(|ending| *ending != Ending::Converged)));

@@ -115,7 +115,9 @@ mod tests {
 
     #[test]
     fn subdomains_side_by_side_differ_in_grey_and_those_across_differ_too() {
-        for (columns, rows) in [(2, 1), (4, 2), (2, 4), (3, 2), (8, 1), (1, 8), (8, 8), (1, 16), (16, 1), (5, 5)] {
+        for (columns, rows) in
+            [(2, 1), (4, 2), (2, 4), (3, 2), (8, 1), (1, 8), (8, 8), (1, 16), (16, 1), (5, 5)]
+        {
             for name in [format!("{columns}x{rows}"), format!("{columns}x{rows}-balanced")] {
                 let fill_at = |column: u32, row: u32| fill(&name, column + columns * row);
                 for (column, row) in (0..columns).flat_map(|column| (0..rows).map(move |row| (column, row))) {

@@ -46,7 +46,8 @@ mod tests {
 
     #[test]
     fn curve_that_goes_up_and_down_has_a_band_that_holds_it_and_one_that_falls_has_none() {
-        let falls: Vec<LogPoint> = (0..100).map(|i| Some((-0.06 * f64::from(i), -0.08 * f64::from(i)))).collect();
+        let falls: Vec<LogPoint> =
+            (0..100).map(|i| Some((-0.06 * f64::from(i), -0.08 * f64::from(i)))).collect();
         assert!(Band::of(&falls, 6.0).is_none());
         let swings = |i: i32| -0.08 * f64::from(i) + if i % 2 == 0 { 1.0 } else { -1.0 };
         let curve: Vec<LogPoint> = (0..100).map(|i| Some((-0.06 * f64::from(i), swings(i)))).collect();
