@@ -12,7 +12,7 @@ use crate::legend::Legend;
 use crate::panels::{INSIDE, MOST_LINES, Room, grid, title, too_many};
 use crate::part::Part;
 use crate::rows::{RunRow, problems, runs};
-use crate::series::{Points, Series, draw_empty, draw_signs, key, reach, reached, series};
+use crate::series::{Points, Series, draw_empty, draw_signs, has_line, key, reach, reached, series};
 use crate::signs::{Sign, endings};
 use crate::style::{Pen, TOLERANCE};
 use crate::{ReportError, file_name};
@@ -104,7 +104,8 @@ pub(crate) fn figure(
     let keyed = all.iter().enumerate().map(|(i, series)| {
         let of_series: Vec<&Points> = lines.iter().map(|lines| &lines[i]).collect();
         let level = lines.iter().any(|lines| level(series, &lines[i], lines).is_some());
-        (series.label(), series.look, of_series, level)
+        let line = level || of_series.iter().any(|points| has_line(&reached(joined(points))));
+        (series.label(), series.look, of_series, line)
     });
     let (entries, mut signs) = key(keyed);
     let shown = lines.iter().flatten().flatten();
@@ -133,6 +134,12 @@ pub(crate) fn figure(
 fn points(series: &Series, panel: &Panel) -> Points {
     let points = series.points(|run| f64::from(run.subdomains), |run| (panel.of)(series, run));
     if panel.on_the_way { reached(points) } else { points }
+}
+
+/// What a line goes through, thin where a run made all its iterations and more would be needed.
+fn joined(points: &Points) -> Points {
+    let joins = |ending| matches!(ending, Ending::Converged | Ending::IterationLimit);
+    points.iter().filter(|(ending, _)| joins(*ending)).copied().collect()
 }
 
 /// Whether the panel has an ideal, and a run on one subdomain that it is to be measured by.
@@ -180,14 +187,13 @@ fn panel(
             let y = frame.y.place(value);
             canvas.line(&[(room.left, y), (room.right, y)], pen)?;
         }
-        let places = |ended: fn(Ending) -> bool| {
-            let points = points.iter().filter(move |(ending, _)| ended(*ending));
+        let line = joined(points);
+        let places = |limit: bool| {
+            let points = line.iter().filter(|(ending, _)| limit || *ending == Ending::Converged);
             points.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>()
         };
-        // Thin, where a run made all its iterations and more would be needed.
-        let thin = Pen { width: 0.4 * pen.width, ..pen };
-        canvas.line(&places(|e| matches!(e, Ending::Converged | Ending::IterationLimit)), thin)?;
-        canvas.line(&places(|ending| ending == Ending::Converged), pen)?;
+        canvas.line(&places(true), Pen { width: 0.4 * pen.width, ..pen })?;
+        canvas.line(&places(false), pen)?;
     }
     let signs: Vec<_> =
         all.iter().zip(lines).map(|(series, points)| (series.look, points.as_slice())).collect();
