@@ -20,7 +20,7 @@ pub(super) fn title(field: &Field) -> [String; 1] {
 pub(super) fn notes(field: &Field) -> Vec<String> {
     let best = field.best().map_or_else(
         || "none converged".to_owned(),
-        |cell| format!("grid's best {}{}", count(cell.run.iterations as usize), edge_sign(field)),
+        |cell| format!("best on grid {}{}", count(cell.run.iterations as usize), edge_sign(field)),
     );
     let cost = |run| match (iterations(run), field.ratio(run)) {
         (Some(iterations), Some(ratio)) => format!("{} (×{ratio:.2})", count(iterations as usize)),
@@ -61,11 +61,11 @@ pub(super) fn head(problem: &str, fields: &[&Field]) -> [String; 2] {
 pub(super) fn signs(fields: &[&Field]) -> Vec<(Sign, String)> {
     let mut signs = vec![(Sign::Word, "μ: relaxation".to_owned())];
     if fields.iter().any(|f| f.best().is_some()) {
-        signs.push((Sign::Mark(Mark::Square, BEST), "best of the grid's cells".to_owned()));
+        signs.push((Sign::Mark(Mark::Square, BEST), "best on the grid".to_owned()));
     }
     if fields.iter().any(|f| f.kappa.is_some()) {
-        let text =
-            "derived directions, between the cells; ×: iterations over those of the grid's best".to_owned();
+        let text = "derived directions, between the cells; ×: iterations over those of the best on the grid"
+            .to_owned();
         signs.push((Sign::Mark(Mark::Diamond, DERIVED), text));
     }
     if fields.iter().any(|f| f.adaptive.is_some()) {
