@@ -32,7 +32,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     scene: SceneArgs,
     /// A run to show: a method with its settings, such as "nsgs-dd subdomains=4x2"; may be repeated; of a problem
-    /// without any, NSGS, LATIN-DD and CG. Of a stored run: one to show beside it
+    /// without any, NSGS, LATIN-DD with directions that stay, on up to 4x2 subdomains, and CG. Of a stored run: one to show
+    /// beside it
     #[arg(long = "run", value_name = "METHOD [KEY=VALUE …]")]
     runs: Vec<String>,
     #[command(flatten)]
@@ -42,8 +43,14 @@ pub(crate) struct Args {
     output: Option<PathBuf>,
 }
 
-/// What is shown of a problem that nobody asks for more of.
-const RUNS: [&str; 3] = ["nsgs", "latin-dd subdomains=4x2", "cg preconditioner=diagonal"];
+/// What is shown of a problem that nobody asks for more of: what the page of the plan `paper` shows, directions that stay
+/// included; on fewer subdomains where there are not as many contacts.
+fn runs_of(contacts: usize) -> [String; 3] {
+    const GRIDS: [Grid; 3] = [Grid { nx: 4, ny: 2 }, Grid { nx: 2, ny: 2 }, Grid { nx: 2, ny: 1 }];
+    let grid = GRIDS.into_iter().find(|grid| grid.count() <= contacts as u64).unwrap_or(Grid::ONE);
+    let latin = format!("latin-dd adaptive=false subdomains={grid}");
+    ["nsgs".to_owned(), latin, "cg preconditioner=diagonal".to_owned()]
+}
 
 /// What a page shows.
 struct Shown {
@@ -98,11 +105,13 @@ impl Args {
             }
             path => path?,
         };
+        let frozen = self.scene.problem(&path)?;
         if variants.is_empty() {
-            variants = RUNS.iter().map(|text| variant(text)).collect::<Result<_>>()?;
+            let runs = runs_of(frozen.problem.contact_count());
+            variants = runs.iter().map(|text| variant(text)).collect::<Result<_>>()?;
         }
         let stop = self.stop.of(Stop::default())?;
-        Ok(Shown { frozen: self.scene.problem(&path)?, stop, stored: None, variants })
+        Ok(Shown { frozen, stop, stored: None, variants })
     }
 
     /// A stored run, and `others` beside it that begin as it does.
@@ -177,4 +186,29 @@ fn variant(text: &str) -> Result<Variant> {
     let read = || Method::parse(name, &pairs.collect::<Result<Vec<_>>>()?);
     let method = read().with_context(|| format!("--run '{text}'"))?;
     Ok(Variant { method, warm_start: false, name: settings.trim().to_owned() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Plan;
+    use std::path::Path;
+
+    #[test]
+    fn what_is_shown_without_a_wish_is_what_the_page_of_the_paper_shows() {
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/plans/paper.toml"));
+        let plan = Plan::read(path, false).unwrap();
+        let view = plan.view.as_ref().unwrap();
+        let variants = plan.variants(&[]).unwrap();
+        let shown = variants.iter().filter(|variant| view.runs.contains(&variant.label()));
+        let of_page: Vec<_> = shown.map(|v| (v.method.name, v.method.settings.clone())).collect();
+        let own = runs_of(1000).map(|text| variant(&text).unwrap().method);
+        assert_eq!(own.map(|method| (method.name, method.settings)).to_vec(), of_page);
+    }
+
+    #[test]
+    fn few_contacts_have_few_subdomains() {
+        let grid = |contacts| runs_of(contacts)[1].rsplit_once('=').unwrap().1.to_owned();
+        assert_eq!([8, 7, 3, 1, 0].map(grid), ["4x2", "2x2", "2x1", "1x1", "1x1"]);
+    }
 }

@@ -14,7 +14,7 @@ use crate::number::{counted, number};
 use crate::panels::{INSIDE, Room, row};
 use crate::part::Part;
 use crate::rows::{RunRow, runs};
-use crate::series::{draw_empty, draw_points};
+use crate::series::draw_empty;
 use crate::signs::Sign;
 use crate::statistics::{median, padded};
 use crate::style::TOLERANCE;
@@ -87,9 +87,13 @@ fn figure(pairs: &[Pair], looks: &Looks) -> Result<String, ReportError> {
             methods.push(&after.method);
         }
     }
-    let entries = methods.iter().map(|method| ((*method).to_owned(), looks.of_method(method))).collect();
-    let same = vec![(Sign::Line(TOLERANCE), "the same; below it less than before".to_owned())];
-    let legend = Legend::new(entries, same, INSIDE)?;
+    let sign = |method: &&str| {
+        let look = looks.of_method(method).signed();
+        (Sign::Mark(look.mark, look.pen), (*method).to_owned())
+    };
+    let mut signs: Vec<(Sign, String)> = methods.iter().map(sign).collect();
+    signs.push((Sign::Line(TOLERANCE), "the same; below it less than before".to_owned()));
+    let legend = Legend::new(Vec::new(), signs, INSIDE)?;
     let title =
         format!("{} in both studies; those that converged in both are drawn", counted(pairs.len(), "run"));
     row(&[title], MEASURES.len(), &legend, |canvas, i, room| panel(canvas, pairs, looks, &MEASURES[i], room))
@@ -119,8 +123,8 @@ fn panel(
         canvas.line(&same, TOLERANCE)?;
     }
     for (run, place) in &points {
-        let look = looks.of_method(&run.method);
-        draw_points(canvas, &frame, look, &[(Ending::Converged, *place)])?;
+        let look = looks.of_method(&run.method).signed();
+        canvas.mark(look.mark, frame.place(*place), look.pen)?;
     }
     if points.is_empty() { draw_empty(canvas, &frame) } else { Ok(()) }
 }

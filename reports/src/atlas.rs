@@ -15,7 +15,7 @@ pub(crate) use grid::{ring, swatch, wedge};
 use results::store::Tables;
 
 use crate::part::Part;
-use crate::rows::{Point, RunRow, curves, runs};
+use crate::rows::{Point, RunRow, Verdicts, curves, runs};
 use crate::{ReportError, file_name};
 use class::zeta_lies;
 use grid::{Column, Grid};
@@ -50,11 +50,17 @@ impl Kind<'_> {
 /// `atlas-counts`, and `atlas` with every run.
 pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let (runs, curves) = (runs(&tables.runs)?, curves(&tables.curves)?);
+    let verdicts = Verdicts::of(&runs);
     let judged: Vec<Judged> = runs
         .iter()
         .map(|run| {
             let curve = curves.get(&run.run).map_or(&[][..], Vec::as_slice);
-            Judged { run, class: Class::of(run, curve), zeta_lies: zeta_lies(run, curve), end: curve.last() }
+            let class = match Class::of(run, curve) {
+                // Another run, or the reference, has a solution.
+                Class::Infeasible if !verdicts.is_proof(run) => Class::Failed,
+                class => class,
+            };
+            Judged { run, class, zeta_lies: zeta_lies(run, curve), end: curve.last() }
         })
         .collect();
     let (hazards, kinds) = (hazards(&runs), kinds(&runs));

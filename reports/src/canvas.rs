@@ -43,6 +43,7 @@ pub(crate) fn svg(
     canvas.area.present().map_err(refused)?;
     drop(canvas);
     let size = |width: &str, height: &str| format!(r#"width="{width}" height="{height}""#);
+    let text: String = text.split_inclusive('\n').map(lowered).collect();
     Ok(text
         .replacen(
             &size(&columns.to_string(), &rows.to_string()),
@@ -53,6 +54,19 @@ pub(crate) fn svg(
         // Half the height of a digit, which every renderer knows; few agree on `ex`.
         .replace(r#"dy="0.5ex""#, r#"dy="0.36em""#)
         .replace(r#" opacity="1""#, ""))
+}
+
+/// A line of SVG with the index of each κ_l or κ_d set as one.
+fn lowered(line: &str) -> String {
+    let mut pieces = line.split("κ_");
+    let mut text = pieces.next().unwrap_or_default().to_owned();
+    for piece in pieces {
+        let (index, rest) = piece.split_at(piece.chars().next().map_or(0, char::len_utf8));
+        // Down by three tenths of the smaller letter, and up again.
+        text.extend([r#"κ<tspan font-size="70%" dy="0.3em">"#, index, r#"</tspan><tspan dy="-0.21em">"#]);
+        text.extend([rest.trim_end_matches('\n'), "</tspan>", if rest.ends_with('\n') { "\n" } else { "" }]);
+    }
+    text
 }
 
 /// Width of a text (mm).
@@ -124,6 +138,9 @@ impl Canvas<'_> {
         let pen = Pen { width: pen.width.min(0.3), dash: &[], ..pen };
         match mark {
             Mark::None => Ok(()),
+            Mark::Disc => {
+                self.disc((x, y), 0.7, pen.color, Some(Pen { color: WHITE, width: 0.1, dash: &[] }))
+            }
             Mark::Square => {
                 let h = 0.9 * HALF;
                 self.polygon(
@@ -235,6 +252,15 @@ mod tests {
             vec![(3.0, 3.5), (3.0, 4.0)],
         ];
         assert_eq!(pieces, expected);
+    }
+
+    #[test]
+    fn index_of_a_search_direction_is_lowered() {
+        let both = lowered("κ_l, κ_d (–)\n");
+        let index =
+            |letter| format!(r#"κ<tspan font-size="70%" dy="0.3em">{letter}</tspan><tspan dy="-0.21em">"#);
+        assert_eq!(both, format!("{}, </tspan>{} (–)</tspan>\n", index('l'), index('d')));
+        assert_eq!(lowered("kappa_d=0.3\n"), "kappa_d=0.3\n");
     }
 
     #[test]

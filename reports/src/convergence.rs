@@ -9,7 +9,7 @@ use crate::curve::{log_point, range};
 use crate::ending::Ending;
 use crate::legend::Legend;
 use crate::number::{number, round_up};
-use crate::panels::{MOST_LINES, title, too_many};
+use crate::panels::{MOST_LINES, nothing, title, too_many};
 use crate::part::Part;
 use crate::rows::{Point, RunRow, problems, runs};
 use crate::signs::Sign;
@@ -52,21 +52,23 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let runs = runs(&tables.runs)?;
     let study = Study::of(&runs, tables)?;
     let problems = problems(&runs);
+    if problems.is_empty() {
+        return Ok(vec![nothing("convergence", "convergence", "no run in this study")]);
+    }
     let mut parts = Vec::new();
     let lines = |problem: &&str| study.runs_of(problem).len();
     for &problem in &problems {
         let name = format!("convergence-{}", file_name(problem));
-        let svg = match lines(&problem) {
-            many if many > MOST_LINES => too_many(problem, many)?,
-            _ => study.figure(&[problem], ALONE)?,
-        };
-        parts.push(Part::figure(name, svg));
+        parts.push(match lines(&problem) {
+            many if many > MOST_LINES => too_many(name, problem, many),
+            _ => Part::figure(name, study.figure(&[problem], ALONE)?),
+        });
     }
     if problems.iter().any(|problem| lines(problem) > MOST_LINES) {
         return Ok(parts);
     }
     let legend = study.key(&problems)?.height() + 2.0 * MARGIN;
-    let panel = (PAGE_HEIGHT - legend) / problems.len().max(1) as f64 - ABOVE - BELOW;
+    let panel = (PAGE_HEIGHT - legend) / problems.len() as f64 - ABOVE - BELOW;
     if panel >= LEAST {
         parts.push(Part::figure("convergence", study.figure(&problems, panel.min(GREATEST))?));
     }
@@ -77,13 +79,9 @@ impl Study<'_> {
     /// One row of panels per problem, with one legend below.
     fn figure(&self, problems: &[&str], panel: f64) -> Result<String, ReportError> {
         let legend = self.key(problems)?;
-        let rows = problems.len().max(1) as f64 * (ABOVE + panel + BELOW);
+        let rows = problems.len() as f64 * (ABOVE + panel + BELOW);
         let height = (2.0 * MARGIN + rows + legend.height()).ceil();
         svg((PAGE, height), |canvas| {
-            if problems.is_empty() {
-                let middle = (PAGE / 2.0, MARGIN + rows / 2.0);
-                canvas.text("no run in this study", middle, TEXT, (HPos::Center, VPos::Center))?;
-            }
             for (i, problem) in problems.iter().enumerate() {
                 let top = MARGIN + i as f64 * (ABOVE + panel + BELOW);
                 self.draw_problem(canvas, problem, (top + ABOVE, top + ABOVE + panel))?;

@@ -1,35 +1,43 @@
 //! How much faster subdomains make a method: counted on the longest of them, as if each had a machine of its own, and
 //! measured on the threads that there were.
 
+use std::borrow::Cow;
+
 use polars::df;
 use polars::prelude::DataFrame;
 use results::store::Tables;
 
+use crate::columns::u32s;
 use crate::ending::Ending;
+use crate::number::counted;
 use crate::part::Part;
-use crate::rows::{RunRow, problems, runs};
+use crate::rows::{RunRow, made, problems, runs};
 use crate::series::{Series, series};
 use crate::subdomains::{Panel, on_problem};
 use crate::{ReportError, file_name};
 
-const PANELS: [Panel; 2] = [
-    Panel {
-        title: "counted speed-up, a machine per subdomain",
-        of: |series, run| speed_up(series, run, path),
-        on_the_way: false,
-        ideal: true,
-    },
-    Panel {
-        title: "measured speed-up of the iterations",
-        of: |series, run| speed_up(series, run, |run| run.iterating_s),
-        on_the_way: false,
-        ideal: true,
-    },
-];
+/// Both on the same axes.
+fn panels(threads: &str) -> [Panel; 2] {
+    [
+        Panel {
+            title: Cow::Borrowed("counted speed-up, a machine per subdomain (–)"),
+            of: counted_speed_up,
+            on_the_way: false,
+            ideal: true,
+        },
+        Panel {
+            title: Cow::Owned(format!("measured speed-up of the iterations, {threads} (–)")),
+            of: measured_speed_up,
+            on_the_way: false,
+            ideal: true,
+        },
+    ]
+}
 
 const NOTE: &str = "\nThe critical path of an iteration is the multiply-adds of the longest subdomain, exchange with its \
-                    neighbours included; the latency of messages is not in it. A speed-up is over the run of the same method and \
-                    settings on the same problem with the fewest subdomains, both to the same tolerance.\n";
+                    neighbours included; messages between machines cost nothing in it. A speed-up is over the run of the same \
+                    method and settings on the same problem with the fewest subdomains, both to the same tolerance. It passes \
+                    the ideal where the factors of smaller subdomains have fewer entries per contact, or iterations are fewer.\n";
 
 /// Multiply-adds of the longest subdomain in all iterations.
 pub(crate) fn path(run: &RunRow) -> Option<f64> {
@@ -40,15 +48,40 @@ pub(crate) fn path(run: &RunRow) -> Option<f64> {
 pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let mut runs = runs(&tables.runs)?;
     runs.retain(|run| run.ending != Ending::Skipped && path(run).is_some());
+    let panels = panels(&threads(tables)?);
     let mut parts = Vec::new();
     for problem in problems(&runs) {
-        parts.push(Part::figure(
-            format!("critical-path-{}", file_name(problem)),
-            on_problem(&runs, problem, &PANELS)?,
-        ));
+        let mut notes =
+            vec!["Counted: multiply-adds of the longest subdomain, no communication cost.".to_owned()];
+        let beyond = |series: &Series, run: &RunRow| {
+            counted_speed_up(series, run).is_some_and(|times| times > f64::from(run.subdomains))
+        };
+        let all = series(&runs, &["subdomains"]);
+        if all.iter().any(|s| s.runs.iter().any(|run| run.problem == problem && beyond(s, run))) {
+            notes.push(
+                "Above the ideal: fewer iterations, or factors with fewer entries per contact.".to_owned(),
+            );
+        }
+        let name = format!("critical-path-{}", file_name(problem));
+        parts.push(on_problem(name, &runs, problem, &panels, notes)?);
     }
     parts.push(Part::table("critical-path", table(&series(&runs, &["subdomains"]))?, NOTE));
     Ok(parts)
+}
+
+/// How many threads the runs had, in words.
+fn threads(tables: &Tables) -> Result<String, ReportError> {
+    let threads = u32s(&made(&tables.runs)?, "threads")?;
+    let (least, most) = (threads.iter().min().unwrap_or(&1), threads.iter().max().unwrap_or(&1));
+    Ok(if least == most { counted(*most as usize, "thread") } else { format!("{least} to {most} threads") })
+}
+
+fn counted_speed_up(series: &Series, run: &RunRow) -> Option<f64> {
+    speed_up(series, run, path)
+}
+
+fn measured_speed_up(series: &Series, run: &RunRow) -> Option<f64> {
+    speed_up(series, run, |run| run.iterating_s)
 }
 
 /// How many times more the run with the fewest subdomains costs; of runs that converged.
@@ -75,8 +108,8 @@ fn table(all: &[Series]) -> Result<DataFrame, ReportError> {
         "status" => rows.iter().map(|(_, run)| run.ending.text()).collect::<Vec<_>>(),
         "iterations" => rows.iter().map(|(_, run)| run.iterations).collect::<Vec<_>>(),
         "path_per_iteration" => of(&|_, run| run.derived.get("critical_path")?.as_f64()),
-        "counted_speed_up" => of(&PANELS[0].of),
-        "measured_speed_up" => of(&PANELS[1].of),
+        "counted_speed_up" => of(&counted_speed_up),
+        "measured_speed_up" => of(&measured_speed_up),
         "ns_per_contact" => of(&|_, run| Some(1e9 * run.iterating_s? / visits(run)).filter(|ns| ns.is_finite())),
     )?)
 }

@@ -4,7 +4,7 @@ use plotters::style::RGBColor;
 
 use crate::ReportError;
 use crate::canvas::{Canvas, Place};
-use crate::style::{Pen, WHITE};
+use crate::style::{Mark, Pen, WHITE};
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -66,9 +66,7 @@ impl Ending {
             canvas.line(&[place(from), place(to)], Pen { width: 0.45, ..pen })
         };
         match self {
-            Self::Converged => {
-                canvas.disc((x, y), 0.7, color, Some(Pen { color: WHITE, width: 0.1, dash: &[] }))
-            }
+            Self::Converged => canvas.mark(Mark::Disc, (x, y), pen),
             Self::IterationLimit => canvas.polygon(
                 &[(x - 0.7 * HALF, y - HALF), (x + HALF, y), (x - 0.7 * HALF, y + HALF)],
                 WHITE,

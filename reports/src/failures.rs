@@ -1,4 +1,4 @@
-//! The runs that did not converge, each with its reason.
+//! The runs that failed, each with its reason; one that proves that there is no solution has not.
 
 use polars::df;
 use polars::prelude::DataFrame;
@@ -8,16 +8,17 @@ use crate::ReportError;
 use crate::columns::{newer, texts};
 use crate::ending::Ending;
 use crate::number::{count, number};
-use crate::rows::{RunRow, made, runs};
+use crate::rows::{RunRow, Verdicts, made, runs};
 
 /// One row per run that failed.
 pub(crate) fn failures(tables: &Tables) -> Result<DataFrame, ReportError> {
     let table = made(&tables.runs)?;
     let runs = runs(&table)?;
     let reached = reached(&table, &runs)?;
-    let (errors, id) = (newer(&table, "velocity_error")?, texts(&table, "id")?);
+    let errors = newer(&table, "velocity_error")?;
     let natural_maps = newer(&table, "natural_map")?;
-    let failed: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].ending != Ending::Converged).collect();
+    let (id, verdicts) = (texts(&table, "id")?, Verdicts::of(&runs));
+    let failed: Vec<usize> = (0..runs.len()).filter(|i| !verdicts.is_right(&runs[*i])).collect();
     let column = |of: &dyn Fn(&RunRow) -> String| failed.iter().map(|i| of(&runs[*i])).collect::<Vec<_>>();
     Ok(df!(
         "problem" => column(&|run| run.problem.clone()),
@@ -62,7 +63,9 @@ fn reason(run: &RunRow, reached: Option<f64>, error: Option<f64>, natural_map: O
             format!("not finite, or far above its own scale of energy, at iteration {iterations}")
         }
         Ending::Infeasible => {
-            format!("its impulses at iteration {iterations} prove that the problem has no solution")
+            format!(
+                "at iteration {iterations} it claimed to prove that there is no solution, and there is one"
+            )
         }
         Ending::FalseConvergence => {
             let but = match error {
@@ -97,6 +100,10 @@ mod tests {
         };
         let runs = [
             run(0, "cg", "", "converged"),
+            // There is a solution.
+            run(5, "cg", "", "infeasible"),
+            // No run found one.
+            Run { problem: "wedge".into(), end: sample(9, 1.0, f64::NAN), ..run(6, "cg", "", "infeasible") },
             Run { end: sample(100, 1e-3, 3e-2), ..run(1, "nsgs", "", "iteration-limit") },
             Run { reason: "`subdomains` is 8x8".into(), ..run(2, "nsgs-dd", "8x8", "skipped") },
             lies,
@@ -107,6 +114,8 @@ mod tests {
         let text = csv(&failures(&tables(&runs, &[])).unwrap()).unwrap();
         let rows: Vec<&str> = text.lines().skip(1).collect();
         assert_eq!(rows.len(), 4, "{text}");
+        assert!(rows[0].ends_with("no solution, and there is one\""), "{text}");
+        let rows = &rows[1..];
         assert!(
             rows[0].ends_with("all 100 iterations made, and natural map is 0.030 where 10⁻⁴ was asked\""),
             "{text}"

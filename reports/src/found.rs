@@ -5,10 +5,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::ending::Ending;
 use crate::legend::Looks;
 use crate::number::{count, counted, number};
-use crate::rows::{RunRow, problems};
+use crate::rows::{RunRow, Verdicts, problems};
 
 /// Of more problems than this, methods are counted over all of them.
 const FEW_PROBLEMS: usize = 6;
+
+/// An iteration of it is a whole solve, with a factorisation in each of its steps: it has no rank by iterations.
+const WHOLE_SOLVES: &str = "interior-point";
 
 /// How the runs ended, who was first on each problem, and whose runs failed.
 pub(crate) fn sentences(runs: &[RunRow]) -> Vec<String> {
@@ -16,25 +19,24 @@ pub(crate) fn sentences(runs: &[RunRow]) -> Vec<String> {
         return vec!["No run of this study is stored.".to_owned()];
     }
     let problems = problems(runs);
-    let looks = Looks::new(runs);
-    let mut sentences = vec![overview(runs, problems.len())];
+    let (looks, verdicts) = (Looks::new(runs), Verdicts::of(runs));
+    let mut sentences = vec![overview(runs, &verdicts, problems.len())];
     if problems.len() <= FEW_PROBLEMS {
-        sentences.extend(problems.iter().map(|problem| first_and_last(runs, problem)));
+        sentences.extend(problems.iter().map(|problem| first_and_last(runs, &verdicts, problem)));
     } else {
         sentences.extend(wins(runs, &looks, &problems));
     }
-    sentences.extend(failures(runs));
+    sentences.extend(failures(runs, &verdicts));
     sentences
 }
 
-fn overview(runs: &[RunRow], problems: usize) -> String {
+fn overview(runs: &[RunRow], verdicts: &Verdicts, problems: usize) -> String {
     let methods: BTreeSet<&str> = runs.iter().map(|run| run.method.as_str()).collect();
-    let mut ended: BTreeMap<Ending, usize> = BTreeMap::new();
+    let mut ended: BTreeMap<_, usize> = BTreeMap::new();
     for run in runs {
-        *ended.entry(run.ending).or_default() += 1;
+        *ended.entry((run.ending, how(run, verdicts))).or_default() += 1;
     }
-    let ended: Vec<String> =
-        ended.iter().map(|(ending, n)| format!("{} {}", count(*n), ending.text())).collect();
+    let ended: Vec<String> = ended.iter().map(|((_, how), n)| format!("{} {how}", count(*n))).collect();
     format!(
         "{} of {} on {}: {}.",
         counted(runs.len(), "run"),
@@ -42,6 +44,15 @@ fn overview(runs: &[RunRow], problems: usize) -> String {
         counted(problems, "problem"),
         ended.join(", ")
     )
+}
+
+/// How a run ended; a proof that there is no solution is told from a claim that a run or the reference refutes.
+fn how(run: &RunRow, verdicts: &Verdicts) -> &'static str {
+    match run.ending {
+        Ending::Infeasible if verdicts.is_proof(run) => "proved that there is no solution",
+        Ending::Infeasible => "claimed wrongly that there is no solution",
+        ending => ending.text(),
+    }
 }
 
 /// Runs that may be compared: converged, and stopped by the rule that most of them had.
@@ -61,17 +72,23 @@ fn seconds(run: &RunRow) -> Option<f64> {
     Some(run.setup_s? + run.iterating_s?)
 }
 
-fn first_and_last(runs: &[RunRow], problem: &str) -> String {
+fn first_and_last(runs: &[RunRow], verdicts: &Verdicts, problem: &str) -> String {
+    let proofs = runs.iter().filter(|run| run.problem == problem && verdicts.is_proof(run)).count();
     let runs = comparable(runs, problem);
-    let Some(fewest) = runs.iter().min_by_key(|run| run.iterations) else {
-        return format!("{problem}: no run converged.");
+    let ranked = || runs.iter().filter(|run| run.method != WHOLE_SOLVES);
+    let Some(fewest) = ranked().min_by_key(|run| run.iterations) else {
+        return match (runs.first(), proofs) {
+            (Some(run), _) => format!("{problem}: {} alone converged.", run.method),
+            (None, 0) => format!("{problem}: no run converged."),
+            (None, proofs) => format!("{problem}: no solution, as {} proved.", counted(proofs, "run")),
+        };
     };
     let told = |run: &RunRow| format!("{} ({})", run.label(), count(run.iterations as usize));
     let rule = fewest.tolerance.map_or(String::new(), |tolerance| {
         format!(" to {} ≤ {}", fewest.stop_on.replace('_', " "), number(tolerance, 2))
     });
     let mut sentence = format!("{problem}: {} has the fewest iterations{rule}", told(fewest));
-    if let Some(most) = runs.iter().max_by_key(|run| run.iterations).filter(|most| most.run != fewest.run) {
+    if let Some(most) = ranked().max_by_key(|run| run.iterations).filter(|most| most.run != fewest.run) {
         sentence.extend([", ", &told(most), " the most"]);
     }
     let timed = runs.iter().filter_map(|run| Some((seconds(run)?, run)));
@@ -89,7 +106,8 @@ fn wins(runs: &[RunRow], looks: &Looks, problems: &[&str]) -> Vec<String> {
         kind.1 += usize::from(run.ending == Ending::Converged);
     }
     for problem in problems {
-        let least = comparable(runs, problem).into_iter().min_by_key(|run| run.iterations);
+        let ranked = comparable(runs, problem).into_iter().filter(|run| run.method != WHOLE_SOLVES);
+        let least = ranked.min_by_key(|run| run.iterations);
         if let Some(kind) = least.and_then(|run| kinds.get_mut(&looks.rank(run))) {
             kind.2 += 1;
         }
@@ -107,29 +125,24 @@ fn wins(runs: &[RunRow], looks: &Looks, problems: &[&str]) -> Vec<String> {
     .collect()
 }
 
-/// A sentence for each method with runs that did not converge.
-fn failures(runs: &[RunRow]) -> Vec<String> {
-    let mut methods: Vec<(&str, usize, BTreeMap<Ending, usize>)> = Vec::new();
+/// A sentence for each method with runs that failed: that neither converged nor proved that there is no solution.
+fn failures(runs: &[RunRow], verdicts: &Verdicts) -> Vec<String> {
+    let mut methods: Vec<(&str, usize, BTreeMap<_, usize>)> = Vec::new();
     for run in runs {
         let index = methods.iter().position(|(name, ..)| *name == run.method).unwrap_or_else(|| {
             methods.push((&run.method, 0, BTreeMap::new()));
             methods.len() - 1
         });
         methods[index].1 += 1;
-        if run.ending != Ending::Converged {
-            *methods[index].2.entry(run.ending).or_default() += 1;
+        if !verdicts.is_right(run) {
+            *methods[index].2.entry((run.ending, how(run, verdicts))).or_default() += 1;
         }
     }
-    let sentence = |(method, all, failed): (&str, usize, BTreeMap<Ending, usize>)| {
+    let sentence = |(method, all, failed): (&str, usize, BTreeMap<_, usize>)| {
         let kinds: Vec<String> =
-            failed.iter().map(|(ending, n)| format!("{} {}", count(*n), ending.text())).collect();
+            failed.iter().map(|((_, how), n): (&(Ending, &str), _)| format!("{} {how}", count(*n))).collect();
         let number: usize = failed.values().sum();
-        format!(
-            "{method}: {} of {} did not converge ({}).",
-            count(number),
-            counted(all, "run"),
-            kinds.join(", ")
-        )
+        format!("{method}: {} of {} failed ({}).", count(number), counted(all, "run"), kinds.join(", "))
     };
     methods.into_iter().filter(|(_, _, failed)| !failed.is_empty()).map(sentence).collect()
 }
@@ -139,7 +152,7 @@ mod tests {
     use results::schema::Run;
 
     use super::*;
-    use crate::fixture::{run, tables};
+    use crate::fixture::{run, sample, tables};
 
     fn told(runs: &[Run]) -> Vec<String> {
         sentences(&crate::rows::runs(&tables(runs, &[]).runs).unwrap())
@@ -158,7 +171,7 @@ mod tests {
         let expected = [
             "3\u{a0}runs of 3\u{a0}methods on 1\u{a0}problem: 2 converged, 1 diverged.",
             "column: cg (40) has the fewest iterations to natural map ≤ 10⁻⁴, nsgs (900) the most; nsgs is first in time (0.20 s).",
-            "jacobi: 1 of 1\u{a0}run did not converge (1 diverged).",
+            "jacobi: 1 of 1\u{a0}run failed (1 diverged).",
         ];
         assert_eq!(told(&study()), expected);
     }
@@ -174,6 +187,40 @@ mod tests {
             "column: jacobi (7) has the fewest iterations to natural map ≤ 10⁻⁴, cg (1\u{202f}000) the most; jacobi is first in time (0.012 s).",
         ];
         assert_eq!(told(&other), expected);
+    }
+
+    #[test]
+    fn proof_that_there_is_no_solution_is_no_failure_unless_a_run_finds_one() {
+        let on = |i, method: &str, status: &str| {
+            let unknown = sample(9, 1.0, f64::NAN);
+            Run { problem: "wedge".into(), end: unknown, ..run(i, method, "", status) }
+        };
+        let mut runs = vec![on(0, "cg", "infeasible"), on(1, "nsgs", "iteration-limit")];
+        let expected = [
+            "2\u{a0}runs of 2\u{a0}methods on 1\u{a0}problem: 1 iteration limit, 1 proved that there is no solution.",
+            "wedge: no solution, as 1\u{a0}run proved.",
+            "nsgs: 1 of 1\u{a0}run failed (1 iteration limit).",
+        ];
+        assert_eq!(told(&runs), expected);
+        runs[1].status = "converged".into();
+        assert_eq!(
+            told(&runs)[2],
+            "cg: 1 of 1\u{a0}run failed (1 claimed wrongly that there is no solution)."
+        );
+        // The reference is certified: the velocity error is known.
+        runs[1].status = "iteration-limit".into();
+        runs[0].end = sample(9, 1.0, 0.5);
+        assert!(told(&runs)[2].starts_with("cg: 1 of 1\u{a0}run failed"), "{:?}", told(&runs));
+    }
+
+    #[test]
+    fn interior_point_has_no_rank_by_iterations_and_one_in_time() {
+        let mut runs = study();
+        runs.push(Run { iterations: 2, iterating_s: 0.1, ..run(3, "interior-point", "", "converged") });
+        let sentence = &told(&runs)[1];
+        assert!(sentence.starts_with("column: cg (40) has the fewest iterations"), "{sentence}");
+        assert!(sentence.ends_with("interior-point is first in time (0.10 s)."), "{sentence}");
+        assert_eq!(told(&runs[3..])[1], "column: interior-point alone converged.");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::ReportError;
 use crate::canvas::{Canvas, Place, text_width};
 use crate::rows::RunRow;
 use crate::signs::{Sign, Signs};
-use crate::style::{DASHES, LEADING, METHODS, Mark, Pen, SPARE, TEXT};
+use crate::style::{DASHES, Family, LEADING, MARKS, METHODS, Mark, Pen, SPARE, TEXT};
 
 /// Length of the sample of a line (mm).
 const KEY: f64 = 9.0;
@@ -21,6 +21,13 @@ const COLUMN_GAP: f64 = 5.0;
 pub(crate) struct Look {
     pub(crate) pen: Pen,
     pub(crate) mark: Mark,
+}
+
+impl Look {
+    /// The same with a sign, for points that no line joins.
+    pub(crate) fn signed(self) -> Self {
+        Self { mark: if self.mark == Mark::None { Mark::Disc } else { self.mark }, ..self }
+    }
 }
 
 /// Looks for all runs of a study, so that a method looks the same on every problem.
@@ -66,31 +73,41 @@ impl<'t> Looks<'t> {
     }
 
     pub(crate) fn look(&self, run: &RunRow) -> Look {
-        let (pen, mark) = self.method(&run.method);
-        Look { pen: Pen { dash: DASHES[self.rank(run).1 % DASHES.len()], ..pen }, mark }
+        self.variant(&run.method, self.rank(run).1)
     }
 
     /// A method looks the same in every study; one without a look of its own takes the next spare one.
-    pub(crate) fn method(&self, name: &str) -> (Pen, Mark) {
-        let own = |name: &str| METHODS.iter().find(|(known, ..)| *known == name);
-        if let Some((_, pen, mark)) = own(name) {
-            return (*pen, *mark);
+    fn family(&self, name: &str) -> &'static Family {
+        if let Some(own) = family(name) {
+            return own;
         }
-        let mut others = self.methods.iter().map(|(other, _)| *other).filter(|other| own(other).is_none());
-        SPARE[others.position(|other| other == name).unwrap_or(0) % SPARE.len()]
+        let mut others = self.methods.iter().map(|(other, _)| *other).filter(|other| family(other).is_none());
+        &SPARE[others.position(|other| other == name).unwrap_or(0) % SPARE.len()]
+    }
+
+    /// The look of the n-th variant of a method: a shade of its hue, with dashes and the method's sign.
+    pub(crate) fn variant(&self, name: &str, n: usize) -> Look {
+        let Family { width, mark, shades } = self.family(name);
+        let (color, dash) = (shades[n % shades.len()], DASHES[n % DASHES.len()]);
+        Look { pen: Pen { color, width: *width, dash }, mark: *mark }
+    }
+
+    /// The same where no other method is drawn, and signs are free to tell variants apart.
+    pub(crate) fn variant_alone(&self, name: &str, n: usize) -> Look {
+        let look = self.variant(name, n);
+        let own = MARKS.iter().position(|mark| *mark == look.mark).unwrap_or(0);
+        Look { pen: Pen { width: look.pen.width.min(0.3), ..look.pen }, mark: MARKS[(own + n) % MARKS.len()] }
     }
 
     /// The look of a method where its runs are not told apart.
     pub(crate) fn of_method(&self, name: &str) -> Look {
-        let (pen, mark) = self.method(name);
-        Look { pen, mark }
+        self.variant(name, 0)
     }
+}
 
-    /// The look of the n-th method of all.
-    pub(crate) fn nth(n: usize) -> (Pen, Mark) {
-        let (_, pen, mark) = METHODS[n % METHODS.len()];
-        (pen, mark)
-    }
+/// The look that a method has of its own.
+pub(crate) fn family(name: &str) -> Option<&'static Family> {
+    METHODS.iter().find(|(known, _)| *known == name).map(|(_, family)| family)
 }
 
 /// Entries in columns, filled downwards so that the variants of a method stand together; the key of the signs below.

@@ -6,6 +6,7 @@ use crate::ReportError;
 use crate::canvas::{Canvas, svg};
 use crate::legend::Legend;
 use crate::number::counted;
+use crate::part::Part;
 use crate::rows::RunRow;
 use crate::style::{LEADING, MARGIN, PAGE, TEXT};
 
@@ -69,16 +70,15 @@ pub(crate) fn grid(
 /// More lines than this are not told apart by anyone, and take a page of legend.
 pub(crate) const MOST_LINES: usize = 120;
 
-/// A page that says that it would show too many lines.
-pub(crate) fn too_many(title: &str, lines: usize) -> Result<String, ReportError> {
-    nothing(title, &format!("{} are too many for a figure; the tables have them all", counted(lines, "line")))
+/// Said in place of a figure that would show too many lines.
+pub(crate) fn too_many(name: impl Into<String>, title: &str, lines: usize) -> Part {
+    let lines = counted(lines, "line");
+    nothing(name, title, &format!("{lines} are too many for a figure; the tables have them all"))
 }
 
-/// A figure that says why it shows nothing, a few lines high.
-pub(crate) fn nothing(title: &str, why: &str) -> Result<String, ReportError> {
-    svg((PAGE, (2.0 * MARGIN + 3.0 * LEADING).ceil()), |canvas| {
-        canvas.text(&format!("{title}: {why}"), (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top))
-    })
+/// A sentence in place of a figure that would show nothing.
+pub(crate) fn nothing(name: impl Into<String>, title: &str, why: &str) -> Part {
+    Part::text(name, format!("{title}: {why}.\n"))
 }
 
 /// The problem, its size, and how many runs were made on it.

@@ -17,47 +17,82 @@ use crate::panels::{INSIDE, MOST_LINES, Room, nothing, row, too_many};
 use crate::part::Part;
 use crate::rows::{problems, repeats, runs};
 use crate::series::{Series, draw_empty, series};
+use crate::signs::Sign;
 use crate::statistics::median;
 use crate::study::Study;
 use ratios::Ratios;
 
-/// `profiles-seconds`, `profiles-sweeps`, and the table `profiles`: which method for which accuracy.
+/// A share of fewer problems than this moves by too much with each of them to be drawn.
+const PROBLEMS: usize = 10;
+
+/// `profiles-seconds`, `profiles-sweeps`, of enough problems, and the table `profiles`: which method for which accuracy.
 pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let runs = runs(&tables.runs)?;
     let (study, methods) = (Study::of(&runs, tables)?, series(&runs, &[]));
-    let mut parts = Vec::new();
-    for cost in &COSTS {
-        parts.push(Part::figure(format!("profiles-{}", cost.name), figure(&study, &methods, cost)?));
+    let (mut parts, mut why) = (Vec::new(), String::new());
+    let problems = problems(&runs);
+    if problems.len() < PROBLEMS {
+        let there_are = counted(problems.len(), "problem");
+        why = format!("A performance profile needs {PROBLEMS} problems; of {there_are} the table says all. ");
+    } else if methods.len() > MOST_LINES {
+        parts.push(too_many("profiles-found", "performance profiles", methods.len()));
+    } else {
+        for cost in &COSTS {
+            parts.push(figure(&study, &methods, cost)?);
+        }
     }
     let table = table(&study, &methods)?;
-    let set = problems(&runs).join(", ");
-    let repeats = repeats(&tables.runs)?;
+    let (set, repeats) = (problems.join(", "), repeats(&tables.runs)?);
     let note = format!(
-        "\nProblems: {set}. Reached: with the accuracy reached, the other runs are censored. Best: with no method cheaper. \
+        "\n{why}Problems: {set}. Reached: on so many of them the accuracy was reached. Best: with no method cheaper. \
          Median ratio: of the cost to the least, where reached. {repeats} {WORK}\n"
     );
     parts.push(Part::table("profiles", table, note));
     Ok(parts)
 }
 
-fn figure(study: &Study, methods: &[Series], cost: &Cost) -> Result<String, ReportError> {
-    if methods.len() > MOST_LINES {
-        return too_many("performance profiles", methods.len());
-    }
+fn figure(study: &Study, methods: &[Series], cost: &Cost) -> Result<Part, ReportError> {
+    let name = format!("profiles-{}", cost.name);
     let all = ACCURACIES.map(|accuracy| Ratios::of(study, methods, cost, accuracy));
     if all.iter().all(|ratios| ratios.best().is_empty()) {
-        return nothing("performance profiles", "no run reaches a known velocity error of 10⁻² or less");
+        let why = "no run reaches a known velocity error of 10⁻² or less";
+        return Ok(nothing(name, "performance profiles", why));
     }
-    let entries = methods.iter().map(|method| (method.label(), method.look)).collect();
-    let legend = Legend::new(entries, Vec::new(), INSIDE)?;
+    let (shown, none): (Vec<usize>, Vec<usize>) = (0..methods.len())
+        .partition(|k| all.iter().any(|ratios| !stairs(&ratios.of_methods[*k], far(ratios)).is_empty()));
+    let entries = shown.iter().map(|k| (methods[*k].label(), methods[*k].look)).collect();
+    let none: Vec<String> = none.into_iter().map(|k| methods[k].label()).collect();
+    let without = format!("No line: {}, which reach none of the accuracies.", none.join("; "));
+    let signs = if none.is_empty() { Vec::new() } else { vec![(Sign::Word, without)] };
+    let legend = Legend::new(entries, signs, INSIDE)?;
+    let not_reached = |(accuracy, ratios): (f64, &Ratios)| {
+        let (not_reached, runs) = ratios.not_reached();
+        format!("{} by {not_reached} of {runs}", power(accuracy))
+    };
+    let not_reached: Vec<String> = ACCURACIES.into_iter().zip(&all).map(not_reached).collect();
     let title = [
         format!(
             "Share of {} solved within τ times the least cost, against τ.",
             counted(all[0].problems, "problem")
         ),
         format!("Cost: {}, to a velocity error of 10⁻², 10⁻⁴, 10⁻⁶.", cost.title),
+        format!("Not reached, in pairs of method and problem: {}.", not_reached.join(", ")),
     ];
-    row(&title, all.len(), &legend, |canvas, i, room| panel(canvas, methods, &all[i], ACCURACIES[i], room))
+    let svg = row(&title, all.len(), &legend, |canvas, i, room| {
+        panel(canvas, methods, &all[i], ACCURACIES[i], room)
+    })?;
+    Ok(Part::figure(name, svg))
+}
+
+fn power(accuracy: f64) -> String {
+    power_of_ten(accuracy.log10().round() as i32)
+}
+
+/// Where the axis ends: at the greatest ratio, or before (logarithm).
+fn far(ratios: &Ratios) -> f64 {
+    const FAR: f64 = 3.0;
+    let greatest = ratios.of_methods.iter().flatten().flatten().copied().fold(10.0, f64::max);
+    greatest.log10().min(FAR) + 0.1
 }
 
 fn panel(
@@ -67,17 +102,12 @@ fn panel(
     accuracy: f64,
     room: Room,
 ) -> Result<(), ReportError> {
-    /// The axis ends here, or at the greatest ratio if that is less.
-    const FAR: f64 = 3.0;
-    let greatest = ratios.of_methods.iter().flatten().flatten().copied().fold(10.0, f64::max);
     let frame = Frame {
-        x: Axis::log((0.0, greatest.log10().min(FAR) + 0.1), room.left, room.right),
+        x: Axis::log((0.0, far(ratios)), room.left, room.right),
         y: Axis { scale: Scale::Share, ..Axis::log((-0.03, 1.03), room.bottom, room.top) },
     };
     frame.draw(canvas)?;
-    let name = power_of_ten(accuracy.log10().round() as i32);
-    let (censored, runs) = ratios.censored();
-    frame.name(canvas, "τ (–)", &format!("≤ {name}, {censored} of {runs} censored"))?;
+    frame.name(canvas, "τ (–)", &format!("share solved to {} (–)", power(accuracy)))?;
     for (k, (method, ratios)) in methods.iter().zip(&ratios.of_methods).enumerate() {
         let stairs = stairs(ratios, frame.x.high);
         canvas

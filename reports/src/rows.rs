@@ -37,6 +37,31 @@ pub(crate) struct RunRow {
     pub(crate) to_natural_map_1e_2: Option<u64>,
     pub(crate) setup_s: Option<f64>,
     pub(crate) iterating_s: Option<f64>,
+    /// At its end, where a certified solution is known.
+    pub(crate) velocity_error: Option<f64>,
+}
+
+/// What is known of the problems beside a run's own word.
+pub(crate) struct Verdicts<'r> {
+    /// Problems that have a solution: a run converged, or the reference is certified.
+    solved: BTreeSet<&'r str>,
+}
+
+impl<'r> Verdicts<'r> {
+    pub(crate) fn of(runs: &'r [RunRow]) -> Self {
+        let solved = |run: &&RunRow| run.ending == Ending::Converged || run.velocity_error.is_some();
+        Self { solved: runs.iter().filter(solved).map(|run| run.problem.as_str()).collect() }
+    }
+
+    /// Whether a run proved that there is no solution, and nothing speaks against it.
+    pub(crate) fn is_proof(&self, run: &RunRow) -> bool {
+        run.ending == Ending::Infeasible && !self.solved.contains(run.problem.as_str())
+    }
+
+    /// Whether a run found what there is to find: the solution, or that there is none.
+    pub(crate) fn is_right(&self, run: &RunRow) -> bool {
+        run.ending == Ending::Converged || self.is_proof(run)
+    }
 }
 
 impl RunRow {
@@ -127,6 +152,7 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
     let (stop_on, tolerance) = (texts(table, "stop_on")?, measures(table, "tolerance")?);
     let iterations = u64s(table, "iterations")?;
     let (setup_s, iterating_s) = (measures(table, "setup_s")?, measures(table, "iterating_s")?);
+    let velocity_error = newer(table, "velocity_error")?;
     let to_natural_map_1e_2 = counts(table, "iterations_to_natural_map_1e_2")?;
     let differing = differing(method.iter().zip(&settings), &[]);
     let row = |i: usize| RunRow {
@@ -151,6 +177,7 @@ pub(crate) fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
         to_natural_map_1e_2: to_natural_map_1e_2[i],
         setup_s: setup_s[i],
         iterating_s: iterating_s[i],
+        velocity_error: velocity_error[i],
     };
     Ok((0..table.height()).map(row).collect())
 }
@@ -182,6 +209,11 @@ fn json(table: &DataFrame, column: &str) -> Result<Vec<Map<String, Value>>, Repo
     let not_json = |row, source| ReportError::Json { column: column.to_owned(), row, source };
     let read = |(row, text): (usize, &String)| serde_json::from_str(text).map_err(|e| not_json(row, e));
     texts(table, column)?.iter().enumerate().map(read).collect()
+}
+
+/// Whether the tolerance of all runs is a natural map of 10⁻², which figures show beside tighter ones.
+pub(crate) fn stopped_at_1e_2(runs: &[RunRow]) -> bool {
+    runs.iter().all(|run| run.stop_on == "natural_map" && run.tolerance == Some(1e-2))
 }
 
 /// The problems in the order of the study.

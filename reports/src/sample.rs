@@ -17,7 +17,7 @@ use crate::style::{
     BOUNDARY_GRAIN, CHAIN, GRAIN, IDLE, LEADING, MARGIN, Pen, SUBDOMAINS, TEXT, TICK_TEXT, WALL, WHITE,
 };
 use key::Key;
-use scene::{Scene, scenes};
+use scene::{Scene, fill, scenes};
 use view::View;
 use walls::walls;
 
@@ -29,24 +29,24 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let scenes = scenes(&tables.grains, &tables.contacts)?;
     let figure = |((problem, partition), scene): ((String, String), Scene)| {
         let name = format!("sample-{}-{}", crate::file_name(&problem), crate::file_name(&partition));
-        Ok(Part::figure(name, draw(&format!("{problem}, {partition}"), &scene)?))
+        Ok(Part::figure(name, draw(&problem, &partition, &scene)?))
     };
     scenes.into_par_iter().map(figure).collect()
 }
 
 /// The scene, its scales, the key of its colours, and its counts in words.
-fn draw(title: &str, scene: &Scene) -> Result<String, ReportError> {
+fn draw(problem: &str, partition: &str, scene: &Scene) -> Result<String, ReportError> {
     let view = View::of(scene);
     let inside = view.width - 2.0 * MARGIN;
     let key = Key::of(scene);
-    let mut lines = wrapped(title, inside)?;
+    let mut lines = wrapped(&format!("{problem}, {partition}"), inside)?;
     lines.extend(wrapped(&caption(scene, &view), inside)?);
     let scales = MARGIN + view.height + 0.8 * LEADING;
     let key_top = scales + 0.8 * LEADING;
     let text_top = key_top + key.height() + 0.3 * LEADING;
     let height = text_top + LEADING * lines.len() as f64 + MARGIN;
     svg((view.width, height.ceil()), |canvas| {
-        draw_scene(canvas, &view, scene)?;
+        draw_scene(canvas, &view, partition, scene)?;
         view.draw_scales(canvas, scales)?;
         key.draw(canvas, (MARGIN, key_top))?;
         for (i, line) in lines.iter().enumerate() {
@@ -56,13 +56,11 @@ fn draw(title: &str, scene: &Scene) -> Result<String, ReportError> {
     })
 }
 
-fn draw_scene(canvas: &Canvas, view: &View, scene: &Scene) -> Result<(), ReportError> {
+fn draw_scene(canvas: &Canvas, view: &View, partition: &str, scene: &Scene) -> Result<(), ReportError> {
     // Boundary grains last, so that no neighbour covers their outline.
     let (boundary, inner): (Vec<_>, Vec<_>) = scene.grains.iter().partition(|grain| grain.multiplicity > 1);
-    let fills = scene.fills();
     for grain in inner.into_iter().chain(boundary) {
-        let fill =
-            grain.subdomain.and_then(|subdomain| fills.get(&subdomain)).map_or(IDLE, |n| SUBDOMAINS[*n]);
+        let fill = grain.subdomain.map_or(IDLE, |subdomain| SUBDOMAINS[fill(partition, subdomain)]);
         let outline = if grain.multiplicity > 1 { BOUNDARY_GRAIN } else { GRAIN };
         canvas.disc(view.place(grain.centre), grain.radius * view.scale, fill, Some(outline))?;
     }

@@ -6,13 +6,14 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::ReportError;
 use crate::axis::Frame;
-use crate::canvas::Canvas;
+use crate::canvas::{Canvas, Place};
 use crate::ending::Ending;
 use crate::groups::{differing, settings_text};
 use crate::legend::{Look, Looks};
 use crate::rows::RunRow;
+use crate::signs::Sign;
 use crate::statistics::padded;
-use crate::style::{DASHES, Mark, Pen, TEXT, WHITE};
+use crate::style::TEXT;
 
 /// Points of a series: how the run ended, logarithms of x and y.
 pub(crate) type Points = Vec<(Ending, (f64, f64))>;
@@ -32,7 +33,7 @@ pub(crate) struct Series<'r> {
     pub(crate) runs: Vec<&'r RunRow>,
 }
 
-/// All series in the order of the study; runs of one may differ in the settings `varied`.
+/// All series in the order of the study; runs of one may differ in the settings `varied`. Every one has a sign.
 pub(crate) fn series<'r>(runs: &'r [RunRow], varied: &[&str]) -> Vec<Series<'r>> {
     let (keys, looks) =
         (differing(runs.iter().map(|run| (&run.method, &run.settings)), varied), Looks::new(runs));
@@ -47,12 +48,14 @@ pub(crate) fn series<'r>(runs: &'r [RunRow], varied: &[&str]) -> Vec<Series<'r>>
             continue;
         }
         let earlier = of_method.entry(&run.method).or_default();
-        // Where there is one method alone, colours and marks tell its settings apart as well.
-        let (pen, mark) = if one_method { Looks::nth(*earlier) } else { looks.method(&run.method) };
-        let look = Look { pen: Pen { dash: DASHES[*earlier % DASHES.len()], ..pen }, mark };
+        let look = if one_method {
+            looks.variant_alone(&run.method, *earlier)
+        } else {
+            looks.variant(&run.method, *earlier)
+        };
         *earlier += 1;
         known.insert((&run.method, group.clone()), all.len());
-        all.push(Series { method: &run.method, group, look, runs: vec![run] });
+        all.push(Series { method: &run.method, group, look: look.signed(), runs: vec![run] });
     }
     all
 }
@@ -84,25 +87,67 @@ pub(crate) fn reach<'p>(
     padded(points.map(|(_, point)| of(point)), 0.08)
 }
 
-/// The signs of a series: that of its method for a run that converged, that of its ending for another.
-pub(crate) fn draw_points(
+/// Whether points that converged have at least two x: a line then joins or fits them.
+pub(crate) fn has_line(points: &[(Ending, (f64, f64))]) -> bool {
+    let mut xs = points.iter().filter(|(ending, _)| *ending == Ending::Converged).map(|(_, (x, _))| *x);
+    xs.next().is_some_and(|first| xs.any(|x| x != first))
+}
+
+/// The key of series, each with its points in all panels: lines with their signs; signs alone where no line is drawn; words
+/// where there is nothing.
+pub(crate) fn key<'p>(
+    series: impl Iterator<Item = (String, Look, Vec<&'p Points>, bool)>,
+) -> (Vec<(String, Look)>, Vec<(Sign, String)>) {
+    let (mut lines, mut signs) = (Vec::new(), Vec::new());
+    for (label, look, panels, line) in series {
+        if line || panels.iter().any(|points| has_line(points)) {
+            lines.push((label, look));
+        } else if panels.iter().any(|points| !points.is_empty()) {
+            signs.push((Sign::Mark(look.mark, look.pen), label));
+        } else {
+            signs.push((Sign::Word, label + ": no value"));
+        }
+    }
+    (lines, signs)
+}
+
+/// The signs of all series: that of the method for a run that converged, that of its ending for another. What no line
+/// passes through comes last, and beside what it would cover.
+pub(crate) fn draw_signs(
     canvas: &Canvas,
     frame: &Frame,
-    look: Look,
-    points: &[(Ending, (f64, f64))],
+    all: &[(Look, &[(Ending, (f64, f64))])],
 ) -> Result<(), ReportError> {
-    for (ending, point) in points {
-        let place = frame.place(*point);
-        match (ending, look.mark) {
-            (Ending::Converged, Mark::None) => {
-                let edge = Pen { color: WHITE, width: 0.1, dash: &[] };
-                canvas.disc(place, 0.7, look.pen.color, Some(edge))?;
+    let mut taken = Vec::new();
+    for (look, points) in all.iter().filter(|(_, points)| has_line(points)) {
+        for (_, point) in points.iter().filter(|(ending, _)| *ending == Ending::Converged) {
+            let place = frame.place(*point);
+            canvas.mark(look.mark, place, look.pen)?;
+            taken.push(place);
+        }
+    }
+    for (look, points) in all {
+        let joined = has_line(points);
+        for (ending, point) in points.iter().filter(|(e, _)| !joined || *e != Ending::Converged) {
+            let place = free(&taken, frame.place(*point), frame);
+            match ending {
+                Ending::Converged => canvas.mark(look.mark, place, look.pen)?,
+                failed => failed.draw(canvas, place, look.pen.color)?,
             }
-            (Ending::Converged, mark) => canvas.mark(mark, place, look.pen)?,
-            (failed, _) => failed.draw(canvas, place, look.pen.color)?,
+            taken.push(place);
         }
     }
     Ok(())
+}
+
+/// The place beside (x, y), in the frame, that is nearest to it and not under a sign.
+fn free(taken: &[Place], (x, y): Place, frame: &Frame) -> Place {
+    /// Two signs side by side (mm).
+    const PITCH: f64 = 2.0;
+    let apart = |place: &Place| taken.iter().all(|t| (t.0 - place.0).hypot(t.1 - place.1) > 0.95 * PITCH);
+    let inside = |place: &Place| (frame.x.from + 1.0..=frame.x.to - 1.0).contains(&place.0);
+    let beside = (1..=20).flat_map(|k| [1.0, -1.0].map(|side| (x + side * PITCH * f64::from(k), y)));
+    std::iter::once((x, y)).chain(beside.filter(inside)).find(apart).unwrap_or((x, y))
 }
 
 /// Said in a panel without points.

@@ -1,5 +1,6 @@
 //! Cost against the number of grains, with the exponents of fitted powers.
 
+use plotters::style::text_anchor::{HPos, VPos};
 use polars::df;
 use polars::prelude::DataFrame;
 use results::store::Tables;
@@ -14,11 +15,12 @@ use crate::legend::Legend;
 use crate::number::counted;
 use crate::panels::{INSIDE, MOST_LINES, Room, grid, nothing, too_many};
 use crate::part::Part;
-use crate::rows::{RunRow, problems, runs};
-use crate::series::{Points, Series, draw_empty, draw_points, reach, reached, series};
+use crate::rows::{RunRow, Verdicts, problems, runs, stopped_at_1e_2};
+use crate::series::{Points, Series, draw_empty, draw_signs, key, reach, reached, series};
 use crate::signs::endings;
-use crate::statistics::{slope, span};
+use crate::statistics::{distinct, slope, span};
 use crate::study::Study;
+use crate::style::{TICK_TEXT, TOLERANCE};
 
 /// A cost of a run, and what it is called.
 struct Cost {
@@ -51,6 +53,14 @@ const COSTS: [Cost; 4] = [
     },
 ];
 
+/// Fewer sizes than this have no exponent: through two points every power fits.
+const SIZES: usize = 3;
+
+/// Slopes to compare with, as powers of the number of grains n.
+const SLOPES: [(f64, &str); 2] = [(0.5, "∝ √n"), (1.0, "∝ n")];
+/// The part of a panel's height that is left to them.
+const BELOW: f64 = 0.2;
+
 /// The figure `size`, and the table with the exponents.
 pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let runs = runs(&tables.runs)?;
@@ -62,9 +72,9 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let table = table(&study, &all)?;
     let note = format!(
         "\nCost = a · grains^exponent, least squares in logarithms over the runs that converged, or reached 10⁻² on their \
-         way; none on one size. {WORK}\n"
+         way; none on fewer than {SIZES} sizes. {WORK}\n"
     );
-    Ok(vec![Part::figure("size", figure(&study, &all)?), Part::table("size", table, note)])
+    Ok(vec![figure(&study, &all)?, Part::table("size", table, note)])
 }
 
 fn points(study: &Study, series: &Series, cost: &Cost) -> Points {
@@ -76,55 +86,106 @@ fn converged(points: &Points) -> Vec<(f64, f64)> {
     points.iter().filter(|(ending, _)| *ending == Ending::Converged).map(|(_, point)| *point).collect()
 }
 
+/// The exponent over sizes that are enough.
 fn exponent(study: &Study, series: &Series, cost: &Cost) -> Option<f64> {
-    slope(&converged(&points(study, series, cost)))
+    let points = converged(&points(study, series, cost));
+    let sizes = distinct(points.iter().map(|point| point.0));
+    slope(&points).filter(|_| sizes >= SIZES)
 }
 
-fn figure(study: &Study, all: &[Series]) -> Result<String, ReportError> {
+fn figure(study: &Study, all: &[Series]) -> Result<Part, ReportError> {
     if all.len() > MOST_LINES {
-        return too_many("size", all.len());
+        return Ok(too_many("size-found", "size", all.len()));
     }
     let sizes: BTreeSet<u32> = all.iter().flat_map(|series| &series.runs).map(|run| run.grains).collect();
-    if let (Some(grains), 1) = (sizes.first(), sizes.len()) {
-        let same = counted(*grains as usize, "grain");
-        return nothing("size", &format!("every problem has {same}, and cost has nothing to grow with"));
+    if sizes.len() < 2 {
+        let same = sizes
+            .first()
+            .map_or("no run".to_owned(), |n| format!("every problem has {}", counted(*n as usize, "grain")));
+        return Ok(nothing("size-found", "size", &format!("{same}, and cost has nothing to grow with")));
     }
+    let costs: Vec<&Cost> =
+        COSTS.iter().filter(|cost| !(cost.on_the_way && stopped_at_1e_2(study.runs))).collect();
+    // By panel, then by series.
+    let clouds: Vec<Vec<Points>> =
+        costs.iter().map(|cost| all.iter().map(|series| points(study, series, cost)).collect()).collect();
+    let fitted = all.iter().any(|series| costs.iter().any(|cost| exponent(study, series, cost).is_some()));
     let label = |series: &Series| {
-        let exponents = COSTS.each_ref().map(|cost| {
+        let text = |cost: &&Cost| {
             exponent(study, series, cost).map_or("–".to_owned(), |e| format!("{e:.2}").replace('-', "−"))
-        });
-        format!("{} ({})", series.label(), exponents.join(", "))
+        };
+        let exponents: Vec<String> = costs.iter().map(text).collect();
+        series.label() + &if fitted { format!(" ({})", exponents.join(", ")) } else { String::new() }
     };
-    let shown = all.iter().flat_map(|series| &series.runs);
-    let failures = shown.clone().map(|run| run.ending).filter(|ending| *ending != Ending::Converged);
-    let entries = all.iter().map(|series| (label(series), series.look)).collect();
-    let legend = Legend::new(entries, endings(failures), INSIDE)?;
-    let title = format!(
-        "{}, {}. In brackets the exponents of the fitted powers, in the order of the panels.",
+    let keyed = all.iter().enumerate().map(|(i, series)| {
+        let of_series = clouds.iter().map(|clouds| &clouds[i]).collect();
+        (label(series), series.look, of_series, false)
+    });
+    let (entries, mut signs) = key(keyed);
+    let shown = || all.iter().flat_map(|series| &series.runs);
+    signs.extend(endings(shown().map(|run| run.ending).filter(|ending| *ending != Ending::Converged)));
+    let legend = Legend::new(entries, signs, INSIDE)?;
+    let counts = format!(
+        "{}, {}, {} of n grains. ",
         counted(problems(study.runs).len(), "problem"),
-        counted(shown.count(), "run"),
+        counted(shown().count(), "run"),
+        counted(sizes.len(), "size"),
     );
-    grid(&[title], (2, 2), &legend, |canvas, i, room| panel(canvas, study, all, &COSTS[i], room))
+    let lines = if fitted {
+        format!(
+            "In brackets the exponents of the powers fitted to {SIZES} sizes or more, in the order of the panels."
+        )
+    } else {
+        format!("Lines join the means of the sizes; an exponent needs {SIZES}.")
+    };
+    let grid_of = if costs.len() == 4 { (2, 2) } else { (costs.len(), 1) };
+    let svg = grid(&[counts + &lines], grid_of, &legend, |canvas, i, room| {
+        panel(canvas, all, costs[i], &clouds[i], room)
+    })?;
+    Ok(Part::figure("size", svg))
 }
 
-fn panel(canvas: &Canvas, study: &Study, all: &[Series], cost: &Cost, room: Room) -> Result<(), ReportError> {
-    let clouds: Vec<Points> = all.iter().map(|series| points(study, series, cost)).collect();
-    let range = |of| reach(clouds.iter().flatten(), of);
+fn panel(
+    canvas: &Canvas,
+    all: &[Series],
+    cost: &Cost,
+    clouds: &[Points],
+    room: Room,
+) -> Result<(), ReportError> {
+    let (low, high) = reach(clouds.iter().flatten(), |point| point.1);
     let frame = Frame {
-        x: Axis::log(range(|point| point.0), room.left, room.right),
-        y: Axis::log(range(|point| point.1), room.bottom, room.top),
+        x: Axis::log(reach(clouds.iter().flatten(), |point| point.0), room.left, room.right),
+        y: Axis::log((low - BELOW / (1.0 - BELOW) * (high - low), high), room.bottom, room.top),
     };
     frame.draw(canvas)?;
     frame.name(canvas, "grains", cost.title)?;
-    for (series, cloud) in all.iter().zip(&clouds) {
+    if clouds.iter().all(Vec::is_empty) {
+        return draw_empty(canvas, &frame);
+    }
+    draw_slopes(canvas, &frame)?;
+    for (series, cloud) in all.iter().zip(clouds) {
         let fit = fit(&converged(cloud)).map(|line| line.map(|point| frame.place(point)));
         canvas.line(fit.as_ref().map_or(&[], |line| line.as_slice()), series.look.pen)?;
-        draw_points(canvas, &frame, series.look, cloud)?;
     }
-    if clouds.iter().all(Vec::is_empty) { draw_empty(canvas, &frame) } else { Ok(()) }
+    let signs: Vec<_> =
+        all.iter().zip(clouds).map(|(series, cloud)| (series.look, cloud.as_slice())).collect();
+    draw_signs(canvas, &frame, &signs)
 }
 
-/// Ends of the fitted line over the sizes that there are.
+/// The slopes to compare with, from one place below the costs.
+fn draw_slopes(canvas: &Canvas, frame: &Frame) -> Result<(), ReportError> {
+    let (wide, high) = (frame.x.high - frame.x.low, frame.y.high - frame.y.low);
+    let from = (frame.x.low + 0.4 * wide, frame.y.low + 0.03 * high);
+    for ((slope, text), lower) in SLOPES.into_iter().zip([1.2, -1.2]) {
+        let run = (0.3 * wide).min(0.8 * BELOW * high / slope);
+        let to = frame.place((from.0 + run, from.1 + slope * run));
+        canvas.line(&[frame.place(from), to], TOLERANCE)?;
+        canvas.text(text, (to.0 + 0.6, to.1 + lower), TICK_TEXT, (HPos::Left, VPos::Center))?;
+    }
+    Ok(())
+}
+
+/// Ends of the fitted line over the sizes that there are; of two sizes it joins the means.
 fn fit(points: &[(f64, f64)]) -> Option<[(f64, f64); 2]> {
     let slope = slope(points)?;
     let (low, high) = span(points.iter().map(|point| point.0))?;
@@ -135,8 +196,8 @@ fn fit(points: &[(f64, f64)]) -> Option<[(f64, f64); 2]> {
 
 fn table(study: &Study, all: &[Series]) -> Result<DataFrame, ReportError> {
     let exponents = |i: usize| all.iter().map(|s| exponent(study, s, &COSTS[i])).collect::<Vec<_>>();
-    let failed =
-        |series: &Series| series.runs.iter().filter(|run| run.ending != Ending::Converged).count() as u64;
+    let verdicts = Verdicts::of(study.runs);
+    let failed = |series: &Series| series.runs.iter().filter(|run| !verdicts.is_right(run)).count() as u64;
     Ok(df!(
         "method" => all.iter().map(Series::label).collect::<Vec<_>>(),
         "runs" => all.iter().map(|series| series.runs.len() as u64).collect::<Vec<_>>(),

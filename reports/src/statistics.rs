@@ -24,6 +24,14 @@ pub(crate) fn padded(values: impl Iterator<Item = f64>, room: f64) -> (f64, f64)
     (low - room, high + room)
 }
 
+/// How many values there are, equal ones counted once.
+pub(crate) fn distinct(values: impl Iterator<Item = f64>) -> usize {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values.len()
+}
+
 /// Slope of the straight line of least squares through points, if they have two different x.
 pub(crate) fn slope(points: &[(f64, f64)]) -> Option<f64> {
     let n = points.len() as f64;

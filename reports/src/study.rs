@@ -12,7 +12,7 @@ use crate::curve::{LogPoint, along, inside};
 use crate::ending::Ending;
 use crate::legend::{Legend, Look, Looks};
 use crate::number::power_of_ten;
-use crate::panels::{MOST_LINES, nothing, too_many};
+use crate::panels::{MOST_LINES, too_many};
 use crate::part::Part;
 use crate::rows::{Point, RunRow, curves, problems, runs};
 use crate::signs::{Sign, endings};
@@ -156,7 +156,7 @@ impl<'t> Study<'t> {
     }
 }
 
-/// A chart that compares the runs on each problem with the truth: a figure, and sentences; both say where it is not known.
+/// A chart that compares the runs on each problem with the truth: a figure, and sentences, which say where it is not known.
 pub(crate) struct AgainstTruth {
     /// Name of the chart.
     pub(crate) name: &'static str,
@@ -176,19 +176,18 @@ impl AgainstTruth {
         let (mut parts, mut text) = (Vec::new(), String::new());
         for problem in problems(&runs) {
             let on_problem = study.runs_of(problem);
-            let svg = if study.knows_truth(problem) {
-                text += &(self.sentences)(&study, problem);
-                match on_problem.len() {
-                    lines if lines > MOST_LINES => too_many(problem, lines)?,
-                    _ => (self.figure)(&study, problem, &on_problem)?,
-                }
-            } else {
-                text.extend([problem, ": ", UNKNOWN, ".\n"]);
-                nothing(problem, &format!("{UNKNOWN}, hence {}", self.lacks))?
-            };
-            parts.push(Part::figure(format!("{}-{}", self.name, file_name(problem)), svg));
+            let name = format!("{}-{}", self.name, file_name(problem));
+            if !study.knows_truth(problem) {
+                text.extend([problem, ": ", UNKNOWN, ", hence ", self.lacks, ".\n"]);
+                continue;
+            }
+            text += &(self.sentences)(&study, problem);
+            parts.push(match on_problem.len() {
+                lines if lines > MOST_LINES => too_many(name, problem, lines),
+                _ => Part::figure(name, (self.figure)(&study, problem, &on_problem)?),
+            });
         }
-        if parts.is_empty() {
+        if runs.is_empty() {
             text += "no run in this study\n";
         }
         parts.push(Part::text(self.name, text + &self.note));
@@ -199,7 +198,7 @@ impl AgainstTruth {
 /// Lines cut at the frame, with signs of their methods, and signs at their ends of how they ended.
 pub(crate) fn draw_lines(canvas: &Canvas, frame: &Frame, lines: &[Line]) -> Result<(), ReportError> {
     const MARKS: usize = 3;
-    let mut drawn = 0;
+    let (mut drawn, mut ends) = (0, Vec::new());
     for (i, line) in lines.iter().enumerate() {
         let pieces = inside(&line.points, (frame.x.low, frame.x.high), (frame.y.low, frame.y.high));
         drawn += pieces.len();
@@ -214,9 +213,12 @@ pub(crate) fn draw_lines(canvas: &Canvas, frame: &Frame, lines: &[Line]) -> Resu
                 canvas.mark(line.look.mark, frame.place(point), line.look.pen)?;
             }
         }
-        if let Some(&end) = pieces.last().and_then(|piece| piece.last()) {
-            line.ending.draw(canvas, frame.place(end), line.look.pen.color)?;
-        }
+        ends.extend(pieces.last().and_then(|piece| piece.last()).map(|&end| (line, end)));
+    }
+    // Above all lines, and failures above the rest.
+    ends.sort_by_key(|(line, _)| line.ending != Ending::Converged);
+    for (line, end) in ends {
+        line.ending.draw(canvas, frame.place(end), line.look.pen.color)?;
     }
     if drawn == 0 {
         canvas.text("no value in this range", frame.middle(), TEXT, (HPos::Center, VPos::Center))?;

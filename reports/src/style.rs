@@ -67,6 +67,7 @@ pub(crate) const CHAIN: RGBColor = RGBColor(45, 20, 20);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Mark {
     None,
+    Disc,
     Square,
     Diamond,
     Plus,
@@ -76,39 +77,105 @@ pub(crate) enum Mark {
     Triangle,
 }
 
-/// How the curves of each method look, in every study. The colours are close to those of Okabe and Ito, told apart with
-/// any colour vision, and made to differ in lightness where they can; the signs tell the rest in grey. `nsgs` is wide,
-/// since a method that decomposes into one subdomain may lie exactly upon it.
-pub(crate) const METHODS: [(&str, Pen, Mark); 8] = [
-    ("nsgs", Pen::solid(BLACK, 0.6), Mark::None),
-    ("nsgs-dd", Pen::solid(RGBColor(230, 159, 0), 0.3), Mark::Square),
-    ("latin-dd", Pen::solid(RGBColor(0, 96, 160), 0.3), Mark::Diamond),
-    ("jacobi", Pen::solid(RGBColor(190, 70, 0), 0.3), Mark::Ring),
-    ("cg", Pen::solid(RGBColor(0, 150, 110), 0.3), Mark::Plus),
-    ("apgd", Pen::solid(RGBColor(86, 180, 233), 0.3), Mark::Bar),
-    ("nncg", Pen::solid(RGBColor(110, 60, 30), 0.3), Mark::Cross),
-    ("interior-point", Pen::solid(RGBColor(190, 100, 160), 0.3), Mark::Triangle),
+/// How a method and its variants look: one hue in three shades, the first of them the method's own.
+pub(crate) struct Family {
+    pub(crate) width: f64,
+    pub(crate) mark: Mark,
+    pub(crate) shades: [RGBColor; 3],
+}
+
+/// How each method looks, in every study. The hues are close to those of Okabe and Ito, told apart with any colour vision,
+/// and made to differ in lightness where they can; the signs tell the rest in grey. No shade comes near one of another
+/// method. `nsgs` is wide, since a method that decomposes into one subdomain may lie exactly upon it.
+pub(crate) const METHODS: [(&str, Family); 8] = [
+    ("nsgs", family(0.6, Mark::None, [(0, 0, 0), (62, 62, 62), (92, 92, 92)])),
+    ("nsgs-dd", family(0.3, Mark::Square, [(230, 159, 0), (180, 125, 0), (246, 196, 90)])),
+    ("latin-dd", family(0.3, Mark::Diamond, [(0, 96, 160), (0, 52, 104), (38, 114, 174)])),
+    ("jacobi", family(0.3, Mark::Ring, [(190, 70, 0), (235, 105, 30), (150, 50, 0)])),
+    ("cg", family(0.3, Mark::Plus, [(0, 150, 110), (0, 105, 78), (85, 190, 155)])),
+    ("apgd", family(0.3, Mark::Bar, [(86, 180, 233), (140, 205, 245), (66, 165, 218)])),
+    ("nncg", family(0.3, Mark::Cross, [(110, 60, 30), (75, 38, 15), (145, 95, 65)])),
+    ("interior-point", family(0.3, Mark::Triangle, [(190, 100, 160), (145, 65, 120), (220, 150, 195)])),
 ];
 
 /// For methods that have no look of their own, in the order in which a study names them.
-pub(crate) const SPARE: [(Pen, Mark); 3] = [
-    (Pen::solid(RGBColor(120, 120, 120), 0.3), Mark::Square),
-    (Pen::solid(RGBColor(150, 150, 40), 0.3), Mark::Diamond),
-    (Pen::solid(RGBColor(90, 90, 170), 0.3), Mark::Ring),
+pub(crate) const SPARE: [Family; 3] = [
+    family(0.3, Mark::Square, [(120, 120, 120), (140, 140, 140), (160, 160, 160)]),
+    family(0.3, Mark::Diamond, [(150, 150, 40), (112, 112, 26), (184, 184, 84)]),
+    family(0.3, Mark::Ring, [(90, 90, 170), (62, 62, 130), (128, 128, 200)]),
 ];
+
+const fn family(width: f64, mark: Mark, [own, second, third]: [(u8, u8, u8); 3]) -> Family {
+    const fn color((r, g, b): (u8, u8, u8)) -> RGBColor {
+        RGBColor(r, g, b)
+    }
+    Family { width, mark, shades: [color(own), color(second), color(third)] }
+}
+
+/// Signs of variants, where no other method is beside them.
+pub(crate) const MARKS: [Mark; 8] =
+    [Mark::Disc, Mark::Square, Mark::Diamond, Mark::Ring, Mark::Plus, Mark::Triangle, Mark::Cross, Mark::Bar];
 
 /// Dashes of the variants of a method, in the order of their subdomains.
 pub(crate) const DASHES: [&[f64]; 6] =
     [&[], &[2.6, 0.8], &[1.1, 0.7], &[2.6, 0.7, 0.5, 0.7], &[0.4, 0.5], &[2.6, 0.6, 0.4, 0.6, 0.4, 0.6]];
 
-/// Fills of subdomains, soft enough for a dark line above, neighbours in the list apart in lightness.
+/// Fills of subdomains, soft enough for a dark line above. Two whose places differ by 1 to 4, or are the first and the last,
+/// differ by 20 of 255 in grey, any others by 10: neighbours of a grid are told apart without colour.
 pub(crate) const SUBDOMAINS: [RGBColor; 8] = [
-    RGBColor(251, 231, 198),
-    RGBColor(127, 191, 224),
-    RGBColor(181, 222, 155),
-    RGBColor(204, 143, 181),
-    RGBColor(229, 161, 90),
-    RGBColor(201, 228, 242),
-    RGBColor(109, 165, 140),
-    RGBColor(227, 191, 214),
+    RGBColor(208, 238, 250),
+    RGBColor(214, 142, 80),
+    RGBColor(70, 140, 186),
+    RGBColor(236, 195, 216),
+    RGBColor(160, 210, 152),
+    RGBColor(255, 241, 205),
+    RGBColor(193, 150, 186),
+    RGBColor(96, 156, 130),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parts(RGBColor(r, g, b): RGBColor) -> [f64; 3] {
+        [r, g, b].map(f64::from)
+    }
+
+    /// Hue (°) of a colour that has one.
+    fn hue(color: RGBColor) -> Option<f64> {
+        let [r, g, b] = parts(color);
+        let (low, high) = (r.min(g).min(b), r.max(g).max(b));
+        let hue = 60.0
+            * if high == r {
+                (g - b) / (high - low)
+            } else if high == g {
+                2.0 + (b - r) / (high - low)
+            } else {
+                4.0 + (r - g) / (high - low)
+            };
+        (high > low).then_some(hue.rem_euclid(360.0))
+    }
+
+    #[test]
+    fn shades_keep_the_hue_of_their_method_and_their_distance_from_all_others() {
+        for (i, (method, family)) in METHODS.iter().enumerate() {
+            for shade in family.shades {
+                match (hue(shade), hue(family.shades[0])) {
+                    (Some(hue), Some(own)) => assert!((hue - own).abs() <= 8.0, "{method}: {hue} for {own}"),
+                    (hue, own) => assert_eq!(hue, own, "{method}"),
+                }
+                for (other, others) in METHODS.iter().skip(i + 1) {
+                    for of_other in others.shades {
+                        let apart = parts(shade)
+                            .iter()
+                            .zip(parts(of_other))
+                            .map(|(a, b)| (a - b).powi(2))
+                            .sum::<f64>()
+                            .sqrt();
+                        assert!(apart >= 48.0, "{method} and {other} have shades that differ by {apart}");
+                    }
+                }
+            }
+        }
+    }
+}

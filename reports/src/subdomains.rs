@@ -1,5 +1,7 @@
 //! Iterations, and seconds of an iteration, against the number of subdomains.
 
+use std::borrow::Cow;
+
 use polars::df;
 use results::store::Tables;
 
@@ -10,24 +12,24 @@ use crate::legend::Legend;
 use crate::panels::{INSIDE, MOST_LINES, Room, grid, title, too_many};
 use crate::part::Part;
 use crate::rows::{RunRow, problems, runs};
-use crate::series::{Points, Series, draw_empty, draw_points, reach, reached, series};
+use crate::series::{Points, Series, draw_empty, draw_signs, has_line, key, reach, reached, series};
 use crate::signs::{Sign, endings};
-use crate::style::TOLERANCE;
+use crate::style::{Pen, TOLERANCE};
 use crate::{ReportError, file_name};
 
 /// What a panel shows of a run of a series.
 pub(crate) struct Panel {
-    pub(crate) title: &'static str,
+    pub(crate) title: Cow<'static, str>,
     pub(crate) of: fn(&Series, &RunRow) -> Option<f64>,
     /// Whether it was reached however the run ended.
     pub(crate) on_the_way: bool,
-    /// Whether as many times as there are subdomains is the ideal.
+    /// Whether as many times as there are subdomains is the ideal. Panels with an ideal have the same axes.
     pub(crate) ideal: bool,
 }
 
 /// Iterations of runs that converged; of others those that they made.
 pub(crate) const ITERATIONS: Panel = Panel {
-    title: "iterations to the tolerance",
+    title: Cow::Borrowed("iterations to the tolerance"),
     of: |_, run| Some(run.iterations as f64),
     on_the_way: false,
     ideal: false,
@@ -36,7 +38,7 @@ pub(crate) const ITERATIONS: Panel = Panel {
 const PANELS: [Panel; 2] = [
     ITERATIONS,
     Panel {
-        title: "seconds per iteration (s)",
+        title: Cow::Borrowed("seconds per iteration (s)"),
         of: |_, run| seconds_per_iteration(run),
         on_the_way: false,
         ideal: false,
@@ -52,10 +54,8 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let runs = runs(&tables.runs)?;
     let mut parts = Vec::new();
     for problem in problems(&runs) {
-        parts.push(Part::figure(
-            format!("subdomains-{}", file_name(problem)),
-            on_problem(&runs, problem, &PANELS)?,
-        ));
+        let name = format!("subdomains-{}", file_name(problem));
+        parts.push(on_problem(name, &runs, problem, &PANELS, Vec::new())?);
     }
     let table = table(&series(&runs, &["subdomains"]))?;
     let note =
@@ -74,38 +74,60 @@ fn series_on<'r>(runs: &'r [RunRow], problem: &str) -> Vec<Series<'r>> {
     all
 }
 
-/// The runs on a problem against their subdomains.
-pub(crate) fn on_problem(runs: &[RunRow], problem: &str, panels: &[Panel]) -> Result<String, ReportError> {
+/// The runs on a problem against their subdomains, and `notes` in the key.
+pub(crate) fn on_problem(
+    name: String,
+    runs: &[RunRow],
+    problem: &str,
+    panels: &[Panel],
+    notes: Vec<String>,
+) -> Result<Part, ReportError> {
     let all = series_on(runs, problem);
     let shown: Vec<&RunRow> = all.iter().flat_map(|series| series.runs.iter().copied()).collect();
-    figure(title(problem, &shown), &all, panels)
+    figure(name, title(problem, &shown), &all, panels, notes)
 }
 
-/// The runs of all series against their subdomains, one panel or an even number of them.
-pub(crate) fn figure(title: String, all: &[Series], panels: &[Panel]) -> Result<String, ReportError> {
+/// The runs of all series against their subdomains, up to three panels side by side, or four in two rows.
+pub(crate) fn figure(
+    name: String,
+    title: String,
+    all: &[Series],
+    panels: &[Panel],
+    notes: Vec<String>,
+) -> Result<Part, ReportError> {
     if all.len() > MOST_LINES {
-        return too_many(&title, all.len());
+        return Ok(too_many(name, &title, all.len()));
     }
     // By panel, then by series.
     let lines: Vec<Vec<Points>> =
         panels.iter().map(|panel| all.iter().map(|series| points(series, panel)).collect()).collect();
+    let keyed = all.iter().enumerate().map(|(i, series)| {
+        let of_series: Vec<&Points> = lines.iter().map(|lines| &lines[i]).collect();
+        let level = lines.iter().any(|lines| level(series, &lines[i], lines).is_some());
+        let line = level || of_series.iter().any(|points| has_line(&reached(joined(points))));
+        (series.label(), series.look, of_series, line)
+    });
+    let (entries, mut signs) = key(keyed);
     let shown = lines.iter().flatten().flatten();
-    let failures = shown.map(|(ending, _)| *ending).filter(|ending| *ending != Ending::Converged);
-    let label = |(i, series): (usize, &Series)| {
-        let valued = lines.iter().any(|lines| !lines[i].is_empty());
-        (series.label() + if valued { "" } else { ": no value" }, series.look)
-    };
-    let entries = all.iter().enumerate().map(label).collect();
-    let mut signs = endings(failures);
+    signs.extend(endings(shown.map(|(ending, _)| *ending).filter(|ending| *ending != Ending::Converged)));
     if panels.iter().zip(&lines).any(|(panel, lines)| has_ideal(panel, lines)) {
         signs.push((Sign::Line(TOLERANCE), "ideal: as many times faster as there are subdomains".to_owned()));
     }
+    let has_level = |lines: &Vec<Points>| all.iter().zip(lines).any(|(s, p)| level(s, p, lines).is_some());
+    if lines.iter().any(has_level) {
+        signs.push((Sign::Word, "Level lines: methods without subdomains.".to_owned()));
+    }
+    signs.extend(notes.into_iter().map(|note| (Sign::Word, note)));
     let legend = Legend::new(entries, signs, INSIDE)?;
-    let columns = panels.len().min(2);
+    let columns = if panels.len() == 4 { 2 } else { panels.len() };
     let rows = panels.len().div_ceil(columns);
-    grid(&[title], (columns, rows), &legend, |canvas, i, room| {
-        panel(canvas, all, &panels[i], &lines[i], room)
-    })
+    let shared: Vec<&Points> =
+        panels.iter().zip(&lines).filter(|(panel, _)| panel.ideal).flat_map(|(_, lines)| lines).collect();
+    let svg = grid(&[title], (columns, rows), &legend, |canvas, i, room| {
+        let of_panel: Vec<&Points> = if panels[i].ideal { shared.clone() } else { lines[i].iter().collect() };
+        panel(canvas, all, &panels[i], (&lines[i], &of_panel), room)
+    })?;
+    Ok(Part::figure(name, svg))
 }
 
 /// Subdomains and value of the runs of a series.
@@ -114,33 +136,68 @@ fn points(series: &Series, panel: &Panel) -> Points {
     if panel.on_the_way { reached(points) } else { points }
 }
 
+/// What a line goes through, thin where a run made all its iterations and more would be needed.
+fn joined(points: &Points) -> Points {
+    let joins = |ending| matches!(ending, Ending::Converged | Ending::IterationLimit);
+    points.iter().filter(|(ending, _)| joins(*ending)).copied().collect()
+}
+
 /// Whether the panel has an ideal, and a run on one subdomain that it is to be measured by.
 fn has_ideal(panel: &Panel, lines: &[Points]) -> bool {
     panel.ideal && lines.iter().flatten().any(|(_, (log, _))| *log == 0.0)
 }
 
+/// The value of a method that knows of no subdomains, where others of the panel have several numbers of them.
+fn level(series: &Series, points: &Points, lines: &[Points]) -> Option<f64> {
+    let whole = series.runs.iter().all(|run| !run.settings.contains_key("subdomains"));
+    let several = lines.iter().flatten().any(|(_, (log, _))| *log > 0.0);
+    match points.as_slice() {
+        [(Ending::Converged, (_, value))] if whole && several => Some(*value),
+        _ => None,
+    }
+}
+
+/// A panel whose axes hold the points of `range`, and the ideal beside them.
 fn panel(
     canvas: &Canvas,
     all: &[Series],
     panel: &Panel,
-    lines: &[Points],
+    (lines, range): (&[Points], &[&Points]),
     room: Room,
 ) -> Result<(), ReportError> {
-    let x = reach(lines.iter().flatten(), |point| point.0);
+    let x = reach(range.iter().copied().flatten(), |point| point.0);
+    let ideal: Points = if has_ideal(panel, lines) {
+        range.iter().copied().flatten().map(|&(ending, (log, _))| (ending, (log, log))).collect()
+    } else {
+        Vec::new()
+    };
+    let y = reach(range.iter().copied().flatten().chain(&ideal), |point| point.1);
     let frame = Frame {
         x: Axis { scale: Scale::Two, ..Axis::log(x, room.left, room.right) },
-        y: Axis::log(reach(lines.iter().flatten(), |point| point.1), room.bottom, room.top),
+        y: Axis::log(y, room.bottom, room.top),
     };
     frame.draw(canvas)?;
-    frame.name(canvas, "subdomains", panel.title)?;
-    if let Some(ideal) = frame.diagonal().filter(|_| has_ideal(panel, lines)) {
+    frame.name(canvas, "subdomains", &panel.title)?;
+    if let Some(ideal) = frame.diagonal().filter(|_| !ideal.is_empty()) {
         canvas.line(&ideal, TOLERANCE)?;
     }
     for (series, points) in all.iter().zip(lines) {
-        let converged = points.iter().filter(|(ending, _)| *ending == Ending::Converged);
-        canvas.line(&converged.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>(), series.look.pen)?;
-        draw_points(canvas, &frame, series.look, points)?;
+        let pen = series.look.pen;
+        if let Some(value) = level(series, points, lines) {
+            let y = frame.y.place(value);
+            canvas.line(&[(room.left, y), (room.right, y)], pen)?;
+        }
+        let line = joined(points);
+        let places = |limit: bool| {
+            let points = line.iter().filter(|(ending, _)| limit || *ending == Ending::Converged);
+            points.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>()
+        };
+        canvas.line(&places(true), Pen { width: 0.4 * pen.width, ..pen })?;
+        canvas.line(&places(false), pen)?;
     }
+    let signs: Vec<_> =
+        all.iter().zip(lines).map(|(series, points)| (series.look, points.as_slice())).collect();
+    draw_signs(canvas, &frame, &signs)?;
     if lines.iter().all(Vec::is_empty) { draw_empty(canvas, &frame) } else { Ok(()) }
 }
 

@@ -41,6 +41,7 @@ fn cell(value: &AnyValue) -> String {
         AnyValue::Null => "–".to_owned(),
         AnyValue::Float64(x) => number(*x, DIGITS),
         AnyValue::String(text) => text.replace('\n', " "),
+        AnyValue::StringOwned(text) => text.replace('\n', " "),
         other => other.to_string(),
     }
 }
@@ -149,6 +150,12 @@ mod tests {
                         $\\zeta$ $\\le$ 10$^{-3}$ \\& more & $\\kappa$ \\\\\n\\midrule\n\
                         50 \\% & 1.23$\\cdot$10$^{7}$ \\\\\na\\_b & -- \\\\\n\\bottomrule\n\\end{tabular}\n";
         assert_eq!(latex(&table).unwrap(), expected);
+    }
+
+    #[test]
+    fn text_of_the_only_row_has_no_quotes() {
+        let table = df!("processor" => ["a processor"]).unwrap();
+        assert!(!markdown(&table).unwrap().contains('"'), "{}", markdown(&table).unwrap());
     }
 
     #[test]

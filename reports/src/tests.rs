@@ -130,7 +130,7 @@ fn method_looks_the_same_in_every_study() {
         [run(0, "nsgs", "", "converged"), run(1, "mine", "", "converged"), run(2, "cg", "", "converged")];
     let color = |runs: &[Run], method: &str| {
         let runs = crate::rows::runs(&tables(runs, &[]).runs).unwrap();
-        crate::legend::Looks::new(&runs).method(method).0.color
+        crate::legend::Looks::new(&runs).of_method(method).pen.color
     };
     assert_eq!(color(&alone, "cg"), color(&beside, "cg"));
     assert_ne!(color(&beside, "mine"), color(&beside, "nsgs"));

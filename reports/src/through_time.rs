@@ -7,11 +7,11 @@ use results::simulation::SimulationTables;
 
 use crate::ReportError;
 use crate::columns::{bools, f64s, measures, texts, u32s, u64s};
-use crate::legend::Look;
+use crate::legend::{Look, family};
 use crate::number::{count, counted};
 use crate::part::{Kind, Part, Table};
 use crate::rows::label;
-use crate::style::{DASHES, METHODS, Mark, Pen, SPARE};
+use crate::style::{DASHES, Mark, Pen, SPARE};
 use crate::table::markdown;
 
 /// A simulation with its series.
@@ -149,9 +149,8 @@ pub(crate) fn looks(all: &[Simulation]) -> Vec<(String, Look)> {
             methods.push(&run.method);
             methods.len() - 1
         });
-        let own = METHODS.iter().find(|(method, ..)| *method == run.method);
-        let pen = own.map_or(SPARE[place % SPARE.len()].0, |(_, pen, _)| *pen);
-        let pen = Pen { dash: DASHES[looks.len() % DASHES.len()], ..pen };
+        let own = family(&run.method).unwrap_or(&SPARE[place % SPARE.len()]);
+        let pen = Pen { color: own.shades[0], width: own.width, dash: DASHES[looks.len() % DASHES.len()] };
         looks.push((run.label(), Look { pen, mark: Mark::None }));
     }
     looks

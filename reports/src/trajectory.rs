@@ -50,8 +50,10 @@ pub(crate) fn parts(tables: &SimulationTables) -> Result<Vec<Part>, ReportError>
     let mut text = String::new();
     for scene in distinct(&all, |s| s.scene.as_str()) {
         let of_scene: Vec<&Compared> = compared.iter().filter(|c| c.simulation.scene == scene).collect();
-        let name = format!("trajectory-{}", file_name(scene));
-        parts.push(Part::figure(name, figure(scene, &of_scene, &looks)?));
+        if of_scene.iter().any(|c| c.errors.is_some() && c.simulation.role != "reference") {
+            let name = format!("trajectory-{}", file_name(scene));
+            parts.push(Part::figure(name, figure(scene, &of_scene, &looks)?));
+        }
         text += &sentences(scene, &of_scene);
     }
     parts.push(Part::text("trajectory-found", text));
@@ -95,12 +97,16 @@ fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> Resu
             (Sign::Mark(*mark, pen), format!("h = {} ms", milliseconds(*h)))
         })
         .collect();
-    signs.push((Sign::Line(TOLERANCE), "error of the time step alone".to_owned()));
-    signs.push((
-        Sign::Line(TWINS),
-        "distance of two references, if it is in the frame: below it no error is told".to_owned(),
-    ));
-    signs.push((Sign::Word, "Along a line the tolerance changes, tighter to the right.".to_owned()));
+    let axes: Vec<_> = (0..OBSERVABLES.len()).filter_map(|i| axes(compared, i)).collect();
+    if of_role(compared, "floor").any(|c| c.errors.is_some()) {
+        signs.push((Sign::Line(TOLERANCE), "error of the time step alone".to_owned()));
+    }
+    if axes.iter().any(|axes| !axes.twins.is_empty()) {
+        let text = "uncertainty of the reference: smaller errors are not meaningful".to_owned();
+        signs.push((Sign::Line(TWINS), text));
+    }
+    signs.push((Sign::Word, tolerances(compared)));
+    signs.push((Sign::Word, "d: mean diameter of the grains.".to_owned()));
     let failed = compared.iter().filter(|c| c.simulation.is_run() && c.errors.is_none()).count();
     if failed > 0 {
         signs.push((Sign::Word, format!("Not drawn, since they did not come to the end: {failed}.")));
@@ -120,6 +126,51 @@ fn time_steps(compared: &[&Compared]) -> Vec<f64> {
     steps
 }
 
+/// The tolerances along a line.
+fn tolerances(compared: &[&Compared]) -> String {
+    let runs = compared.iter().filter(|c| c.simulation.is_run());
+    let mut tolerances: Vec<f64> = runs.map(|c| c.simulation.tolerance).collect();
+    tolerances.sort_by(|a, b| b.total_cmp(a));
+    tolerances.dedup();
+    let texts: Vec<String> = tolerances.iter().map(|tolerance| number(*tolerance, 2)).collect();
+    format!("Tolerances along a line, from loose to tight: {}.", texts.join(", "))
+}
+
+fn of_role<'c>(
+    compared: &'c [&'c Compared<'c>],
+    role: &'static str,
+) -> impl Iterator<Item = &'c Compared<'c>> {
+    compared.iter().copied().filter(move |c| c.simulation.role == role)
+}
+
+/// The i-th error of a simulation (logarithm).
+fn value(compared: &Compared, i: usize) -> Option<f64> {
+    compared.errors.map(|errors| log(errors[i]).max(LOWEST))
+}
+
+fn cost(compared: &Compared) -> Option<f64> {
+    compared.simulation.seconds_per_second.map(log)
+}
+
+/// Ranges of a panel, and the distances of two references that are in it.
+struct Axes {
+    x: (f64, f64),
+    y: (f64, f64),
+    twins: Vec<f64>,
+}
+
+/// The axes of the panel of the i-th error; none if it is known of no run.
+fn axes(compared: &[&Compared], i: usize) -> Option<Axes> {
+    let runs = || compared.iter().filter(|c| c.simulation.is_run());
+    let x = padded(runs().filter_map(|c| value(c, i).and(cost(c))), 0.05);
+    let floors = of_role(compared, "floor").filter_map(|c| value(c, i));
+    let y = span(runs().filter_map(|c| value(c, i)).chain(floors))?;
+    let (low, high) = padded([y.0, y.1].into_iter(), 0.08);
+    let twins = of_role(compared, "twin").filter_map(|c| value(c, i));
+    let twins = twins.filter(|at| (low..=high).contains(at)).collect();
+    Some(Axes { x, y: (low, high.max(low + 1.0)), twins })
+}
+
 fn panel(
     canvas: &Canvas,
     compared: &[&Compared],
@@ -128,30 +179,21 @@ fn panel(
     room: Room,
 ) -> Result<(), ReportError> {
     let runs = || compared.iter().filter(|c| c.simulation.is_run());
-    let value = |c: &Compared| c.errors.map(|errors| log(errors[i]).max(LOWEST));
-    let of_role = |role: &'static str| compared.iter().filter(move |c| c.simulation.role == role);
-    let cost = |c: &Compared| c.simulation.seconds_per_second.map(log);
-    let x = padded(runs().filter_map(|c| value(c).and(cost(c))), 0.05);
-    let heights = runs().chain(of_role("floor")).filter_map(|c| value(c));
-    let Some(y) = span(heights) else {
+    let Some(Axes { x, y, twins }) = axes(compared, i) else {
         return canvas.text("no error known", (room.left, room.top), TICK_TEXT, (HPos::Left, VPos::Top));
     };
-    let (low, high) = padded([y.0, y.1].into_iter(), 0.08);
-    let frame = Frame {
-        x: Axis::log(x, room.left, room.right),
-        y: Axis::log((low, high.max(low + 1.0)), room.bottom, room.top),
-    };
+    let frame = Frame { x: Axis::log(x, room.left, room.right), y: Axis::log(y, room.bottom, room.top) };
     frame.draw(canvas)?;
     frame.name(canvas, "seconds per simulated second", &format!("error of the {}", OBSERVABLES[i]))?;
     let across = |canvas: &Canvas, at: f64, pen: Pen| {
         canvas.line(&[(room.left, frame.y.place(at)), (room.right, frame.y.place(at))], pen)
     };
-    for twin in of_role("twin").filter_map(|c| value(c)).filter(|at| (low..=high).contains(at)) {
+    for twin in twins {
         across(canvas, twin, TWINS)?;
     }
     let steps = time_steps(compared);
-    for floor in of_role("floor") {
-        let Some(at) = value(floor) else { continue };
+    for floor in of_role(compared, "floor") {
+        let Some(at) = value(floor, i) else { continue };
         across(canvas, at, TOLERANCE)?;
         let text = format!("{} ms", milliseconds(floor.simulation.time_step_s));
         // Beside the ticks.
@@ -162,7 +204,7 @@ fn panel(
         for (step, mark) in steps.iter().zip(MARKS.iter().cycle()) {
             let mut points: Vec<(f64, Place)> = runs()
                 .filter(|c| c.simulation.label() == *label && c.simulation.time_step_s == *step)
-                .filter_map(|c| Some((c.simulation.tolerance, frame.place((cost(c)?, value(c)?)))))
+                .filter_map(|c| Some((c.simulation.tolerance, frame.place((cost(c)?, value(c, i)?)))))
                 .collect();
             points.sort_by(|a, b| b.0.total_cmp(&a.0));
             let places: Vec<Place> = points.into_iter().map(|(_, place)| place).collect();

@@ -1,11 +1,14 @@
 //! Measures against the truth: where a measure is smaller than the velocity error, it promises too much.
 
+mod band;
+
+use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 use results::store::Tables;
 
 use crate::ReportError;
 use crate::axis::{Axis, Frame};
-use crate::canvas::{Canvas, text_width};
+use crate::canvas::{Canvas, Place, text_width};
 use crate::curve::{LOWEST, LogPoint, log, range};
 use crate::number::{number, power_of_ten};
 use crate::panels::{INSIDE, Room, row, title};
@@ -15,6 +18,7 @@ use crate::signs::Sign;
 use crate::statistics::span;
 use crate::study::{AgainstTruth, Line, Study, draw_lines};
 use crate::style::{TICK_TEXT, TOLERANCE};
+use band::Band;
 
 /// A measure that every method can be stopped by.
 struct Measure {
@@ -40,25 +44,33 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     AgainstTruth { name: "truth", lacks, figure, sentences, note: String::new() }.parts(tables)
 }
 
+/// What a panel shows: lines, and behind them the bands of those that go up and down.
+struct Shown {
+    lines: Vec<Line>,
+    bands: Vec<(RGBColor, Band)>,
+    /// Ranges of the velocity error and of the measure.
+    x: (f64, f64),
+    y: (f64, f64),
+}
+
 fn figure(study: &Study, problem: &str, runs: &[&RunRow]) -> Result<String, ReportError> {
-    let more = vec![(
+    let panels = MEASURES.each_ref().map(|measure| shown(study, runs, measure));
+    let mut more = vec![(
         Sign::Line(TOLERANCE),
         "measure = velocity error; below it the measure promises too much".into(),
     )];
+    if panels.iter().any(|shown| !shown.bands.is_empty()) {
+        let text = "A band holds a curve that goes up and down; the line in it is the median.";
+        more.push((Sign::Word, text.to_owned()));
+    }
     let legend = study.legend_of_best(runs, more, INSIDE)?;
     row(&[title(problem, runs)], MEASURES.len(), &legend, |canvas, i, room| {
-        panel(canvas, study, runs, &MEASURES[i], room)
+        panel(canvas, &panels[i], &MEASURES[i], room)
     })
 }
 
-fn panel(
-    canvas: &Canvas,
-    study: &Study,
-    runs: &[&RunRow],
-    measure: &Measure,
-    room: Room,
-) -> Result<(), ReportError> {
-    let lines = study.lines_of_best(runs, |_, point| {
+fn shown(study: &Study, runs: &[&RunRow], measure: &Measure) -> Shown {
+    let mut lines = study.lines_of_best(runs, |_, point| {
         // At its start a run has measured nothing. An error of 0 is at the end of the axis, not beyond all others.
         let pair = point.velocity_error.zip((measure.of)(point));
         (point.iteration > 0).then(|| pair.map(|(error, measure)| (log(error).max(LOWEST), log(measure))))
@@ -68,14 +80,40 @@ fn panel(
         ..*line
     };
     let x = range(&lines.iter().map(turn).collect::<Vec<_>>(), &[]);
-    let frame = Frame {
-        x: Axis::log(x, room.left, room.right),
-        y: Axis::log(range(&lines, &[]), room.bottom, room.top),
-    };
+    let y = range(&lines, &[]);
+    let mut bands = Vec::new();
+    for line in &mut lines {
+        if let Some(mut band) = Band::of(&line.points, x.1 - x.0) {
+            line.points = std::mem::take(&mut band.middle);
+            bands.push((pale(line.look.pen.color), band));
+        }
+    }
+    Shown { lines, bands, x, y }
+}
+
+/// A colour on its way to white.
+fn pale(RGBColor(r, g, b): RGBColor) -> RGBColor {
+    let pale = |c: u8| 255 - (255 - c) / 4;
+    RGBColor(pale(r), pale(g), pale(b))
+}
+
+fn panel(
+    canvas: &Canvas,
+    Shown { lines, bands, x, y }: &Shown,
+    measure: &Measure,
+    room: Room,
+) -> Result<(), ReportError> {
+    let frame = Frame { x: Axis::log(*x, room.left, room.right), y: Axis::log(*y, room.bottom, room.top) };
     frame.draw(canvas)?;
     frame.name(canvas, "velocity error (–)", measure.title)?;
+    for (color, band) in bands {
+        let edge = band.high.iter().chain(band.low.iter().rev());
+        let inside = |at: f64, axis: &Axis| axis.place(at.clamp(axis.low, axis.high));
+        let corners: Vec<Place> = edge.map(|(x, y)| (inside(*x, &frame.x), inside(*y, &frame.y))).collect();
+        canvas.polygon(&corners, *color, None)?;
+    }
     draw_diagonal(canvas, &frame)?;
-    draw_lines(canvas, &frame, &lines)
+    draw_lines(canvas, &frame, lines)
 }
 
 fn draw_diagonal(canvas: &Canvas, frame: &Frame) -> Result<(), ReportError> {

@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::ReportError;
 use crate::columns::{lists, measures, u32s, u64s};
 use crate::rows::runs;
-use crate::sample::scene::{Scene, scenes};
+use crate::sample::scene::{Scene, fill, scenes};
 use crate::sample::walls::walls;
 use crate::style::SUBDOMAINS;
 
@@ -206,10 +206,9 @@ fn unit_m(scene: &Scene) -> f64 {
 
 impl Split {
     fn of(name: &str, scene: &Scene) -> Self {
-        let fills = scene.fills();
         Self {
             name: name.to_owned(),
-            fill: scene.grains.iter().map(|grain| fills.get(&grain.subdomain?).copied()).collect(),
+            fill: scene.grains.iter().map(|grain| Some(fill(name, grain.subdomain?))).collect(),
             multiplicity: scene.grains.iter().map(|grain| grain.multiplicity).collect(),
         }
     }

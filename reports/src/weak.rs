@@ -1,5 +1,6 @@
 //! Iterations, the longest subdomain and time, with as many grains in each subdomain however many there are.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use polars::df;
@@ -13,32 +14,36 @@ use crate::legend::{Look, Looks};
 use crate::number::counted;
 use crate::panels::nothing;
 use crate::part::Part;
-use crate::rows::{RunRow, runs};
+use crate::rows::{RunRow, runs, stopped_at_1e_2};
 use crate::series::{Series, series};
 use crate::style::{DASHES, Pen};
 use crate::subdomains::{ITERATIONS, Panel, figure, growth, seconds_per_iteration};
 
-const PANELS: [Panel; 4] = [
-    Panel {
-        title: "iterations to a natural map of 10⁻²",
+/// Iterations to 10⁻² are left out where that is what all runs were stopped at.
+fn panels(runs: &[RunRow]) -> Vec<Panel> {
+    let to_1e_2 = Panel {
+        title: Cow::Borrowed("iterations to a natural map of 10⁻²"),
         of: |_, run| run.to_natural_map_1e_2.map(|iterations| iterations as f64),
         on_the_way: true,
         ideal: false,
-    },
-    ITERATIONS,
-    Panel {
-        title: "longest subdomain, all iterations (multiply-adds)",
-        of: |_, run| path(run),
-        on_the_way: false,
-        ideal: false,
-    },
-    Panel {
-        title: "time per iteration and grain (ns)",
-        of: |_, run| Some(1e9 * seconds_per_iteration(run)? / f64::from(run.grains)),
-        on_the_way: true,
-        ideal: false,
-    },
-];
+    };
+    let others = [
+        ITERATIONS,
+        Panel {
+            title: Cow::Borrowed("longest subdomain (multiply-adds)"),
+            of: |_, run| path(run),
+            on_the_way: false,
+            ideal: false,
+        },
+        Panel {
+            title: Cow::Borrowed("time per iteration and grain (ns)"),
+            of: |_, run| Some(1e9 * seconds_per_iteration(run)? / f64::from(run.grains)),
+            on_the_way: true,
+            ideal: false,
+        },
+    ];
+    (!stopped_at_1e_2(runs)).then_some(to_1e_2).into_iter().chain(others).collect()
+}
 
 const NOTE: &str = "\nThe longest subdomain: its multiply-adds in all iterations, exchange with its neighbours included; with a \
                     machine per subdomain the time to the tolerance goes with it, and constant is ideal. Growth: iterations over \
@@ -49,7 +54,8 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let mut runs = runs(&tables.runs)?;
     runs.retain(|run| run.ending != Ending::Skipped && path(run).is_some());
     let all = all(&runs);
-    Ok(vec![Part::figure("weak", drawn(all.clone())?), Part::table("weak", table(&all)?, NOTE)])
+    let figure = drawn(all.clone(), &Looks::new(&runs), &panels(&runs))?;
+    Ok(vec![figure, Part::table("weak", table(&all)?, NOTE)])
 }
 
 /// Runs that agree in their settings and in their grains per subdomain, with at least two numbers of subdomains.
@@ -74,7 +80,7 @@ fn all(runs: &[RunRow]) -> Vec<(f64, Series<'_>)> {
 }
 
 /// The figure of the numbers of grains per subdomain that come most often, as many as there are dashes.
-fn drawn(mut all: Vec<(f64, Series)>) -> Result<String, ReportError> {
+fn drawn(mut all: Vec<(f64, Series)>, looks: &Looks, panels: &[Panel]) -> Result<Part, ReportError> {
     let mut often: BTreeMap<u64, usize> = BTreeMap::new();
     for (each, series) in &all {
         *often.entry(each.to_bits()).or_default() += series.runs.len();
@@ -86,21 +92,22 @@ fn drawn(mut all: Vec<(f64, Series)>) -> Result<String, ReportError> {
     often.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     all.retain(|(each, _)| often.iter().any(|(of, _)| of == each));
     if all.is_empty() {
-        return nothing("weak", "no number of grains per subdomain comes with several numbers of subdomains");
+        let why = "no number of grains per subdomain comes with several numbers of subdomains";
+        return Ok(nothing("weak-found", "weak", why));
     }
     let one_method = all.windows(2).all(|pair| pair[0].1.method == pair[1].1.method);
     let runs: usize = all.iter().map(|(_, series)| series.runs.len()).sum();
-    let series = all.into_iter().map(|(each, series)| {
+    let series = all.into_iter().enumerate().map(|(i, (each, series))| {
         let rank = often.iter().take_while(|(of, _)| *of < each).count();
-        let (pen, mark) = if one_method { Looks::nth(rank) } else { (series.look.pen, series.look.mark) };
-        let look = Look { pen: Pen { dash: DASHES[rank], ..pen }, mark };
+        let look = if one_method { looks.variant_alone(series.method, i).signed() } else { series.look };
+        let look = Look { pen: Pen { dash: DASHES[rank], ..look.pen }, ..look };
         let each = format!("{each} grains each");
         let group = if series.group.is_empty() { each } else { format!("{}, {each}", series.group) };
         Series { group, look, ..series }
     });
     let title =
-        format!("{}, with as many grains in each subdomain however many there are.", counted(runs, "run"));
-    figure(title, &series.collect::<Vec<_>>(), &PANELS)
+        format!("{}; the number of grains in each subdomain is the same along a line.", counted(runs, "run"));
+    figure("weak".to_owned(), title, &series.collect::<Vec<_>>(), panels, Vec::new())
 }
 
 /// One row per run.

@@ -56,7 +56,7 @@ fn figure_draws_one_chart_beside_the_report() {
     study.gravel(&["figure", "size", "drawn"]).succeeded();
     let out = study.folder().path().join("reports/out");
     assert_eq!(entries(&out), ["drawn", "drawn-size"]);
-    assert!(entries(&out.join("drawn-size")).contains(&"size.svg".to_owned()));
+    assert!(entries(&out.join("drawn-size")).contains(&"size.csv".to_owned()));
     study.gravel(&["figure", "sizes", "drawn"]).refused(&["`sizes`", "convergence", "size"]);
 }
 

@@ -73,6 +73,13 @@ fn stored_run_is_shown_as_it_was_kept_or_made_again_as_it_was() {
 }
 
 #[test]
+fn problem_of_few_contacts_is_shown_on_fewer_subdomains_under_a_name_that_tells() {
+    let told = study().gravel(&["view", "pair"]).succeeded().stdout;
+    assert!(told.contains("latin-dd adaptive=false subdomains="), "{told}");
+    assert!(!told.contains("4x2") && told.contains("\ncg preconditioner=diagonal: converged"), "{told}");
+}
+
+#[test]
 fn run_that_cannot_be_shown_is_refused() {
     let study = study();
     let skipped = row(&study, "pair", "nsgs-dd", "");

@@ -49,6 +49,7 @@ fn class_is_decided_by_the_ending_and_the_curve() {
         }
         (run, curve)
     };
+    let proof = judged(6, "g", "infeasible", "wedge", &[(0, 1.0), (1024, 1e-2)]);
     let files = made(vec![
         judged(0, "a", "converged", "pile", &[(0, 1.0), (50, 1e-4)]),
         judged(1, "b", "iteration-limit", "pile", &[(0, 1.0), (512, 0.5), (1000, 0.49)]),
@@ -56,7 +57,9 @@ fn class_is_decided_by_the_ending_and_the_curve() {
         judged(3, "d", "diverged", "pile", &[(0, 1.0), (9, 1e30)]),
         far(judged(4, "e", "converged", "pile", &[(0, 1.0), (50, 1e-4)])),
         judged(5, "f", "false-convergence", "pile", &[(0, 1.0), (50, 1e-4)]),
-        judged(6, "g", "infeasible", "pile", &[(0, 1.0), (1024, 1e-2)]),
+        // Of a problem that no run solves, and of one that has a solution.
+        (Run { end: sample(1024, 1e-2, f64::NAN), ..proof.0 }, proof.1),
+        judged(9, "j", "infeasible", "pile", &[(0, 1.0), (1024, 1e-2)]),
         (
             Run { reason: "`subdomains` is 9x9".into(), ..judged(7, "h", "skipped", "pile", &[]).0 },
             Vec::new(),
@@ -72,6 +75,7 @@ fn class_is_decided_by_the_ending_and_the_curve() {
         "false convergence",
         "false convergence",
         "infeasible",
+        "failed",
         "skipped",
         "failed",
     ];

@@ -30,7 +30,8 @@ pub(super) fn text(judged: &[Judged], hazards: &[Hazard], kinds: &[Kind]) -> Str
 
 /// What the classes and the letters mean.
 pub(super) const RULE: &str = "\nConverged: the measure met the tolerance; false convergence: it did, with a velocity error of more than 100 \
-tolerances, or where there is no solution. Infeasible: it was proved that there is no solution. Slow: all iterations were made, and the least measure of \
+tolerances, or where there is no solution. Infeasible: it was proved that there is no solution; failed: it was claimed, and \
+there is one. Slow: all iterations were made, and the least measure of \
 their second half is at least 1 % below that of the first; stalled: it is not. Diverged: not finite, or an energy beyond all \
 scales. Skipped: the method cannot start, and says why. W_D is the diagonal of W; λ̃ are eigenvalues of W_D⁻¹W over the \
 contacts that the solution keeps closed, κ_opt = 1/√(λ̃min λ̃max); W_off is what of W couples contacts of different \

@@ -61,7 +61,9 @@ impl<'r> Field<'r> {
                 values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
             low < high && (of(best) == low || of(best) == high)
         };
-        match (at_edge(|cell| cell.kappa_l), self.is_plane() && at_edge(|cell| cell.kappa_d)) {
+        // One subdomain has no interface for κ_d.
+        let has_d = self.is_plane() && self.subdomains > 1;
+        match (at_edge(|cell| cell.kappa_l), has_d && at_edge(|cell| cell.kappa_d)) {
             (true, true) => Some("κ_l, κ_d"),
             (true, false) => Some("κ_l"),
             (false, true) => Some("κ_d"),

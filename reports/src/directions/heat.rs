@@ -177,7 +177,14 @@ impl Page {
             self.cell(canvas, cell, corners(cell))?;
         }
         if let Some(best) = field.best() {
-            let ((x0, y0), (x1, y1)) = corners(best);
+            let ((x0, mut y0), (x1, mut y1)) = corners(best);
+            if field.subdomains == 1 {
+                // All of its κ_d.
+                for cell in field.cells.iter().filter(|cell| cell.kappa_l == best.kappa_l) {
+                    let ((_, low), (_, high)) = corners(cell);
+                    (y0, y1) = (y0.min(low), y1.max(high));
+                }
+            }
             let around = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)];
             canvas.line(&around, HALO)?;
             canvas.line(&around, BEST)?;

@@ -58,14 +58,15 @@ fn best_and_derived_directions_are_read_off_the_rows() {
     let rows: Vec<&str> = text(&files, "directions.csv").lines().skip(1).collect();
     assert_eq!(
         rows[0],
-        "column,20,latin-dd,0.8,1x1,1,1.0,10.0,\"κ_l, κ_d\",40,12.5,12.5,converged,50,1.25,9.5,30,0.75,4,1,0,0,0"
+        "column,20,latin-dd,0.8,1x1,1,1.0,10.0,κ_l,40,12.5,12.5,converged,50,1.25,9.5,30,0.75,4,1,0,0,0"
     );
     assert_eq!(rows[1], "column,20,latin-dd,0.8,2x1,2,,,,,12.5,12.5,iteration limit,,,,,,2,0,1,0,1");
     let svg = text(&files, "directions-column.svg");
     for note in [
-        "best 40*",
-        "derived ×1.25",
-        "adapted ×0.75",
+        "best on grid 40*",
+        "derived 50 (×1.25)",
+        "adapted 30 (×0.75)",
+        "has no effect",
         "at the edge of the grid",
         "none converged",
         "derived failed",

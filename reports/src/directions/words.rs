@@ -20,16 +20,18 @@ pub(super) fn title(field: &Field) -> [String; 1] {
 pub(super) fn notes(field: &Field) -> Vec<String> {
     let best = field.best().map_or_else(
         || "none converged".to_owned(),
-        |cell| format!("best {}{}", count(cell.run.iterations as usize), edge_sign(field)),
+        |cell| format!("best on grid {}{}", count(cell.run.iterations as usize), edge_sign(field)),
     );
     let cost = |run| match (iterations(run), field.ratio(run)) {
-        (Some(_), Some(ratio)) => format!("×{ratio:.2}"),
+        (Some(iterations), Some(ratio)) => format!("{} (×{ratio:.2})", count(iterations as usize)),
         (Some(iterations), None) => count(iterations as usize),
         (None, _) => "failed".to_owned(),
     };
     let line = |word, run: Option<_>| run.map(|run| format!("{word} {}", cost(Some(run))));
     let derived = line("derived", field.derived).unwrap_or_else(|| "derived not run".to_owned());
-    [Some(best), Some(derived), line("adapted", field.adaptive)].into_iter().flatten().collect()
+    let alone = field.is_plane() && field.subdomains == 1;
+    let no_effect = alone.then(|| "κ_d has no effect".to_owned());
+    [Some(best), Some(derived), line("adapted", field.adaptive), no_effect].into_iter().flatten().collect()
 }
 
 /// Beside the best of a grid that lies at its edge.
@@ -59,10 +61,11 @@ pub(super) fn head(problem: &str, fields: &[&Field]) -> [String; 2] {
 pub(super) fn signs(fields: &[&Field]) -> Vec<(Sign, String)> {
     let mut signs = vec![(Sign::Word, "μ: relaxation".to_owned())];
     if fields.iter().any(|f| f.best().is_some()) {
-        signs.push((Sign::Mark(Mark::Square, BEST), "best of the grid".to_owned()));
+        signs.push((Sign::Mark(Mark::Square, BEST), "best on the grid".to_owned()));
     }
     if fields.iter().any(|f| f.kappa.is_some()) {
-        let text = "derived directions, and their iterations over the best".to_owned();
+        let text = "derived directions, between the cells; ×: iterations over those of the best on the grid"
+            .to_owned();
         signs.push((Sign::Mark(Mark::Diamond, DERIVED), text));
     }
     if fields.iter().any(|f| f.adaptive.is_some()) {
@@ -70,10 +73,7 @@ pub(super) fn signs(fields: &[&Field]) -> Vec<(Sign, String)> {
         signs.push((Sign::Word, text));
     }
     if fields.iter().any(|f| f.edge().is_some()) {
-        signs.push((
-            Sign::Word,
-            "* the best is at the edge of the grid: there may be better beyond".to_owned(),
-        ));
+        signs.push((Sign::Word, "* at the edge of the grid: there may be better beyond".to_owned()));
     }
     let cells = fields.iter().flat_map(|f| &f.cells).map(|cell| cell.run.ending);
     signs.extend(endings(cells.filter(|ending| *ending != Ending::Converged)));

@@ -42,7 +42,7 @@ impl Ratios {
     }
 
     /// How many of the pairs of method and problem do not reach the accuracy, and how many pairs there are.
-    pub(super) fn censored(&self) -> (usize, usize) {
+    pub(super) fn not_reached(&self) -> (usize, usize) {
         let pairs = || self.of_methods.iter().flatten();
         (pairs().filter(|ratio| ratio.is_none()).count(), pairs().count())
     }

@@ -1,8 +1,7 @@
 //! The discs and contacts of the pictures, row by row.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
-use plotters::style::RGBColor;
 use polars::prelude::DataFrame;
 
 use crate::ReportError;
@@ -38,45 +37,22 @@ impl Scene {
     pub(crate) fn subdomains(&self) -> BTreeSet<u32> {
         self.contacts.iter().map(|contact| contact.subdomain).collect()
     }
-
-    /// The fill of each subdomain, its place in [`SUBDOMAINS`]: the one of its number, or the next that its neighbours do
-    /// not have, in colour or in grey.
-    pub(crate) fn fills(&self) -> BTreeMap<u32, usize> {
-        let place = |(x, y): (f64, f64)| (x.to_bits(), y.to_bits());
-        let of_grain = |grain: &GrainRow| Some((place(grain.centre), grain.subdomain?));
-        let of_grains: HashMap<_, u32> = self.grains.iter().filter_map(of_grain).collect();
-        let mut neighbours: BTreeMap<u32, BTreeSet<u32>> =
-            of_grains.values().map(|subdomain| (*subdomain, BTreeSet::new())).collect();
-        for contact in &self.contacts {
-            let [from, to] = [contact.from, contact.to].map(|centre| of_grains.get(&place(centre)));
-            if let (Some(e), Some(f)) = (from, to) {
-                neighbours.entry(*e).or_default().insert(*f);
-                neighbours.entry(*f).or_default().insert(*e);
-            }
-        }
-        let mut fills: BTreeMap<u32, usize> = BTreeMap::new();
-        for (e, neighbours) in neighbours {
-            let taken: Vec<f64> =
-                neighbours.iter().filter_map(|f| fills.get(f)).map(|fill| lightness(*fill)).collect();
-            let apart = |fill: &usize| {
-                taken.iter().map(|other| (other - lightness(*fill)).abs()).fold(f64::INFINITY, f64::min)
-            };
-            let all = (0..SUBDOMAINS.len()).map(|k| (e as usize + k) % SUBDOMAINS.len());
-            let farthest = || all.clone().max_by(|a, b| apart(a).total_cmp(&apart(b)));
-            let fill = all.clone().find(|fill| apart(fill) >= APART).or_else(farthest);
-            fills.insert(e, fill.unwrap_or(0));
-        }
-        fills
-    }
 }
 
-/// Two greys of 255 that differ by this are told apart side by side.
-const APART: f64 = 20.0;
-
-/// Of a fill in grey, of 255.
-fn lightness(fill: usize) -> f64 {
-    let RGBColor(r, g, b) = SUBDOMAINS[fill];
-    0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b)
+/// The fill of a subdomain, its place in [`SUBDOMAINS`]: by its column and row in the grid of the partition alone, so that
+/// it is the same at all moments of a study. Neighbours differ, in colour and in grey.
+pub(crate) fn fill(partition: &str, subdomain: u32) -> usize {
+    let fills = SUBDOMAINS.len() as u32;
+    let number = |text: &str| text.split(|c: char| !c.is_ascii_digit()).next()?.parse::<u32>().ok();
+    let grid = partition.split_once('x').and_then(|(columns, rows)| Some((number(columns)?, number(rows)?)));
+    let place = match grid {
+        // A row further on lies as far off as eight fills allow.
+        Some((columns, rows)) if columns > 0 && columns.saturating_mul(rows) > fills => {
+            subdomain % columns + fills / 2 * (subdomain / columns)
+        }
+        _ => subdomain,
+    };
+    (place % fills) as usize
 }
 
 /// The scenes by problem and partition.
@@ -128,37 +104,41 @@ fn contact_rows(table: &DataFrame) -> Result<Vec<ContactRow>, ReportError> {
 
 #[cfg(test)]
 mod tests {
+    use plotters::style::RGBColor;
+
     use super::*;
 
-    /// Subdomains of one disc each, in rows of `columns`; each touches those beside and above, and if asked those across.
-    fn grid(columns: u32, rows: u32, across: bool) -> Scene {
-        let centre = |e: u32| (f64::from(e % columns), f64::from(e / columns));
-        let grain = |e| GrainRow { centre: centre(e), radius: 0.7, subdomain: Some(e), multiplicity: 2 };
-        let all = 0..columns * rows;
-        let touch = |(e, f): &(u32, u32)| {
-            let ((x, y), (u, v)) = (centre(*e), centre(*f));
-            let (dx, dy) = ((x - u).abs(), (y - v).abs());
-            e < f && dx.max(dy) <= 1.0 && (across || dx + dy <= 1.0)
-        };
-        let pairs = all.clone().flat_map(|e| all.clone().map(move |f| (e, f))).filter(touch);
-        let contact =
-            |(e, f)| ContactRow { from: centre(e), to: centre(f), wall: false, subdomain: e, impulse: None };
-        Scene { grains: all.clone().map(grain).collect(), contacts: pairs.map(contact).collect() }
+    fn lightness(fill: usize) -> f64 {
+        let RGBColor(r, g, b) = SUBDOMAINS[fill];
+        0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b)
     }
 
     #[test]
-    fn neighbours_have_other_fills_and_those_side_by_side_differ_in_grey() {
-        for (columns, rows) in [(2, 1), (4, 2), (8, 8), (1, 16), (16, 1), (5, 5)] {
-            for (across, apart) in [(false, APART), (true, 10.0)] {
-                let scene = grid(columns, rows, across);
-                let fills = scene.fills();
-                assert_eq!(fills.len(), (columns * rows) as usize);
-                for contact in &scene.contacts {
-                    let (e, f) = (contact.subdomain, contact.to.1 as u32 * columns + contact.to.0 as u32);
-                    let differ = (lightness(fills[&e]) - lightness(fills[&f])).abs();
-                    assert!(differ >= apart, "{columns}x{rows}: {e} and {f} differ by {differ} of 255");
+    fn subdomains_side_by_side_differ_in_grey_and_those_across_differ_too() {
+        for (columns, rows) in
+            [(2, 1), (4, 2), (2, 4), (3, 2), (8, 1), (1, 8), (8, 8), (1, 16), (16, 1), (5, 5)]
+        {
+            for name in [format!("{columns}x{rows}"), format!("{columns}x{rows}-balanced")] {
+                let fill_at = |column: u32, row: u32| fill(&name, column + columns * row);
+                for (column, row) in (0..columns).flat_map(|column| (0..rows).map(move |row| (column, row))) {
+                    let here = fill_at(column, row);
+                    for (right, up, apart) in [(1, 0, 20.0), (0, 1, 20.0), (1, 1, 10.0)] {
+                        if column + right < columns && row + up < rows {
+                            let there = fill_at(column + right, row + up);
+                            let differ = (lightness(here) - lightness(there)).abs();
+                            assert!(differ >= apart, "{name}: {here} and {there} differ by {differ} of 255");
+                        }
+                    }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn up_to_eight_subdomains_have_as_many_fills() {
+        for name in ["4x2", "2x4", "8x1", "2x2-balanced"] {
+            let fills: BTreeSet<usize> = (0..8).map(|subdomain| fill(name, subdomain)).collect();
+            assert_eq!(fills.len(), 8, "{name}");
         }
     }
 }

@@ -54,6 +54,20 @@ fn simulation_that_ended_early_has_no_error_and_is_told() {
         ["trajectory-box.svg", "trajectory-found.md", "trajectory.csv", "trajectory.md", "trajectory.tex"]
     );
     assert!(files[0].1.contains("did not come to the end: 1"));
+    assert!(files[0].1.contains("d: mean diameter of the grains."));
+    assert!(files[0].1.contains("from loose to tight: 0.10, 10⁻³, 10⁻⁴."), "{}", files[0].1);
+}
+
+#[test]
+fn key_has_the_uncertainty_of_the_reference_only_where_its_line_is_drawn() {
+    let key = "uncertainty of the reference";
+    let drawn = |study: &[Simulated]| files(&parts(&tables(study)).unwrap()).swap_remove(0).1.contains(key);
+    // The references differ by far less than any run.
+    assert!(!drawn(&study()));
+    let mut near = study();
+    near[1] = Simulated { ..near[2].clone() };
+    near[1].simulation.role = "twin".into();
+    assert!(drawn(&near));
 }
 
 #[test]
@@ -70,8 +84,8 @@ fn cheapest_run_that_is_as_good_as_its_time_step_is_named() {
 #[test]
 fn study_without_reference_or_runs_is_drawn_and_says_so() {
     let no_reference = files(&parts(&tables(&study()[3..])).unwrap());
-    assert!(no_reference[1].1.contains("no reference was made"));
-    assert!(no_reference[0].1.contains("no error known"));
+    assert!(no_reference[0].1.contains("no reference was made"));
+    assert!(no_reference.iter().all(|(name, _)| !name.contains(".svg")), "there is nothing to draw");
     let none = files(&parts(&tables(&[])).unwrap());
     assert_eq!(none.len(), 4);
 }

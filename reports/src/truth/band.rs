@@ -1,0 +1,62 @@
+//! A curve that goes up and down, as the band that it fills and the middle of it: drawn whole it would cover all others.
+
+use crate::curve::LogPoint;
+use crate::statistics::{median, span};
+
+/// Widths of a panel's x axis over that of a step of a band.
+const STEPS: f64 = 60.0;
+/// A curve goes up and down if it goes so many times its own height (–).
+const UP_AND_DOWN: f64 = 4.0;
+
+/// Places of a band from its greatest to its least x, as logarithms.
+pub(super) struct Band {
+    pub(super) low: Vec<(f64, f64)>,
+    pub(super) high: Vec<(f64, f64)>,
+    /// Medians, and the last point of the curve.
+    pub(super) middle: Vec<LogPoint>,
+}
+
+impl Band {
+    /// The band of a curve in a panel whose x axis has a length of `wide` (logarithms); none of a curve that goes one way.
+    pub(super) fn of(points: &[LogPoint], wide: f64) -> Option<Self> {
+        let known: Vec<(f64, f64)> = points.iter().copied().flatten().collect();
+        let (low, high) = span(known.iter().map(|point| point.1))?;
+        let way: f64 = known.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).sum();
+        if way <= UP_AND_DOWN * (high - low) {
+            return None;
+        }
+        let step = wide / STEPS;
+        let mut steps: Vec<(i64, f64)> = known.iter().map(|(x, y)| ((x / step).floor() as i64, *y)).collect();
+        steps.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)));
+        let mut band = Self { low: Vec::new(), high: Vec::new(), middle: Vec::new() };
+        for of_step in steps.chunk_by(|a, b| a.0 == b.0) {
+            let x = (of_step[0].0 as f64 + 0.5) * step;
+            band.low.push((x, of_step[0].1));
+            band.high.push((x, of_step[of_step.len() - 1].1));
+            band.middle.push(median(of_step.iter().map(|(_, y)| *y).collect()).map(|y| (x, y)));
+        }
+        band.middle.push(known.last().copied());
+        Some(band)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curve_that_goes_up_and_down_has_a_band_that_holds_it_and_one_that_falls_has_none() {
+        let falls: Vec<LogPoint> =
+            (0..100).map(|i| Some((-0.06 * f64::from(i), -0.08 * f64::from(i)))).collect();
+        assert!(Band::of(&falls, 6.0).is_none());
+        let swings = |i: i32| -0.08 * f64::from(i) + if i % 2 == 0 { 1.0 } else { -1.0 };
+        let curve: Vec<LogPoint> = (0..100).map(|i| Some((-0.06 * f64::from(i), swings(i)))).collect();
+        let band = Band::of(&curve, 6.0).unwrap();
+        assert_eq!(band.middle.last(), curve.last());
+        assert!(band.low.len() <= 61 && band.middle.len() == band.low.len() + 1);
+        let (x, y) = (-0.06 * 50.0, [swings(50), swings(51)]);
+        let at = band.low.iter().position(|low| (low.0 - x).abs() <= 0.1).unwrap();
+        assert!(y.iter().any(|y| (band.low[at].1..=band.high[at].1).contains(y)));
+        assert!(band.low.windows(2).all(|pair| pair[1].0 < pair[0].0));
+    }
+}
