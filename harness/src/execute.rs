@@ -30,6 +30,15 @@ pub(crate) struct How {
     pub(crate) repeats: u32,
 }
 
+/// Systems take long to start more threads, and no machine here has as many processors.
+const MOST_THREADS: usize = 1024;
+
+/// Reads a number of threads.
+pub(crate) fn few(text: &str) -> Result<NonZeroUsize, String> {
+    let number: NonZeroUsize = text.parse().map_err(|error| format!("{error}"))?;
+    if number.get() <= MOST_THREADS { Ok(number) } else { Err(format!("it must be at most {MOST_THREADS}")) }
+}
+
 /// Makes the runs of `tasks` and gives each to `keep` as soon as it has ended, in whatever order they end. Stops at the
 /// first error, and when the user asks for it: then `keep` has seen the runs that had ended, and no part of another.
 pub(crate) fn execute(

@@ -12,6 +12,7 @@ mod identity;
 mod inputs;
 mod interrupt;
 mod list;
+mod memory;
 mod merge;
 mod methods;
 mod output;
@@ -51,7 +52,7 @@ const COMMIT: &str = git_version::git_version!(
 #[command(name = "gravel", version, max_term_width = 100)]
 struct Cli {
     /// Threads that methods may use [default: one per processor]; results do not depend on it
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", value_parser = execute::few)]
     threads: Option<std::num::NonZeroUsize>,
     /// The checkout with cases/ and harness/plans/ [default: the current folder or one above it]
     #[arg(long, global = true, value_name = "DIR")]
@@ -134,6 +135,5 @@ fn in_one_paragraph(error: &anyhow::Error) -> String {
             text = format!("{text}: {}", cause.trim_end());
         }
     }
-    let nearest = suggest::in_error(&text);
-    text + &nearest
+    suggest::without_types(&suggest::in_error(&text))
 }

@@ -2,13 +2,14 @@
 
 use crate::inputs::Root;
 use crate::interrupt;
+use crate::memory::read_case;
 use crate::output::{check_place, say, write_whole};
 use crate::plan::Rule;
 use crate::progress;
 use crate::simulations::{End, Frames, Seen, through_time};
 use crate::solve::{CaseArgs, MethodArgs, StopArgs};
 use anyhow::{Result, bail};
-use cases::{Case, Frozen, March, Observables};
+use cases::{Frozen, March, Observables};
 use std::fmt::Write;
 use std::num::NonZeroU64;
 use std::ops::ControlFlow;
@@ -53,7 +54,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         check_place(file)?;
     }
     let path = root.case(&args.case)?;
-    let case = Case::read(&path, &args.changes.overrides)?;
+    let case = read_case(&path, &args.changes.overrides)?;
     let (method, stop) = (args.method.method()?, args.stop.stop());
     stop.check()?;
     let mut march = March::new(&case)?;

@@ -1,13 +1,14 @@
 //! `gravel solve`: one contact problem, one method.
 
 use crate::inputs::{Root, content_hash, is_toml, time_step};
+use crate::memory::read_case;
 use crate::methods::{Method, key_value};
 use crate::output::{check_place, say, write_whole};
 use crate::problems::marched;
 use crate::progress::Line;
 use crate::truth::{Known, known};
 use anyhow::{Context, Result, bail};
-use cases::{Case, Frozen};
+use cases::Frozen;
 use clap::ValueEnum;
 use contact::{Measure, Outcome, Progress, Stop, solve_against};
 use serde_json::{Value, json};
@@ -139,7 +140,7 @@ impl SceneArgs {
             self.refused(&format!("{} is a frozen problem", path.display()))?;
             return Ok(Frozen::read(path)?);
         }
-        let case = Case::read(path, &self.case.overrides)?;
+        let case = read_case(path, &self.case.overrides)?;
         let time_step = self
             .time_step
             .as_ref()
@@ -220,7 +221,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     drop(line);
 
     if let Some(file) = &args.impulses {
-        if file.exists() {
+        if file.is_file() {
             eprintln!("replacing {}", file.display());
         }
         write_whole(file, &json!({ "impulse": outcome.impulses }).to_string())?;

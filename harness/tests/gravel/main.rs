@@ -5,6 +5,8 @@ mod bench;
 mod common;
 mod degenerate;
 mod freeze;
+#[cfg(unix)]
+mod outputs;
 mod page;
 mod plans;
 mod refused_files;
