@@ -45,7 +45,8 @@ impl Case {
         let text = std::fs::read_to_string(path).map_err(CaseError::file(path))?;
         // Read once as it stands: the errors of the text name its lines.
         let content = toml::from_str::<toml::Table>(&text);
-        let all = |error: String| content.as_ref().map_or(error.clone(), |all| all_missing::<Self>(all, error));
+        let all =
+            |error: String| content.as_ref().map_or(error.clone(), |all| all_missing::<Self>(all, error));
         let mut case: Self =
             toml::from_str(&text).map_err(|error| CaseError::content(path, all(error.to_string())))?;
         if !overrides.is_empty() {

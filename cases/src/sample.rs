@@ -206,7 +206,10 @@ fn drawn(
         ));
     }
     if let Some(radius) = intruder.filter(|radius| !(*radius > 0.0 && radius.is_finite())) {
-        return Err(format!("`sample.intruder_radius_m` is {}: it must be positive and finite", shown(radius)));
+        return Err(format!(
+            "`sample.intruder_radius_m` is {}: it must be positive and finite",
+            shown(radius)
+        ));
     }
     if width < 4.0 * f64::max(greatest, intruder.unwrap_or(0.0)) {
         return Err(format!("`scene.box.width_m` is {}: it must be at least 4 greatest radii", shown(width)));

@@ -35,7 +35,8 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         bail!("{} exists: give another file, or --force to replace it", args.output.display());
     }
     check_place(&args.output)?;
-    check_name(&stem(&args.output)).map_err(|why| anyhow!("{}: the problem's {why}", args.output.display()))?;
+    check_name(&stem(&args.output))
+        .map_err(|why| anyhow!("{}: the problem's {why}", args.output.display()))?;
     let path = root.case(&args.case)?;
     let case = read_case(&path, &args.changes.overrides)?;
     let (method, stop) = (args.method.method()?, args.stop.stop());

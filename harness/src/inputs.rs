@@ -117,7 +117,7 @@ fn named_or_path(name: &str, kind: &str, known: &[PathBuf]) -> Result<PathBuf> {
     if let (Ok(_), Err(error)) = (path.symlink_metadata(), path.metadata()) {
         bail!("{name}: it cannot be read: {error}");
     }
-    let what = format!("no {kind} `{name}`, and no file of that path");
+    let what = format!("no {kind} `{name}`, and no file of that path seen from the current folder");
     bail!("{}", suggest::among(&what, name, names.iter().map(String::as_str)))
 }
 

@@ -63,7 +63,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Make the runs of a plan that are not in results/runs yet; write its table and figures to reports/out
+    /// Run whatever is still missing from a plan; write its table and figures to reports/out
     Bench(bench::Args),
     /// Show the runs of a plan: which are made, and how long the others take
     Plan(show::Args),
@@ -71,7 +71,7 @@ enum Command {
     Report(report::Args),
     /// Draw one chart of the newest stored study of a plan, into reports/out/PLAN-CHART
     Figure(report::FigureArgs),
-    /// Write a page that shows how runs come to the impulses of a problem, or how a stored run did, iteration by iteration
+    /// Write an HTML page that replays how methods, or a stored run, converge on a problem
     View(view::Args),
     /// Join the runs of other stores of a plan to its own
     Merge(merge::Args),
@@ -81,7 +81,7 @@ enum Command {
     Bless(regress::Args),
     /// Solve one contact problem with one method
     Solve(solve::Args),
-    /// Print what the reference solution, or a given one, leaves of a contact problem
+    /// Print the residuals of a contact problem at the reference solution, or at impulses you supply
     Certify(certify::Args),
     /// Write the contact problem of one time step of a case as a file
     Freeze(freeze::Args),

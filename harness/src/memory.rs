@@ -67,7 +67,11 @@ mod tests {
         refused("column", &[("sample.grains", "4294967295")], &grains);
         let all = [("sample.columns", "4294967295"), ("sample.rows", "4294967295")];
         refused("triangular", &all, &["`sample.columns times sample.rows` is 18446744060824649"]);
-        refused("column", &[("scene.contact_copies", "4294967295")], &["`scene.contact_copies` is 4294967295: "]);
+        refused(
+            "column",
+            &[("scene.contact_copies", "4294967295")],
+            &["`scene.contact_copies` is 4294967295: "],
+        );
         let case = Case::read(&folder.join("column.toml"), &[]).unwrap();
         assert_eq!(fits(&case, Some(1_000_000)), Ok(()));
     }

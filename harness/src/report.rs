@@ -132,7 +132,10 @@ pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
 fn stored(root: &Root, plan: &Plan) -> Result<PathBuf> {
     let runs = runs_folder(root);
     tables_folder(&runs, &plan.name).with_context(|| {
-        format!("no study of plan `{}` is stored in {}: `gravel bench` makes one", plan.name, runs.display())
+        let quick = tables_folder(&runs, &format!("{}-quick", plan.name));
+        let quick = if quick.is_some() { "; its quick form is: add --quick" } else { "" };
+        let runs = runs.display();
+        format!("no study of plan `{}` is stored in {runs}{quick}: `gravel bench` makes one", plan.name)
     })
 }
 

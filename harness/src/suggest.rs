@@ -24,9 +24,9 @@ const NOT_MODELLED: [&str; 5] = ["mu", "friction", "restitution", "cohesion", "r
 pub(crate) fn of<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     let lower = given.to_lowercase();
     let means = |known: &str| ALIASES.iter().any(|(key, others)| *key == known && others.contains(&&*lower));
-    let alike = known.into_iter().map(|known| {
-        (if means(known) { 1.0 } else { strsim::jaro_winkler(given, known) }, known)
-    });
+    let alike = known
+        .into_iter()
+        .map(|known| (if means(known) { 1.0 } else { strsim::jaro_winkler(given, known) }, known));
     let nearest = alike.filter(|(alike, _)| *alike >= ALIKE).max_by(|(a, _), (b, _)| a.total_cmp(b));
     nearest.map_or_else(String::new, |(_, nearest)| format!("; did you mean `{nearest}`?"))
 }
@@ -73,9 +73,11 @@ pub(crate) fn without_types(text: &str) -> String {
     let (known, last) = ("expected ", text.split("expected ").count());
     let parts = text.split(known).enumerate().map(|(n, part)| {
         let starts = |word: &str| {
-            part.strip_prefix(word).filter(|rest| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
+            part.strip_prefix(word)
+                .filter(|rest| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
         };
-        let word = WORDS.iter().filter(|_| n > 0).find_map(|(word, plain)| Some((starts(word)?, *word, plain)));
+        let word =
+            WORDS.iter().filter(|_| n > 0).find_map(|(word, plain)| Some((starts(word)?, *word, plain)));
         let part = word.map_or(part.to_owned(), |(rest, word, plain)| {
             // The name of the type, as in: struct Stop with 3 elements.
             let names = word.ends_with("struct") || word.ends_with("enum");
@@ -150,9 +152,15 @@ mod tests {
         let error = |text: &str| toml::from_str::<One>(text).unwrap_err().to_string().trim_end().to_owned();
         let meant = |error: &str, expected: &str| {
             let told = in_error(error);
-            assert!(told.contains(expected) && told.starts_with(error.split("`, ").next().unwrap()), "{told}");
+            assert!(
+                told.contains(expected) && told.starts_with(error.split("`, ").next().unwrap()),
+                "{told}"
+            );
         };
-        meant(&error("precondition = 1"), "`precondition`; did you mean `preconditioner`? Expected `preconditioner`");
+        meant(
+            &error("precondition = 1"),
+            "`precondition`; did you mean `preconditioner`? Expected `preconditioner`",
+        );
         let variant = error("preconditioner = \"predicted-gp\"");
         meant(&variant, "`predicted-gp`; did you mean `predicted-gap`? Expected `predicted-gap` or `iqs`");
         meant(&error("mu = 0.3"), "`mu`; contacts here are without friction");

@@ -74,7 +74,8 @@ impl Given {
         let text = std::fs::read_to_string(file).with_context(name)?;
         let content: Value = serde_json::from_str(&text).with_context(name)?;
         let read = Self::deserialize(&content);
-        let given = read.map_err(|error| anyhow!("{}: {}", name(), all_missing::<Self>(&content, error.to_string())))?;
+        let given = read
+            .map_err(|error| anyhow!("{}: {}", name(), all_missing::<Self>(&content, error.to_string())))?;
         let (found, expected) = (given.impulse.len(), problem.contact_count());
         if found != expected {
             bail!("{}: `impulse` has {found} values where the problem has {expected} contacts", name());

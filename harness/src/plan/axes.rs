@@ -114,7 +114,9 @@ fn spaced(
     valid: fn(f64) -> bool,
     between: impl Fn([f64; 2], f64) -> f64,
 ) -> Result<Vec<Value>, String> {
-    let expected = || format!("of two {ends} and a count from 2 to {MOST}, such as {ACCEPTED}");
+    let expected = || {
+        format!("two {ends} and a count from 2 to {MOST}, with commas between them, as in lin(0.1, 1, 10)")
+    };
     let arguments: Vec<&str> = arguments.split(',').map(str::trim).collect();
     let &[first, last, count] = arguments.as_slice() else { return Err(expected()) };
     let (Ok(first), Ok(last), Ok(count)) = (first.parse(), last.parse(), count.parse::<usize>()) else {
@@ -204,6 +206,7 @@ mod tests {
         refused(&json!("lin(0, 1, 1)"), &["from 2"]);
         refused(&json!("lin(0, nan, 3)"), &["finite"]);
         refused(&json!("lin(1, 2, 3"), &["a list"]);
+        refused(&json!("lin(0.8 1.6 5)"), &["two finite numbers and a count", "with commas between them"]);
         refused(&json!("lin(1000, 1001, 11)"), &["some of these are equal"]);
         refused(&json!("lin(1, 1, 2)"), &["some of these are equal"]);
     }

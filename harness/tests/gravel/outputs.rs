@@ -75,7 +75,10 @@ fn standard_output_takes_a_file_before_what_is_said() {
     assert!(status.success());
     let told = fs::read_to_string(out).unwrap();
     let (frozen, said) = told.split_once('\n').unwrap();
-    assert!(serde_json::from_str::<Value>(frozen).is_ok() && said.starts_with("/dev/stdout: 20 grains"), "{said}");
+    assert!(
+        serde_json::from_str::<Value>(frozen).is_ok() && said.starts_with("/dev/stdout: 20 grains"),
+        "{said}"
+    );
     let file = write(&folder, "again.json", frozen);
     assert_eq!(Frozen::read(&file).unwrap().name, "stdout");
 }
@@ -85,6 +88,7 @@ fn links_that_lead_in_a_circle_are_refused_before_the_work() {
     let folder = TempDir::new().unwrap();
     let link = folder.path().join("loop");
     symlink(&link, &link).unwrap();
-    gravel(&["freeze", "column", "--time-step", "1000000000", "-o", text(&link)]).refused(&["loop", "circle"]);
+    gravel(&["freeze", "column", "--time-step", "1000000000", "-o", text(&link)])
+        .refused(&["loop", "circle"]);
     assert!(link.is_symlink());
 }

@@ -110,11 +110,14 @@ fn all_keys_that_a_file_lacks_are_named_at_once() {
     refused(&without.to_string(), &["missing keys: `name`, `time_step`, `contacts.gap`"]);
     refused("{}", &["missing keys: `format`, `name`, `source`, `time_step`, `grains`, `contacts`"]);
     let folder = TempDir::new().unwrap();
-    let case = write(&folder, "bad.toml", "name = \"bad\"\n[sample]\nkind = \"column\"\ngrains = 3\n[scene.box]\n");
-    let keys = "missing keys: `why`, `source`, `known`, `solve_at`, `sample.radius_m`, `sample.density_kg_per_m2`, ";
+    let case =
+        write(&folder, "bad.toml", "name = \"bad\"\n[sample]\nkind = \"column\"\ngrains = 3\n[scene.box]\n");
+    let keys =
+        "missing keys: `why`, `source`, `known`, `solve_at`, `sample.radius_m`, `sample.density_kg_per_m2`, ";
     let scene = "`scene.law`, `scene.time_step_s`, `scene.gravity_m_per_s2`";
     gravel(&["solve", text(&case)]).refused(&["bad.toml: ", keys, scene]);
-    let of_kind = ["column.toml: with sample.kind = triangular: ", "missing keys: `sample.columns`, `sample.rows`"];
+    let of_kind =
+        ["column.toml: with sample.kind = triangular: ", "missing keys: `sample.columns`, `sample.rows`"];
     gravel(&["solve", "column", "--scene", "sample.kind=triangular"]).refused(&of_kind[..1]);
     let case = write(&folder, "bad.toml", "sample = {}\n");
     gravel(&["solve", text(&case)]).refused(&["`sample.kind`", "`scene`"]);
@@ -131,7 +134,11 @@ fn list_in_place_of_keys_is_refused_in_the_words_of_the_file() {
     refused("[1, 2]", &words);
     let records = json!([{ "mass": 1.0, "radius": 0.5 }]);
     refused_with("/grains", records, &["`grains` holds a list: it must hold the keys `mass`, `radius`"]);
-    refused_with("/grains/mass", json!([[]]), &["`grains.mass[0]`: invalid type: sequence, expected a number"]);
+    refused_with(
+        "/grains/mass",
+        json!([[]]),
+        &["`grains.mass[0]`: invalid type: sequence, expected a number"],
+    );
     let folder = TempDir::new().unwrap();
     let problem = write(&folder, "pair.json", &pair().to_string());
     let impulses = write(&folder, "r.json", "[]");
@@ -153,14 +160,19 @@ fn name_that_leads_elsewhere_is_refused() {
     gravel(&simulate).refused(&["column.toml: `name` is \"../../column\"", "files are named after it"]);
     assert_eq!(crate::common::entries(folder.path()), ["column.toml"]);
     let odd = folder.path().join("a:b.json");
-    gravel(&["freeze", "column", "--time-step", "1", "-o", text(&odd)]).refused(&["a:b.json", "`name` is \"a:b\""]);
+    gravel(&["freeze", "column", "--time-step", "1", "-o", text(&odd)])
+        .refused(&["a:b.json", "`name` is \"a:b\""]);
 }
 
 #[test]
 fn numbers_are_told_in_few_characters() {
     refused_with("/contacts/start", json!([0.0, -1e200]), &["`contacts.start[1]` is -1e200:"]);
     refused_with("/time_step", json!(-1e-200), &["`time_step` is -1e-200:"]);
-    refused_with("/contacts/normal", json!([[0.0, 1.0], [0.0, 1e200]]), &["`contacts.normal[1]` is [0, 1e200] of"]);
+    refused_with(
+        "/contacts/normal",
+        json!([[0.0, 1.0], [0.0, 1e200]]),
+        &["`contacts.normal[1]` is [0, 1e200] of"],
+    );
     let solve = |args: &[&str]| gravel(&[&["solve", "column"], args].concat());
     solve(&["--scene", "scene.theta=1e200"]).refused(&["`scene.theta` is 1e200:"]);
     solve(&["--method", "nsgs", "--set", "relaxation=-1e200"]).refused(&["`relaxation` is -1e200:"]);

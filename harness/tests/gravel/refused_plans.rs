@@ -100,7 +100,10 @@ fn plan_whose_name_is_no_folder_is_refused() {
 #[test]
 fn more_runs_than_anyone_means_are_refused_before_one_is_planned() {
     let nsgs = |axes: &str| plan("bad", &["pair"], &format!("{NSGS}axes = {{ {axes} }}\n"));
-    refused(&nsgs("relaxation = [1.0], seed = \"1..1000000000\""), &["method `nsgs`", "`seed`", "at most 100000"]);
+    refused(
+        &nsgs("relaxation = [1.0], seed = \"1..1000000000\""),
+        &["method `nsgs`", "`seed`", "at most 100000"],
+    );
     let product = nsgs("seed = \"1..1000\", relaxation = \"lin(0.001, 1, 1000)\"");
     refused(&product, &["1 problems, 1000000 variants of methods on each", "at most 100000"]);
     let cases = "[[cases]]\ncase = \"column\"\naxes = { \"sample.grains\" = \"1..90000\" }\n";
@@ -120,7 +123,10 @@ fn reference_of_a_study_through_time_is_refused_with_its_file() {
         plan("bad", &[], &format!("{NSGS}{simulate}"))
     };
     let method = "method = \"cgg\"\ntolerance = 1e-8";
-    refused(&through_time(method), &["bad.toml: `simulate.reference`: unknown method `cgg`; did you mean `cg`?"]);
+    refused(
+        &through_time(method),
+        &["bad.toml: `simulate.reference`: unknown method `cgg`; did you mean `cg`?"],
+    );
     let tolerance = "method = \"cg\"\ntolerance = -1.0";
     refused(&through_time(tolerance), &["bad.toml: `simulate.reference`: `tolerance` is -1:"]);
 }

@@ -188,7 +188,11 @@ fn status_and_method_that_are_none_are_refused_by_their_line() {
         fs::write(folder.join("journal.jsonl"), whole.replacen(name, wrong, 1)).unwrap();
     };
     with("\"converged\"", "\"convurged\"");
-    study.gravel(&["bench", "small"]).refused(&["journal.jsonl, line ", "`status` is \"convurged\"", "skipped"]);
+    study.gravel(&["bench", "small"]).refused(&[
+        "journal.jsonl, line ",
+        "`status` is \"convurged\"",
+        "skipped",
+    ]);
     with("\"method\":\"nsgs\"", "\"method\":\"nsgr\"");
     study.gravel(&["bench", "small"]).refused(&["journal.jsonl, line ", "`method` is \"nsgr\"", "nsgs-dd"]);
     study.gravel(&["plan", "small"]).refused(&["journal.jsonl, line ", "`method` is \"nsgr\""]);

@@ -207,7 +207,11 @@ fn status_and_method_that_are_none_are_refused_by_line_and_value() {
         let error = records_of::<Record>(journal.parent().unwrap(), &["nsgs"]).unwrap_err().to_string();
         assert!(error.contains("journal.jsonl, line 2: ") && error.contains(expected), "{error}");
     };
-    refused("converged", "convergud", "`status` is \"convergud\": it must be one of converged, iteration-limit");
+    refused(
+        "converged",
+        "convergud",
+        "`status` is \"convergud\": it must be one of converged, iteration-limit",
+    );
     refused("nsgs", "nsgr", "`method` is \"nsgr\": it must be one of nsgs");
     // One that was known when the line was written may be gone since.
     fs::write(&journal, &text).unwrap();

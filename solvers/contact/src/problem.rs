@@ -77,7 +77,9 @@ impl ContactProblem {
         }
         check_each("grains.mass", &mass, "positive and finite", |m| *m > 0.0 && m.is_finite())?;
         // A problem needs 1/m: that of 1e-320 kg is infinite.
-        check_each("grains.mass", &mass, "at least 5.6e-309, or its inverse overflows", |m| m.recip().is_finite())?;
+        check_each("grains.mass", &mass, "at least 5.6e-309, or its inverse overflows", |m| {
+            m.recip().is_finite()
+        })?;
         check_each("grains.position", &position, "finite", |x| finite(*x))?;
         check_each("grains.free_velocity", &free_velocity, "finite", |v| finite(*v))?;
         for (index, contact) in contacts.iter().enumerate() {
