@@ -61,7 +61,10 @@ impl Lacks {
         let Some(properties) = schema["properties"].as_object() else { return };
         let Some(table) = value.as_object() else {
             let place = if path.is_empty() { "the file".to_owned() } else { format!("`{path}`") };
-            let keys: Vec<&str> = properties.keys().map(String::as_str).collect();
+            let mut keys: Vec<&str> = list("required").iter().filter_map(Value::as_str).collect();
+            if keys.is_empty() {
+                keys = properties.keys().map(String::as_str).collect();
+            }
             let keys = keys.join("`, `");
             self.tables.push(format!("{place} holds {}: it must hold the keys `{keys}`", kind(value)));
             return;

@@ -121,7 +121,7 @@ impl Sample {
                 let all = u64::from(columns) * u64::from(rows);
                 Some(("sample.columns times sample.rows", all.saturating_sub(less)))
             }
-            Self::Rollers { rollers, .. } => Some(("sample.rollers", u64::from(rollers) + 1)),
+            Self::Rollers { rollers, .. } => Some(("sample.rollers", rollers.into())),
             Self::Discs { .. } | Self::Frozen { .. } => None,
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::inputs::{Root, march_to, stem, time_step};
 use crate::memory::read_case;
-use crate::output::{check_place, say, write_whole};
+use crate::output::{check_place, replaces, say, write_whole};
 use crate::solve::{CaseArgs, MethodArgs, StopArgs};
 use anyhow::{Result, anyhow, bail};
 use cases::{March, check_name};
@@ -31,7 +31,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    if args.output.is_file() && !args.force {
+    if replaces(&args.output) && !args.force {
         bail!("{} exists: give another file, or --force to replace it", args.output.display());
     }
     check_place(&args.output)?;

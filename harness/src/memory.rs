@@ -66,7 +66,7 @@ mod tests {
         let grains = ["`sample.grains` is 4294967295: ", "about 5154.0 GB", "1.0 GB are free"];
         refused("column", &[("sample.grains", "4294967295")], &grains);
         let all = [("sample.columns", "4294967295"), ("sample.rows", "4294967295")];
-        refused("triangular", &all, &["`sample.columns times sample.rows` is 18446744060824649"]);
+        refused("triangular", &all, &["`sample.columns times sample.rows` is 18446744062972133378"]);
         refused(
             "column",
             &[("scene.contact_copies", "4294967295")],

@@ -27,6 +27,11 @@ pub(crate) fn check_place(path: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Whether writing to `path` replaces a file.
+pub(crate) fn replaces(path: &Path) -> bool {
+    path.is_file() && !is_stdout(path)
+}
+
 fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
@@ -35,7 +40,7 @@ fn folder(path: &Path) -> &Path {
 /// written; what is no regular file, such as a pipe or a terminal, is written to as it is.
 pub(crate) fn write_whole(path: &Path, content: &str) -> Result<()> {
     let write = || -> io::Result<()> {
-        if STDOUT.iter().any(|stdout| path == Path::new(stdout)) {
+        if is_stdout(path) {
             return io::stdout().write_all(content.as_bytes());
         }
         if path.metadata().is_ok_and(|found| !found.is_file()) {
@@ -54,5 +59,7 @@ pub(crate) fn write_whole(path: &Path, content: &str) -> Result<()> {
     write().with_context(|| format!("writing {}", path.display()))
 }
 
-/// Names of standard output, which may be a file that whoever called has open.
-const STDOUT: [&str; 3] = ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
+/// Whether it is standard output, which may be a file that whoever called has open.
+fn is_stdout(path: &Path) -> bool {
+    ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|stdout| path == Path::new(stdout))
+}

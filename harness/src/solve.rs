@@ -3,7 +3,7 @@
 use crate::inputs::{Root, content_hash, is_toml, time_step};
 use crate::memory::read_case;
 use crate::methods::{Method, key_value};
-use crate::output::{check_place, say, write_whole};
+use crate::output::{check_place, replaces, say, write_whole};
 use crate::problems::marched;
 use crate::progress::Line;
 use crate::truth::{Known, known};
@@ -221,7 +221,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     drop(line);
 
     if let Some(file) = &args.impulses {
-        if file.is_file() {
+        if replaces(file) {
             eprintln!("replacing {}", file.display());
         }
         write_whole(file, &json!({ "impulse": outcome.impulses }).to_string())?;

@@ -72,10 +72,12 @@ impl Given {
     pub(crate) fn read(file: &Path, problem: &ContactProblem) -> Result<Self> {
         let name = || file.display().to_string();
         let text = std::fs::read_to_string(file).with_context(name)?;
-        let content: Value = serde_json::from_str(&text).with_context(name)?;
-        let read = Self::deserialize(&content);
-        let given = read
-            .map_err(|error| anyhow!("{}: {}", name(), all_missing::<Self>(&content, error.to_string())))?;
+        let given: Self = serde_json::from_str(&text).map_err(|error| {
+            let error = error.to_string();
+            // A text that is no JSON lacks more than keys.
+            let content = serde_json::from_str::<Value>(&text);
+            anyhow!("{}: {}", name(), content.map_or(error.clone(), |all| all_missing::<Self>(&all, error)))
+        })?;
         let (found, expected) = (given.impulse.len(), problem.contact_count());
         if found != expected {
             bail!("{}: `impulse` has {found} values where the problem has {expected} contacts", name());

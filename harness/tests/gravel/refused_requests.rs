@@ -62,7 +62,7 @@ fn more_than_a_machine_has_is_refused_by_the_key_that_asks() {
     };
     solve("column", "sample.grains=4294967295", &["column.toml", "`sample.grains` is 4294967295: "]);
     solve("deposited-box", "sample.grains=4294967295", &["`sample.grains` is 4294967295: "]);
-    solve("rollers", "sample.rollers=4294967295", &["`sample.rollers` is 4294967296: "]);
+    solve("rollers", "sample.rollers=4294967295", &["`sample.rollers` is 4294967295: "]);
     solve("column", "scene.contact_copies=4294967295", &["`scene.contact_copies` is 4294967295: "]);
     let simulate = ["simulate", "column", "--time-steps", "1", "--scene", "sample.grains=4294967295"];
     gravel(&simulate).refused(&["`sample.grains`", "memory"]);

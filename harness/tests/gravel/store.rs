@@ -195,7 +195,6 @@ fn status_and_method_that_are_none_are_refused_by_their_line() {
     ]);
     with("\"method\":\"nsgs\"", "\"method\":\"nsgr\"");
     study.gravel(&["bench", "small"]).refused(&["journal.jsonl, line ", "`method` is \"nsgr\"", "nsgs-dd"]);
-    study.gravel(&["plan", "small"]).refused(&["journal.jsonl, line ", "`method` is \"nsgr\""]);
     with("none", "none");
     assert!(study.gravel(&["bench", "small"]).succeeded().stdout.contains("0 of 8 runs to make"));
 }

@@ -285,6 +285,24 @@ fn tables_read_equal_the_tables_written_and_replace_those_before() {
     assert_eq!(entries(store.folder()), files);
 }
 
+#[cfg(unix)]
+#[test]
+fn table_that_is_a_link_stays_one_and_its_target_is_written() {
+    let root = TempDir::new().unwrap();
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    let (link, target) = (store.folder().join(RUNS_CSV), root.path().join("elsewhere.csv"));
+    // Seen from the folder of the link; first the target is not there, then it is.
+    std::os::unix::fs::symlink("../elsewhere.csv", &link).unwrap();
+    for _ in 0..2 {
+        store.write_tables(&tables()).unwrap();
+        assert!(link.is_symlink() && fs::read_to_string(&target).unwrap().starts_with("run,id,"));
+        fs::write(&target, "old").unwrap();
+    }
+    std::fs::remove_file(&link).unwrap();
+    std::os::unix::fs::symlink(RUNS_CSV, &link).unwrap();
+    assert!(store.write_tables(&tables()).unwrap_err().to_string().contains("links lead in a circle"));
+}
+
 #[test]
 fn untraced_run_is_refused_and_leaves_nothing() {
     let root = TempDir::new().unwrap();

@@ -55,10 +55,10 @@ pub struct Work {
     pub factorisations: u64,
 }
 
-/// A number in an error: in full or with an exponent, whichever is shorter.
+/// A number in an error: in full, or with an exponent where that is long.
 pub fn shown(x: f64) -> String {
     let (full, exponent) = (format!("{x}"), format!("{x:e}"));
-    if exponent.len() < full.len() { exponent } else { full }
+    if full.len() > 12 && exponent.len() < full.len() { exponent } else { full }
 }
 
 /// Why a method cannot start: the setting, its value, what would be accepted.
