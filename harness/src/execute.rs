@@ -30,13 +30,12 @@ pub(crate) struct How {
     pub(crate) repeats: u32,
 }
 
-/// Systems take long to start more threads, and no machine here has as many processors.
-const MOST_THREADS: usize = 1024;
-
-/// Reads a number of threads.
+/// Reads a number of threads. To start more than a few hundred takes a system seconds, and brings nothing where there are
+/// fewer processors.
 pub(crate) fn few(text: &str) -> Result<NonZeroUsize, String> {
     let number: NonZeroUsize = text.parse().map_err(|error| format!("{error}"))?;
-    if number.get() <= MOST_THREADS { Ok(number) } else { Err(format!("it must be at most {MOST_THREADS}")) }
+    let most = std::thread::available_parallelism().map_or(256, |processors| processors.get().max(256));
+    if number.get() <= most { Ok(number) } else { Err(format!("it must be at most {most}")) }
 }
 
 /// Makes the runs of `tasks` and gives each to `keep` as soon as it has ended, in whatever order they end. Stops at the
