@@ -39,7 +39,10 @@ impl Lacks {
         let list = |key: &str| schema[key].as_array().map_or(&[] as &[Value], Vec::as_slice);
         // What may be left out is there or null.
         if let Some(some) = list("anyOf").iter().find(|schema| schema["properties"].is_object()) {
-            return if value.is_null() { () } else { self.look(some, value, path) };
+            if !value.is_null() {
+                self.look(some, value, path);
+            }
+            return;
         }
         if let Some(first) = list("oneOf").first().filter(|schema| schema["properties"].is_object()) {
             let tag = |schema: &Value| {

@@ -183,7 +183,7 @@ impl Plan {
     pub(crate) fn read(path: &Path, quick: bool) -> Result<Self> {
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
         let read = || {
-            let plan: Self = toml::from_str(&text).map_err(|error| anyhow!(lacks(&text, error)))?;
+            let plan: Self = toml::from_str(&text).map_err(|error| anyhow!(lacks(&text, &error)))?;
             plan.check()?;
             let short = plan.quick(&text).context("`quick`")?;
             match (quick, short) {
@@ -348,7 +348,7 @@ impl Plan {
 }
 
 /// Why the text is no plan: all keys that it lacks at once, if that is what is wrong.
-fn lacks(text: &str, error: toml::de::Error) -> String {
+fn lacks(text: &str, error: &toml::de::Error) -> String {
     let error = error.to_string();
     match toml::from_str::<toml::Table>(text) {
         Ok(content) => all_missing::<Plan>(&content, error),

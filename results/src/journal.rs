@@ -42,7 +42,7 @@ pub trait Entry: Serialize + DeserializeOwned {
         loop {
             match (ours.next(), theirs.next()) {
                 (None, None) => return None,
-                (Some((name, a)), Some((_, b))) if a == b => drop(name),
+                (Some((_, a)), Some((_, b))) if a == b => {}
                 (Some((name, a)), Some((_, b))) => return Some((name, a, b)),
                 (Some((name, a)), None) => return Some((name, a, none())),
                 (None, Some((name, b))) => return Some((name, none(), b)),
