@@ -1,6 +1,7 @@
 //! A case file: why the case is here, where it comes from, its scene, and what is known of the answer.
 
 use crate::error::CaseError;
+use crate::keys::all_missing;
 use crate::sample::{Disc, Sample};
 use crate::scene::Scene;
 use schemars::JsonSchema;
@@ -43,19 +44,23 @@ impl Case {
     pub fn read(path: &Path, overrides: &[(String, String)]) -> Result<Self, CaseError> {
         let text = std::fs::read_to_string(path).map_err(CaseError::file(path))?;
         // Read once as it stands: the errors of the text name its lines.
-        let mut case: Self = toml::from_str(&text).map_err(|error| CaseError::content(path, error))?;
+        let content = toml::from_str::<toml::Table>(&text);
+        let all =
+            |error: String| content.as_ref().map_or(error.clone(), |all| all_missing::<Self>(all, error));
+        let mut case: Self =
+            toml::from_str(&text).map_err(|error| CaseError::content(path, all(error.to_string())))?;
         if !overrides.is_empty() {
-            let mut table: toml::Table =
-                toml::from_str(&text).map_err(|error| CaseError::content(path, error))?;
+            let mut table = content.map_err(|error| CaseError::content(path, error))?;
             for (key, value) in overrides {
                 set(&mut table, key, value).map_err(|message| CaseError::content(path, message))?;
             }
-            case = serde_path_to_error::deserialize(table).map_err(|error| {
+            case = serde_path_to_error::deserialize(table.clone()).map_err(|error| {
                 // The path ends at a table whose keys depend on its `kind`, so the error may not name the key.
                 let set: Vec<String> =
                     overrides.iter().map(|(key, value)| format!("{key} = {value}")).collect();
-                let (key, message) = (error.path().to_string(), error.inner().message().to_owned());
-                CaseError::content(path, format!("with {}: `{key}`: {message}", set.join(", ")))
+                let message = format!("`{}`: {}", error.path(), error.inner().message());
+                let message = all_missing::<Self>(&table, message);
+                CaseError::content(path, format!("with {}: {message}", set.join(", ")))
             })?;
         }
         path.clone_into(&mut case.path);
@@ -71,6 +76,7 @@ impl Case {
     }
 
     fn check(&self) -> Result<(), String> {
+        check_name(&self.name)?;
         self.scene.check()?;
         if self.solve_at == 0 {
             return Err("`solve_at` is 0: time steps are counted from 1".to_owned());
@@ -80,6 +86,20 @@ impl Case {
         }
         Ok(())
     }
+}
+
+/// Refuses a `name` that would lead elsewhere where files are named after it.
+///
+/// # Errors
+/// Names it, and says what would be accepted.
+pub fn check_name(name: &str) -> Result<(), String> {
+    let leads_elsewhere = |c: char| "/\\:".contains(c) || c.is_control();
+    if name.is_empty() || name.starts_with('.') || name.contains(leads_elsewhere) {
+        return Err(format!(
+            "`name` is {name:?}: files are named after it, so it must not be empty, start with a dot, or have /, \\ or : in it"
+        ));
+    }
+    Ok(())
 }
 
 /// Sets the value at a dotted key, read as TOML if it is any, else as text.

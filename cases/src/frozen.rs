@@ -1,9 +1,13 @@
 //! Frozen problems: the contact problem of a chosen time step as a file, so that every method meets the same input.
 
+use crate::case::check_name;
 use crate::error::CaseError;
-use contact::{Contact, ContactProblem, ProblemError};
+use crate::keys::all_missing;
+use contact::{Contact, ContactProblem, ProblemError, shown};
 use nalgebra::Vector2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::path::Path;
 
 /// The contact problem of one time step, with what a method does not need but a reader does.
@@ -28,7 +32,7 @@ pub struct Frozen {
 const FORMAT: &str = "gravel/contact-problem/1";
 
 /// The file, key by key.
-#[derive(Serialize, Deserialize)]
+#[derive(JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
     format: String,
@@ -39,7 +43,7 @@ struct File {
     contacts: Contacts,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Grains {
     mass: Vec<f64>,
@@ -48,7 +52,7 @@ struct Grains {
     free_velocity: Vec<[f64; 2]>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Contacts {
     candidate: Vec<u32>,
@@ -71,7 +75,10 @@ impl Frozen {
         let file: File = serde_path_to_error::deserialize(&mut json).map_err(|error| {
             let key = error.path().to_string();
             let key = if key == "." { String::new() } else { format!("`{key}`: ") };
-            CaseError::content(path, format!("{key}{}", error.inner()))
+            let error = format!("{key}{}", error.inner());
+            // A text that is no JSON lacks more than keys.
+            let content = serde_json::from_str::<Value>(&text);
+            CaseError::content(path, content.map_or(error.clone(), |all| all_missing::<File>(&all, error)))
         })?;
         json.end().map_err(|error| CaseError::content(path, error))?;
         file.check().map_err(|message| CaseError::content(path, message))?;
@@ -102,9 +109,10 @@ impl File {
         if self.format != FORMAT {
             return Err(format!("`format` is \"{}\": it must be \"{FORMAT}\"", self.format));
         }
+        check_name(&self.name)?;
         let positive = |x: f64| x > 0.0 && x.is_finite();
         if !positive(self.time_step) {
-            return Err(format!("`time_step` is {}: it must be positive and finite", self.time_step));
+            return Err(format!("`time_step` is {}: it must be positive and finite", shown(self.time_step)));
         }
         let (grains, contacts) = (self.grains.mass.len(), self.contacts.candidate.len());
         for (key, found, expected) in [
@@ -156,7 +164,7 @@ impl File {
 fn check_each(key: &str, values: &[f64], expected: &str, valid: fn(f64) -> bool) -> Result<(), String> {
     match values.iter().position(|x| !(valid(*x) && x.is_finite())) {
         None => Ok(()),
-        Some(index) => Err(format!("`{key}[{index}]` is {}: it must be {expected}", values[index])),
+        Some(index) => Err(format!("`{key}[{index}]` is {}: it must be {expected}", shown(values[index]))),
     }
 }
 

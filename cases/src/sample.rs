@@ -3,6 +3,7 @@
 use crate::deposit;
 use crate::frozen::Frozen;
 use crate::shapes;
+use contact::shown;
 use nalgebra::Vector2;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -109,6 +110,22 @@ fn one() -> f64 {
 }
 
 impl Sample {
+    /// Key and number of the grains that it makes; `None` where they are in the case, or in another file.
+    pub fn grains(&self) -> Option<(&'static str, u64)> {
+        match *self {
+            Self::Column { grains, .. } | Self::Zigzag { grains, .. } | Self::Deposited { grains, .. } => {
+                Some(("sample.grains", grains.into()))
+            }
+            Self::Triangular { columns, rows, .. } => {
+                let less = u64::from(rows) / 2;
+                let all = u64::from(columns) * u64::from(rows);
+                Some(("sample.columns times sample.rows", all.saturating_sub(less)))
+            }
+            Self::Rollers { rollers, .. } => Some(("sample.rollers", rollers.into())),
+            Self::Discs { .. } | Self::Frozen { .. } => None,
+        }
+    }
+
     /// The discs, for a box of `width` (m), if it has side walls; `folder` is that of the case.
     pub(crate) fn discs(&self, width: Option<f64>, folder: &Path) -> Result<Vec<Disc>, String> {
         let walls = || width.ok_or("`sample.kind` asks for side walls: it needs `scene.box.width_m`");
@@ -138,7 +155,7 @@ impl Sample {
                 let radii = drawn(grains, seed, radius_m, intruder_radius_m, walls()?)?;
                 deposit::deposit(&radii, walls()?)
                     .map_err(|radius| {
-                        format!("`sample`: no place in the box holds a disc of radius {radius} m")
+                        format!("`sample`: no place in the box holds a disc of radius {} m", shown(radius))
                     })?
                     .into_iter()
                     .map(|(x, radius)| disc(x.x, x.y, radius, density_kg_per_m2))
@@ -160,9 +177,12 @@ impl Sample {
         };
         match discs.iter().find(|disc| !valid(disc)) {
             Some(Disc { radius, mass, position }) => Err(format!(
-                "`sample` has a disc of radius {radius} m and mass {mass} kg at ({}, {}) m: radius and mass must be \
-                 positive, all finite",
-                position.x, position.y
+                "`sample` has a disc of radius {} m and mass {} kg at ({}, {}) m: radius and mass must be positive, all \
+                 finite",
+                shown(*radius),
+                shown(*mass),
+                shown(position.x),
+                shown(position.y)
             )),
             None if discs.is_empty() => Err("`sample` has no grain".to_owned()),
             None => Ok(discs),
@@ -180,14 +200,19 @@ fn drawn(
 ) -> Result<Vec<f64>, String> {
     if !(least > 0.0 && least <= greatest && greatest.is_finite()) {
         return Err(format!(
-            "`sample.radius_m` is [{least}, {greatest}]: it must be positive, and not falling"
+            "`sample.radius_m` is [{}, {}]: it must be positive, and not falling",
+            shown(least),
+            shown(greatest)
         ));
     }
     if let Some(radius) = intruder.filter(|radius| !(*radius > 0.0 && radius.is_finite())) {
-        return Err(format!("`sample.intruder_radius_m` is {radius}: it must be positive and finite"));
+        return Err(format!(
+            "`sample.intruder_radius_m` is {}: it must be positive and finite",
+            shown(radius)
+        ));
     }
     if width < 4.0 * f64::max(greatest, intruder.unwrap_or(0.0)) {
-        return Err(format!("`scene.box.width_m` is {width}: it must be at least 4 greatest radii"));
+        return Err(format!("`scene.box.width_m` is {}: it must be at least 4 greatest radii", shown(width)));
     }
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut radii: Vec<f64> = (0..grains).map(|_| least + (greatest - least) * rng.random::<f64>()).collect();

@@ -1,5 +1,6 @@
 //! A scene: gravity, the box and its motion, the contact law, the time step.
 
+use contact::shown;
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -163,7 +164,7 @@ impl Scene {
     /// What is outside the model's meaning, as key, value and what would be accepted.
     pub(crate) fn check(&self) -> Result<(), String> {
         let wrong = |key: &str, value: f64, expected: &str| {
-            Err(format!("`scene.{key}` is {value}: it must be {expected}"))
+            Err(format!("`scene.{key}` is {}: it must be {expected}", shown(value)))
         };
         if !(self.time_step_s > 0.0 && self.time_step_s.is_finite()) {
             return wrong("time_step_s", self.time_step_s, "positive and finite");

@@ -1,6 +1,7 @@
 //! Discs placed by a formula: the crystal, the zigzag, the rollers.
 
 use crate::sample::{Disc, disc};
+use contact::shown;
 
 /// Rows of `columns` and `columns` − 1 discs in turn, neighbours closer than touching by `overlap` diameters.
 pub(crate) fn triangular(columns: u32, rows: u32, radius: f64, density: f64, overlap: f64) -> Vec<Disc> {
@@ -25,9 +26,12 @@ pub(crate) fn zigzag(grains: u32, radius: f64, density: f64, width: f64) -> Resu
     let along = (width - 2.0 * radius) / f64::from(grains.max(2) - 1);
     let rise = 4.0 * radius * radius - along * along;
     if !(along >= radius && rise >= 0.0) {
-        let (least, most) = (f64::from(grains + 1) * radius, 2.0 * f64::from(grains) * radius);
+        let (least, most) = ((f64::from(grains) + 1.0) * radius, 2.0 * f64::from(grains) * radius);
         return Err(format!(
-            "`scene.box.width_m` is {width}: {grains} discs in a zigzag need between {least} and {most}"
+            "`scene.box.width_m` is {}: {grains} discs in a zigzag need between {} and {}",
+            shown(width),
+            shown(least),
+            shown(most)
         ));
     }
     let height = |k: u32| radius + f64::from(k % 2) * rise.sqrt();
@@ -48,7 +52,9 @@ pub(crate) fn rollers(rollers: u32, radius: f64, top: f64, density: f64) -> Resu
     let apart = |x: &[f64]| x[1] - x[0] > touching(x[0]) + touching(x[1]);
     if let Some(&[_, x]) = right.windows(2).find(|pair| !apart(pair)) {
         return Err(format!(
-            "`sample.top_radius_m` is {top}: it is too small for {rollers} rollers, which overlap at {x} m"
+            "`sample.top_radius_m` is {}: it is too small for {rollers} rollers, which overlap at {} m",
+            shown(top),
+            shown(x)
         ));
     }
     let left = right.iter().rev().filter(|x| **x > 0.0).map(|x| -x);

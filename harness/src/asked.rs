@@ -145,8 +145,8 @@ impl Asked {
         self.only.push(Only { of, wanted: WildMatch::new(pattern) });
         if self.selected().next().is_none() {
             let known: Vec<&str> = known.iter().map(String::as_str).collect();
-            let nearest = suggest::of(pattern, known.iter().copied());
-            bail!("--only {key}={pattern}: there is none; there are {}{nearest}", known.join(", "));
+            let what = format!("--only {key}={pattern}: there is none");
+            bail!("{}", suggest::among(&what, pattern, known.iter().copied()));
         }
         Ok(())
     }

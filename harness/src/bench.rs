@@ -2,18 +2,19 @@
 
 use crate::COMMIT;
 use crate::asked::{Asked, StudyArgs};
-use crate::execute::{How, execute};
+use crate::execute::{How, execute, few};
 use crate::exit;
 use crate::inputs::Root;
 use crate::interrupt;
+use crate::methods::names;
 use crate::output::say;
-use crate::plan::Plan;
+use crate::plan::{MOST_REPEATS, Plan};
 use crate::report::say_files;
 use crate::simulations;
 use crate::study::{Progress, Study};
 use crate::tables::{notes, tables};
-use anyhow::{Context, Result, anyhow};
-use reports::{About, Formats, Wanted};
+use anyhow::{Context, Result, anyhow, bail};
+use reports::{About, Formats, Wanted, made};
 use results::journal::Entry;
 use results::schema::Provenance;
 use results::store::{Store, StoreError};
@@ -28,7 +29,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     study: StudyArgs,
     /// Make N different runs at a time: the counts are the same, but seconds are then not taken alone
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = few)]
     pub(crate) jobs: NonZeroUsize,
     /// Make every run N times, and one before that is not counted; its seconds are medians [default: the plan's
     /// `repeats`, or 1]
@@ -43,6 +44,9 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
+    if let Some(repeats) = args.repeats.filter(|repeats| *repeats > MOST_REPEATS) {
+        bail!("--repeats {repeats}: it must be at most {MOST_REPEATS}");
+    }
     let asked = args.study.asked(root)?;
     if asked.plan.simulate.is_some() {
         return simulations::bench(root, args, asked);
@@ -98,12 +102,17 @@ pub(crate) fn runs_folder(root: &Root) -> PathBuf {
 
 /// Opens the store of a plan, and says what was lost with a process that was killed.
 pub(crate) fn open<R: Entry>(root: &Root, plan: &str) -> Result<Store<R>> {
-    let store = Store::open(&runs_folder(root), plan).map_err(|error| match error {
+    let told = |error| match error {
         StoreError::Line { .. } => {
-            anyhow!("{error}; `gravel bench --fresh` keeps the file aside and begins anew")
+            anyhow!(
+                "{error}; take the line out and its run is made again, or `gravel bench --fresh` keeps the file aside and \
+                 begins anew"
+            )
         }
         error => error.into(),
-    })?;
+    };
+    let store = Store::open(&runs_folder(root), plan).map_err(told)?;
+    store.check_methods(&names()).map_err(told)?;
     if store.dropped() > 0 {
         let folder = store.folder().display();
         eprintln!("{folder}: the last run was not written to its end ({} bytes): dropped", store.dropped());
@@ -129,8 +138,10 @@ pub(crate) fn finish(
         return Ok(ExitCode::from(exit::INTERRUPTED));
     }
     let Asked { plan, again, .. } = &study.asked;
-    let wanted = Wanted { charts: &plan.charts(), formats: Formats::default(), against: None };
     let out = root.join("reports/out").join(&plan.name);
+    let before = made(&out);
+    let formats = Formats::default().and_those_of(&before);
+    let wanted = Wanted { charts: &plan.charts(), formats, against: None };
     let about = about(plan, again);
     let (written, drawn) =
         rayon::join(|| store.write_tables(&tables), || reports::report(&tables, &about, wanted, &out));
@@ -140,7 +151,7 @@ pub(crate) fn finish(
     for note in notes(study, store.records()) {
         say(format_args!("{note}"))?;
     }
-    say_files(store.folder(), &out, &drawn?)?;
+    say_files(store.folder(), &out, &drawn?, &before)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -30,6 +30,14 @@ pub(crate) struct How {
     pub(crate) repeats: u32,
 }
 
+/// Reads a number of threads. To start more than a few hundred takes a system seconds, and brings nothing where there are
+/// fewer processors.
+pub(crate) fn few(text: &str) -> Result<NonZeroUsize, String> {
+    let number: NonZeroUsize = text.parse().map_err(|error| format!("{error}"))?;
+    let most = std::thread::available_parallelism().map_or(256, |processors| processors.get().max(256));
+    if number.get() <= most { Ok(number) } else { Err(format!("it must be at most {most}")) }
+}
+
 /// Makes the runs of `tasks` and gives each to `keep` as soon as it has ended, in whatever order they end. Stops at the
 /// first error, and when the user asks for it: then `keep` has seen the runs that had ended, and no part of another.
 pub(crate) fn execute(

@@ -17,8 +17,8 @@ Exit codes:
     0  solve: converged; certify: certified; simulate: all time steps made; else: done
     1  an error: a file, a key or a value is wrong; regress: a count has changed
     2  wrong arguments
-    3  solve: not converged (iteration-limit, diverged, false-convergence); certify: not certified;
-       simulate: exploded or solver-diverged
+    3  solve: not converged (iteration-limit, stalled, diverged, false-convergence);
+       certify: not certified; simulate: exploded or solver-diverged
     4  solve, certify, simulate: it is proved that the problem has no solution
   130  stopped by Ctrl-C or SIGTERM; what was reached is kept
 A run of `bench` that fails is a row like any other: exit code 0.";

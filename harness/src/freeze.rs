@@ -1,10 +1,11 @@
 //! `gravel freeze`: the contact problem of one time step of a case, as a file.
 
 use crate::inputs::{Root, march_to, stem, time_step};
-use crate::output::{check_place, say, write_whole};
+use crate::memory::read_case;
+use crate::output::{check_place, replaces, say, write_whole};
 use crate::solve::{CaseArgs, MethodArgs, StopArgs};
-use anyhow::{Result, bail};
-use cases::{Case, March};
+use anyhow::{Result, anyhow, bail};
+use cases::{March, check_name};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -30,12 +31,14 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    if args.output.exists() && !args.force {
+    if replaces(&args.output) && !args.force {
         bail!("{} exists: give another file, or --force to replace it", args.output.display());
     }
     check_place(&args.output)?;
+    check_name(&stem(&args.output))
+        .map_err(|why| anyhow!("{}: the problem's {why}", args.output.display()))?;
     let path = root.case(&args.case)?;
-    let case = Case::read(&path, &args.changes.overrides)?;
+    let case = read_case(&path, &args.changes.overrides)?;
     let (method, stop) = (args.method.method()?, args.stop.stop());
     let time_step = time_step(&case, "--time-step", &args.time_step)?;
     let (mut frozen, missed) = march_to(&mut March::new(&case)?, time_step, &method, &stop)?;

@@ -113,8 +113,12 @@ fn named_or_path(name: &str, kind: &str, known: &[PathBuf]) -> Result<PathBuf> {
         bail!("{name} is a folder: give a {kind}, by name or by the path of its file");
     }
     let names: Vec<String> = known.iter().map(|path| stem(path)).collect();
-    let nearest = suggest::of(name, names.iter().map(String::as_str));
-    bail!("no {kind} `{name}`, and no file of that path; known are {}{nearest}", names.join(", "))
+    // What is there and cannot be reached, such as a link to itself, is not a wrong name.
+    if let (Ok(_), Err(error)) = (path.symlink_metadata(), path.metadata()) {
+        bail!("{name}: it cannot be read: {error}");
+    }
+    let what = format!("no {kind} `{name}`, and no file of that path seen from the current folder");
+    bail!("{}", suggest::among(&what, name, names.iter().map(String::as_str)))
 }
 
 /// What a file holds.

@@ -13,6 +13,7 @@ mod identity;
 mod inputs;
 mod interrupt;
 mod list;
+mod memory;
 mod merge;
 mod methods;
 mod output;
@@ -52,7 +53,7 @@ const COMMIT: &str = git_version::git_version!(
 #[command(name = "gravel", version, max_term_width = 100, after_help = exit::HELP)]
 struct Cli {
     /// Threads that methods may use [default: one per processor]; results do not depend on it
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", value_parser = execute::few)]
     threads: Option<std::num::NonZeroUsize>,
     /// The checkout with cases/ and harness/plans/ [default: the current folder or one above it]
     #[arg(long, global = true, value_name = "DIR")]
@@ -63,7 +64,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Make the runs of a plan that are not in results/runs yet; write its table and figures to reports/out
+    /// Run whatever is still missing from a plan; write its table and figures to reports/out
     Bench(bench::Args),
     /// Show the runs of a plan: which are made, and how long the others take
     Plan(show::Args),
@@ -71,7 +72,7 @@ enum Command {
     Report(report::Args),
     /// Draw one chart of the newest stored study of a plan, into reports/out/PLAN-CHART
     Figure(report::FigureArgs),
-    /// Write a page that shows how runs come to the impulses of a problem, or how a stored run did, iteration by iteration
+    /// Write an HTML page that replays how methods, or a stored run, converge on a problem
     View(view::Args),
     /// Join the runs of other stores of a plan to its own
     Merge(merge::Args),
@@ -82,7 +83,7 @@ enum Command {
     /// Solve one contact problem with one method
     #[command(after_help = exit::HELP)]
     Solve(solve::Args),
-    /// Print what the reference solution, or a given one, leaves of a contact problem
+    /// Print the residuals of a contact problem at the reference solution, or at impulses you supply
     #[command(after_help = exit::HELP)]
     Certify(certify::Args),
     /// Write the contact problem of one time step of a case as a file
@@ -138,6 +139,5 @@ fn in_one_paragraph(error: &anyhow::Error) -> String {
             text = format!("{text}: {}", cause.trim_end());
         }
     }
-    let nearest = suggest::in_error(&text);
-    text + &nearest
+    suggest::without_types(&suggest::in_error(&text))
 }

@@ -3,13 +3,14 @@
 use crate::asked::StudyArgs;
 use crate::bench::{finish, open, provenance};
 use crate::inputs::Root;
+use crate::methods::names;
 use crate::output::say;
 use crate::simulations;
 use crate::study::Study;
 use anyhow::{Result, bail};
 use results::journal::Entry;
 use results::store::{Store, is_study, records_of};
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -40,9 +41,10 @@ fn joined<R: Entry>(root: &Root, plan: &str, from: &[PathBuf]) -> Result<Store<R
         if !is_study(folder) {
             bail!("{}: this folder has no journal.jsonl", folder.display());
         }
-        stores.push((folder, records_of::<R>(folder)?));
+        stores.push((folder, records_of::<R>(folder, &names())?));
     }
     let mut store = open(root, plan)?;
+    refuse_other_counts(store.records(), &stores, plan)?;
     let mut known: HashSet<String> =
         store.records().iter().map(|record: &R| record.id().to_owned()).collect();
     for (folder, records) in stores {
@@ -58,4 +60,38 @@ fn joined<R: Entry>(root: &Root, plan: &str, from: &[PathBuf]) -> Result<Store<R
         say(format_args!("{}: {added} of {all} runs are new here", folder.display()))?;
     }
     Ok(store)
+}
+
+/// How many differing runs an error names.
+const TOLD: usize = 5;
+
+/// Refuses runs of one id that counted different work: the machines that made them disagree, and a table must not mix them.
+/// Of two runs of one id in one store, the later counts.
+fn refuse_other_counts<R: Entry>(ours: &[R], stores: &[(&PathBuf, Vec<R>)], plan: &str) -> Result<()> {
+    let mut known: BTreeMap<&str, &R> = ours.iter().map(|record| (record.id(), record)).collect();
+    let mut differ = Vec::new();
+    for (folder, records) in stores {
+        let theirs: BTreeMap<&str, &R> = records.iter().map(|record| (record.id(), record)).collect();
+        for (id, record) in theirs {
+            let before = *known.entry(id).or_insert(record);
+            if let Some((count, here, there)) = before.difference(record) {
+                let folder = folder.display();
+                differ.push(format!(
+                    "run {id} ({}) has {count} {here} here and {there} in {folder}",
+                    record.name()
+                ));
+            }
+        }
+    }
+    if differ.is_empty() {
+        return Ok(());
+    }
+    let more = differ.len().saturating_sub(TOLD);
+    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+    differ.truncate(TOLD);
+    bail!(
+        "{}{more}. The same id must mean the same counts, so a machine or a build is wrong. Nothing was merged; `gravel \
+         bench {plan} --rerun` on each shows which counts repeat",
+        differ.join("; ")
+    )
 }

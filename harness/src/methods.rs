@@ -66,13 +66,16 @@ impl Entry {
     }
 }
 
+/// Names of all methods.
+pub(crate) fn names() -> Vec<&'static str> {
+    METHODS.iter().map(|entry| entry.name).collect()
+}
+
 impl Method {
     /// The method `name` with `settings`; what they leave out has its default.
     pub(crate) fn new(name: &str, settings: Map<String, Value>) -> Result<Self> {
         let Some(entry) = METHODS.iter().find(|entry| entry.name == name) else {
-            let names: Vec<&str> = METHODS.iter().map(|entry| entry.name).collect();
-            let nearest = suggest::of(name, names.iter().copied());
-            bail!("unknown method `{name}`: there are {}{nearest}", names.join(", "));
+            bail!("{}", suggest::among(&format!("unknown method `{name}`"), name, names()));
         };
         let (settings, solver) =
             (entry.build)(settings).map_err(|error| anyhow!("method `{name}`, {error}"))?;

@@ -1,7 +1,9 @@
 //! Lines on standard output, and files that appear whole or not at all.
 
 use anyhow::{Context, Result, bail};
+use results::store::behind_links;
 use std::fmt::Arguments;
+use std::fs::OpenOptions;
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 
@@ -18,27 +20,46 @@ pub(crate) fn check_place(path: &Path) -> Result<()> {
     if path.is_dir() {
         bail!("{} is a folder: give the path of a file", path.display());
     }
-    if !folder(path).is_dir() {
-        bail!("{}: there is no folder {}", path.display(), folder(path).display());
+    let target = behind_links(path).with_context(|| path.display().to_string())?;
+    if !folder(&target).is_dir() {
+        bail!("{}: there is no folder {}", path.display(), folder(&target).display());
     }
     Ok(())
+}
+
+/// Whether writing to `path` replaces a file.
+pub(crate) fn replaces(path: &Path) -> bool {
+    path.is_file() && !is_stdout(path)
 }
 
 fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Writes `content` to a file beside `path` and gives it that name once it is complete.
+/// Writes `content` to a file beside `path` and gives it that name once it is complete. A link stays and its target is
+/// written; what is no regular file, such as a pipe or a terminal, is written to as it is.
 pub(crate) fn write_whole(path: &Path, content: &str) -> Result<()> {
     let write = || -> io::Result<()> {
+        if is_stdout(path) {
+            return io::stdout().write_all(content.as_bytes());
+        }
+        if path.metadata().is_ok_and(|found| !found.is_file()) {
+            return OpenOptions::new().write(true).open(path)?.write_all(content.as_bytes());
+        }
+        let target = behind_links(path)?;
         let mut builder = tempfile::Builder::new();
         // A temporary file is closed to other users unless it asks for what files usually get.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut file = builder.tempfile_in(folder(path))?;
+        let mut file = builder.tempfile_in(folder(&target))?;
         file.write_all(content.as_bytes())?;
-        file.persist(path)?;
+        file.persist(target)?;
         Ok(())
     };
     write().with_context(|| format!("writing {}", path.display()))
+}
+
+/// Whether it is standard output, which may be a file that whoever called has open.
+fn is_stdout(path: &Path) -> bool {
+    ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|stdout| path == Path::new(stdout))
 }

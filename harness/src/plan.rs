@@ -4,6 +4,7 @@ mod axes;
 mod names;
 mod simulate;
 
+use axes::{MOST, count};
 pub(crate) use axes::{Settings, combinations, values};
 pub(crate) use names::{last_parts, pairs};
 pub(crate) use simulate::{Rule, Simulate};
@@ -11,11 +12,12 @@ pub(crate) use simulate::{Rule, Simulate};
 use crate::methods::Method;
 use crate::study::Task;
 use crate::suggest;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Error, Result, anyhow, bail};
+use cases::{all_missing, check_name};
 use contact::{Measure, Stop};
 use reports::Chart;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::Error;
+use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 use std::collections::{BTreeSet, HashSet};
@@ -73,10 +75,8 @@ pub(crate) struct Plan {
 
 fn charts<'de, D: Deserializer<'de>>(names: D) -> Result<Option<Vec<Chart>>, D::Error> {
     let known = || Chart::all().iter().map(|chart| chart.name());
-    let read = |name: &String| {
-        let nearest = || suggest::of(name, known());
-        name.parse().map_err(|error| D::Error::custom(format!("`charts`: {error}{}", nearest())))
-    };
+    let unknown = |name: &str| suggest::among(&format!("`charts`: unknown chart `{name}`"), name, known());
+    let read = |name: &String| name.parse().map_err(|_| D::Error::custom(unknown(name)));
     Vec::<String>::deserialize(names)?.iter().map(read).collect::<Result<_, _>>().map(Some)
 }
 
@@ -88,6 +88,9 @@ fn charts_schema(_: &mut SchemaGenerator) -> Schema {
 fn yes() -> bool {
     true
 }
+
+/// A median of more says nothing more.
+pub(crate) const MOST_REPEATS: NonZeroU32 = NonZeroU32::MIN.saturating_add(999);
 
 fn once() -> NonZeroU32 {
     NonZeroU32::MIN
@@ -180,7 +183,7 @@ impl Plan {
     pub(crate) fn read(path: &Path, quick: bool) -> Result<Self> {
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
         let read = || {
-            let plan: Self = toml::from_str(&text)?;
+            let plan: Self = toml::from_str(&text).map_err(|error| anyhow!(lacks(&text, &error)))?;
             plan.check()?;
             let short = plan.quick(&text).context("`quick`")?;
             match (quick, short) {
@@ -204,14 +207,18 @@ impl Plan {
                 _ => drop(plan.insert(key.clone(), value.clone())),
             }
         }
-        let mut plan: Self = serde_path_to_error::deserialize(plan)
-            .map_err(|error| anyhow!("`{}`: {}", error.path(), error.inner().message()))?;
+        let mut plan: Self = serde_path_to_error::deserialize(plan.clone()).map_err(|error| {
+            let message = format!("`{}`: {}", error.path(), error.inner().message());
+            anyhow!(all_missing::<Self>(&plan, message))
+        })?;
         plan.name += "-quick";
         plan.check()?;
         Ok(Some(plan))
     }
 
     fn check(&self) -> Result<()> {
+        check_name(&self.name).map_err(Error::msg)?;
+        self.check_size()?;
         if self.problems.is_empty() && self.cases.is_empty() {
             bail!("`problems` is empty, and there are no `cases`");
         }
@@ -232,8 +239,34 @@ impl Plan {
         self.charts().into_iter().try_for_each(|chart| self.suits(chart)).context("`charts`")?;
         self.stop.check().context("`stop`")?;
         self.rules()?;
+        if let Some(simulate) = &self.simulate {
+            simulate.reference(&self.stop)?;
+        }
         let variants = self.variants(&[])?;
         self.view.as_ref().map_or(Ok(()), |view| view.check(&variants)).context("`view`")
+    }
+
+    /// Refuses more runs than anyone means, before any of them is made.
+    fn check_size(&self) -> Result<()> {
+        if self.repeats > MOST_REPEATS {
+            bail!("`repeats` is {}: it must be at most {MOST_REPEATS}", self.repeats);
+        }
+        let mut problems = self.problems.len() as f64;
+        for PlannedCase { case, zip, axes, .. } in &self.cases {
+            problems += count(zip, axes).with_context(|| format!("`cases`: case `{case}`"))?;
+        }
+        let mut variants = 0.0;
+        for PlannedMethod { method, zip, axes, .. } in &self.methods {
+            variants += count(zip, axes).with_context(|| format!("method `{method}`"))?;
+        }
+        let rules = self.simulate.as_ref().map_or(Ok(1.0), Simulate::count)?;
+        if problems * variants * rules > MOST as f64 {
+            bail!(
+                "it asks for {problems} problems, {variants} variants of methods on each{}: the product must be at most {MOST}",
+                if rules > 1.0 { format!(" and {rules} rules") } else { String::new() }
+            );
+        }
+        Ok(())
     }
 
     /// Refuses, in a study through time, what only runs on single problems heed.
@@ -314,6 +347,15 @@ impl Plan {
     }
 }
 
+/// Why the text is no plan: all keys that it lacks at once, if that is what is wrong.
+fn lacks(text: &str, error: &toml::de::Error) -> String {
+    let error = error.to_string();
+    match toml::from_str::<toml::Table>(text) {
+        Ok(content) => all_missing::<Plan>(&content, error),
+        Err(_) => error,
+    }
+}
+
 impl Variant {
     /// Method and variant, as a figure names them.
     pub(crate) fn label(&self) -> String {
@@ -332,8 +374,8 @@ impl View {
         match self.runs.iter().find(|run| !known.contains(run)) {
             None => Ok(()),
             Some(run) => {
-                let nearest = suggest::of(run, known.iter().map(String::as_str));
-                bail!("`runs`: no run `{run}` in this plan; there are {}{nearest}", known.join(", "))
+                let what = format!("`runs`: no run `{run}` in this plan");
+                bail!("{}", suggest::among(&what, run, known.iter().map(String::as_str)))
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::identity::{code_version, first_hex};
 use crate::inputs::{Root, content_hash, march_to, stem, time_step};
+use crate::memory::read_case;
 use crate::methods::Method;
 use crate::output::{say, write_whole};
 use crate::plan::{Plan, PlannedCase, Settings, combinations, last_parts, pairs, values};
@@ -157,7 +158,7 @@ fn of_case(root: &Root, plan: &Plan, planned: &PlannedCase) -> Result<Vec<Planne
     let mut problems = Vec::new();
     for settings in combinations(&planned.scene, &planned.zip, &planned.axes)? {
         if let Some(simulate) = &plan.simulate {
-            let case = Case::read(&path, &overrides(&settings))?;
+            let case = read_case(&path, &overrides(&settings))?;
             let name = named(&case.name, &settings, "");
             let alone = named(&case.name, &settings, simulations::TIME_STEP);
             let scene = simulations::Scene::planned(case, alone, settings.clone(), planned, simulate)?;
@@ -228,7 +229,7 @@ fn overrides(settings: &Settings) -> Vec<(String, String)> {
 impl Scene {
     fn read(path: &Path, settings: &Settings, moment: Option<&Value>) -> Result<Self> {
         let overrides = overrides(settings);
-        let case = Case::read(path, &overrides)?;
+        let case = read_case(path, &overrides)?;
         let time_step = match moment {
             None => case.solve_at,
             Some(moment) => time_step(&case, "`time_step`", &typed(moment))?,

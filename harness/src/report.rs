@@ -5,7 +5,7 @@ use crate::inputs::Root;
 use crate::output::{say, write_whole};
 use crate::plan::Plan;
 use anyhow::{Context, Result, bail};
-use reports::{Chart, Formats, Wanted};
+use reports::{Chart, Formats, Wanted, made};
 use results::store::{Tables, read, read_simulations, tables_folder};
 use std::path::{Path, PathBuf};
 
@@ -47,17 +47,18 @@ struct Stored {
 /// Formats of figures on the command line.
 #[derive(clap::Args)]
 struct FormatArgs {
-    /// Figures as PNG too, 300 pixels to the inch
+    /// Figures as PNG too, 300 pixels to the inch; from then on, until the files are deleted
     #[arg(long)]
     png: bool,
-    /// Figures as PDF too
+    /// Figures as PDF too; from then on, until the files are deleted
     #[arg(long)]
     pdf: bool,
 }
 
 impl FormatArgs {
-    fn formats(&self) -> Formats {
-        Formats { png: self.png, pdf: self.pdf }
+    /// Those asked for, and those of the files that are there.
+    fn formats(&self, before: &[String]) -> Formats {
+        Formats { png: self.png, pdf: self.pdf }.and_those_of(before)
     }
 }
 
@@ -77,9 +78,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let stored = stored(root, &plan)?;
     let about = about(&plan, &args.study.again());
     let out = root.join("reports/out").join(&plan.name);
-    let before = args.against.as_deref().map(read).transpose().context("--against")?;
-    let (charts, formats) = (plan.charts(), args.formats.formats());
-    let wanted = Wanted { charts: &charts, formats, against: before.as_ref() };
+    let earlier = args.against.as_deref().map(read).transpose().context("--against")?;
+    let before = made(&out);
+    let (charts, formats) = (plan.charts(), args.formats.formats(&before));
+    let wanted = Wanted { charts: &charts, formats, against: earlier.as_ref() };
     let files = if plan.simulate.is_some() {
         if args.fill.is_some() || args.against.is_some() {
             bail!(
@@ -95,7 +97,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         }
         reports::report(&tables, &about, wanted, &out)?
     };
-    say_files(&stored, &out, &files)
+    say_files(&stored, &out, &files, &before)
 }
 
 fn fill(tables: &Tables, template: &Path) -> Result<()> {
@@ -116,29 +118,38 @@ pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
     plan.suits(args.chart)?;
     let stored = stored(root, &plan)?;
     let out = root.join("reports/out").join(format!("{}-{}", plan.name, args.chart.name()));
-    let formats = args.formats.formats();
+    let before = made(&out);
+    let formats = args.formats.formats(&before);
     let files = if plan.simulate.is_some() {
         reports::figure(&read_simulations(&stored)?, args.chart, formats, &out)?
     } else {
         reports::figure(&read(&stored)?, args.chart, formats, &out)?
     };
-    say_files(&stored, &out, &files)
+    say_files(&stored, &out, &files, &before)
 }
 
 /// The folder of the study of `plan`.
 fn stored(root: &Root, plan: &Plan) -> Result<PathBuf> {
     let runs = runs_folder(root);
     tables_folder(&runs, &plan.name).with_context(|| {
-        format!("no study of plan `{}` is stored in {}: `gravel bench` makes one", plan.name, runs.display())
+        let quick = tables_folder(&runs, &format!("{}-quick", plan.name));
+        let quick = if quick.is_some() { "; its quick form is: add --quick" } else { "" };
+        let runs = runs.display();
+        format!("no study of plan `{}` is stored in {runs}{quick}: `gravel bench` makes one", plan.name)
     })
 }
 
-/// Where the rows and the files of a report are.
-pub(crate) fn say_files(stored: &Path, out: &Path, files: &[PathBuf]) -> Result<()> {
+/// Where the rows and the files of a report are, and which of those that were there `before` it are gone.
+pub(crate) fn say_files(stored: &Path, out: &Path, files: &[PathBuf], before: &[String]) -> Result<()> {
     say(format_args!("rows and curves   {}", stored.display()))?;
     say(format_args!("tables and figures {}", out.display()))?;
     for file in files {
         say(format_args!("  {}", file.file_name().unwrap_or_default().to_string_lossy()))?;
+    }
+    let gone: Vec<&str> =
+        before.iter().map(String::as_str).filter(|name| !files.contains(&out.join(name))).collect();
+    if !gone.is_empty() {
+        say(format_args!("removed, since this report does not make them: {}", gone.join(", ")))?;
     }
     Ok(())
 }

@@ -5,9 +5,8 @@ use crate::output::say;
 use crate::plan::{Plan, PlannedMethod};
 use anyhow::Result;
 use cases::Case;
+pub(crate) use cases::schema as of;
 use clap::ValueEnum;
-use schemars::generate::SchemaSettings;
-use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
 #[derive(clap::Args)]
@@ -31,12 +30,6 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     };
     say(format_args!("{}", serde_json::to_string_pretty(&schema)?))?;
     Ok(())
-}
-
-/// Every type stands where it is used, as what a setting takes stands with the setting.
-pub(crate) fn of<T: JsonSchema>() -> Value {
-    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
-    SchemaGenerator::new(settings).into_root_schema_for::<T>().to_value()
 }
 
 /// The methods with their settings; and, in the quick form, the plan's keys once more.

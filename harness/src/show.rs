@@ -3,6 +3,7 @@
 use crate::asked::{Asked, StudyArgs};
 use crate::bench::runs_folder;
 use crate::inputs::Root;
+use crate::methods::names;
 use crate::output::say;
 use crate::plan::Variant;
 use crate::problems::PlannedProblem;
@@ -47,7 +48,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
 
 /// The runs to be made, and how long the missing ones may take (s).
 fn rows(root: &Root, asked: Asked) -> Result<(Vec<Row>, Option<f64>)> {
-    let records = records_of(&runs_folder(root).join(&asked.plan.name))?;
+    let records = records_of(&runs_folder(root).join(&asked.plan.name), &names())?;
     let study = Study::at_hand(asked, root);
     let Progress { missing, left_s } = study.progress(&records);
     let missing: HashSet<(&str, &str, &str)> = missing

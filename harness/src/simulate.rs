@@ -3,6 +3,7 @@
 use crate::exit;
 use crate::inputs::Root;
 use crate::interrupt;
+use crate::memory::read_case;
 use crate::output::{check_place, say, write_whole};
 use crate::plan::Rule;
 use crate::progress;
@@ -60,7 +61,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         check_place(file)?;
     }
     let path = root.case(&args.case)?;
-    let case = Case::read(&path, &args.changes.overrides)?;
+    let case = read_case(&path, &args.changes.overrides)?;
     let (method, stop) = (args.method.method()?, args.stop.stop());
     stop.check()?;
     let mut march = March::new(&case)?;

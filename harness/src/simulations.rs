@@ -16,6 +16,7 @@ use crate::execute::{How, in_parallel, untimed};
 use crate::exit;
 use crate::inputs::Root;
 use crate::interrupt;
+use crate::methods::names;
 use crate::output::say;
 use crate::progress::Board;
 use crate::report::say_files;
@@ -23,7 +24,7 @@ use crate::show::Row;
 use crate::study::left_s;
 use crate::tables::origins;
 use anyhow::{Result, bail};
-use reports::{Formats, Wanted};
+use reports::{Formats, Wanted, made};
 use results::simulation::{Simulated, Simulation, SimulationTables};
 use results::store::{Store, records_of};
 use std::collections::HashSet;
@@ -89,7 +90,7 @@ fn lacking<'s>(study: &Study, tasks: &[Task<'s>], records: &[Simulated]) -> Vec<
 
 /// The simulations to be made, for `gravel plan`, and how long the missing ones may take (s).
 pub(crate) fn rows(root: &Root, asked: Asked) -> Result<(Vec<Row>, Option<f64>)> {
-    let records: Vec<Simulated> = records_of(&runs_folder(root).join(&asked.plan.name))?;
+    let records: Vec<Simulated> = records_of(&runs_folder(root).join(&asked.plan.name), &names())?;
     let study = Study::new(asked)?;
     let mut tasks = study.tasks()?;
     tasks.retain(|task| study.selects(task));
@@ -136,10 +137,12 @@ fn finish(root: &Root, study: &Study, mut store: Store<Simulated>) -> Result<Exi
         say(format_args!("{note}"))?;
     }
     let Asked { plan, again, .. } = &study.asked;
-    let wanted = Wanted { charts: &plan.charts(), formats: Formats::default(), against: None };
     let out = root.join("reports/out").join(&plan.name);
+    let before = made(&out);
+    let formats = Formats::default().and_those_of(&before);
+    let wanted = Wanted { charts: &plan.charts(), formats, against: None };
     let files = reports::report(&tables, &about(plan, again), wanted, &out)?;
-    say_files(store.folder(), &out, &files)?;
+    say_files(store.folder(), &out, &files, &before)?;
     Ok(ExitCode::SUCCESS)
 }
 

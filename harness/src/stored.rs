@@ -3,7 +3,7 @@
 use crate::bench::runs_folder;
 use crate::inputs::Root;
 use anyhow::{Context, Result, bail};
-use results::journal::Record;
+use results::journal::{Record, entry};
 use results::simulation::Simulated;
 use results::store::journals;
 use std::collections::BTreeMap;
@@ -54,26 +54,27 @@ impl Found {
         let named = format!("\"id\":\"{begin}");
         let mut line = String::new();
         // A line that has no end is none.
-        loop {
+        for number in 1.. {
             line.clear();
             if reader.read_line(&mut line)? == 0 || !line.ends_with('\n') {
-                return Ok(());
+                break;
             }
             if !line.contains(&named) {
                 continue;
             }
-            if let Ok(Simulated { simulation: s, .. }) = serde_json::from_str(&line) {
+            let line = line.trim_end().as_bytes();
+            if let Ok((Simulated { simulation: s, .. }, _)) = entry(line) {
                 let told = told([&s.id, &s.method, &s.variant, &s.scene, &s.plan]);
                 self.simulations.insert(s.id, told);
                 continue;
             }
-            let record: Record =
-                serde_json::from_str(&line).context("the run is not as this version writes them")?;
+            let (record, _): (Record, _) = entry(line).with_context(|| format!("line {number}"))?;
             let before = self.runs.get(&record.run.id);
             if !record.snapshots.is_empty() || before.is_none_or(|before| before.snapshots.is_empty()) {
                 self.runs.insert(record.run.id.clone(), record);
             }
         }
+        Ok(())
     }
 }
 

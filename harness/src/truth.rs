@@ -2,11 +2,13 @@
 
 use crate::inputs::{Root, content_hash};
 use crate::output::write_whole;
-use anyhow::{Context, Result, bail};
-use cases::Frozen;
+use anyhow::{Context, Result, anyhow, bail};
+use cases::{Frozen, all_missing};
 use contact::{ContactProblem, Status, Truth, proves_infeasible};
 use reference::{Answer, certify};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::path::Path;
 
 /// What is known of the solution of a problem.
@@ -54,7 +56,7 @@ impl Known {
 }
 
 /// Impulses that another code, or another run, gave.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, JsonSchema, Deserialize)]
 pub(crate) struct Given {
     /// In the problem's contact order (N·s).
     pub(crate) impulse: Vec<f64>,
@@ -68,7 +70,12 @@ impl Given {
     pub(crate) fn read(file: &Path, problem: &ContactProblem) -> Result<Self> {
         let name = || file.display().to_string();
         let text = std::fs::read_to_string(file).with_context(name)?;
-        let given: Self = serde_json::from_str(&text).with_context(name)?;
+        let given: Self = serde_json::from_str(&text).map_err(|error| {
+            let error = error.to_string();
+            // A text that is no JSON lacks more than keys.
+            let content = serde_json::from_str::<Value>(&text);
+            anyhow!("{}: {}", name(), content.map_or(error.clone(), |all| all_missing::<Self>(&all, error)))
+        })?;
         let (found, expected) = (given.impulse.len(), problem.contact_count());
         if found != expected {
             bail!("{}: `impulse` has {found} values where the problem has {expected} contacts", name());

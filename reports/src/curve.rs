@@ -28,7 +28,7 @@ pub(crate) fn range(lines: &[Line], tolerances: &[f64]) -> (f64, f64) {
     /// Room for the sign at the end of a line, and between the labels that meet in a corner.
     const ROOM: f64 = 0.3;
     let reached = lines.iter().flat_map(|line| {
-        let settled = matches!(line.ending, Ending::Converged | Ending::IterationLimit);
+        let settled = matches!(line.ending, Ending::Converged | Ending::IterationLimit | Ending::Stalled);
         let highest = if settled { 3.0 } else { 1.0 };
         line.points.iter().flatten().map(move |&(_, y)| y.clamp(LOWEST, highest))
     });

@@ -11,6 +11,8 @@ use crate::style::{Mark, Pen, WHITE};
 pub(crate) enum Ending {
     Converged,
     IterationLimit,
+    /// No further iteration changes anything.
+    Stalled,
     Diverged,
     Infeasible,
     /// Stopped by a measure that was met far from the solution.
@@ -22,9 +24,10 @@ pub(crate) enum Ending {
 }
 
 impl Ending {
-    pub(crate) const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 8] = [
         Self::Converged,
         Self::IterationLimit,
+        Self::Stalled,
         Self::Diverged,
         Self::Infeasible,
         Self::FalseConvergence,
@@ -36,6 +39,7 @@ impl Ending {
         match status {
             "converged" => Self::Converged,
             "iteration-limit" => Self::IterationLimit,
+            "stalled" => Self::Stalled,
             "diverged" => Self::Diverged,
             "infeasible" => Self::Infeasible,
             "false-convergence" => Self::FalseConvergence,
@@ -49,6 +53,7 @@ impl Ending {
         match self {
             Self::Converged => "converged",
             Self::IterationLimit => "iteration limit",
+            Self::Stalled => "stalled",
             Self::Diverged => "diverged",
             Self::Infeasible => "infeasible",
             Self::FalseConvergence => "false convergence",
@@ -69,6 +74,11 @@ impl Ending {
             Self::Converged => canvas.mark(Mark::Disc, (x, y), pen),
             Self::IterationLimit => canvas.polygon(
                 &[(x - 0.7 * HALF, y - HALF), (x + HALF, y), (x - 0.7 * HALF, y + HALF)],
+                WHITE,
+                Some(pen),
+            ),
+            Self::Stalled => canvas.polygon(
+                &[(x - HALF, y - HALF), (x + HALF, y - HALF), (x + HALF, y + HALF), (x - HALF, y + HALF)],
                 WHITE,
                 Some(pen),
             ),

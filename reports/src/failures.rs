@@ -59,6 +59,11 @@ fn reason(run: &RunRow, reached: Option<f64>, error: Option<f64>, natural_map: O
             value(reached),
             value(run.tolerance)
         ),
+        Ending::Stalled => format!(
+            "after {iterations} iterations no further one makes it better, and {measure} is {} where {} was asked",
+            value(reached),
+            value(run.tolerance)
+        ),
         Ending::Diverged => {
             format!("not finite, or far above its own scale of energy, at iteration {iterations}")
         }
@@ -96,7 +101,7 @@ mod tests {
         let unknown = Run {
             end: Sample { velocity_error: f64::NAN, ..sample(9, 1e-5, 0.7) },
             stop_on: "quad_dv".into(),
-            ..run(5, "nsgs", "", "false-convergence")
+            ..run(7, "nsgs", "", "false-convergence")
         };
         let runs = [
             run(0, "cg", "", "converged"),
@@ -113,7 +118,7 @@ mod tests {
         ];
         let text = csv(&failures(&tables(&runs, &[])).unwrap()).unwrap();
         let rows: Vec<&str> = text.lines().skip(1).collect();
-        assert_eq!(rows.len(), 4, "{text}");
+        assert_eq!(rows.len(), 5, "{text}");
         assert!(rows[0].ends_with("no solution, and there is one\""), "{text}");
         let rows = &rows[1..];
         assert!(

@@ -12,12 +12,25 @@ use crate::part::File;
 /// Names the files of the report, so that the next one knows which files it may replace.
 const MADE: &str = ".report";
 
+/// Names of the files that the last report left in the folder `out` and that are still there.
+pub fn made(out: &Path) -> Vec<String> {
+    let list = fs::read_to_string(out.join(MADE)).unwrap_or_default();
+    list.lines().filter(|name| out.join(name).is_file()).map(str::to_owned).collect()
+}
+
 /// Puts `files` into the folder `out` in place of those of the report before; what that did not make stays.
 pub(crate) fn replace(files: &[File], out: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    // `out` may be a bare name: its parent is then the current folder.
-    let parent = out.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     // A file of that name is refused here.
     fs::create_dir_all(out).map_err(at(out))?;
+    let before = made(out);
+    let someones = |file: &&File| out.join(&file.name).exists() && !before.contains(&file.name);
+    if let Some(File { name, .. }) = files.iter().find(someones) {
+        let why = "no report made this file, and one would replace it: move it, or give it another name";
+        return Err(at(&out.join(name))(io::Error::other(why)));
+    }
+    // A link to the folder stays: what it leads to is replaced.
+    let place = fs::canonicalize(out).map_err(at(out))?;
+    let parent = place.parent().unwrap_or(&place);
     let drafts = TempDir::with_prefix_in(".unfinished-", parent).map_err(at(parent))?;
     // Folders inside the temporary one, since the temporary one is closed to other users.
     let (new, old) = (drafts.path().join("new"), drafts.path().join("old"));
@@ -27,7 +40,7 @@ pub(crate) fn replace(files: &[File], out: &Path) -> Result<Vec<PathBuf>, Report
     }
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
     fs::write(new.join(MADE), names.join("\n") + "\n").map_err(at(&new))?;
-    let swapped = swap(&new, &old, out);
+    let swapped = swap(&new, &old, &place);
     if swapped.is_err() && old.exists() {
         // What is in it may be someone's: it stays where it is rather than go with the drafts.
         let _ = drafts.keep();
@@ -96,6 +109,38 @@ mod tests {
         fs::write(out.join("notes.txt"), "mine").unwrap();
         replace(&[file("a.svg", "1")], &out).unwrap();
         assert_eq!(entries(&out), [".report", "a.svg", "notes.txt"]);
+    }
+
+    #[test]
+    fn file_of_someone_else_that_a_report_would_replace_is_refused_and_kept() {
+        let root = TempDir::new().unwrap();
+        let out = root.path().join("study");
+        replace(&[file("a.svg", "1")], &out).unwrap();
+        fs::write(out.join("b.svg"), "mine").unwrap();
+        let error = replace(&[file("a.svg", "2"), file("b.svg", "2")], &out).unwrap_err().to_string();
+        assert!(error.contains("b.svg: no report made this file"), "{error}");
+        assert_eq!(fs::read_to_string(out.join("b.svg")).unwrap(), "mine");
+        assert_eq!(fs::read_to_string(out.join("a.svg")).unwrap(), "1");
+        // What a report made and someone removed is made again.
+        fs::remove_file(out.join("a.svg")).unwrap();
+        assert!(made(&out).is_empty());
+        replace(&[file("a.svg", "3")], &out).unwrap();
+        assert_eq!(made(&out), ["a.svg"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn link_to_the_folder_stays_and_its_target_is_filled() {
+        let root = TempDir::new().unwrap();
+        let (out, target) = (root.path().join("out"), root.path().join("elsewhere"));
+        fs::create_dir(&target).unwrap();
+        std::os::unix::fs::symlink(&target, &out).unwrap();
+        replace(&[file("a.svg", "1")], &out).unwrap();
+        fs::write(target.join("notes.txt"), "mine").unwrap();
+        let paths = replace(&[file("a.svg", "2")], &out).unwrap();
+        assert_eq!(paths, [out.join("a.svg")]);
+        assert!(out.is_symlink() && fs::read_to_string(target.join("a.svg")).unwrap() == "2");
+        assert_eq!(entries(&target), [".report", "a.svg", "notes.txt"]);
     }
 
     #[test]

@@ -65,6 +65,7 @@ use thiserror::Error;
 
 pub use chart::{Chart, UnknownChart};
 pub use fill::fill;
+pub use folder::made;
 pub use iterations::iterations_text;
 pub use page::view;
 pub use picture::Formats;

@@ -17,6 +17,15 @@ pub struct Formats {
     pub pdf: bool,
 }
 
+impl Formats {
+    /// These, and those that are among the files `names`: what a person once asked for is drawn again.
+    #[must_use]
+    pub fn and_those_of(self, names: &[String]) -> Self {
+        let there = |ending: &str| names.iter().any(|name| name.ends_with(ending));
+        Self { png: self.png || there(".png"), pdf: self.pdf || there(".pdf") }
+    }
+}
+
 /// The font of the layout, and no other: the same picture on every machine.
 static FONTS: LazyLock<Arc<Database>> = LazyLock::new(|| {
     let mut fonts = Database::new();

@@ -10,15 +10,15 @@ use crate::ReportError;
 use crate::axis::{Axis, Frame, Scale};
 use crate::canvas::Canvas;
 use crate::ending::Ending;
-use crate::legend::{Legend, Look, Looks};
+use crate::legend::{Legend, Look};
 use crate::number::{counted, number};
 use crate::panels::{INSIDE, MOST_LINES, Room, grid, nothing, too_many};
 use crate::part::Part;
 use crate::rows::{RunRow, problems, runs};
-use crate::series::{draw_empty, draw_points, series};
+use crate::series::{draw_empty, draw_signs, series};
 use crate::signs::{Sign, endings};
 use crate::statistics::padded;
-use crate::style::{BEST, DASHES, Mark, Pen, TOLERANCE};
+use crate::style::{BEST, DASHES, MARKS, Mark, Pen, SPARE, TOLERANCE};
 
 const KEY: &str = "relaxation";
 
@@ -46,8 +46,7 @@ pub(crate) fn parts(tables: &Tables) -> Result<Vec<Part>, ReportError> {
     let note: String = all.iter().filter_map(sentence).collect();
     let rule = "\nThe best fixed ω fails on the fewest problems, and among such has the least geometric mean of iterations; a \
                 run that failed counts with all iterations that it was allowed.\n";
-    let figure = Part::figure(KEY, figure(&runs, &all)?);
-    Ok(vec![figure, Part::table(KEY, table(&all)?, format!("{rule}{note}"))])
+    Ok(vec![figure(&runs, &all)?, Part::table(KEY, table(&all)?, format!("{rule}{note}"))])
 }
 
 fn omega(run: &RunRow) -> Option<f64> {
@@ -130,28 +129,29 @@ fn kind(problem: &str) -> String {
     problem.split(' ').filter(|word| !word.starts_with("seed=")).collect::<Vec<_>>().join(" ")
 }
 
-/// Looks of the kinds of problem, in the order of the study.
+/// Looks of the kinds of problem, in the order of the study: none of a method.
 fn looks(runs: &[RunRow]) -> (Vec<(String, Look)>, BTreeMap<String, Look>) {
     let mut entries: Vec<(String, Look)> = Vec::new();
     for kind in problems(runs).into_iter().map(kind) {
         if !entries.iter().any(|(known, _)| *known == kind) {
             let n = entries.len();
-            let (pen, mark) = Looks::nth(n);
-            entries
-                .push((kind, Look { pen: Pen { width: 0.3, dash: DASHES[n % DASHES.len()], ..pen }, mark }));
+            let color = SPARE[n % SPARE.len()].shades[0];
+            let pen = Pen { color, width: 0.3, dash: DASHES[n % DASHES.len()] };
+            entries.push((kind, Look { pen, mark: MARKS[n % MARKS.len()] }));
         }
     }
     let by_kind = entries.iter().cloned().collect();
     (entries, by_kind)
 }
 
-fn figure(runs: &[RunRow], all: &[Swept]) -> Result<String, ReportError> {
+fn figure(runs: &[RunRow], all: &[Swept]) -> Result<Part, ReportError> {
     let lines: usize = all.iter().map(|swept| swept.problems.len()).sum();
     if lines == 0 {
-        return nothing(KEY, "no method was run with several values of `relaxation`");
+        let why = "no method was run with several values of `relaxation`";
+        return Ok(nothing(KEY, "Iterations against ω", why));
     }
     if lines > MOST_LINES {
-        return too_many(KEY, lines);
+        return Ok(too_many(KEY, "Iterations against ω", lines));
     }
     let shown: Vec<&RunRow> = all.iter().flat_map(|swept| &swept.problems).flatten().copied().collect();
     let (entries, looks) = looks(runs);
@@ -165,9 +165,10 @@ fn figure(runs: &[RunRow], all: &[Swept]) -> Result<String, ReportError> {
     });
     let title = format!("{}{}", counted(shown.len(), "run"), stop.unwrap_or_default());
     let columns = last.min(2);
-    grid(&[title], (columns, last.div_ceil(columns)), &legend, |canvas, i, room| {
+    let svg = grid(&[title], (columns, last.div_ceil(columns)), &legend, |canvas, i, room| {
         all.get(i).map_or(Ok(()), |swept| panel(canvas, swept, &looks, room))
-    })
+    })?;
+    Ok(Part::figure(KEY, svg))
 }
 
 /// Where ω is on its axis; what is not below 2 has no place there.
@@ -203,7 +204,7 @@ fn panel(
         let points: Vec<_> = runs.iter().filter_map(point).collect();
         let converged = points.iter().filter(|(ending, _)| *ending == Ending::Converged);
         canvas.line(&converged.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>(), look.pen)?;
-        draw_points(canvas, &frame, look, &points)?;
+        draw_signs(canvas, &frame, &[(look, points.as_slice())])?;
         if let Some((_, point)) = best(runs).and_then(|run| point(&run)) {
             canvas.mark(Mark::Ring, frame.place(point), BEST)?;
         }

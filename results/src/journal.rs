@@ -1,4 +1,5 @@
-//! The journal of a study: one line of JSON per run, written at once, never changed.
+//! The journal of a study: one line of JSON per run, written at once, never changed. The last key of each line is the
+//! checksum of all before it.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Write};
@@ -7,9 +8,10 @@ use std::time::{Duration, Instant};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 use crate::provenance::ProvenanceError;
-use crate::schema::{Run, Sample, Snapshot};
+use crate::schema::{Run, STATUSES, Sample, Snapshot};
 use crate::store::{StoreError, at};
 
 /// What the journal of a study holds, one per line.
@@ -17,16 +19,122 @@ pub trait Entry: Serialize + DeserializeOwned {
     /// Hash of all that decides what counts of it: of two with one id the later counts.
     fn id(&self) -> &str;
 
-    /// Refuses what could not be traced.
+    /// Name of the method.
+    fn method(&self) -> &str;
+
+    /// What was run on what, as it is told to the user.
+    fn name(&self) -> String;
+
+    /// What two of one id have in common, whatever made them: name and value of each.
+    fn counts(&self) -> Vec<(String, String)>;
+
+    /// Refuses what could not be traced, or ended as nothing ends.
     ///
     /// # Errors
     ///
-    /// Names what is missing.
-    fn check(&self) -> Result<(), ProvenanceError>;
+    /// Names what is missing or wrong.
+    fn check(&self) -> Result<(), EntryError>;
+
+    /// The first count in which two of one id differ: its name, the value here, that of the `other`.
+    fn difference(&self, other: &Self) -> Option<(String, String, String)> {
+        let (mut ours, mut theirs) = (self.counts().into_iter(), other.counts().into_iter());
+        let none = || "none".to_owned();
+        loop {
+            match (ours.next(), theirs.next()) {
+                (None, None) => return None,
+                (Some((_, a)), Some((_, b))) if a == b => {}
+                (Some((name, a)), Some((_, b))) => return Some((name, a, b)),
+                (Some((name, a)), None) => return Some((name, a, none())),
+                (None, Some((name, b))) => return Some((name, none(), b)),
+            }
+        }
+    }
+}
+
+/// Why a row is not stored, or not believed.
+#[derive(Debug, Error)]
+pub enum EntryError {
+    /// It does not say where it comes from.
+    #[error(transparent)]
+    Untraced(#[from] ProvenanceError),
+    /// A text is none of those that it can be.
+    #[error("`{key}` is \"{value}\": it must be one of {}", known.join(", "))]
+    Name {
+        /// Key of the text.
+        key: &'static str,
+        /// The text.
+        value: String,
+        /// What it can be.
+        known: Vec<&'static str>,
+    },
+}
+
+impl EntryError {
+    /// Refuses a text that is none of the `known` ones.
+    ///
+    /// # Errors
+    ///
+    /// Names the key, the text and those that are known.
+    pub fn unless_known(key: &'static str, value: &str, known: &[&'static str]) -> Result<(), Self> {
+        if known.contains(&value) {
+            return Ok(());
+        }
+        Err(Self::Name { key, value: value.to_owned(), known: known.to_vec() })
+    }
+}
+
+/// Why a line of a journal is not taken.
+#[derive(Debug, Error)]
+pub enum LineError {
+    /// It was changed after it was written.
+    #[error("damaged: its checksum is {found}, and `{CHECKSUM}` says {written}")]
+    Damaged {
+        /// Of what stands there.
+        found: String,
+        /// Of what was written.
+        written: String,
+    },
+    /// It is no row, or one of another version of the schema.
+    #[error("not a run as this version writes them: {0}")]
+    Json(#[from] serde_json::Error),
+    /// A value in it cannot be.
+    #[error(transparent)]
+    Entry(#[from] EntryError),
+}
+
+/// Key of the checksum: CRC-32 of the line before the comma in front of it.
+const CHECKSUM: &str = "crc32";
+
+/// The end of a line, in place of the bracket that closes it.
+fn seal(line: &[u8]) -> String {
+    format!(",\"{CHECKSUM}\":\"{:08x}\"}}", crc32fast::hash(line))
+}
+
+/// Reads a line of a journal, without its end, and whether it has a checksum: those from before there were any have none.
+///
+/// # Errors
+///
+/// If it is damaged, or is no row.
+pub fn entry<R: Entry>(line: &[u8]) -> Result<(R, bool), LineError> {
+    let whole = line.len().checked_sub(seal(b"").len()).map(|end| line.split_at(end));
+    let key = format!(",\"{CHECKSUM}\":\"");
+    let whole = whole.filter(|(_, end)| end.starts_with(key.as_bytes()));
+    let record: R = match whole {
+        // Where the key of the checksum is damaged it is one that no row has.
+        None => serde_json::from_slice(line)?,
+        Some((row, end)) if seal(row).as_bytes() == end => serde_json::from_slice(&[row, b"}"].concat())?,
+        Some((row, end)) => {
+            let checksum = |end: &[u8]| String::from_utf8_lossy(&end[key.len()..]).replace(['"', '}'], "");
+            return Err(LineError::Damaged { found: checksum(seal(row).as_bytes()), written: checksum(end) });
+        }
+    };
+    record.check()?;
+    Ok((record, whole.is_some()))
 }
 
 /// A run with its curve: one line of the journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Record {
     /// The row.
     pub run: Run,
@@ -42,11 +150,25 @@ impl Entry for Record {
         &self.run.id
     }
 
-    fn check(&self) -> Result<(), ProvenanceError> {
+    fn method(&self) -> &str {
+        &self.run.method
+    }
+
+    fn name(&self) -> String {
+        let Run { method, variant, problem, .. } = &self.run;
+        format!("{} on {problem}", format!("{method} {variant}").trim_end())
+    }
+
+    fn counts(&self) -> Vec<(String, String)> {
+        self.run.counts()
+    }
+
+    fn check(&self) -> Result<(), EntryError> {
+        EntryError::unless_known("status", &self.run.status, &STATUSES)?;
         if self.run.problem_hash.is_empty() {
-            return Err(ProvenanceError::Unknown("problem_hash"));
+            return Err(ProvenanceError::Unknown("problem_hash").into());
         }
-        self.run.provenance.check()
+        Ok(self.run.provenance.check()?)
     }
 }
 
@@ -55,6 +177,8 @@ impl Entry for Record {
 pub struct Lines<R> {
     /// Its runs, in the order in which they ended.
     pub records: Vec<R>,
+    /// Those of them, by index, whose line has no checksum.
+    old: Vec<usize>,
     /// Length of a last line that has no end: whoever wrote it was stopped (bytes).
     pub torn: u64,
     /// Length of all lines before it (bytes).
@@ -67,7 +191,7 @@ pub struct Lines<R> {
 ///
 /// If the file cannot be read, or a line that has an end is not a run.
 pub fn read<R: Entry>(path: &Path) -> Result<Lines<R>, StoreError> {
-    let mut lines = Lines { records: Vec::new(), torn: 0, whole: 0 };
+    let mut lines = Lines { records: Vec::new(), old: Vec::new(), torn: 0, whole: 0 };
     let mut reader = match File::open(path) {
         Ok(file) => BufReader::new(file),
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(lines),
@@ -77,14 +201,36 @@ pub fn read<R: Entry>(path: &Path) -> Result<Lines<R>, StoreError> {
     loop {
         line.clear();
         let length = reader.read_until(b'\n', &mut line).map_err(at(path))? as u64;
-        if line.last() != Some(&b'\n') {
+        if line.pop_if(|end| *end == b'\n').is_none() {
             lines.torn = length;
             return Ok(lines);
         }
-        let number = lines.records.len() + 1;
-        let not_a_run = |source| StoreError::Line { path: path.to_owned(), line: number, source };
-        lines.records.push(serde_json::from_slice(&line).map_err(not_a_run)?);
+        let (record, sealed) = entry(&line).map_err(at_line(path, lines.records.len()))?;
+        if !sealed {
+            lines.old.push(lines.records.len());
+        }
+        lines.records.push(record);
         lines.whole += length;
+    }
+}
+
+fn at_line(path: &Path, index: usize) -> impl FnOnce(LineError) -> StoreError {
+    move |source| StoreError::Line { path: path.to_owned(), line: index + 1, source }
+}
+
+impl<R: Entry> Lines<R> {
+    /// Refuses a method that is none of the `known` ones where no checksum says that it was written so: whoever wrote a
+    /// line with one knew the method, which may be gone since.
+    ///
+    /// # Errors
+    ///
+    /// Names the line of the journal `path`, the method and those that are known.
+    pub fn check_methods(&self, path: &Path, known: &[&'static str]) -> Result<(), StoreError> {
+        for &index in &self.old {
+            EntryError::unless_known("method", self.records[index].method(), known)
+                .map_err(|error| at_line(path, index)(error.into()))?;
+        }
+        Ok(())
     }
 }
 
@@ -114,6 +260,8 @@ impl Journal {
 
     pub(crate) fn append<R: Entry>(&mut self, record: &R) -> Result<(), StoreError> {
         let mut line = serde_json::to_vec(record).map_err(|e| at(&self.path)(e.into()))?;
+        line.pop();
+        line.extend(seal(&line).bytes());
         line.push(b'\n');
         if let Err(error) = self.file.write_all(&line) {
             // The next reader would drop the half line all the same.

@@ -1,7 +1,7 @@
 //! Where a row comes from: build, machine, time.
 
 use jiff::Timestamp;
-use sysinfo::{CpuRefreshKind, RefreshKind, System};
+use sysinfo::{CpuRefreshKind, MemoryRefreshKind, RefreshKind, System};
 use thiserror::Error;
 
 use crate::schema::Provenance;
@@ -66,6 +66,15 @@ impl Provenance {
 /// Processes that ran or waited to, on average over the last minute (–); NaN where the system does not tell.
 pub fn load_average() -> f64 {
     System::load_average().map_or(f64::NAN, |load| load.one)
+}
+
+/// What this process can still take of the memory (B); `None` where the system does not tell.
+pub fn available_memory() -> Option<u64> {
+    let wanted = RefreshKind::nothing().with_memory(MemoryRefreshKind::nothing().with_ram());
+    let system = System::new_with_specifics(wanted).ok()?;
+    // What a group keeps of files, the system takes back when it is needed.
+    let of_group = system.cgroup_limits().map_or(u64::MAX, |l| l.total_memory.saturating_sub(l.rss));
+    Some(system.available_memory().min(of_group)).filter(|free| *free > 0)
 }
 
 fn now() -> String {

@@ -53,7 +53,7 @@ pub struct Run {
     pub tolerance: f64,
     /// Greatest number of iterations allowed.
     pub max_iterations: u64,
-    /// `converged`, `iteration-limit`, `diverged` or `infeasible`; `false-convergence` if the measure met the tolerance
+    /// `converged`, `iteration-limit`, `stalled`, `diverged` or `infeasible`; `false-convergence` if the measure met the tolerance
     /// far from a solution, or where there is none (`solvers/contact/src/convergence.rs` has the rule); `skipped` if
     /// the method could not start on the problem; `given` for impulses of another code, which no run here made.
     pub status: String,
@@ -176,16 +176,29 @@ pub struct Provenance {
     pub started_utc: String,
 }
 
+/// Every [`Run::status`] that a journal can hold.
+pub const STATUSES: [&str; 7] =
+    ["converged", "iteration-limit", "stalled", "diverged", "infeasible", "false-convergence", "skipped"];
+
 impl Run {
+    /// How it ended and the work that it counted, by name: the same for all runs of one id.
+    pub fn counts(&self) -> Vec<(String, String)> {
+        let end = self.end;
+        let counts = [
+            ("iterations", self.iterations),
+            ("contact_updates", end.contact_updates),
+            ("delassus_products", end.delassus_products),
+            ("interface_values", end.interface_values),
+            ("triangular_solve_entries", end.triangular_solve_entries),
+            ("factorisations", end.factorisations),
+        ];
+        let counts = counts.map(|(name, count)| (name.to_owned(), count.to_string()));
+        std::iter::once(("status".to_owned(), self.status.clone())).chain(counts).collect()
+    }
+
     /// Whether the two ended alike and counted the same work: what two runs of one id always do.
     pub fn same_counts(&self, other: &Self) -> bool {
-        let counts = |run: &Self| {
-            let end = run.end;
-            let work = [end.contact_updates, end.delassus_products, end.interface_values];
-            let factors = [end.triangular_solve_entries, end.factorisations];
-            (run.status.clone(), run.iterations, work, factors)
-        };
-        counts(self) == counts(other)
+        self.counts() == other.counts()
     }
 }
 

@@ -4,7 +4,7 @@ use polars::df;
 use polars::prelude::{DataFrame, PolarsResult};
 use serde::{Deserialize, Serialize};
 
-use crate::journal::Entry;
+use crate::journal::{Entry, EntryError};
 use crate::number;
 use crate::provenance::ProvenanceError;
 use crate::schema::{Provenance, Timing};
@@ -104,6 +104,9 @@ pub struct Simulation {
     pub provenance: Provenance,
 }
 
+/// Every [`Simulation::status`] that a journal can hold.
+const STATUSES: [&str; 5] = ["completed", "exploded", "solver-diverged", "no-solution", "skipped"];
+
 /// A row of a series: what a simulation shows of itself at an instant, and the extremes since the row before.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Observed {
@@ -143,6 +146,7 @@ pub struct Observed {
 
 /// A simulation with its series: one line of the journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Simulated {
     /// The row.
     pub simulation: Simulation,
@@ -155,11 +159,38 @@ impl Entry for Simulated {
         &self.simulation.id
     }
 
-    fn check(&self) -> Result<(), ProvenanceError> {
+    fn method(&self) -> &str {
+        &self.simulation.method
+    }
+
+    fn name(&self) -> String {
+        let Simulation { method, variant, scene, .. } = &self.simulation;
+        format!("{} on {scene}", format!("{method} {variant}").trim_end())
+    }
+
+    fn counts(&self) -> Vec<(String, String)> {
+        let s = &self.simulation;
+        let counts = [
+            ("time_steps", s.time_steps),
+            ("missed_time_steps", s.missed_time_steps),
+            ("iterations", s.iterations),
+            ("contact_updates", s.contact_updates),
+            ("delassus_products", s.delassus_products),
+            ("triangular_solve_entries", s.triangular_solve_entries),
+            ("factorisations", s.factorisations),
+        ];
+        let counts = counts.map(|(name, count)| (name.to_owned(), count.to_string()));
+        // NaN is what it is, here.
+        let rows = self.series.iter().map(|row| (format!("series at {} s", row.time_s), format!("{row:?}")));
+        std::iter::once(("status".to_owned(), s.status.clone())).chain(counts).chain(rows).collect()
+    }
+
+    fn check(&self) -> Result<(), EntryError> {
+        EntryError::unless_known("status", &self.simulation.status, &STATUSES)?;
         if self.simulation.scene_hash.is_empty() {
-            return Err(ProvenanceError::Unknown("scene_hash"));
+            return Err(ProvenanceError::Unknown("scene_hash").into());
         }
-        self.simulation.provenance.check()
+        Ok(self.simulation.provenance.check()?)
     }
 }
 

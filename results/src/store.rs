@@ -10,12 +10,12 @@ use polars::prelude::{CsvWriter, DataFrame, ParquetWriter, PolarsError, SerWrite
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::journal::{Entry, Journal, Lines, Record, read as read_journal};
-use crate::provenance::ProvenanceError;
+use crate::journal::{Entry, EntryError, Journal, LineError, Lines, Record, read as read_journal};
 use crate::schema::Snapshot;
 use crate::simulation::{Simulated, SimulationTables};
 use crate::tables::snapshots_table;
 pub(crate) use files::at;
+pub use files::behind_links;
 use files::{lock, new_dated_folder, read_parquet, write_whole};
 
 const JOURNAL: &str = "journal.jsonl";
@@ -70,15 +70,15 @@ pub enum StoreError {
         /// Why.
         source: PolarsError,
     },
-    /// A line of a journal is no run, or one of another version of the schema.
-    #[error("{path}, line {line}: not a run as this version writes them: {source}")]
+    /// A line of a journal is damaged, or no run as this version writes them.
+    #[error("{path}, line {line}: {source}")]
     Line {
         /// Which journal.
         path: PathBuf,
         /// Which line, counted from 1.
         line: usize,
         /// Why.
-        source: serde_json::Error,
+        source: LineError,
     },
     /// Another process writes to the study.
     #[error("{folder} is being written by {holder}: wait until it ends, or stop it")]
@@ -88,9 +88,9 @@ pub enum StoreError {
         /// Who writes.
         holder: String,
     },
-    /// A run does not say where it comes from.
+    /// A run does not say where it comes from, or ended as nothing ends.
     #[error(transparent)]
-    Untraced(#[from] ProvenanceError),
+    Entry(#[from] EntryError),
     /// A plan's name is the name of a folder.
     #[error("plan `{0}`: its name must be one folder's name, not starting with a dot")]
     Plan(String),
@@ -130,6 +130,15 @@ impl<R: Entry> Store<R> {
     /// All runs, in the order in which they ended: of two with one id, the later counts.
     pub fn records(&self) -> &[R] {
         &self.lines.records
+    }
+
+    /// Refuses what [`Lines::check_methods`] does.
+    ///
+    /// # Errors
+    ///
+    /// Its errors.
+    pub fn check_methods(&self, known: &[&'static str]) -> Result<(), StoreError> {
+        self.lines.check_methods(&self.folder.join(JOURNAL), known)
     }
 
     /// Length of a torn last line that was dropped (bytes); 0 if there was none.
@@ -217,13 +226,17 @@ impl Store<Simulated> {
     }
 }
 
-/// The runs that a study's folder holds at this moment, whoever writes to it; none if it is not there.
+/// The runs, by one of the `known` methods, that a study's folder holds at this moment, whoever writes to it; none if it is
+/// not there.
 ///
 /// # Errors
 ///
 /// If its journal cannot be read.
-pub fn records_of<R: Entry>(folder: &Path) -> Result<Vec<R>, StoreError> {
-    Ok(read_journal(&folder.join(JOURNAL))?.records)
+pub fn records_of<R: Entry>(folder: &Path, known: &[&'static str]) -> Result<Vec<R>, StoreError> {
+    let path = folder.join(JOURNAL);
+    let lines = read_journal(&path)?;
+    lines.check_methods(&path, known)?;
+    Ok(lines.records)
 }
 
 /// The journals of all studies below `root`, by name; none if it is not there.

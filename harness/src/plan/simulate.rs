@@ -1,10 +1,10 @@
 //! The table `[simulate]`: it makes of a plan a study through time, of simulations instead of single problems.
 
-use super::axes::{Settings, combinations};
+use super::axes::{Settings, combinations, count};
 use super::{Variant, last_parts, pairs};
 use crate::methods::Method;
 use anyhow::{Context, Result, anyhow, bail};
-use contact::{Measure, Stop};
+use contact::{Measure, Stop, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -70,7 +70,10 @@ impl Simulate {
     /// Every rule with its name; what it leaves open is the plan's.
     pub(super) fn rules(&self, stop: &Stop, warm_start: bool) -> Result<Vec<(Rule, String)>> {
         if !(self.sample_every_s > 0.0 && self.sample_every_s.is_finite()) {
-            bail!("`simulate.sample_every_s` is {}: it must be positive and finite", self.sample_every_s);
+            bail!(
+                "`simulate.sample_every_s` is {}: it must be positive and finite",
+                shown(self.sample_every_s)
+            );
         }
         let Stop { on, tolerance, max_iterations } = *stop;
         let plan = serde_json::to_value(Keys { on, tolerance, max_iterations, warm_start })?;
@@ -92,6 +95,11 @@ impl Simulate {
             rules.push((Rule { stop, warm_start }, name));
         }
         Ok(rules)
+    }
+
+    /// Number of rules.
+    pub(super) fn count(&self) -> Result<f64> {
+        count(&self.zip, &self.axes).context("`simulate`")
     }
 
     /// The key of a rule that is asked for in place of the plan's no longer varies.

@@ -5,6 +5,7 @@ use crate::inputs::content_hash;
 use crate::plan::{PlannedCase, Settings, Simulate};
 use anyhow::{Context, Result, bail};
 use cases::{Case, March};
+use contact::shown;
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
@@ -47,11 +48,17 @@ impl Scene {
         let h = case.scene.time_step_s;
         let Some(every) = whole(every_s / h) else {
             bail!(
-                "`simulate.sample_every_s` is {every_s}: it must be a whole number of the time step, {h} s"
+                "`simulate.sample_every_s` is {}: it must be a whole number of the time step, {} s",
+                shown(every_s),
+                shown(h)
             );
         };
         let Some(rows) = whole(duration_s / every_s) else {
-            bail!("`duration_s` is {duration_s}: it must be a whole number of `sample_every_s`, {every_s} s");
+            bail!(
+                "`duration_s` is {}: it must be a whole number of `sample_every_s`, {} s",
+                shown(duration_s),
+                shown(every_s)
+            );
         };
         // The first problem of the case tells its sample, which other files may hold.
         let first = content_hash(&March::new(&case)?.next()?.frozen);

@@ -6,6 +6,8 @@ mod common;
 mod degenerate;
 mod endings;
 mod freeze;
+#[cfg(unix)]
+mod outputs;
 mod page;
 mod plans;
 mod refused_files;

@@ -95,9 +95,110 @@ fn unknown_key_is_refused_with_the_known_ones() {
 fn missing_and_repeated_keys_are_refused() {
     let mut without = pair();
     without["contacts"].as_object_mut().unwrap().remove("gap");
-    refused(&without.to_string(), &["`contacts`", "missing", "`gap`"]);
+    refused(&without.to_string(), &["missing key `contacts.gap`"]);
     let twice = pair().to_string().replacen('{', "{\"name\":\"one more\",", 1);
     refused(&twice, &["duplicate", "`name`"]);
+}
+
+#[test]
+fn all_keys_that_a_file_lacks_are_named_at_once() {
+    let mut without = pair();
+    for key in ["name", "time_step"] {
+        without.as_object_mut().unwrap().remove(key);
+    }
+    without["contacts"].as_object_mut().unwrap().remove("gap");
+    refused(&without.to_string(), &["missing keys: `name`, `time_step`, `contacts.gap`"]);
+    refused("{}", &["missing keys: `format`, `name`, `source`, `time_step`, `grains`, `contacts`"]);
+    let folder = TempDir::new().unwrap();
+    let case =
+        write(&folder, "bad.toml", "name = \"bad\"\n[sample]\nkind = \"column\"\ngrains = 3\n[scene.box]\n");
+    let keys =
+        "missing keys: `why`, `source`, `known`, `solve_at`, `sample.radius_m`, `sample.density_kg_per_m2`, ";
+    let scene = "`scene.law`, `scene.time_step_s`, `scene.gravity_m_per_s2`";
+    gravel(&["solve", text(&case)]).refused(&["bad.toml: ", keys, scene]);
+    let of_kind =
+        ["column.toml: with sample.kind = triangular: ", "missing keys: `sample.columns`, `sample.rows`"];
+    gravel(&["solve", "column", "--scene", "sample.kind=triangular"]).refused(&of_kind[..1]);
+    let case = write(&folder, "bad.toml", "sample = {}\n");
+    gravel(&["solve", text(&case)]).refused(&["`sample.kind`", "`scene`"]);
+    let plan = write(&folder, "plan.toml", "name = \"p\"\n[simulate]\n[[methods]]\n[[cases]]\n");
+    let keys = "missing keys: `why`, `stop`, `methods[0].method`";
+    gravel(&["bench", text(&plan)]).refused(&["plan.toml: ", "`cases[0].case`", "`simulate.reference`"]);
+    gravel(&["bench", text(&plan)]).refused(&["`methods[0].method`", &keys[..20]]);
+}
+
+#[test]
+fn list_in_place_of_keys_is_refused_in_the_words_of_the_file() {
+    let words = ["bad.json: the file holds a list: it must hold the keys `format`"];
+    refused("[]", &words);
+    refused("[1, 2]", &words);
+    let records = json!([{ "mass": 1.0, "radius": 0.5 }]);
+    refused_with("/grains", records, &["`grains` holds a list: it must hold the keys `mass`, `radius`"]);
+    refused_with(
+        "/grains/mass",
+        json!([[]]),
+        &["`grains.mass[0]`: invalid type: sequence, expected a number"],
+    );
+    let folder = TempDir::new().unwrap();
+    let problem = write(&folder, "pair.json", &pair().to_string());
+    let impulses = write(&folder, "r.json", "[]");
+    let certify = ["certify", text(&problem), "--impulses", text(&impulses)];
+    gravel(&certify).refused(&["r.json: the file holds a list: it must hold the keys `impulse`"]);
+}
+
+#[test]
+fn name_that_leads_elsewhere_is_refused() {
+    for name in ["../pair", "a/b", "", ".pair", "c:pair", "a\nb"] {
+        refused_with("/name", json!(name), &["`name` is \"", "files are named after it"]);
+    }
+    let folder = TempDir::new().unwrap();
+    let case = std::fs::read_to_string(crate::common::checkout().join("cases/column.toml")).unwrap();
+    let case = case.replacen("name = \"column\"", "name = \"../../column\"", 1);
+    let case = write(&folder, "column.toml", &case);
+    let vtk = folder.path().join("inner/vtk");
+    let simulate = ["simulate", text(&case), "--time-steps", "1", "--vtk", text(&vtk)];
+    gravel(&simulate).refused(&["column.toml: `name` is \"../../column\"", "files are named after it"]);
+    assert_eq!(crate::common::entries(folder.path()), ["column.toml"]);
+    let odd = folder.path().join("a:b.json");
+    gravel(&["freeze", "column", "--time-step", "1", "-o", text(&odd)])
+        .refused(&["a:b.json", "`name` is \"a:b\""]);
+}
+
+#[test]
+fn numbers_are_told_in_few_characters() {
+    refused_with("/contacts/start", json!([0.0, -1e200]), &["`contacts.start[1]` is -1e200:"]);
+    refused_with("/time_step", json!(-1e-200), &["`time_step` is -1e-200:"]);
+    refused_with(
+        "/contacts/normal",
+        json!([[0.0, 1.0], [0.0, 1e200]]),
+        &["`contacts.normal[1]` is [0, 1e200] of"],
+    );
+    let solve = |args: &[&str]| gravel(&[&["solve", "column"], args].concat());
+    solve(&["--scene", "scene.theta=1e200"]).refused(&["`scene.theta` is 1e200:"]);
+    solve(&["--method", "nsgs", "--set", "relaxation=-1e200"]).refused(&["`relaxation` is -1e200:"]);
+    solve(&["--tolerance", "-1e200"]).refused(&["`tolerance` is -1e200:"]);
+}
+
+#[test]
+fn mass_whose_inverse_overflows_is_refused_for_that() {
+    let words = ["`grains.mass[0]` is 5e-324: it must be at least 5.6e-309, or its inverse overflows"];
+    refused_with("/grains/mass", json!([5e-324, 1.0]), &words);
+    let folder = TempDir::new().unwrap();
+    let light = pair_with("/grains/mass", json!([5.6e-309, 1.0]));
+    let file = write(&folder, "light.json", &light.to_string());
+    gravel(&["solve", text(&file), "--max-iterations", "1"]).succeeded();
+}
+
+#[cfg(unix)]
+#[test]
+fn link_that_leads_to_itself_is_told() {
+    let folder = TempDir::new().unwrap();
+    let link = folder.path().join("loop.json");
+    std::os::unix::fs::symlink(&link, &link).unwrap();
+    gravel(&["solve", text(&link)]).refused(&["loop.json: it cannot be read: ", "links"]);
+    std::fs::remove_file(&link).unwrap();
+    std::os::unix::fs::symlink(folder.path().join("absent.json"), &link).unwrap();
+    gravel(&["solve", text(&link)]).refused(&["loop.json: it cannot be read: ", "No such file"]);
 }
 
 #[test]

@@ -86,10 +86,47 @@ fn unknown_chart_of_a_plan_is_refused_with_the_known_ones() {
 
 #[test]
 fn plan_whose_name_is_no_folder_is_refused() {
-    for name in ["", "../bad", ".bad"] {
+    for name in ["", "../bad", ".bad", "a/b", "a\\\\b"] {
         let study = Study::new();
         let file = write(study.folder(), "harness/plans/bad.toml", &plan(name, &["pair"], NSGS));
-        study.gravel(&["bench", text(&file)]).refused(&[&format!("plan `{name}`"), "name"]);
+        for command in [&["bench"][..], &["report"], &["figure", "size"], &["plan"], &["bless"]] {
+            let words = ["bad.toml: `name` is \"", name, "files are named after it"];
+            study.gravel(&[command, &[text(&file)]].concat()).refused(&words);
+        }
         assert_eq!(entries(study.folder().path()), ["cases", "harness"]);
     }
+}
+
+#[test]
+fn more_runs_than_anyone_means_are_refused_before_one_is_planned() {
+    let nsgs = |axes: &str| plan("bad", &["pair"], &format!("{NSGS}axes = {{ {axes} }}\n"));
+    refused(
+        &nsgs("relaxation = [1.0], seed = \"1..1000000000\""),
+        &["method `nsgs`", "`seed`", "at most 100000"],
+    );
+    let product = nsgs("seed = \"1..1000\", relaxation = \"lin(0.001, 1, 1000)\"");
+    refused(&product, &["1 problems, 1000000 variants of methods on each", "at most 100000"]);
+    let cases = "[[cases]]\ncase = \"column\"\naxes = { \"sample.grains\" = \"1..90000\" }\n";
+    let cases = plan("bad", &["pair"], &format!("{NSGS}axes = {{ seed = [1, 2] }}\n{cases}"));
+    refused(&cases, &["90001 problems, 2 variants", "at most 100000"]);
+    let repeats = format!("repeats = 4294967295\n{}", plan("bad", &["pair"], NSGS));
+    refused(&repeats, &["`repeats` is 4294967295: it must be at most 1000"]);
+}
+
+#[test]
+fn reference_of_a_study_through_time_is_refused_with_its_file() {
+    let through_time = |reference: &str| {
+        let simulate = format!(
+            "[[cases]]\ncase = \"column\"\n[simulate]\nduration_s = 0.01\nsample_every_s = 0.005\n\
+             [simulate.reference]\n{reference}\n"
+        );
+        plan("bad", &[], &format!("{NSGS}{simulate}"))
+    };
+    let method = "method = \"cgg\"\ntolerance = 1e-8";
+    refused(
+        &through_time(method),
+        &["bad.toml: `simulate.reference`: unknown method `cgg`; did you mean `cg`?"],
+    );
+    let tolerance = "method = \"cg\"\ntolerance = -1.0";
+    refused(&through_time(tolerance), &["bad.toml: `simulate.reference`: `tolerance` is -1:"]);
 }

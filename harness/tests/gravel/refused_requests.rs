@@ -32,6 +32,49 @@ fn unknown_setting_is_refused_with_the_known_ones() {
 }
 
 #[test]
+fn setting_by_the_name_of_another_code_is_refused_with_its_own() {
+    refused_setting(
+        "nsgs",
+        "omega=1.5",
+        &["unknown field `omega`; did you mean `relaxation`? Expected one of"],
+    );
+    refused_setting("latin-dd", "kappa=1", &["did you mean `kappa_l"]);
+    refused_setting("nsgs", "mu=0.3", &["contacts here are without friction"]);
+}
+
+#[test]
+fn name_that_was_meant_is_told_before_the_list() {
+    let told = [
+        "no problem or case `colum`, and no file of that path seen from the current folder; did you mean `column`? (there are ",
+    ];
+    gravel(&["solve", "colum"]).refused(&told);
+    refused(
+        &["--method", "latindd"],
+        &["unknown method `latindd`; did you mean `latin-dd`? (there are nsgs, "],
+    );
+}
+
+#[test]
+fn more_than_a_machine_has_is_refused_by_the_key_that_asks() {
+    let solve = |case: &str, key: &str, words: &[&str]| {
+        gravel(&["solve", case, "--scene", key])
+            .refused(&[&[".toml: ", " GB of memory, and "], words].concat());
+    };
+    solve("column", "sample.grains=4294967295", &["column.toml", "`sample.grains` is 4294967295: "]);
+    solve("deposited-box", "sample.grains=4294967295", &["`sample.grains` is 4294967295: "]);
+    solve("rollers", "sample.rollers=4294967295", &["`sample.rollers` is 4294967295: "]);
+    solve("column", "scene.contact_copies=4294967295", &["`scene.contact_copies` is 4294967295: "]);
+    let simulate = ["simulate", "column", "--time-steps", "1", "--scene", "sample.grains=4294967295"];
+    gravel(&simulate).refused(&["`sample.grains`", "memory"]);
+    refused(&["--threads", "10000"], &["--threads", "'10000'", "it must be at most "]);
+    gravel(&["bench", "--jobs", "10000"]).refused(&["--jobs", "'10000'", "it must be at most "]);
+    gravel(&["bench", "--repeats", "4294967295"]).refused(&["--repeats 4294967295: it must be at most 1000"]);
+    for method in ["nsgs-dd", "latin-dd"] {
+        refused_setting(method, "subdomains=100000x100000", &["is 100000x100000:", "at most 2"]);
+    }
+}
+
+#[test]
 fn setting_of_another_type_is_refused_with_its_value() {
     refused_setting("nsgs", "relaxation=abc", &["\"abc\""]);
     refused_setting("nsgs", "relaxation=NaN", &["\"NaN\""]);
@@ -117,7 +160,10 @@ fn change_of_a_case_that_its_file_could_not_hold_is_refused() {
     };
     refused("sample.grain=3", &["sample.grain = 3", "`grain`", "`grains`"]);
     refused("scene.boxx.width_m=3", &["scene.boxx.width_m = 3", "`scene.boxx`", "`box`"]);
-    refused("sample.grains=many", &["sample.grains = many", "u32"]);
+    refused(
+        "sample.grains=many",
+        &["sample.grains = many", "\"many\", expected a whole number, not negative"],
+    );
     refused("scene.law=hertz", &["`scene.law`", "`hertz`", "`iqs`"]);
     refused("scene.law.name=iqs", &["`scene.law.name`", "`law` is a value"]);
     refused("sample.grains=0", &["`sample` has no grain"]);

@@ -1,7 +1,7 @@
 //! `gravel report` and `gravel figure`: a stored study is drawn again, without running it.
 
 use crate::bench::Study;
-use crate::common::{entries, write};
+use crate::common::{entries, text, write};
 use std::fs;
 use std::process::Command;
 
@@ -74,11 +74,29 @@ fn figures_become_png_and_pdf_with_their_font_where_asked() {
     assert_eq!(side(16), 2067);
     let pdf = read("subdomains-pair.pdf");
     assert!(pdf.starts_with(b"%PDF-") && pdf.windows(8).any(|word| word == b"FontFile".as_slice()));
-    study.gravel(&["report", "drawn"]).succeeded();
-    assert!(
-        !study.folder().path().join("reports/out/drawn/subdomains-pair.png").exists(),
-        "asked anew, it is gone"
-    );
+    // What was asked for once is drawn again, by whatever draws, until someone deletes it.
+    let out = study.folder().path().join("reports/out/drawn");
+    for again in [["bench", "drawn"], ["report", "drawn"]] {
+        fs::write(out.join("subdomains-pair.pdf"), "old").unwrap();
+        study.gravel(&again).succeeded();
+        assert!(read("subdomains-pair.png") == png && read("subdomains-pair.pdf") == pdf, "{again:?}");
+    }
+    fs::remove_file(out.join("subdomains-pair.png")).unwrap();
+    study.gravel(&["bench", "drawn"]).succeeded();
+    assert!(!out.join("subdomains-pair.png").exists() && out.join("subdomains-pair.pdf").exists());
+}
+
+#[test]
+fn file_of_the_report_before_that_is_no_longer_made_is_named() {
+    let study = Study::new();
+    write(study.folder(), "harness/plans/drawn.toml", PLAN);
+    let runs = study.bench("drawn");
+    let against = study.gravel(&["report", "drawn", "--against", text(&runs)]).succeeded().stdout;
+    assert!(against.contains("against.csv") && !against.contains("removed"), "{against}");
+    let told = study.gravel(&["bench", "drawn"]).succeeded().stdout;
+    let removed = told.lines().find(|line| line.starts_with("removed")).unwrap();
+    assert!(removed.contains("does not make them: against") && removed.contains("against.csv"), "{removed}");
+    assert!(!study.gravel(&["bench", "drawn"]).succeeded().stdout.contains("removed"));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Studies that are stopped, go on, grow, begin anew and are joined: nothing that ended is lost or made twice.
 
 use crate::bench::{Study, counts, plan, rows, study_of_the_pair_and_a_column};
-use crate::common::{checkout, command, entries, text, write};
+use crate::common::{checkout, command, entries, text, without_checksums, write};
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -78,7 +78,11 @@ fn run_cut_short_in_the_journal_is_told_and_made_again() {
 fn store_that_is_damaged_is_refused_by_its_line_and_kept_by_a_fresh_one() {
     let study = study_of_the_pair_and_a_column();
     let folder = study.bench("small");
-    let damaged = lines(&folder).join("\n").replacen("\"curve\"", "\"carve\"", 1) + "\n";
+    let whole = lines(&folder).join("\n") + "\n";
+    let carved = |text: &str| text.replacen("\"curve\"", "\"carve\"", 1);
+    fs::write(folder.join("journal.jsonl"), carved(&whole)).unwrap();
+    study.gravel(&["bench", "small"]).refused(&["journal.jsonl, line 1: damaged", "checksum", "--fresh"]);
+    let damaged = carved(&without_checksums(&whole));
     fs::write(folder.join("journal.jsonl"), &damaged).unwrap();
     // Refused after the plan was read, before anything ran.
     study.gravel(&["bench", "small"]).refused(&["journal.jsonl, line 1", "`curve`", "--fresh"]);
@@ -120,6 +124,7 @@ fn rows_of_another_machine_or_build_are_told() {
     assert!(!study.gravel(&["bench", "small"]).succeeded().stdout.contains("builds, machines"));
     let processor = rows(folder.join("runs.csv"))[0]["processor"].clone();
     let mut moved = lines(&folder);
+    moved[0] = without_checksums(&moved[0]).trim_end().to_owned();
     moved[0] = moved[0].replacen(&processor, "another processor", 1);
     fs::write(folder.join("journal.jsonl"), moved.join("\n") + "\n").unwrap();
     let told = study.gravel(&["bench", "small"]).succeeded().stdout;
@@ -147,12 +152,58 @@ fn counts_after_bench(study: &Study) -> Vec<std::collections::BTreeMap<String, S
     counts(study, "small", "runs.csv")
 }
 
+/// A line of a journal that counts more contacts updated at the end of the run, without its checksum.
+fn with_other_counts(line: &str) -> String {
+    let line = without_checksums(line);
+    let (before, end) = line.split_once("\"end\":").unwrap();
+    format!("{before}\"end\":{}", end.replacen("\"contact_updates\":", "\"contact_updates\":1", 1))
+}
+
+#[test]
+fn merge_refuses_a_store_whose_counts_differ_and_adds_nothing() {
+    let (here, there) = (study_of_the_pair_and_a_column(), study_of_the_pair_and_a_column());
+    let (ours, theirs) = (here.bench("small"), there.bench("small"));
+    let all = lines(&theirs);
+    fs::write(ours.join("journal.jsonl"), all[..7].join("\n") + "\n").unwrap();
+    let before = lines(&ours);
+    let updates = rows(ours.join("runs.csv"))[0]["contact_updates"].clone();
+    let odd = with_other_counts(&all[0]) + &all[1..].join("\n") + "\n";
+    fs::write(theirs.join("journal.jsonl"), &odd).unwrap();
+    let id = &rows(ours.join("runs.csv"))[0]["id"];
+    let differs = format!("run {id} (nsgs on pair) has contact_updates {updates} here and 1{updates} in ");
+    let merge = |from: &Path| here.gravel(&["merge", "small", text(from)]);
+    merge(&theirs).refused(&[&differs, text(&theirs), "Nothing was merged", "--rerun"]);
+    assert_eq!(lines(&ours), before);
+    // Run again there, with our counts: of two runs of one id the later counts.
+    fs::write(theirs.join("journal.jsonl"), odd + &all[0] + "\n").unwrap();
+    assert!(merge(&theirs).succeeded().stdout.contains("1 of 9 runs are new here"));
+}
+
+#[test]
+fn status_and_method_that_are_none_are_refused_by_their_line() {
+    let study = study_of_the_pair_and_a_column();
+    let folder = study.bench("small");
+    let whole = without_checksums(&(lines(&folder).join("\n") + "\n"));
+    let with = |name: &str, wrong: &str| {
+        fs::write(folder.join("journal.jsonl"), whole.replacen(name, wrong, 1)).unwrap();
+    };
+    with("\"converged\"", "\"convurged\"");
+    study.gravel(&["bench", "small"]).refused(&[
+        "journal.jsonl, line ",
+        "`status` is \"convurged\"",
+        "skipped",
+    ]);
+    with("\"method\":\"nsgs\"", "\"method\":\"nsgr\"");
+    study.gravel(&["bench", "small"]).refused(&["journal.jsonl, line ", "`method` is \"nsgr\"", "nsgs-dd"]);
+    with("none", "none");
+    assert!(study.gravel(&["bench", "small"]).succeeded().stdout.contains("0 of 8 runs to make"));
+}
+
 #[test]
 fn runs_of_one_id_that_count_other_work_are_told() {
     let study = study_of_the_pair_and_a_column();
     let folder = study.bench("small");
-    let first = lines(&folder)[0].replacen("\"contact_updates\":", "\"contact_updates\":1", 1);
-    let text = lines(&folder).join("\n") + "\n" + &first + "\n";
+    let text = lines(&folder).join("\n") + "\n" + &with_other_counts(&lines(&folder)[0]);
     fs::write(folder.join("journal.jsonl"), text).unwrap();
     let told = study.gravel(&["bench", "small"]).succeeded().stdout;
     assert!(told.contains("WARNING") && told.contains("nsgs on pair"), "{told}");

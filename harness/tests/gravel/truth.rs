@@ -64,8 +64,8 @@ fn impulses_of_another_problem_are_refused() {
     let study = Study::new();
     for (content, words) in [
         (json!({ "impulse": [1.0] }), &["`impulse` has 1 values", "2 contacts"][..]),
-        (json!({ "impulses": [1.0, 1.0] }), &["missing field `impulse`"]),
-        (json!({ "impulse": [1.0, "x"] }), &["given.json", "f64"]),
+        (json!({ "impulses": [1.0, 1.0] }), &["missing key `impulse`"]),
+        (json!({ "impulse": [1.0, "x"] }), &["given.json", "expected a number"]),
     ] {
         let file = write(study.folder(), "given.json", &content.to_string());
         study.gravel(&["certify", "pair", "--impulses", text(&file)]).refused(words);

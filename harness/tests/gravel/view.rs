@@ -1,7 +1,7 @@
 //! `gravel view` of a stored run, by its id.
 
 use crate::bench::{Study, rows};
-use crate::common::{entries, pair_with, write};
+use crate::common::{entries, pair_with, without_checksums, write};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::fs;
@@ -93,7 +93,11 @@ fn run_that_cannot_be_shown_is_refused() {
     ]);
 
     let journal = study.runs("kept").join("journal.jsonl");
-    let lines = fs::read_to_string(&journal).unwrap();
+    let whole = fs::read_to_string(&journal).unwrap();
+    fs::write(&journal, whole.replacen("\"grains\":2", "\"grains\":3", 1)).unwrap();
+    study.gravel(&["view", &kept["id"]]).refused(&["journal.jsonl: line 1", "damaged", "checksum"]);
+    fs::write(&journal, whole).unwrap();
+    let lines = without_checksums(&fs::read_to_string(&journal).unwrap());
     let alike = lines.replace(&kept["id"], "abcd000000000001").replace(&other["id"], "abcd000000000002");
     fs::write(&journal, alike).unwrap();
     let both = ["`abcd`", "abcd000000000001 (nsgs on pair", "abcd000000000002 (nsgs on column grains=6"];

@@ -48,7 +48,7 @@ impl Class {
             Ending::Converged if is_far(run, curve.last()) => Self::FalseConvergence,
             Ending::Converged => Self::Converged,
             Ending::IterationLimit if falls(run, curve) => Self::Slow,
-            Ending::IterationLimit => Self::Stalled,
+            Ending::IterationLimit | Ending::Stalled => Self::Stalled,
             Ending::Diverged => Self::Diverged,
             Ending::Infeasible => Self::Infeasible,
             Ending::FalseConvergence => Self::FalseConvergence,

@@ -45,12 +45,31 @@ pub(super) fn new_dated_folder(parent: &Path) -> Result<PathBuf, StoreError> {
     }
 }
 
-/// Writes a table beside its place and gives it its name once it is complete.
+/// Where a path leads that may be a link, even to what is not there yet: who renames a file to the path of a link replaces
+/// the link.
+///
+/// # Errors
+///
+/// If links lead in a circle.
+pub fn behind_links(path: &Path) -> io::Result<PathBuf> {
+    let mut place = path.to_owned();
+    // As many as Linux follows.
+    for _ in 0..40 {
+        match place.read_link() {
+            Ok(to) => place = place.parent().unwrap_or(Path::new("")).join(to),
+            Err(_) => return Ok(place),
+        }
+    }
+    Err(io::Error::other("its links lead in a circle"))
+}
+
+/// Writes a table beside its place and gives it its name once it is complete; a link stays, and its target is written.
 pub(super) fn write_whole(
     path: &Path,
     write: impl FnOnce(&mut File) -> Result<(), PolarsError>,
 ) -> Result<(), StoreError> {
-    let folder = path.parent().unwrap_or(path);
+    let target = behind_links(path).map_err(at(path))?;
+    let folder = target.parent().unwrap_or(path);
     let mut builder = tempfile::Builder::new();
     builder.prefix(".unfinished-");
     // A temporary file is closed to other users unless it asks for what files usually get.
@@ -59,7 +78,7 @@ pub(super) fn write_whole(
     let mut file = builder.tempfile_in(folder).map_err(at(path))?;
     write(file.as_file_mut()).map_err(|source| StoreError::Format { path: path.to_owned(), source })?;
     file.as_file().sync_all().map_err(at(path))?;
-    file.persist(path).map_err(|error| at(path)(error.error))?;
+    file.persist(&target).map_err(|error| at(path)(error.error))?;
     Ok(())
 }
 

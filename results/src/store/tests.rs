@@ -75,13 +75,13 @@ fn runs_read_equal_the_runs_appended_to_the_last_bit() {
     let root = TempDir::new().unwrap();
     let journal = stored(&root, 2);
     let all: Vec<Record> = (0..3).map(record).collect();
-    assert!(same(&records_of(&root.path().join("paper")).unwrap(), &all[..2]));
+    assert!(same(&records_of(&root.path().join("paper"), &["nsgs"]).unwrap(), &all[..2]));
     let mut store = Store::open(root.path(), "paper").unwrap();
     store.append(record(2)).unwrap();
     assert!(same(store.records(), &all));
     assert_eq!(store.dropped(), 0);
     assert_eq!(fs::read_to_string(journal).unwrap().lines().count(), 3);
-    assert!(records_of::<Record>(&root.path().join("absent")).unwrap().is_empty());
+    assert!(records_of::<Record>(&root.path().join("absent"), &[]).unwrap().is_empty());
 }
 
 #[test]
@@ -134,6 +134,105 @@ fn line_that_is_whole_and_no_run_is_refused_by_its_number_and_left_alone() {
     }
 }
 
+/// A line as it was before there were checksums.
+fn old(line: &str) -> String {
+    let (row, seal) = line.rsplit_once(",\"crc32\":").unwrap();
+    assert_eq!(seal.len(), "\"01234567\"}".len());
+    format!("{row}}}")
+}
+
+#[test]
+fn line_is_json_whose_last_key_is_the_checksum_of_what_is_before() {
+    let root = TempDir::new().unwrap();
+    let text = fs::read_to_string(stored(&root, 1)).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let (row, _) = text.rsplit_once(",\"crc32\"").unwrap();
+    assert_eq!(json["crc32"], format!("{:08x}", crc32fast::hash(row.as_bytes())));
+    // The check value of CRC-32, as its catalogue gives it.
+    assert_eq!(crc32fast::hash(b"123456789"), 0xcbf4_3926);
+}
+
+#[test]
+fn no_flipped_bit_of_a_journal_is_taken_for_what_was_written() {
+    let root = TempDir::new().unwrap();
+    let journal = stored(&root, 2);
+    let bytes = fs::read(&journal).unwrap();
+    let first = bytes.iter().position(|byte| *byte == b'\n').unwrap() + 1;
+    // Every bit of the checksum and of the end of the first line, and one bit here and there of both.
+    let seal = (first - 24) * 8..first * 8;
+    for bit in seal.chain((0..bytes.len() * 8).step_by(41)) {
+        let mut flipped = bytes.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        fs::write(&journal, &flipped).unwrap();
+        match read_journal::<Record>(&journal) {
+            Err(StoreError::Line { line, .. }) => {
+                let of_bit = usize::from(bit / 8 >= first) + 1;
+                assert_eq!(line, of_bit, "bit {bit}");
+            }
+            // The last line has no end then: it is dropped, which is told.
+            Ok(lines) => {
+                assert_eq!(bit / 8, bytes.len() - 1, "bit {bit}");
+                assert!(lines.torn > 0 && same(&lines.records, &[record(0)]), "bit {bit}");
+            }
+            Err(error) => panic!("bit {bit}: {error}"),
+        }
+    }
+}
+
+#[test]
+fn journal_from_before_there_were_checksums_is_read_and_goes_on_with_them() {
+    let root = TempDir::new().unwrap();
+    let journal = stored(&root, 2);
+    let text = fs::read_to_string(&journal).unwrap();
+    let before: String = text.lines().map(|line| old(line) + "\n").collect();
+    fs::write(&journal, &before).unwrap();
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    assert!(same(store.records(), &[record(0), record(1)]));
+    store.append(record(2)).unwrap();
+    drop(store);
+    let grown = fs::read_to_string(&journal).unwrap();
+    assert!(grown.starts_with(&before) && grown.lines().last().unwrap().contains("\"crc32\""));
+    assert_eq!(records_of::<Record>(journal.parent().unwrap(), &["nsgs"]).unwrap().len(), 3);
+}
+
+#[test]
+fn status_and_method_that_are_none_are_refused_by_line_and_value() {
+    let root = TempDir::new().unwrap();
+    let journal = stored(&root, 2);
+    let text = fs::read_to_string(&journal).unwrap();
+    let second = text.lines().nth(1).unwrap();
+    let refused = |name: &str, wrong: &str, expected: &str| {
+        let line = old(second).replacen(name, wrong, 1);
+        fs::write(&journal, text.replacen(second, &line, 1)).unwrap();
+        let error = records_of::<Record>(journal.parent().unwrap(), &["nsgs"]).unwrap_err().to_string();
+        assert!(error.contains("journal.jsonl, line 2: ") && error.contains(expected), "{error}");
+    };
+    refused(
+        "converged",
+        "convergud",
+        "`status` is \"convergud\": it must be one of converged, iteration-limit",
+    );
+    refused("nsgs", "nsgr", "`method` is \"nsgr\": it must be one of nsgs");
+    // One that was known when the line was written may be gone since.
+    fs::write(&journal, &text).unwrap();
+    assert_eq!(records_of::<Record>(journal.parent().unwrap(), &["cg"]).unwrap().len(), 2);
+    let wrong = Run { status: "Converged".into(), ..run(3) };
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    let refused = store.append(Record { run: wrong, curve: Vec::new(), snapshots: Vec::new() });
+    assert!(matches!(refused, Err(StoreError::Entry(EntryError::Name { key: "status", .. }))), "{refused:?}");
+}
+
+#[test]
+fn difference_of_two_runs_of_one_id_is_their_first_unlike_count() {
+    let (ours, mut theirs) = (record(0), record(0));
+    theirs.run.iterating_s = 1.0;
+    theirs.run.provenance.processor = "another".into();
+    assert_eq!(ours.difference(&theirs), None);
+    theirs.run.end.delassus_products = 3;
+    let expected = ("delassus_products".to_owned(), "0".to_owned(), "3".to_owned());
+    assert_eq!(ours.difference(&theirs), Some(expected));
+}
+
 #[test]
 fn second_writer_is_refused_and_told_who_the_first_is() {
     let root = TempDir::new().unwrap();
@@ -155,7 +254,7 @@ fn what_is_set_aside_is_kept_in_a_folder_of_its_own() {
     let journal = stored(&root, 1);
     Store::open(root.path(), "paper").unwrap().write_tables(&tables()).unwrap();
     let first = Store::set_aside(root.path(), "paper").unwrap().unwrap();
-    assert_eq!(records_of::<Record>(&first).unwrap().len(), 1);
+    assert_eq!(records_of::<Record>(&first, &["nsgs"]).unwrap().len(), 1);
     assert_eq!(read(&first).unwrap().runs.height(), 2);
     assert_eq!(tables_folder(root.path(), "paper"), None);
     // Even what cannot be read.
@@ -186,6 +285,24 @@ fn tables_read_equal_the_tables_written_and_replace_those_before() {
     assert_eq!(entries(store.folder()), files);
 }
 
+#[cfg(unix)]
+#[test]
+fn table_that_is_a_link_stays_one_and_its_target_is_written() {
+    let root = TempDir::new().unwrap();
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    let (link, target) = (store.folder().join(RUNS_CSV), root.path().join("elsewhere.csv"));
+    // Seen from the folder of the link; first the target is not there, then it is.
+    std::os::unix::fs::symlink("../elsewhere.csv", &link).unwrap();
+    for _ in 0..2 {
+        store.write_tables(&tables()).unwrap();
+        assert!(link.is_symlink() && fs::read_to_string(&target).unwrap().starts_with("run,id,"));
+        fs::write(&target, "old").unwrap();
+    }
+    std::fs::remove_file(&link).unwrap();
+    std::os::unix::fs::symlink(RUNS_CSV, &link).unwrap();
+    assert!(store.write_tables(&tables()).unwrap_err().to_string().contains("links lead in a circle"));
+}
+
 #[test]
 fn untraced_run_is_refused_and_leaves_nothing() {
     let root = TempDir::new().unwrap();
@@ -198,7 +315,7 @@ fn untraced_run_is_refused_and_leaves_nothing() {
     ];
     for run in untraced {
         let refused = store.append(Record { run, curve: Vec::new(), snapshots: Vec::new() });
-        assert!(matches!(refused, Err(StoreError::Untraced(_))), "{refused:?}");
+        assert!(matches!(refused, Err(StoreError::Entry(EntryError::Untraced(_)))), "{refused:?}");
     }
     assert_eq!(fs::read(store.folder().join(JOURNAL)).unwrap(), b"");
 }

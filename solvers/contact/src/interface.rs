@@ -60,6 +60,12 @@ pub struct Work {
     pub factorisations: u64,
 }
 
+/// A number in an error: in full, or with an exponent where that is long.
+pub fn shown(x: f64) -> String {
+    let (full, exponent) = (format!("{x}"), format!("{x:e}"));
+    if full.len() > 12 && exponent.len() < full.len() { exponent } else { full }
+}
+
 /// Why a method cannot start: the setting, its value, what would be accepted.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("`{key}` is {value}: it must be {expected}")]
@@ -75,7 +81,10 @@ pub struct SetupError {
 impl SetupError {
     /// The error of a setting `key` whose `value` is not as `expected`.
     pub fn new(key: &'static str, value: impl std::fmt::Display, expected: impl Into<String>) -> Self {
-        Self { key, value: format!("{value}"), expected: expected.into() }
+        let value = value.to_string();
+        // 1e200 has 201 digits; none that must stay.
+        let long = if value.len() > 24 { value.parse().ok() } else { None };
+        Self { key, value: long.map_or(value, shown), expected: expected.into() }
     }
 
     /// Accepts a positive finite value.
@@ -102,7 +111,7 @@ impl SetupError {
         match r0.iter().position(|r| !(*r >= 0.0 && r.is_finite())) {
             None => Ok(()),
             Some(index) => {
-                let value = format!("{} at contact {index}", r0[index]);
+                let value = format!("{} at contact {index}", shown(r0[index]));
                 Err(Self::new("start", value, "finite and not negative"))
             }
         }

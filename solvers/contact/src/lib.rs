@@ -14,7 +14,7 @@ pub mod spectrum;
 pub mod threads;
 pub mod truth;
 
-pub use interface::{Iteration, SetupError, Solver, Work};
+pub use interface::{Iteration, SetupError, Solver, Work, shown};
 pub use measures::{Measure, Measures, Meter};
 pub use problem::{Contact, ContactProblem, ProblemError};
 pub use scaled::ScaledContact;

@@ -1,5 +1,6 @@
 //! The contact problem of one time step as data, and what makes it valid.
 
+use crate::interface::shown;
 use nalgebra::Vector2;
 use thiserror::Error;
 
@@ -74,9 +75,10 @@ impl ContactProblem {
                 return Err(ProblemError::Length { key, found, expected: grains });
             }
         }
-        // The inverse too must be finite: that of 1e-320 kg is not.
-        check_each("grains.mass", &mass, "positive and finite", |m| {
-            *m > 0.0 && m.recip() > 0.0 && m.recip().is_finite()
+        check_each("grains.mass", &mass, "positive and finite", |m| *m > 0.0 && m.is_finite())?;
+        // A problem needs 1/m: that of 1e-320 kg is infinite.
+        check_each("grains.mass", &mass, "at least 5.6e-309, or its inverse overflows", |m| {
+            m.recip().is_finite()
         })?;
         check_each("grains.position", &position, "finite", |x| finite(*x))?;
         check_each("grains.free_velocity", &free_velocity, "finite", |v| finite(*v))?;
@@ -166,7 +168,7 @@ fn check_contact(contact: &Contact, index: usize, grains: usize) -> Result<(), P
     if !((length - 1.0).abs() <= 1e-9) {
         return Err(wrong(
             "contacts.normal",
-            format!("[{}, {}] of length {length}", normal.x, normal.y),
+            format!("[{}, {}] of length {}", shown(normal.x), shown(normal.y), shown(length)),
             "of length 1 (to 1e-9)".to_owned(),
         ));
     }

@@ -1,0 +1,95 @@
+//! What a file lacks, all at once: readers of JSON and TOML stop at the first key.
+
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, SchemaGenerator};
+use serde::Serialize;
+use serde_json::Value;
+
+/// The schema of a type, with every type where it is used.
+pub fn schema<T: JsonSchema>() -> Value {
+    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
+    SchemaGenerator::new(settings).into_root_schema_for::<T>().to_value()
+}
+
+/// The `error` of whoever tried to read a `T` from `content`; or, if that is what is wrong, all keys that it lacks, and what
+/// in it is no table.
+pub fn all_missing<T: JsonSchema>(content: &impl Serialize, error: String) -> String {
+    let Ok(content) = serde_json::to_value(content) else { return error };
+    let mut lacks = Lacks::default();
+    lacks.look(&schema::<T>(), &content, "");
+    let key_is_missing = error.contains("missing field");
+    match (lacks.tables.as_slice(), lacks.keys.as_slice()) {
+        ([], [key]) if key_is_missing => format!("missing key `{key}`"),
+        ([], keys @ [_, ..]) if key_is_missing => format!("missing keys: `{}`", keys.join("`, `")),
+        ([table, ..], _) => table.clone(),
+        _ => error,
+    }
+}
+
+#[derive(Default)]
+struct Lacks {
+    keys: Vec<String>,
+    /// What should have been a table, in words.
+    tables: Vec<String>,
+}
+
+impl Lacks {
+    /// Looks through `value`, which stands at `path`.
+    fn look(&mut self, schema: &Value, value: &Value, path: &str) {
+        let list = |key: &str| schema[key].as_array().map_or(&[] as &[Value], Vec::as_slice);
+        // What may be left out is there or null.
+        if let Some(some) = list("anyOf").iter().find(|schema| schema["properties"].is_object()) {
+            if !value.is_null() {
+                self.look(some, value, path);
+            }
+            return;
+        }
+        if let Some(first) = list("oneOf").first().filter(|schema| schema["properties"].is_object()) {
+            let tag = |schema: &Value| {
+                let properties = schema["properties"].as_object()?;
+                properties.iter().find_map(|(key, of)| Some((key.clone(), of.get("const")?.clone())))
+            };
+            let chosen = |schema: &&Value| tag(schema).is_some_and(|(key, name)| value[&key] == name);
+            let without_tag = serde_json::json!({
+                "properties": {},
+                "required": tag(first).map(|(key, _)| vec![key]).unwrap_or_default()
+            });
+            return self.look(list("oneOf").iter().find(chosen).unwrap_or(&without_tag), value, path);
+        }
+        if let (true, Some(items)) = (schema["items"].is_object(), value.as_array()) {
+            for (index, item) in items.iter().enumerate() {
+                self.look(&schema["items"], item, &format!("{path}[{index}]"));
+            }
+        }
+        let Some(properties) = schema["properties"].as_object() else { return };
+        let Some(table) = value.as_object() else {
+            let place = if path.is_empty() { "the file".to_owned() } else { format!("`{path}`") };
+            let mut keys: Vec<&str> = list("required").iter().filter_map(Value::as_str).collect();
+            if keys.is_empty() {
+                keys = properties.keys().map(String::as_str).collect();
+            }
+            let keys = keys.join("`, `");
+            self.tables.push(format!("{place} holds {}: it must hold the keys `{keys}`", kind(value)));
+            return;
+        };
+        let at = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+        let required = list("required").iter().filter_map(Value::as_str);
+        self.keys.extend(required.filter(|key| !table.contains_key(*key)).map(at));
+        for (key, value) in table {
+            if let Some(schema) = properties.get(key) {
+                self.look(schema, value, &at(key));
+            }
+        }
+    }
+}
+
+fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::Array(_) => "a list",
+        Value::String(_) => "a text",
+        Value::Number(_) => "a number",
+        Value::Bool(_) => "true or false",
+        Value::Null => "nothing",
+        Value::Object(_) => "a table",
+    }
+}

@@ -1,0 +1,79 @@
+//! What a scene needs of the memory, before any of it is taken.
+
+use anyhow::{Result, bail};
+use cases::{Case, Sample};
+use results::provenance::available_memory;
+use std::path::Path;
+
+/// What a grain takes with its contacts left aside, and what each of these takes, in a march and its solver (B): with `cg` a
+/// first time step took 135 and 200, on columns of 1e5 grains with 1 to 30 copies of each contact, and a march keeps the
+/// impulses of the one before.
+const PER_GRAIN: f64 = 200.0;
+const PER_CONTACT: f64 = 250.0;
+
+/// A grain has two contacts of its own in a packing of discs, or a little less.
+const CONTACTS_PER_GRAIN: f64 = 2.0;
+
+/// Reads a case with `overrides`, and refuses one that the machine cannot hold.
+pub(crate) fn read_case(path: &Path, overrides: &[(String, String)]) -> Result<Case> {
+    let case = Case::read(path, overrides)?;
+    if let Err(why) = fits(&case, available_memory()) {
+        bail!("{}: {why}", path.display());
+    }
+    Ok(case)
+}
+
+/// Names the key that asks for more than is `free` (B).
+fn fits(case: &Case, free: Option<u64>) -> Result<(), String> {
+    let copies = case.scene.contact_copies;
+    let in_the_file = || match &case.sample {
+        Sample::Discs { discs, .. } => discs.len() as u64,
+        // Those of another file are counted once it is read, and it has been written.
+        _ => 1000,
+    };
+    let (key, grains) = case.sample.grains().unwrap_or_else(|| ("sample", in_the_file()));
+    let (key, value) = if copies > 1000 { ("scene.contact_copies", copies.into()) } else { (key, grains) };
+    let needed = grains as f64 * (PER_GRAIN + CONTACTS_PER_GRAIN * f64::from(copies) * PER_CONTACT);
+    match free {
+        Some(free) if needed > free as f64 => Err(format!(
+            "`{key}` is {value}: the scene needs about {} of memory, and {} are free",
+            gigabytes(needed),
+            gigabytes(free as f64)
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn gigabytes(bytes: f64) -> String {
+    format!("{:.1} GB", bytes / 1e9)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scene_that_needs_more_than_is_free_is_refused_by_the_key_that_asks() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases");
+        let refused = |case: &str, overrides: &[(&str, &str)], words: &[&str]| {
+            let overrides: Vec<(String, String)> =
+                overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+            let case = Case::read(&folder.join(format!("{case}.toml")), &overrides).unwrap();
+            assert_eq!(fits(&case, None), Ok(()), "nothing is known of the machine");
+            let why = fits(&case, Some(1_000_000_000)).unwrap_err();
+            assert!(words.iter().all(|word| why.contains(word)), "{why}");
+        };
+        // 4,294,967,295 grains of 700 B.
+        let grains = ["`sample.grains` is 4294967295: ", "about 3006.5 GB", "1.0 GB are free"];
+        refused("column", &[("sample.grains", "4294967295")], &grains);
+        let all = [("sample.columns", "4294967295"), ("sample.rows", "4294967295")];
+        refused("triangular", &all, &["`sample.columns times sample.rows` is 18446744062972133378"]);
+        refused(
+            "column",
+            &[("scene.contact_copies", "4294967295")],
+            &["`scene.contact_copies` is 4294967295: "],
+        );
+        let case = Case::read(&folder.join("column.toml"), &[]).unwrap();
+        assert_eq!(fits(&case, Some(1_000_000)), Ok(()));
+    }
+}
