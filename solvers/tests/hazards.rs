@@ -120,9 +120,8 @@ fn feasible(
 
 fn any_feasible(touching: Touching, decades: f64) -> impl Strategy<Value = ContactProblem> {
     let (grains, contacts) = (touching.position.len(), touching.contacts.len());
-    (masses(grains, decades), 0..4_usize, motion(grains, contacts), fall(grains)).prop_map(
-        move |(mass, copies, motion, fall)| feasible(&touching, mass, copies, &motion, fall),
-    )
+    (masses(grains, decades), 0..4_usize, motion(grains, contacts), fall(grains))
+        .prop_map(move |(mass, copies, motion, fall)| feasible(&touching, mass, copies, &motion, fall))
 }
 
 /// Rows of up to 12 discs from wall to wall, straight or with links turned to either side by up to 0.1; with or without floor.
@@ -157,8 +156,8 @@ pub(crate) fn lattice() -> impl Strategy<Value = ContactProblem> {
 /// One grain with 2 to 7 walls in any directions, some of them opposite to others or nearly so.
 pub(crate) fn wedge() -> impl Strategy<Value = ContactProblem> {
     let tiny = prop_oneof![2 => Just(0.0), 1 => (-16.0..-2.0_f64).prop_map(|exponent| 10_f64.powf(exponent))];
-    let of_eight = (0..8_u32, tiny)
-        .prop_map(|(eighth, turn)| f64::from(eighth) * std::f64::consts::FRAC_PI_4 + turn);
+    let of_eight =
+        (0..8_u32, tiny).prop_map(|(eighth, turn)| f64::from(eighth) * std::f64::consts::FRAC_PI_4 + turn);
     let angle = prop_oneof![of_eight, 0.0..std::f64::consts::TAU];
     vec(angle, 2..=7).prop_flat_map(|angles| {
         let wall = |angle: &f64| (0, None, Vector2::new(angle.cos(), angle.sin()));
@@ -225,7 +224,12 @@ proptest! {
 /// The thrust between the walls has no effect on velocities, and its curvature pᵗ W p is nothing but round-off.
 #[test]
 fn conjugate_gradient_converges_where_contacts_depend_on_each_other() {
-    let cases = [("two-discs", "1"), ("almost-closing", "0.07"), ("almost-closing", "0.1"), ("almost-closing", "0.2")];
+    let cases = [
+        ("two-discs", "1"),
+        ("almost-closing", "0.07"),
+        ("almost-closing", "0.1"),
+        ("almost-closing", "0.2"),
+    ];
     let arches = [("flat-arch", "0.07"), ("flat-arch", "0.1"), ("flat-arch", "0.2")];
     for (case, time_step) in cases.into_iter().chain(arches) {
         let problem = first_problem(case, &[("scene.time_step_s", time_step)]).problem;

@@ -114,11 +114,16 @@ impl Run {
         [self.descent, self.squared] = self.show_after(Pass::Turn { beta });
     }
 
+    /// Whether uᵗ p is round-off: where p = w, no step can make q less.
+    fn at_rest(&self) -> bool {
+        !(self.descent > ROUND_OFF * self.size * self.squared.sqrt())
+    }
+
     /// A step along p on which q decreases, and the next direction; `false` and no step if there is none.
     fn conjugate_step(&mut self) -> bool {
         self.products += 1;
         let [curvature, _] = self.assemble_before(Pass::Curvature);
-        if !(self.descent > ROUND_OFF * self.size * self.squared.sqrt()) {
+        if self.at_rest() {
             return false;
         }
         if curvature > ROUND_OFF * ROUND_OFF * self.greatest * self.squared {
@@ -161,7 +166,7 @@ impl Iteration for Run {
             self.turn(0.0);
             if !self.conjugate_step() {
                 // The projected gradient's: q never increases on it. Where there is no solution, impulses grow by it.
-                self.short_step(1.0 / self.greatest);
+                self.short_step(if self.at_rest() { 0.0 } else { 1.0 / self.greatest });
             }
         }
     }
