@@ -5,9 +5,9 @@
 //! with W, in two passes over the contacts; the blocks in which these are made are for the threads alone.
 //!
 //! The reference does not say what to do where W is singular, as it is where contacts depend on each other: a direction that the
-//! grains hardly feel makes a step so long that what r ≥ 0 cuts off would throw them out. So q(r) never increases: where the step would make
-//! it do so, or where pᵗ W p is round-off, it goes as far as the first contact that it would open, and the method begins anew with
-//! p = w; if that is next to nothing, it makes the step of the projected gradient. Packings ask for none of this.
+//! grains hardly feel makes a step so long that what r ≥ 0 cuts off would throw them out. So q(r) never exceeds q(r₀): where the
+//! step would make it do so, or where pᵗ W p is round-off, it goes as far as the first contact that it would open, and the method
+//! begins anew with p = w; if that is next to nothing, it makes the step of the projected gradient. Packings ask for none of this.
 
 mod block;
 
@@ -57,6 +57,8 @@ struct Run {
     descent: f64,
     /// pᵗ p.
     squared: f64,
+    /// q(r₀) − q(r), or less (J).
+    gain: f64,
     /// What u = −(W r + b) is the difference of, where r ≥ 0 does not block it, when it was last made from r: √(Σ b² + Σ (`W_αα` r)²).
     size: f64,
     iterations: u64,
@@ -114,18 +116,25 @@ impl Run {
         [self.descent, self.squared] = self.show_after(Pass::Turn { beta });
     }
 
-    /// A step along p on which q decreases, and the next direction; `false` and no step if there is none.
+    /// Whether uᵗ p is round-off: where p = w, no step can make q less.
+    fn at_rest(&self) -> bool {
+        !(self.descent > ROUND_OFF * self.size * self.squared.sqrt())
+    }
+
+    /// A step along p that keeps q below q(r₀), and the next direction; `false` and no step if there is none.
     fn conjugate_step(&mut self) -> bool {
         self.products += 1;
         let [curvature, _] = self.assemble_before(Pass::Curvature);
-        if !(self.descent > ROUND_OFF * self.size * self.squared.sqrt()) {
+        if self.at_rest() {
             return false;
         }
         if curvature > ROUND_OFF * ROUND_OFF * self.greatest * self.squared {
             // α = uᵗ p / pᵗ W p;  q changes by −½ α uᵗ p − uᵗ d + ½ dᵗ W d
             let length = self.descent / curvature;
             let [mut product, uphill] = self.step(length);
-            if uphill <= 0.5 * length * self.descent {
+            let gain = self.gain + 0.5 * length * self.descent - uphill;
+            if gain >= 0.0 {
+                self.gain = gain;
                 if self.iterations.is_multiple_of(WHOLE) {
                     product = self.renew();
                 }
@@ -161,7 +170,7 @@ impl Iteration for Run {
             self.turn(0.0);
             if !self.conjugate_step() {
                 // The projected gradient's: q never increases on it. Where there is no solution, impulses grow by it.
-                self.short_step(1.0 / self.greatest);
+                self.short_step(if self.at_rest() { 0.0 } else { 1.0 / self.greatest });
             }
         }
     }
@@ -218,6 +227,7 @@ impl Solver for Cg {
             decomposition,
             descent: 0.0,
             squared: 0.0,
+            gain: 0.0,
             size: 0.0,
             iterations: 0,
             products: 0,
