@@ -113,6 +113,7 @@ fn best_relaxation_is_that_of_each_problem_and_one_fixed_is_that_of_all() {
     assert!(svg.contains("iteration limit") && svg.contains("diverged") && !svg.contains("NaN"));
 }
 
+#[test]
 fn exponents_are_those_of_runs_that_converged_on_three_sizes() {
     let mut runs = vec![
         sized(0, "nsgs", 10, 100),
