@@ -6,7 +6,7 @@
 //! many steps, or one cannot be, and its impulse with those of the active set balances: a proof that there is no solution.
 //! Dense, so for some hundred grains at most.
 
-use contact::ContactProblem;
+use contact::{Contact, ContactProblem};
 use twofloat::TwoFloat;
 
 /// What the method ends with.
@@ -19,10 +19,13 @@ pub(crate) enum End {
     Stopped,
 }
 
-/// A contact whose column of H̃ is within this of the span of the active ones is a combination of them (–): from coarse to
-/// what normals in double precision say at most. With the first, levers that a solution has no need of stay out of it, and
-/// so do the impulses that they would multiply.
-pub(crate) const DEPENDENT: [f64; 3] = [1e-6, 1e-9, 1e-13];
+/// A contact whose column of H̃ is within this of the span of the active ones is a combination of them (–): normals in
+/// double precision do not say more.
+const NEARNESS: f64 = 1e-13;
+
+/// What W̃ + ε 1 takes for W̃ at first (–): contacts then yield by ε W r, which a certificate allows, and impulses stay what
+/// they need to be where a contact nearly repeats others. With 0, contacts that cannot be satisfied are found.
+pub(crate) const YIELDING: [f64; 2] = [1e-14, 0.0];
 
 /// A contact is satisfied if it approaches by no more than this share of the terms that its velocity is made of (–): the
 /// round-off of its normal, where it repeats what others ask; or of the fastest approach without impulses.
@@ -36,7 +39,7 @@ const ZERO: TwoFloat = TwoFloat::from_f64(0.0);
 
 /// A contact in units in which M and the diagonal of W are 1.
 struct Column {
-    /// Entries of h̃, by unknown: two per grain.
+    /// Entries of h̃, by unknown: two per grain, and its own where it yields.
     entries: Vec<(usize, TwoFloat)>,
     /// b̃ over the scale of the problem (–), the size of its terms, and what is negligible of it.
     b: TwoFloat,
@@ -47,10 +50,11 @@ struct Column {
 }
 
 impl Column {
-    fn all(problem: &ContactProblem, scale: f64) -> Vec<Self> {
+    fn all(problem: &ContactProblem, scale: f64, yielding: f64) -> Vec<Self> {
         let fastest = problem.b().iter().fold(0.0, |fastest, b| f64::max(fastest, -b));
         let mass = |grain: u32| TwoFloat::from(problem.mass()[grain as usize]);
-        let of = |contact: &contact::Contact| {
+        let own = TwoFloat::from(yielding).sqrt();
+        let of = |(k, contact): (usize, &Contact)| {
             let root = contact.grains().map(|grain| mass(grain).recip()).fold(ZERO, |w, m| w + m).sqrt();
             let (mut entries, mut b, mut size) =
                 (Vec::with_capacity(4), TwoFloat::from(contact.offset), contact.offset.abs());
@@ -66,6 +70,9 @@ impl Column {
                 }
                 size += free.norm();
             }
+            if yielding > 0.0 {
+                entries.push((2 * problem.grain_count() + k, own));
+            }
             let unit = f64::from(root) * scale;
             Self {
                 entries,
@@ -75,7 +82,7 @@ impl Column {
                 unscale: TwoFloat::from(scale) / root,
             }
         };
-        problem.contacts().iter().map(of).collect()
+        problem.contacts().iter().enumerate().map(of).collect()
     }
 
     /// h̃ᵗ y.
@@ -182,10 +189,11 @@ impl Active {
     }
 }
 
-/// Solves `problem`, of which some contact pushes; a column nearer than `nearness` to the span of others depends on them.
-pub(crate) fn solve(problem: &ContactProblem, nearness: f64) -> End {
-    let columns = Column::all(problem, problem.scale().sqrt());
-    let unknowns = 2 * problem.grain_count();
+/// Solves `problem`, of which some contact pushes, with contacts that yield by `yielding`, see [`YIELDING`].
+pub(crate) fn solve(problem: &ContactProblem, yielding: f64) -> End {
+    let columns = Column::all(problem, problem.scale().sqrt(), yielding);
+    // y of the grains; and of each contact √ε u, so that H̃ has the columns of a factor of W̃ + ε 1.
+    let unknowns = 2 * problem.grain_count() + if yielding > 0.0 { columns.len() } else { 0 };
     let mut active = Active::new(unknowns);
     // y = M^½ (V − V_free) and the multipliers of the active contacts.
     let (mut y, mut u) = (vec![ZERO; unknowns], Vec::<TwoFloat>::new());
@@ -203,7 +211,7 @@ pub(crate) fn solve(problem: &ContactProblem, nearness: f64) -> End {
             let rho = active.solve(&d);
             // What is left of the approach needs t₂ of the remainder; t₁ makes an active multiplier 0.
             let squared = d[active.r.len()..].iter().fold(ZERO, |sum, d| sum + *d * *d);
-            let dependent = f64::from(squared) <= nearness * nearness;
+            let dependent = f64::from(squared) <= NEARNESS * NEARNESS;
             let blocking = (0..u.len()).filter(|k| rho[*k] > ZERO).map(|k| (u[k] / rho[k], k)).fold(
                 None,
                 |least: Option<(TwoFloat, usize)>, at| match least {

@@ -59,8 +59,8 @@ pub fn solve(problem: &ContactProblem) -> Answer {
         Err(why) => why,
     };
     if problem.grain_count() <= FEW && problem.scale() > 0.0 {
-        for nearness in dual::DEPENDENT {
-            match dual::solve(problem, nearness) {
+        for yielding in dual::YIELDING {
+            match dual::solve(problem, yielding) {
                 End::Solution(impulses) => best.take(problem, &impulses),
                 End::Ray(ray) if proves_infeasible(problem, &ray) => return Answer::Infeasible { ray },
                 End::Ray(_) | End::Stopped => {}
