@@ -118,7 +118,7 @@ impl Run {
 
     /// Whether uᵗ p is round-off: where p = w, no step can make q less.
     fn at_rest(&self) -> bool {
-        !(self.descent > ROUND_OFF * self.size * self.squared.sqrt())
+        !(self.descent > f64::EPSILON * self.size * self.squared.sqrt())
     }
 
     /// A step along p that keeps q below q(r₀), and the next direction; `false` and no step if there is none.
@@ -186,8 +186,7 @@ impl Iteration for Run {
     }
 }
 
-/// Round-off, with a margin, of M^-½ H p relative to √Λ |p| and of u relative to what it is the difference of (–): uᵗ p and pᵗ W p
-/// say nothing below it.
+/// Round-off, with a margin, of M^-½ H p relative to √Λ |p| (–): pᵗ W p says nothing below its square.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
 /// What a pass takes per contact, about (ns).
