@@ -52,7 +52,7 @@ const ROUND_OFF: f64 = 1e-14;
 ///
 /// - H d is that of impulses that balance, to 1e-12 of their sizes. A lever of 3e-9 is none of these, nor is a grain too heavy to
 ///   feel the rest of its impulses;
-/// - −bᵗ d is above the round-off of its terms, of the sizes of `V_i`, `V_j` and c;
+/// - −bᵗ d is above 1e-12 of its terms, of the sizes of `V_i`, `V_j` and c: as much as such a lever makes of them;
 /// - the bound is above 1e6 √(Σ max(0, −b)²/`W_αα`), with ‖H d‖ raised by its round-off: no velocity nearer than that is
 ///   admissible, whatever rounding made of the ray.
 pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
@@ -84,7 +84,7 @@ pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
         |((h_d, size), m): ((&Vector2<f64>, &f64), &f64)| (h_d.norm() + ROUND_OFF * size).powi(2) / m;
     let unbalanced = resultant.iter().zip(&sizes).zip(problem.mass()).map(raised).sum::<f64>().sqrt();
     left <= BALANCED * pressed
-        && work > ROUND_OFF * terms
+        && work > BALANCED * terms
         && work > OUT_OF_REACH * problem.scale().sqrt() * unbalanced
 }
 

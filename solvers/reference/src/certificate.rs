@@ -45,7 +45,8 @@ pub struct Certificate {
     /// |½ ‖V − `V_free`‖²_M + q(r)| = |rᵗ v|: the programme in V minus the one in r, over ½ ‖V − `V_free`‖²_M, or 1/256 of the
     /// root of the sum of squares of its terms (J). Where no impulse acts the scale is 0, and so is the gap.
     pub duality_gap: Residual,
-    /// √(Σ `W_αα` (r − max(0, r − v/`W_αα`))²) over √(Σ max(0, −b)²/`W_αα`): all that is left, weighed as energy (√J).
+    /// √(Σ `W_αα` (r − max(0, r − v/`W_αα`))²) over √(Σ max(0, −b)²/`W_αα`), or 1e-6 of the same of the terms of b: all that is
+    /// left, weighed as energy (√J).
     pub natural_map: Residual,
 }
 
@@ -55,6 +56,9 @@ pub const ROUND_OFF: f64 = 1e-12;
 /// What it may leave of all of them together, weighed as energy (–). The rest of each condition may be round-off of greater
 /// terms; this is not, and above it impulses in double precision say too little of the motion to be called its solution.
 pub const ENERGY_ROUND_OFF: f64 = 1e-8;
+
+/// The share of the speeds of a problem below which the scale of `natural_map` is not (–): a slower approach is round-off.
+const APPROACH: f64 = 1e-6;
 
 /// The share of the terms of a residual below which no scale is (–): 1e-12 of it are 16 units of round-off.
 const TERMS: f64 = 1.0 / 256.0;
@@ -135,7 +139,12 @@ pub fn certify(problem: &ContactProblem, r: &[f64]) -> Certificate {
     let gap = r.iter().zip(&v).map(|(r, v)| r * v).sum::<f64>();
     let gap_terms = r.iter().zip(problem.contacts()).map(|(r, contact)| (r * of_contact(contact)).powi(2));
     let energy = f64::max(0.5 * distance * distance, TERMS * gap_terms.sum::<f64>().sqrt());
-    let scale = problem.scale().sqrt();
+    let terms = |contact: &Contact| {
+        let free = contact.grains().map(|grain| problem.free_velocity()[grain as usize].amax());
+        contact.offset.abs() + free.sum::<f64>()
+    };
+    let terms = problem.contacts().iter().zip(&w).map(|(contact, w)| terms(contact).powi(2) / w);
+    let scale = f64::max(problem.scale(), APPROACH * APPROACH * terms.sum::<f64>()).sqrt();
     Certificate {
         approach: worst(approach),
         pull: Residual::new(greatest(r.iter().map(|r| law::non_negative(-r))), impulse),

@@ -25,7 +25,7 @@ const NEARNESS: f64 = 1e-13;
 
 /// What W̃ + ε 1 takes for W̃ at first (–): contacts then yield by ε W r, which a certificate allows, and impulses stay what
 /// they need to be where a contact nearly repeats others. With 0, contacts that cannot be satisfied are found.
-pub(crate) const YIELDING: [f64; 2] = [1e-14, 0.0];
+pub(crate) const YIELDING: [f64; 3] = [1e-15, 1e-17, 0.0];
 
 /// A contact is satisfied if it approaches by no more than this share of the terms that its velocity is made of (–): the
 /// round-off of its normal, where it repeats what others ask; or of the fastest approach without impulses.
