@@ -228,7 +228,8 @@ fn run(
             break Status::IterationLimit;
         }
         if iteration.stalled() {
-            break Status::Stalled;
+            let proved = prove_infeasible(problem, &[r.clone(), growth(&at_last_look.0, &r)]);
+            break if proved { Status::Infeasible } else { Status::Stalled };
         }
         if goes_on.is_break() {
             break Status::Interrupted;
