@@ -14,6 +14,10 @@ check:
 test:
     cargo test --workspace
 
+# Random problems by the ten thousand against linear programmes and exact arithmetic, and what the reference answers (minutes)
+fuzz problems="10000":
+    PROPTEST_CASES={{problems}} cargo test --release --package solver-tests -- fuzz hazards --nocapture
+
 # Run a plan: rows in results/runs, table and figures in reports/out
 bench plan="paper":
     cargo run --release -- bench {{plan}}

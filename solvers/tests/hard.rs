@@ -4,10 +4,11 @@
 //! 256 of each kind; `just fuzz` makes 10,000 and prints the table.
 
 use crate::hazards::{chain, lattice, wedge};
+use crate::infeasible::all_methods;
 use crate::problems::first_problem;
 use cases::Frozen;
 use cg::{Cg, Preconditioner};
-use contact::{Contact, ContactProblem, Stop};
+use contact::{Contact, ContactProblem, Solver, Status, Stop, solve};
 use microlp::{ComparisonOp, OptimizationDirection, Problem, SolveOutcome};
 use nalgebra::Vector2;
 use num_rational::BigRational;
@@ -54,6 +55,21 @@ fn problems_that_are_hard_are_certified_or_proved_to_have_no_solution() {
         for h in ["0.07", "0.1", "0.2", "1"] {
             let answer = reference::solve(&first_problem(case, &[("scene.time_step_s", h)]).problem);
             assert_eq!(verdict(&answer), "certified", "{case}, time step {h} s: {answer:?}");
+        }
+    }
+}
+
+/// What no impulses in double precision prove, no method may claim.
+#[test]
+fn no_method_denies_a_solution_that_is_beyond_double_precision() {
+    for name in ["lever-3e-9-feasible", "mass-ratio-1e17-feasible"] {
+        let problem = hard(name);
+        for (method, solver) in all_methods() {
+            let ended = run(&*solver, &problem, 5000);
+            assert!(
+                !matches!(ended, Status::Infeasible | Status::Converged),
+                "{method} on {name}: {ended:?}"
+            );
         }
     }
 }
@@ -258,6 +274,28 @@ fn fuzz_walls_are_judged_as_by_exact_arithmetic() {
 #[test]
 fn fuzz_walls_are_judged_as_by_a_linear_programme() {
     assert!(answers("walls, linear programme", walls(), by_linear_programme) <= 10);
+}
+
+/// How a run to a natural map of 1e-6 ends.
+fn run(solver: &dyn Solver, problem: &ContactProblem, max_iterations: u64) -> Status {
+    let stop = Stop { max_iterations, ..Stop::default() };
+    solve(solver, problem, &vec![0.0; problem.contact_count()], &stop, &mut |_| {}).unwrap().status
+}
+
+proptest! {
+    #[test]
+    fn fuzz_no_method_contradicts_the_reference(problem in prop_oneof![walls(), squeezed()]) {
+        let answer = reference::solve(&problem);
+        for (name, solver) in all_methods() {
+            let ended = run(&*solver, &problem, 300);
+            let wrong = match answer {
+                Answer::Solution { .. } => ended == Status::Infeasible,
+                Answer::Infeasible { .. } => ended == Status::Converged,
+                Answer::Unknown { .. } => false,
+            };
+            prop_assert!(!wrong, "{name}: {ended:?}, where the reference finds {}", verdict(&answer));
+        }
+    }
 }
 
 /// With a lever of 1e-9 a velocity may exist that is as far away, or none: neither is told.

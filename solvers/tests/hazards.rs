@@ -200,24 +200,25 @@ fn energy(problem: &ContactProblem, r: &[f64]) -> (f64, f64) {
 fn check(problem: &ContactProblem) -> Result<(), TestCaseError> {
     for (name, solver) in methods() {
         let outcome = run(&*solver, problem, 0.0, 500);
-        prop_assert!(outcome.status != Status::Diverged, "{name}: {:?}", outcome.measures);
+        let wrong = matches!(outcome.status, Status::Diverged | Status::Infeasible);
+        prop_assert!(!wrong, "{name}: {:?}, {:?}", outcome.status, outcome.measures);
     }
     Ok(())
 }
 
 proptest! {
     #[test]
-    fn hazards_no_method_diverges_on_a_feasible_chain(problem in chain()) {
+    fn hazards_no_method_diverges_or_denies_the_solution_of_a_chain(problem in chain()) {
         check(&problem)?;
     }
 
     #[test]
-    fn hazards_no_method_diverges_on_a_feasible_lattice(problem in lattice()) {
+    fn hazards_no_method_diverges_or_denies_the_solution_of_a_lattice(problem in lattice()) {
         check(&problem)?;
     }
 
     #[test]
-    fn hazards_no_method_diverges_on_a_feasible_wedge(problem in wedge()) {
+    fn hazards_no_method_diverges_or_denies_the_solution_of_a_wedge(problem in wedge()) {
         check(&problem)?;
     }
 

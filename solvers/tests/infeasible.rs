@@ -12,7 +12,7 @@ use reference::{Answer, InteriorPoint};
 use std::ops::ControlFlow;
 
 /// Every method, as it is by default.
-fn all_methods() -> [(&'static str, Box<dyn Solver>); 9] {
+pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 9] {
     [
         ("nsgs", Box::new(Nsgs::default())),
         ("jacobi", Box::new(Jacobi::default())),
