@@ -1,6 +1,6 @@
 //! The contact problem of one time step, eq. (1)-(2): data, law, measures, the interface of the methods, the only loop.
 //!
-//! Equation numbers are those of Iceta, Dureisseix, Alart, Giens 2009, hal-00413720. No method lives here.
+//! Equation numbers are those of Iceta, Dureisseix, Alart, Giens 2009, hal-00413720. No method of the line-up lives here.
 
 mod convergence;
 pub mod interface;

@@ -1,4 +1,4 @@
-//! The only iteration loop of the workspace: it advances, reads the impulses, measures, and decides when to stop.
+//! The loop that runs every method: it advances, reads the impulses, measures, and decides when to stop.
 
 use crate::convergence::is_false;
 use crate::interface::{SetupError, Solver, Work};

@@ -1,6 +1,21 @@
 //! LATIN by subdomains (LATIN-DD), §4.1: a linear stage per subdomain and a local stage per contact and per boundary
 //! grain take turns, joined by search directions, eq. (4)-(7).
 //!
+//! Linear stage, in each subdomain E, from the hatted quantities of the local stage, of which it needs t = r̂ + l⁻ v̂ and
+//! τ_E = F̂_E + d⁻ V̂ alone:
+//!
+//! - M_E (V_E − V_free) = H_E r + F_E and v = H_Eᵗ V_E + c     (1)
+//! - r + l⁻ v = t     (4)
+//! - F_E + d⁻ V_E = τ_E     (5)
+//!
+//! Local stage, contact by contact and boundary grain by boundary grain:
+//!
+//! - 0 ≤ v̂ ⊥ r̂ ≥ 0     (2) with r̂ − l⁺ v̂ = r − l⁺ v     (6)
+//! - Σ_E F̂_E = 0 with one V̂ for all copies     (3) and F̂_E − d⁺ V̂ = F_E − d⁺ V_E     (7)
+//!
+//! With r and F_E eliminated, (1) (4) (5) are (M_E + H_E l⁻ H_Eᵗ + d⁻) V_E = M_E V_free + H_E (t − l⁻ c) + τ_E; (3) (7) are
+//! V̂ = Σ_E (d⁺ V_E − F_E) / Σ_E d⁺.
+//!
 //! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §4.1. Conjugate directions (l⁻ = l⁺, d⁻ = d⁺) make it a
 //! Peaceman-Rachford splitting (μ = 1) or ADMM (μ = ½), which converges for 0 < μ < 1 and any positive direction. Cost of
 //! an iteration: one pair of triangular solves per subdomain, a pass over the contacts, and the gluing.

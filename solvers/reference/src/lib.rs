@@ -69,7 +69,7 @@ pub fn solve(problem: &ContactProblem) -> Answer {
                 break;
             }
         }
-        why += "; the dual active set has neither impulses that solve it in double precision nor a proof";
+        why += "; a dual active set found neither impulses in double precision that solve it, nor a proof that none do";
     }
     let Best { impulses, certificate } = best;
     if certificate.certified() {
@@ -115,5 +115,10 @@ fn interior_point(problem: &ContactProblem, best: &mut Best) -> Result<Answer, S
         let Best { impulses, certificate } = best;
         return Ok(Answer::Solution { impulses: std::mem::take(impulses), certificate: *certificate });
     }
-    Err(format!("the interior point ended with {verdict:?}"))
+    let ended = match verdict {
+        Verdict::Solution => "found impulses that are not certified".to_owned(),
+        Verdict::Infeasible => "found no solution, and no proof of that".to_owned(),
+        Verdict::Stopped(why) => format!("stopped ({why:?})"),
+    };
+    Err(format!("the interior point {ended}"))
 }
