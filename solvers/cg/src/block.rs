@@ -13,8 +13,7 @@ use contact::ContactProblem;
 use contact::law::non_negative;
 use contact::scaled::ScaledContact;
 use nalgebra::Vector2;
-use partition::Subdomain;
-use product::{Layout, columns};
+use product::{Layout, Subdomain, columns};
 use pulp::{Arch, Simd, WithSimd};
 
 /// A pass over a block, and the two sums that it is for. w is the part of u = −(W r + b) that r ≥ 0 does not block.

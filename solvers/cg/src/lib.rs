@@ -14,8 +14,7 @@ mod block;
 use block::{Block, Pass};
 use contact::spectrum::{delassus_bound, eigenvalue_bound};
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
-use partition::Subdomain;
-use product::Layout;
+use product::{Layout, Subdomain};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

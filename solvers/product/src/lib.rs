@@ -9,10 +9,10 @@
 mod layout;
 
 pub use layout::{Layout, columns};
+pub use partition::Subdomain;
 
 use contact::{ContactProblem, ScaledContact, SetupError};
 use nalgebra::Vector2;
-use partition::Subdomain;
 use pulp::Arch;
 
 /// Products with W, and a state of type `C` at each contact: what a method knows of it, its p among it.
