@@ -28,7 +28,9 @@ impl Default for Gradient {
 
 /// What the method knows of a contact.
 struct Contact {
+    /// b (m/s).
     b: f64,
+    /// r (N·s).
     r: f64,
 }
 

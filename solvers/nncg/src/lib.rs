@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Nncg {}
 
-/// All in mass-scaled unknowns, s = √`W_αα` r and y = M^½ V: only |r_swept − r|² must be weighted for it.
+/// In mass-scaled unknowns, s = √`W_αα` r and y = M^½ V. The method stays that of the plain ones: its norm is weighted.
 struct Run {
     /// s after the last sweep, which is the answer, and y where the next begins.
     sweep: Sweep,
@@ -23,7 +23,7 @@ struct Run {
     inverse_delassus: Vec<f64>,
     /// s where the next sweep begins, extrapolated; may be below 0.
     ahead: Vec<f64>,
-    /// The direction p, and its M^-½ H p.
+    /// The direction, √`W_αα` p, and M^-½ H p.
     p: Vec<f64>,
     y_p: Vec<Vector2<f64>>,
     /// y where the sweep began.
