@@ -13,4 +13,5 @@ mod infeasible;
 mod layouts;
 mod predictions;
 mod problems;
+mod product;
 mod reference;

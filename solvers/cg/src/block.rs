@@ -11,9 +11,9 @@
 
 use contact::ContactProblem;
 use contact::law::non_negative;
-use contact::scaled::{ScaledContact, inverse_masses};
+use contact::scaled::ScaledContact;
 use nalgebra::Vector2;
-use partition::Subdomain;
+use product::{Layout, Subdomain, columns};
 use pulp::{Arch, Simd, WithSimd};
 
 /// A pass over a block, and the two sums that it is for. w is the part of u = −(W r + b) that r ≥ 0 does not block.
@@ -91,29 +91,19 @@ fn around(subdomain: &Subdomain) -> (Vec<u32>, Vec<u32>) {
 }
 
 impl Block {
-    /// The contacts of `subdomain`, in its local indices, from the impulses `r0`. `multiplicity` says of each grain of the
-    /// problem how many blocks have it.
+    /// The contacts of `subdomain`, in its local indices, from the impulses `r0`.
     pub(crate) fn new(
         problem: &ContactProblem,
+        layout: &Layout,
         subdomain: &Subdomain,
-        multiplicity: &[u32],
         preconditioned: bool,
         b: &[f64],
         r0: &[f64],
     ) -> Self {
-        let column = |k: usize| {
-            let contact = &problem.contacts()[subdomain.contacts[k] as usize];
-            let (inverse_mass, root) =
-                inverse_masses(contact.ends(), |grain| 1.0 / problem.mass()[grain as usize]);
-            let unit = if preconditioned { root } else { 1.0 };
-            let ends = (subdomain.candidate[k], subdomain.antagonist[k]);
-            (ScaledContact::new(ends, contact.normal, inverse_mass, unit), unit)
-        };
         let contacts = subdomain.contacts.clone();
         let (first, around) = around(subdomain);
-        let (columns, unit): (Vec<_>, Vec<f64>) = (0..contacts.len()).map(column).unzip();
+        let (columns, unit) = columns(problem, subdomain, preconditioned);
         let each = || contacts.iter().map(|contact| *contact as usize).zip(&unit);
-        let share = |grain: &u32| 1.0 / f64::from(multiplicity[*grain as usize]);
         let zeros = vec![Vector2::zeros(); subdomain.grains.len()];
         Self {
             b: each().map(|(contact, unit)| b[contact] / unit).collect(),
@@ -128,7 +118,7 @@ impl Block {
             parts: [0.0; 2],
             first,
             around,
-            share: subdomain.grains.iter().map(share).collect(),
+            share: layout.shares(subdomain),
             contacts,
             columns,
             unit,

@@ -13,10 +13,8 @@ mod block;
 
 use block::{Block, Pass};
 use contact::spectrum::{delassus_bound, eigenvalue_bound};
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work, together};
-use nalgebra::Vector2;
-use partition::{Decomposition, Grid, Scheme, Subdomain};
-use rayon::prelude::*;
+use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
+use product::{Layout, Subdomain};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -46,11 +44,8 @@ pub enum Preconditioner {
 }
 
 struct Run {
-    decomposition: Decomposition,
+    layout: Layout,
     blocks: Vec<Block>,
-    /// What blocks show each other of the grains they share.
-    shown: Vec<Vec<Vector2<f64>>>,
-    contacts: usize,
     /// Λ ≥ λmax(W), or λmax(W_D⁻¹W) where the diagonal preconditions.
     greatest: f64,
     /// uᵗ p.
@@ -73,21 +68,16 @@ impl Run {
     /// One pass over all blocks, each of which then shows what it has of the grains it shares; returns the sums over the blocks,
     /// which no number of threads changes.
     fn show_after(&mut self, pass: Pass) -> [f64; 2] {
-        let blocks = self.blocks.par_iter_mut().zip(&mut self.shown).enumerate();
-        blocks.with_min_len(together(NS_PER_CONTACT * self.contacts)).for_each(|(e, (block, shown))| {
+        self.layout.show_after(&mut self.blocks, |block| {
             block.make(pass);
-            self.decomposition.show(e, block.shared(pass), shown);
+            block.shared(pass)
         });
         self.sums()
     }
 
     /// The same, but each block first adds up what all have shown.
     fn assemble_before(&mut self, pass: Pass) -> [f64; 2] {
-        let blocks = self.blocks.par_iter_mut().enumerate();
-        blocks.with_min_len(together(NS_PER_CONTACT * self.contacts)).for_each(|(e, block)| {
-            self.decomposition.assemble(e, &self.shown, block.shared(pass));
-            block.make(pass);
-        });
+        self.layout.assemble_before(&mut self.blocks, |block| block.shared(pass), |block| block.make(pass));
         self.sums()
     }
 
@@ -189,41 +179,19 @@ impl Iteration for Run {
 /// Round-off, with a margin, of M^-½ H p relative to √Λ |p| (–): pᵗ W p says nothing below its square.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
-/// What a pass takes per contact, about (ns).
-const NS_PER_CONTACT: usize = 3;
-
-/// Contacts of a block, about: few enough that some threads have work where there is work for them, so many that blocks
-/// share few grains.
-const BLOCK: usize = 8192;
-
-/// Columns and rows of blocks, of equal numbers of contacts.
-fn grid(contacts: usize) -> Grid {
-    let blocks = contacts.div_ceil(BLOCK).max(1);
-    let n = (blocks - 1).isqrt() as u32 + 1;
-    Grid { nx: n, ny: n }
-}
-
 impl Solver for Cg {
     fn start<'p>(
         &self,
         problem: &'p ContactProblem,
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        let partition = Scheme::Balanced.partition(problem, grid(problem.contact_count()))?;
-        let decomposition = Decomposition::new(problem, &partition);
+        let layout = Layout::new(problem)?;
         let (b, preconditioned) = (problem.b(), self.preconditioner == Preconditioner::Diagonal);
-        let subdomains = &decomposition.subdomains;
-        let multiplicity = &decomposition.multiplicity;
-        let block =
-            |subdomain: &Subdomain| Block::new(problem, subdomain, multiplicity, preconditioned, &b, r0);
-        let shown =
-            decomposition.copies_by_subdomain().map(|copies| vec![Vector2::zeros(); copies]).collect();
+        let block = |subdomain: &Subdomain| Block::new(problem, &layout, subdomain, preconditioned, &b, r0);
         let mut run = Run {
-            blocks: subdomains.par_iter().map(block).collect(),
-            shown,
-            contacts: problem.contact_count(),
+            blocks: layout.blocks(block),
             greatest: if preconditioned { eigenvalue_bound(problem) } else { delassus_bound(problem) },
-            decomposition,
+            layout,
             descent: 0.0,
             squared: 0.0,
             gain: 0.0,

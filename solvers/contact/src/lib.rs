@@ -1,4 +1,5 @@
-//! The contact problem of one time step, eq. (1)-(2): data, law, measures, the interface of the methods, the only loop.
+//! The contact problem of one time step, eq. (1)-(2): data, law, measures, the contacts of a sweep, the interface of the
+//! methods, the only loop.
 //!
 //! Equation numbers are those of Iceta, Dureisseix, Alart, Giens 2009, hal-00413720. No method of the line-up lives here.
 
@@ -11,6 +12,7 @@ pub mod problem;
 pub mod scaled;
 pub mod solve;
 pub mod spectrum;
+pub mod sweep;
 pub mod threads;
 pub mod truth;
 

@@ -2,11 +2,11 @@
 //! every other must beat, and the one to copy.
 //!
 //! A. A. Goldstein, Convex programming in Hilbert space, Bull. Amer. Math. Soc. 70 (1964) 709-710. Cost of an iteration:
-//! one product with W and two passes over the contacts. q(r) decreases at every iteration for 0 < s < 2.
+//! one product with W, in two passes over the contacts. q(r) decreases at every iteration for 0 < s < 2.
 
 use contact::spectrum::delassus_bound;
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
-use nalgebra::Vector2;
+use product::Product;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -26,31 +26,32 @@ impl Default for Gradient {
     }
 }
 
-struct Run<'p> {
-    problem: &'p ContactProblem,
-    b: Vec<f64>,
+/// What the method knows of a contact.
+struct Contact {
+    /// b (m/s).
+    b: f64,
+    /// r (N·s).
+    r: f64,
+}
+
+struct Run {
+    product: Product<Contact>,
     /// ρ (kg).
     step: f64,
-    r: Vec<f64>,
-    /// v = W r + b, the gradient of q (m/s).
-    v: Vec<f64>,
-    scratch: Vec<Vector2<f64>>,
     products: u64,
 }
 
-impl Iteration for Run<'_> {
+impl Iteration for Run {
     fn advance(&mut self) {
-        // v = W r + b;  r = max(0, r − ρ v)
-        self.problem.delassus_product(&self.r, &mut self.v, &mut self.scratch);
+        // v = W r + b, the gradient of q;  r = max(0, r − ρ v)
+        let step = self.step;
+        self.product.push(|at| at.r);
+        self.product.pull(|at, of_r| at.r = law::non_negative(at.r - step * (of_r + at.b)));
         self.products += 1;
-        for (r, (v, b)) in self.r.iter_mut().zip(self.v.iter_mut().zip(&self.b)) {
-            *v += b;
-            *r = law::non_negative(*r - self.step * *v);
-        }
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        r.copy_from_slice(&self.r);
+        self.product.impulses(|at| at.r, r);
     }
 
     fn work(&self) -> Work {
@@ -65,15 +66,11 @@ impl Solver for Gradient {
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("step", self.step)?;
-        let greatest = delassus_bound(problem);
+        let (b, greatest) = (problem.b(), delassus_bound(problem));
         Ok(Box::new(Run {
-            problem,
-            b: problem.b(),
+            product: Product::new(problem, false, |contact, _| Contact { b: b[contact], r: r0[contact] })?,
             // Without contacts there is no step to make.
             step: if greatest > 0.0 { self.step / greatest } else { 0.0 },
-            r: r0.to_vec(),
-            v: vec![0.0; r0.len()],
-            scratch: vec![Vector2::zeros(); problem.grain_count()],
             products: 0,
         }))
     }

@@ -1,16 +1,10 @@
 //! The sweep of one subdomain: that of NSGS on the subdomain's contacts, with its own masses, in mass-scaled unknowns.
 
-use contact::scaled::{ScaledContact, by_levels, inverse_masses};
-use contact::{ContactProblem, law};
+use contact::ContactProblem;
+use contact::scaled::by_levels;
+use contact::sweep::Row;
 use nalgebra::Vector2;
 use partition::Subdomain;
-
-/// One contact as the sweep needs it, in local indices.
-struct Row {
-    contact: ScaledContact,
-    /// c/√`W_αα` (√J).
-    offset: f64,
-}
 
 /// The contacts of a subdomain with their impulses, in the order of the sweep, level by level.
 pub(crate) struct Sweeper {
@@ -35,9 +29,7 @@ impl Sweeper {
         let order = by_levels((0..subdomain.contacts.len()).map(ends), subdomain.grains.len());
         let row = |k: &u32| {
             let contact = &problem.contacts()[subdomain.contacts[*k as usize] as usize];
-            let (inverse_mass, unit) = inverse_masses(contact.ends(), inverse_mass);
-            let scaled = ScaledContact::new(ends(*k as usize), contact.normal, inverse_mass, unit);
-            (Row { contact: scaled, offset: contact.offset / unit }, unit)
+            Row::new(contact, ends(*k as usize), inverse_mass)
         };
         let (rows, unit): (Vec<Row>, Vec<f64>) = order.iter().map(row).unzip();
         let contacts: Vec<u32> = order.iter().map(|k| subdomain.contacts[*k as usize]).collect();
@@ -60,9 +52,7 @@ impl Sweeper {
     /// Contact by contact: v = Hᵗ V + c; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
     pub(crate) fn sweep(&mut self, y: &mut [Vector2<f64>], relaxation: f64) {
         for (row, s) in self.rows.iter().zip(&mut self.s) {
-            let change = law::change(*s, row.contact.relative(y) + row.offset, relaxation);
-            row.contact.push(change, y);
-            *s += change;
+            row.solve(s, y, relaxation);
         }
     }
 }

@@ -2,10 +2,10 @@
 //!
 //! Converges for ω < 2/λmax(`W_D`⁻¹ W) only; `bounded` keeps it there. Cost of an iteration: that of a sweep, and a copy of the velocities.
 
-use crate::row::{Row, row};
 use contact::scaled::scaled_velocity;
 use contact::spectrum::eigenvalue_bound;
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
+use contact::sweep::Row;
+use contact::{Contact, ContactProblem, Iteration, SetupError, Solver, Work, law};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -77,9 +77,9 @@ impl Solver for Jacobi {
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("relaxation", self.relaxation)?;
-        let contacts = 0..problem.contact_count() as u32;
-        let (rows, unit): (Vec<Row>, Vec<f64>) =
-            contacts.map(|contact| row(problem, contact, |grain| grain)).unzip();
+        let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
+        let row = |contact: &Contact| Row::new(contact, contact.ends(), inverse_mass);
+        let (rows, unit): (Vec<Row>, Vec<f64>) = problem.contacts().iter().map(row).unzip();
         let y = scaled_velocity(problem, r0);
         let bound = eigenvalue_bound(problem);
         let scale = if self.bounded && bound > 0.0 { 2.0 / bound } else { 1.0 };

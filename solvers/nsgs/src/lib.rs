@@ -2,7 +2,6 @@
 
 mod jacobi;
 mod order;
-mod row;
 mod sweep;
 
 pub use jacobi::Jacobi;

@@ -1,0 +1,136 @@
+//! W p = (M^-½ H)ᵗ (M^-½ H p) in two passes over mass-scaled contacts, block by block in threads: one kernel for the methods
+//! that are made of products, so that their seconds compare the methods.
+
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined where the processor's instructions are chosen does not get them"
+)]
+
+mod layout;
+
+pub use layout::{Layout, columns};
+pub use partition::Subdomain;
+
+use contact::{ContactProblem, ScaledContact, SetupError};
+use nalgebra::Vector2;
+use pulp::Arch;
+
+/// Products with W, and a state of type `C` at each contact: what a method knows of it, its p among it.
+///
+/// With the unit 1, impulses and velocities are r and v. With the unit √`W_αα`, √`W_αα` r and v/√`W_αα` stand in their place: a
+/// method in these unknowns is the one preconditioned by the diagonal of W.
+pub struct Product<C> {
+    layout: Layout,
+    blocks: Vec<Block<C>>,
+}
+
+struct Block<C> {
+    /// The problem's contact of each column.
+    contacts: Vec<u32>,
+    columns: Vec<ScaledContact>,
+    unit: Vec<f64>,
+    states: Vec<C>,
+    /// M^-½ H p, in local indices; of grains that blocks share, each has the sum after it has been assembled.
+    y: Vec<Vector2<f64>>,
+    /// 1 over the number of blocks that have the grain.
+    share: Vec<f64>,
+    /// What the block adds to the sum that the last pass was for.
+    part: f64,
+}
+
+impl<C: Send + Sync> Product<C> {
+    /// The contacts of `problem`, each with a unit, 1 or √`W_αα` if they are `scaled`; `state` makes what the method knows of
+    /// a contact from its index in the problem and its unit.
+    ///
+    /// # Errors
+    /// Those of [`Layout::new`].
+    pub fn new(
+        problem: &ContactProblem,
+        scaled: bool,
+        state: impl Fn(usize, f64) -> C + Sync,
+    ) -> Result<Self, SetupError> {
+        let layout = Layout::new(problem)?;
+        let block = |subdomain: &Subdomain| {
+            let (columns, unit) = columns(problem, subdomain, scaled);
+            let contacts = subdomain.contacts.clone();
+            let each = contacts.iter().zip(&unit);
+            Block {
+                states: each.map(|(contact, unit)| state(*contact as usize, *unit)).collect(),
+                y: vec![Vector2::zeros(); subdomain.grains.len()],
+                share: layout.shares(subdomain),
+                part: 0.0,
+                contacts,
+                columns,
+                unit,
+            }
+        };
+        let blocks = layout.blocks(block);
+        Ok(Self { layout, blocks })
+    }
+
+    /// First half of the product, y = M^-½ H p: `p` gives the p of each contact. Returns pᵗ p.
+    pub fn push(&mut self, p: impl Fn(&mut C) -> f64 + Sync) -> f64 {
+        self.layout.show_after(&mut self.blocks, |block| {
+            Arch::new().dispatch(|| block.push(&p));
+            &mut block.y
+        });
+        self.sum()
+    }
+
+    /// Second half: `take` is given (W p)_α of each contact.
+    pub fn pull(&mut self, take: impl Fn(&mut C, f64) + Sync) {
+        let make = |block: &mut Block<C>| Arch::new().dispatch(|| block.pull(&take));
+        self.layout.assemble_before(&mut self.blocks, |block| &mut block.y, make);
+    }
+
+    /// pᵗ W p = |y|² of the p last pushed, without the second half.
+    pub fn curvature(&mut self) -> f64 {
+        let make = |block: &mut Block<C>| Arch::new().dispatch(|| block.square());
+        self.layout.assemble_before(&mut self.blocks, |block| &mut block.y, make);
+        self.sum()
+    }
+
+    /// The sum of a `term` over the contacts.
+    pub fn sum_of(&mut self, term: impl Fn(&C) -> f64 + Sync) -> f64 {
+        self.layout.each(&mut self.blocks, |block| block.part = block.states.iter().map(&term).sum());
+        self.sum()
+    }
+
+    /// Puts the impulses that `r` reads from each contact in the problem's order (N·s).
+    pub fn impulses(&self, r: impl Fn(&C) -> f64, impulses: &mut [f64]) {
+        for block in &self.blocks {
+            for ((state, unit), contact) in block.states.iter().zip(&block.unit).zip(&block.contacts) {
+                impulses[*contact as usize] = r(state) / unit;
+            }
+        }
+    }
+
+    fn sum(&self) -> f64 {
+        self.blocks.iter().map(|block| block.part).sum()
+    }
+}
+
+impl<C> Block<C> {
+    #[inline(always)]
+    fn push(&mut self, p: &impl Fn(&mut C) -> f64) {
+        self.y.fill(Vector2::zeros());
+        self.part = 0.0;
+        for (column, state) in self.columns.iter().zip(&mut self.states) {
+            let p = p(state);
+            column.push(p, &mut self.y);
+            self.part += p * p;
+        }
+    }
+
+    #[inline(always)]
+    fn pull(&mut self, take: &impl Fn(&mut C, f64)) {
+        for (column, state) in self.columns.iter().zip(&mut self.states) {
+            take(state, column.relative(&self.y));
+        }
+    }
+
+    #[inline(always)]
+    fn square(&mut self) {
+        self.part = self.y.iter().zip(&self.share).map(|(y, share)| share * y.norm_squared()).sum();
+    }
+}
