@@ -186,7 +186,7 @@ fn mass_whose_inverse_overflows_is_refused_for_that() {
     let folder = TempDir::new().unwrap();
     let light = pair_with("/grains/mass", json!([5.6e-309, 1.0]));
     let file = write(&folder, "light.json", &light.to_string());
-    gravel(&["solve", text(&file), "--max-iterations", "1"]).succeeded();
+    gravel(&["solve", text(&file), "--max-iterations", "1"]).ended(3);
 }
 
 #[cfg(unix)]
