@@ -96,7 +96,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
             eprintln!("{error:#}");
             None
         });
-        say(format_args!("{}", to_json(asked, &totals, &end, kept.reached.as_ref(), last_state)))?;
+        say(format_args!("{}", to_json(asked, &totals, &end, kept.reached.as_ref(), last_state.as_deref())))?;
     } else {
         kept.say(args.output.as_deref())?;
         say_ending(&case.name, args, &totals, &end, last_state)?;
@@ -194,7 +194,7 @@ fn to_json(
     totals: &Totals,
     end: &End,
     reached: Option<&Observables>,
-    last_state: Option<PathBuf>,
+    last_state: Option<&Path>,
 ) -> Value {
     let last = reached.map(|o| {
         json!({

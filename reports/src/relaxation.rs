@@ -81,7 +81,7 @@ fn swept(runs: &[RunRow]) -> Vec<Swept<'_>> {
 fn overall(problems: &[Vec<&RunRow>]) -> Vec<Overall> {
     let at = |relaxation| {
         let runs = problems.iter().map(|runs| runs.iter().find(|run| omega(run) == Some(relaxation)));
-        let runs: Vec<&RunRow> = runs.map(|run| run.copied()).collect::<Option<_>>()?;
+        let runs: Vec<&RunRow> = runs.map(Option::<&&RunRow>::copied).collect::<Option<_>>()?;
         let cost = |run: &&RunRow| if has_converged(run) { run.iterations } else { run.max_iterations };
         let logs: f64 = runs.iter().map(|run| (cost(run).max(1) as f64).ln()).sum();
         let failed = runs.iter().filter(|run| !has_converged(run)).count();

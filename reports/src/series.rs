@@ -15,6 +15,12 @@ use crate::signs::Sign;
 use crate::statistics::padded;
 use crate::style::TEXT;
 
+/// Lines of a key, and its signs.
+type Key = (Vec<(String, Look)>, Vec<(Sign, String)>);
+
+/// How a series looks, and its points.
+type Drawn<'p> = (Look, &'p [(Ending, (f64, f64))]);
+
 /// Points of a series: how the run ended, logarithms of x and y.
 pub(crate) type Points = Vec<(Ending, (f64, f64))>;
 
@@ -95,9 +101,7 @@ pub(crate) fn has_line(points: &[(Ending, (f64, f64))]) -> bool {
 
 /// The key of series, each with its points in all panels: lines with their signs; signs alone where no line is drawn; words
 /// where there is nothing.
-pub(crate) fn key<'p>(
-    series: impl Iterator<Item = (String, Look, Vec<&'p Points>, bool)>,
-) -> (Vec<(String, Look)>, Vec<(Sign, String)>) {
+pub(crate) fn key<'p>(series: impl Iterator<Item = (String, Look, Vec<&'p Points>, bool)>) -> Key {
     let (mut lines, mut signs) = (Vec::new(), Vec::new());
     for (label, look, panels, line) in series {
         if line || panels.iter().any(|points| has_line(points)) {
@@ -113,11 +117,7 @@ pub(crate) fn key<'p>(
 
 /// The signs of all series: that of the method for a run that converged, that of its ending for another. What no line
 /// passes through comes last, and beside what it would cover.
-pub(crate) fn draw_signs(
-    canvas: &Canvas,
-    frame: &Frame,
-    all: &[(Look, &[(Ending, (f64, f64))])],
-) -> Result<(), ReportError> {
+pub(crate) fn draw_signs(canvas: &Canvas, frame: &Frame, all: &[Drawn]) -> Result<(), ReportError> {
     let mut taken = Vec::new();
     for (look, points) in all.iter().filter(|(_, points)| has_line(points)) {
         for (_, point) in points.iter().filter(|(ending, _)| *ending == Ending::Converged) {

@@ -208,7 +208,9 @@ fn answers(
         "{kind}: {cases} problems, {certified} certified, {proved} without solution, {} unknown",
         unknown.len()
     );
-    unknown.iter().for_each(|unknown| println!("{unknown}"));
+    for unknown in &unknown {
+        println!("{unknown}");
+    }
     // Round-off, not the draw, decides how many there are.
     unknown.len() as u32 * 1000 / cases
 }

@@ -141,9 +141,8 @@ impl Totals {
         let mut text =
             format!("{missed} of {time_steps} time steps did not converge to {on} ≤ {tolerance:e}");
         if diverged + infeasible > 0 {
-            text += &format!(
-                ": {diverged} diverged, {infeasible} had no solution; {restarted} began from r = 0 after one of these"
-            );
+            let of_these = format!(": {diverged} diverged, {infeasible} had no solution; ");
+            text = text + &of_these + &format!("{restarted} began from r = 0 after one of these");
         }
         (missed > 0).then_some(text)
     }

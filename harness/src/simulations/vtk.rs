@@ -47,7 +47,8 @@ impl Frames {
         // In place of the closing tags, in one write with them.
         let line = format!("    <DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>\n{TAIL}");
         let collection = &mut self.collection;
-        let before_the_tail = SeekFrom::End(-(TAIL.len() as i64));
+        let end = collection.seek(SeekFrom::End(0)).with_context(|| self.path.display().to_string())?;
+        let before_the_tail = SeekFrom::Start(end - TAIL.len() as u64);
         let write = collection.seek(before_the_tail).and_then(|_| collection.write_all(line.as_bytes()));
         write.with_context(|| self.path.display().to_string())?;
         self.made += 1;

@@ -77,7 +77,7 @@ pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
     }
     let mut resultant = vec![Vector2::zeros(); grains];
     problem.resultant(&ray, &mut resultant);
-    let left = resultant.iter().map(|h_d| h_d.amax()).fold(0.0, f64::max);
+    let left = resultant.iter().map(nalgebra::Matrix::amax).fold(0.0, f64::max);
     let pressed = sizes.iter().copied().fold(0.0, f64::max);
     // ‖H d‖² of M⁻¹, each grain raised by its round-off.
     let raised =

@@ -78,7 +78,9 @@ impl Coarse {
     pub(crate) fn correct(&mut self, subdomains: &mut [Latin]) {
         let Self { sides, factor, w } = self;
         resultants(sides, subdomains, w);
-        w.iter_mut().for_each(|g| *g = -*g);
+        for g in w.iter_mut() {
+            *g = -*g;
+        }
         factor.solve(w);
         for (sides, latin) in sides.iter().zip(subdomains) {
             for side in sides {

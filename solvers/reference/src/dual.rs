@@ -122,7 +122,7 @@ impl Active {
     fn solve(&self, d: &[TwoFloat]) -> Vec<TwoFloat> {
         let mut x = d[..self.r.len()].to_vec();
         for k in (0..x.len()).rev() {
-            x[k] = x[k] / self.r[k][k];
+            x[k] /= self.r[k][k];
             let (above, from) = x.split_at_mut(k);
             above.iter_mut().zip(&self.r[k]).for_each(|(x, r)| *x -= *r * from[0]);
         }
@@ -229,17 +229,13 @@ pub(crate) fn solve(problem: &ContactProblem, yielding: f64) -> End {
             y.iter_mut().zip(&z).for_each(|(y, z)| *y += *z * length);
             u.iter_mut().zip(&rho).for_each(|(u, rho)| *u -= *rho * length);
             taken += length;
-            match leaving {
-                Some(k) => {
-                    u.remove(k);
-                    active.drop(k);
-                }
-                None => {
-                    active.add(entering, d);
-                    u.push(taken);
-                    break;
-                }
-            }
+            let Some(k) = leaving else {
+                active.add(entering, d);
+                u.push(taken);
+                break;
+            };
+            u.remove(k);
+            active.drop(k);
         }
     }
     solution(&columns, &active)
