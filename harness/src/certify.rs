@@ -7,7 +7,7 @@ use crate::truth::{Given, answer};
 use anyhow::Result;
 use cases::Frozen;
 use contact::{ContactProblem, Meter, Truth};
-use reference::{Answer, Certificate, ROUND_OFF, certify};
+use reference::{Answer, Certificate, ENERGY_ROUND_OFF, ROUND_OFF, certify};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -77,7 +77,12 @@ fn print(certificate: &Certificate) -> Result<()> {
             "natural_map" => "√J",
             _ => "J",
         };
-        say(format_args!("  {name:<17}{:>10.1e}  {:.1e} {unit}", residual.relative, residual.absolute))?;
+        let limit = if name == "natural_map" { ENERGY_ROUND_OFF } else { ROUND_OFF };
+        let above = if residual.relative <= limit { String::new() } else { format!(", above {limit:e}") };
+        say(format_args!(
+            "  {name:<17}{:>10.1e}  {:.1e} {unit}{above}",
+            residual.relative, residual.absolute
+        ))?;
     }
     Ok(())
 }
