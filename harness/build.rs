@@ -17,7 +17,7 @@ const SOLVERS: &str = "../solvers";
 const CASES: &str = "../cases";
 const LOCK: &str = "../Cargo.lock";
 /// What decides at which iterations a curve is read.
-const CURVE: &str = "src/curve.rs";
+const CURVE: &str = "src/run/curve.rs";
 
 fn main() -> Result<()> {
     for path in ["build.rs", LOCK, SOLVERS, "../cases/src", "../cases/Cargo.toml", CURVE] {

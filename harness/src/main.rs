@@ -1,46 +1,92 @@
 //! `gravel`: solves contact problems, sweeps methods over plans, freezes problems and simulates scenes.
 
-mod asked;
-mod baseline;
-mod bench;
-mod certify;
-mod curve;
-mod execute;
-mod exit;
-mod film;
-mod freeze;
-mod identity;
-mod inputs;
-mod interrupt;
-mod list;
-mod memory;
-mod merge;
-mod methods;
-mod output;
-mod plan;
-mod problems;
-mod progress;
-mod regress;
-mod report;
-mod rows;
-mod schema;
-mod show;
-mod simulate;
-mod simulations;
-mod solve;
-mod spectrum;
-mod stored;
-mod study;
-mod suggest;
-mod tables;
-mod truth;
-mod view;
+/// What a user types and gets: a file for each command.
+mod cli {
+    pub(crate) mod args;
+    pub(crate) mod bench;
+    pub(crate) mod certify;
+    pub(crate) mod freeze;
+    pub(crate) mod list;
+    pub(crate) mod merge;
+    pub(crate) mod plan;
+    pub(crate) mod regress;
+    pub(crate) mod report;
+    pub(crate) mod schema;
+    pub(crate) mod simulate;
+    pub(crate) mod simulations;
+    pub(crate) mod solve;
+    pub(crate) mod view;
+}
+
+/// A study on disk: its journal, its tables, its report, its accepted counts.
+mod store {
+    pub(crate) mod baseline;
+    pub(crate) mod folder;
+    pub(crate) mod stored;
+    pub(crate) mod tables;
+}
+
+/// A task becomes a row.
+mod run {
+    pub(crate) mod curve;
+    pub(crate) mod execute;
+    pub(crate) mod rows;
+    pub(crate) mod simulation;
+    pub(crate) mod snapshots;
+    pub(crate) mod through_time;
+    pub(crate) mod vtk;
+}
+
+/// A plan with its problems or scenes: the tasks that it asks for, each with its id.
+mod study {
+    pub(crate) mod runs;
+    pub(crate) mod selection;
+    pub(crate) mod simulations;
+    #[cfg(test)]
+    mod tests;
+}
+
+/// Frozen problems, cases, scenes, and what is known of their solutions.
+mod problems {
+    pub(crate) mod files;
+    pub(crate) mod memory;
+    pub(crate) mod planned;
+    pub(crate) mod reference;
+    pub(crate) mod scene;
+    pub(crate) mod spectrum;
+}
+
+/// The plan file: methods with their settings, axes, rules.
+mod plan {
+    pub(crate) mod axes;
+    pub(crate) mod file;
+    pub(crate) mod identity;
+    pub(crate) mod methods;
+    pub(crate) mod names;
+    pub(crate) mod rules;
+    #[cfg(test)]
+    mod tests;
+    pub(crate) mod variants;
+}
+
+/// What a person at a terminal sees, presses and gets.
+mod terminal {
+    pub(crate) mod exit;
+    pub(crate) mod interrupt;
+    pub(crate) mod output;
+    pub(crate) mod progress;
+    pub(crate) mod suggest;
+}
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use execute::in_the_pool;
+use cli::{
+    bench, certify, freeze, list, merge, plan as show, regress, report, schema, simulate, solve, view,
+};
+use run::execute::{self, in_the_pool};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use terminal::{exit, suggest};
 
 /// Commit of the build.
 const COMMIT: &str = git_version::git_version!(
@@ -111,7 +157,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
     if let Some(threads) = cli.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global()?;
     }
-    let root = inputs::Root::find(cli.root)?;
+    let root = problems::files::Root::find(cli.root)?;
     match cli.command {
         Command::Bench(args) => return bench::run(&root, &args),
         Command::Plan(args) => show::run(&root, &args)?,

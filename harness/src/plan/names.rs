@@ -1,7 +1,7 @@
 //! Names of runs and of made problems: what tells them apart, and no more.
 
-use super::axes::Settings;
-use crate::methods::Method;
+use crate::plan::axes::Settings;
+use crate::plan::methods::Method;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,6 +1,8 @@
 //! Quick forms, changes, runs that are the same.
 
-use super::*;
+use crate::plan::file::Plan;
+use anyhow::Result;
+use contact::Stop;
 use std::fs;
 use tempfile::TempDir;
 

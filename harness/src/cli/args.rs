@@ -1,0 +1,242 @@
+//! Arguments that several commands share.
+
+use crate::plan::file::Plan;
+use crate::plan::methods::{Method, key_value, repeated};
+use crate::problems::files::{Root, is_toml, time_step};
+use crate::problems::memory::read_case;
+use crate::problems::planned::{marched, planned};
+use crate::study::selection::Asked;
+use anyhow::{Context, Result, bail};
+use cases::Frozen;
+use contact::{Measure, Stop};
+use std::path::Path;
+
+/// A plan on the command line.
+#[derive(Default, clap::Args)]
+pub(crate) struct StudyArgs {
+    /// A plan: its name, or the path of its file
+    #[arg(default_value = "paper")]
+    plan: String,
+    /// The quick form of the plan
+    #[arg(long)]
+    quick: bool,
+    /// Only those of the runs with this problem, method or variant, such as method=latin-dd or problem=shear*; of several,
+    /// all must hold
+    #[arg(long, value_name = "KEY=PATTERN", value_parser = key_value)]
+    only: Vec<(String, String)>,
+    /// A setting of every method that has it, in place of the plan's; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    settings: Vec<(String, String)>,
+    #[command(flatten)]
+    stop: StopChanges,
+}
+
+/// A contact problem on the command line.
+#[derive(clap::Args)]
+pub(crate) struct ProblemArgs {
+    /// A frozen problem or a case: its name, or the path of its file
+    #[arg(value_name = "PROBLEM-OR-CASE")]
+    pub(crate) problem: String,
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+}
+
+/// What a case on the command line changes.
+#[derive(clap::Args)]
+pub(crate) struct SceneArgs {
+    #[command(flatten)]
+    case: CaseArgs,
+    /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]; those before
+    /// it are solved by preconditioned cg, whatever the method
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    time_step: Option<String>,
+}
+
+/// A method on the command line.
+#[derive(clap::Args)]
+pub(crate) struct MethodArgs {
+    /// A method; `gravel list methods` shows them with their settings
+    #[arg(long, default_value = "cg", value_name = "M")]
+    method: String,
+    /// A setting of the method, such as relaxation=0.8 or subdomains=4x2; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    settings: Vec<(String, String)>,
+}
+
+/// A stop rule on the command line.
+#[derive(clap::Args)]
+pub(crate) struct StopArgs {
+    /// The run has converged when the measure is at most this
+    #[arg(long, value_name = "T", default_value_t = Stop::default().tolerance, allow_negative_numbers = true)]
+    tolerance: f64,
+    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv, max_dv or
+    /// velocity_error
+    #[arg(long, value_name = "MEASURE", default_value_t = Stop::default().on, value_parser = measure)]
+    on: Measure,
+    /// The run ends after this many iterations at the latest
+    #[arg(long, value_name = "N", default_value_t = Stop::default().max_iterations, allow_negative_numbers = true)]
+    max_iterations: u64,
+}
+
+/// Changes to a stop rule on the command line.
+#[derive(Default, clap::Args)]
+pub(crate) struct StopChanges {
+    /// A run has converged when the measure is at most this [default: the plan's or the stored run's, else as
+    /// `gravel solve`]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv, max_dv or velocity_error [default: as
+    /// above]
+    #[arg(long, value_name = "MEASURE", value_parser = measure)]
+    on: Option<Measure>,
+    /// A run ends after this many iterations at the latest [default: as above]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    max_iterations: Option<u64>,
+}
+
+/// Changes to a case on the command line.
+#[derive(clap::Args)]
+pub(crate) struct CaseArgs {
+    /// A value of the case file to replace, such as sample.grains=250 or scene.law=iqs; may be repeated
+    #[arg(long = "scene", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub(crate) overrides: Vec<(String, String)>,
+}
+
+impl StudyArgs {
+    /// All runs of the plan, or of its quick form.
+    pub(crate) fn plan(plan: &str, quick: bool) -> Self {
+        Self { plan: plan.to_owned(), quick, ..Self::default() }
+    }
+
+    /// The arguments that ask for the same.
+    fn again(&self) -> String {
+        let mut words = vec![self.plan.clone()];
+        words.extend(self.quick.then(|| "--quick".to_owned()));
+        words.extend(self.only.iter().map(|(key, pattern)| format!("--only '{key}={pattern}'")));
+        words.extend(self.settings.iter().map(|(key, value)| format!("--set '{key}={value}'")));
+        words.extend(self.stop.again());
+        words.join(" ")
+    }
+
+    pub(crate) fn asked(&self, root: &Root) -> Result<Asked> {
+        if let Some((key, _)) = repeated(&self.settings) {
+            bail!("--set {key}: it is given twice");
+        }
+        let path = root.plan(&self.plan)?;
+        let mut plan = Plan::read(&path, self.quick)?;
+        let changes = self.change_stop(&mut plan)?;
+        let in_plan = || path.display().to_string();
+        let problems = planned(root, &plan).with_context(in_plan)?;
+        let variants = plan.variants(&self.settings).with_context(in_plan)?;
+        let mut asked =
+            Asked { again: self.again(), plan, problems, variants, notes: Vec::new(), only: Vec::new() };
+        // Its rows must not pass for those of the plan.
+        if !changes.is_empty() {
+            asked.plan.name += "-changed";
+            asked.notes.push(format!("changed: {}", changes.join(", ")));
+        }
+        for (key, pattern) in &self.only {
+            asked.keep(key, pattern)?;
+        }
+        if !self.only.is_empty() {
+            let (some, all) = (asked.selected().count() * asked.rules(), asked.runs());
+            asked.notes.push(format!("{some} of the {all} runs of the plan are asked for"));
+        }
+        Ok(asked)
+    }
+
+    /// Changes the stop rule as asked, and tells all that is changed.
+    fn change_stop(&self, plan: &mut Plan) -> Result<Vec<String>> {
+        let mut changes: Vec<String> =
+            self.settings.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+        for (key, value) in self.stop.changed() {
+            // What a rule of a study through time varies is then the same for all.
+            plan.simulate.iter_mut().for_each(|simulate| simulate.forget(key));
+            changes.push(format!("{key} = {value}"));
+        }
+        plan.stop = self.stop.of(plan.stop)?;
+        Ok(changes)
+    }
+}
+
+impl SceneArgs {
+    /// Refuses them where `what`, such as "x.json is a frozen problem", leaves nothing to change.
+    pub(crate) fn refused(&self, what: &str) -> Result<()> {
+        if let Some((key, _)) = self.case.overrides.first() {
+            bail!("--scene {key}: {what}, it has no scene");
+        }
+        if self.time_step.is_some() {
+            bail!("--time-step: {what}, it has no other time step");
+        }
+        Ok(())
+    }
+
+    /// The arguments that ask for the same.
+    pub(crate) fn again(&self) -> Vec<String> {
+        let scene = self.case.overrides.iter().map(|(key, value)| format!("--scene '{key}={value}'"));
+        scene.chain(self.time_step.iter().map(|moment| format!("--time-step {moment}"))).collect()
+    }
+
+    /// The problem of the file that the user named.
+    pub(crate) fn problem(&self, path: &Path) -> Result<Frozen> {
+        if !is_toml(path) {
+            self.refused(&format!("{} is a frozen problem", path.display()))?;
+            return Ok(Frozen::read(path)?);
+        }
+        let case = read_case(path, &self.case.overrides)?;
+        let time_step = self
+            .time_step
+            .as_ref()
+            .map_or(Ok(case.solve_at), |moment| time_step(&case, "--time-step", moment))?;
+        let (frozen, missed) = marched(&case, time_step)?;
+        if let Some(missed) = missed {
+            eprintln!("{missed}");
+        }
+        Ok(frozen)
+    }
+}
+
+impl MethodArgs {
+    pub(crate) fn method(&self) -> Result<Method> {
+        Method::parse(&self.method, &self.settings)
+    }
+}
+
+impl StopArgs {
+    pub(crate) fn stop(&self) -> Stop {
+        Stop { on: self.on, tolerance: self.tolerance, max_iterations: self.max_iterations }
+    }
+}
+
+impl StopChanges {
+    /// The keys of the stop rule that are changed, and their new values.
+    pub(crate) fn changed(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let tolerance = self.tolerance.map(|tolerance| ("tolerance", format!("{tolerance:e}")));
+        let on = self.on.map(|on| ("on", on.to_string()));
+        let max_iterations = self.max_iterations.map(|n| ("max_iterations", n.to_string()));
+        tolerance.into_iter().chain(on).chain(max_iterations)
+    }
+
+    /// The arguments that ask for the same.
+    pub(crate) fn again(&self) -> impl Iterator<Item = String> {
+        self.changed().map(|(key, value)| format!("--{} {value}", key.replace('_', "-")))
+    }
+
+    /// `stop` as it is changed.
+    pub(crate) fn of(&self, stop: Stop) -> Result<Stop> {
+        let stop = Stop {
+            on: self.on.unwrap_or(stop.on),
+            tolerance: self.tolerance.unwrap_or(stop.tolerance),
+            max_iterations: self.max_iterations.unwrap_or(stop.max_iterations),
+        };
+        stop.check()?;
+        Ok(stop)
+    }
+}
+
+pub(crate) fn measure(name: &str) -> Result<Measure, String> {
+    Measure::ALL.into_iter().find(|measure| measure.name() == name).ok_or_else(|| {
+        let names: Vec<&str> = Measure::ALL.iter().map(|measure| measure.name()).collect();
+        format!("there are {}", names.join(", "))
+    })
+}

@@ -1,0 +1,61 @@
+//! `gravel list`: what there is.
+
+use crate::cli::schema::takes;
+use crate::plan::file::Plan;
+use crate::plan::methods::METHODS;
+use crate::problems::files::{Root, stem};
+use crate::terminal::output::say;
+use anyhow::Result;
+use cases::{Case, Frozen};
+use clap::ValueEnum;
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// What to list
+    what: What,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum What {
+    /// Cases, and the problems that were frozen from them
+    Cases,
+    /// Methods, with their settings and defaults
+    Methods,
+    /// Plans
+    Plans,
+}
+
+pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
+    match args.what {
+        What::Cases => {
+            say(format_args!("cases"))?;
+            for path in root.cases()? {
+                say(format_args!("  {:<24}{}", stem(&path), Case::read(&path, &[])?.why))?;
+            }
+            say(format_args!("frozen problems"))?;
+            for path in root.frozen()? {
+                let frozen = Frozen::read(&path)?;
+                let (grains, contacts) = (frozen.problem.grain_count(), frozen.problem.contact_count());
+                say(format_args!("  {:<24}{grains} grains, {contacts} contacts", stem(&path)))?;
+            }
+        }
+        What::Methods => {
+            for entry in METHODS {
+                say(format_args!("{:<16}{}", entry.name, entry.what))?;
+                let settings = entry.settings();
+                for (key, default) in entry.defaults()? {
+                    let default = if default.is_null() { "none".to_owned() } else { default.to_string() };
+                    let setting = &settings[&key];
+                    say(format_args!("  {key} = {default}: {}", takes(setting)))?;
+                    say(format_args!("      {}", setting["description"].as_str().unwrap_or_default()))?;
+                }
+            }
+        }
+        What::Plans => {
+            for path in root.plans()? {
+                say(format_args!("{:<20}{}", stem(&path), Plan::read(&path, false)?.why))?;
+            }
+        }
+    }
+    Ok(())
+}

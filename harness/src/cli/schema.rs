@@ -1,0 +1,91 @@
+//! `gravel schema`: JSON schemas of plans and cases, for editors; and what a setting takes, in words.
+
+use crate::plan::file::Plan;
+use crate::plan::methods::{Entry, METHODS};
+use crate::plan::variants::PlannedMethod;
+use crate::terminal::output::say;
+use anyhow::Result;
+use cases::Case;
+pub(crate) use cases::schema as of;
+use clap::ValueEnum;
+use serde_json::{Map, Value, json};
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// What the schema describes
+    what: What,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum What {
+    /// harness/plans/*.toml
+    Plan,
+    /// cases/*.toml
+    Case,
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let schema = match args.what {
+        What::Plan => plan(),
+        What::Case => of::<Case>(),
+    };
+    say(format_args!("{}", serde_json::to_string_pretty(&schema)?))?;
+    Ok(())
+}
+
+/// The methods with their settings; and, in the quick form, the plan's keys once more.
+fn plan() -> Value {
+    let mut plan = of::<Plan>();
+    plan["properties"]["methods"]["items"] =
+        json!({ "oneOf": METHODS.iter().map(planned_method).collect::<Vec<_>>() });
+    let mut quick = plan["properties"].clone();
+    if let Some(keys) = quick.as_object_mut() {
+        keys.remove("name");
+        keys.remove("quick");
+        // Their keys replace those of the plan one by one.
+        for table in ["stop", "simulate"] {
+            keys[table].as_object_mut().into_iter().for_each(|table| drop(table.remove("required")));
+        }
+    }
+    plan["properties"]["quick"]["properties"] = quick;
+    plan["properties"]["quick"]["additionalProperties"] = false.into();
+    plan
+}
+
+fn planned_method(entry: &Entry) -> Value {
+    let settings = entry.settings();
+    let axes: Map<String, Value> = settings.iter().map(|(key, value)| (key.clone(), axis(value))).collect();
+    let mut method = of::<PlannedMethod>();
+    let keys = &mut method["properties"];
+    keys["method"] = json!({ "const": entry.name, "description": entry.what });
+    for (table, settings) in [("set", settings), ("zip", axes.clone()), ("axes", axes)] {
+        keys[table]["properties"] = settings.into();
+        keys[table]["additionalProperties"] = false.into();
+    }
+    method
+}
+
+/// A list of values, or a range.
+fn axis(value: &Value) -> Value {
+    json!({ "anyOf": [
+        { "type": "array", "items": value, "minItems": 1 },
+        { "type": "string", "pattern": r"^(lin|geom)\(.*\)$|^-?[0-9]+\.\.-?[0-9]+$" },
+    ] })
+}
+
+/// What kind of value the schema of a setting allows.
+pub(crate) fn takes(setting: &Value) -> String {
+    if let Some(words) = setting["title"].as_str() {
+        return words.to_owned();
+    }
+    let consts = setting["oneOf"].as_array().into_iter().flatten().map(|one| &one["const"]);
+    let names = consts.chain(setting["enum"].as_array().into_iter().flatten());
+    let names: Vec<&str> = names.filter_map(Value::as_str).collect();
+    // One that may be left open has two types, and the other is none.
+    match setting["type"].as_str().or_else(|| setting["type"][0].as_str()) {
+        Some("number") => "a number".to_owned(),
+        Some("integer") => "a whole number, not negative".to_owned(),
+        Some("boolean") => "true or false".to_owned(),
+        _ => names.join(", "),
+    }
+}

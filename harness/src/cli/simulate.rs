@@ -1,0 +1,262 @@
+//! `gravel simulate`: a case through time, with what the scene shows of itself.
+
+use crate::cli::args::{CaseArgs, MethodArgs, StopArgs};
+use crate::plan::rules::Rule;
+use crate::problems::files::Root;
+use crate::problems::memory::read_case;
+use crate::run::through_time::{End, Seen, Totals, through_time};
+use crate::run::vtk::Frames;
+use crate::terminal::exit;
+use crate::terminal::interrupt;
+use crate::terminal::output::{check_place, say, write_whole};
+use crate::terminal::progress;
+use anyhow::{Context, Result, bail};
+use cases::{Case, Frozen, March, Observables};
+use indicatif::ProgressBar;
+use serde_json::{Value, json};
+use std::fs::File;
+use std::io::Write;
+use std::num::NonZeroU64;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// A case: its name, or the path of its file
+    case: String,
+    /// How many time steps to make
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    time_steps: u64,
+    /// Write the observables of every time step to FILE, as CSV, each row as soon as its time step is made
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Write frames for ParaView to FOLDER: grains with radius and velocity, contacts with impulse; open its .pvd
+    #[arg(long, value_name = "FOLDER")]
+    vtk: Option<PathBuf>,
+    /// A frame for every K-th time step
+    #[arg(long, value_name = "K", default_value = "1", requires = "vtk")]
+    every: NonZeroU64,
+    /// Begin each time step from r = 0, not from the impulses of the one before
+    #[arg(long)]
+    cold: bool,
+    /// Print one JSON object: how it ended, what it took and the last time step made
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    changes: CaseArgs,
+    #[command(flatten)]
+    method: MethodArgs,
+    #[command(flatten)]
+    stop: StopArgs,
+}
+
+const COLUMNS: &str = "time_step,time_s,contacts,status,iterations,kinetic_energy_j,mean_height_m,greatest_overlap_m,\
+                       greatest_overlap_mean_diameters,mean_overlap_m,greatest_speed_m_per_s,floor_impulse_n_s,\
+                       left_impulse_n_s,right_impulse_n_s";
+
+pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
+    if let Some(file) = &args.output {
+        if file.exists() {
+            bail!("{} exists: give another file", file.display());
+        }
+        check_place(file)?;
+    }
+    let path = root.case(&args.case)?;
+    let case = read_case(&path, &args.changes.overrides)?;
+    let (method, stop) = (args.method.method()?, args.stop.stop());
+    stop.check()?;
+    let mut march = March::new(&case)?;
+    let rule = Rule { stop, warm_start: !args.cold };
+    interrupt::listen()?;
+    let mut kept = Kept::new(args, &case)?;
+    if !args.json {
+        say_heading()?;
+    }
+    let see = &mut |seen: &Seen| kept.see(args, seen);
+    let made = through_time(&mut march, &*method.solver, &rule, args.time_steps, &interrupt::asked, see);
+    kept.bar.finish_and_clear();
+    let (totals, end) = made?;
+    if let End::Refused(why) = &end {
+        bail!("method `{}`, {why}", method.name);
+    }
+    let last_state = match &end {
+        End::Exploded { last, .. } => Some(last_state(last, args)),
+        _ => None,
+    };
+    if args.json {
+        let asked = json!({
+            "case": case.name,
+            "method": method.name,
+            "settings": method.settings,
+            "start": if rule.warm_start { "warm" } else { "cold" },
+            "stop": stop,
+            "time_step_s": case.scene.time_step_s,
+            "time_steps_asked": args.time_steps,
+        });
+        let last_state = last_state.transpose().unwrap_or_else(|error| {
+            eprintln!("{error:#}");
+            None
+        });
+        say(format_args!("{}", to_json(asked, &totals, &end, kept.reached.as_ref(), last_state.as_deref())))?;
+    } else {
+        kept.say(args.output.as_deref())?;
+        say_ending(&case.name, args, &totals, &end, last_state)?;
+    }
+    Ok(exit::code(end.status()))
+}
+
+/// What is kept of a simulation while it goes on: a program that is killed leaves the time steps that were made.
+struct Kept {
+    rows: Option<File>,
+    frames: Option<Frames>,
+    bar: ProgressBar,
+    /// What the last time step showed.
+    reached: Option<Observables>,
+}
+
+impl Kept {
+    fn new(args: &Args, case: &Case) -> Result<Self> {
+        let frames = args.vtk.as_ref().map(|folder| Frames::new(folder, &case.name)).transpose()?;
+        let begin = |path: &PathBuf| -> Result<File> {
+            let mut file = File::create_new(path).with_context(|| path.display().to_string())?;
+            writeln!(file, "{COLUMNS}").with_context(|| path.display().to_string())?;
+            Ok(file)
+        };
+        let rows = args.output.as_ref().map(begin).transpose()?;
+        Ok(Self { rows, frames, bar: progress::bar(args.time_steps, "time steps"), reached: None })
+    }
+
+    fn see(&mut self, args: &Args, seen: &Seen) -> Result<()> {
+        let k = seen.totals.time_steps;
+        if let (Some(file), Some(path)) = (&mut self.rows, &args.output) {
+            // At once, so that no half row is left.
+            file.write_all(row(seen).as_bytes()).with_context(|| path.display().to_string())?;
+        }
+        if let Some(frames) = self.frames.as_mut().filter(|_| k.is_multiple_of(args.every.get())) {
+            frames.add(seen.observables.time, seen.march, seen.time_step, &seen.outcome.impulses)?;
+        }
+        // Ten lines on the terminal, whatever the length.
+        let shown_every = (args.time_steps / 10).max(1);
+        if !args.json && (k.is_multiple_of(shown_every) || k == args.time_steps) {
+            self.bar.suspend(|| say_time_step(seen))?;
+        }
+        self.reached = Some(*seen.observables);
+        self.bar.inc(1);
+        Ok(())
+    }
+
+    fn say(&self, output: Option<&Path>) -> Result<()> {
+        if let Some(file) = output {
+            say(format_args!("{}", file.display()))?;
+        }
+        self.frames.as_ref().map_or(Ok(()), Frames::say)
+    }
+}
+
+/// Writes the problem of the last good state beside what else was asked for.
+fn last_state(last: &Frozen, args: &Args) -> Result<PathBuf> {
+    let folder = args.output.as_deref().and_then(Path::parent).or(args.vtk.as_deref());
+    let file = folder.unwrap_or(Path::new("")).join(format!("{}.json", last.name));
+    let write = || -> Result<()> {
+        if file.exists() {
+            bail!("{} exists", file.display());
+        }
+        write_whole(&file, &last.to_json()?)
+    };
+    write().context("the problem of its last good state was not written")?;
+    Ok(file)
+}
+
+fn say_ending(
+    case: &str,
+    args: &Args,
+    totals: &Totals,
+    end: &End,
+    last_state: Option<Result<PathBuf>>,
+) -> Result<()> {
+    if let Some(missed) = totals.missed(&args.stop.stop()) {
+        say(format_args!("{missed}"))?;
+    }
+    if matches!(end, End::Completed) {
+        return Ok(());
+    }
+    say(format_args!("{} after {} of {} time steps", end.status(), totals.time_steps, args.time_steps))?;
+    let kept = match last_state {
+        Some(Ok(file)) => format!("the problem of its last good state is {}", file.display()),
+        Some(Err(error)) => format!("{error:#}"),
+        None => "what was made before is kept".to_owned(),
+    };
+    eprintln!("error: {case}: {}; {kept}", end.reason());
+    Ok(())
+}
+
+fn to_json(
+    mut asked: Value,
+    totals: &Totals,
+    end: &End,
+    reached: Option<&Observables>,
+    last_state: Option<&Path>,
+) -> Value {
+    let last = reached.map(|o| {
+        json!({
+            "time_s": o.time,
+            "contacts": o.contacts,
+            "kinetic_energy_j": o.kinetic_energy,
+            "mean_height_m": o.mean_height,
+            "greatest_overlap_m": o.greatest_overlap,
+            "mean_overlap_m": o.mean_overlap,
+            "greatest_speed_m_per_s": o.greatest_speed,
+            "wall_impulses_n_s": o.wall_impulses,
+        })
+    });
+    let ending = json!({
+        "status": end.status(),
+        "reason": end.reason(),
+        "last_state": last_state,
+        "last_time_step": last,
+    });
+    for more in [ending, totals.to_json()] {
+        if let (Value::Object(asked), Value::Object(more)) = (&mut asked, more) {
+            asked.extend(more);
+        }
+    }
+    asked
+}
+
+fn say_heading() -> Result<()> {
+    say(format_args!(
+        "{:>10}  {:>9}  {:>8}  {:>10}  {:>14}  {:>13}  {:>11}  {:>11}",
+        "time step",
+        "time (s)",
+        "contacts",
+        "iterations",
+        "kinetic e. (J)",
+        "mean h. (m)",
+        "overlap (m)",
+        "floor (N·s)"
+    ))?;
+    Ok(())
+}
+
+fn say_time_step(seen: &Seen) -> Result<()> {
+    let Observables { time, kinetic_energy, mean_height, greatest_overlap, wall_impulses, contacts, .. } =
+        seen.observables;
+    let (k, iterations) = (seen.totals.time_steps, seen.outcome.iterations);
+    let solved = format!("{k:>10}  {time:>9.4}  {contacts:>8}  {iterations:>10}");
+    let shown = format!("{kinetic_energy:>14.4e}  {mean_height:>13.6}  {greatest_overlap:>11.3e}");
+    say(format_args!("{solved}  {shown}  {:>11.4e}", wall_impulses[0]))?;
+    Ok(())
+}
+
+fn row(seen: &Seen) -> String {
+    let Observables { time, kinetic_energy, mean_height, greatest_overlap, mean_overlap, .. } =
+        seen.observables;
+    let Observables { wall_impulses: [floor, left, right], contacts, greatest_speed, .. } = seen.observables;
+    let (k, status, iterations) =
+        (seen.totals.time_steps, seen.outcome.status.name(), seen.outcome.iterations);
+    let in_diameters = greatest_overlap / seen.march.mean_diameter();
+    format!(
+        "{k},{time},{contacts},{status},{iterations},{kinetic_energy},{mean_height},{greatest_overlap},{in_diameters},\
+         {mean_overlap},{greatest_speed},{floor},{left},{right}\n"
+    )
+}

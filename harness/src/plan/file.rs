@@ -1,0 +1,294 @@
+//! A plan: which methods meet which problems, along which axes, until when.
+
+use crate::plan::axes::{MOST, Settings, count};
+use crate::plan::rules::{Rule, Simulate};
+use crate::plan::variants::{PlannedMethod, Variant};
+use crate::terminal::suggest;
+use anyhow::{Context, Error, Result, anyhow, bail};
+use cases::{all_missing, check_name};
+use contact::{Measure, Stop};
+use reports::Chart;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
+use serde_json::Value;
+use std::num::NonZeroU32;
+use std::path::Path;
+
+/// A study.
+#[derive(Debug, JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Plan {
+    /// Name, in results and of their folders.
+    pub(crate) name: String,
+    /// What the study asks, in a sentence.
+    pub(crate) why: String,
+    /// Names of frozen problems.
+    #[serde(default)]
+    pub(crate) problems: Vec<String>,
+    /// Cases whose problems are made for the study.
+    #[serde(default)]
+    pub(crate) cases: Vec<PlannedCase>,
+    /// Whether runs begin from the impulses of the time step before, where a method does not say it of itself.
+    #[serde(default)]
+    pub(crate) warm_start: bool,
+    /// Whether rows tell the eigenvalues of their problems, which explain failures.
+    #[serde(default)]
+    pub(crate) spectra: bool,
+    /// How often each run is made for its seconds, which are then medians.
+    #[serde(default = "once")]
+    pub(crate) repeats: NonZeroU32,
+    /// Whether errors are measured beside reference solutions, and scenes kept to be drawn; not where problems are so
+    /// large that this would take longer than the runs.
+    #[serde(default = "yes")]
+    pub(crate) reference: bool,
+    /// Until when.
+    pub(crate) stop: Stop,
+    /// Makes of the study one through time: simulations of its cases, instead of problems.
+    pub(crate) simulate: Option<Simulate>,
+    /// Which samples of a run are kept.
+    #[serde(default)]
+    pub(crate) curves: Curves,
+    /// Names of the figures.
+    #[serde(default, deserialize_with = "charts")]
+    #[schemars(schema_with = "charts_schema")]
+    charts: Option<Vec<Chart>>,
+    /// What the page of the study shows through the iterations.
+    pub(crate) view: Option<View>,
+    /// The methods.
+    pub(crate) methods: Vec<PlannedMethod>,
+    /// The same study in under a minute: these keys replace those of the plan.
+    #[serde(default)]
+    #[schemars(with = "Settings")]
+    quick: Option<toml::Table>,
+}
+
+fn charts<'de, D: Deserializer<'de>>(names: D) -> Result<Option<Vec<Chart>>, D::Error> {
+    let known = || Chart::all().iter().map(|chart| chart.name());
+    let unknown = |name: &str| suggest::among(&format!("`charts`: unknown chart `{name}`"), name, known());
+    let read = |name: &String| name.parse().map_err(|_| D::Error::custom(unknown(name)));
+    Vec::<String>::deserialize(names)?.iter().map(read).collect::<Result<_, _>>().map(Some)
+}
+
+fn charts_schema(_: &mut SchemaGenerator) -> Schema {
+    let names: Vec<&str> = Chart::all().iter().map(|chart| chart.name()).collect();
+    json_schema!({ "type": "array", "items": { "enum": names } })
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// A median of more says nothing more.
+pub(crate) const MOST_REPEATS: NonZeroU32 = NonZeroU32::MIN.saturating_add(999);
+
+fn once() -> NonZeroU32 {
+    NonZeroU32::MIN
+}
+
+/// A case, with the values of its file that the plan replaces; every combination is a problem.
+#[derive(Debug, JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PlannedCase {
+    /// Its name, or the path of its file.
+    pub(crate) case: String,
+    /// The time step, counted from 1, or one of the case's moments; the case's `solve_at` where there is none.
+    pub(crate) time_step: Option<Value>,
+    /// The time to simulate, in a study through time; the plan's where there is none (s).
+    pub(crate) duration_s: Option<f64>,
+    /// Values that are the same for all, such as `"scene.law" = "iqs"`.
+    #[serde(default)]
+    pub(crate) scene: Settings,
+    /// Values that are taken together.
+    #[serde(default)]
+    pub(crate) zip: Settings,
+    /// Values that are combined.
+    #[serde(default)]
+    pub(crate) axes: Settings,
+}
+
+/// Runs of which iterates are kept, for the viewer of the page.
+#[derive(Debug, JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct View {
+    /// Name of the problem.
+    pub(crate) problem: String,
+    /// Runs by method and variant, such as `nsgs-dd 4x2`.
+    pub(crate) runs: Vec<String>,
+}
+
+/// Which samples of a run are kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Curves {
+    /// Enough to draw its curve.
+    #[default]
+    Whole,
+    /// The first, the last, those of iterations 1, 2, 4, …, and those at which a measure first passes a power of ten.
+    Ends,
+}
+
+impl Plan {
+    /// Reads a plan, in its quick form if asked, and checks every method in both.
+    pub(crate) fn read(path: &Path, quick: bool) -> Result<Self> {
+        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        let read = || {
+            let plan: Self = toml::from_str(&text).map_err(|error| anyhow!(lacks(&text, &error)))?;
+            plan.check()?;
+            let short = plan.quick(&text).context("`quick`")?;
+            match (quick, short) {
+                (false, _) => Ok(plan),
+                (true, Some(short)) => Ok(short),
+                (true, None) => Err(anyhow!("--quick: the plan has no table [quick]")),
+            }
+        };
+        read().with_context(|| path.display().to_string())
+    }
+
+    /// The plan with the keys of `quick` in place of its own: those of `stop` and `simulate` one by one, all others whole.
+    fn quick(&self, text: &str) -> Result<Option<Self>> {
+        let Some(quick) = &self.quick else { return Ok(None) };
+        let mut plan: toml::Table = toml::from_str(text)?;
+        plan.remove("quick");
+        for (key, value) in quick {
+            match (key.as_str(), plan.get_mut(key).and_then(toml::Value::as_table_mut), value.as_table()) {
+                ("name" | "quick", ..) => bail!("`{key}`: a quick study has the name of its plan and -quick"),
+                ("stop" | "simulate", Some(table), Some(quick)) => table.extend(quick.clone()),
+                _ => drop(plan.insert(key.clone(), value.clone())),
+            }
+        }
+        let mut plan: Self = serde_path_to_error::deserialize(plan.clone()).map_err(|error| {
+            let message = format!("`{}`: {}", error.path(), error.inner().message());
+            anyhow!(all_missing::<Self>(&plan, message))
+        })?;
+        plan.name += "-quick";
+        plan.check()?;
+        Ok(Some(plan))
+    }
+
+    fn check(&self) -> Result<()> {
+        check_name(&self.name).map_err(Error::msg)?;
+        self.check_size()?;
+        if self.problems.is_empty() && self.cases.is_empty() {
+            bail!("`problems` is empty, and there are no `cases`");
+        }
+        if self.stop.on == Measure::VelocityError && !self.reference {
+            bail!("`reference` is false: no run can stop on {}, which needs it", self.stop.on);
+        }
+        if self.simulate.is_some() {
+            if !self.problems.is_empty() {
+                bail!("`problems`: a frozen problem has no time; a plan with `simulate` has `cases` only");
+            }
+            if let Some(case) = self.cases.iter().find(|case| case.time_step.is_some()) {
+                bail!("`cases`: case `{}`: `time_step`: a simulation begins at the first", case.case);
+            }
+            self.refuse_what_is_of_problems()?;
+        } else if let Some(case) = self.cases.iter().find(|case| case.duration_s.is_some()) {
+            bail!("`cases`: case `{}`: `duration_s`: the plan has no table [simulate]", case.case);
+        }
+        self.charts().into_iter().try_for_each(|chart| self.suits(chart)).context("`charts`")?;
+        self.stop.check().context("`stop`")?;
+        self.rules()?;
+        if let Some(simulate) = &self.simulate {
+            simulate.reference(&self.stop)?;
+        }
+        let variants = self.variants(&[])?;
+        self.view.as_ref().map_or(Ok(()), |view| view.check(&variants)).context("`view`")
+    }
+
+    /// Refuses more runs than anyone means, before any of them is made.
+    fn check_size(&self) -> Result<()> {
+        if self.repeats > MOST_REPEATS {
+            bail!("`repeats` is {}: it must be at most {MOST_REPEATS}", self.repeats);
+        }
+        let mut problems = self.problems.len() as f64;
+        for PlannedCase { case, zip, axes, .. } in &self.cases {
+            problems += count(zip, axes).with_context(|| format!("`cases`: case `{case}`"))?;
+        }
+        let mut variants = 0.0;
+        for PlannedMethod { method, zip, axes, .. } in &self.methods {
+            variants += count(zip, axes).with_context(|| format!("method `{method}`"))?;
+        }
+        let rules = self.simulate.as_ref().map_or(Ok(1.0), Simulate::count)?;
+        if problems * variants * rules > MOST as f64 {
+            bail!(
+                "it asks for {problems} problems, {variants} variants of methods on each{}: the product must be at most {MOST}",
+                if rules > 1.0 { format!(" and {rules} rules") } else { String::new() }
+            );
+        }
+        Ok(())
+    }
+
+    /// Refuses, in a study through time, what only runs on single problems heed.
+    fn refuse_what_is_of_problems(&self) -> Result<()> {
+        let method = |planned: &PlannedMethod| Some((planned.method.clone(), planned.warm_start.clone()?));
+        if let Some((method, warm_start)) = self.methods.iter().find_map(method) {
+            bail!(
+                "method `{method}`: `warm_start` is {warm_start}: in a plan with `simulate` it is a key of the rules; give it \
+                 for all methods, at the top of the plan or under [simulate], in `set` or `axes`"
+            );
+        }
+        let ignored = [
+            ("view", self.view.as_ref().map(|view| format!("of problem `{}`", view.problem))),
+            ("spectra", self.spectra.then(|| "true".to_owned())),
+            ("repeats", Some(self.repeats).filter(|n| n.get() > 1).map(|n| n.to_string())),
+            ("curves", (self.curves != Curves::Whole).then(|| "\"ends\"".to_owned())),
+            ("reference", (!self.reference).then(|| "false".to_owned())),
+        ];
+        for (key, value) in ignored {
+            if let Some(value) = value {
+                bail!(
+                    "`{key}` is {value}: it is of runs on single problems; leave it out of a plan with `simulate`"
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// The rules of a study through time, each with its name; none for a study of problems.
+    pub(crate) fn rules(&self) -> Result<Vec<(Rule, String)>> {
+        self.simulate.as_ref().map_or(Ok(Vec::new()), |simulate| simulate.rules(&self.stop, self.warm_start))
+    }
+
+    /// The figures of the study.
+    pub(crate) fn charts(&self) -> Vec<Chart> {
+        self.charts.clone().unwrap_or_else(|| Chart::default_set(self.simulate.is_some()))
+    }
+
+    /// Refuses a chart of the other kind of study.
+    pub(crate) fn suits(&self, chart: Chart) -> Result<()> {
+        let name = chart.name();
+        match (chart.through_time(), self.simulate.is_some()) {
+            (true, false) => bail!("chart `{name}` is of simulations, and the plan has no table [simulate]"),
+            (false, true) => bail!("chart `{name}` is of problems, and the plan is of simulations"),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Why the text is no plan: all keys that it lacks at once, if that is what is wrong.
+fn lacks(text: &str, error: &toml::de::Error) -> String {
+    let error = error.to_string();
+    match toml::from_str::<toml::Table>(text) {
+        Ok(content) => all_missing::<Plan>(&content, error),
+        Err(_) => error,
+    }
+}
+
+impl View {
+    /// Whether the iterates of a run are kept.
+    pub(crate) fn shows(&self, problem: &str, variant: &Variant) -> bool {
+        problem == self.problem && self.runs.contains(&variant.label())
+    }
+
+    fn check(&self, variants: &[Variant]) -> Result<()> {
+        let known: Vec<String> = variants.iter().map(Variant::label).collect();
+        match self.runs.iter().find(|run| !known.contains(run)) {
+            None => Ok(()),
+            Some(run) => {
+                let what = format!("`runs`: no run `{run}` in this plan");
+                bail!("{}", suggest::among(&what, run, known.iter().map(String::as_str)))
+            }
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! The methods by name. To add one: its line in [`METHODS`], its crate in this package's manifest.
+
+use crate::plan::identity::code_version;
+use crate::terminal::suggest;
+use anyhow::{Context, Result, anyhow, bail};
+use contact::Solver;
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+
+/// A method with all its parameters.
+pub(crate) struct Method {
+    pub(crate) name: &'static str,
+    /// Every parameter, defaults spelled out.
+    pub(crate) settings: Map<String, Value>,
+    pub(crate) solver: Box<dyn Solver>,
+    /// Version of its code.
+    pub(crate) code: &'static str,
+}
+
+/// A method that can be asked for.
+pub(crate) struct Entry {
+    pub(crate) name: &'static str,
+    pub(crate) what: &'static str,
+    code: fn() -> Option<&'static str>,
+    schema: fn() -> Value,
+    build: fn(Map<String, Value>) -> Result<Built>,
+}
+
+/// Every method: its name in plans and on the command line, and what it is.
+pub(crate) const METHODS: &[Entry] = &[
+    Entry::of::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem"),
+    Entry::of::<nsgs::Jacobi>("jacobi", "projected Jacobi with relaxation"),
+    Entry::of::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart"),
+    Entry::of::<gradient::Gradient>("gradient", "projected gradient with a fixed step"),
+    Entry::of::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions"),
+    Entry::of::<nsgs_dd::NsgsDd>("nsgs-dd", "non-linear Gauss-Seidel by subdomains, with split masses"),
+    Entry::of::<apgd::Apgd>("apgd", "accelerated projected gradient of Mazhar et al."),
+    Entry::of::<nncg::Nncg>("nncg", "non-smooth non-linear conjugate gradient of Silcowitz et al."),
+    Entry::of::<reference::InteriorPoint>("interior-point", "interior point, then an active set"),
+];
+
+impl Entry {
+    const fn of<S>(name: &'static str, what: &'static str) -> Self
+    where
+        S: Solver + JsonSchema + Serialize + DeserializeOwned + 'static,
+    {
+        Self { name, what, code: code_version::<S>, schema: cases::schema::<S>, build: build::<S> }
+    }
+
+    /// Every parameter with its default.
+    pub(crate) fn defaults(&self) -> Result<Map<String, Value>> {
+        (self.build)(Map::new()).map(|(settings, _)| settings)
+    }
+
+    /// The schema of each of its settings: what it is, in the words of its documentation, and what it takes.
+    pub(crate) fn settings(&self) -> Map<String, Value> {
+        let Value::Object(mut settings) = (self.schema)()["properties"].take() else { return Map::new() };
+        for setting in settings.values_mut() {
+            let what = setting["description"].as_str().unwrap_or_default();
+            // A link is a name in brackets.
+            setting["description"] = what.replace('\n', " ").replace("[`", "`").replace("`]", "`").into();
+        }
+        settings
+    }
+}
+
+/// Names of all methods.
+pub(crate) fn names() -> Vec<&'static str> {
+    METHODS.iter().map(|entry| entry.name).collect()
+}
+
+impl Method {
+    /// The method `name` with `settings`; what they leave out has its default.
+    pub(crate) fn new(name: &str, settings: Map<String, Value>) -> Result<Self> {
+        let Some(entry) = METHODS.iter().find(|entry| entry.name == name) else {
+            bail!("{}", suggest::among(&format!("unknown method `{name}`"), name, names()));
+        };
+        let (settings, solver) =
+            (entry.build)(settings).map_err(|error| anyhow!("method `{name}`, {error}"))?;
+        let code =
+            (entry.code)().with_context(|| format!("method `{name}` is not of a crate in solvers/"))?;
+        Ok(Self { name: entry.name, settings, solver, code })
+    }
+
+    /// The method `name` with settings as they are typed: `relaxation=0.8`.
+    pub(crate) fn parse(name: &str, settings: &[(String, String)]) -> Result<Self> {
+        if let Some((key, _)) = repeated(settings) {
+            bail!("--set {key}: it is given twice");
+        }
+        Self::new(name, settings.iter().map(|(key, text)| (key.clone(), typed(text))).collect())
+    }
+
+    /// The method with those of `changes`, as they are typed, that name a setting of it.
+    pub(crate) fn changed(&self, changes: &[(String, String)]) -> Result<Self> {
+        let mut settings = self.settings.clone();
+        for (key, text) in changes {
+            if let Some(value) = settings.get_mut(key) {
+                *value = typed(text);
+            }
+        }
+        Self::new(self.name, settings)
+    }
+}
+
+/// A value as it is typed: a number or a boolean is one; anything else is text, which needs no quotes.
+fn typed(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|_| Value::from(text))
+}
+
+/// The first of `settings` whose key an earlier one has.
+pub(crate) fn repeated(settings: &[(String, String)]) -> Option<&(String, String)> {
+    let before = |n: usize| settings[..n].iter();
+    (0..settings.len()).find(|n| before(*n).any(|(key, _)| *key == settings[*n].0)).map(|n| &settings[n])
+}
+
+/// A method's settings, defaults spelled out, and the method.
+type Built = (Map<String, Value>, Box<dyn Solver>);
+
+fn build<S>(settings: Map<String, Value>) -> Result<Built>
+where
+    S: Solver + Serialize + DeserializeOwned + 'static,
+{
+    let solver: S =
+        serde_path_to_error::deserialize(Value::Object(settings)).map_err(|error| {
+            match error.path().to_string().as_str() {
+                "." => anyhow!("{}", error.inner()),
+                key => anyhow!("`{key}`: {}", error.inner()),
+            }
+        })?;
+    let Value::Object(settings) = serde_json::to_value(&solver)? else {
+        bail!("its settings are not a list of keys and values");
+    };
+    Ok((settings, Box::new(solver)))
+}
+
+/// Reads `key=value` as an argument.
+pub(crate) fn key_value(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.is_empty() => Ok((key.to_owned(), value.to_owned())),
+        _ => Err("expected KEY=VALUE".to_owned()),
+    }
+}

@@ -1,0 +1,99 @@
+//! A scene of a study through time: a case with its values replaced, for a while.
+
+use crate::plan::axes::Settings;
+use crate::plan::file::PlannedCase;
+use crate::plan::identity::first_hex;
+use crate::plan::rules::Simulate;
+use crate::problems::files::content_hash;
+use anyhow::{Context, Result, bail};
+use cases::{Case, March};
+use contact::shown;
+use serde_json::json;
+use sha2::{Digest, Sha256};
+
+/// The key of the time step: scenes that differ in it alone have one name, and one reference.
+pub(crate) const TIME_STEP: &str = "scene.time_step_s";
+
+/// A case for a while, seen at equal times.
+pub(crate) struct Scene {
+    /// Its name, without its time step.
+    pub(crate) name: String,
+    pub(crate) case: Case,
+    /// What was set to make it.
+    pub(crate) settings: Settings,
+    /// The time to simulate (s).
+    pub(crate) duration_s: f64,
+    /// Between two rows of its series (s).
+    every_s: f64,
+    pub(crate) time_steps: u64,
+    /// Time steps from a row of its series to the next.
+    pub(crate) every: u64,
+    /// Hash of its grains and of what surrounds them.
+    pub(crate) hash: String,
+}
+
+impl Scene {
+    /// The case of a plan as `settings` make it.
+    pub(crate) fn planned(
+        case: Case,
+        name: String,
+        settings: Settings,
+        planned: &PlannedCase,
+        simulate: &Simulate,
+    ) -> Result<Self> {
+        let duration = planned.duration_s.or(simulate.duration_s);
+        let duration = duration.context("neither the case nor `simulate` has a `duration_s`")?;
+        Self::new(case, name, settings, duration, simulate.sample_every_s)
+    }
+
+    fn new(case: Case, name: String, settings: Settings, duration_s: f64, every_s: f64) -> Result<Self> {
+        let h = case.scene.time_step_s;
+        let Some(every) = whole(every_s / h) else {
+            bail!(
+                "`simulate.sample_every_s` is {}: it must be a whole number of the time step, {} s",
+                shown(every_s),
+                shown(h)
+            );
+        };
+        let Some(rows) = whole(duration_s / every_s) else {
+            bail!(
+                "`duration_s` is {}: it must be a whole number of `sample_every_s`, {} s",
+                shown(duration_s),
+                shown(every_s)
+            );
+        };
+        // The first problem of the case tells its sample, which other files may hold.
+        let first = content_hash(&March::new(&case)?.next()?.frozen);
+        let hash = first_hex(&Sha256::digest(json!([case.sample, case.scene, first]).to_string()));
+        Ok(Self { name, case, settings, duration_s, every_s, time_steps: rows * every, every, hash })
+    }
+
+    /// The same with a time step `refine` times shorter.
+    pub(crate) fn refined(&self, refine: u32) -> Result<Self> {
+        let mut case = self.case.clone();
+        case.scene.time_step_s /= f64::from(refine);
+        let mut settings = self.settings.clone();
+        settings.insert(TIME_STEP.to_owned(), case.scene.time_step_s.into());
+        Self::new(case, self.name.clone(), settings, self.duration_s, self.every_s)
+    }
+}
+
+/// The whole number that a ratio is, to the rounding of decimal fractions.
+fn whole(ratio: f64) -> Option<u64> {
+    let whole = ratio.round();
+    ((1.0..1e12).contains(&whole) && (ratio - whole).abs() <= 1e-9 * whole).then_some(whole as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimal_fractions_divide_in_spite_of_their_rounding() {
+        assert_eq!(whole(0.3 / 0.1), Some(3));
+        assert_eq!(whole(2.0 / 0.000_25), Some(8000));
+        for odd in [0.5, 2.5, 1.0001, f64::NAN, f64::INFINITY, -3.0, 0.0] {
+            assert_eq!(whole(odd), None, "{odd}");
+        }
+    }
+}

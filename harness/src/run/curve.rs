@@ -1,0 +1,93 @@
+//! The curve of a run, thinned geometrically, and the iterations at which measures pass powers of ten.
+
+use crate::plan::file::Curves;
+use contact::{Measure, Measures, Progress, Work};
+use results::schema::Sample;
+
+/// Tolerances that are read off a curve exactly.
+const DECADES: [f64; 12] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12];
+
+/// Keeps the samples of a run that a chart or a table needs.
+pub(crate) struct Recorder {
+    curves: Curves,
+    samples: Vec<Sample>,
+    /// The iterate seen last, if it is not in `samples`.
+    pending: Option<Sample>,
+    /// How many of the [`DECADES`] each measure has reached.
+    reached: [usize; Measure::ALL.len()],
+}
+
+impl Recorder {
+    pub(crate) fn new(curves: Curves) -> Self {
+        Self { curves, samples: Vec::new(), pending: None, reached: [0; Measure::ALL.len()] }
+    }
+
+    /// Sees every iterate. Kept are the first, and those at which a measure first passes one of the [`DECADES`]; of whole
+    /// curves all of the first hundred too, then one in each hundredth of the iterations; of ends those of the iterations
+    /// 1, 2, 4, …, which tell whether a measure still falls.
+    pub(crate) fn observe(&mut self, progress: &Progress) {
+        let sample = sample(progress);
+        let octave = self.curves == Curves::Ends && progress.iteration.is_power_of_two();
+        let mut keep = progress.iteration == 0 || octave;
+        for (measure, reached) in Measure::ALL.into_iter().zip(&mut self.reached) {
+            let value = progress.measures.get(measure);
+            while DECADES.get(*reached).is_some_and(|decade| value <= *decade) {
+                *reached += 1;
+                keep = true;
+            }
+        }
+        let last = self.samples.last().map_or(0, |sample| sample.iteration);
+        let whole = self.curves == Curves::Whole
+            && (progress.iteration <= 100 || progress.iteration * 100 >= last * 101);
+        if keep || whole {
+            self.samples.push(sample);
+            self.pending = None;
+        } else {
+            self.pending = Some(sample);
+        }
+    }
+
+    /// The curve; its last sample is the last iterate.
+    pub(crate) fn finish(mut self) -> Vec<Sample> {
+        self.samples.extend(self.pending);
+        self.samples
+    }
+}
+
+/// The first iteration of a recorded curve at which `measure` is at most `tolerance`, one of the
+/// [`DECADES`].
+pub(crate) fn first_at(curve: &[Sample], measure: fn(&Sample) -> f64, tolerance: f64) -> Option<u64> {
+    curve.iter().find(|sample| measure(sample) <= tolerance).map(|sample| sample.iteration)
+}
+
+/// The first iterations of a recorded curve at which `measure` is at most 0.1, 0.01, …, as far as it falls.
+pub(crate) fn decades(curve: &[Sample], measure: fn(&Sample) -> f64) -> Vec<u64> {
+    DECADES.iter().map_while(|decade| first_at(curve, measure, *decade)).collect()
+}
+
+fn sample(progress: &Progress) -> Sample {
+    let Progress { iteration, iterating, measures, work, .. } = progress;
+    Sample { iteration: *iteration, iterating_s: iterating.as_secs_f64(), ..measured(measures, work) }
+}
+
+/// The sample of an iterate before anything is done.
+pub(crate) fn measured(measures: &Measures, work: &Work) -> Sample {
+    Sample {
+        iteration: 0,
+        iterating_s: 0.0,
+        zeta: measures.zeta,
+        natural_map: measures.natural_map,
+        penetration_rate_m_per_s: measures.penetration_rate,
+        quad_dv: measures.quad_dv,
+        max_dv: measures.max_dv,
+        velocity_error: measures.velocity_error,
+        energy_gap: measures.energy_gap,
+        velocity_jump_m_per_s: measures.velocity_jump,
+        energy_j: measures.energy,
+        contact_updates: work.contact_updates,
+        delassus_products: work.delassus_products,
+        interface_values: work.interface_values,
+        triangular_solve_entries: work.triangular_solve_entries,
+        factorisations: work.factorisations,
+    }
+}

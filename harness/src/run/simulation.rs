@@ -1,0 +1,179 @@
+//! A simulation of a study is made: its row and its series.
+
+use crate::problems::scene::Scene;
+use crate::run::through_time::{End, Seen, Totals, through_time};
+use crate::study::simulations::Task;
+use crate::terminal::output::write_whole;
+use crate::terminal::progress::Board;
+use anyhow::{Context, Result};
+use cases::{Frozen, March};
+use results::schema::{Provenance, Timing};
+use results::simulation::{Observed, Simulated, Simulation};
+use results::store::LAST_STATES;
+use serde_json::Value;
+use std::path::Path;
+use std::time::Instant;
+
+/// One simulation; `None` if it was halted. One that explodes leaves the problem of its last good state in `folder`.
+pub(crate) fn make(
+    task: &Task,
+    plan: &str,
+    timing: Timing,
+    provenance: &Provenance,
+    board: &Board,
+    halt: &dyn Fn() -> bool,
+    folder: &Path,
+) -> Result<Option<Simulated>> {
+    let clock = Instant::now();
+    let Scene { case, time_steps, every, .. } = task.scene;
+    let mut march = March::new(case)?;
+    let asked = asked_row(task, plan, &march, timing, &provenance.restarted())?;
+    let mut line = board.line(task.name());
+    let mut series = Series { every: *every, rows: Vec::new(), since: None };
+    let solver = &*task.variant.method.solver;
+    let (totals, end) = through_time(&mut march, solver, &task.rule, *time_steps, halt, &mut |seen| {
+        series.see(seen);
+        line.show_time_step(seen.totals.time_steps, *time_steps);
+        Ok(())
+    })?;
+    let last_state = match &end {
+        End::Interrupted(_) => return Ok(None),
+        End::Completed | End::Refused(_) => String::new(),
+        End::Exploded { last, .. } => keep(last, folder, &task.id)?,
+    };
+    let (status, reason) = (end.status(), end.reason().to_owned());
+    let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..asked.timing.clone() };
+    let asked = Simulation { status: status.to_owned(), reason, last_state, timing, ..asked };
+    Ok(Some(Simulated { simulation: ended_row(asked, &totals), series: series.rows }))
+}
+
+/// Writes the problem of the last good state below the folder of the study, and returns its path there.
+fn keep(last: &Frozen, folder: &Path, id: &str) -> Result<String> {
+    let states = folder.join(LAST_STATES);
+    std::fs::create_dir_all(&states).with_context(|| states.display().to_string())?;
+    write_whole(&states.join(format!("{id}.json")), &last.to_json()?)?;
+    Ok(format!("{LAST_STATES}/{id}.json"))
+}
+
+/// What is asked of a simulation, with nothing reached yet.
+fn asked_row(
+    task: &Task,
+    plan: &str,
+    march: &March,
+    timing: Timing,
+    provenance: &Provenance,
+) -> Result<Simulation> {
+    let (scene, variant, rule) = (task.scene, task.variant, &task.rule);
+    let problem = march.next()?.frozen.problem;
+    let mut settings = scene.settings.clone();
+    settings.insert("case".to_owned(), scene.case.name.as_str().into());
+    Ok(Simulation {
+        simulation: 0,
+        id: task.id.clone(),
+        plan: plan.to_owned(),
+        scene: scene.name.clone(),
+        scene_settings: Value::Object(settings).to_string(),
+        scene_hash: scene.hash.clone(),
+        role: task.role.to_owned(),
+        grains: problem.grain_count() as u32,
+        mass_kg: problem.mass().iter().sum(),
+        mean_diameter_m: march.mean_diameter(),
+        gravity_m_per_s2: scene.case.scene.gravity_m_per_s2,
+        time_step_s: scene.case.scene.time_step_s,
+        duration_s: scene.duration_s,
+        method: variant.method.name.to_owned(),
+        settings: Value::Object(variant.method.settings.clone()).to_string(),
+        variant: variant.name.clone(),
+        warm_start: rule.warm_start,
+        stop_on: rule.stop.on.name().to_owned(),
+        tolerance: rule.stop.tolerance,
+        max_iterations: rule.stop.max_iterations,
+        status: String::new(),
+        reason: String::new(),
+        last_state: String::new(),
+        time_steps: 0,
+        missed_time_steps: 0,
+        diverged_time_steps: 0,
+        infeasible_time_steps: 0,
+        restarted_time_steps: 0,
+        iterations: 0,
+        setup_s: 0.0,
+        iterating_s: 0.0,
+        contact_updates: 0,
+        delassus_products: 0,
+        triangular_solve_entries: 0,
+        factorisations: 0,
+        timing,
+        provenance: provenance.clone(),
+    })
+}
+
+fn ended_row(asked: Simulation, totals: &Totals) -> Simulation {
+    Simulation {
+        time_steps: totals.time_steps,
+        missed_time_steps: totals.missed,
+        diverged_time_steps: totals.diverged,
+        infeasible_time_steps: totals.infeasible,
+        restarted_time_steps: totals.restarted,
+        iterations: totals.iterations,
+        setup_s: totals.setup.as_secs_f64(),
+        iterating_s: totals.iterating.as_secs_f64(),
+        contact_updates: totals.work.contact_updates,
+        delassus_products: totals.work.delassus_products,
+        triangular_solve_entries: totals.work.triangular_solve_entries,
+        factorisations: totals.work.factorisations,
+        ..asked
+    }
+}
+
+/// The series of a simulation, thinned: a row for every so many time steps.
+struct Series {
+    every: u64,
+    rows: Vec<Observed>,
+    /// The row that is being gathered.
+    since: Option<Observed>,
+}
+
+impl Series {
+    fn see(&mut self, seen: &Seen) {
+        let now = row(seen);
+        let row = self.since.take().map_or(now, |since| joined(&since, now));
+        if seen.totals.time_steps.is_multiple_of(self.every) {
+            self.rows.push(row);
+        } else {
+            self.since = Some(row);
+        }
+    }
+}
+
+/// What a time step shows.
+fn row(seen: &Seen) -> Observed {
+    let o = seen.observables;
+    let [floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s] = o.wall_impulses;
+    Observed {
+        time_step: seen.totals.time_steps,
+        time_s: o.time,
+        contacts: o.contacts as u32,
+        iterations: seen.totals.iterations,
+        kinetic_energy_j: o.kinetic_energy,
+        mean_height_m: o.mean_height,
+        greatest_overlap_m: o.greatest_overlap,
+        mean_overlap_m: o.mean_overlap,
+        greatest_speed_m_per_s: o.greatest_speed,
+        floor_impulse_n_s,
+        left_impulse_n_s,
+        right_impulse_n_s,
+    }
+}
+
+/// The later row, with the impulses of both and their extremes.
+fn joined(earlier: &Observed, later: Observed) -> Observed {
+    Observed {
+        greatest_overlap_m: earlier.greatest_overlap_m.max(later.greatest_overlap_m),
+        greatest_speed_m_per_s: earlier.greatest_speed_m_per_s.max(later.greatest_speed_m_per_s),
+        floor_impulse_n_s: earlier.floor_impulse_n_s + later.floor_impulse_n_s,
+        left_impulse_n_s: earlier.left_impulse_n_s + later.left_impulse_n_s,
+        right_impulse_n_s: earlier.right_impulse_n_s + later.right_impulse_n_s,
+        ..later
+    }
+}

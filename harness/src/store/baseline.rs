@@ -1,0 +1,163 @@
+//! Baselines: the counts of a plan's runs as they were accepted, and the failures that are expected.
+
+use crate::plan::methods::METHODS;
+use crate::run::curve::decades;
+use crate::study::runs::Study;
+use anyhow::{Context, Result, bail};
+use results::journal::Record;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::path::Path;
+
+/// What one run counted: a line of `results/baseline/<plan>.csv`. Seconds are no counts.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Counts {
+    pub(crate) problem: String,
+    pub(crate) method: String,
+    /// The settings that are not the method's defaults: a default that changes shows in the counts.
+    pub(crate) settings: String,
+    pub(crate) problem_hash: String,
+    pub(crate) status: String,
+    pub(crate) iterations: u64,
+    /// First iterations with ζ ≤ 0.1, 0.01, …, as far as the run came.
+    pub(crate) zeta: String,
+    /// First iterations with `natural_map` ≤ 0.1, 0.01, …, as far as the run came.
+    pub(crate) natural_map: String,
+    pub(crate) contact_updates: u64,
+    pub(crate) delassus_products: u64,
+    pub(crate) interface_values: u64,
+    pub(crate) triangular_solve_entries: u64,
+    pub(crate) factorisations: u64,
+}
+
+impl Counts {
+    /// The counts of a study's runs, in the order of their names.
+    pub(crate) fn of(study: &Study, records: &[Record]) -> Result<Vec<Self>> {
+        let known = crate::study::runs::by_id(records);
+        let mut all = Vec::new();
+        for task in study.tasks() {
+            let record =
+                known.get(task.id.as_str()).with_context(|| format!("{} was not made", task.name()))?;
+            let (run, curve) = (&record.run, &record.curve);
+            let list = |iterations: Vec<u64>| {
+                iterations.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+            };
+            all.push(Self {
+                problem: task.problem.frozen.name.clone(),
+                method: run.method.clone(),
+                settings: not_default(&run.method, &task.variant.method.settings)?,
+                problem_hash: run.problem_hash.clone(),
+                status: run.status.clone(),
+                iterations: run.iterations,
+                zeta: list(decades(curve, |sample| sample.zeta)),
+                natural_map: list(decades(curve, |sample| sample.natural_map)),
+                contact_updates: run.end.contact_updates,
+                delassus_products: run.end.delassus_products,
+                interface_values: run.end.interface_values,
+                triangular_solve_entries: run.end.triangular_solve_entries,
+                factorisations: run.end.factorisations,
+            });
+        }
+        all.sort();
+        Ok(all)
+    }
+
+    /// The run: problem, method and settings.
+    pub(crate) fn run(&self) -> String {
+        format!("{} {} {}", self.problem, self.method, self.settings).trim_end().to_owned()
+    }
+
+    /// The counts that differ from those `before`: name, before, now. Of the decades of a measure, the first.
+    pub(crate) fn differences(&self, before: &Self) -> Vec<(String, String, String)> {
+        let mut all: Vec<(String, String, String)> = before
+            .named()
+            .into_iter()
+            .zip(self.named())
+            .map(|((name, before), (_, now))| (name.to_owned(), before, now))
+            .collect();
+        let measures =
+            [("zeta", &before.zeta, &self.zeta), ("natural_map", &before.natural_map, &self.natural_map)];
+        for (measure, before, now) in measures {
+            let iterations = |list: &str, decade| list.split(' ').nth(decade).unwrap_or_default().to_owned();
+            let mut decades = (0..before.split(' ').count().max(now.split(' ').count())).map(|decade| {
+                (format!("{measure} 1e-{}", decade + 1), iterations(before, decade), iterations(now, decade))
+            });
+            all.extend(decades.find(|(_, before, now)| before != now));
+        }
+        all.retain(|(_, before, now)| before != now);
+        all
+    }
+
+    fn named(&self) -> [(&'static str, String); 8] {
+        [
+            ("problem_hash", self.problem_hash.clone()),
+            ("status", self.status.clone()),
+            ("iterations", self.iterations.to_string()),
+            ("contact_updates", self.contact_updates.to_string()),
+            ("delassus_products", self.delassus_products.to_string()),
+            ("interface_values", self.interface_values.to_string()),
+            ("triangular_solve_entries", self.triangular_solve_entries.to_string()),
+            ("factorisations", self.factorisations.to_string()),
+        ]
+    }
+}
+
+/// The settings that differ from the defaults, such as `relaxation=1.5 sweeps=2`.
+fn not_default(method: &str, settings: &Map<String, Value>) -> Result<String> {
+    let entry = METHODS.iter().find(|entry| entry.name == method);
+    let defaults = entry.with_context(|| format!("no method `{method}`"))?.defaults()?;
+    let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let set = settings.iter().filter(|(key, value)| defaults.get(*key) != Some(*value));
+    Ok(set.map(|(key, value)| format!("{key}={}", text(value))).collect::<Vec<_>>().join(" "))
+}
+
+/// Reads a baseline.
+pub(crate) fn read(path: &Path) -> Result<Vec<Counts>> {
+    let mut reader = csv::Reader::from_path(path).with_context(|| path.display().to_string())?;
+    let counts = reader.deserialize().collect::<Result<_, _>>();
+    counts.with_context(|| path.display().to_string())
+}
+
+/// The text of a baseline.
+pub(crate) fn to_csv(counts: &[Counts]) -> Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for run in counts {
+        writer.serialize(run)?;
+    }
+    Ok(String::from_utf8(writer.into_inner()?)?)
+}
+
+/// A run that is expected to fail.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ExpectedFailure {
+    pub(crate) plan: String,
+    /// Problem, method and settings, as `gravel regress` names the run.
+    pub(crate) run: String,
+    /// How it fails.
+    pub(crate) status: String,
+    /// Why that is right.
+    pub(crate) why: String,
+}
+
+/// The expected failures of a plan; none without a file.
+pub(crate) fn expected_failures(path: &Path, plan: &str) -> Result<Vec<ExpectedFailure>> {
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Ledger {
+        #[serde(default)]
+        failure: Vec<ExpectedFailure>,
+    }
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let ledger: Ledger = toml::from_str(&text).with_context(|| path.display().to_string())?;
+    for failure in &ledger.failure {
+        if failure.why.trim().is_empty() {
+            bail!("{}: `{}` has no `why`", path.display(), failure.run);
+        }
+    }
+    Ok(ledger.failure.into_iter().filter(|failure| failure.plan == plan).collect())
+}

@@ -1,0 +1,74 @@
+//! A plan as it was asked for on the command line, quick, in part or changed.
+
+use crate::plan::file::Plan;
+use crate::plan::variants::Variant;
+use crate::problems::planned::PlannedProblem;
+use crate::terminal::suggest;
+use anyhow::{Result, bail};
+use std::collections::BTreeSet;
+use wildmatch::WildMatch;
+
+/// A plan as it was asked for: every variant on every problem, before a problem is made.
+pub(crate) struct Asked {
+    /// The arguments that ask for it again.
+    pub(crate) again: String,
+    /// The plan; its name says whether it is quick or changed.
+    pub(crate) plan: Plan,
+    pub(crate) problems: Vec<PlannedProblem>,
+    pub(crate) variants: Vec<Variant>,
+    /// What was changed or left out, in words.
+    pub(crate) notes: Vec<String>,
+    pub(crate) only: Vec<Only>,
+}
+
+/// What the runs to be made have in common.
+pub(crate) struct Only {
+    of: fn(&str, &Variant) -> String,
+    wanted: WildMatch,
+}
+
+impl Asked {
+    /// Number of runs of the plan.
+    pub(crate) fn runs(&self) -> usize {
+        self.problems.len() * self.variants.len() * self.rules()
+    }
+
+    /// Number of rules under which every variant meets every scene, in a study through time; else 1.
+    pub(crate) fn rules(&self) -> usize {
+        self.plan.rules().map_or(1, |rules| rules.len().max(1))
+    }
+
+    /// Whether the run of a variant on a problem is to be made.
+    pub(crate) fn selects(&self, problem: &str, variant: &Variant) -> bool {
+        self.only.iter().all(|only| only.wanted.matches(&(only.of)(problem, variant)))
+    }
+
+    /// The runs to be made, in the order of the plan.
+    pub(crate) fn selected(&self) -> impl Iterator<Item = (&PlannedProblem, &Variant)> {
+        let of_problem = |problem| self.variants.iter().map(move |variant| (problem, variant));
+        let all = self.problems.iter().flat_map(of_problem);
+        all.filter(|(problem, variant)| self.selects(&problem.name, variant))
+    }
+
+    /// Keeps, of the runs to be made, those whose `key` matches `pattern`, in which `*` stands for any text.
+    pub(crate) fn keep(&mut self, key: &str, pattern: &str) -> Result<()> {
+        const KEYS: [&str; 3] = ["problem", "method", "variant"];
+        let of: fn(&str, &Variant) -> String = match key {
+            "problem" => |problem, _| problem.to_owned(),
+            "method" => |_, variant| variant.method.name.to_owned(),
+            "variant" => |_, variant| variant.name.clone(),
+            _ => {
+                bail!("--only {key}={pattern}: it must name a {}{}", KEYS.join(", "), suggest::of(key, KEYS))
+            }
+        };
+        let known: BTreeSet<String> =
+            self.selected().map(|(problem, variant)| of(&problem.name, variant)).collect();
+        self.only.push(Only { of, wanted: WildMatch::new(pattern) });
+        if self.selected().next().is_none() {
+            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            let what = format!("--only {key}={pattern}: there is none");
+            bail!("{}", suggest::among(&what, pattern, known.iter().copied()));
+        }
+        Ok(())
+    }
+}
