@@ -1,9 +1,12 @@
 //! What was measured: the schema of the tables, how they are stored, where they come from.
 
+pub mod columns;
 pub mod journal;
-mod number;
+mod json;
 pub mod provenance;
 pub mod schema;
 pub mod simulation;
 pub mod store;
-pub mod tables;
+pub mod study;
+#[cfg(test)]
+mod tests;

@@ -86,37 +86,3 @@ fn processor() -> Result<String, ProvenanceError> {
     let system = System::new_with_specifics(wanted).map_err(|e| ProvenanceError::System(format!("{e:?}")))?;
     Ok(system.cpus().first().map(|cpu| cpu.brand().trim().to_owned()).unwrap_or_default())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::schema::fixture::run;
-
-    #[test]
-    fn empty_commit_compiler_or_no_thread_is_refused() {
-        assert!(matches!(
-            Provenance::gather(" ", "1.95.0", "release", 1),
-            Err(ProvenanceError::Unknown("commit"))
-        ));
-        assert!(matches!(
-            Provenance::gather("0123abc", "", "release", 1),
-            Err(ProvenanceError::Unknown("rustc"))
-        ));
-        assert!(matches!(
-            Provenance::gather("0123abc", "1.95.0", "release", 0),
-            Err(ProvenanceError::Unknown("threads"))
-        ));
-    }
-
-    #[test]
-    fn empty_processor_is_refused() {
-        let provenance = Provenance { processor: String::new(), ..run(0).provenance };
-        assert!(matches!(provenance.check(), Err(ProvenanceError::Unknown("processor"))));
-    }
-
-    #[test]
-    fn time_is_an_rfc_3339_instant() {
-        let provenance = Provenance::gather("0123abc", "1.95.0", "release", 2).unwrap();
-        assert!(provenance.started_utc.parse::<Timestamp>().is_ok());
-    }
-}

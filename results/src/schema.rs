@@ -1,15 +1,14 @@
 //! The tables, one struct per row: every column's name ends in its unit, unless it has none.
 
+use contact::{Measures, Work, number};
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
-use crate::number;
+use crate::json;
 
 /// One run: a method with its parameters on a problem, stopped by a rule; where it ended and what it cost.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Run {
-    /// Joins a run to its curve; unique within a table, and given when the table is made.
-    #[serde(skip)]
-    pub run: u32,
     /// Hash of all that decides the counts: problem, method, settings, stop rule, start, and the method's code. The
     /// same id means the same counts.
     pub id: String,
@@ -21,7 +20,8 @@ pub struct Run {
     pub problem_hash: String,
     /// What was set to make the problem, as JSON: `case`, `time_step`, and what replaced values of the case by their keys,
     /// such as `sample.seed`; `{}` for a frozen one.
-    pub problem_settings: String,
+    #[serde(with = "json")]
+    pub problem_settings: Map<String, Value>,
     /// Number of grains.
     pub grains: u32,
     /// Number of contacts.
@@ -29,17 +29,19 @@ pub struct Run {
     /// Name of the method.
     pub method: String,
     /// All its parameters as JSON, defaults spelled out.
-    pub settings: String,
+    #[serde(with = "json")]
+    pub settings: Map<String, Value>,
     /// What it worked with beside its settings, as JSON: a value that they leave open, by its name; and, of a method with
     /// subdomains, `critical_path`, the multiply-adds of an iteration on the longest of them.
-    pub derived: String,
+    #[serde(with = "json")]
+    pub derived: Map<String, Value>,
     /// What was computed of the problem and of the run's partition, as JSON: `lambda_max`, the greatest eigenvalue of
     /// W_D⁻¹W, for many contacts by power iteration; of small problems `closed_lambda_max` and `closed_lambda_min`, the
     /// greatest and the least positive one over the contacts that the solution keeps closed, `redundant`, how many are 0, and
     /// `kappa_opt`, the best direction of LATIN that follows; `multiplicity`, the most copies of a grain; `coupling`, without
     /// split masses, the greatest eigenvalue of W_D⁻¹W with all within a subdomain left out.
-    #[serde(default = "nothing")]
-    pub spectrum: String,
+    #[serde(default, with = "json")]
+    pub spectrum: Map<String, Value>,
     /// The settings in which the runs of this method in this plan differ, such as `4x2`; empty if they are alone.
     pub variant: String,
     /// Number of subdomains; 1 for a method that does not decompose.
@@ -81,14 +83,10 @@ pub struct Run {
     pub iterations_to_velocity_error_1e_4: Option<u64>,
     /// How the seconds were taken.
     pub timing: Timing,
-    /// The last sample of the curve.
-    pub end: Sample,
+    /// What the last sample of its curve says, beside the iterations and the seconds.
+    pub end: End,
     /// Where the run comes from.
     pub provenance: Provenance,
-}
-
-fn nothing() -> String {
-    "{}".to_owned()
 }
 
 /// How the seconds of a run were taken.
@@ -112,55 +110,49 @@ pub struct Timing {
     pub load_average: f64,
 }
 
-/// One point of a run's curve. NaN where a measure is undefined.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// Nothing was timed.
+impl Default for Timing {
+    fn default() -> Self {
+        Self {
+            repeats: 0,
+            timed_alone: false,
+            setup_spread_s: f64::NAN,
+            iterating_spread_s: f64::NAN,
+            wall_s: f64::NAN,
+            load_average: f64::NAN,
+        }
+    }
+}
+
+/// An iterate measured, and the work up to it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct End {
+    /// NaN where a measure is undefined.
+    #[serde(flatten)]
+    pub measures: Measures,
+    /// Counted since the start.
+    #[serde(flatten)]
+    pub work: Work,
+}
+
+/// One point of a run's curve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Iterations made.
     pub iteration: u64,
     /// Time in `advance` so far (s).
     #[serde(with = "number")]
     pub iterating_s: f64,
-    /// The paper's indicator ζ: relative change in the last iteration (–).
-    #[serde(with = "number")]
-    pub zeta: f64,
-    /// Distance to a solution in the natural map (–).
-    #[serde(with = "number")]
-    pub natural_map: f64,
-    /// Greatest approach velocity left at a contact (m/s).
-    #[serde(with = "number")]
-    pub penetration_rate_m_per_s: f64,
-    /// LMGC90's quadratic norm (–).
-    #[serde(with = "number")]
-    pub quad_dv: f64,
-    /// LMGC90's maximum norm (–).
-    #[serde(with = "number")]
-    pub max_dv: f64,
-    /// ‖V − V*‖_M / ‖V* − V_free‖_M, the distance to the certified reference (–); NaN where there is none.
-    #[serde(with = "number")]
-    pub velocity_error: f64,
-    /// (q(r) − q*) / |q*|, beside the certified reference (–); NaN where there is none.
-    #[serde(with = "number")]
-    pub energy_gap: f64,
-    /// Greatest disagreement of a copy with its grain before gluing (m/s).
-    #[serde(with = "number")]
-    pub velocity_jump_m_per_s: f64,
-    /// q(r) = ½ rᵗ W r + bᵗ r (J).
-    #[serde(with = "number")]
-    pub energy_j: f64,
-    /// Contacts updated so far.
-    pub contact_updates: u64,
-    /// Products W p so far.
-    pub delassus_products: u64,
-    /// Velocity components sent to the interface so far.
-    pub interface_values: u64,
-    /// Entries of triangular factors gone through so far, two passes per solve.
-    pub triangular_solve_entries: u64,
-    /// Matrices factorised so far.
-    pub factorisations: u64,
+    /// NaN where a measure is undefined.
+    #[serde(flatten)]
+    pub measures: Measures,
+    /// Counted so far.
+    #[serde(flatten)]
+    pub work: Work,
 }
 
 /// Where a row comes from. A run without it is not stored.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Commit of the build; ends in `-modified` if the tree was.
     pub commit: String,
@@ -183,15 +175,8 @@ pub const STATUSES: [&str; 7] =
 impl Run {
     /// How it ended and the work that it counted, by name: the same for all runs of one id.
     pub fn counts(&self) -> Vec<(String, String)> {
-        let end = self.end;
-        let counts = [
-            ("iterations", self.iterations),
-            ("contact_updates", end.contact_updates),
-            ("delassus_products", end.delassus_products),
-            ("interface_values", end.interface_values),
-            ("triangular_solve_entries", end.triangular_solve_entries),
-            ("factorisations", end.factorisations),
-        ];
+        let iterations = [("iterations", self.iterations)];
+        let counts = iterations.into_iter().chain(self.end.work.named());
         let counts = counts.map(|(name, count)| (name.to_owned(), count.to_string()));
         std::iter::once(("status".to_owned(), self.status.clone())).chain(counts).collect()
     }
@@ -211,7 +196,7 @@ impl Provenance {
 }
 
 /// One grain of a problem under one partition.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GrainRow {
     /// Name of the contact problem.
     pub problem: String,
@@ -220,10 +205,13 @@ pub struct GrainRow {
     /// Index of the grain.
     pub grain: u32,
     /// Centre (m).
+    #[serde(with = "number")]
     pub x_m: f64,
     /// Centre (m).
+    #[serde(with = "number")]
     pub y_m: f64,
     /// Radius (m).
+    #[serde(with = "number")]
     pub radius_m: f64,
     /// The subdomain that holds most of the grain's contacts; `None` for a grain without contact.
     pub subdomain: Option<u32>,
@@ -232,7 +220,7 @@ pub struct GrainRow {
 }
 
 /// One contact of a problem under one partition, as a segment between the two sides.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactRow {
     /// Name of the contact problem.
     pub problem: String,
@@ -241,23 +229,28 @@ pub struct ContactRow {
     /// Index of the contact.
     pub contact: u32,
     /// Centre of the candidate (m).
+    #[serde(with = "number")]
     pub x0_m: f64,
     /// Centre of the candidate (m).
+    #[serde(with = "number")]
     pub y0_m: f64,
     /// Centre of the antagonist, or the point of the wall that is touched (m).
+    #[serde(with = "number")]
     pub x1_m: f64,
     /// Centre of the antagonist, or the point of the wall that is touched (m).
+    #[serde(with = "number")]
     pub y1_m: f64,
     /// Whether the antagonist is a wall.
     pub wall: bool,
     /// The subdomain of the contact.
     pub subdomain: u32,
     /// Impulse of the reference solution, the same in every study; NaN if there is none (N·s).
+    #[serde(with = "number")]
     pub impulse_n_s: f64,
 }
 
 /// The impulses of a run after some of its iterations, to be drawn.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     /// Iterations made.
     pub iteration: u64,
@@ -267,82 +260,4 @@ pub struct Snapshot {
     /// r, in the problem's contact order, to three significant digits; NaN where it is not finite (N·s).
     #[serde(with = "number::list")]
     pub impulses_n_s: Vec<f64>,
-}
-
-/// Rows for the tests of this crate.
-#[cfg(test)]
-pub(crate) mod fixture {
-    use super::{Provenance, Run, Sample, Timing};
-
-    pub(crate) fn sample(iteration: u64) -> Sample {
-        Sample {
-            iteration,
-            iterating_s: 1e-4 * iteration as f64,
-            zeta: 0.5,
-            natural_map: 0.1,
-            penetration_rate_m_per_s: 0.01,
-            quad_dv: 0.02,
-            max_dv: 0.03,
-            velocity_error: 0.04,
-            energy_gap: 0.002,
-            velocity_jump_m_per_s: 0.0,
-            energy_j: -1.0,
-            contact_updates: 10 * iteration,
-            delassus_products: 0,
-            interface_values: 0,
-            triangular_solve_entries: 0,
-            factorisations: 0,
-        }
-    }
-
-    pub(crate) fn run(run: u32) -> Run {
-        Run {
-            run,
-            id: format!("{run:016x}"),
-            plan: "paper".into(),
-            problem: "column".into(),
-            problem_hash: "c0ffee".into(),
-            problem_settings: "{}".into(),
-            grains: 10,
-            contacts: 10,
-            method: "nsgs".into(),
-            settings: "{\"sweeps\":1}".into(),
-            derived: "{}".into(),
-            spectrum: "{}".into(),
-            variant: String::new(),
-            subdomains: 1,
-            warm_start: false,
-            stop_on: "natural_map".into(),
-            tolerance: 1e-4,
-            max_iterations: 1000,
-            status: "converged".into(),
-            reason: String::new(),
-            iterations: 7,
-            setup_s: 1e-5,
-            iterating_s: 7e-4,
-            iterations_to_zeta_1e_3: Some(5),
-            iterations_to_zeta_1e_4: None,
-            iterations_to_natural_map_1e_2: Some(3),
-            iterations_to_natural_map_1e_4: Some(7),
-            iterations_to_velocity_error_1e_2: Some(4),
-            iterations_to_velocity_error_1e_4: None,
-            timing: Timing {
-                repeats: 1,
-                timed_alone: true,
-                setup_spread_s: f64::NAN,
-                iterating_spread_s: f64::NAN,
-                wall_s: 2e-3,
-                load_average: 0.5,
-            },
-            end: sample(7),
-            provenance: Provenance {
-                commit: "0123abc".into(),
-                processor: "a processor".into(),
-                threads: 1,
-                rustc: "1.95.0".into(),
-                profile: "release".into(),
-                started_utc: "2026-01-02T03:04:05Z".into(),
-            },
-        }
-    }
 }

@@ -1,21 +1,17 @@
 //! Simulations: a row for each, and the series of what it showed of itself.
 
-use polars::df;
-use polars::prelude::{DataFrame, PolarsResult};
+use contact::{Work, number};
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
 use crate::journal::{Entry, EntryError};
-use crate::number;
+use crate::json;
 use crate::provenance::ProvenanceError;
 use crate::schema::{Provenance, Timing};
-use crate::tables::{column, defined, provenance, timing};
 
 /// One simulation: a scene through time, each time step solved by one method until one stop rule.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Simulation {
-    /// Joins a simulation to its series; unique within a table, and given when the table is made.
-    #[serde(skip)]
-    pub simulation: u32,
     /// Hash of all that decides the series: scene, time step, duration, method with its settings, stop rule, start, and
     /// their code. The same id means the same series.
     pub id: String,
@@ -24,7 +20,8 @@ pub struct Simulation {
     /// Name of the scene, without its time step: what compares.
     pub scene: String,
     /// What was set to make the scene, as JSON: `case`, and what replaced values of the case by their keys.
-    pub scene_settings: String,
+    #[serde(with = "json")]
+    pub scene_settings: Map<String, Value>,
     /// Hash of the scene's content.
     pub scene_hash: String,
     /// `run`; `reference`, which the others are compared with; `twin`, the same with ten times its tolerance; `floor`, the
@@ -50,7 +47,8 @@ pub struct Simulation {
     /// Name of the method.
     pub method: String,
     /// All its parameters as JSON, defaults spelled out.
-    pub settings: String,
+    #[serde(with = "json")]
+    pub settings: Map<String, Value>,
     /// The settings in which the runs of this method in this plan differ; empty if they are alone.
     pub variant: String,
     /// Whether each time step began from the impulses of the one before.
@@ -90,14 +88,9 @@ pub struct Simulation {
     /// Time in `advance` of all time steps (s).
     #[serde(with = "number")]
     pub iterating_s: f64,
-    /// Contacts updated in all time steps.
-    pub contact_updates: u64,
-    /// Products W p in all time steps.
-    pub delassus_products: u64,
-    /// Entries of triangular factors gone through in all time steps.
-    pub triangular_solve_entries: u64,
-    /// Matrices factorised in all time steps.
-    pub factorisations: u64,
+    /// Counted in all time steps.
+    #[serde(flatten)]
+    pub work: Work,
     /// How the seconds were taken.
     pub timing: Timing,
     /// Where the simulation comes from.
@@ -108,11 +101,12 @@ pub struct Simulation {
 const STATUSES: [&str; 5] = ["completed", "exploded", "solver-diverged", "no-solution", "skipped"];
 
 /// A row of a series: what a simulation shows of itself at an instant, and the extremes since the row before.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Observed {
     /// Time steps made.
     pub time_step: u64,
     /// Time (s).
+    #[serde(with = "number")]
     pub time_s: f64,
     /// Contacts of the problem just solved.
     pub contacts: u32,
@@ -170,15 +164,12 @@ impl Entry for Simulated {
 
     fn counts(&self) -> Vec<(String, String)> {
         let s = &self.simulation;
-        let counts = [
+        let steps = [
             ("time_steps", s.time_steps),
             ("missed_time_steps", s.missed_time_steps),
             ("iterations", s.iterations),
-            ("contact_updates", s.contact_updates),
-            ("delassus_products", s.delassus_products),
-            ("triangular_solve_entries", s.triangular_solve_entries),
-            ("factorisations", s.factorisations),
         ];
+        let counts = steps.into_iter().chain(s.work.named());
         let counts = counts.map(|(name, count)| (name.to_owned(), count.to_string()));
         // NaN is what it is, here.
         let rows = self.series.iter().map(|row| (format!("series at {} s", row.time_s), format!("{row:?}")));
@@ -192,104 +183,6 @@ impl Entry for Simulated {
         }
         Ok(self.simulation.provenance.check()?)
     }
-}
-
-/// The tables of a study through time.
-#[derive(Clone, Debug)]
-pub struct SimulationTables {
-    /// One row per simulation.
-    pub simulations: DataFrame,
-    /// One row per kept instant of a simulation.
-    pub series: DataFrame,
-}
-
-impl SimulationTables {
-    /// The simulations in this order, each with its series below its number.
-    ///
-    /// # Errors
-    ///
-    /// Those of polars.
-    pub fn new(simulated: &[Simulated]) -> PolarsResult<Self> {
-        let rows: Vec<Simulation> = (0..)
-            .zip(simulated)
-            .map(|(simulation, s)| Simulation { simulation, ..s.simulation.clone() })
-            .collect();
-        let series: Vec<(u32, Observed)> =
-            (0..).zip(simulated).flat_map(|(n, s)| s.series.iter().map(move |row| (n, *row))).collect();
-        Ok(Self { simulations: simulations_table(&rows)?, series: series_table(&series)? })
-    }
-}
-
-fn simulations_table(rows: &[Simulation]) -> PolarsResult<DataFrame> {
-    let timings: Vec<&Timing> = rows.iter().map(|s| &s.timing).collect();
-    let origins: Vec<&Provenance> = rows.iter().map(|s| &s.provenance).collect();
-    let parts = [asked(rows)?, reached(rows)?, timing(&timings)?, provenance(&origins)?];
-    DataFrame::new(rows.len(), parts.into_iter().flat_map(DataFrame::into_columns).collect())
-}
-
-/// What was asked: scene, method, stop rule.
-fn asked(rows: &[Simulation]) -> PolarsResult<DataFrame> {
-    df!(
-        "simulation" => column(rows, |s| s.simulation),
-        "id" => column(rows, |s| s.id.as_str()),
-        "plan" => column(rows, |s| s.plan.as_str()),
-        "scene" => column(rows, |s| s.scene.as_str()),
-        "scene_settings" => column(rows, |s| s.scene_settings.as_str()),
-        "scene_hash" => column(rows, |s| s.scene_hash.as_str()),
-        "role" => column(rows, |s| s.role.as_str()),
-        "grains" => column(rows, |s| s.grains),
-        "mass_kg" => column(rows, |s| s.mass_kg),
-        "mean_diameter_m" => column(rows, |s| s.mean_diameter_m),
-        "gravity_m_per_s2" => column(rows, |s| s.gravity_m_per_s2),
-        "time_step_s" => column(rows, |s| s.time_step_s),
-        "duration_s" => column(rows, |s| s.duration_s),
-        "method" => column(rows, |s| s.method.as_str()),
-        "settings" => column(rows, |s| s.settings.as_str()),
-        "variant" => column(rows, |s| s.variant.as_str()),
-        "warm_start" => column(rows, |s| s.warm_start),
-        "stop_on" => column(rows, |s| s.stop_on.as_str()),
-        "tolerance" => column(rows, |s| s.tolerance),
-        "max_iterations" => column(rows, |s| s.max_iterations),
-    )
-}
-
-/// How it ended and what it took.
-fn reached(rows: &[Simulation]) -> PolarsResult<DataFrame> {
-    df!(
-        "status" => column(rows, |s| s.status.as_str()),
-        "reason" => column(rows, |s| s.reason.as_str()),
-        "last_state" => column(rows, |s| s.last_state.as_str()),
-        "time_steps" => column(rows, |s| s.time_steps),
-        "missed_time_steps" => column(rows, |s| s.missed_time_steps),
-        "diverged_time_steps" => column(rows, |s| s.diverged_time_steps),
-        "infeasible_time_steps" => column(rows, |s| s.infeasible_time_steps),
-        "restarted_time_steps" => column(rows, |s| s.restarted_time_steps),
-        "iterations" => column(rows, |s| s.iterations),
-        "setup_s" => column(rows, |s| defined(s.setup_s)),
-        "iterating_s" => column(rows, |s| defined(s.iterating_s)),
-        "contact_updates" => column(rows, |s| s.contact_updates),
-        "delassus_products" => column(rows, |s| s.delassus_products),
-        "triangular_solve_entries" => column(rows, |s| s.triangular_solve_entries),
-        "factorisations" => column(rows, |s| s.factorisations),
-    )
-}
-
-fn series_table(rows: &[(u32, Observed)]) -> PolarsResult<DataFrame> {
-    df!(
-        "simulation" => column(rows, |(n, _)| *n),
-        "time_step" => column(rows, |(_, o)| o.time_step),
-        "time_s" => column(rows, |(_, o)| o.time_s),
-        "contacts" => column(rows, |(_, o)| o.contacts),
-        "iterations" => column(rows, |(_, o)| o.iterations),
-        "kinetic_energy_j" => column(rows, |(_, o)| defined(o.kinetic_energy_j)),
-        "mean_height_m" => column(rows, |(_, o)| defined(o.mean_height_m)),
-        "greatest_overlap_m" => column(rows, |(_, o)| defined(o.greatest_overlap_m)),
-        "mean_overlap_m" => column(rows, |(_, o)| defined(o.mean_overlap_m)),
-        "greatest_speed_m_per_s" => column(rows, |(_, o)| defined(o.greatest_speed_m_per_s)),
-        "floor_impulse_n_s" => column(rows, |(_, o)| defined(o.floor_impulse_n_s)),
-        "left_impulse_n_s" => column(rows, |(_, o)| defined(o.left_impulse_n_s)),
-        "right_impulse_n_s" => column(rows, |(_, o)| defined(o.right_impulse_n_s)),
-    )
 }
 
 #[cfg(test)]

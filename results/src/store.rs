@@ -6,50 +6,28 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use polars::prelude::{CsvWriter, DataFrame, ParquetWriter, PolarsError, SerWriter};
+use polars::prelude::{CsvWriter, DataFrame, ParquetWriter, PolarsError, PolarsResult, SerWriter};
 use rayon::prelude::*;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use thiserror::Error;
 
+use crate::columns::{keys, rows};
 use crate::journal::{Entry, EntryError, Journal, LineError, Lines, Record, read as read_journal};
-use crate::schema::Snapshot;
-use crate::simulation::{Simulated, SimulationTables};
-use crate::tables::snapshots_table;
+use crate::schema::{Run, Sample, Snapshot};
+use crate::simulation::{Observed, Simulated, Simulation};
+use crate::study::{
+    CONTACTS, CURVES, GRAINS, Named, RUN, RUNS, Runs, SERIES, SIMULATION, SIMULATIONS, SNAPSHOTS, Study,
+    TABLES,
+};
 pub(crate) use files::at;
 pub use files::behind_links;
 use files::{lock, new_dated_folder, read_parquet, write_whole};
 
 const JOURNAL: &str = "journal.jsonl";
 const LOCK: &str = "lock";
-const RUNS: &str = "runs.parquet";
-const CURVES: &str = "curves.parquet";
-const GRAINS: &str = "grains.parquet";
-const CONTACTS: &str = "contacts.parquet";
-const SNAPSHOTS: &str = "snapshots.parquet";
-/// The same rows once more, for spreadsheets and `diff`.
-const RUNS_CSV: &str = "runs.csv";
-const CURVES_CSV: &str = "curves.csv";
-/// The tables of a study through time.
-const SIMULATIONS: &str = "simulations.parquet";
-const SERIES: &str = "series.parquet";
-const SIMULATIONS_CSV: &str = "simulations.csv";
-const SERIES_CSV: &str = "series.csv";
 /// Problems of the last good states of simulations that exploded.
 pub const LAST_STATES: &str = "last-states";
-
-/// The tables of a study, as [`crate::tables`] makes them.
-#[derive(Clone, Debug)]
-pub struct Tables {
-    /// One row per run.
-    pub runs: DataFrame,
-    /// One row per sample of a run.
-    pub curves: DataFrame,
-    /// One row per grain and partition.
-    pub grains: DataFrame,
-    /// One row per contact and partition.
-    pub contacts: DataFrame,
-    /// One row per contact of the kept iterates of some runs; of older studies none.
-    pub snapshots: DataFrame,
-}
 
 /// Why a study was not written or read.
 #[derive(Debug, Error)]
@@ -158,19 +136,23 @@ impl<R: Entry> Store<R> {
         Ok(())
     }
 
-    fn replace(
-        &mut self,
-        parquet: &[(&str, &DataFrame)],
-        csv: &[(&str, &DataFrame)],
-    ) -> Result<(), StoreError> {
+    /// Replaces the tables, each file at once.
+    ///
+    /// # Errors
+    ///
+    /// If a file cannot be written.
+    pub fn write_tables(&mut self, study: &Study) -> Result<(), StoreError> {
         self.journal.sync()?;
-        parquet.par_iter().try_for_each(|&(name, table)| {
-            write_whole(&self.folder.join(name), |file| {
-                ParquetWriter::new(file).finish(&mut table.clone()).map(drop)
-            })
-        })?;
-        csv.par_iter().try_for_each(|&(name, table)| {
-            write_whole(&self.folder.join(name), |file| CsvWriter::new(file).finish(&mut table.clone()))
+        let format = |source| StoreError::Format { path: self.folder.clone(), source };
+        study.tables().map_err(format)?.into_par_iter().try_for_each(|Named { name, mut table, csv }| {
+            write_whole(&parquet(&self.folder, name), |file| {
+                ParquetWriter::new(file).finish(&mut table).map(drop)
+            })?;
+            if csv {
+                let path = self.folder.join(name).with_extension("csv");
+                write_whole(&path, |file| CsvWriter::new(file).finish(&mut table))?;
+            }
+            Ok(())
         })
     }
 }
@@ -185,44 +167,18 @@ impl Store {
     pub fn set_aside(root: &Path, plan: &str) -> Result<Option<PathBuf>, StoreError> {
         let folder = folder(root, plan)?;
         // The journal first: what it holds is what counts.
-        let of_problems = [JOURNAL, RUNS, CURVES, GRAINS, CONTACTS, SNAPSHOTS, RUNS_CSV, CURVES_CSV];
-        let through_time = [SIMULATIONS, SERIES, SIMULATIONS_CSV, SERIES_CSV, LAST_STATES];
-        let files = of_problems.into_iter().chain(through_time);
-        let files: Vec<&str> = files.filter(|file| folder.join(file).exists()).collect();
+        let tables = TABLES.iter().flat_map(|name| [format!("{name}.parquet"), format!("{name}.csv")]);
+        let files = [JOURNAL, LAST_STATES].map(str::to_owned).into_iter().chain(tables);
+        let files: Vec<String> = files.filter(|file| folder.join(file).exists()).collect();
         if files.is_empty() {
             return Ok(None);
         }
         let _lock = lock(&folder.join(LOCK))?;
         let aside = new_dated_folder(&folder)?;
         for file in files {
-            fs::rename(folder.join(file), aside.join(file)).map_err(at(&folder.join(file)))?;
+            fs::rename(folder.join(&file), aside.join(&file)).map_err(at(&folder.join(&file)))?;
         }
         Ok(Some(aside))
-    }
-
-    /// Replaces the tables, each file at once.
-    ///
-    /// # Errors
-    ///
-    /// If a file cannot be written.
-    pub fn write_tables(&mut self, tables: &Tables) -> Result<(), StoreError> {
-        let Tables { runs, curves, grains, contacts, snapshots } = tables;
-        let parquet =
-            [(RUNS, runs), (CURVES, curves), (GRAINS, grains), (CONTACTS, contacts), (SNAPSHOTS, snapshots)];
-        self.replace(&parquet, &[(RUNS_CSV, runs), (CURVES_CSV, curves)])
-    }
-}
-
-impl Store<Simulated> {
-    /// Replaces the tables, each file at once.
-    ///
-    /// # Errors
-    ///
-    /// If a file cannot be written.
-    pub fn write_tables(&mut self, tables: &SimulationTables) -> Result<(), StoreError> {
-        let SimulationTables { simulations, series } = tables;
-        let parquet = [(SIMULATIONS, simulations), (SERIES, series)];
-        self.replace(&parquet, &[(SIMULATIONS_CSV, simulations), (SERIES_CSV, series)])
     }
 }
 
@@ -266,37 +222,70 @@ pub fn is_study(folder: &Path) -> bool {
 ///
 /// # Errors
 ///
-/// If a file is missing or is not a table.
-pub fn read(folder: &Path) -> Result<Tables, StoreError> {
-    let snapshots = folder.join(SNAPSHOTS);
-    let none = |source| StoreError::Format { path: snapshots.clone(), source };
-    Ok(Tables {
-        runs: read_parquet(&folder.join(RUNS))?,
-        curves: read_parquet(&folder.join(CURVES))?,
-        grains: read_parquet(&folder.join(GRAINS))?,
-        contacts: read_parquet(&folder.join(CONTACTS))?,
-        snapshots: if snapshots.is_file() {
-            read_parquet(&snapshots)?
-        } else {
-            snapshots_table::<Vec<Snapshot>>(&[]).map_err(none)?
-        },
-    })
+/// If a file is missing, is not a table, or not one of such rows.
+pub fn read(folder: &Path) -> Result<Study, StoreError> {
+    if parquet(folder, SIMULATIONS).is_file() {
+        let simulations: Vec<Simulation> = typed(folder, SIMULATIONS)?;
+        let mut series = grouped::<Observed>(folder, SERIES, SIMULATION, simulations.len())?.into_iter();
+        let one = |simulation| Simulated { simulation, series: series.next().unwrap_or_default() };
+        return Ok(Study::Simulations(simulations.into_iter().map(one).collect()));
+    }
+    let runs: Vec<Run> = typed(folder, RUNS)?;
+    let mut curves = grouped::<Sample>(folder, CURVES, RUN, runs.len())?.into_iter();
+    // Older studies have none.
+    let has_snapshots = parquet(folder, SNAPSHOTS).is_file();
+    let snapshots = has_snapshots.then(|| grouped::<Snapshot>(folder, SNAPSHOTS, RUN, runs.len()));
+    let mut snapshots = snapshots.transpose()?.into_iter().flatten();
+    let record = |run| Record {
+        run,
+        curve: curves.next().unwrap_or_default(),
+        snapshots: snapshots.next().unwrap_or_default(),
+    };
+    let records = runs.into_iter().map(record).collect();
+    Ok(Study::Runs(Runs { records, grains: typed(folder, GRAINS)?, contacts: typed(folder, CONTACTS)? }))
 }
 
-/// Reads the tables of a folder of a study through time.
-///
-/// # Errors
-///
-/// If a file is missing or is not a table.
-pub fn read_simulations(folder: &Path) -> Result<SimulationTables, StoreError> {
-    let (simulations, series) = (folder.join(SIMULATIONS), folder.join(SERIES));
-    Ok(SimulationTables { simulations: read_parquet(&simulations)?, series: read_parquet(&series)? })
+fn parquet(folder: &Path, name: &str) -> PathBuf {
+    folder.join(name).with_extension("parquet")
+}
+
+fn from_table<T>(
+    folder: &Path,
+    name: &str,
+    read: impl Fn(&DataFrame) -> PolarsResult<T>,
+) -> Result<T, StoreError> {
+    let path = parquet(folder, name);
+    read(&read_parquet(&path)?).map_err(|source| StoreError::Format { path, source })
+}
+
+/// The rows of a table.
+fn typed<Row>(folder: &Path, name: &str) -> Result<Vec<Row>, StoreError>
+where
+    Row: Serialize + DeserializeOwned + Default + Send,
+{
+    from_table(folder, name, rows)
+}
+
+/// The rows of a table whose column `key` says of which run or simulation each is; rows of none are left aside.
+fn grouped<Row>(folder: &Path, name: &str, key: &str, count: usize) -> Result<Vec<Vec<Row>>, StoreError>
+where
+    Row: Serialize + DeserializeOwned + Default + Send,
+{
+    let (keys, rows) = from_table(folder, name, |table| Ok((keys(key, table)?, rows::<Row>(table)?)))?;
+    let mut groups: Vec<Vec<Row>> = Vec::new();
+    groups.resize_with(count, Vec::new);
+    for (key, row) in keys.into_iter().zip(rows) {
+        if let Some(group) = groups.get_mut(key as usize) {
+            group.push(row);
+        }
+    }
+    Ok(groups)
 }
 
 /// The folder of a plan's study, if it has tables.
 pub fn tables_folder(root: &Path, plan: &str) -> Option<PathBuf> {
     let folder = folder(root, plan).ok()?;
-    [RUNS, SIMULATIONS].iter().any(|table| folder.join(table).is_file()).then_some(folder)
+    [RUNS, SIMULATIONS].iter().any(|table| parquet(&folder, table).is_file()).then_some(folder)
 }
 
 fn folder(root: &Path, plan: &str) -> Result<PathBuf, StoreError> {

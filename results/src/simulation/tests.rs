@@ -1,16 +1,16 @@
 use super::*;
-use crate::schema::fixture::run;
-use crate::store::{Store, StoreError, records_of};
+use crate::store::{Store, StoreError, read, records_of};
+use crate::study::Study;
+use crate::tests::run;
 use tempfile::TempDir;
 
 fn simulated(number: u32) -> Simulated {
     let row = run(number);
     let simulation = Simulation {
-        simulation: 0,
         id: row.id,
         plan: "time".into(),
         scene: "column".into(),
-        scene_settings: "{}".into(),
+        scene_settings: Map::new(),
         scene_hash: row.problem_hash,
         role: "run".into(),
         grains: 20,
@@ -37,10 +37,7 @@ fn simulated(number: u32) -> Simulated {
         iterations: 60,
         setup_s: 0.1,
         iterating_s: 0.2,
-        contact_updates: 1,
-        delassus_products: 2,
-        triangular_solve_entries: 3,
-        factorisations: 4,
+        work: Work { contact_updates: 1, interface_values: 5, ..Work::default() },
         timing: row.timing,
         provenance: row.provenance,
     };
@@ -111,21 +108,15 @@ fn simulation_of_no_known_scene_or_origin_is_not_stored() {
 fn tables_number_the_simulations_and_are_kept_aside_whole() {
     let root = TempDir::new().unwrap();
     let mut store: Store<Simulated> = Store::open(root.path(), "time").unwrap();
-    let tables = SimulationTables::new(&[simulated(1), simulated(2)]).unwrap();
-    assert_eq!((tables.simulations.shape(), tables.series.shape()), ((2, 47), (2, 13)));
-    let numbers: Vec<u32> =
-        tables.series.column("simulation").unwrap().u32().unwrap().into_no_null_iter().collect();
-    assert_eq!(numbers, [0, 1]);
-    assert_eq!(tables.series.column("greatest_overlap_m").unwrap().f64().unwrap().get(0), None);
-    store.write_tables(&tables).unwrap();
-    let read = crate::store::read_simulations(store.folder()).unwrap();
-    assert!(
-        read.simulations.equals_missing(&tables.simulations) && read.series.equals_missing(&tables.series)
-    );
+    let written = Study::Simulations(vec![simulated(1), simulated(2)]);
+    store.write_tables(&written).unwrap();
+    let series = std::fs::read_to_string(store.folder().join("series.csv")).unwrap();
+    let second = series.lines().nth(2).unwrap();
+    assert!(second.starts_with("1,6,0.30000000000000004,20,60,inf,1.0,,"), "{series}");
+    assert_eq!(format!("{:?}", read(store.folder()).unwrap()), format!("{written:?}"));
     drop(store);
     let aside = Store::set_aside(root.path(), "time").unwrap().unwrap();
     for file in ["simulations.parquet", "series.parquet", "simulations.csv", "series.csv", "journal.jsonl"] {
         assert!(aside.join(file).is_file() && !root.path().join("time").join(file).exists(), "{file}");
     }
-    assert_eq!(SimulationTables::new(&[]).unwrap().simulations.shape(), (0, 47));
 }

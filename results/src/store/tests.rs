@@ -1,18 +1,23 @@
 use super::*;
-use crate::schema::fixture::{run, sample};
-use crate::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Snapshot};
-use crate::tables::{contacts_table, curves_table, grains_table, runs_table, snapshots_table};
+use crate::schema::{ContactRow, GrainRow, Provenance};
+use crate::tests::{run, sample};
+use contact::Measures;
 use tempfile::TempDir;
 
 type Store = super::Store<Record>;
 
 fn record(number: u32) -> Record {
     // What JSON has no number for, and numbers that are hard to write.
-    let odd = Sample { zeta: f64::NAN, natural_map: f64::INFINITY, energy_j: f64::NEG_INFINITY, ..sample(1) };
-    let fine = Sample { zeta: 0.1 + 0.2, quad_dv: 5e-324, max_dv: f64::MAX, ..sample(2) };
+    let odd = Measures {
+        zeta: f64::NAN,
+        natural_map: f64::INFINITY,
+        energy: f64::NEG_INFINITY,
+        ..sample(1).measures
+    };
+    let fine = Measures { zeta: 0.1 + 0.2, quad_dv: 5e-324, max_dv: f64::MAX, ..sample(2).measures };
+    let curve = [(1, odd), (2, fine)].map(|(n, measures)| Sample { measures, ..sample(n) }).to_vec();
     let seen = Snapshot { iteration: 2, natural_map: f64::NAN, impulses_n_s: vec![0.1, f64::NAN] };
-    // A row has the number of its table only.
-    Record { run: Run { run: 0, ..run(number) }, curve: vec![odd, fine], snapshots: vec![seen] }
+    Record { run: run(number), curve, snapshots: vec![seen] }
 }
 
 /// NaN is what it is, here.
@@ -20,7 +25,7 @@ fn same(a: &[Record], b: &[Record]) -> bool {
     format!("{a:?}") == format!("{b:?}")
 }
 
-fn tables() -> Tables {
+fn study() -> Study {
     let grain = GrainRow {
         problem: "column".into(),
         partition: "1x1".into(),
@@ -43,15 +48,13 @@ fn tables() -> Tables {
         subdomain: 0,
         impulse_n_s: f64::NAN,
     };
-    let curve = vec![Sample { zeta: f64::NAN, ..sample(1) }, sample(2)];
-    let snapshot = Snapshot { iteration: 4, natural_map: 0.5, impulses_n_s: vec![0.1, f64::NAN] };
-    Tables {
-        runs: runs_table(&[run(0), run(1)]).unwrap(),
-        curves: curves_table(&[(0, curve)]).unwrap(),
-        grains: grains_table(&[grain]).unwrap(),
-        contacts: contacts_table(&[contact]).unwrap(),
-        snapshots: snapshots_table(&[(0, [snapshot])]).unwrap(),
-    }
+    let alone = Record { run: run(1), curve: Vec::new(), snapshots: Vec::new() };
+    Study::Runs(Runs { records: vec![record(0), alone], grains: vec![grain], contacts: vec![contact] })
+}
+
+fn runs(study: Study) -> Runs {
+    let Study::Runs(runs) = study else { panic!("no study of problems: {study:?}") };
+    runs
 }
 
 fn entries(folder: &Path) -> Vec<String> {
@@ -98,7 +101,7 @@ fn every_number_of_a_record_may_be_undefined() {
     undefine(&mut json);
     let read: Record = serde_json::from_value(json).unwrap();
     assert!(read.run.setup_s.is_nan() && read.run.timing.wall_s.is_nan());
-    assert!(read.curve[1].zeta.is_nan() && read.curve[1].velocity_error.is_nan());
+    assert!(read.curve[1].measures.zeta.is_nan() && read.curve[1].measures.velocity_error.is_nan());
 }
 
 #[test]
@@ -228,7 +231,7 @@ fn difference_of_two_runs_of_one_id_is_their_first_unlike_count() {
     theirs.run.iterating_s = 1.0;
     theirs.run.provenance.processor = "another".into();
     assert_eq!(ours.difference(&theirs), None);
-    theirs.run.end.delassus_products = 3;
+    theirs.run.end.work.delassus_products = 3;
     let expected = ("delassus_products".to_owned(), "0".to_owned(), "3".to_owned());
     assert_eq!(ours.difference(&theirs), Some(expected));
 }
@@ -252,10 +255,10 @@ fn what_is_set_aside_is_kept_in_a_folder_of_its_own() {
     assert_eq!(Store::set_aside(root.path(), "paper").unwrap(), None);
     assert!(entries(root.path()).is_empty());
     let journal = stored(&root, 1);
-    Store::open(root.path(), "paper").unwrap().write_tables(&tables()).unwrap();
+    Store::open(root.path(), "paper").unwrap().write_tables(&study()).unwrap();
     let first = Store::set_aside(root.path(), "paper").unwrap().unwrap();
     assert_eq!(records_of::<Record>(&first, &["nsgs"]).unwrap().len(), 1);
-    assert_eq!(read(&first).unwrap().runs.height(), 2);
+    assert_eq!(runs(read(&first).unwrap()).records.len(), 2);
     assert_eq!(tables_folder(root.path(), "paper"), None);
     // Even what cannot be read.
     fs::write(&journal, "no run\n").unwrap();
@@ -268,20 +271,25 @@ fn what_is_set_aside_is_kept_in_a_folder_of_its_own() {
 #[test]
 fn tables_read_equal_the_tables_written_and_replace_those_before() {
     let root = TempDir::new().unwrap();
-    let written = tables();
+    let written = study();
     let mut store = Store::open(root.path(), "paper").unwrap();
     assert_eq!(tables_folder(root.path(), "paper"), None);
-    let mut before = written.clone();
-    before.runs = runs_table(&[]).unwrap();
-    store.write_tables(&before).unwrap();
+    store.write_tables(&Study::Runs(Runs::default())).unwrap();
+    assert!(runs(read(store.folder()).unwrap()).records.is_empty());
     store.write_tables(&written).unwrap();
     let read = read(&tables_folder(root.path(), "paper").unwrap()).unwrap();
-    assert!(read.runs.equals_missing(&written.runs));
-    assert!(read.curves.equals_missing(&written.curves));
-    assert!(read.grains.equals_missing(&written.grains));
-    assert!(read.contacts.equals_missing(&written.contacts));
-    assert!(read.snapshots.equals_missing(&written.snapshots));
-    let files = [CONTACTS, CURVES_CSV, CURVES, GRAINS, JOURNAL, LOCK, RUNS_CSV, RUNS, SNAPSHOTS];
+    assert_eq!(format!("{read:?}"), format!("{written:?}"));
+    let files = [
+        "contacts.parquet",
+        "curves.csv",
+        "curves.parquet",
+        "grains.parquet",
+        JOURNAL,
+        LOCK,
+        "runs.csv",
+        "runs.parquet",
+        "snapshots.parquet",
+    ];
     assert_eq!(entries(store.folder()), files);
 }
 
@@ -290,17 +298,17 @@ fn tables_read_equal_the_tables_written_and_replace_those_before() {
 fn table_that_is_a_link_stays_one_and_its_target_is_written() {
     let root = TempDir::new().unwrap();
     let mut store = Store::open(root.path(), "paper").unwrap();
-    let (link, target) = (store.folder().join(RUNS_CSV), root.path().join("elsewhere.csv"));
+    let (link, target) = (store.folder().join("runs.csv"), root.path().join("elsewhere.csv"));
     // Seen from the folder of the link; first the target is not there, then it is.
     std::os::unix::fs::symlink("../elsewhere.csv", &link).unwrap();
     for _ in 0..2 {
-        store.write_tables(&tables()).unwrap();
+        store.write_tables(&study()).unwrap();
         assert!(link.is_symlink() && fs::read_to_string(&target).unwrap().starts_with("run,id,"));
         fs::write(&target, "old").unwrap();
     }
     std::fs::remove_file(&link).unwrap();
-    std::os::unix::fs::symlink(RUNS_CSV, &link).unwrap();
-    assert!(store.write_tables(&tables()).unwrap_err().to_string().contains("links lead in a circle"));
+    std::os::unix::fs::symlink("runs.csv", &link).unwrap();
+    assert!(store.write_tables(&study()).unwrap_err().to_string().contains("links lead in a circle"));
 }
 
 #[test]
@@ -336,9 +344,9 @@ fn place_that_cannot_hold_a_folder_or_a_journal_is_refused_by_name_before_any_ru
 fn file_that_is_no_table_is_named() {
     let root = TempDir::new().unwrap();
     let mut store = Store::open(root.path(), "paper").unwrap();
-    store.write_tables(&tables()).unwrap();
-    fs::write(store.folder().join(GRAINS), "not a table").unwrap();
-    assert!(read(store.folder()).unwrap_err().to_string().contains(GRAINS));
+    store.write_tables(&study()).unwrap();
+    fs::write(parquet(store.folder(), GRAINS), "not a table").unwrap();
+    assert!(read(store.folder()).unwrap_err().to_string().contains("grains.parquet"));
 }
 
 #[test]
@@ -353,7 +361,7 @@ fn plan_that_names_no_folder_is_refused() {
 fn study_from_before_there_were_snapshots_has_none() {
     let root = TempDir::new().unwrap();
     let mut store = Store::open(root.path(), "paper").unwrap();
-    store.write_tables(&tables()).unwrap();
-    fs::remove_file(store.folder().join(SNAPSHOTS)).unwrap();
-    assert_eq!(read(store.folder()).unwrap().snapshots.height(), 0);
+    store.write_tables(&study()).unwrap();
+    fs::remove_file(parquet(store.folder(), SNAPSHOTS)).unwrap();
+    assert!(runs(read(store.folder()).unwrap()).records.iter().all(|record| record.snapshots.is_empty()));
 }

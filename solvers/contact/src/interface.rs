@@ -1,7 +1,8 @@
 //! What a method is: a value that holds its settings and starts on a problem; an iteration that advances.
 
 use crate::problem::ContactProblem;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::ops::AddAssign;
 use thiserror::Error;
 
 /// A method with its parameters, not yet bound to a problem. The value *is* the settings.
@@ -46,7 +47,8 @@ pub trait Iteration {
 }
 
 /// Counted work: the same on any machine, with any number of threads.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Work {
     /// Contacts updated by the law.
     pub contact_updates: u64,
@@ -58,6 +60,29 @@ pub struct Work {
     pub triangular_solve_entries: u64,
     /// Matrices factorised.
     pub factorisations: u64,
+}
+
+impl Work {
+    /// Each count by its name in files.
+    pub fn named(&self) -> [(&'static str, u64); 5] {
+        [
+            ("contact_updates", self.contact_updates),
+            ("delassus_products", self.delassus_products),
+            ("interface_values", self.interface_values),
+            ("triangular_solve_entries", self.triangular_solve_entries),
+            ("factorisations", self.factorisations),
+        ]
+    }
+}
+
+impl AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        self.contact_updates += other.contact_updates;
+        self.delassus_products += other.delassus_products;
+        self.interface_values += other.interface_values;
+        self.triangular_solve_entries += other.triangular_solve_entries;
+        self.factorisations += other.factorisations;
+    }
 }
 
 /// A number in an error: in full, or with an exponent where that is long.

@@ -7,6 +7,7 @@ mod convergence;
 pub mod interface;
 pub mod law;
 pub mod measures;
+pub mod number;
 pub mod operators;
 pub mod problem;
 pub mod scaled;

@@ -1,13 +1,19 @@
-//! Numbers in JSON, which has none for what is undefined or infinite: NaN is null, the infinities are texts.
+//! Numbers in JSON, which has none for what is undefined or infinite: NaN is null, the infinities are texts. For `with` of
+//! serde; formats that are not for people have the numbers as they are.
 
 use std::fmt;
 
 use serde::de::{Error, Visitor};
 use serde::{Deserializer, Serializer};
 
+/// Writes a number.
+///
+/// # Errors
+/// Those of the format.
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
-pub(crate) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     match *value {
+        value if !serializer.is_human_readable() => serializer.serialize_f64(value),
         value if value.is_nan() => serializer.serialize_none(),
         f64::INFINITY => serializer.serialize_str("inf"),
         f64::NEG_INFINITY => serializer.serialize_str("-inf"),
@@ -15,7 +21,11 @@ pub(crate) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::
     }
 }
 
-pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+/// Reads a number.
+///
+/// # Errors
+/// Where there is something else.
+pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     deserializer.deserialize_any(Number)
 }
 
@@ -40,6 +50,10 @@ impl Visitor<'_> for Number {
         Ok(value as f64)
     }
 
+    fn visit_none<E>(self) -> Result<f64, E> {
+        Ok(f64::NAN)
+    }
+
     fn visit_unit<E>(self) -> Result<f64, E> {
         Ok(f64::NAN)
     }
@@ -54,18 +68,26 @@ impl Visitor<'_> for Number {
 }
 
 /// Lists of such numbers.
-pub(crate) mod list {
+pub mod list {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
     #[derive(Serialize, Deserialize)]
     #[serde(transparent)]
     struct Number(#[serde(with = "super")] f64);
 
-    pub(crate) fn serialize<S: Serializer>(values: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
+    /// Writes a list of numbers.
+    ///
+    /// # Errors
+    /// Those of the format.
+    pub fn serialize<S: Serializer>(values: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(values.iter().map(|value| Number(*value)))
     }
 
-    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
+    /// Reads a list of numbers.
+    ///
+    /// # Errors
+    /// Where there is something else.
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
         let values: Vec<Number> = Vec::deserialize(deserializer)?;
         Ok(values.into_iter().map(|value| value.0).collect())
     }
