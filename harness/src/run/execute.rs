@@ -140,7 +140,7 @@ fn make(
 
 /// What explains how the run ends, where the plan asks for it.
 fn spectrum(study: &Study, task: &Task, known: &Known) -> String {
-    if !study.asked.plan.spectra {
+    if !study.selection.plan.spectra {
         return "{}".to_owned();
     }
     let mut spectrum = task.problem.spectrum(known).clone();
@@ -158,7 +158,7 @@ fn once(
     board: &Board,
     halt: &dyn Fn() -> bool,
 ) -> Result<(Outcome, Kept), SetupError> {
-    let (frozen, plan) = (&task.problem.frozen, &study.asked.plan);
+    let (frozen, plan) = (&task.problem.frozen, &study.selection.plan);
     let mut recorder = Recorder::new(plan.curves);
     let shown = plan.view.as_ref().is_some_and(|view| view.shows(&task.problem.frozen.name, task.variant));
     let mut film = shown.then(Film::new);
