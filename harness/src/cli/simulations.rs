@@ -14,7 +14,7 @@ use crate::study::simulations::{Study, Task, by_id, missing};
 use crate::terminal::exit;
 use crate::terminal::interrupt;
 use crate::terminal::output::say;
-use crate::terminal::progress::Board;
+use crate::terminal::progress::Bars;
 use anyhow::{Result, bail};
 use reports::{Formats, Wanted, made};
 use results::simulation::{Simulated, Simulation, SimulationTables};
@@ -40,16 +40,16 @@ pub(crate) fn bench(root: &Root, args: &Args, selection: Selection) -> Result<Ex
     let how = How { jobs: args.jobs, repeats: 1 };
     let folder = store.folder().to_owned();
     let store = Mutex::new(store);
-    let board = Board::new(tasks.len() as u64);
+    let bars = Bars::new(tasks.len() as u64);
     let ended = in_parallel(&tasks, how.jobs, |task, halt| {
         let (plan, timing) = (&study.selection.plan.name, untimed(how));
-        if let Some(simulated) = simulation::make(task, plan, timing, &provenance, &board, halt, &folder)? {
+        if let Some(simulated) = simulation::make(task, plan, timing, &provenance, &bars, halt, &folder)? {
             store.lock().unwrap_or_else(PoisonError::into_inner).append(simulated)?;
-            board.run_ended();
+            bars.run_ended();
         }
         Ok(())
     });
-    drop(board);
+    drop(bars);
     stopped(ended, &study.selection.again)?;
     finish(root, &study, store.into_inner().unwrap_or_else(PoisonError::into_inner))
 }

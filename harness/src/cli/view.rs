@@ -8,7 +8,7 @@ use crate::problems::files::Root;
 use crate::problems::planned::of_run;
 use crate::problems::reference::known;
 use crate::run::rows::{partitions, scene_rows};
-use crate::run::snapshots::Film;
+use crate::run::snapshots::Snapshots;
 use crate::store::stored::{is_id, stored};
 use crate::terminal::output::{check_place, say, write_whole};
 use anyhow::{Context, Result, anyhow};
@@ -76,7 +76,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let known = known(root, frozen)?;
     let mut filmed = Vec::new();
     for (n, variant) in variants.iter().enumerate() {
-        filmed.push(shown.film(variant, stored.as_ref().filter(|_| n == 0), known.truth())?);
+        filmed.push(shown.iterates(variant, stored.as_ref().filter(|_| n == 0), known.truth())?);
     }
     let mut split = partitions(variants);
     if split.is_empty() {
@@ -140,7 +140,7 @@ impl Args {
 
 impl Shown {
     /// The iterates of a run: those that are `stored`, or else it is made.
-    fn film(&self, variant: &Variant, stored: Option<&Record>, truth: Option<&Truth>) -> Result<Filmed> {
+    fn iterates(&self, variant: &Variant, stored: Option<&Record>, truth: Option<&Truth>) -> Result<Filmed> {
         let label = variant.label();
         let as_stored = stored.filter(|record| stop_of(&record.run).is_ok_and(|stop| stop == self.stop));
         if let Some(Record { run, snapshots, .. }) = as_stored.filter(|record| !record.snapshots.is_empty()) {
@@ -148,10 +148,10 @@ impl Shown {
             say(format_args!("{label}: {ending} after {} iterations, as stored", run.iterations))?;
             return Ok(Filmed { label, ending, snapshots: snapshots.clone() });
         }
-        let (mut film, start) = (Film::new(), self.frozen.start(variant.warm_start));
+        let (mut snapshots, start) = (Snapshots::new(), self.frozen.start(variant.warm_start));
         let (solver, problem) = (&*variant.method.solver, &self.frozen.problem);
         let outcome = solve_against(truth, solver, problem, &start, &self.stop, &mut |progress| {
-            film.observe(progress);
+            snapshots.observe(progress);
             ControlFlow::Continue(())
         })
         .with_context(|| format!("method `{}` on {}", variant.method.name, self.frozen.name))?;
@@ -167,7 +167,7 @@ impl Shown {
         {
             say(format_args!("  the stored run took {}: the method has changed since", run.iterations))?;
         }
-        Ok(Filmed { label, ending, snapshots: film.finish(&outcome) })
+        Ok(Filmed { label, ending, snapshots: snapshots.finish(&outcome) })
     }
 }
 

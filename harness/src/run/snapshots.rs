@@ -4,13 +4,13 @@ use contact::{Outcome, Progress};
 use results::schema::Snapshot;
 
 /// Keeps the begin of a run, iterations in a ratio of about 1.4, and its end: some thirty iterates of a hundred thousand.
-pub(crate) struct Film {
+pub(crate) struct Snapshots {
     snapshots: Vec<Snapshot>,
     /// The next iteration to be kept.
     next: u64,
 }
 
-impl Film {
+impl Snapshots {
     pub(crate) fn new() -> Self {
         Self { snapshots: Vec::new(), next: 0 }
     }
@@ -52,13 +52,13 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/frozen/shear-box-991-onset.json");
         let frozen = Frozen::read(std::path::Path::new(path)).unwrap();
         let stop = Stop { max_iterations: 23, tolerance: 0.0, ..Stop::default() };
-        let mut film = Film::new();
+        let mut snapshots = Snapshots::new();
         let start = frozen.start(false);
         let outcome = solve(&nsgs::Nsgs::default(), &frozen.problem, &start, &stop, &mut |progress| {
-            film.observe(progress);
+            snapshots.observe(progress);
         });
         let outcome = outcome.unwrap();
-        let snapshots = film.finish(&outcome);
+        let snapshots = snapshots.finish(&outcome);
         let iterations: Vec<u64> = snapshots.iter().map(|snapshot| snapshot.iteration).collect();
         assert_eq!(iterations, [0, 1, 2, 3, 5, 7, 10, 14, 20, 23]);
         let end = &snapshots[9].impulses_n_s;
