@@ -44,7 +44,7 @@ pub(crate) struct Args {
 
 /// What is shown of a problem that nobody asks for more of: what the page of the plan `paper` shows, directions that stay
 /// included; on fewer subdomains where there are not as many contacts.
-fn runs_of(contacts: usize) -> [String; 3] {
+pub(super) fn runs_of(contacts: usize) -> [String; 3] {
     const GRIDS: [Grid; 3] = [Grid { nx: 4, ny: 2 }, Grid { nx: 2, ny: 2 }, Grid { nx: 2, ny: 1 }];
     let grid = GRIDS.into_iter().find(|grid| grid.count() <= contacts as u64).unwrap_or(Grid::ONE);
     let latin = format!("latin-dd adaptive=false subdomains={grid}");
@@ -179,35 +179,10 @@ fn stop_of(run: &Run) -> Result<Stop> {
 }
 
 /// A method and its settings in one text.
-fn variant(text: &str) -> Result<Variant> {
+pub(super) fn variant(text: &str) -> Result<Variant> {
     let (name, settings) = text.trim().split_once(char::is_whitespace).unwrap_or((text.trim(), ""));
     let pairs = settings.split_whitespace().map(|word| key_value(word).map_err(anyhow::Error::msg));
     let read = || Method::parse(name, &pairs.collect::<Result<Vec<_>>>()?);
     let method = read().with_context(|| format!("--run '{text}'"))?;
     Ok(Variant { method, warm_start: false, name: settings.trim().to_owned() })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::plan::file::Plan;
-    use std::path::Path;
-
-    #[test]
-    fn what_is_shown_without_a_wish_is_what_the_page_of_the_paper_shows() {
-        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/plans/paper.toml"));
-        let plan = Plan::read(path, false).unwrap();
-        let view = plan.view.as_ref().unwrap();
-        let variants = plan.variants(&[]).unwrap();
-        let shown = variants.iter().filter(|variant| view.runs.contains(&variant.label()));
-        let of_page: Vec<_> = shown.map(|v| (v.method.name, v.method.settings.clone())).collect();
-        let own = runs_of(1000).map(|text| variant(&text).unwrap().method);
-        assert_eq!(own.map(|method| (method.name, method.settings)).to_vec(), of_page);
-    }
-
-    #[test]
-    fn few_contacts_have_few_subdomains() {
-        let grid = |contacts| runs_of(contacts)[1].rsplit_once('=').unwrap().1.to_owned();
-        assert_eq!([8, 7, 3, 1, 0].map(grid), ["4x2", "2x2", "2x1", "1x1", "1x1"]);
-    }
 }
