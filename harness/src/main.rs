@@ -15,6 +15,8 @@ mod cli {
     pub(crate) mod simulate;
     pub(crate) mod simulations;
     pub(crate) mod solve;
+    #[cfg(test)]
+    mod tests;
     pub(crate) mod view;
 }
 
@@ -33,6 +35,8 @@ mod run {
     pub(crate) mod rows;
     pub(crate) mod simulation;
     pub(crate) mod snapshots;
+    #[cfg(test)]
+    mod tests;
     pub(crate) mod through_time;
     pub(crate) mod vtk;
 }
@@ -54,6 +58,8 @@ mod problems {
     pub(crate) mod reference;
     pub(crate) mod scene;
     pub(crate) mod spectrum;
+    #[cfg(test)]
+    mod tests;
 }
 
 /// The plan file: methods with their settings, axes, rules.
@@ -76,6 +82,8 @@ mod terminal {
     pub(crate) mod output;
     pub(crate) mod progress;
     pub(crate) mod suggest;
+    #[cfg(test)]
+    mod tests;
 }
 
 use anyhow::Result;

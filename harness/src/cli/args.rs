@@ -5,7 +5,7 @@ use crate::plan::methods::{Method, key_value, repeated};
 use crate::problems::files::{Root, is_toml, time_step};
 use crate::problems::memory::read_case;
 use crate::problems::planned::{marched, planned};
-use crate::study::selection::Asked;
+use crate::study::selection::Selection;
 use anyhow::{Context, Result, bail};
 use cases::Frozen;
 use contact::{Measure, Stop};
@@ -118,7 +118,7 @@ impl StudyArgs {
         words.join(" ")
     }
 
-    pub(crate) fn asked(&self, root: &Root) -> Result<Asked> {
+    pub(crate) fn selection(&self, root: &Root) -> Result<Selection> {
         if let Some((key, _)) = repeated(&self.settings) {
             bail!("--set {key}: it is given twice");
         }
@@ -128,21 +128,21 @@ impl StudyArgs {
         let in_plan = || path.display().to_string();
         let problems = planned(root, &plan).with_context(in_plan)?;
         let variants = plan.variants(&self.settings).with_context(in_plan)?;
-        let mut asked =
-            Asked { again: self.again(), plan, problems, variants, notes: Vec::new(), only: Vec::new() };
+        let mut selection =
+            Selection { again: self.again(), plan, problems, variants, notes: Vec::new(), only: Vec::new() };
         // Its rows must not pass for those of the plan.
         if !changes.is_empty() {
-            asked.plan.name += "-changed";
-            asked.notes.push(format!("changed: {}", changes.join(", ")));
+            selection.plan.name += "-changed";
+            selection.notes.push(format!("changed: {}", changes.join(", ")));
         }
         for (key, pattern) in &self.only {
-            asked.keep(key, pattern)?;
+            selection.keep(key, pattern)?;
         }
         if !self.only.is_empty() {
-            let (some, all) = (asked.selected().count() * asked.rules(), asked.runs());
-            asked.notes.push(format!("{some} of the {all} runs of the plan are asked for"));
+            let (some, all) = (selection.selected().count() * selection.rules(), selection.runs());
+            selection.notes.push(format!("{some} of the {all} runs of the plan are asked for"));
         }
-        Ok(asked)
+        Ok(selection)
     }
 
     /// Changes the stop rule as asked, and tells all that is changed.

@@ -38,27 +38,27 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     if let Some(repeats) = args.repeats.filter(|repeats| *repeats > MOST_REPEATS) {
         bail!("--repeats {repeats}: it must be at most {MOST_REPEATS}");
     }
-    let asked = args.study.asked(root)?;
-    if asked.plan.simulate.is_some() {
-        return simulations::bench(root, args, asked);
+    let selection = args.study.selection(root)?;
+    if selection.plan.simulate.is_some() {
+        return simulations::bench(root, args, selection);
     }
     let provenance = provenance()?;
-    begin_anew(root, args.fresh, &asked.plan.name)?;
+    begin_anew(root, args.fresh, &selection.plan.name)?;
     // A place that cannot be written to is known before a problem is made.
-    let store = open(root, &asked.plan.name)?;
-    let study = Study::made(asked, root)?;
-    let plan = &study.asked.plan;
+    let store = open(root, &selection.plan.name)?;
+    let study = Study::made(selection, root)?;
+    let plan = &study.selection.plan;
     let Progress { missing, left_s } = study.progress(store.records());
     let tasks = if args.rerun { study.missing(&HashSet::new()) } else { missing };
     interrupt::listen()?;
-    let (all, of_each, missing) = (study.asked.runs(), study.asked.variants.len(), tasks.len());
+    let (all, of_each, missing) = (study.selection.runs(), study.selection.variants.len(), tasks.len());
     let left =
         left_s.filter(|s| *s >= 1.0 && !args.rerun).map_or(String::new(), |s| format!(", about {s:.0} s"));
     say(format_args!(
         "plan {}: {all} runs, {of_each} on each problem; {missing} of {all} runs to make{left}",
         plan.name
     ))?;
-    for note in &study.asked.notes {
+    for note in &study.selection.notes {
         say(format_args!("  {note}"))?;
     }
     let how = How { jobs: args.jobs, repeats: args.repeats.unwrap_or(plan.repeats).get() };
@@ -67,6 +67,6 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         Ok(store.lock().unwrap_or_else(PoisonError::into_inner).append(record)?)
     });
     let store = store.into_inner().unwrap_or_else(PoisonError::into_inner);
-    stopped(ended, &study.asked.again)?;
+    stopped(ended, &study.selection.again)?;
     finish(root, &study, store, &provenance)
 }

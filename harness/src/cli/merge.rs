@@ -24,14 +24,14 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    let asked = StudyArgs::plan(&args.plan, false).asked(root)?;
-    let plan = asked.plan.name.clone();
-    if asked.plan.simulate.is_some() {
+    let selection = StudyArgs::plan(&args.plan, false).selection(root)?;
+    let plan = selection.plan.name.clone();
+    if selection.plan.simulate.is_some() {
         let store = joined(root, &plan, &args.from)?;
-        return simulations::merged(root, asked, store);
+        return simulations::merged(root, selection, store);
     }
     let store = joined(root, &plan, &args.from)?;
-    finish(root, &Study::made(asked, root)?, store, &provenance()?)
+    finish(root, &Study::made(selection, root)?, store, &provenance()?)
 }
 
 /// The store of a plan with what those in the folders `from` hold beside it.

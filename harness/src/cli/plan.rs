@@ -8,7 +8,7 @@ use crate::problems::files::Root;
 use crate::problems::planned::PlannedProblem;
 use crate::store::folder::runs_folder;
 use crate::study::runs::{Progress, Study};
-use crate::study::selection::Asked;
+use crate::study::selection::Selection;
 use crate::terminal::output::say;
 use anyhow::Result;
 use indicatif::HumanDuration;
@@ -34,13 +34,16 @@ pub(crate) struct Row {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    let asked = args.study.asked(root)?;
-    say(format_args!("plan {}: {}", asked.plan.name, asked.plan.why))?;
-    for note in &asked.notes {
+    let selection = args.study.selection(root)?;
+    say(format_args!("plan {}: {}", selection.plan.name, selection.plan.why))?;
+    for note in &selection.notes {
         say(format_args!("  {note}"))?;
     }
-    let (rows, left_s) =
-        if asked.plan.simulate.is_some() { simulations::rows(root, asked)? } else { rows(root, asked)? };
+    let (rows, left_s) = if selection.plan.simulate.is_some() {
+        simulations::rows(root, selection)?
+    } else {
+        rows(root, selection)?
+    };
     if !args.count {
         say_runs(&rows)?;
     }
@@ -48,9 +51,9 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
 }
 
 /// The runs to be made, and how long the missing ones may take (s).
-fn rows(root: &Root, asked: Asked) -> Result<(Vec<Row>, Option<f64>)> {
-    let records = records_of(&runs_folder(root).join(&asked.plan.name), &names())?;
-    let study = Study::at_hand(asked, root);
+fn rows(root: &Root, selection: Selection) -> Result<(Vec<Row>, Option<f64>)> {
+    let records = records_of(&runs_folder(root).join(&selection.plan.name), &names())?;
+    let study = Study::at_hand(selection, root);
     let Progress { missing, left_s } = study.progress(&records);
     let missing: HashSet<(&str, &str, &str)> = missing
         .iter()
@@ -63,7 +66,7 @@ fn rows(root: &Root, asked: Asked) -> Result<(Vec<Row>, Option<f64>)> {
         let done = at_hand.contains(run.0) && !missing.contains(&run);
         Row { problem: run.0.to_owned(), method: run.1.to_owned(), variant: run.2.to_owned(), done }
     };
-    Ok((study.asked.selected().map(row).collect(), left_s))
+    Ok((study.selection.selected().map(row).collect(), left_s))
 }
 
 fn say_runs(rows: &[Row]) -> Result<()> {

@@ -6,7 +6,7 @@ use crate::run::execute::{How, execute};
 use crate::store::baseline::{Counts, ExpectedFailure, expected_failures, read, to_csv};
 use crate::store::folder::provenance;
 use crate::study::runs::Study;
-use crate::study::selection::Asked;
+use crate::study::selection::Selection;
 use crate::terminal::interrupt;
 use crate::terminal::output::{say, write_whole};
 use anyhow::{Context, Result, bail};
@@ -46,14 +46,18 @@ struct Now {
 
 /// Compares the counts with the baseline.
 pub(crate) fn regress(root: &Root, args: &Args) -> Result<ExitCode> {
-    let asked = args.study().asked(root)?;
-    let baseline = baseline(root, &asked.plan.name);
+    let selection = args.study().selection(root)?;
+    let baseline = baseline(root, &selection.plan.name);
     if !baseline.is_file() {
-        bail!("{}: there is no baseline yet; `gravel bless {}` writes it", baseline.display(), asked.again);
+        bail!(
+            "{}: there is no baseline yet; `gravel bless {}` writes it",
+            baseline.display(),
+            selection.again
+        );
     }
     let before = read(&baseline)?;
-    let again = asked.again.clone();
-    let now = Now::count(root, args, asked)?;
+    let again = selection.again.clone();
+    let now = Now::count(root, args, selection)?;
     let mut wrong = changes(&before, &now.counts);
     wrong.extend(now.unexpected());
     if wrong.is_empty() {
@@ -73,7 +77,7 @@ pub(crate) fn regress(root: &Root, args: &Args) -> Result<ExitCode> {
 
 /// Makes the counts the baseline.
 pub(crate) fn bless(root: &Root, args: &Args) -> Result<ExitCode> {
-    let now = Now::count(root, args, args.study().asked(root)?)?;
+    let now = Now::count(root, args, args.study().selection(root)?)?;
     let before = if now.baseline.is_file() { read(&now.baseline)? } else { Vec::new() };
     say_all(&changes(&before, &now.counts))?;
     if let Some(folder) = now.baseline.parent() {
@@ -88,9 +92,9 @@ pub(crate) fn bless(root: &Root, args: &Args) -> Result<ExitCode> {
 
 impl Now {
     /// Makes all runs of the plan; nothing is stored.
-    fn count(root: &Root, args: &Args, asked: Asked) -> Result<Self> {
-        let study = Study::made(asked, root)?;
-        let plan = study.asked.plan.name.clone();
+    fn count(root: &Root, args: &Args, selection: Selection) -> Result<Self> {
+        let study = Study::made(selection, root)?;
+        let plan = study.selection.plan.name.clone();
         let baseline = baseline(root, &plan);
         let expected = expected_failures(&baseline.with_file_name("expected-failures.toml"), &plan)?;
         let jobs = args.jobs.or_else(|| std::thread::available_parallelism().ok());

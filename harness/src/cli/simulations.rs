@@ -9,12 +9,12 @@ use crate::run::simulation;
 use crate::store::folder::{about, begin_anew, open, provenance, runs_folder, say_files, stopped};
 use crate::store::tables::origins;
 use crate::study::runs::left_s;
-use crate::study::selection::Asked;
+use crate::study::selection::Selection;
 use crate::study::simulations::{Study, Task, by_id, missing};
 use crate::terminal::exit;
 use crate::terminal::interrupt;
 use crate::terminal::output::say;
-use crate::terminal::progress::Board;
+use crate::terminal::progress::Bars;
 use anyhow::{Result, bail};
 use reports::{Formats, Wanted, made};
 use results::simulation::{Simulated, Simulation, SimulationTables};
@@ -24,15 +24,15 @@ use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
 /// `gravel bench` of a plan with `[simulate]`.
-pub(crate) fn bench(root: &Root, args: &Args, asked: Asked) -> Result<ExitCode> {
+pub(crate) fn bench(root: &Root, args: &Args, selection: Selection) -> Result<ExitCode> {
     if args.repeats.is_some_and(|repeats| repeats.get() > 1) {
         bail!("--repeats: a simulation is made once; its seconds are those of many time steps");
     }
     let provenance = provenance()?;
-    begin_anew(root, args.fresh, &asked.plan.name)?;
+    begin_anew(root, args.fresh, &selection.plan.name)?;
     // A place that cannot be written to is known before a scene is made.
-    let store: Store<Simulated> = open(root, &asked.plan.name)?;
-    let study = Study::new(asked)?;
+    let store: Store<Simulated> = open(root, &selection.plan.name)?;
+    let study = Study::new(selection)?;
     let all = study.tasks()?;
     let tasks = if args.rerun { lacking(&study, &all, &[]) } else { lacking(&study, &all, store.records()) };
     interrupt::listen()?;
@@ -40,17 +40,17 @@ pub(crate) fn bench(root: &Root, args: &Args, asked: Asked) -> Result<ExitCode> 
     let how = How { jobs: args.jobs, repeats: 1 };
     let folder = store.folder().to_owned();
     let store = Mutex::new(store);
-    let board = Board::new(tasks.len() as u64);
+    let bars = Bars::new(tasks.len() as u64);
     let ended = in_parallel(&tasks, how.jobs, |task, halt| {
-        let (plan, timing) = (&study.asked.plan.name, untimed(how));
-        if let Some(simulated) = simulation::make(task, plan, timing, &provenance, &board, halt, &folder)? {
+        let (plan, timing) = (&study.selection.plan.name, untimed(how));
+        if let Some(simulated) = simulation::make(task, plan, timing, &provenance, &bars, halt, &folder)? {
             store.lock().unwrap_or_else(PoisonError::into_inner).append(simulated)?;
-            board.run_ended();
+            bars.run_ended();
         }
         Ok(())
     });
-    drop(board);
-    stopped(ended, &study.asked.again)?;
+    drop(bars);
+    stopped(ended, &study.selection.again)?;
     finish(root, &study, store.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
@@ -60,12 +60,12 @@ fn say_what_is_to_make(study: &Study, all: &[Task], tasks: &[Task], records: &[S
     let runs = all.iter().filter(|task| task.role == "run").count();
     say(format_args!(
         "plan {}: {runs} simulations, and {} to compare them with; {} of {} to make{left}",
-        study.asked.plan.name,
+        study.selection.plan.name,
         all.len() - runs,
         tasks.len(),
         missing(all, &HashSet::new()).len()
     ))?;
-    for note in &study.asked.notes {
+    for note in &study.selection.notes {
         say(format_args!("  {note}"))?;
     }
     Ok(())
@@ -80,9 +80,9 @@ fn lacking<'s>(study: &Study, tasks: &[Task<'s>], records: &[Simulated]) -> Vec<
 }
 
 /// The simulations to be made, for `gravel plan`, and how long the missing ones may take (s).
-pub(crate) fn rows(root: &Root, asked: Asked) -> Result<(Vec<Row>, Option<f64>)> {
-    let records: Vec<Simulated> = records_of(&runs_folder(root).join(&asked.plan.name), &names())?;
-    let study = Study::new(asked)?;
+pub(crate) fn rows(root: &Root, selection: Selection) -> Result<(Vec<Row>, Option<f64>)> {
+    let records: Vec<Simulated> = records_of(&runs_folder(root).join(&selection.plan.name), &names())?;
+    let study = Study::new(selection)?;
     let mut tasks = study.tasks()?;
     tasks.retain(|task| study.selects(task));
     let left_s = left(&lacking(&study, &tasks, &records), &records);
@@ -102,8 +102,8 @@ fn left(missing: &[Task], records: &[Simulated]) -> Option<f64> {
 }
 
 /// `gravel merge` of a plan with `[simulate]`.
-pub(crate) fn merged(root: &Root, asked: Asked, store: Store<Simulated>) -> Result<ExitCode> {
-    finish(root, &Study::new(asked)?, store)
+pub(crate) fn merged(root: &Root, selection: Selection, store: Store<Simulated>) -> Result<ExitCode> {
+    finish(root, &Study::new(selection)?, store)
 }
 
 /// Makes the tables of a study from its store, and its report if the user did not stop it.
@@ -116,7 +116,7 @@ fn finish(root: &Root, study: &Study, mut store: Store<Simulated>) -> Result<Exi
         let missing = lacking(study, &tasks, store.records()).len();
         say(format_args!(
             "stopped; simulations missing: {missing}, the others are kept; `gravel bench {}` goes on",
-            study.asked.again
+            study.selection.again
         ))?;
         return Ok(ExitCode::from(exit::INTERRUPTED));
     }
@@ -127,7 +127,7 @@ fn finish(root: &Root, study: &Study, mut store: Store<Simulated>) -> Result<Exi
     if let Some(note) = unlike_twins(store.records()) {
         say(format_args!("{note}"))?;
     }
-    let Asked { plan, again, .. } = &study.asked;
+    let Selection { plan, again, .. } = &study.selection;
     let out = root.join("reports/out").join(&plan.name);
     let before = made(&out);
     let formats = Formats::default().and_those_of(&before);
@@ -144,7 +144,7 @@ fn asked_for(study: &Study, tasks: &[Task], records: &[Simulated]) -> Vec<Simula
     let row = |task: &Task| {
         let known = known.get(task.id.as_str())?;
         let simulation = Simulation {
-            plan: study.asked.plan.name.clone(),
+            plan: study.selection.plan.name.clone(),
             scene: task.scene.name.clone(),
             variant: task.variant.name.clone(),
             role: task.role.to_owned(),

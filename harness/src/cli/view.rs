@@ -8,7 +8,7 @@ use crate::problems::files::Root;
 use crate::problems::planned::of_run;
 use crate::problems::reference::known;
 use crate::run::rows::{partitions, scene_rows};
-use crate::run::snapshots::Film;
+use crate::run::snapshots::Snapshots;
 use crate::store::stored::{is_id, stored};
 use crate::terminal::output::{check_place, say, write_whole};
 use anyhow::{Context, Result, anyhow};
@@ -44,7 +44,7 @@ pub(crate) struct Args {
 
 /// What is shown of a problem that nobody asks for more of: what the page of the plan `paper` shows, directions that stay
 /// included; on fewer subdomains where there are not as many contacts.
-fn runs_of(contacts: usize) -> [String; 3] {
+pub(super) fn runs_of(contacts: usize) -> [String; 3] {
     const GRIDS: [Grid; 3] = [Grid { nx: 4, ny: 2 }, Grid { nx: 2, ny: 2 }, Grid { nx: 2, ny: 1 }];
     let grid = GRIDS.into_iter().find(|grid| grid.count() <= contacts as u64).unwrap_or(Grid::ONE);
     let latin = format!("latin-dd adaptive=false subdomains={grid}");
@@ -76,7 +76,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let known = known(root, frozen)?;
     let mut filmed = Vec::new();
     for (n, variant) in variants.iter().enumerate() {
-        filmed.push(shown.film(variant, stored.as_ref().filter(|_| n == 0), known.truth())?);
+        filmed.push(shown.iterates(variant, stored.as_ref().filter(|_| n == 0), known.truth())?);
     }
     let mut split = partitions(variants);
     if split.is_empty() {
@@ -140,7 +140,7 @@ impl Args {
 
 impl Shown {
     /// The iterates of a run: those that are `stored`, or else it is made.
-    fn film(&self, variant: &Variant, stored: Option<&Record>, truth: Option<&Truth>) -> Result<Filmed> {
+    fn iterates(&self, variant: &Variant, stored: Option<&Record>, truth: Option<&Truth>) -> Result<Filmed> {
         let label = variant.label();
         let as_stored = stored.filter(|record| stop_of(&record.run).is_ok_and(|stop| stop == self.stop));
         if let Some(Record { run, snapshots, .. }) = as_stored.filter(|record| !record.snapshots.is_empty()) {
@@ -148,10 +148,10 @@ impl Shown {
             say(format_args!("{label}: {ending} after {} iterations, as stored", run.iterations))?;
             return Ok(Filmed { label, ending, snapshots: snapshots.clone() });
         }
-        let (mut film, start) = (Film::new(), self.frozen.start(variant.warm_start));
+        let (mut snapshots, start) = (Snapshots::new(), self.frozen.start(variant.warm_start));
         let (solver, problem) = (&*variant.method.solver, &self.frozen.problem);
         let outcome = solve_against(truth, solver, problem, &start, &self.stop, &mut |progress| {
-            film.observe(progress);
+            snapshots.observe(progress);
             ControlFlow::Continue(())
         })
         .with_context(|| format!("method `{}` on {}", variant.method.name, self.frozen.name))?;
@@ -167,7 +167,7 @@ impl Shown {
         {
             say(format_args!("  the stored run took {}: the method has changed since", run.iterations))?;
         }
-        Ok(Filmed { label, ending, snapshots: film.finish(&outcome) })
+        Ok(Filmed { label, ending, snapshots: snapshots.finish(&outcome) })
     }
 }
 
@@ -179,35 +179,10 @@ fn stop_of(run: &Run) -> Result<Stop> {
 }
 
 /// A method and its settings in one text.
-fn variant(text: &str) -> Result<Variant> {
+pub(super) fn variant(text: &str) -> Result<Variant> {
     let (name, settings) = text.trim().split_once(char::is_whitespace).unwrap_or((text.trim(), ""));
     let pairs = settings.split_whitespace().map(|word| key_value(word).map_err(anyhow::Error::msg));
     let read = || Method::parse(name, &pairs.collect::<Result<Vec<_>>>()?);
     let method = read().with_context(|| format!("--run '{text}'"))?;
     Ok(Variant { method, warm_start: false, name: settings.trim().to_owned() })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::plan::file::Plan;
-    use std::path::Path;
-
-    #[test]
-    fn what_is_shown_without_a_wish_is_what_the_page_of_the_paper_shows() {
-        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/plans/paper.toml"));
-        let plan = Plan::read(path, false).unwrap();
-        let view = plan.view.as_ref().unwrap();
-        let variants = plan.variants(&[]).unwrap();
-        let shown = variants.iter().filter(|variant| view.runs.contains(&variant.label()));
-        let of_page: Vec<_> = shown.map(|v| (v.method.name, v.method.settings.clone())).collect();
-        let own = runs_of(1000).map(|text| variant(&text).unwrap().method);
-        assert_eq!(own.map(|method| (method.name, method.settings)).to_vec(), of_page);
-    }
-
-    #[test]
-    fn few_contacts_have_few_subdomains() {
-        let grid = |contacts| runs_of(contacts)[1].rsplit_once('=').unwrap().1.to_owned();
-        assert_eq!([8, 7, 3, 1, 0].map(grid), ["4x2", "2x2", "2x1", "1x1", "1x1"]);
-    }
 }

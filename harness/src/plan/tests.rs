@@ -1,8 +1,12 @@
-//! Quick forms, changes, runs that are the same.
+//! Quick forms, changes, runs that are the same; axes, and names of runs.
 
+use crate::plan::axes::{Settings, combinations, values};
 use crate::plan::file::Plan;
+use crate::plan::methods::Method;
+use crate::plan::names::{last_parts, of_variants};
 use anyhow::Result;
 use contact::Stop;
+use serde_json::{Value, json};
 use std::fs;
 use tempfile::TempDir;
 
@@ -127,4 +131,141 @@ fn axes_of_a_method_name_the_method_the_key_and_the_value() {
     let plan = read(&axes("zip = { relaxation = \"lin(1, 1.5, 2)\", seed = \"1..2\" }"), false).unwrap();
     let names = ["relaxation=1 seed=1", "relaxation=1.5 seed=2", ""];
     assert_eq!(runs(&plan, &[]).into_iter().map(|(_, name)| name).collect::<Vec<_>>(), names);
+}
+
+fn range(text: &str) -> Value {
+    Value::Array(values("key", &json!(text)).unwrap())
+}
+
+#[track_caller]
+fn axis_refused(axis: &Value, words: &[&str]) {
+    let error = values("key", axis).unwrap_err().to_string();
+    assert!(error.starts_with("the axis `key` is "), "{error}");
+    for word in words {
+        assert!(error.contains(word), "no `{word}` in: {error}");
+    }
+}
+
+fn settings(value: &Value) -> Settings {
+    value.as_object().unwrap().clone()
+}
+
+#[test]
+fn integers_have_both_ends() {
+    assert_eq!(range("1..5"), json!([1, 2, 3, 4, 5]));
+    assert_eq!(range("-1 .. 1"), json!([-1, 0, 1]));
+    assert_eq!(range("7..7"), json!([7]));
+}
+
+#[test]
+fn geometric_values_have_equal_ratios_to_three_digits_and_exact_ends() {
+    assert_eq!(range("geom(1, 1000, 4)"), json!([1, 10, 100, 1000]));
+    assert_eq!(range("geom(0.1, 10, 5)"), json!([0.1, 0.316, 1, 3.16, 10]));
+    assert_eq!(range("geom(8, 1, 4)"), json!([8, 4, 2, 1]));
+    assert_eq!(range("geom(0.12345, 1.23456, 2)"), json!([0.12345, 1.23456]));
+}
+
+#[test]
+fn linear_values_have_equal_steps_to_three_digits_and_exact_ends() {
+    let tenths = json!([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1]);
+    assert_eq!(range("lin(0.1, 1, 10)"), tenths);
+    assert_eq!(range("lin(-1, 1.0001, 3)"), json!([-1, 0.00005, 1.0001]));
+}
+
+#[test]
+fn range_that_is_none_is_refused() {
+    axis_refused(&json!([]), &["empty"]);
+    axis_refused(&json!(3), &["is 3:", "a list", "\"1..5\""]);
+    axis_refused(&json!("4x2"), &["\"4x2\"", "a list", "geom("]);
+    axis_refused(&json!("5..1"), &["\"5..1\"", "not above the last"]);
+    axis_refused(&json!("1..2.5"), &["\"1..2.5\"", "integers"]);
+    axis_refused(&json!("0..9223372036854775807"), &["at most 100000"]);
+    axis_refused(&json!("-9223372036854775808..9223372036854775807"), &["at most 100000"]);
+    axis_refused(&json!("geom(0, 1, 3)"), &["\"geom(0, 1, 3)\"", "positive"]);
+    axis_refused(&json!("geom(1, inf, 3)"), &["positive"]);
+    axis_refused(&json!("geom(1, 10)"), &["a count"]);
+    axis_refused(&json!("lin(0, 1, 1)"), &["from 2"]);
+    axis_refused(&json!("lin(0, nan, 3)"), &["finite"]);
+    axis_refused(&json!("lin(1, 2, 3"), &["a list"]);
+    axis_refused(&json!("lin(0.8 1.6 5)"), &["two finite numbers and a count", "with commas between them"]);
+    axis_refused(&json!("lin(1000, 1001, 11)"), &["some of these are equal"]);
+    axis_refused(&json!("lin(1, 1, 2)"), &["some of these are equal"]);
+}
+
+#[test]
+fn zipped_values_are_taken_together_and_axes_are_combined() {
+    let set = settings(&json!({ "law": "iqs" }));
+    let zip = settings(&json!({ "grains": [10, 20], "width": [1.0, 2.0] }));
+    let axes = settings(&json!({ "seed": "1..2" }));
+    let made = combinations(&set, &zip, &axes).unwrap();
+    let expected = [(10, 1.0, 1), (10, 1.0, 2), (20, 2.0, 1), (20, 2.0, 2)];
+    let expected = expected.map(|(grains, width, seed)| {
+        settings(&json!({ "law": "iqs", "grains": grains, "width": width, "seed": seed }))
+    });
+    assert_eq!(made, expected);
+    let none = Settings::new();
+    assert_eq!(combinations(&set, &none, &none).unwrap(), [set]);
+}
+
+#[test]
+fn axes_that_meet_or_do_not_match_are_refused() {
+    let refused = |set, zip, axes, words: &[&str]| {
+        let error = combinations(&settings(&set), &settings(&zip), &settings(&axes)).unwrap_err().to_string();
+        assert!(words.iter().all(|word| error.contains(word)), "{error}");
+    };
+    let none = || json!({});
+    refused(json!({ "a": 1 }), none(), json!({ "a": [1] }), &["`a` is set and an axis"]);
+    refused(json!({ "a": 1 }), json!({ "a": [1] }), none(), &["`a` is set and an axis"]);
+    refused(none(), json!({ "a": [1] }), json!({ "a": [1] }), &["`a` is an axis twice"]);
+    refused(none(), json!({ "a": [1, 2], "b": "1..3" }), none(), &["`a` has 2", "`b` has 3"]);
+    refused(none(), none(), json!({ "a": "1..2000", "b": "1..2000" }), &["`b`", "100000 combinations"]);
+}
+
+fn variant_names(method: &str, all: &[Value]) -> Vec<String> {
+    let method = |settings: &Value| Method::new(method, settings.as_object().unwrap().clone()).unwrap();
+    of_variants(&all.iter().map(|settings| (method(settings), false)).collect::<Vec<_>>())
+}
+
+#[test]
+fn method_that_is_alone_has_no_name() {
+    assert_eq!(variant_names("nsgs", &[json!({ "relaxation": 1.5 })]), [""]);
+}
+
+#[test]
+fn one_differing_setting_names_a_run_by_its_value() {
+    let subdomains = |grid: &str| json!({ "subdomains": grid, "inner_sweeps": 2 });
+    assert_eq!(variant_names("nsgs-dd", &[subdomains("1x1"), subdomains("4x2")]), ["1x1", "4x2"]);
+    let kappa = |kappa: f64| json!({ "kappa_l": kappa });
+    let all = [kappa(1.0), kappa(31.6), kappa(1000.0), kappa(1e-7), json!({})];
+    assert_eq!(variant_names("latin-dd", &all), ["1", "31.6", "1000", "1e-7", "default"]);
+}
+
+#[test]
+fn several_differing_settings_name_a_run_by_keys_and_values() {
+    let all = [
+        json!({ "subdomains": "4x2", "kappa_l": 10.0 }),
+        json!({ "subdomains": "4x2", "kappa_d": 10.0 }),
+        json!({ "subdomains": "2x1" }),
+    ];
+    let expected = ["kappa_l=10 subdomains=4x2", "kappa_d=10 subdomains=4x2", "subdomains=2x1"];
+    assert_eq!(variant_names("latin-dd", &all), expected);
+    let open = [json!({ "kappa_l": 10.0 }), json!({ "kappa_d": 10.0 }), json!({})];
+    assert_eq!(variant_names("latin-dd", &open), ["kappa_l=10", "kappa_d=10", "default"]);
+}
+
+#[test]
+fn warm_start_is_named_beside_a_cold_one_only() {
+    let nsgs = |relaxation: f64, warm_start| {
+        let settings = json!({ "relaxation": relaxation });
+        (Method::new("nsgs", settings.as_object().unwrap().clone()).unwrap(), warm_start)
+    };
+    assert_eq!(of_variants(&[nsgs(1.0, false), nsgs(1.0, true)]), ["", "warm start"]);
+    assert_eq!(of_variants(&[nsgs(1.0, false), nsgs(1.5, true)]), ["1", "1.5, warm start"]);
+    assert_eq!(of_variants(&[nsgs(1.0, true), nsgs(1.5, true)]), ["1", "1.5"]);
+}
+
+#[test]
+fn key_is_short_unless_another_ends_so() {
+    assert_eq!(last_parts(&["sample.grains", "scene.box.width_m"]), ["grains", "width_m"]);
+    assert_eq!(last_parts(&["a.width", "b.width", "seed"]), ["a.width", "b.width", "seed"]);
 }

@@ -24,7 +24,7 @@ pub(crate) fn read_case(path: &Path, overrides: &[(String, String)]) -> Result<C
 }
 
 /// Names the key that asks for more than is `free` (B).
-fn fits(case: &Case, free: Option<u64>) -> Result<(), String> {
+pub(super) fn fits(case: &Case, free: Option<u64>) -> Result<(), String> {
     let copies = case.scene.contact_copies;
     let in_the_file = || match &case.sample {
         Sample::Discs { discs, .. } => discs.len() as u64,
@@ -46,34 +46,4 @@ fn fits(case: &Case, free: Option<u64>) -> Result<(), String> {
 
 fn gigabytes(bytes: f64) -> String {
     format!("{:.1} GB", bytes / 1e9)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn scene_that_needs_more_than_is_free_is_refused_by_the_key_that_asks() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases");
-        let refused = |case: &str, overrides: &[(&str, &str)], words: &[&str]| {
-            let overrides: Vec<(String, String)> =
-                overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-            let case = Case::read(&folder.join(format!("{case}.toml")), &overrides).unwrap();
-            assert_eq!(fits(&case, None), Ok(()), "nothing is known of the machine");
-            let why = fits(&case, Some(1_000_000_000)).unwrap_err();
-            assert!(words.iter().all(|word| why.contains(word)), "{why}");
-        };
-        // 4,294,967,295 grains of 700 B.
-        let grains = ["`sample.grains` is 4294967295: ", "about 3006.5 GB", "1.0 GB are free"];
-        refused("column", &[("sample.grains", "4294967295")], &grains);
-        let all = [("sample.columns", "4294967295"), ("sample.rows", "4294967295")];
-        refused("triangular", &all, &["`sample.columns times sample.rows` is 18446744062972133378"]);
-        refused(
-            "column",
-            &[("scene.contact_copies", "4294967295")],
-            &["`scene.contact_copies` is 4294967295: "],
-        );
-        let case = Case::read(&folder.join("column.toml"), &[]).unwrap();
-        assert_eq!(fits(&case, Some(1_000_000)), Ok(()));
-    }
 }

@@ -79,21 +79,7 @@ impl Scene {
 }
 
 /// The whole number that a ratio is, to the rounding of decimal fractions.
-fn whole(ratio: f64) -> Option<u64> {
+pub(super) fn whole(ratio: f64) -> Option<u64> {
     let whole = ratio.round();
     ((1.0..1e12).contains(&whole) && (ratio - whole).abs() <= 1e-9 * whole).then_some(whole as u64)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn decimal_fractions_divide_in_spite_of_their_rounding() {
-        assert_eq!(whole(0.3 / 0.1), Some(3));
-        assert_eq!(whole(2.0 / 0.000_25), Some(8000));
-        for odd in [0.5, 2.5, 1.0001, f64::NAN, f64::INFINITY, -3.0, 0.0] {
-            assert_eq!(whole(odd), None, "{odd}");
-        }
-    }
 }

@@ -5,10 +5,10 @@ use crate::problems::reference::Known;
 use crate::problems::spectrum::of_partition;
 use crate::run::curve::Recorder;
 use crate::run::rows::{UNTIMED, asked_row, ended_row};
-use crate::run::snapshots::Film;
+use crate::run::snapshots::Snapshots;
 use crate::study::runs::{Study, Task};
 use crate::terminal::interrupt;
-use crate::terminal::progress::Board;
+use crate::terminal::progress::Bars;
 use anyhow::{Result, bail};
 use contact::{Outcome, SetupError, Status, solve_against};
 use results::journal::Record;
@@ -48,11 +48,11 @@ pub(crate) fn execute(
     provenance: &Provenance,
     keep: &(dyn Fn(Record) -> Result<()> + Sync),
 ) -> Result<()> {
-    let board = Board::new(tasks.len() as u64);
+    let bars = Bars::new(tasks.len() as u64);
     in_parallel(tasks, how.jobs, |task, halt| {
-        if let Some(record) = make(root, study, task, how, provenance, &board, halt)? {
+        if let Some(record) = make(root, study, task, how, provenance, &bars, halt)? {
             keep(record)?;
-            board.run_ended();
+            bars.run_ended();
         }
         Ok(())
     })
@@ -103,7 +103,7 @@ fn make(
     task: &Task,
     how: How,
     provenance: &Provenance,
-    board: &Board,
+    bars: &Bars,
     halt: &dyn Fn() -> bool,
 ) -> Result<Option<Record>> {
     let known = task.problem.known(root)?;
@@ -123,7 +123,7 @@ fn make(
     // The first of several brings code and data into the caches.
     let warm_ups = u32::from(how.repeats > 1);
     for repeat in 0..warm_ups + how.repeats {
-        match once(study, task, known, board, halt) {
+        match once(study, task, known, bars, halt) {
             Err(reason) => return skipped(&reason.to_string()),
             Ok((outcome, _)) if outcome.status == Status::Interrupted => return Ok(None),
             Ok(ended) if repeat >= warm_ups => made.push(ended),
@@ -140,7 +140,7 @@ fn make(
 
 /// What explains how the run ends, where the plan asks for it.
 fn spectrum(study: &Study, task: &Task, known: &Known) -> String {
-    if !study.asked.plan.spectra {
+    if !study.selection.plan.spectra {
         return "{}".to_owned();
     }
     let mut spectrum = task.problem.spectrum(known).clone();
@@ -155,25 +155,25 @@ fn once(
     study: &Study,
     task: &Task,
     known: &Known,
-    board: &Board,
+    bars: &Bars,
     halt: &dyn Fn() -> bool,
 ) -> Result<(Outcome, Kept), SetupError> {
-    let (frozen, plan) = (&task.problem.frozen, &study.asked.plan);
+    let (frozen, plan) = (&task.problem.frozen, &study.selection.plan);
     let mut recorder = Recorder::new(plan.curves);
     let shown = plan.view.as_ref().is_some_and(|view| view.shows(&task.problem.frozen.name, task.variant));
-    let mut film = shown.then(Film::new);
-    let mut line = board.line(task.name());
+    let mut snapshots = shown.then(Snapshots::new);
+    let mut line = bars.line(task.name());
     let solver = &*task.variant.method.solver;
     let r0 = frozen.start(task.variant.warm_start);
     let outcome = solve_against(known.truth(), solver, &frozen.problem, &r0, &plan.stop, &mut |progress| {
         recorder.observe(progress);
-        if let Some(film) = &mut film {
-            film.observe(progress);
+        if let Some(snapshots) = &mut snapshots {
+            snapshots.observe(progress);
         }
         line.show(progress, plan.stop.on);
         if halt() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
-    let snapshots = film.map_or_else(Vec::new, |film| film.finish(&outcome));
+    let snapshots = snapshots.map_or_else(Vec::new, |kept| kept.finish(&outcome));
     Ok((outcome, (recorder.finish(), snapshots)))
 }
 

@@ -29,7 +29,7 @@ pub(crate) fn asked_row(study: &Study, task: &Task, provenance: &Provenance, tim
         warm_start: variant.warm_start,
         status: "skipped".to_owned(),
         timing,
-        ..nothing_done(&study.asked.plan, task.problem, provenance)
+        ..nothing_done(&study.selection.plan, task.problem, provenance)
     }
 }
 

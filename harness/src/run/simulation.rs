@@ -4,7 +4,7 @@ use crate::problems::scene::Scene;
 use crate::run::through_time::{End, Seen, Totals, through_time};
 use crate::study::simulations::Task;
 use crate::terminal::output::write_whole;
-use crate::terminal::progress::Board;
+use crate::terminal::progress::Bars;
 use anyhow::{Context, Result};
 use cases::{Frozen, March};
 use results::schema::{Provenance, Timing};
@@ -20,7 +20,7 @@ pub(crate) fn make(
     plan: &str,
     timing: Timing,
     provenance: &Provenance,
-    board: &Board,
+    bars: &Bars,
     halt: &dyn Fn() -> bool,
     folder: &Path,
 ) -> Result<Option<Simulated>> {
@@ -28,7 +28,7 @@ pub(crate) fn make(
     let Scene { case, time_steps, every, .. } = task.scene;
     let mut march = March::new(case)?;
     let asked = asked_row(task, plan, &march, timing, &provenance.restarted())?;
-    let mut line = board.line(task.name());
+    let mut line = bars.line(task.name());
     let mut series = Series { every: *every, rows: Vec::new(), since: None };
     let solver = &*task.variant.method.solver;
     let (totals, end) = through_time(&mut march, solver, &task.rule, *time_steps, halt, &mut |seen| {

@@ -4,13 +4,13 @@ use contact::{Outcome, Progress};
 use results::schema::Snapshot;
 
 /// Keeps the begin of a run, iterations in a ratio of about 1.4, and its end: some thirty iterates of a hundred thousand.
-pub(crate) struct Film {
+pub(crate) struct Snapshots {
     snapshots: Vec<Snapshot>,
     /// The next iteration to be kept.
     next: u64,
 }
 
-impl Film {
+impl Snapshots {
     pub(crate) fn new() -> Self {
         Self { snapshots: Vec::new(), next: 0 }
     }
@@ -39,29 +39,4 @@ fn kept(iteration: u64, natural_map: f64, impulses: &[f64]) -> Snapshot {
 /// To three significant digits: it is for the eye.
 fn rounded(r: f64) -> f64 {
     format!("{r:.2e}").parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(f64::NAN)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use cases::Frozen;
-    use contact::{Stop, solve};
-
-    #[test]
-    fn begin_end_and_some_iterates_between_are_kept() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/frozen/shear-box-991-onset.json");
-        let frozen = Frozen::read(std::path::Path::new(path)).unwrap();
-        let stop = Stop { max_iterations: 23, tolerance: 0.0, ..Stop::default() };
-        let mut film = Film::new();
-        let start = frozen.start(false);
-        let outcome = solve(&nsgs::Nsgs::default(), &frozen.problem, &start, &stop, &mut |progress| {
-            film.observe(progress);
-        });
-        let outcome = outcome.unwrap();
-        let snapshots = film.finish(&outcome);
-        let iterations: Vec<u64> = snapshots.iter().map(|snapshot| snapshot.iteration).collect();
-        assert_eq!(iterations, [0, 1, 2, 3, 5, 7, 10, 14, 20, 23]);
-        let end = &snapshots[9].impulses_n_s;
-        assert!(end.iter().zip(&outcome.impulses).all(|(kept, r)| (kept - r).abs() <= 0.005 * r));
-    }
 }

@@ -6,7 +6,7 @@ use crate::plan::methods::names;
 use crate::problems::files::Root;
 use crate::store::tables::{notes, tables};
 use crate::study::runs::Study;
-use crate::study::selection::Asked;
+use crate::study::selection::Selection;
 use crate::terminal::output::say;
 use crate::terminal::{exit, interrupt};
 use anyhow::{Context, Result, anyhow};
@@ -68,11 +68,11 @@ pub(crate) fn finish(
         let missing = study.progress(store.records()).missing.len();
         say(format_args!(
             "stopped; runs missing: {missing}, the others are kept; `gravel bench {}` goes on",
-            study.asked.again
+            study.selection.again
         ))?;
         return Ok(ExitCode::from(exit::INTERRUPTED));
     }
-    let Asked { plan, again, .. } = &study.asked;
+    let Selection { plan, again, .. } = &study.selection;
     let out = root.join("reports/out").join(&plan.name);
     let before = made(&out);
     let formats = Formats::default().and_those_of(&before);

@@ -19,7 +19,7 @@ pub(crate) fn tables(
     provenance: &Provenance,
 ) -> Result<Tables> {
     let known = by_id(records);
-    let plan = &study.asked.plan;
+    let plan = &study.selection.plan;
     let mut runs = Vec::new();
     let mut curves: Vec<(u32, &[Sample])> = Vec::new();
     let mut snapshots: Vec<(u32, &Vec<Snapshot>)> = Vec::new();
@@ -46,7 +46,7 @@ pub(crate) fn tables(
         }
     }
     let (mut grains, mut contacts) = (Vec::new(), Vec::new());
-    let partitions = partitions(&study.asked.variants);
+    let partitions = partitions(&study.selection.variants);
     // Without a partition there is nothing to draw.
     let drawn = plan.reference && !partitions.is_empty();
     for problem in study.problems.iter().filter(|_| drawn) {
@@ -82,11 +82,11 @@ pub(crate) fn notes(study: &Study, records: &[Record]) -> Vec<String> {
             "Runs made beside others: {together}; their seconds are not those of a run alone."
         ));
     }
-    let once = timed().filter(|run| run.timing.repeats < study.asked.plan.repeats.get()).count();
+    let once = timed().filter(|run| run.timing.repeats < study.selection.plan.repeats.get()).count();
     if once > 0 {
         notes.push(format!("Runs repeated less often than the plan asks: {once}."));
     }
-    let missing = study.asked.runs() - runs.len();
+    let missing = study.selection.runs() - runs.len();
     if missing > 0 {
         notes.push(format!("Runs of the plan that are not made yet: {missing}."));
     }

@@ -4,7 +4,7 @@ use crate::plan::identity::{code_version, first_hex};
 use crate::plan::variants::Variant;
 use crate::problems::files::Root;
 use crate::problems::planned::{PlannedProblem, Problem};
-use crate::study::selection::Asked;
+use crate::study::selection::Selection;
 use anyhow::Result;
 use contact::{Measure, Stop};
 use reference::InteriorPoint;
@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A plan with those of its problems that are at hand: all that runs to be made need, and others that need not be made.
 pub(crate) struct Study {
-    pub(crate) asked: Asked,
+    pub(crate) selection: Selection,
     pub(crate) problems: Vec<Problem>,
 }
 
@@ -29,27 +29,28 @@ pub(crate) struct Task<'s> {
 
 impl Study {
     /// Makes the problems of the runs to be made.
-    pub(crate) fn made(asked: Asked, root: &Root) -> Result<Self> {
+    pub(crate) fn made(selection: Selection, root: &Root) -> Result<Self> {
         let needed = |problem: &PlannedProblem| {
-            asked.variants.iter().any(|variant| asked.selects(&problem.name, variant))
+            selection.variants.iter().any(|variant| selection.selects(&problem.name, variant))
         };
         let mut problems = Vec::new();
-        for problem in &asked.problems {
+        for problem in &selection.problems {
             let made = if needed(problem) { Some(problem.made(root)?) } else { problem.at_hand(root) };
             problems.extend(made);
         }
-        Ok(Self { asked, problems })
+        Ok(Self { selection, problems })
     }
 
     /// Makes nothing.
-    pub(crate) fn at_hand(asked: Asked, root: &Root) -> Self {
-        let problems = asked.problems.iter().filter_map(|problem| problem.at_hand(root)).collect();
-        Self { asked, problems }
+    pub(crate) fn at_hand(selection: Selection, root: &Root) -> Self {
+        let problems = selection.problems.iter().filter_map(|problem| problem.at_hand(root)).collect();
+        Self { selection, problems }
     }
 
     /// Every run on the problems at hand, in the order of the plan.
     pub(crate) fn tasks(&self) -> Vec<Task<'_>> {
-        let of_problem = |problem| self.asked.variants.iter().map(move |variant| self.task(problem, variant));
+        let of_problem =
+            |problem| self.selection.variants.iter().map(move |variant| self.task(problem, variant));
         self.problems.iter().flat_map(of_problem).collect()
     }
 
@@ -57,13 +58,13 @@ impl Study {
     pub(crate) fn missing(&self, done: &HashSet<&str>) -> Vec<Task<'_>> {
         let mut known = HashSet::new();
         let mut tasks = self.tasks();
-        tasks.retain(|task| self.asked.selects(&task.problem.frozen.name, task.variant));
+        tasks.retain(|task| self.selection.selects(&task.problem.frozen.name, task.variant));
         tasks.retain(|task| !done.contains(task.id.as_str()) && known.insert(task.id.clone()));
         tasks
     }
 
     fn task<'s>(&'s self, problem: &'s Problem, variant: &'s Variant) -> Task<'s> {
-        let id = run_id(&problem.hash, variant, &self.asked.plan.stop);
+        let id = run_id(&problem.hash, variant, &self.selection.plan.stop);
         Task { problem, variant, id }
     }
 }

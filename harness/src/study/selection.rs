@@ -1,4 +1,4 @@
-//! A plan as it was asked for on the command line, quick, in part or changed.
+//! A selection of a plan on the command line: quick, in part or changed.
 
 use crate::plan::file::Plan;
 use crate::plan::variants::Variant;
@@ -8,8 +8,8 @@ use anyhow::{Result, bail};
 use std::collections::BTreeSet;
 use wildmatch::WildMatch;
 
-/// A plan as it was asked for: every variant on every problem, before a problem is made.
-pub(crate) struct Asked {
+/// A plan as it is selected: every variant on every problem, before a problem is computed.
+pub(crate) struct Selection {
     /// The arguments that ask for it again.
     pub(crate) again: String,
     /// The plan; its name says whether it is quick or changed.
@@ -27,7 +27,7 @@ pub(crate) struct Only {
     wanted: WildMatch,
 }
 
-impl Asked {
+impl Selection {
     /// Number of runs of the plan.
     pub(crate) fn runs(&self) -> usize {
         self.problems.len() * self.variants.len() * self.rules()

@@ -5,7 +5,7 @@ use crate::plan::rules::Rule;
 use crate::plan::variants::Variant;
 use crate::problems::planned::PlannedProblem;
 use crate::problems::scene::Scene;
-use crate::study::selection::Asked;
+use crate::study::selection::Selection;
 use anyhow::{Context, Result};
 use cases::March;
 use serde_json::json;
@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A study through time and all that it names.
 pub(crate) struct Study {
-    pub(crate) asked: Asked,
+    pub(crate) selection: Selection,
     rules: Vec<Rule>,
     /// Each scene once, with a time step shorter than any of the plan.
     refined: Vec<Scene>,
@@ -34,10 +34,10 @@ pub(crate) struct Task<'s> {
 }
 
 impl Study {
-    pub(crate) fn new(asked: Asked) -> Result<Self> {
-        let simulate = asked.plan.simulate.as_ref().context("the plan has no table [simulate]")?;
+    pub(crate) fn new(selection: Selection) -> Result<Self> {
+        let simulate = selection.plan.simulate.as_ref().context("the plan has no table [simulate]")?;
         let mut shortest: Vec<&Scene> = Vec::new();
-        for scene in asked.problems.iter().filter_map(PlannedProblem::scene) {
+        for scene in selection.problems.iter().filter_map(PlannedProblem::scene) {
             let h = |scene: &Scene| scene.case.scene.time_step_s;
             match shortest.iter_mut().find(|other| other.name == scene.name) {
                 Some(other) if h(other) > h(scene) => *other = scene,
@@ -47,25 +47,25 @@ impl Study {
         }
         let refine = simulate.reference.refine.get();
         let refined = shortest.into_iter().map(|scene| scene.refined(refine)).collect::<Result<_>>()?;
-        let reference = simulate.reference(&asked.plan.stop)?;
-        let rules = asked.plan.rules()?.into_iter().map(|(rule, _)| rule).collect();
-        Ok(Self { asked, rules, refined, reference })
+        let reference = simulate.reference(&selection.plan.stop)?;
+        let rules = selection.plan.rules()?.into_iter().map(|(rule, _)| rule).collect();
+        Ok(Self { selection, rules, refined, reference })
     }
 
     /// The scenes of the plan, with the names that `--only` knows.
     fn scenes(&self) -> impl Iterator<Item = (&str, &Scene)> {
-        self.asked.problems.iter().filter_map(|problem| Some((problem.name.as_str(), problem.scene()?)))
+        self.selection.problems.iter().filter_map(|problem| Some((problem.name.as_str(), problem.scene()?)))
     }
 
     /// Whether a simulation is to be made: a run that is asked for, or what such runs are compared with.
     pub(crate) fn selects(&self, task: &Task) -> bool {
-        let (asked, is_run) = (&self.asked, task.role == "run");
-        let variants = || asked.variants.iter().filter(|v| !is_run || std::ptr::eq(*v, task.variant));
+        let (selection, is_run) = (&self.selection, task.role == "run");
+        let variants = || selection.variants.iter().filter(|v| !is_run || std::ptr::eq(*v, task.variant));
         let same = |scene: &Scene| {
             if is_run { std::ptr::eq(scene, task.scene) } else { scene.name == task.scene.name }
         };
         let mut scenes = self.scenes().filter(|(_, scene)| same(scene));
-        scenes.any(|(name, _)| variants().any(|variant| asked.selects(name, variant)))
+        scenes.any(|(name, _)| variants().any(|variant| selection.selects(name, variant)))
     }
 
     /// Every simulation: references and their twins, floors, then the runs in the order of the plan.
@@ -82,7 +82,7 @@ impl Study {
             tasks.push(task(scene, method, *tight, "floor")?);
         }
         for (_, scene) in self.scenes() {
-            for variant in &self.asked.variants {
+            for variant in &self.selection.variants {
                 for rule in &self.rules {
                     tasks.push(task(scene, variant, *rule, "run")?);
                 }

@@ -20,12 +20,12 @@ fn spinner() -> ProgressBar {
 }
 
 /// What a study shows of itself: a bar for all its runs, and a line for each that is being made.
-pub(crate) struct Board {
+pub(crate) struct Bars {
     all: MultiProgress,
     runs: ProgressBar,
 }
 
-impl Board {
+impl Bars {
     pub(crate) fn new(runs: u64) -> Self {
         let all = MultiProgress::new();
         let runs = all.add(bar(runs, "runs"));
@@ -43,7 +43,7 @@ impl Board {
     }
 }
 
-impl Drop for Board {
+impl Drop for Bars {
     fn drop(&mut self) {
         self.runs.finish_and_clear();
     }
