@@ -7,8 +7,9 @@ use crate::error::CaseError;
 use crate::frozen::Frozen;
 use crate::observables::{Missed, Observables, explosion, greatest_speed, wall_impulses};
 use crate::scene::{Law, MovingWall, Scene};
-use contact::{Contact, ContactProblem, Outcome, Progress, Solver, Status, Stop, solve_against};
+use contact::{Contact, ContactProblem, Solver};
 use nalgebra::Vector2;
+use runner::{Outcome, Progress, Status, Stop, solve_against};
 use std::ops::ControlFlow;
 
 /// A scene on its way through time.

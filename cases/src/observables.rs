@@ -1,8 +1,9 @@
 //! What a simulation shows of itself after a time step, and when it has exploded.
 
 use crate::detect::Side;
-use contact::{Contact, Status};
+use contact::Contact;
 use nalgebra::Vector2;
+use runner::Status;
 use std::fmt;
 
 /// What a simulation shows of itself after a time step.

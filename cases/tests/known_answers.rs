@@ -2,12 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
+use analysis::proves_infeasible;
 use cases::{Case, CaseError, Explosion, Frozen, March, Missed, Side, detect};
 use cg::Cg;
-use contact::{Measure, Status, Stop, proves_infeasible, solve};
+use contact::Measure;
 use nalgebra::Vector2;
 use nsgs::Nsgs;
 use proptest::prelude::*;
+use runner::{Status, Stop, solve};
 use std::path::PathBuf;
 
 const GRAVITY: f64 = 9.81;
@@ -313,7 +315,7 @@ fn unknown_key_of_a_change_is_named_with_its_file() {
 }
 
 /// Thrust, weight and their directions, solved by `Cg`.
-fn solved(name: &str, overrides: &[(&str, &str)]) -> (Frozen, contact::Outcome) {
+fn solved(name: &str, overrides: &[(&str, &str)]) -> (Frozen, runner::Outcome) {
     let frozen = march(name, overrides).next().unwrap().frozen;
     let outcome = solve(&Cg::default(), &frozen.problem, &frozen.start, &tight(), &mut |_| {}).unwrap();
     assert_eq!(outcome.status, Status::Converged, "{name}");

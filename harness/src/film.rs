@@ -1,7 +1,7 @@
 //! The iterates of a run that a page shows, spaced like a geometric sequence.
 
-use contact::{Outcome, Progress};
 use results::schema::Snapshot;
+use runner::{Outcome, Progress};
 
 /// Keeps the begin of a run, iterations in a ratio of about 1.4, and its end: some thirty iterates of a hundred thousand.
 pub(crate) struct Film {
@@ -45,7 +45,7 @@ fn rounded(r: f64) -> f64 {
 mod tests {
     use super::*;
     use cases::Frozen;
-    use contact::{Stop, solve};
+    use runner::{Stop, solve};
 
     #[test]
     fn begin_end_and_some_iterates_between_are_kept() {

@@ -1,8 +1,9 @@
 //! The identity of a run: a hash of all that decides its counts.
 
 use crate::plan::Variant;
-use contact::{Measure, Stop};
+use contact::Measure;
 use reference::InteriorPoint;
+use runner::Stop;
 use serde_json::json;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;

@@ -6,7 +6,7 @@ use crate::progress;
 use crate::suggest;
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
-use contact::{Status, Stop};
+use runner::{Status, Stop};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 

@@ -8,13 +8,14 @@ use crate::methods::{Method, key_value};
 use crate::output::{check_place, replaces, say, write_whole};
 use crate::problems::marched;
 use crate::progress::Line;
+use crate::rows::derived;
 use crate::truth::{Known, known};
 use anyhow::{Context, Result, bail};
 use cases::Frozen;
 use clap::ValueEnum;
-use contact::{Measure, Outcome, Progress, Stop, solve_against};
+use contact::Measure;
+use runner::{Outcome, Progress, Stop, solve_against};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -247,7 +248,7 @@ fn to_json(frozen: &Frozen, method: &Method, stop: &Stop, start: Start, outcome:
         "contacts": frozen.problem.contact_count(),
         "method": method.name,
         "settings": method.settings,
-        "derived": outcome.derived.iter().copied().collect::<BTreeMap<_, _>>(),
+        "derived": derived(outcome),
         "start": if start == Start::Warm { "warm" } else { "cold" },
         "stop": stop,
         "status": outcome.status,

@@ -3,8 +3,9 @@
 use crate::plan::Variant;
 use crate::rows::setting;
 use crate::truth::Known;
-use contact::spectrum::coupling;
-use contact::{ContactProblem, Spectrum};
+use analysis::Spectrum;
+use analysis::coupling;
+use contact::ContactProblem;
 use partition::{Decomposition, Grid, Scheme};
 use serde_json::{Map, Value, json};
 

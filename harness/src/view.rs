@@ -14,12 +14,13 @@ use crate::stored::stored;
 use crate::truth::known;
 use anyhow::{Context, Result, anyhow};
 use cases::Frozen;
-use contact::{Stop, Truth, solve_against};
+use contact::Truth;
 use partition::{Grid, Scheme};
 use reports::Filmed;
 use results::journal::Record;
 use results::schema::Run;
 use results::tables::{contacts_table, grains_table};
+use runner::{Stop, solve_against};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 

@@ -3,7 +3,8 @@
 use crate::plan::Rule;
 use anyhow::Result;
 use cases::{CaseError, Frozen, March, Observables, TimeStep};
-use contact::{Outcome, Solver, Status, Stop, Work};
+use contact::{Solver, Work};
+use runner::{Outcome, Status, Stop};
 use serde_json::{Value, json};
 use std::time::Duration;
 

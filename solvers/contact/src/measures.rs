@@ -4,8 +4,8 @@
 use crate::law;
 use crate::operators::scale;
 use crate::problem::{Contact, ContactProblem};
-use crate::threads::together;
 use crate::truth::Truth;
+use crate::work::together;
 use nalgebra::Vector2;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -141,7 +141,7 @@ impl<'p> Meter<'p> {
     }
 
     /// [`ContactProblem::scale`] (J).
-    pub(crate) fn scale(&self) -> f64 {
+    pub fn scale(&self) -> f64 {
         self.scale
     }
 

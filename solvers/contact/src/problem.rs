@@ -1,8 +1,7 @@
 //! The contact problem of one time step as data, and what makes it valid.
 
-use crate::interface::shown;
+use crate::error::{ProblemError, shown};
 use nalgebra::Vector2;
-use thiserror::Error;
 
 /// One contact α. v_α = n · (V_candidate − V_antagonist) + c_α.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,33 +25,6 @@ pub struct ContactProblem {
     position: Vec<Vector2<f64>>,
     free_velocity: Vec<Vector2<f64>>,
     contacts: Vec<Contact>,
-}
-
-/// Why a contact problem makes no sense. Keys are those of the frozen problem file.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum ProblemError {
-    /// A list has another length than the list that it belongs to.
-    #[error("`{key}` has {found} values where {expected} are expected")]
-    Length {
-        /// Key of the list.
-        key: &'static str,
-        /// Its length.
-        found: usize,
-        /// The length of the list that it goes with.
-        expected: usize,
-    },
-    /// A value is outside what has a meaning.
-    #[error("`{key}[{index}]` is {value}: it must be {expected}")]
-    Value {
-        /// Key of the list.
-        key: &'static str,
-        /// Index in the list.
-        index: usize,
-        /// The value found.
-        value: String,
-        /// What would be accepted.
-        expected: String,
-    },
 }
 
 impl ContactProblem {

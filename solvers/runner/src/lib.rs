@@ -1,11 +1,10 @@
 //! The loop that runs every method: it advances, reads the impulses, measures, and decides when to stop.
 
-use crate::convergence::is_false;
-use crate::interface::{SetupError, Solver, Work};
-use crate::law;
-use crate::measures::{Measure, Measures, Meter};
-use crate::problem::ContactProblem;
-use crate::truth::{Truth, balanced, proves_infeasible};
+mod convergence;
+
+use analysis::any_proves_infeasible;
+use contact::{ContactProblem, Measure, Measures, Meter, SetupError, Solver, Truth, Work, law};
+use convergence::is_false;
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -117,6 +116,8 @@ pub struct Outcome {
     pub work: Work,
     /// The values that the method worked with where its settings leave one open.
     pub derived: Vec<(&'static str, f64)>,
+    /// Multiply-adds of an iteration on the longest subdomain, where there are some.
+    pub critical_path: Option<u64>,
 }
 
 /// q(r) above this many times the problem's own scale of energy is a divergence. It is far, since a method may converge
@@ -208,7 +209,7 @@ fn run(
         // Before convergence, which a measure can feign where others overflow; and so that a NaN counts as diverged.
         if !(measures.energy <= energy_bound && measures.natural_map.is_finite()) {
             let proved =
-                r.iter().all(|r| r.is_finite()) && prove_infeasible(problem, std::slice::from_ref(&r));
+                r.iter().all(|r| r.is_finite()) && any_proves_infeasible(problem, std::slice::from_ref(&r));
             break if proved { Status::Infeasible } else { Status::Diverged };
         }
         if scale == 0.0 {
@@ -228,7 +229,7 @@ fn run(
             break Status::IterationLimit;
         }
         if iteration.stalled() {
-            let proved = prove_infeasible(problem, &[r.clone(), growth(&at_last_look.0, &r)]);
+            let proved = any_proves_infeasible(problem, &[r.clone(), growth(&at_last_look.0, &r)]);
             break if proved { Status::Infeasible } else { Status::Stalled };
         }
         if goes_on.is_break() {
@@ -247,13 +248,21 @@ fn run(
             // The impulses, and their growth in one iteration and in half of all: what is constant in them is not in it.
             endless = iterations >= FIRST_LOOK
                 && !(measures.natural_map < CONVERGES * natural_map_then)
-                && prove_infeasible(problem, &[r.clone(), growth(&before, &r), growth(r_then, &r)]);
+                && any_proves_infeasible(problem, &[r.clone(), growth(&before, &r), growth(r_then, &r)]);
         }
     };
-    let work = iteration.work();
-    let velocity = meter.velocity().to_vec();
-    let derived = iteration.derived();
-    Ok(Outcome { status, iterations, measures, impulses: r, velocity, setup, iterating, work, derived })
+    Ok(Outcome {
+        status,
+        iterations,
+        measures,
+        impulses: r,
+        velocity: meter.velocity().to_vec(),
+        setup,
+        iterating,
+        work: iteration.work(),
+        derived: iteration.derived(),
+        critical_path: iteration.critical_path(),
+    })
 }
 
 /// No iterate, and no natural map.
@@ -263,10 +272,4 @@ fn none() -> (Vec<f64>, f64) {
 
 fn growth(before: &[f64], r: &[f64]) -> Vec<f64> {
     r.iter().zip(before).map(|(r, before)| law::non_negative(r - before)).collect()
-}
-
-/// Whether one of the `rays`, as it is or balanced, proves that there is no solution.
-pub(crate) fn prove_infeasible(problem: &ContactProblem, rays: &[Vec<f64>]) -> bool {
-    let proves = |ray: &Vec<f64>| proves_infeasible(problem, ray);
-    rays.iter().any(proves) || rays.iter().any(|ray| proves(&balanced(problem, ray)))
 }

@@ -1,63 +1,33 @@
-//! What a method is: a value that holds its settings and starts on a problem; an iteration that advances.
+//! What a problem, a setting or a start is refused for: the key, the value, what would be accepted.
 
 use crate::problem::ContactProblem;
-use serde::Serialize;
 use thiserror::Error;
 
-/// A method with its parameters, not yet bound to a problem. The value *is* the settings.
-pub trait Solver: Send + Sync {
-    /// Binds the method to a problem from the impulses `r0` (N·s, one per contact, ≥ 0).
-    ///
-    /// # Errors
-    /// Names the setting that has no meaning, alone or for this problem.
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError>;
-}
-
-/// One run of a method on one problem. Knows no tolerance, no clock, no file.
-pub trait Iteration {
-    /// One iteration of the method.
-    fn advance(&mut self);
-
-    /// Writes the impulses (N·s) in the problem's contact order.
-    fn impulses(&self, r: &mut [f64]);
-
-    /// Greatest |`V_E` − V̄| over the copies of the boundary grains before the last gluing (m/s); 0 without copies.
-    fn velocity_jump(&self) -> f64 {
-        0.0
-    }
-
-    /// Whether no further iteration will bring the impulses nearer to a solution: the run then ends.
-    fn stalled(&self) -> bool {
-        false
-    }
-
-    /// What the method works with beside its settings: a value that they leave open, by the setting's name; and, where
-    /// subdomains work at the same time, `critical_path`: the multiply-adds of an iteration on the longest of them.
-    fn derived(&self) -> Vec<(&'static str, f64)> {
-        Vec::new()
-    }
-
-    /// Exact counts since `start`.
-    fn work(&self) -> Work;
-}
-
-/// Counted work: the same on any machine, with any number of threads.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Work {
-    /// Contacts updated by the law.
-    pub contact_updates: u64,
-    /// Products W p.
-    pub delassus_products: u64,
-    /// Velocity components that copies sent to the interface.
-    pub interface_values: u64,
-    /// Entries of triangular factors that solves went through, two passes per solve.
-    pub triangular_solve_entries: u64,
-    /// Matrices factorised.
-    pub factorisations: u64,
+/// Why a contact problem makes no sense. Keys are those of the frozen problem file.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ProblemError {
+    /// A list has another length than the list that it belongs to.
+    #[error("`{key}` has {found} values where {expected} are expected")]
+    Length {
+        /// Key of the list.
+        key: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length of the list that it goes with.
+        expected: usize,
+    },
+    /// A value is outside what has a meaning.
+    #[error("`{key}[{index}]` is {value}: it must be {expected}")]
+    Value {
+        /// Key of the list.
+        key: &'static str,
+        /// Index in the list.
+        index: usize,
+        /// The value found.
+        value: String,
+        /// What would be accepted.
+        expected: String,
+    },
 }
 
 /// A number in an error: in full, or with an exponent where that is long.
