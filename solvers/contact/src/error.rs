@@ -30,6 +30,36 @@ pub enum ProblemError {
     },
 }
 
+impl ProblemError {
+    /// Accepts a list of `expected` values.
+    ///
+    /// # Errors
+    /// Names `key` otherwise.
+    pub fn unless_length<T>(key: &'static str, values: &[T], expected: usize) -> Result<(), Self> {
+        let found = values.len();
+        if found == expected { Ok(()) } else { Err(Self::Length { key, found, expected }) }
+    }
+
+    /// Accepts a list whose values are all `valid`.
+    ///
+    /// # Errors
+    /// Names `key` and the first value that is not as `expected`.
+    pub fn unless_each<T: std::fmt::Debug>(
+        key: &'static str,
+        values: &[T],
+        expected: &str,
+        valid: impl Fn(&T) -> bool,
+    ) -> Result<(), Self> {
+        match values.iter().position(|value| !valid(value)) {
+            None => Ok(()),
+            Some(index) => {
+                let value = format!("{:?}", values[index]);
+                Err(Self::Value { key, index, value, expected: expected.to_owned() })
+            }
+        }
+    }
+}
+
 /// A number in an error: in full, or with an exponent where that is long.
 pub fn shown(x: f64) -> String {
     let (full, exponent) = (format!("{x}"), format!("{x:e}"));
