@@ -170,7 +170,7 @@ fn absurd_time_step_explodes_at_once() {
 fn explosion(mut march: March, stop: &Stop) -> (Explosion, Option<Missed>) {
     loop {
         match march.time_step(&Nsgs::default(), stop) {
-            Ok(_) => assert!(march.made() < 1000, "no explosion"),
+            Ok(_) => assert!(march.time_steps() < 1000, "no explosion"),
             Err(CaseError::Exploded { why, solved, .. }) => return (why, solved),
             Err(other) => panic!("{other}"),
         }
@@ -233,9 +233,9 @@ fn time_step_that_is_stopped_inside_its_solve_is_not_made() {
         asked.set(asked.get() + 1);
         asked.get() > 3
     };
-    let stopped = march.make(&next, &Cg::default(), &tight(), true, &halt).unwrap_err();
+    let stopped = march.solve(&next, &Cg::default(), &tight(), true, &halt).unwrap_err();
     assert!(matches!(stopped, CaseError::Interrupted { time_step: 1, iterations: 3 }), "{stopped}");
-    assert_eq!((march.made(), march.next().unwrap().frozen), (0, next.frozen));
+    assert_eq!((march.time_steps(), march.next().unwrap().frozen), (0, next.frozen));
 }
 
 /// A disc that lies on a shaken floor moves with it, as long as the floor's acceleration is below g.

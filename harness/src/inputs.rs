@@ -187,7 +187,7 @@ pub(crate) fn march_to(
 ) -> Result<(Frozen, Option<String>)> {
     let mut missed = 0;
     let bar = progress::bar(time_step - 1, "time steps");
-    while march.made() + 1 < time_step {
+    while march.time_steps() + 1 < time_step {
         let (outcome, _) = march.time_step(&*method.solver, stop)?;
         missed += u64::from(outcome.status != Status::Converged);
         bar.set_message(format!("{} iterations", outcome.iterations));

@@ -97,7 +97,7 @@ fn the_first_time_steps_of_cases_are_certified() {
             let step = march.next().unwrap();
             let answer = reference::solve(&step.frozen.problem);
             assert_eq!(verdict(&answer), "certified", "{}: {answer:?}", step.frozen.name);
-            march.make(&step, &solver, &stop, true, &|| false).unwrap();
+            march.solve(&step, &solver, &stop, true, &|| false).unwrap();
         }
     }
 }

@@ -17,7 +17,7 @@ const ROUND_OFF: f64 = 1e-14;
 ///
 /// For d ≥ 0 and any admissible V, that is Hᵗ V + c ≥ 0, dᵗ (Hᵗ V + c) ≥ 0, hence
 /// ‖V − `V_free`‖_M ≥ −bᵗ d / ‖H d‖_{M⁻¹}. If H d = 0 and bᵗ d < 0, there is no such V: the impulses d balance at every
-/// grain, and on the whole they act against approach, whatever V. In floating point all three must be told from round-off:
+/// grain, and on the whole they act against approach, whatever V. In floating point all three must stand out from round-off:
 ///
 /// - H d is that of impulses that balance, to 1e-12 of their sizes. A lever of 3e-9 is none of these, nor is a grain too heavy to
 ///   feel the rest of its impulses;
@@ -70,9 +70,9 @@ const LEFT: f64 = 1e-10;
 const PRODUCTS: u32 = 200;
 const DESCENTS: u32 = 3;
 
-/// Impulses near `ray` that balance at every grain, if there are any: what is left of it when ½ dᵗ W d has fallen as far as it can over
-/// the contacts with d > 0; those that would pull are let go, and it falls anew. What a method adds to its impulses where
-/// there is no solution comes so to the proof that is in it, long before the rest of it is negligible.
+/// Impulses near `ray` that balance at every grain, if there are any: what is left of it when ½ dᵗ W d has fallen as far as it
+/// can over the contacts with d > 0; those that would pull are let go, and it falls again. So what a method adds to its
+/// impulses where there is no solution becomes a proof long before the rest of them is negligible.
 fn balanced(problem: &ContactProblem, ray: &[f64]) -> Vec<f64> {
     let greatest = |d: &[f64]| d.iter().copied().fold(0.0, f64::max);
     let mut d = ray.to_vec();

@@ -1,5 +1,5 @@
 //! Measures of an iterate, recomputed from the impulses r alone, two of them beside a known solution; only the velocity
-//! jump is the method's own word.
+//! jump is what the method says itself.
 
 use crate::law;
 use crate::operators::scale;

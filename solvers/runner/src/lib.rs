@@ -1,4 +1,5 @@
-//! The loop that runs every method: it advances, reads the impulses, measures, and decides when to stop.
+//! The loop that runs every method: it advances, reads the impulses, measures, and decides when to stop. (The reference, as the
+//! judge of solutions, drives its own steps in `reference::solve`; as a method it is run by this loop like the others.)
 
 mod convergence;
 
@@ -49,11 +50,11 @@ impl Stop {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// The asked measure is at most the tolerance.
+    /// The measure of the stop rule is at most the tolerance.
     Converged,
     /// It is, and the iterate is far from a solution all the same.
     FalseConvergence,
-    /// All iterations were made.
+    /// The greatest number of iterations is reached.
     IterationLimit,
     /// The method says that no further iteration brings it nearer to a solution.
     Stalled,
@@ -61,7 +62,7 @@ pub enum Status {
     Diverged,
     /// The impulses grow for ever: they, or their growth, prove that the problem has no solution.
     Infeasible,
-    /// The observer asked to stop: the run says nothing of the method.
+    /// The observer stopped the run: it says nothing of the method.
     Interrupted,
 }
 
@@ -83,7 +84,7 @@ impl Status {
 /// What an observer sees after every iteration, and once before the first.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
-    /// Iterations made.
+    /// Iterations so far.
     pub iteration: u64,
     /// Time spent in `advance` so far.
     pub iterating: Duration,
@@ -100,7 +101,7 @@ pub struct Progress<'a> {
 pub struct Outcome {
     /// How it ended.
     pub status: Status,
-    /// Iterations made.
+    /// Number of iterations.
     pub iterations: u64,
     /// Measures of the last iterate.
     pub measures: Measures,
@@ -154,11 +155,11 @@ pub fn solve(
     })
 }
 
-/// [`solve`] beside a `truth` that is known, if it is: the measures then tell the error. The observer may end the run after
+/// [`solve`] beside a `truth` that is known, if it is: the measures then hold the error. The observer may end the run after
 /// any iterate; it is then [`Status::Interrupted`], unless that iterate was the last one anyway.
 ///
 /// # Errors
-/// Those of [`solve`]; names the stop rule if it asks for the error of a solution that is not known.
+/// Those of [`solve`]; names the stop rule if it is on the error of a solution that is not known.
 pub fn solve_against(
     truth: Option<&Truth>,
     solver: &dyn Solver,
