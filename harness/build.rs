@@ -15,6 +15,8 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 const SOLVERS: &str = "../solvers";
 /// What problems are made by, and what simulations depend on.
 const CASES: &str = "../cases";
+/// What runs every method, and decides when it ends.
+const LOOP: &str = "runner";
 const LOCK: &str = "../Cargo.lock";
 /// What decides at which iterations a curve is read.
 const CURVE: &str = "src/run/curve.rs";
@@ -80,7 +82,7 @@ fn version(
 ) -> Result<String> {
     let mut parts = BTreeMap::from([("curve".to_owned(), fs::read(CURVE)?)]);
     let mut seen = BTreeSet::new();
-    let mut ahead = vec![name.to_owned()];
+    let mut ahead = vec![name.to_owned(), LOOP.to_owned()];
     while let Some(reference) = ahead.pop() {
         if !seen.insert(reference.clone()) {
             continue;

@@ -24,7 +24,7 @@ pub enum CaseError {
         /// Key, value and what would be accepted.
         message: String,
     },
-    /// A time step made a contact problem without meaning, which a simulation does once it explodes.
+    /// The contact problem of a time step has no meaning, which a simulation does once it explodes.
     #[error("time step {time_step} has no contact problem: {source}")]
     TimeStep {
         /// The time step, counted from 1.
@@ -42,12 +42,12 @@ pub enum CaseError {
         /// The solve that it goes back to, if one failed.
         solved: Option<Missed>,
     },
-    /// The caller asked for an end inside a solve; the time step is not made.
+    /// The caller stopped a solve; the time step is not done.
     #[error("stopped in time step {time_step}, after {iterations} iterations of it")]
     Interrupted {
         /// The time step, counted from 1.
         time_step: u64,
-        /// Iterations made of its problem.
+        /// Iterations on its problem.
         iterations: u64,
     },
     /// The solver of a time step refused its settings.

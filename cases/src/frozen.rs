@@ -104,7 +104,7 @@ impl Frozen {
 }
 
 impl File {
-    /// What [`ContactProblem::new`] does not see.
+    /// Checks the head of the file.
     fn check(&self) -> Result<(), String> {
         if self.format != FORMAT {
             return Err(format!("`format` is \"{}\": it must be \"{FORMAT}\"", self.format));
@@ -114,57 +114,38 @@ impl File {
         if !positive(self.time_step) {
             return Err(format!("`time_step` is {}: it must be positive and finite", shown(self.time_step)));
         }
-        let (grains, contacts) = (self.grains.mass.len(), self.contacts.candidate.len());
-        for (key, found, expected) in [
-            ("grains.radius", self.grains.radius.len(), grains),
-            ("contacts.antagonist", self.contacts.antagonist.len(), contacts),
-            ("contacts.normal", self.contacts.normal.len(), contacts),
-            ("contacts.offset", self.contacts.offset.len(), contacts),
-            ("contacts.gap", self.contacts.gap.len(), contacts),
-        ] {
-            if found != expected {
-                return Err(ProblemError::Length { key, found, expected }.to_string());
-            }
-        }
-        let start = &self.contacts.start;
-        if !start.is_empty() && start.len() != contacts {
-            return Err(ProblemError::Length {
-                key: "contacts.start",
-                found: start.len(),
-                expected: contacts,
-            }
-            .to_string());
-        }
-        check_each("grains.radius", &self.grains.radius, "positive and finite", |x| x > 0.0)?;
-        check_each("contacts.gap", &self.contacts.gap, "finite", |_| true)?;
-        check_each("contacts.start", start, "finite and not negative", |x| x >= 0.0)
+        Ok(())
     }
 
+    /// Checks what [`ContactProblem::new`] does not see, and leaves the rest to it.
     fn into_frozen(self) -> Result<Frozen, ProblemError> {
-        let vectors = |list: Vec<[f64; 2]>| list.into_iter().map(Vector2::from).collect();
-        let Contacts { candidate, antagonist, normal, offset, gap, start } = self.contacts;
-        let contacts = candidate
-            .into_iter()
-            .zip(antagonist)
-            .zip(normal.into_iter().zip(offset))
-            .map(|((candidate, antagonist), (normal, offset))| Contact {
-                candidate,
-                antagonist,
-                normal: normal.into(),
-                offset,
-            })
-            .collect();
         let Grains { mass, radius, position, free_velocity } = self.grains;
+        let Contacts { candidate, antagonist, normal, offset, gap, start } = self.contacts;
+        ProblemError::unless_length("grains.radius", &radius, mass.len())?;
+        ProblemError::unless_each("grains.radius", &radius, "positive and finite", |r| {
+            *r > 0.0 && r.is_finite()
+        })?;
+        let contacts = candidate.len();
+        ProblemError::unless_length("contacts.antagonist", &antagonist, contacts)?;
+        ProblemError::unless_length("contacts.normal", &normal, contacts)?;
+        ProblemError::unless_length("contacts.offset", &offset, contacts)?;
+        ProblemError::unless_length("contacts.gap", &gap, contacts)?;
+        ProblemError::unless_each("contacts.gap", &gap, "finite", |gap| gap.is_finite())?;
+        ProblemError::unless_length("contacts.start", &start, if start.is_empty() { 0 } else { contacts })?;
+        ProblemError::unless_each("contacts.start", &start, "finite and not negative", |r| {
+            *r >= 0.0 && r.is_finite()
+        })?;
+        let contact = |k: usize| Contact {
+            candidate: candidate[k],
+            antagonist: antagonist[k],
+            normal: normal[k].into(),
+            offset: offset[k],
+        };
+        let vectors = |list: Vec<[f64; 2]>| list.into_iter().map(Vector2::from).collect();
+        let contacts = (0..contacts).map(contact).collect();
         let problem = ContactProblem::new(mass, vectors(position), vectors(free_velocity), contacts)?;
         let Self { name, source, time_step, .. } = self;
         Ok(Frozen { name, source, time_step, radius, gap, problem, start })
-    }
-}
-
-fn check_each(key: &str, values: &[f64], expected: &str, valid: fn(f64) -> bool) -> Result<(), String> {
-    match values.iter().position(|x| !(valid(*x) && x.is_finite())) {
-        None => Ok(()),
-        Some(index) => Err(format!("`{key}[{index}]` is {}: it must be {expected}", shown(values[index]))),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Time marching: the θ-scheme around any solver, one contact problem per time step, each begun from the impulses
+//! Time marching: the θ-scheme around any solver, one contact problem per time step, each started from the impulses
 //! of the one before (§2).
 
 use crate::case::Case;
@@ -7,8 +7,9 @@ use crate::error::CaseError;
 use crate::frozen::Frozen;
 use crate::observables::{Missed, Observables, explosion, greatest_speed, wall_impulses};
 use crate::scene::{Law, MovingWall, Scene};
-use contact::{Contact, ContactProblem, Outcome, Progress, Solver, Status, Stop, solve_against};
+use contact::{Contact, ContactProblem, Solver};
 use nalgebra::Vector2;
+use runner::{Outcome, Progress, Status, Stop, solve_against};
 use std::ops::ControlFlow;
 
 /// A scene on its way through time.
@@ -20,15 +21,15 @@ pub struct March {
     mass: Vec<f64>,
     position: Vec<Vector2<f64>>,
     velocity: Vec<Vector2<f64>>,
-    /// Time steps made.
-    made: u64,
+    /// Time steps done.
+    done: u64,
     /// Impulses of the last time step, ordered by contact (N·s); none if its solve failed.
     last: Vec<((u32, Side), f64)>,
     /// How the last time step ended, if it did not converge.
     missed: Option<Missed>,
 }
 
-/// The contact problem of a time step that is not made yet.
+/// The contact problem of a time step that is not solved yet.
 #[derive(Clone, Debug)]
 pub struct TimeStep {
     /// The problem, with the impulses of the time step before as its start.
@@ -41,7 +42,7 @@ impl March {
     /// The scene of `case` at time 0, every grain at rest but one that the scene throws.
     ///
     /// # Errors
-    /// Names what the sample cannot be made of.
+    /// Names the value of which no sample can be made.
     pub fn new(case: &Case) -> Result<Self, CaseError> {
         let discs = case.discs()?;
         let mut velocity = vec![Vector2::zeros(); discs.len()];
@@ -56,15 +57,15 @@ impl March {
             mass: discs.iter().map(|disc| disc.mass).collect(),
             position: discs.iter().map(|disc| disc.position).collect(),
             velocity,
-            made: 0,
+            done: 0,
             last: Vec::new(),
             missed: None,
         })
     }
 
-    /// Time steps made.
-    pub fn made(&self) -> u64 {
-        self.made
+    /// Time steps done.
+    pub fn time_steps(&self) -> u64 {
+        self.done
     }
 
     /// Mean diameter of the grains (m).
@@ -94,10 +95,10 @@ impl March {
         let gap = near.iter().map(|contact| contact.gap).collect();
         let sides = near.iter().map(|contact| contact.antagonist).collect();
         let problem = ContactProblem::new(self.mass.clone(), position, free_velocity, contacts)
-            .map_err(|source| CaseError::TimeStep { time_step: self.made + 1, source })?;
+            .map_err(|source| CaseError::TimeStep { time_step: self.done + 1, source })?;
         let frozen = Frozen {
-            name: format!("{}-t{}", self.name, self.made + 1),
-            source: format!("Case {}, time step {} of {h} s, law {}.", self.name, self.made + 1, law.name()),
+            name: format!("{}-t{}", self.name, self.done + 1),
+            source: format!("Case {}, time step {} of {h} s, law {}.", self.name, self.done + 1, law.name()),
             time_step: h,
             radius: self.radius.clone(),
             gap,
@@ -115,7 +116,7 @@ impl March {
     ) -> (Vec<Contact>, Vec<DetectedContact>) {
         let Scene { time_step_s: h, theta, law, contact_copies, .. } = self.scene;
         // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
-        let detection = (self.made as f64 + 1.0 - theta) * h;
+        let detection = (self.done as f64 + 1.0 - theta) * h;
         let walls = self.scene.walls.as_ref().map_or([None; 3], |walls| walls.over(detection, h));
         let reach = 2.0 * h * greatest_approach(free_velocity, position, &walls);
 
@@ -165,30 +166,30 @@ impl March {
         let keys =
             problem.contacts().iter().zip(&time_step.sides).map(|(contact, side)| (contact.candidate, *side));
         self.last = keys.zip(r.iter().copied()).collect();
-        self.made += 1;
+        self.done += 1;
         self.observe(time_step, r)
     }
 
-    /// Makes one time step with `solver`, from the impulses of the time step before.
+    /// Solves one time step with `solver`, from the impulses of the time step before.
     ///
     /// # Errors
-    /// Those of [`March::make`].
+    /// Those of [`March::solve`].
     pub fn time_step(
         &mut self,
         solver: &dyn Solver,
         stop: &Stop,
     ) -> Result<(Outcome, Observables), CaseError> {
         let next = self.next()?;
-        self.make(&next, solver, stop, true, &|| false)
+        self.solve(&next, solver, stop, true, &|| false)
     }
 
-    /// Makes the time step that [`March::next`] gave with `solver`: from the impulses of the one before if `warm` and if
-    /// its solve did not fail, else from none. `halt` is asked after every iteration.
+    /// Solves the time step that [`March::next`] gave with `solver`: from the impulses of the one before if `warm` and if
+    /// its solve did not fail, else from none. `halt` is called after every iteration.
     ///
     /// # Errors
     /// Names a setting of the solver without meaning, or says how the simulation has exploded: `next` is then the problem
-    /// of its last good state. If `halt` asked for an end, nothing is made.
-    pub fn make(
+    /// of its last good state. If `halt` said yes, the time step is not done.
+    pub fn solve(
         &mut self,
         next: &TimeStep,
         solver: &dyn Solver,
@@ -200,7 +201,7 @@ impl March {
         let mut observe =
             |_: &Progress| if halt() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
         let outcome = solve_against(None, solver, problem, &start, stop, &mut observe)?;
-        let (time_step, status) = (self.made + 1, outcome.status);
+        let (time_step, status) = (self.done + 1, outcome.status);
         if status == Status::Interrupted {
             return Err(CaseError::Interrupted { time_step, iterations: outcome.iterations });
         }
@@ -226,7 +227,7 @@ impl March {
         let moment = self.mass.iter().zip(&self.position).map(|(m, q)| m * q.y);
         let overlaps = || time_step.frozen.gap.iter().map(|gap| f64::max(0.0, -gap));
         Observables {
-            time: self.made as f64 * self.scene.time_step_s,
+            time: self.done as f64 * self.scene.time_step_s,
             kinetic_energy: kinetic.sum(),
             mean_height: moment.sum::<f64>() / self.mass.iter().sum::<f64>(),
             greatest_overlap: overlaps().fold(0.0, f64::max),

@@ -1,8 +1,9 @@
 //! What a simulation shows of itself after a time step, and when it has exploded.
 
 use crate::detect::Side;
-use contact::{Contact, Status};
+use contact::Contact;
 use nalgebra::Vector2;
+use runner::Status;
 use std::fmt;
 
 /// What a simulation shows of itself after a time step.
@@ -150,46 +151,4 @@ pub(crate) fn greatest_speed(velocity: &[Vector2<f64>]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const RADIUS: [f64; 2] = [1.0, 0.05];
-    const H: f64 = 0.01;
-
-    /// A large grain and a small one with a contact between them, and one of the large grain with a wall.
-    fn exploded(gap: [f64; 2], speed: [f64; 2]) -> Option<Explosion> {
-        let contact = |antagonist| Contact { candidate: 0, antagonist, normal: Vector2::y(), offset: 0.0 };
-        let velocity = speed.map(|v| Vector2::new(0.0, -v));
-        explosion(&[contact(Some(1)), contact(None)], &gap, &RADIUS, &velocity, H)
-    }
-
-    #[test]
-    fn each_grain_is_judged_by_its_own_size() {
-        let [large, small] = RADIUS;
-        assert_eq!(exploded([-small, -large], [2.0 * large / H, 2.0 * small / H]), None);
-        let overlap = |grain, overlap, bound| Some(Explosion::Overlap { grain, overlap, bound });
-        assert_eq!(exploded([-0.06, -0.9], [0.0; 2]), overlap(1, 0.06, small));
-        assert_eq!(exploded([0.01, -1.01], [0.0; 2]), overlap(0, 1.01, large));
-        // Of several, the one farthest beyond its bound.
-        assert_eq!(exploded([-0.1, -1.5], [0.0; 2]), overlap(1, 0.1, small));
-        let speed = |grain, speed, bound| Some(Explosion::Speed { grain, speed, bound });
-        assert_eq!(exploded([0.0; 2], [100.0, 10.5]), speed(1, 10.5, 2.0 * small / H));
-        assert_eq!(exploded([0.0; 2], [201.0, 9.0]), speed(0, 201.0, 2.0 * large / H));
-    }
-
-    #[test]
-    fn velocities_that_are_not_finite_come_first() {
-        // The square of a finite speed need not be finite.
-        for odd in [f64::NAN, f64::INFINITY, 1e200] {
-            assert_eq!(exploded([-2.0; 2], [0.0, odd]), Some(Explosion::NotFinite));
-        }
-    }
-
-    #[test]
-    fn speed_that_is_undefined_is_not_passed_over() {
-        let speeds = |velocity: [f64; 3]| greatest_speed(&velocity.map(|v| Vector2::new(v, 0.0)));
-        assert_eq!(speeds([1.0, -3.0, 2.0]), 3.0);
-        assert!(speeds([1.0, f64::NAN, 2.0]).is_nan());
-        assert!(speeds([f64::NAN, f64::INFINITY, 2.0]).is_nan());
-    }
-}
+mod tests;

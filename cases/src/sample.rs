@@ -129,64 +129,67 @@ impl Sample {
     /// The discs, for a box of `width` (m), if it has side walls; `folder` is that of the case.
     pub(crate) fn discs(&self, width: Option<f64>, folder: &Path) -> Result<Vec<Disc>, String> {
         let walls = || width.ok_or("`sample.kind` asks for side walls: it needs `scene.box.width_m`");
-        let discs = match *self {
-            Self::Discs { ref discs, density_kg_per_m2 } => {
-                discs.iter().map(|&[x, y, radius]| disc(x, y, radius, density_kg_per_m2)).collect()
-            }
+        // [x, y, radius] of each (m), mass per area (kg/m²), and the mass of the last over what its area gives (–).
+        let (placed, density, top_mass_ratio) = match *self {
+            Self::Discs { ref discs, density_kg_per_m2 } => (discs.clone(), density_kg_per_m2, 1.0),
             Self::Column { grains, radius_m, density_kg_per_m2, top_mass_ratio } => {
-                let height = |k: u32| (2.0 * f64::from(k) + 1.0) * radius_m;
-                let mut discs: Vec<Disc> =
-                    (0..grains).map(|k| disc(0.0, height(k), radius_m, density_kg_per_m2)).collect();
-                discs.iter_mut().rev().take(1).for_each(|top| top.mass *= top_mass_ratio);
-                discs
+                (shapes::column(grains, radius_m), density_kg_per_m2, top_mass_ratio)
             }
             Self::Triangular { columns, rows, radius_m, density_kg_per_m2, overlap } => {
-                shapes::triangular(columns, rows, radius_m, density_kg_per_m2, overlap)
+                (shapes::triangular(columns, rows, radius_m, overlap), density_kg_per_m2, 1.0)
             }
             Self::Zigzag { grains, radius_m, density_kg_per_m2 } => {
-                shapes::zigzag(grains, radius_m, density_kg_per_m2, walls()?)?
+                (shapes::zigzag(grains, radius_m, walls()?)?, density_kg_per_m2, 1.0)
             }
             Self::Rollers { rollers, radius_m, top_radius_m, density_kg_per_m2, top_mass_ratio } => {
-                let mut discs = shapes::rollers(rollers, radius_m, top_radius_m, density_kg_per_m2)?;
-                discs.iter_mut().rev().take(1).for_each(|top| top.mass *= top_mass_ratio);
-                discs
+                (shapes::rollers(rollers, radius_m, top_radius_m)?, density_kg_per_m2, top_mass_ratio)
             }
             Self::Deposited { grains, seed, radius_m, intruder_radius_m, density_kg_per_m2 } => {
                 let radii = drawn(grains, seed, radius_m, intruder_radius_m, walls()?)?;
-                deposit::deposit(&radii, walls()?)
-                    .map_err(|radius| {
-                        format!("`sample`: no place in the box holds a disc of radius {} m", shown(radius))
-                    })?
-                    .into_iter()
-                    .map(|(x, radius)| disc(x.x, x.y, radius, density_kg_per_m2))
-                    .collect()
+                let deposited = deposit::deposit(&radii, walls()?).map_err(|radius| {
+                    format!("`sample`: no place in the box holds a disc of radius {} m", shown(radius))
+                })?;
+                (
+                    deposited.into_iter().map(|(x, radius)| [x.x, x.y, radius]).collect(),
+                    density_kg_per_m2,
+                    1.0,
+                )
             }
-            Self::Frozen { ref file } => {
-                let frozen =
-                    Frozen::read(&folder.join(file)).map_err(|error| format!("`sample.file`: {error}"))?;
-                let problem = frozen.problem;
-                let grains = problem.position().iter().zip(problem.mass()).zip(frozen.radius);
-                grains
-                    .map(|((position, mass), radius)| Disc { radius, mass: *mass, position: *position })
-                    .collect()
-            }
+            Self::Frozen { ref file } => return checked(frozen_discs(&folder.join(file))?),
         };
-        let valid = |disc: &&Disc| {
-            let positive = |x: f64| x > 0.0 && x.is_finite();
-            positive(disc.mass) && positive(disc.radius) && disc.position.iter().all(|x| x.is_finite())
+        let disc = |&[x, y, radius]: &[f64; 3]| {
+            let mass = density * std::f64::consts::PI * radius * radius;
+            Disc { radius, mass, position: Vector2::new(x, y) }
         };
-        match discs.iter().find(|disc| !valid(disc)) {
-            Some(Disc { radius, mass, position }) => Err(format!(
-                "`sample` has a disc of radius {} m and mass {} kg at ({}, {}) m: radius and mass must be positive, all \
-                 finite",
-                shown(*radius),
-                shown(*mass),
-                shown(position.x),
-                shown(position.y)
-            )),
-            None if discs.is_empty() => Err("`sample` has no grain".to_owned()),
-            None => Ok(discs),
-        }
+        let mut discs: Vec<Disc> = placed.iter().map(disc).collect();
+        discs.iter_mut().rev().take(1).for_each(|top| top.mass *= top_mass_ratio);
+        checked(discs)
+    }
+}
+
+fn frozen_discs(file: &Path) -> Result<Vec<Disc>, String> {
+    let Frozen { problem, radius, .. } =
+        Frozen::read(file).map_err(|error| format!("`sample.file`: {error}"))?;
+    let grains = problem.position().iter().zip(problem.mass()).zip(radius);
+    Ok(grains.map(|((position, mass), radius)| Disc { radius, mass: *mass, position: *position }).collect())
+}
+
+/// The discs, if there are some and all have a meaning.
+fn checked(discs: Vec<Disc>) -> Result<Vec<Disc>, String> {
+    let positive = |x: f64| x > 0.0 && x.is_finite();
+    let valid = |disc: &&Disc| {
+        positive(disc.mass) && positive(disc.radius) && disc.position.iter().all(|x| x.is_finite())
+    };
+    match discs.iter().find(|disc| !valid(disc)) {
+        Some(Disc { radius, mass, position }) => Err(format!(
+            "`sample` has a disc of radius {} m and mass {} kg at ({}, {}) m: radius and mass must be positive, all finite",
+            shown(*radius),
+            shown(*mass),
+            shown(position.x),
+            shown(position.y)
+        )),
+        None if discs.is_empty() => Err("`sample` has no grain".to_owned()),
+        None => Ok(discs),
     }
 }
 
@@ -220,8 +223,4 @@ fn drawn(
         *middle = intruder;
     }
     Ok(radii)
-}
-
-pub(crate) fn disc(x: f64, y: f64, radius: f64, density: f64) -> Disc {
-    Disc { radius, mass: density * std::f64::consts::PI * radius * radius, position: Vector2::new(x, y) }
 }

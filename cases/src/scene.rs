@@ -163,87 +163,37 @@ impl Vibration {
 impl Scene {
     /// What is outside the model's meaning, as key, value and what would be accepted.
     pub(crate) fn check(&self) -> Result<(), String> {
-        let wrong = |key: &str, value: f64, expected: &str| {
-            Err(format!("`scene.{key}` is {}: it must be {expected}", shown(value)))
-        };
-        if !(self.time_step_s > 0.0 && self.time_step_s.is_finite()) {
-            return wrong("time_step_s", self.time_step_s, "positive and finite");
-        }
-        if !(0.0..=1.0).contains(&self.theta) {
-            return wrong("theta", self.theta, "between 0 and 1");
-        }
-        if !self.gravity_m_per_s2.is_finite() {
-            return wrong("gravity_m_per_s2", self.gravity_m_per_s2, "finite");
-        }
-        if !self.impact_speed_m_per_s.is_finite() {
-            return wrong("impact_speed_m_per_s", self.impact_speed_m_per_s, "finite");
-        }
-        if self.contact_copies == 0 {
-            return wrong("contact_copies", 0.0, "at least 1");
-        }
-        let Some(walls) = &self.walls else { return Ok(()) };
-        if let Some(width) = walls.width_m.filter(|width| !(*width > 0.0 && width.is_finite())) {
-            return wrong("box.width_m", width, "positive and finite");
-        }
-        let finite = [
-            ("box.tilt_rate_rad_per_s", walls.tilt_rate_rad_per_s),
-            ("box.tilt_start_s", walls.tilt_start_s),
-            ("box.closing_speed_m_per_s", walls.closing_speed_m_per_s),
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        let mut values = vec![
+            ("time_step_s", self.time_step_s, positive(self.time_step_s), "positive and finite"),
+            ("theta", self.theta, (0.0..=1.0).contains(&self.theta), "between 0 and 1"),
+            ("contact_copies", f64::from(self.contact_copies), self.contact_copies > 0, "at least 1"),
         ];
-        let vibration = walls.vibration.iter().flat_map(|vibration| {
-            [
-                ("box.vibration.amplitude_m", vibration.amplitude_m),
-                ("box.vibration.frequency_hz", vibration.frequency_hz),
-                ("box.vibration.phase_rad", vibration.phase_rad),
-                ("box.vibration.start_s", vibration.start_s),
-            ]
-        });
-        match finite.into_iter().chain(vibration).find(|(_, value)| !value.is_finite()) {
-            Some((key, value)) => wrong(key, value, "finite"),
+        let mut finite = |key, value: f64| values.push((key, value, value.is_finite(), "finite"));
+        finite("gravity_m_per_s2", self.gravity_m_per_s2);
+        finite("impact_speed_m_per_s", self.impact_speed_m_per_s);
+        if let Some(walls) = &self.walls {
+            finite("box.tilt_rate_rad_per_s", walls.tilt_rate_rad_per_s);
+            finite("box.tilt_start_s", walls.tilt_start_s);
+            finite("box.closing_speed_m_per_s", walls.closing_speed_m_per_s);
+            if let Some(vibration) = &walls.vibration {
+                finite("box.vibration.amplitude_m", vibration.amplitude_m);
+                finite("box.vibration.frequency_hz", vibration.frequency_hz);
+                finite("box.vibration.phase_rad", vibration.phase_rad);
+                finite("box.vibration.start_s", vibration.start_s);
+            }
+            values.extend(
+                walls.width_m.map(|width| ("box.width_m", width, positive(width), "positive and finite")),
+            );
+        }
+        match values.into_iter().find(|(_, _, valid, _)| !valid) {
+            Some((key, value, _, expected)) => {
+                Err(format!("`scene.{key}` is {}: it must be {expected}", shown(value)))
+            }
             None => Ok(()),
         }
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn vibration_of_a_quarter_turn_back_begins_at_rest() {
-        let phase_rad = -std::f64::consts::FRAC_PI_2;
-        let (amplitude_m, frequency_hz, direction) = (0.1, 1.0, Direction::X);
-        let from_rest = Vibration { amplitude_m, frequency_hz, direction, phase_rad, start_s: 0.0 };
-        assert_eq!(from_rest.displacement(0.0), Vector2::zeros());
-        // A (1 − cos(2π f t)): all the way after half a period; A (2π f t)²/2 soon after the start.
-        assert!((from_rest.displacement(0.5).x - 0.2).abs() < 1e-15);
-        let soon = 0.1 * (std::f64::consts::TAU * 1e-4_f64).powi(2) / 2.0;
-        assert!((from_rest.displacement(1e-4).x / soon - 1.0).abs() < 1e-6);
-    }
-
-    #[test]
-    fn walls_turn_about_their_feet_and_shake_with_the_box() {
-        let (amplitude_m, frequency_hz, direction) = (0.1, 0.25, Direction::Y);
-        let vibration = Vibration { amplitude_m, frequency_hz, direction, phase_rad: 0.0, start_s: 1.0 };
-        let walls = Walls {
-            width_m: Some(3.0),
-            tilt_rate_rad_per_s: std::f64::consts::FRAC_PI_4,
-            tilt_start_s: 1.0,
-            closing_speed_m_per_s: 0.0,
-            vibration: Some(vibration),
-        };
-        let disc = Vector2::new(1.0, 1.5);
-        let gaps = |time| walls.at(time).map(|wall| wall.unwrap().gap(disc, 0.1));
-        assert_eq!(gaps(0.5), [1.4, 0.9, 1.9], "nothing moves before its start");
-        // A second later the walls lean by π/4 and the box is at its highest, 0.1 m.
-        let along = 1.4 / std::f64::consts::SQRT_2;
-        let expected = [
-            1.3,
-            1.0 / std::f64::consts::SQRT_2 - along - 0.1,
-            along - 2.0 / -std::f64::consts::SQRT_2 - 0.1,
-        ];
-        for (gap, expected) in gaps(2.0).iter().zip(expected) {
-            assert!((gap - expected).abs() < 1e-14, "{gap} m, {expected} m expected");
-        }
-    }
-}
+mod tests;

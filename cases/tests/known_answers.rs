@@ -2,12 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
+use analysis::proves_infeasible;
 use cases::{Case, CaseError, Explosion, Frozen, March, Missed, Side, detect};
 use cg::Cg;
-use contact::{Measure, Status, Stop, proves_infeasible, solve};
+use contact::Measure;
 use nalgebra::Vector2;
 use nsgs::Nsgs;
 use proptest::prelude::*;
+use runner::{Status, Stop, solve};
 use std::path::PathBuf;
 
 const GRAVITY: f64 = 9.81;
@@ -168,7 +170,7 @@ fn absurd_time_step_explodes_at_once() {
 fn explosion(mut march: March, stop: &Stop) -> (Explosion, Option<Missed>) {
     loop {
         match march.time_step(&Nsgs::default(), stop) {
-            Ok(_) => assert!(march.made() < 1000, "no explosion"),
+            Ok(_) => assert!(march.time_steps() < 1000, "no explosion"),
             Err(CaseError::Exploded { why, solved, .. }) => return (why, solved),
             Err(other) => panic!("{other}"),
         }
@@ -231,9 +233,9 @@ fn time_step_that_is_stopped_inside_its_solve_is_not_made() {
         asked.set(asked.get() + 1);
         asked.get() > 3
     };
-    let stopped = march.make(&next, &Cg::default(), &tight(), true, &halt).unwrap_err();
+    let stopped = march.solve(&next, &Cg::default(), &tight(), true, &halt).unwrap_err();
     assert!(matches!(stopped, CaseError::Interrupted { time_step: 1, iterations: 3 }), "{stopped}");
-    assert_eq!((march.made(), march.next().unwrap().frozen), (0, next.frozen));
+    assert_eq!((march.time_steps(), march.next().unwrap().frozen), (0, next.frozen));
 }
 
 /// A disc that lies on a shaken floor moves with it, as long as the floor's acceleration is below g.
@@ -313,7 +315,7 @@ fn unknown_key_of_a_change_is_named_with_its_file() {
 }
 
 /// Thrust, weight and their directions, solved by `Cg`.
-fn solved(name: &str, overrides: &[(&str, &str)]) -> (Frozen, contact::Outcome) {
+fn solved(name: &str, overrides: &[(&str, &str)]) -> (Frozen, runner::Outcome) {
     let frozen = march(name, overrides).next().unwrap().frozen;
     let outcome = solve(&Cg::default(), &frozen.problem, &frozen.start, &tight(), &mut |_| {}).unwrap();
     assert_eq!(outcome.status, Status::Converged, "{name}");

@@ -1,10 +1,10 @@
 //! All methods, and another code, reach the one velocity that a problem has.
 
 use crate::problems::frozen;
+use analysis::greatest_eigenvalue;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::spectrum::greatest_eigenvalue;
-use contact::{ContactProblem, Measure, Meter, Solver, Status, Stop, solve};
+use contact::{ContactProblem, Measure, Meter, Solver};
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
 use nncg::Nncg;
@@ -12,6 +12,7 @@ use nsgs::{Jacobi, Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Grid, Scheme};
 use reference::InteriorPoint;
+use runner::{Status, Stop, solve};
 
 /// An answer: impulses, and the velocities that follow from them.
 struct Answer {

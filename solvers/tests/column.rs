@@ -3,7 +3,7 @@
 use crate::problems::{first_problem, impulses, start};
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::{Measure, Meter, Solver, Status, Stop, solve};
+use contact::{Measure, Meter, Solver};
 use gradient::Gradient;
 use latin_dd::LatinDd;
 use nncg::Nncg;
@@ -11,6 +11,7 @@ use nsgs::{Jacobi, Nsgs};
 use nsgs_dd::NsgsDd;
 use partition::Grid;
 use reference::InteriorPoint;
+use runner::{Status, Stop, solve};
 
 fn column(n: usize) -> cases::Frozen {
     first_problem("column", &[("sample.grains", &n.to_string())])

@@ -2,13 +2,14 @@
 
 use crate::problems::{PACKINGS, any_problem, difference, frozen, impulses, start};
 use cg::Cg;
-use contact::{Contact, ContactProblem, Iteration, Solver, Stop, law, solve};
+use contact::{Contact, ContactProblem, Iteration, Solver, law};
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
 use nsgs::{Jacobi, Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Grid, Scheme};
 use proptest::prelude::*;
+use runner::{Stop, solve};
 
 /// l⁻ = 0 makes the linear stage explicit: the local stage then is a Jacobi update, with ω = 1 for l⁺ = 1/W_αα.
 #[test]

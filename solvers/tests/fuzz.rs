@@ -4,7 +4,7 @@
 
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::{Contact, ContactProblem, Measure, Solver, Status, Stop, solve};
+use contact::{Contact, ContactProblem, Measure, Solver};
 use gradient::Gradient;
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
@@ -14,6 +14,7 @@ use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Grid, Scheme};
 use proptest::prelude::*;
 use reference::InteriorPoint;
+use runner::{Status, Stop, solve};
 
 /// Every method by default, and the settings that are asking for trouble.
 fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {

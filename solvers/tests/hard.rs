@@ -8,7 +8,7 @@ use crate::infeasible::all_methods;
 use crate::problems::first_problem;
 use cases::Frozen;
 use cg::{Cg, Preconditioner};
-use contact::{Contact, ContactProblem, Solver, Status, Stop, solve};
+use contact::{Contact, ContactProblem, Solver};
 use microlp::{ComparisonOp, OptimizationDirection, Problem, SolveOutcome};
 use nalgebra::Vector2;
 use num_rational::BigRational;
@@ -16,6 +16,7 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 use reference::Answer;
+use runner::{Status, Stop, solve};
 use std::path::Path;
 
 /// What an answer is, in a word.
@@ -96,7 +97,7 @@ fn the_first_time_steps_of_cases_are_certified() {
             let step = march.next().unwrap();
             let answer = reference::solve(&step.frozen.problem);
             assert_eq!(verdict(&answer), "certified", "{}: {answer:?}", step.frozen.name);
-            march.make(&step, &solver, &stop, true, &|| false).unwrap();
+            march.solve(&step, &solver, &stop, true, &|| false).unwrap();
         }
     }
 }

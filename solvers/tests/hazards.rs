@@ -5,12 +5,13 @@
 use crate::problems::{first_problem, impulses, start};
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::{Contact, ContactProblem, Measure, Meter, Outcome, Solver, Status, Stop, solve};
+use contact::{Contact, ContactProblem, Measure, Meter, Solver};
 use nalgebra::Vector2;
 use nncg::Nncg;
 use nsgs::Nsgs;
 use proptest::collection::vec;
 use proptest::prelude::*;
+use runner::{Outcome, Status, Stop, solve};
 
 /// Grains and what touches; masses, motion and impulses are for [`feasible`].
 #[derive(Clone, Debug)]

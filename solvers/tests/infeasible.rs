@@ -1,14 +1,16 @@
 //! Problems without solution: the reference proves it, and no method converges on a measure that sees it.
 
 use crate::problems::{first_problem, frozen};
+use analysis::proves_infeasible;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::{Measure, Progress, Solver, Status, Stop, Truth, proves_infeasible, solve, solve_against};
+use contact::{Measure, Solver, Truth};
 use latin_dd::LatinDd;
 use nncg::Nncg;
 use nsgs::{Jacobi, Nsgs};
 use nsgs_dd::NsgsDd;
 use reference::{Answer, InteriorPoint};
+use runner::{Progress, Status, Stop, solve, solve_against};
 use std::ops::ControlFlow;
 
 /// Every method, as it is by default.

@@ -3,15 +3,17 @@
 use crate::problems::{
     any_problem, assert_never_increases, energies, first_problem, frozen, impulses, start,
 };
+use analysis::Spectrum;
+use analysis::{coupling, greatest_eigenvalue};
 use cg::Cg;
-use contact::spectrum::{coupling, greatest_eigenvalue};
-use contact::{Contact, ContactProblem, Meter, Solver, Spectrum, Status, Stop, solve};
+use contact::{Contact, ContactProblem, Meter, Solver};
 use latin_dd::LatinDd;
 use nsgs::{Jacobi, Nsgs};
 use nsgs_dd::NsgsDd;
 use partition::{Decomposition, Grid, Scheme};
 use proptest::prelude::*;
 use reference::Answer;
+use runner::{Status, Stop, solve};
 
 fn solution(problem: &ContactProblem) -> Vec<f64> {
     match reference::solve(problem) {

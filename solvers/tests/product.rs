@@ -136,7 +136,7 @@ fn bits_are_the_same_on_any_number_of_threads() {
 fn gradient_is_its_formula() {
     let problem = lattice();
     let (contacts, b) = (problem.contact_count(), problem.b());
-    let step = 1.0 / contact::spectrum::delassus_bound(&problem);
+    let step = 1.0 / analysis::delassus_bound(&problem);
     let (mut r, mut v) = (vec![0.0; contacts], vec![0.0; contacts]);
     let mut scratch = vec![Vector2::zeros(); problem.grain_count()];
     let mut run = start(&Gradient::default(), &problem);

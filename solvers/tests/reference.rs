@@ -1,14 +1,14 @@
 //! The reference against exact solutions, brute force and the other methods; its certificates.
 
 use crate::problems::{PACKINGS, first_problem, frozen};
+use analysis::proves_infeasible;
 use cg::{Cg, Preconditioner};
-use contact::{
-    Contact, ContactProblem, Measure, Meter, Solver, Status, Stop, Truth, proves_infeasible, solve_against,
-};
+use contact::{Contact, ContactProblem, Measure, Meter, Solver, Truth};
 use nalgebra::{DMatrix, DVector, Vector2};
 use nsgs::Nsgs;
 use proptest::prelude::*;
 use reference::{Answer, Certificate, InteriorPoint, certify};
+use runner::{Status, Stop, solve_against};
 use std::ops::ControlFlow;
 
 fn certified(problem: &ContactProblem) -> (Vec<f64>, Certificate) {

@@ -8,7 +8,8 @@ use crate::problems::planned::{marched, planned};
 use crate::study::selection::Selection;
 use anyhow::{Context, Result, bail};
 use cases::Frozen;
-use contact::{Measure, Stop};
+use contact::Measure;
+use runner::Stop;
 use std::path::Path;
 
 /// A plan on the command line.

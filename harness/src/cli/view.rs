@@ -13,12 +13,13 @@ use crate::store::stored::{is_id, stored};
 use crate::terminal::output::{check_place, say, write_whole};
 use anyhow::{Context, Result, anyhow};
 use cases::Frozen;
-use contact::{Stop, Truth, solve_against};
+use contact::Truth;
 use partition::{Grid, Scheme};
 use reports::Filmed;
 use results::journal::Record;
 use results::schema::Run;
 use results::tables::{contacts_table, grains_table};
+use runner::{Stop, solve_against};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 

@@ -5,7 +5,7 @@ use crate::plan::file::Plan;
 use crate::plan::methods::Method;
 use crate::plan::names::{last_parts, of_variants};
 use anyhow::Result;
-use contact::Stop;
+use runner::Stop;
 use serde_json::{Value, json};
 use std::fs;
 use tempfile::TempDir;

@@ -6,7 +6,7 @@ use crate::terminal::progress;
 use crate::terminal::suggest;
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
-use contact::{Status, Stop};
+use runner::{Status, Stop};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
@@ -187,7 +187,7 @@ pub(crate) fn march_to(
 ) -> Result<(Frozen, Option<String>)> {
     let mut missed = 0;
     let bar = progress::bar(time_step - 1, "time steps");
-    while march.made() + 1 < time_step {
+    while march.time_steps() + 1 < time_step {
         let (outcome, _) = march.time_step(&*method.solver, stop)?;
         missed += u64::from(outcome.status != Status::Converged);
         bar.set_message(format!("{} iterations", outcome.iterations));

@@ -2,10 +2,12 @@
 
 use crate::problems::files::{Root, content_hash};
 use crate::terminal::output::write_whole;
+use analysis::proves_infeasible;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{Frozen, all_missing};
-use contact::{ContactProblem, Status, Truth, proves_infeasible};
+use contact::{ContactProblem, Truth};
 use reference::{Answer, certify};
+use runner::Status;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

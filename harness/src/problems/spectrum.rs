@@ -2,8 +2,8 @@
 
 use crate::plan::variants::Variant;
 use crate::problems::reference::Known;
-use contact::spectrum::coupling;
-use contact::{ContactProblem, Spectrum};
+use analysis::{Spectrum, coupling};
+use contact::ContactProblem;
 use partition::{Decomposition, Grid, Scheme};
 use serde_json::{Map, Value, json};
 

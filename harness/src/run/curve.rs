@@ -1,8 +1,9 @@
 //! The curve of a run, thinned geometrically, and the iterations at which measures pass powers of ten.
 
 use crate::plan::file::Curves;
-use contact::{Measure, Measures, Progress, Work};
+use contact::Measure;
 use results::schema::Sample;
+use runner::Progress;
 
 /// Tolerances that are read off a curve exactly.
 const DECADES: [f64; 12] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12];

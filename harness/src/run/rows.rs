@@ -7,10 +7,11 @@ use crate::problems::reference::Given;
 use crate::run::curve::{first_at, measured};
 use crate::study::runs::{Study, Task};
 use cases::Frozen;
-use contact::{Meter, Outcome, Truth, Work};
+use contact::{Meter, Truth, Work};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Timing};
+use runner::Outcome;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -126,7 +127,7 @@ pub(crate) fn ended_row(asked: Run, outcome: &Outcome, curve: &[Sample]) -> Run 
     let natural_map = |tolerance| first_at(curve, |sample| sample.natural_map, tolerance);
     let velocity_error = |tolerance| first_at(curve, |sample| sample.velocity_error, tolerance);
     Run {
-        derived: json!(outcome.derived.iter().copied().collect::<BTreeMap<_, _>>()).to_string(),
+        derived: json!(derived(outcome)).to_string(),
         status: outcome.status.name().to_owned(),
         iterations: outcome.iterations,
         setup_s: outcome.setup.as_secs_f64(),
@@ -140,6 +141,12 @@ pub(crate) fn ended_row(asked: Run, outcome: &Outcome, curve: &[Sample]) -> Run 
         end: curve[curve.len() - 1],
         ..asked
     }
+}
+
+/// What the method worked with beside its settings: the values that they leave open, and the critical path where there is one.
+pub(crate) fn derived(outcome: &Outcome) -> BTreeMap<&'static str, f64> {
+    let critical_path = outcome.critical_path.map(|path| ("critical_path", path as f64));
+    outcome.derived.iter().copied().chain(critical_path).collect()
 }
 
 /// The partitions that the methods of a plan use, by name, each once.

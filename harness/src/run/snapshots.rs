@@ -1,7 +1,7 @@
 //! The iterates of a run that a page shows, spaced like a geometric sequence.
 
-use contact::{Outcome, Progress};
 use results::schema::Snapshot;
+use runner::{Outcome, Progress};
 
 /// Keeps the begin of a run, iterations in a ratio of about 1.4, and its end: some thirty iterates of a hundred thousand.
 pub(crate) struct Snapshots {

@@ -2,7 +2,7 @@
 
 use crate::run::snapshots::Snapshots;
 use cases::Frozen;
-use contact::{Stop, solve};
+use runner::{Stop, solve};
 
 #[test]
 fn begin_end_and_some_iterates_between_are_kept() {

@@ -3,7 +3,8 @@
 use crate::plan::rules::Rule;
 use anyhow::Result;
 use cases::{CaseError, Frozen, March, Observables, TimeStep};
-use contact::{Outcome, Solver, Status, Stop, Work};
+use contact::{Solver, Work};
+use runner::{Outcome, Status, Stop};
 use serde_json::{Value, json};
 use std::time::Duration;
 
@@ -66,7 +67,8 @@ pub(crate) fn through_time(
             return Ok((totals, End::Interrupted(format!("stopped before time step {k}"))));
         }
         let time_step = march.next()?;
-        let (outcome, observables) = match march.make(&time_step, solver, &rule.stop, rule.warm_start, halt) {
+        let (outcome, observables) = match march.solve(&time_step, solver, &rule.stop, rule.warm_start, halt)
+        {
             Ok(made) => made,
             Err(error) => return Ok((totals, ended(error, k, time_step)?)),
         };

@@ -40,7 +40,7 @@ impl Frames {
 
     /// Adds the state after a time step, with the impulses `r` (N·s) that it took.
     pub(crate) fn add(&mut self, time: f64, march: &March, time_step: &TimeStep, r: &[f64]) -> Result<()> {
-        let file = format!("{}-{:06}.vtp", self.name, march.made());
+        let file = format!("{}-{:06}.vtp", self.name, march.time_steps());
         let mut bytes = Vec::new();
         frame(march, time_step, r).write_xml(&mut bytes).with_context(|| file.clone())?;
         write_whole(&self.folder.join(&file), &String::from_utf8(bytes)?)?;

@@ -3,7 +3,7 @@
 use crate::plan::methods::{METHODS, Method};
 use crate::plan::variants::Variant;
 use crate::study::runs::run_id;
-use contact::Stop;
+use runner::Stop;
 
 fn nsgs(settings: &[(&str, &str)]) -> Variant {
     let settings: Vec<(String, String)> =

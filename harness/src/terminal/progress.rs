@@ -1,7 +1,8 @@
 //! Progress on anything long: bars and lines on the terminal, nothing where there is none.
 
-use contact::{Measure, Progress};
+use contact::Measure;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use runner::Progress;
 use std::time::{Duration, Instant};
 
 /// A bar of `total` `units`, with the time left.

@@ -11,8 +11,8 @@
 
 mod block;
 
+use analysis::{delassus_bound, scaled_delassus_bound};
 use block::{Block, Pass};
-use contact::spectrum::{delassus_bound, eigenvalue_bound};
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
 use product::{Layout, Subdomain};
 use schemars::JsonSchema;
@@ -190,7 +190,7 @@ impl Solver for Cg {
         let block = |subdomain: &Subdomain| Block::new(problem, &layout, subdomain, preconditioned, &b, r0);
         let mut run = Run {
             blocks: layout.blocks(block),
-            greatest: if preconditioned { eigenvalue_bound(problem) } else { delassus_bound(problem) },
+            greatest: if preconditioned { scaled_delassus_bound(problem) } else { delassus_bound(problem) },
             layout,
             descent: 0.0,
             squared: 0.0,

@@ -1,27 +1,24 @@
-//! The contact problem of one time step, eq. (1)-(2): data, law, measures, the contacts of a sweep, the interface of the
-//! methods, the only loop.
+//! The kernel: the contact problem of one time step, eq. (1)-(2), its operators, its law, its mass-scaled contacts and their
+//! sweep, the measures of an iterate, and the traits of a method.
 //!
-//! Equation numbers are those of Iceta, Dureisseix, Alart, Giens 2009, hal-00413720. No method of the line-up lives here.
+//! Equation numbers are those of Iceta, Dureisseix, Alart, Giens 2009, hal-00413720. No method lives here.
 
-mod convergence;
-pub mod interface;
+mod error;
 pub mod law;
-pub mod measures;
+mod measures;
 pub mod number;
-pub mod operators;
-pub mod problem;
+mod operators;
+mod problem;
 pub mod scaled;
-pub mod solve;
-pub mod spectrum;
+mod solver;
 pub mod sweep;
-pub mod threads;
-pub mod truth;
+mod truth;
+mod work;
 
-pub use interface::{Iteration, SetupError, Solver, Work, shown};
+pub use error::{ProblemError, SetupError, shown};
 pub use measures::{Measure, Measures, Meter};
-pub use problem::{Contact, ContactProblem, ProblemError};
+pub use problem::{Contact, ContactProblem};
 pub use scaled::ScaledContact;
-pub use solve::{Outcome, Progress, Status, Stop, solve, solve_against};
-pub use spectrum::Spectrum;
-pub use threads::together;
-pub use truth::{Truth, proves_infeasible};
+pub use solver::{Iteration, Solver};
+pub use truth::Truth;
+pub use work::{Work, together};

@@ -1,10 +1,10 @@
 //! Measures of an iterate, recomputed from the impulses r alone, two of them beside a known solution; only the velocity
-//! jump is the method's own word.
+//! jump is what the method says itself.
 
 use crate::operators::scale;
 use crate::problem::{Contact, ContactProblem};
-use crate::threads::together;
 use crate::truth::Truth;
+use crate::work::together;
 use crate::{law, number};
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -170,7 +170,7 @@ impl<'p> Meter<'p> {
     }
 
     /// [`ContactProblem::scale`] (J).
-    pub(crate) fn scale(&self) -> f64 {
+    pub fn scale(&self) -> f64 {
         self.scale
     }
 

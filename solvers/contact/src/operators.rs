@@ -98,7 +98,7 @@ impl ContactProblem {
     }
 }
 
-/// [`ContactProblem::scale`], where b and `W_αα` are at hand.
+/// [`ContactProblem::scale`], from b and the `W_αα`.
 pub(crate) fn scale(b: &[f64], delassus_diagonal: &[f64]) -> f64 {
     let squared = |(b, w): (&f64, &f64)| law::non_negative(-b) * law::non_negative(-b) / w;
     b.iter().zip(delassus_diagonal).map(squared).sum()

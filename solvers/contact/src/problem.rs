@@ -1,8 +1,7 @@
 //! The contact problem of one time step as data, and what makes it valid.
 
-use crate::interface::shown;
+use crate::error::{ProblemError, shown};
 use nalgebra::Vector2;
-use thiserror::Error;
 
 /// One contact α. v_α = n · (V_candidate − V_antagonist) + c_α.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,33 +27,6 @@ pub struct ContactProblem {
     contacts: Vec<Contact>,
 }
 
-/// Why a contact problem makes no sense. Keys are those of the frozen problem file.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum ProblemError {
-    /// A list has another length than the list that it belongs to.
-    #[error("`{key}` has {found} values where {expected} are expected")]
-    Length {
-        /// Key of the list.
-        key: &'static str,
-        /// Its length.
-        found: usize,
-        /// The length of the list that it goes with.
-        expected: usize,
-    },
-    /// A value is outside what has a meaning.
-    #[error("`{key}[{index}]` is {value}: it must be {expected}")]
-    Value {
-        /// Key of the list.
-        key: &'static str,
-        /// Index in the list.
-        index: usize,
-        /// The value found.
-        value: String,
-        /// What would be accepted.
-        expected: String,
-    },
-}
-
 impl ContactProblem {
     /// Checks and takes the data of a problem: `mass` (kg), `position` of the mass centres (m) and `free_velocity`
     /// V⁻ + M⁻¹Rᵈ (m/s) have one value per grain.
@@ -68,20 +40,20 @@ impl ContactProblem {
         contacts: Vec<Contact>,
     ) -> Result<Self, ProblemError> {
         let grains = mass.len();
-        for (key, found) in
-            [("grains.position", position.len()), ("grains.free_velocity", free_velocity.len())]
-        {
-            if found != grains {
-                return Err(ProblemError::Length { key, found, expected: grains });
-            }
-        }
-        check_each("grains.mass", &mass, "positive and finite", |m| *m > 0.0 && m.is_finite())?;
-        // A problem needs 1/m: that of 1e-320 kg is infinite.
-        check_each("grains.mass", &mass, "at least 5.6e-309, or its inverse overflows", |m| {
-            m.recip().is_finite()
+        ProblemError::unless_length("grains.position", &position, grains)?;
+        ProblemError::unless_length("grains.free_velocity", &free_velocity, grains)?;
+        ProblemError::unless_each("grains.mass", &mass, "positive and finite", |m| {
+            *m > 0.0 && m.is_finite()
         })?;
-        check_each("grains.position", &position, "finite", |x| finite(*x))?;
-        check_each("grains.free_velocity", &free_velocity, "finite", |v| finite(*v))?;
+        // A problem needs 1/m: that of 1e-320 kg is infinite.
+        ProblemError::unless_each(
+            "grains.mass",
+            &mass,
+            "at least 5.6e-309, or its inverse overflows",
+            |m| m.recip().is_finite(),
+        )?;
+        ProblemError::unless_each("grains.position", &position, "finite", finite)?;
+        ProblemError::unless_each("grains.free_velocity", &free_velocity, "finite", finite)?;
         for (index, contact) in contacts.iter().enumerate() {
             check_contact(contact, index, grains)?;
         }
@@ -125,23 +97,8 @@ impl ContactProblem {
     }
 }
 
-fn finite(v: Vector2<f64>) -> bool {
+fn finite(v: &Vector2<f64>) -> bool {
     v.x.is_finite() && v.y.is_finite()
-}
-
-fn check_each<T: std::fmt::Debug>(
-    key: &'static str,
-    values: &[T],
-    expected: &str,
-    valid: impl Fn(&T) -> bool,
-) -> Result<(), ProblemError> {
-    match values.iter().position(|value| !valid(value)) {
-        None => Ok(()),
-        Some(index) => {
-            let value = format!("{:?}", values[index]);
-            Err(ProblemError::Value { key, index, value, expected: expected.to_owned() })
-        }
-    }
 }
 
 fn check_contact(contact: &Contact, index: usize, grains: usize) -> Result<(), ProblemError> {

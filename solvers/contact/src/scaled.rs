@@ -3,6 +3,9 @@
 //!
 //! With y = M^½ V (√J) and s = √`W_αα` r (√J), H̃ = M^-½ H W_D^-½ takes the place of H: relative velocities are
 //! v/√`W_αα` = H̃ᵗ y + c/√`W_αα`, an impulse moves y by H̃ s, and the diagonal of H̃ᵗ H̃ is 1.
+//!
+//! The `unit` of a contact, here and wherever these columns are used, is s/r: √`W_αα` (kg^-½), with the masses that the column
+//! has; or 1, where a method wants r as it is. Sweeps always have √`W_αα`.
 
 use crate::problem::ContactProblem;
 use nalgebra::Vector2;
@@ -20,8 +23,8 @@ pub struct ScaledContact {
 }
 
 impl ScaledContact {
-    /// A contact between two places of y, or one place and a wall, with the `inverse_mass` of each (1/kg). `unit` is √`W_αα`
-    /// (kg^-½), or 1 to leave r as it is: then it is a column of M^-½ H.
+    /// A contact between two places of y, or one place and a wall, with the `inverse_mass` of each (1/kg). With the `unit` 1
+    /// it is a column of M^-½ H.
     pub fn new(
         (candidate, antagonist): (u32, Option<u32>),
         normal: Vector2<f64>,

@@ -4,7 +4,7 @@
 //! A. A. Goldstein, Convex programming in Hilbert space, Bull. Amer. Math. Soc. 70 (1964) 709-710. Cost of an iteration:
 //! one product with W, in two passes over the contacts. q(r) decreases at every iteration for 0 < s < 2.
 
-use contact::spectrum::delassus_bound;
+use analysis::delassus_bound;
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
 use product::Product;
 use schemars::JsonSchema;

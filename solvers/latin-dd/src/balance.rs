@@ -11,8 +11,8 @@
 
 use crate::directions::Directions;
 use crate::subdomain::{Iterate, Latin};
+use analysis::scaled_delassus_bound;
 use contact::ContactProblem;
-use contact::spectrum::eigenvalue_bound;
 use std::ops::RangeInclusive;
 
 /// Iterations after which directions are scaled. In between, the fast part of the change dies out.
@@ -34,7 +34,7 @@ impl Balance {
     /// With room for the iterates of so many contacts, and components of boundary grains.
     pub(crate) fn new(problem: &ContactProblem, iterates: usize) -> Self {
         let room = || Vec::with_capacity(iterates);
-        Self { previous: room(), current: room(), eigenvalue_bound: eigenvalue_bound(problem) }
+        Self { previous: room(), current: room(), eigenvalue_bound: scaled_delassus_bound(problem) }
     }
 
     /// Sees the linear stage of an iteration; returns the factor by which to scale, at the end of a round.

@@ -58,8 +58,18 @@ impl Iteration for Run<'_> {
             ("kappa_l_plus", l_plus),
             ("kappa_d_minus", d_minus),
             ("kappa_d_plus", d_plus),
-            ("critical_path", self.critical_path() as f64),
         ]
+    }
+
+    /// Multiply-adds of the longest subdomain: eight per contact, one per entry of its factor in each pass, one per value
+    /// exchanged; and the coarse problem, which waits for all.
+    fn critical_path(&self) -> Option<u64> {
+        let copies = self.decomposition.copies_by_subdomain();
+        let work = |(latin, copies): (&Latin, usize)| {
+            8 * latin.impulses().len() + 2 * latin.factor_entries() + 2 * copies
+        };
+        let longest = self.subdomains.iter().zip(copies).map(work).max().unwrap_or(0);
+        Some((longest + self.coarse.as_ref().map_or(0, Coarse::entries)) as u64)
     }
 
     fn work(&self) -> Work {
@@ -86,17 +96,6 @@ impl Run<'_> {
     pub(crate) fn in_subdomains(&mut self, stage: impl Fn(&mut Latin) + Sync + Send) {
         let nanoseconds = NS_PER_CONTACT * self.problem.contact_count();
         self.subdomains.par_iter_mut().with_min_len(together(nanoseconds)).for_each(stage);
-    }
-
-    /// Multiply-adds of the longest subdomain: eight per contact, one per entry of its factor in each pass, one per value
-    /// exchanged; and the coarse problem, which waits for all.
-    fn critical_path(&self) -> usize {
-        let copies = self.decomposition.copies_by_subdomain();
-        let work = |(latin, copies): (&Latin, usize)| {
-            8 * latin.impulses().len() + 2 * latin.factor_entries() + 2 * copies
-        };
-        let longest = self.subdomains.iter().zip(copies).map(work).max().unwrap_or(0);
-        longest + self.coarse.as_ref().map_or(0, Coarse::entries)
     }
 
     /// Takes other directions; where a matrix of theirs cannot be factorised, all stays as it is.

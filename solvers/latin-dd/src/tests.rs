@@ -4,10 +4,11 @@ use super::*;
 use crate::balance::Balance;
 use crate::run::Run;
 use crate::subdomain::Latin;
+use analysis::Spectrum;
 use cases::{Case, Frozen, March};
-use contact::spectrum::Spectrum;
-use contact::{Measure, Status, Stop};
+use contact::Measure;
 use nalgebra::Vector2;
+use runner::{Status, Stop};
 use std::path::Path;
 
 fn frozen(name: &str) -> Frozen {
@@ -78,7 +79,7 @@ fn senseless_settings_are_refused_by_name() {
 fn to_1e_4(problem: &ContactProblem, settings: LatinDd) -> (u64, u64) {
     let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-4, max_iterations: 3000 };
     let r0 = vec![0.0; problem.contact_count()];
-    let outcome = contact::solve(&settings, problem, &r0, &stop, &mut |_| ()).unwrap();
+    let outcome = runner::solve(&settings, problem, &r0, &stop, &mut |_| ()).unwrap();
     (outcome.iterations, outcome.work.factorisations)
 }
 
@@ -110,7 +111,7 @@ fn directions_do_not_run_away_from_round_off() {
         let problem = almost_closing(time_step);
         let r0 = vec![0.0; problem.contact_count()];
         let outcome =
-            contact::solve(&LatinDd::default(), &problem, &r0, &Stop::default(), &mut |_| ()).unwrap();
+            runner::solve(&LatinDd::default(), &problem, &r0, &Stop::default(), &mut |_| ()).unwrap();
         let kappa = outcome.derived.iter().find(|(key, _)| *key == "kappa_l_minus").unwrap().1;
         assert_eq!(outcome.status, Status::Converged, "{time_step} s: κ = {kappa:e}");
         assert!(kappa < 1e4, "{time_step} s: {kappa:e}");

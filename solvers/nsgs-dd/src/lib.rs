@@ -93,8 +93,16 @@ impl Iteration for Run {
         self.velocity_jump
     }
 
-    fn derived(&self) -> Vec<(&'static str, f64)> {
-        vec![("critical_path", self.critical_path() as f64)]
+    /// Multiply-adds of the longest subdomain of each group: eight per contact updated, one per value exchanged.
+    fn critical_path(&self) -> Option<u64> {
+        let sweeps = self.settings.inner_sweeps as usize;
+        let mut longest = vec![0; self.groups.contacts.len()];
+        let copies = self.decomposition.copies_by_subdomain();
+        for ((sweeper, copies), group) in self.sweepers.iter().zip(copies).zip(&self.groups.of_subdomain) {
+            let longest = &mut longest[*group as usize];
+            *longest = (8 * sweeps * sweeper.contacts() + 2 * copies).max(*longest);
+        }
+        Some(longest.iter().sum::<usize>() as u64)
     }
 
     fn work(&self) -> Work {
@@ -113,18 +121,6 @@ impl Iteration for Run {
 const NS_PER_UPDATE: usize = 5;
 
 impl Run {
-    /// Multiply-adds of the longest subdomain of each group: eight per contact updated, one per value exchanged.
-    fn critical_path(&self) -> usize {
-        let sweeps = self.settings.inner_sweeps as usize;
-        let mut longest = vec![0; self.groups.contacts.len()];
-        let copies = self.decomposition.copies_by_subdomain();
-        for ((sweeper, copies), group) in self.sweepers.iter().zip(copies).zip(&self.groups.of_subdomain) {
-            let longest = &mut longest[*group as usize];
-            *longest = (8 * sweeps * sweeper.contacts() + 2 * copies).max(*longest);
-        }
-        longest.iter().sum()
-    }
-
     /// From the glued velocity, `inner_sweeps` sweeps in each subdomain of `group`, F fixed.
     fn sweep(&mut self, group: u32) {
         let NsgsDd { inner_sweeps: sweeps, relaxation, .. } = self.settings;

@@ -2,8 +2,8 @@
 //!
 //! Converges for ω < 2/λmax(`W_D`⁻¹ W) only; `bounded` keeps it there. Cost of an iteration: that of a sweep, and a copy of the velocities.
 
+use analysis::scaled_delassus_bound;
 use contact::scaled::scaled_velocity;
-use contact::spectrum::eigenvalue_bound;
 use contact::sweep::Row;
 use contact::{Contact, ContactProblem, Iteration, SetupError, Solver, Work, law};
 use nalgebra::Vector2;
@@ -81,7 +81,7 @@ impl Solver for Jacobi {
         let row = |contact: &Contact| Row::new(contact, contact.ends(), inverse_mass);
         let (rows, unit): (Vec<Row>, Vec<f64>) = problem.contacts().iter().map(row).unzip();
         let y = scaled_velocity(problem, r0);
-        let bound = eigenvalue_bound(problem);
+        let bound = scaled_delassus_bound(problem);
         let scale = if self.bounded && bound > 0.0 { 2.0 / bound } else { 1.0 };
         Ok(Box::new(Run {
             rows,

@@ -15,7 +15,8 @@ mod row;
 pub use certificate::{Certificate, ENERGY_ROUND_OFF, ROUND_OFF, Residual, certify};
 pub use method::InteriorPoint;
 
-use contact::{ContactProblem, Iteration, proves_infeasible};
+use analysis::proves_infeasible;
+use contact::{ContactProblem, Iteration};
 use dual::End;
 use interior::Verdict;
 use method::Run;

@@ -1,9 +1,9 @@
 //! Whether a run that met its stop rule has converged. ζ, LMGC90's norms and the penetration rate can all be met far from a
 //! solution, or where there is none.
 
-use crate::measures::{Measure, Measures};
-use crate::problem::ContactProblem;
-use crate::solve::{Stop, prove_infeasible};
+use crate::Stop;
+use analysis::any_proves_infeasible;
+use contact::{ContactProblem, Measure, Measures};
 
 /// A velocity error of more than this many tolerances is no convergence (–). Over the frozen problems, six methods and
 /// tolerances from 1e-2 to 1e-6, runs that stop on the natural map have at most 60, on the penetration rate 71.
@@ -47,7 +47,7 @@ pub(crate) fn is_false(
     measures.natural_map > LEAST.max(far * tolerance)
         || measures.natural_map > tolerance
             && (stays || measures.natural_map > HARDLY_FALLEN)
-            && prove_infeasible(problem, &rays())
+            && any_proves_infeasible(problem, &rays())
 }
 
 /// The tolerance of a penetration rate over the rate of r = 0; that of the other measures, which are shares (–).

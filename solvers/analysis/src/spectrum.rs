@@ -1,6 +1,6 @@
 //! The spectrum of W_D⁻¹ W, on which the rates and the limits of most methods hang. W_D is the diagonal of W.
 
-use crate::problem::{Contact, ContactProblem};
+use contact::ContactProblem;
 use nalgebra::{DMatrix, Vector2};
 
 /// Products W p of a power iteration: on packings the quotient then stands to some four digits.
@@ -132,97 +132,5 @@ pub fn greatest_eigenvalue(problem: &ContactProblem) -> f64 {
     eigenvalue
 }
 
-/// Λ ≥ λmax(W_D⁻¹ W), in one pass over the contacts (–).
-///
-/// Both matrices are sums over grains: rᵗ W r = `Σ_i` |`Σ_α` n_α r_α|²/`m_i` and rᵗ W_D r = `Σ_i` `Σ_α` r_α²/`m_i`, α over
-/// the contacts of grain i. Grain by grain the first is at most μ_i times the second, with μ_i the greatest eigenvalue of the
-/// 2×2 matrix `Σ_α` n nᵗ; so Λ = `max_i` μ_i. On a triangular crystal both are 3.
-pub fn eigenvalue_bound(problem: &ContactProblem) -> f64 {
-    // Σ n nᵗ as its trace k and its deviator (Σ cos 2φ, Σ sin 2φ): μ = (k + |deviator|)/2.
-    let mut sums = vec![(0.0, Vector2::zeros()); problem.grain_count()];
-    for contact in problem.contacts() {
-        let n = contact.normal;
-        let deviator = Vector2::new(n.x * n.x - n.y * n.y, 2.0 * n.x * n.y);
-        for grain in contact.grains() {
-            let (trace, sum) = &mut sums[grain as usize];
-            *trace += n.norm_squared();
-            *sum += deviator;
-        }
-    }
-    sums.iter().map(|(trace, deviator)| 0.5 * (trace + deviator.norm())).fold(0.0, f64::max)
-}
-
-/// Λ = `max_α` (`k_i/m_i` + `k_j/m_j`) ≥ λmax(W), where `k_i` contacts hold grain i: Gershgorin's circles, with
-/// |`W_αβ`| ≤ 1/m for contacts that share a grain of mass m (1/kg).
-pub fn delassus_bound(problem: &ContactProblem) -> f64 {
-    let mut row = vec![0.0; problem.grain_count()];
-    for contact in problem.contacts() {
-        for grain in contact.grains() {
-            row[grain as usize] += 1.0 / problem.mass()[grain as usize];
-        }
-    }
-    let of_contact = |contact: &Contact| {
-        row[contact.candidate as usize] + contact.antagonist.map_or(0.0, |j| row[j as usize])
-    };
-    problem.contacts().iter().map(of_contact).fold(0.0, f64::max)
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// n discs of mass 1 on a floor, one on top of the other.
-    fn column(n: u32) -> ContactProblem {
-        let up = Vector2::y();
-        let contact =
-            |k: u32| Contact { candidate: k, antagonist: k.checked_sub(1), normal: up, offset: 0.0 };
-        let grains = n as usize;
-        let position = (0..n).map(|k| up * f64::from(k)).collect();
-        ContactProblem::new(vec![1.0; grains], position, vec![-up; grains], (0..n).map(contact).collect())
-            .unwrap()
-    }
-
-    /// W_D^-½ W W_D^-½ of a column is tridiagonal: 1 − cos((2j − 1)π/2n) are its eigenvalues.
-    #[test]
-    fn eigenvalues_of_a_column_are_those_of_a_chain() {
-        let n = 12;
-        let values = eigenvalues(&column(n), &(0..n as usize).collect::<Vec<_>>()).unwrap();
-        for (j, value) in values.iter().enumerate() {
-            let expected = 1.0 - ((2 * j + 1) as f64 * std::f64::consts::PI / f64::from(2 * n)).cos();
-            assert!((value - expected).abs() < 1e-13, "{value}, {expected} expected");
-        }
-    }
-
-    #[test]
-    fn copies_of_a_contact_multiply_the_greatest_eigenvalue_and_are_redundant() {
-        let once = column(5);
-        let twice: Vec<Contact> = once.contacts().iter().flat_map(|contact| [*contact; 2]).collect();
-        let (mass, position) = (once.mass().to_vec(), once.position().to_vec());
-        let twice = ContactProblem::new(mass, position, once.free_velocity().to_vec(), twice).unwrap();
-        let spectrum = |problem: &ContactProblem| {
-            Spectrum::of(problem, Some(&vec![true; problem.contact_count()])).closed.unwrap()
-        };
-        let (once, twice) = (spectrum(&once), spectrum(&twice));
-        assert_eq!((once.redundant, twice.redundant), (0, 5));
-        assert!((twice.greatest / once.greatest - 2.0).abs() < 1e-12);
-        assert!((twice.least / once.least - 2.0).abs() < 1e-10);
-    }
-
-    #[test]
-    fn bound_is_above_the_greatest_eigenvalue_and_the_power_iteration_below() {
-        for n in [1, 2, 7, 40] {
-            let problem = column(n);
-            let exact = Spectrum::of(&problem, None).greatest;
-            assert!(greatest_eigenvalue(&problem) <= exact * (1.0 + 1e-14));
-            assert!(exact <= eigenvalue_bound(&problem) * (1.0 + 1e-14), "n = {n}");
-        }
-    }
-
-    #[test]
-    fn no_contact_has_no_spectrum() {
-        let problem =
-            ContactProblem::new(vec![1.0], vec![Vector2::zeros()], vec![Vector2::zeros()], vec![]).unwrap();
-        assert_eq!(Spectrum::of(&problem, Some(&[])), Spectrum::default());
-        assert_eq!(eigenvalue_bound(&problem), 0.0);
-    }
-}
+mod tests;

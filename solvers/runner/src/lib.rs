@@ -1,11 +1,11 @@
-//! The loop that runs every method: it advances, reads the impulses, measures, and decides when to stop.
+//! The loop that runs every method: it advances, reads the impulses, measures, and decides when to stop. (The reference, as the
+//! judge of solutions, drives its own steps in `reference::solve`; as a method it is run by this loop like the others.)
 
-use crate::convergence::is_false;
-use crate::interface::{SetupError, Solver, Work};
-use crate::law;
-use crate::measures::{Measure, Measures, Meter};
-use crate::problem::ContactProblem;
-use crate::truth::{Truth, balanced, proves_infeasible};
+mod convergence;
+
+use analysis::any_proves_infeasible;
+use contact::{ContactProblem, Measure, Measures, Meter, SetupError, Solver, Truth, Work, law};
+use convergence::is_false;
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -50,11 +50,11 @@ impl Stop {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// The asked measure is at most the tolerance.
+    /// The measure of the stop rule is at most the tolerance.
     Converged,
     /// It is, and the iterate is far from a solution all the same.
     FalseConvergence,
-    /// All iterations were made.
+    /// The greatest number of iterations is reached.
     IterationLimit,
     /// The method says that no further iteration brings it nearer to a solution.
     Stalled,
@@ -62,7 +62,7 @@ pub enum Status {
     Diverged,
     /// The impulses grow for ever: they, or their growth, prove that the problem has no solution.
     Infeasible,
-    /// The observer asked to stop: the run says nothing of the method.
+    /// The observer stopped the run: it says nothing of the method.
     Interrupted,
 }
 
@@ -84,7 +84,7 @@ impl Status {
 /// What an observer sees after every iteration, and once before the first.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
-    /// Iterations made.
+    /// Iterations so far.
     pub iteration: u64,
     /// Time spent in `advance` so far.
     pub iterating: Duration,
@@ -101,7 +101,7 @@ pub struct Progress<'a> {
 pub struct Outcome {
     /// How it ended.
     pub status: Status,
-    /// Iterations made.
+    /// Number of iterations.
     pub iterations: u64,
     /// Measures of the last iterate.
     pub measures: Measures,
@@ -117,6 +117,8 @@ pub struct Outcome {
     pub work: Work,
     /// The values that the method worked with where its settings leave one open.
     pub derived: Vec<(&'static str, f64)>,
+    /// Multiply-adds of an iteration on the longest subdomain, where there are some.
+    pub critical_path: Option<u64>,
 }
 
 /// q(r) above this many times the problem's own scale of energy is a divergence. It is far, since a method may converge
@@ -153,11 +155,11 @@ pub fn solve(
     })
 }
 
-/// [`solve`] beside a `truth` that is known, if it is: the measures then tell the error. The observer may end the run after
+/// [`solve`] beside a `truth` that is known, if it is: the measures then hold the error. The observer may end the run after
 /// any iterate; it is then [`Status::Interrupted`], unless that iterate was the last one anyway.
 ///
 /// # Errors
-/// Those of [`solve`]; names the stop rule if it asks for the error of a solution that is not known.
+/// Those of [`solve`]; names the stop rule if it is on the error of a solution that is not known.
 pub fn solve_against(
     truth: Option<&Truth>,
     solver: &dyn Solver,
@@ -208,7 +210,7 @@ fn run(
         // Before convergence, which a measure can feign where others overflow; and so that a NaN counts as diverged.
         if !(measures.energy <= energy_bound && measures.natural_map.is_finite()) {
             let proved =
-                r.iter().all(|r| r.is_finite()) && prove_infeasible(problem, std::slice::from_ref(&r));
+                r.iter().all(|r| r.is_finite()) && any_proves_infeasible(problem, std::slice::from_ref(&r));
             break if proved { Status::Infeasible } else { Status::Diverged };
         }
         if scale == 0.0 {
@@ -228,7 +230,7 @@ fn run(
             break Status::IterationLimit;
         }
         if iteration.stalled() {
-            let proved = prove_infeasible(problem, &[r.clone(), growth(&at_last_look.0, &r)]);
+            let proved = any_proves_infeasible(problem, &[r.clone(), growth(&at_last_look.0, &r)]);
             break if proved { Status::Infeasible } else { Status::Stalled };
         }
         if goes_on.is_break() {
@@ -247,13 +249,21 @@ fn run(
             // The impulses, and their growth in one iteration and in half of all: what is constant in them is not in it.
             endless = iterations >= FIRST_LOOK
                 && !(measures.natural_map < CONVERGES * natural_map_then)
-                && prove_infeasible(problem, &[r.clone(), growth(&before, &r), growth(r_then, &r)]);
+                && any_proves_infeasible(problem, &[r.clone(), growth(&before, &r), growth(r_then, &r)]);
         }
     };
-    let work = iteration.work();
-    let velocity = meter.velocity().to_vec();
-    let derived = iteration.derived();
-    Ok(Outcome { status, iterations, measures, impulses: r, velocity, setup, iterating, work, derived })
+    Ok(Outcome {
+        status,
+        iterations,
+        measures,
+        impulses: r,
+        velocity: meter.velocity().to_vec(),
+        setup,
+        iterating,
+        work: iteration.work(),
+        derived: iteration.derived(),
+        critical_path: iteration.critical_path(),
+    })
 }
 
 /// No iterate, and no natural map.
@@ -263,10 +273,4 @@ fn none() -> (Vec<f64>, f64) {
 
 fn growth(before: &[f64], r: &[f64]) -> Vec<f64> {
     r.iter().zip(before).map(|(r, before)| law::non_negative(r - before)).collect()
-}
-
-/// Whether one of the `rays`, as it is or balanced, proves that there is no solution.
-pub(crate) fn prove_infeasible(problem: &ContactProblem, rays: &[Vec<f64>]) -> bool {
-    let proves = |ray: &Vec<f64>| proves_infeasible(problem, ray);
-    rays.iter().any(proves) || rays.iter().any(|ray| proves(&balanced(problem, ray)))
 }

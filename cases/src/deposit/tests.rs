@@ -1,0 +1,72 @@
+use super::front::{beside_wall, on_two};
+use super::*;
+
+/// `count` radii from `least` to `greatest`, drawn evenly.
+fn radii(count: u32, least: f64, greatest: f64) -> Vec<f64> {
+    (0..count).map(|k| least + (greatest - least) * (f64::from(k) * 0.618_034).fract()).collect()
+}
+
+#[test]
+fn deposited_discs_fill_the_box_without_overlap() {
+    let discs = deposit(&radii(400, 0.05, 0.1), 3.0).unwrap();
+    for (k, (x, r)) in discs.iter().enumerate() {
+        assert!(x.x >= r - 1e-11 && x.x <= 3.0 - r + 1e-11 && x.y >= r - 1e-11, "disc {k} leaves the box");
+        for (other, s) in &discs[..k] {
+            assert!((x - other).norm() >= r + s - 1e-11, "disc {k} overlaps another");
+        }
+    }
+    let area: f64 = discs.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum();
+    let top = discs.iter().map(|(x, r)| x.y + r).fold(0.0, f64::max);
+    assert!(area / (3.0 * top) > 0.7, "solid fraction {}", area / (3.0 * top));
+}
+
+/// The lowest of all places on any two discs of the front, or on one and beside a wall.
+fn lowest_of_all(front: &Front, radius: f64) -> Option<Place> {
+    let chain: Vec<u32> = std::iter::successors(front.first, |disc| front.after[*disc as usize]).collect();
+    let disc = |k: u32| front.discs[k as usize];
+    let beside = |k: u32| {
+        let left = beside_wall(disc(k), radius, radius).map(|at| Place { at, left: None, right: Some(k) });
+        let right = beside_wall(disc(k), front.width - radius, radius);
+        left.into_iter().chain(right.map(|at| Place { at, left: Some(k), right: None }))
+    };
+    let on = |k: u32, other: u32| {
+        on_two(disc(k), disc(other), radius).map(|at| Place { at, left: Some(k), right: Some(other) })
+    };
+    let pairs = chain.iter().enumerate().flat_map(|(k, held)| {
+        chain[k + 1..].iter().filter_map(move |other| on(*held, *other)).chain(beside(*held))
+    });
+    pairs
+        .filter(|place| front.fits(chain.iter().copied(), place.at, radius))
+        .min_by(|a, b| a.at.y.total_cmp(&b.at.y).then(a.at.x.total_cmp(&b.at.x)))
+}
+
+#[test]
+fn every_disc_lies_at_the_lowest_of_all_places() {
+    let mut with_intruder = radii(250, 0.05, 0.1);
+    with_intruder[120] = 0.4;
+    for (radii, width) in [
+        (radii(250, 0.05, 0.1), 2.4),
+        (radii(250, 0.02, 0.2), 3.0),
+        (radii(150, 0.001, 0.1), 1.5),
+        (with_intruder, 2.4),
+    ] {
+        let mut front = Front::new(width, &radii);
+        for (k, (at, radius)) in (0_u32..).zip(deposit(&radii, width).unwrap()) {
+            let on_floor = at.y == radius;
+            let place = if on_floor {
+                Place { at, left: k.checked_sub(1), right: None }
+            } else {
+                lowest_of_all(&front, radius).unwrap()
+            };
+            assert_eq!(place.at, at, "disc {k} of radius {radius}");
+            front.lay(&place, radius);
+        }
+    }
+}
+
+#[test]
+fn equal_discs_lie_in_rows_of_five_and_four() {
+    let discs = deposit(&[0.1; 60], 1.0).unwrap();
+    let top = discs.iter().map(|(x, _)| x.y).fold(0.0, f64::max);
+    assert!((top - (0.1 + 13.0 * 0.1 * 3.0_f64.sqrt())).abs() < 1e-9, "{top}");
+}

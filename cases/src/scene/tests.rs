@@ -1,0 +1,36 @@
+use super::*;
+
+#[test]
+fn vibration_of_a_quarter_turn_back_begins_at_rest() {
+    let phase_rad = -std::f64::consts::FRAC_PI_2;
+    let (amplitude_m, frequency_hz, direction) = (0.1, 1.0, Direction::X);
+    let from_rest = Vibration { amplitude_m, frequency_hz, direction, phase_rad, start_s: 0.0 };
+    assert_eq!(from_rest.displacement(0.0), Vector2::zeros());
+    // A (1 − cos(2π f t)): all the way after half a period; A (2π f t)²/2 soon after the start.
+    assert!((from_rest.displacement(0.5).x - 0.2).abs() < 1e-15);
+    let soon = 0.1 * (std::f64::consts::TAU * 1e-4_f64).powi(2) / 2.0;
+    assert!((from_rest.displacement(1e-4).x / soon - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn walls_turn_about_their_feet_and_shake_with_the_box() {
+    let (amplitude_m, frequency_hz, direction) = (0.1, 0.25, Direction::Y);
+    let vibration = Vibration { amplitude_m, frequency_hz, direction, phase_rad: 0.0, start_s: 1.0 };
+    let walls = Walls {
+        width_m: Some(3.0),
+        tilt_rate_rad_per_s: std::f64::consts::FRAC_PI_4,
+        tilt_start_s: 1.0,
+        closing_speed_m_per_s: 0.0,
+        vibration: Some(vibration),
+    };
+    let disc = Vector2::new(1.0, 1.5);
+    let gaps = |time| walls.at(time).map(|wall| wall.unwrap().gap(disc, 0.1));
+    assert_eq!(gaps(0.5), [1.4, 0.9, 1.9], "nothing moves before its start");
+    // A second later the walls lean by π/4 and the box is at its highest, 0.1 m.
+    let along = 1.4 / std::f64::consts::SQRT_2;
+    let expected =
+        [1.3, 1.0 / std::f64::consts::SQRT_2 - along - 0.1, along - 2.0 / -std::f64::consts::SQRT_2 - 0.1];
+    for (gap, expected) in gaps(2.0).iter().zip(expected) {
+        assert!((gap - expected).abs() < 1e-14, "{gap} m, {expected} m expected");
+    }
+}

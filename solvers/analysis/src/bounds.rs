@@ -1,0 +1,40 @@
+//! Upper bounds of the greatest eigenvalues of W and of W_D⁻¹ W, in one pass over the contacts: cheap enough for a method to
+//! take its step length from.
+
+use contact::{Contact, ContactProblem};
+use nalgebra::Vector2;
+
+/// Λ ≥ λmax(W_D⁻¹ W), in one pass over the contacts (–).
+///
+/// Both matrices are sums over grains: rᵗ W r = `Σ_i` |`Σ_α` n_α r_α|²/`m_i` and rᵗ W_D r = `Σ_i` `Σ_α` r_α²/`m_i`, α over
+/// the contacts of grain i. Grain by grain the first is at most μ_i times the second, with μ_i the greatest eigenvalue of the
+/// 2×2 matrix `Σ_α` n nᵗ; so Λ = `max_i` μ_i. On a triangular crystal both are 3.
+pub fn scaled_delassus_bound(problem: &ContactProblem) -> f64 {
+    // Σ n nᵗ as its trace k and its deviator (Σ cos 2φ, Σ sin 2φ): μ = (k + |deviator|)/2.
+    let mut sums = vec![(0.0, Vector2::zeros()); problem.grain_count()];
+    for contact in problem.contacts() {
+        let n = contact.normal;
+        let deviator = Vector2::new(n.x * n.x - n.y * n.y, 2.0 * n.x * n.y);
+        for grain in contact.grains() {
+            let (trace, sum) = &mut sums[grain as usize];
+            *trace += n.norm_squared();
+            *sum += deviator;
+        }
+    }
+    sums.iter().map(|(trace, deviator)| 0.5 * (trace + deviator.norm())).fold(0.0, f64::max)
+}
+
+/// Λ = `max_α` (`k_i/m_i` + `k_j/m_j`) ≥ λmax(W), where `k_i` contacts hold grain i: Gershgorin's circles, with
+/// |`W_αβ`| ≤ 1/m for contacts that share a grain of mass m (1/kg).
+pub fn delassus_bound(problem: &ContactProblem) -> f64 {
+    let mut row = vec![0.0; problem.grain_count()];
+    for contact in problem.contacts() {
+        for grain in contact.grains() {
+            row[grain as usize] += 1.0 / problem.mass()[grain as usize];
+        }
+    }
+    let of_contact = |contact: &Contact| {
+        row[contact.candidate as usize] + contact.antagonist.map_or(0.0, |j| row[j as usize])
+    };
+    problem.contacts().iter().map(of_contact).fold(0.0, f64::max)
+}

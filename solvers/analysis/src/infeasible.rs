@@ -1,0 +1,129 @@
+//! The proof that a problem has no solution: impulses that balance while contacts approach.
+
+use contact::{ContactProblem, law};
+use nalgebra::Vector2;
+
+/// How far, in units of the problem's own scale, a velocity must be from `V_free` to be called out of reach (–).
+const OUT_OF_REACH: f64 = 1e6;
+
+/// What impulses that balance leave at any grain, over the sum of their sizes at the grain that is pressed most (–): the
+/// round-off of some thousand of them. A lever finer than this is none.
+const BALANCED: f64 = 1e-12;
+
+/// Round-off of a sum relative to the sizes of its terms (–).
+const ROUND_OFF: f64 = 1e-14;
+
+/// Whether the impulses `ray` prove that the problem has no solution (lemma of Farkas).
+///
+/// For d ≥ 0 and any admissible V, that is Hᵗ V + c ≥ 0, dᵗ (Hᵗ V + c) ≥ 0, hence
+/// ‖V − `V_free`‖_M ≥ −bᵗ d / ‖H d‖_{M⁻¹}. If H d = 0 and bᵗ d < 0, there is no such V: the impulses d balance at every
+/// grain, and on the whole they act against approach, whatever V. In floating point all three must stand out from round-off:
+///
+/// - H d is that of impulses that balance, to 1e-12 of their sizes. A lever of 3e-9 is none of these, nor is a grain too heavy to
+///   feel the rest of its impulses;
+/// - −bᵗ d is above 1e-12 of its terms, of the sizes of `V_i`, `V_j` and c: as much as such a lever makes of them;
+/// - the bound is above 1e6 √(Σ max(0, −b)²/`W_αα`), with ‖H d‖ raised by its round-off: no velocity nearer than that is
+///   admissible, whatever rounding made of the ray.
+pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
+    // The proof does not depend on the length of the ray; squares of small numbers would vanish.
+    let greatest = ray.iter().copied().fold(0.0, f64::max);
+    if !greatest.is_normal() {
+        return false;
+    }
+    let ray: Vec<f64> = ray.iter().map(|d| d / greatest).collect();
+    if !ray.iter().all(|d| *d >= 0.0) {
+        return false;
+    }
+    let (grains, free) = (problem.grain_count(), problem.free_velocity());
+    let (mut work, mut terms, mut sizes) = (0.0, 0.0, vec![0.0; grains]);
+    for (contact, d) in problem.contacts().iter().zip(&ray) {
+        work -= d * (contact.relative(free) + contact.offset);
+        terms += d * contact.offset.abs();
+        for grain in contact.grains() {
+            terms += d * free[grain as usize].norm();
+            sizes[grain as usize] += d;
+        }
+    }
+    let mut resultant = vec![Vector2::zeros(); grains];
+    problem.resultant(&ray, &mut resultant);
+    let left = resultant.iter().map(nalgebra::Matrix::amax).fold(0.0, f64::max);
+    let pressed = sizes.iter().copied().fold(0.0, f64::max);
+    // ‖H d‖² of M⁻¹, each grain raised by its round-off.
+    let raised =
+        |((h_d, size), m): ((&Vector2<f64>, &f64), &f64)| (h_d.norm() + ROUND_OFF * size).powi(2) / m;
+    let unbalanced = resultant.iter().zip(&sizes).zip(problem.mass()).map(raised).sum::<f64>().sqrt();
+    left <= BALANCED * pressed
+        && work > BALANCED * terms
+        && work > OUT_OF_REACH * problem.scale().sqrt() * unbalanced
+}
+
+/// Whether one of the `rays`, as it is or balanced, [proves](proves_infeasible) that there is no solution.
+pub fn any_proves_infeasible(problem: &ContactProblem, rays: &[Vec<f64>]) -> bool {
+    let proves = |ray: &Vec<f64>| proves_infeasible(problem, ray);
+    rays.iter().any(proves) || rays.iter().any(|ray| proves(&balanced(problem, ray)))
+}
+
+/// What is left of a ray below this share of it is the round-off of its descent (–).
+const LEFT: f64 = 1e-10;
+
+/// Products W p of one descent towards balance, and descents.
+const PRODUCTS: u32 = 200;
+const DESCENTS: u32 = 3;
+
+/// Impulses near `ray` that balance at every grain, if there are any: what is left of it when ½ dᵗ W d has fallen as far as it
+/// can over the contacts with d > 0; those that would pull are let go, and it falls again. So what a method adds to its
+/// impulses where there is no solution becomes a proof long before the rest of them is negligible.
+fn balanced(problem: &ContactProblem, ray: &[f64]) -> Vec<f64> {
+    let greatest = |d: &[f64]| d.iter().copied().fold(0.0, f64::max);
+    let mut d = ray.to_vec();
+    for _ in 0..DESCENTS {
+        descend(problem, &mut d);
+        let pulls = d.iter().any(|d| *d < 0.0);
+        for d in &mut d {
+            *d = law::non_negative(*d);
+        }
+        if !pulls {
+            break;
+        }
+    }
+    if greatest(&d) < LEFT * greatest(ray) {
+        d.fill(0.0);
+    }
+    d
+}
+
+/// Conjugate gradients on ½ dᵗ W d over the contacts with d > 0, preconditioned by W_D.
+fn descend(problem: &ContactProblem, d: &mut [f64]) {
+    let diagonal = problem.delassus_diagonal();
+    let presses: Vec<bool> = d.iter().map(|d| *d > 0.0).collect();
+    let mut scratch = vec![Vector2::zeros(); problem.grain_count()];
+    let mut product = |p: &[f64], w_p: &mut [f64]| {
+        problem.delassus_product(p, w_p, &mut scratch);
+        w_p.iter_mut().zip(&presses).filter(|(_, presses)| !**presses).for_each(|(w_p, _)| *w_p = 0.0);
+    };
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (mut g, mut w_p) = (vec![0.0; d.len()], vec![0.0; d.len()]);
+    product(d, &mut g);
+    let scaled = |g: &[f64]| g.iter().zip(&diagonal).map(|(g, w)| g / w).collect::<Vec<f64>>();
+    let mut z = scaled(&g);
+    let mut p: Vec<f64> = z.iter().map(|z| -z).collect();
+    for _ in 0..PRODUCTS {
+        product(&p, &mut w_p);
+        let (fall, curvature) = (dot(&g, &z), dot(&p, &w_p));
+        if !(curvature > 0.0 && fall > 0.0) {
+            return;
+        }
+        // d ← d + α p,  α = gᵗ z / pᵗ W p;  p ← −z + β p,  β = g⁺ᵗ z⁺ / gᵗ z
+        let length = fall / curvature;
+        for contact in 0..d.len() {
+            d[contact] += length * p[contact];
+            g[contact] += length * w_p[contact];
+        }
+        z = scaled(&g);
+        let beta = dot(&g, &z) / fall;
+        p.iter_mut().zip(&z).for_each(|(p, z)| *p = beta * *p - z);
+    }
+}
+
+#[cfg(test)]
+mod tests;

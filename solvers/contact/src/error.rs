@@ -1,0 +1,119 @@
+//! What a problem, a setting or a start is refused for: the key, the value, what would be accepted.
+
+use crate::problem::ContactProblem;
+use thiserror::Error;
+
+/// Why a contact problem makes no sense. Keys are those of the frozen problem file.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ProblemError {
+    /// A list has another length than the list that it belongs to.
+    #[error("`{key}` has {found} values where {expected} are expected")]
+    Length {
+        /// Key of the list.
+        key: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length of the list that it goes with.
+        expected: usize,
+    },
+    /// A value is outside what has a meaning.
+    #[error("`{key}[{index}]` is {value}: it must be {expected}")]
+    Value {
+        /// Key of the list.
+        key: &'static str,
+        /// Index in the list.
+        index: usize,
+        /// The value found.
+        value: String,
+        /// What would be accepted.
+        expected: String,
+    },
+}
+
+impl ProblemError {
+    /// Accepts a list of `expected` values.
+    ///
+    /// # Errors
+    /// Names `key` otherwise.
+    pub fn unless_length<T>(key: &'static str, values: &[T], expected: usize) -> Result<(), Self> {
+        let found = values.len();
+        if found == expected { Ok(()) } else { Err(Self::Length { key, found, expected }) }
+    }
+
+    /// Accepts a list whose values are all `valid`.
+    ///
+    /// # Errors
+    /// Names `key` and the first value that is not as `expected`.
+    pub fn unless_each<T: std::fmt::Debug>(
+        key: &'static str,
+        values: &[T],
+        expected: &str,
+        valid: impl Fn(&T) -> bool,
+    ) -> Result<(), Self> {
+        match values.iter().position(|value| !valid(value)) {
+            None => Ok(()),
+            Some(index) => {
+                let value = format!("{:?}", values[index]);
+                Err(Self::Value { key, index, value, expected: expected.to_owned() })
+            }
+        }
+    }
+}
+
+/// A number in an error: in full, or with an exponent where that is long.
+pub fn shown(x: f64) -> String {
+    let (full, exponent) = (format!("{x}"), format!("{x:e}"));
+    if full.len() > 12 && exponent.len() < full.len() { exponent } else { full }
+}
+
+/// Why a method cannot start: the setting, its value, what would be accepted.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("`{key}` is {value}: it must be {expected}")]
+pub struct SetupError {
+    /// Name of the setting.
+    pub key: &'static str,
+    /// Its value.
+    pub value: String,
+    /// What would be accepted.
+    pub expected: String,
+}
+
+impl SetupError {
+    /// The error of a setting `key` whose `value` is not as `expected`.
+    pub fn new(key: &'static str, value: impl std::fmt::Display, expected: impl Into<String>) -> Self {
+        let value = value.to_string();
+        // 1e200 has 201 digits; none that must stay.
+        let long = if value.len() > 24 { value.parse().ok() } else { None };
+        Self { key, value: long.map_or(value, shown), expected: expected.into() }
+    }
+
+    /// Accepts a positive finite value.
+    ///
+    /// # Errors
+    /// Names `key` otherwise.
+    pub fn unless_positive(key: &'static str, value: f64) -> Result<(), Self> {
+        if value > 0.0 && value.is_finite() {
+            Ok(())
+        } else {
+            Err(Self::new(key, value, "positive and finite"))
+        }
+    }
+
+    /// Accepts a warm start with one admissible impulse per contact.
+    ///
+    /// # Errors
+    /// Names the first impulse that is not.
+    pub fn unless_admissible(problem: &ContactProblem, r0: &[f64]) -> Result<(), Self> {
+        if r0.len() != problem.contact_count() {
+            let expected = format!("of one impulse per contact, {} in all", problem.contact_count());
+            return Err(Self::new("start", format!("{} impulses", r0.len()), expected));
+        }
+        match r0.iter().position(|r| !(*r >= 0.0 && r.is_finite())) {
+            None => Ok(()),
+            Some(index) => {
+                let value = format!("{} at contact {index}", shown(r0[index]));
+                Err(Self::new("start", value, "finite and not negative"))
+            }
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! What is counted of the work of a method, and how much work is worth a thread.
+
+use serde::{Deserialize, Serialize};
+use std::ops::AddAssign;
+
+/// Counted work: the same on any machine, with any number of threads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Work {
+    /// Contacts updated by the law.
+    pub contact_updates: u64,
+    /// Products W p.
+    pub delassus_products: u64,
+    /// Velocity components that copies sent to the interface.
+    pub interface_values: u64,
+    /// Entries of triangular factors that solves went through, two passes per solve.
+    pub triangular_solve_entries: u64,
+    /// Matrices factorised.
+    pub factorisations: u64,
+}
+
+impl Work {
+    /// Each count by its name in files.
+    pub fn named(&self) -> [(&'static str, u64); 5] {
+        [
+            ("contact_updates", self.contact_updates),
+            ("delassus_products", self.delassus_products),
+            ("interface_values", self.interface_values),
+            ("triangular_solve_entries", self.triangular_solve_entries),
+            ("factorisations", self.factorisations),
+        ]
+    }
+}
+
+impl AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        self.contact_updates += other.contact_updates;
+        self.delassus_products += other.delassus_products;
+        self.interface_values += other.interface_values;
+        self.triangular_solve_entries += other.triangular_solve_entries;
+        self.factorisations += other.factorisations;
+    }
+}
+
+/// A thread that sleeps takes some tens of microseconds to wake (ns).
+const WORTH_A_THREAD: usize = 100_000;
+
+/// How many of some items stay together on one thread, for `with_min_len` of rayon: all, where they take less than a
+/// tenth of a millisecond in all. Only time depends on it.
+pub fn together(nanoseconds: usize) -> usize {
+    if nanoseconds < WORTH_A_THREAD { usize::MAX } else { 1 }
+}
