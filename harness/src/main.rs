@@ -13,7 +13,6 @@ mod cli {
     pub(crate) mod report;
     pub(crate) mod schema;
     pub(crate) mod simulate;
-    pub(crate) mod simulations;
     pub(crate) mod solve;
     #[cfg(test)]
     mod tests;
@@ -24,14 +23,15 @@ mod cli {
 mod store {
     pub(crate) mod baseline;
     pub(crate) mod folder;
+    pub(crate) mod notes;
     pub(crate) mod stored;
-    pub(crate) mod tables;
 }
 
 /// A task becomes a row.
 mod run {
     pub(crate) mod curve;
     pub(crate) mod execute;
+    pub(crate) mod problem;
     pub(crate) mod rows;
     pub(crate) mod simulation;
     pub(crate) mod snapshots;
@@ -43,9 +43,10 @@ mod run {
 
 /// A plan with its problems or scenes: the tasks that it asks for, each with its id.
 mod study {
-    pub(crate) mod runs;
+    pub(crate) mod problems;
     pub(crate) mod selection;
     pub(crate) mod simulations;
+    pub(crate) mod tasks;
     #[cfg(test)]
     mod tests;
 }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::provenance::ProvenanceError;
-use crate::schema::{Run, STATUSES, Sample, Snapshot};
+use crate::schema::{Provenance, Run, STATUSES, Sample, Snapshot, Timing};
 use crate::store::{StoreError, at};
 
 /// What the journal of a study holds, one per line.
@@ -24,6 +24,12 @@ pub trait Entry: Serialize + DeserializeOwned {
 
     /// What was run on what, as it is told to the user.
     fn name(&self) -> String;
+
+    /// How its seconds were taken.
+    fn timing(&self) -> &Timing;
+
+    /// Where it comes from.
+    fn provenance(&self) -> &Provenance;
 
     /// What two of one id have in common, whatever made them: name and value of each.
     fn counts(&self) -> Vec<(String, String)>;
@@ -159,8 +165,17 @@ impl Entry for Record {
         format!("{} on {problem}", format!("{method} {variant}").trim_end())
     }
 
+    fn timing(&self) -> &Timing {
+        &self.run.timing
+    }
+
+    fn provenance(&self) -> &Provenance {
+        &self.run.provenance
+    }
+
     fn counts(&self) -> Vec<(String, String)> {
-        self.run.counts()
+        let iterations = [("iterations", self.run.iterations)];
+        named(&self.run.status, iterations.into_iter().chain(self.run.end.work.named()))
     }
 
     fn check(&self) -> Result<(), EntryError> {
@@ -170,6 +185,15 @@ impl Entry for Record {
         }
         Ok(self.run.provenance.check()?)
     }
+}
+
+/// How one ended, and its counts.
+pub(crate) fn named(
+    status: &str,
+    counts: impl Iterator<Item = (&'static str, u64)>,
+) -> Vec<(String, String)> {
+    let counts = counts.map(|(name, count)| (name.to_owned(), count.to_string()));
+    std::iter::once(("status".to_owned(), status.to_owned())).chain(counts).collect()
 }
 
 /// What a journal holds.

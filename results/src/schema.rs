@@ -172,21 +172,6 @@ pub struct Provenance {
 pub const STATUSES: [&str; 7] =
     ["converged", "iteration-limit", "stalled", "diverged", "infeasible", "false-convergence", "skipped"];
 
-impl Run {
-    /// How it ended and the work that it counted, by name: the same for all runs of one id.
-    pub fn counts(&self) -> Vec<(String, String)> {
-        let iterations = [("iterations", self.iterations)];
-        let counts = iterations.into_iter().chain(self.end.work.named());
-        let counts = counts.map(|(name, count)| (name.to_owned(), count.to_string()));
-        std::iter::once(("status".to_owned(), self.status.clone())).chain(counts).collect()
-    }
-
-    /// Whether the two ended alike and counted the same work: what two runs of one id always do.
-    pub fn same_counts(&self, other: &Self) -> bool {
-        self.counts() == other.counts()
-    }
-}
-
 impl Provenance {
     /// Whether seconds of the two can be compared: the same build on the same processor with as many threads.
     pub fn comparable(&self, other: &Self) -> bool {

@@ -4,7 +4,7 @@ use contact::{Work, number};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::journal::{Entry, EntryError};
+use crate::journal::{Entry, EntryError, named};
 use crate::json;
 use crate::provenance::ProvenanceError;
 use crate::schema::{Provenance, Timing};
@@ -162,6 +162,14 @@ impl Entry for Simulated {
         format!("{} on {scene}", format!("{method} {variant}").trim_end())
     }
 
+    fn timing(&self) -> &Timing {
+        &self.simulation.timing
+    }
+
+    fn provenance(&self) -> &Provenance {
+        &self.simulation.provenance
+    }
+
     fn counts(&self) -> Vec<(String, String)> {
         let s = &self.simulation;
         let steps = [
@@ -170,10 +178,9 @@ impl Entry for Simulated {
             ("iterations", s.iterations),
         ];
         let counts = steps.into_iter().chain(s.work.named());
-        let counts = counts.map(|(name, count)| (name.to_owned(), count.to_string()));
         // NaN is what it is, here.
         let rows = self.series.iter().map(|row| (format!("series at {} s", row.time_s), format!("{row:?}")));
-        std::iter::once(("status".to_owned(), s.status.clone())).chain(counts).chain(rows).collect()
+        named(&s.status, counts).into_iter().chain(rows).collect()
     }
 
     fn check(&self) -> Result<(), EntryError> {

@@ -1,11 +1,11 @@
 //! `gravel merge`: the runs of other stores of a plan, such as those of another machine, join this one.
 
 use crate::cli::args::StudyArgs;
-use crate::cli::simulations;
 use crate::plan::methods::names;
 use crate::problems::files::Root;
 use crate::store::folder::{finish, open, provenance};
-use crate::study::runs::Study;
+use crate::study::selection::Selection;
+use crate::study::tasks::{ForKind, Kind, of_kind};
 use crate::terminal::output::say;
 use anyhow::{Result, bail};
 use results::journal::Entry;
@@ -24,14 +24,21 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    let selection = StudyArgs::plan(&args.plan, false).selection(root)?;
-    let plan = selection.plan.name.clone();
-    if selection.plan.simulate.is_some() {
-        let store = joined(root, &plan, &args.from)?;
-        return simulations::merged(root, selection, store);
+    of_kind(StudyArgs::plan(&args.plan, false).selection(root)?, Merge { root, args })
+}
+
+struct Merge<'a> {
+    root: &'a Root,
+    args: &'a Args,
+}
+
+impl ForKind for Merge<'_> {
+    type Output = ExitCode;
+
+    fn of<K: Kind>(self, selection: Selection) -> Result<ExitCode> {
+        let store = joined(self.root, &selection.plan.name, &self.args.from)?;
+        finish(self.root, &K::new(selection, self.root, true)?, store, &provenance()?)
     }
-    let store = joined(root, &plan, &args.from)?;
-    finish(root, &Study::made(selection, root)?, store, &provenance()?)
 }
 
 /// The store of a plan with what those in the folders `from` hold beside it.

@@ -6,7 +6,8 @@ use crate::store::folder::{about, runs_folder, say_files};
 use crate::terminal::output::{say, write_whole};
 use anyhow::{Context, Result, bail};
 use reports::{Chart, Formats, Wanted, made};
-use results::store::{Tables, read, read_simulations, tables_folder};
+use results::store::{read, tables_folder};
+use results::study::Study as Rows;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -78,34 +79,27 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let stored = stored(root, &plan)?;
     let about = about(&plan, &args.study.again());
     let out = root.join("reports/out").join(&plan.name);
+    let rows = read(&stored)?;
     let earlier = args.against.as_deref().map(read).transpose().context("--against")?;
+    if (args.fill.is_some() || earlier.is_some()) && !matches!(rows, Rows::Runs(_)) {
+        bail!("--against and --fill are for studies of problems, and `{}` is one through time", plan.name);
+    }
     let before = made(&out);
     let (charts, formats) = (plan.charts(), args.formats.formats(&before));
     let wanted = Wanted { charts: &charts, formats, against: earlier.as_ref() };
-    let files = if plan.simulate.is_some() {
-        if args.fill.is_some() || args.against.is_some() {
-            bail!(
-                "--against and --fill are for studies of problems, and `{}` is one through time",
-                plan.name
-            );
-        }
-        reports::report(&read_simulations(&stored)?, &about, wanted, &out)?
-    } else {
-        let tables = read(&stored)?;
-        if let Some(template) = &args.fill {
-            fill(&tables, template)?;
-        }
-        reports::report(&tables, &about, wanted, &out)?
-    };
+    if let Some(template) = &args.fill {
+        fill(&rows, template)?;
+    }
+    let files = reports::report(&rows, &about, wanted, &out)?;
     say_files(&stored, &out, &files, &before)
 }
 
-fn fill(tables: &Tables, template: &Path) -> Result<()> {
+fn fill(rows: &Rows, template: &Path) -> Result<()> {
     if template.extension().is_none_or(|ending| ending != "in") {
         bail!("--fill {}: the name of a template ends in .in", template.display());
     }
     let text = std::fs::read_to_string(template).with_context(|| format!("--fill {}", template.display()))?;
-    let filled = reports::fill(tables, &text).with_context(|| format!("--fill {}", template.display()))?;
+    let filled = reports::fill(rows, &text).with_context(|| format!("--fill {}", template.display()))?;
     let page = template.with_extension("");
     write_whole(&page, &filled)?;
     say(format_args!("{}", page.display()))?;
@@ -120,11 +114,7 @@ pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
     let out = root.join("reports/out").join(format!("{}-{}", plan.name, args.chart.name()));
     let before = made(&out);
     let formats = args.formats.formats(&before);
-    let files = if plan.simulate.is_some() {
-        reports::figure(&read_simulations(&stored)?, args.chart, formats, &out)?
-    } else {
-        reports::figure(&read(&stored)?, args.chart, formats, &out)?
-    };
+    let files = reports::figure(&read(&stored)?, args.chart, formats, &out)?;
     say_files(&stored, &out, &files, &before)
 }
 

@@ -27,7 +27,8 @@ impl Recorder {
     /// curves all of the first hundred too, then one in each hundredth of the iterations; of ends those of the iterations
     /// 1, 2, 4, …, which tell whether a measure still falls.
     pub(crate) fn observe(&mut self, progress: &Progress) {
-        let sample = sample(progress);
+        let Progress { iteration, iterating, measures, work, .. } = *progress;
+        let sample = Sample { iteration, iterating_s: iterating.as_secs_f64(), measures, work };
         let octave = self.curves == Curves::Ends && progress.iteration.is_power_of_two();
         let mut keep = progress.iteration == 0 || octave;
         for (measure, reached) in Measure::ALL.into_iter().zip(&mut self.reached) {
@@ -57,38 +58,11 @@ impl Recorder {
 
 /// The first iteration of a recorded curve at which `measure` is at most `tolerance`, one of the
 /// [`DECADES`].
-pub(crate) fn first_at(curve: &[Sample], measure: fn(&Sample) -> f64, tolerance: f64) -> Option<u64> {
-    curve.iter().find(|sample| measure(sample) <= tolerance).map(|sample| sample.iteration)
+pub(crate) fn first_at(curve: &[Sample], measure: Measure, tolerance: f64) -> Option<u64> {
+    curve.iter().find(|sample| sample.measures.get(measure) <= tolerance).map(|sample| sample.iteration)
 }
 
 /// The first iterations of a recorded curve at which `measure` is at most 0.1, 0.01, …, as far as it falls.
-pub(crate) fn decades(curve: &[Sample], measure: fn(&Sample) -> f64) -> Vec<u64> {
+pub(crate) fn decades(curve: &[Sample], measure: Measure) -> Vec<u64> {
     DECADES.iter().map_while(|decade| first_at(curve, measure, *decade)).collect()
-}
-
-fn sample(progress: &Progress) -> Sample {
-    let Progress { iteration, iterating, measures, work, .. } = progress;
-    Sample { iteration: *iteration, iterating_s: iterating.as_secs_f64(), ..measured(measures, work) }
-}
-
-/// The sample of an iterate before anything is done.
-pub(crate) fn measured(measures: &Measures, work: &Work) -> Sample {
-    Sample {
-        iteration: 0,
-        iterating_s: 0.0,
-        zeta: measures.zeta,
-        natural_map: measures.natural_map,
-        penetration_rate_m_per_s: measures.penetration_rate,
-        quad_dv: measures.quad_dv,
-        max_dv: measures.max_dv,
-        velocity_error: measures.velocity_error,
-        energy_gap: measures.energy_gap,
-        velocity_jump_m_per_s: measures.velocity_jump,
-        energy_j: measures.energy,
-        contact_updates: work.contact_updates,
-        delassus_products: work.delassus_products,
-        interface_values: work.interface_values,
-        triangular_solve_entries: work.triangular_solve_entries,
-        factorisations: work.factorisations,
-    }
 }

@@ -4,33 +4,30 @@ use crate::plan::file::Plan;
 use crate::plan::variants::Variant;
 use crate::problems::planned::Problem;
 use crate::problems::reference::Given;
-use crate::run::curve::{first_at, measured};
-use crate::study::runs::{Study, Task};
+use crate::run::curve::first_at;
+use crate::run::problem::Wanted;
 use cases::Frozen;
-use contact::{Meter, Truth, Work};
+use contact::{Measure, Meter, Truth, Work};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Partition, Scheme};
-use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Timing};
+use results::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample};
 use runner::Outcome;
-use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use serde_json::{Map, Value};
 
-/// What is asked of a run, with nothing reached yet: a skipped run, if it is not made. Its number in the tables comes
-/// with them.
-pub(crate) fn asked_row(study: &Study, task: &Task, provenance: &Provenance, timing: Timing) -> Run {
+/// What is wanted of a run, with nothing reached yet: a skipped run, if it is not run.
+pub(crate) fn wanted_row(wanted: &Wanted, provenance: Provenance) -> Run {
     // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
     let subdomains = |grid: Grid| u32::try_from(grid.count()).unwrap_or(u32::MAX);
-    let variant = task.variant;
+    let variant = wanted.variant;
     Run {
-        id: task.id.clone(),
+        id: wanted.id.to_owned(),
         method: variant.method.name.to_owned(),
-        settings: Value::Object(variant.method.settings.clone()).to_string(),
+        settings: variant.method.settings.clone(),
         variant: variant.name.clone(),
         subdomains: variant.setting::<Grid>("subdomains").map_or(1, subdomains),
         warm_start: variant.warm_start,
         status: "skipped".to_owned(),
-        timing,
-        ..nothing_done(&study.selection.plan, task.problem, provenance)
+        ..nothing_done(wanted.plan, wanted.problem, provenance)
     }
 }
 
@@ -49,104 +46,56 @@ pub(crate) fn given_row(
         method: "given".to_owned(),
         variant: given.from.clone(),
         status: "given".to_owned(),
-        end: Sample { iteration: 0, iterating_s: f64::NAN, ..measured(&measures, &Work::default()) },
-        ..nothing_done(plan, problem, provenance)
+        end: End { measures, work: Work::default() },
+        ..nothing_done(plan, problem, provenance.clone())
     }
 }
 
-fn nothing_done(plan: &Plan, problem: &Problem, provenance: &Provenance) -> Run {
+fn nothing_done(plan: &Plan, problem: &Problem, provenance: Provenance) -> Run {
     Run {
-        run: 0,
-        id: String::new(),
         plan: plan.name.clone(),
         problem: problem.frozen.name.clone(),
         problem_hash: problem.hash.clone(),
         problem_settings: problem.settings.clone(),
         grains: problem.frozen.problem.grain_count() as u32,
         contacts: problem.frozen.problem.contact_count() as u32,
-        method: String::new(),
-        settings: "{}".to_owned(),
-        derived: "{}".to_owned(),
-        spectrum: "{}".to_owned(),
-        variant: String::new(),
         subdomains: 1,
-        warm_start: false,
         stop_on: plan.stop.on.name().to_owned(),
         tolerance: plan.stop.tolerance,
         max_iterations: plan.stop.max_iterations,
-        status: String::new(),
-        reason: String::new(),
-        iterations: 0,
         setup_s: f64::NAN,
         iterating_s: f64::NAN,
-        iterations_to_zeta_1e_3: None,
-        iterations_to_zeta_1e_4: None,
-        iterations_to_natural_map_1e_2: None,
-        iterations_to_natural_map_1e_4: None,
-        iterations_to_velocity_error_1e_2: None,
-        iterations_to_velocity_error_1e_4: None,
-        timing: UNTIMED,
-        end: NO_ITERATE,
-        provenance: provenance.clone(),
+        provenance,
+        ..Run::default()
     }
 }
 
-/// Before a run, and where there is none.
-pub(crate) const UNTIMED: Timing = Timing {
-    repeats: 0,
-    timed_alone: false,
-    setup_spread_s: f64::NAN,
-    iterating_spread_s: f64::NAN,
-    wall_s: f64::NAN,
-    load_average: f64::NAN,
-};
-
-/// Nothing was done, and no measure is defined.
-const NO_ITERATE: Sample = Sample {
-    iteration: 0,
-    iterating_s: f64::NAN,
-    zeta: f64::NAN,
-    natural_map: f64::NAN,
-    penetration_rate_m_per_s: f64::NAN,
-    quad_dv: f64::NAN,
-    max_dv: f64::NAN,
-    velocity_error: f64::NAN,
-    energy_gap: f64::NAN,
-    velocity_jump_m_per_s: f64::NAN,
-    energy_j: f64::NAN,
-    contact_updates: 0,
-    delassus_products: 0,
-    interface_values: 0,
-    triangular_solve_entries: 0,
-    factorisations: 0,
-};
-
-/// What was asked, and what the run reached.
-pub(crate) fn ended_row(asked: Run, outcome: &Outcome, curve: &[Sample]) -> Run {
-    let zeta = |tolerance| first_at(curve, |sample| sample.zeta, tolerance);
-    let natural_map = |tolerance| first_at(curve, |sample| sample.natural_map, tolerance);
-    let velocity_error = |tolerance| first_at(curve, |sample| sample.velocity_error, tolerance);
+/// What was wanted, and what the run reached.
+pub(crate) fn ended_row(row: Run, outcome: &Outcome, curve: &[Sample]) -> Run {
+    let first = |measure: Measure, tolerance| first_at(curve, measure, tolerance);
+    let Sample { measures, work, .. } = curve[curve.len() - 1];
     Run {
-        derived: json!(derived(outcome)).to_string(),
+        derived: derived(outcome),
         status: outcome.status.name().to_owned(),
         iterations: outcome.iterations,
         setup_s: outcome.setup.as_secs_f64(),
         iterating_s: outcome.iterating.as_secs_f64(),
-        iterations_to_zeta_1e_3: zeta(1e-3),
-        iterations_to_zeta_1e_4: zeta(1e-4),
-        iterations_to_natural_map_1e_2: natural_map(1e-2),
-        iterations_to_natural_map_1e_4: natural_map(1e-4),
-        iterations_to_velocity_error_1e_2: velocity_error(1e-2),
-        iterations_to_velocity_error_1e_4: velocity_error(1e-4),
-        end: curve[curve.len() - 1],
-        ..asked
+        iterations_to_zeta_1e_3: first(Measure::Zeta, 1e-3),
+        iterations_to_zeta_1e_4: first(Measure::Zeta, 1e-4),
+        iterations_to_natural_map_1e_2: first(Measure::NaturalMap, 1e-2),
+        iterations_to_natural_map_1e_4: first(Measure::NaturalMap, 1e-4),
+        iterations_to_velocity_error_1e_2: first(Measure::VelocityError, 1e-2),
+        iterations_to_velocity_error_1e_4: first(Measure::VelocityError, 1e-4),
+        end: End { measures, work },
+        ..row
     }
 }
 
 /// What the method worked with beside its settings: the values that they leave open, and the critical path where there is one.
-pub(crate) fn derived(outcome: &Outcome) -> BTreeMap<&'static str, f64> {
+pub(crate) fn derived(outcome: &Outcome) -> Map<String, Value> {
     let critical_path = outcome.critical_path.map(|path| ("critical_path", path as f64));
-    outcome.derived.iter().copied().chain(critical_path).collect()
+    let all = outcome.derived.iter().copied().chain(critical_path);
+    all.map(|(key, value)| (key.to_owned(), value.into())).collect()
 }
 
 /// The partitions that the methods of a plan use, by name, each once.

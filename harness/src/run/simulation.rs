@@ -1,50 +1,72 @@
 //! A simulation of a study is made: its row and its series.
 
+use crate::plan::rules::Rule;
+use crate::plan::variants::Variant;
 use crate::problems::scene::Scene;
-use crate::run::through_time::{End, Seen, Totals, through_time};
-use crate::study::simulations::Task;
+use crate::run::execute::Conditions;
+use crate::run::through_time::{End, Seen, through_time};
 use crate::terminal::output::write_whole;
-use crate::terminal::progress::Bars;
 use anyhow::{Context, Result};
 use cases::{Frozen, March};
 use results::schema::{Provenance, Timing};
 use results::simulation::{Observed, Simulated, Simulation};
 use results::store::LAST_STATES;
-use serde_json::Value;
 use std::path::Path;
 use std::time::Instant;
 
-/// One simulation; `None` if it was halted. One that explodes leaves the problem of its last good state in `folder`.
-pub(crate) fn make(
-    task: &Task,
-    plan: &str,
-    timing: Timing,
-    provenance: &Provenance,
-    bars: &Bars,
-    halt: &dyn Fn() -> bool,
-    folder: &Path,
-) -> Result<Option<Simulated>> {
+/// A simulation that is wanted.
+pub(crate) struct Wanted<'a> {
+    /// Name of the plan.
+    pub(crate) plan: &'a str,
+    pub(crate) scene: &'a Scene,
+    pub(crate) variant: &'a Variant,
+    pub(crate) rule: Rule,
+    /// Its part in the study.
+    pub(crate) role: &'a str,
+    pub(crate) id: &'a str,
+    /// As a user reads it.
+    pub(crate) name: String,
+}
+
+/// One simulation; `None` if it was halted. One that explodes leaves the problem of its last good state in the folder of the
+/// study.
+pub(crate) fn run(wanted: &Wanted, conditions: &Conditions) -> Result<Option<Simulated>> {
     let clock = Instant::now();
-    let Scene { case, time_steps, every, .. } = task.scene;
+    let Scene { case, time_steps, every, .. } = wanted.scene;
     let mut march = March::new(case)?;
-    let asked = asked_row(task, plan, &march, timing, &provenance.restarted())?;
-    let mut line = bars.line(task.name());
+    let timing = conditions.timing();
+    let row = wanted_row(wanted, &march, conditions.provenance.restarted())?;
+    let mut line = conditions.bars.line(wanted.name.clone());
     let mut series = Series { every: *every, rows: Vec::new(), since: None };
-    let solver = &*task.variant.method.solver;
-    let (totals, end) = through_time(&mut march, solver, &task.rule, *time_steps, halt, &mut |seen| {
+    let solver = &*wanted.variant.method.solver;
+    let halt = conditions.halt;
+    let (totals, end) = through_time(&mut march, solver, &wanted.rule, *time_steps, halt, &mut |seen| {
         series.see(seen);
         line.show_time_step(seen.totals.time_steps, *time_steps);
         Ok(())
     })?;
-    let last_state = match &end {
-        End::Interrupted(_) => return Ok(None),
-        End::Completed | End::Refused(_) => String::new(),
-        End::Exploded { last, .. } => keep(last, folder, &task.id)?,
+    let last_state = match (&end, conditions.folder) {
+        (End::Interrupted(_), _) => return Ok(None),
+        (End::Exploded { last, .. }, Some(folder)) => keep(last, folder, wanted.id)?,
+        _ => String::new(),
     };
-    let (status, reason) = (end.status(), end.reason().to_owned());
-    let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..asked.timing.clone() };
-    let asked = Simulation { status: status.to_owned(), reason, last_state, timing, ..asked };
-    Ok(Some(Simulated { simulation: ended_row(asked, &totals), series: series.rows }))
+    let simulation = Simulation {
+        status: end.status().to_owned(),
+        reason: end.reason().to_owned(),
+        last_state,
+        time_steps: totals.time_steps,
+        missed_time_steps: totals.missed,
+        diverged_time_steps: totals.diverged,
+        infeasible_time_steps: totals.infeasible,
+        restarted_time_steps: totals.restarted,
+        iterations: totals.iterations,
+        setup_s: totals.setup.as_secs_f64(),
+        iterating_s: totals.iterating.as_secs_f64(),
+        work: totals.work,
+        timing: Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing },
+        ..row
+    };
+    Ok(Some(Simulated { simulation, series: series.rows }))
 }
 
 /// Writes the problem of the last good state below the folder of the study, and returns its path there.
@@ -55,26 +77,19 @@ fn keep(last: &Frozen, folder: &Path, id: &str) -> Result<String> {
     Ok(format!("{LAST_STATES}/{id}.json"))
 }
 
-/// What is asked of a simulation, with nothing reached yet.
-fn asked_row(
-    task: &Task,
-    plan: &str,
-    march: &March,
-    timing: Timing,
-    provenance: &Provenance,
-) -> Result<Simulation> {
-    let (scene, variant, rule) = (task.scene, task.variant, &task.rule);
+/// What is wanted, with nothing reached yet.
+fn wanted_row(wanted: &Wanted, march: &March, provenance: Provenance) -> Result<Simulation> {
+    let Wanted { scene, variant, rule, .. } = wanted;
     let problem = march.next()?.frozen.problem;
     let mut settings = scene.settings.clone();
     settings.insert("case".to_owned(), scene.case.name.as_str().into());
     Ok(Simulation {
-        simulation: 0,
-        id: task.id.clone(),
-        plan: plan.to_owned(),
+        id: wanted.id.to_owned(),
+        plan: wanted.plan.to_owned(),
         scene: scene.name.clone(),
-        scene_settings: Value::Object(settings).to_string(),
+        scene_settings: settings,
         scene_hash: scene.hash.clone(),
-        role: task.role.to_owned(),
+        role: wanted.role.to_owned(),
         grains: problem.grain_count() as u32,
         mass_kg: problem.mass().iter().sum(),
         mean_diameter_m: march.mean_diameter(),
@@ -82,48 +97,15 @@ fn asked_row(
         time_step_s: scene.case.scene.time_step_s,
         duration_s: scene.duration_s,
         method: variant.method.name.to_owned(),
-        settings: Value::Object(variant.method.settings.clone()).to_string(),
+        settings: variant.method.settings.clone(),
         variant: variant.name.clone(),
         warm_start: rule.warm_start,
         stop_on: rule.stop.on.name().to_owned(),
         tolerance: rule.stop.tolerance,
         max_iterations: rule.stop.max_iterations,
-        status: String::new(),
-        reason: String::new(),
-        last_state: String::new(),
-        time_steps: 0,
-        missed_time_steps: 0,
-        diverged_time_steps: 0,
-        infeasible_time_steps: 0,
-        restarted_time_steps: 0,
-        iterations: 0,
-        setup_s: 0.0,
-        iterating_s: 0.0,
-        contact_updates: 0,
-        delassus_products: 0,
-        triangular_solve_entries: 0,
-        factorisations: 0,
-        timing,
-        provenance: provenance.clone(),
+        provenance,
+        ..Simulation::default()
     })
-}
-
-fn ended_row(asked: Simulation, totals: &Totals) -> Simulation {
-    Simulation {
-        time_steps: totals.time_steps,
-        missed_time_steps: totals.missed,
-        diverged_time_steps: totals.diverged,
-        infeasible_time_steps: totals.infeasible,
-        restarted_time_steps: totals.restarted,
-        iterations: totals.iterations,
-        setup_s: totals.setup.as_secs_f64(),
-        iterating_s: totals.iterating.as_secs_f64(),
-        contact_updates: totals.work.contact_updates,
-        delassus_products: totals.work.delassus_products,
-        triangular_solve_entries: totals.work.triangular_solve_entries,
-        factorisations: totals.work.factorisations,
-        ..asked
-    }
 }
 
 /// The series of a simulation, thinned: a row for every so many time steps.

@@ -4,9 +4,9 @@ use crate::COMMIT;
 use crate::plan::file::Plan;
 use crate::plan::methods::names;
 use crate::problems::files::Root;
-use crate::store::tables::{notes, tables};
-use crate::study::runs::Study;
+use crate::store::notes::notes;
 use crate::study::selection::Selection;
+use crate::study::tasks::{Kind, Task, by_id, missing};
 use crate::terminal::output::say;
 use crate::terminal::{exit, interrupt};
 use anyhow::{Context, Result, anyhow};
@@ -55,35 +55,39 @@ pub(crate) fn open<R: Entry>(root: &Root, plan: &str) -> Result<Store<R>> {
     Ok(store)
 }
 
-/// Makes the tables of a study from its store, and its report if the user did not stop it.
-pub(crate) fn finish(
+/// Writes the tables of a study from its store, and its report if the user did not stop it.
+pub(crate) fn finish<K: Kind>(
     root: &Root,
-    study: &Study,
-    mut store: Store,
+    study: &K,
+    mut store: Store<K::Record>,
     provenance: &Provenance,
 ) -> Result<ExitCode> {
-    let tables = tables(root, study, store.records(), provenance)?;
+    let Selection { plan, again, .. } = study.selection();
+    let tasks = study.tasks()?;
+    let known = by_id(store.records());
+    let ended = |task: &Task<K>| Some((task.clone(), (*known.get(task.id.as_str())?).clone()));
+    let rows = study.rows(root, tasks.iter().filter_map(ended).collect(), provenance)?;
     if interrupt::asked() {
-        store.write_tables(&tables)?;
-        let missing = study.progress(store.records()).missing.len();
+        let missing = missing(&tasks, &known.into_keys().collect()).len();
+        store.write_tables(&rows)?;
         say(format_args!(
-            "stopped; runs missing: {missing}, the others are kept; `gravel bench {}` goes on",
-            study.selection.again
+            "stopped; {} missing: {missing}, the others are kept; `gravel bench {again}` goes on",
+            K::TASKS
         ))?;
         return Ok(ExitCode::from(exit::INTERRUPTED));
     }
-    let Selection { plan, again, .. } = &study.selection;
+    let notes = notes(study, &tasks, store.records())?;
     let out = root.join("reports/out").join(&plan.name);
     let before = made(&out);
     let formats = Formats::default().and_those_of(&before);
     let wanted = Wanted { charts: &plan.charts(), formats, against: None };
     let about = about(plan, again);
     let (written, drawn) =
-        rayon::join(|| store.write_tables(&tables), || reports::report(&tables, &about, wanted, &out));
+        rayon::join(|| store.write_tables(&rows), || reports::report(&rows, &about, wanted, &out));
     // The tables come before the words, which may meet a closed pipe.
     written?;
-    say(format_args!("{}", reports::iterations_text(&tables)?))?;
-    for note in notes(study, store.records()) {
+    say(format_args!("{}", reports::summary(&rows)?))?;
+    for note in notes {
         say(format_args!("{note}"))?;
     }
     say_files(store.folder(), &out, &drawn?, &before)?;

@@ -1,20 +1,28 @@
-//! A plan of simulations: which it asks for, each with its identity and its part in the study.
+//! A study through time: every variant on every scene under every rule is a simulation; and so are those that they are
+//! compared with.
 
 use crate::plan::identity::{code_version, first_hex};
 use crate::plan::rules::Rule;
 use crate::plan::variants::Variant;
+use crate::problems::files::Root;
 use crate::problems::planned::PlannedProblem;
 use crate::problems::scene::Scene;
+use crate::run::execute::Conditions;
+use crate::run::simulation::{Wanted, run};
 use crate::study::selection::Selection;
-use anyhow::{Context, Result};
+use crate::study::tasks::{Kind, Listed, Task, missing};
+use anyhow::{Context, Result, bail};
 use cases::March;
+use results::schema::Provenance;
+use results::simulation::{Simulated, Simulation};
+use results::study::Study as Rows;
 use serde_json::json;
 use sha2::{Digest, Sha256};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
 /// A study through time and all that it names.
-pub(crate) struct Study {
-    pub(crate) selection: Selection,
+pub(crate) struct ThroughTime {
+    selection: Selection,
     rules: Vec<Rule>,
     /// Each scene once, with a time step shorter than any of the plan.
     refined: Vec<Scene>,
@@ -22,19 +30,55 @@ pub(crate) struct Study {
     reference: (Variant, Rule),
 }
 
-/// One simulation that a study asks for.
-#[derive(Clone)]
-pub(crate) struct Task<'s> {
-    pub(crate) scene: &'s Scene,
-    pub(crate) variant: &'s Variant,
-    pub(crate) rule: Rule,
+/// A scene through time.
+#[derive(Clone, Copy)]
+pub(crate) struct Through<'s> {
+    scene: &'s Scene,
+    rule: Rule,
     /// Its part in the study, as the column `role` says it.
-    pub(crate) role: &'static str,
-    pub(crate) id: String,
+    role: &'static str,
 }
 
-impl Study {
-    pub(crate) fn new(selection: Selection) -> Result<Self> {
+impl ThroughTime {
+    /// The scenes of the plan, with the names that `--only` knows.
+    fn scenes(&self) -> impl Iterator<Item = (&str, &Scene)> {
+        self.selection.problems.iter().filter_map(|problem| Some((problem.name.as_str(), problem.scene()?)))
+    }
+
+    /// Whether a simulation is selected: a run that is asked for, or what such runs are compared with.
+    fn selects(&self, scene: &Scene, variant: &Variant, role: &str) -> bool {
+        let (selection, is_run) = (&self.selection, role == "run");
+        let variants = || selection.variants.iter().filter(|v| !is_run || std::ptr::eq(*v, variant));
+        let same = |other: &Scene| if is_run { std::ptr::eq(other, scene) } else { other.name == scene.name };
+        let mut scenes = self.scenes().filter(|(_, other)| same(other));
+        scenes.any(|(name, _)| variants().any(|variant| selection.selects(name, variant)))
+    }
+
+    fn task<'s>(
+        &'s self,
+        scene: &'s Scene,
+        variant: &'s Variant,
+        rule: Rule,
+        role: &'static str,
+    ) -> Result<Task<'s, Self>> {
+        let march = code_version::<March>().context("the crate `cases` has no version")?;
+        let method = &variant.method;
+        // Sorted, whatever the map of the JSON crate does with its keys.
+        let settings: BTreeMap<_, _> = method.settings.iter().collect();
+        let time = [scene.time_steps, scene.every];
+        let all = json!([scene.hash, time, method.name, method.code, settings, rule.keys(), march]);
+        let id = first_hex(Sha256::digest(all.to_string()).as_slice());
+        let selected = self.selects(scene, variant, role);
+        Ok(Task { id, variant, selected, what: Through { scene, rule, role } })
+    }
+}
+
+impl Kind for ThroughTime {
+    type Record = Simulated;
+    type What<'s> = Through<'s>;
+    const TASKS: &'static str = "simulations";
+
+    fn new(selection: Selection, _: &Root, _: bool) -> Result<Self> {
         let simulate = selection.plan.simulate.as_ref().context("the plan has no table [simulate]")?;
         let mut shortest: Vec<&Scene> = Vec::new();
         for scene in selection.problems.iter().filter_map(PlannedProblem::scene) {
@@ -52,79 +96,85 @@ impl Study {
         Ok(Self { selection, rules, refined, reference })
     }
 
-    /// The scenes of the plan, with the names that `--only` knows.
-    fn scenes(&self) -> impl Iterator<Item = (&str, &Scene)> {
-        self.selection.problems.iter().filter_map(|problem| Some((problem.name.as_str(), problem.scene()?)))
+    fn selection(&self) -> &Selection {
+        &self.selection
     }
 
-    /// Whether a simulation is to be made: a run that is asked for, or what such runs are compared with.
-    pub(crate) fn selects(&self, task: &Task) -> bool {
-        let (selection, is_run) = (&self.selection, task.role == "run");
-        let variants = || selection.variants.iter().filter(|v| !is_run || std::ptr::eq(*v, task.variant));
-        let same = |scene: &Scene| {
-            if is_run { std::ptr::eq(scene, task.scene) } else { scene.name == task.scene.name }
-        };
-        let mut scenes = self.scenes().filter(|(_, scene)| same(scene));
-        scenes.any(|(name, _)| variants().any(|variant| selection.selects(name, variant)))
+    fn repeats(&self, wanted: Option<u32>) -> Result<u32> {
+        if wanted.is_some_and(|repeats| repeats > 1) {
+            bail!("--repeats: a simulation is run once; its seconds are those of many time steps");
+        }
+        Ok(1)
     }
 
-    /// Every simulation: references and their twins, floors, then the runs in the order of the plan.
-    pub(crate) fn tasks(&self) -> Result<Vec<Task<'_>>> {
+    /// References and their twins, floors, then the runs in the order of the plan.
+    fn tasks(&self) -> Result<Vec<Task<'_, Self>>> {
         let (method, tight) = &self.reference;
         let mut loose = *tight;
         loose.stop.tolerance *= 10.0;
         let mut tasks = Vec::new();
         for scene in &self.refined {
-            tasks.push(task(scene, method, *tight, "reference")?);
-            tasks.push(task(scene, method, loose, "twin")?);
+            tasks.push(self.task(scene, method, *tight, "reference")?);
+            tasks.push(self.task(scene, method, loose, "twin")?);
         }
         for (_, scene) in self.scenes() {
-            tasks.push(task(scene, method, *tight, "floor")?);
+            tasks.push(self.task(scene, method, *tight, "floor")?);
         }
         for (_, scene) in self.scenes() {
             for variant in &self.selection.variants {
                 for rule in &self.rules {
-                    tasks.push(task(scene, variant, *rule, "run")?);
+                    tasks.push(self.task(scene, variant, *rule, "run")?);
                 }
             }
         }
         Ok(tasks)
     }
-}
 
-fn task<'s>(scene: &'s Scene, variant: &'s Variant, rule: Rule, role: &'static str) -> Result<Task<'s>> {
-    let march = code_version::<March>().context("the crate `cases` has no version")?;
-    let method = &variant.method;
-    // Sorted, whatever the map of the JSON crate does with its keys.
-    let settings: BTreeMap<_, _> = method.settings.iter().collect();
-    let time = [scene.time_steps, scene.every];
-    let all = json!([scene.hash, time, method.name, method.code, settings, rule.keys(), march]);
-    let id = first_hex(Sha256::digest(all.to_string()).as_slice());
-    Ok(Task { scene, variant, rule, role, id })
-}
-
-/// The tasks whose id is not in `done`, each once.
-pub(crate) fn missing<'s>(tasks: &[Task<'s>], done: &HashSet<&str>) -> Vec<Task<'s>> {
-    let mut known = HashSet::new();
-    let lacks = |task: &&Task| !done.contains(task.id.as_str()) && known.insert(task.id.clone());
-    tasks.iter().filter(lacks).cloned().collect()
-}
-
-/// The simulations that count, by id: of two, the later.
-pub(crate) fn by_id(
-    records: &[results::simulation::Simulated],
-) -> HashMap<&str, &results::simulation::Simulated> {
-    records.iter().map(|record| (record.simulation.id.as_str(), record)).collect()
-}
-
-impl Task<'_> {
-    /// The simulation, as it is told to the user.
-    pub(crate) fn name(&self) -> String {
-        format!("{} on {}, {}", self.variant.label(), self.scene.name, self.rule())
+    fn run(&self, task: &Task<Self>, conditions: &Conditions) -> Result<Option<Simulated>> {
+        let Through { scene, rule, role } = task.what;
+        let name = format!("{} on {}, {}", task.variant.label(), scene.name, task.what.in_words());
+        let (plan, variant, id) = (&self.selection.plan.name, task.variant, &task.id);
+        run(&Wanted { plan, scene, variant, rule, role, id, name }, conditions)
     }
 
+    fn size(&self) -> Result<usize> {
+        Ok(missing(&self.tasks()?, &HashSet::new()).len())
+    }
+
+    fn asks(&self) -> Result<String> {
+        let tasks = self.tasks()?;
+        let runs = tasks.iter().filter(|task| task.what.role == "run").count();
+        Ok(format!("{runs} simulations, and {} to compare them with", tasks.len() - runs))
+    }
+
+    fn listed(&self, done: &HashSet<&str>) -> Result<Vec<Listed>> {
+        let listed = |task: Task<Self>| Listed {
+            problem: task.what.scene.name.clone(),
+            method: task.variant.method.name.to_owned(),
+            variant: format!("{} {}", task.variant.name, task.what.in_words()),
+            done: done.contains(task.id.as_str()),
+        };
+        Ok(self.tasks()?.into_iter().filter(|task| task.selected).map(listed).collect())
+    }
+
+    fn rows(&self, _: &Root, ended: Vec<(Task<Self>, Simulated)>, _: &Provenance) -> Result<Rows> {
+        let named = |(task, simulated): (Task<Self>, Simulated)| {
+            let simulation = Simulation {
+                plan: self.selection.plan.name.clone(),
+                scene: task.what.scene.name.clone(),
+                variant: task.variant.name.clone(),
+                role: task.what.role.to_owned(),
+                ..simulated.simulation
+            };
+            Simulated { simulation, ..simulated }
+        };
+        Ok(Rows::Simulations(ended.into_iter().map(named).collect()))
+    }
+}
+
+impl Through<'_> {
     /// Its time step, and until when each is solved from what.
-    pub(crate) fn rule(&self) -> String {
+    fn in_words(&self) -> String {
         let start = if self.rule.warm_start { "" } else { ", cold" };
         let (h, stop) = (self.scene.case.scene.time_step_s, &self.rule.stop);
         format!("h = {h} s, {} ≤ {:e}{start}", stop.on, stop.tolerance)
