@@ -1,7 +1,9 @@
 //! The page of a study: one file that needs no other, no network, and no program but a browser.
 
+mod folder;
 mod provenance;
 mod rows;
+mod viewer;
 
 use std::collections::BTreeMap;
 
@@ -10,31 +12,46 @@ use minijinja::{Environment, Value, context};
 use polars::prelude::DataFrame;
 use serde::Serialize;
 
-use crate::failures::failures;
-use crate::found::sentences;
-use crate::part::{Kind, Part};
-use crate::rows::runs;
-use crate::sample::scene::scenes;
-use crate::viewer::{Filmed, Viewer};
-use crate::{About, Chart, ReportError, StudyTables, through_time};
+use crate::charts::Chart;
+use crate::error::ReportError;
+use crate::read::stored::scenes;
+use crate::read::{Origin, Scenes, Study, file_name};
+use crate::text::{Kind, Part, failures, found};
+pub use folder::made;
+pub(crate) use folder::replace;
 use provenance::provenance;
 use rows::Rows;
+pub use viewer::Filmed;
+use viewer::Viewer;
+
+/// What a report says of its study beside the rows.
+#[derive(Clone, Debug)]
+pub struct About {
+    /// Name of the study.
+    pub name: String,
+    /// What it asks, in a sentence.
+    pub why: String,
+    /// The arguments of `gravel bench` that make it.
+    pub bench: String,
+    /// The arguments of `gravel report` and `gravel figure` that draw it, where they can.
+    pub draw: Option<String>,
+}
 
 /// Parts that belong together.
 pub(crate) struct Chapter {
-    name: &'static str,
+    name: String,
     /// Whether `gravel figure` draws it.
     is_chart: bool,
     pub(crate) parts: Vec<Part>,
 }
 
 impl Chapter {
-    pub(crate) fn new(name: &'static str, parts: Vec<Part>) -> Self {
-        Self { name, is_chart: false, parts }
+    pub(crate) fn new(name: impl Into<String>, parts: Vec<Part>) -> Self {
+        Self { name: name.into(), is_chart: false, parts }
     }
 
-    pub(crate) fn of_chart(chart: Chart, tables: StudyTables) -> Result<Self, ReportError> {
-        Ok(Self { name: chart.name(), is_chart: true, parts: chart.parts(tables)? })
+    pub(crate) fn of_chart(chart: Chart, study: &Study) -> Result<Self, ReportError> {
+        Ok(Self { name: chart.name().to_owned(), is_chart: true, parts: chart.parts(study)? })
     }
 }
 
@@ -46,7 +63,7 @@ struct Figure {
 
 #[derive(Serialize)]
 struct Section {
-    name: &'static str,
+    name: String,
     command: Option<String>,
     figures: Vec<Figure>,
     /// Figures that the viewer takes the place of.
@@ -56,27 +73,26 @@ struct Section {
 }
 
 /// The page of a study.
-pub(crate) fn page(tables: StudyTables, chapters: &[Chapter], about: &About) -> Result<String, ReportError> {
-    let (viewer, found, failed, rows) = match tables {
-        StudyTables::Problems(tables) => {
-            (Viewer::of(tables)?, sentences(&runs(&tables.runs)?), failures(tables)?, &tables.runs)
+pub(crate) fn page(study: &Study, chapters: &[Chapter], about: &About) -> Result<String, ReportError> {
+    let (viewer, origins): (_, Vec<&Origin>) = match study {
+        Study::Problems(study) => {
+            (Viewer::of(study), study.runs.iter().chain(&study.given).map(|run| &run.origin).collect())
         }
-        StudyTables::Simulations(tables) => {
-            let nothing = Viewer::new(BTreeMap::new(), BTreeMap::new());
-            (nothing, through_time::found(tables)?, through_time::failures(tables)?, &tables.simulations)
+        Study::Simulations(all) => {
+            (Viewer::new(&Scenes::new(), BTreeMap::new()), all.iter().map(|s| &s.origin).collect())
         }
     };
     let shown = |figure: &str| viewer.films.iter().any(|film| sample_of(figure, &film.problem));
     let sections = chapters.iter().map(|chapter| section(chapter, about, &shown));
     let sections: Vec<Section> = sections.collect::<Result<_, _>>()?;
-    let failed = Rows::of("failures", &failed, "")?;
-    let provenance = Rows::of("provenance", &provenance(rows)?, "")?;
+    let failed = Rows::of("failures", &failures(study)?, "")?;
+    let provenance = Rows::of("provenance", &provenance(&origins)?, "")?;
     render(
         "page.html",
         &viewer,
         context! {
             about => context! { name => &about.name, why => &about.why, bench => &about.bench },
-            found,
+            found => found(study),
             sections => Serde(&sections),
             failed => Serde(&failed),
             provenance => Serde(&provenance),
@@ -95,7 +111,7 @@ pub fn view(
     runs: Vec<Filmed>,
     command: &str,
 ) -> Result<String, ReportError> {
-    let viewer = Viewer::new(scenes(grains, contacts)?, BTreeMap::from([(problem.to_owned(), runs)]));
+    let viewer = Viewer::new(&scenes(grains, contacts)?, BTreeMap::from([(problem.to_owned(), runs)]));
     render("view.html", &viewer, context! { title => problem, command })
 }
 
@@ -125,7 +141,7 @@ fn render(template: &str, viewer: &Viewer, values: Value) -> Result<String, Repo
 
 /// Whether a figure is the sample of a problem, under any partition.
 fn sample_of(figure: &str, problem: &str) -> bool {
-    figure.starts_with(&format!("sample-{}-", crate::file_name(problem)))
+    figure.starts_with(&format!("sample-{}-", file_name(problem)))
 }
 
 fn section(chapter: &Chapter, about: &About, shown: &dyn Fn(&str) -> bool) -> Result<Section, ReportError> {
@@ -134,7 +150,7 @@ fn section(chapter: &Chapter, about: &About, shown: &dyn Fn(&str) -> bool) -> Re
         None => format!("gravel bench {}", about.bench),
     };
     let mut section = Section {
-        name: chapter.name,
+        name: chapter.name.clone(),
         command: chapter.is_chart.then(command),
         figures: Vec::new(),
         files: Vec::new(),

@@ -1,23 +1,25 @@
 //! The reports of small studies: what they show, and that nothing in the tables stops them.
 
+pub(crate) mod fixture;
+pub(crate) mod fixture_in_time;
+
 use std::fs;
 
+use crate::error::ReportError;
+use crate::read::Study;
+use crate::tests::fixture::{decay, explosion, files, read, run, sample, scene, tables};
+use crate::text::{Kind, Table, markdown, rows};
+use crate::{About, Chart, Formats, Wanted, iterations_text, report};
 use polars::prelude::DataFrame;
 use results::schema::{Run, Sample};
 use results::store::Tables;
 use results::tables::{contacts_table, grains_table};
 use tempfile::TempDir;
 
-use crate::fixture::{decay, explosion, files, run, sample, scene, tables};
-use crate::part::{Kind, Table};
-use crate::table::markdown;
-use crate::{
-    About, Chart, Formats, ReportError, Wanted, convergence, iterations_text, report, sample as sample_figure,
-};
-
 fn figures(tables: &Tables) -> Vec<(String, String)> {
-    let mut figures = files(&convergence::parts(tables).unwrap());
-    figures.extend(files(&sample_figure::parts(tables).unwrap()));
+    let study = Study::of(tables.into()).unwrap();
+    let charts = Chart::default_set(false).into_iter();
+    let figures: Vec<_> = charts.flat_map(|chart| files(&chart.parts(&study).unwrap())).collect();
     for (name, svg) in &figures {
         assert_well_formed(name, svg);
     }
@@ -129,8 +131,8 @@ fn method_looks_the_same_in_every_study() {
     let beside =
         [run(0, "nsgs", "", "converged"), run(1, "mine", "", "converged"), run(2, "cg", "", "converged")];
     let color = |runs: &[Run], method: &str| {
-        let runs = crate::rows::runs(&tables(runs, &[]).runs).unwrap();
-        crate::legend::Looks::new(&runs).of_method(method).pen.color
+        let study = read(&tables(runs, &[]));
+        crate::draw::Looks::new(&study.runs).of_method(method).pen.color
     };
     assert_eq!(color(&alone, "cg"), color(&beside, "cg"));
     assert_ne!(color(&beside, "mine"), color(&beside, "nsgs"));
@@ -202,7 +204,8 @@ fn same_tables_give_the_same_bytes_and_replace_the_files() {
 
 #[test]
 fn table_reads_off_what_the_rows_say() {
-    let Kind::Table(Table { all: table, .. }) = crate::iterations::part(&study()).unwrap().kind else {
+    let Kind::Table(Table { all: table, .. }) = rows(&Study::of((&study()).into()).unwrap()).unwrap().kind
+    else {
         panic!()
     };
     let number = |table: &DataFrame, column: &str, row| table.column(column).unwrap().u64().unwrap().get(row);
@@ -235,6 +238,6 @@ fn table_reads_off_what_the_rows_say() {
 fn table_without_a_column_is_an_error_that_names_it() {
     let mut broken = study();
     broken.curves = broken.curves.drop("natural_map").unwrap();
-    let error = convergence::parts(&broken).err().unwrap();
+    let error = Study::of((&broken).into()).err().unwrap();
     assert!(matches!(error, ReportError::Table(_)) && error.to_string().contains("natural_map"));
 }

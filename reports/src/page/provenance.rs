@@ -5,36 +5,34 @@ use std::collections::BTreeMap;
 use polars::df;
 use polars::prelude::DataFrame;
 
-use crate::ReportError;
-use crate::columns::{bools, texts, u32s};
+use crate::error::ReportError;
+use crate::read::Origin;
 
 /// One row per build, machine and number of threads; seconds compare within a row only.
-pub(crate) fn provenance(table: &DataFrame) -> Result<DataFrame, ReportError> {
-    let (commit, processor) = (texts(table, "commit")?, texts(table, "processor")?);
-    let (rustc, profile) = (texts(table, "rustc")?, texts(table, "profile")?);
-    let (threads, started) = (u32s(table, "threads")?, texts(table, "started_utc")?);
-    let alone = bools(table, "timed_alone")?;
-    let mut origins: BTreeMap<_, Vec<usize>> = BTreeMap::new();
-    for i in 0..table.height() {
-        let origin = (&commit[i], &processor[i], threads[i], &rustc[i], &profile[i]);
-        origins.entry(origin).or_default().push(i);
+pub(crate) fn provenance(all: &[&Origin]) -> Result<DataFrame, ReportError> {
+    let mut groups: BTreeMap<_, Vec<&Origin>> = BTreeMap::new();
+    for o in all {
+        groups.entry((&o.commit, &o.processor, o.threads, &o.rustc, &o.profile)).or_default().push(o);
     }
-    let origins: Vec<_> = origins.into_iter().collect();
-    let of = |f: fn(&(&String, &String, u32, &String, &String)) -> String| {
-        origins.iter().map(|(origin, _)| f(origin)).collect::<Vec<_>>()
+    let groups: Vec<Vec<&Origin>> = groups.into_values().collect();
+    let of = |f: fn(&Origin) -> &str| groups.iter().map(|group| f(group[0])).collect::<Vec<_>>();
+    let count = |f: fn(&&&Origin) -> bool| {
+        groups.iter().map(|group| group.iter().filter(f).count() as u64).collect::<Vec<_>>()
     };
-    let first = |rows: &Vec<usize>| rows.iter().map(|i| started[*i].as_str()).min().unwrap_or_default();
-    let last = |rows: &Vec<usize>| rows.iter().map(|i| started[*i].as_str()).max().unwrap_or_default();
+    let started = |group: &Vec<&Origin>| -> Vec<String> {
+        let mut times: Vec<String> = group.iter().map(|o| o.started_utc.clone()).collect();
+        times.sort();
+        times
+    };
     Ok(df!(
-        "runs" => origins.iter().map(|(_, rows)| rows.len() as u64).collect::<Vec<_>>(),
-        "commit" => of(|o| o.0.clone()),
-        "processor" => of(|o| o.1.clone()),
-        "threads" => origins.iter().map(|(o, _)| o.2).collect::<Vec<_>>(),
-        "rustc" => of(|o| o.3.clone()),
-        "profile" => of(|o| o.4.clone()),
-        "timed_alone" =>
-            origins.iter().map(|(_, rows)| rows.iter().filter(|i| alone[**i]).count() as u64).collect::<Vec<_>>(),
-        "first_utc" => origins.iter().map(|(_, rows)| first(rows)).collect::<Vec<_>>(),
-        "last_utc" => origins.iter().map(|(_, rows)| last(rows)).collect::<Vec<_>>(),
+        "runs" => count(|_| true),
+        "commit" => of(|o| &o.commit),
+        "processor" => of(|o| &o.processor),
+        "threads" => groups.iter().map(|group| group[0].threads).collect::<Vec<_>>(),
+        "rustc" => of(|o| &o.rustc),
+        "profile" => of(|o| &o.profile),
+        "timed_alone" => count(|o| o.timed_alone),
+        "first_utc" => groups.iter().map(|group| started(group).swap_remove(0)).collect::<Vec<_>>(),
+        "last_utc" => groups.iter().map(|group| started(group).pop()).collect::<Vec<_>>(),
     )?)
 }

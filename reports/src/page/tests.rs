@@ -4,14 +4,20 @@ use results::tables::{contacts_table, grains_table, snapshots_table};
 use results::store::Tables;
 
 use super::*;
-use crate::fixture::{decay, explosion, run, sample, scene, tables};
+use crate::Chart;
 use crate::tests::about;
-use crate::{Chart, iterations};
+use crate::tests::fixture::{decay, explosion, run, sample, scene, tables};
+use crate::text;
+
+fn read(tables: &Tables) -> Study {
+    Study::of(tables.into()).unwrap()
+}
 
 fn made(tables: &Tables) -> String {
-    let mut chapters = vec![Chapter::new("iterations", vec![iterations::part(tables).unwrap()])];
-    chapters.extend(Chart::all().iter().map(|chart| Chapter::of_chart(*chart, tables.into()).unwrap()));
-    let page = page(tables.into(), &chapters, &about()).unwrap();
+    let study = &read(tables);
+    let mut chapters = vec![Chapter::new("iterations", vec![text::rows(study).unwrap()])];
+    chapters.extend(Chart::all().iter().map(|chart| Chapter::of_chart(*chart, study).unwrap()));
+    let page = page(study, &chapters, &about()).unwrap();
     assert!(page.contains("What &lt;it&gt; asks."), "texts are escaped");
     for network in ["http://", "https://", "src=\"", "@import", "url("] {
         let foreign = page.replace("http://www.w3.org/2000/svg", "");
@@ -65,9 +71,9 @@ fn viewer_holds_the_sample_and_the_snapshots_of_its_runs() {
 #[test]
 fn more_rows_than_a_browser_likes_are_left_to_the_file() {
     let runs: Vec<Run> = (0..6000).map(|i| run(i, "cg", "", "converged")).collect();
-    let study = tables(&runs, &[]);
-    let chapters = [Chapter::new("iterations", vec![iterations::part(&study).unwrap()])];
-    assert!(page((&study).into(), &chapters, &about()).unwrap().contains("The first 5000 of 6000 rows"));
+    let study = read(&tables(&runs, &[]));
+    let chapters = [Chapter::new("iterations", vec![text::rows(&study).unwrap()])];
+    assert!(page(&study, &chapters, &about()).unwrap().contains("The first 5000 of 6000 rows"));
 }
 
 #[test]
@@ -78,12 +84,12 @@ fn hundred_thousand_runs_of_as_many_kinds_are_a_page_that_leaves_lines_and_rows_
             Run { settings, ..run(i, "nsgs", &format!("relaxation={i}"), "converged") }
         })
         .collect();
-    let study = tables(&many, &[(0, decay())]);
+    let study = read(&tables(&many, &[(0, decay())]));
     let chapters =
-        Chart::default_set(false).into_iter().map(|chart| Chapter::of_chart(chart, (&study).into()).unwrap());
+        Chart::default_set(false).into_iter().map(|chart| Chapter::of_chart(chart, &study).unwrap());
     let mut chapters: Vec<Chapter> = chapters.collect();
-    chapters.push(Chapter::new("iterations", vec![iterations::part(&study).unwrap()]));
-    let page = page((&study).into(), &chapters, &about()).unwrap();
+    chapters.push(Chapter::new("iterations", vec![text::rows(&study).unwrap()]));
+    let page = page(&study, &chapters, &about()).unwrap();
     assert!(page.contains("100\u{202f}000\u{a0}lines are too many for a figure"));
     assert!(page.contains("The first 5000 of 100000 rows"));
 }

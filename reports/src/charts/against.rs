@@ -1,0 +1,140 @@
+//! Two studies side by side, run by run: what has changed from one to the other.
+
+use std::collections::BTreeMap;
+
+use crate::draw::{Axis, Canvas, Frame, INSIDE, Legend, Looks, Room, Sign, TOLERANCE, draw_empty, row};
+use crate::error::ReportError;
+use crate::read::{Ending, Problems, RunRow, counted, median, number, padded};
+use crate::text::Part;
+use polars::df;
+
+/// What a panel compares.
+struct Measure {
+    title: &'static str,
+    of: fn(&RunRow) -> Option<f64>,
+}
+
+const MEASURES: [Measure; 2] = [
+    Measure { title: "iterations", of: |run| Some(run.iterations as f64) },
+    Measure { title: "set-up and iterations (s)", of: RunRow::seconds },
+];
+
+/// A run before and after.
+type Pair<'r> = (&'r RunRow, &'r RunRow);
+
+/// The figure and the table `against`, and the sentences `against-found`.
+pub(crate) fn parts(before: &Problems, after: &Problems) -> Result<Vec<Part>, ReportError> {
+    let (old, new) = (&before.runs, &after.runs);
+    let key = |run: &RunRow| (run.problem.clone(), run.method.clone(), run.variant.clone());
+    let known: BTreeMap<_, &RunRow> = old.iter().map(|run| (key(run), run)).collect();
+    let pairs: Vec<Pair> = new.iter().filter_map(|run| Some((*known.get(&key(run))?, run))).collect();
+    let looks = Looks::new(new);
+    let text = sentences(&pairs, old.len(), new.len());
+    let note = "\nA ratio is after over before. Seconds compare if both studies come from one machine.\n";
+    Ok(vec![
+        Part::text("against-found", text),
+        Part::figure("against", figure(&pairs, &looks)?),
+        Part::table("against", table(&pairs)?, note),
+    ])
+}
+
+fn ratio((before, after): &Pair, of: fn(&RunRow) -> Option<f64>) -> Option<f64> {
+    let both = before.ending == Ending::Converged && after.ending == Ending::Converged;
+    let (before, after) = (of(before)?, of(after)?);
+    (both && before > 0.0).then_some(after / before)
+}
+
+fn sentences(pairs: &[Pair], before: usize, after: usize) -> String {
+    let [iterations, seconds] = MEASURES
+        .each_ref()
+        .map(|measure| pairs.iter().filter_map(|pair| ratio(pair, measure.of)).collect::<Vec<f64>>());
+    let count = |of: fn(f64) -> bool| iterations.iter().filter(|ratio| of(**ratio)).count();
+    let mut text = format!(
+        "{} before, {} after, {} in both. Of those that converged in both, {} made as many iterations, {} fewer, {} more.\n",
+        counted(before, "run"),
+        counted(after, "run"),
+        pairs.len(),
+        count(|ratio| ratio == 1.0),
+        count(|ratio| ratio < 1.0),
+        count(|ratio| ratio > 1.0),
+    );
+    if let Some(median) = median(seconds) {
+        text.extend(["The median of their seconds, after over before, is ", &number(median, 3), ".\n"]);
+    }
+    for (before, after) in pairs.iter().filter(|(before, after)| before.ending != after.ending) {
+        let run = format!("{}: {} {}", after.problem, after.method, after.variant);
+        let (was, is) = (before.ending.text(), after.ending.text());
+        text.extend([run.trim_end(), " ended with ", was, " before, with ", is, " after.\n"]);
+    }
+    text
+}
+
+fn figure(pairs: &[Pair], looks: &Looks) -> Result<String, ReportError> {
+    let mut methods: Vec<&str> = Vec::new();
+    for (_, after) in pairs {
+        if !methods.contains(&after.method.as_str()) {
+            methods.push(&after.method);
+        }
+    }
+    let sign = |method: &&str| {
+        let look = looks.of_method(method).signed();
+        (Sign::Mark(look.mark, look.pen), (*method).to_owned())
+    };
+    let mut signs: Vec<(Sign, String)> = methods.iter().map(sign).collect();
+    signs.push((Sign::Line(TOLERANCE), "the same; below it less than before".to_owned()));
+    let legend = Legend::new(Vec::new(), signs, INSIDE)?;
+    let title =
+        format!("{} in both studies; those that converged in both are drawn", counted(pairs.len(), "run"));
+    row(&[title], MEASURES.len(), &legend, |canvas, i, room| panel(canvas, pairs, looks, &MEASURES[i], room))
+}
+
+/// The run after, and its logarithms before and after.
+fn point<'r>(pair: &Pair<'r>, measure: &Measure) -> Option<(&'r RunRow, (f64, f64))> {
+    ratio(pair, measure.of)?;
+    let (x, y) = ((measure.of)(pair.0)?.log10(), (measure.of)(pair.1)?.log10());
+    (x.is_finite() && y.is_finite()).then_some((pair.1, (x, y)))
+}
+
+fn panel(
+    canvas: &Canvas,
+    pairs: &[Pair],
+    looks: &Looks,
+    measure: &Measure,
+    room: Room,
+) -> Result<(), ReportError> {
+    let points: Vec<(&RunRow, (f64, f64))> = pairs.iter().filter_map(|pair| point(pair, measure)).collect();
+    let range = padded(points.iter().flat_map(|(_, (x, y))| [*x, *y]), 0.08);
+    let frame =
+        Frame { x: Axis::log(range, room.left, room.right), y: Axis::log(range, room.bottom, room.top) };
+    frame.draw(canvas)?;
+    frame.name(canvas, "before", &format!("after: {}", measure.title))?;
+    if let Some(same) = frame.diagonal() {
+        canvas.line(&same, TOLERANCE)?;
+    }
+    for (run, place) in &points {
+        let look = looks.of_method(&run.method).signed();
+        canvas.mark(look.mark, frame.place(*place), look.pen)?;
+    }
+    if points.is_empty() { draw_empty(canvas, &frame) } else { Ok(()) }
+}
+
+fn table(pairs: &[Pair]) -> Result<polars::prelude::DataFrame, ReportError> {
+    let of_both = |i: usize| pairs.iter().map(|pair| ratio(pair, MEASURES[i].of)).collect::<Vec<_>>();
+    let seconds = |run: &RunRow| (MEASURES[1].of)(run);
+    Ok(df!(
+        "problem" => pairs.iter().map(|(_, run)| run.problem.as_str()).collect::<Vec<_>>(),
+        "method" => pairs.iter().map(|(_, run)| run.method.as_str()).collect::<Vec<_>>(),
+        "variant" => pairs.iter().map(|(_, run)| run.variant.as_str()).collect::<Vec<_>>(),
+        "ended_before" => pairs.iter().map(|(run, _)| run.ending.text()).collect::<Vec<_>>(),
+        "ended_after" => pairs.iter().map(|(_, run)| run.ending.text()).collect::<Vec<_>>(),
+        "iterations_before" => pairs.iter().map(|(run, _)| run.iterations).collect::<Vec<_>>(),
+        "iterations_after" => pairs.iter().map(|(_, run)| run.iterations).collect::<Vec<_>>(),
+        "iterations_ratio" => of_both(0),
+        "seconds_before" => pairs.iter().map(|(run, _)| seconds(run)).collect::<Vec<_>>(),
+        "seconds_after" => pairs.iter().map(|(_, run)| seconds(run)).collect::<Vec<_>>(),
+        "seconds_ratio" => of_both(1),
+    )?)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,140 @@
+//! The class of a run: one rule for every method.
+
+use crate::draw::{BLACK, RGBColor, WHITE};
+use crate::read::{Ending, Point, RunRow};
+
+/// How a method fared on a problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Class {
+    Converged,
+    /// All iterations made, and the measure still falls.
+    Slow,
+    /// All iterations made, and the measure falls no more.
+    Stalled,
+    Diverged,
+    /// The measure was met far from the solution.
+    FalseConvergence,
+    /// It was proved that there is no solution.
+    Infeasible,
+    /// Not begun.
+    Skipped,
+    /// Any way that this report does not know.
+    Failed,
+}
+
+/// A run whose measure falls by less than this share while its iterations double is stalled (–).
+const STALLED: f64 = 0.01;
+/// A velocity error of more than this many times the tolerance is no convergence, as in the loop that stops runs (–).
+const FAR: f64 = 100.0;
+
+impl Class {
+    pub(crate) const ALL: [Self; 8] = [
+        Self::Converged,
+        Self::Slow,
+        Self::Stalled,
+        Self::Diverged,
+        Self::FalseConvergence,
+        Self::Infeasible,
+        Self::Skipped,
+        Self::Failed,
+    ];
+
+    /// The class of a run.
+    pub(crate) fn of(run: &RunRow) -> Self {
+        match run.ending {
+            Ending::Converged if is_far(run, run.curve.last()) => Self::FalseConvergence,
+            Ending::Converged => Self::Converged,
+            Ending::IterationLimit if falls(run) => Self::Slow,
+            Ending::IterationLimit | Ending::Stalled => Self::Stalled,
+            Ending::Diverged => Self::Diverged,
+            Ending::Infeasible => Self::Infeasible,
+            Ending::FalseConvergence => Self::FalseConvergence,
+            Ending::Skipped => Self::Skipped,
+            Ending::Failed => Self::Failed,
+        }
+    }
+
+    /// Whether nothing is wrong with the method: it found the solution, or proved that there is none.
+    pub(crate) fn is_good(self) -> bool {
+        matches!(self, Self::Converged | Self::Infeasible)
+    }
+
+    /// As a key says it.
+    pub(crate) fn text(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::Slow => "slow",
+            Self::Stalled => "stalled",
+            Self::Diverged => "diverged",
+            Self::FalseConvergence => "false convergence",
+            Self::Infeasible => "infeasible",
+            Self::Skipped => "skipped",
+            Self::Failed => "failed",
+        }
+    }
+
+    /// In a cell, where it tells the class without colour.
+    pub(crate) fn letter(self) -> &'static str {
+        match self {
+            Self::Converged => "c",
+            Self::Slow => "S",
+            Self::Stalled => "T",
+            Self::Diverged => "D",
+            Self::FalseConvergence => "F",
+            Self::Infeasible => "i",
+            Self::Skipped => "–",
+            Self::Failed => "?",
+        }
+    }
+
+    /// Ground of a cell, the darker the worse, and its letter.
+    pub(crate) fn colors(self) -> (RGBColor, RGBColor) {
+        match self {
+            Self::Converged => (RGBColor(222, 240, 232), RGBColor(90, 130, 112)),
+            Self::Infeasible => (RGBColor(200, 222, 242), RGBColor(40, 80, 120)),
+            Self::Slow => (RGBColor(250, 214, 110), BLACK),
+            Self::Stalled => (RGBColor(224, 132, 44), BLACK),
+            Self::Diverged => (RGBColor(158, 28, 48), WHITE),
+            Self::FalseConvergence => (RGBColor(62, 26, 98), WHITE),
+            Self::Skipped => (WHITE, RGBColor(120, 120, 120)),
+            Self::Failed => (RGBColor(90, 90, 90), WHITE),
+        }
+    }
+}
+
+/// What a run was stopped on.
+fn measure(run: &RunRow, point: &Point) -> Option<f64> {
+    match run.stop_on.as_str() {
+        "zeta" => point.zeta,
+        "quad_dv" => point.quad_dv,
+        "velocity_error" => point.velocity_error,
+        // The working measure, which stands for those that curves are not read for as well.
+        _ => point.natural_map,
+    }
+}
+
+/// Whether a point is far from the true velocity, where that is known.
+fn is_far(run: &RunRow, point: Option<&Point>) -> bool {
+    let (Some(tolerance), Some(error)) = (run.tolerance, point.and_then(|point| point.velocity_error)) else {
+        return false;
+    };
+    error > FAR * tolerance
+}
+
+/// Whether ζ met the tolerance at an iterate that is far from the solution, or of a problem that has none.
+pub(crate) fn zeta_lies(run: &RunRow) -> bool {
+    let met =
+        |point: &&Point| point.zeta.zip(run.tolerance).is_some_and(|(zeta, tolerance)| zeta <= tolerance);
+    let first = run.curve.iter().find(met);
+    first.is_some_and(|point| run.ending == Ending::Infeasible || is_far(run, Some(point)))
+}
+
+/// Whether the measure still falls: its least value in the second half of the iterations is below that in the first.
+fn falls(run: &RunRow) -> bool {
+    let half = run.iterations / 2;
+    let least = |late: bool| {
+        let points = run.curve.iter().filter(|point| (point.iteration > half) == late);
+        points.filter_map(|point| measure(run, point)).fold(f64::INFINITY, f64::min)
+    };
+    least(true) < (1.0 - STALLED) * least(false)
+}

@@ -1,0 +1,167 @@
+//! A matrix of classes: hazards down, methods or settings across, one cell per problem of a hazard.
+
+use super::Judged;
+use super::class::Class;
+use super::hazard::Hazard;
+use crate::draw::{
+    Canvas, FRAME, HPos, INK, LEADING, MARGIN, PAGE, Pen, Place, Sign, Signs, TEXT, TICK_TEXT, VPos, WHITE,
+    ring, svg, text_width, wedge,
+};
+use crate::error::ReportError;
+
+/// Height of a hazard, and what of it the cells leave free (mm).
+const ROW: f64 = 7.0;
+const FREE: f64 = 0.7;
+/// Greatest width of a column (mm).
+const WIDEST: f64 = 16.0;
+/// Room of a letter (mm).
+const LETTER: f64 = 1.7;
+const THIN: Pen = Pen { color: WHITE, width: 0.12, dash: &[] };
+
+/// A column, by a short head and, where that is a number, what it stands for.
+pub(super) struct Column {
+    pub(super) head: String,
+    pub(super) entry: Option<String>,
+}
+
+pub(super) struct Grid<'g, 'r> {
+    pub(super) title: String,
+    pub(super) notes: Vec<String>,
+    pub(super) columns: Vec<Column>,
+    pub(super) hazards: &'g [Hazard],
+    /// What a column has on a problem.
+    pub(super) cell: &'g dyn Fn(usize, &str) -> Option<Cell<'g, 'r>>,
+}
+
+/// A run, and whether another setting mends it.
+type Cell<'g, 'r> = (&'g Judged<'r>, bool);
+
+/// Where the cells are (mm).
+struct Layout {
+    left: f64,
+    top: f64,
+    column: f64,
+}
+
+impl Grid<'_, '_> {
+    pub(super) fn draw(&self) -> Result<String, ReportError> {
+        let inside = PAGE - 2.0 * MARGIN;
+        let keys = Signs::new(self.entries(), inside)?;
+        let heads: usize = self.columns.iter().map(|c| lines(&c.head).len()).max().unwrap_or(0);
+        let layout = Layout {
+            left: MARGIN + self.label_width()?,
+            top: MARGIN + 1.5 * LEADING + LEADING * heads as f64,
+            column: 0.0,
+        };
+        let column = (PAGE - MARGIN - layout.left) / self.columns.len().max(1) as f64;
+        let layout = Layout { column: column.min(WIDEST), ..layout };
+        let bottom = layout.top + ROW * self.hazards.len() as f64;
+        svg((PAGE, bottom + 1.5 + keys.height() + MARGIN), |canvas| {
+            canvas.text(&self.title, (MARGIN, MARGIN + 0.5 * LEADING), TEXT, (HPos::Left, VPos::Center))?;
+            for (i, column) in self.columns.iter().enumerate() {
+                let words = lines(&column.head);
+                for (n, word) in words.iter().enumerate() {
+                    let y = layout.top - LEADING * (words.len() - n) as f64 + 0.3 * LEADING;
+                    let x = layout.left + layout.column * (i as f64 + 0.5);
+                    canvas.text(word, (x, y), TICK_TEXT, (HPos::Center, VPos::Center))?;
+                }
+            }
+            for (row, hazard) in self.hazards.iter().enumerate() {
+                self.row(canvas, &layout, layout.top + ROW * row as f64, hazard)?;
+            }
+            keys.draw(canvas, (MARGIN, bottom + 1.5))
+        })
+    }
+
+    fn label_width(&self) -> Result<f64, ReportError> {
+        let mut width = 0.0_f64;
+        for hazard in self.hazards {
+            width = width.max(text_width(&hazard.name, TEXT)?).max(text_width(&hazard.knob, TICK_TEXT)?);
+        }
+        // Beyond a third of the page, labels would leave no room for what they label.
+        Ok((width + 2.0).min(PAGE / 3.0))
+    }
+
+    fn row(&self, canvas: &Canvas, layout: &Layout, top: f64, hazard: &Hazard) -> Result<(), ReportError> {
+        let knob = if hazard.knob.is_empty() { 0.5 } else { 0.28 };
+        canvas.line(&[(MARGIN, top), (PAGE - MARGIN, top)], Pen { width: 0.08, ..FRAME })?;
+        canvas.text(&hazard.name, (MARGIN, top + knob * ROW), TEXT, (HPos::Left, VPos::Center))?;
+        canvas.text_in(
+            INK,
+            &hazard.knob,
+            (MARGIN, top + 0.72 * ROW),
+            TICK_TEXT,
+            (HPos::Left, VPos::Center),
+        )?;
+        for i in 0..self.columns.len() {
+            let width = (layout.column - FREE) / hazard.problems.len() as f64;
+            for (k, problem) in hazard.problems.iter().enumerate() {
+                let left = layout.left + layout.column * i as f64 + 0.5 * FREE + width * k as f64;
+                if let Some((judged, cured)) = (self.cell)(i, problem) {
+                    cell(
+                        canvas,
+                        judged,
+                        cured,
+                        ((left, top + 0.5 * FREE), (left + width, top + ROW - 0.5 * FREE)),
+                    )?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The key: classes that occur, the marks, the numbered columns.
+    fn entries(&self) -> Vec<(Sign, String)> {
+        let problems = || self.hazards.iter().flat_map(|hazard| &hazard.problems);
+        let cells: Vec<_> = (0..self.columns.len())
+            .flat_map(|i| problems().filter_map(move |problem| (self.cell)(i, problem)))
+            .collect();
+        let mut entries: Vec<(Sign, String)> = Class::ALL
+            .into_iter()
+            .filter(|class| cells.iter().any(|(judged, _)| judged.class == *class))
+            .map(|class| {
+                (Sign::Cell(class.colors().0, class.letter(), class.colors().1), class.text().to_owned())
+            })
+            .collect();
+        if cells.iter().any(|(_, cured)| *cured) {
+            entries.push((Sign::Ring, "another setting of the method mends it".to_owned()));
+        }
+        if cells.iter().any(|(judged, _)| judged.zeta_lies) {
+            entries.push((Sign::Wedge, "ζ met the tolerance far from the solution".to_owned()));
+        }
+        entries.extend(self.notes.iter().map(|note| (Sign::Word, note.clone())));
+        let numbered = self
+            .columns
+            .iter()
+            .filter_map(|c| Some((Sign::Word, format!("{} {}", c.head, c.entry.as_ref()?))));
+        entries.extend(numbered);
+        entries
+    }
+}
+
+/// A head on several lines: `interior-` and `point`.
+fn lines(head: &str) -> Vec<&str> {
+    head.split_inclusive('-').collect()
+}
+
+fn cell(
+    canvas: &Canvas,
+    judged: &Judged,
+    cured: bool,
+    ((x0, y0), (x1, y1)): (Place, Place),
+) -> Result<(), ReportError> {
+    let (fill, ink) = judged.class.colors();
+    canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], fill, Some(THIN))?;
+    let middle = f64::midpoint(x0, x1);
+    if x1 - x0 >= LETTER {
+        let place = (middle, f64::midpoint(y0, y1));
+        canvas.text_in(ink, judged.class.letter(), place, TICK_TEXT, (HPos::Center, VPos::Center))?;
+    }
+    if cured {
+        ring(canvas, (middle, y0 + 0.8))?;
+    }
+    if judged.zeta_lies {
+        wedge(canvas, (middle, y1 - 0.8))?;
+    }
+    Ok(())
+}

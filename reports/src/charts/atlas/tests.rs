@@ -1,0 +1,152 @@
+//! Classes by their rule; matrices, tables and sentences of small studies.
+
+use results::schema::{Run, Sample};
+
+use super::parts;
+use crate::tests::assert_well_formed;
+use crate::tests::fixture::{File, files, run, sample, study};
+
+/// A run on `problem` with a curve of (iteration, natural map).
+fn judged(id: u32, variant: &str, status: &str, problem: &str, curve: &[(u64, f64)]) -> (Run, Vec<Sample>) {
+    let curve: Vec<Sample> = curve.iter().map(|(i, value)| sample(*i, *value, *value)).collect();
+    let case = problem.split(' ').next().unwrap_or_default();
+    let run = Run {
+        problem: problem.into(),
+        problem_settings: format!(r#"{{"case":"{case}"}}"#),
+        settings: r#"{"relaxation":1.0}"#.into(),
+        spectrum: r#"{"lambda_max":2.5}"#.into(),
+        iterations: curve.last().map_or(0, |end| end.iteration),
+        ..run(id, "jacobi", variant, status)
+    };
+    (run, curve)
+}
+
+fn made(rows: Vec<(Run, Vec<Sample>)>) -> Vec<File> {
+    let (runs, curves): (Vec<Run>, Vec<_>) =
+        rows.into_iter().map(|(run, curve)| (run.clone(), (run.run, curve))).unzip();
+    let files = files(&parts(&study(&runs, &curves)).unwrap());
+    for (name, text) in files.iter().filter(|(name, _)| name.contains(".svg")) {
+        assert_well_formed(name, text);
+    }
+    files
+}
+
+fn text<'f>(files: &'f [File], name: &str) -> &'f str {
+    &files.iter().find(|(other, _)| other == name).unwrap_or_else(|| panic!("no {name}")).1
+}
+
+/// The classes of a study, by its table.
+fn classes(files: &[File]) -> Vec<String> {
+    let rows = text(files, "atlas.csv").lines().skip(1);
+    rows.map(|row| row.split(',').nth(5).unwrap().to_owned()).collect()
+}
+
+#[test]
+fn class_is_decided_by_the_ending_and_the_curve() {
+    let far = |(run, mut curve): (Run, Vec<Sample>)| {
+        for sample in &mut curve {
+            sample.velocity_error = 0.5;
+        }
+        (run, curve)
+    };
+    let proof = judged(6, "g", "infeasible", "wedge", &[(0, 1.0), (1024, 1e-2)]);
+    let files = made(vec![
+        judged(0, "a", "converged", "pile", &[(0, 1.0), (50, 1e-4)]),
+        judged(1, "b", "iteration-limit", "pile", &[(0, 1.0), (512, 0.5), (1000, 0.49)]),
+        judged(2, "c", "iteration-limit", "pile", &[(0, 1.0), (500, 0.5), (1000, 0.499)]),
+        judged(3, "d", "diverged", "pile", &[(0, 1.0), (9, 1e30)]),
+        far(judged(4, "e", "converged", "pile", &[(0, 1.0), (50, 1e-4)])),
+        judged(5, "f", "false-convergence", "pile", &[(0, 1.0), (50, 1e-4)]),
+        // Of a problem that no run solves, and of one that has a solution.
+        (Run { end: sample(1024, 1e-2, f64::NAN), ..proof.0 }, proof.1),
+        judged(9, "j", "infeasible", "pile", &[(0, 1.0), (1024, 1e-2)]),
+        (
+            Run { reason: "`subdomains` is 9x9".into(), ..judged(7, "h", "skipped", "pile", &[]).0 },
+            Vec::new(),
+        ),
+        judged(8, "i", "elsewise", "pile", &[(0, 1.0)]),
+    ]);
+    let expected = [
+        "converged",
+        // 0.49 at 1000 is 2 % below 0.5 at 512, but both are in the second half: against 1.0 it falls.
+        "slow",
+        "stalled",
+        "diverged",
+        "false convergence",
+        "false convergence",
+        "infeasible",
+        "failed",
+        "skipped",
+        "failed",
+    ];
+    assert_eq!(classes(&files), expected);
+    let md = text(&files, "atlas-found.md");
+    assert!(md.contains("`subdomains` is 9x9"), "{md}");
+}
+
+#[test]
+fn sentence_tells_how_why_and_what_mends_it_and_follows_the_rows() {
+    let rows = |status: &str, lambda: &str| {
+        let mut rows = vec![
+            judged(0, "0.5", "converged", "crystal rows=5", &[(0, 1.0), (50, 1e-4)]),
+            judged(1, "1.0", status, "crystal rows=5", &[(0, 1.0), (9, 1e-5)]),
+            judged(2, "0.5", "converged", "crystal rows=9", &[(0, 1.0), (70, 1e-4)]),
+            judged(3, "1.0", status, "crystal rows=9", &[(0, 1.0), (8, 1e-5)]),
+        ];
+        rows[3].0.spectrum = format!(r#"{{"lambda_max":{lambda}}}"#);
+        rows
+    };
+    let told = |status, lambda| text(&made(rows(status, lambda)), "atlas-found.md").to_owned();
+    let diverged = told("diverged", "2.9");
+    let sentence = "jacobi, crystal (rows 5, 9): 1.0: diverged on 2 of 2 (ω λmax(W_D⁻¹W) = 2.50 to 2.90, above 2). Well on all of it: 0.5.";
+    assert!(diverged.contains(sentence), "{diverged}");
+    assert!(told("diverged", "1.5").contains("above 2; no spectral reason is known for 1)"));
+    let converged = told("converged", "2.9");
+    assert!(converged.contains("no setting of the plan fails"), "{converged}");
+}
+
+#[test]
+fn failure_that_another_setting_mends_has_a_ring_in_the_matrix() {
+    let ring = "another setting of the method mends it";
+    let first = judged(0, "1.0", "diverged", "pile", &[(0, 1.0), (9, 1e30)]);
+    let alone = made(vec![first.clone()]);
+    assert!(!text(&alone, "atlas.svg").contains(ring));
+    let mended = made(vec![first, judged(1, "0.5", "converged", "pile", &[(0, 1.0), (50, 1e-4)])]);
+    assert!(text(&mended, "atlas.svg").contains(ring));
+    assert!(text(&mended, "atlas-jacobi.svg").contains("2 0.5"));
+}
+
+#[test]
+fn setting_is_told_by_what_differs_from_the_first() {
+    let variants = vec!["grid=2x1 split=true", "grid=8x1 split=true", "grid=2x1 split=false"];
+    let kind = super::Kind { method: "nsgs-dd", variants };
+    let labels: Vec<String> = kind.variants.iter().map(|variant| kind.label(variant)).collect();
+    assert_eq!(labels, ["grid=2x1 split=true", "grid=8x1", "split=false"]);
+}
+
+#[test]
+fn zeta_that_met_the_tolerance_far_from_the_solution_is_told() {
+    let (run, mut curve) = judged(0, "", "iteration-limit", "pile", &[(0, 1.0), (512, 0.4), (1000, 0.3)]);
+    curve[1].zeta = 1e-5;
+    assert!(text(&made(vec![(run.clone(), curve.clone())]), "atlas-found.md").contains(" in 1 of 1"));
+    curve[1].zeta = 1e-3;
+    assert!(text(&made(vec![(run, curve)]), "atlas-found.md").contains(" in 0 of 1"));
+}
+
+#[test]
+fn study_without_runs_has_tables_and_no_figure() {
+    let files = made(Vec::new());
+    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    let tables =
+        ["atlas-counts.csv", "atlas-counts.md", "atlas-counts.tex", "atlas.csv", "atlas.md", "atlas.tex"];
+    assert_eq!(names[0], "atlas-found.md");
+    assert_eq!(names[1..], tables);
+}
+
+#[test]
+fn undefined_and_infinite_measures_are_drawn_as_classes() {
+    for value in [f64::NAN, f64::INFINITY] {
+        let files = made(vec![judged(0, "", "iteration-limit", "pile", &[(0, value), (1000, value)])]);
+        assert_eq!(classes(&files), ["stalled"]);
+    }
+}

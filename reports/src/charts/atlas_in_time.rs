@@ -1,0 +1,294 @@
+//! Stability in time: what became of each simulation, method and rule against scene and time step.
+
+mod class;
+#[cfg(test)]
+mod tests;
+
+use polars::df;
+use polars::prelude::DataFrame;
+
+use crate::draw::{
+    Canvas, ColorScale, FRAME, HPos, INK, LEADING, MARGIN, PAGE, Pen, RGBColor, TEXT, TICK_TEXT, VPos, WHITE,
+    svg, text_width,
+};
+use crate::error::ReportError;
+use crate::read::{Simulation, counted, in_role, milliseconds, number};
+use crate::text::Part;
+use class::{CREEP, Class, Drift, MORE_ENERGY, SHARE_OF_FALL, class, drift};
+
+/// A simulation, judged.
+struct Judged<'s> {
+    simulation: &'s Simulation,
+    class: Option<Class>,
+    drift: Option<Drift>,
+}
+
+/// The figure and the table `atlas-in-time`, and `atlas-in-time-found` in words.
+pub(crate) fn parts(all: &[Simulation]) -> Result<Vec<Part>, ReportError> {
+    let judged: Vec<Judged> = all
+        .iter()
+        // The floors are as exact as their time step lets them: where they are not stable, no tolerance is to blame.
+        .filter(|simulation| simulation.is_run() || simulation.role == "floor")
+        .map(|simulation| {
+            let reference = in_role(all, &simulation.scene, "reference");
+            let drift = reference.and_then(|reference| drift(simulation, reference));
+            Judged { simulation, class: class(simulation, reference), drift }
+        })
+        .collect();
+    Ok(vec![
+        Part::figure("atlas-in-time", figure(&judged)?),
+        Part::text("atlas-in-time-found", sentences(&judged)),
+        Part::table("atlas-in-time", table(&judged)?, format!("\n{}\n", rule())),
+    ])
+}
+
+/// The rule of the classes, in words.
+fn rule() -> String {
+    format!(
+        "Judged over the second half of the time, beside the reference of the scene: creeping, if the median mean height \
+         is off or the median greatest overlap larger by more than {CREEP} mean diameters; else jittering, if the median \
+         kinetic energy exceeds the reference's by more than {MORE_ENERGY} times it, and by more than that of grains at \
+         {SHARE_OF_FALL} times the speed that free fall gives in a time step; else stable. Exploded: not finite, an overlap \
+         above the radius of the smaller grain, or a grain that moves by more than its diameter within a time step; no \
+         solution, solver diverged: it exploded because of that."
+    )
+}
+
+fn table(judged: &[Judged]) -> Result<DataFrame, ReportError> {
+    fn column<'j, T>(judged: &[Judged<'j>], of: impl Fn(&'j Simulation) -> T) -> Vec<T> {
+        judged.iter().map(|j| of(j.simulation)).collect()
+    }
+    let drifts = |of: fn(&Drift) -> f64| judged.iter().map(|j| j.drift.as_ref().map(of)).collect::<Vec<_>>();
+    Ok(df!(
+        "scene" => column(judged, |s| s.scene.as_str()),
+        "time_step_s" => column(judged, |s| s.time_step_s),
+        "method" => column(judged, Simulation::label),
+        "warm_start" => column(judged, |s| s.warm_start),
+        "tolerance" => column(judged, |s| s.tolerance),
+        "max_iterations" => column(judged, |s| s.max_iterations),
+        "class" => judged.iter().map(|j| j.class.map(Class::name)).collect::<Vec<_>>(),
+        "height_drift_mean_diameters" => drifts(|drift| drift.height),
+        "overlap_excess_mean_diameters" => drifts(|drift| drift.overlap),
+        "worst_overlap_mean_diameters" => column(judged, worst_overlap),
+        "kinetic_energy_j" => drifts(|drift| drift.energies[0]),
+        "kinetic_energy_of_reference_j" => drifts(|drift| drift.energies[1]),
+        "time_steps" => column(judged, |s| s.time_steps),
+        "missed_time_steps" => column(judged, |s| s.missed_time_steps),
+        "seconds_per_second" => column(judged, Simulation::seconds_per_second),
+    )?)
+}
+
+/// In mean diameters, over all time.
+fn worst_overlap(simulation: &Simulation) -> f64 {
+    let overlaps = simulation.series.iter().map(|row| row.greatest_overlap_m);
+    overlaps.fold(0.0, f64::max) / simulation.mean_diameter_m
+}
+
+/// Height of a row and width of a column of the matrix, room for turned-in headings above (mm).
+const ROW: f64 = 3.9;
+const CELL: (f64, f64) = (5.0, 12.0);
+
+/// A row of the matrix.
+#[derive(PartialEq)]
+struct Line {
+    method: String,
+    warm_start: bool,
+    tolerance: f64,
+    max_iterations: u64,
+}
+
+impl Line {
+    fn of(simulation: &Simulation) -> Self {
+        let Simulation { warm_start, tolerance, max_iterations, .. } = *simulation;
+        Self { method: simulation.label(), warm_start, tolerance, max_iterations }
+    }
+
+    /// What of it differs within the study; a tolerance of 0 is never met, so that the budget decides.
+    fn text(&self, tolerances: bool, starts: bool) -> String {
+        let mut words = vec![self.method.clone()];
+        if self.tolerance == 0.0 {
+            words.push(counted(self.max_iterations as usize, "iteration"));
+        } else if tolerances {
+            words.push(format!("≤ {}", number(self.tolerance, 1)));
+        }
+        if starts {
+            words.push(if self.warm_start { "warm" } else { "cold" }.to_owned());
+        }
+        words.join(", ")
+    }
+}
+
+fn figure(judged: &[Judged]) -> Result<String, ReportError> {
+    let mut lines: Vec<Line> = Vec::new();
+    for line in judged.iter().map(|j| Line::of(j.simulation)) {
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
+    let tolerances = lines.windows(2).any(|pair| pair[0].tolerance != pair[1].tolerance);
+    let starts = lines.windows(2).any(|pair| pair[0].warm_start != pair[1].warm_start);
+    let short: Vec<String> = lines.iter().map(|line| line.text(tolerances, starts)).collect();
+    let alone = |text: &String| short.iter().filter(|other| *other == text).count() == 1;
+    let long = |(line, text): (&Line, &String)| format!("{text}, {} iterations", line.max_iterations);
+    let of = |(line, text)| if alone(text) { text.clone() } else { long((line, text)) };
+    let texts: Vec<String> = lines.iter().zip(&short).map(of).collect();
+    let mut columns: Vec<(&str, f64)> = Vec::new();
+    for column in judged.iter().map(|j| (j.simulation.scene.as_str(), j.simulation.time_step_s)) {
+        if !columns.contains(&column) {
+            columns.push(column);
+        }
+    }
+    let mut left = 0.0_f64;
+    for text in &texts {
+        left = left.max(text_width(text, TICK_TEXT)?);
+    }
+    let left = MARGIN + left + 1.5;
+    let cell = ((PAGE - MARGIN - left) / columns.len().max(1) as f64).clamp(CELL.0, CELL.1);
+    let scenes = distinct_in_order(&columns);
+    let top = MARGIN + LEADING * (1.5 + scenes.len() as f64 + 1.0) + 0.5;
+    let bottom = top + ROW * lines.len() as f64;
+    let height = (bottom + 2.0 + LEADING * 2.0 + MARGIN).ceil();
+    svg((PAGE, height), |canvas| {
+        let title = "What became of each simulation, under each scene and time step h (ms)";
+        canvas.text(title, (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top))?;
+        headings(canvas, &columns, &scenes, (left, top), cell)?;
+        for (i, (line, text)) in lines.iter().zip(&texts).enumerate() {
+            let y = top + ROW * i as f64;
+            canvas.text(text, (left - 1.0, y + ROW / 2.0), TICK_TEXT, (HPos::Right, VPos::Center))?;
+            for (k, column) in columns.iter().enumerate() {
+                let here = |j: &&Judged| {
+                    (j.simulation.scene.as_str(), j.simulation.time_step_s) == *column
+                        && Line::of(j.simulation) == *line
+                };
+                let class = judged.iter().find(here).and_then(|j| j.class);
+                draw_cell(canvas, class, (left + cell * k as f64, y), cell)?;
+            }
+        }
+        key(canvas, bottom + 2.0)
+    })
+}
+
+fn distinct_in_order<'c>(columns: &[(&'c str, f64)]) -> Vec<&'c str> {
+    let mut scenes: Vec<&str> = columns.iter().map(|(scene, _)| *scene).collect();
+    scenes.dedup();
+    scenes
+}
+
+/// A bracket with its name over the columns of each scene, and the time steps below.
+fn headings(
+    canvas: &Canvas,
+    columns: &[(&str, f64)],
+    scenes: &[&str],
+    (left, top): (f64, f64),
+    cell: f64,
+) -> Result<(), ReportError> {
+    for (i, scene) in scenes.iter().enumerate() {
+        let of_scene = |(k, column): (usize, &(&str, f64))| (column.0 == *scene).then_some(k);
+        let first = columns.iter().enumerate().find_map(of_scene).unwrap_or(0);
+        let count = columns.iter().filter(|column| column.0 == *scene).count();
+        let x = (left + cell * first as f64 + 0.3, left + cell * (first + count) as f64 - 0.3);
+        // Names may be longer than their columns are wide: each has a line of its own.
+        let y = top - LEADING * (1.0 + (scenes.len() - i) as f64);
+        canvas.text(scene, (x.0 + 0.8, y), TICK_TEXT, (HPos::Left, VPos::Top))?;
+        let down = top - LEADING - 0.3;
+        canvas.line(&[(x.0, y + 0.5), (x.0, down), (x.1, down)], Pen { color: INK, ..FRAME })?;
+    }
+    for (k, (_, h)) in columns.iter().enumerate() {
+        let x = left + cell * (k as f64 + 0.5);
+        canvas.text(
+            &milliseconds(*h).to_string(),
+            (x, top - 0.6),
+            TICK_TEXT,
+            (HPos::Center, VPos::Bottom),
+        )?;
+    }
+    Ok(())
+}
+
+fn draw_cell(
+    canvas: &Canvas,
+    class: Option<Class>,
+    (x, y): (f64, f64),
+    cell: f64,
+) -> Result<(), ReportError> {
+    let (fill, letter) = look(class);
+    let corners = [(x, y), (x + cell, y), (x + cell, y + ROW), (x, y + ROW)];
+    canvas.polygon(&corners, fill, Some(Pen { color: WHITE, width: 0.25, dash: &[] }))?;
+    let place = (x + cell / 2.0, y + ROW / 2.0);
+    canvas.text_in(ColorScale::ink_on(fill), letter, place, TICK_TEXT, (HPos::Center, VPos::Center))
+}
+
+/// Colour and letter; the lightness falls with the badness, so that it reads in grey.
+fn look(class: Option<Class>) -> (RGBColor, &'static str) {
+    match class {
+        Some(Class::Stable) => (RGBColor(225, 240, 232), "s"),
+        Some(Class::Jittering) => (RGBColor(242, 205, 120), "j"),
+        Some(Class::Creeping) => (RGBColor(205, 110, 50), "c"),
+        Some(Class::Exploded) => (RGBColor(110, 45, 85), "x"),
+        Some(Class::NoSolution) => (RGBColor(70, 20, 60), "n"),
+        Some(Class::SolverDiverged) => (RGBColor(30, 8, 30), "d"),
+        None => (RGBColor(248, 248, 248), "–"),
+    }
+}
+
+fn key(canvas: &Canvas, top: f64) -> Result<(), ReportError> {
+    let (mut x, mut y) = (MARGIN, top);
+    let classes = Class::ALL.map(|class| (Some(class), class.name()));
+    for (class, name) in classes.into_iter().chain([(None, "not made, or nothing to judge it by")]) {
+        let width = CELL.0 + 1.0 + text_width(name, TEXT)?;
+        if x + width > PAGE - MARGIN {
+            (x, y) = (MARGIN, y + ROW + 0.5);
+        }
+        draw_cell(canvas, class, (x, y), CELL.0)?;
+        canvas.text(name, (x + CELL.0 + 1.0, y + ROW / 2.0), TEXT, (HPos::Left, VPos::Center))?;
+        x += width + 4.0;
+    }
+    Ok(())
+}
+
+/// What the rows say: how many of each class, of each method, and what the start and the time step change.
+fn sentences(judged: &[Judged]) -> String {
+    let counts = |of: &dyn Fn(&Judged) -> bool| {
+        let count = |class| judged.iter().filter(|j| of(j) && j.class == Some(class)).count();
+        // Why one exploded, only where it is more than that.
+        let counted = Class::ALL.map(|class| (class, count(class)));
+        let told = counted.into_iter().filter(|(class, count)| *class <= Class::Exploded || *count > 0);
+        let words = told.map(|(class, count)| format!("{count} {}", class.name()));
+        words.collect::<Vec<_>>().join(", ")
+    };
+    let mut text = format!("Of {}: {}.\n", counted(judged.len(), "simulation"), counts(&|_| true));
+    let all: Vec<&Simulation> = judged.iter().map(|j| j.simulation).collect();
+    let mut methods: Vec<String> = all.iter().map(|s| s.label()).collect();
+    methods.dedup();
+    methods.sort();
+    methods.dedup();
+    for method in methods {
+        text.extend([format!("{method}: {}.\n", counts(&|j| j.simulation.label() == method))]);
+    }
+    text + &of_starts(judged)
+}
+
+/// Pairs of simulations that differ in their start alone.
+fn of_starts(judged: &[Judged]) -> String {
+    let twin = |cold: &Judged| {
+        let same = |warm: &&Judged| {
+            let (a, b) = (warm.simulation, cold.simulation);
+            let line = Line { warm_start: true, ..Line::of(b) };
+            Line::of(a) == line && a.scene == b.scene && a.time_step_s == b.time_step_s
+        };
+        judged.iter().find(same).and_then(|warm| Some((warm.class?, cold.class?)))
+    };
+    let pairs: Vec<(Class, Class)> =
+        judged.iter().filter(|j| !j.simulation.warm_start).filter_map(twin).collect();
+    if pairs.is_empty() {
+        return String::new();
+    }
+    let (worse, better) = (
+        pairs.iter().filter(|(warm, cold)| cold > warm).count(),
+        pairs.iter().filter(|(warm, cold)| cold < warm).count(),
+    );
+    format!(
+        "Of {} that differ in their start alone, the cold one is of a worse class in {worse}, of a better one in {better}.\n",
+        counted(pairs.len(), "pair")
+    )
+}

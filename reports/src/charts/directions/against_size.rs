@@ -1,0 +1,124 @@
+//! The best direction and the derived one against the number of grains.
+
+use super::field::Field;
+use crate::draw::{
+    Axis, BLACK, Canvas, DERIVED, Frame, HPos, INK, LEADING, MARGIN, Mark, PAGE, Pen, Place, Sign, Signs,
+    TEXT, VPos, svg,
+};
+use crate::error::ReportError;
+use crate::read::{counted, median, number, padded};
+
+const LEFT: f64 = 12.0;
+const RIGHT: f64 = 4.0;
+const ABOVE: f64 = 2.0 * LEADING + 1.0;
+const BELOW: f64 = 9.5;
+const HEIGHT: f64 = 55.0;
+
+const MEDIAN: Pen = Pen { color: BLACK, width: 0.3, dash: &[] };
+const MEDIAN_DERIVED: Pen = Pen { color: INK, width: 0.3, dash: &[1.6, 0.8] };
+const MEDIAN_ADAPTIVE: Pen = Pen { color: BLACK, width: 0.3, dash: &[0.3, 0.6] };
+const BEST_POINT: Pen = Pen { color: BLACK, width: 0.25, dash: &[] };
+
+/// Points with their grains; each a logarithm.
+type Points = Vec<(f64, f64)>;
+
+/// Left: best and derived κ_l, one point per problem and group. Right: iterations of the derived over the best.
+pub(crate) fn figure(fields: &[Field]) -> Result<String, ReportError> {
+    let points = |of: &dyn Fn(&Field) -> Option<f64>| -> Points {
+        let log = |field: &Field| Some((f64::from(field.grains.max(1)).log10(), of(field)?.log10()));
+        fields.iter().filter_map(log).filter(|(_, y)| y.is_finite()).collect()
+    };
+    let best = points(&|field| field.best().map(|cell| cell.kappa_l));
+    let derived = points(&|field| field.kappa.map(|(l, _)| l));
+    let ratios = points(&|field| field.ratio(field.derived));
+    let adaptive = points(&|field| field.ratio(field.adaptive));
+    let signs = Signs::new(signs(&ratios, &adaptive), PAGE - 2.0 * MARGIN)?;
+    let below = MARGIN + ABOVE + HEIGHT + BELOW;
+    svg((PAGE, (below + signs.height() + MARGIN).ceil()), |canvas| {
+        canvas.text(&head(fields), (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top))?;
+        let grains = padded(best.iter().chain(&derived).map(|p| p.0), 0.15);
+        let pitch = PAGE / 2.0 - MARGIN;
+        let frame = |panel: usize, range| {
+            let from = MARGIN + LEFT + pitch * panel as f64;
+            let top = MARGIN + ABOVE;
+            let x = Axis::log(grains, from, from + pitch - LEFT - RIGHT);
+            Frame { x, y: Axis::log(range, top + HEIGHT, top) }
+        };
+        let left = frame(0, padded(best.iter().chain(&derived).map(|p| p.1), 0.1));
+        let right = frame(1, padded(ratios.iter().chain(&adaptive).map(|p| p.1).chain([0.0]), 0.05));
+        for (frame, name) in
+            [(&left, "κ_l, at contacts (–)"), (&right, "iterations over those of the best (–)")]
+        {
+            frame.draw(canvas)?;
+            frame.name(canvas, "grains", name)?;
+        }
+        draw(canvas, &left, &derived, (Mark::Diamond, DERIVED), MEDIAN_DERIVED)?;
+        draw(canvas, &left, &best, (Mark::Ring, BEST_POINT), MEDIAN)?;
+        draw(canvas, &right, &ratios, (Mark::Diamond, DERIVED), MEDIAN_DERIVED)?;
+        if !adaptive.is_empty() {
+            draw(canvas, &right, &adaptive, (Mark::Cross, BEST_POINT), MEDIAN_ADAPTIVE)?;
+        }
+        signs.draw(canvas, (MARGIN, below))
+    })
+}
+
+/// A point per problem, and a line through the medians of equal numbers of grains.
+fn draw(
+    canvas: &Canvas,
+    frame: &Frame,
+    points: &Points,
+    (mark, pen): (Mark, Pen),
+    line: Pen,
+) -> Result<(), ReportError> {
+    if points.is_empty() {
+        return canvas.text("no value", frame.middle(), TEXT, (HPos::Center, VPos::Center));
+    }
+    let places: Vec<Place> = medians(points).into_iter().map(|point| frame.place(point)).collect();
+    canvas.line(&places, line)?;
+    points.iter().try_for_each(|&point| canvas.mark(mark, frame.place(point), pen))
+}
+
+fn medians(points: &Points) -> Points {
+    let mut xs: Vec<f64> = points.iter().map(|point| point.0).collect();
+    xs.sort_by(f64::total_cmp);
+    xs.dedup();
+    let of = |x: f64| points.iter().filter(|point| point.0 == x).map(|point| point.1).collect();
+    xs.into_iter().filter_map(|x| Some((x, median(of(x))?))).collect()
+}
+
+fn head(fields: &[Field]) -> String {
+    let (first, run) = (&fields[0], fields[0].cells.first().map(|cell| cell.run));
+    let stop = run.and_then(|run| {
+        Some(format!(", iterations to {} ≤ {}", run.stop_on.replace('_', " "), number(run.tolerance?, 2)))
+    });
+    let runs = fields.iter().map(|field| field.cells.len()).sum();
+    format!(
+        "{}: {}, {}{}",
+        first.method,
+        counted(fields.len(), "problem"),
+        counted(runs, "run"),
+        stop.unwrap_or_default()
+    )
+}
+
+fn signs(ratios: &Points, adaptive: &Points) -> Vec<(Sign, String)> {
+    let mut signs = vec![
+        (Sign::Mark(Mark::Ring, BEST_POINT), "best of the grid, one per problem".to_owned()),
+        (Sign::Line(MEDIAN), "their median".to_owned()),
+        (Sign::Mark(Mark::Diamond, DERIVED), "derived".to_owned()),
+        (Sign::Line(MEDIAN_DERIVED), "median of the derived".to_owned()),
+    ];
+    if !adaptive.is_empty() {
+        signs.push((Sign::Mark(Mark::Cross, BEST_POINT), "derived, then adapted".to_owned()));
+        signs.push((Sign::Line(MEDIAN_ADAPTIVE), "median of the adapted".to_owned()));
+    }
+    for (what, points) in [("derived", ratios), ("adapted", adaptive)] {
+        let text =
+            |(x, y): (f64, f64)| format!("{} at {:.0} grains", number(10f64.powf(y), 3), 10f64.powf(x));
+        let texts: Vec<String> = medians(points).into_iter().map(text).collect();
+        if !texts.is_empty() {
+            signs.push((Sign::Word, format!("Median ratio, {what}: {}.", texts.join(", "))));
+        }
+    }
+    signs
+}

@@ -1,0 +1,259 @@
+//! Iterations over (κ_l, κ_d) as maps, one per μ and group, on pages with one scale of colours.
+
+use super::field::{Cell, Field};
+use super::words::{head, notes, signs, title};
+use crate::draw::{
+    Axis, BEST, COLUMN, Canvas, ColorScale, DERIVED, FAILED_CELL, FAILED_SIGN, Frame, HALO, HPos, LEADING,
+    MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen, Place, RGBColor, Signs, TEXT, TICK_TEXT, Ticks, VPos, svg,
+    text_width,
+};
+use crate::error::ReportError;
+use crate::read::{Ending, count};
+
+/// Left of the panels for labels, right of them for the scale of colours, between them (mm).
+const LEFT: f64 = 13.0;
+const RIGHT: f64 = 15.0;
+const GAP: f64 = 2.5;
+/// Below a row of panels for labels (mm).
+const BELOW: f64 = 5.5;
+/// Bounds of the side of a panel (mm).
+const LEAST: f64 = 21.0;
+const GREATEST: f64 = 52.0;
+/// Two lines of text above all, and the name of the x axis below (mm).
+const HEAD: f64 = 2.0 * LEADING;
+const FOOT: f64 = LEADING + 1.0;
+/// A cell at least so wide and high has its number in it (mm).
+const ROOMY: (f64, f64) = (8.5, 6.0);
+
+/// The maps of a problem on as many pages as they need.
+pub(crate) fn pages(problem: &str, fields: &[&Field]) -> Result<Vec<String>, ReportError> {
+    if fields.is_empty() {
+        return Ok(Vec::new());
+    }
+    let page = Page::of(problem, fields)?;
+    let chunks = fields.chunks(page.columns * page.rows).enumerate();
+    chunks.map(|(number, fields)| page.draw(fields, number)).collect()
+}
+
+/// What the pages of a problem share.
+struct Page {
+    width: f64,
+    columns: usize,
+    rows: usize,
+    side: f64,
+    /// Above a panel for its title and its notes (mm).
+    above: f64,
+    head: [String; 2],
+    /// Ranges of log κ_l and log κ_d.
+    kappa_l: (f64, f64),
+    kappa_d: (f64, f64),
+    scale: Option<ColorScale>,
+    signs: Signs,
+}
+
+impl Page {
+    fn of(problem: &str, fields: &[&Field]) -> Result<Self, ReportError> {
+        let mut least = LEAST;
+        let lines = fields.iter().map(|field| 1 + notes(field).len()).max().unwrap_or(1);
+        let above = LEADING * lines as f64 + 0.6;
+        for field in fields {
+            for line in title(field).iter().chain(&notes(field)) {
+                least = least.max(text_width(line, TICK_TEXT)? + 0.5);
+            }
+        }
+        let room = |width: f64| width - 2.0 * MARGIN - LEFT - RIGHT + GAP;
+        let first_row = fields.iter().take_while(|field| field.relaxation == fields[0].relaxation).count();
+        let columns = first_row.clamp(1, ((room(PAGE) / (least + GAP)) as usize).max(1));
+        let side = (room(PAGE) / columns as f64 - GAP).min(GREATEST);
+        let head = head(problem, fields);
+        let mut width = COLUMN.max(PAGE - room(PAGE) + columns as f64 * (side + GAP));
+        for line in &head {
+            width = width.max(text_width(line, TEXT)? + 2.0 * MARGIN);
+        }
+        let signs = Signs::new(signs(fields), width - 2.0 * MARGIN)?;
+        let free = PAGE_HEIGHT - 2.0 * MARGIN - HEAD - FOOT - signs.height();
+        let iterations = || fields.iter().flat_map(|f| &f.cells).filter_map(converged);
+        Ok(Self {
+            width,
+            columns,
+            rows: ((free / (above + side + BELOW)) as usize).max(1),
+            side,
+            above,
+            head,
+            kappa_l: range(fields, |cell| cell.kappa_l, |kappa| kappa.0),
+            kappa_d: range(fields, |cell| cell.kappa_d, |kappa| kappa.1),
+            scale: ColorScale::of(iterations()),
+            signs,
+        })
+    }
+
+    fn draw(&self, fields: &[&Field], number: usize) -> Result<String, ReportError> {
+        let rows = fields.len().div_ceil(self.columns);
+        let panels = rows as f64 * (self.above + self.side + BELOW);
+        let below = MARGIN + HEAD + panels + FOOT;
+        svg((self.width, (below + self.signs.height() + MARGIN).ceil()), |canvas| {
+            for (i, line) in self.head.iter().enumerate() {
+                let line = if number > 0 && i == 0 { format!("{line} (continued)") } else { line.clone() };
+                let place = (MARGIN, MARGIN + LEADING * i as f64);
+                canvas.text(&line, place, TEXT, (HPos::Left, VPos::Top))?;
+            }
+            for (i, field) in fields.iter().enumerate() {
+                // The last panel of a column has the labels of its κ_l.
+                self.panel(
+                    canvas,
+                    field,
+                    (i / self.columns, i % self.columns),
+                    i + self.columns >= fields.len(),
+                )?;
+            }
+            let columns = fields.len().min(self.columns) as f64;
+            let middle = MARGIN + LEFT + (columns * (self.side + GAP) - GAP) / 2.0;
+            canvas.text("κ_l, at contacts (–)", (middle, below - FOOT), TEXT, (HPos::Center, VPos::Top))?;
+            if let Some(scale) = &self.scale {
+                let left = MARGIN + LEFT + columns * (self.side + GAP) + 0.5;
+                let top = MARGIN + HEAD + self.above;
+                scale.draw(
+                    canvas,
+                    "iterations",
+                    (left, top),
+                    self.side.max(30.0).min(panels - self.above - BELOW),
+                )?;
+            }
+            self.signs.draw(canvas, (MARGIN, below))
+        })
+    }
+
+    fn panel(
+        &self,
+        canvas: &Canvas,
+        field: &Field,
+        (row, column): (usize, usize),
+        last: bool,
+    ) -> Result<(), ReportError> {
+        let left = MARGIN + LEFT + column as f64 * (self.side + GAP);
+        let top = MARGIN + HEAD + row as f64 * (self.above + self.side + BELOW) + self.above;
+        let frame = Frame {
+            x: Axis::log(self.kappa_l, left, left + self.side),
+            y: Axis::log(self.kappa_d, top + self.side, top),
+        };
+        for (i, line) in title(field).iter().chain(&notes(field)).enumerate() {
+            let place = (left, top - self.above + LEADING * i as f64);
+            canvas.text(line, place, TICK_TEXT, (HPos::Left, VPos::Top))?;
+        }
+        self.cells(canvas, &frame, field)?;
+        frame.draw_border(canvas, Ticks::Outside)?;
+        if last {
+            frame.label_x(canvas, Ticks::Outside)?;
+        }
+        if column == 0 {
+            frame.label_y(canvas, Ticks::Outside)?;
+            let middle = (MARGIN, frame.middle().1);
+            for (line, text) in ["κ_d", "(–)"].into_iter().enumerate() {
+                let place = (middle.0, middle.1 + LEADING * (line as f64 - 0.5));
+                canvas.text(text, place, TEXT, (HPos::Left, VPos::Center))?;
+            }
+        }
+        match field.kappa {
+            Some((l, d)) => canvas.mark(Mark::Diamond, frame.place((l.log10(), d.log10())), DERIVED),
+            None => Ok(()),
+        }
+    }
+
+    fn cells(&self, canvas: &Canvas, frame: &Frame, field: &Field) -> Result<(), ReportError> {
+        let edges_l = edges(field.cells.iter().map(|cell| cell.kappa_l));
+        let edges_d = edges(field.cells.iter().map(|cell| cell.kappa_d));
+        let corners = |cell: &Cell| {
+            let (l, d) = (around(&edges_l, cell.kappa_l), around(&edges_d, cell.kappa_d));
+            (frame.place((l.0, d.1)), frame.place((l.1, d.0)))
+        };
+        for cell in &field.cells {
+            self.cell(canvas, cell, corners(cell))?;
+        }
+        if let Some(best) = field.best() {
+            let ((x0, mut y0), (x1, mut y1)) = corners(best);
+            if field.subdomains == 1 {
+                // All of its κ_d.
+                for cell in field.cells.iter().filter(|cell| cell.kappa_l == best.kappa_l) {
+                    let ((_, low), (_, high)) = corners(cell);
+                    (y0, y1) = (y0.min(low), y1.max(high));
+                }
+            }
+            let around = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)];
+            canvas.line(&around, HALO)?;
+            canvas.line(&around, BEST)?;
+        }
+        Ok(())
+    }
+
+    fn cell(
+        &self,
+        canvas: &Canvas,
+        cell: &Cell,
+        ((x0, y0), (x1, y1)): (Place, Place),
+    ) -> Result<(), ReportError> {
+        let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)];
+        let Some((iterations, scale)) = converged(cell).zip(self.scale.as_ref()) else {
+            canvas.polygon(&corners, FAILED_CELL, Some(seam(FAILED_CELL)))?;
+            return cell.run.ending.draw(canvas, (f64::midpoint(x0, x1), f64::midpoint(y0, y1)), FAILED_SIGN);
+        };
+        let fill = scale.color(iterations);
+        canvas.polygon(&corners, fill, Some(seam(fill)))?;
+        if x1 - x0 >= ROOMY.0 && y1 - y0 >= ROOMY.1 {
+            let place = (f64::midpoint(x0, x1), y1 - 0.7);
+            let text = count(cell.run.iterations as usize);
+            canvas.text_in(
+                ColorScale::ink_on(fill),
+                &text,
+                place,
+                TICK_TEXT,
+                (HPos::Center, VPos::Bottom),
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// Covers the hairline that renderers leave between two cells.
+fn seam(color: RGBColor) -> Pen {
+    Pen { color, width: 0.06, dash: &[] }
+}
+
+fn converged(cell: &Cell) -> Option<f64> {
+    (cell.run.ending == Ending::Converged).then(|| cell.run.iterations.max(1) as f64)
+}
+
+/// Edges between the values on a logarithmic axis, half a step beyond the first and the last; with each its value.
+fn edges(values: impl Iterator<Item = f64>) -> Vec<(f64, (f64, f64))> {
+    const ALONE: f64 = 0.25;
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    let logs: Vec<f64> = values.iter().map(|value| value.log10()).collect();
+    let half = |i: usize| logs.get(i + 1).map(|next| (next - logs[i]) / 2.0);
+    let around = |i: usize| {
+        let before = i.checked_sub(1).and_then(half);
+        let (low, high) = (before.or(half(i)).unwrap_or(ALONE), half(i).or(before).unwrap_or(ALONE));
+        (values[i], (logs[i] - low, logs[i] + high))
+    };
+    (0..values.len()).map(around).collect()
+}
+
+fn around(edges: &[(f64, (f64, f64))], value: f64) -> (f64, f64) {
+    edges.iter().find(|(of, _)| *of == value).map_or((0.0, 0.0), |(_, around)| *around)
+}
+
+/// Range of the logarithms of the cells with their edges, and of the derived directions.
+fn range(fields: &[&Field], of: fn(&Cell) -> f64, derived: fn((f64, f64)) -> f64) -> (f64, f64) {
+    const ROOM: f64 = 0.15;
+    let cells = edges(fields.iter().flat_map(|f| &f.cells).map(of)).into_iter().map(|(_, around)| around);
+    let marks = fields.iter().filter_map(|f| f.kappa).map(|kappa| {
+        let log = derived(kappa).log10();
+        (log - ROOM, log + ROOM)
+    });
+    cells
+        .chain(marks)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (from, to)| (low.min(from), high.max(to)))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,226 @@
+//! Iterations, and seconds of an iteration, against the number of subdomains.
+
+use std::borrow::Cow;
+
+use crate::draw::{
+    Axis, Canvas, Frame, INSIDE, Legend, MOST_LINES, Pen, Points, Room, Scale, Series, Sign, TOLERANCE,
+    draw_empty, draw_signs, endings, grid, has_line, key, on_the_way, reach, series, title,
+};
+use crate::error::ReportError;
+use crate::read::{Ending, Problems, RunRow, file_name, problems};
+use crate::text::{Part, too_many};
+use polars::df;
+
+/// What a panel shows of a run of a series.
+pub(crate) struct Panel {
+    pub(crate) title: Cow<'static, str>,
+    pub(crate) of: fn(&Series, &RunRow) -> Option<f64>,
+    /// Whether it was reached however the run ended.
+    pub(crate) on_the_way: bool,
+    /// Whether as many times as there are subdomains is the ideal. Panels with an ideal have the same axes.
+    pub(crate) ideal: bool,
+}
+
+/// Iterations of runs that converged; of others those that they made.
+pub(crate) const ITERATIONS: Panel = Panel {
+    title: Cow::Borrowed("iterations to the tolerance"),
+    of: |_, run| Some(run.iterations as f64),
+    on_the_way: false,
+    ideal: false,
+};
+
+const PANELS: [Panel; 2] = [
+    ITERATIONS,
+    Panel {
+        title: Cow::Borrowed("seconds per iteration (s)"),
+        of: |_, run| seconds_per_iteration(run),
+        on_the_way: false,
+        ideal: false,
+    },
+];
+
+pub(crate) fn seconds_per_iteration(run: &RunRow) -> Option<f64> {
+    run.iterating_s.filter(|_| run.iterations > 0).map(|seconds| seconds / run.iterations as f64)
+}
+
+/// `subdomains-<problem>` for each problem, and the table `subdomains` with the growth.
+pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+    let runs: Vec<&RunRow> = study.runs.iter().collect();
+    let mut parts = Vec::new();
+    for problem in problems(&study.runs) {
+        let name = format!("subdomains-{}", file_name(problem));
+        parts.push(on_problem(name, &runs, problem, &PANELS, Vec::new())?);
+    }
+    let table = table(&series(&study.runs, &["subdomains"]))?;
+    let note =
+        "\nGrowth: iterations over those of the same method and settings with the fewest subdomains.\n";
+    parts.push(Part::table("subdomains", table, note));
+    Ok(parts)
+}
+
+/// The series on one problem; a run that was skipped has no point.
+fn series_on<'r>(runs: &[&'r RunRow], problem: &str) -> Vec<Series<'r>> {
+    let mut all = series(runs.iter().copied(), &["subdomains"]);
+    for series in &mut all {
+        series.runs.retain(|run| run.problem == problem && run.ending != Ending::Skipped);
+    }
+    all.retain(|series| !series.runs.is_empty());
+    all
+}
+
+/// The runs on a problem against their subdomains, and `notes` in the key.
+pub(crate) fn on_problem(
+    name: String,
+    runs: &[&RunRow],
+    problem: &str,
+    panels: &[Panel],
+    notes: Vec<String>,
+) -> Result<Part, ReportError> {
+    let all = series_on(runs, problem);
+    let shown: Vec<&RunRow> = all.iter().flat_map(|series| series.runs.iter().copied()).collect();
+    figure(name, title(problem, &shown), &all, panels, notes)
+}
+
+/// The runs of all series against their subdomains, up to three panels side by side, or four in two rows.
+pub(crate) fn figure(
+    name: String,
+    title: String,
+    all: &[Series],
+    panels: &[Panel],
+    notes: Vec<String>,
+) -> Result<Part, ReportError> {
+    if all.len() > MOST_LINES {
+        return Ok(too_many(name, &title, all.len()));
+    }
+    // By panel, then by series.
+    let lines: Vec<Vec<Points>> =
+        panels.iter().map(|panel| all.iter().map(|series| points(series, panel)).collect()).collect();
+    let keyed = all.iter().enumerate().map(|(i, series)| {
+        let of_series: Vec<&Points> = lines.iter().map(|lines| &lines[i]).collect();
+        let level = lines.iter().any(|lines| level(series, &lines[i], lines).is_some());
+        let line = level || of_series.iter().any(|points| has_line(&on_the_way(joined(points))));
+        (series.label(), series.look, of_series, line)
+    });
+    let (entries, mut signs) = key(keyed);
+    let shown = lines.iter().flatten().flatten();
+    signs.extend(endings(shown.map(|(ending, _)| *ending).filter(|ending| *ending != Ending::Converged)));
+    if panels.iter().zip(&lines).any(|(panel, lines)| has_ideal(panel, lines)) {
+        signs.push((Sign::Line(TOLERANCE), "ideal: as many times faster as there are subdomains".to_owned()));
+    }
+    let has_level = |lines: &Vec<Points>| all.iter().zip(lines).any(|(s, p)| level(s, p, lines).is_some());
+    if lines.iter().any(has_level) {
+        signs.push((Sign::Word, "Level lines: methods without subdomains.".to_owned()));
+    }
+    signs.extend(notes.into_iter().map(|note| (Sign::Word, note)));
+    let legend = Legend::new(entries, signs, INSIDE)?;
+    let columns = if panels.len() == 4 { 2 } else { panels.len() };
+    let rows = panels.len().div_ceil(columns);
+    let shared: Vec<&Points> =
+        panels.iter().zip(&lines).filter(|(panel, _)| panel.ideal).flat_map(|(_, lines)| lines).collect();
+    let svg = grid(&[title], (columns, rows), &legend, |canvas, i, room| {
+        let of_panel: Vec<&Points> = if panels[i].ideal { shared.clone() } else { lines[i].iter().collect() };
+        panel(canvas, all, &panels[i], (&lines[i], &of_panel), room)
+    })?;
+    Ok(Part::figure(name, svg))
+}
+
+/// Subdomains and value of the runs of a series.
+fn points(series: &Series, panel: &Panel) -> Points {
+    let points = series.points(|run| f64::from(run.subdomains), |run| (panel.of)(series, run));
+    if panel.on_the_way { on_the_way(points) } else { points }
+}
+
+/// What a line goes through, thin where a run made all its iterations and more would be needed.
+fn joined(points: &Points) -> Points {
+    let joins = |ending| matches!(ending, Ending::Converged | Ending::IterationLimit);
+    points.iter().filter(|(ending, _)| joins(*ending)).copied().collect()
+}
+
+/// Whether the panel has an ideal, and a run on one subdomain that it is to be measured by.
+fn has_ideal(panel: &Panel, lines: &[Points]) -> bool {
+    panel.ideal && lines.iter().flatten().any(|(_, (log, _))| *log == 0.0)
+}
+
+/// The value of a method that knows of no subdomains, where others of the panel have several numbers of them.
+fn level(series: &Series, points: &Points, lines: &[Points]) -> Option<f64> {
+    let whole = series.runs.iter().all(|run| !run.settings.contains_key("subdomains"));
+    let several = lines.iter().flatten().any(|(_, (log, _))| *log > 0.0);
+    match points.as_slice() {
+        [(Ending::Converged, (_, value))] if whole && several => Some(*value),
+        _ => None,
+    }
+}
+
+/// A panel whose axes hold the points of `range`, and the ideal beside them.
+fn panel(
+    canvas: &Canvas,
+    all: &[Series],
+    panel: &Panel,
+    (lines, range): (&[Points], &[&Points]),
+    room: Room,
+) -> Result<(), ReportError> {
+    let x = reach(range.iter().copied().flatten(), |point| point.0);
+    let ideal: Points = if has_ideal(panel, lines) {
+        range.iter().copied().flatten().map(|&(ending, (log, _))| (ending, (log, log))).collect()
+    } else {
+        Vec::new()
+    };
+    let y = reach(range.iter().copied().flatten().chain(&ideal), |point| point.1);
+    let frame = Frame {
+        x: Axis { scale: Scale::Two, ..Axis::log(x, room.left, room.right) },
+        y: Axis::log(y, room.bottom, room.top),
+    };
+    frame.draw(canvas)?;
+    frame.name(canvas, "subdomains", &panel.title)?;
+    if let Some(ideal) = frame.diagonal().filter(|_| !ideal.is_empty()) {
+        canvas.line(&ideal, TOLERANCE)?;
+    }
+    for (series, points) in all.iter().zip(lines) {
+        let pen = series.look.pen;
+        if let Some(value) = level(series, points, lines) {
+            let y = frame.y.place(value);
+            canvas.line(&[(room.left, y), (room.right, y)], pen)?;
+        }
+        let line = joined(points);
+        let places = |limit: bool| {
+            let points = line.iter().filter(|(ending, _)| limit || *ending == Ending::Converged);
+            points.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>()
+        };
+        canvas.line(&places(true), Pen { width: 0.4 * pen.width, ..pen })?;
+        canvas.line(&places(false), pen)?;
+    }
+    let signs: Vec<_> =
+        all.iter().zip(lines).map(|(series, points)| (series.look, points.as_slice())).collect();
+    draw_signs(canvas, &frame, &signs)?;
+    if lines.iter().all(Vec::is_empty) { draw_empty(canvas, &frame) } else { Ok(()) }
+}
+
+/// Iterations of a run over those of the one with the fewest subdomains among `same`, if both converged.
+pub(crate) fn growth<'r>(run: &RunRow, same: impl Iterator<Item = &'r RunRow>) -> Option<f64> {
+    let fewest = same.min_by_key(|other| other.subdomains)?;
+    let converged = [run, fewest].iter().all(|run| run.ending == Ending::Converged);
+    (converged && fewest.iterations > 0).then(|| run.iterations as f64 / fewest.iterations as f64)
+}
+
+/// One row per run, with its iterations over those of the fewest subdomains.
+fn table(all: &[Series]) -> Result<polars::prelude::DataFrame, ReportError> {
+    let mut rows: Vec<(&Series, &RunRow, Option<f64>)> = Vec::new();
+    for series in all {
+        for run in &series.runs {
+            let same = series.runs.iter().filter(|other| other.problem == run.problem);
+            rows.push((series, run, growth(run, same.copied())));
+        }
+    }
+    Ok(df!(
+        "problem" => rows.iter().map(|(_, run, _)| run.problem.as_str()).collect::<Vec<_>>(),
+        "method" => rows.iter().map(|(series, ..)| series.label()).collect::<Vec<_>>(),
+        "subdomains" => rows.iter().map(|(_, run, _)| run.subdomains).collect::<Vec<_>>(),
+        "status" => rows.iter().map(|(_, run, _)| run.ending.text()).collect::<Vec<_>>(),
+        "iterations" => rows.iter().map(|(_, run, _)| run.iterations).collect::<Vec<_>>(),
+        "growth" => rows.iter().map(|(.., growth)| *growth).collect::<Vec<_>>(),
+        "seconds_per_iteration" =>
+            rows.iter().map(|(_, run, _)| seconds_per_iteration(run)).collect::<Vec<_>>(),
+        "setup_s" => rows.iter().map(|(_, run, _)| run.setup_s).collect::<Vec<_>>(),
+        "seconds" => rows.iter().map(|(_, run, _)| run.seconds()).collect::<Vec<_>>(),
+    )?)
+}

@@ -1,0 +1,91 @@
+use super::*;
+use crate::tests::fixture::files;
+use crate::tests::fixture_in_time::{exploded, read, simulated, with};
+use results::simulation::Simulated;
+
+/// A reference, its twin, a floor, and runs at two time steps and two tolerances.
+fn study() -> Vec<Simulated> {
+    let off = |role, h, tolerance, by: f64| {
+        with(simulated(role, h, tolerance), |row| {
+            row.mean_height_m += by;
+            row.floor_impulse_n_s *= 1.0 + by;
+            row.kinetic_energy_j = 2.0 + by;
+            row.greatest_overlap_m = by;
+        })
+    };
+    vec![
+        off("reference", 0.0025, 1e-10, 0.0),
+        off("twin", 0.0025, 1e-9, 1e-9),
+        off("floor", 0.01, 1e-10, 1e-4),
+        off("run", 0.01, 1e-1, 1e-2),
+        off("run", 0.01, 1e-3, 1.2e-4),
+        off("run", 0.01, 1e-4, 1.1e-4),
+        exploded(off("run", 0.02, 1e-1, 1e-1)),
+    ]
+}
+
+#[test]
+fn reference_compared_with_itself_has_no_error() {
+    let all = read(&study());
+    assert_eq!(errors(&all[0], &all[0]), Some([0.0; 4]));
+    // At rest the reference has no kinetic energy to measure errors with.
+    let still = read(&[simulated("reference", 0.01, 1e-9)]);
+    assert_eq!(errors(&still[0], &still[0]), Some([0.0; 4]));
+}
+
+#[test]
+fn errors_have_the_scales_that_they_are_said_to_have() {
+    let all = read(&study());
+    let errors = errors(&all[3], &all[0]).unwrap();
+    // Heights and overlaps are off by 0.01 m with a mean diameter of 0.1 m; impulses by a hundredth, energies by 0.01 of 2.
+    for (error, expected) in errors.into_iter().zip([0.01, 0.005, 0.1, 0.1]) {
+        assert!((error / expected - 1.0).abs() < 1e-9, "{error}, {expected} expected");
+    }
+}
+
+#[test]
+fn simulation_that_ended_early_has_no_error_and_is_told() {
+    let all = read(&study());
+    assert_eq!(errors(&all[6], &all[0]), None);
+    let files = files(&parts(&read(&study())).unwrap());
+    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(
+        names,
+        ["trajectory-box.svg", "trajectory-found.md", "trajectory.csv", "trajectory.md", "trajectory.tex"]
+    );
+    assert!(files[0].1.contains("did not come to the end: 1"));
+    assert!(files[0].1.contains("d: mean diameter of the grains."));
+    assert!(files[0].1.contains("from loose to tight: 0.10, 10⁻³, 10⁻⁴."), "{}", files[0].1);
+}
+
+#[test]
+fn key_has_the_uncertainty_of_the_reference_only_where_its_line_is_drawn() {
+    let key = "uncertainty of the reference";
+    let drawn = |study: &[Simulated]| files(&parts(&read(study)).unwrap()).swap_remove(0).1.contains(key);
+    // The references differ by far less than any run.
+    assert!(!drawn(&study()));
+    let mut near = study();
+    near[1] = Simulated { ..near[2].clone() };
+    near[1].simulation.role = "twin".into();
+    assert!(drawn(&near));
+}
+
+#[test]
+fn cheapest_run_that_is_as_good_as_its_time_step_is_named() {
+    let text = files(&parts(&read(&study())).unwrap()).swap_remove(1).1;
+    let sentence = "with h = 10 ms the time step alone costs 10⁻⁴ in the impulses of the walls";
+    assert!(text.contains(sentence), "{text}");
+    // 0.1 s of set-up and 1 s of iterations in 1 s simulated, at a tolerance of 1e-3; 1e-4 costs ten times as much.
+    assert!(text.contains("is nsgs at a tolerance of 10⁻³, with 1.1 s per simulated second"), "{text}");
+    // Nothing was made at the reference's tolerance for the other time step.
+    assert!(!text.contains("h = 20 ms"), "{text}");
+}
+
+#[test]
+fn study_without_reference_or_runs_is_drawn_and_says_so() {
+    let no_reference = files(&parts(&read(&study()[3..])).unwrap());
+    assert!(no_reference[0].1.contains("no reference was made"));
+    assert!(no_reference.iter().all(|(name, _)| !name.contains(".svg")), "there is nothing to draw");
+    let none = files(&parts(&read(&[])).unwrap());
+    assert_eq!(none.len(), 4);
+}

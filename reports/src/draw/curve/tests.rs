@@ -1,0 +1,70 @@
+use super::*;
+use crate::draw::{GRID, Look, Mark};
+
+fn line(ending: Ending, points: Vec<LogPoint>) -> Line {
+    Line { look: Look { pen: GRID, mark: Mark::None }, ending, points }
+}
+
+#[test]
+fn curve_is_cut_where_it_leaves_and_enters_the_frame() {
+    let points = [Some((0.0, 1.0)), Some((1.0, 3.0)), Some((2.0, -1.0))];
+    let pieces = visible(&points, (0.0, 2.0));
+    assert_eq!(pieces, [vec![(0.0, 1.0), (0.5, 2.0)], vec![(1.25, 2.0), (1.75, 0.0)]]);
+}
+
+#[test]
+fn undefined_value_breaks_the_curve() {
+    let points = [Some((0.0, 1.0)), Some((1.0, 1.0)), None, Some((3.0, 1.0))];
+    assert_eq!(visible(&points, (0.0, 2.0)), [vec![(0.0, 1.0), (1.0, 1.0)], vec![(3.0, 1.0)]]);
+}
+
+#[test]
+fn zero_and_infinity_leave_the_frame_at_its_edges() {
+    let points: Vec<LogPoint> = [1.0, 0.0]
+        .into_iter()
+        .zip(1..)
+        .filter_map(|(value, i)| log_point(f64::from(i), Some(value)))
+        .collect();
+    let pieces = visible(&points, (-4.0, 0.0));
+    assert_eq!(pieces.len(), 1);
+    assert_eq!(pieces[0][1].1, -4.0);
+    let infinite = log_point(10.0, Some(f64::INFINITY)).unwrap().unwrap();
+    assert_eq!(infinite, (1.0, BEYOND));
+    assert!(visible(&[Some(infinite)], (-4.0, 0.0)).is_empty());
+}
+
+#[test]
+fn iteration_zero_has_no_place() {
+    assert_eq!(log_point(0.0, Some(1.0)), None);
+    assert_eq!(log_point(1.0, None), Some(None));
+}
+
+#[test]
+fn range_holds_values_and_tolerance_with_a_little_room() {
+    let curve = vec![Some((0.0, -0.5)), None, Some((1.0, -2.5))];
+    assert_eq!(range(&[line(Ending::Converged, curve.clone())], &[1e-4]), (-4.3, -0.2));
+    assert_eq!(range(&[line(Ending::Converged, curve)], &[]), (-2.8, -0.2));
+    assert_eq!(range(&[line(Ending::Converged, vec![Some((0.0, 0.0))])], &[]), (-1.3, 0.3));
+    assert_eq!(range(&[], &[]), (-4.0, 0.0));
+}
+
+#[test]
+fn failed_run_does_not_stretch_the_range() {
+    let explosion = vec![Some((0.0, -0.5)), Some((1.0, 300.0))];
+    assert_eq!(range(&[line(Ending::Diverged, explosion)], &[]), (-0.8, 1.3));
+}
+
+#[test]
+fn curve_is_cut_at_all_sides_of_a_frame() {
+    let points = [Some((-2.0, 0.5)), Some((2.0, 0.5)), Some((2.0, 3.0)), Some((0.0, 1.0))];
+    let pieces = inside(&points, (-1.0, 1.5), (0.0, 2.0));
+    assert_eq!(pieces, [vec![(-1.0, 0.5), (1.5, 0.5)], vec![(1.0, 2.0), (0.0, 1.0)]]);
+}
+
+#[test]
+fn place_along_pieces_is_measured_from_their_start() {
+    let pieces = [vec![(0.0, 0.0), (2.0, 0.0)], vec![(5.0, 1.0), (5.0, 3.0)]];
+    assert_eq!(along(&pieces, 0.25), Some((1.0, 0.0)));
+    assert_eq!(along(&pieces, 0.75), Some((5.0, 2.0)));
+    assert_eq!(along(&[vec![(0.0, 0.0)]], 0.5), None);
+}

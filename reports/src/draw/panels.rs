@@ -1,0 +1,73 @@
+//! A row of panels of one size, with lines of text above and a legend below.
+
+use crate::draw::{Canvas, HPos, LEADING, Legend, MARGIN, PAGE, TEXT, VPos, svg};
+use crate::error::ReportError;
+use crate::read::{RunRow, counted};
+
+/// Left of a panel for the labels of its ticks, and right of it (mm).
+const LEFT: f64 = 10.5;
+const RIGHT: f64 = 3.0;
+/// Above a panel for the name of its measure, and below it for the labels and the name of its axis (mm).
+const ABOVE: f64 = LEADING + 1.8;
+const BELOW: f64 = 10.0;
+/// Height of a panel, at most its width (mm).
+const HEIGHT: f64 = 66.0;
+
+/// Room of a panel on paper (mm).
+#[derive(Clone, Copy)]
+pub(crate) struct Room {
+    pub(crate) left: f64,
+    pub(crate) right: f64,
+    pub(crate) bottom: f64,
+    pub(crate) top: f64,
+}
+
+/// Width inside the margins, for legends (mm).
+pub(crate) const INSIDE: f64 = PAGE - 2.0 * MARGIN;
+
+/// A page as wide as a journal's, with `count` panels side by side, each drawn by `panel`.
+pub(crate) fn row(
+    title: &[String],
+    count: usize,
+    legend: &Legend,
+    panel: impl Fn(&Canvas, usize, Room) -> Result<(), ReportError>,
+) -> Result<String, ReportError> {
+    grid(title, (count, 1), legend, panel)
+}
+
+/// The same with panels in columns and rows, row by row.
+pub(crate) fn grid(
+    title: &[String],
+    (columns, rows): (usize, usize),
+    legend: &Legend,
+    panel: impl Fn(&Canvas, usize, Room) -> Result<(), ReportError>,
+) -> Result<String, ReportError> {
+    let pitch = INSIDE / columns as f64;
+    let wide = pitch - LEFT - RIGHT;
+    let first = MARGIN + LEADING * title.len() as f64 + ABOVE;
+    let high = HEIGHT.min(wide);
+    let bottom = first + high + (rows - 1) as f64 * (high + BELOW + ABOVE);
+    svg((PAGE, (bottom + BELOW + legend.height() + MARGIN).ceil()), |canvas| {
+        for (i, line) in title.iter().enumerate() {
+            let place = (MARGIN, MARGIN + LEADING * i as f64);
+            canvas.text(line, place, TEXT, (HPos::Left, VPos::Top))?;
+        }
+        for i in 0..columns * rows {
+            let left = MARGIN + pitch * (i % columns) as f64 + LEFT;
+            let top = first + (i / columns) as f64 * (high + BELOW + ABOVE);
+            panel(canvas, i, Room { left, right: left + wide, bottom: top + high, top })?;
+        }
+        legend.draw(canvas, (MARGIN, bottom + BELOW))
+    })
+}
+
+/// More lines than this are not told apart by anyone, and take a page of legend.
+pub(crate) const MOST_LINES: usize = 120;
+
+/// The problem, its size, and how many runs were made on it.
+pub(crate) fn title(problem: &str, runs: &[&RunRow]) -> String {
+    let size = runs.first().map_or_else(String::new, |run| {
+        format!(": {}, {}", counted(run.grains as usize, "grain"), counted(run.contacts as usize, "contact"))
+    });
+    format!("{problem}{size}, {}", counted(runs.len(), "run"))
+}

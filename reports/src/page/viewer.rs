@@ -1,0 +1,191 @@
+//! What the viewer on a page shows: samples under their partitions, and the impulses of runs through their iterations.
+
+use std::collections::BTreeMap;
+
+use results::schema::Snapshot;
+use serde::Serialize;
+
+use crate::draw::{RGBColor, SUBDOMAINS, subdomain_fill};
+use crate::read::{Problems, Scene, Scenes, walls};
+
+/// A page holds samples of at most so many contacts together; others are left to `gravel view`.
+const MOST_CONTACTS: usize = 60_000;
+/// Lengths of a sample in units of its longer side over this, impulses in units of the greatest over a thousandth of it:
+/// finer than a screen.
+const STEPS: f64 = 1e5;
+const SHADES: f64 = 1e3;
+/// Impulses beyond this many times the greatest of the solution are drawn as that.
+const BEYOND: f64 = 9.0;
+
+#[derive(Serialize)]
+pub(crate) struct Viewer {
+    /// Fills of subdomains.
+    colors: Vec<String>,
+    pub(crate) films: Vec<Film>,
+    /// Problems for which there was no room.
+    pub(crate) left_out: Vec<String>,
+}
+
+/// A sample, and runs on it.
+#[derive(Serialize)]
+pub(crate) struct Film {
+    pub(crate) problem: String,
+    /// Metres of a unit of length.
+    unit_m: f64,
+    /// The impulse that is drawn widest (N·s); 0 if none is known.
+    greatest_n_s: f64,
+    /// x, y and radius of each grain.
+    grains: Vec<[i64; 3]>,
+    /// Both ends of the segment of each contact.
+    contacts: Vec<[i64; 4]>,
+    walls: Vec<[i64; 4]>,
+    partitions: Vec<Split>,
+    pub(crate) tracks: Vec<Track>,
+}
+
+/// A partition of the sample.
+#[derive(Serialize)]
+struct Split {
+    name: String,
+    /// The fill of each grain, that of its subdomain; none without contact.
+    fill: Vec<Option<usize>>,
+    multiplicity: Vec<u32>,
+}
+
+/// A run, or the solution alone.
+#[derive(Serialize)]
+pub(crate) struct Track {
+    pub(crate) label: String,
+    /// How the run ended; empty for the solution.
+    ending: String,
+    pub(crate) frames: Vec<Frame>,
+}
+
+/// The impulses at one iteration.
+#[derive(Serialize)]
+pub(crate) struct Frame {
+    pub(crate) iteration: u64,
+    natural_map: Option<f64>,
+    /// Of each contact, in thousandths of the greatest.
+    impulses: Vec<u32>,
+}
+
+impl Viewer {
+    /// The samples of a study.
+    pub(crate) fn of(study: &Problems) -> Self {
+        let mut filmed: BTreeMap<String, Vec<Filmed>> = BTreeMap::new();
+        for run in study.runs.iter().filter(|run| !run.snapshots.is_empty()) {
+            let (label, ending) = (run.label(), run.ending.text().to_owned());
+            let of_run = Filmed { label, ending, snapshots: run.snapshots.clone() };
+            filmed.entry(run.problem.clone()).or_default().push(of_run);
+        }
+        Self::new(&study.scenes, filmed)
+    }
+
+    /// All samples for which a page has room; first those that have runs to show.
+    pub(crate) fn new(scenes: &Scenes, mut filmed: BTreeMap<String, Vec<Filmed>>) -> Self {
+        let mut scenes_of: BTreeMap<&str, Vec<(&str, &Scene)>> = BTreeMap::new();
+        for ((problem, partition), scene) in scenes {
+            scenes_of.entry(problem).or_default().push((partition, scene));
+        }
+        let mut problems: Vec<_> = scenes_of.into_iter().collect();
+        problems.sort_by_key(|(problem, _)| !filmed.contains_key(*problem));
+        let (mut films, mut left_out, mut contacts) = (Vec::new(), Vec::new(), 0);
+        for (problem, scenes) in problems {
+            contacts += scenes[0].1.contacts.len();
+            if contacts > MOST_CONTACTS {
+                left_out.push(problem.to_owned());
+            } else {
+                let runs = filmed.remove(problem).unwrap_or_default();
+                films.push(Film::of(problem.to_owned(), &scenes, runs));
+            }
+        }
+        let hex = |&RGBColor(r, g, b): &RGBColor| format!("#{r:02x}{g:02x}{b:02x}");
+        Self { colors: SUBDOMAINS.iter().map(hex).collect(), films, left_out }
+    }
+}
+
+/// A run, with its impulses after some of its iterations.
+#[derive(Clone, Debug)]
+pub struct Filmed {
+    /// Method and variant.
+    pub label: String,
+    /// How it ended.
+    pub ending: String,
+    /// In the order of the iterations.
+    pub snapshots: Vec<Snapshot>,
+}
+
+impl Film {
+    fn of(problem: String, scenes: &[(&str, &Scene)], runs: Vec<Filmed>) -> Self {
+        let scene = scenes[0].1;
+        let solution: Vec<f64> =
+            scene.contacts.iter().map(|contact| contact.impulse.unwrap_or(f64::NAN)).collect();
+        let last = runs.iter().filter_map(|run| run.snapshots.last()).flat_map(|last| &last.impulses_n_s);
+        let greatest =
+            |r: &mut dyn Iterator<Item = &f64>| r.copied().filter(|r| r.is_finite()).fold(0.0, f64::max);
+        let known = greatest(&mut solution.iter());
+        let greatest_n_s = if known > 0.0 { known } else { greatest(&mut last.into_iter()) };
+        let unit_m = unit_m(scene);
+        let place = |length: f64| (length / unit_m).round() as i64;
+        let segment =
+            |(from, to): &((f64, f64), (f64, f64))| [place(from.0), place(from.1), place(to.0), place(to.1)];
+        let shade = |r: &f64| {
+            let share = if greatest_n_s > 0.0 && *r > 0.0 { (r / greatest_n_s).min(BEYOND) } else { 0.0 };
+            (share * SHADES).round() as u32
+        };
+        let frame = |snapshot: &Snapshot| Frame {
+            iteration: snapshot.iteration,
+            natural_map: Some(snapshot.natural_map).filter(|value| value.is_finite()),
+            impulses: snapshot.impulses_n_s.iter().map(shade).collect(),
+        };
+        let track = |Filmed { label, ending, snapshots }| Track {
+            label,
+            ending,
+            frames: snapshots.iter().map(frame).collect(),
+        };
+        let mut tracks: Vec<Track> = runs.into_iter().map(track).collect();
+        if known > 0.0 {
+            let end = Snapshot { iteration: 0, natural_map: f64::NAN, impulses_n_s: solution };
+            let (label, ending) = ("solution".to_owned(), String::new());
+            tracks.push(Track { label, ending, frames: vec![frame(&end)] });
+        }
+        Self {
+            problem,
+            unit_m,
+            greatest_n_s,
+            grains: scene
+                .grains
+                .iter()
+                .map(|g| [place(g.centre.0), place(g.centre.1), place(g.radius)])
+                .collect(),
+            contacts: scene.contacts.iter().map(|contact| segment(&(contact.from, contact.to))).collect(),
+            walls: walls(&scene.contacts).iter().map(segment).collect(),
+            partitions: scenes.iter().map(|(name, scene)| Split::of(name, scene)).collect(),
+            tracks,
+        }
+    }
+}
+
+/// Metres of a unit of length of the film.
+fn unit_m(scene: &Scene) -> f64 {
+    let span = |of: fn(&(f64, f64)) -> f64| {
+        let range = scene.grains.iter().map(|grain| of(&grain.centre));
+        let (low, high) = range.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        high - low
+    };
+    let side = span(|place| place.0).max(span(|place| place.1));
+    let radius = scene.grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+    // A scene without grains has no side.
+    if side.is_finite() { (side + 2.0 * radius) / STEPS } else { 1.0 }
+}
+
+impl Split {
+    fn of(name: &str, scene: &Scene) -> Self {
+        Self {
+            name: name.to_owned(),
+            fill: scene.grains.iter().map(|grain| Some(subdomain_fill(name, grain.subdomain?))).collect(),
+            multiplicity: scene.grains.iter().map(|grain| grain.multiplicity).collect(),
+        }
+    }
+}

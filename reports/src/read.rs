@@ -1,0 +1,82 @@
+//! What figures, tables and sentences know of a study: its rows, read once, and what is true of them.
+
+mod cost;
+mod ending;
+mod groups;
+mod number;
+mod run;
+mod scene;
+mod simulation;
+mod statistics;
+pub(crate) mod stored;
+mod verdicts;
+
+use std::collections::BTreeMap;
+
+use results::simulation::SimulationTables;
+use results::store::Tables;
+
+use crate::error::ReportError;
+pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, reached};
+pub(crate) use ending::Ending;
+pub(crate) use groups::{differing, settings_text};
+pub(crate) use number::{count, counted, number, power_of_ten, round_down, round_up};
+pub(crate) use run::{Origin, Point, RunRow, label, problems, repeats, stopped_at_1e_2, threads};
+pub(crate) use scene::{Scene, walls};
+pub(crate) use simulation::{Instant, Simulation, in_role, milliseconds};
+pub(crate) use statistics::{distinct, median, padded, slope, span};
+pub(crate) use verdicts::Verdicts;
+
+/// Samples by problem and partition.
+pub(crate) type Scenes = BTreeMap<(String, String), Scene>;
+
+/// The rows of a study.
+pub(crate) enum Study {
+    Problems(Problems),
+    Simulations(Vec<Simulation>),
+}
+
+/// The rows of a study of runs on problems.
+pub(crate) struct Problems {
+    /// In the order of the study.
+    pub(crate) runs: Vec<RunRow>,
+    /// Impulses that other codes gave, after all runs.
+    pub(crate) given: Vec<RunRow>,
+    pub(crate) scenes: Scenes,
+}
+
+/// The tables of a study.
+#[derive(Clone, Copy, Debug)]
+pub enum StudyTables<'t> {
+    /// Of runs on problems.
+    Problems(&'t Tables),
+    /// Of simulations.
+    Simulations(&'t SimulationTables),
+}
+
+impl Study {
+    pub(crate) fn of(tables: StudyTables) -> Result<Self, ReportError> {
+        Ok(match tables {
+            StudyTables::Problems(tables) => Self::Problems(stored::problems(tables)?),
+            StudyTables::Simulations(tables) => Self::Simulations(stored::simulations(tables)?),
+        })
+    }
+}
+
+impl<'t> From<&'t Tables> for StudyTables<'t> {
+    fn from(tables: &'t Tables) -> Self {
+        Self::Problems(tables)
+    }
+}
+
+impl<'t> From<&'t SimulationTables> for StudyTables<'t> {
+    fn from(tables: &'t SimulationTables) -> Self {
+        Self::Simulations(tables)
+    }
+}
+
+/// A file's name from a problem's or partition's: letters, digits, dot, dash, underscore.
+pub(crate) fn file_name(text: &str) -> String {
+    let safe = |c: char| if c.is_alphanumeric() || "._-".contains(c) { c } else { '-' };
+    text.chars().map(safe).collect()
+}

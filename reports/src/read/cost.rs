@@ -1,0 +1,34 @@
+//! What a run has cost at a sample, and when it was accurate for the first time.
+
+use crate::read::{Point, RunRow};
+
+/// The accuracies that methods are asked for: the velocity error.
+pub(crate) const ACCURACIES: [f64; 3] = [1e-2, 1e-4, 1e-6];
+
+/// A kind of cost.
+pub(crate) struct Cost {
+    pub(crate) name: &'static str,
+    /// Name of its axis.
+    pub(crate) title: &'static str,
+    pub(crate) of: fn(&RunRow, &Point) -> Option<f64>,
+}
+
+pub(crate) const COSTS: [Cost; 2] = [
+    Cost {
+        name: "seconds",
+        title: "set-up and iterations (s)",
+        of: |run, point| Some(run.setup_s? + point.iterating_s?),
+    },
+    Cost { name: "sweeps", title: "counted work (sweeps)", of: |run, point| point.work(run) },
+];
+
+/// What a sweep of work is.
+pub(crate) const WORK: &str = "A sweep of counted work is eight multiply-adds per contact of the problem: a contact updated \
+                               counts as much as a contact passed in a product with W, an entry of a triangular factor an \
+                               eighth. Factorisations are in the seconds alone; a run that factorises many times has \
+                               no counted work.";
+
+/// The first sample with a velocity error of at most `accuracy`.
+pub(crate) fn reached(curve: &[Point], accuracy: f64) -> Option<&Point> {
+    curve.iter().find(|point| point.velocity_error.is_some_and(|error| error <= accuracy))
+}

@@ -1,0 +1,38 @@
+//! Runs that belong together: those of a method that agree in all settings but some.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::read::RunRow;
+use serde_json::{Map, Value};
+
+/// Methods, each with a setting, other than those in `except`, in which some of its runs differ.
+pub(crate) fn differing<'r>(
+    runs: impl IntoIterator<Item = (&'r String, &'r Map<String, Value>)>,
+    except: &[&str],
+) -> BTreeSet<(String, String)> {
+    let mut first = BTreeMap::new();
+    let mut differing = BTreeSet::new();
+    for (method, settings) in runs {
+        let first: &Map<String, Value> = first.entry(method).or_insert(settings);
+        for (key, value) in settings {
+            if first.get(key) != Some(value) && !except.contains(&key.as_str()) {
+                differing.insert((method.clone(), key.clone()));
+            }
+        }
+    }
+    differing
+}
+
+/// What of `keys` a run has, as text: `4x2`, `4x2, relaxation=0.8`. What is unset or `none` is left out.
+pub(crate) fn settings_text(run: &RunRow, keys: &BTreeSet<(String, String)>) -> String {
+    let word = |(_, key): &(String, String)| match run.settings.get(key)? {
+        Value::Null => None,
+        Value::Bool(true) => Some(key.clone()),
+        Value::Bool(false) => Some(format!("no {key}")),
+        Value::String(text) if text == "none" => None,
+        Value::String(text) => Some(text.clone()),
+        // A whole number has no fraction.
+        value => Some(format!("{key}={}", value.as_f64().map_or(value.to_string(), |x| x.to_string()))),
+    };
+    keys.iter().filter(|(method, _)| *method == run.method).filter_map(word).collect::<Vec<_>>().join(", ")
+}

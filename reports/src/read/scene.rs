@@ -1,0 +1,87 @@
+//! A sample under a partition: its discs, its contacts, its walls.
+
+use std::collections::BTreeSet;
+
+/// A disc of a problem under a partition (m).
+pub(crate) struct Grain {
+    pub(crate) centre: (f64, f64),
+    pub(crate) radius: f64,
+    pub(crate) subdomain: Option<u32>,
+    pub(crate) multiplicity: u32,
+}
+
+/// A contact of a problem under a partition: from the candidate's centre to the antagonist's, or to the wall.
+pub(crate) struct Contact {
+    pub(crate) from: (f64, f64),
+    pub(crate) to: (f64, f64),
+    pub(crate) wall: bool,
+    pub(crate) subdomain: u32,
+    /// Of the reference solution, where one is known (N·s).
+    pub(crate) impulse: Option<f64>,
+}
+
+/// The discs and contacts of one figure.
+#[derive(Default)]
+pub(crate) struct Scene {
+    pub(crate) grains: Vec<Grain>,
+    pub(crate) contacts: Vec<Contact>,
+}
+
+impl Scene {
+    /// The subdomains that hold contacts, in order.
+    pub(crate) fn subdomains(&self) -> BTreeSet<u32> {
+        self.contacts.iter().map(|contact| contact.subdomain).collect()
+    }
+}
+
+/// A straight piece of a wall (m).
+pub(crate) type Wall = ((f64, f64), (f64, f64));
+
+/// One piece per wall, from the first to the last place at which a grain touches it, and half a grain beyond. What no
+/// grain touches is unknown to the tables.
+pub(crate) fn walls(contacts: &[Contact]) -> Vec<Wall> {
+    let mut sides: Vec<Side> = Vec::new();
+    for contact in contacts.iter().filter(|contact| contact.wall) {
+        let ((x0, y0), (x1, y1)) = (contact.from, contact.to);
+        let reach = (x0 - x1).hypot(y0 - y1);
+        if !(reach > 0.0) {
+            continue;
+        }
+        let normal = ((x0 - x1) / reach, (y0 - y1) / reach);
+        let at = normal.0 * x1 + normal.1 * y1;
+        let along = normal.0 * y1 - normal.1 * x1;
+        let index = sides.iter().position(|side| side.holds(normal, at, reach)).unwrap_or_else(|| {
+            sides.push(Side { normal, at, low: f64::INFINITY, high: f64::NEG_INFINITY });
+            sides.len() - 1
+        });
+        let side = &mut sides[index];
+        side.low = side.low.min(along - reach / 2.0);
+        side.high = side.high.max(along + reach / 2.0);
+    }
+    sides.iter().map(|side| (side.place(side.low), side.place(side.high))).collect()
+}
+
+/// A line with a unit normal: its distance from the origin, and the part of it that is touched (m).
+struct Side {
+    normal: (f64, f64),
+    at: f64,
+    low: f64,
+    high: f64,
+}
+
+impl Side {
+    /// Whether a touched place is on the line; `reach` is the distance of the grain's centre (m).
+    fn holds(&self, normal: (f64, f64), at: f64, reach: f64) -> bool {
+        const PARALLEL: f64 = 1e-6;
+        let turn = (self.normal.0 - normal.0).hypot(self.normal.1 - normal.1);
+        turn < PARALLEL && (self.at - at).abs() < 0.05 * reach
+    }
+
+    fn place(&self, along: f64) -> (f64, f64) {
+        let (x, y) = self.normal;
+        (self.at * x - along * y, self.at * y + along * x)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,20 @@
+use super::*;
+
+#[test]
+fn contacts_with_one_wall_are_one_line_and_another_wall_is_another() {
+    let contact = |from, to| Contact { from, to, wall: true, subdomain: 0, impulse: None };
+    let contacts = [
+        contact((0.0, 1.0), (0.0, 0.0)),
+        contact((5.0, 2.0), (5.0, 0.0)),
+        contact((1.0, 3.0), (-1.0, 3.0)),
+        Contact { wall: false, ..contact((9.0, 9.0), (8.0, 8.0)) },
+    ];
+    let mut ends: Vec<Wall> = walls(&contacts);
+    for (a, b) in &mut ends {
+        if (a.0, a.1) > (b.0, b.1) {
+            std::mem::swap(a, b);
+        }
+    }
+    assert_eq!(ends, [((-0.5, 0.0), (6.0, 0.0)), ((-1.0, 2.0), (-1.0, 4.0))]);
+    assert!(walls(&[contact((0.0, 0.0), (0.0, 0.0))]).is_empty());
+}

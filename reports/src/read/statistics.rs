@@ -1,0 +1,46 @@
+//! Small statistics of what is drawn.
+
+/// The middle value; the mean of the two in the middle of an even number; none without values.
+pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    match values.len() {
+        0 => None,
+        odd if odd % 2 == 1 => Some(values[middle]),
+        _ => Some(f64::midpoint(values[middle - 1], values[middle])),
+    }
+}
+
+/// The least and the greatest of the values that are numbers.
+pub(crate) fn span(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let finite = values.filter(|value| value.is_finite()).map(|value| (value, value));
+    finite.reduce(|(low, high), (value, _)| (low.min(value), high.max(value)))
+}
+
+/// A range with room at both ends, and some even if all values are equal.
+pub(crate) fn padded(values: impl Iterator<Item = f64>, room: f64) -> (f64, f64) {
+    let (low, high) = span(values).unwrap_or((0.0, 1.0));
+    let room = if high > low { room * (high - low).max(1.0) } else { 0.3 };
+    (low - room, high + room)
+}
+
+/// How many values there are, equal ones counted once.
+pub(crate) fn distinct(values: impl Iterator<Item = f64>) -> usize {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values.len()
+}
+
+/// Slope of the straight line of least squares through points, if they have two different x.
+pub(crate) fn slope(points: &[(f64, f64)]) -> Option<f64> {
+    let n = points.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let along: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+    let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / along;
+    (along > 0.0).then_some(slope)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,161 @@
+//! Small tables for the tests.
+
+use crate::draw::Formats;
+use crate::read::{Problems, stored};
+use crate::text::Part;
+use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
+use results::store::Tables;
+use results::tables::{contacts_table, curves_table, grains_table, runs_table, snapshots_table};
+
+pub(crate) fn sample(iteration: u64, zeta: f64, natural_map: f64) -> Sample {
+    Sample {
+        iteration,
+        iterating_s: 1e-4 * iteration as f64,
+        zeta,
+        natural_map,
+        penetration_rate_m_per_s: natural_map,
+        quad_dv: natural_map,
+        max_dv: natural_map,
+        velocity_error: natural_map,
+        energy_gap: natural_map * natural_map,
+        velocity_jump_m_per_s: 0.0,
+        energy_j: -1.0,
+        contact_updates: 40 * iteration,
+        delassus_products: 2 * iteration,
+        interface_values: 0,
+        triangular_solve_entries: 0,
+        factorisations: 0,
+    }
+}
+
+/// A run on `column`, stopped by the natural map at 10⁻⁴.
+pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
+    Run {
+        run,
+        id: format!("{run:016x}"),
+        plan: "paper".into(),
+        problem: "column".into(),
+        problem_hash: "c0ffee".into(),
+        problem_settings: "{}".into(),
+        grains: 20,
+        contacts: 20,
+        method: method.into(),
+        settings: "{}".into(),
+        derived: "{}".into(),
+        spectrum: "{}".into(),
+        variant: variant.into(),
+        subdomains: 1,
+        warm_start: false,
+        stop_on: "natural_map".into(),
+        tolerance: 1e-4,
+        max_iterations: 1000,
+        status: status.into(),
+        reason: String::new(),
+        iterations: 100,
+        setup_s: 1e-5,
+        iterating_s: 0.0123,
+        iterations_to_zeta_1e_3: Some(31),
+        iterations_to_zeta_1e_4: None,
+        iterations_to_natural_map_1e_2: Some(47),
+        iterations_to_natural_map_1e_4: Some(100),
+        iterations_to_velocity_error_1e_2: Some(50),
+        iterations_to_velocity_error_1e_4: None,
+        timing: Timing {
+            repeats: 1,
+            timed_alone: true,
+            setup_spread_s: f64::NAN,
+            iterating_spread_s: f64::NAN,
+            wall_s: 0.02,
+            load_average: 0.5,
+        },
+        end: sample(100, 1e-3, 1e-4),
+        provenance: Provenance {
+            commit: "0123abc".into(),
+            processor: "a processor".into(),
+            threads: 1,
+            rustc: "1.95.0".into(),
+            profile: "release".into(),
+            started_utc: "2026-01-02T03:04:05Z".into(),
+        },
+    }
+}
+
+/// Falls from 1 to 10⁻⁴ over 100 iterations.
+pub(crate) fn decay() -> Vec<Sample> {
+    let value = |i: u64| 10f64.powf(-4.0 * i as f64 / 100.0);
+    (0..=100).map(|i| sample(i, if i == 0 { f64::NAN } else { value(i) }, value(i))).collect()
+}
+
+/// Grows beyond every number, and then is none.
+pub(crate) fn explosion() -> Vec<Sample> {
+    let values = (0..40).map(|i| 10f64.powi(i * i)).chain([f64::INFINITY, f64::NAN]);
+    (1..).zip(values).map(|(i, value)| sample(i, value, value)).collect()
+}
+
+pub(crate) fn tables(runs: &[Run], curves: &[(u32, Vec<Sample>)]) -> Tables {
+    Tables {
+        runs: runs_table(runs).unwrap(),
+        curves: curves_table(curves).unwrap(),
+        grains: grains_table(&[]).unwrap(),
+        contacts: contacts_table(&[]).unwrap(),
+        snapshots: snapshots_table::<Vec<Snapshot>>(&[]).unwrap(),
+    }
+}
+
+/// As the charts read them.
+pub(crate) fn read(tables: &Tables) -> Problems {
+    stored::problems(tables).unwrap()
+}
+
+pub(crate) fn study(runs: &[Run], curves: &[(u32, Vec<Sample>)]) -> Problems {
+    read(&tables(runs, curves))
+}
+
+/// Name and text.
+pub(crate) type File = (String, String);
+
+/// All files that parts become.
+pub(crate) fn files(parts: &[Part]) -> Vec<File> {
+    let files = parts.iter().flat_map(|part| part.files(Formats::default()).unwrap());
+    files.map(|file| (file.name, String::from_utf8(file.content).unwrap())).collect()
+}
+
+/// The same as of a study before there were velocity errors.
+pub(crate) fn without_truth(mut tables: Tables) -> Tables {
+    tables.curves = tables.curves.drop("velocity_error").unwrap();
+    tables
+}
+
+/// Two touching discs on a wall, each with contacts in a subdomain of its own, and a disc above without contact.
+pub(crate) fn scene(impulse: f64) -> (Vec<GrainRow>, Vec<ContactRow>) {
+    let grain = |grain, x_m, y_m, subdomain, multiplicity| GrainRow {
+        problem: "pair".into(),
+        partition: "2x1".into(),
+        grain,
+        x_m,
+        y_m,
+        radius_m: 0.1,
+        subdomain,
+        multiplicity,
+    };
+    let contact = |contact, (x0_m, y0_m), (x1_m, y1_m), wall, subdomain| ContactRow {
+        problem: "pair".into(),
+        partition: "2x1".into(),
+        contact,
+        x0_m,
+        y0_m,
+        x1_m,
+        y1_m,
+        wall,
+        subdomain,
+        impulse_n_s: impulse,
+    };
+    let grains =
+        vec![grain(0, 0.0, 0.1, Some(0), 1), grain(1, 0.2, 0.1, Some(1), 2), grain(2, 0.1, 0.5, None, 0)];
+    let contacts = vec![
+        contact(0, (0.0, 0.1), (0.0, 0.0), true, 0),
+        contact(1, (0.0, 0.1), (0.2, 0.1), false, 0),
+        contact(2, (0.2, 0.1), (0.2, 0.0), true, 1),
+    ];
+    (grains, contacts)
+}

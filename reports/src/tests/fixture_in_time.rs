@@ -1,0 +1,84 @@
+//! Small simulations for the tests.
+
+use crate::read;
+use crate::tests::fixture;
+use results::simulation::{Observed, Simulated, Simulation, SimulationTables};
+
+/// A simulation of `box` by `nsgs` with a mean diameter of 0.1 m and 10 kg, 1 s long with rows of 0.1 s; it lies still at a
+/// height of 1 m and presses on the floor.
+pub(crate) fn simulated(role: &str, time_step_s: f64, tolerance: f64) -> Simulated {
+    let time_steps = (1.0 / time_step_s).round() as u64;
+    let simulation = Simulation {
+        simulation: 0,
+        id: "0".into(),
+        plan: "time".into(),
+        scene: "box".into(),
+        scene_settings: "{}".into(),
+        scene_hash: "c0ffee".into(),
+        role: role.into(),
+        grains: 5,
+        mass_kg: 10.0,
+        mean_diameter_m: 0.1,
+        gravity_m_per_s2: 10.0,
+        time_step_s,
+        duration_s: 1.0,
+        method: "nsgs".into(),
+        settings: "{}".into(),
+        variant: String::new(),
+        warm_start: true,
+        stop_on: "natural_map".into(),
+        tolerance,
+        max_iterations: 100,
+        status: "completed".into(),
+        reason: String::new(),
+        last_state: String::new(),
+        time_steps,
+        missed_time_steps: 0,
+        diverged_time_steps: 0,
+        infeasible_time_steps: 0,
+        restarted_time_steps: 0,
+        iterations: 7 * time_steps,
+        setup_s: 0.1,
+        iterating_s: 1e-3 / tolerance,
+        contact_updates: 0,
+        delassus_products: 0,
+        triangular_solve_entries: 0,
+        factorisations: 0,
+        timing: fixture::run(0, "nsgs", "", "converged").timing,
+        provenance: fixture::run(0, "nsgs", "", "converged").provenance,
+    };
+    let row = |k: u64| Observed {
+        time_step: k * time_steps / 10,
+        time_s: 0.1 * k as f64,
+        contacts: 4,
+        iterations: 7 * k,
+        kinetic_energy_j: 0.0,
+        mean_height_m: 1.0,
+        greatest_overlap_m: 0.0,
+        mean_overlap_m: 0.0,
+        greatest_speed_m_per_s: 0.0,
+        floor_impulse_n_s: 10.0,
+        left_impulse_n_s: 0.0,
+        right_impulse_n_s: 0.0,
+    };
+    Simulated { simulation, series: (1..=10).map(row).collect() }
+}
+
+/// The same with every row changed.
+pub(crate) fn with(mut simulated: Simulated, change: impl Fn(&mut Observed)) -> Simulated {
+    simulated.series.iter_mut().for_each(change);
+    simulated
+}
+
+/// One that came to half its time.
+pub(crate) fn exploded(mut simulated: Simulated) -> Simulated {
+    simulated.series.truncate(5);
+    simulated.simulation.status = "exploded".into();
+    simulated.simulation.reason = "exploded in time step 6: a velocity is not finite".into();
+    simulated
+}
+
+/// As the figures read them.
+pub(crate) fn read(all: &[Simulated]) -> Vec<read::Simulation> {
+    read::stored::simulations(&SimulationTables::new(all).unwrap()).unwrap()
+}

@@ -1,0 +1,18 @@
+//! Tables, sentences and templates: what a report says in words and numbers.
+
+mod failures;
+mod fill;
+mod found;
+mod part;
+mod rows;
+mod table;
+
+pub(crate) use failures::failures;
+pub use fill::fill;
+pub(crate) use found::found;
+pub(crate) use part::{File, Kind, Part, Table, nothing, too_many};
+pub(crate) use rows::rows;
+pub use rows::{iterations_text, simulations_text};
+#[cfg(test)]
+pub(crate) use table::csv;
+pub(crate) use table::{columns, markdown};

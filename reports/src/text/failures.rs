@@ -1,0 +1,81 @@
+//! The runs that failed, each with its reason; one that proves that there is no solution has not.
+
+use crate::error::ReportError;
+use crate::read::{Ending, RunRow, Simulation, Study, Verdicts, count, number};
+use polars::df;
+use polars::prelude::DataFrame;
+
+/// One row per run that failed, or per simulation that did not come to its end.
+pub(crate) fn failures(study: &Study) -> Result<DataFrame, ReportError> {
+    match study {
+        Study::Problems(study) => of_runs(&study.runs),
+        Study::Simulations(all) => of_simulations(all),
+    }
+}
+
+fn of_runs(runs: &[RunRow]) -> Result<DataFrame, ReportError> {
+    let verdicts = Verdicts::of(runs);
+    let failed: Vec<&RunRow> = runs.iter().filter(|run| !verdicts.is_right(run)).collect();
+    let column = |of: fn(&RunRow) -> String| failed.iter().map(|run| of(run)).collect::<Vec<_>>();
+    Ok(df!(
+        "problem" => column(|run| run.problem.clone()),
+        "method" => column(|run| run.method.clone()),
+        "variant" => column(|run| run.words.clone()),
+        "ended" => column(|run| run.ending.text().to_owned()),
+        "iterations" => failed.iter().map(|run| run.iterations).collect::<Vec<_>>(),
+        "run" => column(|run| run.id.clone()),
+        "reason" => column(reason),
+    )?)
+}
+
+fn of_simulations(all: &[Simulation]) -> Result<DataFrame, ReportError> {
+    let failed: Vec<&Simulation> = all.iter().filter(|simulation| !simulation.reason.is_empty()).collect();
+    let column = |of: fn(&Simulation) -> &str| failed.iter().map(|s| of(s)).collect::<Vec<_>>();
+    Ok(df!(
+        "scene" => column(|s| &s.scene),
+        "method" => column(|s| &s.method),
+        "variant" => column(|s| &s.variant),
+        "status" => column(|s| &s.status),
+        "reason" => column(|s| &s.reason),
+    )?)
+}
+
+/// What the row says, or what its ending means.
+fn reason(run: &RunRow) -> String {
+    if !run.reason.is_empty() {
+        return run.reason.clone();
+    }
+    let (iterations, measure) = (count(run.iterations as usize), run.stop_on.replace('_', " "));
+    let value = |value: Option<f64>| value.map_or("undefined".to_owned(), |value| number(value, 2));
+    match run.ending {
+        Ending::IterationLimit => format!(
+            "all {iterations} iterations made, and {measure} is {} where {} was asked",
+            value(run.end.measure(&run.stop_on)),
+            value(run.tolerance)
+        ),
+        Ending::Stalled => format!(
+            "after {iterations} iterations no further one makes it better, and {measure} is {} where {} was asked",
+            value(run.end.measure(&run.stop_on)),
+            value(run.tolerance)
+        ),
+        Ending::Diverged => {
+            format!("not finite, or far above its own scale of energy, at iteration {iterations}")
+        }
+        Ending::Infeasible => {
+            format!(
+                "at iteration {iterations} it claimed to prove that there is no solution, and there is one"
+            )
+        }
+        Ending::FalseConvergence => {
+            let but = match run.end.velocity_error {
+                Some(error) => format!("the velocity error is {}", number(error, 2)),
+                None => format!("the natural map is {}", value(run.end.natural_map)),
+            };
+            format!("{measure} met its tolerance while {but}")
+        }
+        Ending::Converged | Ending::Skipped | Ending::Failed => "no reason is stored".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,62 @@
+//! A text with numbers from the rows of a study in it: a template that names runs, so that none is typed.
+
+use std::collections::BTreeMap;
+
+use crate::error::ReportError;
+use crate::read::stored::by_column;
+use crate::read::{count, number};
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::Kwargs;
+use minijinja::{Environment, Error, ErrorKind, UndefinedBehavior, Value, context};
+use results::store::Tables;
+
+/// A run by the names of its columns.
+type Row = BTreeMap<String, Value>;
+
+/// Fills a template: `run(problem=…, method=…, …)` is the one row with these values, `runs(…)` all of them; the filter
+/// `number` writes up to so many digits, `count` groups them by three. A name that is not there is an error.
+///
+/// # Errors
+///
+/// If the template is none, asks for what is not in the rows, or a table lacks a column.
+pub fn fill(tables: &Tables, template: &str) -> Result<String, ReportError> {
+    let rows = by_column(tables)?;
+    let refused = |error: Error| ReportError::Template(format!("{error:#}"));
+    let mut templates = Environment::new();
+    templates.set_undefined_behavior(UndefinedBehavior::Strict);
+    let syntax = SyntaxConfig::builder().trim_blocks(true).keep_trailing_newline(true).build();
+    templates.set_syntax(syntax.map_err(refused)?);
+    let all = rows.clone();
+    templates.add_function("runs", move |asked: Kwargs| chosen(&all, &asked).map(Value::from));
+    templates.add_function("run", move |asked: Kwargs| one(&rows, &asked));
+    templates.add_filter("number", |value: f64, digits: u8| number(value, digits));
+    templates.add_filter("count", |value: usize| count(value));
+    templates.add_template("text", template).map_err(refused)?;
+    templates.get_template("text").and_then(|text| text.render(context! {})).map_err(refused)
+}
+
+fn chosen(rows: &[Row], asked: &Kwargs) -> Result<Vec<Value>, Error> {
+    let mut wanted: Vec<(String, Value)> = Vec::new();
+    for key in asked.args() {
+        if rows.first().is_some_and(|row| !row.contains_key(key)) {
+            return Err(Error::new(ErrorKind::InvalidOperation, format!("runs have no column `{key}`")));
+        }
+        wanted.push((key.to_owned(), asked.get(key)?));
+    }
+    let fits = |row: &&Row| wanted.iter().all(|(key, value)| row.get(key) == Some(value));
+    Ok(rows.iter().filter(fits).cloned().map(Value::from).collect())
+}
+
+fn one(rows: &[Row], asked: &Kwargs) -> Result<Value, Error> {
+    let mut found = chosen(rows, asked)?;
+    if found.len() == 1 {
+        return Ok(found.remove(0));
+    }
+    let told = asked.args().map(|key| Ok(format!("{key}={}", asked.get::<Value>(key)?)));
+    let told: Vec<String> = told.collect::<Result<_, Error>>()?;
+    let what = format!("{} runs have {}: name one", found.len(), told.join(", "));
+    Err(Error::new(ErrorKind::InvalidOperation, what))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,164 @@
+//! What a study found, in sentences that its rows alone make.
+
+use crate::draw::Looks;
+use crate::read::{Ending, RunRow, Simulation, Study, Verdicts, count, counted, number, problems};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Of more problems than this, methods are counted over all of them.
+const FEW_PROBLEMS: usize = 6;
+
+/// An iteration of it is a whole solve, with a factorisation in each of its steps: it has no rank by iterations.
+const WHOLE_SOLVES: &str = "interior-point";
+
+/// How the runs ended, who was first on each problem, and whose runs failed.
+pub(crate) fn found(study: &Study) -> Vec<String> {
+    match study {
+        Study::Problems(study) => of_runs(&study.runs),
+        Study::Simulations(all) => of_simulations(all),
+    }
+}
+
+fn of_runs(runs: &[RunRow]) -> Vec<String> {
+    if runs.is_empty() {
+        return vec!["No run of this study is stored.".to_owned()];
+    }
+    let problems = problems(runs);
+    let (looks, verdicts) = (Looks::new(runs), Verdicts::of(runs));
+    let mut sentences = vec![overview(runs, &verdicts, problems.len())];
+    if problems.len() <= FEW_PROBLEMS {
+        sentences.extend(problems.iter().map(|problem| first_and_last(runs, &verdicts, problem)));
+    } else {
+        sentences.extend(wins(runs, &looks, &problems));
+    }
+    sentences.extend(failures(runs, &verdicts));
+    sentences
+}
+
+/// How the simulations ended.
+fn of_simulations(all: &[Simulation]) -> Vec<String> {
+    let mut ended: BTreeMap<&str, usize> = BTreeMap::new();
+    for simulation in all {
+        *ended.entry(&simulation.status).or_default() += 1;
+    }
+    if ended.is_empty() {
+        return vec!["No simulation of this study is stored.".to_owned()];
+    }
+    let ended: Vec<String> = ended.iter().map(|(status, n)| format!("{} {status}", count(*n))).collect();
+    vec![format!("{}: {}.", counted(all.len(), "simulation"), ended.join(", "))]
+}
+
+fn overview(runs: &[RunRow], verdicts: &Verdicts, problems: usize) -> String {
+    let methods: BTreeSet<&str> = runs.iter().map(|run| run.method.as_str()).collect();
+    let mut ended: BTreeMap<_, usize> = BTreeMap::new();
+    for run in runs {
+        *ended.entry((run.ending, how(run, verdicts))).or_default() += 1;
+    }
+    let ended: Vec<String> = ended.iter().map(|((_, how), n)| format!("{} {how}", count(*n))).collect();
+    format!(
+        "{} of {} on {}: {}.",
+        counted(runs.len(), "run"),
+        counted(methods.len(), "method"),
+        counted(problems, "problem"),
+        ended.join(", ")
+    )
+}
+
+/// How a run ended; a proof that there is no solution is told from a claim that a run or the reference refutes.
+fn how(run: &RunRow, verdicts: &Verdicts) -> &'static str {
+    match run.ending {
+        Ending::Infeasible if verdicts.is_proof(run) => "proved that there is no solution",
+        Ending::Infeasible => "claimed wrongly that there is no solution",
+        ending => ending.text(),
+    }
+}
+
+/// Runs that may be compared: converged, and stopped by the rule that most of them had.
+fn comparable<'r>(runs: &'r [RunRow], problem: &str) -> Vec<&'r RunRow> {
+    let converged = |run: &&RunRow| run.problem == problem && run.ending == Ending::Converged;
+    let converged: Vec<&RunRow> = runs.iter().filter(converged).collect();
+    let rule = |run: &RunRow| (run.stop_on.clone(), run.tolerance.map(f64::to_bits));
+    let mut rules: BTreeMap<_, usize> = BTreeMap::new();
+    for run in &converged {
+        *rules.entry(rule(run)).or_default() += 1;
+    }
+    let most = rules.into_iter().max_by_key(|(_, runs)| *runs).map(|(rule, _)| rule);
+    converged.into_iter().filter(|run| Some(rule(run)) == most).collect()
+}
+
+fn first_and_last(runs: &[RunRow], verdicts: &Verdicts, problem: &str) -> String {
+    let proofs = runs.iter().filter(|run| run.problem == problem && verdicts.is_proof(run)).count();
+    let runs = comparable(runs, problem);
+    let ranked = || runs.iter().filter(|run| run.method != WHOLE_SOLVES);
+    let Some(fewest) = ranked().min_by_key(|run| run.iterations) else {
+        return match (runs.first(), proofs) {
+            (Some(run), _) => format!("{problem}: {} alone converged.", run.method),
+            (None, 0) => format!("{problem}: no run converged."),
+            (None, proofs) => format!("{problem}: no solution, as {} proved.", counted(proofs, "run")),
+        };
+    };
+    let told = |run: &RunRow| format!("{} ({})", run.label(), count(run.iterations as usize));
+    let rule = fewest.tolerance.map_or(String::new(), |tolerance| {
+        format!(" to {} ≤ {}", fewest.stop_on.replace('_', " "), number(tolerance, 2))
+    });
+    let mut sentence = format!("{problem}: {} has the fewest iterations{rule}", told(fewest));
+    if let Some(most) = ranked().max_by_key(|run| run.iterations).filter(|most| most.run != fewest.run) {
+        sentence.extend([", ", &told(most), " the most"]);
+    }
+    let timed = runs.iter().filter_map(|run| Some((run.seconds()?, run)));
+    if let Some((least, first)) = timed.min_by(|a, b| a.0.total_cmp(&b.0)) {
+        sentence.extend(["; ", &first.label(), " is first in time (", &number(least, 2), " s)"]);
+    }
+    sentence + "."
+}
+
+/// On how many problems each kind of run converged and had the fewest iterations, the most successful first.
+fn wins(runs: &[RunRow], looks: &Looks, problems: &[&str]) -> Vec<String> {
+    let mut kinds: BTreeMap<(usize, usize), (String, usize, usize)> = BTreeMap::new();
+    for run in runs {
+        let kind = kinds.entry(looks.rank(run)).or_insert_with(|| (run.label(), 0, 0));
+        kind.1 += usize::from(run.ending == Ending::Converged);
+    }
+    for problem in problems {
+        let ranked = comparable(runs, problem).into_iter().filter(|run| run.method != WHOLE_SOLVES);
+        let least = ranked.min_by_key(|run| run.iterations);
+        if let Some(kind) = least.and_then(|run| kinds.get_mut(&looks.rank(run))) {
+            kind.2 += 1;
+        }
+    }
+    let mut kinds: Vec<_> = kinds.into_values().collect();
+    kinds.sort_by_key(|(_, _, first)| std::cmp::Reverse(*first));
+    let told = kinds.into_iter().filter(|(_, _, first)| *first > 0).take(FEW_PROBLEMS);
+    told.map(|(label, converged, first)| {
+        let of = problems.len();
+        format!(
+            "{label}: fewest iterations on {first} of {of} problems; {} converged.",
+            counted(converged, "run")
+        )
+    })
+    .collect()
+}
+
+/// A sentence for each method with runs that failed: that neither converged nor proved that there is no solution.
+fn failures(runs: &[RunRow], verdicts: &Verdicts) -> Vec<String> {
+    let mut methods: Vec<(&str, usize, BTreeMap<_, usize>)> = Vec::new();
+    for run in runs {
+        let index = methods.iter().position(|(name, ..)| *name == run.method).unwrap_or_else(|| {
+            methods.push((&run.method, 0, BTreeMap::new()));
+            methods.len() - 1
+        });
+        methods[index].1 += 1;
+        if !verdicts.is_right(run) {
+            *methods[index].2.entry((run.ending, how(run, verdicts))).or_default() += 1;
+        }
+    }
+    let sentence = |(method, all, failed): (&str, usize, BTreeMap<_, usize>)| {
+        let kinds: Vec<String> =
+            failed.iter().map(|((_, how), n): (&(Ending, &str), _)| format!("{} {how}", count(*n))).collect();
+        let number: usize = failed.values().sum();
+        format!("{method}: {} of {} failed ({}).", count(number), counted(all, "run"), kinds.join(", "))
+    };
+    methods.into_iter().filter(|(_, _, failed)| !failed.is_empty()).map(sentence).collect()
+}
+
+#[cfg(test)]
+mod tests;

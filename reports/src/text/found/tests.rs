@@ -1,0 +1,91 @@
+use results::schema::Run;
+
+use super::*;
+use crate::tests::fixture::{run, sample, tables};
+
+fn told(runs: &[Run]) -> Vec<String> {
+    found(&Study::of((&tables(runs, &[])).into()).unwrap())
+}
+
+fn study() -> Vec<Run> {
+    vec![
+        Run { iterations: 40, iterating_s: 0.5, ..run(0, "cg", "", "converged") },
+        Run { iterations: 900, iterating_s: 0.2, ..run(1, "nsgs", "", "converged") },
+        Run { iterations: 7, ..run(2, "jacobi", "", "diverged") },
+    ]
+}
+
+#[test]
+fn sentences_say_what_the_rows_say() {
+    let expected = [
+        "3\u{a0}runs of 3\u{a0}methods on 1\u{a0}problem: 2 converged, 1 diverged.",
+        "column: cg (40) has the fewest iterations to natural map ≤ 10⁻⁴, nsgs (900) the most; nsgs is first in time (0.20 s).",
+        "jacobi: 1 of 1\u{a0}run failed (1 diverged).",
+    ];
+    assert_eq!(told(&study()), expected);
+}
+
+#[test]
+fn other_rows_make_other_sentences() {
+    let mut other = study();
+    other[0].iterations = 1000;
+    other[1].iterating_s = 0.9;
+    other[2].status = "converged".into();
+    let expected = [
+        "3\u{a0}runs of 3\u{a0}methods on 1\u{a0}problem: 3 converged.",
+        "column: jacobi (7) has the fewest iterations to natural map ≤ 10⁻⁴, cg (1\u{202f}000) the most; jacobi is first in time (0.012 s).",
+    ];
+    assert_eq!(told(&other), expected);
+}
+
+#[test]
+fn proof_that_there_is_no_solution_is_no_failure_unless_a_run_finds_one() {
+    let on = |i, method: &str, status: &str| {
+        let unknown = sample(9, 1.0, f64::NAN);
+        Run { problem: "wedge".into(), end: unknown, ..run(i, method, "", status) }
+    };
+    let mut runs = vec![on(0, "cg", "infeasible"), on(1, "nsgs", "iteration-limit")];
+    let expected = [
+        "2\u{a0}runs of 2\u{a0}methods on 1\u{a0}problem: 1 iteration limit, 1 proved that there is no solution.",
+        "wedge: no solution, as 1\u{a0}run proved.",
+        "nsgs: 1 of 1\u{a0}run failed (1 iteration limit).",
+    ];
+    assert_eq!(told(&runs), expected);
+    runs[1].status = "converged".into();
+    assert_eq!(told(&runs)[2], "cg: 1 of 1\u{a0}run failed (1 claimed wrongly that there is no solution).");
+    // The reference is certified: the velocity error is known.
+    runs[1].status = "iteration-limit".into();
+    runs[0].end = sample(9, 1.0, 0.5);
+    assert!(told(&runs)[2].starts_with("cg: 1 of 1\u{a0}run failed"), "{:?}", told(&runs));
+}
+
+#[test]
+fn interior_point_has_no_rank_by_iterations_and_one_in_time() {
+    let mut runs = study();
+    runs.push(Run { iterations: 2, iterating_s: 0.1, ..run(3, "interior-point", "", "converged") });
+    let sentence = &told(&runs)[1];
+    assert!(sentence.starts_with("column: cg (40) has the fewest iterations"), "{sentence}");
+    assert!(sentence.ends_with("interior-point is first in time (0.10 s)."), "{sentence}");
+    assert_eq!(told(&runs[3..])[1], "column: interior-point alone converged.");
+}
+
+#[test]
+fn runs_with_another_stop_rule_are_not_compared() {
+    let mut runs = study();
+    runs.push(Run { iterations: 600, ..run(3, "apgd", "", "converged") });
+    runs[0].tolerance = 1e-1;
+    assert!(told(&runs)[1].starts_with("column: apgd (600) has the fewest"), "{:?}", told(&runs));
+}
+
+#[test]
+fn many_problems_are_counted_and_no_run_is_said() {
+    let on = |i: u32, method: &str, iterations| Run {
+        problem: format!("problem {}", i / 2),
+        iterations,
+        ..run(i, method, "", "converged")
+    };
+    let runs: Vec<Run> =
+        (0..20).map(|i| if i % 2 == 0 { on(i, "cg", 10) } else { on(i, "nsgs", 5 + u64::from(i)) }).collect();
+    assert_eq!(told(&runs)[1], "cg: fewest iterations on 8 of 10 problems; 10\u{a0}runs converged.");
+    assert_eq!(told(&[]), ["No run of this study is stored."]);
+}

@@ -1,0 +1,93 @@
+//! What a chart makes of the tables: figures, tables and sentences, and the files that they become.
+
+use crate::draw::{Formats, pdf, png};
+use crate::error::ReportError;
+use crate::read::counted;
+use crate::text::table;
+use polars::prelude::DataFrame;
+
+/// A file of a report: its name and what it holds.
+pub(crate) struct File {
+    pub(crate) name: String,
+    pub(crate) content: Vec<u8>,
+}
+
+impl File {
+    pub(crate) fn new(name: String, content: impl Into<Vec<u8>>) -> Self {
+        Self { name, content: content.into() }
+    }
+}
+
+/// What a reader looks at; its name is that of its files.
+pub(crate) struct Part {
+    pub(crate) name: String,
+    pub(crate) kind: Kind,
+}
+
+pub(crate) enum Kind {
+    /// A drawing, as SVG.
+    Figure(String),
+    /// A table, and what its columns mean.
+    Table(Table),
+    /// Sentences made from rows, one a line.
+    Text(String),
+}
+
+/// A table of a report.
+pub(crate) struct Table {
+    /// All columns, for other programs.
+    pub(crate) all: DataFrame,
+    /// The columns that a page has room for, under the headings there.
+    pub(crate) shown: DataFrame,
+    pub(crate) note: String,
+}
+
+impl Part {
+    pub(crate) fn figure(name: impl Into<String>, svg: String) -> Self {
+        Self { name: name.into(), kind: Kind::Figure(svg) }
+    }
+
+    pub(crate) fn table(name: impl Into<String>, all: DataFrame, note: impl Into<String>) -> Self {
+        let table = Table { shown: all.clone(), all, note: note.into() };
+        Self { name: name.into(), kind: Kind::Table(table) }
+    }
+
+    pub(crate) fn text(name: impl Into<String>, text: String) -> Self {
+        Self { name: name.into(), kind: Kind::Text(text) }
+    }
+
+    /// A figure in the formats asked, a table as CSV, Markdown and LaTeX, sentences as they are.
+    pub(crate) fn files(&self, formats: Formats) -> Result<Vec<File>, ReportError> {
+        let file = |ending: &str, content: Vec<u8>| File::new(format!("{}.{ending}", self.name), content);
+        let mut files = Vec::new();
+        match &self.kind {
+            Kind::Figure(svg) => {
+                files.push(file("svg", svg.clone().into()));
+                if formats.png {
+                    files.push(file("png", png(svg)?));
+                }
+                if formats.pdf {
+                    files.push(file("pdf", pdf(svg)?));
+                }
+            }
+            Kind::Table(Table { all, shown, note }) => {
+                files.push(file("csv", table::csv(all)?.into()));
+                files.push(file("md", (table::markdown(shown)? + note).into()));
+                files.push(file("tex", table::latex(shown)?.into()));
+            }
+            Kind::Text(text) => files.push(file("md", text.clone().into())),
+        }
+        Ok(files)
+    }
+}
+
+/// Said in place of a figure that would show too many lines.
+pub(crate) fn too_many(name: impl Into<String>, title: &str, lines: usize) -> Part {
+    let lines = counted(lines, "line");
+    nothing(name, title, &format!("{lines} are too many for a figure; the tables have them all"))
+}
+
+/// A sentence in place of a figure that would show nothing.
+pub(crate) fn nothing(name: impl Into<String>, title: &str, why: &str) -> Part {
+    Part::text(name, format!("{title}: {why}.\n"))
+}
