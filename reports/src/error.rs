@@ -9,27 +9,9 @@ use thiserror::Error;
 /// Why a report was not made.
 #[derive(Debug, Error)]
 pub enum ReportError {
-    /// A table lacks a column, or it holds something else.
-    #[error("the stored tables: {0}")]
+    /// A table cannot be made.
+    #[error("a table: {0}")]
     Table(#[from] PolarsError),
-    /// A column that must be filled has a null.
-    #[error("the stored tables: column `{column}` is empty in row {row}")]
-    Null {
-        /// Name of the column.
-        column: String,
-        /// The first such row.
-        row: usize,
-    },
-    /// A column of JSON has something else.
-    #[error("the stored tables: column `{column}` in row {row} is not a JSON object: {source}")]
-    Json {
-        /// Name of the column.
-        column: String,
-        /// The first such row.
-        row: usize,
-        /// Why.
-        source: serde_json::Error,
-    },
     /// The drawing library refuses.
     #[error("a figure cannot be drawn: {0}")]
     Drawing(String),

@@ -15,14 +15,13 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use results::store::Tables;
+use results::study::Study as Stored;
 
 pub use charts::{Chart, UnknownChart};
 pub use draw::Formats;
 pub use error::ReportError;
 pub use page::{About, Filmed, made, view};
-pub use read::StudyTables;
-pub use text::{fill, iterations_text, simulations_text};
+pub use text::{fill, summary};
 
 use page::{Chapter, replace};
 use read::{Study, stored};
@@ -36,7 +35,7 @@ pub struct Wanted<'w> {
     /// The formats of their figures.
     pub formats: Formats,
     /// An earlier study to compare with.
-    pub against: Option<&'w Tables>,
+    pub against: Option<&'w Stored>,
 }
 
 /// Makes the table of runs or simulations, the charts of a study and its page, and puts their files into the folder
@@ -47,16 +46,16 @@ pub struct Wanted<'w> {
 /// # Errors
 ///
 /// If a table lacks a column or a file cannot be written; nothing is replaced before all is drawn.
-pub fn report<'t>(
-    tables: impl Into<StudyTables<'t>>,
+pub fn report(
+    study: &Stored,
     about: &About,
     wanted: Wanted,
     out: &Path,
 ) -> Result<Vec<PathBuf>, ReportError> {
-    let study = Study::of(tables.into())?;
+    let study = Study::from(study);
     let mut chapters = Vec::new();
-    if let (Some(before), Study::Problems(after)) = (wanted.against, &study) {
-        chapters.push(Chapter::new("against", charts::against(&stored::problems(before)?, after)?));
+    if let (Some(Stored::Runs(before)), Study::Problems(after)) = (wanted.against, &study) {
+        chapters.push(Chapter::new("against", charts::against(&stored::problems(before), after)?));
     }
     let charts = wanted.charts.par_iter().map(|chart| Chapter::of_chart(*chart, &study));
     chapters.extend(charts.collect::<Result<Vec<_>, _>>()?);
@@ -74,14 +73,14 @@ pub fn report<'t>(
 /// # Errors
 ///
 /// Those of [`report`].
-pub fn figure<'t>(
-    tables: impl Into<StudyTables<'t>>,
+pub fn figure(
+    study: &Stored,
     chart: Chart,
     formats: Formats,
     out: &Path,
 ) -> Result<Vec<PathBuf>, ReportError> {
     let mut files = Vec::new();
-    for part in chart.parts(&Study::of(tables.into())?)? {
+    for part in chart.parts(&Study::from(study))? {
         files.extend(part.files(formats)?);
     }
     replace(&files, out)

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
-use polars::prelude::DataFrame;
+use results::schema::{ContactRow, GrainRow};
 use serde::Serialize;
 
 use crate::charts::Chart;
@@ -100,18 +100,18 @@ pub(crate) fn page(study: &Study, chapters: &[Chapter], about: &About) -> Result
     )
 }
 
-/// A page with the viewer alone: the sample of one problem in tables of its `grains` and `contacts`, and runs on it.
+/// A page with the viewer alone: the sample of one problem of its `grains` and `contacts`, and runs on it.
 ///
 /// # Errors
 ///
 /// If a table lacks a column.
 pub fn view(
     problem: &str,
-    (grains, contacts): (&DataFrame, &DataFrame),
+    (grains, contacts): (&[GrainRow], &[ContactRow]),
     runs: Vec<Filmed>,
     command: &str,
 ) -> Result<String, ReportError> {
-    let viewer = Viewer::new(&scenes(grains, contacts)?, BTreeMap::from([(problem.to_owned(), runs)]));
+    let viewer = Viewer::new(&scenes(grains, contacts), BTreeMap::from([(problem.to_owned(), runs)]));
     render("view.html", &viewer, context! { title => problem, command })
 }
 

@@ -13,10 +13,8 @@ mod verdicts;
 
 use std::collections::BTreeMap;
 
-use results::simulation::SimulationTables;
-use results::store::Tables;
+use results::study::Study as Stored;
 
-use crate::error::ReportError;
 pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, reached};
 pub(crate) use ending::Ending;
 pub(crate) use groups::{differing, settings_text};
@@ -45,33 +43,12 @@ pub(crate) struct Problems {
     pub(crate) scenes: Scenes,
 }
 
-/// The tables of a study.
-#[derive(Clone, Copy, Debug)]
-pub enum StudyTables<'t> {
-    /// Of runs on problems.
-    Problems(&'t Tables),
-    /// Of simulations.
-    Simulations(&'t SimulationTables),
-}
-
-impl Study {
-    pub(crate) fn of(tables: StudyTables) -> Result<Self, ReportError> {
-        Ok(match tables {
-            StudyTables::Problems(tables) => Self::Problems(stored::problems(tables)?),
-            StudyTables::Simulations(tables) => Self::Simulations(stored::simulations(tables)?),
-        })
-    }
-}
-
-impl<'t> From<&'t Tables> for StudyTables<'t> {
-    fn from(tables: &'t Tables) -> Self {
-        Self::Problems(tables)
-    }
-}
-
-impl<'t> From<&'t SimulationTables> for StudyTables<'t> {
-    fn from(tables: &'t SimulationTables) -> Self {
-        Self::Simulations(tables)
+impl From<&Stored> for Study {
+    fn from(study: &Stored) -> Self {
+        match study {
+            Stored::Runs(runs) => Self::Problems(stored::problems(runs)),
+            Stored::Simulations(all) => Self::Simulations(all.iter().map(stored::simulation).collect()),
+        }
     }
 }
 

@@ -5,19 +5,16 @@ pub(crate) mod fixture_in_time;
 
 use std::fs;
 
-use crate::error::ReportError;
-use crate::read::Study;
-use crate::tests::fixture::{decay, explosion, files, read, run, sample, scene, tables};
+use crate::tests::fixture::{decay, explosion, files, read, run, sample, scene, stored, tables, whole};
 use crate::text::{Kind, Table, markdown, rows};
-use crate::{About, Chart, Formats, Wanted, iterations_text, report};
+use crate::{About, Chart, Formats, Wanted, report, summary};
 use polars::prelude::DataFrame;
 use results::schema::{Run, Sample};
-use results::store::Tables;
-use results::tables::{contacts_table, grains_table};
+use results::study::Runs;
 use tempfile::TempDir;
 
-fn figures(tables: &Tables) -> Vec<(String, String)> {
-    let study = Study::of(tables.into()).unwrap();
+fn figures(runs: &Runs) -> Vec<(String, String)> {
+    let study = whole(runs);
     let charts = Chart::default_set(false).into_iter();
     let figures: Vec<_> = charts.flat_map(|chart| files(&chart.parts(&study).unwrap())).collect();
     for (name, svg) in &figures {
@@ -43,7 +40,7 @@ pub(crate) fn assert_well_formed(name: &str, svg: &str) {
     assert!(open.is_empty(), "{name}: {open:?}");
 }
 
-fn study() -> Tables {
+fn study() -> Runs {
     let runs = [
         run(0, "nsgs", "", "converged"),
         Run { subdomains: 8, ..run(1, "nsgs-dd", "4x2", "iteration-limit") },
@@ -64,7 +61,7 @@ fn study_without_runs_says_so() {
     let figures = figures(&empty);
     assert_eq!(figures.len(), 1);
     assert!(figures[0].1.contains("no run in this study"));
-    assert!(iterations_text(&empty).unwrap().contains("no such run in this study"));
+    assert!(summary(&stored(&empty)).unwrap().contains("no such run in this study"));
 }
 
 #[test]
@@ -112,7 +109,7 @@ fn skipped_run_has_its_reason_below_the_table_and_no_place_in_the_figure() {
     let reason = "`subdomains` is 8x8: it must be at most 20 subdomains, the number of contacts";
     let skipped = Run { reason: reason.into(), ..run(1, "nsgs-dd", "8x8", "skipped") };
     let study = tables(&[run(0, "nsgs", "", "converged"), skipped], &[(0, decay())]);
-    let text = iterations_text(&study).unwrap();
+    let text = summary(&stored(&study)).unwrap();
     assert!(text.ends_with(&format!("\nskipped: nsgs-dd 8x8 on column: {reason}\n")), "{text}");
     let svg = &figures(&study)[0].1;
     assert!(svg.contains(", 1\u{a0}run\n") && !svg.contains("nsgs-dd"), "{svg}");
@@ -150,9 +147,9 @@ fn tolerance_is_written_beside_the_measure_that_stops() {
 #[test]
 fn sample_shows_counts_scales_and_boundary_grains() {
     let (grains, contacts) = scene(2.0);
-    let scene = Tables {
-        grains: grains_table(&grains).unwrap(),
-        contacts: contacts_table(&contacts).unwrap(),
+    let scene = Runs {
+        grains,
+        contacts,
         ..tables(&[Run { problem: "pair".into(), ..run(0, "cg", "diagonal", "converged") }], &[])
     };
     let (name, svg) = figures(&scene).pop().unwrap();
@@ -179,10 +176,9 @@ fn sample_shows_counts_scales_and_boundary_grains() {
 fn scene_without_impulses_or_without_grains_says_so() {
     let (grains, contacts) = scene(f64::NAN);
     let mut unknown = tables(&[], &[]);
-    unknown.grains = grains_table(&grains).unwrap();
-    unknown.contacts = contacts_table(&contacts).unwrap();
+    (unknown.grains, unknown.contacts) = (grains, contacts);
     assert!(figures(&unknown).pop().unwrap().1.contains("No impulse is known."));
-    unknown.grains = grains_table(&[]).unwrap();
+    unknown.grains.clear();
     assert!(figures(&unknown).pop().unwrap().1.contains("0\u{a0}grains"));
 }
 
@@ -192,7 +188,7 @@ fn same_tables_give_the_same_bytes_and_replace_the_files() {
     let read = |paths: &[std::path::PathBuf]| paths.iter().map(|p| fs::read(p).unwrap()).collect::<Vec<_>>();
     let charts = Chart::default_set(false);
     let wanted = Wanted { charts: &charts, formats: Formats::default(), against: None };
-    let make = || report(&study(), &about(), wanted, &out.path().join("paper"));
+    let make = || report(&stored(&study()), &about(), wanted, &out.path().join("paper"));
     let first = make().unwrap();
     let bytes = read(&first);
     fs::write(&first[0], "old").unwrap();
@@ -204,10 +200,7 @@ fn same_tables_give_the_same_bytes_and_replace_the_files() {
 
 #[test]
 fn table_reads_off_what_the_rows_say() {
-    let Kind::Table(Table { all: table, .. }) = rows(&Study::of((&study()).into()).unwrap()).unwrap().kind
-    else {
-        panic!()
-    };
+    let Kind::Table(Table { all: table, .. }) = rows(&whole(&study())).unwrap().kind else { panic!() };
     let number = |table: &DataFrame, column: &str, row| table.column(column).unwrap().u64().unwrap().get(row);
     assert_eq!(number(&table, "iterations_to_zeta_1e_3", 0), Some(31));
     assert_eq!(number(&table, "iterations_to_zeta_1e_4", 0), None);
@@ -232,12 +225,4 @@ fn table_reads_off_what_the_rows_say() {
     ];
     assert_eq!(row[..13], expected);
     assert_eq!(row[13..], ["0", "0", "10⁻⁵", "0.0123", "10⁻⁴", "10⁻⁴", "", "0000000000000001", ""]);
-}
-
-#[test]
-fn table_without_a_column_is_an_error_that_names_it() {
-    let mut broken = study();
-    broken.curves = broken.curves.drop("natural_map").unwrap();
-    let error = Study::of((&broken).into()).err().unwrap();
-    assert!(matches!(error, ReportError::Table(_)) && error.to_string().contains("natural_map"));
 }

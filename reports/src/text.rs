@@ -12,7 +12,7 @@ pub use fill::fill;
 pub(crate) use found::found;
 pub(crate) use part::{File, Kind, Part, Table, nothing, too_many};
 pub(crate) use rows::rows;
-pub use rows::{iterations_text, simulations_text};
+pub use rows::summary;
 #[cfg(test)]
 pub(crate) use table::csv;
 pub(crate) use table::{columns, markdown};

@@ -2,11 +2,11 @@
 
 use crate::cli::args::StudyArgs;
 use crate::problems::files::Root;
-use crate::run::execute::{How, execute};
 use crate::store::baseline::{Counts, ExpectedFailure, expected_failures, read, to_csv};
 use crate::store::folder::provenance;
-use crate::study::runs::Study;
+use crate::study::problems::OnProblems;
 use crate::study::selection::Selection;
+use crate::study::tasks::{How, Kind, missing, run_all};
 use crate::terminal::interrupt;
 use crate::terminal::output::{say, write_whole};
 use anyhow::{Context, Result, bail};
@@ -93,22 +93,24 @@ pub(crate) fn bless(root: &Root, args: &Args) -> Result<ExitCode> {
 impl Now {
     /// Makes all runs of the plan; nothing is stored.
     fn count(root: &Root, args: &Args, selection: Selection) -> Result<Self> {
-        let study = Study::made(selection, root)?;
-        let plan = study.selection.plan.name.clone();
+        let study = OnProblems::new(selection, root, true)?;
+        let plan = study.selection().plan.name.clone();
         let baseline = baseline(root, &plan);
         let expected = expected_failures(&baseline.with_file_name("expected-failures.toml"), &plan)?;
         let jobs = args.jobs.or_else(|| std::thread::available_parallelism().ok());
-        let how = How { jobs: jobs.unwrap_or(NonZeroUsize::MIN), repeats: 1 };
+        let jobs = jobs.unwrap_or(NonZeroUsize::MIN);
         interrupt::listen()?;
         let records = Mutex::new(Vec::new());
-        execute(root, &study, &study.missing(&HashSet::new()), how, &provenance()?, &|record| {
+        let (tasks, provenance) = (study.tasks()?, provenance()?);
+        let how = How { root, folder: None, provenance: &provenance, repeats: 1, jobs };
+        run_all(&study, &missing(&tasks, &HashSet::new()), &how, &|record| {
             records.lock().unwrap_or_else(PoisonError::into_inner).push(record);
             Ok(())
         })?;
         if interrupt::asked() {
             bail!("stopped before all runs were made: nothing was compared");
         }
-        let counts = Counts::of(&study, &records.into_inner().unwrap_or_else(PoisonError::into_inner))?;
+        let counts = Counts::of(&tasks, &records.into_inner().unwrap_or_else(PoisonError::into_inner))?;
         Ok(Self { plan, counts, baseline, expected })
     }
 

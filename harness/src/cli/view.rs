@@ -18,7 +18,6 @@ use partition::{Grid, Scheme};
 use reports::Filmed;
 use results::journal::Record;
 use results::schema::Run;
-use results::tables::{contacts_table, grains_table};
 use runner::{Stop, solve_against};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -90,7 +89,6 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         grains.extend(g);
         contacts.extend(c);
     }
-    let (grains, contacts) = (grains_table(&grains)?, contacts_table(&contacts)?);
     write_whole(&page, &reports::view(&frozen.name, (&grains, &contacts), filmed, &args.again())?)?;
     say(format_args!("{}", page.display()))?;
     Ok(())
@@ -120,8 +118,7 @@ impl Args {
         let told = format!("run {} ({} on {})", run.id, run.method, run.problem);
         self.scene.refused(&format!("{told} is stored"))?;
         let stop = self.stop.of(stop_of(run)?)?;
-        let method = || Method::new(&run.method, serde_json::from_str(&run.settings)?);
-        let method = method().with_context(|| told.clone())?;
+        let method = Method::new(&run.method, run.settings.clone()).with_context(|| told.clone())?;
         let variant = Variant { method, warm_start: run.warm_start, name: run.variant.clone() };
         let others = others.into_iter().map(|other| Variant { warm_start: run.warm_start, ..other });
         let variants = std::iter::once(variant).chain(others).collect();

@@ -55,8 +55,8 @@ pub(crate) struct Problem {
     pub(crate) frozen: Frozen,
     /// Hash of its content.
     pub(crate) hash: String,
-    /// What was set to make it, as JSON.
-    pub(crate) settings: String,
+    /// What was set to make it.
+    pub(crate) settings: Settings,
     /// What another code answered, if that lies beside it.
     pub(crate) given: Option<Given>,
     known: OnceLock<Known>,
@@ -104,7 +104,7 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
 
 /// The problem of a stored run, if it still is what it was.
 pub(crate) fn of_run(root: &Root, run: &Run) -> Result<Frozen> {
-    let mut settings: Settings = serde_json::from_str(&run.problem_settings)?;
+    let mut settings = run.problem_settings.clone();
     let source = match settings.remove("case") {
         None => Source::Frozen(Box::new(Frozen::read(&root.problem(&run.problem)?)?), None),
         Some(case) => {
@@ -205,7 +205,7 @@ impl PlannedProblem {
 
     fn problem(&self, frozen: Frozen, given: Option<Given>) -> Problem {
         let frozen = Frozen { name: self.name.clone(), ..frozen };
-        let settings = Value::Object(self.settings.clone()).to_string();
+        let settings = self.settings.clone();
         let known = if self.reference { OnceLock::new() } else { OnceLock::from(Known::Nothing) };
         Problem { hash: content_hash(&frozen), settings, given, known, spectrum: OnceLock::new(), frozen }
     }

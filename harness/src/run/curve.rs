@@ -28,7 +28,8 @@ impl Recorder {
     /// 1, 2, 4, …, which tell whether a measure still falls.
     pub(crate) fn observe(&mut self, progress: &Progress) {
         let Progress { iteration, iterating, measures, work, .. } = *progress;
-        let sample = Sample { iteration, iterating_s: iterating.as_secs_f64(), measures, work };
+        let (iterating_s, measures) = (iterating.as_secs_f64(), *measures);
+        let sample = Sample { iteration, iterating_s, measures, work };
         let octave = self.curves == Curves::Ends && progress.iteration.is_power_of_two();
         let mut keep = progress.iteration == 0 || octave;
         for (measure, reached) in Measure::ALL.into_iter().zip(&mut self.reached) {

@@ -32,7 +32,8 @@ pub(crate) fn run(wanted: &Wanted, conditions: &Conditions) -> Result<Option<Rec
     let known = wanted.problem.known(conditions.root)?;
     let timing = conditions.timing();
     let spectrum = spectrum(wanted, known);
-    let row = Run { spectrum, timing: timing.clone(), ..wanted_row(wanted, conditions.provenance.restarted()) };
+    let row =
+        Run { spectrum, timing: timing.clone(), ..wanted_row(wanted, conditions.provenance.restarted()) };
     let skipped = |reason: &str| {
         let run = Run { reason: reason.to_owned(), ..row.clone() };
         Ok(Some(Record { run, curve: Vec::new(), snapshots: Vec::new() }))
@@ -80,11 +81,7 @@ fn spectrum(wanted: &Wanted, known: &Known) -> Map<String, Value> {
 /// The curve of a run, and the iterates that the page shows, if any.
 type Kept = (Vec<Sample>, Vec<Snapshot>);
 
-fn once(
-    wanted: &Wanted,
-    known: &Known,
-    conditions: &Conditions,
-) -> Result<(Outcome, Kept), SetupError> {
+fn once(wanted: &Wanted, known: &Known, conditions: &Conditions) -> Result<(Outcome, Kept), SetupError> {
     let Wanted { plan, problem, variant, .. } = wanted;
     let frozen = &problem.frozen;
     let mut recorder = Recorder::new(plan.curves);

@@ -128,12 +128,7 @@ impl Totals {
         self.iterations += outcome.iterations;
         self.setup += outcome.setup;
         self.iterating += outcome.iterating;
-        let (all, one) = (&mut self.work, &outcome.work);
-        all.contact_updates += one.contact_updates;
-        all.delassus_products += one.delassus_products;
-        all.interface_values += one.interface_values;
-        all.triangular_solve_entries += one.triangular_solve_entries;
-        all.factorisations += one.factorisations;
+        self.work += outcome.work;
     }
 
     /// How many of the time steps did not converge to `stop`, in words; nothing if all did.

@@ -2,8 +2,10 @@
 
 use crate::plan::methods::METHODS;
 use crate::run::curve::decades;
-use crate::study::runs::Study;
+use crate::study::problems::OnProblems;
+use crate::study::tasks::{Task, by_id};
 use anyhow::{Context, Result, bail};
+use contact::Measure;
 use results::journal::Record;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -33,30 +35,31 @@ pub(crate) struct Counts {
 
 impl Counts {
     /// The counts of a study's runs, in the order of their names.
-    pub(crate) fn of(study: &Study, records: &[Record]) -> Result<Vec<Self>> {
-        let known = crate::study::runs::by_id(records);
+    pub(crate) fn of(tasks: &[Task<OnProblems>], records: &[Record]) -> Result<Vec<Self>> {
+        let known = by_id(records);
         let mut all = Vec::new();
-        for task in study.tasks() {
-            let record =
-                known.get(task.id.as_str()).with_context(|| format!("{} was not made", task.name()))?;
-            let (run, curve) = (&record.run, &record.curve);
+        for Task { id, variant, what: problem, .. } in tasks {
+            let problem = &problem.frozen.name;
+            let missing = || format!("{} on {problem} was not run", variant.label());
+            let Record { run, curve, .. } = known.get(id.as_str()).with_context(missing)?;
             let list = |iterations: Vec<u64>| {
                 iterations.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
             };
+            let work = run.end.work;
             all.push(Self {
-                problem: task.problem.frozen.name.clone(),
+                problem: problem.clone(),
                 method: run.method.clone(),
-                settings: not_default(&run.method, &task.variant.method.settings)?,
+                settings: not_default(&run.method, &variant.method.settings)?,
                 problem_hash: run.problem_hash.clone(),
                 status: run.status.clone(),
                 iterations: run.iterations,
-                zeta: list(decades(curve, |sample| sample.zeta)),
-                natural_map: list(decades(curve, |sample| sample.natural_map)),
-                contact_updates: run.end.contact_updates,
-                delassus_products: run.end.delassus_products,
-                interface_values: run.end.interface_values,
-                triangular_solve_entries: run.end.triangular_solve_entries,
-                factorisations: run.end.factorisations,
+                zeta: list(decades(curve, Measure::Zeta)),
+                natural_map: list(decades(curve, Measure::NaturalMap)),
+                contact_updates: work.contact_updates,
+                delassus_products: work.delassus_products,
+                interface_values: work.interface_values,
+                triangular_solve_entries: work.triangular_solve_entries,
+                factorisations: work.factorisations,
             });
         }
         all.sort();

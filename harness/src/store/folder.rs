@@ -6,7 +6,7 @@ use crate::plan::methods::names;
 use crate::problems::files::Root;
 use crate::store::notes::notes;
 use crate::study::selection::Selection;
-use crate::study::tasks::{Kind, Task, by_id, missing};
+use crate::study::tasks::{Kind, by_id, missing};
 use crate::terminal::output::say;
 use crate::terminal::{exit, interrupt};
 use anyhow::{Context, Result, anyhow};
@@ -65,8 +65,11 @@ pub(crate) fn finish<K: Kind>(
     let Selection { plan, again, .. } = study.selection();
     let tasks = study.tasks()?;
     let known = by_id(store.records());
-    let ended = |task: &Task<K>| Some((task.clone(), (*known.get(task.id.as_str())?).clone()));
-    let rows = study.rows(root, tasks.iter().filter_map(ended).collect(), provenance)?;
+    let mut ended = Vec::new();
+    for task in &tasks {
+        ended.extend(known.get(task.id.as_str()).map(|record| (task.clone(), (*record).clone())));
+    }
+    let rows = study.rows(root, ended, provenance)?;
     if interrupt::asked() {
         let missing = missing(&tasks, &known.into_keys().collect()).len();
         store.write_tables(&rows)?;

@@ -11,7 +11,8 @@ pub(crate) fn notes<K: Kind>(study: &K, tasks: &[Task<K>], records: &[K::Record]
     let known = by_id(records);
     let wanted: HashSet<&str> = tasks.iter().map(|task| task.id.as_str()).collect();
     let ended: Vec<&K::Record> = wanted.iter().filter_map(|id| known.get(id).copied()).collect();
-    let mut notes: Vec<String> = origins(ended.iter().map(|record| record.provenance())).into_iter().collect();
+    let mut notes: Vec<String> =
+        origins(ended.iter().map(|record| record.provenance())).into_iter().collect();
     // One that was skipped took no time.
     let timed = || ended.iter().map(|record| record.timing()).filter(|timing| timing.wall_s.is_finite());
     let what = K::TASKS;

@@ -26,14 +26,6 @@ pub(crate) struct OnProblems {
     problems: Vec<Problem>,
 }
 
-impl OnProblems {
-    /// Every run of the plan on the problems that are there.
-    fn all(&self) -> impl Iterator<Item = (&Problem, &Variant)> {
-        let of_problem = |problem| self.selection.variants.iter().map(move |variant| (problem, variant));
-        self.problems.iter().flat_map(of_problem)
-    }
-}
-
 impl Kind for OnProblems {
     type Record = Record;
     type What<'s> = &'s Problem;
@@ -61,13 +53,15 @@ impl Kind for OnProblems {
     }
 
     fn tasks(&self) -> Result<Vec<Task<'_, Self>>> {
-        let task = |(problem, variant): (&'_ Problem, _)| Task {
-            id: run_id(&problem.hash, variant, &self.selection.plan.stop),
-            variant,
-            selected: self.selection.selects(&problem.frozen.name, variant),
-            what: problem,
-        };
-        Ok(self.all().map(task).collect())
+        let mut tasks = Vec::new();
+        for problem in &self.problems {
+            for variant in &self.selection.variants {
+                let id = run_id(&problem.hash, variant, &self.selection.plan.stop);
+                let selected = self.selection.selects(&problem.frozen.name, variant);
+                tasks.push(Task { id, variant, selected, what: problem });
+            }
+        }
+        Ok(tasks)
     }
 
     fn run(&self, task: &Task<Self>, conditions: &Conditions) -> Result<Option<Record>> {
@@ -100,12 +94,7 @@ impl Kind for OnProblems {
         Ok(self.selection.selected().map(listed).collect())
     }
 
-    fn rows(
-        &self,
-        root: &Root,
-        ended: Vec<(Task<Self>, Record)>,
-        provenance: &Provenance,
-    ) -> Result<Rows> {
+    fn rows(&self, root: &Root, ended: Vec<(Task<Self>, Record)>, provenance: &Provenance) -> Result<Rows> {
         let plan = &self.selection.plan;
         let named = |(task, record): (Task<Self>, Record)| Record {
             run: Run {

@@ -52,8 +52,12 @@ pub(crate) trait Kind: Sized + Sync {
     fn listed(&self, done: &HashSet<&str>) -> Result<Vec<Listed>>;
 
     /// The rows of what has ended, under the names that the plan gives them now.
-    fn rows(&self, root: &Root, ended: Vec<(Task<Self>, Self::Record)>, provenance: &Provenance)
-    -> Result<Rows>;
+    fn rows(
+        &self,
+        root: &Root,
+        ended: Vec<(Task<Self>, Self::Record)>,
+        provenance: &Provenance,
+    ) -> Result<Rows>;
 }
 
 /// One thing that a study asks for.

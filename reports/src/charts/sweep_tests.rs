@@ -5,8 +5,11 @@ use std::collections::BTreeSet;
 use crate::charts::{critical_path, profiles, relaxation, size, subdomains, weak};
 use crate::draw::{METHODS, RGBColor};
 use crate::tests::assert_well_formed;
-use crate::tests::fixture::{File, decay, explosion, files, read, run, sample, study, tables, without_truth};
+use crate::tests::fixture::{
+    File, decay, end, explosion, files, object, read, run, sample, study, tables, without_truth,
+};
 use results::schema::Run;
+use serde_json::{Value, json};
 
 fn text<'f>(files: &'f [File], name: &str) -> &'f str {
     for (name, svg) in files.iter().filter(|(name, _)| name.contains(".svg")) {
@@ -16,7 +19,8 @@ fn text<'f>(files: &'f [File], name: &str) -> &'f str {
 }
 
 fn on(id: u32, subdomains: u32, kappa: &str, iterations: u64) -> Run {
-    let settings = format!(r#"{{"kappa_d":{kappa},"subdomains":"{subdomains}x1"}}"#);
+    let kappa: Value = serde_json::from_str(kappa).unwrap();
+    let settings = object(&json!({ "kappa_d": kappa, "subdomains": format!("{subdomains}x1") }));
     Run { settings, subdomains, iterations, ..run(id, "latin-dd", "", "converged") }
 }
 
@@ -41,7 +45,7 @@ fn growth_with_subdomains_is_told_for_each_setting_apart() {
 
 #[test]
 fn speed_up_is_counted_on_the_longest_subdomain_and_measured_in_seconds() {
-    let path = |path: u32, run: Run| Run { derived: format!(r#"{{"critical_path":{path}}}"#), ..run };
+    let path = |path: u32, run: Run| Run { derived: object(&json!({ "critical_path": path })), ..run };
     let runs = [
         path(800, Run { iterating_s: 3.0, ..on(0, 1, "null", 100) }),
         path(250, Run { iterating_s: 2.0, ..on(1, 4, "null", 128) }),
@@ -60,7 +64,7 @@ fn weak_series_have_as_many_grains_in_each_subdomain() {
     let of = |id, subdomains: u32, grains: u32, iterations| Run {
         problem: format!("{grains} grains"),
         grains,
-        derived: r#"{"critical_path":10}"#.into(),
+        derived: object(&json!({ "critical_path": 10 })),
         ..on(id, subdomains, "null", iterations)
     };
     let runs =
@@ -83,7 +87,7 @@ fn sized(id: u32, method: &str, grains: u32, iterations: u64) -> Run {
 fn best_relaxation_is_that_of_each_problem_and_one_fixed_is_that_of_all() {
     let on = |id, problem: &str, relaxation: f64, iterations| Run {
         problem: format!("box grains=60 seed={problem}"),
-        settings: format!(r#"{{"order":"natural","relaxation":{relaxation:?}}}"#),
+        settings: object(&json!({ "order": "natural", "relaxation": relaxation })),
         iterations,
         ..run(id, "nsgs", "", "converged")
     };
@@ -119,7 +123,7 @@ fn exponents_are_those_of_runs_that_converged_on_three_sizes() {
         sized(2, "nsgs", 100_000, 100_000_000),
         Run { status: "iteration-limit".into(), ..sized(3, "nsgs", 100_000, 7) },
         // A proof that there is no solution is no failure.
-        Run { problem: "wedge".into(), end: sample(9, 1.0, f64::NAN), ..run(4, "cg", "", "infeasible") },
+        Run { problem: "wedge".into(), end: end(sample(9, 1.0, f64::NAN)), ..run(4, "cg", "", "infeasible") },
     ];
     let read = |runs: &[Run]| files(&size::parts(&study(runs, &[])).unwrap());
     let fitted = read(&runs);
@@ -227,7 +231,7 @@ fn failures_stand_beside_each_other_and_methods_without_subdomains_are_levels() 
     assert_eq!(places(&alone).len(), 2 * 2 + 1, "{alone}");
     assert!(!alone.contains("Level lines"));
     for (i, omega) in (10..).zip([0.8, 1.0, 1.2, 1.4, 1.6]) {
-        let settings = format!(r#"{{"relaxation":{omega:?}}}"#);
+        let settings = object(&json!({ "relaxation": omega }));
         runs.push(Run { settings, iterations: u64::from(10 * i), ..run(i, "nsgs", "", "converged") });
     }
     let beside = drawn(&runs);
@@ -239,7 +243,7 @@ fn failures_stand_beside_each_other_and_methods_without_subdomains_are_levels() 
 #[test]
 fn both_speed_ups_have_the_same_axes_with_the_ideal_and_the_threads() {
     let path = |path: u32, seconds: f64, run: Run| Run {
-        derived: format!(r#"{{"critical_path":{path}}}"#),
+        derived: object(&json!({ "critical_path": path })),
         iterating_s: seconds,
         ..run
     };

@@ -1,20 +1,15 @@
 use results::schema::{Run, Snapshot};
-use results::tables::{contacts_table, grains_table, snapshots_table};
-
-use results::store::Tables;
+use results::study::Runs;
+use serde_json::json;
 
 use super::*;
 use crate::Chart;
 use crate::tests::about;
-use crate::tests::fixture::{decay, explosion, run, sample, scene, tables};
+use crate::tests::fixture::{decay, explosion, object, run, sample, scene, tables, whole};
 use crate::text;
 
-fn read(tables: &Tables) -> Study {
-    Study::of(tables.into()).unwrap()
-}
-
-fn made(tables: &Tables) -> String {
-    let study = &read(tables);
+fn made(runs: &Runs) -> String {
+    let study = &whole(runs);
     let mut chapters = vec![Chapter::new("iterations", vec![text::rows(study).unwrap()])];
     chapters.extend(Chart::all().iter().map(|chart| Chapter::of_chart(*chart, study).unwrap()));
     let page = page(study, &chapters, &about()).unwrap();
@@ -57,21 +52,20 @@ fn viewer_holds_the_sample_and_the_snapshots_of_its_runs() {
         impulses_n_s: vec![impulse, 1.0, f64::NAN],
     };
     let mut study = tables(&[Run { problem: "pair".into(), ..run(0, "cg", "", "converged") }], &[]);
-    study.grains = grains_table(&grains).unwrap();
-    study.contacts = contacts_table(&contacts).unwrap();
-    study.snapshots = snapshots_table(&[(0, [kept(0, 0.0), kept(3, 2.0)])]).unwrap();
+    (study.grains, study.contacts) = (grains, contacts);
+    study.records[0].snapshots = vec![kept(0, 0.0), kept(3, 2.0)];
     let page = made(&study);
     // Thousandths of the greatest impulse of the solution, 2 N·s.
     assert!(page.contains(r#""frames":[{"iteration":0,"natural_map":0.5,"impulses":[0,500,0]},{"iteration":3,"natural_map":0.5,"impulses":[1000,500,0]}]"#), "{page}");
     assert!(page.contains(r#""label":"solution""#) && page.contains("sample-pair-2x1.svg"));
-    study.snapshots = snapshots_table::<Vec<Snapshot>>(&[]).unwrap();
+    study.records[0].snapshots.clear();
     assert!(made(&study).contains("<code>gravel view PROBLEM --run"), "what shows the iterations is said");
 }
 
 #[test]
 fn more_rows_than_a_browser_likes_are_left_to_the_file() {
     let runs: Vec<Run> = (0..6000).map(|i| run(i, "cg", "", "converged")).collect();
-    let study = read(&tables(&runs, &[]));
+    let study = whole(&tables(&runs, &[]));
     let chapters = [Chapter::new("iterations", vec![text::rows(&study).unwrap()])];
     assert!(page(&study, &chapters, &about()).unwrap().contains("The first 5000 of 6000 rows"));
 }
@@ -80,11 +74,11 @@ fn more_rows_than_a_browser_likes_are_left_to_the_file() {
 fn hundred_thousand_runs_of_as_many_kinds_are_a_page_that_leaves_lines_and_rows_out() {
     let many: Vec<Run> = (0..100_000)
         .map(|i| {
-            let settings = format!(r#"{{"relaxation":{i}}}"#);
+            let settings = object(&json!({ "relaxation": i }));
             Run { settings, ..run(i, "nsgs", &format!("relaxation={i}"), "converged") }
         })
         .collect();
-    let study = read(&tables(&many, &[(0, decay())]));
+    let study = whole(&tables(&many, &[(0, decay())]));
     let chapters =
         Chart::default_set(false).into_iter().map(|chart| Chapter::of_chart(chart, &study).unwrap());
     let mut chapters: Vec<Chapter> = chapters.collect();

@@ -1,12 +1,11 @@
-//! The seam between stored tables and the rows that everything else reads: nothing but this file knows a stored data frame.
+//! From the rows of a study as they are stored to those that everything else reads: what is undefined is `None`.
 
 use std::collections::BTreeMap;
 
-use minijinja::Value as Cell;
-use polars::prelude::{AnyValue, DataFrame};
-use results::schema::Snapshot;
-use results::simulation::SimulationTables;
-use results::store::Tables;
+use results::journal::Record;
+use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Timing};
+use results::simulation::{Observed, Simulated};
+use results::study::Runs;
 use serde_json::{Map, Value};
 
 use super::groups::differing;
@@ -14,317 +13,165 @@ use super::run::{Origin, Point, RunRow, words};
 use super::scene::{Contact, Grain, Scene};
 use super::simulation::{Instant, Simulation};
 use super::{Ending, Problems, Scenes};
-use crate::error::ReportError;
 
 /// Impulses that another code gave are no run.
 const GIVEN: &str = "given";
 
 /// A study of runs on problems.
-pub(crate) fn problems(tables: &Tables) -> Result<Problems, ReportError> {
-    let mut curves = by_run(&tables.curves, points(&tables.curves, "iteration")?)?;
-    let mut snapshots = by_run(&tables.snapshots, snapshots(&tables.snapshots)?)?;
-    let mut rows = runs(&tables.runs)?;
-    for row in &mut rows {
-        row.curve = curves.remove(&row.run).unwrap_or_default();
-        row.curve.sort_by_key(|point| point.iteration);
-        row.snapshots = snapshots.remove(&row.run).unwrap_or_default();
-    }
-    let (given, mut runs): (Vec<RunRow>, Vec<RunRow>) = rows.into_iter().partition(|row| row.status == GIVEN);
+pub(crate) fn problems(study: &Runs) -> Problems {
+    let rows = (0..).zip(&study.records).map(|(number, record)| run(number, record));
+    let (given, mut runs): (Vec<RunRow>, Vec<RunRow>) = rows.partition(|row| row.status == GIVEN);
     let differing = differing(runs.iter().map(|run| (&run.method, &run.settings)), &[]);
     for run in &mut runs {
         run.words = words(&run.variant, (&run.method, &run.settings), &differing);
     }
-    Ok(Problems { runs, given, scenes: scenes(&tables.grains, &tables.contacts)? })
+    Problems { runs, given, scenes: scenes(&study.grains, &study.contacts) }
 }
 
-fn runs(table: &DataFrame) -> Result<Vec<RunRow>, ReportError> {
-    let (run, id, grains) = (u32s(table, "run")?, texts(table, "id")?, u32s(table, "grains")?);
-    let (contacts, subdomains) = (u32s(table, "contacts")?, u32s(table, "subdomains")?);
-    let (problem, method) = (texts(table, "problem")?, texts(table, "method")?);
-    let (settings, derived) = (json(table, "settings")?, json(table, "derived")?);
-    let problem_settings = json(table, "problem_settings")?;
-    let older = table.column("spectrum").is_err();
-    let spectrum = if older { vec![Map::new(); table.height()] } else { json(table, "spectrum")? };
-    let (reason, max_iterations) = (texts(table, "reason")?, u64s(table, "max_iterations")?);
-    let (variant, status) = (texts(table, "variant")?, texts(table, "status")?);
-    let (stop_on, tolerance) = (texts(table, "stop_on")?, measures(table, "tolerance")?);
-    let (iterations, repeats) = (u64s(table, "iterations")?, u32s(table, "repeats")?);
-    let (setup_s, iterating_s) = (measures(table, "setup_s")?, measures(table, "iterating_s")?);
-    let (zeta_3, zeta_4) =
-        (counts(table, "iterations_to_zeta_1e_3")?, counts(table, "iterations_to_zeta_1e_4")?);
-    let (map_2, map_4) =
-        (counts(table, "iterations_to_natural_map_1e_2")?, counts(table, "iterations_to_natural_map_1e_4")?);
-    let (end, origin) = (points(table, "iterations")?, origins(table)?);
-    let row = |i: usize| RunRow {
-        run: run[i],
-        id: id[i].clone(),
-        problem: problem[i].clone(),
-        problem_settings: problem_settings[i].clone(),
-        grains: grains[i],
-        contacts: contacts[i],
-        method: method[i].clone(),
-        settings: settings[i].clone(),
-        derived: derived[i].clone(),
-        spectrum: spectrum[i].clone(),
-        variant: variant[i].clone(),
+fn run(number: u32, Record { run, curve, snapshots }: &Record) -> RunRow {
+    let (measures, work) = (run.end.measures, run.end.work);
+    let end = Sample { iteration: run.iterations, iterating_s: run.iterating_s, measures, work };
+    RunRow {
+        run: number,
+        id: run.id.clone(),
+        problem: run.problem.clone(),
+        problem_settings: run.problem_settings.clone(),
+        grains: run.grains,
+        contacts: run.contacts,
+        method: run.method.clone(),
+        settings: run.settings.clone(),
+        derived: run.derived.clone(),
+        spectrum: run.spectrum.clone(),
+        variant: run.variant.clone(),
         words: String::new(),
-        subdomains: subdomains[i],
-        stop_on: stop_on[i].clone(),
-        tolerance: tolerance[i],
-        max_iterations: max_iterations[i],
-        reason: reason[i].clone(),
-        ending: Ending::of(&status[i]),
-        status: status[i].clone(),
-        iterations: iterations[i],
-        iterations_to: [zeta_3[i], zeta_4[i], map_2[i], map_4[i]],
-        setup_s: setup_s[i],
-        iterating_s: iterating_s[i],
-        repeats: repeats[i],
-        end: end[i],
-        curve: Vec::new(),
-        snapshots: Vec::new(),
-        origin: origin[i].clone(),
-    };
-    Ok((0..table.height()).map(row).collect())
-}
-
-/// Samples, whose iterations have this name.
-fn points(table: &DataFrame, iteration: &str) -> Result<Vec<Point>, ReportError> {
-    let (iteration, iterating_s) = (u64s(table, iteration)?, measures(table, "iterating_s")?);
-    let (zeta, natural_map) = (measures(table, "zeta")?, measures(table, "natural_map")?);
-    let (penetration_rate, max_dv) = (newer(table, "penetration_rate_m_per_s")?, newer(table, "max_dv")?);
-    let (quad_dv, velocity_error) = (measures(table, "quad_dv")?, newer(table, "velocity_error")?);
-    let (updates, products) = (u64s(table, "contact_updates")?, u64s(table, "delassus_products")?);
-    let (entries, factorisations) =
-        (u64s(table, "triangular_solve_entries")?, u64s(table, "factorisations")?);
-    let row = |i: usize| Point {
-        iteration: iteration[i],
-        iterating_s: iterating_s[i],
-        zeta: zeta[i],
-        natural_map: natural_map[i],
-        penetration_rate: penetration_rate[i],
-        quad_dv: quad_dv[i],
-        max_dv: max_dv[i],
-        velocity_error: velocity_error[i],
-        contact_updates: updates[i],
-        delassus_products: products[i],
-        triangular_solve_entries: entries[i],
-        factorisations: factorisations[i],
-    };
-    Ok((0..table.height()).map(row).collect())
-}
-
-fn origins(table: &DataFrame) -> Result<Vec<Origin>, ReportError> {
-    let (commit, processor) = (texts(table, "commit")?, texts(table, "processor")?);
-    let (rustc, profile) = (texts(table, "rustc")?, texts(table, "profile")?);
-    let (threads, started_utc) = (u32s(table, "threads")?, texts(table, "started_utc")?);
-    let timed_alone = bools(table, "timed_alone")?;
-    let row = |i: usize| Origin {
-        commit: commit[i].clone(),
-        processor: processor[i].clone(),
-        threads: threads[i],
-        rustc: rustc[i].clone(),
-        profile: profile[i].clone(),
-        started_utc: started_utc[i].clone(),
-        timed_alone: timed_alone[i],
-    };
-    Ok((0..table.height()).map(row).collect())
-}
-
-fn snapshots(table: &DataFrame) -> Result<Vec<Snapshot>, ReportError> {
-    let (iteration, map) = (u64s(table, "iteration")?, measures(table, "natural_map")?);
-    let impulses = lists(table, "impulses_n_s")?;
-    let row = |(i, impulses_n_s): (usize, _)| Snapshot {
-        iteration: iteration[i],
-        natural_map: map[i].unwrap_or(f64::NAN),
-        impulses_n_s,
-    };
-    Ok(impulses.into_iter().enumerate().map(row).collect())
-}
-
-fn by_run<T>(table: &DataFrame, rows: Vec<T>) -> Result<BTreeMap<u32, Vec<T>>, ReportError> {
-    let mut by_run: BTreeMap<u32, Vec<T>> = BTreeMap::new();
-    for (run, row) in u32s(table, "run")?.into_iter().zip(rows) {
-        by_run.entry(run).or_default().push(row);
+        subdomains: run.subdomains,
+        stop_on: run.stop_on.clone(),
+        tolerance: defined(run.tolerance),
+        max_iterations: run.max_iterations,
+        status: run.status.clone(),
+        ending: Ending::of(&run.status),
+        reason: run.reason.clone(),
+        iterations: run.iterations,
+        iterations_to: [
+            run.iterations_to_zeta_1e_3,
+            run.iterations_to_zeta_1e_4,
+            run.iterations_to_natural_map_1e_2,
+            run.iterations_to_natural_map_1e_4,
+        ],
+        setup_s: defined(run.setup_s),
+        iterating_s: defined(run.iterating_s),
+        repeats: run.timing.repeats,
+        end: point(&end),
+        curve: curve.iter().map(point).collect(),
+        snapshots: snapshots.clone(),
+        origin: origin(&run.provenance, &run.timing),
     }
-    Ok(by_run)
+}
+
+fn defined(value: f64) -> Option<f64> {
+    (!value.is_nan()).then_some(value)
+}
+
+fn point(Sample { iteration, iterating_s, measures, work }: &Sample) -> Point {
+    Point {
+        iteration: *iteration,
+        iterating_s: defined(*iterating_s),
+        zeta: defined(measures.zeta),
+        natural_map: defined(measures.natural_map),
+        penetration_rate: defined(measures.penetration_rate),
+        quad_dv: defined(measures.quad_dv),
+        max_dv: defined(measures.max_dv),
+        velocity_error: defined(measures.velocity_error),
+        contact_updates: work.contact_updates,
+        delassus_products: work.delassus_products,
+        triangular_solve_entries: work.triangular_solve_entries,
+        factorisations: work.factorisations,
+    }
+}
+
+fn origin(provenance: &Provenance, timing: &Timing) -> Origin {
+    Origin {
+        commit: provenance.commit.clone(),
+        processor: provenance.processor.clone(),
+        threads: provenance.threads,
+        rustc: provenance.rustc.clone(),
+        profile: provenance.profile.clone(),
+        started_utc: provenance.started_utc.clone(),
+        timed_alone: timing.timed_alone,
+    }
 }
 
 /// The samples by problem and partition.
-pub(crate) fn scenes(grains: &DataFrame, contacts: &DataFrame) -> Result<Scenes, ReportError> {
+pub(crate) fn scenes(grains: &[GrainRow], contacts: &[ContactRow]) -> Scenes {
     let mut scenes = Scenes::new();
-    for (name, grain) in names(grains)?.into_iter().zip(grain_rows(grains)?) {
-        scenes.entry(name).or_default().grains.push(grain);
-    }
-    for (name, contact) in names(contacts)?.into_iter().zip(contact_rows(contacts)?) {
-        scenes.entry(name).or_insert_with(Scene::default).contacts.push(contact);
-    }
-    Ok(scenes)
-}
-
-fn names(table: &DataFrame) -> Result<Vec<(String, String)>, ReportError> {
-    Ok(texts(table, "problem")?.into_iter().zip(texts(table, "partition")?).collect())
-}
-
-fn grain_rows(table: &DataFrame) -> Result<Vec<Grain>, ReportError> {
-    let (x, y, radius) = (f64s(table, "x_m")?, f64s(table, "y_m")?, f64s(table, "radius_m")?);
-    let (subdomain, multiplicity) = (table.column("subdomain")?.u32()?, u32s(table, "multiplicity")?);
-    let row = |i: usize| Grain {
-        centre: (x[i], y[i]),
-        radius: radius[i],
-        subdomain: subdomain.get(i),
-        multiplicity: multiplicity[i],
-    };
-    Ok((0..table.height()).map(row).collect())
-}
-
-fn contact_rows(table: &DataFrame) -> Result<Vec<Contact>, ReportError> {
-    let (x0, y0) = (f64s(table, "x0_m")?, f64s(table, "y0_m")?);
-    let (x1, y1) = (f64s(table, "x1_m")?, f64s(table, "y1_m")?);
-    let (wall, impulse) = (bools(table, "wall")?, measures(table, "impulse_n_s")?);
-    let subdomain = u32s(table, "subdomain")?;
-    let row = |i: usize| Contact {
-        from: (x0[i], y0[i]),
-        to: (x1[i], y1[i]),
-        wall: wall[i],
-        subdomain: subdomain[i],
-        impulse: impulse[i],
-    };
-    Ok((0..table.height()).map(row).collect())
-}
-
-/// A study of simulations, in its order.
-pub(crate) fn simulations(tables: &SimulationTables) -> Result<Vec<Simulation>, ReportError> {
-    let mut series = series(&tables.series)?;
-    let table = &tables.simulations;
-    let number = u32s(table, "simulation")?;
-    let (scene, role, method) = (texts(table, "scene")?, texts(table, "role")?, texts(table, "method")?);
-    let (variant, status) = (texts(table, "variant")?, texts(table, "status")?);
-    let (reason, warm_start) = (texts(table, "reason")?, bools(table, "warm_start")?);
-    let (tolerance, h) = (f64s(table, "tolerance")?, f64s(table, "time_step_s")?);
-    let (max_iterations, time_steps) = (u64s(table, "max_iterations")?, u64s(table, "time_steps")?);
-    let (missed, iterations) = (u64s(table, "missed_time_steps")?, u64s(table, "iterations")?);
-    let (updates, products) = (u64s(table, "contact_updates")?, u64s(table, "delassus_products")?);
-    let (mass, diameter) = (f64s(table, "mass_kg")?, f64s(table, "mean_diameter_m")?);
-    let (gravity, origin) = (f64s(table, "gravity_m_per_s2")?, origins(table)?);
-    let (setup_s, iterating_s) = (measures(table, "setup_s")?, measures(table, "iterating_s")?);
-    let row = |i: usize| Simulation {
-        scene: scene[i].clone(),
-        role: role[i].clone(),
-        method: method[i].clone(),
-        variant: variant[i].clone(),
-        warm_start: warm_start[i],
-        tolerance: tolerance[i],
-        max_iterations: max_iterations[i],
-        status: status[i].clone(),
-        reason: reason[i].clone(),
-        mass_kg: mass[i],
-        mean_diameter_m: diameter[i],
-        gravity_m_per_s2: gravity[i],
-        time_step_s: h[i],
-        time_steps: time_steps[i],
-        missed_time_steps: missed[i],
-        iterations: iterations[i],
-        contact_updates: updates[i],
-        delassus_products: products[i],
-        setup_s: setup_s[i],
-        iterating_s: iterating_s[i],
-        origin: origin[i].clone(),
-        series: series.remove(&number[i]).unwrap_or_default(),
-    };
-    Ok((0..table.height()).map(row).collect())
-}
-
-fn series(table: &DataFrame) -> Result<BTreeMap<u32, Vec<Instant>>, ReportError> {
-    let (number, kinetic) = (u32s(table, "simulation")?, f64s(table, "kinetic_energy_j")?);
-    let (height, overlap) = (f64s(table, "mean_height_m")?, f64s(table, "greatest_overlap_m")?);
-    let impulse = |wall: &str| f64s(table, &format!("{wall}_impulse_n_s"));
-    let (floor, left, right) = (impulse("floor")?, impulse("left")?, impulse("right")?);
-    let mut series: BTreeMap<u32, Vec<Instant>> = BTreeMap::new();
-    for i in 0..table.height() {
-        series.entry(number[i]).or_default().push(Instant {
-            kinetic_energy_j: kinetic[i],
-            mean_height_m: height[i],
-            greatest_overlap_m: overlap[i],
-            wall_impulses_n_s: [floor[i], left[i], right[i]],
+    for grain in grains {
+        let name = (grain.problem.clone(), grain.partition.clone());
+        scenes.entry(name).or_default().grains.push(Grain {
+            centre: (grain.x_m, grain.y_m),
+            radius: grain.radius_m,
+            subdomain: grain.subdomain,
+            multiplicity: grain.multiplicity,
         });
     }
-    Ok(series)
+    for contact in contacts {
+        let name = (contact.problem.clone(), contact.partition.clone());
+        scenes.entry(name).or_insert_with(Scene::default).contacts.push(Contact {
+            from: (contact.x0_m, contact.y0_m),
+            to: (contact.x1_m, contact.y1_m),
+            wall: contact.wall,
+            subdomain: contact.subdomain,
+            impulse: defined(contact.impulse_n_s),
+        });
+    }
+    scenes
 }
 
-/// The runs by the names of all their columns, as a template asks for them.
-pub(crate) fn by_column(tables: &Tables) -> Result<Vec<BTreeMap<String, Cell>>, ReportError> {
-    let table = &tables.runs;
-    let mut rows = vec![BTreeMap::new(); table.height()];
-    for column in table.columns() {
-        for (i, row) in rows.iter_mut().enumerate() {
-            let cell = match column.get(i)? {
-                AnyValue::Null => Cell::from(()),
-                AnyValue::String(text) => Cell::from(text),
-                AnyValue::Boolean(is) => Cell::from(is),
-                AnyValue::Float64(x) => Cell::from(x),
-                AnyValue::UInt32(n) => Cell::from(n),
-                AnyValue::UInt64(n) => Cell::from(n),
-                other => Cell::from(other.to_string()),
-            };
-            row.insert(column.name().to_string(), cell);
+/// A simulation with its series.
+pub(crate) fn simulation(Simulated { simulation, series }: &Simulated) -> Simulation {
+    Simulation {
+        scene: simulation.scene.clone(),
+        role: simulation.role.clone(),
+        method: simulation.method.clone(),
+        variant: simulation.variant.clone(),
+        warm_start: simulation.warm_start,
+        tolerance: simulation.tolerance,
+        max_iterations: simulation.max_iterations,
+        status: simulation.status.clone(),
+        reason: simulation.reason.clone(),
+        mass_kg: simulation.mass_kg,
+        mean_diameter_m: simulation.mean_diameter_m,
+        gravity_m_per_s2: simulation.gravity_m_per_s2,
+        time_step_s: simulation.time_step_s,
+        time_steps: simulation.time_steps,
+        missed_time_steps: simulation.missed_time_steps,
+        iterations: simulation.iterations,
+        contact_updates: simulation.work.contact_updates,
+        delassus_products: simulation.work.delassus_products,
+        setup_s: defined(simulation.setup_s),
+        iterating_s: defined(simulation.iterating_s),
+        origin: origin(&simulation.provenance, &simulation.timing),
+        series: series.iter().map(instant).collect(),
+    }
+}
+
+fn instant(row: &Observed) -> Instant {
+    Instant {
+        kinetic_energy_j: row.kinetic_energy_j,
+        mean_height_m: row.mean_height_m,
+        greatest_overlap_m: row.greatest_overlap_m,
+        wall_impulses_n_s: [row.floor_impulse_n_s, row.left_impulse_n_s, row.right_impulse_n_s],
+    }
+}
+
+/// A run by the names of its columns, as a template asks for them.
+pub(crate) fn by_column(run: &Run) -> Result<BTreeMap<String, Value>, serde_json::Error> {
+    let fields: Map<String, Value> = serde_json::from_value(serde_json::to_value(run)?)?;
+    let mut row = BTreeMap::new();
+    for (name, field) in fields {
+        match field {
+            Value::Object(part) => row.extend(part),
+            value => drop(row.insert(name, value)),
         }
     }
-    Ok(rows)
-}
-
-fn json(table: &DataFrame, column: &str) -> Result<Vec<Map<String, Value>>, ReportError> {
-    let not_json = |row, source| ReportError::Json { column: column.to_owned(), row, source };
-    let read = |(row, text): (usize, &String)| serde_json::from_str(text).map_err(|e| not_json(row, e));
-    texts(table, column)?.iter().enumerate().map(read).collect()
-}
-
-fn filled<T>(column: &str, values: impl Iterator<Item = Option<T>>) -> Result<Vec<T>, ReportError> {
-    let null = |row| ReportError::Null { column: column.to_owned(), row };
-    values.enumerate().map(|(row, value)| value.ok_or_else(|| null(row))).collect()
-}
-
-fn texts(table: &DataFrame, column: &str) -> Result<Vec<String>, ReportError> {
-    filled(column, table.column(column)?.str()?.iter().map(|text| text.map(str::to_owned)))
-}
-
-fn u32s(table: &DataFrame, column: &str) -> Result<Vec<u32>, ReportError> {
-    filled(column, table.column(column)?.u32()?.iter())
-}
-
-fn u64s(table: &DataFrame, column: &str) -> Result<Vec<u64>, ReportError> {
-    filled(column, table.column(column)?.u64()?.iter())
-}
-
-/// Counts that some rows lack.
-fn counts(table: &DataFrame, column: &str) -> Result<Vec<Option<u64>>, ReportError> {
-    Ok(table.column(column)?.u64()?.iter().collect())
-}
-
-fn bools(table: &DataFrame, column: &str) -> Result<Vec<bool>, ReportError> {
-    filled(column, table.column(column)?.bool()?.iter())
-}
-
-fn f64s(table: &DataFrame, column: &str) -> Result<Vec<f64>, ReportError> {
-    filled(column, table.column(column)?.f64()?.iter())
-}
-
-/// A measure may be undefined; a NaN that reached the table means the same as a null.
-fn measures(table: &DataFrame, column: &str) -> Result<Vec<Option<f64>>, ReportError> {
-    Ok(table.column(column)?.f64()?.iter().map(|value| value.filter(|v| !v.is_nan())).collect())
-}
-
-/// Lists of numbers.
-fn lists(table: &DataFrame, column: &str) -> Result<Vec<Vec<f64>>, ReportError> {
-    let lists = table.column(column)?.list()?;
-    let list = |row: usize| {
-        let null = ReportError::Null { column: column.to_owned(), row };
-        Ok(lists.get_as_series(row).ok_or(null)?.f64()?.into_no_null_iter().collect())
-    };
-    (0..table.height()).map(list).collect()
-}
-
-/// A column that older studies lack: all its values are then undefined.
-fn newer(table: &DataFrame, column: &str) -> Result<Vec<Option<f64>>, ReportError> {
-    if table.column(column).is_ok() { measures(table, column) } else { Ok(vec![None; table.height()]) }
+    Ok(row)
 }

@@ -1,74 +1,68 @@
 //! Small tables for the tests.
 
 use crate::draw::Formats;
-use crate::read::{Problems, stored};
+use crate::read::{self, Problems, Study};
 use crate::text::Part;
-use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
-use results::store::Tables;
-use results::tables::{contacts_table, curves_table, grains_table, runs_table, snapshots_table};
+use contact::{Measures, Work};
+use results::journal::Record;
+use results::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample, Timing};
+use results::study::{Runs, Study as Stored};
+use serde_json::{Map, Value};
 
 pub(crate) fn sample(iteration: u64, zeta: f64, natural_map: f64) -> Sample {
-    Sample {
-        iteration,
-        iterating_s: 1e-4 * iteration as f64,
+    let measures = Measures {
         zeta,
         natural_map,
-        penetration_rate_m_per_s: natural_map,
+        penetration_rate: natural_map,
+        worst_contact: None,
         quad_dv: natural_map,
         max_dv: natural_map,
         velocity_error: natural_map,
         energy_gap: natural_map * natural_map,
-        velocity_jump_m_per_s: 0.0,
-        energy_j: -1.0,
-        contact_updates: 40 * iteration,
-        delassus_products: 2 * iteration,
-        interface_values: 0,
-        triangular_solve_entries: 0,
-        factorisations: 0,
-    }
+        velocity_jump: 0.0,
+        energy: -1.0,
+    };
+    let work = Work { contact_updates: 40 * iteration, delassus_products: 2 * iteration, ..Work::default() };
+    Sample { iteration, iterating_s: 1e-4 * iteration as f64, measures, work }
+}
+
+/// An object of JSON.
+pub(crate) fn object(value: &Value) -> Map<String, Value> {
+    value.as_object().unwrap().clone()
 }
 
 /// A run on `column`, stopped by the natural map at 10⁻⁴.
 pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
+    let Sample { measures, work, .. } = sample(100, 1e-3, 1e-4);
     Run {
-        run,
         id: format!("{run:016x}"),
         plan: "paper".into(),
         problem: "column".into(),
         problem_hash: "c0ffee".into(),
-        problem_settings: "{}".into(),
         grains: 20,
         contacts: 20,
         method: method.into(),
-        settings: "{}".into(),
-        derived: "{}".into(),
-        spectrum: "{}".into(),
         variant: variant.into(),
         subdomains: 1,
-        warm_start: false,
         stop_on: "natural_map".into(),
         tolerance: 1e-4,
         max_iterations: 1000,
         status: status.into(),
-        reason: String::new(),
         iterations: 100,
         setup_s: 1e-5,
         iterating_s: 0.0123,
         iterations_to_zeta_1e_3: Some(31),
-        iterations_to_zeta_1e_4: None,
         iterations_to_natural_map_1e_2: Some(47),
         iterations_to_natural_map_1e_4: Some(100),
         iterations_to_velocity_error_1e_2: Some(50),
-        iterations_to_velocity_error_1e_4: None,
         timing: Timing {
             repeats: 1,
             timed_alone: true,
-            setup_spread_s: f64::NAN,
-            iterating_spread_s: f64::NAN,
             wall_s: 0.02,
             load_average: 0.5,
+            ..Timing::default()
         },
-        end: sample(100, 1e-3, 1e-4),
+        end: End { measures, work },
         provenance: Provenance {
             commit: "0123abc".into(),
             processor: "a processor".into(),
@@ -77,6 +71,7 @@ pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
             profile: "release".into(),
             started_utc: "2026-01-02T03:04:05Z".into(),
         },
+        ..Run::default()
     }
 }
 
@@ -92,23 +87,39 @@ pub(crate) fn explosion() -> Vec<Sample> {
     (1..).zip(values).map(|(i, value)| sample(i, value, value)).collect()
 }
 
-pub(crate) fn tables(runs: &[Run], curves: &[(u32, Vec<Sample>)]) -> Tables {
-    Tables {
-        runs: runs_table(runs).unwrap(),
-        curves: curves_table(curves).unwrap(),
-        grains: grains_table(&[]).unwrap(),
-        contacts: contacts_table(&[]).unwrap(),
-        snapshots: snapshots_table::<Vec<Snapshot>>(&[]).unwrap(),
-    }
+/// Runs, each with the curve that has its number.
+pub(crate) fn tables(runs: &[Run], curves: &[(u32, Vec<Sample>)]) -> Runs {
+    let curve = |number: u32| curves.iter().find(|(of, _)| *of == number).map(|(_, curve)| curve.clone());
+    let record = |(number, run): (u32, &Run)| Record {
+        run: run.clone(),
+        curve: curve(number).unwrap_or_default(),
+        snapshots: Vec::new(),
+    };
+    Runs { records: (0..).zip(runs).map(record).collect(), ..Runs::default() }
 }
 
 /// As the charts read them.
-pub(crate) fn read(tables: &Tables) -> Problems {
-    stored::problems(tables).unwrap()
+pub(crate) fn read(study: &Runs) -> Problems {
+    read::stored::problems(study)
 }
 
 pub(crate) fn study(runs: &[Run], curves: &[(u32, Vec<Sample>)]) -> Problems {
     read(&tables(runs, curves))
+}
+
+/// As a report reads them.
+pub(crate) fn whole(study: &Runs) -> Study {
+    Study::Problems(read(study))
+}
+
+/// As they are stored.
+pub(crate) fn stored(study: &Runs) -> Stored {
+    Stored::Runs(study.clone())
+}
+
+/// What a run ends with.
+pub(crate) fn end(Sample { measures, work, .. }: Sample) -> End {
+    End { measures, work }
 }
 
 /// Name and text.
@@ -120,10 +131,12 @@ pub(crate) fn files(parts: &[Part]) -> Vec<File> {
     files.map(|file| (file.name, String::from_utf8(file.content).unwrap())).collect()
 }
 
-/// The same as of a study before there were velocity errors.
-pub(crate) fn without_truth(mut tables: Tables) -> Tables {
-    tables.curves = tables.curves.drop("velocity_error").unwrap();
-    tables
+/// The same without velocity errors.
+pub(crate) fn without_truth(mut study: Runs) -> Runs {
+    for sample in study.records.iter_mut().flat_map(|record| &mut record.curve) {
+        sample.measures.velocity_error = f64::NAN;
+    }
+    study
 }
 
 /// Two touching discs on a wall, each with contacts in a subdomain of its own, and a disc above without contact.

@@ -6,9 +6,10 @@ use crate::error::ReportError;
 use crate::read::stored::by_column;
 use crate::read::{count, number};
 use minijinja::syntax::SyntaxConfig;
-use minijinja::value::Kwargs;
+use minijinja::value::{Kwargs, Serde};
 use minijinja::{Environment, Error, ErrorKind, UndefinedBehavior, Value, context};
-use results::store::Tables;
+use results::journal::Record;
+use results::study::Study;
 
 /// A run by the names of its columns.
 type Row = BTreeMap<String, Value>;
@@ -19,9 +20,17 @@ type Row = BTreeMap<String, Value>;
 /// # Errors
 ///
 /// If the template is none, asks for what is not in the rows, or a table lacks a column.
-pub fn fill(tables: &Tables, template: &str) -> Result<String, ReportError> {
-    let rows = by_column(tables)?;
+pub fn fill(study: &Study, template: &str) -> Result<String, ReportError> {
     let refused = |error: Error| ReportError::Template(format!("{error:#}"));
+    let records = if let Study::Runs(runs) = study { &runs.records[..] } else { &[] };
+    let row = |record: &Record| {
+        Ok(by_column(&record.run)?.into_iter().map(|(k, v)| (k, Value::from(Serde(v)))).collect())
+    };
+    let rows: Vec<Row> = records
+        .iter()
+        .map(row)
+        .collect::<Result<_, serde_json::Error>>()
+        .map_err(|error| ReportError::Template(error.to_string()))?;
     let mut templates = Environment::new();
     templates.set_undefined_behavior(UndefinedBehavior::Strict);
     let syntax = SyntaxConfig::builder().trim_blocks(true).keep_trailing_newline(true).build();

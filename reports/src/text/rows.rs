@@ -2,8 +2,7 @@
 
 use polars::df;
 use polars::prelude::{DataFrame, PolarsResult};
-use results::simulation::SimulationTables;
-use results::store::Tables;
+use results::study::Study as Stored;
 
 use crate::error::ReportError;
 use crate::read::{Problems, RunRow, Simulation, Study};
@@ -48,26 +47,14 @@ pub(crate) fn rows(study: &Study) -> Result<Part, ReportError> {
     Ok(Part { name: name.to_owned(), kind: Kind::Table(table) })
 }
 
-/// The table of runs as text, less what a page has no room for; below it, why runs were skipped.
+/// The table of runs or simulations as text, less what a page has no room for; below it, why runs were skipped or ended
+/// early.
 ///
 /// # Errors
 ///
-/// If a table lacks a column.
-pub fn iterations_text(tables: &Tables) -> Result<String, ReportError> {
-    text(&Study::of(tables.into())?)
-}
-
-/// The same of simulations; below it, why some ended early.
-///
-/// # Errors
-///
-/// If a table lacks a column.
-pub fn simulations_text(tables: &SimulationTables) -> Result<String, ReportError> {
-    text(&Study::of(tables.into())?)
-}
-
-fn text(study: &Study) -> Result<String, ReportError> {
-    let Kind::Table(Table { shown, note, .. }) = rows(study)?.kind else { return Ok(String::new()) };
+/// Those of polars.
+pub fn summary(study: &Stored) -> Result<String, ReportError> {
+    let Kind::Table(Table { shown, note, .. }) = rows(&study.into())?.kind else { return Ok(String::new()) };
     Ok(markdown(&shown)? + &note)
 }
 

@@ -4,7 +4,8 @@ use results::schema::{Run, Sample};
 
 use super::parts;
 use crate::tests::assert_well_formed;
-use crate::tests::fixture::{File, files, run, sample, study};
+use crate::tests::fixture::{File, end, files, object, run, sample, study};
+use serde_json::json;
 
 /// A run on `problem` with a curve of (iteration, natural map).
 fn judged(id: u32, variant: &str, status: &str, problem: &str, curve: &[(u64, f64)]) -> (Run, Vec<Sample>) {
@@ -12,9 +13,9 @@ fn judged(id: u32, variant: &str, status: &str, problem: &str, curve: &[(u64, f6
     let case = problem.split(' ').next().unwrap_or_default();
     let run = Run {
         problem: problem.into(),
-        problem_settings: format!(r#"{{"case":"{case}"}}"#),
-        settings: r#"{"relaxation":1.0}"#.into(),
-        spectrum: r#"{"lambda_max":2.5}"#.into(),
+        problem_settings: object(&json!({ "case": case })),
+        settings: object(&json!({ "relaxation": 1.0 })),
+        spectrum: object(&json!({ "lambda_max": 2.5 })),
         iterations: curve.last().map_or(0, |end| end.iteration),
         ..run(id, "jacobi", variant, status)
     };
@@ -23,7 +24,7 @@ fn judged(id: u32, variant: &str, status: &str, problem: &str, curve: &[(u64, f6
 
 fn made(rows: Vec<(Run, Vec<Sample>)>) -> Vec<File> {
     let (runs, curves): (Vec<Run>, Vec<_>) =
-        rows.into_iter().map(|(run, curve)| (run.clone(), (run.run, curve))).unzip();
+        (0..).zip(rows).map(|(number, (run, curve))| (run, (number, curve))).unzip();
     let files = files(&parts(&study(&runs, &curves)).unwrap());
     for (name, text) in files.iter().filter(|(name, _)| name.contains(".svg")) {
         assert_well_formed(name, text);
@@ -45,7 +46,7 @@ fn classes(files: &[File]) -> Vec<String> {
 fn class_is_decided_by_the_ending_and_the_curve() {
     let far = |(run, mut curve): (Run, Vec<Sample>)| {
         for sample in &mut curve {
-            sample.velocity_error = 0.5;
+            sample.measures.velocity_error = 0.5;
         }
         (run, curve)
     };
@@ -58,7 +59,7 @@ fn class_is_decided_by_the_ending_and_the_curve() {
         far(judged(4, "e", "converged", "pile", &[(0, 1.0), (50, 1e-4)])),
         judged(5, "f", "false-convergence", "pile", &[(0, 1.0), (50, 1e-4)]),
         // Of a problem that no run solves, and of one that has a solution.
-        (Run { end: sample(1024, 1e-2, f64::NAN), ..proof.0 }, proof.1),
+        (Run { end: end(sample(1024, 1e-2, f64::NAN)), ..proof.0 }, proof.1),
         judged(9, "j", "infeasible", "pile", &[(0, 1.0), (1024, 1e-2)]),
         (
             Run { reason: "`subdomains` is 9x9".into(), ..judged(7, "h", "skipped", "pile", &[]).0 },
@@ -86,22 +87,22 @@ fn class_is_decided_by_the_ending_and_the_curve() {
 
 #[test]
 fn sentence_tells_how_why_and_what_mends_it_and_follows_the_rows() {
-    let rows = |status: &str, lambda: &str| {
+    let rows = |status: &str, lambda: f64| {
         let mut rows = vec![
             judged(0, "0.5", "converged", "crystal rows=5", &[(0, 1.0), (50, 1e-4)]),
             judged(1, "1.0", status, "crystal rows=5", &[(0, 1.0), (9, 1e-5)]),
             judged(2, "0.5", "converged", "crystal rows=9", &[(0, 1.0), (70, 1e-4)]),
             judged(3, "1.0", status, "crystal rows=9", &[(0, 1.0), (8, 1e-5)]),
         ];
-        rows[3].0.spectrum = format!(r#"{{"lambda_max":{lambda}}}"#);
+        rows[3].0.spectrum = object(&json!({ "lambda_max": lambda }));
         rows
     };
     let told = |status, lambda| text(&made(rows(status, lambda)), "atlas-found.md").to_owned();
-    let diverged = told("diverged", "2.9");
+    let diverged = told("diverged", 2.9);
     let sentence = "jacobi, crystal (rows 5, 9): 1.0: diverged on 2 of 2 (ω λmax(W_D⁻¹W) = 2.50 to 2.90, above 2). Well on all of it: 0.5.";
     assert!(diverged.contains(sentence), "{diverged}");
-    assert!(told("diverged", "1.5").contains("above 2; no spectral reason is known for 1)"));
-    let converged = told("converged", "2.9");
+    assert!(told("diverged", 1.5).contains("above 2; no spectral reason is known for 1)"));
+    let converged = told("converged", 2.9);
     assert!(converged.contains("no setting of the plan fails"), "{converged}");
 }
 
@@ -127,9 +128,9 @@ fn setting_is_told_by_what_differs_from_the_first() {
 #[test]
 fn zeta_that_met_the_tolerance_far_from_the_solution_is_told() {
     let (run, mut curve) = judged(0, "", "iteration-limit", "pile", &[(0, 1.0), (512, 0.4), (1000, 0.3)]);
-    curve[1].zeta = 1e-5;
+    curve[1].measures.zeta = 1e-5;
     assert!(text(&made(vec![(run.clone(), curve.clone())]), "atlas-found.md").contains(" in 1 of 1"));
-    curve[1].zeta = 1e-3;
+    curve[1].measures.zeta = 1e-3;
     assert!(text(&made(vec![(run, curve)]), "atlas-found.md").contains(" in 0 of 1"));
 }
 

@@ -4,15 +4,21 @@ use results::schema::Run;
 
 use super::parts;
 use crate::tests::assert_well_formed;
-use crate::tests::fixture::{File, files, run, study};
+use crate::tests::fixture::{File, files, object, run, study};
 use crate::text::csv;
+use serde_json::{Value, json};
 
 /// A run of `latin-dd` with directions as JSON, `null` for derived ones.
 fn directed(id: u32, kappa_l: &str, kappa_d: &str, subdomains: u32, iterations: u64) -> Run {
-    let settings = format!(
-        r#"{{"kappa_l":{kappa_l},"kappa_d":{kappa_d},"kappa_l_plus":null,"relaxation":0.8,"subdomains":"{subdomains}x1"}}"#
-    );
-    let derived = r#"{"kappa_l_minus":12.5,"kappa_d_minus":12.5}"#.into();
+    let kappa = |text: &str| serde_json::from_str::<Value>(text).unwrap();
+    let settings = object(&json!({
+        "kappa_l": kappa(kappa_l),
+        "kappa_d": kappa(kappa_d),
+        "kappa_l_plus": null,
+        "relaxation": 0.8,
+        "subdomains": format!("{subdomains}x1"),
+    }));
+    let derived = object(&json!({ "kappa_l_minus": 12.5, "kappa_d_minus": 12.5 }));
     Run { settings, derived, subdomains, iterations, ..run(id, "latin-dd", "", "converged") }
 }
 
@@ -29,8 +35,9 @@ fn plane() -> Vec<Run> {
     ];
     runs.push(run(8, "nsgs", "", "converged"));
     let derived = directed(9, "null", "null", 1, 30);
-    let settings = derived.settings.replace('{', r#"{"adaptive":null,"#);
-    runs.push(Run { settings, derived: r#"{"kappa_l_minus":9.5}"#.into(), ..derived });
+    let mut settings = derived.settings.clone();
+    settings.insert("adaptive".to_owned(), Value::Null);
+    runs.push(Run { settings, derived: object(&json!({ "kappa_l_minus": 9.5 })), ..derived });
     runs
 }
 

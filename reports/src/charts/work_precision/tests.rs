@@ -1,9 +1,12 @@
+use contact::Work;
 use results::schema::{Run, Sample, Timing};
 
 use super::{front, parts};
 use crate::charts::truth;
 use crate::tests::assert_well_formed;
-use crate::tests::fixture::{File, decay, explosion, files, read, run, sample, study, tables, without_truth};
+use crate::tests::fixture::{
+    File, decay, end, explosion, files, read, run, sample, study, tables, without_truth,
+};
 use crate::text::Part;
 
 fn made(parts: &[Part]) -> Vec<File> {
@@ -39,7 +42,10 @@ fn of_many_runs_the_first_to_the_finest_accuracy_is_told_apart() {
     let letter = |n: u32| char::from_u32(u32::from('a') + n).unwrap().to_string();
     let variant = |n: u32| Run { setup_s: 1e-3 * f64::from(n), ..run(n, "nsgs", &letter(n), "converged") };
     let work = |n: u32| {
-        decay().into_iter().map(move |s| Sample { contact_updates: s.iteration * (99 - u64::from(n)), ..s })
+        decay().into_iter().map(move |mut sample| {
+            sample.work.contact_updates = sample.iteration * (99 - u64::from(n));
+            sample
+        })
     };
     let figure = |runs: u32| {
         let curves: Vec<_> = (0..runs).map(|n| (n, work(n).collect())).collect();
@@ -56,7 +62,8 @@ fn of_many_runs_the_first_to_the_finest_accuracy_is_told_apart() {
 
 #[test]
 fn run_that_factorises_again_has_no_counted_work() {
-    let again = decay().into_iter().map(|s| Sample { factorisations: s.iteration, ..s }).collect();
+    let again = |s: Sample| Sample { work: Work { factorisations: s.iteration, ..s.work }, ..s };
+    let again = decay().into_iter().map(again).collect();
     let only = [run(0, "interior-point", "", "converged")];
     let files = made(&parts(&study(&only, &[(0, again)])).unwrap());
     let text = &files.last().unwrap().1;
@@ -96,7 +103,7 @@ fn error_behind_a_small_measure_is_told() {
 #[test]
 fn impulses_of_another_code_are_told_with_their_error_and_not_drawn() {
     let given =
-        Run { variant: "other code".into(), end: sample(0, 1e-7, 2e-5), ..run(1, "given", "", "given") };
+        Run { variant: "other code".into(), end: end(sample(0, 1e-7, 2e-5)), ..run(1, "given", "", "given") };
     let made = made(&parts(&study(&[run(0, "nsgs", "", "converged"), given], &[(0, decay())])).unwrap());
     let text = &made.last().unwrap().1;
     let said = "column: the impulses that other code gave have a velocity error of 2·10⁻⁵.\n";
@@ -106,8 +113,7 @@ fn impulses_of_another_code_are_told_with_their_error_and_not_drawn() {
 
 #[test]
 fn run_that_tells_no_work_has_none_after_its_start() {
-    let untold =
-        decay().into_iter().map(|s| Sample { contact_updates: 0, delassus_products: 0, ..s }).collect();
+    let untold = decay().into_iter().map(|s| Sample { work: Work::default(), ..s }).collect();
     let made = made(&parts(&study(&[run(0, "interior-point", "", "converged")], &[(0, untold)])).unwrap());
     assert!(!made.last().unwrap().1.contains("in counted work"), "{}", made.last().unwrap().1);
 }

@@ -2,12 +2,12 @@ use results::schema::Run;
 use serde_json::json;
 
 use super::*;
-use crate::tests::fixture::{run, study};
+use crate::tests::fixture::{object, run, study};
 
 /// Labels of runs of one method with these variants and settings.
 fn labels(all: &[(&str, Value)]) -> Vec<String> {
     let row = |(variant, settings): &(&str, Value)| Run {
-        settings: settings.to_string(),
+        settings: object(settings),
         ..run(0, "m", variant, "converged")
     };
     let study = study(&all.iter().map(row).collect::<Vec<_>>(), &[]);

@@ -1,15 +1,18 @@
-use results::schema::{Run, Sample};
+use results::schema::Run;
 
 use super::*;
-use crate::tests::fixture::{run, sample, tables};
+use crate::tests::fixture::{end, run, sample, tables, whole};
 use crate::text::csv;
 
 #[test]
 fn each_failure_has_its_reason_and_success_is_not_among_them() {
-    let lies =
-        Run { end: sample(9, 1e-5, 0.5), stop_on: "zeta".into(), ..run(3, "nsgs", "", "false-convergence") };
+    let lies = Run {
+        end: end(sample(9, 1e-5, 0.5)),
+        stop_on: "zeta".into(),
+        ..run(3, "nsgs", "", "false-convergence")
+    };
     let unknown = Run {
-        end: Sample { velocity_error: f64::NAN, ..sample(9, 1e-5, 0.7) },
+        end: end(sample(9, 1e-5, f64::NAN)),
         stop_on: "quad_dv".into(),
         ..run(7, "nsgs", "", "false-convergence")
     };
@@ -18,15 +21,15 @@ fn each_failure_has_its_reason_and_success_is_not_among_them() {
         // There is a solution.
         run(5, "cg", "", "infeasible"),
         // No run found one.
-        Run { problem: "wedge".into(), end: sample(9, 1.0, f64::NAN), ..run(6, "cg", "", "infeasible") },
-        Run { end: sample(100, 1e-3, 3e-2), ..run(1, "nsgs", "", "iteration-limit") },
+        Run { problem: "wedge".into(), end: end(sample(9, 1.0, f64::NAN)), ..run(6, "cg", "", "infeasible") },
+        Run { end: end(sample(100, 1e-3, 3e-2)), ..run(1, "nsgs", "", "iteration-limit") },
         Run { reason: "`subdomains` is 8x8".into(), ..run(2, "nsgs-dd", "8x8", "skipped") },
         lies,
         unknown,
         // Impulses of another code, after all runs.
         run(4, "given", "", "given"),
     ];
-    let text = csv(&failures(&Study::of((&tables(&runs, &[])).into()).unwrap()).unwrap()).unwrap();
+    let text = csv(&failures(&whole(&tables(&runs, &[]))).unwrap()).unwrap();
     let rows: Vec<&str> = text.lines().skip(1).collect();
     assert_eq!(rows.len(), 5, "{text}");
     assert!(rows[0].ends_with("no solution, and there is one\""), "{text}");

@@ -1,14 +1,14 @@
 use results::schema::Run;
 
 use super::*;
-use crate::tests::fixture::{run, tables};
+use crate::tests::fixture::{run, stored, tables};
 
 fn filled(template: &str) -> Result<String, String> {
     let runs = [
         Run { iterations: 1234, ..run(0, "nsgs", "", "converged") },
         Run { iterations: 2468, ..run(1, "nsgs-dd", "4x2", "converged") },
     ];
-    fill(&tables(&runs, &[]), template).map_err(|error| error.to_string())
+    fill(&stored(&tables(&runs, &[])), template).map_err(|error| error.to_string())
 }
 
 #[test]

@@ -1,10 +1,10 @@
 use results::schema::Run;
 
 use super::*;
-use crate::tests::fixture::{run, sample, tables};
+use crate::tests::fixture::{end, run, sample, tables, whole};
 
 fn told(runs: &[Run]) -> Vec<String> {
-    found(&Study::of((&tables(runs, &[])).into()).unwrap())
+    found(&whole(&tables(runs, &[])))
 }
 
 fn study() -> Vec<Run> {
@@ -41,7 +41,7 @@ fn other_rows_make_other_sentences() {
 #[test]
 fn proof_that_there_is_no_solution_is_no_failure_unless_a_run_finds_one() {
     let on = |i, method: &str, status: &str| {
-        let unknown = sample(9, 1.0, f64::NAN);
+        let unknown = end(sample(9, 1.0, f64::NAN));
         Run { problem: "wedge".into(), end: unknown, ..run(i, method, "", status) }
     };
     let mut runs = vec![on(0, "cg", "infeasible"), on(1, "nsgs", "iteration-limit")];
@@ -55,7 +55,7 @@ fn proof_that_there_is_no_solution_is_no_failure_unless_a_run_finds_one() {
     assert_eq!(told(&runs)[2], "cg: 1 of 1\u{a0}run failed (1 claimed wrongly that there is no solution).");
     // The reference is certified: the velocity error is known.
     runs[1].status = "iteration-limit".into();
-    runs[0].end = sample(9, 1.0, 0.5);
+    runs[0].end = end(sample(9, 1.0, 0.5));
     assert!(told(&runs)[2].starts_with("cg: 1 of 1\u{a0}run failed"), "{:?}", told(&runs));
 }
 
