@@ -2,8 +2,8 @@
 
 use crate::cli::args::{CaseArgs, MethodArgs, StopArgs};
 use crate::plan::rules::Rule;
+use crate::problems::case::read_case;
 use crate::problems::files::Root;
-use crate::problems::memory::read_case;
 use crate::run::through_time::{End, Seen, Totals, through_time};
 use crate::run::vtk::Frames;
 use crate::terminal::exit;
@@ -12,6 +12,7 @@ use crate::terminal::output::{check_place, say, write_whole};
 use crate::terminal::progress;
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March, Observables};
+use contact::Stop;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
 use std::fs::File;
@@ -63,8 +64,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     }
     let path = root.case(&args.case)?;
     let case = read_case(&path, &args.changes.overrides)?;
-    let (method, stop) = (args.method.method()?, args.stop.stop());
-    stop.check()?;
+    let (method, stop) = (args.method.method()?, args.stop.of(Stop::default())?);
     let mut march = March::new(&case)?;
     let rule = Rule { stop, warm_start: !args.cold };
     interrupt::listen()?;
@@ -100,7 +100,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         say(format_args!("{}", to_json(asked, &totals, &end, kept.reached.as_ref(), last_state.as_deref())))?;
     } else {
         kept.say(args.output.as_deref())?;
-        say_ending(&case.name, args, &totals, &end, last_state)?;
+        say_ending(&case.name, args, &stop, &totals, &end, last_state)?;
     }
     Ok(exit::code(end.status()))
 }
@@ -170,11 +170,12 @@ fn last_state(last: &Frozen, args: &Args) -> Result<PathBuf> {
 fn say_ending(
     case: &str,
     args: &Args,
+    stop: &Stop,
     totals: &Totals,
     end: &End,
     last_state: Option<Result<PathBuf>>,
 ) -> Result<()> {
-    if let Some(missed) = totals.missed(&args.stop.stop()) {
+    if let Some(missed) = totals.missed(stop) {
         say(format_args!("{missed}"))?;
     }
     if matches!(end, End::Completed) {

@@ -1,8 +1,9 @@
 //! `gravel solve`: one contact problem, one method.
 
-use crate::cli::args::{MethodArgs, ProblemArgs, StopArgs};
+use crate::cli::args::{MethodArgs, SceneArgs, StopArgs};
+use crate::identity::content_hash;
 use crate::plan::methods::Method;
-use crate::problems::files::{Root, content_hash};
+use crate::problems::files::Root;
 use crate::problems::reference::{Known, known};
 use crate::terminal::exit;
 use crate::terminal::interrupt;
@@ -20,8 +21,11 @@ use std::process::ExitCode;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
+    /// A frozen problem or a case: its name, or the path of its file
+    #[arg(value_name = "PROBLEM-OR-CASE")]
+    problem: String,
     #[command(flatten)]
-    problem: ProblemArgs,
+    scene: SceneArgs,
     #[command(flatten)]
     method: MethodArgs,
     #[command(flatten)]
@@ -49,17 +53,16 @@ enum Start {
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let method = args.method.method()?;
-    let stop = args.stop.stop();
+    let stop = args.stop.of(Stop::default())?;
     if let Some(file) = &args.impulses {
         check_place(file)?;
     }
-    stop.check()?;
-    let path = root.problem_or_case(&args.problem.problem)?;
-    let frozen = args.problem.scene.problem(&path)?;
+    let path = root.problem_or_case(&args.problem)?;
+    let frozen = args.scene.problem(&path)?;
     let r0 = frozen.start(args.start == Start::Warm);
 
-    let asked = args.truth || stop.on == Measure::VelocityError;
-    let known = if asked { known(root, &frozen)? } else { Known::Nothing };
+    let truth = args.truth || stop.on == Measure::VelocityError;
+    let known = if truth { known(root, &frozen)? } else { Known::default() };
     interrupt::listen()?;
     let mut line = Line::alone(method.name.to_owned());
     let mut observe = |progress: &Progress| {

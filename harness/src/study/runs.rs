@@ -1,6 +1,6 @@
 //! A plan with its problems at hand: the runs that it asks for, each with its identity.
 
-use crate::plan::identity::{code_version, first_hex};
+use crate::identity::{code_version, first_hex};
 use crate::plan::variants::Variant;
 use crate::problems::files::Root;
 use crate::problems::planned::{PlannedProblem, Problem};

@@ -1,6 +1,6 @@
 //! A plan of simulations: which it asks for, each with its identity and its part in the study.
 
-use crate::plan::identity::{code_version, first_hex};
+use crate::identity::{code_version, first_hex};
 use crate::plan::rules::Rule;
 use crate::plan::variants::Variant;
 use crate::problems::planned::PlannedProblem;

@@ -36,6 +36,17 @@ fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
+/// The text of a file.
+pub(crate) fn read_text(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path).with_context(|| path.display().to_string())
+}
+
+/// Writes a file whole, in a folder that need not be there.
+pub(crate) fn write_kept(path: &Path, content: &str) -> Result<()> {
+    std::fs::create_dir_all(folder(path)).with_context(|| folder(path).display().to_string())?;
+    write_whole(path, content)
+}
+
 /// Writes `content` to a file beside `path` and gives it that name once it is complete. A link stays and its target is
 /// written; what is no regular file, such as a pipe or a terminal, is written to as it is.
 pub(crate) fn write_whole(path: &Path, content: &str) -> Result<()> {
