@@ -3,6 +3,7 @@
 use crate::terminal::output::read_text;
 use crate::terminal::suggest;
 use anyhow::{Context, Result, bail};
+use cases::Frozen;
 use std::path::{Path, PathBuf};
 
 /// The checkout.
@@ -145,6 +146,12 @@ impl Kind {
             _ => None,
         }
     }
+}
+
+/// A problem, as it is shown.
+pub(crate) fn size(frozen: &Frozen) -> String {
+    let (grains, contacts) = (frozen.problem.grain_count(), frozen.problem.contact_count());
+    format!("{}: {grains} grains, {contacts} contacts", frozen.name)
 }
 
 /// Name of a file without its ending.

@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use results::store::behind_links;
+use serde_json::Value;
 use std::fmt::Arguments;
 use std::fs::OpenOptions;
 use std::io::{self, ErrorKind, Write};
@@ -13,6 +14,14 @@ pub(crate) fn say(line: Arguments) -> io::Result<()> {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         result => result,
     }
+}
+
+/// An object with the keys of another one after its own.
+pub(crate) fn merged(mut object: Value, more: Value) -> Value {
+    if let (Value::Object(object), Value::Object(more)) = (&mut object, more) {
+        object.extend(more);
+    }
+    object
 }
 
 /// Refuses a place where no file can be: known before the work, not after it.
