@@ -53,6 +53,7 @@ mod study {
 
 /// Frozen problems, cases, scenes, and what is known of their solutions.
 mod problems {
+    pub(crate) mod case;
     pub(crate) mod files;
     pub(crate) mod memory;
     pub(crate) mod planned;
@@ -67,7 +68,6 @@ mod problems {
 mod plan {
     pub(crate) mod axes;
     pub(crate) mod file;
-    pub(crate) mod identity;
     pub(crate) mod methods;
     pub(crate) mod names;
     pub(crate) mod rules;
@@ -87,6 +87,8 @@ mod terminal {
     mod tests;
 }
 
+mod identity;
+
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use cli::{
@@ -96,12 +98,6 @@ use run::execute::{self, in_the_pool};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use terminal::{exit, suggest};
-
-/// Commit of the build.
-const COMMIT: &str = git_version::git_version!(
-    args = ["--always", "--abbrev=12", "--exclude=*", "--dirty=-modified"],
-    fallback = "not built from a git checkout"
-);
 
 /// Benchmark of the solvers of non-smooth contact dynamics of granular media.
 #[derive(Parser)]

@@ -2,9 +2,9 @@
 
 use crate::plan::file::Plan;
 use crate::plan::methods::{Method, key_value, repeated};
-use crate::problems::files::{Root, is_toml, time_step};
-use crate::problems::memory::read_case;
-use crate::problems::planned::{marched, planned};
+use crate::problems::case::CaseProblem;
+use crate::problems::files::{Root, is_toml};
+use crate::problems::planned::planned;
 use crate::study::selection::Selection;
 use anyhow::{Context, Result, bail};
 use cases::Frozen;
@@ -29,17 +29,7 @@ pub(crate) struct StudyArgs {
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     settings: Vec<(String, String)>,
     #[command(flatten)]
-    stop: StopChanges,
-}
-
-/// A contact problem on the command line.
-#[derive(clap::Args)]
-pub(crate) struct ProblemArgs {
-    /// A frozen problem or a case: its name, or the path of its file
-    #[arg(value_name = "PROBLEM-OR-CASE")]
-    pub(crate) problem: String,
-    #[command(flatten)]
-    pub(crate) scene: SceneArgs,
+    stop: StopArgs,
 }
 
 /// What a case on the command line changes.
@@ -65,32 +55,16 @@ pub(crate) struct MethodArgs {
 }
 
 /// A stop rule on the command line.
-#[derive(clap::Args)]
-pub(crate) struct StopArgs {
-    /// The run has converged when the measure is at most this
-    #[arg(long, value_name = "T", default_value_t = Stop::default().tolerance, allow_negative_numbers = true)]
-    tolerance: f64,
-    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv, max_dv or
-    /// velocity_error
-    #[arg(long, value_name = "MEASURE", default_value_t = Stop::default().on, value_parser = measure)]
-    on: Measure,
-    /// The run ends after this many iterations at the latest
-    #[arg(long, value_name = "N", default_value_t = Stop::default().max_iterations, allow_negative_numbers = true)]
-    max_iterations: u64,
-}
-
-/// Changes to a stop rule on the command line.
 #[derive(Default, clap::Args)]
-pub(crate) struct StopChanges {
-    /// A run has converged when the measure is at most this [default: the plan's or the stored run's, else as
-    /// `gravel solve`]
+pub(crate) struct StopArgs {
+    /// A run has converged when the measure is at most this [default: that of the plan or of the stored run, else 1e-6]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv, max_dv or velocity_error [default: as
-    /// above]
+    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv, max_dv or velocity_error [default:
+    /// likewise, else natural_map]
     #[arg(long, value_name = "MEASURE", value_parser = measure)]
     on: Option<Measure>,
-    /// A run ends after this many iterations at the latest [default: as above]
+    /// A run ends after this many iterations at the latest [default: likewise, else 100000]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     max_iterations: Option<u64>,
 }
@@ -103,18 +77,22 @@ pub(crate) struct CaseArgs {
     pub(crate) overrides: Vec<(String, String)>,
 }
 
+/// Arguments `--NAME 'KEY=VALUE'`.
+fn pairs<'a>(name: &'a str, pairs: &'a [(String, String)]) -> impl Iterator<Item = String> + use<'a> {
+    pairs.iter().map(move |(key, value)| format!("--{name} '{key}={value}'"))
+}
+
 impl StudyArgs {
     /// All runs of the plan, or of its quick form.
     pub(crate) fn plan(plan: &str, quick: bool) -> Self {
         Self { plan: plan.to_owned(), quick, ..Self::default() }
     }
 
-    /// The arguments that ask for the same.
+    /// The arguments that select the same.
     fn again(&self) -> String {
         let mut words = vec![self.plan.clone()];
         words.extend(self.quick.then(|| "--quick".to_owned()));
-        words.extend(self.only.iter().map(|(key, pattern)| format!("--only '{key}={pattern}'")));
-        words.extend(self.settings.iter().map(|(key, value)| format!("--set '{key}={value}'")));
+        words.extend(pairs("only", &self.only).chain(pairs("set", &self.settings)));
         words.extend(self.stop.again());
         words.join(" ")
     }
@@ -129,8 +107,8 @@ impl StudyArgs {
         let in_plan = || path.display().to_string();
         let problems = planned(root, &plan).with_context(in_plan)?;
         let variants = plan.variants(&self.settings).with_context(in_plan)?;
-        let mut selection =
-            Selection { again: self.again(), plan, problems, variants, notes: Vec::new(), only: Vec::new() };
+        let (again, notes, only) = (self.again(), Vec::new(), Vec::new());
+        let mut selection = Selection { again, plan, problems, variants, notes, only };
         // Its rows must not pass for those of the plan.
         if !changes.is_empty() {
             selection.plan.name += "-changed";
@@ -146,10 +124,10 @@ impl StudyArgs {
         Ok(selection)
     }
 
-    /// Changes the stop rule as asked, and tells all that is changed.
+    /// Changes the stop rule of the plan, and lists all changes.
     fn change_stop(&self, plan: &mut Plan) -> Result<Vec<String>> {
-        let mut changes: Vec<String> =
-            self.settings.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+        let settings = self.settings.iter().map(|(key, value)| format!("{key} = {value}"));
+        let mut changes: Vec<String> = settings.collect();
         for (key, value) in self.stop.changed() {
             // What a rule of a study through time varies is then the same for all.
             plan.simulate.iter_mut().for_each(|simulate| simulate.forget(key));
@@ -172,28 +150,26 @@ impl SceneArgs {
         Ok(())
     }
 
-    /// The arguments that ask for the same.
-    pub(crate) fn again(&self) -> Vec<String> {
-        let scene = self.case.overrides.iter().map(|(key, value)| format!("--scene '{key}={value}'"));
-        scene.chain(self.time_step.iter().map(|moment| format!("--time-step {moment}"))).collect()
+    /// The arguments that change the same.
+    pub(crate) fn again(&self) -> impl Iterator<Item = String> {
+        let time_step = self.time_step.iter().map(|moment| format!("--time-step {moment}"));
+        pairs("scene", &self.case.overrides).chain(time_step)
     }
 
-    /// The problem of the file that the user named.
+    /// The problem of a file.
     pub(crate) fn problem(&self, path: &Path) -> Result<Frozen> {
-        if !is_toml(path) {
-            self.refused(&format!("{} is a frozen problem", path.display()))?;
-            return Ok(Frozen::read(path)?);
+        if is_toml(path) {
+            return self.case.at(path, self.time_step.as_deref())?.problem();
         }
-        let case = read_case(path, &self.case.overrides)?;
-        let time_step = self
-            .time_step
-            .as_ref()
-            .map_or(Ok(case.solve_at), |moment| time_step(&case, "--time-step", moment))?;
-        let (frozen, missed) = marched(&case, time_step)?;
-        if let Some(missed) = missed {
-            eprintln!("{missed}");
-        }
-        Ok(frozen)
+        self.refused(&format!("{} is a frozen problem", path.display()))?;
+        Ok(Frozen::read(path)?)
+    }
+}
+
+impl CaseArgs {
+    /// The case of a file at a time step.
+    pub(crate) fn at(&self, path: &Path, time_step: Option<&str>) -> Result<CaseProblem> {
+        CaseProblem::read(path, self.overrides.clone(), "--time-step", time_step)
     }
 }
 
@@ -204,26 +180,20 @@ impl MethodArgs {
 }
 
 impl StopArgs {
-    pub(crate) fn stop(&self) -> Stop {
-        Stop { on: self.on, tolerance: self.tolerance, max_iterations: self.max_iterations }
-    }
-}
-
-impl StopChanges {
     /// The keys of the stop rule that are changed, and their new values.
-    pub(crate) fn changed(&self) -> impl Iterator<Item = (&'static str, String)> {
+    fn changed(&self) -> impl Iterator<Item = (&'static str, String)> {
         let tolerance = self.tolerance.map(|tolerance| ("tolerance", format!("{tolerance:e}")));
         let on = self.on.map(|on| ("on", on.to_string()));
         let max_iterations = self.max_iterations.map(|n| ("max_iterations", n.to_string()));
         tolerance.into_iter().chain(on).chain(max_iterations)
     }
 
-    /// The arguments that ask for the same.
+    /// The arguments that change the same.
     pub(crate) fn again(&self) -> impl Iterator<Item = String> {
         self.changed().map(|(key, value)| format!("--{} {value}", key.replace('_', "-")))
     }
 
-    /// `stop` as it is changed.
+    /// `stop` with these changes.
     pub(crate) fn of(&self, stop: Stop) -> Result<Stop> {
         let stop = Stop {
             on: self.on.unwrap_or(stop.on),

@@ -1,6 +1,6 @@
 //! `gravel certify`: what a solution leaves of the contact problem, condition by condition.
 
-use crate::problems::files::Root;
+use crate::problems::files::{Root, size};
 use crate::problems::reference::{Given, answer};
 use crate::terminal::exit;
 use crate::terminal::output::say;
@@ -26,8 +26,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let problem = &frozen.problem;
     let given = args.impulses.as_deref().map(|file| Given::read(file, problem)).transpose()?;
     let reference = answer(root, &frozen)?;
-    let (grains, contacts) = (problem.grain_count(), problem.contact_count());
-    say(format_args!("{}: {grains} grains, {contacts} contacts", frozen.name))?;
+    say(format_args!("{}", size(&frozen)))?;
     let mut status = match &reference {
         Answer::Infeasible { .. } => "no-solution",
         Answer::Unknown { certificate, .. } | Answer::Solution { certificate, .. } => word(certificate),

@@ -1,12 +1,11 @@
 //! `gravel freeze`: the contact problem of one time step of a case, as a file.
 
 use crate::cli::args::{CaseArgs, MethodArgs, StopArgs};
-use crate::problems::files::{Root, march_to, stem, time_step};
-use crate::problems::memory::read_case;
+use crate::problems::files::{Root, stem};
 use crate::terminal::output::{check_place, replaces, say, write_whole};
 use anyhow::{Result, anyhow, bail};
-use cases::{March, check_name};
-use std::fmt::Write;
+use cases::check_name;
+use runner::Stop;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -31,36 +30,23 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
+    let file = args.output.display();
     if replaces(&args.output) && !args.force {
-        bail!("{} exists: give another file, or --force to replace it", args.output.display());
+        bail!("{file} exists: give another file, or --force to replace it");
     }
     check_place(&args.output)?;
-    check_name(&stem(&args.output))
-        .map_err(|why| anyhow!("{}: the problem's {why}", args.output.display()))?;
-    let path = root.case(&args.case)?;
-    let case = read_case(&path, &args.changes.overrides)?;
-    let (method, stop) = (args.method.method()?, args.stop.stop());
-    let time_step = time_step(&case, "--time-step", &args.time_step)?;
-    let (mut frozen, missed) = march_to(&mut March::new(&case)?, time_step, &method, &stop)?;
-    frozen.name = stem(&args.output);
-    for (key, value) in &args.changes.overrides {
-        write!(frozen.source, " {key} = {value}.")?;
-    }
-    write!(
-        frozen.source,
-        " Time steps before it solved by {} to {} ≤ {:e}, from the impulses of the one before.",
-        method.name, stop.on, stop.tolerance
-    )?;
-    if let Some(missed) = missed {
-        eprintln!("{missed}");
-        write!(frozen.source, " {missed}")?;
-    }
+    let name = stem(&args.output);
+    check_name(&name).map_err(|why| anyhow!("{file}: the problem's {why}"))?;
+    let case = args.changes.at(&root.case(&args.case)?, Some(&args.time_step))?;
+    let (method, stop) = (args.method.method()?, args.stop.of(Stop::default())?);
+    let (solver, on, tolerance) = (method.name, stop.on, stop.tolerance);
+    let how = format!(
+        " Time steps before it solved by {solver} to {on} ≤ {tolerance:e}, from the impulses of the one before."
+    );
+    let mut frozen = case.problem_after(&method, &stop, &how)?;
+    frozen.name = name;
     write_whole(&args.output, &frozen.to_json()?)?;
-    say(format_args!(
-        "{}: {} grains, {} contacts",
-        args.output.display(),
-        frozen.problem.grain_count(),
-        frozen.problem.contact_count()
-    ))?;
+    let (grains, contacts) = (frozen.problem.grain_count(), frozen.problem.contact_count());
+    say(format_args!("{file}: {grains} grains, {contacts} contacts"))?;
     Ok(())
 }

@@ -3,7 +3,7 @@
 use crate::cli::schema::takes;
 use crate::plan::file::Plan;
 use crate::plan::methods::METHODS;
-use crate::problems::files::{Root, stem};
+use crate::problems::files::{Kind, Root, stem};
 use crate::terminal::output::say;
 use anyhow::Result;
 use cases::{Case, Frozen};
@@ -29,11 +29,11 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     match args.what {
         What::Cases => {
             say(format_args!("cases"))?;
-            for path in root.cases()? {
+            for path in root.all(Kind::Case)? {
                 say(format_args!("  {:<24}{}", stem(&path), Case::read(&path, &[])?.why))?;
             }
             say(format_args!("frozen problems"))?;
-            for path in root.frozen()? {
+            for path in root.all(Kind::Frozen)? {
                 let frozen = Frozen::read(&path)?;
                 let (grains, contacts) = (frozen.problem.grain_count(), frozen.problem.contact_count());
                 say(format_args!("  {:<24}{grains} grains, {contacts} contacts", stem(&path)))?;
@@ -52,7 +52,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
             }
         }
         What::Plans => {
-            for path in root.plans()? {
+            for path in root.all(Kind::Plan)? {
                 say(format_args!("{:<20}{}", stem(&path), Plan::read(&path, false)?.why))?;
             }
         }

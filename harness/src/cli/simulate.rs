@@ -2,18 +2,21 @@
 
 use crate::cli::args::{CaseArgs, MethodArgs, StopArgs};
 use crate::plan::rules::Rule;
+use crate::problems::case::read_case;
 use crate::problems::files::Root;
-use crate::problems::memory::read_case;
+use crate::run::simulation::row;
 use crate::run::through_time::{End, Seen, Totals, through_time};
 use crate::run::vtk::Frames;
 use crate::terminal::exit;
 use crate::terminal::interrupt;
-use crate::terminal::output::{check_place, say, write_whole};
+use crate::terminal::output::{check_place, merged, say, write_whole};
 use crate::terminal::progress;
 use anyhow::{Context, Result, bail};
-use cases::{Case, Frozen, March, Observables};
+use cases::{Case, Frozen, March};
 use indicatif::ProgressBar;
-use serde_json::{Value, json};
+use results::simulation::Observed;
+use runner::Stop;
+use serde_json::json;
 use std::fs::File;
 use std::io::Write;
 use std::num::NonZeroU64;
@@ -50,9 +53,14 @@ pub(crate) struct Args {
     stop: StopArgs,
 }
 
+/// Of the rows in a file.
 const COLUMNS: &str = "time_step,time_s,contacts,status,iterations,kinetic_energy_j,mean_height_m,greatest_overlap_m,\
                        greatest_overlap_mean_diameters,mean_overlap_m,greatest_speed_m_per_s,floor_impulse_n_s,\
                        left_impulse_n_s,right_impulse_n_s";
+
+/// Above the rows on the terminal.
+const HEADING: &str =
+    " time step   time (s)  contacts  iterations  kinetic e. (J)    mean h. (m)  overlap (m)  floor (N·s)";
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     if let Some(file) = &args.output {
@@ -61,30 +69,27 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         }
         check_place(file)?;
     }
-    let path = root.case(&args.case)?;
-    let case = read_case(&path, &args.changes.overrides)?;
-    let (method, stop) = (args.method.method()?, args.stop.stop());
-    stop.check()?;
+    let case = read_case(&root.case(&args.case)?, &args.changes.overrides)?;
+    let (method, stop) = (args.method.method()?, args.stop.of(Stop::default())?);
     let mut march = March::new(&case)?;
     let rule = Rule { stop, warm_start: !args.cold };
     interrupt::listen()?;
     let mut kept = Kept::new(args, &case)?;
     if !args.json {
-        say_heading()?;
+        say(format_args!("{HEADING}"))?;
     }
     let see = &mut |seen: &Seen| kept.see(args, seen);
     let made = through_time(&mut march, &*method.solver, &rule, args.time_steps, &interrupt::asked, see);
     kept.bar.finish_and_clear();
     let (totals, end) = made?;
-    if let End::Refused(why) = &end {
-        bail!("method `{}`, {why}", method.name);
-    }
     let last_state = match &end {
+        End::Refused(why) => bail!("method `{}`, {why}", method.name),
         End::Exploded { last, .. } => Some(last_state(last, args)),
-        _ => None,
+        End::Completed | End::Interrupted(_) => None,
     };
     if args.json {
-        let asked = json!({
+        let last_state = last_state.and_then(|state| state.inspect_err(|error| eprintln!("{error:#}")).ok());
+        let object = json!({
             "case": case.name,
             "method": method.name,
             "settings": method.settings,
@@ -92,15 +97,15 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
             "stop": stop,
             "time_step_s": case.scene.time_step_s,
             "time_steps_asked": args.time_steps,
+            "status": end.status(),
+            "reason": end.reason(),
+            "last_state": last_state,
+            "last_time_step": kept.reached,
         });
-        let last_state = last_state.transpose().unwrap_or_else(|error| {
-            eprintln!("{error:#}");
-            None
-        });
-        say(format_args!("{}", to_json(asked, &totals, &end, kept.reached.as_ref(), last_state.as_deref())))?;
+        say(format_args!("{}", merged(object, totals.to_json())))?;
     } else {
-        kept.say(args.output.as_deref())?;
-        say_ending(&case.name, args, &totals, &end, last_state)?;
+        kept.say(args)?;
+        say_ending(&case.name, args, &totals, totals.missed(&stop), &end, last_state)?;
     }
     Ok(exit::code(end.status()))
 }
@@ -111,42 +116,42 @@ struct Kept {
     frames: Option<Frames>,
     bar: ProgressBar,
     /// What the last time step showed.
-    reached: Option<Observables>,
+    reached: Option<Observed>,
 }
 
 impl Kept {
     fn new(args: &Args, case: &Case) -> Result<Self> {
         let frames = args.vtk.as_ref().map(|folder| Frames::new(folder, &case.name)).transpose()?;
         let begin = |path: &PathBuf| -> Result<File> {
-            let mut file = File::create_new(path).with_context(|| path.display().to_string())?;
-            writeln!(file, "{COLUMNS}").with_context(|| path.display().to_string())?;
-            Ok(file)
+            let file = File::create_new(path);
+            file.and_then(|mut file| writeln!(file, "{COLUMNS}").map(|()| file))
+                .with_context(|| path.display().to_string())
         };
         let rows = args.output.as_ref().map(begin).transpose()?;
         Ok(Self { rows, frames, bar: progress::bar(args.time_steps, "time steps"), reached: None })
     }
 
     fn see(&mut self, args: &Args, seen: &Seen) -> Result<()> {
-        let k = seen.totals.time_steps;
+        let (k, row) = (seen.totals.time_steps, row(seen));
         if let (Some(file), Some(path)) = (&mut self.rows, &args.output) {
             // At once, so that no half row is left.
-            file.write_all(row(seen).as_bytes()).with_context(|| path.display().to_string())?;
+            file.write_all(line(seen, &row).as_bytes()).with_context(|| path.display().to_string())?;
         }
         if let Some(frames) = self.frames.as_mut().filter(|_| k.is_multiple_of(args.every.get())) {
-            frames.add(seen.observables.time, seen.march, seen.time_step, &seen.outcome.impulses)?;
+            frames.add(row.time_s, seen.march, seen.time_step, &seen.outcome.impulses)?;
         }
         // Ten lines on the terminal, whatever the length.
         let shown_every = (args.time_steps / 10).max(1);
         if !args.json && (k.is_multiple_of(shown_every) || k == args.time_steps) {
-            self.bar.suspend(|| say_time_step(seen))?;
+            self.bar.suspend(|| say_time_step(seen, &row))?;
         }
-        self.reached = Some(*seen.observables);
+        self.reached = Some(row);
         self.bar.inc(1);
         Ok(())
     }
 
-    fn say(&self, output: Option<&Path>) -> Result<()> {
-        if let Some(file) = output {
+    fn say(&self, args: &Args) -> Result<()> {
+        if let Some(file) = &args.output {
             say(format_args!("{}", file.display()))?;
         }
         self.frames.as_ref().map_or(Ok(()), Frames::say)
@@ -171,10 +176,11 @@ fn say_ending(
     case: &str,
     args: &Args,
     totals: &Totals,
+    missed: Option<String>,
     end: &End,
     last_state: Option<Result<PathBuf>>,
 ) -> Result<()> {
-    if let Some(missed) = totals.missed(&args.stop.stop()) {
+    if let Some(missed) = missed {
         say(format_args!("{missed}"))?;
     }
     if matches!(end, End::Completed) {
@@ -190,73 +196,25 @@ fn say_ending(
     Ok(())
 }
 
-fn to_json(
-    mut asked: Value,
-    totals: &Totals,
-    end: &End,
-    reached: Option<&Observables>,
-    last_state: Option<&Path>,
-) -> Value {
-    let last = reached.map(|o| {
-        json!({
-            "time_s": o.time,
-            "contacts": o.contacts,
-            "kinetic_energy_j": o.kinetic_energy,
-            "mean_height_m": o.mean_height,
-            "greatest_overlap_m": o.greatest_overlap,
-            "mean_overlap_m": o.mean_overlap,
-            "greatest_speed_m_per_s": o.greatest_speed,
-            "wall_impulses_n_s": o.wall_impulses,
-        })
-    });
-    let ending = json!({
-        "status": end.status(),
-        "reason": end.reason(),
-        "last_state": last_state,
-        "last_time_step": last,
-    });
-    for more in [ending, totals.to_json()] {
-        if let (Value::Object(asked), Value::Object(more)) = (&mut asked, more) {
-            asked.extend(more);
-        }
-    }
-    asked
-}
-
-fn say_heading() -> Result<()> {
-    say(format_args!(
-        "{:>10}  {:>9}  {:>8}  {:>10}  {:>14}  {:>13}  {:>11}  {:>11}",
-        "time step",
-        "time (s)",
-        "contacts",
-        "iterations",
-        "kinetic e. (J)",
-        "mean h. (m)",
-        "overlap (m)",
-        "floor (N·s)"
-    ))?;
+fn say_time_step(seen: &Seen, row: &Observed) -> Result<()> {
+    let Observed { time_step, time_s, contacts, kinetic_energy_j, mean_height_m, .. } = row;
+    let solved = format!("{time_step:>10}  {time_s:>9.4}  {contacts:>8}  {:>10}", seen.outcome.iterations);
+    let shown =
+        format!("{kinetic_energy_j:>14.4e}  {mean_height_m:>13.6}  {:>11.3e}", row.greatest_overlap_m);
+    say(format_args!("{solved}  {shown}  {:>11.4e}", row.floor_impulse_n_s))?;
     Ok(())
 }
 
-fn say_time_step(seen: &Seen) -> Result<()> {
-    let Observables { time, kinetic_energy, mean_height, greatest_overlap, wall_impulses, contacts, .. } =
-        seen.observables;
-    let (k, iterations) = (seen.totals.time_steps, seen.outcome.iterations);
-    let solved = format!("{k:>10}  {time:>9.4}  {contacts:>8}  {iterations:>10}");
-    let shown = format!("{kinetic_energy:>14.4e}  {mean_height:>13.6}  {greatest_overlap:>11.3e}");
-    say(format_args!("{solved}  {shown}  {:>11.4e}", wall_impulses[0]))?;
-    Ok(())
-}
-
-fn row(seen: &Seen) -> String {
-    let Observables { time, kinetic_energy, mean_height, greatest_overlap, mean_overlap, .. } =
-        seen.observables;
-    let Observables { wall_impulses: [floor, left, right], contacts, greatest_speed, .. } = seen.observables;
-    let (k, status, iterations) =
-        (seen.totals.time_steps, seen.outcome.status.name(), seen.outcome.iterations);
-    let in_diameters = greatest_overlap / seen.march.mean_diameter();
+/// A row of the file.
+fn line(seen: &Seen, row: &Observed) -> String {
+    let Observed { time_step, time_s, contacts, kinetic_energy_j, mean_height_m, .. } = row;
+    let Observed { greatest_overlap_m, mean_overlap_m, greatest_speed_m_per_s, .. } = row;
+    let Observed { floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s, .. } = row;
+    let (status, iterations) = (seen.outcome.status.name(), seen.outcome.iterations);
+    let in_diameters = greatest_overlap_m / seen.march.mean_diameter();
     format!(
-        "{k},{time},{contacts},{status},{iterations},{kinetic_energy},{mean_height},{greatest_overlap},{in_diameters},\
-         {mean_overlap},{greatest_speed},{floor},{left},{right}\n"
+        "{time_step},{time_s},{contacts},{status},{iterations},{kinetic_energy_j},{mean_height_m},{greatest_overlap_m},\
+         {in_diameters},{mean_overlap_m},{greatest_speed_m_per_s},{floor_impulse_n_s},{left_impulse_n_s},\
+         {right_impulse_n_s}\n"
     )
 }

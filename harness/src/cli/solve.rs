@@ -1,12 +1,14 @@
 //! `gravel solve`: one contact problem, one method.
 
-use crate::cli::args::{MethodArgs, ProblemArgs, StopArgs};
+use crate::cli::args::{MethodArgs, SceneArgs, StopArgs};
+use crate::identity::content_hash;
 use crate::plan::methods::Method;
-use crate::problems::files::{Root, content_hash};
+use crate::problems::files::{Root, size};
 use crate::problems::reference::{Known, known};
+use crate::run::rows::derived;
 use crate::terminal::exit;
 use crate::terminal::interrupt;
-use crate::terminal::output::{check_place, replaces, say, write_whole};
+use crate::terminal::output::{check_place, merged, replaces, say, write_whole};
 use crate::terminal::progress::Line;
 use anyhow::{Context, Result};
 use cases::Frozen;
@@ -14,15 +16,17 @@ use clap::ValueEnum;
 use contact::Measure;
 use runner::{Outcome, Progress, Stop, solve_against};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
+    /// A frozen problem or a case: its name, or the path of its file
+    #[arg(value_name = "PROBLEM-OR-CASE")]
+    problem: String,
     #[command(flatten)]
-    problem: ProblemArgs,
+    scene: SceneArgs,
     #[command(flatten)]
     method: MethodArgs,
     #[command(flatten)]
@@ -50,17 +54,16 @@ enum Start {
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let method = args.method.method()?;
-    let stop = args.stop.stop();
+    let stop = args.stop.of(Stop::default())?;
     if let Some(file) = &args.impulses {
         check_place(file)?;
     }
-    stop.check()?;
-    let path = root.problem_or_case(&args.problem.problem)?;
-    let frozen = args.problem.scene.problem(&path)?;
+    let path = root.problem_or_case(&args.problem)?;
+    let frozen = args.scene.problem(&path)?;
     let r0 = frozen.start(args.start == Start::Warm);
 
-    let asked = args.truth || stop.on == Measure::VelocityError;
-    let known = if asked { known(root, &frozen)? } else { Known::Nothing };
+    let truth = args.truth || stop.on == Measure::VelocityError;
+    let known = if truth { known(root, &frozen)? } else { Known::default() };
     interrupt::listen()?;
     let mut line = Line::alone(method.name.to_owned());
     let mut observe = |progress: &Progress| {
@@ -86,57 +89,48 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     Ok(exit::code(outcome.status.name()))
 }
 
+/// What was asked and reached, under the names that the columns of tables have.
 fn to_json(frozen: &Frozen, method: &Method, stop: &Stop, start: Start, outcome: &Outcome) -> Result<Value> {
-    let mut object = json!({
+    let object = json!({
         "problem": frozen.name,
         "problem_hash": content_hash(frozen),
         "grains": frozen.problem.grain_count(),
         "contacts": frozen.problem.contact_count(),
         "method": method.name,
         "settings": method.settings,
-        "derived": outcome.derived.iter().copied().collect::<BTreeMap<_, _>>(),
-        "start": if start == Start::Warm { "warm" } else { "cold" },
-        "stop": stop,
+        "derived": derived(outcome),
+        "warm_start": start == Start::Warm,
+        "stop_on": stop.on,
+        "tolerance": stop.tolerance,
+        "max_iterations": stop.max_iterations,
         "status": outcome.status,
         "iterations": outcome.iterations,
+        "setup_s": outcome.setup.as_secs_f64(),
+        "iterating_s": outcome.iterating.as_secs_f64(),
+        "worst_contact": outcome.measures.worst_contact,
     });
-    let measures = serde_json::to_value(outcome.measures)?;
-    if let (Value::Object(object), Value::Object(measures)) = (&mut object, measures) {
-        object.extend(measures);
-        object.insert("setup_s".to_owned(), outcome.setup.as_secs_f64().into());
-        object.insert("iterating_s".to_owned(), outcome.iterating.as_secs_f64().into());
-        object.insert("work".to_owned(), serde_json::to_value(outcome.work)?);
-    }
-    Ok(object)
+    let object = merged(object, serde_json::to_value(outcome.measures)?);
+    Ok(merged(object, serde_json::to_value(outcome.work)?))
 }
 
 fn print(frozen: &Frozen, method: &Method, stop: &Stop, outcome: &Outcome) -> Result<()> {
-    let problem = &frozen.problem;
-    say(format_args!(
-        "{}: {} grains, {} contacts",
-        frozen.name,
-        problem.grain_count(),
-        problem.contact_count()
-    ))?;
+    let Outcome { status, iterations, measures, .. } = outcome;
+    say(format_args!("{}", size(frozen)))?;
     say(format_args!("{} {}", method.name, Value::Object(method.settings.clone())))?;
-    let limit = format!("{} ≤ {:e}", stop.on, stop.tolerance);
-    let iterations = match outcome.iterations {
-        1 => "1 iteration".to_owned(),
-        n => format!("{n} iterations"),
-    };
-    say(format_args!("{} after {iterations} ({limit} asked)", outcome.status.name()))?;
-    say(format_args!(
-        "  set-up {:.3e} s, iterating {:.3e} s",
-        outcome.setup.as_secs_f64(),
-        outcome.iterating.as_secs_f64()
-    ))?;
-    let unknown =
-        |measure: &Measure| *measure == Measure::VelocityError && outcome.measures.velocity_error.is_nan();
-    for measure in Measure::ALL.into_iter().filter(|measure| !unknown(measure)) {
+    let (on, tolerance, plural) = (stop.on, stop.tolerance, if *iterations == 1 { "" } else { "s" });
+    let status = status.name();
+    say(format_args!("{status} after {iterations} iteration{plural} ({on} ≤ {tolerance:e} asked)"))?;
+    let (setup, iterating) = (outcome.setup.as_secs_f64(), outcome.iterating.as_secs_f64());
+    say(format_args!("  set-up {setup:.3e} s, iterating {iterating:.3e} s"))?;
+    for measure in Measure::ALL {
+        let (name, value) = (measure.name(), measures.get(measure));
         let unit = if measure == Measure::PenetrationRate { " m/s" } else { "" };
-        say(format_args!("  {:<17}{:.3e}{unit}", measure.name(), outcome.measures.get(measure)))?;
+        // Without the solution there is no error.
+        if measure != Measure::VelocityError || !value.is_nan() {
+            say(format_args!("  {name:<17}{value:.3e}{unit}"))?;
+        }
     }
-    if let Some(contact) = outcome.measures.worst_contact {
+    if let Some(contact) = measures.worst_contact {
         say(format_args!("  {:<17}{contact}", "worst_contact"))?;
     }
     Ok(())

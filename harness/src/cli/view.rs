@@ -1,15 +1,14 @@
 //! `gravel view`: a page that shows how runs come to the impulses of a problem, or how a stored run did, iteration by
 //! iteration.
 
-use crate::cli::args::{SceneArgs, StopChanges, measure};
+use crate::cli::args::{SceneArgs, StopArgs, measure};
 use crate::plan::methods::{Method, key_value};
 use crate::plan::variants::Variant;
 use crate::problems::files::Root;
-use crate::problems::planned::of_run;
 use crate::problems::reference::known;
 use crate::run::rows::{partitions, scene_rows};
 use crate::run::snapshots::Snapshots;
-use crate::store::stored::{is_id, stored};
+use crate::store::stored::{is_id, problem, stored};
 use crate::terminal::output::{check_place, say, write_whole};
 use anyhow::{Context, Result, anyhow};
 use cases::Frozen;
@@ -36,7 +35,7 @@ pub(crate) struct Args {
     #[arg(long = "run", value_name = "METHOD [KEY=VALUE …]")]
     runs: Vec<String>,
     #[command(flatten)]
-    stop: StopChanges,
+    stop: StopArgs,
     /// The page [default: reports/out/view-PROBLEM-OR-RUN.html]; one that is there is replaced
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -122,7 +121,7 @@ impl Args {
         let variant = Variant { method, warm_start: run.warm_start, name: run.variant.clone() };
         let others = others.into_iter().map(|other| Variant { warm_start: run.warm_start, ..other });
         let variants = std::iter::once(variant).chain(others).collect();
-        let frozen = of_run(root, run).context(told)?;
+        let frozen = problem(root, run).context(told)?;
         Ok(Shown { frozen, stop, stored: Some(record), variants })
     }
 

@@ -1,6 +1,6 @@
 //! The methods by name. To add one: its line in [`METHODS`], its crate in this package's manifest.
 
-use crate::plan::identity::code_version;
+use crate::identity::code_version;
 use crate::terminal::suggest;
 use anyhow::{Context, Result, anyhow, bail};
 use contact::Solver;

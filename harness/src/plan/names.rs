@@ -41,16 +41,20 @@ pub(crate) fn pairs<'a>(settings: impl Iterator<Item = (&'a str, &'a Value)>) ->
     settings.map(|(key, value)| format!("{key}={}", short(value))).collect::<Vec<_>>().join(" ")
 }
 
+/// A value as it is typed: text without quotes.
+pub(crate) fn as_typed(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
 /// A value as it is read: text without quotes, a whole number without a fraction.
 fn short(value: &Value) -> String {
-    match (value, value.as_f64()) {
-        (Value::String(text), _) => text.clone(),
+    match value.as_f64() {
         // Of the shortest two, the one with fewer characters: 1000, but 1e-7.
-        (_, Some(x)) => {
+        Some(x) => {
             let (plain, scientific) = (format!("{x}"), format!("{x:e}"));
             if scientific.len() < plain.len() && plain.len() > 5 { scientific } else { plain }
         }
-        _ => value.to_string(),
+        None => as_typed(value),
     }
 }
 

@@ -1,9 +1,6 @@
 //! What a scene needs of the memory, before any of it is taken.
 
-use anyhow::{Result, bail};
 use cases::{Case, Sample};
-use results::provenance::available_memory;
-use std::path::Path;
 
 /// What a grain takes with its contacts left aside, and what each of these takes, in a march and its solver (B): with `cg` a
 /// first time step took 135 and 200, on columns of 1e5 grains with 1 to 30 copies of each contact, and a march keeps the
@@ -13,15 +10,6 @@ const PER_CONTACT: f64 = 250.0;
 
 /// A grain has two contacts of its own in a packing of discs, or a little less.
 const CONTACTS_PER_GRAIN: f64 = 2.0;
-
-/// Reads a case with `overrides`, and refuses one that the machine cannot hold.
-pub(crate) fn read_case(path: &Path, overrides: &[(String, String)]) -> Result<Case> {
-    let case = Case::read(path, overrides)?;
-    if let Err(why) = fits(&case, available_memory()) {
-        bail!("{}: {why}", path.display());
-    }
-    Ok(case)
-}
 
 /// Names the key that asks for more than is `free` (B).
 pub(super) fn fits(case: &Case, free: Option<u64>) -> Result<(), String> {

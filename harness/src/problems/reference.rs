@@ -1,7 +1,8 @@
-//! Reference solutions: computed once for each problem, kept in `results/references`, certified anew each time they are read.
+//! Reference solutions: computed once for each problem, kept in `results/references`, certified again each time they are read.
 
-use crate::problems::files::{Root, content_hash};
-use crate::terminal::output::write_whole;
+use crate::identity::content_hash;
+use crate::problems::files::Root;
+use crate::terminal::output::{read_text, write_kept};
 use analysis::proves_infeasible;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{Frozen, all_missing};
@@ -13,47 +14,34 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 
-/// What is known of the solution of a problem.
-pub(crate) enum Known {
+/// What is known of the solution of a problem; by default nothing.
+#[derive(Default)]
+pub(crate) struct Known {
     /// The solution, and impulses that reach it (N·s).
-    Solution { truth: Truth, impulses: Vec<f64> },
-    /// That there is none.
-    Infeasible,
+    solution: Option<(Truth, Vec<f64>)>,
     /// A solution that could not be certified: no truth.
-    Uncertified(Truth),
-    /// Nothing.
-    Nothing,
+    uncertified: Option<Truth>,
+    /// That there is no solution.
+    infeasible: bool,
 }
 
 impl Known {
     pub(crate) fn truth(&self) -> Option<&Truth> {
-        match self {
-            Self::Solution { truth, .. } => Some(truth),
-            Self::Infeasible | Self::Uncertified(_) | Self::Nothing => None,
-        }
+        self.solution.as_ref().map(|(truth, _)| truth)
     }
 
     /// The velocity that is nearest to a solution, as far as is known: it tells which contacts are closed.
     pub(crate) fn nearest(&self) -> Option<&Truth> {
-        match self {
-            Self::Solution { truth, .. } | Self::Uncertified(truth) => Some(truth),
-            Self::Infeasible | Self::Nothing => None,
-        }
+        self.truth().or(self.uncertified.as_ref())
     }
 
     pub(crate) fn impulses(&self) -> Option<&[f64]> {
-        match self {
-            Self::Solution { impulses, .. } => Some(impulses),
-            Self::Infeasible | Self::Uncertified(_) | Self::Nothing => None,
-        }
+        self.solution.as_ref().map(|(_, impulses)| impulses.as_slice())
     }
 
     /// How a run ended: nothing converges on a problem without solution.
     pub(crate) fn ending(&self, status: Status) -> Status {
-        match (self, status) {
-            (Self::Infeasible, Status::Converged) => Status::FalseConvergence,
-            _ => status,
-        }
+        if self.infeasible && status == Status::Converged { Status::FalseConvergence } else { status }
     }
 }
 
@@ -71,7 +59,7 @@ impl Given {
     /// Reads a file with `{"impulse": […]}`; whatever else it tells is left aside.
     pub(crate) fn read(file: &Path, problem: &ContactProblem) -> Result<Self> {
         let name = || file.display().to_string();
-        let text = std::fs::read_to_string(file).with_context(name)?;
+        let text = read_text(file)?;
         let given: Self = serde_json::from_str(&text).map_err(|error| {
             let error = error.to_string();
             // A text that is no JSON lacks more than keys.
@@ -96,29 +84,29 @@ enum Kept {
 
 /// What is known of a problem, from `results/references` if it is there, else computed and kept there.
 pub(crate) fn known(root: &Root, frozen: &Frozen) -> Result<Known> {
-    Ok(match answer(root, frozen)? {
-        Answer::Solution { impulses, .. } => {
-            Known::Solution { truth: Truth::new(&frozen.problem, &impulses), impulses }
-        }
+    let truth = |impulses: &[f64]| Truth::new(&frozen.problem, impulses);
+    let mut known = Known::default();
+    match answer(root, frozen)? {
+        Answer::Solution { impulses, .. } => known.solution = Some((truth(&impulses), impulses)),
         Answer::Infeasible { .. } => {
             eprintln!("{}: the problem has no solution", frozen.name);
-            Known::Infeasible
+            known.infeasible = true;
         }
         Answer::Unknown { impulses, certificate, why } => {
             eprintln!("{}: no reference: {why}; the best impulses are {certificate}", frozen.name);
-            Known::Uncertified(Truth::new(&frozen.problem, &impulses))
+            known.uncertified = Some(truth(&impulses));
         }
-    })
+    }
+    Ok(known)
 }
 
 /// The reference of a problem, kept or computed.
 pub(crate) fn answer(root: &Root, frozen: &Frozen) -> Result<Answer> {
-    let folder = root.join("results/references");
-    let path = folder.join(content_hash(frozen)).with_extension("json");
+    let path = root.join("results/references").join(content_hash(frozen)).with_extension("json");
     if path.exists() {
         match read(&path, &frozen.problem) {
             Ok(answer) => return Ok(answer),
-            Err(error) => eprintln!("{error:#}: computed anew"),
+            Err(error) => eprintln!("{error:#}: computed again"),
         }
     }
     let answer = reference::solve(&frozen.problem);
@@ -127,16 +115,14 @@ pub(crate) fn answer(root: &Root, frozen: &Frozen) -> Result<Answer> {
         Answer::Infeasible { ray } => Kept::Ray(ray.clone()),
         Answer::Unknown { .. } => return Ok(answer),
     };
-    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-    write_whole(&path, &serde_json::to_string(&kept)?)?;
+    write_kept(&path, &serde_json::to_string(&kept)?)?;
     Ok(answer)
 }
 
 /// Reads a kept answer, and believes nothing of it that the problem does not confirm.
 fn read(path: &Path, problem: &ContactProblem) -> Result<Answer> {
     let file = || path.display().to_string();
-    let text = std::fs::read_to_string(path).with_context(file)?;
-    let kept: Kept = serde_json::from_str(&text).with_context(file)?;
+    let kept: Kept = serde_json::from_str(&read_text(path)?).with_context(file)?;
     let (Kept::Impulses(values) | Kept::Ray(values)) = &kept;
     if values.len() != problem.contact_count() {
         bail!("{}: {} values for {} contacts", file(), values.len(), problem.contact_count());

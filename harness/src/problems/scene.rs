@@ -1,10 +1,9 @@
 //! A scene of a study through time: a case with its values replaced, for a while.
 
+use crate::identity::{content_hash, first_hex};
 use crate::plan::axes::Settings;
 use crate::plan::file::PlannedCase;
-use crate::plan::identity::first_hex;
 use crate::plan::rules::Simulate;
-use crate::problems::files::content_hash;
 use anyhow::{Context, Result, bail};
 use cases::{Case, March};
 use contact::shown;

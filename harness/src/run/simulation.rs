@@ -129,7 +129,7 @@ impl Series {
 }
 
 /// What a time step shows.
-fn row(seen: &Seen) -> Observed {
+pub(crate) fn row(seen: &Seen) -> Observed {
     let o = seen.observables;
     let [floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s] = o.wall_impulses;
     Observed {

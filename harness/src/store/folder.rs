@@ -1,6 +1,6 @@
 //! The folder of a study: opened, gone on with, its tables and report written.
 
-use crate::COMMIT;
+use crate::identity::COMMIT;
 use crate::plan::file::Plan;
 use crate::plan::methods::names;
 use crate::problems::files::Root;

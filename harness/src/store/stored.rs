@@ -1,9 +1,14 @@
 //! A run of any study in `results/runs`, found by its id.
 
+use crate::identity::content_hash;
+use crate::plan::names::as_typed;
+use crate::problems::case::KeptProblem;
 use crate::problems::files::Root;
 use crate::store::folder::runs_folder;
 use anyhow::{Context, Result, bail};
+use cases::Frozen;
 use results::journal::{Record, entry};
+use results::schema::Run;
 use results::simulation::Simulated;
 use results::store::journals;
 use std::collections::BTreeMap;
@@ -76,6 +81,24 @@ impl Found {
         }
         Ok(())
     }
+}
+
+/// The problem of a stored run, if it still is what it was.
+pub(crate) fn problem(root: &Root, run: &Run) -> Result<Frozen> {
+    let mut settings = run.problem_settings.clone();
+    let problem = match settings.remove("case") {
+        None => Frozen::read(&root.problem(&run.problem)?)?,
+        Some(case) => {
+            let time_step = settings.remove("time_step");
+            let path = root.case(&as_typed(&case))?;
+            KeptProblem::read(&path, &settings, time_step.as_ref())?.made(root, &run.problem)?
+        }
+    };
+    let (before, now) = (&run.problem_hash, content_hash(&problem));
+    if now != *before {
+        bail!("the problem has changed since: its hash was {before}, and is {now} now");
+    }
+    Ok(Frozen { name: run.problem.clone(), ..problem })
 }
 
 /// Whether a text can be an id, or as much of its begin as is worth looking for.

@@ -1,6 +1,6 @@
 //! A study of problems: every variant on every problem is a run.
 
-use crate::plan::identity::{code_version, first_hex};
+use crate::identity::{code_version, first_hex};
 use crate::plan::variants::Variant;
 use crate::problems::files::Root;
 use crate::problems::planned::{PlannedProblem, Problem};

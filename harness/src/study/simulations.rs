@@ -1,7 +1,7 @@
 //! A study through time: every variant on every scene under every rule is a simulation; and so are those that they are
 //! compared with.
 
-use crate::plan::identity::{code_version, first_hex};
+use crate::identity::{code_version, first_hex};
 use crate::plan::rules::Rule;
 use crate::plan::variants::Variant;
 use crate::problems::files::Root;

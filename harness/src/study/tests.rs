@@ -2,7 +2,7 @@
 
 use crate::plan::methods::{METHODS, Method};
 use crate::plan::variants::Variant;
-use crate::study::runs::run_id;
+use crate::study::problems::run_id;
 use runner::Stop;
 
 fn nsgs(settings: &[(&str, &str)]) -> Variant {

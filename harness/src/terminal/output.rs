@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use results::store::behind_links;
+use serde_json::Value;
 use std::fmt::Arguments;
 use std::fs::OpenOptions;
 use std::io::{self, ErrorKind, Write};
@@ -13,6 +14,14 @@ pub(crate) fn say(line: Arguments) -> io::Result<()> {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         result => result,
     }
+}
+
+/// An object with the keys of another one after its own.
+pub(crate) fn merged(mut object: Value, more: Value) -> Value {
+    if let (Value::Object(object), Value::Object(more)) = (&mut object, more) {
+        object.extend(more);
+    }
+    object
 }
 
 /// Refuses a place where no file can be: known before the work, not after it.
@@ -34,6 +43,17 @@ pub(crate) fn replaces(path: &Path) -> bool {
 
 fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// The text of a file.
+pub(crate) fn read_text(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path).with_context(|| path.display().to_string())
+}
+
+/// Writes a file whole, in a folder that need not be there.
+pub(crate) fn write_kept(path: &Path, content: &str) -> Result<()> {
+    std::fs::create_dir_all(folder(path)).with_context(|| folder(path).display().to_string())?;
+    write_whole(path, content)
 }
 
 /// Writes `content` to a file beside `path` and gives it that name once it is complete. A link stays and its target is

@@ -141,11 +141,11 @@ fn study_leaves_its_rows_and_its_figures_under_its_root() {
         assert!(svg.trim_end().ends_with("</svg>"), "{figure} is not whole");
     }
 
-    let tables = results::store::read(&folder).unwrap();
+    let results::study::Study::Runs(runs) = results::store::read(&folder).unwrap() else { panic!() };
     // The pair has 2 grains and 2 contacts, the column 9; 1x2 fits both, 3x3 the column only.
-    assert_eq!(tables.runs.height(), 8);
-    assert_eq!((tables.grains.height(), tables.contacts.height()), (2 + 2 * 9, 2 + 2 * 9));
-    assert_eq!(tables.snapshots.height(), 0, "the plan shows no run");
+    assert_eq!(runs.records.len(), 8);
+    assert_eq!((runs.grains.len(), runs.contacts.len()), (2 + 2 * 9, 2 + 2 * 9));
+    assert!(runs.records.iter().all(|record| record.snapshots.is_empty()), "the plan shows no run");
 }
 
 #[test]

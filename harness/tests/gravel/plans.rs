@@ -57,7 +57,7 @@ fn every_combination_of_the_axes_of_a_case_is_a_problem_with_its_settings() {
 #[test]
 fn made_problem_is_kept_and_one_that_does_not_read_is_made_anew() {
     let study = study_of_columns();
-    let made = |ran: &str| ran.lines().filter(|line| line.starts_with("making column ")).count();
+    let made = |ran: &str| ran.lines().filter(|line| line.starts_with("computing column ")).count();
     let bench = || study.gravel(&["bench", "columns"]).succeeded();
     assert_eq!(made(&bench().stdout), 6);
     let folder = study.folder().path().join("results/problems");
@@ -69,7 +69,7 @@ fn made_problem_is_kept_and_one_that_does_not_read_is_made_anew() {
     fs::write(&file, &before[..before.len() / 2]).unwrap();
     let ran = bench();
     assert_eq!(made(&ran.stdout), 1);
-    assert!(ran.stderr.contains(&kept[0]) && ran.stderr.contains("made anew"), "{}", ran.stderr);
+    assert!(ran.stderr.contains(&kept[0]) && ran.stderr.contains("computed again"), "{}", ran.stderr);
     assert_eq!(fs::read_to_string(&file).unwrap(), before);
     // Another case, another problem.
     let case = study.folder().path().join("cases/column.toml");
@@ -88,8 +88,8 @@ fn time_step_of_a_case_is_a_number_or_a_moment() {
         write(study.folder(), "harness/plans/moment.toml", &plan("moment", &[], &case));
         study.gravel(&["bench", "moment"])
     };
-    assert!(bench("\"late\"").succeeded().stdout.contains("making column: 3 time steps"));
-    assert!(bench("2").succeeded().stdout.contains("making column: 2 time steps"));
+    assert!(bench("\"late\"").succeeded().stdout.contains("computing column: 3 time steps"));
+    assert!(bench("2").succeeded().stdout.contains("computing column: 2 time steps"));
     bench("0").refused(&["moment.toml", "case `column`", "`time_step` 0", "from 1"]);
     bench("\"lte\"").refused(&["`time_step` lte", "late", "did you mean `late`?"]);
 }

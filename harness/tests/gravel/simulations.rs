@@ -168,7 +168,7 @@ fn explosion_is_a_row_with_its_class_and_a_state_that_can_be_solved_again() {
     assert_eq!(jacobi["class"], "exploded");
     assert!(study.gravel(&["bench", "time"]).succeeded().stdout.contains("0 of"));
     study.gravel(&["bench", "time", "--fresh"]).succeeded();
-    assert!(state.is_file(), "made anew");
+    assert!(state.is_file(), "computed again");
 }
 
 #[test]

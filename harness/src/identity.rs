@@ -1,0 +1,46 @@
+//! What ids are made of: the commit, versions of code, hashes of problems.
+
+use cases::Frozen;
+use sha2::{Digest, Sha256};
+
+/// Commit of the build.
+pub(crate) const COMMIT: &str = git_version::git_version!(
+    args = ["--always", "--abbrev=12", "--exclude=*", "--dirty=-modified"],
+    fallback = "not built from a git checkout"
+);
+
+/// Versions of the code of the solver crates and of `cases`, from the build script.
+const CODE_VERSIONS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/code_versions.rs"));
+
+/// Version of the code of the crate that a type comes from; `None` if it is none of those.
+pub(crate) fn code_version<T>() -> Option<&'static str> {
+    // Crates have dashes where their modules have underscores.
+    let of_type = std::any::type_name::<T>().split("::").next()?.replace('_', "-");
+    CODE_VERSIONS.iter().find(|(name, _)| *name == of_type).map(|(_, version)| *version)
+}
+
+/// The first eight bytes of a hash.
+pub(crate) fn first_hex(hash: &[u8]) -> String {
+    let first = hash.iter().take(8).fold(0, |first: u64, byte| first << 8 | u64::from(*byte));
+    format!("{first:016x}")
+}
+
+/// Hash of everything that a method sees: two problems with the same hash are the same problem.
+pub(crate) fn content_hash(frozen: &Frozen) -> String {
+    let mut hash = Sha256::new();
+    let mut number = |x: f64| hash.update(x.to_bits().to_le_bytes());
+    let problem = &frozen.problem;
+    // The lengths first: no two problems are the same numbers otherwise cut.
+    number(problem.grain_count() as f64);
+    number(problem.contact_count() as f64);
+    problem.mass().iter().for_each(|m| number(*m));
+    problem.position().iter().chain(problem.free_velocity()).flatten().for_each(|x| number(*x));
+    for contact in problem.contacts() {
+        number(f64::from(contact.candidate));
+        number(contact.antagonist.map_or(-1.0, f64::from));
+        contact.normal.iter().for_each(|x| number(*x));
+        number(contact.offset);
+    }
+    frozen.start.iter().for_each(|r| number(*r));
+    first_hex(hash.finalize().as_slice())
+}

@@ -1,0 +1,144 @@
+//! The contact problem of one time step of a case: which one it is, how it is reached, and where a study keeps it.
+
+use crate::identity::{code_version, content_hash, first_hex};
+use crate::plan::axes::Settings;
+use crate::plan::methods::Method;
+use crate::plan::names::as_typed;
+use crate::problems::files::Root;
+use crate::problems::memory::fits;
+use crate::terminal::output::{read_text, say, write_kept};
+use crate::terminal::{progress, suggest};
+use anyhow::{Result, bail};
+use cases::{Case, Frozen, March, Sample};
+use cg::Cg;
+use results::provenance::available_memory;
+use runner::{Status, Stop};
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Reads a case with `overrides`, and refuses one that the machine cannot hold.
+pub(crate) fn read_case(path: &Path, overrides: &[(String, String)]) -> Result<Case> {
+    let case = Case::read(path, overrides)?;
+    if let Err(why) = fits(&case, available_memory()) {
+        bail!("{}: {why}", path.display());
+    }
+    Ok(case)
+}
+
+/// A case with values replaced, at a time step.
+pub(crate) struct CaseProblem {
+    pub(crate) case: Case,
+    overrides: Vec<(String, String)>,
+    /// Counted from 1.
+    pub(crate) time_step: u64,
+}
+
+impl CaseProblem {
+    /// The time step is the one that `moment`, the value of `key`, names: by its number, or as one of the case's moments;
+    /// without it the case's `solve_at`.
+    pub(crate) fn read(
+        path: &Path,
+        overrides: Vec<(String, String)>,
+        key: &str,
+        moment: Option<&str>,
+    ) -> Result<Self> {
+        let case = read_case(path, &overrides)?;
+        let named = |moment: &str| case.moments.get(moment).copied();
+        let Some(time_step) = moment.map_or(Some(case.solve_at), |k| k.parse().ok().or_else(|| named(k)))
+        else {
+            let moment = moment.unwrap_or_default();
+            let moments = || case.moments.keys().map(String::as_str);
+            let accepted: String = moments().flat_map(|name| [", or ", name]).collect();
+            bail!("{key} {moment}: it must be a number from 1{accepted}{}", suggest::of(moment, moments()))
+        };
+        if time_step == 0 {
+            bail!("{key} 0: time steps are counted from 1");
+        }
+        Ok(Self { case, overrides, time_step })
+    }
+
+    /// The problem; the time steps before it are the same whichever method then solves it.
+    pub(crate) fn problem(&self) -> Result<Frozen> {
+        let method = Method::parse("cg", &[("preconditioner".to_owned(), "diagonal".to_owned())])?;
+        self.problem_after(&method, &Stop::default(), "")
+    }
+
+    /// The problem after time steps solved by `method`, with a bar on anything long. Its source names what was replaced,
+    /// `how` it was reached, and how many of the time steps before did not converge, which is printed as well.
+    pub(crate) fn problem_after(&self, method: &Method, stop: &Stop, how: &str) -> Result<Frozen> {
+        let (mut march, before, mut missed) = (March::new(&self.case)?, self.time_step - 1, 0);
+        let bar = progress::bar(before, "time steps");
+        for _ in 0..before {
+            let (outcome, _) = march.time_step(&*method.solver, stop)?;
+            missed += u64::from(outcome.status != Status::Converged);
+            bar.set_message(format!("{} iterations", outcome.iterations));
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        let mut frozen = march.next()?.frozen;
+        for (key, value) in &self.overrides {
+            write!(frozen.source, " {key} = {value}.")?;
+        }
+        frozen.source += how;
+        if missed > 0 {
+            let note = format!("{missed} of the {before} time steps before did not converge.");
+            eprintln!("{note}");
+            write!(frozen.source, " {note}")?;
+        }
+        Ok(frozen)
+    }
+}
+
+/// The problem of a case for studies: computed once, then kept under `results/problems`.
+pub(crate) struct KeptProblem {
+    pub(crate) of: CaseProblem,
+    /// Hash of all that it depends on.
+    identity: String,
+}
+
+impl KeptProblem {
+    pub(crate) fn read(path: &Path, settings: &Settings, moment: Option<&Value>) -> Result<Self> {
+        let of =
+            CaseProblem::read(path, overrides(settings), "`time_step`", moment.map(as_typed).as_deref())?;
+        // The first problem of the case tells whether its sample can be made, and what another file holds of it; a deposit
+        // may take long, and its settings tell all of it.
+        let first = match of.case.sample {
+            Sample::Deposited { .. } => None,
+            _ => Some(content_hash(&March::new(&of.case)?.next()?.frozen)),
+        };
+        // The code that computes it.
+        let code = (code_version::<Case>(), code_version::<Cg>());
+        let all = json!([read_text(path)?, of.overrides, first, of.time_step, code]).to_string();
+        Ok(Self { of, identity: first_hex(&Sha256::digest(all)) })
+    }
+
+    fn file(&self, root: &Root) -> PathBuf {
+        root.join("results/problems").join(format!("{}.json", self.identity))
+    }
+
+    /// The problem, if it need not be computed.
+    pub(crate) fn at_hand(&self, root: &Root) -> Option<Frozen> {
+        let file = self.file(root);
+        let read =
+            || Frozen::read(&file).inspect_err(|error| eprintln!("{error}; it is computed again")).ok();
+        file.is_file().then(read)?
+    }
+
+    /// The problem, kept or computed; a study calls it `name`.
+    pub(crate) fn made(&self, root: &Root, name: &str) -> Result<Frozen> {
+        if let Some(frozen) = self.at_hand(root) {
+            return Ok(frozen);
+        }
+        say(format_args!("computing {name}: {} time steps", self.of.time_step))?;
+        let frozen = self.of.problem()?;
+        write_kept(&self.file(root), &frozen.to_json()?)?;
+        Ok(frozen)
+    }
+}
+
+/// Settings as they are typed.
+pub(crate) fn overrides(settings: &Settings) -> Vec<(String, String)> {
+    settings.iter().map(|(key, value)| (key.clone(), as_typed(value))).collect()
+}
