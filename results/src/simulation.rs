@@ -67,6 +67,18 @@ pub struct Simulation {
     pub reason: String,
     /// The problem of the last good state, a file in the folder of the study; empty unless it exploded.
     pub last_state: String,
+    /// What it took.
+    #[serde(flatten)]
+    pub totals: Totals,
+    /// How the seconds were taken.
+    pub timing: Timing,
+    /// Where the simulation comes from.
+    pub provenance: Provenance,
+}
+
+/// What all time steps took together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Totals {
     /// Time steps made.
     pub time_steps: u64,
     /// Those of them that did not come to the tolerance.
@@ -91,10 +103,6 @@ pub struct Simulation {
     /// Counted in all time steps.
     #[serde(flatten)]
     pub work: Work,
-    /// How the seconds were taken.
-    pub timing: Timing,
-    /// Where the simulation comes from.
-    pub provenance: Provenance,
 }
 
 /// Every [`Simulation::status`] that a journal can hold.
@@ -171,16 +179,16 @@ impl Entry for Simulated {
     }
 
     fn counts(&self) -> Vec<(String, String)> {
-        let s = &self.simulation;
+        let Simulation { status, totals, .. } = &self.simulation;
         let steps = [
-            ("time_steps", s.time_steps),
-            ("missed_time_steps", s.missed_time_steps),
-            ("iterations", s.iterations),
+            ("time_steps", totals.time_steps),
+            ("missed_time_steps", totals.missed_time_steps),
+            ("iterations", totals.iterations),
         ];
-        let counts = steps.into_iter().chain(s.work.named());
+        let counts = steps.into_iter().chain(totals.work.named());
         // NaN is what it is, here.
         let rows = self.series.iter().map(|row| (format!("series at {} s", row.time_s), format!("{row:?}")));
-        named(&s.status, counts).into_iter().chain(rows).collect()
+        named(status, counts).into_iter().chain(rows).collect()
     }
 
     fn check(&self) -> Result<(), EntryError> {

@@ -5,7 +5,7 @@ use crate::plan::rules::Rule;
 use crate::problems::case::read_case;
 use crate::problems::files::Root;
 use crate::run::simulation::row;
-use crate::run::through_time::{End, Seen, Totals, through_time};
+use crate::run::through_time::{End, Seen, missed, through_time};
 use crate::run::vtk::Frames;
 use crate::terminal::exit;
 use crate::terminal::interrupt;
@@ -15,6 +15,7 @@ use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
 use indicatif::ProgressBar;
 use results::simulation::Observed;
+use results::simulation::Totals;
 use runner::Stop;
 use serde_json::json;
 use std::fs::File;
@@ -102,10 +103,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
             "last_state": last_state,
             "last_time_step": kept.reached,
         });
-        say(format_args!("{}", merged(object, totals.to_json())))?;
+        say(format_args!("{}", merged(object, serde_json::to_value(totals)?)))?;
     } else {
         kept.say(args)?;
-        say_ending(&case.name, args, &totals, totals.missed(&stop), &end, last_state)?;
+        say_ending(&case.name, args, &totals, missed(&totals, &stop), &end, last_state)?;
     }
     Ok(exit::code(end.status()))
 }

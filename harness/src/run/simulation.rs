@@ -54,15 +54,7 @@ pub(crate) fn run(wanted: &Wanted, conditions: &Conditions) -> Result<Option<Sim
         status: end.status().to_owned(),
         reason: end.reason().to_owned(),
         last_state,
-        time_steps: totals.time_steps,
-        missed_time_steps: totals.missed,
-        diverged_time_steps: totals.diverged,
-        infeasible_time_steps: totals.infeasible,
-        restarted_time_steps: totals.restarted,
-        iterations: totals.iterations,
-        setup_s: totals.setup.as_secs_f64(),
-        iterating_s: totals.iterating.as_secs_f64(),
-        work: totals.work,
+        totals,
         timing: Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing },
         ..row
     };

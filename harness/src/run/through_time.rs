@@ -3,28 +3,9 @@
 use crate::plan::rules::Rule;
 use anyhow::Result;
 use cases::{CaseError, Frozen, March, Observables, TimeStep};
-use contact::{Solver, Work};
+use contact::Solver;
+use results::simulation::Totals;
 use runner::{Outcome, Status, Stop};
-use serde_json::{Value, json};
-use std::time::Duration;
-
-/// What all time steps took together.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Totals {
-    pub(crate) time_steps: u64,
-    /// Time steps that did not converge.
-    pub(crate) missed: u64,
-    /// Those of them whose solver diverged.
-    pub(crate) diverged: u64,
-    /// Those of them whose problem has no solution.
-    pub(crate) infeasible: u64,
-    /// Time steps that began from r = 0 because the one before had diverged or had no solution.
-    pub(crate) restarted: u64,
-    pub(crate) iterations: u64,
-    pub(crate) setup: Duration,
-    pub(crate) iterating: Duration,
-    pub(crate) work: Work,
-}
 
 /// A time step that was made.
 pub(crate) struct Seen<'a> {
@@ -72,8 +53,8 @@ pub(crate) fn through_time(
             Ok(made) => made,
             Err(error) => return Ok((totals, ended(error, k, time_step)?)),
         };
-        totals.add(&outcome);
-        totals.restarted += u64::from(failed && rule.warm_start);
+        add(&mut totals, &outcome);
+        totals.restarted_time_steps += u64::from(failed && rule.warm_start);
         failed = matches!(outcome.status, Status::Diverged | Status::Infeasible);
         let (outcome, observables) = (&outcome, &observables);
         see(&Seen { march, time_step: &time_step, outcome, observables, totals: &totals })?;
@@ -119,43 +100,27 @@ impl End {
     }
 }
 
-impl Totals {
-    fn add(&mut self, outcome: &Outcome) {
-        self.time_steps += 1;
-        self.missed += u64::from(outcome.status != Status::Converged);
-        self.diverged += u64::from(outcome.status == Status::Diverged);
-        self.infeasible += u64::from(outcome.status == Status::Infeasible);
-        self.iterations += outcome.iterations;
-        self.setup += outcome.setup;
-        self.iterating += outcome.iterating;
-        self.work += outcome.work;
-    }
+/// Adds a time step that was solved.
+fn add(totals: &mut Totals, outcome: &Outcome) {
+    totals.time_steps += 1;
+    totals.missed_time_steps += u64::from(outcome.status != Status::Converged);
+    totals.diverged_time_steps += u64::from(outcome.status == Status::Diverged);
+    totals.infeasible_time_steps += u64::from(outcome.status == Status::Infeasible);
+    totals.iterations += outcome.iterations;
+    totals.setup_s += outcome.setup.as_secs_f64();
+    totals.iterating_s += outcome.iterating.as_secs_f64();
+    totals.work += outcome.work;
+}
 
-    /// How many of the time steps did not converge to `stop`, in words; nothing if all did.
-    pub(crate) fn missed(&self, stop: &Stop) -> Option<String> {
-        let Self { time_steps, missed, diverged, infeasible, restarted, .. } = *self;
-        let Stop { on, tolerance, .. } = stop;
-        let mut text =
-            format!("{missed} of {time_steps} time steps did not converge to {on} ≤ {tolerance:e}");
-        if diverged + infeasible > 0 {
-            let of_these = format!(": {diverged} diverged, {infeasible} had no solution; ");
-            text = text + &of_these + &format!("{restarted} began from r = 0 after one of these");
-        }
-        (missed > 0).then_some(text)
+/// How many of the time steps did not converge to `stop`, in words; nothing if all did.
+pub(crate) fn missed(totals: &Totals, stop: &Stop) -> Option<String> {
+    let Totals { time_steps, missed_time_steps: missed, restarted_time_steps: restarted, .. } = *totals;
+    let (diverged, infeasible) = (totals.diverged_time_steps, totals.infeasible_time_steps);
+    let Stop { on, tolerance, .. } = stop;
+    let mut text = format!("{missed} of {time_steps} time steps did not converge to {on} ≤ {tolerance:e}");
+    if diverged + infeasible > 0 {
+        let of_these = format!(": {diverged} diverged, {infeasible} had no solution; ");
+        text = text + &of_these + &format!("{restarted} began from r = 0 after one of these");
     }
-
-    /// As JSON, with the names of the rows of studies.
-    pub(crate) fn to_json(self) -> Value {
-        json!({
-            "time_steps": self.time_steps,
-            "missed_time_steps": self.missed,
-            "diverged_time_steps": self.diverged,
-            "infeasible_time_steps": self.infeasible,
-            "restarted_time_steps": self.restarted,
-            "iterations": self.iterations,
-            "setup_s": self.setup.as_secs_f64(),
-            "iterating_s": self.iterating.as_secs_f64(),
-            "work": self.work,
-        })
-    }
+    (missed > 0).then_some(text)
 }

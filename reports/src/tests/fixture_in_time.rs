@@ -2,7 +2,7 @@
 
 use crate::read;
 use crate::tests::fixture;
-use results::simulation::{Observed, Simulated, Simulation};
+use results::simulation::{Observed, Simulated, Simulation, Totals};
 
 /// A simulation of `box` by `nsgs` with a mean diameter of 0.1 m and 10 kg, 1 s long with rows of 0.1 s; it lies still at a
 /// height of 1 m and presses on the floor.
@@ -26,10 +26,13 @@ pub(crate) fn simulated(role: &str, time_step_s: f64, tolerance: f64) -> Simulat
         tolerance,
         max_iterations: 100,
         status: "completed".into(),
-        time_steps,
-        iterations: 7 * time_steps,
-        setup_s: 0.1,
-        iterating_s: 1e-3 / tolerance,
+        totals: Totals {
+            time_steps,
+            iterations: 7 * time_steps,
+            setup_s: 0.1,
+            iterating_s: 1e-3 / tolerance,
+            ..Totals::default()
+        },
         timing: fixture::run(0, "nsgs", "", "converged").timing,
         provenance: fixture::run(0, "nsgs", "", "converged").provenance,
         ..Simulation::default()

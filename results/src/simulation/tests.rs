@@ -29,15 +29,17 @@ fn simulated(number: u32) -> Simulated {
         status: "exploded".into(),
         reason: "exploded in time step 7".into(),
         last_state: "last-states/7.json".into(),
-        time_steps: 6,
-        missed_time_steps: 2,
-        diverged_time_steps: 1,
-        infeasible_time_steps: 1,
-        restarted_time_steps: 1,
-        iterations: 60,
-        setup_s: 0.1,
-        iterating_s: 0.2,
-        work: Work { contact_updates: 1, interface_values: 5, ..Work::default() },
+        totals: Totals {
+            time_steps: 6,
+            missed_time_steps: 2,
+            diverged_time_steps: 1,
+            infeasible_time_steps: 1,
+            restarted_time_steps: 1,
+            iterations: 60,
+            setup_s: 0.1,
+            iterating_s: 0.2,
+            work: Work { contact_updates: 1, interface_values: 5, ..Work::default() },
+        },
         timing: row.timing,
         provenance: row.provenance,
     };
@@ -87,7 +89,10 @@ fn journals_from_before_failed_time_steps_were_counted_are_read() {
     }
     std::fs::write(root.path().join("journal.jsonl"), format!("{line}\n")).unwrap();
     let read: Vec<Simulated> = records_of(root.path(), &["nsgs", "cg"]).unwrap();
-    assert_eq!((read[0].simulation.missed_time_steps, read[0].simulation.diverged_time_steps), (2, 0));
+    assert_eq!(
+        (read[0].simulation.totals.missed_time_steps, read[0].simulation.totals.diverged_time_steps),
+        (2, 0)
+    );
 }
 
 #[test]
