@@ -14,13 +14,13 @@ pub(crate) fn sample(iteration: u64, zeta: f64, natural_map: f64) -> Sample {
         zeta,
         natural_map,
         penetration_rate: natural_map,
-        worst_contact: None,
         quad_dv: natural_map,
         max_dv: natural_map,
         velocity_error: natural_map,
         energy_gap: natural_map * natural_map,
         velocity_jump: 0.0,
         energy: -1.0,
+        ..Measures::default()
     };
     let work = Work { contact_updates: 40 * iteration, delassus_products: 2 * iteration, ..Work::default() };
     Sample { iteration, iterating_s: 1e-4 * iteration as f64, measures, work }
