@@ -3,6 +3,7 @@
 //!
 //! Equation numbers are those of Iceta, Dureisseix, Alart, Giens 2009, hal-00413720. No method of the line-up lives here.
 
+pub mod adjacency;
 mod convergence;
 pub mod interface;
 pub mod law;
@@ -16,6 +17,7 @@ pub mod sweep;
 pub mod threads;
 pub mod truth;
 
+pub use adjacency::{Adjacency, greedy_colours};
 pub use interface::{Iteration, SetupError, Solver, Work, shown};
 pub use measures::{Measure, Measures, Meter};
 pub use problem::{Contact, ContactProblem, ProblemError};

@@ -21,8 +21,8 @@ pub(crate) struct Row {
 pub(crate) struct Share {
     /// M_i/m_i (kg).
     pub(crate) mass: f64,
-    /// Whether other subdomains have a part of it.
-    pub(crate) boundary: bool,
+    /// m_i: how many subdomains have a part of it.
+    pub(crate) copies: f64,
     /// V_free (m/s).
     pub(crate) free_velocity: Vector2<f64>,
 }
@@ -43,10 +43,11 @@ impl Row {
     }
 }
 
-/// Local indices of the grains that touch.
-pub(crate) fn pairs(subdomain: &Subdomain) -> Vec<(u32, u32)> {
-    let ends = subdomain.candidate.iter().zip(&subdomain.antagonist);
-    ends.filter_map(|(i, j)| Some((*i, (*j)?))).collect()
+impl Share {
+    /// Whether other subdomains have a part of the grain.
+    pub(crate) fn on_boundary(&self) -> bool {
+        self.copies > 1.0
+    }
 }
 
 pub(crate) fn rows(problem: &ContactProblem, subdomain: &Subdomain, position: &[u32]) -> Vec<Row> {
@@ -54,11 +55,12 @@ pub(crate) fn rows(problem: &ContactProblem, subdomain: &Subdomain, position: &[
     (0..subdomain.contacts.len())
         .map(|k| {
             let contact = problem.contacts()[subdomain.contacts[k] as usize];
+            let (candidate, antagonist) = subdomain.ends[k];
             let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
             let w = inverse_mass(contact.candidate) + contact.antagonist.map_or(0.0, inverse_mass);
             Row {
-                candidate: place(subdomain.candidate[k]),
-                antagonist: subdomain.antagonist[k].map_or(position.len() as u32, place),
+                candidate: place(candidate),
+                antagonist: antagonist.map_or(position.len() as u32, place),
                 normal: contact.normal,
                 offset: contact.offset,
                 mass: 1.0 / w,
@@ -79,10 +81,10 @@ pub(crate) fn shares(
         .zip(&subdomain.grains)
         .map(|(place, grain)| {
             let grain = *grain as usize;
-            let multiplicity = decomposition.multiplicity[grain];
-            let mass = problem.mass()[grain] / f64::from(multiplicity);
+            let copies = f64::from(decomposition.multiplicity[grain]);
+            let mass = problem.mass()[grain] / copies;
             let free_velocity = problem.free_velocity()[grain];
-            (*place, Share { mass, boundary: multiplicity > 1, free_velocity })
+            (*place, Share { mass, copies, free_velocity })
         })
         .collect();
     shares.sort_by_key(|(place, _)| *place);
@@ -97,7 +99,7 @@ pub(crate) fn matrix(
 ) -> Vec<Triplet<usize, usize, f64>> {
     let mut upper = Vec::with_capacity(3 * shares.len() + 10 * rows.len());
     for (place, share) in shares.iter().enumerate() {
-        let d_minus = if share.boundary { directions.d_minus * share.mass } else { 0.0 };
+        let d_minus = if share.on_boundary() { directions.d_minus * share.mass } else { 0.0 };
         let (x, y) = (2 * place, 2 * place + 1);
         let mass = share.mass + d_minus;
         upper.extend([Triplet::new(x, x, mass), Triplet::new(x, y, 0.0), Triplet::new(y, y, mass)]);

@@ -1,6 +1,6 @@
 //! One subdomain: its linear stage (1) (4) (5), and the local stage (2) (6) of its contacts.
 
-use crate::assembly::{Row, Share, matrix, pairs, rows, shares};
+use crate::assembly::{Row, Share, matrix, rows, shares};
 use crate::directions::Directions;
 use crate::factor::{Factor, Singular, Structure};
 use contact::{ContactProblem, SetupError, law};
@@ -26,6 +26,10 @@ pub(crate) struct Latin {
     right_hand_side: Vec<Vector2<f64>>,
     /// V_E of the linear stage, and the rest of the walls, last (m/s).
     velocity: Vec<Vector2<f64>>,
+    /// Its copies of boundary grains.
+    pub(crate) boundary: Vec<u32>,
+    /// Greatest |V_E − V̄| of these after the linear stage (m/s).
+    pub(crate) velocity_jump: f64,
 }
 
 /// r and v of a contact, or F and V of a boundary grain along one axis, after the linear stage, each with the sizes of the
@@ -50,14 +54,14 @@ impl Latin {
         start: &[Vector2<f64>],
     ) -> Result<Self, SetupError> {
         let subdomain = &decomposition.subdomains[e];
-        let structure = Structure::new(subdomain.grains.len(), &pairs(subdomain)).map_err(too_large)?;
+        let pairs: Vec<_> = subdomain.ends.iter().filter_map(|(i, j)| Some((*i, (*j)?))).collect();
+        let structure = Structure::new(subdomain.grains.len(), &pairs).map_err(too_large)?;
         let rows = rows(problem, subdomain, structure.position());
         let shares = shares(problem, decomposition, subdomain, structure.position());
         let factor = structure.factorise(&matrix(&rows, &shares, directions)).map_err(too_large)?;
         let grains = shares.len();
         let mut latin = Self {
             directions: *directions,
-            structure,
             factor,
             constant: Vec::new(),
             t: vec![0.0; rows.len()],
@@ -65,6 +69,9 @@ impl Latin {
             tau: vec![Vector2::zeros(); grains],
             right_hand_side: vec![Vector2::zeros(); grains + 1],
             velocity: vec![Vector2::zeros(); grains + 1],
+            boundary: subdomain.boundary.iter().map(|local| structure.position()[*local as usize]).collect(),
+            velocity_jump: 0.0,
+            structure,
             rows,
             shares,
         };
@@ -95,7 +102,7 @@ impl Latin {
         for (((tau, share), f_hat), v) in
             self.tau.iter_mut().zip(&self.shares).zip(&f_hat).zip(&self.velocity)
         {
-            if share.boundary {
+            if share.on_boundary() {
                 *tau = f_hat + d_minus * share.mass * v;
             }
         }
@@ -128,7 +135,7 @@ impl Latin {
         }
         let change = directions.d_minus - self.directions.d_minus;
         for ((tau, share), v) in self.tau.iter_mut().zip(&self.shares).zip(&self.velocity) {
-            if share.boundary {
+            if share.on_boundary() {
                 *tau += change * share.mass * v;
             }
         }
@@ -148,6 +155,7 @@ impl Latin {
     /// With v = H_Eᵗ V_E + c and r = t − l⁻ v of the linear stage, contact by contact:
     /// s = r − l⁺ v :  r̂ = max(s, 0),  v̂ = max(−s, 0)/l⁺     (2) (6);   t ← t + μ (r̂ + l⁻ v̂ − t)
     pub(crate) fn local_stage(&mut self, relaxation: f64) {
+        self.velocity_jump = 0.0;
         let Directions { l_minus, l_plus, .. } = self.directions;
         self.right_hand_side.copy_from_slice(&self.constant);
         for ((row, t), r_hat) in self.rows.iter().zip(&mut self.t).zip(&mut self.r_hat) {
@@ -159,23 +167,28 @@ impl Latin {
         }
     }
 
-    /// F̂_E = τ − d⁻ V_E + d⁺ (V̂ − V_E) of `copies` of boundary grains (local index, place in `v_hat`);
-    /// τ ← τ + μ (F̂_E + d⁻ V̂ − τ)     (3) (7)
-    pub(crate) fn glue(&mut self, copies: &[(u32, u32)], v_hat: &[Vector2<f64>], relaxation: f64) {
-        for (local, k) in copies {
-            let (place, v_hat) = (self.place(*local), v_hat[*k as usize]);
-            let (v, mass) = (self.velocity[place], self.shares[place].mass);
-            let (d_minus, d_plus) = (self.directions.d_minus * mass, self.directions.d_plus * mass);
-            let tau = &mut self.tau[place];
-            let f_hat = *tau - d_minus * v + d_plus * (v_hat - v);
-            *tau += relaxation * (f_hat + d_minus * v_hat - *tau);
-        }
+    /// What copy k of a boundary grain adds to the sums over the copies, (d⁺ + d⁻) V_E − τ = d⁺ V_E − F_E (N·s) and V_E/m_i (m/s).
+    pub(crate) fn part(&self, k: usize) -> Matrix2<f64> {
+        let (v, tau, share) = self.copy(k);
+        let (d_minus, d_plus) = (self.directions.d_minus * share.mass, self.directions.d_plus * share.mass);
+        Matrix2::from_columns(&[(d_plus + d_minus) * v - tau, v / share.copies])
     }
 
-    /// V_E (m/s), τ (N·s) and M_i/m_i (kg) of a grain, by its index in the subdomain.
-    pub(crate) fn boundary(&self, local: u32) -> (Vector2<f64>, Vector2<f64>, f64) {
-        let place = self.place(local);
-        (self.velocity[place], self.tau[place], self.shares[place].mass)
+    /// Local stage of a boundary grain in copy k, with F_E = τ − d⁻ V_E:
+    /// V̂ = Σ_E (d⁺ V_E − F_E) / Σ_E d⁺,   F̂_E = F_E + d⁺ (V̂ − V_E);   τ ← τ + μ (F̂_E + d⁻ V̂ − τ)     (3) (7)
+    pub(crate) fn interface(&mut self, k: usize, sum: &Matrix2<f64>, relaxation: f64) {
+        let (v, tau, share) = self.copy(k);
+        let (d_minus, d_plus) = (self.directions.d_minus * share.mass, self.directions.d_plus * share.mass);
+        let v_hat = sum.column(0) / (d_plus * share.copies);
+        let f_hat = tau - d_minus * v + d_plus * (v_hat - v);
+        self.velocity_jump = self.velocity_jump.max((v - sum.column(1)).norm());
+        self.tau[self.boundary[k] as usize] += relaxation * (f_hat + d_minus * v_hat - tau);
+    }
+
+    /// V_E (m/s), τ (N·s) and the share of copy k of a boundary grain.
+    pub(crate) fn copy(&self, k: usize) -> (Vector2<f64>, Vector2<f64>, &Share) {
+        let place = self.boundary[k] as usize;
+        (self.velocity[place], self.tau[place], &self.shares[place])
     }
 
     /// r and v of each contact, and F and V of each boundary grain, after the linear stage.
@@ -193,7 +206,7 @@ impl Latin {
             of(row.mass, l_minus, *t, v, size(row.candidate) + size(row.antagonist) + row.offset.abs())
         });
         let grains = self.shares.iter().zip(&self.tau).zip(&self.velocity);
-        let boundary = grains.filter(|((share, _), _)| share.boundary).flat_map(move |((share, tau), v)| {
+        let boundary = grains.filter(|((share, _), _)| share.on_boundary()).flat_map(move |((share, tau), v)| {
             [(tau.x, v.x), (tau.y, v.y)].map(|(tau, v)| of(share.mass, d_minus, tau, v, v.abs()))
         });
         contacts.chain(boundary)

@@ -5,5 +5,5 @@ mod order;
 mod sweep;
 
 pub use jacobi::Jacobi;
-pub use order::{Order, colours};
+pub use order::Order;
 pub use sweep::Nsgs;

@@ -30,8 +30,10 @@ struct Block<C> {
     columns: Vec<ScaledContact>,
     unit: Vec<f64>,
     states: Vec<C>,
-    /// M^-½ H p, in local indices; of grains that blocks share, each has the sum after it has been assembled.
+    /// M^-½ H p, in local indices; of grains that blocks share, each has the sum after it has been received.
     y: Vec<Vector2<f64>>,
+    /// Local indices of those grains.
+    boundary: Vec<u32>,
     /// 1 over the number of blocks that have the grain.
     share: Vec<f64>,
     /// What the block adds to the sum that the last pass was for.
@@ -57,6 +59,7 @@ impl<C: Send + Sync> Product<C> {
             Block {
                 states: each.map(|(contact, unit)| state(*contact as usize, *unit)).collect(),
                 y: vec![Vector2::zeros(); subdomain.grains.len()],
+                boundary: subdomain.boundary.clone(),
                 share: layout.shares(subdomain),
                 part: 0.0,
                 contacts,
@@ -70,23 +73,21 @@ impl<C: Send + Sync> Product<C> {
 
     /// First half of the product, y = M^-½ H p: `p` gives the p of each contact. Returns pᵗ p.
     pub fn push(&mut self, p: impl Fn(&mut C) -> f64 + Sync) -> f64 {
-        self.layout.show_after(&mut self.blocks, |block| {
-            Arch::new().dispatch(|| block.push(&p));
-            &mut block.y
-        });
+        let make = |block: &mut Block<C>| Arch::new().dispatch(|| block.push(&p));
+        self.layout.send_after(&mut self.blocks, make, Block::shared);
         self.sum()
     }
 
     /// Second half: `take` is given (W p)_α of each contact.
     pub fn pull(&mut self, take: impl Fn(&mut C, f64) + Sync) {
         let make = |block: &mut Block<C>| Arch::new().dispatch(|| block.pull(&take));
-        self.layout.assemble_before(&mut self.blocks, |block| &mut block.y, make);
+        self.layout.receive_before(&mut self.blocks, Block::shared, make);
     }
 
     /// pᵗ W p = |y|² of the p last pushed, without the second half.
     pub fn curvature(&mut self) -> f64 {
         let make = |block: &mut Block<C>| Arch::new().dispatch(|| block.square());
-        self.layout.assemble_before(&mut self.blocks, |block| &mut block.y, make);
+        self.layout.receive_before(&mut self.blocks, Block::shared, make);
         self.sum()
     }
 
@@ -111,6 +112,11 @@ impl<C: Send + Sync> Product<C> {
 }
 
 impl<C> Block<C> {
+    /// y of the k-th of the grains that it shares.
+    fn shared(&mut self, k: usize) -> &mut Vector2<f64> {
+        &mut self.y[self.boundary[k] as usize]
+    }
+
     #[inline(always)]
     fn push(&mut self, p: &impl Fn(&mut C) -> f64) {
         self.y.fill(Vector2::zeros());
