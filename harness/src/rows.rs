@@ -6,7 +6,7 @@ use crate::problems::Problem;
 use crate::study::{Study, Task};
 use crate::truth::Given;
 use cases::Frozen;
-use contact::{Meter, Outcome, Truth, Work};
+use contact::{Adjacency, Contact, Meter, Outcome, Truth, Work};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Timing};
@@ -213,18 +213,15 @@ fn ends(frozen: &Frozen, contact: usize) -> (Vector2<f64>, Vector2<f64>) {
 
 /// The subdomain with most of each grain's contacts, the first among equals.
 fn subdomain_of_grains(frozen: &Frozen, partition: &Partition) -> Vec<Option<u32>> {
-    let mut of_grain: Vec<Vec<u32>> = vec![Vec::new(); frozen.problem.grain_count()];
-    for (contact, subdomain) in frozen.problem.contacts().iter().zip(&partition.subdomain) {
-        of_grain[contact.candidate as usize].push(*subdomain);
-        if let Some(j) = contact.antagonist {
-            of_grain[j as usize].push(*subdomain);
-        }
-    }
-    let most = |subdomains: &Vec<u32>| {
-        let count = |e: u32| subdomains.iter().filter(|other| **other == e).count();
-        subdomains.iter().copied().max_by_key(|e| (count(*e), std::cmp::Reverse(*e)))
+    let problem = &frozen.problem;
+    let adjacency = Adjacency::new(problem.contacts().iter().map(Contact::ends), problem.grain_count());
+    let most = |grain: usize| {
+        let subdomains =
+            || adjacency.around(grain).iter().map(|contact| partition.subdomain[*contact as usize]);
+        let count = |e: u32| subdomains().filter(|other| *other == e).count();
+        subdomains().max_by_key(|e| (count(*e), std::cmp::Reverse(*e)))
     };
-    of_grain.iter().map(most).collect()
+    (0..problem.grain_count()).map(most).collect()
 }
 
 /// A setting of a variant, where its method has one of that name and type.

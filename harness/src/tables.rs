@@ -4,6 +4,7 @@ use crate::inputs::Root;
 use crate::rows::{given_row, partitions, scene_rows};
 use crate::study::{Study, by_id};
 use anyhow::Result;
+use partition::Partition;
 use results::journal::Record;
 use results::schema::{Provenance, Run, Sample, Snapshot};
 use results::store::Tables;
@@ -53,7 +54,7 @@ pub(crate) fn tables(
         let impulses = problem.known(root)?.impulses();
         for (name, grid, scheme) in &partitions {
             // Runs with a partition that does not fit the problem were skipped.
-            if let Ok(partition) = scheme.partition(&problem.frozen.problem, *grid) {
+            if let Ok(partition) = Partition::of_contacts(&problem.frozen.problem, *scheme, *grid) {
                 let (g, c) = scene_rows(&problem.frozen, name, &partition, impulses);
                 grains.extend(g);
                 contacts.extend(c);

@@ -7,7 +7,7 @@ use crate::directions::Directions;
 use crate::subdomain::Latin;
 use contact::{ContactProblem, Iteration, SetupError, Work, together};
 use nalgebra::{Matrix2, Vector2};
-use partition::{CopySums, Decomposition};
+use partition::{CopySums, Decomposition, Partition};
 use rayon::prelude::*;
 
 /// What a stage takes per contact, about (ns).
@@ -97,8 +97,9 @@ impl Run<'_> {
     /// Multiply-adds of the longest subdomain: eight per contact, one per entry of its factor in each pass, one per value
     /// exchanged; and the coarse problem, which waits for all.
     fn critical_path(&self) -> usize {
-        let work =
-            |latin: &Latin| 8 * latin.impulses().len() + 2 * latin.factor_entries() + 2 * latin.boundary.len();
+        let work = |latin: &Latin| {
+            8 * latin.impulses().len() + 2 * latin.factor_entries() + 2 * latin.boundary.len()
+        };
         let longest = self.subdomains.iter().map(work).max().unwrap_or(0);
         longest + self.coarse.as_ref().map_or(0, Coarse::entries)
     }
@@ -143,7 +144,7 @@ impl LatinDd {
         directions: Directions,
         r0: &[f64],
     ) -> Result<Run<'p>, SetupError> {
-        let partition = self.partition.partition(problem, self.subdomains)?;
+        let partition = Partition::of_contacts(problem, self.partition, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
         let mut start = vec![Vector2::zeros(); problem.grain_count()];
         problem.velocity(r0, &mut start);

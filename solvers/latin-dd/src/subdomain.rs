@@ -206,9 +206,10 @@ impl Latin {
             of(row.mass, l_minus, *t, v, size(row.candidate) + size(row.antagonist) + row.offset.abs())
         });
         let grains = self.shares.iter().zip(&self.tau).zip(&self.velocity);
-        let boundary = grains.filter(|((share, _), _)| share.on_boundary()).flat_map(move |((share, tau), v)| {
-            [(tau.x, v.x), (tau.y, v.y)].map(|(tau, v)| of(share.mass, d_minus, tau, v, v.abs()))
-        });
+        let boundary =
+            grains.filter(|((share, _), _)| share.on_boundary()).flat_map(move |((share, tau), v)| {
+                [(tau.x, v.x), (tau.y, v.y)].map(|(tau, v)| of(share.mass, d_minus, tau, v, v.abs()))
+            });
         contacts.chain(boundary)
     }
 

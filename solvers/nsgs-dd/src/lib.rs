@@ -8,7 +8,7 @@ mod subdomain;
 
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work, greedy_colours};
 use nalgebra::Vector2;
-use partition::{CopySums, Decomposition, Grid, Scheme, Subdomain};
+use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -142,7 +142,7 @@ impl Solver for NsgsDd {
             return Err(SetupError::new("inner_sweeps", 0, "at least 1"));
         }
         SetupError::unless_positive("relaxation", self.relaxation)?;
-        let partition = self.partition.partition(problem, self.subdomains)?;
+        let partition = Partition::of_contacts(problem, self.partition, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
         let Decomposition { subdomains, multiplicity, .. } = &decomposition;
         let inverse_mass = |grain: u32| {

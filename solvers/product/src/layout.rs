@@ -3,7 +3,7 @@
 use contact::scaled::{ScaledContact, inverse_masses};
 use contact::{ContactProblem, SetupError, together};
 use nalgebra::Vector2;
-use partition::{CopySums, Decomposition, Grid, Scheme, Subdomain};
+use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain};
 use rayon::prelude::*;
 
 /// The contacts of a problem cut into blocks, which meet between two passes only, at the grains that they share. They are for
@@ -35,7 +35,7 @@ impl Layout {
     /// Where the contacts cannot be cut into blocks: there is no such problem.
     pub fn new(problem: &ContactProblem) -> Result<Self, SetupError> {
         let contacts = problem.contact_count();
-        let partition = Scheme::Balanced.partition(problem, grid(contacts))?;
+        let partition = Partition::of_contacts(problem, Scheme::Balanced, grid(contacts))?;
         let decomposition = Decomposition::new(problem, &partition);
         Ok(Self { sums: CopySums::new(&decomposition), decomposition, contacts })
     }
