@@ -75,24 +75,25 @@ fn balanced_subdomains_differ_by_one_contact() {
     assert!(counts.iter().max().unwrap() - counts.iter().min().unwrap() <= 1, "{counts:?}");
 }
 
-/// Gluing, eq. (3): V̄ = Σ_E V_E/m_i, by the sums over the copies and over 1 of each. Returns the greatest |V_E − V̄|.
-fn glue(sums: &mut CopySums<Vector3<f64>>, subdomains: &mut [(&Subdomain, Vec<Vector2<f64>>)]) -> f64 {
-    let mut jumps = vec![0.0_f64; subdomains.len()];
-    let mut glued: Vec<_> = subdomains.iter_mut().zip(&mut jumps).collect();
-    let value = |((e, velocity), _): &mut (&mut (&Subdomain, Vec<Vector2<f64>>), &mut f64), k: usize| {
-        velocity[e.boundary[k] as usize].push(1.0)
-    };
-    sums.send(&mut glued, 0, |_| (), value);
-    let take = |((e, velocity), jump): &mut (&mut (&Subdomain, Vec<Vector2<f64>>), &mut f64),
-                k: usize,
-                sum: Vector3<f64>| {
-        let v = &mut velocity[e.boundary[k] as usize];
-        let mean = sum.xy() / sum.z;
-        **jump = jump.max((*v - mean).norm());
-        *v = mean;
-    };
-    sums.receive(&mut glued, 0, take, |_| ());
-    jumps.into_iter().fold(0.0, f64::max)
+/// A subdomain with the velocities of its grains, and the greatest |V_E − V̄| of its copies.
+type Moving<'d> = (&'d Subdomain, Vec<Vector2<f64>>, f64);
+
+/// Gluing, eq. (3): V̄ = Σ_E V_E/m_i, by the sums of V_E and of 1 over the copies. Returns the greatest |V_E − V̄|.
+fn glue(sums: &mut CopySums<Vector3<f64>>, subdomains: &mut [Moving]) -> f64 {
+    sums.send(subdomains, 0, |(e, velocity, _), sent| {
+        for (local, sent) in e.boundary.iter().zip(sent) {
+            *sent = velocity[*local as usize].push(1.0);
+        }
+    });
+    sums.receive(subdomains, 0, |(e, velocity, jump), sums| {
+        *jump = 0.0;
+        for (local, sum) in e.boundary.iter().zip(sums) {
+            let (v, mean) = (&mut velocity[*local as usize], sum.xy() / sum.z);
+            *jump = jump.max((*v - mean).norm());
+            *v = mean;
+        }
+    });
+    subdomains.iter().map(|(_, _, jump)| *jump).fold(0.0, f64::max)
 }
 
 /// From V̄ = `V_free` + M⁻¹ H r, each copy takes the change of its own subdomain's impulses on its share of the mass.
@@ -130,11 +131,12 @@ fn glued_copies_move_at_the_velocity_of_the_whole_problem() {
             }
         }
     }
-    let mut subdomains: Vec<_> = decomposition.subdomains.iter().zip(velocity).collect();
+    let subdomains = decomposition.subdomains.iter().zip(velocity);
+    let mut subdomains: Vec<Moving> = subdomains.map(|(e, velocity)| (e, velocity, 0.0)).collect();
     let mut sums = CopySums::new(&decomposition);
     let jump = glue(&mut sums, &mut subdomains);
     assert!(jump > 0.1, "there was something to glue: {jump} m/s");
-    for (e, velocity) in &subdomains {
+    for (e, velocity, _) in &subdomains {
         for (grain, v) in e.grains.iter().zip(velocity) {
             // Velocities are of the order of 1 m/s.
             assert!((v - after[*grain as usize]).norm() < 1e-13);

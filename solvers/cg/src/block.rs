@@ -109,13 +109,13 @@ impl Block {
         self.parts = Arch::new().dispatch(Dispatched(self, pass));
     }
 
-    /// What blocks have in common of the k-th grain that it shares, after the pass or before it.
-    pub(crate) fn shared(&mut self, pass: Pass, k: usize) -> &mut Vector2<f64> {
-        let grain = self.boundary[k] as usize;
-        match pass {
-            Pass::Step { .. } | Pass::Correct | Pass::Whole | Pass::Afresh => &mut self.change[grain],
-            Pass::Turn { .. } | Pass::Curvature => &mut self.y[grain],
-        }
+    /// The grains that blocks share, and what they have in common of the grains after the pass or before it.
+    pub(crate) fn shared(&mut self, pass: Pass) -> (&[u32], &mut [Vector2<f64>]) {
+        let shared = match pass {
+            Pass::Step { .. } | Pass::Correct | Pass::Whole | Pass::Afresh => &mut self.change,
+            Pass::Turn { .. } | Pass::Curvature => &mut self.y,
+        };
+        (&self.boundary, shared)
     }
 
     /// What the block adds to the sums that the last pass was for.

@@ -14,7 +14,7 @@ mod block;
 use block::{Block, Pass};
 use contact::spectrum::{delassus_bound, eigenvalue_bound};
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
-use product::{Layout, Subdomain};
+use product::{Layout, Subdomain, send_of, take_sums};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -68,17 +68,21 @@ impl Run {
     /// One pass over all blocks, each of which then sends what it has of the grains it shares; returns the sums over the blocks,
     /// which no number of threads changes.
     fn send_after(&mut self, pass: Pass) -> [f64; 2] {
-        self.layout.send_after(&mut self.blocks, |block| block.make(pass), |block, k| block.shared(pass, k));
+        self.layout.send(&mut self.blocks, |block, sent| {
+            block.make(pass);
+            let (places, shared) = block.shared(pass);
+            send_of(places, shared, sent);
+        });
         self.sums()
     }
 
     /// The same, but each block first takes the sums of what all have sent.
     fn receive_before(&mut self, pass: Pass) -> [f64; 2] {
-        self.layout.receive_before(
-            &mut self.blocks,
-            |block, k| block.shared(pass, k),
-            |block| block.make(pass),
-        );
+        self.layout.receive(&mut self.blocks, |block, sums| {
+            let (places, shared) = block.shared(pass);
+            take_sums(places, shared, sums);
+            block.make(pass);
+        });
         self.sums()
     }
 

@@ -22,7 +22,7 @@ pub struct Run<'p> {
     relaxation: f64,
     pub(crate) coarse: Option<Coarse>,
     balance: Option<Balance>,
-    /// Of what [`Latin::part`] is of each copy of a boundary grain.
+    /// Of what [`Latin::send`] gives for each copy of a boundary grain.
     sums: CopySums<Matrix2<f64>>,
     iterations: u64,
     work: Work,
@@ -79,9 +79,11 @@ impl Run<'_> {
     pub fn local_stage(&mut self) {
         let (nanoseconds, relaxation) = (self.nanoseconds(), self.relaxation);
         let Self { subdomains, sums, .. } = self;
-        let local_stage = |latin: &mut Latin| latin.local_stage(relaxation);
-        sums.send(subdomains, nanoseconds, local_stage, |latin, k| latin.part(k));
-        sums.receive(subdomains, 0, |latin, k, sum| latin.interface(k, &sum, relaxation), |_| ());
+        sums.send(subdomains, nanoseconds, |latin, sent| {
+            latin.local_stage(relaxation);
+            latin.send(sent);
+        });
+        sums.receive(subdomains, 0, |latin, sums| latin.interface(relaxation, sums));
     }
 
     pub(crate) fn in_subdomains(&mut self, stage: impl Fn(&mut Latin) + Sync + Send) {

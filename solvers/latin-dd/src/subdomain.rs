@@ -5,7 +5,7 @@ use crate::directions::Directions;
 use crate::factor::{Factor, Singular, Structure};
 use contact::{ContactProblem, SetupError, law};
 use nalgebra::{Matrix2, Vector2};
-use partition::Decomposition;
+use partition::{Decomposition, Sums};
 
 /// A subdomain between two local stages. Grains are in the order of the factor.
 pub(crate) struct Latin {
@@ -155,7 +155,6 @@ impl Latin {
     /// With v = H_Eᵗ V_E + c and r = t − l⁻ v of the linear stage, contact by contact:
     /// s = r − l⁺ v :  r̂ = max(s, 0),  v̂ = max(−s, 0)/l⁺     (2) (6);   t ← t + μ (r̂ + l⁻ v̂ − t)
     pub(crate) fn local_stage(&mut self, relaxation: f64) {
-        self.velocity_jump = 0.0;
         let Directions { l_minus, l_plus, .. } = self.directions;
         self.right_hand_side.copy_from_slice(&self.constant);
         for ((row, t), r_hat) in self.rows.iter().zip(&mut self.t).zip(&mut self.r_hat) {
@@ -167,22 +166,28 @@ impl Latin {
         }
     }
 
-    /// What copy k of a boundary grain adds to the sums over the copies, (d⁺ + d⁻) V_E − τ = d⁺ V_E − F_E (N·s) and V_E/m_i (m/s).
-    pub(crate) fn part(&self, k: usize) -> Matrix2<f64> {
-        let (v, tau, share) = self.copy(k);
-        let (d_minus, d_plus) = (self.directions.d_minus * share.mass, self.directions.d_plus * share.mass);
-        Matrix2::from_columns(&[(d_plus + d_minus) * v - tau, v / share.copies])
+    /// What its copies of boundary grains add to the sums over all copies: (d⁺ + d⁻) V_E − τ = d⁺ V_E − F_E (N·s) and V_E/m_i
+    /// (m/s).
+    pub(crate) fn send(&self, sent: &mut [Matrix2<f64>]) {
+        for (k, sent) in sent.iter_mut().enumerate() {
+            let (v, tau, Share { mass, copies, .. }) = self.copy(k);
+            let (d_minus, d_plus) = (self.directions.d_minus * mass, self.directions.d_plus * mass);
+            *sent = Matrix2::from_columns(&[(d_plus + d_minus) * v - tau, v / *copies]);
+        }
     }
 
-    /// Local stage of a boundary grain in copy k, with F_E = τ − d⁻ V_E:
+    /// Local stage of the boundary grains, with F_E = τ − d⁻ V_E:
     /// V̂ = Σ_E (d⁺ V_E − F_E) / Σ_E d⁺,   F̂_E = F_E + d⁺ (V̂ − V_E);   τ ← τ + μ (F̂_E + d⁻ V̂ − τ)     (3) (7)
-    pub(crate) fn interface(&mut self, k: usize, sum: &Matrix2<f64>, relaxation: f64) {
-        let (v, tau, share) = self.copy(k);
-        let (d_minus, d_plus) = (self.directions.d_minus * share.mass, self.directions.d_plus * share.mass);
-        let v_hat = sum.column(0) / (d_plus * share.copies);
-        let f_hat = tau - d_minus * v + d_plus * (v_hat - v);
-        self.velocity_jump = self.velocity_jump.max((v - sum.column(1)).norm());
-        self.tau[self.boundary[k] as usize] += relaxation * (f_hat + d_minus * v_hat - tau);
+    pub(crate) fn interface(&mut self, relaxation: f64, sums: Sums<'_, Matrix2<f64>>) {
+        self.velocity_jump = 0.0;
+        for (k, sum) in sums.enumerate() {
+            let (v, tau, Share { mass, copies, .. }) = self.copy(k);
+            let (d_minus, d_plus) = (self.directions.d_minus * mass, self.directions.d_plus * mass);
+            let v_hat = sum.column(0) / (d_plus * copies);
+            let f_hat = tau - d_minus * v + d_plus * (v_hat - v);
+            self.velocity_jump = self.velocity_jump.max((v - sum.column(1)).norm());
+            self.tau[self.boundary[k] as usize] += relaxation * (f_hat + d_minus * v_hat - tau);
+        }
     }
 
     /// V_E (m/s), τ (N·s) and the share of copy k of a boundary grain.

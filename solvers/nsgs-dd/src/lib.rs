@@ -120,15 +120,14 @@ impl Run {
     fn sweep_and_glue(&mut self, group: usize) {
         let NsgsDd { inner_sweeps: sweeps, relaxation, mass_splitting, .. } = self.settings;
         let updates = self.groups[group] * sweeps as usize;
-        let sweep = |sweeper: &mut Sweeper| {
+        let Self { sweepers, sums, .. } = self;
+        sums.send(sweepers, NS_PER_UPDATE * updates, |sweeper, sent| {
             if sweeper.group == group {
                 (0..sweeps).for_each(|_| sweeper.sweep(relaxation));
             }
-        };
-        let Self { sweepers, sums, .. } = self;
-        let part = |sweeper: &mut Sweeper, k| sweeper.part(k, mass_splitting);
-        sums.send(sweepers, NS_PER_UPDATE * updates, sweep, part);
-        sums.receive(sweepers, 0, |sweeper, k, sum| sweeper.glue(k, sum, mass_splitting), |_| ());
+            sweeper.send(mass_splitting, sent);
+        });
+        sums.receive(sweepers, 0, |sweeper, sums| sweeper.glue(mass_splitting, sums));
     }
 }
 

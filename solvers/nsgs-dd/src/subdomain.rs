@@ -5,7 +5,7 @@ use contact::ContactProblem;
 use contact::scaled::by_levels;
 use contact::sweep::Row;
 use nalgebra::Vector2;
-use partition::Subdomain;
+use partition::{Subdomain, Sums};
 
 /// The contacts of a subdomain with their impulses, in the order of the sweep, level by level; and its grains.
 pub(crate) struct Sweeper {
@@ -91,21 +91,23 @@ impl Sweeper {
         }
     }
 
-    /// What copy k adds to the sum over the copies of its grain: its y or, without mass splitting, what that has gained.
-    pub(crate) fn part(&self, k: usize, mass_splitting: bool) -> Vector2<f64> {
-        let copy = &self.copies[k];
-        let y = self.y[copy.local as usize];
-        if mass_splitting { y } else { y - copy.glued }
+    /// What its copies add to the sums over all copies of their grains: y or, without mass splitting, what that has gained.
+    pub(crate) fn send(&self, mass_splitting: bool, sent: &mut [Vector2<f64>]) {
+        for (copy, sent) in self.copies.iter().zip(sent) {
+            let y = self.y[copy.local as usize];
+            *sent = if mass_splitting { y } else { y - copy.glued };
+        }
     }
 
-    /// Gluing, eq. (3) for equal copies: V̄ = Σ_E `V_E` / `m_i`. Without mass splitting: V̄ ← V̄ + Σ_E (`V_E` − V̄). Copy k then
-    /// moves at V̄.
-    pub(crate) fn glue(&mut self, k: usize, sum: Vector2<f64>, mass_splitting: bool) {
-        let copy = &mut self.copies[k];
-        copy.glued = if mass_splitting { sum / copy.multiplicity } else { copy.glued + sum };
-        let y = &mut self.y[copy.local as usize];
-        let jump = copy.root_inverse_mass * (*y - copy.glued).norm();
-        self.velocity_jump = self.velocity_jump.max(jump);
-        *y = copy.glued;
+    /// Gluing, eq. (3) for equal copies: V̄ = Σ_E `V_E` / `m_i`. Without mass splitting: V̄ ← V̄ + Σ_E (`V_E` − V̄). Every copy
+    /// then moves at V̄.
+    pub(crate) fn glue(&mut self, mass_splitting: bool, sums: Sums<'_, Vector2<f64>>) {
+        for (copy, sum) in self.copies.iter_mut().zip(sums) {
+            copy.glued = if mass_splitting { sum / copy.multiplicity } else { copy.glued + sum };
+            let y = &mut self.y[copy.local as usize];
+            let jump = copy.root_inverse_mass * (*y - copy.glued).norm();
+            self.velocity_jump = self.velocity_jump.max(jump);
+            *y = copy.glued;
+        }
     }
 }

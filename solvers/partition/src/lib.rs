@@ -11,4 +11,4 @@ mod sums;
 pub use decomposition::{Decomposition, Subdomain};
 pub use grid::Grid;
 pub use scheme::{Partition, Scheme};
-pub use sums::CopySums;
+pub use sums::{CopySums, Sums};

@@ -4,6 +4,7 @@ use crate::decomposition::Decomposition;
 use contact::together;
 use rayon::prelude::*;
 use std::iter::Sum;
+use std::slice::Windows;
 
 /// The only exchange between subdomains: each copy of a boundary grain gets the sum over all copies of the grain, added up in
 /// the order of the subdomains, so that no number of threads changes a bit.
@@ -48,45 +49,52 @@ impl<V: Copy + Default + Send + Sync + Sum> CopySums<V> {
         Self { sent, terms, copies: decomposition.copy_count() }
     }
 
-    /// Does the `work` of every subdomain, which takes about `nanoseconds` in all; then its copy k sends `value(subdomain, k)`.
+    /// In every subdomain, `pass(subdomain, sent)` writes what its copies send; the passes take about `nanoseconds` in all.
     pub fn send<S: Send>(
         &mut self,
         subdomains: &mut [S],
         nanoseconds: usize,
-        work: impl Fn(&mut S) + Sync,
-        value: impl Fn(&mut S, usize) -> V + Sync,
+        pass: impl Fn(&mut S, &mut [V]) + Sync,
     ) {
         let together = self.together(nanoseconds);
         let subdomains = subdomains.par_iter_mut().zip(&mut self.sent).with_min_len(together);
-        subdomains.for_each(|(subdomain, sent)| {
-            work(subdomain);
-            for (k, sent) in sent.iter_mut().enumerate() {
-                *sent = value(subdomain, k);
-            }
-        });
+        subdomains.for_each(|(subdomain, sent)| pass(subdomain, sent));
     }
 
-    /// In every subdomain, `take(subdomain, k, sum)` gets what all copies of the grain of copy k sent; then it does its `work`,
-    /// which takes about `nanoseconds` in all.
+    /// In every subdomain, `pass(subdomain, sums)` takes the sums of what was sent, copy by copy; the passes take about
+    /// `nanoseconds` in all.
     pub fn receive<S: Send>(
         &self,
         subdomains: &mut [S],
         nanoseconds: usize,
-        take: impl Fn(&mut S, usize, V) + Sync,
-        work: impl Fn(&mut S) + Sync,
+        pass: impl Fn(&mut S, Sums<'_, V>) + Sync,
     ) {
         let together = self.together(nanoseconds);
         let subdomains = subdomains.par_iter_mut().zip(&self.terms).with_min_len(together);
         subdomains.for_each(|(subdomain, terms)| {
-            for (k, ends) in terms.first.windows(2).enumerate() {
-                let of = &terms.of[ends[0] as usize..ends[1] as usize];
-                take(subdomain, k, of.iter().map(|(e, k)| self.sent[*e as usize][*k as usize]).sum());
-            }
-            work(subdomain);
+            pass(subdomain, Sums { ends: terms.first.windows(2), of: &terms.of, sent: &self.sent });
         });
     }
 
     fn together(&self, nanoseconds: usize) -> usize {
         together(nanoseconds + NS_PER_COPY * self.copies)
+    }
+}
+
+/// The sum over all copies of its grain, for each copy of a subdomain.
+pub struct Sums<'s, V> {
+    ends: Windows<'s, u32>,
+    of: &'s [(u32, u32)],
+    sent: &'s [Vec<V>],
+}
+
+impl<V: Copy + Sum> Iterator for Sums<'_, V> {
+    type Item = V;
+
+    #[inline]
+    fn next(&mut self) -> Option<V> {
+        let ends = self.ends.next()?;
+        let of = self.of[ends[0] as usize..ends[1] as usize].iter();
+        Some(of.map(|(e, k)| self.sent[*e as usize][*k as usize]).sum())
     }
 }

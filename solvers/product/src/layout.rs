@@ -3,7 +3,7 @@
 use contact::scaled::{ScaledContact, inverse_masses};
 use contact::{ContactProblem, SetupError, together};
 use nalgebra::Vector2;
-use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain};
+use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain, Sums};
 use rayon::prelude::*;
 
 /// The contacts of a problem cut into blocks, which meet between two passes only, at the grains that they share. They are for
@@ -51,26 +51,14 @@ impl Layout {
         subdomain.grains.iter().map(share).collect()
     }
 
-    /// A pass over all blocks, each of which then sends what it has of the grains it shares: `shared` is its value of the k-th of
-    /// them, in the order of [`Subdomain::boundary`].
-    pub fn send_after<B: Send>(
-        &mut self,
-        blocks: &mut [B],
-        make: impl Fn(&mut B) + Sync,
-        shared: impl Fn(&mut B, usize) -> &mut Vector2<f64> + Sync,
-    ) {
-        self.sums.send(blocks, NS_PER_CONTACT * self.contacts, make, |block, k| *shared(block, k));
+    /// A pass over all blocks, in which each sends what it has of the grains it shares, in the order of [`Subdomain::boundary`].
+    pub fn send<B: Send>(&mut self, blocks: &mut [B], pass: impl Fn(&mut B, &mut [Vector2<f64>]) + Sync) {
+        self.sums.send(blocks, NS_PER_CONTACT * self.contacts, pass);
     }
 
-    /// A pass over all blocks, each of which first takes in `shared` the sums of what all have sent.
-    pub fn receive_before<B: Send>(
-        &self,
-        blocks: &mut [B],
-        shared: impl Fn(&mut B, usize) -> &mut Vector2<f64> + Sync,
-        make: impl Fn(&mut B) + Sync,
-    ) {
-        let take = |block: &mut B, k, sum| *shared(block, k) = sum;
-        self.sums.receive(blocks, NS_PER_CONTACT * self.contacts, take, make);
+    /// A pass over all blocks, in which each takes the sums of what all have sent.
+    pub fn receive<B: Send>(&self, blocks: &mut [B], pass: impl Fn(&mut B, Sums<'_, Vector2<f64>>) + Sync) {
+        self.sums.receive(blocks, NS_PER_CONTACT * self.contacts, pass);
     }
 
     /// A pass over all blocks in which they exchange nothing.
@@ -95,4 +83,18 @@ pub fn columns(
         (ScaledContact::new(subdomain.ends[k], contact.normal, inverse_mass, unit), unit)
     };
     (0..subdomain.contacts.len()).map(column).unzip()
+}
+
+/// Copies what a block has of the grains at `places` to `sent`.
+pub fn send_of(places: &[u32], y: &[Vector2<f64>], sent: &mut [Vector2<f64>]) {
+    for (place, sent) in places.iter().zip(sent) {
+        *sent = y[*place as usize];
+    }
+}
+
+/// Gives the grains at `places` the `sums` over the blocks.
+pub fn take_sums(places: &[u32], y: &mut [Vector2<f64>], sums: Sums<'_, Vector2<f64>>) {
+    for (place, sum) in places.iter().zip(sums) {
+        y[*place as usize] = sum;
+    }
 }

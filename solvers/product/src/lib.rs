@@ -8,7 +8,7 @@
 
 mod layout;
 
-pub use layout::{Layout, columns};
+pub use layout::{Layout, columns, send_of, take_sums};
 pub use partition::Subdomain;
 
 use contact::{ContactProblem, ScaledContact, SetupError};
@@ -73,21 +73,27 @@ impl<C: Send + Sync> Product<C> {
 
     /// First half of the product, y = M^-½ H p: `p` gives the p of each contact. Returns pᵗ p.
     pub fn push(&mut self, p: impl Fn(&mut C) -> f64 + Sync) -> f64 {
-        let make = |block: &mut Block<C>| Arch::new().dispatch(|| block.push(&p));
-        self.layout.send_after(&mut self.blocks, make, Block::shared);
+        self.layout.send(&mut self.blocks, |block, sent| {
+            Arch::new().dispatch(|| block.push(&p));
+            send_of(&block.boundary, &block.y, sent);
+        });
         self.sum()
     }
 
     /// Second half: `take` is given (W p)_α of each contact.
     pub fn pull(&mut self, take: impl Fn(&mut C, f64) + Sync) {
-        let make = |block: &mut Block<C>| Arch::new().dispatch(|| block.pull(&take));
-        self.layout.receive_before(&mut self.blocks, Block::shared, make);
+        self.layout.receive(&mut self.blocks, |block, sums| {
+            take_sums(&block.boundary, &mut block.y, sums);
+            Arch::new().dispatch(|| block.pull(&take));
+        });
     }
 
     /// pᵗ W p = |y|² of the p last pushed, without the second half.
     pub fn curvature(&mut self) -> f64 {
-        let make = |block: &mut Block<C>| Arch::new().dispatch(|| block.square());
-        self.layout.receive_before(&mut self.blocks, Block::shared, make);
+        self.layout.receive(&mut self.blocks, |block, sums| {
+            take_sums(&block.boundary, &mut block.y, sums);
+            Arch::new().dispatch(|| block.square());
+        });
         self.sum()
     }
 
@@ -112,11 +118,6 @@ impl<C: Send + Sync> Product<C> {
 }
 
 impl<C> Block<C> {
-    /// y of the k-th of the grains that it shares.
-    fn shared(&mut self, k: usize) -> &mut Vector2<f64> {
-        &mut self.y[self.boundary[k] as usize]
-    }
-
     #[inline(always)]
     fn push(&mut self, p: &impl Fn(&mut C) -> f64) {
         self.y.fill(Vector2::zeros());
