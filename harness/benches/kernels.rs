@@ -8,9 +8,10 @@ use cases::{Frozen, detect};
 use cg::Cg;
 use contact::{Iteration, Meter, Solver};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
-use nsgs::{Jacobi, Nsgs, Order};
+use nsgs::{Nsgs, Order};
 use nsgs_dd::NsgsDd;
 use partition::{CopySums, Decomposition, Grid, Partition, Scheme};
 

@@ -3,9 +3,10 @@
 use crate::problems::{PACKINGS, any_problem, difference, frozen, impulses, start};
 use cg::Cg;
 use contact::{Contact, ContactProblem, Iteration, Solver, Stop, greedy_colours, law, solve};
+use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
-use nsgs::{Jacobi, Nsgs, Order};
+use nsgs::{Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Grid, Partition, Scheme};
 use proptest::prelude::*;

@@ -6,8 +6,9 @@ use crate::problems::{
 use cg::Cg;
 use contact::spectrum::{coupling, greatest_eigenvalue};
 use contact::{Contact, ContactProblem, Meter, Solver, Spectrum, Status, Stop, solve};
+use jacobi::Jacobi;
 use latin_dd::LatinDd;
-use nsgs::{Jacobi, Nsgs};
+use nsgs::Nsgs;
 use nsgs_dd::NsgsDd;
 use partition::{Decomposition, Grid, Partition, Scheme};
 use proptest::prelude::*;

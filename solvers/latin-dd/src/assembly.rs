@@ -1,8 +1,8 @@
 //! From the contacts of a subdomain to the matrix of its linear stage, in the order of its factor.
 
 use crate::directions::Directions;
+use cholesky::Triplet;
 use contact::ContactProblem;
-use faer::sparse::Triplet;
 use nalgebra::Vector2;
 use partition::{Decomposition, Subdomain};
 

@@ -9,10 +9,9 @@
 //!
 //! with K_E the matrix of the linear stage and `B_E` the translations of the interfaces' grains. At convergence w = 0.
 
-use crate::factor::{Factor, Singular, Structure};
 use crate::subdomain::Latin;
+use cholesky::{BlockFactor, BlockStructure, Singular, Triplet};
 use contact::{ContactProblem, SetupError};
-use faer::sparse::Triplet;
 use nalgebra::{Matrix2, Vector2};
 use partition::Decomposition;
 use std::collections::BTreeMap;
@@ -31,7 +30,7 @@ struct Side {
 pub(crate) struct Coarse {
     /// By subdomain.
     sides: Vec<Vec<Side>>,
-    factor: Factor,
+    factor: BlockFactor,
     /// g, then w, of each interface in the order of the factor.
     w: Vec<Vector2<f64>>,
 }
@@ -42,10 +41,10 @@ impl Coarse {
         problem: &ContactProblem,
         decomposition: &Decomposition,
         subdomains: &[Latin],
-        factor_of: impl Fn(usize) -> &'f Factor,
+        factor_of: impl Fn(usize) -> &'f BlockFactor,
         kappa_d_minus: f64,
     ) -> Result<Self, SetupError> {
-        let refused = |Singular(why)| {
+        let refused = |why: Singular| {
             let where_not = format!("false where kappa_d_minus is {kappa_d_minus:e}");
             SetupError::new("coarse", true, format!("{where_not}: its matrix cannot be factorised ({why})"))
         };
@@ -66,7 +65,8 @@ impl Coarse {
                 sides[*e as usize].push(Side { interface, grains, influence });
             }
         }
-        let structure = Structure::new(interfaces.len(), &neighbours(&sides)).map_err(refused)?;
+        let structure =
+            BlockStructure::new(interfaces.len(), neighbours(&sides).into_iter()).map_err(refused)?;
         for side in sides.iter_mut().flatten() {
             side.interface = structure.position()[side.interface] as usize;
         }

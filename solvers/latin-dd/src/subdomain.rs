@@ -2,7 +2,7 @@
 
 use crate::assembly::{Row, Share, matrix, rows, shares};
 use crate::directions::Directions;
-use crate::factor::{Factor, Singular, Structure};
+use cholesky::{BlockFactor, BlockStructure, Singular};
 use contact::{ContactProblem, SetupError, law};
 use nalgebra::{Matrix2, Vector2};
 use partition::{Decomposition, Sums};
@@ -12,8 +12,8 @@ pub(crate) struct Latin {
     rows: Vec<Row>,
     shares: Vec<Share>,
     directions: Directions,
-    structure: Structure,
-    factor: Factor,
+    structure: BlockStructure,
+    factor: BlockFactor,
     /// `M_E V_free` − `H_E` l⁻ c, what does not change in the right-hand side (N·s).
     constant: Vec<Vector2<f64>>,
     /// t = r̂ + l⁻ v̂ of each contact (N·s).
@@ -54,8 +54,8 @@ impl Latin {
         start: &[Vector2<f64>],
     ) -> Result<Self, SetupError> {
         let subdomain = &decomposition.subdomains[e];
-        let pairs: Vec<_> = subdomain.ends.iter().filter_map(|(i, j)| Some((*i, (*j)?))).collect();
-        let structure = Structure::new(subdomain.grains.len(), &pairs).map_err(too_large)?;
+        let pairs = subdomain.ends.iter().filter_map(|(i, j)| Some((*i, (*j)?)));
+        let structure = BlockStructure::new(subdomain.grains.len(), pairs).map_err(too_large)?;
         let rows = rows(problem, subdomain, structure.position());
         let shares = shares(problem, decomposition, subdomain, structure.position());
         let factor = structure.factorise(&matrix(&rows, &shares, directions)).map_err(too_large)?;
@@ -123,12 +123,12 @@ impl Latin {
     }
 
     /// The factor for other directions.
-    pub(crate) fn factorise(&self, directions: &Directions) -> Result<Factor, Singular> {
+    pub(crate) fn factorise(&self, directions: &Directions) -> Result<BlockFactor, Singular> {
         self.structure.factorise(&matrix(&self.rows, &self.shares, directions))
     }
 
     /// Takes other directions with their factor; r̂, v̂ and F̂ stay, and V̂ is near V_E.
-    pub(crate) fn turn(&mut self, directions: &Directions, factor: Factor) {
+    pub(crate) fn turn(&mut self, directions: &Directions, factor: BlockFactor) {
         self.factor = factor;
         for (t, r_hat) in self.t.iter_mut().zip(&self.r_hat) {
             *t = r_hat + directions.l_minus / self.directions.l_minus * (*t - r_hat);
@@ -224,7 +224,7 @@ impl Latin {
     }
 
     /// K_E⁻¹ d⁻ B_E for the two translations of `grains` (place, d⁻), with a factor of K_E.
-    pub(crate) fn influence(&self, factor: &Factor, grains: &[(usize, f64)]) -> Vec<Matrix2<f64>> {
+    pub(crate) fn influence(&self, factor: &BlockFactor, grains: &[(usize, f64)]) -> Vec<Matrix2<f64>> {
         let [along_x, along_y] = [Vector2::x(), Vector2::y()].map(|direction| {
             let mut x = vec![Vector2::zeros(); self.shares.len()];
             for (place, d_minus) in grains {
@@ -256,7 +256,7 @@ impl Latin {
         &self.r_hat
     }
 
-    pub(crate) fn factor(&self) -> &Factor {
+    pub(crate) fn factor(&self) -> &BlockFactor {
         &self.factor
     }
 
@@ -266,7 +266,7 @@ impl Latin {
     }
 }
 
-fn too_large(Singular(why): Singular) -> SetupError {
+fn too_large(why: Singular) -> SetupError {
     let value = format!("so large that a subdomain's matrix cannot be factorised ({why})");
     SetupError::new("kappa_l_minus", value, "smaller")
 }

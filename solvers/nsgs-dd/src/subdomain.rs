@@ -102,12 +102,13 @@ impl Sweeper {
     /// Gluing, eq. (3) for equal copies: V̄ = Σ_E `V_E` / `m_i`. Without mass splitting: V̄ ← V̄ + Σ_E (`V_E` − V̄). Every copy
     /// then moves at V̄.
     pub(crate) fn glue(&mut self, mass_splitting: bool, sums: Sums<'_, Vector2<f64>>) {
+        let mut greatest = self.velocity_jump;
         for (copy, sum) in self.copies.iter_mut().zip(sums) {
             copy.glued = if mass_splitting { sum / copy.multiplicity } else { copy.glued + sum };
             let y = &mut self.y[copy.local as usize];
-            let jump = copy.root_inverse_mass * (*y - copy.glued).norm();
-            self.velocity_jump = self.velocity_jump.max(jump);
+            greatest = greatest.max(copy.root_inverse_mass * (*y - copy.glued).norm());
             *y = copy.glued;
         }
+        self.velocity_jump = greatest;
     }
 }

@@ -4,7 +4,7 @@ use crate::decomposition::Decomposition;
 use contact::together;
 use rayon::prelude::*;
 use std::iter::Sum;
-use std::slice::Windows;
+use std::slice::Iter;
 
 /// The only exchange between subdomains: each copy of a boundary grain gets the sum over all copies of the grain, added up in
 /// the order of the subdomains, so that no number of threads changes a bit.
@@ -20,10 +20,10 @@ pub struct CopySums<V> {
     copies: usize,
 }
 
-/// Copy k gets the sum over `of[first[k]..first[k + 1]]`, each a subdomain and the number of a copy there.
-#[derive(Clone)]
+/// Copy after copy, the number of terms of its sum; and all terms, each a subdomain and the number of a copy there.
+#[derive(Clone, Default)]
 struct Terms {
-    first: Vec<u32>,
+    counts: Vec<u32>,
     of: Vec<(u32, u32)>,
 }
 
@@ -34,15 +34,15 @@ impl<V: Copy + Default + Send + Sync + Sum> CopySums<V> {
     /// Between the subdomains of `decomposition`.
     pub fn new(decomposition: &Decomposition) -> Self {
         let subdomains = &decomposition.subdomains;
-        let mut terms = vec![Terms { first: vec![0], of: Vec::new() }; subdomains.len()];
+        let mut terms = vec![Terms::default(); subdomains.len()];
         for copies in decomposition.boundary() {
             // Lists grow grain by grain, as those of the boundary did.
             let of: Vec<_> =
-                copies.iter().map(|(e, _)| (*e, terms[*e as usize].first.len() as u32 - 1)).collect();
+                copies.iter().map(|(e, _)| (*e, terms[*e as usize].counts.len() as u32)).collect();
             for (e, _) in copies {
                 let terms = &mut terms[*e as usize];
                 terms.of.extend(&of);
-                terms.first.push(terms.of.len() as u32);
+                terms.counts.push(of.len() as u32);
             }
         }
         let sent = subdomains.iter().map(|subdomain| vec![V::default(); subdomain.boundary.len()]).collect();
@@ -72,7 +72,7 @@ impl<V: Copy + Default + Send + Sync + Sum> CopySums<V> {
         let together = self.together(nanoseconds);
         let subdomains = subdomains.par_iter_mut().zip(&self.terms).with_min_len(together);
         subdomains.for_each(|(subdomain, terms)| {
-            pass(subdomain, Sums { ends: terms.first.windows(2), of: &terms.of, sent: &self.sent });
+            pass(subdomain, Sums { counts: terms.counts.iter(), of: &terms.of, sent: &self.sent });
         });
     }
 
@@ -83,7 +83,8 @@ impl<V: Copy + Default + Send + Sync + Sum> CopySums<V> {
 
 /// The sum over all copies of its grain, for each copy of a subdomain.
 pub struct Sums<'s, V> {
-    ends: Windows<'s, u32>,
+    counts: Iter<'s, u32>,
+    /// The terms that are left.
     of: &'s [(u32, u32)],
     sent: &'s [Vec<V>],
 }
@@ -93,8 +94,8 @@ impl<V: Copy + Sum> Iterator for Sums<'_, V> {
 
     #[inline]
     fn next(&mut self) -> Option<V> {
-        let ends = self.ends.next()?;
-        let of = self.of[ends[0] as usize..ends[1] as usize].iter();
-        Some(of.map(|(e, k)| self.sent[*e as usize][*k as usize]).sum())
+        let (of, left) = self.of.split_at(*self.counts.next()? as usize);
+        self.of = left;
+        Some(of.iter().map(|(e, k)| self.sent[*e as usize][*k as usize]).sum())
     }
 }
