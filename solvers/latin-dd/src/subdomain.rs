@@ -1,6 +1,6 @@
 //! One subdomain: its linear stage (1) (4) (5), and the local stage (2) (6) of its contacts.
 
-use crate::assembly::{Row, Share, matrix, rows, shares};
+use crate::assembly::{PlacedContact, Share, matrix, placed, shares};
 use crate::directions::Directions;
 use cholesky::{BlockFactor, BlockStructure, Singular};
 use contact::{ContactProblem, SetupError, law};
@@ -9,7 +9,7 @@ use partition::{Decomposition, Sums};
 
 /// A subdomain between two local stages. Grains are in the order of the factor.
 pub(crate) struct Latin {
-    rows: Vec<Row>,
+    contacts: Vec<PlacedContact>,
     shares: Vec<Share>,
     directions: Directions,
     structure: BlockStructure,
@@ -56,15 +56,15 @@ impl Latin {
         let subdomain = &decomposition.subdomains[e];
         let pairs = subdomain.ends.iter().filter_map(|(i, j)| Some((*i, (*j)?)));
         let structure = BlockStructure::new(subdomain.grains.len(), pairs).map_err(too_large)?;
-        let rows = rows(problem, subdomain, structure.position());
+        let contacts = placed(problem, subdomain, structure.position());
         let shares = shares(problem, decomposition, subdomain, structure.position());
-        let factor = structure.factorise(&matrix(&rows, &shares, directions)).map_err(too_large)?;
+        let factor = structure.factorise(&matrix(&contacts, &shares, directions)).map_err(too_large)?;
         let grains = shares.len();
         let mut latin = Self {
             directions: *directions,
             factor,
             constant: Vec::new(),
-            t: vec![0.0; rows.len()],
+            t: vec![0.0; contacts.len()],
             r_hat: subdomain.contacts.iter().map(|contact| r0[*contact as usize]).collect(),
             tau: vec![Vector2::zeros(); grains],
             right_hand_side: vec![Vector2::zeros(); grains + 1],
@@ -72,7 +72,7 @@ impl Latin {
             boundary: subdomain.boundary.iter().map(|local| structure.position()[*local as usize]).collect(),
             velocity_jump: 0.0,
             structure,
-            rows,
+            contacts,
             shares,
         };
         for (place, grain) in latin.structure.position().iter().zip(&subdomain.grains) {
@@ -93,11 +93,11 @@ impl Latin {
             .map(|(share, v)| share.mass * (v - share.free_velocity))
             .collect();
         f_hat.push(Vector2::zeros());
-        for ((row, r), t) in self.rows.iter().zip(&self.r_hat).zip(&mut self.t) {
-            row.add(-*r, &mut f_hat);
-            let v = row.relative(&self.velocity) + row.offset;
+        for ((contact, r), t) in self.contacts.iter().zip(&self.r_hat).zip(&mut self.t) {
+            contact.add(-*r, &mut f_hat);
+            let v = contact.relative(&self.velocity) + contact.offset;
             let v_hat = if *r > 0.0 { 0.0 } else { law::non_negative(v) };
-            *t = r + l_minus * row.mass * v_hat;
+            *t = r + l_minus * contact.inverse_delassus * v_hat;
         }
         for (((tau, share), f_hat), v) in
             self.tau.iter_mut().zip(&self.shares).zip(&f_hat).zip(&self.velocity)
@@ -113,18 +113,21 @@ impl Latin {
     fn assemble(&mut self) {
         self.constant = self.shares.iter().map(|share| share.mass * share.free_velocity).collect();
         self.constant.push(Vector2::zeros());
-        for row in &self.rows {
-            row.add(-self.directions.l_minus * row.mass * row.offset, &mut self.constant);
+        for contact in &self.contacts {
+            contact.add(
+                -self.directions.l_minus * contact.inverse_delassus * contact.offset,
+                &mut self.constant,
+            );
         }
         self.right_hand_side.copy_from_slice(&self.constant);
-        for (row, t) in self.rows.iter().zip(&self.t) {
-            row.add(*t, &mut self.right_hand_side);
+        for (contact, t) in self.contacts.iter().zip(&self.t) {
+            contact.add(*t, &mut self.right_hand_side);
         }
     }
 
     /// The factor for other directions.
     pub(crate) fn factorise(&self, directions: &Directions) -> Result<BlockFactor, Singular> {
-        self.structure.factorise(&matrix(&self.rows, &self.shares, directions))
+        self.structure.factorise(&matrix(&self.contacts, &self.shares, directions))
     }
 
     /// Takes other directions with their factor; r̂, v̂ and F̂ stay, and V̂ is near V_E.
@@ -157,12 +160,12 @@ impl Latin {
     pub(crate) fn local_stage(&mut self, relaxation: f64) {
         let Directions { l_minus, l_plus, .. } = self.directions;
         self.right_hand_side.copy_from_slice(&self.constant);
-        for ((row, t), r_hat) in self.rows.iter().zip(&mut self.t).zip(&mut self.r_hat) {
-            let v = row.relative(&self.velocity) + row.offset;
-            let s = *t - (l_minus + l_plus) * row.mass * v;
+        for ((contact, t), r_hat) in self.contacts.iter().zip(&mut self.t).zip(&mut self.r_hat) {
+            let v = contact.relative(&self.velocity) + contact.offset;
+            let s = *t - (l_minus + l_plus) * contact.inverse_delassus * v;
             *r_hat = law::non_negative(s);
             *t += relaxation * (*r_hat + l_minus / l_plus * law::non_negative(-s) - *t);
-            row.add(*t, &mut self.right_hand_side);
+            contact.add(*t, &mut self.right_hand_side);
         }
     }
 
@@ -205,10 +208,16 @@ impl Latin {
             terms_of_r: (t.abs() + kappa * mass * terms) / mass.sqrt(),
             terms_of_v: terms * mass.sqrt(),
         };
-        let contacts = self.rows.iter().zip(&self.t).map(move |(row, t)| {
-            let v = row.relative(&self.velocity) + row.offset;
+        let contacts = self.contacts.iter().zip(&self.t).map(move |(contact, t)| {
+            let v = contact.relative(&self.velocity) + contact.offset;
             let size = |grain: u32| self.velocity[grain as usize].norm();
-            of(row.mass, l_minus, *t, v, size(row.candidate) + size(row.antagonist) + row.offset.abs())
+            of(
+                contact.inverse_delassus,
+                l_minus,
+                *t,
+                v,
+                size(contact.candidate) + size(contact.antagonist) + contact.offset.abs(),
+            )
         });
         let grains = self.shares.iter().zip(&self.tau).zip(&self.velocity);
         let boundary =
