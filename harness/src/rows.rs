@@ -6,7 +6,7 @@ use crate::problems::Problem;
 use crate::study::{Study, Task};
 use crate::truth::Given;
 use cases::Frozen;
-use contact::{Adjacency, Contact, Meter, Outcome, Truth, Work};
+use contact::{Adjacency, Meter, Outcome, Truth, Work};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Timing};
@@ -213,15 +213,14 @@ fn ends(frozen: &Frozen, contact: usize) -> (Vector2<f64>, Vector2<f64>) {
 
 /// The subdomain with most of each grain's contacts, the first among equals.
 fn subdomain_of_grains(frozen: &Frozen, partition: &Partition) -> Vec<Option<u32>> {
-    let problem = &frozen.problem;
-    let adjacency = Adjacency::new(problem.contacts().iter().map(Contact::ends), problem.grain_count());
+    let adjacency = Adjacency::of(&frozen.problem);
     let most = |grain: usize| {
         let subdomains =
             || adjacency.around(grain).iter().map(|contact| partition.subdomain[*contact as usize]);
         let count = |e: u32| subdomains().filter(|other| *other == e).count();
         subdomains().max_by_key(|e| (count(*e), std::cmp::Reverse(*e)))
     };
-    (0..problem.grain_count()).map(most).collect()
+    (0..adjacency.grain_count()).map(most).collect()
 }
 
 /// A setting of a variant, where its method has one of that name and type.

@@ -3,7 +3,7 @@
 use crate::problems::{
     PACKINGS, any_problem, assert_never_increases, difference, energies, frozen, impulses, start,
 };
-use contact::{Adjacency, Contact, ContactProblem, Solver};
+use contact::{Adjacency, ContactProblem, Solver};
 use gradient::Gradient;
 use nalgebra::{Vector2, Vector3};
 use nsgs::{Nsgs, Order};
@@ -28,9 +28,8 @@ fn assert_is_a_partition(problem: &ContactProblem, partition: &Partition) {
         "each contact in one subdomain"
     );
 
-    let adjacency = Adjacency::new(problem.contacts().iter().map(Contact::ends), problem.grain_count());
     let boundary_grains = decomposition.boundary().count();
-    assert_eq!(partition.cut(&adjacency), decomposition.copy_count() - boundary_grains);
+    assert_eq!(partition.cut(&Adjacency::of(problem)), decomposition.copy_count() - boundary_grains);
 
     // The masses M_i/m_i of the copies, found by walking through the subdomains, sum to the grain's.
     let mut mass = vec![0.0; problem.grain_count()];

@@ -1,5 +1,7 @@
 //! Which contacts touch a grain, and colours of what shares none.
 
+use crate::problem::{Contact, ContactProblem};
+
 /// The contacts around each grain, in rising order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Adjacency {
@@ -9,6 +11,11 @@ pub struct Adjacency {
 }
 
 impl Adjacency {
+    /// Of the contacts of `problem`.
+    pub fn of(problem: &ContactProblem) -> Self {
+        Self::new(problem.contacts().iter().map(Contact::ends), problem.grain_count())
+    }
+
     /// From the `ends` of each contact, candidate and antagonist, `None` for a wall; there are so many `grains`.
     pub fn new(ends: impl Iterator<Item = (u32, Option<u32>)> + Clone, grains: usize) -> Self {
         let touches = || {

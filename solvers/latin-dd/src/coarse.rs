@@ -65,8 +65,7 @@ impl Coarse {
                 sides[*e as usize].push(Side { interface, grains, influence });
             }
         }
-        let structure =
-            BlockStructure::new(interfaces.len(), neighbours(&sides).into_iter()).map_err(refused)?;
+        let structure = BlockStructure::new(interfaces.len(), neighbours(&sides)).map_err(refused)?;
         for side in sides.iter_mut().flatten() {
             side.interface = structure.position()[side.interface] as usize;
         }
@@ -129,17 +128,12 @@ fn interfaces(decomposition: &Decomposition) -> Vec<Vec<&[(u32, u32)]>> {
     interfaces.into_values().collect()
 }
 
-/// Pairs of interfaces of one subdomain, each pair once.
-fn neighbours(sides: &[Vec<Side>]) -> Vec<(u32, u32)> {
-    let mut pairs = Vec::new();
-    for sides in sides {
-        for (k, side) in sides.iter().enumerate() {
-            pairs.extend(sides[..k].iter().map(|other| (other.interface as u32, side.interface as u32)));
-        }
-    }
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs
+/// Pairs of interfaces of one subdomain.
+fn neighbours(sides: &[Vec<Side>]) -> impl Iterator<Item = (u32, u32)> + Clone {
+    sides.iter().flat_map(|sides| {
+        let pairs = sides.iter().flat_map(|one| sides.iter().map(move |other| (one, other)));
+        pairs.map(|(one, other)| (one.interface as u32, other.interface as u32))
+    })
 }
 
 /// Upper triangle of S, two rows per interface.

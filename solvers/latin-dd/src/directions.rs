@@ -1,6 +1,6 @@
 //! Search directions: how steeply the linear stage follows the local one, for contacts and for the interface.
 
-use contact::{Adjacency, Contact, ContactProblem, SetupError};
+use contact::{Adjacency, ContactProblem, SetupError};
 
 /// The four search directions, dimensionless: l = κ_l / W_αα with the undivided masses, d_E = κ_d M_i/m_i.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,8 +53,7 @@ pub fn derived_kappa(problem: &ContactProblem) -> f64 {
 
 /// Number of grains on the longest of the shortest paths from `sources`, these included.
 fn depth(problem: &ContactProblem, sources: &[u32]) -> u32 {
-    let contacts = problem.contacts();
-    let adjacency = Adjacency::new(contacts.iter().map(Contact::ends), problem.grain_count());
+    let (contacts, adjacency) = (problem.contacts(), Adjacency::of(problem));
     let touched = |grain: &u32| {
         let around = adjacency.around(*grain as usize).iter();
         around.flat_map(|contact| contacts[*contact as usize].grains())
