@@ -18,18 +18,14 @@ impl Adjacency {
 
     /// From the `ends` of each contact, candidate and antagonist, `None` for a wall; there are so many `grains`.
     pub fn new(ends: impl Iterator<Item = (u32, Option<u32>)> + Clone, grains: usize) -> Self {
-        let touches = || {
-            let ends = (0_u32..).zip(ends.clone());
-            ends.flat_map(|(contact, (i, j))| std::iter::once(i).chain(j).map(move |i| (contact, i as usize)))
-        };
         let mut first = vec![0; grains + 1];
-        touches().for_each(|(_, grain)| first[grain + 1] += 1);
+        touches(ends.clone()).for_each(|(_, grain)| first[grain + 1] += 1);
         for grain in 0..grains {
             first[grain + 1] += first[grain];
         }
         let mut next = first.clone();
         let mut contacts = vec![0; first[grains] as usize];
-        for (contact, grain) in touches() {
+        for (contact, grain) in touches(ends) {
             contacts[next[grain] as usize] = contact;
             next[grain] += 1;
         }
@@ -46,6 +42,12 @@ impl Adjacency {
     pub fn grain_count(&self) -> usize {
         self.first.len() - 1
     }
+}
+
+/// Every contact with each of its grains.
+fn touches(ends: impl Iterator<Item = (u32, Option<u32>)>) -> impl Iterator<Item = (u32, usize)> {
+    let ends = (0_u32..).zip(ends);
+    ends.flat_map(|(contact, (i, j))| std::iter::once(i).chain(j).map(move |i| (contact, i as usize)))
 }
 
 /// Greedy colouring: each of the `items`, in their order, takes the least colour that none before it with a common grain has.

@@ -53,6 +53,10 @@ impl Latin {
         r0: &[f64],
         start: &[Vector2<f64>],
     ) -> Result<Self, SetupError> {
+        let too_large = |why: Singular| {
+            let value = format!("so large that a subdomain's matrix cannot be factorised ({why})");
+            SetupError::new("kappa_l_minus", value, "smaller")
+        };
         let subdomain = &decomposition.subdomains[e];
         let pairs = subdomain.ends.iter().filter_map(|(i, j)| Some((*i, (*j)?)));
         let structure = BlockStructure::new(subdomain.grains.len(), pairs).map_err(too_large)?;
@@ -273,9 +277,4 @@ impl Latin {
     pub(crate) fn factor_entries(&self) -> usize {
         self.factor.entries()
     }
-}
-
-fn too_large(why: Singular) -> SetupError {
-    let value = format!("so large that a subdomain's matrix cannot be factorised ({why})");
-    SetupError::new("kappa_l_minus", value, "smaller")
 }

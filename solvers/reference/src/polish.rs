@@ -115,12 +115,11 @@ impl<'p> Polish<'p> {
     /// The factor of K = 1 + κ H̃_A H̃_Aᵗ, if numbers allow it.
     fn factorise(&mut self, active: &[bool]) -> Result<Factor, Singular> {
         let dimension = 2 * self.problem.grain_count();
-        let order = match self.order.take() {
-            Some(order) => order,
-            None => {
-                let all = self.constraints.iter().flat_map(|constraint| constraint.products(PENALTY));
-                Order::minimum_degree(dimension, all.map(|(i, j, _)| (i, j)))?
-            }
+        let order = if let Some(order) = self.order.take() {
+            order
+        } else {
+            let all = self.constraints.iter().flat_map(|constraint| constraint.products(PENALTY));
+            Order::minimum_degree(dimension, all.map(|(i, j, _)| (i, j)))?
         };
         let mut lower: Vec<_> = (0..dimension).map(|k| Triplet::new(k, k, 1.0)).collect();
         for (constraint, _) in self.constraints.iter().zip(active).filter(|(_, active)| **active) {
