@@ -7,12 +7,13 @@ mod common;
 use cases::{Frozen, detect};
 use cg::Cg;
 use contact::{Iteration, Meter, Solver};
-use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
-use nsgs::{Jacobi, Nsgs, Order};
+use nsgs::{Nsgs, Order};
 use nsgs_dd::NsgsDd;
-use partition::{Decomposition, Grid, Scheme};
+use partition::{CopySums, Decomposition, Grid, Partition, Scheme};
 
 /// Subdomains of about a thousand contacts.
 fn small_subdomains(frozen: &Frozen) -> Grid {
@@ -101,7 +102,7 @@ fn starts(criterion: &mut Criterion) {
     }
 }
 
-/// What a problem's operators, its gluing, its measures and its detection cost.
+/// What a problem's operators, the sums over copies, its measures and its detection cost.
 fn operators(criterion: &mut Criterion) {
     for grains in common::sizes() {
         let frozen = common::packing(grains);
@@ -121,18 +122,17 @@ fn operators(criterion: &mut Criterion) {
         group.bench_function(BenchmarkId::new("detection", grains), |bencher| {
             bencher.iter(|| detect(problem.position(), &frozen.radius, 1e-3));
         });
-        let partition = Scheme::Balanced.partition(problem, small_subdomains(&frozen));
+        let partition = Partition::of_contacts(problem, Scheme::Balanced, small_subdomains(&frozen));
         let partition = partition.unwrap_or_else(|error| panic!("{error}"));
         let decomposition = Decomposition::new(problem, &partition);
-        let unit = vec![1.0; decomposition.boundary_count()];
-        let mut glued = vec![Vector2::zeros(); unit.len()];
-        let y: Vec<_> = decomposition.subdomains.iter().map(|e| vec![Vector2::x(); e.grains.len()]).collect();
-        group.bench_function(BenchmarkId::new("gluing, small subdomains", grains), |bencher| {
-            bencher.iter_batched_ref(
-                || y.clone(),
-                |y| decomposition.glue(y, &unit, &mut glued),
-                BatchSize::LargeInput,
-            );
+        let mut sums = CopySums::new(&decomposition);
+        let subdomains = decomposition.subdomains.iter();
+        let mut y: Vec<_> = subdomains.map(|e| vec![Vector2::<f64>::x(); e.boundary.len()]).collect();
+        group.bench_function(BenchmarkId::new("sums over copies, small subdomains", grains), |bencher| {
+            bencher.iter(|| {
+                sums.send(&mut y, 0, |y, sent| sent.copy_from_slice(y));
+                sums.receive(&mut y, 0, |y, sums| y.iter_mut().zip(sums).for_each(|(y, sum)| *y = 0.5 * sum));
+            });
         });
         group.finish();
     }

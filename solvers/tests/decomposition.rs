@@ -3,12 +3,12 @@
 use crate::problems::{
     PACKINGS, any_problem, assert_never_increases, difference, energies, frozen, impulses, start,
 };
-use contact::{ContactProblem, Solver};
+use contact::{Adjacency, ContactProblem, Solver};
 use gradient::Gradient;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 use nsgs::{Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
-use partition::{Decomposition, Grid, Partition, Scheme};
+use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain};
 use proptest::prelude::*;
 
 const GRIDS: [Grid; 5] =
@@ -28,12 +28,13 @@ fn assert_is_a_partition(problem: &ContactProblem, partition: &Partition) {
         "each contact in one subdomain"
     );
 
+    let boundary_grains = decomposition.boundary().count();
+    assert_eq!(partition.cut(&Adjacency::of(problem)), decomposition.copy_count() - boundary_grains);
+
     // The masses M_i/m_i of the copies, found by walking through the subdomains, sum to the grain's.
     let mut mass = vec![0.0; problem.grain_count()];
     for subdomain in &decomposition.subdomains {
-        for (contact, (i, j)) in
-            subdomain.contacts.iter().zip(subdomain.candidate.iter().zip(&subdomain.antagonist))
-        {
+        for (contact, (i, j)) in subdomain.contacts.iter().zip(&subdomain.ends) {
             let contact = problem.contacts()[*contact as usize];
             assert_eq!(subdomain.grains[*i as usize], contact.candidate);
             assert_eq!(j.map(|j| subdomain.grains[j as usize]), contact.antagonist);
@@ -55,7 +56,7 @@ fn partitions_of_packings_hold_every_contact_once_and_the_whole_mass() {
         let problem = frozen(name).problem;
         for grid in GRIDS {
             for scheme in [Scheme::Boxes, Scheme::Balanced] {
-                assert_is_a_partition(&problem, &scheme.partition(&problem, grid).unwrap());
+                assert_is_a_partition(&problem, &Partition::of_contacts(&problem, scheme, grid).unwrap());
             }
         }
     }
@@ -64,10 +65,34 @@ fn partitions_of_packings_hold_every_contact_once_and_the_whole_mass() {
 #[test]
 fn balanced_subdomains_differ_by_one_contact() {
     let problem = frozen("shear-box-991-sheared").problem;
-    let partition = Scheme::Balanced.partition(&problem, Grid { nx: 4, ny: 2 }).unwrap();
+    let partition = Partition::of_contacts(&problem, Scheme::Balanced, Grid { nx: 4, ny: 2 }).unwrap();
     let count = |e: u32| partition.subdomain.iter().filter(|other| **other == e).count();
     let counts: Vec<usize> = (0..8).map(count).collect();
+    let mean = problem.contact_count() as f64 / 8.0;
+    let imbalance = partition.imbalance(&vec![1.0; problem.contact_count()]);
+    assert!((mean * (1.0 + imbalance) - *counts.iter().max().unwrap() as f64).abs() < 1e-9, "{imbalance}");
     assert!(counts.iter().max().unwrap() - counts.iter().min().unwrap() <= 1, "{counts:?}");
+}
+
+/// A subdomain with the velocities of its grains, and the greatest |V_E − V̄| of its copies.
+type Moving<'d> = (&'d Subdomain, Vec<Vector2<f64>>, f64);
+
+/// Gluing, eq. (3): V̄ = Σ_E V_E/m_i, by the sums of V_E and of 1 over the copies. Returns the greatest |V_E − V̄|.
+fn glue(sums: &mut CopySums<Vector3<f64>>, subdomains: &mut [Moving]) -> f64 {
+    sums.send(subdomains, 0, |(e, velocity, _), sent| {
+        for (local, sent) in e.boundary.iter().zip(sent) {
+            *sent = velocity[*local as usize].push(1.0);
+        }
+    });
+    sums.receive(subdomains, 0, |(e, velocity, jump), sums| {
+        *jump = 0.0;
+        for (local, sum) in e.boundary.iter().zip(sums) {
+            let (v, mean) = (&mut velocity[*local as usize], sum.xy() / sum.z);
+            *jump = jump.max((*v - mean).norm());
+            *v = mean;
+        }
+    });
+    subdomains.iter().map(|(_, _, jump)| *jump).fold(0.0, f64::max)
 }
 
 /// From V̄ = `V_free` + M⁻¹ H r, each copy takes the change of its own subdomain's impulses on its share of the mass.
@@ -83,7 +108,7 @@ fn glued_copies_move_at_the_velocity_of_the_whole_problem() {
     problem.velocity(&r, &mut before);
     problem.velocity(&sum, &mut after);
 
-    let partition = Scheme::Boxes.partition(&problem, Grid { nx: 5, ny: 5 }).unwrap();
+    let partition = Partition::of_contacts(&problem, Scheme::Boxes, Grid { nx: 5, ny: 5 }).unwrap();
     let decomposition = Decomposition::new(&problem, &partition);
     assert!(*decomposition.multiplicity.iter().max().unwrap() >= 3, "the cut has corners");
     let mut velocity: Vec<Vec<Vector2<f64>>> = decomposition
@@ -98,23 +123,25 @@ fn glued_copies_move_at_the_velocity_of_the_whole_problem() {
         };
         for (k, contact) in e.contacts.iter().enumerate() {
             let impulse = problem.contacts()[*contact as usize].normal * change[*contact as usize];
-            velocity[e.candidate[k] as usize] += impulse * inverse_mass(e.candidate[k]);
-            if let Some(j) = e.antagonist[k] {
+            let (i, j) = e.ends[k];
+            velocity[i as usize] += impulse * inverse_mass(i);
+            if let Some(j) = j {
                 velocity[j as usize] -= impulse * inverse_mass(j);
             }
         }
     }
-    let unit = vec![1.0; decomposition.boundary_count()];
-    let mut glued = vec![Vector2::zeros(); unit.len()];
-    let jump = decomposition.glue(&mut velocity, &unit, &mut glued);
+    let subdomains = decomposition.subdomains.iter().zip(velocity);
+    let mut subdomains: Vec<Moving> = subdomains.map(|(e, velocity)| (e, velocity, 0.0)).collect();
+    let mut sums = CopySums::new(&decomposition);
+    let jump = glue(&mut sums, &mut subdomains);
     assert!(jump > 0.1, "there was something to glue: {jump} m/s");
-    for (e, velocity) in decomposition.subdomains.iter().zip(&velocity) {
+    for (e, velocity, _) in &subdomains {
         for (grain, v) in e.grains.iter().zip(velocity) {
             // Velocities are of the order of 1 m/s.
             assert!((v - after[*grain as usize]).norm() < 1e-13);
         }
     }
-    assert!(decomposition.glue(&mut velocity, &unit, &mut glued) < 1e-15, "what is glued stays");
+    assert!(glue(&mut sums, &mut subdomains) < 1e-15, "what is glued stays");
 }
 
 /// The copies are not seen from outside; but a run that is started afresh from the impulses, hence from
@@ -140,7 +167,8 @@ fn a_run_goes_on_as_one_that_starts_from_its_impulses() {
             assert!(difference < 1e-12, "{exchange:?}, splitting {mass_splitting}: {difference}");
             assert!(run.velocity_jump() > 0.0);
 
-            let partition = settings.partition.partition(&problem, settings.subdomains).unwrap();
+            let partition =
+                Partition::of_contacts(&problem, settings.partition, settings.subdomains).unwrap();
             let copies = Decomposition::new(&problem, &partition).copy_count() as u64;
             let work = run.work();
             assert_eq!(work.interface_values, 21 * 2 * copies);
@@ -168,7 +196,7 @@ proptest! {
     fn partitions_of_any_problem_hold_every_contact_once_and_the_whole_mass(problem in any_problem()) {
         for grid in GRIDS.into_iter().filter(|grid| fits(&problem, *grid)) {
             for scheme in [Scheme::Boxes, Scheme::Balanced] {
-                assert_is_a_partition(&problem, &scheme.partition(&problem, grid).unwrap());
+                assert_is_a_partition(&problem, &Partition::of_contacts(&problem, scheme, grid).unwrap());
             }
         }
     }

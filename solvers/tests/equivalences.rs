@@ -2,12 +2,13 @@
 
 use crate::problems::{PACKINGS, any_problem, difference, frozen, impulses, start};
 use cg::Cg;
-use contact::{Contact, ContactProblem, Iteration, Solver, law};
+use contact::{Contact, ContactProblem, Iteration, Solver, greedy_colours, law};
+use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
-use nsgs::{Jacobi, Nsgs, Order};
+use nsgs::{Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
-use partition::{Grid, Scheme};
+use partition::{Grid, Partition, Scheme};
 use proptest::prelude::*;
 use runner::{Stop, solve};
 
@@ -87,7 +88,7 @@ fn gauss_seidel_exchange_with_whole_masses_is_nsgs_in_another_order() {
     let problem = frozen("shear-box-991-sheared").problem;
     // Eight columns: every second one has the first colour.
     let grid = Grid { nx: 8, ny: 1 };
-    let partition = Scheme::Boxes.partition(&problem, grid).unwrap();
+    let partition = Partition::of_contacts(&problem, Scheme::Boxes, grid).unwrap();
     let mut order: Vec<usize> = (0..problem.contact_count()).collect();
     order.sort_by_key(|contact| (partition.subdomain[*contact] % 2, partition.subdomain[*contact]));
     let contacts: Vec<Contact> = order.iter().map(|contact| problem.contacts()[*contact]).collect();
@@ -179,7 +180,8 @@ fn symmetric_sweep_is_a_sweep_and_its_reverse() {
 proptest! {
     #[test]
     fn colours_share_no_grain(problem in any_problem()) {
-        let colours = nsgs::colours(&problem);
+        let contacts = problem.contacts().iter().map(Contact::grains);
+        let colours = greedy_colours(contacts, problem.grain_count());
         for (k, (contact, colour)) in problem.contacts().iter().zip(&colours).enumerate() {
             let grains = |contact: &Contact| [Some(contact.candidate), contact.antagonist];
             for (other, other_colour) in problem.contacts()[..k].iter().zip(&colours) {

@@ -7,10 +7,11 @@ use analysis::Spectrum;
 use analysis::{coupling, greatest_eigenvalue};
 use cg::Cg;
 use contact::{Contact, ContactProblem, Meter, Solver};
+use jacobi::Jacobi;
 use latin_dd::LatinDd;
-use nsgs::{Jacobi, Nsgs};
+use nsgs::Nsgs;
 use nsgs_dd::NsgsDd;
-use partition::{Decomposition, Grid, Scheme};
+use partition::{Decomposition, Grid, Partition, Scheme};
 use proptest::prelude::*;
 use reference::Answer;
 use runner::{Status, Stop, solve};
@@ -168,7 +169,7 @@ fn whole_masses_fail_where_multiplicity_allows_it_and_split_masses_converge() {
     for (rollers, nx, fails) in [(2, 2, false), (4, 8, true), (8, 8, true), (16, 8, true)] {
         let problem = first_problem("balloon", &[("sample.rollers", &i32::to_string(&rollers))]).problem;
         let subdomains = Grid { nx, ny: 1 };
-        let partition = Scheme::Boxes.partition(&problem, subdomains).unwrap();
+        let partition = Partition::of_contacts(&problem, Scheme::Boxes, subdomains).unwrap();
         let multiplicity = Decomposition::new(&problem, &partition).multiplicity.into_iter().max();
         let coupling = coupling(&problem, &partition.subdomain).unwrap();
         let expected = (fails, fails);

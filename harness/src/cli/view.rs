@@ -13,7 +13,7 @@ use crate::terminal::output::{check_place, say, write_whole};
 use anyhow::{Context, Result, anyhow};
 use cases::Frozen;
 use contact::Truth;
-use partition::{Grid, Scheme};
+use partition::{Grid, Partition, Scheme};
 use reports::Filmed;
 use results::journal::Record;
 use results::schema::Run;
@@ -83,7 +83,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     }
     let (mut grains, mut contacts) = (Vec::new(), Vec::new());
     for (name, grid, scheme) in split {
-        let partition = scheme.partition(&frozen.problem, grid)?;
+        let partition = Partition::of_contacts(&frozen.problem, scheme, grid)?;
         let (g, c) = scene_rows(frozen, &name, &partition, known.impulses());
         grains.extend(g);
         contacts.extend(c);

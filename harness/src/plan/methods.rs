@@ -31,7 +31,7 @@ pub(crate) struct Entry {
 /// Every method: its name in plans and on the command line, and what it is.
 pub(crate) const METHODS: &[Entry] = &[
     Entry::of::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem"),
-    Entry::of::<nsgs::Jacobi>("jacobi", "projected Jacobi with relaxation"),
+    Entry::of::<jacobi::Jacobi>("jacobi", "projected Jacobi with relaxation"),
     Entry::of::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart"),
     Entry::of::<gradient::Gradient>("gradient", "projected gradient with a fixed step"),
     Entry::of::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions"),

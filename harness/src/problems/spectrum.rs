@@ -4,7 +4,7 @@ use crate::plan::variants::Variant;
 use crate::problems::reference::Known;
 use analysis::{Spectrum, coupling};
 use contact::ContactProblem;
-use partition::{Decomposition, Grid, Scheme};
+use partition::{Decomposition, Grid, Partition, Scheme};
 use serde_json::{Map, Value, json};
 
 /// A contact that opens at less than this share of the greatest |b| is closed (–): references are certified to 1e-12, and come
@@ -38,7 +38,7 @@ pub(crate) fn of_partition(problem: &ContactProblem, variant: &Variant) -> Map<S
     let (grid, scheme) = (variant.setting::<Grid>("subdomains"), variant.setting::<Scheme>("partition"));
     let Some((grid, scheme)) = grid.zip(scheme) else { return Map::new() };
     // A run with a partition that does not fit the problem is skipped, and says why.
-    let Ok(partition) = scheme.partition(problem, grid) else { return Map::new() };
+    let Ok(partition) = Partition::of_contacts(problem, scheme, grid) else { return Map::new() };
     let multiplicity = Decomposition::new(problem, &partition).multiplicity.iter().copied().max();
     let mut told = Map::from_iter([("multiplicity".to_owned(), json!(multiplicity))]);
     if variant.setting::<bool>("mass_splitting") == Some(false)

@@ -7,7 +7,7 @@ use crate::problems::reference::Given;
 use crate::run::curve::first_at;
 use crate::run::problem::Wanted;
 use cases::Frozen;
-use contact::{Measure, Meter, Truth, Work};
+use contact::{Adjacency, Measure, Meter, Truth, Work};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample};
@@ -169,16 +169,12 @@ fn ends(frozen: &Frozen, contact: usize) -> (Vector2<f64>, Vector2<f64>) {
 
 /// The subdomain with most of each grain's contacts, the first among equals.
 fn subdomain_of_grains(frozen: &Frozen, partition: &Partition) -> Vec<Option<u32>> {
-    let mut of_grain: Vec<Vec<u32>> = vec![Vec::new(); frozen.problem.grain_count()];
-    for (contact, subdomain) in frozen.problem.contacts().iter().zip(&partition.subdomain) {
-        of_grain[contact.candidate as usize].push(*subdomain);
-        if let Some(j) = contact.antagonist {
-            of_grain[j as usize].push(*subdomain);
-        }
-    }
-    let most = |subdomains: &Vec<u32>| {
-        let count = |e: u32| subdomains.iter().filter(|other| **other == e).count();
-        subdomains.iter().copied().max_by_key(|e| (count(*e), std::cmp::Reverse(*e)))
+    let adjacency = Adjacency::of(&frozen.problem);
+    let most = |grain: usize| {
+        let subdomains =
+            || adjacency.around(grain).iter().map(|contact| partition.subdomain[*contact as usize]);
+        let count = |e: u32| subdomains().filter(|other| *other == e).count();
+        subdomains().max_by_key(|e| (count(*e), std::cmp::Reverse(*e)))
     };
-    of_grain.iter().map(most).collect()
+    (0..adjacency.grain_count()).map(most).collect()
 }

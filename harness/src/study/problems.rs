@@ -11,6 +11,7 @@ use crate::study::selection::Selection;
 use crate::study::tasks::{Kind, Listed, Task};
 use anyhow::Result;
 use contact::Measure;
+use partition::Partition;
 use reference::InteriorPoint;
 use results::journal::Record;
 use results::schema::{Provenance, Run};
@@ -120,7 +121,7 @@ impl Kind for OnProblems {
             let impulses = problem.known(root)?.impulses();
             for (name, grid, scheme) in &partitions {
                 // Runs with a partition that does not fit the problem were skipped.
-                if let Ok(partition) = scheme.partition(&problem.frozen.problem, *grid) {
+                if let Ok(partition) = Partition::of_contacts(&problem.frozen.problem, *scheme, *grid) {
                     let (grains, contacts) = scene_rows(&problem.frozen, name, &partition, impulses);
                     rows.grains.extend(grains);
                     rows.contacts.extend(contacts);

@@ -9,9 +9,9 @@
     reason = "what is not inlined where the processor's instructions are chosen does not get them"
 )]
 
-use contact::ContactProblem;
 use contact::law::non_negative;
 use contact::scaled::ScaledContact;
+use contact::{Adjacency, ContactProblem};
 use nalgebra::Vector2;
 use product::{Layout, Subdomain, columns};
 use pulp::{Arch, Simd, WithSimd};
@@ -48,7 +48,7 @@ pub(crate) struct Block {
     u_before: Vec<f64>,
     /// The direction.
     p: Vec<f64>,
-    /// M^-½ H p, in local indices; of grains that blocks share, each has the sum after it has been assembled.
+    /// M^-½ H p, in local indices; of grains that blocks share, each has the sum after it has been received.
     y: Vec<Vector2<f64>>,
     /// M^-½ H d, or of all r, likewise; 0 when it has been used.
     change: Vec<Vector2<f64>>,
@@ -56,9 +56,9 @@ pub(crate) struct Block {
     added: bool,
     /// What the block adds to the sums that the last pass was for.
     parts: [f64; 2],
-    /// Grain i has the contacts `around[first[i]..first[i + 1]]`.
-    first: Vec<u32>,
-    around: Vec<u32>,
+    /// Local indices of the grains that blocks share.
+    boundary: Vec<u32>,
+    adjacency: Adjacency,
     /// 1 over the number of blocks that have the grain, in local indices.
     share: Vec<f64>,
 }
@@ -68,26 +68,6 @@ pub(crate) struct Block {
 #[expect(clippy::needless_bitwise_bool, reason = "no branch: which contacts are blocked is hard to predict")]
 fn unblocked(r: f64, u: f64, value: f64) -> f64 {
     if (r > 0.0) | (u > 0.0) { value } else { 0.0 }
-}
-
-/// The contacts around each grain of `subdomain`, grain after grain, and where the list of each begins.
-fn around(subdomain: &Subdomain) -> (Vec<u32>, Vec<u32>) {
-    let ends = || (0_u32..).zip(subdomain.candidate.iter().zip(&subdomain.antagonist));
-    let touches = || {
-        ends().flat_map(|(k, (i, j))| [(k, Some(*i)), (k, *j)]).filter_map(|(k, i)| Some((k, i? as usize)))
-    };
-    let mut first = vec![0; subdomain.grains.len() + 1];
-    touches().for_each(|(_, grain)| first[grain + 1] += 1);
-    for grain in 1..first.len() {
-        first[grain] += first[grain - 1];
-    }
-    let mut next = first.clone();
-    let mut around = vec![0; next[next.len() - 1] as usize];
-    for (k, grain) in touches() {
-        around[next[grain] as usize] = k;
-        next[grain] += 1;
-    }
-    (first, around)
 }
 
 impl Block {
@@ -101,7 +81,6 @@ impl Block {
         r0: &[f64],
     ) -> Self {
         let contacts = subdomain.contacts.clone();
-        let (first, around) = around(subdomain);
         let (columns, unit) = columns(problem, subdomain, preconditioned);
         let each = || contacts.iter().map(|contact| *contact as usize).zip(&unit);
         let zeros = vec![Vector2::zeros(); subdomain.grains.len()];
@@ -116,8 +95,8 @@ impl Block {
             change: zeros,
             added: false,
             parts: [0.0; 2],
-            first,
-            around,
+            boundary: subdomain.boundary.clone(),
+            adjacency: Adjacency::new(subdomain.ends.iter().copied(), subdomain.grains.len()),
             share: layout.shares(subdomain),
             contacts,
             columns,
@@ -130,12 +109,13 @@ impl Block {
         self.parts = Arch::new().dispatch(Dispatched(self, pass));
     }
 
-    /// What blocks have in common after the pass, or before it.
-    pub(crate) fn shared(&mut self, pass: Pass) -> &mut [Vector2<f64>] {
-        match pass {
+    /// The grains that blocks share, and what they have in common of the grains after the pass or before it.
+    pub(crate) fn shared(&mut self, pass: Pass) -> (&[u32], &mut [Vector2<f64>]) {
+        let shared = match pass {
             Pass::Step { .. } | Pass::Correct | Pass::Whole | Pass::Afresh => &mut self.change,
             Pass::Turn { .. } | Pass::Curvature => &mut self.y,
-        }
+        };
+        (&self.boundary, shared)
     }
 
     /// What the block adds to the sums that the last pass was for.
@@ -197,7 +177,7 @@ impl Block {
         for (grain, (change, share)) in self.change.iter_mut().zip(&self.share).enumerate() {
             if *change != Vector2::zeros() {
                 uphill += 0.5 * share * change.norm_squared();
-                for k in &self.around[self.first[grain] as usize..self.first[grain + 1] as usize] {
+                for k in self.adjacency.around(grain) {
                     let k = *k as usize;
                     let (column, r, u) = (&self.columns[k], self.r[k], &mut self.u[k]);
                     let before = unblocked(r, *u, *u);

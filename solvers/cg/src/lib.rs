@@ -14,7 +14,7 @@ mod block;
 use analysis::{delassus_bound, scaled_delassus_bound};
 use block::{Block, Pass};
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
-use product::{Layout, Subdomain};
+use product::{Layout, Subdomain, send_of, take_sums};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -65,19 +65,24 @@ struct Run {
 const WHOLE: u64 = 16;
 
 impl Run {
-    /// One pass over all blocks, each of which then shows what it has of the grains it shares; returns the sums over the blocks,
+    /// One pass over all blocks, each of which then sends what it has of the grains it shares; returns the sums over the blocks,
     /// which no number of threads changes.
-    fn show_after(&mut self, pass: Pass) -> [f64; 2] {
-        self.layout.show_after(&mut self.blocks, |block| {
+    fn send_after(&mut self, pass: Pass) -> [f64; 2] {
+        self.layout.send(&mut self.blocks, |block, sent| {
             block.make(pass);
-            block.shared(pass)
+            let (places, shared) = block.shared(pass);
+            send_of(places, shared, sent);
         });
         self.sums()
     }
 
-    /// The same, but each block first adds up what all have shown.
-    fn assemble_before(&mut self, pass: Pass) -> [f64; 2] {
-        self.layout.assemble_before(&mut self.blocks, |block| block.shared(pass), |block| block.make(pass));
+    /// The same, but each block first takes the sums of what all have sent.
+    fn receive_before(&mut self, pass: Pass) -> [f64; 2] {
+        self.layout.receive(&mut self.blocks, |block, sums| {
+            let (places, shared) = block.shared(pass);
+            take_sums(places, shared, sums);
+            block.make(pass);
+        });
         self.sums()
     }
 
@@ -88,22 +93,22 @@ impl Run {
 
     /// r = max(0, r + α p) = r + α p + d and u = −(W r + b); returns wᵗ W p and −uᵗ d + ½ dᵗ W d, with the u of r + α p.
     fn step(&mut self, length: f64) -> [f64; 2] {
-        let sums = self.show_after(Pass::Step { length });
-        if self.blocks.iter().any(Block::added) { self.assemble_before(Pass::Correct) } else { sums }
+        let sums = self.send_after(Pass::Step { length });
+        if self.blocks.iter().any(Block::added) { self.receive_before(Pass::Correct) } else { sums }
     }
 
     /// u from r; returns wᵗ W p.
     fn renew(&mut self) -> f64 {
         self.products += 1;
-        self.show_after(Pass::Whole);
-        let [product, squared_size] = self.assemble_before(Pass::Afresh);
+        self.send_after(Pass::Whole);
+        let [product, squared_size] = self.receive_before(Pass::Afresh);
         self.size = squared_size.sqrt();
         product
     }
 
     /// p = w + β z.
     fn turn(&mut self, beta: f64) {
-        [self.descent, self.squared] = self.show_after(Pass::Turn { beta });
+        [self.descent, self.squared] = self.send_after(Pass::Turn { beta });
     }
 
     /// Whether uᵗ p is round-off: where p = w, no step can make q less.
@@ -114,7 +119,7 @@ impl Run {
     /// A step along p that keeps q below q(r₀), and the next direction; `false` and no step if there is none.
     fn conjugate_step(&mut self) -> bool {
         self.products += 1;
-        let [curvature, _] = self.assemble_before(Pass::Curvature);
+        let [curvature, _] = self.receive_before(Pass::Curvature);
         if self.at_rest() {
             return false;
         }

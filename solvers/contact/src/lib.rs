@@ -3,6 +3,7 @@
 //!
 //! Equation numbers are those of Iceta, Dureisseix, Alart, Giens 2009, hal-00413720. No method lives here.
 
+pub mod adjacency;
 mod error;
 pub mod law;
 mod measures;
@@ -15,6 +16,7 @@ pub mod sweep;
 mod truth;
 mod work;
 
+pub use adjacency::{Adjacency, greedy_colours};
 pub use error::{ProblemError, SetupError, shown};
 pub use measures::{Measure, Measures, Meter};
 pub use problem::{Contact, ContactProblem};

@@ -1,33 +1,33 @@
 //! From the contacts of a subdomain to the matrix of its linear stage, in the order of its factor.
 
 use crate::directions::Directions;
+use cholesky::Triplet;
 use contact::ContactProblem;
-use faer::sparse::Triplet;
 use nalgebra::Vector2;
 use partition::{Decomposition, Subdomain};
 
 /// One contact between two places of the factor's order.
-pub(crate) struct Row {
+pub(crate) struct PlacedContact {
     pub(crate) candidate: u32,
     /// A wall is the last "grain", at rest: its own motion is in `offset`.
     pub(crate) antagonist: u32,
     pub(crate) normal: Vector2<f64>,
     pub(crate) offset: f64,
     /// 1/W_αα with the undivided masses (kg).
-    pub(crate) mass: f64,
+    pub(crate) inverse_delassus: f64,
 }
 
 /// The part of a grain in the subdomain.
 pub(crate) struct Share {
     /// M_i/m_i (kg).
     pub(crate) mass: f64,
-    /// Whether other subdomains have a part of it.
-    pub(crate) boundary: bool,
+    /// m_i: how many subdomains have a part of it.
+    pub(crate) copies: f64,
     /// V_free (m/s).
     pub(crate) free_velocity: Vector2<f64>,
 }
 
-impl Row {
+impl PlacedContact {
     /// (Hᵗ V)_α.
     #[inline]
     pub(crate) fn relative(&self, velocity: &[Vector2<f64>]) -> f64 {
@@ -43,25 +43,31 @@ impl Row {
     }
 }
 
-/// Local indices of the grains that touch.
-pub(crate) fn pairs(subdomain: &Subdomain) -> Vec<(u32, u32)> {
-    let ends = subdomain.candidate.iter().zip(&subdomain.antagonist);
-    ends.filter_map(|(i, j)| Some((*i, (*j)?))).collect()
+impl Share {
+    /// Whether other subdomains have a part of the grain.
+    pub(crate) fn on_boundary(&self) -> bool {
+        self.copies > 1.0
+    }
 }
 
-pub(crate) fn rows(problem: &ContactProblem, subdomain: &Subdomain, position: &[u32]) -> Vec<Row> {
+pub(crate) fn placed(
+    problem: &ContactProblem,
+    subdomain: &Subdomain,
+    position: &[u32],
+) -> Vec<PlacedContact> {
     let place = |local: u32| position[local as usize];
     (0..subdomain.contacts.len())
         .map(|k| {
             let contact = problem.contacts()[subdomain.contacts[k] as usize];
+            let (candidate, antagonist) = subdomain.ends[k];
             let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
             let w = inverse_mass(contact.candidate) + contact.antagonist.map_or(0.0, inverse_mass);
-            Row {
-                candidate: place(subdomain.candidate[k]),
-                antagonist: subdomain.antagonist[k].map_or(position.len() as u32, place),
+            PlacedContact {
+                candidate: place(candidate),
+                antagonist: antagonist.map_or(position.len() as u32, place),
                 normal: contact.normal,
                 offset: contact.offset,
-                mass: 1.0 / w,
+                inverse_delassus: 1.0 / w,
             }
         })
         .collect()
@@ -79,10 +85,10 @@ pub(crate) fn shares(
         .zip(&subdomain.grains)
         .map(|(place, grain)| {
             let grain = *grain as usize;
-            let multiplicity = decomposition.multiplicity[grain];
-            let mass = problem.mass()[grain] / f64::from(multiplicity);
+            let copies = f64::from(decomposition.multiplicity[grain]);
+            let mass = problem.mass()[grain] / copies;
             let free_velocity = problem.free_velocity()[grain];
-            (*place, Share { mass, boundary: multiplicity > 1, free_velocity })
+            (*place, Share { mass, copies, free_velocity })
         })
         .collect();
     shares.sort_by_key(|(place, _)| *place);
@@ -91,20 +97,21 @@ pub(crate) fn shares(
 
 /// Upper triangle of M_E + H_E l⁻ H_Eᵗ + d⁻_E, two rows per grain.
 pub(crate) fn matrix(
-    rows: &[Row],
+    contacts: &[PlacedContact],
     shares: &[Share],
     directions: &Directions,
 ) -> Vec<Triplet<usize, usize, f64>> {
-    let mut upper = Vec::with_capacity(3 * shares.len() + 10 * rows.len());
+    let mut upper = Vec::with_capacity(3 * shares.len() + 10 * contacts.len());
     for (place, share) in shares.iter().enumerate() {
-        let d_minus = if share.boundary { directions.d_minus * share.mass } else { 0.0 };
+        let d_minus = if share.on_boundary() { directions.d_minus * share.mass } else { 0.0 };
         let (x, y) = (2 * place, 2 * place + 1);
         let mass = share.mass + d_minus;
         upper.extend([Triplet::new(x, x, mass), Triplet::new(x, y, 0.0), Triplet::new(y, y, mass)]);
     }
-    for row in rows {
-        let block = directions.l_minus * row.mass * row.normal * row.normal.transpose();
-        let ends = [(row.candidate as usize, 1.0), (row.antagonist as usize, -1.0)];
+    for contact in contacts {
+        let block =
+            directions.l_minus * contact.inverse_delassus * contact.normal * contact.normal.transpose();
+        let ends = [(contact.candidate as usize, 1.0), (contact.antagonist as usize, -1.0)];
         for (i, sign_i) in ends {
             for (j, sign_j) in ends {
                 for (x, y) in [(0, 0), (0, 1), (1, 0), (1, 1)] {

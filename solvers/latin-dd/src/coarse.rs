@@ -9,10 +9,9 @@
 //!
 //! with K_E the matrix of the linear stage and `B_E` the translations of the interfaces' grains. At convergence w = 0.
 
-use crate::factor::{Factor, Singular, Structure};
 use crate::subdomain::Latin;
+use cholesky::{BlockFactor, BlockStructure, Singular, Triplet};
 use contact::{ContactProblem, SetupError};
-use faer::sparse::Triplet;
 use nalgebra::{Matrix2, Vector2};
 use partition::Decomposition;
 use std::collections::BTreeMap;
@@ -31,7 +30,7 @@ struct Side {
 pub(crate) struct Coarse {
     /// By subdomain.
     sides: Vec<Vec<Side>>,
-    factor: Factor,
+    factor: BlockFactor,
     /// g, then w, of each interface in the order of the factor.
     w: Vec<Vector2<f64>>,
 }
@@ -42,10 +41,10 @@ impl Coarse {
         problem: &ContactProblem,
         decomposition: &Decomposition,
         subdomains: &[Latin],
-        factor_of: impl Fn(usize) -> &'f Factor,
+        factor_of: impl Fn(usize) -> &'f BlockFactor,
         kappa_d_minus: f64,
     ) -> Result<Self, SetupError> {
-        let refused = |Singular(why)| {
+        let refused = |why: Singular| {
             let where_not = format!("false where kappa_d_minus is {kappa_d_minus:e}");
             SetupError::new("coarse", true, format!("{where_not}: its matrix cannot be factorised ({why})"))
         };
@@ -66,7 +65,7 @@ impl Coarse {
                 sides[*e as usize].push(Side { interface, grains, influence });
             }
         }
-        let structure = Structure::new(interfaces.len(), &neighbours(&sides)).map_err(refused)?;
+        let structure = BlockStructure::new(interfaces.len(), neighbours(&sides)).map_err(refused)?;
         for side in sides.iter_mut().flatten() {
             side.interface = structure.position()[side.interface] as usize;
         }
@@ -129,17 +128,12 @@ fn interfaces(decomposition: &Decomposition) -> Vec<Vec<&[(u32, u32)]>> {
     interfaces.into_values().collect()
 }
 
-/// Pairs of interfaces of one subdomain, each pair once.
-fn neighbours(sides: &[Vec<Side>]) -> Vec<(u32, u32)> {
-    let mut pairs = Vec::new();
-    for sides in sides {
-        for (k, side) in sides.iter().enumerate() {
-            pairs.extend(sides[..k].iter().map(|other| (other.interface as u32, side.interface as u32)));
-        }
-    }
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs
+/// Pairs of interfaces of one subdomain.
+fn neighbours(sides: &[Vec<Side>]) -> impl Iterator<Item = (u32, u32)> + Clone {
+    sides.iter().flat_map(|sides| {
+        let pairs = sides.iter().flat_map(|one| sides.iter().map(move |other| (one, other)));
+        pairs.map(|(one, other)| (one.interface as u32, other.interface as u32))
+    })
 }
 
 /// Upper triangle of S, two rows per interface.

@@ -1,6 +1,6 @@
 //! Search directions: how steeply the linear stage follows the local one, for contacts and for the interface.
 
-use contact::{ContactProblem, SetupError};
+use contact::{Adjacency, ContactProblem, SetupError};
 
 /// The four search directions, dimensionless: l = κ_l / W_αα with the undivided masses, d_E = κ_d M_i/m_i.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,33 +46,26 @@ pub fn derived_kappa(problem: &ContactProblem) -> f64 {
     let fastest = walls().fold(0.0_f64, |fastest, (_, b)| fastest.max(-b));
     let pushed: Vec<u32> =
         walls().filter(|(_, b)| -**b > 0.1 * fastest).map(|(contact, _)| contact.candidate).collect();
-    let mut neighbours = vec![Vec::new(); problem.grain_count()];
-    for contact in problem.contacts() {
-        if let Some(j) = contact.antagonist {
-            neighbours[contact.candidate as usize].push(j);
-            neighbours[j as usize].push(contact.candidate);
-        }
-    }
-    let n = depth(&neighbours, &pushed).max(1);
+    let n = depth(problem, &pushed).max(1);
     let contacts_per_grain = (problem.contact_count() as f64 / problem.grain_count() as f64).max(1.0);
     std::f64::consts::FRAC_2_PI * f64::from(n) * contacts_per_grain
 }
 
 /// Number of grains on the longest of the shortest paths from `sources`, these included.
-fn depth(neighbours: &[Vec<u32>], sources: &[u32]) -> u32 {
-    let mut reached = vec![false; neighbours.len()];
+fn depth(problem: &ContactProblem, sources: &[u32]) -> u32 {
+    let (contacts, adjacency) = (problem.contacts(), Adjacency::of(problem));
+    let touched = |grain: &u32| {
+        let around = adjacency.around(*grain as usize).iter();
+        around.flat_map(|contact| contacts[*contact as usize].grains())
+    };
+    let mut reached = vec![false; problem.grain_count()];
     let mut layer: Vec<u32> = sources.to_vec();
     layer.retain(|grain| !std::mem::replace(&mut reached[*grain as usize], true));
     let mut depth = 0;
     while !layer.is_empty() {
         depth += 1;
-        let mut next = Vec::new();
-        for grain in layer.iter().flat_map(|grain| &neighbours[*grain as usize]) {
-            if !std::mem::replace(&mut reached[*grain as usize], true) {
-                next.push(*grain);
-            }
-        }
-        layer = next;
+        let touched = layer.iter().flat_map(touched);
+        layer = touched.filter(|grain| !std::mem::replace(&mut reached[*grain as usize], true)).collect();
     }
     depth
 }

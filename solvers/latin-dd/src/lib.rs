@@ -24,7 +24,6 @@ mod assembly;
 mod balance;
 mod coarse;
 mod directions;
-mod factor;
 mod run;
 mod subdomain;
 #[cfg(test)]

@@ -6,8 +6,8 @@ use crate::coarse::Coarse;
 use crate::directions::Directions;
 use crate::subdomain::Latin;
 use contact::{ContactProblem, Iteration, SetupError, Work, together};
-use nalgebra::Vector2;
-use partition::Decomposition;
+use nalgebra::{Matrix2, Vector2};
+use partition::{CopySums, Decomposition, Partition};
 use rayon::prelude::*;
 
 /// What a stage takes per contact, about (ns).
@@ -22,9 +22,8 @@ pub struct Run<'p> {
     relaxation: f64,
     pub(crate) coarse: Option<Coarse>,
     balance: Option<Balance>,
-    /// V̂ of each boundary grain (m/s).
-    v_hat: Vec<Vector2<f64>>,
-    pub(crate) velocity_jump: f64,
+    /// Of what [`Latin::send`] gives for each copy of a boundary grain.
+    sums: CopySums<Matrix2<f64>>,
     iterations: u64,
     work: Work,
 }
@@ -48,7 +47,7 @@ impl Iteration for Run<'_> {
     }
 
     fn velocity_jump(&self) -> f64 {
-        self.velocity_jump
+        self.subdomains.iter().map(|subdomain| subdomain.velocity_jump).fold(0.0, f64::max)
     }
 
     fn derived(&self) -> Vec<(&'static str, f64)> {
@@ -64,11 +63,10 @@ impl Iteration for Run<'_> {
     /// Multiply-adds of the longest subdomain: eight per contact, one per entry of its factor in each pass, one per value
     /// exchanged; and the coarse problem, which waits for all.
     fn critical_path(&self) -> Option<u64> {
-        let copies = self.decomposition.copies_by_subdomain();
-        let work = |(latin, copies): (&Latin, usize)| {
-            8 * latin.impulses().len() + 2 * latin.factor_entries() + 2 * copies
+        let work = |latin: &Latin| {
+            8 * latin.impulses().len() + 2 * latin.factor_entries() + 2 * latin.boundary.len()
         };
-        let longest = self.subdomains.iter().zip(copies).map(work).max().unwrap_or(0);
+        let longest = self.subdomains.iter().map(work).max().unwrap_or(0);
         Some((longest + self.coarse.as_ref().map_or(0, Coarse::entries)) as u64)
     }
 
@@ -88,14 +86,23 @@ impl Run<'_> {
 
     /// The local stage of all contacts, (2) (6), and of the boundary grains, (3) (7).
     pub fn local_stage(&mut self) {
-        let relaxation = self.relaxation;
-        self.in_subdomains(|subdomain| subdomain.local_stage(relaxation));
-        self.velocity_jump = self.interface();
+        let (nanoseconds, relaxation) = (self.nanoseconds(), self.relaxation);
+        let Self { subdomains, sums, .. } = self;
+        sums.send(subdomains, nanoseconds, |latin, sent| {
+            latin.local_stage(relaxation);
+            latin.send(sent);
+        });
+        sums.receive(subdomains, 0, |latin, sums| latin.interface(relaxation, sums));
     }
 
     pub(crate) fn in_subdomains(&mut self, stage: impl Fn(&mut Latin) + Sync + Send) {
-        let nanoseconds = NS_PER_CONTACT * self.problem.contact_count();
-        self.subdomains.par_iter_mut().with_min_len(together(nanoseconds)).for_each(stage);
+        let together = together(self.nanoseconds());
+        self.subdomains.par_iter_mut().with_min_len(together).for_each(stage);
+    }
+
+    /// What a stage takes, about (ns).
+    fn nanoseconds(&self) -> usize {
+        NS_PER_CONTACT * self.problem.contact_count()
     }
 
     /// Takes other directions; where a matrix of theirs cannot be factorised, all stays as it is.
@@ -128,28 +135,6 @@ impl Run<'_> {
         self.work.interface_values += (2 * self.decomposition.copy_count() + values_of_coarse) as u64;
         self.work.triangular_solve_entries += (2 * entries + entries_of_coarse) as u64;
     }
-
-    /// Local stage of the boundary grains, with F_E = τ − d⁻ V_E:
-    /// V̂ = Σ_E (d⁺ V_E − F_E) / Σ_E d⁺,   then F̂_E, see [`Latin::glue`]     (3) (7)
-    ///
-    /// Returns the greatest |V_E − V̄| (m/s).
-    fn interface(&mut self) -> f64 {
-        let Self { decomposition, subdomains, directions, relaxation, v_hat, .. } = self;
-        let jump = decomposition.join(v_hat, |_, copies, v_hat| {
-            let copy = |(e, local): &(u32, u32)| subdomains[*e as usize].boundary(*local);
-            let (_, _, mass) = copy(&copies[0]);
-            let (d_minus, d_plus) = (directions.d_minus * mass, directions.d_plus * mass);
-            let (mut sum, mut mean) = (Vector2::zeros(), Vector2::zeros());
-            for (v, tau, _) in copies.iter().map(copy) {
-                sum += (d_plus + d_minus) * v - tau;
-                mean += v / copies.len() as f64;
-            }
-            *v_hat = sum / (d_plus * copies.len() as f64);
-            copies.iter().map(|at| (copy(at).0 - mean).norm()).fold(0.0, f64::max)
-        });
-        decomposition.hand_back(subdomains, |latin, copies| latin.glue(copies, v_hat, *relaxation));
-        jump
-    }
 }
 
 impl LatinDd {
@@ -160,7 +145,7 @@ impl LatinDd {
         directions: Directions,
         r0: &[f64],
     ) -> Result<Run<'p>, SetupError> {
-        let partition = self.partition.partition(problem, self.subdomains)?;
+        let partition = Partition::of_contacts(problem, self.partition, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
         let mut start = vec![Vector2::zeros(); problem.grain_count()];
         problem.velocity(r0, &mut start);
@@ -182,14 +167,13 @@ impl LatinDd {
         let factorisations = subdomains.len() as u64 + u64::from(self.coarse);
         Ok(Run {
             problem,
-            v_hat: vec![Vector2::zeros(); decomposition.boundary_count()],
+            sums: CopySums::new(&decomposition),
             decomposition,
             subdomains,
             directions,
             relaxation: self.relaxation,
             coarse,
             balance,
-            velocity_jump: 0.0,
             iterations: 0,
             work: Work { factorisations, ..Work::default() },
         })

@@ -1,19 +1,19 @@
 //! One subdomain: its linear stage (1) (4) (5), and the local stage (2) (6) of its contacts.
 
-use crate::assembly::{Row, Share, matrix, pairs, rows, shares};
+use crate::assembly::{PlacedContact, Share, matrix, placed, shares};
 use crate::directions::Directions;
-use crate::factor::{Factor, Singular, Structure};
+use cholesky::{BlockFactor, BlockStructure, Singular};
 use contact::{ContactProblem, SetupError, law};
 use nalgebra::{Matrix2, Vector2};
-use partition::Decomposition;
+use partition::{Decomposition, Sums};
 
 /// A subdomain between two local stages. Grains are in the order of the factor.
 pub(crate) struct Latin {
-    rows: Vec<Row>,
+    contacts: Vec<PlacedContact>,
     shares: Vec<Share>,
     directions: Directions,
-    structure: Structure,
-    factor: Factor,
+    structure: BlockStructure,
+    factor: BlockFactor,
     /// `M_E V_free` − `H_E` l⁻ c, what does not change in the right-hand side (N·s).
     constant: Vec<Vector2<f64>>,
     /// t = r̂ + l⁻ v̂ of each contact (N·s).
@@ -26,6 +26,10 @@ pub(crate) struct Latin {
     right_hand_side: Vec<Vector2<f64>>,
     /// V_E of the linear stage, and the rest of the walls, last (m/s).
     velocity: Vec<Vector2<f64>>,
+    /// Its copies of boundary grains.
+    pub(crate) boundary: Vec<u32>,
+    /// Greatest |V_E − V̄| of these after the linear stage (m/s).
+    pub(crate) velocity_jump: f64,
 }
 
 /// r and v of a contact, or F and V of a boundary grain along one axis, after the linear stage, each with the sizes of the
@@ -49,23 +53,30 @@ impl Latin {
         r0: &[f64],
         start: &[Vector2<f64>],
     ) -> Result<Self, SetupError> {
+        let too_large = |why: Singular| {
+            let value = format!("so large that a subdomain's matrix cannot be factorised ({why})");
+            SetupError::new("kappa_l_minus", value, "smaller")
+        };
         let subdomain = &decomposition.subdomains[e];
-        let structure = Structure::new(subdomain.grains.len(), &pairs(subdomain)).map_err(too_large)?;
-        let rows = rows(problem, subdomain, structure.position());
+        let pairs = subdomain.ends.iter().filter_map(|(i, j)| Some((*i, (*j)?)));
+        let structure = BlockStructure::new(subdomain.grains.len(), pairs).map_err(too_large)?;
+        let contacts = placed(problem, subdomain, structure.position());
         let shares = shares(problem, decomposition, subdomain, structure.position());
-        let factor = structure.factorise(&matrix(&rows, &shares, directions)).map_err(too_large)?;
+        let factor = structure.factorise(&matrix(&contacts, &shares, directions)).map_err(too_large)?;
         let grains = shares.len();
         let mut latin = Self {
             directions: *directions,
-            structure,
             factor,
             constant: Vec::new(),
-            t: vec![0.0; rows.len()],
+            t: vec![0.0; contacts.len()],
             r_hat: subdomain.contacts.iter().map(|contact| r0[*contact as usize]).collect(),
             tau: vec![Vector2::zeros(); grains],
             right_hand_side: vec![Vector2::zeros(); grains + 1],
             velocity: vec![Vector2::zeros(); grains + 1],
-            rows,
+            boundary: subdomain.boundary.iter().map(|local| structure.position()[*local as usize]).collect(),
+            velocity_jump: 0.0,
+            structure,
+            contacts,
             shares,
         };
         for (place, grain) in latin.structure.position().iter().zip(&subdomain.grains) {
@@ -86,16 +97,16 @@ impl Latin {
             .map(|(share, v)| share.mass * (v - share.free_velocity))
             .collect();
         f_hat.push(Vector2::zeros());
-        for ((row, r), t) in self.rows.iter().zip(&self.r_hat).zip(&mut self.t) {
-            row.add(-*r, &mut f_hat);
-            let v = row.relative(&self.velocity) + row.offset;
+        for ((contact, r), t) in self.contacts.iter().zip(&self.r_hat).zip(&mut self.t) {
+            contact.add(-*r, &mut f_hat);
+            let v = contact.relative(&self.velocity) + contact.offset;
             let v_hat = if *r > 0.0 { 0.0 } else { law::non_negative(v) };
-            *t = r + l_minus * row.mass * v_hat;
+            *t = r + l_minus * contact.inverse_delassus * v_hat;
         }
         for (((tau, share), f_hat), v) in
             self.tau.iter_mut().zip(&self.shares).zip(&f_hat).zip(&self.velocity)
         {
-            if share.boundary {
+            if share.on_boundary() {
                 *tau = f_hat + d_minus * share.mass * v;
             }
         }
@@ -106,29 +117,32 @@ impl Latin {
     fn assemble(&mut self) {
         self.constant = self.shares.iter().map(|share| share.mass * share.free_velocity).collect();
         self.constant.push(Vector2::zeros());
-        for row in &self.rows {
-            row.add(-self.directions.l_minus * row.mass * row.offset, &mut self.constant);
+        for contact in &self.contacts {
+            contact.add(
+                -self.directions.l_minus * contact.inverse_delassus * contact.offset,
+                &mut self.constant,
+            );
         }
         self.right_hand_side.copy_from_slice(&self.constant);
-        for (row, t) in self.rows.iter().zip(&self.t) {
-            row.add(*t, &mut self.right_hand_side);
+        for (contact, t) in self.contacts.iter().zip(&self.t) {
+            contact.add(*t, &mut self.right_hand_side);
         }
     }
 
     /// The factor for other directions.
-    pub(crate) fn factorise(&self, directions: &Directions) -> Result<Factor, Singular> {
-        self.structure.factorise(&matrix(&self.rows, &self.shares, directions))
+    pub(crate) fn factorise(&self, directions: &Directions) -> Result<BlockFactor, Singular> {
+        self.structure.factorise(&matrix(&self.contacts, &self.shares, directions))
     }
 
     /// Takes other directions with their factor; r̂, v̂ and F̂ stay, and V̂ is near V_E.
-    pub(crate) fn turn(&mut self, directions: &Directions, factor: Factor) {
+    pub(crate) fn turn(&mut self, directions: &Directions, factor: BlockFactor) {
         self.factor = factor;
         for (t, r_hat) in self.t.iter_mut().zip(&self.r_hat) {
             *t = r_hat + directions.l_minus / self.directions.l_minus * (*t - r_hat);
         }
         let change = directions.d_minus - self.directions.d_minus;
         for ((tau, share), v) in self.tau.iter_mut().zip(&self.shares).zip(&self.velocity) {
-            if share.boundary {
+            if share.on_boundary() {
                 *tau += change * share.mass * v;
             }
         }
@@ -150,32 +164,43 @@ impl Latin {
     pub(crate) fn local_stage(&mut self, relaxation: f64) {
         let Directions { l_minus, l_plus, .. } = self.directions;
         self.right_hand_side.copy_from_slice(&self.constant);
-        for ((row, t), r_hat) in self.rows.iter().zip(&mut self.t).zip(&mut self.r_hat) {
-            let v = row.relative(&self.velocity) + row.offset;
-            let s = *t - (l_minus + l_plus) * row.mass * v;
+        for ((contact, t), r_hat) in self.contacts.iter().zip(&mut self.t).zip(&mut self.r_hat) {
+            let v = contact.relative(&self.velocity) + contact.offset;
+            let s = *t - (l_minus + l_plus) * contact.inverse_delassus * v;
             *r_hat = law::non_negative(s);
             *t += relaxation * (*r_hat + l_minus / l_plus * law::non_negative(-s) - *t);
-            row.add(*t, &mut self.right_hand_side);
+            contact.add(*t, &mut self.right_hand_side);
         }
     }
 
-    /// F̂_E = τ − d⁻ V_E + d⁺ (V̂ − V_E) of `copies` of boundary grains (local index, place in `v_hat`);
-    /// τ ← τ + μ (F̂_E + d⁻ V̂ − τ)     (3) (7)
-    pub(crate) fn glue(&mut self, copies: &[(u32, u32)], v_hat: &[Vector2<f64>], relaxation: f64) {
-        for (local, k) in copies {
-            let (place, v_hat) = (self.place(*local), v_hat[*k as usize]);
-            let (v, mass) = (self.velocity[place], self.shares[place].mass);
+    /// What its copies of boundary grains add to the sums over all copies: (d⁺ + d⁻) V_E − τ = d⁺ V_E − F_E (N·s) and V_E/m_i
+    /// (m/s).
+    pub(crate) fn send(&self, sent: &mut [Matrix2<f64>]) {
+        for (k, sent) in sent.iter_mut().enumerate() {
+            let (v, tau, Share { mass, copies, .. }) = self.copy(k);
             let (d_minus, d_plus) = (self.directions.d_minus * mass, self.directions.d_plus * mass);
-            let tau = &mut self.tau[place];
-            let f_hat = *tau - d_minus * v + d_plus * (v_hat - v);
-            *tau += relaxation * (f_hat + d_minus * v_hat - *tau);
+            *sent = Matrix2::from_columns(&[(d_plus + d_minus) * v - tau, v / *copies]);
         }
     }
 
-    /// V_E (m/s), τ (N·s) and M_i/m_i (kg) of a grain, by its index in the subdomain.
-    pub(crate) fn boundary(&self, local: u32) -> (Vector2<f64>, Vector2<f64>, f64) {
-        let place = self.place(local);
-        (self.velocity[place], self.tau[place], self.shares[place].mass)
+    /// Local stage of the boundary grains, with F_E = τ − d⁻ V_E:
+    /// V̂ = Σ_E (d⁺ V_E − F_E) / Σ_E d⁺,   F̂_E = F_E + d⁺ (V̂ − V_E);   τ ← τ + μ (F̂_E + d⁻ V̂ − τ)     (3) (7)
+    pub(crate) fn interface(&mut self, relaxation: f64, sums: Sums<'_, Matrix2<f64>>) {
+        self.velocity_jump = 0.0;
+        for (k, sum) in sums.enumerate() {
+            let (v, tau, Share { mass, copies, .. }) = self.copy(k);
+            let (d_minus, d_plus) = (self.directions.d_minus * mass, self.directions.d_plus * mass);
+            let v_hat = sum.column(0) / (d_plus * copies);
+            let f_hat = tau - d_minus * v + d_plus * (v_hat - v);
+            self.velocity_jump = self.velocity_jump.max((v - sum.column(1)).norm());
+            self.tau[self.boundary[k] as usize] += relaxation * (f_hat + d_minus * v_hat - tau);
+        }
+    }
+
+    /// V_E (m/s), τ (N·s) and the share of copy k of a boundary grain.
+    pub(crate) fn copy(&self, k: usize) -> (Vector2<f64>, Vector2<f64>, &Share) {
+        let place = self.boundary[k] as usize;
+        (self.velocity[place], self.tau[place], &self.shares[place])
     }
 
     /// r and v of each contact, and F and V of each boundary grain, after the linear stage.
@@ -187,15 +212,22 @@ impl Latin {
             terms_of_r: (t.abs() + kappa * mass * terms) / mass.sqrt(),
             terms_of_v: terms * mass.sqrt(),
         };
-        let contacts = self.rows.iter().zip(&self.t).map(move |(row, t)| {
-            let v = row.relative(&self.velocity) + row.offset;
+        let contacts = self.contacts.iter().zip(&self.t).map(move |(contact, t)| {
+            let v = contact.relative(&self.velocity) + contact.offset;
             let size = |grain: u32| self.velocity[grain as usize].norm();
-            of(row.mass, l_minus, *t, v, size(row.candidate) + size(row.antagonist) + row.offset.abs())
+            of(
+                contact.inverse_delassus,
+                l_minus,
+                *t,
+                v,
+                size(contact.candidate) + size(contact.antagonist) + contact.offset.abs(),
+            )
         });
         let grains = self.shares.iter().zip(&self.tau).zip(&self.velocity);
-        let boundary = grains.filter(|((share, _), _)| share.boundary).flat_map(move |((share, tau), v)| {
-            [(tau.x, v.x), (tau.y, v.y)].map(|(tau, v)| of(share.mass, d_minus, tau, v, v.abs()))
-        });
+        let boundary =
+            grains.filter(|((share, _), _)| share.on_boundary()).flat_map(move |((share, tau), v)| {
+                [(tau.x, v.x), (tau.y, v.y)].map(|(tau, v)| of(share.mass, d_minus, tau, v, v.abs()))
+            });
         contacts.chain(boundary)
     }
 
@@ -205,7 +237,7 @@ impl Latin {
     }
 
     /// K_E⁻¹ d⁻ B_E for the two translations of `grains` (place, d⁻), with a factor of K_E.
-    pub(crate) fn influence(&self, factor: &Factor, grains: &[(usize, f64)]) -> Vec<Matrix2<f64>> {
+    pub(crate) fn influence(&self, factor: &BlockFactor, grains: &[(usize, f64)]) -> Vec<Matrix2<f64>> {
         let [along_x, along_y] = [Vector2::x(), Vector2::y()].map(|direction| {
             let mut x = vec![Vector2::zeros(); self.shares.len()];
             for (place, d_minus) in grains {
@@ -237,7 +269,7 @@ impl Latin {
         &self.r_hat
     }
 
-    pub(crate) fn factor(&self) -> &Factor {
+    pub(crate) fn factor(&self) -> &BlockFactor {
         &self.factor
     }
 
@@ -245,9 +277,4 @@ impl Latin {
     pub(crate) fn factor_entries(&self) -> usize {
         self.factor.entries()
     }
-}
-
-fn too_large(Singular(why): Singular) -> SetupError {
-    let value = format!("so large that a subdomain's matrix cannot be factorised ({why})");
-    SetupError::new("kappa_l_minus", value, "smaller")
 }

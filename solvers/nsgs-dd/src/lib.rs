@@ -4,13 +4,11 @@
 //! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §4.2. With split masses and 0 < ω < 2, q(r) never increases, for
 //! any number of subdomains and of inner sweeps. Cost of an iteration: `inner_sweeps` sweeps over all contacts, and the gluing.
 
-mod exchange;
 mod subdomain;
 
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work, together};
-use exchange::{Colours, add_increments};
+use contact::{ContactProblem, Iteration, SetupError, Solver, Work, greedy_colours};
 use nalgebra::Vector2;
-use partition::{Decomposition, Grid, Scheme};
+use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -60,27 +58,19 @@ pub enum Exchange {
 }
 
 struct Run {
-    decomposition: Decomposition,
     sweepers: Vec<Sweeper>,
-    /// y = M^½ V of the copies, with the copies' masses, subdomain by subdomain (√J).
-    y: Vec<Vec<Vector2<f64>>>,
-    /// 1/√mass of a copy of each boundary grain: V = y times it (kg^-½).
-    unit: Vec<f64>,
-    /// y of each boundary grain after the last gluing (√J).
-    glued: Vec<Vector2<f64>>,
-    /// Subdomains that work at the same time, group after group.
-    groups: Colours,
+    sums: CopySums<Vector2<f64>>,
+    /// Contacts of each group of subdomains: those of one group work at the same time, group after group.
+    groups: Vec<usize>,
     settings: NsgsDd,
-    velocity_jump: f64,
     iterations: u64,
 }
 
 impl Iteration for Run {
     fn advance(&mut self) {
-        self.velocity_jump = 0.0;
-        for group in 0..self.groups.contacts.len() as u32 {
-            self.sweep(group);
-            self.velocity_jump = self.velocity_jump.max(self.glue());
+        self.sweepers.iter_mut().for_each(|sweeper| sweeper.velocity_jump = 0.0);
+        for group in 0..self.groups.len() {
+            self.sweep_and_glue(group);
         }
         self.iterations += 1;
     }
@@ -90,28 +80,28 @@ impl Iteration for Run {
     }
 
     fn velocity_jump(&self) -> f64 {
-        self.velocity_jump
+        self.sweepers.iter().map(|sweeper| sweeper.velocity_jump).fold(0.0, f64::max)
     }
 
     /// Multiply-adds of the longest subdomain of each group: eight per contact updated, one per value exchanged.
     fn critical_path(&self) -> Option<u64> {
         let sweeps = self.settings.inner_sweeps as usize;
-        let mut longest = vec![0; self.groups.contacts.len()];
-        let copies = self.decomposition.copies_by_subdomain();
-        for ((sweeper, copies), group) in self.sweepers.iter().zip(copies).zip(&self.groups.of_subdomain) {
-            let longest = &mut longest[*group as usize];
-            *longest = (8 * sweeps * sweeper.contacts() + 2 * copies).max(*longest);
+        let mut longest = vec![0; self.groups.len()];
+        for sweeper in &self.sweepers {
+            let longest = &mut longest[sweeper.group];
+            *longest = (8 * sweeps * sweeper.contacts() + 2 * sweeper.copies.len()).max(*longest);
         }
         Some(longest.iter().sum::<usize>() as u64)
     }
 
     fn work(&self) -> Work {
-        let contacts: usize = self.groups.contacts.iter().sum();
+        let contacts: usize = self.groups.iter().sum();
+        let copies: usize = self.sweepers.iter().map(|sweeper| sweeper.copies.len()).sum();
         let sweeps = self.iterations * u64::from(self.settings.inner_sweeps);
         Work {
             contact_updates: sweeps * contacts as u64,
             // Every copy belongs to one group and sends its two components once per iteration.
-            interface_values: self.iterations * 2 * self.decomposition.copy_count() as u64,
+            interface_values: self.iterations * 2 * copies as u64,
             ..Work::default()
         }
     }
@@ -121,24 +111,19 @@ impl Iteration for Run {
 const NS_PER_UPDATE: usize = 5;
 
 impl Run {
-    /// From the glued velocity, `inner_sweeps` sweeps in each subdomain of `group`, F fixed.
-    fn sweep(&mut self, group: u32) {
-        let NsgsDd { inner_sweeps: sweeps, relaxation, .. } = self.settings;
-        let colour = &self.groups.of_subdomain;
-        let updates = self.groups.contacts[group as usize] * sweeps as usize;
-        let work = |(e, (sweeper, y)): (usize, (&mut Sweeper, &mut Vec<Vector2<f64>>))| {
-            if colour[e] == group {
-                (0..sweeps).for_each(|_| sweeper.sweep(y, relaxation));
+    /// From the glued velocity, `inner_sweeps` sweeps in each subdomain of `group`, F fixed; then the copies of all are brought
+    /// together.
+    fn sweep_and_glue(&mut self, group: usize) {
+        let NsgsDd { inner_sweeps: sweeps, relaxation, mass_splitting, .. } = self.settings;
+        let updates = self.groups[group] * sweeps as usize;
+        let Self { sweepers, sums, .. } = self;
+        sums.send(sweepers, NS_PER_UPDATE * updates, |sweeper, sent| {
+            if sweeper.group == group {
+                (0..sweeps).for_each(|_| sweeper.sweep(relaxation));
             }
-        };
-        let subdomains = self.sweepers.par_iter_mut().zip(&mut self.y).enumerate();
-        subdomains.with_min_len(together(NS_PER_UPDATE * updates)).for_each(work);
-    }
-
-    /// Brings the copies together and returns the greatest disagreement before (m/s).
-    fn glue(&mut self) -> f64 {
-        let glue = if self.settings.mass_splitting { Decomposition::glue } else { add_increments };
-        glue(&self.decomposition, &mut self.y, &self.unit, &mut self.glued)
+            sweeper.send(mass_splitting, sent);
+        });
+        sums.receive(sweepers, 0, |sweeper, sums| sweeper.glue(mass_splitting, sums));
     }
 }
 
@@ -152,40 +137,34 @@ impl Solver for NsgsDd {
             return Err(SetupError::new("inner_sweeps", 0, "at least 1"));
         }
         SetupError::unless_positive("relaxation", self.relaxation)?;
-        let partition = self.partition.partition(problem, self.subdomains)?;
+        let partition = Partition::of_contacts(problem, self.partition, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
+        let Decomposition { subdomains, multiplicity, .. } = &decomposition;
         let inverse_mass = |grain: u32| {
-            let share = if self.mass_splitting { decomposition.multiplicity[grain as usize] } else { 1 };
+            let share = if self.mass_splitting { multiplicity[grain as usize] } else { 1 };
             f64::from(share) / problem.mass()[grain as usize]
         };
-        let sweepers = decomposition
-            .subdomains
-            .par_iter()
-            .map(|subdomain| Sweeper::new(problem, subdomain, &inverse_mass, r0))
-            .collect();
-
         // Every copy starts at V_free + M⁻¹ H r0.
         let mut start = vec![Vector2::zeros(); problem.grain_count()];
         problem.velocity(r0, &mut start);
-        let y_of = |grain: &u32| start[*grain as usize] / inverse_mass(*grain).sqrt();
-        let subdomains = decomposition.subdomains.iter();
-        let y = subdomains.map(|subdomain| subdomain.grains.iter().map(y_of).collect()).collect();
-        let glued = decomposition.boundary_grains().map(|grain| y_of(&grain)).collect();
-        let unit = decomposition.boundary_grains().map(|grain| inverse_mass(grain).sqrt()).collect();
-        let groups = match self.exchange {
-            Exchange::Jacobi => Colours::all_at_once(&decomposition),
-            Exchange::GaussSeidel => Colours::greedy(&decomposition),
+        let of_subdomain = match self.exchange {
+            Exchange::Jacobi => vec![0; subdomains.len()],
+            Exchange::GaussSeidel => {
+                greedy_colours(subdomains.iter().map(Subdomain::boundary_grains), problem.grain_count())
+            }
         };
-        let settings = *self;
+        let mut groups = vec![0; of_subdomain.iter().max().map_or(0, |greatest| *greatest as usize + 1)];
+        for (group, subdomain) in of_subdomain.iter().zip(subdomains) {
+            groups[*group as usize] += subdomain.contacts.len();
+        }
+        let sweeper = |(subdomain, group): (&Subdomain, &u32)| {
+            Sweeper::new(problem, subdomain, *group, &inverse_mass, multiplicity, (r0, &start))
+        };
         Ok(Box::new(Run {
-            decomposition,
-            sweepers,
-            y,
-            unit,
-            glued,
+            sweepers: subdomains.par_iter().zip(&of_subdomain).map(sweeper).collect(),
+            sums: CopySums::new(&decomposition),
             groups,
-            settings,
-            velocity_jump: 0.0,
+            settings: *self,
             iterations: 0,
         }))
     }

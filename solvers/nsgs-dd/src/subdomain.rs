@@ -1,13 +1,16 @@
-//! The sweep of one subdomain: that of NSGS on the subdomain's contacts, with its own masses, in mass-scaled unknowns.
+//! One subdomain: its sweep, that of NSGS on the subdomain's contacts with its own masses, and the gluing of its copies, (3);
+//! all in mass-scaled unknowns.
 
 use contact::ContactProblem;
 use contact::scaled::by_levels;
 use contact::sweep::Row;
 use nalgebra::Vector2;
-use partition::Subdomain;
+use partition::{Subdomain, Sums};
 
-/// The contacts of a subdomain with their impulses, in the order of the sweep, level by level.
+/// The contacts of a subdomain with their impulses, in the order of the sweep, level by level; and its grains.
 pub(crate) struct Sweeper {
+    /// Those of a group sweep at the same time.
+    pub(crate) group: usize,
     rows: Vec<Row>,
     /// The problem's contact of each row.
     contacts: Vec<u32>,
@@ -15,26 +18,58 @@ pub(crate) struct Sweeper {
     s: Vec<f64>,
     /// √`W_αα` with the subdomain's masses (kg^-½).
     unit: Vec<f64>,
+    /// y = M^½ `V_E` of the grains, with the copies' masses (√J).
+    y: Vec<Vector2<f64>>,
+    /// Its copies of boundary grains.
+    pub(crate) copies: Vec<GrainCopy>,
+    /// Greatest |`V_E` − V̄| of the copies before they were glued, since it was last 0 (m/s).
+    pub(crate) velocity_jump: f64,
+}
+
+/// A copy of a boundary grain.
+pub(crate) struct GrainCopy {
+    /// Its place in y.
+    local: u32,
+    /// `m_i`.
+    multiplicity: f64,
+    /// 1/√m with the mass m of the copy: V = y times it (kg^-½).
+    root_inverse_mass: f64,
+    /// y after the last gluing (√J).
+    glued: Vector2<f64>,
 }
 
 impl Sweeper {
-    /// Takes the impulses from `r0`; `inverse_mass` is that of the subdomain's share of a grain (1/kg).
+    /// Takes the impulses and velocities from those of the problem, (r, V); `inverse_mass` is that of the subdomain's share of a
+    /// grain (1/kg), `multiplicity` in how many subdomains it is.
     pub(crate) fn new(
         problem: &ContactProblem,
         subdomain: &Subdomain,
+        group: u32,
         inverse_mass: &(dyn Fn(u32) -> f64 + Sync),
-        r0: &[f64],
+        multiplicity: &[u32],
+        (r0, start): (&[f64], &[Vector2<f64>]),
     ) -> Self {
-        let ends = |k: usize| (subdomain.candidate[k], subdomain.antagonist[k]);
-        let order = by_levels((0..subdomain.contacts.len()).map(ends), subdomain.grains.len());
+        let order = by_levels(subdomain.ends.iter().copied(), subdomain.grains.len());
         let row = |k: &u32| {
             let contact = &problem.contacts()[subdomain.contacts[*k as usize] as usize];
-            Row::new(contact, ends(*k as usize), inverse_mass)
+            Row::new(contact, subdomain.ends[*k as usize], inverse_mass)
         };
         let (rows, unit): (Vec<Row>, Vec<f64>) = order.iter().map(row).unzip();
         let contacts: Vec<u32> = order.iter().map(|k| subdomain.contacts[*k as usize]).collect();
         let s = contacts.iter().zip(&unit).map(|(contact, unit)| unit * r0[*contact as usize]).collect();
-        Self { rows, contacts, s, unit }
+        let y_of = |grain: &u32| start[*grain as usize] / inverse_mass(*grain).sqrt();
+        let y: Vec<_> = subdomain.grains.iter().map(y_of).collect();
+        let copy = |local: &u32| {
+            let grain = subdomain.grains[*local as usize];
+            GrainCopy {
+                local: *local,
+                multiplicity: f64::from(multiplicity[grain as usize]),
+                root_inverse_mass: inverse_mass(grain).sqrt(),
+                glued: y[*local as usize],
+            }
+        };
+        let copies = subdomain.boundary.iter().map(copy).collect();
+        Self { group: group as usize, rows, contacts, s, unit, y, copies, velocity_jump: 0.0 }
     }
 
     /// Number of contacts.
@@ -50,9 +85,30 @@ impl Sweeper {
     }
 
     /// Contact by contact: v = Hᵗ V + c; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
-    pub(crate) fn sweep(&mut self, y: &mut [Vector2<f64>], relaxation: f64) {
+    pub(crate) fn sweep(&mut self, relaxation: f64) {
         for (row, s) in self.rows.iter().zip(&mut self.s) {
-            row.solve(s, y, relaxation);
+            row.solve(s, &mut self.y, relaxation);
         }
+    }
+
+    /// What its copies add to the sums over all copies of their grains: y or, without mass splitting, what that has gained.
+    pub(crate) fn send(&self, mass_splitting: bool, sent: &mut [Vector2<f64>]) {
+        for (copy, sent) in self.copies.iter().zip(sent) {
+            let y = self.y[copy.local as usize];
+            *sent = if mass_splitting { y } else { y - copy.glued };
+        }
+    }
+
+    /// Gluing, eq. (3) for equal copies: V̄ = Σ_E `V_E` / `m_i`. Without mass splitting: V̄ ← V̄ + Σ_E (`V_E` − V̄). Every copy
+    /// then moves at V̄.
+    pub(crate) fn glue(&mut self, mass_splitting: bool, sums: Sums<'_, Vector2<f64>>) {
+        let mut greatest = self.velocity_jump;
+        for (copy, sum) in self.copies.iter_mut().zip(sums) {
+            copy.glued = if mass_splitting { sum / copy.multiplicity } else { copy.glued + sum };
+            let y = &mut self.y[copy.local as usize];
+            greatest = greatest.max(copy.root_inverse_mass * (*y - copy.glued).norm());
+            *y = copy.glued;
+        }
+        self.velocity_jump = greatest;
     }
 }

@@ -1,9 +1,7 @@
-//! Non-linear Gauss-Seidel (NSGS) on the whole problem, the paper's reference method \[1\], and projected Jacobi.
+//! Non-linear Gauss-Seidel (NSGS) on the whole problem, the paper's reference method \[1\].
 
-mod jacobi;
 mod order;
 mod sweep;
 
-pub use jacobi::Jacobi;
-pub use order::{Order, colours};
+pub use order::Order;
 pub use sweep::Nsgs;

@@ -1,6 +1,6 @@
 //! Orders in which a sweep visits the contacts.
 
-use contact::ContactProblem;
+use contact::{Contact, ContactProblem, greedy_colours};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -34,36 +34,11 @@ impl Order {
             }
             Self::Shuffled => order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed)),
             Self::Coloured => {
-                let colour = colours(problem);
+                let contacts = problem.contacts().iter().map(Contact::grains);
+                let colour = greedy_colours(contacts, problem.grain_count());
                 order.sort_by_key(|contact| colour[*contact as usize]);
             }
         }
         order
     }
-}
-
-/// Greedy colouring: each contact, in the order of the list, takes the least colour that its grains do not have yet.
-pub fn colours(problem: &ContactProblem) -> Vec<u32> {
-    // Colours already at each grain, 64 to a word.
-    let mut taken: Vec<Vec<u64>> = vec![Vec::new(); problem.grain_count()];
-    problem
-        .contacts()
-        .iter()
-        .map(|contact| {
-            let grains = contact.grains();
-            let words = |grain: u32, word: usize| taken[grain as usize].get(word).copied().unwrap_or(0);
-            let both = |word: usize| grains.clone().fold(0, |all, grain| all | words(grain, word));
-            let mut word = 0;
-            while both(word) == u64::MAX {
-                word += 1;
-            }
-            let bit = both(word).trailing_ones();
-            for grain in grains {
-                let grain = &mut taken[grain as usize];
-                grain.resize(grain.len().max(word + 1), 0);
-                grain[word] |= 1 << bit;
-            }
-            64 * word as u32 + bit
-        })
-        .collect()
 }

@@ -6,7 +6,9 @@
 mod decomposition;
 mod grid;
 mod scheme;
+mod sums;
 
 pub use decomposition::{Decomposition, Subdomain};
 pub use grid::Grid;
 pub use scheme::{Partition, Scheme};
+pub use sums::{CopySums, Sums};

@@ -1,11 +1,13 @@
-//! Ways to distribute the contacts, each a geometric rule on the contacts' positions (§3).
+//! Ways to distribute the contacts, each a geometric rule on their positions (§3), and how good a partition is.
 
 use crate::grid::Grid;
-use contact::{ContactProblem, SetupError};
+use contact::{Adjacency, ContactProblem, SetupError};
 use nalgebra::Vector2;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// A rule that gives each contact a subdomain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
@@ -26,13 +28,50 @@ pub struct Partition {
     pub count: u32,
 }
 
-impl Scheme {
-    /// Distributes the contacts of `problem` over `grid`.
+impl Partition {
+    /// Distributes the contacts of `problem`, each with weight 1, over `grid`.
     ///
     /// # Errors
-    /// No subdomain, or more subdomains than contacts. (One subdomain is always allowed.)
-    pub fn partition(self, problem: &ContactProblem, grid: Grid) -> Result<Partition, SetupError> {
-        let most = problem.contact_count().max(1) as u64;
+    /// Those of [`Scheme::partition`].
+    pub fn of_contacts(problem: &ContactProblem, scheme: Scheme, grid: Grid) -> Result<Self, SetupError> {
+        let points: Vec<Vector2<f64>> =
+            problem.contacts().iter().map(|contact| problem.contact_position(contact)).collect();
+        scheme.partition(&points, &vec![1.0; points.len()], problem.position(), grid)
+    }
+
+    /// By how much the heaviest subdomain is above the mean, over the mean, with the `weights` of the contacts (–).
+    pub fn imbalance(&self, weights: &[f64]) -> f64 {
+        let mut loads = vec![0.0; self.count as usize];
+        for (subdomain, weight) in self.subdomain.iter().zip(weights) {
+            loads[*subdomain as usize] += weight;
+        }
+        let mean = loads.iter().sum::<f64>() / f64::from(self.count);
+        if mean > 0.0 { loads.into_iter().fold(0.0, f64::max) / mean - 1.0 } else { 0.0 }
+    }
+
+    /// Copies of grains beyond one of each, Σ (`m_i` − 1) over the grains with contacts: what subdomains must exchange.
+    pub fn cut(&self, adjacency: &Adjacency) -> usize {
+        let copies = |grain: usize| {
+            let around = adjacency.around(grain).iter();
+            around.map(|contact| self.subdomain[*contact as usize]).collect::<BTreeSet<_>>().len()
+        };
+        (0..adjacency.grain_count()).map(|grain| copies(grain).saturating_sub(1)).sum()
+    }
+}
+
+impl Scheme {
+    /// Distributes `points` with `weights` over `grid`; the boxes divide the bounding box of `extent`.
+    ///
+    /// # Errors
+    /// No subdomain, or more subdomains than points, which are contacts. (One subdomain is always allowed.)
+    pub fn partition(
+        self,
+        points: &[Vector2<f64>],
+        weights: &[f64],
+        extent: &[Vector2<f64>],
+        grid: Grid,
+    ) -> Result<Partition, SetupError> {
+        let most = points.len().max(1) as u64;
         if grid.count() == 0 {
             return Err(SetupError::new("subdomains", grid, "at least 1x1"));
         }
@@ -40,50 +79,59 @@ impl Scheme {
             let expected = format!("at most {most} subdomains, the number of contacts");
             return Err(SetupError::new("subdomains", grid, expected));
         }
-        if grid.count() == 1 {
-            return Ok(Partition { subdomain: vec![0; problem.contact_count()], count: 1 });
-        }
-        let position: Vec<Vector2<f64>> =
-            problem.contacts().iter().map(|contact| problem.contact_position(contact)).collect();
         let subdomain = match self {
-            Self::Boxes => boxes(&position, problem.position(), grid),
-            Self::Balanced => balanced(&position, grid),
+            _ if grid.count() == 1 => vec![0; points.len()],
+            Self::Boxes => boxes(points, extent, grid),
+            Self::Balanced => balanced(points, weights, grid),
         };
         Ok(Partition { subdomain, count: grid.nx * grid.ny })
     }
 }
 
-fn boxes(position: &[Vector2<f64>], grains: &[Vector2<f64>], grid: Grid) -> Vec<u32> {
-    let low = grains.iter().fold(Vector2::repeat(f64::INFINITY), |low, x| low.inf(x));
-    let high = grains.iter().fold(Vector2::repeat(f64::NEG_INFINITY), |high, x| high.sup(x));
+fn boxes(points: &[Vector2<f64>], extent: &[Vector2<f64>], grid: Grid) -> Vec<u32> {
+    let low = extent.iter().fold(Vector2::repeat(f64::INFINITY), |low, x| low.inf(x));
+    let high = extent.iter().fold(Vector2::repeat(f64::NEG_INFINITY), |high, x| high.sup(x));
     // Along an axis without extent (a column) everything is in the first box.
     let index = |x: f64, low: f64, high: f64, n: u32| {
         if high > low { (((x - low) / (high - low) * f64::from(n)) as u32).min(n - 1) } else { 0 }
     };
     let subdomain =
         |x: &Vector2<f64>| index(x.x, low.x, high.x, grid.nx) + grid.nx * index(x.y, low.y, high.y, grid.ny);
-    position.iter().map(subdomain).collect()
+    points.iter().map(subdomain).collect()
 }
 
-fn balanced(position: &[Vector2<f64>], grid: Grid) -> Vec<u32> {
-    let mut subdomain = vec![0; position.len()];
+fn balanced(points: &[Vector2<f64>], weights: &[f64], grid: Grid) -> Vec<u32> {
+    let mut subdomain = vec![0; points.len()];
     // Positions go along, so that none is looked up.
-    let mut order: Vec<(Vector2<f64>, u32)> = position.iter().copied().zip(0..).collect();
+    let mut order: Vec<(Vector2<f64>, u32)> = points.iter().copied().zip(0..).collect();
     order.par_sort_by(|(a, _), (b, _)| a.x.total_cmp(&b.x));
-    for column in 0..grid.nx {
-        let column_contacts = &mut order[share(position.len(), column, grid.nx)];
-        column_contacts.par_sort_by(|(a, _), (b, _)| a.y.total_cmp(&b.y));
-        for row in 0..grid.ny {
-            for (_, contact) in &column_contacts[share(column_contacts.len(), row, grid.ny)] {
-                subdomain[*contact as usize] = column + grid.nx * row;
+    for (column, points) in (0..).zip(shares(&order, weights, grid.nx)) {
+        let column_points = &mut order[points];
+        column_points.par_sort_by(|(a, _), (b, _)| a.y.total_cmp(&b.y));
+        for (row, points) in (0..).zip(shares(column_points, weights, grid.ny)) {
+            for (_, point) in &column_points[points] {
+                subdomain[*point as usize] = column + grid.nx * row;
             }
         }
     }
     subdomain
 }
 
-/// The `k`-th of `n` shares of `0..len`, which differ by at most one.
-fn share(len: usize, k: u32, n: u32) -> std::ops::Range<usize> {
-    let (k, n) = (k as usize, n as usize);
-    k * len / n..(k + 1) * len / n
+/// `n` shares of points in this order, of equal weight: each ends before the point that would exceed it and those before.
+fn shares(order: &[(Vector2<f64>, u32)], weights: &[f64], n: u32) -> Vec<Range<usize>> {
+    let weight = |(_, point): &(Vector2<f64>, u32)| weights[*point as usize];
+    let total: f64 = order.iter().map(weight).sum();
+    let (mut end, mut before) = (0, 0.0);
+    let share = |k: u32| {
+        let start = end;
+        while end < order.len() && (before + weight(&order[end])) * f64::from(n) <= total * f64::from(k) {
+            before += weight(&order[end]);
+            end += 1;
+        }
+        start..end
+    };
+    (1..=n).map(share).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,15 +3,14 @@
 use contact::scaled::{ScaledContact, inverse_masses};
 use contact::{ContactProblem, SetupError, together};
 use nalgebra::Vector2;
-use partition::{Decomposition, Grid, Scheme, Subdomain};
+use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain, Sums};
 use rayon::prelude::*;
 
 /// The contacts of a problem cut into blocks, which meet between two passes only, at the grains that they share. They are for
 /// the threads alone: how many there are depends on the problem, so no number of threads changes a bit.
 pub struct Layout {
     decomposition: Decomposition,
-    /// What blocks show each other of the grains they share.
-    shown: Vec<Vec<Vector2<f64>>>,
+    sums: CopySums<Vector2<f64>>,
     contacts: usize,
 }
 
@@ -36,11 +35,9 @@ impl Layout {
     /// Where the contacts cannot be cut into blocks: there is no such problem.
     pub fn new(problem: &ContactProblem) -> Result<Self, SetupError> {
         let contacts = problem.contact_count();
-        let partition = Scheme::Balanced.partition(problem, grid(contacts))?;
+        let partition = Partition::of_contacts(problem, Scheme::Balanced, grid(contacts))?;
         let decomposition = Decomposition::new(problem, &partition);
-        let shown =
-            decomposition.copies_by_subdomain().map(|copies| vec![Vector2::zeros(); copies]).collect();
-        Ok(Self { decomposition, shown, contacts })
+        Ok(Self { sums: CopySums::new(&decomposition), decomposition, contacts })
     }
 
     /// What a method knows of each block, from its contacts and grains.
@@ -54,38 +51,20 @@ impl Layout {
         subdomain.grains.iter().map(share).collect()
     }
 
-    /// A pass over all blocks, each of which then shows what it has of the grains it shares: what `make` returns, grain by
-    /// grain.
-    pub fn show_after<B: Send>(
-        &mut self,
-        blocks: &mut [B],
-        make: impl Fn(&mut B) -> &mut [Vector2<f64>] + Sync,
-    ) {
-        let (decomposition, together) = (&self.decomposition, self.together());
-        let blocks = blocks.par_iter_mut().zip(&mut self.shown).enumerate().with_min_len(together);
-        blocks.for_each(|(e, (block, shown))| decomposition.show(e, make(block), shown));
+    /// A pass over all blocks, in which each sends what it has of the grains it shares, in the order of [`Subdomain::boundary`].
+    pub fn send<B: Send>(&mut self, blocks: &mut [B], pass: impl Fn(&mut B, &mut [Vector2<f64>]) + Sync) {
+        self.sums.send(blocks, NS_PER_CONTACT * self.contacts, pass);
     }
 
-    /// A pass over all blocks, each of which first adds up in `shared` what all have shown.
-    pub fn assemble_before<B: Send>(
-        &self,
-        blocks: &mut [B],
-        shared: impl Fn(&mut B) -> &mut [Vector2<f64>] + Sync,
-        make: impl Fn(&mut B) + Sync,
-    ) {
-        blocks.par_iter_mut().enumerate().with_min_len(self.together()).for_each(|(e, block)| {
-            self.decomposition.assemble(e, &self.shown, shared(block));
-            make(block);
-        });
+    /// A pass over all blocks, in which each takes the sums of what all have sent.
+    pub fn receive<B: Send>(&self, blocks: &mut [B], pass: impl Fn(&mut B, Sums<'_, Vector2<f64>>) + Sync) {
+        self.sums.receive(blocks, NS_PER_CONTACT * self.contacts, pass);
     }
 
     /// A pass over all blocks in which they exchange nothing.
     pub fn each<B: Send>(&self, blocks: &mut [B], make: impl Fn(&mut B) + Sync) {
-        blocks.par_iter_mut().with_min_len(self.together()).for_each(&make);
-    }
-
-    fn together(&self) -> usize {
-        together(NS_PER_CONTACT * self.contacts)
+        let together = together(NS_PER_CONTACT * self.contacts);
+        blocks.par_iter_mut().with_min_len(together).for_each(&make);
     }
 }
 
@@ -101,8 +80,21 @@ pub fn columns(
         let (inverse_mass, root) =
             inverse_masses(contact.ends(), |grain| 1.0 / problem.mass()[grain as usize]);
         let unit = if scaled { root } else { 1.0 };
-        let ends = (subdomain.candidate[k], subdomain.antagonist[k]);
-        (ScaledContact::new(ends, contact.normal, inverse_mass, unit), unit)
+        (ScaledContact::new(subdomain.ends[k], contact.normal, inverse_mass, unit), unit)
     };
     (0..subdomain.contacts.len()).map(column).unzip()
+}
+
+/// Copies what a block has of the grains at `places` to `sent`.
+pub fn send_of(places: &[u32], y: &[Vector2<f64>], sent: &mut [Vector2<f64>]) {
+    for (place, sent) in places.iter().zip(sent) {
+        *sent = y[*place as usize];
+    }
+}
+
+/// Gives the grains at `places` the `sums` over the blocks.
+pub fn take_sums(places: &[u32], y: &mut [Vector2<f64>], sums: Sums<'_, Vector2<f64>>) {
+    for (place, sum) in places.iter().zip(sums) {
+        y[*place as usize] = sum;
+    }
 }

@@ -8,7 +8,7 @@
 
 mod layout;
 
-pub use layout::{Layout, columns};
+pub use layout::{Layout, columns, send_of, take_sums};
 pub use partition::Subdomain;
 
 use contact::{ContactProblem, ScaledContact, SetupError};
@@ -30,8 +30,10 @@ struct Block<C> {
     columns: Vec<ScaledContact>,
     unit: Vec<f64>,
     states: Vec<C>,
-    /// M^-½ H p, in local indices; of grains that blocks share, each has the sum after it has been assembled.
+    /// M^-½ H p, in local indices; of grains that blocks share, each has the sum after it has been received.
     y: Vec<Vector2<f64>>,
+    /// Local indices of those grains.
+    boundary: Vec<u32>,
     /// 1 over the number of blocks that have the grain.
     share: Vec<f64>,
     /// What the block adds to the sum that the last pass was for.
@@ -57,6 +59,7 @@ impl<C: Send + Sync> Product<C> {
             Block {
                 states: each.map(|(contact, unit)| state(*contact as usize, *unit)).collect(),
                 y: vec![Vector2::zeros(); subdomain.grains.len()],
+                boundary: subdomain.boundary.clone(),
                 share: layout.shares(subdomain),
                 part: 0.0,
                 contacts,
@@ -70,23 +73,27 @@ impl<C: Send + Sync> Product<C> {
 
     /// First half of the product, y = M^-½ H p: `p` gives the p of each contact. Returns pᵗ p.
     pub fn push(&mut self, p: impl Fn(&mut C) -> f64 + Sync) -> f64 {
-        self.layout.show_after(&mut self.blocks, |block| {
+        self.layout.send(&mut self.blocks, |block, sent| {
             Arch::new().dispatch(|| block.push(&p));
-            &mut block.y
+            send_of(&block.boundary, &block.y, sent);
         });
         self.sum()
     }
 
     /// Second half: `take` is given (W p)_α of each contact.
     pub fn pull(&mut self, take: impl Fn(&mut C, f64) + Sync) {
-        let make = |block: &mut Block<C>| Arch::new().dispatch(|| block.pull(&take));
-        self.layout.assemble_before(&mut self.blocks, |block| &mut block.y, make);
+        self.layout.receive(&mut self.blocks, |block, sums| {
+            take_sums(&block.boundary, &mut block.y, sums);
+            Arch::new().dispatch(|| block.pull(&take));
+        });
     }
 
     /// pᵗ W p = |y|² of the p last pushed, without the second half.
     pub fn curvature(&mut self) -> f64 {
-        let make = |block: &mut Block<C>| Arch::new().dispatch(|| block.square());
-        self.layout.assemble_before(&mut self.blocks, |block| &mut block.y, make);
+        self.layout.receive(&mut self.blocks, |block, sums| {
+            take_sums(&block.boundary, &mut block.y, sums);
+            Arch::new().dispatch(|| block.square());
+        });
         self.sum()
     }
 

@@ -1,6 +1,6 @@
 //! The quadratic programme in V by a primal-dual interior point (crate `clarabel`).
 
-use crate::row::Row;
+use crate::constraint::Constraint;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus,
@@ -35,24 +35,25 @@ fn settings() -> Result<DefaultSettings<f64>, String> {
 
 impl Interior {
     /// Lays the programme out. Its matrix does not change: its order is found here, its factors in the run.
-    pub(crate) fn new(problem: &ContactProblem, rows: &[Row]) -> Result<Self, String> {
-        let (contacts, columns) = (rows.len(), 2 * problem.grain_count());
+    pub(crate) fn new(problem: &ContactProblem, constraints: &[Constraint]) -> Result<Self, String> {
+        let (contacts, columns) = (constraints.len(), 2 * problem.grain_count());
         let scale = problem.scale().sqrt();
         let identity = CscMatrix::identity(columns);
         let (mut of_row, mut of_column, mut values) = (Vec::new(), Vec::new(), Vec::new());
-        for (contact, row) in rows.iter().enumerate() {
-            for (column, value) in row.entries() {
+        for (contact, constraint) in constraints.iter().enumerate() {
+            for (column, value) in constraint.entries() {
                 of_row.push(contact);
                 of_column.push(column);
                 values.push(-value);
             }
         }
         let matrix = CscMatrix::new_from_triplets(contacts, columns, of_row, of_column, values);
-        let bound: Vec<f64> = problem.b().iter().zip(rows).map(|(b, row)| b / row.root / scale).collect();
+        let bound: Vec<f64> =
+            problem.b().iter().zip(constraints).map(|(b, constraint)| b / constraint.root / scale).collect();
         let cones = [NonnegativeConeT(contacts)];
         let solver = DefaultSolver::new(&identity, &vec![0.0; columns], &matrix, &bound, &cones, settings()?)
             .map_err(|error| error.to_string())?;
-        Ok(Self { solver, unscale: rows.iter().map(|row| scale / row.root).collect() })
+        Ok(Self { solver, unscale: constraints.iter().map(|constraint| scale / constraint.root).collect() })
     }
 
     /// Runs, writes the impulses (N·s) or the ray, and says which it takes them for.

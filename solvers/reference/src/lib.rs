@@ -5,12 +5,11 @@
 //! unique; of the impulses, the nearest to the centre of all that solve the problem.
 
 mod certificate;
+mod constraint;
 mod dual;
-mod factor;
 mod interior;
 mod method;
 mod polish;
-mod row;
 
 pub use certificate::{Certificate, ENERGY_ROUND_OFF, ROUND_OFF, Residual, certify};
 pub use method::InteriorPoint;

@@ -1,8 +1,8 @@
 //! The reference as a method of the line-up.
 
+use crate::constraint::Constraint;
 use crate::interior::{Interior, Verdict};
 use crate::polish::Polish;
-use crate::row::Row;
 use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -42,12 +42,12 @@ const PATIENCE: u32 = 8;
 impl<'p> Run<'p> {
     /// Lays the programme out; says why it cannot.
     pub(crate) fn new(problem: &'p ContactProblem, r0: &[f64], polishes: bool) -> Result<Self, String> {
-        let rows = Row::all(problem);
+        let constraints = Constraint::all(problem);
         let pushed = problem.scale() > 0.0;
-        let interior = if pushed { Some(Interior::new(problem, &rows)?) } else { None };
+        let interior = if pushed { Some(Interior::new(problem, &constraints)?) } else { None };
         Ok(Self {
             interior,
-            polish: Polish::new(problem, rows),
+            polish: Polish::new(problem, constraints),
             polishes,
             r: r0.to_vec(),
             ran: false,

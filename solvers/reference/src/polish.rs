@@ -5,8 +5,8 @@
 //! programming, Math. Oper. Res. 1 (1976) 97-116. The proximal term keeps the matrix regular where more contacts are active
 //! than equilibrium needs, and chooses among their impulses those nearest to the given ones.
 
-use crate::factor::{Factor, Order};
-use crate::row::Row;
+use crate::constraint::Constraint;
+use cholesky::{Factor, Order, Singular, Triplet};
 use contact::{ContactProblem, law};
 use nalgebra::Vector2;
 
@@ -20,7 +20,7 @@ const SOLVES: u32 = 4;
 /// What a polish needs beside the impulses.
 pub(crate) struct Polish<'p> {
     problem: &'p ContactProblem,
-    rows: Vec<Row>,
+    constraints: Vec<Constraint>,
     velocity: Vec<Vector2<f64>>,
     v: Vec<f64>,
     /// Matrices factorised.
@@ -32,11 +32,11 @@ pub(crate) struct Polish<'p> {
 }
 
 impl<'p> Polish<'p> {
-    pub(crate) fn new(problem: &'p ContactProblem, rows: Vec<Row>) -> Self {
+    pub(crate) fn new(problem: &'p ContactProblem, constraints: Vec<Constraint>) -> Self {
         Self {
             problem,
-            v: vec![0.0; rows.len()],
-            rows,
+            v: vec![0.0; constraints.len()],
+            constraints,
             velocity: vec![Vector2::zeros(); problem.grain_count()],
             factorisations: 0,
             solve_entries: 0,
@@ -52,20 +52,22 @@ impl<'p> Polish<'p> {
     /// left of the law, √(Σ min(r̃, ṽ)²) (√J).
     pub(crate) fn step(&mut self, r: &mut [f64]) -> f64 {
         self.measure(r);
-        let rows = &self.rows;
-        let active: Vec<bool> =
-            (0..rows.len()).map(|k| r[k] * rows[k].root > self.v[k] / rows[k].root).collect();
-        let Some(mut factor) = self.factorise(&active) else { return f64::NAN };
+        let constraints = &self.constraints;
+        let active: Vec<bool> = (0..constraints.len())
+            .map(|k| r[k] * constraints[k].root > self.v[k] / constraints[k].root)
+            .collect();
+        let Ok(mut factor) = self.factorise(&active) else { return f64::NAN };
         for _ in 0..SOLVES {
             let mut change = vec![0.0; factor.dimension()];
-            for (k, row) in self.rows.iter().enumerate() {
-                let pull = if active[k] { PENALTY * self.v[k] / row.root } else { r[k] * row.root };
-                row.add(-pull, &mut change);
+            for (k, constraint) in self.constraints.iter().enumerate() {
+                let pull =
+                    if active[k] { PENALTY * self.v[k] / constraint.root } else { r[k] * constraint.root };
+                constraint.add(-pull, &mut change);
             }
             self.solve(&mut factor, &mut change);
-            for (k, row) in self.rows.iter().enumerate() {
-                let v = self.v[k] / row.root + row.dot(&change);
-                r[k] = if active[k] { r[k] - PENALTY * v / row.root } else { 0.0 };
+            for (k, constraint) in self.constraints.iter().enumerate() {
+                let v = self.v[k] / constraint.root + constraint.dot(&change);
+                r[k] = if active[k] { r[k] - PENALTY * v / constraint.root } else { 0.0 };
             }
             self.measure(r);
         }
@@ -73,8 +75,10 @@ impl<'p> Polish<'p> {
             *r = law::non_negative(*r);
         }
         self.measure(r);
-        let left = |(row, (r, v)): (&Row, (&f64, &f64))| f64::min(r * row.root, v / row.root).powi(2);
-        self.rows.iter().zip(r.iter().zip(&self.v)).map(left).sum::<f64>().sqrt()
+        let left = |(constraint, (r, v)): (&Constraint, (&f64, &f64))| {
+            f64::min(r * constraint.root, v / constraint.root).powi(2)
+        };
+        self.constraints.iter().zip(r.iter().zip(&self.v)).map(left).sum::<f64>().sqrt()
     }
 
     /// Turns impulses near a proof of infeasibility into one: the change of those above 0 that is least in r̃ and after
@@ -83,16 +87,18 @@ impl<'p> Polish<'p> {
         let greatest = d.iter().copied().fold(0.0, f64::max);
         // What is left of multipliers that should be 0.
         let active: Vec<bool> = d.iter().map(|d| *d > 1e-6 * greatest).collect();
-        let Some(mut factor) = self.factorise(&active) else { return };
+        let Ok(mut factor) = self.factorise(&active) else { return };
         d.iter_mut().zip(&active).filter(|(_, active)| !**active).for_each(|(d, _)| *d = 0.0);
         for _ in 0..SOLVES {
             let mut unbalanced = vec![0.0; factor.dimension()];
-            for (row, d) in self.rows.iter().zip(&*d) {
-                row.add(d * row.root, &mut unbalanced);
+            for (constraint, d) in self.constraints.iter().zip(&*d) {
+                constraint.add(d * constraint.root, &mut unbalanced);
             }
             self.solve(&mut factor, &mut unbalanced);
-            for ((row, d), _) in self.rows.iter().zip(&mut *d).zip(&active).filter(|(_, active)| **active) {
-                *d -= PENALTY * row.dot(&unbalanced) / row.root;
+            for ((constraint, d), _) in
+                self.constraints.iter().zip(&mut *d).zip(&active).filter(|(_, active)| **active)
+            {
+                *d -= PENALTY * constraint.dot(&unbalanced) / constraint.root;
             }
         }
         for d in d {
@@ -106,15 +112,21 @@ impl<'p> Polish<'p> {
         self.problem.relative_velocity(&self.velocity, &mut self.v);
     }
 
-    /// The factor of K, if numbers allow it.
-    fn factorise(&mut self, active: &[bool]) -> Option<Factor> {
+    /// The factor of K = 1 + κ H̃_A H̃_Aᵗ, if numbers allow it.
+    fn factorise(&mut self, active: &[bool]) -> Result<Factor, Singular> {
         let dimension = 2 * self.problem.grain_count();
-        if self.order.is_none() {
-            self.order = Some(Order::of(dimension, self.rows.iter())?);
+        let order = if let Some(order) = self.order.take() {
+            order
+        } else {
+            let all = self.constraints.iter().flat_map(|constraint| constraint.products(PENALTY));
+            Order::minimum_degree(dimension, all.map(|(i, j, _)| (i, j)))?
+        };
+        let mut lower: Vec<_> = (0..dimension).map(|k| Triplet::new(k, k, 1.0)).collect();
+        for (constraint, _) in self.constraints.iter().zip(active).filter(|(_, active)| **active) {
+            lower.extend(constraint.products(PENALTY).map(|(i, j, value)| Triplet::new(i, j, value)));
         }
-        let rows = self.rows.iter().zip(active).filter(|(_, active)| **active).map(|(row, _)| row);
         self.factorisations += 1;
-        Factor::new(dimension, rows, PENALTY, self.order.as_ref()?)
+        Factor::new(dimension, &lower, self.order.insert(order))
     }
 
     fn solve(&mut self, factor: &mut Factor, x: &mut [f64]) {

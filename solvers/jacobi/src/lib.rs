@@ -3,9 +3,8 @@
 //! Converges for ω < 2/λmax(`W_D`⁻¹ W) only; `bounded` keeps it there. Cost of an iteration: that of a sweep, and a copy of the velocities.
 
 use analysis::scaled_delassus_bound;
-use contact::scaled::scaled_velocity;
-use contact::sweep::Row;
-use contact::{Contact, ContactProblem, Iteration, SetupError, Solver, Work, law};
+use contact::sweep::Sweep;
+use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -29,36 +28,29 @@ impl Default for Jacobi {
 }
 
 struct Run {
-    rows: Vec<Row>,
+    sweep: Sweep,
+    /// y of the iteration before, from which all v are taken.
+    old_y: Vec<Vector2<f64>>,
     relaxation: f64,
     bounded: bool,
-    /// s = √`W_αα` r (√J).
-    s: Vec<f64>,
-    /// √`W_αα` (kg^-½).
-    unit: Vec<f64>,
-    /// M^½ V of the impulses.
-    y: Vec<Vector2<f64>>,
-    /// That of the iteration before, from which all v are taken.
-    old_y: Vec<Vector2<f64>>,
     iterations: u64,
 }
 
 impl Iteration for Run {
     fn advance(&mut self) {
-        self.old_y.copy_from_slice(&self.y);
-        for (row, s) in self.rows.iter().zip(&mut self.s) {
+        let Sweep { rows, s, y, .. } = &mut self.sweep;
+        self.old_y.copy_from_slice(y);
+        for (row, s) in rows.iter().zip(s) {
             // v = Hᵗ V_old + c;  r⁺ = max(0, r − ω v/W_αα);  V ← V + M⁻¹ h_α (r⁺ − r)
             let change = law::change(*s, row.relative(&self.old_y), self.relaxation);
-            row.push(change, &mut self.y);
+            row.push(change, y);
             *s += change;
         }
         self.iterations += 1;
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        for ((r, s), unit) in r.iter_mut().zip(&self.s).zip(&self.unit) {
-            *r = s / unit;
-        }
+        self.sweep.impulses(r);
     }
 
     fn derived(&self) -> Vec<(&'static str, f64)> {
@@ -66,7 +58,7 @@ impl Iteration for Run {
     }
 
     fn work(&self) -> Work {
-        Work { contact_updates: self.iterations * self.s.len() as u64, ..Work::default() }
+        Work { contact_updates: self.iterations * self.sweep.rows.len() as u64, ..Work::default() }
     }
 }
 
@@ -77,20 +69,15 @@ impl Solver for Jacobi {
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("relaxation", self.relaxation)?;
-        let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
-        let row = |contact: &Contact| Row::new(contact, contact.ends(), inverse_mass);
-        let (rows, unit): (Vec<Row>, Vec<f64>) = problem.contacts().iter().map(row).unzip();
-        let y = scaled_velocity(problem, r0);
+        let order: Vec<u32> = (0..problem.contact_count() as u32).collect();
+        let sweep = Sweep::new(problem, &order, r0);
         let bound = scaled_delassus_bound(problem);
         let scale = if self.bounded && bound > 0.0 { 2.0 / bound } else { 1.0 };
         Ok(Box::new(Run {
-            rows,
+            old_y: sweep.y.clone(),
+            sweep,
             relaxation: scale * self.relaxation,
             bounded: self.bounded,
-            s: r0.iter().zip(&unit).map(|(r, unit)| r * unit).collect(),
-            unit,
-            old_y: y.clone(),
-            y,
             iterations: 0,
         }))
     }

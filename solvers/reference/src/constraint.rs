@@ -3,15 +3,15 @@
 use contact::ContactProblem;
 use nalgebra::Vector2;
 
-/// A row of H̃ᵗ = `W_D`^(−½) Hᵗ M^(−½), of length 1.
-pub(crate) struct Row {
+/// A row of H̃ᵗ = `W_D`^(−½) Hᵗ M^(−½), of length 1: the contact as a constraint on y.
+pub(crate) struct Constraint {
     candidate: (usize, Vector2<f64>),
     antagonist: Option<(usize, Vector2<f64>)>,
     /// √`W_αα` (kg^(−½)): r̃ = r √`W_αα` and ṽ = v / √`W_αα` are both in √J.
     pub(crate) root: f64,
 }
 
-impl Row {
+impl Constraint {
     pub(crate) fn all(problem: &ContactProblem) -> Vec<Self> {
         let roots = problem.delassus_diagonal().into_iter().map(f64::sqrt);
         problem
@@ -43,5 +43,13 @@ impl Row {
     /// Adds H̃ s for the contact's s.
     pub(crate) fn add(&self, s: f64, y: &mut [f64]) {
         self.entries().for_each(|(column, value)| y[column] += value * s);
+    }
+
+    /// κ h̃ h̃ᵗ: row, column and value of each entry in its lower triangle.
+    pub(crate) fn products(&self, kappa: f64) -> impl Iterator<Item = (usize, usize, f64)> {
+        self.entries().flat_map(move |(i, a)| {
+            let below = self.entries().filter(move |(j, _)| *j <= i);
+            below.map(move |(j, b)| (i, j, kappa * a * b))
+        })
     }
 }
