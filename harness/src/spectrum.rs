@@ -5,7 +5,7 @@ use crate::rows::setting;
 use crate::truth::Known;
 use analysis::Spectrum;
 use analysis::coupling;
-use contact::ContactProblem;
+use contact::{ContactProblem, Packing};
 use partition::{Decomposition, Grid, Scheme};
 use serde_json::{Map, Value, json};
 
@@ -36,7 +36,7 @@ pub(crate) fn of_problem(problem: &ContactProblem, known: &Known) -> Map<String,
 
 /// What the partition of a run adds: the most copies of a grain and, where masses are whole, how strongly subdomains act
 /// on each other.
-pub(crate) fn of_partition(problem: &ContactProblem, variant: &Variant) -> Map<String, Value> {
+pub(crate) fn of_partition(problem: &Packing, variant: &Variant) -> Map<String, Value> {
     let (grid, scheme) = (setting::<Grid>(variant, "subdomains"), setting::<Scheme>(variant, "partition"));
     let Some((grid, scheme)) = grid.zip(scheme) else { return Map::new() };
     // A run with a partition that does not fit the problem is skipped, and says why.

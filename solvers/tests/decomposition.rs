@@ -3,7 +3,7 @@
 use crate::problems::{
     PACKINGS, any_problem, assert_never_increases, difference, energies, frozen, impulses, start,
 };
-use contact::{ContactProblem, Solver};
+use contact::{Packing, Solver};
 use gradient::Gradient;
 use nalgebra::Vector2;
 use nsgs::{Nsgs, Order};
@@ -14,11 +14,11 @@ use proptest::prelude::*;
 const GRIDS: [Grid; 5] =
     [Grid::ONE, Grid { nx: 2, ny: 1 }, Grid { nx: 2, ny: 2 }, Grid { nx: 4, ny: 2 }, Grid { nx: 5, ny: 5 }];
 
-fn fits(problem: &ContactProblem, grid: Grid) -> bool {
+fn fits(problem: &Packing, grid: Grid) -> bool {
     grid.count() <= problem.contact_count() as u64
 }
 
-fn assert_is_a_partition(problem: &ContactProblem, partition: &Partition) {
+fn assert_is_a_partition(problem: &Packing, partition: &Partition) {
     let decomposition = Decomposition::new(problem, partition);
     let mut held: Vec<u32> = decomposition.subdomains.iter().flat_map(|e| e.contacts.clone()).collect();
     held.sort_unstable();

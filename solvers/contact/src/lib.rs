@@ -7,6 +7,7 @@ mod error;
 pub mod law;
 mod measures;
 mod operators;
+mod packing;
 mod problem;
 pub mod scaled;
 mod solver;
@@ -16,6 +17,7 @@ mod work;
 
 pub use error::{ProblemError, SetupError, shown};
 pub use measures::{Measure, Measures, Meter};
+pub use packing::Packing;
 pub use problem::{Contact, ContactProblem};
 pub use scaled::ScaledContact;
 pub use solver::{Iteration, Solver};

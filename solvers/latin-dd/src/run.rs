@@ -5,7 +5,7 @@ use crate::balance::Balance;
 use crate::coarse::Coarse;
 use crate::directions::Directions;
 use crate::subdomain::Latin;
-use contact::{ContactProblem, Iteration, SetupError, Work, together};
+use contact::{ContactProblem, Iteration, Packing, SetupError, Work, together};
 use nalgebra::Vector2;
 use partition::Decomposition;
 use rayon::prelude::*;
@@ -156,7 +156,7 @@ impl LatinDd {
     /// A run with these directions, factorised.
     pub(crate) fn bind<'p>(
         &self,
-        problem: &'p ContactProblem,
+        problem: &'p Packing,
         directions: Directions,
         r0: &[f64],
     ) -> Result<Run<'p>, SetupError> {

@@ -7,7 +7,7 @@
 mod exchange;
 mod subdomain;
 
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work, together};
+use contact::{Iteration, Packing, SetupError, Solver, Work, together};
 use exchange::{Colours, add_increments};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Scheme};
@@ -143,11 +143,7 @@ impl Run {
 }
 
 impl Solver for NsgsDd {
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         if self.inner_sweeps == 0 {
             return Err(SetupError::new("inner_sweeps", 0, "at least 1"));
         }

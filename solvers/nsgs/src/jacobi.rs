@@ -5,7 +5,7 @@
 use analysis::scaled_delassus_bound;
 use contact::scaled::scaled_velocity;
 use contact::sweep::Row;
-use contact::{Contact, ContactProblem, Iteration, SetupError, Solver, Work, law};
+use contact::{Contact, Iteration, Packing, SetupError, Solver, Work, law};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -71,11 +71,7 @@ impl Iteration for Run {
 }
 
 impl Solver for Jacobi {
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("relaxation", self.relaxation)?;
         let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
         let row = |contact: &Contact| Row::new(contact, contact.ends(), inverse_mass);

@@ -1,7 +1,7 @@
 //! Ways to distribute the contacts, each a geometric rule on the contacts' positions (§3).
 
 use crate::grid::Grid;
-use contact::{ContactProblem, SetupError};
+use contact::{Packing, SetupError};
 use nalgebra::Vector2;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -31,7 +31,7 @@ impl Scheme {
     ///
     /// # Errors
     /// No subdomain, or more subdomains than contacts. (One subdomain is always allowed.)
-    pub fn partition(self, problem: &ContactProblem, grid: Grid) -> Result<Partition, SetupError> {
+    pub fn partition(self, problem: &Packing, grid: Grid) -> Result<Partition, SetupError> {
         let most = problem.contact_count().max(1) as u64;
         if grid.count() == 0 {
             return Err(SetupError::new("subdomains", grid, "at least 1x1"));
