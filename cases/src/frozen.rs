@@ -3,7 +3,7 @@
 use crate::case::check_name;
 use crate::error::CaseError;
 use crate::keys::all_missing;
-use contact::{Contact, ContactProblem, ProblemError, shown};
+use contact::{Contact, Packing, ProblemError, shown};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,7 @@ pub struct Frozen {
     /// Gap of each contact at detection (m).
     pub gap: Vec<f64>,
     /// The problem itself.
-    pub problem: ContactProblem,
+    pub problem: Packing,
     /// Impulses of the time step before, where the contact existed (N·s); empty for none.
     pub start: Vec<f64>,
 }
@@ -117,7 +117,7 @@ impl File {
         Ok(())
     }
 
-    /// Checks what [`ContactProblem::new`] does not see, and leaves the rest to it.
+    /// Checks what [`Packing::new`] does not see, and leaves the rest to it.
     fn into_frozen(self) -> Result<Frozen, ProblemError> {
         let Grains { mass, radius, position, free_velocity } = self.grains;
         let Contacts { candidate, antagonist, normal, offset, gap, start } = self.contacts;
@@ -143,7 +143,7 @@ impl File {
         };
         let vectors = |list: Vec<[f64; 2]>| list.into_iter().map(Vector2::from).collect();
         let contacts = (0..contacts).map(contact).collect();
-        let problem = ContactProblem::new(mass, vectors(position), vectors(free_velocity), contacts)?;
+        let problem = Packing::new(mass, vectors(position), vectors(free_velocity), contacts)?;
         let Self { name, source, time_step, .. } = self;
         Ok(Frozen { name, source, time_step, radius, gap, problem, start })
     }

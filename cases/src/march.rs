@@ -7,7 +7,7 @@ use crate::error::CaseError;
 use crate::frozen::Frozen;
 use crate::observables::{Missed, Observables, explosion, greatest_speed, wall_impulses};
 use crate::scene::{Law, MovingWall, Scene};
-use contact::{Contact, ContactProblem, Solver};
+use contact::{Contact, Packing, Solver};
 use nalgebra::Vector2;
 use runner::{Outcome, Progress, Status, Stop, solve_against};
 use std::ops::ControlFlow;
@@ -94,7 +94,7 @@ impl March {
         let start = recall(&self.last, keys);
         let gap = near.iter().map(|contact| contact.gap).collect();
         let sides = near.iter().map(|contact| contact.antagonist).collect();
-        let problem = ContactProblem::new(self.mass.clone(), position, free_velocity, contacts)
+        let problem = Packing::new(self.mass.clone(), position, free_velocity, contacts)
             .map_err(|source| CaseError::TimeStep { time_step: self.done + 1, source })?;
         let frozen = Frozen {
             name: format!("{}-t{}", self.name, self.done + 1),

@@ -4,7 +4,7 @@
 mod common;
 
 use cg::{Cg, Preconditioner};
-use contact::{ContactProblem, Solver};
+use contact::{Packing, Solver};
 use nsgs::{Nsgs, Order};
 use nsgs_dd::NsgsDd;
 use partition::Grid;
@@ -57,7 +57,7 @@ fn triad(bytes: usize) -> f64 {
     24.0 * n as f64 / seconds
 }
 
-fn row(name: &str, solver: &dyn Solver, cost: &Cost, problem: &ContactProblem) {
+fn row(name: &str, solver: &dyn Solver, cost: &Cost, problem: &Packing) {
     let contacts = problem.contact_count() as f64;
     let grains_per_contact = problem.grain_count() as f64 / contacts;
     let bytes = cost.bytes + cost.grain_bytes * grains_per_contact;

@@ -4,7 +4,7 @@ use crate::problems::frozen;
 use analysis::greatest_eigenvalue;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::{ContactProblem, Measure, Meter, Solver};
+use contact::{Measure, Meter, Packing, Solver};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
@@ -24,7 +24,7 @@ struct Answer {
 }
 
 impl Answer {
-    fn new(name: String, problem: &ContactProblem, r: Vec<f64>) -> Self {
+    fn new(name: String, problem: &Packing, r: Vec<f64>) -> Self {
         let mut velocity = vec![Vector2::zeros(); problem.grain_count()];
         problem.velocity(&r, &mut velocity);
         let mut v = vec![0.0; r.len()];
@@ -32,7 +32,7 @@ impl Answer {
         Self { name, r, velocity, v }
     }
 
-    fn of(solver: &dyn Solver, name: String, problem: &ContactProblem, tolerance: f64) -> Self {
+    fn of(solver: &dyn Solver, name: String, problem: &Packing, tolerance: f64) -> Self {
         let stop = Stop { on: Measure::NaturalMap, tolerance, max_iterations: 200_000 };
         let outcome =
             solve(solver, problem, &vec![0.0; problem.contact_count()], &stop, &mut |_| {}).unwrap();
@@ -52,7 +52,7 @@ fn bound(a: &Answer, b: &Answer) -> f64 {
     (own + crossed).sqrt()
 }
 
-fn assert_agree(problem: &ContactProblem, a: &Answer, b: &Answer) {
+fn assert_agree(problem: &Packing, a: &Answer, b: &Answer) {
     let scale = problem.velocity_distance(&b.velocity, problem.free_velocity());
     let distance = problem.velocity_distance(&a.velocity, &b.velocity) / scale;
     let tolerance = bound(a, b) / scale;

@@ -3,7 +3,7 @@
 use crate::problems::{
     PACKINGS, any_problem, assert_never_increases, difference, energies, frozen, impulses, start,
 };
-use contact::{Adjacency, ContactProblem, Solver};
+use contact::{Adjacency, Packing, Solver};
 use gradient::Gradient;
 use nalgebra::{Vector2, Vector3};
 use nsgs::{Nsgs, Order};
@@ -14,11 +14,11 @@ use proptest::prelude::*;
 const GRIDS: [Grid; 5] =
     [Grid::ONE, Grid { nx: 2, ny: 1 }, Grid { nx: 2, ny: 2 }, Grid { nx: 4, ny: 2 }, Grid { nx: 5, ny: 5 }];
 
-fn fits(problem: &ContactProblem, grid: Grid) -> bool {
+fn fits(problem: &Packing, grid: Grid) -> bool {
     grid.count() <= problem.contact_count() as u64
 }
 
-fn assert_is_a_partition(problem: &ContactProblem, partition: &Partition) {
+fn assert_is_a_partition(problem: &Packing, partition: &Partition) {
     let decomposition = Decomposition::new(problem, partition);
     let mut held: Vec<u32> = decomposition.subdomains.iter().flat_map(|e| e.contacts.clone()).collect();
     held.sort_unstable();
@@ -146,6 +146,17 @@ fn glued_copies_move_at_the_velocity_of_the_whole_problem() {
 
 /// The copies are not seen from outside; but a run that is started afresh from the impulses, hence from
 /// `V_free` + M⁻¹ H r, must go on as one that was glued into the same state.
+#[test]
+fn critical_path_is_that_of_the_longest_subdomain() {
+    let problem = frozen("settled-250").problem;
+    let path = |solver: &dyn Solver| start(solver, &problem).critical_path();
+    let by_grid = |subdomains| path(&NsgsDd { subdomains, ..NsgsDd::default() }).unwrap();
+    // Eight multiply-adds per contact; one subdomain has no copies.
+    assert_eq!(by_grid(Grid::ONE), 8 * problem.contact_count() as u64);
+    assert!(by_grid(Grid { nx: 4, ny: 2 }) < by_grid(Grid::ONE) / 4);
+    assert_eq!(path(&Nsgs::default()), None, "no subdomains");
+}
+
 #[test]
 fn a_run_goes_on_as_one_that_starts_from_its_impulses() {
     let problem = frozen("shear-box-991-sheared").problem;

@@ -2,7 +2,7 @@
 
 use crate::problems::{PACKINGS, any_problem, difference, frozen, impulses, start};
 use cg::Cg;
-use contact::{Contact, ContactProblem, Iteration, Solver, greedy_colours, law};
+use contact::{Contact, Iteration, Packing, Solver, greedy_colours, law};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
@@ -53,7 +53,7 @@ fn latin_stays_at_a_solution() {
 const ROUND_OFF: f64 = 1e-11;
 
 fn assert_same_iterates(
-    problem: &ContactProblem,
+    problem: &Packing,
     one: &mut dyn Iteration,
     other: &mut dyn FnMut() -> Vec<f64>,
     iterations: u32,
@@ -92,7 +92,7 @@ fn gauss_seidel_exchange_with_whole_masses_is_nsgs_in_another_order() {
     let mut order: Vec<usize> = (0..problem.contact_count()).collect();
     order.sort_by_key(|contact| (partition.subdomain[*contact] % 2, partition.subdomain[*contact]));
     let contacts: Vec<Contact> = order.iter().map(|contact| problem.contacts()[*contact]).collect();
-    let reordered = ContactProblem::new(
+    let reordered = Packing::new(
         problem.mass().to_vec(),
         problem.position().to_vec(),
         problem.free_velocity().to_vec(),
@@ -118,7 +118,7 @@ fn gauss_seidel_exchange_with_whole_masses_is_nsgs_in_another_order() {
 }
 
 /// Mass splitting of Tonge et al. 2012, written out: every contact alone with its shares of its grains' masses.
-fn mass_splitting_jacobi(problem: &ContactProblem, r: &mut [f64]) {
+fn mass_splitting_jacobi(problem: &Packing, r: &mut [f64]) {
     let mut multiplicity = vec![0.0; problem.grain_count()];
     for contact in problem.contacts() {
         multiplicity[contact.candidate as usize] += 1.0;
@@ -155,7 +155,7 @@ fn one_contact_per_subdomain_is_mass_splitting() {
 #[test]
 fn symmetric_sweep_is_a_sweep_and_its_reverse() {
     let problem = frozen("shear-box-991-onset").problem;
-    let reversed = ContactProblem::new(
+    let reversed = Packing::new(
         problem.mass().to_vec(),
         problem.position().to_vec(),
         problem.free_velocity().to_vec(),

@@ -4,7 +4,7 @@
 
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::{Contact, ContactProblem, Measure, Solver};
+use contact::{Contact, Measure, Packing, Solver};
 use gradient::Gradient;
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
@@ -69,7 +69,7 @@ fn contact(grains: u32) -> impl Strategy<Value = Contact> {
 }
 
 /// 1 to 12 grains, with masses over 16 decades; up to 30 contacts, of which the first come again.
-fn worst_problem() -> impl Strategy<Value = ContactProblem> {
+fn worst_problem() -> impl Strategy<Value = Packing> {
     (1..=12_u32, 0..30_usize, 0..4_usize).prop_flat_map(|(grains, contacts, copies)| {
         let n = grains as usize;
         let masses = prop_oneof![
@@ -82,7 +82,7 @@ fn worst_problem() -> impl Strategy<Value = ContactProblem> {
             move |(masses, positions, velocities, mut contacts)| {
                 let again: Vec<Contact> = contacts.iter().take(copies).copied().collect();
                 contacts.extend(again);
-                ContactProblem::new(masses, positions, velocities, contacts)
+                Packing::new(masses, positions, velocities, contacts)
                     .unwrap_or_else(|error| panic!("{error}"))
             },
         )
@@ -91,7 +91,7 @@ fn worst_problem() -> impl Strategy<Value = ContactProblem> {
 
 /// √( Σ (r − max(0, r − v/w))² w / Σ max(0, −b)²/w ), from the data and r alone, in the plainest way; and what round-off may
 /// add to it: each v is a sum, in any order, of no more than 70 terms, known to as many rounding errors of their sizes.
-fn residual(problem: &ContactProblem, r: &[f64]) -> (f64, f64) {
+fn residual(problem: &Packing, r: &[f64]) -> (f64, f64) {
     let inverse = |grain: u32| 1.0 / problem.mass()[grain as usize];
     let mut velocity = problem.free_velocity().to_vec();
     let mut size: Vec<f64> = velocity.iter().map(Vector2::norm).collect();

@@ -8,7 +8,7 @@ use crate::infeasible::all_methods;
 use crate::problems::first_problem;
 use cases::Frozen;
 use cg::{Cg, Preconditioner};
-use contact::{Contact, ContactProblem, Solver};
+use contact::{Contact, Packing, Solver};
 use microlp::{ComparisonOp, OptimizationDirection, Problem, SolveOutcome};
 use nalgebra::Vector2;
 use num_rational::BigRational;
@@ -28,7 +28,7 @@ fn verdict(answer: &Answer) -> &'static str {
     }
 }
 
-fn hard(name: &str) -> ContactProblem {
+fn hard(name: &str) -> Packing {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("hard").join(name).with_extension("json");
     Frozen::read(&file).unwrap_or_else(|error| panic!("{error}")).problem
 }
@@ -115,7 +115,7 @@ enum Judged {
 const MARGIN: f64 = 1e-6;
 
 /// max t with n·(`x_i` − `x_j`) + b/v₀ ≥ t over |x| ≤ 1e4, where x = (V − `V_free`)/v₀ and v₀ is the fastest approach.
-fn by_linear_programme(problem: &ContactProblem) -> Judged {
+fn by_linear_programme(problem: &Packing) -> Judged {
     let b = problem.b();
     let fastest = b.iter().fold(0.0, |fastest, b| f64::max(fastest, -b));
     if fastest == 0.0 {
@@ -143,7 +143,7 @@ fn by_linear_programme(problem: &ContactProblem) -> Judged {
 
 /// Whether one grain has an admissible velocity that is no farther from `V_free` than a proof of no solution says, in exact
 /// arithmetic: one unknown is eliminated after the other (Fourier, Motzkin).
-fn within_reach(problem: &ContactProblem) -> bool {
+fn within_reach(problem: &Packing) -> bool {
     let exact = |x: f64| BigRational::from_float(x).unwrap();
     let zero = exact(0.0);
     let squared: f64 = problem.b().iter().map(|b| f64::min(*b, 0.0).powi(2)).sum();
@@ -177,11 +177,7 @@ fn within_reach(problem: &ContactProblem) -> bool {
 }
 
 /// Answers to many problems of a kind, and what a judge says of each; returns how many in a thousand are unknown.
-fn answers(
-    kind: &str,
-    problems: impl Strategy<Value = ContactProblem>,
-    judge: impl Fn(&ContactProblem) -> Judged,
-) -> u32 {
+fn answers(kind: &str, problems: impl Strategy<Value = Packing>, judge: impl Fn(&Packing) -> Judged) -> u32 {
     let config = ProptestConfig::default();
     let cases = config.cases;
     let mut runner = TestRunner::new(config);
@@ -217,7 +213,7 @@ fn answers(
 }
 
 /// Several walls around a grain, in any direction or opposite to others but for a turn; still or moving at any speed.
-fn walls() -> impl Strategy<Value = ContactProblem> {
+fn walls() -> impl Strategy<Value = Packing> {
     let turn = prop_oneof![2 => Just(0.0), 1 => (-16.0..-2.0_f64).prop_map(|exponent| 10_f64.powf(exponent))];
     let of_eight =
         (0..8_u32, turn).prop_map(|(eighth, turn)| f64::from(eighth) * std::f64::consts::FRAC_PI_4 + turn);
@@ -231,12 +227,12 @@ fn walls() -> impl Strategy<Value = ContactProblem> {
             offset: *offset,
         };
         let contacts = walls.iter().map(contact).collect();
-        ContactProblem::new(vec![1.0], vec![Vector2::zeros()], vec![free], contacts).unwrap()
+        Packing::new(vec![1.0], vec![Vector2::zeros()], vec![free], contacts).unwrap()
     })
 }
 
 /// The contacts of chains and lattices, with any offsets: mostly without solution.
-fn squeezed() -> impl Strategy<Value = ContactProblem> {
+fn squeezed() -> impl Strategy<Value = Packing> {
     prop_oneof![chain(), lattice()].prop_flat_map(|problem| {
         let offsets = prop::collection::vec(-0.3..1.0_f64, problem.contact_count());
         (Just(problem), offsets).prop_map(|(problem, offsets)| {
@@ -246,7 +242,7 @@ fn squeezed() -> impl Strategy<Value = ContactProblem> {
                 .zip(offsets)
                 .map(|(contact, offset)| Contact { offset, ..*contact });
             let (mass, position) = (problem.mass().to_vec(), problem.position().to_vec());
-            ContactProblem::new(mass, position, problem.free_velocity().to_vec(), contacts.collect()).unwrap()
+            Packing::new(mass, position, problem.free_velocity().to_vec(), contacts.collect()).unwrap()
         })
     })
 }
@@ -269,8 +265,7 @@ fn fuzz_wedges_with_a_solution_are_certified() {
 
 #[test]
 fn fuzz_walls_are_judged_as_by_exact_arithmetic() {
-    let judge =
-        |problem: &ContactProblem| if within_reach(problem) { Judged::Feasible } else { Judged::Open };
+    let judge = |problem: &Packing| if within_reach(problem) { Judged::Feasible } else { Judged::Open };
     assert!(answers("walls, exact arithmetic", walls(), judge) <= 10);
 }
 
@@ -280,7 +275,7 @@ fn fuzz_walls_are_judged_as_by_a_linear_programme() {
 }
 
 /// How a run to a natural map of 1e-6 ends.
-fn run(solver: &dyn Solver, problem: &ContactProblem, max_iterations: u64) -> Status {
+fn run(solver: &dyn Solver, problem: &Packing, max_iterations: u64) -> Status {
     let stop = Stop { max_iterations, ..Stop::default() };
     solve(solver, problem, &vec![0.0; problem.contact_count()], &stop, &mut |_| {}).unwrap().status
 }

@@ -5,7 +5,7 @@
 use crate::problems::{first_problem, impulses, start};
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::{Contact, ContactProblem, Measure, Meter, Solver};
+use contact::{Contact, Measure, Meter, Packing, Solver};
 use nalgebra::Vector2;
 use nncg::Nncg;
 use nsgs::Nsgs;
@@ -82,7 +82,7 @@ fn feasible(
     copies: usize,
     motion: &Motion,
     fall: Vec<Vector2<f64>>,
-) -> ContactProblem {
+) -> Packing {
     let opens = |k: usize, every: usize| if k % every == every - 1 { 0.3 } else { 0.0 };
     let velocity = match motion {
         Motion::Still { .. } => vec![Vector2::zeros(); mass.len()],
@@ -115,18 +115,17 @@ fn feasible(
         }
         contacts.push(contact);
     }
-    ContactProblem::new(mass, touching.position.clone(), free, contacts)
-        .unwrap_or_else(|error| panic!("{error}"))
+    Packing::new(mass, touching.position.clone(), free, contacts).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn any_feasible(touching: Touching, decades: f64) -> impl Strategy<Value = ContactProblem> {
+fn any_feasible(touching: Touching, decades: f64) -> impl Strategy<Value = Packing> {
     let (grains, contacts) = (touching.position.len(), touching.contacts.len());
     (masses(grains, decades), 0..4_usize, motion(grains, contacts), fall(grains))
         .prop_map(move |(mass, copies, motion, fall)| feasible(&touching, mass, copies, &motion, fall))
 }
 
 /// Rows of up to 12 discs from wall to wall, straight or with links turned to either side by up to 0.1; with or without floor.
-pub(crate) fn chain() -> impl Strategy<Value = ContactProblem> {
+pub(crate) fn chain() -> impl Strategy<Value = Packing> {
     let turn = prop_oneof![Just(0.0), (-12.0..-1.0_f64).prop_map(|exponent| 10_f64.powf(exponent))];
     (1..12_u32, turn, any::<bool>()).prop_flat_map(|(grains, turn, floor)| {
         let position = |k: u32| Vector2::new(f64::from(k) * turn.cos(), f64::from(k % 2) * turn.sin());
@@ -138,7 +137,7 @@ pub(crate) fn chain() -> impl Strategy<Value = ContactProblem> {
 }
 
 /// Square or triangular lattices of up to 5x5 discs in a box with or without lid.
-pub(crate) fn lattice() -> impl Strategy<Value = ContactProblem> {
+pub(crate) fn lattice() -> impl Strategy<Value = Packing> {
     (1..6_u32, 1..6_u32, any::<bool>(), any::<bool>()).prop_flat_map(|(columns, rows, triangular, lid)| {
         let rise = if triangular { 0.75_f64.sqrt() } else { 1.0 };
         let shift = |row: u32| if triangular { 0.5 * f64::from(row % 2) } else { 0.0 };
@@ -155,7 +154,7 @@ pub(crate) fn lattice() -> impl Strategy<Value = ContactProblem> {
 }
 
 /// One grain with 2 to 7 walls in any directions, some of them opposite to others or nearly so.
-pub(crate) fn wedge() -> impl Strategy<Value = ContactProblem> {
+pub(crate) fn wedge() -> impl Strategy<Value = Packing> {
     let tiny = prop_oneof![2 => Just(0.0), 1 => (-16.0..-2.0_f64).prop_map(|exponent| 10_f64.powf(exponent))];
     let of_eight =
         (0..8_u32, tiny).prop_map(|(eighth, turn)| f64::from(eighth) * std::f64::consts::FRAC_PI_4 + turn);
@@ -183,14 +182,14 @@ pub(crate) fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
     ]
 }
 
-fn run(solver: &dyn Solver, problem: &ContactProblem, tolerance: f64, max_iterations: u64) -> Outcome {
+fn run(solver: &dyn Solver, problem: &Packing, tolerance: f64, max_iterations: u64) -> Outcome {
     let stop = Stop { on: Measure::NaturalMap, tolerance, max_iterations };
     let r0 = vec![0.0; problem.contact_count()];
     solve(solver, problem, &r0, &stop, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// q(r), and what round-off may add to it: impulses that grow along the kernel of W cancel in it (J).
-fn energy(problem: &ContactProblem, r: &[f64]) -> (f64, f64) {
+fn energy(problem: &Packing, r: &[f64]) -> (f64, f64) {
     let q = Meter::new(problem).measure(r, 0.0).energy;
     let terms = r.iter().zip(problem.b()).zip(problem.delassus_diagonal());
     let size: f64 = terms.map(|((r, b), w)| r * (b.abs() + w * r)).sum();
@@ -198,7 +197,7 @@ fn energy(problem: &ContactProblem, r: &[f64]) -> (f64, f64) {
 }
 
 /// Long after it has converged, too: the tolerance is 0.
-fn check(problem: &ContactProblem) -> Result<(), TestCaseError> {
+fn check(problem: &Packing) -> Result<(), TestCaseError> {
     for (name, solver) in methods() {
         let outcome = run(&*solver, problem, 0.0, 500);
         let wrong = matches!(outcome.status, Status::Diverged | Status::Infeasible);

@@ -3,21 +3,21 @@
 use crate::problems::{PACKINGS, any_problem, difference, first_problem, frozen, impulses, start};
 use cg::{Cg, Preconditioner};
 use contact::scaled::{ScaledContact, by_levels, inverse_masses, scaled_velocity};
-use contact::{ContactProblem, law};
+use contact::{Packing, law};
 use nalgebra::Vector2;
 use nsgs::{Nsgs, Order};
 use proptest::prelude::*;
 use std::collections::HashMap;
 
 /// The contact in mass-scaled unknowns, and √W_αα.
-fn scaled(problem: &ContactProblem, contact: u32) -> (ScaledContact, f64) {
+fn scaled(problem: &Packing, contact: u32) -> (ScaledContact, f64) {
     let contact = &problem.contacts()[contact as usize];
     let (inverse_mass, unit) = inverse_masses(contact.ends(), |grain| 1.0 / problem.mass()[grain as usize]);
     (ScaledContact::new(contact.ends(), contact.normal, inverse_mass, unit), unit)
 }
 
 /// The sweep of NSGS, contact after contact in the order of the list.
-fn plain_sweep(problem: &ContactProblem, order: &[u32], s: &mut [f64], y: &mut [Vector2<f64>]) {
+fn plain_sweep(problem: &Packing, order: &[u32], s: &mut [f64], y: &mut [Vector2<f64>]) {
     for contact in order {
         let (column, unit) = scaled(problem, *contact);
         let v = column.relative(y) + problem.contacts()[*contact as usize].offset / unit;
@@ -89,7 +89,7 @@ proptest! {
 
 /// The conjugate projected gradient as the reference has it, with whole products W p. `scaling` is 1/`W_αα`, or 1.
 struct PlainCg<'p> {
-    problem: &'p ContactProblem,
+    problem: &'p Packing,
     scaling: Vec<f64>,
     r: Vec<f64>,
     u: Vec<f64>,
@@ -127,14 +127,14 @@ impl PlainCg<'_> {
 
 /// A packing of several blocks. Its grains move each in its own way: where neighbours fall alike u is 0 but for round-off, and
 /// whether it is above 0 is chance.
-fn moving_packing() -> ContactProblem {
+fn moving_packing() -> Packing {
     let box_of = [("sample.grains", "4500"), ("scene.box.width_m", "10.2")];
     let fallen = first_problem("deposited-box", &box_of).problem;
     let own =
         |(k, v): (usize, &Vector2<f64>)| v + 0.01 * Vector2::new((k as f64).sin(), (1.7 * k as f64).cos());
     let velocity = fallen.free_velocity().iter().enumerate().map(own).collect();
     let (mass, position) = (fallen.mass().to_vec(), fallen.position().to_vec());
-    ContactProblem::new(mass, position, velocity, fallen.contacts().to_vec()).unwrap()
+    Packing::new(mass, position, velocity, fallen.contacts().to_vec()).unwrap()
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::problems::{
 use analysis::Spectrum;
 use analysis::{coupling, greatest_eigenvalue};
 use cg::Cg;
-use contact::{Contact, ContactProblem, Meter, Solver};
+use contact::{Contact, Meter, Packing, Solver};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use nsgs::Nsgs;
@@ -16,7 +16,7 @@ use proptest::prelude::*;
 use reference::Answer;
 use runner::{Status, Stop, solve};
 
-fn solution(problem: &ContactProblem) -> Vec<f64> {
+fn solution(problem: &Packing) -> Vec<f64> {
     match reference::solve(problem) {
         Answer::Solution { impulses, .. } => impulses,
         _ => panic!("the problem has a solution"),
@@ -24,16 +24,16 @@ fn solution(problem: &ContactProblem) -> Vec<f64> {
 }
 
 /// The contacts of `problem` that carry more than a millionth of the greatest impulse.
-fn carrying(problem: &ContactProblem, r: &[f64]) -> ContactProblem {
+fn carrying(problem: &Packing, r: &[f64]) -> Packing {
     let greatest = r.iter().copied().fold(0.0, f64::max);
     let carry = problem.contacts().iter().zip(r).filter(|(_, r)| **r > 1e-6 * greatest);
     let contacts: Vec<Contact> = carry.map(|(contact, _)| *contact).collect();
     let (mass, position) = (problem.mass().to_vec(), problem.position().to_vec());
-    ContactProblem::new(mass, position, problem.free_velocity().to_vec(), contacts).unwrap()
+    Packing::new(mass, position, problem.free_velocity().to_vec(), contacts).unwrap()
 }
 
 /// ‖V(r) − V(s)‖_M of two sets of impulses.
-fn distance(problem: &ContactProblem, r: &[f64], s: &[f64]) -> f64 {
+fn distance(problem: &Packing, r: &[f64], s: &[f64]) -> f64 {
     let velocity = |r: &[f64]| {
         let mut velocity = problem.free_velocity().to_vec();
         problem.velocity(r, &mut velocity);
@@ -43,7 +43,7 @@ fn distance(problem: &ContactProblem, r: &[f64], s: &[f64]) -> f64 {
 }
 
 /// Whether a thousand iterations drive impulses that are 1e-9 off the solution `r` further away from its velocity.
-fn drives_away(solver: &dyn Solver, problem: &ContactProblem, r: &[f64]) -> bool {
+fn drives_away(solver: &dyn Solver, problem: &Packing, r: &[f64]) -> bool {
     let off: Vec<f64> = r.iter().enumerate().map(|(k, r)| r * (1.0 + 1e-9 * (k as f64).sin())).collect();
     let mut iteration = solver.start(problem, &off).unwrap();
     (0..1000).for_each(|_| iteration.advance());
@@ -79,7 +79,7 @@ proptest! {
 }
 
 /// Iterations in which the velocity error falls by ten, far from the start: that of a column at rest.
-fn iterations_per_decade(solver: &dyn Solver, problem: &ContactProblem) -> f64 {
+fn iterations_per_decade(solver: &dyn Solver, problem: &Packing) -> f64 {
     let rest = vec![nalgebra::Vector2::zeros(); problem.grain_count()];
     let scale = problem.velocity_distance(&rest, problem.free_velocity());
     let (mut iteration, mut meter) = (start(solver, problem), Meter::new(problem));
@@ -100,7 +100,7 @@ fn iterations_per_decade(solver: &dyn Solver, problem: &ContactProblem) -> f64 {
     panic!("no three decades in 2,000,000 iterations")
 }
 
-fn heavy_top(ratio: f64) -> (ContactProblem, f64, f64) {
+fn heavy_top(ratio: f64) -> (Packing, f64, f64) {
     let problem = first_problem("heavy-top", &[("sample.top_mass_ratio", &ratio.to_string())]).problem;
     let all = vec![true; problem.contact_count()];
     let closed = Spectrum::of(&problem, Some(&all)).closed.unwrap();
@@ -157,7 +157,7 @@ fn conjugate_gradient_ends_in_n_iterations_whatever_the_mass_ratio() {
     }
 }
 
-fn ends(solver: &dyn Solver, problem: &ContactProblem) -> Status {
+fn ends(solver: &dyn Solver, problem: &Packing) -> Status {
     let stop = Stop { max_iterations: 20_000, ..Stop::default() };
     solve(solver, problem, &vec![0.0; problem.contact_count()], &stop, &mut |_| {}).unwrap().status
 }

@@ -1,7 +1,7 @@
 //! What the tests share: problems, and runs that are watched iterate by iterate.
 
 use cases::{Case, Frozen, March};
-use contact::{Contact, ContactProblem, Iteration, Meter, Solver};
+use contact::{Contact, Iteration, Meter, Packing, Solver};
 use nalgebra::Vector2;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
@@ -35,20 +35,20 @@ pub(crate) fn first_problem(case: &str, overrides: &[(&str, &str)]) -> Frozen {
 }
 
 /// Starts `solver` on `problem` from r = 0.
-pub(crate) fn start<'p>(solver: &dyn Solver, problem: &'p ContactProblem) -> Box<dyn Iteration + 'p> {
+pub(crate) fn start<'p>(solver: &dyn Solver, problem: &'p Packing) -> Box<dyn Iteration + 'p> {
     let r0 = vec![0.0; problem.contact_count()];
     solver.start(problem, &r0).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The impulses of an iteration (N·s).
-pub(crate) fn impulses(iteration: &dyn Iteration, problem: &ContactProblem) -> Vec<f64> {
+pub(crate) fn impulses(iteration: &dyn Iteration, problem: &Packing) -> Vec<f64> {
     let mut r = vec![f64::NAN; problem.contact_count()];
     iteration.impulses(&mut r);
     r
 }
 
 /// q(r) of every iterate from the start to `iterations` (J).
-pub(crate) fn energies(solver: &dyn Solver, problem: &ContactProblem, iterations: u64) -> Vec<f64> {
+pub(crate) fn energies(solver: &dyn Solver, problem: &Packing, iterations: u64) -> Vec<f64> {
     let mut iteration = start(solver, problem);
     let mut meter = Meter::new(problem);
     (0..=iterations)
@@ -89,7 +89,7 @@ pub(crate) fn difference(a: &[f64], b: &[f64]) -> f64 {
 
 /// Problems of up to 30 grains and 60 contacts in no order that a scene would give: masses over four decades, any
 /// normals, several contacts on a pair, walls anywhere.
-pub(crate) fn any_problem() -> impl Strategy<Value = ContactProblem> {
+pub(crate) fn any_problem() -> impl Strategy<Value = Packing> {
     (2..30_u32, 1..60_usize).prop_flat_map(|(grains, contacts)| {
         let vector = |size: f64| (-size..size, -size..size).prop_map(|(x, y)| Vector2::new(x, y));
         let n = grains as usize;
@@ -106,7 +106,7 @@ pub(crate) fn any_problem() -> impl Strategy<Value = ContactProblem> {
         );
         (masses, positions, velocities, prop::collection::vec(contact, contacts)).prop_map(
             |(masses, positions, velocities, contacts)| {
-                ContactProblem::new(masses, positions, velocities, contacts)
+                Packing::new(masses, positions, velocities, contacts)
                     .unwrap_or_else(|error| panic!("{error}"))
             },
         )

@@ -3,7 +3,7 @@
 use crate::problems::{any_problem, difference, impulses, start};
 use apgd::{Apgd, Preconditioner};
 use cg::Cg;
-use contact::{Contact, ContactProblem, Solver};
+use contact::{Contact, Packing, Solver};
 use gradient::Gradient;
 use nalgebra::Vector2;
 use product::Product;
@@ -21,7 +21,7 @@ struct Found {
     curvature: [f64; 2],
 }
 
-fn found(problem: &ContactProblem, p: &[f64], scaled: bool) -> Found {
+fn found(problem: &Packing, p: &[f64], scaled: bool) -> Found {
     let mut product = Product::new(problem, scaled, |k, unit| At { p: p[k] * unit, of_p: 0.0 }).unwrap();
     let squared = product.push(|at| at.p);
     let curvature = product.curvature();
@@ -39,7 +39,7 @@ fn found(problem: &ContactProblem, p: &[f64], scaled: bool) -> Found {
 
 /// Asserts that W p and pᵗ W p are those of the plain product, and pᵗ p is Σ p² or Σ `W_αα` p², round-off apart.
 #[track_caller]
-fn assert_is_the_product(problem: &ContactProblem, p: &[f64], scaled: bool) {
+fn assert_is_the_product(problem: &Packing, p: &[f64], scaled: bool) {
     let mut expected = vec![0.0; p.len()];
     problem.delassus_product(p, &mut expected, &mut vec![Vector2::zeros(); problem.grain_count()]);
     let found = found(problem, p, scaled);
@@ -67,7 +67,7 @@ proptest! {
 }
 
 /// A square lattice of unequal grains with 40,000 contacts: several blocks, and enough of them to wake threads for.
-fn lattice() -> ContactProblem {
+fn lattice() -> Packing {
     let n = 142_u32;
     let grain = |k: u32| f64::from(k * 7919 % 101) / 101.0;
     let grains = || 0..n * n;
@@ -84,7 +84,7 @@ fn lattice() -> ContactProblem {
         [right, above].into_iter().flatten()
     });
     let velocity = |k: u32| Vector2::new(grain(k) - 0.5, grain(k + 1) - 0.6);
-    ContactProblem::new(
+    Packing::new(
         grains().map(|k| 0.5 + grain(k)).collect(),
         grains().map(position).collect(),
         grains().map(velocity).collect(),

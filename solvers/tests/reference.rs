@@ -3,7 +3,7 @@
 use crate::problems::{PACKINGS, first_problem, frozen};
 use analysis::proves_infeasible;
 use cg::{Cg, Preconditioner};
-use contact::{Contact, ContactProblem, Measure, Meter, Solver, Truth};
+use contact::{Contact, Measure, Meter, Packing, Solver, Truth};
 use nalgebra::{DMatrix, DVector, Vector2};
 use nsgs::Nsgs;
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ use reference::{Answer, Certificate, InteriorPoint, certify};
 use runner::{Status, Stop, solve_against};
 use std::ops::ControlFlow;
 
-fn certified(problem: &ContactProblem) -> (Vec<f64>, Certificate) {
+fn certified(problem: &Packing) -> (Vec<f64>, Certificate) {
     match reference::solve(problem) {
         Answer::Solution { impulses, certificate } => (impulses, certificate),
         other => panic!("{other:?}"),
@@ -141,7 +141,7 @@ fn interior_point_ends_in_its_first_iteration_and_its_polish_at_round_off() {
 }
 
 /// Up to 4 grains and 7 contacts, of which some have no solution.
-fn small_problem() -> impl Strategy<Value = ContactProblem> {
+fn small_problem() -> impl Strategy<Value = Packing> {
     let vector = |size: f64| (-size..size, -size..size).prop_map(|(x, y)| Vector2::new(x, y));
     (1..5_u32, 1..8_usize).prop_flat_map(move |(grains, contacts)| {
         let n = grains as usize;
@@ -158,7 +158,7 @@ fn small_problem() -> impl Strategy<Value = ContactProblem> {
         (masses, velocities, prop::collection::vec(contact, contacts)).prop_map(
             |(masses, velocities, contacts)| {
                 let position = vec![Vector2::zeros(); masses.len()];
-                ContactProblem::new(masses, position, velocities, contacts).unwrap()
+                Packing::new(masses, position, velocities, contacts).unwrap()
             },
         )
     })
@@ -166,7 +166,7 @@ fn small_problem() -> impl Strategy<Value = ContactProblem> {
 
 /// The impulses that solve (2) with some set of contacts closed, found by trying every set. A solution with independent
 /// rows of Hᵗ exists wherever there is one.
-fn brute_force(problem: &ContactProblem) -> Option<Vec<f64>> {
+fn brute_force(problem: &Packing) -> Option<Vec<f64>> {
     let n = problem.contact_count();
     let mut w = DMatrix::zeros(n, n);
     let mut scratch = vec![Vector2::zeros(); problem.grain_count()];

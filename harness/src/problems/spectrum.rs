@@ -3,7 +3,7 @@
 use crate::plan::variants::Variant;
 use crate::problems::reference::Known;
 use analysis::{Spectrum, coupling};
-use contact::ContactProblem;
+use contact::{ContactProblem, Packing};
 use partition::{Decomposition, Grid, Partition, Scheme};
 use serde_json::{Map, Value, json};
 
@@ -34,7 +34,7 @@ pub(crate) fn of_problem(problem: &ContactProblem, known: &Known) -> Map<String,
 
 /// What the partition of a run adds: the most copies of a grain and, where masses are whole, how strongly subdomains act
 /// on each other.
-pub(crate) fn of_partition(problem: &ContactProblem, variant: &Variant) -> Map<String, Value> {
+pub(crate) fn of_partition(problem: &Packing, variant: &Variant) -> Map<String, Value> {
     let (grid, scheme) = (variant.setting::<Grid>("subdomains"), variant.setting::<Scheme>("partition"));
     let Some((grid, scheme)) = grid.zip(scheme) else { return Map::new() };
     // A run with a partition that does not fit the problem is skipped, and says why.

@@ -40,7 +40,9 @@ fn methods_without_subdomains_give_the_same_bits() {
 #[test]
 fn subdomains_give_the_same_bits() {
     for setting in ["subdomains=4x2", "subdomains=5x5", "partition=balanced --set subdomains=4x2"] {
-        assert_same(&format!("settled-991 --method nsgs-dd --set {setting} --max-iterations 40"));
+        let object =
+            assert_same(&format!("settled-991 --method nsgs-dd --set {setting} --max-iterations 40"));
+        assert!(object["derived"]["critical_path"].as_f64() > Some(0.0), "{setting}: {object}");
     }
 }
 

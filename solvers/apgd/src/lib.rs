@@ -5,7 +5,7 @@
 //! whoever measures. Cost of an iteration: one product with W for the gradient, and one dᵗ W d for each step length tried,
 //! most often one, which counts as a product though it takes half of it.
 
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
+use contact::{Iteration, Packing, SetupError, Solver, Work, law};
 use product::Product;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -124,11 +124,7 @@ impl Iteration for Run {
 }
 
 impl Solver for Apgd {
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         let (b, scaled) = (problem.b(), self.preconditioner == Preconditioner::Diagonal);
         // An entry of the diagonal is no more than the greatest eigenvalue, and unlike the reference's ‖W 1‖/‖1‖ never 0.
         let lipschitz =

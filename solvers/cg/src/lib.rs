@@ -13,7 +13,7 @@ mod block;
 
 use analysis::{delassus_bound, scaled_delassus_bound};
 use block::{Block, Pass};
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
+use contact::{Iteration, Packing, SetupError, Solver, Work};
 use product::{Layout, Subdomain, send_of, take_sums};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -185,11 +185,7 @@ impl Iteration for Run {
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
 impl Solver for Cg {
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         let layout = Layout::new(problem)?;
         let (b, preconditioned) = (problem.b(), self.preconditioner == Preconditioner::Diagonal);
         let block = |subdomain: &Subdomain| Block::new(problem, &layout, subdomain, preconditioned, &b, r0);

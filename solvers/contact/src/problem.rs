@@ -22,25 +22,21 @@ pub struct Contact {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactProblem {
     mass: Vec<f64>,
-    position: Vec<Vector2<f64>>,
     free_velocity: Vec<Vector2<f64>>,
     contacts: Vec<Contact>,
 }
 
 impl ContactProblem {
-    /// Checks and takes the data of a problem: `mass` (kg), `position` of the mass centres (m) and `free_velocity`
-    /// V⁻ + M⁻¹Rᵈ (m/s) have one value per grain.
+    /// Checks and takes the data of a problem: `mass` (kg) and `free_velocity` V⁻ + M⁻¹Rᵈ (m/s) have one value per grain.
     ///
     /// # Errors
     /// Names the first item that has no meaning.
     pub fn new(
         mass: Vec<f64>,
-        position: Vec<Vector2<f64>>,
         free_velocity: Vec<Vector2<f64>>,
         contacts: Vec<Contact>,
     ) -> Result<Self, ProblemError> {
         let grains = mass.len();
-        ProblemError::unless_length("grains.position", &position, grains)?;
         ProblemError::unless_length("grains.free_velocity", &free_velocity, grains)?;
         ProblemError::unless_each("grains.mass", &mass, "positive and finite", |m| {
             *m > 0.0 && m.is_finite()
@@ -52,12 +48,11 @@ impl ContactProblem {
             "at least 5.6e-309, or its inverse overflows",
             |m| m.recip().is_finite(),
         )?;
-        ProblemError::unless_each("grains.position", &position, "finite", finite)?;
         ProblemError::unless_each("grains.free_velocity", &free_velocity, "finite", finite)?;
         for (index, contact) in contacts.iter().enumerate() {
             check_contact(contact, index, grains)?;
         }
-        Ok(Self { mass, position, free_velocity, contacts })
+        Ok(Self { mass, free_velocity, contacts })
     }
 
     /// Number of grains.
@@ -75,11 +70,6 @@ impl ContactProblem {
         &self.mass
     }
 
-    /// Mass centres (m).
-    pub fn position(&self) -> &[Vector2<f64>] {
-        &self.position
-    }
-
     /// `V_free` = V⁻ + M⁻¹Rᵈ, the velocity without contact impulses (m/s).
     pub fn free_velocity(&self) -> &[Vector2<f64>] {
         &self.free_velocity
@@ -89,15 +79,9 @@ impl ContactProblem {
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
     }
-
-    /// Midpoint of the two mass centres; the grain's centre for a contact with a wall (§3) (m).
-    pub fn contact_position(&self, contact: &Contact) -> Vector2<f64> {
-        let candidate = self.position[contact.candidate as usize];
-        contact.antagonist.map_or(candidate, |j| 0.5 * (candidate + self.position[j as usize]))
-    }
 }
 
-fn finite(v: &Vector2<f64>) -> bool {
+pub(crate) fn finite(v: &Vector2<f64>) -> bool {
     v.x.is_finite() && v.y.is_finite()
 }
 

@@ -1,20 +1,16 @@
 //! What a method is: a value that holds its settings and starts on a problem; an iteration that advances.
 
 use crate::error::SetupError;
-use crate::problem::ContactProblem;
+use crate::packing::Packing;
 use crate::work::Work;
 
 /// A method with its parameters, not yet bound to a problem. The value *is* the settings.
 pub trait Solver: Send + Sync {
-    /// Binds the method to a problem from the impulses `r0` (N·s, one per contact, ≥ 0).
+    /// Binds the method to a problem, which it sees with its geometry, from the impulses `r0` (N·s, one per contact, ≥ 0).
     ///
     /// # Errors
     /// Names the setting that has no meaning, alone or for this problem.
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError>;
+    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError>;
 }
 
 /// One run of a method on one problem. Knows no tolerance, no clock, no file.

@@ -5,7 +5,7 @@
 //! one product with W, in two passes over the contacts. q(r) decreases at every iteration for 0 < s < 2.
 
 use analysis::delassus_bound;
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
+use contact::{Iteration, Packing, SetupError, Solver, Work, law};
 use product::Product;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -60,11 +60,7 @@ impl Iteration for Run {
 }
 
 impl Solver for Gradient {
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("step", self.step)?;
         let (b, greatest) = (problem.b(), delassus_bound(problem));
         Ok(Box::new(Run {

@@ -4,7 +4,7 @@
 
 use analysis::scaled_delassus_bound;
 use contact::sweep::Sweep;
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work, law};
+use contact::{Iteration, Packing, SetupError, Solver, Work, law};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -63,11 +63,7 @@ impl Iteration for Run {
 }
 
 impl Solver for Jacobi {
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("relaxation", self.relaxation)?;
         let order: Vec<u32> = (0..problem.contact_count() as u32).collect();
         let sweep = Sweep::new(problem, &order, r0);

@@ -32,7 +32,7 @@ mod tests;
 pub use directions::{Directions, derived_kappa};
 pub use run::Run;
 
-use contact::{ContactProblem, Iteration, SetupError, Solver};
+use contact::{ContactProblem, Iteration, Packing, SetupError, Solver};
 use partition::{Grid, Scheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -115,7 +115,7 @@ impl LatinDd {
     ///
     /// # Errors
     /// As there.
-    pub fn run<'p>(&self, problem: &'p ContactProblem, r0: &[f64]) -> Result<Run<'p>, SetupError> {
+    pub fn run<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Run<'p>, SetupError> {
         if !(self.relaxation > 0.0 && self.relaxation <= 1.0) {
             return Err(SetupError::new("relaxation", self.relaxation, "above 0 and at most 1"));
         }
@@ -135,11 +135,7 @@ impl LatinDd {
 }
 
 impl Solver for LatinDd {
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         Ok(Box::new(self.run(problem, r0)?))
     }
 }

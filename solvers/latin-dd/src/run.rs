@@ -5,7 +5,7 @@ use crate::balance::Balance;
 use crate::coarse::Coarse;
 use crate::directions::Directions;
 use crate::subdomain::Latin;
-use contact::{ContactProblem, Iteration, SetupError, Work, together};
+use contact::{ContactProblem, Iteration, Packing, SetupError, Work, together};
 use nalgebra::{Matrix2, Vector2};
 use partition::{CopySums, Decomposition, Partition};
 use rayon::prelude::*;
@@ -141,7 +141,7 @@ impl LatinDd {
     /// A run with these directions, factorised.
     pub(crate) fn bind<'p>(
         &self,
-        problem: &'p ContactProblem,
+        problem: &'p Packing,
         directions: Directions,
         r0: &[f64],
     ) -> Result<Run<'p>, SetupError> {

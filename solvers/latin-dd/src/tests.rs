@@ -79,7 +79,7 @@ fn senseless_settings_are_refused_by_name() {
 }
 
 /// Iterations to natural map 1e-4 and factorisations, of at most 3000.
-fn to_1e_4(problem: &ContactProblem, settings: LatinDd) -> (u64, u64) {
+fn to_1e_4(problem: &Packing, settings: LatinDd) -> (u64, u64) {
     let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-4, max_iterations: 3000 };
     let r0 = vec![0.0; problem.contact_count()];
     let outcome = runner::solve(&settings, problem, &r0, &stop, &mut |_| ()).unwrap();
@@ -101,7 +101,7 @@ fn adaptive_directions_mend_a_bad_one_with_a_few_factorisations() {
 }
 
 /// The first problem of three discs that walls squeeze upwards, over a time step (s).
-fn almost_closing(time_step: &str) -> ContactProblem {
+fn almost_closing(time_step: &str) -> Packing {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/almost-closing.toml");
     let case = Case::read(&file, &[("scene.time_step_s".into(), time_step.into())]).unwrap();
     March::new(&case).and_then(|march| march.next()).unwrap().frozen.problem
@@ -138,7 +138,7 @@ fn best_direction_of_any_closed_contacts_is_within_the_limits() {
 }
 
 /// A run on 16 subdomains with a coarse problem.
-fn coarse_run(problem: &ContactProblem) -> Run<'_> {
+fn coarse_run(problem: &Packing) -> Run<'_> {
     let settings = LatinDd { coarse: true, subdomains: Grid::of_count(16), ..LatinDd::default() };
     let r0 = vec![0.0; problem.contact_count()];
     settings.bind(problem, settings.directions(problem), &r0).unwrap()

@@ -5,7 +5,7 @@
 //! iteration: a sweep, and a few passes over impulses and velocities. Neither q(r) nor the error falls at each iteration.
 
 use contact::sweep::Sweep;
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
+use contact::{Iteration, Packing, SetupError, Solver, Work};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -85,11 +85,7 @@ impl Iteration for Run {
 }
 
 impl Solver for Nncg {
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         let order: Vec<u32> = (0..problem.contact_count() as u32).collect();
         let sweep = Sweep::new(problem, &order, r0);
         Ok(Box::new(Run {

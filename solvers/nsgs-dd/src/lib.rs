@@ -6,7 +6,7 @@
 
 mod subdomain;
 
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work, greedy_colours};
+use contact::{Iteration, Packing, SetupError, Solver, Work, greedy_colours};
 use nalgebra::Vector2;
 use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain};
 use rayon::prelude::*;
@@ -128,11 +128,7 @@ impl Run {
 }
 
 impl Solver for NsgsDd {
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         if self.inner_sweeps == 0 {
             return Err(SetupError::new("inner_sweeps", 0, "at least 1"));
         }

@@ -1,6 +1,6 @@
 //! Orders in which a sweep visits the contacts.
 
-use contact::{Contact, ContactProblem, greedy_colours};
+use contact::{Contact, Packing, greedy_colours};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -23,7 +23,7 @@ pub enum Order {
 
 impl Order {
     /// The contacts of `problem` in this order.
-    pub fn of(self, problem: &ContactProblem, seed: u64) -> Vec<u32> {
+    pub fn of(self, problem: &Packing, seed: u64) -> Vec<u32> {
         let mut order: Vec<u32> = (0..problem.contact_count() as u32).collect();
         match self {
             Self::Natural => {}

@@ -7,7 +7,7 @@
 
 use crate::order::Order;
 use contact::sweep::Sweep;
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
+use contact::{Iteration, Packing, SetupError, Solver, Work};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -65,11 +65,7 @@ impl Iteration for Run {
 }
 
 impl Solver for Nsgs {
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("relaxation", self.relaxation)?;
         let sweep = Sweep::new(problem, &self.order.of(problem, self.seed), r0);
         let Self { relaxation, symmetric, .. } = *self;

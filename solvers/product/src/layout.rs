@@ -1,7 +1,7 @@
 //! Blocks of contacts for the threads, and what they exchange.
 
 use contact::scaled::{ScaledContact, inverse_masses};
-use contact::{ContactProblem, SetupError, together};
+use contact::{ContactProblem, Packing, SetupError, together};
 use nalgebra::Vector2;
 use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain, Sums};
 use rayon::prelude::*;
@@ -33,7 +33,7 @@ impl Layout {
     ///
     /// # Errors
     /// Where the contacts cannot be cut into blocks: there is no such problem.
-    pub fn new(problem: &ContactProblem) -> Result<Self, SetupError> {
+    pub fn new(problem: &Packing) -> Result<Self, SetupError> {
         let contacts = problem.contact_count();
         let partition = Partition::of_contacts(problem, Scheme::Balanced, grid(contacts))?;
         let decomposition = Decomposition::new(problem, &partition);

@@ -11,7 +11,7 @@ mod layout;
 pub use layout::{Layout, columns, send_of, take_sums};
 pub use partition::Subdomain;
 
-use contact::{ContactProblem, ScaledContact, SetupError};
+use contact::{Packing, ScaledContact, SetupError};
 use nalgebra::Vector2;
 use pulp::Arch;
 
@@ -47,7 +47,7 @@ impl<C: Send + Sync> Product<C> {
     /// # Errors
     /// Those of [`Layout::new`].
     pub fn new(
-        problem: &ContactProblem,
+        problem: &Packing,
         scaled: bool,
         state: impl Fn(usize, f64) -> C + Sync,
     ) -> Result<Self, SetupError> {

@@ -3,7 +3,7 @@
 use crate::constraint::Constraint;
 use crate::interior::{Interior, Verdict};
 use crate::polish::Polish;
-use contact::{ContactProblem, Iteration, SetupError, Solver, Work};
+use contact::{ContactProblem, Iteration, Packing, SetupError, Solver, Work};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -116,11 +116,7 @@ impl Iteration for Run<'_> {
 }
 
 impl Solver for InteriorPoint {
-    fn start<'p>(
-        &self,
-        problem: &'p ContactProblem,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         let run = Run::new(problem, r0, self.polish);
         // What no validated problem gives, unless its numbers overflow when scaled.
         Ok(Box::new(run.map_err(|why| SetupError::new("problem", why, "one whose numbers can be scaled"))?))

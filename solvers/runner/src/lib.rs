@@ -4,7 +4,7 @@
 mod convergence;
 
 use analysis::any_proves_infeasible;
-use contact::{ContactProblem, Measure, Measures, Meter, SetupError, Solver, Truth, Work, law};
+use contact::{Measure, Measures, Meter, Packing, SetupError, Solver, Truth, Work, law};
 use convergence::is_false;
 use nalgebra::Vector2;
 use schemars::JsonSchema;
@@ -144,7 +144,7 @@ const CONVERGES: f64 = 0.9;
 /// business of [`solve_against`].
 pub fn solve(
     solver: &dyn Solver,
-    problem: &ContactProblem,
+    problem: &Packing,
     r0: &[f64],
     stop: &Stop,
     observe: &mut dyn FnMut(&Progress),
@@ -163,7 +163,7 @@ pub fn solve(
 pub fn solve_against(
     truth: Option<&Truth>,
     solver: &dyn Solver,
-    problem: &ContactProblem,
+    problem: &Packing,
     r0: &[f64],
     stop: &Stop,
     observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
@@ -184,7 +184,7 @@ pub fn solve_against(
 fn run(
     mut meter: Meter,
     solver: &dyn Solver,
-    problem: &ContactProblem,
+    problem: &Packing,
     r0: &[f64],
     stop: &Stop,
     observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,

@@ -2,16 +2,15 @@
 
 #![allow(clippy::unwrap_used)]
 
-use contact::{Contact, ContactProblem, Iteration, Measure, SetupError, Solver, Truth, Work};
+use contact::{Contact, Iteration, Measure, Packing, SetupError, Solver, Truth, Work};
 use nalgebra::Vector2;
 use runner::{Progress, Status, Stop, solve, solve_against};
 use std::ops::ControlFlow;
 
 /// A grain of 2 kg falling at 1 m/s onto a floor: W = ½, b = −1, so r = 2 N·s.
-fn falling_on_a_floor() -> ContactProblem {
+fn falling_on_a_floor() -> Packing {
     let contact = Contact { candidate: 0, antagonist: None, normal: Vector2::y(), offset: 0.0 };
-    ContactProblem::new(vec![2.0], vec![Vector2::zeros()], vec![Vector2::new(0.0, -1.0)], vec![contact])
-        .unwrap()
+    Packing::new(vec![2.0], vec![Vector2::zeros()], vec![Vector2::new(0.0, -1.0)], vec![contact]).unwrap()
 }
 
 /// A method that plays back given impulses, the same at every contact.
@@ -23,7 +22,7 @@ struct Playing {
 }
 
 impl Solver for Recorded {
-    fn start<'p>(&self, _: &'p ContactProblem, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    fn start<'p>(&self, _: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         Ok(Box::new(Playing { ahead: self.0.iter().rev().copied().collect(), r: r0.to_vec() }))
     }
 }
@@ -104,8 +103,7 @@ fn where_no_contact_pushes_rest_is_the_answer_before_any_iteration() {
     let grain = (vec![2.0], vec![Vector2::zeros()], vec![Vector2::new(0.0, -1.0)]);
     for contacts in [vec![], vec![contact]] {
         let r0 = vec![7.0; contacts.len()];
-        let problem =
-            ContactProblem::new(grain.0.clone(), grain.1.clone(), grain.2.clone(), contacts).unwrap();
+        let problem = Packing::new(grain.0.clone(), grain.1.clone(), grain.2.clone(), contacts).unwrap();
         let truth = Truth::new(&problem, &vec![0.0; r0.len()]);
         for on in Measure::ALL {
             let stop = Stop { on, ..stop(9) };
@@ -142,11 +140,11 @@ fn loop_stops_on_the_velocity_error_where_it_is_known_and_refuses_to_elsewhere()
 }
 
 /// A disc of 1 kg between two walls that close at 1 m/s; `tilt` (rad) of the second leaves a way out upwards.
-fn between_walls(tilt: f64) -> ContactProblem {
+fn between_walls(tilt: f64) -> Packing {
     let wall = |normal| Contact { candidate: 0, antagonist: None, normal, offset: -1.0 };
     let contacts = vec![wall(Vector2::x()), wall(Vector2::new(-tilt.cos(), tilt.sin()))];
     let at_rest = vec![Vector2::zeros()];
-    ContactProblem::new(vec![1.0], at_rest.clone(), at_rest, contacts).unwrap()
+    Packing::new(vec![1.0], at_rest.clone(), at_rest, contacts).unwrap()
 }
 
 #[test]

@@ -5,8 +5,7 @@ use contact::Contact;
 fn between_walls(tilt: f64) -> ContactProblem {
     let wall = |normal| Contact { candidate: 0, antagonist: None, normal, offset: -1.0 };
     let contacts = vec![wall(Vector2::x()), wall(Vector2::new(-tilt.cos(), tilt.sin()))];
-    let at_rest = vec![Vector2::zeros()];
-    ContactProblem::new(vec![1.0], at_rest.clone(), at_rest, contacts).unwrap()
+    ContactProblem::new(vec![1.0], vec![Vector2::zeros()], contacts).unwrap()
 }
 
 #[test]
