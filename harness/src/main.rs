@@ -66,6 +66,7 @@ mod problems {
 /// The plan file: methods with their settings, axes, rules.
 mod plan {
     pub(crate) mod axes;
+    pub(crate) mod checks;
     pub(crate) mod file;
     pub(crate) mod methods;
     pub(crate) mod names;

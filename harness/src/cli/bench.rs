@@ -2,7 +2,7 @@
 
 use crate::cli::args::StudyArgs;
 use crate::cli::simulations;
-use crate::plan::file::MOST_REPEATS;
+use crate::plan::checks::MOST_REPEATS;
 use crate::problems::files::Root;
 use crate::run::execute::{How, execute, few};
 use crate::store::folder::{begin_anew, finish, open, provenance, stopped};

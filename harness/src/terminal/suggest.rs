@@ -43,7 +43,8 @@ pub(crate) fn among<'a>(what: &str, given: &str, known: impl IntoIterator<Item =
 /// `order`, `relaxation`.
 pub(crate) fn in_error(text: &str) -> String {
     let unknown = Regex::new("(?s)^(.*unknown (?:field|variant) `([^`]*)`), expected (.*)$").ok();
-    let Some((_, [before, given, known])) = unknown.and_then(|unknown| Some(unknown.captures(text)?.extract()))
+    let Some((_, [before, given, known])) =
+        unknown.and_then(|unknown| Some(unknown.captures(text)?.extract()))
     else {
         return text.to_owned();
     };
