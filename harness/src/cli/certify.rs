@@ -15,7 +15,7 @@ use std::process::ExitCode;
 pub(crate) struct Args {
     /// A frozen problem: its name, or the path of its file
     problem: String,
-    /// Certify these impulses instead of the reference, and tell how far from it they are: a file with
+    /// Certify these impulses instead of the reference, and report how far from it they are: a file with
     /// {"impulse": [N·s, in the problem's contact order]}, as `gravel solve --impulses` writes it
     #[arg(long, value_name = "FILE")]
     impulses: Option<PathBuf>,

@@ -27,10 +27,10 @@ use std::process::ExitCode;
 pub(crate) struct Args {
     /// A case: its name, or the path of its file
     case: String,
-    /// How many time steps to make
+    /// How many time steps to march
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     time_steps: u64,
-    /// Write the observables of every time step to FILE, as CSV, each row as soon as its time step is made
+    /// Write the observables of every time step to FILE, as CSV, each row as soon as its time step has ended
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Write frames for ParaView to FOLDER: grains with radius and velocity, contacts with impulse; open its .pvd
@@ -42,7 +42,7 @@ pub(crate) struct Args {
     /// Begin each time step from r = 0, not from the impulses of the one before
     #[arg(long)]
     cold: bool,
-    /// Print one JSON object: how it ended, what it took and the last time step made
+    /// Print one JSON object: how it ended, what it took and its last time step
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -110,7 +110,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     Ok(exit::code(end.status()))
 }
 
-/// What is kept of a simulation while it goes on: a program that is killed leaves the time steps that were made.
+/// What is kept of a simulation while it goes on: a program that is killed leaves the time steps that had ended.
 struct Kept {
     rows: Option<File>,
     frames: Option<Frames>,
@@ -190,7 +190,7 @@ fn say_ending(
     let kept = match last_state {
         Some(Ok(file)) => format!("the problem of its last good state is {}", file.display()),
         Some(Err(error)) => format!("{error:#}"),
-        None => "what was made before is kept".to_owned(),
+        None => "what was reached before is kept".to_owned(),
     };
     eprintln!("error: {case}: {}; {kept}", end.reason());
     Ok(())

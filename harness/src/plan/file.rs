@@ -27,16 +27,16 @@ pub(crate) struct Plan {
     /// Names of frozen problems.
     #[serde(default)]
     pub(crate) problems: Vec<String>,
-    /// Cases whose problems are made for the study.
+    /// Cases whose problems are computed for the study.
     #[serde(default)]
     pub(crate) cases: Vec<PlannedCase>,
     /// Whether runs begin from the impulses of the time step before, where a method does not say it of itself.
     #[serde(default)]
     pub(crate) warm_start: bool,
-    /// Whether rows tell the eigenvalues of their problems, which explain failures.
+    /// Whether rows hold the eigenvalues of their problems, which explain failures.
     #[serde(default)]
     pub(crate) spectra: bool,
-    /// How often each run is made for its seconds, which are then medians.
+    /// How often each run is repeated for its seconds, which are then medians.
     #[serde(default = "once")]
     pub(crate) repeats: NonZeroU32,
     /// Whether errors are measured beside reference solutions, and scenes kept to be drawn; not where problems are so

@@ -46,7 +46,7 @@ impl Display for WarmStart {
     }
 }
 
-/// A method of a plan and how it begins, with what tells it from the plan's other runs of it.
+/// A method of a plan and how it begins, with what sets it apart from the plan's other runs of it.
 pub(crate) struct Variant {
     pub(crate) method: Method,
     pub(crate) warm_start: bool,

@@ -19,7 +19,7 @@ fn spinner() -> ProgressBar {
     ProgressBar::new_spinner().with_style(style)
 }
 
-/// What a study shows of itself: a bar for all its runs, and a line for each that is being made.
+/// What a study shows of itself: a bar for all its runs, and a line for each that is under way.
 pub(crate) struct Bars {
     all: MultiProgress,
     runs: ProgressBar,
@@ -49,7 +49,7 @@ impl Drop for Bars {
     }
 }
 
-/// The line of a run that is being made.
+/// The line of a run that is under way.
 pub(crate) struct Line {
     bar: ProgressBar,
     name: String,

@@ -33,7 +33,7 @@ pub(crate) fn of<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> S
     nearest.map_or_else(String::new, |(_, nearest)| format!("; did you mean `{nearest}`?"))
 }
 
-/// An error about the unknown name `given`, which `what` tells: the one that was meant, if any, then all the `known` ones.
+/// An error about the unknown name `given`, which `what` describes: the one that was meant, if any, then all the `known` ones.
 pub(crate) fn among<'a>(what: &str, given: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> String {
     let list: Vec<&str> = known.clone().into_iter().collect();
     format!("{what}{} (there are {})", of(given, known), list.join(", "))
