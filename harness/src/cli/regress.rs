@@ -25,7 +25,7 @@ pub(crate) struct Args {
     /// The quick form of the plan
     #[arg(long)]
     quick: bool,
-    /// Run N at a time [default: one per processor]; counts do not depend on it
+    /// Do N runs at a time [default: one per processor]; counts do not depend on it
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
 }
