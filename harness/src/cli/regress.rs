@@ -11,7 +11,6 @@ use crate::terminal::interrupt;
 use crate::terminal::output::{say, write_kept};
 use anyhow::{Result, bail};
 use std::collections::{BTreeMap, HashSet};
-use std::io;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -123,7 +122,7 @@ fn baseline(root: &Root, plan: &str) -> PathBuf {
     root.join("results/baseline").join(format!("{plan}.csv"))
 }
 
-fn say_all(lines: &[String]) -> io::Result<()> {
+fn say_all(lines: &[String]) -> Result<()> {
     lines.iter().try_for_each(|line| say(format_args!("{line}")))
 }
 

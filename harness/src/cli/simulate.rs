@@ -1,6 +1,6 @@
 //! `gravel simulate`: a case through time, with what the scene shows of itself.
 
-use crate::cli::args::{CaseArgs, MethodArgs, StopArgs};
+use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::plan::rules::Rule;
 use crate::problems::case::read_case;
 use crate::problems::files::Root;
@@ -13,7 +13,6 @@ use crate::terminal::output::{check_place, merged, say, write_whole};
 use crate::terminal::progress;
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
-use contact::Stop;
 use indicatif::ProgressBar;
 use results::simulation::Observed;
 use serde_json::json;
@@ -48,9 +47,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     changes: CaseArgs,
     #[command(flatten)]
-    method: MethodArgs,
-    #[command(flatten)]
-    stop: StopArgs,
+    solver: SolverArgs,
 }
 
 /// Of the rows in a file.
@@ -70,7 +67,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         check_place(file)?;
     }
     let case = read_case(&root.case(&args.case)?, &args.changes.overrides)?;
-    let (method, stop) = (args.method.method()?, args.stop.of(Stop::default())?);
+    let (method, stop) = args.solver.read()?;
     let mut march = March::new(&case)?;
     let rule = Rule { stop, warm_start: !args.cold };
     interrupt::listen()?;
@@ -201,8 +198,7 @@ fn say_time_step(seen: &Seen, row: &Observed) -> Result<()> {
     let solved = format!("{time_step:>10}  {time_s:>9.4}  {contacts:>8}  {:>10}", seen.outcome.iterations);
     let shown =
         format!("{kinetic_energy_j:>14.4e}  {mean_height_m:>13.6}  {:>11.3e}", row.greatest_overlap_m);
-    say(format_args!("{solved}  {shown}  {:>11.4e}", row.floor_impulse_n_s))?;
-    Ok(())
+    say(format_args!("{solved}  {shown}  {:>11.4e}", row.floor_impulse_n_s))
 }
 
 /// A row of the file.

@@ -92,8 +92,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     } else {
         write_kept(&page, &html)?
     }
-    say(format_args!("{}", page.display()))?;
-    Ok(())
+    say(format_args!("{}", page.display()))
 }
 
 impl Args {

@@ -3,7 +3,7 @@
 use crate::plan::axes::{MOST, count};
 use crate::plan::file::{Curves, Plan, PlannedCase};
 use crate::plan::rules::Simulate;
-use crate::plan::variants::{PlannedMethod, Variant};
+use crate::plan::variants::{PlannedMethod, Variant, WarmStart};
 use crate::terminal::suggest;
 use anyhow::{Context, Error, Result, bail};
 use cases::check_name;
@@ -80,9 +80,13 @@ impl Plan {
             bail!("`cases`: case `{}`: `time_step`: a simulation begins at the first", case.case);
         }
         for PlannedMethod { method, warm_start, .. } in &self.methods {
-            if let Some(warm_start) = warm_start {
+            if let Some(starts) = warm_start {
+                let starts = match starts {
+                    WarmStart::One(start) => start.to_string(),
+                    WarmStart::Several(starts) => format!("{starts:?}"),
+                };
                 bail!(
-                    "method `{method}`: `warm_start` is {warm_start}: in a plan with `simulate` it is a key of the rules; \
+                    "method `{method}`: `warm_start` is {starts}: in a plan with `simulate` it is a key of the rules; \
                      give it for all methods, at the top of the plan or under [simulate], in `set` or `axes`"
                 );
             }

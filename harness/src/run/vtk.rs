@@ -57,7 +57,7 @@ impl Frames {
 
     /// Says where they are.
     pub(crate) fn say(&self) -> Result<()> {
-        Ok(say(format_args!("{}: {} frames", self.path.display(), self.made))?)
+        say(format_args!("{}: {} frames", self.path.display(), self.made))
     }
 }
 
