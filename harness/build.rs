@@ -92,7 +92,7 @@ fn version(
         let uses = uses.map(|used| text(Some(used))).collect::<Result<Vec<_>>>()?;
         let name = reference.split(' ').next().unwrap_or_default();
         if let Some(ours) = crates.get(name) {
-            // The lock file does not tell tests from the rest; the manifest does.
+            // The lock file does not separate tests from the rest; the manifest does.
             ahead.extend(
                 uses.into_iter()
                     .filter(|used| ours.uses.contains(used.split(' ').next().unwrap_or_default())),

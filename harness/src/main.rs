@@ -67,6 +67,7 @@ mod problems {
 /// The plan file: methods with their settings, axes, rules.
 mod plan {
     pub(crate) mod axes;
+    pub(crate) mod checks;
     pub(crate) mod file;
     pub(crate) mod methods;
     pub(crate) mod names;
@@ -117,7 +118,7 @@ struct Cli {
 enum Command {
     /// Run whatever is still missing from a plan; write its table and figures to reports/out
     Bench(bench::Args),
-    /// Show the runs of a plan: which are made, and how long the others take
+    /// Show the runs of a plan: which are done, and how long the others take
     Plan(show::Args),
     /// Draw the tables and figures of the newest stored study of a plan again
     Report(report::Args),
@@ -127,9 +128,9 @@ enum Command {
     View(view::Args),
     /// Join the runs of other stores of a plan to its own
     Merge(merge::Args),
-    /// Make the runs of a plan and compare their counts with the accepted ones, exactly
+    /// Run a plan and compare its counts with the accepted ones, exactly
     Regress(regress::Args),
-    /// Make the runs of a plan and accept their counts
+    /// Run a plan and accept its counts
     Bless(regress::Args),
     /// Solve one contact problem with one method
     #[command(after_help = exit::HELP)]
@@ -182,7 +183,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The error, then its causes, without those that the text before them tells already.
+/// The error, then its causes, without those that the text before them says already.
 fn in_one_paragraph(error: &anyhow::Error) -> String {
     let mut text = error.to_string().trim_end().to_owned();
     for cause in error.chain().skip(1).map(ToString::to_string) {

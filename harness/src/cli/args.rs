@@ -43,15 +43,17 @@ pub(crate) struct SceneArgs {
     time_step: Option<String>,
 }
 
-/// A method on the command line.
+/// A method and until when it runs, on the command line.
 #[derive(clap::Args)]
-pub(crate) struct MethodArgs {
+pub(crate) struct SolverArgs {
     /// A method; `gravel list methods` shows them with their settings
     #[arg(long, default_value = "cg", value_name = "M")]
     method: String,
     /// A setting of the method, such as relaxation=0.8 or subdomains=4x2; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     settings: Vec<(String, String)>,
+    #[command(flatten)]
+    stop: StopArgs,
 }
 
 /// A stop rule on the command line.
@@ -173,9 +175,9 @@ impl CaseArgs {
     }
 }
 
-impl MethodArgs {
-    pub(crate) fn method(&self) -> Result<Method> {
-        Method::parse(&self.method, &self.settings)
+impl SolverArgs {
+    pub(crate) fn read(&self) -> Result<(Method, Stop)> {
+        Ok((Method::parse(&self.method, &self.settings)?, self.stop.of(Stop::default())?))
     }
 }
 

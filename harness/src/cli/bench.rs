@@ -1,7 +1,7 @@
 //! `gravel bench`: the runs of a plan that its store lacks, then tables and a report.
 
 use crate::cli::args::StudyArgs;
-use crate::plan::file::MOST_REPEATS;
+use crate::plan::checks::MOST_REPEATS;
 use crate::problems::files::Root;
 use crate::run::execute::few;
 use crate::store::folder::{begin_anew, finish, open, provenance, stopped};

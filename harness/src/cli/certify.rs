@@ -15,7 +15,7 @@ use std::process::ExitCode;
 pub(crate) struct Args {
     /// A frozen problem: its name, or the path of its file
     problem: String,
-    /// Certify these impulses instead of the reference, and tell how far from it they are: a file with
+    /// Certify these impulses instead of the reference, and report how far from it they are: a file with
     /// {"impulse": [N·s, in the problem's contact order]}, as `gravel solve --impulses` writes it
     #[arg(long, value_name = "FILE")]
     impulses: Option<PathBuf>,
@@ -27,26 +27,20 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let given = args.impulses.as_deref().map(|file| Given::read(file, problem)).transpose()?;
     let reference = answer(root, &frozen)?;
     say(format_args!("{}", size(&frozen)))?;
-    let mut status = match &reference {
-        Answer::Infeasible { .. } => "no-solution",
-        Answer::Unknown { certificate, .. } | Answer::Solution { certificate, .. } => word(certificate),
-    };
-    if let Some(Given { impulse, .. }) = &given {
-        let certificate = certify(problem, impulse);
-        say(format_args!("given impulses: {}", verdict(&certificate)))?;
-        print(&certificate)?;
-        // Where there is a solution, the given impulses are what is asked about.
-        if status != "no-solution" {
-            status = word(&certificate);
-        }
+    let of_given = given.as_ref().map(|given| certify(problem, &given.impulse));
+    if let Some(certificate) = &of_given {
+        say(format_args!("given impulses: {}", verdict(certificate)))?;
+        print(certificate)?;
     }
-    match &reference {
+    let of_reference = match &reference {
         Answer::Infeasible { .. } => {
             say(format_args!("the problem has no solution: impulses balance while contacts approach"))?;
+            return Ok(exit::code("no-solution"));
         }
         Answer::Unknown { certificate, why, .. } => {
             say(format_args!("reference: {}: {why}", verdict(certificate)))?;
             print(certificate)?;
+            certificate
         }
         Answer::Solution { impulses, certificate } => {
             say(format_args!("reference: {}", verdict(certificate)))?;
@@ -54,9 +48,11 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
                 Some(given) => print_errors(problem, &Truth::new(problem, impulses), &given.impulse)?,
                 None => print(certificate)?,
             }
+            certificate
         }
-    }
-    Ok(exit::code(status))
+    };
+    // Where there is a solution, the given impulses are what is asked about.
+    Ok(exit::code(word(of_given.as_ref().unwrap_or(of_reference))))
 }
 
 fn word(certificate: &Certificate) -> &'static str {
@@ -90,6 +86,5 @@ fn print_errors(problem: &ContactProblem, truth: &Truth, impulses: &[f64]) -> Re
     let measures = Meter::new(problem).against(truth).measure(impulses, 0.0);
     say(format_args!("the given impulses beside it"))?;
     say(format_args!("  {:<17}{:>10.1e}", "velocity_error", measures.velocity_error))?;
-    say(format_args!("  {:<17}{:>10.1e}", "energy_gap", measures.energy_gap))?;
-    Ok(())
+    say(format_args!("  {:<17}{:>10.1e}", "energy_gap", measures.energy_gap))
 }

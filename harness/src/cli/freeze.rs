@@ -1,11 +1,10 @@
 //! `gravel freeze`: the contact problem of one time step of a case, as a file.
 
-use crate::cli::args::{CaseArgs, MethodArgs, StopArgs};
+use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::problems::files::{Root, stem};
 use crate::terminal::output::{check_place, replaces, say, write_whole};
 use anyhow::{Result, anyhow, bail};
 use cases::check_name;
-use runner::Stop;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -24,9 +23,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     changes: CaseArgs,
     #[command(flatten)]
-    method: MethodArgs,
-    #[command(flatten)]
-    stop: StopArgs,
+    solver: SolverArgs,
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
@@ -38,7 +35,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let name = stem(&args.output);
     check_name(&name).map_err(|why| anyhow!("{file}: the problem's {why}"))?;
     let case = args.changes.at(&root.case(&args.case)?, Some(&args.time_step))?;
-    let (method, stop) = (args.method.method()?, args.stop.of(Stop::default())?);
+    let (method, stop) = args.solver.read()?;
     let (solver, on, tolerance) = (method.name, stop.on, stop.tolerance);
     let how = format!(
         " Time steps before it solved by {solver} to {on} ≤ {tolerance:e}, from the impulses of the one before."
@@ -47,6 +44,5 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     frozen.name = name;
     write_whole(&args.output, &frozen.to_json()?)?;
     let (grains, contacts) = (frozen.problem.grain_count(), frozen.problem.contact_count());
-    say(format_args!("{file}: {grains} grains, {contacts} contacts"))?;
-    Ok(())
+    say(format_args!("{file}: {grains} grains, {contacts} contacts"))
 }

@@ -8,10 +8,9 @@ use crate::study::problems::OnProblems;
 use crate::study::selection::Selection;
 use crate::study::tasks::{How, Kind, missing, run_all};
 use crate::terminal::interrupt;
-use crate::terminal::output::{say, write_whole};
-use anyhow::{Context, Result, bail};
+use crate::terminal::output::{say, write_kept};
+use anyhow::{Result, bail};
 use std::collections::{BTreeMap, HashSet};
-use std::io;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -25,14 +24,14 @@ pub(crate) struct Args {
     /// The quick form of the plan
     #[arg(long)]
     quick: bool,
-    /// Make N different runs at a time [default: one per processor]; counts do not depend on it
+    /// Do N runs at a time [default: one per processor]; counts do not depend on it
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
 }
 
 impl Args {
-    fn study(&self) -> StudyArgs {
-        StudyArgs::plan(&self.plan, self.quick)
+    fn selection(&self, root: &Root) -> Result<Selection> {
+        StudyArgs::plan(&self.plan, self.quick).selection(root)
     }
 }
 
@@ -46,44 +45,31 @@ struct Now {
 
 /// Compares the counts with the baseline.
 pub(crate) fn regress(root: &Root, args: &Args) -> Result<ExitCode> {
-    let selection = args.study().selection(root)?;
-    let baseline = baseline(root, &selection.plan.name);
+    let selection = args.selection(root)?;
+    let (baseline, again) = (baseline(root, &selection.plan.name), selection.again.clone());
+    let file = baseline.display();
     if !baseline.is_file() {
-        bail!(
-            "{}: there is no baseline yet; `gravel bless {}` writes it",
-            baseline.display(),
-            selection.again
-        );
+        bail!("{file}: there is no baseline yet; `gravel bless {again}` writes it");
     }
     let before = read(&baseline)?;
-    let again = selection.again.clone();
     let now = Now::count(root, args, selection)?;
-    let mut wrong = changes(&before, &now.counts);
-    wrong.extend(now.unexpected());
+    let wrong = [changes(&before, &now.counts)?, now.unexpected()].concat();
+    let (plan, runs) = (&now.plan, now.counts.len());
     if wrong.is_empty() {
-        let runs = now.counts.len();
-        say(format_args!("{}: {runs} runs, all as in {}", now.plan, baseline.display()))?;
+        say(format_args!("{plan}: {runs} runs, all as in {file}"))?;
         return Ok(ExitCode::SUCCESS);
     }
     say_all(&wrong)?;
-    say(format_args!(
-        "{}: not as in {}; if that is meant, `gravel bless {}` accepts it",
-        now.plan,
-        baseline.display(),
-        again
-    ))?;
+    say(format_args!("{plan}: not as in {file}; if that is meant, `gravel bless {again}` accepts it"))?;
     Ok(ExitCode::FAILURE)
 }
 
 /// Makes the counts the baseline.
 pub(crate) fn bless(root: &Root, args: &Args) -> Result<ExitCode> {
-    let now = Now::count(root, args, args.study().selection(root)?)?;
+    let now = Now::count(root, args, args.selection(root)?)?;
     let before = if now.baseline.is_file() { read(&now.baseline)? } else { Vec::new() };
-    say_all(&changes(&before, &now.counts))?;
-    if let Some(folder) = now.baseline.parent() {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    }
-    write_whole(&now.baseline, &to_csv(&now.counts)?)?;
+    say_all(&changes(&before, &now.counts)?)?;
+    write_kept(&now.baseline, &to_csv(&now.counts)?)?;
     say(format_args!("{}: {} runs, now in {}", now.plan, now.counts.len(), now.baseline.display()))?;
     let unexpected = now.unexpected();
     say_all(&unexpected)?;
@@ -91,7 +77,7 @@ pub(crate) fn bless(root: &Root, args: &Args) -> Result<ExitCode> {
 }
 
 impl Now {
-    /// Makes all runs of the plan; nothing is stored.
+    /// Runs the whole plan; nothing is stored.
     fn count(root: &Root, args: &Args, selection: Selection) -> Result<Self> {
         let study = OnProblems::new(selection, root, true)?;
         let plan = study.selection().plan.name.clone();
@@ -108,7 +94,7 @@ impl Now {
             Ok(())
         })?;
         if interrupt::asked() {
-            bail!("stopped before all runs were made: nothing was compared");
+            bail!("stopped before all runs had ended: nothing was compared");
         }
         let counts = Counts::of(&tasks, &records.into_inner().unwrap_or_else(PoisonError::into_inner))?;
         Ok(Self { plan, counts, baseline, expected })
@@ -116,22 +102,21 @@ impl Now {
 
     /// Failures that nobody expects, and expected ones that do not come.
     fn unexpected(&self) -> Vec<String> {
-        let mut told = Vec::new();
+        let mut lines = Vec::new();
         let mut expected: BTreeMap<&str, &ExpectedFailure> =
             self.expected.iter().map(|failure| (failure.run.as_str(), failure)).collect();
         for counts in &self.counts {
-            let (run, status) = (counts.run(), counts.status.as_str());
+            let (run, status) = (counts.run(), &counts.status);
             match expected.remove(run.as_str()) {
-                None if status != "converged" => told.push(format!("unexpected failure: {run}: {status}")),
-                Some(failure) if failure.status != status => told.push(format!(
-                    "unexpected: {run}: {status}, where {} is expected: {}",
-                    failure.status, failure.why
-                )),
+                None if status != "converged" => lines.push(format!("unexpected failure: {run}: {status}")),
+                Some(ExpectedFailure { status: failure, why, .. }) if failure != status => {
+                    lines.push(format!("unexpected: {run}: {status}, where {failure} is expected: {why}"));
+                }
                 _ => {}
             }
         }
-        told.extend(expected.keys().map(|run| format!("expected to fail, and not in the plan: {run}")));
-        told
+        lines.extend(expected.keys().map(|run| format!("expected to fail, and not in the plan: {run}")));
+        lines
     }
 }
 
@@ -139,30 +124,31 @@ fn baseline(root: &Root, plan: &str) -> PathBuf {
     root.join("results/baseline").join(format!("{plan}.csv"))
 }
 
-fn say_all(lines: &[String]) -> io::Result<()> {
+fn say_all(lines: &[String]) -> Result<()> {
     lines.iter().try_for_each(|line| say(format_args!("{line}")))
 }
 
 /// A table of what differs: which run, which count, before, now, their ratio; then runs that came and went.
-fn changes(before: &[Counts], now: &[Counts]) -> Vec<String> {
+fn changes(before: &[Counts], now: &[Counts]) -> Result<Vec<String>> {
     let by_run = |counts: &[Counts]| -> BTreeMap<String, Counts> {
         counts.iter().map(|counts| (counts.run(), counts.clone())).collect()
     };
     let (before, now) = (by_run(before), by_run(now));
-    let mut rows = Vec::new();
+    let mut rows = vec![["run", "count", "before", "now", "ratio"].map(str::to_owned)];
     for (run, now) in &now {
-        let differences = before.get(run).map(|before| now.differences(before)).unwrap_or_default();
-        rows.extend(differences.into_iter().map(|(count, before, now)| {
+        for (count, before, now) in
+            before.get(run).map_or(Ok(Vec::new()), |before| now.differences(before))?
+        {
             let ratio = ratio(&before, &now).map_or(String::new(), |ratio| format!("{ratio:.4}"));
-            [run.clone(), count, before, now, ratio]
-        }));
+            rows.push([run.clone(), count, before, now, ratio]);
+        }
     }
-    let mut lines = table(&rows);
+    let mut lines = if rows.len() > 1 { table(&rows) } else { Vec::new() };
     let new = now.keys().filter(|run| !before.contains_key(*run));
     lines.extend(new.map(|run| format!("not in the baseline: {run}")));
     let gone = before.keys().filter(|run| !now.contains_key(*run));
     lines.extend(gone.map(|run| format!("not in the plan: {run}")));
-    lines
+    Ok(lines)
 }
 
 fn ratio(before: &str, now: &str) -> Option<f64> {
@@ -171,16 +157,10 @@ fn ratio(before: &str, now: &str) -> Option<f64> {
 }
 
 fn table(rows: &[[String; 5]]) -> Vec<String> {
-    if rows.is_empty() {
-        return Vec::new();
-    }
-    let head = ["run", "count", "before", "now", "ratio"].map(str::to_owned);
-    let all = || std::iter::once(&head).chain(rows);
-    let width = |column: usize| all().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(width);
-    all()
-        .map(|[run, count, before, now, ratio]| {
-            format!("{run:<a$}  {count:<b$}  {before:>c$}  {now:>d$}  {ratio:>e$}").trim_end().to_owned()
-        })
-        .collect()
+    let line = |[run, count, before, now, ratio]: &[String; 5]| {
+        format!("{run:<a$}  {count:<b$}  {before:>c$}  {now:>d$}  {ratio:>e$}").trim_end().to_owned()
+    };
+    rows.iter().map(line).collect()
 }

@@ -29,8 +29,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         What::Plan => plan(),
         What::Case => of::<Case>(),
     };
-    say(format_args!("{}", serde_json::to_string_pretty(&schema)?))?;
-    Ok(())
+    say(format_args!("{}", serde_json::to_string_pretty(&schema)?))
 }
 
 /// The methods with their settings; and, in the quick form, the plan's keys once more.

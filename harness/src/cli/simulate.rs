@@ -1,6 +1,6 @@
 //! `gravel simulate`: a case through time, with what the scene shows of itself.
 
-use crate::cli::args::{CaseArgs, MethodArgs, StopArgs};
+use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::plan::rules::Rule;
 use crate::problems::case::read_case;
 use crate::problems::files::Root;
@@ -16,7 +16,6 @@ use cases::{Case, Frozen, March};
 use indicatif::ProgressBar;
 use results::simulation::Observed;
 use results::simulation::Totals;
-use runner::Stop;
 use serde_json::json;
 use std::fs::File;
 use std::io::Write;
@@ -28,10 +27,10 @@ use std::process::ExitCode;
 pub(crate) struct Args {
     /// A case: its name, or the path of its file
     case: String,
-    /// How many time steps to make
+    /// How many time steps to march
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     time_steps: u64,
-    /// Write the observables of every time step to FILE, as CSV, each row as soon as its time step is made
+    /// Write the observables of every time step to FILE, as CSV, each row as soon as its time step has ended
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Write frames for ParaView to FOLDER: grains with radius and velocity, contacts with impulse; open its .pvd
@@ -43,15 +42,13 @@ pub(crate) struct Args {
     /// Begin each time step from r = 0, not from the impulses of the one before
     #[arg(long)]
     cold: bool,
-    /// Print one JSON object: how it ended, what it took and the last time step made
+    /// Print one JSON object: how it ended, what it took and its last time step
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     changes: CaseArgs,
     #[command(flatten)]
-    method: MethodArgs,
-    #[command(flatten)]
-    stop: StopArgs,
+    solver: SolverArgs,
 }
 
 /// Of the rows in a file.
@@ -71,7 +68,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         check_place(file)?;
     }
     let case = read_case(&root.case(&args.case)?, &args.changes.overrides)?;
-    let (method, stop) = (args.method.method()?, args.stop.of(Stop::default())?);
+    let (method, stop) = args.solver.read()?;
     let mut march = March::new(&case)?;
     let rule = Rule { stop, warm_start: !args.cold };
     interrupt::listen()?;
@@ -111,7 +108,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     Ok(exit::code(end.status()))
 }
 
-/// What is kept of a simulation while it goes on: a program that is killed leaves the time steps that were made.
+/// What is kept of a simulation while it goes on: a program that is killed leaves the time steps that had ended.
 struct Kept {
     rows: Option<File>,
     frames: Option<Frames>,
@@ -191,7 +188,7 @@ fn say_ending(
     let kept = match last_state {
         Some(Ok(file)) => format!("the problem of its last good state is {}", file.display()),
         Some(Err(error)) => format!("{error:#}"),
-        None => "what was made before is kept".to_owned(),
+        None => "what was reached before is kept".to_owned(),
     };
     eprintln!("error: {case}: {}; {kept}", end.reason());
     Ok(())
@@ -202,8 +199,7 @@ fn say_time_step(seen: &Seen, row: &Observed) -> Result<()> {
     let solved = format!("{time_step:>10}  {time_s:>9.4}  {contacts:>8}  {:>10}", seen.outcome.iterations);
     let shown =
         format!("{kinetic_energy_j:>14.4e}  {mean_height_m:>13.6}  {:>11.3e}", row.greatest_overlap_m);
-    say(format_args!("{solved}  {shown}  {:>11.4e}", row.floor_impulse_n_s))?;
-    Ok(())
+    say(format_args!("{solved}  {shown}  {:>11.4e}", row.floor_impulse_n_s))
 }
 
 /// A row of the file.

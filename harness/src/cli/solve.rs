@@ -1,6 +1,6 @@
 //! `gravel solve`: one contact problem, one method.
 
-use crate::cli::args::{MethodArgs, SceneArgs, StopArgs};
+use crate::cli::args::{SceneArgs, SolverArgs};
 use crate::identity::content_hash;
 use crate::plan::methods::Method;
 use crate::problems::files::{Root, size};
@@ -28,9 +28,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     scene: SceneArgs,
     #[command(flatten)]
-    method: MethodArgs,
-    #[command(flatten)]
-    stop: StopArgs,
+    solver: SolverArgs,
     /// Begin from r = 0, or from the impulses of the time step before
     #[arg(long, value_enum, default_value = "cold")]
     start: Start,
@@ -53,8 +51,7 @@ enum Start {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    let method = args.method.method()?;
-    let stop = args.stop.of(Stop::default())?;
+    let (method, stop) = args.solver.read()?;
     if let Some(file) = &args.impulses {
         check_place(file)?;
     }

@@ -9,7 +9,7 @@ use crate::problems::reference::known;
 use crate::run::rows::{partitions, scene_rows};
 use crate::run::snapshots::Snapshots;
 use crate::store::stored::{is_id, problem, stored};
-use crate::terminal::output::{check_place, say, write_whole};
+use crate::terminal::output::{check_place, say, write_kept, write_whole};
 use anyhow::{Context, Result, anyhow};
 use cases::Frozen;
 use contact::Truth;
@@ -24,7 +24,7 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// A frozen problem or a case, by name or by the path of its file; or a run that a study stored: its id, or as much of
-    /// its begin as tells it from others
+    /// its beginning as sets it apart from others
     #[arg(value_name = "PROBLEM-OR-RUN")]
     problem: String,
     #[command(flatten)]
@@ -54,7 +54,7 @@ pub(super) fn runs_of(contacts: usize) -> [String; 3] {
 struct Shown {
     frozen: Frozen,
     stop: Stop,
-    /// A stored run, if one was asked for: it is the first of the variants.
+    /// A stored run, if one is shown: it is the first of the variants.
     stored: Option<Record>,
     variants: Vec<Variant>,
 }
@@ -62,15 +62,12 @@ struct Shown {
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let shown = args.shown(root)?;
     let Shown { frozen, stored, variants, .. } = &shown;
-    let page = if let Some(page) = &args.output {
-        page.clone()
-    } else {
-        let folder = root.join("reports/out");
-        std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-        let name = stored.as_ref().map_or(&frozen.name, |record| &record.run.id);
-        folder.join(format!("view-{name}.html"))
-    };
-    check_place(&page)?;
+    let name = stored.as_ref().map_or(&frozen.name, |record| &record.run.id);
+    let default = || root.join("reports/out").join(format!("view-{name}.html"));
+    let page = args.output.clone().unwrap_or_else(default);
+    if args.output.is_some() {
+        check_place(&page)?;
+    }
 
     let known = known(root, frozen)?;
     let mut filmed = Vec::new();
@@ -88,9 +85,13 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         grains.extend(g);
         contacts.extend(c);
     }
-    write_whole(&page, &reports::view(&frozen.name, (&grains, &contacts), filmed, &args.again())?)?;
-    say(format_args!("{}", page.display()))?;
-    Ok(())
+    let html = reports::view(&frozen.name, (&grains, &contacts), filmed, &args.again())?;
+    if args.output.is_some() {
+        write_whole(&page, &html)?
+    } else {
+        write_kept(&page, &html)?
+    }
+    say(format_args!("{}", page.display()))
 }
 
 impl Args {
@@ -107,36 +108,33 @@ impl Args {
             let runs = runs_of(frozen.problem.contact_count());
             variants = runs.iter().map(|text| variant(text)).collect::<Result<_>>()?;
         }
-        let stop = self.stop.of(Stop::default())?;
-        Ok(Shown { frozen, stop, stored: None, variants })
+        Ok(Shown { frozen, stop: self.stop.of(Stop::default())?, stored: None, variants })
     }
 
     /// A stored run, and `others` beside it that begin as it does.
     fn shown_of(&self, root: &Root, record: Record, others: Vec<Variant>) -> Result<Shown> {
         let run = &record.run;
-        let told = format!("run {} ({} on {})", run.id, run.method, run.problem);
-        self.scene.refused(&format!("{told} is stored"))?;
+        let warm_start = run.warm_start;
+        let name = format!("run {} ({} on {})", run.id, run.method, run.problem);
+        self.scene.refused(&format!("{name} is stored"))?;
         let stop = self.stop.of(stop_of(run)?)?;
-        let method = Method::new(&run.method, run.settings.clone()).with_context(|| told.clone())?;
-        let variant = Variant { method, warm_start: run.warm_start, name: run.variant.clone() };
-        let others = others.into_iter().map(|other| Variant { warm_start: run.warm_start, ..other });
-        let variants = std::iter::once(variant).chain(others).collect();
-        let frozen = problem(root, run).context(told)?;
+        let method = Method::new(&run.method, run.settings.clone()).with_context(|| name.clone())?;
+        let mut variants = vec![Variant { method, warm_start, name: run.variant.clone() }];
+        variants.extend(others.into_iter().map(|other| Variant { warm_start, ..other }));
+        let frozen = problem(root, run).context(name)?;
         Ok(Shown { frozen, stop, stored: Some(record), variants })
     }
 
     /// The command.
     fn again(&self) -> String {
-        let mut words = vec![format!("gravel view {}", self.problem)];
-        words.extend(self.scene.again());
-        words.extend(self.runs.iter().map(|run| format!("--run '{run}'")));
-        words.extend(self.stop.again());
-        words.join(" ")
+        let runs = self.runs.iter().map(|run| format!("--run '{run}'"));
+        let words = self.scene.again().chain(runs).chain(self.stop.again()).map(|word| format!(" {word}"));
+        format!("gravel view {}{}", self.problem, words.collect::<String>())
     }
 }
 
 impl Shown {
-    /// The iterates of a run: those that are `stored`, or else it is made.
+    /// The iterates of a run: those that are `stored`, or else those of a run now.
     fn iterates(&self, variant: &Variant, stored: Option<&Record>, truth: Option<&Truth>) -> Result<Filmed> {
         let label = variant.label();
         let as_stored = stored.filter(|record| stop_of(&record.run).is_ok_and(|stop| stop == self.stop));
@@ -145,26 +143,24 @@ impl Shown {
             say(format_args!("{label}: {ending} after {} iterations, as stored", run.iterations))?;
             return Ok(Filmed { label, ending, snapshots: snapshots.clone() });
         }
-        let (mut snapshots, start) = (Snapshots::new(), self.frozen.start(variant.warm_start));
+        let (mut kept, start) = (Snapshots::new(), self.frozen.start(variant.warm_start));
         let (solver, problem) = (&*variant.method.solver, &self.frozen.problem);
         let outcome = solve_against(truth, solver, problem, &start, &self.stop, &mut |progress| {
-            snapshots.observe(progress);
+            kept.observe(progress);
             ControlFlow::Continue(())
         })
         .with_context(|| format!("method `{}` on {}", variant.method.name, self.frozen.name))?;
-        let ending = outcome.status.name().replace('-', " ");
+        let (ending, iterations) = (outcome.status.name().replace('-', " "), outcome.iterations);
         let why = match (stored, as_stored) {
             (None, _) => "",
-            (Some(_), None) => ", made again with another stop rule",
-            (Some(_), Some(_)) => ", made again: its iterates are not stored",
+            (Some(_), None) => ", run again with another stop rule",
+            (Some(_), Some(_)) => ", run again: its iterates are not stored",
         };
-        say(format_args!("{label}: {ending} after {} iterations{why}", outcome.iterations))?;
-        if let Some(Record { run, .. }) =
-            as_stored.filter(|record| record.run.iterations != outcome.iterations)
-        {
+        say(format_args!("{label}: {ending} after {iterations} iterations{why}"))?;
+        if let Some(Record { run, .. }) = as_stored.filter(|record| record.run.iterations != iterations) {
             say(format_args!("  the stored run took {}: the method has changed since", run.iterations))?;
         }
-        Ok(Filmed { label, ending, snapshots: snapshots.finish(&outcome) })
+        Ok(Filmed { label, ending, snapshots: kept.finish(&outcome) })
     }
 }
 

@@ -27,7 +27,7 @@ pub(crate) fn combinations(set: &Settings, zip: &Settings, axes: &Settings) -> R
     for (key, axis) in axes {
         let values = values(key, axis)?;
         if combinations.len() * values.len() > MOST {
-            bail!("the axis `{key}` makes more than {MOST} combinations");
+            bail!("the axis `{key}` gives more than {MOST} combinations");
         }
         combinations =
             combinations.iter().flat_map(|made| values.iter().map(|value| with(made, key, value))).collect();

@@ -1,12 +1,12 @@
 //! A plan: which methods meet which problems, along which axes, until when.
 
-use crate::plan::axes::{MOST, Settings, count};
+use crate::plan::axes::Settings;
 use crate::plan::rules::{Rule, Simulate};
 use crate::plan::variants::{PlannedMethod, Variant};
+use crate::terminal::output::read_text;
 use crate::terminal::suggest;
-use anyhow::{Context, Error, Result, anyhow, bail};
-use cases::{all_missing, check_name};
-use contact::Measure;
+use anyhow::{Context, Result, anyhow, bail};
+use cases::all_missing;
 use reports::Chart;
 use runner::Stop;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -27,16 +27,16 @@ pub(crate) struct Plan {
     /// Names of frozen problems.
     #[serde(default)]
     pub(crate) problems: Vec<String>,
-    /// Cases whose problems are made for the study.
+    /// Cases whose problems are computed for the study.
     #[serde(default)]
     pub(crate) cases: Vec<PlannedCase>,
     /// Whether runs begin from the impulses of the time step before, where a method does not say it of itself.
     #[serde(default)]
     pub(crate) warm_start: bool,
-    /// Whether rows tell the eigenvalues of their problems, which explain failures.
+    /// Whether rows hold the eigenvalues of their problems, which explain failures.
     #[serde(default)]
     pub(crate) spectra: bool,
-    /// How often each run is made for its seconds, which are then medians.
+    /// How often each run is repeated for its seconds, which are then medians.
     #[serde(default = "once")]
     pub(crate) repeats: NonZeroU32,
     /// Whether errors are measured beside reference solutions, and scenes kept to be drawn; not where problems are so
@@ -79,9 +79,6 @@ fn charts_schema(_: &mut SchemaGenerator) -> Schema {
 fn yes() -> bool {
     true
 }
-
-/// A median of more says nothing more.
-pub(crate) const MOST_REPEATS: NonZeroU32 = NonZeroU32::MIN.saturating_add(999);
 
 fn once() -> NonZeroU32 {
     NonZeroU32::MIN
@@ -132,9 +129,14 @@ pub(crate) enum Curves {
 impl Plan {
     /// Reads a plan, in its quick form if asked, and checks every method in both.
     pub(crate) fn read(path: &Path, quick: bool) -> Result<Self> {
-        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        let text = read_text(path)?;
+        // All keys that it lacks at once, if that is what is wrong.
+        let lacks = |error: toml::de::Error| match toml::from_str::<toml::Table>(&text) {
+            Ok(content) => anyhow!(all_missing::<Self>(&content, error.to_string())),
+            Err(_) => error.into(),
+        };
         let read = || {
-            let plan: Self = toml::from_str(&text).map_err(|error| anyhow!(lacks(&text, &error)))?;
+            let plan: Self = toml::from_str(&text).map_err(lacks)?;
             plan.check()?;
             let short = plan.quick(&text).context("`quick`")?;
             match (quick, short) {
@@ -167,85 +169,6 @@ impl Plan {
         Ok(Some(plan))
     }
 
-    fn check(&self) -> Result<()> {
-        check_name(&self.name).map_err(Error::msg)?;
-        self.check_size()?;
-        if self.problems.is_empty() && self.cases.is_empty() {
-            bail!("`problems` is empty, and there are no `cases`");
-        }
-        if self.stop.on == Measure::VelocityError && !self.reference {
-            bail!("`reference` is false: no run can stop on {}, which needs it", self.stop.on);
-        }
-        if self.simulate.is_some() {
-            if !self.problems.is_empty() {
-                bail!("`problems`: a frozen problem has no time; a plan with `simulate` has `cases` only");
-            }
-            if let Some(case) = self.cases.iter().find(|case| case.time_step.is_some()) {
-                bail!("`cases`: case `{}`: `time_step`: a simulation begins at the first", case.case);
-            }
-            self.refuse_what_is_of_problems()?;
-        } else if let Some(case) = self.cases.iter().find(|case| case.duration_s.is_some()) {
-            bail!("`cases`: case `{}`: `duration_s`: the plan has no table [simulate]", case.case);
-        }
-        self.charts().into_iter().try_for_each(|chart| self.suits(chart)).context("`charts`")?;
-        self.stop.check().context("`stop`")?;
-        self.rules()?;
-        if let Some(simulate) = &self.simulate {
-            simulate.reference(&self.stop)?;
-        }
-        let variants = self.variants(&[])?;
-        self.view.as_ref().map_or(Ok(()), |view| view.check(&variants)).context("`view`")
-    }
-
-    /// Refuses more runs than anyone means, before any of them is made.
-    fn check_size(&self) -> Result<()> {
-        if self.repeats > MOST_REPEATS {
-            bail!("`repeats` is {}: it must be at most {MOST_REPEATS}", self.repeats);
-        }
-        let mut problems = self.problems.len() as f64;
-        for PlannedCase { case, zip, axes, .. } in &self.cases {
-            problems += count(zip, axes).with_context(|| format!("`cases`: case `{case}`"))?;
-        }
-        let mut variants = 0.0;
-        for PlannedMethod { method, zip, axes, .. } in &self.methods {
-            variants += count(zip, axes).with_context(|| format!("method `{method}`"))?;
-        }
-        let rules = self.simulate.as_ref().map_or(Ok(1.0), Simulate::count)?;
-        if problems * variants * rules > MOST as f64 {
-            bail!(
-                "it asks for {problems} problems, {variants} variants of methods on each{}: the product must be at most {MOST}",
-                if rules > 1.0 { format!(" and {rules} rules") } else { String::new() }
-            );
-        }
-        Ok(())
-    }
-
-    /// Refuses, in a study through time, what only runs on single problems heed.
-    fn refuse_what_is_of_problems(&self) -> Result<()> {
-        let method = |planned: &PlannedMethod| Some((planned.method.clone(), planned.warm_start.clone()?));
-        if let Some((method, warm_start)) = self.methods.iter().find_map(method) {
-            bail!(
-                "method `{method}`: `warm_start` is {warm_start}: in a plan with `simulate` it is a key of the rules; give it \
-                 for all methods, at the top of the plan or under [simulate], in `set` or `axes`"
-            );
-        }
-        let ignored = [
-            ("view", self.view.as_ref().map(|view| format!("of problem `{}`", view.problem))),
-            ("spectra", self.spectra.then(|| "true".to_owned())),
-            ("repeats", Some(self.repeats).filter(|n| n.get() > 1).map(|n| n.to_string())),
-            ("curves", (self.curves != Curves::Whole).then(|| "\"ends\"".to_owned())),
-            ("reference", (!self.reference).then(|| "false".to_owned())),
-        ];
-        for (key, value) in ignored {
-            if let Some(value) = value {
-                bail!(
-                    "`{key}` is {value}: it is of runs on single problems; leave it out of a plan with `simulate`"
-                );
-            }
-        }
-        Ok(())
-    }
-
     /// The rules of a study through time, each with its name; none for a study of problems.
     pub(crate) fn rules(&self) -> Result<Vec<(Rule, String)>> {
         self.simulate.as_ref().map_or(Ok(Vec::new()), |simulate| simulate.rules(&self.stop, self.warm_start))
@@ -255,41 +178,11 @@ impl Plan {
     pub(crate) fn charts(&self) -> Vec<Chart> {
         self.charts.clone().unwrap_or_else(|| Chart::default_set(self.simulate.is_some()))
     }
-
-    /// Refuses a chart of the other kind of study.
-    pub(crate) fn suits(&self, chart: Chart) -> Result<()> {
-        let name = chart.name();
-        match (chart.through_time(), self.simulate.is_some()) {
-            (true, false) => bail!("chart `{name}` is of simulations, and the plan has no table [simulate]"),
-            (false, true) => bail!("chart `{name}` is of problems, and the plan is of simulations"),
-            _ => Ok(()),
-        }
-    }
-}
-
-/// Why the text is no plan: all keys that it lacks at once, if that is what is wrong.
-fn lacks(text: &str, error: &toml::de::Error) -> String {
-    let error = error.to_string();
-    match toml::from_str::<toml::Table>(text) {
-        Ok(content) => all_missing::<Plan>(&content, error),
-        Err(_) => error,
-    }
 }
 
 impl View {
     /// Whether the iterates of a run are kept.
     pub(crate) fn shows(&self, problem: &str, variant: &Variant) -> bool {
         problem == self.problem && self.runs.contains(&variant.label())
-    }
-
-    fn check(&self, variants: &[Variant]) -> Result<()> {
-        let known: Vec<String> = variants.iter().map(Variant::label).collect();
-        match self.runs.iter().find(|run| !known.contains(run)) {
-            None => Ok(()),
-            Some(run) => {
-                let what = format!("`runs`: no run `{run}` in this plan");
-                bail!("{}", suggest::among(&what, run, known.iter().map(String::as_str)))
-            }
-        }
     }
 }

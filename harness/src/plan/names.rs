@@ -1,4 +1,4 @@
-//! Names of runs and of made problems: what tells them apart, and no more.
+//! Names of runs and of computed problems: what sets them apart, and no more.
 
 use crate::plan::axes::Settings;
 use crate::plan::methods::Method;

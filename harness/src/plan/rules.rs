@@ -1,4 +1,4 @@
-//! The table `[simulate]`: it makes of a plan a study through time, of simulations instead of single problems.
+//! The table `[simulate]`: a plan with it is a study through time, of simulations instead of single problems.
 
 use crate::plan::axes::{Settings, combinations, count};
 use crate::plan::methods::Method;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::num::NonZeroU32;
 
-/// How simulations are made: every combination of the values of `set`, `zip` and `axes` is a rule; each scene meets each
+/// How simulations are run: every combination of the values of `set`, `zip` and `axes` is a rule; each scene meets each
 /// method under each rule.
 #[derive(Debug, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -123,7 +123,7 @@ impl Simulate {
 }
 
 impl Rule {
-    /// Its keys, for what is told and hashed.
+    /// Its keys, for what is shown and hashed.
     pub(crate) fn keys(&self) -> Value {
         let Stop { on, tolerance, max_iterations } = self.stop;
         serde_json::json!([on, tolerance, max_iterations, self.warm_start])

@@ -11,7 +11,6 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::{BTreeSet, HashSet};
-use std::fmt::{self, Display, Formatter};
 
 /// A method with fixed settings, and settings along which it varies; every combination is a run.
 #[derive(Debug, JsonSchema, Deserialize)]
@@ -37,16 +36,7 @@ pub(crate) enum WarmStart {
     Several(Vec<bool>),
 }
 
-impl Display for WarmStart {
-    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
-        match self {
-            Self::One(start) => write!(f, "{start}"),
-            Self::Several(starts) => write!(f, "{starts:?}"),
-        }
-    }
-}
-
-/// A method of a plan and how it begins, with what tells it from the plan's other runs of it.
+/// A method of a plan and how it begins, with what sets it apart from the plan's other runs of it.
 pub(crate) struct Variant {
     pub(crate) method: Method,
     pub(crate) warm_start: bool,
@@ -104,9 +94,9 @@ impl PlannedMethod {
         let of_method = || format!("method `{}`", self.method);
         let settings = combinations(&self.set, &self.zip, &self.axes).with_context(of_method)?;
         let starts = match &self.warm_start {
-            None => &[warm_start],
-            Some(WarmStart::One(start)) => std::slice::from_ref(start),
-            Some(WarmStart::Several(starts)) => starts.as_slice(),
+            None => vec![warm_start],
+            Some(WarmStart::One(start)) => vec![*start],
+            Some(WarmStart::Several(starts)) => starts.clone(),
         };
         if starts.is_empty() {
             bail!("{}: `warm_start` is empty", of_method());

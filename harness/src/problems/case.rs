@@ -102,8 +102,8 @@ impl KeptProblem {
     pub(crate) fn read(path: &Path, settings: &Settings, moment: Option<&Value>) -> Result<Self> {
         let of =
             CaseProblem::read(path, overrides(settings), "`time_step`", moment.map(as_typed).as_deref())?;
-        // The first problem of the case tells whether its sample can be made, and what another file holds of it; a deposit
-        // may take long, and its settings tell all of it.
+        // The first problem of the case shows whether its sample is possible, and what another file holds of it; a deposit
+        // may take long, and its settings say all of it.
         let first = match of.case.sample {
             Sample::Deposited { .. } => None,
             _ => Some(content_hash(&March::new(&of.case)?.next()?.frozen)),

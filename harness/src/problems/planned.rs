@@ -129,7 +129,7 @@ fn of_case(root: &Root, plan: &Plan, planned: &PlannedCase) -> Result<Vec<Planne
     Ok(problems)
 }
 
-/// The keys that tell the problems of a case apart: of values that are taken together, the first that does.
+/// The keys that set the problems of a case apart: of values that are taken together, the first that does.
 fn naming(planned: &PlannedCase) -> Result<Vec<&str>> {
     let mut naming: Vec<&str> = Vec::new();
     for (key, axis) in &planned.zip {

@@ -30,7 +30,7 @@ impl Known {
         self.solution.as_ref().map(|(truth, _)| truth)
     }
 
-    /// The velocity that is nearest to a solution, as far as is known: it tells which contacts are closed.
+    /// The velocity that is nearest to a solution, as far as is known: it shows which contacts are closed.
     pub(crate) fn nearest(&self) -> Option<&Truth> {
         self.truth().or(self.uncertified.as_ref())
     }
@@ -56,7 +56,7 @@ pub(crate) struct Given {
 }
 
 impl Given {
-    /// Reads a file with `{"impulse": […]}`; whatever else it tells is left aside.
+    /// Reads a file with `{"impulse": […]}`; whatever else it holds is left aside.
     pub(crate) fn read(file: &Path, problem: &ContactProblem) -> Result<Self> {
         let name = || file.display().to_string();
         let text = read_text(file)?;

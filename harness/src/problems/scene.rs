@@ -61,7 +61,7 @@ impl Scene {
                 shown(every_s)
             );
         };
-        // The first problem of the case tells its sample, which other files may hold.
+        // The first problem of the case holds its sample, which other files may hold.
         let first = content_hash(&March::new(&case)?.next()?.frozen);
         let hash = first_hex(&Sha256::digest(json!([case.sample, case.scene, first]).to_string()));
         Ok(Self { name, case, settings, duration_s, every_s, time_steps: rows * every, every, hash })

@@ -1,4 +1,4 @@
-//! What a row tells of the spectrum of its problem, and of the partition of its run.
+//! What a row says of the spectrum of its problem, and of the partition of its run.
 
 use crate::plan::variants::Variant;
 use crate::problems::reference::Known;
@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 /// near it where they are not.
 const CLOSED: f64 = 1e-8;
 
-/// The eigenvalues of `problem`, of which `known` tells the closed contacts, if it does.
+/// The eigenvalues of `problem`, of which `known` gives the closed contacts, if it does.
 pub(crate) fn of_problem(problem: &ContactProblem, known: &Known) -> Map<String, Value> {
     let closed = known.nearest().map(|truth| {
         let mut v = vec![0.0; problem.contact_count()];
@@ -20,16 +20,16 @@ pub(crate) fn of_problem(problem: &ContactProblem, known: &Known) -> Map<String,
         v.iter().map(|v| *v <= CLOSED * greatest).collect::<Vec<_>>()
     });
     let spectrum = Spectrum::of(problem, closed.as_deref());
-    let mut told = Map::from_iter([("lambda_max".to_owned(), json!(spectrum.greatest))]);
+    let mut columns = Map::from_iter([("lambda_max".to_owned(), json!(spectrum.greatest))]);
     if let Some(closed) = spectrum.closed {
-        told.extend([
+        columns.extend([
             ("closed_lambda_max".to_owned(), json!(closed.greatest)),
             ("closed_lambda_min".to_owned(), json!(closed.least)),
             ("redundant".to_owned(), json!(closed.redundant)),
             ("kappa_opt".to_owned(), json!(closed.best_direction())),
         ]);
     }
-    told
+    columns
 }
 
 /// What the partition of a run adds: the most copies of a grain and, where masses are whole, how strongly subdomains act
@@ -40,11 +40,11 @@ pub(crate) fn of_partition(problem: &Packing, variant: &Variant) -> Map<String, 
     // A run with a partition that does not fit the problem is skipped, and says why.
     let Ok(partition) = Partition::of_contacts(problem, scheme, grid) else { return Map::new() };
     let multiplicity = Decomposition::new(problem, &partition).multiplicity.iter().copied().max();
-    let mut told = Map::from_iter([("multiplicity".to_owned(), json!(multiplicity))]);
+    let mut columns = Map::from_iter([("multiplicity".to_owned(), json!(multiplicity))]);
     if variant.setting::<bool>("mass_splitting") == Some(false)
         && let Some(coupling) = coupling(problem, &partition.subdomain)
     {
-        told.insert("coupling".to_owned(), json!(coupling));
+        columns.insert("coupling".to_owned(), json!(coupling));
     }
-    told
+    columns
 }

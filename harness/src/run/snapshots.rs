@@ -3,7 +3,7 @@
 use results::schema::Snapshot;
 use runner::{Outcome, Progress};
 
-/// Keeps the begin of a run, iterations in a ratio of about 1.4, and its end: some thirty iterates of a hundred thousand.
+/// Keeps the beginning of a run, iterations in a ratio of about 1.4, and its end: some thirty iterates of a hundred thousand.
 pub(crate) struct Snapshots {
     snapshots: Vec<Snapshot>,
     /// The next iteration to be kept.

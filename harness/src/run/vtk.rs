@@ -1,4 +1,4 @@
-//! Frames for ParaView: a file of VTK polydata per kept time step, and a collection that tells their times.
+//! Frames for ParaView: a file of VTK polydata per kept time step, and a collection that lists their times.
 
 use crate::terminal::output::{say, write_whole};
 use anyhow::{Context, Result, bail};
@@ -57,7 +57,7 @@ impl Frames {
 
     /// Says where they are.
     pub(crate) fn say(&self) -> Result<()> {
-        Ok(say(format_args!("{}: {} frames", self.path.display(), self.made))?)
+        say(format_args!("{}: {} frames", self.path.display(), self.made))
     }
 }
 

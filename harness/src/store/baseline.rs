@@ -1,9 +1,11 @@
 //! Baselines: the counts of a plan's runs as they were accepted, and the failures that are expected.
 
 use crate::plan::methods::METHODS;
+use crate::plan::names::as_typed;
 use crate::run::curve::decades;
 use crate::study::problems::OnProblems;
 use crate::study::tasks::{Task, by_id};
+use crate::terminal::output::read_text;
 use anyhow::{Context, Result, bail};
 use contact::Measure;
 use results::journal::Record;
@@ -40,9 +42,10 @@ impl Counts {
         let mut all = Vec::new();
         for Task { id, variant, what: problem, .. } in tasks {
             let problem = &problem.frozen.name;
-            let missing = || format!("{} on {problem} was not run", variant.label());
+            let missing = || format!("{} on {problem} has no run", variant.label());
             let Record { run, curve, .. } = known.get(id.as_str()).with_context(missing)?;
-            let list = |iterations: Vec<u64>| {
+            let list = |measure| {
+                let iterations = decades(curve, measure);
                 iterations.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
             };
             let work = run.end.work;
@@ -53,8 +56,8 @@ impl Counts {
                 problem_hash: run.problem_hash.clone(),
                 status: run.status.clone(),
                 iterations: run.iterations,
-                zeta: list(decades(curve, Measure::Zeta)),
-                natural_map: list(decades(curve, Measure::NaturalMap)),
+                zeta: list(Measure::Zeta),
+                natural_map: list(Measure::NaturalMap),
                 contact_updates: work.contact_updates,
                 delassus_products: work.delassus_products,
                 interface_values: work.interface_values,
@@ -72,37 +75,26 @@ impl Counts {
     }
 
     /// The counts that differ from those `before`: name, before, now. Of the decades of a measure, the first.
-    pub(crate) fn differences(&self, before: &Self) -> Vec<(String, String, String)> {
-        let mut all: Vec<(String, String, String)> = before
-            .named()
-            .into_iter()
-            .zip(self.named())
-            .map(|((name, before), (_, now))| (name.to_owned(), before, now))
-            .collect();
-        let measures =
-            [("zeta", &before.zeta, &self.zeta), ("natural_map", &before.natural_map, &self.natural_map)];
-        for (measure, before, now) in measures {
-            let iterations = |list: &str, decade| list.split(' ').nth(decade).unwrap_or_default().to_owned();
-            let mut decades = (0..before.split(' ').count().max(now.split(' ').count())).map(|decade| {
-                (format!("{measure} 1e-{}", decade + 1), iterations(before, decade), iterations(now, decade))
-            });
-            all.extend(decades.find(|(_, before, now)| before != now));
+    pub(crate) fn differences(&self, before: &Self) -> Result<Vec<(String, String, String)>> {
+        let (Value::Object(now), before) = (serde_json::to_value(self)?, serde_json::to_value(before)?)
+        else {
+            bail!("counts are an object");
+        };
+        let mut all = Vec::new();
+        for (key, now) in now.iter().filter(|(key, now)| **now != before[*key]) {
+            let (before, now) = (as_typed(&before[key]), as_typed(now));
+            if !["zeta", "natural_map"].contains(&key.as_str()) {
+                all.push((key.clone(), before, now));
+                continue;
+            }
+            let iteration = |list: &str, decade| list.split(' ').nth(decade).unwrap_or_default().to_owned();
+            let decades = 0..before.len().max(now.len());
+            let differs = |decade: &usize| iteration(&before, *decade) != iteration(&now, *decade);
+            let decade = decades.into_iter().find(differs).unwrap_or(0);
+            let name = format!("{key} 1e-{}", decade + 1);
+            all.push((name, iteration(&before, decade), iteration(&now, decade)));
         }
-        all.retain(|(_, before, now)| before != now);
-        all
-    }
-
-    fn named(&self) -> [(&'static str, String); 8] {
-        [
-            ("problem_hash", self.problem_hash.clone()),
-            ("status", self.status.clone()),
-            ("iterations", self.iterations.to_string()),
-            ("contact_updates", self.contact_updates.to_string()),
-            ("delassus_products", self.delassus_products.to_string()),
-            ("interface_values", self.interface_values.to_string()),
-            ("triangular_solve_entries", self.triangular_solve_entries.to_string()),
-            ("factorisations", self.factorisations.to_string()),
-        ]
+        Ok(all)
     }
 }
 
@@ -110,9 +102,8 @@ impl Counts {
 fn not_default(method: &str, settings: &Map<String, Value>) -> Result<String> {
     let entry = METHODS.iter().find(|entry| entry.name == method);
     let defaults = entry.with_context(|| format!("no method `{method}`"))?.defaults()?;
-    let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     let set = settings.iter().filter(|(key, value)| defaults.get(*key) != Some(*value));
-    Ok(set.map(|(key, value)| format!("{key}={}", text(value))).collect::<Vec<_>>().join(" "))
+    Ok(set.map(|(key, value)| format!("{key}={}", as_typed(value))).collect::<Vec<_>>().join(" "))
 }
 
 /// Reads a baseline.
@@ -155,8 +146,7 @@ pub(crate) fn expected_failures(path: &Path, plan: &str) -> Result<Vec<ExpectedF
     if !path.exists() {
         return Ok(Vec::new());
     }
-    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    let ledger: Ledger = toml::from_str(&text).with_context(|| path.display().to_string())?;
+    let ledger: Ledger = toml::from_str(&read_text(path)?).with_context(|| path.display().to_string())?;
     for failure in &ledger.failure {
         if failure.why.trim().is_empty() {
             bail!("{}: `{}` has no `why`", path.display(), failure.run);

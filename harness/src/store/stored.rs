@@ -16,71 +16,66 @@ use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-/// Runs, and simulations in words, by id: of two of one id the later, but one with iterates before one without.
-#[derive(Default)]
-struct Found {
-    runs: BTreeMap<String, Record>,
-    simulations: BTreeMap<String, String>,
-}
+/// What is stored under an id, in words, and its record; a simulation has none. Of two runs of one id the later, but one
+/// with iterates before one without.
+type Found = BTreeMap<String, (String, Option<Record>)>;
 
 /// The run whose id begins with `begin`.
 pub(crate) fn stored(root: &Root, begin: &str) -> Result<Record> {
     let folder = runs_folder(root);
-    let mut found = Found::default();
+    let mut found = Found::new();
     for journal in journals(&folder)? {
-        found.read(&journal, begin).with_context(|| journal.display().to_string())?;
+        read(&journal, begin, &mut found).with_context(|| journal.display().to_string())?;
     }
-    let Found { mut runs, simulations } = found;
-    let of_runs = runs
-        .values()
-        .map(|Record { run, .. }| told([&run.id, &run.method, &run.variant, &run.problem, &run.plan]));
-    let told: Vec<String> = of_runs.chain(simulations.into_values()).collect();
-    match (told.as_slice(), runs.pop_first()) {
-        ([], _) => bail!(
-            "`{begin}` is no problem and no case, and no run in {} begins so: reports tell the id of each run, on their \
-             page and in iterations.csv",
-            folder.display()
-        ),
-        ([_], Some((_, record))) if record.run.status == "skipped" => {
-            bail!("run {} was skipped, it has no iterations to show: {}", told[0], record.run.reason)
+    let names: Vec<String> = found.values().map(|(name, _)| name.clone()).collect();
+    match (names.as_slice(), found.pop_first()) {
+        ([name], Some((_, (_, Some(record))))) => {
+            if record.run.status == "skipped" {
+                bail!("run {name} was skipped, it has no iterations to show: {}", record.run.reason);
+            }
+            Ok(record)
         }
-        ([_], Some((_, record))) => Ok(record),
-        ([simulation], None) => bail!(
+        ([simulation], _) => bail!(
             "{simulation} is a simulation: `gravel view` shows runs on a single problem; `gravel simulate` with --vtk \
              writes the frames of one"
         ),
-        _ => bail!("`{begin}` is the begin of several ids, give more of it: {}", told.join(", ")),
+        ([], _) => bail!(
+            "`{begin}` is no problem and no case, and no run in {} begins so: reports show the id of each run, on their \
+             page and in iterations.csv",
+            folder.display()
+        ),
+        _ => bail!("`{begin}` is the beginning of several ids, give more of it: {}", names.join(", ")),
     }
 }
 
-impl Found {
-    fn read(&mut self, journal: &Path, begin: &str) -> Result<()> {
-        let mut reader = BufReader::new(File::open(journal)?);
-        let named = format!("\"id\":\"{begin}");
-        let mut line = String::new();
-        // A line that has no end is none.
-        for number in 1.. {
-            line.clear();
-            if reader.read_line(&mut line)? == 0 || !line.ends_with('\n') {
-                break;
-            }
-            if !line.contains(&named) {
-                continue;
-            }
-            let line = line.trim_end().as_bytes();
-            if let Ok((Simulated { simulation: s, .. }, _)) = entry(line) {
-                let told = told([&s.id, &s.method, &s.variant, &s.scene, &s.plan]);
-                self.simulations.insert(s.id, told);
-                continue;
-            }
-            let (record, _): (Record, _) = entry(line).with_context(|| format!("line {number}"))?;
-            let before = self.runs.get(&record.run.id);
-            if !record.snapshots.is_empty() || before.is_none_or(|before| before.snapshots.is_empty()) {
-                self.runs.insert(record.run.id.clone(), record);
-            }
+fn read(journal: &Path, begin: &str, found: &mut Found) -> Result<()> {
+    let mut reader = BufReader::new(File::open(journal)?);
+    let named = format!("\"id\":\"{begin}");
+    let mut line = String::new();
+    // A line that has no end is none.
+    for number in 1.. {
+        line.clear();
+        if reader.read_line(&mut line)? == 0 || !line.ends_with('\n') {
+            break;
         }
-        Ok(())
+        if !line.contains(&named) {
+            continue;
+        }
+        let line = line.trim_end().as_bytes();
+        if let Ok((Simulated { simulation: s, .. }, _)) = entry(line) {
+            let name = name([&s.id, &s.method, &s.variant, &s.scene, &s.plan]);
+            found.insert(s.id, (name, None));
+            continue;
+        }
+        let (record, _): (Record, _) = entry(line).with_context(|| format!("line {number}"))?;
+        let run = &record.run;
+        let before = found.get(&run.id).and_then(|(_, before)| before.as_ref());
+        if !record.snapshots.is_empty() || before.is_none_or(|before| before.snapshots.is_empty()) {
+            let name = name([&run.id, &run.method, &run.variant, &run.problem, &run.plan]);
+            found.insert(run.id.clone(), (name, Some(record)));
+        }
     }
+    Ok(())
 }
 
 /// The problem of a stored run, if it still is what it was.
@@ -107,6 +102,6 @@ pub(crate) fn is_id(text: &str) -> bool {
 }
 
 /// Id, then method and variant, on what, in which study.
-fn told([id, method, variant, on, plan]: [&str; 5]) -> String {
+fn name([id, method, variant, on, plan]: [&str; 5]) -> String {
     format!("{id} ({} on {on} in `{plan}`)", format!("{method} {variant}").trim_end())
 }

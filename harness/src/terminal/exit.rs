@@ -14,7 +14,7 @@ pub(crate) const INTERRUPTED: u8 = 130;
 /// Below the help of every command whose answer is one of them.
 pub(crate) const HELP: &str = "\
 Exit codes:
-    0  solve: converged; certify: certified; simulate: all time steps made; else: done
+    0  solve: converged; certify: certified; simulate: all time steps reached; else: done
     1  an error: a file, a key or a value is wrong; regress: a count has changed
     2  wrong arguments
     3  solve: not converged (iteration-limit, stalled, diverged, false-convergence);

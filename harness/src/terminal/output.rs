@@ -9,10 +9,10 @@ use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 
 /// Prints a line. Whoever reads may have left, as `head` does: the work goes on without.
-pub(crate) fn say(line: Arguments) -> io::Result<()> {
+pub(crate) fn say(line: Arguments) -> Result<()> {
     match writeln!(io::stdout(), "{line}") {
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        result => result,
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
     }
 }
 

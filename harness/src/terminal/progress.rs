@@ -20,7 +20,7 @@ fn spinner() -> ProgressBar {
     ProgressBar::new_spinner().with_style(style)
 }
 
-/// What a study shows of itself: a bar for all its runs, and a line for each that is being made.
+/// What a study shows of itself: a bar for all its runs, and a line for each that is under way.
 pub(crate) struct Bars {
     all: MultiProgress,
     runs: ProgressBar,
@@ -50,7 +50,7 @@ impl Drop for Bars {
     }
 }
 
-/// The line of a run that is being made.
+/// The line of a run that is under way.
 pub(crate) struct Line {
     bar: ProgressBar,
     name: String,
@@ -69,35 +69,27 @@ impl Line {
         Self { seen: !bar.is_hidden(), bar, name, shown: Instant::now() }
     }
 
-    /// Shows where the run is, some times per second.
+    /// Shows where the run is.
     pub(crate) fn show(&mut self, progress: &Progress, on: Measure) {
-        if !self.due() {
-            return;
-        }
-        let (iteration, value) = (progress.iteration, progress.measures.get(on));
-        let rate = iteration as f64 / progress.iterating.as_secs_f64();
-        self.bar.set_message(format!(
-            "{}: iteration {iteration}, {on} {value:.2e}, {rate:.0} iterations/s",
-            self.name
-        ));
-        self.bar.tick();
+        self.message(|| {
+            let (iteration, value) = (progress.iteration, progress.measures.get(on));
+            let rate = iteration as f64 / progress.iterating.as_secs_f64();
+            format!("iteration {iteration}, {on} {value:.2e}, {rate:.0} iterations/s")
+        });
     }
 
-    /// Shows where a simulation is, some times per second.
+    /// Shows where a simulation is.
     pub(crate) fn show_time_step(&mut self, time_step: u64, of: u64) {
-        if self.due() {
-            self.bar.set_message(format!("{}: time step {time_step} of {of}", self.name));
+        self.message(|| format!("time step {time_step} of {of}"));
+    }
+
+    /// If someone looks, and what they see is older than a fifth of a second.
+    fn message(&mut self, text: impl FnOnce() -> String) {
+        if self.seen && self.shown.elapsed() >= Duration::from_millis(200) {
+            self.shown = Instant::now();
+            self.bar.set_message(format!("{}: {}", self.name, text()));
             self.bar.tick();
         }
-    }
-
-    /// Whether someone looks, and what they see is older than a fifth of a second.
-    fn due(&mut self) -> bool {
-        let due = self.seen && self.shown.elapsed() >= Duration::from_millis(200);
-        if due {
-            self.shown = Instant::now();
-        }
-        due
     }
 }
 

@@ -1,5 +1,7 @@
 //! "Did you mean …?", for every unknown name.
 
+use regex::{Captures, Regex};
+
 /// Names that are less alike than this are not meant for each other (Jaro and Winkler's similarity, 1 for equal names).
 const ALIKE: f64 = 0.8;
 
@@ -31,7 +33,7 @@ pub(crate) fn of<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> S
     nearest.map_or_else(String::new, |(_, nearest)| format!("; did you mean `{nearest}`?"))
 }
 
-/// An error about the unknown name `given`, which `what` tells: the one that was meant, if any, then all the `known` ones.
+/// An error about the unknown name `given`, which `what` describes: the one that was meant, if any, then all the `known` ones.
 pub(crate) fn among<'a>(what: &str, given: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> String {
     let list: Vec<&str> = known.clone().into_iter().collect();
     format!("{what}{} (there are {})", of(given, known), list.join(", "))
@@ -40,51 +42,34 @@ pub(crate) fn among<'a>(what: &str, given: &str, known: impl IntoIterator<Item =
 /// An error, with the name that was meant where it is one of serde about a name: unknown field `relax`, expected one of
 /// `order`, `relaxation`.
 pub(crate) fn in_error(text: &str) -> String {
-    let unknown = |start: &str| text.rfind(start).map(|at| at + start.len());
-    let named = ["unknown field `", "unknown variant `"].into_iter().find_map(unknown);
-    let Some((given, known)) = named.and_then(|at| text[at..].split_once("`, expected ")) else {
+    let unknown = Regex::new("(?s)^(.*unknown (?:field|variant) `([^`]*)`), expected (.*)$").ok();
+    let Some((_, [before, given, known])) =
+        unknown.and_then(|unknown| Some(unknown.captures(text)?.extract()))
+    else {
         return text.to_owned();
     };
     // Between backticks is every second part.
-    let nearest = match of(given, known.split('`').skip(1).step_by(2)) {
-        nothing if nothing.is_empty() && NOT_MODELLED.contains(&given) => {
-            "; contacts here are without friction, restitution and cohesion, grains do not turn".to_owned()
-        }
-        nearest => nearest,
-    };
-    let before = &text[..text.len() - known.len() - "`, expected ".len()];
-    if nearest.is_empty() { text.to_owned() } else { format!("{before}`{nearest} Expected {known}") }
+    match of(given, known.split('`').skip(1).step_by(2)) {
+        nearest if !nearest.is_empty() => format!("{before}{nearest} Expected {known}"),
+        _ if NOT_MODELLED.contains(&given) => format!(
+            "{before}; contacts here are without friction, restitution and cohesion, grains do not turn Expected {known}"
+        ),
+        _ => text.to_owned(),
+    }
 }
 
 /// An error without the types of the program: what serde expects of a value, in the words of a file.
 pub(crate) fn without_types(text: &str) -> String {
-    const WORDS: [(&str, &str); 10] = [
-        ("f64", "a number"),
-        ("u8", "a whole number"),
-        ("u32", "a whole number, not negative"),
-        ("u64", "a whole number, not negative"),
-        ("usize", "a whole number, not negative"),
-        ("i64", "a whole number"),
-        ("a nonzero u32", "a whole number above 0"),
-        ("struct", "keys with values"),
-        ("internally tagged enum", "keys with values"),
-        ("tuple struct", "a list"),
-    ];
-    let (known, last) = ("expected ", text.split("expected ").count());
-    let parts = text.split(known).enumerate().map(|(n, part)| {
-        let starts = |word: &str| {
-            part.strip_prefix(word)
-                .filter(|rest| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
-        };
-        let word =
-            WORDS.iter().filter(|_| n > 0).find_map(|(word, plain)| Some((starts(word)?, *word, plain)));
-        let part = word.map_or(part.to_owned(), |(rest, word, plain)| {
-            // The name of the type, as in: struct Stop with 3 elements.
-            let names = word.ends_with("struct") || word.ends_with("enum");
-            let rest = if names { rest.trim_start().trim_start_matches(char::is_alphanumeric) } else { rest };
-            format!("{plain}{rest}")
-        });
-        if n + 1 < last { part + known } else { part }
-    });
-    parts.collect()
+    // The name of a type follows its kind, as in: struct Stop with 3 elements.
+    let types = "\\bexpected (a nonzero u32|f64|u8|u32|u64|usize|i64|\
+                 (?:struct|tuple struct|internally tagged enum)(?: [[:alnum:]]+)?)\\b";
+    let plain = |found: &Captures| match &found[1] {
+        "a nonzero u32" => "expected a whole number above 0",
+        "f64" => "expected a number",
+        "u8" | "i64" => "expected a whole number",
+        word if word.starts_with("tuple") => "expected a list",
+        word if word.starts_with("struct") || word.starts_with("internally") => "expected keys with values",
+        _ => "expected a whole number, not negative",
+    };
+    Regex::new(types).map_or(text.to_owned(), |types| types.replace_all(text, plain).into_owned())
 }

@@ -25,8 +25,8 @@ fn name_of_another_code_means_the_key_that_is_known_here() {
 #[test]
 fn name_that_was_meant_stands_before_the_list() {
     let known = ["order", "relaxation"];
-    let told = "no key `relax`; did you mean `relaxation`? (there are order, relaxation)";
-    assert_eq!(among("no key `relax`", "relax", known), told);
+    let printed = "no key `relax`; did you mean `relaxation`? (there are order, relaxation)";
+    assert_eq!(among("no key `relax`", "relax", known), printed);
     assert_eq!(among("no key `x`", "x", known), "no key `x` (there are order, relaxation)");
 }
 
@@ -60,8 +60,11 @@ enum Law {
 fn errors_of_serde_tell_what_was_given_and_what_is_known() {
     let error = |text: &str| toml::from_str::<One>(text).unwrap_err().to_string().trim_end().to_owned();
     let meant = |error: &str, expected: &str| {
-        let told = in_error(error);
-        assert!(told.contains(expected) && told.starts_with(error.split("`, ").next().unwrap()), "{told}");
+        let printed = in_error(error);
+        assert!(
+            printed.contains(expected) && printed.starts_with(error.split("`, ").next().unwrap()),
+            "{printed}"
+        );
     };
     meant(
         &error("precondition = 1"),

@@ -220,11 +220,11 @@ fn curve_of_a_run_ends_at_its_last_iterate() {
 }
 
 #[test]
-fn reasons_of_skipped_runs_are_told_below_the_table() {
+fn reasons_of_skipped_runs_are_printed_below_the_table() {
     let study = study_of_the_pair_and_a_column();
-    let told = study.gravel(&["bench", "small"]).succeeded().stdout;
+    let printed = study.gravel(&["bench", "small"]).succeeded().stdout;
     let reason = "skipped: nsgs-dd 3x3 on pair: `subdomains` is 3x3: it must be at most 2 subdomains";
-    assert!(told.contains(reason), "{told}");
+    assert!(printed.contains(reason), "{printed}");
     let table = study.folder().path().join("reports/out/small/iterations.md");
     assert!(fs::read_to_string(table).unwrap().contains(reason));
 }

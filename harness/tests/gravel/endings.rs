@@ -45,9 +45,9 @@ fn exit_code_of_certify_is_that_of_what_was_asked_about() {
 #[test]
 fn help_says_which_exit_code_means_what() {
     for command in [&["--help"][..], &["solve", "--help"], &["certify", "--help"], &["simulate", "--help"]] {
-        let told = gravel(command).succeeded().stdout;
+        let printed = gravel(command).succeeded().stdout;
         for word in ["Exit codes:", "false-convergence", "not certified", "no solution", "130"] {
-            assert!(told.contains(word), "{command:?}: no `{word}` in: {told}");
+            assert!(printed.contains(word), "{command:?}: no `{word}` in: {printed}");
         }
     }
 }
@@ -77,7 +77,7 @@ fn simulate(args: &[&str]) -> (TempDir, Ran) {
 }
 
 #[test]
-fn simulation_without_solution_says_so_and_counts_what_it_began_anew() {
+fn simulation_without_solution_says_so_and_counts_what_it_began_from_zero() {
     let (folder, ran) = simulate(&SQUEEZED);
     let ran = ran.ended(4);
     assert!(ran.stdout.contains("no-solution after "), "{}", ran.stdout);
@@ -100,7 +100,7 @@ fn simulation_without_solution_says_so_and_counts_what_it_began_anew() {
     assert!(reason.contains(&format!("exploded in time step {}: an overlap of", made + 1)), "{reason}");
     let last = &object["last_time_step"];
     assert!(last["time_s"].as_f64().unwrap() > 0.0 && last["contacts"] == 3, "{last}");
-    // Where each time step begins from r = 0 anyway, none is begun anew.
+    // Where each time step begins from r = 0 anyway, none begins again from it.
     let cold = simulate(&[&SQUEEZED[..], &["--json", "--cold"]].concat()).1.json();
     assert_eq!((&cold["infeasible_time_steps"], &cold["restarted_time_steps"]), (&json!(made), &json!(0)));
 }
@@ -225,8 +225,8 @@ fn simulation_is_stopped_inside_a_solve_and_says_where() {
     let run = ["simulate", "shear-box-991", "--time-steps", "3", "--json", "-o", text(&file)];
     let mut child = command(&[&run[..], &ENDLESS].concat()).stdout(Stdio::piped()).spawn().unwrap();
     wait_for_lines(&file, 1, &mut child);
-    let (code, told) = terminated(child);
-    let object: Value = serde_json::from_str(&told).unwrap();
+    let (code, printed) = terminated(child);
+    let object: Value = serde_json::from_str(&printed).unwrap();
     assert_eq!((code, &object["status"]), (Some(130), &json!("interrupted")), "{object}");
     assert_eq!(object["time_steps"], 0, "{object}");
     assert_eq!(fs::read_to_string(&file).unwrap().lines().count(), 1);
@@ -249,8 +249,8 @@ fn solve_that_is_stopped_writes_what_it_reached() {
         assert!(child.try_wait().unwrap().is_none(), "ended");
         sleep(Duration::from_millis(2));
     }
-    let (code, told) = terminated(child);
-    let object: Value = serde_json::from_str(&told).unwrap();
+    let (code, printed) = terminated(child);
+    let object: Value = serde_json::from_str(&printed).unwrap();
     assert_eq!((code, &object["status"]), (Some(130), &json!("interrupted")), "{object}");
     let written: Value = serde_json::from_str(&fs::read_to_string(&file).unwrap()).unwrap();
     assert_eq!(written["impulse"].as_array().unwrap().len() as u64, object["contacts"].as_u64().unwrap());
@@ -272,7 +272,7 @@ fn study_through_time_is_stopped_inside_a_solve() {
     // The reference, which is the floor as well, and its twin end; the run never does.
     let journal = study.runs("endless").join("journal.jsonl");
     wait_for_lines(&journal, 2, &mut child);
-    let (code, told) = terminated(child);
-    assert_eq!(code, Some(130), "{told}");
-    assert!(told.contains("stopped; simulations missing: "), "{told}");
+    let (code, printed) = terminated(child);
+    assert_eq!(code, Some(130), "{printed}");
+    assert!(printed.contains("stopped; simulations missing: "), "{printed}");
 }

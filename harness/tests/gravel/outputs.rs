@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use tempfile::TempDir;
 
-/// The commands that write a file where they are told to, each with the arguments before its path.
+/// The commands that write a file to a given place, each with the arguments before its path.
 fn writers(folder: &TempDir) -> Vec<Vec<String>> {
     let problem = write(folder, "pair.json", &pair().to_string());
     let solve = ["solve", text(&problem), "--impulses"].map(str::to_owned).to_vec();
@@ -73,8 +73,8 @@ fn standard_output_takes_a_file_before_what_is_said() {
     let args = ["freeze", "column", "--time-step", "1", "-o", "/dev/stdout"];
     let status = command(&args).stdout(fs::File::create(&out).unwrap()).status().unwrap();
     assert!(status.success());
-    let told = fs::read_to_string(out).unwrap();
-    let (frozen, said) = told.split_once('\n').unwrap();
+    let printed = fs::read_to_string(out).unwrap();
+    let (frozen, said) = printed.split_once('\n').unwrap();
     assert!(
         serde_json::from_str::<Value>(frozen).is_ok() && said.starts_with("/dev/stdout: 20 grains"),
         "{said}"

@@ -32,7 +32,7 @@ method = "nsgs-dd"
 axes = { subdomains = ["1x1", "1x2", "3x3"] }
 "#;
 
-/// Refuses what is not in the file, and tells it; keeps errors.
+/// Refuses what is not in the file, and says so; keeps errors.
 const WATCH: &str = r#"<meta http-equiv="Content-Security-Policy"
  content="default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"><script>
 const seen = { errors: [], requests: [] };

@@ -55,7 +55,7 @@ fn every_combination_of_the_axes_of_a_case_is_a_problem_with_its_settings() {
 }
 
 #[test]
-fn made_problem_is_kept_and_one_that_does_not_read_is_made_anew() {
+fn computed_problem_is_kept_and_one_that_does_not_read_is_computed_again() {
     let study = study_of_columns();
     let made = |ran: &str| ran.lines().filter(|line| line.starts_with("computing column ")).count();
     let bench = || study.gravel(&["bench", "columns"]).succeeded();
@@ -196,16 +196,16 @@ fn part_of_a_study_is_made_first_and_the_rest_later() {
         let rows = rows(study.runs("columns").join("runs.csv"));
         rows.into_iter().map(|mut row| row.remove("problem").unwrap()).collect()
     };
-    let told = bench(&["--only", "problem=column*9.81", "--only", "method=c*"]);
-    assert!(told.contains("3 of the 7 runs of the plan are asked for"), "{told}");
-    assert!(told.contains("3 of 7 runs to make"), "{told}");
-    assert!(told.contains("Runs of the plan that are not made yet: 4."), "{told}");
+    let printed = bench(&["--only", "problem=column*9.81", "--only", "method=c*"]);
+    assert!(printed.contains("3 of the 7 runs of the plan are asked for"), "{printed}");
+    assert!(printed.contains("3 of 7 runs to make"), "{printed}");
+    assert!(printed.contains("Runs of the plan that are not made yet: 4."), "{printed}");
     assert_eq!(problems(), [NAMES[1], NAMES[3], NAMES[5]]);
     // What is there stays in the tables, whatever is asked for next.
     assert!(bench(&["--only", "problem=pair"]).contains("1 of 7 runs to make"));
     assert_eq!(problems(), [NAMES[0], NAMES[1], NAMES[3], NAMES[5]]);
-    let told = bench(&[]);
-    assert!(told.contains("3 of 7 runs to make") && !told.contains("not made yet"), "{told}");
+    let printed = bench(&[]);
+    assert!(printed.contains("3 of 7 runs to make") && !printed.contains("not made yet"), "{printed}");
     assert_eq!(problems(), NAMES);
 }
 
@@ -229,14 +229,14 @@ fn runs_begin_cold_or_warm_as_the_plan_says() {
 #[test]
 fn runs_of_a_plan_are_shown_and_counted_and_none_is_made() {
     let study = study_of_columns();
-    let told = |args: &[&str]| study.gravel(&[&["plan", "columns"], args].concat()).succeeded().stdout;
-    let shown = told(&[]);
+    let printed = |args: &[&str]| study.gravel(&[&["plan", "columns"], args].concat()).succeeded().stdout;
+    let shown = printed(&[]);
     let lines: Vec<&str> = shown.lines().collect();
     assert_eq!(lines[0], "plan columns: A test.");
     for (line, name) in lines[1..].iter().zip(NAMES) {
         assert_eq!(line.split_once(" cg").unwrap().0.trim(), name);
     }
-    let count = told(&["--count", "--only", "problem=column*9.81"]);
+    let count = printed(&["--count", "--only", "problem=column*9.81"]);
     let expected = "plan columns: A test.\n  3 of the 7 runs of the plan are asked for\n     done     runs\n";
     assert!(count.starts_with(expected), "{count}");
     assert!(count.ends_with("        0        3  of cg\n        0        3  in all\n"), "{count}");

@@ -165,7 +165,7 @@ fn name_that_leads_elsewhere_is_refused() {
 }
 
 #[test]
-fn numbers_are_told_in_few_characters() {
+fn numbers_are_printed_in_few_characters() {
     refused_with("/contacts/start", json!([0.0, -1e200]), &["`contacts.start[1]` is -1e200:"]);
     refused_with("/time_step", json!(-1e-200), &["`time_step` is -1e-200:"]);
     refused_with(
@@ -191,7 +191,7 @@ fn mass_whose_inverse_overflows_is_refused_for_that() {
 
 #[cfg(unix)]
 #[test]
-fn link_that_leads_to_itself_is_told() {
+fn link_that_leads_to_itself_is_named() {
     let folder = TempDir::new().unwrap();
     let link = folder.path().join("loop.json");
     std::os::unix::fs::symlink(&link, &link).unwrap();

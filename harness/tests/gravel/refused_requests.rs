@@ -43,11 +43,11 @@ fn setting_by_the_name_of_another_code_is_refused_with_its_own() {
 }
 
 #[test]
-fn name_that_was_meant_is_told_before_the_list() {
-    let told = [
+fn name_that_was_meant_is_named_before_the_list() {
+    let printed = [
         "no problem or case `colum`, and no file of that path seen from the current folder; did you mean `column`? (there are ",
     ];
-    gravel(&["solve", "colum"]).refused(&told);
+    gravel(&["solve", "colum"]).refused(&printed);
     refused(
         &["--method", "latindd"],
         &["unknown method `latindd`; did you mean `latin-dd`? (there are nsgs, "],

@@ -31,8 +31,8 @@ fn differs(study: &Study, words: &[&str]) -> Ran {
 #[test]
 fn counts_as_accepted_pass_and_nothing_is_stored() {
     let study = guarded();
-    let told = study.gravel(&["regress", "guard"]).succeeded().stdout;
-    assert!(told.contains("guard: 4 runs, all as in "), "{told}");
+    let printed = study.gravel(&["regress", "guard"]).succeeded().stdout;
+    assert!(printed.contains("guard: 4 runs, all as in "), "{printed}");
     assert!(!study.runs("guard").exists());
     let text = fs::read_to_string(baseline(&study)).unwrap();
     let runs: Vec<&str> = text.lines().skip(1).collect();
@@ -52,15 +52,15 @@ fn count_that_differs_is_named_with_its_run_and_ratio() {
     let iterations: u64 = fields[5].parse().unwrap();
     fields[5] = (2 * iterations).to_string();
     fs::write(baseline(&study), accepted.replacen(line, &fields.join(","), 1)).unwrap();
-    let told = differs(&study, &[]).stdout;
-    let rows: Vec<Vec<&str>> = told.lines().map(|line| line.split_whitespace().collect()).collect();
+    let printed = differs(&study, &[]).stdout;
+    let rows: Vec<Vec<&str>> = printed.lines().map(|line| line.split_whitespace().collect()).collect();
     assert_eq!(rows[0], ["run", "count", "before", "now", "ratio"]);
     let (before, now) = (fields[5].as_str(), iterations.to_string());
     assert_eq!(rows[1], ["column-9", "nsgs", "iterations", before, &now, "0.5000"]);
-    assert_eq!(rows.len(), 3, "{told}");
-    // Accepting tells the same, and the next comparison passes.
-    let told = study.gravel(&["bless", "guard"]).succeeded().stdout;
-    assert!(told.contains("0.5000"), "{told}");
+    assert_eq!(rows.len(), 3, "{printed}");
+    // Accepting prints the same, and the next comparison passes.
+    let printed = study.gravel(&["bless", "guard"]).succeeded().stdout;
+    assert!(printed.contains("0.5000"), "{printed}");
     assert_eq!(fs::read_to_string(baseline(&study)).unwrap(), accepted);
 }
 
@@ -69,8 +69,8 @@ fn setting_that_changes_names_the_runs_that_came_and_went_and_no_other() {
     let study = guarded();
     let relaxed = METHODS.replacen("\"nsgs\"\n", "\"nsgs\"\nset = { relaxation = 0.9 }\n", 1);
     study.plan("guard", &["column-9", "pair"], &relaxed);
-    let told = differs(&study, &[]).stdout;
-    let lines: Vec<&str> = told.lines().collect();
+    let printed = differs(&study, &[]).stdout;
+    let lines: Vec<&str> = printed.lines().collect();
     let expected = [
         "not in the baseline: column-9 nsgs relaxation=0.9",
         "not in the baseline: pair nsgs relaxation=0.9",

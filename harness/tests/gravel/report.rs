@@ -93,8 +93,8 @@ fn file_of_the_report_before_that_is_no_longer_made_is_named() {
     let runs = study.bench("drawn");
     let against = study.gravel(&["report", "drawn", "--against", text(&runs)]).succeeded().stdout;
     assert!(against.contains("against.csv") && !against.contains("removed"), "{against}");
-    let told = study.gravel(&["bench", "drawn"]).succeeded().stdout;
-    let removed = told.lines().find(|line| line.starts_with("removed")).unwrap();
+    let printed = study.gravel(&["bench", "drawn"]).succeeded().stdout;
+    let removed = printed.lines().find(|line| line.starts_with("removed")).unwrap();
     assert!(removed.contains("does not make them: against") && removed.contains("against.csv"), "{removed}");
     assert!(!study.gravel(&["bench", "drawn"]).succeeded().stdout.contains("removed"));
 }

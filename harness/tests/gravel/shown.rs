@@ -5,28 +5,28 @@ use std::fs;
 use tempfile::TempDir;
 
 /// The first word of every line.
-fn first_words(told: &str) -> Vec<&str> {
-    told.lines().filter_map(|line| line.split_whitespace().next()).collect()
+fn first_words(printed: &str) -> Vec<&str> {
+    printed.lines().filter_map(|line| line.split_whitespace().next()).collect()
 }
 
 #[test]
 fn list_of_cases_has_every_case_and_every_frozen_problem() {
-    let told = gravel(&["list", "cases"]).succeeded().stdout;
-    let listed = first_words(&told);
+    let printed = gravel(&["list", "cases"]).succeeded().stdout;
+    let listed = first_words(&printed);
     let mut expected: Vec<String> = names("cases", ".toml");
     expected.retain(|name| name != "Cargo");
     expected.extend(frozen_names());
     for name in &expected {
-        assert!(listed.contains(&name.as_str()), "no {name} in: {told}");
+        assert!(listed.contains(&name.as_str()), "no {name} in: {printed}");
     }
     // And two headings.
-    assert_eq!(listed.len(), expected.len() + 2, "{told}");
+    assert_eq!(listed.len(), expected.len() + 2, "{printed}");
 }
 
 #[test]
 fn list_of_plans_has_every_plan() {
-    let told = gravel(&["list", "plans"]).succeeded().stdout;
-    assert_eq!(first_words(&told), names("harness/plans", ".toml"));
+    let printed = gravel(&["list", "plans"]).succeeded().stdout;
+    assert_eq!(first_words(&printed), names("harness/plans", ".toml"));
 }
 
 #[test]
@@ -42,11 +42,11 @@ fn every_listed_method_solves_and_no_other_is_known() {
 
 #[test]
 fn every_setting_is_listed_with_its_default_what_it_takes_and_what_it_is() {
-    let told = gravel(&["list", "methods"]).succeeded().stdout;
-    let lines: Vec<&str> = told.lines().collect();
+    let printed = gravel(&["list", "methods"]).succeeded().stdout;
+    let lines: Vec<&str> = printed.lines().collect();
     let settings: Vec<usize> =
         (0..lines.len()).filter(|n| lines[*n].starts_with("  ") && !lines[*n].starts_with("   ")).collect();
-    assert!(settings.len() > 10, "{told}");
+    assert!(settings.len() > 10, "{printed}");
     for n in settings {
         let takes = lines[n].split_once(": ").unwrap().1;
         assert!(!takes.is_empty() && !takes.contains('?'), "{}", lines[n]);
@@ -58,7 +58,7 @@ fn every_setting_is_listed_with_its_default_what_it_takes_and_what_it_is() {
         "  symmetric = false: true or false",
         "  inner_sweeps = 1: a whole number, not negative",
     ] {
-        assert!(lines.contains(&line), "no `{line}` in: {told}");
+        assert!(lines.contains(&line), "no `{line}` in: {printed}");
     }
 }
 
@@ -100,9 +100,9 @@ fn simulation_refuses_to_replace_a_file() {
 
 #[test]
 fn simulation_says_how_many_time_steps_did_not_converge() {
-    let told =
+    let printed =
         gravel(&["simulate", "column", "--time-steps", "3", "--max-iterations", "1"]).succeeded().stdout;
-    assert!(told.contains("3 of 3 time steps did not converge to natural_map ≤ 1e-6"), "{told}");
+    assert!(printed.contains("3 of 3 time steps did not converge to natural_map ≤ 1e-6"), "{printed}");
 }
 
 #[test]
@@ -114,8 +114,8 @@ fn output_that_nobody_reads_stops_no_work() {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
         let output = command(args).stdout(writer).output().unwrap();
-        let told = String::from_utf8(output.stderr).unwrap();
-        assert_eq!((output.status.code(), &*told), (Some(0), ""), "{args:?}");
+        let printed = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), &*printed), (Some(0), ""), "{args:?}");
     }
     assert_eq!(fs::read_to_string(file).unwrap().lines().count(), 1 + 3);
 }

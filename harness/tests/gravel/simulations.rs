@@ -62,8 +62,8 @@ fn lines(study: &Study) -> Vec<String> {
 #[test]
 fn every_scene_meets_every_method_under_every_rule_beside_a_reference() {
     let study = study(PLAN);
-    let told = study.gravel(&["bench", "time"]).succeeded().stdout;
-    assert!(told.contains("16 simulations, and 8 to compare them with; 24 of 24 to make"), "{told}");
+    let printed = study.gravel(&["bench", "time"]).succeeded().stdout;
+    assert!(printed.contains("16 simulations, and 8 to compare them with; 24 of 24 to make"), "{printed}");
     let table = rows(study.runs("time").join("simulations.csv"));
     let roles = |role: &str| table.iter().filter(|row| row["role"] == role).count();
     assert_eq!(["reference", "twin", "floor", "run"].map(roles), [2, 2, 4, 16]);
@@ -126,12 +126,12 @@ fn stores_of_simulations_join_and_go_on() {
     there.bench("time");
     let journal = here.runs("time").join("journal.jsonl");
     fs::write(&journal, lines(&here)[..9].join("\n") + "\n").unwrap();
-    let told = here.gravel(&["merge", "time", text(&there.runs("time"))]).succeeded().stdout;
-    assert!(told.contains("15 of 24 runs are new here"), "{told}");
+    let printed = here.gravel(&["merge", "time", text(&there.runs("time"))]).succeeded().stdout;
+    assert!(printed.contains("15 of 24 runs are new here"), "{printed}");
     assert_eq!(counted(&here, "series.csv"), counted(&there, "series.csv"));
     fs::write(&journal, lines(&here)[..5].join("\n") + "\n").unwrap();
-    let told = here.gravel(&["bench", "time"]).succeeded().stdout;
-    assert!(told.contains("19 of 24 to make"), "{told}");
+    let printed = here.gravel(&["bench", "time"]).succeeded().stdout;
+    assert!(printed.contains("19 of 24 to make"), "{printed}");
     for table in ["simulations.csv", "series.csv"] {
         assert_eq!(counted(&here, table), counted(&there, table));
     }
@@ -178,12 +178,12 @@ fn simulation_that_explodes_says_how_and_keeps_its_last_good_state() {
     let scene = ["--scene", "sample.grains=40", "--method", "jacobi", "--set", "relaxation=1.9"];
     let run = ["simulate", "column", "--time-steps", "50", "--max-iterations", "40", "--tolerance", "0"];
     let ran = command(&[&run[..], &scene, &["-o", text(&file)]].concat()).output().unwrap();
-    let told = String::from_utf8(ran.stderr).unwrap();
-    assert_eq!(ran.status.code(), Some(3), "{told}");
-    assert!(told.starts_with("error: column: exploded in time step "), "{told}");
+    let printed = String::from_utf8(ran.stderr).unwrap();
+    assert_eq!(ran.status.code(), Some(3), "{printed}");
+    assert!(printed.starts_with("error: column: exploded in time step "), "{printed}");
     let made = fs::read_to_string(&file).unwrap().lines().count() - 1;
     let state = folder.path().join(format!("column-t{}.json", made + 1));
-    assert!(told.contains(text(&state)), "{told}");
+    assert!(printed.contains(text(&state)), "{printed}");
     gravel(&["solve", text(&state)]).succeeded();
 }
 

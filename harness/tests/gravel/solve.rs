@@ -108,7 +108,7 @@ fn contact_of_a_column_carries_the_discs_above_it() {
 }
 
 #[test]
-fn file_of_impulses_is_replaced_and_that_is_told() {
+fn file_of_impulses_is_replaced_and_that_is_said() {
     let folder = TempDir::new().unwrap();
     let file = write(&folder, "r.json", "before");
     let ran = gravel(&["solve", "column", "--impulses", text(&file)]).succeeded();
@@ -134,15 +134,15 @@ fn jacobi_without_relaxation_diverges_on_a_packing_and_ends_well() {
 
 #[test]
 fn text_names_the_ending_and_every_measure() {
-    let told = gravel(&["solve", "column", "--method", "nsgs", "--max-iterations", "3"]).ended(3).stdout;
+    let printed = gravel(&["solve", "column", "--method", "nsgs", "--max-iterations", "3"]).ended(3).stdout;
     let words =
         ["column-t1: 20 grains, 20 contacts", "\"relaxation\":1.0", "iteration-limit after 3 iterations"];
     let measures = ["zeta", "natural_map", "penetration_rate", "quad_dv", "max_dv", "worst_contact"];
     for word in words.iter().chain(&measures) {
-        assert!(told.contains(word), "no `{word}` in: {told}");
+        assert!(printed.contains(word), "no `{word}` in: {printed}");
     }
-    let told = gravel(&["solve", "column", "--max-iterations", "1"]).ended(3).stdout;
-    assert!(told.contains("iteration-limit after 1 iteration (natural_map ≤ 1e-6 asked)"), "{told}");
+    let printed = gravel(&["solve", "column", "--max-iterations", "1"]).ended(3).stdout;
+    assert!(printed.contains("iteration-limit after 1 iteration (natural_map ≤ 1e-6 asked)"), "{printed}");
 }
 
 #[test]

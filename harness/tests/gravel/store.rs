@@ -1,4 +1,4 @@
-//! Studies that are stopped, go on, grow, begin anew and are joined: nothing that ended is lost or made twice.
+//! Studies that are stopped, go on, grow, begin again and are joined: nothing that ended is lost or made twice.
 
 use crate::bench::{Study, counts, plan, rows, study_of_the_pair_and_a_column};
 use crate::common::{checkout, command, entries, text, without_checksums, write};
@@ -61,7 +61,7 @@ fn study_killed_at_any_instant_goes_on_and_ends_with_the_same_counts() {
 }
 
 #[test]
-fn run_cut_short_in_the_journal_is_told_and_made_again() {
+fn run_cut_short_in_the_journal_is_reported_and_repeated() {
     let study = study_of_the_pair_and_a_column();
     let folder = study.bench("small");
     let (before, counted) = (lines(&folder), counts(&study, "small", "runs.csv"));
@@ -100,25 +100,25 @@ fn plan_that_grows_makes_its_new_runs_only_and_one_that_shrinks_keeps_the_old() 
     let bench = |relaxation: &str| {
         let nsgs = format!("[[methods]]\nmethod = \"nsgs\"\naxes = {{ relaxation = [{relaxation}] }}\n");
         study.plan("grown", &["pair"], &nsgs);
-        let told = study.gravel(&["bench", "grown"]).succeeded().stdout;
+        let printed = study.gravel(&["bench", "grown"]).succeeded().stdout;
         let rows = rows(study.runs("grown").join("runs.csv"));
-        (told, rows.iter().map(|row| row["variant"].clone()).collect::<Vec<_>>())
+        (printed, rows.iter().map(|row| row["variant"].clone()).collect::<Vec<_>>())
     };
-    let (told, variants) = bench("1.0");
+    let (printed, variants) = bench("1.0");
     // Its name says nothing while it is alone; the table follows the plan as it is.
-    assert!(told.contains("1 of 1 runs to make") && variants == [""], "{told}");
-    let (told, variants) = bench("0.5, 1.0");
-    assert!(told.contains("1 of 2 runs to make") && variants == ["0.5", "1"], "{told} {variants:?}");
-    let (told, variants) = bench("0.5, 1.0");
-    assert!(told.contains("0 of 2 runs to make") && variants == ["0.5", "1"], "{told}");
-    let (told, variants) = bench("0.5");
-    assert!(told.contains("0 of 1 runs to make") && variants == [""], "{told}");
-    assert!(told.contains("Runs of earlier code, or that the plan no longer asks for: 1"), "{told}");
+    assert!(printed.contains("1 of 1 runs to make") && variants == [""], "{printed}");
+    let (printed, variants) = bench("0.5, 1.0");
+    assert!(printed.contains("1 of 2 runs to make") && variants == ["0.5", "1"], "{printed} {variants:?}");
+    let (printed, variants) = bench("0.5, 1.0");
+    assert!(printed.contains("0 of 2 runs to make") && variants == ["0.5", "1"], "{printed}");
+    let (printed, variants) = bench("0.5");
+    assert!(printed.contains("0 of 1 runs to make") && variants == [""], "{printed}");
+    assert!(printed.contains("Runs of earlier code, or that the plan no longer asks for: 1"), "{printed}");
     assert_eq!(lines(&study.runs("grown")).len(), 2);
 }
 
 #[test]
-fn rows_of_another_machine_or_build_are_told() {
+fn rows_of_another_machine_or_build_are_reported() {
     let study = study_of_the_pair_and_a_column();
     let folder = study.bench("small");
     assert!(!study.gravel(&["bench", "small"]).succeeded().stdout.contains("builds, machines"));
@@ -127,8 +127,8 @@ fn rows_of_another_machine_or_build_are_told() {
     moved[0] = without_checksums(&moved[0]).trim_end().to_owned();
     moved[0] = moved[0].replacen(&processor, "another processor", 1);
     fs::write(folder.join("journal.jsonl"), moved.join("\n") + "\n").unwrap();
-    let told = study.gravel(&["bench", "small"]).succeeded().stdout;
-    assert!(told.contains("0 of 8") && told.contains("rows come from 2 builds, machines"), "{told}");
+    let printed = study.gravel(&["bench", "small"]).succeeded().stdout;
+    assert!(printed.contains("0 of 8") && printed.contains("rows come from 2 builds, machines"), "{printed}");
 }
 
 #[test]
@@ -140,8 +140,8 @@ fn stores_of_two_machines_join() {
     let (ours, all) = (lines(&small), lines(&theirs));
     fs::write(small.join("journal.jsonl"), ours[..4].join("\n") + "\n").unwrap();
     fs::write(theirs.join("journal.jsonl"), all[3..].join("\n") + "\n").unwrap();
-    let told = here.gravel(&["merge", "small", text(&theirs)]).succeeded().stdout;
-    assert!(told.contains("4 of 5 runs are new here"), "{told}");
+    let printed = here.gravel(&["merge", "small", text(&theirs)]).succeeded().stdout;
+    assert!(printed.contains("4 of 5 runs are new here"), "{printed}");
     assert_eq!(counts(&here, "small", "runs.csv"), both);
     assert_eq!(lines(&small)[..4], ours[..4]);
     here.gravel(&["merge", "small", text(here.folder().path())]).refused(&["journal.jsonl"]);
@@ -200,13 +200,13 @@ fn status_and_method_that_are_none_are_refused_by_their_line() {
 }
 
 #[test]
-fn runs_of_one_id_that_count_other_work_are_told() {
+fn runs_of_one_id_that_count_other_work_are_reported() {
     let study = study_of_the_pair_and_a_column();
     let folder = study.bench("small");
     let text = lines(&folder).join("\n") + "\n" + &with_other_counts(&lines(&folder)[0]);
     fs::write(folder.join("journal.jsonl"), text).unwrap();
-    let told = study.gravel(&["bench", "small"]).succeeded().stdout;
-    assert!(told.contains("WARNING") && told.contains("nsgs on pair"), "{told}");
+    let printed = study.gravel(&["bench", "small"]).succeeded().stdout;
+    assert!(printed.contains("WARNING") && printed.contains("nsgs on pair"), "{printed}");
 }
 
 #[test]
@@ -239,7 +239,7 @@ fn study_that_another_process_makes_is_refused() {
 
 #[cfg(unix)]
 #[test]
-fn full_disk_is_told_and_loses_no_run_that_ended() {
+fn full_disk_is_reported_and_loses_no_run_that_ended() {
     let study = study_of_a_shear_box();
     // The system refuses to let a file grow beyond so many blocks, as a full disk does.
     let limited = "trap '' XFSZ; ulimit -f 256; exec \"$@\"";
@@ -248,9 +248,12 @@ fn full_disk_is_told_and_loses_no_run_that_ended() {
         .args(["--root", text(study.folder().path())])
         .output()
         .unwrap();
-    let told = String::from_utf8(output.stderr).unwrap();
+    let printed = String::from_utf8(output.stderr).unwrap();
     assert!(!output.status.success());
-    assert!(told.contains("journal.jsonl: ") && told.contains("`gravel bench box` goes on"), "{told}");
+    assert!(
+        printed.contains("journal.jsonl: ") && printed.contains("`gravel bench box` goes on"),
+        "{printed}"
+    );
     let kept = lines(&study.runs("box"));
     assert!(!kept.is_empty() && kept.len() < RUNS, "{} runs fit", kept.len());
     study.bench("box");
@@ -269,14 +272,14 @@ fn ctrl_c_ends_after_the_iteration_and_keeps_what_had_ended() {
     write(study.folder(), "harness/plans/endless.toml", &endless);
     let args = ["--root", text(study.folder().path()), "bench", "endless"];
     let mut child = command(&args).stdout(Stdio::piped()).spawn().unwrap();
-    let mut told = BufReader::new(child.stdout.take().unwrap()).lines();
-    assert!(told.next().unwrap().unwrap().contains("2 of 2 runs to make"));
+    let mut printed = BufReader::new(child.stdout.take().unwrap()).lines();
+    assert!(printed.next().unwrap().unwrap().contains("2 of 2 runs to make"));
     while lines(&study.runs("endless")).is_empty() {
         sleep(Duration::from_millis(5));
     }
     let id = child.id().to_string();
     assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
-    let rest: Vec<String> = told.map(Result::unwrap).collect();
+    let rest: Vec<String> = printed.map(Result::unwrap).collect();
     assert_eq!(child.wait().unwrap().code(), Some(130), "{rest:?}");
     assert!(
         rest[0].starts_with("stopped; runs missing: 1, the others are kept; `gravel bench endless`"),

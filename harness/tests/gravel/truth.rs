@@ -1,4 +1,4 @@
-//! References: kept, certified anew, and what is told beside them.
+//! References: kept, certified again, and what is printed beside them.
 
 use crate::bench::{Study, plan, rows};
 use crate::common::{checkout, entries, impulses, text, write};
@@ -8,19 +8,19 @@ use std::fs;
 #[test]
 fn certify_prints_every_condition_of_the_reference_and_keeps_it() {
     let study = Study::new();
-    let told = study.gravel(&["certify", "pair"]).succeeded().stdout;
+    let printed = study.gravel(&["certify", "pair"]).succeeded().stdout;
     for word in
         ["reference: certified to 1e-12", "approach", "pull", "complementarity", "momentum", "duality_gap"]
     {
-        assert!(told.contains(word), "no `{word}` in: {told}");
+        assert!(printed.contains(word), "no `{word}` in: {printed}");
     }
     let kept = entries(&study.folder().path().join("results/references"));
     assert_eq!(kept.len(), 1, "{kept:?}");
-    assert_eq!(study.gravel(&["certify", "pair"]).succeeded().stdout, told, "read back");
+    assert_eq!(study.gravel(&["certify", "pair"]).succeeded().stdout, printed, "read back");
 }
 
 #[test]
-fn corrupted_references_are_computed_anew_with_a_word() {
+fn corrupted_references_are_computed_again_with_a_word() {
     let study = Study::new();
     study.gravel(&["certify", "pair"]).succeeded();
     let folder = study.folder().path().join("results/references");
@@ -46,7 +46,7 @@ fn corrupted_references_are_computed_anew_with_a_word() {
 }
 
 #[test]
-fn certify_tells_how_far_given_impulses_are_from_the_reference() {
+fn certify_reports_how_far_given_impulses_are_from_the_reference() {
     let study = Study::new();
     let frozen = |ending: &str| checkout().join("cases/frozen/lmgc90-shear-991-t1").with_extension(ending);
     let (problem, solution) = (frozen("json"), frozen("solution.json"));
@@ -74,7 +74,7 @@ fn impulses_of_another_problem_are_refused() {
 }
 
 #[test]
-fn solve_tells_the_error_where_it_is_asked_to() {
+fn solve_reports_the_error_where_it_is_asked_to() {
     let study = Study::new();
     let solve = |more: &[&str]| study.gravel(&[&["solve", "pair", "--json"], more].concat()).json();
     assert!(solve(&[])["velocity_error"].is_null());
@@ -96,8 +96,8 @@ fn impulses_of_the_interior_point_have_a_certificate() {
     let exact = ["--method", "interior-point", "--tolerance", "1e-13"];
     let r = impulses(&[&[text(&problem)][..], &exact].concat());
     let file = write(study.folder(), "r.json", &json!({ "impulse": r }).to_string());
-    let told = study.gravel(&["certify", text(&problem), "--impulses", text(&file)]).succeeded().stdout;
-    assert!(told.contains("given impulses: certified"), "{told}");
+    let printed = study.gravel(&["certify", text(&problem), "--impulses", text(&file)]).succeeded().stdout;
+    assert!(printed.contains("given impulses: certified"), "{printed}");
 }
 
 /// A disc between two walls that close at 1 m/s.
@@ -139,7 +139,7 @@ fn solve_says_that_a_measure_was_met_where_there_is_no_solution() {
 }
 
 #[test]
-fn studies_tell_the_error_and_the_convergence_that_is_none() {
+fn studies_report_the_error_and_the_convergence_that_is_none() {
     let study = Study::new();
     write(study.folder(), "cases/frozen/closing.json", &closing_walls().to_string());
     let methods = "[[methods]]\nmethod = \"nsgs\"\n";
@@ -163,6 +163,6 @@ fn studies_tell_the_error_and_the_convergence_that_is_none() {
     assert_eq!(on_the_error[0].0, "converged");
     assert!(on_the_error[0].1.parse::<f64>().unwrap() <= 1e-3, "{on_the_error:?}");
     assert_eq!(on_the_error[1].0, "skipped");
-    let told = study.gravel(&["certify", "closing"]).ended(4).stdout;
-    assert!(told.contains("no solution"), "{told}");
+    let printed = study.gravel(&["certify", "closing"]).ended(4).stdout;
+    assert!(printed.contains("no solution"), "{printed}");
 }

@@ -51,11 +51,11 @@ fn row(study: &Study, problem: &str, method: &str, variant: &str) -> BTreeMap<St
 }
 
 #[test]
-fn stored_run_is_shown_as_it_was_kept_or_made_again_as_it_was() {
+fn stored_run_is_shown_as_it_was_kept_or_run_again_as_it_was() {
     let study = study();
     let kept = row(&study, "pair", "nsgs", "");
-    let told = study.gravel(&["view", &kept["id"]]).succeeded().stdout;
-    assert!(told.contains(&format!("after {} iterations, as stored\n", kept["iterations"])), "{told}");
+    let printed = study.gravel(&["view", &kept["id"]]).succeeded().stdout;
+    assert!(printed.contains(&format!("after {} iterations, as stored\n", kept["iterations"])), "{printed}");
     let page = format!("view-{}.html", kept["id"]);
     assert!(entries(&study.folder().path().join("reports/out")).contains(&page));
 
@@ -63,20 +63,26 @@ fn stored_run_is_shown_as_it_was_kept_or_made_again_as_it_was() {
         (row(&study, "column grains=9", "nsgs", ""), row(&study, "column grains=9", "nsgs", "warm start"));
     assert_ne!(cold["iterations"], warm["iterations"]);
     for row in [&cold, &warm] {
-        let told = study.gravel(&["view", &row["id"][..12], "--run", "cg"]).succeeded().stdout;
+        let printed = study.gravel(&["view", &row["id"][..12], "--run", "cg"]).succeeded().stdout;
         let again =
-            format!("after {} iterations, made again: its iterates are not stored\n", row["iterations"]);
-        assert!(told.contains(&again) && told.contains("\ncg: converged"), "{told}");
+            format!("after {} iterations, run again: its iterates are not stored\n", row["iterations"]);
+        assert!(printed.contains(&again) && printed.contains("\ncg: converged"), "{printed}");
     }
-    let told = study.gravel(&["view", &cold["id"], "--max-iterations", "1"]).succeeded().stdout;
-    assert!(told.contains("iteration limit after 1 iterations, made again with another stop rule"), "{told}");
+    let printed = study.gravel(&["view", &cold["id"], "--max-iterations", "1"]).succeeded().stdout;
+    assert!(
+        printed.contains("iteration limit after 1 iterations, run again with another stop rule"),
+        "{printed}"
+    );
 }
 
 #[test]
-fn problem_of_few_contacts_is_shown_on_fewer_subdomains_under_a_name_that_tells() {
-    let told = study().gravel(&["view", "pair"]).succeeded().stdout;
-    assert!(told.contains("latin-dd adaptive=false subdomains="), "{told}");
-    assert!(!told.contains("4x2") && told.contains("\ncg preconditioner=diagonal: converged"), "{told}");
+fn problem_of_few_contacts_is_shown_on_fewer_subdomains_under_a_name_that_says_so() {
+    let printed = study().gravel(&["view", "pair"]).succeeded().stdout;
+    assert!(printed.contains("latin-dd adaptive=false subdomains="), "{printed}");
+    assert!(
+        !printed.contains("4x2") && printed.contains("\ncg preconditioner=diagonal: converged"),
+        "{printed}"
+    );
 }
 
 #[test]
