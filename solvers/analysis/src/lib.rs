@@ -1,5 +1,5 @@
-//! What the operator of a problem says without any method: the proof that there is no solution, the spectrum of W_D⁻¹ W, and
-//! bounds of eigenvalues that cost one pass over the contacts.
+//! What the operator of a problem says: the proof that there is no solution, to which a few hundred conjugate gradients on ½ dᵗ W d
+//! may lead, the spectrum of W_D⁻¹ W, and bounds of eigenvalues that cost one pass over the contacts. No method of the line-up.
 
 mod bounds;
 mod infeasible;
