@@ -74,6 +74,30 @@ fn balanced_subdomains_differ_by_one_contact() {
     assert!(counts.iter().max().unwrap() - counts.iter().min().unwrap() <= 1, "{counts:?}");
 }
 
+/// 1e16 + 1 − 1e16 is 0 or 1, as it is added up.
+#[test]
+fn every_copy_gets_the_sum_over_all_copies_in_the_order_of_the_subdomains() {
+    let problem = frozen("shear-box-991-sheared").problem;
+    let partition = Partition::of_contacts(&problem, Scheme::Boxes, Grid { nx: 5, ny: 5 }).unwrap();
+    let decomposition = Decomposition::new(&problem, &partition);
+    let part = |e: u32, grain: u32| [1e16, 1.0, -1e16][(e + grain) as usize % 3] * f64::from(1 + grain);
+    let mut expected = vec![0.0; problem.grain_count()];
+    for (e, subdomain) in (0_u32..).zip(&decomposition.subdomains) {
+        subdomain.grains.iter().for_each(|grain| expected[*grain as usize] += part(e, *grain));
+    }
+    let mut subdomains: Vec<_> = (0_u32..).zip(&decomposition.subdomains).collect();
+    let mut sums = CopySums::new(&decomposition);
+    sums.send(&mut subdomains, 0, |(e, subdomain), sent| {
+        subdomain.boundary_grains().zip(sent).for_each(|(grain, sent)| *sent = part(*e, grain));
+    });
+    sums.receive(&mut subdomains, 0, |(_, subdomain), sums| {
+        let sums: Vec<f64> = sums.collect();
+        assert_eq!(sums.len(), subdomain.boundary.len());
+        let expected = subdomain.boundary_grains().map(|grain| expected[grain as usize]);
+        assert!(expected.eq(sums.iter().copied()), "{sums:?}");
+    });
+}
+
 /// A subdomain with the velocities of its grains, and the greatest |V_E − V̄| of its copies.
 type Moving<'d> = (&'d Subdomain, Vec<Vector2<f64>>, f64);
 

@@ -26,7 +26,7 @@ pub(crate) struct Latin {
     right_hand_side: Vec<Vector2<f64>>,
     /// V_E of the linear stage, and the rest of the walls, last (m/s).
     velocity: Vec<Vector2<f64>>,
-    /// Its copies of boundary grains.
+    /// Places of its copies of boundary grains.
     pub(crate) boundary: Vec<u32>,
     /// Greatest |V_E − V̄| of these after the linear stage (m/s).
     pub(crate) velocity_jump: f64,
