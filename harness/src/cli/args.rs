@@ -1,7 +1,7 @@
 //! Arguments that several commands share.
 
 use crate::plan::file::Plan;
-use crate::plan::methods::{Method, key_value, repeated};
+use crate::plan::methods::{Method, key_value, refuse_repeated};
 use crate::problems::case::CaseProblem;
 use crate::problems::files::{Root, is_toml};
 use crate::problems::planned::planned;
@@ -100,9 +100,7 @@ impl StudyArgs {
     }
 
     pub(crate) fn selection(&self, root: &Root) -> Result<Selection> {
-        if let Some((key, _)) = repeated(&self.settings) {
-            bail!("--set {key}: it is given twice");
-        }
+        refuse_repeated(&self.settings)?;
         let path = root.plan(&self.plan)?;
         let mut plan = Plan::read(&path, self.quick)?;
         let changes = self.change_stop(&mut plan)?;

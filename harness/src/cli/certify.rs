@@ -26,7 +26,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let problem = &frozen.problem;
     let given = args.impulses.as_deref().map(|file| Given::read(file, problem)).transpose()?;
     let reference = answer(root, &frozen)?;
-    say(format_args!("{}", size(&frozen)))?;
+    say(format_args!("{}: {}", frozen.name, size(problem)))?;
     let of_given = given.as_ref().map(|given| certify(problem, &given.impulse));
     if let Some(certificate) = &of_given {
         say(format_args!("given impulses: {}", verdict(certificate)))?;

@@ -1,7 +1,7 @@
 //! `gravel freeze`: the contact problem of one time step of a case, as a file.
 
 use crate::cli::args::{CaseArgs, SolverArgs};
-use crate::problems::files::{Root, stem};
+use crate::problems::files::{Root, size, stem};
 use crate::terminal::output::{check_place, replaces, say, write_whole};
 use anyhow::{Result, anyhow, bail};
 use cases::check_name;
@@ -43,6 +43,5 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let mut frozen = case.problem_after(&method, &stop, &how)?;
     frozen.name = name;
     write_whole(&args.output, &frozen.to_json()?)?;
-    let (grains, contacts) = (frozen.problem.grain_count(), frozen.problem.contact_count());
-    say(format_args!("{file}: {grains} grains, {contacts} contacts"))
+    say(format_args!("{file}: {}", size(&frozen.problem)))
 }

@@ -3,7 +3,7 @@
 use crate::cli::schema::takes;
 use crate::plan::file::Plan;
 use crate::plan::methods::METHODS;
-use crate::problems::files::{Kind, Root, stem};
+use crate::problems::files::{Kind, Root, size, stem};
 use crate::terminal::output::say;
 use anyhow::Result;
 use cases::{Case, Frozen};
@@ -35,8 +35,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
             say(format_args!("frozen problems"))?;
             for path in root.all(Kind::Frozen)? {
                 let frozen = Frozen::read(&path)?;
-                let (grains, contacts) = (frozen.problem.grain_count(), frozen.problem.contact_count());
-                say(format_args!("  {:<24}{grains} grains, {contacts} contacts", stem(&path)))?;
+                say(format_args!("  {:<24}{}", stem(&path), size(&frozen.problem)))?;
             }
         }
         What::Methods => {

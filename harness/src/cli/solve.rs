@@ -112,7 +112,7 @@ fn to_json(frozen: &Frozen, method: &Method, stop: &Stop, start: Start, outcome:
 
 fn print(frozen: &Frozen, method: &Method, stop: &Stop, outcome: &Outcome) -> Result<()> {
     let Outcome { status, iterations, measures, .. } = outcome;
-    say(format_args!("{}", size(frozen)))?;
+    say(format_args!("{}: {}", frozen.name, size(&frozen.problem)))?;
     say(format_args!("{} {}", method.name, Value::Object(method.settings.clone())))?;
     let (on, tolerance, plural) = (stop.on, stop.tolerance, if *iterations == 1 { "" } else { "s" });
     let status = status.name();

@@ -9,7 +9,7 @@ use crate::problems::reference::known;
 use crate::run::rows::{partitions, scene_rows};
 use crate::run::snapshots::Snapshots;
 use crate::store::stored::{is_id, problem, stored};
-use crate::terminal::output::{check_place, say, write_kept, write_whole};
+use crate::terminal::output::{check_place, create_folder_of, say, write_whole};
 use anyhow::{Context, Result, anyhow};
 use cases::Frozen;
 use contact::Truth;
@@ -65,9 +65,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let name = stored.as_ref().map_or(&frozen.name, |record| &record.run.id);
     let default = || root.join("reports/out").join(format!("view-{name}.html"));
     let page = args.output.clone().unwrap_or_else(default);
-    if args.output.is_some() {
-        check_place(&page)?;
+    if args.output.is_none() {
+        create_folder_of(&page)?;
     }
+    check_place(&page)?;
 
     let known = known(root, frozen)?;
     let mut filmed = Vec::new();
@@ -86,11 +87,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         contacts.extend(c);
     }
     let html = reports::view(&frozen.name, (&grains, &contacts), filmed, &args.again())?;
-    if args.output.is_some() {
-        write_whole(&page, &html)?
-    } else {
-        write_kept(&page, &html)?
-    }
+    write_whole(&page, &html)?;
     say(format_args!("{}", page.display()))
 }
 

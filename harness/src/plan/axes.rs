@@ -94,17 +94,13 @@ fn range(text: &str) -> Result<Vec<Value>, String> {
 }
 
 fn integers(first: &str, last: &str) -> Result<Vec<Value>, String> {
-    let expected = || "two integers, the first not above the last, such as \"1..5\"".to_owned();
-    let (Ok(first), Ok(last)) = (first.trim().parse::<i64>(), last.trim().parse::<i64>()) else {
-        return Err(expected());
-    };
-    if first > last {
-        return Err(expected());
+    match (first.trim().parse::<i64>(), last.trim().parse::<i64>()) {
+        (Ok(first), Ok(last)) if first <= last && last.abs_diff(first) < MOST as u64 => {
+            Ok((first..=last).map(Value::from).collect())
+        }
+        (Ok(first), Ok(last)) if first <= last => Err(format!("of at most {MOST} values")),
+        _ => Err("two integers, the first not above the last, such as \"1..5\"".to_owned()),
     }
-    if last.abs_diff(first) >= MOST as u64 {
-        return Err(format!("of at most {MOST} values"));
-    }
-    Ok((first..=last).map(Value::from).collect())
 }
 
 /// `first, last, count`: both ends as they are written, and values between them, rounded to three significant digits.

@@ -8,6 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
+use std::collections::HashSet;
 
 /// A method with all its parameters.
 pub(crate) struct Method {
@@ -86,9 +87,7 @@ impl Method {
 
     /// The method `name` with settings as they are typed: `relaxation=0.8`.
     pub(crate) fn parse(name: &str, settings: &[(String, String)]) -> Result<Self> {
-        if let Some((key, _)) = repeated(settings) {
-            bail!("--set {key}: it is given twice");
-        }
+        refuse_repeated(settings)?;
         Self::new(name, settings.iter().map(|(key, text)| (key.clone(), typed(text))).collect())
     }
 
@@ -109,10 +108,13 @@ fn typed(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|_| Value::from(text))
 }
 
-/// The first of `settings` whose key an earlier one has.
-pub(crate) fn repeated(settings: &[(String, String)]) -> Option<&(String, String)> {
-    let before = |n: usize| settings[..n].iter();
-    (0..settings.len()).find(|n| before(*n).any(|(key, _)| *key == settings[*n].0)).map(|n| &settings[n])
+/// Refuses two settings of one key.
+pub(crate) fn refuse_repeated(settings: &[(String, String)]) -> Result<()> {
+    let mut seen = HashSet::new();
+    match settings.iter().find(|(key, _)| !seen.insert(key)) {
+        Some((key, _)) => bail!("--set {key}: it is given twice"),
+        None => Ok(()),
+    }
 }
 
 /// A method's settings, defaults spelled out, and the method.

@@ -4,6 +4,7 @@ use crate::plan::axes::{Settings, combinations, count};
 use crate::plan::methods::Method;
 use crate::plan::names::{last_parts, pairs};
 use crate::plan::variants::Variant;
+use crate::terminal::output::merged;
 use anyhow::{Context, Result, anyhow, bail};
 use contact::{Measure, shown};
 use runner::Stop;
@@ -84,10 +85,8 @@ impl Simulate {
         for settings in combinations(&self.set, &self.zip, &self.axes).context("`simulate`")? {
             let named = last_parts(&naming).into_iter().zip(naming.iter().map(|key| &settings[*key]));
             let name = pairs(named);
-            let mut keys = plan.clone();
-            keys.as_object_mut().into_iter().for_each(|keys| keys.extend(settings.clone()));
             let Keys { on, tolerance, max_iterations, warm_start } =
-                serde_path_to_error::deserialize(keys)
+                serde_path_to_error::deserialize(merged(plan.clone(), settings.into()))
                     .map_err(|error| anyhow!("`simulate`: `{}`: {}", error.path(), error.inner()))?;
             let stop = Stop { on, tolerance, max_iterations };
             stop.check().context("`simulate`")?;

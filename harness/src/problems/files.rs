@@ -3,7 +3,7 @@
 use crate::terminal::output::read_text;
 use crate::terminal::suggest;
 use anyhow::{Context, Result, bail};
-use cases::Frozen;
+use contact::ContactProblem;
 use std::path::{Path, PathBuf};
 
 /// The checkout.
@@ -148,10 +148,9 @@ impl Kind {
     }
 }
 
-/// A problem, as it is shown.
-pub(crate) fn size(frozen: &Frozen) -> String {
-    let (grains, contacts) = (frozen.problem.grain_count(), frozen.problem.contact_count());
-    format!("{}: {grains} grains, {contacts} contacts", frozen.name)
+/// How large a problem is, in words.
+pub(crate) fn size(problem: &ContactProblem) -> String {
+    format!("{} grains, {} contacts", problem.grain_count(), problem.contact_count())
 }
 
 /// Name of a file without its ending.

@@ -4,7 +4,7 @@ use crate::identity::{content_hash, first_hex};
 use crate::plan::axes::Settings;
 use crate::plan::file::PlannedCase;
 use crate::plan::rules::Simulate;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use cases::{Case, March};
 use contact::shown;
 use serde_json::json;
@@ -47,20 +47,12 @@ impl Scene {
 
     fn new(case: Case, name: String, settings: Settings, duration_s: f64, every_s: f64) -> Result<Self> {
         let h = case.scene.time_step_s;
-        let Some(every) = whole(every_s / h) else {
-            bail!(
-                "`simulate.sample_every_s` is {}: it must be a whole number of the time step, {} s",
-                shown(every_s),
-                shown(h)
-            );
+        let multiple = |key: &str, value: f64, of: &str, unit: f64| {
+            let (ratio, value, unit) = (whole(value / unit), shown(value), shown(unit));
+            ratio.with_context(|| format!("`{key}` is {value}: it must be a whole number of {of}, {unit} s"))
         };
-        let Some(rows) = whole(duration_s / every_s) else {
-            bail!(
-                "`duration_s` is {}: it must be a whole number of `sample_every_s`, {} s",
-                shown(duration_s),
-                shown(every_s)
-            );
-        };
+        let every = multiple("simulate.sample_every_s", every_s, "the time step", h)?;
+        let rows = multiple("duration_s", duration_s, "`sample_every_s`", every_s)?;
         // The first problem of the case holds its sample, which other files may hold.
         let first = content_hash(&March::new(&case)?.next()?.frozen);
         let hash = first_hex(&Sha256::digest(json!([case.sample, case.scene, first]).to_string()));

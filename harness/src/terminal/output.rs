@@ -50,9 +50,14 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
     std::fs::read_to_string(path).with_context(|| path.display().to_string())
 }
 
+/// Creates the folder of a file where it is not there.
+pub(crate) fn create_folder_of(path: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder(path)).with_context(|| folder(path).display().to_string())
+}
+
 /// Writes a file whole, in a folder that need not be there.
 pub(crate) fn write_kept(path: &Path, content: &str) -> Result<()> {
-    std::fs::create_dir_all(folder(path)).with_context(|| folder(path).display().to_string())?;
+    create_folder_of(path)?;
     write_whole(path, content)
 }
 
