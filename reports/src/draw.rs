@@ -16,7 +16,7 @@ pub(crate) use plotters::style::RGBColor;
 pub(crate) use plotters::style::text_anchor::{HPos, VPos};
 
 pub(crate) use axis::{Axis, Frame, Scale, Ticks};
-pub(crate) use canvas::{Canvas, Place, svg, text_width};
+pub(crate) use canvas::{Canvas, Place, rectangle, svg, text_width};
 pub(crate) use curve::{LOWEST, LogPoint, along, inside, log, log_point, range};
 pub(crate) use legend::{Legend, Look, Looks, looks_in_time};
 pub(crate) use lines::{Line, Lines, draw_lines};

@@ -50,8 +50,8 @@ impl Chapter {
         Self { name: name.into(), is_chart: false, parts }
     }
 
-    pub(crate) fn of_chart(chart: Chart, study: &Study) -> Result<Self, ReportError> {
-        Ok(Self { name: chart.name().to_owned(), is_chart: true, parts: chart.parts(study)? })
+    pub(crate) fn of_chart(chart: Chart, study: &Study) -> Self {
+        Self { name: chart.name().to_owned(), is_chart: true, parts: chart.parts(study) }
     }
 }
 
@@ -85,8 +85,8 @@ pub(crate) fn page(study: &Study, chapters: &[Chapter], about: &About) -> Result
     let shown = |figure: &str| viewer.films.iter().any(|film| sample_of(figure, &film.problem));
     let sections = chapters.iter().map(|chapter| section(chapter, about, &shown));
     let sections: Vec<Section> = sections.collect::<Result<_, _>>()?;
-    let failed = Rows::of("failures", &failures(study)?, "")?;
-    let provenance = Rows::of("provenance", &provenance(&origins)?, "")?;
+    let failed = Rows::of("failures", &failures(study), "")?;
+    let provenance = Rows::of("provenance", &provenance(&origins), "")?;
     render(
         "page.html",
         &viewer,

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::draw::{Axis, Canvas, Frame, INSIDE, Legend, Looks, Room, Sign, TOLERANCE, draw_empty, row};
-use crate::error::ReportError;
+use crate::draw::{Canvas, INSIDE, Legend, Looks, Room, Scale, Sign, TOLERANCE, draw_empty, row};
 use crate::read::{Ending, Problems, RunRow, counted, median, number, padded};
-use crate::text::Part;
+use crate::text::{Part, frame};
 use polars::df;
+use polars::prelude::DataFrame;
 
 /// What a panel compares.
 struct Measure {
@@ -23,7 +23,7 @@ const MEASURES: [Measure; 2] = [
 type Pair<'r> = (&'r RunRow, &'r RunRow);
 
 /// The figure and the table `against`, and the sentences `against-found`.
-pub(crate) fn parts(before: &Problems, after: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(before: &Problems, after: &Problems) -> Vec<Part> {
     let (old, new) = (&before.runs, &after.runs);
     let key = |run: &RunRow| (run.problem.clone(), run.method.clone(), run.variant.clone());
     let known: BTreeMap<_, &RunRow> = old.iter().map(|run| (key(run), run)).collect();
@@ -31,11 +31,11 @@ pub(crate) fn parts(before: &Problems, after: &Problems) -> Result<Vec<Part>, Re
     let looks = Looks::new(new);
     let text = sentences(&pairs, old.len(), new.len());
     let note = "\nA ratio is after over before. Seconds compare if both studies come from one machine.\n";
-    Ok(vec![
+    vec![
         Part::text("against-found", text),
-        Part::figure("against", figure(&pairs, &looks)?),
-        Part::table("against", table(&pairs)?, note),
-    ])
+        Part::figure("against", figure(&pairs, &looks)),
+        Part::table("against", table(&pairs), note),
+    ]
 }
 
 fn ratio((before, after): &Pair, of: fn(&RunRow) -> Option<f64>) -> Option<f64> {
@@ -69,7 +69,7 @@ fn sentences(pairs: &[Pair], before: usize, after: usize) -> String {
     text
 }
 
-fn figure(pairs: &[Pair], looks: &Looks) -> Result<String, ReportError> {
+fn figure(pairs: &[Pair], looks: &Looks) -> String {
     let mut methods: Vec<&str> = Vec::new();
     for (_, after) in pairs {
         if !methods.contains(&after.method.as_str()) {
@@ -82,7 +82,7 @@ fn figure(pairs: &[Pair], looks: &Looks) -> Result<String, ReportError> {
     };
     let mut signs: Vec<(Sign, String)> = methods.iter().map(sign).collect();
     signs.push((Sign::Line(TOLERANCE), "the same; below it less than before".to_owned()));
-    let legend = Legend::new(Vec::new(), signs, INSIDE)?;
+    let legend = Legend::new(Vec::new(), signs, INSIDE);
     let title =
         format!("{} in both studies; those that converged in both are drawn", counted(pairs.len(), "run"));
     row(&[title], MEASURES.len(), &legend, |canvas, i, room| panel(canvas, pairs, looks, &MEASURES[i], room))
@@ -95,33 +95,27 @@ fn point<'r>(pair: &Pair<'r>, measure: &Measure) -> Option<(&'r RunRow, (f64, f6
     (x.is_finite() && y.is_finite()).then_some((pair.1, (x, y)))
 }
 
-fn panel(
-    canvas: &Canvas,
-    pairs: &[Pair],
-    looks: &Looks,
-    measure: &Measure,
-    room: Room,
-) -> Result<(), ReportError> {
+fn panel(canvas: &Canvas, pairs: &[Pair], looks: &Looks, measure: &Measure, room: Room) {
     let points: Vec<(&RunRow, (f64, f64))> = pairs.iter().filter_map(|pair| point(pair, measure)).collect();
     let range = padded(points.iter().flat_map(|(_, (x, y))| [*x, *y]), 0.08);
-    let frame =
-        Frame { x: Axis::log(range, room.left, room.right), y: Axis::log(range, room.bottom, room.top) };
-    frame.draw(canvas)?;
-    frame.name(canvas, "before", &format!("after: {}", measure.title))?;
+    let name = format!("after: {}", measure.title);
+    let frame = room.frame(canvas, (Scale::Ten, range, "before"), (Scale::Ten, range, &name));
     if let Some(same) = frame.diagonal() {
-        canvas.line(&same, TOLERANCE)?;
+        canvas.line(&same, TOLERANCE);
     }
     for (run, place) in &points {
         let look = looks.of_method(&run.method).signed();
-        canvas.mark(look.mark, frame.place(*place), look.pen)?;
+        canvas.mark(look.mark, frame.place(*place), look.pen);
     }
-    if points.is_empty() { draw_empty(canvas, &frame) } else { Ok(()) }
+    if points.is_empty() {
+        draw_empty(canvas, &frame);
+    }
 }
 
-fn table(pairs: &[Pair]) -> Result<polars::prelude::DataFrame, ReportError> {
+fn table(pairs: &[Pair]) -> DataFrame {
     let of_both = |i: usize| pairs.iter().map(|pair| ratio(pair, MEASURES[i].of)).collect::<Vec<_>>();
     let seconds = |run: &RunRow| (MEASURES[1].of)(run);
-    Ok(df!(
+    frame(df!(
         "problem" => pairs.iter().map(|(_, run)| run.problem.as_str()).collect::<Vec<_>>(),
         "method" => pairs.iter().map(|(_, run)| run.method.as_str()).collect::<Vec<_>>(),
         "variant" => pairs.iter().map(|(_, run)| run.variant.as_str()).collect::<Vec<_>>(),
@@ -133,7 +127,7 @@ fn table(pairs: &[Pair]) -> Result<polars::prelude::DataFrame, ReportError> {
         "seconds_before" => pairs.iter().map(|(run, _)| seconds(run)).collect::<Vec<_>>(),
         "seconds_after" => pairs.iter().map(|(_, run)| seconds(run)).collect::<Vec<_>>(),
         "seconds_ratio" => of_both(1),
-    )?)
+    ))
 }
 
 #[cfg(test)]

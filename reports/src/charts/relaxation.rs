@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 
 use crate::draw::{
-    Axis, BEST, Canvas, DASHES, Frame, INSIDE, Legend, Look, MARKS, MOST_LINES, Mark, Pen, Room, SPARE,
-    Scale, Sign, TOLERANCE, draw_empty, draw_signs, endings, grid, series,
+    BEST, Canvas, DASHES, INSIDE, Legend, Look, MARKS, MOST_LINES, Mark, Pen, Room, SPARE, Scale, Sign,
+    TOLERANCE, draw_empty, draw_signs, endings, grid, series,
 };
-use crate::error::ReportError;
 use crate::read::{Ending, Problems, RunRow, counted, number, padded, problems};
-use crate::text::{Part, nothing, too_many};
+use crate::text::{Part, frame, nothing, too_many};
 use polars::df;
 use polars::prelude::DataFrame;
 
@@ -31,14 +30,14 @@ struct Overall {
 }
 
 /// The figure and the table `relaxation`.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let swept_over = |run: &&RunRow| run.ending != Ending::Skipped && omega(run).is_some();
     let runs: Vec<&RunRow> = study.runs.iter().filter(swept_over).collect();
     let all = swept(&runs);
     let note: String = all.iter().filter_map(sentence).collect();
     let rule = "\nThe best fixed ω fails on the fewest problems, and among such has the least geometric mean of iterations; a \
                 run that failed counts with all iterations that it was allowed.\n";
-    Ok(vec![figure(&runs, &all)?, Part::table(KEY, table(&all)?, format!("{rule}{note}"))])
+    vec![figure(&runs, &all), Part::table(KEY, table(&all), format!("{rule}{note}"))]
 }
 
 fn omega(run: &RunRow) -> Option<f64> {
@@ -136,21 +135,21 @@ fn looks(runs: &[&RunRow]) -> (Vec<(String, Look)>, BTreeMap<String, Look>) {
     (entries, by_kind)
 }
 
-fn figure(runs: &[&RunRow], all: &[Swept]) -> Result<Part, ReportError> {
+fn figure(runs: &[&RunRow], all: &[Swept]) -> Part {
     let lines: usize = all.iter().map(|swept| swept.problems.len()).sum();
     if lines == 0 {
         let why = "no method was run with several values of `relaxation`";
-        return Ok(nothing(KEY, "Iterations against ω", why));
+        return nothing(KEY, "Iterations against ω", why);
     }
     if lines > MOST_LINES {
-        return Ok(too_many(KEY, "Iterations against ω", lines));
+        return too_many(KEY, "Iterations against ω", lines);
     }
     let shown: Vec<&RunRow> = all.iter().flat_map(|swept| &swept.problems).flatten().copied().collect();
     let (entries, looks) = looks(runs);
     let mut signs = endings(shown.iter().map(|run| run.ending).filter(|ending| *ending != Ending::Converged));
     signs.push((Sign::Mark(Mark::Ring, BEST), "best ω of the problem".to_owned()));
     signs.push((Sign::Line(TOLERANCE), "best fixed ω over all problems".to_owned()));
-    let legend = Legend::new(entries, signs, INSIDE)?;
+    let legend = Legend::new(entries, signs, INSIDE);
     let (first, last) = (shown.first(), all.len());
     let stop = first.and_then(|run| {
         Some(format!(", iterations to {} ≤ {}", run.stop_on.replace('_', " "), number(run.tolerance?, 2)))
@@ -158,9 +157,11 @@ fn figure(runs: &[&RunRow], all: &[Swept]) -> Result<Part, ReportError> {
     let title = format!("{}{}", counted(shown.len(), "run"), stop.unwrap_or_default());
     let columns = last.min(2);
     let svg = grid(&[title], (columns, last.div_ceil(columns)), &legend, |canvas, i, room| {
-        all.get(i).map_or(Ok(()), |swept| panel(canvas, swept, &looks, room))
-    })?;
-    Ok(Part::figure(KEY, svg))
+        if let Some(swept) = all.get(i) {
+            panel(canvas, swept, &looks, room);
+        }
+    });
+    Part::figure(KEY, svg)
 }
 
 /// Where ω is on its axis; what is not below 2 has no place there.
@@ -168,23 +169,14 @@ fn place(run: &RunRow) -> Option<f64> {
     Some(Scale::of_relaxation(omega(run)?)).filter(|place| place.is_finite())
 }
 
-fn panel(
-    canvas: &Canvas,
-    swept: &Swept,
-    looks: &BTreeMap<String, Look>,
-    room: Room,
-) -> Result<(), ReportError> {
+fn panel(canvas: &Canvas, swept: &Swept, looks: &BTreeMap<String, Look>, room: Room) {
     let runs = || swept.problems.iter().flatten();
     let iterations = runs().filter(|run| has_converged(run)).map(|run| (run.iterations as f64).log10());
     let x = padded(runs().filter_map(|run| place(run)), 0.05);
-    let frame = Frame {
-        x: Axis { scale: Scale::Relaxation, ..Axis::log(x, room.left, room.right) },
-        y: Axis::log(padded(iterations, 0.1), room.bottom, room.top),
-    };
-    frame.draw(canvas)?;
-    frame.name(canvas, "relaxation ω (–)", &format!("iterations of {}", swept.label))?;
+    let (y, name) = (padded(iterations, 0.1), format!("iterations of {}", swept.label));
+    let frame = room.frame(canvas, (Scale::Relaxation, x, "relaxation ω (–)"), (Scale::Ten, y, &name));
     if let Some(fixed) = swept.fixed().map(|fixed| Scale::of_relaxation(fixed.relaxation)) {
-        canvas.line(&[(frame.x.place(fixed), room.bottom), (frame.x.place(fixed), room.top)], TOLERANCE)?;
+        canvas.line(&[(frame.x.place(fixed), room.bottom), (frame.x.place(fixed), room.top)], TOLERANCE);
     }
     for runs in &swept.problems {
         let look = looks[&kind(&runs[0].problem)];
@@ -195,17 +187,20 @@ fn panel(
         };
         let points: Vec<_> = runs.iter().filter_map(point).collect();
         let converged = points.iter().filter(|(ending, _)| *ending == Ending::Converged);
-        canvas.line(&converged.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>(), look.pen)?;
-        draw_signs(canvas, &frame, &[(look, points.as_slice())])?;
+        canvas.line(&converged.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>(), look.pen);
+        draw_signs(canvas, &frame, &[(look, points.as_slice())]);
         if let Some((_, point)) = best(runs).and_then(|run| point(&run)) {
-            canvas.mark(Mark::Ring, frame.place(point), BEST)?;
+            canvas.mark(Mark::Ring, frame.place(point), BEST);
         }
     }
-    if runs().any(|run| has_converged(run)) { Ok(()) } else { draw_empty(canvas, &frame) }
+    if runs().any(|run| has_converged(run)) {
+    } else {
+        draw_empty(canvas, &frame);
+    }
 }
 
 /// One row per method and problem.
-fn table(all: &[Swept]) -> Result<DataFrame, ReportError> {
+fn table(all: &[Swept]) -> DataFrame {
     let rows: Vec<(&Swept, &Vec<&RunRow>)> =
         all.iter().flat_map(|swept| swept.problems.iter().map(move |runs| (swept, runs))).collect();
     let at = |runs: &[&RunRow], relaxation: f64| {
@@ -213,7 +208,7 @@ fn table(all: &[Swept]) -> Result<DataFrame, ReportError> {
         has_converged(run).then_some(run.iterations)
     };
     let fixed = |swept: &Swept| swept.fixed().map(|fixed| fixed.relaxation);
-    Ok(df!(
+    frame(df!(
         "method" => rows.iter().map(|(swept, _)| swept.label.as_str()).collect::<Vec<_>>(),
         "problem" => rows.iter().map(|(_, runs)| runs[0].problem.as_str()).collect::<Vec<_>>(),
         "failed" => rows.iter().map(|(_, runs)| runs.iter().filter(|run| !has_converged(run)).count() as u64).collect::<Vec<_>>(),
@@ -222,5 +217,5 @@ fn table(all: &[Swept]) -> Result<DataFrame, ReportError> {
         "best_fixed" => rows.iter().map(|(swept, _)| fixed(swept)).collect::<Vec<_>>(),
         "iterations_at_best_fixed" => rows.iter().map(|(swept, runs)| at(runs, fixed(swept)?)).collect::<Vec<_>>(),
         "iterations_at_1" => rows.iter().map(|(_, runs)| at(runs, 1.0)).collect::<Vec<_>>(),
-    )?)
+    ))
 }

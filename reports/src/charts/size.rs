@@ -1,14 +1,13 @@
 //! Cost against the number of grains, with the exponents of fitted powers.
 
 use crate::draw::{
-    Axis, Canvas, Frame, HPos, INSIDE, Legend, MOST_LINES, Points, Room, Series, TICK_TEXT, TOLERANCE, VPos,
+    Canvas, Frame, HPos, INSIDE, Legend, MOST_LINES, Points, Room, Scale, Series, TICK_TEXT, TOLERANCE, VPos,
     draw_empty, draw_signs, endings, grid, key, on_the_way, reach, series,
 };
-use crate::error::ReportError;
 use crate::read::{
     Ending, Problems, RunRow, Verdicts, WORK, counted, distinct, problems, slope, span, stopped_at_1e_2,
 };
-use crate::text::{Part, nothing, too_many};
+use crate::text::{Part, frame, nothing, too_many};
 use polars::df;
 use polars::prelude::DataFrame;
 use std::collections::BTreeSet;
@@ -41,18 +40,18 @@ const SLOPES: [(f64, &str); 2] = [(0.5, "∝ √n"), (1.0, "∝ n")];
 const BELOW: f64 = 0.2;
 
 /// The figure `size`, and the table with the exponents.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = &study.runs;
     let mut all = series(runs, &[]);
     for series in &mut all {
         series.runs.retain(|run| run.ending != Ending::Skipped);
     }
-    let table = table(runs, &all)?;
+    let table = table(runs, &all);
     let note = format!(
         "\nCost = a · grains^exponent, least squares in logarithms over the runs that converged, or reached 10⁻² on their \
          way; none on fewer than {SIZES} sizes. {WORK}\n"
     );
-    Ok(vec![figure(runs, &all)?, Part::table("size", table, note)])
+    vec![figure(runs, &all), Part::table("size", table, note)]
 }
 
 fn points(series: &Series, cost: &Cost) -> Points {
@@ -71,16 +70,16 @@ fn exponent(series: &Series, cost: &Cost) -> Option<f64> {
     slope(&points).filter(|_| sizes >= SIZES)
 }
 
-fn figure(runs: &[RunRow], all: &[Series]) -> Result<Part, ReportError> {
+fn figure(runs: &[RunRow], all: &[Series]) -> Part {
     if all.len() > MOST_LINES {
-        return Ok(too_many("size-found", "size", all.len()));
+        return too_many("size-found", "size", all.len());
     }
     let sizes: BTreeSet<u32> = all.iter().flat_map(|series| &series.runs).map(|run| run.grains).collect();
     if sizes.len() < 2 {
         let same = sizes
             .first()
             .map_or("no run".to_owned(), |n| format!("every problem has {}", counted(*n as usize, "grain")));
-        return Ok(nothing("size-found", "size", &format!("{same}, and cost has nothing to grow with")));
+        return nothing("size-found", "size", &format!("{same}, and cost has nothing to grow with"));
     }
     let costs: Vec<&Cost> = COSTS.iter().filter(|cost| !(cost.on_the_way && stopped_at_1e_2(runs))).collect();
     // By panel, then by series.
@@ -101,7 +100,7 @@ fn figure(runs: &[RunRow], all: &[Series]) -> Result<Part, ReportError> {
     let (entries, mut signs) = key(keyed);
     let shown = || all.iter().flat_map(|series| &series.runs);
     signs.extend(endings(shown().map(|run| run.ending).filter(|ending| *ending != Ending::Converged)));
-    let legend = Legend::new(entries, signs, INSIDE)?;
+    let legend = Legend::new(entries, signs, INSIDE);
     let counts = format!(
         "{}, {}, {} of n grains. ",
         counted(problems(runs).len(), "problem"),
@@ -117,49 +116,39 @@ fn figure(runs: &[RunRow], all: &[Series]) -> Result<Part, ReportError> {
     };
     let grid_of = if costs.len() == 4 { (2, 2) } else { (costs.len(), 1) };
     let svg = grid(&[counts + &lines], grid_of, &legend, |canvas, i, room| {
-        panel(canvas, all, costs[i], &clouds[i], room)
-    })?;
-    Ok(Part::figure("size", svg))
+        panel(canvas, all, costs[i], &clouds[i], room);
+    });
+    Part::figure("size", svg)
 }
 
-fn panel(
-    canvas: &Canvas,
-    all: &[Series],
-    cost: &Cost,
-    clouds: &[Points],
-    room: Room,
-) -> Result<(), ReportError> {
+fn panel(canvas: &Canvas, all: &[Series], cost: &Cost, clouds: &[Points], room: Room) {
     let (low, high) = reach(clouds.iter().flatten(), |point| point.1);
-    let frame = Frame {
-        x: Axis::log(reach(clouds.iter().flatten(), |point| point.0), room.left, room.right),
-        y: Axis::log((low - BELOW / (1.0 - BELOW) * (high - low), high), room.bottom, room.top),
-    };
-    frame.draw(canvas)?;
-    frame.name(canvas, "grains", cost.title)?;
+    let x = reach(clouds.iter().flatten(), |point| point.0);
+    let y = (low - BELOW / (1.0 - BELOW) * (high - low), high);
+    let frame = room.frame(canvas, (Scale::Ten, x, "grains"), (Scale::Ten, y, cost.title));
     if clouds.iter().all(Vec::is_empty) {
         return draw_empty(canvas, &frame);
     }
-    draw_slopes(canvas, &frame)?;
+    draw_slopes(canvas, &frame);
     for (series, cloud) in all.iter().zip(clouds) {
         let fit = fit(&converged(cloud)).map(|line| line.map(|point| frame.place(point)));
-        canvas.line(fit.as_ref().map_or(&[], |line| line.as_slice()), series.look.pen)?;
+        canvas.line(fit.as_ref().map_or(&[], |line| line.as_slice()), series.look.pen);
     }
     let signs: Vec<_> =
         all.iter().zip(clouds).map(|(series, cloud)| (series.look, cloud.as_slice())).collect();
-    draw_signs(canvas, &frame, &signs)
+    draw_signs(canvas, &frame, &signs);
 }
 
 /// The slopes to compare with, from one place below the costs.
-fn draw_slopes(canvas: &Canvas, frame: &Frame) -> Result<(), ReportError> {
+fn draw_slopes(canvas: &Canvas, frame: &Frame) {
     let (wide, high) = (frame.x.high - frame.x.low, frame.y.high - frame.y.low);
     let from = (frame.x.low + 0.4 * wide, frame.y.low + 0.03 * high);
     for ((slope, text), lower) in SLOPES.into_iter().zip([1.2, -1.2]) {
         let run = (0.3 * wide).min(0.8 * BELOW * high / slope);
         let to = frame.place((from.0 + run, from.1 + slope * run));
-        canvas.line(&[frame.place(from), to], TOLERANCE)?;
-        canvas.text(text, (to.0 + 0.6, to.1 + lower), TICK_TEXT, (HPos::Left, VPos::Center))?;
+        canvas.line(&[frame.place(from), to], TOLERANCE);
+        canvas.text(text, (to.0 + 0.6, to.1 + lower), TICK_TEXT, (HPos::Left, VPos::Center));
     }
-    Ok(())
 }
 
 /// Ends of the fitted line over the sizes that there are; of two sizes it joins the means.
@@ -171,11 +160,11 @@ fn fit(points: &[(f64, f64)]) -> Option<[(f64, f64); 2]> {
     Some([low, high].map(|at| (at, y + slope * (at - x))))
 }
 
-fn table(runs: &[RunRow], all: &[Series]) -> Result<DataFrame, ReportError> {
+fn table(runs: &[RunRow], all: &[Series]) -> DataFrame {
     let exponents = |i: usize| all.iter().map(|s| exponent(s, &COSTS[i])).collect::<Vec<_>>();
     let verdicts = Verdicts::of(runs);
     let failed = |series: &Series| series.runs.iter().filter(|run| !verdicts.is_right(run)).count() as u64;
-    Ok(df!(
+    frame(df!(
         "method" => all.iter().map(Series::label).collect::<Vec<_>>(),
         "runs" => all.iter().map(|series| series.runs.len() as u64).collect::<Vec<_>>(),
         "failed" => all.iter().map(failed).collect::<Vec<_>>(),
@@ -183,5 +172,5 @@ fn table(runs: &[RunRow], all: &[Series]) -> Result<DataFrame, ReportError> {
         "iterations_exponent" => exponents(1),
         "seconds_exponent" => exponents(2),
         "work_exponent" => exponents(3),
-    )?)
+    ))
 }

@@ -3,13 +3,13 @@
 use std::borrow::Cow;
 
 use crate::draw::{
-    Axis, Canvas, Frame, INSIDE, Legend, MOST_LINES, Pen, Points, Room, Scale, Series, Sign, TOLERANCE,
-    draw_empty, draw_signs, endings, grid, has_line, key, on_the_way, reach, series, title,
+    Canvas, INSIDE, Legend, MOST_LINES, Pen, Points, Room, Scale, Series, Sign, TOLERANCE, draw_empty,
+    draw_signs, endings, grid, has_line, key, on_the_way, reach, series, title,
 };
-use crate::error::ReportError;
 use crate::read::{Ending, Problems, RunRow, file_name, problems};
-use crate::text::{Part, too_many};
+use crate::text::{Part, frame, too_many};
 use polars::df;
+use polars::prelude::DataFrame;
 
 /// What a panel shows of a run of a series.
 pub(crate) struct Panel {
@@ -44,18 +44,18 @@ pub(crate) fn seconds_per_iteration(run: &RunRow) -> Option<f64> {
 }
 
 /// `subdomains-<problem>` for each problem, and the table `subdomains` with the growth.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs: Vec<&RunRow> = study.runs.iter().collect();
     let mut parts = Vec::new();
     for problem in problems(&study.runs) {
         let name = format!("subdomains-{}", file_name(problem));
-        parts.push(on_problem(name, &runs, problem, &PANELS, Vec::new())?);
+        parts.push(on_problem(name, &runs, problem, &PANELS, Vec::new()));
     }
-    let table = table(&series(&study.runs, &["subdomains"]))?;
+    let table = table(&series(&study.runs, &["subdomains"]));
     let note =
         "\nGrowth: iterations over those of the same method and settings with the fewest subdomains.\n";
     parts.push(Part::table("subdomains", table, note));
-    Ok(parts)
+    parts
 }
 
 /// The series on one problem; a run that was skipped has no point.
@@ -75,7 +75,7 @@ pub(crate) fn on_problem(
     problem: &str,
     panels: &[Panel],
     notes: Vec<String>,
-) -> Result<Part, ReportError> {
+) -> Part {
     let all = series_on(runs, problem);
     let shown: Vec<&RunRow> = all.iter().flat_map(|series| series.runs.iter().copied()).collect();
     figure(name, title(problem, &shown), &all, panels, notes)
@@ -88,9 +88,9 @@ pub(crate) fn figure(
     all: &[Series],
     panels: &[Panel],
     notes: Vec<String>,
-) -> Result<Part, ReportError> {
+) -> Part {
     if all.len() > MOST_LINES {
-        return Ok(too_many(name, &title, all.len()));
+        return too_many(name, &title, all.len());
     }
     // By panel, then by series.
     let lines: Vec<Vec<Points>> =
@@ -112,16 +112,16 @@ pub(crate) fn figure(
         signs.push((Sign::Word, "Level lines: methods without subdomains.".to_owned()));
     }
     signs.extend(notes.into_iter().map(|note| (Sign::Word, note)));
-    let legend = Legend::new(entries, signs, INSIDE)?;
+    let legend = Legend::new(entries, signs, INSIDE);
     let columns = if panels.len() == 4 { 2 } else { panels.len() };
     let rows = panels.len().div_ceil(columns);
     let shared: Vec<&Points> =
         panels.iter().zip(&lines).filter(|(panel, _)| panel.ideal).flat_map(|(_, lines)| lines).collect();
     let svg = grid(&[title], (columns, rows), &legend, |canvas, i, room| {
         let of_panel: Vec<&Points> = if panels[i].ideal { shared.clone() } else { lines[i].iter().collect() };
-        panel(canvas, all, &panels[i], (&lines[i], &of_panel), room)
-    })?;
-    Ok(Part::figure(name, svg))
+        panel(canvas, all, &panels[i], (&lines[i], &of_panel), room);
+    });
+    Part::figure(name, svg)
 }
 
 /// Subdomains and value of the runs of a series.
@@ -158,7 +158,7 @@ fn panel(
     panel: &Panel,
     (lines, range): (&[Points], &[&Points]),
     room: Room,
-) -> Result<(), ReportError> {
+) {
     let x = reach(range.iter().copied().flatten(), |point| point.0);
     let ideal: Points = if has_ideal(panel, lines) {
         range.iter().copied().flatten().map(|&(ending, (log, _))| (ending, (log, log))).collect()
@@ -166,33 +166,30 @@ fn panel(
         Vec::new()
     };
     let y = reach(range.iter().copied().flatten().chain(&ideal), |point| point.1);
-    let frame = Frame {
-        x: Axis { scale: Scale::Two, ..Axis::log(x, room.left, room.right) },
-        y: Axis::log(y, room.bottom, room.top),
-    };
-    frame.draw(canvas)?;
-    frame.name(canvas, "subdomains", &panel.title)?;
+    let frame = room.frame(canvas, (Scale::Two, x, "subdomains"), (Scale::Ten, y, &panel.title));
     if let Some(ideal) = frame.diagonal().filter(|_| !ideal.is_empty()) {
-        canvas.line(&ideal, TOLERANCE)?;
+        canvas.line(&ideal, TOLERANCE);
     }
     for (series, points) in all.iter().zip(lines) {
         let pen = series.look.pen;
         if let Some(value) = level(series, points, lines) {
             let y = frame.y.place(value);
-            canvas.line(&[(room.left, y), (room.right, y)], pen)?;
+            canvas.line(&[(room.left, y), (room.right, y)], pen);
         }
         let line = joined(points);
         let places = |limit: bool| {
             let points = line.iter().filter(|(ending, _)| limit || *ending == Ending::Converged);
             points.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>()
         };
-        canvas.line(&places(true), Pen { width: 0.4 * pen.width, ..pen })?;
-        canvas.line(&places(false), pen)?;
+        canvas.line(&places(true), Pen { width: 0.4 * pen.width, ..pen });
+        canvas.line(&places(false), pen);
     }
     let signs: Vec<_> =
         all.iter().zip(lines).map(|(series, points)| (series.look, points.as_slice())).collect();
-    draw_signs(canvas, &frame, &signs)?;
-    if lines.iter().all(Vec::is_empty) { draw_empty(canvas, &frame) } else { Ok(()) }
+    draw_signs(canvas, &frame, &signs);
+    if lines.iter().all(Vec::is_empty) {
+        draw_empty(canvas, &frame);
+    }
 }
 
 /// Iterations of a run over those of the one with the fewest subdomains among `same`, if both converged.
@@ -203,7 +200,7 @@ pub(crate) fn growth<'r>(run: &RunRow, same: impl Iterator<Item = &'r RunRow>) -
 }
 
 /// One row per run, with its iterations over those of the fewest subdomains.
-fn table(all: &[Series]) -> Result<polars::prelude::DataFrame, ReportError> {
+fn table(all: &[Series]) -> DataFrame {
     let mut rows: Vec<(&Series, &RunRow, Option<f64>)> = Vec::new();
     for series in all {
         for run in &series.runs {
@@ -211,7 +208,7 @@ fn table(all: &[Series]) -> Result<polars::prelude::DataFrame, ReportError> {
             rows.push((series, run, growth(run, same.copied())));
         }
     }
-    Ok(df!(
+    frame(df!(
         "problem" => rows.iter().map(|(_, run, _)| run.problem.as_str()).collect::<Vec<_>>(),
         "method" => rows.iter().map(|(series, ..)| series.label()).collect::<Vec<_>>(),
         "subdomains" => rows.iter().map(|(_, run, _)| run.subdomains).collect::<Vec<_>>(),
@@ -222,5 +219,5 @@ fn table(all: &[Series]) -> Result<polars::prelude::DataFrame, ReportError> {
             rows.iter().map(|(_, run, _)| seconds_per_iteration(run)).collect::<Vec<_>>(),
         "setup_s" => rows.iter().map(|(_, run, _)| run.setup_s).collect::<Vec<_>>(),
         "seconds" => rows.iter().map(|(_, run, _)| run.seconds()).collect::<Vec<_>>(),
-    )?)
+    ))
 }

@@ -5,14 +5,14 @@ mod error;
 mod tests;
 
 use polars::df;
+use polars::prelude::DataFrame;
 
 use crate::draw::{
-    Axis, Canvas, Frame, HPos, INK, INSIDE, LOWEST, Legend, Look, Mark, Pen, Place, Room, Sign, TICK_TEXT,
+    Canvas, HPos, INK, INSIDE, LOWEST, Legend, Look, Mark, Pen, Place, Room, Scale, Sign, TICK_TEXT,
     TOLERANCE, VPos, grid, log, looks_in_time,
 };
-use crate::error::ReportError;
 use crate::read::{Simulation, file_name, in_role, milliseconds, number, padded, span};
-use crate::text::Part;
+use crate::text::{Part, frame};
 use error::{OBSERVABLES, errors};
 
 /// Tells time steps apart, from the longest.
@@ -29,7 +29,7 @@ struct Compared<'s> {
 }
 
 /// `trajectory-<scene>` for each scene, `trajectory-found` in words, and the table `trajectory` with all errors.
-pub(crate) fn parts(all: &[Simulation]) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
     let compared: Vec<Compared> = all
         .iter()
         .map(|simulation| {
@@ -50,25 +50,25 @@ pub(crate) fn parts(all: &[Simulation]) -> Result<Vec<Part>, ReportError> {
         let of_scene: Vec<&Compared> = compared.iter().filter(|c| c.simulation.scene == scene).collect();
         if of_scene.iter().any(|c| c.errors.is_some() && c.simulation.role != "reference") {
             let name = format!("trajectory-{}", file_name(scene));
-            parts.push(Part::figure(name, figure(scene, &of_scene, &looks)?));
+            parts.push(Part::figure(name, figure(scene, &of_scene, &looks)));
         }
         text += &sentences(scene, &of_scene);
     }
     parts.push(Part::text("trajectory-found", text));
-    parts.push(Part::table("trajectory", table(&compared)?, format!("\n{NORMS}\n")));
-    Ok(parts)
+    parts.push(Part::table("trajectory", table(&compared), format!("\n{NORMS}\n")));
+    parts
 }
 
 const NORMS: &str = "Errors over the common times of the series, beside the reference: root of the mean square, for the \
                      impulses of the walls and the kinetic energy over that of the reference, for the greatest overlap \
                      and the mean height in mean diameters d. Seconds are those in the method alone.";
 
-fn table(compared: &[Compared]) -> Result<polars::prelude::DataFrame, ReportError> {
+fn table(compared: &[Compared]) -> DataFrame {
     fn column<'c, T>(compared: &[Compared<'c>], of: impl Fn(&'c Simulation) -> T) -> Vec<T> {
         compared.iter().map(|c| of(c.simulation)).collect()
     }
     let error = |i: usize| compared.iter().map(|c| c.errors.map(|e| e[i])).collect::<Vec<Option<f64>>>();
-    Ok(df!(
+    frame(df!(
         "scene" => column(compared, |s| s.scene.as_str()),
         "role" => column(compared, |s| s.role.as_str()),
         "time_step_s" => column(compared, |s| s.time_step_s),
@@ -82,16 +82,16 @@ fn table(compared: &[Compared]) -> Result<polars::prelude::DataFrame, ReportErro
         "greatest_overlap_mean_diameters" => error(2),
         "mean_height_mean_diameters" => error(3),
         "seconds_per_second" => column(compared, Simulation::seconds_per_second),
-    )?)
+    ))
 }
 
-fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> Result<String, ReportError> {
+fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> String {
     let steps = time_steps(compared);
     let mut signs: Vec<(Sign, String)> = steps
         .iter()
         .zip(MARKS.iter().cycle())
         .map(|(h, mark)| {
-            let pen = Pen { color: INK, width: 0.3, dash: &[] };
+            let pen = Pen::solid(INK, 0.3);
             (Sign::Mark(*mark, pen), format!("h = {} ms", milliseconds(*h)))
         })
         .collect();
@@ -109,7 +109,7 @@ fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> Resu
     if failed > 0 {
         signs.push((Sign::Word, format!("Not drawn, since they did not come to the end: {failed}.")));
     }
-    let legend = Legend::new(looks.to_vec(), signs, INSIDE)?;
+    let legend = Legend::new(looks.to_vec(), signs, INSIDE);
     let title =
         [format!("{scene}: errors of the trajectory against seconds of the method per simulated second")];
     grid(&title, (2, 2), &legend, |canvas, i, room| panel(canvas, compared, looks, i, room))
@@ -169,34 +169,27 @@ fn axes(compared: &[&Compared], i: usize) -> Option<Axes> {
     Some(Axes { x, y: (low, high.max(low + 1.0)), twins })
 }
 
-fn panel(
-    canvas: &Canvas,
-    compared: &[&Compared],
-    looks: &[(String, Look)],
-    i: usize,
-    room: Room,
-) -> Result<(), ReportError> {
+fn panel(canvas: &Canvas, compared: &[&Compared], looks: &[(String, Look)], i: usize, room: Room) {
     let runs = || compared.iter().filter(|c| c.simulation.is_run());
     let Some(Axes { x, y, twins }) = axes(compared, i) else {
         return canvas.text("no error known", (room.left, room.top), TICK_TEXT, (HPos::Left, VPos::Top));
     };
-    let frame = Frame { x: Axis::log(x, room.left, room.right), y: Axis::log(y, room.bottom, room.top) };
-    frame.draw(canvas)?;
-    frame.name(canvas, "seconds per simulated second", &format!("error of the {}", OBSERVABLES[i]))?;
+    let error = format!("error of the {}", OBSERVABLES[i]);
+    let frame = room.frame(canvas, (Scale::Ten, x, "seconds per simulated second"), (Scale::Ten, y, &error));
     let across = |canvas: &Canvas, at: f64, pen: Pen| {
-        canvas.line(&[(room.left, frame.y.place(at)), (room.right, frame.y.place(at))], pen)
+        canvas.line(&[(room.left, frame.y.place(at)), (room.right, frame.y.place(at))], pen);
     };
     for twin in twins {
-        across(canvas, twin, TWINS)?;
+        across(canvas, twin, TWINS);
     }
     let steps = time_steps(compared);
     for floor in of_role(compared, "floor") {
         let Some(at) = value(floor, i) else { continue };
-        across(canvas, at, TOLERANCE)?;
+        across(canvas, at, TOLERANCE);
         let text = format!("{} ms", milliseconds(floor.simulation.time_step_s));
         // Beside the ticks.
         let place = (room.left + 2.0, frame.y.place(at) - 0.2);
-        canvas.text(&text, place, TICK_TEXT, (HPos::Left, VPos::Bottom))?;
+        canvas.text(&text, place, TICK_TEXT, (HPos::Left, VPos::Bottom));
     }
     for (label, look) in looks {
         for (step, mark) in steps.iter().zip(MARKS.iter().cycle()) {
@@ -206,13 +199,12 @@ fn panel(
                 .collect();
             points.sort_by(|a, b| b.0.total_cmp(&a.0));
             let places: Vec<Place> = points.into_iter().map(|(_, place)| place).collect();
-            canvas.line(&places, look.pen)?;
+            canvas.line(&places, look.pen);
             for place in places {
-                canvas.mark(*mark, place, look.pen)?;
+                canvas.mark(*mark, place, look.pen);
             }
         }
     }
-    Ok(())
 }
 
 /// What the rows of a scene say, one sentence for each time step.

@@ -4,10 +4,9 @@ mod band;
 
 use super::against_truth::AgainstTruth;
 use crate::draw::{
-    Axis, Canvas, Frame, HPos, INSIDE, LOWEST, Line, Lines, LogPoint, Place, RGBColor, Room, Sign, TICK_TEXT,
-    TOLERANCE, VPos, draw_lines, log, range, row, text_width, title,
+    Axis, Canvas, Frame, HPos, INSIDE, LOWEST, Line, Lines, LogPoint, Place, RGBColor, Room, Scale, Sign,
+    TICK_TEXT, TOLERANCE, VPos, draw_lines, log, range, row, text_width, title,
 };
-use crate::error::ReportError;
 use crate::read::{Point, Problems, RunRow, number, power_of_ten, span};
 use crate::text::Part;
 use band::Band;
@@ -31,7 +30,7 @@ const MEASURES: [Measure; 3] = [
 const ASKED: f64 = 1e-4;
 
 /// `truth-<problem>` for each problem, and `truth` with the errors behind a measure of 10⁻⁴.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let lacks = "no truth to compare with";
     AgainstTruth { name: "truth", lacks, figure, sentences, note: String::new() }.parts(study)
 }
@@ -45,7 +44,7 @@ struct Shown {
     y: (f64, f64),
 }
 
-fn figure(study: &Lines, problem: &str, runs: &[&RunRow]) -> Result<String, ReportError> {
+fn figure(study: &Lines, problem: &str, runs: &[&RunRow]) -> String {
     let panels = MEASURES.each_ref().map(|measure| shown(study, runs, measure));
     let mut more = vec![(
         Sign::Line(TOLERANCE),
@@ -55,9 +54,9 @@ fn figure(study: &Lines, problem: &str, runs: &[&RunRow]) -> Result<String, Repo
         let text = "A band holds a curve that goes up and down; the line in it is the median.";
         more.push((Sign::Word, text.to_owned()));
     }
-    let legend = study.legend_of_best(runs, more, INSIDE)?;
+    let legend = study.legend_of_best(runs, more, INSIDE);
     row(&[title(problem, runs)], MEASURES.len(), &legend, |canvas, i, room| {
-        panel(canvas, &panels[i], &MEASURES[i], room)
+        panel(canvas, &panels[i], &MEASURES[i], room);
     })
 }
 
@@ -89,32 +88,26 @@ fn pale(RGBColor(r, g, b): RGBColor) -> RGBColor {
     RGBColor(pale(r), pale(g), pale(b))
 }
 
-fn panel(
-    canvas: &Canvas,
-    Shown { lines, bands, x, y }: &Shown,
-    measure: &Measure,
-    room: Room,
-) -> Result<(), ReportError> {
-    let frame = Frame { x: Axis::log(*x, room.left, room.right), y: Axis::log(*y, room.bottom, room.top) };
-    frame.draw(canvas)?;
-    frame.name(canvas, "velocity error (–)", measure.title)?;
+fn panel(canvas: &Canvas, Shown { lines, bands, x, y }: &Shown, measure: &Measure, room: Room) {
+    let name = "velocity error (–)";
+    let frame = room.frame(canvas, (Scale::Ten, *x, name), (Scale::Ten, *y, measure.title));
     for (color, band) in bands {
         let edge = band.high.iter().chain(band.low.iter().rev());
         let inside = |at: f64, axis: &Axis| axis.place(at.clamp(axis.low, axis.high));
         let corners: Vec<Place> = edge.map(|(x, y)| (inside(*x, &frame.x), inside(*y, &frame.y))).collect();
-        canvas.polygon(&corners, *color, None)?;
+        canvas.polygon(&corners, *color, None);
     }
-    draw_diagonal(canvas, &frame)?;
-    draw_lines(canvas, &frame, lines)
+    draw_diagonal(canvas, &frame);
+    draw_lines(canvas, &frame, lines);
 }
 
-fn draw_diagonal(canvas: &Canvas, frame: &Frame) -> Result<(), ReportError> {
-    let Some(diagonal) = frame.diagonal() else { return Ok(()) };
-    canvas.line(&diagonal, TOLERANCE)?;
+fn draw_diagonal(canvas: &Canvas, frame: &Frame) {
+    let Some(diagonal) = frame.diagonal() else { return };
+    canvas.line(&diagonal, TOLERANCE);
     // In the corner below the diagonal, where the curves of an honest measure do not come.
     let text = "promises too much";
-    let place = (frame.x.to - text_width(text, TICK_TEXT)? - 1.5, frame.y.from - 1.6);
-    canvas.text(text, place, TICK_TEXT, (HPos::Left, VPos::Bottom))
+    let place = (frame.x.to - text_width(text, TICK_TEXT) - 1.5, frame.y.from - 1.6);
+    canvas.text(text, place, TICK_TEXT, (HPos::Left, VPos::Bottom));
 }
 
 fn sentences(study: &Lines, problem: &str) -> String {

@@ -7,9 +7,8 @@ use super::critical_path::with_path;
 use crate::charts::critical_path::path;
 use crate::charts::subdomains::{ITERATIONS, Panel, figure, growth, seconds_per_iteration};
 use crate::draw::{DASHES, Look, Looks, Pen, Series, series};
-use crate::error::ReportError;
 use crate::read::{Problems, RunRow, counted, stopped_at_1e_2};
-use crate::text::{Part, nothing};
+use crate::text::{Part, frame, nothing};
 use polars::df;
 use polars::prelude::DataFrame;
 
@@ -44,11 +43,11 @@ const NOTE: &str = "\nThe longest subdomain: its multiply-adds in all iterations
                     those with the fewest subdomains, as many grains in each.\n";
 
 /// The figure `weak`, and the table of all runs whose grains per subdomain come with several numbers of subdomains.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = with_path(study);
     let all = all(&runs);
-    let figure = drawn(all.clone(), &Looks::new(runs.iter().copied()), &panels(&runs))?;
-    Ok(vec![figure, Part::table("weak", table(&all)?, NOTE)])
+    let figure = drawn(all.clone(), &Looks::new(runs.iter().copied()), &panels(&runs));
+    vec![figure, Part::table("weak", table(&all), NOTE)]
 }
 
 /// Runs that agree in their settings and in their grains per subdomain, with at least two numbers of subdomains.
@@ -73,7 +72,7 @@ fn all<'r>(runs: &[&'r RunRow]) -> Vec<(f64, Series<'r>)> {
 }
 
 /// The figure of the numbers of grains per subdomain that come most often, as many as there are dashes.
-fn drawn(mut all: Vec<(f64, Series)>, looks: &Looks, panels: &[Panel]) -> Result<Part, ReportError> {
+fn drawn(mut all: Vec<(f64, Series)>, looks: &Looks, panels: &[Panel]) -> Part {
     let mut often: BTreeMap<u64, usize> = BTreeMap::new();
     for (each, series) in &all {
         *often.entry(each.to_bits()).or_default() += series.runs.len();
@@ -86,7 +85,7 @@ fn drawn(mut all: Vec<(f64, Series)>, looks: &Looks, panels: &[Panel]) -> Result
     all.retain(|(each, _)| often.iter().any(|(of, _)| of == each));
     if all.is_empty() {
         let why = "no number of grains per subdomain comes with several numbers of subdomains";
-        return Ok(nothing("weak-found", "weak", why));
+        return nothing("weak-found", "weak", why);
     }
     let one_method = all.windows(2).all(|pair| pair[0].1.method == pair[1].1.method);
     let runs: usize = all.iter().map(|(_, series)| series.runs.len()).sum();
@@ -104,7 +103,7 @@ fn drawn(mut all: Vec<(f64, Series)>, looks: &Looks, panels: &[Panel]) -> Result
 }
 
 /// One row per run.
-fn table(all: &[(f64, Series)]) -> Result<DataFrame, ReportError> {
+fn table(all: &[(f64, Series)]) -> DataFrame {
     let rows: Vec<(f64, &Series, &RunRow)> = all
         .iter()
         .flat_map(|(each, series)| {
@@ -113,7 +112,7 @@ fn table(all: &[(f64, Series)]) -> Result<DataFrame, ReportError> {
             runs.into_iter().map(move |run| (*each, series, run))
         })
         .collect();
-    Ok(df!(
+    frame(df!(
         "method" => rows.iter().map(|(_, series, _)| series.label()).collect::<Vec<_>>(),
         "grains_per_subdomain" => rows.iter().map(|(each, ..)| *each).collect::<Vec<_>>(),
         "subdomains" => rows.iter().map(|(.., run)| run.subdomains).collect::<Vec<_>>(),
@@ -124,5 +123,5 @@ fn table(all: &[(f64, Series)]) -> Result<DataFrame, ReportError> {
         "growth" => rows.iter().map(|(_, series, run)| growth(run, series.runs.iter().copied())).collect::<Vec<_>>(),
         "longest_subdomain" => rows.iter().map(|(.., run)| path(run)).collect::<Vec<_>>(),
         "seconds_per_iteration" => rows.iter().map(|(.., run)| seconds_per_iteration(run)).collect::<Vec<_>>(),
-    )?)
+    ))
 }

@@ -6,7 +6,6 @@ use crate::draw::{
     Canvas, DASHES, Family, HPos, LEADING, MARKS, METHODS, Mark, Pen, Place, SPARE, Sign, Signs, TEXT, VPos,
     text_width,
 };
-use crate::error::ReportError;
 use crate::read::{RunRow, Simulation};
 
 /// Length of the sample of a line (mm).
@@ -120,17 +119,11 @@ pub(crate) struct Legend {
 
 impl Legend {
     /// Lays entries out in a width (mm).
-    pub(crate) fn new(
-        entries: Vec<(String, Look)>,
-        signs: Vec<(Sign, String)>,
-        width: f64,
-    ) -> Result<Self, ReportError> {
-        let mut column = 0.0_f64;
-        for (label, _) in &entries {
-            column = column.max(KEY + GAP + text_width(label, TEXT)? + COLUMN_GAP);
-        }
+    pub(crate) fn new(entries: Vec<(String, Look)>, signs: Vec<(Sign, String)>, width: f64) -> Self {
+        let wide = entries.iter().map(|(label, _)| KEY + GAP + text_width(label, TEXT) + COLUMN_GAP);
+        let column = wide.fold(0.0, f64::max);
         let columns = if column > 0.0 { ((width / column) as usize).max(1) } else { 1 };
-        Ok(Self { rows: entries.len().div_ceil(columns), entries, column, signs: Signs::new(signs, width)? })
+        Self { rows: entries.len().div_ceil(columns), entries, column, signs: Signs::new(signs, width) }
     }
 
     /// Height (mm).
@@ -138,15 +131,15 @@ impl Legend {
         LEADING * self.rows as f64 + self.signs.height()
     }
 
-    pub(crate) fn draw(&self, canvas: &Canvas, (left, top): Place) -> Result<(), ReportError> {
+    pub(crate) fn draw(&self, canvas: &Canvas, (left, top): Place) {
         for (i, (label, look)) in self.entries.iter().enumerate() {
             let x = left + self.column * (i / self.rows) as f64;
             let y = top + LEADING * ((i % self.rows) as f64 + 0.5);
-            canvas.line(&[(x, y), (x + KEY, y)], look.pen)?;
-            canvas.mark(look.mark, (x + KEY / 2.0, y), look.pen)?;
-            canvas.text(label, (x + KEY + GAP, y), TEXT, (HPos::Left, VPos::Center))?;
+            canvas.line(&[(x, y), (x + KEY, y)], look.pen);
+            canvas.mark(look.mark, (x + KEY / 2.0, y), look.pen);
+            canvas.text(label, (x + KEY + GAP, y), TEXT, (HPos::Left, VPos::Center));
         }
-        self.signs.draw(canvas, (left, top + LEADING * self.rows as f64))
+        self.signs.draw(canvas, (left, top + LEADING * self.rows as f64));
     }
 }
 

@@ -6,7 +6,6 @@ use crate::draw::{
     BLACK, Canvas, FRAME, HPos, INK, LEADING, Mark, Pen, Place, RGBColor, TEXT, TICK_TEXT, VPos, WHITE,
     text_width,
 };
-use crate::error::ReportError;
 use crate::read::Ending;
 
 /// Room of a sign, of the sample of a line, and between entries (mm).
@@ -37,10 +36,10 @@ impl Sign {
         }
     }
 
-    fn draw(&self, canvas: &Canvas, (x, y): Place) -> Result<(), ReportError> {
+    fn draw(&self, canvas: &Canvas, (x, y): Place) {
         match self {
-            Self::Word => Ok(()),
-            Self::Ending(ending) => ending.draw(canvas, (x + 0.9, y), INK),
+            Self::Word => {}
+            Self::Ending(ending) => canvas.ending(*ending, (x + 0.9, y), INK),
             Self::Line(pen) => canvas.line(&[(x, y), (x + SAMPLE, y)], *pen),
             Self::Mark(mark, pen) => canvas.mark(*mark, (x + 0.9, y), *pen),
             Self::Cell(fill, letter, ink) => swatch(canvas, (*fill, letter, *ink), (x + 1.4, y)),
@@ -64,11 +63,11 @@ pub(crate) struct Signs {
 
 impl Signs {
     /// Lays entries out in lines of a width (mm).
-    pub(crate) fn new(entries: Vec<(Sign, String)>, width: f64) -> Result<Self, ReportError> {
+    pub(crate) fn new(entries: Vec<(Sign, String)>, width: f64) -> Self {
         let (mut x, mut line) = (0.0, 0);
         let mut placed = Vec::new();
         for (sign, text) in entries {
-            let length = sign.width() + text_width(&text, TEXT)?;
+            let length = sign.width() + text_width(&text, TEXT);
             if x > 0.0 && x + length > width {
                 (x, line) = (0.0, line + 1);
             }
@@ -76,7 +75,7 @@ impl Signs {
             x += length + NEXT;
         }
         let lines = if placed.is_empty() { 0 } else { line + 1 };
-        Ok(Self { entries: placed, lines })
+        Self { entries: placed, lines }
     }
 
     /// Height (mm).
@@ -84,77 +83,33 @@ impl Signs {
         LEADING * self.lines as f64
     }
 
-    pub(crate) fn draw(&self, canvas: &Canvas, (left, top): Place) -> Result<(), ReportError> {
+    pub(crate) fn draw(&self, canvas: &Canvas, (left, top): Place) {
         for ((x, y), sign, text) in &self.entries {
             let (x, y) = (left + x, top + y);
-            sign.draw(canvas, (x, y))?;
-            canvas.text(text, (x + sign.width(), y), TEXT, (HPos::Left, VPos::Center))?;
-        }
-        Ok(())
-    }
-}
-
-impl Ending {
-    /// Its sign, of a shape of its own.
-    pub(crate) fn draw(self, canvas: &Canvas, (x, y): Place, color: RGBColor) -> Result<(), ReportError> {
-        const HALF: f64 = 0.85;
-        let pen = Pen { color, width: 0.3, dash: &[] };
-        let stroke = |from: Place, to: Place| {
-            let place = |(dx, dy): Place| (x + HALF * dx, y + HALF * dy);
-            canvas.line(&[place(from), place(to)], Pen { width: 0.45, ..pen })
-        };
-        match self {
-            Self::Converged => canvas.mark(Mark::Disc, (x, y), pen),
-            Self::IterationLimit => canvas.polygon(
-                &[(x - 0.7 * HALF, y - HALF), (x + HALF, y), (x - 0.7 * HALF, y + HALF)],
-                WHITE,
-                Some(pen),
-            ),
-            Self::Stalled => canvas.polygon(
-                &[(x - HALF, y - HALF), (x + HALF, y - HALF), (x + HALF, y + HALF), (x - HALF, y + HALF)],
-                WHITE,
-                Some(pen),
-            ),
-            Self::Diverged => {
-                stroke((-1.0, -1.0), (1.0, 1.0))?;
-                stroke((-1.0, 1.0), (1.0, -1.0))
-            }
-            Self::Infeasible => {
-                canvas.disc((x, y), HALF, WHITE, Some(pen))?;
-                stroke((-0.7, 0.7), (0.7, -0.7))
-            }
-            Self::FalseConvergence => canvas.disc((x, y), 0.7, WHITE, Some(pen)),
-            Self::Skipped => stroke((-1.0, 0.0), (1.0, 0.0)),
-            Self::Failed => {
-                stroke((-1.0, 0.0), (1.0, 0.0))?;
-                stroke((0.0, -1.0), (0.0, 1.0))
-            }
+            sign.draw(canvas, (x, y));
+            canvas.text(text, (x + sign.width(), y), TEXT, (HPos::Left, VPos::Center));
         }
     }
 }
 
 /// The mark of a failure that another setting mends.
-pub(crate) fn ring(canvas: &Canvas, place: Place) -> Result<(), ReportError> {
-    canvas.disc(place, 0.5, WHITE, Some(Pen { color: BLACK, width: 0.2, dash: &[] }))
+pub(crate) fn ring(canvas: &Canvas, place: Place) {
+    canvas.disc(place, 0.5, WHITE, Some(Pen::solid(BLACK, 0.2)));
 }
 
 /// The mark of a ζ that promised too much.
-pub(crate) fn wedge(canvas: &Canvas, (x, y): Place) -> Result<(), ReportError> {
+pub(crate) fn wedge(canvas: &Canvas, (x, y): Place) {
     let corners = [(x - 0.6, y + 0.5), (x, y - 0.5), (x + 0.6, y + 0.5)];
-    canvas.polygon(&corners, BLACK, Some(Pen { color: WHITE, width: 0.12, dash: &[] }))
+    canvas.polygon(&corners, BLACK, Some(Pen::solid(WHITE, 0.12)));
 }
 
 /// A swatch with its letter, as in a cell.
-fn swatch(
-    canvas: &Canvas,
-    (fill, letter, ink): (RGBColor, &str, RGBColor),
-    (x, y): Place,
-) -> Result<(), ReportError> {
+fn swatch(canvas: &Canvas, (fill, letter, ink): (RGBColor, &str, RGBColor), (x, y): Place) {
     let (low, high) = (y - 1.5, y + 1.5);
     canvas.polygon(
         &[(x - 1.4, low), (x + 1.4, low), (x + 1.4, high), (x - 1.4, high)],
         fill,
         Some(Pen { width: 0.08, ..FRAME }),
-    )?;
-    canvas.text_in(ink, letter, (x, y), TICK_TEXT, (HPos::Center, VPos::Center))
+    );
+    canvas.text_in(ink, letter, (x, y), TICK_TEXT, (HPos::Center, VPos::Center));
 }

@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 
 use super::groups::differing;
 use super::run::{Origin, Point, RunRow, words};
-use super::scene::{Contact, Grain, Scene};
+use super::scene::{Contact, Grain};
 use super::simulation::{Instant, Simulation};
 use super::{Ending, Problems, Scenes};
 use crate::error::ReportError;
@@ -157,7 +157,7 @@ pub(crate) fn scenes(grains: &DataFrame, contacts: &DataFrame) -> Result<Scenes,
         scenes.entry(name).or_default().grains.push(grain);
     }
     for (name, contact) in names(contacts)?.into_iter().zip(contact_rows(contacts)?) {
-        scenes.entry(name).or_insert_with(Scene::default).contacts.push(contact);
+        scenes.entry(name).or_default().contacts.push(contact);
     }
     Ok(scenes)
 }

@@ -3,7 +3,6 @@
 use crate::draw::{
     BOUNDARY_GRAIN, Canvas, GRAIN, HPos, IDLE, LEADING, Pen, Place, RGBColor, TEXT, VPos, WHITE, text_width,
 };
-use crate::error::ReportError;
 use crate::read::Scene;
 
 /// Radius of a disc of the key, space to its text, and to the next disc (mm).
@@ -35,14 +34,13 @@ impl Key {
         if self.entries.is_empty() { 0.0 } else { LEADING }
     }
 
-    pub(crate) fn draw(&self, canvas: &Canvas, (left, top): Place) -> Result<(), ReportError> {
+    pub(crate) fn draw(&self, canvas: &Canvas, (left, top): Place) {
         let (mut x, y) = (left, top + LEADING / 2.0);
         for (fill, outline, text) in &self.entries {
-            canvas.disc((x + RADIUS, y), RADIUS, *fill, Some(*outline))?;
+            canvas.disc((x + RADIUS, y), RADIUS, *fill, Some(*outline));
             x += 2.0 * RADIUS + GAP;
-            canvas.text(text, (x, y), TEXT, (HPos::Left, VPos::Center))?;
-            x += text_width(text, TEXT)? + NEXT;
+            canvas.text(text, (x, y), TEXT, (HPos::Left, VPos::Center));
+            x += text_width(text, TEXT) + NEXT;
         }
-        Ok(())
     }
 }
