@@ -56,16 +56,11 @@ impl Chapter {
 }
 
 #[derive(Serialize)]
-struct Figure {
-    name: String,
-    svg: String,
-}
-
-#[derive(Serialize)]
 struct Section {
     name: String,
     command: Option<String>,
-    figures: Vec<Figure>,
+    /// Names and drawings.
+    figures: Vec<(String, String)>,
     /// Figures that the viewer takes the place of.
     files: Vec<String>,
     tables: Vec<Rows>,
@@ -161,7 +156,7 @@ fn section(chapter: &Chapter, about: &About, shown: &dyn Fn(&str) -> bool) -> Re
         match &part.kind {
             Kind::Figure(_) if shown(&part.name) => section.files.push(format!("{}.svg", part.name)),
             Kind::Figure(svg) => {
-                section.figures.push(Figure { name: part.name.clone(), svg: inline(svg, &part.name) });
+                section.figures.push((part.name.clone(), inline(svg, &part.name)));
             }
             Kind::Table(table) => {
                 let mut shown = table.shown.clone();

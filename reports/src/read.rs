@@ -24,7 +24,7 @@ pub(crate) use number::{count, counted, number, power_of_ten, round_down, round_
 pub(crate) use run::{Origin, Point, RunRow, label, problems, repeats, stopped_at_1e_2, threads};
 pub(crate) use scene::{Scene, walls};
 pub(crate) use simulation::{Instant, Simulation, in_role, milliseconds};
-pub(crate) use statistics::{distinct, median, padded, slope, span};
+pub(crate) use statistics::{distinct, find_or_push, median, padded, slope, span, unique};
 pub(crate) use verdicts::Verdicts;
 
 /// Samples by problem and partition.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::draw::{Canvas, INSIDE, Legend, Looks, Room, Scale, Sign, TOLERANCE, draw_empty, row};
-use crate::read::{Ending, Problems, RunRow, counted, median, number, padded};
+use crate::read::{Ending, Problems, RunRow, counted, median, number, padded, unique};
 use crate::text::{Part, frame};
 use polars::df;
 use polars::prelude::DataFrame;
@@ -70,12 +70,7 @@ fn sentences(pairs: &[Pair], before: usize, after: usize) -> String {
 }
 
 fn figure(pairs: &[Pair], looks: &Looks) -> String {
-    let mut methods: Vec<&str> = Vec::new();
-    for (_, after) in pairs {
-        if !methods.contains(&after.method.as_str()) {
-            methods.push(&after.method);
-        }
-    }
+    let methods = unique(pairs.iter().map(|(_, after)| after.method.as_str()));
     let sign = |method: &&str| {
         let look = looks.of_method(method).signed();
         (Sign::Mark(look.mark, look.pen), (*method).to_owned())

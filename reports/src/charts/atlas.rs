@@ -9,7 +9,7 @@ mod table;
 mod tests;
 mod words;
 
-use crate::read::{Problems, RunRow, Verdicts, file_name};
+use crate::read::{Problems, RunRow, Verdicts, file_name, unique};
 use crate::text::Part;
 use class::{Class, zeta_lies};
 use grid::{Column, Grid};
@@ -69,19 +69,11 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
 }
 
 fn kinds(runs: &[RunRow]) -> Vec<Kind<'_>> {
-    let mut kinds: Vec<Kind> = Vec::new();
-    for run in runs {
-        let known = kinds.iter().position(|kind| kind.method == run.method);
-        let index = known.unwrap_or_else(|| {
-            kinds.push(Kind { method: &run.method, variants: Vec::new() });
-            kinds.len() - 1
-        });
-        let variants = &mut kinds[index].variants;
-        if !variants.contains(&run.words.as_str()) {
-            variants.push(&run.words);
-        }
-    }
-    kinds
+    let of = |method| {
+        let runs = runs.iter().filter(|run| run.method == method);
+        Kind { method, variants: unique(runs.map(|run| run.words.as_str())) }
+    };
+    unique(runs.iter().map(|run| run.method.as_str())).into_iter().map(of).collect()
 }
 
 /// The run of a method with a setting on a problem.

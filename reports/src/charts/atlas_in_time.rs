@@ -8,10 +8,10 @@ use polars::df;
 use polars::prelude::DataFrame;
 
 use crate::draw::{
-    Canvas, ColorScale, FRAME, HPos, INK, LEADING, MARGIN, PAGE, Pen, RGBColor, TEXT, TICK_TEXT, VPos, WHITE,
+    Canvas, FRAME, HPos, INK, INSIDE, LEADING, MARGIN, PAGE, Pen, Sign, Signs, TEXT, TICK_TEXT, VPos, WHITE,
     svg, text_width,
 };
-use crate::read::{Simulation, counted, in_role, milliseconds, number};
+use crate::read::{Simulation, counted, in_role, milliseconds, number, unique};
 use crate::text::{Part, frame};
 use class::{CREEP, Class, Drift, MORE_ENERGY, SHARE_OF_FALL, class, drift};
 
@@ -118,12 +118,7 @@ impl Line {
 }
 
 fn figure(judged: &[Judged]) -> String {
-    let mut lines: Vec<Line> = Vec::new();
-    for line in judged.iter().map(|j| Line::of(j.simulation)) {
-        if !lines.contains(&line) {
-            lines.push(line);
-        }
-    }
+    let lines = unique(judged.iter().map(|j| Line::of(j.simulation)));
     let tolerances = lines.windows(2).any(|pair| pair[0].tolerance != pair[1].tolerance);
     let starts = lines.windows(2).any(|pair| pair[0].warm_start != pair[1].warm_start);
     let short: Vec<String> = lines.iter().map(|line| line.text(tolerances, starts)).collect();
@@ -131,22 +126,14 @@ fn figure(judged: &[Judged]) -> String {
     let long = |(line, text): (&Line, &String)| format!("{text}, {} iterations", line.max_iterations);
     let of = |(line, text)| if alone(text) { text.clone() } else { long((line, text)) };
     let texts: Vec<String> = lines.iter().zip(&short).map(of).collect();
-    let mut columns: Vec<(&str, f64)> = Vec::new();
-    for column in judged.iter().map(|j| (j.simulation.scene.as_str(), j.simulation.time_step_s)) {
-        if !columns.contains(&column) {
-            columns.push(column);
-        }
-    }
-    let mut left = 0.0_f64;
-    for text in &texts {
-        left = left.max(text_width(text, TICK_TEXT));
-    }
-    let left = MARGIN + left + 1.5;
+    let columns = unique(judged.iter().map(|j| (j.simulation.scene.as_str(), j.simulation.time_step_s)));
+    let left = MARGIN + texts.iter().map(|text| text_width(text, TICK_TEXT)).fold(0.0, f64::max) + 1.5;
     let cell = ((PAGE - MARGIN - left) / columns.len().max(1) as f64).clamp(CELL.0, CELL.1);
     let scenes = distinct_in_order(&columns);
     let top = MARGIN + LEADING * (1.5 + scenes.len() as f64 + 1.0) + 0.5;
     let bottom = top + ROW * lines.len() as f64;
-    let height = (bottom + 2.0 + LEADING * 2.0 + MARGIN).ceil();
+    let key = key();
+    let height = (bottom + 2.0 + key.height() + MARGIN).ceil();
     svg((PAGE, height), |canvas| {
         let title = "What became of each simulation, under each scene and time step h (ms)";
         canvas.text(title, (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top));
@@ -160,10 +147,12 @@ fn figure(judged: &[Judged]) -> String {
                         && Line::of(j.simulation) == *line
                 };
                 let class = judged.iter().find(here).and_then(|j| j.class);
-                draw_cell(canvas, class, (left + cell * k as f64, y), cell);
+                let x = left + cell * k as f64;
+                let outline = Pen::solid(WHITE, 0.25);
+                Class::cell(class).draw(canvas, (x, y), (x + cell, y + ROW), outline);
             }
         }
-        key(canvas, bottom + 2.0);
+        key.draw(canvas, (MARGIN, bottom + 2.0));
     })
 }
 
@@ -192,39 +181,11 @@ fn headings(canvas: &Canvas, columns: &[(&str, f64)], scenes: &[&str], (left, to
     }
 }
 
-fn draw_cell(canvas: &Canvas, class: Option<Class>, (x, y): (f64, f64), cell: f64) {
-    let (fill, letter) = look(class);
-    let corners = [(x, y), (x + cell, y), (x + cell, y + ROW), (x, y + ROW)];
-    canvas.polygon(&corners, fill, Some(Pen::solid(WHITE, 0.25)));
-    let place = (x + cell / 2.0, y + ROW / 2.0);
-    canvas.text_in(ColorScale::ink_on(fill), letter, place, TICK_TEXT, (HPos::Center, VPos::Center));
-}
-
-/// Colour and letter; the lightness falls with the badness, so that it reads in grey.
-fn look(class: Option<Class>) -> (RGBColor, &'static str) {
-    match class {
-        Some(Class::Stable) => (RGBColor(225, 240, 232), "s"),
-        Some(Class::Jittering) => (RGBColor(242, 205, 120), "j"),
-        Some(Class::Creeping) => (RGBColor(205, 110, 50), "c"),
-        Some(Class::Exploded) => (RGBColor(110, 45, 85), "x"),
-        Some(Class::NoSolution) => (RGBColor(70, 20, 60), "n"),
-        Some(Class::SolverDiverged) => (RGBColor(30, 8, 30), "d"),
-        None => (RGBColor(248, 248, 248), "–"),
-    }
-}
-
-fn key(canvas: &Canvas, top: f64) {
-    let (mut x, mut y) = (MARGIN, top);
+/// The classes, and what no cell has.
+fn key() -> Signs {
     let classes = Class::ALL.map(|class| (Some(class), class.name()));
-    for (class, name) in classes.into_iter().chain([(None, "not made, or nothing to judge it by")]) {
-        let width = CELL.0 + 1.0 + text_width(name, TEXT);
-        if x + width > PAGE - MARGIN {
-            (x, y) = (MARGIN, y + ROW + 0.5);
-        }
-        draw_cell(canvas, class, (x, y), CELL.0);
-        canvas.text(name, (x + CELL.0 + 1.0, y + ROW / 2.0), TEXT, (HPos::Left, VPos::Center));
-        x += width + 4.0;
-    }
+    let all = classes.into_iter().chain([(None, "not made, or nothing to judge it by")]);
+    Signs::new(all.map(|(class, name)| (Sign::Cell(Class::cell(class)), name.to_owned())).collect(), INSIDE)
 }
 
 /// What the rows say: how many of each class, of each method, and what the start and the time step change.

@@ -1,8 +1,6 @@
 //! How much faster subdomains make a method: counted on the longest of them, as if each had a machine of its own, and
 //! measured on the threads that there were.
 
-use std::borrow::Cow;
-
 use crate::charts::subdomains::{Panel, on_problem};
 use crate::draw::{Series, series};
 use crate::read::{Ending, Problems, RunRow, file_name, problems, threads};
@@ -12,20 +10,12 @@ use polars::prelude::DataFrame;
 
 /// Both on the same axes.
 fn panels(threads: &str) -> [Panel; 2] {
+    let measured = format!("measured speed-up of the iterations, {threads} (–)");
     [
-        Panel {
-            title: Cow::Borrowed("counted speed-up, a machine per subdomain (–)"),
-            of: counted_speed_up,
-            on_the_way: false,
-            ideal: true,
-        },
-        Panel {
-            title: Cow::Owned(format!("measured speed-up of the iterations, {threads} (–)")),
-            of: measured_speed_up,
-            on_the_way: false,
-            ideal: true,
-        },
+        Panel::new("counted speed-up, a machine per subdomain (–)", counted_speed_up),
+        Panel::new(measured, measured_speed_up),
     ]
+    .map(|panel| Panel { ideal: true, ..panel })
 }
 
 const NOTE: &str = "\nThe critical path of an iteration is the multiply-adds of the longest subdomain, exchange with its \

@@ -6,7 +6,7 @@ use crate::draw::{
     BEST, Canvas, DASHES, INSIDE, Legend, Look, MARKS, MOST_LINES, Mark, Pen, Room, SPARE, Scale, Sign,
     TOLERANCE, draw_empty, draw_signs, endings, grid, series,
 };
-use crate::read::{Ending, Problems, RunRow, counted, number, padded, problems};
+use crate::read::{Ending, Problems, RunRow, counted, number, padded, problems, unique};
 use crate::text::{Part, frame, nothing, too_many};
 use polars::df;
 use polars::prelude::DataFrame;
@@ -122,15 +122,13 @@ fn kind(problem: &str) -> String {
 
 /// Looks of the kinds of problem, in the order of the study: none of a method.
 fn looks(runs: &[&RunRow]) -> (Vec<(String, Look)>, BTreeMap<String, Look>) {
-    let mut entries: Vec<(String, Look)> = Vec::new();
-    for kind in problems(runs.iter().copied()).into_iter().map(kind) {
-        if !entries.iter().any(|(known, _)| *known == kind) {
-            let n = entries.len();
-            let color = SPARE[n % SPARE.len()].shades[0];
-            let pen = Pen { color, width: 0.3, dash: DASHES[n % DASHES.len()] };
-            entries.push((kind, Look { pen, mark: MARKS[n % MARKS.len()] }));
-        }
-    }
+    let look = |(n, kind): (usize, String)| {
+        let color = SPARE[n % SPARE.len()].shades[0];
+        let pen = Pen { color, width: 0.3, dash: DASHES[n % DASHES.len()] };
+        (kind, Look { pen, mark: MARKS[n % MARKS.len()] })
+    };
+    let kinds = unique(problems(runs.iter().copied()).into_iter().map(kind));
+    let entries: Vec<(String, Look)> = kinds.into_iter().enumerate().map(look).collect();
     let by_kind = entries.iter().cloned().collect();
     (entries, by_kind)
 }

@@ -1,17 +1,15 @@
 //! A sample under a partition: discs by subdomain, boundary grains, walls, and chains of impulses.
 
-mod key;
 mod view;
 
 use rayon::prelude::*;
 
 use crate::draw::{
-    BOUNDARY_GRAIN, CHAIN, Canvas, GRAIN, HPos, IDLE, LEADING, MARGIN, Pen, SUBDOMAINS, TEXT, TICK_TEXT,
-    VPos, WALL, WHITE, subdomain_fill, svg, text_width,
+    BOUNDARY_GRAIN, CHAIN, Canvas, GRAIN, HPos, IDLE, LEADING, MARGIN, Pen, SUBDOMAINS, Sign, Signs, TEXT,
+    TICK_TEXT, VPos, WALL, WHITE, subdomain_fill, svg, text_width,
 };
 use crate::read::{Problems, Scene, count, counted, file_name, number, walls};
 use crate::text::Part;
-use key::Key;
 use view::View;
 
 /// Thinner lines than this (mm) do not print.
@@ -30,7 +28,7 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
 fn draw(problem: &str, partition: &str, scene: &Scene) -> String {
     let view = View::of(scene);
     let inside = view.width - 2.0 * MARGIN;
-    let key = Key::of(scene);
+    let key = key(scene, inside);
     let mut lines = wrapped(&format!("{problem}, {partition}"), inside);
     lines.extend(wrapped(&caption(scene, &view), inside));
     let scales = MARGIN + view.height + 0.8 * LEADING;
@@ -45,6 +43,17 @@ fn draw(problem: &str, partition: &str, scene: &Scene) -> String {
             canvas.text(line, (MARGIN, text_top + LEADING * i as f64), TEXT, (HPos::Left, VPos::Top));
         }
     })
+}
+
+/// The discs that need a word; subdomains have their names in the scene.
+fn key(scene: &Scene, width: f64) -> Signs {
+    let boundary = scene.grains.iter().any(|grain| grain.multiplicity > 1);
+    let idle = scene.grains.iter().any(|grain| grain.subdomain.is_none());
+    let entries = [
+        boundary.then(|| (Sign::Grain(WHITE, BOUNDARY_GRAIN), "boundary grain".to_owned())),
+        idle.then(|| (Sign::Grain(IDLE, GRAIN), "no contact".to_owned())),
+    ];
+    Signs::new(entries.into_iter().flatten().collect(), width)
 }
 
 fn draw_scene(canvas: &Canvas, view: &View, partition: &str, scene: &Scene) {

@@ -1,8 +1,9 @@
 //! Cost against the number of grains, with the exponents of fitted powers.
 
+use super::subdomains::Panel;
 use crate::draw::{
     Canvas, Frame, HPos, INSIDE, Legend, MOST_LINES, Points, Room, Scale, Series, TICK_TEXT, TOLERANCE, VPos,
-    draw_empty, draw_signs, endings, grid, key, on_the_way, reach, series,
+    draw_empty, draw_signs, endings, key, reach, row, series,
 };
 use crate::read::{
     Ending, Problems, RunRow, Verdicts, WORK, counted, distinct, problems, slope, span, stopped_at_1e_2,
@@ -12,24 +13,14 @@ use polars::df;
 use polars::prelude::DataFrame;
 use std::collections::BTreeSet;
 
-/// A cost of a run, and what it is called.
-struct Cost {
-    title: &'static str,
-    of: fn(&RunRow) -> Option<f64>,
-    /// Whether it was reached however the run ended.
-    on_the_way: bool,
+fn costs() -> [Panel; 4] {
+    [
+        Panel::iterations_to_1e_2(),
+        Panel::iterations(),
+        Panel::new("set-up and iterations (s)", |_, run| run.seconds()),
+        Panel::new("counted work (sweeps)", |_, run| run.curve.last()?.work(run)),
+    ]
 }
-
-const COSTS: [Cost; 4] = [
-    Cost {
-        title: "iterations to a natural map of 10⁻²",
-        of: |run| run.iterations_to[2].map(|iterations| iterations as f64),
-        on_the_way: true,
-    },
-    Cost { title: "iterations to the tolerance", of: |run| Some(run.iterations as f64), on_the_way: false },
-    Cost { title: "set-up and iterations (s)", of: RunRow::seconds, on_the_way: false },
-    Cost { title: "counted work (sweeps)", of: |run| run.curve.last()?.work(run), on_the_way: false },
-];
 
 /// Fewer sizes than this have no exponent: through two points every power fits.
 const SIZES: usize = 3;
@@ -54,9 +45,8 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     vec![figure(runs, &all), Part::table("size", table, note)]
 }
 
-fn points(series: &Series, cost: &Cost) -> Points {
-    let points = series.points(|run| f64::from(run.grains), cost.of);
-    if cost.on_the_way { on_the_way(points) } else { points }
+fn points(series: &Series, cost: &Panel) -> Points {
+    cost.points(series, |run| f64::from(run.grains))
 }
 
 fn converged(points: &Points) -> Vec<(f64, f64)> {
@@ -64,7 +54,7 @@ fn converged(points: &Points) -> Vec<(f64, f64)> {
 }
 
 /// The exponent over sizes that are enough.
-fn exponent(series: &Series, cost: &Cost) -> Option<f64> {
+fn exponent(series: &Series, cost: &Panel) -> Option<f64> {
     let points = converged(&points(series, cost));
     let sizes = distinct(points.iter().map(|point| point.0));
     slope(&points).filter(|_| sizes >= SIZES)
@@ -81,13 +71,15 @@ fn figure(runs: &[RunRow], all: &[Series]) -> Part {
             .map_or("no run".to_owned(), |n| format!("every problem has {}", counted(*n as usize, "grain")));
         return nothing("size-found", "size", &format!("{same}, and cost has nothing to grow with"));
     }
-    let costs: Vec<&Cost> = COSTS.iter().filter(|cost| !(cost.on_the_way && stopped_at_1e_2(runs))).collect();
+    let all_costs = costs();
+    let costs: Vec<&Panel> =
+        all_costs.iter().filter(|cost| !(cost.on_the_way && stopped_at_1e_2(runs))).collect();
     // By panel, then by series.
     let clouds: Vec<Vec<Points>> =
         costs.iter().map(|cost| all.iter().map(|series| points(series, cost)).collect()).collect();
     let fitted = all.iter().any(|series| costs.iter().any(|cost| exponent(series, cost).is_some()));
     let label = |series: &Series| {
-        let text = |cost: &&Cost| {
+        let text = |cost: &&Panel| {
             exponent(series, cost).map_or("–".to_owned(), |e| format!("{e:.2}").replace('-', "−"))
         };
         let exponents: Vec<String> = costs.iter().map(text).collect();
@@ -114,18 +106,17 @@ fn figure(runs: &[RunRow], all: &[Series]) -> Part {
     } else {
         format!("Lines join the means of the sizes; an exponent needs {SIZES}.")
     };
-    let grid_of = if costs.len() == 4 { (2, 2) } else { (costs.len(), 1) };
-    let svg = grid(&[counts + &lines], grid_of, &legend, |canvas, i, room| {
+    let svg = row(&[counts + &lines], costs.len(), &legend, |canvas, i, room| {
         panel(canvas, all, costs[i], &clouds[i], room);
     });
     Part::figure("size", svg)
 }
 
-fn panel(canvas: &Canvas, all: &[Series], cost: &Cost, clouds: &[Points], room: Room) {
+fn panel(canvas: &Canvas, all: &[Series], cost: &Panel, clouds: &[Points], room: Room) {
     let (low, high) = reach(clouds.iter().flatten(), |point| point.1);
     let x = reach(clouds.iter().flatten(), |point| point.0);
     let y = (low - BELOW / (1.0 - BELOW) * (high - low), high);
-    let frame = room.frame(canvas, (Scale::Ten, x, "grains"), (Scale::Ten, y, cost.title));
+    let frame = room.frame(canvas, (Scale::Ten, x, "grains"), (Scale::Ten, y, &cost.title));
     if clouds.iter().all(Vec::is_empty) {
         return draw_empty(canvas, &frame);
     }
@@ -161,7 +152,7 @@ fn fit(points: &[(f64, f64)]) -> Option<[(f64, f64); 2]> {
 }
 
 fn table(runs: &[RunRow], all: &[Series]) -> DataFrame {
-    let exponents = |i: usize| all.iter().map(|s| exponent(s, &COSTS[i])).collect::<Vec<_>>();
+    let exponents = |i: usize| all.iter().map(|s| exponent(s, &costs()[i])).collect::<Vec<_>>();
     let verdicts = Verdicts::of(runs);
     let failed = |series: &Series| series.runs.iter().filter(|run| !verdicts.is_right(run)).count() as u64;
     frame(df!(

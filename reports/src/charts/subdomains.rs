@@ -1,10 +1,8 @@
 //! Iterations, and seconds of an iteration, against the number of subdomains.
 
-use std::borrow::Cow;
-
 use crate::draw::{
     Canvas, INSIDE, Legend, MOST_LINES, Pen, Points, Room, Scale, Series, Sign, TOLERANCE, draw_empty,
-    draw_signs, endings, grid, has_line, key, on_the_way, reach, series, title,
+    draw_signs, endings, has_line, key, on_the_way, reach, row, series, title,
 };
 use crate::read::{Ending, Problems, RunRow, file_name, problems};
 use crate::text::{Part, frame, too_many};
@@ -13,7 +11,7 @@ use polars::prelude::DataFrame;
 
 /// What a panel shows of a run of a series.
 pub(crate) struct Panel {
-    pub(crate) title: Cow<'static, str>,
+    pub(crate) title: String,
     pub(crate) of: fn(&Series, &RunRow) -> Option<f64>,
     /// Whether it was reached however the run ended.
     pub(crate) on_the_way: bool,
@@ -21,23 +19,27 @@ pub(crate) struct Panel {
     pub(crate) ideal: bool,
 }
 
-/// Iterations of runs that converged; of others those that they made.
-pub(crate) const ITERATIONS: Panel = Panel {
-    title: Cow::Borrowed("iterations to the tolerance"),
-    of: |_, run| Some(run.iterations as f64),
-    on_the_way: false,
-    ideal: false,
-};
+impl Panel {
+    pub(crate) fn new(title: impl Into<String>, of: fn(&Series, &RunRow) -> Option<f64>) -> Self {
+        Self { title: title.into(), of, on_the_way: false, ideal: false }
+    }
 
-const PANELS: [Panel; 2] = [
-    ITERATIONS,
-    Panel {
-        title: Cow::Borrowed("seconds per iteration (s)"),
-        of: |_, run| seconds_per_iteration(run),
-        on_the_way: false,
-        ideal: false,
-    },
-];
+    /// Iterations of runs that converged; of others those that they made.
+    pub(crate) fn iterations() -> Self {
+        Self::new("iterations to the tolerance", |_, run| Some(run.iterations as f64))
+    }
+
+    pub(crate) fn iterations_to_1e_2() -> Self {
+        let of = |_: &Series, run: &RunRow| run.iterations_to[2].map(|iterations| iterations as f64);
+        Self { on_the_way: true, ..Self::new("iterations to a natural map of 10⁻²", of) }
+    }
+
+    /// The points of a series; its runs by what they are on the x axis.
+    pub(crate) fn points(&self, series: &Series, x: fn(&RunRow) -> f64) -> Points {
+        let points = series.points(x, |run| (self.of)(series, run));
+        if self.on_the_way { on_the_way(points) } else { points }
+    }
+}
 
 pub(crate) fn seconds_per_iteration(run: &RunRow) -> Option<f64> {
     run.iterating_s.filter(|_| run.iterations > 0).map(|seconds| seconds / run.iterations as f64)
@@ -46,10 +48,12 @@ pub(crate) fn seconds_per_iteration(run: &RunRow) -> Option<f64> {
 /// `subdomains-<problem>` for each problem, and the table `subdomains` with the growth.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs: Vec<&RunRow> = study.runs.iter().collect();
+    let seconds = Panel::new("seconds per iteration (s)", |_, run| seconds_per_iteration(run));
+    let panels = [Panel::iterations(), seconds];
     let mut parts = Vec::new();
     for problem in problems(&study.runs) {
         let name = format!("subdomains-{}", file_name(problem));
-        parts.push(on_problem(name, &runs, problem, &PANELS, Vec::new()));
+        parts.push(on_problem(name, &runs, problem, &panels, Vec::new()));
     }
     let table = table(&series(&study.runs, &["subdomains"]));
     let note =
@@ -93,8 +97,10 @@ pub(crate) fn figure(
         return too_many(name, &title, all.len());
     }
     // By panel, then by series.
-    let lines: Vec<Vec<Points>> =
-        panels.iter().map(|panel| all.iter().map(|series| points(series, panel)).collect()).collect();
+    let lines: Vec<Vec<Points>> = panels
+        .iter()
+        .map(|panel| all.iter().map(|series| panel.points(series, |run| f64::from(run.subdomains))).collect())
+        .collect();
     let keyed = all.iter().enumerate().map(|(i, series)| {
         let of_series: Vec<&Points> = lines.iter().map(|lines| &lines[i]).collect();
         let level = lines.iter().any(|lines| level(series, &lines[i], lines).is_some());
@@ -113,21 +119,13 @@ pub(crate) fn figure(
     }
     signs.extend(notes.into_iter().map(|note| (Sign::Word, note)));
     let legend = Legend::new(entries, signs, INSIDE);
-    let columns = if panels.len() == 4 { 2 } else { panels.len() };
-    let rows = panels.len().div_ceil(columns);
     let shared: Vec<&Points> =
         panels.iter().zip(&lines).filter(|(panel, _)| panel.ideal).flat_map(|(_, lines)| lines).collect();
-    let svg = grid(&[title], (columns, rows), &legend, |canvas, i, room| {
+    let svg = row(&[title], panels.len(), &legend, |canvas, i, room| {
         let of_panel: Vec<&Points> = if panels[i].ideal { shared.clone() } else { lines[i].iter().collect() };
         panel(canvas, all, &panels[i], (&lines[i], &of_panel), room);
     });
     Part::figure(name, svg)
-}
-
-/// Subdomains and value of the runs of a series.
-fn points(series: &Series, panel: &Panel) -> Points {
-    let points = series.points(|run| f64::from(run.subdomains), |run| (panel.of)(series, run));
-    if panel.on_the_way { on_the_way(points) } else { points }
 }
 
 /// What a line goes through, thin where a run made all its iterations and more would be needed.

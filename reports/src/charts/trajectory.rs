@@ -9,9 +9,9 @@ use polars::prelude::DataFrame;
 
 use crate::draw::{
     Canvas, HPos, INK, INSIDE, LOWEST, Legend, Look, Mark, Pen, Place, Room, Scale, Sign, TICK_TEXT,
-    TOLERANCE, VPos, grid, log, looks_in_time,
+    TOLERANCE, VPos, log, looks_in_time, row,
 };
-use crate::read::{Simulation, file_name, in_role, milliseconds, number, padded, span};
+use crate::read::{Simulation, file_name, in_role, milliseconds, number, padded, span, unique};
 use crate::text::{Part, frame};
 use error::{OBSERVABLES, errors};
 
@@ -38,15 +38,9 @@ pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
         })
         .collect();
     let looks = looks_in_time(all);
-    let mut scenes: Vec<&str> = Vec::new();
-    for simulation in all {
-        if !scenes.contains(&simulation.scene.as_str()) {
-            scenes.push(&simulation.scene);
-        }
-    }
     let mut parts = Vec::new();
     let mut text = String::new();
-    for scene in scenes {
+    for scene in unique(all.iter().map(|s| s.scene.as_str())) {
         let of_scene: Vec<&Compared> = compared.iter().filter(|c| c.simulation.scene == scene).collect();
         if of_scene.iter().any(|c| c.errors.is_some() && c.simulation.role != "reference") {
             let name = format!("trajectory-{}", file_name(scene));
@@ -112,7 +106,7 @@ fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> Stri
     let legend = Legend::new(looks.to_vec(), signs, INSIDE);
     let title =
         [format!("{scene}: errors of the trajectory against seconds of the method per simulated second")];
-    grid(&title, (2, 2), &legend, |canvas, i, room| panel(canvas, compared, looks, i, room))
+    row(&title, OBSERVABLES.len(), &legend, |canvas, i, room| panel(canvas, compared, looks, i, room))
 }
 
 /// The time steps of the runs, the longest first.

@@ -1,11 +1,10 @@
 //! Iterations, the longest subdomain and time, with as many grains in each subdomain however many there are.
 
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::critical_path::with_path;
 use crate::charts::critical_path::path;
-use crate::charts::subdomains::{ITERATIONS, Panel, figure, growth, seconds_per_iteration};
+use crate::charts::subdomains::{Panel, figure, growth, seconds_per_iteration};
 use crate::draw::{DASHES, Look, Looks, Pen, Series, series};
 use crate::read::{Problems, RunRow, counted, stopped_at_1e_2};
 use crate::text::{Part, frame, nothing};
@@ -14,28 +13,15 @@ use polars::prelude::DataFrame;
 
 /// Iterations to 10⁻² are left out where that is what all runs were stopped at.
 fn panels(runs: &[&RunRow]) -> Vec<Panel> {
-    let to_1e_2 = Panel {
-        title: Cow::Borrowed("iterations to a natural map of 10⁻²"),
-        of: |_, run| run.iterations_to[2].map(|iterations| iterations as f64),
-        on_the_way: true,
-        ideal: false,
-    };
+    let per_grain =
+        |_: &Series, run: &RunRow| Some(1e9 * seconds_per_iteration(run)? / f64::from(run.grains));
     let others = [
-        ITERATIONS,
-        Panel {
-            title: Cow::Borrowed("longest subdomain (multiply-adds)"),
-            of: |_, run| path(run),
-            on_the_way: false,
-            ideal: false,
-        },
-        Panel {
-            title: Cow::Borrowed("time per iteration and grain (ns)"),
-            of: |_, run| Some(1e9 * seconds_per_iteration(run)? / f64::from(run.grains)),
-            on_the_way: true,
-            ideal: false,
-        },
+        Panel::iterations(),
+        Panel::new("longest subdomain (multiply-adds)", |_, run| path(run)),
+        Panel { on_the_way: true, ..Panel::new("time per iteration and grain (ns)", per_grain) },
     ];
-    (!stopped_at_1e_2(runs.iter().copied())).then_some(to_1e_2).into_iter().chain(others).collect()
+    let first = (!stopped_at_1e_2(runs.iter().copied())).then(Panel::iterations_to_1e_2);
+    first.into_iter().chain(others).collect()
 }
 
 const NOTE: &str = "\nThe longest subdomain: its multiply-adds in all iterations, exchange with its neighbours included; with a \

@@ -6,7 +6,7 @@ use crate::draw::{
     Canvas, DASHES, Family, HPos, LEADING, MARKS, METHODS, Mark, Pen, Place, SPARE, Sign, Signs, TEXT, VPos,
     text_width,
 };
-use crate::read::{RunRow, Simulation};
+use crate::read::{RunRow, Simulation, find_or_push, unique};
 
 /// Length of the sample of a line (mm).
 const KEY: f64 = 9.0;
@@ -45,12 +45,8 @@ impl<'t> Looks<'t> {
     pub(crate) fn new(runs: impl IntoIterator<Item = &'t RunRow>) -> Self {
         let mut methods: Vec<(&str, BTreeMap<Kind, usize>)> = Vec::new();
         for run in runs {
-            let known = methods.iter().position(|(method, _)| *method == run.method);
-            let index = known.unwrap_or_else(|| {
-                methods.push((&run.method, BTreeMap::new()));
-                methods.len() - 1
-            });
-            let kinds = &mut methods[index].1;
+            let new = || (run.method.as_str(), BTreeMap::new());
+            let (_, kinds) = find_or_push(&mut methods, |(method, _)| *method == run.method, new);
             let next = kinds.len();
             kinds.entry(kind(run)).or_insert(next);
         }
@@ -146,20 +142,14 @@ impl Legend {
 /// Each method of the runs of simulations as a key says it, in the colour that it has in every study; its dashes tell it in
 /// grey, since signs tell time steps.
 pub(crate) fn looks_in_time(all: &[Simulation]) -> Vec<(String, Look)> {
-    let mut looks: Vec<(String, Look)> = Vec::new();
-    let mut methods: Vec<&str> = Vec::new();
-    for run in all.iter().filter(|s| s.is_run()) {
-        if looks.iter().any(|(label, _)| *label == run.label()) {
-            continue;
-        }
-        let known = methods.iter().position(|method| *method == run.method);
-        let place = known.unwrap_or_else(|| {
-            methods.push(&run.method);
-            methods.len() - 1
-        });
-        let own = family(&run.method).unwrap_or(&SPARE[place % SPARE.len()]);
-        let pen = Pen { color: own.shades[0], width: own.width, dash: DASHES[looks.len() % DASHES.len()] };
-        looks.push((run.label(), Look { pen, mark: Mark::None }));
-    }
-    looks
+    let runs = || all.iter().filter(|s| s.is_run());
+    let methods = unique(runs().map(|run| run.method.as_str()));
+    let look = |(n, (label, method)): (usize, (String, &str))| {
+        let spare = methods.iter().position(|other| *other == method).unwrap_or(0);
+        let own = family(method).unwrap_or(&SPARE[spare % SPARE.len()]);
+        let pen = Pen { color: own.shades[0], width: own.width, dash: DASHES[n % DASHES.len()] };
+        (label, Look { pen, mark: Mark::None })
+    };
+    let labels = unique(runs().map(|run| (run.label(), run.method.as_str())));
+    labels.into_iter().enumerate().map(look).collect()
 }

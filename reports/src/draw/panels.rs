@@ -38,14 +38,14 @@ type Span<'s> = (Scale, (f64, f64), &'s str);
 /// Width inside the margins, for legends (mm).
 pub(crate) const INSIDE: f64 = PAGE - 2.0 * MARGIN;
 
-/// A page as wide as a journal's, with `count` panels side by side, each drawn by `panel`.
+/// A page as wide as a journal's, with `count` panels side by side, or four in two rows, each drawn by `panel`.
 pub(crate) fn row(
     title: &[String],
     count: usize,
     legend: &Legend,
     panel: impl Fn(&Canvas, usize, Room),
 ) -> String {
-    grid(title, (count, 1), legend, panel)
+    grid(title, if count == 4 { (2, 2) } else { (count, 1) }, legend, panel)
 }
 
 /// The same with panels in columns and rows, row by row.

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::draw::{
     BLACK, Canvas, FRAME, HPos, INK, LEADING, Mark, Pen, Place, RGBColor, TEXT, TICK_TEXT, VPos, WHITE,
-    text_width,
+    rectangle, text_width,
 };
 use crate::read::Ending;
 
@@ -20,8 +20,10 @@ pub(crate) enum Sign {
     Ending(Ending),
     Line(Pen),
     Mark(Mark, Pen),
-    /// A cell of an atlas: its ground, its letter, the colour of that; and its marks.
-    Cell(RGBColor, &'static str, RGBColor),
+    /// A cell of an atlas, and its marks.
+    Cell(Cell),
+    /// A grain: its fill and outline.
+    Grain(RGBColor, Pen),
     Ring,
     Wedge,
 }
@@ -32,7 +34,7 @@ impl Sign {
             Self::Word => 0.0,
             Self::Line(_) => SAMPLE + 1.2,
             Self::Ending(_) | Self::Mark(..) | Self::Ring | Self::Wedge => SIGN,
-            Self::Cell(..) => SIGN + 1.4,
+            Self::Cell(_) | Self::Grain(..) => SIGN + 1.4,
         }
     }
 
@@ -42,7 +44,10 @@ impl Sign {
             Self::Ending(ending) => canvas.ending(*ending, (x + 0.9, y), INK),
             Self::Line(pen) => canvas.line(&[(x, y), (x + SAMPLE, y)], *pen),
             Self::Mark(mark, pen) => canvas.mark(*mark, (x + 0.9, y), *pen),
-            Self::Cell(fill, letter, ink) => swatch(canvas, (*fill, letter, *ink), (x + 1.4, y)),
+            Self::Cell(cell) => {
+                cell.draw(canvas, (x, y - 1.5), (x + 2.8, y + 1.5), Pen { width: 0.08, ..FRAME })
+            }
+            Self::Grain(fill, outline) => canvas.disc((x + 1.3, y), 1.3, *fill, Some(*outline)),
             Self::Ring => ring(canvas, (x + 0.9, y)),
             Self::Wedge => wedge(canvas, (x + 0.9, y)),
         }
@@ -103,13 +108,23 @@ pub(crate) fn wedge(canvas: &Canvas, (x, y): Place) {
     canvas.polygon(&corners, BLACK, Some(Pen::solid(WHITE, 0.12)));
 }
 
-/// A swatch with its letter, as in a cell.
-fn swatch(canvas: &Canvas, (fill, letter, ink): (RGBColor, &str, RGBColor), (x, y): Place) {
-    let (low, high) = (y - 1.5, y + 1.5);
-    canvas.polygon(
-        &[(x - 1.4, low), (x + 1.4, low), (x + 1.4, high), (x - 1.4, high)],
-        fill,
-        Some(Pen { width: 0.08, ..FRAME }),
-    );
-    canvas.text_in(ink, letter, (x, y), TICK_TEXT, (HPos::Center, VPos::Center));
+/// A cell of a matrix of classes.
+#[derive(Clone, Copy)]
+pub(crate) struct Cell {
+    pub(crate) fill: RGBColor,
+    pub(crate) letter: &'static str,
+    pub(crate) ink: RGBColor,
+}
+
+impl Cell {
+    /// Between two corners; with its letter where there is room.
+    pub(crate) fn draw(self, canvas: &Canvas, from: Place, to: Place, outline: Pen) {
+        /// Room of a letter (mm).
+        const LETTER: f64 = 1.7;
+        canvas.polygon(&rectangle(from, to), self.fill, Some(outline));
+        if to.0 - from.0 >= LETTER {
+            let middle = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
+            canvas.text_in(self.ink, self.letter, middle, TICK_TEXT, (HPos::Center, VPos::Center));
+        }
+    }
 }

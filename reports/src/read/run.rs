@@ -117,6 +117,14 @@ impl Point {
         }
     }
 
+    /// What a run was stopped on; the natural map, the working measure, stands for those that are no error.
+    pub(crate) fn stopped_on(&self, run: &RunRow) -> Option<f64> {
+        match run.stop_on.as_str() {
+            "zeta" | "quad_dv" | "velocity_error" => self.measure(&run.stop_on),
+            _ => self.natural_map,
+        }
+    }
+
     /// Counted work in sweeps over `contacts`: a contact updated counts as much as a contact passed in a product W p, that
     /// is eight multiply-adds (two components of two grains, read and written back); an entry of a triangular factor is one.
     /// Factorisations are not in it: a run that makes more than a few, as many as directions that adapt take, has no counted

@@ -13,8 +13,6 @@ const ROW: f64 = 7.0;
 const FREE: f64 = 0.7;
 /// Greatest width of a column (mm).
 const WIDEST: f64 = 16.0;
-/// Room of a letter (mm).
-const LETTER: f64 = 1.7;
 const THIN: Pen = Pen::solid(WHITE, 0.12);
 
 /// A column, by a short head and, where that is a number, what it stands for.
@@ -109,9 +107,7 @@ impl Grid<'_, '_> {
         let mut entries: Vec<(Sign, String)> = Class::ALL
             .into_iter()
             .filter(|class| cells.iter().any(|(judged, _)| judged.class == *class))
-            .map(|class| {
-                (Sign::Cell(class.colors().0, class.letter(), class.colors().1), class.text().to_owned())
-            })
+            .map(|class| (Sign::Cell(class.cell()), class.text().to_owned()))
             .collect();
         if cells.iter().any(|(_, cured)| *cured) {
             entries.push((Sign::Ring, "another setting of the method mends it".to_owned()));
@@ -134,18 +130,13 @@ fn lines(head: &str) -> Vec<&str> {
     head.split_inclusive('-').collect()
 }
 
-fn cell(canvas: &Canvas, judged: &Judged, cured: bool, ((x0, y0), (x1, y1)): (Place, Place)) {
-    let (fill, ink) = judged.class.colors();
-    canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], fill, Some(THIN));
-    let middle = f64::midpoint(x0, x1);
-    if x1 - x0 >= LETTER {
-        let place = (middle, f64::midpoint(y0, y1));
-        canvas.text_in(ink, judged.class.letter(), place, TICK_TEXT, (HPos::Center, VPos::Center));
-    }
+fn cell(canvas: &Canvas, judged: &Judged, cured: bool, (from, to): (Place, Place)) {
+    judged.class.cell().draw(canvas, from, to, THIN);
+    let middle = f64::midpoint(from.0, to.0);
     if cured {
-        ring(canvas, (middle, y0 + 0.8));
+        ring(canvas, (middle, from.1 + 0.8));
     }
     if judged.zeta_lies {
-        wedge(canvas, (middle, y1 - 0.8));
+        wedge(canvas, (middle, to.1 - 0.8));
     }
 }

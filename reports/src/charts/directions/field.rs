@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::read::{Ending, RunRow, differing, settings_text};
+use crate::read::{Ending, RunRow, differing, find_or_push, settings_text};
 use serde_json::Value;
 
 /// What runs may differ in inside a field, or is told beside the group.
@@ -112,22 +112,19 @@ fn add<'r>(fields: &mut Vec<Field<'r>>, run: &'r RunRow, keys: &BTreeSet<(String
     let same = |f: &Field| {
         f.problem == run.problem && f.method == run.method && f.relaxation == relaxation && f.group == group
     };
-    let index = fields.iter().position(same).unwrap_or_else(|| {
-        fields.push(Field {
-            problem: &run.problem,
-            method: &run.method,
-            grains: run.grains,
-            subdomains: run.subdomains,
-            relaxation,
-            group,
-            cells: Vec::new(),
-            derived: None,
-            adaptive: None,
-            kappa: None,
-        });
-        fields.len() - 1
-    });
-    let field = &mut fields[index];
+    let new = || Field {
+        problem: &run.problem,
+        method: &run.method,
+        grains: run.grains,
+        subdomains: run.subdomains,
+        relaxation,
+        group: group.clone(),
+        cells: Vec::new(),
+        derived: None,
+        adaptive: None,
+        kappa: None,
+    };
+    let field = find_or_push(fields, same, new);
     match (number(run, "kappa_l"), number(run, "kappa_d")) {
         (Some(kappa_l), kappa_d) if kappa_l > 0.0 => {
             field.cells.push(Cell { kappa_l, kappa_d: kappa_d.unwrap_or(kappa_l), run });

@@ -4,8 +4,8 @@ use super::field::{Cell, Field};
 use super::words::{head, notes, signs, title};
 use crate::draw::{
     Axis, BEST, COLUMN, Canvas, ColorScale, DERIVED, FAILED_CELL, FAILED_SIGN, Frame, HALO, HPos, LEADING,
-    MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen, Place, RGBColor, Signs, TEXT, TICK_TEXT, Ticks, VPos, svg,
-    text_width,
+    MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen, Place, RGBColor, Signs, TEXT, TICK_TEXT, Ticks, VPos, rectangle,
+    svg, text_width,
 };
 use crate::read::{Ending, count};
 
@@ -177,7 +177,7 @@ impl Page {
     }
 
     fn cell(&self, canvas: &Canvas, cell: &Cell, ((x0, y0), (x1, y1)): (Place, Place)) {
-        let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)];
+        let corners = rectangle((x0, y0), (x1, y1));
         let Some((iterations, scale)) = converged(cell).zip(self.scale.as_ref()) else {
             canvas.polygon(&corners, FAILED_CELL, Some(seam(FAILED_CELL)));
             return canvas.ending(
