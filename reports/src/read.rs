@@ -17,7 +17,7 @@ use results::simulation::SimulationTables;
 use results::store::Tables;
 
 use crate::error::ReportError;
-pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, reached};
+pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, accuracy_text, reached};
 pub(crate) use ending::Ending;
 pub(crate) use groups::{differing, settings_text};
 pub(crate) use number::{count, counted, number, power_of_ten, round_down, round_up};

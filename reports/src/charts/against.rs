@@ -3,21 +3,16 @@
 use std::collections::BTreeMap;
 
 use crate::draw::{Canvas, INSIDE, Legend, Looks, Room, Scale, Sign, TOLERANCE, draw_empty, row};
-use crate::read::{Ending, Problems, RunRow, counted, median, number, padded, unique};
+use crate::read::{Problems, RunRow, counted, median, number, padded, unique};
 use crate::text::{Part, frame};
 use polars::df;
 use polars::prelude::DataFrame;
 
-/// What a panel compares.
-struct Measure {
-    title: &'static str,
-    of: fn(&RunRow) -> Option<f64>,
-}
+/// What a panel compares, and its name.
+type Measure = (&'static str, fn(&RunRow) -> Option<f64>);
 
-const MEASURES: [Measure; 2] = [
-    Measure { title: "iterations", of: |run| Some(run.iterations as f64) },
-    Measure { title: "set-up and iterations (s)", of: RunRow::seconds },
-];
+const MEASURES: [Measure; 2] =
+    [("iterations", |run| Some(run.iterations as f64)), ("set-up and iterations (s)", RunRow::seconds)];
 
 /// A run before and after.
 type Pair<'r> = (&'r RunRow, &'r RunRow);
@@ -39,15 +34,14 @@ pub(crate) fn parts(before: &Problems, after: &Problems) -> Vec<Part> {
 }
 
 fn ratio((before, after): &Pair, of: fn(&RunRow) -> Option<f64>) -> Option<f64> {
-    let both = before.ending == Ending::Converged && after.ending == Ending::Converged;
+    let both = before.has_converged() && after.has_converged();
     let (before, after) = (of(before)?, of(after)?);
     (both && before > 0.0).then_some(after / before)
 }
 
 fn sentences(pairs: &[Pair], before: usize, after: usize) -> String {
-    let [iterations, seconds] = MEASURES
-        .each_ref()
-        .map(|measure| pairs.iter().filter_map(|pair| ratio(pair, measure.of)).collect::<Vec<f64>>());
+    let ratios = |(_, of): Measure| pairs.iter().filter_map(|pair| ratio(pair, of)).collect::<Vec<f64>>();
+    let [iterations, seconds] = MEASURES.map(ratios);
     let count = |of: fn(f64) -> bool| iterations.iter().filter(|ratio| of(**ratio)).count();
     let mut text = format!(
         "{} before, {} after, {} in both. Of those that converged in both, {} made as many iterations, {} fewer, {} more.\n",
@@ -85,19 +79,17 @@ fn figure(pairs: &[Pair], looks: &Looks) -> String {
 
 /// The run after, and its logarithms before and after.
 fn point<'r>(pair: &Pair<'r>, measure: &Measure) -> Option<(&'r RunRow, (f64, f64))> {
-    ratio(pair, measure.of)?;
-    let (x, y) = ((measure.of)(pair.0)?.log10(), (measure.of)(pair.1)?.log10());
+    ratio(pair, measure.1)?;
+    let (x, y) = ((measure.1)(pair.0)?.log10(), (measure.1)(pair.1)?.log10());
     (x.is_finite() && y.is_finite()).then_some((pair.1, (x, y)))
 }
 
 fn panel(canvas: &Canvas, pairs: &[Pair], looks: &Looks, measure: &Measure, room: Room) {
     let points: Vec<(&RunRow, (f64, f64))> = pairs.iter().filter_map(|pair| point(pair, measure)).collect();
     let range = padded(points.iter().flat_map(|(_, (x, y))| [*x, *y]), 0.08);
-    let name = format!("after: {}", measure.title);
+    let name = format!("after: {}", measure.0);
     let frame = room.frame(canvas, (Scale::Ten, range, "before"), (Scale::Ten, range, &name));
-    if let Some(same) = frame.diagonal() {
-        canvas.line(&same, TOLERANCE);
-    }
+    frame.draw_diagonal(canvas);
     for (run, place) in &points {
         let look = looks.of_method(&run.method).signed();
         canvas.mark(look.mark, frame.place(*place), look.pen);
@@ -108,8 +100,7 @@ fn panel(canvas: &Canvas, pairs: &[Pair], looks: &Looks, measure: &Measure, room
 }
 
 fn table(pairs: &[Pair]) -> DataFrame {
-    let of_both = |i: usize| pairs.iter().map(|pair| ratio(pair, MEASURES[i].of)).collect::<Vec<_>>();
-    let seconds = |run: &RunRow| (MEASURES[1].of)(run);
+    let of_both = |i: usize| pairs.iter().map(|pair| ratio(pair, MEASURES[i].1)).collect::<Vec<_>>();
     frame(df!(
         "problem" => pairs.iter().map(|(_, run)| run.problem.as_str()).collect::<Vec<_>>(),
         "method" => pairs.iter().map(|(_, run)| run.method.as_str()).collect::<Vec<_>>(),
@@ -119,8 +110,8 @@ fn table(pairs: &[Pair]) -> DataFrame {
         "iterations_before" => pairs.iter().map(|(run, _)| run.iterations).collect::<Vec<_>>(),
         "iterations_after" => pairs.iter().map(|(_, run)| run.iterations).collect::<Vec<_>>(),
         "iterations_ratio" => of_both(0),
-        "seconds_before" => pairs.iter().map(|(run, _)| seconds(run)).collect::<Vec<_>>(),
-        "seconds_after" => pairs.iter().map(|(_, run)| seconds(run)).collect::<Vec<_>>(),
+        "seconds_before" => pairs.iter().map(|(run, _)| run.seconds()).collect::<Vec<_>>(),
+        "seconds_after" => pairs.iter().map(|(_, run)| run.seconds()).collect::<Vec<_>>(),
         "seconds_ratio" => of_both(1),
     ))
 }

@@ -129,7 +129,7 @@ fn figure(judged: &[Judged]) -> String {
     let columns = unique(judged.iter().map(|j| (j.simulation.scene.as_str(), j.simulation.time_step_s)));
     let left = MARGIN + texts.iter().map(|text| text_width(text, TICK_TEXT)).fold(0.0, f64::max) + 1.5;
     let cell = ((PAGE - MARGIN - left) / columns.len().max(1) as f64).clamp(CELL.0, CELL.1);
-    let scenes = distinct_in_order(&columns);
+    let scenes = unique(columns.iter().map(|(scene, _)| *scene));
     let top = MARGIN + LEADING * (1.5 + scenes.len() as f64 + 1.0) + 0.5;
     let bottom = top + ROW * lines.len() as f64;
     let key = key();
@@ -154,12 +154,6 @@ fn figure(judged: &[Judged]) -> String {
         }
         key.draw(canvas, (MARGIN, bottom + 2.0));
     })
-}
-
-fn distinct_in_order<'c>(columns: &[(&'c str, f64)]) -> Vec<&'c str> {
-    let mut scenes: Vec<&str> = columns.iter().map(|(scene, _)| *scene).collect();
-    scenes.dedup();
-    scenes
 }
 
 /// A bracket with its name over the columns of each scene, and the time steps below.

@@ -4,7 +4,7 @@ use crate::draw::{
     Axis, Canvas, Frame, HPos, LEADING, Legend, Lines, MARGIN, MOST_LINES, PAGE, PAGE_HEIGHT, Sign, TEXT,
     TICK_TEXT, TOLERANCE, VPos, draw_lines, log_point, range, svg, title,
 };
-use crate::read::{Ending, Point, Problems, RunRow, file_name, number, problems, round_up};
+use crate::read::{Point, Problems, RunRow, file_name, number, problems, round_up};
 use crate::text::{Part, nothing, too_many};
 
 /// Left of a panel for the labels of its ticks, and right of it for the tolerance (mm).
@@ -18,23 +18,12 @@ const ALONE: f64 = 66.0;
 const LEAST: f64 = 32.0;
 const GREATEST: f64 = 54.0;
 
-/// A column of panels.
-struct Measure {
-    /// Name in the tables.
-    name: &'static str,
-    title: &'static str,
-    of: fn(&Point) -> Option<f64>,
-}
+/// A column of panels: the measure's name in the tables and on its axis.
+type Measure = (&'static str, &'static str, fn(&Point) -> Option<f64>);
 
 const MEASURES: [Measure; 2] = [
-    Measure {
-        name: "zeta", title: "ζ, relative change in the last iteration (–)", of: |point| point.zeta
-    },
-    Measure {
-        name: "natural_map",
-        title: "natural map, distance to a solution (–)",
-        of: |point| point.natural_map,
-    },
+    ("zeta", "ζ, relative change in the last iteration (–)", |point| point.zeta),
+    ("natural_map", "natural map, distance to a solution (–)", |point| point.natural_map),
 ];
 
 /// `convergence-<problem>` for each problem, and `convergence` with all of them if a page holds that many.
@@ -81,7 +70,7 @@ impl Lines<'_> {
     /// One entry per kind of run, the signs, and the runs that have no line since nothing was left to do.
     fn key(&self, problems: &[&str]) -> Legend {
         let runs: Vec<&RunRow> = problems.iter().flat_map(|problem| self.runs_of(problem)).collect();
-        let begun = |run: &&&RunRow| run.ending == Ending::Converged && run.iterations == 0;
+        let begun = |run: &&&RunRow| run.has_converged() && run.iterations == 0;
         let note = |run: &&RunRow| {
             let text = format!("{} on {}: converged at its start, no line", run.label(), run.problem);
             (Sign::Word, text)
@@ -113,28 +102,24 @@ impl Lines<'_> {
         x: Axis,
         (top, bottom): (f64, f64),
     ) {
-        let lines = self.lines(runs, |_, point| log_point(point.iteration as f64, (measure.of)(point)));
-        let tolerances = tolerances(runs, measure.name);
+        let lines = self.lines(runs, |_, point| log_point(point.iteration as f64, (measure.2)(point)));
+        let tolerances = tolerances(runs, measure.0);
         let frame = Frame { x, y: Axis::log(range(&lines, &tolerances), bottom, top) };
         frame.draw(canvas);
-        frame.name(canvas, "iterations", measure.title);
+        frame.name(canvas, "iterations", measure.1);
         for tolerance in tolerances {
-            draw_tolerance(canvas, &frame, tolerance);
+            frame.across(canvas, tolerance.log10(), TOLERANCE);
+            let place = (frame.x.to + 0.9, frame.y.place(tolerance.log10()));
+            canvas.text(&number(tolerance, 2), place, TICK_TEXT, (HPos::Left, VPos::Center));
         }
         draw_lines(canvas, &frame, &lines);
     }
 }
 
-fn draw_tolerance(canvas: &Canvas, frame: &Frame, tolerance: f64) {
-    let y = frame.y.place(tolerance.log10());
-    canvas.line(&[(frame.x.from, y), (frame.x.to, y)], TOLERANCE);
-    canvas.text(&number(tolerance, 2), (frame.x.to + 0.9, y), TICK_TEXT, (HPos::Left, VPos::Center));
-}
-
 /// The tolerances at which a measure stops some of the runs.
 fn tolerances(runs: &[&RunRow], measure: &str) -> Vec<f64> {
-    let asked = runs.iter().filter(|run| run.stop_on == measure).filter_map(|run| run.tolerance);
-    let mut tolerances: Vec<f64> = asked.filter(|t| t.is_finite() && *t > 0.0).collect();
+    let all = runs.iter().filter(|run| run.stop_on == measure).filter_map(|run| run.tolerance);
+    let mut tolerances: Vec<f64> = all.filter(|t| t.is_finite() && *t > 0.0).collect();
     tolerances.sort_by(f64::total_cmp);
     tolerances.dedup();
     tolerances

@@ -10,7 +10,7 @@ use crate::draw::{
     Canvas, INSIDE, Legend, MOST_LINES, Place, Room, Scale, Series, Sign, draw_empty, row, series,
 };
 use crate::read::{
-    ACCURACIES, COSTS, Cost, Problems, RunRow, WORK, counted, median, power_of_ten, problems, repeats,
+    ACCURACIES, COSTS, Cost, Problems, RunRow, WORK, accuracy_text, counted, median, problems, repeats,
 };
 use crate::text::{Part, frame, nothing, too_many};
 use ratios::Ratios;
@@ -60,7 +60,7 @@ fn figure(runs: &[RunRow], methods: &[Series], cost: &Cost) -> Part {
     let legend = Legend::new(entries, signs, INSIDE);
     let not_reached = |(accuracy, ratios): (f64, &Ratios)| {
         let (not_reached, runs) = ratios.not_reached();
-        format!("{} by {not_reached} of {runs}", power(accuracy))
+        format!("{} by {not_reached} of {runs}", accuracy_text(accuracy))
     };
     let not_reached: Vec<String> = ACCURACIES.into_iter().zip(&all).map(not_reached).collect();
     let title = [
@@ -77,10 +77,6 @@ fn figure(runs: &[RunRow], methods: &[Series], cost: &Cost) -> Part {
     Part::figure(name, svg)
 }
 
-fn power(accuracy: f64) -> String {
-    power_of_ten(accuracy.log10().round() as i32)
-}
-
 /// Where the axis ends: at the greatest ratio, or before (logarithm).
 fn far(ratios: &Ratios) -> f64 {
     const FAR: f64 = 3.0;
@@ -89,7 +85,7 @@ fn far(ratios: &Ratios) -> f64 {
 }
 
 fn panel(canvas: &Canvas, methods: &[Series], ratios: &Ratios, accuracy: f64, room: Room) {
-    let share = format!("share solved to {} (–)", power(accuracy));
+    let share = format!("share solved to {} (–)", accuracy_text(accuracy));
     let x = (Scale::Ten, (0.0, far(ratios)), "τ (–)");
     let frame = room.frame(canvas, x, (Scale::Share, (-0.03, 1.03), &share));
     for (k, (method, ratios)) in methods.iter().zip(&ratios.of_methods).enumerate() {

@@ -44,10 +44,6 @@ fn omega(run: &RunRow) -> Option<f64> {
     run.settings.get(KEY)?.as_f64()
 }
 
-fn has_converged(run: &RunRow) -> bool {
-    run.ending == Ending::Converged
-}
-
 /// Those that were run with several ω.
 fn swept<'r>(runs: &[&'r RunRow]) -> Vec<Swept<'r>> {
     let mut all = Vec::new();
@@ -73,9 +69,9 @@ fn overall(problems: &[Vec<&RunRow>]) -> Vec<Overall> {
     let at = |relaxation| {
         let runs = problems.iter().map(|runs| runs.iter().find(|run| omega(run) == Some(relaxation)));
         let runs: Vec<&RunRow> = runs.map(Option::<&&RunRow>::copied).collect::<Option<_>>()?;
-        let cost = |run: &&RunRow| if has_converged(run) { run.iterations } else { run.max_iterations };
+        let cost = |run: &&RunRow| if run.has_converged() { run.iterations } else { run.max_iterations };
         let logs: f64 = runs.iter().map(|run| (cost(run).max(1) as f64).ln()).sum();
-        let failed = runs.iter().filter(|run| !has_converged(run)).count();
+        let failed = runs.iter().filter(|run| !run.has_converged()).count();
         Some(Overall { relaxation, failed, mean: (logs / runs.len() as f64).exp() })
     };
     problems[0].iter().filter_map(|run| at(omega(run)?)).collect()
@@ -94,7 +90,7 @@ impl Swept<'_> {
 
 /// The run with the fewest iterations of those that converged.
 fn best<'r>(runs: &[&'r RunRow]) -> Option<&'r RunRow> {
-    runs.iter().copied().filter(|run| has_converged(run)).min_by_key(|run| run.iterations)
+    runs.iter().copied().filter(|run| run.has_converged()).min_by_key(|run| run.iterations)
 }
 
 /// What the best fixed ω of a method is, beside ω = 1.
@@ -149,9 +145,7 @@ fn figure(runs: &[&RunRow], all: &[Swept]) -> Part {
     signs.push((Sign::Line(TOLERANCE), "best fixed ω over all problems".to_owned()));
     let legend = Legend::new(entries, signs, INSIDE);
     let (first, last) = (shown.first(), all.len());
-    let stop = first.and_then(|run| {
-        Some(format!(", iterations to {} ≤ {}", run.stop_on.replace('_', " "), number(run.tolerance?, 2)))
-    });
+    let stop = first.and_then(|run| Some(format!(", iterations to {}", run.rule()?)));
     let title = format!("{}{}", counted(shown.len(), "run"), stop.unwrap_or_default());
     let columns = last.min(2);
     let svg = grid(&[title], (columns, last.div_ceil(columns)), &legend, |canvas, i, room| {
@@ -169,7 +163,7 @@ fn place(run: &RunRow) -> Option<f64> {
 
 fn panel(canvas: &Canvas, swept: &Swept, looks: &BTreeMap<String, Look>, room: Room) {
     let runs = || swept.problems.iter().flatten();
-    let iterations = runs().filter(|run| has_converged(run)).map(|run| (run.iterations as f64).log10());
+    let iterations = runs().filter(|run| run.has_converged()).map(|run| (run.iterations as f64).log10());
     let x = padded(runs().filter_map(|run| place(run)), 0.05);
     let (y, name) = (padded(iterations, 0.1), format!("iterations of {}", swept.label));
     let frame = room.frame(canvas, (Scale::Relaxation, x, "relaxation ω (–)"), (Scale::Ten, y, &name));
@@ -180,7 +174,7 @@ fn panel(canvas: &Canvas, swept: &Swept, looks: &BTreeMap<String, Look>, room: R
         let look = looks[&kind(&runs[0].problem)];
         // A run that failed is at the upper edge, however many iterations it made.
         let point = |run: &&RunRow| {
-            let y = if has_converged(run) { (run.iterations as f64).log10() } else { frame.y.high };
+            let y = if run.has_converged() { (run.iterations as f64).log10() } else { frame.y.high };
             Some((run.ending, (place(run)?, y)))
         };
         let points: Vec<_> = runs.iter().filter_map(point).collect();
@@ -191,7 +185,7 @@ fn panel(canvas: &Canvas, swept: &Swept, looks: &BTreeMap<String, Look>, room: R
             canvas.mark(Mark::Ring, frame.place(point), BEST);
         }
     }
-    if runs().any(|run| has_converged(run)) {
+    if runs().any(|run| run.has_converged()) {
     } else {
         draw_empty(canvas, &frame);
     }
@@ -203,13 +197,13 @@ fn table(all: &[Swept]) -> DataFrame {
         all.iter().flat_map(|swept| swept.problems.iter().map(move |runs| (swept, runs))).collect();
     let at = |runs: &[&RunRow], relaxation: f64| {
         let run = runs.iter().find(|run| omega(run) == Some(relaxation))?;
-        has_converged(run).then_some(run.iterations)
+        run.has_converged().then_some(run.iterations)
     };
     let fixed = |swept: &Swept| swept.fixed().map(|fixed| fixed.relaxation);
     frame(df!(
         "method" => rows.iter().map(|(swept, _)| swept.label.as_str()).collect::<Vec<_>>(),
         "problem" => rows.iter().map(|(_, runs)| runs[0].problem.as_str()).collect::<Vec<_>>(),
-        "failed" => rows.iter().map(|(_, runs)| runs.iter().filter(|run| !has_converged(run)).count() as u64).collect::<Vec<_>>(),
+        "failed" => rows.iter().map(|(_, runs)| runs.iter().filter(|run| !run.has_converged()).count() as u64).collect::<Vec<_>>(),
         "best" => rows.iter().map(|(_, runs)| best(runs).and_then(omega)).collect::<Vec<_>>(),
         "iterations" => rows.iter().map(|(_, runs)| best(runs).map(|run| run.iterations)).collect::<Vec<_>>(),
         "best_fixed" => rows.iter().map(|(swept, _)| fixed(swept)).collect::<Vec<_>>(),

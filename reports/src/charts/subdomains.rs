@@ -165,14 +165,13 @@ fn panel(
     };
     let y = reach(range.iter().copied().flatten().chain(&ideal), |point| point.1);
     let frame = room.frame(canvas, (Scale::Two, x, "subdomains"), (Scale::Ten, y, &panel.title));
-    if let Some(ideal) = frame.diagonal().filter(|_| !ideal.is_empty()) {
-        canvas.line(&ideal, TOLERANCE);
+    if !ideal.is_empty() {
+        frame.draw_diagonal(canvas);
     }
     for (series, points) in all.iter().zip(lines) {
         let pen = series.look.pen;
         if let Some(value) = level(series, points, lines) {
-            let y = frame.y.place(value);
-            canvas.line(&[(room.left, y), (room.right, y)], pen);
+            frame.across(canvas, value, pen);
         }
         let line = joined(points);
         let places = |limit: bool| {
@@ -193,7 +192,7 @@ fn panel(
 /// Iterations of a run over those of the one with the fewest subdomains among `same`, if both converged.
 pub(crate) fn growth<'r>(run: &RunRow, same: impl Iterator<Item = &'r RunRow>) -> Option<f64> {
     let fewest = same.min_by_key(|other| other.subdomains)?;
-    let converged = [run, fewest].iter().all(|run| run.ending == Ending::Converged);
+    let converged = [run, fewest].iter().all(|run| run.has_converged());
     (converged && fewest.iterations > 0).then(|| run.iterations as f64 / fewest.iterations as f64)
 }
 

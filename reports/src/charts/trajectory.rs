@@ -7,6 +7,8 @@ mod tests;
 use polars::df;
 use polars::prelude::DataFrame;
 
+use std::ops::Deref;
+
 use crate::draw::{
     Canvas, HPos, INK, INSIDE, LOWEST, Legend, Look, Mark, Pen, Place, Room, Scale, Sign, TICK_TEXT,
     TOLERANCE, VPos, log, looks_in_time, row,
@@ -28,21 +30,37 @@ struct Compared<'s> {
     errors: Option<[f64; 4]>,
 }
 
+impl Deref for Compared<'_> {
+    type Target = Simulation;
+
+    fn deref(&self) -> &Simulation {
+        self.simulation
+    }
+}
+
+impl Compared<'_> {
+    /// The i-th error (logarithm).
+    fn error(&self, i: usize) -> Option<f64> {
+        self.errors.map(|errors| log(errors[i]).max(LOWEST))
+    }
+
+    /// Seconds per second (logarithm).
+    fn cost(&self) -> Option<f64> {
+        self.seconds_per_second().map(log)
+    }
+}
+
 /// `trajectory-<scene>` for each scene, `trajectory-found` in words, and the table `trajectory` with all errors.
 pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
-    let compared: Vec<Compared> = all
-        .iter()
-        .map(|simulation| {
-            let reference = in_role(all, &simulation.scene, "reference");
-            Compared { simulation, errors: reference.and_then(|reference| errors(simulation, reference)) }
-        })
-        .collect();
+    let beside = |s: &Simulation| errors(s, in_role(all, &s.scene, "reference")?);
+    let compared: Vec<Compared> =
+        all.iter().map(|simulation| Compared { simulation, errors: beside(simulation) }).collect();
     let looks = looks_in_time(all);
     let mut parts = Vec::new();
     let mut text = String::new();
     for scene in unique(all.iter().map(|s| s.scene.as_str())) {
-        let of_scene: Vec<&Compared> = compared.iter().filter(|c| c.simulation.scene == scene).collect();
-        if of_scene.iter().any(|c| c.errors.is_some() && c.simulation.role != "reference") {
+        let of_scene: Vec<&Compared> = compared.iter().filter(|c| c.scene == scene).collect();
+        if of_scene.iter().any(|c| c.errors.is_some() && c.role != "reference") {
             let name = format!("trajectory-{}", file_name(scene));
             parts.push(Part::figure(name, figure(scene, &of_scene, &looks)));
         }
@@ -80,15 +98,9 @@ fn table(compared: &[Compared]) -> DataFrame {
 }
 
 fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> String {
-    let steps = time_steps(compared);
-    let mut signs: Vec<(Sign, String)> = steps
-        .iter()
-        .zip(MARKS.iter().cycle())
-        .map(|(h, mark)| {
-            let pen = Pen::solid(INK, 0.3);
-            (Sign::Mark(*mark, pen), format!("h = {} ms", milliseconds(*h)))
-        })
-        .collect();
+    let sign = |(h, mark)| (Sign::Mark(mark, Pen::solid(INK, 0.3)), format!("h = {} ms", milliseconds(h)));
+    let steps = time_steps(compared).into_iter().zip(MARKS.into_iter().cycle());
+    let mut signs: Vec<(Sign, String)> = steps.map(sign).collect();
     let axes: Vec<_> = (0..OBSERVABLES.len()).filter_map(|i| axes(compared, i)).collect();
     if of_role(compared, "floor").any(|c| c.errors.is_some()) {
         signs.push((Sign::Line(TOLERANCE), "error of the time step alone".to_owned()));
@@ -97,9 +109,11 @@ fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> Stri
         let text = "uncertainty of the reference: smaller errors are not meaningful".to_owned();
         signs.push((Sign::Line(TWINS), text));
     }
-    signs.push((Sign::Word, tolerances(compared)));
+    let tolerances: Vec<String> = falling(compared, |s| s.tolerance).iter().map(|t| number(*t, 2)).collect();
+    let text = format!("Tolerances along a line, from loose to tight: {}.", tolerances.join(", "));
+    signs.push((Sign::Word, text));
     signs.push((Sign::Word, "d: mean diameter of the grains.".to_owned()));
-    let failed = compared.iter().filter(|c| c.simulation.is_run() && c.errors.is_none()).count();
+    let failed = of_role(compared, "run").filter(|c| c.errors.is_none()).count();
     if failed > 0 {
         signs.push((Sign::Word, format!("Not drawn, since they did not come to the end: {failed}.")));
     }
@@ -109,39 +123,23 @@ fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> Stri
     row(&title, OBSERVABLES.len(), &legend, |canvas, i, room| panel(canvas, compared, looks, i, room))
 }
 
-/// The time steps of the runs, the longest first.
-fn time_steps(compared: &[&Compared]) -> Vec<f64> {
-    let mut steps: Vec<f64> =
-        compared.iter().filter(|c| c.simulation.is_run()).map(|c| c.simulation.time_step_s).collect();
-    steps.sort_by(|a, b| b.total_cmp(a));
-    steps.dedup();
-    steps
+/// What the runs have, the greatest first.
+fn falling(compared: &[&Compared], of: fn(&Simulation) -> f64) -> Vec<f64> {
+    let mut values: Vec<f64> = of_role(compared, "run").map(|c| of(c)).collect();
+    values.sort_by(|a, b| b.total_cmp(a));
+    values.dedup();
+    values
 }
 
-/// The tolerances along a line.
-fn tolerances(compared: &[&Compared]) -> String {
-    let runs = compared.iter().filter(|c| c.simulation.is_run());
-    let mut tolerances: Vec<f64> = runs.map(|c| c.simulation.tolerance).collect();
-    tolerances.sort_by(|a, b| b.total_cmp(a));
-    tolerances.dedup();
-    let texts: Vec<String> = tolerances.iter().map(|tolerance| number(*tolerance, 2)).collect();
-    format!("Tolerances along a line, from loose to tight: {}.", texts.join(", "))
+fn time_steps(compared: &[&Compared]) -> Vec<f64> {
+    falling(compared, |s| s.time_step_s)
 }
 
 fn of_role<'c>(
     compared: &'c [&'c Compared<'c>],
     role: &'static str,
 ) -> impl Iterator<Item = &'c Compared<'c>> {
-    compared.iter().copied().filter(move |c| c.simulation.role == role)
-}
-
-/// The i-th error of a simulation (logarithm).
-fn value(compared: &Compared, i: usize) -> Option<f64> {
-    compared.errors.map(|errors| log(errors[i]).max(LOWEST))
-}
-
-fn cost(compared: &Compared) -> Option<f64> {
-    compared.simulation.seconds_per_second().map(log)
+    compared.iter().copied().filter(move |c| c.role == role)
 }
 
 /// Ranges of a panel, and the distances of two references that are in it.
@@ -153,43 +151,39 @@ struct Axes {
 
 /// The axes of the panel of the i-th error; none if it is known of no run.
 fn axes(compared: &[&Compared], i: usize) -> Option<Axes> {
-    let runs = || compared.iter().filter(|c| c.simulation.is_run());
-    let x = padded(runs().filter_map(|c| value(c, i).and(cost(c))), 0.05);
-    let floors = of_role(compared, "floor").filter_map(|c| value(c, i));
-    let y = span(runs().filter_map(|c| value(c, i)).chain(floors))?;
+    let runs = || of_role(compared, "run");
+    let x = padded(runs().filter_map(|c| c.error(i).and(c.cost())), 0.05);
+    let floors = of_role(compared, "floor").filter_map(|c| c.error(i));
+    let y = span(runs().filter_map(|c| c.error(i)).chain(floors))?;
     let (low, high) = padded([y.0, y.1].into_iter(), 0.08);
-    let twins = of_role(compared, "twin").filter_map(|c| value(c, i));
+    let twins = of_role(compared, "twin").filter_map(|c| c.error(i));
     let twins = twins.filter(|at| (low..=high).contains(at)).collect();
     Some(Axes { x, y: (low, high.max(low + 1.0)), twins })
 }
 
 fn panel(canvas: &Canvas, compared: &[&Compared], looks: &[(String, Look)], i: usize, room: Room) {
-    let runs = || compared.iter().filter(|c| c.simulation.is_run());
+    let runs = || of_role(compared, "run");
     let Some(Axes { x, y, twins }) = axes(compared, i) else {
         return canvas.text("no error known", (room.left, room.top), TICK_TEXT, (HPos::Left, VPos::Top));
     };
     let error = format!("error of the {}", OBSERVABLES[i]);
     let frame = room.frame(canvas, (Scale::Ten, x, "seconds per simulated second"), (Scale::Ten, y, &error));
-    let across = |canvas: &Canvas, at: f64, pen: Pen| {
-        canvas.line(&[(room.left, frame.y.place(at)), (room.right, frame.y.place(at))], pen);
-    };
     for twin in twins {
-        across(canvas, twin, TWINS);
+        frame.across(canvas, twin, TWINS);
     }
-    let steps = time_steps(compared);
     for floor in of_role(compared, "floor") {
-        let Some(at) = value(floor, i) else { continue };
-        across(canvas, at, TOLERANCE);
-        let text = format!("{} ms", milliseconds(floor.simulation.time_step_s));
+        let Some(at) = floor.error(i) else { continue };
+        frame.across(canvas, at, TOLERANCE);
+        let text = format!("{} ms", milliseconds(floor.time_step_s));
         // Beside the ticks.
         let place = (room.left + 2.0, frame.y.place(at) - 0.2);
         canvas.text(&text, place, TICK_TEXT, (HPos::Left, VPos::Bottom));
     }
     for (label, look) in looks {
-        for (step, mark) in steps.iter().zip(MARKS.iter().cycle()) {
+        for (step, mark) in time_steps(compared).iter().zip(MARKS.iter().cycle()) {
             let mut points: Vec<(f64, Place)> = runs()
-                .filter(|c| c.simulation.label() == *label && c.simulation.time_step_s == *step)
-                .filter_map(|c| Some((c.simulation.tolerance, frame.place((cost(c)?, value(c, i)?)))))
+                .filter(|c| c.label() == *label && c.time_step_s == *step)
+                .filter_map(|c| Some((c.tolerance, frame.place((c.cost()?, c.error(i)?)))))
                 .collect();
             points.sort_by(|a, b| b.0.total_cmp(&a.0));
             let places: Vec<Place> = points.into_iter().map(|(_, place)| place).collect();
@@ -203,7 +197,7 @@ fn panel(canvas: &Canvas, compared: &[&Compared], looks: &[(String, Look)], i: u
 
 /// What the rows of a scene say, one sentence for each time step.
 fn sentences(scene: &str, compared: &[&Compared]) -> String {
-    let Some(twin) = compared.iter().find(|c| c.simulation.role == "twin").and_then(|c| c.errors) else {
+    let Some(twin) = of_role(compared, "twin").next().and_then(|c| c.errors) else {
         return format!("{scene}: no reference was made, so no error is known.\n");
     };
     let words = |errors: &[f64; 4]| {
@@ -215,27 +209,23 @@ fn sentences(scene: &str, compared: &[&Compared]) -> String {
     let mut text =
         format!("{scene}: two references whose tolerances differ tenfold differ by {}.\n", words(&twin));
     for step in time_steps(compared) {
-        let at = |c: &&&Compared| c.simulation.time_step_s == step;
-        let floor = compared.iter().filter(at).find(|c| c.simulation.role == "floor").and_then(|c| c.errors);
+        let at = |c: &&Compared| c.time_step_s == step;
+        let floor = of_role(compared, "floor").find(at).and_then(|c| c.errors);
         let Some(floor) = floor else { continue };
-        let good = |c: &&&Compared| {
+        let good = |c: &&Compared| {
             c.errors.is_some_and(|e| e.iter().zip(floor).all(|(e, floor)| *e <= AT_THE_FLOOR * floor))
         };
-        let cost = |c: &&&Compared| c.simulation.seconds_per_second().unwrap_or(f64::INFINITY);
-        let cheapest = compared
-            .iter()
-            .filter(|c| c.simulation.is_run())
-            .filter(at)
-            .filter(good)
-            .min_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let cost = |c: &Compared| c.seconds_per_second().unwrap_or(f64::INFINITY);
+        let runs = of_role(compared, "run").filter(at).filter(good);
+        let cheapest = runs.min_by(|a, b| cost(a).total_cmp(&cost(b)));
         let h = milliseconds(step);
         text.extend([format!("{scene}: with h = {h} ms the time step alone costs {}; ", words(&floor))]);
         text.extend([match cheapest {
             Some(c) => format!(
                 "the cheapest run within a factor of {AT_THE_FLOOR} of all four is {} at a tolerance of {}, with {} s per simulated second.\n",
-                c.simulation.label(),
-                number(c.simulation.tolerance, 2),
-                number(cost(&c), 2)
+                c.label(),
+                number(c.tolerance, 2),
+                number(cost(c), 2)
             ),
             None => format!("no run comes within a factor of {AT_THE_FLOOR} of all four.\n"),
         }]);

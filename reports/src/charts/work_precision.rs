@@ -6,7 +6,7 @@ use crate::draw::{
     draw_lines, log, log_point, range, row, title,
 };
 use crate::read::{
-    ACCURACIES, COSTS, Cost, Problems, RunRow, WORK, number, padded, power_of_ten, reached, repeats,
+    ACCURACIES, COSTS, Cost, Problems, RunRow, WORK, accuracy_text, number, padded, reached, repeats,
 };
 use crate::text::Part;
 
@@ -58,8 +58,7 @@ fn panel(canvas: &Canvas, study: &Lines, runs: &[&RunRow], cost: &Cost, room: Ro
     for accuracy in
         ACCURACIES.map(f64::log10).into_iter().filter(|log| (frame.y.low..frame.y.high).contains(log))
     {
-        let y = frame.y.place(accuracy);
-        canvas.line(&[(room.left, y), (room.right, y)], TOLERANCE);
+        frame.across(canvas, accuracy, TOLERANCE);
     }
     draw_front(canvas, &frame, &lines);
     draw_lines(canvas, &frame, &lines);
@@ -101,7 +100,7 @@ fn first(study: &Lines, problem: &str, accuracy: f64) -> String {
         let (price, run) = prices.min_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(format!("{} ({} {})", run.label(), number(price, 2), cost.name))
     };
-    let name = power_of_ten(accuracy.log10().round() as i32);
+    let name = accuracy_text(accuracy);
     let [seconds, work] = COSTS.each_ref().map(says);
     match (seconds, work) {
         (None, _) => format!("{problem}: no run reaches a velocity error of {name}.\n"),

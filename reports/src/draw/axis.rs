@@ -1,6 +1,6 @@
 //! Axes, and the frame that two of them span. A logarithmic axis is one of logarithms to base ten.
 
-use crate::draw::{Canvas, FRAME, GRID, HPos, LEADING, Place, TEXT, TICK_TEXT, VPos};
+use crate::draw::{Canvas, FRAME, GRID, HPos, LEADING, Pen, Place, TEXT, TICK_TEXT, TOLERANCE, VPos};
 use crate::read::{number, power_of_ten};
 
 /// Lengths of ticks at powers of ten and between them (mm).
@@ -148,6 +148,19 @@ impl Frame {
     pub(crate) fn diagonal(&self) -> Option<[Place; 2]> {
         let (low, high) = (self.x.low.max(self.y.low), self.x.high.min(self.y.high));
         (low < high).then(|| [low, high].map(|at| self.place((at, at))))
+    }
+
+    /// A line at one height (its logarithm), from edge to edge.
+    pub(crate) fn across(&self, canvas: &Canvas, at: f64, pen: Pen) {
+        let y = self.y.place(at);
+        canvas.line(&[(self.x.from, y), (self.x.to, y)], pen);
+    }
+
+    /// The line on which both axes have the same value, if it is in the frame.
+    pub(crate) fn draw_diagonal(&self, canvas: &Canvas) {
+        if let Some(ends) = self.diagonal() {
+            canvas.line(&ends, TOLERANCE);
+        }
     }
 
     /// Grid, ticks and their labels; what is drawn next lies above them.

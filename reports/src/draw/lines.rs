@@ -6,7 +6,7 @@ use crate::draw::{
     Canvas, Frame, HPos, Legend, LogPoint, Look, Looks, Mark, OTHERS, Place, Sign, TEXT, VPos, along,
     endings, inside,
 };
-use crate::read::{ACCURACIES, COSTS, Cost, Ending, Point, RunRow, power_of_ten, reached};
+use crate::read::{ACCURACIES, COSTS, Cost, Ending, Point, RunRow, accuracy_text, reached};
 
 /// What all panels of a study share.
 pub(crate) struct Lines<'t> {
@@ -79,7 +79,7 @@ impl<'t> Lines<'t> {
         let told: Vec<&RunRow> = runs.iter().copied().filter(|run| best.contains(&run.run)).collect();
         if told.len() < runs.len() {
             let others = runs.len() - told.len();
-            let accuracies = ACCURACIES.map(|accuracy| power_of_ten(accuracy.log10().round() as i32));
+            let accuracies = ACCURACIES.map(accuracy_text);
             let [coarser @ .., finest] = &accuracies;
             let coarser: Vec<&str> = coarser.iter().rev().map(String::as_str).collect();
             more.push((

@@ -16,7 +16,7 @@ fn read(tables: &Tables) -> Study {
 fn made(tables: &Tables) -> String {
     let study = &read(tables);
     let mut chapters = vec![Chapter::new("iterations", vec![text::rows(study).unwrap()])];
-    chapters.extend(Chart::all().iter().map(|chart| Chapter::of_chart(*chart, study).unwrap()));
+    chapters.extend(Chart::all().iter().map(|chart| Chapter::of_chart(*chart, study)));
     let page = page(study, &chapters, &about()).unwrap();
     assert!(page.contains("What &lt;it&gt; asks."), "texts are escaped");
     for network in ["http://", "https://", "src=\"", "@import", "url("] {
@@ -85,8 +85,7 @@ fn hundred_thousand_runs_of_as_many_kinds_are_a_page_that_leaves_lines_and_rows_
         })
         .collect();
     let study = read(&tables(&many, &[(0, decay())]));
-    let chapters =
-        Chart::default_set(false).into_iter().map(|chart| Chapter::of_chart(chart, &study).unwrap());
+    let chapters = Chart::default_set(false).into_iter().map(|chart| Chapter::of_chart(chart, &study));
     let mut chapters: Vec<Chapter> = chapters.collect();
     chapters.push(Chapter::new("iterations", vec![text::rows(&study).unwrap()]));
     let page = page(&study, &chapters, &about()).unwrap();

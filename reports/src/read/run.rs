@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashSet};
 use results::schema::Snapshot;
 use serde_json::{Map, Value};
 
-use crate::read::{Ending, counted};
+use crate::read::{Ending, counted, number};
 
 /// A run with all that is stored of it.
 #[derive(Clone)]
@@ -86,6 +86,11 @@ impl RunRow {
 
     pub(crate) fn has_converged(&self) -> bool {
         self.ending == Ending::Converged
+    }
+
+    /// What it was to be stopped by, as a sentence says it.
+    pub(crate) fn rule(&self) -> Option<String> {
+        Some(format!("{} ≤ {}", self.stop_on.replace('_', " "), number(self.tolerance?, 2)))
     }
 
     /// Set-up and iterations (s).

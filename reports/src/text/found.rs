@@ -99,9 +99,7 @@ fn first_and_last(runs: &[RunRow], verdicts: &Verdicts, problem: &str) -> String
         };
     };
     let told = |run: &RunRow| format!("{} ({})", run.label(), count(run.iterations as usize));
-    let rule = fewest.tolerance.map_or(String::new(), |tolerance| {
-        format!(" to {} ≤ {}", fewest.stop_on.replace('_', " "), number(tolerance, 2))
-    });
+    let rule = fewest.rule().map_or(String::new(), |rule| format!(" to {rule}"));
     let mut sentence = format!("{problem}: {} has the fewest iterations{rule}", told(fewest));
     if let Some(most) = ranked().max_by_key(|run| run.iterations).filter(|most| most.run != fewest.run) {
         sentence.extend([", ", &told(most), " the most"]);

@@ -24,7 +24,7 @@ fn judged(id: u32, variant: &str, status: &str, problem: &str, curve: &[(u64, f6
 fn made(rows: Vec<(Run, Vec<Sample>)>) -> Vec<File> {
     let (runs, curves): (Vec<Run>, Vec<_>) =
         rows.into_iter().map(|(run, curve)| (run.clone(), (run.run, curve))).unzip();
-    let files = files(&parts(&study(&runs, &curves)).unwrap());
+    let files = files(&parts(&study(&runs, &curves)));
     for (name, text) in files.iter().filter(|(name, _)| name.contains(".svg")) {
         assert_well_formed(name, text);
     }

@@ -65,9 +65,7 @@ fn medians(points: &Points) -> Points {
 
 fn head(fields: &[Field]) -> String {
     let (first, run) = (&fields[0], fields[0].cells.first().map(|cell| cell.run));
-    let stop = run.and_then(|run| {
-        Some(format!(", iterations to {} ≤ {}", run.stop_on.replace('_', " "), number(run.tolerance?, 2)))
-    });
+    let stop = run.and_then(|run| Some(format!(", iterations to {}", run.rule()?)));
     let runs = fields.iter().map(|field| field.cells.len()).sum();
     format!(
         "{}: {}, {}{}",

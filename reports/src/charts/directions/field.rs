@@ -43,7 +43,7 @@ impl<'r> Field<'r> {
 
     /// The converged run with the fewest iterations; among equals that with the least κ.
     pub(crate) fn best(&self) -> Option<&Cell<'r>> {
-        let converged = self.cells.iter().filter(|cell| cell.run.ending == Ending::Converged);
+        let converged = self.cells.iter().filter(|cell| cell.run.has_converged());
         converged.min_by(|a, b| {
             let kappas = a.kappa_l.total_cmp(&b.kappa_l).then(a.kappa_d.total_cmp(&b.kappa_d));
             a.run.iterations.cmp(&b.run.iterations).then(kappas)
@@ -143,7 +143,7 @@ fn add<'r>(fields: &mut Vec<Field<'r>>, run: &'r RunRow, keys: &BTreeSet<(String
 
 /// Iterations of a run that converged.
 pub(crate) fn iterations(run: Option<&RunRow>) -> Option<u64> {
-    run.filter(|run| run.ending == Ending::Converged).map(|run| run.iterations)
+    run.filter(|run| run.has_converged()).map(|run| run.iterations)
 }
 
 /// A direction that a run worked with at its end (–).

@@ -7,7 +7,7 @@ use crate::draw::{
     MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen, Place, RGBColor, Signs, TEXT, TICK_TEXT, Ticks, VPos, rectangle,
     svg, text_width,
 };
-use crate::read::{Ending, count};
+use crate::read::count;
 
 /// Left of the panels for labels, right of them for the scale of colours, between them (mm).
 const LEFT: f64 = 13.0;
@@ -202,7 +202,7 @@ fn seam(color: RGBColor) -> Pen {
 }
 
 fn converged(cell: &Cell) -> Option<f64> {
-    (cell.run.ending == Ending::Converged).then(|| cell.run.iterations.max(1) as f64)
+    (cell.run.has_converged()).then(|| cell.run.iterations.max(1) as f64)
 }
 
 /// Edges between the values on a logarithmic axis, half a step beyond the first and the last; with each its value.
