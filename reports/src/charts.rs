@@ -24,7 +24,6 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use crate::error::ReportError;
 use crate::read::{Problems, Simulation, Study};
 use crate::text::Part;
 pub(crate) use against::parts as against;
@@ -40,9 +39,9 @@ pub struct Chart {
 #[derive(Clone, Copy)]
 enum Parts {
     /// Runs on problems.
-    Problems(fn(&Problems) -> Result<Vec<Part>, ReportError>),
+    Problems(fn(&Problems) -> Vec<Part>),
     /// Simulations.
-    Simulations(fn(&[Simulation]) -> Result<Vec<Part>, ReportError>),
+    Simulations(fn(&[Simulation]) -> Vec<Part>),
 }
 
 /// All kinds, in the order in which help names them.
@@ -86,11 +85,11 @@ impl Chart {
     }
 
     /// Nothing of a study of the other kind.
-    pub(crate) fn parts(self, study: &Study) -> Result<Vec<Part>, ReportError> {
+    pub(crate) fn parts(self, study: &Study) -> Vec<Part> {
         match (self.parts, study) {
             (Parts::Problems(parts), Study::Problems(study)) => parts(study),
             (Parts::Simulations(parts), Study::Simulations(all)) => parts(all),
-            _ => Ok(Vec::new()),
+            _ => Vec::new(),
         }
     }
 }

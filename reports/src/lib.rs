@@ -55,10 +55,10 @@ pub fn report(
     let study = Study::from(study);
     let mut chapters = Vec::new();
     if let (Some(Stored::Runs(before)), Study::Problems(after)) = (wanted.against, &study) {
-        chapters.push(Chapter::new("against", charts::against(&stored::problems(before), after)?));
+        chapters.push(Chapter::new("against", charts::against(&stored::problems(before), after)));
     }
     let charts = wanted.charts.par_iter().map(|chart| Chapter::of_chart(*chart, &study));
-    chapters.extend(charts.collect::<Result<Vec<_>, _>>()?);
+    chapters.extend(charts.collect::<Vec<_>>());
     let rows = text::rows(&study)?;
     chapters.push(Chapter::new(rows.name.clone(), vec![rows]));
     let mut files = vec![File::new("index.html".to_owned(), page::page(&study, &chapters, about)?)];
@@ -80,7 +80,7 @@ pub fn figure(
     out: &Path,
 ) -> Result<Vec<PathBuf>, ReportError> {
     let mut files = Vec::new();
-    for part in chart.parts(&Study::from(study))? {
+    for part in chart.parts(&Study::from(study)) {
         files.extend(part.files(formats)?);
     }
     replace(&files, out)

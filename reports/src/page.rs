@@ -50,22 +50,17 @@ impl Chapter {
         Self { name: name.into(), is_chart: false, parts }
     }
 
-    pub(crate) fn of_chart(chart: Chart, study: &Study) -> Result<Self, ReportError> {
-        Ok(Self { name: chart.name().to_owned(), is_chart: true, parts: chart.parts(study)? })
+    pub(crate) fn of_chart(chart: Chart, study: &Study) -> Self {
+        Self { name: chart.name().to_owned(), is_chart: true, parts: chart.parts(study) }
     }
-}
-
-#[derive(Serialize)]
-struct Figure {
-    name: String,
-    svg: String,
 }
 
 #[derive(Serialize)]
 struct Section {
     name: String,
     command: Option<String>,
-    figures: Vec<Figure>,
+    /// Names and drawings.
+    figures: Vec<(String, String)>,
     /// Figures that the viewer takes the place of.
     files: Vec<String>,
     tables: Vec<Rows>,
@@ -85,8 +80,8 @@ pub(crate) fn page(study: &Study, chapters: &[Chapter], about: &About) -> Result
     let shown = |figure: &str| viewer.films.iter().any(|film| sample_of(figure, &film.problem));
     let sections = chapters.iter().map(|chapter| section(chapter, about, &shown));
     let sections: Vec<Section> = sections.collect::<Result<_, _>>()?;
-    let failed = Rows::of("failures", &failures(study)?, "")?;
-    let provenance = Rows::of("provenance", &provenance(&origins)?, "")?;
+    let failed = Rows::of("failures", &failures(study), "")?;
+    let provenance = Rows::of("provenance", &provenance(&origins), "")?;
     render(
         "page.html",
         &viewer,
@@ -161,7 +156,7 @@ fn section(chapter: &Chapter, about: &About, shown: &dyn Fn(&str) -> bool) -> Re
         match &part.kind {
             Kind::Figure(_) if shown(&part.name) => section.files.push(format!("{}.svg", part.name)),
             Kind::Figure(svg) => {
-                section.figures.push(Figure { name: part.name.clone(), svg: inline(svg, &part.name) });
+                section.figures.push((part.name.clone(), inline(svg, &part.name)));
             }
             Kind::Table(table) => {
                 let mut shown = table.shown.clone();

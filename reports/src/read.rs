@@ -15,14 +15,14 @@ use std::collections::BTreeMap;
 
 use results::study::Study as Stored;
 
-pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, reached};
+pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, accuracy_text, reached};
 pub(crate) use ending::Ending;
 pub(crate) use groups::{differing, settings_text};
 pub(crate) use number::{count, counted, number, power_of_ten, round_down, round_up};
 pub(crate) use run::{Origin, Point, RunRow, label, problems, repeats, stopped_at_1e_2, threads};
 pub(crate) use scene::{Scene, walls};
 pub(crate) use simulation::{Instant, Simulation, in_role, milliseconds};
-pub(crate) use statistics::{distinct, median, padded, slope, span};
+pub(crate) use statistics::{distinct, find_or_push, median, padded, slope, span, unique};
 pub(crate) use verdicts::Verdicts;
 
 /// Samples by problem and partition.

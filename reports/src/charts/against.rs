@@ -2,28 +2,23 @@
 
 use std::collections::BTreeMap;
 
-use crate::draw::{Axis, Canvas, Frame, INSIDE, Legend, Looks, Room, Sign, TOLERANCE, draw_empty, row};
-use crate::error::ReportError;
-use crate::read::{Ending, Problems, RunRow, counted, median, number, padded};
-use crate::text::Part;
+use crate::draw::{Canvas, INSIDE, Legend, Looks, Room, Scale, Sign, TOLERANCE, draw_empty, row};
+use crate::read::{Problems, RunRow, counted, median, number, padded, unique};
+use crate::text::{Part, frame};
 use polars::df;
+use polars::prelude::DataFrame;
 
-/// What a panel compares.
-struct Measure {
-    title: &'static str,
-    of: fn(&RunRow) -> Option<f64>,
-}
+/// What a panel compares, and its name.
+type Measure = (&'static str, fn(&RunRow) -> Option<f64>);
 
-const MEASURES: [Measure; 2] = [
-    Measure { title: "iterations", of: |run| Some(run.iterations as f64) },
-    Measure { title: "set-up and iterations (s)", of: RunRow::seconds },
-];
+const MEASURES: [Measure; 2] =
+    [("iterations", |run| Some(run.iterations as f64)), ("set-up and iterations (s)", RunRow::seconds)];
 
 /// A run before and after.
 type Pair<'r> = (&'r RunRow, &'r RunRow);
 
 /// The figure and the table `against`, and the sentences `against-found`.
-pub(crate) fn parts(before: &Problems, after: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(before: &Problems, after: &Problems) -> Vec<Part> {
     let (old, new) = (&before.runs, &after.runs);
     let key = |run: &RunRow| (run.problem.clone(), run.method.clone(), run.variant.clone());
     let known: BTreeMap<_, &RunRow> = old.iter().map(|run| (key(run), run)).collect();
@@ -31,23 +26,22 @@ pub(crate) fn parts(before: &Problems, after: &Problems) -> Result<Vec<Part>, Re
     let looks = Looks::new(new);
     let text = sentences(&pairs, old.len(), new.len());
     let note = "\nA ratio is after over before. Seconds compare if both studies come from one machine.\n";
-    Ok(vec![
+    vec![
         Part::text("against-found", text),
-        Part::figure("against", figure(&pairs, &looks)?),
-        Part::table("against", table(&pairs)?, note),
-    ])
+        Part::figure("against", figure(&pairs, &looks)),
+        Part::table("against", table(&pairs), note),
+    ]
 }
 
 fn ratio((before, after): &Pair, of: fn(&RunRow) -> Option<f64>) -> Option<f64> {
-    let both = before.ending == Ending::Converged && after.ending == Ending::Converged;
+    let both = before.has_converged() && after.has_converged();
     let (before, after) = (of(before)?, of(after)?);
     (both && before > 0.0).then_some(after / before)
 }
 
 fn sentences(pairs: &[Pair], before: usize, after: usize) -> String {
-    let [iterations, seconds] = MEASURES
-        .each_ref()
-        .map(|measure| pairs.iter().filter_map(|pair| ratio(pair, measure.of)).collect::<Vec<f64>>());
+    let ratios = |(_, of): Measure| pairs.iter().filter_map(|pair| ratio(pair, of)).collect::<Vec<f64>>();
+    let [iterations, seconds] = MEASURES.map(ratios);
     let count = |of: fn(f64) -> bool| iterations.iter().filter(|ratio| of(**ratio)).count();
     let mut text = format!(
         "{} before, {} after, {} in both. Of those that converged in both, {} made as many iterations, {} fewer, {} more.\n",
@@ -69,20 +63,15 @@ fn sentences(pairs: &[Pair], before: usize, after: usize) -> String {
     text
 }
 
-fn figure(pairs: &[Pair], looks: &Looks) -> Result<String, ReportError> {
-    let mut methods: Vec<&str> = Vec::new();
-    for (_, after) in pairs {
-        if !methods.contains(&after.method.as_str()) {
-            methods.push(&after.method);
-        }
-    }
+fn figure(pairs: &[Pair], looks: &Looks) -> String {
+    let methods = unique(pairs.iter().map(|(_, after)| after.method.as_str()));
     let sign = |method: &&str| {
         let look = looks.of_method(method).signed();
         (Sign::Mark(look.mark, look.pen), (*method).to_owned())
     };
     let mut signs: Vec<(Sign, String)> = methods.iter().map(sign).collect();
     signs.push((Sign::Line(TOLERANCE), "the same; below it less than before".to_owned()));
-    let legend = Legend::new(Vec::new(), signs, INSIDE)?;
+    let legend = Legend::new(Vec::new(), signs, INSIDE);
     let title =
         format!("{} in both studies; those that converged in both are drawn", counted(pairs.len(), "run"));
     row(&[title], MEASURES.len(), &legend, |canvas, i, room| panel(canvas, pairs, looks, &MEASURES[i], room))
@@ -90,38 +79,29 @@ fn figure(pairs: &[Pair], looks: &Looks) -> Result<String, ReportError> {
 
 /// The run after, and its logarithms before and after.
 fn point<'r>(pair: &Pair<'r>, measure: &Measure) -> Option<(&'r RunRow, (f64, f64))> {
-    ratio(pair, measure.of)?;
-    let (x, y) = ((measure.of)(pair.0)?.log10(), (measure.of)(pair.1)?.log10());
+    ratio(pair, measure.1)?;
+    let (x, y) = ((measure.1)(pair.0)?.log10(), (measure.1)(pair.1)?.log10());
     (x.is_finite() && y.is_finite()).then_some((pair.1, (x, y)))
 }
 
-fn panel(
-    canvas: &Canvas,
-    pairs: &[Pair],
-    looks: &Looks,
-    measure: &Measure,
-    room: Room,
-) -> Result<(), ReportError> {
+fn panel(canvas: &Canvas, pairs: &[Pair], looks: &Looks, measure: &Measure, room: Room) {
     let points: Vec<(&RunRow, (f64, f64))> = pairs.iter().filter_map(|pair| point(pair, measure)).collect();
     let range = padded(points.iter().flat_map(|(_, (x, y))| [*x, *y]), 0.08);
-    let frame =
-        Frame { x: Axis::log(range, room.left, room.right), y: Axis::log(range, room.bottom, room.top) };
-    frame.draw(canvas)?;
-    frame.name(canvas, "before", &format!("after: {}", measure.title))?;
-    if let Some(same) = frame.diagonal() {
-        canvas.line(&same, TOLERANCE)?;
-    }
+    let name = format!("after: {}", measure.0);
+    let frame = room.frame(canvas, (Scale::Ten, range, "before"), (Scale::Ten, range, &name));
+    frame.draw_diagonal(canvas);
     for (run, place) in &points {
         let look = looks.of_method(&run.method).signed();
-        canvas.mark(look.mark, frame.place(*place), look.pen)?;
+        canvas.mark(look.mark, frame.place(*place), look.pen);
     }
-    if points.is_empty() { draw_empty(canvas, &frame) } else { Ok(()) }
+    if points.is_empty() {
+        draw_empty(canvas, &frame);
+    }
 }
 
-fn table(pairs: &[Pair]) -> Result<polars::prelude::DataFrame, ReportError> {
-    let of_both = |i: usize| pairs.iter().map(|pair| ratio(pair, MEASURES[i].of)).collect::<Vec<_>>();
-    let seconds = |run: &RunRow| (MEASURES[1].of)(run);
-    Ok(df!(
+fn table(pairs: &[Pair]) -> DataFrame {
+    let of_both = |i: usize| pairs.iter().map(|pair| ratio(pair, MEASURES[i].1)).collect::<Vec<_>>();
+    frame(df!(
         "problem" => pairs.iter().map(|(_, run)| run.problem.as_str()).collect::<Vec<_>>(),
         "method" => pairs.iter().map(|(_, run)| run.method.as_str()).collect::<Vec<_>>(),
         "variant" => pairs.iter().map(|(_, run)| run.variant.as_str()).collect::<Vec<_>>(),
@@ -130,10 +110,10 @@ fn table(pairs: &[Pair]) -> Result<polars::prelude::DataFrame, ReportError> {
         "iterations_before" => pairs.iter().map(|(run, _)| run.iterations).collect::<Vec<_>>(),
         "iterations_after" => pairs.iter().map(|(_, run)| run.iterations).collect::<Vec<_>>(),
         "iterations_ratio" => of_both(0),
-        "seconds_before" => pairs.iter().map(|(run, _)| seconds(run)).collect::<Vec<_>>(),
-        "seconds_after" => pairs.iter().map(|(_, run)| seconds(run)).collect::<Vec<_>>(),
+        "seconds_before" => pairs.iter().map(|(run, _)| run.seconds()).collect::<Vec<_>>(),
+        "seconds_after" => pairs.iter().map(|(_, run)| run.seconds()).collect::<Vec<_>>(),
         "seconds_ratio" => of_both(1),
-    )?)
+    ))
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! What the charts that compare runs with the truth share.
 
 use crate::draw::{Lines, MOST_LINES};
-use crate::error::ReportError;
 use crate::read::{Problems, RunRow, file_name, problems};
 use crate::text::{Part, too_many};
 
@@ -11,14 +10,14 @@ pub(crate) struct AgainstTruth {
     pub(crate) name: &'static str,
     /// What cannot be drawn without the truth.
     pub(crate) lacks: &'static str,
-    pub(crate) figure: fn(&Lines, &str, &[&RunRow]) -> Result<String, ReportError>,
+    pub(crate) figure: fn(&Lines, &str, &[&RunRow]) -> String,
     pub(crate) sentences: fn(&Lines, &str) -> String,
     /// Said below the sentences.
     pub(crate) note: String,
 }
 
 impl AgainstTruth {
-    pub(crate) fn parts(&self, study: &Problems) -> Result<Vec<Part>, ReportError> {
+    pub(crate) fn parts(&self, study: &Problems) -> Vec<Part> {
         const UNKNOWN: &str = "no velocity error in its rows";
         let lines = Lines::of(&study.runs);
         let (mut parts, mut text) = (Vec::new(), String::new());
@@ -32,13 +31,13 @@ impl AgainstTruth {
             text += &(self.sentences)(&lines, problem);
             parts.push(match on_problem.len() {
                 many if many > MOST_LINES => too_many(name, problem, many),
-                _ => Part::figure(name, (self.figure)(&lines, problem, &on_problem)?),
+                _ => Part::figure(name, (self.figure)(&lines, problem, &on_problem)),
             });
         }
         if study.runs.is_empty() {
             text += "no run in this study\n";
         }
         parts.push(Part::text(self.name, text + &self.note));
-        Ok(parts)
+        parts
     }
 }

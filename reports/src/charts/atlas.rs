@@ -9,8 +9,7 @@ mod table;
 mod tests;
 mod words;
 
-use crate::error::ReportError;
-use crate::read::{Problems, RunRow, Verdicts, file_name};
+use crate::read::{Problems, RunRow, Verdicts, file_name, unique};
 use crate::text::Part;
 use class::{Class, zeta_lies};
 use grid::{Column, Grid};
@@ -41,7 +40,7 @@ impl Kind<'_> {
 
 /// `atlas`, every method on every hazard; `atlas-<method>`, every setting of a method; `atlas-found` in words; the tables
 /// `atlas-counts`, and `atlas` with every run.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = &study.runs;
     let verdicts = Verdicts::of(runs);
     let judged: Vec<Judged> = runs
@@ -58,31 +57,23 @@ pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
     let (hazards, kinds) = (hazards(runs), kinds(runs));
     let mut parts = Vec::new();
     if !judged.is_empty() {
-        parts.push(Part::figure("atlas", matrix(&judged, &hazards, &kinds)?));
+        parts.push(Part::figure("atlas", matrix(&judged, &hazards, &kinds)));
     }
     for kind in kinds.iter().filter(|kind| kind.variants.len() > 1) {
-        parts.push(Part::figure(format!("atlas-{}", file_name(kind.method)), map(&judged, &hazards, kind)?));
+        parts.push(Part::figure(format!("atlas-{}", file_name(kind.method)), map(&judged, &hazards, kind)));
     }
     parts.push(Part::text("atlas-found", words::text(&judged, &hazards, &kinds)));
-    parts.push(Part::table("atlas-counts", table::counts(&judged, &kinds)?, words::RULE));
-    parts.push(Part::table("atlas", table::runs(&judged, &hazards)?, ""));
-    Ok(parts)
+    parts.push(Part::table("atlas-counts", table::counts(&judged, &kinds), words::RULE));
+    parts.push(Part::table("atlas", table::runs(&judged, &hazards), ""));
+    parts
 }
 
 fn kinds(runs: &[RunRow]) -> Vec<Kind<'_>> {
-    let mut kinds: Vec<Kind> = Vec::new();
-    for run in runs {
-        let known = kinds.iter().position(|kind| kind.method == run.method);
-        let index = known.unwrap_or_else(|| {
-            kinds.push(Kind { method: &run.method, variants: Vec::new() });
-            kinds.len() - 1
-        });
-        let variants = &mut kinds[index].variants;
-        if !variants.contains(&run.words.as_str()) {
-            variants.push(&run.words);
-        }
-    }
-    kinds
+    let of = |method| {
+        let runs = runs.iter().filter(|run| run.method == method);
+        Kind { method, variants: unique(runs.map(|run| run.words.as_str())) }
+    };
+    unique(runs.iter().map(|run| run.method.as_str())).into_iter().map(of).collect()
 }
 
 /// The run of a method with a setting on a problem.
@@ -96,7 +87,7 @@ pub(crate) fn find<'j, 'r>(
 }
 
 /// Each method by the first of its settings in the plan, with a ring where another one mends it.
-fn matrix(judged: &[Judged], hazards: &[Hazard], kinds: &[Kind]) -> Result<String, ReportError> {
+fn matrix(judged: &[Judged], hazards: &[Hazard], kinds: &[Kind]) -> String {
     let first = |kind: &Kind| kind.variants.first().copied().unwrap_or_default().to_owned();
     let columns = kinds.iter().map(|kind| Column { head: kind.method.to_owned(), entry: None }).collect();
     let key = kinds.iter().filter(|kind| kind.variants.len() > 1);
@@ -118,7 +109,7 @@ fn matrix(judged: &[Judged], hazards: &[Hazard], kinds: &[Kind]) -> Result<Strin
 }
 
 /// Every setting of one method.
-fn map(judged: &[Judged], hazards: &[Hazard], kind: &Kind) -> Result<String, ReportError> {
+fn map(judged: &[Judged], hazards: &[Hazard], kind: &Kind) -> String {
     let column =
         |(i, variant): (usize, &&str)| Column { head: (i + 1).to_string(), entry: Some(setting(variant)) };
     Grid {

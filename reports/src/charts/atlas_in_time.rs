@@ -8,12 +8,11 @@ use polars::df;
 use polars::prelude::DataFrame;
 
 use crate::draw::{
-    Canvas, ColorScale, FRAME, HPos, INK, LEADING, MARGIN, PAGE, Pen, RGBColor, TEXT, TICK_TEXT, VPos, WHITE,
+    Canvas, FRAME, HPos, INK, INSIDE, LEADING, MARGIN, PAGE, Pen, Sign, Signs, TEXT, TICK_TEXT, VPos, WHITE,
     svg, text_width,
 };
-use crate::error::ReportError;
-use crate::read::{Simulation, counted, in_role, milliseconds, number};
-use crate::text::Part;
+use crate::read::{Simulation, counted, in_role, milliseconds, number, unique};
+use crate::text::{Part, frame};
 use class::{CREEP, Class, Drift, MORE_ENERGY, SHARE_OF_FALL, class, drift};
 
 /// A simulation, judged.
@@ -24,7 +23,7 @@ struct Judged<'s> {
 }
 
 /// The figure and the table `atlas-in-time`, and `atlas-in-time-found` in words.
-pub(crate) fn parts(all: &[Simulation]) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
     let judged: Vec<Judged> = all
         .iter()
         // The floors are as exact as their time step lets them: where they are not stable, no tolerance is to blame.
@@ -35,11 +34,11 @@ pub(crate) fn parts(all: &[Simulation]) -> Result<Vec<Part>, ReportError> {
             Judged { simulation, class: class(simulation, reference), drift }
         })
         .collect();
-    Ok(vec![
-        Part::figure("atlas-in-time", figure(&judged)?),
+    vec![
+        Part::figure("atlas-in-time", figure(&judged)),
         Part::text("atlas-in-time-found", sentences(&judged)),
-        Part::table("atlas-in-time", table(&judged)?, format!("\n{}\n", rule())),
-    ])
+        Part::table("atlas-in-time", table(&judged), format!("\n{}\n", rule())),
+    ]
 }
 
 /// The rule of the classes, in words.
@@ -54,12 +53,12 @@ fn rule() -> String {
     )
 }
 
-fn table(judged: &[Judged]) -> Result<DataFrame, ReportError> {
+fn table(judged: &[Judged]) -> DataFrame {
     fn column<'j, T>(judged: &[Judged<'j>], of: impl Fn(&'j Simulation) -> T) -> Vec<T> {
         judged.iter().map(|j| of(j.simulation)).collect()
     }
     let drifts = |of: fn(&Drift) -> f64| judged.iter().map(|j| j.drift.as_ref().map(of)).collect::<Vec<_>>();
-    Ok(df!(
+    frame(df!(
         "scene" => column(judged, |s| s.scene.as_str()),
         "time_step_s" => column(judged, |s| s.time_step_s),
         "method" => column(judged, Simulation::label),
@@ -75,7 +74,7 @@ fn table(judged: &[Judged]) -> Result<DataFrame, ReportError> {
         "time_steps" => column(judged, |s| s.time_steps),
         "missed_time_steps" => column(judged, |s| s.missed_time_steps),
         "seconds_per_second" => column(judged, Simulation::seconds_per_second),
-    )?)
+    ))
 }
 
 /// In mean diameters, over all time.
@@ -118,13 +117,8 @@ impl Line {
     }
 }
 
-fn figure(judged: &[Judged]) -> Result<String, ReportError> {
-    let mut lines: Vec<Line> = Vec::new();
-    for line in judged.iter().map(|j| Line::of(j.simulation)) {
-        if !lines.contains(&line) {
-            lines.push(line);
-        }
-    }
+fn figure(judged: &[Judged]) -> String {
+    let lines = unique(judged.iter().map(|j| Line::of(j.simulation)));
     let tolerances = lines.windows(2).any(|pair| pair[0].tolerance != pair[1].tolerance);
     let starts = lines.windows(2).any(|pair| pair[0].warm_start != pair[1].warm_start);
     let short: Vec<String> = lines.iter().map(|line| line.text(tolerances, starts)).collect();
@@ -132,56 +126,38 @@ fn figure(judged: &[Judged]) -> Result<String, ReportError> {
     let long = |(line, text): (&Line, &String)| format!("{text}, {} iterations", line.max_iterations);
     let of = |(line, text)| if alone(text) { text.clone() } else { long((line, text)) };
     let texts: Vec<String> = lines.iter().zip(&short).map(of).collect();
-    let mut columns: Vec<(&str, f64)> = Vec::new();
-    for column in judged.iter().map(|j| (j.simulation.scene.as_str(), j.simulation.time_step_s)) {
-        if !columns.contains(&column) {
-            columns.push(column);
-        }
-    }
-    let mut left = 0.0_f64;
-    for text in &texts {
-        left = left.max(text_width(text, TICK_TEXT)?);
-    }
-    let left = MARGIN + left + 1.5;
+    let columns = unique(judged.iter().map(|j| (j.simulation.scene.as_str(), j.simulation.time_step_s)));
+    let left = MARGIN + texts.iter().map(|text| text_width(text, TICK_TEXT)).fold(0.0, f64::max) + 1.5;
     let cell = ((PAGE - MARGIN - left) / columns.len().max(1) as f64).clamp(CELL.0, CELL.1);
-    let scenes = distinct_in_order(&columns);
+    let scenes = unique(columns.iter().map(|(scene, _)| *scene));
     let top = MARGIN + LEADING * (1.5 + scenes.len() as f64 + 1.0) + 0.5;
     let bottom = top + ROW * lines.len() as f64;
-    let height = (bottom + 2.0 + LEADING * 2.0 + MARGIN).ceil();
+    let key = key();
+    let height = (bottom + 2.0 + key.height() + MARGIN).ceil();
     svg((PAGE, height), |canvas| {
         let title = "What became of each simulation, under each scene and time step h (ms)";
-        canvas.text(title, (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top))?;
-        headings(canvas, &columns, &scenes, (left, top), cell)?;
+        canvas.text(title, (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top));
+        headings(canvas, &columns, &scenes, (left, top), cell);
         for (i, (line, text)) in lines.iter().zip(&texts).enumerate() {
             let y = top + ROW * i as f64;
-            canvas.text(text, (left - 1.0, y + ROW / 2.0), TICK_TEXT, (HPos::Right, VPos::Center))?;
+            canvas.text(text, (left - 1.0, y + ROW / 2.0), TICK_TEXT, (HPos::Right, VPos::Center));
             for (k, column) in columns.iter().enumerate() {
                 let here = |j: &&Judged| {
                     (j.simulation.scene.as_str(), j.simulation.time_step_s) == *column
                         && Line::of(j.simulation) == *line
                 };
                 let class = judged.iter().find(here).and_then(|j| j.class);
-                draw_cell(canvas, class, (left + cell * k as f64, y), cell)?;
+                let x = left + cell * k as f64;
+                let outline = Pen::solid(WHITE, 0.25);
+                Class::cell(class).draw(canvas, (x, y), (x + cell, y + ROW), outline);
             }
         }
-        key(canvas, bottom + 2.0)
+        key.draw(canvas, (MARGIN, bottom + 2.0));
     })
 }
 
-fn distinct_in_order<'c>(columns: &[(&'c str, f64)]) -> Vec<&'c str> {
-    let mut scenes: Vec<&str> = columns.iter().map(|(scene, _)| *scene).collect();
-    scenes.dedup();
-    scenes
-}
-
 /// A bracket with its name over the columns of each scene, and the time steps below.
-fn headings(
-    canvas: &Canvas,
-    columns: &[(&str, f64)],
-    scenes: &[&str],
-    (left, top): (f64, f64),
-    cell: f64,
-) -> Result<(), ReportError> {
+fn headings(canvas: &Canvas, columns: &[(&str, f64)], scenes: &[&str], (left, top): (f64, f64), cell: f64) {
     for (i, scene) in scenes.iter().enumerate() {
         let of_scene = |(k, column): (usize, &(&str, f64))| (column.0 == *scene).then_some(k);
         let first = columns.iter().enumerate().find_map(of_scene).unwrap_or(0);
@@ -189,61 +165,21 @@ fn headings(
         let x = (left + cell * first as f64 + 0.3, left + cell * (first + count) as f64 - 0.3);
         // Names may be longer than their columns are wide: each has a line of its own.
         let y = top - LEADING * (1.0 + (scenes.len() - i) as f64);
-        canvas.text(scene, (x.0 + 0.8, y), TICK_TEXT, (HPos::Left, VPos::Top))?;
+        canvas.text(scene, (x.0 + 0.8, y), TICK_TEXT, (HPos::Left, VPos::Top));
         let down = top - LEADING - 0.3;
-        canvas.line(&[(x.0, y + 0.5), (x.0, down), (x.1, down)], Pen { color: INK, ..FRAME })?;
+        canvas.line(&[(x.0, y + 0.5), (x.0, down), (x.1, down)], Pen { color: INK, ..FRAME });
     }
     for (k, (_, h)) in columns.iter().enumerate() {
         let x = left + cell * (k as f64 + 0.5);
-        canvas.text(
-            &milliseconds(*h).to_string(),
-            (x, top - 0.6),
-            TICK_TEXT,
-            (HPos::Center, VPos::Bottom),
-        )?;
-    }
-    Ok(())
-}
-
-fn draw_cell(
-    canvas: &Canvas,
-    class: Option<Class>,
-    (x, y): (f64, f64),
-    cell: f64,
-) -> Result<(), ReportError> {
-    let (fill, letter) = look(class);
-    let corners = [(x, y), (x + cell, y), (x + cell, y + ROW), (x, y + ROW)];
-    canvas.polygon(&corners, fill, Some(Pen { color: WHITE, width: 0.25, dash: &[] }))?;
-    let place = (x + cell / 2.0, y + ROW / 2.0);
-    canvas.text_in(ColorScale::ink_on(fill), letter, place, TICK_TEXT, (HPos::Center, VPos::Center))
-}
-
-/// Colour and letter; the lightness falls with the badness, so that it reads in grey.
-fn look(class: Option<Class>) -> (RGBColor, &'static str) {
-    match class {
-        Some(Class::Stable) => (RGBColor(225, 240, 232), "s"),
-        Some(Class::Jittering) => (RGBColor(242, 205, 120), "j"),
-        Some(Class::Creeping) => (RGBColor(205, 110, 50), "c"),
-        Some(Class::Exploded) => (RGBColor(110, 45, 85), "x"),
-        Some(Class::NoSolution) => (RGBColor(70, 20, 60), "n"),
-        Some(Class::SolverDiverged) => (RGBColor(30, 8, 30), "d"),
-        None => (RGBColor(248, 248, 248), "–"),
+        canvas.text(&milliseconds(*h).to_string(), (x, top - 0.6), TICK_TEXT, (HPos::Center, VPos::Bottom));
     }
 }
 
-fn key(canvas: &Canvas, top: f64) -> Result<(), ReportError> {
-    let (mut x, mut y) = (MARGIN, top);
+/// The classes, and what no cell has.
+fn key() -> Signs {
     let classes = Class::ALL.map(|class| (Some(class), class.name()));
-    for (class, name) in classes.into_iter().chain([(None, "not made, or nothing to judge it by")]) {
-        let width = CELL.0 + 1.0 + text_width(name, TEXT)?;
-        if x + width > PAGE - MARGIN {
-            (x, y) = (MARGIN, y + ROW + 0.5);
-        }
-        draw_cell(canvas, class, (x, y), CELL.0)?;
-        canvas.text(name, (x + CELL.0 + 1.0, y + ROW / 2.0), TEXT, (HPos::Left, VPos::Center))?;
-        x += width + 4.0;
-    }
-    Ok(())
+    let all = classes.into_iter().chain([(None, "not made, or nothing to judge it by")]);
+    Signs::new(all.map(|(class, name)| (Sign::Cell(Class::cell(class)), name.to_owned())).collect(), INSIDE)
 }
 
 /// What the rows say: how many of each class, of each method, and what the start and the time step change.

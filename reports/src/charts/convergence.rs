@@ -4,8 +4,7 @@ use crate::draw::{
     Axis, Canvas, Frame, HPos, LEADING, Legend, Lines, MARGIN, MOST_LINES, PAGE, PAGE_HEIGHT, Sign, TEXT,
     TICK_TEXT, TOLERANCE, VPos, draw_lines, log_point, range, svg, title,
 };
-use crate::error::ReportError;
-use crate::read::{Ending, Point, Problems, RunRow, file_name, number, problems, round_up};
+use crate::read::{Point, Problems, RunRow, file_name, number, problems, round_up};
 use crate::text::{Part, nothing, too_many};
 
 /// Left of a panel for the labels of its ticks, and right of it for the tolerance (mm).
@@ -19,30 +18,19 @@ const ALONE: f64 = 66.0;
 const LEAST: f64 = 32.0;
 const GREATEST: f64 = 54.0;
 
-/// A column of panels.
-struct Measure {
-    /// Name in the tables.
-    name: &'static str,
-    title: &'static str,
-    of: fn(&Point) -> Option<f64>,
-}
+/// A column of panels: the measure's name in the tables and on its axis.
+type Measure = (&'static str, &'static str, fn(&Point) -> Option<f64>);
 
 const MEASURES: [Measure; 2] = [
-    Measure {
-        name: "zeta", title: "ζ, relative change in the last iteration (–)", of: |point| point.zeta
-    },
-    Measure {
-        name: "natural_map",
-        title: "natural map, distance to a solution (–)",
-        of: |point| point.natural_map,
-    },
+    ("zeta", "ζ, relative change in the last iteration (–)", |point| point.zeta),
+    ("natural_map", "natural map, distance to a solution (–)", |point| point.natural_map),
 ];
 
 /// `convergence-<problem>` for each problem, and `convergence` with all of them if a page holds that many.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let (study, problems) = (Lines::of(&study.runs), problems(&study.runs));
     if problems.is_empty() {
-        return Ok(vec![nothing("convergence", "convergence", "no run in this study")]);
+        return vec![nothing("convergence", "convergence", "no run in this study")];
     }
     let mut parts = Vec::new();
     let lines = |problem: &&str| study.runs_of(problem).len();
@@ -50,39 +38,39 @@ pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
         let name = format!("convergence-{}", file_name(problem));
         parts.push(match lines(&problem) {
             many if many > MOST_LINES => too_many(name, problem, many),
-            _ => Part::figure(name, study.figure(&[problem], ALONE)?),
+            _ => Part::figure(name, study.figure(&[problem], ALONE)),
         });
     }
     if problems.iter().any(|problem| lines(problem) > MOST_LINES) {
-        return Ok(parts);
+        return parts;
     }
-    let legend = study.key(&problems)?.height() + 2.0 * MARGIN;
+    let legend = study.key(&problems).height() + 2.0 * MARGIN;
     let panel = (PAGE_HEIGHT - legend) / problems.len() as f64 - ABOVE - BELOW;
     if panel >= LEAST {
-        parts.push(Part::figure("convergence", study.figure(&problems, panel.min(GREATEST))?));
+        parts.push(Part::figure("convergence", study.figure(&problems, panel.min(GREATEST))));
     }
-    Ok(parts)
+    parts
 }
 
 impl Lines<'_> {
     /// One row of panels per problem, with one legend below.
-    fn figure(&self, problems: &[&str], panel: f64) -> Result<String, ReportError> {
-        let legend = self.key(problems)?;
+    fn figure(&self, problems: &[&str], panel: f64) -> String {
+        let legend = self.key(problems);
         let rows = problems.len() as f64 * (ABOVE + panel + BELOW);
         let height = (2.0 * MARGIN + rows + legend.height()).ceil();
         svg((PAGE, height), |canvas| {
             for (i, problem) in problems.iter().enumerate() {
                 let top = MARGIN + i as f64 * (ABOVE + panel + BELOW);
-                self.draw_problem(canvas, problem, (top + ABOVE, top + ABOVE + panel))?;
+                self.draw_problem(canvas, problem, (top + ABOVE, top + ABOVE + panel));
             }
-            legend.draw(canvas, (MARGIN + LEFT, MARGIN + rows))
+            legend.draw(canvas, (MARGIN + LEFT, MARGIN + rows));
         })
     }
 
     /// One entry per kind of run, the signs, and the runs that have no line since nothing was left to do.
-    fn key(&self, problems: &[&str]) -> Result<Legend, ReportError> {
+    fn key(&self, problems: &[&str]) -> Legend {
         let runs: Vec<&RunRow> = problems.iter().flat_map(|problem| self.runs_of(problem)).collect();
-        let begun = |run: &&&RunRow| run.ending == Ending::Converged && run.iterations == 0;
+        let begun = |run: &&&RunRow| run.has_converged() && run.iterations == 0;
         let note = |run: &&RunRow| {
             let text = format!("{} on {}: converged at its start, no line", run.label(), run.problem);
             (Sign::Word, text)
@@ -92,24 +80,18 @@ impl Lines<'_> {
         self.legend(&runs, more, PAGE - 2.0 * MARGIN - LEFT)
     }
 
-    fn draw_problem(
-        &self,
-        canvas: &Canvas,
-        problem: &str,
-        (top, bottom): (f64, f64),
-    ) -> Result<(), ReportError> {
+    fn draw_problem(&self, canvas: &Canvas, problem: &str, (top, bottom): (f64, f64)) {
         let runs = self.runs_of(problem);
         let left = MARGIN + LEFT;
-        canvas.text(&title(problem, &runs), (left, top - ABOVE), TEXT, (HPos::Left, VPos::Top))?;
+        canvas.text(&title(problem, &runs), (left, top - ABOVE), TEXT, (HPos::Left, VPos::Top));
         let last = runs.iter().filter_map(|run| run.curve.last()).map(|point| point.iteration).max();
         let most = round_up(last.unwrap_or(1).max(10) as f64).log10();
         let pitch = (PAGE - 2.0 * MARGIN) / MEASURES.len() as f64;
         for (i, measure) in MEASURES.iter().enumerate() {
             let from = left + pitch * i as f64;
             let x = Axis::log((0.0, most), from, from + pitch - LEFT - RIGHT);
-            self.draw_panel(canvas, measure, &runs, x, (top, bottom))?;
+            self.draw_panel(canvas, measure, &runs, x, (top, bottom));
         }
-        Ok(())
     }
 
     fn draw_panel(
@@ -119,29 +101,25 @@ impl Lines<'_> {
         runs: &[&RunRow],
         x: Axis,
         (top, bottom): (f64, f64),
-    ) -> Result<(), ReportError> {
-        let lines = self.lines(runs, |_, point| log_point(point.iteration as f64, (measure.of)(point)));
-        let tolerances = tolerances(runs, measure.name);
+    ) {
+        let lines = self.lines(runs, |_, point| log_point(point.iteration as f64, (measure.2)(point)));
+        let tolerances = tolerances(runs, measure.0);
         let frame = Frame { x, y: Axis::log(range(&lines, &tolerances), bottom, top) };
-        frame.draw(canvas)?;
-        frame.name(canvas, "iterations", measure.title)?;
+        frame.draw(canvas);
+        frame.name(canvas, "iterations", measure.1);
         for tolerance in tolerances {
-            draw_tolerance(canvas, &frame, tolerance)?;
+            frame.across(canvas, tolerance.log10(), TOLERANCE);
+            let place = (frame.x.to + 0.9, frame.y.place(tolerance.log10()));
+            canvas.text(&number(tolerance, 2), place, TICK_TEXT, (HPos::Left, VPos::Center));
         }
-        draw_lines(canvas, &frame, &lines)
+        draw_lines(canvas, &frame, &lines);
     }
-}
-
-fn draw_tolerance(canvas: &Canvas, frame: &Frame, tolerance: f64) -> Result<(), ReportError> {
-    let y = frame.y.place(tolerance.log10());
-    canvas.line(&[(frame.x.from, y), (frame.x.to, y)], TOLERANCE)?;
-    canvas.text(&number(tolerance, 2), (frame.x.to + 0.9, y), TICK_TEXT, (HPos::Left, VPos::Center))
 }
 
 /// The tolerances at which a measure stops some of the runs.
 fn tolerances(runs: &[&RunRow], measure: &str) -> Vec<f64> {
-    let asked = runs.iter().filter(|run| run.stop_on == measure).filter_map(|run| run.tolerance);
-    let mut tolerances: Vec<f64> = asked.filter(|t| t.is_finite() && *t > 0.0).collect();
+    let all = runs.iter().filter(|run| run.stop_on == measure).filter_map(|run| run.tolerance);
+    let mut tolerances: Vec<f64> = all.filter(|t| t.is_finite() && *t > 0.0).collect();
     tolerances.sort_by(f64::total_cmp);
     tolerances.dedup();
     tolerances

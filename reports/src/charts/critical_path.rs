@@ -1,32 +1,21 @@
 //! How much faster subdomains make a method: counted on the longest of them, as if each had a machine of its own, and
 //! measured on the threads that there were.
 
-use std::borrow::Cow;
-
 use crate::charts::subdomains::{Panel, on_problem};
 use crate::draw::{Series, series};
-use crate::error::ReportError;
 use crate::read::{Ending, Problems, RunRow, file_name, problems, threads};
-use crate::text::Part;
+use crate::text::{Part, frame};
 use polars::df;
 use polars::prelude::DataFrame;
 
 /// Both on the same axes.
 fn panels(threads: &str) -> [Panel; 2] {
+    let measured = format!("measured speed-up of the iterations, {threads} (–)");
     [
-        Panel {
-            title: Cow::Borrowed("counted speed-up, a machine per subdomain (–)"),
-            of: counted_speed_up,
-            on_the_way: false,
-            ideal: true,
-        },
-        Panel {
-            title: Cow::Owned(format!("measured speed-up of the iterations, {threads} (–)")),
-            of: measured_speed_up,
-            on_the_way: false,
-            ideal: true,
-        },
+        Panel::new("counted speed-up, a machine per subdomain (–)", counted_speed_up),
+        Panel::new(measured, measured_speed_up),
     ]
+    .map(|panel| Panel { ideal: true, ..panel })
 }
 
 const NOTE: &str = "\nThe critical path of an iteration is the multiply-adds of the longest subdomain, exchange with its \
@@ -45,7 +34,7 @@ pub(crate) fn with_path(study: &Problems) -> Vec<&RunRow> {
 }
 
 /// `critical-path-<problem>` for each problem, and the table `critical-path`.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = with_path(study);
     let panels = panels(&threads(&study.runs));
     let mut parts = Vec::new();
@@ -62,10 +51,10 @@ pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
             );
         }
         let name = format!("critical-path-{}", file_name(problem));
-        parts.push(on_problem(name, &runs, problem, &panels, notes)?);
+        parts.push(on_problem(name, &runs, problem, &panels, notes));
     }
-    parts.push(Part::table("critical-path", table(&series(runs.iter().copied(), &["subdomains"]))?, NOTE));
-    Ok(parts)
+    parts.push(Part::table("critical-path", table(&series(runs.iter().copied(), &["subdomains"])), NOTE));
+    parts
 }
 
 fn counted_speed_up(series: &Series, run: &RunRow) -> Option<f64> {
@@ -85,14 +74,14 @@ fn speed_up(series: &Series, run: &RunRow, cost: fn(&RunRow) -> Option<f64>) -> 
 }
 
 /// One row per run.
-fn table(all: &[Series]) -> Result<DataFrame, ReportError> {
+fn table(all: &[Series]) -> DataFrame {
     let rows: Vec<(&Series, &RunRow)> =
         all.iter().flat_map(|series| series.runs.iter().map(move |run| (series, *run))).collect();
     let of = |value: &dyn Fn(&Series, &RunRow) -> Option<f64>| {
         rows.iter().map(|(series, run)| value(series, run)).collect::<Vec<_>>()
     };
     let visits = |run: &RunRow| f64::from(run.contacts) * run.iterations as f64;
-    Ok(df!(
+    frame(df!(
         "problem" => rows.iter().map(|(_, run)| run.problem.as_str()).collect::<Vec<_>>(),
         "method" => rows.iter().map(|(series, _)| series.label()).collect::<Vec<_>>(),
         "contacts" => rows.iter().map(|(_, run)| run.contacts).collect::<Vec<_>>(),
@@ -103,5 +92,5 @@ fn table(all: &[Series]) -> Result<DataFrame, ReportError> {
         "counted_speed_up" => of(&counted_speed_up),
         "measured_speed_up" => of(&measured_speed_up),
         "ns_per_contact" => of(&|_, run| Some(1e9 * run.iterating_s? / visits(run)).filter(|ns| ns.is_finite())),
-    )?)
+    ))
 }

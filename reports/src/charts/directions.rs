@@ -8,30 +8,29 @@ mod table;
 mod tests;
 mod words;
 
-use crate::error::ReportError;
 use crate::read::{Problems, file_name, problems};
 use crate::text::Part;
 use field::{Field, fields};
 
 /// `directions-<problem>` where runs span κ_l and κ_d, `derived-direction` where they span κ_l with κ_d = κ_l, each with
 /// its table.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = &study.runs;
     let (planes, lines): (Vec<Field>, Vec<Field>) = fields(runs).into_iter().partition(Field::is_plane);
     let mut parts = Vec::new();
     for problem in problems(runs) {
         let fields: Vec<&Field> = planes.iter().filter(|field| field.problem == problem).collect();
-        for (page, svg) in heat::pages(problem, &fields)?.into_iter().enumerate() {
+        for (page, svg) in heat::pages(problem, &fields).into_iter().enumerate() {
             let number = if page == 0 { String::new() } else { format!("-{}", page + 1) };
             parts.push(Part::figure(format!("directions-{}{number}", file_name(problem)), svg));
         }
     }
     if !planes.is_empty() || lines.is_empty() {
-        parts.push(Part::table("directions", table::table(&planes)?, table::NOTE));
+        parts.push(Part::table("directions", table::table(&planes), table::NOTE));
     }
     if !lines.is_empty() {
-        parts.push(Part::figure("derived-direction", against_size::figure(&lines)?));
-        parts.push(Part::table("derived-direction", table::table(&lines)?, table::NOTE));
+        parts.push(Part::figure("derived-direction", against_size::figure(&lines)));
+        parts.push(Part::table("derived-direction", table::table(&lines), table::NOTE));
     }
-    Ok(parts)
+    parts
 }

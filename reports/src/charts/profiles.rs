@@ -7,21 +7,19 @@ use polars::df;
 use polars::prelude::DataFrame;
 
 use crate::draw::{
-    Axis, Canvas, Frame, INSIDE, Legend, MOST_LINES, Place, Room, Scale, Series, Sign, draw_empty, row,
-    series,
+    Canvas, INSIDE, Legend, MOST_LINES, Place, Room, Scale, Series, Sign, draw_empty, row, series,
 };
-use crate::error::ReportError;
 use crate::read::{
-    ACCURACIES, COSTS, Cost, Problems, RunRow, WORK, counted, median, power_of_ten, problems, repeats,
+    ACCURACIES, COSTS, Cost, Problems, RunRow, WORK, accuracy_text, counted, median, problems, repeats,
 };
-use crate::text::{Part, nothing, too_many};
+use crate::text::{Part, frame, nothing, too_many};
 use ratios::Ratios;
 
 /// A share of fewer problems than this moves by too much with each of them to be drawn.
 const PROBLEMS: usize = 10;
 
 /// `profiles-seconds`, `profiles-sweeps`, of enough problems, and the table `profiles`: which method for which accuracy.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = &study.runs;
     let methods = series(runs, &[]);
     let (mut parts, mut why) = (Vec::new(), String::new());
@@ -33,25 +31,25 @@ pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
         parts.push(too_many("profiles-found", "performance profiles", methods.len()));
     } else {
         for cost in &COSTS {
-            parts.push(figure(runs, &methods, cost)?);
+            parts.push(figure(runs, &methods, cost));
         }
     }
-    let table = table(runs, &methods)?;
+    let table = table(runs, &methods);
     let (set, repeats) = (problems.join(", "), repeats(runs));
     let note = format!(
         "\n{why}Problems: {set}. Reached: on so many of them the accuracy was reached. Best: with no method cheaper. \
          Median ratio: of the cost to the least, where reached. {repeats} {WORK}\n"
     );
     parts.push(Part::table("profiles", table, note));
-    Ok(parts)
+    parts
 }
 
-fn figure(runs: &[RunRow], methods: &[Series], cost: &Cost) -> Result<Part, ReportError> {
+fn figure(runs: &[RunRow], methods: &[Series], cost: &Cost) -> Part {
     let name = format!("profiles-{}", cost.name);
     let all = ACCURACIES.map(|accuracy| Ratios::of(runs, methods, cost, accuracy));
     if all.iter().all(|ratios| ratios.best().is_empty()) {
         let why = "no run reaches a known velocity error of 10⁻² or less";
-        return Ok(nothing(name, "performance profiles", why));
+        return nothing(name, "performance profiles", why);
     }
     let (shown, none): (Vec<usize>, Vec<usize>) = (0..methods.len())
         .partition(|k| all.iter().any(|ratios| !stairs(&ratios.of_methods[*k], far(ratios)).is_empty()));
@@ -59,10 +57,10 @@ fn figure(runs: &[RunRow], methods: &[Series], cost: &Cost) -> Result<Part, Repo
     let none: Vec<String> = none.into_iter().map(|k| methods[k].label()).collect();
     let without = format!("No line: {}, which reach none of the accuracies.", none.join("; "));
     let signs = if none.is_empty() { Vec::new() } else { vec![(Sign::Word, without)] };
-    let legend = Legend::new(entries, signs, INSIDE)?;
+    let legend = Legend::new(entries, signs, INSIDE);
     let not_reached = |(accuracy, ratios): (f64, &Ratios)| {
         let (not_reached, runs) = ratios.not_reached();
-        format!("{} by {not_reached} of {runs}", power(accuracy))
+        format!("{} by {not_reached} of {runs}", accuracy_text(accuracy))
     };
     let not_reached: Vec<String> = ACCURACIES.into_iter().zip(&all).map(not_reached).collect();
     let title = [
@@ -74,13 +72,9 @@ fn figure(runs: &[RunRow], methods: &[Series], cost: &Cost) -> Result<Part, Repo
         format!("Not reached, in pairs of method and problem: {}.", not_reached.join(", ")),
     ];
     let svg = row(&title, all.len(), &legend, |canvas, i, room| {
-        panel(canvas, methods, &all[i], ACCURACIES[i], room)
-    })?;
-    Ok(Part::figure(name, svg))
-}
-
-fn power(accuracy: f64) -> String {
-    power_of_ten(accuracy.log10().round() as i32)
+        panel(canvas, methods, &all[i], ACCURACIES[i], room);
+    });
+    Part::figure(name, svg)
 }
 
 /// Where the axis ends: at the greatest ratio, or before (logarithm).
@@ -90,31 +84,23 @@ fn far(ratios: &Ratios) -> f64 {
     greatest.log10().min(FAR) + 0.1
 }
 
-fn panel(
-    canvas: &Canvas,
-    methods: &[Series],
-    ratios: &Ratios,
-    accuracy: f64,
-    room: Room,
-) -> Result<(), ReportError> {
-    let frame = Frame {
-        x: Axis::log((0.0, far(ratios)), room.left, room.right),
-        y: Axis { scale: Scale::Share, ..Axis::log((-0.03, 1.03), room.bottom, room.top) },
-    };
-    frame.draw(canvas)?;
-    frame.name(canvas, "τ (–)", &format!("share solved to {} (–)", power(accuracy)))?;
+fn panel(canvas: &Canvas, methods: &[Series], ratios: &Ratios, accuracy: f64, room: Room) {
+    let share = format!("share solved to {} (–)", accuracy_text(accuracy));
+    let x = (Scale::Ten, (0.0, far(ratios)), "τ (–)");
+    let frame = room.frame(canvas, x, (Scale::Share, (-0.03, 1.03), &share));
     for (k, (method, ratios)) in methods.iter().zip(&ratios.of_methods).enumerate() {
         let stairs = stairs(ratios, frame.x.high);
-        canvas
-            .line(&stairs.iter().map(|point| frame.place(*point)).collect::<Vec<Place>>(), method.look.pen)?;
+        canvas.line(&stairs.iter().map(|point| frame.place(*point)).collect::<Vec<Place>>(), method.look.pen);
         // Where the line rises, at a height of its own: what is flat lies on what others have flat.
         let height = (k as f64 + 0.5) / methods.len() as f64 * stairs.last().map_or(0.0, |(_, share)| *share);
         let rises = |step: &&[(f64, f64)]| step[0].1 < height && height <= step[1].1;
         if let Some(step) = stairs.windows(2).find(rises) {
-            canvas.mark(method.look.mark, frame.place((step[1].0, height)), method.look.pen)?;
+            canvas.mark(method.look.mark, frame.place((step[1].0, height)), method.look.pen);
         }
     }
-    if ratios.best().is_empty() { draw_empty(canvas, &frame) } else { Ok(()) }
+    if ratios.best().is_empty() {
+        draw_empty(canvas, &frame);
+    }
 }
 
 /// ρ(τ) from τ = 1 up to `end` in logarithms; no line for a method that solves nothing.
@@ -131,7 +117,7 @@ fn stairs(ratios: &[Option<f64>], end: f64) -> Vec<(f64, f64)> {
     if logs.is_empty() { Vec::new() } else { stairs }
 }
 
-fn table(runs: &[RunRow], methods: &[Series]) -> Result<DataFrame, ReportError> {
+fn table(runs: &[RunRow], methods: &[Series]) -> DataFrame {
     let problems = problems(runs).len() as u64;
     let mut rows = Vec::new();
     for accuracy in ACCURACIES {
@@ -144,7 +130,7 @@ fn table(runs: &[RunRow], methods: &[Series]) -> Result<DataFrame, ReportError> 
             }
         }
     }
-    Ok(df!(
+    frame(df!(
         "velocity_error" => rows.iter().map(|row| row.0).collect::<Vec<_>>(),
         "cost" => rows.iter().map(|row| row.1).collect::<Vec<_>>(),
         "method" => rows.iter().map(|row| row.2.as_str()).collect::<Vec<_>>(),
@@ -152,5 +138,5 @@ fn table(runs: &[RunRow], methods: &[Series]) -> Result<DataFrame, ReportError> 
         "reached" => rows.iter().map(|row| row.3).collect::<Vec<_>>(),
         "best" => rows.iter().map(|row| row.4).collect::<Vec<_>>(),
         "median_ratio" => rows.iter().map(|row| row.5).collect::<Vec<_>>(),
-    )?)
+    ))
 }

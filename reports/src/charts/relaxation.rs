@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 
 use crate::draw::{
-    Axis, BEST, Canvas, DASHES, Frame, INSIDE, Legend, Look, MARKS, MOST_LINES, Mark, Pen, Room, SPARE,
-    Scale, Sign, TOLERANCE, draw_empty, draw_signs, endings, grid, series,
+    BEST, Canvas, DASHES, INSIDE, Legend, Look, MARKS, MOST_LINES, Mark, Pen, Room, SPARE, Scale, Sign,
+    TOLERANCE, draw_empty, draw_signs, endings, grid, series,
 };
-use crate::error::ReportError;
-use crate::read::{Ending, Problems, RunRow, counted, number, padded, problems};
-use crate::text::{Part, nothing, too_many};
+use crate::read::{Ending, Problems, RunRow, counted, number, padded, problems, unique};
+use crate::text::{Part, frame, nothing, too_many};
 use polars::df;
 use polars::prelude::DataFrame;
 
@@ -31,22 +30,18 @@ struct Overall {
 }
 
 /// The figure and the table `relaxation`.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let swept_over = |run: &&RunRow| run.ending != Ending::Skipped && omega(run).is_some();
     let runs: Vec<&RunRow> = study.runs.iter().filter(swept_over).collect();
     let all = swept(&runs);
     let note: String = all.iter().filter_map(sentence).collect();
     let rule = "\nThe best fixed ω fails on the fewest problems, and among such has the least geometric mean of iterations; a \
                 run that failed counts with all iterations that it was allowed.\n";
-    Ok(vec![figure(&runs, &all)?, Part::table(KEY, table(&all)?, format!("{rule}{note}"))])
+    vec![figure(&runs, &all), Part::table(KEY, table(&all), format!("{rule}{note}"))]
 }
 
 fn omega(run: &RunRow) -> Option<f64> {
     run.settings.get(KEY)?.as_f64()
-}
-
-fn has_converged(run: &RunRow) -> bool {
-    run.ending == Ending::Converged
 }
 
 /// Those that were run with several ω.
@@ -74,9 +69,9 @@ fn overall(problems: &[Vec<&RunRow>]) -> Vec<Overall> {
     let at = |relaxation| {
         let runs = problems.iter().map(|runs| runs.iter().find(|run| omega(run) == Some(relaxation)));
         let runs: Vec<&RunRow> = runs.map(Option::<&&RunRow>::copied).collect::<Option<_>>()?;
-        let cost = |run: &&RunRow| if has_converged(run) { run.iterations } else { run.max_iterations };
+        let cost = |run: &&RunRow| if run.has_converged() { run.iterations } else { run.max_iterations };
         let logs: f64 = runs.iter().map(|run| (cost(run).max(1) as f64).ln()).sum();
-        let failed = runs.iter().filter(|run| !has_converged(run)).count();
+        let failed = runs.iter().filter(|run| !run.has_converged()).count();
         Some(Overall { relaxation, failed, mean: (logs / runs.len() as f64).exp() })
     };
     problems[0].iter().filter_map(|run| at(omega(run)?)).collect()
@@ -95,7 +90,7 @@ impl Swept<'_> {
 
 /// The run with the fewest iterations of those that converged.
 fn best<'r>(runs: &[&'r RunRow]) -> Option<&'r RunRow> {
-    runs.iter().copied().filter(|run| has_converged(run)).min_by_key(|run| run.iterations)
+    runs.iter().copied().filter(|run| run.has_converged()).min_by_key(|run| run.iterations)
 }
 
 /// What the best fixed ω of a method is, beside ω = 1.
@@ -123,44 +118,42 @@ fn kind(problem: &str) -> String {
 
 /// Looks of the kinds of problem, in the order of the study: none of a method.
 fn looks(runs: &[&RunRow]) -> (Vec<(String, Look)>, BTreeMap<String, Look>) {
-    let mut entries: Vec<(String, Look)> = Vec::new();
-    for kind in problems(runs.iter().copied()).into_iter().map(kind) {
-        if !entries.iter().any(|(known, _)| *known == kind) {
-            let n = entries.len();
-            let color = SPARE[n % SPARE.len()].shades[0];
-            let pen = Pen { color, width: 0.3, dash: DASHES[n % DASHES.len()] };
-            entries.push((kind, Look { pen, mark: MARKS[n % MARKS.len()] }));
-        }
-    }
+    let look = |(n, kind): (usize, String)| {
+        let color = SPARE[n % SPARE.len()].shades[0];
+        let pen = Pen { color, width: 0.3, dash: DASHES[n % DASHES.len()] };
+        (kind, Look { pen, mark: MARKS[n % MARKS.len()] })
+    };
+    let kinds = unique(problems(runs.iter().copied()).into_iter().map(kind));
+    let entries: Vec<(String, Look)> = kinds.into_iter().enumerate().map(look).collect();
     let by_kind = entries.iter().cloned().collect();
     (entries, by_kind)
 }
 
-fn figure(runs: &[&RunRow], all: &[Swept]) -> Result<Part, ReportError> {
+fn figure(runs: &[&RunRow], all: &[Swept]) -> Part {
     let lines: usize = all.iter().map(|swept| swept.problems.len()).sum();
     if lines == 0 {
         let why = "no method was run with several values of `relaxation`";
-        return Ok(nothing(KEY, "Iterations against ω", why));
+        return nothing(KEY, "Iterations against ω", why);
     }
     if lines > MOST_LINES {
-        return Ok(too_many(KEY, "Iterations against ω", lines));
+        return too_many(KEY, "Iterations against ω", lines);
     }
     let shown: Vec<&RunRow> = all.iter().flat_map(|swept| &swept.problems).flatten().copied().collect();
     let (entries, looks) = looks(runs);
     let mut signs = endings(shown.iter().map(|run| run.ending).filter(|ending| *ending != Ending::Converged));
     signs.push((Sign::Mark(Mark::Ring, BEST), "best ω of the problem".to_owned()));
     signs.push((Sign::Line(TOLERANCE), "best fixed ω over all problems".to_owned()));
-    let legend = Legend::new(entries, signs, INSIDE)?;
+    let legend = Legend::new(entries, signs, INSIDE);
     let (first, last) = (shown.first(), all.len());
-    let stop = first.and_then(|run| {
-        Some(format!(", iterations to {} ≤ {}", run.stop_on.replace('_', " "), number(run.tolerance?, 2)))
-    });
+    let stop = first.and_then(|run| Some(format!(", iterations to {}", run.rule()?)));
     let title = format!("{}{}", counted(shown.len(), "run"), stop.unwrap_or_default());
     let columns = last.min(2);
     let svg = grid(&[title], (columns, last.div_ceil(columns)), &legend, |canvas, i, room| {
-        all.get(i).map_or(Ok(()), |swept| panel(canvas, swept, &looks, room))
-    })?;
-    Ok(Part::figure(KEY, svg))
+        if let Some(swept) = all.get(i) {
+            panel(canvas, swept, &looks, room);
+        }
+    });
+    Part::figure(KEY, svg)
 }
 
 /// Where ω is on its axis; what is not below 2 has no place there.
@@ -168,59 +161,53 @@ fn place(run: &RunRow) -> Option<f64> {
     Some(Scale::of_relaxation(omega(run)?)).filter(|place| place.is_finite())
 }
 
-fn panel(
-    canvas: &Canvas,
-    swept: &Swept,
-    looks: &BTreeMap<String, Look>,
-    room: Room,
-) -> Result<(), ReportError> {
+fn panel(canvas: &Canvas, swept: &Swept, looks: &BTreeMap<String, Look>, room: Room) {
     let runs = || swept.problems.iter().flatten();
-    let iterations = runs().filter(|run| has_converged(run)).map(|run| (run.iterations as f64).log10());
+    let iterations = runs().filter(|run| run.has_converged()).map(|run| (run.iterations as f64).log10());
     let x = padded(runs().filter_map(|run| place(run)), 0.05);
-    let frame = Frame {
-        x: Axis { scale: Scale::Relaxation, ..Axis::log(x, room.left, room.right) },
-        y: Axis::log(padded(iterations, 0.1), room.bottom, room.top),
-    };
-    frame.draw(canvas)?;
-    frame.name(canvas, "relaxation ω (–)", &format!("iterations of {}", swept.label))?;
+    let (y, name) = (padded(iterations, 0.1), format!("iterations of {}", swept.label));
+    let frame = room.frame(canvas, (Scale::Relaxation, x, "relaxation ω (–)"), (Scale::Ten, y, &name));
     if let Some(fixed) = swept.fixed().map(|fixed| Scale::of_relaxation(fixed.relaxation)) {
-        canvas.line(&[(frame.x.place(fixed), room.bottom), (frame.x.place(fixed), room.top)], TOLERANCE)?;
+        canvas.line(&[(frame.x.place(fixed), room.bottom), (frame.x.place(fixed), room.top)], TOLERANCE);
     }
     for runs in &swept.problems {
         let look = looks[&kind(&runs[0].problem)];
         // A run that failed is at the upper edge, however many iterations it made.
         let point = |run: &&RunRow| {
-            let y = if has_converged(run) { (run.iterations as f64).log10() } else { frame.y.high };
+            let y = if run.has_converged() { (run.iterations as f64).log10() } else { frame.y.high };
             Some((run.ending, (place(run)?, y)))
         };
         let points: Vec<_> = runs.iter().filter_map(point).collect();
         let converged = points.iter().filter(|(ending, _)| *ending == Ending::Converged);
-        canvas.line(&converged.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>(), look.pen)?;
-        draw_signs(canvas, &frame, &[(look, points.as_slice())])?;
+        canvas.line(&converged.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>(), look.pen);
+        draw_signs(canvas, &frame, &[(look, points.as_slice())]);
         if let Some((_, point)) = best(runs).and_then(|run| point(&run)) {
-            canvas.mark(Mark::Ring, frame.place(point), BEST)?;
+            canvas.mark(Mark::Ring, frame.place(point), BEST);
         }
     }
-    if runs().any(|run| has_converged(run)) { Ok(()) } else { draw_empty(canvas, &frame) }
+    if runs().any(|run| run.has_converged()) {
+    } else {
+        draw_empty(canvas, &frame);
+    }
 }
 
 /// One row per method and problem.
-fn table(all: &[Swept]) -> Result<DataFrame, ReportError> {
+fn table(all: &[Swept]) -> DataFrame {
     let rows: Vec<(&Swept, &Vec<&RunRow>)> =
         all.iter().flat_map(|swept| swept.problems.iter().map(move |runs| (swept, runs))).collect();
     let at = |runs: &[&RunRow], relaxation: f64| {
         let run = runs.iter().find(|run| omega(run) == Some(relaxation))?;
-        has_converged(run).then_some(run.iterations)
+        run.has_converged().then_some(run.iterations)
     };
     let fixed = |swept: &Swept| swept.fixed().map(|fixed| fixed.relaxation);
-    Ok(df!(
+    frame(df!(
         "method" => rows.iter().map(|(swept, _)| swept.label.as_str()).collect::<Vec<_>>(),
         "problem" => rows.iter().map(|(_, runs)| runs[0].problem.as_str()).collect::<Vec<_>>(),
-        "failed" => rows.iter().map(|(_, runs)| runs.iter().filter(|run| !has_converged(run)).count() as u64).collect::<Vec<_>>(),
+        "failed" => rows.iter().map(|(_, runs)| runs.iter().filter(|run| !run.has_converged()).count() as u64).collect::<Vec<_>>(),
         "best" => rows.iter().map(|(_, runs)| best(runs).and_then(omega)).collect::<Vec<_>>(),
         "iterations" => rows.iter().map(|(_, runs)| best(runs).map(|run| run.iterations)).collect::<Vec<_>>(),
         "best_fixed" => rows.iter().map(|(swept, _)| fixed(swept)).collect::<Vec<_>>(),
         "iterations_at_best_fixed" => rows.iter().map(|(swept, runs)| at(runs, fixed(swept)?)).collect::<Vec<_>>(),
         "iterations_at_1" => rows.iter().map(|(_, runs)| at(runs, 1.0)).collect::<Vec<_>>(),
-    )?)
+    ))
 }

@@ -1,81 +1,88 @@
 //! A sample under a partition: discs by subdomain, boundary grains, walls, and chains of impulses.
 
-mod key;
 mod view;
 
 use rayon::prelude::*;
 
 use crate::draw::{
-    BOUNDARY_GRAIN, CHAIN, Canvas, GRAIN, HPos, IDLE, LEADING, MARGIN, Pen, SUBDOMAINS, TEXT, TICK_TEXT,
-    VPos, WALL, WHITE, subdomain_fill, svg, text_width,
+    BOUNDARY_GRAIN, CHAIN, Canvas, GRAIN, HPos, IDLE, LEADING, MARGIN, Pen, SUBDOMAINS, Sign, Signs, TEXT,
+    TICK_TEXT, VPos, WALL, WHITE, subdomain_fill, svg, text_width,
 };
-use crate::error::ReportError;
 use crate::read::{Problems, Scene, count, counted, file_name, number, walls};
 use crate::text::Part;
-use key::Key;
 use view::View;
 
 /// Thinner lines than this (mm) do not print.
 const THINNEST_CHAIN: f64 = 0.04;
 
 /// `sample-<problem>-<partition>` for each problem and partition of the tables.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let figure = |((problem, partition), scene): (&(String, String), &Scene)| {
         let name = format!("sample-{}-{}", file_name(problem), file_name(partition));
-        Ok(Part::figure(name, draw(problem, partition, scene)?))
+        Part::figure(name, draw(problem, partition, scene))
     };
     study.scenes.par_iter().map(figure).collect()
 }
 
 /// The scene, its scales, the key of its colours, and its counts in words.
-fn draw(problem: &str, partition: &str, scene: &Scene) -> Result<String, ReportError> {
+fn draw(problem: &str, partition: &str, scene: &Scene) -> String {
     let view = View::of(scene);
     let inside = view.width - 2.0 * MARGIN;
-    let key = Key::of(scene);
-    let mut lines = wrapped(&format!("{problem}, {partition}"), inside)?;
-    lines.extend(wrapped(&caption(scene, &view), inside)?);
+    let key = key(scene, inside);
+    let mut lines = wrapped(&format!("{problem}, {partition}"), inside);
+    lines.extend(wrapped(&caption(scene, &view), inside));
     let scales = MARGIN + view.height + 0.8 * LEADING;
     let key_top = scales + 0.8 * LEADING;
     let text_top = key_top + key.height() + 0.3 * LEADING;
     let height = text_top + LEADING * lines.len() as f64 + MARGIN;
     svg((view.width, height.ceil()), |canvas| {
-        draw_scene(canvas, &view, partition, scene)?;
-        view.draw_scales(canvas, scales)?;
-        key.draw(canvas, (MARGIN, key_top))?;
+        draw_scene(canvas, &view, partition, scene);
+        view.draw_scales(canvas, scales);
+        key.draw(canvas, (MARGIN, key_top));
         for (i, line) in lines.iter().enumerate() {
-            canvas.text(line, (MARGIN, text_top + LEADING * i as f64), TEXT, (HPos::Left, VPos::Top))?;
+            canvas.text(line, (MARGIN, text_top + LEADING * i as f64), TEXT, (HPos::Left, VPos::Top));
         }
-        Ok(())
     })
 }
 
-fn draw_scene(canvas: &Canvas, view: &View, partition: &str, scene: &Scene) -> Result<(), ReportError> {
+/// The discs that need a word; subdomains have their names in the scene.
+fn key(scene: &Scene, width: f64) -> Signs {
+    let boundary = scene.grains.iter().any(|grain| grain.multiplicity > 1);
+    let idle = scene.grains.iter().any(|grain| grain.subdomain.is_none());
+    let entries = [
+        boundary.then(|| (Sign::Grain(WHITE, BOUNDARY_GRAIN), "boundary grain".to_owned())),
+        idle.then(|| (Sign::Grain(IDLE, GRAIN), "no contact".to_owned())),
+    ];
+    Signs::new(entries.into_iter().flatten().collect(), width)
+}
+
+fn draw_scene(canvas: &Canvas, view: &View, partition: &str, scene: &Scene) {
     // Boundary grains last, so that no neighbour covers their outline.
     let (boundary, inner): (Vec<_>, Vec<_>) = scene.grains.iter().partition(|grain| grain.multiplicity > 1);
     for grain in inner.into_iter().chain(boundary) {
         let fill = grain.subdomain.map_or(IDLE, |subdomain| SUBDOMAINS[subdomain_fill(partition, subdomain)]);
         let outline = if grain.multiplicity > 1 { BOUNDARY_GRAIN } else { GRAIN };
-        canvas.disc(view.place(grain.centre), grain.radius * view.scale, fill, Some(outline))?;
+        canvas.disc(view.place(grain.centre), grain.radius * view.scale, fill, Some(outline));
     }
     for (from, to) in walls(&scene.contacts) {
-        canvas.line(&[view.place(from), view.place(to)], WALL)?;
+        canvas.line(&[view.place(from), view.place(to)], WALL);
     }
     for contact in &scene.contacts {
         let width = contact.impulse.map_or(0.0, |impulse| view.chain_width(impulse));
         if width >= THINNEST_CHAIN {
-            let pen = Pen { color: CHAIN, width, dash: &[] };
-            canvas.line(&[view.place(contact.from), view.place(contact.to)], pen)?;
+            let pen = Pen::solid(CHAIN, width);
+            canvas.line(&[view.place(contact.from), view.place(contact.to)], pen);
         }
     }
-    draw_names(canvas, view, scene)
+    draw_names(canvas, view, scene);
 }
 
 /// Each subdomain's name amid its contacts: in grey, eight fills are not told apart by a key.
-fn draw_names(canvas: &Canvas, view: &View, scene: &Scene) -> Result<(), ReportError> {
+fn draw_names(canvas: &Canvas, view: &View, scene: &Scene) {
     const RADIUS: f64 = 2.2;
     let subdomains = scene.subdomains();
     if subdomains.len() < 2 {
-        return Ok(());
+        return;
     }
     for subdomain in subdomains {
         let places = scene
@@ -86,10 +93,9 @@ fn draw_names(canvas: &Canvas, view: &View, scene: &Scene) -> Result<(), ReportE
         let (count, sum) =
             places.fold((0.0, (0.0, 0.0)), |(n, sum), (x, y)| (n + 1.0, (sum.0 + x, sum.1 + y)));
         let middle = (sum.0 / count, sum.1 / count);
-        canvas.disc(middle, RADIUS, WHITE, Some(GRAIN))?;
-        canvas.text(&format!("E{subdomain}"), middle, TICK_TEXT, (HPos::Center, VPos::Center))?;
+        canvas.disc(middle, RADIUS, WHITE, Some(GRAIN));
+        canvas.text(&format!("E{subdomain}"), middle, TICK_TEXT, (HPos::Center, VPos::Center));
     }
-    Ok(())
 }
 
 /// The counts, and what the lines mean.
@@ -115,15 +121,15 @@ fn caption(scene: &Scene, view: &View) -> String {
 }
 
 /// Breaks a text between words at a width (mm).
-fn wrapped(text: &str, width: f64) -> Result<Vec<String>, ReportError> {
+fn wrapped(text: &str, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     // Not at the narrow spaces inside numbers.
     for word in text.split(' ') {
         let longer = lines.last().map(|line| format!("{line} {word}"));
         match (longer, lines.last_mut()) {
-            (Some(longer), Some(line)) if text_width(&longer, TEXT)? <= width => *line = longer,
+            (Some(longer), Some(line)) if text_width(&longer, TEXT) <= width => *line = longer,
             _ => lines.push(word.to_owned()),
         }
     }
-    Ok(lines)
+    lines
 }

@@ -1,36 +1,26 @@
 //! Cost against the number of grains, with the exponents of fitted powers.
 
+use super::subdomains::Panel;
 use crate::draw::{
-    Axis, Canvas, Frame, HPos, INSIDE, Legend, MOST_LINES, Points, Room, Series, TICK_TEXT, TOLERANCE, VPos,
-    draw_empty, draw_signs, endings, grid, key, on_the_way, reach, series,
+    Canvas, Frame, HPos, INSIDE, Legend, MOST_LINES, Points, Room, Scale, Series, TICK_TEXT, TOLERANCE, VPos,
+    draw_empty, draw_signs, endings, key, reach, row, series,
 };
-use crate::error::ReportError;
 use crate::read::{
     Ending, Problems, RunRow, Verdicts, WORK, counted, distinct, problems, slope, span, stopped_at_1e_2,
 };
-use crate::text::{Part, nothing, too_many};
+use crate::text::{Part, frame, nothing, too_many};
 use polars::df;
 use polars::prelude::DataFrame;
 use std::collections::BTreeSet;
 
-/// A cost of a run, and what it is called.
-struct Cost {
-    title: &'static str,
-    of: fn(&RunRow) -> Option<f64>,
-    /// Whether it was reached however the run ended.
-    on_the_way: bool,
+fn costs() -> [Panel; 4] {
+    [
+        Panel::iterations_to_1e_2(),
+        Panel::iterations(),
+        Panel::new("set-up and iterations (s)", |_, run| run.seconds()),
+        Panel::new("counted work (sweeps)", |_, run| run.curve.last()?.work(run)),
+    ]
 }
-
-const COSTS: [Cost; 4] = [
-    Cost {
-        title: "iterations to a natural map of 10⁻²",
-        of: |run| run.iterations_to[2].map(|iterations| iterations as f64),
-        on_the_way: true,
-    },
-    Cost { title: "iterations to the tolerance", of: |run| Some(run.iterations as f64), on_the_way: false },
-    Cost { title: "set-up and iterations (s)", of: RunRow::seconds, on_the_way: false },
-    Cost { title: "counted work (sweeps)", of: |run| run.curve.last()?.work(run), on_the_way: false },
-];
 
 /// Fewer sizes than this have no exponent: through two points every power fits.
 const SIZES: usize = 3;
@@ -41,23 +31,22 @@ const SLOPES: [(f64, &str); 2] = [(0.5, "∝ √n"), (1.0, "∝ n")];
 const BELOW: f64 = 0.2;
 
 /// The figure `size`, and the table with the exponents.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = &study.runs;
     let mut all = series(runs, &[]);
     for series in &mut all {
         series.runs.retain(|run| run.ending != Ending::Skipped);
     }
-    let table = table(runs, &all)?;
+    let table = table(runs, &all);
     let note = format!(
         "\nCost = a · grains^exponent, least squares in logarithms over the runs that converged, or reached 10⁻² on their \
          way; none on fewer than {SIZES} sizes. {WORK}\n"
     );
-    Ok(vec![figure(runs, &all)?, Part::table("size", table, note)])
+    vec![figure(runs, &all), Part::table("size", table, note)]
 }
 
-fn points(series: &Series, cost: &Cost) -> Points {
-    let points = series.points(|run| f64::from(run.grains), cost.of);
-    if cost.on_the_way { on_the_way(points) } else { points }
+fn points(series: &Series, cost: &Panel) -> Points {
+    cost.points(series, |run| f64::from(run.grains))
 }
 
 fn converged(points: &Points) -> Vec<(f64, f64)> {
@@ -65,30 +54,32 @@ fn converged(points: &Points) -> Vec<(f64, f64)> {
 }
 
 /// The exponent over sizes that are enough.
-fn exponent(series: &Series, cost: &Cost) -> Option<f64> {
+fn exponent(series: &Series, cost: &Panel) -> Option<f64> {
     let points = converged(&points(series, cost));
     let sizes = distinct(points.iter().map(|point| point.0));
     slope(&points).filter(|_| sizes >= SIZES)
 }
 
-fn figure(runs: &[RunRow], all: &[Series]) -> Result<Part, ReportError> {
+fn figure(runs: &[RunRow], all: &[Series]) -> Part {
     if all.len() > MOST_LINES {
-        return Ok(too_many("size-found", "size", all.len()));
+        return too_many("size-found", "size", all.len());
     }
     let sizes: BTreeSet<u32> = all.iter().flat_map(|series| &series.runs).map(|run| run.grains).collect();
     if sizes.len() < 2 {
         let same = sizes
             .first()
             .map_or("no run".to_owned(), |n| format!("every problem has {}", counted(*n as usize, "grain")));
-        return Ok(nothing("size-found", "size", &format!("{same}, and cost has nothing to grow with")));
+        return nothing("size-found", "size", &format!("{same}, and cost has nothing to grow with"));
     }
-    let costs: Vec<&Cost> = COSTS.iter().filter(|cost| !(cost.on_the_way && stopped_at_1e_2(runs))).collect();
+    let all_costs = costs();
+    let costs: Vec<&Panel> =
+        all_costs.iter().filter(|cost| !(cost.on_the_way && stopped_at_1e_2(runs))).collect();
     // By panel, then by series.
     let clouds: Vec<Vec<Points>> =
         costs.iter().map(|cost| all.iter().map(|series| points(series, cost)).collect()).collect();
     let fitted = all.iter().any(|series| costs.iter().any(|cost| exponent(series, cost).is_some()));
     let label = |series: &Series| {
-        let text = |cost: &&Cost| {
+        let text = |cost: &&Panel| {
             exponent(series, cost).map_or("–".to_owned(), |e| format!("{e:.2}").replace('-', "−"))
         };
         let exponents: Vec<String> = costs.iter().map(text).collect();
@@ -101,7 +92,7 @@ fn figure(runs: &[RunRow], all: &[Series]) -> Result<Part, ReportError> {
     let (entries, mut signs) = key(keyed);
     let shown = || all.iter().flat_map(|series| &series.runs);
     signs.extend(endings(shown().map(|run| run.ending).filter(|ending| *ending != Ending::Converged)));
-    let legend = Legend::new(entries, signs, INSIDE)?;
+    let legend = Legend::new(entries, signs, INSIDE);
     let counts = format!(
         "{}, {}, {} of n grains. ",
         counted(problems(runs).len(), "problem"),
@@ -115,51 +106,40 @@ fn figure(runs: &[RunRow], all: &[Series]) -> Result<Part, ReportError> {
     } else {
         format!("Lines join the means of the sizes; an exponent needs {SIZES}.")
     };
-    let grid_of = if costs.len() == 4 { (2, 2) } else { (costs.len(), 1) };
-    let svg = grid(&[counts + &lines], grid_of, &legend, |canvas, i, room| {
-        panel(canvas, all, costs[i], &clouds[i], room)
-    })?;
-    Ok(Part::figure("size", svg))
+    let svg = row(&[counts + &lines], costs.len(), &legend, |canvas, i, room| {
+        panel(canvas, all, costs[i], &clouds[i], room);
+    });
+    Part::figure("size", svg)
 }
 
-fn panel(
-    canvas: &Canvas,
-    all: &[Series],
-    cost: &Cost,
-    clouds: &[Points],
-    room: Room,
-) -> Result<(), ReportError> {
+fn panel(canvas: &Canvas, all: &[Series], cost: &Panel, clouds: &[Points], room: Room) {
     let (low, high) = reach(clouds.iter().flatten(), |point| point.1);
-    let frame = Frame {
-        x: Axis::log(reach(clouds.iter().flatten(), |point| point.0), room.left, room.right),
-        y: Axis::log((low - BELOW / (1.0 - BELOW) * (high - low), high), room.bottom, room.top),
-    };
-    frame.draw(canvas)?;
-    frame.name(canvas, "grains", cost.title)?;
+    let x = reach(clouds.iter().flatten(), |point| point.0);
+    let y = (low - BELOW / (1.0 - BELOW) * (high - low), high);
+    let frame = room.frame(canvas, (Scale::Ten, x, "grains"), (Scale::Ten, y, &cost.title));
     if clouds.iter().all(Vec::is_empty) {
         return draw_empty(canvas, &frame);
     }
-    draw_slopes(canvas, &frame)?;
+    draw_slopes(canvas, &frame);
     for (series, cloud) in all.iter().zip(clouds) {
         let fit = fit(&converged(cloud)).map(|line| line.map(|point| frame.place(point)));
-        canvas.line(fit.as_ref().map_or(&[], |line| line.as_slice()), series.look.pen)?;
+        canvas.line(fit.as_ref().map_or(&[], |line| line.as_slice()), series.look.pen);
     }
     let signs: Vec<_> =
         all.iter().zip(clouds).map(|(series, cloud)| (series.look, cloud.as_slice())).collect();
-    draw_signs(canvas, &frame, &signs)
+    draw_signs(canvas, &frame, &signs);
 }
 
 /// The slopes to compare with, from one place below the costs.
-fn draw_slopes(canvas: &Canvas, frame: &Frame) -> Result<(), ReportError> {
+fn draw_slopes(canvas: &Canvas, frame: &Frame) {
     let (wide, high) = (frame.x.high - frame.x.low, frame.y.high - frame.y.low);
     let from = (frame.x.low + 0.4 * wide, frame.y.low + 0.03 * high);
     for ((slope, text), lower) in SLOPES.into_iter().zip([1.2, -1.2]) {
         let run = (0.3 * wide).min(0.8 * BELOW * high / slope);
         let to = frame.place((from.0 + run, from.1 + slope * run));
-        canvas.line(&[frame.place(from), to], TOLERANCE)?;
-        canvas.text(text, (to.0 + 0.6, to.1 + lower), TICK_TEXT, (HPos::Left, VPos::Center))?;
+        canvas.line(&[frame.place(from), to], TOLERANCE);
+        canvas.text(text, (to.0 + 0.6, to.1 + lower), TICK_TEXT, (HPos::Left, VPos::Center));
     }
-    Ok(())
 }
 
 /// Ends of the fitted line over the sizes that there are; of two sizes it joins the means.
@@ -171,11 +151,11 @@ fn fit(points: &[(f64, f64)]) -> Option<[(f64, f64); 2]> {
     Some([low, high].map(|at| (at, y + slope * (at - x))))
 }
 
-fn table(runs: &[RunRow], all: &[Series]) -> Result<DataFrame, ReportError> {
-    let exponents = |i: usize| all.iter().map(|s| exponent(s, &COSTS[i])).collect::<Vec<_>>();
+fn table(runs: &[RunRow], all: &[Series]) -> DataFrame {
+    let exponents = |i: usize| all.iter().map(|s| exponent(s, &costs()[i])).collect::<Vec<_>>();
     let verdicts = Verdicts::of(runs);
     let failed = |series: &Series| series.runs.iter().filter(|run| !verdicts.is_right(run)).count() as u64;
-    Ok(df!(
+    frame(df!(
         "method" => all.iter().map(Series::label).collect::<Vec<_>>(),
         "runs" => all.iter().map(|series| series.runs.len() as u64).collect::<Vec<_>>(),
         "failed" => all.iter().map(failed).collect::<Vec<_>>(),
@@ -183,5 +163,5 @@ fn table(runs: &[RunRow], all: &[Series]) -> Result<DataFrame, ReportError> {
         "iterations_exponent" => exponents(1),
         "seconds_exponent" => exponents(2),
         "work_exponent" => exponents(3),
-    )?)
+    ))
 }

@@ -1,19 +1,17 @@
 //! Iterations, and seconds of an iteration, against the number of subdomains.
 
-use std::borrow::Cow;
-
 use crate::draw::{
-    Axis, Canvas, Frame, INSIDE, Legend, MOST_LINES, Pen, Points, Room, Scale, Series, Sign, TOLERANCE,
-    draw_empty, draw_signs, endings, grid, has_line, key, on_the_way, reach, series, title,
+    Canvas, INSIDE, Legend, MOST_LINES, Pen, Points, Room, Scale, Series, Sign, TOLERANCE, draw_empty,
+    draw_signs, endings, has_line, key, on_the_way, reach, row, series, title,
 };
-use crate::error::ReportError;
 use crate::read::{Ending, Problems, RunRow, file_name, problems};
-use crate::text::{Part, too_many};
+use crate::text::{Part, frame, too_many};
 use polars::df;
+use polars::prelude::DataFrame;
 
 /// What a panel shows of a run of a series.
 pub(crate) struct Panel {
-    pub(crate) title: Cow<'static, str>,
+    pub(crate) title: String,
     pub(crate) of: fn(&Series, &RunRow) -> Option<f64>,
     /// Whether it was reached however the run ended.
     pub(crate) on_the_way: bool,
@@ -21,41 +19,47 @@ pub(crate) struct Panel {
     pub(crate) ideal: bool,
 }
 
-/// Iterations of runs that converged; of others those that they made.
-pub(crate) const ITERATIONS: Panel = Panel {
-    title: Cow::Borrowed("iterations to the tolerance"),
-    of: |_, run| Some(run.iterations as f64),
-    on_the_way: false,
-    ideal: false,
-};
+impl Panel {
+    pub(crate) fn new(title: impl Into<String>, of: fn(&Series, &RunRow) -> Option<f64>) -> Self {
+        Self { title: title.into(), of, on_the_way: false, ideal: false }
+    }
 
-const PANELS: [Panel; 2] = [
-    ITERATIONS,
-    Panel {
-        title: Cow::Borrowed("seconds per iteration (s)"),
-        of: |_, run| seconds_per_iteration(run),
-        on_the_way: false,
-        ideal: false,
-    },
-];
+    /// Iterations of runs that converged; of others those that they made.
+    pub(crate) fn iterations() -> Self {
+        Self::new("iterations to the tolerance", |_, run| Some(run.iterations as f64))
+    }
+
+    pub(crate) fn iterations_to_1e_2() -> Self {
+        let of = |_: &Series, run: &RunRow| run.iterations_to[2].map(|iterations| iterations as f64);
+        Self { on_the_way: true, ..Self::new("iterations to a natural map of 10⁻²", of) }
+    }
+
+    /// The points of a series; its runs by what they are on the x axis.
+    pub(crate) fn points(&self, series: &Series, x: fn(&RunRow) -> f64) -> Points {
+        let points = series.points(x, |run| (self.of)(series, run));
+        if self.on_the_way { on_the_way(points) } else { points }
+    }
+}
 
 pub(crate) fn seconds_per_iteration(run: &RunRow) -> Option<f64> {
     run.iterating_s.filter(|_| run.iterations > 0).map(|seconds| seconds / run.iterations as f64)
 }
 
 /// `subdomains-<problem>` for each problem, and the table `subdomains` with the growth.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs: Vec<&RunRow> = study.runs.iter().collect();
+    let seconds = Panel::new("seconds per iteration (s)", |_, run| seconds_per_iteration(run));
+    let panels = [Panel::iterations(), seconds];
     let mut parts = Vec::new();
     for problem in problems(&study.runs) {
         let name = format!("subdomains-{}", file_name(problem));
-        parts.push(on_problem(name, &runs, problem, &PANELS, Vec::new())?);
+        parts.push(on_problem(name, &runs, problem, &panels, Vec::new()));
     }
-    let table = table(&series(&study.runs, &["subdomains"]))?;
+    let table = table(&series(&study.runs, &["subdomains"]));
     let note =
         "\nGrowth: iterations over those of the same method and settings with the fewest subdomains.\n";
     parts.push(Part::table("subdomains", table, note));
-    Ok(parts)
+    parts
 }
 
 /// The series on one problem; a run that was skipped has no point.
@@ -75,7 +79,7 @@ pub(crate) fn on_problem(
     problem: &str,
     panels: &[Panel],
     notes: Vec<String>,
-) -> Result<Part, ReportError> {
+) -> Part {
     let all = series_on(runs, problem);
     let shown: Vec<&RunRow> = all.iter().flat_map(|series| series.runs.iter().copied()).collect();
     figure(name, title(problem, &shown), &all, panels, notes)
@@ -88,13 +92,15 @@ pub(crate) fn figure(
     all: &[Series],
     panels: &[Panel],
     notes: Vec<String>,
-) -> Result<Part, ReportError> {
+) -> Part {
     if all.len() > MOST_LINES {
-        return Ok(too_many(name, &title, all.len()));
+        return too_many(name, &title, all.len());
     }
     // By panel, then by series.
-    let lines: Vec<Vec<Points>> =
-        panels.iter().map(|panel| all.iter().map(|series| points(series, panel)).collect()).collect();
+    let lines: Vec<Vec<Points>> = panels
+        .iter()
+        .map(|panel| all.iter().map(|series| panel.points(series, |run| f64::from(run.subdomains))).collect())
+        .collect();
     let keyed = all.iter().enumerate().map(|(i, series)| {
         let of_series: Vec<&Points> = lines.iter().map(|lines| &lines[i]).collect();
         let level = lines.iter().any(|lines| level(series, &lines[i], lines).is_some());
@@ -112,22 +118,14 @@ pub(crate) fn figure(
         signs.push((Sign::Word, "Level lines: methods without subdomains.".to_owned()));
     }
     signs.extend(notes.into_iter().map(|note| (Sign::Word, note)));
-    let legend = Legend::new(entries, signs, INSIDE)?;
-    let columns = if panels.len() == 4 { 2 } else { panels.len() };
-    let rows = panels.len().div_ceil(columns);
+    let legend = Legend::new(entries, signs, INSIDE);
     let shared: Vec<&Points> =
         panels.iter().zip(&lines).filter(|(panel, _)| panel.ideal).flat_map(|(_, lines)| lines).collect();
-    let svg = grid(&[title], (columns, rows), &legend, |canvas, i, room| {
+    let svg = row(&[title], panels.len(), &legend, |canvas, i, room| {
         let of_panel: Vec<&Points> = if panels[i].ideal { shared.clone() } else { lines[i].iter().collect() };
-        panel(canvas, all, &panels[i], (&lines[i], &of_panel), room)
-    })?;
-    Ok(Part::figure(name, svg))
-}
-
-/// Subdomains and value of the runs of a series.
-fn points(series: &Series, panel: &Panel) -> Points {
-    let points = series.points(|run| f64::from(run.subdomains), |run| (panel.of)(series, run));
-    if panel.on_the_way { on_the_way(points) } else { points }
+        panel(canvas, all, &panels[i], (&lines[i], &of_panel), room);
+    });
+    Part::figure(name, svg)
 }
 
 /// What a line goes through, thin where a run made all its iterations and more would be needed.
@@ -158,7 +156,7 @@ fn panel(
     panel: &Panel,
     (lines, range): (&[Points], &[&Points]),
     room: Room,
-) -> Result<(), ReportError> {
+) {
     let x = reach(range.iter().copied().flatten(), |point| point.0);
     let ideal: Points = if has_ideal(panel, lines) {
         range.iter().copied().flatten().map(|&(ending, (log, _))| (ending, (log, log))).collect()
@@ -166,44 +164,40 @@ fn panel(
         Vec::new()
     };
     let y = reach(range.iter().copied().flatten().chain(&ideal), |point| point.1);
-    let frame = Frame {
-        x: Axis { scale: Scale::Two, ..Axis::log(x, room.left, room.right) },
-        y: Axis::log(y, room.bottom, room.top),
-    };
-    frame.draw(canvas)?;
-    frame.name(canvas, "subdomains", &panel.title)?;
-    if let Some(ideal) = frame.diagonal().filter(|_| !ideal.is_empty()) {
-        canvas.line(&ideal, TOLERANCE)?;
+    let frame = room.frame(canvas, (Scale::Two, x, "subdomains"), (Scale::Ten, y, &panel.title));
+    if !ideal.is_empty() {
+        frame.draw_diagonal(canvas);
     }
     for (series, points) in all.iter().zip(lines) {
         let pen = series.look.pen;
         if let Some(value) = level(series, points, lines) {
-            let y = frame.y.place(value);
-            canvas.line(&[(room.left, y), (room.right, y)], pen)?;
+            frame.across(canvas, value, pen);
         }
         let line = joined(points);
         let places = |limit: bool| {
             let points = line.iter().filter(|(ending, _)| limit || *ending == Ending::Converged);
             points.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>()
         };
-        canvas.line(&places(true), Pen { width: 0.4 * pen.width, ..pen })?;
-        canvas.line(&places(false), pen)?;
+        canvas.line(&places(true), Pen { width: 0.4 * pen.width, ..pen });
+        canvas.line(&places(false), pen);
     }
     let signs: Vec<_> =
         all.iter().zip(lines).map(|(series, points)| (series.look, points.as_slice())).collect();
-    draw_signs(canvas, &frame, &signs)?;
-    if lines.iter().all(Vec::is_empty) { draw_empty(canvas, &frame) } else { Ok(()) }
+    draw_signs(canvas, &frame, &signs);
+    if lines.iter().all(Vec::is_empty) {
+        draw_empty(canvas, &frame);
+    }
 }
 
 /// Iterations of a run over those of the one with the fewest subdomains among `same`, if both converged.
 pub(crate) fn growth<'r>(run: &RunRow, same: impl Iterator<Item = &'r RunRow>) -> Option<f64> {
     let fewest = same.min_by_key(|other| other.subdomains)?;
-    let converged = [run, fewest].iter().all(|run| run.ending == Ending::Converged);
+    let converged = [run, fewest].iter().all(|run| run.has_converged());
     (converged && fewest.iterations > 0).then(|| run.iterations as f64 / fewest.iterations as f64)
 }
 
 /// One row per run, with its iterations over those of the fewest subdomains.
-fn table(all: &[Series]) -> Result<polars::prelude::DataFrame, ReportError> {
+fn table(all: &[Series]) -> DataFrame {
     let mut rows: Vec<(&Series, &RunRow, Option<f64>)> = Vec::new();
     for series in all {
         for run in &series.runs {
@@ -211,7 +205,7 @@ fn table(all: &[Series]) -> Result<polars::prelude::DataFrame, ReportError> {
             rows.push((series, run, growth(run, same.copied())));
         }
     }
-    Ok(df!(
+    frame(df!(
         "problem" => rows.iter().map(|(_, run, _)| run.problem.as_str()).collect::<Vec<_>>(),
         "method" => rows.iter().map(|(series, ..)| series.label()).collect::<Vec<_>>(),
         "subdomains" => rows.iter().map(|(_, run, _)| run.subdomains).collect::<Vec<_>>(),
@@ -222,5 +216,5 @@ fn table(all: &[Series]) -> Result<polars::prelude::DataFrame, ReportError> {
             rows.iter().map(|(_, run, _)| seconds_per_iteration(run)).collect::<Vec<_>>(),
         "setup_s" => rows.iter().map(|(_, run, _)| run.setup_s).collect::<Vec<_>>(),
         "seconds" => rows.iter().map(|(_, run, _)| run.seconds()).collect::<Vec<_>>(),
-    )?)
+    ))
 }

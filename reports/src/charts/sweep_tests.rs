@@ -33,7 +33,7 @@ fn growth_with_subdomains_is_told_for_each_setting_apart() {
         Run { status: "iteration-limit".into(), ..on(3, 8, "0.3", 1000) },
         Run { status: "skipped".into(), iterating_s: f64::NAN, ..on(4, 64, "0.3", 0) },
     ];
-    let files = files(&subdomains::parts(&study(&runs, &[])).unwrap());
+    let files = files(&subdomains::parts(&study(&runs, &[])));
     let rows: Vec<&str> = text(&files, "subdomains.csv").lines().skip(1).collect();
     assert!(rows[1].starts_with("column,latin-dd,8,converged,125,1.25,"), "{}", rows[1]);
     assert!(rows[3].starts_with("column,\"latin-dd, kappa_d=0.3\",8,iteration limit,1000,,"), "{}", rows[3]);
@@ -52,7 +52,7 @@ fn speed_up_is_counted_on_the_longest_subdomain_and_measured_in_seconds() {
         path(9, Run { status: "iteration-limit".into(), ..on(2, 16, "null", 1000) }),
         run(3, "cg", "", "converged"),
     ];
-    let files = files(&critical_path::parts(&study(&runs, &[])).unwrap());
+    let files = files(&critical_path::parts(&study(&runs, &[])));
     let rows: Vec<&str> = text(&files, "critical-path.csv").lines().skip(1).collect();
     assert!(rows[1].contains(",128,250.0,2.5,1.5,"), "{}", rows[1]);
     assert!(rows[2].contains("iteration limit,1000,9.0,,,"), "{}", rows[2]);
@@ -69,7 +69,7 @@ fn weak_series_have_as_many_grains_in_each_subdomain() {
     };
     let runs =
         [of(0, 1, 250, 100), of(1, 4, 1000, 150), of(2, 2, 1000, 120), of(3, 3, 900, 1), of(4, 8, 4000, 180)];
-    let files = files(&weak::parts(&study(&runs, &[])).unwrap());
+    let files = files(&weak::parts(&study(&runs, &[])));
     let rows: Vec<&str> = text(&files, "weak.csv").lines().skip(1).collect();
     assert!(rows[0].contains(",250.0,1,250,converged,47,100,1.0,1000.0,"), "{}", rows[0]);
     assert!(rows[1].contains(",250.0,4,1000,converged,47,150,1.5,1500.0,"), "{}", rows[1]);
@@ -101,7 +101,7 @@ fn best_relaxation_is_that_of_each_problem_and_one_fixed_is_that_of_all() {
         Run { status: "diverged".into(), ..on(6, "2", 2.0, 7) },
         run(7, "cg", "", "converged"),
     ];
-    let files = files(&relaxation::parts(&study(&runs, &[])).unwrap());
+    let files = files(&relaxation::parts(&study(&runs, &[])));
     let rows: Vec<&str> = text(&files, "relaxation.csv").lines().skip(1).collect();
     assert_eq!(rows[0], "nsgs,box grains=60 seed=1,0,1.9,40,1.8,90,900");
     assert_eq!(rows[1], "nsgs,box grains=60 seed=2,2,1.8,100,1.8,100,800");
@@ -125,7 +125,7 @@ fn exponents_are_those_of_runs_that_converged_on_three_sizes() {
         // A proof that there is no solution is no failure.
         Run { problem: "wedge".into(), end: end(sample(9, 1.0, f64::NAN)), ..run(4, "cg", "", "infeasible") },
     ];
-    let read = |runs: &[Run]| files(&size::parts(&study(runs, &[])).unwrap());
+    let read = |runs: &[Run]| files(&size::parts(&study(runs, &[])));
     let fitted = read(&runs);
     let rows: Vec<&str> = text(&fitted, "size.csv").lines().skip(1).collect();
     assert!(rows[0].starts_with("nsgs,4,1,0.0,1.5,") && rows[1].starts_with("cg,1,0,,"), "{rows:?}");
@@ -144,11 +144,11 @@ fn size_has_no_panel_twice_and_is_a_sentence_on_one_size() {
     let names = |files: &[File]| files.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
     let panels = |tolerance: f64| {
         let runs = [sized(0, "cg", 10, 100), sized(1, "cg", 1000, 200)].map(|run| Run { tolerance, ..run });
-        let files = files(&size::parts(&study(&runs, &[])).unwrap());
+        let files = files(&size::parts(&study(&runs, &[])));
         text(&files, "size.svg").matches("\ngrains\n").count()
     };
     assert_eq!((panels(1e-2), panels(1e-4)), (3, 4));
-    let files = files(&size::parts(&study(&[run(0, "cg", "", "converged")], &[])).unwrap());
+    let files = files(&size::parts(&study(&[run(0, "cg", "", "converged")], &[])));
     assert_eq!(names(&files), ["size-found.md", "size.csv", "size.md", "size.tex"]);
     assert!(text(&files, "size-found.md").contains("every problem has 20\u{a0}grains"));
 }
@@ -160,7 +160,7 @@ fn few_problems_have_a_table_of_profiles_that_counts_what_is_reached() {
         [run(0, "nsgs", "", "converged"), run(1, "cg", "", "converged"), other(2, "nsgs"), other(3, "cg")];
     let twice = || (0..=200).map(|i| sample(i, 1.0, 10f64.powf(-4.0 * i as f64 / 200.0))).collect();
     let curves = [(0, decay()), (1, twice()), (2, decay()), (3, explosion())];
-    let files = files(&profiles::parts(&study(&runs, &curves)).unwrap());
+    let files = files(&profiles::parts(&study(&runs, &curves)));
     let row = |start: &str| text(&files, "profiles.csv").lines().find(|row| row.starts_with(start)).unwrap();
     assert_eq!(row("0.01,sweeps,nsgs"), "0.01,sweeps,nsgs,2,2,2,1.0");
     assert_eq!(row("0.01,sweeps,cg"), "0.01,sweeps,cg,2,1,0,2.0");
@@ -181,7 +181,7 @@ fn profile_names_its_axis_what_is_not_reached_and_who_has_no_line() {
         })
         .collect();
     let curves: Vec<_> = (0..20).step_by(2).map(|i| (i, decay())).collect();
-    let files = files(&profiles::parts(&study(&runs, &curves)).unwrap());
+    let files = files(&profiles::parts(&study(&runs, &curves)));
     for words in ["share solved to 10⁻⁴ (–)", "10⁻² by 10 of 20, 10⁻⁴ by 10 of 20, 10⁻⁶ by 20 of 20"]
     {
         assert!(text(&files, "profiles-sweeps.svg").contains(words), "{words}");
@@ -202,7 +202,7 @@ fn variants_of_a_method_wear_its_hue_alone() {
     let kappas = ["null", "0.1", "0.3", "1.0", "3.0", "10.0", "30.0", "100.0"];
     let runs: Vec<Run> =
         (0..16).map(|i| on(i, 1 + 7 * (i / 8), kappas[i as usize % 8], u64::from(100 + i))).collect();
-    let files = files(&subdomains::parts(&study(&runs, &[])).unwrap());
+    let files = files(&subdomains::parts(&study(&runs, &[])));
     let worn = colors(text(&files, "subdomains-column.svg"));
     // Black is of frames and texts as well.
     for (method, family) in METHODS.iter().filter(|(method, _)| *method != "nsgs") {
@@ -216,7 +216,7 @@ fn failures_stand_beside_each_other_and_methods_without_subdomains_are_levels() 
     let limit = |id, kappa| Run { status: "iteration-limit".into(), ..on(id, 8, kappa, 1000) };
     let mut runs = vec![on(0, 1, "0.1", 100), on(1, 1, "0.3", 110), limit(2, "0.1"), limit(3, "0.3")];
     let drawn = |runs: &[Run]| {
-        let files = files(&subdomains::parts(&study(runs, &[])).unwrap());
+        let files = files(&subdomains::parts(&study(runs, &[])));
         text(&files, "subdomains-column.svg").to_owned()
     };
     let alone = drawn(&runs);
@@ -248,7 +248,7 @@ fn both_speed_ups_have_the_same_axes_with_the_ideal_and_the_threads() {
         ..run
     };
     let runs = [path(3200, 1.0, on(0, 1, "null", 100)), path(100, 1.1, on(1, 16, "null", 100))];
-    let files = files(&critical_path::parts(&study(&runs, &[])).unwrap());
+    let files = files(&critical_path::parts(&study(&runs, &[])));
     let svg = text(&files, "critical-path-column.svg");
     assert_eq!(svg.matches("\n10¹\n").count(), 2, "a tick of each panel: {svg}");
     for words in ["1\u{a0}thread (–)", "no communication cost", "Above the ideal: fewer iterations"] {
@@ -270,7 +270,7 @@ fn no_run_only_failures_and_undefined_values_are_no_obstacle() {
             critical_path::parts,
             relaxation::parts,
         ] {
-            let files = files(&chart(&study).unwrap());
+            let files = files(&chart(&study));
             text(&files, &files[0].0);
         }
     }

@@ -4,34 +4,27 @@ mod band;
 
 use super::against_truth::AgainstTruth;
 use crate::draw::{
-    Axis, Canvas, Frame, HPos, INSIDE, LOWEST, Line, Lines, LogPoint, Place, RGBColor, Room, Sign, TICK_TEXT,
+    Axis, Canvas, HPos, INSIDE, LOWEST, Line, Lines, LogPoint, Place, RGBColor, Room, Scale, Sign, TICK_TEXT,
     TOLERANCE, VPos, draw_lines, log, range, row, text_width, title,
 };
-use crate::error::ReportError;
-use crate::read::{Point, Problems, RunRow, number, power_of_ten, span};
+use crate::read::{Point, Problems, RunRow, accuracy_text, number, span};
 use crate::text::Part;
 use band::Band;
 
-/// A measure that every method can be stopped by.
-struct Measure {
-    title: &'static str,
-    short: &'static str,
-    of: fn(&Point) -> Option<f64>,
-}
+/// A measure that every method can be stopped by: its name on an axis, and in a sentence.
+type Measure = (&'static str, &'static str, fn(&Point) -> Option<f64>);
 
 const MEASURES: [Measure; 3] = [
-    Measure { title: "ζ (–)", short: "ζ", of: |point| point.zeta },
-    Measure { title: "natural map (–)", short: "the natural map", of: |point| point.natural_map },
-    Measure {
-        title: "quadratic norm of LMGC90 (–)", short: "the quadratic norm", of: |point| point.quad_dv
-    },
+    ("ζ (–)", "ζ", |point| point.zeta),
+    ("natural map (–)", "the natural map", |point| point.natural_map),
+    ("quadratic norm of LMGC90 (–)", "the quadratic norm", |point| point.quad_dv),
 ];
 
 /// The value of a measure at which the text says what it is worth.
-const ASKED: f64 = 1e-4;
+const WORTH: f64 = 1e-4;
 
 /// `truth-<problem>` for each problem, and `truth` with the errors behind a measure of 10⁻⁴.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let lacks = "no truth to compare with";
     AgainstTruth { name: "truth", lacks, figure, sentences, note: String::new() }.parts(study)
 }
@@ -45,7 +38,7 @@ struct Shown {
     y: (f64, f64),
 }
 
-fn figure(study: &Lines, problem: &str, runs: &[&RunRow]) -> Result<String, ReportError> {
+fn figure(study: &Lines, problem: &str, runs: &[&RunRow]) -> String {
     let panels = MEASURES.each_ref().map(|measure| shown(study, runs, measure));
     let mut more = vec![(
         Sign::Line(TOLERANCE),
@@ -55,16 +48,16 @@ fn figure(study: &Lines, problem: &str, runs: &[&RunRow]) -> Result<String, Repo
         let text = "A band holds a curve that goes up and down; the line in it is the median.";
         more.push((Sign::Word, text.to_owned()));
     }
-    let legend = study.legend_of_best(runs, more, INSIDE)?;
+    let legend = study.legend_of_best(runs, more, INSIDE);
     row(&[title(problem, runs)], MEASURES.len(), &legend, |canvas, i, room| {
-        panel(canvas, &panels[i], &MEASURES[i], room)
+        panel(canvas, &panels[i], &MEASURES[i], room);
     })
 }
 
 fn shown(study: &Lines, runs: &[&RunRow], measure: &Measure) -> Shown {
     let mut lines = study.lines_of_best(runs, |_, point| {
         // At its start a run has measured nothing. An error of 0 is at the end of the axis, not beyond all others.
-        let pair = point.velocity_error.zip((measure.of)(point));
+        let pair = point.velocity_error.zip((measure.2)(point));
         (point.iteration > 0).then(|| pair.map(|(error, measure)| (log(error).max(LOWEST), log(measure))))
     });
     let turn = |line: &Line| Line {
@@ -89,54 +82,45 @@ fn pale(RGBColor(r, g, b): RGBColor) -> RGBColor {
     RGBColor(pale(r), pale(g), pale(b))
 }
 
-fn panel(
-    canvas: &Canvas,
-    Shown { lines, bands, x, y }: &Shown,
-    measure: &Measure,
-    room: Room,
-) -> Result<(), ReportError> {
-    let frame = Frame { x: Axis::log(*x, room.left, room.right), y: Axis::log(*y, room.bottom, room.top) };
-    frame.draw(canvas)?;
-    frame.name(canvas, "velocity error (–)", measure.title)?;
+fn panel(canvas: &Canvas, Shown { lines, bands, x, y }: &Shown, measure: &Measure, room: Room) {
+    let name = "velocity error (–)";
+    let frame = room.frame(canvas, (Scale::Ten, *x, name), (Scale::Ten, *y, measure.0));
     for (color, band) in bands {
         let edge = band.high.iter().chain(band.low.iter().rev());
         let inside = |at: f64, axis: &Axis| axis.place(at.clamp(axis.low, axis.high));
         let corners: Vec<Place> = edge.map(|(x, y)| (inside(*x, &frame.x), inside(*y, &frame.y))).collect();
-        canvas.polygon(&corners, *color, None)?;
+        canvas.polygon(&corners, *color, None);
     }
-    draw_diagonal(canvas, &frame)?;
-    draw_lines(canvas, &frame, lines)
-}
-
-fn draw_diagonal(canvas: &Canvas, frame: &Frame) -> Result<(), ReportError> {
-    let Some(diagonal) = frame.diagonal() else { return Ok(()) };
-    canvas.line(&diagonal, TOLERANCE)?;
-    // In the corner below the diagonal, where the curves of an honest measure do not come.
-    let text = "promises too much";
-    let place = (frame.x.to - text_width(text, TICK_TEXT)? - 1.5, frame.y.from - 1.6);
-    canvas.text(text, place, TICK_TEXT, (HPos::Left, VPos::Bottom))
+    frame.draw_diagonal(canvas);
+    if frame.diagonal().is_some() {
+        // In the corner below the diagonal, where the curves of an honest measure do not come.
+        let text = "promises too much";
+        let place = (frame.x.to - text_width(text, TICK_TEXT) - 1.5, frame.y.from - 1.6);
+        canvas.text(text, place, TICK_TEXT, (HPos::Left, VPos::Bottom));
+    }
+    draw_lines(canvas, &frame, lines);
 }
 
 fn sentences(study: &Lines, problem: &str) -> String {
     MEASURES.iter().map(|measure| sentence(study, problem, measure)).collect()
 }
 
-/// Between which velocity errors the runs are when the measure comes down to the value asked.
+/// Between which velocity errors the runs are when the measure comes down to that value.
 fn sentence(study: &Lines, problem: &str, measure: &Measure) -> String {
     let small =
-        |point: &&Point| point.iteration > 0 && (measure.of)(point).is_some_and(|value| value <= ASKED);
+        |point: &&Point| point.iteration > 0 && (measure.2)(point).is_some_and(|value| value <= WORTH);
     let runs = study.runs_of(problem);
     let error = |run: &&RunRow| run.curve.iter().find(small)?.velocity_error;
     let errors: Vec<f64> = runs.iter().filter_map(error).collect();
-    let (short, asked) = (measure.short, power_of_ten(ASKED.log10().round() as i32));
+    let (short, value) = (measure.1, accuracy_text(WORTH));
     match span(errors.iter().copied()) {
         Some((least, greatest)) => format!(
-            "{problem}: where {short} is {asked} for the first time, the velocity error is between {} and {} ({} of {} runs).\n",
+            "{problem}: where {short} is {value} for the first time, the velocity error is between {} and {} ({} of {} runs).\n",
             number(least, 2),
             number(greatest, 2),
             errors.len(),
             runs.len(),
         ),
-        None => format!("{problem}: no run with a known velocity error brings {short} to {asked}.\n"),
+        None => format!("{problem}: no run with a known velocity error brings {short} to {value}.\n"),
     }
 }

@@ -1,42 +1,27 @@
 //! Iterations, the longest subdomain and time, with as many grains in each subdomain however many there are.
 
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::critical_path::with_path;
 use crate::charts::critical_path::path;
-use crate::charts::subdomains::{ITERATIONS, Panel, figure, growth, seconds_per_iteration};
+use crate::charts::subdomains::{Panel, figure, growth, seconds_per_iteration};
 use crate::draw::{DASHES, Look, Looks, Pen, Series, series};
-use crate::error::ReportError;
 use crate::read::{Problems, RunRow, counted, stopped_at_1e_2};
-use crate::text::{Part, nothing};
+use crate::text::{Part, frame, nothing};
 use polars::df;
 use polars::prelude::DataFrame;
 
 /// Iterations to 10⁻² are left out where that is what all runs were stopped at.
 fn panels(runs: &[&RunRow]) -> Vec<Panel> {
-    let to_1e_2 = Panel {
-        title: Cow::Borrowed("iterations to a natural map of 10⁻²"),
-        of: |_, run| run.iterations_to[2].map(|iterations| iterations as f64),
-        on_the_way: true,
-        ideal: false,
-    };
+    let per_grain =
+        |_: &Series, run: &RunRow| Some(1e9 * seconds_per_iteration(run)? / f64::from(run.grains));
     let others = [
-        ITERATIONS,
-        Panel {
-            title: Cow::Borrowed("longest subdomain (multiply-adds)"),
-            of: |_, run| path(run),
-            on_the_way: false,
-            ideal: false,
-        },
-        Panel {
-            title: Cow::Borrowed("time per iteration and grain (ns)"),
-            of: |_, run| Some(1e9 * seconds_per_iteration(run)? / f64::from(run.grains)),
-            on_the_way: true,
-            ideal: false,
-        },
+        Panel::iterations(),
+        Panel::new("longest subdomain (multiply-adds)", |_, run| path(run)),
+        Panel { on_the_way: true, ..Panel::new("time per iteration and grain (ns)", per_grain) },
     ];
-    (!stopped_at_1e_2(runs.iter().copied())).then_some(to_1e_2).into_iter().chain(others).collect()
+    let first = (!stopped_at_1e_2(runs.iter().copied())).then(Panel::iterations_to_1e_2);
+    first.into_iter().chain(others).collect()
 }
 
 const NOTE: &str = "\nThe longest subdomain: its multiply-adds in all iterations, exchange with its neighbours included; with a \
@@ -44,11 +29,11 @@ const NOTE: &str = "\nThe longest subdomain: its multiply-adds in all iterations
                     those with the fewest subdomains, as many grains in each.\n";
 
 /// The figure `weak`, and the table of all runs whose grains per subdomain come with several numbers of subdomains.
-pub(crate) fn parts(study: &Problems) -> Result<Vec<Part>, ReportError> {
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = with_path(study);
     let all = all(&runs);
-    let figure = drawn(all.clone(), &Looks::new(runs.iter().copied()), &panels(&runs))?;
-    Ok(vec![figure, Part::table("weak", table(&all)?, NOTE)])
+    let figure = drawn(all.clone(), &Looks::new(runs.iter().copied()), &panels(&runs));
+    vec![figure, Part::table("weak", table(&all), NOTE)]
 }
 
 /// Runs that agree in their settings and in their grains per subdomain, with at least two numbers of subdomains.
@@ -73,7 +58,7 @@ fn all<'r>(runs: &[&'r RunRow]) -> Vec<(f64, Series<'r>)> {
 }
 
 /// The figure of the numbers of grains per subdomain that come most often, as many as there are dashes.
-fn drawn(mut all: Vec<(f64, Series)>, looks: &Looks, panels: &[Panel]) -> Result<Part, ReportError> {
+fn drawn(mut all: Vec<(f64, Series)>, looks: &Looks, panels: &[Panel]) -> Part {
     let mut often: BTreeMap<u64, usize> = BTreeMap::new();
     for (each, series) in &all {
         *often.entry(each.to_bits()).or_default() += series.runs.len();
@@ -86,7 +71,7 @@ fn drawn(mut all: Vec<(f64, Series)>, looks: &Looks, panels: &[Panel]) -> Result
     all.retain(|(each, _)| often.iter().any(|(of, _)| of == each));
     if all.is_empty() {
         let why = "no number of grains per subdomain comes with several numbers of subdomains";
-        return Ok(nothing("weak-found", "weak", why));
+        return nothing("weak-found", "weak", why);
     }
     let one_method = all.windows(2).all(|pair| pair[0].1.method == pair[1].1.method);
     let runs: usize = all.iter().map(|(_, series)| series.runs.len()).sum();
@@ -104,7 +89,7 @@ fn drawn(mut all: Vec<(f64, Series)>, looks: &Looks, panels: &[Panel]) -> Result
 }
 
 /// One row per run.
-fn table(all: &[(f64, Series)]) -> Result<DataFrame, ReportError> {
+fn table(all: &[(f64, Series)]) -> DataFrame {
     let rows: Vec<(f64, &Series, &RunRow)> = all
         .iter()
         .flat_map(|(each, series)| {
@@ -113,7 +98,7 @@ fn table(all: &[(f64, Series)]) -> Result<DataFrame, ReportError> {
             runs.into_iter().map(move |run| (*each, series, run))
         })
         .collect();
-    Ok(df!(
+    frame(df!(
         "method" => rows.iter().map(|(_, series, _)| series.label()).collect::<Vec<_>>(),
         "grains_per_subdomain" => rows.iter().map(|(each, ..)| *each).collect::<Vec<_>>(),
         "subdomains" => rows.iter().map(|(.., run)| run.subdomains).collect::<Vec<_>>(),
@@ -124,5 +109,5 @@ fn table(all: &[(f64, Series)]) -> Result<DataFrame, ReportError> {
         "growth" => rows.iter().map(|(_, series, run)| growth(run, series.runs.iter().copied())).collect::<Vec<_>>(),
         "longest_subdomain" => rows.iter().map(|(.., run)| path(run)).collect::<Vec<_>>(),
         "seconds_per_iteration" => rows.iter().map(|(.., run)| seconds_per_iteration(run)).collect::<Vec<_>>(),
-    )?)
+    ))
 }

@@ -1,7 +1,6 @@
 //! Axes, and the frame that two of them span. A logarithmic axis is one of logarithms to base ten.
 
-use crate::draw::{Canvas, FRAME, GRID, HPos, LEADING, Place, TEXT, TICK_TEXT, VPos};
-use crate::error::ReportError;
+use crate::draw::{Canvas, FRAME, GRID, HPos, LEADING, Pen, Place, TEXT, TICK_TEXT, TOLERANCE, VPos};
 use crate::read::{number, power_of_ten};
 
 /// Lengths of ticks at powers of ten and between them (mm).
@@ -151,55 +150,66 @@ impl Frame {
         (low < high).then(|| [low, high].map(|at| self.place((at, at))))
     }
 
+    /// A line at one height (its logarithm), from edge to edge.
+    pub(crate) fn across(&self, canvas: &Canvas, at: f64, pen: Pen) {
+        let y = self.y.place(at);
+        canvas.line(&[(self.x.from, y), (self.x.to, y)], pen);
+    }
+
+    /// The line on which both axes have the same value, if it is in the frame.
+    pub(crate) fn draw_diagonal(&self, canvas: &Canvas) {
+        if let Some(ends) = self.diagonal() {
+            canvas.line(&ends, TOLERANCE);
+        }
+    }
+
     /// Grid, ticks and their labels; what is drawn next lies above them.
-    pub(crate) fn draw(&self, canvas: &Canvas) -> Result<(), ReportError> {
+    pub(crate) fn draw(&self, canvas: &Canvas) {
         for (log, _) in self.x.labels() {
             let x = self.x.place(log);
-            canvas.line(&[(x, self.y.from), (x, self.y.to)], GRID)?;
+            canvas.line(&[(x, self.y.from), (x, self.y.to)], GRID);
         }
         for (log, _) in self.y.labels() {
             let y = self.y.place(log);
-            canvas.line(&[(self.x.from, y), (self.x.to, y)], GRID)?;
+            canvas.line(&[(self.x.from, y), (self.x.to, y)], GRID);
         }
-        self.draw_border(canvas, Ticks::Inside)?;
-        self.label_x(canvas, Ticks::Inside)?;
-        self.label_y(canvas, Ticks::Inside)
+        self.draw_border(canvas, Ticks::Inside);
+        self.label_x(canvas, Ticks::Inside);
+        self.label_y(canvas, Ticks::Inside);
     }
 
     /// Edges and ticks alone.
-    pub(crate) fn draw_border(&self, canvas: &Canvas, ticks: Ticks) -> Result<(), ReportError> {
+    pub(crate) fn draw_border(&self, canvas: &Canvas, ticks: Ticks) {
         let (left, right, bottom, top) = (self.x.from, self.x.to, self.y.from, self.y.to);
         let inwards = if ticks == Ticks::Inside { 1.0 } else { -1.0 };
         for (x, length) in self.x.ticks() {
-            canvas.line(&[(x, bottom), (x, bottom - inwards * length)], FRAME)?;
+            canvas.line(&[(x, bottom), (x, bottom - inwards * length)], FRAME);
         }
         for (y, length) in self.y.ticks() {
-            canvas.line(&[(left, y), (left + inwards * length, y)], FRAME)?;
+            canvas.line(&[(left, y), (left + inwards * length, y)], FRAME);
         }
-        canvas.line(&[(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)], FRAME)
+        canvas.line(&[(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)], FRAME);
     }
 
-    pub(crate) fn label_x(&self, canvas: &Canvas, ticks: Ticks) -> Result<(), ReportError> {
+    pub(crate) fn label_x(&self, canvas: &Canvas, ticks: Ticks) {
         let y = self.y.from + 0.8 + room(ticks);
         for (log, text) in self.x.labels() {
-            canvas.text(&text, (self.x.place(log), y), TICK_TEXT, (HPos::Center, VPos::Top))?;
+            canvas.text(&text, (self.x.place(log), y), TICK_TEXT, (HPos::Center, VPos::Top));
         }
-        Ok(())
     }
 
-    pub(crate) fn label_y(&self, canvas: &Canvas, ticks: Ticks) -> Result<(), ReportError> {
+    pub(crate) fn label_y(&self, canvas: &Canvas, ticks: Ticks) {
         let x = self.x.from - 0.9 - room(ticks);
         for (log, text) in self.y.labels() {
-            canvas.text(&text, (x, self.y.place(log)), TICK_TEXT, (HPos::Right, VPos::Center))?;
+            canvas.text(&text, (x, self.y.place(log)), TICK_TEXT, (HPos::Right, VPos::Center));
         }
-        Ok(())
     }
 
     /// The names of both axes: below, and above the upper left corner.
-    pub(crate) fn name(&self, canvas: &Canvas, x: &str, y: &str) -> Result<(), ReportError> {
+    pub(crate) fn name(&self, canvas: &Canvas, x: &str, y: &str) {
         let below = (self.middle().0, self.y.from + 0.8 + LEADING);
-        canvas.text(x, below, TEXT, (HPos::Center, VPos::Top))?;
-        canvas.text(y, (self.x.from, self.y.to - 0.8), TEXT, (HPos::Left, VPos::Bottom))
+        canvas.text(x, below, TEXT, (HPos::Center, VPos::Top));
+        canvas.text(y, (self.x.from, self.y.to - 0.8), TEXT, (HPos::Left, VPos::Bottom));
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::draw::{BLACK, Mark, Pen, WHITE};
-use crate::error::ReportError;
+use crate::read::Ending;
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, IntoDrawingArea};
 use plotters::element::{Circle, PathElement, Polygon};
@@ -29,30 +29,26 @@ pub(crate) struct Canvas<'a> {
 }
 
 /// Draws a sheet of `width` by `height` mm on a white ground.
-pub(crate) fn svg(
-    (width, height): (f64, f64),
-    draw: impl FnOnce(&Canvas) -> Result<(), ReportError>,
-) -> Result<String, ReportError> {
-    use_own_font()?;
+pub(crate) fn svg((width, height): (f64, f64), draw: impl FnOnce(&Canvas)) -> String {
+    use_own_font();
     let (columns, rows) = (units(width) as u32, units(height) as u32);
     let mut text = String::new();
     let canvas = Canvas { area: SVGBackend::with_string(&mut text, (columns, rows)).into_drawing_area() };
-    canvas.area.fill(&WHITE).map_err(refused)?;
-    draw(&canvas)?;
-    canvas.area.present().map_err(refused)?;
+    drawn(canvas.area.fill(&WHITE));
+    draw(&canvas);
+    drawn(canvas.area.present());
     drop(canvas);
     let size = |width: &str, height: &str| format!(r#"width="{width}" height="{height}""#);
     let text: String = text.split_inclusive('\n').map(lowered).collect();
-    Ok(text
-        .replacen(
-            &size(&columns.to_string(), &rows.to_string()),
-            &format!("{} stroke-linejoin=\"round\"", size(&format!("{width}mm"), &format!("{height}mm"))),
-            1,
-        )
-        .replace(r#"font-family="sans-serif""#, &format!(r#"font-family="{FONTS}""#))
-        // Half the height of a digit, which every renderer knows; few agree on `ex`.
-        .replace(r#"dy="0.5ex""#, r#"dy="0.36em""#)
-        .replace(r#" opacity="1""#, ""))
+    text.replacen(
+        &size(&columns.to_string(), &rows.to_string()),
+        &format!("{} stroke-linejoin=\"round\"", size(&format!("{width}mm"), &format!("{height}mm"))),
+        1,
+    )
+    .replace(r#"font-family="sans-serif""#, &format!(r#"font-family="{FONTS}""#))
+    // Half the height of a digit, which every renderer knows; few agree on `ex`.
+    .replace(r#"dy="0.5ex""#, r#"dy="0.36em""#)
+    .replace(r#" opacity="1""#, "")
 }
 
 /// A line of SVG with the index of each κ_l or κ_d set as one.
@@ -69,54 +65,37 @@ fn lowered(line: &str) -> String {
 }
 
 /// Width of a text (mm).
-pub(crate) fn text_width(text: &str, size_pt: f64) -> Result<f64, ReportError> {
-    use_own_font()?;
-    let (width, _) = font(size_pt).box_size(text).map_err(refused)?;
-    Ok(f64::from(width) / UNITS_PER_MM)
+pub(crate) fn text_width(text: &str, size_pt: f64) -> f64 {
+    use_own_font();
+    f64::from(drawn(font(size_pt).box_size(text)).0) / UNITS_PER_MM
 }
 
 impl Canvas<'_> {
-    pub(crate) fn line(&self, places: &[Place], pen: Pen) -> Result<(), ReportError> {
+    pub(crate) fn line(&self, places: &[Place], pen: Pen) {
         let style = ShapeStyle::from(&pen.color).stroke_width(units(pen.width).max(1) as u32);
         for piece in dashes(places, pen.dash) {
-            self.area.draw(&PathElement::new(rounded(&piece), style)).map_err(refused)?;
+            drawn(self.area.draw(&PathElement::new(rounded(&piece), style)));
         }
-        Ok(())
     }
 
-    pub(crate) fn polygon(
-        &self,
-        corners: &[Place],
-        fill: RGBColor,
-        pen: Option<Pen>,
-    ) -> Result<(), ReportError> {
-        self.area.draw(&Polygon::new(rounded(corners), fill.filled())).map_err(refused)?;
+    pub(crate) fn polygon(&self, corners: &[Place], fill: RGBColor, pen: Option<Pen>) {
+        drawn(self.area.draw(&Polygon::new(rounded(corners), fill.filled())));
         let closed: Vec<Place> = corners.iter().chain(corners.first()).copied().collect();
-        pen.map_or(Ok(()), |pen| self.line(&closed, pen))
+        if let Some(pen) = pen {
+            self.line(&closed, pen);
+        }
     }
 
-    pub(crate) fn disc(
-        &self,
-        centre: Place,
-        radius: f64,
-        fill: RGBColor,
-        pen: Option<Pen>,
-    ) -> Result<(), ReportError> {
+    pub(crate) fn disc(&self, centre: Place, radius: f64, fill: RGBColor, pen: Option<Pen>) {
         let (centre, radius) = ((units(centre.0), units(centre.1)), units(radius).max(1));
-        self.area.draw(&Circle::new(centre, radius, fill.filled())).map_err(refused)?;
-        let Some(pen) = pen else { return Ok(()) };
+        drawn(self.area.draw(&Circle::new(centre, radius, fill.filled())));
+        let Some(pen) = pen else { return };
         let style = ShapeStyle::from(&pen.color).stroke_width(units(pen.width).max(1) as u32);
-        self.area.draw(&Circle::new(centre, radius, style)).map_err(refused)
+        drawn(self.area.draw(&Circle::new(centre, radius, style)));
     }
 
-    pub(crate) fn text(
-        &self,
-        text: &str,
-        place: Place,
-        size_pt: f64,
-        anchor: (HPos, VPos),
-    ) -> Result<(), ReportError> {
-        self.text_in(BLACK, text, place, size_pt, anchor)
+    pub(crate) fn text(&self, text: &str, place: Place, size_pt: f64, anchor: (HPos, VPos)) {
+        self.text_in(BLACK, text, place, size_pt, anchor);
     }
 
     pub(crate) fn text_in(
@@ -126,49 +105,68 @@ impl Canvas<'_> {
         place: Place,
         size_pt: f64,
         anchor: (HPos, VPos),
-    ) -> Result<(), ReportError> {
+    ) {
         let style = TextStyle::from(font(size_pt)).pos(Pos::new(anchor.0, anchor.1)).color(&color);
-        self.area.draw_text(text, &style, (units(place.0), units(place.1))).map_err(refused)
+        drawn(self.area.draw_text(text, &style, (units(place.0), units(place.1))));
     }
 
     /// A sign on a line, white inside.
-    pub(crate) fn mark(&self, mark: Mark, (x, y): Place, pen: Pen) -> Result<(), ReportError> {
+    pub(crate) fn mark(&self, mark: Mark, place: Place, pen: Pen) {
         const HALF: f64 = 0.6;
         let pen = Pen { width: pen.width.min(0.3), dash: &[], ..pen };
+        let closed =
+            |half: f64, corners: &[Place]| self.polygon(&around(place, half, corners), WHITE, Some(pen));
+        let stroke = |half: f64, ends: [Place; 2]| self.line(&around(place, half, &ends), pen);
         match mark {
-            Mark::None => Ok(()),
-            Mark::Disc => {
-                self.disc((x, y), 0.7, pen.color, Some(Pen { color: WHITE, width: 0.1, dash: &[] }))
-            }
-            Mark::Square => {
-                let h = 0.9 * HALF;
-                self.polygon(
-                    &[(x - h, y - h), (x + h, y - h), (x + h, y + h), (x - h, y + h)],
-                    WHITE,
-                    Some(pen),
-                )
-            }
-            Mark::Diamond => {
-                let h = 1.3 * HALF;
-                self.polygon(&[(x - h, y), (x, y - h), (x + h, y), (x, y + h)], WHITE, Some(pen))
-            }
-            Mark::Plus => {
-                self.line(&[(x - HALF, y), (x + HALF, y)], pen)?;
-                self.line(&[(x, y - HALF), (x, y + HALF)], pen)
-            }
-            Mark::Ring => self.disc((x, y), HALF, WHITE, Some(pen)),
-            Mark::Triangle => {
-                let h = 1.1 * HALF;
-                self.polygon(&[(x - h, y + h), (x, y - h), (x + h, y + h)], WHITE, Some(pen))
-            }
-            Mark::Cross => {
-                let h = 0.8 * HALF;
-                self.line(&[(x - h, y - h), (x + h, y + h)], pen)?;
-                self.line(&[(x - h, y + h), (x + h, y - h)], pen)
-            }
-            Mark::Bar => self.line(&[(x, y - HALF), (x, y + HALF)], pen),
+            Mark::None => {}
+            Mark::Disc => self.disc(place, 0.7, pen.color, Some(Pen::solid(WHITE, 0.1))),
+            Mark::Square => closed(0.9 * HALF, &SQUARE),
+            Mark::Diamond => closed(1.3 * HALF, &[(-1.0, 0.0), (0.0, -1.0), (1.0, 0.0), (0.0, 1.0)]),
+            Mark::Plus => [ACROSS, UPRIGHT].into_iter().for_each(|ends| stroke(HALF, ends)),
+            Mark::Ring => self.disc(place, HALF, WHITE, Some(pen)),
+            Mark::Triangle => closed(1.1 * HALF, &[(-1.0, 1.0), (0.0, -1.0), (1.0, 1.0)]),
+            Mark::Cross => [FALLING, RISING].into_iter().for_each(|ends| stroke(0.8 * HALF, ends)),
+            Mark::Bar => stroke(HALF, UPRIGHT),
         }
     }
+
+    /// The sign of how a run ended, of a shape of its own.
+    pub(crate) fn ending(&self, ending: Ending, place: Place, color: RGBColor) {
+        const HALF: f64 = 0.85;
+        let pen = Pen::solid(color, 0.3);
+        let closed = |corners: &[Place]| self.polygon(&around(place, HALF, corners), WHITE, Some(pen));
+        let stroke =
+            |half: f64, ends: [Place; 2]| self.line(&around(place, half, &ends), Pen::solid(color, 0.45));
+        match ending {
+            Ending::Converged => self.mark(Mark::Disc, place, pen),
+            Ending::IterationLimit => closed(&[(-0.7, -1.0), (1.0, 0.0), (-0.7, 1.0)]),
+            Ending::Stalled => closed(&SQUARE),
+            Ending::Diverged => [FALLING, RISING].into_iter().for_each(|ends| stroke(HALF, ends)),
+            Ending::Infeasible => {
+                self.disc(place, HALF, WHITE, Some(pen));
+                stroke(0.7 * HALF, RISING);
+            }
+            Ending::FalseConvergence => self.disc(place, 0.7, WHITE, Some(pen)),
+            Ending::Skipped => stroke(HALF, ACROSS),
+            Ending::Failed => [ACROSS, UPRIGHT].into_iter().for_each(|ends| stroke(HALF, ends)),
+        }
+    }
+}
+
+const SQUARE: [Place; 4] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+const ACROSS: [Place; 2] = [(-1.0, 0.0), (1.0, 0.0)];
+const UPRIGHT: [Place; 2] = [(0.0, -1.0), (0.0, 1.0)];
+const FALLING: [Place; 2] = [(-1.0, -1.0), (1.0, 1.0)];
+const RISING: [Place; 2] = [(-1.0, 1.0), (1.0, -1.0)];
+
+/// The corners of a shape of this half width.
+fn around((x, y): Place, half: f64, corners: &[Place]) -> Vec<Place> {
+    corners.iter().map(|(dx, dy)| (x + half * dx, y + half * dy)).collect()
+}
+
+/// The corners of a rectangle.
+pub(crate) fn rectangle((x0, y0): Place, (x1, y1): Place) -> [Place; 4] {
+    [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
 }
 
 fn units(mm: f64) -> i32 {
@@ -186,19 +184,16 @@ fn font(size_pt: f64) -> FontDesc<'static> {
 }
 
 /// Layout needs the widths of a font on machines that have none.
-fn use_own_font() -> Result<(), ReportError> {
+fn use_own_font() {
     static REGISTERED: OnceLock<bool> = OnceLock::new();
     let bytes = include_bytes!("../../fonts/DejaVuSans.ttf");
     let register = || register_font("sans-serif", FontStyle::Normal, bytes).is_ok();
-    if *REGISTERED.get_or_init(register) {
-        Ok(())
-    } else {
-        Err(ReportError::Drawing("its font cannot be read".to_owned()))
-    }
+    assert!(*REGISTERED.get_or_init(register), "the font that is part of this program is a font");
 }
 
-fn refused(error: impl std::error::Error) -> ReportError {
-    ReportError::Drawing(error.to_string())
+/// What is drawn goes into a text in memory, with a font that is there: no file, device or size can refuse it.
+fn drawn<T, E: std::fmt::Debug>(result: Result<T, E>) -> T {
+    result.expect("drawing in memory does not fail")
 }
 
 /// The drawn pieces of a line under a pattern of lengths drawn and left out.

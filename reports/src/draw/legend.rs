@@ -6,8 +6,7 @@ use crate::draw::{
     Canvas, DASHES, Family, HPos, LEADING, MARKS, METHODS, Mark, Pen, Place, SPARE, Sign, Signs, TEXT, VPos,
     text_width,
 };
-use crate::error::ReportError;
-use crate::read::{RunRow, Simulation};
+use crate::read::{RunRow, Simulation, find_or_push, unique};
 
 /// Length of the sample of a line (mm).
 const KEY: f64 = 9.0;
@@ -46,12 +45,8 @@ impl<'t> Looks<'t> {
     pub(crate) fn new(runs: impl IntoIterator<Item = &'t RunRow>) -> Self {
         let mut methods: Vec<(&str, BTreeMap<Kind, usize>)> = Vec::new();
         for run in runs {
-            let known = methods.iter().position(|(method, _)| *method == run.method);
-            let index = known.unwrap_or_else(|| {
-                methods.push((&run.method, BTreeMap::new()));
-                methods.len() - 1
-            });
-            let kinds = &mut methods[index].1;
+            let new = || (run.method.as_str(), BTreeMap::new());
+            let (_, kinds) = find_or_push(&mut methods, |(method, _)| *method == run.method, new);
             let next = kinds.len();
             kinds.entry(kind(run)).or_insert(next);
         }
@@ -120,17 +115,11 @@ pub(crate) struct Legend {
 
 impl Legend {
     /// Lays entries out in a width (mm).
-    pub(crate) fn new(
-        entries: Vec<(String, Look)>,
-        signs: Vec<(Sign, String)>,
-        width: f64,
-    ) -> Result<Self, ReportError> {
-        let mut column = 0.0_f64;
-        for (label, _) in &entries {
-            column = column.max(KEY + GAP + text_width(label, TEXT)? + COLUMN_GAP);
-        }
+    pub(crate) fn new(entries: Vec<(String, Look)>, signs: Vec<(Sign, String)>, width: f64) -> Self {
+        let wide = entries.iter().map(|(label, _)| KEY + GAP + text_width(label, TEXT) + COLUMN_GAP);
+        let column = wide.fold(0.0, f64::max);
         let columns = if column > 0.0 { ((width / column) as usize).max(1) } else { 1 };
-        Ok(Self { rows: entries.len().div_ceil(columns), entries, column, signs: Signs::new(signs, width)? })
+        Self { rows: entries.len().div_ceil(columns), entries, column, signs: Signs::new(signs, width) }
     }
 
     /// Height (mm).
@@ -138,35 +127,29 @@ impl Legend {
         LEADING * self.rows as f64 + self.signs.height()
     }
 
-    pub(crate) fn draw(&self, canvas: &Canvas, (left, top): Place) -> Result<(), ReportError> {
+    pub(crate) fn draw(&self, canvas: &Canvas, (left, top): Place) {
         for (i, (label, look)) in self.entries.iter().enumerate() {
             let x = left + self.column * (i / self.rows) as f64;
             let y = top + LEADING * ((i % self.rows) as f64 + 0.5);
-            canvas.line(&[(x, y), (x + KEY, y)], look.pen)?;
-            canvas.mark(look.mark, (x + KEY / 2.0, y), look.pen)?;
-            canvas.text(label, (x + KEY + GAP, y), TEXT, (HPos::Left, VPos::Center))?;
+            canvas.line(&[(x, y), (x + KEY, y)], look.pen);
+            canvas.mark(look.mark, (x + KEY / 2.0, y), look.pen);
+            canvas.text(label, (x + KEY + GAP, y), TEXT, (HPos::Left, VPos::Center));
         }
-        self.signs.draw(canvas, (left, top + LEADING * self.rows as f64))
+        self.signs.draw(canvas, (left, top + LEADING * self.rows as f64));
     }
 }
 
 /// Each method of the runs of simulations as a key says it, in the colour that it has in every study; its dashes tell it in
 /// grey, since signs tell time steps.
 pub(crate) fn looks_in_time(all: &[Simulation]) -> Vec<(String, Look)> {
-    let mut looks: Vec<(String, Look)> = Vec::new();
-    let mut methods: Vec<&str> = Vec::new();
-    for run in all.iter().filter(|s| s.is_run()) {
-        if looks.iter().any(|(label, _)| *label == run.label()) {
-            continue;
-        }
-        let known = methods.iter().position(|method| *method == run.method);
-        let place = known.unwrap_or_else(|| {
-            methods.push(&run.method);
-            methods.len() - 1
-        });
-        let own = family(&run.method).unwrap_or(&SPARE[place % SPARE.len()]);
-        let pen = Pen { color: own.shades[0], width: own.width, dash: DASHES[looks.len() % DASHES.len()] };
-        looks.push((run.label(), Look { pen, mark: Mark::None }));
-    }
-    looks
+    let runs = || all.iter().filter(|s| s.is_run());
+    let methods = unique(runs().map(|run| run.method.as_str()));
+    let look = |(n, (label, method)): (usize, (String, &str))| {
+        let spare = methods.iter().position(|other| *other == method).unwrap_or(0);
+        let own = family(method).unwrap_or(&SPARE[spare % SPARE.len()]);
+        let pen = Pen { color: own.shades[0], width: own.width, dash: DASHES[n % DASHES.len()] };
+        (label, Look { pen, mark: Mark::None })
+    };
+    let labels = unique(runs().map(|run| (run.label(), run.method.as_str())));
+    labels.into_iter().enumerate().map(look).collect()
 }

@@ -6,8 +6,7 @@ use crate::draw::{
     Canvas, Frame, HPos, Legend, LogPoint, Look, Looks, Mark, OTHERS, Place, Sign, TEXT, VPos, along,
     endings, inside,
 };
-use crate::error::ReportError;
-use crate::read::{ACCURACIES, COSTS, Cost, Ending, Point, RunRow, power_of_ten, reached};
+use crate::read::{ACCURACIES, COSTS, Cost, Ending, Point, RunRow, accuracy_text, reached};
 
 /// What all panels of a study share.
 pub(crate) struct Lines<'t> {
@@ -45,12 +44,7 @@ impl<'t> Lines<'t> {
     }
 
     /// One entry per kind of run, how they ended, and `more`.
-    pub(crate) fn legend(
-        &self,
-        runs: &[&RunRow],
-        more: Vec<(Sign, String)>,
-        width: f64,
-    ) -> Result<Legend, ReportError> {
+    pub(crate) fn legend(&self, runs: &[&RunRow], more: Vec<(Sign, String)>, width: f64) -> Legend {
         let mut shown: BTreeMap<(usize, usize), &RunRow> = BTreeMap::new();
         for run in runs {
             shown.entry(self.looks.rank(run)).or_insert(run);
@@ -71,17 +65,7 @@ impl<'t> Lines<'t> {
         for run in runs {
             of_methods.entry(&run.method).or_default().push(run);
         }
-        of_methods.values().flat_map(|runs| COSTS.iter().filter_map(|cost| self.first(runs, cost))).collect()
-    }
-
-    fn first(&self, runs: &[&RunRow], cost: &Cost) -> Option<u32> {
-        let least = |price: &dyn Fn(&RunRow) -> Option<f64>| {
-            let priced = runs.iter().filter_map(|run| Some((price(run)?, run.run)));
-            priced.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, run)| run)
-        };
-        let at = |accuracy: f64| least(&|run| (cost.of)(run, reached(&run.curve, accuracy)?));
-        let end = || least(&|run| run.curve.last()?.velocity_error);
-        ACCURACIES.into_iter().rev().find_map(at).or_else(end)
+        of_methods.values().flat_map(|runs| COSTS.iter().filter_map(|cost| first(runs, cost))).collect()
     }
 
     /// The legend of the best runs.
@@ -90,12 +74,12 @@ impl<'t> Lines<'t> {
         runs: &[&RunRow],
         mut more: Vec<(Sign, String)>,
         width: f64,
-    ) -> Result<Legend, ReportError> {
+    ) -> Legend {
         let best = self.best(runs);
         let told: Vec<&RunRow> = runs.iter().copied().filter(|run| best.contains(&run.run)).collect();
         if told.len() < runs.len() {
             let others = runs.len() - told.len();
-            let accuracies = ACCURACIES.map(|accuracy| power_of_ten(accuracy.log10().round() as i32));
+            let accuracies = ACCURACIES.map(accuracy_text);
             let [coarser @ .., finest] = &accuracies;
             let coarser: Vec<&str> = coarser.iter().rev().map(String::as_str).collect();
             more.push((
@@ -141,8 +125,19 @@ impl<'t> Lines<'t> {
     }
 }
 
+/// The number of the first run to the finest accuracy that any reaches, or of the one that ends nearest.
+fn first(runs: &[&RunRow], cost: &Cost) -> Option<u32> {
+    let least = |price: &dyn Fn(&RunRow) -> Option<f64>| {
+        let priced = runs.iter().filter_map(|run| Some((price(run)?, run.run)));
+        priced.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, run)| run)
+    };
+    let at = |accuracy: f64| least(&|run| (cost.of)(run, reached(&run.curve, accuracy)?));
+    let end = || least(&|run| run.curve.last()?.velocity_error);
+    ACCURACIES.into_iter().rev().find_map(at).or_else(end)
+}
+
 /// Lines cut at the frame, with signs of their methods, and signs at their ends of how they ended.
-pub(crate) fn draw_lines(canvas: &Canvas, frame: &Frame, lines: &[Line]) -> Result<(), ReportError> {
+pub(crate) fn draw_lines(canvas: &Canvas, frame: &Frame, lines: &[Line]) {
     const MARKS: usize = 3;
     let (mut drawn, mut ends) = (0, Vec::new());
     for (i, line) in lines.iter().enumerate() {
@@ -150,13 +145,13 @@ pub(crate) fn draw_lines(canvas: &Canvas, frame: &Frame, lines: &[Line]) -> Resu
         drawn += pieces.len();
         for piece in &pieces {
             let places: Vec<Place> = piece.iter().map(|&point| frame.place(point)).collect();
-            canvas.line(&places, line.look.pen)?;
+            canvas.line(&places, line.look.pen);
         }
         for k in 0..MARKS {
             // A phase of its own, so that signs of neighbours do not cover each other.
             let phase = (i as f64 + 0.5) / lines.len() as f64;
             if let Some(point) = along(&pieces, (k as f64 + phase) / MARKS as f64) {
-                canvas.mark(line.look.mark, frame.place(point), line.look.pen)?;
+                canvas.mark(line.look.mark, frame.place(point), line.look.pen);
             }
         }
         ends.extend(pieces.last().and_then(|piece| piece.last()).map(|&end| (line, end)));
@@ -164,10 +159,9 @@ pub(crate) fn draw_lines(canvas: &Canvas, frame: &Frame, lines: &[Line]) -> Resu
     // Above all lines, and failures above the rest.
     ends.sort_by_key(|(line, _)| line.ending != Ending::Converged);
     for (line, end) in ends {
-        line.ending.draw(canvas, frame.place(end), line.look.pen.color)?;
+        canvas.ending(line.ending, frame.place(end), line.look.pen.color);
     }
     if drawn == 0 {
-        canvas.text("no value in this range", frame.middle(), TEXT, (HPos::Center, VPos::Center))?;
+        canvas.text("no value in this range", frame.middle(), TEXT, (HPos::Center, VPos::Center));
     }
-    Ok(())
 }

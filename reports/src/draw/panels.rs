@@ -1,7 +1,6 @@
 //! A row of panels of one size, with lines of text above and a legend below.
 
-use crate::draw::{Canvas, HPos, LEADING, Legend, MARGIN, PAGE, TEXT, VPos, svg};
-use crate::error::ReportError;
+use crate::draw::{Axis, Canvas, Frame, HPos, LEADING, Legend, MARGIN, PAGE, Scale, TEXT, VPos, svg};
 use crate::read::{RunRow, counted};
 
 /// Left of a panel for the labels of its ticks, and right of it (mm).
@@ -22,17 +21,31 @@ pub(crate) struct Room {
     pub(crate) top: f64,
 }
 
+impl Room {
+    /// The frame of two axes, each with its scale, its range and its name; it is drawn, and what comes next lies above.
+    pub(crate) fn frame(self, canvas: &Canvas, x: Span, y: Span) -> Frame {
+        let axis = |span: &Span, from, to| Axis { scale: span.0, ..Axis::log(span.1, from, to) };
+        let frame = Frame { x: axis(&x, self.left, self.right), y: axis(&y, self.bottom, self.top) };
+        frame.draw(canvas);
+        frame.name(canvas, x.2, y.2);
+        frame
+    }
+}
+
+/// The scale of an axis, its range and its name.
+type Span<'s> = (Scale, (f64, f64), &'s str);
+
 /// Width inside the margins, for legends (mm).
 pub(crate) const INSIDE: f64 = PAGE - 2.0 * MARGIN;
 
-/// A page as wide as a journal's, with `count` panels side by side, each drawn by `panel`.
+/// A page as wide as a journal's, with `count` panels side by side, or four in two rows, each drawn by `panel`.
 pub(crate) fn row(
     title: &[String],
     count: usize,
     legend: &Legend,
-    panel: impl Fn(&Canvas, usize, Room) -> Result<(), ReportError>,
-) -> Result<String, ReportError> {
-    grid(title, (count, 1), legend, panel)
+    panel: impl Fn(&Canvas, usize, Room),
+) -> String {
+    grid(title, if count == 4 { (2, 2) } else { (count, 1) }, legend, panel)
 }
 
 /// The same with panels in columns and rows, row by row.
@@ -40,8 +53,8 @@ pub(crate) fn grid(
     title: &[String],
     (columns, rows): (usize, usize),
     legend: &Legend,
-    panel: impl Fn(&Canvas, usize, Room) -> Result<(), ReportError>,
-) -> Result<String, ReportError> {
+    panel: impl Fn(&Canvas, usize, Room),
+) -> String {
     let pitch = INSIDE / columns as f64;
     let wide = pitch - LEFT - RIGHT;
     let first = MARGIN + LEADING * title.len() as f64 + ABOVE;
@@ -50,14 +63,14 @@ pub(crate) fn grid(
     svg((PAGE, (bottom + BELOW + legend.height() + MARGIN).ceil()), |canvas| {
         for (i, line) in title.iter().enumerate() {
             let place = (MARGIN, MARGIN + LEADING * i as f64);
-            canvas.text(line, place, TEXT, (HPos::Left, VPos::Top))?;
+            canvas.text(line, place, TEXT, (HPos::Left, VPos::Top));
         }
         for i in 0..columns * rows {
             let left = MARGIN + pitch * (i % columns) as f64 + LEFT;
             let top = first + (i / columns) as f64 * (high + BELOW + ABOVE);
-            panel(canvas, i, Room { left, right: left + wide, bottom: top + high, top })?;
+            panel(canvas, i, Room { left, right: left + wide, bottom: top + high, top });
         }
-        legend.draw(canvas, (MARGIN, bottom + BELOW))
+        legend.draw(canvas, (MARGIN, bottom + BELOW));
     })
 }
 

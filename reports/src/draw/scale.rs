@@ -1,7 +1,6 @@
 //! Numbers as colours, on a logarithmic scale of which the lightness falls all the way: it also reads in grey.
 
 use crate::draw::{Axis, BLACK, Canvas, FRAME, HPos, Place, RGBColor, TEXT, TICK_TEXT, VPos, WHITE};
-use crate::error::ReportError;
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 
 /// Width of the bar (mm).
@@ -35,31 +34,25 @@ impl ColorScale {
     }
 
     /// A bar of `height` mm below `(left, top)`, with its name above and its numbers to the right.
-    pub(crate) fn draw(
-        &self,
-        canvas: &Canvas,
-        name: &str,
-        (left, top): Place,
-        height: f64,
-    ) -> Result<(), ReportError> {
+    pub(crate) fn draw(&self, canvas: &Canvas, name: &str, (left, top): Place, height: f64) {
         const PIECES: usize = 96;
         let (right, bottom) = (left + WIDTH, top + height);
         for i in 0..PIECES {
             let from = bottom - height * i as f64 / PIECES as f64;
             // Up to the top, so that no white shows between pieces.
             let piece = [(left, from), (right, from), (right, top), (left, top)];
-            canvas.polygon(&piece, shade((i as f64 + 0.5) / PIECES as f64), None)?;
+            canvas.polygon(&piece, shade((i as f64 + 0.5) / PIECES as f64), None);
         }
         let axis = Axis::log((self.low, self.high), bottom, top);
-        canvas.line(&[(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], FRAME)?;
+        canvas.line(&[(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], FRAME);
         for (y, length) in axis.ticks() {
-            canvas.line(&[(right, y), (right + length, y)], FRAME)?;
+            canvas.line(&[(right, y), (right + length, y)], FRAME);
         }
         for (log, text) in axis.labels() {
             let place = (right + 1.6, axis.place(log));
-            canvas.text(&text, place, TICK_TEXT, (HPos::Left, VPos::Center))?;
+            canvas.text(&text, place, TICK_TEXT, (HPos::Left, VPos::Center));
         }
-        canvas.text(name, (left, top - 1.0), TEXT, (HPos::Left, VPos::Bottom))
+        canvas.text(name, (left, top - 1.0), TEXT, (HPos::Left, VPos::Bottom));
     }
 }
 

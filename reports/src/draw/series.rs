@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use crate::draw::{Canvas, Frame, HPos, Look, Looks, Place, Sign, TEXT, VPos};
-use crate::error::ReportError;
 use crate::read::{Ending, RunRow, differing, padded, settings_text};
 
 /// Lines of a key, and its signs.
@@ -111,12 +110,12 @@ pub(crate) fn key<'p>(series: impl Iterator<Item = (String, Look, Vec<&'p Points
 
 /// The signs of all series: that of the method for a run that converged, that of its ending for another. What no line
 /// passes through comes last, and beside what it would cover.
-pub(crate) fn draw_signs(canvas: &Canvas, frame: &Frame, all: &[Drawn]) -> Result<(), ReportError> {
+pub(crate) fn draw_signs(canvas: &Canvas, frame: &Frame, all: &[Drawn]) {
     let mut taken = Vec::new();
     for (look, points) in all.iter().filter(|(_, points)| has_line(points)) {
         for (_, point) in points.iter().filter(|(ending, _)| *ending == Ending::Converged) {
             let place = frame.place(*point);
-            canvas.mark(look.mark, place, look.pen)?;
+            canvas.mark(look.mark, place, look.pen);
             taken.push(place);
         }
     }
@@ -125,13 +124,12 @@ pub(crate) fn draw_signs(canvas: &Canvas, frame: &Frame, all: &[Drawn]) -> Resul
         for (ending, point) in points.iter().filter(|(e, _)| !joined || *e != Ending::Converged) {
             let place = free(&taken, frame.place(*point), frame);
             match ending {
-                Ending::Converged => canvas.mark(look.mark, place, look.pen)?,
-                failed => failed.draw(canvas, place, look.pen.color)?,
+                Ending::Converged => canvas.mark(look.mark, place, look.pen),
+                failed => canvas.ending(*failed, place, look.pen.color),
             }
             taken.push(place);
         }
     }
-    Ok(())
 }
 
 /// The place beside (x, y), in the frame, that is nearest to it and not under a sign.
@@ -145,6 +143,6 @@ fn free(taken: &[Place], (x, y): Place, frame: &Frame) -> Place {
 }
 
 /// Said in a panel without points.
-pub(crate) fn draw_empty(canvas: &Canvas, frame: &Frame) -> Result<(), ReportError> {
-    canvas.text("no value", frame.middle(), TEXT, (HPos::Center, VPos::Center))
+pub(crate) fn draw_empty(canvas: &Canvas, frame: &Frame) {
+    canvas.text("no value", frame.middle(), TEXT, (HPos::Center, VPos::Center));
 }

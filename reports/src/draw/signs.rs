@@ -4,9 +4,8 @@ use std::collections::BTreeSet;
 
 use crate::draw::{
     BLACK, Canvas, FRAME, HPos, INK, LEADING, Mark, Pen, Place, RGBColor, TEXT, TICK_TEXT, VPos, WHITE,
-    text_width,
+    rectangle, text_width,
 };
-use crate::error::ReportError;
 use crate::read::Ending;
 
 /// Room of a sign, of the sample of a line, and between entries (mm).
@@ -21,8 +20,10 @@ pub(crate) enum Sign {
     Ending(Ending),
     Line(Pen),
     Mark(Mark, Pen),
-    /// A cell of an atlas: its ground, its letter, the colour of that; and its marks.
-    Cell(RGBColor, &'static str, RGBColor),
+    /// A cell of an atlas, and its marks.
+    Cell(Cell),
+    /// A grain: its fill and outline.
+    Grain(RGBColor, Pen),
     Ring,
     Wedge,
 }
@@ -33,17 +34,20 @@ impl Sign {
             Self::Word => 0.0,
             Self::Line(_) => SAMPLE + 1.2,
             Self::Ending(_) | Self::Mark(..) | Self::Ring | Self::Wedge => SIGN,
-            Self::Cell(..) => SIGN + 1.4,
+            Self::Cell(_) | Self::Grain(..) => SIGN + 1.4,
         }
     }
 
-    fn draw(&self, canvas: &Canvas, (x, y): Place) -> Result<(), ReportError> {
+    fn draw(&self, canvas: &Canvas, (x, y): Place) {
         match self {
-            Self::Word => Ok(()),
-            Self::Ending(ending) => ending.draw(canvas, (x + 0.9, y), INK),
+            Self::Word => {}
+            Self::Ending(ending) => canvas.ending(*ending, (x + 0.9, y), INK),
             Self::Line(pen) => canvas.line(&[(x, y), (x + SAMPLE, y)], *pen),
             Self::Mark(mark, pen) => canvas.mark(*mark, (x + 0.9, y), *pen),
-            Self::Cell(fill, letter, ink) => swatch(canvas, (*fill, letter, *ink), (x + 1.4, y)),
+            Self::Cell(cell) => {
+                cell.draw(canvas, (x, y - 1.5), (x + 2.8, y + 1.5), Pen { width: 0.08, ..FRAME })
+            }
+            Self::Grain(fill, outline) => canvas.disc((x + 1.3, y), 1.3, *fill, Some(*outline)),
             Self::Ring => ring(canvas, (x + 0.9, y)),
             Self::Wedge => wedge(canvas, (x + 0.9, y)),
         }
@@ -64,11 +68,11 @@ pub(crate) struct Signs {
 
 impl Signs {
     /// Lays entries out in lines of a width (mm).
-    pub(crate) fn new(entries: Vec<(Sign, String)>, width: f64) -> Result<Self, ReportError> {
+    pub(crate) fn new(entries: Vec<(Sign, String)>, width: f64) -> Self {
         let (mut x, mut line) = (0.0, 0);
         let mut placed = Vec::new();
         for (sign, text) in entries {
-            let length = sign.width() + text_width(&text, TEXT)?;
+            let length = sign.width() + text_width(&text, TEXT);
             if x > 0.0 && x + length > width {
                 (x, line) = (0.0, line + 1);
             }
@@ -76,7 +80,7 @@ impl Signs {
             x += length + NEXT;
         }
         let lines = if placed.is_empty() { 0 } else { line + 1 };
-        Ok(Self { entries: placed, lines })
+        Self { entries: placed, lines }
     }
 
     /// Height (mm).
@@ -84,77 +88,43 @@ impl Signs {
         LEADING * self.lines as f64
     }
 
-    pub(crate) fn draw(&self, canvas: &Canvas, (left, top): Place) -> Result<(), ReportError> {
+    pub(crate) fn draw(&self, canvas: &Canvas, (left, top): Place) {
         for ((x, y), sign, text) in &self.entries {
             let (x, y) = (left + x, top + y);
-            sign.draw(canvas, (x, y))?;
-            canvas.text(text, (x + sign.width(), y), TEXT, (HPos::Left, VPos::Center))?;
-        }
-        Ok(())
-    }
-}
-
-impl Ending {
-    /// Its sign, of a shape of its own.
-    pub(crate) fn draw(self, canvas: &Canvas, (x, y): Place, color: RGBColor) -> Result<(), ReportError> {
-        const HALF: f64 = 0.85;
-        let pen = Pen { color, width: 0.3, dash: &[] };
-        let stroke = |from: Place, to: Place| {
-            let place = |(dx, dy): Place| (x + HALF * dx, y + HALF * dy);
-            canvas.line(&[place(from), place(to)], Pen { width: 0.45, ..pen })
-        };
-        match self {
-            Self::Converged => canvas.mark(Mark::Disc, (x, y), pen),
-            Self::IterationLimit => canvas.polygon(
-                &[(x - 0.7 * HALF, y - HALF), (x + HALF, y), (x - 0.7 * HALF, y + HALF)],
-                WHITE,
-                Some(pen),
-            ),
-            Self::Stalled => canvas.polygon(
-                &[(x - HALF, y - HALF), (x + HALF, y - HALF), (x + HALF, y + HALF), (x - HALF, y + HALF)],
-                WHITE,
-                Some(pen),
-            ),
-            Self::Diverged => {
-                stroke((-1.0, -1.0), (1.0, 1.0))?;
-                stroke((-1.0, 1.0), (1.0, -1.0))
-            }
-            Self::Infeasible => {
-                canvas.disc((x, y), HALF, WHITE, Some(pen))?;
-                stroke((-0.7, 0.7), (0.7, -0.7))
-            }
-            Self::FalseConvergence => canvas.disc((x, y), 0.7, WHITE, Some(pen)),
-            Self::Skipped => stroke((-1.0, 0.0), (1.0, 0.0)),
-            Self::Failed => {
-                stroke((-1.0, 0.0), (1.0, 0.0))?;
-                stroke((0.0, -1.0), (0.0, 1.0))
-            }
+            sign.draw(canvas, (x, y));
+            canvas.text(text, (x + sign.width(), y), TEXT, (HPos::Left, VPos::Center));
         }
     }
 }
 
 /// The mark of a failure that another setting mends.
-pub(crate) fn ring(canvas: &Canvas, place: Place) -> Result<(), ReportError> {
-    canvas.disc(place, 0.5, WHITE, Some(Pen { color: BLACK, width: 0.2, dash: &[] }))
+pub(crate) fn ring(canvas: &Canvas, place: Place) {
+    canvas.disc(place, 0.5, WHITE, Some(Pen::solid(BLACK, 0.2)));
 }
 
 /// The mark of a ζ that promised too much.
-pub(crate) fn wedge(canvas: &Canvas, (x, y): Place) -> Result<(), ReportError> {
+pub(crate) fn wedge(canvas: &Canvas, (x, y): Place) {
     let corners = [(x - 0.6, y + 0.5), (x, y - 0.5), (x + 0.6, y + 0.5)];
-    canvas.polygon(&corners, BLACK, Some(Pen { color: WHITE, width: 0.12, dash: &[] }))
+    canvas.polygon(&corners, BLACK, Some(Pen::solid(WHITE, 0.12)));
 }
 
-/// A swatch with its letter, as in a cell.
-fn swatch(
-    canvas: &Canvas,
-    (fill, letter, ink): (RGBColor, &str, RGBColor),
-    (x, y): Place,
-) -> Result<(), ReportError> {
-    let (low, high) = (y - 1.5, y + 1.5);
-    canvas.polygon(
-        &[(x - 1.4, low), (x + 1.4, low), (x + 1.4, high), (x - 1.4, high)],
-        fill,
-        Some(Pen { width: 0.08, ..FRAME }),
-    )?;
-    canvas.text_in(ink, letter, (x, y), TICK_TEXT, (HPos::Center, VPos::Center))
+/// A cell of a matrix of classes.
+#[derive(Clone, Copy)]
+pub(crate) struct Cell {
+    pub(crate) fill: RGBColor,
+    pub(crate) letter: &'static str,
+    pub(crate) ink: RGBColor,
+}
+
+impl Cell {
+    /// Between two corners; with its letter where there is room.
+    pub(crate) fn draw(self, canvas: &Canvas, from: Place, to: Place, outline: Pen) {
+        /// Room of a letter (mm).
+        const LETTER: f64 = 1.7;
+        canvas.polygon(&rectangle(from, to), self.fill, Some(outline));
+        if to.0 - from.0 >= LETTER {
+            let middle = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
+            canvas.text_in(self.ink, self.letter, middle, TICK_TEXT, (HPos::Center, VPos::Center));
+        }
+    }
 }

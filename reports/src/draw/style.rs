@@ -36,7 +36,7 @@ pub(crate) struct Pen {
 }
 
 impl Pen {
-    const fn solid(color: RGBColor, width: f64) -> Self {
+    pub(crate) const fn solid(color: RGBColor, width: f64) -> Self {
         Self { color, width, dash: &[] }
     }
 }

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use polars::df;
 use polars::prelude::DataFrame;
 
-use crate::error::ReportError;
 use crate::read::Origin;
+use crate::text::frame;
 
 /// One row per build, machine and number of threads; seconds compare within a row only.
-pub(crate) fn provenance(all: &[&Origin]) -> Result<DataFrame, ReportError> {
+pub(crate) fn provenance(all: &[&Origin]) -> DataFrame {
     let mut groups: BTreeMap<_, Vec<&Origin>> = BTreeMap::new();
     for o in all {
         groups.entry((&o.commit, &o.processor, o.threads, &o.rustc, &o.profile)).or_default().push(o);
@@ -24,7 +24,7 @@ pub(crate) fn provenance(all: &[&Origin]) -> Result<DataFrame, ReportError> {
         times.sort();
         times
     };
-    Ok(df!(
+    frame(df!(
         "runs" => count(|_| true),
         "commit" => of(|o| &o.commit),
         "processor" => of(|o| &o.processor),
@@ -34,5 +34,5 @@ pub(crate) fn provenance(all: &[&Origin]) -> Result<DataFrame, ReportError> {
         "timed_alone" => count(|o| o.timed_alone),
         "first_utc" => groups.iter().map(|group| started(group).swap_remove(0)).collect::<Vec<_>>(),
         "last_utc" => groups.iter().map(|group| started(group).pop()).collect::<Vec<_>>(),
-    )?)
+    ))
 }

@@ -11,7 +11,7 @@ use crate::text;
 fn made(runs: &Runs) -> String {
     let study = &whole(runs);
     let mut chapters = vec![Chapter::new("iterations", vec![text::rows(study).unwrap()])];
-    chapters.extend(Chart::all().iter().map(|chart| Chapter::of_chart(*chart, study).unwrap()));
+    chapters.extend(Chart::all().iter().map(|chart| Chapter::of_chart(*chart, study)));
     let page = page(study, &chapters, &about()).unwrap();
     assert!(page.contains("What &lt;it&gt; asks."), "texts are escaped");
     for network in ["http://", "https://", "src=\"", "@import", "url("] {
@@ -79,8 +79,7 @@ fn hundred_thousand_runs_of_as_many_kinds_are_a_page_that_leaves_lines_and_rows_
         })
         .collect();
     let study = whole(&tables(&many, &[(0, decay())]));
-    let chapters =
-        Chart::default_set(false).into_iter().map(|chart| Chapter::of_chart(chart, &study).unwrap());
+    let chapters = Chart::default_set(false).into_iter().map(|chart| Chapter::of_chart(chart, &study));
     let mut chapters: Vec<Chapter> = chapters.collect();
     chapters.push(Chapter::new("iterations", vec![text::rows(&study).unwrap()]));
     let page = page(&study, &chapters, &about()).unwrap();

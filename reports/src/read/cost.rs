@@ -1,9 +1,14 @@
 //! What a run has cost at a sample, and when it was accurate for the first time.
 
-use crate::read::{Point, RunRow};
+use crate::read::{Point, RunRow, power_of_ten};
 
 /// The accuracies that methods are asked for: the velocity error.
 pub(crate) const ACCURACIES: [f64; 3] = [1e-2, 1e-4, 1e-6];
+
+/// An accuracy as a power of ten.
+pub(crate) fn accuracy_text(accuracy: f64) -> String {
+    power_of_ten(accuracy.log10().round() as i32)
+}
 
 /// A kind of cost.
 pub(crate) struct Cost {

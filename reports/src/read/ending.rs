@@ -30,16 +30,8 @@ impl Ending {
     ];
 
     pub(crate) fn of(status: &str) -> Self {
-        match status {
-            "converged" => Self::Converged,
-            "iteration-limit" => Self::IterationLimit,
-            "stalled" => Self::Stalled,
-            "diverged" => Self::Diverged,
-            "infeasible" => Self::Infeasible,
-            "false-convergence" => Self::FalseConvergence,
-            "skipped" => Self::Skipped,
-            _ => Self::Failed,
-        }
+        let same = |ending: &Self| ending.text().replace(' ', "-") == status;
+        Self::ALL.into_iter().find(same).unwrap_or(Self::Failed)
     }
 
     /// As a key says it.

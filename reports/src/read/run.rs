@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashSet};
 use results::schema::Snapshot;
 use serde_json::{Map, Value};
 
-use crate::read::{Ending, counted};
+use crate::read::{Ending, counted, number};
 
 /// A run with all that is stored of it.
 #[derive(Clone)]
@@ -88,6 +88,11 @@ impl RunRow {
         self.ending == Ending::Converged
     }
 
+    /// What it was to be stopped by, as a sentence says it.
+    pub(crate) fn rule(&self) -> Option<String> {
+        Some(format!("{} ≤ {}", self.stop_on.replace('_', " "), number(self.tolerance?, 2)))
+    }
+
     /// Set-up and iterations (s).
     pub(crate) fn seconds(&self) -> Option<f64> {
         Some(self.setup_s? + self.iterating_s?)
@@ -114,6 +119,14 @@ impl Point {
             "max_dv" => self.max_dv,
             "velocity_error" => self.velocity_error,
             _ => None,
+        }
+    }
+
+    /// What a run was stopped on; the natural map, the working measure, stands for those that are no error.
+    pub(crate) fn stopped_on(&self, run: &RunRow) -> Option<f64> {
+        match run.stop_on.as_str() {
+            "zeta" | "quad_dv" | "velocity_error" => self.measure(&run.stop_on),
+            _ => self.natural_map,
         }
     }
 

@@ -1,5 +1,6 @@
 //! A sample under a partition: its discs, its contacts, its walls.
 
+use crate::read::find_or_push;
 use std::collections::BTreeSet;
 
 /// A disc of a problem under a partition (m).
@@ -50,11 +51,8 @@ pub(crate) fn walls(contacts: &[Contact]) -> Vec<Wall> {
         let normal = ((x0 - x1) / reach, (y0 - y1) / reach);
         let at = normal.0 * x1 + normal.1 * y1;
         let along = normal.0 * y1 - normal.1 * x1;
-        let index = sides.iter().position(|side| side.holds(normal, at, reach)).unwrap_or_else(|| {
-            sides.push(Side { normal, at, low: f64::INFINITY, high: f64::NEG_INFINITY });
-            sides.len() - 1
-        });
-        let side = &mut sides[index];
+        let new = || Side { normal, at, low: f64::INFINITY, high: f64::NEG_INFINITY };
+        let side = find_or_push(&mut sides, |side| side.holds(normal, at, reach), new);
         side.low = side.low.min(along - reach / 2.0);
         side.high = side.high.max(along + reach / 2.0);
     }

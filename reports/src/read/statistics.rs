@@ -42,5 +42,28 @@ pub(crate) fn slope(points: &[(f64, f64)]) -> Option<f64> {
     (along > 0.0).then_some(slope)
 }
 
+/// The values, each once, in the order in which they come first.
+pub(crate) fn unique<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+    values.fold(Vec::new(), |mut all, value| {
+        if !all.contains(&value) {
+            all.push(value);
+        }
+        all
+    })
+}
+
+/// The first item that `is`, else a new one at the end.
+pub(crate) fn find_or_push<T>(
+    items: &mut Vec<T>,
+    is: impl Fn(&T) -> bool,
+    new: impl FnOnce() -> T,
+) -> &mut T {
+    let index = items.iter().position(is).unwrap_or_else(|| {
+        items.push(new());
+        items.len() - 1
+    });
+    &mut items[index]
+}
+
 #[cfg(test)]
 mod tests;

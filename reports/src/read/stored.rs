@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 
 use super::groups::differing;
 use super::run::{Origin, Point, RunRow, words};
-use super::scene::{Contact, Grain, Scene};
+use super::scene::{Contact, Grain};
 use super::simulation::{Instant, Simulation};
 use super::{Ending, Problems, Scenes};
 
@@ -115,7 +115,7 @@ pub(crate) fn scenes(grains: &[GrainRow], contacts: &[ContactRow]) -> Scenes {
     }
     for contact in contacts {
         let name = (contact.problem.clone(), contact.partition.clone());
-        scenes.entry(name).or_insert_with(Scene::default).contacts.push(Contact {
+        scenes.entry(name).or_default().contacts.push(Contact {
             from: (contact.x0_m, contact.y0_m),
             to: (contact.x1_m, contact.y1_m),
             wall: contact.wall,

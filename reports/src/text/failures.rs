@@ -1,23 +1,23 @@
 //! The runs that failed, each with its reason; one that proves that there is no solution has not.
 
-use crate::error::ReportError;
 use crate::read::{Ending, RunRow, Simulation, Study, Verdicts, count, number};
+use crate::text::frame;
 use polars::df;
 use polars::prelude::DataFrame;
 
 /// One row per run that failed, or per simulation that did not come to its end.
-pub(crate) fn failures(study: &Study) -> Result<DataFrame, ReportError> {
+pub(crate) fn failures(study: &Study) -> DataFrame {
     match study {
         Study::Problems(study) => of_runs(&study.runs),
         Study::Simulations(all) => of_simulations(all),
     }
 }
 
-fn of_runs(runs: &[RunRow]) -> Result<DataFrame, ReportError> {
+fn of_runs(runs: &[RunRow]) -> DataFrame {
     let verdicts = Verdicts::of(runs);
     let failed: Vec<&RunRow> = runs.iter().filter(|run| !verdicts.is_right(run)).collect();
     let column = |of: fn(&RunRow) -> String| failed.iter().map(|run| of(run)).collect::<Vec<_>>();
-    Ok(df!(
+    frame(df!(
         "problem" => column(|run| run.problem.clone()),
         "method" => column(|run| run.method.clone()),
         "variant" => column(|run| run.words.clone()),
@@ -25,19 +25,19 @@ fn of_runs(runs: &[RunRow]) -> Result<DataFrame, ReportError> {
         "iterations" => failed.iter().map(|run| run.iterations).collect::<Vec<_>>(),
         "run" => column(|run| run.id.clone()),
         "reason" => column(reason),
-    )?)
+    ))
 }
 
-fn of_simulations(all: &[Simulation]) -> Result<DataFrame, ReportError> {
+fn of_simulations(all: &[Simulation]) -> DataFrame {
     let failed: Vec<&Simulation> = all.iter().filter(|simulation| !simulation.reason.is_empty()).collect();
     let column = |of: fn(&Simulation) -> &str| failed.iter().map(|s| of(s)).collect::<Vec<_>>();
-    Ok(df!(
+    frame(df!(
         "scene" => column(|s| &s.scene),
         "method" => column(|s| &s.method),
         "variant" => column(|s| &s.variant),
         "status" => column(|s| &s.status),
         "reason" => column(|s| &s.reason),
-    )?)
+    ))
 }
 
 /// What the row says, or what its ending means.

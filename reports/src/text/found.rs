@@ -1,7 +1,9 @@
 //! What a study found, in sentences that its rows alone make.
 
 use crate::draw::Looks;
-use crate::read::{Ending, RunRow, Simulation, Study, Verdicts, count, counted, number, problems};
+use crate::read::{
+    Ending, RunRow, Simulation, Study, Verdicts, count, counted, find_or_push, number, problems,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Of more problems than this, methods are counted over all of them.
@@ -97,9 +99,7 @@ fn first_and_last(runs: &[RunRow], verdicts: &Verdicts, problem: &str) -> String
         };
     };
     let told = |run: &RunRow| format!("{} ({})", run.label(), count(run.iterations as usize));
-    let rule = fewest.tolerance.map_or(String::new(), |tolerance| {
-        format!(" to {} ≤ {}", fewest.stop_on.replace('_', " "), number(tolerance, 2))
-    });
+    let rule = fewest.rule().map_or(String::new(), |rule| format!(" to {rule}"));
     let mut sentence = format!("{problem}: {} has the fewest iterations{rule}", told(fewest));
     if let Some(most) = ranked().max_by_key(|run| run.iterations).filter(|most| most.run != fewest.run) {
         sentence.extend([", ", &told(most), " the most"]);
@@ -142,13 +142,11 @@ fn wins(runs: &[RunRow], looks: &Looks, problems: &[&str]) -> Vec<String> {
 fn failures(runs: &[RunRow], verdicts: &Verdicts) -> Vec<String> {
     let mut methods: Vec<(&str, usize, BTreeMap<_, usize>)> = Vec::new();
     for run in runs {
-        let index = methods.iter().position(|(name, ..)| *name == run.method).unwrap_or_else(|| {
-            methods.push((&run.method, 0, BTreeMap::new()));
-            methods.len() - 1
-        });
-        methods[index].1 += 1;
+        let new = || (run.method.as_str(), 0, BTreeMap::new());
+        let (_, all, failed) = find_or_push(&mut methods, |(name, ..)| *name == run.method, new);
+        *all += 1;
         if !verdicts.is_right(run) {
-            *methods[index].2.entry((run.ending, how(run, verdicts))).or_default() += 1;
+            *failed.entry((run.ending, how(run, verdicts))).or_default() += 1;
         }
     }
     let sentence = |(method, all, failed): (&str, usize, BTreeMap<_, usize>)| {

@@ -4,7 +4,7 @@ use crate::draw::{Formats, pdf, png};
 use crate::error::ReportError;
 use crate::read::counted;
 use crate::text::table;
-use polars::prelude::DataFrame;
+use polars::prelude::{DataFrame, PolarsResult};
 
 /// A file of a report: its name and what it holds.
 pub(crate) struct File {
@@ -90,4 +90,9 @@ pub(crate) fn too_many(name: impl Into<String>, title: &str, lines: usize) -> Pa
 /// A sentence in place of a figure that would show nothing.
 pub(crate) fn nothing(name: impl Into<String>, title: &str, why: &str) -> Part {
     Part::text(name, format!("{title}: {why}.\n"))
+}
+
+/// A table made in memory.
+pub(crate) fn frame(columns: PolarsResult<DataFrame>) -> DataFrame {
+    columns.expect("all columns have a value for each row")
 }

@@ -1,6 +1,6 @@
 //! The class of a run: one rule for every method.
 
-use crate::draw::{BLACK, RGBColor, WHITE};
+use crate::draw::{BLACK, Cell, RGBColor, WHITE};
 use crate::read::{Ending, Point, RunRow};
 
 /// How a method fared on a problem.
@@ -59,57 +59,28 @@ impl Class {
         matches!(self, Self::Converged | Self::Infeasible)
     }
 
-    /// As a key says it.
+    /// As a key says it; in a cell, where a letter tells it without colour; the ground of the cell, the darker the worse, and
+    /// its letter.
+    fn look(self) -> (&'static str, &'static str, (RGBColor, RGBColor)) {
+        match self {
+            Self::Converged => ("converged", "c", (RGBColor(222, 240, 232), RGBColor(90, 130, 112))),
+            Self::Infeasible => ("infeasible", "i", (RGBColor(200, 222, 242), RGBColor(40, 80, 120))),
+            Self::Slow => ("slow", "S", (RGBColor(250, 214, 110), BLACK)),
+            Self::Stalled => ("stalled", "T", (RGBColor(224, 132, 44), BLACK)),
+            Self::Diverged => ("diverged", "D", (RGBColor(158, 28, 48), WHITE)),
+            Self::FalseConvergence => ("false convergence", "F", (RGBColor(62, 26, 98), WHITE)),
+            Self::Skipped => ("skipped", "–", (WHITE, RGBColor(120, 120, 120))),
+            Self::Failed => ("failed", "?", (RGBColor(90, 90, 90), WHITE)),
+        }
+    }
+
     pub(crate) fn text(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::Slow => "slow",
-            Self::Stalled => "stalled",
-            Self::Diverged => "diverged",
-            Self::FalseConvergence => "false convergence",
-            Self::Infeasible => "infeasible",
-            Self::Skipped => "skipped",
-            Self::Failed => "failed",
-        }
+        self.look().0
     }
 
-    /// In a cell, where it tells the class without colour.
-    pub(crate) fn letter(self) -> &'static str {
-        match self {
-            Self::Converged => "c",
-            Self::Slow => "S",
-            Self::Stalled => "T",
-            Self::Diverged => "D",
-            Self::FalseConvergence => "F",
-            Self::Infeasible => "i",
-            Self::Skipped => "–",
-            Self::Failed => "?",
-        }
-    }
-
-    /// Ground of a cell, the darker the worse, and its letter.
-    pub(crate) fn colors(self) -> (RGBColor, RGBColor) {
-        match self {
-            Self::Converged => (RGBColor(222, 240, 232), RGBColor(90, 130, 112)),
-            Self::Infeasible => (RGBColor(200, 222, 242), RGBColor(40, 80, 120)),
-            Self::Slow => (RGBColor(250, 214, 110), BLACK),
-            Self::Stalled => (RGBColor(224, 132, 44), BLACK),
-            Self::Diverged => (RGBColor(158, 28, 48), WHITE),
-            Self::FalseConvergence => (RGBColor(62, 26, 98), WHITE),
-            Self::Skipped => (WHITE, RGBColor(120, 120, 120)),
-            Self::Failed => (RGBColor(90, 90, 90), WHITE),
-        }
-    }
-}
-
-/// What a run was stopped on.
-fn measure(run: &RunRow, point: &Point) -> Option<f64> {
-    match run.stop_on.as_str() {
-        "zeta" => point.zeta,
-        "quad_dv" => point.quad_dv,
-        "velocity_error" => point.velocity_error,
-        // The working measure, which stands for those that curves are not read for as well.
-        _ => point.natural_map,
+    pub(crate) fn cell(self) -> Cell {
+        let (_, letter, (fill, ink)) = self.look();
+        Cell { fill, letter, ink }
     }
 }
 
@@ -134,7 +105,7 @@ fn falls(run: &RunRow) -> bool {
     let half = run.iterations / 2;
     let least = |late: bool| {
         let points = run.curve.iter().filter(|point| (point.iteration > half) == late);
-        points.filter_map(|point| measure(run, point)).fold(f64::INFINITY, f64::min)
+        points.filter_map(|point| point.stopped_on(run)).fold(f64::INFINITY, f64::min)
     };
     least(true) < (1.0 - STALLED) * least(false)
 }

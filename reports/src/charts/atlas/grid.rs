@@ -7,16 +7,13 @@ use crate::draw::{
     Canvas, FRAME, HPos, INK, LEADING, MARGIN, PAGE, Pen, Place, Sign, Signs, TEXT, TICK_TEXT, VPos, WHITE,
     ring, svg, text_width, wedge,
 };
-use crate::error::ReportError;
 
 /// Height of a hazard, and what of it the cells leave free (mm).
 const ROW: f64 = 7.0;
 const FREE: f64 = 0.7;
 /// Greatest width of a column (mm).
 const WIDEST: f64 = 16.0;
-/// Room of a letter (mm).
-const LETTER: f64 = 1.7;
-const THIN: Pen = Pen { color: WHITE, width: 0.12, dash: &[] };
+const THIN: Pen = Pen::solid(WHITE, 0.12);
 
 /// A column, by a short head and, where that is a number, what it stands for.
 pub(super) struct Column {
@@ -44,12 +41,12 @@ struct Layout {
 }
 
 impl Grid<'_, '_> {
-    pub(super) fn draw(&self) -> Result<String, ReportError> {
+    pub(super) fn draw(&self) -> String {
         let inside = PAGE - 2.0 * MARGIN;
-        let keys = Signs::new(self.entries(), inside)?;
+        let keys = Signs::new(self.entries(), inside);
         let heads: usize = self.columns.iter().map(|c| lines(&c.head).len()).max().unwrap_or(0);
         let layout = Layout {
-            left: MARGIN + self.label_width()?,
+            left: MARGIN + self.label_width(),
             top: MARGIN + 1.5 * LEADING + LEADING * heads as f64,
             column: 0.0,
         };
@@ -57,42 +54,34 @@ impl Grid<'_, '_> {
         let layout = Layout { column: column.min(WIDEST), ..layout };
         let bottom = layout.top + ROW * self.hazards.len() as f64;
         svg((PAGE, bottom + 1.5 + keys.height() + MARGIN), |canvas| {
-            canvas.text(&self.title, (MARGIN, MARGIN + 0.5 * LEADING), TEXT, (HPos::Left, VPos::Center))?;
+            canvas.text(&self.title, (MARGIN, MARGIN + 0.5 * LEADING), TEXT, (HPos::Left, VPos::Center));
             for (i, column) in self.columns.iter().enumerate() {
                 let words = lines(&column.head);
                 for (n, word) in words.iter().enumerate() {
                     let y = layout.top - LEADING * (words.len() - n) as f64 + 0.3 * LEADING;
                     let x = layout.left + layout.column * (i as f64 + 0.5);
-                    canvas.text(word, (x, y), TICK_TEXT, (HPos::Center, VPos::Center))?;
+                    canvas.text(word, (x, y), TICK_TEXT, (HPos::Center, VPos::Center));
                 }
             }
             for (row, hazard) in self.hazards.iter().enumerate() {
-                self.row(canvas, &layout, layout.top + ROW * row as f64, hazard)?;
+                self.row(canvas, &layout, layout.top + ROW * row as f64, hazard);
             }
-            keys.draw(canvas, (MARGIN, bottom + 1.5))
+            keys.draw(canvas, (MARGIN, bottom + 1.5));
         })
     }
 
-    fn label_width(&self) -> Result<f64, ReportError> {
-        let mut width = 0.0_f64;
-        for hazard in self.hazards {
-            width = width.max(text_width(&hazard.name, TEXT)?).max(text_width(&hazard.knob, TICK_TEXT)?);
-        }
+    fn label_width(&self) -> f64 {
+        let of = |h: &Hazard| text_width(&h.name, TEXT).max(text_width(&h.knob, TICK_TEXT));
+        let width = self.hazards.iter().map(of).fold(0.0, f64::max);
         // Beyond a third of the page, labels would leave no room for what they label.
-        Ok((width + 2.0).min(PAGE / 3.0))
+        (width + 2.0).min(PAGE / 3.0)
     }
 
-    fn row(&self, canvas: &Canvas, layout: &Layout, top: f64, hazard: &Hazard) -> Result<(), ReportError> {
+    fn row(&self, canvas: &Canvas, layout: &Layout, top: f64, hazard: &Hazard) {
         let knob = if hazard.knob.is_empty() { 0.5 } else { 0.28 };
-        canvas.line(&[(MARGIN, top), (PAGE - MARGIN, top)], Pen { width: 0.08, ..FRAME })?;
-        canvas.text(&hazard.name, (MARGIN, top + knob * ROW), TEXT, (HPos::Left, VPos::Center))?;
-        canvas.text_in(
-            INK,
-            &hazard.knob,
-            (MARGIN, top + 0.72 * ROW),
-            TICK_TEXT,
-            (HPos::Left, VPos::Center),
-        )?;
+        canvas.line(&[(MARGIN, top), (PAGE - MARGIN, top)], Pen { width: 0.08, ..FRAME });
+        canvas.text(&hazard.name, (MARGIN, top + knob * ROW), TEXT, (HPos::Left, VPos::Center));
+        canvas.text_in(INK, &hazard.knob, (MARGIN, top + 0.72 * ROW), TICK_TEXT, (HPos::Left, VPos::Center));
         for i in 0..self.columns.len() {
             let width = (layout.column - FREE) / hazard.problems.len() as f64;
             for (k, problem) in hazard.problems.iter().enumerate() {
@@ -103,11 +92,10 @@ impl Grid<'_, '_> {
                         judged,
                         cured,
                         ((left, top + 0.5 * FREE), (left + width, top + ROW - 0.5 * FREE)),
-                    )?;
+                    );
                 }
             }
         }
-        Ok(())
     }
 
     /// The key: classes that occur, the marks, the numbered columns.
@@ -119,9 +107,7 @@ impl Grid<'_, '_> {
         let mut entries: Vec<(Sign, String)> = Class::ALL
             .into_iter()
             .filter(|class| cells.iter().any(|(judged, _)| judged.class == *class))
-            .map(|class| {
-                (Sign::Cell(class.colors().0, class.letter(), class.colors().1), class.text().to_owned())
-            })
+            .map(|class| (Sign::Cell(class.cell()), class.text().to_owned()))
             .collect();
         if cells.iter().any(|(_, cured)| *cured) {
             entries.push((Sign::Ring, "another setting of the method mends it".to_owned()));
@@ -144,24 +130,13 @@ fn lines(head: &str) -> Vec<&str> {
     head.split_inclusive('-').collect()
 }
 
-fn cell(
-    canvas: &Canvas,
-    judged: &Judged,
-    cured: bool,
-    ((x0, y0), (x1, y1)): (Place, Place),
-) -> Result<(), ReportError> {
-    let (fill, ink) = judged.class.colors();
-    canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], fill, Some(THIN))?;
-    let middle = f64::midpoint(x0, x1);
-    if x1 - x0 >= LETTER {
-        let place = (middle, f64::midpoint(y0, y1));
-        canvas.text_in(ink, judged.class.letter(), place, TICK_TEXT, (HPos::Center, VPos::Center))?;
-    }
+fn cell(canvas: &Canvas, judged: &Judged, cured: bool, (from, to): (Place, Place)) {
+    judged.class.cell().draw(canvas, from, to, THIN);
+    let middle = f64::midpoint(from.0, to.0);
     if cured {
-        ring(canvas, (middle, y0 + 0.8))?;
+        ring(canvas, (middle, from.1 + 0.8));
     }
     if judged.zeta_lies {
-        wedge(canvas, (middle, y1 - 0.8))?;
+        wedge(canvas, (middle, to.1 - 0.8));
     }
-    Ok(())
 }

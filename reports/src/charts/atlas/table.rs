@@ -6,10 +6,10 @@ use polars::prelude::{Column, DataFrame};
 use super::class::Class;
 use super::hazard::Hazard;
 use super::{Judged, Kind, setting};
-use crate::error::ReportError;
+use crate::text::frame;
 
 /// One row per run.
-pub(super) fn runs(judged: &[Judged], hazards: &[Hazard]) -> Result<DataFrame, ReportError> {
+pub(super) fn runs(judged: &[Judged], hazards: &[Hazard]) -> DataFrame {
     let hazard = |j: &Judged| {
         let of = hazards.iter().find(|hazard| hazard.problems.contains(&j.run.problem));
         of.map(|hazard| hazard.name.clone())
@@ -17,7 +17,7 @@ pub(super) fn runs(judged: &[Judged], hazards: &[Hazard]) -> Result<DataFrame, R
     let spectral = |key: &str| -> Vec<Option<f64>> {
         judged.iter().map(|j| j.run.spectrum.get(key).and_then(serde_json::Value::as_f64)).collect()
     };
-    Ok(df!(
+    frame(df!(
         "hazard" => judged.iter().map(hazard).collect::<Vec<_>>(),
         "problem" => judged.iter().map(|j| j.run.problem.as_str()).collect::<Vec<_>>(),
         "contacts" => judged.iter().map(|j| j.run.contacts).collect::<Vec<_>>(),
@@ -36,20 +36,20 @@ pub(super) fn runs(judged: &[Judged], hazards: &[Hazard]) -> Result<DataFrame, R
         "kappa_opt" => spectral("kappa_opt"),
         "multiplicity" => spectral("multiplicity"),
         "coupling" => spectral("coupling"),
-    )?)
+    ))
 }
 
 /// One row per method: its settings, and its runs by class.
-pub(super) fn counts(judged: &[Judged], kinds: &[Kind]) -> Result<DataFrame, ReportError> {
-    let table = df!(
-        "method" => kinds.iter().map(|kind| kind.method).collect::<Vec<_>>(),
-        "settings" => kinds.iter().map(|kind| kind.variants.len() as u64).collect::<Vec<_>>(),
-    )?;
+pub(super) fn counts(judged: &[Judged], kinds: &[Kind]) -> DataFrame {
     let count = |class: Class| {
         let of = |kind: &Kind| {
             judged.iter().filter(|j| j.run.method == kind.method && j.class == class).count() as u64
         };
         Column::new(class.text().replace(' ', "_").into(), kinds.iter().map(of).collect::<Vec<_>>())
     };
-    Ok(table.hstack(&Class::ALL.map(count))?)
+    let table = frame(df!(
+        "method" => kinds.iter().map(|kind| kind.method).collect::<Vec<_>>(),
+        "settings" => kinds.iter().map(|kind| kind.variants.len() as u64).collect::<Vec<_>>(),
+    ));
+    frame(table.hstack(&Class::ALL.map(count)))
 }

@@ -25,7 +25,7 @@ fn judged(id: u32, variant: &str, status: &str, problem: &str, curve: &[(u64, f6
 fn made(rows: Vec<(Run, Vec<Sample>)>) -> Vec<File> {
     let (runs, curves): (Vec<Run>, Vec<_>) =
         (0..).zip(rows).map(|(number, (run, curve))| (run, (number, curve))).unzip();
-    let files = files(&parts(&study(&runs, &curves)).unwrap());
+    let files = files(&parts(&study(&runs, &curves)));
     for (name, text) in files.iter().filter(|(name, _)| name.contains(".svg")) {
         assert_well_formed(name, text);
     }

@@ -1,5 +1,6 @@
 //! What became of a simulation, judged by its series beside that of the reference of its scene.
 
+use crate::draw::{Cell, ColorScale, RGBColor};
 use crate::read::{Instant, Simulation, median};
 
 /// What became of a simulation, from the best to the worst.
@@ -48,15 +49,26 @@ impl Class {
         Self::SolverDiverged,
     ];
 
-    pub(crate) fn name(self) -> &'static str {
+    /// Its name; the ground of its cell, whose lightness falls with the badness, so that it reads in grey, and its letter.
+    fn look(self) -> (&'static str, RGBColor, &'static str) {
         match self {
-            Self::Stable => "stable",
-            Self::Jittering => "jittering",
-            Self::Creeping => "creeping",
-            Self::Exploded => "exploded",
-            Self::NoSolution => "no solution",
-            Self::SolverDiverged => "solver diverged",
+            Self::Stable => ("stable", RGBColor(225, 240, 232), "s"),
+            Self::Jittering => ("jittering", RGBColor(242, 205, 120), "j"),
+            Self::Creeping => ("creeping", RGBColor(205, 110, 50), "c"),
+            Self::Exploded => ("exploded", RGBColor(110, 45, 85), "x"),
+            Self::NoSolution => ("no solution", RGBColor(70, 20, 60), "n"),
+            Self::SolverDiverged => ("solver diverged", RGBColor(30, 8, 30), "d"),
         }
+    }
+
+    pub(crate) fn name(self) -> &'static str {
+        self.look().0
+    }
+
+    pub(crate) fn cell(class: Option<Self>) -> Cell {
+        let (fill, letter) =
+            class.map_or((RGBColor(248, 248, 248), "–"), |class| (class.look().1, class.look().2));
+        Cell { fill, letter, ink: ColorScale::ink_on(fill) }
     }
 }
 

@@ -78,7 +78,7 @@ fn what_made_a_simulation_explode_has_a_class_of_its_own() {
     let all = [reference(), because("solver-diverged"), because("no-solution")];
     let classes: Vec<_> = read(&all).iter().map(|s| class(s, None)).collect();
     assert_eq!(classes, [None, Some(Class::SolverDiverged), Some(Class::NoSolution)]);
-    let files = files(&parts(&read(&all)).unwrap());
+    let files = files(&parts(&read(&all)));
     let letters = |letter: &str| files[0].1.matches(&format!("\n{letter}\n")).count();
     assert_eq!(["x", "n", "d"].map(letters), [1, 2, 2], "{}", files[0].1);
     assert!(files[1].1.contains("0 exploded, 1 no solution, 1 solver diverged.\n"), "{}", files[1].1);
@@ -90,7 +90,7 @@ fn matrix_has_the_letter_of_each_class_and_sentences_count_them() {
     cold.simulation.warm_start = false;
     let mut other = exploded(run(|_| {}));
     other.simulation.scene = "other".into();
-    let files = files(&parts(&read(&[reference(), run(|_| {}), cold, other])).unwrap());
+    let files = files(&parts(&read(&[reference(), run(|_| {}), cold, other])));
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(
         names,
@@ -119,5 +119,5 @@ fn matrix_has_the_letter_of_each_class_and_sentences_count_them() {
 
 #[test]
 fn study_without_simulations_is_drawn() {
-    assert_eq!(files(&parts(&read(&[])).unwrap()).len(), 5);
+    assert_eq!(files(&parts(&read(&[]))).len(), 5);
 }

@@ -2,28 +2,20 @@
 
 use super::field::Field;
 use crate::draw::{
-    Axis, BLACK, Canvas, DERIVED, Frame, HPos, INK, LEADING, MARGIN, Mark, PAGE, Pen, Place, Sign, Signs,
-    TEXT, VPos, svg,
+    BLACK, Canvas, DERIVED, Frame, INK, INSIDE, Legend, Mark, Pen, Place, Scale, Sign, draw_empty, row,
 };
-use crate::error::ReportError;
 use crate::read::{counted, median, number, padded};
 
-const LEFT: f64 = 12.0;
-const RIGHT: f64 = 4.0;
-const ABOVE: f64 = 2.0 * LEADING + 1.0;
-const BELOW: f64 = 9.5;
-const HEIGHT: f64 = 55.0;
-
-const MEDIAN: Pen = Pen { color: BLACK, width: 0.3, dash: &[] };
+const MEDIAN: Pen = Pen::solid(BLACK, 0.3);
 const MEDIAN_DERIVED: Pen = Pen { color: INK, width: 0.3, dash: &[1.6, 0.8] };
 const MEDIAN_ADAPTIVE: Pen = Pen { color: BLACK, width: 0.3, dash: &[0.3, 0.6] };
-const BEST_POINT: Pen = Pen { color: BLACK, width: 0.25, dash: &[] };
+const BEST_POINT: Pen = Pen::solid(BLACK, 0.25);
 
 /// Points with their grains; each a logarithm.
 type Points = Vec<(f64, f64)>;
 
 /// Left: best and derived κ_l, one point per problem and group. Right: iterations of the derived over the best.
-pub(crate) fn figure(fields: &[Field]) -> Result<String, ReportError> {
+pub(crate) fn figure(fields: &[Field]) -> String {
     let points = |of: &dyn Fn(&Field) -> Option<f64>| -> Points {
         let log = |field: &Field| Some((f64::from(field.grains.max(1)).log10(), of(field)?.log10()));
         fields.iter().filter_map(log).filter(|(_, y)| y.is_finite()).collect()
@@ -32,50 +24,35 @@ pub(crate) fn figure(fields: &[Field]) -> Result<String, ReportError> {
     let derived = points(&|field| field.kappa.map(|(l, _)| l));
     let ratios = points(&|field| field.ratio(field.derived));
     let adaptive = points(&|field| field.ratio(field.adaptive));
-    let signs = Signs::new(signs(&ratios, &adaptive), PAGE - 2.0 * MARGIN)?;
-    let below = MARGIN + ABOVE + HEIGHT + BELOW;
-    svg((PAGE, (below + signs.height() + MARGIN).ceil()), |canvas| {
-        canvas.text(&head(fields), (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top))?;
-        let grains = padded(best.iter().chain(&derived).map(|p| p.0), 0.15);
-        let pitch = PAGE / 2.0 - MARGIN;
-        let frame = |panel: usize, range| {
-            let from = MARGIN + LEFT + pitch * panel as f64;
-            let top = MARGIN + ABOVE;
-            let x = Axis::log(grains, from, from + pitch - LEFT - RIGHT);
-            Frame { x, y: Axis::log(range, top + HEIGHT, top) }
-        };
-        let left = frame(0, padded(best.iter().chain(&derived).map(|p| p.1), 0.1));
-        let right = frame(1, padded(ratios.iter().chain(&adaptive).map(|p| p.1).chain([0.0]), 0.05));
-        for (frame, name) in
-            [(&left, "κ_l, at contacts (–)"), (&right, "iterations over those of the best (–)")]
-        {
-            frame.draw(canvas)?;
-            frame.name(canvas, "grains", name)?;
+    let legend = Legend::new(Vec::new(), signs(&ratios, &adaptive), INSIDE);
+    let grains = padded(best.iter().chain(&derived).map(|p| p.0), 0.15);
+    let x = (Scale::Ten, grains, "grains");
+    row(&[head(fields)], 2, &legend, |canvas, i, room| {
+        if i == 0 {
+            let kappa = padded(best.iter().chain(&derived).map(|p| p.1), 0.1);
+            let frame = room.frame(canvas, x, (Scale::Ten, kappa, "κ_l, at contacts (–)"));
+            draw(canvas, &frame, &derived, (Mark::Diamond, DERIVED), MEDIAN_DERIVED);
+            return draw(canvas, &frame, &best, (Mark::Ring, BEST_POINT), MEDIAN);
         }
-        draw(canvas, &left, &derived, (Mark::Diamond, DERIVED), MEDIAN_DERIVED)?;
-        draw(canvas, &left, &best, (Mark::Ring, BEST_POINT), MEDIAN)?;
-        draw(canvas, &right, &ratios, (Mark::Diamond, DERIVED), MEDIAN_DERIVED)?;
+        let times = padded(ratios.iter().chain(&adaptive).map(|p| p.1).chain([0.0]), 0.05);
+        let frame = room.frame(canvas, x, (Scale::Ten, times, "iterations over those of the best (–)"));
+        draw(canvas, &frame, &ratios, (Mark::Diamond, DERIVED), MEDIAN_DERIVED);
         if !adaptive.is_empty() {
-            draw(canvas, &right, &adaptive, (Mark::Cross, BEST_POINT), MEDIAN_ADAPTIVE)?;
+            draw(canvas, &frame, &adaptive, (Mark::Cross, BEST_POINT), MEDIAN_ADAPTIVE);
         }
-        signs.draw(canvas, (MARGIN, below))
     })
 }
 
 /// A point per problem, and a line through the medians of equal numbers of grains.
-fn draw(
-    canvas: &Canvas,
-    frame: &Frame,
-    points: &Points,
-    (mark, pen): (Mark, Pen),
-    line: Pen,
-) -> Result<(), ReportError> {
+fn draw(canvas: &Canvas, frame: &Frame, points: &Points, (mark, pen): (Mark, Pen), line: Pen) {
     if points.is_empty() {
-        return canvas.text("no value", frame.middle(), TEXT, (HPos::Center, VPos::Center));
+        return draw_empty(canvas, frame);
     }
     let places: Vec<Place> = medians(points).into_iter().map(|point| frame.place(point)).collect();
-    canvas.line(&places, line)?;
-    points.iter().try_for_each(|&point| canvas.mark(mark, frame.place(point), pen))
+    canvas.line(&places, line);
+    for &point in points {
+        canvas.mark(mark, frame.place(point), pen);
+    }
 }
 
 fn medians(points: &Points) -> Points {
@@ -88,9 +65,7 @@ fn medians(points: &Points) -> Points {
 
 fn head(fields: &[Field]) -> String {
     let (first, run) = (&fields[0], fields[0].cells.first().map(|cell| cell.run));
-    let stop = run.and_then(|run| {
-        Some(format!(", iterations to {} ≤ {}", run.stop_on.replace('_', " "), number(run.tolerance?, 2)))
-    });
+    let stop = run.and_then(|run| Some(format!(", iterations to {}", run.rule()?)));
     let runs = fields.iter().map(|field| field.cells.len()).sum();
     format!(
         "{}: {}, {}{}",

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::read::{Ending, RunRow, differing, settings_text};
+use crate::read::{Ending, RunRow, differing, find_or_push, settings_text};
 use serde_json::Value;
 
 /// What runs may differ in inside a field, or is told beside the group.
@@ -43,7 +43,7 @@ impl<'r> Field<'r> {
 
     /// The converged run with the fewest iterations; among equals that with the least κ.
     pub(crate) fn best(&self) -> Option<&Cell<'r>> {
-        let converged = self.cells.iter().filter(|cell| cell.run.ending == Ending::Converged);
+        let converged = self.cells.iter().filter(|cell| cell.run.has_converged());
         converged.min_by(|a, b| {
             let kappas = a.kappa_l.total_cmp(&b.kappa_l).then(a.kappa_d.total_cmp(&b.kappa_d));
             a.run.iterations.cmp(&b.run.iterations).then(kappas)
@@ -112,22 +112,19 @@ fn add<'r>(fields: &mut Vec<Field<'r>>, run: &'r RunRow, keys: &BTreeSet<(String
     let same = |f: &Field| {
         f.problem == run.problem && f.method == run.method && f.relaxation == relaxation && f.group == group
     };
-    let index = fields.iter().position(same).unwrap_or_else(|| {
-        fields.push(Field {
-            problem: &run.problem,
-            method: &run.method,
-            grains: run.grains,
-            subdomains: run.subdomains,
-            relaxation,
-            group,
-            cells: Vec::new(),
-            derived: None,
-            adaptive: None,
-            kappa: None,
-        });
-        fields.len() - 1
-    });
-    let field = &mut fields[index];
+    let new = || Field {
+        problem: &run.problem,
+        method: &run.method,
+        grains: run.grains,
+        subdomains: run.subdomains,
+        relaxation,
+        group: group.clone(),
+        cells: Vec::new(),
+        derived: None,
+        adaptive: None,
+        kappa: None,
+    };
+    let field = find_or_push(fields, same, new);
     match (number(run, "kappa_l"), number(run, "kappa_d")) {
         (Some(kappa_l), kappa_d) if kappa_l > 0.0 => {
             field.cells.push(Cell { kappa_l, kappa_d: kappa_d.unwrap_or(kappa_l), run });
@@ -146,7 +143,7 @@ fn add<'r>(fields: &mut Vec<Field<'r>>, run: &'r RunRow, keys: &BTreeSet<(String
 
 /// Iterations of a run that converged.
 pub(crate) fn iterations(run: Option<&RunRow>) -> Option<u64> {
-    run.filter(|run| run.ending == Ending::Converged).map(|run| run.iterations)
+    run.filter(|run| run.has_converged()).map(|run| run.iterations)
 }
 
 /// A direction that a run worked with at its end (–).

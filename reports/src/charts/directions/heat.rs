@@ -4,11 +4,10 @@ use super::field::{Cell, Field};
 use super::words::{head, notes, signs, title};
 use crate::draw::{
     Axis, BEST, COLUMN, Canvas, ColorScale, DERIVED, FAILED_CELL, FAILED_SIGN, Frame, HALO, HPos, LEADING,
-    MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen, Place, RGBColor, Signs, TEXT, TICK_TEXT, Ticks, VPos, svg,
-    text_width,
+    MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen, Place, RGBColor, Signs, TEXT, TICK_TEXT, Ticks, VPos, rectangle,
+    svg, text_width,
 };
-use crate::error::ReportError;
-use crate::read::{Ending, count};
+use crate::read::count;
 
 /// Left of the panels for labels, right of them for the scale of colours, between them (mm).
 const LEFT: f64 = 13.0;
@@ -26,11 +25,11 @@ const FOOT: f64 = LEADING + 1.0;
 const ROOMY: (f64, f64) = (8.5, 6.0);
 
 /// The maps of a problem on as many pages as they need.
-pub(crate) fn pages(problem: &str, fields: &[&Field]) -> Result<Vec<String>, ReportError> {
+pub(crate) fn pages(problem: &str, fields: &[&Field]) -> Vec<String> {
     if fields.is_empty() {
-        return Ok(Vec::new());
+        return Vec::new();
     }
-    let page = Page::of(problem, fields)?;
+    let page = Page::of(problem, fields);
     let chunks = fields.chunks(page.columns * page.rows).enumerate();
     chunks.map(|(number, fields)| page.draw(fields, number)).collect()
 }
@@ -52,13 +51,13 @@ struct Page {
 }
 
 impl Page {
-    fn of(problem: &str, fields: &[&Field]) -> Result<Self, ReportError> {
+    fn of(problem: &str, fields: &[&Field]) -> Self {
         let mut least = LEAST;
         let lines = fields.iter().map(|field| 1 + notes(field).len()).max().unwrap_or(1);
         let above = LEADING * lines as f64 + 0.6;
         for field in fields {
             for line in title(field).iter().chain(&notes(field)) {
-                least = least.max(text_width(line, TICK_TEXT)? + 0.5);
+                least = least.max(text_width(line, TICK_TEXT) + 0.5);
             }
         }
         let room = |width: f64| width - 2.0 * MARGIN - LEFT - RIGHT + GAP;
@@ -68,12 +67,12 @@ impl Page {
         let head = head(problem, fields);
         let mut width = COLUMN.max(PAGE - room(PAGE) + columns as f64 * (side + GAP));
         for line in &head {
-            width = width.max(text_width(line, TEXT)? + 2.0 * MARGIN);
+            width = width.max(text_width(line, TEXT) + 2.0 * MARGIN);
         }
-        let signs = Signs::new(signs(fields), width - 2.0 * MARGIN)?;
+        let signs = Signs::new(signs(fields), width - 2.0 * MARGIN);
         let free = PAGE_HEIGHT - 2.0 * MARGIN - HEAD - FOOT - signs.height();
         let iterations = || fields.iter().flat_map(|f| &f.cells).filter_map(converged);
-        Ok(Self {
+        Self {
             width,
             columns,
             rows: ((free / (above + side + BELOW)) as usize).max(1),
@@ -84,10 +83,10 @@ impl Page {
             kappa_d: range(fields, |cell| cell.kappa_d, |kappa| kappa.1),
             scale: ColorScale::of(iterations()),
             signs,
-        })
+        }
     }
 
-    fn draw(&self, fields: &[&Field], number: usize) -> Result<String, ReportError> {
+    fn draw(&self, fields: &[&Field], number: usize) -> String {
         let rows = fields.len().div_ceil(self.columns);
         let panels = rows as f64 * (self.above + self.side + BELOW);
         let below = MARGIN + HEAD + panels + FOOT;
@@ -95,7 +94,7 @@ impl Page {
             for (i, line) in self.head.iter().enumerate() {
                 let line = if number > 0 && i == 0 { format!("{line} (continued)") } else { line.clone() };
                 let place = (MARGIN, MARGIN + LEADING * i as f64);
-                canvas.text(&line, place, TEXT, (HPos::Left, VPos::Top))?;
+                canvas.text(&line, place, TEXT, (HPos::Left, VPos::Top));
             }
             for (i, field) in fields.iter().enumerate() {
                 // The last panel of a column has the labels of its κ_l.
@@ -104,11 +103,11 @@ impl Page {
                     field,
                     (i / self.columns, i % self.columns),
                     i + self.columns >= fields.len(),
-                )?;
+                );
             }
             let columns = fields.len().min(self.columns) as f64;
             let middle = MARGIN + LEFT + (columns * (self.side + GAP) - GAP) / 2.0;
-            canvas.text("κ_l, at contacts (–)", (middle, below - FOOT), TEXT, (HPos::Center, VPos::Top))?;
+            canvas.text("κ_l, at contacts (–)", (middle, below - FOOT), TEXT, (HPos::Center, VPos::Top));
             if let Some(scale) = &self.scale {
                 let left = MARGIN + LEFT + columns * (self.side + GAP) + 0.5;
                 let top = MARGIN + HEAD + self.above;
@@ -117,19 +116,13 @@ impl Page {
                     "iterations",
                     (left, top),
                     self.side.max(30.0).min(panels - self.above - BELOW),
-                )?;
+                );
             }
-            self.signs.draw(canvas, (MARGIN, below))
+            self.signs.draw(canvas, (MARGIN, below));
         })
     }
 
-    fn panel(
-        &self,
-        canvas: &Canvas,
-        field: &Field,
-        (row, column): (usize, usize),
-        last: bool,
-    ) -> Result<(), ReportError> {
+    fn panel(&self, canvas: &Canvas, field: &Field, (row, column): (usize, usize), last: bool) {
         let left = MARGIN + LEFT + column as f64 * (self.side + GAP);
         let top = MARGIN + HEAD + row as f64 * (self.above + self.side + BELOW) + self.above;
         let frame = Frame {
@@ -138,28 +131,27 @@ impl Page {
         };
         for (i, line) in title(field).iter().chain(&notes(field)).enumerate() {
             let place = (left, top - self.above + LEADING * i as f64);
-            canvas.text(line, place, TICK_TEXT, (HPos::Left, VPos::Top))?;
+            canvas.text(line, place, TICK_TEXT, (HPos::Left, VPos::Top));
         }
-        self.cells(canvas, &frame, field)?;
-        frame.draw_border(canvas, Ticks::Outside)?;
+        self.cells(canvas, &frame, field);
+        frame.draw_border(canvas, Ticks::Outside);
         if last {
-            frame.label_x(canvas, Ticks::Outside)?;
+            frame.label_x(canvas, Ticks::Outside);
         }
         if column == 0 {
-            frame.label_y(canvas, Ticks::Outside)?;
+            frame.label_y(canvas, Ticks::Outside);
             let middle = (MARGIN, frame.middle().1);
             for (line, text) in ["κ_d", "(–)"].into_iter().enumerate() {
                 let place = (middle.0, middle.1 + LEADING * (line as f64 - 0.5));
-                canvas.text(text, place, TEXT, (HPos::Left, VPos::Center))?;
+                canvas.text(text, place, TEXT, (HPos::Left, VPos::Center));
             }
         }
-        match field.kappa {
-            Some((l, d)) => canvas.mark(Mark::Diamond, frame.place((l.log10(), d.log10())), DERIVED),
-            None => Ok(()),
+        if let Some((l, d)) = field.kappa {
+            canvas.mark(Mark::Diamond, frame.place((l.log10(), d.log10())), DERIVED)
         }
     }
 
-    fn cells(&self, canvas: &Canvas, frame: &Frame, field: &Field) -> Result<(), ReportError> {
+    fn cells(&self, canvas: &Canvas, frame: &Frame, field: &Field) {
         let edges_l = edges(field.cells.iter().map(|cell| cell.kappa_l));
         let edges_d = edges(field.cells.iter().map(|cell| cell.kappa_d));
         let corners = |cell: &Cell| {
@@ -167,7 +159,7 @@ impl Page {
             (frame.place((l.0, d.1)), frame.place((l.1, d.0)))
         };
         for cell in &field.cells {
-            self.cell(canvas, cell, corners(cell))?;
+            self.cell(canvas, cell, corners(cell));
         }
         if let Some(best) = field.best() {
             let ((x0, mut y0), (x1, mut y1)) = corners(best);
@@ -179,47 +171,38 @@ impl Page {
                 }
             }
             let around = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)];
-            canvas.line(&around, HALO)?;
-            canvas.line(&around, BEST)?;
+            canvas.line(&around, HALO);
+            canvas.line(&around, BEST);
         }
-        Ok(())
     }
 
-    fn cell(
-        &self,
-        canvas: &Canvas,
-        cell: &Cell,
-        ((x0, y0), (x1, y1)): (Place, Place),
-    ) -> Result<(), ReportError> {
-        let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)];
+    fn cell(&self, canvas: &Canvas, cell: &Cell, ((x0, y0), (x1, y1)): (Place, Place)) {
+        let corners = rectangle((x0, y0), (x1, y1));
         let Some((iterations, scale)) = converged(cell).zip(self.scale.as_ref()) else {
-            canvas.polygon(&corners, FAILED_CELL, Some(seam(FAILED_CELL)))?;
-            return cell.run.ending.draw(canvas, (f64::midpoint(x0, x1), f64::midpoint(y0, y1)), FAILED_SIGN);
+            canvas.polygon(&corners, FAILED_CELL, Some(seam(FAILED_CELL)));
+            return canvas.ending(
+                cell.run.ending,
+                (f64::midpoint(x0, x1), f64::midpoint(y0, y1)),
+                FAILED_SIGN,
+            );
         };
         let fill = scale.color(iterations);
-        canvas.polygon(&corners, fill, Some(seam(fill)))?;
+        canvas.polygon(&corners, fill, Some(seam(fill)));
         if x1 - x0 >= ROOMY.0 && y1 - y0 >= ROOMY.1 {
             let place = (f64::midpoint(x0, x1), y1 - 0.7);
             let text = count(cell.run.iterations as usize);
-            canvas.text_in(
-                ColorScale::ink_on(fill),
-                &text,
-                place,
-                TICK_TEXT,
-                (HPos::Center, VPos::Bottom),
-            )?;
+            canvas.text_in(ColorScale::ink_on(fill), &text, place, TICK_TEXT, (HPos::Center, VPos::Bottom));
         }
-        Ok(())
     }
 }
 
 /// Covers the hairline that renderers leave between two cells.
 fn seam(color: RGBColor) -> Pen {
-    Pen { color, width: 0.06, dash: &[] }
+    Pen::solid(color, 0.06)
 }
 
 fn converged(cell: &Cell) -> Option<f64> {
-    (cell.run.ending == Ending::Converged).then(|| cell.run.iterations.max(1) as f64)
+    (cell.run.has_converged()).then(|| cell.run.iterations.max(1) as f64)
 }
 
 /// Edges between the values on a logarithmic axis, half a step beyond the first and the last; with each its value.

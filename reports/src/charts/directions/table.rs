@@ -4,11 +4,11 @@ use polars::df;
 use polars::prelude::DataFrame;
 
 use super::field::{Field, iterations, kappa};
-use crate::error::ReportError;
 use crate::read::Ending;
+use crate::text::frame;
 
 /// One row per problem, μ and group.
-pub(crate) fn table(fields: &[Field]) -> Result<DataFrame, ReportError> {
+pub(crate) fn table(fields: &[Field]) -> DataFrame {
     let best =
         |of: fn(&super::field::Cell) -> f64| fields.iter().map(|f| f.best().map(of)).collect::<Vec<_>>();
     let count = |ending| fields.iter().map(|f| f.count(ending) as u64).collect::<Vec<_>>();
@@ -19,7 +19,7 @@ pub(crate) fn table(fields: &[Field]) -> Result<DataFrame, ReportError> {
             .sum();
         (f.cells.len() - counted) as u64
     };
-    Ok(df!(
+    frame(df!(
         "problem" => fields.iter().map(|f| f.problem).collect::<Vec<_>>(),
         "grains" => fields.iter().map(|f| f.grains).collect::<Vec<_>>(),
         "method" => fields.iter().map(|f| f.method).collect::<Vec<_>>(),
@@ -44,7 +44,7 @@ pub(crate) fn table(fields: &[Field]) -> Result<DataFrame, ReportError> {
         "iteration_limit" => count(Ending::IterationLimit),
         "skipped" => count(Ending::Skipped),
         "other_failures" => fields.iter().map(others).collect::<Vec<_>>(),
-    )?)
+    ))
 }
 
 /// What its columns mean.

@@ -2,7 +2,7 @@
 
 use super::field::{Field, iterations};
 use crate::draw::{BEST, DERIVED, Mark, Sign, endings};
-use crate::read::{Ending, count, counted, number};
+use crate::read::{Ending, count, counted};
 
 /// Which panel it is.
 pub(super) fn title(field: &Field) -> [String; 1] {
@@ -18,7 +18,13 @@ pub(super) fn title(field: &Field) -> [String; 1] {
 pub(super) fn notes(field: &Field) -> Vec<String> {
     let best = field.best().map_or_else(
         || "none converged".to_owned(),
-        |cell| format!("best on grid {}{}", count(cell.run.iterations as usize), edge_sign(field)),
+        |cell| {
+            format!(
+                "best on grid {}{}",
+                count(cell.run.iterations as usize),
+                if field.edge().is_some() { "*" } else { "" }
+            )
+        },
     );
     let cost = |run| match (iterations(run), field.ratio(run)) {
         (Some(iterations), Some(ratio)) => format!("{} (×{ratio:.2})", count(iterations as usize)),
@@ -32,18 +38,11 @@ pub(super) fn notes(field: &Field) -> Vec<String> {
     [Some(best), Some(derived), line("adapted", field.adaptive), no_effect].into_iter().flatten().collect()
 }
 
-/// Beside the best of a grid that lies at its edge.
-pub(super) fn edge_sign(field: &Field) -> &'static str {
-    if field.edge().is_some() { "*" } else { "" }
-}
-
 /// What the figure shows, and how many runs failed.
 pub(super) fn head(problem: &str, fields: &[&Field]) -> [String; 2] {
     let method = fields[0].method;
-    let stop = fields[0].cells.first().map_or_else(String::new, |cell| {
-        let measure = cell.run.stop_on.replace('_', " ");
-        cell.run.tolerance.map_or(String::new(), |t| format!(" to {measure} ≤ {}", number(t, 2)))
-    });
+    let rule = fields[0].cells.first().and_then(|cell| cell.run.rule());
+    let stop = rule.map_or(String::new(), |rule| format!(" to {rule}"));
     let runs = fields.iter().map(|f| f.cells.len()).sum();
     let mut counts = vec![counted(runs, "run")];
     for ending in Ending::ALL.into_iter().filter(|ending| *ending != Ending::Converged) {

@@ -4,7 +4,6 @@ use super::THINNEST_CHAIN;
 use crate::draw::{
     CHAIN, COLUMN, Canvas, HPos, MARGIN, PAGE, Pen, Place, SCALE_BAR, TEXT, VPos, WALL, text_width,
 };
-use crate::error::ReportError;
 use crate::read::{Scene, number, round_down};
 
 /// A scene that is more than so many times as wide as high takes the width of a page.
@@ -77,22 +76,21 @@ impl View {
     }
 
     /// A length on the left, the greatest impulse on the right.
-    pub(crate) fn draw_scales(&self, canvas: &Canvas, y: f64) -> Result<(), ReportError> {
+    pub(crate) fn draw_scales(&self, canvas: &Canvas, y: f64) {
         const CAP: f64 = 0.8;
         let length = round_down((self.side / 4.0).min(LONGEST_BAR / self.scale));
         let (left, right) = (MARGIN, MARGIN + self.scale * length);
         let bracket =
             [(left, y - CAP), (left, y + CAP), (left, y), (right, y), (right, y - CAP), (right, y + CAP)];
-        canvas.line(&bracket, SCALE_BAR)?;
-        canvas.text(&format!("{length} m"), (right + 1.5, y), TEXT, (HPos::Left, VPos::Center))?;
+        canvas.line(&bracket, SCALE_BAR);
+        canvas.text(&format!("{length} m"), (right + 1.5, y), TEXT, (HPos::Left, VPos::Center));
         if self.greatest > 0.0 {
             let text = format!("{} N·s", number(self.greatest, 2));
             let end = self.width - MARGIN;
-            canvas.text(&text, (end, y), TEXT, (HPos::Right, VPos::Center))?;
-            let key = end - text_width(&text, TEXT)? - 1.5;
-            canvas.line(&[(key - KEY, y), (key, y)], Pen { color: CHAIN, width: self.widest, dash: &[] })?;
+            canvas.text(&text, (end, y), TEXT, (HPos::Right, VPos::Center));
+            let key = end - text_width(&text, TEXT) - 1.5;
+            canvas.line(&[(key - KEY, y), (key, y)], Pen::solid(CHAIN, self.widest));
         }
-        Ok(())
     }
 }
 

@@ -47,7 +47,7 @@ fn errors_have_the_scales_that_they_are_said_to_have() {
 fn simulation_that_ended_early_has_no_error_and_is_told() {
     let all = read(&study());
     assert_eq!(errors(&all[6], &all[0]), None);
-    let files = files(&parts(&read(&study())).unwrap());
+    let files = files(&parts(&read(&study())));
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(
         names,
@@ -61,7 +61,7 @@ fn simulation_that_ended_early_has_no_error_and_is_told() {
 #[test]
 fn key_has_the_uncertainty_of_the_reference_only_where_its_line_is_drawn() {
     let key = "uncertainty of the reference";
-    let drawn = |study: &[Simulated]| files(&parts(&read(study)).unwrap()).swap_remove(0).1.contains(key);
+    let drawn = |study: &[Simulated]| files(&parts(&read(study))).swap_remove(0).1.contains(key);
     // The references differ by far less than any run.
     assert!(!drawn(&study()));
     let mut near = study();
@@ -72,7 +72,7 @@ fn key_has_the_uncertainty_of_the_reference_only_where_its_line_is_drawn() {
 
 #[test]
 fn cheapest_run_that_is_as_good_as_its_time_step_is_named() {
-    let text = files(&parts(&read(&study())).unwrap()).swap_remove(1).1;
+    let text = files(&parts(&read(&study()))).swap_remove(1).1;
     let sentence = "with h = 10 ms the time step alone costs 10⁻⁴ in the impulses of the walls";
     assert!(text.contains(sentence), "{text}");
     // 0.1 s of set-up and 1 s of iterations in 1 s simulated, at a tolerance of 1e-3; 1e-4 costs ten times as much.
@@ -83,9 +83,9 @@ fn cheapest_run_that_is_as_good_as_its_time_step_is_named() {
 
 #[test]
 fn study_without_reference_or_runs_is_drawn_and_says_so() {
-    let no_reference = files(&parts(&read(&study()[3..])).unwrap());
+    let no_reference = files(&parts(&read(&study()[3..])));
     assert!(no_reference[0].1.contains("no reference was made"));
     assert!(no_reference.iter().all(|(name, _)| !name.contains(".svg")), "there is nothing to draw");
-    let none = files(&parts(&read(&[])).unwrap());
+    let none = files(&parts(&read(&[])));
     assert_eq!(none.len(), 4);
 }

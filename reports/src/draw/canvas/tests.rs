@@ -31,8 +31,7 @@ fn solid_line_is_one_piece_and_no_line_is_none() {
 #[test]
 fn sheet_has_its_size_on_paper_a_white_ground_and_fonts_to_fall_back_on() {
     let sheet =
-        svg((90.0, 40.5), |canvas| canvas.text("a < b", (10.0, 10.0), 7.0, (HPos::Left, VPos::Center)))
-            .unwrap();
+        svg((90.0, 40.5), |canvas| canvas.text("a < b", (10.0, 10.0), 7.0, (HPos::Left, VPos::Center)));
     assert!(sheet.starts_with(r#"<svg width="90mm" height="40.5mm""#), "{sheet}");
     assert!(sheet.contains(r#"viewBox="0 0 4500 2025""#));
     assert!(sheet.contains(r##"fill="#FFFFFF""##));

@@ -29,7 +29,7 @@ fn each_failure_has_its_reason_and_success_is_not_among_them() {
         // Impulses of another code, after all runs.
         run(4, "given", "", "given"),
     ];
-    let text = csv(&failures(&whole(&tables(&runs, &[]))).unwrap()).unwrap();
+    let text = csv(&failures(&whole(&tables(&runs, &[])))).unwrap();
     let rows: Vec<&str> = text.lines().skip(1).collect();
     assert_eq!(rows.len(), 5, "{text}");
     assert!(rows[0].ends_with("no solution, and there is one\""), "{text}");
