@@ -1,7 +1,10 @@
-//! What `gravel view` shows of a problem by default.
+//! Defaults: what `gravel view` shows, and what help says of the stop rule.
 
+use crate::cli::args::StopArgs;
 use crate::cli::view::{runs_of, variant};
 use crate::plan::file::Plan;
+use clap::{Args, Command};
+use contact::Stop;
 use std::path::Path;
 
 #[test]
@@ -20,4 +23,14 @@ fn what_is_shown_without_a_wish_is_what_the_page_of_the_paper_shows() {
 fn few_contacts_have_few_subdomains() {
     let grid = |contacts| runs_of(contacts)[1].rsplit_once('=').unwrap().1.to_owned();
     assert_eq!([8, 7, 3, 1, 0].map(grid), ["4x2", "2x2", "2x1", "1x1", "1x1"]);
+}
+
+#[test]
+fn help_names_the_default_stop_rule() {
+    let help = StopArgs::augment_args(Command::new("gravel")).render_long_help().to_string();
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    let Stop { on, tolerance, max_iterations } = Stop::default();
+    for default in [on.to_string(), format!("{tolerance:e}"), max_iterations.to_string()] {
+        assert!(help.contains(&format!("else {default}]")), "no default {default} in: {help}");
+    }
 }
