@@ -4,7 +4,7 @@ use crate::cli::args::StopArgs;
 use crate::cli::view::{runs_of, variant};
 use crate::plan::file::Plan;
 use clap::{Args, Command};
-use contact::Stop;
+use runner::Stop;
 use std::path::Path;
 
 #[test]

@@ -131,7 +131,7 @@ fn completed_simulation_prints_one_object() {
     assert_eq!((&object["status"], &object["reason"]), (&json!("completed"), &json!("")));
     assert_eq!((&object["time_steps_asked"], &object["time_steps"]), (&json!(3), &json!(3)));
     assert_eq!((&object["missed_time_steps"], &object["iterations"]), (&json!(3), &json!(3)));
-    assert_eq!(object["stop"]["max_iterations"], 1);
+    assert_eq!(object["max_iterations"], 1);
     assert!(object["last_state"].is_null() && object["delassus_products"].is_u64(), "{object}");
 }
 
