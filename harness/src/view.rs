@@ -16,7 +16,7 @@ use anyhow::{Context, Result, anyhow};
 use cases::Frozen;
 use contact::{Stop, Truth, solve_against};
 use partition::{Grid, Scheme};
-use reports::Filmed;
+use reports::Snapshots;
 use results::journal::Record;
 use results::schema::Run;
 use results::tables::{contacts_table, grains_table};
@@ -141,13 +141,13 @@ impl Args {
 
 impl Shown {
     /// The iterates of a run: those that are `stored`, or else it is made.
-    fn film(&self, variant: &Variant, stored: Option<&Record>, truth: Option<&Truth>) -> Result<Filmed> {
+    fn film(&self, variant: &Variant, stored: Option<&Record>, truth: Option<&Truth>) -> Result<Snapshots> {
         let label = variant.label();
         let as_stored = stored.filter(|record| stop_of(&record.run).is_ok_and(|stop| stop == self.stop));
         if let Some(Record { run, snapshots, .. }) = as_stored.filter(|record| !record.snapshots.is_empty()) {
             let ending = run.status.replace('-', " ");
             say(format_args!("{label}: {ending} after {} iterations, as stored", run.iterations))?;
-            return Ok(Filmed { label, ending, snapshots: snapshots.clone() });
+            return Ok(Snapshots { label, ending, snapshots: snapshots.clone() });
         }
         let (mut film, start) = (Film::new(), self.frozen.start(variant.warm_start));
         let (solver, problem) = (&*variant.method.solver, &self.frozen.problem);
@@ -168,7 +168,7 @@ impl Shown {
         {
             say(format_args!("  the stored run took {}: the method has changed since", run.iterations))?;
         }
-        Ok(Filmed { label, ending, snapshots: film.finish(&outcome) })
+        Ok(Snapshots { label, ending, snapshots: film.finish(&outcome) })
     }
 }
 

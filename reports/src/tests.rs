@@ -5,16 +5,17 @@ pub(crate) mod fixture_in_time;
 
 use std::fs;
 
-use crate::error::ReportError;
-use crate::read::Study;
-use crate::tests::fixture::{decay, explosion, files, read, run, sample, scene, tables};
-use crate::text::{Kind, Table, markdown, rows};
-use crate::{About, Chart, Formats, Wanted, iterations_text, report};
 use polars::prelude::DataFrame;
 use results::schema::{Run, Sample};
 use results::store::Tables;
 use results::tables::{contacts_table, grains_table};
 use tempfile::TempDir;
+
+use crate::error::ReportError;
+use crate::read::Study;
+use crate::tests::fixture::{decay, explosion, files, read, run, sample, scene, tables};
+use crate::text::{Kind, Table, markdown, rows};
+use crate::{About, Chart, Formats, Wanted, iterations_text, report};
 
 fn figures(tables: &Tables) -> Vec<(String, String)> {
     let study = Study::of(tables.into()).unwrap();

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeSet;
 
+use results::schema::Run;
+
 use crate::charts::{critical_path, profiles, relaxation, size, subdomains, weak};
 use crate::draw::{METHODS, RGBColor};
 use crate::tests::assert_well_formed;
 use crate::tests::fixture::{File, decay, explosion, files, read, run, sample, study, tables, without_truth};
-use results::schema::Run;
 
 fn text<'f>(files: &'f [File], name: &str) -> &'f str {
     for (name, svg) in files.iter().filter(|(name, _)| name.contains(".svg")) {

@@ -2,8 +2,6 @@
 
 use std::sync::OnceLock;
 
-use crate::draw::{BLACK, Mark, Pen, WHITE};
-use crate::read::Ending;
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, IntoDrawingArea};
 use plotters::element::{Circle, PathElement, Polygon};
@@ -12,6 +10,9 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{
     Color, FontDesc, FontFamily, FontStyle, RGBColor, ShapeStyle, TextStyle, register_font,
 };
+
+use crate::draw::{BLACK, Mark, Pen, WHITE};
+use crate::read::Ending;
 
 /// The drawing library rounds to integers, so its unit is a fiftieth of a millimetre.
 const UNITS_PER_MM: f64 = 50.0;

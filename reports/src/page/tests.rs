@@ -1,7 +1,6 @@
 use results::schema::{Run, Snapshot};
-use results::tables::{contacts_table, grains_table, snapshots_table};
-
 use results::store::Tables;
+use results::tables::{contacts_table, grains_table, snapshots_table};
 
 use super::*;
 use crate::Chart;

@@ -1,11 +1,12 @@
 //! Small tables for the tests.
 
-use crate::draw::Formats;
-use crate::read::{Problems, stored};
-use crate::text::Part;
 use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
 use results::store::Tables;
 use results::tables::{contacts_table, curves_table, grains_table, runs_table, snapshots_table};
+
+use crate::draw::Formats;
+use crate::read::{Problems, stored};
+use crate::text::Part;
 
 pub(crate) fn sample(iteration: u64, zeta: f64, natural_map: f64) -> Sample {
     Sample {

@@ -1,8 +1,9 @@
 //! Small simulations for the tests.
 
+use results::simulation::{Observed, Simulated, Simulation, SimulationTables};
+
 use crate::read;
 use crate::tests::fixture;
-use results::simulation::{Observed, Simulated, Simulation, SimulationTables};
 
 /// A simulation of `box` by `nsgs` with a mean diameter of 0.1 m and 10 kg, 1 s long with rows of 0.1 s; it lies still at a
 /// height of 1 m and presses on the floor.
