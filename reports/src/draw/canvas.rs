@@ -1,4 +1,8 @@
 //! A sheet to draw on in millimetres. It becomes an SVG of that size on paper.
+//!
+//! What the drawing library leaves to be done by hand is done here and nowhere else: its coordinates are integers, hence fine
+//! units; its SVG has a size in pixels, one font and `ex`, hence a few replacements in the text. A backend of our own would
+//! have to write every element itself to save them.
 
 use std::sync::OnceLock;
 
