@@ -1,4 +1,4 @@
-//! The kinds of figures by name. To add one: its line in [`CHARTS`].
+//! The charts by name. To add one: its `mod`, and its line in [`CHARTS`].
 
 mod against;
 mod against_truth;

@@ -1,4 +1,4 @@
-//! Why a report was not made.
+//! Why there is no report.
 
 use std::io;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use polars::prelude::PolarsError;
 use thiserror::Error;
 
-/// Why a report was not made.
+/// Why there is no report.
 #[derive(Debug, Error)]
 pub enum ReportError {
     /// A table cannot be made.
@@ -18,7 +18,7 @@ pub enum ReportError {
     /// A template is none, or asks for what is not there.
     #[error("the template: {0}")]
     Template(String),
-    /// A file or folder cannot be made or replaced.
+    /// A file or folder cannot be written or replaced.
     #[error("{path}: {source}")]
     File {
         /// Which one.

@@ -20,7 +20,7 @@ use results::study::Study as Stored;
 pub use charts::{Chart, UnknownChart};
 pub use draw::Formats;
 pub use error::ReportError;
-pub use page::{About, Filmed, made, view};
+pub use page::{About, Snapshots, made, view};
 pub use text::{fill, summary};
 
 use page::{Chapter, replace};
@@ -38,7 +38,7 @@ pub struct Wanted<'w> {
     pub against: Option<&'w Stored>,
 }
 
-/// Makes the table of runs or simulations, the charts of a study and its page, and puts their files into the folder
+/// Draws the charts of a study, its table of runs or simulations and its page, and puts their files into the folder
 /// `out`. Returns their paths.
 ///
 /// Files that an earlier report left in `out` go, files of anyone else stay.
@@ -68,7 +68,7 @@ pub fn report(
     replace(&files, out)
 }
 
-/// Makes the figures and tables of one chart, as [`report`] does, without a page.
+/// Draws the figures and tables of one chart, as [`report`] does, without a page.
 ///
 /// # Errors
 ///

@@ -21,7 +21,7 @@ pub use folder::made;
 pub(crate) use folder::replace;
 use provenance::provenance;
 use rows::Rows;
-pub use viewer::Filmed;
+pub use viewer::Snapshots;
 use viewer::Viewer;
 
 /// What a report says of its study beside the rows.
@@ -31,7 +31,7 @@ pub struct About {
     pub name: String,
     /// What it asks, in a sentence.
     pub why: String,
-    /// The arguments of `gravel bench` that make it.
+    /// The arguments of `gravel bench` that run it.
     pub bench: String,
     /// The arguments of `gravel report` and `gravel figure` that draw it, where they can.
     pub draw: Option<String>,
@@ -77,7 +77,7 @@ pub(crate) fn page(study: &Study, chapters: &[Chapter], about: &About) -> Result
             (Viewer::new(&Scenes::new(), BTreeMap::new()), all.iter().map(|s| &s.origin).collect())
         }
     };
-    let shown = |figure: &str| viewer.films.iter().any(|film| sample_of(figure, &film.problem));
+    let shown = |figure: &str| viewer.samples.iter().any(|sample| sample_of(figure, &sample.problem));
     let sections = chapters.iter().map(|chapter| section(chapter, about, &shown));
     let sections: Vec<Section> = sections.collect::<Result<_, _>>()?;
     let failed = Rows::of("failures", &failures(study), "")?;
@@ -103,7 +103,7 @@ pub(crate) fn page(study: &Study, chapters: &[Chapter], about: &About) -> Result
 pub fn view(
     problem: &str,
     (grains, contacts): (&[GrainRow], &[ContactRow]),
-    runs: Vec<Filmed>,
+    runs: Vec<Snapshots>,
     command: &str,
 ) -> Result<String, ReportError> {
     let viewer = Viewer::new(&scenes(grains, contacts), BTreeMap::from([(problem.to_owned(), runs)]));
@@ -122,10 +122,10 @@ fn render(template: &str, viewer: &Viewer, values: Value) -> Result<String, Repo
         templates.add_template(name, source).map_err(refused)?;
     }
     // `</script>` and `<!--` in a name must not end the script that holds it.
-    let films = serde_json::to_string(viewer).unwrap_or_default().replace('<', "\\u003c");
+    let samples = serde_json::to_string(viewer).unwrap_or_default().replace('<', "\\u003c");
     let values = context! {
-        films, viewer => !viewer.films.is_empty(), left_out => &viewer.left_out,
-        moves => viewer.films.iter().any(|film| film.tracks.iter().any(|track| track.frames.len() > 1)),
+        samples, viewer => !viewer.samples.is_empty(), left_out => &viewer.left_out,
+        moves => viewer.samples.iter().any(|sample| sample.tracks.iter().any(|track| track.frames.len() > 1)),
         style => include_str!("page/style.css"),
         page_script => include_str!("page/page.js"),
         viewer_script => include_str!("page/viewer.js"),

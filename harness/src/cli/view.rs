@@ -14,7 +14,6 @@ use anyhow::{Context, Result, anyhow};
 use cases::Frozen;
 use contact::Truth;
 use partition::{Grid, Partition, Scheme};
-use reports::Filmed;
 use results::journal::Record;
 use results::schema::Run;
 use runner::{Stop, solve_against};
@@ -132,13 +131,18 @@ impl Args {
 
 impl Shown {
     /// The iterates of a run: those that are `stored`, or else those of a run now.
-    fn iterates(&self, variant: &Variant, stored: Option<&Record>, truth: Option<&Truth>) -> Result<Filmed> {
+    fn iterates(
+        &self,
+        variant: &Variant,
+        stored: Option<&Record>,
+        truth: Option<&Truth>,
+    ) -> Result<reports::Snapshots> {
         let label = variant.label();
         let as_stored = stored.filter(|record| stop_of(&record.run).is_ok_and(|stop| stop == self.stop));
         if let Some(Record { run, snapshots, .. }) = as_stored.filter(|record| !record.snapshots.is_empty()) {
             let ending = run.status.replace('-', " ");
             say(format_args!("{label}: {ending} after {} iterations, as stored", run.iterations))?;
-            return Ok(Filmed { label, ending, snapshots: snapshots.clone() });
+            return Ok(reports::Snapshots { label, ending, snapshots: snapshots.clone() });
         }
         let (mut kept, start) = (Snapshots::new(), self.frozen.start(variant.warm_start));
         let (solver, problem) = (&*variant.method.solver, &self.frozen.problem);
@@ -157,7 +161,7 @@ impl Shown {
         if let Some(Record { run, .. }) = as_stored.filter(|record| record.run.iterations != iterations) {
             say(format_args!("  the stored run took {}: the method has changed since", run.iterations))?;
         }
-        Ok(Filmed { label, ending, snapshots: kept.finish(&outcome) })
+        Ok(reports::Snapshots { label, ending, snapshots: kept.finish(&outcome) })
     }
 }
 

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use polars::df;
+use polars::prelude::DataFrame;
+
 use crate::draw::{Canvas, INSIDE, Legend, Looks, Room, Scale, Sign, TOLERANCE, draw_empty, row};
 use crate::read::{Problems, RunRow, counted, median, number, padded, unique};
 use crate::text::{Part, frame};
-use polars::df;
-use polars::prelude::DataFrame;
 
 /// What a panel compares, and its name.
 type Measure = (&'static str, fn(&RunRow) -> Option<f64>);

@@ -122,7 +122,7 @@ fn map(judged: &[Judged], hazards: &[Hazard], kind: &Kind) -> String {
     .draw()
 }
 
-/// A variant as it is told: one without words has the method's defaults.
+/// A variant as it is read: one without words has the method's defaults.
 pub(crate) fn setting(variant: &str) -> String {
     if variant.is_empty() { "default".to_owned() } else { variant.to_owned() }
 }

@@ -188,8 +188,8 @@ fn sentences(judged: &[Judged]) -> String {
         let count = |class| judged.iter().filter(|j| of(j) && j.class == Some(class)).count();
         // Why one exploded, only where it is more than that.
         let counted = Class::ALL.map(|class| (class, count(class)));
-        let told = counted.into_iter().filter(|(class, count)| *class <= Class::Exploded || *count > 0);
-        let words = told.map(|(class, count)| format!("{count} {}", class.name()));
+        let named = counted.into_iter().filter(|(class, count)| *class <= Class::Exploded || *count > 0);
+        let words = named.map(|(class, count)| format!("{count} {}", class.name()));
         words.collect::<Vec<_>>().join(", ")
     };
     let mut text = format!("Of {}: {}.\n", counted(judged.len(), "simulation"), counts(&|_| true));

@@ -1,12 +1,13 @@
 //! How much faster subdomains make a method: counted on the longest of them, as if each had a machine of its own, and
 //! measured on the threads that there were.
 
+use polars::df;
+use polars::prelude::DataFrame;
+
 use crate::charts::subdomains::{Panel, on_problem};
 use crate::draw::{Series, series};
 use crate::read::{Ending, Problems, RunRow, file_name, problems, threads};
 use crate::text::{Part, frame};
-use polars::df;
-use polars::prelude::DataFrame;
 
 /// Both on the same axes.
 fn panels(threads: &str) -> [Panel; 2] {

@@ -2,14 +2,15 @@
 
 use std::collections::BTreeMap;
 
+use polars::df;
+use polars::prelude::DataFrame;
+
 use crate::draw::{
     BEST, Canvas, DASHES, INSIDE, Legend, Look, MARKS, MOST_LINES, Mark, Pen, Room, SPARE, Scale, Sign,
     TOLERANCE, draw_empty, draw_signs, endings, grid, series,
 };
 use crate::read::{Ending, Problems, RunRow, counted, number, padded, problems, unique};
 use crate::text::{Part, frame, nothing, too_many};
-use polars::df;
-use polars::prelude::DataFrame;
 
 const KEY: &str = "relaxation";
 
@@ -95,11 +96,11 @@ fn best<'r>(runs: &[&'r RunRow]) -> Option<&'r RunRow> {
 
 /// What the best fixed ω of a method is, beside ω = 1.
 fn sentence(swept: &Swept) -> Option<String> {
-    let told = |of: &Overall| {
+    let cost = |of: &Overall| {
         format!("{} iterations in the geometric mean, {} failed", number(of.mean, 3), of.failed)
     };
     let fixed = swept.fixed()?;
-    let one = swept.at(1.0).map_or(String::new(), |one| format!("; at ω = 1 {}", told(one)));
+    let one = swept.at(1.0).map_or(String::new(), |one| format!("; at ω = 1 {}", cost(one)));
     let edge = swept.overall.last().is_some_and(|last| last.relaxation == fixed.relaxation);
     let edge = if edge { ", the greatest of the grid" } else { "" };
     Some(format!(
@@ -107,7 +108,7 @@ fn sentence(swept: &Swept) -> Option<String> {
         swept.label,
         counted(swept.problems.len(), "problem"),
         fixed.relaxation,
-        told(fixed)
+        cost(fixed)
     ))
 }
 

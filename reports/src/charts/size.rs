@@ -1,5 +1,10 @@
 //! Cost against the number of grains, with the exponents of fitted powers.
 
+use std::collections::BTreeSet;
+
+use polars::df;
+use polars::prelude::DataFrame;
+
 use super::subdomains::Panel;
 use crate::draw::{
     Canvas, Frame, HPos, INSIDE, Legend, MOST_LINES, Points, Room, Scale, Series, TICK_TEXT, TOLERANCE, VPos,
@@ -9,9 +14,6 @@ use crate::read::{
     Ending, Problems, RunRow, Verdicts, WORK, counted, distinct, problems, slope, span, stopped_at_1e_2,
 };
 use crate::text::{Part, frame, nothing, too_many};
-use polars::df;
-use polars::prelude::DataFrame;
-use std::collections::BTreeSet;
 
 fn costs() -> [Panel; 4] {
     [

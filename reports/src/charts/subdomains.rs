@@ -1,13 +1,14 @@
 //! Iterations, and seconds of an iteration, against the number of subdomains.
 
+use polars::df;
+use polars::prelude::DataFrame;
+
 use crate::draw::{
     Canvas, INSIDE, Legend, MOST_LINES, Pen, Points, Room, Scale, Series, Sign, TOLERANCE, draw_empty,
     draw_signs, endings, has_line, key, on_the_way, reach, row, series, title,
 };
 use crate::read::{Ending, Problems, RunRow, file_name, problems};
 use crate::text::{Part, frame, too_many};
-use polars::df;
-use polars::prelude::DataFrame;
 
 /// What a panel shows of a run of a series.
 pub(crate) struct Panel {

@@ -4,10 +4,10 @@ mod error;
 #[cfg(test)]
 mod tests;
 
+use std::ops::Deref;
+
 use polars::df;
 use polars::prelude::DataFrame;
-
-use std::ops::Deref;
 
 use crate::draw::{
     Canvas, HPos, INK, INSIDE, LOWEST, Legend, Look, Mark, Pen, Place, Room, Scale, Sign, TICK_TEXT,
@@ -19,7 +19,7 @@ use error::{OBSERVABLES, errors};
 
 /// Tells time steps apart, from the longest.
 const MARKS: [Mark; 5] = [Mark::Ring, Mark::Square, Mark::Diamond, Mark::Triangle, Mark::Cross];
-/// Two references that differ in their tolerance alone: below their distance no error is told.
+/// Two references that differ in their tolerance alone: below their distance no error means anything.
 const TWINS: Pen = Pen { color: INK, width: 0.3, dash: &[0.4, 0.5] };
 /// A run within this factor of the error of its time step alone is as good as exact.
 const AT_THE_FLOOR: f64 = 1.5;

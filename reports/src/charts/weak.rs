@@ -2,14 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use polars::df;
+use polars::prelude::DataFrame;
+
 use super::critical_path::with_path;
 use crate::charts::critical_path::path;
 use crate::charts::subdomains::{Panel, figure, growth, seconds_per_iteration};
 use crate::draw::{DASHES, Look, Looks, Pen, Series, series};
 use crate::read::{Problems, RunRow, counted, stopped_at_1e_2};
 use crate::text::{Part, frame, nothing};
-use polars::df;
-use polars::prelude::DataFrame;
 
 /// Iterations to 10⁻² are left out where that is what all runs were stopped at.
 fn panels(runs: &[&RunRow]) -> Vec<Panel> {

@@ -144,7 +144,7 @@ impl Frame {
         (f64::midpoint(self.x.from, self.x.to), f64::midpoint(self.y.from, self.y.to))
     }
 
-    /// The ends of the line on which both axes tell the same, if it is in the frame.
+    /// The ends of the line on which both axes have the same value, if it is in the frame.
     pub(crate) fn diagonal(&self) -> Option<[Place; 2]> {
         let (low, high) = (self.x.low.max(self.y.low), self.x.high.min(self.y.high));
         (low < high).then(|| [low, high].map(|at| self.place((at, at))))

@@ -1,9 +1,11 @@
 //! A sheet to draw on in millimetres. It becomes an SVG of that size on paper.
+//!
+//! What the drawing library leaves to be done by hand is done here and nowhere else: its coordinates are integers, hence fine
+//! units; its SVG has a size in pixels, one font and `ex`, hence a few replacements in the text. A backend of our own would
+//! have to write every element itself to save them.
 
 use std::sync::OnceLock;
 
-use crate::draw::{BLACK, Mark, Pen, WHITE};
-use crate::read::Ending;
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, IntoDrawingArea};
 use plotters::element::{Circle, PathElement, Polygon};
@@ -12,6 +14,9 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{
     Color, FontDesc, FontFamily, FontStyle, RGBColor, ShapeStyle, TextStyle, register_font,
 };
+
+use crate::draw::{BLACK, Mark, Pen, WHITE};
+use crate::read::Ending;
 
 /// The drawing library rounds to integers, so its unit is a fiftieth of a millimetre.
 const UNITS_PER_MM: f64 = 50.0;

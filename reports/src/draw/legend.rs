@@ -139,8 +139,8 @@ impl Legend {
     }
 }
 
-/// Each method of the runs of simulations as a key says it, in the colour that it has in every study; its dashes tell it in
-/// grey, since signs tell time steps.
+/// Each method of the runs of simulations as a key says it, in the colour that it has in every study; its dashes
+/// are for grey, since signs stand for time steps.
 pub(crate) fn looks_in_time(all: &[Simulation]) -> Vec<(String, Look)> {
     let runs = || all.iter().filter(|s| s.is_run());
     let methods = unique(runs().map(|run| run.method.as_str()));

@@ -76,9 +76,9 @@ impl<'t> Lines<'t> {
         width: f64,
     ) -> Legend {
         let best = self.best(runs);
-        let told: Vec<&RunRow> = runs.iter().copied().filter(|run| best.contains(&run.run)).collect();
-        if told.len() < runs.len() {
-            let others = runs.len() - told.len();
+        let coloured: Vec<&RunRow> = runs.iter().copied().filter(|run| best.contains(&run.run)).collect();
+        if coloured.len() < runs.len() {
+            let others = runs.len() - coloured.len();
             let accuracies = ACCURACIES.map(accuracy_text);
             let [coarser @ .., finest] = &accuracies;
             let coarser: Vec<&str> = coarser.iter().rev().map(String::as_str).collect();
@@ -90,7 +90,7 @@ impl<'t> Lines<'t> {
                 ),
             ));
         }
-        self.legend(&told, more, width)
+        self.legend(&coloured, more, width)
     }
 
     /// The same lines as [`Lines::lines`], with those of all but the best runs behind the others, and grey.
@@ -100,13 +100,13 @@ impl<'t> Lines<'t> {
         at: impl Fn(&RunRow, &Point) -> Option<LogPoint>,
     ) -> Vec<Line> {
         let best = self.best(runs);
-        let (told, others): (Vec<&RunRow>, Vec<&RunRow>) =
+        let (coloured, others): (Vec<&RunRow>, Vec<&RunRow>) =
             runs.iter().partition(|run| best.contains(&run.run));
         let mut lines = self.lines(&others, &at);
         for line in &mut lines {
             line.look = Look { pen: OTHERS, mark: Mark::None };
         }
-        lines.extend(self.lines(&told, at));
+        lines.extend(self.lines(&coloured, at));
         lines
     }
 

@@ -77,7 +77,7 @@ pub(crate) fn grid(
 /// More lines than this are not told apart by anyone, and take a page of legend.
 pub(crate) const MOST_LINES: usize = 120;
 
-/// The problem, its size, and how many runs were made on it.
+/// The problem, its size, and how many runs there are on it.
 pub(crate) fn title(problem: &str, runs: &[&RunRow]) -> String {
     let size = runs.first().map_or_else(String::new, |run| {
         format!(": {}, {}", counted(run.grains as usize, "grain"), counted(run.contacts as usize, "contact"))

@@ -2,10 +2,11 @@
 
 use std::sync::{Arc, LazyLock};
 
-use crate::error::ReportError;
 use resvg::tiny_skia::Pixmap;
 use svg2pdf::usvg::fontdb::Database;
 use svg2pdf::usvg::{Options, Transform, Tree};
+
+use crate::error::ReportError;
 
 /// Which formats of a figure are wanted beside SVG.
 #[derive(Clone, Copy, Debug, Default)]
@@ -17,7 +18,7 @@ pub struct Formats {
 }
 
 impl Formats {
-    /// These, and those that are among the files `names`: what a person once asked for is drawn again.
+    /// These, and those that are among the files `names`: what a person once wanted is drawn again.
     #[must_use]
     pub fn and_those_of(self, names: &[String]) -> Self {
         let there = |ending: &str| names.iter().any(|name| name.ends_with(ending));

@@ -1,7 +1,8 @@
 //! Numbers as colours, on a logarithmic scale of which the lightness falls all the way: it also reads in grey.
 
-use crate::draw::{Axis, BLACK, Canvas, FRAME, HPos, Place, RGBColor, TEXT, TICK_TEXT, VPos, WHITE};
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
+
+use crate::draw::{Axis, BLACK, Canvas, FRAME, HPos, Place, RGBColor, TEXT, TICK_TEXT, VPos, WHITE};
 
 /// Width of the bar (mm).
 const WIDTH: f64 = 3.0;

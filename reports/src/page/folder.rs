@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
+use tempfile::TempDir;
+
 use crate::error::ReportError;
 use crate::text::File;
-use tempfile::TempDir;
 
 /// Names the files of the report, so that the next one knows which files it may replace.
 const MADE: &str = ".report";

@@ -1,9 +1,10 @@
 //! A table as the rows of a page.
 
-use crate::error::ReportError;
-use crate::text::columns;
 use polars::prelude::DataFrame;
 use serde::Serialize;
+
+use crate::error::ReportError;
+use crate::text::columns;
 
 /// More rows than this are left to the file: a browser would be slow.
 const MOST_ROWS: usize = 5000;

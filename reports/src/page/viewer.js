@@ -1,20 +1,20 @@
 "use strict";
 // The sample: grains by subdomain, boundary grains outlined, a line for each contact as wide as its impulse.
 (() => {
-  const { colors, films } = JSON.parse(document.getElementById("films").textContent);
+  const { colors, samples } = JSON.parse(document.getElementById("samples").textContent);
   const form = document.querySelector(".controls"), stage = document.querySelector(".stage");
-  const { film: filmBox, partition: partitionBox, time, play } = form.elements;
+  const { problem: problemBox, partition: partitionBox, time, play } = form.elements;
   const now = form.querySelector("output");
-  let film, stops, panels, timer;
+  let sample, stops, panels, timer;
 
   const options = (box, names) => box.replaceChildren(...names.map((name, i) => new Option(name, i)));
   const short = value => value == null ? "–" : value.toExponential(1);
 
   function choose() {
-    film = films[filmBox.value || 0];
-    options(partitionBox, film.partitions.map(split => split.name));
-    partitionBox.value = film.partitions.length - 1;
-    const iterations = film.tracks.flatMap(track => track.frames.map(frame => frame.iteration));
+    sample = samples[problemBox.value || 0];
+    options(partitionBox, sample.partitions.map(split => split.name));
+    partitionBox.value = sample.partitions.length - 1;
+    const iterations = sample.tracks.flatMap(track => track.frames.map(frame => frame.iteration));
     stops = [...new Set(iterations)].sort((a, b) => a - b);
     if (!stops.length) stops = [0];
     time.max = stops.length - 1;
@@ -22,7 +22,7 @@
     // The solution alone has no iterations.
     form.querySelector(".player").hidden = stops.length < 2;
     // Without any impulse the sample alone is shown.
-    const tracks = film.tracks.length ? film.tracks : [{ label: "no impulse is known", ending: "", frames: [] }];
+    const tracks = sample.tracks.length ? sample.tracks : [{ label: "no impulse is known", ending: "", frames: [] }];
     panels = tracks.map(track => {
       const figure = document.createElement("figure"), canvas = document.createElement("canvas");
       const caption = document.createElement("figcaption");
@@ -34,20 +34,20 @@
     draw();
   }
 
-  // The box around all grains, in the units of the film.
+  // The box around all grains, in the units of the sample.
   function bounds() {
     let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
-    for (const [x, y, r] of film.grains) {
+    for (const [x, y, r] of sample.grains) {
       left = Math.min(left, x - r); right = Math.max(right, x + r);
       low = Math.min(low, y - r); high = Math.max(high, y + r);
     }
-    return film.grains.length ? { left, low, width: right - left, height: high - low } : { left: 0, low: 0, width: 1, height: 1 };
+    return sample.grains.length ? { left, low, width: right - left, height: high - low } : { left: 0, low: 0, width: 1, height: 1 };
   }
 
   function draw() {
     const style = getComputedStyle(document.documentElement), ink = name => style.getPropertyValue(name).trim();
-    const split = film.partitions[partitionBox.value || 0], iteration = stops[time.value] ?? 0;
-    const box = bounds(), radii = film.grains.map(grain => grain[2]).sort((a, b) => a - b);
+    const split = sample.partitions[partitionBox.value || 0], iteration = stops[time.value] ?? 0;
+    const box = bounds(), radii = sample.grains.map(grain => grain[2]).sort((a, b) => a - b);
     const median = radii[radii.length >> 1] || 1;
     now.textContent = stops.length > 1 ? `iteration ${iteration}` : "";
     for (const { track, canvas, caption } of panels) {
@@ -61,7 +61,7 @@
       c.setTransform(ratio, 0, 0, ratio, 0, 0);
       const X = x => edge + (x - box.left) * scale, Y = y => height - 4 - (y - box.low) * scale;
       const disc = ([x, y, r]) => { c.beginPath(); c.arc(X(x), Y(y), r * scale, 0, 7); };
-      film.grains.forEach((grain, i) => {
+      sample.grains.forEach((grain, i) => {
         const fill = split.fill[i];
         disc(grain);
         c.globalAlpha = fill == null ? 1 : Number(ink("--fill"));
@@ -70,25 +70,25 @@
         c.globalAlpha = 1; c.lineWidth = .5; c.strokeStyle = ink("--outline"); c.stroke();
       });
       c.strokeStyle = ink("--boundary"); c.lineWidth = 1.4;
-      film.grains.forEach((grain, i) => { if (split.multiplicity[i] > 1) { disc(grain); c.stroke(); } });
+      sample.grains.forEach((grain, i) => { if (split.multiplicity[i] > 1) { disc(grain); c.stroke(); } });
       const line = ([x0, y0, x1, y1]) => { c.beginPath(); c.moveTo(X(x0), Y(y0)); c.lineTo(X(x1), Y(y1)); c.stroke(); };
       c.lineWidth = 2; c.strokeStyle = ink("--boundary");
-      film.walls.forEach(line);
+      sample.walls.forEach(line);
       c.strokeStyle = ink("--chain"); c.lineCap = "round";
       // The greatest impulse of the solution is almost as wide as a grain, if that is small; what is beyond is cut at twice that.
       const widest = Math.min(Math.max(1.8 * median * scale, 1.5), 12);
       frame?.impulses.forEach((share, i) => {
         c.lineWidth = widest * Math.min(share / 1000, 2);
-        if (c.lineWidth > .08 && share > 0) line(film.contacts[i]);
+        if (c.lineWidth > .08 && share > 0) line(sample.contacts[i]);
       });
       const over = frame && frame.iteration === track.frames.at(-1).iteration && track.ending;
       caption.textContent = !frame || !track.ending ? track.label
         : `${track.label}: iteration ${frame.iteration}, natural map ${short(frame.natural_map)}${over ? `, ${track.ending}` : ""}`;
-      canvas.setAttribute("aria-label", `${film.problem}, ${split.name}. ${caption.textContent}`);
+      canvas.setAttribute("aria-label", `${sample.problem}, ${split.name}. ${caption.textContent}`);
     }
     const boundary = split ? split.multiplicity.filter(copies => copies > 1).length : 0;
-    document.querySelector("[data-key]").textContent = `${film.grains.length} grains, ${film.contacts.length} contacts; `
-      + `colours are subdomains, outlined: ${boundary} boundary grains; the widest line is ${Number(film.greatest_n_s.toPrecision(2))} N·s, `
+    document.querySelector("[data-key]").textContent = `${sample.grains.length} grains, ${sample.contacts.length} contacts; `
+      + `colours are subdomains, outlined: ${boundary} boundary grains; the widest line is ${Number(sample.greatest_n_s.toPrecision(2))} N·s, `
       + `the greatest impulse of the solution.`;
   }
 
@@ -100,12 +100,12 @@
     timer = setInterval(() => { if (time.value === time.max) stop(); else { time.value++; draw(); } }, 350);
     draw();
   });
-  filmBox.addEventListener("change", () => { stop(); choose(); });
+  problemBox.addEventListener("change", () => { stop(); choose(); });
   partitionBox.addEventListener("change", draw);
   time.addEventListener("input", draw);
   form.addEventListener("submit", event => event.preventDefault());
   window.addEventListener("resize", draw);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
-  options(filmBox, films.map(film => film.problem));
+  options(problemBox, samples.map(sample => sample.problem));
   choose();
 })();

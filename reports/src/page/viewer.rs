@@ -21,14 +21,14 @@ const BEYOND: f64 = 9.0;
 pub(crate) struct Viewer {
     /// Fills of subdomains.
     colors: Vec<String>,
-    pub(crate) films: Vec<Film>,
+    pub(crate) samples: Vec<Sample>,
     /// Problems for which there was no room.
     pub(crate) left_out: Vec<String>,
 }
 
 /// A sample, and runs on it.
 #[derive(Serialize)]
-pub(crate) struct Film {
+pub(crate) struct Sample {
     pub(crate) problem: String,
     /// Metres of a unit of length.
     unit_m: f64,
@@ -73,41 +73,41 @@ pub(crate) struct Frame {
 impl Viewer {
     /// The samples of a study.
     pub(crate) fn of(study: &Problems) -> Self {
-        let mut filmed: BTreeMap<String, Vec<Filmed>> = BTreeMap::new();
+        let mut shown: BTreeMap<String, Vec<Snapshots>> = BTreeMap::new();
         for run in study.runs.iter().filter(|run| !run.snapshots.is_empty()) {
             let (label, ending) = (run.label(), run.ending.text().to_owned());
-            let of_run = Filmed { label, ending, snapshots: run.snapshots.clone() };
-            filmed.entry(run.problem.clone()).or_default().push(of_run);
+            let of_run = Snapshots { label, ending, snapshots: run.snapshots.clone() };
+            shown.entry(run.problem.clone()).or_default().push(of_run);
         }
-        Self::new(&study.scenes, filmed)
+        Self::new(&study.scenes, shown)
     }
 
     /// All samples for which a page has room; first those that have runs to show.
-    pub(crate) fn new(scenes: &Scenes, mut filmed: BTreeMap<String, Vec<Filmed>>) -> Self {
+    pub(crate) fn new(scenes: &Scenes, mut shown: BTreeMap<String, Vec<Snapshots>>) -> Self {
         let mut scenes_of: BTreeMap<&str, Vec<(&str, &Scene)>> = BTreeMap::new();
         for ((problem, partition), scene) in scenes {
             scenes_of.entry(problem).or_default().push((partition, scene));
         }
         let mut problems: Vec<_> = scenes_of.into_iter().collect();
-        problems.sort_by_key(|(problem, _)| !filmed.contains_key(*problem));
-        let (mut films, mut left_out, mut contacts) = (Vec::new(), Vec::new(), 0);
+        problems.sort_by_key(|(problem, _)| !shown.contains_key(*problem));
+        let (mut samples, mut left_out, mut contacts) = (Vec::new(), Vec::new(), 0);
         for (problem, scenes) in problems {
             contacts += scenes[0].1.contacts.len();
             if contacts > MOST_CONTACTS {
                 left_out.push(problem.to_owned());
             } else {
-                let runs = filmed.remove(problem).unwrap_or_default();
-                films.push(Film::of(problem.to_owned(), &scenes, runs));
+                let runs = shown.remove(problem).unwrap_or_default();
+                samples.push(Sample::of(problem.to_owned(), &scenes, runs));
             }
         }
         let hex = |&RGBColor(r, g, b): &RGBColor| format!("#{r:02x}{g:02x}{b:02x}");
-        Self { colors: SUBDOMAINS.iter().map(hex).collect(), films, left_out }
+        Self { colors: SUBDOMAINS.iter().map(hex).collect(), samples, left_out }
     }
 }
 
 /// A run, with its impulses after some of its iterations.
 #[derive(Clone, Debug)]
-pub struct Filmed {
+pub struct Snapshots {
     /// Method and variant.
     pub label: String,
     /// How it ended.
@@ -116,8 +116,8 @@ pub struct Filmed {
     pub snapshots: Vec<Snapshot>,
 }
 
-impl Film {
-    fn of(problem: String, scenes: &[(&str, &Scene)], runs: Vec<Filmed>) -> Self {
+impl Sample {
+    fn of(problem: String, scenes: &[(&str, &Scene)], runs: Vec<Snapshots>) -> Self {
         let scene = scenes[0].1;
         let solution: Vec<f64> =
             scene.contacts.iter().map(|contact| contact.impulse.unwrap_or(f64::NAN)).collect();
@@ -139,7 +139,7 @@ impl Film {
             natural_map: Some(snapshot.natural_map).filter(|value| value.is_finite()),
             impulses: snapshot.impulses_n_s.iter().map(shade).collect(),
         };
-        let track = |Filmed { label, ending, snapshots }| Track {
+        let track = |Snapshots { label, ending, snapshots }| Track {
             label,
             ending,
             frames: snapshots.iter().map(frame).collect(),
@@ -167,7 +167,7 @@ impl Film {
     }
 }
 
-/// Metres of a unit of length of the film.
+/// Metres of a unit of length of the sample.
 fn unit_m(scene: &Scene) -> f64 {
     let span = |of: fn(&(f64, f64)) -> f64| {
         let range = scene.grains.iter().map(|grain| of(&grain.centre));

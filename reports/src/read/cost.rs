@@ -2,7 +2,7 @@
 
 use crate::read::{Point, RunRow, power_of_ten};
 
-/// The accuracies that methods are asked for: the velocity error.
+/// The accuracies that methods are compared at: the velocity error.
 pub(crate) const ACCURACIES: [f64; 3] = [1e-2, 1e-4, 1e-6];
 
 /// An accuracy as a power of ten.

@@ -2,8 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::read::RunRow;
 use serde_json::{Map, Value};
+
+use crate::read::RunRow;
 
 /// Methods, each with a setting, other than those in `except`, in which some of its runs differ.
 pub(crate) fn differing<'r>(

@@ -13,7 +13,7 @@ pub(crate) struct RunRow {
     pub(crate) run: u32,
     pub(crate) id: String,
     pub(crate) problem: String,
-    /// What was set to make the problem.
+    /// What was set in the case of the problem.
     pub(crate) problem_settings: Map<String, Value>,
     pub(crate) grains: u32,
     pub(crate) contacts: u32,
@@ -133,7 +133,7 @@ impl Point {
     /// Counted work in sweeps over `contacts`: a contact updated counts as much as a contact passed in a product W p, that
     /// is eight multiply-adds (two components of two grains, read and written back); an entry of a triangular factor is one.
     /// Factorisations are not in it: a run that makes more than a few, as many as directions that adapt take, has no counted
-    /// work; nor has one that tells none after an iteration.
+    /// work; nor has one that counts none after an iteration.
     pub(crate) fn work(&self, run: &RunRow) -> Option<f64> {
         let few = self.factorisations <= 6 * (u64::from(run.subdomains) + 1);
         let contacts = f64::from(run.contacts.max(1));
@@ -166,7 +166,7 @@ pub(crate) fn words(
     }
 }
 
-/// How often the runs were made for their seconds, as a note says it.
+/// How often each was run for its seconds, as a note says it.
 pub(crate) fn repeats(runs: &[RunRow]) -> String {
     match range(runs, |run| run.repeats) {
         (_, 1) => "One run each.".to_owned(),

@@ -1,7 +1,8 @@
 //! A sample under a partition: its discs, its contacts, its walls.
 
-use crate::read::find_or_push;
 use std::collections::BTreeSet;
+
+use crate::read::find_or_push;
 
 /// A disc of a problem under a partition (m).
 pub(crate) struct Grain {

@@ -1,9 +1,10 @@
 //! The runs that failed, each with its reason; one that proves that there is no solution has not.
 
-use crate::read::{Ending, RunRow, Simulation, Study, Verdicts, count, number};
-use crate::text::frame;
 use polars::df;
 use polars::prelude::DataFrame;
+
+use crate::read::{Ending, RunRow, Simulation, Study, Verdicts, count, number};
+use crate::text::frame;
 
 /// One row per run that failed, or per simulation that did not come to its end.
 pub(crate) fn failures(study: &Study) -> DataFrame {

@@ -2,14 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use crate::error::ReportError;
-use crate::read::stored::by_column;
-use crate::read::{count, number};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::{Kwargs, Serde};
 use minijinja::{Environment, Error, ErrorKind, UndefinedBehavior, Value, context};
 use results::journal::Record;
 use results::study::Study;
+
+use crate::error::ReportError;
+use crate::read::stored::by_column;
+use crate::read::{count, number};
 
 /// A run by the names of its columns.
 type Row = BTreeMap<String, Value>;
@@ -36,34 +37,34 @@ pub fn fill(study: &Study, template: &str) -> Result<String, ReportError> {
     let syntax = SyntaxConfig::builder().trim_blocks(true).keep_trailing_newline(true).build();
     templates.set_syntax(syntax.map_err(refused)?);
     let all = rows.clone();
-    templates.add_function("runs", move |asked: Kwargs| chosen(&all, &asked).map(Value::from));
-    templates.add_function("run", move |asked: Kwargs| one(&rows, &asked));
+    templates.add_function("runs", move |wanted: Kwargs| chosen(&all, &wanted).map(Value::from));
+    templates.add_function("run", move |wanted: Kwargs| one(&rows, &wanted));
     templates.add_filter("number", |value: f64, digits: u8| number(value, digits));
     templates.add_filter("count", |value: usize| count(value));
     templates.add_template("text", template).map_err(refused)?;
     templates.get_template("text").and_then(|text| text.render(context! {})).map_err(refused)
 }
 
-fn chosen(rows: &[Row], asked: &Kwargs) -> Result<Vec<Value>, Error> {
-    let mut wanted: Vec<(String, Value)> = Vec::new();
-    for key in asked.args() {
+fn chosen(rows: &[Row], wanted: &Kwargs) -> Result<Vec<Value>, Error> {
+    let mut values: Vec<(String, Value)> = Vec::new();
+    for key in wanted.args() {
         if rows.first().is_some_and(|row| !row.contains_key(key)) {
             return Err(Error::new(ErrorKind::InvalidOperation, format!("runs have no column `{key}`")));
         }
-        wanted.push((key.to_owned(), asked.get(key)?));
+        values.push((key.to_owned(), wanted.get(key)?));
     }
-    let fits = |row: &&Row| wanted.iter().all(|(key, value)| row.get(key) == Some(value));
+    let fits = |row: &&Row| values.iter().all(|(key, value)| row.get(key) == Some(value));
     Ok(rows.iter().filter(fits).cloned().map(Value::from).collect())
 }
 
-fn one(rows: &[Row], asked: &Kwargs) -> Result<Value, Error> {
-    let mut found = chosen(rows, asked)?;
+fn one(rows: &[Row], wanted: &Kwargs) -> Result<Value, Error> {
+    let mut found = chosen(rows, wanted)?;
     if found.len() == 1 {
         return Ok(found.remove(0));
     }
-    let told = asked.args().map(|key| Ok(format!("{key}={}", asked.get::<Value>(key)?)));
-    let told: Vec<String> = told.collect::<Result<_, Error>>()?;
-    let what = format!("{} runs have {}: name one", found.len(), told.join(", "));
+    let names = wanted.args().map(|key| Ok(format!("{key}={}", wanted.get::<Value>(key)?)));
+    let names: Vec<String> = names.collect::<Result<_, Error>>()?;
+    let what = format!("{} runs have {}: name one", found.len(), names.join(", "));
     Err(Error::new(ErrorKind::InvalidOperation, what))
 }
 

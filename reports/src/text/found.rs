@@ -1,10 +1,11 @@
-//! What a study found, in sentences that its rows alone make.
+//! What a study found, in sentences from its rows alone.
+
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::draw::Looks;
 use crate::read::{
     Ending, RunRow, Simulation, Study, Verdicts, count, counted, find_or_push, number, problems,
 };
-use std::collections::{BTreeMap, BTreeSet};
 
 /// Of more problems than this, methods are counted over all of them.
 const FEW_PROBLEMS: usize = 6;
@@ -65,7 +66,7 @@ fn overview(runs: &[RunRow], verdicts: &Verdicts, problems: usize) -> String {
     )
 }
 
-/// How a run ended; a proof that there is no solution is told from a claim that a run or the reference refutes.
+/// How a run ended; a claim that there is no solution is a proof unless a run or the reference refutes it.
 fn how(run: &RunRow, verdicts: &Verdicts) -> &'static str {
     match run.ending {
         Ending::Infeasible if verdicts.is_proof(run) => "proved that there is no solution",
@@ -98,11 +99,11 @@ fn first_and_last(runs: &[RunRow], verdicts: &Verdicts, problem: &str) -> String
             (None, proofs) => format!("{problem}: no solution, as {} proved.", counted(proofs, "run")),
         };
     };
-    let told = |run: &RunRow| format!("{} ({})", run.label(), count(run.iterations as usize));
+    let named = |run: &RunRow| format!("{} ({})", run.label(), count(run.iterations as usize));
     let rule = fewest.rule().map_or(String::new(), |rule| format!(" to {rule}"));
-    let mut sentence = format!("{problem}: {} has the fewest iterations{rule}", told(fewest));
+    let mut sentence = format!("{problem}: {} has the fewest iterations{rule}", named(fewest));
     if let Some(most) = ranked().max_by_key(|run| run.iterations).filter(|most| most.run != fewest.run) {
-        sentence.extend([", ", &told(most), " the most"]);
+        sentence.extend([", ", &named(most), " the most"]);
     }
     let timed = runs.iter().filter_map(|run| Some((run.seconds()?, run)));
     if let Some((least, first)) = timed.min_by(|a, b| a.0.total_cmp(&b.0)) {
@@ -127,15 +128,16 @@ fn wins(runs: &[RunRow], looks: &Looks, problems: &[&str]) -> Vec<String> {
     }
     let mut kinds: Vec<_> = kinds.into_values().collect();
     kinds.sort_by_key(|(_, _, first)| std::cmp::Reverse(*first));
-    let told = kinds.into_iter().filter(|(_, _, first)| *first > 0).take(FEW_PROBLEMS);
-    told.map(|(label, converged, first)| {
-        let of = problems.len();
-        format!(
-            "{label}: fewest iterations on {first} of {of} problems; {} converged.",
-            counted(converged, "run")
-        )
-    })
-    .collect()
+    let winners = kinds.into_iter().filter(|(_, _, first)| *first > 0).take(FEW_PROBLEMS);
+    winners
+        .map(|(label, converged, first)| {
+            let of = problems.len();
+            format!(
+                "{label}: fewest iterations on {first} of {of} problems; {} converged.",
+                counted(converged, "run")
+            )
+        })
+        .collect()
 }
 
 /// A sentence for each method with runs that failed: that neither converged nor proved that there is no solution.

@@ -1,10 +1,11 @@
 //! What a chart makes of the tables: figures, tables and sentences, and the files that they become.
 
+use polars::prelude::{DataFrame, PolarsResult};
+
 use crate::draw::{Formats, pdf, png};
 use crate::error::ReportError;
 use crate::read::counted;
 use crate::text::table;
-use polars::prelude::{DataFrame, PolarsResult};
 
 /// A file of a report: its name and what it holds.
 pub(crate) struct File {
@@ -29,7 +30,7 @@ pub(crate) enum Kind {
     Figure(String),
     /// A table, and what its columns mean.
     Table(Table),
-    /// Sentences made from rows, one a line.
+    /// Sentences from rows, one a line.
     Text(String),
 }
 
@@ -56,7 +57,7 @@ impl Part {
         Self { name: name.into(), kind: Kind::Text(text) }
     }
 
-    /// A figure in the formats asked, a table as CSV, Markdown and LaTeX, sentences as they are.
+    /// A figure in the formats that are wanted, a table as CSV, Markdown and LaTeX, sentences as they are.
     pub(crate) fn files(&self, formats: Formats) -> Result<Vec<File>, ReportError> {
         let file = |ending: &str, content: Vec<u8>| File::new(format!("{}.{ending}", self.name), content);
         let mut files = Vec::new();
@@ -92,7 +93,7 @@ pub(crate) fn nothing(name: impl Into<String>, title: &str, why: &str) -> Part {
     Part::text(name, format!("{title}: {why}.\n"))
 }
 
-/// A table made in memory.
+/// A table whose columns are values of the same rows.
 pub(crate) fn frame(columns: PolarsResult<DataFrame>) -> DataFrame {
     columns.expect("all columns have a value for each row")
 }

@@ -1,8 +1,9 @@
 //! A table of a report as CSV for programs, as Markdown, and as LaTeX.
 
+use polars::prelude::{AnyValue, CsvWriter, DataFrame, SerWriter};
+
 use crate::error::ReportError;
 use crate::read::number;
-use polars::prelude::{AnyValue, CsvWriter, DataFrame, SerWriter};
 
 /// Significant digits of a measured number where people read it.
 const DIGITS: u8 = 3;

@@ -62,13 +62,13 @@ fn whole_masses(run: &RunRow) -> Vec<Cause> {
     let exact = used(run, "relaxation").is_none_or(|omega| omega == 1.0);
     let one_sweep = exact && used(run, "inner_sweeps") == Some(1.0);
     let coupling = spectral(run, "coupling").filter(|coupling| one_sweep && *coupling >= 1.0);
-    let told = |copies| Cause { before: "masses are whole in up to ", value: copies, after: " copies" };
+    let whole_in = |copies| Cause { before: "masses are whole in up to ", value: copies, after: " copies" };
     let bound = |value| Cause { before: "λmax(W_D⁻¹W_off) = ", value, after: ", not below 1" };
     match (copies, coupling) {
         // Below 1 it is no reason.
         (None, _) => Vec::new(),
         (Some(_), None) if one_sweep && spectral(run, "coupling").is_some() => Vec::new(),
-        (Some(copies), coupling) => std::iter::once(told(copies)).chain(coupling.map(bound)).collect(),
+        (Some(copies), coupling) => std::iter::once(whole_in(copies)).chain(coupling.map(bound)).collect(),
     }
 }
 

@@ -59,7 +59,7 @@ impl Class {
         matches!(self, Self::Converged | Self::Infeasible)
     }
 
-    /// As a key says it; in a cell, where a letter tells it without colour; the ground of the cell, the darker the worse, and
+    /// As a key says it; in a cell, where a letter says it without colour; the ground of the cell, the darker the worse, and
     /// its letter.
     fn look(self) -> (&'static str, &'static str, (RGBColor, RGBColor)) {
         match self {

@@ -1,7 +1,8 @@
 //! What problems share that are hard for one reason: a case, and the values of it that vary.
 
-use crate::read::{RunRow, problems};
 use serde_json::Value;
+
+use crate::read::{RunRow, problems};
 
 /// The problems of one case that differ in the same values.
 pub(crate) struct Hazard {
@@ -31,7 +32,7 @@ pub(crate) fn hazards(runs: &[RunRow]) -> Vec<Hazard> {
     known.into_iter().map(|((case, keys), problems)| Hazard::new(case, &keys, problems)).collect()
 }
 
-/// The `key=value` that tell a problem from the others of its case, by its name.
+/// The `key=value` that distinguish a problem from the others of its case, by its name.
 fn knobs<'p>(case: &str, problem: &'p str) -> Vec<(&'p str, &'p str)> {
     let rest = problem.strip_prefix(case).unwrap_or_default();
     rest.split(' ').filter_map(|word| word.split_once('=')).collect()

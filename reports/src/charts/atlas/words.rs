@@ -54,13 +54,13 @@ fn region(judged: &[Judged], hazard: &Hazard, kind: &Kind) -> Option<String> {
             .iter()
             .filter_map(|problem| find(judged, kind.method, variant, problem))
             .collect();
-        let made: Vec<&Judged> = runs.into_iter().filter(|run| run.class != Class::Skipped).collect();
-        let failing: Vec<&Judged> = made.iter().copied().filter(|run| !run.class.is_good()).collect();
+        let begun: Vec<&Judged> = runs.into_iter().filter(|run| run.class != Class::Skipped).collect();
+        let failing: Vec<&Judged> = begun.iter().copied().filter(|run| !run.class.is_good()).collect();
         if failing.is_empty() {
-            good.extend((!made.is_empty()).then(|| kind.label(variant)));
+            good.extend((!begun.is_empty()).then(|| kind.label(variant)));
             continue;
         }
-        let Failing { setting, how, why } = told(judged, &failing, made.len(), kind.label(variant));
+        let Failing { setting, how, why } = failing_of(judged, &failing, begun.len(), kind.label(variant));
         match groups.iter_mut().find(|(_, h, w)| *h == how && *w == why) {
             Some((settings, ..)) => settings.push(setting),
             None => groups.push((vec![setting], how, why)),
@@ -81,7 +81,7 @@ fn region(judged: &[Judged], hazard: &Hazard, kind: &Kind) -> Option<String> {
     Some(format!("{}{knob}: {failures}. {mends}", hazard.name))
 }
 
-fn told(judged: &[Judged], failing: &[&Judged], problems: usize, setting: String) -> Failing {
+fn failing_of(judged: &[Judged], failing: &[&Judged], problems: usize, setting: String) -> Failing {
     let classes = Class::ALL.into_iter().filter_map(|class| {
         let count = failing.iter().filter(|run| run.class == class).count();
         let of = if problems == 1 { String::new() } else { format!(" on {count} of {problems}") };
@@ -127,11 +127,11 @@ fn why(judged: &[Judged], failing: &[&Judged]) -> String {
 
 /// How often ζ promised too much.
 fn zeta(judged: &[Judged]) -> String {
-    let made: Vec<&Judged> = judged.iter().filter(|run| run.class != Class::Skipped).collect();
-    let lies = made.iter().filter(|run| run.zeta_lies).count();
+    let begun: Vec<&Judged> = judged.iter().filter(|run| run.class != Class::Skipped).collect();
+    let lies = begun.iter().filter(|run| run.zeta_lies).count();
     format!(
         "ζ met the tolerance at an iterate with a velocity error of more than 100 tolerances, or of a problem without solution, in {} of {}.\n",
         lies,
-        counted(made.len(), "run")
+        counted(begun.len(), "run")
     )
 }

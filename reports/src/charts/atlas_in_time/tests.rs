@@ -1,7 +1,8 @@
+use results::simulation::{Observed, Simulated};
+
 use super::*;
 use crate::tests::fixture::files;
 use crate::tests::fixture_in_time::{exploded, read, simulated, with};
-use results::simulation::{Observed, Simulated};
 
 fn reference() -> Simulated {
     simulated("reference", 0.01, 1e-9)

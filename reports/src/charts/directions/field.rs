@@ -2,10 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use crate::read::{Ending, RunRow, differing, find_or_push, settings_text};
 use serde_json::Value;
 
-/// What runs may differ in inside a field, or is told beside the group.
+use crate::read::{Ending, RunRow, differing, find_or_push, settings_text};
+
+/// What runs may differ in inside a field, or is written beside the group.
 const APART: [&str; 4] = ["kappa_l", "kappa_d", "relaxation", "adaptive"];
 const SINGLE_SIDED: [&str; 4] = ["kappa_l_minus", "kappa_l_plus", "kappa_d_minus", "kappa_d_plus"];
 

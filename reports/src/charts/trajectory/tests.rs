@@ -1,7 +1,8 @@
+use results::simulation::Simulated;
+
 use super::*;
 use crate::tests::fixture::files;
 use crate::tests::fixture_in_time::{exploded, read, simulated, with};
-use results::simulation::Simulated;
 
 /// A reference, its twin, a floor, and runs at two time steps and two tolerances.
 fn study() -> Vec<Simulated> {
