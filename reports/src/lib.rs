@@ -24,7 +24,7 @@ pub use page::{About, Snapshots, made, view};
 pub use text::{fill, summary};
 
 use page::{Chapter, replace};
-use read::{Study, stored};
+use read::Study;
 use text::{File, Part};
 
 /// What a report is made of.
@@ -55,7 +55,7 @@ pub fn report(
     let study = Study::from(study);
     let mut chapters = Vec::new();
     if let (Some(Stored::Runs(before)), Study::Problems(after)) = (wanted.against, &study) {
-        chapters.push(Chapter::new("against", charts::against(&stored::problems(before), after)));
+        chapters.push(Chapter::new("against", charts::against(&before.into(), after)));
     }
     let charts = wanted.charts.par_iter().map(|chart| Chapter::of_chart(*chart, &study));
     chapters.extend(charts.collect::<Vec<_>>());

@@ -15,11 +15,11 @@ use serde::Serialize;
 use crate::charts::Chart;
 use crate::error::ReportError;
 use crate::read::stored::scenes;
-use crate::read::{Origin, Scenes, Study, file_name};
+use crate::read::{Scenes, Study, file_name};
 use crate::text::{Kind, Part, failures, found};
 pub use folder::made;
 pub(crate) use folder::replace;
-use provenance::provenance;
+use provenance::{Origin, provenance};
 use rows::Rows;
 pub use viewer::Snapshots;
 use viewer::Viewer;
@@ -69,13 +69,20 @@ struct Section {
 
 /// The page of a study.
 pub(crate) fn page(study: &Study, chapters: &[Chapter], about: &About) -> Result<String, ReportError> {
-    let (viewer, origins): (_, Vec<&Origin>) = match study {
-        Study::Problems(study) => {
-            (Viewer::of(study), study.runs.iter().chain(&study.given).map(|run| &run.origin).collect())
-        }
-        Study::Simulations(all) => {
-            (Viewer::new(&Scenes::new(), BTreeMap::new()), all.iter().map(|s| &s.origin).collect())
-        }
+    let (viewer, origins): (_, Vec<Origin>) = match study {
+        Study::Problems(study) => (
+            Viewer::of(study),
+            study
+                .runs
+                .iter()
+                .chain(&study.given)
+                .map(|run| (&run.provenance, run.timing.timed_alone))
+                .collect(),
+        ),
+        Study::Simulations(all) => (
+            Viewer::new(&Scenes::new(), BTreeMap::new()),
+            all.iter().map(|s| (&s.provenance, s.timing.timed_alone)).collect(),
+        ),
     };
     let shown = |figure: &str| viewer.samples.iter().any(|sample| sample_of(figure, &sample.problem));
     let sections = chapters.iter().map(|chapter| section(chapter, about, &shown));
@@ -162,7 +169,7 @@ fn section(chapter: &Chapter, about: &About, shown: &dyn Fn(&str) -> bool) -> Re
                 let mut shown = table.shown.clone();
                 // `gravel view` takes it.
                 if let Ok(id) = table.all.column("id") {
-                    shown.with_column(id.clone().with_name("run".into()))?;
+                    shown.with_column(id.clone())?;
                 }
                 section.tables.push(Rows::of(&part.name, &shown, &table.note)?);
             }

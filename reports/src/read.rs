@@ -13,15 +13,13 @@ mod verdicts;
 
 use std::collections::BTreeMap;
 
-use results::study::Study as Stored;
-
 pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, accuracy_text, reached};
 pub(crate) use ending::Ending;
 pub(crate) use groups::{differing, settings_text};
 pub(crate) use number::{count, counted, number, power_of_ten, round_down, round_up};
-pub(crate) use run::{Origin, Point, RunRow, label, problems, repeats, stopped_at_1e_2, threads};
+pub(crate) use run::{Point, RunRow, problems, repeats, stopped_at_1e_2, threads};
 pub(crate) use scene::{Scene, walls};
-pub(crate) use simulation::{Instant, Simulation, in_role, milliseconds};
+pub(crate) use simulation::{Simulation, in_role, milliseconds};
 pub(crate) use statistics::{distinct, find_or_push, median, padded, slope, span, unique};
 pub(crate) use verdicts::Verdicts;
 
@@ -41,15 +39,6 @@ pub(crate) struct Problems {
     /// Impulses that other codes gave, after all runs.
     pub(crate) given: Vec<RunRow>,
     pub(crate) scenes: Scenes,
-}
-
-impl From<&Stored> for Study {
-    fn from(study: &Stored) -> Self {
-        match study {
-            Stored::Runs(runs) => Self::Problems(stored::problems(runs)),
-            Stored::Simulations(all) => Self::Simulations(all.iter().map(stored::simulation).collect()),
-        }
-    }
 }
 
 /// A file's name from a problem's or partition's: letters, digits, dot, dash, underscore.

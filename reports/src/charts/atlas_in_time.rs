@@ -11,6 +11,8 @@ use crate::draw::{
     Canvas, FRAME, HPos, INK, INSIDE, LEADING, MARGIN, PAGE, Pen, Sign, Signs, TEXT, TICK_TEXT, VPos, WHITE,
     svg, text_width,
 };
+use results::simulation::Simulation as Row;
+
 use crate::read::{Simulation, counted, in_role, milliseconds, number, unique};
 use crate::text::{Part, frame};
 use class::{CREEP, Class, Drift, MORE_ENERGY, SHARE_OF_FALL, class, drift};
@@ -71,15 +73,15 @@ fn table(judged: &[Judged]) -> DataFrame {
         "worst_overlap_mean_diameters" => column(judged, worst_overlap),
         "kinetic_energy_j" => drifts(|drift| drift.energies[0]),
         "kinetic_energy_of_reference_j" => drifts(|drift| drift.energies[1]),
-        "time_steps" => column(judged, |s| s.time_steps),
-        "missed_time_steps" => column(judged, |s| s.missed_time_steps),
+        "time_steps" => column(judged, |s| s.totals.time_steps),
+        "missed_time_steps" => column(judged, |s| s.totals.missed_time_steps),
         "seconds_per_second" => column(judged, Simulation::seconds_per_second),
     ))
 }
 
 /// In mean diameters, over all time.
 fn worst_overlap(simulation: &Simulation) -> f64 {
-    let overlaps = simulation.series.iter().map(|row| row.greatest_overlap_m);
+    let overlaps = simulation.series().iter().map(|row| row.greatest_overlap_m);
     overlaps.fold(0.0, f64::max) / simulation.mean_diameter_m
 }
 
@@ -98,7 +100,7 @@ struct Line {
 
 impl Line {
     fn of(simulation: &Simulation) -> Self {
-        let Simulation { warm_start, tolerance, max_iterations, .. } = *simulation;
+        let Row { warm_start, tolerance, max_iterations, .. } = **simulation;
         Self { method: simulation.label(), warm_start, tolerance, max_iterations }
     }
 

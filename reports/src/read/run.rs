@@ -1,63 +1,40 @@
 //! A run of a study on a problem, and the samples of its curve.
 
 use std::collections::{BTreeSet, HashSet};
+use std::ops::Deref;
 
-use results::schema::Snapshot;
+use contact::Work;
+use results::journal::Record;
+use results::schema::{Run, Sample, Snapshot};
 use serde_json::{Map, Value};
 
 use crate::read::{Ending, counted, number};
 
-/// A run with all that is stored of it.
+/// A run with all that is stored of it, and what is read from that; a number that is undefined there is `None` here.
 #[derive(Clone)]
 pub(crate) struct RunRow {
+    row: Run,
+    /// Its number in the study.
     pub(crate) run: u32,
-    pub(crate) id: String,
-    pub(crate) problem: String,
-    /// What was set in the case of the problem.
-    pub(crate) problem_settings: Map<String, Value>,
-    pub(crate) grains: u32,
-    pub(crate) contacts: u32,
-    pub(crate) method: String,
-    pub(crate) settings: Map<String, Value>,
-    pub(crate) derived: Map<String, Value>,
-    /// Empty in older studies.
-    pub(crate) spectrum: Map<String, Value>,
-    pub(crate) variant: String,
     /// The variant as it is read: a number or a truth value with the name of its setting.
     pub(crate) words: String,
-    pub(crate) subdomains: u32,
-    pub(crate) stop_on: String,
-    pub(crate) tolerance: Option<f64>,
-    pub(crate) max_iterations: u64,
-    pub(crate) status: String,
     pub(crate) ending: Ending,
-    /// Why it was skipped, if it was.
-    pub(crate) reason: String,
-    pub(crate) iterations: u64,
-    /// To ζ of 10⁻³ and 10⁻⁴, to a natural map of 10⁻² and 10⁻⁴.
-    pub(crate) iterations_to: [Option<u64>; 4],
+    pub(crate) tolerance: Option<f64>,
     pub(crate) setup_s: Option<f64>,
     pub(crate) iterating_s: Option<f64>,
-    /// How often it was run for its seconds.
-    pub(crate) repeats: u32,
     /// The last sample, whether or not a curve is stored.
     pub(crate) end: Point,
     /// In the order of the iterations.
     pub(crate) curve: Vec<Point>,
     pub(crate) snapshots: Vec<Snapshot>,
-    pub(crate) origin: Origin,
 }
 
-/// Where a row comes from.
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Origin {
-    pub(crate) commit: String,
-    pub(crate) processor: String,
-    pub(crate) threads: u32,
-    pub(crate) rustc: String,
-    pub(crate) profile: String,
-    pub(crate) started_utc: String,
-    pub(crate) timed_alone: bool,
+impl Deref for RunRow {
+    type Target = Run;
+
+    fn deref(&self) -> &Run {
+        &self.row
+    }
 }
 
 /// A sample of a curve; `None` where the measure is undefined.
@@ -71,13 +48,48 @@ pub(crate) struct Point {
     pub(crate) quad_dv: Option<f64>,
     pub(crate) max_dv: Option<f64>,
     pub(crate) velocity_error: Option<f64>,
-    pub(crate) contact_updates: u64,
-    pub(crate) delassus_products: u64,
-    pub(crate) triangular_solve_entries: u64,
-    pub(crate) factorisations: u64,
+    pub(crate) work: Work,
+}
+
+/// `None` for NaN.
+pub(crate) fn defined(value: f64) -> Option<f64> {
+    (!value.is_nan()).then_some(value)
+}
+
+impl Point {
+    fn of(Sample { iteration, iterating_s, measures, work }: &Sample) -> Self {
+        Self {
+            iteration: *iteration,
+            iterating_s: defined(*iterating_s),
+            zeta: defined(measures.zeta),
+            natural_map: defined(measures.natural_map),
+            penetration_rate: defined(measures.penetration_rate),
+            quad_dv: defined(measures.quad_dv),
+            max_dv: defined(measures.max_dv),
+            velocity_error: defined(measures.velocity_error),
+            work: *work,
+        }
+    }
 }
 
 impl RunRow {
+    pub(crate) fn of(run: u32, Record { run: row, curve, snapshots }: &Record) -> Self {
+        let (measures, work) = (row.end.measures, row.end.work);
+        let end = Sample { iteration: row.iterations, iterating_s: row.iterating_s, measures, work };
+        Self {
+            run,
+            words: String::new(),
+            ending: Ending::of(&row.status),
+            tolerance: defined(row.tolerance),
+            setup_s: defined(row.setup_s),
+            iterating_s: defined(row.iterating_s),
+            end: Point::of(&end),
+            curve: curve.iter().map(Point::of).collect(),
+            snapshots: snapshots.clone(),
+            row: row.clone(),
+        }
+    }
+
     pub(crate) fn label(&self) -> String {
         // Such as a preconditioner that is none.
         let words = self.words.strip_prefix("none").unwrap_or(&self.words);
@@ -135,10 +147,12 @@ impl Point {
     /// Factorisations are not in it: a run that makes more than a few, as many as directions that adapt take, has no counted
     /// work; nor has one that counts none after an iteration.
     pub(crate) fn work(&self, run: &RunRow) -> Option<f64> {
-        let few = self.factorisations <= 6 * (u64::from(run.subdomains) + 1);
+        let Work { contact_updates, delassus_products, triangular_solve_entries, factorisations, .. } =
+            self.work;
+        let few = factorisations <= 6 * (u64::from(run.subdomains) + 1);
         let contacts = f64::from(run.contacts.max(1));
-        let visits = self.contact_updates as f64 + contacts * self.delassus_products as f64;
-        let work = visits + self.triangular_solve_entries as f64 / 8.0;
+        let visits = contact_updates as f64 + contacts * delassus_products as f64;
+        let work = visits + triangular_solve_entries as f64 / 8.0;
         (few && (work > 0.0 || self.iteration == 0)).then_some(work / contacts)
     }
 }
@@ -168,7 +182,7 @@ pub(crate) fn words(
 
 /// How often each was run for its seconds, as a note says it.
 pub(crate) fn repeats(runs: &[RunRow]) -> String {
-    match range(runs, |run| run.repeats) {
+    match range(runs, |run| run.timing.repeats) {
         (_, 1) => "One run each.".to_owned(),
         (least, most) if least == most => format!("Seconds: medians of {most} runs each."),
         (least, most) => format!("Seconds: medians of {least} to {most} runs each."),
@@ -177,7 +191,7 @@ pub(crate) fn repeats(runs: &[RunRow]) -> String {
 
 /// How many threads the runs had, in words.
 pub(crate) fn threads(runs: &[RunRow]) -> String {
-    match range(runs, |run| run.origin.threads) {
+    match range(runs, |run| run.provenance.threads) {
         (least, most) if least == most => counted(most as usize, "thread"),
         (least, most) => format!("{least} to {most} threads"),
     }

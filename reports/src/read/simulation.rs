@@ -1,45 +1,31 @@
 //! A simulation of a study through time, and the rows of its series.
 
-use crate::read::{Origin, label};
+use std::ops::Deref;
+
+use results::simulation::{Observed, Simulated, Simulation as Row};
+
+use super::run::{defined, label};
 
 /// A simulation with its series.
-pub(crate) struct Simulation {
-    pub(crate) scene: String,
-    pub(crate) role: String,
-    pub(crate) method: String,
-    pub(crate) variant: String,
-    pub(crate) warm_start: bool,
-    pub(crate) tolerance: f64,
-    pub(crate) max_iterations: u64,
-    pub(crate) status: String,
-    /// Why it ended early, if it did.
-    pub(crate) reason: String,
-    pub(crate) mass_kg: f64,
-    pub(crate) mean_diameter_m: f64,
-    pub(crate) gravity_m_per_s2: f64,
-    pub(crate) time_step_s: f64,
-    pub(crate) time_steps: u64,
-    pub(crate) missed_time_steps: u64,
-    pub(crate) iterations: u64,
-    pub(crate) contact_updates: u64,
-    pub(crate) delassus_products: u64,
-    pub(crate) setup_s: Option<f64>,
-    pub(crate) iterating_s: Option<f64>,
-    pub(crate) origin: Origin,
-    pub(crate) series: Vec<Instant>,
-}
+pub(crate) struct Simulation(Simulated);
 
-/// A row of a series.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Instant {
-    pub(crate) kinetic_energy_j: f64,
-    pub(crate) mean_height_m: f64,
-    pub(crate) greatest_overlap_m: f64,
-    /// Impulses of the floor, the left and the right wall since the row before (N·s).
-    pub(crate) wall_impulses_n_s: [f64; 3],
+impl Deref for Simulation {
+    type Target = Row;
+
+    fn deref(&self) -> &Row {
+        &self.0.simulation
+    }
 }
 
 impl Simulation {
+    pub(crate) fn of(simulated: &Simulated) -> Self {
+        Self(simulated.clone())
+    }
+
+    pub(crate) fn series(&self) -> &[Observed] {
+        &self.0.series
+    }
+
     pub(crate) fn is_run(&self) -> bool {
         self.role == "run"
     }
@@ -50,8 +36,9 @@ impl Simulation {
 
     /// Seconds in the method for each second simulated, as far as it came.
     pub(crate) fn seconds_per_second(&self) -> Option<f64> {
-        let simulated = self.time_steps as f64 * self.time_step_s;
-        (simulated > 0.0).then_some((self.setup_s? + self.iterating_s?) / simulated)
+        let simulated = self.totals.time_steps as f64 * self.time_step_s;
+        let seconds = defined(self.totals.setup_s + self.totals.iterating_s)?;
+        (simulated > 0.0).then_some(seconds / simulated)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Small tables for the tests.
 
 use crate::draw::Formats;
-use crate::read::{self, Problems, Study};
+use crate::read::{Problems, Study};
 use crate::text::Part;
 use contact::{Measures, Work};
 use results::journal::Record;
@@ -100,7 +100,7 @@ pub(crate) fn tables(runs: &[Run], curves: &[(u32, Vec<Sample>)]) -> Runs {
 
 /// As the charts read them.
 pub(crate) fn read(study: &Runs) -> Problems {
-    read::stored::problems(study)
+    study.into()
 }
 
 pub(crate) fn study(runs: &[Run], curves: &[(u32, Vec<Sample>)]) -> Problems {

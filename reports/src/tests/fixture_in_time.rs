@@ -70,5 +70,5 @@ pub(crate) fn exploded(mut simulated: Simulated) -> Simulated {
 
 /// As the figures read them.
 pub(crate) fn read(all: &[Simulated]) -> Vec<read::Simulation> {
-    all.iter().map(read::stored::simulation).collect()
+    all.iter().map(read::Simulation::of).collect()
 }

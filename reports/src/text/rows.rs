@@ -2,10 +2,13 @@
 
 use polars::df;
 use polars::prelude::{DataFrame, PolarsResult};
+use results::columns::table;
+use results::schema::Run;
+use results::simulation::Simulation as Row;
 use results::study::Study as Stored;
 
 use crate::error::ReportError;
-use crate::read::{Problems, RunRow, Simulation, Study};
+use crate::read::{Problems, Simulation, Study};
 use crate::text::{Kind, Part, Table, markdown};
 
 /// What of the table of runs a page is wide enough for, with the headings there.
@@ -58,71 +61,70 @@ pub fn summary(study: &Stored) -> Result<String, ReportError> {
     Ok(markdown(&shown)? + &note)
 }
 
+/// What the files of a table of runs hold.
+const RUNS: [&str; 20] = [
+    "problem",
+    "method",
+    "variant",
+    "subdomains",
+    "status",
+    "iterations_to_zeta_1e_3",
+    "iterations_to_zeta_1e_4",
+    "iterations_to_natural_map_1e_2",
+    "iterations_to_natural_map_1e_4",
+    "iterations",
+    "contact_updates",
+    "delassus_products",
+    "triangular_solve_entries",
+    "factorisations",
+    "setup_s",
+    "iterating_s",
+    "natural_map",
+    "velocity_error",
+    "reason",
+    "id",
+];
+
+/// The same of a table of simulations.
+const SIMULATIONS: [&str; 17] = [
+    "scene",
+    "role",
+    "time_step_s",
+    "method",
+    "variant",
+    "warm_start",
+    "tolerance",
+    "max_iterations",
+    "status",
+    "time_steps",
+    "missed_time_steps",
+    "iterations",
+    "contact_updates",
+    "delassus_products",
+    "setup_s",
+    "iterating_s",
+    "reason",
+];
+
 fn of_runs(study: &Problems) -> Result<Table, ReportError> {
-    let rows: Vec<&RunRow> = study.runs.iter().chain(&study.given).collect();
-    let text = |of: fn(&RunRow) -> &str| rows.iter().map(|run| of(run)).collect::<Vec<_>>();
-    let count = |of: fn(&RunRow) -> u64| rows.iter().map(|run| of(run)).collect::<Vec<_>>();
-    let to = |i: usize| rows.iter().map(|run| run.iterations_to[i]).collect::<Vec<_>>();
-    let value = |of: fn(&RunRow) -> Option<f64>| rows.iter().map(|run| of(run)).collect::<Vec<_>>();
-    let all = df!(
-        "problem" => text(|run| &run.problem),
-        "method" => text(|run| &run.method),
-        "variant" => text(|run| &run.variant),
-        "subdomains" => rows.iter().map(|run| run.subdomains).collect::<Vec<_>>(),
-        "status" => text(|run| &run.status),
-        "iterations_to_zeta_1e_3" => to(0),
-        "iterations_to_zeta_1e_4" => to(1),
-        "iterations_to_natural_map_1e_2" => to(2),
-        "iterations_to_natural_map_1e_4" => to(3),
-        "iterations" => count(|run| run.iterations),
-        "contact_updates" => count(|run| run.end.contact_updates),
-        "delassus_products" => count(|run| run.end.delassus_products),
-        "triangular_solve_entries" => count(|run| run.end.triangular_solve_entries),
-        "factorisations" => count(|run| run.end.factorisations),
-        "setup_s" => value(|run| run.setup_s),
-        "iterating_s" => value(|run| run.iterating_s),
-        "natural_map" => value(|run| run.end.natural_map),
-        "velocity_error" => value(|run| run.end.velocity_error),
-        "reason" => text(|run| &run.reason),
-        "id" => text(|run| &run.id),
-    )?;
-    let skipped = rows.iter().filter(|run| run.status == "skipped").map(|run| {
+    let rows = || study.runs.iter().chain(&study.given);
+    let all = table::<Run>(rows().map(|run| &**run))?.select(RUNS)?;
+    let skipped = rows().filter(|run| run.status == "skipped").map(|run| {
         let method = format!("{} {}", run.method, run.variant);
         format!("\nskipped: {} on {}: {}\n", method.trim_end(), run.problem, run.reason)
     });
     Ok(Table { shown: shown(&all, &OF_RUNS)?, all, note: skipped.collect() })
 }
 
-fn of_simulations(all: &[Simulation]) -> Result<Table, ReportError> {
-    let text = |of: fn(&Simulation) -> &str| all.iter().map(of).collect::<Vec<_>>();
-    let count = |of: fn(&Simulation) -> u64| all.iter().map(of).collect::<Vec<_>>();
-    let value = |of: fn(&Simulation) -> Option<f64>| all.iter().map(of).collect::<Vec<_>>();
-    let table = df!(
-        "scene" => text(|s| &s.scene),
-        "role" => text(|s| &s.role),
-        "time_step_s" => value(|s| Some(s.time_step_s)),
-        "method" => text(|s| &s.method),
-        "variant" => text(|s| &s.variant),
-        "warm_start" => all.iter().map(|s| s.warm_start).collect::<Vec<_>>(),
-        "tolerance" => value(|s| Some(s.tolerance)),
-        "max_iterations" => count(|s| s.max_iterations),
-        "status" => text(|s| &s.status),
-        "time_steps" => count(|s| s.time_steps),
-        "missed_time_steps" => count(|s| s.missed_time_steps),
-        "iterations" => count(|s| s.iterations),
-        "contact_updates" => count(|s| s.contact_updates),
-        "delassus_products" => count(|s| s.delassus_products),
-        "setup_s" => value(|s| s.setup_s),
-        "iterating_s" => value(|s| s.iterating_s),
-        "reason" => text(|s| &s.reason),
-    )?;
-    let costs = df!("s per s" => value(Simulation::seconds_per_second))?;
-    let note = all.iter().filter(|s| !s.reason.is_empty()).map(|s| {
+fn of_simulations(simulations: &[Simulation]) -> Result<Table, ReportError> {
+    let all = table::<Row>(simulations.iter().map(|simulation| &**simulation))?.select(SIMULATIONS)?;
+    let costs: Vec<Option<f64>> = simulations.iter().map(Simulation::seconds_per_second).collect();
+    let note = simulations.iter().filter(|s| !s.reason.is_empty()).map(|s| {
         let method = format!("{} {}", s.method, s.variant);
         format!("\n{}: {} on {}: {}\n", s.status, method.trim_end(), s.scene, s.reason)
     });
-    let shown = shown(&table, &OF_SIMULATIONS)?.hstack(costs.columns())?;
-    Ok(Table { all: table, shown, note: note.collect() })
+    let shown = shown(&all, &OF_SIMULATIONS)?.hstack(df!("s per s" => costs)?.columns())?;
+    Ok(Table { all, shown, note: note.collect() })
 }
 
 /// Some columns of a table, under their headings.

@@ -1,7 +1,9 @@
 //! What became of a simulation, judged by its series beside that of the reference of its scene.
 
 use crate::draw::{Cell, ColorScale, RGBColor};
-use crate::read::{Instant, Simulation, median};
+use results::simulation::Observed;
+
+use crate::read::{Simulation, median};
 
 /// What became of a simulation, from the best to the worst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -74,15 +76,15 @@ impl Class {
 
 /// Drift over the second half; none if the simulation did not come to the end of the reference.
 pub(crate) fn drift(simulation: &Simulation, reference: &Simulation) -> Option<Drift> {
-    let (x, y) = (&simulation.series, &reference.series);
+    let (x, y) = (simulation.series(), reference.series());
     if x.is_empty() || x.len() != y.len() {
         return None;
     }
     let half = x.len() / 2;
     let (x, y) = (&x[half..], &y[half..]);
     let d = reference.mean_diameter_m;
-    let difference = |of: fn(&Instant) -> f64| median(x.iter().zip(y).map(|(x, y)| of(x) - of(y)).collect());
-    let energy = |series: &[Instant]| median(series.iter().map(|row| row.kinetic_energy_j).collect());
+    let difference = |of: fn(&Observed) -> f64| median(x.iter().zip(y).map(|(x, y)| of(x) - of(y)).collect());
+    let energy = |series: &[Observed]| median(series.iter().map(|row| row.kinetic_energy_j).collect());
     Some(Drift {
         height: difference(|row| row.mean_height_m)? / d,
         overlap: difference(|row| row.greatest_overlap_m)? / d,
