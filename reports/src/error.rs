@@ -12,25 +12,15 @@ pub enum ReportError {
     /// A table lacks a column, or it holds something else.
     #[error("the stored tables: {0}")]
     Table(#[from] PolarsError),
-    /// A column that must be filled has a null.
-    #[error("the stored tables: column `{column}` is empty in row {row}")]
-    Null {
-        /// Name of the column.
-        column: String,
+    /// A row lacks a value, or has one of another kind.
+    #[error("the stored tables, row {row}: {why}")]
+    Row {
         /// The first such row.
         row: usize,
+        /// Which column, and what of it.
+        why: serde::de::value::Error,
     },
-    /// A column of JSON has something else.
-    #[error("the stored tables: column `{column}` in row {row} is not a JSON object: {source}")]
-    Json {
-        /// Name of the column.
-        column: String,
-        /// The first such row.
-        row: usize,
-        /// Why.
-        source: serde_json::Error,
-    },
-    /// The drawing library refuses.
+    /// A picture or a page cannot be drawn.
     #[error("a figure cannot be drawn: {0}")]
     Drawing(String),
     /// A template is none, or asks for what is not there.

@@ -1,6 +1,6 @@
 //! What figures, tables and sentences know of a study: its rows, read once, and what is true of them.
 
-mod columns;
+mod cells;
 mod cost;
 mod ending;
 mod groups;

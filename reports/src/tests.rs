@@ -240,5 +240,5 @@ fn table_without_a_column_is_an_error_that_names_it() {
     let mut broken = study();
     broken.curves = broken.curves.drop("natural_map").unwrap();
     let error = Study::of((&broken).into()).err().unwrap();
-    assert!(matches!(error, ReportError::Table(_)) && error.to_string().contains("natural_map"));
+    assert!(matches!(error, ReportError::Row { .. }) && error.to_string().contains("natural_map"));
 }

@@ -31,7 +31,8 @@ impl Panel {
     }
 
     pub(crate) fn iterations_to_1e_2() -> Self {
-        let of = |_: &Series, run: &RunRow| run.iterations_to[2].map(|iterations| iterations as f64);
+        let of =
+            |_: &Series, run: &RunRow| run.iterations_to_natural_map_1e_2.map(|iterations| iterations as f64);
         Self { on_the_way: true, ..Self::new("iterations to a natural map of 10⁻²", of) }
     }
 

@@ -105,7 +105,7 @@ fn table(all: &[(f64, Series)]) -> DataFrame {
         "subdomains" => rows.iter().map(|(.., run)| run.subdomains).collect::<Vec<_>>(),
         "grains" => rows.iter().map(|(.., run)| run.grains).collect::<Vec<_>>(),
         "status" => rows.iter().map(|(.., run)| run.ending.text()).collect::<Vec<_>>(),
-        "to_natural_map_1e_2" => rows.iter().map(|(.., run)| run.iterations_to[2]).collect::<Vec<_>>(),
+        "to_natural_map_1e_2" => rows.iter().map(|(.., run)| run.iterations_to_natural_map_1e_2).collect::<Vec<_>>(),
         "iterations" => rows.iter().map(|(.., run)| run.iterations).collect::<Vec<_>>(),
         "growth" => rows.iter().map(|(_, series, run)| growth(run, series.runs.iter().copied())).collect::<Vec<_>>(),
         "longest_subdomain" => rows.iter().map(|(.., run)| path(run)).collect::<Vec<_>>(),

@@ -1,7 +1,7 @@
 //! How a run ended.
 
 /// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Ending {
     Converged,
     IterationLimit,
@@ -14,6 +14,7 @@ pub(crate) enum Ending {
     /// Not begun.
     Skipped,
     /// Any way that this report does not know.
+    #[default]
     Failed,
 }
 

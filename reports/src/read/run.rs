@@ -3,53 +3,67 @@
 use std::collections::{BTreeSet, HashSet};
 
 use results::schema::Snapshot;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 
 use crate::read::{Ending, counted, number};
 
-/// A run with all that is stored of it.
-#[derive(Clone)]
+/// A run with all that is stored of it, by the names of the columns.
+#[derive(Clone, Deserialize)]
 pub(crate) struct RunRow {
     pub(crate) run: u32,
     pub(crate) id: String,
     pub(crate) problem: String,
     /// What was set in the case of the problem.
+    #[serde(deserialize_with = "json")]
     pub(crate) problem_settings: Map<String, Value>,
     pub(crate) grains: u32,
     pub(crate) contacts: u32,
     pub(crate) method: String,
+    #[serde(deserialize_with = "json")]
     pub(crate) settings: Map<String, Value>,
+    #[serde(deserialize_with = "json")]
     pub(crate) derived: Map<String, Value>,
     /// Empty in older studies.
+    #[serde(default, deserialize_with = "json")]
     pub(crate) spectrum: Map<String, Value>,
     pub(crate) variant: String,
     /// The variant as it is read: a number or a truth value with the name of its setting.
+    #[serde(skip)]
     pub(crate) words: String,
     pub(crate) subdomains: u32,
     pub(crate) stop_on: String,
     pub(crate) tolerance: Option<f64>,
     pub(crate) max_iterations: u64,
     pub(crate) status: String,
+    #[serde(skip)]
     pub(crate) ending: Ending,
     /// Why it was skipped, if it was.
     pub(crate) reason: String,
     pub(crate) iterations: u64,
-    /// To ζ of 10⁻³ and 10⁻⁴, to a natural map of 10⁻² and 10⁻⁴.
-    pub(crate) iterations_to: [Option<u64>; 4],
+    pub(crate) iterations_to_zeta_1e_3: Option<u64>,
+    pub(crate) iterations_to_zeta_1e_4: Option<u64>,
+    pub(crate) iterations_to_natural_map_1e_2: Option<u64>,
+    pub(crate) iterations_to_natural_map_1e_4: Option<u64>,
     pub(crate) setup_s: Option<f64>,
     pub(crate) iterating_s: Option<f64>,
     /// How often it was run for its seconds.
     pub(crate) repeats: u32,
     /// The last sample, whether or not a curve is stored.
+    #[serde(skip)]
     pub(crate) end: Point,
     /// In the order of the iterations.
+    #[serde(skip)]
     pub(crate) curve: Vec<Point>,
+    #[serde(skip)]
     pub(crate) snapshots: Vec<Snapshot>,
+    #[serde(skip)]
     pub(crate) origin: Origin,
 }
 
 /// Where a row comes from.
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Default, Deserialize)]
 pub(crate) struct Origin {
     pub(crate) commit: String,
     pub(crate) processor: String,
@@ -60,13 +74,17 @@ pub(crate) struct Origin {
     pub(crate) timed_alone: bool,
 }
 
-/// A sample of a curve; `None` where the measure is undefined.
-#[derive(Clone, Copy)]
+/// A sample of a curve, or of the end of a run; `None` where the measure is undefined, or its column newer than the study.
+#[derive(Clone, Copy, Default, Deserialize)]
 pub(crate) struct Point {
+    #[serde(alias = "iterations")]
     pub(crate) iteration: u64,
     pub(crate) iterating_s: Option<f64>,
+    #[serde(deserialize_with = "Option::deserialize")]
     pub(crate) zeta: Option<f64>,
+    #[serde(deserialize_with = "Option::deserialize")]
     pub(crate) natural_map: Option<f64>,
+    #[serde(rename = "penetration_rate_m_per_s")]
     pub(crate) penetration_rate: Option<f64>,
     pub(crate) quad_dv: Option<f64>,
     pub(crate) max_dv: Option<f64>,
@@ -75,6 +93,12 @@ pub(crate) struct Point {
     pub(crate) delassus_products: u64,
     pub(crate) triangular_solve_entries: u64,
     pub(crate) factorisations: u64,
+}
+
+/// A column of JSON.
+fn json<'de, D: Deserializer<'de>>(cell: D) -> Result<Map<String, Value>, D::Error> {
+    let text = String::deserialize(cell)?;
+    serde_json::from_str(&text).map_err(|why| D::Error::custom(format!("`{text}` is no JSON object: {why}")))
 }
 
 impl RunRow {

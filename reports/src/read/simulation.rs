@@ -1,9 +1,13 @@
 //! A simulation of a study through time, and the rows of its series.
 
+use serde::Deserialize;
+
 use crate::read::{Origin, label};
 
-/// A simulation with its series.
+/// A simulation with its series, by the names of the columns.
+#[derive(Deserialize)]
 pub(crate) struct Simulation {
+    pub(crate) simulation: u32,
     pub(crate) scene: String,
     pub(crate) role: String,
     pub(crate) method: String,
@@ -25,18 +29,22 @@ pub(crate) struct Simulation {
     pub(crate) delassus_products: u64,
     pub(crate) setup_s: Option<f64>,
     pub(crate) iterating_s: Option<f64>,
+    #[serde(skip)]
     pub(crate) origin: Origin,
+    #[serde(skip)]
     pub(crate) series: Vec<Instant>,
 }
 
 /// A row of a series.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 pub(crate) struct Instant {
     pub(crate) kinetic_energy_j: f64,
     pub(crate) mean_height_m: f64,
     pub(crate) greatest_overlap_m: f64,
-    /// Impulses of the floor, the left and the right wall since the row before (N·s).
-    pub(crate) wall_impulses_n_s: [f64; 3],
+    /// Of the wall, since the row before (N·s).
+    pub(crate) floor_impulse_n_s: f64,
+    pub(crate) left_impulse_n_s: f64,
+    pub(crate) right_impulse_n_s: f64,
 }
 
 impl Simulation {

@@ -75,7 +75,7 @@ fn of_runs(study: &Problems) -> Result<Table, ReportError> {
     let rows: Vec<&RunRow> = study.runs.iter().chain(&study.given).collect();
     let text = |of: fn(&RunRow) -> &str| rows.iter().map(|run| of(run)).collect::<Vec<_>>();
     let count = |of: fn(&RunRow) -> u64| rows.iter().map(|run| of(run)).collect::<Vec<_>>();
-    let to = |i: usize| rows.iter().map(|run| run.iterations_to[i]).collect::<Vec<_>>();
+    let to = |of: fn(&RunRow) -> Option<u64>| rows.iter().map(|run| of(run)).collect::<Vec<_>>();
     let value = |of: fn(&RunRow) -> Option<f64>| rows.iter().map(|run| of(run)).collect::<Vec<_>>();
     let all = df!(
         "problem" => text(|run| &run.problem),
@@ -83,10 +83,10 @@ fn of_runs(study: &Problems) -> Result<Table, ReportError> {
         "variant" => text(|run| &run.variant),
         "subdomains" => rows.iter().map(|run| run.subdomains).collect::<Vec<_>>(),
         "status" => text(|run| &run.status),
-        "iterations_to_zeta_1e_3" => to(0),
-        "iterations_to_zeta_1e_4" => to(1),
-        "iterations_to_natural_map_1e_2" => to(2),
-        "iterations_to_natural_map_1e_4" => to(3),
+        "iterations_to_zeta_1e_3" => to(|run| run.iterations_to_zeta_1e_3),
+        "iterations_to_zeta_1e_4" => to(|run| run.iterations_to_zeta_1e_4),
+        "iterations_to_natural_map_1e_2" => to(|run| run.iterations_to_natural_map_1e_2),
+        "iterations_to_natural_map_1e_4" => to(|run| run.iterations_to_natural_map_1e_4),
         "iterations" => count(|run| run.iterations),
         "contact_updates" => count(|run| run.end.contact_updates),
         "delassus_products" => count(|run| run.end.delassus_products),

@@ -22,7 +22,7 @@ pub(crate) fn errors(simulation: &Simulation, reference: &Simulation) -> Option<
     let one = |of: fn(&Instant) -> f64| norms(x, y, |row| vec![of(row)]);
     let relative = |(error, scale): (f64, f64)| if error == 0.0 { 0.0 } else { error / scale };
     Some([
-        relative(walls(|row| row.wall_impulses_n_s)),
+        relative(walls(|row| [row.floor_impulse_n_s, row.left_impulse_n_s, row.right_impulse_n_s])),
         relative(one(|row| row.kinetic_energy_j)),
         one(|row| row.greatest_overlap_m).0 / d,
         one(|row| row.mean_height_m).0 / d,
