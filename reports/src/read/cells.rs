@@ -24,7 +24,7 @@ struct Cell<'c> {
     value: AnyValue<'static>,
 }
 
-impl<'de> IntoDeserializer<'de, Error> for Cell<'_> {
+impl IntoDeserializer<'_, Error> for Cell<'_> {
     type Deserializer = Self;
 
     fn into_deserializer(self) -> Self {

@@ -7,7 +7,8 @@ use crate::read::{Origin, label};
 /// A simulation with its series, by the names of the columns.
 #[derive(Deserialize)]
 pub(crate) struct Simulation {
-    pub(crate) simulation: u32,
+    #[serde(rename = "simulation")]
+    pub(crate) number: u32,
     pub(crate) scene: String,
     pub(crate) role: String,
     pub(crate) method: String,

@@ -119,7 +119,7 @@ pub(crate) fn simulations(tables: &SimulationTables) -> Result<Vec<Simulation>, 
     let mut series = owned::<Instant>(&tables.series)?;
     let mut all: Vec<Simulation> = rows(&tables.simulations)?;
     for (simulation, origin) in all.iter_mut().zip(rows(&tables.simulations)?) {
-        simulation.series = series.remove(&simulation.simulation).unwrap_or_default();
+        simulation.series = series.remove(&simulation.number).unwrap_or_default();
         simulation.origin = origin;
     }
     Ok(all)
