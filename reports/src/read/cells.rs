@@ -65,3 +65,6 @@ impl<'de> Deserializer<'de> for Cell<'_> {
         newtype_struct seq tuple tuple_struct map struct enum identifier ignored_any
     }
 }
+
+#[cfg(test)]
+mod tests;
