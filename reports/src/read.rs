@@ -9,19 +9,17 @@ mod scene;
 mod simulation;
 mod statistics;
 pub(crate) mod stored;
-mod verdicts;
 
 use std::collections::BTreeMap;
 
 pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, accuracy_text, reached};
-pub(crate) use ending::Ending;
+pub(crate) use ending::{Ending, Verdicts};
 pub(crate) use groups::{differing, settings_text};
 pub(crate) use number::{count, counted, number, power_of_ten, round_down, round_up};
 pub(crate) use run::{Point, RunRow, problems, repeats, stopped_at_1e_2, threads};
 pub(crate) use scene::{Scene, walls};
 pub(crate) use simulation::{Simulation, in_role, milliseconds};
 pub(crate) use statistics::{distinct, find_or_push, median, padded, slope, span, unique};
-pub(crate) use verdicts::Verdicts;
 
 /// Samples by problem and partition.
 pub(crate) type Scenes = BTreeMap<(String, String), Scene>;

@@ -55,19 +55,6 @@ impl<'t> Lines<'t> {
         Legend::new(entries, signs, width)
     }
 
-    /// Runs by their numbers, to be told apart among `runs`: all, if they are few; of many, of each method the first, in
-    /// each cost, to the finest accuracy that the method reaches, or else the one that ends nearest.
-    fn best(&self, runs: &[&RunRow]) -> BTreeSet<u32> {
-        if runs.len() <= MOST_TOLD_APART {
-            return runs.iter().map(|run| run.run).collect();
-        }
-        let mut of_methods: BTreeMap<&str, Vec<&RunRow>> = BTreeMap::new();
-        for run in runs {
-            of_methods.entry(&run.method).or_default().push(run);
-        }
-        of_methods.values().flat_map(|runs| COSTS.iter().filter_map(|cost| first(runs, cost))).collect()
-    }
-
     /// The legend of the best runs.
     pub(crate) fn legend_of_best(
         &self,
@@ -75,7 +62,7 @@ impl<'t> Lines<'t> {
         mut more: Vec<(Sign, String)>,
         width: f64,
     ) -> Legend {
-        let best = self.best(runs);
+        let best = best(runs);
         let coloured: Vec<&RunRow> = runs.iter().copied().filter(|run| best.contains(&run.run)).collect();
         if coloured.len() < runs.len() {
             let others = runs.len() - coloured.len();
@@ -99,7 +86,7 @@ impl<'t> Lines<'t> {
         runs: &[&RunRow],
         at: impl Fn(&RunRow, &Point) -> Option<LogPoint>,
     ) -> Vec<Line> {
-        let best = self.best(runs);
+        let best = best(runs);
         let (coloured, others): (Vec<&RunRow>, Vec<&RunRow>) =
             runs.iter().partition(|run| best.contains(&run.run));
         let mut lines = self.lines(&others, &at);
@@ -123,6 +110,19 @@ impl<'t> Lines<'t> {
         };
         runs.iter().map(line).collect()
     }
+}
+
+/// Runs by their numbers, to be told apart among `runs`: all, if they are few; of many, of each method the first, in
+/// each cost, to the finest accuracy that the method reaches, or else the one that ends nearest.
+fn best(runs: &[&RunRow]) -> BTreeSet<u32> {
+    if runs.len() <= MOST_TOLD_APART {
+        return runs.iter().map(|run| run.run).collect();
+    }
+    let mut of_methods: BTreeMap<&str, Vec<&RunRow>> = BTreeMap::new();
+    for run in runs {
+        of_methods.entry(&run.method).or_default().push(run);
+    }
+    of_methods.values().flat_map(|runs| COSTS.iter().filter_map(|cost| first(runs, cost))).collect()
 }
 
 /// The number of the first run to the finest accuracy that any reaches, or of the one that ends nearest.

@@ -45,7 +45,7 @@ impl Sign {
             Self::Line(pen) => canvas.line(&[(x, y), (x + SAMPLE, y)], *pen),
             Self::Mark(mark, pen) => canvas.mark(*mark, (x + 0.9, y), *pen),
             Self::Cell(cell) => {
-                cell.draw(canvas, (x, y - 1.5), (x + 2.8, y + 1.5), Pen { width: 0.08, ..FRAME })
+                cell.draw(canvas, (x, y - 1.5), (x + 2.8, y + 1.5), Pen { width: 0.08, ..FRAME });
             }
             Self::Grain(fill, outline) => canvas.disc((x + 1.3, y), 1.3, *fill, Some(*outline)),
             Self::Ring => ring(canvas, (x + 0.9, y)),

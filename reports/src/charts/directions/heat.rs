@@ -147,7 +147,7 @@ impl Page {
             }
         }
         if let Some((l, d)) = field.kappa {
-            canvas.mark(Mark::Diamond, frame.place((l.log10(), d.log10())), DERIVED)
+            canvas.mark(Mark::Diamond, frame.place((l.log10(), d.log10())), DERIVED);
         }
     }
 
