@@ -28,7 +28,7 @@ fn assert_is_a_partition(problem: &Packing, partition: &Partition) {
         "each contact in one subdomain"
     );
 
-    let boundary_grains = decomposition.boundary().count();
+    let boundary_grains = decomposition.boundary.len();
     assert_eq!(partition.cut(&Adjacency::of(problem)), decomposition.copy_count() - boundary_grains);
 
     // The masses M_i/m_i of the copies, found by walking through the subdomains, sum to the grain's.

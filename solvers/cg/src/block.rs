@@ -9,12 +9,11 @@
     reason = "what is not inlined where the processor's instructions are chosen does not get them"
 )]
 
+use contact::Adjacency;
 use contact::law::non_negative;
-use contact::scaled::ScaledContact;
-use contact::{Adjacency, ContactProblem};
 use nalgebra::Vector2;
-use product::{Layout, Subdomain, columns};
-use pulp::{Arch, Simd, WithSimd};
+use product::{Columns, Subdomain};
+use pulp::Arch;
 
 /// A pass over a block, and the two sums that it is for. w is the part of u = −(W r + b) that r ≥ 0 does not block.
 #[derive(Clone, Copy)]
@@ -35,10 +34,7 @@ pub(crate) enum Pass {
 
 /// Some contacts, with what the method knows of each.
 pub(crate) struct Block {
-    /// The problem's contact of each column.
-    contacts: Vec<u32>,
-    columns: Vec<ScaledContact>,
-    unit: Vec<f64>,
+    columns: Columns,
     b: Vec<f64>,
     r: Vec<f64>,
     /// u = −(W r + b), minus the gradient of q.
@@ -56,11 +52,7 @@ pub(crate) struct Block {
     added: bool,
     /// What the block adds to the sums that the last pass was for.
     parts: [f64; 2],
-    /// Local indices of the grains that blocks share.
-    boundary: Vec<u32>,
     adjacency: Adjacency,
-    /// 1 over the number of blocks that have the grain, in local indices.
-    share: Vec<f64>,
 }
 
 /// u where r > 0 or u > 0, else 0: the part of it that r ≥ 0 does not block.
@@ -71,51 +63,48 @@ fn unblocked(r: f64, u: f64, value: f64) -> f64 {
 }
 
 impl Block {
-    /// The contacts of `subdomain`, in its local indices, from the impulses `r0`.
-    pub(crate) fn new(
-        problem: &ContactProblem,
-        layout: &Layout,
-        subdomain: &Subdomain,
-        preconditioned: bool,
-        b: &[f64],
-        r0: &[f64],
-    ) -> Self {
-        let contacts = subdomain.contacts.clone();
-        let (columns, unit) = columns(problem, subdomain, preconditioned);
-        let each = || contacts.iter().map(|contact| *contact as usize).zip(&unit);
+    /// The contacts of `subdomain` as columns, from the impulses `r0`.
+    pub(crate) fn new(columns: Columns, subdomain: &Subdomain, b: &[f64], r0: &[f64]) -> Self {
+        let of_contacts = vec![0.0; subdomain.contacts.len()];
         let zeros = vec![Vector2::zeros(); subdomain.grains.len()];
         Self {
-            b: each().map(|(contact, unit)| b[contact] / unit).collect(),
-            r: each().map(|(contact, unit)| r0[contact] * unit).collect(),
-            u: vec![0.0; contacts.len()],
-            r_before: vec![0.0; contacts.len()],
-            u_before: vec![0.0; contacts.len()],
-            p: vec![0.0; contacts.len()],
+            b: columns.units().map(|(contact, unit)| b[contact] / unit).collect(),
+            r: columns.units().map(|(contact, unit)| r0[contact] * unit).collect(),
+            u: of_contacts.clone(),
+            r_before: of_contacts.clone(),
+            u_before: of_contacts.clone(),
+            p: of_contacts,
             y: zeros.clone(),
             change: zeros,
             added: false,
             parts: [0.0; 2],
-            boundary: subdomain.boundary.clone(),
             adjacency: Adjacency::new(subdomain.ends.iter().copied(), subdomain.grains.len()),
-            share: layout.shares(subdomain),
-            contacts,
             columns,
-            unit,
         }
     }
 
     /// Makes a pass, with the best instructions that the processor has: the same operations in the same order with any.
     pub(crate) fn make(&mut self, pass: Pass) {
-        self.parts = Arch::new().dispatch(Dispatched(self, pass));
+        self.parts = Arch::new().dispatch(|| match pass {
+            Pass::Curvature => [self.curvature(), 0.0],
+            Pass::Step { length } => self.step(length),
+            Pass::Correct => self.correct(),
+            Pass::Whole => {
+                self.whole();
+                [0.0; 2]
+            }
+            Pass::Afresh => self.afresh(),
+            Pass::Turn { beta } => self.turn(beta),
+        });
     }
 
-    /// The grains that blocks share, and what they have in common of the grains after the pass or before it.
-    pub(crate) fn shared(&mut self, pass: Pass) -> (&[u32], &mut [Vector2<f64>]) {
+    /// What the blocks have in common of the grains that they share, after the pass or before it.
+    pub(crate) fn shared(&mut self, pass: Pass) -> (&Columns, &mut [Vector2<f64>]) {
         let shared = match pass {
             Pass::Step { .. } | Pass::Correct | Pass::Whole | Pass::Afresh => &mut self.change,
             Pass::Turn { .. } | Pass::Curvature => &mut self.y,
         };
-        (&self.boundary, shared)
+        (&self.columns, shared)
     }
 
     /// What the block adds to the sums that the last pass was for.
@@ -142,7 +131,7 @@ impl Block {
 
     #[inline(always)]
     fn curvature(&self) -> f64 {
-        self.y.iter().zip(&self.share).map(|(y, share)| share * y.norm_squared()).sum()
+        self.y.iter().zip(&self.columns.share).map(|(y, share)| share * y.norm_squared()).sum()
     }
 
     #[inline(always)]
@@ -154,7 +143,7 @@ impl Block {
         let after = self.r.iter_mut().zip(&mut self.u);
         let (mut added, mut product, mut uphill) = (false, 0.0, 0.0);
         for ((column, p), ((r_before, u_before), (r, u))) in
-            self.columns.iter().zip(&self.p).zip(before.zip(after))
+            self.columns.scaled.iter().zip(&self.p).zip(before.zip(after))
         {
             let of_p = column.relative(y);
             let moved = r_before + length * p;
@@ -174,12 +163,12 @@ impl Block {
     #[inline(always)]
     fn correct(&mut self) -> [f64; 2] {
         let [mut product, mut uphill] = self.parts;
-        for (grain, (change, share)) in self.change.iter_mut().zip(&self.share).enumerate() {
+        for (grain, (change, share)) in self.change.iter_mut().zip(&self.columns.share).enumerate() {
             if *change != Vector2::zeros() {
                 uphill += 0.5 * share * change.norm_squared();
                 for k in self.adjacency.around(grain) {
                     let k = *k as usize;
-                    let (column, r, u) = (&self.columns[k], self.r[k], &mut self.u[k]);
+                    let (column, r, u) = (&self.columns.scaled[k], self.r[k], &mut self.u[k]);
                     let before = unblocked(r, *u, *u);
                     *u -= column.relative_of(grain as u32, change);
                     product += (unblocked(r, *u, *u) - before) * column.relative(&self.y);
@@ -192,7 +181,7 @@ impl Block {
 
     #[inline(always)]
     fn whole(&mut self) {
-        for (column, r) in self.columns.iter().zip(&self.r) {
+        for (column, r) in self.columns.scaled.iter().zip(&self.r) {
             column.push(*r, &mut self.change);
         }
     }
@@ -200,7 +189,9 @@ impl Block {
     #[inline(always)]
     fn afresh(&mut self) -> [f64; 2] {
         let (mut product, mut squared_size) = (0.0, 0.0);
-        for ((column, u), (b, r)) in self.columns.iter().zip(&mut self.u).zip(self.b.iter().zip(&self.r)) {
+        for ((column, u), (b, r)) in
+            self.columns.scaled.iter().zip(&mut self.u).zip(self.b.iter().zip(&self.r))
+        {
             *u = -(column.relative(&self.change) + b);
             product += unblocked(*r, *u, *u) * column.relative(&self.y);
             let pressed = column.squared() * r;
@@ -215,7 +206,9 @@ impl Block {
         let y = &mut self.y[..];
         y.fill(Vector2::zeros());
         let (mut descent, mut squared) = (0.0, 0.0);
-        for ((column, p), (r, u)) in self.columns.iter().zip(&mut self.p).zip(self.r.iter().zip(&self.u)) {
+        for ((column, p), (r, u)) in
+            self.columns.scaled.iter().zip(&mut self.p).zip(self.r.iter().zip(&self.u))
+        {
             *p = unblocked(*r, *u, u + beta * *p);
             column.push(*p, y);
             descent += u * *p;
@@ -226,31 +219,6 @@ impl Block {
 
     /// Puts the impulses in the problem's order (N·s).
     pub(crate) fn impulses(&self, impulses: &mut [f64]) {
-        for ((r, unit), contact) in self.r.iter().zip(&self.unit).zip(&self.contacts) {
-            impulses[*contact as usize] = r / unit;
-        }
-    }
-}
-
-/// What the processor's instructions are chosen for.
-struct Dispatched<'b>(&'b mut Block, Pass);
-
-impl WithSimd for Dispatched<'_> {
-    type Output = [f64; 2];
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> [f64; 2] {
-        let Self(block, pass) = self;
-        match pass {
-            Pass::Curvature => [block.curvature(), 0.0],
-            Pass::Step { length } => block.step(length),
-            Pass::Correct => block.correct(),
-            Pass::Whole => {
-                block.whole();
-                [0.0; 2]
-            }
-            Pass::Afresh => block.afresh(),
-            Pass::Turn { beta } => block.turn(beta),
-        }
+        self.columns.impulses(self.r.iter().copied(), impulses);
     }
 }

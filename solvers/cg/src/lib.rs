@@ -14,7 +14,7 @@ mod block;
 use analysis::{delassus_bound, scaled_delassus_bound};
 use block::{Block, Pass};
 use contact::{Iteration, Packing, SetupError, Solver, Work};
-use product::{Layout, Subdomain, send_of, take_sums};
+use product::Layout;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -70,8 +70,8 @@ impl Run {
     fn send_after(&mut self, pass: Pass) -> [f64; 2] {
         self.layout.send(&mut self.blocks, |block, sent| {
             block.make(pass);
-            let (places, shared) = block.shared(pass);
-            send_of(places, shared, sent);
+            let (columns, shared) = block.shared(pass);
+            columns.send(shared, sent);
         });
         self.sums()
     }
@@ -79,8 +79,8 @@ impl Run {
     /// The same, but each block first takes the sums of what all have sent.
     fn receive_before(&mut self, pass: Pass) -> [f64; 2] {
         self.layout.receive(&mut self.blocks, |block, sums| {
-            let (places, shared) = block.shared(pass);
-            take_sums(places, shared, sums);
+            let (columns, shared) = block.shared(pass);
+            columns.take(shared, sums);
             block.make(pass);
         });
         self.sums()
@@ -188,9 +188,9 @@ impl Solver for Cg {
     fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         let layout = Layout::new(problem)?;
         let (b, preconditioned) = (problem.b(), self.preconditioner == Preconditioner::Diagonal);
-        let block = |subdomain: &Subdomain| Block::new(problem, &layout, subdomain, preconditioned, &b, r0);
         let mut run = Run {
-            blocks: layout.blocks(block),
+            blocks: layout
+                .blocks(problem, preconditioned, |columns, subdomain| Block::new(columns, subdomain, &b, r0)),
             greatest: if preconditioned { scaled_delassus_bound(problem) } else { delassus_bound(problem) },
             layout,
             descent: 0.0,

@@ -37,11 +37,7 @@ impl BlockStructure {
         let place = order.places();
         let upper: Vec<_> = pairs
             .chain((0..grains).map(|grain| (grain, grain)))
-            .flat_map(|(i, j)| {
-                let (i, j) = (2 * place[i], 2 * place[j]);
-                [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)]
-            })
-            .map(|(i, j)| Triplet::new(i.min(j), i.max(j), 0.0))
+            .flat_map(|(i, j)| upper((place[i].min(place[j]), place[i].max(place[j]), Matrix2::zeros())))
             .collect();
         let (pattern, _) = SparseColMat::<usize, f64>::try_new_from_triplets(2 * grains, 2 * grains, &upper)
             .map_err(failed)?
@@ -55,15 +51,19 @@ impl BlockStructure {
         &self.position
     }
 
-    /// Factorises the matrix with these entries in the upper triangle, rows 2p and 2p + 1 for the grain at place p.
+    /// Factorises the matrix with these blocks, each at the places of two grains; only what is in the upper triangle counts, and
+    /// blocks of the same places add up.
     ///
     /// # Errors
     /// Where it is not positive definite in double precision.
     ///
     /// # Panics
     /// If it couples grains that are not among the pairs.
-    pub fn factorise(&self, upper: &[Triplet<usize, usize, f64>]) -> Result<BlockFactor, Singular> {
-        let entries = self.values(upper);
+    pub fn factorise(
+        &self,
+        blocks: impl Iterator<Item = (usize, usize, Matrix2<f64>)>,
+    ) -> Result<BlockFactor, Singular> {
+        let entries = self.values(blocks.flat_map(upper));
         let matrix = SparseColMatRef::new(self.pattern.as_ref(), &entries);
         let values = numeric(&self.symbolic, matrix, Side::Upper)?;
         let SymbolicCholeskyRaw::Simplicial(columns) = self.symbolic.raw() else {
@@ -72,11 +72,10 @@ impl BlockStructure {
         Ok(BlockFactor::in_blocks(columns.col_ptr(), columns.row_idx(), &values))
     }
 
-    /// The values of the matrix with these entries in the upper triangle, in the order of its pattern. Entries of one place
-    /// add up.
-    fn values(&self, upper: &[Triplet<usize, usize, f64>]) -> Vec<f64> {
+    /// The values of the matrix with these entries, in the order of its pattern. Entries of one place add up.
+    fn values(&self, entries: impl Iterator<Item = Triplet<usize, usize, f64>>) -> Vec<f64> {
         let mut values = vec![0.0; self.pattern.row_idx().len()];
-        for entry in upper {
+        for entry in entries {
             let column = self.pattern.col_range(entry.col);
             let rows = &self.pattern.row_idx()[column.clone()];
             let place = rows.partition_point(|row| *row < entry.row);
@@ -85,6 +84,13 @@ impl BlockStructure {
         }
         values
     }
+}
+
+/// The entries of a block in the upper triangle, rows 2p and 2p + 1 for the grain at place p.
+fn upper((i, j, block): (usize, usize, Matrix2<f64>)) -> impl Iterator<Item = Triplet<usize, usize, f64>> {
+    let entries = [(0, 0), (0, 1), (1, 0), (1, 1)].into_iter();
+    let entries = entries.map(move |(x, y)| Triplet::new(2 * i + x, 2 * j + y, block[(x, y)]));
+    entries.filter(|entry| entry.row <= entry.col)
 }
 
 impl BlockFactor {

@@ -1,7 +1,7 @@
 //! Factors against dense solves.
 
 use super::*;
-use nalgebra::{DMatrix, DVector, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 /// 1 + Σ κ h hᵗ of unit vectors between neighbours on a ring, as its lower triangle; and dense.
 fn ring(grains: usize) -> (Vec<Triplet<usize, usize, f64>>, DMatrix<f64>) {
@@ -37,16 +37,16 @@ fn factor_by_entries_solves() {
 
 #[test]
 fn factor_in_blocks_solves_with_the_same_entries_twice() {
-    let (lower, dense) = ring(9);
+    let (_, dense) = ring(9);
     let pairs = (0..9).map(|i| (i, (i + 1) % 9));
     let structure = BlockStructure::new(9, pairs).unwrap();
-    let place = |k: usize| 2 * structure.position()[k / 2] as usize + k % 2;
-    let upper: Vec<_> = lower
-        .iter()
-        .map(|entry| (place(entry.row), place(entry.col), entry.val))
-        .flat_map(|(i, j, value)| [0.25, 0.75].map(|share| Triplet::new(i.min(j), i.max(j), share * value)))
-        .collect();
-    let factor = structure.factorise(&upper).unwrap();
+    let place = |grain: usize| structure.position()[grain] as usize;
+    let coupled = (0..9).flat_map(|i| [(i, i), (i, (i + 1) % 9), ((i + 1) % 9, i)]);
+    let block =
+        |(i, j): (usize, usize)| (place(i), place(j), dense.fixed_view::<2, 2>(2 * i, 2 * j).into_owned());
+    let blocks = coupled.map(block).filter(|(i, j, _)| i <= j);
+    let twice = blocks.flat_map(|(i, j, block)| [0.25, 0.75].map(|share| (i, j, share * block)));
+    let factor = structure.factorise(twice).unwrap();
     let mut x = vec![Vector2::zeros(); 9];
     let b = right_hand_side(18);
     for k in 0..9 {
@@ -64,5 +64,6 @@ fn matrix_that_is_not_positive_definite_has_no_factor() {
     let entries = [Triplet::new(0, 0, 1.0), Triplet::new(1, 1, -1.0)];
     let order = Order::minimum_degree(2, std::iter::empty()).unwrap();
     assert!(Factor::new(2, &entries, &order).is_err());
-    assert!(BlockStructure::new(1, std::iter::empty()).unwrap().factorise(&entries).is_err());
+    let block = (0, 0, Matrix2::new(1.0, 0.0, 0.0, -1.0));
+    assert!(BlockStructure::new(1, std::iter::empty()).unwrap().factorise(std::iter::once(block)).is_err());
 }

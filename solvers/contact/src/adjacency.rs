@@ -1,14 +1,43 @@
-//! Which contacts touch a grain, and colours of what shares none.
+//! What belongs to each of some groups: contacts to the grains that they touch; and colours of what shares none.
 
 use crate::problem::{Contact, ContactProblem};
+use std::ops::Range;
+
+/// The members of each of some groups, by rising index.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Groups {
+    /// Group g has the members `members[first[g]..first[g + 1]]`.
+    first: Vec<u32>,
+    members: Vec<u32>,
+}
+
+impl Groups {
+    /// From each member and its group, by rising member; there are so many `groups`.
+    pub fn new(memberships: impl Iterator<Item = (u32, usize)> + Clone, groups: usize) -> Self {
+        let mut first = vec![0; groups + 1];
+        memberships.clone().for_each(|(_, group)| first[group + 1] += 1);
+        for group in 0..groups {
+            first[group + 1] += first[group];
+        }
+        let mut next = first.clone();
+        let mut members = vec![0; first[groups] as usize];
+        for (member, group) in memberships {
+            members[next[group] as usize] = member;
+            next[group] += 1;
+        }
+        Self { first, members }
+    }
+
+    /// The members of some groups, one group after the other.
+    #[inline]
+    pub fn of(&self, groups: Range<usize>) -> &[u32] {
+        &self.members[self.first[groups.start] as usize..self.first[groups.end] as usize]
+    }
+}
 
 /// The contacts around each grain, in rising order.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Adjacency {
-    /// Grain i has the contacts `contacts[first[i]..first[i + 1]]`.
-    first: Vec<u32>,
-    contacts: Vec<u32>,
-}
+pub struct Adjacency(Groups);
 
 impl Adjacency {
     /// Of the contacts of `problem`.
@@ -18,36 +47,22 @@ impl Adjacency {
 
     /// From the `ends` of each contact, candidate and antagonist, `None` for a wall; there are so many `grains`.
     pub fn new(ends: impl Iterator<Item = (u32, Option<u32>)> + Clone, grains: usize) -> Self {
-        let mut first = vec![0; grains + 1];
-        touches(ends.clone()).for_each(|(_, grain)| first[grain + 1] += 1);
-        for grain in 0..grains {
-            first[grain + 1] += first[grain];
-        }
-        let mut next = first.clone();
-        let mut contacts = vec![0; first[grains] as usize];
-        for (contact, grain) in touches(ends) {
-            contacts[next[grain] as usize] = contact;
-            next[grain] += 1;
-        }
-        Self { first, contacts }
+        let touches = (0_u32..).zip(ends).flat_map(|(contact, (i, j))| {
+            std::iter::once(i).chain(j).map(move |grain| (contact, grain as usize))
+        });
+        Self(Groups::new(touches, grains))
     }
 
     /// The contacts around a grain.
     #[inline]
     pub fn around(&self, grain: usize) -> &[u32] {
-        &self.contacts[self.first[grain] as usize..self.first[grain + 1] as usize]
+        self.0.of(grain..grain + 1)
     }
 
     /// Number of grains.
     pub fn grain_count(&self) -> usize {
-        self.first.len() - 1
+        self.0.first.len() - 1
     }
-}
-
-/// Every contact with each of its grains.
-fn touches(ends: impl Iterator<Item = (u32, Option<u32>)>) -> impl Iterator<Item = (u32, usize)> {
-    let ends = (0_u32..).zip(ends);
-    ends.flat_map(|(contact, (i, j))| std::iter::once(i).chain(j).map(move |i| (contact, i as usize)))
 }
 
 /// Greedy colouring: each of the `items`, in their order, takes the least colour that none before it with a common grain has.
@@ -56,22 +71,22 @@ pub fn greedy_colours<I>(items: impl Iterator<Item = I>, grains: usize) -> Vec<u
 where
     I: Iterator<Item = u32> + Clone,
 {
-    // Colours already at each grain, 64 to a word.
-    let mut taken: Vec<Vec<u64>> = vec![Vec::new(); grains];
+    // Whether each colour is taken at each grain.
+    let mut taken: Vec<Vec<bool>> = vec![Vec::new(); grains];
     let colour_of = |own: I| {
-        let words = |grain: u32, word: usize| taken[grain as usize].get(word).copied().unwrap_or(0);
-        let at_any = |word: usize| own.clone().fold(0, |all, grain| all | words(grain, word));
-        let mut word = 0;
-        while at_any(word) == u64::MAX {
-            word += 1;
+        let is_taken = |colour: usize| {
+            own.clone().any(|grain| taken[grain as usize].get(colour).is_some_and(|taken| *taken))
+        };
+        let mut colour = 0;
+        while is_taken(colour) {
+            colour += 1;
         }
-        let bit = at_any(word).trailing_ones();
         for grain in own {
-            let grain = &mut taken[grain as usize];
-            grain.resize(grain.len().max(word + 1), 0);
-            grain[word] |= 1 << bit;
+            let taken = &mut taken[grain as usize];
+            taken.resize(taken.len().max(colour + 1), false);
+            taken[colour] = true;
         }
-        64 * word as u32 + bit
+        colour as u32
     };
     items.map(colour_of).collect()
 }

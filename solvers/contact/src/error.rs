@@ -60,6 +60,16 @@ impl ProblemError {
     }
 }
 
+/// Whether a quantity is positive and finite.
+pub fn is_positive(x: f64) -> bool {
+    x > 0.0 && x.is_finite()
+}
+
+/// Whether a quantity is finite and not negative.
+pub fn is_not_negative(x: f64) -> bool {
+    x >= 0.0 && x.is_finite()
+}
+
 /// A number in an error: in full, or with an exponent where that is long.
 pub fn shown(x: f64) -> String {
     let (full, exponent) = (format!("{x}"), format!("{x:e}"));
@@ -87,16 +97,33 @@ impl SetupError {
         Self { key, value: long.map_or(value, shown), expected: expected.into() }
     }
 
+    /// Accepts a `value` that is `valid`.
+    ///
+    /// # Errors
+    /// Names `key` otherwise, and what is `expected`.
+    pub fn unless(
+        valid: bool,
+        key: &'static str,
+        value: impl std::fmt::Display,
+        expected: impl Into<String>,
+    ) -> Result<(), Self> {
+        if valid { Ok(()) } else { Err(Self::new(key, value, expected)) }
+    }
+
     /// Accepts a positive finite value.
     ///
     /// # Errors
     /// Names `key` otherwise.
     pub fn unless_positive(key: &'static str, value: f64) -> Result<(), Self> {
-        if value > 0.0 && value.is_finite() {
-            Ok(())
-        } else {
-            Err(Self::new(key, value, "positive and finite"))
-        }
+        Self::unless(is_positive(value), key, value, "positive and finite")
+    }
+
+    /// Accepts a finite value that is not negative.
+    ///
+    /// # Errors
+    /// Names `key` otherwise.
+    pub fn unless_not_negative(key: &'static str, value: f64) -> Result<(), Self> {
+        Self::unless(is_not_negative(value), key, value, "finite and not negative")
     }
 
     /// Accepts a warm start with one admissible impulse per contact.
@@ -104,11 +131,10 @@ impl SetupError {
     /// # Errors
     /// Names the first impulse that is not.
     pub fn unless_admissible(problem: &ContactProblem, r0: &[f64]) -> Result<(), Self> {
-        if r0.len() != problem.contact_count() {
-            let expected = format!("of one impulse per contact, {} in all", problem.contact_count());
-            return Err(Self::new("start", format!("{} impulses", r0.len()), expected));
-        }
-        match r0.iter().position(|r| !(*r >= 0.0 && r.is_finite())) {
+        let (found, contacts) = (r0.len(), problem.contact_count());
+        let expected = format!("of one impulse per contact, {contacts} in all");
+        Self::unless(found == contacts, "start", format!("{found} impulses"), expected)?;
+        match r0.iter().position(|r| !is_not_negative(*r)) {
             None => Ok(()),
             Some(index) => {
                 let value = format!("{} at contact {index}", shown(r0[index]));

@@ -17,8 +17,8 @@ pub mod sweep;
 mod truth;
 mod work;
 
-pub use adjacency::{Adjacency, greedy_colours};
-pub use error::{ProblemError, SetupError, shown};
+pub use adjacency::{Adjacency, Groups, greedy_colours};
+pub use error::{ProblemError, SetupError, is_not_negative, is_positive, shown};
 pub use measures::{Measure, Measures, Meter};
 pub use packing::Packing;
 pub use problem::{Contact, ContactProblem};

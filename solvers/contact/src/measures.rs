@@ -1,7 +1,6 @@
 //! Measures of an iterate, recomputed from the impulses r alone, two of them beside a known solution; only the velocity
 //! jump is what the method says itself.
 
-use crate::operators::scale;
 use crate::problem::{Contact, ContactProblem};
 use crate::truth::Truth;
 use crate::work::together;
@@ -146,12 +145,12 @@ pub struct Meter<'p> {
 impl<'p> Meter<'p> {
     /// Prepares what the measures of all iterates share.
     pub fn new(problem: &'p ContactProblem) -> Self {
-        let (b, delassus_diagonal) = (problem.b(), problem.delassus_diagonal());
-        let known = |(b, w): (&f64, &f64)| Known { b: *b, delassus: *w, inverse_delassus: 1.0 / w };
+        let contacts = problem.b().into_iter().zip(problem.delassus_diagonal());
+        let known = |(b, w)| Known { b, delassus: w, inverse_delassus: 1.0 / w };
         Self {
             problem,
-            scale: scale(&b, &delassus_diagonal),
-            known: b.iter().zip(&delassus_diagonal).map(known).collect(),
+            scale: problem.scale(),
+            known: contacts.map(known).collect(),
             velocity: vec![Vector2::zeros(); problem.grain_count()],
             previous: vec![f64::NAN; problem.contact_count()],
             blocks: Vec::new(),

@@ -83,7 +83,8 @@ impl ContactProblem {
     /// Σ max(0, −b)²/`W_αα` (J): the scale of the impulses' work, fixed by the problem. It is 0 where no contact pushes: the
     /// solution is then r = 0.
     pub fn scale(&self) -> f64 {
-        scale(&self.b(), &self.delassus_diagonal())
+        let squared = |(b, w): (&f64, f64)| law::non_negative(-b) * law::non_negative(-b) / w;
+        self.b().iter().zip(self.delassus_diagonal()).map(squared).sum()
     }
 
     /// q(r) = ½ rᵗ W r + bᵗ r, from v = W r + b: ½ rᵗ (v + b) (J).
@@ -96,10 +97,4 @@ impl ContactProblem {
         let squared = |((v, u), m): ((&Vector2<f64>, &Vector2<f64>), &f64)| m * (v - u).norm_squared();
         velocity.iter().zip(other).zip(self.mass()).map(squared).sum::<f64>().sqrt()
     }
-}
-
-/// [`ContactProblem::scale`], from b and the `W_αα`.
-pub(crate) fn scale(b: &[f64], delassus_diagonal: &[f64]) -> f64 {
-    let squared = |(b, w): (&f64, &f64)| law::non_negative(-b) * law::non_negative(-b) / w;
-    b.iter().zip(delassus_diagonal).map(squared).sum()
 }

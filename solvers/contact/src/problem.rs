@@ -1,6 +1,6 @@
 //! The contact problem of one time step as data, and what makes it valid.
 
-use crate::error::{ProblemError, shown};
+use crate::error::{ProblemError, is_positive, shown};
 use nalgebra::Vector2;
 
 /// One contact α. v_α = n · (V_candidate − V_antagonist) + c_α.
@@ -38,16 +38,10 @@ impl ContactProblem {
     ) -> Result<Self, ProblemError> {
         let grains = mass.len();
         ProblemError::unless_length("grains.free_velocity", &free_velocity, grains)?;
-        ProblemError::unless_each("grains.mass", &mass, "positive and finite", |m| {
-            *m > 0.0 && m.is_finite()
-        })?;
+        ProblemError::unless_each("grains.mass", &mass, "positive and finite", |m| is_positive(*m))?;
         // A problem needs 1/m: that of 1e-320 kg is infinite.
-        ProblemError::unless_each(
-            "grains.mass",
-            &mass,
-            "at least 5.6e-309, or its inverse overflows",
-            |m| m.recip().is_finite(),
-        )?;
+        let expected = "at least 5.6e-309, or its inverse overflows";
+        ProblemError::unless_each("grains.mass", &mass, expected, |m| m.recip().is_finite())?;
         ProblemError::unless_each("grains.free_velocity", &free_velocity, "finite", finite)?;
         for (index, contact) in contacts.iter().enumerate() {
             check_contact(contact, index, grains)?;
@@ -86,35 +80,23 @@ pub(crate) fn finite(v: &Vector2<f64>) -> bool {
 }
 
 fn check_contact(contact: &Contact, index: usize, grains: usize) -> Result<(), ProblemError> {
-    let wrong = |key, value: String, expected: String| ProblemError::Value { key, index, value, expected };
     let Contact { candidate, antagonist, normal, offset } = *contact;
     let grain_range = || format!("the index of one of {grains} grains");
-    if candidate as usize >= grains {
-        return Err(wrong("contacts.candidate", candidate.to_string(), grain_range()));
-    }
-    if let Some(j) = antagonist {
-        if j as usize >= grains {
-            return Err(wrong("contacts.antagonist", j.to_string(), grain_range()));
-        }
-        if j == candidate {
-            return Err(wrong(
-                "contacts.antagonist",
-                j.to_string(),
-                "another grain than the candidate".to_owned(),
-            ));
-        }
-    }
     // Normals come from files of other codes too: 1e-9 lets a normal of any careful code pass and stops a wrong one.
     let length = normal.norm();
-    if !((length - 1.0).abs() <= 1e-9) {
-        return Err(wrong(
-            "contacts.normal",
-            format!("[{}, {}] of length {}", shown(normal.x), shown(normal.y), shown(length)),
-            "of length 1 (to 1e-9)".to_owned(),
-        ));
-    }
-    if !offset.is_finite() {
-        return Err(wrong("contacts.offset", offset.to_string(), "finite".to_owned()));
-    }
-    Ok(())
+    let (key, value, expected) = if candidate as usize >= grains {
+        ("contacts.candidate", candidate.to_string(), grain_range())
+    } else if let Some(j) = antagonist.filter(|j| *j as usize >= grains) {
+        ("contacts.antagonist", j.to_string(), grain_range())
+    } else if antagonist == Some(candidate) {
+        ("contacts.antagonist", candidate.to_string(), "another grain than the candidate".to_owned())
+    } else if !((length - 1.0).abs() <= 1e-9) {
+        let value = format!("[{}, {}] of length {}", shown(normal.x), shown(normal.y), shown(length));
+        ("contacts.normal", value, "of length 1 (to 1e-9)".to_owned())
+    } else if !offset.is_finite() {
+        ("contacts.offset", offset.to_string(), "finite".to_owned())
+    } else {
+        return Ok(());
+    };
+    Err(ProblemError::Value { key, index, value, expected })
 }

@@ -16,11 +16,7 @@ pub struct Row {
 impl Row {
     /// The row of a contact between two places of y, or one and a wall, and √`W_αα` (kg^-½), with the `inverse_mass` of the
     /// contact's grains (1/kg).
-    pub fn new(
-        contact: &Contact,
-        places: (u32, Option<u32>),
-        inverse_mass: impl Fn(u32) -> f64,
-    ) -> (Self, f64) {
+    fn new(contact: &Contact, places: (u32, Option<u32>), inverse_mass: impl Fn(u32) -> f64) -> (Self, f64) {
         let (inverse_mass, unit) = inverse_masses(contact.ends(), inverse_mass);
         let scaled = ScaledContact::new(places, contact.normal, inverse_mass, unit);
         (Self { contact: scaled, offset: contact.offset / unit }, unit)
@@ -48,23 +44,23 @@ impl Row {
     }
 }
 
-/// All contacts of a problem in the order of a sweep. Whatever that is, the visits are made level by level, and the grains are
-/// numbered as they are visited, which changes no bit.
+/// Contacts in the order of a sweep, with their impulses and the velocities of their grains.
 pub struct Sweep {
-    /// Level by level, like all that follows.
+    /// In the order of the visits, like all that follows.
     pub rows: Vec<Row>,
-    /// The contact of each row.
+    /// The problem's contact of each row.
     contacts: Vec<u32>,
     /// √`W_αα` (kg^-½).
     pub unit: Vec<f64>,
     /// s = √`W_αα` r (√J).
     pub s: Vec<f64>,
-    /// y = M^½ (`V_free` + M⁻¹ H r) (√J); grains in the order of their first visit.
+    /// y = M^½ (`V_free` + M⁻¹ H r) (√J), in places of its own.
     pub y: Vec<Vector2<f64>>,
 }
 
 impl Sweep {
-    /// The contacts of `problem` in the `order`, with the impulses `r0` (N·s).
+    /// All contacts of `problem` in the `order`, with the impulses `r0` (N·s). Whatever that is, the visits are made level by
+    /// level, and the grains are numbered as they are visited, which changes no bit.
     pub fn new(problem: &ContactProblem, order: &[u32], r0: &[f64]) -> Self {
         let contacts = in_levels(problem, order);
         let grains = by_first_visit(problem, &contacts);
@@ -73,16 +69,50 @@ impl Sweep {
             place[*grain as usize] = new;
         }
         let place = |grain: u32| place[grain as usize];
-        let row = |contact: &u32| {
-            let contact = &problem.contacts()[*contact as usize];
-            let places = (place(contact.candidate), contact.antagonist.map(place));
-            Row::new(contact, places, |grain| 1.0 / problem.mass()[grain as usize])
+        let places = |contact: &u32| {
+            let (candidate, antagonist) = problem.contacts()[*contact as usize].ends();
+            (*contact, (place(candidate), antagonist.map(place)))
         };
-        let (rows, unit): (Vec<Row>, Vec<f64>) = contacts.iter().map(row).unzip();
         let y = scaled_velocity(problem, r0);
         let y = grains.iter().map(|grain| y[*grain as usize]).collect();
-        let s = contacts.iter().zip(&unit).map(|(contact, unit)| unit * r0[*contact as usize]).collect();
-        Self { rows, contacts, unit, s, y }
+        let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
+        Self::between(problem, contacts.iter().map(places), inverse_mass, r0, y)
+    }
+
+    /// Some contacts of `problem`, each between its places in `y`, visited one after the other, with the `inverse_mass` of each
+    /// grain (1/kg) and the problem's impulses `r0` (N·s).
+    pub fn between(
+        problem: &ContactProblem,
+        contacts: impl Iterator<Item = (u32, (u32, Option<u32>))>,
+        inverse_mass: impl Fn(u32) -> f64,
+        r0: &[f64],
+        y: Vec<Vector2<f64>>,
+    ) -> Self {
+        let mut sweep = Self { rows: Vec::new(), contacts: Vec::new(), unit: Vec::new(), s: Vec::new(), y };
+        for (k, places) in contacts {
+            let (row, unit) = Row::new(&problem.contacts()[k as usize], places, &inverse_mass);
+            sweep.rows.push(row);
+            sweep.contacts.push(k);
+            sweep.unit.push(unit);
+            sweep.s.push(unit * r0[k as usize]);
+        }
+        sweep
+    }
+
+    /// Contact by contact: v = Hᵗ V + c; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
+    #[inline]
+    pub fn forward(&mut self, relaxation: f64) {
+        for (row, s) in self.rows.iter().zip(&mut self.s) {
+            row.solve(s, &mut self.y, relaxation);
+        }
+    }
+
+    /// The same from the last contact to the first.
+    #[inline]
+    pub fn backward(&mut self, relaxation: f64) {
+        for (row, s) in self.rows.iter().zip(&mut self.s).rev() {
+            row.solve(s, &mut self.y, relaxation);
+        }
     }
 
     /// Puts the impulses in the problem's order (N·s).

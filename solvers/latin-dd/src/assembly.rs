@@ -1,9 +1,8 @@
 //! From the contacts of a subdomain to the matrix of its linear stage, in the order of its factor.
 
 use crate::directions::Directions;
-use cholesky::Triplet;
 use contact::ContactProblem;
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2};
 use partition::{Decomposition, Subdomain};
 
 /// One contact between two places of the factor's order.
@@ -18,6 +17,7 @@ pub(crate) struct PlacedContact {
 }
 
 /// The part of a grain in the subdomain.
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Share {
     /// M_i/m_i (kg).
     pub(crate) mass: f64,
@@ -50,27 +50,26 @@ impl Share {
     }
 }
 
+/// The contacts of a subdomain between their places.
 pub(crate) fn placed(
     problem: &ContactProblem,
     subdomain: &Subdomain,
     position: &[u32],
 ) -> Vec<PlacedContact> {
     let place = |local: u32| position[local as usize];
-    (0..subdomain.contacts.len())
-        .map(|k| {
-            let contact = problem.contacts()[subdomain.contacts[k] as usize];
-            let (candidate, antagonist) = subdomain.ends[k];
-            let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
-            let w = inverse_mass(contact.candidate) + contact.antagonist.map_or(0.0, inverse_mass);
-            PlacedContact {
-                candidate: place(candidate),
-                antagonist: antagonist.map_or(position.len() as u32, place),
-                normal: contact.normal,
-                offset: contact.offset,
-                inverse_delassus: 1.0 / w,
-            }
-        })
-        .collect()
+    let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
+    let contact = |(contact, (candidate, antagonist)): (&u32, &(u32, Option<u32>))| {
+        let contact = problem.contacts()[*contact as usize];
+        let w = inverse_mass(contact.candidate) + contact.antagonist.map_or(0.0, inverse_mass);
+        PlacedContact {
+            candidate: place(*candidate),
+            antagonist: antagonist.map_or(position.len() as u32, place),
+            normal: contact.normal,
+            offset: contact.offset,
+            inverse_delassus: 1.0 / w,
+        }
+    };
+    subdomain.contacts.iter().zip(&subdomain.ends).map(contact).collect()
 }
 
 /// The subdomain's parts of its grains, in the order of the factor.
@@ -80,48 +79,34 @@ pub(crate) fn shares(
     subdomain: &Subdomain,
     position: &[u32],
 ) -> Vec<Share> {
-    let mut shares: Vec<(u32, Share)> = position
-        .iter()
-        .zip(&subdomain.grains)
-        .map(|(place, grain)| {
-            let grain = *grain as usize;
-            let copies = f64::from(decomposition.multiplicity[grain]);
-            let mass = problem.mass()[grain] / copies;
-            let free_velocity = problem.free_velocity()[grain];
-            (*place, Share { mass, copies, free_velocity })
-        })
-        .collect();
-    shares.sort_by_key(|(place, _)| *place);
-    shares.into_iter().map(|(_, share)| share).collect()
+    let mut shares = vec![Share::default(); position.len()];
+    for (place, grain) in position.iter().zip(&subdomain.grains) {
+        let grain = *grain as usize;
+        let copies = f64::from(decomposition.multiplicity[grain]);
+        let (mass, free_velocity) = (problem.mass()[grain] / copies, problem.free_velocity()[grain]);
+        shares[*place as usize] = Share { mass, copies, free_velocity };
+    }
+    shares
 }
 
-/// Upper triangle of M_E + H_E l⁻ H_Eᵗ + d⁻_E, two rows per grain.
+/// The blocks of M_E + H_E l⁻ H_Eᵗ + d⁻_E, by places of grains.
 pub(crate) fn matrix(
     contacts: &[PlacedContact],
     shares: &[Share],
-    directions: &Directions,
-) -> Vec<Triplet<usize, usize, f64>> {
-    let mut upper = Vec::with_capacity(3 * shares.len() + 10 * contacts.len());
-    for (place, share) in shares.iter().enumerate() {
+    directions: Directions,
+) -> impl Iterator<Item = (usize, usize, Matrix2<f64>)> {
+    let of_grain = move |(place, share): (usize, &Share)| {
         let d_minus = if share.on_boundary() { directions.d_minus * share.mass } else { 0.0 };
-        let (x, y) = (2 * place, 2 * place + 1);
-        let mass = share.mass + d_minus;
-        upper.extend([Triplet::new(x, x, mass), Triplet::new(x, y, 0.0), Triplet::new(y, y, mass)]);
-    }
-    for contact in contacts {
+        (place, place, (share.mass + d_minus) * Matrix2::identity())
+    };
+    let of_contact = move |contact: &PlacedContact| {
         let block =
             directions.l_minus * contact.inverse_delassus * contact.normal * contact.normal.transpose();
-        let ends = [(contact.candidate as usize, 1.0), (contact.antagonist as usize, -1.0)];
-        for (i, sign_i) in ends {
-            for (j, sign_j) in ends {
-                for (x, y) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                    let (from, to) = (2 * i + x, 2 * j + y);
-                    if j < shares.len() && from <= to {
-                        upper.push(Triplet::new(from, to, sign_i * sign_j * block[(x, y)]));
-                    }
-                }
-            }
-        }
-    }
-    upper
+        let (i, j) = (contact.candidate as usize, contact.antagonist as usize);
+        [(i, i, block), (i, j, -block), (j, i, -block), (j, j, block)]
+    };
+    let of_contacts = contacts.iter().flat_map(of_contact);
+    // A wall has no row.
+    let in_matrix = |(i, j, _): &(usize, usize, Matrix2<f64>)| i <= j && *j < shares.len();
+    shares.iter().enumerate().map(of_grain).chain(of_contacts.filter(in_matrix))
 }

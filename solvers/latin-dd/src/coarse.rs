@@ -10,7 +10,7 @@
 //! with K_E the matrix of the linear stage and `B_E` the translations of the interfaces' grains. At convergence w = 0.
 
 use crate::subdomain::Latin;
-use cholesky::{BlockFactor, BlockStructure, Singular, Triplet};
+use cholesky::{BlockFactor, BlockStructure, Singular};
 use contact::{ContactProblem, SetupError};
 use nalgebra::{Matrix2, Vector2};
 use partition::Decomposition;
@@ -65,11 +65,12 @@ impl Coarse {
                 sides[*e as usize].push(Side { interface, grains, influence });
             }
         }
-        let structure = BlockStructure::new(interfaces.len(), neighbours(&sides)).map_err(refused)?;
+        let neighbours = pairs(&sides).map(|(one, other)| (one.interface as u32, other.interface as u32));
+        let structure = BlockStructure::new(interfaces.len(), neighbours).map_err(refused)?;
         for side in sides.iter_mut().flatten() {
             side.interface = structure.position()[side.interface] as usize;
         }
-        let factor = structure.factorise(&matrix(&sides)).map_err(refused)?;
+        let factor = structure.factorise(matrix(&sides)).map_err(refused)?;
         Ok(Self { sides, factor, w: vec![Vector2::zeros(); interfaces.len()] })
     }
 
@@ -119,44 +120,31 @@ fn resultants(sides: &[Vec<Side>], subdomains: &[Latin], g: &mut [Vector2<f64>])
 }
 
 /// The boundary grains by the subdomains between which they are, as the copies (subdomain, local index) of each.
-fn interfaces(decomposition: &Decomposition) -> Vec<Vec<&[(u32, u32)]>> {
+fn interfaces(decomposition: &Decomposition) -> Vec<Vec<&Vec<(u32, u32)>>> {
     let mut interfaces = BTreeMap::<Vec<u32>, Vec<_>>::new();
-    for copies in decomposition.boundary() {
+    for copies in &decomposition.boundary {
         let between = copies.iter().map(|(e, _)| *e).collect();
         interfaces.entry(between).or_default().push(copies);
     }
     interfaces.into_values().collect()
 }
 
-/// Pairs of interfaces of one subdomain.
-fn neighbours(sides: &[Vec<Side>]) -> impl Iterator<Item = (u32, u32)> + Clone {
-    sides.iter().flat_map(|sides| {
-        let pairs = sides.iter().flat_map(|one| sides.iter().map(move |other| (one, other)));
-        pairs.map(|(one, other)| (one.interface as u32, other.interface as u32))
-    })
+/// All pairs of sides of one subdomain.
+fn pairs(sides: &[Vec<Side>]) -> impl Iterator<Item = (&Side, &Side)> + Clone {
+    sides.iter().flat_map(|sides| sides.iter().flat_map(|row| sides.iter().map(move |column| (row, column))))
 }
 
-/// Upper triangle of S, two rows per interface.
-fn matrix(sides: &[Vec<Side>]) -> Vec<Triplet<usize, usize, f64>> {
-    let mut upper = Vec::new();
-    for sides in sides {
-        for row in sides {
-            for column in sides {
-                let mut block = Matrix2::zeros();
-                for (place, d_minus) in &row.grains {
-                    block -= *d_minus * column.influence[*place];
-                    if row.interface == column.interface {
-                        block += *d_minus * Matrix2::identity();
-                    }
-                }
-                for (x, y) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                    let (from, to) = (2 * row.interface + x, 2 * column.interface + y);
-                    if from <= to {
-                        upper.push(Triplet::new(from, to, block[(x, y)]));
-                    }
-                }
+/// The blocks of S, by places of interfaces.
+fn matrix(sides: &[Vec<Side>]) -> impl Iterator<Item = (usize, usize, Matrix2<f64>)> {
+    let pairs = pairs(sides).filter(|(row, column)| row.interface <= column.interface);
+    pairs.map(|(row, column)| {
+        let mut block = Matrix2::zeros();
+        for (place, d_minus) in &row.grains {
+            block -= *d_minus * column.influence[*place];
+            if row.interface == column.interface {
+                block += *d_minus * Matrix2::identity();
             }
         }
-    }
-    upper
+        (row.interface, column.interface, block)
+    })
 }

@@ -22,9 +22,7 @@ impl Directions {
             SetupError::unless_positive(key, value)?;
         }
         for (key, value) in [("kappa_l_minus", self.l_minus), ("kappa_d_minus", self.d_minus)] {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(SetupError::new(key, value, "finite and not negative"));
-            }
+            SetupError::unless_not_negative(key, value)?;
         }
         Ok(())
     }

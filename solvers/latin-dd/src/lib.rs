@@ -116,9 +116,8 @@ impl LatinDd {
     /// # Errors
     /// As there.
     pub fn run<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Run<'p>, SetupError> {
-        if !(self.relaxation > 0.0 && self.relaxation <= 1.0) {
-            return Err(SetupError::new("relaxation", self.relaxation, "above 0 and at most 1"));
-        }
+        let is_share = self.relaxation > 0.0 && self.relaxation <= 1.0;
+        SetupError::unless(is_share, "relaxation", self.relaxation, "above 0 and at most 1")?;
         for (key, value) in [("kappa_l", self.kappa_l), ("kappa_d", self.kappa_d)] {
             value.map_or(Ok(()), |value| SetupError::unless_positive(key, value))?;
         }

@@ -62,7 +62,7 @@ impl Latin {
         let structure = BlockStructure::new(subdomain.grains.len(), pairs).map_err(too_large)?;
         let contacts = placed(problem, subdomain, structure.position());
         let shares = shares(problem, decomposition, subdomain, structure.position());
-        let factor = structure.factorise(&matrix(&contacts, &shares, directions)).map_err(too_large)?;
+        let factor = structure.factorise(matrix(&contacts, &shares, *directions)).map_err(too_large)?;
         let grains = shares.len();
         let mut latin = Self {
             directions: *directions,
@@ -131,7 +131,7 @@ impl Latin {
 
     /// The factor for other directions.
     pub(crate) fn factorise(&self, directions: &Directions) -> Result<BlockFactor, Singular> {
-        self.structure.factorise(&matrix(&self.contacts, &self.shares, directions))
+        self.structure.factorise(matrix(&self.contacts, &self.shares, *directions))
     }
 
     /// Takes other directions with their factor; r̂, v̂ and F̂ stay, and V̂ is near V_E.

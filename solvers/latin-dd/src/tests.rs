@@ -30,7 +30,7 @@ fn interface_velocities_agree_and_interface_impulses_sum_to_zero() {
 
         let (mut sum, mut scale) = (0.0_f64, 0.0_f64);
         let Run { decomposition, subdomains: latins, directions, .. } = &run;
-        for copies in decomposition.boundary() {
+        for copies in &decomposition.boundary {
             let mut of_grain = Vector2::zeros();
             for (e, local) in copies {
                 let latin = &latins[*e as usize];

@@ -76,7 +76,7 @@ impl Iteration for Run {
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        self.sweepers.iter().for_each(|sweeper| sweeper.impulses(r));
+        self.sweepers.iter().for_each(|sweeper| sweeper.sweep.impulses(r));
     }
 
     fn velocity_jump(&self) -> f64 {
@@ -89,7 +89,7 @@ impl Iteration for Run {
         let mut longest = vec![0; self.groups.len()];
         for sweeper in &self.sweepers {
             let longest = &mut longest[sweeper.group];
-            *longest = (8 * sweeps * sweeper.contacts() + 2 * sweeper.copies.len()).max(*longest);
+            *longest = (8 * sweeps * sweeper.sweep.rows.len() + 2 * sweeper.copies.len()).max(*longest);
         }
         Some(longest.iter().sum::<usize>() as u64)
     }
@@ -119,7 +119,7 @@ impl Run {
         let Self { sweepers, sums, .. } = self;
         sums.send(sweepers, NS_PER_UPDATE * updates, |sweeper, sent| {
             if sweeper.group == group {
-                (0..sweeps).for_each(|_| sweeper.sweep(relaxation));
+                (0..sweeps).for_each(|_| sweeper.sweep.forward(relaxation));
             }
             sweeper.send(mass_splitting, sent);
         });
@@ -129,9 +129,7 @@ impl Run {
 
 impl Solver for NsgsDd {
     fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        if self.inner_sweeps == 0 {
-            return Err(SetupError::new("inner_sweeps", 0, "at least 1"));
-        }
+        SetupError::unless(self.inner_sweeps > 0, "inner_sweeps", 0, "at least 1")?;
         SetupError::unless_positive("relaxation", self.relaxation)?;
         let partition = Partition::of_contacts(problem, self.partition, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);

@@ -3,23 +3,16 @@
 
 use contact::ContactProblem;
 use contact::scaled::by_levels;
-use contact::sweep::Row;
+use contact::sweep::Sweep;
 use nalgebra::Vector2;
 use partition::{Subdomain, Sums};
 
-/// The contacts of a subdomain with their impulses, in the order of the sweep, level by level; and its grains.
+/// A subdomain: its sweep, level by level, with its own masses; and its copies.
 pub(crate) struct Sweeper {
     /// Those of a group sweep at the same time.
     pub(crate) group: usize,
-    rows: Vec<Row>,
-    /// The problem's contact of each row.
-    contacts: Vec<u32>,
-    /// s = √`W_αα` r (√J).
-    s: Vec<f64>,
-    /// √`W_αα` with the subdomain's masses (kg^-½).
-    unit: Vec<f64>,
-    /// y = M^½ `V_E` of the grains, with the copies' masses (√J).
-    y: Vec<Vector2<f64>>,
+    /// y is M^½ `V_E` with the masses of the copies.
+    pub(crate) sweep: Sweep,
     /// Its copies of boundary grains.
     pub(crate) copies: Vec<GrainCopy>,
     /// Greatest |`V_E` − V̄| of the copies before they were glued, since it was last 0 (m/s).
@@ -50,13 +43,7 @@ impl Sweeper {
         (r0, start): (&[f64], &[Vector2<f64>]),
     ) -> Self {
         let order = by_levels(subdomain.ends.iter().copied(), subdomain.grains.len());
-        let row = |k: &u32| {
-            let contact = &problem.contacts()[subdomain.contacts[*k as usize] as usize];
-            Row::new(contact, subdomain.ends[*k as usize], inverse_mass)
-        };
-        let (rows, unit): (Vec<Row>, Vec<f64>) = order.iter().map(row).unzip();
-        let contacts: Vec<u32> = order.iter().map(|k| subdomain.contacts[*k as usize]).collect();
-        let s = contacts.iter().zip(&unit).map(|(contact, unit)| unit * r0[*contact as usize]).collect();
+        let contacts = order.iter().map(|k| (subdomain.contacts[*k as usize], subdomain.ends[*k as usize]));
         let y_of = |grain: &u32| start[*grain as usize] / inverse_mass(*grain).sqrt();
         let y: Vec<_> = subdomain.grains.iter().map(y_of).collect();
         let copy = |local: &u32| {
@@ -69,32 +56,14 @@ impl Sweeper {
             }
         };
         let copies = subdomain.boundary.iter().map(copy).collect();
-        Self { group: group as usize, rows, contacts, s, unit, y, copies, velocity_jump: 0.0 }
-    }
-
-    /// Number of contacts.
-    pub(crate) fn contacts(&self) -> usize {
-        self.rows.len()
-    }
-
-    /// Puts the impulses in the problem's order (N·s).
-    pub(crate) fn impulses(&self, r: &mut [f64]) {
-        for ((s, unit), contact) in self.s.iter().zip(&self.unit).zip(&self.contacts) {
-            r[*contact as usize] = s / unit;
-        }
-    }
-
-    /// Contact by contact: v = Hᵗ V + c; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
-    pub(crate) fn sweep(&mut self, relaxation: f64) {
-        for (row, s) in self.rows.iter().zip(&mut self.s) {
-            row.solve(s, &mut self.y, relaxation);
-        }
+        let sweep = Sweep::between(problem, contacts, inverse_mass, r0, y);
+        Self { group: group as usize, sweep, copies, velocity_jump: 0.0 }
     }
 
     /// What its copies add to the sums over all copies of their grains: y or, without mass splitting, what that has gained.
     pub(crate) fn send(&self, mass_splitting: bool, sent: &mut [Vector2<f64>]) {
         for (copy, sent) in self.copies.iter().zip(sent) {
-            let y = self.y[copy.local as usize];
+            let y = self.sweep.y[copy.local as usize];
             *sent = if mass_splitting { y } else { y - copy.glued };
         }
     }
@@ -105,7 +74,7 @@ impl Sweeper {
         let mut greatest = self.velocity_jump;
         for (copy, sum) in self.copies.iter_mut().zip(sums) {
             copy.glued = if mass_splitting { sum / copy.multiplicity } else { copy.glued + sum };
-            let y = &mut self.y[copy.local as usize];
+            let y = &mut self.sweep.y[copy.local as usize];
             greatest = greatest.max(copy.root_inverse_mass * (*y - copy.glued).norm());
             *y = copy.glued;
         }

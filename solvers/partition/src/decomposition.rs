@@ -24,10 +24,8 @@ pub struct Decomposition {
     pub subdomains: Vec<Subdomain>,
     /// `m_i`: in how many subdomains each grain has contacts; 0 for a grain without contact.
     pub multiplicity: Vec<u32>,
-    /// The copies (subdomain, local index) of all boundary grains, grain after grain.
-    copies: Vec<(u32, u32)>,
-    /// Boundary grain k has the copies `copies[first[k]..first[k + 1]]`.
-    first: Vec<usize>,
+    /// The copies (subdomain, local index) of each boundary grain, in the order of the subdomains.
+    pub boundary: Vec<Vec<(u32, u32)>>,
 }
 
 impl Decomposition {
@@ -55,31 +53,19 @@ impl Decomposition {
         for grain in subdomains.iter().flat_map(|subdomain| &subdomain.grains) {
             multiplicity[*grain as usize] += 1;
         }
-        let (mut first, mut place_of) = (vec![0], vec![None; problem.grain_count()]);
-        let mut end = 0;
-        for (copies, place) in multiplicity.iter().zip(&mut place_of).filter(|(copies, _)| **copies > 1) {
-            *place = Some(end);
-            end += *copies as usize;
-            first.push(end);
-        }
-        let mut copies = vec![(0, 0); end];
+        let mut boundary = vec![Vec::new(); problem.grain_count()];
         for (e, subdomain) in (0_u32..).zip(&subdomains) {
             for (local, grain) in (0_u32..).zip(&subdomain.grains) {
-                if let Some(place) = &mut place_of[*grain as usize] {
-                    copies[*place] = (e, local);
-                    *place += 1;
+                if multiplicity[*grain as usize] > 1 {
+                    boundary[*grain as usize].push((e, local));
                 }
             }
         }
-        for (e, local) in &copies {
+        boundary.retain(|copies| !copies.is_empty());
+        for (e, local) in boundary.iter().flatten() {
             subdomains[*e as usize].boundary.push(*local);
         }
-        Self { subdomains, multiplicity, copies, first }
-    }
-
-    /// The copies (subdomain, local index) of each boundary grain, in the order of the subdomains.
-    pub fn boundary(&self) -> impl Iterator<Item = &[(u32, u32)]> {
-        self.first.windows(2).map(|ends| &self.copies[ends[0]..ends[1]])
+        Self { subdomains, multiplicity, boundary }
     }
 
     /// Brings values that are given subdomain by subdomain, in the order of their contacts, into the order of the problem.
@@ -93,7 +79,7 @@ impl Decomposition {
 
     /// Number of copies of boundary grains.
     pub fn copy_count(&self) -> usize {
-        self.copies.len()
+        self.boundary.iter().map(Vec::len).sum()
     }
 }
 

@@ -1,14 +1,16 @@
 //! How many subdomains, as columns × rows.
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{Deserializer, Error, Visitor};
+use schemars::JsonSchema;
+use serde::de::value::Error;
+use serde::de::{Error as _, Unexpected};
 use serde::{Deserialize, Serialize, Serializer};
-use std::borrow::Cow;
 use std::fmt;
 
 /// Columns × rows of subdomains, written `4x2`. A bare number n stands for its most square division with at least
 /// as many columns as rows: 8 is `4x2`, 25 is `5x5`, 7 is `7x1`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(try_from = "Written")]
+#[schemars(inline, title = "a number of subdomains such as 8, or columns x rows such as \"4x2\"")]
 pub struct Grid {
     /// Columns, along x.
     pub nx: u32,
@@ -44,71 +46,35 @@ impl Serialize for Grid {
     }
 }
 
-impl<'de> Deserialize<'de> for Grid {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct GridVisitor;
-        impl Visitor<'_> for GridVisitor {
-            type Value = Grid;
-
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str(
-                    "a number of subdomains, at least 1, such as 8, or columns x rows such as \"4x2\"",
-                )
-            }
-
-            fn visit_u64<E: Error>(self, count: u64) -> Result<Grid, E> {
-                match u32::try_from(count) {
-                    Ok(count) if count > 0 => Ok(Grid::of_count(count)),
-                    _ => Err(E::invalid_value(serde::de::Unexpected::Unsigned(count), &self)),
-                }
-            }
-
-            fn visit_i64<E: Error>(self, count: i64) -> Result<Grid, E> {
-                u64::try_from(count)
-                    .map_err(|_| E::invalid_value(serde::de::Unexpected::Signed(count), &self))
-                    .and_then(|count| self.visit_u64(count))
-            }
-
-            fn visit_str<E: Error>(self, text: &str) -> Result<Grid, E> {
-                text.split_once('x')
-                    .and_then(|(nx, ny)| Some(Grid { nx: nx.parse().ok()?, ny: ny.parse().ok()? }))
-                    .filter(|grid| grid.count() > 0)
-                    .ok_or_else(|| E::invalid_value(serde::de::Unexpected::Str(text), &self))
-            }
-        }
-        deserializer.deserialize_any(GridVisitor)
-    }
+/// What stands in a file.
+#[derive(Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected a number of subdomains, at least 1, such as 8, or columns x rows such as \"4x2\""
+)]
+enum Written {
+    Count(#[schemars(range(min = 1))] i64),
+    Columns(#[schemars(regex(pattern = r"^[1-9][0-9]*x[1-9][0-9]*$"))] String),
 }
 
-impl JsonSchema for Grid {
-    fn schema_name() -> Cow<'static, str> {
-        "Grid".into()
-    }
+impl TryFrom<Written> for Grid {
+    type Error = Error;
 
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({
-            "title": "a number of subdomains such as 8, or columns x rows such as \"4x2\"",
-            "anyOf": [
-                { "type": "integer", "minimum": 1 },
-                { "type": "string", "pattern": "^[1-9][0-9]*x[1-9][0-9]*$" },
-            ],
-        })
+    fn try_from(written: Written) -> Result<Self, Error> {
+        let grid = match &written {
+            Written::Count(count) => u32::try_from(*count).ok().map(Self::of_count),
+            Written::Columns(text) => text
+                .split_once('x')
+                .and_then(|(nx, ny)| Some(Self { nx: nx.parse().ok()?, ny: ny.parse().ok()? })),
+        };
+        let found = match &written {
+            Written::Count(count) => Unexpected::Signed(*count),
+            Written::Columns(text) => Unexpected::Str(text),
+        };
+        let expected = "a number of subdomains, at least 1, such as 8, or columns x rows such as \"4x2\"";
+        grid.filter(|grid| grid.count() > 0).ok_or_else(|| Error::invalid_value(found, &expected))
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bare_count_is_divided_as_squarely_as_it_goes() {
-        for (count, nx, ny) in [(1, 1, 1), (2, 2, 1), (4, 2, 2), (7, 7, 1), (8, 4, 2), (25, 5, 5), (64, 8, 8)]
-        {
-            assert_eq!(Grid::of_count(count), Grid { nx, ny });
-        }
-    }
-}
+mod tests;

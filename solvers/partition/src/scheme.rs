@@ -72,13 +72,9 @@ impl Scheme {
         grid: Grid,
     ) -> Result<Partition, SetupError> {
         let most = points.len().max(1) as u64;
-        if grid.count() == 0 {
-            return Err(SetupError::new("subdomains", grid, "at least 1x1"));
-        }
-        if grid.count() > most {
-            let expected = format!("at most {most} subdomains, the number of contacts");
-            return Err(SetupError::new("subdomains", grid, expected));
-        }
+        SetupError::unless(grid.count() > 0, "subdomains", grid, "at least 1x1")?;
+        let expected = format!("at most {most} subdomains, the number of contacts");
+        SetupError::unless(grid.count() <= most, "subdomains", grid, expected)?;
         let subdomain = match self {
             _ if grid.count() == 1 => vec![0; points.len()],
             Self::Boxes => boxes(points, extent, grid),

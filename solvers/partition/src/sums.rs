@@ -35,7 +35,7 @@ impl<V: Copy + Default + Send + Sync + Sum> CopySums<V> {
     pub fn new(decomposition: &Decomposition) -> Self {
         let subdomains = &decomposition.subdomains;
         let mut terms = vec![Terms::default(); subdomains.len()];
-        for copies in decomposition.boundary() {
+        for copies in &decomposition.boundary {
             // Lists grow grain by grain, as those of the boundary did.
             let of: Vec<_> =
                 copies.iter().map(|(e, _)| (*e, terms[*e as usize].counts.len() as u32)).collect();

@@ -40,15 +40,17 @@ impl Layout {
         Ok(Self { sums: CopySums::new(&decomposition), decomposition, contacts })
     }
 
-    /// What a method knows of each block, from its contacts and grains.
-    pub fn blocks<B: Send>(&self, block: impl Fn(&Subdomain) -> B + Sync) -> Vec<B> {
-        self.decomposition.subdomains.par_iter().map(&block).collect()
-    }
-
-    /// 1 over the number of blocks that have the grain, for each grain of one: sums over the grains then count each once.
-    pub fn shares(&self, subdomain: &Subdomain) -> Vec<f64> {
-        let share = |grain: &u32| 1.0 / f64::from(self.decomposition.multiplicity[*grain as usize]);
-        subdomain.grains.iter().map(share).collect()
+    /// What a method knows of each block, from its columns, which are `scaled` by the diagonal of W or not.
+    pub fn blocks<B: Send>(
+        &self,
+        problem: &ContactProblem,
+        scaled: bool,
+        block: impl Fn(Columns, &Subdomain) -> B + Sync,
+    ) -> Vec<B> {
+        let of = |subdomain: &Subdomain| {
+            block(Columns::new(problem, &self.decomposition, subdomain, scaled), subdomain)
+        };
+        self.decomposition.subdomains.par_iter().map(of).collect()
     }
 
     /// A pass over all blocks, in which each sends what it has of the grains it shares, in the order of [`Subdomain::boundary`].
@@ -68,33 +70,68 @@ impl Layout {
     }
 }
 
-/// The contacts of a block as columns, in its local indices, and the unit of each: 1 for columns of M^-½ H, or √`W_αα` (kg^-½)
-/// for those of H̃ if they are to be `scaled` by the diagonal of W.
-pub fn columns(
-    problem: &ContactProblem,
-    subdomain: &Subdomain,
-    scaled: bool,
-) -> (Vec<ScaledContact>, Vec<f64>) {
-    let column = |k: usize| {
-        let contact = &problem.contacts()[subdomain.contacts[k] as usize];
-        let (inverse_mass, root) =
-            inverse_masses(contact.ends(), |grain| 1.0 / problem.mass()[grain as usize]);
-        let unit = if scaled { root } else { 1.0 };
-        (ScaledContact::new(subdomain.ends[k], contact.normal, inverse_mass, unit), unit)
-    };
-    (0..subdomain.contacts.len()).map(column).unzip()
+/// The contacts of a block, in its own indices of grains.
+pub struct Columns {
+    /// The problem's contact of each column.
+    contact: Vec<u32>,
+    /// Columns of M^-½ H, or of H̃ where they are scaled by the diagonal of W.
+    pub scaled: Vec<ScaledContact>,
+    /// 1, or √`W_αα` (kg^-½) for those of H̃.
+    unit: Vec<f64>,
+    /// The grains that blocks share.
+    boundary: Vec<u32>,
+    /// 1 over the number of blocks that have the grain: sums over the grains then count each once.
+    pub share: Vec<f64>,
 }
 
-/// Copies what a block has of the grains at `places` to `sent`.
-pub fn send_of(places: &[u32], y: &[Vector2<f64>], sent: &mut [Vector2<f64>]) {
-    for (place, sent) in places.iter().zip(sent) {
-        *sent = y[*place as usize];
+impl Columns {
+    fn new(
+        problem: &ContactProblem,
+        decomposition: &Decomposition,
+        subdomain: &Subdomain,
+        scaled: bool,
+    ) -> Self {
+        let column = |(contact, ends): (&u32, &(u32, Option<u32>))| {
+            let contact = &problem.contacts()[*contact as usize];
+            let (inverse_mass, root) =
+                inverse_masses(contact.ends(), |grain| 1.0 / problem.mass()[grain as usize]);
+            let unit = if scaled { root } else { 1.0 };
+            (ScaledContact::new(*ends, contact.normal, inverse_mass, unit), unit)
+        };
+        let share = |grain: &u32| 1.0 / f64::from(decomposition.multiplicity[*grain as usize]);
+        let (scaled, unit) = subdomain.contacts.iter().zip(&subdomain.ends).map(column).unzip();
+        Self {
+            contact: subdomain.contacts.clone(),
+            scaled,
+            unit,
+            boundary: subdomain.boundary.clone(),
+            share: subdomain.grains.iter().map(share).collect(),
+        }
     }
-}
 
-/// Gives the grains at `places` the `sums` over the blocks.
-pub fn take_sums(places: &[u32], y: &mut [Vector2<f64>], sums: Sums<'_, Vector2<f64>>) {
-    for (place, sum) in places.iter().zip(sums) {
-        y[*place as usize] = sum;
+    /// The problem's contact and the unit of each column.
+    pub fn units(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.contact.iter().map(|contact| *contact as usize).zip(self.unit.iter().copied())
+    }
+
+    /// Copies what the block has of the grains that blocks share to `sent`.
+    pub fn send(&self, y: &[Vector2<f64>], sent: &mut [Vector2<f64>]) {
+        for (place, sent) in self.boundary.iter().zip(sent) {
+            *sent = y[*place as usize];
+        }
+    }
+
+    /// Gives these grains the `sums` over the blocks.
+    pub fn take(&self, y: &mut [Vector2<f64>], sums: Sums<'_, Vector2<f64>>) {
+        for (place, sum) in self.boundary.iter().zip(sums) {
+            y[*place as usize] = sum;
+        }
+    }
+
+    /// Puts impulses, of which `r` gives the unit times each, in the problem's order (N·s).
+    pub fn impulses(&self, r: impl Iterator<Item = f64>, impulses: &mut [f64]) {
+        for (r, (contact, unit)) in r.zip(self.units()) {
+            impulses[contact] = r / unit;
+        }
     }
 }

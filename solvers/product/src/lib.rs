@@ -8,10 +8,10 @@
 
 mod layout;
 
-pub use layout::{Layout, columns, send_of, take_sums};
+pub use layout::{Columns, Layout};
 pub use partition::Subdomain;
 
-use contact::{Packing, ScaledContact, SetupError};
+use contact::{Packing, SetupError};
 use nalgebra::Vector2;
 use pulp::Arch;
 
@@ -25,17 +25,10 @@ pub struct Product<C> {
 }
 
 struct Block<C> {
-    /// The problem's contact of each column.
-    contacts: Vec<u32>,
-    columns: Vec<ScaledContact>,
-    unit: Vec<f64>,
+    columns: Columns,
     states: Vec<C>,
-    /// M^-½ H p, in local indices; of grains that blocks share, each has the sum after it has been received.
+    /// M^-½ H p; of grains that blocks share, each has the sum after it has been received.
     y: Vec<Vector2<f64>>,
-    /// Local indices of those grains.
-    boundary: Vec<u32>,
-    /// 1 over the number of blocks that have the grain.
-    share: Vec<f64>,
     /// What the block adds to the sum that the last pass was for.
     part: f64,
 }
@@ -52,22 +45,12 @@ impl<C: Send + Sync> Product<C> {
         state: impl Fn(usize, f64) -> C + Sync,
     ) -> Result<Self, SetupError> {
         let layout = Layout::new(problem)?;
-        let block = |subdomain: &Subdomain| {
-            let (columns, unit) = columns(problem, subdomain, scaled);
-            let contacts = subdomain.contacts.clone();
-            let each = contacts.iter().zip(&unit);
-            Block {
-                states: each.map(|(contact, unit)| state(*contact as usize, *unit)).collect(),
-                y: vec![Vector2::zeros(); subdomain.grains.len()],
-                boundary: subdomain.boundary.clone(),
-                share: layout.shares(subdomain),
-                part: 0.0,
-                contacts,
-                columns,
-                unit,
-            }
-        };
-        let blocks = layout.blocks(block);
+        let blocks = layout.blocks(problem, scaled, |columns, subdomain| Block {
+            states: columns.units().map(|(contact, unit)| state(contact, unit)).collect(),
+            y: vec![Vector2::zeros(); subdomain.grains.len()],
+            columns,
+            part: 0.0,
+        });
         Ok(Self { layout, blocks })
     }
 
@@ -75,7 +58,7 @@ impl<C: Send + Sync> Product<C> {
     pub fn push(&mut self, p: impl Fn(&mut C) -> f64 + Sync) -> f64 {
         self.layout.send(&mut self.blocks, |block, sent| {
             Arch::new().dispatch(|| block.push(&p));
-            send_of(&block.boundary, &block.y, sent);
+            block.columns.send(&block.y, sent);
         });
         self.sum()
     }
@@ -83,7 +66,7 @@ impl<C: Send + Sync> Product<C> {
     /// Second half: `take` is given (W p)_α of each contact.
     pub fn pull(&mut self, take: impl Fn(&mut C, f64) + Sync) {
         self.layout.receive(&mut self.blocks, |block, sums| {
-            take_sums(&block.boundary, &mut block.y, sums);
+            block.columns.take(&mut block.y, sums);
             Arch::new().dispatch(|| block.pull(&take));
         });
     }
@@ -91,7 +74,7 @@ impl<C: Send + Sync> Product<C> {
     /// pᵗ W p = |y|² of the p last pushed, without the second half.
     pub fn curvature(&mut self) -> f64 {
         self.layout.receive(&mut self.blocks, |block, sums| {
-            take_sums(&block.boundary, &mut block.y, sums);
+            block.columns.take(&mut block.y, sums);
             Arch::new().dispatch(|| block.square());
         });
         self.sum()
@@ -106,9 +89,7 @@ impl<C: Send + Sync> Product<C> {
     /// Puts the impulses that `r` reads from each contact in the problem's order (N·s).
     pub fn impulses(&self, r: impl Fn(&C) -> f64, impulses: &mut [f64]) {
         for block in &self.blocks {
-            for ((state, unit), contact) in block.states.iter().zip(&block.unit).zip(&block.contacts) {
-                impulses[*contact as usize] = r(state) / unit;
-            }
+            block.columns.impulses(block.states.iter().map(&r), impulses);
         }
     }
 
@@ -122,7 +103,7 @@ impl<C> Block<C> {
     fn push(&mut self, p: &impl Fn(&mut C) -> f64) {
         self.y.fill(Vector2::zeros());
         self.part = 0.0;
-        for (column, state) in self.columns.iter().zip(&mut self.states) {
+        for (column, state) in self.columns.scaled.iter().zip(&mut self.states) {
             let p = p(state);
             column.push(p, &mut self.y);
             self.part += p * p;
@@ -131,13 +112,13 @@ impl<C> Block<C> {
 
     #[inline(always)]
     fn pull(&mut self, take: &impl Fn(&mut C, f64)) {
-        for (column, state) in self.columns.iter().zip(&mut self.states) {
+        for (column, state) in self.columns.scaled.iter().zip(&mut self.states) {
             take(state, column.relative(&self.y));
         }
     }
 
     #[inline(always)]
     fn square(&mut self) {
-        self.part = self.y.iter().zip(&self.share).map(|(y, share)| share * y.norm_squared()).sum();
+        self.part = self.y.iter().zip(&self.columns.share).map(|(y, share)| share * y.norm_squared()).sum();
     }
 }

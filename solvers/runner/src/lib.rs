@@ -38,11 +38,7 @@ impl Stop {
     /// # Errors
     /// Names it otherwise.
     pub fn check(&self) -> Result<(), SetupError> {
-        if self.tolerance >= 0.0 && self.tolerance.is_finite() {
-            Ok(())
-        } else {
-            Err(SetupError::new("tolerance", self.tolerance, "finite and not negative"))
-        }
+        SetupError::unless_not_negative("tolerance", self.tolerance)
     }
 }
 
