@@ -23,7 +23,6 @@ mod cli {
 mod store {
     pub(crate) mod baseline;
     pub(crate) mod folder;
-    pub(crate) mod notes;
     pub(crate) mod stored;
 }
 
@@ -37,7 +36,6 @@ mod run {
     pub(crate) mod snapshots;
     #[cfg(test)]
     mod tests;
-    pub(crate) mod through_time;
     pub(crate) mod vtk;
 }
 
@@ -70,7 +68,6 @@ mod plan {
     pub(crate) mod checks;
     pub(crate) mod file;
     pub(crate) mod methods;
-    pub(crate) mod names;
     pub(crate) mod rules;
     #[cfg(test)]
     mod tests;
@@ -80,7 +77,6 @@ mod plan {
 /// What a person at a terminal sees, presses and gets.
 mod terminal {
     pub(crate) mod exit;
-    pub(crate) mod interrupt;
     pub(crate) mod output;
     pub(crate) mod progress;
     pub(crate) mod suggest;

@@ -4,8 +4,10 @@ use crate::cli::args::StudyArgs;
 use crate::plan::methods::names;
 use crate::problems::files::Root;
 use crate::store::folder::{finish, open, provenance};
+use crate::study::problems::OnProblems;
 use crate::study::selection::Selection;
-use crate::study::tasks::{ForKind, Kind, of_kind};
+use crate::study::simulations::ThroughTime;
+use crate::study::tasks::Kind;
 use crate::terminal::output::say;
 use anyhow::{Result, bail};
 use results::journal::Entry;
@@ -24,21 +26,17 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    of_kind(StudyArgs::plan(&args.plan, false).selection(root)?, Merge { root, args })
-}
-
-struct Merge<'a> {
-    root: &'a Root,
-    args: &'a Args,
-}
-
-impl ForKind for Merge<'_> {
-    type Output = ExitCode;
-
-    fn of<K: Kind>(self, selection: Selection) -> Result<ExitCode> {
-        let store = joined(self.root, &selection.plan.name, &self.args.from)?;
-        finish(self.root, &K::new(selection, self.root, true)?, store, &provenance()?)
+    let selection = StudyArgs::plan(&args.plan, false).selection(root)?;
+    if selection.plan.through_time() {
+        merge::<ThroughTime>(root, args, selection)
+    } else {
+        merge::<OnProblems>(root, args, selection)
     }
+}
+
+fn merge<K: Kind>(root: &Root, args: &Args, selection: Selection) -> Result<ExitCode> {
+    let store = joined(root, &selection.plan.name, &args.from)?;
+    finish(root, &K::new(selection, root, true)?, store, &provenance()?)
 }
 
 /// The store of a plan with what those in the folders `from` hold beside it.

@@ -5,10 +5,9 @@ use crate::plan::rules::Rule;
 use crate::problems::case::read_case;
 use crate::problems::files::Root;
 use crate::run::simulation::row;
-use crate::run::through_time::{End, Seen, missed, through_time};
+use crate::run::simulation::{End, Seen, missed, through_time};
 use crate::run::vtk::Frames;
 use crate::terminal::exit;
-use crate::terminal::interrupt;
 use crate::terminal::output::{check_place, merged, say, write_whole};
 use crate::terminal::progress;
 use anyhow::{Context, Result, bail};
@@ -71,13 +70,13 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let (method, stop) = args.solver.read()?;
     let mut march = March::new(&case)?;
     let rule = Rule { stop, warm_start: !args.cold };
-    interrupt::listen()?;
+    exit::listen_for_interrupts()?;
     let mut kept = Kept::new(args, &case)?;
     if !args.json {
         say(format_args!("{HEADING}"))?;
     }
     let see = &mut |seen: &Seen| kept.see(args, seen);
-    let made = through_time(&mut march, &*method.solver, &rule, args.time_steps, &interrupt::asked, see);
+    let made = through_time(&mut march, &*method.solver, &rule, args.time_steps, &exit::requested, see);
     kept.bar.finish_and_clear();
     let (totals, end) = made?;
     let last_state = match &end {

@@ -13,7 +13,7 @@ use crate::terminal::output::{check_place, create_folder_of, say, write_whole};
 use anyhow::{Context, Result, anyhow};
 use cases::Frozen;
 use contact::Truth;
-use partition::{Grid, Partition, Scheme};
+use partition::{Grid, Scheme};
 use reports::Filmed;
 use results::journal::Record;
 use results::schema::Run;
@@ -79,13 +79,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     if split.is_empty() {
         split.push(("1x1".to_owned(), Grid::ONE, Scheme::Boxes));
     }
-    let (mut grains, mut contacts) = (Vec::new(), Vec::new());
-    for (name, grid, scheme) in split {
-        let partition = Partition::of_contacts(&frozen.problem, scheme, grid)?;
-        let (g, c) = scene_rows(frozen, &name, &partition, known.impulses());
-        grains.extend(g);
-        contacts.extend(c);
-    }
+    let (grains, contacts) = scene_rows(frozen, &split, known.impulses());
     let html = reports::view(&frozen.name, (&grains, &contacts), filmed, &args.again())?;
     write_whole(&page, &html)?;
     say(format_args!("{}", page.display()))

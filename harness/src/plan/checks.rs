@@ -67,7 +67,7 @@ impl Plan {
 
     /// Refuses, in a study through time, what only runs on single problems heed; and the other way round.
     fn check_kind(&self) -> Result<()> {
-        if self.simulate.is_none() {
+        if !self.through_time() {
             if let Some(case) = self.cases.iter().find(|case| case.duration_s.is_some()) {
                 bail!("`cases`: case `{}`: `duration_s`: the plan has no table [simulate]", case.case);
             }
@@ -110,7 +110,7 @@ impl Plan {
     /// Refuses a chart of the other kind of study.
     pub(crate) fn suits(&self, chart: Chart) -> Result<()> {
         let name = chart.name();
-        match (chart.through_time(), self.simulate.is_some()) {
+        match (chart.through_time(), self.through_time()) {
             (true, false) => bail!("chart `{name}` is of simulations, and the plan has no table [simulate]"),
             (false, true) => bail!("chart `{name}` is of problems, and the plan is of simulations"),
             _ => Ok(()),

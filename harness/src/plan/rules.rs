@@ -2,8 +2,8 @@
 
 use crate::plan::axes::{Settings, combinations, count};
 use crate::plan::methods::Method;
-use crate::plan::names::{last_parts, pairs};
 use crate::plan::variants::Variant;
+use crate::plan::variants::{last_parts, pairs};
 use crate::terminal::output::merged;
 use anyhow::{Context, Result, anyhow, bail};
 use contact::{Measure, shown};

@@ -3,7 +3,7 @@
 use crate::plan::axes::{Settings, combinations, values};
 use crate::plan::file::Plan;
 use crate::plan::methods::Method;
-use crate::plan::names::{last_parts, of_variants};
+use crate::plan::variants::{last_parts, of_variants};
 use anyhow::Result;
 use runner::Stop;
 use serde_json::{Value, json};

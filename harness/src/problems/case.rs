@@ -1,9 +1,9 @@
 //! The contact problem of one time step of a case: which one it is, how it is reached, and where a study keeps it.
 
-use crate::identity::{code_version, content_hash, first_hex};
+use crate::identity::{code_version, content_hash, hash_of};
 use crate::plan::axes::Settings;
 use crate::plan::methods::Method;
-use crate::plan::names::as_typed;
+use crate::plan::variants::as_typed;
 use crate::problems::files::Root;
 use crate::problems::memory::fits;
 use crate::terminal::output::{read_text, say, write_kept};
@@ -14,7 +14,6 @@ use cg::Cg;
 use results::provenance::available_memory;
 use runner::{Status, Stop};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -110,8 +109,8 @@ impl KeptProblem {
         };
         // The code that computes it.
         let code = (code_version::<Case>(), code_version::<Cg>());
-        let all = json!([read_text(path)?, of.overrides, first, of.time_step, code]).to_string();
-        Ok(Self { of, identity: first_hex(&Sha256::digest(all)) })
+        let identity = hash_of(&json!([read_text(path)?, of.overrides, first, of.time_step, code]));
+        Ok(Self { of, identity })
     }
 
     fn file(&self, root: &Root) -> PathBuf {
@@ -127,7 +126,7 @@ impl KeptProblem {
     }
 
     /// The problem, kept or computed; a study calls it `name`.
-    pub(crate) fn made(&self, root: &Root, name: &str) -> Result<Frozen> {
+    pub(crate) fn problem(&self, root: &Root, name: &str) -> Result<Frozen> {
         if let Some(frozen) = self.at_hand(root) {
             return Ok(frozen);
         }

@@ -3,7 +3,7 @@
 use crate::identity::content_hash;
 use crate::plan::axes::{Settings, combinations, values};
 use crate::plan::file::{Plan, PlannedCase};
-use crate::plan::names::{last_parts, pairs};
+use crate::plan::variants::{last_parts, pairs};
 use crate::problems::case::{KeptProblem, overrides, read_case};
 use crate::problems::files::{Kind, Root, stem};
 use crate::problems::reference::{Given, Known, known};
@@ -146,30 +146,21 @@ fn naming(planned: &PlannedCase) -> Result<Vec<&str>> {
 }
 
 impl PlannedProblem {
-    /// The problem itself. That of a case is computed once, then kept under results/problems.
-    pub(crate) fn made(&self, root: &Root) -> Result<Problem> {
-        match &self.source {
-            Source::Case(kept) => Ok(self.problem(kept.made(root, &self.name)?, None)),
-            _ => self
-                .at_hand(root)
-                .with_context(|| format!("{} is a scene of a study through time, no problem", self.name)),
-        }
-    }
-
-    /// The problem, if it need not be computed.
-    pub(crate) fn at_hand(&self, root: &Root) -> Option<Problem> {
-        match &self.source {
-            Source::Frozen(frozen, given) => Some(self.problem((**frozen).clone(), given.clone())),
-            Source::Case(kept) => kept.at_hand(root).map(|frozen| self.problem(frozen, None)),
-            Source::Simulated(_) => None,
-        }
-    }
-
-    fn problem(&self, frozen: Frozen, given: Option<Given>) -> Problem {
-        let frozen = Frozen { name: self.name.clone(), ..frozen };
-        let settings = self.settings.clone();
-        let known = if self.reference { OnceLock::new() } else { OnceLock::from(Known::default()) };
-        Problem { hash: content_hash(&frozen), settings, given, known, spectrum: OnceLock::new(), frozen }
+    /// The problem, if it need not be computed, or if it is to be; none of a scene.
+    pub(crate) fn problem(&self, root: &Root, compute: bool) -> Result<Option<Problem>> {
+        let (frozen, given) = match &self.source {
+            Source::Frozen(frozen, given) => (Some((**frozen).clone()), given.clone()),
+            Source::Case(kept) if compute => (Some(kept.problem(root, &self.name)?), None),
+            Source::Case(kept) => (kept.at_hand(root), None),
+            Source::Simulated(_) => (None, None),
+        };
+        let problem = |frozen| {
+            let frozen = Frozen { name: self.name.clone(), ..frozen };
+            let settings = self.settings.clone();
+            let known = if self.reference { OnceLock::new() } else { OnceLock::from(Known::default()) };
+            Problem { hash: content_hash(&frozen), settings, given, known, spectrum: OnceLock::new(), frozen }
+        };
+        Ok(frozen.map(problem))
     }
 
     /// The scene of a study through time.

@@ -1,6 +1,6 @@
 //! A scene of a study through time: a case with its values replaced, for a while.
 
-use crate::identity::{content_hash, first_hex};
+use crate::identity::{content_hash, hash_of};
 use crate::plan::axes::Settings;
 use crate::plan::file::PlannedCase;
 use crate::plan::rules::Simulate;
@@ -8,7 +8,6 @@ use anyhow::{Context, Result};
 use cases::{Case, March};
 use contact::shown;
 use serde_json::json;
-use sha2::{Digest, Sha256};
 
 /// The key of the time step: scenes that differ in it alone have one name, and one reference.
 pub(crate) const TIME_STEP: &str = "scene.time_step_s";
@@ -55,7 +54,7 @@ impl Scene {
         let rows = multiple("duration_s", duration_s, "`sample_every_s`", every_s)?;
         // The first problem of the case holds its sample, which other files may hold.
         let first = content_hash(&March::new(&case)?.next()?.frozen);
-        let hash = first_hex(&Sha256::digest(json!([case.sample, case.scene, first]).to_string()));
+        let hash = hash_of(&json!([case.sample, case.scene, first]));
         Ok(Self { name, case, settings, duration_s, every_s, time_steps: rows * every, every, hash })
     }
 

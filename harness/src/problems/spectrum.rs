@@ -4,7 +4,7 @@ use crate::plan::variants::Variant;
 use crate::problems::reference::Known;
 use analysis::{Spectrum, coupling};
 use contact::{ContactProblem, Packing};
-use partition::{Decomposition, Grid, Partition, Scheme};
+use partition::{Decomposition, Partition};
 use serde_json::{Map, Value, json};
 
 /// A contact that opens at less than this share of the greatest |b| is closed (–): references are certified to 1e-12, and come
@@ -35,8 +35,7 @@ pub(crate) fn of_problem(problem: &ContactProblem, known: &Known) -> Map<String,
 /// What the partition of a run adds: the most copies of a grain and, where masses are whole, how strongly subdomains act
 /// on each other.
 pub(crate) fn of_partition(problem: &Packing, variant: &Variant) -> Map<String, Value> {
-    let (grid, scheme) = (variant.setting::<Grid>("subdomains"), variant.setting::<Scheme>("partition"));
-    let Some((grid, scheme)) = grid.zip(scheme) else { return Map::new() };
+    let Some((grid, scheme)) = variant.partition() else { return Map::new() };
     // A run with a partition that does not fit the problem is skipped, and says why.
     let Ok(partition) = Partition::of_contacts(problem, scheme, grid) else { return Map::new() };
     let multiplicity = Decomposition::new(problem, &partition).multiplicity.iter().copied().max();

@@ -1,7 +1,7 @@
 //! A run of any study in `results/runs`, found by its id.
 
 use crate::identity::content_hash;
-use crate::plan::names::as_typed;
+use crate::plan::variants::as_typed;
 use crate::problems::case::KeptProblem;
 use crate::problems::files::Root;
 use crate::store::folder::runs_folder;
@@ -86,7 +86,7 @@ pub(crate) fn problem(root: &Root, run: &Run) -> Result<Frozen> {
         Some(case) => {
             let time_step = settings.remove("time_step");
             let path = root.case(&as_typed(&case))?;
-            KeptProblem::read(&path, &settings, time_step.as_ref())?.made(root, &run.problem)?
+            KeptProblem::read(&path, &settings, time_step.as_ref())?.problem(root, &run.problem)?
         }
     };
     let (before, now) = (&run.problem_hash, content_hash(&problem));
