@@ -1,16 +1,12 @@
 //! `gravel bench`: the runs of a plan that its store lacks, then tables and a report.
 
 use crate::cli::args::StudyArgs;
-use crate::plan::checks::MOST_REPEATS;
-use crate::problems::files::Root;
-use crate::run::execute::{How, few};
-use crate::store::folder::{finish, open, provenance, runs_folder};
-use crate::study::problems::OnProblems;
-use crate::study::selection::Selection;
-use crate::study::simulations::ThroughTime;
-use crate::study::tasks::{Kind, by_id, left_s, missing, run_all};
-use crate::terminal::exit;
-use crate::terminal::output::say;
+use crate::plan::MOST_REPEATS;
+use crate::problems::Root;
+use crate::run::{How, few};
+use crate::store::{finish, open, provenance, runs_folder};
+use crate::study::{Kind, OnProblems, Selection, ThroughTime, by_id, left_s, missing, run_all};
+use crate::terminal::{exit, say};
 use anyhow::{Context, Result, bail};
 use results::store::Store;
 use std::collections::HashSet;

@@ -1,14 +1,11 @@
 //! `gravel merge`: the runs of other stores of a plan, such as those of another machine, join this one.
 
 use crate::cli::args::StudyArgs;
-use crate::plan::methods::names;
-use crate::problems::files::Root;
-use crate::store::folder::{finish, open, provenance};
-use crate::study::problems::OnProblems;
-use crate::study::selection::Selection;
-use crate::study::simulations::ThroughTime;
-use crate::study::tasks::Kind;
-use crate::terminal::output::say;
+use crate::plan::method_names;
+use crate::problems::Root;
+use crate::store::{finish, open, provenance};
+use crate::study::{Kind, OnProblems, Selection, ThroughTime};
+use crate::terminal::say;
 use anyhow::{Result, bail};
 use results::journal::Entry;
 use results::store::{Store, is_study, records_of};
@@ -46,7 +43,7 @@ fn joined<R: Entry>(root: &Root, plan: &str, from: &[PathBuf]) -> Result<Store<R
         if !is_study(folder) {
             bail!("{}: this folder has no journal.jsonl", folder.display());
         }
-        stores.push((folder, records_of::<R>(folder, &names())?));
+        stores.push((folder, records_of::<R>(folder, &method_names())?));
     }
     let mut store = open(root, plan)?;
     refuse_other_counts(store.records(), &stores, plan)?;

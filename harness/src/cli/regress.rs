@@ -1,15 +1,11 @@
 //! `gravel regress` and `gravel bless`: the counts of a plan against those that were accepted.
 
 use crate::cli::args::StudyArgs;
-use crate::problems::files::Root;
-use crate::run::execute::How;
-use crate::store::baseline::{Counts, ExpectedFailure, expected_failures, read, to_csv};
-use crate::store::folder::provenance;
-use crate::study::problems::OnProblems;
-use crate::study::selection::Selection;
-use crate::study::tasks::{Kind, missing, run_all};
-use crate::terminal::exit;
-use crate::terminal::output::{say, write_kept};
+use crate::problems::Root;
+use crate::run::How;
+use crate::store::{Counts, ExpectedFailure, baseline_text, expected_failures, provenance, read_baseline};
+use crate::study::{Kind, OnProblems, Selection, missing, run_all};
+use crate::terminal::{exit, say, write_kept};
 use anyhow::{Result, bail};
 use std::collections::{BTreeMap, HashSet};
 use std::num::NonZeroUsize;
@@ -38,7 +34,7 @@ pub(crate) fn regress(root: &Root, args: &Args) -> Result<ExitCode> {
     if !path.is_file() {
         bail!("{file}: there is no baseline yet; `gravel bless {again}` writes it");
     }
-    let before = read(&path)?;
+    let before = read_baseline(&path)?;
     let (now, unexpected) = count(root, args, selection)?;
     let wrong = [changes(&before, &now), unexpected].concat();
     if wrong.is_empty() {
@@ -56,9 +52,9 @@ pub(crate) fn bless(root: &Root, args: &Args) -> Result<ExitCode> {
     let plan = selection.plan.name.clone();
     let (now, unexpected) = count(root, args, selection)?;
     let path = baseline(root, &plan);
-    let before = if path.is_file() { read(&path)? } else { Vec::new() };
+    let before = if path.is_file() { read_baseline(&path)? } else { Vec::new() };
     say_all(&changes(&before, &now))?;
-    write_kept(&path, &to_csv(&now)?)?;
+    write_kept(&path, &baseline_text(&now)?)?;
     say(format_args!("{plan}: {} runs, now in {}", now.len(), path.display()))?;
     say_all(&unexpected)?;
     Ok(if unexpected.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -1,15 +1,10 @@
 //! `gravel simulate`: a case through time, with what the scene shows of itself.
 
 use crate::cli::args::{CaseArgs, SolverArgs};
-use crate::plan::rules::Rule;
-use crate::problems::case::read_case;
-use crate::problems::files::Root;
-use crate::run::simulation::row;
-use crate::run::simulation::{End, Seen, missed, through_time};
-use crate::run::vtk::Frames;
-use crate::terminal::exit;
-use crate::terminal::output::{check_place, merged, say, write_whole};
-use crate::terminal::progress;
+use crate::plan::Rule;
+use crate::problems::{Root, read_case};
+use crate::run::{End, Frames, Seen, missed, observed, through_time};
+use crate::terminal::{check_place, exit, merged, progress, say, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
 use indicatif::ProgressBar;
@@ -131,7 +126,7 @@ impl Kept {
     }
 
     fn see(&mut self, args: &Args, seen: &Seen) -> Result<()> {
-        let (k, row) = (seen.totals.time_steps, row(seen));
+        let (k, row) = (seen.totals.time_steps, observed(seen));
         if let (Some(file), Some(path)) = (&mut self.rows, &args.output) {
             // At once, so that no half row is left.
             file.write_all(line(seen, &row).as_bytes()).with_context(|| path.display().to_string())?;

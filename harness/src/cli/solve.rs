@@ -2,13 +2,10 @@
 
 use crate::cli::args::{SceneArgs, SolverArgs};
 use crate::identity::content_hash;
-use crate::plan::methods::Method;
-use crate::problems::files::{Root, size};
-use crate::problems::reference::{Known, known};
-use crate::run::rows::derived;
-use crate::terminal::exit;
-use crate::terminal::output::{check_place, merged, replaces, say, write_whole};
-use crate::terminal::progress::Line;
+use crate::plan::Method;
+use crate::problems::{Known, Root, known, size};
+use crate::run::derived;
+use crate::terminal::{Line, check_place, exit, merged, replaces, say, write_whole};
 use anyhow::{Context, Result};
 use cases::Frozen;
 use clap::ValueEnum;

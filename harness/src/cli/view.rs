@@ -2,14 +2,11 @@
 //! iteration.
 
 use crate::cli::args::{SceneArgs, StopArgs, measure};
-use crate::plan::methods::{Method, key_value};
-use crate::plan::variants::Variant;
-use crate::problems::files::Root;
-use crate::problems::reference::known;
-use crate::run::rows::{partitions, scene_rows};
-use crate::run::snapshots::Snapshots;
-use crate::store::stored::{is_id, problem, stored};
-use crate::terminal::output::{check_place, create_folder_of, say, write_whole};
+use crate::plan::{Method, Variant, key_value};
+use crate::problems::{Root, known};
+use crate::run::{Snapshots, partitions, scene_rows};
+use crate::store::{is_id, problem_of_run, stored_run};
+use crate::terminal::{check_place, create_folder_of, say, write_whole};
 use anyhow::{Context, Result, anyhow};
 use cases::Frozen;
 use contact::Truth;
@@ -90,7 +87,7 @@ impl Args {
         let mut variants: Vec<Variant> = self.runs.iter().map(|text| variant(text)).collect::<Result<_>>()?;
         let path = match root.problem_or_case(&self.problem) {
             Err(_) if is_id(&self.problem) => {
-                return self.shown_of(root, stored(root, &self.problem)?, variants);
+                return self.shown_of(root, stored_run(root, &self.problem)?, variants);
             }
             path => path?,
         };
@@ -112,7 +109,7 @@ impl Args {
         let method = Method::new(&run.method, run.settings.clone()).with_context(|| name.clone())?;
         let mut variants = vec![Variant { method, warm_start, name: run.variant.clone() }];
         variants.extend(others.into_iter().map(|other| Variant { warm_start, ..other }));
-        let frozen = problem(root, run).context(name)?;
+        let frozen = problem_of_run(root, run).context(name)?;
         Ok(Shown { frozen, stop, stored: Some(record), variants })
     }
 

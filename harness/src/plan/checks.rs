@@ -1,9 +1,6 @@
 //! What a plan refuses before any of its problems is computed.
 
-use crate::plan::axes::{MOST, count};
-use crate::plan::file::{Curves, Plan, PlannedCase};
-use crate::plan::rules::Simulate;
-use crate::plan::variants::{PlannedMethod, Variant, WarmStart};
+use crate::plan::{Curves, MOST, Plan, PlannedCase, PlannedMethod, Simulate, Variant, WarmStart, count};
 use crate::terminal::suggest;
 use anyhow::{Context, Error, Result, bail};
 use cases::check_name;
@@ -16,7 +13,7 @@ use std::num::NonZeroU32;
 pub(crate) const MOST_REPEATS: NonZeroU32 = NonZeroU32::MIN.saturating_add(999);
 
 impl Plan {
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         check_name(&self.name).map_err(Error::msg)?;
         self.check_size()?;
         if self.problems.is_empty() && self.cases.is_empty() {

@@ -1,10 +1,7 @@
 //! A plan: which methods meet which problems, along which axes, until when.
 
-use crate::plan::axes::Settings;
-use crate::plan::rules::{Rule, Simulate};
-use crate::plan::variants::{PlannedMethod, Variant};
-use crate::terminal::output::read_text;
-use crate::terminal::suggest;
+use crate::plan::{PlannedMethod, Rule, Settings, Simulate, Variant};
+use crate::terminal::{read_text, suggest};
 use anyhow::{Context, Result, anyhow, bail};
 use cases::all_missing;
 use reports::Chart;

@@ -1,8 +1,6 @@
 //! The methods of a plan: every combination of their settings is a variant, named by what sets it apart, and no more.
 
-use crate::plan::axes::{Settings, combinations};
-use crate::plan::file::Plan;
-use crate::plan::methods::Method;
+use crate::plan::{Method, Plan, Settings, combinations};
 use crate::terminal::suggest;
 use anyhow::{Context, Result, bail};
 use partition::{Grid, Scheme};
@@ -114,7 +112,7 @@ impl PlannedMethod {
 /// For each method, the settings in which it differs from the others of the same name: the value where there is one such
 /// setting, as `4x2`; with several of them, `key=value` of each that is not left open. Then whether it begins warm, if some
 /// other begins cold.
-pub(super) fn of_variants(methods: &[(Method, bool)]) -> Vec<String> {
+pub(crate) fn of_variants(methods: &[(Method, bool)]) -> Vec<String> {
     let mut first: BTreeMap<&str, &Settings> = BTreeMap::new();
     let mut differing: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for (Method { name, settings, .. }, _) in methods {

@@ -1,9 +1,7 @@
 //! A scene of a study through time: a case with its values replaced, for a while.
 
 use crate::identity::{content_hash, hash_of};
-use crate::plan::axes::Settings;
-use crate::plan::file::PlannedCase;
-use crate::plan::rules::Simulate;
+use crate::plan::{PlannedCase, Settings, Simulate};
 use anyhow::{Context, Result};
 use cases::{Case, March};
 use contact::shown;
@@ -69,7 +67,7 @@ impl Scene {
 }
 
 /// The whole number that a ratio is, to the rounding of decimal fractions.
-pub(super) fn whole(ratio: f64) -> Option<u64> {
+pub(crate) fn whole(ratio: f64) -> Option<u64> {
     let whole = ratio.round();
     ((1.0..1e12).contains(&whole) && (ratio - whole).abs() <= 1e-9 * whole).then_some(whole as u64)
 }

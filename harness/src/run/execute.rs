@@ -1,9 +1,8 @@
 //! Work in threads: that of methods, and several tasks at a time.
 
-use crate::plan::variants::Variant;
-use crate::problems::files::Root;
-use crate::terminal::exit;
-use crate::terminal::progress::Bars;
+use crate::plan::Variant;
+use crate::problems::Root;
+use crate::terminal::{Bars, exit};
 use anyhow::Result;
 use results::provenance::load_average;
 use results::schema::{Provenance, Timing};
@@ -46,7 +45,7 @@ pub(crate) struct Conditions<'a> {
 
 impl How<'_> {
     /// Before a run.
-    pub(super) fn timing(&self) -> Timing {
+    pub(crate) fn timing(&self) -> Timing {
         let timed_alone = self.jobs.get() == 1;
         Timing { repeats: self.repeats, timed_alone, load_average: load_average(), ..Timing::default() }
     }

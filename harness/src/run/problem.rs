@@ -1,25 +1,26 @@
 //! A run on a problem: repeated for its seconds, kept as a row with its curve.
 
-use crate::plan::file::Plan;
-use crate::problems::planned::Problem;
-use crate::problems::reference::Known;
-use crate::problems::spectrum::of_partition;
-use crate::run::curve::Recorder;
-use crate::run::execute::{Conditions, Task};
-use crate::run::rows::{ended_row, nothing_done};
-use crate::run::snapshots::Snapshots;
+use crate::plan::{Plan, Variant};
+use crate::problems::{Known, Problem};
+use crate::run::{Conditions, Recorder, Task, ended_row, nothing_done};
+use analysis::coupling;
 use anyhow::{Result, bail};
-use contact::SetupError;
+use contact::{Packing, SetupError};
+use partition::{Decomposition, Partition};
 use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot, Timing};
-use runner::{Outcome, Status, solve_against};
-use serde_json::{Map, Value};
+use runner::{Outcome, Progress, Status, solve_against};
+use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 /// One run, as often as `timing` says; `None` if it was halted. A method that cannot start on the problem is a row too: it
 /// says why.
-pub(crate) fn run(plan: &Plan, task: &Task<&Problem>, conditions: &Conditions) -> Result<Option<Record>> {
+pub(crate) fn run_on_problem(
+    plan: &Plan,
+    task: &Task<&Problem>,
+    conditions: &Conditions,
+) -> Result<Option<Record>> {
     let Task { id, variant, what: problem, .. } = task;
     let known = problem.known(conditions.how.root)?;
     let timing = conditions.how.timing();
@@ -81,6 +82,22 @@ fn spectrum(plan: &Plan, task: &Task<&Problem>, known: &Known) -> Map<String, Va
     spectrum
 }
 
+/// What the partition of a run adds: the most copies of a grain and, where masses are whole, how strongly subdomains act
+/// on each other.
+fn of_partition(problem: &Packing, variant: &Variant) -> Map<String, Value> {
+    let Some((grid, scheme)) = variant.partition() else { return Map::new() };
+    // A run with a partition that does not fit the problem is skipped, and says why.
+    let Ok(partition) = Partition::of_contacts(problem, scheme, grid) else { return Map::new() };
+    let multiplicity = Decomposition::new(problem, &partition).multiplicity.iter().copied().max();
+    let mut columns = Map::from_iter([("multiplicity".to_owned(), json!(multiplicity))]);
+    if variant.setting::<bool>("mass_splitting") == Some(false)
+        && let Some(coupling) = coupling(problem, &partition.subdomain)
+    {
+        columns.insert("coupling".to_owned(), json!(coupling));
+    }
+    columns
+}
+
 /// The curve of a run, and the iterates that the page shows, if any.
 type Kept = (Vec<Sample>, Vec<Snapshot>);
 
@@ -130,4 +147,42 @@ fn median(mut ended: Vec<(Outcome, Kept)>, timing: Timing) -> Option<(Outcome, K
     };
     let (outcome, kept) = ended.swap_remove(middle);
     Some((Outcome { setup: setup[middle], ..outcome }, kept, timing))
+}
+
+/// Keeps the beginning of a run, iterations in a ratio of about 1.4, and its end: some thirty iterates of a hundred thousand.
+pub(crate) struct Snapshots {
+    snapshots: Vec<Snapshot>,
+    /// The next iteration to be kept.
+    next: u64,
+}
+
+impl Snapshots {
+    pub(crate) fn new() -> Self {
+        Self { snapshots: Vec::new(), next: 0 }
+    }
+
+    /// Sees every iterate.
+    pub(crate) fn observe(&mut self, progress: &Progress) {
+        if progress.iteration == self.next {
+            self.snapshots.push(kept(self.next, progress.measures.natural_map, progress.impulses));
+            self.next += (2 * self.next).div_ceil(5).max(1);
+        }
+    }
+
+    /// The iterates; the last one is that of the outcome.
+    pub(crate) fn finish(mut self, outcome: &Outcome) -> Vec<Snapshot> {
+        if self.snapshots.last().is_none_or(|last| last.iteration != outcome.iterations) {
+            self.snapshots.push(kept(outcome.iterations, outcome.measures.natural_map, &outcome.impulses));
+        }
+        self.snapshots
+    }
+}
+
+fn kept(iteration: u64, natural_map: f64, impulses: &[f64]) -> Snapshot {
+    Snapshot { iteration, natural_map, impulses_n_s: impulses.iter().copied().map(rounded).collect() }
+}
+
+/// To three significant digits: it is for the eye.
+fn rounded(r: f64) -> f64 {
+    format!("{r:.2e}").parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(f64::NAN)
 }

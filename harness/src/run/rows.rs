@@ -1,10 +1,8 @@
 //! From what the harness holds to the rows of the results.
 
-use crate::plan::file::Plan;
-use crate::plan::variants::Variant;
-use crate::problems::planned::Problem;
-use crate::problems::reference::Given;
-use crate::run::curve::first_at;
+use crate::plan::{Plan, Variant};
+use crate::problems::{Given, Problem};
+use crate::run::first_at;
 use cases::Frozen;
 use contact::{Adjacency, Measure, Meter, Truth, Work};
 use nalgebra::Vector2;
@@ -34,7 +32,7 @@ pub(crate) fn given_row(
 }
 
 /// What is asked of a run, with nothing reached yet.
-pub(super) fn nothing_done(plan: &Plan, problem: &Problem, provenance: Provenance) -> Run {
+pub(crate) fn nothing_done(plan: &Plan, problem: &Problem, provenance: Provenance) -> Run {
     Run {
         plan: plan.name.clone(),
         problem: problem.frozen.name.clone(),

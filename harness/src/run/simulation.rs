@@ -1,9 +1,9 @@
 //! A scene through time: one method, one rule, until the end, an explosion or a refusal; and its row and series.
 
-use crate::plan::rules::Rule;
-use crate::problems::scene::Scene;
-use crate::run::execute::{Conditions, Task};
-use crate::terminal::output::write_kept;
+use crate::plan::Rule;
+use crate::problems::Scene;
+use crate::run::{Conditions, Task};
+use crate::terminal::write_kept;
 use anyhow::Result;
 use cases::{CaseError, Frozen, March, Observables, TimeStep};
 use contact::Solver;
@@ -34,7 +34,11 @@ impl Through<'_> {
 
 /// One simulation; `None` if it was halted. One that explodes leaves the problem of its last good state in the folder of the
 /// study.
-pub(crate) fn run(plan: &str, task: &Task<Through>, conditions: &Conditions) -> Result<Option<Simulated>> {
+pub(crate) fn run_simulation(
+    plan: &str,
+    task: &Task<Through>,
+    conditions: &Conditions,
+) -> Result<Option<Simulated>> {
     let clock = Instant::now();
     let Task { variant, what: Through { scene, rule, .. }, .. } = task;
     let Conditions { how, bars, halt } = conditions;
@@ -119,7 +123,7 @@ struct Series {
 
 impl Series {
     fn see(&mut self, seen: &Seen) {
-        let now = row(seen);
+        let now = observed(seen);
         let row = self.since.take().map_or(now, |since| joined(&since, now));
         if seen.totals.time_steps.is_multiple_of(self.every) {
             self.rows.push(row);
@@ -130,7 +134,7 @@ impl Series {
 }
 
 /// What a time step shows.
-pub(crate) fn row(seen: &Seen) -> Observed {
+pub(crate) fn observed(seen: &Seen) -> Observed {
     let o = seen.observables;
     let [floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s] = o.wall_impulses;
     Observed {

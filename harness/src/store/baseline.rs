@@ -1,12 +1,10 @@
 //! Baselines: the counts of a plan's runs as they were accepted, and the failures that are expected.
 
-use crate::plan::methods::METHODS;
-use crate::plan::variants::as_typed;
-use crate::problems::planned::Problem;
-use crate::run::curve::decades;
-use crate::run::execute::Task;
-use crate::study::tasks::by_id;
-use crate::terminal::output::read_text;
+use crate::plan::{METHODS, as_typed};
+use crate::problems::Problem;
+use crate::run::{Task, decades};
+use crate::study::by_id;
+use crate::terminal::read_text;
 use anyhow::{Context, Result, bail};
 use contact::{Measure, Work};
 use csv::StringRecord;
@@ -90,7 +88,7 @@ fn not_default(method: &str, settings: &Map<String, Value>) -> Result<String> {
 }
 
 /// Reads a baseline.
-pub(crate) fn read(path: &Path) -> Result<Vec<Counts>> {
+pub(crate) fn read_baseline(path: &Path) -> Result<Vec<Counts>> {
     let read = || {
         let mut reader = csv::Reader::from_path(path)?;
         if *reader.headers()? != columns() {
@@ -103,7 +101,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<Counts>> {
 }
 
 /// The text of a baseline.
-pub(crate) fn to_csv(counts: &[Counts]) -> Result<String> {
+pub(crate) fn baseline_text(counts: &[Counts]) -> Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(columns())?;
     counts.iter().try_for_each(|run| writer.write_record(&run.0))?;

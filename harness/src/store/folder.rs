@@ -1,14 +1,11 @@
 //! The folder of a study: opened, gone on with, its tables and report written.
 
 use crate::identity::COMMIT;
-use crate::plan::file::Plan;
-use crate::plan::methods::names;
-use crate::problems::files::Root;
-use crate::run::execute::Task;
-use crate::study::selection::Selection;
-use crate::study::tasks::{Kind, by_id, missing};
-use crate::terminal::exit;
-use crate::terminal::output::say;
+use crate::plan::{Plan, method_names};
+use crate::problems::Root;
+use crate::run::Task;
+use crate::study::{Kind, Selection, by_id, missing};
+use crate::terminal::{exit, say};
 use anyhow::{Result, anyhow};
 use reports::{About, Formats, Wanted, made};
 use results::journal::Entry;
@@ -26,7 +23,7 @@ pub(crate) fn runs_folder(root: &Root) -> PathBuf {
 /// Opens the store of a plan, and says what was lost with a process that was killed.
 pub(crate) fn open<R: Entry>(root: &Root, plan: &str) -> Result<Store<R>> {
     let opened = Store::open(&runs_folder(root), plan);
-    let store = opened.and_then(|store| store.check_methods(&names()).map(|()| store));
+    let store = opened.and_then(|store| store.check_methods(&method_names()).map(|()| store));
     let store = store.map_err(|error| match error {
         StoreError::Line { .. } => anyhow!(
             "{error}; take the line out and its run is run again, or `gravel bench --fresh` keeps the file aside and \

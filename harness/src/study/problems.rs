@@ -1,14 +1,10 @@
 //! A study of problems: every variant on every problem is a run.
 
 use crate::identity::{code_version, hash_of};
-use crate::plan::variants::Variant;
-use crate::problems::files::Root;
-use crate::problems::planned::{PlannedProblem, Problem};
-use crate::run::execute::{Conditions, Task};
-use crate::run::problem::run;
-use crate::run::rows::{given_row, partitions, scene_rows};
-use crate::study::selection::Selection;
-use crate::study::tasks::{Kind, Listed};
+use crate::plan::Variant;
+use crate::problems::{PlannedProblem, Problem, Root};
+use crate::run::{Conditions, Task, given_row, partitions, run_on_problem, scene_rows};
+use crate::study::{Kind, Listed, Selection};
 use anyhow::Result;
 use contact::Measure;
 use reference::InteriorPoint;
@@ -57,7 +53,7 @@ impl Kind for OnProblems {
     }
 
     fn run(&self, task: &Task<&Problem>, conditions: &Conditions) -> Result<Option<Record>> {
-        run(&self.selection.plan, task, conditions)
+        run_on_problem(&self.selection.plan, task, conditions)
     }
 
     fn size(&self) -> usize {

@@ -2,15 +2,10 @@
 //! compared with.
 
 use crate::identity::{code_version, hash_of};
-use crate::plan::rules::Rule;
-use crate::plan::variants::Variant;
-use crate::problems::files::Root;
-use crate::problems::planned::PlannedProblem;
-use crate::problems::scene::Scene;
-use crate::run::execute::{Conditions, Task};
-use crate::run::simulation::{Through, run};
-use crate::study::selection::Selection;
-use crate::study::tasks::{Kind, Listed, missing};
+use crate::plan::{Rule, Variant};
+use crate::problems::{PlannedProblem, Root, Scene};
+use crate::run::{Conditions, Task, Through, run_simulation};
+use crate::study::{Kind, Listed, Selection, missing};
 use anyhow::{Context, Result};
 use cases::March;
 use results::schema::Provenance;
@@ -113,7 +108,7 @@ impl Kind for ThroughTime {
     }
 
     fn run(&self, task: &Task<Through>, conditions: &Conditions) -> Result<Option<Simulated>> {
-        run(&self.selection.plan.name, task, conditions)
+        run_simulation(&self.selection.plan.name, task, conditions)
     }
 
     fn size(&self) -> usize {

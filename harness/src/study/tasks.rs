@@ -1,10 +1,10 @@
 //! A study is a list of tasks, each with its id; what runs them, and what becomes of them, does not ask of which kind they
 //! are: runs on problems, or simulations.
 
-use crate::problems::files::Root;
-use crate::run::execute::{Conditions, How, Task, in_parallel};
-use crate::study::selection::Selection;
-use crate::terminal::progress::Bars;
+use crate::problems::Root;
+use crate::run::{Conditions, How, Task, in_parallel};
+use crate::study::Selection;
+use crate::terminal::Bars;
 use anyhow::Result;
 use results::journal::Entry;
 use results::schema::Provenance;
