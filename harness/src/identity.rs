@@ -1,6 +1,7 @@
 //! What ids are made of: the commit, versions of code, hashes of problems.
 
 use cases::Frozen;
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 /// Commit of the build.
@@ -19,8 +20,13 @@ pub(crate) fn code_version<T>() -> Option<&'static str> {
     CODE_VERSIONS.iter().find(|(name, _)| *name == of_type).map(|(_, version)| *version)
 }
 
+/// Hash of all that something depends on.
+pub(crate) fn hash_of(all: &Value) -> String {
+    first_hex(&Sha256::digest(all.to_string()))
+}
+
 /// The first eight bytes of a hash.
-pub(crate) fn first_hex(hash: &[u8]) -> String {
+fn first_hex(hash: &[u8]) -> String {
     let first = hash.iter().take(8).fold(0, |first: u64, byte| first << 8 | u64::from(*byte));
     format!("{first:016x}")
 }

@@ -21,71 +21,98 @@ mod cli {
 
 /// A study on disk: its journal, its tables, its report, its accepted counts.
 mod store {
-    pub(crate) mod baseline;
-    pub(crate) mod folder;
-    pub(crate) mod notes;
-    pub(crate) mod stored;
+    mod baseline;
+    mod folder;
+    mod stored;
+
+    pub(crate) use baseline::{Counts, ExpectedFailure, baseline_text, expected_failures, read_baseline};
+    pub(crate) use folder::{about, finish, open, provenance, runs_folder, say_files};
+    pub(crate) use stored::{is_id, problem_of_run, stored_run};
 }
 
 /// A task becomes a row.
 mod run {
-    pub(crate) mod curve;
-    pub(crate) mod execute;
-    pub(crate) mod problem;
-    pub(crate) mod rows;
-    pub(crate) mod simulation;
-    pub(crate) mod snapshots;
+    mod curve;
+    mod execute;
+    mod problem;
+    mod rows;
+    mod simulation;
     #[cfg(test)]
     mod tests;
-    pub(crate) mod through_time;
-    pub(crate) mod vtk;
+    mod vtk;
+
+    pub(crate) use curve::{Recorder, decades, first_at};
+    pub(crate) use execute::{Conditions, How, Task, few, in_parallel, in_the_pool};
+    pub(crate) use problem::{Snapshots, run_on_problem};
+    pub(crate) use rows::{derived, ended_row, given_row, nothing_done, partitions, scene_rows};
+    pub(crate) use simulation::{End, Seen, Through, missed, observed, run_simulation, through_time};
+    pub(crate) use vtk::Frames;
 }
 
 /// A plan with its problems or scenes: the tasks that it asks for, each with its id.
 mod study {
-    pub(crate) mod problems;
-    pub(crate) mod selection;
-    pub(crate) mod simulations;
-    pub(crate) mod tasks;
+    mod problems;
+    mod selection;
+    mod simulations;
+    mod tasks;
     #[cfg(test)]
     mod tests;
+
+    pub(crate) use problems::OnProblems;
+    pub(crate) use selection::Selection;
+    pub(crate) use simulations::ThroughTime;
+    pub(crate) use tasks::{Kind, Listed, by_id, left_s, missing, run_all};
 }
 
 /// Frozen problems, cases, scenes, and what is known of their solutions.
 mod problems {
-    pub(crate) mod case;
-    pub(crate) mod files;
-    pub(crate) mod memory;
-    pub(crate) mod planned;
-    pub(crate) mod reference;
-    pub(crate) mod scene;
-    pub(crate) mod spectrum;
+    mod case;
+    mod files;
+    mod planned;
+    mod reference;
+    mod scene;
     #[cfg(test)]
     mod tests;
+
+    pub(crate) use case::{CaseProblem, KeptProblem, overrides, read_case};
+    pub(crate) use files::{Kind, Root, is_toml, size, stem};
+    pub(crate) use planned::{PlannedProblem, Problem, planned};
+    pub(crate) use reference::{Given, Known, answer, known};
+    pub(crate) use scene::{Scene, TIME_STEP};
 }
 
 /// The plan file: methods with their settings, axes, rules.
 mod plan {
-    pub(crate) mod axes;
-    pub(crate) mod checks;
-    pub(crate) mod file;
-    pub(crate) mod methods;
-    pub(crate) mod names;
-    pub(crate) mod rules;
+    mod axes;
+    mod checks;
+    mod file;
+    mod methods;
+    mod rules;
     #[cfg(test)]
     mod tests;
-    pub(crate) mod variants;
+    mod variants;
+
+    pub(crate) use axes::{MOST, Settings, combinations, count, values};
+    pub(crate) use checks::MOST_REPEATS;
+    pub(crate) use file::{Curves, Plan, PlannedCase};
+    pub(crate) use methods::{Entry, METHODS, Method, key_value, method_names, refuse_repeated};
+    pub(crate) use rules::{Rule, Simulate};
+    pub(crate) use variants::{PlannedMethod, Variant, WarmStart, as_typed, last_parts, pairs};
 }
 
 /// What a person at a terminal sees, presses and gets.
 mod terminal {
     pub(crate) mod exit;
-    pub(crate) mod interrupt;
-    pub(crate) mod output;
+    mod output;
     pub(crate) mod progress;
     pub(crate) mod suggest;
     #[cfg(test)]
     mod tests;
+
+    pub(crate) use output::{
+        check_place, create_folder_of, merged, read_text, replaces, say, write_kept, write_whole,
+    };
+    pub(crate) use progress::{Bars, Line};
 }
 
 mod identity;
@@ -95,7 +122,7 @@ use clap::{Parser, Subcommand};
 use cli::{
     bench, certify, freeze, list, merge, plan as show, regress, report, schema, simulate, solve, view,
 };
-use run::execute::{self, in_the_pool};
+use run::{few, in_the_pool};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use terminal::{exit, suggest};
@@ -105,7 +132,7 @@ use terminal::{exit, suggest};
 #[command(name = "gravel", version, max_term_width = 100, after_help = exit::HELP)]
 struct Cli {
     /// Threads that methods may use [default: one per processor]; results do not depend on it
-    #[arg(long, global = true, value_name = "N", value_parser = execute::few)]
+    #[arg(long, global = true, value_name = "N", value_parser = few)]
     threads: Option<std::num::NonZeroUsize>,
     /// The checkout with cases/ and harness/plans/ [default: the current folder or one above it]
     #[arg(long, global = true, value_name = "DIR")]
@@ -163,7 +190,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
     if let Some(threads) = cli.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global()?;
     }
-    let root = problems::files::Root::find(cli.root)?;
+    let root = problems::Root::find(cli.root)?;
     match cli.command {
         Command::Bench(args) => return bench::run(&root, &args),
         Command::Plan(args) => show::run(&root, &args)?,

@@ -1,11 +1,8 @@
 //! Arguments that several commands share.
 
-use crate::plan::file::Plan;
-use crate::plan::methods::{Method, key_value, refuse_repeated};
-use crate::problems::case::CaseProblem;
-use crate::problems::files::{Root, is_toml};
-use crate::problems::planned::planned;
-use crate::study::selection::Selection;
+use crate::plan::{Method, Plan, key_value, refuse_repeated};
+use crate::problems::{CaseProblem, Root, is_toml, planned};
+use crate::study::Selection;
 use anyhow::{Context, Result, bail};
 use cases::Frozen;
 use contact::Measure;

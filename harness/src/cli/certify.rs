@@ -1,9 +1,7 @@
 //! `gravel certify`: what a solution leaves of the contact problem, condition by condition.
 
-use crate::problems::files::{Root, size};
-use crate::problems::reference::{Given, answer};
-use crate::terminal::exit;
-use crate::terminal::output::say;
+use crate::problems::{Given, Root, answer, size};
+use crate::terminal::{exit, say};
 use anyhow::Result;
 use cases::Frozen;
 use contact::{ContactProblem, Meter, Truth};

@@ -1,8 +1,8 @@
 //! `gravel freeze`: the contact problem of one time step of a case, as a file.
 
 use crate::cli::args::{CaseArgs, SolverArgs};
-use crate::problems::files::{Root, size, stem};
-use crate::terminal::output::{check_place, replaces, say, write_whole};
+use crate::problems::{Root, size, stem};
+use crate::terminal::{check_place, replaces, say, write_whole};
 use anyhow::{Result, anyhow, bail};
 use cases::check_name;
 use std::path::PathBuf;

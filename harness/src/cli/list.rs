@@ -1,10 +1,9 @@
 //! `gravel list`: what there is.
 
 use crate::cli::schema::takes;
-use crate::plan::file::Plan;
-use crate::plan::methods::METHODS;
-use crate::problems::files::{Kind, Root, size, stem};
-use crate::terminal::output::say;
+use crate::plan::{METHODS, Plan};
+use crate::problems::{Kind, Root, size, stem};
+use crate::terminal::say;
 use anyhow::Result;
 use cases::{Case, Frozen};
 use clap::ValueEnum;

@@ -1,12 +1,11 @@
 //! `gravel merge`: the runs of other stores of a plan, such as those of another machine, join this one.
 
 use crate::cli::args::StudyArgs;
-use crate::plan::methods::names;
-use crate::problems::files::Root;
-use crate::store::folder::{finish, open, provenance};
-use crate::study::selection::Selection;
-use crate::study::tasks::{ForKind, Kind, of_kind};
-use crate::terminal::output::say;
+use crate::plan::method_names;
+use crate::problems::Root;
+use crate::store::{finish, open, provenance};
+use crate::study::{Kind, OnProblems, Selection, ThroughTime};
+use crate::terminal::say;
 use anyhow::{Result, bail};
 use results::journal::Entry;
 use results::store::{Store, is_study, records_of};
@@ -24,21 +23,17 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    of_kind(StudyArgs::plan(&args.plan, false).selection(root)?, Merge { root, args })
-}
-
-struct Merge<'a> {
-    root: &'a Root,
-    args: &'a Args,
-}
-
-impl ForKind for Merge<'_> {
-    type Output = ExitCode;
-
-    fn of<K: Kind>(self, selection: Selection) -> Result<ExitCode> {
-        let store = joined(self.root, &selection.plan.name, &self.args.from)?;
-        finish(self.root, &K::new(selection, self.root, true)?, store, &provenance()?)
+    let selection = StudyArgs::plan(&args.plan, false).selection(root)?;
+    if selection.plan.through_time() {
+        merge::<ThroughTime>(root, args, selection)
+    } else {
+        merge::<OnProblems>(root, args, selection)
     }
+}
+
+fn merge<K: Kind>(root: &Root, args: &Args, selection: Selection) -> Result<ExitCode> {
+    let store = joined(root, &selection.plan.name, &args.from)?;
+    finish(root, &K::new(selection, root, true)?, store, &provenance()?)
 }
 
 /// The store of a plan with what those in the folders `from` hold beside it.
@@ -48,7 +43,7 @@ fn joined<R: Entry>(root: &Root, plan: &str, from: &[PathBuf]) -> Result<Store<R
         if !is_study(folder) {
             bail!("{}: this folder has no journal.jsonl", folder.display());
         }
-        stores.push((folder, records_of::<R>(folder, &names())?));
+        stores.push((folder, records_of::<R>(folder, &method_names())?));
     }
     let mut store = open(root, plan)?;
     refuse_other_counts(store.records(), &stores, plan)?;

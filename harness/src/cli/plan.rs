@@ -1,12 +1,11 @@
-//! `gravel plan`: the runs of a plan, which of them are made, and how long the others take, with nothing run.
+//! `gravel plan`: the runs of a plan, which of them are done, and how long the others take, with nothing run.
 
 use crate::cli::args::StudyArgs;
-use crate::plan::methods::names;
-use crate::problems::files::Root;
-use crate::store::folder::runs_folder;
-use crate::study::selection::Selection;
-use crate::study::tasks::{ForKind, Kind, Listed, by_id, left_s, missing, of_kind};
-use crate::terminal::output::say;
+use crate::plan::method_names;
+use crate::problems::Root;
+use crate::store::runs_folder;
+use crate::study::{Kind, Listed, OnProblems, Selection, ThroughTime, by_id, left_s, missing};
+use crate::terminal::say;
 use anyhow::Result;
 use indicatif::HumanDuration;
 use results::store::records_of;
@@ -27,41 +26,37 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     for note in &selection.notes {
         say(format_args!("  {note}"))?;
     }
-    let (rows, left_s) = of_kind(selection, List { root })?;
+    let (rows, left_s) = if selection.plan.through_time() {
+        listed::<ThroughTime>(root, selection)?
+    } else {
+        listed::<OnProblems>(root, selection)?
+    };
     if !args.count {
         say_runs(&rows)?;
     }
     say_counts(&rows, left_s)
 }
 
-struct List<'a> {
-    root: &'a Root,
-}
-
-impl ForKind for List<'_> {
-    /// The tasks, and how long the missing ones may take (s).
-    type Output = (Vec<Listed>, Option<f64>);
-
-    fn of<K: Kind>(self, selection: Selection) -> Result<Self::Output> {
-        let folder = runs_folder(self.root).join(&selection.plan.name);
-        let records: Vec<K::Record> = records_of(&folder, &names())?;
-        let study = K::new(selection, self.root, false)?;
-        let done = by_id(&records).into_keys().collect();
-        let left = left_s(&missing(&study.tasks()?, &done), &records);
-        Ok((study.listed(&done)?, left))
-    }
+/// The tasks, and how long the missing ones may take (s).
+fn listed<K: Kind>(root: &Root, selection: Selection) -> Result<(Vec<Listed>, Option<f64>)> {
+    let folder = runs_folder(root).join(&selection.plan.name);
+    let records: Vec<K::Record> = records_of(&folder, &method_names())?;
+    let study = K::new(selection, root, false)?;
+    let done = by_id(&records).into_keys().collect();
+    let left = left_s(&missing(&study.tasks(), &done), &records);
+    Ok((study.listed(&done), left))
 }
 
 fn say_runs(rows: &[Listed]) -> Result<()> {
     let width = rows.iter().map(|row| row.problem.chars().count()).max().unwrap_or(0);
     for Listed { problem, method, variant, done } in rows {
-        let made = if *done { "done" } else { "" };
-        say(format_args!("  {made:<4}  {}", format!("{problem:<width$}  {method} {variant}").trim_end()))?;
+        let mark = if *done { "done" } else { "" };
+        say(format_args!("  {mark:<4}  {}", format!("{problem:<width$}  {method} {variant}").trim_end()))?;
     }
     Ok(())
 }
 
-/// Runs on each problem, of each method, and in all; those that are made, and all.
+/// Runs on each problem, of each method, and in all; those that are done, and all.
 fn say_counts(rows: &[Listed], left_s: Option<f64>) -> Result<()> {
     let mut counts: Vec<(String, usize, usize)> = Vec::new();
     let on = |row: &Listed| format!("on {}", row.problem);
@@ -71,7 +66,7 @@ fn say_counts(rows: &[Listed], left_s: Option<f64>) -> Result<()> {
         for row in rows {
             let (name, done) = (kind(row), usize::from(row.done));
             match counts.iter_mut().find(|(known, ..)| *known == name) {
-                Some((_, made, runs)) => (*made, *runs) = (*made + done, *runs + 1),
+                Some((_, ended, runs)) => (*ended, *runs) = (*ended + done, *runs + 1),
                 None => counts.push((name, done, 1)),
             }
         }
@@ -83,7 +78,7 @@ fn say_counts(rows: &[Listed], left_s: Option<f64>) -> Result<()> {
     if let Some(left) = left_s.filter(|s| *s > 0.0) {
         // The others are judged by runs of the same method.
         let left = HumanDuration(Duration::from_secs_f64(left));
-        say(format_args!("about {left} left on problems that are made, one run at a time"))?;
+        say(format_args!("about {left} left on problems that are there, one run at a time"))?;
     }
     Ok(())
 }

@@ -1,20 +1,16 @@
 //! `gravel regress` and `gravel bless`: the counts of a plan against those that were accepted.
 
 use crate::cli::args::StudyArgs;
-use crate::problems::files::Root;
-use crate::store::baseline::{Counts, ExpectedFailure, expected_failures, read, to_csv};
-use crate::store::folder::provenance;
-use crate::study::problems::OnProblems;
-use crate::study::selection::Selection;
-use crate::study::tasks::{How, Kind, missing, run_all};
-use crate::terminal::interrupt;
-use crate::terminal::output::{say, write_kept};
+use crate::problems::Root;
+use crate::run::How;
+use crate::store::{Counts, ExpectedFailure, baseline_text, expected_failures, provenance, read_baseline};
+use crate::study::{Kind, OnProblems, Selection, missing, run_all};
+use crate::terminal::{exit, say, write_kept};
 use anyhow::{Result, bail};
 use std::collections::{BTreeMap, HashSet};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::{Mutex, PoisonError};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -29,34 +25,20 @@ pub(crate) struct Args {
     jobs: Option<NonZeroUsize>,
 }
 
-impl Args {
-    fn selection(&self, root: &Root) -> Result<Selection> {
-        StudyArgs::plan(&self.plan, self.quick).selection(root)
-    }
-}
-
-/// The counts of a plan now, and where those that were accepted are.
-struct Now {
-    plan: String,
-    counts: Vec<Counts>,
-    baseline: PathBuf,
-    expected: Vec<ExpectedFailure>,
-}
-
 /// Compares the counts with the baseline.
 pub(crate) fn regress(root: &Root, args: &Args) -> Result<ExitCode> {
     let selection = args.selection(root)?;
-    let (baseline, again) = (baseline(root, &selection.plan.name), selection.again.clone());
-    let file = baseline.display();
-    if !baseline.is_file() {
+    let (plan, again) = (selection.plan.name.clone(), selection.again.clone());
+    let path = baseline(root, &plan);
+    let file = path.display();
+    if !path.is_file() {
         bail!("{file}: there is no baseline yet; `gravel bless {again}` writes it");
     }
-    let before = read(&baseline)?;
-    let now = Now::count(root, args, selection)?;
-    let wrong = [changes(&before, &now.counts)?, now.unexpected()].concat();
-    let (plan, runs) = (&now.plan, now.counts.len());
+    let before = read_baseline(&path)?;
+    let (now, unexpected) = count(root, args, selection)?;
+    let wrong = [changes(&before, &now), unexpected].concat();
     if wrong.is_empty() {
-        say(format_args!("{plan}: {runs} runs, all as in {file}"))?;
+        say(format_args!("{plan}: {} runs, all as in {file}", now.len()))?;
         return Ok(ExitCode::SUCCESS);
     }
     say_all(&wrong)?;
@@ -64,60 +46,69 @@ pub(crate) fn regress(root: &Root, args: &Args) -> Result<ExitCode> {
     Ok(ExitCode::FAILURE)
 }
 
-/// Makes the counts the baseline.
+/// Accepts the counts as the baseline.
 pub(crate) fn bless(root: &Root, args: &Args) -> Result<ExitCode> {
-    let now = Now::count(root, args, args.selection(root)?)?;
-    let before = if now.baseline.is_file() { read(&now.baseline)? } else { Vec::new() };
-    say_all(&changes(&before, &now.counts)?)?;
-    write_kept(&now.baseline, &to_csv(&now.counts)?)?;
-    say(format_args!("{}: {} runs, now in {}", now.plan, now.counts.len(), now.baseline.display()))?;
-    let unexpected = now.unexpected();
+    let selection = args.selection(root)?;
+    let plan = selection.plan.name.clone();
+    let (now, unexpected) = count(root, args, selection)?;
+    let path = baseline(root, &plan);
+    let before = if path.is_file() { read_baseline(&path)? } else { Vec::new() };
+    say_all(&changes(&before, &now))?;
+    write_kept(&path, &baseline_text(&now)?)?;
+    say(format_args!("{plan}: {} runs, now in {}", now.len(), path.display()))?;
     say_all(&unexpected)?;
     Ok(if unexpected.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-impl Now {
-    /// Runs the whole plan; nothing is stored.
-    fn count(root: &Root, args: &Args, selection: Selection) -> Result<Self> {
-        let study = OnProblems::new(selection, root, true)?;
-        let plan = study.selection().plan.name.clone();
-        let baseline = baseline(root, &plan);
-        let expected = expected_failures(&baseline.with_file_name("expected-failures.toml"), &plan)?;
-        let jobs = args.jobs.or_else(|| std::thread::available_parallelism().ok());
-        let jobs = jobs.unwrap_or(NonZeroUsize::MIN);
-        interrupt::listen()?;
-        let records = Mutex::new(Vec::new());
-        let (tasks, provenance) = (study.tasks()?, provenance()?);
-        let how = How { root, folder: None, provenance: &provenance, repeats: 1, jobs };
-        run_all(&study, &missing(&tasks, &HashSet::new()), &how, &|record| {
-            records.lock().unwrap_or_else(PoisonError::into_inner).push(record);
-            Ok(())
-        })?;
-        if interrupt::asked() {
-            bail!("stopped before all runs had ended: nothing was compared");
+impl Args {
+    fn selection(&self, root: &Root) -> Result<Selection> {
+        let selection = StudyArgs::plan(&self.plan, self.quick).selection(root)?;
+        if selection.plan.through_time() {
+            bail!("plan `{}` is a study through time: only runs on problems have a baseline", self.plan);
         }
-        let counts = Counts::of(&tasks, &records.into_inner().unwrap_or_else(PoisonError::into_inner))?;
-        Ok(Self { plan, counts, baseline, expected })
+        Ok(selection)
     }
+}
 
-    /// Failures that nobody expects, and expected ones that do not come.
-    fn unexpected(&self) -> Vec<String> {
-        let mut lines = Vec::new();
-        let mut expected: BTreeMap<&str, &ExpectedFailure> =
-            self.expected.iter().map(|failure| (failure.run.as_str(), failure)).collect();
-        for counts in &self.counts {
-            let (run, status) = (counts.run(), &counts.status);
-            match expected.remove(run.as_str()) {
-                None if status != "converged" => lines.push(format!("unexpected failure: {run}: {status}")),
-                Some(ExpectedFailure { status: failure, why, .. }) if failure != status => {
-                    lines.push(format!("unexpected: {run}: {status}, where {failure} is expected: {why}"));
-                }
-                _ => {}
-            }
-        }
-        lines.extend(expected.keys().map(|run| format!("expected to fail, and not in the plan: {run}")));
-        lines
+/// Runs the whole plan, of which nothing is stored: its counts, and what is unexpected of its failures.
+fn count(root: &Root, args: &Args, selection: Selection) -> Result<(Vec<Counts>, Vec<String>)> {
+    let study = OnProblems::new(selection, root, true)?;
+    let plan = &study.selection().plan.name;
+    let expected = expected_failures(&root.join("results/baseline/expected-failures.toml"), plan)?;
+    let jobs = args.jobs.or_else(|| std::thread::available_parallelism().ok());
+    let jobs = jobs.unwrap_or(NonZeroUsize::MIN);
+    exit::listen_for_interrupts()?;
+    let (tasks, provenance, mut records) = (study.tasks(), provenance()?, Vec::new());
+    let how = How { root, folder: None, provenance: &provenance, repeats: 1, jobs };
+    run_all(&study, &missing(&tasks, &HashSet::new()), &how, |record| {
+        records.push(record);
+        Ok(())
+    })?;
+    if exit::requested() {
+        bail!("stopped before all runs had ended: nothing was compared");
     }
+    let counts = Counts::of(&tasks, &records)?;
+    let unexpected = unexpected(&counts, &expected);
+    Ok((counts, unexpected))
+}
+
+/// Failures that nobody expects, and expected ones that do not come.
+fn unexpected(counts: &[Counts], expected: &[ExpectedFailure]) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut expected: BTreeMap<&str, &ExpectedFailure> =
+        expected.iter().map(|failure| (failure.run.as_str(), failure)).collect();
+    for counts in counts {
+        let (run, status) = (counts.run(), counts.status());
+        match expected.remove(run.as_str()) {
+            None if status != "converged" => lines.push(format!("unexpected failure: {run}: {status}")),
+            Some(ExpectedFailure { status: failure, why, .. }) if failure != status => {
+                lines.push(format!("unexpected: {run}: {status}, where {failure} is expected: {why}"));
+            }
+            _ => {}
+        }
+    }
+    lines.extend(expected.keys().map(|run| format!("expected to fail, and not in the plan: {run}")));
+    lines
 }
 
 fn baseline(root: &Root, plan: &str) -> PathBuf {
@@ -129,16 +120,14 @@ fn say_all(lines: &[String]) -> Result<()> {
 }
 
 /// A table of what differs: which run, which count, before, now, their ratio; then runs that came and went.
-fn changes(before: &[Counts], now: &[Counts]) -> Result<Vec<String>> {
+fn changes(before: &[Counts], now: &[Counts]) -> Vec<String> {
     let by_run = |counts: &[Counts]| -> BTreeMap<String, Counts> {
         counts.iter().map(|counts| (counts.run(), counts.clone())).collect()
     };
     let (before, now) = (by_run(before), by_run(now));
     let mut rows = vec![["run", "count", "before", "now", "ratio"].map(str::to_owned)];
     for (run, now) in &now {
-        for (count, before, now) in
-            before.get(run).map_or(Ok(Vec::new()), |before| now.differences(before))?
-        {
+        for [count, before, now] in before.get(run).map_or(Vec::new(), |before| now.differences(before)) {
             let ratio = ratio(&before, &now).map_or(String::new(), |ratio| format!("{ratio:.4}"));
             rows.push([run.clone(), count, before, now, ratio]);
         }
@@ -148,7 +137,7 @@ fn changes(before: &[Counts], now: &[Counts]) -> Result<Vec<String>> {
     lines.extend(new.map(|run| format!("not in the baseline: {run}")));
     let gone = before.keys().filter(|run| !now.contains_key(*run));
     lines.extend(gone.map(|run| format!("not in the plan: {run}")));
-    Ok(lines)
+    lines
 }
 
 fn ratio(before: &str, now: &str) -> Option<f64> {

@@ -1,9 +1,9 @@
 //! `gravel report` and `gravel figure`: tables and figures of the newest stored study of a plan, without running it.
 
-use crate::plan::file::Plan;
-use crate::problems::files::Root;
-use crate::store::folder::{about, runs_folder, say_files};
-use crate::terminal::output::{say, write_whole};
+use crate::plan::Plan;
+use crate::problems::Root;
+use crate::store::{about, runs_folder, say_files};
+use crate::terminal::{say, write_whole};
 use anyhow::{Context, Result, bail};
 use reports::{Chart, Formats, Wanted, made};
 use results::store::{read, tables_folder};

@@ -1,9 +1,7 @@
 //! `gravel schema`: JSON schemas of plans and cases, for editors; and what a setting takes, in words.
 
-use crate::plan::file::Plan;
-use crate::plan::methods::{Entry, METHODS};
-use crate::plan::variants::PlannedMethod;
-use crate::terminal::output::say;
+use crate::plan::{Entry, METHODS, Plan, PlannedMethod};
+use crate::terminal::say;
 use anyhow::Result;
 use cases::Case;
 pub(crate) use cases::schema as of;

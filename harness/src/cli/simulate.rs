@@ -1,16 +1,10 @@
 //! `gravel simulate`: a case through time, with what the scene shows of itself.
 
 use crate::cli::args::{CaseArgs, SolverArgs};
-use crate::plan::rules::Rule;
-use crate::problems::case::read_case;
-use crate::problems::files::Root;
-use crate::run::simulation::row;
-use crate::run::through_time::{End, Seen, missed, through_time};
-use crate::run::vtk::Frames;
-use crate::terminal::exit;
-use crate::terminal::interrupt;
-use crate::terminal::output::{check_place, merged, say, write_whole};
-use crate::terminal::progress;
+use crate::plan::Rule;
+use crate::problems::{Root, read_case};
+use crate::run::{End, Frames, Seen, missed, observed, through_time};
+use crate::terminal::{check_place, exit, merged, progress, say, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
 use indicatif::ProgressBar;
@@ -71,13 +65,13 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let (method, stop) = args.solver.read()?;
     let mut march = March::new(&case)?;
     let rule = Rule { stop, warm_start: !args.cold };
-    interrupt::listen()?;
+    exit::listen_for_interrupts()?;
     let mut kept = Kept::new(args, &case)?;
     if !args.json {
         say(format_args!("{HEADING}"))?;
     }
     let see = &mut |seen: &Seen| kept.see(args, seen);
-    let made = through_time(&mut march, &*method.solver, &rule, args.time_steps, &interrupt::asked, see);
+    let made = through_time(&mut march, &*method.solver, &rule, args.time_steps, &exit::requested, see);
     kept.bar.finish_and_clear();
     let (totals, end) = made?;
     let last_state = match &end {
@@ -132,7 +126,7 @@ impl Kept {
     }
 
     fn see(&mut self, args: &Args, seen: &Seen) -> Result<()> {
-        let (k, row) = (seen.totals.time_steps, row(seen));
+        let (k, row) = (seen.totals.time_steps, observed(seen));
         if let (Some(file), Some(path)) = (&mut self.rows, &args.output) {
             // At once, so that no half row is left.
             file.write_all(line(seen, &row).as_bytes()).with_context(|| path.display().to_string())?;

@@ -2,14 +2,10 @@
 
 use crate::cli::args::{SceneArgs, SolverArgs};
 use crate::identity::content_hash;
-use crate::plan::methods::Method;
-use crate::problems::files::{Root, size};
-use crate::problems::reference::{Known, known};
-use crate::run::rows::derived;
-use crate::terminal::exit;
-use crate::terminal::interrupt;
-use crate::terminal::output::{check_place, merged, replaces, say, write_whole};
-use crate::terminal::progress::Line;
+use crate::plan::Method;
+use crate::problems::{Known, Root, known, size};
+use crate::run::derived;
+use crate::terminal::{Line, check_place, exit, merged, replaces, say, write_whole};
 use anyhow::{Context, Result};
 use cases::Frozen;
 use clap::ValueEnum;
@@ -61,11 +57,11 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
 
     let truth = args.truth || stop.on == Measure::VelocityError;
     let known = if truth { known(root, &frozen)? } else { Known::default() };
-    interrupt::listen()?;
+    exit::listen_for_interrupts()?;
     let mut line = Line::alone(method.name.to_owned());
     let mut observe = |progress: &Progress| {
         line.show(progress, stop.on);
-        if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if exit::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let outcome = solve_against(known.truth(), &*method.solver, &frozen.problem, &r0, &stop, &mut observe)
         .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;

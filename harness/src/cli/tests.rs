@@ -2,7 +2,7 @@
 
 use crate::cli::args::StopArgs;
 use crate::cli::view::{runs_of, variant};
-use crate::plan::file::Plan;
+use crate::plan::Plan;
 use clap::{Args, Command};
 use runner::Stop;
 use std::path::Path;

@@ -2,18 +2,15 @@
 //! iteration.
 
 use crate::cli::args::{SceneArgs, StopArgs, measure};
-use crate::plan::methods::{Method, key_value};
-use crate::plan::variants::Variant;
-use crate::problems::files::Root;
-use crate::problems::reference::known;
-use crate::run::rows::{partitions, scene_rows};
-use crate::run::snapshots::Snapshots;
-use crate::store::stored::{is_id, problem, stored};
-use crate::terminal::output::{check_place, create_folder_of, say, write_whole};
+use crate::plan::{Method, Variant, key_value};
+use crate::problems::{Root, known};
+use crate::run::{Snapshots, partitions, scene_rows};
+use crate::store::{is_id, problem_of_run, stored_run};
+use crate::terminal::{check_place, create_folder_of, say, write_whole};
 use anyhow::{Context, Result, anyhow};
 use cases::Frozen;
 use contact::Truth;
-use partition::{Grid, Partition, Scheme};
+use partition::{Grid, Scheme};
 use results::journal::Record;
 use results::schema::Run;
 use runner::{Stop, solve_against};
@@ -78,13 +75,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     if split.is_empty() {
         split.push(("1x1".to_owned(), Grid::ONE, Scheme::Boxes));
     }
-    let (mut grains, mut contacts) = (Vec::new(), Vec::new());
-    for (name, grid, scheme) in split {
-        let partition = Partition::of_contacts(&frozen.problem, scheme, grid)?;
-        let (g, c) = scene_rows(frozen, &name, &partition, known.impulses());
-        grains.extend(g);
-        contacts.extend(c);
-    }
+    let (grains, contacts) = scene_rows(frozen, &split, known.impulses());
     let html = reports::view(&frozen.name, (&grains, &contacts), filmed, &args.again())?;
     write_whole(&page, &html)?;
     say(format_args!("{}", page.display()))
@@ -95,7 +86,7 @@ impl Args {
         let mut variants: Vec<Variant> = self.runs.iter().map(|text| variant(text)).collect::<Result<_>>()?;
         let path = match root.problem_or_case(&self.problem) {
             Err(_) if is_id(&self.problem) => {
-                return self.shown_of(root, stored(root, &self.problem)?, variants);
+                return self.shown_of(root, stored_run(root, &self.problem)?, variants);
             }
             path => path?,
         };
@@ -117,7 +108,7 @@ impl Args {
         let method = Method::new(&run.method, run.settings.clone()).with_context(|| name.clone())?;
         let mut variants = vec![Variant { method, warm_start, name: run.variant.clone() }];
         variants.extend(others.into_iter().map(|other| Variant { warm_start, ..other }));
-        let frozen = problem(root, run).context(name)?;
+        let frozen = problem_of_run(root, run).context(name)?;
         Ok(Shown { frozen, stop, stored: Some(record), variants })
     }
 

@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 pub(crate) type Settings = Map<String, Value>;
 
 /// A plan with more runs than this was not meant.
-pub(super) const MOST: usize = 100_000;
+pub(crate) const MOST: usize = 100_000;
 
 const ACCEPTED: &str = "a list, or a range such as \"1..5\", \"lin(0.1, 1, 10)\" or \"geom(0.1, 1000, 13)\"";
 
@@ -36,7 +36,7 @@ pub(crate) fn combinations(set: &Settings, zip: &Settings, axes: &Settings) -> R
 }
 
 /// How many combinations there are.
-pub(super) fn count(zip: &Settings, axes: &Settings) -> Result<f64> {
+pub(crate) fn count(zip: &Settings, axes: &Settings) -> Result<f64> {
     let of = |(key, axis): (&String, &Value)| Ok(values(key, axis)?.len() as f64);
     let zipped = zip.iter().next().map_or(Ok(1.0), of)?;
     axes.iter().map(of).try_fold(zipped, |made, values: Result<f64>| Ok(made * values?))

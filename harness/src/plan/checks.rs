@@ -1,9 +1,6 @@
 //! What a plan refuses before any of its problems is computed.
 
-use crate::plan::axes::{MOST, count};
-use crate::plan::file::{Curves, Plan, PlannedCase};
-use crate::plan::rules::Simulate;
-use crate::plan::variants::{PlannedMethod, Variant, WarmStart};
+use crate::plan::{Curves, MOST, Plan, PlannedCase, PlannedMethod, Simulate, Variant, WarmStart, count};
 use crate::terminal::suggest;
 use anyhow::{Context, Error, Result, bail};
 use cases::check_name;
@@ -16,7 +13,7 @@ use std::num::NonZeroU32;
 pub(crate) const MOST_REPEATS: NonZeroU32 = NonZeroU32::MIN.saturating_add(999);
 
 impl Plan {
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         check_name(&self.name).map_err(Error::msg)?;
         self.check_size()?;
         if self.problems.is_empty() && self.cases.is_empty() {
@@ -67,7 +64,7 @@ impl Plan {
 
     /// Refuses, in a study through time, what only runs on single problems heed; and the other way round.
     fn check_kind(&self) -> Result<()> {
-        if self.simulate.is_none() {
+        if !self.through_time() {
             if let Some(case) = self.cases.iter().find(|case| case.duration_s.is_some()) {
                 bail!("`cases`: case `{}`: `duration_s`: the plan has no table [simulate]", case.case);
             }
@@ -110,7 +107,7 @@ impl Plan {
     /// Refuses a chart of the other kind of study.
     pub(crate) fn suits(&self, chart: Chart) -> Result<()> {
         let name = chart.name();
-        match (chart.through_time(), self.simulate.is_some()) {
+        match (chart.through_time(), self.through_time()) {
             (true, false) => bail!("chart `{name}` is of simulations, and the plan has no table [simulate]"),
             (false, true) => bail!("chart `{name}` is of problems, and the plan is of simulations"),
             _ => Ok(()),

@@ -1,10 +1,7 @@
 //! A plan: which methods meet which problems, along which axes, until when.
 
-use crate::plan::axes::Settings;
-use crate::plan::rules::{Rule, Simulate};
-use crate::plan::variants::{PlannedMethod, Variant};
-use crate::terminal::output::read_text;
-use crate::terminal::suggest;
+use crate::plan::{PlannedMethod, Rule, Settings, Simulate, Variant};
+use crate::terminal::{read_text, suggest};
 use anyhow::{Context, Result, anyhow, bail};
 use cases::all_missing;
 use reports::Chart;
@@ -169,6 +166,11 @@ impl Plan {
         Ok(Some(plan))
     }
 
+    /// Whether the study is of simulations, not of problems.
+    pub(crate) fn through_time(&self) -> bool {
+        self.simulate.is_some()
+    }
+
     /// The rules of a study through time, each with its name; none for a study of problems.
     pub(crate) fn rules(&self) -> Result<Vec<(Rule, String)>> {
         self.simulate.as_ref().map_or(Ok(Vec::new()), |simulate| simulate.rules(&self.stop, self.warm_start))
@@ -176,7 +178,7 @@ impl Plan {
 
     /// The figures of the study.
     pub(crate) fn charts(&self) -> Vec<Chart> {
-        self.charts.clone().unwrap_or_else(|| Chart::default_set(self.simulate.is_some()))
+        self.charts.clone().unwrap_or_else(|| Chart::default_set(self.through_time()))
     }
 }
 

@@ -68,7 +68,7 @@ impl Entry {
 }
 
 /// Names of all methods.
-pub(crate) fn names() -> Vec<&'static str> {
+pub(crate) fn method_names() -> Vec<&'static str> {
     METHODS.iter().map(|entry| entry.name).collect()
 }
 
@@ -76,7 +76,7 @@ impl Method {
     /// The method `name` with `settings`; what they leave out has its default.
     pub(crate) fn new(name: &str, settings: Map<String, Value>) -> Result<Self> {
         let Some(entry) = METHODS.iter().find(|entry| entry.name == name) else {
-            bail!("{}", suggest::among(&format!("unknown method `{name}`"), name, names()));
+            bail!("{}", suggest::among(&format!("unknown method `{name}`"), name, method_names()));
         };
         let (settings, solver) =
             (entry.build)(settings).map_err(|error| anyhow!("method `{name}`, {error}"))?;

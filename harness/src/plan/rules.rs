@@ -1,10 +1,7 @@
 //! The table `[simulate]`: a plan with it is a study through time, of simulations instead of single problems.
 
-use crate::plan::axes::{Settings, combinations, count};
-use crate::plan::methods::Method;
-use crate::plan::names::{last_parts, pairs};
-use crate::plan::variants::Variant;
-use crate::terminal::output::merged;
+use crate::plan::{Method, Settings, Variant, combinations, count, last_parts, pairs};
+use crate::terminal::merged;
 use anyhow::{Context, Result, anyhow, bail};
 use contact::{Measure, shown};
 use runner::Stop;
@@ -71,7 +68,7 @@ struct Keys {
 
 impl Simulate {
     /// Every rule with its name; what it leaves open is the plan's.
-    pub(super) fn rules(&self, stop: &Stop, warm_start: bool) -> Result<Vec<(Rule, String)>> {
+    pub(crate) fn rules(&self, stop: &Stop, warm_start: bool) -> Result<Vec<(Rule, String)>> {
         if !(self.sample_every_s > 0.0 && self.sample_every_s.is_finite()) {
             bail!(
                 "`simulate.sample_every_s` is {}: it must be positive and finite",
@@ -99,7 +96,7 @@ impl Simulate {
     }
 
     /// Number of rules.
-    pub(super) fn count(&self) -> Result<f64> {
+    pub(crate) fn count(&self) -> Result<f64> {
         count(&self.zip, &self.axes).context("`simulate`")
     }
 

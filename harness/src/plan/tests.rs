@@ -1,9 +1,7 @@
 //! Quick forms, changes, runs that are the same; axes, and names of runs.
 
-use crate::plan::axes::{Settings, combinations, values};
-use crate::plan::file::Plan;
-use crate::plan::methods::Method;
-use crate::plan::names::{last_parts, of_variants};
+use crate::plan::variants::of_variants;
+use crate::plan::{Method, Plan, Settings, combinations, last_parts, values};
 use anyhow::Result;
 use runner::Stop;
 use serde_json::{Value, json};

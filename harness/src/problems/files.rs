@@ -1,7 +1,6 @@
 //! Where cases, frozen problems and plans are, and how a name or a path becomes one of them.
 
-use crate::terminal::output::read_text;
-use crate::terminal::suggest;
+use crate::terminal::{read_text, suggest};
 use anyhow::{Context, Result, bail};
 use contact::ContactProblem;
 use std::path::{Path, PathBuf};

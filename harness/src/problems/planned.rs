@@ -1,16 +1,14 @@
 //! The problems and scenes of a plan: frozen problems, and those of its cases.
 
 use crate::identity::content_hash;
-use crate::plan::axes::{Settings, combinations, values};
-use crate::plan::file::{Plan, PlannedCase};
-use crate::plan::names::{last_parts, pairs};
-use crate::problems::case::{KeptProblem, overrides, read_case};
-use crate::problems::files::{Kind, Root, stem};
-use crate::problems::reference::{Given, Known, known};
-use crate::problems::scene::{Scene, TIME_STEP};
-use crate::problems::spectrum::of_problem;
+use crate::plan::{Plan, PlannedCase, Settings, combinations, last_parts, pairs, values};
+use crate::problems::{
+    Given, KeptProblem, Kind, Known, Root, Scene, TIME_STEP, known, overrides, read_case, stem,
+};
+use analysis::Spectrum;
 use anyhow::{Context, Result, bail};
 use cases::Frozen;
+use contact::ContactProblem;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -59,7 +57,7 @@ impl Problem {
 
     /// Its eigenvalues; computed when they are first asked for.
     pub(crate) fn spectrum(&self, known: &Known) -> &Settings {
-        self.spectrum.get_or_init(|| of_problem(&self.frozen.problem, known))
+        self.spectrum.get_or_init(|| spectrum(&self.frozen.problem, known))
     }
 }
 
@@ -146,30 +144,21 @@ fn naming(planned: &PlannedCase) -> Result<Vec<&str>> {
 }
 
 impl PlannedProblem {
-    /// The problem itself. That of a case is computed once, then kept under results/problems.
-    pub(crate) fn made(&self, root: &Root) -> Result<Problem> {
-        match &self.source {
-            Source::Case(kept) => Ok(self.problem(kept.made(root, &self.name)?, None)),
-            _ => self
-                .at_hand(root)
-                .with_context(|| format!("{} is a scene of a study through time, no problem", self.name)),
-        }
-    }
-
-    /// The problem, if it need not be computed.
-    pub(crate) fn at_hand(&self, root: &Root) -> Option<Problem> {
-        match &self.source {
-            Source::Frozen(frozen, given) => Some(self.problem((**frozen).clone(), given.clone())),
-            Source::Case(kept) => kept.at_hand(root).map(|frozen| self.problem(frozen, None)),
-            Source::Simulated(_) => None,
-        }
-    }
-
-    fn problem(&self, frozen: Frozen, given: Option<Given>) -> Problem {
-        let frozen = Frozen { name: self.name.clone(), ..frozen };
-        let settings = self.settings.clone();
-        let known = if self.reference { OnceLock::new() } else { OnceLock::from(Known::default()) };
-        Problem { hash: content_hash(&frozen), settings, given, known, spectrum: OnceLock::new(), frozen }
+    /// The problem, if it need not be computed, or if it is to be; none of a scene.
+    pub(crate) fn problem(&self, root: &Root, compute: bool) -> Result<Option<Problem>> {
+        let (frozen, given) = match &self.source {
+            Source::Frozen(frozen, given) => (Some((**frozen).clone()), given.clone()),
+            Source::Case(kept) if compute => (Some(kept.problem(root, &self.name)?), None),
+            Source::Case(kept) => (kept.at_hand(root), None),
+            Source::Simulated(_) => (None, None),
+        };
+        let problem = |frozen| {
+            let frozen = Frozen { name: self.name.clone(), ..frozen };
+            let settings = self.settings.clone();
+            let known = if self.reference { OnceLock::new() } else { OnceLock::from(Known::default()) };
+            Problem { hash: content_hash(&frozen), settings, given, known, spectrum: OnceLock::new(), frozen }
+        };
+        Ok(frozen.map(problem))
     }
 
     /// The scene of a study through time.
@@ -179,4 +168,29 @@ impl PlannedProblem {
             _ => None,
         }
     }
+}
+
+/// A contact that opens at less than this share of the greatest |b| is closed (–): references are certified to 1e-12, and come
+/// near it where they are not.
+const CLOSED: f64 = 1e-8;
+
+/// The eigenvalues of `problem`, of which `known` gives the closed contacts, if it does.
+fn spectrum(problem: &ContactProblem, known: &Known) -> Settings {
+    let closed = known.nearest().map(|truth| {
+        let mut v = vec![0.0; problem.contact_count()];
+        problem.relative_velocity(truth.velocity(), &mut v);
+        let greatest = problem.b().iter().fold(0.0_f64, |greatest, b| greatest.max(b.abs()));
+        v.iter().map(|v| *v <= CLOSED * greatest).collect::<Vec<_>>()
+    });
+    let spectrum = Spectrum::of(problem, closed.as_deref());
+    let mut columns = Settings::from_iter([("lambda_max".to_owned(), json!(spectrum.greatest))]);
+    if let Some(closed) = spectrum.closed {
+        columns.extend([
+            ("closed_lambda_max".to_owned(), json!(closed.greatest)),
+            ("closed_lambda_min".to_owned(), json!(closed.least)),
+            ("redundant".to_owned(), json!(closed.redundant)),
+            ("kappa_opt".to_owned(), json!(closed.best_direction())),
+        ]);
+    }
+    columns
 }

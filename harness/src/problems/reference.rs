@@ -1,8 +1,8 @@
 //! Reference solutions: computed once for each problem, kept in `results/references`, certified again each time they are read.
 
 use crate::identity::content_hash;
-use crate::problems::files::Root;
-use crate::terminal::output::{read_text, write_kept};
+use crate::problems::Root;
+use crate::terminal::{read_text, write_kept};
 use analysis::proves_infeasible;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{Frozen, all_missing};

@@ -1,14 +1,11 @@
 //! A scene of a study through time: a case with its values replaced, for a while.
 
-use crate::identity::{content_hash, first_hex};
-use crate::plan::axes::Settings;
-use crate::plan::file::PlannedCase;
-use crate::plan::rules::Simulate;
+use crate::identity::{content_hash, hash_of};
+use crate::plan::{PlannedCase, Settings, Simulate};
 use anyhow::{Context, Result};
 use cases::{Case, March};
 use contact::shown;
 use serde_json::json;
-use sha2::{Digest, Sha256};
 
 /// The key of the time step: scenes that differ in it alone have one name, and one reference.
 pub(crate) const TIME_STEP: &str = "scene.time_step_s";
@@ -55,7 +52,7 @@ impl Scene {
         let rows = multiple("duration_s", duration_s, "`sample_every_s`", every_s)?;
         // The first problem of the case holds its sample, which other files may hold.
         let first = content_hash(&March::new(&case)?.next()?.frozen);
-        let hash = first_hex(&Sha256::digest(json!([case.sample, case.scene, first]).to_string()));
+        let hash = hash_of(&json!([case.sample, case.scene, first]));
         Ok(Self { name, case, settings, duration_s, every_s, time_steps: rows * every, every, hash })
     }
 
@@ -70,7 +67,7 @@ impl Scene {
 }
 
 /// The whole number that a ratio is, to the rounding of decimal fractions.
-pub(super) fn whole(ratio: f64) -> Option<u64> {
+pub(crate) fn whole(ratio: f64) -> Option<u64> {
     let whole = ratio.round();
     ((1.0..1e12).contains(&whole) && (ratio - whole).abs() <= 1e-9 * whole).then_some(whole as u64)
 }

@@ -1,6 +1,6 @@
 //! What fits into the memory, and what divides.
 
-use crate::problems::memory::fits;
+use crate::problems::case::fits;
 use crate::problems::scene::whole;
 use cases::Case;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! The curve of a run, thinned geometrically, and the iterations at which measures pass powers of ten.
 
-use crate::plan::file::Curves;
+use crate::plan::Curves;
 use contact::Measure;
 use results::schema::Sample;
 use runner::Progress;

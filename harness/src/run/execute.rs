@@ -1,8 +1,8 @@
 //! Work in threads: that of methods, and several tasks at a time.
 
-use crate::problems::files::Root;
-use crate::terminal::interrupt;
-use crate::terminal::progress::Bars;
+use crate::plan::Variant;
+use crate::problems::Root;
+use crate::terminal::{Bars, exit};
 use anyhow::Result;
 use results::provenance::load_average;
 use results::schema::{Provenance, Timing};
@@ -11,26 +11,43 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::ScopedJoinHandle;
 
-/// What runs have in common.
-pub(crate) struct Conditions<'a> {
+/// One thing that a study asks for.
+#[derive(Clone)]
+pub(crate) struct Task<'s, W> {
+    /// Hash of all that decides its counts.
+    pub(crate) id: String,
+    pub(crate) variant: &'s Variant,
+    /// Whether the selection has it.
+    pub(crate) selected: bool,
+    /// On what the variant is run.
+    pub(crate) what: W,
+}
+
+/// How tasks are run.
+pub(crate) struct How<'a> {
     pub(crate) root: &'a Root,
     /// The folder of the study, where there is one.
     pub(crate) folder: Option<&'a Path>,
     pub(crate) provenance: &'a Provenance,
-    /// How often each is run for its seconds.
+    /// How often each for its seconds.
     pub(crate) repeats: u32,
-    /// Whether no other runs at the same time.
-    pub(crate) alone: bool,
+    /// How many at a time.
+    pub(crate) jobs: NonZeroUsize,
+}
+
+/// What a task meets while it runs.
+pub(crate) struct Conditions<'a> {
+    pub(crate) how: &'a How<'a>,
     pub(crate) bars: &'a Bars,
     /// Whether to end at once.
     pub(crate) halt: &'a dyn Fn() -> bool,
 }
 
-impl Conditions<'_> {
+impl How<'_> {
     /// Before a run.
     pub(crate) fn timing(&self) -> Timing {
-        let Self { repeats, alone, .. } = *self;
-        Timing { repeats, timed_alone: alone, load_average: load_average(), ..Timing::default() }
+        let timed_alone = self.jobs.get() == 1;
+        Timing { repeats: self.repeats, timed_alone, load_average: load_average(), ..Timing::default() }
     }
 }
 
@@ -57,7 +74,7 @@ pub(crate) fn in_parallel<T: Sync>(
 ) -> Result<()> {
     let next = AtomicUsize::new(0);
     let failed = AtomicBool::new(false);
-    let halt = || interrupt::asked() || failed.load(Ordering::Relaxed);
+    let halt = || exit::requested() || failed.load(Ordering::Relaxed);
     let do_the_next = || -> Result<()> {
         while !halt()
             && let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed))

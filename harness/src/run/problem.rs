@@ -1,44 +1,50 @@
 //! A run on a problem: repeated for its seconds, kept as a row with its curve.
 
-use crate::plan::file::Plan;
-use crate::plan::variants::Variant;
-use crate::problems::planned::Problem;
-use crate::problems::reference::Known;
-use crate::problems::spectrum::of_partition;
-use crate::run::curve::Recorder;
-use crate::run::execute::Conditions;
-use crate::run::rows::{ended_row, wanted_row};
-use crate::run::snapshots::Snapshots;
+use crate::plan::{Plan, Variant};
+use crate::problems::{Known, Problem};
+use crate::run::{Conditions, Recorder, Task, ended_row, nothing_done};
+use analysis::coupling;
 use anyhow::{Result, bail};
-use contact::SetupError;
+use contact::{Packing, SetupError};
+use partition::{Decomposition, Partition};
 use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot, Timing};
-use runner::{Outcome, Status, solve_against};
-use serde_json::{Map, Value};
+use runner::{Outcome, Progress, Status, solve_against};
+use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// A run that is wanted.
-pub(crate) struct Wanted<'a> {
-    pub(crate) plan: &'a Plan,
-    pub(crate) problem: &'a Problem,
-    pub(crate) variant: &'a Variant,
-    pub(crate) id: &'a str,
-}
-
 /// One run, as often as `timing` says; `None` if it was halted. A method that cannot start on the problem is a row too: it
 /// says why.
-pub(crate) fn run(wanted: &Wanted, conditions: &Conditions) -> Result<Option<Record>> {
-    let known = wanted.problem.known(conditions.root)?;
-    let timing = conditions.timing();
-    let spectrum = spectrum(wanted, known);
-    let row =
-        Run { spectrum, timing: timing.clone(), ..wanted_row(wanted, conditions.provenance.restarted()) };
+pub(crate) fn run_on_problem(
+    plan: &Plan,
+    task: &Task<&Problem>,
+    conditions: &Conditions,
+) -> Result<Option<Record>> {
+    let Task { id, variant, what: problem, .. } = task;
+    let known = problem.known(conditions.how.root)?;
+    let timing = conditions.how.timing();
+    // A skipped run, if it is not run.
+    let row = Run {
+        id: id.clone(),
+        method: variant.method.name.to_owned(),
+        settings: variant.method.settings.clone(),
+        variant: variant.name.clone(),
+        // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
+        subdomains: variant
+            .partition()
+            .map_or(1, |(grid, _)| u32::try_from(grid.count()).unwrap_or(u32::MAX)),
+        warm_start: variant.warm_start,
+        status: "skipped".to_owned(),
+        spectrum: spectrum(plan, task, known),
+        timing: timing.clone(),
+        ..nothing_done(plan, problem, conditions.how.provenance.restarted())
+    };
     let skipped = |reason: &str| {
         let run = Run { reason: reason.to_owned(), ..row.clone() };
         Ok(Some(Record { run, curve: Vec::new(), snapshots: Vec::new() }))
     };
-    if wanted.variant.warm_start && wanted.problem.frozen.start.is_empty() {
+    if variant.warm_start && problem.frozen.start.is_empty() {
         return skipped("the problem has no impulses of a time step before to begin from");
     }
     let clock = Instant::now();
@@ -46,7 +52,7 @@ pub(crate) fn run(wanted: &Wanted, conditions: &Conditions) -> Result<Option<Rec
     // The first of several brings code and data into the caches.
     let warm_ups = u32::from(timing.repeats > 1);
     for repeat in 0..warm_ups + timing.repeats {
-        match once(wanted, known, conditions) {
+        match once(plan, task, known, conditions) {
             Err(reason) => return skipped(&reason.to_string()),
             Ok((outcome, _)) if outcome.status == Status::Interrupted => return Ok(None),
             Ok(one) if repeat >= warm_ups => ended.push(one),
@@ -54,40 +60,58 @@ pub(crate) fn run(wanted: &Wanted, conditions: &Conditions) -> Result<Option<Rec
         }
     }
     let Some((outcome, (curve, snapshots), timing)) = median(ended, timing) else {
-        bail!("{}: it counts other work when it is repeated; a run must not", wanted.name());
+        bail!("{}: it counts other work when it is repeated; a run must not", name(task));
     };
     let outcome = Outcome { status: known.ending(outcome.status), ..outcome };
     let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
     Ok(Some(Record { run: ended_row(Run { timing, ..row }, &outcome, &curve), curve, snapshots }))
 }
 
-impl Wanted<'_> {
-    /// The run, as a user reads it.
-    fn name(&self) -> String {
-        format!("{} on {}", self.variant.label(), self.problem.frozen.name)
-    }
+/// The run, as a user reads it.
+fn name(task: &Task<&Problem>) -> String {
+    format!("{} on {}", task.variant.label(), task.what.frozen.name)
 }
 
 /// What explains how the run ends, where the plan asks for it.
-fn spectrum(wanted: &Wanted, known: &Known) -> Map<String, Value> {
-    if !wanted.plan.spectra {
+fn spectrum(plan: &Plan, task: &Task<&Problem>, known: &Known) -> Map<String, Value> {
+    if !plan.spectra {
         return Map::new();
     }
-    let mut spectrum = wanted.problem.spectrum(known).clone();
-    spectrum.extend(of_partition(&wanted.problem.frozen.problem, wanted.variant));
+    let mut spectrum = task.what.spectrum(known).clone();
+    spectrum.extend(of_partition(&task.what.frozen.problem, task.variant));
     spectrum
+}
+
+/// What the partition of a run adds: the most copies of a grain and, where masses are whole, how strongly subdomains act
+/// on each other.
+fn of_partition(problem: &Packing, variant: &Variant) -> Map<String, Value> {
+    let Some((grid, scheme)) = variant.partition() else { return Map::new() };
+    // A run with a partition that does not fit the problem is skipped, and says why.
+    let Ok(partition) = Partition::of_contacts(problem, scheme, grid) else { return Map::new() };
+    let multiplicity = Decomposition::new(problem, &partition).multiplicity.iter().copied().max();
+    let mut columns = Map::from_iter([("multiplicity".to_owned(), json!(multiplicity))]);
+    if variant.setting::<bool>("mass_splitting") == Some(false)
+        && let Some(coupling) = coupling(problem, &partition.subdomain)
+    {
+        columns.insert("coupling".to_owned(), json!(coupling));
+    }
+    columns
 }
 
 /// The curve of a run, and the iterates that the page shows, if any.
 type Kept = (Vec<Sample>, Vec<Snapshot>);
 
-fn once(wanted: &Wanted, known: &Known, conditions: &Conditions) -> Result<(Outcome, Kept), SetupError> {
-    let Wanted { plan, problem, variant, .. } = wanted;
-    let frozen = &problem.frozen;
+fn once(
+    plan: &Plan,
+    task: &Task<&Problem>,
+    known: &Known,
+    conditions: &Conditions,
+) -> Result<(Outcome, Kept), SetupError> {
+    let (frozen, variant) = (&task.what.frozen, task.variant);
     let mut recorder = Recorder::new(plan.curves);
     let shown = plan.view.as_ref().is_some_and(|view| view.shows(&frozen.name, variant));
     let mut snapshots = shown.then(Snapshots::new);
-    let mut line = conditions.bars.line(wanted.name());
+    let mut line = conditions.bars.line(name(task));
     let solver = &*variant.method.solver;
     let r0 = frozen.start(variant.warm_start);
     let outcome = solve_against(known.truth(), solver, &frozen.problem, &r0, &plan.stop, &mut |progress| {
@@ -123,4 +147,42 @@ fn median(mut ended: Vec<(Outcome, Kept)>, timing: Timing) -> Option<(Outcome, K
     };
     let (outcome, kept) = ended.swap_remove(middle);
     Some((Outcome { setup: setup[middle], ..outcome }, kept, timing))
+}
+
+/// Keeps the beginning of a run, iterations in a ratio of about 1.4, and its end: some thirty iterates of a hundred thousand.
+pub(crate) struct Snapshots {
+    snapshots: Vec<Snapshot>,
+    /// The next iteration to be kept.
+    next: u64,
+}
+
+impl Snapshots {
+    pub(crate) fn new() -> Self {
+        Self { snapshots: Vec::new(), next: 0 }
+    }
+
+    /// Sees every iterate.
+    pub(crate) fn observe(&mut self, progress: &Progress) {
+        if progress.iteration == self.next {
+            self.snapshots.push(kept(self.next, progress.measures.natural_map, progress.impulses));
+            self.next += (2 * self.next).div_ceil(5).max(1);
+        }
+    }
+
+    /// The iterates; the last one is that of the outcome.
+    pub(crate) fn finish(mut self, outcome: &Outcome) -> Vec<Snapshot> {
+        if self.snapshots.last().is_none_or(|last| last.iteration != outcome.iterations) {
+            self.snapshots.push(kept(outcome.iterations, outcome.measures.natural_map, &outcome.impulses));
+        }
+        self.snapshots
+    }
+}
+
+fn kept(iteration: u64, natural_map: f64, impulses: &[f64]) -> Snapshot {
+    Snapshot { iteration, natural_map, impulses_n_s: impulses.iter().copied().map(rounded).collect() }
+}
+
+/// To three significant digits: it is for the eye.
+fn rounded(r: f64) -> f64 {
+    format!("{r:.2e}").parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(f64::NAN)
 }

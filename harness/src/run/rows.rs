@@ -1,11 +1,8 @@
 //! From what the harness holds to the rows of the results.
 
-use crate::plan::file::Plan;
-use crate::plan::variants::Variant;
-use crate::problems::planned::Problem;
-use crate::problems::reference::Given;
-use crate::run::curve::first_at;
-use crate::run::problem::Wanted;
+use crate::plan::{Plan, Variant};
+use crate::problems::{Given, Problem};
+use crate::run::first_at;
 use cases::Frozen;
 use contact::{Adjacency, Measure, Meter, Truth, Work};
 use nalgebra::Vector2;
@@ -13,23 +10,6 @@ use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample};
 use runner::Outcome;
 use serde_json::{Map, Value};
-
-/// What is wanted of a run, with nothing reached yet: a skipped run, if it is not run.
-pub(crate) fn wanted_row(wanted: &Wanted, provenance: Provenance) -> Run {
-    // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
-    let subdomains = |grid: Grid| u32::try_from(grid.count()).unwrap_or(u32::MAX);
-    let variant = wanted.variant;
-    Run {
-        id: wanted.id.to_owned(),
-        method: variant.method.name.to_owned(),
-        settings: variant.method.settings.clone(),
-        variant: variant.name.clone(),
-        subdomains: variant.setting::<Grid>("subdomains").map_or(1, subdomains),
-        warm_start: variant.warm_start,
-        status: "skipped".to_owned(),
-        ..nothing_done(wanted.plan, wanted.problem, provenance)
-    }
-}
 
 /// The row of impulses that another code gave: measured as ours are, with nothing run.
 pub(crate) fn given_row(
@@ -51,7 +31,8 @@ pub(crate) fn given_row(
     }
 }
 
-fn nothing_done(plan: &Plan, problem: &Problem, provenance: Provenance) -> Run {
+/// What is asked of a run, with nothing reached yet.
+pub(crate) fn nothing_done(plan: &Plan, problem: &Problem, provenance: Provenance) -> Run {
     Run {
         plan: plan.name.clone(),
         problem: problem.frozen.name.clone(),
@@ -102,8 +83,7 @@ pub(crate) fn derived(outcome: &Outcome) -> Map<String, Value> {
 pub(crate) fn partitions(variants: &[Variant]) -> Vec<(String, Grid, Scheme)> {
     let mut partitions = Vec::new();
     for variant in variants {
-        let scheme = variant.setting::<Scheme>("partition");
-        if let (Some(grid), Some(scheme)) = (variant.setting::<Grid>("subdomains"), scheme) {
+        if let Some((grid, scheme)) = variant.partition() {
             let name = match scheme {
                 Scheme::Boxes => grid.to_string(),
                 Scheme::Balanced => format!("{grid}-balanced"),
@@ -116,34 +96,34 @@ pub(crate) fn partitions(variants: &[Variant]) -> Vec<(String, Grid, Scheme)> {
     partitions
 }
 
-/// The grains and contacts of a problem under a partition, as they are drawn.
+/// The grains and contacts of a problem under those of `partitions` that fit it, as they are drawn: a run with one that does
+/// not fit was skipped.
 pub(crate) fn scene_rows(
     frozen: &Frozen,
-    name: &str,
-    partition: &Partition,
+    partitions: &[(String, Grid, Scheme)],
     impulses: Option<&[f64]>,
 ) -> (Vec<GrainRow>, Vec<ContactRow>) {
     let problem = &frozen.problem;
-    let decomposition = Decomposition::new(problem, partition);
-    let most_contacts = subdomain_of_grains(frozen, partition);
-    let grains = (0..problem.grain_count())
-        .map(|grain| GrainRow {
+    let (mut grains, mut contacts) = (Vec::new(), Vec::new());
+    for (name, grid, scheme) in partitions {
+        let Ok(partition) = Partition::of_contacts(problem, *scheme, *grid) else { continue };
+        let decomposition = Decomposition::new(problem, &partition);
+        let most_contacts = subdomain_of_grains(frozen, &partition);
+        grains.extend((0..problem.grain_count()).map(|grain| GrainRow {
             problem: frozen.name.clone(),
-            partition: name.to_owned(),
+            partition: name.clone(),
             grain: grain as u32,
             x_m: problem.position()[grain].x,
             y_m: problem.position()[grain].y,
             radius_m: frozen.radius[grain],
             subdomain: most_contacts[grain],
             multiplicity: decomposition.multiplicity[grain],
-        })
-        .collect();
-    let contacts = (0..problem.contact_count())
-        .map(|contact| {
+        }));
+        contacts.extend((0..problem.contact_count()).map(|contact| {
             let (from, to) = ends(frozen, contact);
             ContactRow {
                 problem: frozen.name.clone(),
-                partition: name.to_owned(),
+                partition: name.clone(),
                 contact: contact as u32,
                 x0_m: from.x,
                 y0_m: from.y,
@@ -153,8 +133,8 @@ pub(crate) fn scene_rows(
                 subdomain: partition.subdomain[contact],
                 impulse_n_s: impulses.map_or(f64::NAN, |r| r[contact]),
             }
-        })
-        .collect();
+        }));
+    }
     (grains, contacts)
 }
 

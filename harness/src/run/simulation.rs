@@ -1,53 +1,62 @@
-//! A simulation of a study is made: its row and its series.
+//! A scene through time: one method, one rule, until the end, an explosion or a refusal; and its row and series.
 
-use crate::plan::rules::Rule;
-use crate::plan::variants::Variant;
-use crate::problems::scene::Scene;
-use crate::run::execute::Conditions;
-use crate::run::through_time::{End, Seen, through_time};
-use crate::terminal::output::write_whole;
-use anyhow::{Context, Result};
-use cases::{Frozen, March};
+use crate::plan::Rule;
+use crate::problems::Scene;
+use crate::run::{Conditions, Task};
+use crate::terminal::write_kept;
+use anyhow::Result;
+use cases::{CaseError, Frozen, March, Observables, TimeStep};
+use contact::Solver;
 use results::schema::{Provenance, Timing};
-use results::simulation::{Observed, Simulated, Simulation};
+use results::simulation::{Observed, Simulated, Simulation, Totals};
 use results::store::LAST_STATES;
+use runner::{Outcome, Status, Stop};
 use std::path::Path;
 use std::time::Instant;
 
-/// A simulation that is wanted.
-pub(crate) struct Wanted<'a> {
-    /// Name of the plan.
-    pub(crate) plan: &'a str,
-    pub(crate) scene: &'a Scene,
-    pub(crate) variant: &'a Variant,
+/// A scene under a rule.
+#[derive(Clone, Copy)]
+pub(crate) struct Through<'s> {
+    pub(crate) scene: &'s Scene,
     pub(crate) rule: Rule,
-    /// Its part in the study.
-    pub(crate) role: &'a str,
-    pub(crate) id: &'a str,
-    /// As a user reads it.
-    pub(crate) name: String,
+    /// Its part in the study, as the column `role` says it.
+    pub(crate) role: &'static str,
+}
+
+impl Through<'_> {
+    /// Its time step, and until when each is solved from what.
+    pub(crate) fn in_words(&self) -> String {
+        let start = if self.rule.warm_start { "" } else { ", cold" };
+        let (h, stop) = (self.scene.case.scene.time_step_s, &self.rule.stop);
+        format!("h = {h} s, {} ≤ {:e}{start}", stop.on, stop.tolerance)
+    }
 }
 
 /// One simulation; `None` if it was halted. One that explodes leaves the problem of its last good state in the folder of the
 /// study.
-pub(crate) fn run(wanted: &Wanted, conditions: &Conditions) -> Result<Option<Simulated>> {
+pub(crate) fn run_simulation(
+    plan: &str,
+    task: &Task<Through>,
+    conditions: &Conditions,
+) -> Result<Option<Simulated>> {
     let clock = Instant::now();
-    let Scene { case, time_steps, every, .. } = wanted.scene;
+    let Task { variant, what: Through { scene, rule, .. }, .. } = task;
+    let Conditions { how, bars, halt } = conditions;
+    let Scene { case, name, time_steps, every, .. } = scene;
     let mut march = March::new(case)?;
-    let timing = conditions.timing();
-    let row = wanted_row(wanted, &march, conditions.provenance.restarted())?;
-    let mut line = conditions.bars.line(wanted.name.clone());
+    let timing = how.timing();
+    let row = nothing_done(plan, task, &march, how.provenance.restarted())?;
+    let mut line = bars.line(format!("{} on {name}, {}", variant.label(), task.what.in_words()));
     let mut series = Series { every: *every, rows: Vec::new(), since: None };
-    let solver = &*wanted.variant.method.solver;
-    let halt = conditions.halt;
-    let (totals, end) = through_time(&mut march, solver, &wanted.rule, *time_steps, halt, &mut |seen| {
+    let solver = &*variant.method.solver;
+    let (totals, end) = through_time(&mut march, solver, rule, *time_steps, halt, &mut |seen| {
         series.see(seen);
         line.show_time_step(seen.totals.time_steps, *time_steps);
         Ok(())
     })?;
-    let last_state = match (&end, conditions.folder) {
+    let last_state = match (&end, how.folder) {
         (End::Interrupted(_), _) => return Ok(None),
-        (End::Exploded { last, .. }, Some(folder)) => keep(last, folder, wanted.id)?,
+        (End::Exploded { last, .. }, Some(folder)) => keep(last, folder, &task.id)?,
         _ => String::new(),
     };
     let simulation = Simulation {
@@ -63,25 +72,29 @@ pub(crate) fn run(wanted: &Wanted, conditions: &Conditions) -> Result<Option<Sim
 
 /// Writes the problem of the last good state below the folder of the study, and returns its path there.
 fn keep(last: &Frozen, folder: &Path, id: &str) -> Result<String> {
-    let states = folder.join(LAST_STATES);
-    std::fs::create_dir_all(&states).with_context(|| states.display().to_string())?;
-    write_whole(&states.join(format!("{id}.json")), &last.to_json()?)?;
-    Ok(format!("{LAST_STATES}/{id}.json"))
+    let file = format!("{LAST_STATES}/{id}.json");
+    write_kept(&folder.join(&file), &last.to_json()?)?;
+    Ok(file)
 }
 
-/// What is wanted, with nothing reached yet.
-fn wanted_row(wanted: &Wanted, march: &March, provenance: Provenance) -> Result<Simulation> {
-    let Wanted { scene, variant, rule, .. } = wanted;
+/// What is asked of a simulation, with nothing reached yet.
+fn nothing_done(
+    plan: &str,
+    task: &Task<Through>,
+    march: &March,
+    provenance: Provenance,
+) -> Result<Simulation> {
+    let Task { id, variant, what: Through { scene, rule, role }, .. } = task;
     let problem = march.next()?.frozen.problem;
     let mut settings = scene.settings.clone();
     settings.insert("case".to_owned(), scene.case.name.as_str().into());
     Ok(Simulation {
-        id: wanted.id.to_owned(),
-        plan: wanted.plan.to_owned(),
+        id: id.clone(),
+        plan: plan.to_owned(),
         scene: scene.name.clone(),
         scene_settings: settings,
         scene_hash: scene.hash.clone(),
-        role: wanted.role.to_owned(),
+        role: (*role).to_owned(),
         grains: problem.grain_count() as u32,
         mass_kg: problem.mass().iter().sum(),
         mean_diameter_m: march.mean_diameter(),
@@ -110,7 +123,7 @@ struct Series {
 
 impl Series {
     fn see(&mut self, seen: &Seen) {
-        let now = row(seen);
+        let now = observed(seen);
         let row = self.since.take().map_or(now, |since| joined(&since, now));
         if seen.totals.time_steps.is_multiple_of(self.every) {
             self.rows.push(row);
@@ -121,7 +134,7 @@ impl Series {
 }
 
 /// What a time step shows.
-pub(crate) fn row(seen: &Seen) -> Observed {
+pub(crate) fn observed(seen: &Seen) -> Observed {
     let o = seen.observables;
     let [floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s] = o.wall_impulses;
     Observed {
@@ -150,4 +163,122 @@ fn joined(earlier: &Observed, later: Observed) -> Observed {
         right_impulse_n_s: earlier.right_impulse_n_s + later.right_impulse_n_s,
         ..later
     }
+}
+
+/// A time step that was made.
+pub(crate) struct Seen<'a> {
+    pub(crate) march: &'a March,
+    pub(crate) time_step: &'a TimeStep,
+    pub(crate) outcome: &'a Outcome,
+    pub(crate) observables: &'a Observables,
+    pub(crate) totals: &'a Totals,
+}
+
+/// How a simulation ended.
+pub(crate) enum End {
+    Completed,
+    /// With the problem of the last good state.
+    Exploded {
+        /// `exploded`; or what made it explode, `solver-diverged` or `no-solution`.
+        status: &'static str,
+        why: String,
+        last: Box<Frozen>,
+    },
+    /// The method refused a time step.
+    Refused(String),
+    /// An end was asked for, here.
+    Interrupted(String),
+}
+
+/// Makes `time_steps` time steps; `see` sees each. `halt` may ask for an end after any iteration.
+pub(crate) fn through_time(
+    march: &mut March,
+    solver: &dyn Solver,
+    rule: &Rule,
+    time_steps: u64,
+    halt: &dyn Fn() -> bool,
+    see: &mut dyn FnMut(&Seen) -> Result<()>,
+) -> Result<(Totals, End)> {
+    let mut totals = Totals::default();
+    let mut failed = false;
+    for k in 1..=time_steps {
+        if halt() {
+            return Ok((totals, End::Interrupted(format!("stopped before time step {k}"))));
+        }
+        let time_step = march.next()?;
+        let (outcome, observables) = match march.solve(&time_step, solver, &rule.stop, rule.warm_start, halt)
+        {
+            Ok(made) => made,
+            Err(error) => return Ok((totals, ended(error, k, time_step)?)),
+        };
+        add(&mut totals, &outcome);
+        totals.restarted_time_steps += u64::from(failed && rule.warm_start);
+        failed = matches!(outcome.status, Status::Diverged | Status::Infeasible);
+        let (outcome, observables) = (&outcome, &observables);
+        see(&Seen { march, time_step: &time_step, outcome, observables, totals: &totals })?;
+    }
+    Ok((totals, End::Completed))
+}
+
+/// What it means for a simulation that its `k`-th time step was not made.
+fn ended(error: CaseError, k: u64, time_step: TimeStep) -> Result<End> {
+    let why = error.to_string();
+    Ok(match error {
+        CaseError::Exploded { solved, .. } => {
+            let status = match solved.map(|missed| missed.status) {
+                Some(Status::Diverged) => "solver-diverged",
+                Some(Status::Infeasible) => "no-solution",
+                _ => "exploded",
+            };
+            End::Exploded { status, why, last: Box::new(time_step.frozen) }
+        }
+        CaseError::Setup(_) => End::Refused(format!("time step {k}: {why}")),
+        CaseError::Interrupted { .. } => End::Interrupted(why),
+        other => return Err(other.into()),
+    })
+}
+
+impl End {
+    /// Name in files.
+    pub(crate) fn status(&self) -> &'static str {
+        match self {
+            Self::Completed => "completed",
+            Self::Exploded { status, .. } => status,
+            Self::Refused(_) => "skipped",
+            Self::Interrupted(_) => "interrupted",
+        }
+    }
+
+    /// How it is known that it exploded, why the method refused, or where it was stopped; empty if it was completed.
+    pub(crate) fn reason(&self) -> &str {
+        match self {
+            Self::Completed => "",
+            Self::Exploded { why, .. } | Self::Refused(why) | Self::Interrupted(why) => why,
+        }
+    }
+}
+
+/// Adds a time step that was solved.
+fn add(totals: &mut Totals, outcome: &Outcome) {
+    totals.time_steps += 1;
+    totals.missed_time_steps += u64::from(outcome.status != Status::Converged);
+    totals.diverged_time_steps += u64::from(outcome.status == Status::Diverged);
+    totals.infeasible_time_steps += u64::from(outcome.status == Status::Infeasible);
+    totals.iterations += outcome.iterations;
+    totals.setup_s += outcome.setup.as_secs_f64();
+    totals.iterating_s += outcome.iterating.as_secs_f64();
+    totals.work += outcome.work;
+}
+
+/// How many of the time steps did not converge to `stop`, in words; nothing if all did.
+pub(crate) fn missed(totals: &Totals, stop: &Stop) -> Option<String> {
+    let Totals { time_steps, missed_time_steps: missed, restarted_time_steps: restarted, .. } = *totals;
+    let (diverged, infeasible) = (totals.diverged_time_steps, totals.infeasible_time_steps);
+    let Stop { on, tolerance, .. } = stop;
+    let mut text = format!("{missed} of {time_steps} time steps did not converge to {on} ≤ {tolerance:e}");
+    if diverged + infeasible > 0 {
+        let of_these = format!(": {diverged} diverged, {infeasible} had no solution; ");
+        text = text + &of_these + &format!("{restarted} began from r = 0 after one of these");
+    }
+    (missed > 0).then_some(text)
 }

@@ -1,6 +1,6 @@
 //! Which iterates are kept.
 
-use crate::run::snapshots::Snapshots;
+use crate::run::Snapshots;
 use cases::Frozen;
 use runner::{Stop, solve};
 

@@ -1,6 +1,6 @@
 //! Frames for ParaView: a file of VTK polydata per kept time step, and a collection that lists their times.
 
-use crate::terminal::output::{say, write_whole};
+use crate::terminal::{say, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::{March, TimeStep};
 use nalgebra::Vector2;

@@ -1,69 +1,52 @@
 //! Baselines: the counts of a plan's runs as they were accepted, and the failures that are expected.
 
-use crate::plan::methods::METHODS;
-use crate::plan::names::as_typed;
-use crate::run::curve::decades;
-use crate::study::problems::OnProblems;
-use crate::study::tasks::{Task, by_id};
-use crate::terminal::output::read_text;
+use crate::plan::{METHODS, as_typed};
+use crate::problems::Problem;
+use crate::run::{Task, decades};
+use crate::study::by_id;
+use crate::terminal::read_text;
 use anyhow::{Context, Result, bail};
-use contact::Measure;
+use contact::{Measure, Work};
+use csv::StringRecord;
 use results::journal::Record;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// What one run counted: a line of `results/baseline/<plan>.csv`. Seconds are no counts.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Counts {
-    pub(crate) problem: String,
-    pub(crate) method: String,
-    /// The settings that are not the method's defaults: a default that changes shows in the counts.
-    pub(crate) settings: String,
-    pub(crate) problem_hash: String,
-    pub(crate) status: String,
-    pub(crate) iterations: u64,
-    /// First iterations with ζ ≤ 0.1, 0.01, …, as far as the run came.
-    pub(crate) zeta: String,
-    /// First iterations with `natural_map` ≤ 0.1, 0.01, …, as far as the run came.
-    pub(crate) natural_map: String,
-    pub(crate) contact_updates: u64,
-    pub(crate) delassus_products: u64,
-    pub(crate) interface_values: u64,
-    pub(crate) triangular_solve_entries: u64,
-    pub(crate) factorisations: u64,
+/// The columns of `results/baseline/<plan>.csv`, before those of the work. The settings are those that are not the method's
+/// defaults: a default that changes shows in the counts. Of the measures, the first iterations with at most 0.1, 0.01, …, as far
+/// as the run came. Seconds are no counts.
+const COLUMNS: [&str; 8] =
+    ["problem", "method", "settings", "problem_hash", "status", "iterations", ZETA, NATURAL_MAP];
+const ZETA: &str = "zeta";
+const NATURAL_MAP: &str = "natural_map";
+
+fn columns() -> Vec<&'static str> {
+    COLUMNS.into_iter().chain(Work::default().named().map(|(name, _)| name)).collect()
 }
+
+/// What one run counted: a line of a baseline.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Counts(Vec<String>);
 
 impl Counts {
     /// The counts of a study's runs, in the order of their names.
-    pub(crate) fn of(tasks: &[Task<OnProblems>], records: &[Record]) -> Result<Vec<Self>> {
+    pub(crate) fn of(tasks: &[Task<&Problem>], records: &[Record]) -> Result<Vec<Self>> {
         let known = by_id(records);
         let mut all = Vec::new();
         for Task { id, variant, what: problem, .. } in tasks {
             let problem = &problem.frozen.name;
             let missing = || format!("{} on {problem} has no run", variant.label());
             let Record { run, curve, .. } = known.get(id.as_str()).with_context(missing)?;
-            let list = |measure| {
-                let iterations = decades(curve, measure);
-                iterations.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+            let decades = |measure| {
+                decades(curve, measure).iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
             };
-            let work = run.end.work;
-            all.push(Self {
-                problem: problem.clone(),
-                method: run.method.clone(),
-                settings: not_default(&run.method, &variant.method.settings)?,
-                problem_hash: run.problem_hash.clone(),
-                status: run.status.clone(),
-                iterations: run.iterations,
-                zeta: list(Measure::Zeta),
-                natural_map: list(Measure::NaturalMap),
-                contact_updates: work.contact_updates,
-                delassus_products: work.delassus_products,
-                interface_values: work.interface_values,
-                triangular_solve_entries: work.triangular_solve_entries,
-                factorisations: work.factorisations,
-            });
+            let mut row = vec![problem.clone(), run.method.clone()];
+            row.push(not_default(&run.method, &variant.method.settings)?);
+            row.extend([run.problem_hash.clone(), run.status.clone(), run.iterations.to_string()]);
+            row.extend([Measure::Zeta, Measure::NaturalMap].map(decades));
+            row.extend(run.end.work.named().map(|(_, count)| count.to_string()));
+            all.push(Self(row));
         }
         all.sort();
         Ok(all)
@@ -71,31 +54,29 @@ impl Counts {
 
     /// The run: problem, method and settings.
     pub(crate) fn run(&self) -> String {
-        format!("{} {} {}", self.problem, self.method, self.settings).trim_end().to_owned()
+        self.0[..3].join(" ").trim_end().to_owned()
+    }
+
+    pub(crate) fn status(&self) -> &str {
+        &self.0[4]
     }
 
     /// The counts that differ from those `before`: name, before, now. Of the decades of a measure, the first.
-    pub(crate) fn differences(&self, before: &Self) -> Result<Vec<(String, String, String)>> {
-        let (Value::Object(now), before) = (serde_json::to_value(self)?, serde_json::to_value(before)?)
-        else {
-            bail!("counts are an object");
-        };
-        let mut all = Vec::new();
-        for (key, now) in now.iter().filter(|(key, now)| **now != before[*key]) {
-            let (before, now) = (as_typed(&before[key]), as_typed(now));
-            if !["zeta", "natural_map"].contains(&key.as_str()) {
-                all.push((key.clone(), before, now));
-                continue;
-            }
-            let iteration = |list: &str, decade| list.split(' ').nth(decade).unwrap_or_default().to_owned();
-            let decades = 0..before.len().max(now.len());
-            let differs = |decade: &usize| iteration(&before, *decade) != iteration(&now, *decade);
-            let decade = decades.into_iter().find(differs).unwrap_or(0);
-            let name = format!("{key} 1e-{}", decade + 1);
-            all.push((name, iteration(&before, decade), iteration(&now, decade)));
-        }
-        Ok(all)
+    pub(crate) fn differences(&self, before: &Self) -> Vec<[String; 3]> {
+        let all = columns().into_iter().zip(before.0.iter().zip(&self.0));
+        let differ = all.filter(|(_, (before, now))| before != now);
+        differ.map(|(column, (before, now))| difference(column, before, now)).collect()
     }
+}
+
+fn difference(column: &str, before: &str, now: &str) -> [String; 3] {
+    if ![ZETA, NATURAL_MAP].contains(&column) {
+        return [column, before, now].map(str::to_owned);
+    }
+    let iteration = |list: &str, decade| list.split(' ').nth(decade).unwrap_or_default().to_owned();
+    let differs = |decade: &usize| iteration(before, *decade) != iteration(now, *decade);
+    let decade = (0..before.len().max(now.len())).find(differs).unwrap_or(0);
+    [format!("{column} 1e-{}", decade + 1), iteration(before, decade), iteration(now, decade)]
 }
 
 /// The settings that differ from the defaults, such as `relaxation=1.5 sweeps=2`.
@@ -107,18 +88,23 @@ fn not_default(method: &str, settings: &Map<String, Value>) -> Result<String> {
 }
 
 /// Reads a baseline.
-pub(crate) fn read(path: &Path) -> Result<Vec<Counts>> {
-    let mut reader = csv::Reader::from_path(path).with_context(|| path.display().to_string())?;
-    let counts = reader.deserialize().collect::<Result<_, _>>();
-    counts.with_context(|| path.display().to_string())
+pub(crate) fn read_baseline(path: &Path) -> Result<Vec<Counts>> {
+    let read = || {
+        let mut reader = csv::Reader::from_path(path)?;
+        if *reader.headers()? != columns() {
+            bail!("its columns must be `{}`", columns().join("`, `"));
+        }
+        let counts = |row: StringRecord| Counts(row.iter().map(str::to_owned).collect());
+        Ok(reader.records().map(|row| row.map(counts)).collect::<Result<_, _>>()?)
+    };
+    read().with_context(|| path.display().to_string())
 }
 
 /// The text of a baseline.
-pub(crate) fn to_csv(counts: &[Counts]) -> Result<String> {
+pub(crate) fn baseline_text(counts: &[Counts]) -> Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    for run in counts {
-        writer.serialize(run)?;
-    }
+    writer.write_record(columns())?;
+    counts.iter().try_for_each(|run| writer.write_record(&run.0))?;
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 

@@ -1,34 +1,19 @@
 //! The folder of a study: opened, gone on with, its tables and report written.
 
 use crate::identity::COMMIT;
-use crate::plan::file::Plan;
-use crate::plan::methods::names;
-use crate::problems::files::Root;
-use crate::store::notes::notes;
-use crate::study::selection::Selection;
-use crate::study::tasks::{Kind, by_id, missing};
-use crate::terminal::output::say;
-use crate::terminal::{exit, interrupt};
-use anyhow::{Context, Result, anyhow};
+use crate::plan::{Plan, method_names};
+use crate::problems::Root;
+use crate::run::Task;
+use crate::study::{Kind, Selection, by_id, missing};
+use crate::terminal::{exit, say};
+use anyhow::{Result, anyhow};
 use reports::{About, Formats, Wanted, made};
 use results::journal::Entry;
 use results::schema::Provenance;
 use results::store::{Store, StoreError};
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-
-/// Keeps aside what the store of a plan holds, if asked.
-pub(crate) fn begin_anew(root: &Root, fresh: bool, plan: &str) -> Result<()> {
-    if fresh && let Some(kept) = Store::set_aside(&runs_folder(root), plan)? {
-        say(format_args!("what was there is now in {}", kept.display()))?;
-    }
-    Ok(())
-}
-
-/// An error does not lose what ended before it.
-pub(crate) fn stopped(ended: Result<()>, again: &str) -> Result<()> {
-    ended.with_context(|| format!("stopped; what ended before is kept, `gravel bench {again}` goes on"))
-}
 
 /// Where studies are stored.
 pub(crate) fn runs_folder(root: &Root) -> PathBuf {
@@ -37,17 +22,15 @@ pub(crate) fn runs_folder(root: &Root) -> PathBuf {
 
 /// Opens the store of a plan, and says what was lost with a process that was killed.
 pub(crate) fn open<R: Entry>(root: &Root, plan: &str) -> Result<Store<R>> {
-    let told = |error| match error {
-        StoreError::Line { .. } => {
-            anyhow!(
-                "{error}; take the line out and its run is made again, or `gravel bench --fresh` keeps the file aside and \
-                 begins anew"
-            )
-        }
+    let opened = Store::open(&runs_folder(root), plan);
+    let store = opened.and_then(|store| store.check_methods(&method_names()).map(|()| store));
+    let store = store.map_err(|error| match error {
+        StoreError::Line { .. } => anyhow!(
+            "{error}; take the line out and its run is run again, or `gravel bench --fresh` keeps the file aside and \
+             starts afresh"
+        ),
         error => error.into(),
-    };
-    let store = Store::open(&runs_folder(root), plan).map_err(told)?;
-    store.check_methods(&names()).map_err(told)?;
+    })?;
     if store.dropped() > 0 {
         let folder = store.folder().display();
         eprintln!("{folder}: the last run was not written to its end ({} bytes): dropped", store.dropped());
@@ -63,23 +46,23 @@ pub(crate) fn finish<K: Kind>(
     provenance: &Provenance,
 ) -> Result<ExitCode> {
     let Selection { plan, again, .. } = study.selection();
-    let tasks = study.tasks()?;
+    let tasks = study.tasks();
     let known = by_id(store.records());
     let mut ended = Vec::new();
     for task in &tasks {
         ended.extend(known.get(task.id.as_str()).map(|record| (task.clone(), (*record).clone())));
     }
     let rows = study.rows(root, ended, provenance)?;
-    if interrupt::asked() {
+    if exit::requested() {
         let missing = missing(&tasks, &known.into_keys().collect()).len();
         store.write_tables(&rows)?;
         say(format_args!(
             "stopped; {} missing: {missing}, the others are kept; `gravel bench {again}` goes on",
             K::TASKS
         ))?;
-        return Ok(ExitCode::from(exit::INTERRUPTED));
+        return Ok(exit::code("interrupted"));
     }
-    let notes = notes(study, &tasks, store.records())?;
+    let notes = notes(study, &tasks, store.records());
     let out = root.join("reports/out").join(&plan.name);
     let before = made(&out);
     let formats = Formats::default().and_those_of(&before);
@@ -125,4 +108,76 @@ pub(crate) fn say_files(stored: &Path, out: &Path, files: &[PathBuf], before: &[
         say(format_args!("removed, since this report does not make them: {}", gone.join(", ")))?;
     }
     Ok(())
+}
+
+/// What a reader of the tables must know of where their rows come from, one sentence each.
+fn notes<K: Kind>(study: &K, tasks: &[Task<K::What<'_>>], records: &[K::Record]) -> Vec<String> {
+    let known = by_id(records);
+    let wanted: HashSet<&str> = tasks.iter().map(|task| task.id.as_str()).collect();
+    let ended: Vec<&K::Record> = wanted.iter().filter_map(|id| known.get(id).copied()).collect();
+    let mut notes: Vec<String> =
+        origins(ended.iter().map(|record| record.provenance())).into_iter().collect();
+    // One that was skipped took no time.
+    let timed = || ended.iter().map(|record| record.timing()).filter(|timing| timing.wall_s.is_finite());
+    let what = K::TASKS;
+    let mut note = |count: usize, words: &str| {
+        if count > 0 {
+            notes.push(words.replace("{}", &count.to_string()));
+        }
+    };
+    note(
+        timed().filter(|timing| !timing.timed_alone).count(),
+        &format!("Not alone on the machine: {{}} {what}; their seconds are not those of a run alone."),
+    );
+    let repeats = study.selection().plan.repeats.get();
+    note(
+        timed().filter(|timing| timing.repeats < repeats).count(),
+        &format!("Repeated less often than the plan asks: {{}} {what}."),
+    );
+    note(study.size() - ended.len(), &format!("Not run yet, of those of the plan: {{}} {what}."));
+    note(
+        known.keys().filter(|id| !wanted.contains(**id)).count(),
+        &format!(
+            "Of earlier code, or no longer in the plan: {{}} {what}; they are in the journal, and in no table."
+        ),
+    );
+    let differ = unlike_twins(records);
+    if !differ.is_empty() {
+        notes.push(format!(
+            "WARNING: run again, these {what} counted other work: {}. The same id must mean the same counts.",
+            differ.join(", ")
+        ));
+    }
+    notes
+}
+
+/// Says so if rows do not come from one build on one machine.
+fn origins<'r>(rows: impl Iterator<Item = &'r Provenance>) -> Option<String> {
+    let mut origins: Vec<&Provenance> = Vec::new();
+    for row in rows {
+        if !origins.iter().any(|other| other.comparable(row)) {
+            origins.push(row);
+        }
+    }
+    (origins.len() > 1).then(|| {
+        format!(
+            "The rows come from {} builds, machines or numbers of threads: their counts compare, their seconds do not. \
+             --rerun times all again.",
+            origins.len()
+        )
+    })
+}
+
+/// Those of one id that did not count the same, with their ids.
+fn unlike_twins<R: Entry>(records: &[R]) -> Vec<String> {
+    let mut first: HashMap<&str, &R> = HashMap::new();
+    let mut differ = Vec::new();
+    for record in records {
+        let twin = *first.entry(record.id()).or_insert(record);
+        // Most have no twin but themselves.
+        if !std::ptr::eq(twin, record) && twin.difference(record).is_some() {
+            differ.push(format!("{} ({})", record.name(), record.id()));
+        }
+    }
+    differ
 }

@@ -1,10 +1,9 @@
 //! A run of any study in `results/runs`, found by its id.
 
 use crate::identity::content_hash;
-use crate::plan::names::as_typed;
-use crate::problems::case::KeptProblem;
-use crate::problems::files::Root;
-use crate::store::folder::runs_folder;
+use crate::plan::as_typed;
+use crate::problems::{KeptProblem, Root};
+use crate::store::runs_folder;
 use anyhow::{Context, Result, bail};
 use cases::Frozen;
 use results::journal::{Record, entry};
@@ -21,7 +20,7 @@ use std::path::Path;
 type Found = BTreeMap<String, (String, Option<Record>)>;
 
 /// The run whose id begins with `begin`.
-pub(crate) fn stored(root: &Root, begin: &str) -> Result<Record> {
+pub(crate) fn stored_run(root: &Root, begin: &str) -> Result<Record> {
     let folder = runs_folder(root);
     let mut found = Found::new();
     for journal in journals(&folder)? {
@@ -79,14 +78,14 @@ fn read(journal: &Path, begin: &str, found: &mut Found) -> Result<()> {
 }
 
 /// The problem of a stored run, if it still is what it was.
-pub(crate) fn problem(root: &Root, run: &Run) -> Result<Frozen> {
+pub(crate) fn problem_of_run(root: &Root, run: &Run) -> Result<Frozen> {
     let mut settings = run.problem_settings.clone();
     let problem = match settings.remove("case") {
         None => Frozen::read(&root.problem(&run.problem)?)?,
         Some(case) => {
             let time_step = settings.remove("time_step");
             let path = root.case(&as_typed(&case))?;
-            KeptProblem::read(&path, &settings, time_step.as_ref())?.made(root, &run.problem)?
+            KeptProblem::read(&path, &settings, time_step.as_ref())?.problem(root, &run.problem)?
         }
     };
     let (before, now) = (&run.problem_hash, content_hash(&problem));

@@ -1,27 +1,21 @@
 //! A study of problems: every variant on every problem is a run.
 
-use crate::identity::{code_version, first_hex};
-use crate::plan::variants::Variant;
-use crate::problems::files::Root;
-use crate::problems::planned::{PlannedProblem, Problem};
-use crate::run::execute::Conditions;
-use crate::run::problem::{Wanted, run};
-use crate::run::rows::{given_row, partitions, scene_rows};
-use crate::study::selection::Selection;
-use crate::study::tasks::{Kind, Listed, Task};
+use crate::identity::{code_version, hash_of};
+use crate::plan::Variant;
+use crate::problems::{PlannedProblem, Problem, Root};
+use crate::run::{Conditions, Task, given_row, partitions, run_on_problem, scene_rows};
+use crate::study::{Kind, Listed, Selection};
 use anyhow::Result;
 use contact::Measure;
-use partition::Partition;
 use reference::InteriorPoint;
 use results::journal::Record;
-use results::schema::{Provenance, Run};
+use results::schema::Provenance;
 use results::study::{Runs, Study as Rows};
 use runner::Stop;
 use serde_json::json;
-use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, HashSet};
 
-/// A plan with those of its problems that are there: all that runs need, and others that need not be made.
+/// A plan with those of its problems that are there: all that runs need, and others that need not be computed.
 pub(crate) struct OnProblems {
     selection: Selection,
     problems: Vec<Problem>,
@@ -32,15 +26,13 @@ impl Kind for OnProblems {
     type What<'s> = &'s Problem;
     const TASKS: &'static str = "runs";
 
-    fn new(selection: Selection, root: &Root, make: bool) -> Result<Self> {
+    fn new(selection: Selection, root: &Root, compute: bool) -> Result<Self> {
         let needed = |problem: &PlannedProblem| {
             selection.variants.iter().any(|variant| selection.selects(&problem.name, variant))
         };
         let mut problems = Vec::new();
         for problem in &selection.problems {
-            let there =
-                if make && needed(problem) { Some(problem.made(root)?) } else { problem.at_hand(root) };
-            problems.extend(there);
+            problems.extend(problem.problem(root, compute && needed(problem))?);
         }
         Ok(Self { selection, problems })
     }
@@ -49,65 +41,56 @@ impl Kind for OnProblems {
         &self.selection
     }
 
-    fn repeats(&self, wanted: Option<u32>) -> Result<u32> {
-        Ok(wanted.unwrap_or(self.selection.plan.repeats.get()))
+    fn tasks(&self) -> Vec<Task<'_, &Problem>> {
+        let task = |what, variant| Task {
+            id: self.run_id(what, variant),
+            variant,
+            selected: self.selection.selects(&what.frozen.name, variant),
+            what,
+        };
+        let on = |problem| self.selection.variants.iter().map(move |variant| task(problem, variant));
+        self.problems.iter().flat_map(on).collect()
     }
 
-    fn tasks(&self) -> Result<Vec<Task<'_, Self>>> {
-        let mut tasks = Vec::new();
-        for problem in &self.problems {
-            for variant in &self.selection.variants {
-                let id = run_id(&problem.hash, variant, &self.selection.plan.stop);
-                let selected = self.selection.selects(&problem.frozen.name, variant);
-                tasks.push(Task { id, variant, selected, what: problem });
-            }
-        }
-        Ok(tasks)
+    fn run(&self, task: &Task<&Problem>, conditions: &Conditions) -> Result<Option<Record>> {
+        run_on_problem(&self.selection.plan, task, conditions)
     }
 
-    fn run(&self, task: &Task<Self>, conditions: &Conditions) -> Result<Option<Record>> {
-        let (plan, problem, variant) = (&self.selection.plan, task.what, task.variant);
-        run(&Wanted { plan, problem, variant, id: &task.id }, conditions)
+    fn size(&self) -> usize {
+        self.selection.problems.len() * self.selection.variants.len()
     }
 
-    fn size(&self) -> Result<usize> {
-        Ok(self.selection.problems.len() * self.selection.variants.len())
+    fn asks(&self) -> String {
+        format!("{} runs, {} on each problem", self.size(), self.selection.variants.len())
     }
 
-    fn asks(&self) -> Result<String> {
-        Ok(format!("{} runs, {} on each problem", self.size()?, self.selection.variants.len()))
-    }
-
-    fn listed(&self, done: &HashSet<&str>) -> Result<Vec<Listed>> {
+    fn listed(&self, done: &HashSet<&str>) -> Vec<Listed> {
         // A problem that is not there has no run that has ended.
-        let ended: HashSet<(&str, &str, &str)> = self
-            .tasks()?
-            .iter()
-            .filter(|task| done.contains(task.id.as_str()))
-            .map(|task| (&*task.what.frozen.name, task.variant.method.name, &*task.variant.name))
-            .collect();
+        let there = |name: &str| self.problems.iter().find(|problem| problem.frozen.name == name);
         let listed = |(problem, variant): (&PlannedProblem, &Variant)| Listed {
             problem: problem.name.clone(),
-            method: variant.method.name.to_owned(),
+            method: variant.method.name,
             variant: variant.name.clone(),
-            done: ended.contains(&(&*problem.name, variant.method.name, &*variant.name)),
+            done: there(&problem.name).is_some_and(|there| done.contains(&*self.run_id(there, variant))),
         };
-        Ok(self.selection.selected().map(listed).collect())
+        self.selection.selected().map(listed).collect()
     }
 
-    fn rows(&self, root: &Root, ended: Vec<(Task<Self>, Record)>, provenance: &Provenance) -> Result<Rows> {
+    fn rows(
+        &self,
+        root: &Root,
+        ended: Vec<(Task<&Problem>, Record)>,
+        provenance: &Provenance,
+    ) -> Result<Rows> {
         let plan = &self.selection.plan;
-        let named = |(task, record): (Task<Self>, Record)| Record {
-            run: Run {
-                plan: plan.name.clone(),
-                problem: task.what.frozen.name.clone(),
-                problem_settings: task.what.settings.clone(),
-                variant: task.variant.name.clone(),
-                ..record.run
-            },
-            ..record
-        };
-        let mut rows = Runs { records: ended.into_iter().map(named).collect(), ..Runs::default() };
+        let mut rows = Runs::default();
+        for (Task { variant, what: problem, .. }, mut record) in ended {
+            record.run.plan.clone_from(&plan.name);
+            record.run.problem.clone_from(&problem.frozen.name);
+            record.run.problem_settings.clone_from(&problem.settings);
+            record.run.variant.clone_from(&variant.name);
+            rows.records.push(record);
+        }
         for problem in &self.problems {
             if let Some(given) = &problem.given {
                 let run = given_row(plan, problem, given, problem.known(root)?.truth(), provenance);
@@ -118,17 +101,18 @@ impl Kind for OnProblems {
         // Without a partition there is nothing to draw.
         let drawn = plan.reference && !partitions.is_empty();
         for problem in self.problems.iter().filter(|_| drawn) {
-            let impulses = problem.known(root)?.impulses();
-            for (name, grid, scheme) in &partitions {
-                // Runs with a partition that does not fit the problem were skipped.
-                if let Ok(partition) = Partition::of_contacts(&problem.frozen.problem, *scheme, *grid) {
-                    let (grains, contacts) = scene_rows(&problem.frozen, name, &partition, impulses);
-                    rows.grains.extend(grains);
-                    rows.contacts.extend(contacts);
-                }
-            }
+            let (grains, contacts) =
+                scene_rows(&problem.frozen, &partitions, problem.known(root)?.impulses());
+            rows.grains.extend(grains);
+            rows.contacts.extend(contacts);
         }
         Ok(Rows::Runs(rows))
+    }
+}
+
+impl OnProblems {
+    fn run_id(&self, problem: &Problem, variant: &Variant) -> String {
+        run_id(&problem.hash, variant, &self.selection.plan.stop)
     }
 }
 
@@ -140,6 +124,5 @@ pub(crate) fn run_id(problem_hash: &str, variant: &Variant, stop: &Stop) -> Stri
     // What stops on the error needs the solution, and whether ζ lied is judged by it.
     let truth = matches!(stop.on, Measure::VelocityError | Measure::Zeta).then(code_version::<InteriorPoint>);
     let stop = (stop.on, stop.tolerance, stop.max_iterations);
-    let all = json!([problem_hash, method.name, method.code, settings, stop, warm_start, truth]);
-    first_hex(Sha256::digest(all.to_string()).as_slice())
+    hash_of(&json!([problem_hash, method.name, method.code, settings, stop, warm_start, truth]))
 }

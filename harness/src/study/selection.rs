@@ -1,8 +1,7 @@
 //! A selection of a plan on the command line: quick, in part or changed.
 
-use crate::plan::file::Plan;
-use crate::plan::variants::Variant;
-use crate::problems::planned::PlannedProblem;
+use crate::plan::{Plan, Variant};
+use crate::problems::PlannedProblem;
 use crate::terminal::suggest;
 use anyhow::{Result, bail};
 use std::collections::BTreeSet;

@@ -1,23 +1,17 @@
 //! A study through time: every variant on every scene under every rule is a simulation; and so are those that they are
 //! compared with.
 
-use crate::identity::{code_version, first_hex};
-use crate::plan::rules::Rule;
-use crate::plan::variants::Variant;
-use crate::problems::files::Root;
-use crate::problems::planned::PlannedProblem;
-use crate::problems::scene::Scene;
-use crate::run::execute::Conditions;
-use crate::run::simulation::{Wanted, run};
-use crate::study::selection::Selection;
-use crate::study::tasks::{Kind, Listed, Task, missing};
-use anyhow::{Context, Result, bail};
+use crate::identity::{code_version, hash_of};
+use crate::plan::{Rule, Variant};
+use crate::problems::{PlannedProblem, Root, Scene};
+use crate::run::{Conditions, Task, Through, run_simulation};
+use crate::study::{Kind, Listed, Selection, missing};
+use anyhow::{Context, Result};
 use cases::March;
 use results::schema::Provenance;
-use results::simulation::{Simulated, Simulation};
+use results::simulation::Simulated;
 use results::study::Study as Rows;
 use serde_json::json;
-use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, HashSet};
 
 /// A study through time and all that it names.
@@ -28,15 +22,8 @@ pub(crate) struct ThroughTime {
     refined: Vec<Scene>,
     /// What solves the references, and until when.
     reference: (Variant, Rule),
-}
-
-/// A scene through time.
-#[derive(Clone, Copy)]
-pub(crate) struct Through<'s> {
-    scene: &'s Scene,
-    rule: Rule,
-    /// Its part in the study, as the column `role` says it.
-    role: &'static str,
+    /// Version of the code of what makes the time steps.
+    march: &'static str,
 }
 
 impl ThroughTime {
@@ -60,16 +47,14 @@ impl ThroughTime {
         variant: &'s Variant,
         rule: Rule,
         role: &'static str,
-    ) -> Result<Task<'s, Self>> {
-        let march = code_version::<March>().context("the crate `cases` has no version")?;
+    ) -> Task<'s, Through<'s>> {
         let method = &variant.method;
         // Sorted, whatever the map of the JSON crate does with its keys.
         let settings: BTreeMap<_, _> = method.settings.iter().collect();
         let time = [scene.time_steps, scene.every];
-        let all = json!([scene.hash, time, method.name, method.code, settings, rule.keys(), march]);
-        let id = first_hex(Sha256::digest(all.to_string()).as_slice());
+        let all = json!([scene.hash, time, method.name, method.code, settings, rule.keys(), self.march]);
         let selected = self.selects(scene, variant, role);
-        Ok(Task { id, variant, selected, what: Through { scene, rule, role } })
+        Task { id: hash_of(&all), variant, selected, what: Through { scene, rule, role } }
     }
 }
 
@@ -93,90 +78,69 @@ impl Kind for ThroughTime {
         let refined = shortest.into_iter().map(|scene| scene.refined(refine)).collect::<Result<_>>()?;
         let reference = simulate.reference(&selection.plan.stop)?;
         let rules = selection.plan.rules()?.into_iter().map(|(rule, _)| rule).collect();
-        Ok(Self { selection, rules, refined, reference })
+        let march = code_version::<March>().context("the crate `cases` has no version")?;
+        Ok(Self { selection, rules, refined, reference, march })
     }
 
     fn selection(&self) -> &Selection {
         &self.selection
     }
 
-    fn repeats(&self, wanted: Option<u32>) -> Result<u32> {
-        if wanted.is_some_and(|repeats| repeats > 1) {
-            bail!("--repeats: a simulation is run once; its seconds are those of many time steps");
-        }
-        Ok(1)
-    }
-
     /// References and their twins, floors, then the runs in the order of the plan.
-    fn tasks(&self) -> Result<Vec<Task<'_, Self>>> {
+    fn tasks(&self) -> Vec<Task<'_, Through<'_>>> {
         let (method, tight) = &self.reference;
         let mut loose = *tight;
         loose.stop.tolerance *= 10.0;
         let mut tasks = Vec::new();
         for scene in &self.refined {
-            tasks.push(self.task(scene, method, *tight, "reference")?);
-            tasks.push(self.task(scene, method, loose, "twin")?);
+            tasks.push(self.task(scene, method, *tight, "reference"));
+            tasks.push(self.task(scene, method, loose, "twin"));
         }
         for (_, scene) in self.scenes() {
-            tasks.push(self.task(scene, method, *tight, "floor")?);
+            tasks.push(self.task(scene, method, *tight, "floor"));
         }
         for (_, scene) in self.scenes() {
             for variant in &self.selection.variants {
-                for rule in &self.rules {
-                    tasks.push(self.task(scene, variant, *rule, "run")?);
-                }
+                tasks.extend(self.rules.iter().map(|rule| self.task(scene, variant, *rule, "run")));
             }
         }
-        Ok(tasks)
+        tasks
     }
 
-    fn run(&self, task: &Task<Self>, conditions: &Conditions) -> Result<Option<Simulated>> {
-        let Through { scene, rule, role } = task.what;
-        let name = format!("{} on {}, {}", task.variant.label(), scene.name, task.what.in_words());
-        let (plan, variant, id) = (&self.selection.plan.name, task.variant, &task.id);
-        run(&Wanted { plan, scene, variant, rule, role, id, name }, conditions)
+    fn run(&self, task: &Task<Through>, conditions: &Conditions) -> Result<Option<Simulated>> {
+        run_simulation(&self.selection.plan.name, task, conditions)
     }
 
-    fn size(&self) -> Result<usize> {
-        Ok(missing(&self.tasks()?, &HashSet::new()).len())
+    fn size(&self) -> usize {
+        missing(&self.tasks(), &HashSet::new()).len()
     }
 
-    fn asks(&self) -> Result<String> {
-        let tasks = self.tasks()?;
+    fn asks(&self) -> String {
+        let tasks = self.tasks();
         let runs = tasks.iter().filter(|task| task.what.role == "run").count();
-        Ok(format!("{runs} simulations, and {} to compare them with", tasks.len() - runs))
+        format!("{runs} simulations, and {} to compare them with", tasks.len() - runs)
     }
 
-    fn listed(&self, done: &HashSet<&str>) -> Result<Vec<Listed>> {
-        let listed = |task: Task<Self>| Listed {
+    fn listed(&self, done: &HashSet<&str>) -> Vec<Listed> {
+        let listed = |task: Task<Through>| Listed {
             problem: task.what.scene.name.clone(),
-            method: task.variant.method.name.to_owned(),
+            method: task.variant.method.name,
             variant: format!("{} {}", task.variant.name, task.what.in_words()),
             done: done.contains(task.id.as_str()),
         };
-        Ok(self.tasks()?.into_iter().filter(|task| task.selected).map(listed).collect())
+        self.tasks().into_iter().filter(|task| task.selected).map(listed).collect()
     }
 
-    fn rows(&self, _: &Root, ended: Vec<(Task<Self>, Simulated)>, _: &Provenance) -> Result<Rows> {
-        let named = |(task, simulated): (Task<Self>, Simulated)| {
-            let simulation = Simulation {
-                plan: self.selection.plan.name.clone(),
-                scene: task.what.scene.name.clone(),
-                variant: task.variant.name.clone(),
-                role: task.what.role.to_owned(),
-                ..simulated.simulation
-            };
-            Simulated { simulation, ..simulated }
-        };
-        Ok(Rows::Simulations(ended.into_iter().map(named).collect()))
-    }
-}
-
-impl Through<'_> {
-    /// Its time step, and until when each is solved from what.
-    fn in_words(&self) -> String {
-        let start = if self.rule.warm_start { "" } else { ", cold" };
-        let (h, stop) = (self.scene.case.scene.time_step_s, &self.rule.stop);
-        format!("h = {h} s, {} ≤ {:e}{start}", stop.on, stop.tolerance)
+    fn rows(&self, _: &Root, ended: Vec<(Task<Through>, Simulated)>, _: &Provenance) -> Result<Rows> {
+        let mut rows = Vec::new();
+        for (Task { variant, what: Through { scene, role, .. }, .. }, mut simulated) in ended {
+            let simulation = &mut simulated.simulation;
+            simulation.plan.clone_from(&self.selection.plan.name);
+            simulation.scene.clone_from(&scene.name);
+            simulation.variant.clone_from(&variant.name);
+            role.clone_into(&mut simulation.role);
+            rows.push(simulated);
+        }
+        Ok(Rows::Simulations(rows))
     }
 }

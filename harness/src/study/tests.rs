@@ -1,7 +1,6 @@
 //! What an id depends on.
 
-use crate::plan::methods::{METHODS, Method};
-use crate::plan::variants::Variant;
+use crate::plan::{METHODS, Method, Variant};
 use crate::study::problems::run_id;
 use runner::Stop;
 

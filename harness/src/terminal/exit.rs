@@ -1,6 +1,9 @@
-//! Exit codes: what a script may ask of `gravel` without reading what it prints.
+//! How the program ends: exit codes, which a script may ask for without reading what is printed; and Ctrl-C or SIGTERM, of
+//! which the first requests an end after the current iteration, and the second ends the program at once.
 
+use anyhow::{Context, Result};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The answer was found, or all that was asked is done.
 const DONE: u8 = 0;
@@ -9,7 +12,7 @@ const NOT_CONVERGED: u8 = 3;
 /// It is proved that the problem has no solution.
 const NO_SOLUTION: u8 = 4;
 /// What a shell gives to a program that Ctrl-C ended.
-pub(crate) const INTERRUPTED: u8 = 130;
+const INTERRUPTED: u8 = 130;
 
 /// Below the help of every command whose answer is one of them.
 pub(crate) const HELP: &str = "\
@@ -31,4 +34,21 @@ pub(crate) fn code(status: &str) -> ExitCode {
         "interrupted" => INTERRUPTED,
         _ => NOT_CONVERGED,
     })
+}
+
+static REQUESTED: AtomicBool = AtomicBool::new(false);
+
+/// From now on the first Ctrl-C only requests an end.
+pub(crate) fn listen_for_interrupts() -> Result<()> {
+    let handler = || {
+        if REQUESTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED.into());
+        }
+    };
+    ctrlc::set_handler(handler).context("Ctrl-C cannot be caught")
+}
+
+/// Whether the user requested an end.
+pub(crate) fn requested() -> bool {
+    REQUESTED.load(Ordering::Relaxed)
 }
