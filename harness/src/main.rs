@@ -26,7 +26,7 @@ mod store {
     mod stored;
 
     pub(crate) use baseline::{Counts, ExpectedFailure, baseline_text, expected_failures, read_baseline};
-    pub(crate) use folder::{about, finish, open, provenance, runs_folder, say_files};
+    pub(crate) use folder::{about, draw, finish, open, runs_folder};
     pub(crate) use stored::{is_id, problem_of_run, stored_run};
 }
 

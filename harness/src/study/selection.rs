@@ -20,7 +20,7 @@ pub(crate) struct Selection {
     pub(crate) only: Vec<Only>,
 }
 
-/// What the runs to be made have in common.
+/// What the selected runs have in common.
 pub(crate) struct Only {
     of: fn(&str, &Variant) -> String,
     wanted: WildMatch,
@@ -37,19 +37,19 @@ impl Selection {
         self.plan.rules().map_or(1, |rules| rules.len().max(1))
     }
 
-    /// Whether the run of a variant on a problem is to be made.
+    /// Whether the run of a variant on a problem is selected.
     pub(crate) fn selects(&self, problem: &str, variant: &Variant) -> bool {
         self.only.iter().all(|only| only.wanted.matches(&(only.of)(problem, variant)))
     }
 
-    /// The runs to be made, in the order of the plan.
+    /// The selected runs, in the order of the plan.
     pub(crate) fn selected(&self) -> impl Iterator<Item = (&PlannedProblem, &Variant)> {
         let of_problem = |problem| self.variants.iter().map(move |variant| (problem, variant));
         let all = self.problems.iter().flat_map(of_problem);
         all.filter(|(problem, variant)| self.selects(&problem.name, variant))
     }
 
-    /// Keeps, of the runs to be made, those whose `key` matches `pattern`, in which `*` stands for any text.
+    /// Keeps, of the selected runs, those whose `key` matches `pattern`, in which `*` stands for any text.
     pub(crate) fn keep(&mut self, key: &str, pattern: &str) -> Result<()> {
         const KEYS: [&str; 3] = ["problem", "method", "variant"];
         let of: fn(&str, &Variant) -> String = match key {

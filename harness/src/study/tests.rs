@@ -39,6 +39,6 @@ fn every_method_has_the_version_of_its_own_crate() {
     for method in METHODS {
         assert_eq!(code(method.name).len(), 16);
     }
-    assert_eq!(code("nsgs"), code("jacobi"));
+    assert_ne!(code("nsgs"), code("jacobi"));
     assert_ne!(code("nsgs"), code("nsgs-dd"));
 }
