@@ -199,7 +199,7 @@ fn part_of_a_study_is_made_first_and_the_rest_later() {
     let printed = bench(&["--only", "problem=column*9.81", "--only", "method=c*"]);
     assert!(printed.contains("3 of the 7 runs of the plan are selected"), "{printed}");
     assert!(printed.contains("3 of 7 to run"), "{printed}");
-    assert!(printed.contains("Runs of the plan that are not made yet: 4."), "{printed}");
+    assert!(printed.contains("Not run yet, of those of the plan: 4 runs."), "{printed}");
     assert_eq!(problems(), [NAMES[1], NAMES[3], NAMES[5]]);
     // What is there stays in the tables, whatever is selected next.
     assert!(bench(&["--only", "problem=pair"]).contains("1 of 7 to run"));
