@@ -1,11 +1,13 @@
-//! What ids are made of: the commit, versions of code, hashes of problems.
+//! What ids depend on: versions of code, hashes of problems; and where rows come from.
 
+use anyhow::Result;
 use cases::Frozen;
+use results::schema::Provenance;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 /// Commit of the build.
-pub(crate) const COMMIT: &str = git_version::git_version!(
+const COMMIT: &str = git_version::git_version!(
     args = ["--always", "--abbrev=12", "--exclude=*", "--dirty=-modified"],
     fallback = "not built from a git checkout"
 );
@@ -18,6 +20,13 @@ pub(crate) fn code_version<T>() -> Option<&'static str> {
     // Crates have dashes where their modules have underscores.
     let of_type = std::any::type_name::<T>().split("::").next()?.replace('_', "-");
     CODE_VERSIONS.iter().find(|(name, _)| *name == of_type).map(|(_, version)| *version)
+}
+
+/// This build, on this machine.
+pub(crate) fn provenance() -> Result<Provenance> {
+    let rustc = rustc_version_runtime::version().to_string();
+    let profile = if cfg!(debug_assertions) { "debug" } else { "release" };
+    Ok(Provenance::gather(COMMIT, &rustc, profile, rayon::current_num_threads() as u32)?)
 }
 
 /// Hash of all that something depends on.

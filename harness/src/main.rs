@@ -26,8 +26,23 @@ mod store {
     mod stored;
 
     pub(crate) use baseline::{Counts, ExpectedFailure, baseline_text, expected_failures, read_baseline};
-    pub(crate) use folder::{about, finish, open, provenance, runs_folder, say_files};
+    pub(crate) use folder::{about, draw, finish, open, runs_folder};
     pub(crate) use stored::{is_id, problem_of_run, stored_run};
+}
+
+/// A plan with its problems or scenes: the tasks that it asks for, each with its id.
+mod study {
+    mod problems;
+    mod selection;
+    mod simulations;
+    mod tasks;
+    #[cfg(test)]
+    mod tests;
+
+    pub(crate) use problems::OnProblems;
+    pub(crate) use selection::Selection;
+    pub(crate) use simulations::ThroughTime;
+    pub(crate) use tasks::{Kind, Listed, by_id, left_s, missing, run_all};
 }
 
 /// A task becomes a row.
@@ -47,21 +62,6 @@ mod run {
     pub(crate) use rows::{derived, ended_row, given_row, nothing_done, partitions, scene_rows};
     pub(crate) use simulation::{End, Seen, Through, missed, observed, run_simulation, through_time};
     pub(crate) use vtk::Frames;
-}
-
-/// A plan with its problems or scenes: the tasks that it asks for, each with its id.
-mod study {
-    mod problems;
-    mod selection;
-    mod simulations;
-    mod tasks;
-    #[cfg(test)]
-    mod tests;
-
-    pub(crate) use problems::OnProblems;
-    pub(crate) use selection::Selection;
-    pub(crate) use simulations::ThroughTime;
-    pub(crate) use tasks::{Kind, Listed, by_id, left_s, missing, run_all};
 }
 
 /// Frozen problems, cases, scenes, and what is known of their solutions.

@@ -7,17 +7,24 @@ use anyhow::{Context, Result, bail};
 use cases::Frozen;
 use contact::Measure;
 use runner::Stop;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A plan on the command line.
 #[derive(Default, clap::Args)]
-pub(crate) struct StudyArgs {
+pub(crate) struct PlanArgs {
     /// A plan: its name, or the path of its file
     #[arg(default_value = "paper")]
     plan: String,
     /// The quick form of the plan
     #[arg(long)]
-    quick: bool,
+    pub(crate) quick: bool,
+}
+
+/// A plan on the command line, in part or changed.
+#[derive(Default, clap::Args)]
+pub(crate) struct StudyArgs {
+    #[command(flatten)]
+    plan: PlanArgs,
     /// Only those of the runs with this problem, method or variant, such as method=latin-dd or problem=shear*; of several,
     /// all must hold
     #[arg(long, value_name = "KEY=PATTERN", value_parser = key_value)]
@@ -81,16 +88,26 @@ fn pairs<'a>(name: &'a str, pairs: &'a [(String, String)]) -> impl Iterator<Item
     pairs.iter().map(move |(key, value)| format!("--{name} '{key}={value}'"))
 }
 
+impl PlanArgs {
+    /// The arguments that select the same.
+    pub(crate) fn again(&self) -> String {
+        format!("{}{}", self.plan, if self.quick { " --quick" } else { "" })
+    }
+
+    pub(crate) fn path(&self, root: &Root) -> Result<PathBuf> {
+        root.plan(&self.plan)
+    }
+}
+
 impl StudyArgs {
     /// All runs of the plan, or of its quick form.
     pub(crate) fn plan(plan: &str, quick: bool) -> Self {
-        Self { plan: plan.to_owned(), quick, ..Self::default() }
+        Self { plan: PlanArgs { plan: plan.to_owned(), quick }, ..Self::default() }
     }
 
     /// The arguments that select the same.
     fn again(&self) -> String {
-        let mut words = vec![self.plan.clone()];
-        words.extend(self.quick.then(|| "--quick".to_owned()));
+        let mut words = vec![self.plan.again()];
         words.extend(pairs("only", &self.only).chain(pairs("set", &self.settings)));
         words.extend(self.stop.again());
         words.join(" ")
@@ -98,8 +115,8 @@ impl StudyArgs {
 
     pub(crate) fn selection(&self, root: &Root) -> Result<Selection> {
         refuse_repeated(&self.settings)?;
-        let path = root.plan(&self.plan)?;
-        let mut plan = Plan::read(&path, self.quick)?;
+        let path = self.plan.path(root)?;
+        let mut plan = Plan::read(&path, self.plan.quick)?;
         let changes = self.change_stop(&mut plan)?;
         let in_plan = || path.display().to_string();
         let problems = planned(root, &plan).with_context(in_plan)?;
@@ -116,7 +133,7 @@ impl StudyArgs {
         }
         if !self.only.is_empty() {
             let (some, all) = (selection.selected().count() * selection.rules(), selection.runs());
-            selection.notes.push(format!("{some} of the {all} runs of the plan are asked for"));
+            selection.notes.push(format!("{some} of the {all} runs of the plan are selected"));
         }
         Ok(selection)
     }

@@ -1,10 +1,11 @@
 //! `gravel bench`: the runs of a plan that its store lacks, then tables and a report.
 
 use crate::cli::args::StudyArgs;
+use crate::identity::provenance;
 use crate::plan::MOST_REPEATS;
 use crate::problems::Root;
 use crate::run::{How, few};
-use crate::store::{finish, open, provenance, runs_folder};
+use crate::store::{finish, open, runs_folder};
 use crate::study::{Kind, OnProblems, Selection, ThroughTime, by_id, left_s, missing, run_all};
 use crate::terminal::{exit, say};
 use anyhow::{Context, Result, bail};
@@ -75,5 +76,5 @@ fn bench<K: Kind>(root: &Root, args: &Args, selection: Selection) -> Result<Exit
         // An error does not lose what ended before it.
         format!("stopped; what ended before is kept, `gravel bench {again}` goes on")
     })?;
-    finish(root, &study, store, &provenance)
+    finish(root, &study, store)
 }

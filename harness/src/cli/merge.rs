@@ -3,7 +3,7 @@
 use crate::cli::args::StudyArgs;
 use crate::plan::method_names;
 use crate::problems::Root;
-use crate::store::{finish, open, provenance};
+use crate::store::{finish, open};
 use crate::study::{Kind, OnProblems, Selection, ThroughTime};
 use crate::terminal::say;
 use anyhow::{Result, bail};
@@ -33,7 +33,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
 
 fn merge<K: Kind>(root: &Root, args: &Args, selection: Selection) -> Result<ExitCode> {
     let store = joined(root, &selection.plan.name, &args.from)?;
-    finish(root, &K::new(selection, root, true)?, store, &provenance()?)
+    finish(root, &K::new(selection, root, true)?, store)
 }
 
 /// The store of a plan with what those in the folders `from` hold beside it.
@@ -65,9 +65,9 @@ fn joined<R: Entry>(root: &Root, plan: &str, from: &[PathBuf]) -> Result<Store<R
 }
 
 /// How many differing runs an error names.
-const TOLD: usize = 5;
+const NAMED: usize = 5;
 
-/// Refuses runs of one id that counted different work: the machines that made them disagree, and a table must not mix them.
+/// Refuses runs of one id that counted different work: the machines that ran them disagree, and a table must not mix them.
 /// Of two runs of one id in one store, the later counts.
 fn refuse_other_counts<R: Entry>(ours: &[R], stores: &[(&PathBuf, Vec<R>)], plan: &str) -> Result<()> {
     let mut known: BTreeMap<&str, &R> = ours.iter().map(|record| (record.id(), record)).collect();
@@ -88,9 +88,9 @@ fn refuse_other_counts<R: Entry>(ours: &[R], stores: &[(&PathBuf, Vec<R>)], plan
     if differ.is_empty() {
         return Ok(());
     }
-    let more = differ.len().saturating_sub(TOLD);
+    let more = differ.len().saturating_sub(NAMED);
     let more = if more > 0 { format!("; and {more} more") } else { String::new() };
-    differ.truncate(TOLD);
+    differ.truncate(NAMED);
     bail!(
         "{}{more}. The same id must mean the same counts, so a machine or a build is wrong. Nothing was merged; `gravel \
          bench {plan} --rerun` on each shows which counts repeat",

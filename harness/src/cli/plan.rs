@@ -78,7 +78,7 @@ fn say_counts(rows: &[Listed], left_s: Option<f64>) -> Result<()> {
     if let Some(left) = left_s.filter(|s| *s > 0.0) {
         // The others are judged by runs of the same method.
         let left = HumanDuration(Duration::from_secs_f64(left));
-        say(format_args!("about {left} left on problems that are there, one run at a time"))?;
+        say(format_args!("about {left} left on the problems computed so far, one run at a time"))?;
     }
     Ok(())
 }

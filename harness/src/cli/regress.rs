@@ -1,9 +1,10 @@
 //! `gravel regress` and `gravel bless`: the counts of a plan against those that were accepted.
 
 use crate::cli::args::StudyArgs;
+use crate::identity::provenance;
 use crate::problems::Root;
 use crate::run::How;
-use crate::store::{Counts, ExpectedFailure, baseline_text, expected_failures, provenance, read_baseline};
+use crate::store::{Counts, ExpectedFailure, baseline_text, expected_failures, read_baseline};
 use crate::study::{Kind, OnProblems, Selection, missing, run_all};
 use crate::terminal::{exit, say, write_kept};
 use anyhow::{Result, bail};

@@ -1,11 +1,12 @@
 //! `gravel report` and `gravel figure`: tables and figures of the newest stored study of a plan, without running it.
 
+use crate::cli::args::PlanArgs;
 use crate::plan::Plan;
 use crate::problems::Root;
-use crate::store::{about, runs_folder, say_files};
+use crate::store::{about, draw, runs_folder};
 use crate::terminal::{say, write_whole};
 use anyhow::{Context, Result, bail};
-use reports::{Chart, Formats, Wanted, made};
+use reports::{Chart, Formats, Wanted};
 use results::store::{read, tables_folder};
 use results::study::Study as Rows;
 use std::path::{Path, PathBuf};
@@ -13,7 +14,7 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
-    study: Stored,
+    study: PlanArgs,
     #[command(flatten)]
     formats: FormatArgs,
     /// Compare with an earlier study of the plan, run by run: the folder of its tables
@@ -29,20 +30,9 @@ pub(crate) struct FigureArgs {
     /// The chart
     chart: Chart,
     #[command(flatten)]
-    study: Stored,
+    study: PlanArgs,
     #[command(flatten)]
     formats: FormatArgs,
-}
-
-/// A stored study on the command line.
-#[derive(clap::Args)]
-struct Stored {
-    /// A plan: its name, or the path of its file
-    #[arg(default_value = "paper")]
-    plan: String,
-    /// The quick form of the plan
-    #[arg(long)]
-    quick: bool,
 }
 
 /// Formats of figures on the command line.
@@ -57,41 +47,27 @@ struct FormatArgs {
 }
 
 impl FormatArgs {
-    /// Those asked for, and those of the files that are there.
-    fn formats(&self, before: &[String]) -> Formats {
-        Formats { png: self.png, pdf: self.pdf }.and_those_of(before)
-    }
-}
-
-impl Stored {
-    fn plan(&self, root: &Root) -> Result<Plan> {
-        Plan::read(&root.plan(&self.plan)?, self.quick)
-    }
-
-    /// The arguments that ask for the same.
-    fn again(&self) -> String {
-        format!("{}{}", self.plan, if self.quick { " --quick" } else { "" })
+    fn formats(&self) -> Formats {
+        Formats { png: self.png, pdf: self.pdf }
     }
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    let plan = args.study.plan(root)?;
+    let plan = Plan::read(&args.study.path(root)?, args.study.quick)?;
     let stored = stored(root, &plan)?;
-    let about = about(&plan, &args.study.again());
-    let out = root.join("reports/out").join(&plan.name);
     let rows = read(&stored)?;
     let earlier = args.against.as_deref().map(read).transpose().context("--against")?;
     if (args.fill.is_some() || earlier.is_some()) && !matches!(rows, Rows::Runs(_)) {
         bail!("--against and --fill are for studies of problems, and `{}` is one through time", plan.name);
     }
-    let before = made(&out);
-    let (charts, formats) = (plan.charts(), args.formats.formats(&before));
-    let wanted = Wanted { charts: &charts, formats, against: earlier.as_ref() };
     if let Some(template) = &args.fill {
         fill(&rows, template)?;
     }
-    let files = reports::report(&rows, &about, wanted, &out)?;
-    say_files(&stored, &out, &files, &before)
+    let (charts, about) = (plan.charts(), about(&plan, &args.study.again()));
+    draw(root, &plan.name, &stored, args.formats.formats(), |formats, out| {
+        let wanted = Wanted { charts: &charts, formats, against: earlier.as_ref() };
+        Ok(reports::report(&rows, &about, wanted, out)?)
+    })
 }
 
 fn fill(rows: &Rows, template: &Path) -> Result<()> {
@@ -102,20 +78,18 @@ fn fill(rows: &Rows, template: &Path) -> Result<()> {
     let filled = reports::fill(rows, &text).with_context(|| format!("--fill {}", template.display()))?;
     let page = template.with_extension("");
     write_whole(&page, &filled)?;
-    say(format_args!("{}", page.display()))?;
-    Ok(())
+    say(format_args!("{}", page.display()))
 }
 
 /// One chart, in a folder of its own: the report of the study stays as it is.
 pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
-    let plan = args.study.plan(root)?;
+    let plan = Plan::read(&args.study.path(root)?, args.study.quick)?;
     plan.suits(args.chart)?;
     let stored = stored(root, &plan)?;
-    let out = root.join("reports/out").join(format!("{}-{}", plan.name, args.chart.name()));
-    let before = made(&out);
-    let formats = args.formats.formats(&before);
-    let files = reports::figure(&read(&stored)?, args.chart, formats, &out)?;
-    say_files(&stored, &out, &files, &before)
+    let name = format!("{}-{}", plan.name, args.chart.name());
+    draw(root, &name, &stored, args.formats.formats(), |formats, out| {
+        Ok(reports::figure(&read(&stored)?, args.chart, formats, out)?)
+    })
 }
 
 /// The folder of the study of `plan`.
@@ -125,6 +99,6 @@ fn stored(root: &Root, plan: &Plan) -> Result<PathBuf> {
         let quick = tables_folder(&runs, &format!("{}-quick", plan.name));
         let quick = if quick.is_some() { "; its quick form is: add --quick" } else { "" };
         let runs = runs.display();
-        format!("no study of plan `{}` is stored in {runs}{quick}: `gravel bench` makes one", plan.name)
+        format!("no study of plan `{}` is stored in {runs}{quick}: `gravel bench` runs it", plan.name)
     })
 }

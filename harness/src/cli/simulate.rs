@@ -71,9 +71,9 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         say(format_args!("{HEADING}"))?;
     }
     let see = &mut |seen: &Seen| kept.see(args, seen);
-    let made = through_time(&mut march, &*method.solver, &rule, args.time_steps, &exit::requested, see);
+    let ended = through_time(&mut march, &*method.solver, &rule, args.time_steps, &exit::requested, see);
     kept.bar.finish_and_clear();
-    let (totals, end) = made?;
+    let (totals, end) = ended?;
     let last_state = match &end {
         End::Refused(why) => bail!("method `{}`, {why}", method.name),
         End::Exploded { last, .. } => Some(last_state(last, args)),
@@ -152,7 +152,7 @@ impl Kept {
     }
 }
 
-/// Writes the problem of the last good state beside what else was asked for.
+/// Writes the problem of the last good state beside what else is written.
 fn last_state(last: &Frozen, args: &Args) -> Result<PathBuf> {
     let folder = args.output.as_deref().and_then(Path::parent).or(args.vtk.as_deref());
     let file = folder.unwrap_or(Path::new("")).join(format!("{}.json", last.name));

@@ -82,7 +82,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     Ok(exit::code(outcome.status.name()))
 }
 
-/// What was asked and reached, under the names that the columns of tables have.
+/// The request and the answer, under the names that the columns of tables have.
 fn to_json(frozen: &Frozen, method: &Method, stop: &Stop, start: Start, outcome: &Outcome) -> Result<Value> {
     let object = json!({
         "problem": frozen.name,

@@ -30,7 +30,7 @@ pub(crate) fn combinations(set: &Settings, zip: &Settings, axes: &Settings) -> R
             bail!("the axis `{key}` gives more than {MOST} combinations");
         }
         combinations =
-            combinations.iter().flat_map(|made| values.iter().map(|value| with(made, key, value))).collect();
+            combinations.iter().flat_map(|one| values.iter().map(|value| with(one, key, value))).collect();
     }
     Ok(combinations)
 }
@@ -39,22 +39,18 @@ pub(crate) fn combinations(set: &Settings, zip: &Settings, axes: &Settings) -> R
 pub(crate) fn count(zip: &Settings, axes: &Settings) -> Result<f64> {
     let of = |(key, axis): (&String, &Value)| Ok(values(key, axis)?.len() as f64);
     let zipped = zip.iter().next().map_or(Ok(1.0), of)?;
-    axes.iter().map(of).try_fold(zipped, |made, values: Result<f64>| Ok(made * values?))
+    axes.iter().map(of).try_fold(zipped, |count, values: Result<f64>| Ok(count * values?))
 }
 
 fn zipped(set: &Settings, zip: &Settings) -> Result<Vec<Settings>> {
-    let mut rows: Option<(&str, Vec<Settings>)> = None;
-    for (key, axis) in zip {
-        let values = values(key, axis)?;
-        let (first, made) = rows.unwrap_or_else(|| (key, vec![set.clone(); values.len()]));
-        if made.len() != values.len() {
-            let (one, other) = (made.len(), values.len());
-            bail!("`zip` takes values together: `{first}` has {one}, `{key}` has {other}");
-        }
-        let made = made.iter().zip(&values).map(|(made, value)| with(made, key, value)).collect();
-        rows = Some((first, made));
+    let axes = zip.iter().map(|(key, axis)| Ok((key, values(key, axis)?))).collect::<Result<Vec<_>>>()?;
+    let Some((first, values)) = axes.first() else { return Ok(vec![set.clone()]) };
+    let one = values.len();
+    if let Some((key, other)) = axes.iter().find(|(_, other)| other.len() != one) {
+        bail!("`zip` takes values together: `{first}` has {one}, `{key}` has {}", other.len());
     }
-    Ok(rows.map_or_else(|| vec![set.clone()], |(_, made)| made))
+    let row = |k: usize| axes.iter().fold(set.clone(), |row, (key, values)| with(&row, key, &values[k]));
+    Ok((0..one).map(row).collect())
 }
 
 fn with(settings: &Settings, key: &str, value: &Value) -> Settings {

@@ -124,7 +124,7 @@ pub(crate) enum Curves {
 }
 
 impl Plan {
-    /// Reads a plan, in its quick form if asked, and checks every method in both.
+    /// Reads a plan, in its quick form if `quick` says so, and checks every method in both.
     pub(crate) fn read(path: &Path, quick: bool) -> Result<Self> {
         let text = read_text(path)?;
         // All keys that it lacks at once, if that is what is wrong.

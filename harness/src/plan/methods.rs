@@ -20,7 +20,7 @@ pub(crate) struct Method {
     pub(crate) code: &'static str,
 }
 
-/// A method that can be asked for.
+/// A method by its name.
 pub(crate) struct Entry {
     pub(crate) name: &'static str,
     pub(crate) what: &'static str,

@@ -100,7 +100,7 @@ impl Simulate {
         count(&self.zip, &self.axes).context("`simulate`")
     }
 
-    /// The key of a rule that is asked for in place of the plan's no longer varies.
+    /// A key that the command line gives in place of the plan's no longer varies.
     pub(crate) fn forget(&mut self, key: &str) {
         for settings in [&mut self.set, &mut self.zip, &mut self.axes] {
             settings.remove(key);

@@ -132,7 +132,7 @@ impl Kind {
         }
     }
 
-    /// Of a file that cannot be taken for anything else; whether it is right in itself is not asked.
+    /// Of a file that cannot be taken for anything else; it may be wrong in itself.
     fn of(path: &Path) -> Option<Self> {
         if !is_toml(path) {
             return path.extension().is_some_and(|ending| ending == "json").then_some(Self::Frozen);

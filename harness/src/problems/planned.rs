@@ -18,10 +18,10 @@ use std::sync::OnceLock;
 pub(crate) struct PlannedProblem {
     /// Its name, in results.
     pub(crate) name: String,
-    /// What was set to make it: nothing for a frozen problem.
+    /// What was set in the case: nothing for a frozen problem.
     settings: Settings,
     source: Source,
-    /// Whether its solution is wanted.
+    /// Whether runs are compared with its solution.
     reference: bool,
 }
 
@@ -37,7 +37,7 @@ pub(crate) struct Problem {
     pub(crate) frozen: Frozen,
     /// Hash of its content.
     pub(crate) hash: String,
-    /// What was set to make it.
+    /// What was set in the case.
     pub(crate) settings: Settings,
     /// What another code answered, if that lies beside it.
     pub(crate) given: Option<Given>,
@@ -46,7 +46,7 @@ pub(crate) struct Problem {
 }
 
 impl Problem {
-    /// What is known of its solution; computed when it is first asked for, unless it was kept.
+    /// What is known of its solution; computed at the first call, unless it was kept.
     pub(crate) fn known(&self, root: &Root) -> Result<&Known> {
         if let Some(known) = self.known.get() {
             return Ok(known);
@@ -55,7 +55,7 @@ impl Problem {
         Ok(self.known.get_or_init(|| known))
     }
 
-    /// Its eigenvalues; computed when they are first asked for.
+    /// Its eigenvalues; computed at the first call.
     pub(crate) fn spectrum(&self, known: &Known) -> &Settings {
         self.spectrum.get_or_init(|| spectrum(&self.frozen.problem, known))
     }

@@ -17,31 +17,33 @@ use std::path::Path;
 /// What is known of the solution of a problem; by default nothing.
 #[derive(Default)]
 pub(crate) struct Known {
-    /// The solution, and impulses that reach it (N·s).
-    solution: Option<(Truth, Vec<f64>)>,
-    /// A solution that could not be certified: no truth.
-    uncertified: Option<Truth>,
-    /// That there is no solution.
-    infeasible: bool,
+    answer: Option<Answer>,
+    /// At the impulses of the answer, also where these could not be certified.
+    nearest: Option<Truth>,
 }
 
 impl Known {
     pub(crate) fn truth(&self) -> Option<&Truth> {
-        self.solution.as_ref().map(|(truth, _)| truth)
+        self.impulses().and(self.nearest())
     }
 
     /// The velocity that is nearest to a solution, as far as is known: it shows which contacts are closed.
     pub(crate) fn nearest(&self) -> Option<&Truth> {
-        self.truth().or(self.uncertified.as_ref())
+        self.nearest.as_ref()
     }
 
+    /// Of the solution (N·s).
     pub(crate) fn impulses(&self) -> Option<&[f64]> {
-        self.solution.as_ref().map(|(_, impulses)| impulses.as_slice())
+        match &self.answer {
+            Some(Answer::Solution { impulses, .. }) => Some(impulses),
+            _ => None,
+        }
     }
 
     /// How a run ended: nothing converges on a problem without solution.
     pub(crate) fn ending(&self, status: Status) -> Status {
-        if self.infeasible && status == Status::Converged { Status::FalseConvergence } else { status }
+        let infeasible = matches!(self.answer, Some(Answer::Infeasible { .. }));
+        if infeasible && status == Status::Converged { Status::FalseConvergence } else { status }
     }
 }
 
@@ -84,20 +86,20 @@ enum Kept {
 
 /// What is known of a problem, from `results/references` if it is there, else computed and kept there.
 pub(crate) fn known(root: &Root, frozen: &Frozen) -> Result<Known> {
-    let truth = |impulses: &[f64]| Truth::new(&frozen.problem, impulses);
-    let mut known = Known::default();
-    match answer(root, frozen)? {
-        Answer::Solution { impulses, .. } => known.solution = Some((truth(&impulses), impulses)),
+    let answer = answer(root, frozen)?;
+    let impulses = match &answer {
+        Answer::Solution { impulses, .. } => Some(impulses),
         Answer::Infeasible { .. } => {
             eprintln!("{}: the problem has no solution", frozen.name);
-            known.infeasible = true;
+            None
         }
         Answer::Unknown { impulses, certificate, why } => {
             eprintln!("{}: no reference: {why}; the best impulses are {certificate}", frozen.name);
-            known.uncertified = Some(truth(&impulses));
+            Some(impulses)
         }
-    }
-    Ok(known)
+    };
+    let nearest = impulses.map(|impulses| Truth::new(&frozen.problem, impulses));
+    Ok(Known { answer: Some(answer), nearest })
 }
 
 /// The reference of a problem, kept or computed.

@@ -15,7 +15,7 @@ pub(crate) struct Scene {
     /// Its name, without its time step.
     pub(crate) name: String,
     pub(crate) case: Case,
-    /// What was set to make it.
+    /// What was set in the case.
     pub(crate) settings: Settings,
     /// The time to simulate (s).
     pub(crate) duration_s: f64,
@@ -29,7 +29,7 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    /// The case of a plan as `settings` make it.
+    /// The case of a plan with `settings`.
     pub(crate) fn planned(
         case: Case,
         name: String,

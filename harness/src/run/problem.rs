@@ -1,11 +1,11 @@
 //! A run on a problem: repeated for its seconds, kept as a row with its curve.
 
-use crate::plan::{Plan, Variant};
+use crate::plan::Plan;
 use crate::problems::{Known, Problem};
 use crate::run::{Conditions, Recorder, Task, ended_row, nothing_done};
 use analysis::coupling;
 use anyhow::{Result, bail};
-use contact::{Packing, SetupError};
+use contact::SetupError;
 use partition::{Decomposition, Partition};
 use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot, Timing};
@@ -72,28 +72,25 @@ fn name(task: &Task<&Problem>) -> String {
     format!("{} on {}", task.variant.label(), task.what.frozen.name)
 }
 
-/// What explains how the run ends, where the plan asks for it.
+/// What explains how the run ends, where the plan asks for it: the spectrum of the problem; of a partition the most copies of a
+/// grain and, where masses are whole, how strongly subdomains act on each other.
 fn spectrum(plan: &Plan, task: &Task<&Problem>, known: &Known) -> Map<String, Value> {
     if !plan.spectra {
         return Map::new();
     }
-    let mut spectrum = task.what.spectrum(known).clone();
-    spectrum.extend(of_partition(&task.what.frozen.problem, task.variant));
-    spectrum
-}
-
-/// What the partition of a run adds: the most copies of a grain and, where masses are whole, how strongly subdomains act
-/// on each other.
-fn of_partition(problem: &Packing, variant: &Variant) -> Map<String, Value> {
-    let Some((grid, scheme)) = variant.partition() else { return Map::new() };
+    let (problem, variant) = (&task.what.frozen.problem, task.variant);
+    let mut columns = task.what.spectrum(known).clone();
     // A run with a partition that does not fit the problem is skipped, and says why.
-    let Ok(partition) = Partition::of_contacts(problem, scheme, grid) else { return Map::new() };
-    let multiplicity = Decomposition::new(problem, &partition).multiplicity.iter().copied().max();
-    let mut columns = Map::from_iter([("multiplicity".to_owned(), json!(multiplicity))]);
-    if variant.setting::<bool>("mass_splitting") == Some(false)
-        && let Some(coupling) = coupling(problem, &partition.subdomain)
+    if let Some((grid, scheme)) = variant.partition()
+        && let Ok(partition) = Partition::of_contacts(problem, scheme, grid)
     {
-        columns.insert("coupling".to_owned(), json!(coupling));
+        let multiplicity = Decomposition::new(problem, &partition).multiplicity.iter().copied().max();
+        columns.insert("multiplicity".to_owned(), json!(multiplicity));
+        if variant.setting::<bool>("mass_splitting") == Some(false)
+            && let Some(coupling) = coupling(problem, &partition.subdomain)
+        {
+            columns.insert("coupling".to_owned(), json!(coupling));
+        }
     }
     columns
 }

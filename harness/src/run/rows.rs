@@ -17,7 +17,7 @@ pub(crate) fn given_row(
     problem: &Problem,
     given: &Given,
     truth: Option<&Truth>,
-    provenance: &Provenance,
+    provenance: Provenance,
 ) -> Run {
     let meter = Meter::new(&problem.frozen.problem);
     let mut meter = if let Some(truth) = truth { meter.against(truth) } else { meter };
@@ -27,11 +27,11 @@ pub(crate) fn given_row(
         variant: given.from.clone(),
         status: "given".to_owned(),
         end: End { measures, work: Work::default() },
-        ..nothing_done(plan, problem, provenance.clone())
+        ..nothing_done(plan, problem, provenance)
     }
 }
 
-/// What is asked of a run, with nothing reached yet.
+/// The row of a run that has reached nothing yet.
 pub(crate) fn nothing_done(plan: &Plan, problem: &Problem, provenance: Provenance) -> Run {
     Run {
         plan: plan.name.clone(),
@@ -51,7 +51,7 @@ pub(crate) fn nothing_done(plan: &Plan, problem: &Problem, provenance: Provenanc
     }
 }
 
-/// What was wanted, and what the run reached.
+/// The row with what the run reached.
 pub(crate) fn ended_row(row: Run, outcome: &Outcome, curve: &[Sample]) -> Run {
     let first = |measure: Measure, tolerance| first_at(curve, measure, tolerance);
     let Sample { measures, work, .. } = curve[curve.len() - 1];

@@ -77,7 +77,7 @@ fn keep(last: &Frozen, folder: &Path, id: &str) -> Result<String> {
     Ok(file)
 }
 
-/// What is asked of a simulation, with nothing reached yet.
+/// The row of a simulation that has reached nothing yet.
 fn nothing_done(
     plan: &str,
     task: &Task<Through>,
@@ -165,7 +165,7 @@ fn joined(earlier: &Observed, later: Observed) -> Observed {
     }
 }
 
-/// A time step that was made.
+/// A time step that was solved.
 pub(crate) struct Seen<'a> {
     pub(crate) march: &'a March,
     pub(crate) time_step: &'a TimeStep,
@@ -179,14 +179,14 @@ pub(crate) enum End {
     Completed,
     /// With the problem of the last good state.
     Exploded {
-        /// `exploded`; or what made it explode, `solver-diverged` or `no-solution`.
+        /// `exploded`; or why it exploded, `solver-diverged` or `no-solution`.
         status: &'static str,
         why: String,
         last: Box<Frozen>,
     },
     /// The method refused a time step.
     Refused(String),
-    /// An end was asked for, here.
+    /// The user stopped it, here.
     Interrupted(String),
 }
 
@@ -208,7 +208,7 @@ pub(crate) fn through_time(
         let time_step = march.next()?;
         let (outcome, observables) = match march.solve(&time_step, solver, &rule.stop, rule.warm_start, halt)
         {
-            Ok(made) => made,
+            Ok(solved) => solved,
             Err(error) => return Ok((totals, ended(error, k, time_step)?)),
         };
         add(&mut totals, &outcome);
@@ -220,7 +220,7 @@ pub(crate) fn through_time(
     Ok((totals, End::Completed))
 }
 
-/// What it means for a simulation that its `k`-th time step was not made.
+/// What it means for a simulation that its `k`-th time step was not solved.
 fn ended(error: CaseError, k: u64, time_step: TimeStep) -> Result<End> {
     let why = error.to_string();
     Ok(match error {

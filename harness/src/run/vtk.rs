@@ -9,13 +9,13 @@ use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use vtkio::model::{Attribute, Attributes, ByteOrder, DataSet, PolyDataPiece, Version, VertexNumbers, Vtk};
 
-/// A folder of frames, with their collection: whole at any moment, so that a program that is killed leaves what it made.
+/// A folder of frames, with their collection: whole at any moment, so that a program that is killed leaves what it wrote.
 pub(crate) struct Frames {
     folder: PathBuf,
     name: String,
     path: PathBuf,
     collection: File,
-    made: usize,
+    written: usize,
 }
 
 const HEAD: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n";
@@ -35,7 +35,7 @@ impl Frames {
             Ok(file)
         };
         let collection = begin().with_context(|| path.display().to_string())?;
-        Ok(Self { folder: folder.to_owned(), name: name.to_owned(), path, collection, made: 0 })
+        Ok(Self { folder: folder.to_owned(), name: name.to_owned(), path, collection, written: 0 })
     }
 
     /// Adds the state after a time step, with the impulses `r` (N·s) that it took.
@@ -51,13 +51,13 @@ impl Frames {
         let before_the_tail = SeekFrom::Start(end - TAIL.len() as u64);
         let write = collection.seek(before_the_tail).and_then(|_| collection.write_all(line.as_bytes()));
         write.with_context(|| self.path.display().to_string())?;
-        self.made += 1;
+        self.written += 1;
         Ok(())
     }
 
     /// Says where they are.
     pub(crate) fn say(&self) -> Result<()> {
-        say(format_args!("{}: {} frames", self.path.display(), self.made))
+        say(format_args!("{}: {} frames", self.path.display(), self.written))
     }
 }
 

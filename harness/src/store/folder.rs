@@ -1,6 +1,5 @@
 //! The folder of a study: opened, gone on with, its tables and report written.
 
-use crate::identity::COMMIT;
 use crate::plan::{Plan, method_names};
 use crate::problems::Root;
 use crate::run::Task;
@@ -39,12 +38,7 @@ pub(crate) fn open<R: Entry>(root: &Root, plan: &str) -> Result<Store<R>> {
 }
 
 /// Writes the tables of a study from its store, and its report if the user did not stop it.
-pub(crate) fn finish<K: Kind>(
-    root: &Root,
-    study: &K,
-    mut store: Store<K::Record>,
-    provenance: &Provenance,
-) -> Result<ExitCode> {
+pub(crate) fn finish<K: Kind>(root: &Root, study: &K, mut store: Store<K::Record>) -> Result<ExitCode> {
     let Selection { plan, again, .. } = study.selection();
     let tasks = study.tasks();
     let known = by_id(store.records());
@@ -52,7 +46,7 @@ pub(crate) fn finish<K: Kind>(
     for task in &tasks {
         ended.extend(known.get(task.id.as_str()).map(|record| (task.clone(), (*record).clone())));
     }
-    let rows = study.rows(root, ended, provenance)?;
+    let rows = study.rows(root, ended)?;
     if exit::requested() {
         let missing = missing(&tasks, &known.into_keys().collect()).len();
         store.write_tables(&rows)?;
@@ -63,20 +57,19 @@ pub(crate) fn finish<K: Kind>(
         return Ok(exit::code("interrupted"));
     }
     let notes = notes(study, &tasks, store.records());
-    let out = root.join("reports/out").join(&plan.name);
-    let before = made(&out);
-    let formats = Formats::default().and_those_of(&before);
-    let wanted = Wanted { charts: &plan.charts(), formats, against: None };
-    let about = about(plan, again);
-    let (written, drawn) =
-        rayon::join(|| store.write_tables(&rows), || reports::report(&rows, &about, wanted, &out));
-    // The tables come before the words, which may meet a closed pipe.
-    written?;
-    say(format_args!("{}", reports::summary(&rows)?))?;
-    for note in notes {
-        say(format_args!("{note}"))?;
-    }
-    say_files(store.folder(), &out, &drawn?, &before)?;
+    let (folder, charts, about) = (store.folder().to_owned(), plan.charts(), about(plan, again));
+    draw(root, &plan.name, &folder, Formats::default(), |formats, out| {
+        let wanted = Wanted { charts: &charts, formats, against: None };
+        let (written, drawn) =
+            rayon::join(|| store.write_tables(&rows), || reports::report(&rows, &about, wanted, out));
+        // The tables come before the words, which may meet a closed pipe.
+        written?;
+        say(format_args!("{}", reports::summary(&rows)?))?;
+        for note in notes {
+            say(format_args!("{note}"))?;
+        }
+        Ok(drawn?)
+    })?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -88,24 +81,27 @@ pub(crate) fn about(plan: &Plan, again: &str) -> About {
     About { name: plan.name.clone(), why: plan.why.clone(), bench: again.to_owned(), draw }
 }
 
-/// This build, on this machine.
-pub(crate) fn provenance() -> Result<Provenance> {
-    let rustc = rustc_version_runtime::version().to_string();
-    let profile = if cfg!(debug_assertions) { "debug" } else { "release" };
-    Ok(Provenance::gather(COMMIT, &rustc, profile, rayon::current_num_threads() as u32)?)
-}
-
-/// Where the rows and the files of a report are, and which of those that were there `before` it are gone.
-pub(crate) fn say_files(stored: &Path, out: &Path, files: &[PathBuf], before: &[String]) -> Result<()> {
+/// Draws into a folder of `reports/out` from the tables in `stored`, in `formats` and those of the files that are there; then
+/// says where the rows and the files are, and which of those that were there are gone.
+pub(crate) fn draw(
+    root: &Root,
+    name: &str,
+    stored: &Path,
+    formats: Formats,
+    draw: impl FnOnce(Formats, &Path) -> Result<Vec<PathBuf>>,
+) -> Result<()> {
+    let out = root.join("reports/out").join(name);
+    let before = made(&out);
+    let files = draw(formats.and_those_of(&before), &out)?;
     say(format_args!("rows and curves   {}", stored.display()))?;
     say(format_args!("tables and figures {}", out.display()))?;
-    for file in files {
+    for file in &files {
         say(format_args!("  {}", file.file_name().unwrap_or_default().to_string_lossy()))?;
     }
     let gone: Vec<&str> =
         before.iter().map(String::as_str).filter(|name| !files.contains(&out.join(name))).collect();
     if !gone.is_empty() {
-        say(format_args!("removed, since this report does not make them: {}", gone.join(", ")))?;
+        say(format_args!("removed, since this report does not write them: {}", gone.join(", ")))?;
     }
     Ok(())
 }

@@ -95,7 +95,7 @@ pub(crate) fn problem_of_run(root: &Root, run: &Run) -> Result<Frozen> {
     Ok(Frozen { name: run.problem.clone(), ..problem })
 }
 
-/// Whether a text can be an id, or as much of its begin as is worth looking for.
+/// Whether a text can be an id, or as much of its beginning as is worth looking for.
 pub(crate) fn is_id(text: &str) -> bool {
     (4..=16).contains(&text.len()) && text.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'))
 }

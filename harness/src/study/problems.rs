@@ -1,6 +1,6 @@
 //! A study of problems: every variant on every problem is a run.
 
-use crate::identity::{code_version, hash_of};
+use crate::identity::{code_version, hash_of, provenance};
 use crate::plan::Variant;
 use crate::problems::{PlannedProblem, Problem, Root};
 use crate::run::{Conditions, Task, given_row, partitions, run_on_problem, scene_rows};
@@ -9,7 +9,6 @@ use anyhow::Result;
 use contact::Measure;
 use reference::InteriorPoint;
 use results::journal::Record;
-use results::schema::Provenance;
 use results::study::{Runs, Study as Rows};
 use runner::Stop;
 use serde_json::json;
@@ -76,12 +75,7 @@ impl Kind for OnProblems {
         self.selection.selected().map(listed).collect()
     }
 
-    fn rows(
-        &self,
-        root: &Root,
-        ended: Vec<(Task<&Problem>, Record)>,
-        provenance: &Provenance,
-    ) -> Result<Rows> {
+    fn rows(&self, root: &Root, ended: Vec<(Task<&Problem>, Record)>) -> Result<Rows> {
         let plan = &self.selection.plan;
         let mut rows = Runs::default();
         for (Task { variant, what: problem, .. }, mut record) in ended {
@@ -93,7 +87,7 @@ impl Kind for OnProblems {
         }
         for problem in &self.problems {
             if let Some(given) = &problem.given {
-                let run = given_row(plan, problem, given, problem.known(root)?.truth(), provenance);
+                let run = given_row(plan, problem, given, problem.known(root)?.truth(), provenance()?);
                 rows.records.push(Record { run, curve: Vec::new(), snapshots: Vec::new() });
             }
         }

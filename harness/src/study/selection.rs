@@ -17,13 +17,8 @@ pub(crate) struct Selection {
     pub(crate) variants: Vec<Variant>,
     /// What was changed or left out, in words.
     pub(crate) notes: Vec<String>,
-    pub(crate) only: Vec<Only>,
-}
-
-/// What the runs to be made have in common.
-pub(crate) struct Only {
-    of: fn(&str, &Variant) -> String,
-    wanted: WildMatch,
+    /// What the selected runs have in common: a pattern for what [`part`] gives of each key.
+    pub(crate) only: Vec<(String, WildMatch)>,
 }
 
 impl Selection {
@@ -37,37 +32,42 @@ impl Selection {
         self.plan.rules().map_or(1, |rules| rules.len().max(1))
     }
 
-    /// Whether the run of a variant on a problem is to be made.
+    /// Whether the run of a variant on a problem is selected.
     pub(crate) fn selects(&self, problem: &str, variant: &Variant) -> bool {
-        self.only.iter().all(|only| only.wanted.matches(&(only.of)(problem, variant)))
+        let mut only = self.only.iter();
+        only.all(|(key, pattern)| part(key, problem, variant).is_some_and(|part| pattern.matches(part)))
     }
 
-    /// The runs to be made, in the order of the plan.
+    /// The selected runs, in the order of the plan.
     pub(crate) fn selected(&self) -> impl Iterator<Item = (&PlannedProblem, &Variant)> {
         let of_problem = |problem| self.variants.iter().map(move |variant| (problem, variant));
         let all = self.problems.iter().flat_map(of_problem);
         all.filter(|(problem, variant)| self.selects(&problem.name, variant))
     }
 
-    /// Keeps, of the runs to be made, those whose `key` matches `pattern`, in which `*` stands for any text.
+    /// Keeps, of the selected runs, those whose `key` matches `pattern`, in which `*` stands for any text.
     pub(crate) fn keep(&mut self, key: &str, pattern: &str) -> Result<()> {
         const KEYS: [&str; 3] = ["problem", "method", "variant"];
-        let of: fn(&str, &Variant) -> String = match key {
-            "problem" => |problem, _| problem.to_owned(),
-            "method" => |_, variant| variant.method.name.to_owned(),
-            "variant" => |_, variant| variant.name.clone(),
-            _ => {
-                bail!("--only {key}={pattern}: it must name a {}{}", KEYS.join(", "), suggest::of(key, KEYS))
-            }
-        };
-        let known: BTreeSet<String> =
-            self.selected().map(|(problem, variant)| of(&problem.name, variant)).collect();
-        self.only.push(Only { of, wanted: WildMatch::new(pattern) });
+        if !KEYS.contains(&key) {
+            bail!("--only {key}={pattern}: it must name a {}{}", KEYS.join(", "), suggest::of(key, KEYS));
+        }
+        let parts = self.selected().filter_map(|(problem, variant)| part(key, &problem.name, variant));
+        let known: BTreeSet<String> = parts.map(str::to_owned).collect();
+        self.only.push((key.to_owned(), WildMatch::new(pattern)));
         if self.selected().next().is_none() {
-            let known: Vec<&str> = known.iter().map(String::as_str).collect();
             let what = format!("--only {key}={pattern}: there is none");
-            bail!("{}", suggest::among(&what, pattern, known.iter().copied()));
+            bail!("{}", suggest::among(&what, pattern, known.iter().map(String::as_str)));
         }
         Ok(())
+    }
+}
+
+/// What a run has under a key of `--only`.
+fn part<'a>(key: &str, problem: &'a str, variant: &'a Variant) -> Option<&'a str> {
+    match key {
+        "problem" => Some(problem),
+        "method" => Some(variant.method.name),
+        "variant" => Some(&variant.name),
+        _ => None,
     }
 }

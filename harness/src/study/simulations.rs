@@ -8,7 +8,6 @@ use crate::run::{Conditions, Task, Through, run_simulation};
 use crate::study::{Kind, Listed, Selection, missing};
 use anyhow::{Context, Result};
 use cases::March;
-use results::schema::Provenance;
 use results::simulation::Simulated;
 use results::study::Study as Rows;
 use serde_json::json;
@@ -22,7 +21,7 @@ pub(crate) struct ThroughTime {
     refined: Vec<Scene>,
     /// What solves the references, and until when.
     reference: (Variant, Rule),
-    /// Version of the code of what makes the time steps.
+    /// Version of the code of the march.
     march: &'static str,
 }
 
@@ -32,7 +31,7 @@ impl ThroughTime {
         self.selection.problems.iter().filter_map(|problem| Some((problem.name.as_str(), problem.scene()?)))
     }
 
-    /// Whether a simulation is selected: a run that is asked for, or what such runs are compared with.
+    /// Whether a simulation is selected: a run, or what such runs are compared with.
     fn selects(&self, scene: &Scene, variant: &Variant, role: &str) -> bool {
         let (selection, is_run) = (&self.selection, role == "run");
         let variants = || selection.variants.iter().filter(|v| !is_run || std::ptr::eq(*v, variant));
@@ -131,7 +130,7 @@ impl Kind for ThroughTime {
         self.tasks().into_iter().filter(|task| task.selected).map(listed).collect()
     }
 
-    fn rows(&self, _: &Root, ended: Vec<(Task<Through>, Simulated)>, _: &Provenance) -> Result<Rows> {
+    fn rows(&self, _: &Root, ended: Vec<(Task<Through>, Simulated)>) -> Result<Rows> {
         let mut rows = Vec::new();
         for (Task { variant, what: Through { scene, role, .. }, .. }, mut simulated) in ended {
             let simulation = &mut simulated.simulation;

@@ -7,7 +7,6 @@ use crate::study::Selection;
 use crate::terminal::Bars;
 use anyhow::Result;
 use results::journal::Entry;
-use results::schema::Provenance;
 use results::study::Study as Rows;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::{Mutex, PoisonError};
@@ -45,12 +44,7 @@ pub(crate) trait Kind: Sized + Sync {
     fn listed(&self, done: &HashSet<&str>) -> Vec<Listed>;
 
     /// The rows of what has ended, under the names that the plan gives them now.
-    fn rows(
-        &self,
-        root: &Root,
-        ended: Vec<(Task<Self::What<'_>>, Self::Record)>,
-        provenance: &Provenance,
-    ) -> Result<Rows>;
+    fn rows(&self, root: &Root, ended: Vec<(Task<Self::What<'_>>, Self::Record)>) -> Result<Rows>;
 }
 
 /// A task as it is listed.

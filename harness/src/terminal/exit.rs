@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The answer was found, or all that was asked is done.
+/// The answer was found, or all is done.
 const DONE: u8 = 0;
 /// The method did not solve the problem, the impulses are not certified, or the simulation exploded.
 const NOT_CONVERGED: u8 = 3;

@@ -197,15 +197,15 @@ fn part_of_a_study_is_made_first_and_the_rest_later() {
         rows.into_iter().map(|mut row| row.remove("problem").unwrap()).collect()
     };
     let printed = bench(&["--only", "problem=column*9.81", "--only", "method=c*"]);
-    assert!(printed.contains("3 of the 7 runs of the plan are asked for"), "{printed}");
-    assert!(printed.contains("3 of 7 runs to make"), "{printed}");
-    assert!(printed.contains("Runs of the plan that are not made yet: 4."), "{printed}");
+    assert!(printed.contains("3 of the 7 runs of the plan are selected"), "{printed}");
+    assert!(printed.contains("3 of 7 to run"), "{printed}");
+    assert!(printed.contains("Not run yet, of those of the plan: 4 runs."), "{printed}");
     assert_eq!(problems(), [NAMES[1], NAMES[3], NAMES[5]]);
-    // What is there stays in the tables, whatever is asked for next.
-    assert!(bench(&["--only", "problem=pair"]).contains("1 of 7 runs to make"));
+    // What is there stays in the tables, whatever is selected next.
+    assert!(bench(&["--only", "problem=pair"]).contains("1 of 7 to run"));
     assert_eq!(problems(), [NAMES[0], NAMES[1], NAMES[3], NAMES[5]]);
     let printed = bench(&[]);
-    assert!(printed.contains("3 of 7 runs to make") && !printed.contains("not made yet"), "{printed}");
+    assert!(printed.contains("3 of 7 to run") && !printed.contains("Not run yet"), "{printed}");
     assert_eq!(problems(), NAMES);
 }
 
@@ -237,7 +237,7 @@ fn runs_of_a_plan_are_shown_and_counted_and_none_is_made() {
         assert_eq!(line.split_once(" cg").unwrap().0.trim(), name);
     }
     let count = printed(&["--count", "--only", "problem=column*9.81"]);
-    let expected = "plan columns: A test.\n  3 of the 7 runs of the plan are asked for\n     done     runs\n";
+    let expected = "plan columns: A test.\n  3 of the 7 runs of the plan are selected\n     done     runs\n";
     assert!(count.starts_with(expected), "{count}");
     assert!(count.ends_with("        0        3  of cg\n        0        3  in all\n"), "{count}");
     assert_eq!(count.lines().count(), 3 + 3 + 2, "{count}");
@@ -252,7 +252,7 @@ fn runs_that_are_made_are_shown_so_and_the_others_with_the_time_they_may_take() 
     let done = |line: &&str| line.starts_with("  done  column ") && line.contains("9.81");
     assert_eq!(shown.lines().filter(done).count(), 3, "{shown}");
     assert!(shown.contains("        3        7  in all\n"), "{shown}");
-    assert!(shown.ends_with("left on problems that are made, one run at a time\n"), "{shown}");
+    assert!(shown.ends_with("left on the problems computed so far, one run at a time\n"), "{shown}");
 }
 
 #[test]

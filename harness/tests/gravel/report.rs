@@ -95,7 +95,7 @@ fn file_of_the_report_before_that_is_no_longer_made_is_named() {
     assert!(against.contains("against.csv") && !against.contains("removed"), "{against}");
     let printed = study.gravel(&["bench", "drawn"]).succeeded().stdout;
     let removed = printed.lines().find(|line| line.starts_with("removed")).unwrap();
-    assert!(removed.contains("does not make them: against") && removed.contains("against.csv"), "{removed}");
+    assert!(removed.contains("does not write them: against") && removed.contains("against.csv"), "{removed}");
     assert!(!study.gravel(&["bench", "drawn"]).succeeded().stdout.contains("removed"));
 }
 

@@ -63,7 +63,7 @@ fn lines(study: &Study) -> Vec<String> {
 fn every_scene_meets_every_method_under_every_rule_beside_a_reference() {
     let study = study(PLAN);
     let printed = study.gravel(&["bench", "time"]).succeeded().stdout;
-    assert!(printed.contains("16 simulations, and 8 to compare them with; 24 of 24 to make"), "{printed}");
+    assert!(printed.contains("16 simulations, and 8 to compare them with; 24 of 24 to run"), "{printed}");
     let table = rows(study.runs("time").join("simulations.csv"));
     let roles = |role: &str| table.iter().filter(|row| row["role"] == role).count();
     assert_eq!(["reference", "twin", "floor", "run"].map(roles), [2, 2, 4, 16]);
@@ -81,7 +81,7 @@ fn every_scene_meets_every_method_under_every_rule_beside_a_reference() {
         let impulse: f64 = row["floor_impulse_n_s"].parse().unwrap();
         assert!((impulse / (0.01 * weight) - 1.0).abs() < 1e-6, "{row:?}");
     }
-    assert!(study.gravel(&["bench", "time"]).succeeded().stdout.contains("0 of 24 to make"));
+    assert!(study.gravel(&["bench", "time"]).succeeded().stdout.contains("0 of 24 to run"));
     study.gravel(&["report", "time"]).succeeded();
     study.gravel(&["figure", "atlas-in-time", "time"]).succeeded();
     study.gravel(&["view", &table[0]["id"]]).refused(&[&table[0]["id"], "simulation", "gravel simulate"]);
@@ -131,7 +131,7 @@ fn stores_of_simulations_join_and_go_on() {
     assert_eq!(counted(&here, "series.csv"), counted(&there, "series.csv"));
     fs::write(&journal, lines(&here)[..5].join("\n") + "\n").unwrap();
     let printed = here.gravel(&["bench", "time"]).succeeded().stdout;
-    assert!(printed.contains("19 of 24 to make"), "{printed}");
+    assert!(printed.contains("19 of 24 to run"), "{printed}");
     for table in ["simulations.csv", "series.csv"] {
         assert_eq!(counted(&here, table), counted(&there, table));
     }

@@ -69,7 +69,7 @@ fn run_cut_short_in_the_journal_is_reported_and_repeated() {
     fs::write(folder.join("journal.jsonl"), &whole[..whole.len() - 10]).unwrap();
     let again = study.gravel(&["bench", "small"]).succeeded();
     assert!(again.stderr.contains("small: the last run was not written to its end"), "{}", again.stderr);
-    assert!(again.stdout.contains("1 of 8 runs to make"), "{}", again.stdout);
+    assert!(again.stdout.contains("1 of 8 to run"), "{}", again.stdout);
     assert_eq!(lines(&folder)[..7], before[..7]);
     assert_eq!(counts(&study, "small", "runs.csv"), counted);
 }
@@ -88,7 +88,7 @@ fn store_that_is_damaged_is_refused_by_its_line_and_kept_by_a_fresh_one() {
     study.gravel(&["bench", "small"]).refused(&["journal.jsonl, line 1", "`curve`", "--fresh"]);
     assert_eq!(lines(&folder).join("\n") + "\n", damaged);
     let fresh = study.gravel(&["bench", "small", "--fresh"]).succeeded().stdout;
-    assert!(fresh.contains("what was there is now in ") && fresh.contains("8 of 8 runs to make"), "{fresh}");
+    assert!(fresh.contains("what was there is now in ") && fresh.contains("8 of 8 to run"), "{fresh}");
     let kept = entries(&folder).into_iter().find(|name| name.starts_with("20")).unwrap();
     assert_eq!(lines(&folder.join(kept)).join("\n") + "\n", damaged);
     assert_eq!(lines(&folder).len(), 8);
@@ -106,13 +106,13 @@ fn plan_that_grows_makes_its_new_runs_only_and_one_that_shrinks_keeps_the_old() 
     };
     let (printed, variants) = bench("1.0");
     // Its name says nothing while it is alone; the table follows the plan as it is.
-    assert!(printed.contains("1 of 1 runs to make") && variants == [""], "{printed}");
+    assert!(printed.contains("1 of 1 to run") && variants == [""], "{printed}");
     let (printed, variants) = bench("0.5, 1.0");
-    assert!(printed.contains("1 of 2 runs to make") && variants == ["0.5", "1"], "{printed} {variants:?}");
+    assert!(printed.contains("1 of 2 to run") && variants == ["0.5", "1"], "{printed} {variants:?}");
     let (printed, variants) = bench("0.5, 1.0");
-    assert!(printed.contains("0 of 2 runs to make") && variants == ["0.5", "1"], "{printed}");
+    assert!(printed.contains("0 of 2 to run") && variants == ["0.5", "1"], "{printed}");
     let (printed, variants) = bench("0.5");
-    assert!(printed.contains("0 of 1 runs to make") && variants == [""], "{printed}");
+    assert!(printed.contains("0 of 1 to run") && variants == [""], "{printed}");
     assert!(printed.contains("Runs of earlier code, or that the plan no longer asks for: 1"), "{printed}");
     assert_eq!(lines(&study.runs("grown")).len(), 2);
 }
@@ -196,7 +196,7 @@ fn status_and_method_that_are_none_are_refused_by_their_line() {
     with("\"method\":\"nsgs\"", "\"method\":\"nsgr\"");
     study.gravel(&["bench", "small"]).refused(&["journal.jsonl, line ", "`method` is \"nsgr\"", "nsgs-dd"]);
     with("none", "none");
-    assert!(study.gravel(&["bench", "small"]).succeeded().stdout.contains("0 of 8 runs to make"));
+    assert!(study.gravel(&["bench", "small"]).succeeded().stdout.contains("0 of 8 to run"));
 }
 
 #[test]
@@ -273,7 +273,7 @@ fn ctrl_c_ends_after_the_iteration_and_keeps_what_had_ended() {
     let args = ["--root", text(study.folder().path()), "bench", "endless"];
     let mut child = command(&args).stdout(Stdio::piped()).spawn().unwrap();
     let mut printed = BufReader::new(child.stdout.take().unwrap()).lines();
-    assert!(printed.next().unwrap().unwrap().contains("2 of 2 runs to make"));
+    assert!(printed.next().unwrap().unwrap().contains("2 of 2 to run"));
     while lines(&study.runs("endless")).is_empty() {
         sleep(Duration::from_millis(5));
     }
