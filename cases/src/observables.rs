@@ -129,25 +129,11 @@ impl fmt::Display for Explosion {
 
 /// Sums of the impulses `r` (N·s) that the floor, the left and the right wall gave.
 pub(crate) fn wall_impulses(sides: &[Side], r: &[f64]) -> [f64; 3] {
-    let mut sums = [0.0; 3];
-    for (side, r) in sides.iter().zip(r) {
-        match side {
-            Side::Floor => sums[0] += r,
-            Side::Left => sums[1] += r,
-            Side::Right => sums[2] += r,
-            Side::Grain(_) => {}
-        }
-    }
-    sums
-}
-
-/// The greatest speed (m/s); undefined if one is.
-pub(crate) fn greatest_speed(velocity: &[Vector2<f64>]) -> f64 {
-    // The greatest of numbers leaves out what is none.
-    let greater = |greatest: f64, speed: f64| if speed <= greatest { greatest } else { speed };
-    let speeds = velocity.iter().map(Vector2::norm);
-    speeds
-        .fold(0.0, |greatest: f64, speed| if greatest.is_nan() { greatest } else { greater(greatest, speed) })
+    let of_wall = |wall: Side| {
+        let given = sides.iter().zip(r).filter(|(side, _)| **side == wall);
+        given.fold(0.0, |sum, (_, r)| sum + r)
+    };
+    [Side::Floor, Side::Left, Side::Right].map(of_wall)
 }
 
 #[cfg(test)]
