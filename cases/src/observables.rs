@@ -5,6 +5,7 @@ use contact::Contact;
 use nalgebra::Vector2;
 use runner::Status;
 use std::fmt;
+use thiserror::Error;
 
 /// What a simulation shows of itself after a time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,11 +56,13 @@ impl fmt::Display for Missed {
 }
 
 /// A state that no longer says anything of the scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Explosion {
     /// A velocity is infinite or undefined.
+    #[error("a velocity is not finite")]
     NotFinite,
     /// The centre of a grain has passed into another grain, or behind a wall.
+    #[error("an overlap of {overlap:.3e} m is above the radius of grain {grain}, {bound:.3e} m")]
     Overlap {
         /// The grain, the smaller one of its contact.
         grain: u32,
@@ -69,6 +72,9 @@ pub enum Explosion {
         bound: f64,
     },
     /// A grain moves by more than its diameter within a time step: it passes others unseen.
+    #[error(
+        "the speed of grain {grain}, {speed:.3e} m/s, is above its diameter per time step, {bound:.3e} m/s"
+    )]
     Speed {
         /// The grain.
         grain: u32,
@@ -110,21 +116,6 @@ pub(crate) fn explosion(
 fn worst(values: impl Iterator<Item = (u32, f64, f64)>) -> Option<(u32, f64, f64)> {
     let beyond = values.filter(|(_, value, bound)| value > bound);
     beyond.reduce(|worst, next| if next.1 / next.2 > worst.1 / worst.2 { next } else { worst })
-}
-
-impl fmt::Display for Explosion {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Self::NotFinite => write!(f, "a velocity is not finite"),
-            Self::Overlap { grain, overlap, bound } => {
-                write!(f, "an overlap of {overlap:.3e} m is above the radius of grain {grain}, {bound:.3e} m")
-            }
-            Self::Speed { grain, speed, bound } => write!(
-                f,
-                "the speed of grain {grain}, {speed:.3e} m/s, is above its diameter per time step, {bound:.3e} m/s"
-            ),
-        }
-    }
 }
 
 /// Sums of the impulses `r` (N·s) that the floor, the left and the right wall gave.
