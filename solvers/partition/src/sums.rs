@@ -30,7 +30,9 @@ impl<V: Copy + Default + Send + Sync + Sum> CopySums<V> {
         let copies = decomposition.boundary.clone();
         let mut grains = vec![Vec::new(); subdomains.len()];
         for (grain, copies) in (0_u32..).zip(&copies) {
-            copies.iter().for_each(|(e, _)| grains[*e as usize].push(grain));
+            for (e, _) in copies {
+                grains[*e as usize].push(grain);
+            }
         }
         let sent = subdomains.iter().map(|subdomain| vec![V::default(); subdomain.boundary.len()]).collect();
         Self { sent, copies, grains }
