@@ -1,6 +1,6 @@
 //! A case file: why the case is here, where it comes from, its scene, and what is known of the answer.
 
-use crate::error::CaseError;
+use crate::error::{CaseError, read_to_string};
 use crate::keys::all_missing;
 use crate::sample::{Disc, Sample};
 use crate::scene::Scene;
@@ -42,7 +42,7 @@ impl Case {
     /// # Errors
     /// Names the file, the key, the value and what would be accepted.
     pub fn read(path: &Path, overrides: &[(String, String)]) -> Result<Self, CaseError> {
-        let text = std::fs::read_to_string(path).map_err(CaseError::file(path))?;
+        let text = read_to_string(path)?;
         // Read once as it stands: the errors of the text name its lines.
         let content = toml::from_str::<toml::Table>(&text);
         let all =

@@ -1,6 +1,7 @@
 //! Neighbours and gaps: which discs and walls are close, on a grid of cells, in time linear in the number of grains.
 
 use crate::scene::MovingWall;
+use contact::Groups;
 use nalgebra::Vector2;
 
 /// The antagonist of a detected contact. Its order is that of the contacts of one candidate in a problem.
@@ -89,9 +90,8 @@ struct Cells {
     size: f64,
     columns: usize,
     rows: usize,
-    /// Cell c holds the grains `grains[first[c]..first[c + 1]]`.
-    first: Vec<u32>,
-    grains: Vec<u32>,
+    /// By cell, row after row.
+    grains: Groups,
 }
 
 impl Cells {
@@ -105,24 +105,10 @@ impl Cells {
         let size = size.max((extent.x * extent.y / most).sqrt()).max(extent.max() / most);
         let count = |extent: f64| (extent / size) as usize + 1;
         let (columns, rows) = (count(extent.x), count(extent.y));
-        let mut cells =
-            Self { low, size, columns, rows, first: vec![0; columns * rows + 1], grains: Vec::new() };
-
-        // Counting sort: cell by cell, by rising index within each.
+        let mut cells = Self { low, size, columns, rows, grains: Groups::default() };
         let cell: Vec<usize> =
             position.iter().map(|x| cells.cell(*x)).map(|(x, y)| x + columns * y).collect();
-        for c in &cell {
-            cells.first[c + 1] += 1;
-        }
-        for c in 0..columns * rows {
-            cells.first[c + 1] += cells.first[c];
-        }
-        let mut next = cells.first.clone();
-        cells.grains = vec![0; position.len()];
-        for (grain, c) in (0_u32..).zip(&cell) {
-            cells.grains[next[*c] as usize] = grain;
-            next[*c] += 1;
-        }
+        cells.grains = Groups::new((0_u32..).zip(cell.iter().copied()), columns * rows);
         cells
     }
 
@@ -136,9 +122,9 @@ impl Cells {
         let (x, y) = self.cell(position);
         for row in y.saturating_sub(1)..=(y + 1).min(self.rows - 1) {
             // The cells of a row lie one after the other.
-            let from = self.first[x.saturating_sub(1) + self.columns * row];
-            let to = self.first[(x + 1).min(self.columns - 1) + self.columns * row + 1];
-            self.grains[from as usize..to as usize].iter().for_each(|grain| visit(*grain));
+            let first = x.saturating_sub(1) + self.columns * row;
+            let last = (x + 1).min(self.columns - 1) + self.columns * row;
+            self.grains.of(first..last + 1).iter().for_each(|grain| visit(*grain));
         }
     }
 }

@@ -56,12 +56,12 @@ pub enum CaseError {
 }
 
 impl CaseError {
-    pub(crate) fn file(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
-        let path = path.to_owned();
-        move |source| Self::File { path, source }
-    }
-
     pub(crate) fn content(path: &Path, message: impl std::fmt::Display) -> Self {
         Self::Content { path: path.to_owned(), message: format!("{message}") }
     }
+}
+
+/// The text of a file.
+pub(crate) fn read_to_string(path: &Path) -> Result<String, CaseError> {
+    std::fs::read_to_string(path).map_err(|source| CaseError::File { path: path.to_owned(), source })
 }

@@ -1,9 +1,9 @@
 //! Frozen problems: the contact problem of a chosen time step as a file, so that every method meets the same input.
 
 use crate::case::check_name;
-use crate::error::CaseError;
+use crate::error::{CaseError, read_to_string};
 use crate::keys::all_missing;
-use contact::{Contact, Packing, ProblemError, shown};
+use contact::{Contact, Packing, ProblemError, is_not_negative, is_positive, shown};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -70,7 +70,7 @@ impl Frozen {
     /// # Errors
     /// Names the file, the key, the index and the value.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
-        let text = std::fs::read_to_string(path).map_err(CaseError::file(path))?;
+        let text = read_to_string(path)?;
         let mut json = serde_json::Deserializer::from_str(&text);
         let file: File = serde_path_to_error::deserialize(&mut json).map_err(|error| {
             let key = error.path().to_string();
@@ -110,8 +110,7 @@ impl File {
             return Err(format!("`format` is \"{}\": it must be \"{FORMAT}\"", self.format));
         }
         check_name(&self.name)?;
-        let positive = |x: f64| x > 0.0 && x.is_finite();
-        if !positive(self.time_step) {
+        if !is_positive(self.time_step) {
             return Err(format!("`time_step` is {}: it must be positive and finite", shown(self.time_step)));
         }
         Ok(())
@@ -122,9 +121,7 @@ impl File {
         let Grains { mass, radius, position, free_velocity } = self.grains;
         let Contacts { candidate, antagonist, normal, offset, gap, start } = self.contacts;
         ProblemError::unless_length("grains.radius", &radius, mass.len())?;
-        ProblemError::unless_each("grains.radius", &radius, "positive and finite", |r| {
-            *r > 0.0 && r.is_finite()
-        })?;
+        ProblemError::unless_each("grains.radius", &radius, "positive and finite", |r| is_positive(*r))?;
         let contacts = candidate.len();
         ProblemError::unless_length("contacts.antagonist", &antagonist, contacts)?;
         ProblemError::unless_length("contacts.normal", &normal, contacts)?;
@@ -132,9 +129,8 @@ impl File {
         ProblemError::unless_length("contacts.gap", &gap, contacts)?;
         ProblemError::unless_each("contacts.gap", &gap, "finite", |gap| gap.is_finite())?;
         ProblemError::unless_length("contacts.start", &start, if start.is_empty() { 0 } else { contacts })?;
-        ProblemError::unless_each("contacts.start", &start, "finite and not negative", |r| {
-            *r >= 0.0 && r.is_finite()
-        })?;
+        let expected = "finite and not negative";
+        ProblemError::unless_each("contacts.start", &start, expected, |r| is_not_negative(*r))?;
         let contact = |k: usize| Contact {
             candidate: candidate[k],
             antagonist: antagonist[k],

@@ -5,9 +5,9 @@ use crate::case::Case;
 use crate::detect::{DetectedContact, Side, detect, walls_near};
 use crate::error::CaseError;
 use crate::frozen::Frozen;
-use crate::observables::{Missed, Observables, explosion, greatest_speed, wall_impulses};
+use crate::observables::{Missed, Observables, explosion, wall_impulses};
 use crate::scene::{Law, MovingWall, Scene};
-use contact::{Contact, Packing, Solver};
+use contact::{Contact, Packing, Solver, greatest};
 use nalgebra::Vector2;
 use runner::{Outcome, Progress, Status, Stop, solve_against};
 use std::ops::ControlFlow;
@@ -126,10 +126,7 @@ impl March {
             let with_walls = walls_near(&walls, grain, *x, *radius, reach);
             let with_grains = std::iter::from_fn(|| pairs.next_if(|pair| pair.candidate == grain));
             for (pair, wall_offset) in with_walls.chain(with_grains.map(|pair| (pair, 0.0))) {
-                let antagonist = match pair.antagonist {
-                    Side::Grain(j) => Some(j),
-                    _ => None,
-                };
+                let antagonist = if let Side::Grain(j) = pair.antagonist { Some(j) } else { None };
                 let mut contact =
                     Contact { candidate: grain, antagonist, normal: pair.normal, offset: wall_offset };
                 let b = contact.relative(free_velocity) + contact.offset;
@@ -234,7 +231,7 @@ impl March {
             mean_overlap: overlaps().sum::<f64>() / self.mass.len() as f64,
             wall_impulses: wall_impulses(&time_step.sides, r),
             contacts: r.len(),
-            greatest_speed: greatest_speed(&self.velocity),
+            greatest_speed: greatest(self.velocity.iter().map(Vector2::norm)),
         }
     }
 }

@@ -5,6 +5,7 @@ use contact::Contact;
 use nalgebra::Vector2;
 use runner::Status;
 use std::fmt;
+use thiserror::Error;
 
 /// What a simulation shows of itself after a time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,11 +56,13 @@ impl fmt::Display for Missed {
 }
 
 /// A state that no longer says anything of the scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Explosion {
     /// A velocity is infinite or undefined.
+    #[error("a velocity is not finite")]
     NotFinite,
     /// The centre of a grain has passed into another grain, or behind a wall.
+    #[error("an overlap of {overlap:.3e} m is above the radius of grain {grain}, {bound:.3e} m")]
     Overlap {
         /// The grain, the smaller one of its contact.
         grain: u32,
@@ -69,6 +72,9 @@ pub enum Explosion {
         bound: f64,
     },
     /// A grain moves by more than its diameter within a time step: it passes others unseen.
+    #[error(
+        "the speed of grain {grain}, {speed:.3e} m/s, is above its diameter per time step, {bound:.3e} m/s"
+    )]
     Speed {
         /// The grain.
         grain: u32,
@@ -112,42 +118,13 @@ fn worst(values: impl Iterator<Item = (u32, f64, f64)>) -> Option<(u32, f64, f64
     beyond.reduce(|worst, next| if next.1 / next.2 > worst.1 / worst.2 { next } else { worst })
 }
 
-impl fmt::Display for Explosion {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Self::NotFinite => write!(f, "a velocity is not finite"),
-            Self::Overlap { grain, overlap, bound } => {
-                write!(f, "an overlap of {overlap:.3e} m is above the radius of grain {grain}, {bound:.3e} m")
-            }
-            Self::Speed { grain, speed, bound } => write!(
-                f,
-                "the speed of grain {grain}, {speed:.3e} m/s, is above its diameter per time step, {bound:.3e} m/s"
-            ),
-        }
-    }
-}
-
 /// Sums of the impulses `r` (N·s) that the floor, the left and the right wall gave.
 pub(crate) fn wall_impulses(sides: &[Side], r: &[f64]) -> [f64; 3] {
-    let mut sums = [0.0; 3];
-    for (side, r) in sides.iter().zip(r) {
-        match side {
-            Side::Floor => sums[0] += r,
-            Side::Left => sums[1] += r,
-            Side::Right => sums[2] += r,
-            Side::Grain(_) => {}
-        }
-    }
-    sums
-}
-
-/// The greatest speed (m/s); undefined if one is.
-pub(crate) fn greatest_speed(velocity: &[Vector2<f64>]) -> f64 {
-    // The greatest of numbers leaves out what is none.
-    let greater = |greatest: f64, speed: f64| if speed <= greatest { greatest } else { speed };
-    let speeds = velocity.iter().map(Vector2::norm);
-    speeds
-        .fold(0.0, |greatest: f64, speed| if greatest.is_nan() { greatest } else { greater(greatest, speed) })
+    let of_wall = |wall: Side| {
+        let given = sides.iter().zip(r).filter(|(side, _)| **side == wall);
+        given.fold(0.0, |sum, (_, r)| sum + r)
+    };
+    [Side::Floor, Side::Left, Side::Right].map(of_wall)
 }
 
 #[cfg(test)]

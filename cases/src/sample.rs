@@ -3,7 +3,7 @@
 use crate::deposit;
 use crate::frozen::Frozen;
 use crate::shapes;
-use contact::shown;
+use contact::{is_positive, shown};
 use nalgebra::Vector2;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -149,11 +149,8 @@ impl Sample {
                 let deposited = deposit::deposit(&radii, walls()?).map_err(|radius| {
                     format!("`sample`: no place in the box holds a disc of radius {} m", shown(radius))
                 })?;
-                (
-                    deposited.into_iter().map(|(x, radius)| [x.x, x.y, radius]).collect(),
-                    density_kg_per_m2,
-                    1.0,
-                )
+                let discs = deposited.into_iter().map(|(x, radius)| [x.x, x.y, radius]);
+                (discs.collect(), density_kg_per_m2, 1.0)
             }
             Self::Frozen { ref file } => return checked(frozen_discs(&folder.join(file))?),
         };
@@ -176,9 +173,8 @@ fn frozen_discs(file: &Path) -> Result<Vec<Disc>, String> {
 
 /// The discs, if there are some and all have a meaning.
 fn checked(discs: Vec<Disc>) -> Result<Vec<Disc>, String> {
-    let positive = |x: f64| x > 0.0 && x.is_finite();
     let valid = |disc: &&Disc| {
-        positive(disc.mass) && positive(disc.radius) && disc.position.iter().all(|x| x.is_finite())
+        is_positive(disc.mass) && is_positive(disc.radius) && disc.position.iter().all(|x| x.is_finite())
     };
     match discs.iter().find(|disc| !valid(disc)) {
         Some(Disc { radius, mass, position }) => Err(format!(
@@ -208,7 +204,7 @@ fn drawn(
             shown(greatest)
         ));
     }
-    if let Some(radius) = intruder.filter(|radius| !(*radius > 0.0 && radius.is_finite())) {
+    if let Some(radius) = intruder.filter(|radius| !is_positive(*radius)) {
         return Err(format!(
             "`sample.intruder_radius_m` is {}: it must be positive and finite",
             shown(radius)

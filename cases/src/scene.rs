@@ -1,6 +1,6 @@
 //! A scene: gravity, the box and its motion, the contact law, the time step.
 
-use contact::shown;
+use contact::{is_positive, shown};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -163,9 +163,8 @@ impl Vibration {
 impl Scene {
     /// What is outside the model's meaning, as key, value and what would be accepted.
     pub(crate) fn check(&self) -> Result<(), String> {
-        let positive = |x: f64| x > 0.0 && x.is_finite();
         let mut values = vec![
-            ("time_step_s", self.time_step_s, positive(self.time_step_s), "positive and finite"),
+            ("time_step_s", self.time_step_s, is_positive(self.time_step_s), "positive and finite"),
             ("theta", self.theta, (0.0..=1.0).contains(&self.theta), "between 0 and 1"),
             ("contact_copies", f64::from(self.contact_copies), self.contact_copies > 0, "at least 1"),
         ];
@@ -183,7 +182,7 @@ impl Scene {
                 finite("box.vibration.start_s", vibration.start_s);
             }
             values.extend(
-                walls.width_m.map(|width| ("box.width_m", width, positive(width), "positive and finite")),
+                walls.width_m.map(|width| ("box.width_m", width, is_positive(width), "positive and finite")),
             );
         }
         match values.into_iter().find(|(_, _, valid, _)| !valid) {

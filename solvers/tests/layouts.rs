@@ -2,7 +2,7 @@
 
 use crate::problems::{PACKINGS, any_problem, difference, first_problem, frozen, impulses, start};
 use cg::{Cg, Preconditioner};
-use contact::scaled::{ScaledContact, by_levels, inverse_masses, scaled_velocity};
+use contact::scaled::{ScaledContact, by_levels, scaled_velocity};
 use contact::{Packing, law};
 use nalgebra::Vector2;
 use nsgs::{Nsgs, Order};
@@ -12,8 +12,7 @@ use std::collections::HashMap;
 /// The contact in mass-scaled unknowns, and √W_αα.
 fn scaled(problem: &Packing, contact: u32) -> (ScaledContact, f64) {
     let contact = &problem.contacts()[contact as usize];
-    let (inverse_mass, unit) = inverse_masses(contact.ends(), |grain| 1.0 / problem.mass()[grain as usize]);
-    (ScaledContact::new(contact.ends(), contact.normal, inverse_mass, unit), unit)
+    ScaledContact::new(contact, contact.ends(), |grain| 1.0 / problem.mass()[grain as usize], true)
 }
 
 /// The sweep of NSGS, contact after contact in the order of the list.

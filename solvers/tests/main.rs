@@ -4,6 +4,7 @@
 mod agreement;
 mod column;
 mod decomposition;
+mod equation_map;
 mod equivalences;
 mod first_order;
 mod fuzz;

@@ -87,6 +87,18 @@ pub(crate) fn difference(a: &[f64], b: &[f64]) -> f64 {
     greatest(&mut a.iter().zip(b).map(|(a, b)| (a - b).abs())) / scale.max(f64::MIN_POSITIVE)
 }
 
+/// A contact of one of so many grains with another one or a wall, with any normal.
+pub(crate) fn any_contact(grains: u32) -> impl Strategy<Value = Contact> {
+    (0..grains, 0..=grains, 0.0..std::f64::consts::TAU, -1.0..1.0_f64).prop_map(
+        move |(candidate, other, angle, offset)| Contact {
+            candidate,
+            antagonist: (other < grains && other != candidate).then_some(other),
+            normal: Vector2::new(angle.cos(), angle.sin()),
+            offset,
+        },
+    )
+}
+
 /// Problems of up to 30 grains and 60 contacts in no order that a scene would give: masses over four decades, any
 /// normals, several contacts on a pair, walls anywhere.
 pub(crate) fn any_problem() -> impl Strategy<Value = Packing> {
@@ -96,14 +108,7 @@ pub(crate) fn any_problem() -> impl Strategy<Value = Packing> {
         let masses = prop::collection::vec((-2.0..2.0_f64).prop_map(|exponent| 10_f64.powf(exponent)), n);
         let positions = prop::collection::vec(vector(10.0), n);
         let velocities = prop::collection::vec(vector(1.0), n);
-        let contact = (0..grains, 0..=grains, 0.0..std::f64::consts::TAU, -1.0..1.0_f64).prop_map(
-            move |(candidate, other, angle, offset)| Contact {
-                candidate,
-                antagonist: (other < grains && other != candidate).then_some(other),
-                normal: Vector2::new(angle.cos(), angle.sin()),
-                offset,
-            },
-        );
+        let contact = any_contact(grains);
         (masses, positions, velocities, prop::collection::vec(contact, contacts)).prop_map(
             |(masses, positions, velocities, contacts)| {
                 Packing::new(masses, positions, velocities, contacts)

@@ -1,6 +1,6 @@
 //! The reference against exact solutions, brute force and the other methods; its certificates.
 
-use crate::problems::{PACKINGS, first_problem, frozen};
+use crate::problems::{PACKINGS, any_contact, first_problem, frozen};
 use analysis::proves_infeasible;
 use cg::{Cg, Preconditioner};
 use contact::{Contact, Measure, Meter, Packing, Solver, Truth};
@@ -145,14 +145,7 @@ fn small_problem() -> impl Strategy<Value = Packing> {
     let vector = |size: f64| (-size..size, -size..size).prop_map(|(x, y)| Vector2::new(x, y));
     (1..5_u32, 1..8_usize).prop_flat_map(move |(grains, contacts)| {
         let n = grains as usize;
-        let contact = (0..grains, 0..=grains, 0.0..std::f64::consts::TAU, -1.0..1.0_f64).prop_map(
-            move |(candidate, other, angle, offset)| Contact {
-                candidate,
-                antagonist: (other < grains && other != candidate).then_some(other),
-                normal: Vector2::new(angle.cos(), angle.sin()),
-                offset,
-            },
-        );
+        let contact = any_contact(grains);
         let masses = prop::collection::vec(0.1..10.0_f64, n);
         let velocities = prop::collection::vec(vector(1.0), n);
         (masses, velocities, prop::collection::vec(contact, contacts)).prop_map(

@@ -31,11 +31,3 @@ fn velocities_that_are_not_finite_come_first() {
         assert_eq!(exploded([-2.0; 2], [0.0, odd]), Some(Explosion::NotFinite));
     }
 }
-
-#[test]
-fn speed_that_is_undefined_is_not_passed_over() {
-    let speeds = |velocity: [f64; 3]| greatest_speed(&velocity.map(|v| Vector2::new(v, 0.0)));
-    assert_eq!(speeds([1.0, -3.0, 2.0]), 3.0);
-    assert!(speeds([1.0, f64::NAN, 2.0]).is_nan());
-    assert!(speeds([f64::NAN, f64::INFINITY, 2.0]).is_nan());
-}

@@ -5,6 +5,8 @@
 //! whoever measures. Cost of an iteration: one product with W for the gradient, and one dᵗ W d for each step length tried,
 //! most often one, which counts as a product though it takes half of it.
 
+pub use product::Preconditioner;
+
 use contact::{Iteration, Packing, SetupError, Solver, Work, law};
 use product::Product;
 use schemars::JsonSchema;
@@ -25,16 +27,6 @@ impl Default for Apgd {
     fn default() -> Self {
         Self { acceleration: true, preconditioner: Preconditioner::None }
     }
-}
-
-/// The metric of the steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Preconditioner {
-    /// D = 1.
-    None,
-    /// D = `W_D`, the diagonal of W.
-    Diagonal,
 }
 
 /// From one iteration to the next the step length may grow by 1/0.9, as in the reference.

@@ -11,6 +11,8 @@
 
 mod block;
 
+pub use product::Preconditioner;
+
 use analysis::{delassus_bound, scaled_delassus_bound};
 use block::{Block, Pass};
 use contact::{Iteration, Packing, SetupError, Solver, Work};
@@ -18,29 +20,12 @@ use product::Layout;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Settings of the conjugate gradient.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
+/// Settings of the conjugate gradient; by default the plain method of the reference.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Cg {
     /// What scales the gradient before it becomes a direction.
     pub preconditioner: Preconditioner,
-}
-
-/// The plain method of the reference.
-impl Default for Cg {
-    fn default() -> Self {
-        Self { preconditioner: Preconditioner::None }
-    }
-}
-
-/// What scales the gradient before it becomes a direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Preconditioner {
-    /// Nothing.
-    None,
-    /// `W_D`, the diagonal of W.
-    Diagonal,
 }
 
 struct Run {

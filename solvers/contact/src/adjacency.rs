@@ -4,7 +4,7 @@ use crate::problem::{Contact, ContactProblem};
 use std::ops::Range;
 
 /// The members of each of some groups, by rising index.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Groups {
     /// Group g has the members `members[first[g]..first[g + 1]]`.
     first: Vec<u32>,

@@ -19,7 +19,7 @@ mod work;
 
 pub use adjacency::{Adjacency, Groups, greedy_colours};
 pub use error::{ProblemError, SetupError, is_not_negative, is_positive, shown};
-pub use measures::{Measure, Measures, Meter};
+pub use measures::{Measure, Measures, Meter, greatest};
 pub use packing::Packing;
 pub use problem::{Contact, ContactProblem};
 pub use scaled::ScaledContact;

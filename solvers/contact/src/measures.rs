@@ -310,6 +310,11 @@ impl Sums {
     }
 }
 
+/// The greatest value; NaN if there is one, 0 for none.
+pub fn greatest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |greatest: f64, x| if greatest.is_nan() || x <= greatest { greatest } else { x })
+}
+
 /// A residual over its scale; 0 where there is nothing left, whatever the scale.
 fn ratio(residual: f64, scale: f64) -> f64 {
     if residual == 0.0 { 0.0 } else { residual / scale }

@@ -24,7 +24,6 @@ enum Infinite {
 ///
 /// # Errors
 /// Those of the format.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
 pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     let written = match *value {
         value if !serializer.is_human_readable() => Written::Number(value),

@@ -7,7 +7,7 @@
 //! The `unit` of a contact, here and wherever these columns are used, is s/r: √`W_αα` (kg^-½), with the masses that the column
 //! has; or 1, where a method wants r as it is. Sweeps always have √`W_αα`.
 
-use crate::problem::ContactProblem;
+use crate::problem::{Contact, ContactProblem};
 use nalgebra::Vector2;
 
 /// A column of H̃: `normal` at the candidate, −`ratio`·`normal` at the antagonist.
@@ -23,21 +23,23 @@ pub struct ScaledContact {
 }
 
 impl ScaledContact {
-    /// A contact between two places of y, or one place and a wall, with the `inverse_mass` of each (1/kg). With the `unit` 1
-    /// it is a column of M^-½ H.
+    /// A contact between two `places` of y, or one place and a wall, with the `inverse_mass` of its grains (1/kg); and its unit. If
+    /// it is not `scaled`, that is 1 and this a column of M^-½ H.
     pub fn new(
-        (candidate, antagonist): (u32, Option<u32>),
-        normal: Vector2<f64>,
-        inverse_mass: [f64; 2],
-        unit: f64,
-    ) -> Self {
-        let root = inverse_mass[0].sqrt();
-        Self {
-            candidate,
-            antagonist: antagonist.unwrap_or(candidate),
-            normal: normal * (root / unit),
-            ratio: antagonist.map_or(0.0, |_| inverse_mass[1].sqrt() / root),
-        }
+        contact: &Contact,
+        places: (u32, Option<u32>),
+        inverse_mass: impl Fn(u32) -> f64,
+        scaled: bool,
+    ) -> (Self, f64) {
+        let (i, j) = (inverse_mass(contact.candidate), contact.antagonist.map_or(0.0, &inverse_mass));
+        let (root, unit) = (i.sqrt(), if scaled { (i + j).sqrt() } else { 1.0 });
+        let column = Self {
+            candidate: places.0,
+            antagonist: places.1.unwrap_or(places.0),
+            normal: contact.normal * (root / unit),
+            ratio: j.sqrt() / root,
+        };
+        (column, unit)
     }
 
     /// The diagonal of H̃ᵗ H̃, which is 1, or of W.
@@ -67,12 +69,6 @@ impl ScaledContact {
         y[self.candidate as usize] += push;
         y[self.antagonist as usize] -= push * self.ratio;
     }
-}
-
-/// 1/`m_i` of a contact's grains (1/kg), 0 for a wall, and √`W_αα` = √(1/`m_i` + 1/`m_j`).
-pub fn inverse_masses(ends: (u32, Option<u32>), inverse_mass: impl Fn(u32) -> f64) -> ([f64; 2], f64) {
-    let inverse_mass = [inverse_mass(ends.0), ends.1.map_or(0.0, inverse_mass)];
-    (inverse_mass, (inverse_mass[0] + inverse_mass[1]).sqrt())
 }
 
 /// y = M^½ (`V_free` + M⁻¹ H r) of the grains (√J).

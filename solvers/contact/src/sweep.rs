@@ -2,7 +2,7 @@
 
 use crate::law;
 use crate::problem::{Contact, ContactProblem};
-use crate::scaled::{ScaledContact, by_levels, inverse_masses, scaled_velocity};
+use crate::scaled::{ScaledContact, by_levels, scaled_velocity};
 use nalgebra::Vector2;
 
 /// One contact as a sweep needs it.
@@ -17,8 +17,7 @@ impl Row {
     /// The row of a contact between two places of y, or one and a wall, and √`W_αα` (kg^-½), with the `inverse_mass` of the
     /// contact's grains (1/kg).
     fn new(contact: &Contact, places: (u32, Option<u32>), inverse_mass: impl Fn(u32) -> f64) -> (Self, f64) {
-        let (inverse_mass, unit) = inverse_masses(contact.ends(), inverse_mass);
-        let scaled = ScaledContact::new(places, contact.normal, inverse_mass, unit);
+        let (scaled, unit) = ScaledContact::new(contact, places, inverse_mass, true);
         (Self { contact: scaled, offset: contact.offset / unit }, unit)
     }
 

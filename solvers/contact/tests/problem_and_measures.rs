@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use contact::{Contact, ContactProblem, Meter, Packing, ProblemError, Truth};
+use contact::{Contact, ContactProblem, Meter, Packing, ProblemError, Truth, greatest};
 use nalgebra::Vector2;
 
 /// A grain of 2 kg falling at 1 m/s onto a floor: W = ½, b = −1, so r = 2 N·s.
@@ -156,4 +156,13 @@ fn senseless_problems_are_refused_by_name() {
     assert!(refused(&|data| data.contact.normal.x = f64::NAN).contains("contacts.normal[0]"));
     assert!(refused(&|data| data.contact.offset = f64::NAN).contains("contacts.offset[0]"));
     assert!(matches!(with(|data| data.mass[0] = -1.0), Err(ProblemError::Value { index: 0, .. })));
+}
+
+#[test]
+fn value_that_is_undefined_is_the_greatest() {
+    let greatest = |values: [f64; 3]| greatest(values.into_iter());
+    assert_eq!(greatest([1.0, 3.0, 2.0]), 3.0);
+    assert_eq!(greatest([-1.0, -3.0, -2.0]), 0.0);
+    assert!(greatest([1.0, f64::NAN, 2.0]).is_nan());
+    assert!(greatest([f64::NAN, f64::INFINITY, 2.0]).is_nan());
 }

@@ -56,9 +56,11 @@ impl Coarse {
                 let grains: Vec<(usize, f64)> = grains
                     .iter()
                     .map(|copies| {
-                        let (e, local) = copies[k];
-                        let grain = decomposition.subdomains[e as usize].grains[local as usize] as usize;
-                        (latin.place(local), kappa_d_minus * problem.mass()[grain] / copies.len() as f64)
+                        let subdomain = &decomposition.subdomains[*e as usize];
+                        let (_, copy) = copies[k];
+                        let grain = subdomain.grains[subdomain.boundary[copy as usize] as usize] as usize;
+                        let d_minus = kappa_d_minus * problem.mass()[grain] / copies.len() as f64;
+                        (latin.boundary[copy as usize] as usize, d_minus)
                     })
                     .collect();
                 let influence = latin.influence(factor_of(*e as usize), &grains);
@@ -119,7 +121,7 @@ fn resultants(sides: &[Vec<Side>], subdomains: &[Latin], g: &mut [Vector2<f64>])
     }
 }
 
-/// The boundary grains by the subdomains between which they are, as the copies (subdomain, local index) of each.
+/// The boundary grains by the subdomains between which they are, as the copies of each.
 fn interfaces(decomposition: &Decomposition) -> Vec<Vec<&Vec<(u32, u32)>>> {
     let mut interfaces = BTreeMap::<Vec<u32>, Vec<_>>::new();
     for copies in &decomposition.boundary {

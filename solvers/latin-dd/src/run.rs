@@ -43,7 +43,7 @@ impl Iteration for Run<'_> {
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        self.decomposition.in_problem_order(self.subdomains.iter().map(Latin::impulses), r);
+        self.decomposition.in_problem_order(self.subdomains.iter().map(|latin| &latin.r_hat[..]), r);
     }
 
     fn velocity_jump(&self) -> f64 {
@@ -63,9 +63,8 @@ impl Iteration for Run<'_> {
     /// Multiply-adds of the longest subdomain: eight per contact, one per entry of its factor in each pass, one per value
     /// exchanged; and the coarse problem, which waits for all.
     fn critical_path(&self) -> Option<u64> {
-        let work = |latin: &Latin| {
-            8 * latin.impulses().len() + 2 * latin.factor_entries() + 2 * latin.boundary.len()
-        };
+        let work =
+            |latin: &Latin| 8 * latin.r_hat.len() + 2 * latin.factor.entries() + 2 * latin.boundary.len();
         let longest = self.subdomains.iter().map(work).max().unwrap_or(0);
         Some((longest + self.coarse.as_ref().map_or(0, Coarse::entries)) as u64)
     }
@@ -127,7 +126,7 @@ impl Run<'_> {
 
     /// Adds the work of one iteration.
     fn count(&mut self) {
-        let entries: usize = self.subdomains.iter().map(Latin::factor_entries).sum();
+        let entries: usize = self.subdomains.iter().map(|latin| latin.factor.entries()).sum();
         let coarse = self.coarse.as_ref();
         let (entries_of_coarse, values_of_coarse) =
             coarse.map_or((0, 0), |coarse| (coarse.entries(), 4 * coarse.interfaces()));
@@ -156,7 +155,7 @@ impl LatinDd {
         let coarse = self
             .coarse
             .then(|| {
-                let factor_of = |e: usize| subdomains[e].factor();
+                let factor_of = |e: usize| &subdomains[e].factor;
                 Coarse::new(problem, &decomposition, &subdomains, factor_of, directions.d_minus)
             })
             .transpose()?;

@@ -13,13 +13,13 @@ pub(crate) struct Latin {
     shares: Vec<Share>,
     directions: Directions,
     structure: BlockStructure,
-    factor: BlockFactor,
+    pub(crate) factor: BlockFactor,
     /// `M_E V_free` − `H_E` l⁻ c, what does not change in the right-hand side (N·s).
     constant: Vec<Vector2<f64>>,
     /// t = r̂ + l⁻ v̂ of each contact (N·s).
     t: Vec<f64>,
-    /// r̂ of each contact (N·s).
-    r_hat: Vec<f64>,
+    /// r̂ of each contact, in the order of the subdomain's (N·s).
+    pub(crate) r_hat: Vec<f64>,
     /// τ = F̂ + d⁻ V̂ of each grain, 0 where it is no boundary grain (N·s).
     tau: Vec<Vector2<f64>>,
     /// `constant` + `H_E` t, and what was added to the walls, last (N·s).
@@ -90,12 +90,9 @@ impl Latin {
     fn begin(&mut self) {
         let Directions { l_minus, d_minus, .. } = self.directions;
         // F̂ = (M_i/m_i) (V̂ − V_free) − H_E r̂ lets every copy move as its grain does.
-        let mut f_hat: Vec<Vector2<f64>> = self
-            .shares
-            .iter()
-            .zip(&self.velocity)
-            .map(|(share, v)| share.mass * (v - share.free_velocity))
-            .collect();
+        let grains = self.shares.iter().zip(&self.velocity);
+        let mut f_hat: Vec<Vector2<f64>> =
+            grains.map(|(share, v)| share.mass * (v - share.free_velocity)).collect();
         f_hat.push(Vector2::zeros());
         for ((contact, r), t) in self.contacts.iter().zip(&self.r_hat).zip(&mut self.t) {
             contact.add(-*r, &mut f_hat);
@@ -118,10 +115,8 @@ impl Latin {
         self.constant = self.shares.iter().map(|share| share.mass * share.free_velocity).collect();
         self.constant.push(Vector2::zeros());
         for contact in &self.contacts {
-            contact.add(
-                -self.directions.l_minus * contact.inverse_delassus * contact.offset,
-                &mut self.constant,
-            );
+            let l_minus = self.directions.l_minus * contact.inverse_delassus;
+            contact.add(-l_minus * contact.offset, &mut self.constant);
         }
         self.right_hand_side.copy_from_slice(&self.constant);
         for (contact, t) in self.contacts.iter().zip(&self.t) {
@@ -215,13 +210,8 @@ impl Latin {
         let contacts = self.contacts.iter().zip(&self.t).map(move |(contact, t)| {
             let v = contact.relative(&self.velocity) + contact.offset;
             let size = |grain: u32| self.velocity[grain as usize].norm();
-            of(
-                contact.inverse_delassus,
-                l_minus,
-                *t,
-                v,
-                size(contact.candidate) + size(contact.antagonist) + contact.offset.abs(),
-            )
+            let terms = size(contact.candidate) + size(contact.antagonist) + contact.offset.abs();
+            of(contact.inverse_delassus, l_minus, *t, v, terms)
         });
         let grains = self.shares.iter().zip(&self.tau).zip(&self.velocity);
         let boundary =
@@ -229,11 +219,6 @@ impl Latin {
                 [(tau.x, v.x), (tau.y, v.y)].map(|(tau, v)| of(share.mass, d_minus, tau, v, v.abs()))
             });
         contacts.chain(boundary)
-    }
-
-    /// Place of a grain in the factor's order, by its index in the subdomain.
-    pub(crate) fn place(&self, local: u32) -> usize {
-        self.structure.position()[local as usize] as usize
     }
 
     /// K_E⁻¹ d⁻ B_E for the two translations of `grains` (place, d⁻), with a factor of K_E.
@@ -262,19 +247,5 @@ impl Latin {
         for (v, influence) in self.velocity.iter_mut().zip(influence) {
             *v += influence * w;
         }
-    }
-
-    /// r̂, in the order of the subdomain's contacts (N·s).
-    pub(crate) fn impulses(&self) -> &[f64] {
-        &self.r_hat
-    }
-
-    pub(crate) fn factor(&self) -> &BlockFactor {
-        &self.factor
-    }
-
-    /// Entries of the factor.
-    pub(crate) fn factor_entries(&self) -> usize {
-        self.factor.entries()
     }
 }

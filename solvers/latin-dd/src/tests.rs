@@ -32,11 +32,8 @@ fn interface_velocities_agree_and_interface_impulses_sum_to_zero() {
         let Run { decomposition, subdomains: latins, directions, .. } = &run;
         for copies in &decomposition.boundary {
             let mut of_grain = Vector2::zeros();
-            for (e, local) in copies {
-                let latin = &latins[*e as usize];
-                let place = latin.place(*local) as u32;
-                let k = latin.boundary.iter().position(|boundary| *boundary == place).unwrap();
-                let (v, tau, share) = latin.copy(k);
+            for (e, k) in copies {
+                let (v, tau, share) = latins[*e as usize].copy(*k as usize);
                 let f = tau - directions.d_minus * share.mass * v;
                 scale = scale.max(f.norm());
                 of_grain += f;

@@ -24,7 +24,7 @@ pub struct Decomposition {
     pub subdomains: Vec<Subdomain>,
     /// `m_i`: in how many subdomains each grain has contacts; 0 for a grain without contact.
     pub multiplicity: Vec<u32>,
-    /// The copies (subdomain, local index) of each boundary grain, in the order of the subdomains.
+    /// The copies of each boundary grain, in the order of the subdomains: subdomain, and number among its copies.
     pub boundary: Vec<Vec<(u32, u32)>>,
 }
 
@@ -54,17 +54,16 @@ impl Decomposition {
             multiplicity[*grain as usize] += 1;
         }
         let mut boundary = vec![Vec::new(); problem.grain_count()];
-        for (e, subdomain) in (0_u32..).zip(&subdomains) {
-            for (local, grain) in (0_u32..).zip(&subdomain.grains) {
-                if multiplicity[*grain as usize] > 1 {
-                    boundary[*grain as usize].push((e, local));
-                }
+        for (e, subdomain) in (0_u32..).zip(&mut subdomains) {
+            let places = (0_u32..).zip(&subdomain.grains);
+            let mut copies: Vec<_> = places.filter(|(_, grain)| multiplicity[**grain as usize] > 1).collect();
+            copies.sort_by_key(|(_, grain)| **grain);
+            for (k, (_, grain)) in (0_u32..).zip(&copies) {
+                boundary[**grain as usize].push((e, k));
             }
+            subdomain.boundary = copies.into_iter().map(|(local, _)| local).collect();
         }
         boundary.retain(|copies| !copies.is_empty());
-        for (e, local) in boundary.iter().flatten() {
-            subdomains[*e as usize].boundary.push(*local);
-        }
         Self { subdomains, multiplicity, boundary }
     }
 

@@ -1,7 +1,6 @@
 //! Blocks of contacts for the threads, and what they exchange.
 
-use contact::scaled::{ScaledContact, inverse_masses};
-use contact::{ContactProblem, Packing, SetupError, together};
+use contact::{ContactProblem, Packing, ScaledContact, SetupError, together};
 use nalgebra::Vector2;
 use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain, Sums};
 use rayon::prelude::*;
@@ -91,12 +90,9 @@ impl Columns {
         subdomain: &Subdomain,
         scaled: bool,
     ) -> Self {
+        let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
         let column = |(contact, ends): (&u32, &(u32, Option<u32>))| {
-            let contact = &problem.contacts()[*contact as usize];
-            let (inverse_mass, root) =
-                inverse_masses(contact.ends(), |grain| 1.0 / problem.mass()[grain as usize]);
-            let unit = if scaled { root } else { 1.0 };
-            (ScaledContact::new(*ends, contact.normal, inverse_mass, unit), unit)
+            ScaledContact::new(&problem.contacts()[*contact as usize], *ends, inverse_mass, scaled)
         };
         let share = |grain: &u32| 1.0 / f64::from(decomposition.multiplicity[*grain as usize]);
         let (scaled, unit) = subdomain.contacts.iter().zip(&subdomain.ends).map(column).unzip();

@@ -14,6 +14,19 @@ pub use partition::Subdomain;
 use contact::{Packing, SetupError};
 use nalgebra::Vector2;
 use pulp::Arch;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What scales the impulses, and with them the gradient, of a method that is made of products.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preconditioner {
+    /// Nothing: D = 1.
+    #[default]
+    None,
+    /// D = `W_D`, the diagonal of W.
+    Diagonal,
+}
 
 /// Products with W, and a state of type `C` at each contact: what a method knows of it, its p among it.
 ///

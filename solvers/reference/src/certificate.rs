@@ -1,6 +1,6 @@
 //! The certificate of a solution: what impulses leave of (1)-(2), recomputed from the problem alone.
 
-use contact::{Contact, ContactProblem, law};
+use contact::{Contact, ContactProblem, greatest, law};
 use nalgebra::Vector2;
 use serde::Serialize;
 use std::fmt;
@@ -83,10 +83,8 @@ impl Certificate {
 
     /// The greatest relative residual of a condition (–); NaN if one is.
     pub fn worst(&self) -> f64 {
-        let Self { approach, pull, complementarity, momentum, duality_gap, .. } = self;
-        greatest(
-            [approach, pull, complementarity, momentum, duality_gap].into_iter().map(|left| left.relative),
-        )
+        let conditions = self.residuals().into_iter().filter(|(name, _)| *name != "natural_map");
+        greatest(conditions.map(|(_, left)| left.relative))
     }
 }
 
@@ -169,11 +167,6 @@ fn worst(residuals: impl Iterator<Item = Residual>) -> Residual {
     residuals.fold(Residual::new(0.0, 1.0), |worst, residual| {
         if worst.relative.is_nan() || residual.relative <= worst.relative { worst } else { residual }
     })
-}
-
-/// The greatest value; NaN if there is one, 0 for none.
-fn greatest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |greatest: f64, x| if greatest.is_nan() || x <= greatest { greatest } else { x })
 }
 
 /// The lesser value; NaN if there is one.

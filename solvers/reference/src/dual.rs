@@ -212,13 +212,8 @@ pub(crate) fn solve(problem: &ContactProblem, yielding: f64) -> End {
             // What is left of the approach needs t₂ of the remainder; t₁ makes an active multiplier 0.
             let squared = d[active.r.len()..].iter().fold(ZERO, |sum, d| sum + *d * *d);
             let dependent = f64::from(squared) <= NEARNESS * NEARNESS;
-            let blocking = (0..u.len()).filter(|k| rho[*k] > ZERO).map(|k| (u[k] / rho[k], k)).fold(
-                None,
-                |least: Option<(TwoFloat, usize)>, at| match least {
-                    Some(least) if least.0 <= at.0 => Some(least),
-                    _ => Some(at),
-                },
-            );
+            let falling = (0..u.len()).filter(|k| rho[*k] > ZERO).map(|k| (u[k] / rho[k], k));
+            let blocking = falling.reduce(|least, at| if least.0 <= at.0 { least } else { at });
             let whole = (!dependent).then(|| -(column.dot(&y) + column.b) / squared);
             let (length, leaving) = match (whole, blocking) {
                 (None, None) => return ray(&columns, &active, entering, &rho),
@@ -245,10 +240,8 @@ pub(crate) fn solve(problem: &ContactProblem, yielding: f64) -> End {
 fn most_violated(columns: &[Column], active: &Active, y: &[TwoFloat]) -> Option<usize> {
     let mut most = None;
     for (k, column) in columns.iter().enumerate() {
-        let (v, size) = (
-            column.dot(y) + column.b,
-            column.entries.iter().fold(column.size, |size, (k, a)| size + f64::from(*a * y[*k]).abs()),
-        );
+        let v = column.dot(y) + column.b;
+        let size = column.entries.iter().fold(column.size, |size, (k, a)| size + f64::from(*a * y[*k]).abs());
         let violated =
             f64::from(v) < -f64::max(SATISFIED * size, column.negligible) && !active.contacts.contains(&k);
         if violated && most.is_none_or(|(_, least)| v < least) {

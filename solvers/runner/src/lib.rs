@@ -166,25 +166,13 @@ pub fn solve_against(
 ) -> Result<Outcome, SetupError> {
     SetupError::unless_admissible(problem, r0)?;
     stop.check()?;
-    let meter = match truth {
-        Some(truth) => Meter::new(problem).against(truth),
-        None if stop.on == Measure::VelocityError => {
-            let expected = "another measure: the true velocity of this problem is not known";
-            return Err(SetupError::new("on", stop.on, expected));
-        }
-        None => Meter::new(problem),
-    };
-    run(meter, solver, problem, r0, stop, observe)
-}
-
-fn run(
-    mut meter: Meter,
-    solver: &dyn Solver,
-    problem: &Packing,
-    r0: &[f64],
-    stop: &Stop,
-    observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-) -> Result<Outcome, SetupError> {
+    let is_known = truth.is_some() || stop.on != Measure::VelocityError;
+    let expected = "another measure: the true velocity of this problem is not known";
+    SetupError::unless(is_known, "on", stop.on, expected)?;
+    let mut meter = Meter::new(problem);
+    if let Some(truth) = truth {
+        meter = meter.against(truth);
+    }
     let clock = Instant::now();
     let mut iteration = solver.start(problem, r0)?;
     let setup = clock.elapsed();

@@ -1,10 +1,33 @@
 //! Counts as columns × rows.
 
 use super::*;
+use serde::de::IntoDeserializer;
 
 #[test]
 fn bare_count_is_divided_as_squarely_as_it_goes() {
     for (count, nx, ny) in [(1, 1, 1), (2, 2, 1), (4, 2, 2), (7, 7, 1), (8, 4, 2), (25, 5, 5), (64, 8, 8)] {
         assert_eq!(Grid::of_count(count), Grid { nx, ny });
+    }
+}
+
+#[test]
+fn counts_and_columns_are_read_and_what_is_refused_is_named() {
+    let columns = |text: &'static str| -> Result<Grid, Error> { Grid::deserialize(text.into_deserializer()) };
+    let count = |count: i64| -> Result<Grid, Error> { Grid::deserialize(count.into_deserializer()) };
+    assert_eq!(columns("4x2"), Ok(Grid { nx: 4, ny: 2 }));
+    assert_eq!(count(8), Ok(Grid { nx: 4, ny: 2 }));
+    for refused in ["0x3", "ax2", "4", "4x2x1"] {
+        let error = columns(refused).unwrap_err().to_string();
+        assert!(
+            error.starts_with(&format!("invalid value: string {refused:?}, expected a number")),
+            "{error}"
+        );
+    }
+    for refused in [0, -3, 1 << 40] {
+        let error = count(refused).unwrap_err().to_string();
+        assert!(
+            error.starts_with(&format!("invalid value: integer `{refused}`, expected a number")),
+            "{error}"
+        );
     }
 }
