@@ -10,7 +10,6 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::provenance::ProvenanceError;
 use crate::schema::{Provenance, Run, STATUSES, Sample, Snapshot, Timing};
 use crate::store::{StoreError, at};
 
@@ -39,7 +38,7 @@ pub trait Entry: Serialize + DeserializeOwned {
     /// # Errors
     ///
     /// Names what is missing or wrong.
-    fn check(&self) -> Result<(), EntryError>;
+    fn check(&self) -> Result<(), RowError>;
 
     /// The first count in which two of one id differ: its name, the value here, that of the `other`.
     fn difference(&self, other: &Self) -> Option<(String, String, String)> {
@@ -57,12 +56,15 @@ pub trait Entry: Serialize + DeserializeOwned {
     }
 }
 
-/// Why a row is not stored, or not believed.
+/// Why a row is not stored, or a line of a journal not taken.
 #[derive(Debug, Error)]
-pub enum EntryError {
+pub enum RowError {
     /// It does not say where it comes from.
-    #[error(transparent)]
-    Untraced(#[from] ProvenanceError),
+    #[error("provenance: `{0}` is unknown, and a run without it is not stored")]
+    Untraced(&'static str),
+    /// The operating system does not describe the machine.
+    #[error("provenance: the processor cannot be read: {0}")]
+    System(String),
     /// A text is none of those that it can be.
     #[error("`{key}` is \"{value}\": it must be one of {}", known.join(", "))]
     Name {
@@ -73,9 +75,20 @@ pub enum EntryError {
         /// What it can be.
         known: Vec<&'static str>,
     },
+    /// A line was changed after it was written.
+    #[error("damaged: its checksum is {found}, and `{CHECKSUM}` says {written}")]
+    Damaged {
+        /// Of what stands there.
+        found: String,
+        /// Of what was written.
+        written: String,
+    },
+    /// A line is no row, or one of another version of the schema.
+    #[error("not a run as this version writes them: {0}")]
+    Json(#[from] serde_json::Error),
 }
 
-impl EntryError {
+impl RowError {
     /// Refuses a text that is none of the `known` ones.
     ///
     /// # Errors
@@ -87,25 +100,6 @@ impl EntryError {
         }
         Err(Self::Name { key, value: value.to_owned(), known: known.to_vec() })
     }
-}
-
-/// Why a line of a journal is not taken.
-#[derive(Debug, Error)]
-pub enum LineError {
-    /// It was changed after it was written.
-    #[error("damaged: its checksum is {found}, and `{CHECKSUM}` says {written}")]
-    Damaged {
-        /// Of what stands there.
-        found: String,
-        /// Of what was written.
-        written: String,
-    },
-    /// It is no row, or one of another version of the schema.
-    #[error("not a run as this version writes them: {0}")]
-    Json(#[from] serde_json::Error),
-    /// A value in it cannot be.
-    #[error(transparent)]
-    Entry(#[from] EntryError),
 }
 
 /// Key of the checksum: CRC-32 of the line before the comma in front of it.
@@ -121,7 +115,7 @@ fn seal(line: &[u8]) -> String {
 /// # Errors
 ///
 /// If it is damaged, or is no row.
-pub fn entry<R: Entry>(line: &[u8]) -> Result<(R, bool), LineError> {
+pub fn entry<R: Entry>(line: &[u8]) -> Result<(R, bool), RowError> {
     let whole = line.len().checked_sub(seal(b"").len()).map(|end| line.split_at(end));
     let key = format!(",\"{CHECKSUM}\":\"");
     let whole = whole.filter(|(_, end)| end.starts_with(key.as_bytes()));
@@ -131,7 +125,7 @@ pub fn entry<R: Entry>(line: &[u8]) -> Result<(R, bool), LineError> {
         Some((row, end)) if seal(row).as_bytes() == end => serde_json::from_slice(&[row, b"}"].concat())?,
         Some((row, end)) => {
             let checksum = |end: &[u8]| String::from_utf8_lossy(&end[key.len()..]).replace(['"', '}'], "");
-            return Err(LineError::Damaged { found: checksum(seal(row).as_bytes()), written: checksum(end) });
+            return Err(RowError::Damaged { found: checksum(seal(row).as_bytes()), written: checksum(end) });
         }
     };
     record.check()?;
@@ -178,12 +172,12 @@ impl Entry for Record {
         named(&self.run.status, iterations.into_iter().chain(self.run.end.work.named()))
     }
 
-    fn check(&self) -> Result<(), EntryError> {
-        EntryError::unless_known("status", &self.run.status, &STATUSES)?;
+    fn check(&self) -> Result<(), RowError> {
+        RowError::unless_known("status", &self.run.status, &STATUSES)?;
         if self.run.problem_hash.is_empty() {
-            return Err(ProvenanceError::Unknown("problem_hash").into());
+            return Err(RowError::Untraced("problem_hash"));
         }
-        Ok(self.run.provenance.check()?)
+        self.run.provenance.check()
     }
 }
 
@@ -238,7 +232,7 @@ pub fn read<R: Entry>(path: &Path) -> Result<Lines<R>, StoreError> {
     }
 }
 
-fn at_line(path: &Path, index: usize) -> impl FnOnce(LineError) -> StoreError {
+fn at_line(path: &Path, index: usize) -> impl FnOnce(RowError) -> StoreError {
     move |source| StoreError::Line { path: path.to_owned(), line: index + 1, source }
 }
 
@@ -251,8 +245,8 @@ impl<R: Entry> Lines<R> {
     /// Names the line of the journal `path`, the method and those that are known.
     pub fn check_methods(&self, path: &Path, known: &[&'static str]) -> Result<(), StoreError> {
         for &index in &self.old {
-            EntryError::unless_known("method", self.records[index].method(), known)
-                .map_err(|error| at_line(path, index)(error.into()))?;
+            RowError::unless_known("method", self.records[index].method(), known)
+                .map_err(at_line(path, index))?;
         }
         Ok(())
     }

@@ -2,20 +2,9 @@
 
 use jiff::Timestamp;
 use sysinfo::{CpuRefreshKind, MemoryRefreshKind, RefreshKind, System};
-use thiserror::Error;
 
+use crate::journal::RowError;
 use crate::schema::Provenance;
-
-/// Why a provenance is not accepted.
-#[derive(Debug, Error)]
-pub enum ProvenanceError {
-    /// A field is empty: the row could not be traced.
-    #[error("provenance: `{0}` is unknown, and a run without it is not stored")]
-    Unknown(&'static str),
-    /// The operating system does not describe the machine.
-    #[error("provenance: the processor cannot be read: {0}")]
-    System(String),
-}
 
 impl Provenance {
     /// Describes this build, on this machine, now.
@@ -23,7 +12,7 @@ impl Provenance {
     /// # Errors
     ///
     /// If any field would be empty, or no thread is named.
-    pub fn gather(commit: &str, rustc: &str, profile: &str, threads: u32) -> Result<Self, ProvenanceError> {
+    pub fn gather(commit: &str, rustc: &str, profile: &str, threads: u32) -> Result<Self, RowError> {
         let provenance = Self {
             commit: commit.trim().to_owned(),
             processor: processor()?,
@@ -47,7 +36,7 @@ impl Provenance {
     /// # Errors
     ///
     /// If a field is empty, or no thread is named.
-    pub fn check(&self) -> Result<(), ProvenanceError> {
+    pub fn check(&self) -> Result<(), RowError> {
         let texts = [
             ("commit", &self.commit),
             ("processor", &self.processor),
@@ -56,8 +45,8 @@ impl Provenance {
             ("started_utc", &self.started_utc),
         ];
         match texts.into_iter().find(|(_, text)| text.trim().is_empty()) {
-            Some((name, _)) => Err(ProvenanceError::Unknown(name)),
-            None if self.threads == 0 => Err(ProvenanceError::Unknown("threads")),
+            Some((name, _)) => Err(RowError::Untraced(name)),
+            None if self.threads == 0 => Err(RowError::Untraced("threads")),
             None => Ok(()),
         }
     }
@@ -81,8 +70,8 @@ fn now() -> String {
     Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
 }
 
-fn processor() -> Result<String, ProvenanceError> {
+fn processor() -> Result<String, RowError> {
     let wanted = RefreshKind::nothing().with_cpu(CpuRefreshKind::nothing());
-    let system = System::new_with_specifics(wanted).map_err(|e| ProvenanceError::System(format!("{e:?}")))?;
+    let system = System::new_with_specifics(wanted).map_err(|e| RowError::System(format!("{e:?}")))?;
     Ok(system.cpus().first().map(|cpu| cpu.brand().trim().to_owned()).unwrap_or_default())
 }

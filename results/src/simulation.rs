@@ -4,9 +4,8 @@ use contact::{Work, number};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::journal::{Entry, EntryError, named};
+use crate::journal::{Entry, RowError, named};
 use crate::json;
-use crate::provenance::ProvenanceError;
 use crate::schema::{Provenance, Timing};
 
 /// One simulation: a scene through time, each time step solved by one method until one stop rule.
@@ -191,12 +190,12 @@ impl Entry for Simulated {
         named(status, counts).into_iter().chain(rows).collect()
     }
 
-    fn check(&self) -> Result<(), EntryError> {
-        EntryError::unless_known("status", &self.simulation.status, &STATUSES)?;
+    fn check(&self) -> Result<(), RowError> {
+        RowError::unless_known("status", &self.simulation.status, &STATUSES)?;
         if self.simulation.scene_hash.is_empty() {
-            return Err(ProvenanceError::Unknown("scene_hash").into());
+            return Err(RowError::Untraced("scene_hash"));
         }
-        Ok(self.simulation.provenance.check()?)
+        self.simulation.provenance.check()
     }
 }
 

@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 use crate::columns::{keys, rows};
-use crate::journal::{Entry, EntryError, Journal, LineError, Lines, Record, read as read_journal};
+use crate::journal::{Entry, Journal, Lines, Record, RowError, read as read_journal};
 use crate::schema::{Run, Sample, Snapshot};
 use crate::simulation::{Observed, Simulated, Simulation};
 use crate::study::{
@@ -56,7 +56,7 @@ pub enum StoreError {
         /// Which line, counted from 1.
         line: usize,
         /// Why.
-        source: LineError,
+        source: RowError,
     },
     /// Another process writes to the study.
     #[error("{folder} is being written by {holder}: wait until it ends, or stop it")]
@@ -68,7 +68,7 @@ pub enum StoreError {
     },
     /// A run does not say where it comes from, or ended as nothing ends.
     #[error(transparent)]
-    Entry(#[from] EntryError),
+    Entry(#[from] RowError),
     /// A plan's name is the name of a folder.
     #[error("plan `{0}`: its name must be one folder's name, not starting with a dot")]
     Plan(String),

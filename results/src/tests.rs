@@ -1,7 +1,7 @@
 //! Rows as tables and back; and rows for the other tests of this crate.
 
 use crate::columns::{keyed, keys, rows, table};
-use crate::provenance::ProvenanceError;
+use crate::journal::RowError;
 use crate::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
 use crate::simulation::{Observed, Simulation};
 use contact::{Measures, Work};
@@ -136,15 +136,15 @@ fn older_table_lacks_columns_that_have_a_default_and_no_other() {
 #[test]
 fn empty_commit_compiler_or_no_thread_is_refused() {
     let gather = |commit, rustc, threads| Provenance::gather(commit, rustc, "release", threads);
-    assert!(matches!(gather(" ", "1.95.0", 1), Err(ProvenanceError::Unknown("commit"))));
-    assert!(matches!(gather("0123abc", "", 1), Err(ProvenanceError::Unknown("rustc"))));
-    assert!(matches!(gather("0123abc", "1.95.0", 0), Err(ProvenanceError::Unknown("threads"))));
+    assert!(matches!(gather(" ", "1.95.0", 1), Err(RowError::Untraced("commit"))));
+    assert!(matches!(gather("0123abc", "", 1), Err(RowError::Untraced("rustc"))));
+    assert!(matches!(gather("0123abc", "1.95.0", 0), Err(RowError::Untraced("threads"))));
 }
 
 #[test]
 fn empty_processor_is_refused() {
     let provenance = Provenance { processor: String::new(), ..run(0).provenance };
-    assert!(matches!(provenance.check(), Err(ProvenanceError::Unknown("processor"))));
+    assert!(matches!(provenance.check(), Err(RowError::Untraced("processor"))));
 }
 
 #[test]

@@ -104,7 +104,7 @@ fn simulation_of_no_known_scene_or_origin_is_not_stored() {
     let mut no_commit = simulated(1);
     no_commit.simulation.provenance.commit.clear();
     for odd in [no_scene, no_commit] {
-        assert!(matches!(store.append(odd), Err(StoreError::Entry(EntryError::Untraced(_)))));
+        assert!(matches!(store.append(odd), Err(StoreError::Entry(RowError::Untraced(_)))));
     }
     assert!(store.records().is_empty());
 }

@@ -222,7 +222,7 @@ fn status_and_method_that_are_none_are_refused_by_line_and_value() {
     let wrong = Run { status: "Converged".into(), ..run(3) };
     let mut store = Store::open(root.path(), "paper").unwrap();
     let refused = store.append(Record { run: wrong, curve: Vec::new(), snapshots: Vec::new() });
-    assert!(matches!(refused, Err(StoreError::Entry(EntryError::Name { key: "status", .. }))), "{refused:?}");
+    assert!(matches!(refused, Err(StoreError::Entry(RowError::Name { key: "status", .. }))), "{refused:?}");
 }
 
 #[test]
@@ -323,7 +323,7 @@ fn untraced_run_is_refused_and_leaves_nothing() {
     ];
     for run in untraced {
         let refused = store.append(Record { run, curve: Vec::new(), snapshots: Vec::new() });
-        assert!(matches!(refused, Err(StoreError::Entry(EntryError::Untraced(_)))), "{refused:?}");
+        assert!(matches!(refused, Err(StoreError::Entry(RowError::Untraced(_)))), "{refused:?}");
     }
     assert_eq!(fs::read(store.folder().join(JOURNAL)).unwrap(), b"");
 }
