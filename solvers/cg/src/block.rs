@@ -13,7 +13,7 @@ use contact::Adjacency;
 use contact::law::non_negative;
 use nalgebra::Vector2;
 use product::{Columns, Subdomain};
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// A pass over a block, and the two sums that it is for. w is the part of u = −(W r + b) that r ≥ 0 does not block.
 #[derive(Clone, Copy)]
@@ -85,17 +85,7 @@ impl Block {
 
     /// Makes a pass, with the best instructions that the processor has: the same operations in the same order with any.
     pub(crate) fn make(&mut self, pass: Pass) {
-        self.parts = Arch::new().dispatch(|| match pass {
-            Pass::Curvature => [self.curvature(), 0.0],
-            Pass::Step { length } => self.step(length),
-            Pass::Correct => self.correct(),
-            Pass::Whole => {
-                self.whole();
-                [0.0; 2]
-            }
-            Pass::Afresh => self.afresh(),
-            Pass::Turn { beta } => self.turn(beta),
-        });
+        self.parts = Arch::new().dispatch(Dispatched(self, pass));
     }
 
     /// What the blocks have in common of the grains that they share, after the pass or before it.
@@ -220,5 +210,28 @@ impl Block {
     /// Puts the impulses in the problem's order (N·s).
     pub(crate) fn impulses(&self, impulses: &mut [f64]) {
         self.columns.impulses(self.r.iter().copied(), impulses);
+    }
+}
+
+/// What the processor's instructions are chosen for. A closure would not be inlined there.
+struct Dispatched<'b>(&'b mut Block, Pass);
+
+impl WithSimd for Dispatched<'_> {
+    type Output = [f64; 2];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> [f64; 2] {
+        let Self(block, pass) = self;
+        match pass {
+            Pass::Curvature => [block.curvature(), 0.0],
+            Pass::Step { length } => block.step(length),
+            Pass::Correct => block.correct(),
+            Pass::Whole => {
+                block.whole();
+                [0.0; 2]
+            }
+            Pass::Afresh => block.afresh(),
+            Pass::Turn { beta } => block.turn(beta),
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! The contact law, eq. (2): 0 ≤ v ⊥ r ≥ 0, as a fixed point.
+//! The contact law, eq. (2): 0 ≤ v ⊥ r ≥ 0, as a fixed point; and maxima that do not hide a NaN.
 
 /// max(0, s), the projection on admissible impulses, which hands a NaN on instead of hiding it as `f64::max` does.
 #[inline]
@@ -19,6 +19,11 @@ pub fn update(r: f64, v: f64, inverse_delassus: f64, relaxation: f64) -> f64 {
 pub fn change(r: f64, v: f64, relaxation: f64) -> f64 {
     let change = -relaxation * v;
     if -r > change { -r } else { change }
+}
+
+/// The greatest value; NaN if there is one, 0 for none.
+pub fn greatest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |greatest: f64, x| if greatest.is_nan() || x <= greatest { greatest } else { x })
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 pub mod adjacency;
 mod error;
 pub mod law;
+mod measure;
 mod measures;
 pub mod number;
 mod operators;
@@ -19,7 +20,9 @@ mod work;
 
 pub use adjacency::{Adjacency, Groups, greedy_colours};
 pub use error::{ProblemError, SetupError, is_not_negative, is_positive, shown};
-pub use measures::{Measure, Measures, Meter, greatest};
+pub use law::greatest;
+pub use measure::Measure;
+pub use measures::{Measures, Meter};
 pub use packing::Packing;
 pub use problem::{Contact, ContactProblem};
 pub use scaled::ScaledContact;

@@ -1,56 +1,14 @@
 //! Measures of an iterate, recomputed from the impulses r alone, two of them beside a known solution; only the velocity
 //! jump is what the method says itself.
 
+use crate::measure::Measure;
 use crate::problem::{Contact, ContactProblem};
 use crate::truth::Truth;
 use crate::work::together;
 use crate::{law, number};
 use nalgebra::Vector2;
 use rayon::prelude::*;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-/// A measure on which a run may be stopped: it falls to 0 at a solution.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Measure {
-    /// ζ, the paper's indicator.
-    Zeta,
-    /// The residual of the natural map: the working measure.
-    NaturalMap,
-    /// The greatest approach velocity.
-    PenetrationRate,
-    /// LMGC90's quadratic norm.
-    QuadDv,
-    /// LMGC90's maximum norm.
-    MaxDv,
-    /// The distance to the true velocity. Only where that is known.
-    VelocityError,
-}
-
-impl Measure {
-    /// Every measure, in the order in which it is listed.
-    pub const ALL: [Self; 6] =
-        [Self::Zeta, Self::NaturalMap, Self::PenetrationRate, Self::QuadDv, Self::MaxDv, Self::VelocityError];
-
-    /// Name in files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Zeta => "zeta",
-            Self::NaturalMap => "natural_map",
-            Self::PenetrationRate => "penetration_rate",
-            Self::QuadDv => "quad_dv",
-            Self::MaxDv => "max_dv",
-            Self::VelocityError => "velocity_error",
-        }
-    }
-}
-
-impl std::fmt::Display for Measure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
-    }
-}
 
 /// The measures of one iterate, in files under their names with their units. NaN where one is undefined.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -308,11 +266,6 @@ impl Sums {
         self.take_rate(block.penetration_rate, block.worst_contact.map(|k| first + k));
         self.energy_twice += block.energy_twice;
     }
-}
-
-/// The greatest value; NaN if there is one, 0 for none.
-pub fn greatest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |greatest: f64, x| if greatest.is_nan() || x <= greatest { greatest } else { x })
 }
 
 /// A residual over its scale; 0 where there is nothing left, whatever the scale.

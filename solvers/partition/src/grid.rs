@@ -46,7 +46,7 @@ impl Serialize for Grid {
     }
 }
 
-/// What stands in a file.
+/// What stands in a file, a number that is no count among it, so that an error names it.
 #[derive(Deserialize, JsonSchema)]
 #[serde(
     untagged,
@@ -54,6 +54,8 @@ impl Serialize for Grid {
 )]
 enum Written {
     Count(#[schemars(range(min = 1))] i64),
+    #[schemars(skip)]
+    Number(f64),
     Columns(#[schemars(regex(pattern = r"^[1-9][0-9]*x[1-9][0-9]*$"))] String),
 }
 
@@ -63,12 +65,14 @@ impl TryFrom<Written> for Grid {
     fn try_from(written: Written) -> Result<Self, Error> {
         let grid = match &written {
             Written::Count(count) => u32::try_from(*count).ok().map(Self::of_count),
+            Written::Number(_) => None,
             Written::Columns(text) => text
                 .split_once('x')
                 .and_then(|(nx, ny)| Some(Self { nx: nx.parse().ok()?, ny: ny.parse().ok()? })),
         };
         let found = match &written {
             Written::Count(count) => Unexpected::Signed(*count),
+            Written::Number(number) => Unexpected::Float(*number),
             Written::Columns(text) => Unexpected::Str(text),
         };
         let expected = "a number of subdomains, at least 1, such as 8, or columns x rows such as \"4x2\"";

@@ -18,6 +18,8 @@ pub struct CopySums<V> {
     copies: Vec<Vec<(u32, u32)>>,
     /// The boundary grain of each copy, subdomain by subdomain.
     grains: Vec<Vec<u32>>,
+    /// Number of copies in all.
+    count: usize,
 }
 
 /// What it takes to send a copy, or to fetch what another thread sent, about (ns).
@@ -35,7 +37,7 @@ impl<V: Copy + Default + Send + Sync + Sum> CopySums<V> {
             }
         }
         let sent = subdomains.iter().map(|subdomain| vec![V::default(); subdomain.boundary.len()]).collect();
-        Self { sent, copies, grains }
+        Self { sent, copies, grains, count: decomposition.copy_count() }
     }
 
     /// In every subdomain, `pass(subdomain, sent)` writes what its copies send; the passes take about `nanoseconds` in all.
@@ -66,7 +68,7 @@ impl<V: Copy + Default + Send + Sync + Sum> CopySums<V> {
     }
 
     fn together(&self, nanoseconds: usize) -> usize {
-        together(nanoseconds + NS_PER_COPY * self.sent.iter().map(Vec::len).sum::<usize>())
+        together(nanoseconds + NS_PER_COPY * self.count)
     }
 }
 

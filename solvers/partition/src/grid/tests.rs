@@ -31,3 +31,12 @@ fn counts_and_columns_are_read_and_what_is_refused_is_named() {
         );
     }
 }
+
+#[test]
+fn number_that_is_no_count_is_named_and_not_in_the_schema() {
+    let read: Result<Grid, Error> = Grid::deserialize(1.5.into_deserializer());
+    let error = read.unwrap_err().to_string();
+    assert!(error.starts_with("invalid value: floating point `1.5`, expected a number of"), "{error}");
+    let schema = schemars::schema_for!(Grid);
+    assert_eq!(schema.as_value()["anyOf"].as_array().map(Vec::len), Some(2));
+}
