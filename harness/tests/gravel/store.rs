@@ -113,7 +113,7 @@ fn plan_that_grows_makes_its_new_runs_only_and_one_that_shrinks_keeps_the_old() 
     assert!(printed.contains("0 of 2 to run") && variants == ["0.5", "1"], "{printed}");
     let (printed, variants) = bench("0.5");
     assert!(printed.contains("0 of 1 to run") && variants == [""], "{printed}");
-    assert!(printed.contains("Runs of earlier code, or that the plan no longer asks for: 1"), "{printed}");
+    assert!(printed.contains("Of earlier code, or no longer in the plan: 1 runs;"), "{printed}");
     assert_eq!(lines(&study.runs("grown")).len(), 2);
 }
 
