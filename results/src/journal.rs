@@ -295,3 +295,6 @@ impl Journal {
         self.file.sync_data().map_err(at(&self.path))
     }
 }
+
+#[cfg(test)]
+mod tests;

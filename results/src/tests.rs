@@ -1,13 +1,15 @@
 //! Rows as tables and back; and rows for the other tests of this crate.
 
 use crate::columns::{keyed, keys, rows, table};
-use crate::journal::RowError;
+use crate::journal::{Record, RowError};
 use crate::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
 use crate::simulation::{Observed, Simulation};
 use contact::{Measures, Work};
 use jiff::Timestamp;
 use polars::prelude::DataFrame;
 use serde_json::json;
+use std::path::PathBuf;
+use tempfile::TempDir;
 
 pub(crate) fn sample(iteration: u64) -> Sample {
     let measures = Measures {
@@ -67,6 +69,31 @@ pub(crate) fn run(number: u32) -> Run {
         },
         ..Run::default()
     }
+}
+
+pub(crate) type Store = crate::store::Store<Record>;
+
+pub(crate) fn record(number: u32) -> Record {
+    // What JSON has no number for, and numbers that are hard to write.
+    let odd = Measures {
+        zeta: f64::NAN,
+        natural_map: f64::INFINITY,
+        energy: f64::NEG_INFINITY,
+        ..sample(1).measures
+    };
+    let fine = Measures { zeta: 0.1 + 0.2, quad_dv: 5e-324, max_dv: f64::MAX, ..sample(2).measures };
+    let curve = [(1, odd), (2, fine)].map(|(n, measures)| Sample { measures, ..sample(n) }).to_vec();
+    let seen = Snapshot { iteration: 2, natural_map: f64::NAN, impulses_n_s: vec![0.1, f64::NAN] };
+    Record { run: run(number), curve, snapshots: vec![seen] }
+}
+
+/// A store of `runs` runs that is closed again, and the path of its journal.
+pub(crate) fn stored(root: &TempDir, runs: u32) -> PathBuf {
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    for number in 0..runs {
+        store.append(record(number)).unwrap();
+    }
+    root.path().join("paper").join("journal.jsonl")
 }
 
 fn columns(table: &DataFrame) -> Vec<String> {
