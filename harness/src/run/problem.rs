@@ -59,7 +59,7 @@ pub(crate) fn run_on_problem(
             Ok(_) => {}
         }
     }
-    let Some((outcome, (curve, snapshots), timing)) = median(ended, timing) else {
+    let Some((outcome, (curve, snapshots), timing)) = median(ended, &timing) else {
         bail!("{}: it counts other work when it is repeated; a run must not", name(task));
     };
     let outcome = Outcome { status: known.ending(outcome.status), ..outcome };
@@ -125,7 +125,7 @@ fn once(
 
 /// The repeat with the median time in `advance`, with the median time in `start` and the spreads of both. `None` if the
 /// repeats do not count the same work.
-fn median(mut ended: Vec<(Outcome, Kept)>, timing: Timing) -> Option<(Outcome, Kept, Timing)> {
+fn median(mut ended: Vec<(Outcome, Kept)>, timing: &Timing) -> Option<(Outcome, Kept, Timing)> {
     let counts = |(outcome, _): &(Outcome, _)| (outcome.status, outcome.iterations, outcome.work);
     if ended.windows(2).any(|pair| counts(&pair[0]) != counts(&pair[1])) {
         return None;
@@ -140,7 +140,7 @@ fn median(mut ended: Vec<(Outcome, Kept)>, timing: Timing) -> Option<(Outcome, K
     let timing = Timing {
         setup_spread_s: spread(setup[0], setup[last]),
         iterating_spread_s: spread(ended[0].0.iterating, ended[last].0.iterating),
-        ..timing
+        ..timing.clone()
     };
     let (outcome, kept) = ended.swap_remove(middle);
     Some((Outcome { setup: setup[middle], ..outcome }, kept, timing))
