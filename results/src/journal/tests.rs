@@ -105,7 +105,7 @@ fn no_flipped_bit_of_a_journal_is_taken_for_what_was_written() {
         let mut flipped = bytes.clone();
         flipped[bit / 8] ^= 1 << (bit % 8);
         fs::write(&journal, &flipped).unwrap();
-        match read_journal::<Record>(&journal) {
+        match read::<Record>(&journal) {
             Err(StoreError::Line { line, .. }) => {
                 let of_bit = usize::from(bit / 8 >= first) + 1;
                 assert_eq!(line, of_bit, "bit {bit}");

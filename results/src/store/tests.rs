@@ -1,7 +1,6 @@
 use super::*;
 use crate::schema::{ContactRow, GrainRow, Provenance};
 use crate::tests::{Store, record, run, stored};
-use contact::Measures;
 use tempfile::TempDir;
 
 fn study() -> Study {
