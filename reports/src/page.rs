@@ -14,8 +14,7 @@ use serde::Serialize;
 
 use crate::charts::Chart;
 use crate::error::ReportError;
-use crate::read::stored::scenes;
-use crate::read::{Scenes, Study, file_name};
+use crate::read::{Scenes, Study, file_name, scenes};
 use crate::text::{Kind, Part, failures, found};
 pub use folder::made;
 pub(crate) use folder::replace;

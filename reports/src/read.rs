@@ -17,7 +17,7 @@ pub(crate) use ending::{Ending, Verdicts};
 pub(crate) use groups::{differing, settings_text};
 pub(crate) use number::{count, counted, number, power_of_ten, round_down, round_up};
 pub(crate) use run::{Point, RunRow, problems, repeats, stopped_at_1e_2, threads};
-pub(crate) use scene::{Scene, walls};
+pub(crate) use scene::{Scene, ends, impulse, scenes, walls};
 pub(crate) use simulation::{Simulation, in_role, milliseconds};
 pub(crate) use statistics::{distinct, find_or_push, median, padded, slope, span, unique};
 

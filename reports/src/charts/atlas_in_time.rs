@@ -179,7 +179,7 @@ fn headings(canvas: &Canvas, columns: &[(&str, f64)], scenes: &[&str], (left, to
 
 /// The classes, and what no cell has.
 fn key() -> Signs {
-    let classes = Class::ALL.map(|class| (Some(class), class.name()));
+    let classes = Class::ALL.map(|(class, name, ..)| (Some(class), name));
     let all = classes.into_iter().chain([(None, "not made, or nothing to judge it by")]);
     Signs::new(all.map(|(class, name)| (Sign::Cell(Class::cell(class)), name.to_owned())).collect(), INSIDE)
 }
@@ -189,10 +189,9 @@ fn sentences(judged: &[Judged]) -> String {
     let counts = |of: &dyn Fn(&Judged) -> bool| {
         let count = |class| judged.iter().filter(|j| of(j) && j.class == Some(class)).count();
         // Why one exploded, only where it is more than that.
-        let counted = Class::ALL.map(|class| (class, count(class)));
-        let named = counted.into_iter().filter(|(class, count)| *class <= Class::Exploded || *count > 0);
-        let words = named.map(|(class, count)| format!("{count} {}", class.name()));
-        words.collect::<Vec<_>>().join(", ")
+        let counted = Class::ALL.map(|(class, name, ..)| (class, name, count(class)));
+        let named = counted.into_iter().filter(|(class, _, count)| *class <= Class::Exploded || *count > 0);
+        named.map(|(_, name, count)| format!("{count} {name}")).collect::<Vec<_>>().join(", ")
     };
     let mut text = format!("Of {}: {}.\n", counted(judged.len(), "simulation"), counts(&|_| true));
     let all: Vec<&Simulation> = judged.iter().map(|j| j.simulation).collect();

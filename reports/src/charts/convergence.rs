@@ -1,10 +1,12 @@
 //! Measures against iterations: ζ, the paper's indicator, on the left, and the natural map of the same runs.
 
+use contact::Measure;
+
 use crate::draw::{
     Axis, Canvas, Frame, HPos, LEADING, Legend, Lines, MARGIN, MOST_LINES, PAGE, PAGE_HEIGHT, Sign, TEXT,
     TICK_TEXT, TOLERANCE, VPos, draw_lines, log_point, range, svg, title,
 };
-use crate::read::{Point, Problems, RunRow, file_name, number, problems, round_up};
+use crate::read::{Problems, RunRow, file_name, number, problems, round_up};
 use crate::text::{Part, nothing, too_many};
 
 /// Left of a panel for the labels of its ticks, and right of it for the tolerance (mm).
@@ -18,12 +20,10 @@ const ALONE: f64 = 66.0;
 const LEAST: f64 = 32.0;
 const GREATEST: f64 = 54.0;
 
-/// A column of panels: the measure's name in the tables and on its axis.
-type Measure = (&'static str, &'static str, fn(&Point) -> Option<f64>);
-
-const MEASURES: [Measure; 2] = [
-    ("zeta", "ζ, relative change in the last iteration (–)", |point| point.zeta),
-    ("natural_map", "natural map, distance to a solution (–)", |point| point.natural_map),
+/// What the panels beside each other show, and the names of their axes.
+const MEASURES: [(Measure, &str); 2] = [
+    (Measure::Zeta, "ζ, relative change in the last iteration (–)"),
+    (Measure::NaturalMap, "natural map, distance to a solution (–)"),
 ];
 
 /// `convergence-<problem>` for each problem, and `convergence` with all of them if a page holds that many.
@@ -87,7 +87,7 @@ impl Lines<'_> {
         let last = runs.iter().filter_map(|run| run.curve.last()).map(|point| point.iteration).max();
         let most = round_up(last.unwrap_or(1).max(10) as f64).log10();
         let pitch = (PAGE - 2.0 * MARGIN) / MEASURES.len() as f64;
-        for (i, measure) in MEASURES.iter().enumerate() {
+        for (i, measure) in MEASURES.into_iter().enumerate() {
             let from = left + pitch * i as f64;
             let x = Axis::log((0.0, most), from, from + pitch - LEFT - RIGHT);
             self.draw_panel(canvas, measure, &runs, x, (top, bottom));
@@ -97,16 +97,16 @@ impl Lines<'_> {
     fn draw_panel(
         &self,
         canvas: &Canvas,
-        measure: &Measure,
+        (measure, name): (Measure, &str),
         runs: &[&RunRow],
         x: Axis,
         (top, bottom): (f64, f64),
     ) {
-        let lines = self.lines(runs, |_, point| log_point(point.iteration as f64, (measure.2)(point)));
-        let tolerances = tolerances(runs, measure.0);
+        let lines = self.lines(runs, |_, point| log_point(point.iteration as f64, point.get(measure)));
+        let tolerances = tolerances(runs, measure);
         let frame = Frame { x, y: Axis::log(range(&lines, &tolerances), bottom, top) };
         frame.draw(canvas);
-        frame.name(canvas, "iterations", measure.1);
+        frame.name(canvas, "iterations", name);
         for tolerance in tolerances {
             frame.across(canvas, tolerance.log10(), TOLERANCE);
             let place = (frame.x.to + 0.9, frame.y.place(tolerance.log10()));
@@ -117,8 +117,9 @@ impl Lines<'_> {
 }
 
 /// The tolerances at which a measure stops some of the runs.
-fn tolerances(runs: &[&RunRow], measure: &str) -> Vec<f64> {
-    let all = runs.iter().filter(|run| run.stop_on == measure).filter_map(|run| run.tolerance);
+fn tolerances(runs: &[&RunRow], measure: Measure) -> Vec<f64> {
+    let all =
+        runs.iter().filter(|run| run.stopping_measure() == Some(measure)).filter_map(|run| run.tolerance);
     let mut tolerances: Vec<f64> = all.filter(|t| t.is_finite() && *t > 0.0).collect();
     tolerances.sort_by(f64::total_cmp);
     tolerances.dedup();

@@ -8,7 +8,7 @@ use crate::draw::{
     BOUNDARY_GRAIN, CHAIN, Canvas, GRAIN, HPos, IDLE, LEADING, MARGIN, Pen, SUBDOMAINS, Sign, Signs, TEXT,
     TICK_TEXT, VPos, WALL, WHITE, subdomain_fill, svg, text_width,
 };
-use crate::read::{Problems, Scene, count, counted, file_name, number, walls};
+use crate::read::{Problems, Scene, count, counted, ends, file_name, impulse, number, walls};
 use crate::text::Part;
 use view::View;
 
@@ -62,16 +62,16 @@ fn draw_scene(canvas: &Canvas, view: &View, partition: &str, scene: &Scene) {
     for grain in inner.into_iter().chain(boundary) {
         let fill = grain.subdomain.map_or(IDLE, |subdomain| SUBDOMAINS[subdomain_fill(partition, subdomain)]);
         let outline = if grain.multiplicity > 1 { BOUNDARY_GRAIN } else { GRAIN };
-        canvas.disc(view.place(grain.centre), grain.radius * view.scale, fill, Some(outline));
+        canvas.disc(view.place((grain.x_m, grain.y_m)), grain.radius_m * view.scale, fill, Some(outline));
     }
     for (from, to) in walls(&scene.contacts) {
         canvas.line(&[view.place(from), view.place(to)], WALL);
     }
     for contact in &scene.contacts {
-        let width = contact.impulse.map_or(0.0, |impulse| view.chain_width(impulse));
+        let width = impulse(contact).map_or(0.0, |impulse| view.chain_width(impulse));
         if width >= THINNEST_CHAIN {
-            let pen = Pen::solid(CHAIN, width);
-            canvas.line(&[view.place(contact.from), view.place(contact.to)], pen);
+            let (from, to) = ends(contact);
+            canvas.line(&[view.place(from), view.place(to)], Pen::solid(CHAIN, width));
         }
     }
     draw_names(canvas, view, scene);
@@ -85,11 +85,8 @@ fn draw_names(canvas: &Canvas, view: &View, scene: &Scene) {
         return;
     }
     for subdomain in subdomains {
-        let places = scene
-            .contacts
-            .iter()
-            .filter(|contact| contact.subdomain == subdomain)
-            .map(|c| view.place(c.from));
+        let contacts = scene.contacts.iter().filter(|contact| contact.subdomain == subdomain);
+        let places = contacts.map(|contact| view.place(ends(contact).0));
         let (count, sum) =
             places.fold((0.0, (0.0, 0.0)), |(n, sum), (x, y)| (n + 1.0, (sum.0 + x, sum.1 + y)));
         let middle = (sum.0 / count, sum.1 / count);

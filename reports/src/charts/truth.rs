@@ -2,6 +2,8 @@
 
 mod band;
 
+use contact::Measure;
+
 use super::against_truth::AgainstTruth;
 use crate::draw::{
     Axis, Canvas, HPos, INSIDE, LOWEST, Line, Lines, LogPoint, Place, RGBColor, Room, Scale, Sign, TICK_TEXT,
@@ -12,12 +14,12 @@ use crate::text::Part;
 use band::Band;
 
 /// A measure that every method can be stopped by: its name on an axis, and in a sentence.
-type Measure = (&'static str, &'static str, fn(&Point) -> Option<f64>);
+type Named = (&'static str, &'static str, Measure);
 
-const MEASURES: [Measure; 3] = [
-    ("ζ (–)", "ζ", |point| point.zeta),
-    ("natural map (–)", "the natural map", |point| point.natural_map),
-    ("quadratic norm of LMGC90 (–)", "the quadratic norm", |point| point.quad_dv),
+const MEASURES: [Named; 3] = [
+    ("ζ (–)", "ζ", Measure::Zeta),
+    ("natural map (–)", "the natural map", Measure::NaturalMap),
+    ("quadratic norm of LMGC90 (–)", "the quadratic norm", Measure::QuadDv),
 ];
 
 /// The value of a measure at which the text says what it is worth.
@@ -54,10 +56,10 @@ fn figure(study: &Lines, problem: &str, runs: &[&RunRow]) -> String {
     })
 }
 
-fn shown(study: &Lines, runs: &[&RunRow], measure: &Measure) -> Shown {
+fn shown(study: &Lines, runs: &[&RunRow], measure: &Named) -> Shown {
     let mut lines = study.lines_of_best(runs, |_, point| {
         // At its start a run has measured nothing. An error of 0 is at the end of the axis, not beyond all others.
-        let pair = point.velocity_error.zip((measure.2)(point));
+        let pair = point.velocity_error().zip(point.get(measure.2));
         (point.iteration > 0).then(|| pair.map(|(error, measure)| (log(error).max(LOWEST), log(measure))))
     });
     let turn = |line: &Line| Line {
@@ -82,7 +84,7 @@ fn pale(RGBColor(r, g, b): RGBColor) -> RGBColor {
     RGBColor(pale(r), pale(g), pale(b))
 }
 
-fn panel(canvas: &Canvas, Shown { lines, bands, x, y }: &Shown, measure: &Measure, room: Room) {
+fn panel(canvas: &Canvas, Shown { lines, bands, x, y }: &Shown, measure: &Named, room: Room) {
     let name = "velocity error (–)";
     let frame = room.frame(canvas, (Scale::Ten, *x, name), (Scale::Ten, *y, measure.0));
     for (color, band) in bands {
@@ -106,11 +108,11 @@ fn sentences(study: &Lines, problem: &str) -> String {
 }
 
 /// Between which velocity errors the runs are when the measure comes down to that value.
-fn sentence(study: &Lines, problem: &str, measure: &Measure) -> String {
+fn sentence(study: &Lines, problem: &str, measure: &Named) -> String {
     let small =
-        |point: &&Point| point.iteration > 0 && (measure.2)(point).is_some_and(|value| value <= WORTH);
+        |point: &&Point| point.iteration > 0 && point.get(measure.2).is_some_and(|value| value <= WORTH);
     let runs = study.runs_of(problem);
-    let error = |run: &&RunRow| run.curve.iter().find(small)?.velocity_error;
+    let error = |run: &&RunRow| run.curve.iter().find(small)?.velocity_error();
     let errors: Vec<f64> = runs.iter().filter_map(error).collect();
     let (short, value) = (measure.1, accuracy_text(WORTH));
     match span(errors.iter().copied()) {

@@ -14,7 +14,7 @@ use crate::text::Part;
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let mut note = String::new();
     for given in &study.given {
-        if let Some(error) = given.end.velocity_error {
+        if let Some(error) = given.end.velocity_error() {
             let (problem, code, error) = (&given.problem, &given.variant, number(error, 2));
             note.extend([
                 problem,
@@ -47,12 +47,14 @@ fn figure(study: &Lines, problem: &str, runs: &[&RunRow]) -> String {
 
 fn panel(canvas: &Canvas, study: &Lines, runs: &[&RunRow], cost: &Cost, room: Room) {
     let lines = study.lines_of_best(runs, |run, point| {
-        (cost.of)(run, point).and_then(|cost| log_point(cost, point.velocity_error))
+        (cost.of)(run, point).and_then(|cost| log_point(cost, point.velocity_error()))
     });
     let x = padded(lines.iter().flat_map(|line| &line.points).flatten().map(|point| point.0), 0.05);
     // The same in all panels.
-    let y =
-        range(&study.lines(runs, |_, point| Some(point.velocity_error.map(|error| (0.0, log(error))))), &[]);
+    let y = range(
+        &study.lines(runs, |_, point| Some(point.velocity_error().map(|error| (0.0, log(error))))),
+        &[],
+    );
     let y = (y.0.max(LOWEST), y.1);
     let frame = room.frame(canvas, (Scale::Ten, x, cost.title), (Scale::Ten, y, "velocity error (–)"));
     for accuracy in

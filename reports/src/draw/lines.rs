@@ -31,7 +31,7 @@ impl<'t> Lines<'t> {
 
     /// Whether some run on a problem was measured against a known solution.
     pub(crate) fn knows_truth(&self, problem: &str) -> bool {
-        let known = |run: &&RunRow| run.curve.iter().any(|point| point.velocity_error.is_some());
+        let known = |run: &&RunRow| run.curve.iter().any(|point| point.velocity_error().is_some());
         self.runs_of(problem).iter().any(known)
     }
 
@@ -132,7 +132,7 @@ fn first(runs: &[&RunRow], cost: &Cost) -> Option<u32> {
         priced.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, run)| run)
     };
     let at = |accuracy: f64| least(&|run| (cost.of)(run, reached(&run.curve, accuracy)?));
-    let end = || least(&|run| run.curve.last()?.velocity_error);
+    let end = || least(&|run| run.curve.last()?.velocity_error());
     ACCURACIES.into_iter().rev().find_map(at).or_else(end)
 }
 

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use results::schema::Snapshot;
+use results::schema::{GrainRow, Snapshot};
 use serde::Serialize;
 
 use crate::draw::{RGBColor, SUBDOMAINS, subdomain_fill};
-use crate::read::{Problems, Scene, Scenes, walls};
+use crate::read::{Problems, Scene, Scenes, ends, span, walls};
 
 /// A page holds samples of at most so many contacts together; others are left to `gravel view`.
 const MOST_CONTACTS: usize = 60_000;
@@ -119,8 +119,7 @@ pub struct Snapshots {
 impl Sample {
     fn of(problem: String, scenes: &[(&str, &Scene)], runs: Vec<Snapshots>) -> Self {
         let scene = scenes[0].1;
-        let solution: Vec<f64> =
-            scene.contacts.iter().map(|contact| contact.impulse.unwrap_or(f64::NAN)).collect();
+        let solution: Vec<f64> = scene.contacts.iter().map(|contact| contact.impulse_n_s).collect();
         let last = runs.iter().filter_map(|run| run.snapshots.last()).flat_map(|last| &last.impulses_n_s);
         let greatest =
             |r: &mut dyn Iterator<Item = &f64>| r.copied().filter(|r| r.is_finite()).fold(0.0, f64::max);
@@ -154,12 +153,8 @@ impl Sample {
             problem,
             unit_m,
             greatest_n_s,
-            grains: scene
-                .grains
-                .iter()
-                .map(|g| [place(g.centre.0), place(g.centre.1), place(g.radius)])
-                .collect(),
-            contacts: scene.contacts.iter().map(|contact| segment(&(contact.from, contact.to))).collect(),
+            grains: scene.grains.iter().map(|g| [g.x_m, g.y_m, g.radius_m].map(place)).collect(),
+            contacts: scene.contacts.iter().map(|contact| segment(&ends(contact))).collect(),
             walls: walls(&scene.contacts).iter().map(segment).collect(),
             partitions: scenes.iter().map(|(name, scene)| Split::of(name, scene)).collect(),
             tracks,
@@ -169,15 +164,11 @@ impl Sample {
 
 /// Metres of a unit of length of the sample.
 fn unit_m(scene: &Scene) -> f64 {
-    let span = |of: fn(&(f64, f64)) -> f64| {
-        let range = scene.grains.iter().map(|grain| of(&grain.centre));
-        let (low, high) = range.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-        high - low
-    };
-    let side = span(|place| place.0).max(span(|place| place.1));
-    let radius = scene.grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+    let length = |of: fn(&GrainRow) -> f64| span(scene.grains.iter().map(of)).map(|(low, high)| high - low);
+    let sides = length(|grain| grain.x_m).zip(length(|grain| grain.y_m));
+    let radius = scene.grains.iter().map(|grain| grain.radius_m).fold(0.0, f64::max);
     // A scene without grains has no side.
-    if side.is_finite() { (side + 2.0 * radius) / STEPS } else { 1.0 }
+    sides.map_or(1.0, |(wide, high)| (wide.max(high) + 2.0 * radius) / STEPS)
 }
 
 impl Split {

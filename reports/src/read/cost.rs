@@ -1,5 +1,6 @@
 //! What a run has cost at a sample, and when it was accurate for the first time.
 
+use crate::read::run::defined;
 use crate::read::{Point, RunRow, power_of_ten};
 
 /// The accuracies that methods are compared at: the velocity error.
@@ -22,7 +23,7 @@ pub(crate) const COSTS: [Cost; 2] = [
     Cost {
         name: "seconds",
         title: "set-up and iterations (s)",
-        of: |run, point| Some(run.setup_s? + point.iterating_s?),
+        of: |run, point| Some(run.setup_s? + defined(point.iterating_s)?),
     },
     Cost { name: "sweeps", title: "counted work (sweeps)", of: |run, point| point.work(run) },
 ];
@@ -35,5 +36,5 @@ pub(crate) const WORK: &str = "A sweep of counted work is eight multiply-adds pe
 
 /// The first sample with a velocity error of at most `accuracy`.
 pub(crate) fn reached(curve: &[Point], accuracy: f64) -> Option<&Point> {
-    curve.iter().find(|point| point.velocity_error.is_some_and(|error| error <= accuracy))
+    curve.iter().find(|point| point.velocity_error().is_some_and(|error| error <= accuracy))
 }

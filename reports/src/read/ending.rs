@@ -23,34 +23,25 @@ pub(crate) enum Ending {
 }
 
 impl Ending {
-    pub(crate) const ALL: [Self; 8] = [
-        Self::Converged,
-        Self::IterationLimit,
-        Self::Stalled,
-        Self::Diverged,
-        Self::Infeasible,
-        Self::FalseConvergence,
-        Self::Skipped,
-        Self::Failed,
+    /// All, as a key says them.
+    pub(crate) const ALL: [(Self, &'static str); 8] = [
+        (Self::Converged, "converged"),
+        (Self::IterationLimit, "iteration limit"),
+        (Self::Stalled, "stalled"),
+        (Self::Diverged, "diverged"),
+        (Self::Infeasible, "infeasible"),
+        (Self::FalseConvergence, "false convergence"),
+        (Self::Skipped, "skipped"),
+        (Self::Failed, "failed"),
     ];
 
     pub(crate) fn of(status: &str) -> Self {
-        let same = |ending: &Self| ending.text().replace(' ', "-") == status;
-        Self::ALL.into_iter().find(same).unwrap_or(Self::Failed)
+        let same = |(_, text): &(Self, &str)| text.replace(' ', "-") == status;
+        Self::ALL.into_iter().find(same).map_or(Self::Failed, |(ending, _)| ending)
     }
 
-    /// As a key says it.
     pub(crate) fn text(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::IterationLimit => "iteration limit",
-            Self::Stalled => "stalled",
-            Self::Diverged => "diverged",
-            Self::Infeasible => "infeasible",
-            Self::FalseConvergence => "false convergence",
-            Self::Skipped => "skipped",
-            Self::Failed => "failed",
-        }
+        Self::ALL[self as usize].1
     }
 }
 
@@ -62,7 +53,7 @@ pub(crate) struct Verdicts<'r> {
 
 impl<'r> Verdicts<'r> {
     pub(crate) fn of(runs: &'r [RunRow]) -> Self {
-        let solved = |run: &&RunRow| run.has_converged() || run.end.velocity_error.is_some();
+        let solved = |run: &&RunRow| run.has_converged() || run.end.velocity_error().is_some();
         Self { solved: runs.iter().filter(solved).map(|run| run.problem.as_str()).collect() }
     }
 

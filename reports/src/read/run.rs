@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashSet};
 use std::ops::Deref;
 
-use contact::Work;
+use contact::{Measure, Work};
 use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot};
 use serde_json::{Map, Value};
@@ -37,39 +37,21 @@ impl Deref for RunRow {
     }
 }
 
-/// A sample of a curve; `None` where the measure is undefined.
+/// A sample of a curve.
 #[derive(Clone, Copy)]
-pub(crate) struct Point {
-    pub(crate) iteration: u64,
-    pub(crate) iterating_s: Option<f64>,
-    pub(crate) zeta: Option<f64>,
-    pub(crate) natural_map: Option<f64>,
-    pub(crate) penetration_rate: Option<f64>,
-    pub(crate) quad_dv: Option<f64>,
-    pub(crate) max_dv: Option<f64>,
-    pub(crate) velocity_error: Option<f64>,
-    pub(crate) work: Work,
+pub(crate) struct Point(Sample);
+
+impl Deref for Point {
+    type Target = Sample;
+
+    fn deref(&self) -> &Sample {
+        &self.0
+    }
 }
 
 /// `None` for NaN.
 pub(crate) fn defined(value: f64) -> Option<f64> {
     (!value.is_nan()).then_some(value)
-}
-
-impl Point {
-    fn of(Sample { iteration, iterating_s, measures, work }: &Sample) -> Self {
-        Self {
-            iteration: *iteration,
-            iterating_s: defined(*iterating_s),
-            zeta: defined(measures.zeta),
-            natural_map: defined(measures.natural_map),
-            penetration_rate: defined(measures.penetration_rate),
-            quad_dv: defined(measures.quad_dv),
-            max_dv: defined(measures.max_dv),
-            velocity_error: defined(measures.velocity_error),
-            work: *work,
-        }
-    }
 }
 
 impl RunRow {
@@ -83,8 +65,8 @@ impl RunRow {
             tolerance: defined(row.tolerance),
             setup_s: defined(row.setup_s),
             iterating_s: defined(row.iterating_s),
-            end: Point::of(&end),
-            curve: curve.iter().map(Point::of).collect(),
+            end: Point(end),
+            curve: curve.iter().copied().map(Point).collect(),
             snapshots: snapshots.clone(),
             row: row.clone(),
         }
@@ -98,6 +80,11 @@ impl RunRow {
 
     pub(crate) fn has_converged(&self) -> bool {
         self.ending == Ending::Converged
+    }
+
+    /// The measure that was to stop it.
+    pub(crate) fn stopping_measure(&self) -> Option<Measure> {
+        Measure::ALL.into_iter().find(|measure| measure.name() == self.stop_on)
     }
 
     /// What it was to be stopped by, as a sentence says it.
@@ -121,24 +108,21 @@ pub(crate) fn label(method: &str, variant: &str) -> String {
 }
 
 impl Point {
-    /// The measure that a stop rule names.
-    pub(crate) fn measure(&self, name: &str) -> Option<f64> {
-        match name {
-            "zeta" => self.zeta,
-            "natural_map" => self.natural_map,
-            "penetration_rate" => self.penetration_rate,
-            "quad_dv" => self.quad_dv,
-            "max_dv" => self.max_dv,
-            "velocity_error" => self.velocity_error,
-            _ => None,
-        }
+    /// A measure, where it is defined.
+    pub(crate) fn get(&self, measure: Measure) -> Option<f64> {
+        defined(self.measures.get(measure))
+    }
+
+    /// The distance to the true velocity, where that is known.
+    pub(crate) fn velocity_error(&self) -> Option<f64> {
+        self.get(Measure::VelocityError)
     }
 
     /// What a run was stopped on; the natural map, the working measure, stands for those that are no error.
     pub(crate) fn stopped_on(&self, run: &RunRow) -> Option<f64> {
-        match run.stop_on.as_str() {
-            "zeta" | "quad_dv" | "velocity_error" => self.measure(&run.stop_on),
-            _ => self.natural_map,
+        match run.stopping_measure() {
+            Some(error @ (Measure::Zeta | Measure::QuadDv | Measure::VelocityError)) => self.get(error),
+            _ => self.get(Measure::NaturalMap),
         }
     }
 

@@ -2,31 +2,30 @@
 
 use std::collections::BTreeSet;
 
-use crate::read::find_or_push;
+use results::schema::{ContactRow, GrainRow};
 
-/// A disc of a problem under a partition (m).
-pub(crate) struct Grain {
-    pub(crate) centre: (f64, f64),
-    pub(crate) radius: f64,
-    pub(crate) subdomain: Option<u32>,
-    pub(crate) multiplicity: u32,
-}
-
-/// A contact of a problem under a partition: from the candidate's centre to the antagonist's, or to the wall.
-pub(crate) struct Contact {
-    pub(crate) from: (f64, f64),
-    pub(crate) to: (f64, f64),
-    pub(crate) wall: bool,
-    pub(crate) subdomain: u32,
-    /// Of the reference solution, where one is known (N·s).
-    pub(crate) impulse: Option<f64>,
-}
+use crate::read::run::defined;
+use crate::read::{Scenes, find_or_push};
 
 /// The discs and contacts of one figure.
 #[derive(Default)]
 pub(crate) struct Scene {
-    pub(crate) grains: Vec<Grain>,
-    pub(crate) contacts: Vec<Contact>,
+    pub(crate) grains: Vec<GrainRow>,
+    pub(crate) contacts: Vec<ContactRow>,
+}
+
+/// The samples by problem and partition.
+pub(crate) fn scenes(grains: &[GrainRow], contacts: &[ContactRow]) -> Scenes {
+    let mut scenes = Scenes::new();
+    for grain in grains {
+        let name = (grain.problem.clone(), grain.partition.clone());
+        scenes.entry(name).or_default().grains.push(grain.clone());
+    }
+    for contact in contacts {
+        let name = (contact.problem.clone(), contact.partition.clone());
+        scenes.entry(name).or_default().contacts.push(contact.clone());
+    }
+    scenes
 }
 
 impl Scene {
@@ -36,15 +35,25 @@ impl Scene {
     }
 }
 
+/// The impulse of the reference solution, where one is known (N·s).
+pub(crate) fn impulse(contact: &ContactRow) -> Option<f64> {
+    defined(contact.impulse_n_s)
+}
+
+/// From the candidate's centre to the antagonist's, or to the wall (m).
+pub(crate) fn ends(contact: &ContactRow) -> Wall {
+    ((contact.x0_m, contact.y0_m), (contact.x1_m, contact.y1_m))
+}
+
 /// A straight piece of a wall (m).
 pub(crate) type Wall = ((f64, f64), (f64, f64));
 
 /// One piece per wall, from the first to the last place at which a grain touches it, and half a grain beyond. What no
 /// grain touches is unknown to the tables.
-pub(crate) fn walls(contacts: &[Contact]) -> Vec<Wall> {
+pub(crate) fn walls(contacts: &[ContactRow]) -> Vec<Wall> {
     let mut sides: Vec<Side> = Vec::new();
     for contact in contacts.iter().filter(|contact| contact.wall) {
-        let ((x0, y0), (x1, y1)) = (contact.from, contact.to);
+        let ((x0, y0), (x1, y1)) = ends(contact);
         let reach = (x0 - x1).hypot(y0 - y1);
         if !(reach > 0.0) {
             continue;

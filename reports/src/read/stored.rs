@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use results::schema::{ContactRow, GrainRow, Run};
+use results::schema::Run;
 use results::study::{Runs, Study as Stored};
 use serde_json::{Map, Value};
 
 use super::groups::differing;
-use super::run::{RunRow, defined, words};
-use super::scene::{Contact, Grain};
-use super::{Problems, Scenes, Simulation, Study};
+use super::run::{RunRow, words};
+use super::scene::scenes;
+use super::{Problems, Simulation, Study};
 
 /// Impulses that another code gave are no run.
 const GIVEN: &str = "given";
@@ -33,31 +33,6 @@ impl From<&Runs> for Problems {
         }
         Self { runs, given, scenes: scenes(&study.grains, &study.contacts) }
     }
-}
-
-/// The samples by problem and partition.
-pub(crate) fn scenes(grains: &[GrainRow], contacts: &[ContactRow]) -> Scenes {
-    let mut scenes = Scenes::new();
-    for grain in grains {
-        let name = (grain.problem.clone(), grain.partition.clone());
-        scenes.entry(name).or_default().grains.push(Grain {
-            centre: (grain.x_m, grain.y_m),
-            radius: grain.radius_m,
-            subdomain: grain.subdomain,
-            multiplicity: grain.multiplicity,
-        });
-    }
-    for contact in contacts {
-        let name = (contact.problem.clone(), contact.partition.clone());
-        scenes.entry(name).or_default().contacts.push(Contact {
-            from: (contact.x0_m, contact.y0_m),
-            to: (contact.x1_m, contact.y1_m),
-            wall: contact.wall,
-            subdomain: contact.subdomain,
-            impulse: defined(contact.impulse_n_s),
-        });
-    }
-    scenes
 }
 
 /// A run by the names of its columns, as a template asks for them.

@@ -1,5 +1,6 @@
 //! The runs that failed, each with its reason; one that proves that there is no solution has not.
 
+use contact::Measure;
 use polars::df;
 use polars::prelude::DataFrame;
 
@@ -48,15 +49,16 @@ fn reason(run: &RunRow) -> String {
     }
     let (iterations, measure) = (count(run.iterations as usize), run.stop_on.replace('_', " "));
     let value = |value: Option<f64>| value.map_or("undefined".to_owned(), |value| number(value, 2));
+    let at_end = || value(run.stopping_measure().and_then(|measure| run.end.get(measure)));
     match run.ending {
         Ending::IterationLimit => format!(
             "all {iterations} iterations made, and {measure} is {} where {} was asked",
-            value(run.end.measure(&run.stop_on)),
+            at_end(),
             value(run.tolerance)
         ),
         Ending::Stalled => format!(
             "after {iterations} iterations no further one makes it better, and {measure} is {} where {} was asked",
-            value(run.end.measure(&run.stop_on)),
+            at_end(),
             value(run.tolerance)
         ),
         Ending::Diverged => {
@@ -68,9 +70,9 @@ fn reason(run: &RunRow) -> String {
             )
         }
         Ending::FalseConvergence => {
-            let but = match run.end.velocity_error {
+            let but = match run.end.velocity_error() {
                 Some(error) => format!("the velocity error is {}", number(error, 2)),
-                None => format!("the natural map is {}", value(run.end.natural_map)),
+                None => format!("the natural map is {}", value(run.end.get(Measure::NaturalMap))),
             };
             format!("{measure} met its tolerance while {but}")
         }

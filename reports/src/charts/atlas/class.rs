@@ -1,5 +1,7 @@
 //! The class of a run: one rule for every method.
 
+use contact::Measure;
+
 use crate::draw::{BLACK, Cell, RGBColor, WHITE};
 use crate::read::{Ending, Point, RunRow};
 
@@ -28,15 +30,16 @@ const STALLED: f64 = 0.01;
 const FAR: f64 = 100.0;
 
 impl Class {
-    pub(crate) const ALL: [Self; 8] = [
-        Self::Converged,
-        Self::Slow,
-        Self::Stalled,
-        Self::Diverged,
-        Self::FalseConvergence,
-        Self::Infeasible,
-        Self::Skipped,
-        Self::Failed,
+    /// All, as a key says them; in a cell, with a letter that says it without colour, on a ground that is the darker the worse.
+    pub(crate) const ALL: [(Self, &'static str, Cell); 8] = [
+        (Self::Converged, "converged", cell("c", RGBColor(222, 240, 232), RGBColor(90, 130, 112))),
+        (Self::Slow, "slow", cell("S", RGBColor(250, 214, 110), BLACK)),
+        (Self::Stalled, "stalled", cell("T", RGBColor(224, 132, 44), BLACK)),
+        (Self::Diverged, "diverged", cell("D", RGBColor(158, 28, 48), WHITE)),
+        (Self::FalseConvergence, "false convergence", cell("F", RGBColor(62, 26, 98), WHITE)),
+        (Self::Infeasible, "infeasible", cell("i", RGBColor(200, 222, 242), RGBColor(40, 80, 120))),
+        (Self::Skipped, "skipped", cell("–", WHITE, RGBColor(120, 120, 120))),
+        (Self::Failed, "failed", cell("?", RGBColor(90, 90, 90), WHITE)),
     ];
 
     /// The class of a run.
@@ -59,34 +62,22 @@ impl Class {
         matches!(self, Self::Converged | Self::Infeasible)
     }
 
-    /// As a key says it; in a cell, where a letter says it without colour; the ground of the cell, the darker the worse, and
-    /// its letter.
-    fn look(self) -> (&'static str, &'static str, (RGBColor, RGBColor)) {
-        match self {
-            Self::Converged => ("converged", "c", (RGBColor(222, 240, 232), RGBColor(90, 130, 112))),
-            Self::Infeasible => ("infeasible", "i", (RGBColor(200, 222, 242), RGBColor(40, 80, 120))),
-            Self::Slow => ("slow", "S", (RGBColor(250, 214, 110), BLACK)),
-            Self::Stalled => ("stalled", "T", (RGBColor(224, 132, 44), BLACK)),
-            Self::Diverged => ("diverged", "D", (RGBColor(158, 28, 48), WHITE)),
-            Self::FalseConvergence => ("false convergence", "F", (RGBColor(62, 26, 98), WHITE)),
-            Self::Skipped => ("skipped", "–", (WHITE, RGBColor(120, 120, 120))),
-            Self::Failed => ("failed", "?", (RGBColor(90, 90, 90), WHITE)),
-        }
-    }
-
     pub(crate) fn text(self) -> &'static str {
-        self.look().0
+        Self::ALL[self as usize].1
     }
 
     pub(crate) fn cell(self) -> Cell {
-        let (_, letter, (fill, ink)) = self.look();
-        Cell { fill, letter, ink }
+        Self::ALL[self as usize].2
     }
+}
+
+const fn cell(letter: &'static str, fill: RGBColor, ink: RGBColor) -> Cell {
+    Cell { fill, letter, ink }
 }
 
 /// Whether a point is far from the true velocity, where that is known.
 fn is_far(run: &RunRow, point: Option<&Point>) -> bool {
-    let (Some(tolerance), Some(error)) = (run.tolerance, point.and_then(|point| point.velocity_error)) else {
+    let (Some(tolerance), Some(error)) = (run.tolerance, point.and_then(Point::velocity_error)) else {
         return false;
     };
     error > FAR * tolerance
@@ -94,8 +85,9 @@ fn is_far(run: &RunRow, point: Option<&Point>) -> bool {
 
 /// Whether ζ met the tolerance at an iterate that is far from the solution, or of a problem that has none.
 pub(crate) fn zeta_lies(run: &RunRow) -> bool {
-    let met =
-        |point: &&Point| point.zeta.zip(run.tolerance).is_some_and(|(zeta, tolerance)| zeta <= tolerance);
+    let met = |point: &&Point| {
+        point.get(Measure::Zeta).zip(run.tolerance).is_some_and(|(zeta, tolerance)| zeta <= tolerance)
+    };
     let first = run.curve.iter().find(met);
     first.is_some_and(|point| run.ending == Ending::Infeasible || is_far(run, Some(point)))
 }

@@ -106,8 +106,8 @@ impl Grid<'_, '_> {
             .collect();
         let mut entries: Vec<(Sign, String)> = Class::ALL
             .into_iter()
-            .filter(|class| cells.iter().any(|(judged, _)| judged.class == *class))
-            .map(|class| (Sign::Cell(class.cell()), class.text().to_owned()))
+            .filter(|(class, ..)| cells.iter().any(|(judged, _)| judged.class == *class))
+            .map(|(_, text, cell)| (Sign::Cell(cell), text.to_owned()))
             .collect();
         if cells.iter().any(|(_, cured)| *cured) {
             entries.push((Sign::Ring, "another setting of the method mends it".to_owned()));

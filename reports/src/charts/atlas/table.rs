@@ -1,5 +1,6 @@
 //! The tables of the atlas: each run with its class, and how often each method has which.
 
+use contact::Measure;
 use polars::df;
 use polars::prelude::{Column, DataFrame};
 
@@ -26,8 +27,8 @@ pub(super) fn runs(judged: &[Judged], hazards: &[Hazard]) -> DataFrame {
         "class" => judged.iter().map(|j| j.class.text()).collect::<Vec<_>>(),
         "reason" => judged.iter().map(|j| j.run.reason.as_str()).collect::<Vec<_>>(),
         "iterations" => judged.iter().map(|j| j.run.iterations).collect::<Vec<_>>(),
-        "natural_map" => judged.iter().map(|j| j.run.curve.last().and_then(|end| end.natural_map)).collect::<Vec<_>>(),
-        "velocity_error" => judged.iter().map(|j| j.run.curve.last().and_then(|end| end.velocity_error)).collect::<Vec<_>>(),
+        "natural_map" => judged.iter().map(|j| j.run.curve.last().and_then(|end| end.get(Measure::NaturalMap))).collect::<Vec<_>>(),
+        "velocity_error" => judged.iter().map(|j| j.run.curve.last().and_then(|end| end.velocity_error())).collect::<Vec<_>>(),
         "zeta_lies" => judged.iter().map(|j| j.zeta_lies).collect::<Vec<_>>(),
         "lambda_max" => spectral("lambda_max"),
         "closed_lambda_max" => spectral("closed_lambda_max"),
@@ -41,11 +42,11 @@ pub(super) fn runs(judged: &[Judged], hazards: &[Hazard]) -> DataFrame {
 
 /// One row per method: its settings, and its runs by class.
 pub(super) fn counts(judged: &[Judged], kinds: &[Kind]) -> DataFrame {
-    let count = |class: Class| {
+    let count = |(class, text, _): (Class, &str, _)| {
         let of = |kind: &Kind| {
             judged.iter().filter(|j| j.run.method == kind.method && j.class == class).count() as u64
         };
-        Column::new(class.text().replace(' ', "_").into(), kinds.iter().map(of).collect::<Vec<_>>())
+        Column::new(text.replace(' ', "_").into(), kinds.iter().map(of).collect::<Vec<_>>())
     };
     let table = frame(df!(
         "method" => kinds.iter().map(|kind| kind.method).collect::<Vec<_>>(),

@@ -82,10 +82,10 @@ fn region(judged: &[Judged], hazard: &Hazard, kind: &Kind) -> Option<String> {
 }
 
 fn failing_of(judged: &[Judged], failing: &[&Judged], problems: usize, setting: String) -> Failing {
-    let classes = Class::ALL.into_iter().filter_map(|class| {
+    let classes = Class::ALL.into_iter().filter_map(|(class, text, _)| {
         let count = failing.iter().filter(|run| run.class == class).count();
         let of = if problems == 1 { String::new() } else { format!(" on {count} of {problems}") };
-        (count > 0).then(|| format!("{}{of}", class.text()))
+        (count > 0).then(|| format!("{text}{of}"))
     });
     Failing { setting, how: classes.collect::<Vec<_>>().join(", "), why: why(judged, failing) }
 }

@@ -41,35 +41,25 @@ pub(crate) struct Drift {
 }
 
 impl Class {
-    /// In the order of badness.
-    pub(crate) const ALL: [Self; 6] = [
-        Self::Stable,
-        Self::Jittering,
-        Self::Creeping,
-        Self::Exploded,
-        Self::NoSolution,
-        Self::SolverDiverged,
+    /// In the order of badness, each with its name, the ground of its cell, whose lightness falls with the badness, so that it
+    /// reads in grey, and its letter.
+    pub(crate) const ALL: [(Self, &'static str, RGBColor, &'static str); 6] = [
+        (Self::Stable, "stable", RGBColor(225, 240, 232), "s"),
+        (Self::Jittering, "jittering", RGBColor(242, 205, 120), "j"),
+        (Self::Creeping, "creeping", RGBColor(205, 110, 50), "c"),
+        (Self::Exploded, "exploded", RGBColor(110, 45, 85), "x"),
+        (Self::NoSolution, "no solution", RGBColor(70, 20, 60), "n"),
+        (Self::SolverDiverged, "solver diverged", RGBColor(30, 8, 30), "d"),
     ];
 
-    /// Its name; the ground of its cell, whose lightness falls with the badness, so that it reads in grey, and its letter.
-    fn look(self) -> (&'static str, RGBColor, &'static str) {
-        match self {
-            Self::Stable => ("stable", RGBColor(225, 240, 232), "s"),
-            Self::Jittering => ("jittering", RGBColor(242, 205, 120), "j"),
-            Self::Creeping => ("creeping", RGBColor(205, 110, 50), "c"),
-            Self::Exploded => ("exploded", RGBColor(110, 45, 85), "x"),
-            Self::NoSolution => ("no solution", RGBColor(70, 20, 60), "n"),
-            Self::SolverDiverged => ("solver diverged", RGBColor(30, 8, 30), "d"),
-        }
-    }
-
     pub(crate) fn name(self) -> &'static str {
-        self.look().0
+        Self::ALL[self as usize].1
     }
 
     pub(crate) fn cell(class: Option<Self>) -> Cell {
+        let known = class.map(|class| Self::ALL[class as usize]);
         let (fill, letter) =
-            class.map_or((RGBColor(248, 248, 248), "–"), |class| (class.look().1, class.look().2));
+            known.map_or((RGBColor(248, 248, 248), "–"), |(.., fill, letter)| (fill, letter));
         Cell { fill, letter, ink: ColorScale::ink_on(fill) }
     }
 }

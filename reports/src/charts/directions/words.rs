@@ -45,10 +45,10 @@ pub(super) fn head(problem: &str, fields: &[&Field]) -> [String; 2] {
     let stop = rule.map_or(String::new(), |rule| format!(" to {rule}"));
     let runs = fields.iter().map(|f| f.cells.len()).sum();
     let mut counts = vec![counted(runs, "run")];
-    for ending in Ending::ALL.into_iter().filter(|ending| *ending != Ending::Converged) {
+    for (ending, text) in Ending::ALL.into_iter().filter(|(ending, _)| *ending != Ending::Converged) {
         let number: usize = fields.iter().map(|f| f.count(ending)).sum();
         if number > 0 {
-            counts.push(format!("{} {}", count(number), ending.text()));
+            counts.push(format!("{} {text}", count(number)));
         }
     }
     [format!("{problem}, {method}: iterations{stop}, over the search directions"), counts.join(", ")]

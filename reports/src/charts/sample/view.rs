@@ -1,10 +1,12 @@
 //! From metres to paper: the scale of a scene and the width of its chains.
 
+use results::schema::GrainRow;
+
 use super::THINNEST_CHAIN;
 use crate::draw::{
     CHAIN, COLUMN, Canvas, HPos, MARGIN, PAGE, Pen, Place, SCALE_BAR, TEXT, VPos, WALL, text_width,
 };
-use crate::read::{Scene, number, round_down};
+use crate::read::{Scene, impulse, number, round_down};
 
 /// A scene that is more than so many times as wide as high takes the width of a page.
 const WIDE: f64 = 2.0;
@@ -37,9 +39,8 @@ pub(crate) struct View {
 impl View {
     /// Fits the discs, with equal scales in both directions.
     pub(crate) fn of(scene: &Scene) -> Self {
-        let edges = scene.grains.iter().map(|g| (g.centre, g.radius));
         let (mut low, mut high) = ((f64::INFINITY, f64::INFINITY), (f64::NEG_INFINITY, f64::NEG_INFINITY));
-        for ((x, y), radius) in edges {
+        for &GrainRow { x_m: x, y_m: y, radius_m: radius, .. } in &scene.grains {
             low = (low.0.min(x - radius), low.1.min(y - radius));
             high = (high.0.max(x + radius), high.1.max(y + radius));
         }
@@ -51,7 +52,7 @@ impl View {
         let inside = width - 2.0 * (MARGIN + WALL.width);
         let scale = (inside / span).min(HIGHEST / rise);
         let image = ((width - scale * span) / 2.0, MARGIN + WALL.width);
-        let known = scene.contacts.iter().filter_map(|contact| contact.impulse).filter(|r| r.is_finite());
+        let known = scene.contacts.iter().filter_map(impulse).filter(|r| r.is_finite());
         let greatest = known.fold(0.0, f64::max);
         let widest = (CHAIN_PER_RADIUS * scale * median_radius(scene)).clamp(THINNEST_CHAIN, WIDEST_CHAIN);
         Self {
@@ -95,7 +96,7 @@ impl View {
 }
 
 fn median_radius(scene: &Scene) -> f64 {
-    let mut radii: Vec<f64> = scene.grains.iter().map(|grain| grain.radius).collect();
+    let mut radii: Vec<f64> = scene.grains.iter().map(|grain| grain.radius_m).collect();
     radii.sort_by(f64::total_cmp);
     radii.get(radii.len() / 2).copied().unwrap_or(0.0)
 }
