@@ -10,6 +10,7 @@ mod directions;
 mod profiles;
 mod relaxation;
 mod sample;
+mod scaling;
 mod size;
 mod subdomains;
 #[cfg(test)]

@@ -10,7 +10,7 @@ mod table;
 pub(crate) use failures::failures;
 pub use fill::fill;
 pub(crate) use found::found;
-pub(crate) use part::{File, Kind, Part, Table, frame, nothing, too_many};
+pub(crate) use part::{File, Kind, Part, Table, chosen, frame, nothing, too_many};
 pub(crate) use rows::rows;
 pub use rows::summary;
 #[cfg(test)]

@@ -14,7 +14,7 @@ use crate::draw::{
 use results::simulation::Simulation as Row;
 
 use crate::read::{Simulation, counted, in_role, milliseconds, number, unique};
-use crate::text::{Part, frame};
+use crate::text::{Part, chosen};
 use class::{CREEP, Class, Drift, MORE_ENERGY, SHARE_OF_FALL, class, drift};
 
 /// A simulation, judged.
@@ -56,27 +56,22 @@ fn rule() -> String {
 }
 
 fn table(judged: &[Judged]) -> DataFrame {
-    fn column<'j, T>(judged: &[Judged<'j>], of: impl Fn(&'j Simulation) -> T) -> Vec<T> {
-        judged.iter().map(|j| of(j.simulation)).collect()
-    }
+    let simulations = || judged.iter().map(|j| j.simulation);
     let drifts = |of: fn(&Drift) -> f64| judged.iter().map(|j| j.drift.as_ref().map(of)).collect::<Vec<_>>();
-    frame(df!(
-        "scene" => column(judged, |s| s.scene.as_str()),
-        "time_step_s" => column(judged, |s| s.time_step_s),
-        "method" => column(judged, Simulation::label),
-        "warm_start" => column(judged, |s| s.warm_start),
-        "tolerance" => column(judged, |s| s.tolerance),
-        "max_iterations" => column(judged, |s| s.max_iterations),
+    let own = df!(
+        "method" => simulations().map(Simulation::label).collect::<Vec<_>>(),
         "class" => judged.iter().map(|j| j.class.map(Class::name)).collect::<Vec<_>>(),
         "height_drift_mean_diameters" => drifts(|drift| drift.height),
         "overlap_excess_mean_diameters" => drifts(|drift| drift.overlap),
-        "worst_overlap_mean_diameters" => column(judged, worst_overlap),
+        "worst_overlap_mean_diameters" => simulations().map(worst_overlap).collect::<Vec<_>>(),
         "kinetic_energy_j" => drifts(|drift| drift.energies[0]),
         "kinetic_energy_of_reference_j" => drifts(|drift| drift.energies[1]),
-        "time_steps" => column(judged, |s| s.totals.time_steps),
-        "missed_time_steps" => column(judged, |s| s.totals.missed_time_steps),
-        "seconds_per_second" => column(judged, Simulation::seconds_per_second),
-    ))
+        "seconds_per_second" => simulations().map(Simulation::seconds_per_second).collect::<Vec<_>>(),
+    );
+    let names = "scene time_step_s method warm_start tolerance max_iterations class height_drift_mean_diameters \
+                 overlap_excess_mean_diameters worst_overlap_mean_diameters kinetic_energy_j \
+                 kinetic_energy_of_reference_j time_steps missed_time_steps seconds_per_second";
+    chosen(simulations(), names, own)
 }
 
 /// In mean diameters, over all time.

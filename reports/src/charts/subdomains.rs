@@ -1,14 +1,12 @@
 //! Iterations, and seconds of an iteration, against the number of subdomains.
 
-use polars::df;
-use polars::prelude::DataFrame;
-
+use super::scaling::{seconds_per_iteration, table_of};
 use crate::draw::{
     Canvas, INSIDE, Legend, MOST_LINES, Pen, Points, Room, Scale, Series, Sign, TOLERANCE, draw_empty,
     draw_signs, endings, has_line, key, on_the_way, reach, row, series, title,
 };
 use crate::read::{Ending, Problems, RunRow, file_name, problems};
-use crate::text::{Part, frame, too_many};
+use crate::text::{Part, too_many};
 
 /// What a panel shows of a run of a series.
 pub(crate) struct Panel {
@@ -43,10 +41,6 @@ impl Panel {
     }
 }
 
-pub(crate) fn seconds_per_iteration(run: &RunRow) -> Option<f64> {
-    run.iterating_s.filter(|_| run.iterations > 0).map(|seconds| seconds / run.iterations as f64)
-}
-
 /// `subdomains-<problem>` for each problem, and the table `subdomains` with the growth.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs: Vec<&RunRow> = study.runs.iter().collect();
@@ -57,10 +51,10 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
         let name = format!("subdomains-{}", file_name(problem));
         parts.push(on_problem(name, &runs, problem, &panels, Vec::new()));
     }
-    let table = table(&series(&study.runs, &["subdomains"]));
+    let names = "problem method subdomains status iterations growth seconds_per_iteration setup_s seconds";
     let note =
         "\nGrowth: iterations over those of the same method and settings with the fewest subdomains.\n";
-    parts.push(Part::table("subdomains", table, note));
+    parts.push(Part::table("subdomains", table_of(&study.runs, names), note));
     parts
 }
 
@@ -189,34 +183,4 @@ fn panel(
     if lines.iter().all(Vec::is_empty) {
         draw_empty(canvas, &frame);
     }
-}
-
-/// Iterations of a run over those of the one with the fewest subdomains among `same`, if both converged.
-pub(crate) fn growth<'r>(run: &RunRow, same: impl Iterator<Item = &'r RunRow>) -> Option<f64> {
-    let fewest = same.min_by_key(|other| other.subdomains)?;
-    let converged = [run, fewest].iter().all(|run| run.has_converged());
-    (converged && fewest.iterations > 0).then(|| run.iterations as f64 / fewest.iterations as f64)
-}
-
-/// One row per run, with its iterations over those of the fewest subdomains.
-fn table(all: &[Series]) -> DataFrame {
-    let mut rows: Vec<(&Series, &RunRow, Option<f64>)> = Vec::new();
-    for series in all {
-        for run in &series.runs {
-            let same = series.runs.iter().filter(|other| other.problem == run.problem);
-            rows.push((series, run, growth(run, same.copied())));
-        }
-    }
-    frame(df!(
-        "problem" => rows.iter().map(|(_, run, _)| run.problem.as_str()).collect::<Vec<_>>(),
-        "method" => rows.iter().map(|(series, ..)| series.label()).collect::<Vec<_>>(),
-        "subdomains" => rows.iter().map(|(_, run, _)| run.subdomains).collect::<Vec<_>>(),
-        "status" => rows.iter().map(|(_, run, _)| run.ending.text()).collect::<Vec<_>>(),
-        "iterations" => rows.iter().map(|(_, run, _)| run.iterations).collect::<Vec<_>>(),
-        "growth" => rows.iter().map(|(.., growth)| *growth).collect::<Vec<_>>(),
-        "seconds_per_iteration" =>
-            rows.iter().map(|(_, run, _)| seconds_per_iteration(run)).collect::<Vec<_>>(),
-        "setup_s" => rows.iter().map(|(_, run, _)| run.setup_s).collect::<Vec<_>>(),
-        "seconds" => rows.iter().map(|(_, run, _)| run.seconds()).collect::<Vec<_>>(),
-    ))
 }

@@ -14,7 +14,7 @@ use crate::draw::{
     TOLERANCE, VPos, log, looks_in_time, row,
 };
 use crate::read::{Simulation, file_name, in_role, milliseconds, number, padded, span, unique};
-use crate::text::{Part, frame};
+use crate::text::{Part, chosen};
 use error::{OBSERVABLES, errors};
 
 /// Tells time steps apart, from the longest.
@@ -76,25 +76,18 @@ const NORMS: &str = "Errors over the common times of the series, beside the refe
                      and the mean height in mean diameters d. Seconds are those in the method alone.";
 
 fn table(compared: &[Compared]) -> DataFrame {
-    fn column<'c, T>(compared: &[Compared<'c>], of: impl Fn(&'c Simulation) -> T) -> Vec<T> {
-        compared.iter().map(|c| of(c.simulation)).collect()
-    }
     let error = |i: usize| compared.iter().map(|c| c.errors.map(|e| e[i])).collect::<Vec<Option<f64>>>();
-    frame(df!(
-        "scene" => column(compared, |s| s.scene.as_str()),
-        "role" => column(compared, |s| s.role.as_str()),
-        "time_step_s" => column(compared, |s| s.time_step_s),
-        "method" => column(compared, Simulation::label),
-        "warm_start" => column(compared, |s| s.warm_start),
-        "tolerance" => column(compared, |s| s.tolerance),
-        "max_iterations" => column(compared, |s| s.max_iterations),
-        "status" => column(compared, |s| s.status.as_str()),
+    let own = df!(
+        "method" => compared.iter().map(|c| c.label()).collect::<Vec<_>>(),
         "wall_impulse" => error(0),
         "kinetic_energy" => error(1),
         "greatest_overlap_mean_diameters" => error(2),
         "mean_height_mean_diameters" => error(3),
-        "seconds_per_second" => column(compared, Simulation::seconds_per_second),
-    ))
+        "seconds_per_second" => compared.iter().map(|c| c.seconds_per_second()).collect::<Vec<_>>(),
+    );
+    let names = "scene role time_step_s method warm_start tolerance max_iterations status wall_impulse kinetic_energy \
+                 greatest_overlap_mean_diameters mean_height_mean_diameters seconds_per_second";
+    chosen(compared.iter().map(|c| c.simulation), names, own)
 }
 
 fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> String {

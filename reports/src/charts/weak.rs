@@ -1,16 +1,10 @@
 //! Iterations, the longest subdomain and time, with as many grains in each subdomain however many there are.
 
-use std::collections::{BTreeMap, BTreeSet};
-
-use polars::df;
-use polars::prelude::DataFrame;
-
-use super::critical_path::with_path;
-use crate::charts::critical_path::path;
-use crate::charts::subdomains::{Panel, figure, growth, seconds_per_iteration};
+use super::scaling::{grains_per_subdomain, path, seconds_per_iteration, table, with_path};
+use super::subdomains::{Panel, figure};
 use crate::draw::{DASHES, Look, Looks, Pen, Series, series};
-use crate::read::{Problems, RunRow, counted, stopped_at_1e_2};
-use crate::text::{Part, frame, nothing};
+use crate::read::{Problems, RunRow, counted, find_or_push, stopped_at_1e_2};
+use crate::text::{Part, nothing};
 
 /// Iterations to 10⁻² are left out where that is what all runs were stopped at.
 fn panels(runs: &[&RunRow]) -> Vec<Panel> {
@@ -33,51 +27,51 @@ const NOTE: &str = "\nThe longest subdomain: its multiply-adds in all iterations
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = with_path(study);
     let all = all(&runs);
-    let figure = drawn(all.clone(), &Looks::new(runs.iter().copied()), &panels(&runs));
-    vec![figure, Part::table("weak", table(&all), NOTE)]
+    let names = "method grains_per_subdomain subdomains grains status to_natural_map_1e_2 iterations growth \
+                 longest_subdomain seconds_per_iteration";
+    let table = table(&all, names, |_, _| true);
+    let figure = drawn(all, &Looks::new(runs.iter().copied()), &panels(&runs));
+    vec![figure, Part::table("weak", table, NOTE)]
+}
+
+/// Of all runs of a series.
+fn each(series: &Series) -> f64 {
+    grains_per_subdomain(series.runs[0])
 }
 
 /// Runs that agree in their settings and in their grains per subdomain, with at least two numbers of subdomains.
-fn all<'r>(runs: &[&'r RunRow]) -> Vec<(f64, Series<'r>)> {
+fn all<'r>(runs: &[&'r RunRow]) -> Vec<Series<'r>> {
     let mut all = Vec::new();
-    for whole in series(runs.iter().copied(), &["subdomains"]) {
-        // Equal ratios have equal bits.
-        let mut by_each: BTreeMap<u64, Vec<&RunRow>> = BTreeMap::new();
-        for run in &whole.runs {
-            let each = f64::from(run.grains) / f64::from(run.subdomains);
-            by_each.entry(each.to_bits()).or_default().push(run);
-        }
-        for (each, runs) in by_each {
-            let counts: BTreeSet<u32> = runs.iter().map(|run| run.subdomains).collect();
-            if counts.len() > 1 {
-                all.push((f64::from_bits(each), Series { runs, ..whole.clone() }));
-            }
-        }
+    for mut whole in series(runs.iter().copied(), &["subdomains"]) {
+        let mut runs = std::mem::take(&mut whole.runs);
+        runs.sort_by_key(|run| run.subdomains);
+        runs.sort_by(|a, b| grains_per_subdomain(a).total_cmp(&grains_per_subdomain(b)));
+        let alike = runs.chunk_by(|a, b| grains_per_subdomain(a) == grains_per_subdomain(b));
+        let several = alike.filter(|runs| runs[0].subdomains < runs[runs.len() - 1].subdomains);
+        all.extend(several.map(|runs| Series { runs: runs.to_vec(), ..whole.clone() }));
     }
-    all.sort_by(|(a, x), (b, y)| x.method.cmp(y.method).then(x.group.cmp(&y.group)).then(a.total_cmp(b)));
+    all.sort_by(|a, b| a.method.cmp(b.method).then(a.group.cmp(&b.group)).then(each(a).total_cmp(&each(b))));
     all
 }
 
 /// The figure of the numbers of grains per subdomain that come most often, as many as there are dashes.
-fn drawn(mut all: Vec<(f64, Series)>, looks: &Looks, panels: &[Panel]) -> Part {
-    let mut often: BTreeMap<u64, usize> = BTreeMap::new();
-    for (each, series) in &all {
-        *often.entry(each.to_bits()).or_default() += series.runs.len();
+fn drawn(mut all: Vec<Series>, looks: &Looks, panels: &[Panel]) -> Part {
+    let mut often: Vec<(f64, usize)> = Vec::new();
+    for series in &all {
+        find_or_push(&mut often, |(of, _)| *of == each(series), || (each(series), 0)).1 += series.runs.len();
     }
-    let mut often: Vec<(f64, usize)> =
-        often.into_iter().map(|(each, runs)| (f64::from_bits(each), runs)).collect();
-    often.sort_by_key(|(_, runs)| std::cmp::Reverse(*runs));
+    often.sort_by(|(a, m), (b, n)| n.cmp(m).then(a.total_cmp(b)));
     often.truncate(DASHES.len());
-    often.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-    all.retain(|(each, _)| often.iter().any(|(of, _)| of == each));
+    all.retain(|series| often.iter().any(|(of, _)| *of == each(series)));
     if all.is_empty() {
         let why = "no number of grains per subdomain comes with several numbers of subdomains";
         return nothing("weak-found", "weak", why);
     }
-    let one_method = all.windows(2).all(|pair| pair[0].1.method == pair[1].1.method);
-    let runs: usize = all.iter().map(|(_, series)| series.runs.len()).sum();
-    let series = all.into_iter().enumerate().map(|(i, (each, series))| {
-        let rank = often.iter().take_while(|(of, _)| *of < each).count();
+    let one_method = all.windows(2).all(|pair| pair[0].method == pair[1].method);
+    let runs: usize = all.iter().map(|series| series.runs.len()).sum();
+    let series = all.into_iter().enumerate().map(|(i, series)| {
+        let each = each(&series);
+        let rank = often.iter().filter(|(of, _)| *of < each).count();
         let look = if one_method { looks.variant_alone(series.method, i).signed() } else { series.look };
         let look = Look { pen: Pen { dash: DASHES[rank], ..look.pen }, ..look };
         let each = format!("{each} grains each");
@@ -87,28 +81,4 @@ fn drawn(mut all: Vec<(f64, Series)>, looks: &Looks, panels: &[Panel]) -> Part {
     let title =
         format!("{}; the number of grains in each subdomain is the same along a line.", counted(runs, "run"));
     figure("weak".to_owned(), title, &series.collect::<Vec<_>>(), panels, Vec::new())
-}
-
-/// One row per run.
-fn table(all: &[(f64, Series)]) -> DataFrame {
-    let rows: Vec<(f64, &Series, &RunRow)> = all
-        .iter()
-        .flat_map(|(each, series)| {
-            let mut runs = series.runs.clone();
-            runs.sort_by_key(|run| run.subdomains);
-            runs.into_iter().map(move |run| (*each, series, run))
-        })
-        .collect();
-    frame(df!(
-        "method" => rows.iter().map(|(_, series, _)| series.label()).collect::<Vec<_>>(),
-        "grains_per_subdomain" => rows.iter().map(|(each, ..)| *each).collect::<Vec<_>>(),
-        "subdomains" => rows.iter().map(|(.., run)| run.subdomains).collect::<Vec<_>>(),
-        "grains" => rows.iter().map(|(.., run)| run.grains).collect::<Vec<_>>(),
-        "status" => rows.iter().map(|(.., run)| run.ending.text()).collect::<Vec<_>>(),
-        "to_natural_map_1e_2" => rows.iter().map(|(.., run)| run.iterations_to_natural_map_1e_2).collect::<Vec<_>>(),
-        "iterations" => rows.iter().map(|(.., run)| run.iterations).collect::<Vec<_>>(),
-        "growth" => rows.iter().map(|(_, series, run)| growth(run, series.runs.iter().copied())).collect::<Vec<_>>(),
-        "longest_subdomain" => rows.iter().map(|(.., run)| path(run)).collect::<Vec<_>>(),
-        "seconds_per_iteration" => rows.iter().map(|(.., run)| seconds_per_iteration(run)).collect::<Vec<_>>(),
-    ))
 }

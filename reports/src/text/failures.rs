@@ -5,7 +5,7 @@ use polars::df;
 use polars::prelude::DataFrame;
 
 use crate::read::{Ending, RunRow, Simulation, Study, Verdicts, count, number};
-use crate::text::frame;
+use crate::text::chosen;
 
 /// One row per run that failed, or per simulation that did not come to its end.
 pub(crate) fn failures(study: &Study) -> DataFrame {
@@ -18,28 +18,18 @@ pub(crate) fn failures(study: &Study) -> DataFrame {
 fn of_runs(runs: &[RunRow]) -> DataFrame {
     let verdicts = Verdicts::of(runs);
     let failed: Vec<&RunRow> = runs.iter().filter(|run| !verdicts.is_right(run)).collect();
-    let column = |of: fn(&RunRow) -> String| failed.iter().map(|run| of(run)).collect::<Vec<_>>();
-    frame(df!(
-        "problem" => column(|run| run.problem.clone()),
-        "method" => column(|run| run.method.clone()),
-        "variant" => column(|run| run.words.clone()),
-        "ended" => column(|run| run.ending.text().to_owned()),
-        "iterations" => failed.iter().map(|run| run.iterations).collect::<Vec<_>>(),
-        "run" => column(|run| run.id.clone()),
-        "reason" => column(reason),
-    ))
+    let own = df!(
+        "variant" => failed.iter().map(|run| run.words.as_str()).collect::<Vec<_>>(),
+        "ended" => failed.iter().map(|run| run.ending.text()).collect::<Vec<_>>(),
+        "run" => failed.iter().map(|run| run.id.as_str()).collect::<Vec<_>>(),
+        "reason" => failed.iter().map(|run| reason(run)).collect::<Vec<_>>(),
+    );
+    chosen(failed, "problem method variant ended iterations run reason", own)
 }
 
 fn of_simulations(all: &[Simulation]) -> DataFrame {
-    let failed: Vec<&Simulation> = all.iter().filter(|simulation| !simulation.reason.is_empty()).collect();
-    let column = |of: fn(&Simulation) -> &str| failed.iter().map(|s| of(s)).collect::<Vec<_>>();
-    frame(df!(
-        "scene" => column(|s| &s.scene),
-        "method" => column(|s| &s.method),
-        "variant" => column(|s| &s.variant),
-        "status" => column(|s| &s.status),
-        "reason" => column(|s| &s.reason),
-    ))
+    let failed = all.iter().filter(|simulation| !simulation.reason.is_empty());
+    chosen(failed, "scene method variant status reason", Ok(DataFrame::empty()))
 }
 
 /// What the row says, or what its ending means.

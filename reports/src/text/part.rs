@@ -1,6 +1,10 @@
 //! What a chart makes of the tables: figures, tables and sentences, and the files that they become.
 
+use std::ops::Deref;
+
 use polars::prelude::{DataFrame, PolarsResult};
+use results::columns::table as stored;
+use serde::Serialize;
 
 use crate::draw::{Formats, pdf, png};
 use crate::error::ReportError;
@@ -96,4 +100,20 @@ pub(crate) fn nothing(name: impl Into<String>, title: &str, why: &str) -> Part {
 /// A table whose columns are values of the same rows.
 pub(crate) fn frame(columns: PolarsResult<DataFrame>) -> DataFrame {
     columns.expect("all columns have a value for each row")
+}
+
+/// A table with a row for each of `rows`: the columns `names`, from `own` if it has them, else as they are stored.
+pub(crate) fn chosen<'r, R: Deref<Target: Default + Serialize> + 'r>(
+    rows: impl IntoIterator<Item = &'r R>,
+    names: &str,
+    own: PolarsResult<DataFrame>,
+) -> DataFrame {
+    let choose = || {
+        let mut all = stored(rows.into_iter().map(|row| &**row))?;
+        for column in own?.columns() {
+            all.with_column(column.clone())?;
+        }
+        all.select(names.split_whitespace())
+    };
+    frame(choose())
 }

@@ -62,53 +62,20 @@ pub fn summary(study: &Stored) -> Result<String, ReportError> {
 }
 
 /// What the files of a table of runs hold.
-const RUNS: [&str; 20] = [
-    "problem",
-    "method",
-    "variant",
-    "subdomains",
-    "status",
-    "iterations_to_zeta_1e_3",
-    "iterations_to_zeta_1e_4",
-    "iterations_to_natural_map_1e_2",
-    "iterations_to_natural_map_1e_4",
-    "iterations",
-    "contact_updates",
-    "delassus_products",
-    "triangular_solve_entries",
-    "factorisations",
-    "setup_s",
-    "iterating_s",
-    "natural_map",
-    "velocity_error",
-    "reason",
-    "id",
-];
+const RUNS: &str = "\
+    problem method variant subdomains status iterations_to_zeta_1e_3 iterations_to_zeta_1e_4 \
+    iterations_to_natural_map_1e_2 iterations_to_natural_map_1e_4 iterations contact_updates \
+    delassus_products triangular_solve_entries factorisations setup_s iterating_s natural_map \
+    velocity_error reason id";
 
 /// The same of a table of simulations.
-const SIMULATIONS: [&str; 17] = [
-    "scene",
-    "role",
-    "time_step_s",
-    "method",
-    "variant",
-    "warm_start",
-    "tolerance",
-    "max_iterations",
-    "status",
-    "time_steps",
-    "missed_time_steps",
-    "iterations",
-    "contact_updates",
-    "delassus_products",
-    "setup_s",
-    "iterating_s",
-    "reason",
-];
+const SIMULATIONS: &str = "\
+    scene role time_step_s method variant warm_start tolerance max_iterations status time_steps \
+    missed_time_steps iterations contact_updates delassus_products setup_s iterating_s reason";
 
 fn of_runs(study: &Problems) -> Result<Table, ReportError> {
     let rows = || study.runs.iter().chain(&study.given);
-    let all = table::<Run>(rows().map(|run| &**run))?.select(RUNS)?;
+    let all = table::<Run>(rows().map(|run| &**run))?.select(RUNS.split(' '))?;
     let skipped = rows().filter(|run| run.status == "skipped").map(|run| {
         let method = format!("{} {}", run.method, run.variant);
         format!("\nskipped: {} on {}: {}\n", method.trim_end(), run.problem, run.reason)
@@ -117,7 +84,8 @@ fn of_runs(study: &Problems) -> Result<Table, ReportError> {
 }
 
 fn of_simulations(simulations: &[Simulation]) -> Result<Table, ReportError> {
-    let all = table::<Row>(simulations.iter().map(|simulation| &**simulation))?.select(SIMULATIONS)?;
+    let all =
+        table::<Row>(simulations.iter().map(|simulation| &**simulation))?.select(SIMULATIONS.split(' '))?;
     let costs: Vec<Option<f64>> = simulations.iter().map(Simulation::seconds_per_second).collect();
     let note = simulations.iter().filter(|s| !s.reason.is_empty()).map(|s| {
         let method = format!("{} {}", s.method, s.variant);

@@ -3,11 +3,13 @@
 use contact::Measure;
 use polars::df;
 use polars::prelude::{Column, DataFrame};
+use serde_json::Value;
 
 use super::class::Class;
 use super::hazard::Hazard;
 use super::{Judged, Kind, setting};
-use crate::text::frame;
+use crate::read::Point;
+use crate::text::{chosen, frame};
 
 /// One row per run.
 pub(super) fn runs(judged: &[Judged], hazards: &[Hazard]) -> DataFrame {
@@ -15,29 +17,26 @@ pub(super) fn runs(judged: &[Judged], hazards: &[Hazard]) -> DataFrame {
         let of = hazards.iter().find(|hazard| hazard.problems.contains(&j.run.problem));
         of.map(|hazard| hazard.name.clone())
     };
-    let spectral = |key: &str| -> Vec<Option<f64>> {
-        judged.iter().map(|j| j.run.spectrum.get(key).and_then(serde_json::Value::as_f64)).collect()
+    let last = |of: fn(&Point) -> Option<f64>| -> Vec<Option<f64>> {
+        judged.iter().map(|j| j.run.curve.last().and_then(of)).collect()
     };
-    frame(df!(
+    let own = frame(df!(
         "hazard" => judged.iter().map(hazard).collect::<Vec<_>>(),
-        "problem" => judged.iter().map(|j| j.run.problem.as_str()).collect::<Vec<_>>(),
-        "contacts" => judged.iter().map(|j| j.run.contacts).collect::<Vec<_>>(),
-        "method" => judged.iter().map(|j| j.run.method.as_str()).collect::<Vec<_>>(),
         "setting" => judged.iter().map(|j| setting(&j.run.words)).collect::<Vec<_>>(),
         "class" => judged.iter().map(|j| j.class.text()).collect::<Vec<_>>(),
-        "reason" => judged.iter().map(|j| j.run.reason.as_str()).collect::<Vec<_>>(),
-        "iterations" => judged.iter().map(|j| j.run.iterations).collect::<Vec<_>>(),
-        "natural_map" => judged.iter().map(|j| j.run.curve.last().and_then(|end| end.get(Measure::NaturalMap))).collect::<Vec<_>>(),
-        "velocity_error" => judged.iter().map(|j| j.run.curve.last().and_then(|end| end.velocity_error())).collect::<Vec<_>>(),
+        "natural_map" => last(|end| end.get(Measure::NaturalMap)),
+        "velocity_error" => last(Point::velocity_error),
         "zeta_lies" => judged.iter().map(|j| j.zeta_lies).collect::<Vec<_>>(),
-        "lambda_max" => spectral("lambda_max"),
-        "closed_lambda_max" => spectral("closed_lambda_max"),
-        "closed_lambda_min" => spectral("closed_lambda_min"),
-        "redundant" => spectral("redundant"),
-        "kappa_opt" => spectral("kappa_opt"),
-        "multiplicity" => spectral("multiplicity"),
-        "coupling" => spectral("coupling"),
-    ))
+    ));
+    let spectrum = "lambda_max closed_lambda_max closed_lambda_min redundant kappa_opt multiplicity coupling";
+    let spectral = |key: &str| {
+        let of = |j: &Judged| j.run.spectrum.get(key).and_then(Value::as_f64);
+        Column::new(key.into(), judged.iter().map(of).collect::<Vec<Option<f64>>>())
+    };
+    let own = own.hstack(&spectrum.split(' ').map(spectral).collect::<Vec<_>>());
+    let names =
+        "hazard problem contacts method setting class reason iterations natural_map velocity_error zeta_lies";
+    chosen(judged.iter().map(|j| j.run), &format!("{names} {spectrum}"), own)
 }
 
 /// One row per method: its settings, and its runs by class.
