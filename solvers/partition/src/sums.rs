@@ -14,12 +14,17 @@ use std::slice::Iter;
 pub struct CopySums<V> {
     /// What each subdomain sent, copy by copy.
     sent: Vec<Vec<V>>,
-    /// The copies of each boundary grain, as [`Decomposition::boundary`] has them.
-    copies: Vec<Vec<(u32, u32)>>,
-    /// The boundary grain of each copy, subdomain by subdomain.
-    grains: Vec<Vec<u32>>,
+    /// Where each subdomain finds the terms of its sums.
+    terms: Vec<Terms>,
     /// Number of copies in all.
-    count: usize,
+    copies: usize,
+}
+
+/// Copy after copy, the number of terms of its sum; and all terms, each a subdomain and the number of a copy there.
+#[derive(Clone, Default)]
+struct Terms {
+    counts: Vec<u32>,
+    of: Vec<(u32, u32)>,
 }
 
 /// What it takes to send a copy, or to fetch what another thread sent, about (ns).
@@ -29,15 +34,16 @@ impl<V: Copy + Default + Send + Sync + Sum> CopySums<V> {
     /// Between the subdomains of `decomposition`.
     pub fn new(decomposition: &Decomposition) -> Self {
         let subdomains = &decomposition.subdomains;
-        let copies = decomposition.boundary.clone();
-        let mut grains = vec![Vec::new(); subdomains.len()];
-        for (grain, copies) in (0_u32..).zip(&copies) {
+        let mut terms = vec![Terms::default(); subdomains.len()];
+        for copies in &decomposition.boundary {
             for (e, _) in copies {
-                grains[*e as usize].push(grain);
+                let terms = &mut terms[*e as usize];
+                terms.of.extend(copies);
+                terms.counts.push(copies.len() as u32);
             }
         }
         let sent = subdomains.iter().map(|subdomain| vec![V::default(); subdomain.boundary.len()]).collect();
-        Self { sent, copies, grains, count: decomposition.copy_count() }
+        Self { sent, terms, copies: decomposition.copy_count() }
     }
 
     /// In every subdomain, `pass(subdomain, sent)` writes what its copies send; the passes take about `nanoseconds` in all.
@@ -61,22 +67,22 @@ impl<V: Copy + Default + Send + Sync + Sum> CopySums<V> {
         pass: impl Fn(&mut S, Sums<'_, V>) + Sync,
     ) {
         let together = self.together(nanoseconds);
-        let subdomains = subdomains.par_iter_mut().zip(&self.grains).with_min_len(together);
-        subdomains.for_each(|(subdomain, grains)| {
-            pass(subdomain, Sums { grains: grains.iter(), copies: &self.copies, sent: &self.sent });
+        let subdomains = subdomains.par_iter_mut().zip(&self.terms).with_min_len(together);
+        subdomains.for_each(|(subdomain, terms)| {
+            pass(subdomain, Sums { counts: terms.counts.iter(), of: &terms.of, sent: &self.sent });
         });
     }
 
     fn together(&self, nanoseconds: usize) -> usize {
-        together(nanoseconds + NS_PER_COPY * self.count)
+        together(nanoseconds + NS_PER_COPY * self.copies)
     }
 }
 
 /// The sum over all copies of its grain, for each copy of a subdomain.
 pub struct Sums<'s, V> {
-    /// Of the copies that are left.
-    grains: Iter<'s, u32>,
-    copies: &'s [Vec<(u32, u32)>],
+    counts: Iter<'s, u32>,
+    /// The terms that are left.
+    of: &'s [(u32, u32)],
     sent: &'s [Vec<V>],
 }
 
@@ -85,7 +91,8 @@ impl<V: Copy + Sum> Iterator for Sums<'_, V> {
 
     #[inline]
     fn next(&mut self) -> Option<V> {
-        let copies = &self.copies[*self.grains.next()? as usize];
-        Some(copies.iter().map(|(e, k)| self.sent[*e as usize][*k as usize]).sum())
+        let (of, left) = self.of.split_at(*self.counts.next()? as usize);
+        self.of = left;
+        Some(of.iter().map(|(e, k)| self.sent[*e as usize][*k as usize]).sum())
     }
 }
