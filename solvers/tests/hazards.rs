@@ -6,6 +6,7 @@ use crate::problems::{first_problem, impulses, start};
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
 use contact::{Contact, Measure, Meter, Packing, Solver};
+use mprgp::{Expansion, Mprgp};
 use nalgebra::Vector2;
 use nncg::Nncg;
 use nsgs::Nsgs;
@@ -170,11 +171,17 @@ pub(crate) fn wedge() -> impl Strategy<Value = Packing> {
 pub(crate) fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
     let nsgs = |relaxation: f64| Box::new(Nsgs { relaxation, ..Nsgs::default() });
     let apgd = |preconditioner| Box::new(Apgd { preconditioner, ..Apgd::default() });
+    let mprgp = |preconditioner, expansion| {
+        Box::new(Mprgp { preconditioner, expansion, ..Mprgp::default() })
+    };
     vec![
         ("cg", Box::new(Cg::default())),
         ("cg, preconditioned", Box::new(Cg { preconditioner: Preconditioner::Diagonal })),
         ("apgd", apgd(apgd::Preconditioner::None)),
         ("apgd, preconditioned", apgd(apgd::Preconditioner::Diagonal)),
+        ("mprgp", mprgp(Preconditioner::None, Expansion::ProjectedCg)),
+        ("mprgp, preconditioned", mprgp(Preconditioner::Diagonal, Expansion::ProjectedCg)),
+        ("mprgp, fixed step", mprgp(Preconditioner::None, Expansion::FixedStep)),
         ("nncg", Box::new(Nncg::default())),
         ("nsgs", nsgs(1.0)),
         ("nsgs, ω = 0.2", nsgs(0.2)),

@@ -7,6 +7,7 @@ use cg::{Cg, Preconditioner};
 use contact::{Measure, Solver, Truth};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
+use mprgp::Mprgp;
 use nncg::Nncg;
 use nsgs::Nsgs;
 use nsgs_dd::NsgsDd;
@@ -15,7 +16,7 @@ use runner::{Progress, Status, Stop, solve, solve_against};
 use std::ops::ControlFlow;
 
 /// Every method, as it is by default.
-pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 9] {
+pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 11] {
     [
         ("nsgs", Box::new(Nsgs::default())),
         ("jacobi", Box::new(Jacobi::default())),
@@ -24,6 +25,8 @@ pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 9] {
         ("latin-dd", Box::new(LatinDd::default())),
         ("nsgs-dd", Box::new(NsgsDd::default())),
         ("apgd", Box::new(Apgd::default())),
+        ("mprgp", Box::new(Mprgp::default())),
+        ("mprgp, preconditioned", Box::new(Mprgp { preconditioner: Preconditioner::Diagonal, ..Mprgp::default() })),
         ("nncg", Box::new(Nncg::default())),
         ("interior-point", Box::new(InteriorPoint::default())),
     ]
