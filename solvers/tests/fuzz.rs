@@ -36,7 +36,10 @@ fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
         ("gradient, s = 9", Box::new(Gradient { step: 9.0 })),
         ("apgd", Box::new(Apgd::default())),
         ("mprgp", Box::new(Mprgp::default())),
-        ("mprgp, preconditioned", Box::new(Mprgp { preconditioner: Preconditioner::Diagonal, ..Mprgp::default() })),
+        (
+            "mprgp, preconditioned",
+            Box::new(Mprgp { preconditioner: Preconditioner::Diagonal, ..Mprgp::default() }),
+        ),
         (
             "mprgp, fixed step, s = 2",
             Box::new(Mprgp { expansion: Expansion::FixedStep, step: 2.0, gamma: 1e3, ..Mprgp::default() }),

@@ -171,9 +171,7 @@ pub(crate) fn wedge() -> impl Strategy<Value = Packing> {
 pub(crate) fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
     let nsgs = |relaxation: f64| Box::new(Nsgs { relaxation, ..Nsgs::default() });
     let apgd = |preconditioner| Box::new(Apgd { preconditioner, ..Apgd::default() });
-    let mprgp = |preconditioner, expansion| {
-        Box::new(Mprgp { preconditioner, expansion, ..Mprgp::default() })
-    };
+    let mprgp = |preconditioner, expansion| Box::new(Mprgp { preconditioner, expansion, ..Mprgp::default() });
     vec![
         ("cg", Box::new(Cg::default())),
         ("cg, preconditioned", Box::new(Cg { preconditioner: Preconditioner::Diagonal })),
@@ -196,7 +194,7 @@ fn run(solver: &dyn Solver, problem: &Packing, tolerance: f64, max_iterations: u
 }
 
 /// q(r), and what round-off may add to it: impulses that grow along the kernel of W cancel in it (J).
-fn energy(problem: &Packing, r: &[f64]) -> (f64, f64) {
+pub(crate) fn energy(problem: &Packing, r: &[f64]) -> (f64, f64) {
     let q = Meter::new(problem).measure(r, 0.0).energy;
     let terms = r.iter().zip(problem.b()).zip(problem.delassus_diagonal());
     let size: f64 = terms.map(|((r, b), w)| r * (b.abs() + w * r)).sum();

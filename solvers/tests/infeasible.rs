@@ -26,7 +26,10 @@ pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 11] {
         ("nsgs-dd", Box::new(NsgsDd::default())),
         ("apgd", Box::new(Apgd::default())),
         ("mprgp", Box::new(Mprgp::default())),
-        ("mprgp, preconditioned", Box::new(Mprgp { preconditioner: Preconditioner::Diagonal, ..Mprgp::default() })),
+        (
+            "mprgp, preconditioned",
+            Box::new(Mprgp { preconditioner: Preconditioner::Diagonal, ..Mprgp::default() }),
+        ),
         ("nncg", Box::new(Nncg::default())),
         ("interior-point", Box::new(InteriorPoint::default())),
     ]

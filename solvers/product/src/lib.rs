@@ -98,10 +98,7 @@ impl<C: Send + Sync> Product<C> {
     }
 
     /// [`push`](Self::push), where `p` also gives the terms of sums over the contacts, which take the place of pᵗ p.
-    pub fn push_sums<const N: usize>(
-        &mut self,
-        p: impl Fn(&mut C) -> (f64, [f64; N]) + Sync,
-    ) -> [f64; N] {
+    pub fn push_sums<const N: usize>(&mut self, p: impl Fn(&mut C) -> (f64, [f64; N]) + Sync) -> [f64; N] {
         self.layout.send(&mut self.blocks, |block, sent| {
             Arch::new().dispatch(|| block.push(&p));
             block.columns.send(&block.y, sent);
@@ -126,10 +123,7 @@ impl<C: Send + Sync> Product<C> {
     }
 
     /// [`pull`](Self::pull), where `take` gives the terms of sums over the contacts.
-    pub fn pull_sums<const N: usize>(
-        &mut self,
-        take: impl Fn(&mut C, f64) -> [f64; N] + Sync,
-    ) -> [f64; N] {
+    pub fn pull_sums<const N: usize>(&mut self, take: impl Fn(&mut C, f64) -> [f64; N] + Sync) -> [f64; N] {
         self.layout.receive(&mut self.blocks, |block, sums| {
             block.columns.take(&mut block.y, sums);
             Arch::new().dispatch(|| block.pull(&take));
