@@ -275,6 +275,34 @@ fn any_settings() -> impl Strategy<Value = Mprgp> {
 }
 
 proptest! {
+    /// q − q* falls at every iteration by the factor 1 − α̂ λmin / (ϑ (1 + max(Γ, 1/Γ)²)), with α̂ = min(ᾱ, 2/λmax − ᾱ) and
+    /// ϑ = 2 max(ᾱ λmax, 1): theorem 5.14 of the book.
+    #[test]
+    fn mprgp_falls_as_fast_as_its_theorem_says(problem in any_problem(), settings in any_settings()) {
+        let settings = Mprgp { preconditioner: Preconditioner::Diagonal, ..settings };
+        let all = vec![true; problem.contact_count()];
+        let closed = Spectrum::of(&problem, Some(&all)).closed.unwrap();
+        let reference::Answer::Solution { impulses: solution, .. } = reference::solve(&problem) else {
+            return Ok(());
+        };
+        if closed.redundant > 0 {
+            return Ok(());
+        }
+        let step = settings.step / scaled_delassus_bound(&problem);
+        let hat = step.min(2.0 / closed.greatest - step);
+        let theta = 2.0 * f64::max(step * closed.greatest, 1.0);
+        let factor = 1.0 - hat * closed.least / (theta * (1.0 + settings.gamma.max(1.0 / settings.gamma).powi(2)));
+        let (least, mut iteration) = (energy(&problem, &solution), start(&settings, &problem));
+        let mut before = energy(&problem, &vec![0.0; solution.len()]).0 - least.0;
+        for k in 0..60 {
+            iteration.advance();
+            let (q, round_off) = energy(&problem, &impulses(&*iteration, &problem));
+            let bound = factor * before + 2.0 * (least.1 + round_off);
+            prop_assert!(q - least.0 <= bound, "{settings:?}, {factor}: {before:e} to {:e} in {k}", q - least.0);
+            before = q - least.0;
+        }
+    }
+
     /// Round-off is that of the terms, which may grow along the kernel of W, and without bound where there is no solution.
     #[test]
     fn hazards_mprgp_never_increases_the_energy(

@@ -27,6 +27,8 @@
 //! contact that it opens; if there is none, the step is that of the projected gradient with ᾱ. So impulses grow where there is no
 //! solution.
 
+mod state;
+
 pub use product::Preconditioner;
 
 use analysis::{delassus_bound, scaled_delassus_bound};
@@ -34,6 +36,7 @@ use contact::{Iteration, Packing, SetupError, Solver, Work, law};
 use product::Product;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use state::Contact;
 
 /// What is done where the conjugate step would make impulses negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
@@ -60,13 +63,15 @@ pub struct Mprgp {
     pub expansion: Expansion,
 }
 
-/// Γ = 1 and the projected step, as in the sources.
+/// Γ = 1, as in the sources; measured on the seven frozen problems, values from 0.2 to 2 differ by 8 % in products with W to a
+/// natural map of 1e-6, and 10 takes 40 % more. s = 1.9, with which the original expansion takes the fewest of 0.5, 1, 1.5, 1.9
+/// and 2, by 9 % to the most; and the projected step, which takes 22 % less than that.
 impl Default for Mprgp {
     fn default() -> Self {
         Self {
             preconditioner: Preconditioner::None,
             gamma: 1.0,
-            step: 1.0,
+            step: 1.9,
             expansion: Expansion::ProjectedCg,
         }
     }
@@ -77,48 +82,6 @@ const WHOLE: u64 = 16;
 
 /// Round-off, with a margin, of M^-½ H p relative to √Λ |p| (–): pᵗ W p says nothing below its square.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
-
-/// What the method knows of a contact. With the preconditioner, the unknowns are scaled by it.
-struct Contact {
-    b: f64,
-    /// `W_αα`.
-    diagonal: f64,
-    r: f64,
-    /// u = −(W r + b).
-    u: f64,
-    /// The direction.
-    p: f64,
-    /// r and u before the last step.
-    r_before: f64,
-    u_before: f64,
-}
-
-impl Contact {
-    /// φ.
-    #[inline]
-    fn free(&self) -> f64 {
-        if self.r > 0.0 { self.u } else { 0.0 }
-    }
-
-    /// β.
-    #[inline]
-    fn chopped(&self) -> f64 {
-        if self.r > 0.0 { 0.0 } else { law::non_negative(self.u) }
-    }
-
-    /// The terms of φ̃ᵗ φ and βᵗ β; `inverse_step` is 1/ᾱ.
-    #[inline]
-    fn split(&self, inverse_step: f64) -> [f64; 2] {
-        let (free, chopped, least) = (self.free(), self.chopped(), -self.r * inverse_step);
-        [free * if free < least { least } else { free }, chopped * chopped]
-    }
-
-    /// What max(0, r) added to r + α p in the last step, of the `length` α.
-    #[inline]
-    fn added(&self, length: f64) -> f64 {
-        law::non_negative(-(self.r_before + length * self.p))
-    }
-}
 
 struct Run {
     product: Product<Contact>,
