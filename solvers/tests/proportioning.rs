@@ -275,8 +275,8 @@ fn any_settings() -> impl Strategy<Value = Mprgp> {
 }
 
 proptest! {
-    /// q − q* falls at every iteration by the factor 1 − α̂ λmin / (ϑ (1 + max(Γ, 1/Γ)²)), with α̂ = min(ᾱ, 2/λmax − ᾱ) and
-    /// ϑ = 2 max(ᾱ λmax, 1): theorem 5.14 of the book.
+    /// Of q − q* each iteration leaves no more than 1 − α̂ λmin / (ϑ (1 + max(Γ, 1/Γ)²)), with α̂ = min(ᾱ, 2/λmax − ᾱ) and
+    /// ϑ = 2 max(ᾱ λmax, 1).
     #[test]
     fn mprgp_falls_as_fast_as_its_theorem_says(problem in any_problem(), settings in any_settings()) {
         let settings = Mprgp { preconditioner: Preconditioner::Diagonal, ..settings };

@@ -3,29 +3,31 @@
 //!
 //! Z. Dostál, J. Schöberl, Minimizing quadratic functions subject to bound constraints with the rate of convergence and finite
 //! termination, Comput. Optim. Appl. 30 (2005) 23-43; Z. Dostál, Optimal Quadratic Programming Algorithms, Springer 2009, ch. 5.
-//! Where W is regular, q − q* falls at every iteration by a factor that the extreme eigenvalues of W, Γ and ᾱ bound, and the
-//! solution is reached in finitely many. What is free and what is chopped of u = −(W r + b), minus the gradient of q,
+//! What is free and what is chopped of u = −(W r + b), minus the gradient of q,
 //!
 //!     φ = u where r > 0, else 0;   β = max(0, u) where r = 0, else 0;   φ̃ = max(φ, −r/ᾱ)
 //!
 //! decides what an iteration is:
 //!
 //! - |β|² > Γ² φ̃ᵗ φ: *proportioning*, to the least q along p = β;
-//! - else the least q along p, conjugate to the p before; where that is no contact's opening, a step of *conjugate gradients*;
-//! - where it would make r negative, an *expansion* of the set of open contacts. The original goes as far along p as r ≥ 0 lets it,
+//! - else the least q along p, conjugate to the p before: a step of *conjugate gradients*;
+//! - where that would make r negative, an *expansion* of the set of open contacts. The original goes as far along p as r ≥ 0 lets it,
 //!   and from there to max(0, r + ᾱ φ). The other goes to max(0, r + α p), the projection of the whole step: J. Kružík, D. Horák,
 //!   M. Čermák, L. Pospíšil, M. Pecha, Active set expansion strategies in MPRGP algorithm, Adv. Eng. Softw. 149 (2020) 102895.
 //!
-//! After all but the second, p = φ. The proof does not cover the projected step. So here it is taken only if q falls by
-//! ᾱ (1 − s/2) φ̃ᵗ φ at least, as it surely does along ᾱ φ̃; this is all that the proof asks of a step from a proportional r. Else the
-//! original one is made in its place: packings ask for that next to never.
+//! After all but the second, p = φ. Where W is regular, each iteration leaves of q − q* no more than the share
+//!
+//!     1 − α̂ λmin / (ϑ (1 + max(Γ, 1/Γ)²)),   α̂ = min(ᾱ, 2/λmax − ᾱ),   ϑ = 2 max(ᾱ λmax, 1)
+//!
+//! and there is a last one if no contact of the solution has both v = 0 and r = 0, or Γ is large enough. The proof does not cover
+//! the projected step. So here that is taken only if q falls by ᾱ (1 − s/2) φ̃ᵗ φ at least, as it surely does along ᾱ φ̃; else the
+//! original one is made in its place, after two products with W more.
 //!
 //! Cost of an iteration: one product with W, in two passes over the contacts. What the projection adds is none: it moves u at the
 //! few contacts around. The expansion by a fixed step makes a second one, and so does every 16th iteration, for u from r.
 //!
 //! The sources have no flat directions, which W has where it is singular. Where pᵗ W p is round-off, p is followed up to the first
-//! contact that it opens; if there is none, the step is that of the projected gradient with ᾱ. So impulses grow where there is no
-//! solution.
+//! contact that it opens; if there is none, the step is that of the projected gradient with ᾱ. Where uᵗ p is round-off, r stays.
 
 mod state;
 
@@ -63,9 +65,9 @@ pub struct Mprgp {
     pub expansion: Expansion,
 }
 
-/// Γ = 1, as in the sources; measured on the seven frozen problems, values from 0.2 to 2 differ by 8 % in products with W to a
-/// natural map of 1e-6, and 10 takes 40 % more. s = 1.9, with which the original expansion takes the fewest of 0.5, 1, 1.5, 1.9
-/// and 2, by 9 % to the most; and the projected step, which takes 22 % less than that.
+/// Γ = 1 as in the sources; s and the expansion are measured here: products with W to a natural map of 1e-6, in the geometric mean
+/// over the seven frozen problems. Γ from 0.2 to 2 makes a difference of 5 %, and 10 takes 40 % more. With the original expansion
+/// s = 1.9 takes the fewest of 0.5, 1, 1.5, 1.9 and 2, by 1 to 9 %; the projected step takes 22 % less than that.
 impl Default for Mprgp {
     fn default() -> Self {
         Self {
@@ -125,10 +127,10 @@ impl Run {
         (self.size, self.free, self.chopped) = (squared_size.sqrt(), free, chopped);
     }
 
-    /// p = β, or p = φ + `beta` p.
-    fn turn(&mut self, beta: f64) {
+    /// p = β, or φ + `weight` p.
+    fn turn(&mut self, weight: f64) {
         self.proportions = self.chopped > self.gamma_squared * self.free;
-        self.conjugate = !self.proportions && beta != 0.0;
+        self.conjugate = !self.proportions && weight != 0.0;
         let of = |at: &mut Contact, p: f64| {
             at.p = p;
             (p, [at.u * p, p * p])
@@ -136,7 +138,7 @@ impl Run {
         [self.descent, self.squared] = if self.proportions {
             self.product.push_sums(|at| of(at, at.chopped()))
         } else {
-            self.product.push_sums(|at| of(at, if at.r > 0.0 { at.u + beta * at.p } else { 0.0 }))
+            self.product.push_sums(|at| of(at, if at.r > 0.0 { at.u + weight * at.p } else { 0.0 }))
         };
     }
 
@@ -187,7 +189,7 @@ impl Run {
         self.advance_along(1.0);
     }
 
-    /// A step along p, or an expansion; returns the β of the next direction, or nothing where uᵗ p is round-off.
+    /// A step along p, or an expansion; returns the weight of p in the next direction, or nothing where uᵗ p is round-off.
     fn step(&mut self) -> Option<f64> {
         if !(self.descent > f64::EPSILON * self.size * self.squared.sqrt()) {
             return None;
@@ -199,7 +201,7 @@ impl Run {
             let (length, sure) = (self.descent / curvature, self.sure * self.free);
             let [product, added] = self.advance_along(length);
             if added == 0.0 {
-                // β = −φᵗ W p / pᵗ W p
+                // p = φ − (φᵗ W p / pᵗ W p) p
                 return Some(if self.proportions { 0.0 } else { -product / curvature });
             }
             let projects = self.expansion == Expansion::ProjectedCg;
@@ -220,15 +222,15 @@ impl Run {
 impl Iteration for Run {
     fn advance(&mut self) {
         self.iterations += 1;
-        let mut beta = self.step();
-        if beta.is_none() && self.conjugate {
+        let mut weight = self.step();
+        if weight.is_none() && self.conjugate {
             self.turn(0.0);
-            beta = self.step();
+            weight = self.step();
         }
         if self.iterations.is_multiple_of(WHOLE) {
             self.renew();
         }
-        self.turn(beta.unwrap_or(0.0));
+        self.turn(weight.unwrap_or(0.0));
     }
 
     fn impulses(&self, r: &mut [f64]) {
