@@ -246,6 +246,15 @@ fn the_set_of_pressing_contacts_is_found_and_the_rest_is_a_conjugate_gradient() 
     }
 }
 
+/// However much Γ asks for, proportioning comes when round-off is all that is left of φ.
+#[test]
+fn mprgp_solves_one_face_after_the_other_with_a_great_gamma() {
+    let problem = frozen("settled-60").problem;
+    let settings = Mprgp { gamma: 1e200, ..Mprgp::default() };
+    let outcome = run(&settings, &problem, &vec![0.0; problem.contact_count()], 1e-9, 100_000);
+    assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.measures);
+}
+
 #[test]
 fn settings_without_meaning_are_refused() {
     let problem = frozen("settled-60").problem;

@@ -88,8 +88,7 @@ const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 struct Run {
     product: Product<Contact>,
     expansion: Expansion,
-    /// Γ².
-    gamma_squared: f64,
+    gamma: f64,
     /// ᾱ, and ᾱ (1 − s/2).
     step: f64,
     sure: f64,
@@ -129,7 +128,7 @@ impl Run {
 
     /// p = β, or φ + `weight` p.
     fn turn(&mut self, weight: f64) {
-        self.proportions = self.chopped > self.gamma_squared * self.free;
+        self.proportions = self.chopped > self.gamma * (self.gamma * self.free);
         self.conjugate = !self.proportions && weight != 0.0;
         let of = |at: &mut Contact, p: f64| {
             at.p = p;
@@ -227,6 +226,10 @@ impl Iteration for Run {
             self.turn(0.0);
             weight = self.step();
         }
+        if weight.is_none() {
+            // Nothing is left of φ but round-off, which a great Γ takes for more than β.
+            self.free = 0.0;
+        }
         if self.iterations.is_multiple_of(WHOLE) {
             self.renew();
         }
@@ -263,7 +266,7 @@ impl Solver for Mprgp {
         let mut run = Run {
             product: Product::new(problem, scaled, contact)?.with_neighbours(),
             expansion: self.expansion,
-            gamma_squared: self.gamma * self.gamma,
+            gamma: self.gamma,
             step,
             sure: step * (1.0 - 0.5 * self.step),
             greatest,
