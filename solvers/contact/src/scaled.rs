@@ -127,6 +127,7 @@ const LANES: usize = 4;
 impl WithSimd for Unscale<'_> {
     type Output = ();
 
+    #[expect(clippy::inline_always, reason = "else the processor's instructions are not those chosen")]
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { scaled: (s, unit), contacts, r } = self;

@@ -144,7 +144,7 @@ fn stride(all: usize) -> usize {
         a
     };
     let golden = (0.618_034 * all as f64) as usize;
-    (golden.max(1)..).find(|stride| divisor(*stride, all) == 1).unwrap_or(1)
+    (golden.max(1)..=all).find(|stride| divisor(*stride, all) == 1).unwrap_or(1)
 }
 
 struct Squared<'a>(&'a [f64]);
