@@ -9,7 +9,7 @@ use crate::observables::{Missed, Observables, explosion, wall_impulses};
 use crate::scene::{Law, MovingWall, Scene};
 use contact::{Contact, Packing, Solver, greatest};
 use nalgebra::Vector2;
-use runner::{Outcome, Progress, Status, Stop, solve_against};
+use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 
@@ -207,7 +207,8 @@ impl March {
         let (Frozen { problem, gap, .. }, start) = (&next.frozen, next.frozen.start(warm));
         let mut observe =
             |_: &Progress| if halt() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        let outcome = solve_against(None, solver, problem, &start, stop, &mut observe)?;
+        let measured = Measured::Needed;
+        let outcome = solve_against(None, solver, problem, &start, stop, measured, &mut observe)?;
         let (time_step, status) = (self.done + 1, outcome.status);
         if status == Status::Interrupted {
             return Err(CaseError::Interrupted { time_step, iterations: outcome.iterations });

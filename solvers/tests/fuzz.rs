@@ -19,7 +19,7 @@ use reference::InteriorPoint;
 use runner::{Status, Stop, solve};
 
 /// Every method by default, and the settings that are asking for trouble.
-fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
+pub(crate) fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
     let grid = Grid { nx: 3, ny: 2 };
     let whole = NsgsDd { subdomains: grid, mass_splitting: false, ..NsgsDd::default() };
     let latin = LatinDd { subdomains: grid, ..LatinDd::default() };
@@ -79,7 +79,7 @@ fn contact(grains: u32) -> impl Strategy<Value = Contact> {
 }
 
 /// 1 to 12 grains, with masses over 16 decades; up to 30 contacts, of which the first come again.
-fn worst_problem() -> impl Strategy<Value = Packing> {
+pub(crate) fn worst_problem() -> impl Strategy<Value = Packing> {
     (1..=12_u32, 0..30_usize, 0..4_usize).prop_flat_map(|(grains, contacts, copies)| {
         let n = grains as usize;
         let masses = prop_oneof![

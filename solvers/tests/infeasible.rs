@@ -12,7 +12,7 @@ use nncg::Nncg;
 use nsgs::Nsgs;
 use nsgs_dd::NsgsDd;
 use reference::{Answer, InteriorPoint};
-use runner::{Progress, Status, Stop, solve, solve_against};
+use runner::{Measured, Progress, Status, Stop, solve, solve_against};
 use std::ops::ControlFlow;
 
 /// Every method, as it is by default.
@@ -128,7 +128,7 @@ fn truth_decides_where_it_is_known() {
     let ended = |truth: Option<&Truth>, on, tolerance| {
         let stop = Stop { on, tolerance, max_iterations: 100_000 };
         let go_on = &mut |_: &Progress| ControlFlow::Continue(());
-        solve_against(truth, &Nsgs::default(), &problem, &r0, &stop, go_on).unwrap().status
+        solve_against(truth, &Nsgs::default(), &problem, &r0, &stop, Measured::Grid, go_on).unwrap().status
     };
     assert_eq!(ended(Some(&truth), Measure::QuadDv, 1e-3), Status::FalseConvergence);
     assert_eq!(ended(None, Measure::QuadDv, 1e-3), Status::Converged);

@@ -12,6 +12,7 @@ mod hard;
 mod hazards;
 mod infeasible;
 mod layouts;
+mod measured;
 mod predictions;
 mod problems;
 mod product;

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, Vector2};
 use nsgs::Nsgs;
 use proptest::prelude::*;
 use reference::{Answer, Certificate, InteriorPoint, certify};
-use runner::{Status, Stop, solve_against};
+use runner::{Measured, Status, Stop, solve_against};
 use std::ops::ControlFlow;
 
 fn certified(problem: &Packing) -> (Vec<f64>, Certificate) {
@@ -102,11 +102,12 @@ fn methods_run_to_round_off_reach_the_velocity_of_the_reference() {
             let stop = Stop { on: Measure::NaturalMap, tolerance, max_iterations: 200_000 };
             let r0 = vec![0.0; problem.contact_count()];
             let mut least_gap = f64::INFINITY;
-            let outcome = solve_against(Some(&truth), solver, &problem, &r0, &stop, &mut |progress| {
-                let measures = progress.measures;
-                least_gap = least_gap.min(measures.energy_gap - measures.velocity_error.powi(2));
-                ControlFlow::Continue(())
-            });
+            let outcome =
+                solve_against(Some(&truth), solver, &problem, &r0, &stop, Measured::Every, &mut |progress| {
+                    let measures = progress.measures.unwrap();
+                    least_gap = least_gap.min(measures.energy_gap - measures.velocity_error.powi(2));
+                    ControlFlow::Continue(())
+                });
             let outcome = outcome.unwrap();
             assert_eq!(outcome.status, Status::Converged, "{name}, {method}");
             let error = outcome.measures.velocity_error;
@@ -125,10 +126,11 @@ fn interior_point_ends_in_its_first_iteration_and_its_polish_at_round_off() {
         let r0 = vec![0.0; problem.contact_count()];
         let solver = InteriorPoint { polish };
         let mut errors = Vec::new();
-        let outcome = solve_against(Some(&truth), &solver, &problem, &r0, &stop, &mut |progress| {
-            errors.push((progress.measures.velocity_error, progress.work.factorisations));
-            ControlFlow::Continue(())
-        });
+        let outcome =
+            solve_against(Some(&truth), &solver, &problem, &r0, &stop, Measured::Every, &mut |progress| {
+                errors.push((progress.measures.unwrap().velocity_error, progress.work.factorisations));
+                ControlFlow::Continue(())
+            });
         (outcome.unwrap(), errors)
     };
     let (polished, errors) = run(true);

@@ -10,6 +10,7 @@ use crate::study::{Kind, OnProblems, Selection, ThroughTime, by_id, left_s, miss
 use crate::terminal::{exit, say};
 use anyhow::{Context, Result, bail};
 use results::store::Store;
+use runner::Measured;
 use std::collections::HashSet;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::process::ExitCode;
@@ -71,7 +72,8 @@ fn bench<K: Kind>(root: &Root, args: &Args, selection: Selection) -> Result<Exit
     }
     let folder = store.folder().to_owned();
     let repeats = args.repeats.unwrap_or(plan.repeats).get();
-    let how = How { root, folder: Some(&folder), provenance: &provenance, repeats, jobs: args.jobs };
+    let (folder, measured) = (Some(&*folder), Measured::Grid);
+    let how = How { root, folder, provenance: &provenance, repeats, jobs: args.jobs, measured };
     run_all(&study, &tasks, &how, |record| Ok(store.append(record)?)).with_context(|| {
         // An error does not lose what ended before it.
         format!("stopped; what ended before is kept, `gravel bench {again}` goes on")

@@ -8,6 +8,7 @@ use crate::store::{Counts, ExpectedFailure, baseline_text, expected_failures, re
 use crate::study::{Kind, OnProblems, Selection, missing, run_all};
 use crate::terminal::{exit, say, write_kept};
 use anyhow::{Result, bail};
+use runner::Measured;
 use std::collections::{BTreeMap, HashSet};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -80,7 +81,9 @@ fn count(root: &Root, args: &Args, selection: Selection) -> Result<(Vec<Counts>,
     let jobs = jobs.unwrap_or(NonZeroUsize::MIN);
     exit::listen_for_interrupts()?;
     let (tasks, provenance, mut records) = (study.tasks(), provenance()?, Vec::new());
-    let how = How { root, folder: None, provenance: &provenance, repeats: 1, jobs };
+    // So that it is exact where measures pass the powers of ten.
+    let how =
+        How { root, folder: None, provenance: &provenance, repeats: 1, jobs, measured: Measured::Every };
     run_all(&study, &missing(&tasks, &HashSet::new()), &how, |record| {
         records.push(record);
         Ok(())

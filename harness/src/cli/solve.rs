@@ -10,7 +10,7 @@ use anyhow::{Context, Result};
 use cases::Frozen;
 use clap::ValueEnum;
 use contact::Measure;
-use runner::{Outcome, Progress, Stop, solve_against};
+use runner::{Measured, Outcome, Progress, Stop, solve_against};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -63,7 +63,8 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         line.show(progress, stop.on);
         if exit::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let outcome = solve_against(known.truth(), &*method.solver, &frozen.problem, &r0, &stop, &mut observe)
+    let (solver, truth) = (&*method.solver, known.truth());
+    let outcome = solve_against(truth, solver, &frozen.problem, &r0, &stop, Measured::Needed, &mut observe)
         .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
     let outcome = Outcome { status: known.ending(outcome.status), ..outcome };
     drop(line);

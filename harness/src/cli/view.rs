@@ -13,7 +13,7 @@ use contact::Truth;
 use partition::{Grid, Scheme};
 use results::journal::Record;
 use results::schema::Run;
-use runner::{Stop, solve_against};
+use runner::{Measured, Stop, solve_against};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -137,11 +137,12 @@ impl Shown {
         }
         let (mut kept, start) = (Snapshots::new(), self.frozen.start(variant.warm_start));
         let (solver, problem) = (&*variant.method.solver, &self.frozen.problem);
-        let outcome = solve_against(truth, solver, problem, &start, &self.stop, &mut |progress| {
-            kept.observe(progress);
-            ControlFlow::Continue(())
-        })
-        .with_context(|| format!("method `{}` on {}", variant.method.name, self.frozen.name))?;
+        let outcome =
+            solve_against(truth, solver, problem, &start, &self.stop, Measured::Grid, &mut |progress| {
+                kept.observe(progress);
+                ControlFlow::Continue(())
+            })
+            .with_context(|| format!("method `{}` on {}", variant.method.name, self.frozen.name))?;
         let (ending, iterations) = (outcome.status.name().replace('-', " "), outcome.iterations);
         let why = match (stored, as_stored) {
             (None, _) => "",

@@ -23,17 +23,17 @@ impl Recorder {
         Self { curves, samples: Vec::new(), pending: None, reached: [0; Measure::ALL.len()] }
     }
 
-    /// Sees every iterate. Kept are the first, and those at which a measure first passes one of the [`DECADES`]; of whole
+    /// Sees every iterate. Of those that are measured, kept are the first, and those at which a measure first passes one of the [`DECADES`]; of whole
     /// curves all of the first hundred too, then one in each hundredth of the iterations; of ends those of the iterations
     /// 1, 2, 4, …, which tell whether a measure still falls.
     pub(crate) fn observe(&mut self, progress: &Progress) {
-        let Progress { iteration, iterating, measures, work, .. } = *progress;
+        let Progress { iteration, iterating, measures: Some(measures), work, .. } = *progress else { return };
         let (iterating_s, measures) = (iterating.as_secs_f64(), *measures);
         let sample = Sample { iteration, iterating_s, measures, work };
         let octave = self.curves == Curves::Ends && progress.iteration.is_power_of_two();
         let mut keep = progress.iteration == 0 || octave;
         for (measure, reached) in Measure::ALL.into_iter().zip(&mut self.reached) {
-            let value = progress.measures.get(measure);
+            let value = measures.get(measure);
             while DECADES.get(*reached).is_some_and(|decade| value <= *decade) {
                 *reached += 1;
                 keep = true;

@@ -6,6 +6,7 @@ use crate::terminal::{Bars, exit};
 use anyhow::Result;
 use results::provenance::load_average;
 use results::schema::{Provenance, Timing};
+use runner::Measured;
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -33,6 +34,8 @@ pub(crate) struct How<'a> {
     pub(crate) repeats: u32,
     /// How many at a time.
     pub(crate) jobs: NonZeroUsize,
+    /// Which iterates of each are measured.
+    pub(crate) measured: Measured,
 }
 
 /// What a task meets while it runs.

@@ -111,14 +111,16 @@ fn once(
     let mut line = conditions.bars.line(name(task));
     let solver = &*variant.method.solver;
     let r0 = frozen.start(variant.warm_start);
-    let outcome = solve_against(known.truth(), solver, &frozen.problem, &r0, &plan.stop, &mut |progress| {
-        recorder.observe(progress);
-        if let Some(snapshots) = &mut snapshots {
-            snapshots.observe(progress);
-        }
-        line.show(progress, plan.stop.on);
-        if (conditions.halt)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    })?;
+    let (truth, measured) = (known.truth(), conditions.how.measured);
+    let outcome =
+        solve_against(truth, solver, &frozen.problem, &r0, &plan.stop, measured, &mut |progress| {
+            recorder.observe(progress);
+            if let Some(snapshots) = &mut snapshots {
+                snapshots.observe(progress);
+            }
+            line.show(progress, plan.stop.on);
+            if (conditions.halt)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })?;
     let snapshots = snapshots.map_or_else(Vec::new, |kept| kept.finish(&outcome));
     Ok((outcome, (recorder.finish(), snapshots)))
 }
@@ -160,9 +162,11 @@ impl Snapshots {
 
     /// Sees every iterate.
     pub(crate) fn observe(&mut self, progress: &Progress) {
-        if progress.iteration == self.next {
-            self.snapshots.push(kept(self.next, progress.measures.natural_map, progress.impulses));
-            self.next += (2 * self.next).div_ceil(5).max(1);
+        if let Some(measures) = progress.measures
+            && progress.iteration >= self.next
+        {
+            self.snapshots.push(kept(progress.iteration, measures.natural_map, progress.impulses));
+            self.next = progress.iteration + (2 * progress.iteration).div_ceil(5).max(1);
         }
     }
 

@@ -57,6 +57,8 @@ pub(crate) struct Line {
     /// Whether there is a terminal to show it on.
     seen: bool,
     shown: Instant,
+    /// The measure of the stop rule of the iterate that was measured last.
+    value: f64,
 }
 
 impl Line {
@@ -66,13 +68,14 @@ impl Line {
     }
 
     fn new(bar: ProgressBar, name: String) -> Self {
-        Self { seen: !bar.is_hidden(), bar, name, shown: Instant::now() }
+        Self { seen: !bar.is_hidden(), bar, name, shown: Instant::now(), value: f64::NAN }
     }
 
     /// Shows where the run is.
     pub(crate) fn show(&mut self, progress: &Progress, on: Measure) {
+        self.value = progress.measures.map_or(self.value, |measures| measures.get(on));
+        let (iteration, value) = (progress.iteration, self.value);
         self.message(|| {
-            let (iteration, value) = (progress.iteration, progress.measures.get(on));
             let rate = iteration as f64 / progress.iterating.as_secs_f64();
             format!("iteration {iteration}, {on} {value:.2e}, {rate:.0} iterations/s")
         });

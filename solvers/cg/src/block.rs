@@ -209,7 +209,7 @@ impl Block {
 
     /// Puts the impulses in the problem's order (N·s).
     pub(crate) fn impulses(&self, impulses: &mut [f64]) {
-        self.columns.impulses(self.r.iter().copied(), impulses);
+        self.columns.unscale(&self.r, impulses);
     }
 }
 

@@ -9,6 +9,7 @@
 
 use crate::problem::{Contact, ContactProblem};
 use nalgebra::Vector2;
+use pulp::{Arch, Simd, WithSimd};
 
 /// A column of H̃: `normal` at the candidate, −`ratio`·`normal` at the antagonist.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,4 +108,44 @@ pub fn by_levels(ends: impl Iterator<Item = (u32, Option<u32>)>, places: usize) 
     let mut order: Vec<u32> = (0..level.len() as u32).collect();
     order.sort_by_key(|contact| level[*contact as usize]);
     order
+}
+
+/// r = s/√`W_αα`, or whatever the `unit` is, of each of some `contacts` of a problem, in the problem's order (N·s).
+pub fn unscale(scaled: (&[f64], &[f64]), contacts: &[u32], r: &mut [f64]) {
+    Arch::new().dispatch(Unscale { scaled, contacts, r });
+}
+
+struct Unscale<'a> {
+    scaled: (&'a [f64], &'a [f64]),
+    contacts: &'a [u32],
+    r: &'a mut [f64],
+}
+
+/// Divisions at the same time.
+const LANES: usize = 4;
+
+impl WithSimd for Unscale<'_> {
+    type Output = ();
+
+    #[expect(clippy::inline_always, reason = "else the processor's instructions are not those chosen")]
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { scaled: (s, unit), contacts, r } = self;
+        let chunks = s.chunks(LANES).zip(unit.chunks(LANES)).zip(contacts.chunks(LANES));
+        for ((s, unit), contacts) in chunks {
+            if let (&[a, b, c, d], &[e, f, g, h]) = (s, unit) {
+                let quotients = [a / e, b / f, c / g, d / h];
+                contacts
+                    .iter()
+                    .zip(quotients)
+                    .for_each(|(contact, quotient)| r[*contact as usize] = quotient);
+            } else {
+                let quotients = s.iter().zip(unit).map(|(s, unit)| s / unit);
+                contacts
+                    .iter()
+                    .zip(quotients)
+                    .for_each(|(contact, quotient)| r[*contact as usize] = quotient);
+            }
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::law;
 use crate::problem::{Contact, ContactProblem};
-use crate::scaled::{ScaledContact, by_levels, scaled_velocity};
+use crate::scaled::{ScaledContact, by_levels, scaled_velocity, unscale};
 use nalgebra::Vector2;
 
 /// One contact as a sweep needs it.
@@ -116,9 +116,7 @@ impl Sweep {
 
     /// Puts the impulses in the problem's order (N·s).
     pub fn impulses(&self, r: &mut [f64]) {
-        for ((s, unit), contact) in self.s.iter().zip(&self.unit).zip(&self.contacts) {
-            r[*contact as usize] = s / unit;
-        }
+        unscale((&self.s, &self.unit), &self.contacts, r);
     }
 }
 

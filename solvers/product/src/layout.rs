@@ -1,5 +1,6 @@
 //! Blocks of contacts for the threads, and what they exchange.
 
+use contact::scaled::unscale;
 use contact::{ContactProblem, Packing, ScaledContact, SetupError, together};
 use nalgebra::Vector2;
 use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain, Sums};
@@ -127,6 +128,11 @@ impl Columns {
         for (place, sum) in self.boundary.iter().zip(sums) {
             y[*place as usize] = sum;
         }
+    }
+
+    /// Puts impulses, the unit times each of which is in `r`, in the problem's order (N·s).
+    pub fn unscale(&self, r: &[f64], impulses: &mut [f64]) {
+        unscale((r, &self.unit), &self.contact, impulses);
     }
 
     /// Puts impulses, of which `r` gives the unit times each, in the problem's order (N·s).

@@ -1,16 +1,21 @@
-//! The loop that runs every method: it advances, reads the impulses, measures, and decides when to stop. (The reference, as the
+//! The loop that runs every method: it advances, reads the impulses, measures, and decides when to stop. An iterate that is
+//! proved not to end the run need not be measured wholly. (The reference, as the
 //! judge of solutions, drives its own steps in `reference::solve`; as a method it is run by this loop like the others.)
 
 mod convergence;
+mod looks;
 
 use analysis::any_proves_infeasible;
-use contact::{Measure, Measures, Meter, Packing, SetupError, Solver, Truth, Work, law};
+use contact::{Measure, Measures, Meter, Packing, SetupError, Solver, Truth, Work};
 use convergence::is_false;
+use looks::{Grid, Looks};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
+
+pub use looks::Measured;
 
 /// Until when a method is advanced.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
@@ -84,8 +89,8 @@ pub struct Progress<'a> {
     pub iteration: u64,
     /// Time spent in `advance` so far.
     pub iterating: Duration,
-    /// Measures of the iterate.
-    pub measures: &'a Measures,
+    /// Measures of the iterate; `None` if it was not measured wholly.
+    pub measures: Option<&'a Measures>,
     /// Counted work so far.
     pub work: Work,
     /// r (N·s).
@@ -122,15 +127,7 @@ pub struct Outcome {
 /// all the same.
 const ENERGY_BOUND: f64 = 1e20;
 
-/// Where the proof that there is no solution is first looked for, and then at every power of two (iterations): rarely,
-/// so that it costs little, and late, so that a curve shows what the measures say meanwhile. A power of two.
-const FIRST_LOOK: u64 = 1024;
-
-/// What is left of the natural map since the last look, at most, where no proof is looked for (–): on a problem without
-/// solution it stays away from 0.
-const CONVERGES: f64 = 0.9;
-
-/// Runs `solver` on `problem` from the impulses `r0` (N·s) until `stop`; `observe` sees every iterate.
+/// Runs `solver` on `problem` from the impulses `r0` (N·s) until `stop`; `observe` sees the measures of every iterate.
 ///
 /// The clock runs in `start` and `advance` only. Where no contact pushes (b ≥ 0), r = 0 solves the problem and
 /// the run has converged before its first iteration, whatever `r0`.
@@ -145,14 +142,15 @@ pub fn solve(
     stop: &Stop,
     observe: &mut dyn FnMut(&Progress),
 ) -> Result<Outcome, SetupError> {
-    solve_against(None, solver, problem, r0, stop, &mut |progress| {
+    solve_against(None, solver, problem, r0, stop, Measured::Every, &mut |progress| {
         observe(progress);
         ControlFlow::Continue(())
     })
 }
 
-/// [`solve`] beside a `truth` that is known, if it is: the measures then hold the error. The observer may end the run after
-/// any iterate; it is then [`Status::Interrupted`], unless that iterate was the last one anyway.
+/// [`solve`] beside a `truth` that is known, if it is: the measures then hold the error. Whichever iterates are `measured`
+/// wholly, the run is the same and ends at the same iterate. The observer sees the others too, and may end the run after any; it is then
+/// [`Status::Interrupted`], unless that iterate was the last one anyway.
 ///
 /// # Errors
 /// Those of [`solve`]; names the stop rule if it is on the error of a solution that is not known.
@@ -162,6 +160,7 @@ pub fn solve_against(
     problem: &Packing,
     r0: &[f64],
     stop: &Stop,
+    measured: Measured,
     observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<Outcome, SetupError> {
     SetupError::unless_admissible(problem, r0)?;
@@ -182,40 +181,44 @@ pub fn solve_against(
     if scale == 0.0 {
         r.fill(0.0);
     }
-    let mut measures = meter.measure(&r, 0.0);
+    // The last iterate that was measured; the one before r, none at first.
+    let (mut measures, mut before) = (meter.measure_after(&[], &r, 0.0), Vec::new());
     let energy_bound = ENERGY_BOUND * f64::max(scale, measures.energy.abs());
-    let (mut iterations, mut iterating, mut endless) = (0, Duration::ZERO, false);
-    // r and natural map at the last two powers of two.
-    let (mut at_last_look, mut before_last_look) = (none(), none());
+    let (mut iterations, mut iterating, mut is_measured) = (0, Duration::ZERO, true);
+    let (mut looks, mut grid) = (Looks::default(), Grid::new(measured));
     let status = loop {
-        let work = iteration.work();
-        let goes_on =
-            observe(&Progress { iteration: iterations, iterating, measures: &measures, work, impulses: &r });
-        // Before convergence, which a measure can feign where others overflow; and so that a NaN counts as diverged.
-        if !(measures.energy <= energy_bound && measures.natural_map.is_finite()) {
-            let proved =
-                r.iter().all(|r| r.is_finite()) && any_proves_infeasible(problem, std::slice::from_ref(&r));
-            break if proved { Status::Infeasible } else { Status::Diverged };
-        }
-        if scale == 0.0 {
-            break Status::Converged;
-        }
-        if measures.get(stop.on) <= stop.tolerance {
-            let (r_then, natural_map_then) = &before_last_look;
-            let stays = !(measures.natural_map < CONVERGES * natural_map_then);
-            let rays = || vec![r.clone(), growth(r_then, &r)];
-            let is_false = is_false(stop, problem, &measures, stays, &rays);
-            break if is_false { Status::FalseConvergence } else { Status::Converged };
-        }
-        if endless {
-            break Status::Infeasible;
-        }
-        if iterations == stop.max_iterations {
-            break Status::IterationLimit;
-        }
-        if iteration.stalled() {
-            let proved = any_proves_infeasible(problem, &[r.clone(), growth(&at_last_look.0, &r)]);
-            break if proved { Status::Infeasible } else { Status::Stalled };
+        let goes_on = observe(&Progress {
+            iteration: iterations,
+            iterating,
+            measures: is_measured.then_some(&measures),
+            work: iteration.work(),
+            impulses: &r,
+        });
+        if is_measured {
+            // Before convergence, which a measure can feign where others overflow; and so that a NaN counts as diverged.
+            if !(measures.energy <= energy_bound && measures.natural_map.is_finite()) {
+                let proved = r.iter().all(|r| r.is_finite())
+                    && any_proves_infeasible(problem, std::slice::from_ref(&r));
+                break if proved { Status::Infeasible } else { Status::Diverged };
+            }
+            if scale == 0.0 {
+                break Status::Converged;
+            }
+            if measures.get(stop.on) <= stop.tolerance {
+                let (stays, rays) = (looks.stays(&measures), || looks.rays(&r));
+                let is_false = is_false(stop, problem, &measures, stays, &rays);
+                break if is_false { Status::FalseConvergence } else { Status::Converged };
+            }
+            if looks.endless {
+                break Status::Infeasible;
+            }
+            if iterations == stop.max_iterations {
+                break Status::IterationLimit;
+            }
+            if iteration.stalled() {
+                let proved = any_proves_infeasible(problem, &looks.rays_of_half(&r));
+                break if proved { Status::Infeasible } else { Status::Stalled };
+            }
         }
         if goes_on.is_break() {
             break Status::Interrupted;
@@ -224,37 +227,34 @@ pub fn solve_against(
         iteration.advance();
         iterating += clock.elapsed();
         iterations += 1;
-        let before = iterations.is_power_of_two().then(|| r.clone());
+        // The first time there is none before, and r stays for the next.
+        before.resize(r.len(), 0.0);
+        std::mem::swap(&mut before, &mut r);
         iteration.impulses(&mut r);
-        measures = meter.measure(&r, iteration.velocity_jump());
-        if let Some(before) = before {
-            before_last_look = std::mem::replace(&mut at_last_look, (r.clone(), measures.natural_map));
-            let (r_then, natural_map_then) = &before_last_look;
-            // The impulses, and their growth in one iteration and in half of all: what is constant in them is not in it.
-            endless = iterations >= FIRST_LOOK
-                && !(measures.natural_map < CONVERGES * natural_map_then)
-                && any_proves_infeasible(problem, &[r.clone(), growth(&before, &r), growth(r_then, &r)]);
+        is_measured = grid.has(iterations)
+            || iterations == stop.max_iterations
+            || iteration.stalled()
+            || !meter.goes_on(stop.on, stop.tolerance, energy_bound, (&before, &r));
+        if is_measured {
+            measures = meter.measure_after(&before, &r, iteration.velocity_jump());
         }
+        looks.look(iterations, problem, &measures, (&before, &r));
     };
+    if !is_measured {
+        measures = meter.measure_after(&before, &r, iteration.velocity_jump());
+    }
+    let mut velocity = vec![Vector2::zeros(); problem.grain_count()];
+    problem.velocity(&r, &mut velocity);
     Ok(Outcome {
         status,
         iterations,
         measures,
+        velocity,
         impulses: r,
-        velocity: meter.velocity().to_vec(),
         setup,
         iterating,
         work: iteration.work(),
         derived: iteration.derived(),
         critical_path: iteration.critical_path(),
     })
-}
-
-/// No iterate, and no natural map.
-fn none() -> (Vec<f64>, f64) {
-    (Vec::new(), f64::NAN)
-}
-
-fn growth(before: &[f64], r: &[f64]) -> Vec<f64> {
-    r.iter().zip(before).map(|(r, before)| law::non_negative(r - before)).collect()
 }

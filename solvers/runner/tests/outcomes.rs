@@ -4,7 +4,7 @@
 
 use contact::{Contact, Iteration, Measure, Packing, SetupError, Solver, Truth, Work};
 use nalgebra::Vector2;
-use runner::{Progress, Status, Stop, solve, solve_against};
+use runner::{Measured, Progress, Status, Stop, solve, solve_against};
 use std::ops::ControlFlow;
 
 /// A grain of 2 kg falling at 1 m/s onto a floor: W = ½, b = −1, so r = 2 N·s.
@@ -73,7 +73,8 @@ fn observer_ends_a_run_that_has_not_ended_yet() {
         let mut observe = |progress: &Progress| {
             if progress.iteration == iteration { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        solve_against(None, &method, &falling_on_a_floor(), &[0.0], &stop(9), &mut observe).unwrap()
+        solve_against(None, &method, &falling_on_a_floor(), &[0.0], &stop(9), Measured::Needed, &mut observe)
+            .unwrap()
     };
     let outcome = interrupted_at(2);
     assert_eq!((outcome.status, outcome.iterations), (Status::Interrupted, 2));
@@ -88,10 +89,11 @@ fn an_iterate_that_is_not_finite_or_of_endless_energy_has_diverged() {
             let stop = Stop { on, tolerance: 1e-12, max_iterations: 9 };
             let (method, problem) = (Recorded(vec![1.0, bad, 2.0]), falling_on_a_floor());
             let truth = Truth::new(&problem, &[2.0]);
-            let outcome = solve_against(Some(&truth), &method, &problem, &[0.0], &stop, &mut |_| {
-                ControlFlow::Continue(())
-            })
-            .unwrap();
+            let outcome =
+                solve_against(Some(&truth), &method, &problem, &[0.0], &stop, Measured::Needed, &mut |_| {
+                    ControlFlow::Continue(())
+                })
+                .unwrap();
             assert_eq!((outcome.status, outcome.iterations), (Status::Diverged, 2), "{bad} on {on}");
         }
     }
@@ -109,14 +111,9 @@ fn where_no_contact_pushes_rest_is_the_answer_before_any_iteration() {
             let stop = Stop { on, ..stop(9) };
             let method = Recorded(vec![]);
             let outcome =
-                solve_against(
-                    Some(&truth),
-                    &method,
-                    &problem,
-                    &r0,
-                    &stop,
-                    &mut |_| ControlFlow::Continue(()),
-                )
+                solve_against(Some(&truth), &method, &problem, &r0, &stop, Measured::Needed, &mut |_| {
+                    ControlFlow::Continue(())
+                })
                 .unwrap();
             assert_eq!((outcome.status, outcome.iterations), (Status::Converged, 0));
             assert!(outcome.impulses.iter().all(|r| *r == 0.0));
@@ -132,8 +129,10 @@ fn loop_stops_on_the_velocity_error_where_it_is_known_and_refuses_to_elsewhere()
     let stop = Stop { on: Measure::VelocityError, tolerance: 0.1, max_iterations: 9 };
     let method = Recorded(vec![1.0, 1.9, 2.0]);
     let outcome =
-        solve_against(Some(&truth), &method, &problem, &[0.0], &stop, &mut |_| ControlFlow::Continue(()))
-            .unwrap();
+        solve_against(Some(&truth), &method, &problem, &[0.0], &stop, Measured::Needed, &mut |_| {
+            ControlFlow::Continue(())
+        })
+        .unwrap();
     assert_eq!((outcome.status, outcome.iterations), (Status::Converged, 2));
     let refused = solve(&method, &problem, &[0.0], &stop, &mut |_| {}).unwrap_err().to_string();
     assert!(refused.contains("`on` is velocity_error") && refused.contains("not known"), "{refused}");

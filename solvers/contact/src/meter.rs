@@ -1,0 +1,226 @@
+//! Measures an iterate: all is recomputed from its impulses r alone, two measures beside a known solution; only the velocity
+//! jump is what the method says itself.
+
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined where the processor's instructions are chosen does not get them"
+)]
+
+mod passes;
+mod proof;
+mod sums;
+
+use crate::measures::Measures;
+use crate::problem::ContactProblem;
+use crate::truth::Truth;
+use crate::work::together;
+use nalgebra::Vector2;
+use passes::Columns;
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
+use sums::Sums;
+
+/// Contacts that are summed up together, then block by block, so that the number of threads changes no bit; and grains.
+const BLOCK: usize = 8192;
+
+/// What a contact takes, about (ns).
+const NS_PER_CONTACT: usize = 3;
+
+/// Measures the iterates of runs on one problem.
+pub struct Meter<'p> {
+    problem: &'p ContactProblem,
+    columns: Columns,
+    /// [`ContactProblem::scale`] (J).
+    scale: f64,
+    /// V − `V_free` = M⁻¹ H r of the iterate measured last (m/s), of each grain, and of a wall.
+    pushed: Vec<Vector2<f64>>,
+    /// The iterate that [`Meter::measure`] measured before (N·s); empty before the first.
+    previous: Vec<f64>,
+    /// Scratch.
+    blocks: Vec<Sums>,
+    truth: Option<Known>,
+    /// What the problem says of the size of an iterate's energy.
+    size: proof::Size,
+    /// The contact that approached fastest when all were looked at, and the natural map.
+    worst_contact: usize,
+    natural_map: f64,
+}
+
+/// What of the truth errors are measured with.
+struct Known {
+    /// V* − `V_free` of each grain (m/s).
+    pushed: Vec<Vector2<f64>>,
+    /// Its size ‖V* − `V_free`‖_M (√J).
+    distance: f64,
+    /// q* (J).
+    energy: f64,
+}
+
+impl<'p> Meter<'p> {
+    /// Prepares what the measures of all iterates share.
+    pub fn new(problem: &'p ContactProblem) -> Self {
+        let columns = Columns::new(problem);
+        Self {
+            problem,
+            scale: problem.scale(),
+            pushed: vec![Vector2::zeros(); problem.grain_count() + 1],
+            previous: Vec::new(),
+            blocks: vec![Sums::default(); problem.contact_count().div_ceil(BLOCK)],
+            truth: None,
+            size: proof::Size::new(&columns, problem),
+            worst_contact: 0,
+            natural_map: f64::INFINITY,
+            columns,
+        }
+    }
+
+    /// Measures the distance to `truth`, the solution of the same problem, as well.
+    ///
+    /// # Panics
+    /// If the truth is that of another number of grains.
+    #[must_use]
+    pub fn against(self, truth: &Truth) -> Self {
+        let (problem, velocity) = (self.problem, truth.velocity());
+        assert_eq!(velocity.len(), problem.grain_count(), "one true velocity per grain");
+        let known = Known {
+            pushed: velocity.iter().zip(problem.free_velocity()).map(|(v, free)| v - free).collect(),
+            distance: problem.velocity_distance(problem.free_velocity(), velocity),
+            energy: truth.energy(),
+        };
+        Self { truth: Some(known), ..self }
+    }
+
+    /// [`ContactProblem::scale`] (J).
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Measures the iterate `r` (N·s); ζ compares it with the iterate measured before.
+    pub fn measure(&mut self, r: &[f64], velocity_jump: f64) -> Measures {
+        let mut previous = std::mem::take(&mut self.previous);
+        let measures = self.measure_after(&previous, r, velocity_jump);
+        previous.resize(r.len(), 0.0);
+        previous.copy_from_slice(r);
+        self.previous = previous;
+        measures
+    }
+
+    /// Measures the iterate `r` (N·s); ζ compares it with the iterate `before`, which is empty if there is none.
+    pub fn measure_after(&mut self, before: &[f64], r: &[f64], velocity_jump: f64) -> Measures {
+        self.push(r);
+        let sums = self.pull((before, r), false);
+        self.worst_contact = sums.worst_contact.unwrap_or(self.worst_contact);
+        let (energy, wr) = (0.5 * sums.energy_twice, 0.5 * sums.wr_twice);
+        // Where the solution is r = 0, both errors are 0 there and infinite elsewhere.
+        let energy_gap = |known: &Known| ratio(energy - known.energy, known.energy.abs());
+        Measures {
+            zeta: sums.zeta(),
+            natural_map: self.natural_map(&sums),
+            penetration_rate: sums.penetration_rate,
+            worst_contact: sums.worst_contact,
+            quad_dv: ratio(sums.dv.sqrt(), wr.sqrt()),
+            max_dv: ratio(sums.greatest_dv, (wr / sums.active.max(1.0)).sqrt()),
+            velocity_error: self.truth.as_ref().map_or(f64::NAN, |known| self.velocity_error(known)),
+            energy_gap: self.truth.as_ref().map_or(f64::NAN, energy_gap),
+            velocity_jump,
+            energy,
+        }
+    }
+
+    fn natural_map(&mut self, sums: &Sums) -> f64 {
+        self.natural_map = ratio(sums.natural_map.sqrt(), self.scale.sqrt());
+        self.natural_map
+    }
+
+    /// V − `V_free` = M⁻¹ H r (m/s).
+    fn push(&mut self, r: &[f64]) {
+        let Self { columns, pushed, .. } = self;
+        if in_threads(r.len()) {
+            let gather = |(grain, pushed): (usize, &mut Vector2<f64>)| *pushed = columns.gather(grain, r);
+            pushed.par_iter_mut().enumerate().with_min_len(BLOCK).for_each(gather);
+        } else {
+            Arch::new().dispatch(Push { columns, r, pushed });
+        }
+    }
+
+    /// Sums over all contacts, from what the grains were pushed last; of the natural map only if it is `alone`.
+    fn pull(&mut self, (before, r): (&[f64], &[f64]), alone: bool) -> Sums {
+        let Self { columns, pushed, blocks, .. } = self;
+        let pull = |(block, sums): (usize, &mut Sums)| {
+            let first = block * BLOCK;
+            let here = first..r.len().min(first + BLOCK);
+            let before = if before.is_empty() { before } else { &before[here.clone()] };
+            *sums =
+                Arch::new().dispatch(Pull { columns, first, iterates: (before, &r[here]), pushed, alone });
+        };
+        if in_threads(r.len()) {
+            blocks.par_iter_mut().enumerate().for_each(pull);
+        } else {
+            blocks.iter_mut().enumerate().for_each(pull);
+        }
+        let mut sums = Sums::default();
+        for (k, block) in blocks.iter().enumerate() {
+            sums.join(block, k * BLOCK);
+        }
+        sums
+    }
+
+    /// ‖V − V*‖_M / ‖V* − `V_free`‖_M of the grains as they were pushed last.
+    fn velocity_error(&self, known: &Known) -> f64 {
+        let sum = |block: usize| {
+            let grains = block * BLOCK..known.pushed.len().min((block + 1) * BLOCK);
+            grains.map(|grain| self.squared_error(known, grain, self.pushed[grain])).sum::<f64>()
+        };
+        let blocks = known.pushed.len().div_ceil(BLOCK);
+        ratio((0..blocks).map(sum).sum::<f64>().sqrt(), known.distance)
+    }
+
+    /// ‖V − V*‖²_M of a grain (J).
+    fn squared_error(&self, known: &Known, grain: usize, pushed: Vector2<f64>) -> f64 {
+        self.problem.mass()[grain] * (pushed - known.pushed[grain]).norm_squared()
+    }
+}
+
+/// Whether there are threads, and so many contacts worth them.
+fn in_threads(contacts: usize) -> bool {
+    rayon::current_num_threads() > 1 && together(NS_PER_CONTACT * contacts) == 1
+}
+
+/// A residual over its scale; 0 where there is nothing left, whatever the scale.
+fn ratio(residual: f64, scale: f64) -> f64 {
+    if residual == 0.0 { 0.0 } else { residual / scale }
+}
+
+/// First pass. A closure would not be inlined where the processor's instructions are chosen.
+struct Push<'a> {
+    columns: &'a Columns,
+    r: &'a [f64],
+    pushed: &'a mut [Vector2<f64>],
+}
+
+impl WithSimd for Push<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.columns.push(self.r, self.pushed);
+    }
+}
+
+/// Second pass over some contacts.
+struct Pull<'a> {
+    columns: &'a Columns,
+    first: usize,
+    iterates: (&'a [f64], &'a [f64]),
+    pushed: &'a [Vector2<f64>],
+    alone: bool,
+}
+
+impl WithSimd for Pull<'_> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Sums {
+        self.columns.sums(self.first, self.iterates, self.pushed, self.alone)
+    }
+}

@@ -1,0 +1,112 @@
+//! Which iterates are measured wholly, and what is looked for at powers of two.
+
+use analysis::any_proves_infeasible;
+use contact::{ContactProblem, Measures, law};
+
+/// Which iterates are measured wholly and shown with their measures, beside the first, the last, those of the iterations
+/// 1, 2, 4, …, and all of which it is not proved that the run goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measured {
+    /// Every one.
+    Every,
+    /// Every one of the first 200 iterations, then one in each two-hundredth of all: what a curve is drawn with.
+    Grid,
+    /// No others: nobody looks at them.
+    Needed,
+}
+
+/// Up to this iteration all are on the grid, from there on one in so many-th of the iterations.
+const ALL_UP_TO: u64 = 200;
+
+/// The iterations that are measured whatever they are.
+pub(crate) struct Grid {
+    measured: Measured,
+    next: u64,
+}
+
+impl Grid {
+    pub(crate) fn new(measured: Measured) -> Self {
+        Self { measured, next: 0 }
+    }
+
+    /// Whether it has this iteration; asked of each in its turn.
+    pub(crate) fn has(&mut self, iteration: u64) -> bool {
+        let due = match self.measured {
+            Measured::Every => true,
+            Measured::Grid => iteration >= self.next,
+            Measured::Needed => false,
+        };
+        if due {
+            self.next = iteration + (iteration / ALL_UP_TO).max(1);
+        }
+        due || iteration.is_power_of_two()
+    }
+}
+
+/// Where the proof that there is no solution is first looked for, and then at every power of two (iterations): rarely,
+/// so that it costs little, and late, so that a curve shows what the measures say meanwhile. A power of two.
+const FIRST_LOOK: u64 = 1024;
+
+/// What is left of the natural map since the last look, at most, where no proof is looked for (–): on a problem without
+/// solution it stays away from 0.
+const CONVERGES: f64 = 0.9;
+
+/// r and natural map at the last two powers of two.
+pub(crate) struct Looks {
+    last: (Vec<f64>, f64),
+    before_last: (Vec<f64>, f64),
+    /// Whether the last look has proved that there is no solution.
+    pub(crate) endless: bool,
+}
+
+/// No iterate, and no natural map.
+impl Default for Looks {
+    fn default() -> Self {
+        let none = || (Vec::new(), f64::NAN);
+        Self { last: none(), before_last: none(), endless: false }
+    }
+}
+
+impl Looks {
+    /// Looks at the iterate r, which comes after `before`, if its turn has come.
+    pub(crate) fn look(
+        &mut self,
+        iteration: u64,
+        problem: &ContactProblem,
+        measures: &Measures,
+        (before, r): (&[f64], &[f64]),
+    ) {
+        if iteration.is_power_of_two() {
+            std::mem::swap(&mut self.last, &mut self.before_last);
+            self.last.0.clear();
+            self.last.0.extend_from_slice(r);
+            self.last.1 = measures.natural_map;
+            // The impulses, and their growth in one iteration and in half of all: what is constant in them is not in it.
+            self.endless = iteration >= FIRST_LOOK
+                && self.stays(measures)
+                && any_proves_infeasible(
+                    problem,
+                    &[r.to_vec(), growth(before, r), growth(&self.before_last.0, r)],
+                );
+        }
+    }
+
+    /// Whether the natural map has hardly fallen since the last look but one.
+    pub(crate) fn stays(&self, measures: &Measures) -> bool {
+        !(measures.natural_map < CONVERGES * self.before_last.1)
+    }
+
+    /// The impulses, and their growth since the last look but one.
+    pub(crate) fn rays(&self, r: &[f64]) -> Vec<Vec<f64>> {
+        vec![r.to_vec(), growth(&self.before_last.0, r)]
+    }
+
+    /// The impulses, and their growth since the last look.
+    pub(crate) fn rays_of_half(&self, r: &[f64]) -> Vec<Vec<f64>> {
+        vec![r.to_vec(), growth(&self.last.0, r)]
+    }
+}
+
+fn growth(before: &[f64], r: &[f64]) -> Vec<f64> {
+    r.iter().zip(before).map(|(r, before)| law::non_negative(r - before)).collect()
+}
