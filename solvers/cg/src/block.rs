@@ -9,7 +9,7 @@
     reason = "what is not inlined where the processor's instructions are chosen does not get them"
 )]
 
-use contact::Adjacency;
+use contact::{Adjacency, ScaledContact};
 use contact::law::non_negative;
 use nalgebra::Vector2;
 use product::{Columns, Subdomain};
@@ -105,6 +105,17 @@ impl Block {
     /// Whether the maximum added anything in the last step: then a correction must follow.
     pub(crate) fn added(&self) -> bool {
         self.added
+    }
+
+    /// Σ `W_αα` (r − r⁺)², with r − r⁺ = min(r, v/`W_αα`).
+    pub(crate) fn squared_left(&self) -> f64 {
+        let contacts = self.columns.scaled.iter().zip(self.r.iter().zip(&self.u));
+        let left = |(column, (r, u)): (&ScaledContact, (&f64, &f64))| {
+            let w = column.squared();
+            let left = if -u < w * r { -u } else { w * r };
+            left * left / w
+        };
+        contacts.map(left).sum()
     }
 
     /// r and u become what they were before the step.
