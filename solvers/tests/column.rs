@@ -1,5 +1,6 @@
 //! The column of n equal discs, of which everything is known.
 
+use active_set::ActiveSet;
 use crate::problems::{first_problem, impulses, start};
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
@@ -93,6 +94,7 @@ fn column_of_discs_carries_its_weight() {
         &LatinDd { subdomains: halves, ..LatinDd::default() },
         &Apgd::default(),
         &Nncg::default(),
+        &ActiveSet::default(),
         &InteriorPoint::default(),
     ] {
         let stop = Stop { tolerance: 1e-11, ..Stop::default() };

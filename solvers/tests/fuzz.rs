@@ -2,6 +2,7 @@
 //!
 //! 256 problems; `PROPTEST_CASES=10000 cargo test --release --package solver-tests fuzz` for the long form.
 
+use active_set::{ActiveSet, Start};
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
 use contact::{Contact, Measure, Packing, Solver};
@@ -35,6 +36,9 @@ fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
         ("gradient, s = 9", Box::new(Gradient { step: 9.0 })),
         ("apgd", Box::new(Apgd::default())),
         ("nncg", Box::new(Nncg::default())),
+        ("active-set", Box::new(ActiveSet::default())),
+        ("active-set, cold", Box::new(ActiveSet { start: Start::ColdSet, ..ActiveSet::default() })),
+        ("active-set, from inside", Box::new(ActiveSet { start: Start::InteriorPoint, ..ActiveSet::default() })),
         ("interior-point", Box::new(InteriorPoint::default())),
         ("nsgs-dd", Box::new(NsgsDd { subdomains: grid, partition: Scheme::Balanced, ..NsgsDd::default() })),
         ("nsgs-dd, whole masses", Box::new(whole)),

@@ -2,6 +2,7 @@
 //!
 //! 256 of each kind; `PROPTEST_CASES=10000 cargo test --release --package solver-tests hazards` for the long form.
 
+use active_set::ActiveSet;
 use crate::problems::{first_problem, impulses, start};
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
@@ -176,6 +177,7 @@ pub(crate) fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
         ("apgd", apgd(apgd::Preconditioner::None)),
         ("apgd, preconditioned", apgd(apgd::Preconditioner::Diagonal)),
         ("nncg", Box::new(Nncg::default())),
+        ("active-set", Box::new(ActiveSet::default())),
         ("nsgs", nsgs(1.0)),
         ("nsgs, ω = 0.2", nsgs(0.2)),
         ("nsgs, ω = 1.9", nsgs(1.9)),

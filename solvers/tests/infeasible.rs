@@ -1,5 +1,6 @@
 //! Problems without solution: the reference proves it, and no method converges on a measure that sees it.
 
+use active_set::ActiveSet;
 use crate::problems::{first_problem, frozen};
 use analysis::proves_infeasible;
 use apgd::Apgd;
@@ -15,7 +16,7 @@ use runner::{Progress, Status, Stop, solve, solve_against};
 use std::ops::ControlFlow;
 
 /// Every method, as it is by default.
-pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 9] {
+pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 10] {
     [
         ("nsgs", Box::new(Nsgs::default())),
         ("jacobi", Box::new(Jacobi::default())),
@@ -25,6 +26,7 @@ pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 9] {
         ("nsgs-dd", Box::new(NsgsDd::default())),
         ("apgd", Box::new(Apgd::default())),
         ("nncg", Box::new(Nncg::default())),
+        ("active-set", Box::new(ActiveSet::default())),
         ("interior-point", Box::new(InteriorPoint::default())),
     ]
 }

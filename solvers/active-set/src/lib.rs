@@ -93,18 +93,37 @@ struct Run<'p> {
     /// √(Σ max(0, −b)²/`W_αα`) (√J).
     scale: f64,
     best: Best,
+    tries: Tries,
     /// Impulses that prove that there is no solution (N·s).
     ray: Option<Vec<f64>>,
 }
 
-/// What the sets since the last change of phase led to.
+/// The impulses that leave least of the law, of all since the first set or step: what the run shows. Between good sets there are
+/// some that hold what cannot be held, with impulses beyond all measure.
 struct Best {
-    /// √J.
+    /// What they leave (√J).
     left: f64,
-    /// N·s.
+    /// N·s, in the problem's order.
     impulses: Vec<f64>,
-    in_vain: u32,
+}
+
+/// The sets since the last change of phase.
+#[derive(Default)]
+struct Tries {
     sets: Vec<u64>,
+    in_vain: u32,
+}
+
+impl Best {
+    /// Takes the impulses that `give` writes if they leave less; says whether they do.
+    fn take(&mut self, left: f64, give: impl FnOnce(&mut [f64])) -> bool {
+        let is_better = left < self.left;
+        if is_better {
+            self.left = left;
+            give(&mut self.impulses);
+        }
+        is_better
+    }
 }
 
 impl Run<'_> {
@@ -114,9 +133,9 @@ impl Run<'_> {
         *iterations += 1;
         if run.left() <= self.accuracy || iterations == most {
             self.products += run.work().delassus_products;
-            let mut r = vec![0.0; self.problem.contact_count()];
-            run.impulses(&mut r);
-            self.set.begin(&r);
+            run.impulses(&mut self.best.impulses);
+            self.set.begin(&self.best.impulses);
+            self.best.left = self.set.left();
             self.phase = Phase::Set;
         }
     }
@@ -130,6 +149,7 @@ impl Run<'_> {
 
     fn judge(&mut self, before: f64, changed: Option<usize>) {
         let left = self.set.left();
+        let is_better = self.best.take(left, |r| self.set.impulses(r));
         if self.set.is_solved() {
             self.phase = Phase::Ended;
         } else if changed.is_none() || !left.is_finite() {
@@ -138,15 +158,11 @@ impl Run<'_> {
             self.ray = self.set.ray(self.problem);
             if self.ray.is_some() { self.phase = Phase::Ended } else { self.other_way() }
         } else {
-            let came_back = changed != Some(0) && self.best.sets.contains(&self.set.fingerprint());
-            self.best.sets.push(self.set.fingerprint());
-            if left < self.best.left {
-                (self.best.left, self.best.in_vain) = (left, 0);
-                self.set.impulses(&mut self.best.impulses);
-            } else {
-                self.best.in_vain += 1;
-            }
-            if came_back || self.best.in_vain == PATIENCE {
+            let fingerprint = self.set.fingerprint();
+            let came_back = changed != Some(0) && self.tries.sets.contains(&fingerprint);
+            self.tries.sets.push(fingerprint);
+            self.tries.in_vain = if is_better { 0 } else { self.tries.in_vain + 1 };
+            if came_back || self.tries.in_vain == PATIENCE {
                 self.other_way();
             }
         }
@@ -154,7 +170,7 @@ impl Run<'_> {
 
     /// What follows where sets wander.
     fn other_way(&mut self) {
-        (self.best.in_vain, self.best.sets) = (0, Vec::new());
+        self.tries = Tries::default();
         if self.is_lost {
             self.begin_gradient();
         } else {
@@ -180,7 +196,10 @@ impl Run<'_> {
             self.is_lost = true;
             self.ray = self.set.ray_of(self.problem, &interior.s);
             if self.ray.is_some() { self.phase = Phase::Ended } else { self.begin_gradient() }
-        } else if interior.left() <= until {
+        } else if interior.left() > until {
+            let scaled = &self.set.scaled;
+            self.best.take(interior.left(), |r| scaled.impulses(&interior.s, r));
+        } else {
             self.set.s.copy_from_slice(&interior.s);
             let closed = interior.s.iter().zip(&interior.t).map(|(s, t)| s > t).collect();
             self.phase = Phase::Set;
@@ -203,11 +222,10 @@ impl Iteration for Run<'_> {
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        match (&self.phase, &self.ray, &self.interior) {
-            (_, Some(ray), _) => r.copy_from_slice(ray),
-            (Phase::Gradient { run, .. }, ..) => run.impulses(r),
-            (Phase::Interior { .. }, _, Some(interior)) => self.set.impulses_of(&interior.s, r),
-            _ => self.set.impulses(r),
+        match (&self.phase, &self.ray) {
+            (_, Some(ray)) => r.copy_from_slice(ray),
+            (Phase::Gradient { run, .. }, _) => run.impulses(r),
+            _ => r.copy_from_slice(&self.best.impulses),
         }
     }
 
@@ -245,7 +263,7 @@ impl Solver for ActiveSet {
                 Phase::Gradient { run: Box::new(run), iterations: 0, most }
             }
         };
-        let best = Best { left: f64::INFINITY, impulses: r0.to_vec(), in_vain: 0, sets: Vec::new() };
+        let best = Best { left: set.left(), impulses: r0.to_vec() };
         Ok(Box::new(Run {
             problem,
             set,
@@ -257,6 +275,7 @@ impl Solver for ActiveSet {
             products: 0,
             scale,
             best,
+            tries: Tries::default(),
             ray: None,
         }))
     }

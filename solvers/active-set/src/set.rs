@@ -56,11 +56,6 @@ impl Set {
         self.scaled.impulses(&self.s, r);
     }
 
-    /// The same of the impulses `s` (√J).
-    pub(crate) fn impulses_of(&self, s: &[f64], r: &mut [f64]) {
-        self.scaled.impulses(s, r);
-    }
-
     /// See [`Scaled::step_in_iterations`].
     pub(crate) fn step_in_iterations(&self) -> f64 {
         self.scaled.step_in_iterations()

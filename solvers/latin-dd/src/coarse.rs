@@ -152,6 +152,11 @@ fn coupling(row: &Side, column: &Side) -> Coupling {
     for (place, d_minus) in &row.grains {
         block -= *d_minus * column.influence[*place];
     }
-    let own: f64 = row.grains.iter().map(|(_, d_minus)| d_minus).sum();
-    Coupling { first: own * Matrix2::identity() + block, second: Matrix2::zeros(), between: block }
+    let zeros = Matrix2::zeros();
+    if row.interface == column.interface {
+        let own: f64 = row.grains.iter().map(|(_, d_minus)| d_minus).sum();
+        Coupling { first: block + own * Matrix2::identity(), second: zeros, between: zeros }
+    } else {
+        Coupling { first: zeros, second: zeros, between: block }
+    }
 }

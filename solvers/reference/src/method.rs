@@ -3,6 +3,7 @@
 use crate::constraint::Constraint;
 use crate::interior::{Interior, Verdict};
 use active_set::Set;
+use analysis::proves_infeasible;
 use contact::{Iteration, Packing, SetupError, Solver, Work};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -24,7 +25,8 @@ impl Default for InteriorPoint {
 }
 
 /// A run on one problem.
-pub(crate) struct Run {
+pub(crate) struct Run<'p> {
+    problem: &'p Packing,
     /// None where no contact pushes: r = 0.
     interior: Option<Interior>,
     polish: Set,
@@ -39,13 +41,14 @@ pub(crate) struct Run {
 /// Polish steps that do not halve what is left after which no better impulses are to be expected.
 const PATIENCE: u32 = 8;
 
-impl Run {
+impl<'p> Run<'p> {
     /// Lays the programme out; says why it cannot.
-    pub(crate) fn new(problem: &Packing, r0: &[f64], polishes: bool) -> Result<Self, String> {
+    pub(crate) fn new(problem: &'p Packing, r0: &[f64], polishes: bool) -> Result<Self, String> {
         let pushed = problem.scale() > 0.0;
         let interior =
             if pushed { Some(Interior::new(problem, &Constraint::all(problem))?) } else { None };
         Ok(Self {
+            problem,
             interior,
             polish: Set::new(problem).map_err(|error| error.to_string())?,
             polishes,
@@ -80,6 +83,16 @@ impl Run {
         }
     }
 
+    /// Ends with the impulses of a proof of infeasibility, if they are near one.
+    fn take_ray(&mut self) {
+        let mut ray = self.r.clone();
+        self.balance(&mut ray);
+        if proves_infeasible(self.problem, &ray) {
+            self.r = ray;
+            self.polishes = false;
+        }
+    }
+
     /// See [`Set::balance`].
     pub(crate) fn balance(&mut self, ray: &mut [f64]) {
         self.polish.balance(ray);
@@ -91,10 +104,12 @@ impl Run {
     }
 }
 
-impl Iteration for Run {
+impl Iteration for Run<'_> {
     fn advance(&mut self) {
         if !self.ran {
-            self.interior_point();
+            if self.interior_point() == Verdict::Infeasible {
+                self.take_ray();
+            }
         } else if self.polishes {
             self.polish();
         }
