@@ -6,16 +6,23 @@
 //! The front is searched by columns of the box, the one that promises the lowest place first. What a column promises is the
 //! least height at which a smaller disc fitted there once. It stays true: the front only rises; and a disc that is larger by d
 //! lies higher by at least d, since the smaller one fits into it, bottom to bottom. So a few columns are looked at for each disc,
-//! however wide the box.
+//! some ten in a box of a thousand columns, and a tournament of the columns names the next of them.
 
 mod front;
+mod heights;
 
 use front::{Front, Place, Placed};
+use heights::Heights;
 use nalgebra::Vector2;
 
 /// Centres and radii (m) of discs with the given radii, in a box of `width` (m) with a floor at y = 0; `Err` is the
 /// radius of a disc that no place holds.
 pub(crate) fn deposit(radii: &[f64], width: f64) -> Result<Vec<Placed>, f64> {
+    laid(radii, width).map(|(front, _)| front.discs)
+}
+
+/// The front and the promises when all discs are laid.
+fn laid(radii: &[f64], width: f64) -> Result<(Front, Promises), f64> {
     let mut front = Front::new(width, radii);
     let mut promises = Promises::new(radii, front.columns());
     let (mut on_floor, mut last) = (true, None);
@@ -36,7 +43,7 @@ pub(crate) fn deposit(radii: &[f64], width: f64) -> Result<Vec<Placed>, f64> {
         let place = promises.lowest_place(&front, radius).ok_or(radius)?;
         front.lay(&place, radius);
     }
-    Ok(front.discs)
+    Ok((front, promises))
 }
 
 /// Classes of radius, so many that a promise is close.
@@ -47,9 +54,11 @@ struct Promises {
     /// The least radius of each class, rising.
     radius: Vec<f64>,
     /// By class and column: no disc of the least radius lies lower (m).
-    height: Vec<Vec<f64>>,
+    height: Vec<Heights>,
     /// The changes of the column when the promise was made.
     made: Vec<Vec<Option<u32>>>,
+    /// How often a column was looked at.
+    looks: u64,
 }
 
 impl Promises {
@@ -61,8 +70,9 @@ impl Promises {
             rising.chunks(radii.len().div_ceil(CLASSES).max(1)).map(|class| class[0]).collect();
         radius.dedup();
         Self {
-            height: vec![vec![0.0; columns]; radius.len()],
+            height: vec![Heights::new(columns); radius.len()],
             made: vec![vec![None; columns]; radius.len()],
+            looks: 0,
             radius,
         }
     }
@@ -73,22 +83,23 @@ impl Promises {
         let larger = radius - self.radius[class];
         let (mut best, mut seen): (Option<Place>, Vec<(usize, f64)>) = (None, Vec::new());
         loop {
-            let (column, promised) = lowest(&self.height[class]);
+            let (column, promised) = self.height[class].lowest();
             let too_high = |best: &Place| promised + larger > best.at.y + front.slack();
             if promised == f64::INFINITY || best.as_ref().is_some_and(too_high) {
                 break;
             }
+            self.looks += 1;
             let out_of_date = |class: &usize| self.made[*class][column] != Some(front.changes[column]);
             if let Some(class) = [0, class].into_iter().find(out_of_date) {
                 self.promise(front, column, class);
             } else {
                 front.lower_place(column, radius, &mut best);
                 seen.push((column, promised));
-                self.height[class][column] = f64::INFINITY;
+                self.height[class].set(column, f64::INFINITY);
             }
         }
         for (column, promised) in seen {
-            self.height[class][column] = promised;
+            self.height[class].set(column, promised);
         }
         best
     }
@@ -98,17 +109,9 @@ impl Promises {
         let lowest = front.lowest_height(column, self.radius[class]);
         self.made[class][column] = Some(front.changes[column]);
         for (height, radius) in self.height.iter_mut().zip(&self.radius).skip(class) {
-            height[column] = height[column].max(lowest + (radius - self.radius[class]));
+            height.raise(column, lowest + (radius - self.radius[class]));
         }
     }
-}
-
-/// The first of the lowest heights, and it.
-fn lowest(height: &[f64]) -> (usize, f64) {
-    let lower = |lowest: (usize, f64), (k, height): (usize, &f64)| {
-        if *height < lowest.1 { (k, *height) } else { lowest }
-    };
-    height.iter().enumerate().fold((0, f64::INFINITY), lower)
 }
 
 #[cfg(test)]

@@ -35,36 +35,73 @@ pub struct DetectedContact {
 /// The cost is linear in the number of discs as long as they fill the box around them and the largest is not much
 /// larger than the others.
 pub fn detect(position: &[Vector2<f64>], radius: &[f64], reach: f64) -> Vec<DetectedContact> {
-    let cells = Cells::new(position, 2.0 * radius.iter().copied().fold(0.0, f64::max) + reach);
     let mut contacts = Vec::new();
-    let mut near = Vec::new();
-    for (i, (x, r)) in position.iter().zip(radius).enumerate() {
-        near.clear();
-        cells.for_each_near(*x, |j| {
-            if j as usize <= i {
-                return;
-            }
-            let between = x - position[j as usize];
-            let contact_distance = r + radius[j as usize];
-            // Most pairs are too far: no square root for them.
-            let farthest = contact_distance + reach;
-            if between.norm_squared() > farthest * farthest {
-                return;
-            }
-            let distance = between.norm();
-            // Two centres in one place have no normal; any will push them apart.
-            let normal = if distance > 0.0 { between / distance } else { Vector2::x() };
-            near.push(DetectedContact {
-                candidate: i as u32,
-                antagonist: Side::Grain(j),
-                normal,
-                gap: distance - contact_distance,
-            });
-        });
-        near.sort_unstable_by_key(|contact| contact.antagonist);
-        contacts.extend_from_slice(&near);
-    }
+    for_each_close(position, radius, reach, |_, _, contact| contacts.push(contact));
     contacts
+}
+
+/// The contact of two discs with a gap of at most `reach` (m).
+#[inline]
+fn close(position: &[Vector2<f64>], radius: &[f64], reach: f64, [i, j]: [u32; 2]) -> Option<DetectedContact> {
+    let [(x, r), (other, s)] = [i, j].map(|k| (position[k as usize], radius[k as usize]));
+    let between = x - other;
+    let contact_distance = r + s;
+    // Most pairs are too far: no square root for them.
+    let farthest = contact_distance + reach;
+    if between.norm_squared() > farthest * farthest {
+        return None;
+    }
+    let distance = between.norm();
+    // Two centres in one place have no normal; any will push them apart.
+    let normal = if distance > 0.0 { between / distance } else { Vector2::x() };
+    let gap = distance - contact_distance;
+    Some(DetectedContact { candidate: i, antagonist: Side::Grain(j), normal, gap })
+}
+
+/// The pairs of discs that are close, kept from one time step to the next: they are sought anew where discs have moved so far
+/// that others may be close. The contacts are those of [`detect`], bit by bit.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Neighbours {
+    /// Where the discs were when the pairs were sought (m).
+    sought_at: Vec<Vector2<f64>>,
+    /// The gap to which they were sought (m).
+    sought_to: f64,
+    /// Candidate and antagonist, rising.
+    pairs: Vec<[u32; 2]>,
+    /// How often they were sought.
+    searches: u64,
+}
+
+/// How much farther than asked pairs are sought, in greatest radii (–): in the shear box a search for eighteen time steps, with
+/// an eighth of the pairs more than are asked for.
+const MARGIN: f64 = 0.2;
+
+impl Neighbours {
+    /// The contacts of [`detect`]; the discs and their radii are the same at each call.
+    pub(crate) fn contacts(
+        &mut self,
+        position: &[Vector2<f64>],
+        radius: &[f64],
+        reach: f64,
+    ) -> Vec<DetectedContact> {
+        if !self.hold(position, reach) {
+            self.sought_to = reach + MARGIN * radius.iter().copied().fold(0.0, f64::max);
+            self.sought_at.clear();
+            self.sought_at.extend_from_slice(position);
+            self.pairs.clear();
+            for_each_close(position, radius, self.sought_to, |i, j, _| self.pairs.push([i, j]));
+            self.searches += 1;
+        }
+        self.pairs.iter().filter_map(|pair| close(position, radius, reach, *pair)).collect()
+    }
+
+    /// Whether no other pair can be close: each of two discs has come nearer by what it has moved.
+    fn hold(&self, position: &[Vector2<f64>], reach: f64) -> bool {
+        // Less than half of what is left, by far more than round-off.
+        let room = 0.5 * (0.999 * self.sought_to - reach);
+        let near = |(then, now): (&Vector2<f64>, &Vector2<f64>)| (now - then).norm_squared() < room * room;
+        room > 0.0 && self.sought_at.len() == position.len() && self.sought_at.iter().zip(position).all(near)
+    }
 }
 
 /// The contacts of one disc with the walls that are within `reach` (m), and the rate at which each opens its gap (m/s).
@@ -82,6 +119,30 @@ pub(crate) fn walls_near(
         let contact = DetectedContact { candidate: grain, antagonist: side, normal, gap };
         (gap <= reach).then_some((contact, wall.opening_rate(position)))
     })
+}
+
+/// Calls `visit` with every pair of discs with a gap of at most `reach` (m), by rising candidate, then antagonist, and with
+/// their contact.
+fn for_each_close(
+    position: &[Vector2<f64>],
+    radius: &[f64],
+    reach: f64,
+    mut visit: impl FnMut(u32, u32, DetectedContact),
+) {
+    let cells = Cells::new(position, 2.0 * radius.iter().copied().fold(0.0, f64::max) + reach);
+    let mut near = Vec::new();
+    for (i, x) in (0_u32..).zip(position) {
+        near.clear();
+        cells.for_each_near(*x, |j| {
+            if j > i {
+                near.extend(close(position, radius, reach, [i, j]).map(|contact| (j, contact)));
+            }
+        });
+        near.sort_unstable_by_key(|(j, _)| *j);
+        for (j, contact) in &near {
+            visit(i, *j, *contact);
+        }
+    }
 }
 
 /// Discs sorted into square cells.
@@ -128,3 +189,6 @@ impl Cells {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

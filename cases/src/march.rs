@@ -2,7 +2,7 @@
 //! of the one before (§2).
 
 use crate::case::Case;
-use crate::detect::{DetectedContact, Side, detect, walls_near};
+use crate::detect::{DetectedContact, Neighbours, Side, walls_near};
 use crate::error::CaseError;
 use crate::frozen::Frozen;
 use crate::observables::{Missed, Observables, explosion, wall_impulses};
@@ -10,6 +10,7 @@ use crate::scene::{Law, MovingWall, Scene};
 use contact::{Contact, Packing, Solver, greatest};
 use nalgebra::Vector2;
 use runner::{Outcome, Progress, Status, Stop, solve_against};
+use std::cell::RefCell;
 use std::ops::ControlFlow;
 
 /// A scene on its way through time.
@@ -21,6 +22,8 @@ pub struct March {
     mass: Vec<f64>,
     position: Vec<Vector2<f64>>,
     velocity: Vec<Vector2<f64>>,
+    /// What is known of pairs of grains: it spares work, and changes no contact.
+    neighbours: RefCell<Neighbours>,
     /// Time steps done.
     done: u64,
     /// Impulses of the last time step, ordered by contact (N·s); none if its solve failed.
@@ -57,6 +60,7 @@ impl March {
             mass: discs.iter().map(|disc| disc.mass).collect(),
             position: discs.iter().map(|disc| disc.position).collect(),
             velocity,
+            neighbours: RefCell::default(),
             done: 0,
             last: Vec::new(),
             missed: None,
@@ -120,27 +124,33 @@ impl March {
         let walls = self.scene.walls.as_ref().map_or([None; 3], |walls| walls.over(detection, h));
         let reach = 2.0 * h * greatest_approach(free_velocity, position, &walls);
 
-        let mut pairs = detect(position, &self.radius, reach).into_iter().peekable();
-        let (mut contacts, mut near) = (Vec::new(), Vec::new());
-        for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)) {
-            let with_walls = walls_near(&walls, grain, *x, *radius, reach);
-            let with_grains = std::iter::from_fn(|| pairs.next_if(|pair| pair.candidate == grain));
-            for (pair, wall_offset) in with_walls.chain(with_grains.map(|pair| (pair, 0.0))) {
-                let antagonist = if let Side::Grain(j) = pair.antagonist { Some(j) } else { None };
-                let mut contact =
-                    Contact { candidate: grain, antagonist, normal: pair.normal, offset: wall_offset };
-                let b = contact.relative(free_velocity) + contact.offset;
-                let enters = match law {
-                    Law::PredictedGap => pair.gap + h * b <= 0.0,
-                    Law::Iqs => true,
-                };
-                if enters {
-                    contact.offset += law.gap_offset(pair.gap, h);
-                    for _ in 0..contact_copies {
-                        contacts.push(contact);
-                        near.push(pair);
-                    }
+        let pairs = self.neighbours.borrow_mut().contacts(position, &self.radius, reach);
+        let (mut contacts, mut near) = (Vec::with_capacity(pairs.len()), Vec::with_capacity(pairs.len()));
+        let mut enter = |pair: &DetectedContact, wall_offset: f64| {
+            let antagonist = if let Side::Grain(j) = pair.antagonist { Some(j) } else { None };
+            let mut contact =
+                Contact { candidate: pair.candidate, antagonist, normal: pair.normal, offset: wall_offset };
+            let enters = match law {
+                Law::PredictedGap => {
+                    let b = contact.relative(free_velocity) + contact.offset;
+                    pair.gap + h * b <= 0.0
                 }
+                Law::Iqs => true,
+            };
+            if enters {
+                contact.offset += law.gap_offset(pair.gap, h);
+                for _ in 0..contact_copies {
+                    contacts.push(contact);
+                    near.push(*pair);
+                }
+            }
+        };
+        let mut ahead = &pairs[..];
+        for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)) {
+            walls_near(&walls, grain, *x, *radius, reach).for_each(|(pair, offset)| enter(&pair, offset));
+            while let Some((pair, rest)) = ahead.split_first().filter(|(pair, _)| pair.candidate == grain) {
+                enter(pair, 0.0);
+                ahead = rest;
             }
         }
         (contacts, near)

@@ -138,5 +138,21 @@ fn operators(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(kernels, iterations, stages, starts, operators);
+/// What goes before a problem: the deposit of the discs, and the problem of a time step whose pairs are known.
+fn scenes(criterion: &mut Criterion) {
+    for grains in common::sizes() {
+        let march = common::scene(grains);
+        let mut group = criterion.benchmark_group("scene");
+        group.throughput(Throughput::Elements(grains as u64)).sample_size(10);
+        group.bench_function(BenchmarkId::new("deposit", grains), |bencher| {
+            bencher.iter(|| common::scene(grains));
+        });
+        group.bench_function(BenchmarkId::new("problem of a time step", grains), |bencher| {
+            bencher.iter(|| march.next());
+        });
+        group.finish();
+    }
+}
+
+criterion_group!(kernels, iterations, stages, starts, operators, scenes);
 criterion_main!(kernels);

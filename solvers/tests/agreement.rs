@@ -8,6 +8,7 @@ use cg::{Cg, Preconditioner};
 use contact::{Measure, Meter, Packing, Solver};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
+use mprgp::{Expansion, Mprgp};
 use nalgebra::Vector2;
 use nncg::Nncg;
 use nsgs::{Nsgs, Order};
@@ -69,7 +70,7 @@ fn assert_all_methods_agree_on(name: &str) {
     let reference = Answer::of(&Cg::default(), "cg".into(), &problem, 1e-9);
     let grid = |nx, ny| NsgsDd { subdomains: Grid { nx, ny }, ..NsgsDd::default() };
     let latin = |nx, ny| LatinDd { subdomains: Grid { nx, ny }, ..LatinDd::default() };
-    let methods: [(&str, &dyn Solver); 18] = [
+    let methods: [(&str, &dyn Solver); 21] = [
         ("latin-dd 1x1", &latin(1, 1)),
         ("latin-dd 2x1", &latin(2, 1)),
         ("latin-dd 2x2, directions kept", &LatinDd { adaptive: Some(false), ..latin(2, 2) }),
@@ -79,6 +80,12 @@ fn assert_all_methods_agree_on(name: &str) {
         ("cg, preconditioned", &Cg { preconditioner: Preconditioner::Diagonal }),
         ("apgd", &Apgd::default()),
         ("apgd, preconditioned", &Apgd { preconditioner: apgd::Preconditioner::Diagonal, ..Apgd::default() }),
+        ("mprgp", &Mprgp::default()),
+        (
+            "mprgp, preconditioned",
+            &Mprgp { preconditioner: mprgp::Preconditioner::Diagonal, ..Mprgp::default() },
+        ),
+        ("mprgp, fixed step", &Mprgp { expansion: Expansion::FixedStep, ..Mprgp::default() }),
         ("nncg", &Nncg::default()),
         ("active-set", &ActiveSet::default()),
         ("interior-point", &InteriorPoint::default()),

@@ -8,6 +8,7 @@ use contact::{Measure, Meter, Solver};
 use gradient::Gradient;
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
+use mprgp::Mprgp;
 use nncg::Nncg;
 use nsgs::Nsgs;
 use nsgs_dd::NsgsDd;
@@ -93,6 +94,7 @@ fn column_of_discs_carries_its_weight() {
         &NsgsDd { subdomains: halves, ..NsgsDd::default() },
         &LatinDd { subdomains: halves, ..LatinDd::default() },
         &Apgd::default(),
+        &Mprgp::default(),
         &Nncg::default(),
         &ActiveSet::default(),
         &InteriorPoint::default(),

@@ -9,6 +9,7 @@ use contact::{Contact, Measure, Packing, Solver};
 use gradient::Gradient;
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
+use mprgp::{Expansion, Mprgp};
 use nalgebra::Vector2;
 use nncg::Nncg;
 use nsgs::{Nsgs, Order};
@@ -35,6 +36,15 @@ fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
         ("gradient", Box::new(Gradient::default())),
         ("gradient, s = 9", Box::new(Gradient { step: 9.0 })),
         ("apgd", Box::new(Apgd::default())),
+        ("mprgp", Box::new(Mprgp::default())),
+        (
+            "mprgp, preconditioned",
+            Box::new(Mprgp { preconditioner: Preconditioner::Diagonal, ..Mprgp::default() }),
+        ),
+        (
+            "mprgp, fixed step, s = 2",
+            Box::new(Mprgp { expansion: Expansion::FixedStep, step: 2.0, gamma: 1e3, ..Mprgp::default() }),
+        ),
         ("nncg", Box::new(Nncg::default())),
         ("active-set", Box::new(ActiveSet::default())),
         ("active-set, cold", Box::new(ActiveSet { start: Start::ColdSet, ..ActiveSet::default() })),

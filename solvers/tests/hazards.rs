@@ -7,6 +7,7 @@ use crate::problems::{first_problem, impulses, start};
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
 use contact::{Contact, Measure, Meter, Packing, Solver};
+use mprgp::{Expansion, Mprgp};
 use nalgebra::Vector2;
 use nncg::Nncg;
 use nsgs::Nsgs;
@@ -171,11 +172,15 @@ pub(crate) fn wedge() -> impl Strategy<Value = Packing> {
 pub(crate) fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
     let nsgs = |relaxation: f64| Box::new(Nsgs { relaxation, ..Nsgs::default() });
     let apgd = |preconditioner| Box::new(Apgd { preconditioner, ..Apgd::default() });
+    let mprgp = |preconditioner, expansion| Box::new(Mprgp { preconditioner, expansion, ..Mprgp::default() });
     vec![
         ("cg", Box::new(Cg::default())),
         ("cg, preconditioned", Box::new(Cg { preconditioner: Preconditioner::Diagonal })),
         ("apgd", apgd(apgd::Preconditioner::None)),
         ("apgd, preconditioned", apgd(apgd::Preconditioner::Diagonal)),
+        ("mprgp", mprgp(Preconditioner::None, Expansion::ProjectedCg)),
+        ("mprgp, preconditioned", mprgp(Preconditioner::Diagonal, Expansion::ProjectedCg)),
+        ("mprgp, fixed step", mprgp(Preconditioner::None, Expansion::FixedStep)),
         ("nncg", Box::new(Nncg::default())),
         ("active-set", Box::new(ActiveSet::default())),
         ("nsgs", nsgs(1.0)),
@@ -190,11 +195,17 @@ fn run(solver: &dyn Solver, problem: &Packing, tolerance: f64, max_iterations: u
     solve(solver, problem, &r0, &stop, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// q(r), and what round-off may add to it: impulses that grow along the kernel of W cancel in it (J).
-fn energy(problem: &Packing, r: &[f64]) -> (f64, f64) {
+/// q(r), and what round-off may add to it (J): impulses that grow along the kernel of W cancel in it, as do the velocities that b is
+/// made of.
+pub(crate) fn energy(problem: &Packing, r: &[f64]) -> (f64, f64) {
     let q = Meter::new(problem).measure(r, 0.0).energy;
-    let terms = r.iter().zip(problem.b()).zip(problem.delassus_diagonal());
-    let size: f64 = terms.map(|((r, b), w)| r * (b.abs() + w * r)).sum();
+    let free = |contact: &Contact| -> f64 {
+        contact.grains().map(|grain| problem.free_velocity()[grain as usize].norm()).sum()
+    };
+    let terms = r.iter().zip(problem.contacts()).zip(problem.delassus_diagonal());
+    let of_contact =
+        |((r, contact), w): ((&f64, &Contact), f64)| r * (contact.offset.abs() + free(contact) + w * r);
+    let size: f64 = terms.map(of_contact).sum();
     (q, 64.0 * f64::EPSILON * size)
 }
 

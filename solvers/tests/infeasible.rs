@@ -8,6 +8,7 @@ use cg::{Cg, Preconditioner};
 use contact::{Measure, Solver, Truth};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
+use mprgp::Mprgp;
 use nncg::Nncg;
 use nsgs::Nsgs;
 use nsgs_dd::NsgsDd;
@@ -16,7 +17,7 @@ use runner::{Progress, Status, Stop, solve, solve_against};
 use std::ops::ControlFlow;
 
 /// Every method, as it is by default.
-pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 10] {
+pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 12] {
     [
         ("nsgs", Box::new(Nsgs::default())),
         ("jacobi", Box::new(Jacobi::default())),
@@ -25,6 +26,11 @@ pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 10] {
         ("latin-dd", Box::new(LatinDd::default())),
         ("nsgs-dd", Box::new(NsgsDd::default())),
         ("apgd", Box::new(Apgd::default())),
+        ("mprgp", Box::new(Mprgp::default())),
+        (
+            "mprgp, preconditioned",
+            Box::new(Mprgp { preconditioner: Preconditioner::Diagonal, ..Mprgp::default() }),
+        ),
         ("nncg", Box::new(Nncg::default())),
         ("active-set", Box::new(ActiveSet::default())),
         ("interior-point", Box::new(InteriorPoint::default())),

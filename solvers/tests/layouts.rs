@@ -126,7 +126,7 @@ impl PlainCg<'_> {
 
 /// A packing of several blocks. Its grains move each in its own way: where neighbours fall alike u is 0 but for round-off, and
 /// whether it is above 0 is chance.
-fn moving_packing() -> Packing {
+pub(crate) fn moving_packing() -> Packing {
     let box_of = [("sample.grains", "4500"), ("scene.box.width_m", "10.2")];
     let fallen = first_problem("deposited-box", &box_of).problem;
     let own =

@@ -15,4 +15,5 @@ mod layouts;
 mod predictions;
 mod problems;
 mod product;
+mod proportioning;
 mod reference;

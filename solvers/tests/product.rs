@@ -5,6 +5,7 @@ use apgd::{Apgd, Preconditioner};
 use cg::Cg;
 use contact::{Contact, Packing, Solver};
 use gradient::Gradient;
+use mprgp::{Expansion, Mprgp};
 use nalgebra::Vector2;
 use product::Product;
 use proptest::prelude::*;
@@ -108,7 +109,10 @@ fn bits_are_the_same_on_any_number_of_threads() {
     let problem = lattice();
     let p: Vec<f64> = (0..problem.contact_count()).map(|k| (k as f64).sin()).collect();
     let diagonal = Apgd { preconditioner: Preconditioner::Diagonal, ..Apgd::default() };
-    let solvers = [&Gradient::default() as &dyn Solver, &Apgd::default(), &diagonal, &Cg::default()];
+    let fixed = Mprgp { expansion: Expansion::FixedStep, ..Mprgp::default() };
+    let cg = Cg::default();
+    let solvers =
+        [&Gradient::default() as &dyn Solver, &Apgd::default(), &diagonal, &cg, &Mprgp::default(), &fixed];
     let iterates = || {
         let of = |solver: &&dyn Solver| {
             let mut run = start(*solver, &problem);

@@ -98,10 +98,6 @@ impl Front {
 
     /// Takes for `best` the lowest place of a disc in the column, if it is lower.
     pub(super) fn lower_place(&self, column: usize, radius: f64, best: &mut Option<Place>) {
-        let held_low = |best: &Option<Place>, y: f64| {
-            // No place is lower than the lower of the discs that hold it.
-            best.as_ref().is_none_or(|best| y <= best.at.y + self.slack())
-        };
         let take = |best: &mut Option<Place>, at: Option<Vector2<f64>>, left, right| {
             let lower = |at: &Vector2<f64>| {
                 best.as_ref().is_none_or(|best| (at.y, at.x) < (best.at.y, best.at.x))
@@ -112,10 +108,17 @@ impl Front {
                 *best = Some(Place { at, left, right });
             }
         };
+        let bound =
+            |best: &Option<Place>| best.as_ref().map_or(f64::INFINITY, |best| best.at.y + self.slack());
+        let start = column as f64 * self.size - self.slack();
+        let [by_left, by_right] = [radius, self.width - radius].map(|x| self.column(x) == column);
         for k in self.near(column) {
             let held = self.discs[k as usize];
-            if held_low(best, held.0.y) {
+            // No place is lower than the lower of the discs that hold it.
+            if by_left && held.0.y <= bound(best) {
                 take(best, beside_wall(held, radius, radius), None, Some(k));
+            }
+            if by_right && held.0.y <= bound(best) {
                 take(best, beside_wall(held, self.width - radius, radius), Some(k), None);
             }
             let mut ahead = self.after[k as usize].filter(|_| self.column(held.0.x) <= column);
@@ -125,7 +128,9 @@ impl Front {
                 if other.0.x - held.0.x > held.1 + 2.0 * radius + self.greatest {
                     break;
                 }
-                if held_low(best, held.0.y.min(other.0.y)) {
+                // The place is between the two, and in the column.
+                let right = other.0.x >= held.0.x.max(start);
+                if right && held.0.y.min(other.0.y) <= bound(best) {
                     take(best, on_two(held, other, radius), Some(k), Some(o));
                 }
                 ahead = self.after[o as usize];
@@ -159,19 +164,32 @@ impl Front {
         let mut lowest = None;
         self.lower_place(column, radius, &mut lowest);
         let [start, end] = [column as f64 * self.size, (column + 1) as f64 * self.size];
-        let beside = |k: u32| {
+        let mut lowest = lowest.map_or(f64::INFINITY, |place| place.at.y);
+        // Takes the height at x, if it is lower.
+        let mut lower = |x: f64| {
+            let x = x.clamp(radius, self.width - radius);
+            let mut height = radius;
+            for k in self.near(column) {
+                let (centre, r) = self.discs[k as usize];
+                // Without the arcs that end here.
+                let (distance, across) = (r + radius, (x - centre.x).abs());
+                if across < distance - self.slack() {
+                    height = height.max(centre.y + (distance * distance - across * across).sqrt());
+                    if height >= lowest {
+                        return;
+                    }
+                }
+            }
+            lowest = height;
+        };
+        lower(start);
+        lower(end);
+        for k in self.near(column) {
             let (centre, r) = self.discs[k as usize];
-            [centre.x - r - radius, centre.x + r + radius]
-        };
-        let height = |x: f64| {
-            // Without the arcs that end here.
-            let above = |k: &u32| beside(*k)[0] + self.slack() < x && x < beside(*k)[1] - self.slack();
-            let on = |k: u32| beside_wall(self.discs[k as usize], x, radius);
-            self.near(column).filter(above).filter_map(on).map(|at| at.y).fold(radius, f64::max)
-        };
-        let ends = self.near(column).flat_map(beside).filter(|x| start <= *x && *x <= end);
-        let heights = ends.chain([start, end]).map(|x| height(x.clamp(radius, self.width - radius)));
-        heights.fold(lowest.map_or(f64::INFINITY, |place| place.at.y), f64::min)
+            let ends = [centre.x - r - radius, centre.x + r + radius];
+            ends.into_iter().filter(|x| start <= *x && *x <= end).for_each(&mut lower);
+        }
+        lowest
     }
 }
 

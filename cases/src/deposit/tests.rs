@@ -70,3 +70,36 @@ fn equal_discs_lie_in_rows_of_five_and_four() {
     let top = discs.iter().map(|(x, _)| x.y).fold(0.0, f64::max);
     assert!((top - (0.1 + 13.0 * 0.1 * 3.0_f64.sqrt())).abs() < 1e-9, "{top}");
 }
+
+#[test]
+fn the_work_for_a_disc_hardly_grows_with_the_width_of_the_box() {
+    let work = |discs: u32, width: f64| {
+        let (_, promises) = laid(&radii(discs, 0.05, 0.1), width).unwrap();
+        let steps: u64 = promises.height.iter().map(|heights| heights.steps).sum();
+        [promises.looks, steps].map(|work| work as f64 / f64::from(discs))
+    };
+    // Sixteen times as many discs on four times as many columns, which have two binary digits more: 7 for 5.
+    let ([looks, steps], [looks_then, steps_then]) = (work(2_000, 6.8), work(32_000, 27.2));
+    assert!(looks_then < 1.5 * looks, "{looks} columns for a disc, then {looks_then}");
+    assert!(steps_then < 1.5 * 7.0 / 5.0 * steps, "{steps} steps for a disc, then {steps_then}");
+}
+
+#[test]
+fn the_lowest_column_is_the_first_of_the_lowest() {
+    for columns in [1, 2, 5, 8, 13] {
+        let (mut heights, mut listed) = (Heights::new(columns), vec![0.0; columns]);
+        for k in 0..200 {
+            let (column, height) = (k * 7 % columns, f64::from(k as u32 * 31 % 11));
+            if k % 3 == 0 {
+                heights.raise(column, height);
+                listed[column] = f64::max(listed[column], height);
+            } else {
+                heights.set(column, height);
+                listed[column] = height;
+            }
+            let lowest = listed.iter().copied().fold(f64::INFINITY, f64::min);
+            let first = listed.iter().position(|height| *height == lowest).unwrap();
+            assert_eq!(heights.lowest(), (first, lowest));
+        }
+    }
+}

@@ -3,15 +3,20 @@
 use cases::{Case, Frozen, March};
 use std::path::Path;
 
-/// The first problem of `deposited-box` with so many grains, in a box about as wide as high.
-pub(crate) fn packing(grains: usize) -> Frozen {
+/// `deposited-box` with so many grains, in a box about as wide as high.
+pub(crate) fn scene(grains: usize) -> March {
     let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/deposited-box.toml");
     let overrides = [
         ("sample.grains".to_owned(), grains.to_string()),
         ("scene.box.width_m".to_owned(), format!("{:.3}", 0.152 * (grains as f64).sqrt())),
     ];
-    let made = Case::read(&case, &overrides).and_then(|case| March::new(&case)?.next());
-    made.unwrap_or_else(|error| panic!("{error}")).frozen
+    let made = Case::read(&case, &overrides).and_then(|case| March::new(&case));
+    made.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Its first problem.
+pub(crate) fn packing(grains: usize) -> Frozen {
+    scene(grains).next().unwrap_or_else(|error| panic!("{error}")).frozen
 }
 
 /// The numbers of grains of the environment variable `GRAINS`, such as "1000 1000000", or else 1000 and 100,000.

@@ -39,6 +39,11 @@ impl Layout {
         Ok(Self { sums: CopySums::new(&decomposition), decomposition, contacts })
     }
 
+    /// The contacts and grains of each block.
+    pub(crate) fn subdomains(&self) -> &[Subdomain] {
+        &self.decomposition.subdomains
+    }
+
     /// What a method knows of each block, from its columns, which are `scaled` by the diagonal of W or not.
     pub fn blocks<B: Send>(
         &self,

@@ -11,7 +11,7 @@ mod layout;
 pub use layout::{Columns, Layout};
 pub use partition::Subdomain;
 
-use contact::{Packing, SetupError};
+use contact::{Adjacency, Packing, SetupError};
 use nalgebra::Vector2;
 use pulp::Arch;
 use schemars::JsonSchema;
@@ -42,8 +42,19 @@ struct Block<C> {
     states: Vec<C>,
     /// M^-½ H p; of grains that blocks share, each has the sum after it has been received.
     y: Vec<Vector2<f64>>,
-    /// What the block adds to the sum that the last pass was for.
-    part: f64,
+    /// What the block adds to the sums that the last pass was for.
+    parts: [f64; SUMS],
+    /// The contacts around each grain, where [`Product::pull_around`] is wanted.
+    adjacency: Option<Adjacency>,
+}
+
+/// As many sums as a pass may be for.
+const SUMS: usize = 4;
+
+/// `N` sums where there is room for [`SUMS`].
+fn parts<const N: usize>(sums: [f64; N]) -> [f64; SUMS] {
+    const { assert!(N <= SUMS, "a pass has room for no more sums") };
+    std::array::from_fn(|k| if k < N { sums[k] } else { 0.0 })
 }
 
 impl<C: Send + Sync> Product<C> {
@@ -62,26 +73,76 @@ impl<C: Send + Sync> Product<C> {
             states: columns.units().map(|(contact, unit)| state(contact, unit)).collect(),
             y: vec![Vector2::zeros(); subdomain.grains.len()],
             columns,
-            part: 0.0,
+            parts: [0.0; SUMS],
+            adjacency: None,
         });
         Ok(Self { layout, blocks })
     }
 
+    /// The same, ready for [`Product::pull_around`].
+    #[must_use]
+    pub fn with_neighbours(mut self) -> Self {
+        for (block, subdomain) in self.blocks.iter_mut().zip(self.layout.subdomains()) {
+            block.adjacency = Some(Adjacency::new(subdomain.ends.iter().copied(), subdomain.grains.len()));
+        }
+        self
+    }
+
     /// First half of the product, y = M^-½ H p: `p` gives the p of each contact. Returns pᵗ p.
     pub fn push(&mut self, p: impl Fn(&mut C) -> f64 + Sync) -> f64 {
+        let [squared] = self.push_sums(|at| {
+            let p = p(at);
+            (p, [p * p])
+        });
+        squared
+    }
+
+    /// [`push`](Self::push), where `p` also gives the terms of sums over the contacts, which take the place of pᵗ p.
+    pub fn push_sums<const N: usize>(&mut self, p: impl Fn(&mut C) -> (f64, [f64; N]) + Sync) -> [f64; N] {
         self.layout.send(&mut self.blocks, |block, sent| {
             Arch::new().dispatch(|| block.push(&p));
             block.columns.send(&block.y, sent);
         });
-        self.sum()
+        self.sums()
+    }
+
+    /// [`push`](Self::push) of a `p` that is 0 at most contacts, which then cost next to nothing.
+    pub fn push_few(&mut self, p: impl Fn(&C) -> f64 + Sync) {
+        self.layout.send(&mut self.blocks, |block, sent| {
+            Arch::new().dispatch(|| block.push_few(&p));
+            block.columns.send(&block.y, sent);
+        });
     }
 
     /// Second half: `take` is given (W p)_α of each contact.
     pub fn pull(&mut self, take: impl Fn(&mut C, f64) + Sync) {
+        let [] = self.pull_sums(|at, of_p| {
+            take(at, of_p);
+            []
+        });
+    }
+
+    /// [`pull`](Self::pull), where `take` gives the terms of sums over the contacts.
+    pub fn pull_sums<const N: usize>(&mut self, take: impl Fn(&mut C, f64) -> [f64; N] + Sync) -> [f64; N] {
         self.layout.receive(&mut self.blocks, |block, sums| {
             block.columns.take(&mut block.y, sums);
             Arch::new().dispatch(|| block.pull(&take));
         });
+        self.sums()
+    }
+
+    /// [`pull`](Self::pull) after [`push_few`](Self::push_few), of the contacts around the grains with y ≠ 0 alone: `take` is
+    /// given what each of its grains adds to (W p)_α, one after the other. Returns pᵗ W p.
+    ///
+    /// # Panics
+    /// If the contacts around the grains are not known: see [`with_neighbours`](Self::with_neighbours).
+    pub fn pull_around(&mut self, take: impl Fn(&mut C, f64) + Sync) -> f64 {
+        self.layout.receive(&mut self.blocks, |block, sums| {
+            block.columns.take(&mut block.y, sums);
+            block.pull_around(&take);
+        });
+        let [curvature] = self.sums();
+        curvature
     }
 
     /// pᵗ W p = |y|² of the p last pushed, without the second half.
@@ -90,13 +151,35 @@ impl<C: Send + Sync> Product<C> {
             block.columns.take(&mut block.y, sums);
             Arch::new().dispatch(|| block.square());
         });
-        self.sum()
+        let [curvature] = self.sums();
+        curvature
     }
 
     /// The sum of a `term` over the contacts.
     pub fn sum_of(&mut self, term: impl Fn(&C) -> f64 + Sync) -> f64 {
-        self.layout.each(&mut self.blocks, |block| block.part = block.states.iter().map(&term).sum());
-        self.sum()
+        let [sum] = self.sums_of(|at| [term(at)]);
+        sum
+    }
+
+    /// The sums of several `terms` over the contacts.
+    pub fn sums_of<const N: usize>(&mut self, terms: impl Fn(&C) -> [f64; N] + Sync) -> [f64; N] {
+        self.layout.each(&mut self.blocks, |block| {
+            block.parts = parts(block.states.iter().map(&terms).fold([0.0; N], add));
+        });
+        self.sums()
+    }
+
+    /// The least value at any contact; infinite without contact.
+    pub fn least_of(&mut self, value: impl Fn(&C) -> f64 + Sync) -> f64 {
+        self.layout.each(&mut self.blocks, |block| {
+            block.parts = parts([block.states.iter().map(&value).fold(f64::INFINITY, f64::min)]);
+        });
+        self.blocks.iter().map(|block| block.parts[0]).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Changes each contact.
+    pub fn each(&mut self, change: impl Fn(&mut C) + Sync) {
+        self.layout.each(&mut self.blocks, |block| block.states.iter_mut().for_each(&change));
     }
 
     /// Puts the impulses that `r` reads from each contact in the problem's order (N·s).
@@ -106,32 +189,67 @@ impl<C: Send + Sync> Product<C> {
         }
     }
 
-    fn sum(&self) -> f64 {
-        self.blocks.iter().map(|block| block.part).sum()
+    fn sums<const N: usize>(&self) -> [f64; N] {
+        std::array::from_fn(|k| self.blocks.iter().map(|block| block.parts[k]).sum())
     }
 }
 
 impl<C> Block<C> {
     #[inline(always)]
-    fn push(&mut self, p: &impl Fn(&mut C) -> f64) {
+    fn push<const N: usize>(&mut self, p: &impl Fn(&mut C) -> (f64, [f64; N])) {
         self.y.fill(Vector2::zeros());
-        self.part = 0.0;
+        let mut sums = [0.0; N];
         for (column, state) in self.columns.scaled.iter().zip(&mut self.states) {
-            let p = p(state);
+            let (p, terms) = p(state);
             column.push(p, &mut self.y);
-            self.part += p * p;
+            sums = add(sums, terms);
+        }
+        self.parts = parts(sums);
+    }
+
+    #[inline(always)]
+    fn push_few(&mut self, p: &impl Fn(&C) -> f64) {
+        self.y.fill(Vector2::zeros());
+        for (column, state) in self.columns.scaled.iter().zip(&self.states) {
+            let p = p(state);
+            if p != 0.0 {
+                column.push(p, &mut self.y);
+            }
         }
     }
 
     #[inline(always)]
-    fn pull(&mut self, take: &impl Fn(&mut C, f64)) {
+    fn pull<const N: usize>(&mut self, take: &impl Fn(&mut C, f64) -> [f64; N]) {
+        let mut sums = [0.0; N];
         for (column, state) in self.columns.scaled.iter().zip(&mut self.states) {
-            take(state, column.relative(&self.y));
+            sums = add(sums, take(state, column.relative(&self.y)));
         }
+        self.parts = parts(sums);
+    }
+
+    fn pull_around(&mut self, take: &impl Fn(&mut C, f64)) {
+        let Some(adjacency) = &self.adjacency else { panic!("the contacts around the grains are not known") };
+        let mut curvature = 0.0;
+        for (grain, (y, share)) in self.y.iter().zip(&self.columns.share).enumerate() {
+            if *y != Vector2::zeros() {
+                curvature += share * y.norm_squared();
+                for k in adjacency.around(grain) {
+                    let column = &self.columns.scaled[*k as usize];
+                    take(&mut self.states[*k as usize], column.relative_of(grain as u32, y));
+                }
+            }
+        }
+        self.parts = parts([curvature]);
     }
 
     #[inline(always)]
     fn square(&mut self) {
-        self.part = self.y.iter().zip(&self.columns.share).map(|(y, share)| share * y.norm_squared()).sum();
+        let squares = self.y.iter().zip(&self.columns.share).map(|(y, share)| share * y.norm_squared());
+        self.parts = parts([squares.sum()]);
     }
+}
+
+#[inline(always)]
+fn add<const N: usize>(sums: [f64; N], terms: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|k| sums[k] + terms[k])
 }
