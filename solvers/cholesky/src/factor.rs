@@ -2,7 +2,7 @@
 
 use crate::front::Front;
 use crate::structure::{Join, Structure};
-use crate::{Singular, failed};
+use crate::Singular;
 use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -217,7 +217,7 @@ impl Factor {
         let structure = &*self.structure;
         let matrix = Matrix { structure, mass, coupling };
         let done = matrix.subtrees(structure.roots(), &mut self.values).is_some();
-        if done { Ok(()) } else { Err(failed("not positive definite")) }
+        if done { Ok(()) } else { Err(Singular("it is not positive definite in double precision".to_owned())) }
     }
 
     /// x ← (P K Pᵗ)⁻¹ x, for one x per place.

@@ -20,6 +20,11 @@ use thiserror::Error;
 #[error("{0}")]
 pub struct Singular(String);
 
-fn failed(why: impl std::fmt::Debug) -> Singular {
-    Singular(format!("{why:?}"))
+impl Singular {
+    fn new(why: impl std::fmt::Debug) -> Self {
+        Self(format!("{why:?}"))
+    }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,6 @@
 //! Orders of the grains in which a factor stays sparse.
 
-use crate::{Singular, failed};
+use crate::Singular;
 use contact::Groups;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::amd;
@@ -50,11 +50,11 @@ impl Order {
         let pairs = pairs.chain((0..grains).map(|k| (k, k)));
         let lower: Vec<_> = pairs.map(|(i, j)| Triplet::new(i.max(j), i.min(j), 0.0)).collect();
         let matrix =
-            SparseColMat::<usize, f64>::try_new_from_triplets(grains, grains, &lower).map_err(failed)?;
+            SparseColMat::<usize, f64>::try_new_from_triplets(grains, grains, &lower).map_err(Singular::new)?;
         let (mut forward, mut inverse) = (vec![0; grains], vec![0; grains]);
         let mut memory = MemBuffer::new(amd::order_scratch::<usize>(grains, matrix.compute_nnz()));
         let (control, stack) = (amd::Control::default(), MemStack::new(&mut memory));
-        amd::order(&mut forward, &mut inverse, matrix.symbolic(), control, stack).map_err(failed)?;
+        amd::order(&mut forward, &mut inverse, matrix.symbolic(), control, stack).map_err(Singular::new)?;
         Ok(Self { place: inverse.into_iter().map(|place| place as u32).collect() })
     }
 
