@@ -82,11 +82,11 @@ fn set_of_the_solution_needs_one_factorisation() {
     }
 }
 
-/// All contacts of a column at rest approach and all stay closed.
+/// With any equal impulses the law closes all contacts of a column, and all stay closed.
 #[test]
-fn first_set_of_a_column_is_its_last() {
+fn set_of_a_column_that_begins_closed_is_its_last() {
     let problem = first_problem("column", &[("sample.grains", "30")]).problem;
-    let mut run = start(&method(Start::ColdSet), &problem);
+    let mut run = ActiveSet::default().start(&problem, &[1e-6; 30]).unwrap();
     run.advance();
     assert!(run.stalled(), "round-off is left");
     assert_eq!(run.work().factorisations, 1);
