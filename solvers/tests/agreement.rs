@@ -1,7 +1,7 @@
 //! All methods, and another code, reach the one velocity that a problem has.
 
-use active_set::ActiveSet;
 use crate::problems::frozen;
+use active_set::ActiveSet;
 use analysis::greatest_eigenvalue;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};

@@ -1,7 +1,7 @@
 //! The column of n equal discs, of which everything is known.
 
-use active_set::ActiveSet;
 use crate::problems::{first_problem, impulses, start};
+use active_set::ActiveSet;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
 use contact::{Measure, Meter, Solver};

@@ -2,8 +2,8 @@
 //!
 //! 256 of each kind; `PROPTEST_CASES=10000 cargo test --release --package solver-tests hazards` for the long form.
 
-use active_set::ActiveSet;
 use crate::problems::{first_problem, impulses, start};
+use active_set::ActiveSet;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
 use contact::{Contact, Measure, Meter, Packing, Solver};

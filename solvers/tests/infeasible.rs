@@ -1,7 +1,7 @@
 //! Problems without solution: the reference proves it, and no method converges on a measure that sees it.
 
-use active_set::ActiveSet;
 use crate::problems::{first_problem, frozen};
+use active_set::ActiveSet;
 use analysis::proves_infeasible;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};

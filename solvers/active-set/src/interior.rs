@@ -96,9 +96,8 @@ impl Interior {
 
     /// The mean of s t after steps of these lengths.
     fn mean(&self, of_s: f64, of_t: f64) -> f64 {
-        let of_contact = |k: usize| {
-            (self.s[k] + of_s * self.change_of_s[k]) * (self.t[k] + of_t * self.change_of_t[k])
-        };
+        let of_contact =
+            |k: usize| (self.s[k] + of_s * self.change_of_s[k]) * (self.t[k] + of_t * self.change_of_t[k]);
         (0..self.s.len()).map(of_contact).sum::<f64>() / self.s.len() as f64
     }
 }

@@ -1,8 +1,8 @@
 //! The factor of a matrix, front by front up the tree of supernodes.
 
+use crate::Singular;
 use crate::front::Front;
 use crate::structure::{Join, Structure};
-use crate::Singular;
 use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -66,7 +66,11 @@ impl<M: Fn(usize) -> f64 + Sync, C: Fn(usize) -> Option<Coupling> + Sync> Matrix
     }
 
     /// Subtrees whose `values` follow one another, in threads.
-    fn subtrees(&self, tops: impl Iterator<Item = usize>, mut values: &mut [f64]) -> Option<Vec<(usize, Left)>> {
+    fn subtrees(
+        &self,
+        tops: impl Iterator<Item = usize>,
+        mut values: &mut [f64],
+    ) -> Option<Vec<(usize, Left)>> {
         let mut parts = Vec::new();
         for k in tops {
             let first = self.structure.supernodes[k].first as usize;
@@ -77,7 +81,11 @@ impl<M: Fn(usize) -> f64 + Sync, C: Fn(usize) -> Option<Coupling> + Sync> Matrix
         }
         let most = parts.iter().map(|(k, _)| self.structure.supernodes[*k].work).fold(0.0, f64::max);
         let together = if most < WORTH_A_THREAD { usize::MAX } else { 1 };
-        parts.into_par_iter().with_min_len(together).map(|(k, part)| Some((k, self.subtree(k, part)?))).collect()
+        parts
+            .into_par_iter()
+            .with_min_len(together)
+            .map(|(k, part)| Some((k, self.subtree(k, part)?)))
+            .collect()
     }
 
     /// Supernodes `first` to `last`, a subtree, one after the other.
@@ -217,7 +225,11 @@ impl Factor {
         let structure = &*self.structure;
         let matrix = Matrix { structure, mass, coupling };
         let done = matrix.subtrees(structure.roots(), &mut self.values).is_some();
-        if done { Ok(()) } else { Err(Singular("it is not positive definite in double precision".to_owned())) }
+        if done {
+            Ok(())
+        } else {
+            Err(Singular("it is not positive definite in double precision".to_owned()))
+        }
     }
 
     /// x ← (P K Pᵗ)⁻¹ x, for one x per place.

@@ -3,8 +3,8 @@
 use crate::Singular;
 use contact::Groups;
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
-use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::Vector2;
 
 /// An order of grains.
@@ -27,10 +27,7 @@ impl Order {
     ///
     /// # Errors
     /// Where there are too many.
-    pub fn fill_reducing(
-        position: &[Vector2<f64>],
-        ends: &[(u32, Option<u32>)],
-    ) -> Result<Self, Singular> {
+    pub fn fill_reducing(position: &[Vector2<f64>], ends: &[(u32, Option<u32>)]) -> Result<Self, Singular> {
         if position.len() <= MANY {
             Self::minimum_degree(position.len(), ends)
         } else {
@@ -46,16 +43,16 @@ impl Order {
     /// # Errors
     /// Where there are too many.
     pub fn minimum_degree(grains: usize, ends: &[(u32, Option<u32>)]) -> Result<Self, Singular> {
-        let pairs = ends.iter().filter_map(|(i, j)| Some((*i as usize, (*j)? as usize)));
-        let pairs = pairs.chain((0..grains).map(|k| (k, k)));
-        let lower: Vec<_> = pairs.map(|(i, j)| Triplet::new(i.max(j), i.min(j), 0.0)).collect();
-        let matrix =
-            SparseColMat::<usize, f64>::try_new_from_triplets(grains, grains, &lower).map_err(Singular::new)?;
-        let (mut forward, mut inverse) = (vec![0; grains], vec![0; grains]);
-        let mut memory = MemBuffer::new(amd::order_scratch::<usize>(grains, matrix.compute_nnz()));
+        let pairs = ends.iter().filter_map(|(i, j)| Some((*i, (*j)?)));
+        let (first, others) =
+            Groups::new(pairs.map(|(i, j)| (i.max(j), i.min(j) as usize)), grains).into_parts();
+        let pattern = SymbolicSparseColMatRef::new_unsorted_checked(grains, grains, &first, None, &others);
+        let (mut forward, mut place) = (vec![0; grains], vec![0; grains]);
+        let mut memory = MemBuffer::new(amd::order_maybe_unsorted_scratch::<u32>(grains, others.len()));
         let (control, stack) = (amd::Control::default(), MemStack::new(&mut memory));
-        amd::order(&mut forward, &mut inverse, matrix.symbolic(), control, stack).map_err(Singular::new)?;
-        Ok(Self { place: inverse.into_iter().map(|place| place as u32).collect() })
+        amd::order_maybe_unsorted(&mut forward, &mut place, pattern, control, stack)
+            .map_err(Singular::new)?;
+        Ok(Self { place })
     }
 
     /// Nested dissection by the positions of the grains (m): a set of grains is cut at the median of the longer extent; the
@@ -96,7 +93,8 @@ impl Dissection<'_> {
         if grains.len() <= FEW {
             return;
         }
-        let (mut least, mut greatest) = (self.position[grains[0] as usize], self.position[grains[0] as usize]);
+        let (mut least, mut greatest) =
+            (self.position[grains[0] as usize], self.position[grains[0] as usize]);
         for grain in &*grains {
             let at = &self.position[*grain as usize];
             (least, greatest) = (least.inf(at), greatest.sup(at));

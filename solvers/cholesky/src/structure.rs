@@ -248,9 +248,9 @@ fn fundamental(pairs: impl Iterator<Item = (u32, u32)> + Clone, places: usize) -
     let mut supernodes: Vec<Growing> = Vec::new();
     // The supernodes whose next row is not yet reached, the last on top; and who was last seen in which column.
     let mut waiting: Vec<usize> = Vec::new();
-    let mut seen = vec![NONE; places];
+    let (mut seen, mut rows) = (vec![NONE; places], Vec::new());
     for place in 0..places as u32 {
-        let mut rows = Vec::new();
+        rows.clear();
         let mut take = |row: u32| {
             if row != place && std::mem::replace(&mut seen[row as usize], place) != place {
                 rows.push(row);
@@ -264,14 +264,16 @@ fn fundamental(pairs: impl Iterator<Item = (u32, u32)> + Clone, places: usize) -
             children += 1;
             greatest = greatest.max(supernodes[child].rows.len());
         }
-        rows.sort_unstable();
         match supernodes.last_mut() {
             // The one before is the only child, and has no other rows: it goes on.
             Some(last) if children == 1 && greatest == rows.len() + 1 => {
                 last.own.end = place + 1;
-                last.rows = rows;
+                last.rows.remove(0);
             }
-            _ => supernodes.push(Growing { own: place..place + 1, rows }),
+            _ => {
+                rows.sort_unstable();
+                supernodes.push(Growing { own: place..place + 1, rows: rows.clone() });
+            }
         }
         waiting.push(supernodes.len() - 1);
     }
@@ -295,7 +297,8 @@ fn merged(supernodes: Vec<Growing>) -> Vec<Growing> {
                 - size(child_own, child.rows.len())
                 - size(node.own.len(), node.rows.len());
             let allowed = WORTH_MERGING.iter().find(|(most, _)| own as u32 <= *most);
-            if !allowed.is_some_and(|(_, share)| all_zeros as f64 <= share * entries as f64) && all_zeros > 0 {
+            if !allowed.is_some_and(|(_, share)| all_zeros as f64 <= share * entries as f64) && all_zeros > 0
+            {
                 break;
             }
             node.own.start = child.own.start;

@@ -45,8 +45,7 @@ impl<'p> Run<'p> {
     /// Lays the programme out; says why it cannot.
     pub(crate) fn new(problem: &'p Packing, r0: &[f64], polishes: bool) -> Result<Self, String> {
         let pushed = problem.scale() > 0.0;
-        let interior =
-            if pushed { Some(Interior::new(problem, &Constraint::all(problem))?) } else { None };
+        let interior = if pushed { Some(Interior::new(problem, &Constraint::all(problem))?) } else { None };
         Ok(Self {
             problem,
             interior,
@@ -127,11 +126,7 @@ impl Iteration for Run<'_> {
     fn work(&self) -> Work {
         let of_interior = self.interior.as_ref().filter(|_| self.ran).map_or(0, Interior::factorisations);
         let (factorisations, triangular_solve_entries) = self.polish.work();
-        Work {
-            factorisations: of_interior + factorisations,
-            triangular_solve_entries,
-            ..Work::default()
-        }
+        Work { factorisations: of_interior + factorisations, triangular_solve_entries, ..Work::default() }
     }
 }
 
