@@ -2,8 +2,10 @@
 
 use crate::Singular;
 use crate::front::Front;
+use crate::solve::solve;
 use crate::structure::{Join, Structure};
 use nalgebra::{Matrix2, Vector2};
+use pulp::Arch;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -234,63 +236,11 @@ impl Factor {
 
     /// x ← (P K Pᵗ)⁻¹ x, for one x per place.
     pub fn solve(&self, x: &mut [Vector2<f64>]) {
-        let mut below: Vec<f64> = Vec::new();
-        for (k, node) in self.structure.supernodes.iter().enumerate() {
-            let (own, rows) = (2 * node.own.len(), 2 * (node.own.len() + node.rows.len()));
-            let panel = &self.values[node.start..self.structure.end(k)];
-            below.clear();
-            below.resize(rows - own, 0.0);
-            for (j, column) in panel.chunks_exact(rows).enumerate() {
-                let at = node.own.start as usize;
-                let y = x[at + j / 2][j % 2] * column[j];
-                x[at + j / 2][j % 2] = y;
-                for i in j + 1..own {
-                    x[at + i / 2][i % 2] -= column[i] * y;
-                }
-                for (below, entry) in below.iter_mut().zip(&column[own..]) {
-                    *below += entry * y;
-                }
-            }
-            for (row, below) in self.structure.rows[node.rows.clone()].iter().zip(below.chunks_exact(2)) {
-                x[*row as usize] -= Vector2::new(below[0], below[1]);
-            }
-        }
-        for (k, node) in self.structure.supernodes.iter().enumerate().rev() {
-            let (own, rows) = (2 * node.own.len(), 2 * (node.own.len() + node.rows.len()));
-            let panel = &self.values[node.start..self.structure.end(k)];
-            below.clear();
-            below.extend(self.structure.rows[node.rows.clone()].iter().flat_map(|row| {
-                let x = x[*row as usize];
-                [x.x, x.y]
-            }));
-            for (j, column) in panel.chunks_exact(rows).enumerate().rev() {
-                let at = node.own.start as usize;
-                let mut y = x[at + j / 2][j % 2];
-                for i in j + 1..own {
-                    y -= column[i] * x[at + i / 2][i % 2];
-                }
-                y -= dot(&column[own..], &below);
-                x[at + j / 2][j % 2] = y * column[j];
-            }
-        }
+        Arch::new().dispatch(|| solve(&self.structure, &self.values, x));
     }
 
     /// See [`Structure::entries`].
     pub fn entries(&self) -> usize {
         self.structure.entries()
     }
-}
-
-/// Σ a b in four sums, which are added up at last.
-#[inline]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (a, b) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a.zip(b) {
-        for k in 0..4 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }

@@ -7,6 +7,7 @@
 mod factor;
 mod front;
 mod order;
+mod solve;
 mod structure;
 
 pub use factor::{Coupling, Factor};

@@ -53,7 +53,7 @@ struct Growing {
 
 /// Zeros, as a share of a merged supernode's entries, that are worth fewer and larger supernodes, for those up to so many
 /// own grains.
-const WORTH_MERGING: [(u32, f64); 3] = [(2, 0.8), (8, 0.25), (24, 0.1)];
+const WORTH_MERGING: [(u32, f64); 3] = [(2, 0.4), (8, 0.2), (24, 0.1)];
 
 /// No place.
 const NONE: u32 = u32::MAX;
