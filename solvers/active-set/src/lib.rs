@@ -49,21 +49,23 @@ pub struct ActiveSet {
     pub warm: bool,
 }
 
-/// From two digits on, on packings of 250 to 10,000 discs.
+/// On 21 packings of 60 to 10,000 discs, frozen, settled and deposited, this takes in the mean 1.2 times as long as the best of
+/// 1e-1 to 1e-3 for each, and never more than 2.1 times; 1e-2 likewise, but up to 2.8 times.
 impl Default for ActiveSet {
     fn default() -> Self {
-        Self { start: Start::Cg, start_accuracy: 1e-2, warm: true }
+        Self { start: Start::Cg, start_accuracy: 3e-3, warm: true }
     }
 }
 
 /// Sets one after the other that leave no less than one before, after which another way is taken.
-const PATIENCE: u32 = 5;
+const PATIENCE: u32 = 8;
 
 /// What is left after an interior point's steps, of what was left before them, at most (–).
 const NEARER: f64 = 1e-2;
 
-/// Steps of an interior point to the neighbourhood of a solution, about.
-const STEPS: f64 = 14.0;
+/// Steps of an interior point that a conjugate gradient may take the time of (–): twice those that lead to the neighbourhood of a
+/// solution.
+const STEPS: f64 = 28.0;
 
 /// What an iteration does.
 enum Phase {
@@ -241,6 +243,7 @@ impl Iteration for Run<'_> {
             delassus_products: self.products + running + counts.products,
             triangular_solve_entries: counts.solve_entries,
             factorisations: counts.factorisations,
+            factorisation_multiply_adds: counts.factorisation_multiply_adds,
             ..Work::default()
         }
     }

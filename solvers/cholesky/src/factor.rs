@@ -47,7 +47,7 @@ struct Matrix<'m, M, C> {
 }
 
 /// Multiply-adds of a subtree that are worth a thread.
-const WORTH_A_THREAD: f64 = 1e6;
+const WORTH_A_THREAD: u64 = 1_000_000;
 
 /// What a supernode leaves to its parent: (2 × rows)², column by column.
 type Left = Vec<f64>;
@@ -81,7 +81,7 @@ impl<M: Fn(usize) -> f64 + Sync, C: Fn(usize) -> Option<Coupling> + Sync> Matrix
             parts.push((k, part));
             values = others;
         }
-        let most = parts.iter().map(|(k, _)| self.structure.supernodes[*k].work).fold(0.0, f64::max);
+        let most = parts.iter().map(|(k, _)| self.structure.supernodes[*k].work).max().unwrap_or(0);
         let together = if most < WORTH_A_THREAD { usize::MAX } else { 1 };
         parts
             .into_par_iter()
@@ -237,6 +237,11 @@ impl Factor {
     /// x ← (P K Pᵗ)⁻¹ x, for one x per place.
     pub fn solve(&self, x: &mut [Vector2<f64>]) {
         Arch::new().dispatch(|| solve(&self.structure, &self.values, x));
+    }
+
+    /// What it owes to the coupled grains alone.
+    pub fn structure(&self) -> &Structure {
+        &self.structure
     }
 
     /// See [`Structure::entries`].

@@ -19,8 +19,8 @@ pub(crate) struct Supernode {
     pub(crate) start: usize,
     /// A range of [`Structure::joins`].
     pub(crate) joins: Range<usize>,
-    /// Multiply-adds of its subtree, about.
-    pub(crate) work: f64,
+    /// Multiply-adds of its subtree.
+    pub(crate) work: u64,
 }
 
 /// A coupling in the front where it is added: that of the first of its grains.
@@ -84,7 +84,7 @@ impl Structure {
         };
         let of_couplings = structure.by_first(ends, &owner, growing.len());
         let mut first: Vec<u32> = (0..growing.len() as u32).collect();
-        let (mut children, mut work) = (vec![0_u32; growing.len()], vec![0.0; growing.len()]);
+        let (mut children, mut work) = (vec![0_u32; growing.len()], vec![0_u64; growing.len()]);
         for (k, node) in growing.iter().enumerate() {
             let (own, below) = (node.own.len(), node.rows.len());
             let rows = structure.rows.len()..structure.rows.len() + below;
@@ -102,8 +102,9 @@ impl Structure {
                 let index = |grain: u32| node.index(structure.position[grain as usize]);
                 Join { coupling: *coupling, ends: [index(i), index(j.unwrap_or(i))] }
             }));
-            let (o, m) = (2.0 * own as f64, 2.0 * (own + below) as f64);
-            work[k] += o * (m * m - m * o + o * o / 3.0) / 2.0;
+            // The j-th column of n takes what it adds from a triangle of n − j − 1 rows.
+            let rows_after = |column: usize| 2 * (own + below) as u64 - column as u64 - 1;
+            work[k] += (0..2 * own).map(|j| rows_after(j) * (rows_after(j) + 1) / 2).sum::<u64>();
             if let Some(next) = node.rows.first() {
                 work[owner[*next as usize] as usize] += work[k];
             }
@@ -144,8 +145,8 @@ impl Structure {
         self.stored
     }
 
-    /// Multiply-adds of a factorisation, about.
-    pub fn work(&self) -> f64 {
+    /// Multiply-adds of a factorisation, with those of the zeros that a factor stores.
+    pub fn work(&self) -> u64 {
         self.roots().map(|root| self.supernodes[root].work).sum()
     }
 

@@ -132,7 +132,7 @@ fn factor_has_the_same_bits_with_any_number_of_threads() {
         pool.install(|| solve(&factor(&structure, position.len(), 0.7), &structure, position.len()))
     };
     let one = with(1);
-    assert!(structure.work() > 1e7, "there is work for several");
+    assert!(structure.work() > 10_000_000, "there is work for several");
     assert!([2, 3, 8].into_iter().all(|threads| with(threads) == one));
 }
 

@@ -108,6 +108,11 @@ impl Coarse {
         2 * self.factor.entries() + influences
     }
 
+    /// The factor of S.
+    pub(crate) fn factor(&self) -> &Factor {
+        &self.factor
+    }
+
     /// Number of interfaces.
     pub(crate) fn interfaces(&self) -> usize {
         self.w.len()
