@@ -1,6 +1,7 @@
 //! All methods, and another code, reach the one velocity that a problem has.
 
 use crate::problems::frozen;
+use active_set::ActiveSet;
 use analysis::greatest_eigenvalue;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
@@ -69,7 +70,7 @@ fn assert_all_methods_agree_on(name: &str) {
     let reference = Answer::of(&Cg::default(), "cg".into(), &problem, 1e-9);
     let grid = |nx, ny| NsgsDd { subdomains: Grid { nx, ny }, ..NsgsDd::default() };
     let latin = |nx, ny| LatinDd { subdomains: Grid { nx, ny }, ..LatinDd::default() };
-    let methods: [(&str, &dyn Solver); 20] = [
+    let methods: [(&str, &dyn Solver); 21] = [
         ("latin-dd 1x1", &latin(1, 1)),
         ("latin-dd 2x1", &latin(2, 1)),
         ("latin-dd 2x2, directions kept", &LatinDd { adaptive: Some(false), ..latin(2, 2) }),
@@ -86,6 +87,7 @@ fn assert_all_methods_agree_on(name: &str) {
         ),
         ("mprgp, fixed step", &Mprgp { expansion: Expansion::FixedStep, ..Mprgp::default() }),
         ("nncg", &Nncg::default()),
+        ("active-set", &ActiveSet::default()),
         ("interior-point", &InteriorPoint::default()),
         ("nsgs", &Nsgs::default()),
         (

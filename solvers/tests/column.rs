@@ -1,6 +1,7 @@
 //! The column of n equal discs, of which everything is known.
 
 use crate::problems::{first_problem, impulses, start};
+use active_set::ActiveSet;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
 use contact::{Measure, Solver};
@@ -95,6 +96,7 @@ fn column_of_discs_carries_its_weight() {
         &Apgd::default(),
         &Mprgp::default(),
         &Nncg::default(),
+        &ActiveSet::default(),
         &InteriorPoint::default(),
     ] {
         let stop = Stop { tolerance: 1e-11, ..Stop::default() };

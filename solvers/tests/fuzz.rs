@@ -2,6 +2,7 @@
 //!
 //! 256 problems; `PROPTEST_CASES=10000 cargo test --release --package solver-tests fuzz` for the long form.
 
+use active_set::{ActiveSet, Start};
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
 use contact::{Contact, Measure, Packing, Solver};
@@ -45,6 +46,12 @@ pub(crate) fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
             Box::new(Mprgp { expansion: Expansion::FixedStep, step: 2.0, gamma: 1e3, ..Mprgp::default() }),
         ),
         ("nncg", Box::new(Nncg::default())),
+        ("active-set", Box::new(ActiveSet::default())),
+        ("active-set, cold", Box::new(ActiveSet { start: Start::ColdSet, ..ActiveSet::default() })),
+        (
+            "active-set, from inside",
+            Box::new(ActiveSet { start: Start::InteriorPoint, ..ActiveSet::default() }),
+        ),
         ("interior-point", Box::new(InteriorPoint::default())),
         ("nsgs-dd", Box::new(NsgsDd { subdomains: grid, partition: Scheme::Balanced, ..NsgsDd::default() })),
         ("nsgs-dd, whole masses", Box::new(whole)),

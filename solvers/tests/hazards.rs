@@ -3,6 +3,7 @@
 //! 256 of each kind; `PROPTEST_CASES=10000 cargo test --release --package solver-tests hazards` for the long form.
 
 use crate::problems::{first_problem, impulses, start};
+use active_set::ActiveSet;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
 use contact::{Contact, Measure, Meter, Packing, Solver};
@@ -181,6 +182,7 @@ pub(crate) fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
         ("mprgp, preconditioned", mprgp(Preconditioner::Diagonal, Expansion::ProjectedCg)),
         ("mprgp, fixed step", mprgp(Preconditioner::None, Expansion::FixedStep)),
         ("nncg", Box::new(Nncg::default())),
+        ("active-set", Box::new(ActiveSet::default())),
         ("nsgs", nsgs(1.0)),
         ("nsgs, ω = 0.2", nsgs(0.2)),
         ("nsgs, ω = 1.9", nsgs(1.9)),

@@ -1,6 +1,7 @@
 //! Problems without solution: the reference proves it, and no method converges on a measure that sees it.
 
 use crate::problems::{first_problem, frozen};
+use active_set::ActiveSet;
 use analysis::proves_infeasible;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
@@ -16,7 +17,7 @@ use runner::{Measured, Progress, Status, Stop, solve, solve_against};
 use std::ops::ControlFlow;
 
 /// Every method, as it is by default.
-pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 11] {
+pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 12] {
     [
         ("nsgs", Box::new(Nsgs::default())),
         ("jacobi", Box::new(Jacobi::default())),
@@ -31,6 +32,7 @@ pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 11] {
             Box::new(Mprgp { preconditioner: Preconditioner::Diagonal, ..Mprgp::default() }),
         ),
         ("nncg", Box::new(Nncg::default())),
+        ("active-set", Box::new(ActiveSet::default())),
         ("interior-point", Box::new(InteriorPoint::default())),
     ]
 }

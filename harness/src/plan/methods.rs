@@ -40,6 +40,7 @@ pub(crate) const METHODS: &[Entry] = &[
     Entry::of::<mprgp::Mprgp>("mprgp", "proportioning with gradient projections of Dostal & Schoeberl"),
     Entry::of::<apgd::Apgd>("apgd", "accelerated projected gradient of Mazhar et al."),
     Entry::of::<nncg::Nncg>("nncg", "non-smooth non-linear conjugate gradient of Silcowitz et al."),
+    Entry::of::<active_set::ActiveSet>("active-set", "primal-dual active set, begun by conjugate gradients"),
     Entry::of::<reference::InteriorPoint>("interior-point", "interior point, then an active set"),
 ];
 

@@ -31,7 +31,7 @@ fn methods_without_subdomains_give_the_same_bits() {
     assert_same("settled-991 --method nsgs --max-iterations 40");
     assert_same("settled-991 --method nsgs --set order=shuffled --set seed=7 --max-iterations 40");
     assert_same("settled-991 --method jacobi --max-iterations 40");
-    for method in ["cg", "apgd", "mprgp", "nncg"] {
+    for method in ["cg", "apgd", "mprgp", "nncg", "active-set"] {
         assert_same(&format!("settled-991 --method {method} --max-iterations 40"));
     }
     assert_same("settled-991 --method interior-point --max-iterations 3");

@@ -36,7 +36,7 @@ fn figure(study: &Lines, problem: &str, runs: &[&RunRow]) -> String {
         (Sign::Line(TOLERANCE), "accuracies of the tables".to_owned()),
         (
             Sign::Word,
-            "Counted work is without factorisations; runs that make more than a few have none.".to_owned(),
+            "Counted work is without factorisations that a library makes; runs with more than a few have none.".to_owned(),
         ),
     ];
     let legend = study.legend_of_best(runs, more, INSIDE);

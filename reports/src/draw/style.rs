@@ -87,7 +87,7 @@ pub(crate) struct Family {
 /// How each method looks, in every study. The hues are close to those of Okabe and Ito, told apart with any colour vision,
 /// and made to differ in lightness where they can; the signs tell the rest in grey. No shade comes near one of another
 /// method. `nsgs` is wide, since a method that decomposes into one subdomain may lie exactly upon it.
-pub(crate) const METHODS: [(&str, Family); 8] = [
+pub(crate) const METHODS: [(&str, Family); 9] = [
     ("nsgs", family(0.6, Mark::None, [(0, 0, 0), (62, 62, 62), (92, 92, 92)])),
     ("nsgs-dd", family(0.3, Mark::Square, [(230, 159, 0), (180, 125, 0), (246, 196, 90)])),
     ("latin-dd", family(0.3, Mark::Diamond, [(0, 96, 160), (0, 52, 104), (38, 114, 174)])),
@@ -95,6 +95,7 @@ pub(crate) const METHODS: [(&str, Family); 8] = [
     ("cg", family(0.3, Mark::Plus, [(0, 150, 110), (0, 105, 78), (85, 190, 155)])),
     ("apgd", family(0.3, Mark::Bar, [(86, 180, 233), (140, 205, 245), (66, 165, 218)])),
     ("nncg", family(0.3, Mark::Cross, [(110, 60, 30), (75, 38, 15), (145, 95, 65)])),
+    ("active-set", family(0.3, Mark::Disc, [(200, 30, 45), (150, 15, 30), (235, 80, 90)])),
     ("interior-point", family(0.3, Mark::Triangle, [(190, 100, 160), (145, 65, 120), (220, 150, 195)])),
 ];
 

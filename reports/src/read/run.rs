@@ -128,15 +128,16 @@ impl Point {
 
     /// Counted work in sweeps over `contacts`: a contact updated counts as much as a contact passed in a product W p, that
     /// is eight multiply-adds (two components of two grains, read and written back); an entry of a triangular factor is one.
-    /// Factorisations are not in it: a run that makes more than a few, as many as directions that adapt take, has no counted
-    /// work; nor has one that counts none after an iteration.
+    /// So is a multiply-add of a factorisation. A run that makes more than a few without counting them, as rows of before they were
+    /// counted and solvers of others do, has no counted work; nor has one that counts none after an iteration.
     pub(crate) fn work(&self, run: &RunRow) -> Option<f64> {
         let Work { contact_updates, delassus_products, triangular_solve_entries, factorisations, .. } =
             self.work;
-        let few = factorisations <= 6 * (u64::from(run.subdomains) + 1);
+        let of_factorisations = self.work.factorisation_multiply_adds;
+        let few = factorisations <= 6 * (u64::from(run.subdomains) + 1) || of_factorisations > 0;
         let contacts = f64::from(run.contacts.max(1));
         let visits = contact_updates as f64 + contacts * delassus_products as f64;
-        let work = visits + triangular_solve_entries as f64 / 8.0;
+        let work = visits + (triangular_solve_entries + of_factorisations) as f64 / 8.0;
         (few && (work > 0.0 || self.iteration == 0)).then_some(work / contacts)
     }
 }

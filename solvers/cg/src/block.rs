@@ -107,6 +107,31 @@ impl Block {
         self.added
     }
 
+    /// Σ `W_αα` (r − r⁺)² = Σ min(√`W_αα` r, v/√`W_αα`)², in eight sums that do not wait for each other.
+    pub(crate) fn squared_left(&self) -> f64 {
+        let left = |r: f64, u: f64| if -u < r { -u } else { r };
+        let mut sums = [0.0; 8];
+        if self.columns.is_scaled {
+            let ((r, last_r), (u, last_u)) = (self.r.as_chunks::<8>(), self.u.as_chunks::<8>());
+            for (r, u) in r.iter().zip(u) {
+                for k in 0..8 {
+                    let left = left(r[k], u[k]);
+                    sums[k] += left * left;
+                }
+            }
+            for (r, u) in last_r.iter().zip(last_u) {
+                sums[0] += left(*r, *u) * left(*r, *u);
+            }
+        } else {
+            for (k, column) in self.columns.scaled.iter().enumerate() {
+                let w = column.squared();
+                let left = left(w * self.r[k], self.u[k]);
+                sums[k % 8] += left * left / w;
+            }
+        }
+        sums.iter().sum()
+    }
+
     /// r and u become what they were before the step.
     pub(crate) fn withdraw(&mut self) {
         std::mem::swap(&mut self.r, &mut self.r_before);

@@ -28,7 +28,8 @@ pub struct Cg {
     pub preconditioner: Preconditioner,
 }
 
-struct Run {
+/// A run on one problem.
+pub struct Run {
     layout: Layout,
     blocks: Vec<Block>,
     /// Λ ≥ λmax(W), or λmax(W_D⁻¹W) where the diagonal preconditions.
@@ -50,6 +51,11 @@ struct Run {
 const WHOLE: u64 = 16;
 
 impl Run {
+    /// √(Σ `W_αα` (r − r⁺)²) of the iterate, from its gradient (√J): what the measure `natural_map` is a share of.
+    pub fn left(&self) -> f64 {
+        self.blocks.iter().map(Block::squared_left).sum::<f64>().sqrt()
+    }
+
     /// One pass over all blocks, each of which then sends what it has of the grains it shares; returns the sums over the blocks,
     /// which no number of threads changes.
     fn send_after(&mut self, pass: Pass) -> [f64; 2] {
@@ -169,8 +175,12 @@ impl Iteration for Run {
 /// Round-off, with a margin, of M^-½ H p relative to √Λ |p| (–): pᵗ W p says nothing below its square.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
-impl Solver for Cg {
-    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+impl Cg {
+    /// A run on `problem` from the impulses `r0` (N·s), for those who look into it.
+    ///
+    /// # Errors
+    /// Those of [`Layout::new`].
+    pub fn run(&self, problem: &Packing, r0: &[f64]) -> Result<Run, SetupError> {
         let layout = Layout::new(problem)?;
         let (b, preconditioned) = (problem.b(), self.preconditioner == Preconditioner::Diagonal);
         let mut run = Run {
@@ -187,6 +197,12 @@ impl Solver for Cg {
         };
         run.renew();
         run.turn(0.0);
-        Ok(Box::new(run))
+        Ok(run)
+    }
+}
+
+impl Solver for Cg {
+    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        Ok(Box::new(self.run(problem, r0)?))
     }
 }

@@ -1,25 +1,19 @@
-//! Sparse Cholesky factors L Lᵗ of symmetric positive definite matrices, with a fill-reducing order (crate `faer`): by entries, or
-//! in 2×2 blocks, one for the two translations of a grain.
+//! Sparse Cholesky factors L Lᵗ of matrices that couple grains, two rows for the two translations of a grain.
 //!
-//! All factors are simplicial and sequential: summed in one order everywhere.
+//! A multifrontal factorisation (J. W. H. Liu, The multifrontal method for sparse matrix solution: theory and practice, SIAM
+//! Review 34 (1992) 82-109) in 2×2 blocks: the graph of the grains is analysed once, matrices of its structure are then factorised
+//! front by front, each a small dense matrix. Sums are made in one order everywhere, whatever the threads.
 
-mod blocks;
-mod entries;
+mod factor;
+mod front;
 mod order;
+mod solve;
+mod structure;
 
-pub use blocks::{BlockFactor, BlockStructure};
-pub use entries::Factor;
-pub use faer::sparse::Triplet;
+pub use factor::{Coupling, Factor};
 pub use order::Order;
+pub use structure::Structure;
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Par, Side, Spec};
 use thiserror::Error;
 
 /// Why a matrix cannot be factorised.
@@ -27,43 +21,10 @@ use thiserror::Error;
 #[error("{0}")]
 pub struct Singular(String);
 
-fn failed(why: impl std::fmt::Debug) -> Singular {
-    Singular(format!("{why:?}"))
-}
-
-/// Where the factor of a matrix with this `pattern` in one triangle has entries.
-fn symbolic(
-    pattern: SymbolicSparseColMatRef<'_, usize>,
-    side: Side,
-    order: SymmetricOrdering<'_, usize>,
-) -> Result<SymbolicCholesky<usize>, Singular> {
-    let parameters = CholeskySymbolicParams {
-        supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SIMPLICIAL,
-        ..CholeskySymbolicParams::default()
-    };
-    factorize_symbolic_cholesky(pattern, side, order, parameters).map_err(failed)
-}
-
-/// The entries of the factor of `matrix`.
-fn numeric(
-    symbolic: &SymbolicCholesky<usize>,
-    matrix: SparseColMatRef<'_, usize, f64>,
-    side: Side,
-) -> Result<Vec<f64>, Singular> {
-    let mut values = vec![0.0; symbolic.len_val()];
-    let mut memory = MemBuffer::new(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default()));
-    symbolic
-        .factorize_numeric_llt(
-            &mut values,
-            matrix,
-            side,
-            LltRegularization::default(),
-            Par::Seq,
-            MemStack::new(&mut memory),
-            Spec::default(),
-        )
-        .map_err(failed)?;
-    Ok(values)
+impl Singular {
+    fn new(why: impl std::fmt::Debug) -> Self {
+        Self(format!("{why:?}"))
+    }
 }
 
 #[cfg(test)]

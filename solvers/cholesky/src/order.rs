@@ -1,46 +1,133 @@
-//! Orders of the unknowns in which a factor stays sparse.
+//! Orders of the grains in which a factor stays sparse.
 
-use crate::{Singular, failed};
+use crate::Singular;
+use contact::Groups;
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::perm::PermRef;
+use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
-use faer::sparse::{SparseColMat, Triplet};
+use nalgebra::Vector2;
 
-/// An order of unknowns.
+/// An order of grains.
+#[derive(Clone, Debug)]
 pub struct Order {
-    /// The unknown at each place.
-    forward: Vec<usize>,
-    /// The place of each unknown.
-    inverse: Vec<usize>,
+    /// The place of each grain.
+    place: Vec<u32>,
 }
 
+/// Grains that are no longer parted.
+const FEW: usize = 6;
+
+/// Grains up to which a minimum degree order is the better one (–). On deposited boxes of 1e4 / 1e5 / 1e6 discs a factorisation
+/// takes 2.3e7 / 1.29e9 / 5.6e10 multiply-adds in it, in a nested dissection 3.5e7 / 1.25e9 / 4.2e10, which is found faster.
+const MANY: usize = 50_000;
+
 impl Order {
-    /// An approximate minimum degree order of so many `unknowns`; `pairs` are those that the matrix couples, in any order and as
-    /// often as may be.
+    /// An order for a factor with few entries, of grains at these positions (m); `ends` gives candidate and antagonist of each
+    /// contact, `None` for a wall.
     ///
     /// # Errors
     /// Where there are too many.
-    pub fn minimum_degree(
-        unknowns: usize,
-        pairs: impl Iterator<Item = (usize, usize)>,
-    ) -> Result<Self, Singular> {
-        let pairs = pairs.chain((0..unknowns).map(|k| (k, k)));
-        let lower: Vec<_> = pairs.map(|(i, j)| Triplet::new(i.max(j), i.min(j), 0.0)).collect();
-        let matrix =
-            SparseColMat::<usize, f64>::try_new_from_triplets(unknowns, unknowns, &lower).map_err(failed)?;
-        let (mut forward, mut inverse) = (vec![0; unknowns], vec![0; unknowns]);
-        let mut memory = MemBuffer::new(amd::order_scratch::<usize>(unknowns, matrix.compute_nnz()));
+    pub fn fill_reducing(position: &[Vector2<f64>], ends: &[(u32, Option<u32>)]) -> Result<Self, Singular> {
+        if position.len() <= MANY {
+            Self::minimum_degree(position.len(), ends)
+        } else {
+            Ok(Self::nested_dissection(position, ends))
+        }
+    }
+
+    /// An approximate minimum degree order of so many `grains`.
+    ///
+    /// P. R. Amestoy, T. A. Davis, I. S. Duff, An approximate minimum degree ordering algorithm, SIAM J. Matrix Anal. Appl. 17
+    /// (1996) 886-905.
+    ///
+    /// # Errors
+    /// Where there are too many.
+    pub fn minimum_degree(grains: usize, ends: &[(u32, Option<u32>)]) -> Result<Self, Singular> {
+        let pairs = ends.iter().filter_map(|(i, j)| Some((*i, (*j)?)));
+        let (first, others) =
+            Groups::new(pairs.map(|(i, j)| (i.max(j), i.min(j) as usize)), grains).into_parts();
+        let pattern = SymbolicSparseColMatRef::new_unsorted_checked(grains, grains, &first, None, &others);
+        let (mut forward, mut place) = (vec![0; grains], vec![0; grains]);
+        let mut memory = MemBuffer::new(amd::order_maybe_unsorted_scratch::<u32>(grains, others.len()));
         let (control, stack) = (amd::Control::default(), MemStack::new(&mut memory));
-        amd::order(&mut forward, &mut inverse, matrix.symbolic(), control, stack).map_err(failed)?;
-        Ok(Self { forward, inverse })
+        amd::order_maybe_unsorted(&mut forward, &mut place, pattern, control, stack)
+            .map_err(Singular::new)?;
+        Ok(Self { place })
     }
 
-    /// The place of each unknown.
-    pub fn places(&self) -> &[usize] {
-        &self.inverse
+    /// Nested dissection by the positions of the grains (m): a set of grains is cut at the median of the longer extent; the
+    /// grains of one side that touch the other are the last, and each side is cut likewise.
+    ///
+    /// A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10 (1973) 345-363.
+    pub fn nested_dissection(position: &[Vector2<f64>], ends: &[(u32, Option<u32>)]) -> Self {
+        let pairs = ends.iter().filter_map(|(i, j)| Some((*i, (*j)?)));
+        let both = pairs.flat_map(|(i, j)| [(i, j as usize), (j, i as usize)]);
+        let neighbours = Groups::new(both, position.len());
+        let mut grains: Vec<u32> = (0..position.len() as u32).collect();
+        let mut side = vec![0_u32; position.len()];
+        let mut dissection = Dissection { position, neighbours: &neighbours, side: &mut side, cuts: 0 };
+        dissection.order(&mut grains);
+        let mut place = vec![0; position.len()];
+        for (new, grain) in (0_u32..).zip(&grains) {
+            place[*grain as usize] = new;
+        }
+        Self { place }
     }
 
-    pub(crate) fn permutation(&self) -> PermRef<'_, usize> {
-        PermRef::new_checked(&self.forward, &self.inverse, self.forward.len())
+    /// The place of each grain.
+    pub fn places(&self) -> &[u32] {
+        &self.place
+    }
+}
+
+struct Dissection<'a> {
+    position: &'a [Vector2<f64>],
+    neighbours: &'a Groups,
+    /// The cut that last gave each grain a side, which are two numbers each.
+    side: &'a mut [u32],
+    cuts: u32,
+}
+
+impl Dissection<'_> {
+    fn order(&mut self, grains: &mut [u32]) {
+        if grains.len() <= FEW {
+            return;
+        }
+        let (mut least, mut greatest) =
+            (self.position[grains[0] as usize], self.position[grains[0] as usize]);
+        for grain in &*grains {
+            let at = &self.position[*grain as usize];
+            (least, greatest) = (least.inf(at), greatest.sup(at));
+        }
+        let axis = (greatest - least).imax();
+        let half = grains.len() / 2;
+        let position = self.position;
+        grains.select_nth_unstable_by(half, |i, j| {
+            position[*i as usize][axis].total_cmp(&position[*j as usize][axis]).then(i.cmp(j))
+        });
+        self.cuts += 1;
+        let [low_side, high_side] = [2 * self.cuts, 2 * self.cuts + 1];
+        grains[..half].iter().for_each(|grain| self.side[*grain as usize] = low_side);
+        grains[half..].iter().for_each(|grain| self.side[*grain as usize] = high_side);
+        let touches = |grain: u32, side: u32| {
+            let grain = grain as usize;
+            self.neighbours.of(grain..grain + 1).iter().any(|other| self.side[*other as usize] == side)
+        };
+        let (inside_low, low): (Vec<u32>, Vec<u32>) =
+            grains[..half].iter().partition(|grain| !touches(**grain, high_side));
+        let (inside_high, high): (Vec<u32>, Vec<u32>) =
+            grains[half..].iter().partition(|grain| !touches(**grain, low_side));
+        let (first, second, between) = if low.len() <= high.len() {
+            (inside_low, [inside_high, high].concat(), low)
+        } else {
+            ([inside_low, low].concat(), inside_high, high)
+        };
+        let (firsts, rest) = grains.split_at_mut(first.len());
+        let (seconds, last) = rest.split_at_mut(second.len());
+        firsts.copy_from_slice(&first);
+        seconds.copy_from_slice(&second);
+        last.copy_from_slice(&between);
+        self.order(firsts);
+        self.order(seconds);
     }
 }

@@ -1,69 +1,158 @@
-//! Factors against dense solves.
+//! Factors against dense ones.
 
 use super::*;
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+use std::sync::Arc;
 
-/// 1 + Σ κ h hᵗ of unit vectors between neighbours on a ring, as its lower triangle; and dense.
-fn ring(grains: usize) -> (Vec<Triplet<usize, usize, f64>>, DMatrix<f64>) {
-    let mut dense = DMatrix::identity(2 * grains, 2 * grains);
-    for i in 0..grains {
-        let (sin, cos) = (i as f64).sin_cos();
-        let mut h = DVector::zeros(2 * grains);
-        for (grain, sign) in [(i, 1.0), ((i + 1) % grains, -1.0)] {
-            (h[2 * grain], h[2 * grain + 1]) = (sign * cos, sign * sin);
+/// Grains on a bent grid, each coupled to its right and upper neighbour, and the lowest row to a wall: positions and ends.
+fn grid(columns: u32, rows: u32) -> (Vec<Vector2<f64>>, Vec<(u32, Option<u32>)>) {
+    let grain = |i: u32, j: u32| j * columns + i;
+    let position =
+        |k: u32| Vector2::new(f64::from(k % columns), f64::from(k / columns) + 0.1 * f64::from(k).sin());
+    let mut ends: Vec<_> = (0..columns).map(|i| (grain(i, 0), None)).collect();
+    for j in 0..rows {
+        for i in 0..columns {
+            ends.extend((i + 1 < columns).then(|| (grain(i, j), Some(grain(i + 1, j)))));
+            ends.extend((j + 1 < rows).then(|| (grain(i, j + 1), Some(grain(i, j)))));
         }
-        dense += 10.0 * &h * h.transpose();
     }
-    let places = (0..2 * grains).flat_map(|i| (0..=i).map(move |j| (i, j)));
-    let lower = places.filter(|place| dense[*place] != 0.0).map(|(i, j)| Triplet::new(i, j, dense[(i, j)]));
-    (lower.collect(), dense)
+    ((0..columns * rows).map(position).collect(), ends)
 }
 
-fn right_hand_side(n: usize) -> DVector<f64> {
-    DVector::from_fn(n, |k, _| (1.3 * k as f64).cos())
+/// w h hᵗ of unit vectors that turn from coupling to coupling; some couplings add nothing.
+fn coupling(k: usize, seed: f64) -> Option<Coupling> {
+    let (sin, cos) = (seed * k as f64).sin_cos();
+    (k % 5 != 4).then(|| Coupling::dyad(10.0 + sin, Vector2::new(cos, sin), Vector2::new(-cos, 0.5 - sin)))
 }
 
-#[test]
-fn factor_by_entries_solves() {
-    let (lower, dense) = ring(9);
-    let order = Order::minimum_degree(18, lower.iter().map(|entry| (entry.row, entry.col))).unwrap();
-    let mut factor = Factor::new(18, &lower, &order).unwrap();
-    let mut x = right_hand_side(18);
-    factor.solve(x.as_mut_slice());
-    // The condition of the matrix is below 50.
-    assert!((dense * x - right_hand_side(18)).norm() < 1e-13);
-    assert!(factor.entries() < 18 * 19 / 2, "it is sparse: {}", factor.entries());
+fn mass(grain: usize) -> f64 {
+    1.0 + 0.01 * grain as f64
 }
 
-#[test]
-fn factor_in_blocks_solves_with_the_same_entries_twice() {
-    let (_, dense) = ring(9);
-    let pairs = (0..9).map(|i| (i, (i + 1) % 9));
-    let structure = BlockStructure::new(9, pairs).unwrap();
-    let place = |grain: usize| structure.position()[grain] as usize;
-    let coupled = (0..9).flat_map(|i| [(i, i), (i, (i + 1) % 9), ((i + 1) % 9, i)]);
-    let block =
-        |(i, j): (usize, usize)| (place(i), place(j), dense.fixed_view::<2, 2>(2 * i, 2 * j).into_owned());
-    let blocks = coupled.map(block).filter(|(i, j, _)| i <= j);
-    let twice = blocks.flat_map(|(i, j, block)| [0.25, 0.75].map(|share| (i, j, share * block)));
-    let factor = structure.factorise(twice).unwrap();
-    let mut x = vec![Vector2::zeros(); 9];
-    let b = right_hand_side(18);
-    for k in 0..9 {
-        x[structure.position()[k] as usize] = Vector2::new(b[2 * k], b[2 * k + 1]);
+/// The same matrix, dense, by grains.
+fn dense(grains: usize, ends: &[(u32, Option<u32>)], seed: f64) -> DMatrix<f64> {
+    let mut dense = DMatrix::from_diagonal(&DVector::from_fn(2 * grains, |k, _| mass(k / 2)));
+    for (k, (i, j)) in ends.iter().enumerate() {
+        let Some(coupling) = coupling(k, seed) else { continue };
+        let mut add = |row: u32, column: u32, block: &Matrix2<f64>| {
+            let mut view = dense.fixed_view_mut::<2, 2>(2 * row as usize, 2 * column as usize);
+            view += block;
+        };
+        add(*i, *i, &coupling.first);
+        if let Some(j) = j {
+            add(*j, *j, &coupling.second);
+            add(*i, *j, &coupling.between);
+            add(*j, *i, &coupling.between.transpose());
+        }
+    }
+    dense
+}
+
+fn factor(structure: &Arc<Structure>, grains: usize, seed: f64) -> Factor {
+    let mut at = vec![0; grains];
+    (0..grains).for_each(|grain| at[structure.position()[grain] as usize] = grain);
+    Factor::new(Arc::clone(structure), |place| mass(at[place]), |k| coupling(k, seed)).unwrap()
+}
+
+/// x by grains with K x = b, for b = cos.
+fn solve(factor: &Factor, structure: &Structure, grains: usize) -> DVector<f64> {
+    let b = |k: usize| (1.3 * k as f64).cos();
+    let mut x = vec![Vector2::zeros(); grains];
+    for grain in 0..grains {
+        x[structure.position()[grain] as usize] = Vector2::new(b(2 * grain), b(2 * grain + 1));
     }
     factor.solve(&mut x);
-    let x = DVector::from_fn(18, |k, _| x[structure.position()[k / 2] as usize][k % 2]);
-    assert!((dense * x - b).norm() < 1e-13);
-    // A ring fills one block per grain that is eliminated between two others.
-    assert_eq!(factor.entries(), 3 * 9 + 4 * (9 + 6));
+    DVector::from_fn(2 * grains, |k, _| x[structure.position()[k / 2] as usize][k % 2])
+}
+
+fn both_orders(position: &[Vector2<f64>], ends: &[(u32, Option<u32>)]) -> [Order; 2] {
+    [Order::minimum_degree(position.len(), ends).unwrap(), Order::nested_dissection(position, ends)]
+}
+
+/// From one grain, whose tree is a leaf, to many, whose fronts are cut into panels and go to threads.
+#[test]
+fn factors_of_either_order_solve_what_dense_ones_do() {
+    for (columns, rows) in [(1, 1), (2, 1), (9, 1), (5, 4), (13, 11), (40, 35)] {
+        let (position, ends) = grid(columns, rows);
+        let grains = position.len();
+        let dense = dense(grains, &ends, 0.7);
+        let expected = DVector::from_fn(2 * grains, |k, _| (1.3 * k as f64).cos());
+        for order in both_orders(&position, &ends) {
+            let structure = Arc::new(Structure::new(&ends, &order));
+            let x = solve(&factor(&structure, grains, 0.7), &structure, grains);
+            // The condition of the matrix is below 1000.
+            let residual = (&dense * x - &expected).amax();
+            assert!(residual < 1e-12, "{columns}x{rows}: {residual}");
+        }
+    }
+}
+
+#[test]
+fn grains_that_nothing_couples_have_their_masses() {
+    let structure = Arc::new(Structure::new(&[], &Order::minimum_degree(3, &[]).unwrap()));
+    let x = solve(&factor(&structure, 3, 0.0), &structure, 3);
+    let expected = DVector::from_fn(6, |k, _| (1.3 * k as f64).cos() / mass(k / 2));
+    assert!((x - expected).amax() < 1e-15);
+    assert_eq!(structure.entries(), 3 * 3);
+}
+
+#[test]
+fn couplings_of_the_same_grains_add_up() {
+    let ends = [(0, Some(1)), (1, Some(0)), (0, None), (0, Some(1))];
+    let structure = Arc::new(Structure::new(&ends, &Order::minimum_degree(2, &ends).unwrap()));
+    let x = solve(&factor(&structure, 2, 0.3), &structure, 2);
+    let expected = DVector::from_fn(4, |k, _| (1.3 * k as f64).cos());
+    assert!((dense(2, &ends, 0.3) * x - expected).amax() < 1e-13);
+}
+
+#[test]
+fn factor_in_the_memory_of_another_is_that_of_a_new_one() {
+    let (position, ends) = grid(12, 9);
+    for order in both_orders(&position, &ends) {
+        let structure = Arc::new(Structure::new(&ends, &order));
+        let mut again = factor(&structure, position.len(), 0.7);
+        again.renew(|_| 2.0, |k| coupling(k, 1.1)).unwrap();
+        let new = Factor::new(Arc::clone(&structure), |_| 2.0, |k| coupling(k, 1.1)).unwrap();
+        assert_eq!(
+            solve(&again, &structure, position.len()),
+            solve(&new, &structure, position.len()),
+            "bit by bit"
+        );
+    }
+}
+
+/// Whether subtrees and products go to threads or not.
+#[test]
+fn factor_has_the_same_bits_with_any_number_of_threads() {
+    let (position, ends) = grid(90, 80);
+    let order = Order::nested_dissection(&position, &ends);
+    let structure = Arc::new(Structure::new(&ends, &order));
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| solve(&factor(&structure, position.len(), 0.7), &structure, position.len()))
+    };
+    let one = with(1);
+    assert!(structure.work() > 10_000_000, "there is work for several");
+    assert!([2, 3, 8].into_iter().all(|threads| with(threads) == one));
+}
+
+/// On a square of n grains a side a nested dissection has some n² log n entries; in the order of rows it has n³.
+#[test]
+fn entries_per_grain_grow_by_as_much_each_time_the_sides_are_doubled() {
+    let entries = |n: u32| {
+        let (position, ends) = grid(n, n);
+        let structure = Structure::new(&ends, &Order::nested_dissection(&position, &ends));
+        structure.entries() as f64 / f64::from(n * n)
+    };
+    let of = [40, 80, 160].map(entries);
+    assert!(of[2] - of[1] < 1.2 * (of[1] - of[0]), "{of:?} entries per grain");
 }
 
 #[test]
 fn matrix_that_is_not_positive_definite_has_no_factor() {
-    let entries = [Triplet::new(0, 0, 1.0), Triplet::new(1, 1, -1.0)];
-    let order = Order::minimum_degree(2, std::iter::empty()).unwrap();
-    assert!(Factor::new(2, &entries, &order).is_err());
-    let block = (0, 0, Matrix2::new(1.0, 0.0, 0.0, -1.0));
-    assert!(BlockStructure::new(1, std::iter::empty()).unwrap().factorise(std::iter::once(block)).is_err());
+    let structure = Arc::new(Structure::new(&[], &Order::minimum_degree(1, &[]).unwrap()));
+    for mass in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let failed = Factor::new(Arc::clone(&structure), |_| mass, |_| None).err();
+        assert_eq!(failed.unwrap().to_string(), "it is not positive definite in double precision");
+    }
 }

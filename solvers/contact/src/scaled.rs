@@ -49,6 +49,18 @@ impl ScaledContact {
         self.normal.norm_squared() * (1.0 + self.ratio * self.ratio)
     }
 
+    /// The places of candidate and antagonist; at a wall twice that of the candidate.
+    #[inline]
+    pub fn places(&self) -> [u32; 2] {
+        [self.candidate, self.antagonist]
+    }
+
+    /// h̃_α at the candidate, and at the antagonist: 0 at a wall.
+    #[inline]
+    pub fn at_ends(&self) -> (Vector2<f64>, Vector2<f64>) {
+        (self.normal, -self.ratio * self.normal)
+    }
+
     /// (H̃ᵗ y)_α.
     #[inline]
     pub fn relative(&self, y: &[Vector2<f64>]) -> f64 {

@@ -17,17 +17,20 @@ pub struct Work {
     pub triangular_solve_entries: u64,
     /// Matrices factorised.
     pub factorisations: u64,
+    /// Multiply-adds of the factorisations; 0 where a library does not tell them.
+    pub factorisation_multiply_adds: u64,
 }
 
 impl Work {
     /// Each count by its name in files.
-    pub fn named(&self) -> [(&'static str, u64); 5] {
+    pub fn named(&self) -> [(&'static str, u64); 6] {
         [
             ("contact_updates", self.contact_updates),
             ("delassus_products", self.delassus_products),
             ("interface_values", self.interface_values),
             ("triangular_solve_entries", self.triangular_solve_entries),
             ("factorisations", self.factorisations),
+            ("factorisation_multiply_adds", self.factorisation_multiply_adds),
         ]
     }
 }
@@ -39,6 +42,7 @@ impl AddAssign for Work {
         self.interface_values += other.interface_values;
         self.triangular_solve_entries += other.triangular_solve_entries;
         self.factorisations += other.factorisations;
+        self.factorisation_multiply_adds += other.factorisation_multiply_adds;
     }
 }
 

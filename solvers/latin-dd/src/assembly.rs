@@ -1,8 +1,9 @@
 //! From the contacts of a subdomain to the matrix of its linear stage, in the order of its factor.
 
 use crate::directions::Directions;
+use cholesky::Coupling;
 use contact::ContactProblem;
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Vector2;
 use partition::{Decomposition, Subdomain};
 
 /// One contact between two places of the factor's order.
@@ -41,12 +42,22 @@ impl PlacedContact {
         resultant[self.candidate as usize] += impulse;
         resultant[self.antagonist as usize] -= impulse;
     }
+
+    /// h_α l⁻ h_αᵗ.
+    pub(crate) fn coupling(&self, directions: Directions) -> Coupling {
+        Coupling::dyad(directions.l_minus * self.inverse_delassus, self.normal, -self.normal)
+    }
 }
 
 impl Share {
     /// Whether other subdomains have a part of the grain.
     pub(crate) fn on_boundary(&self) -> bool {
         self.copies > 1.0
+    }
+
+    /// What the grain has on the diagonal of M_E + d⁻_E (kg).
+    pub(crate) fn on_diagonal(&self, directions: Directions) -> f64 {
+        self.mass + if self.on_boundary() { directions.d_minus * self.mass } else { 0.0 }
     }
 }
 
@@ -87,26 +98,4 @@ pub(crate) fn shares(
         shares[*place as usize] = Share { mass, copies, free_velocity };
     }
     shares
-}
-
-/// The blocks of M_E + H_E l⁻ H_Eᵗ + d⁻_E, by places of grains.
-pub(crate) fn matrix(
-    contacts: &[PlacedContact],
-    shares: &[Share],
-    directions: Directions,
-) -> impl Iterator<Item = (usize, usize, Matrix2<f64>)> {
-    let of_grain = move |(place, share): (usize, &Share)| {
-        let d_minus = if share.on_boundary() { directions.d_minus * share.mass } else { 0.0 };
-        (place, place, (share.mass + d_minus) * Matrix2::identity())
-    };
-    let of_contact = move |contact: &PlacedContact| {
-        let block =
-            directions.l_minus * contact.inverse_delassus * contact.normal * contact.normal.transpose();
-        let (i, j) = (contact.candidate as usize, contact.antagonist as usize);
-        [(i, i, block), (i, j, -block), (j, i, -block), (j, j, block)]
-    };
-    let of_contacts = contacts.iter().flat_map(of_contact);
-    // A wall has no row.
-    let in_matrix = |(i, j, _): &(usize, usize, Matrix2<f64>)| i <= j && *j < shares.len();
-    shares.iter().enumerate().map(of_grain).chain(of_contacts.filter(in_matrix))
 }

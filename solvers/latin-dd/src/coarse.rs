@@ -10,11 +10,12 @@
 //! with K_E the matrix of the linear stage and `B_E` the translations of the interfaces' grains. At convergence w = 0.
 
 use crate::subdomain::Latin;
-use cholesky::{BlockFactor, BlockStructure, Singular};
+use cholesky::{Coupling, Factor, Order, Singular, Structure};
 use contact::{ContactProblem, SetupError};
 use nalgebra::{Matrix2, Vector2};
 use partition::Decomposition;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// What an interface is to one of its subdomains.
 struct Side {
@@ -30,7 +31,7 @@ struct Side {
 pub(crate) struct Coarse {
     /// By subdomain.
     sides: Vec<Vec<Side>>,
-    factor: BlockFactor,
+    factor: Factor,
     /// g, then w, of each interface in the order of the factor.
     w: Vec<Vector2<f64>>,
 }
@@ -41,7 +42,7 @@ impl Coarse {
         problem: &ContactProblem,
         decomposition: &Decomposition,
         subdomains: &[Latin],
-        factor_of: impl Fn(usize) -> &'f BlockFactor,
+        factor_of: impl Fn(usize) -> &'f Factor,
         kappa_d_minus: f64,
     ) -> Result<Self, SetupError> {
         let refused = |why: Singular| {
@@ -67,12 +68,14 @@ impl Coarse {
                 sides[*e as usize].push(Side { interface, grains, influence });
             }
         }
-        let neighbours = pairs(&sides).map(|(one, other)| (one.interface as u32, other.interface as u32));
-        let structure = BlockStructure::new(interfaces.len(), neighbours).map_err(refused)?;
+        let ends: Vec<_> = pairs(&sides).map(|(row, column)| ends(row, column)).collect();
+        let couplings: Vec<_> = pairs(&sides).map(|(row, column)| coupling(row, column)).collect();
+        let order = Order::minimum_degree(interfaces.len(), &ends).map_err(refused)?;
+        let structure = Arc::new(Structure::new(&ends, &order));
         for side in sides.iter_mut().flatten() {
             side.interface = structure.position()[side.interface] as usize;
         }
-        let factor = structure.factorise(matrix(&sides)).map_err(refused)?;
+        let factor = Factor::new(structure, |_| 0.0, |k| Some(couplings[k])).map_err(refused)?;
         Ok(Self { sides, factor, w: vec![Vector2::zeros(); interfaces.len()] })
     }
 
@@ -105,6 +108,11 @@ impl Coarse {
         2 * self.factor.entries() + influences
     }
 
+    /// The factor of S.
+    pub(crate) fn factor(&self) -> &Factor {
+        &self.factor
+    }
+
     /// Number of interfaces.
     pub(crate) fn interfaces(&self) -> usize {
         self.w.len()
@@ -131,22 +139,29 @@ fn interfaces(decomposition: &Decomposition) -> Vec<Vec<&Vec<(u32, u32)>>> {
     interfaces.into_values().collect()
 }
 
-/// All pairs of sides of one subdomain.
-fn pairs(sides: &[Vec<Side>]) -> impl Iterator<Item = (&Side, &Side)> + Clone {
-    sides.iter().flat_map(|sides| sides.iter().flat_map(|row| sides.iter().map(move |column| (row, column))))
+/// All pairs of sides of one subdomain, either once.
+fn pairs(sides: &[Vec<Side>]) -> impl Iterator<Item = (&Side, &Side)> {
+    sides.iter().flat_map(|sides| {
+        sides.iter().enumerate().flat_map(|(k, row)| sides[k..].iter().map(move |column| (row, column)))
+    })
 }
 
-/// The blocks of S, by places of interfaces.
-fn matrix(sides: &[Vec<Side>]) -> impl Iterator<Item = (usize, usize, Matrix2<f64>)> {
-    let pairs = pairs(sides).filter(|(row, column)| row.interface <= column.interface);
-    pairs.map(|(row, column)| {
-        let mut block = Matrix2::zeros();
-        for (place, d_minus) in &row.grains {
-            block -= *d_minus * column.influence[*place];
-            if row.interface == column.interface {
-                block += *d_minus * Matrix2::identity();
-            }
-        }
-        (row.interface, column.interface, block)
-    })
+/// The interfaces of two sides, or the one that both are.
+fn ends(row: &Side, column: &Side) -> (u32, Option<u32>) {
+    (row.interface as u32, (row.interface != column.interface).then_some(column.interface as u32))
+}
+
+/// What two sides of one subdomain add to S.
+fn coupling(row: &Side, column: &Side) -> Coupling {
+    let mut block = Matrix2::zeros();
+    for (place, d_minus) in &row.grains {
+        block -= *d_minus * column.influence[*place];
+    }
+    let zeros = Matrix2::zeros();
+    if row.interface == column.interface {
+        let own: f64 = row.grains.iter().map(|(_, d_minus)| d_minus).sum();
+        Coupling { first: block + own * Matrix2::identity(), second: zeros, between: zeros }
+    } else {
+        Coupling { first: zeros, second: zeros, between: block }
+    }
 }

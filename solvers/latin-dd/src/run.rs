@@ -108,13 +108,12 @@ impl Run<'_> {
     pub(crate) fn turn(&mut self, directions: Directions) {
         let factors: Result<Vec<_>, _> =
             self.subdomains.par_iter().map(|subdomain| subdomain.factorise(&directions)).collect();
-        self.work.factorisations += self.subdomains.len() as u64;
+        self.count_factorisations();
         let Ok(factors) = factors else { return };
         if self.coarse.is_some() {
             let factor_of = |e: usize| &factors[e];
             let (decomposition, kappa) = (&self.decomposition, directions.d_minus);
             let coarse = Coarse::new(self.problem, decomposition, &self.subdomains, factor_of, kappa);
-            self.work.factorisations += 1;
             let Ok(coarse) = coarse else { return };
             self.coarse = Some(coarse);
         }
@@ -125,6 +124,15 @@ impl Run<'_> {
     }
 
     /// Adds the work of one iteration.
+    /// A factorisation of each subdomain's matrix, and of the coarse one.
+    fn count_factorisations(&mut self) {
+        let of_subdomains = self.subdomains.iter().map(|latin| &latin.factor);
+        for factor in of_subdomains.chain(self.coarse.as_ref().map(Coarse::factor)) {
+            self.work.factorisations += 1;
+            self.work.factorisation_multiply_adds += factor.structure().work();
+        }
+    }
+
     fn count(&mut self) {
         let entries: usize = self.subdomains.iter().map(|latin| latin.factor.entries()).sum();
         let coarse = self.coarse.as_ref();
@@ -163,8 +171,7 @@ impl LatinDd {
             let iterates = subdomains.iter().flat_map(Latin::linear_iterate).count();
             Balance::new(problem, iterates)
         });
-        let factorisations = subdomains.len() as u64 + u64::from(self.coarse);
-        Ok(Run {
+        let mut run = Run {
             problem,
             sums: CopySums::new(&decomposition),
             decomposition,
@@ -174,7 +181,9 @@ impl LatinDd {
             coarse,
             balance,
             iterations: 0,
-            work: Work { factorisations, ..Work::default() },
-        })
+            work: Work::default(),
+        };
+        run.count_factorisations();
+        Ok(run)
     }
 }

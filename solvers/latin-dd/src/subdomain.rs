@@ -1,19 +1,20 @@
 //! One subdomain: its linear stage (1) (4) (5), and the local stage (2) (6) of its contacts.
 
-use crate::assembly::{PlacedContact, Share, matrix, placed, shares};
+use crate::assembly::{PlacedContact, Share, placed, shares};
 use crate::directions::Directions;
-use cholesky::{BlockFactor, BlockStructure, Singular};
-use contact::{ContactProblem, SetupError, law};
+use cholesky::{Factor, Order, Singular, Structure};
+use contact::{Packing, SetupError, law};
 use nalgebra::{Matrix2, Vector2};
 use partition::{Decomposition, Sums};
+use std::sync::Arc;
 
 /// A subdomain between two local stages. Grains are in the order of the factor.
 pub(crate) struct Latin {
     contacts: Vec<PlacedContact>,
     shares: Vec<Share>,
     directions: Directions,
-    structure: BlockStructure,
-    pub(crate) factor: BlockFactor,
+    structure: Arc<Structure>,
+    pub(crate) factor: Factor,
     /// `M_E V_free` − `H_E` l⁻ c, what does not change in the right-hand side (N·s).
     constant: Vec<Vector2<f64>>,
     /// t = r̂ + l⁻ v̂ of each contact (N·s).
@@ -46,7 +47,7 @@ impl Latin {
     /// Factorises M_E + H_E l⁻ H_Eᵗ + d⁻_E of the subdomain `e`, and begins from the impulses `r0` and the velocities
     /// `start` that follow from them.
     pub(crate) fn new(
-        problem: &ContactProblem,
+        problem: &Packing,
         decomposition: &Decomposition,
         e: usize,
         directions: &Directions,
@@ -58,11 +59,13 @@ impl Latin {
             SetupError::new("kappa_l_minus", value, "smaller")
         };
         let subdomain = &decomposition.subdomains[e];
-        let pairs = subdomain.ends.iter().filter_map(|(i, j)| Some((*i, (*j)?)));
-        let structure = BlockStructure::new(subdomain.grains.len(), pairs).map_err(too_large)?;
+        let position: Vec<_> =
+            subdomain.grains.iter().map(|grain| problem.position()[*grain as usize]).collect();
+        let order = Order::fill_reducing(&position, &subdomain.ends).map_err(too_large)?;
+        let structure = Arc::new(Structure::new(&subdomain.ends, &order));
         let contacts = placed(problem, subdomain, structure.position());
         let shares = shares(problem, decomposition, subdomain, structure.position());
-        let factor = structure.factorise(matrix(&contacts, &shares, *directions)).map_err(too_large)?;
+        let factor = factorise(&structure, &shares, &contacts, *directions).map_err(too_large)?;
         let grains = shares.len();
         let mut latin = Self {
             directions: *directions,
@@ -125,12 +128,12 @@ impl Latin {
     }
 
     /// The factor for other directions.
-    pub(crate) fn factorise(&self, directions: &Directions) -> Result<BlockFactor, Singular> {
-        self.structure.factorise(matrix(&self.contacts, &self.shares, *directions))
+    pub(crate) fn factorise(&self, directions: &Directions) -> Result<Factor, Singular> {
+        factorise(&self.structure, &self.shares, &self.contacts, *directions)
     }
 
     /// Takes other directions with their factor; r̂, v̂ and F̂ stay, and V̂ is near V_E.
-    pub(crate) fn turn(&mut self, directions: &Directions, factor: BlockFactor) {
+    pub(crate) fn turn(&mut self, directions: &Directions, factor: Factor) {
         self.factor = factor;
         for (t, r_hat) in self.t.iter_mut().zip(&self.r_hat) {
             *t = r_hat + directions.l_minus / self.directions.l_minus * (*t - r_hat);
@@ -222,7 +225,7 @@ impl Latin {
     }
 
     /// K_E⁻¹ d⁻ B_E for the two translations of `grains` (place, d⁻), with a factor of K_E.
-    pub(crate) fn influence(&self, factor: &BlockFactor, grains: &[(usize, f64)]) -> Vec<Matrix2<f64>> {
+    pub(crate) fn influence(&self, factor: &Factor, grains: &[(usize, f64)]) -> Vec<Matrix2<f64>> {
         let [along_x, along_y] = [Vector2::x(), Vector2::y()].map(|direction| {
             let mut x = vec![Vector2::zeros(); self.shares.len()];
             for (place, d_minus) in grains {
@@ -248,4 +251,15 @@ impl Latin {
             *v += influence * w;
         }
     }
+}
+
+/// The factor of M_E + H_E l⁻ H_Eᵗ + d⁻_E.
+fn factorise(
+    structure: &Arc<Structure>,
+    shares: &[Share],
+    contacts: &[PlacedContact],
+    directions: Directions,
+) -> Result<Factor, Singular> {
+    let mass = |place: usize| shares[place].on_diagonal(directions);
+    Factor::new(Arc::clone(structure), mass, |contact| Some(contacts[contact].coupling(directions)))
 }

@@ -81,6 +81,8 @@ pub struct Columns {
     contact: Vec<u32>,
     /// Columns of M^-½ H, or of H̃ where they are scaled by the diagonal of W.
     pub scaled: Vec<ScaledContact>,
+    /// Whether they are.
+    pub is_scaled: bool,
     /// 1, or √`W_αα` (kg^-½) for those of H̃.
     unit: Vec<f64>,
     /// The grains that blocks share.
@@ -101,10 +103,11 @@ impl Columns {
             ScaledContact::new(&problem.contacts()[*contact as usize], *ends, inverse_mass, scaled)
         };
         let share = |grain: &u32| 1.0 / f64::from(decomposition.multiplicity[*grain as usize]);
-        let (scaled, unit) = subdomain.contacts.iter().zip(&subdomain.ends).map(column).unzip();
+        let (columns, unit) = subdomain.contacts.iter().zip(&subdomain.ends).map(column).unzip();
         Self {
             contact: subdomain.contacts.clone(),
-            scaled,
+            is_scaled: scaled,
+            scaled: columns,
             unit,
             boundary: subdomain.boundary.clone(),
             share: subdomain.grains.iter().map(share).collect(),

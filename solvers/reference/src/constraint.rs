@@ -34,22 +34,4 @@ impl Constraint {
         let ends = std::iter::once(self.candidate).chain(self.antagonist);
         ends.flat_map(|(grain, n)| [(2 * grain, n.x), (2 * grain + 1, n.y)])
     }
-
-    /// The contact's component of H̃ᵗ y.
-    pub(crate) fn dot(&self, y: &[f64]) -> f64 {
-        self.entries().map(|(column, value)| value * y[column]).sum()
-    }
-
-    /// Adds H̃ s for the contact's s.
-    pub(crate) fn add(&self, s: f64, y: &mut [f64]) {
-        self.entries().for_each(|(column, value)| y[column] += value * s);
-    }
-
-    /// κ h̃ h̃ᵗ: row, column and value of each entry in its lower triangle.
-    pub(crate) fn products(&self, kappa: f64) -> impl Iterator<Item = (usize, usize, f64)> {
-        self.entries().flat_map(move |(i, a)| {
-            let below = self.entries().filter(move |(j, _)| *j <= i);
-            below.map(move |(j, b)| (i, j, kappa * a * b))
-        })
-    }
 }

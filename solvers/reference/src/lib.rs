@@ -1,21 +1,21 @@
 //! The solution of a problem to round-off, with its certificate: the judge of accuracy, and a method of the line-up.
 //!
 //! (1)-(2) are the optimality system of the quadratic programme min ½ (V − `V_free`)ᵗ M (V − `V_free`) subject to
-//! Hᵗ V + c ≥ 0, whose multipliers are r. An interior point finds its neighbourhood, an active set ends at round-off. V is
-//! unique; of the impulses, the nearest to the centre of all that solve the problem.
+//! Hᵗ V + c ≥ 0, whose multipliers are r. An active set ends at round-off; where it does not, an interior point finds the
+//! neighbourhood of the solution first. V is unique, the impulses need not be.
 
 mod certificate;
 mod constraint;
 mod dual;
 mod interior;
 mod method;
-mod polish;
 
 pub use certificate::{Certificate, ENERGY_ROUND_OFF, ROUND_OFF, Residual, certify};
 pub use method::InteriorPoint;
 
+use active_set::ActiveSet;
 use analysis::proves_infeasible;
-use contact::{ContactProblem, Iteration};
+use contact::{ContactProblem, Iteration, Packing, Solver};
 use dual::End;
 use interior::Verdict;
 use method::Run;
@@ -49,11 +49,17 @@ pub enum Answer {
 /// Grains up to which the dual active set is asked where the interior point leads to no answer: its matrix is dense.
 const FEW: usize = 200;
 
-/// The answer to `problem`: solved, polished, and certified; or proved to have none. Neither the interior point's word counts
-/// nor that of the dual active set, which has the last try on small problems.
-pub fn solve(problem: &ContactProblem) -> Answer {
+/// Iterations of the active set after which it is left: those that end take a tenth of them.
+const MANY: u32 = 20_000;
+
+/// The answer to `problem`: solved and certified, or proved to have none. No method's word counts; the active set has the first
+/// try, then the interior point, and on small problems the dual active set.
+pub fn solve(problem: &Packing) -> Answer {
     let none = vec![0.0; problem.contact_count()];
     let mut best = Best { certificate: certify(problem, &none), impulses: none };
+    if let Some(answer) = active_set(problem, &mut best) {
+        return answer;
+    }
     let mut why = match interior_point(problem, &mut best) {
         Ok(answer) => return answer,
         Err(why) => why,
@@ -93,10 +99,36 @@ impl Best {
             *self = Self { impulses: impulses.to_vec(), certificate };
         }
     }
+
+    /// The answer that they are, if they are certified.
+    fn answer(&mut self) -> Option<Answer> {
+        let certificate = self.certificate;
+        certificate
+            .certified()
+            .then(|| Answer::Solution { impulses: std::mem::take(&mut self.impulses), certificate })
+    }
+}
+
+/// The answer of the active set, if it ends with one; else the `best` impulses are kept.
+fn active_set(problem: &Packing, best: &mut Best) -> Option<Answer> {
+    let mut r = best.impulses.clone();
+    let mut run = ActiveSet::default().start(problem, &r).ok()?;
+    for _ in 0..MANY {
+        if best.certificate.certified() || run.stalled() {
+            break;
+        }
+        run.advance();
+    }
+    run.impulses(&mut r);
+    if proves_infeasible(problem, &r) {
+        return Some(Answer::Infeasible { ray: r });
+    }
+    best.take(problem, &r);
+    best.answer()
 }
 
 /// The answer of the interior point and its polish; or how it ended without one, the `best` impulses kept.
-fn interior_point(problem: &ContactProblem, best: &mut Best) -> Result<Answer, String> {
+fn interior_point(problem: &Packing, best: &mut Best) -> Result<Answer, String> {
     let mut run = Run::new(problem, &best.impulses, true)?;
     let verdict = run.interior_point();
     if verdict != Verdict::Solution {
@@ -111,9 +143,8 @@ fn interior_point(problem: &ContactProblem, best: &mut Best) -> Result<Answer, S
         run.polish();
         best.take(problem, run.impulses());
     }
-    if best.certificate.certified() {
-        let Best { impulses, certificate } = best;
-        return Ok(Answer::Solution { impulses: std::mem::take(impulses), certificate: *certificate });
+    if let Some(answer) = best.answer() {
+        return Ok(answer);
     }
     let ended = match verdict {
         Verdict::Solution => "found impulses that are not certified".to_owned(),

@@ -2,8 +2,9 @@
 
 use crate::constraint::Constraint;
 use crate::interior::{Interior, Verdict};
-use crate::polish::Polish;
-use contact::{ContactProblem, Iteration, Packing, SetupError, Solver, Work};
+use active_set::Set;
+use analysis::proves_infeasible;
+use contact::{Iteration, Packing, SetupError, Solver, Work};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -25,9 +26,10 @@ impl Default for InteriorPoint {
 
 /// A run on one problem.
 pub(crate) struct Run<'p> {
+    problem: &'p Packing,
     /// None where no contact pushes: r = 0.
     interior: Option<Interior>,
-    polish: Polish<'p>,
+    polish: Set,
     polishes: bool,
     r: Vec<f64>,
     ran: bool,
@@ -41,13 +43,13 @@ const PATIENCE: u32 = 8;
 
 impl<'p> Run<'p> {
     /// Lays the programme out; says why it cannot.
-    pub(crate) fn new(problem: &'p ContactProblem, r0: &[f64], polishes: bool) -> Result<Self, String> {
-        let constraints = Constraint::all(problem);
+    pub(crate) fn new(problem: &'p Packing, r0: &[f64], polishes: bool) -> Result<Self, String> {
         let pushed = problem.scale() > 0.0;
-        let interior = if pushed { Some(Interior::new(problem, &constraints)?) } else { None };
+        let interior = if pushed { Some(Interior::new(problem, &Constraint::all(problem))?) } else { None };
         Ok(Self {
+            problem,
             interior,
-            polish: Polish::new(problem, constraints),
+            polish: Set::new(problem).map_err(|error| error.to_string())?,
             polishes,
             r: r0.to_vec(),
             ran: false,
@@ -67,16 +69,30 @@ impl<'p> Run<'p> {
         }
     }
 
+    /// One set, from the impulses that the one before left.
     pub(crate) fn polish(&mut self) {
-        let left = self.polish.step(&mut self.r);
-        if left < 0.5 * self.left {
+        self.polish.begin(&self.r);
+        let done = self.polish.step();
+        self.polish.impulses(&mut self.r);
+        let left = self.polish.left();
+        if done.is_some() && left < 0.5 * self.left {
             (self.left, self.in_vain) = (left, 0);
         } else {
             self.in_vain += 1;
         }
     }
 
-    /// See [`Polish::balance`].
+    /// Ends with the impulses of a proof of infeasibility, if they are near one.
+    fn take_ray(&mut self) {
+        let mut ray = self.r.clone();
+        self.balance(&mut ray);
+        if proves_infeasible(self.problem, &ray) {
+            self.r = ray;
+            self.polishes = false;
+        }
+    }
+
+    /// See [`Set::balance`].
     pub(crate) fn balance(&mut self, ray: &mut [f64]) {
         self.polish.balance(ray);
     }
@@ -90,7 +106,9 @@ impl<'p> Run<'p> {
 impl Iteration for Run<'_> {
     fn advance(&mut self) {
         if !self.ran {
-            self.interior_point();
+            if self.interior_point() == Verdict::Infeasible {
+                self.take_ray();
+            }
         } else if self.polishes {
             self.polish();
         }
@@ -107,11 +125,8 @@ impl Iteration for Run<'_> {
     /// Clarabel counts its factorisations; the entries of its solves it does not tell, so those are the polish's alone.
     fn work(&self) -> Work {
         let of_interior = self.interior.as_ref().filter(|_| self.ran).map_or(0, Interior::factorisations);
-        Work {
-            factorisations: of_interior + self.polish.factorisations,
-            triangular_solve_entries: self.polish.solve_entries,
-            ..Work::default()
-        }
+        let (factorisations, triangular_solve_entries) = self.polish.work();
+        Work { factorisations: of_interior + factorisations, triangular_solve_entries, ..Work::default() }
     }
 }
 

@@ -1,0 +1,182 @@
+//! Dense kernels: columns of a front are eliminated, and what they leave is taken from the rest.
+//!
+//! All matrices are stored column by column, and of symmetric ones the lower triangle counts. Whatever the processor's
+//! instructions, each entry is made of the same sums in the same order.
+
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined where the processor's instructions are chosen does not get them"
+)]
+
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
+
+/// Columns that are eliminated before the columns after them are touched.
+const PANEL: usize = 48;
+
+/// The columns of a front to be eliminated, and what is below and right of them.
+pub(crate) struct Front<'m> {
+    /// `rows`×`own`.
+    pub(crate) panel: &'m mut [f64],
+    /// (`rows` − `own`)².
+    pub(crate) rest: &'m mut [f64],
+    pub(crate) own: usize,
+    pub(crate) rows: usize,
+}
+
+/// Multiply-adds of a product that are worth more than one thread.
+const WORTH_THREADS: usize = 4_000_000;
+
+/// Columns of a product that stay together on one thread.
+const TOGETHER: usize = 64;
+
+impl Front<'_> {
+    /// Eliminates the own columns: the panel becomes L, with the inverses on its diagonal, and the rest loses L Lᵗ of the rows
+    /// there. `false` where a pivot is not positive.
+    pub(crate) fn eliminate(self) -> bool {
+        let Self { panel, rest, own, rows } = self;
+        let mut from = 0;
+        while from < own {
+            let to = own.min(from + PANEL);
+            if !Arch::new().dispatch(Columns { panel: &mut *panel, from, to, rows }) {
+                return false;
+            }
+            let (done, ahead) = panel.split_at_mut(to * rows);
+            let done = Done { columns: &done[from * rows..], rows, depth: to - from };
+            done.subtract(ahead, 0, to);
+            done.subtract(rest, own, own);
+            from = to;
+        }
+        true
+    }
+}
+
+/// The columns `from..to` of a panel.
+struct Columns<'m> {
+    panel: &'m mut [f64],
+    from: usize,
+    to: usize,
+    rows: usize,
+}
+
+impl WithSimd for Columns<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        columns(self.panel, self.from, self.to, self.rows)
+    }
+}
+
+/// Eliminates the columns `from..to` of those `rows`, which those before have already been taken from.
+#[inline(always)]
+fn columns(panel: &mut [f64], from: usize, to: usize, rows: usize) -> bool {
+    for j in from..to {
+        let (before, column) = panel.split_at_mut(j * rows);
+        let column = &mut column[j..rows];
+        for k in from..j {
+            let of_k = &before[k * rows + j..(k + 1) * rows];
+            let factor = of_k[0];
+            for (entry, of_k) in column.iter_mut().zip(of_k) {
+                *entry -= factor * of_k;
+            }
+        }
+        let pivot = column[0];
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return false;
+        }
+        let inverse = 1.0 / pivot.sqrt();
+        column[0] = inverse;
+        for entry in &mut column[1..] {
+            *entry *= inverse;
+        }
+    }
+    true
+}
+
+/// Columns of L of all `rows`, `depth` of them.
+#[derive(Clone, Copy)]
+struct Done<'m> {
+    columns: &'m [f64],
+    rows: usize,
+    depth: usize,
+}
+
+impl Done<'_> {
+    /// Takes L Lᵗ from a `matrix` whose first row is the front's row `top` and whose first column is `first`.
+    fn subtract(self, matrix: &mut [f64], top: usize, first: usize) {
+        let stride = self.rows - top;
+        if matrix.len() * self.depth < WORTH_THREADS {
+            Arch::new().dispatch(Product { done: self, matrix, top, first });
+        } else {
+            matrix.par_chunks_mut(TOGETHER * stride).enumerate().for_each(|(k, matrix)| {
+                Arch::new().dispatch(Product { done: self, matrix, top, first: first + k * TOGETHER });
+            });
+        }
+    }
+}
+
+/// See [`Done::subtract`].
+struct Product<'m> {
+    done: Done<'m>,
+    matrix: &'m mut [f64],
+    top: usize,
+    first: usize,
+}
+
+impl WithSimd for Product<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { done, matrix, top, first } = self;
+        let stride = done.rows - top;
+        let (mut j, end) = (first, first + matrix.len().checked_div(stride).unwrap_or(0));
+        while j < end {
+            let target = &mut matrix[(j - first) * stride + j - top..];
+            if j + 4 <= end {
+                done.strip::<4>(target, stride, j);
+                j += 4;
+            } else {
+                done.strip::<2>(target, stride, j);
+                j += 2;
+            }
+        }
+    }
+}
+
+impl Done<'_> {
+    /// C columns from `j` on, and all rows from `j` on.
+    #[inline(always)]
+    fn strip<const C: usize>(&self, target: &mut [f64], stride: usize, j: usize) {
+        let mut i = j;
+        while i + 8 <= self.rows {
+            self.tile::<8, C>(&mut target[i - j..], stride, i, j);
+            i += 8;
+        }
+        while i + 2 <= self.rows {
+            self.tile::<2, C>(&mut target[i - j..], stride, i, j);
+            i += 2;
+        }
+    }
+
+    /// R×C entries from row `i` and column `j` on.
+    #[inline(always)]
+    fn tile<const R: usize, const C: usize>(&self, target: &mut [f64], stride: usize, i: usize, j: usize) {
+        let mut sums = [[0.0; R]; C];
+        for k in 0..self.depth {
+            let column = &self.columns[k * self.rows..(k + 1) * self.rows];
+            let (a, b) = (&column[i..i + R], &column[j..j + C]);
+            for (sums, b) in sums.iter_mut().zip(b) {
+                for (sum, a) in sums.iter_mut().zip(a) {
+                    *sum += a * b;
+                }
+            }
+        }
+        for (c, sums) in sums.iter().enumerate() {
+            for (target, sum) in target[c * stride..c * stride + R].iter_mut().zip(sums) {
+                *target -= sum;
+            }
+        }
+    }
+}

@@ -1,0 +1,314 @@
+//! What a factor owes to the coupled grains alone: their order, its supernodes, and where each coupling adds to the matrix.
+
+use crate::Order;
+use contact::Groups;
+use std::ops::Range;
+
+/// Grains that are eliminated together, one after the other: below its own rows, each has entries in the same rows.
+#[derive(Clone, Debug)]
+pub(crate) struct Supernode {
+    /// The places of its own grains.
+    pub(crate) own: Range<u32>,
+    /// Its rows below these: a range of [`Structure::rows`].
+    pub(crate) rows: Range<usize>,
+    /// The first supernode of its subtree, which are the supernodes from there to itself.
+    pub(crate) first: u32,
+    /// How many of the supernodes before it have it as parent.
+    pub(crate) children: u32,
+    /// Where its entries begin among those of the factor.
+    pub(crate) start: usize,
+    /// A range of [`Structure::joins`].
+    pub(crate) joins: Range<usize>,
+    /// Multiply-adds of its subtree.
+    pub(crate) work: u64,
+}
+
+/// A coupling in the front where it is added: that of the first of its grains.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Join {
+    pub(crate) coupling: u32,
+    /// The front's index of either grain; the same where there is one.
+    pub(crate) ends: [u32; 2],
+}
+
+/// What a factor owes to the coupled grains alone. All matrices of one structure have their entries in the same places.
+#[derive(Debug)]
+pub struct Structure {
+    /// Place of each grain in the order.
+    position: Vec<u32>,
+    pub(crate) supernodes: Vec<Supernode>,
+    /// The places of the rows below the own ones of each supernode, rising.
+    pub(crate) rows: Vec<u32>,
+    /// The index of each of these rows in the front of the parent.
+    pub(crate) in_parent: Vec<u32>,
+    pub(crate) joins: Vec<Join>,
+    stored: usize,
+}
+
+/// A supernode as it grows: its own places, and the rows below.
+struct Growing {
+    own: Range<u32>,
+    rows: Vec<u32>,
+}
+
+/// Zeros, as a share of a merged supernode's entries, that are worth fewer and larger supernodes, for those up to so many
+/// own grains.
+const WORTH_MERGING: [(u32, f64); 3] = [(2, 0.4), (8, 0.2), (24, 0.1)];
+
+/// No place.
+const NONE: u32 = u32::MAX;
+
+impl Structure {
+    /// The structure for these couplings, of which `ends` gives the two grains, or one and `None`, with the grains in this
+    /// `order`, but for what makes no difference to the fill.
+    pub fn new(ends: &[(u32, Option<u32>)], order: &Order) -> Self {
+        let tree = elimination_tree(pairs(ends, order.places()), order.places().len());
+        let place_of = postorder(&tree);
+        let position: Vec<u32> = order.places().iter().map(|place| place_of[*place as usize]).collect();
+        let supernodes = merged(fundamental(pairs(ends, &position), position.len()));
+        Self::of(position, &supernodes, ends)
+    }
+
+    fn of(position: Vec<u32>, growing: &[Growing], ends: &[(u32, Option<u32>)]) -> Self {
+        let mut owner = vec![0_u32; position.len()];
+        for (k, node) in (0_u32..).zip(growing) {
+            owner[node.own.start as usize..node.own.end as usize].fill(k);
+        }
+        let mut structure = Self {
+            position,
+            supernodes: Vec::with_capacity(growing.len()),
+            rows: Vec::new(),
+            in_parent: Vec::new(),
+            joins: Vec::with_capacity(ends.len()),
+            stored: 0,
+        };
+        let of_couplings = structure.by_first(ends, &owner, growing.len());
+        let mut first: Vec<u32> = (0..growing.len() as u32).collect();
+        let (mut children, mut work) = (vec![0_u32; growing.len()], vec![0_u64; growing.len()]);
+        for (k, node) in growing.iter().enumerate() {
+            let (own, below) = (node.own.len(), node.rows.len());
+            let rows = structure.rows.len()..structure.rows.len() + below;
+            structure.rows.extend(&node.rows);
+            if let Some(next) = node.rows.first() {
+                let parent = owner[*next as usize] as usize;
+                let above = &growing[parent];
+                structure.in_parent.extend(node.rows.iter().map(|row| above.index(*row)));
+                first[parent] = first[parent].min(first[k]);
+                children[parent] += 1;
+            }
+            let joins = structure.joins.len();
+            structure.joins.extend(of_couplings.of(k..k + 1).iter().map(|coupling| {
+                let (i, j) = ends[*coupling as usize];
+                let index = |grain: u32| node.index(structure.position[grain as usize]);
+                Join { coupling: *coupling, ends: [index(i), index(j.unwrap_or(i))] }
+            }));
+            // The j-th column of n takes what it adds from a triangle of n − j − 1 rows.
+            let rows_after = |column: usize| 2 * (own + below) as u64 - column as u64 - 1;
+            work[k] += (0..2 * own).map(|j| rows_after(j) * (rows_after(j) + 1) / 2).sum::<u64>();
+            if let Some(next) = node.rows.first() {
+                work[owner[*next as usize] as usize] += work[k];
+            }
+            structure.supernodes.push(Supernode {
+                own: node.own.clone(),
+                rows,
+                first: first[k],
+                children: children[k],
+                start: structure.stored,
+                joins: joins..structure.joins.len(),
+                work: work[k],
+            });
+            structure.stored += 4 * own * (own + below);
+        }
+        structure
+    }
+
+    /// The couplings of each supernode: those whose first grain it owns.
+    fn by_first(&self, ends: &[(u32, Option<u32>)], owner: &[u32], supernodes: usize) -> Groups {
+        let place = |grain: u32| self.position[grain as usize];
+        let first = |(i, j): &(u32, Option<u32>)| j.map_or(place(*i), |j| place(*i).min(place(j)));
+        Groups::new((0_u32..).zip(ends.iter().map(|ends| owner[first(ends) as usize] as usize)), supernodes)
+    }
+
+    /// Place of each grain in the order.
+    pub fn position(&self) -> &[u32] {
+        &self.position
+    }
+
+    /// Entries of a factor's lower triangle, with the zeros among them that it stores: each is used twice in a solve.
+    pub fn entries(&self) -> usize {
+        let above = |node: &Supernode| node.own.len() * (2 * node.own.len() - 1);
+        self.stored - self.supernodes.iter().map(above).sum::<usize>()
+    }
+
+    /// Entries that a factor stores, with those above the diagonals of its supernodes.
+    pub(crate) fn stored(&self) -> usize {
+        self.stored
+    }
+
+    /// Multiply-adds of a factorisation, with those of the zeros that a factor stores.
+    pub fn work(&self) -> u64 {
+        self.roots().map(|root| self.supernodes[root].work).sum()
+    }
+
+    /// Where the entries of a supernode end.
+    pub(crate) fn end(&self, k: usize) -> usize {
+        self.supernodes.get(k + 1).map_or(self.stored, |next| next.start)
+    }
+
+    /// The children of a supernode, in their order.
+    pub(crate) fn children(&self, k: usize) -> Vec<usize> {
+        let mut children = Vec::new();
+        let mut next = k;
+        while next > self.supernodes[k].first as usize {
+            children.push(next - 1);
+            next = self.supernodes[next - 1].first as usize;
+        }
+        children.reverse();
+        children
+    }
+
+    /// The couplings in the order in which they are added: those of places that lie close together are close.
+    pub fn couplings(&self) -> impl Iterator<Item = u32> {
+        self.joins.iter().map(|join| join.coupling)
+    }
+
+    /// The supernodes without a parent.
+    pub(crate) fn roots(&self) -> impl Iterator<Item = usize> {
+        (0..self.supernodes.len()).filter(|k| self.supernodes[*k].rows.is_empty())
+    }
+}
+
+impl Growing {
+    /// The front's index of a place.
+    fn index(&self, place: u32) -> u32 {
+        if place < self.own.end {
+            place - self.own.start
+        } else {
+            self.own.len() as u32 + self.rows.partition_point(|row| *row < place) as u32
+        }
+    }
+}
+
+/// Pairs of places that are coupled, the lower first, as often as they do.
+fn pairs(ends: &[(u32, Option<u32>)], places: &[u32]) -> impl Iterator<Item = (u32, u32)> + Clone {
+    let of = |(i, j): &(u32, Option<u32>)| Some((places[*i as usize], places[(*j)? as usize]));
+    ends.iter().filter_map(of).map(|(i, j)| (i.min(j), i.max(j)))
+}
+
+/// The parent of each place in the elimination tree: the first above it in its column of the factor.
+fn elimination_tree(pairs: impl Iterator<Item = (u32, u32)> + Clone, places: usize) -> Vec<u32> {
+    let below = Groups::new(pairs.map(|(low, high)| (low, high as usize)), places);
+    let (mut parent, mut ancestor) = (vec![NONE; places], vec![NONE; places]);
+    for place in 0..places {
+        for low in below.of(place..place + 1) {
+            let mut at = *low as usize;
+            while at != place {
+                let next = std::mem::replace(&mut ancestor[at], place as u32);
+                if next == NONE {
+                    parent[at] = place as u32;
+                    break;
+                }
+                at = next as usize;
+            }
+        }
+    }
+    parent
+}
+
+/// The place of each place when each comes right after its subtree.
+fn postorder(parent: &[u32]) -> Vec<u32> {
+    let places = parent.len();
+    let (mut eldest, mut next, mut roots) = (vec![NONE; places], vec![NONE; places], NONE);
+    for place in (0..places as u32).rev() {
+        let list = match parent[place as usize] {
+            NONE => &mut roots,
+            parent => &mut eldest[parent as usize],
+        };
+        next[place as usize] = std::mem::replace(list, place);
+    }
+    let mut order = vec![NONE; places];
+    let (mut at, mut count) = (roots, 0);
+    while at != NONE {
+        // Down to the first that has no child left, then to its brother or back up.
+        while eldest[at as usize] != NONE {
+            at = std::mem::replace(&mut eldest[at as usize], NONE);
+        }
+        order[at as usize] = count;
+        count += 1;
+        at = match next[at as usize] {
+            NONE => parent[at as usize],
+            brother => brother,
+        };
+    }
+    order
+}
+
+/// The supernodes without any zero, by rising places, which are in postorder.
+fn fundamental(pairs: impl Iterator<Item = (u32, u32)> + Clone, places: usize) -> Vec<Growing> {
+    let above = Groups::new(pairs.map(|(low, high)| (high, low as usize)), places);
+    let mut supernodes: Vec<Growing> = Vec::new();
+    // The supernodes whose next row is not yet reached, the last on top; and who was last seen in which column.
+    let mut waiting: Vec<usize> = Vec::new();
+    let (mut seen, mut rows) = (vec![NONE; places], Vec::new());
+    for place in 0..places as u32 {
+        rows.clear();
+        let mut take = |row: u32| {
+            if row != place && std::mem::replace(&mut seen[row as usize], place) != place {
+                rows.push(row);
+            }
+        };
+        let at = place as usize;
+        above.of(at..at + 1).iter().for_each(|row| take(*row));
+        let (mut children, mut greatest) = (0, 0);
+        while let Some(child) = waiting.pop_if(|child| supernodes[*child].rows.first() == Some(&place)) {
+            supernodes[child].rows.iter().for_each(|row| take(*row));
+            children += 1;
+            greatest = greatest.max(supernodes[child].rows.len());
+        }
+        match supernodes.last_mut() {
+            // The one before is the only child, and has no other rows: it goes on.
+            Some(last) if children == 1 && greatest == rows.len() + 1 => {
+                last.own.end = place + 1;
+                last.rows.remove(0);
+            }
+            _ => {
+                rows.sort_unstable();
+                supernodes.push(Growing { own: place..place + 1, rows: rows.clone() });
+            }
+        }
+        waiting.push(supernodes.len() - 1);
+    }
+    supernodes
+}
+
+/// Larger supernodes with some zeros in them: a child that comes right before its parent is joined to it where that is worth
+/// it.
+fn merged(supernodes: Vec<Growing>) -> Vec<Growing> {
+    let mut merged: Vec<Growing> = Vec::with_capacity(supernodes.len());
+    let mut zeros: Vec<u64> = Vec::with_capacity(supernodes.len());
+    for mut node in supernodes {
+        let mut own_zeros = 0;
+        while let Some(child) = merged.last()
+            && child.rows.first().is_some_and(|row| node.own.contains(row))
+        {
+            let size = |own: usize, rows: usize| (own * (own + 1) / 2 + own * rows) as u64;
+            let (child_own, own) = (child.own.len(), child.own.len() + node.own.len());
+            let entries = size(own, node.rows.len());
+            let all_zeros = own_zeros + zeros.last().copied().unwrap_or(0) + entries
+                - size(child_own, child.rows.len())
+                - size(node.own.len(), node.rows.len());
+            let allowed = WORTH_MERGING.iter().find(|(most, _)| own as u32 <= *most);
+            if !allowed.is_some_and(|(_, share)| all_zeros as f64 <= share * entries as f64) && all_zeros > 0
+            {
+                break;
+            }
+            node.own.start = child.own.start;
+            own_zeros = all_zeros;
+            merged.pop();
+            zeros.pop();
+        }
+        merged.push(node);
+        zeros.push(own_zeros);
+    }
+    merged
+}

@@ -1,0 +1,149 @@
+//! The active set: where it ends, what it shows on the way, and what it costs when it knows the set.
+
+use crate::problems::{PACKINGS, first_problem, frozen, impulses, start};
+use active_set::{ActiveSet, Start};
+use contact::{Iteration, Meter, Packing, Solver};
+use reference::{InteriorPoint, certify};
+
+const STARTS: [Start; 3] = [Start::Cg, Start::ColdSet, Start::InteriorPoint];
+
+fn method(start: Start) -> ActiveSet {
+    ActiveSet { start, ..ActiveSet::default() }
+}
+
+/// Advances until no further iteration helps; returns the impulses.
+fn to_its_end(run: &mut dyn Iteration, problem: &Packing) -> Vec<f64> {
+    for _ in 0..5000 {
+        if run.stalled() {
+            return impulses(run, problem);
+        }
+        run.advance();
+    }
+    panic!("it does not end");
+}
+
+/// ‖V − U‖_M of two impulses over ‖V − `V_free`‖_M.
+fn distance(problem: &Packing, r: &[f64], other: &[f64]) -> f64 {
+    let velocity = |r: &[f64]| {
+        let mut velocity = problem.free_velocity().to_vec();
+        problem.velocity(r, &mut velocity);
+        velocity
+    };
+    let (v, u) = (velocity(r), velocity(other));
+    problem.velocity_distance(&v, &u) / problem.velocity_distance(&v, problem.free_velocity())
+}
+
+/// Whatever the start, the guard against sets that wander among them, by itself.
+#[test]
+fn active_set_ends_certified_on_every_frozen_problem() {
+    for name in PACKINGS.into_iter().chain(["settled-60", "settled-250"]) {
+        let problem = frozen(name).problem;
+        for begin in STARTS {
+            let r = to_its_end(&mut *start(&method(begin), &problem), &problem);
+            let certificate = certify(&problem, &r);
+            assert!(certificate.certified(), "{name}, {begin:?}: {certificate}");
+            let left = Meter::new(&problem).measure(&r, 0.0).natural_map;
+            assert!(left < 1e-12, "{name}, {begin:?}: {left:e}");
+        }
+    }
+}
+
+/// Two witnesses that share no step: barriers with a factor of their own, and sets.
+#[test]
+fn active_set_and_interior_point_agree_on_every_frozen_problem() {
+    for name in PACKINGS.into_iter().chain(["settled-60", "settled-250"]) {
+        let problem = frozen(name).problem;
+        let r = to_its_end(&mut *start(&ActiveSet::default(), &problem), &problem);
+        let mut unpolished = start(&InteriorPoint { polish: false }, &problem);
+        let distance = distance(&problem, &r, &to_its_end(&mut *unpolished, &problem));
+        // The interior point leaves a gap of 1e-8, which is the square of this.
+        assert!(distance < 1e-4, "{name}: {distance:e}");
+        let polished = to_its_end(&mut *start(&InteriorPoint::default(), &problem), &problem);
+        let distance = self::distance(&problem, &r, &polished);
+        assert!(distance < 1e-10, "{name}, polished: {distance:e}");
+    }
+}
+
+#[test]
+fn set_of_the_solution_needs_one_factorisation() {
+    for name in PACKINGS {
+        let problem = frozen(name).problem;
+        let r = to_its_end(&mut *start(&ActiveSet::default(), &problem), &problem);
+        let mut from_it = ActiveSet::default().start(&problem, &r).unwrap();
+        let again = to_its_end(&mut *from_it, &problem);
+        assert_eq!(from_it.work().factorisations, 1, "{name}");
+        assert!(distance(&problem, &again, &r) < 1e-10, "{name}");
+        // Without that, conjugate gradients come first: one iteration, since they begin at the solution.
+        let not_warm = ActiveSet { warm: false, ..ActiveSet::default() };
+        let mut run = not_warm.start(&problem, &r).unwrap();
+        run.advance();
+        assert_eq!(run.work().factorisations, 0, "{name}");
+        assert!(distance(&problem, &to_its_end(&mut *run, &problem), &r) < 1e-10, "{name}, not warm");
+    }
+}
+
+/// With any equal impulses the law closes all contacts of a column, and all stay closed.
+#[test]
+fn set_of_a_column_that_begins_closed_is_its_last() {
+    let problem = first_problem("column", &[("sample.grains", "30")]).problem;
+    let mut run = ActiveSet::default().start(&problem, &[1e-6; 30]).unwrap();
+    run.advance();
+    assert!(run.stalled(), "round-off is left");
+    assert_eq!(run.work().factorisations, 1);
+    let (r, weight) = (impulses(&*run, &problem), problem.mass()[0] * 9.81);
+    let h = -problem.free_velocity()[0].y / 9.81;
+    let carried = r.iter().copied().fold(0.0, f64::max);
+    assert!((carried / (30.0 * weight * h) - 1.0).abs() < 1e-9, "{carried}");
+}
+
+#[test]
+fn what_the_active_set_shows_never_leaves_more_once_sets_have_begun() {
+    for name in ["settled-991", "lmgc90-shear-991-t1"] {
+        let problem = frozen(name).problem;
+        for begin in [Start::ColdSet, Start::InteriorPoint] {
+            let mut run = start(&method(begin), &problem);
+            let mut meter = Meter::new(&problem);
+            let mut before = f64::INFINITY;
+            while !run.stalled() {
+                run.advance();
+                let left = meter.measure(&impulses(&*run, &problem), 0.0).natural_map;
+                // What is shown is max(0, r): that takes a little away from impulses that are not quite 0.
+                assert!(left <= 2.0 * before, "{name}, {begin:?}: {left:e} after {before:e}");
+                before = left;
+            }
+        }
+    }
+}
+
+/// One factorisation at most for each set or step, two passes over the factor in each solve, one to four solves, and a product with
+/// each, besides that of the start.
+#[test]
+fn work_of_the_active_set_is_counted() {
+    let problem = frozen("settled-250").problem;
+    for begin in [Start::ColdSet, Start::InteriorPoint] {
+        let mut run = start(&method(begin), &problem);
+        run.advance();
+        let first = run.work();
+        assert_eq!(first.factorisations, 1);
+        let mut iterations = 1;
+        while !run.stalled() {
+            run.advance();
+            iterations += 1;
+        }
+        let work = run.work();
+        let solves = work.triangular_solve_entries / first.triangular_solve_entries;
+        assert!(work.factorisations <= iterations + 1 && work.factorisations >= 2, "{work:?}");
+        assert!(solves >= iterations / 2 && solves <= 4 * iterations, "{work:?}");
+        assert!(work.delassus_products > iterations, "{work:?}");
+    }
+    let cg = cg::Cg { preconditioner: cg::Preconditioner::Diagonal };
+    let (mut run, mut alone) = (start(&ActiveSet::default(), &problem), start(&cg, &problem));
+    // The impulses of the start have a velocity too, in either unknowns.
+    let at_start = run.work().delassus_products - alone.work().delassus_products;
+    for _ in 0..20 {
+        run.advance();
+        alone.advance();
+        assert_eq!(run.work().delassus_products, alone.work().delassus_products + at_start);
+        assert_eq!(impulses(&*run, &problem), impulses(&*alone, &problem));
+    }
+}
