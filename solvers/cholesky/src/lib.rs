@@ -9,6 +9,7 @@ mod front;
 mod order;
 mod solve;
 mod structure;
+mod supernodes;
 
 pub use factor::{Coupling, Factor};
 pub use order::Order;
