@@ -88,7 +88,7 @@ impl Set {
         self.scaled.counts
     }
 
-    /// Closes the contacts with s > v and lets the others go: see [`Self::hold`].
+    /// Closes the contacts with s > v and lets the others go, in one step of Newton: how many changed, `None` if there is no factor.
     pub fn step(&mut self) -> Option<usize> {
         let closed = self.s.iter().zip(&self.v).map(|(s, v)| s > v).collect();
         self.hold(closed)

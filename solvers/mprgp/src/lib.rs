@@ -5,7 +5,7 @@
 //! termination, Comput. Optim. Appl. 30 (2005) 23-43; Z. Dostál, Optimal Quadratic Programming Algorithms, Springer 2009, ch. 5.
 //! What is free and what is chopped of u = −(W r + b), minus the gradient of q,
 //!
-//!     φ = u where r > 0, else 0;   β = max(0, u) where r = 0, else 0;   φ̃ = max(φ, −r/ᾱ)
+//! φ = u where r > 0, else 0;   β = max(0, u) where r = 0, else 0;   φ̃ = max(φ, −r/ᾱ)
 //!
 //! decides what an iteration is:
 //!
@@ -17,7 +17,7 @@
 //!
 //! After all but the second, p = φ. Where W is regular, each iteration leaves of q − q* no more than the share
 //!
-//!     1 − α̂ λmin / (ϑ (1 + max(Γ, 1/Γ)²)),   α̂ = min(ᾱ, 2/λmax − ᾱ),   ϑ = 2 max(ᾱ λmax, 1)
+//! 1 − α̂ λmin / (ϑ (1 + max(Γ, 1/Γ)²)),   α̂ = min(ᾱ, 2/λmax − ᾱ),   ϑ = 2 max(ᾱ λmax, 1)
 //!
 //! and there is a last one if no contact of the solution has both v = 0 and r = 0, or Γ is large enough. The proof does not cover
 //! the projected step. So here that is taken only if q falls by ᾱ (1 − s/2) φ̃ᵗ φ at least, as it surely does along ᾱ φ̃; else the
