@@ -95,7 +95,7 @@ pub(crate) const METHODS: [(&str, Family); 9] = [
     ("cg", family(0.3, Mark::Plus, [(0, 150, 110), (0, 105, 78), (85, 190, 155)])),
     ("apgd", family(0.3, Mark::Bar, [(86, 180, 233), (140, 205, 245), (66, 165, 218)])),
     ("nncg", family(0.3, Mark::Cross, [(110, 60, 30), (75, 38, 15), (145, 95, 65)])),
-    ("active-set", family(0.3, Mark::Disc, [(200, 30, 45), (150, 15, 30), (235, 80, 90)])),
+    ("active-set", family(0.3, Mark::Disc, [(200, 20, 70), (150, 15, 52), (232, 85, 125)])),
     ("interior-point", family(0.3, Mark::Triangle, [(190, 100, 160), (145, 65, 120), (220, 150, 195)])),
 ];
 
