@@ -4,12 +4,14 @@ use super::*;
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use std::sync::Arc;
 
+type Ends = Vec<(u32, Option<u32>)>;
+
 /// Grains on a bent grid, each coupled to its right and upper neighbour, and the lowest row to a wall: positions and ends.
-fn grid(columns: u32, rows: u32) -> (Vec<Vector2<f64>>, Vec<(u32, Option<u32>)>) {
+fn grid(columns: u32, rows: u32) -> (Vec<Vector2<f64>>, Ends) {
     let grain = |i: u32, j: u32| j * columns + i;
     let position =
         |k: u32| Vector2::new(f64::from(k % columns), f64::from(k / columns) + 0.1 * f64::from(k).sin());
-    let mut ends: Vec<_> = (0..columns).map(|i| (grain(i, 0), None)).collect();
+    let mut ends: Ends = (0..columns).map(|i| (grain(i, 0), None)).collect();
     for j in 0..rows {
         for i in 0..columns {
             ends.extend((i + 1 < columns).then(|| (grain(i, j), Some(grain(i + 1, j)))));
