@@ -7,6 +7,7 @@ mod atlas_in_time;
 mod convergence;
 mod critical_path;
 mod directions;
+mod peers;
 mod profiles;
 mod relaxation;
 mod sample;
@@ -52,6 +53,7 @@ const CHARTS: &[Chart] = &[
     Chart { name: "directions", parts: Parts::Problems(directions::parts) },
     Chart { name: "work-precision", parts: Parts::Problems(work_precision::parts) },
     Chart { name: "truth", parts: Parts::Problems(truth::parts) },
+    Chart { name: "peers", parts: Parts::Problems(peers::parts) },
     Chart { name: "profiles", parts: Parts::Problems(profiles::parts) },
     Chart { name: "subdomains", parts: Parts::Problems(subdomains::parts) },
     Chart { name: "weak", parts: Parts::Problems(weak::parts) },

@@ -1,7 +1,7 @@
 //! `gravel list`: what there is.
 
 use crate::cli::schema::takes;
-use crate::plan::{METHODS, Plan};
+use crate::plan::{Plan, methods};
 use crate::problems::{Kind, Root, size, stem};
 use crate::terminal::say;
 use anyhow::Result;
@@ -38,8 +38,19 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
             }
         }
         What::Methods => {
-            for entry in METHODS {
+            for entry in methods() {
                 say(format_args!("{:<16}{}", entry.name, entry.what))?;
+                if let Some(external) = entry.external() {
+                    match external.version() {
+                        Ok(version) => say(format_args!("      another code, installed: {version}"))?,
+                        Err(why) => {
+                            say(format_args!(
+                                "      another code, not installed ({why}); this installs it:"
+                            ))?;
+                            say(format_args!("          {}", external.install()))?;
+                        }
+                    }
+                }
                 let settings = entry.settings();
                 for (key, default) in entry.defaults()? {
                     let default = if default.is_null() { "none".to_owned() } else { default.to_string() };

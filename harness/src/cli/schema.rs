@@ -1,6 +1,6 @@
 //! `gravel schema`: JSON schemas of plans and cases, for editors; and what a setting takes, in words.
 
-use crate::plan::{Entry, METHODS, Plan, PlannedMethod};
+use crate::plan::{Entry, Plan, PlannedMethod, methods};
 use crate::terminal::say;
 use anyhow::Result;
 use cases::Case;
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn plan() -> Value {
     let mut plan = of::<Plan>();
     plan["properties"]["methods"]["items"] =
-        json!({ "oneOf": METHODS.iter().map(planned_method).collect::<Vec<_>>() });
+        json!({ "oneOf": methods().map(planned_method).collect::<Vec<_>>() });
     let mut quick = plan["properties"].clone();
     if let Some(keys) = quick.as_object_mut() {
         keys.remove("name");

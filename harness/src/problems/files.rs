@@ -62,6 +62,20 @@ impl Root {
         Ok(paths)
     }
 
+    /// Paths of the files that describe other codes, by name; none in a checkout without them.
+    pub(crate) fn external(&self) -> Result<Vec<PathBuf>> {
+        let folder = self.join("harness/external");
+        if !folder.is_dir() {
+            return Ok(Vec::new());
+        }
+        let entries = std::fs::read_dir(&folder).and_then(Iterator::collect::<std::io::Result<Vec<_>>>);
+        let entries = entries.with_context(|| folder.display().to_string())?;
+        let mut paths: Vec<PathBuf> =
+            entries.iter().map(std::fs::DirEntry::path).filter(|path| is_toml(path)).collect();
+        paths.sort();
+        Ok(paths)
+    }
+
     /// The file of a case, given by name or path.
     pub(crate) fn case(&self, name: &str) -> Result<PathBuf> {
         self.file(name, "case", &[Kind::Case])

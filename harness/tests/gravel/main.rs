@@ -5,6 +5,8 @@ mod bench;
 mod common;
 mod degenerate;
 mod endings;
+#[cfg(unix)]
+mod external;
 mod freeze;
 #[cfg(unix)]
 mod outputs;
