@@ -195,17 +195,11 @@ fn run(solver: &dyn Solver, problem: &Packing, tolerance: f64, max_iterations: u
     solve(solver, problem, &r0, &stop, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// q(r), and what round-off may add to it (J): impulses that grow along the kernel of W cancel in it, as do the velocities that b is
-/// made of.
-pub(crate) fn energy(problem: &Packing, r: &[f64]) -> (f64, f64) {
+/// q(r), and what round-off may add to it: impulses that grow along the kernel of W cancel in it (J).
+fn energy(problem: &Packing, r: &[f64]) -> (f64, f64) {
     let q = Meter::new(problem).measure(r, 0.0).energy;
-    let free = |contact: &Contact| -> f64 {
-        contact.grains().map(|grain| problem.free_velocity()[grain as usize].norm()).sum()
-    };
-    let terms = r.iter().zip(problem.contacts()).zip(problem.delassus_diagonal());
-    let of_contact =
-        |((r, contact), w): ((&f64, &Contact), f64)| r * (contact.offset.abs() + free(contact) + w * r);
-    let size: f64 = terms.map(of_contact).sum();
+    let terms = r.iter().zip(problem.b()).zip(problem.delassus_diagonal());
+    let size: f64 = terms.map(|((r, b), w)| r * (b.abs() + w * r)).sum();
     (q, 64.0 * f64::EPSILON * size)
 }
 

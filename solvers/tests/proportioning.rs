@@ -1,11 +1,11 @@
 //! MPRGP: its formulas written out, plain conjugate gradients where all contacts press, descent, and the end of it.
 
-use crate::hazards::{chain, energy, lattice, wedge};
+use crate::hazards::{chain, lattice, wedge};
 use crate::layouts::moving_packing;
 use crate::problems::{any_problem, difference, first_problem, frozen, impulses, start};
 use analysis::{Spectrum, delassus_bound, scaled_delassus_bound};
 use cg::Cg;
-use contact::{Measure, Packing, SetupError, Solver};
+use contact::{Contact, Measure, Meter, Packing, SetupError, Solver};
 use mprgp::{Expansion, Mprgp, Preconditioner};
 use nalgebra::Vector2;
 use nsgs::Nsgs;
@@ -269,6 +269,20 @@ fn settings_without_meaning_are_refused() {
         let refused = settings.start(&problem, &r0).err();
         assert!(matches!(refused, Some(SetupError { key: found, .. }) if found == key), "{settings:?}");
     }
+}
+
+/// q(r), and what round-off may add to it (J): impulses that grow along the kernel of W cancel in it, as do the velocities that b is
+/// made of.
+fn energy(problem: &Packing, r: &[f64]) -> (f64, f64) {
+    let q = Meter::new(problem).measure(r, 0.0).energy;
+    let free = |contact: &Contact| -> f64 {
+        contact.grains().map(|grain| problem.free_velocity()[grain as usize].norm()).sum()
+    };
+    let terms = r.iter().zip(problem.contacts()).zip(problem.delassus_diagonal());
+    let of_contact =
+        |((r, contact), w): ((&f64, &Contact), f64)| r * (contact.offset.abs() + free(contact) + w * r);
+    let size: f64 = terms.map(of_contact).sum();
+    (q, 64.0 * f64::EPSILON * size)
 }
 
 fn any_settings() -> impl Strategy<Value = Mprgp> {

@@ -37,7 +37,7 @@ pub(crate) const METHODS: &[Entry] = &[
     Entry::of::<gradient::Gradient>("gradient", "projected gradient with a fixed step"),
     Entry::of::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions"),
     Entry::of::<nsgs_dd::NsgsDd>("nsgs-dd", "non-linear Gauss-Seidel by subdomains, with split masses"),
-    Entry::of::<mprgp::Mprgp>("mprgp", "proportioning with gradient projections of Dostal & Schoeberl"),
+    Entry::of::<mprgp::Mprgp>("mprgp", "proportioning with gradient projections of Dostál & Schöberl"),
     Entry::of::<apgd::Apgd>("apgd", "accelerated projected gradient of Mazhar et al."),
     Entry::of::<nncg::Nncg>("nncg", "non-smooth non-linear conjugate gradient of Silcowitz et al."),
     Entry::of::<active_set::ActiveSet>("active-set", "primal-dual active set, begun by conjugate gradients"),

@@ -10,8 +10,8 @@ use crate::read::{
 /// Of more problems than this, methods are counted over all of them.
 const FEW_PROBLEMS: usize = 6;
 
-/// An iteration of it is a whole solve, with a factorisation in each of its steps: it has no rank by iterations.
-const WHOLE_SOLVES: &str = "interior-point";
+/// Their iterations are whole solves, or factorisations: they have no rank by iterations.
+const FACTORISE: [&str; 2] = ["active-set", "interior-point"];
 
 /// How the runs ended, who was first on each problem, and whose runs failed.
 pub(crate) fn found(study: &Study) -> Vec<String> {
@@ -91,7 +91,7 @@ fn comparable<'r>(runs: &'r [RunRow], problem: &str) -> Vec<&'r RunRow> {
 fn first_and_last(runs: &[RunRow], verdicts: &Verdicts, problem: &str) -> String {
     let proofs = runs.iter().filter(|run| run.problem == problem && verdicts.is_proof(run)).count();
     let runs = comparable(runs, problem);
-    let ranked = || runs.iter().filter(|run| run.method != WHOLE_SOLVES);
+    let ranked = || runs.iter().filter(|run| !FACTORISE.contains(&run.method.as_str()));
     let Some(fewest) = ranked().min_by_key(|run| run.iterations) else {
         return match (runs.first(), proofs) {
             (Some(run), _) => format!("{problem}: {} alone converged.", run.method),
@@ -120,7 +120,7 @@ fn wins(runs: &[RunRow], looks: &Looks, problems: &[&str]) -> Vec<String> {
         kind.1 += usize::from(run.ending == Ending::Converged);
     }
     for problem in problems {
-        let ranked = comparable(runs, problem).into_iter().filter(|run| run.method != WHOLE_SOLVES);
+        let ranked = comparable(runs, problem).into_iter().filter(|run| !FACTORISE.contains(&run.method.as_str()));
         let least = ranked.min_by_key(|run| run.iterations);
         if let Some(kind) = least.and_then(|run| kinds.get_mut(&looks.rank(run))) {
             kind.2 += 1;

@@ -15,7 +15,7 @@ pub(crate) struct Interior {
     steps: u32,
 }
 
-/// Where there is a solution, a tenth of so many steps leads to it.
+/// Where there is a solution, a fifth of so many steps leads to it.
 const MOST_STEPS: u32 = 150;
 
 /// The impulses and slacks to begin with, over the quadratic mean of what r = 0 leaves (–): impulses add up in a packing, so

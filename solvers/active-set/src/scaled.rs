@@ -2,7 +2,7 @@
 //! grains. All in √J; contacts and grains are in the order of the factor.
 
 use cholesky::{Coupling, Factor, Order, Structure};
-use contact::{Contact, Packing, ScaledContact, SetupError, law};
+use contact::{Contact, Packing, ScaledContact, SetupError, Work, law};
 use nalgebra::Vector2;
 use std::sync::Arc;
 
@@ -24,20 +24,9 @@ pub(crate) struct Scaled {
     free: Vec<Vector2<f64>>,
     /// M^½ V, or a change of it.
     y: Vec<Vector2<f64>>,
-    terms_of_b: f64,
-    pub(crate) counts: Counts,
-}
-
-/// Counted work.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Counts {
-    /// Matrices factorised, and the multiply-adds of that.
-    pub(crate) factorisations: u64,
-    pub(crate) factorisation_multiply_adds: u64,
-    /// Entries of factors that solves went through.
-    pub(crate) solve_entries: u64,
-    /// Velocities from impulses.
-    pub(crate) products: u64,
+    /// √(Σ (|h̃ᵗ| |y| + |c|)²) of `V_free`: the terms of which v without impulses is the sum.
+    pub(crate) terms_of_b: f64,
+    pub(crate) work: Work,
 }
 
 impl Scaled {
@@ -70,9 +59,9 @@ impl Scaled {
             first.abs().dot(i) + second.abs().dot(j) + offset.abs()
         });
         let terms_of_b = terms.map(|terms| terms * terms).sum::<f64>().sqrt();
-        let (y, counts) = (free.clone(), Counts::default());
+        let (y, work) = (free.clone(), Work::default());
         let factor = None;
-        Ok(Self { structure, factor, columns, contact, column, unit, offset, free, y, terms_of_b, counts })
+        Ok(Self { structure, factor, columns, contact, column, unit, offset, free, y, terms_of_b, work })
     }
 
     /// Number of contacts.
@@ -94,7 +83,7 @@ impl Scaled {
 
     /// v of the impulses `s`.
     pub(crate) fn velocities(&mut self, s: &[f64], v: &mut [f64]) {
-        self.counts.products += 1;
+        self.work.delassus_products += 1;
         self.y.copy_from_slice(&self.free);
         for (column, s) in self.columns.iter().zip(s) {
             column.push(*s, &mut self.y);
@@ -106,8 +95,8 @@ impl Scaled {
 
     /// Factorises K with the `weight` of each contact; says whether it could.
     pub(crate) fn factorise(&mut self, weight: impl Fn(usize) -> f64 + Sync) -> bool {
-        self.counts.factorisations += 1;
-        self.counts.factorisation_multiply_adds += self.structure.work();
+        self.work.factorisations += 1;
+        self.work.factorisation_multiply_adds += self.structure.work();
         let Self { factor, structure, columns, column, .. } = self;
         let coupling = |contact: usize| {
             let k = column[contact] as usize;
@@ -133,15 +122,10 @@ impl Scaled {
             column.push(p(k), &mut self.y);
         }
         factor.solve(&mut self.y);
-        self.counts.solve_entries += 2 * factor.entries() as u64;
+        self.work.triangular_solve_entries += 2 * factor.entries() as u64;
         for (k, column) in self.columns.iter().enumerate() {
             take(k, column.relative(&self.y));
         }
-    }
-
-    /// √(Σ (|h̃ᵗ| |y| + |c|)²) of `V_free`: the terms of which v without impulses is the sum.
-    pub(crate) fn terms_of_b(&self) -> f64 {
-        self.terms_of_b
     }
 
     /// About how long a step of an interior point takes, in iterations of a conjugate gradient (–): per multiply-add of its

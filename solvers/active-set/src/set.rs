@@ -1,11 +1,11 @@
 //! The primal-dual active set: Newton's method on s = max(0, s − v).
 
-use crate::scaled::{Counts, Scaled, left};
-use contact::{ContactProblem, Packing, SetupError};
+use crate::scaled::{Scaled, left};
+use contact::{ContactProblem, Packing, SetupError, Work};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// κ, the weight of the contacts against the masses (–). A solve leaves of an error in the impulses 1/(1 + κ λ), for each
-/// eigenvalue λ of the active part of H̃ᵗ H̃; the lowest of a packing of a thousand discs are some 1e-5, of a million 1e-8.
+/// eigenvalue λ of the active part of H̃ᵗ H̃; the lowest of a packing of a thousand discs are some 1e-5.
 const PENALTY: f64 = 1e9;
 
 /// Solves with one factor, at most: each makes good what round-off, κ times as great, left of the one before.
@@ -69,7 +69,7 @@ impl Set {
     /// Whether what is left of the law is round-off.
     pub fn is_solved(&self) -> bool {
         let of_s = self.s.iter().map(|s| s * s).sum::<f64>().sqrt();
-        self.left() <= ROUND_OFF * (of_s + self.scaled.terms_of_b())
+        self.left() <= ROUND_OFF * (of_s + self.scaled.terms_of_b)
     }
 
     /// The set, as a number.
@@ -79,13 +79,9 @@ impl Set {
         hasher.finish()
     }
 
-    /// Matrices factorised, and entries of factors that solves went through.
-    pub fn work(&self) -> (u64, u64) {
-        (self.scaled.counts.factorisations, self.scaled.counts.solve_entries)
-    }
-
-    pub(crate) fn counts(&self) -> Counts {
-        self.scaled.counts
+    /// Work so far.
+    pub fn work(&self) -> Work {
+        self.scaled.work
     }
 
     /// Closes the contacts with s > v and lets the others go, in one step of Newton: how many changed, `None` if there is no factor.

@@ -11,14 +11,16 @@ use nalgebra::Vector2;
 /// x ← L⁻ᵗ L⁻¹ x, for one x per place.
 #[inline(always)]
 pub(crate) fn solve(structure: &Structure, values: &[f64], x: &mut [Vector2<f64>]) {
-    let mut ends = structure.stored();
-    let panel = |node: &Supernode, end: usize| &values[node.start..end];
+    let parts = |k: usize, node: &Supernode| {
+        (&structure.rows[node.rows.clone()], &values[node.start..structure.end(k)])
+    };
     for (k, node) in structure.supernodes.iter().enumerate() {
-        forward(node, &structure.rows[node.rows.clone()], panel(node, structure.end(k)), x);
+        let (rows, panel) = parts(k, node);
+        forward(node, rows, panel, x);
     }
-    for node in structure.supernodes.iter().rev() {
-        backward(node, &structure.rows[node.rows.clone()], panel(node, ends), x);
-        ends = node.start;
+    for (k, node) in structure.supernodes.iter().enumerate().rev() {
+        let (rows, panel) = parts(k, node);
+        backward(node, rows, panel, x);
     }
 }
 

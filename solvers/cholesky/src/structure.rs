@@ -43,7 +43,11 @@ pub struct Structure {
     /// The index of each of these rows in the front of the parent.
     pub(crate) in_parent: Vec<u32>,
     pub(crate) joins: Vec<Join>,
+    /// Entries that a factor stores, with those above the diagonals of its supernodes; and without.
     stored: usize,
+    entries: usize,
+    /// Multiply-adds of a factorisation.
+    work: u64,
 }
 
 impl Structure {
@@ -69,6 +73,8 @@ impl Structure {
             in_parent: Vec::new(),
             joins: Vec::with_capacity(ends.len()),
             stored: 0,
+            entries: 0,
+            work: 0,
         };
         let of_couplings = structure.by_first(ends, &owner, growing.len());
         let mut first: Vec<u32> = (0..growing.len() as u32).collect();
@@ -77,12 +83,17 @@ impl Structure {
             let (own, below) = (node.own.len(), node.rows.len());
             let rows = structure.rows.len()..structure.rows.len() + below;
             structure.rows.extend(&node.rows);
+            // The j-th column of n takes what it adds from a triangle of n − j − 1 rows.
+            let rows_after = |column: usize| 2 * (own + below) as u64 - column as u64 - 1;
+            let of_own: u64 = (0..2 * own).map(|j| rows_after(j) * (rows_after(j) + 1) / 2).sum();
+            work[k] += of_own;
             if let Some(next) = node.rows.first() {
                 let parent = owner[*next as usize] as usize;
                 let above = &growing[parent];
                 structure.in_parent.extend(node.rows.iter().map(|row| above.index(*row)));
                 first[parent] = first[parent].min(first[k]);
                 children[parent] += 1;
+                work[parent] += work[k];
             }
             let joins = structure.joins.len();
             structure.joins.extend(of_couplings.of(k..k + 1).iter().map(|coupling| {
@@ -90,12 +101,6 @@ impl Structure {
                 let index = |grain: u32| node.index(structure.position[grain as usize]);
                 Join { coupling: *coupling, ends: [index(i), index(j.unwrap_or(i))] }
             }));
-            // The j-th column of n takes what it adds from a triangle of n − j − 1 rows.
-            let rows_after = |column: usize| 2 * (own + below) as u64 - column as u64 - 1;
-            work[k] += (0..2 * own).map(|j| rows_after(j) * (rows_after(j) + 1) / 2).sum::<u64>();
-            if let Some(next) = node.rows.first() {
-                work[owner[*next as usize] as usize] += work[k];
-            }
             structure.supernodes.push(Supernode {
                 own: node.own.clone(),
                 rows,
@@ -106,6 +111,8 @@ impl Structure {
                 work: work[k],
             });
             structure.stored += 4 * own * (own + below);
+            structure.entries += own * (2 * own + 1) + 4 * own * below;
+            structure.work += of_own;
         }
         structure
     }
@@ -124,8 +131,7 @@ impl Structure {
 
     /// Entries of a factor's lower triangle, with the zeros among them that it stores: each is used twice in a solve.
     pub fn entries(&self) -> usize {
-        let above = |node: &Supernode| node.own.len() * (2 * node.own.len() - 1);
-        self.stored - self.supernodes.iter().map(above).sum::<usize>()
+        self.entries
     }
 
     /// Entries that a factor stores, with those above the diagonals of its supernodes.
@@ -135,7 +141,7 @@ impl Structure {
 
     /// Multiply-adds of a factorisation, with those of the zeros that a factor stores.
     pub fn work(&self) -> u64 {
-        self.roots().map(|root| self.supernodes[root].work).sum()
+        self.work
     }
 
     /// Where the entries of a supernode end.

@@ -1,6 +1,7 @@
 //! Factors against dense ones.
 
 use super::*;
+use crate::supernodes::{Growing, fundamental, pairs};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use std::sync::Arc;
 
@@ -87,6 +88,22 @@ fn factors_of_either_order_solve_what_dense_ones_do() {
             assert!(residual < 1e-12, "{columns}x{rows}: {residual}");
         }
     }
+}
+
+/// A ring fills one block per grain that is eliminated between two others.
+#[test]
+fn supernodes_of_a_ring_have_its_entries_before_any_are_joined() {
+    let ends: Ends = (0..9).map(|i| (i, Some((i + 1) % 9))).collect();
+    let order = Order::minimum_degree(9, &ends).unwrap();
+    let blocks = |node: &Growing| {
+        let own = node.own.len();
+        own * (own - 1) / 2 + own * node.rows.len()
+    };
+    let structure = Structure::new(&ends, &order);
+    let supernodes = fundamental(pairs(&ends, structure.position()), 9);
+    let below: usize = supernodes.iter().map(blocks).sum();
+    assert_eq!(3 * 9 + 4 * below, 3 * 9 + 4 * (9 + 6));
+    assert!(structure.entries() >= 3 * 9 + 4 * (9 + 6), "joined, they store zeros too");
 }
 
 #[test]

@@ -125,7 +125,7 @@ impl Iteration for Run<'_> {
     /// Clarabel counts its factorisations; the entries of its solves it does not tell, so those are the polish's alone.
     fn work(&self) -> Work {
         let of_interior = self.interior.as_ref().filter(|_| self.ran).map_or(0, Interior::factorisations);
-        let (factorisations, triangular_solve_entries) = self.polish.work();
+        let Work { factorisations, triangular_solve_entries, .. } = self.polish.work();
         Work { factorisations: of_interior + factorisations, triangular_solve_entries, ..Work::default() }
     }
 }
