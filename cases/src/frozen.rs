@@ -3,16 +3,17 @@
 use crate::case::check_name;
 use crate::error::{CaseError, read_to_string};
 use crate::keys::all_missing;
-use contact::{Contact, Packing, ProblemError, is_not_negative, is_positive, shown};
+use contact::{Contact, Discs, Mechanics, Packing, ProblemError, is_not_negative, is_positive, shown};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 
 /// The contact problem of one time step, with what a method does not need but a reader does.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frozen {
+pub struct Frozen<M: Mechanics = Discs> {
     /// Name of the problem.
     pub name: String,
     /// Where it comes from, in a sentence.
@@ -24,8 +25,8 @@ pub struct Frozen {
     /// Gap of each contact at detection (m).
     pub gap: Vec<f64>,
     /// The problem itself.
-    pub problem: Packing,
-    /// Impulses of the time step before, where the contact existed (N·s); empty for none.
+    pub problem: Packing<M>,
+    /// Impulses of the time step before, where the contact existed, a flat list (N·s); empty for none.
     pub start: Vec<f64>,
 }
 
@@ -70,19 +71,10 @@ impl Frozen {
     /// # Errors
     /// Names the file, the key, the index and the value.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
-        let text = read_to_string(path)?;
-        let mut json = serde_json::Deserializer::from_str(&text);
-        let file: File = serde_path_to_error::deserialize(&mut json).map_err(|error| {
-            let key = error.path().to_string();
-            let key = if key == "." { String::new() } else { format!("`{key}`: ") };
-            let error = format!("{key}{}", error.inner());
-            // A text that is no JSON lacks more than keys.
-            let content = serde_json::from_str::<Value>(&text);
-            CaseError::content(path, content.map_or(error.clone(), |all| all_missing::<File>(&all, error)))
-        })?;
-        json.end().map_err(|error| CaseError::content(path, error))?;
-        file.check().map_err(|message| CaseError::content(path, message))?;
-        file.into_frozen().map_err(|error| CaseError::content(path, error))
+        let file: File = read_file(path, &read_to_string(path)?)?;
+        check_head(&file.format, FORMAT, &file.name, file.time_step)
+            .and_then(|()| file.into_frozen().map_err(|error| error.to_string()))
+            .map_err(|message| CaseError::content(path, message))
     }
 
     /// The text of the file.
@@ -92,30 +84,47 @@ impl Frozen {
     pub fn to_json(&self) -> serde_json::Result<String> {
         Ok(serde_json::to_string(&File::from(self))? + "\n")
     }
+}
 
+impl<M: Mechanics> Frozen<M> {
     /// The impulses to begin from: those of the time step before if `warm`, else none (N·s).
     pub fn start(&self, warm: bool) -> Vec<f64> {
         if warm && !self.start.is_empty() {
             self.start.clone()
         } else {
-            vec![0.0; self.problem.contact_count()]
+            vec![0.0; self.problem.impulse_count()]
         }
     }
 }
 
-impl File {
-    /// Checks the head of the file.
-    fn check(&self) -> Result<(), String> {
-        if self.format != FORMAT {
-            return Err(format!("`format` is \"{}\": it must be \"{FORMAT}\"", self.format));
-        }
-        check_name(&self.name)?;
-        if !is_positive(self.time_step) {
-            return Err(format!("`time_step` is {}: it must be positive and finite", shown(self.time_step)));
-        }
-        Ok(())
-    }
+/// The file at `path`, with this text, key by key.
+pub(crate) fn read_file<T: DeserializeOwned + JsonSchema>(path: &Path, text: &str) -> Result<T, CaseError> {
+    let mut json = serde_json::Deserializer::from_str(text);
+    let file = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+        let key = error.path().to_string();
+        let key = if key == "." { String::new() } else { format!("`{key}`: ") };
+        let error = format!("{key}{}", error.inner());
+        // A text that is no JSON lacks more than keys.
+        let content = serde_json::from_str::<Value>(text);
+        CaseError::content(path, content.map_or(error.clone(), |all| all_missing::<T>(&all, error)))
+    })?;
+    json.end().map_err(|error| CaseError::content(path, error))?;
+    Ok(file)
+}
 
+/// Checks the head of a file, which must have the format `expected`.
+pub(crate) fn check_head(format: &str, expected: &str, name: &str, time_step: f64) -> Result<(), String> {
+    if format != expected {
+        return Err(format!("`format` is \"{format}\": it must be \"{expected}\""));
+    }
+    check_name(name)?;
+    if !is_positive(time_step) {
+        return Err(format!("`time_step` is {}: it must be positive and finite", shown(time_step)));
+    }
+    Ok(())
+}
+
+impl File {
     /// Checks what [`Packing::new`] does not see, and leaves the rest to it.
     fn into_frozen(self) -> Result<Frozen, ProblemError> {
         let Grains { mass, radius, position, free_velocity } = self.grains;

@@ -3,7 +3,7 @@
 use crate::problems::{PACKINGS, any_problem, difference, first_problem, frozen, impulses, start};
 use cg::{Cg, Preconditioner};
 use contact::scaled::{ScaledContact, by_levels, scaled_velocity};
-use contact::{Packing, law};
+use contact::{Column, Packing, law};
 use nalgebra::Vector2;
 use nsgs::{Nsgs, Order};
 use proptest::prelude::*;

@@ -8,6 +8,7 @@ mod decomposition;
 mod equation_map;
 mod equivalences;
 mod first_order;
+mod friction;
 mod fuzz;
 mod hard;
 mod hazards;

@@ -19,10 +19,14 @@ pub(crate) const PACKINGS: [&str; 5] = [
     "lmgc90-shear-991-t1",
 ];
 
+/// The path of a file among the frozen problems.
+pub(crate) fn frozen_path(file: &str) -> PathBuf {
+    cases_folder().join("frozen").join(file)
+}
+
 /// A frozen problem by name.
 pub(crate) fn frozen(name: &str) -> Frozen {
-    let path = cases_folder().join("frozen").join(name).with_extension("json");
-    Frozen::read(&path).unwrap_or_else(|error| panic!("{error}"))
+    Frozen::read(&frozen_path(&format!("{name}.json"))).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The first contact problem of a case, with some of its values replaced.

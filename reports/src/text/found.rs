@@ -120,7 +120,8 @@ fn wins(runs: &[RunRow], looks: &Looks, problems: &[&str]) -> Vec<String> {
         kind.1 += usize::from(run.ending == Ending::Converged);
     }
     for problem in problems {
-        let ranked = comparable(runs, problem).into_iter().filter(|run| !FACTORISE.contains(&run.method.as_str()));
+        let ranked =
+            comparable(runs, problem).into_iter().filter(|run| !FACTORISE.contains(&run.method.as_str()));
         let least = ranked.min_by_key(|run| run.iterations);
         if let Some(kind) = least.and_then(|run| kinds.get_mut(&looks.rank(run))) {
             kind.2 += 1;

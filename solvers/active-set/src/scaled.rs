@@ -2,7 +2,7 @@
 //! grains. All in √J; contacts and grains are in the order of the factor.
 
 use cholesky::{Coupling, Factor, Order, Structure};
-use contact::{Contact, Packing, ScaledContact, SetupError, Work, law};
+use contact::{Column, Contact, Packing, ScaledContact, SetupError, Work, law};
 use nalgebra::Vector2;
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 //! Upper bounds of the greatest eigenvalues of W and of W_D⁻¹ W, in one pass over the contacts: cheap enough for a method to
 //! take its step length from.
 
-use contact::{Contact, ContactProblem};
-use nalgebra::Vector2;
+use contact::{Contact, ContactProblem, Discs, Mechanics, RoughDiscs, Touch};
+use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// Λ ≥ λmax(W_D⁻¹ W), in one pass over the contacts (–).
 ///
@@ -37,4 +37,35 @@ pub fn delassus_bound(problem: &ContactProblem) -> f64 {
         row[contact.candidate as usize] + contact.antagonist.map_or(0.0, |j| row[j as usize])
     };
     problem.contacts().iter().map(of_contact).fold(0.0, f64::max)
+}
+
+/// A mechanics in which λmax(W_D⁻¹ W) has a bound that costs one pass over the contacts.
+pub trait Bounded: Mechanics {
+    /// Λ ≥ λmax(W_D⁻¹ W) (–).
+    fn scaled_delassus_bound(problem: &ContactProblem<Self>) -> f64;
+}
+
+impl Bounded for Discs {
+    fn scaled_delassus_bound(problem: &ContactProblem) -> f64 {
+        scaled_delassus_bound(problem)
+    }
+}
+
+/// Grain by grain as without friction: rᵗ W_D r = `Σ_i` `Σ_α` (`r_n²` + (1 + m R²/I) `r_t²`)/`m_i`, so the matrix of grain i is the sum
+/// over its contacts of n nᵗ + h hᵗ/(1 + m R²/I), with h = (t, ∓R √(m/I)).
+impl Bounded for RoughDiscs {
+    fn scaled_delassus_bound(problem: &ContactProblem<Self>) -> f64 {
+        let mut sums = vec![Matrix3::zeros(); problem.grain_count()];
+        for contact in problem.contacts() {
+            for (k, grain) in contact.grains().enumerate() {
+                let mass = problem.mass()[grain as usize];
+                let arm = contact.arms[k] * (mass.mass / mass.inertia).sqrt();
+                let sign = if k == 0 { -1.0 } else { 1.0 };
+                let (n, t) = (contact.normal, contact.tangent());
+                let (n, h) = (Vector3::new(n.x, n.y, 0.0), Vector3::new(t.x, t.y, sign * arm));
+                sums[grain as usize] += n * n.transpose() + h * h.transpose() / (1.0 + arm * arm);
+            }
+        }
+        sums.iter().map(|sum| sum.symmetric_eigenvalues().max()).fold(0.0, f64::max)
+    }
 }

@@ -1,6 +1,6 @@
 //! The proof that a problem has no solution: impulses that balance while contacts approach.
 
-use contact::{ContactProblem, law};
+use contact::{ContactProblem, Discs, Mechanics, RoughDiscs, law};
 use nalgebra::Vector2;
 
 /// How far, in units of the problem's own scale, a velocity must be from `V_free` to be called out of reach (–).
@@ -61,6 +61,27 @@ pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
 pub fn any_proves_infeasible(problem: &ContactProblem, rays: &[Vec<f64>]) -> bool {
     let proves = |ray: &Vec<f64>| proves_infeasible(problem, ray);
     rays.iter().any(proves) || rays.iter().any(|ray| proves(&balanced(problem, ray)))
+}
+
+/// A mechanics in which impulses can prove that a problem has no solution.
+pub trait Refutable: Mechanics {
+    /// Whether some of the `rays`, or impulses near one, do; `false` says nothing.
+    fn any_proves_infeasible(problem: &ContactProblem<Self>, rays: &[Vec<f64>]) -> bool;
+}
+
+impl Refutable for Discs {
+    fn any_proves_infeasible(problem: &ContactProblem, rays: &[Vec<f64>]) -> bool {
+        any_proves_infeasible(problem, rays)
+    }
+}
+
+/// Where no velocity keeps the contacts from approaching, friction does not help: the normal parts prove it.
+impl Refutable for RoughDiscs {
+    fn any_proves_infeasible(problem: &ContactProblem<Self>, rays: &[Vec<f64>]) -> bool {
+        let normal = |ray: &Vec<f64>| ray.chunks_exact(2).map(|r| law::non_negative(r[0])).collect();
+        let rays: Vec<Vec<f64>> = rays.iter().map(normal).collect();
+        problem.without_friction().is_ok_and(|problem| any_proves_infeasible(&problem, &rays))
+    }
 }
 
 /// What is left of a ray below this share of it is the round-off of its descent (–).

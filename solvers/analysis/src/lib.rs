@@ -5,6 +5,6 @@ mod bounds;
 mod infeasible;
 mod spectrum;
 
-pub use bounds::{delassus_bound, scaled_delassus_bound};
-pub use infeasible::{any_proves_infeasible, proves_infeasible};
+pub use bounds::{Bounded, delassus_bound, scaled_delassus_bound};
+pub use infeasible::{Refutable, any_proves_infeasible, proves_infeasible};
 pub use spectrum::{Closed, Spectrum, coupling, greatest_eigenvalue};

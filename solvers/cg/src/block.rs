@@ -9,8 +9,8 @@
     reason = "what is not inlined where the processor's instructions are chosen does not get them"
 )]
 
-use contact::Adjacency;
 use contact::law::non_negative;
+use contact::{Adjacency, Column};
 use nalgebra::Vector2;
 use product::{Columns, Subdomain};
 use pulp::{Arch, Simd, WithSimd};

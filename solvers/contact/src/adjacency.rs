@@ -1,6 +1,7 @@
 //! What belongs to each of some groups: contacts to the grains that they touch; and colours of what shares none.
 
-use crate::problem::{Contact, ContactProblem};
+use crate::mechanics::{Mechanics, Touch};
+use crate::problem::ContactProblem;
 use std::ops::Range;
 
 /// The members of each of some groups, by rising index.
@@ -46,8 +47,8 @@ pub struct Adjacency(Groups);
 
 impl Adjacency {
     /// Of the contacts of `problem`.
-    pub fn of(problem: &ContactProblem) -> Self {
-        Self::new(problem.contacts().iter().map(Contact::ends), problem.grain_count())
+    pub fn of<M: Mechanics>(problem: &ContactProblem<M>) -> Self {
+        Self::new(problem.contacts().iter().map(Touch::ends), problem.grain_count())
     }
 
     /// From the `ends` of each contact, candidate and antagonist, `None` for a wall; there are so many `grains`.

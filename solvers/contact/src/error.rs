@@ -1,5 +1,6 @@
 //! What a problem, a setting or a start is refused for: the key, the value, what would be accepted.
 
+use crate::mechanics::{Mechanics, Touch, Vector};
 use crate::problem::ContactProblem;
 use thiserror::Error;
 
@@ -38,6 +39,15 @@ impl ProblemError {
     pub fn unless_length<T>(key: &'static str, values: &[T], expected: usize) -> Result<(), Self> {
         let found = values.len();
         if found == expected { Ok(()) } else { Err(Self::Length { key, found, expected }) }
+    }
+
+    /// Accepts an item of a list without fault.
+    ///
+    /// # Errors
+    /// Names the key and the value otherwise, and what is expected.
+    pub fn of_fault(fault: Option<(&'static str, f64, &'static str)>, index: usize) -> Result<(), Self> {
+        let Some((key, value, expected)) = fault else { return Ok(()) };
+        Err(Self::Value { key, index, value: format!("{value:?}"), expected: expected.to_owned() })
     }
 
     /// Accepts a list whose values are all `valid`.
@@ -130,16 +140,20 @@ impl SetupError {
     ///
     /// # Errors
     /// Names the first impulse that is not.
-    pub fn unless_admissible(problem: &ContactProblem, r0: &[f64]) -> Result<(), Self> {
-        let (found, contacts) = (r0.len(), problem.contact_count());
-        let expected = format!("of one impulse per contact, {contacts} in all");
-        Self::unless(found == contacts, "start", format!("{found} impulses"), expected)?;
-        match r0.iter().position(|r| !is_not_negative(*r)) {
-            None => Ok(()),
-            Some(index) => {
-                let value = format!("{} at contact {index}", shown(r0[index]));
-                Err(Self::new("start", value, "finite and not negative"))
+    pub fn unless_admissible<M: Mechanics>(problem: &ContactProblem<M>, r0: &[f64]) -> Result<(), Self> {
+        let (found, expected) = (r0.len() / M::Impulse::LEN, problem.contact_count());
+        let all = format!("of one impulse per contact, {expected} in all");
+        Self::unless(r0.len() == problem.impulse_count(), "start", format!("{found} impulses"), all)?;
+        for (index, contact) in problem.contacts().iter().enumerate() {
+            let r = M::Impulse::at(r0, index);
+            if !(r.is_finite() && contact.is_admissible(r)) {
+                return Err(Self::new(
+                    "start",
+                    format!("{} at contact {index}", r.text()),
+                    M::Contact::ADMISSIBLE,
+                ));
             }
         }
+        Ok(())
     }
 }

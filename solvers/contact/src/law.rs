@@ -21,6 +21,18 @@ pub fn change(r: f64, v: f64, relaxation: f64) -> f64 {
     if -r > change { -r } else { change }
 }
 
+/// s, or the nearest value of at most `bound` in size, which is not negative; a NaN is handed on.
+#[inline]
+pub fn clip(s: f64, bound: f64) -> f64 {
+    if s > bound {
+        bound
+    } else if s < -bound {
+        -bound
+    } else {
+        s
+    }
+}
+
 /// The greatest value; NaN if there is one, 0 for none.
 pub fn greatest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |greatest: f64, x| if greatest.is_nan() || x <= greatest { greatest } else { x })

@@ -4,15 +4,18 @@
 //! Equation numbers are those of Iceta, Dureisseix, Alart, Giens 2009, hal-00413720. No method lives here.
 
 pub mod adjacency;
+mod discs;
 mod error;
 pub mod law;
 mod measure;
 mod measures;
+pub mod mechanics;
 mod meter;
 pub mod number;
 mod operators;
 mod packing;
 mod problem;
+mod rough;
 pub mod scaled;
 mod solver;
 pub mod sweep;
@@ -20,13 +23,16 @@ mod truth;
 mod work;
 
 pub use adjacency::{Adjacency, Groups, greedy_colours};
+pub use discs::{Contact, Discs};
 pub use error::{ProblemError, SetupError, is_not_negative, is_positive, shown};
 pub use law::greatest;
 pub use measure::Measure;
 pub use measures::Measures;
-pub use meter::Meter;
+pub use mechanics::{Associated, Column, Mass, Mechanics, Touch, Vector};
+pub use meter::{Measuring, Meter};
 pub use packing::Packing;
-pub use problem::{Contact, ContactProblem};
+pub use problem::ContactProblem;
+pub use rough::{RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughMeter};
 pub use scaled::ScaledContact;
 pub use solver::{Iteration, Solver};
 pub use truth::Truth;

@@ -7,10 +7,13 @@
 )]
 
 mod passes;
-mod proof;
+pub(crate) mod proof;
 mod sums;
 
+use crate::discs::Discs;
+use crate::measure::Measure;
 use crate::measures::Measures;
+use crate::mechanics::Mechanics;
 use crate::problem::ContactProblem;
 use crate::truth::Truth;
 use crate::work::together;
@@ -181,13 +184,55 @@ impl<'p> Meter<'p> {
     }
 }
 
+/// What measures the iterates of runs on one problem.
+pub trait Measuring<'p, M: Mechanics>: Sized {
+    /// Prepares what the measures of all iterates share.
+    fn new(problem: &'p ContactProblem<M>) -> Self;
+
+    /// Measures the distance to `truth` as well, a solution of the same problem; of several, to the nearest.
+    #[must_use]
+    fn against(self, truth: &Truth<M>) -> Self;
+
+    /// [`ContactProblem::scale`] (J).
+    fn scale(&self) -> f64;
+
+    /// Measures the iterate `r` (N·s); ζ compares it with the iterate `before`, which is empty if there is none.
+    fn measure_after(&mut self, before: &[f64], r: &[f64], velocity_jump: f64) -> Measures;
+
+    /// Whether the iterate `r` (N·s), which comes after `before`, is proved to have a measure `on` that is above `tolerance`, or
+    /// is NaN, and an energy of at most `energy` (J) and a natural map that is finite; `false` says nothing.
+    fn goes_on(&mut self, on: Measure, tolerance: f64, energy: f64, iterates: (&[f64], &[f64])) -> bool;
+}
+
+impl<'p> Measuring<'p, Discs> for Meter<'p> {
+    fn new(problem: &'p ContactProblem) -> Self {
+        Self::new(problem)
+    }
+
+    fn against(self, truth: &Truth) -> Self {
+        self.against(truth)
+    }
+
+    fn scale(&self) -> f64 {
+        self.scale()
+    }
+
+    fn measure_after(&mut self, before: &[f64], r: &[f64], velocity_jump: f64) -> Measures {
+        self.measure_after(before, r, velocity_jump)
+    }
+
+    fn goes_on(&mut self, on: Measure, tolerance: f64, energy: f64, iterates: (&[f64], &[f64])) -> bool {
+        self.goes_on(on, tolerance, energy, iterates)
+    }
+}
+
 /// Whether there are threads, and so many contacts worth them.
 fn in_threads(contacts: usize) -> bool {
     rayon::current_num_threads() > 1 && together(NS_PER_CONTACT * contacts) == 1
 }
 
 /// A residual over its scale; 0 where there is nothing left, whatever the scale.
-fn ratio(residual: f64, scale: f64) -> f64 {
+pub(crate) fn ratio(residual: f64, scale: f64) -> f64 {
     if residual == 0.0 { 0.0 } else { residual / scale }
 }
 

@@ -1,31 +1,33 @@
 //! A contact problem and where its grains are. Operators, law, measures and proofs need the problem alone; places serve to cut
 //! it into subdomains and to order its contacts.
 
+use crate::discs::Discs;
 use crate::error::ProblemError;
-use crate::problem::{Contact, ContactProblem, finite};
+use crate::mechanics::{Mechanics, Touch, Vector};
+use crate::problem::ContactProblem;
 use nalgebra::Vector2;
 use std::ops::Deref;
 
 /// What a method starts on: a contact problem, which this stands for wherever places do not matter, and its geometry.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Packing {
-    problem: ContactProblem,
+pub struct Packing<M: Mechanics = Discs> {
+    problem: ContactProblem<M>,
     position: Vec<Vector2<f64>>,
 }
 
-impl Packing {
+impl<M: Mechanics> Packing<M> {
     /// Checks and takes the data of a problem, see [`ContactProblem::new`], and the `position` of each mass centre (m).
     ///
     /// # Errors
     /// Names the first item that has no meaning.
     pub fn new(
-        mass: Vec<f64>,
+        mass: Vec<M::Mass>,
         position: Vec<Vector2<f64>>,
-        free_velocity: Vec<Vector2<f64>>,
-        contacts: Vec<Contact>,
+        free_velocity: Vec<M::Velocity>,
+        contacts: Vec<M::Contact>,
     ) -> Result<Self, ProblemError> {
         ProblemError::unless_length("grains.position", &position, mass.len())?;
-        ProblemError::unless_each("grains.position", &position, "finite", finite)?;
+        ProblemError::unless_each("grains.position", &position, "finite", |x| x.is_finite())?;
         let problem = ContactProblem::new(mass, free_velocity, contacts)?;
         Ok(Self { problem, position })
     }
@@ -36,16 +38,17 @@ impl Packing {
     }
 
     /// Midpoint of the two mass centres; the grain's centre for a contact with a wall (§3) (m).
-    pub fn contact_position(&self, contact: &Contact) -> Vector2<f64> {
-        let candidate = self.position[contact.candidate as usize];
-        contact.antagonist.map_or(candidate, |j| 0.5 * (candidate + self.position[j as usize]))
+    pub fn contact_position(&self, contact: &M::Contact) -> Vector2<f64> {
+        let (candidate, antagonist) = contact.ends();
+        let candidate = self.position[candidate as usize];
+        antagonist.map_or(candidate, |j| 0.5 * (candidate + self.position[j as usize]))
     }
 }
 
-impl Deref for Packing {
-    type Target = ContactProblem;
+impl<M: Mechanics> Deref for Packing<M> {
+    type Target = ContactProblem<M>;
 
-    fn deref(&self) -> &ContactProblem {
+    fn deref(&self) -> &ContactProblem<M> {
         &self.problem
     }
 }

@@ -7,7 +7,10 @@
 //! The `unit` of a contact, here and wherever these columns are used, is s/r: √`W_αα` (kg^-½), with the masses that the column
 //! has; or 1, where a method wants r as it is. Sweeps always have √`W_αα`.
 
-use crate::problem::{Contact, ContactProblem};
+use crate::discs::{Contact, Discs};
+use crate::law;
+use crate::mechanics::{Column, Mass, Mechanics};
+use crate::problem::ContactProblem;
 use nalgebra::Vector2;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -24,25 +27,6 @@ pub struct ScaledContact {
 }
 
 impl ScaledContact {
-    /// A contact between two `places` of y, or one place and a wall, with the `inverse_mass` of its grains (1/kg); and its unit. If
-    /// it is not `scaled`, that is 1 and this a column of M^-½ H.
-    pub fn new(
-        contact: &Contact,
-        places: (u32, Option<u32>),
-        inverse_mass: impl Fn(u32) -> f64,
-        scaled: bool,
-    ) -> (Self, f64) {
-        let (i, j) = (inverse_mass(contact.candidate), contact.antagonist.map_or(0.0, &inverse_mass));
-        let (root, unit) = (i.sqrt(), if scaled { (i + j).sqrt() } else { 1.0 });
-        let column = Self {
-            candidate: places.0,
-            antagonist: places.1.unwrap_or(places.0),
-            normal: contact.normal * (root / unit),
-            ratio: j.sqrt() / root,
-        };
-        (column, unit)
-    }
-
     /// The diagonal of H̃ᵗ H̃, which is 1, or of W.
     #[inline]
     pub fn squared(&self) -> f64 {
@@ -61,34 +45,56 @@ impl ScaledContact {
         (self.normal, -self.ratio * self.normal)
     }
 
-    /// (H̃ᵗ y)_α.
-    #[inline]
-    pub fn relative(&self, y: &[Vector2<f64>]) -> f64 {
-        let (i, j) = (y[self.candidate as usize], y[self.antagonist as usize]);
-        self.normal.x * (i.x - self.ratio * j.x) + self.normal.y * (i.y - self.ratio * j.y)
-    }
-
     /// What a `change` of one grain of the contact, in the place `grain` of y, adds to (H̃ᵗ y)_α.
     #[inline]
     pub fn relative_of(&self, grain: u32, change: &Vector2<f64>) -> f64 {
         let along = self.normal.dot(change);
         if grain == self.candidate { along } else { -self.ratio * along }
     }
+}
 
-    /// y ← y + h̃_α s.
+impl Column<Discs> for ScaledContact {
+    fn new(
+        contact: &Contact,
+        places: (u32, Option<u32>),
+        inverse_mass: impl Fn(u32) -> f64,
+        scaled: bool,
+    ) -> (Self, f64) {
+        let (i, j) = (inverse_mass(contact.candidate), contact.antagonist.map_or(0.0, &inverse_mass));
+        let (root, unit) = (i.sqrt(), if scaled { (i + j).sqrt() } else { 1.0 });
+        let column = Self {
+            candidate: places.0,
+            antagonist: places.1.unwrap_or(places.0),
+            normal: contact.normal * (root / unit),
+            ratio: j.sqrt() / root,
+        };
+        (column, unit)
+    }
+
     #[inline]
-    pub fn push(&self, s: f64, y: &mut [Vector2<f64>]) {
+    fn relative(&self, y: &[Vector2<f64>]) -> f64 {
+        let (i, j) = (y[self.candidate as usize], y[self.antagonist as usize]);
+        self.normal.x * (i.x - self.ratio * j.x) + self.normal.y * (i.y - self.ratio * j.y)
+    }
+
+    #[inline]
+    fn push(&self, s: f64, y: &mut [Vector2<f64>]) {
         let push = self.normal * s;
         y[self.candidate as usize] += push;
         y[self.antagonist as usize] -= push * self.ratio;
     }
+
+    #[inline]
+    fn change(&self, s: f64, v: f64, relaxation: f64) -> f64 {
+        law::change(s, v, relaxation)
+    }
 }
 
 /// y = M^½ (`V_free` + M⁻¹ H r) of the grains (√J).
-pub fn scaled_velocity(problem: &ContactProblem, r: &[f64]) -> Vec<Vector2<f64>> {
-    let mut y = vec![Vector2::zeros(); problem.grain_count()];
+pub fn scaled_velocity<M: Mechanics>(problem: &ContactProblem<M>, r: &[f64]) -> Vec<M::Velocity> {
+    let mut y = vec![M::Velocity::default(); problem.grain_count()];
     problem.velocity(r, &mut y);
-    y.iter_mut().zip(problem.mass()).for_each(|(y, mass)| *y *= mass.sqrt());
+    y.iter_mut().zip(problem.mass()).for_each(|(y, mass)| *y = mass.root().times(*y));
     y
 }
 
@@ -143,21 +149,14 @@ impl WithSimd for Unscale<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { scaled: (s, unit), contacts, r } = self;
-        let chunks = s.chunks(LANES).zip(unit.chunks(LANES)).zip(contacts.chunks(LANES));
-        for ((s, unit), contacts) in chunks {
-            if let (&[a, b, c, d], &[e, f, g, h]) = (s, unit) {
-                let quotients = [a / e, b / f, c / g, d / h];
-                contacts
-                    .iter()
-                    .zip(quotients)
-                    .for_each(|(contact, quotient)| r[*contact as usize] = quotient);
-            } else {
-                let quotients = s.iter().zip(unit).map(|(s, unit)| s / unit);
-                contacts
-                    .iter()
-                    .zip(quotients)
-                    .for_each(|(contact, quotient)| r[*contact as usize] = quotient);
-            }
+        let ((s, last_s), (unit, last_unit)) = (s.as_chunks::<LANES>(), unit.as_chunks::<LANES>());
+        let (contacts, last) = contacts.as_chunks::<LANES>();
+        for ((s, unit), contacts) in s.iter().zip(unit).zip(contacts) {
+            let quotients: [f64; LANES] = std::array::from_fn(|k| s[k] / unit[k]);
+            contacts.iter().zip(quotients).for_each(|(contact, r_of)| r[*contact as usize] = r_of);
+        }
+        for ((s, unit), contact) in last_s.iter().zip(last_unit).zip(last) {
+            r[*contact as usize] = s / unit;
         }
     }
 }

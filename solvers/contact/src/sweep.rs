@@ -1,42 +1,53 @@
 //! The contacts of a sweep in mass-scaled unknowns: what Gauss-Seidel and Jacobi visit, one after the other.
 
-use crate::law;
-use crate::problem::{Contact, ContactProblem};
-use crate::scaled::{ScaledContact, by_levels, scaled_velocity, unscale};
-use nalgebra::Vector2;
+use crate::discs::Discs;
+use crate::mechanics::{Column, Mass, Mechanics, Touch, Vector};
+use crate::problem::ContactProblem;
+use crate::scaled::{by_levels, scaled_velocity};
 
 /// One contact as a sweep needs it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
-    contact: ScaledContact,
+pub struct Row<M: Mechanics = Discs> {
+    column: M::Column,
     /// c/√`W_αα` (√J).
-    offset: f64,
+    offset: M::Impulse,
 }
 
-impl Row {
+impl<M: Mechanics> Row<M> {
     /// The row of a contact between two places of y, or one and a wall, and √`W_αα` (kg^-½), with the `inverse_mass` of the
     /// contact's grains (1/kg).
-    fn new(contact: &Contact, places: (u32, Option<u32>), inverse_mass: impl Fn(u32) -> f64) -> (Self, f64) {
-        let (scaled, unit) = ScaledContact::new(contact, places, inverse_mass, true);
-        (Self { contact: scaled, offset: contact.offset / unit }, unit)
+    fn new(
+        contact: &M::Contact,
+        places: (u32, Option<u32>),
+        inverse_mass: impl Fn(u32) -> M::Mass,
+    ) -> (Self, M::Impulse) {
+        let (column, unit) = M::Column::new(contact, places, inverse_mass, true);
+        (Self { column, offset: contact.offset().with(unit, |c, unit| c / unit) }, unit)
     }
 
     /// (H̃ᵗ y)_α + c/√`W_αα` (√J).
     #[inline]
-    pub fn relative(&self, y: &[Vector2<f64>]) -> f64 {
-        self.contact.relative(y) + self.offset
+    pub fn relative(&self, y: &[M::Velocity]) -> M::Impulse {
+        self.column.relative(y) + self.offset
+    }
+
+    /// s⁺ − s of the law, at the relative velocity v/√`W_αα` (√J).
+    #[inline]
+    pub fn change(&self, s: M::Impulse, v: M::Impulse, relaxation: f64) -> M::Impulse {
+        self.column.change(s, v, relaxation)
     }
 
     /// y ← y + h̃_α Δs.
     #[inline]
-    pub fn push(&self, change: f64, y: &mut [Vector2<f64>]) {
-        self.contact.push(change, y);
+    pub fn push(&self, change: M::Impulse, y: &mut [M::Velocity]) {
+        self.column.push(change, y);
     }
 
-    /// v = Hᵗ V + c at α; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r). Returns √`W_αα` (r⁺ − r) (√J).
+    /// v = Hᵗ V + c at α; r⁺ = max(0, r − ω v/`W_αα`), or what the law says; V ← V + M⁻¹ `h_α` (r⁺ − r). Returns √`W_αα` (r⁺ − r)
+    /// (√J).
     #[inline]
-    pub fn solve(&self, s: &mut f64, y: &mut [Vector2<f64>], relaxation: f64) -> f64 {
-        let change = law::change(*s, self.relative(y), relaxation);
+    pub fn solve(&self, s: &mut M::Impulse, y: &mut [M::Velocity], relaxation: f64) -> M::Impulse {
+        let change = self.change(*s, self.relative(y), relaxation);
         self.push(change, y);
         *s += change;
         change
@@ -44,23 +55,23 @@ impl Row {
 }
 
 /// Contacts in the order of a sweep, with their impulses and the velocities of their grains.
-pub struct Sweep {
+pub struct Sweep<M: Mechanics = Discs> {
     /// In the order of the visits, like all that follows.
-    pub rows: Vec<Row>,
+    pub rows: Vec<Row<M>>,
     /// The problem's contact of each row.
     contacts: Vec<u32>,
     /// √`W_αα` (kg^-½).
-    pub unit: Vec<f64>,
+    pub unit: Vec<M::Impulse>,
     /// s = √`W_αα` r (√J).
-    pub s: Vec<f64>,
+    pub s: Vec<M::Impulse>,
     /// y = M^½ (`V_free` + M⁻¹ H r) (√J), in places of its own.
-    pub y: Vec<Vector2<f64>>,
+    pub y: Vec<M::Velocity>,
 }
 
-impl Sweep {
+impl<M: Mechanics> Sweep<M> {
     /// All contacts of `problem` in the `order`, with the impulses `r0` (N·s). Whatever that is, the visits are made level by
     /// level, and the grains are numbered as they are visited, which changes no bit.
-    pub fn new(problem: &ContactProblem, order: &[u32], r0: &[f64]) -> Self {
+    pub fn new(problem: &ContactProblem<M>, order: &[u32], r0: &[f64]) -> Self {
         let contacts = in_levels(problem, order);
         let grains = by_first_visit(problem, &contacts);
         let mut place = vec![0; problem.grain_count()];
@@ -74,18 +85,18 @@ impl Sweep {
         };
         let y = scaled_velocity(problem, r0);
         let y = grains.iter().map(|grain| y[*grain as usize]).collect();
-        let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
+        let inverse_mass = |grain: u32| problem.mass()[grain as usize].inverse(1.0);
         Self::between(problem, contacts.iter().map(places), inverse_mass, r0, y)
     }
 
     /// Some contacts of `problem`, each between its places in `y`, visited one after the other, with the `inverse_mass` of each
     /// grain (1/kg) and the problem's impulses `r0` (N·s).
     pub fn between(
-        problem: &ContactProblem,
+        problem: &ContactProblem<M>,
         contacts: impl Iterator<Item = (u32, (u32, Option<u32>))>,
-        inverse_mass: impl Fn(u32) -> f64,
+        inverse_mass: impl Fn(u32) -> M::Mass,
         r0: &[f64],
-        y: Vec<Vector2<f64>>,
+        y: Vec<M::Velocity>,
     ) -> Self {
         let mut sweep = Self { rows: Vec::new(), contacts: Vec::new(), unit: Vec::new(), s: Vec::new(), y };
         for (k, places) in contacts {
@@ -93,7 +104,7 @@ impl Sweep {
             sweep.rows.push(row);
             sweep.contacts.push(k);
             sweep.unit.push(unit);
-            sweep.s.push(unit * r0[k as usize]);
+            sweep.s.push(unit.with(M::Impulse::at(r0, k as usize), |unit, r| unit * r));
         }
         sweep
     }
@@ -116,19 +127,19 @@ impl Sweep {
 
     /// Puts the impulses in the problem's order (N·s).
     pub fn impulses(&self, r: &mut [f64]) {
-        unscale((&self.s, &self.unit), &self.contacts, r);
+        M::Impulse::unscale((&self.s, &self.unit), &self.contacts, r);
     }
 }
 
 /// The same sweep, level by level.
-fn in_levels(problem: &ContactProblem, order: &[u32]) -> Vec<u32> {
+fn in_levels<M: Mechanics>(problem: &ContactProblem<M>, order: &[u32]) -> Vec<u32> {
     let ends = order.iter().map(|contact| problem.contacts()[*contact as usize].ends());
     by_levels(ends, problem.grain_count()).iter().map(|place| order[*place as usize]).collect()
 }
 
 /// The grains that have contacts, in the order in which a sweep first visits them: those that it needs one after the other
 /// then lie close together.
-fn by_first_visit(problem: &ContactProblem, order: &[u32]) -> Vec<u32> {
+fn by_first_visit<M: Mechanics>(problem: &ContactProblem<M>, order: &[u32]) -> Vec<u32> {
     let mut seen = vec![false; problem.grain_count()];
     let visits = order.iter().flat_map(|contact| problem.contacts()[*contact as usize].grains());
     visits.filter(|grain| !std::mem::replace(&mut seen[*grain as usize], true)).collect()

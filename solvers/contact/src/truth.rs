@@ -1,29 +1,31 @@
 //! The truth that iterates are compared with.
 
+use crate::discs::Discs;
+use crate::mechanics::Mechanics;
 use crate::problem::ContactProblem;
-use nalgebra::Vector2;
 
-/// What is unique of the solution of a problem: its velocity and its energy. Impulses need not be.
+/// What is unique of the solution of a problem: its velocity and its energy. Impulses need not be. With friction neither is: this
+/// is then one of the solutions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Truth {
-    velocity: Vec<Vector2<f64>>,
+pub struct Truth<M: Mechanics = Discs> {
+    velocity: Vec<M::Velocity>,
     energy: f64,
 }
 
-impl Truth {
+impl<M: Mechanics> Truth<M> {
     /// V* = `V_free` + M⁻¹ H r* and q* = q(r*) of impulses r* (N·s) that solve the problem. Whether they do is for
     /// their certificate to say, not for this type.
-    pub fn new(problem: &ContactProblem, impulses: &[f64]) -> Self {
-        let mut velocity = vec![Vector2::zeros(); problem.grain_count()];
+    pub fn new(problem: &ContactProblem<M>, impulses: &[f64]) -> Self {
+        let mut velocity = vec![M::Velocity::default(); problem.grain_count()];
         problem.velocity(impulses, &mut velocity);
-        let mut v = vec![0.0; problem.contact_count()];
+        let mut v = vec![0.0; problem.impulse_count()];
         problem.relative_velocity(&velocity, &mut v);
-        let energy = ContactProblem::energy(impulses, &v, &problem.b());
+        let energy = ContactProblem::<M>::energy(impulses, &v, &problem.b());
         Self { velocity, energy }
     }
 
     /// V* (m/s).
-    pub fn velocity(&self) -> &[Vector2<f64>] {
+    pub fn velocity(&self) -> &[M::Velocity] {
         &self.velocity
     }
 

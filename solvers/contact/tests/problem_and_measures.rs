@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use contact::{Contact, ContactProblem, Meter, Packing, ProblemError, Truth, greatest};
+use contact::{Contact, ContactProblem, Discs, Meter, Packing, ProblemError, Truth, greatest};
 use nalgebra::Vector2;
 
 /// A grain of 2 kg falling at 1 m/s onto a floor: W = ½, b = −1, so r = 2 N·s.
@@ -105,8 +105,8 @@ fn delassus_operator_is_symmetric_and_has_its_diagonal() {
         })
         .collect();
     let mass = (1..=grains).map(f64::from).collect();
-    let at_rest = vec![Vector2::zeros(); grains as usize];
-    let problem = ContactProblem::new(mass, at_rest.clone(), contacts).unwrap();
+    let at_rest = vec![Vector2::<f64>::zeros(); grains as usize];
+    let problem = ContactProblem::<Discs>::new(mass, at_rest.clone(), contacts).unwrap();
     let column = |k: usize| {
         let (mut unit, mut column, mut scratch) = (vec![0.0; 6], vec![0.0; 6], at_rest.clone());
         unit[k] = 1.0;

@@ -2,10 +2,9 @@
 //!
 //! Converges for ω < 2/λmax(`W_D`⁻¹ W) only; `bounded` keeps it there. Cost of an iteration: that of a sweep, and a copy of the velocities.
 
-use analysis::scaled_delassus_bound;
+use analysis::Bounded;
 use contact::sweep::Sweep;
-use contact::{Iteration, Packing, SetupError, Solver, Work, law};
-use nalgebra::Vector2;
+use contact::{Iteration, Mechanics, Packing, SetupError, Solver, Work};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -27,22 +26,22 @@ impl Default for Jacobi {
     }
 }
 
-struct Run {
-    sweep: Sweep,
+struct Run<M: Mechanics> {
+    sweep: Sweep<M>,
     /// y of the iteration before, from which all v are taken.
-    old_y: Vec<Vector2<f64>>,
+    old_y: Vec<M::Velocity>,
     relaxation: f64,
     bounded: bool,
     iterations: u64,
 }
 
-impl Iteration for Run {
+impl<M: Mechanics> Iteration for Run<M> {
     fn advance(&mut self) {
         let Sweep { rows, s, y, .. } = &mut self.sweep;
         self.old_y.copy_from_slice(y);
         for (row, s) in rows.iter().zip(s) {
             // v = Hᵗ V_old + c;  r⁺ = max(0, r − ω v/W_αα);  V ← V + M⁻¹ h_α (r⁺ − r)
-            let change = law::change(*s, row.relative(&self.old_y), self.relaxation);
+            let change = row.change(*s, row.relative(&self.old_y), self.relaxation);
             row.push(change, y);
             *s += change;
         }
@@ -62,12 +61,12 @@ impl Iteration for Run {
     }
 }
 
-impl Solver for Jacobi {
-    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+impl<M: Bounded> Solver<M> for Jacobi {
+    fn start<'p>(&self, problem: &'p Packing<M>, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("relaxation", self.relaxation)?;
         let order: Vec<u32> = (0..problem.contact_count() as u32).collect();
         let sweep = Sweep::new(problem, &order, r0);
-        let bound = scaled_delassus_bound(problem);
+        let bound = M::scaled_delassus_bound(problem);
         let scale = if self.bounded && bound > 0.0 { 2.0 / bound } else { 1.0 };
         Ok(Box::new(Run {
             old_y: sweep.y.clone(),

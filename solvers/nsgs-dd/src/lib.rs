@@ -1,13 +1,12 @@
 //! Non-linear Gauss-Seidel by subdomains (NSGS-DD), §4.2: each subdomain sweeps over its own contacts with split
 //! masses, the interface impulses kept; then the copies of the boundary grains are glued, eq. (3).
 //!
-//! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §4.2. With split masses and 0 < ω < 2, q(r) never increases, for
+//! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §4.2. With split masses and 0 < ω < 2, q(r) never increases without friction, for
 //! any number of subdomains and of inner sweeps. Cost of an iteration: `inner_sweeps` sweeps over all contacts, and the gluing.
 
 mod subdomain;
 
-use contact::{Iteration, Packing, SetupError, Solver, Work, greedy_colours};
-use nalgebra::Vector2;
+use contact::{Iteration, Mass, Mechanics, Packing, SetupError, Solver, Vector, Work, greedy_colours};
 use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain};
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -57,16 +56,16 @@ pub enum Exchange {
     GaussSeidel,
 }
 
-struct Run {
-    sweepers: Vec<Sweeper>,
-    sums: CopySums<Vector2<f64>>,
+struct Run<M: Mechanics> {
+    sweepers: Vec<Sweeper<M>>,
+    sums: CopySums<M::Velocity>,
     /// Contacts of each group of subdomains: those of one group work at the same time, group after group.
     groups: Vec<usize>,
     settings: NsgsDd,
     iterations: u64,
 }
 
-impl Iteration for Run {
+impl<M: Mechanics> Iteration for Run<M> {
     fn advance(&mut self) {
         self.sweepers.iter_mut().for_each(|sweeper| sweeper.velocity_jump = 0.0);
         for group in 0..self.groups.len() {
@@ -83,13 +82,15 @@ impl Iteration for Run {
         self.sweepers.iter().map(|sweeper| sweeper.velocity_jump).fold(0.0, f64::max)
     }
 
-    /// Multiply-adds of the longest subdomain of each group: eight per contact updated, one per value exchanged.
+    /// Multiply-adds of the longest subdomain of each group: eight per unknown of a contact updated, one per value exchanged.
     fn critical_path(&self) -> Option<u64> {
         let sweeps = self.settings.inner_sweeps as usize;
         let mut longest = vec![0; self.groups.len()];
         for sweeper in &self.sweepers {
             let longest = &mut longest[sweeper.group];
-            *longest = (8 * sweeps * sweeper.sweep.rows.len() + 2 * sweeper.copies.len()).max(*longest);
+            *longest = (8 * M::Impulse::LEN * sweeps * sweeper.sweep.rows.len()
+                + M::Velocity::LEN * sweeper.copies.len())
+            .max(*longest);
         }
         Some(longest.iter().sum::<usize>() as u64)
     }
@@ -100,8 +101,8 @@ impl Iteration for Run {
         let sweeps = self.iterations * u64::from(self.settings.inner_sweeps);
         Work {
             contact_updates: sweeps * contacts as u64,
-            // Every copy belongs to one group and sends its two components once per iteration.
-            interface_values: self.iterations * 2 * copies as u64,
+            // Every copy belongs to one group and sends its components once per iteration.
+            interface_values: self.iterations * (M::Velocity::LEN * copies) as u64,
             ..Work::default()
         }
     }
@@ -110,7 +111,7 @@ impl Iteration for Run {
 /// What an update of a contact takes, about (ns).
 const NS_PER_UPDATE: usize = 5;
 
-impl Run {
+impl<M: Mechanics> Run<M> {
     /// From the glued velocity, `inner_sweeps` sweeps in each subdomain of `group`, F fixed; then the copies of all are brought
     /// together.
     fn sweep_and_glue(&mut self, group: usize) {
@@ -127,8 +128,8 @@ impl Run {
     }
 }
 
-impl Solver for NsgsDd {
-    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+impl<M: Mechanics> Solver<M> for NsgsDd {
+    fn start<'p>(&self, problem: &'p Packing<M>, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless(self.inner_sweeps > 0, "inner_sweeps", 0, "at least 1")?;
         SetupError::unless_positive("relaxation", self.relaxation)?;
         let partition = Partition::of_contacts(problem, self.partition, self.subdomains)?;
@@ -136,10 +137,10 @@ impl Solver for NsgsDd {
         let Decomposition { subdomains, multiplicity, .. } = &decomposition;
         let inverse_mass = |grain: u32| {
             let share = if self.mass_splitting { multiplicity[grain as usize] } else { 1 };
-            f64::from(share) / problem.mass()[grain as usize]
+            problem.mass()[grain as usize].inverse(f64::from(share))
         };
         // Every copy starts at V_free + M⁻¹ H r0.
-        let mut start = vec![Vector2::zeros(); problem.grain_count()];
+        let mut start = vec![M::Velocity::default(); problem.grain_count()];
         problem.velocity(r0, &mut start);
         let of_subdomain = match self.exchange {
             Exchange::Jacobi => vec![0; subdomains.len()],

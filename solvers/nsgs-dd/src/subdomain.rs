@@ -1,57 +1,56 @@
 //! One subdomain: its sweep, that of NSGS on the subdomain's contacts with its own masses, and the gluing of its copies, (3);
 //! all in mass-scaled unknowns.
 
-use contact::ContactProblem;
 use contact::scaled::by_levels;
 use contact::sweep::Sweep;
-use nalgebra::Vector2;
+use contact::{ContactProblem, Mass, Mechanics};
 use partition::{Subdomain, Sums};
 
 /// A subdomain: its sweep, level by level, with its own masses; and its copies.
-pub(crate) struct Sweeper {
+pub(crate) struct Sweeper<M: Mechanics> {
     /// Those of a group sweep at the same time.
     pub(crate) group: usize,
     /// y is M^½ `V_E` with the masses of the copies.
-    pub(crate) sweep: Sweep,
+    pub(crate) sweep: Sweep<M>,
     /// Its copies of boundary grains.
-    pub(crate) copies: Vec<GrainCopy>,
+    pub(crate) copies: Vec<GrainCopy<M>>,
     /// Greatest |`V_E` − V̄| of the copies before they were glued, since it was last 0 (m/s).
     pub(crate) velocity_jump: f64,
 }
 
 /// A copy of a boundary grain.
-pub(crate) struct GrainCopy {
+pub(crate) struct GrainCopy<M: Mechanics> {
     /// Its place in y.
     local: u32,
     /// `m_i`.
     multiplicity: f64,
     /// 1/√m with the mass m of the copy: V = y times it (kg^-½).
-    root_inverse_mass: f64,
+    root_inverse_mass: M::Mass,
     /// y after the last gluing (√J).
-    glued: Vector2<f64>,
+    glued: M::Velocity,
 }
 
-impl Sweeper {
+impl<M: Mechanics> Sweeper<M> {
     /// Takes the impulses and velocities from those of the problem, (r, V); `inverse_mass` is that of the subdomain's share of a
     /// grain (1/kg), `multiplicity` in how many subdomains it is.
     pub(crate) fn new(
-        problem: &ContactProblem,
+        problem: &ContactProblem<M>,
         subdomain: &Subdomain,
         group: u32,
-        inverse_mass: &(dyn Fn(u32) -> f64 + Sync),
+        inverse_mass: &(dyn Fn(u32) -> M::Mass + Sync),
         multiplicity: &[u32],
-        (r0, start): (&[f64], &[Vector2<f64>]),
+        (r0, start): (&[f64], &[M::Velocity]),
     ) -> Self {
         let order = by_levels(subdomain.ends.iter().copied(), subdomain.grains.len());
         let contacts = order.iter().map(|k| (subdomain.contacts[*k as usize], subdomain.ends[*k as usize]));
-        let y_of = |grain: &u32| start[*grain as usize] / inverse_mass(*grain).sqrt();
+        let y_of = |grain: &u32| inverse_mass(*grain).root().divides(start[*grain as usize]);
         let y: Vec<_> = subdomain.grains.iter().map(y_of).collect();
         let copy = |local: &u32| {
             let grain = subdomain.grains[*local as usize];
             GrainCopy {
                 local: *local,
                 multiplicity: f64::from(multiplicity[grain as usize]),
-                root_inverse_mass: inverse_mass(grain).sqrt(),
+                root_inverse_mass: inverse_mass(grain).root(),
                 glued: y[*local as usize],
             }
         };
@@ -61,7 +60,7 @@ impl Sweeper {
     }
 
     /// What its copies add to the sums over all copies of their grains: y or, without mass splitting, what that has gained.
-    pub(crate) fn send(&self, mass_splitting: bool, sent: &mut [Vector2<f64>]) {
+    pub(crate) fn send(&self, mass_splitting: bool, sent: &mut [M::Velocity]) {
         for (copy, sent) in self.copies.iter().zip(sent) {
             let y = self.sweep.y[copy.local as usize];
             *sent = if mass_splitting { y } else { y - copy.glued };
@@ -70,12 +69,12 @@ impl Sweeper {
 
     /// Gluing, eq. (3) for equal copies: V̄ = Σ_E `V_E` / `m_i`. Without mass splitting: V̄ ← V̄ + Σ_E (`V_E` − V̄). Every copy
     /// then moves at V̄.
-    pub(crate) fn glue(&mut self, mass_splitting: bool, sums: Sums<'_, Vector2<f64>>) {
+    pub(crate) fn glue(&mut self, mass_splitting: bool, sums: Sums<'_, M::Velocity>) {
         let mut greatest = self.velocity_jump;
         for (copy, sum) in self.copies.iter_mut().zip(sums) {
             copy.glued = if mass_splitting { sum / copy.multiplicity } else { copy.glued + sum };
             let y = &mut self.sweep.y[copy.local as usize];
-            greatest = greatest.max(copy.root_inverse_mass * (*y - copy.glued).norm());
+            greatest = greatest.max(copy.root_inverse_mass.speed(*y - copy.glued));
             *y = copy.glued;
         }
         self.velocity_jump = greatest;

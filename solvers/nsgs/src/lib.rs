@@ -3,14 +3,14 @@
 //! M. Jean, The non-smooth contact dynamics method, Comput. Methods Appl. Mech. Engrg. 177 (1999) 235-257; the
 //! paper's reference \[1\]. Cost of a sweep: one visit of each contact, that is two gathers and two scatters of a
 //! velocity; whatever the order, the visits are made level by level, and the grains are numbered as they are visited, which
-//! changes no bit. q(r) never increases for 0 < ω < 2.
+//! changes no bit. Without friction q(r) never increases for 0 < ω < 2.
 
 mod order;
 
 pub use order::Order;
 
 use contact::sweep::Sweep;
-use contact::{Iteration, Packing, SetupError, Solver, Work};
+use contact::{Iteration, Mechanics, Packing, SetupError, Solver, Work};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -36,14 +36,14 @@ impl Default for Nsgs {
     }
 }
 
-struct Run {
-    sweep: Sweep,
+struct Run<M: Mechanics> {
+    sweep: Sweep<M>,
     relaxation: f64,
     symmetric: bool,
     sweeps: u64,
 }
 
-impl Iteration for Run {
+impl<M: Mechanics> Iteration for Run<M> {
     fn advance(&mut self) {
         self.sweep.forward(self.relaxation);
         self.sweeps += 1;
@@ -62,8 +62,8 @@ impl Iteration for Run {
     }
 }
 
-impl Solver for Nsgs {
-    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+impl<M: Mechanics> Solver<M> for Nsgs {
+    fn start<'p>(&self, problem: &'p Packing<M>, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("relaxation", self.relaxation)?;
         let sweep = Sweep::new(problem, &self.order.of(problem, self.seed), r0);
         let Self { relaxation, symmetric, .. } = *self;

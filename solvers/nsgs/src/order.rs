@@ -1,6 +1,6 @@
 //! Orders in which a sweep visits the contacts.
 
-use contact::{Contact, Packing, greedy_colours};
+use contact::{Mechanics, Packing, Touch, greedy_colours};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -23,7 +23,7 @@ pub enum Order {
 
 impl Order {
     /// The contacts of `problem` in this order.
-    pub fn of(self, problem: &Packing, seed: u64) -> Vec<u32> {
+    pub fn of<M: Mechanics>(self, problem: &Packing<M>, seed: u64) -> Vec<u32> {
         let mut order: Vec<u32> = (0..problem.contact_count() as u32).collect();
         match self {
             Self::Natural => {}
@@ -34,7 +34,7 @@ impl Order {
             }
             Self::Shuffled => order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed)),
             Self::Coloured => {
-                let contacts = problem.contacts().iter().map(Contact::grains);
+                let contacts = problem.contacts().iter().map(Touch::grains);
                 let colour = greedy_colours(contacts, problem.grain_count());
                 order.sort_by_key(|contact| colour[*contact as usize]);
             }

@@ -1,7 +1,7 @@
 //! Subdomains with their own copies of the grains.
 
 use crate::scheme::Partition;
-use contact::ContactProblem;
+use contact::{ContactProblem, Mechanics, Touch};
 
 /// One subdomain E: its contacts, and its own copy of each grain that they touch.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,7 +33,7 @@ impl Decomposition {
     ///
     /// # Panics
     /// If the partition is not one of this problem's contacts.
-    pub fn new(problem: &ContactProblem, partition: &Partition) -> Self {
+    pub fn new<M: Mechanics>(problem: &ContactProblem<M>, partition: &Partition) -> Self {
         assert_eq!(
             partition.subdomain.len(),
             problem.contact_count(),
@@ -89,7 +89,11 @@ impl Subdomain {
     }
 
     /// `local_of` is scratch: `None` for every grain, before and after.
-    fn new(problem: &ContactProblem, contacts: Vec<u32>, local_of: &mut [Option<u32>]) -> Self {
+    fn new<M: Mechanics>(
+        problem: &ContactProblem<M>,
+        contacts: Vec<u32>,
+        local_of: &mut [Option<u32>],
+    ) -> Self {
         let mut grains = Vec::new();
         let mut local = |grain: u32| {
             *local_of[grain as usize].get_or_insert_with(|| {
@@ -100,8 +104,8 @@ impl Subdomain {
         let ends = contacts
             .iter()
             .map(|contact| {
-                let contact = &problem.contacts()[*contact as usize];
-                (local(contact.candidate), contact.antagonist.map(&mut local))
+                let (candidate, antagonist) = problem.contacts()[*contact as usize].ends();
+                (local(candidate), antagonist.map(&mut local))
             })
             .collect();
         for grain in &grains {

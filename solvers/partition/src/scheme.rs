@@ -1,7 +1,7 @@
 //! Ways to distribute the contacts, each a geometric rule on their positions (§3), and how good a partition is.
 
 use crate::grid::Grid;
-use contact::{Adjacency, Packing, SetupError};
+use contact::{Adjacency, Mechanics, Packing, SetupError};
 use nalgebra::Vector2;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -33,7 +33,11 @@ impl Partition {
     ///
     /// # Errors
     /// Those of [`Scheme::partition`].
-    pub fn of_contacts(problem: &Packing, scheme: Scheme, grid: Grid) -> Result<Self, SetupError> {
+    pub fn of_contacts<M: Mechanics>(
+        problem: &Packing<M>,
+        scheme: Scheme,
+        grid: Grid,
+    ) -> Result<Self, SetupError> {
         let points: Vec<Vector2<f64>> =
             problem.contacts().iter().map(|contact| problem.contact_position(contact)).collect();
         scheme.partition(&points, &vec![1.0; points.len()], problem.position(), grid)

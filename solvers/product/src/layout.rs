@@ -1,7 +1,7 @@
 //! Blocks of contacts for the threads, and what they exchange.
 
 use contact::scaled::unscale;
-use contact::{ContactProblem, Packing, ScaledContact, SetupError, together};
+use contact::{Column, ContactProblem, Packing, ScaledContact, SetupError, together};
 use nalgebra::Vector2;
 use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain, Sums};
 use rayon::prelude::*;

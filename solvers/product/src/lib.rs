@@ -11,7 +11,7 @@ mod layout;
 pub use layout::{Columns, Layout};
 pub use partition::Subdomain;
 
-use contact::{Adjacency, Packing, SetupError};
+use contact::{Adjacency, Column, Packing, SetupError};
 use nalgebra::Vector2;
 use pulp::Arch;
 use schemars::JsonSchema;

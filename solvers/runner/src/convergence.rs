@@ -2,8 +2,8 @@
 //! solution, or where there is none.
 
 use crate::Stop;
-use analysis::any_proves_infeasible;
-use contact::{ContactProblem, Measure, Measures};
+use analysis::Refutable;
+use contact::{ContactProblem, Measure, Measures, Mechanics, Vector};
 
 /// A velocity error of more than this many tolerances is no convergence (–). Over the frozen problems, six methods and
 /// tolerances from 1e-2 to 1e-6, runs that stop on the natural map have at most 60, on the penetration rate 71.
@@ -27,9 +27,9 @@ const HARDLY_FALLEN: f64 = 0.1;
 ///
 /// The truth decides where it is known. Elsewhere the natural map does: it is far above the tolerance, or it stays
 /// (`stays`), or has hardly fallen, while one of the `rays`, the impulses and their growth, proves that there is no solution.
-pub(crate) fn is_false(
+pub(crate) fn is_false<M: Refutable>(
     stop: &Stop,
-    problem: &ContactProblem,
+    problem: &ContactProblem<M>,
     measures: &Measures,
     stays: bool,
     rays: &dyn Fn() -> Vec<Vec<f64>>,
@@ -47,13 +47,13 @@ pub(crate) fn is_false(
     measures.natural_map > LEAST.max(far * tolerance)
         || measures.natural_map > tolerance
             && (stays || measures.natural_map > HARDLY_FALLEN)
-            && any_proves_infeasible(problem, &rays())
+            && M::any_proves_infeasible(problem, &rays())
 }
 
 /// The tolerance of a penetration rate over the rate of r = 0; that of the other measures, which are shares (–).
-fn as_a_share(stop: &Stop, problem: &ContactProblem) -> f64 {
+fn as_a_share<M: Mechanics>(stop: &Stop, problem: &ContactProblem<M>) -> f64 {
     if stop.on == Measure::PenetrationRate {
-        stop.tolerance / problem.b().iter().fold(0.0, |rate: f64, b| rate.max(-b))
+        stop.tolerance / problem.b().iter().step_by(M::Impulse::LEN).fold(0.0, |rate: f64, b| rate.max(-b))
     } else {
         stop.tolerance
     }

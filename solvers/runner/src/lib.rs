@@ -5,11 +5,10 @@
 mod convergence;
 mod looks;
 
-use analysis::any_proves_infeasible;
-use contact::{Measure, Measures, Meter, Packing, SetupError, Solver, Truth, Work};
+use analysis::Refutable;
+use contact::{Discs, Measure, Measures, Measuring, Mechanics, Packing, SetupError, Solver, Truth, Work};
 use convergence::is_false;
 use looks::{Grid, Looks};
-use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -99,7 +98,7 @@ pub struct Progress<'a> {
 
 /// What came out of a run.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct Outcome<M: Mechanics = Discs> {
     /// How it ended.
     pub status: Status,
     /// Number of iterations.
@@ -109,7 +108,7 @@ pub struct Outcome {
     /// r of the last iterate (N·s).
     pub impulses: Vec<f64>,
     /// V = `V_free` + M⁻¹ H r of the last iterate (m/s).
-    pub velocity: Vec<Vector2<f64>>,
+    pub velocity: Vec<M::Velocity>,
     /// Time in `start`.
     pub setup: Duration,
     /// Time in `advance`.
@@ -135,43 +134,41 @@ const ENERGY_BOUND: f64 = 1e20;
 /// # Errors
 /// Names the setting, the stop rule or the start impulse that has no meaning; stopping on the velocity error is the
 /// business of [`solve_against`].
-pub fn solve(
-    solver: &dyn Solver,
-    problem: &Packing,
+pub fn solve<M: Refutable>(
+    solver: &dyn Solver<M>,
+    problem: &Packing<M>,
     r0: &[f64],
     stop: &Stop,
     observe: &mut dyn FnMut(&Progress),
-) -> Result<Outcome, SetupError> {
+) -> Result<Outcome<M>, SetupError> {
     solve_against(None, solver, problem, r0, stop, Measured::Every, &mut |progress| {
         observe(progress);
         ControlFlow::Continue(())
     })
 }
 
-/// [`solve`] beside a `truth` that is known, if it is: the measures then hold the error. Whichever iterates are `measured`
+/// [`solve`] beside the solutions that are `known`: the measures then hold the distance to the nearest. Whichever iterates are `measured`
 /// wholly, the run is the same and ends at the same iterate. The observer sees the others too, and may end the run after any; it is then
 /// [`Status::Interrupted`], unless that iterate was the last one anyway.
 ///
 /// # Errors
 /// Those of [`solve`]; names the stop rule if it is on the error of a solution that is not known.
-pub fn solve_against(
-    truth: Option<&Truth>,
-    solver: &dyn Solver,
-    problem: &Packing,
+pub fn solve_against<'t, M: Refutable>(
+    known: impl IntoIterator<Item = &'t Truth<M>>,
+    solver: &dyn Solver<M>,
+    problem: &Packing<M>,
     r0: &[f64],
     stop: &Stop,
     measured: Measured,
     observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-) -> Result<Outcome, SetupError> {
+) -> Result<Outcome<M>, SetupError> {
     SetupError::unless_admissible(problem, r0)?;
     stop.check()?;
-    let is_known = truth.is_some() || stop.on != Measure::VelocityError;
+    let mut known = known.into_iter().peekable();
+    let is_known = known.peek().is_some() || stop.on != Measure::VelocityError;
     let expected = "another measure: the true velocity of this problem is not known";
     SetupError::unless(is_known, "on", stop.on, expected)?;
-    let mut meter = Meter::new(problem);
-    if let Some(truth) = truth {
-        meter = meter.against(truth);
-    }
+    let mut meter = known.fold(M::Meter::new(problem), M::Meter::against);
     let clock = Instant::now();
     let mut iteration = solver.start(problem, r0)?;
     let setup = clock.elapsed();
@@ -198,7 +195,7 @@ pub fn solve_against(
             // Before convergence, which a measure can feign where others overflow; and so that a NaN counts as diverged.
             if !(measures.energy <= energy_bound && measures.natural_map.is_finite()) {
                 let proved = r.iter().all(|r| r.is_finite())
-                    && any_proves_infeasible(problem, std::slice::from_ref(&r));
+                    && M::any_proves_infeasible(problem, std::slice::from_ref(&r));
                 break if proved { Status::Infeasible } else { Status::Diverged };
             }
             if scale == 0.0 {
@@ -216,7 +213,7 @@ pub fn solve_against(
                 break Status::IterationLimit;
             }
             if iteration.stalled() {
-                let proved = any_proves_infeasible(problem, &looks.rays_of_half(&r));
+                let proved = M::any_proves_infeasible(problem, &looks.rays_of_half(&r));
                 break if proved { Status::Infeasible } else { Status::Stalled };
             }
         }
@@ -243,7 +240,7 @@ pub fn solve_against(
     if !is_measured {
         measures = meter.measure_after(&before, &r, iteration.velocity_jump());
     }
-    let mut velocity = vec![Vector2::zeros(); problem.grain_count()];
+    let mut velocity = vec![M::Velocity::default(); problem.grain_count()];
     problem.velocity(&r, &mut velocity);
     Ok(Outcome {
         status,

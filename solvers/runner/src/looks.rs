@@ -1,6 +1,6 @@
 //! Which iterates are measured wholly, and what is looked for at powers of two.
 
-use analysis::any_proves_infeasible;
+use analysis::Refutable;
 use contact::{ContactProblem, Measures, law};
 
 /// Which iterates are measured wholly and shown with their measures, beside the first, the last, those of the iterations
@@ -69,10 +69,10 @@ impl Default for Looks {
 
 impl Looks {
     /// Looks at the iterate r, which comes after `before`, if its turn has come.
-    pub(crate) fn look(
+    pub(crate) fn look<M: Refutable>(
         &mut self,
         iteration: u64,
-        problem: &ContactProblem,
+        problem: &ContactProblem<M>,
         measures: &Measures,
         (before, r): (&[f64], &[f64]),
     ) {
@@ -84,7 +84,7 @@ impl Looks {
             // The impulses, and their growth in one iteration and in half of all: what is constant in them is not in it.
             self.endless = iteration >= FIRST_LOOK
                 && self.stays(measures)
-                && any_proves_infeasible(
+                && M::any_proves_infeasible(
                     problem,
                     &[r.to_vec(), growth(before, r), growth(&self.before_last.0, r)],
                 );

@@ -112,13 +112,13 @@ impl Meter<'_> {
 }
 
 /// Above what a part of a sum of squares proves that its root, over that of the `scale`, is above the tolerance.
-fn least(tolerance: f64, scale: f64) -> f64 {
+pub(crate) fn least(tolerance: f64, scale: f64) -> f64 {
     let least = tolerance * tolerance * scale;
     if tolerance == 0.0 || least > TINY { (1.0 + ROUND_OFF) * least } else { f64::INFINITY }
 }
 
 /// Whether the sum of the `term`s of some of `all` is above a bound; it ends where it is.
-fn exceeds(all: usize, stride: usize, bound: f64, term: impl Fn(usize) -> f64) -> bool {
+pub(crate) fn exceeds(all: usize, stride: usize, bound: f64, term: impl Fn(usize) -> f64) -> bool {
     let mut sum = 0.0;
     some(all, stride).any(|k| {
         sum += term(k);
@@ -136,7 +136,7 @@ fn some(all: usize, stride: usize) -> impl Iterator<Item = usize> {
 
 /// About the golden section of `all`, by which the first few are spread best, and without a common divisor, so that all come
 /// before one comes again.
-fn stride(all: usize) -> usize {
+pub(crate) fn stride(all: usize) -> usize {
     let divisor = |mut a: usize, mut b: usize| {
         while b > 0 {
             (a, b) = (b, a % b);

@@ -1,0 +1,254 @@
+//! What a scene needs of its grains and contacts, as types: how many unknowns a contact has, how a grain moves, and the law.
+//!
+//! Nothing of a larger mechanics is stored, computed or branched on in a smaller one. Outside the kernels, impulses and relative
+//! velocities are flat lists, [`Vector::LEN`] numbers of [`Mechanics::Impulse`] a contact, the normal one first.
+
+use crate::error::shown;
+use crate::scaled::unscale;
+use nalgebra::{SVector, Vector2};
+use std::fmt::Debug;
+use std::iter::Sum;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// One of the mechanics of a scene.
+pub trait Mechanics: Copy + Debug + PartialEq + Send + Sync + 'static {
+    /// How a grain moves: translation (m/s), then spin (rad/s), if any.
+    type Velocity: Vector;
+    /// What resists: mass (kg), and moment of inertia (kg m²), if there is a spin.
+    type Mass: Mass<Self::Velocity>;
+    /// What acts at a contact (N·s), and what it acts against (m/s).
+    type Impulse: Vector;
+    /// One contact of a problem.
+    type Contact: Touch<Self>;
+    /// One contact in mass-scaled unknowns.
+    type Column: Column<Self>;
+    /// What measures the iterates of runs on a problem.
+    type Meter<'p>: crate::meter::Measuring<'p, Self>;
+
+    /// Name in files.
+    const NAME: &'static str;
+}
+
+/// A mechanics whose solutions minimise q(r): velocity and energy are unique then, and a method may descend.
+pub trait Associated: Mechanics {}
+
+/// A short list of numbers that are added up and scaled together.
+pub trait Vector:
+    Copy
+    + Debug
+    + Default
+    + PartialEq
+    + Send
+    + Sync
+    + Sum
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Neg<Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+    + AddAssign
+    + SubAssign
+    + 'static
+{
+    /// How many numbers.
+    const LEN: usize;
+
+    /// Those of one item of a flat list.
+    fn at(list: &[f64], index: usize) -> Self;
+
+    /// Puts them into a flat list.
+    fn put(self, list: &mut [f64], index: usize);
+
+    /// Component by component, with those of another.
+    #[must_use]
+    fn with(self, other: Self, join: impl Fn(f64, f64) -> f64) -> Self;
+
+    /// The first: of an impulse, the normal one.
+    fn first(self) -> f64;
+
+    /// The sum of the products, component by component.
+    fn dot_product(self, other: Self) -> f64;
+
+    /// Whether none is infinite or NaN.
+    fn is_finite(self) -> bool;
+
+    /// Puts r = s/unit of each of some `contacts` of a problem into its flat list.
+    fn unscale((s, unit): (&[Self], &[Self]), contacts: &[u32], r: &mut [f64]) {
+        for ((s, unit), contact) in s.iter().zip(unit).zip(contacts) {
+            s.with(*unit, |s, unit| s / unit).put(r, *contact as usize);
+        }
+    }
+
+    /// As it is shown in an error.
+    fn text(self) -> String;
+}
+
+impl Vector for f64 {
+    const LEN: usize = 1;
+
+    #[inline]
+    fn at(list: &[f64], index: usize) -> Self {
+        list[index]
+    }
+
+    #[inline]
+    fn put(self, list: &mut [f64], index: usize) {
+        list[index] = self;
+    }
+
+    #[inline]
+    fn with(self, other: Self, join: impl Fn(f64, f64) -> f64) -> Self {
+        join(self, other)
+    }
+
+    #[inline]
+    fn first(self) -> f64 {
+        self
+    }
+
+    #[inline]
+    fn dot_product(self, other: Self) -> f64 {
+        self * other
+    }
+
+    fn is_finite(self) -> bool {
+        Self::is_finite(self)
+    }
+
+    fn unscale(scaled: (&[Self], &[Self]), contacts: &[u32], r: &mut [f64]) {
+        unscale(scaled, contacts, r);
+    }
+
+    fn text(self) -> String {
+        shown(self)
+    }
+}
+
+impl<const N: usize> Vector for SVector<f64, N>
+where
+    Self: Default,
+{
+    const LEN: usize = N;
+
+    #[inline]
+    fn at(list: &[f64], index: usize) -> Self {
+        Self::from_column_slice(&list[N * index..N * (index + 1)])
+    }
+
+    #[inline]
+    fn put(self, list: &mut [f64], index: usize) {
+        list[N * index..N * (index + 1)].copy_from_slice(self.as_slice());
+    }
+
+    #[inline]
+    fn with(self, other: Self, join: impl Fn(f64, f64) -> f64) -> Self {
+        self.zip_map(&other, join)
+    }
+
+    #[inline]
+    fn first(self) -> f64 {
+        self[0]
+    }
+
+    #[inline]
+    fn dot_product(self, other: Self) -> f64 {
+        self.dot(&other)
+    }
+
+    fn is_finite(self) -> bool {
+        self.iter().all(|x| x.is_finite())
+    }
+
+    fn text(self) -> String {
+        let numbers: Vec<String> = self.iter().map(|x| shown(*x)).collect();
+        format!("[{}]", numbers.join(", "))
+    }
+}
+
+/// What resists the motion of a grain; or its inverse, which is of the same kind.
+pub trait Mass<V>: Copy + Debug + PartialEq + Send + Sync + 'static {
+    /// What is wrong with it, if it is: the key, the value, and what is expected.
+    fn fault(self) -> Option<(&'static str, f64, &'static str)>;
+
+    /// M⁻¹, so many times.
+    #[must_use]
+    fn inverse(self, times: f64) -> Self;
+
+    /// M^½.
+    #[must_use]
+    fn root(self) -> Self;
+
+    /// M V.
+    fn times(self, velocity: V) -> V;
+
+    /// M⁻¹ R.
+    fn divides(self, resultant: V) -> V;
+
+    /// Vᵗ M V (J).
+    fn squared(self, velocity: V) -> f64;
+
+    /// The greatest component of a translation (m/s), of a velocity whose y = M^½ V this is, where `self` is M^-½.
+    fn speed(self, y: V) -> f64;
+}
+
+/// One contact of a problem, with its own numbers of impulse, velocity and law.
+pub trait Touch<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
+    /// Candidate and antagonist; `None` for a wall.
+    fn ends(&self) -> (u32, Option<u32>);
+
+    /// Unit normal n, from antagonist to candidate (–).
+    fn normal(&self) -> Vector2<f64>;
+
+    /// c: what the scene imposes on the relative velocity (m/s).
+    fn offset(&self) -> M::Impulse;
+
+    /// (Hᵗ V)_α (m/s).
+    fn relative(&self, velocity: &[M::Velocity]) -> M::Impulse;
+
+    /// R ← R + H r of this contact (N·s).
+    fn push(&self, r: M::Impulse, resultant: &mut [M::Velocity]);
+
+    /// `W_αα`, which is diagonal since normals pass through the centres (1/kg), with the inverse of the masses.
+    fn diagonal(&self, inverse_mass: impl Fn(u32) -> M::Mass) -> M::Impulse;
+
+    /// r⁺ of the law, with the impulse that solves it at the contact when all others are kept: r⁺ − r is the natural map (N·s).
+    /// `diagonal` is `W_αα` (1/kg). At a bound of the normal impulse of r itself, not of r⁺.
+    fn admissible(&self, r: M::Impulse, v: M::Impulse, diagonal: M::Impulse) -> M::Impulse;
+
+    /// Whether the law admits r, up to round-off of a bound (N·s).
+    fn is_admissible(&self, r: M::Impulse) -> bool;
+
+    /// What an admissible impulse is, in words.
+    const ADMISSIBLE: &'static str;
+
+    /// What is wrong with the law's own numbers, if anything is: the key, the value, and what is expected.
+    fn fault(&self) -> Option<(&'static str, f64, &'static str)>;
+
+    /// The one or two grains that touch.
+    fn grains(&self) -> impl Iterator<Item = u32> + Clone {
+        let (candidate, antagonist) = self.ends();
+        std::iter::once(candidate).chain(antagonist)
+    }
+}
+
+/// A column of H̃ = M^-½ H W_D^-½, one per unknown of the contact, and the law in these unknowns.
+pub trait Column<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
+    /// A contact between two `places` of y, or one place and a wall, with the `inverse_mass` of its grains (1/kg); and its unit:
+    /// √`W_αα` (kg^-½), or 1 if it is not `scaled`.
+    fn new(
+        contact: &M::Contact,
+        places: (u32, Option<u32>),
+        inverse_mass: impl Fn(u32) -> M::Mass,
+        scaled: bool,
+    ) -> (Self, M::Impulse);
+
+    /// (H̃ᵗ y)_α.
+    fn relative(&self, y: &[M::Velocity]) -> M::Impulse;
+
+    /// y ← y + h̃_α s.
+    fn push(&self, s: M::Impulse, y: &mut [M::Velocity]);
+
+    /// s⁺ − s, where `W_αα` = 1 and with the relaxation ω (–), of the impulse that solves the law at the contact when all others are
+    /// kept.
+    fn change(&self, s: M::Impulse, v: M::Impulse, relaxation: f64) -> M::Impulse;
+}

@@ -1,0 +1,97 @@
+//! A contact with friction in mass-scaled unknowns: 64 bytes.
+
+use super::{RoughContact, RoughDiscs, RoughMass, tangent};
+use crate::law;
+use crate::mechanics::{Column, Touch};
+use nalgebra::{Vector2, Vector3};
+
+/// The two columns of H̃ of a contact: along its normal, and along its tangent with the spins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoughColumn {
+    candidate: u32,
+    /// At a wall the candidate itself, which a ratio and an arm of 0 leave out.
+    antagonist: u32,
+    /// n/√(`m_candidate` `w_n`) (–).
+    normal: Vector2<f64>,
+    /// √(`m_candidate`/`m_antagonist`) (–); 0 at a wall.
+    ratio: f64,
+    /// √(`w_n`/`w_t`) (–).
+    slant: f64,
+    /// `R_i`/√(`I_i` `w_t`), and of j likewise (–); 0 at a wall.
+    arms: [f64; 2],
+    /// μ √(`w_t`/`w_n`) (–): a circular cone stays circular.
+    friction: f64,
+}
+
+impl RoughColumn {
+    /// The places of candidate and antagonist; at a wall twice that of the candidate.
+    #[inline]
+    pub fn places(&self) -> [u32; 2] {
+        [self.candidate, self.antagonist]
+    }
+
+    /// μ √(`w_t`/`w_n`) (–).
+    #[inline]
+    pub fn friction(&self) -> f64 {
+        self.friction
+    }
+
+    /// h̃ of the normal and of the tangent, at the candidate and at the antagonist: 0 at a wall.
+    pub fn at_ends(&self) -> [[Vector3<f64>; 2]; 2] {
+        let (n, t) = (self.normal, tangent(self.normal) * self.slant);
+        let [i, j] = self.arms;
+        let at = |v: Vector2<f64>, factor: f64, spin: f64| Vector3::new(factor * v.x, factor * v.y, spin);
+        [[at(n, 1.0, 0.0), at(t, 1.0, -i)], [at(n, -self.ratio, 0.0), at(t, -self.ratio, -j)]]
+    }
+}
+
+impl Column<RoughDiscs> for RoughColumn {
+    fn new(
+        contact: &RoughContact,
+        places: (u32, Option<u32>),
+        inverse_mass: impl Fn(u32) -> RoughMass,
+        scaled: bool,
+    ) -> (Self, Vector2<f64>) {
+        let none = RoughMass { mass: 0.0, inertia: 0.0 };
+        let i = inverse_mass(contact.candidate);
+        let j = contact.antagonist.map_or(none, &inverse_mass);
+        let unit = if scaled { contact.diagonal(inverse_mass).map(f64::sqrt) } else { Vector2::repeat(1.0) };
+        let root = i.mass.sqrt();
+        let column = Self {
+            candidate: places.0,
+            antagonist: places.1.unwrap_or(places.0),
+            normal: contact.normal * (root / unit.x),
+            ratio: j.mass.sqrt() / root,
+            slant: unit.x / unit.y,
+            arms: [contact.arms.x * i.inertia.sqrt() / unit.y, contact.arms.y * j.inertia.sqrt() / unit.y],
+            friction: contact.friction * (unit.y / unit.x),
+        };
+        (column, unit)
+    }
+
+    #[inline]
+    fn relative(&self, y: &[Vector3<f64>]) -> Vector2<f64> {
+        let (i, j) = (y[self.candidate as usize], y[self.antagonist as usize]);
+        let (x, y) = (i.x - self.ratio * j.x, i.y - self.ratio * j.y);
+        let normal = self.normal.x * x + self.normal.y * y;
+        let across = self.normal.x * y - self.normal.y * x;
+        Vector2::new(normal, self.slant * across - (self.arms[0] * i.z + self.arms[1] * j.z))
+    }
+
+    #[inline]
+    fn push(&self, s: Vector2<f64>, y: &mut [Vector3<f64>]) {
+        let along = self.slant * s.y;
+        let (x, z) =
+            (self.normal.x * s.x - self.normal.y * along, self.normal.y * s.x + self.normal.x * along);
+        y[self.candidate as usize] += Vector3::new(x, z, -self.arms[0] * s.y);
+        y[self.antagonist as usize] -= Vector3::new(self.ratio * x, self.ratio * z, self.arms[1] * s.y);
+    }
+
+    /// `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`): the two lines solve (2′), since `W_αα` is diagonal.
+    #[inline]
+    fn change(&self, s: Vector2<f64>, v: Vector2<f64>, relaxation: f64) -> Vector2<f64> {
+        let normal = law::change(s.x, v.x, relaxation);
+        let bound = self.friction * (s.x + normal);
+        Vector2::new(normal, law::clip(s.y - relaxation * v.y, bound) - s.y)
+    }
+}
