@@ -47,3 +47,25 @@ fn sweeps_are_those_of_another_code() {
     let mut meter = RoughMeter::new(&frozen.problem);
     println!("{:e} {}", meter.measure_after(&[], &given(&solution), 0.0).natural_map, solution["residual"]);
 }
+
+#[test]
+#[ignore = "for trials"]
+fn trial() {
+    let mut frozen = rough("rough-991-mu08");
+    if let Ok(mu) = std::env::var("MU") {
+        let mu: f64 = mu.parse().unwrap();
+        let contacts = frozen.problem.contacts().iter().map(|at| contact::RoughContact { friction: mu, ..*at }).collect();
+        frozen.problem = contact::Packing::new(frozen.problem.mass().to_vec(), frozen.problem.position().to_vec(), frozen.problem.free_velocity().to_vec(), contacts).unwrap();
+    }
+    for (name, solver) in [
+        ("cg", Box::new(cg::Cg::default()) as Box<dyn Solver<RoughDiscs>>),
+        ("cg diagonal", Box::new(cg::Cg { preconditioner: cg::Preconditioner::Diagonal })),
+    ] {
+        let mut first = vec![];
+        let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-6, max_iterations: 20_000 };
+        let outcome = solve(&*solver, &frozen.problem, &frozen.start(false), &stop, &mut |progress| {
+            if let Some(m) = progress.measures { for t in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5] { if m.natural_map <= t && !first.iter().any(|(u, _)| *u == t) { first.push((t, progress.iteration)); } } }
+        }).unwrap();
+        println!("{name}: {first:?} {} {:?} {:e} {:?}", outcome.iterations, outcome.status, outcome.measures.natural_map, outcome.iterating);
+    }
+}

@@ -10,6 +10,7 @@
 //! begins anew with p = w; if that is next to nothing, it makes the step of the projected gradient. Packings ask for none of this.
 
 mod block;
+mod rough;
 
 pub use product::Preconditioner;
 

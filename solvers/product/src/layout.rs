@@ -1,16 +1,14 @@
 //! Blocks of contacts for the threads, and what they exchange.
 
-use contact::scaled::unscale;
-use contact::{Column, ContactProblem, Packing, ScaledContact, SetupError, together};
-use nalgebra::Vector2;
+use contact::{Column, ContactProblem, Discs, Mass, Mechanics, Packing, SetupError, Vector, together};
 use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain, Sums};
 use rayon::prelude::*;
 
 /// The contacts of a problem cut into blocks, which meet between two passes only, at the grains that they share. They are for
 /// the threads alone: how many there are depends on the problem, so no number of threads changes a bit.
-pub struct Layout {
+pub struct Layout<M: Mechanics = Discs> {
     decomposition: Decomposition,
-    sums: CopySums<Vector2<f64>>,
+    sums: CopySums<M::Velocity>,
     contacts: usize,
 }
 
@@ -28,12 +26,12 @@ fn grid(contacts: usize) -> Grid {
     Grid { nx: n, ny: n }
 }
 
-impl Layout {
+impl<M: Mechanics> Layout<M> {
     /// The blocks of `problem`.
     ///
     /// # Errors
     /// Where the contacts cannot be cut into blocks: there is no such problem.
-    pub fn new(problem: &Packing) -> Result<Self, SetupError> {
+    pub fn new(problem: &Packing<M>) -> Result<Self, SetupError> {
         let contacts = problem.contact_count();
         let partition = Partition::of_contacts(problem, Scheme::Balanced, grid(contacts))?;
         let decomposition = Decomposition::new(problem, &partition);
@@ -48,9 +46,9 @@ impl Layout {
     /// What a method knows of each block, from its columns, which are `scaled` by the diagonal of W or not.
     pub fn blocks<B: Send>(
         &self,
-        problem: &ContactProblem,
+        problem: &ContactProblem<M>,
         scaled: bool,
-        block: impl Fn(Columns, &Subdomain) -> B + Sync,
+        block: impl Fn(Columns<M>, &Subdomain) -> B + Sync,
     ) -> Vec<B> {
         let of = |subdomain: &Subdomain| {
             block(Columns::new(problem, &self.decomposition, subdomain, scaled), subdomain)
@@ -59,12 +57,12 @@ impl Layout {
     }
 
     /// A pass over all blocks, in which each sends what it has of the grains it shares, in the order of [`Subdomain::boundary`].
-    pub fn send<B: Send>(&mut self, blocks: &mut [B], pass: impl Fn(&mut B, &mut [Vector2<f64>]) + Sync) {
+    pub fn send<B: Send>(&mut self, blocks: &mut [B], pass: impl Fn(&mut B, &mut [M::Velocity]) + Sync) {
         self.sums.send(blocks, NS_PER_CONTACT * self.contacts, pass);
     }
 
     /// A pass over all blocks, in which each takes the sums of what all have sent.
-    pub fn receive<B: Send>(&self, blocks: &mut [B], pass: impl Fn(&mut B, Sums<'_, Vector2<f64>>) + Sync) {
+    pub fn receive<B: Send>(&self, blocks: &mut [B], pass: impl Fn(&mut B, Sums<'_, M::Velocity>) + Sync) {
         self.sums.receive(blocks, NS_PER_CONTACT * self.contacts, pass);
     }
 
@@ -76,31 +74,31 @@ impl Layout {
 }
 
 /// The contacts of a block, in its own indices of grains.
-pub struct Columns {
+pub struct Columns<M: Mechanics = Discs> {
     /// The problem's contact of each column.
     contact: Vec<u32>,
     /// Columns of M^-½ H, or of H̃ where they are scaled by the diagonal of W.
-    pub scaled: Vec<ScaledContact>,
+    pub scaled: Vec<M::Column>,
     /// Whether they are.
     pub is_scaled: bool,
     /// 1, or √`W_αα` (kg^-½) for those of H̃.
-    unit: Vec<f64>,
+    unit: Vec<M::Impulse>,
     /// The grains that blocks share.
     boundary: Vec<u32>,
     /// 1 over the number of blocks that have the grain: sums over the grains then count each once.
     pub share: Vec<f64>,
 }
 
-impl Columns {
+impl<M: Mechanics> Columns<M> {
     fn new(
-        problem: &ContactProblem,
+        problem: &ContactProblem<M>,
         decomposition: &Decomposition,
         subdomain: &Subdomain,
         scaled: bool,
     ) -> Self {
-        let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
+        let inverse_mass = |grain: u32| problem.mass()[grain as usize].inverse(1.0);
         let column = |(contact, ends): (&u32, &(u32, Option<u32>))| {
-            ScaledContact::new(&problem.contacts()[*contact as usize], *ends, inverse_mass, scaled)
+            M::Column::new(&problem.contacts()[*contact as usize], *ends, inverse_mass, scaled)
         };
         let share = |grain: &u32| 1.0 / f64::from(decomposition.multiplicity[*grain as usize]);
         let (columns, unit) = subdomain.contacts.iter().zip(&subdomain.ends).map(column).unzip();
@@ -115,33 +113,33 @@ impl Columns {
     }
 
     /// The problem's contact and the unit of each column.
-    pub fn units(&self) -> impl Iterator<Item = (usize, f64)> {
+    pub fn units(&self) -> impl Iterator<Item = (usize, M::Impulse)> {
         self.contact.iter().map(|contact| *contact as usize).zip(self.unit.iter().copied())
     }
 
     /// Copies what the block has of the grains that blocks share to `sent`.
-    pub fn send(&self, y: &[Vector2<f64>], sent: &mut [Vector2<f64>]) {
+    pub fn send(&self, y: &[M::Velocity], sent: &mut [M::Velocity]) {
         for (place, sent) in self.boundary.iter().zip(sent) {
             *sent = y[*place as usize];
         }
     }
 
     /// Gives these grains the `sums` over the blocks.
-    pub fn take(&self, y: &mut [Vector2<f64>], sums: Sums<'_, Vector2<f64>>) {
+    pub fn take(&self, y: &mut [M::Velocity], sums: Sums<'_, M::Velocity>) {
         for (place, sum) in self.boundary.iter().zip(sums) {
             y[*place as usize] = sum;
         }
     }
 
     /// Puts impulses, the unit times each of which is in `r`, in the problem's order (N·s).
-    pub fn unscale(&self, r: &[f64], impulses: &mut [f64]) {
-        unscale((r, &self.unit), &self.contact, impulses);
+    pub fn unscale(&self, r: &[M::Impulse], impulses: &mut [f64]) {
+        M::Impulse::unscale((r, &self.unit), &self.contact, impulses);
     }
 
     /// Puts impulses, of which `r` gives the unit times each, in the problem's order (N·s).
-    pub fn impulses(&self, r: impl Iterator<Item = f64>, impulses: &mut [f64]) {
+    pub fn impulses(&self, r: impl Iterator<Item = M::Impulse>, impulses: &mut [f64]) {
         for (r, (contact, unit)) in r.zip(self.units()) {
-            impulses[contact] = r / unit;
+            r.with(unit, |r, unit| r / unit).put(impulses, contact);
         }
     }
 }

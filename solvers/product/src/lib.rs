@@ -11,7 +11,7 @@ mod layout;
 pub use layout::{Columns, Layout};
 pub use partition::Subdomain;
 
-use contact::{Adjacency, Column, Packing, SetupError};
+use contact::{Adjacency, Column, Discs, Mechanics, Packing, SetupError, Vector};
 use nalgebra::Vector2;
 use pulp::Arch;
 use schemars::JsonSchema;
@@ -32,16 +32,16 @@ pub enum Preconditioner {
 ///
 /// With the unit 1, impulses and velocities are r and v. With the unit √`W_αα`, √`W_αα` r and v/√`W_αα` stand in their place: a
 /// method in these unknowns is the one preconditioned by the diagonal of W.
-pub struct Product<C> {
-    layout: Layout,
-    blocks: Vec<Block<C>>,
+pub struct Product<C, M: Mechanics = Discs> {
+    layout: Layout<M>,
+    blocks: Vec<Block<C, M>>,
 }
 
-struct Block<C> {
-    columns: Columns,
+struct Block<C, M: Mechanics> {
+    columns: Columns<M>,
     states: Vec<C>,
     /// M^-½ H p; of grains that blocks share, each has the sum after it has been received.
-    y: Vec<Vector2<f64>>,
+    y: Vec<M::Velocity>,
     /// What the block adds to the sums that the last pass was for.
     parts: [f64; SUMS],
     /// The contacts around each grain, where [`Product::pull_around`] is wanted.
@@ -57,21 +57,21 @@ fn parts<const N: usize>(sums: [f64; N]) -> [f64; SUMS] {
     std::array::from_fn(|k| if k < N { sums[k] } else { 0.0 })
 }
 
-impl<C: Send + Sync> Product<C> {
+impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     /// The contacts of `problem`, each with a unit, 1 or √`W_αα` if they are `scaled`; `state` makes what the method knows of
     /// a contact from its index in the problem and its unit.
     ///
     /// # Errors
     /// Those of [`Layout::new`].
     pub fn new(
-        problem: &Packing,
+        problem: &Packing<M>,
         scaled: bool,
-        state: impl Fn(usize, f64) -> C + Sync,
+        state: impl Fn(usize, M::Impulse) -> C + Sync,
     ) -> Result<Self, SetupError> {
         let layout = Layout::new(problem)?;
         let blocks = layout.blocks(problem, scaled, |columns, subdomain| Block {
             states: columns.units().map(|(contact, unit)| state(contact, unit)).collect(),
-            y: vec![Vector2::zeros(); subdomain.grains.len()],
+            y: vec![M::Velocity::default(); subdomain.grains.len()],
             columns,
             parts: [0.0; SUMS],
             adjacency: None,
@@ -89,16 +89,16 @@ impl<C: Send + Sync> Product<C> {
     }
 
     /// First half of the product, y = M^-½ H p: `p` gives the p of each contact. Returns pᵗ p.
-    pub fn push(&mut self, p: impl Fn(&mut C) -> f64 + Sync) -> f64 {
+    pub fn push(&mut self, p: impl Fn(&mut C) -> M::Impulse + Sync) -> f64 {
         let [squared] = self.push_sums(|at| {
             let p = p(at);
-            (p, [p * p])
+            (p, [p.dot_product(p)])
         });
         squared
     }
 
     /// [`push`](Self::push), where `p` also gives the terms of sums over the contacts, which take the place of pᵗ p.
-    pub fn push_sums<const N: usize>(&mut self, p: impl Fn(&mut C) -> (f64, [f64; N]) + Sync) -> [f64; N] {
+    pub fn push_sums<const N: usize>(&mut self, p: impl Fn(&mut C) -> (M::Impulse, [f64; N]) + Sync) -> [f64; N] {
         self.layout.send(&mut self.blocks, |block, sent| {
             Arch::new().dispatch(|| block.push(&p));
             block.columns.send(&block.y, sent);
@@ -107,7 +107,7 @@ impl<C: Send + Sync> Product<C> {
     }
 
     /// [`push`](Self::push) of a `p` that is 0 at most contacts, which then cost next to nothing.
-    pub fn push_few(&mut self, p: impl Fn(&C) -> f64 + Sync) {
+    pub fn push_few(&mut self, p: impl Fn(&C) -> M::Impulse + Sync) {
         self.layout.send(&mut self.blocks, |block, sent| {
             Arch::new().dispatch(|| block.push_few(&p));
             block.columns.send(&block.y, sent);
@@ -115,7 +115,7 @@ impl<C: Send + Sync> Product<C> {
     }
 
     /// Second half: `take` is given (W p)_α of each contact.
-    pub fn pull(&mut self, take: impl Fn(&mut C, f64) + Sync) {
+    pub fn pull(&mut self, take: impl Fn(&mut C, M::Impulse) + Sync) {
         let [] = self.pull_sums(|at, of_p| {
             take(at, of_p);
             []
@@ -123,26 +123,12 @@ impl<C: Send + Sync> Product<C> {
     }
 
     /// [`pull`](Self::pull), where `take` gives the terms of sums over the contacts.
-    pub fn pull_sums<const N: usize>(&mut self, take: impl Fn(&mut C, f64) -> [f64; N] + Sync) -> [f64; N] {
+    pub fn pull_sums<const N: usize>(&mut self, take: impl Fn(&mut C, M::Impulse) -> [f64; N] + Sync) -> [f64; N] {
         self.layout.receive(&mut self.blocks, |block, sums| {
             block.columns.take(&mut block.y, sums);
             Arch::new().dispatch(|| block.pull(&take));
         });
         self.sums()
-    }
-
-    /// [`pull`](Self::pull) after [`push_few`](Self::push_few), of the contacts around the grains with y ≠ 0 alone: `take` is
-    /// given what each of its grains adds to (W p)_α, one after the other. Returns pᵗ W p.
-    ///
-    /// # Panics
-    /// If the contacts around the grains are not known: see [`with_neighbours`](Self::with_neighbours).
-    pub fn pull_around(&mut self, take: impl Fn(&mut C, f64) + Sync) -> f64 {
-        self.layout.receive(&mut self.blocks, |block, sums| {
-            block.columns.take(&mut block.y, sums);
-            block.pull_around(&take);
-        });
-        let [curvature] = self.sums();
-        curvature
     }
 
     /// pᵗ W p = |y|² of the p last pushed, without the second half.
@@ -183,7 +169,7 @@ impl<C: Send + Sync> Product<C> {
     }
 
     /// Puts the impulses that `r` reads from each contact in the problem's order (N·s).
-    pub fn impulses(&self, r: impl Fn(&C) -> f64, impulses: &mut [f64]) {
+    pub fn impulses(&self, r: impl Fn(&C) -> M::Impulse, impulses: &mut [f64]) {
         for block in &self.blocks {
             block.columns.impulses(block.states.iter().map(&r), impulses);
         }
@@ -194,10 +180,26 @@ impl<C: Send + Sync> Product<C> {
     }
 }
 
-impl<C> Block<C> {
+impl<C: Send + Sync> Product<C> {
+    /// [`pull`](Self::pull) after [`push_few`](Self::push_few), of the contacts around the grains with y ≠ 0 alone: `take` is
+    /// given what each of its grains adds to (W p)_α, one after the other. Returns pᵗ W p.
+    ///
+    /// # Panics
+    /// If the contacts around the grains are not known: see [`with_neighbours`](Self::with_neighbours).
+    pub fn pull_around(&mut self, take: impl Fn(&mut C, f64) + Sync) -> f64 {
+        self.layout.receive(&mut self.blocks, |block, sums| {
+            block.columns.take(&mut block.y, sums);
+            block.pull_around(&take);
+        });
+        let [curvature] = self.sums();
+        curvature
+    }
+}
+
+impl<C, M: Mechanics> Block<C, M> {
     #[inline(always)]
-    fn push<const N: usize>(&mut self, p: &impl Fn(&mut C) -> (f64, [f64; N])) {
-        self.y.fill(Vector2::zeros());
+    fn push<const N: usize>(&mut self, p: &impl Fn(&mut C) -> (M::Impulse, [f64; N])) {
+        self.y.fill(M::Velocity::default());
         let mut sums = [0.0; N];
         for (column, state) in self.columns.scaled.iter().zip(&mut self.states) {
             let (p, terms) = p(state);
@@ -208,18 +210,18 @@ impl<C> Block<C> {
     }
 
     #[inline(always)]
-    fn push_few(&mut self, p: &impl Fn(&C) -> f64) {
-        self.y.fill(Vector2::zeros());
+    fn push_few(&mut self, p: &impl Fn(&C) -> M::Impulse) {
+        self.y.fill(M::Velocity::default());
         for (column, state) in self.columns.scaled.iter().zip(&self.states) {
             let p = p(state);
-            if p != 0.0 {
+            if p != M::Impulse::default() {
                 column.push(p, &mut self.y);
             }
         }
     }
 
     #[inline(always)]
-    fn pull<const N: usize>(&mut self, take: &impl Fn(&mut C, f64) -> [f64; N]) {
+    fn pull<const N: usize>(&mut self, take: &impl Fn(&mut C, M::Impulse) -> [f64; N]) {
         let mut sums = [0.0; N];
         for (column, state) in self.columns.scaled.iter().zip(&mut self.states) {
             sums = add(sums, take(state, column.relative(&self.y)));
@@ -227,6 +229,14 @@ impl<C> Block<C> {
         self.parts = parts(sums);
     }
 
+    #[inline(always)]
+    fn square(&mut self) {
+        let squares = self.y.iter().zip(&self.columns.share).map(|(y, share)| share * y.dot_product(*y));
+        self.parts = parts([squares.sum()]);
+    }
+}
+
+impl<C> Block<C, Discs> {
     fn pull_around(&mut self, take: &impl Fn(&mut C, f64)) {
         let Some(adjacency) = &self.adjacency else { panic!("the contacts around the grains are not known") };
         let mut curvature = 0.0;
@@ -240,12 +250,6 @@ impl<C> Block<C> {
             }
         }
         self.parts = parts([curvature]);
-    }
-
-    #[inline(always)]
-    fn square(&mut self) {
-        let squares = self.y.iter().zip(&self.columns.share).map(|(y, share)| share * y.norm_squared());
-        self.parts = parts([squares.sum()]);
     }
 }
 
