@@ -54,18 +54,40 @@ fn trial() {
     let mut frozen = rough("rough-991-mu08");
     if let Ok(mu) = std::env::var("MU") {
         let mu: f64 = mu.parse().unwrap();
-        let contacts = frozen.problem.contacts().iter().map(|at| contact::RoughContact { friction: mu, ..*at }).collect();
-        frozen.problem = contact::Packing::new(frozen.problem.mass().to_vec(), frozen.problem.position().to_vec(), frozen.problem.free_velocity().to_vec(), contacts).unwrap();
+        let contacts = frozen
+            .problem
+            .contacts()
+            .iter()
+            .map(|at| contact::RoughContact { friction: mu, ..*at })
+            .collect();
+        frozen.problem = contact::Packing::new(
+            frozen.problem.mass().to_vec(),
+            frozen.problem.position().to_vec(),
+            frozen.problem.free_velocity().to_vec(),
+            contacts,
+        )
+        .unwrap();
     }
     for (name, solver) in [
         ("cg", Box::new(cg::Cg::default()) as Box<dyn Solver<RoughDiscs>>),
         ("cg diagonal", Box::new(cg::Cg { preconditioner: cg::Preconditioner::Diagonal })),
+        ("active-set", Box::new(active_set::ActiveSet::default())),
     ] {
         let mut first = vec![];
-        let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-6, max_iterations: 20_000 };
+        let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-12, max_iterations: 200_000 };
         let outcome = solve(&*solver, &frozen.problem, &frozen.start(false), &stop, &mut |progress| {
-            if let Some(m) = progress.measures { for t in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5] { if m.natural_map <= t && !first.iter().any(|(u, _)| *u == t) { first.push((t, progress.iteration)); } } }
-        }).unwrap();
-        println!("{name}: {first:?} {} {:?} {:e} {:?}", outcome.iterations, outcome.status, outcome.measures.natural_map, outcome.iterating);
+            if let Some(m) = progress.measures {
+                for t in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8] {
+                    if m.natural_map <= t && !first.iter().any(|(u, _)| *u == t) {
+                        first.push((t, progress.iteration));
+                    }
+                }
+            }
+        })
+        .unwrap();
+        println!(
+            "{name}: {first:?} {} {:?} {:e} {:?}",
+            outcome.iterations, outcome.status, outcome.measures.natural_map, outcome.iterating
+        );
     }
 }

@@ -13,6 +13,7 @@
 //! the interior point finds no way on either, conjugate gradients go on from the best impulses, twice as long each time.
 
 mod interior;
+mod rough;
 mod scaled;
 mod set;
 

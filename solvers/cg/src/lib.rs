@@ -13,6 +13,7 @@ mod block;
 mod rough;
 
 pub use product::Preconditioner;
+pub use rough::RoughRun;
 
 use analysis::{delassus_bound, scaled_delassus_bound};
 use block::{Block, Pass};

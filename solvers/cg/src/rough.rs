@@ -74,6 +74,14 @@ impl State {
         };
     }
 
+    /// |r − r⁺|² where `W_αα` is 1.
+    fn left(&self) -> f64 {
+        let bound = self.friction * self.r.x;
+        let normal = if -self.u.x < self.r.x { -self.u.x } else { self.r.x };
+        let tangential = self.r.y - clip(self.r.y + self.u.y, bound);
+        normal * normal + tangential * tangential
+    }
+
     /// w: the part of u that the law does not block.
     fn w(&self) -> Vector2<f64> {
         match self.status {
@@ -100,7 +108,8 @@ impl State {
     }
 }
 
-struct Run {
+/// A run on one problem with friction.
+pub struct RoughRun {
     contacts: Product<State, RoughDiscs>,
     /// Λ ≥ λmax.
     greatest: f64,
@@ -117,7 +126,13 @@ const WHOLE: u64 = 16;
 /// Round-off, with a margin, of M^-½ H p relative to √Λ |p| (–): pᵗ W p says nothing below its square.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
-impl Run {
+impl RoughRun {
+    /// √(Σ `W_αα` |r − r⁺|²) of the iterate, from its gradient (√J): what the measure `natural_map` is a share of, with the diagonal
+    /// as preconditioner.
+    pub fn left(&mut self) -> f64 {
+        self.contacts.sum_of(State::left).sqrt()
+    }
+
     /// u = −(W r + b); returns wᵗ W p.
     fn renew(&mut self) -> f64 {
         self.products += 1;
@@ -172,7 +187,7 @@ impl Run {
     }
 }
 
-impl Iteration for Run {
+impl Iteration for RoughRun {
     fn advance(&mut self) {
         self.iterations += 1;
         if !self.conjugate_step() {
@@ -201,6 +216,16 @@ impl Solver<RoughDiscs> for Cg {
         problem: &'p Packing<RoughDiscs>,
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        Ok(Box::new(self.rough_run(problem, r0)?))
+    }
+}
+
+impl Cg {
+    /// A run on `problem` from the impulses `r0` (N·s), for those who look into it.
+    ///
+    /// # Errors
+    /// Those of [`Product::new`].
+    pub fn rough_run(&self, problem: &Packing<RoughDiscs>, r0: &[f64]) -> Result<RoughRun, SetupError> {
         let (b, w) = (problem.b(), problem.delassus_diagonal());
         let scaled = self.preconditioner == Preconditioner::Diagonal;
         let state = |contact: usize, unit: Vector2<f64>| {
@@ -220,9 +245,9 @@ impl Solver<RoughDiscs> for Cg {
         let contacts = Product::new(problem, scaled, state)?;
         let bound = RoughDiscs::scaled_delassus_bound(problem);
         let greatest = if scaled { bound } else { bound * w.iter().copied().fold(0.0, f64::max) };
-        let mut run = Run { contacts, greatest, descent: 0.0, squared: 0.0, iterations: 0, products: 0 };
+        let mut run = RoughRun { contacts, greatest, descent: 0.0, squared: 0.0, iterations: 0, products: 0 };
         run.renew();
         run.turn(0.0);
-        Ok(Box::new(run))
+        Ok(run)
     }
 }

@@ -98,7 +98,10 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     }
 
     /// [`push`](Self::push), where `p` also gives the terms of sums over the contacts, which take the place of pᵗ p.
-    pub fn push_sums<const N: usize>(&mut self, p: impl Fn(&mut C) -> (M::Impulse, [f64; N]) + Sync) -> [f64; N] {
+    pub fn push_sums<const N: usize>(
+        &mut self,
+        p: impl Fn(&mut C) -> (M::Impulse, [f64; N]) + Sync,
+    ) -> [f64; N] {
         self.layout.send(&mut self.blocks, |block, sent| {
             Arch::new().dispatch(|| block.push(&p));
             block.columns.send(&block.y, sent);
@@ -123,7 +126,10 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     }
 
     /// [`pull`](Self::pull), where `take` gives the terms of sums over the contacts.
-    pub fn pull_sums<const N: usize>(&mut self, take: impl Fn(&mut C, M::Impulse) -> [f64; N] + Sync) -> [f64; N] {
+    pub fn pull_sums<const N: usize>(
+        &mut self,
+        take: impl Fn(&mut C, M::Impulse) -> [f64; N] + Sync,
+    ) -> [f64; N] {
         self.layout.receive(&mut self.blocks, |block, sums| {
             block.columns.take(&mut block.y, sums);
             Arch::new().dispatch(|| block.pull(&take));

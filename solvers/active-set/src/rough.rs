@@ -1,0 +1,181 @@
+//! With friction: Newton's method on the statuses open, stick and slide, which ends where it begins near a solution, and wanders
+//! anywhere else.
+//!
+//! Nothing is minimised, and no way is known that always leads to that neighbourhood. So conjugate gradients come first; at each
+//! rung of a ladder of accuracies Newton's method has a try, which is left at the first step that makes things worse. Where the
+//! conjugate gradients no longer come nearer, sweeps of non-linear Gauss-Seidel take their place: slower, and with more patience.
+
+mod statuses;
+
+use crate::{ActiveSet, Best, Start};
+use cg::{Cg, Preconditioner, RoughRun};
+use contact::sweep::Sweep;
+use contact::{Iteration, Packing, RoughDiscs, SetupError, Solver, Work};
+use statuses::Statuses;
+
+/// One rung of the ladder over the one before (–).
+const RUNG: f64 = 0.1;
+
+/// Iterations in which the conjugate gradient must halve what is left, or sweeps follow.
+const PATIENCE: u64 = 1000;
+
+/// What is left of the law where no step leaves less, over the problem's scale, at most (–): else it is no end.
+const ROUND_OFF: f64 = 1e-12;
+
+/// What an iteration does.
+enum Phase {
+    /// Conjugate gradients; what was left, and at which iteration, when it was last halved.
+    Gradient { run: Box<RoughRun>, iterations: u64, halved: (f64, u64) },
+    /// Sweeps.
+    Sweeps(Box<Sweep<RoughDiscs>>),
+    /// Newton's method, from what was left before (√J).
+    Statuses { before: f64 },
+    /// No further iteration helps.
+    Ended,
+}
+
+struct Run<'p> {
+    problem: &'p Packing<RoughDiscs>,
+    statuses: Statuses,
+    phase: Phase,
+    /// The conjugate gradient, or the sweeps, while Newton's method has a try.
+    waiting: Option<Phase>,
+    /// What is left at the next rung (√J).
+    rung: f64,
+    /// √(Σ max(0, −b)²/`W_αα`) (√J).
+    scale: f64,
+    best: Best,
+    /// Of the gradients and sweeps that ended.
+    work: Work,
+}
+
+impl Run<'_> {
+    fn gradient(&mut self) {
+        let Phase::Gradient { run, iterations, halved } = &mut self.phase else { return };
+        run.advance();
+        *iterations += 1;
+        let left = run.left();
+        if left <= 0.5 * halved.0 {
+            *halved = (left, *iterations);
+        }
+        let gives_up = *iterations >= halved.1 + PATIENCE || !left.is_finite();
+        self.best.take(left, |r| run.impulses(r));
+        if left <= self.rung {
+            run.impulses(&mut self.best.impulses);
+            self.best.left = left;
+            self.try_statuses();
+        } else if gives_up {
+            self.work += run.work();
+            self.phase = sweeps(self.problem, &self.best.impulses);
+        }
+    }
+
+    /// One sweep. The changes that it makes are about what was left of the law.
+    fn sweeps(&mut self) {
+        let Phase::Sweeps(sweep) = &mut self.phase else { return };
+        let Sweep { rows, s, y, .. } = &mut **sweep;
+        let squared: f64 = rows.iter().zip(s).map(|(row, s)| row.solve(s, y, 1.0).norm_squared()).sum();
+        self.work.contact_updates += rows.len() as u64;
+        if squared.sqrt() <= self.rung {
+            sweep.impulses(&mut self.best.impulses);
+            self.try_statuses();
+        }
+    }
+
+    /// The iterate is at a rung: Newton's method from there.
+    fn try_statuses(&mut self) {
+        self.rung *= RUNG;
+        self.statuses.begin(&self.best.impulses);
+        let before = self.statuses.left();
+        self.best.left = before;
+        self.waiting = Some(std::mem::replace(&mut self.phase, Phase::Statuses { before }));
+    }
+
+    fn statuses(&mut self, before: f64) {
+        let changed = self.statuses.step();
+        let left = self.statuses.left();
+        let is_better = self.best.take(left, |r| self.statuses.impulses(r));
+        if self.statuses.is_solved() {
+            self.phase = Phase::Ended;
+        } else if changed.is_none() || !(left < before) || changed == Some(0) && !is_better {
+            let is_round_off = self.best.left <= ROUND_OFF * self.scale;
+            self.phase = match self.waiting.take() {
+                Some(waiting) if !is_round_off => waiting,
+                _ => Phase::Ended,
+            };
+        } else {
+            self.phase = Phase::Statuses { before: left.max(before * RUNG) };
+        }
+    }
+}
+
+/// Sweeps from the impulses `r` (N·s).
+fn sweeps(problem: &Packing<RoughDiscs>, r: &[f64]) -> Phase {
+    let order: Vec<u32> = (0..problem.contact_count() as u32).collect();
+    Phase::Sweeps(Box::new(Sweep::new(problem, &order, r)))
+}
+
+impl Iteration for Run<'_> {
+    fn advance(&mut self) {
+        match self.phase {
+            Phase::Gradient { .. } => self.gradient(),
+            Phase::Sweeps(_) => self.sweeps(),
+            Phase::Statuses { before } => self.statuses(before),
+            Phase::Ended => {}
+        }
+    }
+
+    fn impulses(&self, r: &mut [f64]) {
+        match &self.phase {
+            Phase::Gradient { run, .. } => run.impulses(r),
+            Phase::Sweeps(sweep) => sweep.impulses(r),
+            Phase::Statuses { .. } | Phase::Ended => r.copy_from_slice(&self.best.impulses),
+        }
+    }
+
+    fn stalled(&self) -> bool {
+        matches!(self.phase, Phase::Ended)
+    }
+
+    fn work(&self) -> Work {
+        let mut work = self.work;
+        work += self.statuses.work();
+        for phase in std::iter::once(&self.phase).chain(&self.waiting) {
+            if let Phase::Gradient { run, .. } = phase {
+                work += run.work();
+            }
+        }
+        work
+    }
+}
+
+impl Solver<RoughDiscs> for ActiveSet {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<RoughDiscs>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        SetupError::unless_not_negative("start_accuracy", self.start_accuracy)?;
+        let expected = "cg or cold-set: no interior point is known for Coulomb's law";
+        SetupError::unless(self.start != Start::InteriorPoint, "start", "interior-point", expected)?;
+        let mut statuses = Statuses::new(problem)?;
+        statuses.begin(r0);
+        let left = statuses.left();
+        let run = Cg { preconditioner: Preconditioner::Diagonal }.rough_run(problem, r0)?;
+        let gradient = Phase::Gradient { run: Box::new(run), iterations: 0, halved: (left, 0) };
+        let at_once = self.start == Start::ColdSet || self.warm && r0.iter().any(|r| *r != 0.0);
+        let (phase, waiting) =
+            if at_once { (Phase::Statuses { before: left }, Some(gradient)) } else { (gradient, None) };
+        let scale = problem.scale().sqrt();
+        Ok(Box::new(Run {
+            problem,
+            statuses,
+            phase,
+            waiting,
+            rung: self.start_accuracy * scale,
+            scale,
+            best: Best { left, impulses: r0.to_vec() },
+            work: Work::default(),
+        }))
+    }
+}
