@@ -16,7 +16,7 @@ pub struct Residual {
 
 impl Residual {
     /// 0 over a scale of 0 is 0.
-    fn new(absolute: f64, scale: f64) -> Self {
+    pub(crate) fn new(absolute: f64, scale: f64) -> Self {
         Self { absolute, relative: if absolute == 0.0 { 0.0 } else { absolute / scale } }
     }
 }
@@ -61,7 +61,7 @@ pub const ENERGY_ROUND_OFF: f64 = 1e-8;
 const APPROACH: f64 = 1e-6;
 
 /// The share of the terms of a residual below which no scale is (–): 1e-12 of it are 16 units of round-off.
-const TERMS: f64 = 1.0 / 256.0;
+pub(crate) const TERMS: f64 = 1.0 / 256.0;
 
 impl Certificate {
     /// Names and residuals.
@@ -163,7 +163,7 @@ fn term_sizes(problem: &ContactProblem, r: &[f64]) -> Vec<f64> {
 }
 
 /// The residual that is greatest relative to its scale; one that is NaN, if there is one.
-fn worst(residuals: impl Iterator<Item = Residual>) -> Residual {
+pub(crate) fn worst(residuals: impl Iterator<Item = Residual>) -> Residual {
     residuals.fold(Residual::new(0.0, 1.0), |worst, residual| {
         if worst.relative.is_nan() || residual.relative <= worst.relative { worst } else { residual }
     })

@@ -9,9 +9,11 @@ mod constraint;
 mod dual;
 mod interior;
 mod method;
+mod rough;
 
 pub use certificate::{Certificate, ENERGY_ROUND_OFF, ROUND_OFF, Residual, certify};
 pub use method::InteriorPoint;
+pub use rough::{RoughCertificate, RoughSolution, certify_rough, distance, solve_rough, take};
 
 use active_set::ActiveSet;
 use analysis::proves_infeasible;

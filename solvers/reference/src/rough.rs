@@ -1,0 +1,216 @@
+//! Solutions of problems with friction: certified by what they leave of the law, and several, since neither impulses nor
+//! velocities are unique.
+
+use crate::certificate::{Residual, TERMS, worst};
+use active_set::ActiveSet;
+use contact::{
+    ContactProblem, Iteration, Packing, RoughContact, RoughDiscs, Solver, Touch, Truth, Vector, greatest, law,
+};
+use nalgebra::{Vector2, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use std::fmt;
+
+/// What impulses r leave of (1) and Coulomb's law, computed from r and the problem alone. The scales are those of the certificate
+/// without friction: the fastest approach without impulses, and the impulse that stops one contact.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RoughCertificate {
+    /// Greatest max(0, −`v_n`) (m/s).
+    pub approach: Residual,
+    /// Greatest max(0, −`r_n`) (N·s).
+    pub pull: Residual,
+    /// Greatest max(0, |`r_t`| − μ `r_n`): how far outside the cone (N·s).
+    pub cone: Residual,
+    /// Greatest |min(`w_n` `r_n`, `v_n`)| (m/s).
+    pub complementarity: Residual,
+    /// Greatest `w_t` |`r_t` − clip(`r_t` − `v_t`/`w_t`, μ `r_n`)|: what sticks and moves, or slides against too little (m/s).
+    pub sliding: Residual,
+    /// Greatest component of M (V − `V_free`) − H r, moments over the arms (N·s).
+    pub momentum: Residual,
+    /// √(Σ `W_αα` |r − r⁺|²) over √(Σ max(0, −`b_n`)²/`w_n`): all that is left, weighed as energy (√J).
+    pub natural_map: Residual,
+}
+
+/// What a certified solution may leave of each (–).
+const ROUND_OFF: f64 = 1e-12;
+
+impl RoughCertificate {
+    /// Names and residuals.
+    pub fn residuals(&self) -> [(&'static str, Residual); 7] {
+        [
+            ("approach", self.approach),
+            ("pull", self.pull),
+            ("cone", self.cone),
+            ("complementarity", self.complementarity),
+            ("sliding", self.sliding),
+            ("momentum", self.momentum),
+            ("natural_map", self.natural_map),
+        ]
+    }
+
+    /// Whether every one is at most 1e-12.
+    pub fn certified(&self) -> bool {
+        self.worst() <= ROUND_OFF
+    }
+
+    /// The greatest relative residual (–); NaN if one is.
+    pub fn worst(&self) -> f64 {
+        greatest(self.residuals().into_iter().map(|(_, left)| left.relative))
+    }
+}
+
+impl fmt::Display for RoughCertificate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.certified() { "certified" } else { "not certified" })?;
+        for (name, residual) in self.residuals() {
+            write!(f, ", {name} {:.1e}", residual.relative)?;
+        }
+        Ok(())
+    }
+}
+
+/// The certificate of impulses `r` (N·s), a flat list.
+///
+/// # Panics
+/// If there are not two numbers per contact.
+pub fn certify_rough(problem: &ContactProblem<RoughDiscs>, r: &[f64]) -> RoughCertificate {
+    assert_eq!(r.len(), problem.impulse_count(), "two numbers per contact");
+    let (b, w) = (problem.b(), problem.delassus_diagonal());
+    let none = vec![Vector3::zeros(); problem.grain_count()];
+    let (mut velocity, mut resultant, mut v) = (none.clone(), none, vec![0.0; r.len()]);
+    problem.velocity(r, &mut velocity);
+    problem.resultant(r, &mut resultant);
+    problem.relative_velocity(&velocity, &mut v);
+    let approaches = || b.iter().zip(&w).step_by(2).map(|(b, w)| (law::non_negative(-b), w));
+    let (speed, impulse) =
+        (greatest(approaches().map(|(b, _)| b)), greatest(approaches().map(|(b, w)| b / w)));
+    // The terms that V and v are sums of: a residual may be 1/256 of 1e-12 of these, sixteen units of their last digits.
+    let (mut pushes, mut arms) = (vec![0.0; velocity.len()], vec![f64::INFINITY; velocity.len()]);
+    for (k, contact) in problem.contacts().iter().enumerate() {
+        for (grain, arm) in contact.grains().zip(contact.arms.iter()) {
+            pushes[grain as usize] += Vector2::at(r, k).norm();
+            arms[grain as usize] = arm.min(arms[grain as usize]);
+        }
+    }
+    let of_velocity = |grain: u32| {
+        let k = grain as usize;
+        pushes[k] / problem.mass()[k].mass + problem.free_velocity()[k].xy().amax()
+    };
+    let speeds = |contact: &RoughContact| {
+        speed.max(TERMS * (contact.offset.amax() + contact.grains().map(of_velocity).sum::<f64>()))
+    };
+    let momentum = (0..velocity.len()).map(|k| {
+        let (change, mass) = (velocity[k] - problem.free_velocity()[k], problem.mass()[k]);
+        let terms =
+            mass.mass * (velocity[k].xy().amax() + problem.free_velocity()[k].xy().amax()) + pushes[k];
+        let left = (change.xy() * mass.mass - resultant[k].xy()).amax();
+        let turning = (change.z * mass.inertia - resultant[k].z).abs() / arms[k];
+        Residual::new(left.max(turning), impulse.max(TERMS * terms))
+    });
+    let contacts = || {
+        let at = |(k, contact)| (contact, Vector2::at(r, k), Vector2::at(&v, k), Vector2::at(&w, k));
+        problem.contacts().iter().enumerate().map(at)
+    };
+    // W_αα (r − r⁺)
+    let left = |(contact, r, v, w): (&RoughContact, Vector2<f64>, Vector2<f64>, Vector2<f64>)| {
+        (r - contact.admissible(r, v, w)).component_mul(&w)
+    };
+    let squares = contacts().map(|at| left(at).component_div(&at.3).dot(&left(at))).sum::<f64>();
+    RoughCertificate {
+        approach: worst(contacts().map(|at| Residual::new(law::non_negative(-at.2.x), speeds(at.0)))),
+        pull: worst(contacts().map(|at| Residual::new(law::non_negative(-at.1.x), impulse))),
+        cone: worst(contacts().map(|(contact, r, ..)| {
+            let bound = contact.friction * law::non_negative(r.x);
+            Residual::new(law::non_negative(r.y.abs() - bound), impulse.max(TERMS * bound))
+        })),
+        complementarity: worst(contacts().map(|at| Residual::new(left(at).x.abs(), speeds(at.0)))),
+        sliding: worst(contacts().map(|at| Residual::new(left(at).y.abs(), speeds(at.0)))),
+        momentum: worst(momentum),
+        natural_map: Residual::new(squares.sqrt(), problem.scale().sqrt()),
+    }
+}
+
+/// A certified solution of a problem with friction, one of some.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RoughSolution {
+    /// [`r_n`, `r_t`] of each contact, a flat list (N·s).
+    pub impulses: Vec<f64>,
+    /// Their certificate.
+    pub certificate: RoughCertificate,
+}
+
+/// Two solutions are the same if their velocities differ by less than this, over what the impulses change of them (–).
+const SAME: f64 = 1e-8;
+
+/// Iterations of a try to find a solution.
+const MANY: u32 = 300_000;
+
+/// Solutions of `problem` that are different, from r = 0 and from so many other `starts`: impulses drawn within the cones, of up to
+/// twice the size that the problem's scale suggests. If none is certified, the impulses that leave least.
+pub fn solve_rough(problem: &Packing<RoughDiscs>, starts: u64, mut seen: impl FnMut()) -> Vec<RoughSolution> {
+    let mut solutions: Vec<RoughSolution> = Vec::new();
+    for seed in 0..=starts {
+        let found =
+            from(problem, &if seed == 0 { vec![0.0; problem.impulse_count()] } else { drawn(problem, seed) });
+        take(problem, &mut solutions, found);
+        seen();
+    }
+    solutions
+}
+
+/// Adds a solution that is not among them; one that is certified drives out one that is not.
+pub fn take(problem: &Packing<RoughDiscs>, solutions: &mut Vec<RoughSolution>, found: RoughSolution) {
+    let certified = found.certificate.certified();
+    match solutions.first() {
+        Some(best) if !best.certificate.certified() => {
+            if certified || found.certificate.worst() < best.certificate.worst() {
+                *solutions = vec![found];
+            }
+        }
+        Some(_) => {
+            let is_new = |known: &RoughSolution| distance(problem, &known.impulses, &found.impulses) > SAME;
+            if certified && solutions.iter().all(is_new) {
+                solutions.push(found);
+            }
+        }
+        None => solutions.push(found),
+    }
+}
+
+/// ‖V − V′‖_M of two impulses over ‖V − `V_free`‖_M of the first (–).
+pub fn distance(problem: &ContactProblem<RoughDiscs>, r: &[f64], other: &[f64]) -> f64 {
+    let (one, other) = (Truth::new(problem, r), Truth::new(problem, other));
+    let size = problem.velocity_distance(one.velocity(), problem.free_velocity());
+    let apart = problem.velocity_distance(one.velocity(), other.velocity());
+    if apart == 0.0 { 0.0 } else { apart / size }
+}
+
+/// Where the active set ends that begins from impulses `r0` with conjugate gradients.
+fn from(problem: &Packing<RoughDiscs>, r0: &[f64]) -> RoughSolution {
+    let mut impulses = r0.to_vec();
+    let method = ActiveSet { warm: false, ..ActiveSet::default() };
+    let start: Result<Box<dyn Iteration + '_>, _> = Solver::<RoughDiscs>::start(&method, problem, r0);
+    if let Ok(mut run) = start {
+        for _ in 0..MANY {
+            if run.stalled() {
+                break;
+            }
+            run.advance();
+        }
+        run.impulses(&mut impulses);
+    }
+    RoughSolution { certificate: certify_rough(problem, &impulses), impulses }
+}
+
+/// Impulses within the cones, the same for the same seed.
+fn drawn(problem: &Packing<RoughDiscs>, seed: u64) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (b, w) = (problem.b(), problem.delassus_diagonal());
+    let greatest = greatest(b.iter().zip(&w).step_by(2).map(|(b, w)| law::non_negative(-b) / w));
+    let draw = |contact: &RoughContact| {
+        let normal = 2.0 * greatest * random.random::<f64>();
+        [normal, contact.friction * normal * (2.0 * random.random::<f64>() - 1.0)]
+    };
+    problem.contacts().iter().flat_map(draw).collect()
+}
