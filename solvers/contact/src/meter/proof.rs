@@ -14,7 +14,7 @@ use pulp::{Arch, Simd, WithSimd};
 const SHARE: usize = 16;
 
 /// Nearer to the tolerance than this (–), some of [`SHARE`] seldom prove anything: its root, and a margin.
-const FAR: f64 = 5.0;
+pub(crate) const FAR: f64 = 5.0;
 
 /// What a sum over all may be less than that over a part, by round-off (–), with a margin.
 const ROUND_OFF: f64 = 1e-6;

@@ -36,6 +36,28 @@ impl RoughColumn {
         self.friction
     }
 
+    /// H̃ᵗ y of the y of candidate and antagonist; the latter counts for nothing at a wall.
+    #[inline]
+    pub(super) fn between(&self, [i, j]: [Vector3<f64>; 2]) -> Vector2<f64> {
+        let (x, y) = (i.x - self.ratio * j.x, i.y - self.ratio * j.y);
+        let normal = self.normal.x * x + self.normal.y * y;
+        let across = self.normal.x * y - self.normal.y * x;
+        Vector2::new(normal, self.slant * across - (self.arms[0] * i.z + self.arms[1] * j.z))
+    }
+
+    /// What an impulse s does to one of its grains.
+    #[inline]
+    pub(super) fn push_at(&self, grain: u32, s: Vector2<f64>) -> Vector3<f64> {
+        let along = self.slant * s.y;
+        let (x, y) =
+            (self.normal.x * s.x - self.normal.y * along, self.normal.y * s.x + self.normal.x * along);
+        if grain == self.candidate {
+            Vector3::new(x, y, -self.arms[0] * s.y)
+        } else {
+            Vector3::new(-self.ratio * x, -self.ratio * y, -self.arms[1] * s.y)
+        }
+    }
+
     /// h̃ of the normal and of the tangent, at the candidate and at the antagonist: 0 at a wall.
     pub fn at_ends(&self) -> [[Vector3<f64>; 2]; 2] {
         let (n, t) = (self.normal, tangent(self.normal) * self.slant);
@@ -71,11 +93,7 @@ impl Column<RoughDiscs> for RoughColumn {
 
     #[inline]
     fn relative(&self, y: &[Vector3<f64>]) -> Vector2<f64> {
-        let (i, j) = (y[self.candidate as usize], y[self.antagonist as usize]);
-        let (x, y) = (i.x - self.ratio * j.x, i.y - self.ratio * j.y);
-        let normal = self.normal.x * x + self.normal.y * y;
-        let across = self.normal.x * y - self.normal.y * x;
-        Vector2::new(normal, self.slant * across - (self.arms[0] * i.z + self.arms[1] * j.z))
+        self.between([y[self.candidate as usize], y[self.antagonist as usize]])
     }
 
     #[inline]

@@ -1,12 +1,13 @@
-//! Measures an iterate of a problem with friction: all is recomputed from its impulses alone, as without friction, in one loop.
+//! Measures an iterate of a problem with friction: all is recomputed from its impulses alone, in mass-scaled unknowns, in two passes
+//! over the contacts.
 
-use super::{RoughContact, RoughDiscs};
+use super::{RoughColumn, RoughDiscs};
 use crate::adjacency::Adjacency;
 use crate::law;
 use crate::measure::Measure;
 use crate::measures::Measures;
-use crate::mechanics::{Mass, Touch, Vector};
-use crate::meter::proof::{exceeds, least, stride};
+use crate::mechanics::{Column, Mass, Touch, Vector};
+use crate::meter::proof::{FAR, exceeds, least, stride};
 use crate::meter::{Measuring, ratio};
 use crate::problem::ContactProblem;
 use crate::truth::Truth;
@@ -15,32 +16,36 @@ use nalgebra::{Vector2, Vector3};
 /// Measures the iterates of runs on one problem.
 pub struct RoughMeter<'p> {
     problem: &'p ContactProblem<RoughDiscs>,
-    adjacency: Adjacency,
-    /// `W_αα` (1/kg).
-    diagonal: Vec<Vector2<f64>>,
+    columns: Vec<RoughColumn>,
+    /// √`W_αα` (kg^-½).
+    unit: Vec<Vector2<f64>>,
+    /// b/√`W_αα` (√J).
     b: Vec<Vector2<f64>>,
+    adjacency: Adjacency,
     /// [`ContactProblem::scale`] (J).
     scale: f64,
     /// √(Σ b²/`W_αα`) (√J).
     size_of_b: f64,
-    /// V − `V_free` of the iterate measured last (m/s, rad/s).
+    /// M^½ (V − `V_free`) of the iterate measured last (√J).
     pushed: Vec<Vector3<f64>>,
+    /// s = √`W_αα` r of that iterate (√J).
+    s: Vec<Vector2<f64>>,
+    /// The natural map of the iterate measured last.
+    natural_map: f64,
     solutions: Vec<Solution>,
 }
 
 /// A solution that errors are measured with.
 struct Solution {
-    /// V* − `V_free` (m/s, rad/s).
+    /// M^½ (V* − `V_free`) (√J).
     pushed: Vec<Vector3<f64>>,
     /// Its size ‖V* − `V_free`‖_M (√J).
     distance: f64,
 }
 
-/// What the measures are made of.
+/// What the measures beside the natural map are made of.
 #[derive(Default)]
 struct Sums {
-    change: f64,
-    product: f64,
     natural_map: f64,
     dv: f64,
     wr: f64,
@@ -51,13 +56,13 @@ struct Sums {
     energy: f64,
 }
 
-/// `W_αα` (r − r⁺) of both unknowns (m/s), in the form that does not cancel where r is large.
-fn residual(contact: &RoughContact, r: Vector2<f64>, v: Vector2<f64>, w: Vector2<f64>) -> Vector2<f64> {
-    let pressed = w.x * r.x;
-    let normal = if v.x >= pressed { pressed } else { v.x };
-    // r_t − clip(r_t − v_t/w_t, μ r_n): between what leads to either bound.
-    let bound = contact.friction * law::non_negative(r.x);
-    let (to_upper, to_lower) = (w.y * (r.y - bound), w.y * (r.y + bound));
+/// s − s⁺ (√J) of both unknowns, in the form that does not cancel where s is large.
+#[inline]
+fn residual(column: &RoughColumn, s: Vector2<f64>, v: Vector2<f64>) -> Vector2<f64> {
+    let normal = if v.x >= s.x { s.x } else { v.x };
+    // s_t − clip(s_t − v_t, μ s_n): between what leads to either bound.
+    let bound = column.friction() * law::non_negative(s.x);
+    let (to_upper, to_lower) = (s.y - bound, s.y + bound);
     let tangential = if v.y < to_upper {
         to_upper
     } else if v.y > to_lower {
@@ -69,42 +74,57 @@ fn residual(contact: &RoughContact, r: Vector2<f64>, v: Vector2<f64>, w: Vector2
 }
 
 impl RoughMeter<'_> {
-    /// The sums over all contacts of the iterate `r`, from the velocities that it gives to the grains.
-    fn sums(&mut self, before: &[f64], r: &[f64]) -> Sums {
-        let Self { problem, diagonal, b, pushed, .. } = self;
-        problem.resultant(r, pushed);
-        pushed.iter_mut().zip(problem.mass()).for_each(|(v, mass)| *v = mass.divides(*v));
+    /// s, and M^½ (V − `V_free`) = H̃ s.
+    fn push(&mut self, r: &[f64]) {
+        let Self { columns, unit, pushed, s, .. } = self;
+        pushed.fill(Vector3::zeros());
+        let (r, _) = r.as_chunks::<2>();
+        for (((column, unit), r), s) in columns.iter().zip(unit).zip(r).zip(s) {
+            *s = Vector2::from(*r).component_mul(unit);
+            column.push(*s, pushed);
+        }
+    }
+
+    /// The natural map of what was pushed last.
+    fn natural_map(&mut self) -> f64 {
+        let squared = |((column, s), b): ((&RoughColumn, &Vector2<f64>), &Vector2<f64>)| {
+            residual(column, *s, column.relative(&self.pushed) + b).norm_squared()
+        };
+        let sum: f64 = self.columns.iter().zip(&self.s).zip(&self.b).map(squared).sum();
+        self.natural_map = ratio(sum.sqrt(), self.scale.sqrt());
+        self.natural_map
+    }
+
+    /// All sums over the contacts of what was pushed last.
+    fn sums(&self) -> Sums {
         let mut sums = Sums::default();
-        for (k, contact) in problem.contacts().iter().enumerate() {
-            let (r, w, b) = (Vector2::at(r, k), diagonal[k], b[k]);
-            let v = Touch::relative(contact, pushed) + b;
-            let dv = residual(contact, r, v, w);
-            let (wr, wr_plus) = (w.component_mul(&r), w.component_mul(&r) - dv);
-            sums.natural_map += dv.component_div(&w).dot(&dv);
+        for (k, ((column, s), (b, unit))) in
+            self.columns.iter().zip(&self.s).zip(self.b.iter().zip(&self.unit)).enumerate()
+        {
+            let v = column.relative(&self.pushed) + b;
+            let left = residual(column, *s, v);
+            sums.natural_map += left.norm_squared();
+            // DV = W_αα (r⁺ − r) and WR = W_αα r, in m/s.
+            let (dv, wr) = (left.component_mul(unit), s.component_mul(unit));
+            let wr_plus = wr - dv;
             sums.dv += dv.norm_squared();
             sums.wr += 0.5 * (wr.norm_squared() + wr_plus.norm_squared());
             sums.greatest_dv = law::greatest([sums.greatest_dv, dv.norm()].into_iter());
             sums.active += f64::from(u8::from(wr.x + wr_plus.x > 0.0));
-            sums.energy += 0.5 * r.dot(&(v + b));
-            if !(-v.x <= sums.rate) && !sums.rate.is_nan() {
-                (sums.rate, sums.worst) = (-v.x, Some(k));
+            sums.energy += 0.5 * s.dot(&(v + b));
+            let rate = -v.x * unit.x;
+            if !(rate <= sums.rate) && !sums.rate.is_nan() {
+                (sums.rate, sums.worst) = (rate, Some(k));
             }
-        }
-        for (before, r) in before.iter().zip(r) {
-            sums.change += (r - before) * (r - before);
-            sums.product += r * before;
         }
         sums
     }
 
-    /// ‖V − V*‖_M / ‖V* − `V_free`‖_M of the nearest solution; NaN if none is known.
+    /// ‖V − V*‖_M / ‖V* − `V_free`‖_M of the nearest solution, of what was pushed last; NaN if none is known.
     fn velocity_error(&self) -> f64 {
         let error = |solution: &Solution| {
-            let squared = |((v, known), mass): ((&Vector3<f64>, &Vector3<f64>), &super::RoughMass)| {
-                mass.squared(v - known)
-            };
-            let sum: f64 =
-                self.pushed.iter().zip(&solution.pushed).zip(self.problem.mass()).map(squared).sum();
+            let pairs = self.pushed.iter().zip(&solution.pushed);
+            let sum: f64 = pairs.map(|(y, known)| (y - known).norm_squared()).sum();
             ratio(sum.sqrt(), solution.distance)
         };
         self.solutions.iter().map(error).reduce(f64::min).unwrap_or(f64::NAN)
@@ -112,30 +132,24 @@ impl RoughMeter<'_> {
 
     /// The natural map's term of a contact whose grains are looked at alone (J).
     fn alone(&self, k: usize, r: &[f64]) -> f64 {
-        let contact = &self.problem.contacts()[k];
-        let pushed = |grain: u32| {
-            let push = |k: &u32| {
-                let k = *k as usize;
-                let around = &self.problem.contacts()[k];
-                around.at_ends(Vector2::at(r, k))[usize::from(around.candidate != grain)]
-            };
-            let resultant = self.adjacency.around(grain as usize).iter().map(push).sum();
-            self.problem.mass()[grain as usize].divides(resultant)
+        let s = |k: usize| Vector2::at(r, k).component_mul(&self.unit[k]);
+        let column = &self.columns[k];
+        let [i, j] = column.places();
+        let pushed = |grain: u32| -> Vector3<f64> {
+            let around = self.adjacency.around(grain as usize).iter();
+            around.map(|k| self.columns[*k as usize].push_at(grain, s(*k as usize))).sum()
         };
-        let i = pushed(contact.candidate);
-        let v = contact.between(i, contact.antagonist.map(pushed)) + self.b[k];
-        let (r, w) = (Vector2::at(r, k), self.diagonal[k]);
-        let dv = residual(contact, r, v, w);
-        dv.component_div(&w).dot(&dv)
+        let y = [pushed(i), if i == j { Vector3::zeros() } else { pushed(j) }];
+        residual(column, s(k), column.between(y) + self.b[k]).norm_squared()
     }
 
     /// No |q(r)|, and no natural map's sum, is above this (J): λmax(W_D⁻¹ W) is at most its trace.
     fn energy_at_most(&self, r: &[f64]) -> f64 {
-        let squared: f64 = self
-            .diagonal
+        let (pairs, _) = r.as_chunks::<2>();
+        let squared: f64 = pairs
             .iter()
-            .enumerate()
-            .map(|(k, w)| Vector2::at(r, k).component_mul(w).dot(&Vector2::at(r, k)))
+            .zip(&self.unit)
+            .map(|(r, unit)| Vector2::from(*r).component_mul(unit).norm_squared())
             .sum();
         let s = r.len() as f64 * squared.sqrt() + self.size_of_b;
         2.0 * s * s
@@ -144,18 +158,23 @@ impl RoughMeter<'_> {
 
 impl<'p> Measuring<'p, RoughDiscs> for RoughMeter<'p> {
     fn new(problem: &'p ContactProblem<RoughDiscs>) -> Self {
-        let pairs =
-            |list: &[f64]| (0..problem.contact_count()).map(|k| Vector2::at(list, k)).collect::<Vec<_>>();
-        let (diagonal, b) = (pairs(&problem.delassus_diagonal()), pairs(&problem.b()));
-        let size: f64 = b.iter().zip(&diagonal).map(|(b, w)| b.component_div(w).dot(b)).sum();
+        let inverse_mass = |grain: u32| problem.mass()[grain as usize].inverse(1.0);
+        let column = |contact| RoughColumn::new(contact, Touch::ends(contact), inverse_mass, true);
+        let (columns, unit): (Vec<_>, Vec<Vector2<f64>>) = problem.contacts().iter().map(column).unzip();
+        let b = problem.b();
+        let b: Vec<Vector2<f64>> =
+            unit.iter().enumerate().map(|(k, unit)| Vector2::at(&b, k).component_div(unit)).collect();
         Self {
             problem,
             adjacency: Adjacency::of(problem),
             scale: problem.scale(),
-            size_of_b: size.sqrt(),
+            size_of_b: b.iter().map(|b| b.norm_squared()).sum::<f64>().sqrt(),
             pushed: vec![Vector3::zeros(); problem.grain_count()],
+            s: vec![Vector2::zeros(); columns.len()],
+            natural_map: f64::INFINITY,
             solutions: Vec::new(),
-            diagonal,
+            columns,
+            unit,
             b,
         }
     }
@@ -163,8 +182,11 @@ impl<'p> Measuring<'p, RoughDiscs> for RoughMeter<'p> {
     fn against(mut self, truth: &Truth<RoughDiscs>) -> Self {
         let (problem, velocity) = (self.problem, truth.velocity());
         assert_eq!(velocity.len(), problem.grain_count(), "one true velocity per grain");
+        let scaled = |((v, free), mass): ((&Vector3<f64>, &Vector3<f64>), &super::RoughMass)| {
+            mass.root().times(v - free)
+        };
         self.solutions.push(Solution {
-            pushed: velocity.iter().zip(problem.free_velocity()).map(|(v, free)| v - free).collect(),
+            pushed: velocity.iter().zip(problem.free_velocity()).zip(problem.mass()).map(scaled).collect(),
             distance: problem.velocity_distance(problem.free_velocity(), velocity),
         });
         self
@@ -175,10 +197,12 @@ impl<'p> Measuring<'p, RoughDiscs> for RoughMeter<'p> {
     }
 
     fn measure_after(&mut self, before: &[f64], r: &[f64], velocity_jump: f64) -> Measures {
-        let sums = self.sums(before, r);
+        self.push(r);
+        let sums = self.sums();
+        self.natural_map = ratio(sums.natural_map.sqrt(), self.scale.sqrt());
         Measures {
-            zeta: if sums.product > 0.0 { (sums.change / sums.product).sqrt() } else { f64::NAN },
-            natural_map: ratio(sums.natural_map.sqrt(), self.scale.sqrt()),
+            zeta: zeta(before, r),
+            natural_map: self.natural_map,
             penetration_rate: sums.rate,
             worst_contact: sums.worst,
             quad_dv: ratio(sums.dv.sqrt(), sums.wr.sqrt()),
@@ -194,21 +218,29 @@ impl<'p> Measuring<'p, RoughDiscs> for RoughMeter<'p> {
         self.energy_at_most(r) <= energy.min(f64::MAX)
             && match on {
                 Measure::NaturalMap => {
-                    let contacts = self.problem.contact_count();
-                    exceeds(contacts, stride(contacts), least(tolerance, self.scale), |k| self.alone(k, r))
-                        || ratio(self.sums(&[], r).natural_map.sqrt(), self.scale.sqrt()) > tolerance
+                    let contacts = self.columns.len();
+                    let bound = least(tolerance, self.scale);
+                    self.natural_map > FAR * tolerance
+                        && exceeds(contacts, stride(contacts), bound, |k| self.alone(k, r))
+                        || {
+                            self.push(r);
+                            self.natural_map() > tolerance
+                        }
                 }
                 Measure::VelocityError => {
-                    self.sums(&[], r);
+                    self.push(r);
                     self.velocity_error() > tolerance
                 }
-                Measure::Zeta => {
-                    let pairs = || before.iter().zip(r);
-                    let product: f64 = pairs().map(|(before, r)| r * before).sum();
-                    let change: f64 = pairs().map(|(before, r)| (r - before) * (r - before)).sum();
-                    !((change / product).sqrt() <= tolerance) || product <= 0.0
-                }
+                Measure::Zeta => !(zeta(before, r) <= tolerance),
                 Measure::PenetrationRate | Measure::QuadDv | Measure::MaxDv => false,
             }
     }
+}
+
+/// √(|r − before|²/(rᵗ before)); NaN from r = 0.
+fn zeta(before: &[f64], r: &[f64]) -> f64 {
+    let pairs = || before.iter().zip(r);
+    let product: f64 = pairs().map(|(before, r)| r * before).sum();
+    let change: f64 = pairs().map(|(before, r)| (r - before) * (r - before)).sum();
+    if product > 0.0 { (change / product).sqrt() } else { f64::NAN }
 }
