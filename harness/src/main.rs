@@ -151,6 +151,8 @@ enum Command {
     Report(report::Args),
     /// Draw one chart of the newest stored study of a plan, into reports/out/PLAN-CHART
     Figure(report::FigureArgs),
+    /// Print a table of the newest stored study of a plan, or some columns and rows of it, for a paper or a program
+    Table(report::TableArgs),
     /// Write an HTML page that replays how methods, or a stored run, converge on a problem
     View(view::Args),
     /// Join the runs of other stores of a plan to its own
@@ -196,6 +198,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
         Command::Plan(args) => show::run(&root, &args)?,
         Command::Report(args) => report::run(&root, &args)?,
         Command::Figure(args) => report::figure(&root, &args)?,
+        Command::Table(args) => report::table(&root, &args)?,
         Command::View(args) => in_the_pool(|| view::run(&root, &args))?,
         Command::Merge(args) => return merge::run(&root, &args),
         Command::Regress(args) => return regress::regress(&root, &args),

@@ -4,6 +4,7 @@ mod failures;
 mod fill;
 mod found;
 mod part;
+mod pick;
 mod rows;
 mod table;
 
@@ -11,6 +12,7 @@ pub(crate) use failures::failures;
 pub use fill::fill;
 pub(crate) use found::found;
 pub(crate) use part::{File, Kind, Part, Table, chosen, frame, nothing, too_many};
+pub use pick::{Pick, TableFormat};
 pub(crate) use rows::rows;
 pub use rows::summary;
 #[cfg(test)]
