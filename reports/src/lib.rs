@@ -62,7 +62,7 @@ pub fn report(
     let rows = text::rows(&study)?;
     chapters.push(Chapter::new(rows.name.clone(), vec![rows]));
     let mut files =
-        vec![File::new("index.html".to_owned(), page::page(&study, &chapters, about)?)];
+        vec![File::new("index.html".to_owned(), page::page(&study, &chapters, about, wanted.formats)?)];
     let parts: Vec<&Part> = chapters.iter().flat_map(|chapter| &chapter.parts).collect();
     let of_parts = parts.par_iter().map(|part| part.files(wanted.formats));
     files.extend(of_parts.collect::<Result<Vec<_>, _>>()?.into_iter().flatten());

@@ -1,5 +1,6 @@
 //! Tables, sentences and templates: what a report says in words and numbers.
 
+mod answer;
 mod failures;
 mod fill;
 mod found;
@@ -8,6 +9,7 @@ mod pick;
 mod rows;
 mod table;
 
+pub(crate) use answer::answer;
 pub(crate) use failures::failures;
 pub use fill::fill;
 pub(crate) use found::found;
