@@ -42,10 +42,8 @@ impl Pick<'_> {
         }
         let columns = self.columns.iter().map(|name| self.column(from, name).cloned());
         let columns: Vec<Column> = columns.collect::<Result<_, _>>()?;
-        let wanted = match columns.is_empty() {
-            true => from.shown.clone(),
-            false => DataFrame::new(from.all.height(), columns)?,
-        };
+        let wanted =
+            if columns.is_empty() { from.shown.clone() } else { DataFrame::new(from.all.height(), columns)? };
         let wanted = wanted.filter(&BooleanChunked::from_slice("chosen".into(), &rows))?;
         match self.format {
             TableFormat::Csv => table::csv(&wanted),
