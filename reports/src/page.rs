@@ -157,9 +157,9 @@ fn answered(study: &Study, sections: &[Section]) -> Vec<String> {
     if let Some(section) = sections.iter().find(is_answer) {
         return section.sentences.clone();
     }
-    let asks = |chart: &&str| sections.iter().any(|section| section.name == **chart);
+    let asks = |chart: &str| sections.iter().any(|section| section.name == chart);
     let of_rows = match study {
-        Study::Problems(study) => answer(study, OF_SUBDOMAINS.iter().any(|chart| asks(&chart))),
+        Study::Problems(study) => answer(study, OF_SUBDOMAINS.iter().any(|chart| asks(chart))),
         Study::Simulations(_) => Vec::new(),
     };
     let of_charts = || sections.iter().flat_map(|section| &section.sentences).take(1).cloned().collect();

@@ -70,9 +70,9 @@ impl Frames {
             let mut bytes = Vec::new();
             grid.into_vtk().write_xml(&mut bytes).with_context(|| file.clone())?;
             write_whole(&self.folder.join(&file), &String::from_utf8(bytes)?)?;
-            lines += &format!(
+            lines.extend([format!(
                 "    <DataSet timestep=\"{time}\" part=\"{part}\" name=\"{name}\" file=\"{file}\"/>\n"
-            );
+            )]);
         }
         // In place of the closing tags, in one write with them.
         lines += TAIL;
@@ -109,7 +109,9 @@ impl Elements {
         self.values.push(Attribute::scalars(name, 1).with_data(values));
     }
 
-    fn indices(&mut self, name: &str, values: Vec<i32>) {
+    /// Where there is none, −1.
+    fn indices(&mut self, name: &str, values: impl IntoIterator<Item = Option<u32>>) {
+        let values: Vec<i64> = values.into_iter().map(|value| value.map_or(-1, i64::from)).collect();
         self.values.push(Attribute::scalars(name, 1).with_data(values));
     }
 
@@ -151,20 +153,18 @@ fn grains(march: &March, solved: Solved, split: Option<&Partition>) -> Elements 
     // Of a method without subdomains all is in one; before the first contacts, and without contact, a grain is in none.
     let (subdomain, copies) = match (solved, split) {
         (Some((time_step, _)), Some(split)) => {
-            let subdomain = subdomain_of_grains(&time_step.frozen, split);
-            let subdomain = subdomain.into_iter().map(|e| e.map_or(-1, |e| e as i32)).collect();
             let copies = Decomposition::new(&time_step.frozen.problem, split).multiplicity;
-            (subdomain, copies.into_iter().map(|copies| copies.max(1) as i32).collect())
+            (subdomain_of_grains(&time_step.frozen, split), copies)
         }
-        (Some(_), None) => (vec![0; count], vec![1; count]),
-        (None, _) => (vec![-1; count], vec![1; count]),
+        (Some(_), None) => (vec![Some(0); count], vec![1; count]),
+        (None, _) => (vec![None; count], vec![1; count]),
     };
-    elements.indices("grain", (0..count as i32).collect());
+    elements.indices("grain", (0..count as u32).map(Some));
     elements.numbers("radius_m", march.grains().map(|(radius, ..)| radius).collect());
     elements.numbers("mass_kg", march.mass().to_vec());
     elements.vectors("velocity_m_per_s", march.grains().map(|(_, _, velocity)| velocity));
     elements.indices("subdomain", subdomain);
-    elements.indices("multiplicity", copies);
+    elements.indices("multiplicity", copies.into_iter().map(|copies| Some(copies.max(1))));
     elements
 }
 
@@ -181,17 +181,16 @@ fn contacts(march: &March, solved: Solved, split: Option<&Partition>) -> Element
         elements.add(from);
         elements.add(contact.antagonist.map_or_else(wall, |j| grains[j as usize].1));
     }
-    let subdomain =
-        split.map_or(vec![0; list.len()], |split| split.subdomain.iter().map(|e| *e as i32).collect());
+    let subdomain = split.map_or_else(|| vec![0; list.len()], |split| split.subdomain.clone());
     let antagonist = list.iter().map(|contact| contact.antagonist);
-    elements.indices("contact", (0..list.len() as i32).collect());
-    elements.indices("candidate", list.iter().map(|contact| contact.candidate as i32).collect());
-    elements.indices("antagonist", antagonist.clone().map(|j| j.map_or(-1, |j| j as i32)).collect());
-    elements.indices("wall", antagonist.map(|j| i32::from(j.is_none())).collect());
+    elements.indices("contact", (0..list.len() as u32).map(Some));
+    elements.indices("candidate", list.iter().map(|contact| Some(contact.candidate)));
+    elements.indices("antagonist", antagonist.clone());
+    elements.indices("wall", antagonist.map(|j| Some(u32::from(j.is_none()))));
     elements.numbers("impulse_n_s", r.to_vec());
     elements.numbers("gap_m", gap.to_vec());
     elements.vectors("normal", list.iter().map(|contact| contact.normal));
-    elements.indices("subdomain", subdomain);
+    elements.indices("subdomain", subdomain.into_iter().map(Some));
     elements
 }
 
@@ -201,11 +200,11 @@ fn walls(march: &March) -> Elements {
     let walls = march.walls();
     walls.iter().flat_map(|(_, ends)| ends).for_each(|end| elements.add(*end));
     let number = |side: &Side| match side {
-        Side::Floor => 0,
-        Side::Left => 1,
-        Side::Right => 2,
-        Side::Grain(_) => -1,
+        Side::Floor => Some(0),
+        Side::Left => Some(1),
+        Side::Right => Some(2),
+        Side::Grain(_) => None,
     };
-    elements.indices("wall", walls.iter().map(|(side, _)| number(side)).collect());
+    elements.indices("wall", walls.iter().map(|(side, _)| number(side)));
     elements
 }

@@ -28,7 +28,7 @@ fn page(name: &str) -> String {
 fn generated(page: &str) -> (String, usize) {
     let (mut made, mut blocks, mut lines) = (String::new(), 0, page.lines());
     while let Some(line) = lines.next() {
-        made += &format!("{line}\n");
+        made.extend([line, "\n"]);
         let inner = line.strip_prefix("<!-- gravel ").and_then(|rest| rest.strip_suffix(" -->"));
         if let Some(args) = inner {
             let args: Vec<&str> = args.split_whitespace().collect();

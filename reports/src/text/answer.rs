@@ -87,11 +87,11 @@ fn more_subdomains(runs: &[RunRow], method: &str) -> Option<String> {
     );
     // Where it was reached with both numbers of subdomains.
     if let Some(zeta) = span(to_zeta.iter().copied()).filter(|_| to_zeta.len() == pairs) {
-        sentence += &format!(", and {} to ζ ≤ 10⁻⁴", more(zeta));
+        sentence.extend([", and ", &more(zeta), " to ζ ≤ 10⁻⁴"]);
     }
-    sentence += &format!(" ({})", counted(on.len(), "problem"));
+    sentence.extend([" (", &counted(on.len(), "problem"), ")"]);
     if failed > 0 {
-        sentence += &format!("; {} more did not converge with {most}", counted(failed, "run"));
+        sentence.extend([format!("; {} more did not converge with {most}", counted(failed, "run"))]);
     }
     Some(sentence + ".")
 }
