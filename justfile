@@ -56,9 +56,19 @@ figures plan="paper":
 view problem="shear-box-991-sheared":
     cargo run --release -- view {{problem}}
 
-# The paper's section 5 against our runs: every run, figure and number of reports/giens2009.md from nothing
+# The paper's section 5 against our runs: every run, figure and number of reports/giens2009.md from nothing; and, where LaTeX is
+# installed, reports/paper.tex with a figure and a table of them
 paper: readme
     cargo run --release -- report paper --png --pdf --fill reports/giens2009.md.in
+    .ci/paper
+
+# Write what is generated in the READMEs anew: plans with their counts, charts, keys of files
+documents:
+    UPDATE_DOCUMENTS=1 cargo test --package harness --test gravel documents
+
+# Run every command of the README, in a copy of the checkout
+try-readme:
+    .ci/readme
 
 # Draw the figure of the README anew
 readme: bench

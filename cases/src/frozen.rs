@@ -32,40 +32,68 @@ pub struct Frozen<M: Mechanics = Discs> {
 
 const FORMAT: &str = "gravel/contact-problem/1";
 
-/// The file, key by key.
+/// The contact problem of one time step: v − W r = b, 0 ≤ v ⊥ r ≥ 0. Units are SI.
 #[derive(JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
+    /// `"gravel/contact-problem/1"`.
+    #[schemars(extend("const" = FORMAT))]
     format: String,
+    /// Name of the problem: files are named after it, so it has no `/`, `\` or `:`, and does not start with a dot.
     name: String,
+    /// Where the problem comes from, in a sentence.
     source: String,
+    /// Time step h (s), positive.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     time_step: f64,
+    /// The grains, numbered from 0: each key is a list with one value per grain.
     grains: Grains,
+    /// The contacts: each key is a list with one value per contact.
     contacts: Contacts,
 }
 
 #[derive(JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Grains {
+    /// Mass (kg), positive.
     mass: Vec<f64>,
+    /// Radius (m), positive. Methods do not read it: it is for drawings.
     radius: Vec<f64>,
+    /// Mass centre `[x, y]` (m), x to the right, y upwards. Partitions and some orders of contacts read it.
     position: Vec<[f64; 2]>,
+    /// Velocity `[x, y]` at the end of the time step if no contact acted (m/s): a grain at rest under gravity g has
+    /// `[0, -g h]`.
     free_velocity: Vec<[f64; 2]>,
 }
 
 #[derive(JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Contacts {
+    /// Number of the candidate grain, from 0.
     candidate: Vec<u32>,
+    /// Number of the antagonist grain, from 0; `null` for a wall.
     antagonist: Vec<Option<u32>>,
+    /// Unit vector `[x, y]` from the antagonist to the candidate (–): `[0, 1]` for a grain on a floor. A positive impulse
+    /// pushes the candidate along it, and the antagonist the other way.
     normal: Vec<[f64; 2]>,
+    /// c (m/s), in v = n · (V_candidate − V_antagonist) + c ≥ 0: positive lets the contact close that fast. 0 where two grains
+    /// touch; gap/h to let a gap close within the time step; plus −n · V_wall for a wall that moves with V_wall, so negative
+    /// where the wall comes closer.
     offset: Vec<f64>,
+    /// Distance between the two surfaces (m): positive where they are apart, negative where they overlap. Methods do not
+    /// read it: what it does to the problem is in `offset`.
     gap: Vec<f64>,
+    /// Impulse to start from (N·s), zero or positive: that of the time step before, for `--start warm`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     start: Vec<f64>,
 }
 
 impl Frozen {
+    /// The JSON schema of the file, with the meaning and sign of each key.
+    pub fn schema() -> Value {
+        crate::schema::<File>()
+    }
+
     /// Reads a file of format `gravel/contact-problem/1`.
     ///
     /// # Errors

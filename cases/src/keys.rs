@@ -11,19 +11,27 @@ pub fn schema<T: JsonSchema>() -> Value {
     SchemaGenerator::new(settings).into_root_schema_for::<T>().to_value()
 }
 
-/// The `error` of whoever tried to read a `T` from `content`; or, if that is what is wrong, all keys that it lacks, and what
-/// in it is no table.
+/// The `error` of whoever tried to read a `T` from `content`. If what is wrong are its keys: all that it lacks, all that in it
+/// should be a table, and the first that has no meaning, so that nobody has to try once for each.
 pub fn all_missing<T: JsonSchema>(content: &impl Serialize, error: String) -> String {
     let Ok(content) = serde_json::to_value(content) else { return error };
     let mut lacks = Lacks::default();
     lacks.look(&schema::<T>(), &content, "");
-    let key_is_missing = error.contains("missing field");
-    match (lacks.tables.as_slice(), lacks.keys.as_slice()) {
-        ([], [key]) if key_is_missing => format!("missing key `{key}`"),
-        ([], keys @ [_, ..]) if key_is_missing => format!("missing keys: `{}`", keys.join("`, `")),
-        ([table, ..], _) => table.clone(),
-        _ => error,
+    let missing = match lacks.keys.as_slice() {
+        [] => None,
+        [key] => Some(format!("missing key `{key}`")),
+        keys => Some(format!("missing keys: `{}`", keys.join("`, `"))),
+    };
+    let mut wrong = lacks.tables;
+    let is_unknown = error.contains("unknown field");
+    if is_unknown {
+        wrong.insert(0, error.trim_end().to_owned());
+    } else if wrong.is_empty() && !error.contains("missing field") {
+        return error;
     }
+    wrong.extend(missing);
+    wrong.extend(lacks.unknown.filter(|_| !is_unknown));
+    wrong.join("; ")
 }
 
 #[derive(Default)]
@@ -31,6 +39,8 @@ struct Lacks {
     keys: Vec<String>,
     /// What should have been a table, in words.
     tables: Vec<String>,
+    /// The first key that is none, in the words of serde.
+    unknown: Option<String>,
 }
 
 impl Lacks {
@@ -76,8 +86,13 @@ impl Lacks {
         let required = list("required").iter().filter_map(Value::as_str);
         self.keys.extend(required.filter(|key| !table.contains_key(*key)).map(at));
         for (key, value) in table {
-            if let Some(schema) = properties.get(key) {
-                self.look(schema, value, &at(key));
+            match properties.get(key) {
+                Some(schema) => self.look(schema, value, &at(key)),
+                None if schema["additionalProperties"] == false && self.unknown.is_none() => {
+                    let known = properties.keys().map(String::as_str).collect::<Vec<_>>().join("`, `");
+                    self.unknown = Some(format!("unknown field `{key}`, expected one of `{known}`"));
+                }
+                None => {}
             }
         }
     }

@@ -82,6 +82,38 @@ impl March {
         self.radius.iter().zip(&self.position).zip(&self.velocity).map(|((r, q), v)| (*r, *q, *v))
     }
 
+    /// Mass of each grain (kg).
+    pub fn mass(&self) -> &[f64] {
+        &self.mass
+    }
+
+    /// The walls as they stand, to be drawn: each a segment from end to end (m), the floor from left to right, side walls
+    /// from their feet to as high as the highest grain. A floor alone is as wide as the grains.
+    pub fn walls(&self) -> Vec<(Side, [Vector2<f64>; 2])> {
+        let Some(walls) = &self.scene.walls else { return Vec::new() };
+        let [floor, left, right] = walls.at(self.done as f64 * self.scene.time_step_s);
+        let reach = |along: Vector2<f64>| {
+            let reaches = self.position.iter().zip(&self.radius).map(|(q, r)| along.dot(q) + r);
+            reaches.fold(f64::NEG_INFINITY, f64::max)
+        };
+        let mut segments = Vec::new();
+        if let Some(floor) = floor {
+            let at = |x| Vector2::new(x, floor.foot.y);
+            let ends = left.zip(right).map(|(left, right)| [left.foot, right.foot]);
+            segments
+                .push((Side::Floor, ends.unwrap_or([at(-reach(-Vector2::x())), at(reach(Vector2::x()))])));
+        }
+        for (side, wall) in [(Side::Left, left), (Side::Right, right)] {
+            if let Some(wall) = wall {
+                // Along the wall, upwards.
+                let up = Vector2::new(-wall.normal.y, wall.normal.x) * wall.normal.x.signum();
+                let height = (reach(up) - up.dot(&wall.foot)).max(0.0);
+                segments.push((side, [wall.foot, wall.foot + up * height]));
+            }
+        }
+        segments
+    }
+
     /// The contact problem of the next time step.
     ///
     /// # Errors

@@ -103,7 +103,7 @@ pub(crate) struct Wall {
     /// Unit normal into the box (–).
     pub(crate) normal: Vector2<f64>,
     /// A point of the wall: its foot (m).
-    foot: Vector2<f64>,
+    pub(crate) foot: Vector2<f64>,
 }
 
 impl Walls {
@@ -114,7 +114,7 @@ impl Walls {
     }
 
     /// Floor, left and right wall as they stand at `time` (s).
-    fn at(&self, time: f64) -> [Option<Wall>; 3] {
+    pub(crate) fn at(&self, time: f64) -> [Option<Wall>; 3] {
         let foot = self.vibration.as_ref().map_or(Vector2::zeros(), |vibration| vibration.displacement(time));
         let angle = self.tilt_rate_rad_per_s * (time - self.tilt_start_s).max(0.0);
         let (sin, cos) = (libm::sin(angle), libm::cos(angle));

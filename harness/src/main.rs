@@ -6,6 +6,7 @@ mod cli {
     pub(crate) mod bench;
     pub(crate) mod certify;
     pub(crate) mod freeze;
+    mod keys;
     pub(crate) mod list;
     pub(crate) mod merge;
     pub(crate) mod plan;
@@ -110,7 +111,7 @@ mod terminal {
     mod tests;
 
     pub(crate) use output::{
-        check_place, create_folder_of, merged, read_text, replaces, say, write_kept, write_whole,
+        check_place, create_folder_of, merged, read_text, replaces, say, say_table, write_kept, write_whole,
     };
     pub(crate) use progress::{Bars, Line};
 }
@@ -134,7 +135,8 @@ struct Cli {
     /// Threads that methods may use [default: one per processor]; results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = few)]
     threads: Option<std::num::NonZeroUsize>,
-    /// The checkout with cases/ and harness/plans/ [default: the current folder or one above it]
+    /// The checkout, with cases/ and harness/plans/ [default: the current folder or one above it]; problems and cases
+    /// given by path need none
     #[arg(long, global = true, value_name = "DIR")]
     root: Option<PathBuf>,
     #[command(subcommand)]
@@ -151,6 +153,8 @@ enum Command {
     Report(report::Args),
     /// Draw one chart of the newest stored study of a plan, into reports/out/PLAN-CHART
     Figure(report::FigureArgs),
+    /// Print a table of the newest stored study of a plan, or some columns and rows of it, for a paper or a program
+    Table(report::TableArgs),
     /// Write an HTML page that replays how methods, or a stored run, converge on a problem
     View(view::Args),
     /// Join the runs of other stores of a plan to its own
@@ -170,9 +174,9 @@ enum Command {
     /// March a case through time
     #[command(after_help = exit::HELP)]
     Simulate(simulate::Args),
-    /// List what there is: cases, methods or plans
+    /// List what there is: cases, problems, methods, plans or charts
     List(list::Args),
-    /// Print the JSON schema of plans or cases, with which an editor completes and checks them
+    /// Print the JSON schema of plans, cases or problems: every key with its meaning; editors complete and check with it
     Schema(schema::Args),
 }
 
@@ -192,14 +196,15 @@ fn run(cli: Cli) -> Result<ExitCode> {
     }
     let root = problems::Root::find(cli.root)?;
     match cli.command {
-        Command::Bench(args) => return bench::run(&root, &args),
-        Command::Plan(args) => show::run(&root, &args)?,
-        Command::Report(args) => report::run(&root, &args)?,
-        Command::Figure(args) => report::figure(&root, &args)?,
+        Command::Bench(args) => return bench::run(root.needed()?, &args),
+        Command::Plan(args) => show::run(root.needed()?, &args)?,
+        Command::Report(args) => report::run(root.needed()?, &args)?,
+        Command::Figure(args) => report::figure(root.needed()?, &args)?,
+        Command::Table(args) => report::table(root.needed()?, &args)?,
         Command::View(args) => in_the_pool(|| view::run(&root, &args))?,
-        Command::Merge(args) => return merge::run(&root, &args),
-        Command::Regress(args) => return regress::regress(&root, &args),
-        Command::Bless(args) => return regress::bless(&root, &args),
+        Command::Merge(args) => return merge::run(root.needed()?, &args),
+        Command::Regress(args) => return regress::regress(root.needed()?, &args),
+        Command::Bless(args) => return regress::bless(root.needed()?, &args),
         Command::Solve(args) => return in_the_pool(|| solve::run(&root, &args)),
         Command::Certify(args) => return certify::run(&root, &args),
         Command::Freeze(args) => in_the_pool(|| freeze::run(&root, &args))?,

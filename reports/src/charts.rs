@@ -33,6 +33,8 @@ pub(crate) use against::parts as against;
 #[derive(Clone, Copy)]
 pub struct Chart {
     name: &'static str,
+    makes: &'static str,
+    shows: &'static str,
     parts: Parts,
 }
 
@@ -47,20 +49,90 @@ enum Parts {
 
 /// All kinds, in the order in which help names them.
 const CHARTS: &[Chart] = &[
-    Chart { name: "convergence", parts: Parts::Problems(convergence::parts) },
-    Chart { name: "sample", parts: Parts::Problems(sample::parts) },
-    Chart { name: "directions", parts: Parts::Problems(directions::parts) },
-    Chart { name: "work-precision", parts: Parts::Problems(work_precision::parts) },
-    Chart { name: "truth", parts: Parts::Problems(truth::parts) },
-    Chart { name: "profiles", parts: Parts::Problems(profiles::parts) },
-    Chart { name: "subdomains", parts: Parts::Problems(subdomains::parts) },
-    Chart { name: "weak", parts: Parts::Problems(weak::parts) },
-    Chart { name: "size", parts: Parts::Problems(size::parts) },
-    Chart { name: "relaxation", parts: Parts::Problems(relaxation::parts) },
-    Chart { name: "critical-path", parts: Parts::Problems(critical_path::parts) },
-    Chart { name: "atlas", parts: Parts::Problems(atlas::parts) },
-    Chart { name: "trajectory", parts: Parts::Simulations(trajectory::parts) },
-    Chart { name: "atlas-in-time", parts: Parts::Simulations(atlas_in_time::parts) },
+    Chart {
+        name: "convergence",
+        makes: "`convergence-<problem>`; `convergence` if a page holds all",
+        shows: "ζ and the natural map against iterations, every run",
+        parts: Parts::Problems(convergence::parts),
+    },
+    Chart {
+        name: "sample",
+        makes: "`sample-<problem>-<partition>`",
+        shows: "grains by subdomain, boundary grains, walls, chains of impulses",
+        parts: Parts::Problems(sample::parts),
+    },
+    Chart {
+        name: "directions",
+        makes: "`directions-<problem>`, `directions`; `derived-direction` if κ_d follows κ_l",
+        shows: "iterations over (κ_l, κ_d), the best and the derived ones marked; the best and the derived κ_l against the number of grains",
+        parts: Parts::Problems(directions::parts),
+    },
+    Chart {
+        name: "work-precision",
+        makes: "`work-precision-<problem>`, `work-precision`",
+        shows: "velocity error against seconds and counted work, the Pareto front; of more than twelve runs the first of each method in colour, the others grey; who is first to 10⁻², 10⁻⁴, 10⁻⁶",
+        parts: Parts::Problems(work_precision::parts),
+    },
+    Chart {
+        name: "truth",
+        makes: "`truth-<problem>`, `truth`",
+        shows: "ζ, the natural map and LMGC90's norm against the velocity error: where they promise too much; a curve that goes up and down is a band with its median",
+        parts: Parts::Problems(truth::parts),
+    },
+    Chart {
+        name: "profiles",
+        makes: "`profiles-seconds`, `profiles-sweeps`, `profiles`",
+        shows: "performance profiles over ten problems or more, of fewer the table alone: which method for which accuracy",
+        parts: Parts::Problems(profiles::parts),
+    },
+    Chart {
+        name: "subdomains",
+        makes: "`subdomains-<problem>`, `subdomains`",
+        shows: "iterations, and seconds of one, against the number of subdomains",
+        parts: Parts::Problems(subdomains::parts),
+    },
+    Chart {
+        name: "weak",
+        makes: "`weak`",
+        shows: "iterations, the longest subdomain and time against the number of subdomains, as many grains in each",
+        parts: Parts::Problems(weak::parts),
+    },
+    Chart {
+        name: "size",
+        makes: "`size`",
+        shows: "iterations to 10⁻² and to the tolerance, seconds, work against the number of grains, with exponents fitted to three sizes or more and slopes to compare with",
+        parts: Parts::Problems(size::parts),
+    },
+    Chart {
+        name: "relaxation",
+        makes: "`relaxation`, `relaxation-found`",
+        shows: "iterations against the relaxation ω, every problem; the best of each, and the best fixed one over all",
+        parts: Parts::Problems(relaxation::parts),
+    },
+    Chart {
+        name: "critical-path",
+        makes: "`critical-path-<problem>`, `critical-path`",
+        shows: "speed-up by subdomains on the same axes: counted on the longest of them, and measured; the ideal",
+        parts: Parts::Problems(critical_path::parts),
+    },
+    Chart {
+        name: "atlas",
+        makes: "`atlas`, `atlas-<method>`, `atlas-counts`",
+        shows: "the class of every run over hazards, methods and settings; a sentence for each region that fails, with the spectral reason where one is known",
+        parts: Parts::Problems(atlas::parts),
+    },
+    Chart {
+        name: "trajectory",
+        makes: "`trajectory-<scene>`, `trajectory`",
+        shows: "errors of the trajectory beside the reference against seconds per simulated second; what the time step alone costs",
+        parts: Parts::Simulations(trajectory::parts),
+    },
+    Chart {
+        name: "atlas-in-time",
+        makes: "`atlas-in-time`",
+        shows: "which simulations stay stable, jitter, creep or explode: methods and rules against scenes and time steps",
+        parts: Parts::Simulations(atlas_in_time::parts),
+    },
 ];
 
 impl Chart {
@@ -83,6 +155,16 @@ impl Chart {
     /// Its name in plans and on the command line.
     pub fn name(self) -> &'static str {
         self.name
+    }
+
+    /// The figures and tables that it makes, in Markdown.
+    pub fn makes(self) -> &'static str {
+        self.makes
+    }
+
+    /// What they show, in a sentence.
+    pub fn shows(self) -> &'static str {
+        self.shows
     }
 
     /// Nothing of a study of the other kind.

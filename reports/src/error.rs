@@ -18,6 +18,16 @@ pub enum ReportError {
     /// A template is none, or asks for what is not there.
     #[error("the template: {0}")]
     Template(String),
+    /// A table, or a column of it, that is not there.
+    #[error("no {what} `{name}`: there are {}", known.join(", "))]
+    Unknown {
+        /// What was asked for, in words.
+        what: String,
+        /// Its name.
+        name: String,
+        /// What there is.
+        known: Vec<String>,
+    },
     /// A file or folder cannot be written or replaced.
     #[error("{path}: {source}")]
     File {

@@ -21,11 +21,11 @@ pub use charts::{Chart, UnknownChart};
 pub use draw::Formats;
 pub use error::ReportError;
 pub use page::{About, Snapshots, made, view};
-pub use text::{fill, summary};
+pub use text::{Pick, TableFormat, fill, summary};
 
 use page::{Chapter, replace};
 use read::Study;
-use text::{File, Part};
+use text::{File, Kind, Part};
 
 /// What a report is made of.
 #[derive(Clone, Copy, Debug)]
@@ -61,11 +61,36 @@ pub fn report(
     chapters.extend(charts.collect::<Vec<_>>());
     let rows = text::rows(&study)?;
     chapters.push(Chapter::new(rows.name.clone(), vec![rows]));
-    let mut files = vec![File::new("index.html".to_owned(), page::page(&study, &chapters, about)?)];
+    let mut files =
+        vec![File::new("index.html".to_owned(), page::page(&study, &chapters, about, wanted.formats)?)];
     let parts: Vec<&Part> = chapters.iter().flat_map(|chapter| &chapter.parts).collect();
     let of_parts = parts.par_iter().map(|part| part.files(wanted.formats));
     files.extend(of_parts.collect::<Result<Vec<_>, _>>()?.into_iter().flatten());
     replace(&files, out)
+}
+
+/// Some columns and rows of a table that [`report`] makes of a study.
+///
+/// # Errors
+///
+/// Names a table or column that is not there, with those that are.
+pub fn table(study: &Stored, charts: &[Chart], pick: Pick) -> Result<String, ReportError> {
+    let study = Study::from(study);
+    let mut parts = vec![text::rows(&study)?];
+    // The table of all runs is the one that is asked for most, and needs no chart.
+    if parts[0].name != pick.table {
+        parts.extend(charts.iter().flat_map(|chart| chart.parts(&study)));
+    }
+    let mut known = Vec::new();
+    for part in &parts {
+        match &part.kind {
+            Kind::Table(table) if part.name == pick.table => return pick.of(table),
+            Kind::Table(_) => known.push(part.name.clone()),
+            Kind::Figure(_) | Kind::Text(_) => {}
+        }
+    }
+    let (what, name) = ("table of this study".to_owned(), pick.table.to_owned());
+    Err(ReportError::Unknown { what, name, known })
 }
 
 /// Draws the figures and tables of one chart, as [`report`] does, without a page.

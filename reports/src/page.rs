@@ -13,9 +13,10 @@ use results::schema::{ContactRow, GrainRow};
 use serde::Serialize;
 
 use crate::charts::Chart;
+use crate::draw::Formats;
 use crate::error::ReportError;
 use crate::read::{Scenes, Study, file_name, scenes};
-use crate::text::{Kind, Part, failures, found};
+use crate::text::{Kind, Part, answer, failures, found};
 pub use folder::made;
 pub(crate) use folder::replace;
 use provenance::{Origin, provenance};
@@ -32,6 +33,8 @@ pub struct About {
     pub why: String,
     /// The arguments of `gravel bench` that run it.
     pub bench: String,
+    /// Where the tables of its rows are, seen from its page.
+    pub rows: String,
     /// The arguments of `gravel report` and `gravel figure` that draw it, where they can.
     pub draw: Option<String>,
 }
@@ -39,35 +42,73 @@ pub struct About {
 /// Parts that belong together.
 pub(crate) struct Chapter {
     name: String,
-    /// Whether `gravel figure` draws it.
-    is_chart: bool,
+    /// The chart that `gravel figure` draws; none of a table of runs.
+    chart: Option<Chart>,
     pub(crate) parts: Vec<Part>,
 }
 
 impl Chapter {
     pub(crate) fn new(name: impl Into<String>, parts: Vec<Part>) -> Self {
-        Self { name: name.into(), is_chart: false, parts }
+        Self { name: name.into(), chart: None, parts }
     }
 
     pub(crate) fn of_chart(chart: Chart, study: &Study) -> Self {
-        Self { name: chart.name().to_owned(), is_chart: true, parts: chart.parts(study) }
+        Self { name: chart.name().to_owned(), chart: Some(chart), parts: chart.parts(study) }
     }
 }
 
 #[derive(Serialize)]
 struct Section {
     name: String,
+    title: String,
     command: Option<String>,
-    /// Names and drawings.
-    figures: Vec<(String, String)>,
-    /// Figures that the viewer takes the place of.
-    files: Vec<String>,
-    tables: Vec<Rows>,
+    figures: Vec<Figure>,
+    /// Figures that show what another does, or the viewer: files alone.
+    files: Vec<Links>,
+    tables: Vec<Table>,
     sentences: Vec<String>,
 }
 
+#[derive(Serialize)]
+struct Figure {
+    caption: String,
+    svg: String,
+    links: Links,
+}
+
+#[derive(Serialize)]
+struct Table {
+    rows: Rows,
+    links: Links,
+}
+
+/// A part with the files that it has beside the page: their endings and formats.
+#[derive(Serialize)]
+struct Links {
+    name: String,
+    formats: Vec<(&'static str, &'static str)>,
+}
+
+impl Links {
+    fn of_figure(name: &str, formats: Formats) -> Self {
+        let mut links = vec![("svg", "SVG")];
+        links.extend(formats.pdf.then_some(("pdf", "PDF")));
+        links.extend(formats.png.then_some(("png", "PNG")));
+        Self { name: name.to_owned(), formats: links }
+    }
+
+    fn of_table(name: &str) -> Self {
+        Self { name: name.to_owned(), formats: vec![("csv", "CSV"), ("md", "Markdown"), ("tex", "LaTeX")] }
+    }
+}
+
 /// The page of a study.
-pub(crate) fn page(study: &Study, chapters: &[Chapter], about: &About) -> Result<String, ReportError> {
+pub(crate) fn page(
+    study: &Study,
+    chapters: &[Chapter],
+    about: &About,
+    formats: Formats,
+) -> Result<String, ReportError> {
     let (viewer, origins): (_, Vec<Origin>) = match study {
         Study::Problems(study) => (
             Viewer::of(study),
@@ -84,15 +125,23 @@ pub(crate) fn page(study: &Study, chapters: &[Chapter], about: &About) -> Result
         ),
     };
     let shown = |figure: &str| viewer.samples.iter().any(|sample| sample_of(figure, &sample.problem));
-    let sections = chapters.iter().map(|chapter| section(chapter, about, &shown));
-    let sections: Vec<Section> = sections.collect::<Result<_, _>>()?;
+    let sections = chapters.iter().map(|chapter| section(chapter, about, formats, &shown));
+    let mut sections: Vec<Section> = sections.collect::<Result<_, _>>()?;
+    let answer = answered(study, &sections);
+    // What the viewer shows has its place there, and nothing is left for a section.
+    let empty = |s: &Section| s.figures.is_empty() && s.tables.is_empty() && s.sentences.is_empty();
+    let of_viewer: Vec<Section> = sections.extract_if(.., |section| empty(section)).collect();
+    let of_viewer: Vec<Links> = of_viewer.into_iter().flat_map(|section| section.files).collect();
     let failed = Rows::of("failures", &failures(study), "")?;
     let provenance = Rows::of("provenance", &provenance(&origins), "")?;
     render(
         "page.html",
         &viewer,
         context! {
-            about => context! { name => &about.name, why => &about.why, bench => &about.bench },
+            about => context! { name => &about.name, why => &about.why, bench => &about.bench, rows => &about.rows },
+            through_time => matches!(study, Study::Simulations(_)),
+            answer,
+            of_viewer => Serde(&of_viewer),
             found => found(study),
             sections => Serde(&sections),
             failed => Serde(&failed),
@@ -100,6 +149,25 @@ pub(crate) fn page(study: &Study, chapters: &[Chapter], about: &About) -> Result
         },
     )
 }
+
+/// The answer to the question of the study: the words of a chart that is one, else from its rows, or else the first sentence of
+/// its charts.
+fn answered(study: &Study, sections: &[Section]) -> Vec<String> {
+    let is_answer = |section: &&Section| section.name == "relaxation" && !section.sentences.is_empty();
+    if let Some(section) = sections.iter().find(is_answer) {
+        return section.sentences.clone();
+    }
+    let asks = |chart: &str| sections.iter().any(|section| section.name == chart);
+    let of_rows = match study {
+        Study::Problems(study) => answer(study, OF_SUBDOMAINS.iter().any(|chart| asks(chart))),
+        Study::Simulations(_) => Vec::new(),
+    };
+    let of_charts = || sections.iter().flat_map(|section| &section.sentences).take(1).cloned().collect();
+    if of_rows.is_empty() { of_charts() } else { of_rows }
+}
+
+/// The charts of studies that ask what subdomains cost.
+const OF_SUBDOMAINS: [&str; 4] = ["convergence", "subdomains", "weak", "critical-path"];
 
 /// A page with the viewer alone: the sample of one problem of its `grains` and `contacts`, and runs on it.
 ///
@@ -145,14 +213,20 @@ fn sample_of(figure: &str, problem: &str) -> bool {
     figure.starts_with(&format!("sample-{}-", file_name(problem)))
 }
 
-fn section(chapter: &Chapter, about: &About, shown: &dyn Fn(&str) -> bool) -> Result<Section, ReportError> {
+fn section(
+    chapter: &Chapter,
+    about: &About,
+    formats: Formats,
+    shown: &dyn Fn(&str) -> bool,
+) -> Result<Section, ReportError> {
     let command = || match &about.draw {
         Some(study) => format!("gravel figure {} {study}", chapter.name),
         None => format!("gravel bench {}", about.bench),
     };
     let mut section = Section {
         name: chapter.name.clone(),
-        command: chapter.is_chart.then(command),
+        title: sentence(&chapter.name.replace('-', " ")),
+        command: chapter.chart.map(|_| command()),
         figures: Vec::new(),
         files: Vec::new(),
         tables: Vec::new(),
@@ -160,9 +234,13 @@ fn section(chapter: &Chapter, about: &About, shown: &dyn Fn(&str) -> bool) -> Re
     };
     for part in &chapter.parts {
         match &part.kind {
-            Kind::Figure(_) if shown(&part.name) => section.files.push(format!("{}.svg", part.name)),
+            Kind::Figure(_) if shown(&part.name) || !part.on_page => {
+                section.files.push(Links::of_figure(&part.name, formats));
+            }
             Kind::Figure(svg) => {
-                section.figures.push((part.name.clone(), inline(svg, &part.name)));
+                let caption = caption(chapter, &part.name);
+                let (svg, links) = (inline(svg, &caption), Links::of_figure(&part.name, formats));
+                section.figures.push(Figure { caption, svg, links });
             }
             Kind::Table(table) => {
                 let mut shown = table.shown.clone();
@@ -170,7 +248,8 @@ fn section(chapter: &Chapter, about: &About, shown: &dyn Fn(&str) -> bool) -> Re
                 if let Ok(id) = table.all.column("id") {
                     shown.with_column(id.clone())?;
                 }
-                section.tables.push(Rows::of(&part.name, &shown, &table.note)?);
+                let rows = Rows::of(&part.name, &shown, &table.note)?;
+                section.tables.push(Table { rows, links: Links::of_table(&part.name) });
             }
             Kind::Text(text) => {
                 let lines = text.lines().filter(|line| !line.is_empty());
@@ -181,8 +260,27 @@ fn section(chapter: &Chapter, about: &About, shown: &dyn Fn(&str) -> bool) -> Re
     Ok(section)
 }
 
+/// A text with its first letter large.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|first| first.to_uppercase().to_string());
+    first.unwrap_or_default() + letters.as_str()
+}
+
+/// What a figure shows, and of what.
+fn caption(chapter: &Chapter, name: &str) -> String {
+    // What follows a semicolon is in its tables and sentences.
+    let shows = chapter.chart.map(|chart| chart.shows().split(';').next().unwrap_or_default());
+    let (shows, of) = match (shows, name.strip_prefix(&chapter.name)) {
+        (Some(shows), Some(of)) => (shows.to_owned(), of.trim_start_matches('-')),
+        _ => (name.replace('-', " "), ""),
+    };
+    if of.is_empty() { sentence(&shows) + "." } else { format!("{of}: {shows}.") }
+}
+
 /// A figure in a page: it takes the width that it is given, and has a name for who cannot see it.
 fn inline(svg: &str, name: &str) -> String {
+    let name = name.replace('&', "&amp;").replace('"', "&quot;").replace('<', "&lt;");
     let Some((head, rest)) = svg.split_once('>') else { return svg.to_owned() };
     let view = head.split_once("viewBox=").map_or("", |(_, view)| view);
     format!(r#"<svg role="img" aria-label="{name}" stroke-linejoin="round" viewBox={view}>{rest}"#)

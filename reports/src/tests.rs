@@ -52,7 +52,14 @@ fn study() -> Runs {
 
 pub(crate) fn about() -> About {
     let again = "paper".to_owned();
-    About { name: "paper".into(), why: "What <it> asks.".into(), bench: again.clone(), draw: Some(again) }
+    let rows = "../../../results/runs/paper".into();
+    About {
+        name: "paper".into(),
+        why: "What <it> asks.".into(),
+        bench: again.clone(),
+        rows,
+        draw: Some(again),
+    }
 }
 
 #[test]

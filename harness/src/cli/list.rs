@@ -1,58 +1,109 @@
 //! `gravel list`: what there is.
 
+use crate::cli::args::StudyArgs;
+use crate::cli::plan::runs;
 use crate::cli::schema::takes;
 use crate::plan::{METHODS, Plan};
 use crate::problems::{Kind, Root, size, stem};
-use crate::terminal::say;
+use crate::terminal::{say, say_table};
 use anyhow::Result;
 use cases::{Case, Frozen};
 use clap::ValueEnum;
+use reports::Chart;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// What to list
     what: What,
+    /// As a table of Markdown, plans with their numbers of runs: those of the READMEs
+    #[arg(long)]
+    markdown: bool,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum What {
-    /// Cases, and the problems that were frozen from them
+    /// Cases: scenes that `solve` takes a time step of, and `simulate` all
     Cases,
+    /// Frozen problems: the contact problem of one time step, as a file
+    Problems,
     /// Methods, with their settings and defaults
     Methods,
-    /// Plans
+    /// Plans: studies for `bench`
     Plans,
+    /// Charts: what a plan may ask for under `charts`, and `gravel figure` draws
+    Charts,
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    match args.what {
-        What::Cases => {
-            say(format_args!("cases"))?;
-            for path in root.all(Kind::Case)? {
-                say(format_args!("  {:<24}{}", stem(&path), Case::read(&path, &[])?.why))?;
-            }
-            say(format_args!("frozen problems"))?;
-            for path in root.all(Kind::Frozen)? {
-                let frozen = Frozen::read(&path)?;
-                say(format_args!("  {:<24}{}", stem(&path), size(&frozen.problem)))?;
-            }
+    let (headings, rows) = match args.what {
+        What::Methods if !args.markdown => return say_methods(),
+        What::Methods => (vec!["method", "is"], methods()),
+        What::Charts => (vec!["chart", "figures and tables", "shows"], charts()),
+        What::Cases => (vec!["case", "is"], cases(root.needed()?)?),
+        What::Problems => (vec!["problem", "has", "comes from"], problems(root.needed()?)?),
+        What::Plans => (vec!["plan", "asks", "runs"], plans(root.needed()?, args.markdown)?),
+    };
+    if args.markdown {
+        return say_table(&headings, &rows);
+    }
+    for row in rows {
+        // The files of a chart matter to who looks for one.
+        let words = if matches!(args.what, What::Charts) { &row[2..] } else { &row[1..] };
+        say(format_args!("{:<24}{}", row[0].trim_matches('`'), words.join("; ")))?;
+    }
+    Ok(())
+}
+
+fn code(name: &str) -> String {
+    format!("`{name}`")
+}
+
+fn methods() -> Vec<Vec<String>> {
+    METHODS.iter().map(|entry| vec![code(entry.name), entry.what.to_owned()]).collect()
+}
+
+fn charts() -> Vec<Vec<String>> {
+    let row = |chart: &Chart| vec![code(chart.name()), chart.makes().to_owned(), chart.shows().to_owned()];
+    Chart::all().iter().map(row).collect()
+}
+
+fn cases(root: &Root) -> Result<Vec<Vec<String>>> {
+    let row = |path| Ok(vec![code(&stem(path)), Case::read(path, &[])?.why]);
+    root.all(Kind::Case)?.iter().map(|path| row(path)).collect()
+}
+
+fn problems(root: &Root) -> Result<Vec<Vec<String>>> {
+    let mut rows = Vec::new();
+    for path in root.all(Kind::Frozen)? {
+        let frozen = Frozen::read(&path)?;
+        rows.push(vec![code(&stem(&path)), size(&frozen.problem), frozen.source]);
+    }
+    Ok(rows)
+}
+
+/// With their numbers of runs if `counted`.
+fn plans(root: &Root, counted: bool) -> Result<Vec<Vec<String>>> {
+    let mut rows = Vec::new();
+    for path in root.all(Kind::Plan)? {
+        let name = stem(&path);
+        let mut row = vec![code(&name), Plan::read(&path, false)?.why];
+        if counted {
+            row.push(runs(root, StudyArgs::plan(&name, false).selection(root)?)?.to_string());
         }
-        What::Methods => {
-            for entry in METHODS {
-                say(format_args!("{:<16}{}", entry.name, entry.what))?;
-                let settings = entry.settings();
-                for (key, default) in entry.defaults()? {
-                    let default = if default.is_null() { "none".to_owned() } else { default.to_string() };
-                    let setting = &settings[&key];
-                    say(format_args!("  {key} = {default}: {}", takes(setting)))?;
-                    say(format_args!("      {}", setting["description"].as_str().unwrap_or_default()))?;
-                }
-            }
-        }
-        What::Plans => {
-            for path in root.all(Kind::Plan)? {
-                say(format_args!("{:<20}{}", stem(&path), Plan::read(&path, false)?.why))?;
-            }
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+fn say_methods() -> Result<()> {
+    for entry in METHODS {
+        say(format_args!("{:<16}{}", entry.name, entry.what))?;
+        let settings = entry.settings();
+        for (key, default) in entry.defaults()? {
+            let default = if default.is_null() { "none".to_owned() } else { default.to_string() };
+            let setting = &settings[&key];
+            say(format_args!("  {key} = {default}: {}", takes(setting)))?;
+            say(format_args!("      {}", setting["description"].as_str().unwrap_or_default()))?;
         }
     }
     Ok(())

@@ -26,15 +26,24 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     for note in &selection.notes {
         say(format_args!("  {note}"))?;
     }
-    let (rows, left_s) = if selection.plan.through_time() {
-        listed::<ThroughTime>(root, selection)?
-    } else {
-        listed::<OnProblems>(root, selection)?
-    };
+    let (rows, left_s) = all(root, selection)?;
     if !args.count {
         say_runs(&rows)?;
     }
     say_counts(&rows, left_s)
+}
+
+/// The number of runs of a plan, those included that others are compared with.
+pub(crate) fn runs(root: &Root, selection: Selection) -> Result<usize> {
+    all(root, selection).map(|(rows, _)| rows.len())
+}
+
+fn all(root: &Root, selection: Selection) -> Result<(Vec<Listed>, Option<f64>)> {
+    if selection.plan.through_time() {
+        listed::<ThroughTime>(root, selection)
+    } else {
+        listed::<OnProblems>(root, selection)
+    }
 }
 
 /// The tasks, and how long the missing ones may take (s).

@@ -1,12 +1,13 @@
-//! `gravel report` and `gravel figure`: tables and figures of the newest stored study of a plan, without running it.
+//! `gravel report`, `gravel figure` and `gravel table`: tables and figures of the newest stored study of a plan, without
+//! running it.
 
 use crate::cli::args::PlanArgs;
-use crate::plan::Plan;
+use crate::plan::{Plan, key_value};
 use crate::problems::Root;
 use crate::store::{about, draw, runs_folder};
-use crate::terminal::{say, write_whole};
+use crate::terminal::{check_place, say, write_whole};
 use anyhow::{Context, Result, bail};
-use reports::{Chart, Formats, Wanted};
+use reports::{Chart, Formats, Pick, TableFormat, Wanted};
 use results::store::{read, tables_folder};
 use results::study::Study as Rows;
 use std::path::{Path, PathBuf};
@@ -33,6 +34,24 @@ pub(crate) struct FigureArgs {
     study: PlanArgs,
     #[command(flatten)]
     formats: FormatArgs,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct TableArgs {
+    /// The table: the name of its files in the report
+    #[arg(default_value = "iterations")]
+    table: String,
+    #[command(flatten)]
+    study: PlanArgs,
+    /// Its columns in this order, by their names in the CSV file [default: those that the page shows]
+    #[arg(long, value_name = "A,B,…", value_delimiter = ',')]
+    columns: Vec<String>,
+    /// Only rows whose value matches, such as method=nsgs* or iterations=1??; of several, all must hold
+    #[arg(long, value_name = "COLUMN=PATTERN", value_parser = key_value)]
+    rows: Vec<(String, String)>,
+    /// Write it to FILE, whose ending says the format: .tex, .csv or .md [default: Markdown on standard output]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
 }
 
 /// Formats of figures on the command line.
@@ -90,6 +109,37 @@ pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
     draw(root, &name, &stored, args.formats.formats(), |formats, out| {
         Ok(reports::figure(&read(&stored)?, args.chart, formats, out)?)
     })
+}
+
+/// One table, in part.
+pub(crate) fn table(root: &Root, args: &TableArgs) -> Result<()> {
+    let TableArgs { table, study, columns, rows, output } = args;
+    let format = match output {
+        None => TableFormat::Markdown,
+        Some(file) => {
+            check_place(file)?;
+            format_of(file)?
+        }
+    };
+    let plan = Plan::read(&study.path(root)?, study.quick)?;
+    let pick = Pick { table, columns, rows, format };
+    let text = reports::table(&read(&stored(root, &plan)?)?, &plan.charts(), pick)?;
+    match output {
+        None => say(format_args!("{}", text.trim_end())),
+        Some(file) => {
+            write_whole(file, &text)?;
+            say(format_args!("{}", file.display()))
+        }
+    }
+}
+
+fn format_of(file: &Path) -> Result<TableFormat> {
+    match file.extension().and_then(|ending| ending.to_str()) {
+        Some("tex") => Ok(TableFormat::Latex),
+        Some("csv") => Ok(TableFormat::Csv),
+        Some("md") => Ok(TableFormat::Markdown),
+        _ => bail!("--output {}: the name of a table ends in .tex, .csv or .md", file.display()),
+    }
 }
 
 /// The folder of the study of `plan`.

@@ -1,10 +1,11 @@
-//! `gravel schema`: JSON schemas of plans and cases, for editors; and what a setting takes, in words.
+//! `gravel schema`: JSON schemas of plans, cases and problems, for editors; and what a setting takes, in words.
 
+use crate::cli::keys;
 use crate::plan::{Entry, METHODS, Plan, PlannedMethod};
-use crate::terminal::say;
+use crate::terminal::{say, say_table};
 use anyhow::Result;
-use cases::Case;
 pub(crate) use cases::schema as of;
+use cases::{Case, Frozen};
 use clap::ValueEnum;
 use serde_json::{Map, Value, json};
 
@@ -12,6 +13,9 @@ use serde_json::{Map, Value, json};
 pub(crate) struct Args {
     /// What the schema describes
     what: What,
+    /// The keys as a table of Markdown: what each takes, whether it may be left out, and what it means
+    #[arg(long)]
+    markdown: bool,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -20,13 +24,19 @@ enum What {
     Plan,
     /// cases/*.toml
     Case,
+    /// cases/frozen/*.json: the file of a contact problem
+    Problem,
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     let schema = match args.what {
         What::Plan => plan(),
         What::Case => of::<Case>(),
+        What::Problem => Frozen::schema(),
     };
+    if args.markdown {
+        return say_table(&["key", "takes", "means"], &keys::rows(&schema));
+    }
     say(format_args!("{}", serde_json::to_string_pretty(&schema)?))
 }
 

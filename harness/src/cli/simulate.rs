@@ -1,7 +1,7 @@
 //! `gravel simulate`: a case through time, with what the scene shows of itself.
 
 use crate::cli::args::{CaseArgs, SolverArgs};
-use crate::plan::Rule;
+use crate::plan::{Method, Rule};
 use crate::problems::{Root, read_case};
 use crate::run::{End, Frames, Seen, missed, observed, through_time};
 use crate::terminal::{check_place, exit, merged, progress, say, write_whole};
@@ -27,7 +27,8 @@ pub(crate) struct Args {
     /// Write the observables of every time step to FILE, as CSV, each row as soon as its time step has ended
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write frames for ParaView to FOLDER: grains with radius and velocity, contacts with impulse; open its .pvd
+    /// Write frames for ParaView to FOLDER, the initial state first: grains, contacts and walls as a .vtu each; open its
+    /// .pvd
     #[arg(long, value_name = "FOLDER")]
     vtk: Option<PathBuf>,
     /// A frame for every K-th time step
@@ -66,7 +67,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let mut march = March::new(&case)?;
     let rule = Rule { stop, warm_start: !args.cold };
     exit::listen_for_interrupts()?;
-    let mut kept = Kept::new(args, &case)?;
+    let mut kept = Kept::new(args, &case, &method)?;
+    if let Some(frames) = &mut kept.frames {
+        frames.begin(&march)?;
+    }
     if !args.json {
         say(format_args!("{HEADING}"))?;
     }
@@ -114,8 +118,9 @@ struct Kept {
 }
 
 impl Kept {
-    fn new(args: &Args, case: &Case) -> Result<Self> {
-        let frames = args.vtk.as_ref().map(|folder| Frames::new(folder, &case.name)).transpose()?;
+    fn new(args: &Args, case: &Case, method: &Method) -> Result<Self> {
+        let frames = |folder: &PathBuf| Frames::new(folder, &case.name, method.partition());
+        let frames = args.vtk.as_ref().map(frames).transpose()?;
         let begin = |path: &PathBuf| -> Result<File> {
             let file = File::create_new(path);
             file.and_then(|mut file| writeln!(file, "{COLUMNS}").map(|()| file))
@@ -132,7 +137,7 @@ impl Kept {
             file.write_all(line(seen, &row).as_bytes()).with_context(|| path.display().to_string())?;
         }
         if let Some(frames) = self.frames.as_mut().filter(|_| k.is_multiple_of(args.every.get())) {
-            frames.add(row.time_s, seen.march, seen.time_step, &seen.outcome.impulses)?;
+            frames.add(row.time_s, seen.march, Some((seen.time_step, &seen.outcome.impulses)))?;
         }
         // Ten lines on the terminal, whatever the length.
         let shown_every = (args.time_steps / 10).max(1);

@@ -59,7 +59,8 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let shown = args.shown(root)?;
     let Shown { frozen, stored, variants, .. } = &shown;
     let name = stored.as_ref().map_or(&frozen.name, |record| &record.run.id);
-    let default = || root.join("reports/out").join(format!("view-{name}.html"));
+    let file = format!("view-{name}.html");
+    let default = || root.kept("reports/out", &file).unwrap_or_else(|| file.clone().into());
     let page = args.output.clone().unwrap_or_else(default);
     if args.output.is_none() {
         create_folder_of(&page)?;

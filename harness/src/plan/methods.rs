@@ -4,6 +4,7 @@ use crate::identity::code_version;
 use crate::terminal::suggest;
 use anyhow::{Context, Result, anyhow, bail};
 use contact::Solver;
+use partition::{Grid, Scheme};
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -102,6 +103,16 @@ impl Method {
             }
         }
         Self::new(self.name, settings)
+    }
+
+    /// What cuts the problem into subdomains, where the method does that.
+    pub(crate) fn partition(&self) -> Option<(Grid, Scheme)> {
+        self.setting("subdomains").zip(self.setting("partition"))
+    }
+
+    /// A setting, where the method has one of that name and type.
+    pub(crate) fn setting<T: DeserializeOwned>(&self, key: &str) -> Option<T> {
+        self.settings.get(key).and_then(|value| T::deserialize(value).ok())
     }
 }
 

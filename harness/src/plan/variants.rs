@@ -3,10 +3,8 @@
 use crate::plan::{Method, Plan, Settings, combinations};
 use crate::terminal::suggest;
 use anyhow::{Context, Result, bail};
-use partition::{Grid, Scheme};
 use schemars::JsonSchema;
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
@@ -45,16 +43,6 @@ impl Variant {
     /// Method and variant, as a figure names them.
     pub(crate) fn label(&self) -> String {
         format!("{} {}", self.method.name, self.name).trim_end().to_owned()
-    }
-
-    /// What cuts the problem into subdomains, where the method does that.
-    pub(crate) fn partition(&self) -> Option<(Grid, Scheme)> {
-        self.setting("subdomains").zip(self.setting("partition"))
-    }
-
-    /// A setting, where the method has one of that name and type.
-    pub(crate) fn setting<T: DeserializeOwned>(&self, key: &str) -> Option<T> {
-        self.method.settings.get(key).and_then(|value| T::deserialize(value).ok())
     }
 }
 

@@ -5,8 +5,10 @@ use anyhow::{Context, Result, bail};
 use contact::ContactProblem;
 use std::path::{Path, PathBuf};
 
-/// The checkout.
-pub(crate) struct Root(PathBuf);
+/// The checkout, if there is one: a problem, a case or a schema needs none.
+pub(crate) struct Root(Option<PathBuf>);
+
+const NO_CHECKOUT: &str = "no folder from here up holds cases/frozen and harness/plans: run gravel in its checkout, or give --root DIR";
 
 /// What a file holds.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -17,7 +19,7 @@ pub(crate) enum Kind {
 }
 
 impl Root {
-    /// The folder of `--root`, or the nearest one above the current folder that holds cases and plans.
+    /// The folder of `--root`, or the nearest one from the current folder up that holds cases and plans.
     pub(crate) fn find(given: Option<PathBuf>) -> Result<Self> {
         let is_root =
             |folder: &Path| folder.join("cases/frozen").is_dir() && folder.join("harness/plans").is_dir();
@@ -25,28 +27,42 @@ impl Root {
             if !is_root(&folder) {
                 bail!("--root {}: this folder has no cases/frozen and harness/plans", folder.display());
             }
-            return Ok(Self(folder));
+            return Ok(Self(Some(folder)));
         }
         // A relative path keeps what is printed short.
         let mut folder = PathBuf::from(".");
         for _ in std::env::current_dir()?.ancestors() {
             if is_root(&folder) {
-                return Ok(Self(folder.strip_prefix(".").map_or(folder.clone(), Path::to_owned)));
+                return Ok(Self(Some(folder.strip_prefix(".").map_or(folder.clone(), Path::to_owned))));
             }
             folder.push("..");
         }
-        bail!(
-            "no folder from here up holds cases/frozen and harness/plans: run gravel in its checkout, or give --root DIR"
-        )
+        Ok(Self(None))
     }
 
-    /// A path inside the checkout.
+    /// Itself, for what only a checkout has.
+    pub(crate) fn needed(&self) -> Result<&Self> {
+        if self.0.is_none() {
+            bail!("{NO_CHECKOUT}");
+        }
+        Ok(self)
+    }
+
+    /// A path inside the checkout, or else from the current folder.
     pub(crate) fn join(&self, path: &str) -> PathBuf {
-        self.0.join(path)
+        self.0.as_deref().unwrap_or(Path::new("")).join(path)
+    }
+
+    /// The file for what is kept in a folder of the checkout to save time; nothing is kept elsewhere.
+    pub(crate) fn kept(&self, folder: &str, file: &str) -> Option<PathBuf> {
+        self.0.as_ref().map(|root| root.join(folder).join(file))
     }
 
     /// Paths of all files of a kind, by name.
     pub(crate) fn all(&self, kind: Kind) -> Result<Vec<PathBuf>> {
+        if self.0.is_none() {
+            return Ok(Vec::new());
+        }
         let (_, folder, ending) = kind.words();
         let folder = self.join(folder);
         let mut paths = Vec::new();
@@ -116,6 +132,9 @@ fn typed(name: &str, what: &str, known: &[PathBuf]) -> Result<PathBuf> {
     // What is there and cannot be reached, such as a link to itself, is not a wrong name.
     if let (Ok(_), Err(error)) = (path.symlink_metadata(), path.metadata()) {
         bail!("{name}: it cannot be read: {error}");
+    }
+    if known.is_empty() {
+        bail!("no {what} `{name}`: it is no file, and {NO_CHECKOUT}");
     }
     let names: Vec<String> = known.iter().map(|path| stem(path)).collect();
     let what = format!("no {what} `{name}`, and no file of that path seen from the current folder");

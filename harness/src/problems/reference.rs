@@ -104,14 +104,15 @@ pub(crate) fn known(root: &Root, frozen: &Frozen) -> Result<Known> {
 
 /// The reference of a problem, kept or computed.
 pub(crate) fn answer(root: &Root, frozen: &Frozen) -> Result<Answer> {
-    let path = root.join("results/references").join(content_hash(frozen)).with_extension("json");
-    if path.exists() {
-        match read(&path, &frozen.problem) {
+    let kept = root.kept("results/references", &format!("{}.json", content_hash(frozen)));
+    if let Some(path) = kept.as_deref().filter(|path| path.exists()) {
+        match read(path, &frozen.problem) {
             Ok(answer) => return Ok(answer),
             Err(error) => eprintln!("{error:#}: computed again"),
         }
     }
     let answer = reference::solve(&frozen.problem);
+    let Some(path) = kept else { return Ok(answer) };
     let kept = match &answer {
         Answer::Solution { impulses, .. } => Kept::Impulses(impulses.clone()),
         Answer::Infeasible { ray } => Kept::Ray(ray.clone()),

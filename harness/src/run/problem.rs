@@ -32,6 +32,7 @@ pub(crate) fn run_on_problem(
         variant: variant.name.clone(),
         // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
         subdomains: variant
+            .method
             .partition()
             .map_or(1, |(grid, _)| u32::try_from(grid.count()).unwrap_or(u32::MAX)),
         warm_start: variant.warm_start,
@@ -81,12 +82,12 @@ fn spectrum(plan: &Plan, task: &Task<&Problem>, known: &Known) -> Map<String, Va
     let (problem, variant) = (&task.what.frozen.problem, task.variant);
     let mut columns = task.what.spectrum(known).clone();
     // A run with a partition that does not fit the problem is skipped, and says why.
-    if let Some((grid, scheme)) = variant.partition()
+    if let Some((grid, scheme)) = variant.method.partition()
         && let Ok(partition) = Partition::of_contacts(problem, scheme, grid)
     {
         let multiplicity = Decomposition::new(problem, &partition).multiplicity.iter().copied().max();
         columns.insert("multiplicity".to_owned(), json!(multiplicity));
-        if variant.setting::<bool>("mass_splitting") == Some(false)
+        if variant.method.setting::<bool>("mass_splitting") == Some(false)
             && let Some(coupling) = coupling(problem, &partition.subdomain)
         {
             columns.insert("coupling".to_owned(), json!(coupling));

@@ -83,7 +83,7 @@ pub(crate) fn derived(outcome: &Outcome) -> Map<String, Value> {
 pub(crate) fn partitions(variants: &[Variant]) -> Vec<(String, Grid, Scheme)> {
     let mut partitions = Vec::new();
     for variant in variants {
-        if let Some((grid, scheme)) = variant.partition() {
+        if let Some((grid, scheme)) = variant.method.partition() {
             let name = match scheme {
                 Scheme::Boxes => grid.to_string(),
                 Scheme::Balanced => format!("{grid}-balanced"),
@@ -148,7 +148,7 @@ fn ends(frozen: &Frozen, contact: usize) -> (Vector2<f64>, Vector2<f64>) {
 }
 
 /// The subdomain with most of each grain's contacts, the first among equals.
-fn subdomain_of_grains(frozen: &Frozen, partition: &Partition) -> Vec<Option<u32>> {
+pub(super) fn subdomain_of_grains(frozen: &Frozen, partition: &Partition) -> Vec<Option<u32>> {
     let adjacency = Adjacency::of(&frozen.problem);
     let most = |grain: usize| {
         let subdomains =

@@ -1,13 +1,19 @@
-//! Frames for ParaView: a file of VTK polydata per kept time step, and a collection that lists their times.
+//! Frames for ParaView: at each kept time the grains, the contacts and the walls as files of an unstructured grid, and a
+//! collection that lists them.
 
+use crate::run::rows::subdomain_of_grains;
 use crate::terminal::{say, write_whole};
 use anyhow::{Context, Result, bail};
-use cases::{March, TimeStep};
+use cases::{March, Side, TimeStep};
 use nalgebra::Vector2;
+use partition::{Decomposition, Grid, Partition, Scheme};
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use vtkio::model::{Attribute, Attributes, ByteOrder, DataSet, PolyDataPiece, Version, VertexNumbers, Vtk};
+use vtkio::model::{
+    Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, UnstructuredGridPiece, Version,
+    VertexNumbers, Vtk,
+};
 
 /// A folder of frames, with their collection: whole at any moment, so that a program that is killed leaves what it wrote.
 pub(crate) struct Frames {
@@ -16,6 +22,8 @@ pub(crate) struct Frames {
     path: PathBuf,
     collection: File,
     written: usize,
+    /// How the method cuts the problem.
+    partition: Option<(Grid, Scheme)>,
 }
 
 const HEAD: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n";
@@ -23,7 +31,7 @@ const TAIL: &str = "  </Collection>\n</VTKFile>\n";
 
 impl Frames {
     /// In a folder that is not there, or empty.
-    pub(crate) fn new(folder: &Path, name: &str) -> Result<Self> {
+    pub(crate) fn new(folder: &Path, name: &str, partition: Option<(Grid, Scheme)>) -> Result<Self> {
         if folder.is_file() || folder.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
             bail!("--vtk {}: it exists, and is no empty folder: give another one", folder.display());
         }
@@ -35,21 +43,43 @@ impl Frames {
             Ok(file)
         };
         let collection = begin().with_context(|| path.display().to_string())?;
-        Ok(Self { folder: folder.to_owned(), name: name.to_owned(), path, collection, written: 0 })
+        let name = name.to_owned();
+        Ok(Self { folder: folder.to_owned(), name, path, collection, written: 0, partition })
     }
 
-    /// Adds the state after a time step, with the impulses `r` (N·s) that it took.
-    pub(crate) fn add(&mut self, time: f64, march: &March, time_step: &TimeStep, r: &[f64]) -> Result<()> {
-        let file = format!("{}-{:06}.vtp", self.name, march.time_steps());
-        let mut bytes = Vec::new();
-        frame(march, time_step, r).write_xml(&mut bytes).with_context(|| file.clone())?;
-        write_whole(&self.folder.join(&file), &String::from_utf8(bytes)?)?;
+    /// Adds the initial state, which no contact has changed yet.
+    pub(crate) fn begin(&mut self, march: &March) -> Result<()> {
+        self.add(0.0, march, None)
+    }
+
+    /// Adds the state at a time (s): that after a time step, with the impulses (N·s) that it took.
+    pub(crate) fn add(&mut self, time: f64, march: &March, solved: Solved) -> Result<()> {
+        let split = solved.zip(self.partition).and_then(|((time_step, _), (grid, scheme))| {
+            Partition::of_contacts(&time_step.frozen.problem, scheme, grid).ok()
+        });
+        let parts = [
+            ("grains", grains(march, solved, split.as_ref())),
+            ("contacts", contacts(march, solved, split.as_ref())),
+            ("walls", walls(march)),
+        ];
+        let mut lines = String::new();
+        // A grid without points is none to its readers: where nothing touches, there is no file of contacts.
+        let some = parts.into_iter().enumerate().filter(|(_, (_, grid))| !grid.points.is_empty());
+        for (part, (name, grid)) in some {
+            let file = format!("{}-{name}-{:06}.vtu", self.name, march.time_steps());
+            let mut bytes = Vec::new();
+            grid.into_vtk().write_xml(&mut bytes).with_context(|| file.clone())?;
+            write_whole(&self.folder.join(&file), &String::from_utf8(bytes)?)?;
+            lines.extend([format!(
+                "    <DataSet timestep=\"{time}\" part=\"{part}\" name=\"{name}\" file=\"{file}\"/>\n"
+            )]);
+        }
         // In place of the closing tags, in one write with them.
-        let line = format!("    <DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>\n{TAIL}");
+        lines += TAIL;
         let collection = &mut self.collection;
         let end = collection.seek(SeekFrom::End(0)).with_context(|| self.path.display().to_string())?;
         let before_the_tail = SeekFrom::Start(end - TAIL.len() as u64);
-        let write = collection.seek(before_the_tail).and_then(|_| collection.write_all(line.as_bytes()));
+        let write = collection.seek(before_the_tail).and_then(|_| collection.write_all(lines.as_bytes()));
         write.with_context(|| self.path.display().to_string())?;
         self.written += 1;
         Ok(())
@@ -61,54 +91,120 @@ impl Frames {
     }
 }
 
-/// Grains as vertices with `radius_m` and `velocity_m_per_s`; contacts as lines with `impulse_n_s` from the centre of the
-/// candidate to that of the antagonist, or to the point of the wall, which has no radius.
-fn frame(march: &March, time_step: &TimeStep, r: &[f64]) -> Vtk {
-    let problem = &time_step.frozen.problem;
-    let (mut radius, mut points, mut velocity) = (Vec::new(), Vec::new(), Vec::new());
-    let add = |list: &mut Vec<f64>, v: Vector2<f64>| list.extend([v.x, v.y, 0.0]);
-    for (grain_radius, place, speed) in march.grains() {
-        radius.push(grain_radius);
-        add(&mut points, place);
-        add(&mut velocity, speed);
+/// Points, or lines of two points each, with values.
+#[derive(Default)]
+struct Elements {
+    points: Vec<f64>,
+    lines: bool,
+    /// Of each point or line.
+    values: Vec<Attribute>,
+}
+
+impl Elements {
+    fn add(&mut self, place: Vector2<f64>) {
+        self.points.extend([place.x, place.y, 0.0]);
     }
-    let grains = radius.len();
-    let mut lines = Vec::new();
-    for (contact, gap) in problem.contacts().iter().zip(&time_step.frozen.gap) {
-        let candidate = contact.candidate as usize;
-        let end = contact.antagonist.map_or(radius.len(), |j| j as usize);
-        if contact.antagonist.is_none() {
-            let centre = Vector2::new(points[3 * candidate], points[3 * candidate + 1]);
-            add(&mut points, centre - contact.normal * (radius[candidate] + gap));
-            add(&mut velocity, Vector2::zeros());
-            radius.push(0.0);
+
+    fn numbers(&mut self, name: &str, values: Vec<f64>) {
+        self.values.push(Attribute::scalars(name, 1).with_data(values));
+    }
+
+    /// Where there is none, −1.
+    fn indices(&mut self, name: &str, values: impl IntoIterator<Item = Option<u32>>) {
+        let values: Vec<i64> = values.into_iter().map(|value| value.map_or(-1, i64::from)).collect();
+        self.values.push(Attribute::scalars(name, 1).with_data(values));
+    }
+
+    fn vectors(&mut self, name: &str, values: impl Iterator<Item = Vector2<f64>>) {
+        let values: Vec<f64> = values.flat_map(|v| [v.x, v.y, 0.0]).collect();
+        self.values.push(Attribute::vectors(name).with_data(values));
+    }
+
+    /// The values of points are theirs, so that glyphs take them; those of lines belong to their cells.
+    fn into_vtk(self) -> Vtk {
+        let (size, kind) = if self.lines { (2, CellType::Line) } else { (1, CellType::Vertex) };
+        let points = self.points.len() as u64 / 3;
+        let cells = points / size;
+        let offsets = (1..=cells).map(|k| k * size).collect();
+        let verts = VertexNumbers::XML { connectivity: (0..points).collect(), offsets };
+        let (point, cell) = if self.lines { (vec![], self.values) } else { (self.values, vec![]) };
+        Vtk {
+            version: Version::new_xml(1, 0),
+            title: String::new(),
+            byte_order: ByteOrder::LittleEndian,
+            file_path: None,
+            data: DataSet::inline(UnstructuredGridPiece {
+                points: self.points.into(),
+                cells: Cells { cell_verts: verts, types: vec![kind; cells as usize] },
+                data: Attributes { point, cell },
+            }),
         }
-        lines.extend([candidate as u64, end as u64]);
     }
-    // Cells are the vertices, then the lines.
-    let impulses: Vec<f64> = std::iter::repeat_n(0.0, grains).chain(r.iter().copied()).collect();
-    let cells = |connectivity: Vec<u64>, size: usize| {
-        let offsets = (1..=connectivity.len() / size).map(|k| (k * size) as u64).collect();
-        Some(VertexNumbers::XML { connectivity, offsets })
+}
+
+/// What is known of a time step once it is solved: its contacts and their impulses (N·s).
+type Solved<'t> = Option<(&'t TimeStep, &'t [f64])>;
+
+/// A vertex for each grain.
+fn grains(march: &March, solved: Solved, split: Option<&Partition>) -> Elements {
+    let mut elements = Elements::default();
+    march.grains().for_each(|(_, place, _)| elements.add(place));
+    let count = march.mass().len();
+    // Of a method without subdomains all is in one; before the first contacts, and without contact, a grain is in none.
+    let (subdomain, copies) = match (solved, split) {
+        (Some((time_step, _)), Some(split)) => {
+            let copies = Decomposition::new(&time_step.frozen.problem, split).multiplicity;
+            (subdomain_of_grains(&time_step.frozen, split), copies)
+        }
+        (Some(_), None) => (vec![Some(0); count], vec![1; count]),
+        (None, _) => (vec![None; count], vec![1; count]),
     };
-    let data = Attributes {
-        point: vec![
-            Attribute::scalars("radius_m", 1).with_data(radius),
-            Attribute::vectors("velocity_m_per_s").with_data(velocity),
-        ],
-        cell: vec![Attribute::scalars("impulse_n_s", 1).with_data(impulses)],
-    };
-    Vtk {
-        version: Version::new_xml(1, 0),
-        title: String::new(),
-        byte_order: ByteOrder::LittleEndian,
-        file_path: None,
-        data: DataSet::inline(PolyDataPiece {
-            points: points.into(),
-            verts: cells((0..grains as u64).collect(), 1),
-            lines: cells(lines, 2),
-            data,
-            ..PolyDataPiece::default()
-        }),
+    elements.indices("grain", (0..count as u32).map(Some));
+    elements.numbers("radius_m", march.grains().map(|(radius, ..)| radius).collect());
+    elements.numbers("mass_kg", march.mass().to_vec());
+    elements.vectors("velocity_m_per_s", march.grains().map(|(_, _, velocity)| velocity));
+    elements.indices("subdomain", subdomain);
+    elements.indices("multiplicity", copies.into_iter().map(|copies| Some(copies.max(1))));
+    elements
+}
+
+/// A line for each contact, from the centre of the candidate to that of the antagonist, or to the point of the wall.
+fn contacts(march: &March, solved: Solved, split: Option<&Partition>) -> Elements {
+    let mut elements = Elements { lines: true, ..Elements::default() };
+    let (list, gap, r) = solved.map_or((&[][..], &[][..], &[][..]), |(time_step, r)| {
+        (time_step.frozen.problem.contacts(), &time_step.frozen.gap[..], r)
+    });
+    let grains: Vec<(f64, Vector2<f64>)> = march.grains().map(|(radius, place, _)| (radius, place)).collect();
+    for (contact, gap) in list.iter().zip(gap) {
+        let (radius, from) = grains[contact.candidate as usize];
+        let wall = || from - contact.normal * (radius + gap);
+        elements.add(from);
+        elements.add(contact.antagonist.map_or_else(wall, |j| grains[j as usize].1));
     }
+    let subdomain = split.map_or_else(|| vec![0; list.len()], |split| split.subdomain.clone());
+    let antagonist = list.iter().map(|contact| contact.antagonist);
+    elements.indices("contact", (0..list.len() as u32).map(Some));
+    elements.indices("candidate", list.iter().map(|contact| Some(contact.candidate)));
+    elements.indices("antagonist", antagonist.clone());
+    elements.indices("wall", antagonist.map(|j| Some(u32::from(j.is_none()))));
+    elements.numbers("impulse_n_s", r.to_vec());
+    elements.numbers("gap_m", gap.to_vec());
+    elements.vectors("normal", list.iter().map(|contact| contact.normal));
+    elements.indices("subdomain", subdomain.into_iter().map(Some));
+    elements
+}
+
+/// A line for each wall.
+fn walls(march: &March) -> Elements {
+    let mut elements = Elements { lines: true, ..Elements::default() };
+    let walls = march.walls();
+    walls.iter().flat_map(|(_, ends)| ends).for_each(|end| elements.add(*end));
+    let number = |side: &Side| match side {
+        Side::Floor => Some(0),
+        Side::Left => Some(1),
+        Side::Right => Some(2),
+        Side::Grain(_) => None,
+    };
+    elements.indices("wall", walls.iter().map(|(side, _)| number(side)));
+    elements
 }

@@ -78,7 +78,8 @@ pub(crate) fn about(plan: &Plan, again: &str) -> About {
     // A study that is changed is drawn by its own command alone.
     let drawn_again = again.split_whitespace().skip(1).all(|word| word == "--quick");
     let draw = drawn_again.then(|| again.to_owned());
-    About { name: plan.name.clone(), why: plan.why.clone(), bench: again.to_owned(), draw }
+    let rows = format!("../../../results/runs/{}", plan.name);
+    About { name: plan.name.clone(), why: plan.why.clone(), bench: again.to_owned(), rows, draw }
 }
 
 /// Draws into a folder of `reports/out` from the tables in `stored`, in `formats` and those of the files that are there; then
@@ -97,6 +98,9 @@ pub(crate) fn draw(
     say(format_args!("tables and figures {}", out.display()))?;
     for file in &files {
         say(format_args!("  {}", file.file_name().unwrap_or_default().to_string_lossy()))?;
+    }
+    if let Some(page) = files.iter().find(|file| file.ends_with("index.html")) {
+        say(format_args!("open {} in a browser", page.display()))?;
     }
     let gone: Vec<&str> =
         before.iter().map(String::as_str).filter(|name| !files.contains(&out.join(name))).collect();

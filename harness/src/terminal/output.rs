@@ -16,6 +16,13 @@ pub(crate) fn say(line: Arguments) -> Result<()> {
     }
 }
 
+/// Prints a table of Markdown.
+pub(crate) fn say_table(headings: &[&str], rows: &[Vec<String>]) -> Result<()> {
+    say(format_args!("| {} |", headings.join(" | ")))?;
+    say(format_args!("|{}", "---|".repeat(headings.len())))?;
+    rows.iter().try_for_each(|row| say(format_args!("| {} |", row.join(" | ").replace('\n', " "))))
+}
+
 /// An object with the keys of another one after its own.
 pub(crate) fn merged(mut object: Value, more: Value) -> Value {
     if let (Value::Object(object), Value::Object(more)) = (&mut object, more) {

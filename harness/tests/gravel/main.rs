@@ -4,6 +4,7 @@
 mod bench;
 mod common;
 mod degenerate;
+mod documents;
 mod endings;
 mod freeze;
 #[cfg(unix)]

@@ -108,6 +108,12 @@ fn all_keys_that_a_file_lacks_are_named_at_once() {
     }
     without["contacts"].as_object_mut().unwrap().remove("gap");
     refused(&without.to_string(), &["missing keys: `name`, `time_step`, `contacts.gap`"]);
+    without["dt"] = json!(0.005);
+    refused(&without.to_string(), &["`dt`", "did you mean `time_step`", "missing keys: `name`, `time_step`"]);
+    let records = json!({ "format": "f", "grains": [{ "mass": 1.0 }], "contacts": [] });
+    let tables =
+        ["`grains` holds a list", "`contacts` holds a list", "missing keys: `name`, `source`, `time_step`"];
+    refused(&records.to_string(), &tables);
     refused("{}", &["missing keys: `format`, `name`, `source`, `time_step`, `grains`, `contacts`"]);
     let folder = TempDir::new().unwrap();
     let case =

@@ -106,16 +106,53 @@ fn latex_takes_a_table_and_a_figure() {
         return;
     };
     assert!(version.status.success());
+    let packages = Command::new("kpsewhich").args(["siunitx.sty", "booktabs.sty", "longtable.sty"]).output();
+    if !packages.is_ok_and(|found| found.status.success()) {
+        eprintln!("skipped: siunitx, booktabs or longtable is not installed");
+        return;
+    }
     let study = Study::new();
     write(study.folder(), "harness/plans/drawn.toml", PLAN);
     study.bench("drawn");
     study.gravel(&["report", "drawn", "--pdf"]).succeeded();
     let out = study.folder().path().join("reports/out/drawn");
-    let paper = "\\documentclass{article}\\usepackage{booktabs,graphicx}\\begin{document}\n\
+    let paper = "\\documentclass{article}\\usepackage{booktabs,longtable,siunitx,graphicx}\\begin{document}\n\
                  \\input{iterations}\\input{subdomains}\\includegraphics{subdomains-pair}\n\\end{document}\n";
     fs::write(out.join("paper.tex"), paper).unwrap();
     let ran =
         Command::new("pdflatex").args(["-halt-on-error", "paper.tex"]).current_dir(&out).output().unwrap();
     assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stdout));
     assert!(out.join("paper.pdf").is_file());
+}
+
+#[test]
+fn table_is_written_in_part_and_in_the_format_of_its_file() {
+    let study = Study::new();
+    write(
+        study.folder(),
+        "harness/plans/drawn.toml",
+        &PLAN.replace("[[methods]]", "[[methods]]\nmethod = \"cg\"\n[[methods]]"),
+    );
+    study.bench("drawn");
+    let table = |more: &[&str]| study.gravel(&[&["table", "iterations", "drawn"], more].concat());
+    let whole = table(&[]).succeeded().stdout;
+    assert!(
+        whole.contains("| cg ") && whole.contains("| nsgs ") && whole.contains("error at the end"),
+        "{whole}"
+    );
+    let part = table(&["--rows", "method=ns*", "--columns", "method,iterations"]).succeeded().stdout;
+    let lines: Vec<&str> = part.lines().collect();
+    assert_eq!((lines.len(), lines[0]), (3, "| method | iterations |"), "{part}");
+    assert!(lines[2].starts_with("| nsgs "), "{part}");
+    let file = |name: &str| study.folder().path().join(name);
+    for (name, first) in
+        [("t.tex", "% \\usepackage{booktabs"), ("t.csv", "method,iterations\n"), ("t.md", "| method")]
+    {
+        table(&["--columns", "method,iterations", "-o", text(&file(name))]).succeeded();
+        assert!(fs::read_to_string(file(name)).unwrap().starts_with(first), "{name}");
+    }
+    table(&["--columns", "itertions"])
+        .refused(&["no column of table `iterations` `itertions`", "iterations"]);
+    table(&["-o", text(&file("t.xls"))]).refused(&["t.xls", ".tex, .csv or .md"]);
+    study.gravel(&["table", "sizes", "drawn"]).refused(&["no table of this study `sizes`", "iterations"]);
 }

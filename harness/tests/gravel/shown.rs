@@ -1,6 +1,7 @@
 //! `gravel list` and `gravel simulate`, and what is printed where nobody reads.
 
 use crate::common::{command, frozen_names, gravel, methods, names, text, write};
+use serde_json::Value;
 use std::fs;
 use tempfile::TempDir;
 
@@ -10,17 +11,28 @@ fn first_words(printed: &str) -> Vec<&str> {
 }
 
 #[test]
-fn list_of_cases_has_every_case_and_every_frozen_problem() {
-    let printed = gravel(&["list", "cases"]).succeeded().stdout;
-    let listed = first_words(&printed);
-    let mut expected: Vec<String> = names("cases", ".toml");
-    expected.retain(|name| name != "Cargo");
-    expected.extend(frozen_names());
-    for name in &expected {
-        assert!(listed.contains(&name.as_str()), "no {name} in: {printed}");
+fn lists_of_cases_and_problems_have_every_one() {
+    let mut cases: Vec<String> = names("cases", ".toml");
+    cases.retain(|name| name != "Cargo");
+    for (what, expected) in [("cases", cases), ("problems", frozen_names())] {
+        let printed = gravel(&["list", what]).succeeded().stdout;
+        assert_eq!(first_words(&printed), expected, "{what}");
     }
-    // And two headings.
-    assert_eq!(listed.len(), expected.len() + 2, "{printed}");
+}
+
+#[test]
+fn listed_charts_are_those_that_a_plan_may_ask_for_each_with_what_it_shows() {
+    let printed = gravel(&["list", "charts"]).succeeded().stdout;
+    let schema = gravel(&["schema", "plan"]).succeeded().stdout;
+    let schema: Value = serde_json::from_str(&schema).unwrap();
+    let known: Vec<&str> = schema["properties"]["charts"]["items"]["enum"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(Value::as_str)
+        .collect();
+    assert_eq!(first_words(&printed), known);
+    assert!(printed.lines().all(|line| line.split_whitespace().count() > 3), "{printed}");
 }
 
 #[test]

@@ -218,36 +218,62 @@ fn plans_through_time_that_make_no_sense_are_refused() {
     study(PLAN).gravel(&["regress", "time"]).refused(&["time"]);
 }
 
+/// The points of a frame and its values by name.
+fn frame(file: &std::path::Path) -> (Vec<f64>, BTreeMap<String, Vec<f64>>) {
+    let vtkio::model::DataSet::UnstructuredGrid { pieces, .. } = vtkio::Vtk::import(file).unwrap().data
+    else {
+        panic!("no unstructured grid")
+    };
+    let piece = pieces.into_iter().next().unwrap().into_loaded_piece_data(None).unwrap();
+    let values = |attribute: &vtkio::model::Attribute| match attribute {
+        vtkio::model::Attribute::DataArray(array) => {
+            (array.name.clone(), array.data.cast_into::<f64>().unwrap())
+        }
+        vtkio::model::Attribute::Field { .. } => panic!("a field"),
+    };
+    let all = piece.data.point.iter().chain(&piece.data.cell).map(values).collect();
+    (piece.points.cast_into::<f64>().unwrap(), all)
+}
+
 #[test]
-fn frames_are_read_back_with_radius_velocity_and_impulses() {
+fn frames_have_grains_contacts_and_walls_apart_from_the_initial_state_on() {
     let folder = tempfile::TempDir::new().unwrap();
     let vtk = folder.path().join("frames");
     let args = ["simulate", "two-discs", "--time-steps", "6", "--every", "3", "--cold", "--vtk", text(&vtk)];
-    gravel(&args).succeeded();
-    assert_eq!(entries(&vtk), ["two-discs-000003.vtp", "two-discs-000006.vtp", "two-discs.pvd"]);
+    let method = ["--method", "nsgs-dd", "--set", "subdomains=1x2", "--tolerance", "1e-9"];
+    gravel(&[&args[..], &method].concat()).succeeded();
+    let of = |part: &str, k: u32| format!("two-discs-{part}-{k:06}.vtu");
+    // At the beginning nothing has touched yet, and there is no file without contacts.
+    let mut expected = vec![of("contacts", 3), of("contacts", 6)];
+    expected.extend([0, 3, 6].map(|k| of("grains", k)));
+    expected.extend([0, 3, 6].map(|k| of("walls", k)));
+    expected.push("two-discs.pvd".to_owned());
+    assert_eq!(entries(&vtk), expected);
     let collection = fs::read_to_string(vtk.join("two-discs.pvd")).unwrap();
-    assert!(
-        collection.contains("timestep=\"0.03\" part=\"0\" file=\"two-discs-000006.vtp\""),
-        "{collection}"
-    );
-    let file = vtkio::Vtk::import(vtk.join("two-discs-000003.vtp")).unwrap();
-    let vtkio::model::DataSet::PolyData { pieces, .. } = file.data else { panic!("no polydata") };
-    let piece = pieces.into_iter().next().unwrap().into_loaded_piece_data(None).unwrap();
-    let values = |attribute: &vtkio::model::Attribute| match attribute {
-        vtkio::model::Attribute::DataArray(array) => array.data.cast_into::<f64>().unwrap(),
-        vtkio::model::Attribute::Field { .. } => panic!("a field"),
-    };
-    // Two discs and the point of the floor below the first.
-    assert_eq!(values(&piece.data.point[0]), [0.5, 1.0, 0.0]);
-    let points: Vec<f64> = piece.points.cast_into::<f64>().unwrap();
-    assert!((points[1] - 0.5).abs() < 1e-9 && points[7].abs() < 1e-9, "{points:?}");
-    assert!(values(&piece.data.point[1]).iter().all(|v| v.abs() < 1e-6));
-    // Cells are the two discs, then the contacts: the floor bears both discs, the upper contact one.
-    let impulses = values(&piece.data.cell[0]);
-    assert_eq!(impulses[..2], [0.0, 0.0]);
-    assert!(
-        (impulses[2] / 192.62 - 1.0).abs() < 1e-4 && (impulses[3] / 154.10 - 1.0).abs() < 1e-4,
-        "{impulses:?}"
-    );
+    for line in [
+        "timestep=\"0\" part=\"0\" name=\"grains\" file=\"two-discs-grains-000000.vtu\"",
+        "timestep=\"0.03\" part=\"1\" name=\"contacts\" file=\"two-discs-contacts-000006.vtu\"",
+    ] {
+        assert!(collection.contains(line), "{collection}");
+    }
+    let (places, grains) = frame(&vtk.join(of("grains", 3)));
+    assert!((places[1] - 0.5).abs() < 1e-9, "{places:?}");
+    assert_eq!((&*grains["radius_m"], &*grains["grain"]), (&[0.5, 1.0][..], &[0.0, 1.0][..]));
+    let ratio = grains["mass_kg"][1] / grains["mass_kg"][0];
+    assert!((ratio - 4.0).abs() < 1e-12, "a disc of twice the radius: {ratio}");
+    assert!(grains["velocity_m_per_s"].iter().all(|v| v.abs() < 1e-6));
+    // The lower disc has contacts in both subdomains.
+    assert_eq!(grains["multiplicity"], [2.0, 1.0]);
+    let (ends, contacts) = frame(&vtk.join(of("contacts", 3)));
+    assert!((ends[1] - 0.5).abs() < 1e-9 && ends[4].abs() < 1e-9, "from the disc to the floor: {ends:?}");
+    assert_eq!((&*contacts["candidate"], &*contacts["antagonist"]), (&[0.0, 0.0][..], &[-1.0, 1.0][..]));
+    assert_eq!((&*contacts["wall"], &*contacts["subdomain"]), (&[1.0, 0.0][..], &[0.0, 1.0][..]));
+    assert_eq!(contacts["normal"], [0.0, 1.0, 0.0, 0.0, -1.0, 0.0]);
+    assert!(contacts["gap_m"].iter().all(|gap| gap.abs() < 1e-9));
+    // The floor bears both discs, the upper contact one.
+    let r = &contacts["impulse_n_s"];
+    assert!((r[0] / 192.62 - 1.0).abs() < 1e-4 && (r[1] / 154.10 - 1.0).abs() < 1e-4, "{r:?}");
+    let (ends, walls) = frame(&vtk.join(of("walls", 0)));
+    assert_eq!((&*walls["wall"], ends[1], ends[4]), (&[0.0][..], 0.0, 0.0));
     gravel(&args).refused(&["--vtk", "frames", "empty"]);
 }

@@ -47,7 +47,8 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let legend = study.key(&problems).height() + 2.0 * MARGIN;
     let panel = (PAGE_HEIGHT - legend) / problems.len() as f64 - ABOVE - BELOW;
     if panel >= LEAST {
-        parts.push(Part::figure("convergence", study.figure(&problems, panel.min(GREATEST))));
+        let together = Part::figure("convergence", study.figure(&problems, panel.min(GREATEST)));
+        parts.push(together.beside_the_page());
     }
     parts
 }

@@ -38,7 +38,9 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let note: String = all.iter().filter_map(sentence).collect();
     let rule = "\nThe best fixed ω fails on the fewest problems, and among such has the least geometric mean of iterations; a \
                 run that failed counts with all iterations that it was allowed.\n";
-    vec![figure(&runs, &all), Part::table(KEY, table(&all), format!("{rule}{note}"))]
+    let table = Part::table(KEY, table(&all), rule);
+    let found = (!note.is_empty()).then(|| Part::text("relaxation-found", note));
+    [Some(figure(&runs, &all)), found, Some(table)].into_iter().flatten().collect()
 }
 
 fn omega(run: &RunRow) -> Option<f64> {

@@ -199,8 +199,7 @@ fn sentences(scene: &str, compared: &[&Compared]) -> String {
             "{walls} in the impulses of the walls, {energy} in kinetic energy, {overlap} d in overlap, {height} d in height"
         )
     };
-    let mut text =
-        format!("{scene}: two references whose tolerances differ tenfold differ by {}.\n", words(&twin));
+    let mut text = String::new();
     for step in time_steps(compared) {
         let at = |c: &&Compared| c.time_step_s == step;
         let floor = of_role(compared, "floor").find(at).and_then(|c| c.errors);
@@ -223,5 +222,6 @@ fn sentences(scene: &str, compared: &[&Compared]) -> String {
             None => format!("no run comes within a factor of {AT_THE_FLOOR} of all four.\n"),
         }]);
     }
-    text
+    // What the errors above may mean, after what they are.
+    text + &format!("{scene}: two references whose tolerances differ tenfold differ by {}.\n", words(&twin))
 }

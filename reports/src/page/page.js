@@ -38,7 +38,7 @@ for (const box of document.querySelectorAll(".table")) {
       row.hidden = !words.every(word => text.includes(word));
       left += !row.hidden;
     }
-    count.textContent = left === rows.length ? `${left} rows` : `${left} of ${rows.length} rows`;
+    count.textContent = `${left === rows.length ? "" : `${left} of `}${rows.length} row${rows.length === 1 ? "" : "s"}`;
   };
   box.querySelector("input").addEventListener("input", filter);
   filter();

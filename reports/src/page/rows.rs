@@ -9,6 +9,9 @@ use crate::text::columns;
 /// More rows than this are left to the file: a browser would be slow.
 const MOST_ROWS: usize = 5000;
 
+/// A text of more letters than this is broken into lines.
+const LONG: usize = 28;
+
 #[derive(Serialize)]
 pub(crate) struct Rows {
     name: String,
@@ -38,14 +41,15 @@ impl Rows {
             for (column, floats) in columns.iter().zip(&floats) {
                 match floats.and_then(|floats| floats.get(row)) {
                     Some(value) => body.extend(["<td data-v=\"", &value.to_string(), "\">"]),
+                    // Such a text must not push what follows out of sight.
+                    None if column.cells[row].chars().count() > LONG => body += "<td class=\"long\">",
                     None => body += "<td>",
                 }
                 body += &escaped(&column.cells[row]);
             }
             body += "\n";
         }
-        let headings =
-            columns.iter().map(|c| Heading { text: c.name.replace('_', " "), numeric: c.numeric }).collect();
+        let headings = columns.iter().map(|c| Heading { text: c.name.clone(), numeric: c.numeric }).collect();
         let notes = note.lines().filter(|line| !line.is_empty()).map(str::to_owned).collect();
         Ok(Self { name: name.to_owned(), headings, body, shown, of: table.height(), notes })
     }

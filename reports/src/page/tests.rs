@@ -12,7 +12,7 @@ fn made(runs: &Runs) -> String {
     let study = &whole(runs);
     let mut chapters = vec![Chapter::new("iterations", vec![text::rows(study).unwrap()])];
     chapters.extend(Chart::all().iter().map(|chart| Chapter::of_chart(*chart, study)));
-    let page = page(study, &chapters, &about()).unwrap();
+    let page = page(study, &chapters, &about(), Formats::default()).unwrap();
     assert!(page.contains("What &lt;it&gt; asks."), "texts are escaped");
     for network in ["http://", "https://", "src=\"", "@import", "url("] {
         let foreign = page.replace("http://www.w3.org/2000/svg", "");
@@ -67,7 +67,11 @@ fn more_rows_than_a_browser_likes_are_left_to_the_file() {
     let runs: Vec<Run> = (0..6000).map(|i| run(i, "cg", "", "converged")).collect();
     let study = whole(&tables(&runs, &[]));
     let chapters = [Chapter::new("iterations", vec![text::rows(&study).unwrap()])];
-    assert!(page(&study, &chapters, &about()).unwrap().contains("The first 5000 of 6000 rows"));
+    assert!(
+        page(&study, &chapters, &about(), Formats::default())
+            .unwrap()
+            .contains("The first 5000 of 6000 rows")
+    );
 }
 
 #[test]
@@ -82,7 +86,7 @@ fn hundred_thousand_runs_of_as_many_kinds_are_a_page_that_leaves_lines_and_rows_
     let chapters = Chart::default_set(false).into_iter().map(|chart| Chapter::of_chart(chart, &study));
     let mut chapters: Vec<Chapter> = chapters.collect();
     chapters.push(Chapter::new("iterations", vec![text::rows(&study).unwrap()]));
-    let page = page(&study, &chapters, &about()).unwrap();
+    let page = page(&study, &chapters, &about(), Formats::default()).unwrap();
     assert!(page.contains("100\u{202f}000\u{a0}lines are too many for a figure"));
     assert!(page.contains("The first 5000 of 100000 rows"));
 }

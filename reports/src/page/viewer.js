@@ -18,7 +18,7 @@
     stops = [...new Set(iterations)].sort((a, b) => a - b);
     if (!stops.length) stops = [0];
     time.max = stops.length - 1;
-    time.value = time.max;
+    time.value = apart(sample.tracks.filter(track => track.frames.length > 1));
     // The solution alone has no iterations.
     form.querySelector(".player").hidden = stops.length < 2;
     // Without any impulse the sample alone is shown.
@@ -32,6 +32,17 @@
     });
     stage.replaceChildren(...panels.map(panel => panel.figure));
     draw();
+  }
+
+  // The first of the stops at which the natural maps of the tracks are furthest apart: at the end all look alike.
+  function apart(tracks) {
+    const at = (track, stop) => track.frames.findLast(frame => frame.iteration <= stop) ?? track.frames[0];
+    const spread = stop => {
+      const maps = tracks.map(track => at(track, stop).natural_map).filter(map => map > 0).map(Math.log);
+      return maps.length > 1 ? Math.max(...maps) - Math.min(...maps) : 0;
+    };
+    const spreads = stops.map(spread), most = Math.max(...spreads);
+    return most > 0 ? spreads.indexOf(most) : stops.length - 1;
   }
 
   // The box around all grains, in the units of the sample.

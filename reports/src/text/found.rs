@@ -76,7 +76,7 @@ fn how(run: &RunRow, verdicts: &Verdicts) -> &'static str {
 }
 
 /// Runs that may be compared: converged, and stopped by the rule that most of them had.
-fn comparable<'r>(runs: &'r [RunRow], problem: &str) -> Vec<&'r RunRow> {
+pub(crate) fn comparable<'r>(runs: &'r [RunRow], problem: &str) -> Vec<&'r RunRow> {
     let converged = |run: &&RunRow| run.problem == problem && run.ending == Ending::Converged;
     let converged: Vec<&RunRow> = runs.iter().filter(converged).collect();
     let rule = |run: &RunRow| (run.stop_on.clone(), run.tolerance.map(f64::to_bits));

@@ -27,6 +27,8 @@ impl File {
 pub(crate) struct Part {
     pub(crate) name: String,
     pub(crate) kind: Kind,
+    /// Whether its page shows it, or names its files alone, since another part shows the same.
+    pub(crate) on_page: bool,
 }
 
 pub(crate) enum Kind {
@@ -49,16 +51,21 @@ pub(crate) struct Table {
 
 impl Part {
     pub(crate) fn figure(name: impl Into<String>, svg: String) -> Self {
-        Self { name: name.into(), kind: Kind::Figure(svg) }
+        Self { name: name.into(), kind: Kind::Figure(svg), on_page: true }
     }
 
     pub(crate) fn table(name: impl Into<String>, all: DataFrame, note: impl Into<String>) -> Self {
         let table = Table { shown: all.clone(), all, note: note.into() };
-        Self { name: name.into(), kind: Kind::Table(table) }
+        Self { name: name.into(), kind: Kind::Table(table), on_page: true }
     }
 
     pub(crate) fn text(name: impl Into<String>, text: String) -> Self {
-        Self { name: name.into(), kind: Kind::Text(text) }
+        Self { name: name.into(), kind: Kind::Text(text), on_page: true }
+    }
+
+    /// A part that repeats others: a file, and no place on the page.
+    pub(crate) fn beside_the_page(self) -> Self {
+        Self { on_page: false, ..self }
     }
 
     /// A figure in the formats that are wanted, a table as CSV, Markdown and LaTeX, sentences as they are.

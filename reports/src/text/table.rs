@@ -3,7 +3,7 @@
 use polars::prelude::{AnyValue, CsvWriter, DataFrame, SerWriter};
 
 use crate::error::ReportError;
-use crate::read::number;
+use crate::read::{number, power_of_ten};
 
 /// Significant digits of a measured number where people read it.
 const DIGITS: u8 = 3;
@@ -17,6 +17,7 @@ pub(crate) fn csv(table: &DataFrame) -> Result<String, ReportError> {
 
 /// A column as people read it.
 pub(crate) struct Column {
+    /// In words.
     pub(crate) name: String,
     /// Numbers stand to the right.
     pub(crate) numeric: bool,
@@ -28,7 +29,7 @@ pub(crate) fn columns(table: &DataFrame, rows: usize) -> Result<Vec<Column>, Rep
     let column = |column: &polars::prelude::Column| -> Result<Column, ReportError> {
         let cells = (0..table.height().min(rows)).map(|row| Ok(cell(&column.get(row)?)));
         Ok(Column {
-            name: column.name().to_string(),
+            name: words(column.name()),
             numeric: column.dtype().is_primitive_numeric(),
             cells: cells.collect::<Result<_, ReportError>>()?,
         })
@@ -70,29 +71,112 @@ pub(crate) fn markdown(table: &DataFrame) -> Result<String, ReportError> {
     Ok(text)
 }
 
-/// A `tabular` for `\input`, with the rules of the package booktabs.
+/// More rows than this do not fit on a page: the table is then one that goes on over pages.
+const ROWS_OF_A_PAGE: usize = 40;
+
+/// A `tabular` for `\input`, a `longtable` if it is longer than a page: rules of booktabs, numbers in columns of siunitx.
 pub(crate) fn latex(table: &DataFrame) -> Result<String, ReportError> {
     let columns = columns(table, usize::MAX)?;
+    let align: Vec<String> = columns.iter().map(alignment).collect();
     let row = |cell: &dyn Fn(&Column) -> String| {
-        columns.iter().map(|column| tex(&cell(column))).collect::<Vec<_>>().join(" & ") + " \\\\\n"
+        columns.iter().map(cell).collect::<Vec<_>>().join(" & ") + " \\\\\n"
     };
-    let align: String = columns.iter().map(|column| if column.numeric { 'r' } else { 'l' }).collect();
-    let mut text = format!("% \\usepackage{{booktabs}}\n\\begin{{tabular}}{{{align}}}\n\\toprule\n");
-    text += &row(&|column| column.name.clone());
-    text += "\\midrule\n";
-    for i in 0..table.height() {
-        text += &row(&|column| column.cells[i].clone());
+    // What stands in braces is text to siunitx.
+    let heading = row(&|column| format!("{{{}}}", tex(&column.name)));
+    let body = (0..table.height()).map(|i| {
+        row(&|column: &Column| {
+            let cell = &column.cells[i];
+            if column.numeric { siunitx(cell) } else { tex(cell) }
+        })
+    });
+    let body: String = body.collect();
+    let align = align.join(" ");
+    let (name, head, foot) = if table.height() > ROWS_OF_A_PAGE {
+        ("longtable", "\\midrule\n\\endhead\n\\bottomrule\n\\endfoot\n", "")
+    } else {
+        ("tabular", "\\midrule\n", "\\bottomrule\n")
+    };
+    Ok(format!(
+        "% \\usepackage{{booktabs,longtable,siunitx}}\n\\begin{{{name}}}{{{align}}}\n\\toprule\n{heading}{head}{body}{foot}\
+         \\end{{{name}}}\n"
+    ))
+}
+
+/// How a column stands: text to the left, numbers at their decimal marker, with room for the longest.
+fn alignment(column: &Column) -> String {
+    if !column.numeric {
+        return "l".to_owned();
     }
-    Ok(text + "\\bottomrule\n\\end{tabular}\n")
+    let numbers: Vec<String> = column.cells.iter().map(|cell| siunitx(cell)).collect();
+    let written = numbers.iter().filter(|number| !number.starts_with('{'));
+    let (mut sign, mut whole, mut decimals, mut exponent) = ("", 1, 0, String::new());
+    for number in written {
+        let (mantissa, power) = number.split_once('e').unwrap_or((number, ""));
+        let (before, after) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+        if before.starts_with('-') {
+            sign = "-";
+        }
+        whole = whole.max(before.trim_start_matches('-').len());
+        decimals = decimals.max(after.len());
+        // As wide as the widest, with its sign.
+        if power.len() > exponent.len() {
+            power.clone_into(&mut exponent);
+        }
+    }
+    let decimals = if decimals > 0 { format!(".{decimals}") } else { String::new() };
+    let exponent = if exponent.is_empty() { exponent } else { format!("e{exponent}") };
+    format!("S[table-format={sign}{whole}{decimals}{exponent}]")
+}
+
+/// A number as siunitx reads it, from how people read it; text in braces where there is none.
+fn siunitx(cell: &str) -> String {
+    let plain: String = cell.chars().filter(|c| *c != '\u{202f}').collect();
+    if !plain.contains(|c: char| c.is_ascii_digit()) {
+        return format!("{{{}}}", tex(cell));
+    }
+    let Some(at) = plain.find(|c| raised(c).is_some()) else { return plain };
+    let power: String = plain[at..].chars().filter_map(raised).collect();
+    let mantissa = plain[..at].strip_suffix("10").unwrap_or(&plain[..at]).trim_end_matches('·');
+    format!("{}e{power}", if mantissa.is_empty() { "1" } else { mantissa })
+}
+
+/// The digit or minus sign that is raised.
+fn raised(c: char) -> Option<char> {
+    const SUPERSCRIPTS: &str = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+    match c {
+        '⁻' => Some('-'),
+        c => SUPERSCRIPTS.chars().zip('0'..='9').find(|(known, _)| *known == c).map(|(_, digit)| digit),
+    }
+}
+
+/// The name of a stored column in words: its unit in brackets, accuracies as they are written.
+pub(crate) fn words(name: &str) -> String {
+    const UNITS: [(&str, &str); 10] = [
+        ("_m_per_s2", "m/s²"),
+        ("_m_per_s", "m/s"),
+        ("_rad_per_s", "rad/s"),
+        ("_n_s", "N·s"),
+        ("_utc", "UTC"),
+        ("_hz", "Hz"),
+        ("_kg", "kg"),
+        ("_j", "J"),
+        ("_m", "m"),
+        ("_s", "s"),
+    ];
+    let unit = UNITS.iter().find_map(|(ending, unit)| Some((name.strip_suffix(ending)?, unit)));
+    let (name, unit) = unit.map_or((name, String::new()), |(name, unit)| (name, format!(" ({unit})")));
+    let power = name.rsplit_once("_1e_").and_then(|(name, power)| Some((name, power.parse::<i32>().ok()?)));
+    let (name, accuracy) =
+        power.map_or((name, String::new()), |(name, power)| (name, format!(" ≤ {}", power_of_ten(-power))));
+    let letters = [("kappa_", "κ_"), ("zeta", "ζ"), ("setup", "set-up"), ("delassus", "Delassus")];
+    let name = letters.iter().fold(name.to_owned(), |name, (plain, written)| name.replace(plain, written));
+    // Underscores are spaces, but where they lower an index.
+    let name = name.replace('_', " ").replace("κ ", "κ_");
+    format!("{name}{accuracy}{unit}")
 }
 
 /// A text in LaTeX, whatever engine and font: what is not ASCII in the texts of a report has a command.
 pub(crate) fn tex(text: &str) -> String {
-    const SUPERSCRIPTS: &str = "⁰¹²³⁴⁵⁶⁷⁸⁹";
-    let raised = |c: char| match c {
-        '⁻' => Some('-'),
-        c => SUPERSCRIPTS.chars().zip('0'..='9').find(|(known, _)| *known == c).map(|(_, digit)| digit),
-    };
     let mut tex = String::new();
     let mut letters = text.chars().peekable();
     while let Some(letter) = letters.next() {
@@ -105,6 +189,14 @@ pub(crate) fn tex(text: &str) -> String {
             tex.extend(["$^{", &power, "}$"]);
             continue;
         }
+        if let Some(command) = greek(letter) {
+            tex.extend(["$\\", command]);
+            if letters.next_if_eq(&'_').is_some() {
+                tex.extend(letters.next().map(|index| format!("_{index}")));
+            }
+            tex.push('$');
+            continue;
+        }
         match letter {
             '&' | '%' | '$' | '#' | '_' | '{' | '}' => tex.extend(['\\', letter]),
             '\\' => tex += "\\textbackslash{}",
@@ -115,12 +207,6 @@ pub(crate) fn tex(text: &str) -> String {
             '−' => tex += "$-$",
             '\u{a0}' => tex.push('~'),
             '\u{202f}' => tex += "\\,",
-            'ζ' => tex += "$\\zeta$",
-            'κ' => tex += "$\\kappa$",
-            'μ' => tex += "$\\mu$",
-            'τ' => tex += "$\\tau$",
-            'ω' => tex += "$\\omega$",
-            'λ' => tex += "$\\lambda$",
             '≤' => tex += "$\\le$",
             '≥' => tex += "$\\ge$",
             '·' => tex += "$\\cdot$",
@@ -131,6 +217,12 @@ pub(crate) fn tex(text: &str) -> String {
         }
     }
     tex
+}
+
+/// The command of a Greek letter.
+fn greek(letter: char) -> Option<&'static str> {
+    let known = [('ζ', "zeta"), ('κ', "kappa"), ('μ', "mu"), ('τ', "tau"), ('ω', "omega"), ('λ', "lambda")];
+    known.into_iter().find(|(known, _)| *known == letter).map(|(_, command)| command)
 }
 
 #[cfg(test)]

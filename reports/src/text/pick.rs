@@ -1,0 +1,72 @@
+//! Some columns and rows of a table of a report, in one of its formats.
+
+use polars::prelude::{AnyValue, BooleanChunked, Column, DataFrame, NewChunkedArray};
+use wildmatch::WildMatch;
+
+use crate::error::ReportError;
+use crate::text::{Table, table};
+
+/// What of a table is wanted, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Pick<'p> {
+    /// Name of the table: that of its files.
+    pub table: &'p str,
+    /// Its columns, by their names in the CSV file or their headings; all that a page shows if there are none.
+    pub columns: &'p [String],
+    /// Columns and patterns, in which `*` stands for any text: rows in which all match.
+    pub rows: &'p [(String, String)],
+    /// The format.
+    pub format: TableFormat,
+}
+
+/// A format of tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableFormat {
+    /// Every digit.
+    Csv,
+    /// For people.
+    Markdown,
+    /// For papers.
+    Latex,
+}
+
+impl Pick<'_> {
+    /// The text of what is wanted of `from`.
+    pub(crate) fn of(&self, from: &Table) -> Result<String, ReportError> {
+        let mut rows = vec![true; from.all.height()];
+        for (name, pattern) in self.rows {
+            let (column, pattern) = (self.column(from, name)?, WildMatch::new(pattern));
+            for (i, chosen) in rows.iter_mut().enumerate() {
+                *chosen &= pattern.matches(&plain(&column.get(i)?));
+            }
+        }
+        let columns = self.columns.iter().map(|name| self.column(from, name).cloned());
+        let columns: Vec<Column> = columns.collect::<Result<_, _>>()?;
+        let wanted =
+            if columns.is_empty() { from.shown.clone() } else { DataFrame::new(from.all.height(), columns)? };
+        let wanted = wanted.filter(&BooleanChunked::from_slice("chosen".into(), &rows))?;
+        match self.format {
+            TableFormat::Csv => table::csv(&wanted),
+            TableFormat::Markdown => table::markdown(&wanted),
+            TableFormat::Latex => table::latex(&wanted),
+        }
+    }
+
+    fn column<'t>(&self, from: &'t Table, name: &str) -> Result<&'t Column, ReportError> {
+        from.all.column(name).or_else(|_| from.shown.column(name)).map_err(|_| ReportError::Unknown {
+            what: format!("column of table `{}`", self.table),
+            name: name.to_owned(),
+            known: from.all.get_column_names().into_iter().map(ToString::to_string).collect(),
+        })
+    }
+}
+
+/// A value as its CSV file has it; nothing where there is none.
+fn plain(value: &AnyValue) -> String {
+    match value {
+        AnyValue::Null => String::new(),
+        AnyValue::String(text) => (*text).to_owned(),
+        AnyValue::StringOwned(text) => text.to_string(),
+        other => other.to_string(),
+    }
+}
