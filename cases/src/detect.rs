@@ -104,20 +104,21 @@ impl Neighbours {
     }
 }
 
-/// The contacts of one disc with the walls that are within `reach` (m), and the rate at which each opens its gap (m/s).
+/// The contacts of one disc with the walls that are within `reach` (m), and what the motion of each adds to
+/// the relative velocity: the rate at which it opens the gap, and minus that at which it slides (m/s).
 pub(crate) fn walls_near(
     walls: &[Option<MovingWall>; 3],
     grain: u32,
     position: Vector2<f64>,
     radius: f64,
     reach: f64,
-) -> impl Iterator<Item = (DetectedContact, f64)> {
+) -> impl Iterator<Item = (DetectedContact, [f64; 2])> {
     [Side::Floor, Side::Left, Side::Right].into_iter().zip(*walls).filter_map(move |(side, wall)| {
         let wall = wall?;
         let gap = wall.now.gap(position, radius);
         let normal = wall.now.normal;
         let contact = DetectedContact { candidate: grain, antagonist: side, normal, gap };
-        (gap <= reach).then_some((contact, wall.opening_rate(position)))
+        (gap <= reach).then(|| (contact, [wall.opening_rate(position), -wall.sliding_rate()]))
     })
 }
 

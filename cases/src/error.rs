@@ -50,6 +50,12 @@ pub enum CaseError {
         /// Iterations on its problem.
         iterations: u64,
     },
+    /// A scene with friction was asked to march without.
+    #[error("the scene of case {name} has friction: what is asked for here is without")]
+    Friction {
+        /// The case.
+        name: String,
+    },
     /// The solver of a time step refused its settings.
     #[error(transparent)]
     Setup(#[from] SetupError),

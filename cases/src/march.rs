@@ -5,9 +5,10 @@ use crate::case::Case;
 use crate::detect::{DetectedContact, Neighbours, Side, walls_near};
 use crate::error::CaseError;
 use crate::frozen::Frozen;
+use crate::marched::Marched;
 use crate::observables::{Missed, Observables, explosion, wall_impulses};
 use crate::scene::{Law, MovingWall, Scene};
-use contact::{Contact, Packing, Solver, greatest};
+use contact::{Discs, Mass, Mechanics, Packing, Solver, Touch, Vector, greatest};
 use nalgebra::Vector2;
 use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
 use std::cell::RefCell;
@@ -15,40 +16,43 @@ use std::ops::ControlFlow;
 
 /// A scene on its way through time.
 #[derive(Clone, Debug)]
-pub struct March {
+pub struct March<M: Mechanics = Discs> {
     name: String,
     scene: Scene,
     radius: Vec<f64>,
-    mass: Vec<f64>,
+    mass: Vec<M::Mass>,
     position: Vec<Vector2<f64>>,
-    velocity: Vec<Vector2<f64>>,
+    velocity: Vec<M::Velocity>,
     /// What is known of pairs of grains: it spares work, and changes no contact.
     neighbours: RefCell<Neighbours>,
     /// Time steps done.
     done: u64,
     /// Impulses of the last time step, ordered by contact (N·s); none if its solve failed.
-    last: Vec<((u32, Side), f64)>,
+    last: Vec<((u32, Side), M::Impulse)>,
     /// How the last time step ended, if it did not converge.
     missed: Option<Missed>,
 }
 
 /// The contact problem of a time step that is not solved yet.
 #[derive(Clone, Debug)]
-pub struct TimeStep {
+pub struct TimeStep<M: Mechanics = Discs> {
     /// The problem, with the impulses of the time step before as its start.
-    pub frozen: Frozen,
+    pub frozen: Frozen<M>,
     /// The antagonist of each contact.
     sides: Vec<Side>,
 }
 
-impl March {
-    /// The scene of `case` at time 0, every grain at rest but one that the scene throws.
+impl<M: Marched> March<M> {
+    /// The scene of `case` at time 0, every grain at rest but those that the scene throws.
     ///
     /// # Errors
     /// Names the value of which no sample can be made.
     pub fn new(case: &Case) -> Result<Self, CaseError> {
+        if case.scene.is_rough() && !M::HAS_FRICTION {
+            return Err(CaseError::Friction { name: case.name.clone() });
+        }
         let discs = case.discs()?;
-        let mut velocity = vec![Vector2::zeros(); discs.len()];
+        let mut velocity = vec![Vector2::from(case.scene.thrown_at_m_per_s); discs.len()];
         let height = |k: &usize| discs[*k].position.y;
         if let Some(highest) = (0..discs.len()).rev().max_by(|a, b| height(a).total_cmp(&height(b))) {
             velocity[highest].y -= case.scene.impact_speed_m_per_s;
@@ -57,9 +61,9 @@ impl March {
             name: case.name.clone(),
             scene: case.scene.clone(),
             radius: discs.iter().map(|disc| disc.radius).collect(),
-            mass: discs.iter().map(|disc| disc.mass).collect(),
+            mass: discs.iter().map(M::mass).collect(),
             position: discs.iter().map(|disc| disc.position).collect(),
-            velocity,
+            velocity: velocity.into_iter().map(M::translating).collect(),
             neighbours: RefCell::default(),
             done: 0,
             last: Vec::new(),
@@ -79,12 +83,21 @@ impl March {
 
     /// The grains as they are: radius (m), place (m) and velocity (m/s) of each.
     pub fn grains(&self) -> impl Iterator<Item = (f64, Vector2<f64>, Vector2<f64>)> {
-        self.radius.iter().zip(&self.position).zip(&self.velocity).map(|((r, q), v)| (*r, *q, *v))
+        self.radius
+            .iter()
+            .zip(&self.position)
+            .zip(&self.velocity)
+            .map(|((r, q), v)| (*r, *q, M::translation(*v)))
     }
 
-    /// Mass of each grain (kg).
-    pub fn mass(&self) -> &[f64] {
+    /// Mass of each grain (kg), and its moment of inertia (kg m²), if it spins.
+    pub fn mass(&self) -> &[M::Mass] {
         &self.mass
+    }
+
+    /// Velocity of each grain (m/s), and its spin (rad/s), if it has any.
+    pub fn velocity(&self) -> &[M::Velocity] {
+        &self.velocity
     }
 
     /// The walls as they stand, to be drawn: each a segment from end to end (m), the floor from left to right, side walls
@@ -118,16 +131,21 @@ impl March {
     ///
     /// # Errors
     /// A simulation that exploded has none.
-    pub fn next(&self) -> Result<TimeStep, CaseError> {
-        let Scene { time_step_s: h, theta, gravity_m_per_s2: g, law, .. } = self.scene;
+    pub fn next(&self) -> Result<TimeStep<M>, CaseError> {
+        let Scene { time_step_s: h, theta, law, .. } = self.scene;
         // Contacts are sought at q + h(1−θ)V⁻, and V_free = V⁻ + M⁻¹Rᵈ.
-        let position: Vec<_> =
-            self.position.iter().zip(&self.velocity).map(|(q, v)| q + v * (h * (1.0 - theta))).collect();
-        let free_velocity: Vec<_> = self.velocity.iter().map(|v| v - Vector2::new(0.0, g * h)).collect();
+        let position: Vec<_> = self
+            .position
+            .iter()
+            .zip(&self.velocity)
+            .map(|(q, v)| q + M::translation(*v) * (h * (1.0 - theta)))
+            .collect();
+        let taken = M::translating(self.scene.gravity() * h);
+        let free_velocity: Vec<_> = self.velocity.iter().map(|v| *v - taken).collect();
 
         let (contacts, near) = self.contacts(&position, &free_velocity);
         let keys = near.iter().map(|contact| (contact.candidate, contact.antagonist));
-        let start = recall(&self.last, keys);
+        let start = recall::<M>(&self.last, keys);
         let gap = near.iter().map(|contact| contact.gap).collect();
         let sides = near.iter().map(|contact| contact.antagonist).collect();
         let problem = Packing::new(self.mass.clone(), position, free_velocity, contacts)
@@ -148,29 +166,29 @@ impl March {
     fn contacts(
         &self,
         position: &[Vector2<f64>],
-        free_velocity: &[Vector2<f64>],
-    ) -> (Vec<Contact>, Vec<DetectedContact>) {
+        free_velocity: &[M::Velocity],
+    ) -> (Vec<M::Contact>, Vec<DetectedContact>) {
         let Scene { time_step_s: h, theta, law, contact_copies, .. } = self.scene;
         // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
         let detection = (self.done as f64 + 1.0 - theta) * h;
         let walls = self.scene.walls.as_ref().map_or([None; 3], |walls| walls.over(detection, h));
-        let reach = 2.0 * h * greatest_approach(free_velocity, position, &walls);
+        let reach = 2.0 * h * greatest_approach::<M>(free_velocity, position, &walls);
 
         let pairs = self.neighbours.borrow_mut().contacts(position, &self.radius, reach);
         let (mut contacts, mut near) = (Vec::with_capacity(pairs.len()), Vec::with_capacity(pairs.len()));
-        let mut enter = |pair: &DetectedContact, wall_offset: f64| {
-            let antagonist = if let Side::Grain(j) = pair.antagonist { Some(j) } else { None };
-            let mut contact =
-                Contact { candidate: pair.candidate, antagonist, normal: pair.normal, offset: wall_offset };
+        let of_walls = self.scene.walls.as_ref().and_then(|walls| walls.friction);
+        let friction = [self.scene.friction, of_walls.or(self.scene.friction)].map(|mu| mu.unwrap_or(0.0));
+        let mut enter = |pair: &DetectedContact, wall_offset: [f64; 2]| {
+            let mut contact = M::contact(pair, &self.radius, wall_offset, friction);
             let enters = match law {
                 Law::PredictedGap => {
-                    let b = contact.relative(free_velocity) + contact.offset;
+                    let b = contact.relative(free_velocity).first() + contact.offset().first();
                     pair.gap + h * b <= 0.0
                 }
                 Law::Iqs => true,
             };
             if enters {
-                contact.offset += law.gap_offset(pair.gap, h);
+                M::widen(&mut contact, law.gap_offset(pair.gap, h));
                 for _ in 0..contact_copies {
                     contacts.push(contact);
                     near.push(*pair);
@@ -181,7 +199,7 @@ impl March {
         for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)) {
             walls_near(&walls, grain, *x, *radius, reach).for_each(|(pair, offset)| enter(&pair, offset));
             while let Some((pair, rest)) = ahead.split_first().filter(|(pair, _)| pair.candidate == grain) {
-                enter(pair, 0.0);
+                enter(pair, [0.0; 2]);
                 ahead = rest;
             }
         }
@@ -193,18 +211,17 @@ impl March {
     ///
     /// # Panics
     /// If the impulses or velocities are not those of the time step's problem.
-    pub fn advance(&mut self, time_step: &TimeStep, r: &[f64], velocity: &[Vector2<f64>]) -> Observables {
+    pub fn advance(&mut self, time_step: &TimeStep<M>, r: &[f64], velocity: &[M::Velocity]) -> Observables {
         let Scene { time_step_s: h, theta, .. } = self.scene;
         let problem = &time_step.frozen.problem;
-        assert_eq!(r.len(), problem.contact_count(), "one impulse per contact");
+        assert_eq!(r.len(), problem.impulse_count(), "one impulse per contact");
         assert_eq!(velocity.len(), problem.grain_count(), "one velocity per grain");
         for ((q, detected), v) in self.position.iter_mut().zip(problem.position()).zip(velocity) {
-            *q = detected + v * (h * theta);
+            *q = detected + M::translation(*v) * (h * theta);
         }
         self.velocity.copy_from_slice(velocity);
-        let keys =
-            problem.contacts().iter().zip(&time_step.sides).map(|(contact, side)| (contact.candidate, *side));
-        self.last = keys.zip(r.iter().copied()).collect();
+        let keys = problem.contacts().iter().zip(&time_step.sides).map(|(at, side)| (at.ends().0, *side));
+        self.last = keys.enumerate().map(|(k, key)| (key, M::Impulse::at(r, k))).collect();
         self.done += 1;
         self.observe(time_step, r)
     }
@@ -215,9 +232,9 @@ impl March {
     /// Those of [`March::solve`].
     pub fn time_step(
         &mut self,
-        solver: &dyn Solver,
+        solver: &dyn Solver<M>,
         stop: &Stop,
-    ) -> Result<(Outcome, Observables), CaseError> {
+    ) -> Result<(Outcome<M>, Observables), CaseError> {
         let next = self.next()?;
         self.solve(&next, solver, stop, true, &|| false)
     }
@@ -230,12 +247,12 @@ impl March {
     /// of its last good state. If `halt` said yes, the time step is not done.
     pub fn solve(
         &mut self,
-        next: &TimeStep,
-        solver: &dyn Solver,
+        next: &TimeStep<M>,
+        solver: &dyn Solver<M>,
         stop: &Stop,
         warm: bool,
         halt: &dyn Fn() -> bool,
-    ) -> Result<(Outcome, Observables), CaseError> {
+    ) -> Result<(Outcome<M>, Observables), CaseError> {
         let (Frozen { problem, gap, .. }, start) = (&next.frozen, next.frozen.start(warm));
         let mut observe =
             |_: &Progress| if halt() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
@@ -251,7 +268,9 @@ impl March {
             self.last.clear();
         }
         let before = std::mem::replace(&mut self.missed, missed);
-        match explosion(problem.contacts(), gap, &self.radius, &self.velocity, self.scene.time_step_s) {
+        let contacts = problem.contacts().iter().map(Touch::ends);
+        let translations: Vec<_> = self.velocity.iter().map(|v| M::translation(*v)).collect();
+        match explosion(contacts, gap, &self.radius, &translations, self.scene.time_step_s) {
             None => Ok((outcome, observables)),
             // Speeds are those of this time step; overlaps were found at its beginning, where the one before had led.
             Some(why) => {
@@ -262,19 +281,20 @@ impl March {
         }
     }
 
-    fn observe(&self, time_step: &TimeStep, r: &[f64]) -> Observables {
-        let kinetic = self.mass.iter().zip(&self.velocity).map(|(m, v)| 0.5 * m * v.norm_squared());
-        let moment = self.mass.iter().zip(&self.position).map(|(m, q)| m * q.y);
+    fn observe(&self, time_step: &TimeStep<M>, r: &[f64]) -> Observables {
+        let kinetic = self.mass.iter().zip(&self.velocity).map(|(m, v)| 0.5 * m.squared(*v));
+        let mass = || self.mass.iter().map(|mass| M::weight(*mass));
+        let moment = mass().zip(&self.position).map(|(m, q)| m * q.y);
         let overlaps = || time_step.frozen.gap.iter().map(|gap| f64::max(0.0, -gap));
         Observables {
             time: self.done as f64 * self.scene.time_step_s,
             kinetic_energy: kinetic.sum(),
-            mean_height: moment.sum::<f64>() / self.mass.iter().sum::<f64>(),
+            mean_height: moment.sum::<f64>() / mass().sum::<f64>(),
             greatest_overlap: overlaps().fold(0.0, f64::max),
             mean_overlap: overlaps().sum::<f64>() / self.mass.len() as f64,
-            wall_impulses: wall_impulses(&time_step.sides, r),
-            contacts: r.len(),
-            greatest_speed: greatest(self.velocity.iter().map(Vector2::norm)),
+            wall_impulses: wall_impulses(&time_step.sides, r.iter().step_by(M::Impulse::LEN).copied()),
+            contacts: time_step.sides.len(),
+            greatest_speed: greatest(self.velocity.iter().map(|v| M::translation(*v).norm())),
         }
     }
 }
@@ -299,22 +319,28 @@ impl Law {
 
 /// The greatest free speed of a grain, and of a wall where it faces one (m/s). Twice this times h is as far as two
 /// surfaces come together in a time step without impulses.
-fn greatest_approach(
-    free_velocity: &[Vector2<f64>],
+fn greatest_approach<M: Marched>(
+    free_velocity: &[M::Velocity],
     position: &[Vector2<f64>],
     walls: &[Option<MovingWall>; 3],
 ) -> f64 {
-    let grains = free_velocity.iter().map(Vector2::norm);
+    let grains = free_velocity.iter().map(|v| M::translation(*v).norm());
     let facing = walls.iter().flatten().flat_map(|wall| position.iter().map(|x| wall.opening_rate(*x).abs()));
     grains.chain(facing).fold(0.0, f64::max)
 }
 
 /// The impulses of the contacts `keys` in the last time step, 0 for a new one. Both lists rise.
-fn recall(last: &[((u32, Side), f64)], keys: impl Iterator<Item = (u32, Side)>) -> Vec<f64> {
+fn recall<M: Mechanics>(
+    last: &[((u32, Side), M::Impulse)],
+    keys: impl ExactSizeIterator<Item = (u32, Side)>,
+) -> Vec<f64> {
     let mut last = last.iter().peekable();
-    keys.map(|key| {
+    let mut start = vec![0.0; M::Impulse::LEN * keys.len()];
+    for (k, key) in keys.enumerate() {
         while last.next_if(|(known, _)| *known < key).is_some() {}
-        last.next_if(|(known, _)| *known == key).map_or(0.0, |(_, r)| *r)
-    })
-    .collect()
+        if let Some((_, r)) = last.next_if(|(known, _)| *known == key) {
+            r.put(&mut start, k);
+        }
+    }
+    start
 }

@@ -1,7 +1,6 @@
 //! What a simulation shows of itself after a time step, and when it has exploded.
 
 use crate::detect::Side;
-use contact::Contact;
 use nalgebra::Vector2;
 use runner::Status;
 use std::fmt;
@@ -89,7 +88,7 @@ pub enum Explosion {
 /// found for it, over a time step of `h` (s). Each grain is judged by its own size: beside large ones, a small one is
 /// swallowed long before the mean diameter notices.
 pub(crate) fn explosion(
-    contacts: &[Contact],
+    contacts: impl Iterator<Item = (u32, Option<u32>)>,
     gap: &[f64],
     radius: &[f64],
     velocity: &[Vector2<f64>],
@@ -100,11 +99,10 @@ pub(crate) fn explosion(
         return Some(Explosion::NotFinite);
     }
     let size = |grain: u32| radius[grain as usize];
-    let smaller = |contact: &Contact| {
-        let candidate = contact.candidate;
-        contact.antagonist.filter(|j| size(*j) < size(candidate)).unwrap_or(candidate)
+    let smaller = |(candidate, antagonist): (u32, Option<u32>)| {
+        antagonist.filter(|j| size(*j) < size(candidate)).unwrap_or(candidate)
     };
-    let overlaps = contacts.iter().zip(gap).map(|(contact, gap)| (smaller(contact), -gap));
+    let overlaps = contacts.zip(gap).map(|(contact, gap)| (smaller(contact), -gap));
     let overlaps = overlaps.map(|(grain, overlap)| (grain, overlap, size(grain)));
     let speeds = (0_u32..).zip(velocity).map(|(grain, v)| (grain, v.norm(), 2.0 * size(grain) / h));
     let overlap = |(grain, overlap, bound)| Explosion::Overlap { grain, overlap, bound };
@@ -119,9 +117,9 @@ fn worst(values: impl Iterator<Item = (u32, f64, f64)>) -> Option<(u32, f64, f64
 }
 
 /// Sums of the impulses `r` (N·s) that the floor, the left and the right wall gave.
-pub(crate) fn wall_impulses(sides: &[Side], r: &[f64]) -> [f64; 3] {
+pub(crate) fn wall_impulses(sides: &[Side], r: impl Iterator<Item = f64> + Clone) -> [f64; 3] {
     let of_wall = |wall: Side| {
-        let given = sides.iter().zip(r).filter(|(side, _)| **side == wall);
+        let given = sides.iter().zip(r.clone()).filter(|(side, _)| **side == wall);
         given.fold(0.0, |sum, (_, r)| sum + r)
     };
     [Side::Floor, Side::Left, Side::Right].map(of_wall)

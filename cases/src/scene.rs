@@ -1,6 +1,6 @@
 //! A scene: gravity, the box and its motion, the contact law, the time step.
 
-use contact::{is_positive, shown};
+use contact::{is_not_negative, is_positive, shown};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,6 +18,15 @@ pub struct Scene {
     pub theta: f64,
     /// Downward acceleration (m/s²).
     pub gravity_m_per_s2: f64,
+    /// By how much gravity leans towards +x (rad): the floor is then a slope that falls that way.
+    #[serde(default)]
+    pub slope_rad: f64,
+    /// Coulomb's μ between grains, and at walls that have none of their own (–). Without the key there is no friction, and grains
+    /// have no spin.
+    pub friction: Option<f64>,
+    /// Velocity at which every grain begins (m/s).
+    #[serde(default)]
+    pub thrown_at_m_per_s: [f64; 2],
     /// Speed at which the highest grain, the first of several, begins downwards; the others are at rest (m/s).
     #[serde(default)]
     pub impact_speed_m_per_s: f64,
@@ -64,6 +73,11 @@ pub struct Walls {
     /// Speed at which each side wall moves towards the other (m/s).
     #[serde(default)]
     pub closing_speed_m_per_s: f64,
+    /// Speed at which the floor slides along itself, as a belt, towards +x (m/s). Only friction feels it.
+    #[serde(default)]
+    pub belt_speed_m_per_s: f64,
+    /// Coulomb's μ at the walls (–), where it is another than between grains.
+    pub friction: Option<f64>,
     /// Vibration of the whole box.
     pub vibration: Option<Vibration>,
 }
@@ -110,7 +124,8 @@ impl Walls {
     /// Floor, left and right wall from `time` to `time` + `span` (s).
     pub(crate) fn over(&self, time: f64, span: f64) -> [Option<MovingWall>; 3] {
         let (now, next) = (self.at(time), self.at(time + span));
-        [0, 1, 2].map(|side| Some(MovingWall { now: now[side]?, next: next[side]?, span }))
+        let belt = [self.belt_speed_m_per_s, 0.0, 0.0];
+        [0, 1, 2].map(|side| Some(MovingWall { now: now[side]?, next: next[side]?, span, belt: belt[side] }))
     }
 
     /// Floor, left and right wall as they stand at `time` (s).
@@ -140,12 +155,21 @@ pub(crate) struct MovingWall {
     pub(crate) now: Wall,
     next: Wall,
     span: f64,
+    /// Speed along +x of a surface that slides (m/s).
+    belt: f64,
 }
 
 impl MovingWall {
     /// Rate at which the wall opens the gap of a disc at rest, on average over the span (m/s).
     pub(crate) fn opening_rate(&self, position: Vector2<f64>) -> f64 {
         (self.next.gap(position, 0.0) - self.now.gap(position, 0.0)) / self.span
+    }
+
+    /// Velocity of the surface along the tangent t = (−`n_y`, `n_x`), on average over the span (m/s): that of the foot, about which
+    /// the wall turns, and of a belt.
+    pub(crate) fn sliding_rate(&self) -> f64 {
+        let tangent = Vector2::new(-self.now.normal.y, self.now.normal.x);
+        tangent.dot(&((self.next.foot - self.now.foot) / self.span + Vector2::new(self.belt, 0.0)))
     }
 }
 
@@ -161,6 +185,22 @@ impl Vibration {
 }
 
 impl Scene {
+    /// Whether grains feel friction.
+    pub fn is_rough(&self) -> bool {
+        self.friction.is_some() || self.walls.as_ref().is_some_and(|walls| walls.friction.is_some())
+    }
+
+    /// What gravity takes from velocities (m/s²).
+    pub(crate) fn gravity(&self) -> Vector2<f64> {
+        let g = self.gravity_m_per_s2;
+        // Nothing leans where there is no slope, to the sign of a zero.
+        if self.slope_rad == 0.0 {
+            Vector2::new(0.0, g)
+        } else {
+            Vector2::new(-g * libm::sin(self.slope_rad), g * libm::cos(self.slope_rad))
+        }
+    }
+
     /// What is outside the model's meaning, as key, value and what would be accepted.
     pub(crate) fn check(&self) -> Result<(), String> {
         let mut values = vec![
@@ -171,10 +211,14 @@ impl Scene {
         let mut finite = |key, value: f64| values.push((key, value, value.is_finite(), "finite"));
         finite("gravity_m_per_s2", self.gravity_m_per_s2);
         finite("impact_speed_m_per_s", self.impact_speed_m_per_s);
+        finite("slope_rad", self.slope_rad);
+        finite("thrown_at_m_per_s", self.thrown_at_m_per_s[0]);
+        finite("thrown_at_m_per_s", self.thrown_at_m_per_s[1]);
         if let Some(walls) = &self.walls {
             finite("box.tilt_rate_rad_per_s", walls.tilt_rate_rad_per_s);
             finite("box.tilt_start_s", walls.tilt_start_s);
             finite("box.closing_speed_m_per_s", walls.closing_speed_m_per_s);
+            finite("box.belt_speed_m_per_s", walls.belt_speed_m_per_s);
             if let Some(vibration) = &walls.vibration {
                 finite("box.vibration.amplitude_m", vibration.amplitude_m);
                 finite("box.vibration.frequency_hz", vibration.frequency_hz);
@@ -184,6 +228,10 @@ impl Scene {
             values.extend(
                 walls.width_m.map(|width| ("box.width_m", width, is_positive(width), "positive and finite")),
             );
+        }
+        let of_walls = self.walls.as_ref().and_then(|walls| walls.friction);
+        for (key, friction) in [("friction", self.friction), ("box.friction", of_walls)] {
+            values.extend(friction.map(|mu| (key, mu, is_not_negative(mu), "finite and not negative")));
         }
         match values.into_iter().find(|(_, _, valid, _)| !valid) {
             Some((key, value, _, expected)) => {

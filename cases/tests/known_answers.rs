@@ -5,7 +5,7 @@
 use analysis::proves_infeasible;
 use cases::{Case, CaseError, Explosion, Frozen, March, Missed, Side, detect};
 use cg::Cg;
-use contact::Measure;
+use contact::{Discs, Measure, RoughDiscs};
 use nalgebra::Vector2;
 use nsgs::Nsgs;
 use proptest::prelude::*;
@@ -26,6 +26,10 @@ fn case(name: &str, overrides: &[(&str, &str)]) -> Case {
 
 fn march(name: &str, overrides: &[(&str, &str)]) -> March {
     March::new(&case(name, overrides)).unwrap()
+}
+
+fn rough_march(case: &Case) -> March<RoughDiscs> {
+    March::new(case).unwrap()
 }
 
 fn tight() -> Stop {
@@ -49,11 +53,12 @@ fn every_case_file_is_named_as_it_says_and_makes_a_problem() {
         if path.extension().is_some_and(|ending| ending == "toml") && !path.ends_with("Cargo.toml") {
             let case = Case::read(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(case.name, path.file_stem().unwrap().to_string_lossy());
-            assert!(
-                March::new(&case).unwrap().next().unwrap().frozen.problem.contact_count() > 0,
-                "{}",
-                case.name
-            );
+            let contacts = if case.scene.is_rough() {
+                rough_march(&case).next().unwrap().frozen.problem.contact_count()
+            } else {
+                March::<Discs>::new(&case).unwrap().next().unwrap().frozen.problem.contact_count()
+            };
+            assert!(contacts > 0, "{}", case.name);
             count += 1;
         }
     }
@@ -416,11 +421,110 @@ fn squeezed_crystal_has_no_answer_and_its_thrust_proves_it() {
 #[test]
 fn shapes_that_do_not_fit_are_refused_by_key_and_value() {
     let refused = |name: &str, key: &str, value: &str| {
-        let error = March::new(&case(name, &[(key, value)])).unwrap_err().to_string();
+        let error = March::<Discs>::new(&case(name, &[(key, value)])).unwrap_err().to_string();
         assert!(error.contains(&format!("{name}.toml")) && error.contains(value), "{error}");
         error
     };
     assert!(refused("flat-arch", "scene.box.width_m", "3.5").contains("between 2 and 3"));
     assert!(refused("rollers", "sample.top_radius_m", "1").contains("too small for 5 rollers"));
     assert!(refused("intruder", "sample.intruder_radius_m", "-1").contains("`sample.intruder_radius_m`"));
+}
+
+/// Velocities [m/s, m/s, rad/s] of the discs of a case with friction after some time steps.
+fn velocities(name: &str, overrides: &[(&str, &str)], time_steps: u64) -> Vec<[f64; 3]> {
+    let mut march = rough_march(&case(name, overrides));
+    let stop = Stop { tolerance: 1e-13, ..tight() };
+    for _ in 0..time_steps {
+        let (outcome, _) = march.time_step(&Nsgs::default(), &stop).unwrap();
+        assert_eq!(outcome.status, Status::Converged);
+    }
+    march.velocity().iter().map(|v| [v.x, v.y, v.z]).collect()
+}
+
+fn assert_close(is: f64, expected: f64, what: &str) {
+    assert!((is - expected).abs() < 1e-10, "{what}: {is}, {expected} expected");
+}
+
+#[test]
+fn a_disc_rolls_down_a_slope_or_slides_as_its_friction_says() {
+    for (friction, slope) in [(0.2_f64, 0.4_f64), (0.2, 0.6), (0.1, 0.5)] {
+        let (mu, angle) = (friction.to_string(), slope.to_string());
+        let overrides = [("scene.friction", mu.as_str()), ("scene.slope_rad", angle.as_str())];
+        let [along, into, spin] = velocities("slope", &overrides, 50)[0];
+        let (g, t) = (GRAVITY, 0.5);
+        let rolls = slope.tan() <= 3.0 * friction;
+        let sliding = g * (slope.sin() - friction * slope.cos());
+        assert_close(along, t * if rolls { 2.0 / 3.0 * g * slope.sin() } else { sliding }, "along the slope");
+        assert_close(into, 0.0, "into the slope");
+        let of_sliding = t * 2.0 * friction * g * slope.cos() / 0.5;
+        assert_close(-spin, if rolls { along / 0.5 } else { of_sliding }, "spin");
+    }
+}
+
+#[test]
+fn a_thrown_disc_rolls_at_two_thirds_of_its_speed() {
+    assert_close(velocities("thrown-disc", &[], 20)[0][0], 0.8, "sliding");
+    let [x, y, spin] = velocities("thrown-disc", &[], 40)[0];
+    assert_close(x, 2.0 / 3.0, "rolling");
+    assert_close(y, 0.0, "upwards");
+    assert_close(spin, -x / 0.5, "spin");
+}
+
+#[test]
+fn a_belt_takes_discs_along_at_a_third_of_its_speed() {
+    for disc in velocities("belt", &[], 10) {
+        assert_close(disc[0], 0.1, "sliding");
+    }
+    for disc in velocities("belt", &[], 30) {
+        assert_close(disc[0], 0.5 / 3.0, "rolling on the belt");
+    }
+}
+
+#[test]
+fn a_stack_of_three_stands_or_falls() {
+    let fastest = |overrides: &[(&str, &str)]| {
+        velocities("stack-of-three", overrides, 20)
+            .into_iter()
+            .flatten()
+            .fold(0.0, |v: f64, x| v.max(x.abs()))
+    };
+    assert!(fastest(&[]) < 1e-8);
+    assert!(fastest(&[("scene.friction", "0.26")]) > 1e-3);
+    assert!(fastest(&[("scene.box.friction", "0.085")]) > 1e-3);
+}
+
+#[test]
+fn a_box_with_friction_comes_to_rest_with_fewer_contacts_and_leans_on_its_walls() {
+    let rest = |name: &str, overrides: &[(&str, &str)]| {
+        let mut march = rough_march(&case(name, overrides));
+        let stop = Stop { tolerance: 1e-6, ..tight() };
+        let mut last = None;
+        for _ in 0..200 {
+            last = Some(march.time_step(&Cg::default(), &stop).unwrap().1);
+        }
+        last.unwrap()
+    };
+    let small = [("sample.grains", "60"), ("scene.box.width_m", "1.2")];
+    let rough = rest("rough-box", &small);
+    let smooth = rest("rough-box", &[small[0], small[1], ("scene.friction", "0.0")]);
+    assert!(rough.kinetic_energy < 1e-3, "{rough:?}");
+    let mass: f64 = rough_march(&case("rough-box", &small)).mass().iter().map(|mass| mass.mass).sum();
+    let weight = mass * GRAVITY * 0.005;
+    // Without friction the floor carries all.
+    assert!((smooth.wall_impulses[0] / weight - 1.0).abs() < 0.02, "{smooth:?}, {weight}");
+    assert!(rough.wall_impulses[0] < 0.99 * weight, "{rough:?}, {weight}");
+}
+
+#[test]
+fn a_scene_without_friction_marches_alike_with_spins_that_nothing_moves() {
+    let overrides = [("sample.grains", "60"), ("scene.box.width_m", "1.2")];
+    let mut smooth = march("settled-box", &overrides);
+    let mut rough = rough_march(&case("settled-box", &overrides));
+    for _ in 0..50 {
+        smooth.time_step(&Nsgs::default(), &tight()).unwrap();
+        rough.time_step(&Nsgs::default(), &tight()).unwrap();
+    }
+    for ((_, x, v), (_, y, w)) in smooth.grains().zip(rough.grains()) {
+        assert!((x - y).norm() < 1e-8 && (v - w).norm() < 1e-6, "{x} {y} {v} {w}");
+    }
 }

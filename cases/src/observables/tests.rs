@@ -5,9 +5,8 @@ const H: f64 = 0.01;
 
 /// A large grain and a small one with a contact between them, and one of the large grain with a wall.
 fn exploded(gap: [f64; 2], speed: [f64; 2]) -> Option<Explosion> {
-    let contact = |antagonist| Contact { candidate: 0, antagonist, normal: Vector2::y(), offset: 0.0 };
     let velocity = speed.map(|v| Vector2::new(0.0, -v));
-    explosion(&[contact(Some(1)), contact(None)], &gap, &RADIUS, &velocity, H)
+    explosion([(0, Some(1)), (0, None)].into_iter(), &gap, &RADIUS, &velocity, H)
 }
 
 #[test]
