@@ -66,6 +66,7 @@ pub(crate) fn run(number: u32) -> Run {
             rustc: "1.95.0".into(),
             profile: "release".into(),
             started_utc: "2026-01-02T03:04:05Z".into(),
+            other_code: String::new(),
         },
         ..Run::default()
     }

@@ -75,7 +75,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         say(format_args!("{HEADING}"))?;
     }
     let see = &mut |seen: &Seen| kept.see(args, seen);
-    let ended = through_time(&mut march, &*method.solver, &rule, args.time_steps, &exit::requested, see);
+    let ended = through_time(&mut march, method.solver()?, &rule, args.time_steps, &exit::requested, see);
     kept.bar.finish_and_clear();
     let (totals, end) = ended?;
     let last_state = match &end {
