@@ -27,7 +27,7 @@ pub(crate) fn run_on_problem(
     let timing = conditions.how.timing();
     let mut provenance = conditions.how.provenance.restarted();
     if let Runs::Elsewhere(programme) = &variant.method.runs {
-        provenance.other_code = programme.code.version().unwrap_or_default().to_owned();
+        programme.code.version().unwrap_or_default().clone_into(&mut provenance.other_code);
     }
     // A skipped run, if it is not run.
     let row = Run {

@@ -123,7 +123,8 @@ fn sentence(rows: &[Row], method: &str) -> (Option<f64>, String) {
 /// Why other codes gave no answer.
 fn reasons(runs: &[RunRow]) -> String {
     let failed = runs.iter().filter(|run| run.ending == Ending::Failed);
-    failed.map(|run| format!("\nfailed: {} on {}: {}\n", run.label(), run.problem, run.reason)).collect()
+    let reason = |run: &RunRow| format!("\nfailed: {} on {}: {}\n", run.label(), run.problem, run.reason);
+    failed.map(reason).collect::<Vec<_>>().concat()
 }
 
 #[cfg(test)]
