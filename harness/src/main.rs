@@ -50,6 +50,7 @@ mod study {
 mod run {
     mod curve;
     mod execute;
+    mod external;
     mod problem;
     mod rows;
     mod simulation;
@@ -59,6 +60,7 @@ mod run {
 
     pub(crate) use curve::{Recorder, decades, first_at};
     pub(crate) use execute::{Conditions, How, Task, few, in_parallel, in_the_pool};
+    pub(crate) use external::{Ended, ended};
     pub(crate) use problem::{Snapshots, run_on_problem};
     pub(crate) use rows::{derived, ended_row, given_row, nothing_done, partitions, scene_rows};
     pub(crate) use simulation::{End, Seen, Through, missed, observed, run_simulation, through_time};
@@ -86,6 +88,7 @@ mod problems {
 mod plan {
     mod axes;
     mod checks;
+    mod external;
     mod file;
     mod methods;
     mod rules;
@@ -95,8 +98,13 @@ mod plan {
 
     pub(crate) use axes::{MOST, Settings, combinations, count, values};
     pub(crate) use checks::MOST_REPEATS;
+    pub(crate) use external::{External, MECHANICS, Programme, last_line};
     pub(crate) use file::{Curves, Plan, PlannedCase};
-    pub(crate) use methods::{Entry, METHODS, Method, key_value, method_names, refuse_repeated};
+    #[cfg(test)]
+    pub(crate) use methods::METHODS;
+    pub(crate) use methods::{
+        Entry, Method, Runs, key_value, method_names, methods, read_external, refuse_repeated,
+    };
     pub(crate) use rules::{Rule, Simulate};
     pub(crate) use variants::{PlannedMethod, Variant, WarmStart, as_typed, last_parts, pairs};
 }
@@ -195,6 +203,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
         rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global()?;
     }
     let root = problems::Root::find(cli.root)?;
+    plan::read_external(&root)?;
     match cli.command {
         Command::Bench(args) => return bench::run(root.needed()?, &args),
         Command::Plan(args) => show::run(root.needed()?, &args)?,

@@ -7,6 +7,7 @@ mod atlas_in_time;
 mod convergence;
 mod critical_path;
 mod directions;
+mod peers;
 mod profiles;
 mod relaxation;
 mod sample;
@@ -78,6 +79,12 @@ const CHARTS: &[Chart] = &[
         makes: "`truth-<problem>`, `truth`",
         shows: "ζ, the natural map and LMGC90's norm against the velocity error: where they promise too much; a curve that goes up and down is a band with its median",
         parts: Parts::Problems(truth::parts),
+    },
+    Chart {
+        name: "peers",
+        makes: "`peers`, `peers-ratios`",
+        shows: "ours and other codes: error reached, seconds by the code's own clock and of its process, ratio to the fastest of each problem",
+        parts: Parts::Problems(peers::parts),
     },
     Chart {
         name: "profiles",

@@ -20,6 +20,7 @@ impl Provenance {
             rustc: rustc.trim().to_owned(),
             profile: profile.trim().to_owned(),
             started_utc: now(),
+            other_code: String::new(),
         };
         provenance.check()?;
         Ok(provenance)

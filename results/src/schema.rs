@@ -32,7 +32,8 @@ pub struct Run {
     #[serde(with = "json")]
     pub settings: Map<String, Value>,
     /// What it worked with beside its settings, as JSON: a value that they leave open, by its name; and, of a method with
-    /// subdomains, `critical_path`, the multiply-adds of an iteration on the longest of them.
+    /// subdomains, `critical_path`, the multiply-adds of an iteration on the longest of them; of another code `rungs`: for
+    /// each tolerance that was asked of it its iterations, the seconds by its clock and by ours, and what was measured.
     #[serde(with = "json")]
     pub derived: Map<String, Value>,
     /// What was computed of the problem and of the run's partition, as JSON: `lambda_max`, the greatest eigenvalue of
@@ -56,10 +57,11 @@ pub struct Run {
     /// Greatest number of iterations allowed.
     pub max_iterations: u64,
     /// `converged`, `iteration-limit`, `stalled`, `diverged` or `infeasible`; `false-convergence` if the measure met the tolerance
-    /// far from a solution, or where there is none (`solvers/runner/src/convergence.rs` has the rule); `skipped` if
-    /// the method could not start on the problem; `given` for impulses of another code, which no run here made.
+    /// far from a solution, or where there is none (`solvers/runner/src/convergence.rs` has the rule); `failed` if another
+    /// code gave no answer; `skipped` if the method could not start on the problem; `given` for impulses of another code, which no run here made.
     pub status: String,
-    /// Why the run was skipped: the setting, its value, what would be accepted; empty for a run that ended.
+    /// Why the run was skipped: the setting, its value, what would be accepted; or why another code gave no answer; empty for
+    /// a run that ended.
     pub reason: String,
     /// Iterations made.
     pub iterations: u64,
@@ -166,17 +168,29 @@ pub struct Provenance {
     pub profile: String,
     /// When the run began (UTC, RFC 3339).
     pub started_utc: String,
+    /// What another code that made the run says of its version; empty for a method of ours.
+    #[serde(default)]
+    pub other_code: String,
 }
 
 /// Every [`Run::status`] that a journal can hold.
-pub const STATUSES: [&str; 7] =
-    ["converged", "iteration-limit", "stalled", "diverged", "infeasible", "false-convergence", "skipped"];
+pub const STATUSES: [&str; 8] = [
+    "converged",
+    "iteration-limit",
+    "stalled",
+    "diverged",
+    "infeasible",
+    "false-convergence",
+    "failed",
+    "skipped",
+];
 
 impl Provenance {
-    /// Whether seconds of the two can be compared: the same build on the same processor with as many threads.
+    /// Whether seconds of the two can be compared: the same build on the same processor with as many threads. Codes that are
+    /// compared with ours have versions of their own.
     pub fn comparable(&self, other: &Self) -> bool {
-        Self { started_utc: String::new(), ..self.clone() }
-            == Self { started_utc: String::new(), ..other.clone() }
+        let build = |p: &Self| Self { started_utc: String::new(), other_code: String::new(), ..p.clone() };
+        build(self) == build(other)
     }
 }
 

@@ -39,6 +39,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         bail!("--repeats {repeats}: it must be at most {MOST_REPEATS}");
     }
     let selection = args.study.selection(root)?;
+    if let Some(threads) = selection.plan.threads {
+        // Refused where `--threads` has said it before.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.get() as usize).build_global();
+    }
     if !selection.plan.through_time() {
         return bench::<OnProblems>(root, args, selection);
     }

@@ -3,7 +3,7 @@
 use crate::cli::args::StudyArgs;
 use crate::cli::plan::runs;
 use crate::cli::schema::takes;
-use crate::plan::{METHODS, Plan};
+use crate::plan::{External, Plan, methods};
 use crate::problems::{Kind, Root, size, stem};
 use crate::terminal::{say, say_table};
 use anyhow::Result;
@@ -37,7 +37,7 @@ enum What {
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let (headings, rows) = match args.what {
         What::Methods if !args.markdown => return say_methods(),
-        What::Methods => (vec!["method", "is"], methods()),
+        What::Methods => (vec!["method", "is"], methods_in_brief()),
         What::Charts => (vec!["chart", "figures and tables", "shows"], charts()),
         What::Cases => (vec!["case", "is"], cases(root.needed()?)?),
         What::Problems => (vec!["problem", "has", "comes from"], problems(root.needed()?)?),
@@ -58,8 +58,8 @@ fn code(name: &str) -> String {
     format!("`{name}`")
 }
 
-fn methods() -> Vec<Vec<String>> {
-    METHODS.iter().map(|entry| vec![code(entry.name), entry.what.to_owned()]).collect()
+fn methods_in_brief() -> Vec<Vec<String>> {
+    methods().map(|entry| vec![code(entry.name), entry.what.to_owned()]).collect()
 }
 
 fn charts() -> Vec<Vec<String>> {
@@ -96,8 +96,11 @@ fn plans(root: &Root, counted: bool) -> Result<Vec<Vec<String>>> {
 }
 
 fn say_methods() -> Result<()> {
-    for entry in METHODS {
+    for entry in methods() {
         say(format_args!("{:<16}{}", entry.name, entry.what))?;
+        if let Some(external) = entry.external() {
+            say_installed(external)?;
+        }
         let settings = entry.settings();
         for (key, default) in entry.defaults()? {
             let default = if default.is_null() { "none".to_owned() } else { default.to_string() };
@@ -107,4 +110,15 @@ fn say_methods() -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Whether another code is there, and if not how it comes.
+fn say_installed(external: &External) -> Result<()> {
+    match external.version() {
+        Ok(version) => say(format_args!("      another code, installed: {version}")),
+        Err(why) => {
+            say(format_args!("      another code, not installed ({why}); this installs it:"))?;
+            say(format_args!("          {}", external.install()))
+        }
+    }
 }

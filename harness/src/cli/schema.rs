@@ -1,7 +1,7 @@
 //! `gravel schema`: JSON schemas of plans, cases and problems, for editors; and what a setting takes, in words.
 
 use crate::cli::keys;
-use crate::plan::{Entry, METHODS, Plan, PlannedMethod};
+use crate::plan::{Entry, Plan, PlannedMethod, methods};
 use crate::terminal::{say, say_table};
 use anyhow::Result;
 pub(crate) use cases::schema as of;
@@ -44,7 +44,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn plan() -> Value {
     let mut plan = of::<Plan>();
     plan["properties"]["methods"]["items"] =
-        json!({ "oneOf": METHODS.iter().map(planned_method).collect::<Vec<_>>() });
+        json!({ "oneOf": methods().map(planned_method).collect::<Vec<_>>() });
     let mut quick = plan["properties"].clone();
     if let Some(keys) = quick.as_object_mut() {
         keys.remove("name");

@@ -64,6 +64,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     }
     let case = read_case(&root.case(&args.case)?, &args.changes.overrides)?;
     let (method, stop) = args.solver.read()?;
+    let solver = method.solver()?;
     let mut march = March::new(&case)?;
     let rule = Rule { stop, warm_start: !args.cold };
     exit::listen_for_interrupts()?;
@@ -75,7 +76,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         say(format_args!("{HEADING}"))?;
     }
     let see = &mut |seen: &Seen| kept.see(args, seen);
-    let ended = through_time(&mut march, &*method.solver, &rule, args.time_steps, &exit::requested, see);
+    let ended = through_time(&mut march, solver, &rule, args.time_steps, &exit::requested, see);
     kept.bar.finish_and_clear();
     let (totals, end) = ended?;
     let last_state = match &end {

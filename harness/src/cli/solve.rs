@@ -4,13 +4,13 @@ use crate::cli::args::{SceneArgs, SolverArgs};
 use crate::identity::content_hash;
 use crate::plan::Method;
 use crate::problems::{Known, Root, known, size};
-use crate::run::derived;
+use crate::run::{Ended, derived, ended};
 use crate::terminal::{Line, check_place, exit, merged, replaces, say, write_whole};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use cases::Frozen;
 use clap::ValueEnum;
 use contact::Measure;
-use runner::{Measured, Outcome, Progress, Stop, solve_against};
+use runner::{Measured, Outcome, Progress, Stop};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -63,9 +63,13 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         line.show(progress, stop.on);
         if exit::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let (solver, truth) = (&*method.solver, known.truth());
-    let outcome = solve_against(truth, solver, &frozen.problem, &r0, &stop, Measured::Needed, &mut observe)
-        .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
+    let on_problem = || format!("method `{}` on {}", method.name, path.display());
+    let Ended { outcome, failed, .. } =
+        ended(&method, known.truth(), &frozen, &r0, &stop, Measured::Needed, &mut observe)
+            .with_context(on_problem)?;
+    if let Some(why) = failed {
+        bail!("{}: {why}", on_problem());
+    }
     let outcome = Outcome { status: known.ending(outcome.status), ..outcome };
     drop(line);
 

@@ -4,16 +4,16 @@
 use crate::cli::args::{SceneArgs, StopArgs, measure};
 use crate::plan::{Method, Variant, key_value};
 use crate::problems::{Root, known};
-use crate::run::{Snapshots, partitions, scene_rows};
+use crate::run::{Ended, Snapshots, ended, partitions, scene_rows};
 use crate::store::{is_id, problem_of_run, stored_run};
 use crate::terminal::{check_place, create_folder_of, say, write_whole};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use cases::Frozen;
 use contact::Truth;
 use partition::{Grid, Scheme};
 use results::journal::Record;
 use results::schema::Run;
-use runner::{Measured, Stop, solve_against};
+use runner::{Measured, Progress, Stop};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -137,13 +137,17 @@ impl Shown {
             return Ok(reports::Snapshots { label, ending, snapshots: snapshots.clone() });
         }
         let (mut kept, start) = (Snapshots::new(), self.frozen.start(variant.warm_start));
-        let (solver, problem) = (&*variant.method.solver, &self.frozen.problem);
-        let outcome =
-            solve_against(truth, solver, problem, &start, &self.stop, Measured::Grid, &mut |progress| {
-                kept.observe(progress);
-                ControlFlow::Continue(())
-            })
-            .with_context(|| format!("method `{}` on {}", variant.method.name, self.frozen.name))?;
+        let observe = &mut |progress: &Progress| {
+            kept.observe(progress);
+            ControlFlow::Continue(())
+        };
+        let on_problem = || format!("method `{}` on {}", variant.method.name, self.frozen.name);
+        let Ended { outcome, failed, .. } =
+            ended(&variant.method, truth, &self.frozen, &start, &self.stop, Measured::Grid, observe)
+                .with_context(on_problem)?;
+        if let Some(why) = failed {
+            bail!("{}: {why}", on_problem());
+        }
         let (ending, iterations) = (outcome.status.name().replace('-', " "), outcome.iterations);
         let why = match (stored, as_stored) {
             (None, _) => "",

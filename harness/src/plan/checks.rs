@@ -29,7 +29,11 @@ impl Plan {
         if let Some(simulate) = &self.simulate {
             simulate.reference(&self.stop)?;
         }
-        let labels: Vec<String> = self.variants(&[])?.iter().map(Variant::label).collect();
+        let variants = self.variants(&[])?;
+        if self.through_time() {
+            variants.iter().try_for_each(|variant| variant.method.solver().map(drop))?;
+        }
+        let labels: Vec<String> = variants.iter().map(Variant::label).collect();
         let shown = self.view.iter().flat_map(|view| &view.runs);
         if let Some(run) = shown.into_iter().find(|run| !labels.contains(run)) {
             let what = format!("`view`: `runs`: no run `{run}` in this plan");

@@ -36,6 +36,8 @@ pub(crate) struct Plan {
     /// How often each run is repeated for its seconds, which are then medians.
     #[serde(default = "once")]
     pub(crate) repeats: NonZeroU32,
+    /// Threads that methods may use, where `--threads` does not say it.
+    pub(crate) threads: Option<NonZeroU32>,
     /// Whether errors are measured beside reference solutions, and scenes kept to be drawn; not where problems are so
     /// large that this would take longer than the runs.
     #[serde(default = "yes")]

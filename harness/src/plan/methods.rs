@@ -1,6 +1,9 @@
-//! The methods by name. To add one: its line in [`METHODS`], its crate in this package's manifest.
+//! The methods by name. To add one: its line in [`METHODS`], its crate in this package's manifest. Other codes are methods too,
+//! from their files in `harness/external`.
 
 use crate::identity::code_version;
+use crate::plan::external::{External, Programme};
+use crate::problems::Root;
 use crate::terminal::suggest;
 use anyhow::{Context, Result, anyhow, bail};
 use contact::Solver;
@@ -10,27 +13,46 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use std::collections::HashSet;
+use std::sync::OnceLock;
 
 /// A method with all its parameters.
 pub(crate) struct Method {
     pub(crate) name: &'static str,
     /// Every parameter, defaults spelled out.
     pub(crate) settings: Map<String, Value>,
-    pub(crate) solver: Box<dyn Solver>,
+    pub(crate) runs: Runs,
     /// Version of its code.
     pub(crate) code: &'static str,
+}
+
+/// What runs it.
+pub(crate) enum Runs {
+    /// The loop of `solvers/runner`.
+    Here(Box<dyn Solver>),
+    /// A program of its own, once at each of its tolerances.
+    Elsewhere(Programme),
 }
 
 /// A method by its name.
 pub(crate) struct Entry {
     pub(crate) name: &'static str,
     pub(crate) what: &'static str,
-    code: fn() -> Option<&'static str>,
-    schema: fn() -> Value,
-    build: fn(Map<String, Value>) -> Result<Built>,
+    source: Source,
 }
 
-/// Every method: its name in plans and on the command line, and what it is.
+/// Where a method comes from.
+enum Source {
+    /// A crate in `solvers/`.
+    Crate {
+        code: fn() -> Option<&'static str>,
+        schema: fn() -> Value,
+        build: fn(Map<String, Value>) -> Result<Built>,
+    },
+    /// A file in `harness/external`.
+    File(&'static External),
+}
+
+/// Every method of ours: its name in plans and on the command line, and what it is.
 pub(crate) const METHODS: &[Entry] = &[
     Entry::of::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem"),
     Entry::of::<jacobi::Jacobi>("jacobi", "projected Jacobi with relaxation"),
@@ -50,17 +72,33 @@ impl Entry {
     where
         S: Solver + JsonSchema + Serialize + DeserializeOwned + 'static,
     {
-        Self { name, what, code: code_version::<S>, schema: cases::schema::<S>, build: build::<S> }
+        let source = Source::Crate { code: code_version::<S>, schema: cases::schema::<S>, build: build::<S> };
+        Self { name, what, source }
+    }
+
+    /// The other code that it is, if it is one.
+    pub(crate) fn external(&self) -> Option<&'static External> {
+        match self.source {
+            Source::Crate { .. } => None,
+            Source::File(external) => Some(external),
+        }
     }
 
     /// Every parameter with its default.
     pub(crate) fn defaults(&self) -> Result<Map<String, Value>> {
-        (self.build)(Map::new()).map(|(settings, _)| settings)
+        match self.source {
+            Source::Crate { build, .. } => build(Map::new()).map(|(settings, _)| settings),
+            Source::File(external) => Ok(external.defaults()),
+        }
     }
 
     /// The schema of each of its settings: what it is, in the words of its documentation, and what it takes.
     pub(crate) fn settings(&self) -> Map<String, Value> {
-        let Value::Object(mut settings) = (self.schema)()["properties"].take() else { return Map::new() };
+        let schema = match self.source {
+            Source::Crate { schema, .. } => schema()["properties"].take(),
+            Source::File(external) => external.schema().into(),
+        };
+        let Value::Object(mut settings) = schema else { return Map::new() };
         for setting in settings.values_mut() {
             let what = setting["description"].as_str().unwrap_or_default();
             // A link is a name in brackets.
@@ -70,22 +108,66 @@ impl Entry {
     }
 }
 
+static EXTERNAL: OnceLock<Vec<Entry>> = OnceLock::new();
+
+/// Reads the other codes of the checkout: from now on they are methods as well.
+pub(crate) fn read_external(root: &Root) -> Result<()> {
+    let mut entries = Vec::new();
+    for path in root.external()? {
+        // Once in the life of the program, and for as long.
+        let external: &External = Box::leak(Box::new(External::read(&path)?));
+        if METHODS.iter().any(|ours| ours.name == external.name) {
+            bail!("{}: `{}` is a method of ours", path.display(), external.name);
+        }
+        entries.push(Entry { name: &external.name, what: external.what(), source: Source::File(external) });
+    }
+    drop(EXTERNAL.set(entries));
+    Ok(())
+}
+
+/// Every method: ours, then other codes.
+pub(crate) fn methods() -> impl Iterator<Item = &'static Entry> {
+    METHODS.iter().chain(EXTERNAL.get().into_iter().flatten())
+}
+
 /// Names of all methods.
 pub(crate) fn method_names() -> Vec<&'static str> {
-    METHODS.iter().map(|entry| entry.name).collect()
+    methods().map(|entry| entry.name).collect()
 }
 
 impl Method {
     /// The method `name` with `settings`; what they leave out has its default.
     pub(crate) fn new(name: &str, settings: Map<String, Value>) -> Result<Self> {
-        let Some(entry) = METHODS.iter().find(|entry| entry.name == name) else {
+        let Some(entry) = methods().find(|entry| entry.name == name) else {
             bail!("{}", suggest::among(&format!("unknown method `{name}`"), name, method_names()));
         };
-        let (settings, solver) =
-            (entry.build)(settings).map_err(|error| anyhow!("method `{name}`, {error}"))?;
-        let code =
-            (entry.code)().with_context(|| format!("method `{name}` is not of a crate in solvers/"))?;
-        Ok(Self { name: entry.name, settings, solver, code })
+        let wrong = |error| anyhow!("method `{name}`, {error}");
+        let (settings, runs, code) = match entry.source {
+            Source::Crate { build, code, .. } => {
+                let (settings, solver) = build(settings).map_err(wrong)?;
+                let code =
+                    code().with_context(|| format!("method `{name}` is not of a crate in solvers/"))?;
+                (settings, Runs::Here(solver), code)
+            }
+            Source::File(external) => {
+                let (settings, programme) = external.build(settings).map_err(wrong)?;
+                (settings, Runs::Elsewhere(programme), external.code_version())
+            }
+        };
+        Ok(Self { name: entry.name, settings, runs, code })
+    }
+
+    /// The method as a part of this program, which a march through time needs.
+    pub(crate) fn solver(&self) -> Result<&dyn Solver> {
+        match &self.runs {
+            Runs::Here(solver) => Ok(&**solver),
+            Runs::Elsewhere(_) => {
+                bail!(
+                    "method `{}` is another code: it is run on single problems, not through time",
+                    self.name
+                )
+            }
+        }
     }
 
     /// The method `name` with settings as they are typed: `relaxation=0.8`.

@@ -111,6 +111,7 @@ impl Simulate {
     pub(crate) fn reference(&self, stop: &Stop) -> Result<(Variant, Rule)> {
         let Reference { method, set, tolerance, .. } = &self.reference;
         let method = Method::new(method, set.clone()).context("`simulate.reference`")?;
+        method.solver().context("`simulate.reference`")?;
         let stop = Stop { on: Measure::NaturalMap, tolerance: *tolerance, ..*stop };
         stop.check().context("`simulate.reference`")?;
         let name = "reference".to_owned();

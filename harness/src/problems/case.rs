@@ -66,7 +66,7 @@ impl CaseProblem {
         let (mut march, before, mut missed) = (March::new(&self.case)?, self.time_step - 1, 0);
         let bar = progress::bar(before, "time steps");
         for _ in 0..before {
-            let (outcome, _) = march.time_step(&*method.solver, stop)?;
+            let (outcome, _) = march.time_step(method.solver()?, stop)?;
             missed += u64::from(outcome.status != Status::Converged);
             bar.set_message(format!("{} iterations", outcome.iterations));
             bar.inc(1);

@@ -78,6 +78,20 @@ impl Root {
         Ok(paths)
     }
 
+    /// Paths of the files that describe other codes, by name; none without a checkout, or in one without them.
+    pub(crate) fn external(&self) -> Result<Vec<PathBuf>> {
+        let Some(folder) = self.0.as_ref().map(|root| root.join("harness/external")).filter(|f| f.is_dir())
+        else {
+            return Ok(Vec::new());
+        };
+        let entries = std::fs::read_dir(&folder).and_then(Iterator::collect::<std::io::Result<Vec<_>>>);
+        let entries = entries.with_context(|| folder.display().to_string())?;
+        let mut paths: Vec<PathBuf> =
+            entries.iter().map(std::fs::DirEntry::path).filter(|path| is_toml(path)).collect();
+        paths.sort();
+        Ok(paths)
+    }
+
     /// The file of a case, given by name or path.
     pub(crate) fn case(&self, name: &str) -> Result<PathBuf> {
         self.file(name, "case", &[Kind::Case])

@@ -1,15 +1,16 @@
 //! A run on a problem: repeated for its seconds, kept as a row with its curve.
 
 use crate::plan::Plan;
+use crate::plan::Runs;
 use crate::problems::{Known, Problem};
-use crate::run::{Conditions, Recorder, Task, ended_row, nothing_done};
+use crate::run::{Conditions, Ended, Recorder, Task, ended, ended_row, nothing_done};
 use analysis::coupling;
-use anyhow::{Result, bail};
-use contact::SetupError;
+use anyhow::{Context, Result, bail};
+use contact::Work;
 use partition::{Decomposition, Partition};
 use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot, Timing};
-use runner::{Outcome, Progress, Status, solve_against};
+use runner::{Outcome, Progress, Status};
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -24,6 +25,10 @@ pub(crate) fn run_on_problem(
     let Task { id, variant, what: problem, .. } = task;
     let known = problem.known(conditions.how.root)?;
     let timing = conditions.how.timing();
+    let mut provenance = conditions.how.provenance.restarted();
+    if let Runs::Elsewhere(programme) = &variant.method.runs {
+        programme.code.version().unwrap_or_default().clone_into(&mut provenance.other_code);
+    }
     // A skipped run, if it is not run.
     let row = Run {
         id: id.clone(),
@@ -39,7 +44,7 @@ pub(crate) fn run_on_problem(
         status: "skipped".to_owned(),
         spectrum: spectrum(plan, task, known),
         timing: timing.clone(),
-        ..nothing_done(plan, problem, conditions.how.provenance.restarted())
+        ..nothing_done(plan, problem, provenance)
     };
     let skipped = |reason: &str| {
         let run = Run { reason: reason.to_owned(), ..row.clone() };
@@ -49,23 +54,44 @@ pub(crate) fn run_on_problem(
         return skipped("the problem has no impulses of a time step before to begin from");
     }
     let clock = Instant::now();
-    let mut ended = Vec::new();
+    let mut all = Vec::new();
     // The first of several brings code and data into the caches.
     let warm_ups = u32::from(timing.repeats > 1);
     for repeat in 0..warm_ups + timing.repeats {
         match once(plan, task, known, conditions) {
-            Err(reason) => return skipped(&reason.to_string()),
-            Ok((outcome, _)) if outcome.status == Status::Interrupted => return Ok(None),
-            Ok(one) if repeat >= warm_ups => ended.push(one),
+            Err(reason) => return skipped(&format!("{reason:#}")),
+            Ok((ended, _)) if ended.outcome.status == Status::Interrupted => return Ok(None),
+            // Another code that gave no answer would give none again.
+            Ok(one) if repeat >= warm_ups || one.0.failed.is_some() => {
+                all.push(one);
+                if all.iter().any(|(ended, _)| ended.failed.is_some()) {
+                    break;
+                }
+            }
             Ok(_) => {}
         }
     }
-    let Some((outcome, (curve, snapshots), timing)) = median(ended, &timing) else {
+    let ours = matches!(variant.method.runs, Runs::Here(_));
+    // Another code need not count the same twice.
+    if ours && all.windows(2).any(|pair| counts(&pair[0].0) != counts(&pair[1].0)) {
         bail!("{}: it counts other work when it is repeated; a run must not", name(task));
-    };
-    let outcome = Outcome { status: known.ending(outcome.status), ..outcome };
+    }
+    let (ended, (curve, snapshots), timing) = median(all, &timing).context("a run is made at least once")?;
+    let outcome = Outcome { status: known.ending(ended.outcome.status), ..ended.outcome };
     let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
-    Ok(Some(Record { run: ended_row(Run { timing, ..row }, &outcome, &curve), curve, snapshots }))
+    let mut run = ended_row(Run { timing, ..row }, &outcome, &curve);
+    if !ours {
+        run.derived.insert("rungs".to_owned(), serde_json::to_value(&ended.rungs)?);
+    }
+    if let Some(why) = ended.failed {
+        (run.status, run.reason) = ("failed".to_owned(), why);
+    }
+    Ok(Some(Record { run, curve, snapshots }))
+}
+
+/// What is the same in every repeat.
+fn counts(Ended { outcome, .. }: &Ended) -> (Status, u64, Work) {
+    (outcome.status, outcome.iterations, outcome.work)
 }
 
 /// The run, as a user reads it.
@@ -99,54 +125,45 @@ fn spectrum(plan: &Plan, task: &Task<&Problem>, known: &Known) -> Map<String, Va
 /// The curve of a run, and the iterates that the page shows, if any.
 type Kept = (Vec<Sample>, Vec<Snapshot>);
 
-fn once(
-    plan: &Plan,
-    task: &Task<&Problem>,
-    known: &Known,
-    conditions: &Conditions,
-) -> Result<(Outcome, Kept), SetupError> {
+fn once(plan: &Plan, task: &Task<&Problem>, known: &Known, conditions: &Conditions) -> Result<(Ended, Kept)> {
     let (frozen, variant) = (&task.what.frozen, task.variant);
     let mut recorder = Recorder::new(plan.curves);
     let shown = plan.view.as_ref().is_some_and(|view| view.shows(&frozen.name, variant));
     let mut snapshots = shown.then(Snapshots::new);
     let mut line = conditions.bars.line(name(task));
-    let solver = &*variant.method.solver;
     let r0 = frozen.start(variant.warm_start);
     let (truth, measured) = (known.truth(), conditions.how.measured);
-    let outcome =
-        solve_against(truth, solver, &frozen.problem, &r0, &plan.stop, measured, &mut |progress| {
-            recorder.observe(progress);
-            if let Some(snapshots) = &mut snapshots {
-                snapshots.observe(progress);
-            }
-            line.show(progress, plan.stop.on);
-            if (conditions.halt)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        })?;
-    let snapshots = snapshots.map_or_else(Vec::new, |kept| kept.finish(&outcome));
-    Ok((outcome, (recorder.finish(), snapshots)))
+    let ended = ended(&variant.method, truth, frozen, &r0, &plan.stop, measured, &mut |progress| {
+        recorder.observe(progress);
+        if let Some(snapshots) = &mut snapshots {
+            snapshots.observe(progress);
+        }
+        line.show(progress, plan.stop.on);
+        if (conditions.halt)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
+    let snapshots = snapshots.map_or_else(Vec::new, |kept| kept.finish(&ended.outcome));
+    let curve = if ended.samples.is_empty() { recorder.finish() } else { ended.samples.clone() };
+    Ok((ended, (curve, snapshots)))
 }
 
-/// The repeat with the median time in `advance`, with the median time in `start` and the spreads of both. `None` if the
-/// repeats do not count the same work.
-fn median(mut ended: Vec<(Outcome, Kept)>, timing: &Timing) -> Option<(Outcome, Kept, Timing)> {
-    let counts = |(outcome, _): &(Outcome, _)| (outcome.status, outcome.iterations, outcome.work);
-    if ended.windows(2).any(|pair| counts(&pair[0]) != counts(&pair[1])) {
-        return None;
-    }
-    let mut setup: Vec<_> = ended.iter().map(|(outcome, _)| outcome.setup).collect();
+/// The repeat with the median time in `advance`, with the median time in `start` and the spreads of both; `None` of none.
+fn median(mut all: Vec<(Ended, Kept)>, timing: &Timing) -> Option<(Ended, Kept, Timing)> {
+    let mut setup: Vec<_> = all.iter().map(|(ended, _)| ended.outcome.setup).collect();
     setup.sort_unstable();
-    ended.sort_by_key(|(outcome, _)| outcome.iterating);
-    let (last, middle) = (ended.len().checked_sub(1)?, (ended.len() - 1) / 2);
+    all.sort_by_key(|(ended, _)| ended.outcome.iterating);
+    let (last, middle) = (all.len().checked_sub(1)?, (all.len() - 1) / 2);
     let spread = |least: Duration, greatest: Duration| {
         if last == 0 { f64::NAN } else { greatest.abs_diff(least).as_secs_f64() }
     };
+    let iterating = |k: usize| all[k].0.outcome.iterating;
     let timing = Timing {
         setup_spread_s: spread(setup[0], setup[last]),
-        iterating_spread_s: spread(ended[0].0.iterating, ended[last].0.iterating),
+        iterating_spread_s: spread(iterating(0), iterating(last)),
         ..timing.clone()
     };
-    let (outcome, kept) = ended.swap_remove(middle);
-    Some((Outcome { setup: setup[middle], ..outcome }, kept, timing))
+    let (mut ended, kept) = all.swap_remove(middle);
+    ended.outcome.setup = setup[middle];
+    Some((ended, kept, timing))
 }
 
 /// Keeps the beginning of a run, iterations in a ratio of about 1.4, and its end: some thirty iterates of a hundred thousand.

@@ -48,7 +48,7 @@ pub(crate) fn run_simulation(
     let row = nothing_done(plan, task, &march, how.provenance.restarted())?;
     let mut line = bars.line(format!("{} on {name}, {}", variant.label(), task.what.in_words()));
     let mut series = Series { every: *every, rows: Vec::new(), since: None };
-    let solver = &*variant.method.solver;
+    let solver = variant.method.solver()?;
     let (totals, end) = through_time(&mut march, solver, rule, *time_steps, halt, &mut |seen| {
         series.see(seen);
         line.show_time_step(seen.totals.time_steps, *time_steps);

@@ -1,6 +1,6 @@
 //! Baselines: the counts of a plan's runs as they were accepted, and the failures that are expected.
 
-use crate::plan::{METHODS, as_typed};
+use crate::plan::{as_typed, methods};
 use crate::problems::Problem;
 use crate::run::{Task, decades};
 use crate::study::by_id;
@@ -81,7 +81,7 @@ fn difference(column: &str, before: &str, now: &str) -> [String; 3] {
 
 /// The settings that differ from the defaults, such as `relaxation=1.5 sweeps=2`.
 fn not_default(method: &str, settings: &Map<String, Value>) -> Result<String> {
-    let entry = METHODS.iter().find(|entry| entry.name == method);
+    let entry = methods().find(|entry| entry.name == method);
     let defaults = entry.with_context(|| format!("no method `{method}`"))?.defaults()?;
     let set = settings.iter().filter(|(key, value)| defaults.get(*key) != Some(*value));
     Ok(set.map(|(key, value)| format!("{key}={}", as_typed(value))).collect::<Vec<_>>().join(" "))

@@ -162,8 +162,27 @@ pub(crate) fn pair_with(pointer: &str, value: Value) -> Value {
     pair
 }
 
-/// Names and default settings of all methods, as the program lists them.
+/// Names and default settings of all methods of ours, as the program lists them.
 pub(crate) fn methods() -> Vec<(String, Value)> {
+    let mut methods = all_methods();
+    let others = other_codes();
+    methods.retain(|(name, _)| others.iter().all(|(other, _)| other != name));
+    methods
+}
+
+/// Names of the other codes that the program lists, and whether each is installed.
+pub(crate) fn other_codes() -> Vec<(String, bool)> {
+    let listed = gravel(&["list", "methods"]).succeeded().stdout;
+    let lines: Vec<&str> = listed.lines().collect();
+    let code = |pair: &[&str]| {
+        let said = pair[1].trim_start().strip_prefix("another code, ")?;
+        Some((pair[0].split_whitespace().next()?.to_owned(), said.starts_with("installed")))
+    };
+    lines.windows(2).filter_map(code).collect()
+}
+
+/// Names and default settings of ours and of other codes.
+pub(crate) fn all_methods() -> Vec<(String, Value)> {
     let listed = gravel(&["list", "methods"]).succeeded().stdout;
     let mut methods: Vec<(String, Value)> = Vec::new();
     for line in listed.lines() {

@@ -6,6 +6,8 @@ mod common;
 mod degenerate;
 mod documents;
 mod endings;
+#[cfg(unix)]
+mod external;
 mod freeze;
 #[cfg(unix)]
 mod outputs;

@@ -15,7 +15,10 @@ pub(crate) type Origin<'r> = (&'r Provenance, bool);
 pub(crate) fn provenance(all: &[Origin]) -> DataFrame {
     let mut groups: BTreeMap<_, Vec<&Origin>> = BTreeMap::new();
     for origin @ (o, _) in all {
-        groups.entry((&o.commit, &o.processor, o.threads, &o.rustc, &o.profile)).or_default().push(origin);
+        groups
+            .entry((&o.commit, &o.processor, o.threads, &o.rustc, &o.profile, &o.other_code))
+            .or_default()
+            .push(origin);
     }
     let groups: Vec<Vec<&Origin>> = groups.into_values().collect();
     let of = |f: fn(&Provenance) -> &str| groups.iter().map(|group| f(group[0].0)).collect::<Vec<_>>();
@@ -34,6 +37,7 @@ pub(crate) fn provenance(all: &[Origin]) -> DataFrame {
         "threads" => groups.iter().map(|group| group[0].0.threads).collect::<Vec<_>>(),
         "rustc" => of(|o| &o.rustc),
         "profile" => of(|o| &o.profile),
+        "other_code" => of(|o| &o.other_code),
         "timed_alone" => count(|(_, alone)| *alone),
         "first_utc" => groups.iter().map(|group| started(group).swap_remove(0)).collect::<Vec<_>>(),
         "last_utc" => groups.iter().map(|group| started(group).pop()).collect::<Vec<_>>(),

@@ -70,6 +70,7 @@ pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
             rustc: "1.95.0".into(),
             profile: "release".into(),
             started_utc: "2026-01-02T03:04:05Z".into(),
+            other_code: String::new(),
         },
         ..Run::default()
     }

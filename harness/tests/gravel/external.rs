@@ -1,0 +1,137 @@
+//! Other codes as methods: what becomes of their answers, and of codes that are not there.
+
+use crate::bench::{Study, rows};
+use crate::common::{gravel, other_codes, write};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// A code that answers with the text that the setting `answer` names, in a script.
+const CODE: &str = "what = 'a code'\nmechanics = ['discs']\nfiles = ['code.sh']\nversion = ['echo', 'code 1.2']\n\
+    command = ['sh', '{here}/code.sh', '{problem}', '{tolerance}', '{answer}', '{does}']\n\
+    install = 'install code'\ntolerances = [1e-1, 1e-9]\ntime_out_s = 20\n\n[settings.does]\nwhat = 'What it does.'\n\
+    values = ['solves', 'negative', 'missing', 'short', 'crashes', 'nothing', 'sleeps']\n";
+
+/// At 0.1 it answers half of the impulses of the pair, at 1e-9 those.
+const SCRIPT: &str = r#"
+says() { echo "{\"impulse\": $1, \"iterations\": 3, \"setup_s\": 0.25, \"solve_s\": 0.5, \"ending\": \"solved\"}"; }
+case $4 in
+    solves) if [ "$2" = 1e-1 ]; then says '[0.075, 0.05]'; else says '[0.15, 0.1]'; fi > "$3" ;;
+    negative) says '[0.15, -1e-30]' > "$3" ;;
+    missing) says '[null, 0.1]' > "$3" ;;
+    short) says '[0.15]' > "$3" ;;
+    crashes) echo 'out of luck' >&2; exit 7 ;;
+    nothing) ;;
+    sleeps) exec sleep 60 ;;
+esac
+"#;
+
+fn study(description: &str) -> Study {
+    let study = Study::new();
+    std::fs::create_dir_all(study.folder().path().join("harness/external")).unwrap();
+    write(study.folder(), "harness/external/code.toml", description);
+    write(study.folder(), "harness/external/code.sh", SCRIPT);
+    study
+}
+
+/// The rows of the pair solved by the code with these settings.
+fn ran(description: &str, method: &str) -> Vec<BTreeMap<String, String>> {
+    let study = study(description);
+    study.plan("other", &["pair"], &format!("[[methods]]\nmethod = \"code\"\n{method}"));
+    rows(study.bench("other").join("runs.csv"))
+}
+
+#[test]
+fn answer_is_measured_and_less_is_asked_until_the_stop_rule_is_met() {
+    let row = ran(CODE, "").remove(0);
+    let is = |column: &str, value: &str| assert_eq!(row[column], value, "{column}");
+    is("status", "converged");
+    is("iterations", "3");
+    is("setup_s", "0.25");
+    is("iterating_s", "0.5");
+    is("other_code", "code 1.2");
+    assert!(row["natural_map"].parse::<f64>().unwrap() < 1e-12);
+    let derived: Value = serde_json::from_str(&row["derived"]).unwrap();
+    let rungs = derived["rungs"].as_array().unwrap();
+    assert_eq!(rungs.len(), 2);
+    // Half of the impulses leaves half of the velocity.
+    assert!((rungs[0]["velocity_error"].as_f64().unwrap() - 0.5).abs() < 1e-12, "{derived}");
+    assert_eq!([&rungs[0]["tolerance"], &rungs[1]["tolerance"]], [0.1, 1e-9]);
+    assert!(rungs.iter().all(|rung| rung["process_s"].as_f64().unwrap() > 0.0));
+}
+
+#[test]
+fn code_that_never_meets_the_stop_rule_has_stalled() {
+    let row = ran(CODE, "set = { tolerances = [0.1] }\n").remove(0);
+    assert_eq!(row["status"], "stalled");
+}
+
+#[test]
+fn answer_that_is_none_is_a_row_with_its_reason() {
+    let does = "axes = { does = ['negative', 'missing', 'short', 'crashes', 'nothing'] }\n";
+    let rows = ran(CODE, does);
+    let reasons = [
+        "impulse of contact 1 is -0.000000000000000000000000000001: negative",
+        "impulse of contact 0 is missing",
+        "1 impulses where the problem has 2 contacts",
+        "out of luck",
+        "it wrote no answer",
+    ];
+    assert_eq!(rows.len(), reasons.len());
+    for (row, reason) in rows.iter().zip(reasons) {
+        assert_eq!(row["status"], "failed");
+        assert!(row["reason"].starts_with("at the tolerance 1e-1: "), "{}", row["reason"]);
+        assert!(row["reason"].contains(reason), "{}", row["reason"]);
+    }
+    let late = ran(CODE, "set = { does = 'sleeps', time_out_s = 0.05 }\n").remove(0);
+    assert_eq!(late["reason"], "at the tolerance 1e-1: no answer within 0.05 s");
+}
+
+#[test]
+fn code_that_is_not_there_or_cannot_do_it_is_skipped_and_told() {
+    let absent = CODE.replace("['echo', 'code 1.2']", "['sh', '-c', 'echo no such code >&2; exit 1']");
+    let row = ran(&absent, "").remove(0);
+    assert_eq!(row["status"], "skipped");
+    assert_eq!(row["reason"], "code is not installed (no such code); `install code` installs it");
+    let listed = study(&absent).gravel(&["list", "methods"]).succeeded().stdout;
+    assert!(
+        listed.contains("not installed (no such code)") && listed.contains("          install code\n"),
+        "{listed}"
+    );
+    let row = ran(&CODE.replace("['discs']", "['polyhedra']"), "").remove(0);
+    assert_eq!((&*row["status"], &*row["reason"]), ("skipped", "code does not solve problems of discs"));
+}
+
+#[test]
+fn wrong_descriptions_and_settings_are_refused() {
+    let refused =
+        |description: &str, args: &[&str], words: &[&str]| study(description).gravel(args).refused(words);
+    let list = ["list", "plans"];
+    refused(&CODE.replace("{answer}", "{reply}"), &list, &["code.toml", "`command` must hold {answer}"]);
+    refused(&CODE.replace("'code.sh'", "'other.sh'"), &list, &["code.toml", "other.sh"]);
+    refused(&CODE.replace("what = 'a code'", ""), &list, &["code.toml", "what"]);
+    let solve = |set| ["solve", "pair", "--method", "code", "--set", set];
+    refused(CODE, &solve("does=flies"), &["method `code`, `does` is \"flies\"", "solves, negative"]);
+    refused(CODE, &solve("tolerances=[]"), &["`tolerances` is []", "positive numbers"]);
+    refused(CODE, &solve("seed=1"), &["unknown field `seed`", "`does`"]);
+    refused(CODE, &["solve", "pair", "--method", "code", "--on", "zeta"], &["`on` is zeta"]);
+    refused(
+        CODE,
+        &["simulate", "column", "--time-steps", "1", "--method", "code"],
+        &["`code` is another code", "not through time"],
+    );
+}
+
+/// Those that are installed find the velocity that ours certify; without any the test says so and checks nothing.
+#[test]
+fn installed_codes_come_to_the_certified_velocity() {
+    for (code, installed) in other_codes() {
+        if !installed {
+            eprintln!("skipped: {code} is not installed; `gravel list methods` says how to install it");
+            continue;
+        }
+        let stop = ["--on", "velocity_error", "--tolerance", "1e-6"];
+        let object =
+            gravel(&[&["solve", "settled-60", "--json", "--method", &code], &stop[..]].concat()).json();
+        assert_eq!(object["status"], "converged", "{code}");
+    }
+}

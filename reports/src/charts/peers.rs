@@ -1,0 +1,131 @@
+//! Peers: every method on every problem, ours and other codes, by what it reaches and by both clocks.
+
+use polars::df;
+use polars::prelude::DataFrame;
+use serde_json::Value;
+
+use crate::read::{
+    ACCURACIES, Ending, Problems, RunRow, accuracy_text, median, number, problems, repeats, span,
+};
+use crate::text::{Part, frame};
+
+/// The accuracy at which seconds are compared: the strictest.
+const ACCURACY: f64 = ACCURACIES[ACCURACIES.len() - 1];
+
+/// `peers`: a row for each run; and in sentences the median ratio of each method.
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
+    let rows: Vec<Row> =
+        problems(&study.runs).iter().flat_map(|problem| of_problem(study, problem)).collect();
+    let accuracy = accuracy_text(ACCURACY);
+    let note = format!(
+        "\nEnding and velocity error: of the whole run. Seconds: set-up and solver to a velocity error of {accuracy}, by the \
+         code's own clock; process: the whole process of another code by ours, with what starts it and what it reads and \
+         writes, which ours has not. Ratio: of the seconds to the least on the problem. Asked: the code's own tolerance at \
+         which it first came there. {}\n{}",
+        repeats(&study.runs),
+        reasons(&study.runs)
+    );
+    vec![Part::table("peers", table(&rows), note), Part::text("peers-ratios", sentences(&rows))]
+}
+
+struct Row {
+    problem: String,
+    method: String,
+    ending: Ending,
+    velocity_error: Option<f64>,
+    reached: Option<Reached>,
+    /// Of its seconds to the least on the problem.
+    ratio: Option<f64>,
+}
+
+/// When a run first was accurate enough.
+#[derive(Clone, Copy)]
+struct Reached {
+    seconds: f64,
+    process_s: Option<f64>,
+    asked: Option<f64>,
+}
+
+fn of_problem(study: &Problems, problem: &str) -> Vec<Row> {
+    let runs = || study.runs.iter().filter(|run| run.problem == problem);
+    let least = span(runs().filter_map(|run| Some(reached(run)?.seconds))).map(|(least, _)| least);
+    let row = |run: &RunRow| {
+        let reached = reached(run);
+        Row {
+            problem: problem.to_owned(),
+            method: run.label(),
+            ending: run.ending,
+            // What was not begun has none.
+            velocity_error: if run.ending == Ending::Skipped { None } else { run.end.velocity_error() },
+            reached,
+            ratio: reached.zip(least).map(|(reached, least)| reached.seconds / least),
+        }
+    };
+    runs().map(row).collect()
+}
+
+/// The first sample that is accurate enough; of another code the run at one tolerance that it is, with both clocks.
+fn reached(run: &RunRow) -> Option<Reached> {
+    let accurate = |error: Option<f64>| error.is_some_and(|error| error <= ACCURACY);
+    let at = run.curve.iter().position(|point| accurate(point.velocity_error()))?;
+    let Some(rungs) = run.derived.get("rungs").and_then(Value::as_array) else {
+        let seconds = run.setup_s? + run.curve[at].iterating_s;
+        return Some(Reached { seconds, process_s: None, asked: None });
+    };
+    // Before the first of them the curve has r = 0.
+    let rung = at.checked_sub(1).and_then(|at| rungs.get(at))?;
+    let value = |key: &str| rung[key].as_f64();
+    let seconds = value("setup_s")? + value("solve_s")?;
+    Some(Reached { seconds, process_s: value("process_s"), asked: value("tolerance") })
+}
+
+fn table(rows: &[Row]) -> DataFrame {
+    let reached = |of: fn(&Reached) -> Option<f64>| -> Vec<Option<f64>> {
+        rows.iter().map(|row| row.reached.as_ref().and_then(of)).collect()
+    };
+    frame(df!(
+        "problem" => rows.iter().map(|row| row.problem.as_str()).collect::<Vec<_>>(),
+        "method" => rows.iter().map(|row| row.method.as_str()).collect::<Vec<_>>(),
+        "ending" => rows.iter().map(|row| row.ending.text()).collect::<Vec<_>>(),
+        "velocity_error" => rows.iter().map(|row| row.velocity_error).collect::<Vec<_>>(),
+        "seconds" => reached(|reached| Some(reached.seconds)),
+        "ratio" => rows.iter().map(|row| row.ratio).collect::<Vec<_>>(),
+        "process_s" => reached(|reached| reached.process_s),
+        "asked" => reached(|reached| reached.asked),
+    ))
+}
+
+/// A line for each method: on how many problems it came there, and its median ratio.
+fn sentences(rows: &[Row]) -> String {
+    let mut methods: Vec<&str> = Vec::new();
+    for row in rows {
+        if !methods.contains(&row.method.as_str()) {
+            methods.push(&row.method);
+        }
+    }
+    let mut ranked: Vec<(Option<f64>, String)> =
+        methods.into_iter().map(|method| sentence(rows, method)).collect();
+    let or_last = |ratio: &Option<f64>| ratio.unwrap_or(f64::INFINITY);
+    ranked.sort_by(|(a, _), (b, _)| or_last(a).total_cmp(&or_last(b)));
+    ranked.into_iter().map(|(_, sentence)| sentence).collect()
+}
+
+fn sentence(rows: &[Row], method: &str) -> (Option<f64>, String) {
+    let of_method = || rows.iter().filter(|row| row.method == method);
+    let ratios: Vec<f64> = of_method().filter_map(|row| row.ratio).collect();
+    let (reached, all, accuracy) = (ratios.len(), of_method().count(), accuracy_text(ACCURACY));
+    let ratio = median(ratios);
+    let cost =
+        ratio.map_or(String::new(), |ratio| format!(", median {} times the least seconds", number(ratio, 2)));
+    (ratio, format!("{method}: {reached} of {all} problems to {accuracy}{cost}.\n"))
+}
+
+/// Why other codes gave no answer.
+fn reasons(runs: &[RunRow]) -> String {
+    let failed = runs.iter().filter(|run| run.ending == Ending::Failed);
+    let reason = |run: &RunRow| format!("\nfailed: {} on {}: {}\n", run.label(), run.problem, run.reason);
+    failed.map(reason).collect::<Vec<_>>().concat()
+}
+
+#[cfg(test)]
+mod tests;

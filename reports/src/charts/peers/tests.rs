@@ -1,0 +1,66 @@
+//! What the table of other codes says of their runs.
+
+use results::schema::{End, Run, Sample};
+use serde_json::json;
+
+use super::parts;
+use crate::tests::fixture::{decay, files, object, run, sample, study};
+
+fn file<'f>(files: &'f [(String, String)], name: &str) -> &'f str {
+    &files.iter().find(|(of, _)| of == name).unwrap().1
+}
+
+/// Another code at two tolerances; the second comes to a velocity error of 10⁻⁷.
+fn other() -> (Run, Vec<Sample>) {
+    let rung = |tolerance: f64, solve_s: f64| json!({ "tolerance": tolerance, "setup_s": 0.5, "solve_s": solve_s, "process_s": 9.0 });
+    let derived = object(&json!({ "rungs": [rung(0.1, 1.0), rung(1e-5, 1.5)] }));
+    let last = sample(7, 1e-7, 1e-7);
+    let end = End { measures: last.measures, work: last.work };
+    (
+        Run { derived, end, ..run(0, "piqp", "", "converged") },
+        vec![sample(0, 1.0, 1.0), sample(5, 0.1, 0.1), last],
+    )
+}
+
+#[test]
+fn no_run_makes_a_table_without_rows() {
+    let files = files(&parts(&study(&[], &[])));
+    assert_eq!(file(&files, "peers.csv").lines().count(), 1);
+    assert_eq!(file(&files, "peers-ratios.md"), "");
+}
+
+#[test]
+fn seconds_of_another_code_are_those_of_the_tolerance_that_came_there_by_both_clocks() {
+    let (other, curve) = other();
+    let ours = Run { setup_s: 0.25, ..run(1, "cg", "", "converged") };
+    let fast = vec![sample(0, 1.0, 1.0), Sample { iterating_s: 0.25, ..sample(1, 1e-7, 1e-7) }];
+    let files = files(&parts(&study(&[other, ours], &[(0, curve), (1, fast)])));
+    let csv = file(&files, "peers.csv");
+    assert!(csv.contains("column,piqp,converged,1e-7,2.0,4.0,9.0,0.00001"), "{csv}");
+    assert!(
+        csv.lines().any(|row| row.starts_with("column,cg,converged,") && row.ends_with(",0.5,1.0,,")),
+        "{csv}"
+    );
+    let ratios = file(&files, "peers-ratios.md");
+    assert_eq!(
+        ratios.lines().collect::<Vec<_>>(),
+        [
+            "cg: 1 of 1 problems to 10⁻⁶, median 1.0 times the least seconds.",
+            "piqp: 1 of 1 problems to 10⁻⁶, median 4.0 times the least seconds."
+        ]
+    );
+}
+
+#[test]
+fn run_that_does_not_come_there_has_no_seconds_and_a_failed_one_its_reason() {
+    let reason = "at the tolerance 1e-2: no answer within 1 s".to_owned();
+    let failed = Run { reason, ..run(1, "osqp", "", "failed") };
+    let skipped = Run { reason: "highs is not installed".to_owned(), ..run(2, "highs", "", "skipped") };
+    let files = files(&parts(&study(&[run(0, "nsgs", "", "converged"), failed, skipped], &[(0, decay())])));
+    let csv = file(&files, "peers.csv");
+    for row in ["column,nsgs,converged,", "column,osqp,failed,", "column,highs,skipped,,"] {
+        assert!(csv.lines().any(|line| line.starts_with(row) && line.ends_with(",,,,")), "{csv}");
+    }
+    let note = file(&files, "peers.md");
+    assert!(note.contains("failed: osqp on column: at the tolerance 1e-2: no answer within 1 s"), "{note}");
+}
