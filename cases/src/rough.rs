@@ -2,6 +2,8 @@
 
 use crate::error::{CaseError, read_to_string};
 use crate::frozen::{Frozen, check_head, read_file};
+use crate::marched::Marched;
+use crate::sample::Disc;
 use contact::{
     Packing, ProblemError, RoughContact, RoughDiscs, RoughMass, SetupError, is_not_negative, is_positive,
 };
@@ -11,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// A frozen problem of any mechanics.
+#[derive(Clone, Debug)]
 pub enum AnyFrozen {
     /// Without friction.
     Discs(Frozen),
@@ -34,6 +37,67 @@ impl AnyFrozen {
             Frozen::read_rough(path).map(Self::RoughDiscs)
         } else {
             Frozen::read(path).map(Self::Discs)
+        }
+    }
+
+    /// Name of the problem.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Discs(frozen) => &frozen.name,
+            Self::RoughDiscs(frozen) => &frozen.name,
+        }
+    }
+
+    /// Gives it another name.
+    pub fn rename(&mut self, name: &str) {
+        match self {
+            Self::Discs(frozen) => name.clone_into(&mut frozen.name),
+            Self::RoughDiscs(frozen) => name.clone_into(&mut frozen.name),
+        }
+    }
+
+    /// Where it comes from, in a sentence.
+    pub fn source(&self) -> &str {
+        match self {
+            Self::Discs(frozen) => &frozen.source,
+            Self::RoughDiscs(frozen) => &frozen.source,
+        }
+    }
+
+    /// Grains and contacts.
+    pub fn size(&self) -> (usize, usize) {
+        match self {
+            Self::Discs(frozen) => (frozen.problem.grain_count(), frozen.problem.contact_count()),
+            Self::RoughDiscs(frozen) => (frozen.problem.grain_count(), frozen.problem.contact_count()),
+        }
+    }
+
+    /// Its grains, at rest where they are.
+    pub(crate) fn discs(&self) -> Vec<Disc> {
+        fn of<M: Marched>(frozen: &Frozen<M>) -> Vec<Disc> {
+            let places = frozen.problem.position().iter().zip(&frozen.radius).zip(frozen.problem.mass());
+            places
+                .map(|((position, radius), mass)| Disc {
+                    radius: *radius,
+                    mass: M::weight(*mass),
+                    position: *position,
+                })
+                .collect()
+        }
+        match self {
+            Self::Discs(frozen) => of(frozen),
+            Self::RoughDiscs(frozen) => of(frozen),
+        }
+    }
+
+    /// The text of the file.
+    ///
+    /// # Errors
+    /// Those of JSON, which none of the validated values causes.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        match self {
+            Self::Discs(frozen) => frozen.to_json(),
+            Self::RoughDiscs(frozen) => frozen.to_json(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Samples: discs with radius, mass and place before time begins. What is random comes from the sample's seed.
 
 use crate::deposit;
-use crate::frozen::Frozen;
+use crate::rough::AnyFrozen;
 use crate::shapes;
 use contact::{is_positive, shown};
 use nalgebra::Vector2;
@@ -165,10 +165,7 @@ impl Sample {
 }
 
 fn frozen_discs(file: &Path) -> Result<Vec<Disc>, String> {
-    let Frozen { problem, radius, .. } =
-        Frozen::read(file).map_err(|error| format!("`sample.file`: {error}"))?;
-    let grains = problem.position().iter().zip(problem.mass()).zip(radius);
-    Ok(grains.map(|((position, mass), radius)| Disc { radius, mass: *mass, position: *position }).collect())
+    Ok(AnyFrozen::read(file).map_err(|error| format!("`sample.file`: {error}"))?.discs())
 }
 
 /// The discs, if there are some and all have a meaning.

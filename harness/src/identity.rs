@@ -1,7 +1,9 @@
 //! What ids depend on: versions of code, hashes of problems; and where rows come from.
 
+use crate::problems::Studied;
 use anyhow::Result;
 use cases::Frozen;
+use contact::Vector;
 use results::schema::Provenance;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -41,21 +43,17 @@ fn first_hex(hash: &[u8]) -> String {
 }
 
 /// Hash of everything that a method sees: two problems with the same hash are the same problem.
-pub(crate) fn content_hash(frozen: &Frozen) -> String {
+pub(crate) fn content_hash<M: Studied>(frozen: &Frozen<M>) -> String {
     let mut hash = Sha256::new();
     let mut number = |x: f64| hash.update(x.to_bits().to_le_bytes());
     let problem = &frozen.problem;
     // The lengths first: no two problems are the same numbers otherwise cut.
     number(problem.grain_count() as f64);
     number(problem.contact_count() as f64);
-    problem.mass().iter().for_each(|m| number(*m));
-    problem.position().iter().chain(problem.free_velocity()).flatten().for_each(|x| number(*x));
-    for contact in problem.contacts() {
-        number(f64::from(contact.candidate));
-        number(contact.antagonist.map_or(-1.0, f64::from));
-        contact.normal.iter().for_each(|x| number(*x));
-        number(contact.offset);
-    }
+    problem.mass().iter().for_each(|m| number(M::weight(*m)));
+    problem.position().iter().flatten().for_each(|x| number(*x));
+    problem.free_velocity().iter().for_each(|v| v.each(&mut number));
+    M::numbers(problem, &mut number);
     frozen.start.iter().for_each(|r| number(*r));
     first_hex(hash.finalize().as_slice())
 }

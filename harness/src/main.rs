@@ -60,8 +60,8 @@ mod run {
 
     pub(crate) use curve::{Recorder, decades, first_at};
     pub(crate) use execute::{Conditions, How, Task, few, in_parallel, in_the_pool};
-    pub(crate) use external::{Ended, ended};
-    pub(crate) use problem::{Snapshots, run_on_problem};
+    pub(crate) use external::{Ended, Observe, climb, ended};
+    pub(crate) use problem::{OneProblem, Snapshots};
     pub(crate) use rows::{derived, ended_row, given_row, nothing_done, partitions, scene_rows};
     pub(crate) use simulation::{End, Seen, Through, missed, observed, run_simulation, through_time};
     pub(crate) use vtk::Frames;
@@ -71,16 +71,18 @@ mod run {
 mod problems {
     mod case;
     mod files;
+    mod mechanics;
     mod planned;
     mod reference;
     mod scene;
     #[cfg(test)]
     mod tests;
 
-    pub(crate) use case::{CaseProblem, KeptProblem, overrides, read_case};
+    pub(crate) use case::{CaseProblem, KeptProblem, first_hash, overrides, read_case};
     pub(crate) use files::{Kind, Root, is_toml, size, stem};
-    pub(crate) use planned::{PlannedProblem, Problem, planned};
-    pub(crate) use reference::{Given, Known, answer, known};
+    pub(crate) use mechanics::{AnyProblem, Studied, Visit, smooth, visit};
+    pub(crate) use planned::{PlannedProblem, Problem, planned, spectrum};
+    pub(crate) use reference::{Given, Known, answer, pool};
     pub(crate) use scene::{Scene, TIME_STEP};
 }
 
@@ -103,7 +105,7 @@ mod plan {
     #[cfg(test)]
     pub(crate) use methods::METHODS;
     pub(crate) use methods::{
-        Entry, Method, Runs, key_value, method_names, methods, read_external, refuse_repeated,
+        Entry, Method, Ours, Runs, key_value, method_names, methods, read_external, refuse_repeated,
     };
     pub(crate) use rules::{Rule, Simulate};
     pub(crate) use variants::{PlannedMethod, Variant, WarmStart, as_typed, last_parts, pairs};

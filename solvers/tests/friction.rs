@@ -116,7 +116,7 @@ fn the_active_set_ends_certified_for_any_friction_up_to_one_half() {
 #[test]
 fn solutions_from_other_starts_are_others() {
     let problem = with_friction(&rough("rough-991-mu08").problem, 0.5);
-    let solutions = solve_rough(&problem, 6, || {});
+    let solutions = solve_rough(&problem, 0..=6, || {});
     assert!(solutions.len() > 1 && solutions.iter().all(|solution| solution.certificate.certified()));
     for (k, one) in solutions.iter().enumerate() {
         for other in &solutions[..k] {

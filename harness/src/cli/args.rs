@@ -4,7 +4,7 @@ use crate::plan::{Method, Plan, key_value, refuse_repeated};
 use crate::problems::{CaseProblem, Root, is_toml, planned};
 use crate::study::Selection;
 use anyhow::{Context, Result, bail};
-use cases::Frozen;
+use cases::AnyFrozen;
 use contact::Measure;
 use runner::Stop;
 use std::path::{Path, PathBuf};
@@ -171,12 +171,12 @@ impl SceneArgs {
     }
 
     /// The problem of a file.
-    pub(crate) fn problem(&self, path: &Path) -> Result<Frozen> {
+    pub(crate) fn problem(&self, path: &Path) -> Result<AnyFrozen> {
         if is_toml(path) {
             return self.case.at(path, self.time_step.as_deref())?.problem();
         }
         self.refused(&format!("{} is a frozen problem", path.display()))?;
-        Ok(Frozen::read(path)?)
+        Ok(AnyFrozen::read(path)?)
     }
 }
 

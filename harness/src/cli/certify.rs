@@ -1,11 +1,13 @@
 //! `gravel certify`: what a solution leaves of the contact problem, condition by condition.
 
-use crate::problems::{Given, Root, answer, size};
+use crate::problems::{Given, Root, answer, pool, size};
 use crate::terminal::{exit, say};
 use anyhow::Result;
-use cases::Frozen;
-use contact::{ContactProblem, Meter, Truth};
-use reference::{Answer, Certificate, ENERGY_ROUND_OFF, ROUND_OFF, certify};
+use cases::{AnyFrozen, Frozen};
+use contact::{ContactProblem, Meter, RoughDiscs, Truth};
+use reference::{
+    Answer, Certificate, ENERGY_ROUND_OFF, ROUND_OFF, RoughCertificate, certify, certify_rough, distance,
+};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -17,13 +19,78 @@ pub(crate) struct Args {
     /// {"impulse": [N·s, in the problem's contact order]}, as `gravel solve --impulses` writes it
     #[arg(long, value_name = "FILE")]
     impulses: Option<PathBuf>,
+    /// With friction: seek solutions from r = 0 and from N more starts; those found are kept
+    #[arg(long, value_name = "N", default_value = "3")]
+    starts: u64,
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    let frozen = Frozen::read(&root.problem(&args.problem)?)?;
+    match AnyFrozen::read(&root.problem(&args.problem)?)? {
+        AnyFrozen::Discs(frozen) => smooth(root, args, &frozen),
+        AnyFrozen::RoughDiscs(frozen) => rough(root, args, &frozen),
+    }
+}
+
+/// With friction: each solution of the pool, and how far apart they are.
+fn rough(root: &Root, args: &Args, frozen: &Frozen<RoughDiscs>) -> Result<ExitCode> {
     let problem = &frozen.problem;
     let given = args.impulses.as_deref().map(|file| Given::read(file, problem)).transpose()?;
-    let reference = answer(root, &frozen)?;
+    let pool = pool(root, frozen, args.starts)?;
+    say(format_args!("{}: {}", frozen.name, size(problem)))?;
+    let mut certified = pool.iter().any(|solution| solution.certificate.certified());
+    if let Some(Given { impulse, .. }) = &given {
+        let certificate = certify_rough(problem, impulse);
+        certified = certificate.certified();
+        say(format_args!("given impulses: {}", rough_verdict(&certificate)))?;
+        print_rough(&certificate)?;
+        if let Some((n, apart)) = pool
+            .iter()
+            .map(|solution| distance(problem, &solution.impulses, impulse))
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+        {
+            say(format_args!("  its velocity is nearest to that of solution {}: {apart:.1e} apart", n + 1))?;
+        }
+    }
+    for (n, solution) in pool.iter().enumerate() {
+        let apart = distance(problem, &pool[0].impulses, &solution.impulses);
+        let of_first =
+            if n == 0 { String::new() } else { format!(", {apart:.1e} from the first in velocity") };
+        say(format_args!("solution {}: {}{of_first}", n + 1, rough_verdict(&solution.certificate)))?;
+        if given.is_none() {
+            print_rough(&solution.certificate)?;
+        }
+    }
+    Ok(exit::code(if certified { "certified" } else { "not certified" }))
+}
+
+fn rough_verdict(certificate: &RoughCertificate) -> String {
+    let word = if certificate.certified() { "certified" } else { "not certified" };
+    format!("{word} to {ROUND_OFF:e}")
+}
+
+fn print_rough(certificate: &RoughCertificate) -> Result<()> {
+    say(format_args!("  {:<17}{:>10}  absolute", "", "relative"))?;
+    for (name, residual) in certificate.residuals() {
+        let unit = match name {
+            "approach" | "complementarity" | "sliding" => "m/s",
+            "natural_map" => "√J",
+            _ => "N·s",
+        };
+        let above =
+            if residual.relative <= ROUND_OFF { String::new() } else { format!(", above {ROUND_OFF:e}") };
+        say(format_args!(
+            "  {name:<17}{:>10.1e}  {:.1e} {unit}{above}",
+            residual.relative, residual.absolute
+        ))?;
+    }
+    Ok(())
+}
+
+fn smooth(root: &Root, args: &Args, frozen: &Frozen) -> Result<ExitCode> {
+    let problem = &frozen.problem;
+    let given = args.impulses.as_deref().map(|file| Given::read(file, problem)).transpose()?;
+    let reference = answer(root, frozen)?;
     say(format_args!("{}: {}", frozen.name, size(problem)))?;
     let of_given = given.as_ref().map(|given| certify(problem, &given.impulse));
     if let Some(certificate) = &of_given {

@@ -1,7 +1,7 @@
 //! `gravel freeze`: the contact problem of one time step of a case, as a file.
 
 use crate::cli::args::{CaseArgs, SolverArgs};
-use crate::problems::{Root, size, stem};
+use crate::problems::{Root, stem};
 use crate::terminal::{check_place, replaces, say, write_whole};
 use anyhow::{Result, anyhow, bail};
 use cases::check_name;
@@ -41,7 +41,8 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         " Time steps before it solved by {solver} to {on} ≤ {tolerance:e}, from the impulses of the one before."
     );
     let mut frozen = case.problem_after(&method, &stop, &how)?;
-    frozen.name = name;
+    frozen.rename(&name);
     write_whole(&args.output, &frozen.to_json()?)?;
-    say(format_args!("{file}: {}", size(&frozen.problem)))
+    let (grains, contacts) = frozen.size();
+    say(format_args!("{file}: {grains} grains, {contacts} contacts"))
 }

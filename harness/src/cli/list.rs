@@ -7,7 +7,7 @@ use crate::plan::{External, Plan, methods};
 use crate::problems::{Kind, Root, size, stem};
 use crate::terminal::{say, say_table};
 use anyhow::Result;
-use cases::{Case, Frozen};
+use cases::{AnyFrozen, Case};
 use clap::ValueEnum;
 use reports::Chart;
 
@@ -75,8 +75,12 @@ fn cases(root: &Root) -> Result<Vec<Vec<String>>> {
 fn problems(root: &Root) -> Result<Vec<Vec<String>>> {
     let mut rows = Vec::new();
     for path in root.all(Kind::Frozen)? {
-        let frozen = Frozen::read(&path)?;
-        rows.push(vec![code(&stem(&path)), size(&frozen.problem), frozen.source]);
+        let frozen = AnyFrozen::read(&path)?;
+        let size = match &frozen {
+            AnyFrozen::Discs(frozen) => size(&frozen.problem),
+            AnyFrozen::RoughDiscs(frozen) => size(&frozen.problem),
+        };
+        rows.push(vec![code(&stem(&path)), size, frozen.source().to_owned()]);
     }
     Ok(rows)
 }

@@ -2,14 +2,16 @@
 
 use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::plan::{Method, Rule};
-use crate::problems::{Root, read_case};
+use crate::problems::{Root, Studied, read_case};
 use crate::run::{End, Frames, Seen, missed, observed, through_time};
 use crate::terminal::{check_place, exit, merged, progress, say, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
+use contact::{Discs, RoughDiscs};
 use indicatif::ProgressBar;
 use results::simulation::Observed;
 use results::simulation::Totals;
+use runner::Stop;
 use serde_json::json;
 use std::fs::File;
 use std::io::Write;
@@ -64,18 +66,26 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     }
     let case = read_case(&root.case(&args.case)?, &args.changes.overrides)?;
     let (method, stop) = args.solver.read()?;
-    let solver = method.solver()?;
-    let mut march = March::new(&case)?;
+    if case.scene.is_rough() {
+        marched::<RoughDiscs>(args, &case, &method, stop)
+    } else {
+        marched::<Discs>(args, &case, &method, stop)
+    }
+}
+
+fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) -> Result<ExitCode> {
+    let solver = method.solver::<M>()?;
+    let mut march = March::<M>::new(case)?;
     let rule = Rule { stop, warm_start: !args.cold };
     exit::listen_for_interrupts()?;
-    let mut kept = Kept::new(args, &case, &method)?;
+    let mut kept = Kept::new(args, case, method)?;
     if let Some(frames) = &mut kept.frames {
         frames.begin(&march)?;
     }
     if !args.json {
         say(format_args!("{HEADING}"))?;
     }
-    let see = &mut |seen: &Seen| kept.see(args, seen);
+    let see = &mut |seen: &Seen<M>| kept.see(args, seen);
     let ended = through_time(&mut march, solver, &rule, args.time_steps, &exit::requested, see);
     kept.bar.finish_and_clear();
     let (totals, end) = ended?;
@@ -131,7 +141,7 @@ impl Kept {
         Ok(Self { rows, frames, bar: progress::bar(args.time_steps, "time steps"), reached: None })
     }
 
-    fn see(&mut self, args: &Args, seen: &Seen) -> Result<()> {
+    fn see<M: Studied>(&mut self, args: &Args, seen: &Seen<M>) -> Result<()> {
         let (k, row) = (seen.totals.time_steps, observed(seen));
         if let (Some(file), Some(path)) = (&mut self.rows, &args.output) {
             // At once, so that no half row is left.
@@ -159,25 +169,25 @@ impl Kept {
 }
 
 /// Writes the problem of the last good state beside what else is written.
-fn last_state(last: &Frozen, args: &Args) -> Result<PathBuf> {
+fn last_state<M: Studied>(last: &Frozen<M>, args: &Args) -> Result<PathBuf> {
     let folder = args.output.as_deref().and_then(Path::parent).or(args.vtk.as_deref());
     let file = folder.unwrap_or(Path::new("")).join(format!("{}.json", last.name));
     let write = || -> Result<()> {
         if file.exists() {
             bail!("{} exists", file.display());
         }
-        write_whole(&file, &last.to_json()?)
+        write_whole(&file, &M::to_json(last)?)
     };
     write().context("the problem of its last good state was not written")?;
     Ok(file)
 }
 
-fn say_ending(
+fn say_ending<M: Studied>(
     case: &str,
     args: &Args,
     totals: &Totals,
     missed: Option<String>,
-    end: &End,
+    end: &End<M>,
     last_state: Option<Result<PathBuf>>,
 ) -> Result<()> {
     if let Some(missed) = missed {
@@ -196,7 +206,7 @@ fn say_ending(
     Ok(())
 }
 
-fn say_time_step(seen: &Seen, row: &Observed) -> Result<()> {
+fn say_time_step<M: Studied>(seen: &Seen<M>, row: &Observed) -> Result<()> {
     let Observed { time_step, time_s, contacts, kinetic_energy_j, mean_height_m, .. } = row;
     let solved = format!("{time_step:>10}  {time_s:>9.4}  {contacts:>8}  {:>10}", seen.outcome.iterations);
     let shown =
@@ -205,7 +215,7 @@ fn say_time_step(seen: &Seen, row: &Observed) -> Result<()> {
 }
 
 /// A row of the file.
-fn line(seen: &Seen, row: &Observed) -> String {
+fn line<M: Studied>(seen: &Seen<M>, row: &Observed) -> String {
     let Observed { time_step, time_s, contacts, kinetic_energy_j, mean_height_m, .. } = row;
     let Observed { greatest_overlap_m, mean_overlap_m, greatest_speed_m_per_s, .. } = row;
     let Observed { floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s, .. } = row;

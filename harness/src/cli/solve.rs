@@ -3,7 +3,7 @@
 use crate::cli::args::{SceneArgs, SolverArgs};
 use crate::identity::content_hash;
 use crate::plan::Method;
-use crate::problems::{Known, Root, known, size};
+use crate::problems::{Known, Root, Studied, Visit, size, visit};
 use crate::run::{Ended, derived, ended};
 use crate::terminal::{Line, check_place, exit, merged, replaces, say, write_whole};
 use anyhow::{Context, Result, bail};
@@ -13,7 +13,7 @@ use contact::Measure;
 use runner::{Measured, Outcome, Progress, Stop};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
@@ -35,7 +35,8 @@ pub(crate) struct Args {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Write the impulses to FILE, as {"impulse": [N·s, in the problem's contact order]}
+    /// Write the impulses to FILE, as {"impulse": [N·s, in the problem's contact order; with
+    /// friction the normal and the tangential one of each]}
     #[arg(long, value_name = "FILE")]
     impulses: Option<PathBuf>,
 }
@@ -52,11 +53,37 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         check_place(file)?;
     }
     let path = root.problem_or_case(&args.problem)?;
-    let frozen = args.scene.problem(&path)?;
+    visit(args.scene.problem(&path)?, Solve { root, args, method: &method, stop: &stop, path: &path })
+}
+
+/// A problem is to be solved.
+struct Solve<'a> {
+    root: &'a Root,
+    args: &'a Args,
+    method: &'a Method,
+    stop: &'a Stop,
+    path: &'a Path,
+}
+
+impl Visit for Solve<'_> {
+    type Output = Result<ExitCode>;
+
+    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Result<ExitCode> {
+        solve(self.root, self.args, (self.method, self.stop), self.path, &frozen)
+    }
+}
+
+fn solve<M: Studied>(
+    root: &Root,
+    args: &Args,
+    (method, stop): (&Method, &Stop),
+    path: &Path,
+    frozen: &Frozen<M>,
+) -> Result<ExitCode> {
     let r0 = frozen.start(args.start == Start::Warm);
 
     let truth = args.truth || stop.on == Measure::VelocityError;
-    let known = if truth { known(root, &frozen)? } else { Known::default() };
+    let known = if truth { M::known(root, frozen)? } else { Known::default() };
     exit::listen_for_interrupts()?;
     let mut line = Line::alone(method.name.to_owned());
     let mut observe = |progress: &Progress| {
@@ -65,7 +92,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     };
     let on_problem = || format!("method `{}` on {}", method.name, path.display());
     let Ended { outcome, failed, .. } =
-        ended(&method, known.truth(), &frozen, &r0, &stop, Measured::Needed, &mut observe)
+        ended(method, known.truths(), frozen, &r0, stop, Measured::Needed, &mut observe)
             .with_context(on_problem)?;
     if let Some(why) = failed {
         bail!("{}: {why}", on_problem());
@@ -80,17 +107,24 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         write_whole(file, &json!({ "impulse": outcome.impulses }).to_string())?;
     }
     if args.json {
-        say(format_args!("{}", to_json(&frozen, &method, &stop, args.start, &outcome)?))?;
+        say(format_args!("{}", to_json(frozen, method, stop, args.start, &outcome)?))?;
     } else {
-        print(&frozen, &method, &stop, &outcome)?;
+        print(frozen, method, stop, &outcome)?;
     }
     Ok(exit::code(outcome.status.name()))
 }
 
 /// The request and the answer, under the names that the columns of tables have.
-fn to_json(frozen: &Frozen, method: &Method, stop: &Stop, start: Start, outcome: &Outcome) -> Result<Value> {
+fn to_json<M: Studied>(
+    frozen: &Frozen<M>,
+    method: &Method,
+    stop: &Stop,
+    start: Start,
+    outcome: &Outcome<M>,
+) -> Result<Value> {
     let object = json!({
         "problem": frozen.name,
+        "mechanics": M::NAME,
         "problem_hash": content_hash(frozen),
         "grains": frozen.problem.grain_count(),
         "contacts": frozen.problem.contact_count(),
@@ -111,7 +145,7 @@ fn to_json(frozen: &Frozen, method: &Method, stop: &Stop, start: Start, outcome:
     Ok(merged(object, serde_json::to_value(outcome.work)?))
 }
 
-fn print(frozen: &Frozen, method: &Method, stop: &Stop, outcome: &Outcome) -> Result<()> {
+fn print<M: Studied>(frozen: &Frozen<M>, method: &Method, stop: &Stop, outcome: &Outcome<M>) -> Result<()> {
     let Outcome { status, iterations, measures, .. } = outcome;
     say(format_args!("{}: {}", frozen.name, size(&frozen.problem)))?;
     say(format_args!("{} {}", method.name, Value::Object(method.settings.clone())))?;

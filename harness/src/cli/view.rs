@@ -3,13 +3,13 @@
 
 use crate::cli::args::{SceneArgs, StopArgs, measure};
 use crate::plan::{Method, Variant, key_value};
-use crate::problems::{Root, known};
+use crate::problems::{Root, Studied, smooth};
 use crate::run::{Ended, Snapshots, ended, partitions, scene_rows};
 use crate::store::{is_id, problem_of_run, stored_run};
 use crate::terminal::{check_place, create_folder_of, say, write_whole};
 use anyhow::{Context, Result, anyhow, bail};
 use cases::Frozen;
-use contact::Truth;
+use contact::{Discs, Truth};
 use partition::{Grid, Scheme};
 use results::journal::Record;
 use results::schema::Run;
@@ -67,10 +67,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     }
     check_place(&page)?;
 
-    let known = known(root, frozen)?;
+    let known = Discs::known(root, frozen)?;
     let mut filmed = Vec::new();
     for (n, variant) in variants.iter().enumerate() {
-        filmed.push(shown.iterates(variant, stored.as_ref().filter(|_| n == 0), known.truth())?);
+        filmed.push(shown.iterates(variant, stored.as_ref().filter(|_| n == 0), known.truths())?);
     }
     let mut split = partitions(variants);
     if split.is_empty() {
@@ -91,7 +91,7 @@ impl Args {
             }
             path => path?,
         };
-        let frozen = self.scene.problem(&path)?;
+        let frozen = smooth(self.scene.problem(&path)?, "a page of iterates shows problems")?;
         if variants.is_empty() {
             let runs = runs_of(frozen.problem.contact_count());
             variants = runs.iter().map(|text| variant(text)).collect::<Result<_>>()?;
@@ -127,7 +127,7 @@ impl Shown {
         &self,
         variant: &Variant,
         stored: Option<&Record>,
-        truth: Option<&Truth>,
+        truths: &[Truth],
     ) -> Result<reports::Snapshots> {
         let label = variant.label();
         let as_stored = stored.filter(|record| stop_of(&record.run).is_ok_and(|stop| stop == self.stop));
@@ -138,12 +138,12 @@ impl Shown {
         }
         let (mut kept, start) = (Snapshots::new(), self.frozen.start(variant.warm_start));
         let observe = &mut |progress: &Progress| {
-            kept.observe(progress);
+            kept.observe(progress, 1);
             ControlFlow::Continue(())
         };
         let on_problem = || format!("method `{}` on {}", variant.method.name, self.frozen.name);
         let Ended { outcome, failed, .. } =
-            ended(&variant.method, truth, &self.frozen, &start, &self.stop, Measured::Grid, observe)
+            ended(&variant.method, truths, &self.frozen, &start, &self.stop, Measured::Grid, observe)
                 .with_context(on_problem)?;
         if let Some(why) = failed {
             bail!("{}: {why}", on_problem());

@@ -4,6 +4,7 @@ use crate::plan::{Curves, MOST, Plan, PlannedCase, PlannedMethod, Simulate, Vari
 use crate::terminal::suggest;
 use anyhow::{Context, Error, Result, bail};
 use cases::check_name;
+use contact::Discs;
 use contact::Measure;
 use reports::Chart;
 use serde_json::json;
@@ -31,7 +32,7 @@ impl Plan {
         }
         let variants = self.variants(&[])?;
         if self.through_time() {
-            variants.iter().try_for_each(|variant| variant.method.solver().map(drop))?;
+            variants.iter().try_for_each(|variant| variant.method.solver::<Discs>().map(drop))?;
         }
         let labels: Vec<String> = variants.iter().map(Variant::label).collect();
         let shown = self.view.iter().flat_map(|view| &view.runs);

@@ -3,10 +3,10 @@
 
 use crate::identity::code_version;
 use crate::plan::external::{External, Programme};
-use crate::problems::Root;
+use crate::problems::{Root, Studied};
 use crate::terminal::suggest;
 use anyhow::{Context, Result, anyhow, bail};
-use contact::Solver;
+use contact::{RoughDiscs, Solver};
 use partition::{Grid, Scheme};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -28,9 +28,15 @@ pub(crate) struct Method {
 /// What runs it.
 pub(crate) enum Runs {
     /// The loop of `solvers/runner`.
-    Here(Box<dyn Solver>),
+    Here(Ours),
     /// A program of its own, once at each of its tolerances.
     Elsewhere(Programme),
+}
+
+/// A method of ours, in each mechanics that it has.
+pub(crate) struct Ours {
+    pub(crate) smooth: Box<dyn Solver>,
+    pub(crate) rough: Option<Box<dyn Solver<RoughDiscs>>>,
 }
 
 /// A method by its name.
@@ -54,26 +60,50 @@ enum Source {
 
 /// Every method of ours: its name in plans and on the command line, and what it is.
 pub(crate) const METHODS: &[Entry] = &[
-    Entry::of::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem"),
-    Entry::of::<jacobi::Jacobi>("jacobi", "projected Jacobi with relaxation"),
-    Entry::of::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart"),
+    Entry::with_friction::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem"),
+    Entry::with_friction::<jacobi::Jacobi>("jacobi", "projected Jacobi with relaxation"),
+    Entry::with_friction::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart"),
     Entry::of::<gradient::Gradient>("gradient", "projected gradient with a fixed step"),
     Entry::of::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions"),
-    Entry::of::<nsgs_dd::NsgsDd>("nsgs-dd", "non-linear Gauss-Seidel by subdomains, with split masses"),
+    Entry::with_friction::<nsgs_dd::NsgsDd>(
+        "nsgs-dd",
+        "non-linear Gauss-Seidel by subdomains, with split masses",
+    ),
     Entry::of::<mprgp::Mprgp>("mprgp", "proportioning with gradient projections of Dostál & Schöberl"),
     Entry::of::<apgd::Apgd>("apgd", "accelerated projected gradient of Mazhar et al."),
     Entry::of::<nncg::Nncg>("nncg", "non-smooth non-linear conjugate gradient of Silcowitz et al."),
-    Entry::of::<active_set::ActiveSet>("active-set", "primal-dual active set, begun by conjugate gradients"),
+    Entry::with_friction::<active_set::ActiveSet>(
+        "active-set",
+        "primal-dual active set, begun by conjugate gradients",
+    ),
     Entry::of::<reference::InteriorPoint>("interior-point", "interior point, then an active set"),
 ];
 
 impl Entry {
+    /// A method for problems without friction: one whose theory needs a minimum.
     const fn of<S>(name: &'static str, what: &'static str) -> Self
     where
         S: Solver + JsonSchema + Serialize + DeserializeOwned + 'static,
     {
-        let source = Source::Crate { code: code_version::<S>, schema: cases::schema::<S>, build: build::<S> };
-        Self { name, what, source }
+        let build = build_smooth::<S>;
+        Self {
+            name,
+            what,
+            source: Source::Crate { code: code_version::<S>, schema: cases::schema::<S>, build },
+        }
+    }
+
+    /// A method for problems with and without friction.
+    const fn with_friction<S>(name: &'static str, what: &'static str) -> Self
+    where
+        S: Solver + Solver<RoughDiscs> + JsonSchema + Serialize + DeserializeOwned + Clone + 'static,
+    {
+        let build = build_rough::<S>;
+        Self {
+            name,
+            what,
+            source: Source::Crate { code: code_version::<S>, schema: cases::schema::<S>, build },
+        }
     }
 
     /// The other code that it is, if it is one.
@@ -144,10 +174,10 @@ impl Method {
         let wrong = |error| anyhow!("method `{name}`, {error}");
         let (settings, runs, code) = match entry.source {
             Source::Crate { build, code, .. } => {
-                let (settings, solver) = build(settings).map_err(wrong)?;
+                let (settings, ours) = build(settings).map_err(wrong)?;
                 let code =
                     code().with_context(|| format!("method `{name}` is not of a crate in solvers/"))?;
-                (settings, Runs::Here(solver), code)
+                (settings, Runs::Here(ours), code)
             }
             Source::File(external) => {
                 let (settings, programme) = external.build(settings).map_err(wrong)?;
@@ -158,9 +188,11 @@ impl Method {
     }
 
     /// The method as a part of this program, which a march through time needs.
-    pub(crate) fn solver(&self) -> Result<&dyn Solver> {
+    pub(crate) fn solver<M: Studied>(&self) -> Result<&dyn Solver<M>> {
         match &self.runs {
-            Runs::Here(solver) => Ok(&**solver),
+            Runs::Here(ours) => M::solver(ours).with_context(|| {
+                format!("method `{}` minimises an energy: with friction there is none", self.name)
+            }),
             Runs::Elsewhere(_) => {
                 bail!(
                     "method `{}` is another code: it is run on single problems, not through time",
@@ -213,12 +245,25 @@ pub(crate) fn refuse_repeated(settings: &[(String, String)]) -> Result<()> {
 }
 
 /// A method's settings, defaults spelled out, and the method.
-type Built = (Map<String, Value>, Box<dyn Solver>);
+type Built = (Map<String, Value>, Ours);
 
-fn build<S>(settings: Map<String, Value>) -> Result<Built>
+fn build_smooth<S>(settings: Map<String, Value>) -> Result<Built>
 where
     S: Solver + Serialize + DeserializeOwned + 'static,
 {
+    let (settings, solver) = read::<S>(settings)?;
+    Ok((settings, Ours { smooth: Box::new(solver), rough: None }))
+}
+
+fn build_rough<S>(settings: Map<String, Value>) -> Result<Built>
+where
+    S: Solver + Solver<RoughDiscs> + Serialize + DeserializeOwned + Clone + 'static,
+{
+    let (settings, solver) = read::<S>(settings)?;
+    Ok((settings, Ours { smooth: Box::new(solver.clone()), rough: Some(Box::new(solver)) }))
+}
+
+fn read<S: Serialize + DeserializeOwned>(settings: Map<String, Value>) -> Result<(Map<String, Value>, S)> {
     let solver: S =
         serde_path_to_error::deserialize(Value::Object(settings)).map_err(|error| {
             match error.path().to_string().as_str() {
@@ -229,7 +274,7 @@ where
     let Value::Object(settings) = serde_json::to_value(&solver)? else {
         bail!("its settings are not a list of keys and values");
     };
-    Ok((settings, Box::new(solver)))
+    Ok((settings, solver))
 }
 
 /// Reads `key=value` as an argument.

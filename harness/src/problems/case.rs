@@ -2,11 +2,12 @@
 
 use crate::identity::{code_version, content_hash, hash_of};
 use crate::plan::{Method, Settings, as_typed};
-use crate::problems::Root;
+use crate::problems::{Root, Studied};
 use crate::terminal::{progress, read_text, say, suggest, write_kept};
 use anyhow::{Result, bail};
-use cases::{Case, Frozen, March, Sample};
+use cases::{AnyFrozen, Case, March, Sample};
 use cg::Cg;
+use contact::{Discs, RoughDiscs};
 use results::provenance::available_memory;
 use runner::{Status, Stop};
 use serde_json::{Value, json};
@@ -55,15 +56,23 @@ impl CaseProblem {
     }
 
     /// The problem; the time steps before it are the same whichever method then solves it.
-    pub(crate) fn problem(&self) -> Result<Frozen> {
+    pub(crate) fn problem(&self) -> Result<AnyFrozen> {
         let method = Method::parse("cg", &[("preconditioner".to_owned(), "diagonal".to_owned())])?;
         self.problem_after(&method, &Stop::default(), "")
     }
 
     /// The problem after time steps solved by `method`, with a bar on anything long. Its source names what was replaced,
     /// `how` it was reached, and how many of the time steps before did not converge, which is printed as well.
-    pub(crate) fn problem_after(&self, method: &Method, stop: &Stop, how: &str) -> Result<Frozen> {
-        let (mut march, before, mut missed) = (March::new(&self.case)?, self.time_step - 1, 0);
+    pub(crate) fn problem_after(&self, method: &Method, stop: &Stop, how: &str) -> Result<AnyFrozen> {
+        if self.case.scene.is_rough() {
+            self.marched::<RoughDiscs>(method, stop, how)
+        } else {
+            self.marched::<Discs>(method, stop, how)
+        }
+    }
+
+    fn marched<M: Studied>(&self, method: &Method, stop: &Stop, how: &str) -> Result<AnyFrozen> {
+        let (mut march, before, mut missed) = (March::<M>::new(&self.case)?, self.time_step - 1, 0);
         let bar = progress::bar(before, "time steps");
         for _ in 0..before {
             let (outcome, _) = march.time_step(method.solver()?, stop)?;
@@ -82,7 +91,7 @@ impl CaseProblem {
             eprintln!("{note}");
             write!(frozen.source, " {note}")?;
         }
-        Ok(frozen)
+        Ok(M::any(frozen))
     }
 }
 
@@ -101,7 +110,7 @@ impl KeptProblem {
         // may take long, and its settings say all of it.
         let first = match of.case.sample {
             Sample::Deposited { .. } => None,
-            _ => Some(content_hash(&March::new(&of.case)?.next()?.frozen)),
+            _ => Some(first_hash(&of.case)?),
         };
         // The code that computes it.
         let code = (code_version::<Case>(), code_version::<Cg>());
@@ -114,15 +123,15 @@ impl KeptProblem {
     }
 
     /// The problem, if it need not be computed.
-    pub(crate) fn at_hand(&self, root: &Root) -> Option<Frozen> {
+    pub(crate) fn at_hand(&self, root: &Root) -> Option<AnyFrozen> {
         let file = self.file(root);
         let read =
-            || Frozen::read(&file).inspect_err(|error| eprintln!("{error}; it is computed again")).ok();
+            || AnyFrozen::read(&file).inspect_err(|error| eprintln!("{error}; it is computed again")).ok();
         file.is_file().then(read)?
     }
 
     /// The problem, kept or computed; a study calls it `name`.
-    pub(crate) fn problem(&self, root: &Root, name: &str) -> Result<Frozen> {
+    pub(crate) fn problem(&self, root: &Root, name: &str) -> Result<AnyFrozen> {
         if let Some(frozen) = self.at_hand(root) {
             return Ok(frozen);
         }
@@ -131,6 +140,15 @@ impl KeptProblem {
         write_kept(&self.file(root), &frozen.to_json()?)?;
         Ok(frozen)
     }
+}
+
+/// Hash of the first problem of a case.
+pub(crate) fn first_hash(case: &Case) -> Result<String> {
+    Ok(if case.scene.is_rough() {
+        content_hash(&March::<RoughDiscs>::new(case)?.next()?.frozen)
+    } else {
+        content_hash(&March::<Discs>::new(case)?.next()?.frozen)
+    })
 }
 
 /// Settings as they are typed.

@@ -2,7 +2,7 @@
 
 use crate::terminal::{read_text, suggest};
 use anyhow::{Context, Result, bail};
-use contact::ContactProblem;
+use contact::{ContactProblem, Discs, Mechanics};
 use std::path::{Path, PathBuf};
 
 /// The checkout, if there is one: a problem, a case or a schema needs none.
@@ -181,8 +181,9 @@ impl Kind {
 }
 
 /// How large a problem is, in words.
-pub(crate) fn size(problem: &ContactProblem) -> String {
-    format!("{} grains, {} contacts", problem.grain_count(), problem.contact_count())
+pub(crate) fn size<M: Mechanics>(problem: &ContactProblem<M>) -> String {
+    let of = if M::NAME == Discs::NAME { "" } else { " with friction" };
+    format!("{} grains, {} contacts{of}", problem.grain_count(), problem.contact_count())
 }
 
 /// Name of a file without its ending.

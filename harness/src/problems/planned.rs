@@ -3,12 +3,13 @@
 use crate::identity::content_hash;
 use crate::plan::{Plan, PlannedCase, Settings, combinations, last_parts, pairs, values};
 use crate::problems::{
-    Given, KeptProblem, Kind, Known, Root, Scene, TIME_STEP, known, overrides, read_case, stem,
+    AnyProblem, Given, KeptProblem, Kind, Known, Root, Scene, Studied, TIME_STEP, Visit, overrides,
+    read_case, stem, visit,
 };
 use analysis::Spectrum;
 use anyhow::{Context, Result, bail};
-use cases::Frozen;
-use contact::ContactProblem;
+use cases::{AnyFrozen, Frozen};
+use contact::{ContactProblem, Discs, Mechanics};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -26,38 +27,38 @@ pub(crate) struct PlannedProblem {
 }
 
 enum Source {
-    Frozen(Box<Frozen>, Option<Given>),
+    Frozen(Box<AnyFrozen>, Option<Given>),
     Case(Box<KeptProblem>),
     /// No problem, but the many of a simulation.
     Simulated(Box<Scene>),
 }
 
 /// A problem of a study.
-pub(crate) struct Problem {
-    pub(crate) frozen: Frozen,
+pub(crate) struct Problem<M: Mechanics = Discs> {
+    pub(crate) frozen: Frozen<M>,
     /// Hash of its content.
     pub(crate) hash: String,
     /// What was set in the case.
     pub(crate) settings: Settings,
     /// What another code answered, if that lies beside it.
     pub(crate) given: Option<Given>,
-    known: OnceLock<Known>,
+    known: OnceLock<Known<M>>,
     spectrum: OnceLock<Settings>,
 }
 
-impl Problem {
+impl<M: Studied> Problem<M> {
     /// What is known of its solution; computed at the first call, unless it was kept.
-    pub(crate) fn known(&self, root: &Root) -> Result<&Known> {
+    pub(crate) fn known(&self, root: &Root) -> Result<&Known<M>> {
         if let Some(known) = self.known.get() {
             return Ok(known);
         }
-        let known = known(root, &self.frozen)?;
+        let known = M::known(root, &self.frozen)?;
         Ok(self.known.get_or_init(|| known))
     }
 
     /// Its eigenvalues; computed at the first call.
-    pub(crate) fn spectrum(&self, known: &Known) -> &Settings {
-        self.spectrum.get_or_init(|| spectrum(&self.frozen.problem, known))
+    pub(crate) fn spectrum(&self, known: &Known<M>) -> &Settings {
+        self.spectrum.get_or_init(|| M::spectrum(&self.frozen.problem, known))
     }
 }
 
@@ -66,10 +67,14 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
     let mut problems = Vec::new();
     for name in &plan.problems {
         let path = frozen_path(root, name).context("`problems`")?;
-        let frozen = Box::new(Frozen::read(&path)?);
+        let frozen = Box::new(AnyFrozen::read(&path)?);
         let beside = path.with_extension("solution.json");
-        let given = beside.is_file().then(|| Given::read(&beside, &frozen.problem)).transpose()?;
-        let (name, settings) = (frozen.name.clone(), Settings::new());
+        let read = || match &*frozen {
+            AnyFrozen::Discs(frozen) => Given::read(&beside, &frozen.problem),
+            AnyFrozen::RoughDiscs(frozen) => Given::read(&beside, &frozen.problem),
+        };
+        let given = beside.is_file().then(read).transpose()?;
+        let (name, settings) = (frozen.name().to_owned(), Settings::new());
         let source = Source::Frozen(frozen, given);
         problems.push(PlannedProblem { name, settings, source, reference: plan.reference });
     }
@@ -145,20 +150,14 @@ fn naming(planned: &PlannedCase) -> Result<Vec<&str>> {
 
 impl PlannedProblem {
     /// The problem, if it need not be computed, or if it is to be; none of a scene.
-    pub(crate) fn problem(&self, root: &Root, compute: bool) -> Result<Option<Problem>> {
+    pub(crate) fn problem(&self, root: &Root, compute: bool) -> Result<Option<AnyProblem>> {
         let (frozen, given) = match &self.source {
             Source::Frozen(frozen, given) => (Some((**frozen).clone()), given.clone()),
             Source::Case(kept) if compute => (Some(kept.problem(root, &self.name)?), None),
             Source::Case(kept) => (kept.at_hand(root), None),
             Source::Simulated(_) => (None, None),
         };
-        let problem = |frozen| {
-            let frozen = Frozen { name: self.name.clone(), ..frozen };
-            let settings = self.settings.clone();
-            let known = if self.reference { OnceLock::new() } else { OnceLock::from(Known::default()) };
-            Problem { hash: content_hash(&frozen), settings, given, known, spectrum: OnceLock::new(), frozen }
-        };
-        Ok(frozen.map(problem))
+        Ok(frozen.map(|frozen| visit(frozen, Begun { planned: self, given })))
     }
 
     /// The scene of a study through time.
@@ -170,12 +169,30 @@ impl PlannedProblem {
     }
 }
 
+/// Of a planned problem, with what another code answered.
+struct Begun<'p> {
+    planned: &'p PlannedProblem,
+    given: Option<Given>,
+}
+
+impl Visit for Begun<'_> {
+    type Output = AnyProblem;
+
+    fn visit<M: Studied>(self, frozen: Frozen<M>) -> AnyProblem {
+        let Self { planned, given } = self;
+        let frozen = Frozen { name: planned.name.clone(), ..frozen };
+        let known = if planned.reference { OnceLock::new() } else { OnceLock::from(Known::default()) };
+        let (hash, settings) = (content_hash(&frozen), planned.settings.clone());
+        Box::new(Problem { hash, settings, given, known, spectrum: OnceLock::new(), frozen })
+    }
+}
+
 /// A contact that opens at less than this share of the greatest |b| is closed (–): references are certified to 1e-12, and come
 /// near it where they are not.
 const CLOSED: f64 = 1e-8;
 
 /// The eigenvalues of `problem`, of which `known` gives the closed contacts, if it does.
-fn spectrum(problem: &ContactProblem, known: &Known) -> Settings {
+pub(crate) fn spectrum(problem: &ContactProblem, known: &Known) -> Settings {
     let closed = known.nearest().map(|truth| {
         let mut v = vec![0.0; problem.contact_count()];
         problem.relative_velocity(truth.velocity(), &mut v);

@@ -2,77 +2,110 @@
 
 use crate::identity::content_hash;
 use crate::problems::Root;
-use crate::terminal::{read_text, write_kept};
+use crate::terminal::{progress, read_text, write_kept};
 use analysis::proves_infeasible;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{Frozen, all_missing};
-use contact::{ContactProblem, Truth};
-use reference::{Answer, certify};
+use contact::{ContactProblem, Discs, Mechanics, RoughDiscs, Truth};
+use reference::{Answer, RoughSolution, certify, certify_rough, solve_rough, take};
 use runner::Status;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 
-/// What is known of the solution of a problem; by default nothing.
-#[derive(Default)]
-pub(crate) struct Known {
-    answer: Option<Answer>,
-    /// At the impulses of the answer, also where these could not be certified.
-    nearest: Option<Truth>,
+/// What is known of the solutions of a problem; by default nothing.
+pub(crate) struct Known<M: Mechanics = Discs> {
+    /// Certified impulses (N·s). Without friction one is enough: all have the same velocities.
+    impulses: Vec<Vec<f64>>,
+    truths: Vec<Truth<M>>,
+    /// At the best impulses, where none could be certified.
+    nearest: Option<Truth<M>>,
+    is_infeasible: bool,
 }
 
-impl Known {
-    pub(crate) fn truth(&self) -> Option<&Truth> {
-        self.impulses().and(self.nearest())
+impl<M: Mechanics> Default for Known<M> {
+    fn default() -> Self {
+        Self { impulses: Vec::new(), truths: Vec::new(), nearest: None, is_infeasible: false }
+    }
+}
+
+impl<M: Mechanics> Known<M> {
+    /// Of these solutions (N·s).
+    fn of(problem: &ContactProblem<M>, impulses: Vec<Vec<f64>>) -> Self {
+        let truths = impulses.iter().map(|r| Truth::new(problem, r)).collect();
+        Self { impulses, truths, ..Self::default() }
+    }
+
+    /// Every solution.
+    pub(crate) fn truths(&self) -> &[Truth<M>] {
+        &self.truths
     }
 
     /// The velocity that is nearest to a solution, as far as is known: it shows which contacts are closed.
-    pub(crate) fn nearest(&self) -> Option<&Truth> {
-        self.nearest.as_ref()
+    pub(crate) fn nearest(&self) -> Option<&Truth<M>> {
+        self.truths.first().or(self.nearest.as_ref())
     }
 
-    /// Of the solution (N·s).
+    /// Of the first solution (N·s).
     pub(crate) fn impulses(&self) -> Option<&[f64]> {
-        match &self.answer {
-            Some(Answer::Solution { impulses, .. }) => Some(impulses),
-            _ => None,
-        }
+        self.impulses.first().map(Vec::as_slice)
     }
 
     /// How a run ended: nothing converges on a problem without solution.
     pub(crate) fn ending(&self, status: Status) -> Status {
-        let infeasible = matches!(self.answer, Some(Answer::Infeasible { .. }));
-        if infeasible && status == Status::Converged { Status::FalseConvergence } else { status }
+        if self.is_infeasible && status == Status::Converged { Status::FalseConvergence } else { status }
     }
 }
 
 /// Impulses that another code, or another run, gave.
-#[derive(Clone, Debug, JsonSchema, Deserialize)]
+#[derive(Clone, Debug)]
 pub(crate) struct Given {
-    /// In the problem's contact order (N·s).
+    /// In the problem's contact order, a flat list (N·s).
     pub(crate) impulse: Vec<f64>,
     /// Who gave them.
-    #[serde(default)]
     pub(crate) from: String,
+}
+
+/// The file.
+#[derive(JsonSchema, Deserialize)]
+struct Read {
+    impulse: Impulses,
+    #[serde(default)]
+    from: String,
+}
+
+/// One after the other, or [`r_n`, `r_t`] of each contact.
+#[derive(JsonSchema, Deserialize)]
+#[serde(untagged)]
+enum Impulses {
+    Flat(Vec<f64>),
+    Pairs(Vec<[f64; 2]>),
 }
 
 impl Given {
     /// Reads a file with `{"impulse": […]}`; whatever else it holds is left aside.
-    pub(crate) fn read(file: &Path, problem: &ContactProblem) -> Result<Self> {
+    pub(crate) fn read<M: Mechanics>(file: &Path, problem: &ContactProblem<M>) -> Result<Self> {
         let name = || file.display().to_string();
         let text = read_text(file)?;
-        let given: Self = serde_json::from_str(&text).map_err(|error| {
+        let given: Read = serde_json::from_str(&text).map_err(|error| {
             let error = error.to_string();
             // A text that is no JSON lacks more than keys.
             let content = serde_json::from_str::<Value>(&text);
-            anyhow!("{}: {}", name(), content.map_or(error.clone(), |all| all_missing::<Self>(&all, error)))
+            anyhow!("{}: {}", name(), content.map_or(error.clone(), |all| all_missing::<Read>(&all, error)))
         })?;
-        let (found, expected) = (given.impulse.len(), problem.contact_count());
+        let impulse = match given.impulse {
+            Impulses::Flat(impulse) => impulse,
+            Impulses::Pairs(pairs) => pairs.concat(),
+        };
+        let (found, expected) = (impulse.len(), problem.impulse_count());
         if found != expected {
-            bail!("{}: `impulse` has {found} values where the problem has {expected} contacts", name());
+            let contacts = problem.contact_count();
+            let each =
+                if expected == contacts { String::new() } else { format!(", {expected} values in all") };
+            bail!("{}: `impulse` has {found} values where the problem has {contacts} contacts{each}", name());
         }
-        Ok(given)
+        Ok(Self { impulse, from: given.from })
     }
 }
 
@@ -84,22 +117,76 @@ enum Kept {
     Ray(Vec<f64>),
 }
 
-/// What is known of a problem, from `results/references` if it is there, else computed and kept there.
-pub(crate) fn known(root: &Root, frozen: &Frozen) -> Result<Known> {
-    let answer = answer(root, frozen)?;
-    let impulses = match &answer {
-        Answer::Solution { impulses, .. } => Some(impulses),
+/// What is known of a problem without friction, from `results/references` if it is there, else computed and kept there.
+pub(crate) fn known_smooth(root: &Root, frozen: &Frozen) -> Result<Known> {
+    Ok(match answer(root, frozen)? {
+        Answer::Solution { impulses, .. } => Known::of(&frozen.problem, vec![impulses]),
         Answer::Infeasible { .. } => {
             eprintln!("{}: the problem has no solution", frozen.name);
-            None
+            Known { is_infeasible: true, ..Known::default() }
         }
         Answer::Unknown { impulses, certificate, why } => {
             eprintln!("{}: no reference: {why}; the best impulses are {certificate}", frozen.name);
-            Some(impulses)
+            Known { nearest: Some(Truth::new(&frozen.problem, &impulses)), ..Known::default() }
         }
-    };
-    let nearest = impulses.map(|impulses| Truth::new(&frozen.problem, impulses));
-    Ok(Known { answer: Some(answer), nearest })
+    })
+}
+
+/// Starts beside r = 0 from which solutions with friction are sought: where there are several, three find some of them.
+const STARTS: u64 = 3;
+
+/// What is known of a problem with friction: its pool of certified solutions.
+pub(crate) fn known_rough(root: &Root, frozen: &Frozen<RoughDiscs>) -> Result<Known<RoughDiscs>> {
+    let pool = pool(root, frozen, STARTS)?;
+    let problem = &frozen.problem;
+    if let [best] = &pool[..]
+        && !best.certificate.certified()
+    {
+        eprintln!("{}: no certified solution; the best impulses are {}", frozen.name, best.certificate);
+        return Ok(Known { nearest: Some(Truth::new(problem, &best.impulses)), ..Known::default() });
+    }
+    Ok(Known::of(problem, pool.into_iter().map(|solution| solution.impulses).collect()))
+}
+
+/// The certified solutions of a problem with friction that are known, those from so many `starts` among them, each different from
+/// the others; the best impulses, where none is certified.
+pub(crate) fn pool(root: &Root, frozen: &Frozen<RoughDiscs>, starts: u64) -> Result<Vec<RoughSolution>> {
+    let path = root.join("results/references").join(content_hash(frozen)).with_extension("json");
+    let mut kept = Pool { starts: 0, solutions: Vec::new() };
+    if path.exists() {
+        let read = || -> Result<Pool> { Ok(serde_json::from_str(&read_text(&path)?)?) };
+        match read() {
+            Ok(read) => kept = read,
+            Err(error) => eprintln!("{}: {error:#}: computed again", path.display()),
+        }
+    }
+    let problem = &frozen.problem;
+    let mut pool = Vec::new();
+    for impulses in kept.solutions.into_iter().filter(|r| r.len() == problem.impulse_count()) {
+        let certificate = certify_rough(problem, &impulses);
+        take(problem, &mut pool, RoughSolution { impulses, certificate });
+    }
+    // From r = 0 on, each start once.
+    if kept.starts <= starts {
+        let bar = progress::bar(starts + 1, "starts");
+        for found in solve_rough(problem, kept.starts..=starts, || bar.inc(1)) {
+            take(problem, &mut pool, found);
+        }
+        bar.finish_and_clear();
+        let solutions = pool.iter().map(|solution| solution.impulses.clone()).collect();
+        write_kept(&path, &serde_json::to_string(&Pool { starts: starts + 1, solutions })?)?;
+    }
+    Ok(pool)
+}
+
+/// A kept pool of solutions.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Pool {
+    /// From how many starts they were sought.
+    starts: u64,
+    /// Impulses of each (N·s).
+    solutions: Vec<Vec<f64>>,
 }
 
 /// The reference of a problem, kept or computed.

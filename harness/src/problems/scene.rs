@@ -1,9 +1,10 @@
 //! A scene of a study through time: a case with its values replaced, for a while.
 
-use crate::identity::{content_hash, hash_of};
+use crate::identity::hash_of;
 use crate::plan::{PlannedCase, Settings, Simulate};
+use crate::problems::first_hash;
 use anyhow::{Context, Result};
-use cases::{Case, March};
+use cases::Case;
 use contact::shown;
 use serde_json::json;
 
@@ -51,7 +52,7 @@ impl Scene {
         let every = multiple("simulate.sample_every_s", every_s, "the time step", h)?;
         let rows = multiple("duration_s", duration_s, "`sample_every_s`", every_s)?;
         // The first problem of the case holds its sample, which other files may hold.
-        let first = content_hash(&March::new(&case)?.next()?.frozen);
+        let first = first_hash(&case)?;
         let hash = hash_of(&json!([case.sample, case.scene, first]));
         Ok(Self { name, case, settings, duration_s, every_s, time_steps: rows * every, every, hash })
     }

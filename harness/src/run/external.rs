@@ -2,10 +2,11 @@
 //! impulses measured as ours are.
 
 use crate::plan::{MECHANICS, Method, Programme, Runs, last_line};
+use crate::problems::Studied;
 use crate::terminal::exit;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::Frozen;
-use contact::{ContactProblem, Measure, Measures, Meter, Truth, Work};
+use contact::{ContactProblem, Discs, Measure, Measures, Mechanics, Meter, Truth, Work};
 use nalgebra::Vector2;
 use results::schema::Sample;
 use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
@@ -17,8 +18,8 @@ use std::process::{Child, ExitStatus};
 use std::time::{Duration, Instant};
 
 /// What came out of a method.
-pub(crate) struct Ended {
-    pub(crate) outcome: Outcome,
+pub(crate) struct Ended<M: Mechanics = Discs> {
+    pub(crate) outcome: Outcome<M>,
     /// What another code did at each tolerance; of ours none.
     pub(crate) rungs: Vec<Rung>,
     /// The curve of another code: r = 0, then a sample for each tolerance.
@@ -62,30 +63,39 @@ struct Answer {
 /// What sees every iterate, and may end the run.
 pub(crate) type Observe<'o> = dyn FnMut(&Progress) -> ControlFlow<()> + 'o;
 
-/// Runs `method` from the impulses `r0` (N·s) until `stop`, beside a `truth` that is known. Of ours, the iterates that `measured`
-/// names are measured; of another code every answer.
+/// Runs `method` from the impulses `r0` (N·s) until `stop`, beside the solutions that are known. Of ours, the iterates that
+/// `measured` names are measured; of another code every answer.
 ///
 /// # Errors
 /// Says why the method cannot start on the problem.
-pub(crate) fn ended(
+pub(crate) fn ended<M: Studied>(
     method: &Method,
-    truth: Option<&Truth>,
-    frozen: &Frozen,
+    truths: &[Truth<M>],
+    frozen: &Frozen<M>,
     r0: &[f64],
     stop: &Stop,
     measured: Measured,
     observe: &mut Observe,
-) -> Result<Ended> {
-    match &method.runs {
-        Runs::Here(solver) => {
-            let outcome = solve_against(truth, &**solver, &frozen.problem, r0, stop, measured, observe)?;
-            Ok(Ended { outcome, rungs: Vec::new(), samples: Vec::new(), failed: None })
-        }
-        Runs::Elsewhere(programme) => {
-            may_start(programme, truth, r0, stop)?;
-            Ladder { programme, truth, problem: &frozen.problem, stop }.climb(frozen, observe)
-        }
+) -> Result<Ended<M>> {
+    if let Runs::Elsewhere(programme) = &method.runs {
+        return M::elsewhere(programme, truths.first(), frozen, r0, stop, observe);
     }
+    let solver = method.solver::<M>()?;
+    let outcome = solve_against(truths, solver, &frozen.problem, r0, stop, measured, observe)?;
+    Ok(Ended { outcome, rungs: Vec::new(), samples: Vec::new(), failed: None })
+}
+
+/// Runs another code on a problem, at one tolerance after the other.
+pub(crate) fn climb(
+    programme: &Programme,
+    truth: Option<&Truth>,
+    frozen: &Frozen,
+    r0: &[f64],
+    stop: &Stop,
+    observe: &mut Observe,
+) -> Result<Ended> {
+    may_start(programme, truth, r0, stop)?;
+    Ladder { programme, truth, problem: &frozen.problem, stop }.climb(frozen, observe)
 }
 
 /// Refuses what another code cannot do.

@@ -1,25 +1,93 @@
 //! A run on a problem: repeated for its seconds, kept as a row with its curve.
 
-use crate::plan::Plan;
-use crate::plan::Runs;
-use crate::problems::{Known, Problem};
-use crate::run::{Conditions, Ended, Recorder, Task, ended, ended_row, nothing_done};
-use analysis::coupling;
+use crate::identity::provenance;
+use crate::plan::{Plan, Runs, Settings};
+use crate::problems::{Known, Problem, Root, Studied};
+use crate::run::{Conditions, Ended, Recorder, Task, ended, ended_row, given_row, nothing_done, scene_rows};
 use anyhow::{Context, Result, bail};
-use contact::Work;
-use partition::{Decomposition, Partition};
+use contact::{Mechanics, Vector, Work};
+use partition::{Decomposition, Grid, Partition, Scheme};
 use results::journal::Record;
-use results::schema::{Run, Sample, Snapshot, Timing};
+use results::schema::{ContactRow, GrainRow, Run, Sample, Snapshot, Timing};
 use runner::{Outcome, Progress, Status};
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
+/// A problem of a study, whatever its mechanics.
+pub(crate) trait OneProblem: Sync {
+    /// Its name.
+    fn name(&self) -> &str;
+
+    /// Hash of its content.
+    fn hash(&self) -> &str;
+
+    /// What was set in its case.
+    fn settings(&self) -> &Settings;
+
+    /// A run on it; `None` if it was halted.
+    fn run(
+        &self,
+        plan: &Plan,
+        task: &Task<&dyn OneProblem>,
+        conditions: &Conditions,
+    ) -> Result<Option<Record>>;
+
+    /// The row of what another code answered, if that lies beside it.
+    fn given_row(&self, plan: &Plan, root: &Root) -> Result<Option<Run>>;
+
+    /// Its grains and contacts under some partitions, as they are drawn.
+    fn scene_rows(
+        &self,
+        partitions: &[(String, Grid, Scheme)],
+        root: &Root,
+    ) -> Result<(Vec<GrainRow>, Vec<ContactRow>)>;
+}
+
+impl<M: Studied> OneProblem for Problem<M> {
+    fn name(&self) -> &str {
+        &self.frozen.name
+    }
+
+    fn hash(&self) -> &str {
+        &self.hash
+    }
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn run(
+        &self,
+        plan: &Plan,
+        task: &Task<&dyn OneProblem>,
+        conditions: &Conditions,
+    ) -> Result<Option<Record>> {
+        let Task { id, variant, selected, .. } = task;
+        let task = Task { id: id.clone(), variant, selected: *selected, what: self };
+        run_on_problem(plan, &task, conditions)
+    }
+
+    fn given_row(&self, plan: &Plan, root: &Root) -> Result<Option<Run>> {
+        let Some(given) = &self.given else { return Ok(None) };
+        let truths = self.known(root)?.truths();
+        Ok(Some(given_row(plan, self, given, truths, provenance()?)))
+    }
+
+    fn scene_rows(
+        &self,
+        partitions: &[(String, Grid, Scheme)],
+        root: &Root,
+    ) -> Result<(Vec<GrainRow>, Vec<ContactRow>)> {
+        Ok(scene_rows(&self.frozen, partitions, self.known(root)?.impulses()))
+    }
+}
+
 /// One run, as often as `timing` says; `None` if it was halted. A method that cannot start on the problem is a row too: it
 /// says why.
-pub(crate) fn run_on_problem(
+fn run_on_problem<M: Studied>(
     plan: &Plan,
-    task: &Task<&Problem>,
+    task: &Task<&Problem<M>>,
     conditions: &Conditions,
 ) -> Result<Option<Record>> {
     let Task { id, variant, what: problem, .. } = task;
@@ -90,18 +158,18 @@ pub(crate) fn run_on_problem(
 }
 
 /// What is the same in every repeat.
-fn counts(Ended { outcome, .. }: &Ended) -> (Status, u64, Work) {
+fn counts<M: Mechanics>(Ended { outcome, .. }: &Ended<M>) -> (Status, u64, Work) {
     (outcome.status, outcome.iterations, outcome.work)
 }
 
 /// The run, as a user reads it.
-fn name(task: &Task<&Problem>) -> String {
+fn name<M: Studied>(task: &Task<&Problem<M>>) -> String {
     format!("{} on {}", task.variant.label(), task.what.frozen.name)
 }
 
 /// What explains how the run ends, where the plan asks for it: the spectrum of the problem; of a partition the most copies of a
 /// grain and, where masses are whole, how strongly subdomains act on each other.
-fn spectrum(plan: &Plan, task: &Task<&Problem>, known: &Known) -> Map<String, Value> {
+fn spectrum<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, known: &Known<M>) -> Map<String, Value> {
     if !plan.spectra {
         return Map::new();
     }
@@ -114,7 +182,7 @@ fn spectrum(plan: &Plan, task: &Task<&Problem>, known: &Known) -> Map<String, Va
         let multiplicity = Decomposition::new(problem, &partition).multiplicity.iter().copied().max();
         columns.insert("multiplicity".to_owned(), json!(multiplicity));
         if variant.method.setting::<bool>("mass_splitting") == Some(false)
-            && let Some(coupling) = coupling(problem, &partition.subdomain)
+            && let Some(coupling) = M::coupling(problem, &partition.subdomain)
         {
             columns.insert("coupling".to_owned(), json!(coupling));
         }
@@ -125,18 +193,23 @@ fn spectrum(plan: &Plan, task: &Task<&Problem>, known: &Known) -> Map<String, Va
 /// The curve of a run, and the iterates that the page shows, if any.
 type Kept = (Vec<Sample>, Vec<Snapshot>);
 
-fn once(plan: &Plan, task: &Task<&Problem>, known: &Known, conditions: &Conditions) -> Result<(Ended, Kept)> {
+fn once<M: Studied>(
+    plan: &Plan,
+    task: &Task<&Problem<M>>,
+    known: &Known<M>,
+    conditions: &Conditions,
+) -> Result<(Ended<M>, Kept)> {
     let (frozen, variant) = (&task.what.frozen, task.variant);
     let mut recorder = Recorder::new(plan.curves);
     let shown = plan.view.as_ref().is_some_and(|view| view.shows(&frozen.name, variant));
     let mut snapshots = shown.then(Snapshots::new);
     let mut line = conditions.bars.line(name(task));
     let r0 = frozen.start(variant.warm_start);
-    let (truth, measured) = (known.truth(), conditions.how.measured);
-    let ended = ended(&variant.method, truth, frozen, &r0, &plan.stop, measured, &mut |progress| {
+    let (truths, measured) = (known.truths(), conditions.how.measured);
+    let ended = ended(&variant.method, truths, frozen, &r0, &plan.stop, measured, &mut |progress| {
         recorder.observe(progress);
         if let Some(snapshots) = &mut snapshots {
-            snapshots.observe(progress);
+            snapshots.observe(progress, M::Impulse::LEN);
         }
         line.show(progress, plan.stop.on);
         if (conditions.halt)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -147,7 +220,7 @@ fn once(plan: &Plan, task: &Task<&Problem>, known: &Known, conditions: &Conditio
 }
 
 /// The repeat with the median time in `advance`, with the median time in `start` and the spreads of both; `None` of none.
-fn median(mut all: Vec<(Ended, Kept)>, timing: &Timing) -> Option<(Ended, Kept, Timing)> {
+fn median<M: Mechanics>(mut all: Vec<(Ended<M>, Kept)>, timing: &Timing) -> Option<(Ended<M>, Kept, Timing)> {
     let mut setup: Vec<_> = all.iter().map(|(ended, _)| ended.outcome.setup).collect();
     setup.sort_unstable();
     all.sort_by_key(|(ended, _)| ended.outcome.iterating);
@@ -178,27 +251,29 @@ impl Snapshots {
         Self { snapshots: Vec::new(), next: 0 }
     }
 
-    /// Sees every iterate.
-    pub(crate) fn observe(&mut self, progress: &Progress) {
+    /// Sees every iterate, with so many numbers a contact; the normal impulses are kept.
+    pub(crate) fn observe(&mut self, progress: &Progress, numbers: usize) {
         if let Some(measures) = progress.measures
             && progress.iteration >= self.next
         {
-            self.snapshots.push(kept(progress.iteration, measures.natural_map, progress.impulses));
+            let normal = progress.impulses.iter().step_by(numbers);
+            self.snapshots.push(kept(progress.iteration, measures.natural_map, normal));
             self.next = progress.iteration + (2 * progress.iteration).div_ceil(5).max(1);
         }
     }
 
     /// The iterates; the last one is that of the outcome.
-    pub(crate) fn finish(mut self, outcome: &Outcome) -> Vec<Snapshot> {
+    pub(crate) fn finish<M: Mechanics>(mut self, outcome: &Outcome<M>) -> Vec<Snapshot> {
         if self.snapshots.last().is_none_or(|last| last.iteration != outcome.iterations) {
-            self.snapshots.push(kept(outcome.iterations, outcome.measures.natural_map, &outcome.impulses));
+            let normal = outcome.impulses.iter().step_by(M::Impulse::LEN);
+            self.snapshots.push(kept(outcome.iterations, outcome.measures.natural_map, normal));
         }
         self.snapshots
     }
 }
 
-fn kept(iteration: u64, natural_map: f64, impulses: &[f64]) -> Snapshot {
-    Snapshot { iteration, natural_map, impulses_n_s: impulses.iter().copied().map(rounded).collect() }
+fn kept<'r>(iteration: u64, natural_map: f64, impulses: impl Iterator<Item = &'r f64>) -> Snapshot {
+    Snapshot { iteration, natural_map, impulses_n_s: impulses.copied().map(rounded).collect() }
 }
 
 /// To three significant digits: it is for the eye.

@@ -1,10 +1,10 @@
 //! From what the harness holds to the rows of the results.
 
 use crate::plan::{Plan, Variant};
-use crate::problems::{Given, Problem};
+use crate::problems::{Given, Problem, Studied};
 use crate::run::first_at;
 use cases::Frozen;
-use contact::{Adjacency, Measure, Meter, Truth, Work};
+use contact::{Adjacency, Measure, Measuring, Mechanics, Touch, Truth, Vector, Work};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample};
@@ -12,16 +12,16 @@ use runner::Outcome;
 use serde_json::{Map, Value};
 
 /// The row of impulses that another code gave: measured as ours are, with nothing run.
-pub(crate) fn given_row(
+pub(crate) fn given_row<M: Studied>(
     plan: &Plan,
-    problem: &Problem,
+    problem: &Problem<M>,
     given: &Given,
-    truth: Option<&Truth>,
+    truths: &[Truth<M>],
     provenance: Provenance,
 ) -> Run {
-    let meter = Meter::new(&problem.frozen.problem);
-    let mut meter = if let Some(truth) = truth { meter.against(truth) } else { meter };
-    let measures = meter.measure(&given.impulse, 0.0);
+    let meter = M::Meter::new(&problem.frozen.problem);
+    let mut meter = truths.iter().fold(meter, M::Meter::against);
+    let measures = meter.measure_after(&[], &given.impulse, 0.0);
     Run {
         method: "given".to_owned(),
         variant: given.from.clone(),
@@ -32,7 +32,7 @@ pub(crate) fn given_row(
 }
 
 /// The row of a run that has reached nothing yet.
-pub(crate) fn nothing_done(plan: &Plan, problem: &Problem, provenance: Provenance) -> Run {
+pub(crate) fn nothing_done<M: Studied>(plan: &Plan, problem: &Problem<M>, provenance: Provenance) -> Run {
     Run {
         plan: plan.name.clone(),
         problem: problem.frozen.name.clone(),
@@ -52,7 +52,7 @@ pub(crate) fn nothing_done(plan: &Plan, problem: &Problem, provenance: Provenanc
 }
 
 /// The row with what the run reached.
-pub(crate) fn ended_row(row: Run, outcome: &Outcome, curve: &[Sample]) -> Run {
+pub(crate) fn ended_row<M: Mechanics>(row: Run, outcome: &Outcome<M>, curve: &[Sample]) -> Run {
     let first = |measure: Measure, tolerance| first_at(curve, measure, tolerance);
     let Sample { measures, work, .. } = curve[curve.len() - 1];
     Run {
@@ -73,7 +73,7 @@ pub(crate) fn ended_row(row: Run, outcome: &Outcome, curve: &[Sample]) -> Run {
 }
 
 /// What the method worked with beside its settings: the values that they leave open, and the critical path where there is one.
-pub(crate) fn derived(outcome: &Outcome) -> Map<String, Value> {
+pub(crate) fn derived<M: Mechanics>(outcome: &Outcome<M>) -> Map<String, Value> {
     let critical_path = outcome.critical_path.map(|path| ("critical_path", path as f64));
     let all = outcome.derived.iter().copied().chain(critical_path);
     all.map(|(key, value)| (key.to_owned(), value.into())).collect()
@@ -98,8 +98,8 @@ pub(crate) fn partitions(variants: &[Variant]) -> Vec<(String, Grid, Scheme)> {
 
 /// The grains and contacts of a problem under those of `partitions` that fit it, as they are drawn: a run with one that does
 /// not fit was skipped.
-pub(crate) fn scene_rows(
-    frozen: &Frozen,
+pub(crate) fn scene_rows<M: Mechanics>(
+    frozen: &Frozen<M>,
     partitions: &[(String, Grid, Scheme)],
     impulses: Option<&[f64]>,
 ) -> (Vec<GrainRow>, Vec<ContactRow>) {
@@ -129,9 +129,9 @@ pub(crate) fn scene_rows(
                 y0_m: from.y,
                 x1_m: to.x,
                 y1_m: to.y,
-                wall: problem.contacts()[contact].antagonist.is_none(),
+                wall: problem.contacts()[contact].ends().1.is_none(),
                 subdomain: partition.subdomain[contact],
-                impulse_n_s: impulses.map_or(f64::NAN, |r| r[contact]),
+                impulse_n_s: impulses.map_or(f64::NAN, |r| M::Impulse::at(r, contact).first()),
             }
         }));
     }
@@ -139,16 +139,20 @@ pub(crate) fn scene_rows(
 }
 
 /// Centre of the candidate, and centre of the antagonist or the touched point of a wall (m).
-fn ends(frozen: &Frozen, contact: usize) -> (Vector2<f64>, Vector2<f64>) {
+fn ends<M: Mechanics>(frozen: &Frozen<M>, contact: usize) -> (Vector2<f64>, Vector2<f64>) {
     let (position, gap) = (frozen.problem.position(), frozen.gap[contact]);
     let contact = &frozen.problem.contacts()[contact];
-    let from = position[contact.candidate as usize];
-    let to_wall = frozen.radius[contact.candidate as usize] + gap;
-    (from, contact.antagonist.map_or(from - contact.normal * to_wall, |j| position[j as usize]))
+    let (candidate, antagonist) = contact.ends();
+    let from = position[candidate as usize];
+    let to_wall = frozen.radius[candidate as usize] + gap;
+    (from, antagonist.map_or(from - contact.normal() * to_wall, |j| position[j as usize]))
 }
 
 /// The subdomain with most of each grain's contacts, the first among equals.
-pub(super) fn subdomain_of_grains(frozen: &Frozen, partition: &Partition) -> Vec<Option<u32>> {
+pub(super) fn subdomain_of_grains<M: Mechanics>(
+    frozen: &Frozen<M>,
+    partition: &Partition,
+) -> Vec<Option<u32>> {
     let adjacency = Adjacency::of(&frozen.problem);
     let most = |grain: usize| {
         let subdomains =

@@ -1,12 +1,12 @@
 //! A scene through time: one method, one rule, until the end, an explosion or a refusal; and its row and series.
 
 use crate::plan::Rule;
-use crate::problems::Scene;
+use crate::problems::{Scene, Studied};
 use crate::run::{Conditions, Task};
 use crate::terminal::write_kept;
 use anyhow::Result;
 use cases::{CaseError, Frozen, March, Observables, TimeStep};
-use contact::Solver;
+use contact::{Discs, Mechanics, RoughDiscs, Solver};
 use results::schema::{Provenance, Timing};
 use results::simulation::{Observed, Simulated, Simulation, Totals};
 use results::store::LAST_STATES;
@@ -39,17 +39,29 @@ pub(crate) fn run_simulation(
     task: &Task<Through>,
     conditions: &Conditions,
 ) -> Result<Option<Simulated>> {
+    if task.what.scene.case.scene.is_rough() {
+        simulated::<RoughDiscs>(plan, task, conditions)
+    } else {
+        simulated::<Discs>(plan, task, conditions)
+    }
+}
+
+fn simulated<M: Studied>(
+    plan: &str,
+    task: &Task<Through>,
+    conditions: &Conditions,
+) -> Result<Option<Simulated>> {
     let clock = Instant::now();
     let Task { variant, what: Through { scene, rule, .. }, .. } = task;
     let Conditions { how, bars, halt } = conditions;
     let Scene { case, name, time_steps, every, .. } = scene;
-    let mut march = March::new(case)?;
+    let mut march = March::<M>::new(case)?;
     let timing = how.timing();
     let row = nothing_done(plan, task, &march, how.provenance.restarted())?;
     let mut line = bars.line(format!("{} on {name}, {}", variant.label(), task.what.in_words()));
     let mut series = Series { every: *every, rows: Vec::new(), since: None };
-    let solver = variant.method.solver()?;
-    let (totals, end) = through_time(&mut march, solver, rule, *time_steps, halt, &mut |seen| {
+    let solver = variant.method.solver::<M>()?;
+    let (totals, end) = through_time(&mut march, solver, rule, *time_steps, halt, &mut |seen: &Seen<M>| {
         series.see(seen);
         line.show_time_step(seen.totals.time_steps, *time_steps);
         Ok(())
@@ -71,17 +83,17 @@ pub(crate) fn run_simulation(
 }
 
 /// Writes the problem of the last good state below the folder of the study, and returns its path there.
-fn keep(last: &Frozen, folder: &Path, id: &str) -> Result<String> {
+fn keep<M: Studied>(last: &Frozen<M>, folder: &Path, id: &str) -> Result<String> {
     let file = format!("{LAST_STATES}/{id}.json");
-    write_kept(&folder.join(&file), &last.to_json()?)?;
+    write_kept(&folder.join(&file), &M::to_json(last)?)?;
     Ok(file)
 }
 
 /// The row of a simulation that has reached nothing yet.
-fn nothing_done(
+fn nothing_done<M: Studied>(
     plan: &str,
     task: &Task<Through>,
-    march: &March,
+    march: &March<M>,
     provenance: Provenance,
 ) -> Result<Simulation> {
     let Task { id, variant, what: Through { scene, rule, role }, .. } = task;
@@ -96,7 +108,7 @@ fn nothing_done(
         scene_hash: scene.hash.clone(),
         role: (*role).to_owned(),
         grains: problem.grain_count() as u32,
-        mass_kg: problem.mass().iter().sum(),
+        mass_kg: problem.mass().iter().map(|mass| M::weight(*mass)).sum(),
         mean_diameter_m: march.mean_diameter(),
         gravity_m_per_s2: scene.case.scene.gravity_m_per_s2,
         time_step_s: scene.case.scene.time_step_s,
@@ -122,7 +134,7 @@ struct Series {
 }
 
 impl Series {
-    fn see(&mut self, seen: &Seen) {
+    fn see<M: Studied>(&mut self, seen: &Seen<M>) {
         let now = observed(seen);
         let row = self.since.take().map_or(now, |since| joined(&since, now));
         if seen.totals.time_steps.is_multiple_of(self.every) {
@@ -134,7 +146,7 @@ impl Series {
 }
 
 /// What a time step shows.
-pub(crate) fn observed(seen: &Seen) -> Observed {
+pub(crate) fn observed<M: Studied>(seen: &Seen<M>) -> Observed {
     let o = seen.observables;
     let [floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s] = o.wall_impulses;
     Observed {
@@ -166,23 +178,23 @@ fn joined(earlier: &Observed, later: Observed) -> Observed {
 }
 
 /// A time step that was solved.
-pub(crate) struct Seen<'a> {
-    pub(crate) march: &'a March,
-    pub(crate) time_step: &'a TimeStep,
-    pub(crate) outcome: &'a Outcome,
+pub(crate) struct Seen<'a, M: Mechanics = Discs> {
+    pub(crate) march: &'a March<M>,
+    pub(crate) time_step: &'a TimeStep<M>,
+    pub(crate) outcome: &'a Outcome<M>,
     pub(crate) observables: &'a Observables,
     pub(crate) totals: &'a Totals,
 }
 
 /// How a simulation ended.
-pub(crate) enum End {
+pub(crate) enum End<M: Mechanics = Discs> {
     Completed,
     /// With the problem of the last good state.
     Exploded {
         /// `exploded`; or why it exploded, `solver-diverged` or `no-solution`.
         status: &'static str,
         why: String,
-        last: Box<Frozen>,
+        last: Box<Frozen<M>>,
     },
     /// The method refused a time step.
     Refused(String),
@@ -191,14 +203,14 @@ pub(crate) enum End {
 }
 
 /// Makes `time_steps` time steps; `see` sees each. `halt` may ask for an end after any iteration.
-pub(crate) fn through_time(
-    march: &mut March,
-    solver: &dyn Solver,
+pub(crate) fn through_time<M: Studied>(
+    march: &mut March<M>,
+    solver: &dyn Solver<M>,
     rule: &Rule,
     time_steps: u64,
     halt: &dyn Fn() -> bool,
-    see: &mut dyn FnMut(&Seen) -> Result<()>,
-) -> Result<(Totals, End)> {
+    see: &mut dyn FnMut(&Seen<M>) -> Result<()>,
+) -> Result<(Totals, End<M>)> {
     let mut totals = Totals::default();
     let mut failed = false;
     for k in 1..=time_steps {
@@ -221,7 +233,7 @@ pub(crate) fn through_time(
 }
 
 /// What it means for a simulation that its `k`-th time step was not solved.
-fn ended(error: CaseError, k: u64, time_step: TimeStep) -> Result<End> {
+fn ended<M: Studied>(error: CaseError, k: u64, time_step: TimeStep<M>) -> Result<End<M>> {
     let why = error.to_string();
     Ok(match error {
         CaseError::Exploded { solved, .. } => {
@@ -238,7 +250,7 @@ fn ended(error: CaseError, k: u64, time_step: TimeStep) -> Result<End> {
     })
 }
 
-impl End {
+impl<M: Mechanics> End<M> {
     /// Name in files.
     pub(crate) fn status(&self) -> &'static str {
         match self {
@@ -259,7 +271,7 @@ impl End {
 }
 
 /// Adds a time step that was solved.
-fn add(totals: &mut Totals, outcome: &Outcome) {
+fn add<M: Mechanics>(totals: &mut Totals, outcome: &Outcome<M>) {
     totals.time_steps += 1;
     totals.missed_time_steps += u64::from(outcome.status != Status::Converged);
     totals.diverged_time_steps += u64::from(outcome.status == Status::Diverged);

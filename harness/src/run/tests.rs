@@ -12,7 +12,7 @@ fn begin_end_and_some_iterates_between_are_kept() {
     let mut snapshots = Snapshots::new();
     let start = frozen.start(false);
     let outcome = solve(&nsgs::Nsgs::default(), &frozen.problem, &start, &stop, &mut |progress| {
-        snapshots.observe(progress);
+        snapshots.observe(progress, 1);
     });
     let outcome = outcome.unwrap();
     let snapshots = snapshots.finish(&outcome);

@@ -1,10 +1,12 @@
 //! Frames for ParaView: at each kept time the grains, the contacts and the walls as files of an unstructured grid, and a
 //! collection that lists them.
 
+use crate::problems::Studied;
 use crate::run::rows::subdomain_of_grains;
 use crate::terminal::{say, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::{March, Side, TimeStep};
+use contact::{Touch, Vector};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Partition, Scheme};
 use std::fs::File;
@@ -48,12 +50,12 @@ impl Frames {
     }
 
     /// Adds the initial state, which no contact has changed yet.
-    pub(crate) fn begin(&mut self, march: &March) -> Result<()> {
+    pub(crate) fn begin<M: Studied>(&mut self, march: &March<M>) -> Result<()> {
         self.add(0.0, march, None)
     }
 
     /// Adds the state at a time (s): that after a time step, with the impulses (N·s) that it took.
-    pub(crate) fn add(&mut self, time: f64, march: &March, solved: Solved) -> Result<()> {
+    pub(crate) fn add<M: Studied>(&mut self, time: f64, march: &March<M>, solved: Solved<M>) -> Result<()> {
         let split = solved.zip(self.partition).and_then(|((time_step, _), (grid, scheme))| {
             Partition::of_contacts(&time_step.frozen.problem, scheme, grid).ok()
         });
@@ -143,10 +145,10 @@ impl Elements {
 }
 
 /// What is known of a time step once it is solved: its contacts and their impulses (N·s).
-type Solved<'t> = Option<(&'t TimeStep, &'t [f64])>;
+type Solved<'t, M> = Option<(&'t TimeStep<M>, &'t [f64])>;
 
 /// A vertex for each grain.
-fn grains(march: &March, solved: Solved, split: Option<&Partition>) -> Elements {
+fn grains<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Partition>) -> Elements {
     let mut elements = Elements::default();
     march.grains().for_each(|(_, place, _)| elements.add(place));
     let count = march.mass().len();
@@ -161,41 +163,48 @@ fn grains(march: &March, solved: Solved, split: Option<&Partition>) -> Elements 
     };
     elements.indices("grain", (0..count as u32).map(Some));
     elements.numbers("radius_m", march.grains().map(|(radius, ..)| radius).collect());
-    elements.numbers("mass_kg", march.mass().to_vec());
+    elements.numbers("mass_kg", march.mass().iter().map(|mass| M::weight(*mass)).collect());
     elements.vectors("velocity_m_per_s", march.grains().map(|(_, _, velocity)| velocity));
+    if let Some(spins) = march.velocity().iter().map(|v| M::spin(*v)).collect() {
+        elements.numbers("spin_rad_per_s", spins);
+    }
     elements.indices("subdomain", subdomain);
     elements.indices("multiplicity", copies.into_iter().map(|copies| Some(copies.max(1))));
     elements
 }
 
 /// A line for each contact, from the centre of the candidate to that of the antagonist, or to the point of the wall.
-fn contacts(march: &March, solved: Solved, split: Option<&Partition>) -> Elements {
+fn contacts<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Partition>) -> Elements {
     let mut elements = Elements { lines: true, ..Elements::default() };
     let (list, gap, r) = solved.map_or((&[][..], &[][..], &[][..]), |(time_step, r)| {
         (time_step.frozen.problem.contacts(), &time_step.frozen.gap[..], r)
     });
     let grains: Vec<(f64, Vector2<f64>)> = march.grains().map(|(radius, place, _)| (radius, place)).collect();
     for (contact, gap) in list.iter().zip(gap) {
-        let (radius, from) = grains[contact.candidate as usize];
-        let wall = || from - contact.normal * (radius + gap);
+        let (candidate, antagonist) = contact.ends();
+        let (radius, from) = grains[candidate as usize];
+        let wall = || from - contact.normal() * (radius + gap);
         elements.add(from);
-        elements.add(contact.antagonist.map_or_else(wall, |j| grains[j as usize].1));
+        elements.add(antagonist.map_or_else(wall, |j| grains[j as usize].1));
     }
     let subdomain = split.map_or_else(|| vec![0; list.len()], |split| split.subdomain.clone());
-    let antagonist = list.iter().map(|contact| contact.antagonist);
+    let antagonist = list.iter().map(|contact| contact.ends().1);
     elements.indices("contact", (0..list.len() as u32).map(Some));
-    elements.indices("candidate", list.iter().map(|contact| Some(contact.candidate)));
+    elements.indices("candidate", list.iter().map(|contact| Some(contact.ends().0)));
     elements.indices("antagonist", antagonist.clone());
     elements.indices("wall", antagonist.map(|j| Some(u32::from(j.is_none()))));
-    elements.numbers("impulse_n_s", r.to_vec());
+    elements.numbers("impulse_n_s", r.iter().step_by(M::Impulse::LEN).copied().collect());
+    for (name, values) in M::of_contacts(list, r) {
+        elements.numbers(name, values);
+    }
     elements.numbers("gap_m", gap.to_vec());
-    elements.vectors("normal", list.iter().map(|contact| contact.normal));
+    elements.vectors("normal", list.iter().map(Touch::normal));
     elements.indices("subdomain", subdomain.into_iter().map(Some));
     elements
 }
 
 /// A line for each wall.
-fn walls(march: &March) -> Elements {
+fn walls<M: Studied>(march: &March<M>) -> Elements {
     let mut elements = Elements { lines: true, ..Elements::default() };
     let walls = march.walls();
     walls.iter().flat_map(|(_, ends)| ends).for_each(|end| elements.add(*end));

@@ -2,10 +2,10 @@
 
 use crate::identity::content_hash;
 use crate::plan::as_typed;
-use crate::problems::{KeptProblem, Root};
+use crate::problems::{KeptProblem, Root, smooth};
 use crate::store::runs_folder;
 use anyhow::{Context, Result, bail};
-use cases::Frozen;
+use cases::{AnyFrozen, Frozen};
 use results::journal::{Record, entry};
 use results::schema::Run;
 use results::simulation::Simulated;
@@ -81,13 +81,14 @@ fn read(journal: &Path, begin: &str, found: &mut Found) -> Result<()> {
 pub(crate) fn problem_of_run(root: &Root, run: &Run) -> Result<Frozen> {
     let mut settings = run.problem_settings.clone();
     let problem = match settings.remove("case") {
-        None => Frozen::read(&root.problem(&run.problem)?)?,
+        None => AnyFrozen::read(&root.problem(&run.problem)?)?,
         Some(case) => {
             let time_step = settings.remove("time_step");
             let path = root.case(&as_typed(&case))?;
             KeptProblem::read(&path, &settings, time_step.as_ref())?.problem(root, &run.problem)?
         }
     };
+    let problem = smooth(problem, "pages of single runs show problems")?;
     let (before, now) = (&run.problem_hash, content_hash(&problem));
     if now != *before {
         bail!("the problem has changed since: its hash was {before}, and is {now} now");

@@ -69,6 +69,9 @@ pub trait Vector:
     /// The sum of the products, component by component.
     fn dot_product(self, other: Self) -> f64;
 
+    /// Each number.
+    fn each(self, number: &mut dyn FnMut(f64));
+
     /// Whether none is infinite or NaN.
     fn is_finite(self) -> bool;
 
@@ -109,6 +112,10 @@ impl Vector for f64 {
     #[inline]
     fn dot_product(self, other: Self) -> f64 {
         self * other
+    }
+
+    fn each(self, number: &mut dyn FnMut(f64)) {
+        number(self);
     }
 
     fn is_finite(self) -> bool {
@@ -153,6 +160,10 @@ where
     #[inline]
     fn dot_product(self, other: Self) -> f64 {
         self.dot(&other)
+    }
+
+    fn each(self, number: &mut dyn FnMut(f64)) {
+        self.iter().for_each(|x| number(*x));
     }
 
     fn is_finite(self) -> bool {

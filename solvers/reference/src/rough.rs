@@ -11,6 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use std::fmt;
+use std::ops::RangeInclusive;
 
 /// What impulses r leave of (1) and Coulomb's law, computed from r and the problem alone. The scales are those of the certificate
 /// without friction: the fastest approach without impulses, and the impulse that stops one contact.
@@ -146,11 +147,15 @@ const SAME: f64 = 1e-8;
 /// Iterations of a try to find a solution.
 const MANY: u32 = 300_000;
 
-/// Solutions of `problem` that are different, from r = 0 and from so many other `starts`: impulses drawn within the cones, of up to
-/// twice the size that the problem's scale suggests. If none is certified, the impulses that leave least.
-pub fn solve_rough(problem: &Packing<RoughDiscs>, starts: u64, mut seen: impl FnMut()) -> Vec<RoughSolution> {
+/// Solutions of `problem` that are different, from these `starts`: 0 is r = 0, of the others each is a seed of impulses within the
+/// cones, of up to twice the size that the problem's scale suggests. If none is certified, the impulses that leave least.
+pub fn solve_rough(
+    problem: &Packing<RoughDiscs>,
+    starts: RangeInclusive<u64>,
+    mut seen: impl FnMut(),
+) -> Vec<RoughSolution> {
     let mut solutions: Vec<RoughSolution> = Vec::new();
-    for seed in 0..=starts {
+    for seed in starts {
         let found =
             from(problem, &if seed == 0 { vec![0.0; problem.impulse_count()] } else { drawn(problem, seed) });
         take(problem, &mut solutions, found);
