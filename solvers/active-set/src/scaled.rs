@@ -105,8 +105,9 @@ impl Scaled {
             (weight != 0.0).then(|| Coupling::dyad(weight, first, second))
         };
         let done = match factor {
-            Some(factor) => factor.renew(|_| 1.0, coupling),
-            None => Factor::new(Arc::clone(structure), |_| 1.0, coupling).map(|new| *factor = Some(new)),
+            Some(factor) => factor.renew(|_| Vector2::repeat(1.0), coupling),
+            None => Factor::new(Arc::clone(structure), |_| Vector2::repeat(1.0), coupling)
+                .map(|new| *factor = Some(new)),
         };
         if done.is_err() {
             *factor = None;

@@ -4,26 +4,27 @@ use crate::Singular;
 use crate::front::Front;
 use crate::solve::solve;
 use crate::structure::{Join, Structure};
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{SMatrix, SVector};
 use pulp::Arch;
 use rayon::prelude::*;
+use std::ops::Add;
 use std::sync::Arc;
 
-/// What a coupling of two grains adds to the matrix.
+/// What a coupling of two grains adds to the matrix, with D unknowns of each.
 #[derive(Clone, Copy, Debug)]
-pub struct Coupling {
+pub struct Coupling<const D: usize = 2> {
     /// In the rows and columns of its first grain.
-    pub first: Matrix2<f64>,
+    pub first: SMatrix<f64, D, D>,
     /// In those of its second, if there is one.
-    pub second: Matrix2<f64>,
+    pub second: SMatrix<f64, D, D>,
     /// In the rows of the first and the columns of the second, if there is one.
-    pub between: Matrix2<f64>,
+    pub between: SMatrix<f64, D, D>,
 }
 
-impl Coupling {
+impl<const D: usize> Coupling<D> {
     /// w h hᵗ, with h at the first grain, and at the second.
     #[inline]
-    pub fn dyad(weight: f64, first: Vector2<f64>, second: Vector2<f64>) -> Self {
+    pub fn dyad(weight: f64, first: SVector<f64, D>, second: SVector<f64, D>) -> Self {
         Self {
             first: weight * first * first.transpose(),
             second: weight * second * second.transpose(),
@@ -32,16 +33,29 @@ impl Coupling {
     }
 }
 
+/// What both add.
+impl<const D: usize> Add for Coupling<D> {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            first: self.first + other.first,
+            second: self.second + other.second,
+            between: self.between + other.between,
+        }
+    }
+}
+
 /// The factor L of P K Pᵗ = L Lᵗ, with K = diag(masses) + what the couplings add.
-pub struct Factor {
-    structure: Arc<Structure>,
+pub struct Factor<const D: usize = 2> {
+    structure: Arc<Structure<D>>,
     /// Of each supernode, its columns of L, with the inverses of the diagonal entries in their places.
     values: Vec<f64>,
 }
 
-/// What the matrix is made of: the mass of each place, and what each coupling adds, if it does.
-struct Matrix<'m, M, C> {
-    structure: &'m Structure,
+/// What the matrix is made of: the masses of each place, and what each coupling adds, if it does.
+struct Matrix<'m, M, C, const D: usize> {
+    structure: &'m Structure<D>,
     mass: M,
     coupling: C,
 }
@@ -49,10 +63,14 @@ struct Matrix<'m, M, C> {
 /// Multiply-adds of a subtree that are worth a thread.
 const WORTH_A_THREAD: u64 = 1_000_000;
 
-/// What a supernode leaves to its parent: (2 × rows)², column by column.
+/// What a supernode leaves to its parent: (D × rows)², column by column.
 type Left = Vec<f64>;
 
-impl<M: Fn(usize) -> f64 + Sync, C: Fn(usize) -> Option<Coupling> + Sync> Matrix<'_, M, C> {
+impl<M, C, const D: usize> Matrix<'_, M, C, D>
+where
+    M: Fn(usize) -> SVector<f64, D> + Sync,
+    C: Fn(usize) -> Option<Coupling<D>> + Sync,
+{
     /// The subtree of supernode `k` into its `values`; what it leaves, or `None` where a pivot is not positive.
     fn subtree(&self, k: usize, values: &mut [f64]) -> Option<Left> {
         let node = &self.structure.supernodes[k];
@@ -113,16 +131,17 @@ impl<M: Fn(usize) -> f64 + Sync, C: Fn(usize) -> Option<Coupling> + Sync> Matrix
     /// Assembles the front of supernode `k` with what its children left, and eliminates its own columns.
     fn front(&self, k: usize, panel: &mut [f64], rest: &mut Left, children: &[(usize, &[f64])]) -> bool {
         let node = &self.structure.supernodes[k];
-        let own = 2 * node.own.len();
-        let rows = own + 2 * node.rows.len();
+        let own = D * node.own.len();
+        let rows = own + D * node.rows.len();
         panel.fill(0.0);
         rest.clear();
         rest.resize((rows - own) * (rows - own), 0.0);
-        let mut front = Assembly { panel, rest, own, rows };
+        let mut front = Assembly::<D> { panel, rest, own, rows };
         for (column, place) in node.own.clone().enumerate() {
             let mass = (self.mass)(place as usize);
-            front.panel[2 * column * (rows + 1)] = mass;
-            front.panel[(2 * column + 1) * (rows + 1)] = mass;
+            for (c, mass) in mass.iter().enumerate() {
+                front.panel[(D * column + c) * (rows + 1)] = *mass;
+            }
         }
         for join in &self.structure.joins[node.joins.clone()] {
             if let Some(coupling) = (self.coupling)(join.coupling as usize) {
@@ -138,14 +157,14 @@ impl<M: Fn(usize) -> f64 + Sync, C: Fn(usize) -> Option<Coupling> + Sync> Matrix
 }
 
 /// A front as it is put together.
-struct Assembly<'m> {
+struct Assembly<'m, const D: usize> {
     panel: &'m mut [f64],
     rest: &'m mut [f64],
     own: usize,
     rows: usize,
 }
 
-impl Assembly<'_> {
+impl<const D: usize> Assembly<'_, D> {
     /// The column of the front, from its row `from` on.
     #[inline]
     fn column(&mut self, column: usize, from: usize) -> &mut [f64] {
@@ -158,8 +177,8 @@ impl Assembly<'_> {
     }
 
     #[inline]
-    fn add(&mut self, join: &Join, coupling: &Coupling) {
-        let [i, j] = join.ends.map(|index| 2 * index as usize);
+    fn add(&mut self, join: &Join, coupling: &Coupling<D>) {
+        let [i, j] = join.ends.map(|index| D * index as usize);
         self.add_block(i, i, &coupling.first);
         if i < j {
             self.add_block(j, j, &coupling.second);
@@ -171,43 +190,41 @@ impl Assembly<'_> {
     }
 
     #[inline]
-    fn add_block(&mut self, row: usize, column: usize, block: &Matrix2<f64>) {
-        for (k, entries) in [(0, [block.m11, block.m21]), (1, [block.m12, block.m22])] {
-            let column = self.column(column + k, row);
-            column[0] += entries[0];
-            column[1] += entries[1];
+    fn add_block(&mut self, row: usize, column: usize, block: &SMatrix<f64, D, D>) {
+        for (c, block) in block.column_iter().enumerate() {
+            let column = &mut self.column(column + c, row)[..D];
+            column.iter_mut().zip(&block).for_each(|(entry, block)| *entry += block);
         }
     }
 
     /// Adds what a child left, whose rows have these indices.
     #[inline]
     fn extend_add(&mut self, left: &[f64], rows: &[u32]) {
-        let stride = 2 * rows.len();
+        let stride = D * rows.len();
         for (k, index) in rows.iter().enumerate() {
-            let top = 2 * *index as usize;
-            for c in 0..2 {
+            let top = D * *index as usize;
+            for c in 0..D {
                 let column = self.column(top + c, top);
-                let left = &left[(2 * k + c) * stride + 2 * k..(2 * k + c + 1) * stride];
-                for (row, left) in rows[k..].iter().zip(left.chunks_exact(2)) {
-                    let at = 2 * *row as usize - top;
-                    column[at] += left[0];
-                    column[at + 1] += left[1];
+                let left = &left[(D * k + c) * stride + D * k..(D * k + c + 1) * stride];
+                for (row, left) in rows[k..].iter().zip(left.as_chunks::<D>().0) {
+                    let at = D * *row as usize - top;
+                    column[at..at + D].iter_mut().zip(left).for_each(|(entry, left)| *entry += left);
                 }
             }
         }
     }
 }
 
-impl Factor {
-    /// Factorises K, with the `mass` of the grain at each place and what each `coupling` adds, if it does; the lower triangle
+impl<const D: usize> Factor<D> {
+    /// Factorises K, with the masses of the grain at each place, one per unknown, and what each `coupling` adds, if it does; the lower triangle
     /// counts.
     ///
     /// # Errors
     /// Where it is not positive definite in double precision.
     pub fn new(
-        structure: Arc<Structure>,
-        mass: impl Fn(usize) -> f64 + Sync,
-        coupling: impl Fn(usize) -> Option<Coupling> + Sync,
+        structure: Arc<Structure<D>>,
+        mass: impl Fn(usize) -> SVector<f64, D> + Sync,
+        coupling: impl Fn(usize) -> Option<Coupling<D>> + Sync,
     ) -> Result<Self, Singular> {
         let values = vec![0.0; structure.stored()];
         let mut factor = Self { structure, values };
@@ -221,8 +238,8 @@ impl Factor {
     /// Where it is not positive definite in double precision: this is then no factor of any.
     pub fn renew(
         &mut self,
-        mass: impl Fn(usize) -> f64 + Sync,
-        coupling: impl Fn(usize) -> Option<Coupling> + Sync,
+        mass: impl Fn(usize) -> SVector<f64, D> + Sync,
+        coupling: impl Fn(usize) -> Option<Coupling<D>> + Sync,
     ) -> Result<(), Singular> {
         let structure = &*self.structure;
         let matrix = Matrix { structure, mass, coupling };
@@ -235,12 +252,12 @@ impl Factor {
     }
 
     /// x ← (P K Pᵗ)⁻¹ x, for one x per place.
-    pub fn solve(&self, x: &mut [Vector2<f64>]) {
+    pub fn solve(&self, x: &mut [SVector<f64, D>]) {
         Arch::new().dispatch(|| solve(&self.structure, &self.values, x));
     }
 
     /// What it owes to the coupled grains alone.
-    pub fn structure(&self) -> &Structure {
+    pub fn structure(&self) -> &Structure<D> {
         &self.structure
     }
 

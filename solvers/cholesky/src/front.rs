@@ -137,9 +137,12 @@ impl WithSimd for Product<'_> {
             if j + 4 <= end {
                 done.strip::<4>(target, stride, j);
                 j += 4;
-            } else {
+            } else if j + 2 <= end {
                 done.strip::<2>(target, stride, j);
                 j += 2;
+            } else {
+                done.strip::<1>(target, stride, j);
+                j += 1;
             }
         }
     }
@@ -157,6 +160,9 @@ impl Done<'_> {
         while i + 2 <= self.rows {
             self.tile::<2, C>(&mut target[i - j..], stride, i, j);
             i += 2;
+        }
+        if i < self.rows {
+            self.tile::<1, C>(&mut target[i - j..], stride, i, j);
         }
     }
 

@@ -1,7 +1,8 @@
-//! Sparse Cholesky factors L Lᵗ of matrices that couple grains, two rows for the two translations of a grain.
+//! Sparse Cholesky factors L Lᵗ of matrices that couple grains, D rows for the D unknowns of a grain: its two
+//! translations, and its spin where it has one.
 //!
 //! A multifrontal factorisation (J. W. H. Liu, The multifrontal method for sparse matrix solution: theory and practice, SIAM
-//! Review 34 (1992) 82-109) in 2×2 blocks: the graph of the grains is analysed once, matrices of its structure are then factorised
+//! Review 34 (1992) 82-109) in D×D blocks: the graph of the grains is analysed once, matrices of its structure are then factorised
 //! front by front, each a small dense matrix. Sums are made in one order everywhere, whatever the threads.
 
 mod factor;

@@ -32,9 +32,10 @@ pub(crate) struct Join {
     pub(crate) ends: [u32; 2],
 }
 
-/// What a factor owes to the coupled grains alone. All matrices of one structure have their entries in the same places.
+/// What a factor owes to the coupled grains, of D unknowns each, alone. All matrices of one structure have their entries in the
+/// same places.
 #[derive(Debug)]
-pub struct Structure {
+pub struct Structure<const D: usize = 2> {
     /// Place of each grain in the order.
     position: Vec<u32>,
     pub(crate) supernodes: Vec<Supernode>,
@@ -50,7 +51,7 @@ pub struct Structure {
     work: u64,
 }
 
-impl Structure {
+impl<const D: usize> Structure<D> {
     /// The structure for these couplings, of which `ends` gives the two grains, or one and `None`, with the grains in this
     /// `order`, but for what makes no difference to the fill.
     pub fn new(ends: &[(u32, Option<u32>)], order: &Order) -> Self {
@@ -84,8 +85,8 @@ impl Structure {
             let rows = structure.rows.len()..structure.rows.len() + below;
             structure.rows.extend(&node.rows);
             // The j-th column of n takes what it adds from a triangle of n − j − 1 rows.
-            let rows_after = |column: usize| 2 * (own + below) as u64 - column as u64 - 1;
-            let of_own: u64 = (0..2 * own).map(|j| rows_after(j) * (rows_after(j) + 1) / 2).sum();
+            let rows_after = |column: usize| (D * (own + below)) as u64 - column as u64 - 1;
+            let of_own: u64 = (0..D * own).map(|j| rows_after(j) * (rows_after(j) + 1) / 2).sum();
             work[k] += of_own;
             if let Some(next) = node.rows.first() {
                 let parent = owner[*next as usize] as usize;
@@ -110,8 +111,8 @@ impl Structure {
                 joins: joins..structure.joins.len(),
                 work: work[k],
             });
-            structure.stored += 4 * own * (own + below);
-            structure.entries += own * (2 * own + 1) + 4 * own * below;
+            structure.stored += D * D * own * (own + below);
+            structure.entries += D * own * (D * own + 1) / 2 + D * D * own * below;
             structure.work += of_own;
         }
         structure

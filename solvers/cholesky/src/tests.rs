@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::supernodes::{Growing, fundamental, pairs};
-use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector2};
 use std::sync::Arc;
 
 type Ends = Vec<(u32, Option<u32>)>;
@@ -22,23 +22,30 @@ fn grid(columns: u32, rows: u32) -> (Vec<Vector2<f64>>, Ends) {
     ((0..columns * rows).map(position).collect(), ends)
 }
 
-/// w h hᵗ of unit vectors that turn from coupling to coupling; some couplings add nothing.
-fn coupling(k: usize, seed: f64) -> Option<Coupling> {
+/// w h hᵗ of vectors that turn from coupling to coupling; some couplings add nothing.
+fn coupling<const D: usize>(k: usize, seed: f64) -> Option<Coupling<D>> {
     let (sin, cos) = (seed * k as f64).sin_cos();
-    (k % 5 != 4).then(|| Coupling::dyad(10.0 + sin, Vector2::new(cos, sin), Vector2::new(-cos, 0.5 - sin)))
+    let first = SVector::from_fn(|c, _| [cos, sin, 0.3 - sin * cos][c]);
+    let second = SVector::from_fn(|c, _| [-cos, 0.5 - sin, 0.2 + sin][c]);
+    (k % 5 != 4).then(|| Coupling::dyad(10.0 + sin, first, second))
 }
 
+/// Of the first two unknowns of a grain; the third has half of it.
 fn mass(grain: usize) -> f64 {
     1.0 + 0.01 * grain as f64
 }
 
+fn masses<const D: usize>(grain: usize) -> SVector<f64, D> {
+    SVector::from_fn(|c, _| [1.0, 1.0, 0.5][c] * mass(grain))
+}
+
 /// The same matrix, dense, by grains.
-fn dense(grains: usize, ends: &[(u32, Option<u32>)], seed: f64) -> DMatrix<f64> {
-    let mut dense = DMatrix::from_diagonal(&DVector::from_fn(2 * grains, |k, _| mass(k / 2)));
+fn dense<const D: usize>(grains: usize, ends: &[(u32, Option<u32>)], seed: f64) -> DMatrix<f64> {
+    let mut dense = DMatrix::from_diagonal(&DVector::from_fn(D * grains, |k, _| masses::<D>(k / D)[k % D]));
     for (k, (i, j)) in ends.iter().enumerate() {
-        let Some(coupling) = coupling(k, seed) else { continue };
-        let mut add = |row: u32, column: u32, block: &Matrix2<f64>| {
-            let mut view = dense.fixed_view_mut::<2, 2>(2 * row as usize, 2 * column as usize);
+        let Some(coupling) = coupling::<D>(k, seed) else { continue };
+        let mut add = |row: u32, column: u32, block: &SMatrix<f64, D, D>| {
+            let mut view = dense.fixed_view_mut::<D, D>(D * row as usize, D * column as usize);
             view += block;
         };
         add(*i, *i, &coupling.first);
@@ -51,21 +58,21 @@ fn dense(grains: usize, ends: &[(u32, Option<u32>)], seed: f64) -> DMatrix<f64> 
     dense
 }
 
-fn factor(structure: &Arc<Structure>, grains: usize, seed: f64) -> Factor {
+fn factor<const D: usize>(structure: &Arc<Structure<D>>, grains: usize, seed: f64) -> Factor<D> {
     let mut at = vec![0; grains];
     (0..grains).for_each(|grain| at[structure.position()[grain] as usize] = grain);
-    Factor::new(Arc::clone(structure), |place| mass(at[place]), |k| coupling(k, seed)).unwrap()
+    Factor::new(Arc::clone(structure), |place| masses(at[place]), |k| coupling(k, seed)).unwrap()
 }
 
 /// x by grains with K x = b, for b = cos.
-fn solve(factor: &Factor, structure: &Structure, grains: usize) -> DVector<f64> {
+fn solve<const D: usize>(factor: &Factor<D>, structure: &Structure<D>, grains: usize) -> DVector<f64> {
     let b = |k: usize| (1.3 * k as f64).cos();
-    let mut x = vec![Vector2::zeros(); grains];
+    let mut x = vec![SVector::zeros(); grains];
     for grain in 0..grains {
-        x[structure.position()[grain] as usize] = Vector2::new(b(2 * grain), b(2 * grain + 1));
+        x[structure.position()[grain] as usize] = SVector::from_fn(|c, _| b(D * grain + c));
     }
     factor.solve(&mut x);
-    DVector::from_fn(2 * grains, |k, _| x[structure.position()[k / 2] as usize][k % 2])
+    DVector::from_fn(D * grains, |k, _| x[structure.position()[k / D] as usize][k % D])
 }
 
 fn both_orders(position: &[Vector2<f64>], ends: &[(u32, Option<u32>)]) -> [Order; 2] {
@@ -73,19 +80,50 @@ fn both_orders(position: &[Vector2<f64>], ends: &[(u32, Option<u32>)]) -> [Order
 }
 
 /// From one grain, whose tree is a leaf, to many, whose fronts are cut into panels and go to threads.
-#[test]
-fn factors_of_either_order_solve_what_dense_ones_do() {
+fn assert_solves_what_a_dense_one_does<const D: usize>() {
     for (columns, rows) in [(1, 1), (2, 1), (9, 1), (5, 4), (13, 11), (40, 35)] {
         let (position, ends) = grid(columns, rows);
         let grains = position.len();
-        let dense = dense(grains, &ends, 0.7);
-        let expected = DVector::from_fn(2 * grains, |k, _| (1.3 * k as f64).cos());
+        let dense = dense::<D>(grains, &ends, 0.7);
+        let expected = DVector::from_fn(D * grains, |k, _| (1.3 * k as f64).cos());
         for order in both_orders(&position, &ends) {
-            let structure = Arc::new(Structure::new(&ends, &order));
+            let structure = Arc::new(Structure::<D>::new(&ends, &order));
             let x = solve(&factor(&structure, grains, 0.7), &structure, grains);
             // The condition of the matrix is below 1000.
             let residual = (&dense * x - &expected).amax();
             assert!(residual < 1e-12, "{columns}x{rows}: {residual}");
+        }
+    }
+}
+
+#[test]
+fn factors_of_either_order_solve_what_dense_ones_do() {
+    assert_solves_what_a_dense_one_does::<2>();
+}
+
+#[test]
+fn factors_with_three_unknowns_per_grain_solve_what_dense_ones_do() {
+    assert_solves_what_a_dense_one_does::<3>();
+}
+
+#[test]
+fn third_unknown_that_nothing_couples_leaves_the_others_as_they_are() {
+    let (position, ends) = grid(12, 9);
+    let flat = |k: usize| {
+        coupling::<2>(k, 0.7).map(|of| {
+            let larger = |block: SMatrix<f64, 2, 2>| block.fixed_resize::<3, 3>(0.0);
+            Coupling { first: larger(of.first), second: larger(of.second), between: larger(of.between) }
+        })
+    };
+    for order in both_orders(&position, &ends) {
+        let (two, three) = (Structure::<2>::new(&ends, &order), Structure::<3>::new(&ends, &order));
+        let mut x = vec![SVector::from([1.0, -2.0]); position.len()];
+        let mut larger = vec![SVector::from([1.0, -2.0, 3.0]); position.len()];
+        Factor::new(Arc::new(two), masses, |k| coupling(k, 0.7)).unwrap().solve(&mut x);
+        Factor::new(Arc::new(three), masses, flat).unwrap().solve(&mut larger);
+        for (place, (x, larger)) in x.iter().zip(&larger).enumerate() {
+            assert!((x - larger.xy()).amax() < 1e-13, "{place}: {x} and {larger}");
+            assert!((larger.z - 3.0 / masses::<3>(place).z).abs() < 1e-13, "{place}: {larger}");
         }
     }
 }
@@ -99,7 +137,7 @@ fn supernodes_of_a_ring_have_its_entries_before_any_are_joined() {
         let own = node.own.len();
         own * (own - 1) / 2 + own * node.rows.len()
     };
-    let structure = Structure::new(&ends, &order);
+    let structure = Structure::<2>::new(&ends, &order);
     let supernodes = fundamental(pairs(&ends, structure.position()), 9);
     let below: usize = supernodes.iter().map(blocks).sum();
     assert_eq!(3 * 9 + 4 * below, 3 * 9 + 4 * (9 + 6));
@@ -108,7 +146,7 @@ fn supernodes_of_a_ring_have_its_entries_before_any_are_joined() {
 
 #[test]
 fn grains_that_nothing_couples_have_their_masses() {
-    let structure = Arc::new(Structure::new(&[], &Order::minimum_degree(3, &[]).unwrap()));
+    let structure = Arc::new(Structure::<2>::new(&[], &Order::minimum_degree(3, &[]).unwrap()));
     let x = solve(&factor(&structure, 3, 0.0), &structure, 3);
     let expected = DVector::from_fn(6, |k, _| (1.3 * k as f64).cos() / mass(k / 2));
     assert!((x - expected).amax() < 1e-15);
@@ -118,20 +156,21 @@ fn grains_that_nothing_couples_have_their_masses() {
 #[test]
 fn couplings_of_the_same_grains_add_up() {
     let ends = [(0, Some(1)), (1, Some(0)), (0, None), (0, Some(1))];
-    let structure = Arc::new(Structure::new(&ends, &Order::minimum_degree(2, &ends).unwrap()));
+    let structure = Arc::new(Structure::<2>::new(&ends, &Order::minimum_degree(2, &ends).unwrap()));
     let x = solve(&factor(&structure, 2, 0.3), &structure, 2);
     let expected = DVector::from_fn(4, |k, _| (1.3 * k as f64).cos());
-    assert!((dense(2, &ends, 0.3) * x - expected).amax() < 1e-13);
+    assert!((dense::<2>(2, &ends, 0.3) * x - expected).amax() < 1e-13);
 }
 
 #[test]
 fn factor_in_the_memory_of_another_is_that_of_a_new_one() {
     let (position, ends) = grid(12, 9);
     for order in both_orders(&position, &ends) {
-        let structure = Arc::new(Structure::new(&ends, &order));
+        let structure = Arc::new(Structure::<2>::new(&ends, &order));
         let mut again = factor(&structure, position.len(), 0.7);
-        again.renew(|_| 2.0, |k| coupling(k, 1.1)).unwrap();
-        let new = Factor::new(Arc::clone(&structure), |_| 2.0, |k| coupling(k, 1.1)).unwrap();
+        again.renew(|_| Vector2::repeat(2.0), |k| coupling(k, 1.1)).unwrap();
+        let new =
+            Factor::new(Arc::clone(&structure), |_| Vector2::repeat(2.0), |k| coupling(k, 1.1)).unwrap();
         assert_eq!(
             solve(&again, &structure, position.len()),
             solve(&new, &structure, position.len()),
@@ -145,7 +184,7 @@ fn factor_in_the_memory_of_another_is_that_of_a_new_one() {
 fn factor_has_the_same_bits_with_any_number_of_threads() {
     let (position, ends) = grid(90, 80);
     let order = Order::nested_dissection(&position, &ends);
-    let structure = Arc::new(Structure::new(&ends, &order));
+    let structure = Arc::new(Structure::<2>::new(&ends, &order));
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| solve(&factor(&structure, position.len(), 0.7), &structure, position.len()))
@@ -160,7 +199,7 @@ fn factor_has_the_same_bits_with_any_number_of_threads() {
 fn entries_per_grain_grow_by_as_much_each_time_the_sides_are_doubled() {
     let entries = |n: u32| {
         let (position, ends) = grid(n, n);
-        let structure = Structure::new(&ends, &Order::nested_dissection(&position, &ends));
+        let structure = Structure::<2>::new(&ends, &Order::nested_dissection(&position, &ends));
         structure.entries() as f64 / f64::from(n * n)
     };
     let of = [40, 80, 160].map(entries);
@@ -169,9 +208,9 @@ fn entries_per_grain_grow_by_as_much_each_time_the_sides_are_doubled() {
 
 #[test]
 fn matrix_that_is_not_positive_definite_has_no_factor() {
-    let structure = Arc::new(Structure::new(&[], &Order::minimum_degree(1, &[]).unwrap()));
+    let structure = Arc::new(Structure::<2>::new(&[], &Order::minimum_degree(1, &[]).unwrap()));
     for mass in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let failed = Factor::new(Arc::clone(&structure), |_| mass, |_| None).err();
+        let failed = Factor::new(Arc::clone(&structure), |_| Vector2::repeat(mass), |_| None).err();
         assert_eq!(failed.unwrap().to_string(), "it is not positive definite in double precision");
     }
 }

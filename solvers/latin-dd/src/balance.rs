@@ -10,9 +10,10 @@
 //! contacts, see [`Balance::limits`].
 
 use crate::directions::Directions;
+use crate::stages::Stages;
 use crate::subdomain::{Iterate, Latin};
-use analysis::scaled_delassus_bound;
-use contact::ContactProblem;
+use contact::{ContactProblem, Vector};
+use nalgebra::SVector;
 use std::ops::RangeInclusive;
 
 /// Iterations after which directions are scaled. In between, the fast part of the change dies out.
@@ -31,14 +32,25 @@ pub(crate) struct Balance {
 }
 
 impl Balance {
-    /// With room for the iterates of so many contacts, and components of boundary grains.
-    pub(crate) fn new(problem: &ContactProblem, iterates: usize) -> Self {
+    /// With room for the iterates of so many unknowns of contacts, and components of boundary grains.
+    pub(crate) fn new<M: Stages>(problem: &ContactProblem<M>, iterates: usize, kappa_t: f64) -> Self {
         let room = || Vec::with_capacity(iterates);
-        Self { previous: room(), current: room(), eigenvalue_bound: scaled_delassus_bound(problem) }
+        // A tangent's l is κ_t times that of W_D.
+        let steepest = if M::Impulse::LEN > 1 { kappa_t.max(1.0) } else { 1.0 };
+        let eigenvalue_bound = steepest * M::scaled_delassus_bound(problem);
+        Self { previous: room(), current: room(), eigenvalue_bound }
     }
 
     /// Sees the linear stage of an iteration; returns the factor by which to scale, at the end of a round.
-    pub(crate) fn factor(&mut self, iteration: u64, kappa: f64, subdomains: &[Latin]) -> Option<f64> {
+    pub(crate) fn factor<M, const D: usize>(
+        &mut self,
+        iteration: u64,
+        kappa: f64,
+        subdomains: &[Latin<M, D>],
+    ) -> Option<f64>
+    where
+        M: Stages<Velocity = SVector<f64, D>>,
+    {
         if !ROUNDS.iter().any(|round| *round == iteration || *round == iteration + 1) {
             return None;
         }

@@ -7,42 +7,45 @@
 //!
 //! S w = −g,   S = Σ_E `B_E`ᵗ (d⁻ − d⁻ K_E⁻¹ d⁻) `B_E`,   g = Σ_E `B_E`ᵗ F_E
 //!
-//! with K_E the matrix of the linear stage and `B_E` the translations of the interfaces' grains. At convergence w = 0.
+//! with K_E the matrix of the linear stage and `B_E` the translations of the interfaces' grains; spins, where grains have
+//! some, have no large scale here: w translates whole interfaces and rotates none. At convergence w = 0.
 
+use crate::assembly::masses;
+use crate::stages::Stages;
 use crate::subdomain::Latin;
 use cholesky::{Coupling, Factor, Order, Singular, Structure};
 use contact::{ContactProblem, SetupError};
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use partition::Decomposition;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// What an interface is to one of its subdomains.
-struct Side {
+struct Side<const D: usize> {
     /// Place of the interface in the order of the coarse factor.
     interface: usize,
     /// Places of the interface's grains in the subdomain, and their d⁻ (kg).
     grains: Vec<(usize, f64)>,
     /// K_E⁻¹ d⁻ `B_E`: what a unit w does to each grain's velocity (–).
-    influence: Vec<Matrix2<f64>>,
+    influence: Vec<SMatrix<f64, D, 2>>,
 }
 
 /// The coarse problem, factorised.
-pub(crate) struct Coarse {
+pub(crate) struct Coarse<const D: usize> {
     /// By subdomain.
-    sides: Vec<Vec<Side>>,
+    sides: Vec<Vec<Side<D>>>,
     factor: Factor,
     /// g, then w, of each interface in the order of the factor.
     w: Vec<Vector2<f64>>,
 }
 
-impl Coarse {
+impl<const D: usize> Coarse<D> {
     /// Groups the boundary grains into interfaces, and assembles and factorises S for these factors of K_E.
-    pub(crate) fn new<'f>(
-        problem: &ContactProblem,
+    pub(crate) fn new<'f, M: Stages<Velocity = SVector<f64, D>>>(
+        problem: &ContactProblem<M>,
         decomposition: &Decomposition,
-        subdomains: &[Latin],
-        factor_of: impl Fn(usize) -> &'f Factor,
+        subdomains: &[Latin<M, D>],
+        factor_of: impl Fn(usize) -> &'f Factor<D>,
         kappa_d_minus: f64,
     ) -> Result<Self, SetupError> {
         let refused = |why: Singular| {
@@ -50,7 +53,7 @@ impl Coarse {
             SetupError::new("coarse", true, format!("{where_not}: its matrix cannot be factorised ({why})"))
         };
         let interfaces = interfaces(decomposition);
-        let mut sides: Vec<Vec<Side>> = subdomains.iter().map(|_| Vec::new()).collect();
+        let mut sides: Vec<Vec<Side<D>>> = subdomains.iter().map(|_| Vec::new()).collect();
         for (interface, grains) in interfaces.iter().enumerate() {
             for (k, (e, _)) in grains[0].iter().enumerate() {
                 let latin = &subdomains[*e as usize];
@@ -60,7 +63,8 @@ impl Coarse {
                         let subdomain = &decomposition.subdomains[*e as usize];
                         let (_, copy) = copies[k];
                         let grain = subdomain.grains[subdomain.boundary[copy as usize] as usize] as usize;
-                        let d_minus = kappa_d_minus * problem.mass()[grain] / copies.len() as f64;
+                        let mass = masses::<M, D>(problem.mass()[grain])[0];
+                        let d_minus = kappa_d_minus * mass / copies.len() as f64;
                         (latin.boundary[copy as usize] as usize, d_minus)
                     })
                     .collect();
@@ -75,12 +79,15 @@ impl Coarse {
         for side in sides.iter_mut().flatten() {
             side.interface = structure.position()[side.interface] as usize;
         }
-        let factor = Factor::new(structure, |_| 0.0, |k| Some(couplings[k])).map_err(refused)?;
+        let factor = Factor::new(structure, |_| Vector2::zeros(), |k| Some(couplings[k])).map_err(refused)?;
         Ok(Self { sides, factor, w: vec![Vector2::zeros(); interfaces.len()] })
     }
 
     /// Solves for w, and brings every subdomain's V_E and τ to it.
-    pub(crate) fn correct(&mut self, subdomains: &mut [Latin]) {
+    pub(crate) fn correct<M>(&mut self, subdomains: &mut [Latin<M, D>])
+    where
+        M: Stages<Velocity = SVector<f64, D>>,
+    {
         let Self { sides, factor, w } = self;
         resultants(sides, subdomains, w);
         for g in w.iter_mut() {
@@ -96,7 +103,10 @@ impl Coarse {
 
     /// g of each interface (N·s).
     #[cfg(test)]
-    pub(crate) fn resultants(&self, subdomains: &[Latin]) -> Vec<Vector2<f64>> {
+    pub(crate) fn resultants<M>(&self, subdomains: &[Latin<M, D>]) -> Vec<Vector2<f64>>
+    where
+        M: Stages<Velocity = SVector<f64, D>>,
+    {
         let mut g = self.w.clone();
         resultants(&self.sides, subdomains, &mut g);
         g
@@ -104,13 +114,13 @@ impl Coarse {
 
     /// Entries that a correction goes through: those of the factor twice, those of the influences once.
     pub(crate) fn entries(&self) -> usize {
-        let influences: usize = self.sides.iter().flatten().map(|side| 4 * side.influence.len()).sum();
+        let influences: usize = self.sides.iter().flatten().map(|side| 2 * D * side.influence.len()).sum();
         2 * self.factor.entries() + influences
     }
 
-    /// The factor of S.
-    pub(crate) fn factor(&self) -> &Factor {
-        &self.factor
+    /// Multiply-adds of the factorisation of S.
+    pub(crate) fn factorisation(&self) -> u64 {
+        self.factor.structure().work()
     }
 
     /// Number of interfaces.
@@ -120,7 +130,10 @@ impl Coarse {
 }
 
 /// g: Σ F_E over the grains and copies of each interface (N·s).
-fn resultants(sides: &[Vec<Side>], subdomains: &[Latin], g: &mut [Vector2<f64>]) {
+fn resultants<M, const D: usize>(sides: &[Vec<Side<D>>], subdomains: &[Latin<M, D>], g: &mut [Vector2<f64>])
+where
+    M: Stages<Velocity = SVector<f64, D>>,
+{
     g.fill(Vector2::zeros());
     for (sides, latin) in sides.iter().zip(subdomains) {
         for side in sides {
@@ -140,22 +153,22 @@ fn interfaces(decomposition: &Decomposition) -> Vec<Vec<&Vec<(u32, u32)>>> {
 }
 
 /// All pairs of sides of one subdomain, either once.
-fn pairs(sides: &[Vec<Side>]) -> impl Iterator<Item = (&Side, &Side)> {
+fn pairs<const D: usize>(sides: &[Vec<Side<D>>]) -> impl Iterator<Item = (&Side<D>, &Side<D>)> {
     sides.iter().flat_map(|sides| {
         sides.iter().enumerate().flat_map(|(k, row)| sides[k..].iter().map(move |column| (row, column)))
     })
 }
 
 /// The interfaces of two sides, or the one that both are.
-fn ends(row: &Side, column: &Side) -> (u32, Option<u32>) {
+fn ends<const D: usize>(row: &Side<D>, column: &Side<D>) -> (u32, Option<u32>) {
     (row.interface as u32, (row.interface != column.interface).then_some(column.interface as u32))
 }
 
 /// What two sides of one subdomain add to S.
-fn coupling(row: &Side, column: &Side) -> Coupling {
+fn coupling<const D: usize>(row: &Side<D>, column: &Side<D>) -> Coupling {
     let mut block = Matrix2::zeros();
     for (place, d_minus) in &row.grains {
-        block -= *d_minus * column.influence[*place];
+        block -= column.influence[*place].fixed_rows::<2>(0) * *d_minus;
     }
     let zeros = Matrix2::zeros();
     if row.interface == column.interface {

@@ -1,8 +1,9 @@
 //! Search directions: how steeply the linear stage follows the local one, for contacts and for the interface.
 
-use contact::{Adjacency, ContactProblem, SetupError};
+use contact::{Adjacency, ContactProblem, Mechanics, SetupError, Touch, Vector};
 
-/// The four search directions, dimensionless: l = κ_l / W_αα with the undivided masses, d_E = κ_d M_i/m_i.
+/// The four search directions, dimensionless: l = κ_l / W_αα with the undivided masses, and κ_t times that along a
+/// tangent; d_E = κ_d M_i/m_i, with the moment of inertia for a spin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Directions {
     /// κ of l⁻, from the local to the linear stage at contacts (–).
@@ -38,19 +39,22 @@ impl Directions {
 ///
 /// n counts the grains on the longest of the shortest ways from a grain to a wall that pushes: one that grains approach
 /// by their free velocity, at no less than a tenth of the fastest such approach (the rest is what is left of motion).
-pub fn derived_kappa(problem: &ContactProblem) -> f64 {
+///
+/// With friction it is the same as without, which nothing derives: steep directions may converge less well there.
+pub fn derived_kappa<M: Mechanics>(problem: &ContactProblem<M>) -> f64 {
     let b = problem.b();
-    let walls = || problem.contacts().iter().zip(&b).filter(|(contact, _)| contact.antagonist.is_none());
+    let normals = || b.iter().step_by(M::Impulse::LEN);
+    let walls = || problem.contacts().iter().zip(normals()).filter(|(contact, _)| contact.ends().1.is_none());
     let fastest = walls().fold(0.0_f64, |fastest, (_, b)| fastest.max(-b));
     let pushed: Vec<u32> =
-        walls().filter(|(_, b)| -**b > 0.1 * fastest).map(|(contact, _)| contact.candidate).collect();
+        walls().filter(|(_, b)| -**b > 0.1 * fastest).map(|(contact, _)| contact.ends().0).collect();
     let n = depth(problem, &pushed).max(1);
     let contacts_per_grain = (problem.contact_count() as f64 / problem.grain_count() as f64).max(1.0);
     std::f64::consts::FRAC_2_PI * f64::from(n) * contacts_per_grain
 }
 
 /// Number of grains on the longest of the shortest paths from `sources`, these included.
-fn depth(problem: &ContactProblem, sources: &[u32]) -> u32 {
+fn depth<M: Mechanics>(problem: &ContactProblem<M>, sources: &[u32]) -> u32 {
     let (contacts, adjacency) = (problem.contacts(), Adjacency::of(problem));
     let touched = |grain: &u32| {
         let around = adjacency.around(*grain as usize).iter();

@@ -16,7 +16,12 @@
 //! With r and F_E eliminated, (1) (4) (5) are (M_E + H_E l⁻ H_Eᵗ + d⁻) V_E = M_E V_free + H_E (t − l⁻ c) + τ_E; (3) (7) are
 //! V̂ = Σ_E (d⁺ V_E − F_E) / Σ_E d⁺.
 //!
-//! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §4.1. Conjugate directions (l⁻ = l⁺, d⁻ = d⁺) make it a
+//! With friction a contact has two unknowns and a grain a spin: l is κ_l/w_n along the normal and κ_t κ_l/w_t along the tangent,
+//! d holds the moment of inertia beside the mass, and with g = r − l⁺ v of the linear stage, μ being the coefficient of friction,
+//! r̂_n = max(0, g_n), r̂_t = clip(g_t, μ r̂_n) and v̂ = (r̂ − g)/l⁺     (2′) (6). A fixed point solves Coulomb's law; that the
+//! iterates come to one is not proved, and there are problems where they do not.
+//!
+//! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §4.1. Without friction, conjugate directions (l⁻ = l⁺, d⁻ = d⁺) make it a
 //! Peaceman-Rachford splitting (μ = 1) or ADMM (μ = ½), which converges for 0 < μ < 1 and any positive direction. Cost of
 //! an iteration: one pair of triangular solves per subdomain, a pass over the contacts, and the gluing.
 
@@ -25,14 +30,18 @@ mod balance;
 mod coarse;
 mod directions;
 mod run;
+mod sent;
+mod stages;
 mod subdomain;
 #[cfg(test)]
 mod tests;
 
 pub use directions::{Directions, derived_kappa};
 pub use run::Run;
+pub use stages::{Form, Stages};
 
-use contact::{ContactProblem, Iteration, Packing, SetupError, Solver};
+use contact::{ContactProblem, Iteration, Mechanics, Packing, SetupError, Solver};
+use nalgebra::SVector;
 use partition::{Grid, Scheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -49,6 +58,8 @@ pub struct LatinDd {
     pub relaxation: f64,
     /// κ_l of conjugate directions at contacts, l⁻ = l⁺ = κ_l/W_αα (–); without it [`derived_kappa`].
     pub kappa_l: Option<f64>,
+    /// κ_t (–): along the tangent of a contact with friction, l is κ_t κ_l/w_t. Without friction it is of no effect.
+    pub kappa_t: f64,
     /// κ_d of conjugate directions at the interface, d⁻ = d⁺ = κ_d M_i/m_i (–); without it that of l⁺.
     pub kappa_d: Option<f64>,
     /// κ of l⁻ alone (–).
@@ -66,7 +77,8 @@ pub struct LatinDd {
     pub coarse: bool,
 }
 
-/// One subdomain, derived directions that adapt, and μ = 0.8, which converges for any of them.
+/// One subdomain, derived directions that adapt, μ = 0.8, which without friction converges for any of them, and κ_t = 1: the
+/// units of both unknowns of a contact are those in which W_αα = 1, and factors of 3 to 30 either way gained nothing.
 impl Default for LatinDd {
     fn default() -> Self {
         Self {
@@ -74,6 +86,7 @@ impl Default for LatinDd {
             partition: Scheme::Boxes,
             relaxation: 0.8,
             kappa_l: None,
+            kappa_t: 1.0,
             kappa_d: None,
             kappa_l_minus: None,
             kappa_l_plus: None,
@@ -87,7 +100,7 @@ impl Default for LatinDd {
 
 impl LatinDd {
     /// The directions that these settings mean on `problem`.
-    pub fn directions(&self, problem: &ContactProblem) -> Directions {
+    pub fn directions<M: Mechanics>(&self, problem: &ContactProblem<M>) -> Directions {
         let kappa_l = self.kappa_l.unwrap_or_else(|| derived_kappa(problem));
         let kappa_d = self.kappa_d.unwrap_or_else(|| self.kappa_l_plus.unwrap_or(kappa_l));
         Directions {
@@ -115,12 +128,17 @@ impl LatinDd {
     ///
     /// # Errors
     /// As there.
-    pub fn run<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Run<'p>, SetupError> {
+    pub fn run<'p, M: Stages<Velocity = SVector<f64, D>>, const D: usize>(
+        &self,
+        problem: &'p Packing<M>,
+        r0: &[f64],
+    ) -> Result<Run<'p, M, D>, SetupError> {
         let is_share = self.relaxation > 0.0 && self.relaxation <= 1.0;
         SetupError::unless(is_share, "relaxation", self.relaxation, "above 0 and at most 1")?;
         for (key, value) in [("kappa_l", self.kappa_l), ("kappa_d", self.kappa_d)] {
             value.map_or(Ok(()), |value| SetupError::unless_positive(key, value))?;
         }
+        SetupError::unless_positive("kappa_t", self.kappa_t)?;
         let directions = self.directions(problem);
         directions.check()?;
         if self.adapts() && directions.l_minus == 0.0 {
@@ -133,8 +151,8 @@ impl LatinDd {
     }
 }
 
-impl Solver for LatinDd {
-    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Solver<M> for LatinDd {
+    fn start<'p>(&self, problem: &'p Packing<M>, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         Ok(Box::new(self.run(problem, r0)?))
     }
 }

@@ -4,31 +4,33 @@ use crate::LatinDd;
 use crate::balance::Balance;
 use crate::coarse::Coarse;
 use crate::directions::Directions;
+use crate::sent::Sent;
+use crate::stages::Stages;
 use crate::subdomain::Latin;
-use contact::{ContactProblem, Iteration, Packing, SetupError, Work, together};
-use nalgebra::{Matrix2, Vector2};
+use contact::{ContactProblem, Discs, Iteration, Packing, SetupError, Vector, Work, together};
+use nalgebra::SVector;
 use partition::{CopySums, Decomposition, Partition};
 use rayon::prelude::*;
 
 /// What a stage takes per contact, about (ns).
 const NS_PER_CONTACT: usize = 20;
 
-/// LATIN-DD on one problem. `advance` takes its stages in turn; alone, they are for those who look at one of them.
-pub struct Run<'p> {
-    problem: &'p ContactProblem,
+/// LATIN-DD on one problem, with D unknowns of a grain. `advance` takes its stages in turn; alone, they are for those who look at one of them.
+pub struct Run<'p, M: Stages = Discs, const D: usize = 2> {
+    problem: &'p ContactProblem<M>,
     pub(crate) decomposition: Decomposition,
-    pub(crate) subdomains: Vec<Latin>,
+    pub(crate) subdomains: Vec<Latin<M, D>>,
     pub(crate) directions: Directions,
     relaxation: f64,
-    pub(crate) coarse: Option<Coarse>,
+    pub(crate) coarse: Option<Coarse<D>>,
     balance: Option<Balance>,
     /// Of what [`Latin::send`] gives for each copy of a boundary grain.
-    sums: CopySums<Matrix2<f64>>,
+    sums: CopySums<Sent<D>>,
     iterations: u64,
     work: Work,
 }
 
-impl Iteration for Run<'_> {
+impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Iteration for Run<'_, M, D> {
     fn advance(&mut self) {
         self.linear_stage();
         let factor = self.balance.as_mut().and_then(|balance| {
@@ -43,7 +45,11 @@ impl Iteration for Run<'_> {
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        self.decomposition.in_problem_order(self.subdomains.iter().map(|latin| &latin.r_hat[..]), r);
+        for (subdomain, latin) in self.decomposition.subdomains.iter().zip(&self.subdomains) {
+            for (contact, r_hat) in subdomain.contacts.iter().zip(&latin.r_hat) {
+                r_hat.put(r, *contact as usize);
+            }
+        }
     }
 
     fn velocity_jump(&self) -> f64 {
@@ -60,11 +66,13 @@ impl Iteration for Run<'_> {
         ]
     }
 
-    /// Multiply-adds of the longest subdomain: eight per contact, one per entry of its factor in each pass, one per value
+    /// Multiply-adds of the longest subdomain: eight per unknown of a contact, one per entry of its factor in each pass, one per value
     /// exchanged; and the coarse problem, which waits for all.
     fn critical_path(&self) -> Option<u64> {
-        let work =
-            |latin: &Latin| 8 * latin.r_hat.len() + 2 * latin.factor.entries() + 2 * latin.boundary.len();
+        let work = |latin: &Latin<M, D>| {
+            let unknowns = M::Impulse::LEN * latin.r_hat.len();
+            8 * unknowns + 2 * latin.factor.entries() + D * latin.boundary.len()
+        };
         let longest = self.subdomains.iter().map(work).max().unwrap_or(0);
         Some((longest + self.coarse.as_ref().map_or(0, Coarse::entries)) as u64)
     }
@@ -74,7 +82,7 @@ impl Iteration for Run<'_> {
     }
 }
 
-impl Run<'_> {
+impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Run<'_, M, D> {
     /// The linear stage of all subdomains, (1) (4) (5), and the coarse problem.
     pub fn linear_stage(&mut self) {
         self.in_subdomains(Latin::linear_stage);
@@ -94,7 +102,7 @@ impl Run<'_> {
         sums.receive(subdomains, 0, |latin, sums| latin.interface(relaxation, sums));
     }
 
-    pub(crate) fn in_subdomains(&mut self, stage: impl Fn(&mut Latin) + Sync + Send) {
+    pub(crate) fn in_subdomains(&mut self, stage: impl Fn(&mut Latin<M, D>) + Sync + Send) {
         let together = together(self.nanoseconds());
         self.subdomains.par_iter_mut().with_min_len(together).for_each(stage);
     }
@@ -123,42 +131,42 @@ impl Run<'_> {
         self.directions = directions;
     }
 
-    /// Adds the work of one iteration.
     /// A factorisation of each subdomain's matrix, and of the coarse one.
     fn count_factorisations(&mut self) {
-        let of_subdomains = self.subdomains.iter().map(|latin| &latin.factor);
-        for factor in of_subdomains.chain(self.coarse.as_ref().map(Coarse::factor)) {
+        let of_subdomains = self.subdomains.iter().map(|latin| latin.factor.structure().work());
+        for multiply_adds in of_subdomains.chain(self.coarse.as_ref().map(Coarse::factorisation)) {
             self.work.factorisations += 1;
-            self.work.factorisation_multiply_adds += factor.structure().work();
+            self.work.factorisation_multiply_adds += multiply_adds;
         }
     }
 
+    /// Adds the work of one iteration.
     fn count(&mut self) {
         let entries: usize = self.subdomains.iter().map(|latin| latin.factor.entries()).sum();
         let coarse = self.coarse.as_ref();
         let (entries_of_coarse, values_of_coarse) =
             coarse.map_or((0, 0), |coarse| (coarse.entries(), 4 * coarse.interfaces()));
         self.work.contact_updates += self.problem.contact_count() as u64;
-        self.work.interface_values += (2 * self.decomposition.copy_count() + values_of_coarse) as u64;
+        self.work.interface_values += (D * self.decomposition.copy_count() + values_of_coarse) as u64;
         self.work.triangular_solve_entries += (2 * entries + entries_of_coarse) as u64;
     }
 }
 
 impl LatinDd {
     /// A run with these directions, factorised.
-    pub(crate) fn bind<'p>(
+    pub(crate) fn bind<'p, M: Stages<Velocity = SVector<f64, D>>, const D: usize>(
         &self,
-        problem: &'p Packing,
+        problem: &'p Packing<M>,
         directions: Directions,
         r0: &[f64],
-    ) -> Result<Run<'p>, SetupError> {
+    ) -> Result<Run<'p, M, D>, SetupError> {
         let partition = Partition::of_contacts(problem, self.partition, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
-        let mut start = vec![Vector2::zeros(); problem.grain_count()];
+        let mut start = vec![SVector::zeros(); problem.grain_count()];
         problem.velocity(r0, &mut start);
         let subdomains = (0..decomposition.subdomains.len())
             .into_par_iter()
-            .map(|e| Latin::new(problem, &decomposition, e, &directions, r0, &start))
+            .map(|e| Latin::new(problem, &decomposition, e, (&directions, self.kappa_t), r0, &start))
             .collect::<Result<Vec<_>, _>>()?;
         let coarse = self
             .coarse
@@ -169,7 +177,7 @@ impl LatinDd {
             .transpose()?;
         let balance = self.adapts().then(|| {
             let iterates = subdomains.iter().flat_map(Latin::linear_iterate).count();
-            Balance::new(problem, iterates)
+            Balance::new(problem, iterates, self.kappa_t)
         });
         let mut run = Run {
             problem,

@@ -1,40 +1,42 @@
 //! One subdomain: its linear stage (1) (4) (5), and the local stage (2) (6) of its contacts.
 
-use crate::assembly::{PlacedContact, Share, placed, shares};
+use crate::assembly::{PlacedContact, Share, coupling, placed, shares};
 use crate::directions::Directions;
+use crate::sent::Sent;
+use crate::stages::{Form, Stages};
 use cholesky::{Factor, Order, Singular, Structure};
-use contact::{Packing, SetupError, law};
-use nalgebra::{Matrix2, Vector2};
+use contact::{Packing, SetupError, Vector};
+use nalgebra::{SMatrix, SVector, Vector2};
 use partition::{Decomposition, Sums};
 use std::sync::Arc;
 
 /// A subdomain between two local stages. Grains are in the order of the factor.
-pub(crate) struct Latin {
-    contacts: Vec<PlacedContact>,
-    shares: Vec<Share>,
+pub(crate) struct Latin<M: Stages, const D: usize> {
+    contacts: Vec<PlacedContact<M>>,
+    shares: Vec<Share<D>>,
     directions: Directions,
-    structure: Arc<Structure>,
-    pub(crate) factor: Factor,
+    structure: Arc<Structure<D>>,
+    pub(crate) factor: Factor<D>,
     /// `M_E V_free` − `H_E` l⁻ c, what does not change in the right-hand side (N·s).
-    constant: Vec<Vector2<f64>>,
+    constant: Vec<SVector<f64, D>>,
     /// t = r̂ + l⁻ v̂ of each contact (N·s).
-    t: Vec<f64>,
+    t: Vec<M::Impulse>,
     /// r̂ of each contact, in the order of the subdomain's (N·s).
-    pub(crate) r_hat: Vec<f64>,
+    pub(crate) r_hat: Vec<M::Impulse>,
     /// τ = F̂ + d⁻ V̂ of each grain, 0 where it is no boundary grain (N·s).
-    tau: Vec<Vector2<f64>>,
+    tau: Vec<SVector<f64, D>>,
     /// `constant` + `H_E` t, and what was added to the walls, last (N·s).
-    right_hand_side: Vec<Vector2<f64>>,
+    right_hand_side: Vec<SVector<f64, D>>,
     /// V_E of the linear stage, and the rest of the walls, last (m/s).
-    velocity: Vec<Vector2<f64>>,
+    velocity: Vec<SVector<f64, D>>,
     /// Places of its copies of boundary grains.
     pub(crate) boundary: Vec<u32>,
-    /// Greatest |V_E − V̄| of these after the linear stage (m/s).
+    /// Greatest |V_E − V̄| of the translations of these after the linear stage (m/s).
     pub(crate) velocity_jump: f64,
 }
 
-/// r and v of a contact, or F and V of a boundary grain along one axis, after the linear stage, each with the sizes of the
-/// terms that it is the sum of, added up; all in √J.
+/// r and v of one unknown of a contact, or F and V of one unknown of a boundary grain, after the linear stage, each with the sizes
+/// of the terms that it is the sum of, added up; all in √J.
 #[derive(Clone, Copy)]
 pub(crate) struct Iterate {
     pub(crate) r: f64,
@@ -43,16 +45,16 @@ pub(crate) struct Iterate {
     pub(crate) terms_of_v: f64,
 }
 
-impl Latin {
+impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Latin<M, D> {
     /// Factorises M_E + H_E l⁻ H_Eᵗ + d⁻_E of the subdomain `e`, and begins from the impulses `r0` and the velocities
     /// `start` that follow from them.
     pub(crate) fn new(
-        problem: &Packing,
+        problem: &Packing<M>,
         decomposition: &Decomposition,
         e: usize,
-        directions: &Directions,
+        (directions, kappa_t): (&Directions, f64),
         r0: &[f64],
-        start: &[Vector2<f64>],
+        start: &[SVector<f64, D>],
     ) -> Result<Self, SetupError> {
         let too_large = |why: Singular| {
             let value = format!("so large that a subdomain's matrix cannot be factorised ({why})");
@@ -63,7 +65,7 @@ impl Latin {
             subdomain.grains.iter().map(|grain| problem.position()[*grain as usize]).collect();
         let order = Order::fill_reducing(&position, &subdomain.ends).map_err(too_large)?;
         let structure = Arc::new(Structure::new(&subdomain.ends, &order));
-        let contacts = placed(problem, subdomain, structure.position());
+        let contacts = placed(problem, subdomain, structure.position(), kappa_t);
         let shares = shares(problem, decomposition, subdomain, structure.position());
         let factor = factorise(&structure, &shares, &contacts, *directions).map_err(too_large)?;
         let grains = shares.len();
@@ -71,11 +73,11 @@ impl Latin {
             directions: *directions,
             factor,
             constant: Vec::new(),
-            t: vec![0.0; contacts.len()],
-            r_hat: subdomain.contacts.iter().map(|contact| r0[*contact as usize]).collect(),
-            tau: vec![Vector2::zeros(); grains],
-            right_hand_side: vec![Vector2::zeros(); grains + 1],
-            velocity: vec![Vector2::zeros(); grains + 1],
+            t: vec![M::Impulse::default(); contacts.len()],
+            r_hat: subdomain.contacts.iter().map(|k| Vector::at(r0, *k as usize)).collect(),
+            tau: vec![SVector::zeros(); grains],
+            right_hand_side: vec![SVector::zeros(); grains + 1],
+            velocity: vec![SVector::zeros(); grains + 1],
             boundary: subdomain.boundary.iter().map(|local| structure.position()[*local as usize]).collect(),
             velocity_jump: 0.0,
             structure,
@@ -94,20 +96,19 @@ impl Latin {
         let Directions { l_minus, d_minus, .. } = self.directions;
         // F̂ = (M_i/m_i) (V̂ − V_free) − H_E r̂ lets every copy move as its grain does.
         let grains = self.shares.iter().zip(&self.velocity);
-        let mut f_hat: Vec<Vector2<f64>> =
-            grains.map(|(share, v)| share.mass * (v - share.free_velocity)).collect();
-        f_hat.push(Vector2::zeros());
+        let mut f_hat: Vec<SVector<f64, D>> =
+            grains.map(|(share, v)| share.mass.component_mul(&(v - share.free_velocity))).collect();
+        f_hat.push(SVector::zeros());
         for ((contact, r), t) in self.contacts.iter().zip(&self.r_hat).zip(&mut self.t) {
             contact.add(-*r, &mut f_hat);
-            let v = contact.relative(&self.velocity) + contact.offset;
-            let v_hat = if *r > 0.0 { 0.0 } else { law::non_negative(v) };
-            *t = r + l_minus * contact.inverse_delassus * v_hat;
+            let v_hat = contact.form.beside(*r, contact.relative(&self.velocity));
+            *t = *r + contact.l(l_minus, v_hat);
         }
         for (((tau, share), f_hat), v) in
             self.tau.iter_mut().zip(&self.shares).zip(&f_hat).zip(&self.velocity)
         {
             if share.on_boundary() {
-                *tau = f_hat + d_minus * share.mass * v;
+                *tau = f_hat + (d_minus * share.mass).component_mul(v);
             }
         }
         self.assemble();
@@ -115,11 +116,11 @@ impl Latin {
 
     /// What does not change in the right-hand side, and the rest of it but τ.
     fn assemble(&mut self) {
-        self.constant = self.shares.iter().map(|share| share.mass * share.free_velocity).collect();
-        self.constant.push(Vector2::zeros());
+        self.constant =
+            self.shares.iter().map(|share| share.mass.component_mul(&share.free_velocity)).collect();
+        self.constant.push(SVector::zeros());
         for contact in &self.contacts {
-            let l_minus = self.directions.l_minus * contact.inverse_delassus;
-            contact.add(-l_minus * contact.offset, &mut self.constant);
+            contact.add(-contact.l(self.directions.l_minus, contact.offset), &mut self.constant);
         }
         self.right_hand_side.copy_from_slice(&self.constant);
         for (contact, t) in self.contacts.iter().zip(&self.t) {
@@ -128,20 +129,20 @@ impl Latin {
     }
 
     /// The factor for other directions.
-    pub(crate) fn factorise(&self, directions: &Directions) -> Result<Factor, Singular> {
+    pub(crate) fn factorise(&self, directions: &Directions) -> Result<Factor<D>, Singular> {
         factorise(&self.structure, &self.shares, &self.contacts, *directions)
     }
 
     /// Takes other directions with their factor; r̂, v̂ and F̂ stay, and V̂ is near V_E.
-    pub(crate) fn turn(&mut self, directions: &Directions, factor: Factor) {
+    pub(crate) fn turn(&mut self, directions: &Directions, factor: Factor<D>) {
         self.factor = factor;
         for (t, r_hat) in self.t.iter_mut().zip(&self.r_hat) {
-            *t = r_hat + directions.l_minus / self.directions.l_minus * (*t - r_hat);
+            *t = *r_hat + (*t - *r_hat) * (directions.l_minus / self.directions.l_minus);
         }
         let change = directions.d_minus - self.directions.d_minus;
         for ((tau, share), v) in self.tau.iter_mut().zip(&self.shares).zip(&self.velocity) {
             if share.on_boundary() {
-                *tau += change * share.mass * v;
+                *tau += (change * share.mass).component_mul(v);
             }
         }
         self.directions = *directions;
@@ -158,50 +159,52 @@ impl Latin {
     }
 
     /// With v = H_Eᵗ V_E + c and r = t − l⁻ v of the linear stage, contact by contact:
-    /// s = r − l⁺ v :  r̂ = max(s, 0),  v̂ = max(−s, 0)/l⁺     (2) (6);   t ← t + μ (r̂ + l⁻ v̂ − t)
+    /// g = r − l⁺ v :  r̂ = max(g, 0),  v̂ = max(−g, 0)/l⁺ = (r̂ − g)/l⁺     (2) (6);   t ← t + μ (r̂ + l⁻ v̂ − t)
+    ///
+    /// With friction in r̂ the tangential g_t is clipped to μ r̂_n, (2′), and μ there is the coefficient of friction.
     pub(crate) fn local_stage(&mut self, relaxation: f64) {
         let Directions { l_minus, l_plus, .. } = self.directions;
         self.right_hand_side.copy_from_slice(&self.constant);
         for ((contact, t), r_hat) in self.contacts.iter().zip(&mut self.t).zip(&mut self.r_hat) {
-            let v = contact.relative(&self.velocity) + contact.offset;
-            let s = *t - (l_minus + l_plus) * contact.inverse_delassus * v;
-            *r_hat = law::non_negative(s);
-            *t += relaxation * (*r_hat + l_minus / l_plus * law::non_negative(-s) - *t);
+            let g = *t - contact.l(l_minus + l_plus, contact.relative(&self.velocity));
+            *r_hat = contact.form.admissible(g);
+            *t += (*r_hat + (*r_hat - g) * (l_minus / l_plus) - *t) * relaxation;
             contact.add(*t, &mut self.right_hand_side);
         }
     }
 
     /// What its copies of boundary grains add to the sums over all copies: (d⁺ + d⁻) V_E − τ = d⁺ V_E − F_E (N·s) and V_E/m_i
     /// (m/s).
-    pub(crate) fn send(&self, sent: &mut [Matrix2<f64>]) {
+    pub(crate) fn send(&self, sent: &mut [Sent<D>]) {
         for (k, sent) in sent.iter_mut().enumerate() {
             let (v, tau, Share { mass, copies, .. }) = self.copy(k);
             let (d_minus, d_plus) = (self.directions.d_minus * mass, self.directions.d_plus * mass);
-            *sent = Matrix2::from_columns(&[(d_plus + d_minus) * v - tau, v / *copies]);
+            *sent = Sent { impulse: (d_plus + d_minus).component_mul(&v) - tau, velocity: v / *copies };
         }
     }
 
     /// Local stage of the boundary grains, with F_E = τ − d⁻ V_E:
     /// V̂ = Σ_E (d⁺ V_E − F_E) / Σ_E d⁺,   F̂_E = F_E + d⁺ (V̂ − V_E);   τ ← τ + μ (F̂_E + d⁻ V̂ − τ)     (3) (7)
-    pub(crate) fn interface(&mut self, relaxation: f64, sums: Sums<'_, Matrix2<f64>>) {
+    pub(crate) fn interface(&mut self, relaxation: f64, sums: Sums<'_, Sent<D>>) {
         self.velocity_jump = 0.0;
         for (k, sum) in sums.enumerate() {
             let (v, tau, Share { mass, copies, .. }) = self.copy(k);
             let (d_minus, d_plus) = (self.directions.d_minus * mass, self.directions.d_plus * mass);
-            let v_hat = sum.column(0) / (d_plus * copies);
-            let f_hat = tau - d_minus * v + d_plus * (v_hat - v);
-            self.velocity_jump = self.velocity_jump.max((v - sum.column(1)).norm());
-            self.tau[self.boundary[k] as usize] += relaxation * (f_hat + d_minus * v_hat - tau);
+            let v_hat = sum.impulse.component_div(&(d_plus * *copies));
+            let f_hat = tau - d_minus.component_mul(&v) + d_plus.component_mul(&(v_hat - v));
+            let jump = (v - sum.velocity).fixed_rows::<2>(0).norm();
+            self.velocity_jump = self.velocity_jump.max(jump);
+            self.tau[self.boundary[k] as usize] += relaxation * (f_hat + d_minus.component_mul(&v_hat) - tau);
         }
     }
 
     /// V_E (m/s), τ (N·s) and the share of copy k of a boundary grain.
-    pub(crate) fn copy(&self, k: usize) -> (Vector2<f64>, Vector2<f64>, &Share) {
+    pub(crate) fn copy(&self, k: usize) -> (SVector<f64, D>, SVector<f64, D>, &Share<D>) {
         let place = self.boundary[k] as usize;
         (self.velocity[place], self.tau[place], &self.shares[place])
     }
 
-    /// r and v of each contact, and F and V of each boundary grain, after the linear stage.
+    /// r and v of each unknown of a contact that has a direction, and F and V of each boundary grain, after the linear stage.
     pub(crate) fn linear_iterate(&self) -> impl Iterator<Item = Iterate> {
         let Directions { l_minus, d_minus, .. } = self.directions;
         let of = |mass: f64, kappa: f64, t: f64, v: f64, terms: f64| Iterate {
@@ -210,42 +213,53 @@ impl Latin {
             terms_of_r: (t.abs() + kappa * mass * terms) / mass.sqrt(),
             terms_of_v: terms * mass.sqrt(),
         };
-        let contacts = self.contacts.iter().zip(&self.t).map(move |(contact, t)| {
-            let v = contact.relative(&self.velocity) + contact.offset;
-            let size = |grain: u32| self.velocity[grain as usize].norm();
-            let terms = size(contact.candidate) + size(contact.antagonist) + contact.offset.abs();
-            of(contact.inverse_delassus, l_minus, *t, v, terms)
+        let contacts = self.contacts.iter().zip(&self.t).flat_map(move |(contact, t)| {
+            let (v, terms) = (contact.relative(&self.velocity), contact.terms(&self.velocity));
+            let directions = M::numbers(contact.direction).zip(M::numbers(*t));
+            let unknowns = directions.zip(M::numbers(v)).zip(M::numbers(terms));
+            unknowns
+                .filter(|(((mass, _), _), _)| *mass > 0.0)
+                .map(move |(((mass, t), v), terms)| of(mass, l_minus, t, v, terms))
         });
         let grains = self.shares.iter().zip(&self.tau).zip(&self.velocity);
         let boundary =
             grains.filter(|((share, _), _)| share.on_boundary()).flat_map(move |((share, tau), v)| {
-                [(tau.x, v.x), (tau.y, v.y)].map(|(tau, v)| of(share.mass, d_minus, tau, v, v.abs()))
+                (0..D).map(move |c| of(share.mass[c], d_minus, tau[c], v[c], v[c].abs()))
             });
         contacts.chain(boundary)
     }
 
     /// K_E⁻¹ d⁻ B_E for the two translations of `grains` (place, d⁻), with a factor of K_E.
-    pub(crate) fn influence(&self, factor: &Factor, grains: &[(usize, f64)]) -> Vec<Matrix2<f64>> {
-        let [along_x, along_y] = [Vector2::x(), Vector2::y()].map(|direction| {
-            let mut x = vec![Vector2::zeros(); self.shares.len()];
+    pub(crate) fn influence(&self, factor: &Factor<D>, grains: &[(usize, f64)]) -> Vec<SMatrix<f64, D, 2>> {
+        let [along_x, along_y] = [0, 1].map(|direction| {
+            let mut x = vec![SVector::zeros(); self.shares.len()];
             for (place, d_minus) in grains {
-                x[*place] = *d_minus * direction;
+                x[*place][direction] = *d_minus;
             }
             factor.solve(&mut x);
             x
         });
-        along_x.iter().zip(&along_y).map(|(x, y)| Matrix2::from_columns(&[*x, *y])).collect()
+        along_x.iter().zip(&along_y).map(|(x, y)| SMatrix::from_columns(&[*x, *y])).collect()
     }
 
     /// Σ F_E over `grains` (place, d⁻), with F_E = τ − d⁻ V_E (N·s).
     pub(crate) fn resultant(&self, grains: &[(usize, f64)]) -> Vector2<f64> {
-        grains.iter().map(|(place, d_minus)| self.tau[*place] - *d_minus * self.velocity[*place]).sum()
+        let of = |(place, d_minus): &(usize, f64)| {
+            (self.tau[*place] - *d_minus * self.velocity[*place]).fixed_rows::<2>(0).into_owned()
+        };
+        grains.iter().map(of).sum()
     }
 
     /// Adds d⁻ w to τ of `grains`, and what that does to V_E.
-    pub(crate) fn translate(&mut self, grains: &[(usize, f64)], influence: &[Matrix2<f64>], w: Vector2<f64>) {
+    pub(crate) fn translate(
+        &mut self,
+        grains: &[(usize, f64)],
+        influence: &[SMatrix<f64, D, 2>],
+        w: Vector2<f64>,
+    ) {
         for (place, d_minus) in grains {
-            self.tau[*place] += *d_minus * w;
+            let mut tau = self.tau[*place].fixed_rows_mut::<2>(0);
+            tau += *d_minus * w;
         }
         for (v, influence) in self.velocity.iter_mut().zip(influence) {
             *v += influence * w;
@@ -254,12 +268,12 @@ impl Latin {
 }
 
 /// The factor of M_E + H_E l⁻ H_Eᵗ + d⁻_E.
-fn factorise(
-    structure: &Arc<Structure>,
-    shares: &[Share],
-    contacts: &[PlacedContact],
+fn factorise<M: Stages<Velocity = SVector<f64, D>>, const D: usize>(
+    structure: &Arc<Structure<D>>,
+    shares: &[Share<D>],
+    contacts: &[PlacedContact<M>],
     directions: Directions,
-) -> Result<Factor, Singular> {
+) -> Result<Factor<D>, Singular> {
     let mass = |place: usize| shares[place].on_diagonal(directions);
-    Factor::new(Arc::clone(structure), mass, |contact| Some(contacts[contact].coupling(directions)))
+    Factor::new(Arc::clone(structure), mass, |contact| coupling(&contacts[contact], directions))
 }

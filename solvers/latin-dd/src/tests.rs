@@ -34,7 +34,7 @@ fn interface_velocities_agree_and_interface_impulses_sum_to_zero() {
             let mut of_grain = Vector2::zeros();
             for (e, k) in copies {
                 let (v, tau, share) = latins[*e as usize].copy(*k as usize);
-                let f = tau - directions.d_minus * share.mass * v;
+                let f = tau - (directions.d_minus * share.mass).component_mul(&v);
                 scale = scale.max(f.norm());
                 of_grain += f;
             }
@@ -58,6 +58,7 @@ fn senseless_settings_are_refused_by_name() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(refused(LatinDd { kappa_l: Some(bad), ..default }).contains("`kappa_l` is"));
         assert!(refused(LatinDd { kappa_d: Some(bad), ..default }).contains("`kappa_d` is"));
+        assert!(refused(LatinDd { kappa_t: bad, ..default }).contains("`kappa_t` is"));
     }
     assert!(refused(LatinDd { kappa_l_minus: Some(-1.0), ..default }).contains("`kappa_l_minus` is -1"));
     assert!(refused(LatinDd { kappa_d_minus: Some(f64::NAN), ..default }).contains("`kappa_d_minus` is NaN"));
@@ -122,7 +123,7 @@ fn directions_do_not_run_away_from_round_off() {
 fn best_direction_of_any_closed_contacts_is_within_the_limits() {
     let frozen = ["settled-60", "settled-250"].map(|name| frozen(name).problem);
     for problem in frozen.into_iter().chain(["0.005", "0.1"].map(almost_closing)) {
-        let limits = Balance::new(&problem, 0).limits();
+        let limits = Balance::new(&problem, 0, 1.0).limits();
         for every in 1..10 {
             let closed: Vec<bool> =
                 (0..problem.contact_count()).map(|contact| contact % every == 0).collect();

@@ -67,15 +67,6 @@ impl Decomposition {
         Self { subdomains, multiplicity, boundary }
     }
 
-    /// Brings values that are given subdomain by subdomain, in the order of their contacts, into the order of the problem.
-    pub fn in_problem_order<'a>(&self, by_subdomain: impl Iterator<Item = &'a [f64]>, values: &mut [f64]) {
-        for (subdomain, own) in self.subdomains.iter().zip(by_subdomain) {
-            for (contact, value) in subdomain.contacts.iter().zip(own) {
-                values[*contact as usize] = *value;
-            }
-        }
-    }
-
     /// Number of copies of boundary grains.
     pub fn copy_count(&self) -> usize {
         self.boundary.iter().map(Vec::len).sum()

@@ -1,0 +1,36 @@
+//! What subdomains send each other at a boundary grain, and how it adds up, (3).
+
+use nalgebra::SVector;
+use std::iter::Sum;
+use std::ops::Add;
+
+/// What a copy of a boundary grain sends.
+#[derive(Clone, Copy)]
+pub(crate) struct Sent<const D: usize> {
+    /// d⁺ V_E − F_E (N·s).
+    pub(crate) impulse: SVector<f64, D>,
+    /// V_E/m_i (m/s).
+    pub(crate) velocity: SVector<f64, D>,
+}
+
+impl<const D: usize> Default for Sent<D> {
+    fn default() -> Self {
+        Self { impulse: SVector::zeros(), velocity: SVector::zeros() }
+    }
+}
+
+impl<const D: usize> Add for Sent<D> {
+    type Output = Self;
+
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self { impulse: self.impulse + other.impulse, velocity: self.velocity + other.velocity }
+    }
+}
+
+impl<const D: usize> Sum for Sent<D> {
+    #[inline]
+    fn sum<I: Iterator<Item = Self>>(sent: I) -> Self {
+        sent.fold(Self::default(), Self::add)
+    }
+}
