@@ -64,7 +64,7 @@ pub(crate) const METHODS: &[Entry] = &[
     Entry::with_friction::<jacobi::Jacobi>("jacobi", "projected Jacobi with relaxation"),
     Entry::with_friction::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart"),
     Entry::of::<gradient::Gradient>("gradient", "projected gradient with a fixed step"),
-    Entry::of::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions"),
+    Entry::with_friction::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions"),
     Entry::with_friction::<nsgs_dd::NsgsDd>(
         "nsgs-dd",
         "non-linear Gauss-Seidel by subdomains, with split masses",
