@@ -17,12 +17,12 @@ use reference::{certify_rough, distance, solve_rough};
 use runner::{Outcome, Status, Stop, solve};
 use serde_json::Value;
 
-fn rough(name: &str) -> Frozen<RoughDiscs> {
+pub(crate) fn rough(name: &str) -> Frozen<RoughDiscs> {
     Frozen::read_rough(&frozen_path(&format!("{name}.json"))).unwrap()
 }
 
 /// The same contacts with another friction.
-fn with_friction(problem: &Packing<RoughDiscs>, friction: f64) -> Packing<RoughDiscs> {
+pub(crate) fn with_friction(problem: &Packing<RoughDiscs>, friction: f64) -> Packing<RoughDiscs> {
     let contacts = problem.contacts().iter().map(|contact| RoughContact { friction, ..*contact }).collect();
     let (mass, position) = (problem.mass().to_vec(), problem.position().to_vec());
     Packing::new(mass, position, problem.free_velocity().to_vec(), contacts).unwrap()
@@ -63,7 +63,7 @@ fn impulses(iteration: &dyn Iteration, count: usize) -> Vec<f64> {
 }
 
 /// Impulses that another code gave.
-fn given(solution: &Value) -> Vec<f64> {
+pub(crate) fn given(solution: &Value) -> Vec<f64> {
     serde_json::from_value::<Vec<[f64; 2]>>(solution["impulse"].clone()).unwrap().concat()
 }
 

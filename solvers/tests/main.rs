@@ -9,6 +9,7 @@ mod equation_map;
 mod equivalences;
 mod first_order;
 mod friction;
+mod friction_latin;
 mod fuzz;
 mod hard;
 mod hazards;

@@ -31,6 +31,10 @@ pub(crate) struct CaseProblem {
     pub(crate) time_step: u64,
 }
 
+/// Iterations of a time step with friction on the way to a problem, at most: where a packing falls together some come nowhere
+/// near, and the packing settles all the same.
+const WITH_FRICTION: u64 = 5000;
+
 impl CaseProblem {
     /// The time step is the one that `moment`, the value of `key`, names: by its number, or as one of the case's moments;
     /// without it the case's `solve_at`.
@@ -58,7 +62,12 @@ impl CaseProblem {
     /// The problem; the time steps before it are the same whichever method then solves it.
     pub(crate) fn problem(&self) -> Result<AnyFrozen> {
         let method = Method::parse("cg", &[("preconditioner".to_owned(), "diagonal".to_owned())])?;
-        self.problem_after(&method, &Stop::default(), "")
+        let stop = if self.case.scene.is_rough() {
+            Stop { max_iterations: WITH_FRICTION, ..Stop::default() }
+        } else {
+            Stop::default()
+        };
+        self.problem_after(&method, &stop, "")
     }
 
     /// The problem after time steps solved by `method`, with a bar on anything long. Its source names what was replaced,

@@ -77,8 +77,8 @@ pub struct LatinDd {
     pub coarse: bool,
 }
 
-/// One subdomain, derived directions that adapt, μ = 0.8, which without friction converges for any of them, and κ_t = 1: the
-/// units of both unknowns of a contact are those in which W_αα = 1, and factors of 3 to 30 either way gained nothing.
+/// One subdomain, derived directions that adapt, μ = 0.8, which without friction converges for any of them, and κ_t = 1, measured:
+/// on `rough-991-mu08` at κ = 3, factors of 3 and 10 either way lose, or with friction lowered to 0.3 gain less than a tenth.
 impl Default for LatinDd {
     fn default() -> Self {
         Self {

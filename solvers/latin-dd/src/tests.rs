@@ -7,7 +7,7 @@ use crate::subdomain::Latin;
 use analysis::Spectrum;
 use cases::{Case, Frozen, March};
 use contact::Measure;
-use nalgebra::Vector2;
+use nalgebra::{SVector, Vector2};
 use runner::{Status, Stop};
 use std::path::Path;
 
@@ -189,12 +189,10 @@ fn matched_directions_scale_and_a_low_interface_direction_does_not() {
     assert!(low > 5 * one, "{one} to {low}");
 }
 
-#[test]
-fn the_coarse_problem_leaves_no_resultant_on_an_interface() {
-    let problem = frozen("shear-box-991-sheared").problem;
-    let r0 = vec![0.0; problem.contact_count()];
+fn assert_leaves_no_resultant<M: Stages<Velocity = SVector<f64, D>>, const D: usize>(problem: &Packing<M>) {
+    let r0 = vec![0.0; problem.impulse_count()];
     let settings = LatinDd { coarse: true, subdomains: Grid::of_count(16), ..LatinDd::default() };
-    let mut run = settings.bind(&problem, settings.directions(&problem), &r0).unwrap();
+    let mut run = settings.bind(problem, settings.directions(problem), &r0).unwrap();
     (0..10).for_each(|_| run.advance());
     run.in_subdomains(Latin::linear_stage);
     let coarse = run.coarse.as_mut().unwrap();
@@ -204,4 +202,11 @@ fn the_coarse_problem_leaves_no_resultant_on_an_interface() {
     let greatest = |resultants: &[Vector2<f64>]| resultants.iter().map(Vector2::norm).fold(0.0, f64::max);
     assert!(coarse.interfaces() > 16 && greatest(&before) > 0.0);
     assert!(greatest(&after) < 1e-10 * greatest(&before), "{} of {}", greatest(&after), greatest(&before));
+}
+
+#[test]
+fn the_coarse_problem_leaves_no_resultant_on_an_interface() {
+    assert_leaves_no_resultant(&frozen("shear-box-991-sheared").problem);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/frozen");
+    assert_leaves_no_resultant(&Frozen::read_rough(&folder.join("rough-991-mu08.json")).unwrap().problem);
 }
