@@ -2,12 +2,11 @@
 
 use crate::friction::{given, rough, with_friction};
 use crate::problems::frozen_path;
-use contact::{Measure, Packing, RoughContact, RoughDiscs, RoughMass, Solver};
+use contact::{Measure, Measuring, Packing, RoughContact, RoughDiscs, RoughMass, RoughMeter, Solver};
 use latin_dd::LatinDd;
 use nalgebra::{Vector2, Vector3};
 use partition::{Decomposition, Grid, Partition, Scheme};
 use runner::{Status, Stop, solve};
-use serde_json::Value;
 
 /// The same packing whose contacts have no tangent.
 fn smooth(problem: &Packing<RoughDiscs>) -> Packing {
