@@ -33,9 +33,11 @@ fn quoted(cell: &str) -> impl Iterator<Item = &str> {
 
 /// Whether `code` has a function, a type or methods of a type of this name.
 fn declares(code: &str, name: &str) -> bool {
-    let of_the_name = |word: &str| {
+    let has = |code: &str, word: &str| {
         let start = format!("{word} {name}");
         code.split(&start).skip(1).any(|rest| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
     };
-    ["fn", "struct", "enum", "impl"].into_iter().any(of_the_name)
+    // `impl` with parameters of its own stands apart from the name.
+    let methods = code.lines().any(|line| line.starts_with("impl<") && has(line, ">"));
+    ["fn", "struct", "enum", "impl"].into_iter().any(|word| has(code, word)) || methods
 }
