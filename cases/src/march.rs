@@ -292,7 +292,7 @@ impl<M: Marched> March<M> {
             mean_height: moment.sum::<f64>() / mass().sum::<f64>(),
             greatest_overlap: overlaps().fold(0.0, f64::max),
             mean_overlap: overlaps().sum::<f64>() / self.mass.len() as f64,
-            wall_impulses: wall_impulses(&time_step.sides, r.iter().step_by(M::Impulse::LEN).copied()),
+            wall_impulses: wall_impulses(&time_step.sides, &r.iter().step_by(M::Impulse::LEN).copied()),
             contacts: time_step.sides.len(),
             greatest_speed: greatest(self.velocity.iter().map(|v| M::translation(*v).norm())),
         }

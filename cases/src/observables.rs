@@ -117,7 +117,7 @@ fn worst(values: impl Iterator<Item = (u32, f64, f64)>) -> Option<(u32, f64, f64
 }
 
 /// Sums of the impulses `r` (N·s) that the floor, the left and the right wall gave.
-pub(crate) fn wall_impulses(sides: &[Side], r: impl Iterator<Item = f64> + Clone) -> [f64; 3] {
+pub(crate) fn wall_impulses(sides: &[Side], r: &(impl Iterator<Item = f64> + Clone)) -> [f64; 3] {
     let of_wall = |wall: Side| {
         let given = sides.iter().zip(r.clone()).filter(|(side, _)| **side == wall);
         given.fold(0.0, |sum, (_, r)| sum + r)

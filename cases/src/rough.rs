@@ -10,6 +10,7 @@ use contact::{
 use nalgebra::{Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::path::Path;
 
 /// A frozen problem of any mechanics.
@@ -174,6 +175,11 @@ struct Contacts {
 }
 
 impl Frozen<RoughDiscs> {
+    /// The JSON schema of the file, with the meaning and sign of each key.
+    pub fn rough_schema() -> Value {
+        crate::schema::<File>()
+    }
+
     /// Reads a file of format `gravel/contact-problem/2`.
     ///
     /// # Errors

@@ -327,7 +327,7 @@ fn a_stack_of_three_stands_where_both_frictions_suffice() {
         ] {
             let outcome = run(&*method, &stack(between, floor), 1e-10);
             assert_eq!(outcome.status, Status::Converged, "{name}");
-            let fastest = outcome.velocity.iter().map(|v| v.amax()).fold(0.0, f64::max);
+            let fastest = outcome.velocity.iter().map(Vector3::amax).fold(0.0, f64::max);
             assert_eq!(fastest < 1e-8, stands, "{name}, {between}, {floor}: {fastest:e} m/s");
         }
     }
@@ -355,4 +355,22 @@ fn a_floor_that_slides_takes_a_disc_along() {
         let expected = f64::min(friction * g * t, u / 3.0);
         assert!((v.x - expected).abs() < 1e-10, "{t} s: {} and {expected} m/s", v.x);
     }
+}
+
+#[test]
+fn the_active_set_comes_through_where_impulses_drift_and_ends_at_a_floor() {
+    // Gauss-Seidel takes 129,100 sweeps.
+    let problem = rough("rough-991-mu08").problem;
+    let outcome = run(&ActiveSet::default(), &problem, 1e-12);
+    assert_eq!(outcome.status, Status::Converged);
+    assert!(outcome.iterations < 60_000, "{}", outcome.iterations);
+    assert!(certify_rough(&problem, &outcome.impulses).certified());
+    // A packing at rest, in which more contacts stick than motion allows: nobody found a solution.
+    let outcome = run(&ActiveSet::default(), &rough("rough-250").problem, 1e-12);
+    assert_eq!(outcome.status, Status::Stalled);
+    assert!(
+        outcome.measures.natural_map < 1e-6 && outcome.measures.natural_map > 1e-9,
+        "{:?}",
+        outcome.measures
+    );
 }

@@ -26,6 +26,8 @@ enum What {
     Case,
     /// cases/frozen/*.json: the file of a contact problem
     Problem,
+    /// The same with friction
+    RoughProblem,
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
@@ -33,6 +35,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         What::Plan => plan(),
         What::Case => of::<Case>(),
         What::Problem => Frozen::schema(),
+        What::RoughProblem => Frozen::rough_schema(),
     };
     if args.markdown {
         return say_table(&["key", "takes", "means"], &keys::rows(&schema));

@@ -52,7 +52,7 @@ pub(crate) fn in_error(text: &str) -> String {
     match of(given, known.split('`').skip(1).step_by(2)) {
         nearest if !nearest.is_empty() => format!("{before}{nearest} Expected {known}"),
         _ if NOT_MODELLED.contains(&given) => format!(
-            "{before}; contacts here are without friction, restitution and cohesion, grains do not turn Expected {known}"
+            "{before}; friction is a number of the scene, `scene.friction`, or of each contact; contacts are without restitution and cohesion. Expected {known}"
         ),
         _ => text.to_owned(),
     }

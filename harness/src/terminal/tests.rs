@@ -72,7 +72,7 @@ fn errors_of_serde_tell_what_was_given_and_what_is_known() {
     );
     let variant = error("preconditioner = \"predicted-gp\"");
     meant(&variant, "`predicted-gp`; did you mean `predicted-gap`? Expected `predicted-gap` or `iqs`");
-    meant(&error("mu = 0.3"), "`mu`; contacts here are without friction");
+    meant(&error("mu = 0.3"), "`mu`; friction is a number of the scene, `scene.friction`");
     for none in ["preconditioner = \"hertz\"", "preconditioner = 1"] {
         assert_eq!(in_error(&error(none)), error(none));
     }

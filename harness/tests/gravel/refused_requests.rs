@@ -39,7 +39,7 @@ fn setting_by_the_name_of_another_code_is_refused_with_its_own() {
         &["unknown field `omega`; did you mean `relaxation`? Expected one of"],
     );
     refused_setting("latin-dd", "kappa=1", &["did you mean `kappa_l"]);
-    refused_setting("nsgs", "mu=0.3", &["contacts here are without friction"]);
+    refused_setting("nsgs", "mu=0.3", &["friction is a number of the scene, `scene.friction`"]);
 }
 
 #[test]

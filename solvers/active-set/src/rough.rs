@@ -3,14 +3,16 @@
 //!
 //! Nothing is minimised, and no way is known that always leads to that neighbourhood. So conjugate gradients come first; at each
 //! rung of a ladder of accuracies Newton's method has a try, which is left at the first step that makes things worse. Where the
-//! conjugate gradients no longer come nearer, sweeps of non-linear Gauss-Seidel take their place: slower, and with more patience.
+//! conjugate gradients no longer come nearer, sweeps of non-linear Gauss-Seidel take their place: slower, with more patience, and at
+//! once through what is only drift. Where impulses drift from one event to the next for ever, that is the floor, and the end.
 
+mod drift;
 mod statuses;
 
 use crate::{ActiveSet, Best, Start};
 use cg::{Cg, Preconditioner, RoughRun};
-use contact::sweep::Sweep;
 use contact::{Iteration, Packing, RoughDiscs, SetupError, Solver, Work};
+use drift::Drift;
 use statuses::Statuses;
 
 /// One rung of the ladder over the one before (–).
@@ -27,7 +29,7 @@ enum Phase {
     /// Conjugate gradients; what was left, and at which iteration, when it was last halved.
     Gradient { run: Box<RoughRun>, iterations: u64, halved: (f64, u64) },
     /// Sweeps.
-    Sweeps(Box<Sweep<RoughDiscs>>),
+    Sweeps(Box<Drift>),
     /// Newton's method, from what was left before (√J).
     Statuses { before: f64 },
     /// No further iteration helps.
@@ -66,19 +68,21 @@ impl Run<'_> {
             self.try_statuses();
         } else if gives_up {
             self.work += run.work();
-            self.phase = sweeps(self.problem, &self.best.impulses);
+            self.phase = Phase::Sweeps(Box::new(Drift::new(self.problem, &self.best.impulses)));
         }
     }
 
     /// One sweep. The changes that it makes are about what was left of the law.
     fn sweeps(&mut self) {
         let Phase::Sweeps(sweep) = &mut self.phase else { return };
-        let Sweep { rows, s, y, .. } = &mut **sweep;
-        let squared: f64 = rows.iter().zip(s).map(|(row, s)| row.solve(s, y, 1.0).norm_squared()).sum();
-        self.work.contact_updates += rows.len() as u64;
+        let squared = sweep.advance();
+        self.work.contact_updates += sweep.len() as u64;
         if squared.sqrt() <= self.rung {
             sweep.impulses(&mut self.best.impulses);
             self.try_statuses();
+        } else if sweep.is_at_its_floor() {
+            sweep.impulses(&mut self.best.impulses);
+            self.phase = Phase::Ended;
         }
     }
 
@@ -103,16 +107,12 @@ impl Run<'_> {
                 Some(waiting) if !is_round_off => waiting,
                 _ => Phase::Ended,
             };
+            // What waited goes on at once: an iterate that stays would look like one that needs no change.
+            self.advance();
         } else {
             self.phase = Phase::Statuses { before: left.max(before * RUNG) };
         }
     }
-}
-
-/// Sweeps from the impulses `r` (N·s).
-fn sweeps(problem: &Packing<RoughDiscs>, r: &[f64]) -> Phase {
-    let order: Vec<u32> = (0..problem.contact_count() as u32).collect();
-    Phase::Sweeps(Box::new(Sweep::new(problem, &order, r)))
 }
 
 impl Iteration for Run<'_> {

@@ -98,12 +98,11 @@ impl State {
     fn z(&self) -> Vector2<f64> {
         match self.status {
             Status::Open if self.u.x <= 0.0 => Vector2::zeros(),
-            Status::Open => Vector2::new(self.p.x, 0.0),
             Status::Stick => self.p,
             Status::Slide(sign) if self.w().y != 0.0 => {
                 Vector2::new(self.p.x, sign * f64::min(0.0, sign * self.p.y))
             }
-            Status::Slide(_) => Vector2::new(self.p.x, 0.0),
+            Status::Open | Status::Slide(_) => Vector2::new(self.p.x, 0.0),
         }
     }
 }

@@ -203,7 +203,7 @@ impl ContactProblem<RoughDiscs> {
         };
         ContactProblem::new(
             self.mass().iter().map(|mass| mass.mass).collect(),
-            self.free_velocity().iter().map(|v| v.xy()).collect(),
+            self.free_velocity().iter().map(Vector3::xy).collect(),
             self.contacts().iter().map(contact).collect(),
         )
     }

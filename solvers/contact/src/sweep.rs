@@ -125,6 +125,11 @@ impl<M: Mechanics> Sweep<M> {
         }
     }
 
+    /// The problem's contact of each row.
+    pub fn contacts(&self) -> &[u32] {
+        &self.contacts
+    }
+
     /// Puts the impulses in the problem's order (N·s).
     pub fn impulses(&self, r: &mut [f64]) {
         M::Impulse::unscale((&self.s, &self.unit), &self.contacts, r);

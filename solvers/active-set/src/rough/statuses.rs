@@ -123,7 +123,7 @@ impl Statuses {
 
     /// Whether what is left of the law is round-off.
     pub(crate) fn is_solved(&self) -> bool {
-        let of_s = self.s.iter().map(|s| s.norm_squared()).sum::<f64>().sqrt();
+        let of_s = self.s.iter().map(Vector2::norm_squared).sum::<f64>().sqrt();
         self.left() <= ROUND_OFF * (of_s + self.terms_of_b)
     }
 

@@ -168,7 +168,7 @@ impl<'p> Measuring<'p, RoughDiscs> for RoughMeter<'p> {
             problem,
             adjacency: Adjacency::of(problem),
             scale: problem.scale(),
-            size_of_b: b.iter().map(|b| b.norm_squared()).sum::<f64>().sqrt(),
+            size_of_b: b.iter().map(Vector2::norm_squared).sum::<f64>().sqrt(),
             pushed: vec![Vector3::zeros(); problem.grain_count()],
             s: vec![Vector2::zeros(); columns.len()],
             natural_map: f64::INFINITY,
