@@ -14,7 +14,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// A frozen problem of any mechanics.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum AnyFrozen {
     /// Without friction.
     Discs(Frozen),

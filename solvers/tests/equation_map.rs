@@ -39,5 +39,5 @@ fn declares(code: &str, name: &str) -> bool {
     };
     // `impl` with parameters of its own stands apart from the name.
     let methods = code.lines().any(|line| line.starts_with("impl<") && has(line, ">"));
-    ["fn", "struct", "enum", "impl"].into_iter().any(|word| has(code, word)) || methods
+    ["fn", "struct", "enum", "trait", "impl"].into_iter().any(|word| has(code, word)) || methods
 }

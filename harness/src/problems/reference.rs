@@ -6,10 +6,11 @@ use crate::terminal::{progress, read_text, write_kept};
 use analysis::proves_infeasible;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{Frozen, all_missing};
-use contact::{ContactProblem, Discs, Mechanics, RoughDiscs, Truth};
+use contact::{ContactProblem, Discs, Mechanics, RoughDiscs, Truth, Vector};
 use reference::{Answer, RoughSolution, certify, certify_rough, solve_rough, take};
 use runner::Status;
 use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
@@ -67,37 +68,28 @@ pub(crate) struct Given {
     pub(crate) from: String,
 }
 
-/// The file.
+/// The file, with a number or a list of them for each contact.
 #[derive(JsonSchema, Deserialize)]
-struct Read {
-    impulse: Impulses,
+struct Read<T> {
+    impulse: Vec<T>,
     #[serde(default)]
     from: String,
 }
 
-/// One after the other, or [`r_n`, `r_t`] of each contact.
-#[derive(JsonSchema, Deserialize)]
-#[serde(untagged)]
-enum Impulses {
-    Flat(Vec<f64>),
-    Pairs(Vec<[f64; 2]>),
-}
-
 impl Given {
-    /// Reads a file with `{"impulse": […]}`; whatever else it holds is left aside.
+    /// Reads a file with `{"impulse": […]}`; whatever else it holds is left aside. Where a contact has several numbers, they stand one
+    /// after the other, or each contact has a list of its own.
     pub(crate) fn read<M: Mechanics>(file: &Path, problem: &ContactProblem<M>) -> Result<Self> {
         let name = || file.display().to_string();
         let text = read_text(file)?;
-        let given: Read = serde_json::from_str(&text).map_err(|error| {
-            let error = error.to_string();
-            // A text that is no JSON lacks more than keys.
-            let content = serde_json::from_str::<Value>(&text);
-            anyhow!("{}: {}", name(), content.map_or(error.clone(), |all| all_missing::<Read>(&all, error)))
-        })?;
-        let impulse = match given.impulse {
-            Impulses::Flat(impulse) => impulse,
-            Impulses::Pairs(pairs) => pairs.concat(),
+        let in_lists = || match read_as::<Vec<f64>>(&text) {
+            Ok(Read { impulse, from }) if M::Impulse::LEN > 1 => {
+                Some(Read { impulse: impulse.concat(), from })
+            }
+            _ => None,
         };
+        let flat = read_as::<f64>(&text).or_else(|error| in_lists().ok_or(error));
+        let Read { impulse, from } = flat.map_err(|error| anyhow!("{}: {error}", name()))?;
         let (found, expected) = (impulse.len(), problem.impulse_count());
         if found != expected {
             let contacts = problem.contact_count();
@@ -105,8 +97,18 @@ impl Given {
                 if expected == contacts { String::new() } else { format!(", {expected} values in all") };
             bail!("{}: `impulse` has {found} values where the problem has {contacts} contacts{each}", name());
         }
-        Ok(Self { impulse, from: given.from })
+        Ok(Self { impulse, from })
     }
+}
+
+/// The file of this text, or what is wrong with it.
+fn read_as<T: DeserializeOwned + JsonSchema>(text: &str) -> Result<Read<T>, String> {
+    serde_json::from_str(text).map_err(|error| {
+        let error = error.to_string();
+        // A text that is no JSON lacks more than keys.
+        let content = serde_json::from_str::<Value>(text);
+        content.map_or(error.clone(), |all| all_missing::<Read<T>>(&all, error))
+    })
 }
 
 /// A kept answer: impulses that solve the problem, or a ray that proves that nothing does (N·s).

@@ -234,8 +234,10 @@ fn value_of_another_type_is_refused() {
 
 #[test]
 fn another_format_is_refused() {
-    let words = ["`format` is \"gravel/contact-problem/2\"", "\"gravel/contact-problem/1\""];
-    refused_with("/format", json!("gravel/contact-problem/2"), &words);
+    let words = ["`format` is \"gravel/contact-problem/3\"", "\"gravel/contact-problem/1\""];
+    refused_with("/format", json!("gravel/contact-problem/3"), &words);
+    // A file with friction has pairs.
+    refused_with("/format", json!("gravel/contact-problem/2"), &["`contacts.offset[0]`"]);
 }
 
 #[test]
