@@ -3,13 +3,13 @@
 
 use crate::cli::args::{SceneArgs, StopArgs, measure};
 use crate::plan::{Method, Variant, key_value};
-use crate::problems::{Root, Studied, smooth};
+use crate::problems::{Root, Studied, Visit, visit};
 use crate::run::{Ended, Snapshots, ended, partitions, scene_rows};
 use crate::store::{is_id, problem_of_run, stored_run};
 use crate::terminal::{check_place, create_folder_of, say, write_whole};
 use anyhow::{Context, Result, anyhow, bail};
-use cases::Frozen;
-use contact::{Discs, Truth};
+use cases::{AnyFrozen, Frozen};
+use contact::{Truth, Vector};
 use partition::{Grid, Scheme};
 use results::journal::Record;
 use results::schema::Run;
@@ -48,7 +48,7 @@ pub(super) fn runs_of(contacts: usize) -> [String; 3] {
 
 /// What a page shows.
 struct Shown {
-    frozen: Frozen,
+    frozen: AnyFrozen,
     stop: Stop,
     /// A stored run, if one is shown: it is the first of the variants.
     stored: Option<Record>,
@@ -57,7 +57,26 @@ struct Shown {
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let shown = args.shown(root)?;
-    let Shown { frozen, stored, variants, .. } = &shown;
+    visit(shown.frozen.clone(), Film { root, args, shown: &shown })
+}
+
+/// A page is to be made.
+struct Film<'a> {
+    root: &'a Root,
+    args: &'a Args,
+    shown: &'a Shown,
+}
+
+impl Visit for Film<'_> {
+    type Output = Result<()>;
+
+    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Result<()> {
+        film(self.root, self.args, self.shown, &frozen)
+    }
+}
+
+fn film<M: Studied>(root: &Root, args: &Args, shown: &Shown, frozen: &Frozen<M>) -> Result<()> {
+    let Shown { stored, variants, .. } = shown;
     let name = stored.as_ref().map_or(&frozen.name, |record| &record.run.id);
     let file = format!("view-{name}.html");
     let default = || root.kept("reports/out", &file).unwrap_or_else(|| file.clone().into());
@@ -67,10 +86,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     }
     check_place(&page)?;
 
-    let known = Discs::known(root, frozen)?;
+    let known = M::known(root, frozen)?;
     let mut filmed = Vec::new();
     for (n, variant) in variants.iter().enumerate() {
-        filmed.push(shown.iterates(variant, stored.as_ref().filter(|_| n == 0), known.truths())?);
+        filmed.push(shown.iterates(frozen, variant, stored.as_ref().filter(|_| n == 0), known.truths())?);
     }
     let mut split = partitions(variants);
     if split.is_empty() {
@@ -91,9 +110,9 @@ impl Args {
             }
             path => path?,
         };
-        let frozen = smooth(self.scene.problem(&path)?, "a page of iterates shows problems")?;
+        let frozen = self.scene.problem(&path)?;
         if variants.is_empty() {
-            let runs = runs_of(frozen.problem.contact_count());
+            let runs = runs_of(frozen.size().1);
             variants = runs.iter().map(|text| variant(text)).collect::<Result<_>>()?;
         }
         Ok(Shown { frozen, stop: self.stop.of(Stop::default())?, stored: None, variants })
@@ -123,11 +142,12 @@ impl Args {
 
 impl Shown {
     /// The iterates of a run: those that are `stored`, or else those of a run now.
-    fn iterates(
+    fn iterates<M: Studied>(
         &self,
+        frozen: &Frozen<M>,
         variant: &Variant,
         stored: Option<&Record>,
-        truths: &[Truth],
+        truths: &[Truth<M>],
     ) -> Result<reports::Snapshots> {
         let label = variant.label();
         let as_stored = stored.filter(|record| stop_of(&record.run).is_ok_and(|stop| stop == self.stop));
@@ -136,14 +156,14 @@ impl Shown {
             say(format_args!("{label}: {ending} after {} iterations, as stored", run.iterations))?;
             return Ok(reports::Snapshots { label, ending, snapshots: snapshots.clone() });
         }
-        let (mut kept, start) = (Snapshots::new(), self.frozen.start(variant.warm_start));
+        let (mut kept, start) = (Snapshots::new(), frozen.start(variant.warm_start));
         let observe = &mut |progress: &Progress| {
-            kept.observe(progress, 1);
+            kept.observe(progress, M::Impulse::LEN);
             ControlFlow::Continue(())
         };
-        let on_problem = || format!("method `{}` on {}", variant.method.name, self.frozen.name);
+        let on_problem = || format!("method `{}` on {}", variant.method.name, frozen.name);
         let Ended { outcome, failed, .. } =
-            ended(&variant.method, truths, &self.frozen, &start, &self.stop, Measured::Grid, observe)
+            ended(&variant.method, truths, frozen, &start, &self.stop, Measured::Grid, observe)
                 .with_context(on_problem)?;
         if let Some(why) = failed {
             bail!("{}: {why}", on_problem());

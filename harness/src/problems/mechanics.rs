@@ -190,14 +190,6 @@ pub(crate) trait Visit {
     fn visit<M: Studied>(self, frozen: Frozen<M>) -> Self::Output;
 }
 
-/// A problem without friction, for what is made for these alone.
-pub(crate) fn smooth(frozen: AnyFrozen, what: &str) -> Result<Frozen> {
-    match frozen {
-        AnyFrozen::Discs(frozen) => Ok(frozen),
-        AnyFrozen::RoughDiscs(frozen) => bail!("{} has friction: {what} without", frozen.name),
-    }
-}
-
 /// Tells the mechanics apart.
 pub(crate) fn visit<V: Visit>(frozen: AnyFrozen, visitor: V) -> V::Output {
     match frozen {

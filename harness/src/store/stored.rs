@@ -2,7 +2,7 @@
 
 use crate::identity::content_hash;
 use crate::plan::as_typed;
-use crate::problems::{KeptProblem, Root, smooth};
+use crate::problems::{KeptProblem, Root, Studied, Visit, visit};
 use crate::store::runs_folder;
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
@@ -78,9 +78,9 @@ fn read(journal: &Path, begin: &str, found: &mut Found) -> Result<()> {
 }
 
 /// The problem of a stored run, if it still is what it was.
-pub(crate) fn problem_of_run(root: &Root, run: &Run) -> Result<Frozen> {
+pub(crate) fn problem_of_run(root: &Root, run: &Run) -> Result<AnyFrozen> {
     let mut settings = run.problem_settings.clone();
-    let problem = match settings.remove("case") {
+    let mut problem = match settings.remove("case") {
         None => AnyFrozen::read(&root.problem(&run.problem)?)?,
         Some(case) => {
             let time_step = settings.remove("time_step");
@@ -88,12 +88,23 @@ pub(crate) fn problem_of_run(root: &Root, run: &Run) -> Result<Frozen> {
             KeptProblem::read(&path, &settings, time_step.as_ref())?.problem(root, &run.problem)?
         }
     };
-    let problem = smooth(problem, "pages of single runs show problems")?;
-    let (before, now) = (&run.problem_hash, content_hash(&problem));
+    let (before, now) = (&run.problem_hash, visit(problem.clone(), Hash));
     if now != *before {
         bail!("the problem has changed since: its hash was {before}, and is {now} now");
     }
-    Ok(Frozen { name: run.problem.clone(), ..problem })
+    problem.rename(&run.problem);
+    Ok(problem)
+}
+
+/// The hash of a problem is asked for.
+struct Hash;
+
+impl Visit for Hash {
+    type Output = String;
+
+    fn visit<M: Studied>(self, frozen: Frozen<M>) -> String {
+        content_hash(&frozen)
+    }
 }
 
 /// Whether a text can be an id, or as much of its beginning as is worth looking for.
