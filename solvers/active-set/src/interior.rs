@@ -2,7 +2,7 @@
 //!
 //! S. Mehrotra, On the implementation of a primal-dual interior point method, SIAM J. Optim. 2 (1992) 575-601.
 
-use crate::scaled::{Scaled, left};
+use crate::scaled::{Space, left};
 
 /// Impulses s > 0 and slacks t > 0 of H̃ᵗ y + c − t = 0, with y = M^½ `V_free` + H̃ s throughout.
 pub(crate) struct Interior {
@@ -30,7 +30,7 @@ const NO_WAY: f64 = 1e-6;
 
 impl Interior {
     /// Begins away from all bounds; `scale` is √(Σ max(0, −b̃)²).
-    pub(crate) fn new(scaled: &mut Scaled, scale: f64) -> Self {
+    pub(crate) fn new(scaled: &mut impl Space, scale: f64) -> Self {
         let contacts = scaled.contacts();
         let away = FROM * scale / (contacts.max(1) as f64).sqrt();
         let s = vec![away; contacts];
@@ -47,7 +47,7 @@ impl Interior {
 
     /// One step, with one factorisation of K = 1 + Σ (s/t) h̃ h̃ᵗ and two solves: towards s t = 0, and then towards what the way
     /// there allows, s t = σ μ. `false` if there is no way on.
-    pub(crate) fn step(&mut self, scaled: &mut Scaled) -> bool {
+    pub(crate) fn step(&mut self, scaled: &mut impl Space) -> bool {
         self.steps += 1;
         let (s, t) = (&self.s, &self.t);
         if self.steps > MOST_STEPS || !scaled.factorise(|k| s[k] / t[k]) {
@@ -75,7 +75,7 @@ impl Interior {
     /// Newton's direction towards s t = `goal`, of which each contact's last changes may be part:
     ///
     /// K δy = H̃ (goal/t − s + (s/t) (t − v)),   δt = H̃ᵗ δy − (t − v),   δs = goal/t − s − (s/t) δt.
-    fn towards(&mut self, scaled: &mut Scaled, goal: impl Fn(f64, f64) -> f64) {
+    fn towards(&mut self, scaled: &mut impl Space, goal: impl Fn(f64, f64) -> f64) {
         let Self { s, t, v, change_of_s, change_of_t, .. } = self;
         let goals: Vec<f64> = change_of_s.iter().zip(&*change_of_t).map(|(s, t)| goal(*s, *t)).collect();
         let p = |k: usize| (goals[k] - s[k] * v[k]) / t[k];

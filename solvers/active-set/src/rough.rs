@@ -3,15 +3,17 @@
 //!
 //! Nothing is minimised, and no way is known that always leads to that neighbourhood. So conjugate gradients come first; at each
 //! rung of a ladder of accuracies Newton's method has a try, which is left at the first step that makes things worse. Where the
-//! conjugate gradients no longer come nearer, sweeps of non-linear Gauss-Seidel take their place: slower, with more patience, and at
-//! once through what is only drift. Where impulses drift from one event to the next for ever, that is the floor, and the end.
+//! conjugate gradients no longer come nearer, a fixed point over convex programmes follows, which solves most packings at rest; then
+//! sweeps of non-linear Gauss-Seidel: slower, with more patience, and at once through what is only drift. Where impulses drift from one event to the next for ever, that is the floor, and the end.
 
+mod convex;
 mod drift;
 mod statuses;
 
 use crate::{ActiveSet, Best, Start};
 use cg::{Cg, Preconditioner, RoughRun};
 use contact::{Iteration, Packing, RoughDiscs, SetupError, Solver, Work};
+use convex::Convex;
 use drift::Drift;
 use statuses::Statuses;
 
@@ -21,6 +23,9 @@ const RUNG: f64 = 0.1;
 /// Iterations in which the conjugate gradient must halve what is left, or sweeps follow.
 const PATIENCE: u64 = 1000;
 
+/// Programmes of the fixed point that do not halve what is left, after which sweeps take their place.
+const IN_VAIN: u32 = 4;
+
 /// What is left of the law where no step leaves less, over the problem's scale, at most (–): else it is no end.
 const ROUND_OFF: f64 = 1e-12;
 
@@ -28,6 +33,8 @@ const ROUND_OFF: f64 = 1e-12;
 enum Phase {
     /// Conjugate gradients; what was left, and at which iteration, when it was last halved.
     Gradient { run: Box<RoughRun>, iterations: u64, halved: (f64, u64) },
+    /// The fixed point over convex programmes; the least that one left (√J), and how many since have not halved it.
+    Convex { convex: Box<Convex>, least: f64, in_vain: u32 },
     /// Sweeps.
     Sweeps(Box<Drift>),
     /// Newton's method, from what was left before (√J).
@@ -68,7 +75,39 @@ impl Run<'_> {
             self.try_statuses();
         } else if gives_up {
             self.work += run.work();
-            self.phase = Phase::Sweeps(Box::new(Drift::new(self.problem, &self.best.impulses)));
+            self.phase = match Convex::new(self.problem) {
+                Ok(convex) => Phase::Convex { convex: Box::new(convex), least: f64::INFINITY, in_vain: 0 },
+                Err(_) => self.sweeping(),
+            };
+        }
+    }
+
+    /// Sweeps from the best impulses.
+    fn sweeping(&self) -> Phase {
+        Phase::Sweeps(Box::new(Drift::new(self.problem, &self.best.impulses)))
+    }
+
+    /// One programme of the fixed point, and Newton's method from where it ends.
+    fn convex(&mut self) {
+        let Phase::Convex { convex, least, in_vain } = &mut self.phase else { return };
+        let solved = convex.advance();
+        let mut r = vec![0.0; self.best.impulses.len()];
+        convex.impulses(&mut r);
+        self.statuses.begin(&r);
+        let left = self.statuses.left();
+        self.best.take(left, |best| best.copy_from_slice(&r));
+        *in_vain = if left < 0.5 * *least { 0 } else { *in_vain + 1 };
+        *least = least.min(left);
+        let gives_up = !solved || *in_vain >= IN_VAIN;
+        if gives_up || left <= self.rung {
+            let work = convex.work();
+            if gives_up {
+                self.work += work;
+                self.phase = self.sweeping();
+            }
+            if left <= self.rung {
+                self.try_statuses();
+            }
         }
     }
 
@@ -119,6 +158,7 @@ impl Iteration for Run<'_> {
     fn advance(&mut self) {
         match self.phase {
             Phase::Gradient { .. } => self.gradient(),
+            Phase::Convex { .. } => self.convex(),
             Phase::Sweeps(_) => self.sweeps(),
             Phase::Statuses { before } => self.statuses(before),
             Phase::Ended => {}
@@ -129,7 +169,9 @@ impl Iteration for Run<'_> {
         match &self.phase {
             Phase::Gradient { run, .. } => run.impulses(r),
             Phase::Sweeps(sweep) => sweep.impulses(r),
-            Phase::Statuses { .. } | Phase::Ended => r.copy_from_slice(&self.best.impulses),
+            Phase::Convex { .. } | Phase::Statuses { .. } | Phase::Ended => {
+                r.copy_from_slice(&self.best.impulses);
+            }
         }
     }
 
@@ -141,8 +183,10 @@ impl Iteration for Run<'_> {
         let mut work = self.work;
         work += self.statuses.work();
         for phase in std::iter::once(&self.phase).chain(&self.waiting) {
-            if let Phase::Gradient { run, .. } = phase {
-                work += run.work();
+            match phase {
+                Phase::Gradient { run, .. } => work += run.work(),
+                Phase::Convex { convex, .. } => work += convex.work(),
+                _ => {}
             }
         }
         work

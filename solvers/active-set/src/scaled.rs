@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 /// The problem, and the factor of K = 1 + Σ d h̃ h̃ᵗ for some weights d ≥ 0 of the contacts. A contact has its entries in the same
 /// places whatever the weights.
-pub(crate) struct Scaled {
+pub struct Scaled {
     structure: Arc<Structure>,
     factor: Option<Factor>,
     /// h̃ of each contact, between two places of the factor.
@@ -25,7 +25,7 @@ pub(crate) struct Scaled {
     /// M^½ V, or a change of it.
     y: Vec<Vector2<f64>>,
     /// √(Σ (|h̃ᵗ| |y| + |c|)²) of `V_free`: the terms of which v without impulses is the sum.
-    pub(crate) terms_of_b: f64,
+    terms_of_b: f64,
     pub(crate) work: Work,
 }
 
@@ -64,11 +64,6 @@ impl Scaled {
         Ok(Self { structure, factor, columns, contact, column, unit, offset, free, y, terms_of_b, work })
     }
 
-    /// Number of contacts.
-    pub(crate) fn contacts(&self) -> usize {
-        self.columns.len()
-    }
-
     /// s of the impulses `r`, which are in the problem's order (N·s).
     pub(crate) fn scale(&self, r: &[f64]) -> Vec<f64> {
         self.unit.iter().zip(&self.contact).map(|(unit, contact)| unit * r[*contact as usize]).collect()
@@ -81,8 +76,45 @@ impl Scaled {
         }
     }
 
+    /// About how long a step of an interior point takes, in iterations of a conjugate gradient (–): per multiply-add of its
+    /// factorisation 0.1 ns, per entry of its two solves 3 ns and per contact 30 ns, to 6 ns per contact.
+    pub(crate) fn step_in_iterations(&self) -> f64 {
+        let contacts = self.columns.len().max(1) as f64;
+        let step =
+            0.1 * self.structure.work() as f64 + 3.0 * self.structure.entries() as f64 + 30.0 * contacts;
+        step / (6.0 * contacts)
+    }
+}
+
+/// Columns of unit length on which impulses s ≥ 0 act against relative velocities, and factors of K = 1 + Σ d h̃ h̃ᵗ for weights d ≥ 0
+/// of them: where 0 ≤ v ⊥ s ≥ 0 is solved.
+pub trait Space {
+    /// Number of contacts, or of columns.
+    fn contacts(&self) -> usize;
+
+    /// √(Σ (|h̃ᵗ| |y| + |c|)²) of `V_free`: the terms of which v without impulses is the sum (√J).
+    fn terms_of_b(&self) -> f64;
+
     /// v of the impulses `s`.
-    pub(crate) fn velocities(&mut self, s: &[f64], v: &mut [f64]) {
+    fn velocities(&mut self, s: &[f64], v: &mut [f64]);
+
+    /// Factorises K with the `weight` of each contact; says whether it could.
+    fn factorise(&mut self, weight: impl Fn(usize) -> f64 + Sync) -> bool;
+
+    /// δy = K⁻¹ H̃ p, for the `p` of each contact; then gives (H̃ᵗ δy)_α of each to `take`.
+    fn solve(&mut self, p: impl Fn(usize) -> f64, take: impl FnMut(usize, f64));
+}
+
+impl Space for Scaled {
+    fn terms_of_b(&self) -> f64 {
+        self.terms_of_b
+    }
+
+    fn contacts(&self) -> usize {
+        self.columns.len()
+    }
+
+    fn velocities(&mut self, s: &[f64], v: &mut [f64]) {
         self.work.delassus_products += 1;
         self.y.copy_from_slice(&self.free);
         for (column, s) in self.columns.iter().zip(s) {
@@ -93,8 +125,7 @@ impl Scaled {
         }
     }
 
-    /// Factorises K with the `weight` of each contact; says whether it could.
-    pub(crate) fn factorise(&mut self, weight: impl Fn(usize) -> f64 + Sync) -> bool {
+    fn factorise(&mut self, weight: impl Fn(usize) -> f64 + Sync) -> bool {
         self.work.factorisations += 1;
         self.work.factorisation_multiply_adds += self.structure.work();
         let Self { factor, structure, columns, column, .. } = self;
@@ -115,8 +146,7 @@ impl Scaled {
         done.is_ok()
     }
 
-    /// δy = K⁻¹ H̃ p, for the `p` of each contact; then gives (H̃ᵗ δy)_α of each to `take`.
-    pub(crate) fn solve(&mut self, p: impl Fn(usize) -> f64, mut take: impl FnMut(usize, f64)) {
+    fn solve(&mut self, p: impl Fn(usize) -> f64, mut take: impl FnMut(usize, f64)) {
         let Some(factor) = &self.factor else { return };
         self.y.fill(Vector2::zeros());
         for (k, column) in self.columns.iter().enumerate() {
@@ -127,15 +157,6 @@ impl Scaled {
         for (k, column) in self.columns.iter().enumerate() {
             take(k, column.relative(&self.y));
         }
-    }
-
-    /// About how long a step of an interior point takes, in iterations of a conjugate gradient (–): per multiply-add of its
-    /// factorisation 0.1 ns, per entry of its two solves 3 ns and per contact 30 ns, to 6 ns per contact.
-    pub(crate) fn step_in_iterations(&self) -> f64 {
-        let contacts = self.contacts().max(1) as f64;
-        let step =
-            0.1 * self.structure.work() as f64 + 3.0 * self.structure.entries() as f64 + 30.0 * contacts;
-        step / (6.0 * contacts)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The primal-dual active set: Newton's method on s = max(0, s − v).
 
-use crate::scaled::{Scaled, left};
+use crate::scaled::{Scaled, Space, left};
 use contact::{ContactProblem, Packing, SetupError, Work};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -18,8 +18,8 @@ const HELD: f64 = 1e-2;
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 
 /// The contacts that are held closed, and the impulses that hold them.
-pub struct Set {
-    pub(crate) scaled: Scaled,
+pub struct Set<S: Space = Scaled> {
+    pub(crate) scaled: S,
     closed: Vec<bool>,
     /// Whether the factor is that of the set.
     is_factorised: bool,
@@ -30,35 +30,14 @@ pub struct Set {
     before: Vec<f64>,
 }
 
-impl Set {
-    /// Lays the problem out, with r = 0.
-    ///
-    /// # Errors
-    /// Where it is too large for that.
-    pub fn new(problem: &Packing) -> Result<Self, SetupError> {
-        let scaled = Scaled::new(problem)?;
-        let zeros = vec![0.0; scaled.contacts()];
-        let closed = vec![false; scaled.contacts()];
-        let mut set =
-            Self { scaled, closed, is_factorised: false, s: zeros.clone(), v: zeros.clone(), before: zeros };
+impl<S: Space> Set<S> {
+    /// No contact closed, no impulse.
+    pub(crate) fn on(scaled: S) -> Self {
+        let (zeros, closed) = (vec![0.0; scaled.contacts()], vec![false; scaled.contacts()]);
+        let (v, before) = (zeros.clone(), zeros.clone());
+        let mut set = Self { scaled, closed, is_factorised: false, s: zeros, v, before };
         set.measure();
-        Ok(set)
-    }
-
-    /// Takes the impulses `r` (N·s).
-    pub fn begin(&mut self, r: &[f64]) {
-        self.s = self.scaled.scale(r);
-        self.measure();
-    }
-
-    /// max(0, r) in the problem's order (N·s).
-    pub fn impulses(&self, r: &mut [f64]) {
-        self.scaled.impulses(&self.s, r);
-    }
-
-    /// See [`Scaled::step_in_iterations`].
-    pub(crate) fn step_in_iterations(&self) -> f64 {
-        self.scaled.step_in_iterations()
+        set
     }
 
     /// √(Σ min(s, v)²): what is left of the law (√J).
@@ -69,7 +48,7 @@ impl Set {
     /// Whether what is left of the law is round-off.
     pub fn is_solved(&self) -> bool {
         let of_s = self.s.iter().map(|s| s * s).sum::<f64>().sqrt();
-        self.left() <= ROUND_OFF * (of_s + self.scaled.terms_of_b)
+        self.left() <= ROUND_OFF * (of_s + self.scaled.terms_of_b())
     }
 
     /// The set, as a number.
@@ -77,11 +56,6 @@ impl Set {
         let mut hasher = DefaultHasher::new();
         self.closed.hash(&mut hasher);
         hasher.finish()
-    }
-
-    /// Work so far.
-    pub fn work(&self) -> Work {
-        self.scaled.work
     }
 
     /// Closes the contacts with s > v and lets the others go, in one step of Newton: how many changed, `None` if there is no factor.
@@ -133,9 +107,40 @@ impl Set {
     }
 
     /// The factor is about to be that of another matrix.
-    pub(crate) fn lend_factor(&mut self) -> &mut Scaled {
+    pub(crate) fn lend_factor(&mut self) -> &mut S {
         self.is_factorised = false;
         &mut self.scaled
+    }
+}
+
+impl Set {
+    /// Lays the problem out, with r = 0.
+    ///
+    /// # Errors
+    /// Where it is too large for that.
+    pub fn new(problem: &Packing) -> Result<Self, SetupError> {
+        Ok(Self::on(Scaled::new(problem)?))
+    }
+
+    /// Takes the impulses `r` (N·s).
+    pub fn begin(&mut self, r: &[f64]) {
+        self.s = self.scaled.scale(r);
+        self.measure();
+    }
+
+    /// max(0, r) in the problem's order (N·s).
+    pub fn impulses(&self, r: &mut [f64]) {
+        self.scaled.impulses(&self.s, r);
+    }
+
+    /// See [`Scaled::step_in_iterations`].
+    pub(crate) fn step_in_iterations(&self) -> f64 {
+        self.scaled.step_in_iterations()
+    }
+
+    /// Work so far.
+    pub fn work(&self) -> Work {
+        self.scaled.work
     }
 
     /// Turns impulses `d` (N·s) near a proof of infeasibility into one: the change of those above 0 that is least in s and after

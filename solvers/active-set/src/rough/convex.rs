@@ -1,0 +1,253 @@
+//! The convex neighbour of Coulomb's law, and the fixed point over it: with σ = μ|`v_t`| of each contact frozen,
+//!
+//! 0 ≤ `v_n` + σ ± μ `v_t` ⊥ z± ≥ 0,    r = (z₊ + z₋, μ (z₊ − z₋))
+//!
+//! is a quadratic programme on the edges of the cones, which the active set and the interior point without friction solve to round-off.
+//! Where it leaves σ as it was, the law holds. Nothing moves along its tangent in a packing at rest, so there σ = 0 does it at once.
+//!
+//! V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, A formulation of the linear discrete Coulomb friction problem via convex
+//! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175.
+
+use crate::interior::Interior;
+use crate::scaled::Space;
+use crate::set::Set;
+use cholesky::{Coupling, Factor, Order, Structure};
+use contact::scaled::scaled_velocity;
+use contact::{Column, Mass, Packing, RoughColumn, RoughDiscs, SetupError, Touch, Vector, Work};
+use nalgebra::{Vector2, Vector3};
+use std::sync::Arc;
+
+/// The edges of the cones as columns of unit length, two for each contact, one after the other; grains in the order of the factor.
+struct Edges {
+    structure: Arc<Structure<3>>,
+    factor: Option<Factor<3>>,
+    contacts: Vec<RoughColumn>,
+    /// √(1 + μ²) with the friction of the column: the length of an edge.
+    length: Vec<f64>,
+    /// c/√`W_αα`, and σ/√`w_n` (√J).
+    offset: Vec<Vector2<f64>>,
+    sigma: Vec<f64>,
+    free: Vec<Vector3<f64>>,
+    y: Vec<Vector3<f64>>,
+    work: Work,
+}
+
+impl Edges {
+    /// The impulse of a contact from those of its edges.
+    fn impulse(&self, contact: usize, z: &[f64]) -> Vector2<f64> {
+        let ([one, other], length) = ([z[2 * contact], z[2 * contact + 1]], self.length[contact]);
+        Vector2::new(one + other, self.contacts[contact].friction() * (one - other)) / length
+    }
+
+    /// What a relative velocity is along the two edges.
+    fn along(&self, contact: usize, v: Vector2<f64>) -> [f64; 2] {
+        let tangential = self.contacts[contact].friction() * v.y;
+        [(v.x + tangential) / self.length[contact], (v.x - tangential) / self.length[contact]]
+    }
+
+    /// h̃ of an edge at both grains.
+    fn column(&self, edge: usize) -> (Vector3<f64>, Vector3<f64>) {
+        let column = &self.contacts[edge / 2];
+        let sign = if edge.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let at = |[n, t]: [Vector3<f64>; 2]| (n + sign * column.friction() * t) / self.length[edge / 2];
+        let [first, second] = column.at_ends();
+        (at(first), at(second))
+    }
+}
+
+impl Space for Edges {
+    fn contacts(&self) -> usize {
+        2 * self.contacts.len()
+    }
+
+    fn terms_of_b(&self) -> f64 {
+        let of = |(column, c): (&RoughColumn, &Vector2<f64>)| {
+            column.places().map(|place| self.free[place as usize].norm_squared()).iter().sum::<f64>()
+                + c.norm_squared()
+        };
+        2.0 * self.contacts.iter().zip(&self.offset).map(of).sum::<f64>().sqrt()
+    }
+
+    fn velocities(&mut self, z: &[f64], v: &mut [f64]) {
+        self.work.delassus_products += 1;
+        self.y.copy_from_slice(&self.free);
+        for k in 0..self.contacts.len() {
+            let s = self.impulse(k, z);
+            self.contacts[k].push(s, &mut self.y);
+        }
+        for k in 0..self.contacts.len() {
+            let along = self.contacts[k].relative(&self.y) + self.offset[k];
+            let along = self.along(k, along + Vector2::new(self.sigma[k], 0.0));
+            v[2 * k..2 * k + 2].copy_from_slice(&along);
+        }
+    }
+
+    fn factorise(&mut self, weight: impl Fn(usize) -> f64 + Sync) -> bool {
+        self.work.factorisations += 1;
+        self.work.factorisation_multiply_adds += self.structure.work();
+        let mut factor = self.factor.take();
+        let coupling = |contact: usize| {
+            let dyad = |edge: usize| {
+                let (first, second) = self.column(edge);
+                Coupling::dyad(weight(edge), first, second)
+            };
+            Some(dyad(2 * contact) + dyad(2 * contact + 1))
+        };
+        let ones = |_| Vector3::repeat(1.0);
+        let done = match &mut factor {
+            Some(factor) => factor.renew(ones, coupling).is_ok(),
+            None => {
+                Factor::new(Arc::clone(&self.structure), ones, coupling).map(|new| factor = Some(new)).is_ok()
+            }
+        };
+        self.factor = factor.filter(|_| done);
+        done
+    }
+
+    fn solve(&mut self, p: impl Fn(usize) -> f64, mut take: impl FnMut(usize, f64)) {
+        self.y.fill(Vector3::zeros());
+        let pairs: Vec<f64> = (0..self.contacts()).map(p).collect();
+        for k in 0..self.contacts.len() {
+            let s = self.impulse(k, &pairs);
+            self.contacts[k].push(s, &mut self.y);
+        }
+        let Some(factor) = &self.factor else { return };
+        factor.solve(&mut self.y);
+        self.work.triangular_solve_entries += 2 * factor.entries() as u64;
+        for k in 0..self.contacts.len() {
+            let [one, other] = self.along(k, self.contacts[k].relative(&self.y));
+            take(2 * k, one);
+            take(2 * k + 1, other);
+        }
+    }
+}
+
+/// The fixed point.
+pub(crate) struct Convex {
+    set: Set<Edges>,
+    unit: Vec<Vector2<f64>>,
+    /// √(Σ max(0, −`b_n`)²/`w_n`) (√J).
+    scale: f64,
+}
+
+/// Sets of one programme that may leave more than one before, or the interior point leads on.
+const SETS: u32 = 8;
+
+/// What the interior point leaves, over the problem's scale, where it has come near enough; and where it has come too far to be
+/// called nearly solved (–). Where edges depend on each other it ends between the two.
+const NEAR: f64 = 1e-10;
+const NEARLY: f64 = 1e-3;
+
+/// What is round-off, over the problem's scale (–).
+const ROUND_OFF: f64 = 1e-12;
+
+impl Convex {
+    /// Lays the problem out.
+    ///
+    /// # Errors
+    /// Where it is too large for that.
+    pub(crate) fn new(problem: &Packing<RoughDiscs>) -> Result<Self, SetupError> {
+        let ends: Vec<_> = problem.contacts().iter().map(Touch::ends).collect();
+        let order = Order::fill_reducing(problem.position(), &ends)
+            .map_err(|why| SetupError::new("problem", why, "one whose grains can be ordered"))?;
+        let structure = Arc::new(Structure::new(&ends, &order));
+        let place = structure.position();
+        let inverse_mass = |grain: u32| problem.mass()[grain as usize].inverse(1.0);
+        let column = |contact: &contact::RoughContact| {
+            let (i, j) = contact.ends();
+            let places = (place[i as usize], j.map(|j| place[j as usize]));
+            RoughColumn::new(contact, places, inverse_mass, true)
+        };
+        let (contacts, unit): (Vec<RoughColumn>, Vec<Vector2<f64>>) =
+            problem.contacts().iter().map(column).unzip();
+        let mut free = vec![Vector3::zeros(); problem.grain_count()];
+        for (place, y) in place.iter().zip(scaled_velocity(problem, &vec![0.0; problem.impulse_count()])) {
+            free[*place as usize] = y;
+        }
+        let edges = Edges {
+            length: contacts.iter().map(|column| column.friction().hypot(1.0)).collect(),
+            offset: problem
+                .contacts()
+                .iter()
+                .zip(&unit)
+                .map(|(at, unit)| at.offset.component_div(unit))
+                .collect(),
+            sigma: vec![0.0; contacts.len()],
+            y: free.clone(),
+            factor: None,
+            work: Work::default(),
+            structure,
+            contacts,
+            free,
+        };
+        Ok(Self { set: Set::on(edges), unit, scale: problem.scale().sqrt() })
+    }
+
+    /// Solves the programme for the present σ, from the impulses of the last; then takes σ = μ|`v_t`|. Whether it was solved, or
+    /// nearly.
+    pub(crate) fn advance(&mut self) -> bool {
+        let solved = self.sets() || self.interior();
+        let edges = &mut self.set.scaled;
+        let mut v = vec![0.0; edges.contacts()];
+        edges.velocities(&self.set.s, &mut v);
+        for k in 0..edges.contacts.len() {
+            // Along both edges v differs by 2 μ v_t.
+            edges.sigma[k] = (0.5 * edges.length[k] * (v[2 * k] - v[2 * k + 1])).abs();
+        }
+        self.set.measure();
+        solved
+    }
+
+    /// Sets, as long as they leave less; whether what is left is round-off.
+    fn sets(&mut self) -> bool {
+        let mut least = f64::INFINITY;
+        for _ in 0..SETS {
+            let changed = self.set.step();
+            let left = self.set.left();
+            if self.set.is_solved() || changed == Some(0) && left < ROUND_OFF * self.scale {
+                return true;
+            }
+            if changed.is_none() || changed == Some(0) && !(left < least) {
+                break;
+            }
+            least = least.min(left);
+        }
+        false
+    }
+
+    /// An interior point as near as it comes, and sets from there.
+    fn interior(&mut self) -> bool {
+        let edges = self.set.lend_factor();
+        let mut interior = Interior::new(edges, self.scale);
+        let mut best = (interior.left(), interior.s.clone());
+        while best.0 > NEAR * self.scale && interior.step(edges) {
+            if interior.left() < best.0 {
+                best = (interior.left(), interior.s.clone());
+            }
+        }
+        self.set.s.copy_from_slice(&best.1);
+        self.set.measure();
+        if self.sets() {
+            return true;
+        }
+        self.set.s.copy_from_slice(&best.1);
+        self.set.measure();
+        best.0 <= NEARLY * self.scale
+    }
+
+    /// Work so far.
+    pub(crate) fn work(&self) -> Work {
+        self.set.scaled.work
+    }
+
+    /// Impulses in the problem's order (N·s), within the cones.
+    pub(crate) fn impulses(&self, r: &mut [f64]) {
+        let z: Vec<f64> = self.set.s.iter().map(|z| z.max(0.0)).collect();
+        for (k, unit) in self.unit.iter().enumerate() {
+            self.set.scaled.impulse(k, &z).component_div(unit).put(r, k);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
