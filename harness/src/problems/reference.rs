@@ -1,13 +1,13 @@
 //! Reference solutions: computed once for each problem, kept in `results/references`, certified again each time they are read.
 
-use crate::identity::content_hash;
+use crate::identity::{code_version, content_hash};
 use crate::problems::Root;
 use crate::terminal::{progress, read_text, write_kept};
 use analysis::proves_infeasible;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{Frozen, all_missing};
 use contact::{ContactProblem, Discs, Mechanics, RoughDiscs, Truth, Vector};
-use reference::{Answer, RoughSolution, certify, certify_rough, solve_rough, take};
+use reference::{Answer, InteriorPoint, RoughSolution, certify, certify_rough, solve_rough, take};
 use runner::Status;
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
@@ -154,7 +154,8 @@ pub(crate) fn known_rough(root: &Root, frozen: &Frozen<RoughDiscs>) -> Result<Kn
 /// the others; the best impulses, where none is certified.
 pub(crate) fn pool(root: &Root, frozen: &Frozen<RoughDiscs>, starts: u64) -> Result<Vec<RoughSolution>> {
     let path = root.join("results/references").join(content_hash(frozen)).with_extension("json");
-    let mut kept = Pool { starts: 0, solutions: Vec::new() };
+    let code = code_version::<InteriorPoint>().unwrap_or_default();
+    let mut kept = Pool { starts: 0, code: code.to_owned(), solutions: Vec::new() };
     if path.exists() {
         let read = || -> Result<Pool> { Ok(serde_json::from_str(&read_text(&path)?)?) };
         match read() {
@@ -168,7 +169,10 @@ pub(crate) fn pool(root: &Root, frozen: &Frozen<RoughDiscs>, starts: u64) -> Res
         let certificate = certify_rough(problem, &impulses);
         take(problem, &mut pool, RoughSolution { impulses, certificate });
     }
-    // From r = 0 on, each start once.
+    // From r = 0 on, each start once; again, where another code sought.
+    if kept.code != code {
+        kept.starts = 0;
+    }
     if kept.starts <= starts {
         let bar = progress::bar(starts + 1, "starts");
         for found in solve_rough(problem, kept.starts..=starts, || bar.inc(1)) {
@@ -176,7 +180,10 @@ pub(crate) fn pool(root: &Root, frozen: &Frozen<RoughDiscs>, starts: u64) -> Res
         }
         bar.finish_and_clear();
         let solutions = pool.iter().map(|solution| solution.impulses.clone()).collect();
-        write_kept(&path, &serde_json::to_string(&Pool { starts: starts + 1, solutions })?)?;
+        write_kept(
+            &path,
+            &serde_json::to_string(&Pool { starts: starts + 1, code: code.to_owned(), solutions })?,
+        )?;
     }
     Ok(pool)
 }
@@ -187,6 +194,8 @@ pub(crate) fn pool(root: &Root, frozen: &Frozen<RoughDiscs>, starts: u64) -> Res
 struct Pool {
     /// From how many starts they were sought.
     starts: u64,
+    /// Version of the code that sought them.
+    code: String,
     /// Impulses of each (N·s).
     solutions: Vec<Vec<f64>>,
 }
