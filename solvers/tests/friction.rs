@@ -6,7 +6,7 @@ use cases::Frozen;
 use cg::{Cg, Preconditioner};
 use contact::{
     Contact, Discs, Iteration, Measure, Measuring, Packing, RoughContact, RoughDiscs, RoughMass, RoughMeter,
-    Solver,
+    Solver, Truth,
 };
 use jacobi::Jacobi;
 use nalgebra::{Vector2, Vector3};
@@ -14,8 +14,9 @@ use nsgs::{Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::Grid;
 use reference::{certify_rough, distance, solve_rough};
-use runner::{Outcome, Status, Stop, solve};
+use runner::{Measured, Outcome, Progress, Status, Stop, solve, solve_against};
 use serde_json::Value;
+use std::ops::ControlFlow;
 
 pub(crate) fn rough(name: &str) -> Frozen<RoughDiscs> {
     Frozen::read_rough(&frozen_path(&format!("{name}.json"))).unwrap()
@@ -124,6 +125,20 @@ fn solutions_from_other_starts_are_others() {
             assert!(apart > 1e-8, "{apart:e}");
         }
     }
+}
+
+#[test]
+fn a_solution_that_nobody_knew_is_no_false_convergence() {
+    let (problem, solution) = (rough("rough-991-mu08").problem, given_solution());
+    let known = Truth::new(&problem, &given(&solution));
+    // Another solution, far away, from which nothing moves.
+    let other = given(&solution["other_solutions"][0]);
+    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-6, max_iterations: 10 };
+    let nsgs: &dyn Solver<RoughDiscs> = &Nsgs::default();
+    let go_on = &mut |_: &Progress| ControlFlow::Continue(());
+    let outcome = solve_against([&known], nsgs, &problem, &other, &stop, Measured::Every, go_on).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    assert!(outcome.measures.velocity_error > 0.1, "{:?}", outcome.measures);
 }
 
 #[test]

@@ -20,6 +20,7 @@ impl Mechanics for Discs {
     type Meter<'p> = Meter<'p>;
 
     const NAME: &'static str = "discs";
+    const HAS_ONE_VELOCITY: bool = true;
 }
 
 impl Associated for Discs {}

@@ -27,6 +27,9 @@ pub trait Mechanics: Copy + Debug + PartialEq + Send + Sync + 'static {
 
     /// Name in files.
     const NAME: &'static str;
+
+    /// Whether all solutions of a problem have the same velocity: far from a known one is then far from any.
+    const HAS_ONE_VELOCITY: bool;
 }
 
 /// A mechanics whose solutions minimise q(r): velocity and energy are unique then, and a method may descend.

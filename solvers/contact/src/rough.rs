@@ -29,6 +29,7 @@ impl Mechanics for RoughDiscs {
     type Meter<'p> = RoughMeter<'p>;
 
     const NAME: &'static str = "rough-discs";
+    const HAS_ONE_VELOCITY: bool = false;
 }
 
 /// Mass and moment of inertia of a grain; or the inverse of both.

@@ -25,8 +25,8 @@ const HARDLY_FALLEN: f64 = 0.1;
 
 /// Whether `stop`, which the last iterate met, promises too much.
 ///
-/// The truth decides where it is known. Elsewhere the natural map does: it is far above the tolerance, or it stays
-/// (`stays`), or has hardly fallen, while one of the `rays`, the impulses and their growth, proves that there is no solution.
+/// The truth decides where it is known, and there is no other. Elsewhere the natural map does: it is far above the tolerance, or it
+/// stays (`stays`), or has hardly fallen, while one of the `rays`, the impulses and their growth, proves that there is no solution.
 pub(crate) fn is_false<M: Refutable>(
     stop: &Stop,
     problem: &ContactProblem<M>,
@@ -35,7 +35,7 @@ pub(crate) fn is_false<M: Refutable>(
     rays: &dyn Fn() -> Vec<Vec<f64>>,
 ) -> bool {
     let tolerance = as_a_share(stop, problem);
-    if !measures.velocity_error.is_nan() {
+    if M::HAS_ONE_VELOCITY && !measures.velocity_error.is_nan() {
         return measures.velocity_error > LEAST.max(FAR * tolerance);
     }
     let far = match stop.on {
