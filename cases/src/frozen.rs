@@ -99,7 +99,12 @@ impl Frozen {
     /// # Errors
     /// Names the file, the key, the index and the value.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
-        let file: File = read_file(path, &read_to_string(path)?)?;
+        Self::of_text(path, &read_to_string(path)?)
+    }
+
+    /// The file at `path`, whose text this is.
+    pub(crate) fn of_text(path: &Path, text: &str) -> Result<Self, CaseError> {
+        let file: File = read_file(path, text)?;
         check_head(&file.format, FORMAT, &file.name, file.time_step)
             .and_then(|()| file.into_frozen().map_err(|error| error.to_string()))
             .map_err(|message| CaseError::content(path, message))

@@ -35,9 +35,9 @@ impl AnyFrozen {
         }
         let text = read_to_string(path)?;
         if serde_json::from_str(&text).is_ok_and(|Head { format }| format == FORMAT) {
-            Frozen::read_rough(path).map(Self::RoughDiscs)
+            Frozen::rough_of_text(path, &text).map(Self::RoughDiscs)
         } else {
-            Frozen::read(path).map(Self::Discs)
+            Frozen::of_text(path, &text).map(Self::Discs)
         }
     }
 
@@ -185,7 +185,12 @@ impl Frozen<RoughDiscs> {
     /// # Errors
     /// Names the file, the key, the index and the value.
     pub fn read_rough(path: &Path) -> Result<Self, CaseError> {
-        let file: File = read_file(path, &read_to_string(path)?)?;
+        Self::rough_of_text(path, &read_to_string(path)?)
+    }
+
+    /// The file at `path`, whose text this is.
+    fn rough_of_text(path: &Path, text: &str) -> Result<Self, CaseError> {
+        let file: File = read_file(path, text)?;
         check_head(&file.format, FORMAT, &file.name, file.time_step)
             .and_then(|()| file.check())
             .and_then(|()| file.into_frozen().map_err(|error| error.to_string()))

@@ -1,10 +1,8 @@
 //! Where files and the command line meet the mechanics: what the program asks of each, and the one place that tells them apart.
 
-use crate::plan::Settings;
-use crate::plan::{Ours, Programme};
-use crate::problems::Known;
+use crate::plan::{Ours, Programme, Settings};
 use crate::problems::reference::{known_rough, known_smooth};
-use crate::problems::{Root, spectrum};
+use crate::problems::{Known, Root, spectrum};
 use crate::run::{Ended, Observe, climb};
 use anyhow::{Result, bail};
 use cases::{AnyFrozen, Frozen, Marched};

@@ -3,8 +3,9 @@
 //!
 //! Nothing is minimised, and no way is known that always leads to that neighbourhood. So conjugate gradients come first; at each
 //! rung of a ladder of accuracies Newton's method has a try, which is left at the first step that makes things worse. Where the
-//! conjugate gradients no longer come nearer, a fixed point over convex programmes follows, which solves most packings at rest; then
-//! sweeps of non-linear Gauss-Seidel: slower, with more patience, and at once through what is only drift. Where impulses drift from one event to the next for ever, that is the floor, and the end.
+//! conjugate gradients no longer come nearer, a fixed point over convex programmes follows, which comes nearest in packings at
+//! rest; then sweeps of non-linear Gauss-Seidel: slower, with more patience, and at once through what is only drift. Where impulses
+//! drift from one event to the next and none of many brings them nearer, that is the floor, and the end.
 
 mod convex;
 mod drift;
@@ -12,15 +13,16 @@ mod statuses;
 
 use crate::{ActiveSet, Best, Start};
 use cg::{Cg, Preconditioner, RoughRun};
-use contact::{Iteration, Packing, RoughDiscs, SetupError, Solver, Work};
+use contact::{Iteration, Packing, RoughColumn, RoughDiscs, SetupError, Solver, Work};
 use convex::Convex;
 use drift::Drift;
+use nalgebra::{Vector2, Vector3};
 use statuses::Statuses;
 
 /// One rung of the ladder over the one before (–).
 const RUNG: f64 = 0.1;
 
-/// Iterations in which the conjugate gradient must halve what is left, or sweeps follow.
+/// Iterations in which the conjugate gradient must halve what is left, or the fixed point follows.
 const PATIENCE: u64 = 1000;
 
 /// Programmes of the fixed point that do not halve what is left, after which sweeps take their place.
@@ -47,14 +49,14 @@ struct Run<'p> {
     problem: &'p Packing<RoughDiscs>,
     statuses: Statuses,
     phase: Phase,
-    /// The conjugate gradient, or the sweeps, while Newton's method has a try.
+    /// What goes on where Newton's method, which has a try, does not end.
     waiting: Option<Phase>,
     /// What is left at the next rung (√J).
     rung: f64,
     /// √(Σ max(0, −b)²/`W_αα`) (√J).
     scale: f64,
     best: Best,
-    /// Of the gradients and sweeps that ended.
+    /// Of the phases that ended.
     work: Work,
 }
 
@@ -99,15 +101,12 @@ impl Run<'_> {
         *in_vain = if left < 0.5 * *least { 0 } else { *in_vain + 1 };
         *least = least.min(left);
         let gives_up = !solved || *in_vain >= IN_VAIN;
-        if gives_up || left <= self.rung {
-            let work = convex.work();
-            if gives_up {
-                self.work += work;
-                self.phase = self.sweeping();
-            }
-            if left <= self.rung {
-                self.try_statuses();
-            }
+        if gives_up {
+            self.work += convex.work();
+            self.phase = self.sweeping();
+        }
+        if left <= self.rung {
+            self.try_statuses();
         }
     }
 
@@ -120,7 +119,7 @@ impl Run<'_> {
             sweep.impulses(&mut self.best.impulses);
             self.try_statuses();
         } else if sweep.is_at_its_floor() {
-            sweep.impulses(&mut self.best.impulses);
+            self.best.take(squared.sqrt(), |r| sweep.impulses(r));
             self.phase = Phase::Ended;
         }
     }
@@ -152,6 +151,15 @@ impl Run<'_> {
             self.phase = Phase::Statuses { before: left.max(before * RUNG) };
         }
     }
+}
+
+/// √ of the sum of squares of the terms of which b is the sum, M^½ `V_free` of the grains and c of the contacts (√J).
+fn terms_of_b(columns: &[RoughColumn], offset: &[Vector2<f64>], free: &[Vector3<f64>]) -> f64 {
+    let of = |(column, c): (&RoughColumn, &Vector2<f64>)| {
+        column.places().map(|place| free[place as usize].norm_squared()).iter().sum::<f64>()
+            + c.norm_squared()
+    };
+    columns.iter().zip(offset).map(of).sum::<f64>().sqrt()
 }
 
 impl Iteration for Run<'_> {
@@ -200,7 +208,7 @@ impl Solver<RoughDiscs> for ActiveSet {
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_not_negative("start_accuracy", self.start_accuracy)?;
-        let expected = "cg or cold-set: no interior point is known for Coulomb's law";
+        let expected = "cg or cold-set: its interior point is for problems without friction";
         SetupError::unless(self.start != Start::InteriorPoint, "start", "interior-point", expected)?;
         let mut statuses = Statuses::new(problem)?;
         statuses.begin(r0);

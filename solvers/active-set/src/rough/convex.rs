@@ -2,12 +2,13 @@
 //!
 //! 0 ≤ `v_n` + σ ± μ `v_t` ⊥ z± ≥ 0,    r = (z₊ + z₋, μ (z₊ − z₋))
 //!
-//! is a quadratic programme on the edges of the cones, which the active set and the interior point without friction solve to round-off.
-//! Where it leaves σ as it was, the law holds. Nothing moves along its tangent in a packing at rest, so there σ = 0 does it at once.
+//! is a quadratic programme on the edges of the cones, for the active set and the interior point of problems without friction.
+//! Where it leaves σ as it was, the law holds. Nothing moves along its tangent in a packing at rest: there σ = 0 does it at once.
 //!
 //! V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, A formulation of the linear discrete Coulomb friction problem via convex
 //! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175.
 
+use super::terms_of_b;
 use crate::interior::Interior;
 use crate::scaled::Space;
 use crate::set::Set;
@@ -61,11 +62,8 @@ impl Space for Edges {
     }
 
     fn terms_of_b(&self) -> f64 {
-        let of = |(column, c): (&RoughColumn, &Vector2<f64>)| {
-            column.places().map(|place| self.free[place as usize].norm_squared()).iter().sum::<f64>()
-                + c.norm_squared()
-        };
-        2.0 * self.contacts.iter().zip(&self.offset).map(of).sum::<f64>().sqrt()
+        // Two edges.
+        2.0 * terms_of_b(&self.contacts, &self.offset, &self.free)
     }
 
     fn velocities(&mut self, z: &[f64], v: &mut [f64]) {

@@ -1,5 +1,6 @@
 //! Newton's method on the statuses of contacts with friction: which are open, stick, or slide to which side.
 
+use super::terms_of_b;
 use contact::law::{clip, non_negative};
 use contact::scaled::scaled_velocity;
 use contact::{Column, Mass, Packing, RoughColumn, RoughDiscs, SetupError, Touch, Vector, Work};
@@ -37,7 +38,7 @@ pub(crate) struct Statuses {
     offset: Vec<Vector2<f64>>,
     /// M^½ `V_free` (√J).
     free: Vec<Vector3<f64>>,
-    /// Σ of the sizes of the terms of b, squared, root (√J).
+    /// See [`terms_of_b`] (√J).
     terms_of_b: f64,
     status: Vec<Status>,
     s: Vec<Vector2<f64>>,
@@ -72,11 +73,7 @@ impl Statuses {
             .map(|(at, unit)| at.offset.component_div(unit))
             .collect::<Vec<_>>();
         let free = scaled_velocity(problem, &vec![0.0; problem.impulse_count()]);
-        let size = |((column, c), free): ((&RoughColumn, &Vector2<f64>), &[Vector3<f64>])| {
-            column.places().map(|place| free[place as usize].norm_squared()).iter().sum::<f64>()
-                + c.norm_squared()
-        };
-        let terms_of_b = columns.iter().zip(&offset).map(|at| size((at, &free))).sum::<f64>().sqrt();
+        let terms_of_b = terms_of_b(&columns, &offset, &free);
         let none = vec![Vector2::zeros(); columns.len()];
         let mut statuses = Self {
             matrix: Matrix::new(&columns, free.len())?,
