@@ -2,8 +2,9 @@
 
 use crate::error::{CaseError, read_to_string};
 use crate::keys::all_missing;
-use crate::sample::{Disc, Sample};
+use crate::sample::{Grain, Sample};
 use crate::scene::Scene;
+use contact::Place;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -68,11 +69,27 @@ impl Case {
         Ok(case)
     }
 
-    /// The discs before time begins.
-    pub(crate) fn discs(&self) -> Result<Vec<Disc>, CaseError> {
-        let width = self.scene.walls.as_ref().and_then(|walls| walls.width_m);
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        self.sample.discs(width, folder).map_err(|message| CaseError::content(&self.path, message))
+    /// Whether its grains are spheres, in space; else they are discs, in the plane.
+    ///
+    /// # Errors
+    /// Those of the file that holds them.
+    pub fn in_space(&self) -> Result<bool, CaseError> {
+        self.sample.in_space(self.folder()).map_err(|message| CaseError::content(&self.path, message))
+    }
+
+    /// The grains before time begins.
+    pub(crate) fn grains<P: Place>(&self) -> Result<Vec<Grain<P>>, CaseError> {
+        let walls = self.scene.walls.as_ref();
+        let size = [walls.and_then(|walls| walls.width_m), walls.and_then(|walls| walls.depth_m)];
+        let refuse = |message| CaseError::content(&self.path, message);
+        if self.in_space()? != (P::LEN > 2) {
+            return Err(refuse("`sample.kind` is that of grains in another number of dimensions".to_owned()));
+        }
+        self.sample.grains_in(size, self.folder()).map_err(refuse)
+    }
+
+    fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
     }
 
     fn check(&self) -> Result<(), String> {

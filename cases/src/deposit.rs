@@ -10,10 +10,13 @@
 
 mod front;
 mod heights;
+mod spheres;
 
 use front::{Front, Place, Placed};
 use heights::Heights;
 use nalgebra::Vector2;
+
+pub(crate) use spheres::deposit_spheres;
 
 /// Centres and radii (m) of discs with the given radii, in a box of `width` (m) with a floor at y = 0; `Err` is the
 /// radius of a disc that no place holds.

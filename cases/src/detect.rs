@@ -1,7 +1,7 @@
-//! Neighbours and gaps: which discs and walls are close, on a grid of cells, in time linear in the number of grains.
+//! Neighbours and gaps: which grains and walls are close, on a grid of cells, in time linear in the number of grains.
 
-use crate::scene::MovingWall;
-use contact::Groups;
+use crate::scene::{MovingWall, WallMotion};
+use contact::{Groups, Place};
 use nalgebra::Vector2;
 
 /// The antagonist of a detected contact. Its order is that of the contacts of one candidate in a problem.
@@ -13,57 +13,69 @@ pub enum Side {
     Left,
     /// The wall at the right.
     Right,
+    /// The wall behind, at z = 0; in space only.
+    Back,
+    /// The wall before, towards who looks.
+    Front,
     /// Another grain, of higher index.
     Grain(u32),
 }
 
+/// The walls of a box, in the order of its contacts; the last two are in space only.
+pub(crate) const WALLS: [Side; 5] = [Side::Floor, Side::Left, Side::Right, Side::Back, Side::Front];
+
 /// A pair that is close.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DetectedContact {
+pub struct DetectedContact<P = Vector2<f64>> {
     /// The candidate grain.
     pub candidate: u32,
     /// The antagonist.
     pub antagonist: Side,
     /// Unit normal from antagonist to candidate (–).
-    pub normal: Vector2<f64>,
+    pub normal: P,
     /// Distance between the surfaces (m); negative where they overlap.
     pub gap: f64,
 }
 
-/// All pairs of discs with a gap of at most `reach` (m), ordered by candidate, then antagonist.
+/// All pairs of grains with a gap of at most `reach` (m), ordered by candidate, then antagonist.
 ///
-/// The cost is linear in the number of discs as long as they fill the box around them and the largest is not much
+/// The cost is linear in the number of grains as long as they fill the box around them and the largest is not much
 /// larger than the others.
-pub fn detect(position: &[Vector2<f64>], radius: &[f64], reach: f64) -> Vec<DetectedContact> {
+pub fn detect<P: Place>(position: &[P], radius: &[f64], reach: f64) -> Vec<DetectedContact<P>> {
     let mut contacts = Vec::new();
     for_each_close(position, radius, reach, |_, _, contact| contacts.push(contact));
     contacts
 }
 
-/// The contact of two discs with a gap of at most `reach` (m).
+/// The contact of two grains with a gap of at most `reach` (m).
 #[inline]
-fn close(position: &[Vector2<f64>], radius: &[f64], reach: f64, [i, j]: [u32; 2]) -> Option<DetectedContact> {
+fn close<P: Place>(
+    position: &[P],
+    radius: &[f64],
+    reach: f64,
+    [i, j]: [u32; 2],
+) -> Option<DetectedContact<P>> {
     let [(x, r), (other, s)] = [i, j].map(|k| (position[k as usize], radius[k as usize]));
     let between = x - other;
     let contact_distance = r + s;
     // Most pairs are too far: no square root for them.
     let farthest = contact_distance + reach;
-    if between.norm_squared() > farthest * farthest {
+    if between.dot_product(between) > farthest * farthest {
         return None;
     }
-    let distance = between.norm();
+    let distance = between.length();
     // Two centres in one place have no normal; any will push them apart.
-    let normal = if distance > 0.0 { between / distance } else { Vector2::x() };
+    let normal = if distance > 0.0 { between / distance } else { P::of([1.0, 0.0, 0.0]) };
     let gap = distance - contact_distance;
     Some(DetectedContact { candidate: i, antagonist: Side::Grain(j), normal, gap })
 }
 
 /// The pairs of discs that are close, kept from one time step to the next: they are sought anew where discs have moved so far
 /// that others may be close. The contacts are those of [`detect`], bit by bit.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Neighbours {
+#[derive(Clone, Debug)]
+pub(crate) struct Neighbours<P> {
     /// Where the discs were when the pairs were sought (m).
-    sought_at: Vec<Vector2<f64>>,
+    sought_at: Vec<P>,
     /// The gap to which they were sought (m).
     sought_to: f64,
     /// Candidate and antagonist, rising.
@@ -76,14 +88,15 @@ pub(crate) struct Neighbours {
 /// an eighth of the pairs more than are asked for.
 const MARGIN: f64 = 0.2;
 
-impl Neighbours {
+impl<P> Default for Neighbours<P> {
+    fn default() -> Self {
+        Self { sought_at: Vec::new(), sought_to: 0.0, pairs: Vec::new(), searches: 0 }
+    }
+}
+
+impl<P: Place> Neighbours<P> {
     /// The contacts of [`detect`]; the discs and their radii are the same at each call.
-    pub(crate) fn contacts(
-        &mut self,
-        position: &[Vector2<f64>],
-        radius: &[f64],
-        reach: f64,
-    ) -> Vec<DetectedContact> {
+    pub(crate) fn contacts(&mut self, position: &[P], radius: &[f64], reach: f64) -> Vec<DetectedContact<P>> {
         if !self.hold(position, reach) {
             self.sought_to = reach + MARGIN * radius.iter().copied().fold(0.0, f64::max);
             self.sought_at.clear();
@@ -96,39 +109,40 @@ impl Neighbours {
     }
 
     /// Whether no other pair can be close: each of two discs has come nearer by what it has moved.
-    fn hold(&self, position: &[Vector2<f64>], reach: f64) -> bool {
+    fn hold(&self, position: &[P], reach: f64) -> bool {
         // Less than half of what is left, by far more than round-off.
         let room = 0.5 * (0.999 * self.sought_to - reach);
-        let near = |(then, now): (&Vector2<f64>, &Vector2<f64>)| (now - then).norm_squared() < room * room;
+        let near = |(then, now): (&P, &P)| {
+            let moved = *now - *then;
+            moved.dot_product(moved) < room * room
+        };
         room > 0.0 && self.sought_at.len() == position.len() && self.sought_at.iter().zip(position).all(near)
     }
 }
 
-/// The contacts of one disc with the walls that are within `reach` (m), and what the motion of each adds to
-/// the relative velocity: the rate at which it opens the gap, and minus that at which it slides (m/s).
-pub(crate) fn walls_near(
-    walls: &[Option<MovingWall>; 3],
+/// The contacts of one grain with the walls that are within `reach` (m), and how each of these moves.
+pub(crate) fn walls_near<P: Place>(
+    walls: &[Option<MovingWall<P>>; 5],
     grain: u32,
-    position: Vector2<f64>,
+    position: P,
     radius: f64,
     reach: f64,
-) -> impl Iterator<Item = (DetectedContact, [f64; 2])> {
-    [Side::Floor, Side::Left, Side::Right].into_iter().zip(*walls).filter_map(move |(side, wall)| {
+) -> impl Iterator<Item = (DetectedContact<P>, WallMotion<P>)> {
+    WALLS.into_iter().zip(*walls).filter_map(move |(antagonist, wall)| {
         let wall = wall?;
-        let gap = wall.now.gap(position, radius);
-        let normal = wall.now.normal;
-        let contact = DetectedContact { candidate: grain, antagonist: side, normal, gap };
-        (gap <= reach).then(|| (contact, [wall.opening_rate(position), -wall.sliding_rate()]))
+        let (gap, normal) = (wall.now.gap(position, radius), wall.now.normal);
+        let contact = DetectedContact { candidate: grain, antagonist, normal, gap };
+        (gap <= reach).then(|| (contact, wall.motion(position)))
     })
 }
 
 /// Calls `visit` with every pair of discs with a gap of at most `reach` (m), by rising candidate, then antagonist, and with
 /// their contact.
-fn for_each_close(
-    position: &[Vector2<f64>],
+fn for_each_close<P: Place>(
+    position: &[P],
     radius: &[f64],
     reach: f64,
-    mut visit: impl FnMut(u32, u32, DetectedContact),
+    mut visit: impl FnMut(u32, u32, DetectedContact<P>),
 ) {
     let cells = Cells::new(position, 2.0 * radius.iter().copied().fold(0.0, f64::max) + reach);
     let mut near = Vec::new();
@@ -146,49 +160,64 @@ fn for_each_close(
     }
 }
 
-/// Discs sorted into square cells.
-struct Cells {
-    low: Vector2<f64>,
+/// Grains sorted into cells as wide as they are high and deep.
+struct Cells<P> {
+    low: P,
     size: f64,
-    columns: usize,
-    rows: usize,
-    /// By cell, row after row.
+    /// Columns, rows and, in space, layers.
+    counts: [usize; 3],
+    /// By cell, row after row and layer after layer.
     grains: Groups,
 }
 
-impl Cells {
+impl<P: Place> Cells<P> {
     /// Cells of at least `size` (m).
-    fn new(position: &[Vector2<f64>], size: f64) -> Self {
-        let low = position.iter().fold(Vector2::repeat(f64::INFINITY), |low, x| low.inf(x));
-        let high = position.iter().fold(Vector2::repeat(f64::NEG_INFINITY), |high, x| high.sup(x));
-        let extent = (high - low).sup(&Vector2::repeat(size));
+    fn new(position: &[P], size: f64) -> Self {
+        let [low, high] = P::extent(position.iter().copied());
+        let extent = (high - low).space().map(|extent| extent.max(size));
         // A grain that flies far away must not make an endless grid of empty cells.
         let most = 4.0 * position.len() as f64 + 16.0;
-        let size = size.max((extent.x * extent.y / most).sqrt()).max(extent.max() / most);
-        let count = |extent: f64| (extent / size) as usize + 1;
-        let (columns, rows) = (count(extent.x), count(extent.y));
-        let mut cells = Self { low, size, columns, rows, grains: Groups::default() };
-        let cell: Vec<usize> =
-            position.iter().map(|x| cells.cell(*x)).map(|(x, y)| x + columns * y).collect();
-        cells.grains = Groups::new((0_u32..).zip(cell.iter().copied()), columns * rows);
+        let size = size.max(least_size(&extent[..P::LEN], most));
+        let counts =
+            std::array::from_fn(|axis| if axis < P::LEN { (extent[axis] / size) as usize + 1 } else { 1 });
+        let mut cells = Self { low, size, counts, grains: Groups::default() };
+        let cell: Vec<usize> = position.iter().map(|x| cells.number(cells.cell(*x))).collect();
+        cells.grains = Groups::new((0_u32..).zip(cell.iter().copied()), counts.iter().product());
         cells
     }
 
-    fn cell(&self, position: Vector2<f64>) -> (usize, usize) {
-        let x = (position - self.low) / self.size;
-        ((x.x as usize).min(self.columns - 1), (x.y as usize).min(self.rows - 1))
+    fn cell(&self, position: P) -> [usize; 3] {
+        let x = ((position - self.low) / self.size).space();
+        std::array::from_fn(|axis| (x[axis] as usize).min(self.counts[axis] - 1))
+    }
+
+    fn number(&self, [x, y, z]: [usize; 3]) -> usize {
+        x + self.counts[0] * (y + self.counts[1] * z)
     }
 
     /// Calls `visit` with every grain in the cell of `position` and in the cells around it.
-    fn for_each_near(&self, position: Vector2<f64>, mut visit: impl FnMut(u32)) {
-        let (x, y) = self.cell(position);
-        for row in y.saturating_sub(1)..=(y + 1).min(self.rows - 1) {
-            // The cells of a row lie one after the other.
-            let first = x.saturating_sub(1) + self.columns * row;
-            let last = (x + 1).min(self.columns - 1) + self.columns * row;
-            self.grains.of(first..last + 1).iter().for_each(|grain| visit(*grain));
+    fn for_each_near(&self, position: P, mut visit: impl FnMut(u32)) {
+        let cell = self.cell(position);
+        let first = cell.map(|k| k.saturating_sub(1));
+        let last: [usize; 3] = std::array::from_fn(|axis| (cell[axis] + 1).min(self.counts[axis] - 1));
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                // The cells of a row lie one after the other.
+                let row = self.number([first[0], y, z])..self.number([last[0], y, z]) + 1;
+                self.grains.of(row).iter().for_each(|grain| visit(*grain));
+            }
         }
     }
+}
+
+/// The least size of cells of which no more than about `most` fill a box of this `extent`, nor the box's edges (m).
+fn least_size(extent: &[f64], most: f64) -> f64 {
+    let volume: f64 = extent.iter().product();
+    let root = if extent.len() == 2 { (volume / most).sqrt() } else { (volume / most).cbrt() };
+    let longest = extent.iter().copied().fold(0.0, f64::max);
+    let faces = extent.iter().map(|edge| (volume / edge / most).sqrt()).fold(0.0, f64::max);
+    let faces = if extent.len() == 2 { 0.0 } else { faces };
+    root.max(faces).max(longest / most)
 }
 
 #[cfg(test)]

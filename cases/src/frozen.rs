@@ -3,8 +3,10 @@
 use crate::case::check_name;
 use crate::error::{CaseError, read_to_string};
 use crate::keys::all_missing;
-use contact::{Contact, Discs, Mechanics, Packing, ProblemError, is_not_negative, is_positive, shown};
-use nalgebra::Vector2;
+use contact::{
+    Contact, Discs, Mechanics, Packing, Place, ProblemError, Smooth, is_not_negative, is_positive, shown,
+};
+use nalgebra::{SVector, Vector2, Vector3, Vector6};
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -30,15 +32,66 @@ pub struct Frozen<M: Mechanics = Discs> {
     pub start: Vec<f64>,
 }
 
-const FORMAT: &str = "gravel/contact-problem/1";
+/// The formats of discs, and of spheres.
+const FORMATS: [&str; 2] = ["gravel/contact-problem/1", "gravel/contact-problem/2"];
+
+/// A point, a direction, a velocity or an impulse as it stands in files.
+pub trait Listed: Place {
+    /// Its components.
+    type List: Copy + JsonSchema + Serialize + DeserializeOwned;
+
+    /// To a file.
+    fn list(self) -> Self::List;
+
+    /// From a file.
+    fn of_list(list: Self::List) -> Self;
+}
+
+impl Listed for Vector2<f64> {
+    type List = [f64; 2];
+
+    fn list(self) -> [f64; 2] {
+        self.into()
+    }
+
+    fn of_list(list: [f64; 2]) -> Self {
+        list.into()
+    }
+}
+
+impl Listed for Vector3<f64> {
+    type List = [f64; 3];
+
+    fn list(self) -> [f64; 3] {
+        self.into()
+    }
+
+    fn of_list(list: [f64; 3]) -> Self {
+        list.into()
+    }
+}
+
+impl Listed for Vector6<f64> {
+    type List = [f64; 6];
+
+    fn list(self) -> [f64; 6] {
+        self.into()
+    }
+
+    fn of_list(list: [f64; 6]) -> Self {
+        list.into()
+    }
+}
 
 /// The contact problem of one time step: v − W r = b, 0 ≤ v ⊥ r ≥ 0. Units are SI.
 #[derive(JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
-    /// `"gravel/contact-problem/1"`.
-    #[schemars(extend("const" = FORMAT))]
+struct File<P> {
+    /// `"gravel/contact-problem/1"` for discs; `"gravel/contact-problem/2"` for spheres.
     format: String,
+    /// `"spheres"`, for these alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    mechanics: Option<String>,
     /// Name of the problem: files are named after it, so it has no `/`, `\` or `:`, and does not start with a dot.
     name: String,
     /// Where the problem comes from, in a sentence.
@@ -47,35 +100,35 @@ struct File {
     #[schemars(extend("exclusiveMinimum" = 0))]
     time_step: f64,
     /// The grains, numbered from 0: each key is a list with one value per grain.
-    grains: Grains,
+    grains: Grains<P>,
     /// The contacts: each key is a list with one value per contact.
-    contacts: Contacts,
+    contacts: Contacts<P>,
 }
 
 #[derive(JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Grains {
+struct Grains<P> {
     /// Mass (kg), positive.
     mass: Vec<f64>,
     /// Radius (m), positive. Methods do not read it: it is for drawings.
     radius: Vec<f64>,
-    /// Mass centre `[x, y]` (m), x to the right, y upwards. Partitions and some orders of contacts read it.
-    position: Vec<[f64; 2]>,
-    /// Velocity `[x, y]` at the end of the time step if no contact acted (m/s): a grain at rest under gravity g has
+    /// Mass centre `[x, y]` (m), x to the right, y upwards; of a sphere `[x, y, z]`, z towards who looks. Partitions and some orders of contacts read it.
+    position: Vec<P>,
+    /// Velocity, likewise, at the end of the time step if no contact acted (m/s): a grain at rest under gravity g has
     /// `[0, -g h]`.
-    free_velocity: Vec<[f64; 2]>,
+    free_velocity: Vec<P>,
 }
 
 #[derive(JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Contacts {
+struct Contacts<P> {
     /// Number of the candidate grain, from 0.
     candidate: Vec<u32>,
     /// Number of the antagonist grain, from 0; `null` for a wall.
     antagonist: Vec<Option<u32>>,
-    /// Unit vector `[x, y]` from the antagonist to the candidate (–): `[0, 1]` for a grain on a floor. A positive impulse
+    /// Unit vector, likewise, from the antagonist to the candidate (–): `[0, 1]` for a grain on a floor. A positive impulse
     /// pushes the candidate along it, and the antagonist the other way.
-    normal: Vec<[f64; 2]>,
+    normal: Vec<P>,
     /// c (m/s), in v = n · (V_candidate − V_antagonist) + c ≥ 0: positive lets the contact close that fast. 0 where two grains
     /// touch; gap/h to let a gap close within the time step; plus −n · V_wall for a wall that moves with V_wall, so negative
     /// where the wall comes closer.
@@ -89,11 +142,6 @@ struct Contacts {
 }
 
 impl Frozen {
-    /// The JSON schema of the file, with the meaning and sign of each key.
-    pub fn schema() -> Value {
-        crate::schema::<File>()
-    }
-
     /// Reads a file of format `gravel/contact-problem/1`.
     ///
     /// # Errors
@@ -101,11 +149,30 @@ impl Frozen {
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         Self::of_text(path, &read_to_string(path)?)
     }
+}
+
+impl<const D: usize> Frozen<Smooth<D>>
+where
+    SVector<f64, D>: Listed,
+{
+    /// The JSON schema of the file, with the meaning and sign of each key.
+    pub fn smooth_schema() -> Value {
+        let mut schema = crate::schema::<File<List<D>>>();
+        let properties = &mut schema["properties"];
+        properties["format"]["const"] = FORMATS[usize::from(D > 2)].into();
+        if D > 2 {
+            properties["mechanics"]["const"] = Smooth::<D>::NAME.into();
+        } else if let Some(properties) = properties.as_object_mut() {
+            properties.remove("mechanics");
+        }
+        schema
+    }
 
     /// The file at `path`, whose text this is.
     pub(crate) fn of_text(path: &Path, text: &str) -> Result<Self, CaseError> {
-        let file: File = read_file(path, text)?;
-        check_head(&file.format, FORMAT, &file.name, file.time_step)
+        let file: File<List<D>> = read_file(path, text)?;
+        check_head(&file.format, FORMATS[usize::from(D > 2)], &file.name, file.time_step)
+            .and_then(|()| check_mechanics::<Smooth<D>>(file.mechanics.as_deref(), D == 2))
             .and_then(|()| file.into_frozen().map_err(|error| error.to_string()))
             .map_err(|message| CaseError::content(path, message))
     }
@@ -145,6 +212,15 @@ pub(crate) fn read_file<T: DeserializeOwned + JsonSchema>(path: &Path, text: &st
     Ok(file)
 }
 
+/// Checks the mechanics that a file names, which may leave it out if that is `plain`.
+pub(crate) fn check_mechanics<M: Mechanics>(mechanics: Option<&str>, plain: bool) -> Result<(), String> {
+    match mechanics {
+        None if plain => Ok(()),
+        Some(name) if name == M::NAME => Ok(()),
+        other => Err(format!("`mechanics` is {other:?}: it must be {:?}", M::NAME)),
+    }
+}
+
 /// Checks the head of a file, which must have the format `expected`.
 pub(crate) fn check_head(format: &str, expected: &str, name: &str, time_step: f64) -> Result<(), String> {
     if format != expected {
@@ -157,9 +233,15 @@ pub(crate) fn check_head(format: &str, expected: &str, name: &str, time_step: f6
     Ok(())
 }
 
-impl File {
+/// The components of a point or a direction.
+type List<const D: usize> = <SVector<f64, D> as Listed>::List;
+
+impl<P: Copy> File<P> {
     /// Checks what [`Packing::new`] does not see, and leaves the rest to it.
-    fn into_frozen(self) -> Result<Frozen, ProblemError> {
+    fn into_frozen<const D: usize>(self) -> Result<Frozen<Smooth<D>>, ProblemError>
+    where
+        SVector<f64, D>: Listed<List = P>,
+    {
         let Grains { mass, radius, position, free_velocity } = self.grains;
         let Contacts { candidate, antagonist, normal, offset, gap, start } = self.contacts;
         ProblemError::unless_length("grains.radius", &radius, mass.len())?;
@@ -176,10 +258,10 @@ impl File {
         let contact = |k: usize| Contact {
             candidate: candidate[k],
             antagonist: antagonist[k],
-            normal: normal[k].into(),
+            normal: Listed::of_list(normal[k]),
             offset: offset[k],
         };
-        let vectors = |list: Vec<[f64; 2]>| list.into_iter().map(Vector2::from).collect();
+        let vectors = |list: Vec<P>| list.into_iter().map(Listed::of_list).collect();
         let contacts = (0..contacts).map(contact).collect();
         let problem = Packing::new(mass, vectors(position), vectors(free_velocity), contacts)?;
         let Self { name, source, time_step, .. } = self;
@@ -187,13 +269,17 @@ impl File {
     }
 }
 
-impl From<&Frozen> for File {
-    fn from(frozen: &Frozen) -> Self {
-        let vectors = |list: &[Vector2<f64>]| list.iter().map(|v| [v.x, v.y]).collect();
+impl<const D: usize> From<&Frozen<Smooth<D>>> for File<List<D>>
+where
+    SVector<f64, D>: Listed,
+{
+    fn from(frozen: &Frozen<Smooth<D>>) -> Self {
+        let vectors = |list: &[SVector<f64, D>]| list.iter().map(|v| v.list()).collect();
         let problem = &frozen.problem;
         let contacts = problem.contacts();
         Self {
-            format: FORMAT.to_owned(),
+            format: FORMATS[usize::from(D > 2)].to_owned(),
+            mechanics: (D > 2).then(|| Smooth::<D>::NAME.to_owned()),
             name: frozen.name.clone(),
             source: frozen.source.clone(),
             time_step: frozen.time_step,
@@ -206,7 +292,7 @@ impl From<&Frozen> for File {
             contacts: Contacts {
                 candidate: contacts.iter().map(|contact| contact.candidate).collect(),
                 antagonist: contacts.iter().map(|contact| contact.antagonist).collect(),
-                normal: contacts.iter().map(|contact| contact.normal.into()).collect(),
+                normal: contacts.iter().map(|contact| contact.normal.list()).collect(),
                 offset: contacts.iter().map(|contact| contact.offset).collect(),
                 gap: frozen.gap.clone(),
                 start: frozen.start.clone(),

@@ -2,14 +2,13 @@
 //! of the one before (§2).
 
 use crate::case::Case;
-use crate::detect::{DetectedContact, Neighbours, Side, walls_near};
+use crate::detect::{DetectedContact, Neighbours, Side, WALLS, walls_near};
 use crate::error::CaseError;
 use crate::frozen::Frozen;
 use crate::marched::Marched;
 use crate::observables::{Missed, Observables, explosion, wall_impulses};
-use crate::scene::{Law, MovingWall, Scene};
-use contact::{Discs, Mass, Mechanics, Packing, Solver, Touch, Vector, greatest};
-use nalgebra::Vector2;
+use crate::scene::{Law, MovingWall, Scene, Wall, WallMotion};
+use contact::{Discs, Mass, Mechanics, Packing, Place, Solver, Touch, Vector, greatest};
 use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
 use std::cell::RefCell;
 use std::ops::ControlFlow;
@@ -21,13 +20,13 @@ pub struct March<M: Mechanics = Discs> {
     scene: Scene,
     radius: Vec<f64>,
     mass: Vec<M::Mass>,
-    position: Vec<Vector2<f64>>,
+    position: Vec<M::Place>,
     velocity: Vec<M::Velocity>,
     /// What is known of pairs of grains: it spares work, and changes no contact.
-    neighbours: RefCell<Neighbours>,
+    neighbours: RefCell<Neighbours<M::Place>>,
     /// Time steps done.
     done: u64,
-    /// Impulses of the last time step, ordered by contact (N·s); none if its solve failed.
+    /// Impulses of the last time step, as they are kept, ordered by contact (N·s); none if its solve failed.
     last: Vec<((u32, Side), M::Impulse)>,
     /// How the last time step ended, if it did not converge.
     missed: Option<Missed>,
@@ -51,18 +50,19 @@ impl<M: Marched> March<M> {
         if case.scene.is_rough() && !M::HAS_FRICTION {
             return Err(CaseError::Friction { name: case.name.clone() });
         }
-        let discs = case.discs()?;
-        let mut velocity = vec![Vector2::from(case.scene.thrown_at_m_per_s); discs.len()];
-        let height = |k: &usize| discs[*k].position.y;
-        if let Some(highest) = (0..discs.len()).rev().max_by(|a, b| height(a).total_cmp(&height(b))) {
-            velocity[highest].y -= case.scene.impact_speed_m_per_s;
+        let grains = case.grains::<M::Place>()?;
+        let [x, y] = case.scene.thrown_at_m_per_s;
+        let mut velocity = vec![M::Place::of([x, y, 0.0]); grains.len()];
+        let height = |k: &usize| grains[*k].position[1];
+        if let Some(highest) = (0..grains.len()).rev().max_by(|a, b| height(a).total_cmp(&height(b))) {
+            velocity[highest] = M::Place::of([x, y - case.scene.impact_speed_m_per_s, 0.0]);
         }
         Ok(Self {
             name: case.name.clone(),
             scene: case.scene.clone(),
-            radius: discs.iter().map(|disc| disc.radius).collect(),
-            mass: discs.iter().map(M::mass).collect(),
-            position: discs.iter().map(|disc| disc.position).collect(),
+            radius: grains.iter().map(|grain| grain.radius).collect(),
+            mass: grains.iter().map(M::mass).collect(),
+            position: grains.iter().map(|grain| grain.position).collect(),
             velocity: velocity.into_iter().map(M::translating).collect(),
             neighbours: RefCell::default(),
             done: 0,
@@ -82,7 +82,7 @@ impl<M: Marched> March<M> {
     }
 
     /// The grains as they are: radius (m), place (m) and velocity (m/s) of each.
-    pub fn grains(&self) -> impl Iterator<Item = (f64, Vector2<f64>, Vector2<f64>)> {
+    pub fn grains(&self) -> impl Iterator<Item = (f64, M::Place, M::Place)> {
         self.radius
             .iter()
             .zip(&self.position)
@@ -100,31 +100,53 @@ impl<M: Marched> March<M> {
         &self.velocity
     }
 
-    /// The walls as they stand, to be drawn: each a segment from end to end (m), the floor from left to right, side walls
-    /// from their feet to as high as the highest grain. A floor alone is as wide as the grains.
-    pub fn walls(&self) -> Vec<(Side, [Vector2<f64>; 2])> {
+    /// The walls as they stand, to be drawn, by their corners (m): the floor from left to right, the others from their feet to as high
+    /// as the highest grain. What is not between walls is as wide as the grains. In the plane each is a segment, in space of four
+    /// corners.
+    pub fn walls(&self) -> Vec<(Side, Vec<M::Place>)> {
         let Some(walls) = &self.scene.walls else { return Vec::new() };
-        let [floor, left, right] = walls.at(self.done as f64 * self.scene.time_step_s);
-        let reach = |along: Vector2<f64>| {
-            let reaches = self.position.iter().zip(&self.radius).map(|(q, r)| along.dot(q) + r);
+        let walls = walls.at::<M::Place>(self.done as f64 * self.scene.time_step_s);
+        let reach = |along: M::Place| {
+            let reaches = self.position.iter().zip(&self.radius).map(|(q, r)| along.dot_product(*q) + r);
             reaches.fold(f64::NEG_INFINITY, f64::max)
         };
-        let mut segments = Vec::new();
-        if let Some(floor) = floor {
-            let at = |x| Vector2::new(x, floor.foot.y);
-            let ends = left.zip(right).map(|(left, right)| [left.foot, right.foot]);
-            segments
-                .push((Side::Floor, ends.unwrap_or([at(-reach(-Vector2::x())), at(reach(Vector2::x()))])));
-        }
-        for (side, wall) in [(Side::Left, left), (Side::Right, right)] {
-            if let Some(wall) = wall {
-                // Along the wall, upwards.
-                let up = Vector2::new(-wall.normal.y, wall.normal.x) * wall.normal.x.signum();
-                let height = (reach(up) - up.dot(&wall.foot)).max(0.0);
-                segments.push((side, [wall.foot, wall.foot + up * height]));
+        // From wall to wall along an axis, or as far as the grains reach.
+        let between = |axis: [f64; 3], low: usize, high: usize| {
+            let (axis, feet) = (M::Place::of(axis), walls[low].zip(walls[high]));
+            feet.map_or_else(
+                || [-reach(-axis), reach(axis)],
+                |(low, high)| [low.foot.dot_product(axis), high.foot.dot_product(axis)],
+            )
+        };
+        let [x, z] = [between([1.0, 0.0, 0.0], 1, 2), between([0.0, 0.0, 1.0], 3, 4)];
+        let corners = |side: Side, wall: Wall<M::Place>| {
+            let [foot_x, foot_y, foot_z] = wall.foot.space();
+            let [from, to] = match side {
+                Side::Floor => x.map(|x| [x, foot_y, z[0]]),
+                Side::Left | Side::Right => z.map(|z| [foot_x, foot_y, z]),
+                _ => x.map(|x| [x, foot_y, foot_z]),
             }
-        }
-        segments
+            .map(M::Place::of);
+            let [n_x, n_y, n_z] = wall.normal.space();
+            let across = if side == Side::Floor {
+                M::Place::of([0.0, 0.0, z[1] - z[0]])
+            } else {
+                // Along the wall, upwards.
+                let up = M::Place::of(if n_z == 0.0 {
+                    [-n_y * n_x.signum(), n_x * n_x.signum(), 0.0]
+                } else {
+                    [0.0, 1.0, 0.0]
+                });
+                up * (reach(up) - up.dot_product(wall.foot)).max(0.0)
+            };
+            match M::Place::LEN {
+                2 if side == Side::Floor => vec![from, to],
+                2 => vec![from, from + across],
+                _ => vec![from, to, to + across, from + across],
+            }
+        };
+        let some = WALLS.into_iter().zip(walls).filter_map(|(side, wall)| Some((side, wall?)));
+        some.map(|(side, wall)| (side, corners(side, wall))).collect()
     }
 
     /// The contact problem of the next time step.
@@ -138,14 +160,14 @@ impl<M: Marched> March<M> {
             .position
             .iter()
             .zip(&self.velocity)
-            .map(|(q, v)| q + M::translation(*v) * (h * (1.0 - theta)))
+            .map(|(q, v)| *q + M::translation(*v) * (h * (1.0 - theta)))
             .collect();
-        let taken = M::translating(self.scene.gravity() * h);
+        let taken = M::translating(self.scene.gravity::<M::Place>() * h);
         let free_velocity: Vec<_> = self.velocity.iter().map(|v| *v - taken).collect();
 
         let (contacts, near) = self.contacts(&position, &free_velocity);
         let keys = near.iter().map(|contact| (contact.candidate, contact.antagonist));
-        let start = recall::<M>(&self.last, keys);
+        let start = recall::<M>(&self.last, keys, &contacts);
         let gap = near.iter().map(|contact| contact.gap).collect();
         let sides = near.iter().map(|contact| contact.antagonist).collect();
         let problem = Packing::new(self.mass.clone(), position, free_velocity, contacts)
@@ -165,21 +187,21 @@ impl<M: Marched> March<M> {
     /// The contacts that the law lets in, with their offsets c, and the pairs that they are.
     fn contacts(
         &self,
-        position: &[Vector2<f64>],
+        position: &[M::Place],
         free_velocity: &[M::Velocity],
-    ) -> (Vec<M::Contact>, Vec<DetectedContact>) {
+    ) -> (Vec<M::Contact>, Vec<DetectedContact<M::Place>>) {
         let Scene { time_step_s: h, theta, law, contact_copies, .. } = self.scene;
         // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
         let detection = (self.done as f64 + 1.0 - theta) * h;
-        let walls = self.scene.walls.as_ref().map_or([None; 3], |walls| walls.over(detection, h));
+        let walls = self.scene.walls.as_ref().map_or([None; 5], |walls| walls.over(detection, h));
         let reach = 2.0 * h * greatest_approach::<M>(free_velocity, position, &walls);
 
         let pairs = self.neighbours.borrow_mut().contacts(position, &self.radius, reach);
         let (mut contacts, mut near) = (Vec::with_capacity(pairs.len()), Vec::with_capacity(pairs.len()));
         let of_walls = self.scene.walls.as_ref().and_then(|walls| walls.friction);
         let friction = [self.scene.friction, of_walls.or(self.scene.friction)].map(|mu| mu.unwrap_or(0.0));
-        let mut enter = |pair: &DetectedContact, wall_offset: [f64; 2]| {
-            let mut contact = M::contact(pair, &self.radius, wall_offset, friction);
+        let mut enter = |pair: &DetectedContact<M::Place>, motion: &WallMotion<M::Place>| {
+            let mut contact = M::contact(pair, &self.radius, motion, friction);
             let enters = match law {
                 Law::PredictedGap => {
                     let b = contact.relative(free_velocity).first() + contact.offset().first();
@@ -197,9 +219,9 @@ impl<M: Marched> March<M> {
         };
         let mut ahead = &pairs[..];
         for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)) {
-            walls_near(&walls, grain, *x, *radius, reach).for_each(|(pair, offset)| enter(&pair, offset));
+            walls_near(&walls, grain, *x, *radius, reach).for_each(|(pair, motion)| enter(&pair, &motion));
             while let Some((pair, rest)) = ahead.split_first().filter(|(pair, _)| pair.candidate == grain) {
-                enter(pair, [0.0; 2]);
+                enter(pair, &WallMotion::NONE);
                 ahead = rest;
             }
         }
@@ -217,11 +239,12 @@ impl<M: Marched> March<M> {
         assert_eq!(r.len(), problem.impulse_count(), "one impulse per contact");
         assert_eq!(velocity.len(), problem.grain_count(), "one velocity per grain");
         for ((q, detected), v) in self.position.iter_mut().zip(problem.position()).zip(velocity) {
-            *q = detected + M::translation(*v) * (h * theta);
+            *q = *detected + M::translation(*v) * (h * theta);
         }
         self.velocity.copy_from_slice(velocity);
         let keys = problem.contacts().iter().zip(&time_step.sides).map(|(at, side)| (at.ends().0, *side));
-        self.last = keys.enumerate().map(|(k, key)| (key, M::Impulse::at(r, k))).collect();
+        let kept = |k: usize| M::kept(&problem.contacts()[k], M::Impulse::at(r, k));
+        self.last = keys.enumerate().map(|(k, key)| (key, kept(k))).collect();
         self.done += 1;
         self.observe(time_step, r)
     }
@@ -284,7 +307,7 @@ impl<M: Marched> March<M> {
     fn observe(&self, time_step: &TimeStep<M>, r: &[f64]) -> Observables {
         let kinetic = self.mass.iter().zip(&self.velocity).map(|(m, v)| 0.5 * m.squared(*v));
         let mass = || self.mass.iter().map(|mass| M::weight(*mass));
-        let moment = mass().zip(&self.position).map(|(m, q)| m * q.y);
+        let moment = mass().zip(&self.position).map(|(m, q)| m * q[1]);
         let overlaps = || time_step.frozen.gap.iter().map(|gap| f64::max(0.0, -gap));
         Observables {
             time: self.done as f64 * self.scene.time_step_s,
@@ -294,7 +317,7 @@ impl<M: Marched> March<M> {
             mean_overlap: overlaps().sum::<f64>() / self.mass.len() as f64,
             wall_impulses: wall_impulses(&time_step.sides, &r.iter().step_by(M::Impulse::LEN).copied()),
             contacts: time_step.sides.len(),
-            greatest_speed: greatest(self.velocity.iter().map(|v| M::translation(*v).norm())),
+            greatest_speed: greatest(self.velocity.iter().map(|v| M::translation(*v).length())),
         }
     }
 }
@@ -321,25 +344,26 @@ impl Law {
 /// surfaces come together in a time step without impulses.
 fn greatest_approach<M: Marched>(
     free_velocity: &[M::Velocity],
-    position: &[Vector2<f64>],
-    walls: &[Option<MovingWall>; 3],
+    position: &[M::Place],
+    walls: &[Option<MovingWall<M::Place>>; 5],
 ) -> f64 {
-    let grains = free_velocity.iter().map(|v| M::translation(*v).norm());
+    let grains = free_velocity.iter().map(|v| M::translation(*v).length());
     let facing = walls.iter().flatten().flat_map(|wall| position.iter().map(|x| wall.opening_rate(*x).abs()));
     grains.chain(facing).fold(0.0, f64::max)
 }
 
 /// The impulses of the contacts `keys` in the last time step, 0 for a new one. Both lists rise.
-fn recall<M: Mechanics>(
+fn recall<M: Marched>(
     last: &[((u32, Side), M::Impulse)],
     keys: impl ExactSizeIterator<Item = (u32, Side)>,
+    contacts: &[M::Contact],
 ) -> Vec<f64> {
     let mut last = last.iter().peekable();
     let mut start = vec![0.0; M::Impulse::LEN * keys.len()];
     for (k, key) in keys.enumerate() {
         while last.next_if(|(known, _)| *known < key).is_some() {}
         if let Some((_, r)) = last.next_if(|(known, _)| *known == key) {
-            r.put(&mut start, k);
+            M::recalled(&contacts[k], *r).put(&mut start, k);
         }
     }
     start

@@ -1,61 +1,81 @@
 //! What a march needs to know of a mechanics.
 
 use crate::detect::{DetectedContact, Side};
-use crate::sample::Disc;
+use crate::sample::Grain;
+use crate::scene::WallMotion;
 use analysis::Refutable;
-use contact::{Contact, Discs, RoughContact, RoughDiscs, RoughMass};
-use nalgebra::{Vector2, Vector3};
+use contact::{Contact, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, frame};
+use nalgebra::{SVector, Vector2, Vector3, Vector6};
 
 /// A mechanics that scenes march with.
 pub trait Marched: Refutable {
     /// Whether contacts have friction: a scene that has may not march without.
     const HAS_FRICTION: bool;
 
-    /// What resists the motion of a homogeneous disc.
-    fn mass(disc: &Disc) -> Self::Mass;
+    /// What resists the motion of a homogeneous grain.
+    fn mass(grain: &Grain<Self::Place>) -> Self::Mass;
 
     /// Its mass alone (kg).
     fn weight(mass: Self::Mass) -> f64;
 
     /// A motion without spin (m/s).
-    fn translating(velocity: Vector2<f64>) -> Self::Velocity;
+    fn translating(velocity: Self::Place) -> Self::Velocity;
 
     /// The translation of a motion (m/s).
-    fn translation(velocity: Self::Velocity) -> Vector2<f64>;
+    fn translation(velocity: Self::Velocity) -> Self::Place;
 
-    /// The contact of a pair, with what the motion of a wall adds to its normal and tangential relative velocity (m/s), and μ between
-    /// grains and at walls.
-    fn contact(pair: &DetectedContact, radius: &[f64], offset: [f64; 2], friction: [f64; 2])
-    -> Self::Contact;
+    /// The contact of a pair, with the motion of its wall, if it has one, and μ between grains and at walls.
+    fn contact(
+        pair: &DetectedContact<Self::Place>,
+        radius: &[f64],
+        motion: &WallMotion<Self::Place>,
+        friction: [f64; 2],
+    ) -> Self::Contact;
 
     /// Adds a law's gap term to the offset of a contact (m/s).
     fn widen(contact: &mut Self::Contact, gap_offset: f64);
+
+    /// An impulse as it is kept for the next time step, in which the contact may face another way (N·s).
+    fn kept(_: &Self::Contact, r: Self::Impulse) -> Self::Impulse {
+        r
+    }
+
+    /// What is kept of the time step before, as an impulse that the contact admits (N·s).
+    fn recalled(_: &Self::Contact, kept: Self::Impulse) -> Self::Impulse {
+        kept
+    }
 }
 
-impl Marched for Discs {
+impl<const D: usize> Marched for Smooth<D> {
     const HAS_FRICTION: bool = false;
 
-    fn mass(disc: &Disc) -> f64 {
-        disc.mass
+    fn mass(grain: &Grain<SVector<f64, D>>) -> f64 {
+        grain.mass
     }
 
     fn weight(mass: f64) -> f64 {
         mass
     }
 
-    fn translating(velocity: Vector2<f64>) -> Vector2<f64> {
+    fn translating(velocity: SVector<f64, D>) -> SVector<f64, D> {
         velocity
     }
 
-    fn translation(velocity: Vector2<f64>) -> Vector2<f64> {
+    fn translation(velocity: SVector<f64, D>) -> SVector<f64, D> {
         velocity
     }
 
-    fn contact(pair: &DetectedContact, _: &[f64], [offset, _]: [f64; 2], _: [f64; 2]) -> Contact {
-        Contact { candidate: pair.candidate, antagonist: grain(pair.antagonist), normal: pair.normal, offset }
+    fn contact(
+        pair: &DetectedContact<SVector<f64, D>>,
+        _: &[f64],
+        motion: &WallMotion<SVector<f64, D>>,
+        _: [f64; 2],
+    ) -> Contact<D> {
+        let DetectedContact { candidate, antagonist, normal, .. } = *pair;
+        Contact { candidate, antagonist: grain(antagonist), normal, offset: motion.opening }
     }
 
-    fn widen(contact: &mut Contact, gap_offset: f64) {
+    fn widen(contact: &mut Contact<D>, gap_offset: f64) {
         contact.offset += gap_offset;
     }
 }
@@ -64,8 +84,8 @@ impl Marched for RoughDiscs {
     const HAS_FRICTION: bool = true;
 
     /// I = ½ m R².
-    fn mass(disc: &Disc) -> RoughMass {
-        RoughMass { mass: disc.mass, inertia: 0.5 * disc.mass * disc.radius * disc.radius }
+    fn mass(grain: &Grain<Vector2<f64>>) -> RoughMass {
+        RoughMass { mass: grain.mass, inertia: 0.5 * grain.mass * grain.radius * grain.radius }
     }
 
     fn weight(mass: RoughMass) -> f64 {
@@ -80,21 +100,89 @@ impl Marched for RoughDiscs {
         velocity.xy()
     }
 
-    fn contact(pair: &DetectedContact, radius: &[f64], offset: [f64; 2], friction: [f64; 2]) -> RoughContact {
+    fn contact(
+        pair: &DetectedContact<Vector2<f64>>,
+        radius: &[f64],
+        motion: &WallMotion<Vector2<f64>>,
+        friction: [f64; 2],
+    ) -> RoughContact {
         let antagonist = grain(pair.antagonist);
         let arm = |grain: u32| radius[grain as usize];
+        let mut contact = RoughContact {
+            candidate: pair.candidate,
+            antagonist,
+            normal: pair.normal,
+            arms: Vector2::new(arm(pair.candidate), antagonist.map_or(0.0, arm)),
+            offset: Vector2::new(motion.opening, 0.0),
+            friction: friction[usize::from(antagonist.is_none())],
+        };
+        if antagonist.is_none() {
+            contact.offset.y = -contact.tangent().dot(&motion.sliding);
+        }
+        contact
+    }
+
+    fn widen(contact: &mut RoughContact, gap_offset: f64) {
+        contact.offset.x += gap_offset;
+    }
+}
+
+impl Marched for RoughSpheres {
+    const HAS_FRICTION: bool = true;
+
+    /// I = ⅖ m R².
+    fn mass(grain: &Grain<Vector3<f64>>) -> RoughMass {
+        RoughMass { mass: grain.mass, inertia: 0.4 * grain.mass * grain.radius * grain.radius }
+    }
+
+    fn weight(mass: RoughMass) -> f64 {
+        mass.mass
+    }
+
+    fn translating(velocity: Vector3<f64>) -> Vector6<f64> {
+        Vector6::new(velocity.x, velocity.y, velocity.z, 0.0, 0.0, 0.0)
+    }
+
+    fn translation(velocity: Vector6<f64>) -> Vector3<f64> {
+        Vector3::new(velocity[0], velocity[1], velocity[2])
+    }
+
+    fn contact(
+        pair: &DetectedContact<Vector3<f64>>,
+        radius: &[f64],
+        motion: &WallMotion<Vector3<f64>>,
+        friction: [f64; 2],
+    ) -> RoughContact<3> {
+        let antagonist = grain(pair.antagonist);
+        let arm = |grain: u32| radius[grain as usize];
+        let [first, second] = frame(&pair.normal);
+        let along = |t: Vector3<f64>| if antagonist.is_none() { -t.dot(&motion.sliding) } else { 0.0 };
         RoughContact {
             candidate: pair.candidate,
             antagonist,
             normal: pair.normal,
             arms: Vector2::new(arm(pair.candidate), antagonist.map_or(0.0, arm)),
-            offset: offset.into(),
+            offset: Vector3::new(motion.opening, along(first), along(second)),
             friction: friction[usize::from(antagonist.is_none())],
         }
     }
 
-    fn widen(contact: &mut RoughContact, gap_offset: f64) {
+    fn widen(contact: &mut RoughContact<3>, gap_offset: f64) {
         contact.offset.x += gap_offset;
+    }
+
+    /// As a vector in space: the tangents of another normal are others.
+    fn kept(contact: &RoughContact<3>, r: Vector3<f64>) -> Vector3<f64> {
+        let [first, second] = frame(&contact.normal);
+        contact.normal * r.x + first * r.y + second * r.z
+    }
+
+    fn recalled(contact: &RoughContact<3>, kept: Vector3<f64>) -> Vector3<f64> {
+        let normal = contact.normal.dot(&kept).max(0.0);
+        let [y, z] = frame(&contact.normal).map(|t| t.dot(&kept));
+        let (bound, size) = (contact.friction * normal, y.hypot(z));
+        let factor = if size > bound { bound / size } else { 1.0 };
+        Vector3::new(normal, factor * y, factor * z)
     }
 }
 

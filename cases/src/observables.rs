@@ -1,7 +1,7 @@
 //! What a simulation shows of itself after a time step, and when it has exploded.
 
-use crate::detect::Side;
-use nalgebra::Vector2;
+use crate::detect::{Side, WALLS};
+use contact::Place;
 use runner::Status;
 use std::fmt;
 use thiserror::Error;
@@ -19,8 +19,9 @@ pub struct Observables {
     pub greatest_overlap: f64,
     /// All overlaps of that problem together, per grain (m).
     pub mean_overlap: f64,
-    /// Sums of the impulses that the floor, the left and the right wall gave in the time step (N·s).
-    pub wall_impulses: [f64; 3],
+    /// Sums of the normal impulses that the floor, the walls left and right, and in space those behind and before, gave in the time
+    /// step (N·s).
+    pub wall_impulses: [f64; 5],
     /// Contacts of the problem.
     pub contacts: usize,
     /// Greatest speed of a grain (m/s).
@@ -87,15 +88,15 @@ pub enum Explosion {
 /// Whether grains of these radii (m) have exploded: by the gaps (m) of the problem just solved, or the velocities (m/s)
 /// found for it, over a time step of `h` (s). Each grain is judged by its own size: beside large ones, a small one is
 /// swallowed long before the mean diameter notices.
-pub(crate) fn explosion(
+pub(crate) fn explosion<P: Place>(
     contacts: impl Iterator<Item = (u32, Option<u32>)>,
     gap: &[f64],
     radius: &[f64],
-    velocity: &[Vector2<f64>],
+    velocity: &[P],
     h: f64,
 ) -> Option<Explosion> {
     // Speeds are squared wherever energies are summed.
-    if !velocity.iter().all(|v| v.norm_squared().is_finite()) {
+    if !velocity.iter().all(|v| v.dot_product(*v).is_finite()) {
         return Some(Explosion::NotFinite);
     }
     let size = |grain: u32| radius[grain as usize];
@@ -104,7 +105,7 @@ pub(crate) fn explosion(
     };
     let overlaps = contacts.zip(gap).map(|(contact, gap)| (smaller(contact), -gap));
     let overlaps = overlaps.map(|(grain, overlap)| (grain, overlap, size(grain)));
-    let speeds = (0_u32..).zip(velocity).map(|(grain, v)| (grain, v.norm(), 2.0 * size(grain) / h));
+    let speeds = (0_u32..).zip(velocity).map(|(grain, v)| (grain, v.length(), 2.0 * size(grain) / h));
     let overlap = |(grain, overlap, bound)| Explosion::Overlap { grain, overlap, bound };
     let speed = |(grain, speed, bound)| Explosion::Speed { grain, speed, bound };
     worst(overlaps).map(overlap).or_else(|| worst(speeds).map(speed))
@@ -116,13 +117,13 @@ fn worst(values: impl Iterator<Item = (u32, f64, f64)>) -> Option<(u32, f64, f64
     beyond.reduce(|worst, next| if next.1 / next.2 > worst.1 / worst.2 { next } else { worst })
 }
 
-/// Sums of the impulses `r` (N·s) that the floor, the left and the right wall gave.
-pub(crate) fn wall_impulses(sides: &[Side], r: &(impl Iterator<Item = f64> + Clone)) -> [f64; 3] {
+/// Sums of the impulses `r` (N·s) that each wall gave.
+pub(crate) fn wall_impulses(sides: &[Side], r: &(impl Iterator<Item = f64> + Clone)) -> [f64; 5] {
     let of_wall = |wall: Side| {
         let given = sides.iter().zip(r.clone()).filter(|(side, _)| **side == wall);
         given.fold(0.0, |sum, (_, r)| sum + r)
     };
-    [Side::Floor, Side::Left, Side::Right].map(of_wall)
+    WALLS.map(of_wall)
 }
 
 #[cfg(test)]

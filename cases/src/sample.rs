@@ -1,9 +1,9 @@
-//! Samples: discs with radius, mass and place before time begins. What is random comes from the sample's seed.
+//! Samples: discs or spheres with radius, mass and place before time begins. What is random comes from the sample's seed.
 
 use crate::deposit;
 use crate::rough::AnyFrozen;
 use crate::shapes;
-use contact::{is_positive, shown};
+use contact::{Place, is_positive, shown};
 use nalgebra::Vector2;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -11,18 +11,18 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// A rigid disc.
+/// A rigid disc or sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Disc {
+pub struct Grain<P = Vector2<f64>> {
     /// Radius (m).
     pub radius: f64,
     /// Mass (kg).
     pub mass: f64,
     /// Centre (m).
-    pub position: Vector2<f64>,
+    pub position: P,
 }
 
-/// How the discs of a scene are made.
+/// How the grains of a scene are made: discs in the plane, or spheres in space.
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Sample {
@@ -98,6 +98,55 @@ pub enum Sample {
         /// Mass per area (kg/m²).
         density_kg_per_m2: f64,
     },
+    /// Spheres given one by one.
+    Spheres {
+        /// Centres and radius of each, as [x, y, z, radius] (m).
+        spheres: Vec<[f64; 4]>,
+        /// Mass per volume (kg/m³).
+        density_kg_per_m3: f64,
+    },
+    /// Equal spheres, each on top of the one before, the first on the floor.
+    ColumnOfSpheres {
+        /// Number of spheres.
+        grains: u32,
+        /// Their radius (m).
+        radius_m: f64,
+        /// Mass per volume (kg/m³).
+        density_kg_per_m3: f64,
+        /// Mass of the highest sphere over that of the others (–).
+        #[serde(default = "one")]
+        top_mass_ratio: f64,
+    },
+    /// Equal spheres in a simple cubic crystal, each right above another, the lowest on the floor, those outside at the walls.
+    SimpleCubic {
+        /// Spheres along x, y and z.
+        counts: [u32; 3],
+        /// Their radius (m).
+        radius_m: f64,
+        /// Mass per volume (kg/m³).
+        density_kg_per_m3: f64,
+    },
+    /// Equal spheres in a face-centred cubic crystal, closest packed: square layers, each in the hollows of the one below.
+    FaceCentred {
+        /// Spheres along x and z in the lowest layer, and number of layers, as [x, layers, z].
+        counts: [u32; 3],
+        /// Their radius (m).
+        radius_m: f64,
+        /// Mass per volume (kg/m³).
+        density_kg_per_m3: f64,
+    },
+    /// Spheres with radii drawn evenly from a range, let fall one by one at places that are drawn too, each at the lowest place
+    /// around where three others, or walls, hold it: loose, and close to a packing at rest, which time then settles.
+    DepositedSpheres {
+        /// Number of spheres.
+        grains: u32,
+        /// Seed of radii and places.
+        seed: u64,
+        /// Least and greatest radius (m).
+        radius_m: [f64; 2],
+        /// Mass per volume (kg/m³).
+        density_kg_per_m3: f64,
+    },
     /// The grains of a frozen problem, at rest where it found them.
     Frozen {
         /// File of the problem, seen from the folder of the case.
@@ -113,76 +162,127 @@ impl Sample {
     /// Key and number of the grains that it makes; `None` where they are in the case, or in another file.
     pub fn grains(&self) -> Option<(&'static str, u64)> {
         match *self {
-            Self::Column { grains, .. } | Self::Zigzag { grains, .. } | Self::Deposited { grains, .. } => {
-                Some(("sample.grains", grains.into()))
-            }
+            Self::Column { grains, .. }
+            | Self::Zigzag { grains, .. }
+            | Self::Deposited { grains, .. }
+            | Self::ColumnOfSpheres { grains, .. }
+            | Self::DepositedSpheres { grains, .. } => Some(("sample.grains", grains.into())),
+            Self::SimpleCubic { counts, .. } | Self::FaceCentred { counts, .. } => Some((
+                "sample.counts",
+                counts.iter().map(|count| u64::from(*count)).fold(1, u64::saturating_mul),
+            )),
             Self::Triangular { columns, rows, .. } => {
                 let less = u64::from(rows) / 2;
                 let all = u64::from(columns) * u64::from(rows);
                 Some(("sample.columns times sample.rows", all.saturating_sub(less)))
             }
             Self::Rollers { rollers, .. } => Some(("sample.rollers", rollers.into())),
-            Self::Discs { .. } | Self::Frozen { .. } => None,
+            Self::Discs { .. } | Self::Spheres { .. } | Self::Frozen { .. } => None,
         }
     }
 
-    /// The discs, for a box of `width` (m), if it has side walls; `folder` is that of the case.
-    pub(crate) fn discs(&self, width: Option<f64>, folder: &Path) -> Result<Vec<Disc>, String> {
+    /// Whether its grains are spheres; `folder` is that of the case.
+    pub(crate) fn in_space(&self, folder: &Path) -> Result<bool, String> {
+        Ok(match self {
+            Self::Discs { .. }
+            | Self::Column { .. }
+            | Self::Triangular { .. }
+            | Self::Zigzag { .. }
+            | Self::Rollers { .. }
+            | Self::Deposited { .. } => false,
+            Self::Spheres { .. }
+            | Self::ColumnOfSpheres { .. }
+            | Self::SimpleCubic { .. }
+            | Self::FaceCentred { .. }
+            | Self::DepositedSpheres { .. } => true,
+            Self::Frozen { file } => frozen(&folder.join(file))?.in_space(),
+        })
+    }
+
+    /// The grains, for a box of `width` and `depth` (m), if it has these walls; `folder` is that of the case.
+    pub(crate) fn grains_in<P: Place>(
+        &self,
+        [width, depth]: [Option<f64>; 2],
+        folder: &Path,
+    ) -> Result<Vec<Grain<P>>, String> {
         let walls = || width.ok_or("`sample.kind` asks for side walls: it needs `scene.box.width_m`");
-        // [x, y, radius] of each (m), mass per area (kg/m²), and the mass of the last over what its area gives (–).
+        // [x, y, z, radius] of each (m), mass per area or volume (kg/m², kg/m³), and the mass of the last over what its size gives (–).
         let (placed, density, top_mass_ratio) = match *self {
-            Self::Discs { ref discs, density_kg_per_m2 } => (discs.clone(), density_kg_per_m2, 1.0),
-            Self::Column { grains, radius_m, density_kg_per_m2, top_mass_ratio } => {
-                (shapes::column(grains, radius_m), density_kg_per_m2, top_mass_ratio)
+            Self::Discs { ref discs, density_kg_per_m2 } => (in_plane(discs), density_kg_per_m2, 1.0),
+            Self::Column { grains, radius_m, density_kg_per_m2: density, top_mass_ratio }
+            | Self::ColumnOfSpheres { grains, radius_m, density_kg_per_m3: density, top_mass_ratio } => {
+                (in_plane(&shapes::column(grains, radius_m)), density, top_mass_ratio)
             }
             Self::Triangular { columns, rows, radius_m, density_kg_per_m2, overlap } => {
-                (shapes::triangular(columns, rows, radius_m, overlap), density_kg_per_m2, 1.0)
+                (in_plane(&shapes::triangular(columns, rows, radius_m, overlap)), density_kg_per_m2, 1.0)
             }
             Self::Zigzag { grains, radius_m, density_kg_per_m2 } => {
-                (shapes::zigzag(grains, radius_m, walls()?)?, density_kg_per_m2, 1.0)
+                (in_plane(&shapes::zigzag(grains, radius_m, walls()?)?), density_kg_per_m2, 1.0)
             }
             Self::Rollers { rollers, radius_m, top_radius_m, density_kg_per_m2, top_mass_ratio } => {
-                (shapes::rollers(rollers, radius_m, top_radius_m)?, density_kg_per_m2, top_mass_ratio)
+                let rollers = shapes::rollers(rollers, radius_m, top_radius_m)?;
+                (in_plane(&rollers), density_kg_per_m2, top_mass_ratio)
             }
             Self::Deposited { grains, seed, radius_m, intruder_radius_m, density_kg_per_m2 } => {
                 let radii = drawn(grains, seed, radius_m, intruder_radius_m, walls()?)?;
-                let deposited = deposit::deposit(&radii, walls()?).map_err(|radius| {
-                    format!("`sample`: no place in the box holds a disc of radius {} m", shown(radius))
-                })?;
-                let discs = deposited.into_iter().map(|(x, radius)| [x.x, x.y, radius]);
+                let deposited = deposit::deposit(&radii, walls()?).map_err(no_place)?;
+                let discs = deposited.into_iter().map(|(x, radius)| [x.x, x.y, 0.0, radius]);
                 (discs.collect(), density_kg_per_m2, 1.0)
             }
-            Self::Frozen { ref file } => return checked(frozen_discs(&folder.join(file))?),
+            Self::Spheres { ref spheres, density_kg_per_m3 } => (spheres.clone(), density_kg_per_m3, 1.0),
+            Self::SimpleCubic { counts, radius_m, density_kg_per_m3 } => {
+                (shapes::simple_cubic(counts, radius_m), density_kg_per_m3, 1.0)
+            }
+            Self::FaceCentred { counts, radius_m, density_kg_per_m3 } => {
+                (shapes::face_centred(counts, radius_m), density_kg_per_m3, 1.0)
+            }
+            Self::DepositedSpheres { grains, seed, radius_m, density_kg_per_m3 } => {
+                let behind = "`sample.kind` asks for walls behind and before: it needs `scene.box.depth_m`";
+                let size = [walls()?, depth.ok_or(behind)?];
+                drawn(grains, seed, radius_m, None, size[1])
+                    .map_err(|why| why.replace("width_m", "depth_m"))?;
+                let radii = drawn(grains, seed, radius_m, None, size[0])?;
+                (deposit::deposit_spheres(&radii, size, seed), density_kg_per_m3, 1.0)
+            }
+            Self::Frozen { ref file } => return checked(frozen(&folder.join(file))?.grains()),
         };
-        let disc = |&[x, y, radius]: &[f64; 3]| {
-            let mass = density * std::f64::consts::PI * radius * radius;
-            Disc { radius, mass, position: Vector2::new(x, y) }
+        let grain = |&[x, y, z, radius]: &[f64; 4]| {
+            let of_disc = density * std::f64::consts::PI * radius * radius;
+            let mass = if P::LEN > 2 { of_disc * radius * 4.0 / 3.0 } else { of_disc };
+            Grain { radius, mass, position: P::of([x, y, z]) }
         };
-        let mut discs: Vec<Disc> = placed.iter().map(disc).collect();
-        discs.iter_mut().rev().take(1).for_each(|top| top.mass *= top_mass_ratio);
-        checked(discs)
+        let mut grains: Vec<Grain<P>> = placed.iter().map(grain).collect();
+        grains.iter_mut().rev().take(1).for_each(|top| top.mass *= top_mass_ratio);
+        checked(grains)
     }
 }
 
-fn frozen_discs(file: &Path) -> Result<Vec<Disc>, String> {
-    Ok(AnyFrozen::read(file).map_err(|error| format!("`sample.file`: {error}"))?.discs())
+fn in_plane(discs: &[[f64; 3]]) -> Vec<[f64; 4]> {
+    discs.iter().map(|&[x, y, radius]| [x, y, 0.0, radius]).collect()
 }
 
-/// The discs, if there are some and all have a meaning.
-fn checked(discs: Vec<Disc>) -> Result<Vec<Disc>, String> {
-    let valid = |disc: &&Disc| {
-        is_positive(disc.mass) && is_positive(disc.radius) && disc.position.iter().all(|x| x.is_finite())
+fn no_place(radius: f64) -> String {
+    format!("`sample`: no place in the box holds a grain of radius {} m", shown(radius))
+}
+
+fn frozen(file: &Path) -> Result<AnyFrozen, String> {
+    AnyFrozen::read(file).map_err(|error| format!("`sample.file`: {error}"))
+}
+
+/// The grains, if there are some and all have a meaning.
+fn checked<P: Place>(grains: Vec<Grain<P>>) -> Result<Vec<Grain<P>>, String> {
+    let valid = |grain: &&Grain<P>| {
+        is_positive(grain.mass) && is_positive(grain.radius) && grain.position.is_finite()
     };
-    match discs.iter().find(|disc| !valid(disc)) {
-        Some(Disc { radius, mass, position }) => Err(format!(
-            "`sample` has a disc of radius {} m and mass {} kg at ({}, {}) m: radius and mass must be positive, all finite",
+    match grains.iter().find(|grain| !valid(grain)) {
+        Some(Grain { radius, mass, position }) => Err(format!(
+            "`sample` has a grain of radius {} m and mass {} kg at {} m: radius and mass must be positive, all finite",
             shown(*radius),
             shown(*mass),
-            shown(position.x),
-            shown(position.y)
+            position.text()
         )),
-        None if discs.is_empty() => Err("`sample` has no grain".to_owned()),
-        None => Ok(discs),
+        None if grains.is_empty() => Err("`sample` has no grain".to_owned()),
+        None => Ok(grains),
     }
 }
 

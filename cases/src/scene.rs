@@ -1,7 +1,6 @@
 //! A scene: gravity, the box and its motion, the contact law, the time step.
 
-use contact::{is_not_negative, is_positive, shown};
-use nalgebra::Vector2;
+use contact::{Place, is_not_negative, is_positive, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -58,12 +57,15 @@ pub enum Law {
     Iqs,
 }
 
-/// A floor at y = 0 and, with a width, two side walls with their feet at x = 0 and x = width.
+/// A floor at y = 0; with a width, two side walls with their feet at x = 0 and x = width; and, where grains are spheres, with a
+/// depth a wall behind, at z = 0, and one before, at z = depth.
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Walls {
     /// Distance between the feet of the side walls (m); without it there is a floor only.
     pub width_m: Option<f64>,
+    /// Distance between the walls behind and before spheres (m); without it there are none.
+    pub depth_m: Option<f64>,
     /// Rate at which the side walls tilt about their feet, towards +x (rad/s).
     #[serde(default)]
     pub tilt_rate_rad_per_s: f64,
@@ -91,7 +93,7 @@ pub struct Vibration {
     pub amplitude_m: f64,
     /// f (Hz).
     pub frequency_hz: f64,
-    /// Along x or y.
+    /// Along x, y or, for spheres, z.
     pub direction: Direction,
     /// φ (rad).
     #[serde(default)]
@@ -109,77 +111,99 @@ pub enum Direction {
     X,
     /// Vertical.
     Y,
+    /// Horizontal, towards who looks.
+    Z,
 }
 
-/// A wall at one instant: a straight line.
+/// A wall at one instant: a straight line, or a plane.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wall {
+pub(crate) struct Wall<P> {
     /// Unit normal into the box (–).
-    pub(crate) normal: Vector2<f64>,
+    pub(crate) normal: P,
     /// A point of the wall: its foot (m).
-    pub(crate) foot: Vector2<f64>,
+    pub(crate) foot: P,
 }
 
 impl Walls {
-    /// Floor, left and right wall from `time` to `time` + `span` (s).
-    pub(crate) fn over(&self, time: f64, span: f64) -> [Option<MovingWall>; 3] {
+    /// The walls from `time` to `time` + `span` (s), in the order of [`WALLS`](crate::detect::WALLS).
+    pub(crate) fn over<P: Place>(&self, time: f64, span: f64) -> [Option<MovingWall<P>>; 5] {
         let (now, next) = (self.at(time), self.at(time + span));
-        let belt = [self.belt_speed_m_per_s, 0.0, 0.0];
-        [0, 1, 2].map(|side| Some(MovingWall { now: now[side]?, next: next[side]?, span, belt: belt[side] }))
+        let still = P::of([0.0; 3]);
+        let belt = [P::of([self.belt_speed_m_per_s, 0.0, 0.0]), still, still, still, still];
+        std::array::from_fn(|side| {
+            Some(MovingWall { now: now[side]?, next: next[side]?, span, belt: belt[side] })
+        })
     }
 
-    /// Floor, left and right wall as they stand at `time` (s).
-    pub(crate) fn at(&self, time: f64) -> [Option<Wall>; 3] {
-        let foot = self.vibration.as_ref().map_or(Vector2::zeros(), |vibration| vibration.displacement(time));
+    /// The walls as they stand at `time` (s), in the order of [`WALLS`](crate::detect::WALLS).
+    pub(crate) fn at<P: Place>(&self, time: f64) -> [Option<Wall<P>>; 5] {
+        let foot = self.vibration.as_ref().map_or(P::ZERO, |vibration| vibration.displacement(time));
         let angle = self.tilt_rate_rad_per_s * (time - self.tilt_start_s).max(0.0);
         let (sin, cos) = (libm::sin(angle), libm::cos(angle));
         let closed = self.closing_speed_m_per_s * time;
-        let along = |x| foot + Vector2::new(x, 0.0);
-        let floor = Wall { normal: Vector2::y(), foot };
-        let left = |_| Wall { normal: Vector2::new(cos, -sin), foot: along(closed) };
-        let right = |width| Wall { normal: Vector2::new(-cos, sin), foot: along(width - closed) };
-        [Some(floor), self.width_m.map(left), self.width_m.map(right)]
+        let wall = |normal: [f64; 3], at: [f64; 3]| Wall { normal: P::of(normal), foot: foot + P::of(at) };
+        let floor = Wall { normal: P::of([0.0, 1.0, 0.0]), foot };
+        let left = |_| wall([cos, -sin, 0.0], [closed, 0.0, 0.0]);
+        let right = |width| wall([-cos, sin, 0.0], [width - closed, 0.0, 0.0]);
+        let back = |_| wall([0.0, 0.0, 1.0], [0.0; 3]);
+        let front = |depth| wall([0.0, 0.0, -1.0], [0.0, 0.0, depth]);
+        let depth = self.depth_m.filter(|_| P::LEN > 2);
+        [Some(floor), self.width_m.map(left), self.width_m.map(right), depth.map(back), depth.map(front)]
     }
 }
 
-impl Wall {
-    /// Gap between the wall and a disc (m).
-    pub(crate) fn gap(&self, position: Vector2<f64>, radius: f64) -> f64 {
-        self.normal.dot(&(position - self.foot)) - radius
+impl<P: Place> Wall<P> {
+    /// Gap between the wall and a grain (m).
+    pub(crate) fn gap(&self, position: P, radius: f64) -> f64 {
+        self.normal.dot_product(position - self.foot) - radius
     }
 }
 
 /// A wall as it stands at the beginning and at the end of a span of time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct MovingWall {
-    pub(crate) now: Wall,
-    next: Wall,
+pub(crate) struct MovingWall<P> {
+    pub(crate) now: Wall<P>,
+    next: Wall<P>,
     span: f64,
-    /// Speed along +x of a surface that slides (m/s).
-    belt: f64,
+    /// Velocity of a surface that slides (m/s).
+    belt: P,
 }
 
-impl MovingWall {
-    /// Rate at which the wall opens the gap of a disc at rest, on average over the span (m/s).
-    pub(crate) fn opening_rate(&self, position: Vector2<f64>) -> f64 {
+/// How a wall moves where a grain is, on average over a span of time.
+#[derive(Clone, Copy, Debug)]
+pub struct WallMotion<P> {
+    /// Rate at which it opens the gap of a grain at rest (m/s).
+    pub opening: f64,
+    /// Velocity of its surface (m/s), of which the part along it counts.
+    pub sliding: P,
+}
+
+impl<P: Place> WallMotion<P> {
+    /// None.
+    pub(crate) const NONE: Self = Self { opening: 0.0, sliding: P::ZERO };
+}
+
+impl<P: Place> MovingWall<P> {
+    /// Rate at which the wall opens the gap of a grain at rest, on average over the span (m/s).
+    pub(crate) fn opening_rate(&self, position: P) -> f64 {
         (self.next.gap(position, 0.0) - self.now.gap(position, 0.0)) / self.span
     }
 
-    /// Velocity of the surface along the tangent t = (−`n_y`, `n_x`), on average over the span (m/s): that of the foot, about which
-    /// the wall turns, and of a belt.
-    pub(crate) fn sliding_rate(&self) -> f64 {
-        let tangent = Vector2::new(-self.now.normal.y, self.now.normal.x);
-        tangent.dot(&((self.next.foot - self.now.foot) / self.span + Vector2::new(self.belt, 0.0)))
+    /// How it moves: its surface as its foot, about which it turns, and as a belt.
+    pub(crate) fn motion(&self, position: P) -> WallMotion<P> {
+        let sliding = (self.next.foot - self.now.foot) / self.span + self.belt;
+        WallMotion { opening: self.opening_rate(position), sliding }
     }
 }
 
 impl Vibration {
-    fn displacement(&self, time: f64) -> Vector2<f64> {
+    fn displacement<P: Place>(&self, time: f64) -> P {
         let turned = std::f64::consts::TAU * self.frequency_hz * (time - self.start_s).max(0.0);
         let value = self.amplitude_m * (libm::sin(turned + self.phase_rad) - libm::sin(self.phase_rad));
         match self.direction {
-            Direction::X => Vector2::new(value, 0.0),
-            Direction::Y => Vector2::new(0.0, value),
+            Direction::X => P::of([value, 0.0, 0.0]),
+            Direction::Y => P::of([0.0, value, 0.0]),
+            Direction::Z => P::of([0.0, 0.0, value]),
         }
     }
 }
@@ -191,13 +215,13 @@ impl Scene {
     }
 
     /// What gravity takes from velocities (m/s²).
-    pub(crate) fn gravity(&self) -> Vector2<f64> {
+    pub(crate) fn gravity<P: Place>(&self) -> P {
         let g = self.gravity_m_per_s2;
         // Nothing leans where there is no slope, to the sign of a zero.
         if self.slope_rad == 0.0 {
-            Vector2::new(0.0, g)
+            P::of([0.0, g, 0.0])
         } else {
-            Vector2::new(-g * libm::sin(self.slope_rad), g * libm::cos(self.slope_rad))
+            P::of([-g * libm::sin(self.slope_rad), g * libm::cos(self.slope_rad), 0.0])
         }
     }
 
@@ -225,9 +249,9 @@ impl Scene {
                 finite("box.vibration.phase_rad", vibration.phase_rad);
                 finite("box.vibration.start_s", vibration.start_s);
             }
-            values.extend(
-                walls.width_m.map(|width| ("box.width_m", width, is_positive(width), "positive and finite")),
-            );
+            for (key, length) in [("box.width_m", walls.width_m), ("box.depth_m", walls.depth_m)] {
+                values.extend(length.map(|length| (key, length, is_positive(length), "positive and finite")));
+            }
         }
         let of_walls = self.walls.as_ref().and_then(|walls| walls.friction);
         for (key, friction) in [("friction", self.friction), ("box.friction", of_walls)] {

@@ -1,4 +1,5 @@
-//! Discs placed by a formula: the column, the crystal, the zigzag, the rollers. Each is [x, y, radius] (m).
+//! Grains placed by a formula: the column, the crystals, the zigzag, the rollers. Each is [x, y, radius] or, in space, [x, y, z, radius]
+//! (m).
 
 use contact::shown;
 
@@ -64,4 +65,25 @@ pub(crate) fn rollers(rollers: u32, radius: f64, top: f64) -> Result<Vec<[f64; 3
     let left = right.iter().rev().filter(|x| **x > 0.0).map(|x| -x);
     let floor = left.chain(right.iter().copied()).map(|x| [x, touching(x), touching(x)]);
     Ok(floor.chain([[0.0, top + 2.0 * radius, top]]).collect())
+}
+
+/// Spheres each right above another.
+pub(crate) fn simple_cubic([columns, rows, layers]: [u32; 3], radius: f64) -> Vec<[f64; 4]> {
+    let at = |k: u32| (2.0 * f64::from(k) + 1.0) * radius;
+    let rows = (0..rows).flat_map(|y| (0..layers).map(move |z| (y, z)));
+    rows.flat_map(|(y, z)| (0..columns).map(move |x| [at(x), at(y), at(z), radius])).collect()
+}
+
+/// Square layers of spheres, each in the hollows of the one below: every other has one sphere less along x and along z.
+pub(crate) fn face_centred([columns, layers, deep]: [u32; 3], radius: f64) -> Vec<[f64; 4]> {
+    let mut spheres = Vec::new();
+    for layer in 0..layers {
+        let odd = layer % 2;
+        let at = |k: u32| (2.0 * f64::from(k) + 1.0 + f64::from(odd)) * radius;
+        let y = radius * (1.0 + 2.0_f64.sqrt() * f64::from(layer));
+        for z in 0..deep.saturating_sub(odd) {
+            spheres.extend((0..columns.saturating_sub(odd)).map(|x| [at(x), y, at(z), radius]));
+        }
+    }
+    spheres
 }

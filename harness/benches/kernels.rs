@@ -18,7 +18,7 @@ use partition::{CopySums, Decomposition, Grid, Partition, Scheme};
 /// Subdomains of about a thousand contacts.
 fn small_subdomains(frozen: &Frozen) -> Grid {
     let n = (frozen.problem.contact_count() / 1000).max(1).isqrt() as u32;
-    Grid { nx: n, ny: n }
+    Grid::of(n, n)
 }
 
 /// One `advance` of each method, after the first ten.

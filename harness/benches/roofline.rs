@@ -94,7 +94,7 @@ fn main() {
     for grains in common::sizes() {
         let problem = common::packing(grains).problem;
         let side = (problem.contact_count() / 1000).max(1).isqrt() as u32;
-        let small = NsgsDd { subdomains: Grid { nx: side, ny: side }, ..NsgsDd::default() };
+        let small = NsgsDd { subdomains: Grid::of(side, side), ..NsgsDd::default() };
         row("nsgs, natural order", &Nsgs::default(), &SWEEP, &problem);
         row("nsgs, coloured", &Nsgs { order: Order::Coloured, ..Nsgs::default() }, &SWEEP, &problem);
         row("nsgs-dd, small subdomains", &small, &SWEEP, &problem);

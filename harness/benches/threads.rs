@@ -25,7 +25,7 @@ fn main() {
     let pools = [1, threads].map(|threads| {
         ThreadPoolBuilder::new().num_threads(threads).build().unwrap_or_else(|error| panic!("{error}"))
     });
-    let subdomains = Grid { nx: SIDE, ny: SIDE };
+    let subdomains = Grid::of(SIDE, SIDE);
     let partition = Scheme::Balanced;
     let nsgs_dd = NsgsDd { subdomains, partition, ..NsgsDd::default() };
     // Directions that stay, so that no iteration factorises.

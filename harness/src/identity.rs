@@ -51,7 +51,7 @@ pub(crate) fn content_hash<M: Studied>(frozen: &Frozen<M>) -> String {
     number(problem.grain_count() as f64);
     number(problem.contact_count() as f64);
     problem.mass().iter().for_each(|m| number(M::weight(*m)));
-    problem.position().iter().flatten().for_each(|x| number(*x));
+    problem.position().iter().for_each(|x| x.each(&mut number));
     problem.free_velocity().iter().for_each(|v| v.each(&mut number));
     M::numbers(problem, &mut number);
     frozen.start.iter().for_each(|r| number(*r));

@@ -80,7 +80,7 @@ mod problems {
 
     pub(crate) use case::{CaseProblem, KeptProblem, first_hash, overrides, read_case};
     pub(crate) use files::{Kind, Root, is_toml, size, stem};
-    pub(crate) use mechanics::{AnyProblem, Studied, Visit, visit};
+    pub(crate) use mechanics::{AnyProblem, Enter, Studied, Visit, enter, visit};
     pub(crate) use planned::{PlannedProblem, Problem, planned, spectrum};
     pub(crate) use reference::{Given, Known, answer, pool};
     pub(crate) use scene::{Scene, TIME_STEP};

@@ -209,6 +209,9 @@ pub struct GrainRow {
     /// Centre (m).
     #[serde(with = "number")]
     pub y_m: f64,
+    /// Centre; 0 of discs (m).
+    #[serde(default, with = "number")]
+    pub z_m: f64,
     /// Radius (m).
     #[serde(with = "number")]
     pub radius_m: f64,
@@ -233,12 +236,18 @@ pub struct ContactRow {
     /// Centre of the candidate (m).
     #[serde(with = "number")]
     pub y0_m: f64,
+    /// Centre of the candidate; 0 of discs (m).
+    #[serde(default, with = "number")]
+    pub z0_m: f64,
     /// Centre of the antagonist, or the point of the wall that is touched (m).
     #[serde(with = "number")]
     pub x1_m: f64,
     /// Centre of the antagonist, or the point of the wall that is touched (m).
     #[serde(with = "number")]
     pub y1_m: f64,
+    /// Centre of the antagonist, or the point of the wall that is touched; 0 of discs (m).
+    #[serde(default, with = "number")]
+    pub z1_m: f64,
     /// Whether the antagonist is a wall.
     pub wall: bool,
     /// The subdomain of the contact.

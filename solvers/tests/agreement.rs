@@ -68,8 +68,8 @@ fn assert_agree(problem: &Packing, a: &Answer, b: &Answer) {
 fn assert_all_methods_agree_on(name: &str) {
     let problem = frozen(name).problem;
     let reference = Answer::of(&Cg::default(), "cg".into(), &problem, 1e-9);
-    let grid = |nx, ny| NsgsDd { subdomains: Grid { nx, ny }, ..NsgsDd::default() };
-    let latin = |nx, ny| LatinDd { subdomains: Grid { nx, ny }, ..LatinDd::default() };
+    let grid = |nx, ny| NsgsDd { subdomains: Grid::of(nx, ny), ..NsgsDd::default() };
+    let latin = |nx, ny| LatinDd { subdomains: Grid::of(nx, ny), ..LatinDd::default() };
     let methods: [(&str, &dyn Solver); 21] = [
         ("latin-dd 1x1", &latin(1, 1)),
         ("latin-dd 2x1", &latin(2, 1)),

@@ -85,7 +85,7 @@ fn column_of_discs_carries_its_weight() {
     let n = 12;
     let frozen = column(n);
     let weight = frozen.problem.mass()[0] * 9.81 * frozen.time_step;
-    let halves = Grid { nx: 1, ny: 2 };
+    let halves = Grid::of(1, 2);
     for solver in [
         &Nsgs::default() as &dyn Solver,
         &Jacobi::default(),

@@ -11,8 +11,7 @@ use nsgs_dd::{Exchange, NsgsDd};
 use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain};
 use proptest::prelude::*;
 
-const GRIDS: [Grid; 5] =
-    [Grid::ONE, Grid { nx: 2, ny: 1 }, Grid { nx: 2, ny: 2 }, Grid { nx: 4, ny: 2 }, Grid { nx: 5, ny: 5 }];
+const GRIDS: [Grid; 5] = [Grid::ONE, Grid::of(2, 1), Grid::of(2, 2), Grid::of(4, 2), Grid::of(5, 5)];
 
 fn fits(problem: &Packing, grid: Grid) -> bool {
     grid.count() <= problem.contact_count() as u64
@@ -65,7 +64,7 @@ fn partitions_of_packings_hold_every_contact_once_and_the_whole_mass() {
 #[test]
 fn balanced_subdomains_differ_by_one_contact() {
     let problem = frozen("shear-box-991-sheared").problem;
-    let partition = Partition::of_contacts(&problem, Scheme::Balanced, Grid { nx: 4, ny: 2 }).unwrap();
+    let partition = Partition::of_contacts(&problem, Scheme::Balanced, Grid::of(4, 2)).unwrap();
     let count = |e: u32| partition.subdomain.iter().filter(|other| **other == e).count();
     let counts: Vec<usize> = (0..8).map(count).collect();
     let mean = problem.contact_count() as f64 / 8.0;
@@ -78,7 +77,7 @@ fn balanced_subdomains_differ_by_one_contact() {
 #[test]
 fn every_copy_gets_the_sum_over_all_copies_in_the_order_of_the_subdomains() {
     let problem = frozen("shear-box-991-sheared").problem;
-    let partition = Partition::of_contacts(&problem, Scheme::Boxes, Grid { nx: 5, ny: 5 }).unwrap();
+    let partition = Partition::of_contacts(&problem, Scheme::Boxes, Grid::of(5, 5)).unwrap();
     let decomposition = Decomposition::new(&problem, &partition);
     let part = |e: u32, grain: u32| [1e16, 1.0, -1e16][(e + grain) as usize % 3] * f64::from(1 + grain);
     let mut expected = vec![0.0; problem.grain_count()];
@@ -132,7 +131,7 @@ fn glued_copies_move_at_the_velocity_of_the_whole_problem() {
     problem.velocity(&r, &mut before);
     problem.velocity(&sum, &mut after);
 
-    let partition = Partition::of_contacts(&problem, Scheme::Boxes, Grid { nx: 5, ny: 5 }).unwrap();
+    let partition = Partition::of_contacts(&problem, Scheme::Boxes, Grid::of(5, 5)).unwrap();
     let decomposition = Decomposition::new(&problem, &partition);
     assert!(*decomposition.multiplicity.iter().max().unwrap() >= 3, "the cut has corners");
     let mut velocity: Vec<Vec<Vector2<f64>>> = decomposition
@@ -177,7 +176,7 @@ fn critical_path_is_that_of_the_longest_subdomain() {
     let by_grid = |subdomains| path(&NsgsDd { subdomains, ..NsgsDd::default() }).unwrap();
     // Eight multiply-adds per contact; one subdomain has no copies.
     assert_eq!(by_grid(Grid::ONE), 8 * problem.contact_count() as u64);
-    assert!(by_grid(Grid { nx: 4, ny: 2 }) < by_grid(Grid::ONE) / 4);
+    assert!(by_grid(Grid::of(4, 2)) < by_grid(Grid::ONE) / 4);
     assert_eq!(path(&Nsgs::default()), None, "no subdomains");
 }
 
@@ -187,7 +186,7 @@ fn a_run_goes_on_as_one_that_starts_from_its_impulses() {
     for exchange in [Exchange::Jacobi, Exchange::GaussSeidel] {
         for mass_splitting in [true, false] {
             let settings = NsgsDd {
-                subdomains: Grid { nx: 5, ny: 5 },
+                subdomains: Grid::of(5, 5),
                 exchange,
                 mass_splitting,
                 inner_sweeps: 2,

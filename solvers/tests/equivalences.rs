@@ -40,7 +40,7 @@ fn latin_stays_at_a_solution() {
     let stop = Stop { tolerance: 1e-12, ..Stop::default() };
     let r0 = vec![0.0; problem.contact_count()];
     let solution = solve(&Cg::default(), &problem, &r0, &stop, &mut |_| {}).unwrap().impulses;
-    for subdomains in [Grid::ONE, Grid { nx: 4, ny: 2 }] {
+    for subdomains in [Grid::ONE, Grid::of(4, 2)] {
         let settings = LatinDd { subdomains, ..LatinDd::default() };
         let mut run = settings.start(&problem, &solution).unwrap();
         run.advance();
@@ -87,7 +87,7 @@ fn nsgs_dd_on_one_subdomain_is_nsgs() {
 fn gauss_seidel_exchange_with_whole_masses_is_nsgs_in_another_order() {
     let problem = frozen("shear-box-991-sheared").problem;
     // Eight columns: every second one has the first colour.
-    let grid = Grid { nx: 8, ny: 1 };
+    let grid = Grid::of(8, 1);
     let partition = Partition::of_contacts(&problem, Scheme::Boxes, grid).unwrap();
     let mut order: Vec<usize> = (0..problem.contact_count()).collect();
     order.sort_by_key(|contact| (partition.subdomain[*contact] % 2, partition.subdomain[*contact]));
@@ -140,7 +140,7 @@ fn mass_splitting_jacobi(problem: &Packing, r: &mut [f64]) {
 fn one_contact_per_subdomain_is_mass_splitting() {
     let problem = frozen("shear-box-991-onset").problem;
     let settings = NsgsDd {
-        subdomains: Grid { nx: problem.contact_count() as u32, ny: 1 },
+        subdomains: Grid::of(problem.contact_count() as u32, 1),
         partition: Scheme::Balanced,
         ..NsgsDd::default()
     };

@@ -145,7 +145,7 @@ fn a_solution_that_nobody_knew_is_no_false_convergence() {
 fn methods_agree_on_the_law_where_they_converge() {
     let problem = with_friction(&rough("rough-991-mu08").problem, 0.05);
     let diagonal = Cg { preconditioner: Preconditioner::Diagonal };
-    let grid = Grid { nx: 4, ny: 2 };
+    let grid = Grid::of(4, 2);
     let methods: [(&str, &dyn Solver<RoughDiscs>); 9] = [
         ("nsgs", &Nsgs::default()),
         ("nsgs bottom-up", &Nsgs { order: Order::BottomUp, ..Nsgs::default() }),
@@ -178,7 +178,7 @@ fn methods_agree_on_the_law_where_they_converge() {
 fn without_friction_each_iterate_is_that_of_discs() {
     let smooth = frozen("shear-box-991-onset").problem;
     let problem = roughened(&smooth, 0.0);
-    let grid = Grid { nx: 2, ny: 2 };
+    let grid = Grid::of(2, 2);
     let dd = NsgsDd { subdomains: grid, ..NsgsDd::default() };
     let diagonal = Cg { preconditioner: Preconditioner::Diagonal };
     let jacobi = Jacobi { relaxation: 0.3, bounded: false };

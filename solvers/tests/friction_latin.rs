@@ -56,7 +56,7 @@ fn latin_on_subdomains_reaches_the_velocity_that_it_reaches_on_one() {
     let one = run(Grid::ONE, false);
     let size = problem.velocity_distance(problem.free_velocity(), &one);
     for coarse in [false, true] {
-        let several = run(Grid { nx: 4, ny: 2 }, coarse);
+        let several = run(Grid::of(4, 2), coarse);
         // Ten times what the natural map was brought to.
         assert!(problem.velocity_distance(&one, &several) < 1e-8 * size, "coarse: {coarse}");
     }
@@ -72,7 +72,7 @@ fn latin_stays_at_the_solution_of_another_code() {
     problem.velocity(&solution, &mut velocity);
     let size = problem.velocity_distance(problem.free_velocity(), &velocity);
     let mut meter = RoughMeter::new(&problem);
-    for (subdomains, kappa_l) in [(Grid::ONE, 3.0), (Grid::ONE, 30.0), (Grid { nx: 4, ny: 2 }, 30.0)] {
+    for (subdomains, kappa_l) in [(Grid::ONE, 3.0), (Grid::ONE, 30.0), (Grid::of(4, 2), 30.0)] {
         let settings = LatinDd { subdomains, kappa_t: 2.0, ..latin(kappa_l) };
         let mut run = Solver::<RoughDiscs>::start(&settings, &problem, &solution).unwrap();
         let (mut r, mut moved) = (solution.clone(), velocity.clone());
@@ -97,7 +97,7 @@ fn latin_without_friction_has_the_iterates_of_a_mechanics_without_spins() {
     let smooth = smooth(&rough);
     let mut r = vec![f64::NAN; rough.impulse_count()];
     let mut normal = vec![f64::NAN; smooth.impulse_count()];
-    for subdomains in [Grid::ONE, Grid { nx: 4, ny: 2 }] {
+    for subdomains in [Grid::ONE, Grid::of(4, 2)] {
         let settings = LatinDd { subdomains, coarse: subdomains != Grid::ONE, ..latin(30.0) };
         let mut with_spins = settings.start(&rough, &vec![0.0; r.len()]).unwrap();
         let mut without = settings.start(&smooth, &vec![0.0; normal.len()]).unwrap();
@@ -118,7 +118,7 @@ fn latin_without_friction_has_the_iterates_of_a_mechanics_without_spins() {
 #[test]
 fn latin_exchanges_the_spins_of_copies_too() {
     let problem = rough("rough-991-mu08").problem;
-    let subdomains = Grid { nx: 4, ny: 2 };
+    let subdomains = Grid::of(4, 2);
     let partition = Partition::of_contacts(&problem, Scheme::Boxes, subdomains).unwrap();
     let copies = Decomposition::new(&problem, &partition).copy_count() as u64;
     let settings = LatinDd { subdomains, ..latin(3.0) };

@@ -21,7 +21,7 @@ use runner::{Status, Stop, solve};
 
 /// Every method by default, and the settings that are asking for trouble.
 pub(crate) fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
-    let grid = Grid { nx: 3, ny: 2 };
+    let grid = Grid::of(3, 2);
     let whole = NsgsDd { subdomains: grid, mass_splitting: false, ..NsgsDd::default() };
     let latin = LatinDd { subdomains: grid, ..LatinDd::default() };
     let kappa = |kappa: f64| LatinDd { kappa_l: Some(kappa), ..latin };

@@ -92,7 +92,7 @@ fn the_first_time_steps_of_cases_are_certified() {
         let file =
             Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(case).with_extension("toml");
         let case = cases::Case::read(&file, &[]).unwrap();
-        let mut march = cases::March::new(&case).unwrap();
+        let mut march = cases::March::<contact::Discs>::new(&case).unwrap();
         for _ in 0..4 {
             let step = march.next().unwrap();
             let answer = reference::solve(&step.frozen.problem);

@@ -21,3 +21,5 @@ mod problems;
 mod product;
 mod proportioning;
 mod reference;
+mod rough_spheres;
+mod spheres;

@@ -168,7 +168,7 @@ fn ends(solver: &dyn Solver, problem: &Packing) -> Status {
 fn whole_masses_fail_where_multiplicity_allows_it_and_split_masses_converge() {
     for (rollers, nx, fails) in [(2, 2, false), (4, 8, true), (8, 8, true), (16, 8, true)] {
         let problem = first_problem("balloon", &[("sample.rollers", &i32::to_string(&rollers))]).problem;
-        let subdomains = Grid { nx, ny: 1 };
+        let subdomains = Grid::of(nx, 1);
         let partition = Partition::of_contacts(&problem, Scheme::Boxes, subdomains).unwrap();
         let multiplicity = Decomposition::new(&problem, &partition).multiplicity.into_iter().max();
         let coupling = coupling(&problem, &partition.subdomain).unwrap();

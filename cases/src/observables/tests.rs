@@ -1,4 +1,5 @@
 use super::*;
+use nalgebra::Vector2;
 
 const RADIUS: [f64; 2] = [1.0, 0.05];
 const H: f64 = 0.01;

@@ -1,10 +1,10 @@
 //! `gravel certify`: what a solution leaves of the contact problem, condition by condition.
 
-use crate::problems::{Given, Root, answer, pool, size};
+use crate::problems::{Given, Root, Studied, answer, pool, size};
 use crate::terminal::{exit, say};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use cases::{AnyFrozen, Frozen};
-use contact::{ContactProblem, Meter, RoughDiscs, Truth};
+use contact::{ContactProblem, Meter, RoughDiscs, Smooth, Truth};
 use reference::{
     Answer, Certificate, ENERGY_ROUND_OFF, ROUND_OFF, RoughCertificate, certify, certify_rough, distance,
 };
@@ -28,6 +28,11 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     match AnyFrozen::read(&root.problem(&args.problem)?)? {
         AnyFrozen::Discs(frozen) => smooth(root, args, &frozen),
         AnyFrozen::RoughDiscs(frozen) => rough(root, args, &frozen),
+        AnyFrozen::Spheres(frozen) => smooth(root, args, &frozen),
+        AnyFrozen::RoughSpheres(frozen) => bail!(
+            "{}: solutions between spheres with friction are not certified: `gravel solve` tells what impulses leave of the law",
+            frozen.name
+        ),
     }
 }
 
@@ -87,7 +92,10 @@ fn print_rough(certificate: &RoughCertificate) -> Result<()> {
     Ok(())
 }
 
-fn smooth(root: &Root, args: &Args, frozen: &Frozen) -> Result<ExitCode> {
+fn smooth<const D: usize>(root: &Root, args: &Args, frozen: &Frozen<Smooth<D>>) -> Result<ExitCode>
+where
+    Smooth<D>: Studied,
+{
     let problem = &frozen.problem;
     let given = args.impulses.as_deref().map(|file| Given::read(file, problem)).transpose()?;
     let reference = answer(root, frozen)?;
@@ -147,7 +155,11 @@ fn print(certificate: &Certificate) -> Result<()> {
     Ok(())
 }
 
-fn print_errors(problem: &ContactProblem, truth: &Truth, impulses: &[f64]) -> Result<()> {
+fn print_errors<const D: usize>(
+    problem: &ContactProblem<Smooth<D>>,
+    truth: &Truth<Smooth<D>>,
+    impulses: &[f64],
+) -> Result<()> {
     let measures = Meter::new(problem).against(truth).measure(impulses, 0.0);
     say(format_args!("the given impulses beside it"))?;
     say(format_args!("  {:<17}{:>10.1e}", "velocity_error", measures.velocity_error))?;

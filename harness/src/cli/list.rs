@@ -4,10 +4,10 @@ use crate::cli::args::StudyArgs;
 use crate::cli::plan::runs;
 use crate::cli::schema::takes;
 use crate::plan::{External, Plan, methods};
-use crate::problems::{Kind, Root, size, stem};
+use crate::problems::{Kind, Root, Studied, Visit, size, stem, visit};
 use crate::terminal::{say, say_table};
 use anyhow::Result;
-use cases::{AnyFrozen, Case};
+use cases::{AnyFrozen, Case, Frozen};
 use clap::ValueEnum;
 use reports::Chart;
 
@@ -76,13 +76,21 @@ fn problems(root: &Root) -> Result<Vec<Vec<String>>> {
     let mut rows = Vec::new();
     for path in root.all(Kind::Frozen)? {
         let frozen = AnyFrozen::read(&path)?;
-        let size = match &frozen {
-            AnyFrozen::Discs(frozen) => size(&frozen.problem),
-            AnyFrozen::RoughDiscs(frozen) => size(&frozen.problem),
-        };
-        rows.push(vec![code(&stem(&path)), size, frozen.source().to_owned()]);
+        let source = frozen.source().to_owned();
+        rows.push(vec![code(&stem(&path)), visit(frozen, Size), source]);
     }
     Ok(rows)
+}
+
+/// The size of a problem, in words.
+struct Size;
+
+impl Visit for Size {
+    type Output = String;
+
+    fn visit<M: Studied>(self, frozen: Frozen<M>) -> String {
+        size(&frozen.problem)
+    }
 }
 
 /// With their numbers of runs if `counted`.

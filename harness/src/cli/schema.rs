@@ -7,6 +7,7 @@ use anyhow::Result;
 pub(crate) use cases::schema as of;
 use cases::{Case, Frozen};
 use clap::ValueEnum;
+use contact::{Discs, RoughDiscs, RoughSpheres, Spheres};
 use serde_json::{Map, Value, json};
 
 #[derive(clap::Args)]
@@ -28,14 +29,20 @@ enum What {
     Problem,
     /// The same with friction
     RoughProblem,
+    /// The same of spheres
+    SphereProblem,
+    /// The same of spheres with friction
+    RoughSphereProblem,
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     let schema = match args.what {
         What::Plan => plan(),
         What::Case => of::<Case>(),
-        What::Problem => Frozen::schema(),
-        What::RoughProblem => Frozen::rough_schema(),
+        What::Problem => Frozen::<Discs>::smooth_schema(),
+        What::RoughProblem => Frozen::<RoughDiscs>::rough_schema(),
+        What::SphereProblem => Frozen::<Spheres>::smooth_schema(),
+        What::RoughSphereProblem => Frozen::<RoughSpheres>::rough_schema(),
     };
     if args.markdown {
         return say_table(&["key", "takes", "means"], &keys::rows(&schema));

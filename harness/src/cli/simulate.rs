@@ -2,12 +2,11 @@
 
 use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::plan::{Method, Rule};
-use crate::problems::{Root, Studied, read_case};
+use crate::problems::{Enter, Root, Studied, enter, read_case};
 use crate::run::{End, Frames, Seen, missed, observed, through_time};
 use crate::terminal::{check_place, exit, merged, progress, say, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
-use contact::{Discs, RoughDiscs};
 use indicatif::ProgressBar;
 use results::simulation::Observed;
 use results::simulation::Totals;
@@ -66,10 +65,22 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     }
     let case = read_case(&root.case(&args.case)?, &args.changes.overrides)?;
     let (method, stop) = args.solver.read()?;
-    if case.scene.is_rough() {
-        marched::<RoughDiscs>(args, &case, &method, stop)
-    } else {
-        marched::<Discs>(args, &case, &method, stop)
+    enter(&case, Marched { args, case: &case, method: &method, stop })?
+}
+
+/// A case is to be marched.
+struct Marched<'a> {
+    args: &'a Args,
+    case: &'a Case,
+    method: &'a Method,
+    stop: Stop,
+}
+
+impl Enter for Marched<'_> {
+    type Output = Result<ExitCode>;
+
+    fn enter<M: Studied>(self) -> Result<ExitCode> {
+        marched::<M>(self.args, self.case, self.method, self.stop)
     }
 }
 

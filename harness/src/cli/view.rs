@@ -40,7 +40,7 @@ pub(crate) struct Args {
 /// What is shown of a problem that nobody asks for more of: what the page of the plan `paper` shows, directions that stay
 /// included; on fewer subdomains where there are not as many contacts.
 pub(super) fn runs_of(contacts: usize) -> [String; 3] {
-    const GRIDS: [Grid; 3] = [Grid { nx: 4, ny: 2 }, Grid { nx: 2, ny: 2 }, Grid { nx: 2, ny: 1 }];
+    const GRIDS: [Grid; 3] = [Grid::of(4, 2), Grid::of(2, 2), Grid::of(2, 1)];
     let grid = GRIDS.into_iter().find(|grid| grid.count() <= contacts as u64).unwrap_or(Grid::ONE);
     let latin = format!("latin-dd adaptive=false subdomains={grid}");
     ["nsgs".to_owned(), latin, "cg preconditioner=diagonal".to_owned()]

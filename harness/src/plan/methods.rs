@@ -6,7 +6,7 @@ use crate::plan::external::{External, Programme};
 use crate::problems::{Root, Studied};
 use crate::terminal::suggest;
 use anyhow::{Context, Result, anyhow, bail};
-use contact::{RoughDiscs, Solver};
+use contact::{RoughDiscs, RoughSpheres, Solver, Spheres};
 use partition::{Grid, Scheme};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -35,8 +35,10 @@ pub(crate) enum Runs {
 
 /// A method of ours, in each mechanics that it has.
 pub(crate) struct Ours {
-    pub(crate) smooth: Box<dyn Solver>,
-    pub(crate) rough: Option<Box<dyn Solver<RoughDiscs>>>,
+    pub(crate) discs: Box<dyn Solver>,
+    pub(crate) spheres: Box<dyn Solver<Spheres>>,
+    pub(crate) rough_discs: Option<Box<dyn Solver<RoughDiscs>>>,
+    pub(crate) rough_spheres: Option<Box<dyn Solver<RoughSpheres>>>,
 }
 
 /// A method by its name.
@@ -60,15 +62,12 @@ enum Source {
 
 /// Every method of ours: its name in plans and on the command line, and what it is.
 pub(crate) const METHODS: &[Entry] = &[
-    Entry::with_friction::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem"),
-    Entry::with_friction::<jacobi::Jacobi>("jacobi", "projected Jacobi with relaxation"),
+    Entry::of_every::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem"),
+    Entry::of_every::<jacobi::Jacobi>("jacobi", "projected Jacobi with relaxation"),
     Entry::with_friction::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart"),
     Entry::of::<gradient::Gradient>("gradient", "projected gradient with a fixed step"),
-    Entry::with_friction::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions"),
-    Entry::with_friction::<nsgs_dd::NsgsDd>(
-        "nsgs-dd",
-        "non-linear Gauss-Seidel by subdomains, with split masses",
-    ),
+    Entry::of_every::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions"),
+    Entry::of_every::<nsgs_dd::NsgsDd>("nsgs-dd", "non-linear Gauss-Seidel by subdomains, with split masses"),
     Entry::of::<mprgp::Mprgp>("mprgp", "proportioning with gradient projections of Dostál & Schöberl"),
     Entry::of::<apgd::Apgd>("apgd", "accelerated projected gradient of Mazhar et al."),
     Entry::of::<nncg::Nncg>("nncg", "non-smooth non-linear conjugate gradient of Silcowitz et al."),
@@ -83,7 +82,7 @@ impl Entry {
     /// A method for problems without friction: one whose theory needs a minimum.
     const fn of<S>(name: &'static str, what: &'static str) -> Self
     where
-        S: Solver + JsonSchema + Serialize + DeserializeOwned + 'static,
+        S: Solver + Solver<Spheres> + JsonSchema + Serialize + DeserializeOwned + Clone + 'static,
     {
         let build = build_smooth::<S>;
         Self {
@@ -93,12 +92,33 @@ impl Entry {
         }
     }
 
-    /// A method for problems with and without friction.
+    /// A method for problems with and without friction; between spheres without.
     const fn with_friction<S>(name: &'static str, what: &'static str) -> Self
     where
-        S: Solver + Solver<RoughDiscs> + JsonSchema + Serialize + DeserializeOwned + Clone + 'static,
+        S: Solver
+            + Solver<Spheres>
+            + Solver<RoughDiscs>
+            + JsonSchema
+            + Serialize
+            + DeserializeOwned
+            + Clone
+            + 'static,
     {
         let build = build_rough::<S>;
+        Self {
+            name,
+            what,
+            source: Source::Crate { code: code_version::<S>, schema: cases::schema::<S>, build },
+        }
+    }
+
+    /// A method for every mechanics.
+    const fn of_every<S>(name: &'static str, what: &'static str) -> Self
+    where
+        S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Solver<RoughSpheres>,
+        S: JsonSchema + Serialize + DeserializeOwned + Clone + 'static,
+    {
+        let build = build_every::<S>;
         Self {
             name,
             what,
@@ -191,7 +211,11 @@ impl Method {
     pub(crate) fn solver<M: Studied>(&self) -> Result<&dyn Solver<M>> {
         match &self.runs {
             Runs::Here(ours) => M::solver(ours).with_context(|| {
-                format!("method `{}` minimises an energy: with friction there is none", self.name)
+                if ours.rough_discs.is_none() {
+                    format!("method `{}` minimises an energy: with friction there is none", self.name)
+                } else {
+                    format!("method `{}` has no form for {}", self.name, M::NAME)
+                }
             }),
             Runs::Elsewhere(_) => {
                 bail!(
@@ -249,18 +273,37 @@ type Built = (Map<String, Value>, Ours);
 
 fn build_smooth<S>(settings: Map<String, Value>) -> Result<Built>
 where
-    S: Solver + Serialize + DeserializeOwned + 'static,
+    S: Solver + Solver<Spheres> + Serialize + DeserializeOwned + Clone + 'static,
 {
     let (settings, solver) = read::<S>(settings)?;
-    Ok((settings, Ours { smooth: Box::new(solver), rough: None }))
+    Ok((
+        settings,
+        Ours {
+            discs: Box::new(solver.clone()),
+            spheres: Box::new(solver),
+            rough_discs: None,
+            rough_spheres: None,
+        },
+    ))
 }
 
 fn build_rough<S>(settings: Map<String, Value>) -> Result<Built>
 where
-    S: Solver + Solver<RoughDiscs> + Serialize + DeserializeOwned + Clone + 'static,
+    S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Serialize + DeserializeOwned + Clone + 'static,
 {
-    let (settings, solver) = read::<S>(settings)?;
-    Ok((settings, Ours { smooth: Box::new(solver.clone()), rough: Some(Box::new(solver)) }))
+    let (settings, ours) = build_smooth::<S>(settings)?;
+    let (_, solver) = read::<S>(settings.clone())?;
+    Ok((settings, Ours { rough_discs: Some(Box::new(solver)), ..ours }))
+}
+
+fn build_every<S>(settings: Map<String, Value>) -> Result<Built>
+where
+    S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Solver<RoughSpheres>,
+    S: Serialize + DeserializeOwned + Clone + 'static,
+{
+    let (settings, ours) = build_rough::<S>(settings)?;
+    let (_, solver) = read::<S>(settings.clone())?;
+    Ok((settings, Ours { rough_spheres: Some(Box::new(solver)), ..ours }))
 }
 
 fn read<S: Serialize + DeserializeOwned>(settings: Map<String, Value>) -> Result<(Map<String, Value>, S)> {

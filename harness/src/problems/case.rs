@@ -2,12 +2,11 @@
 
 use crate::identity::{code_version, content_hash, hash_of};
 use crate::plan::{Method, Settings, as_typed};
-use crate::problems::{Root, Studied};
+use crate::problems::{Enter, Root, Studied, enter};
 use crate::terminal::{progress, read_text, say, suggest, write_kept};
 use anyhow::{Result, bail};
 use cases::{AnyFrozen, Case, March, Sample};
 use cg::Cg;
-use contact::{Discs, RoughDiscs};
 use results::provenance::available_memory;
 use runner::{Status, Stop};
 use serde_json::{Value, json};
@@ -73,11 +72,7 @@ impl CaseProblem {
     /// The problem after time steps solved by `method`, with a bar on anything long. Its source names what was replaced,
     /// `how` it was reached, and how many of the time steps before did not converge, which is printed as well.
     pub(crate) fn problem_after(&self, method: &Method, stop: &Stop, how: &str) -> Result<AnyFrozen> {
-        if self.case.scene.is_rough() {
-            self.marched::<RoughDiscs>(method, stop, how)
-        } else {
-            self.marched::<Discs>(method, stop, how)
-        }
+        enter(&self.case, Reached { problem: self, method, stop, how })?
     }
 
     fn marched<M: Studied>(&self, method: &Method, stop: &Stop, how: &str) -> Result<AnyFrozen> {
@@ -104,6 +99,22 @@ impl CaseProblem {
     }
 }
 
+/// The problem of a case, reached by a method.
+struct Reached<'c> {
+    problem: &'c CaseProblem,
+    method: &'c Method,
+    stop: &'c Stop,
+    how: &'c str,
+}
+
+impl Enter for Reached<'_> {
+    type Output = Result<AnyFrozen>;
+
+    fn enter<M: Studied>(self) -> Result<AnyFrozen> {
+        self.problem.marched::<M>(self.method, self.stop, self.how)
+    }
+}
+
 /// The problem of a case for studies: computed once, then kept under `results/problems`.
 pub(crate) struct KeptProblem {
     pub(crate) of: CaseProblem,
@@ -118,7 +129,7 @@ impl KeptProblem {
         // The first problem of the case shows whether its sample is possible, and what another file holds of it; a deposit
         // may take long, and its settings say all of it.
         let first = match of.case.sample {
-            Sample::Deposited { .. } => None,
+            Sample::Deposited { .. } | Sample::DepositedSpheres { .. } => None,
             _ => Some(first_hash(&of.case)?),
         };
         // The code that computes it.
@@ -153,11 +164,18 @@ impl KeptProblem {
 
 /// Hash of the first problem of a case.
 pub(crate) fn first_hash(case: &Case) -> Result<String> {
-    Ok(if case.scene.is_rough() {
-        content_hash(&March::<RoughDiscs>::new(case)?.next()?.frozen)
-    } else {
-        content_hash(&March::<Discs>::new(case)?.next()?.frozen)
-    })
+    enter(case, First(case))?
+}
+
+/// The first problem of a case.
+struct First<'c>(&'c Case);
+
+impl Enter for First<'_> {
+    type Output = Result<String>;
+
+    fn enter<M: Studied>(self) -> Result<String> {
+        Ok(content_hash(&March::<M>::new(self.0)?.next()?.frozen))
+    }
 }
 
 /// Settings as they are typed.
@@ -171,20 +189,22 @@ pub(crate) fn overrides(settings: &Settings) -> Vec<(String, String)> {
 const PER_GRAIN: f64 = 200.0;
 const PER_CONTACT: f64 = 250.0;
 
-/// A grain has two contacts of its own in a packing of discs, or a little less.
-const CONTACTS_PER_GRAIN: f64 = 2.0;
+/// A grain has two contacts of its own in a packing of discs, three in one of spheres, or a little less.
+const CONTACTS_PER_GRAIN: [f64; 2] = [2.0, 3.0];
 
 /// Names the key that asks for more than is `free` (B).
 pub(crate) fn fits(case: &Case, free: Option<u64>) -> Result<(), String> {
     let copies = case.scene.contact_copies;
     let in_the_file = || match &case.sample {
         Sample::Discs { discs, .. } => discs.len() as u64,
+        Sample::Spheres { spheres, .. } => spheres.len() as u64,
         // Those of another file are counted once it is read, and it has been written.
         _ => 1000,
     };
     let (key, grains) = case.sample.grains().unwrap_or_else(|| ("sample", in_the_file()));
     let (key, value) = if copies > 1000 { ("scene.contact_copies", copies.into()) } else { (key, grains) };
-    let needed = grains as f64 * (PER_GRAIN + CONTACTS_PER_GRAIN * f64::from(copies) * PER_CONTACT);
+    let of_grain = CONTACTS_PER_GRAIN[usize::from(case.in_space().is_ok_and(|in_space| in_space))];
+    let needed = grains as f64 * (PER_GRAIN + of_grain * f64::from(copies) * PER_CONTACT);
     match free {
         Some(free) if needed > free as f64 => Err(format!(
             "`{key}` is {value}: the scene needs about {} of memory, and {} are free",

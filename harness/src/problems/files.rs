@@ -2,7 +2,7 @@
 
 use crate::terminal::{read_text, suggest};
 use anyhow::{Context, Result, bail};
-use contact::{ContactProblem, Discs, Mechanics};
+use contact::{ContactProblem, Discs, Mechanics, RoughSpheres, Spheres};
 use std::path::{Path, PathBuf};
 
 /// The checkout, if there is one: a problem, a case or a schema needs none.
@@ -182,7 +182,12 @@ impl Kind {
 
 /// How large a problem is, in words.
 pub(crate) fn size<M: Mechanics>(problem: &ContactProblem<M>) -> String {
-    let of = if M::NAME == Discs::NAME { "" } else { " with friction" };
+    let of = match M::NAME {
+        Discs::NAME => "",
+        Spheres::NAME => " between spheres",
+        RoughSpheres::NAME => " between spheres with friction",
+        _ => " with friction",
+    };
     format!("{} grains, {} contacts{of}", problem.grain_count(), problem.contact_count())
 }
 

@@ -5,9 +5,12 @@ use crate::problems::reference::{known_rough, known_smooth};
 use crate::problems::{Known, Root, spectrum};
 use crate::run::{Ended, Observe, climb};
 use anyhow::{Result, bail};
-use cases::{AnyFrozen, Frozen, Marched};
-use contact::{Contact, ContactProblem, Discs, Mechanics, RoughContact, RoughDiscs, Solver, Truth};
-use nalgebra::{Vector2, Vector3};
+use cases::{AnyFrozen, Case, CaseError, Frozen, Marched};
+use contact::{
+    Contact, ContactProblem, Discs, Mechanics, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth,
+    Solver, Spheres, Truth,
+};
+use nalgebra::{Vector2, Vector3, Vector6};
 use runner::Stop;
 
 /// What the program asks of a mechanics, beside what a march does.
@@ -55,7 +58,7 @@ const SLIDES: f64 = 1e-6;
 
 impl Studied for Discs {
     fn solver(ours: &Ours) -> Option<&dyn Solver> {
-        Some(&*ours.smooth)
+        Some(&*ours.discs)
     }
 
     fn known(root: &Root, frozen: &Frozen) -> Result<Known> {
@@ -79,12 +82,7 @@ impl Studied for Discs {
     }
 
     fn numbers(problem: &ContactProblem, number: &mut dyn FnMut(f64)) {
-        for contact in problem.contacts() {
-            number(f64::from(contact.candidate));
-            number(contact.antagonist.map_or(-1.0, f64::from));
-            contact.normal.iter().for_each(|x| number(*x));
-            number(contact.offset);
-        }
+        numbers(problem, number);
     }
 
     fn to_json(frozen: &Frozen) -> serde_json::Result<String> {
@@ -107,9 +105,68 @@ impl Studied for Discs {
     }
 }
 
+/// What a method sees of contacts without friction.
+fn numbers<const D: usize>(problem: &ContactProblem<Smooth<D>>, number: &mut dyn FnMut(f64)) {
+    for contact in problem.contacts() {
+        number(f64::from(contact.candidate));
+        number(contact.antagonist.map_or(-1.0, f64::from));
+        contact.normal.iter().for_each(|x| number(*x));
+        number(contact.offset);
+    }
+}
+
+impl Studied for Spheres {
+    fn solver(ours: &Ours) -> Option<&dyn Solver<Self>> {
+        Some(&*ours.spheres)
+    }
+
+    fn known(root: &Root, frozen: &Frozen<Self>) -> Result<Known<Self>> {
+        known_smooth(root, frozen)
+    }
+
+    fn spectrum(problem: &ContactProblem<Self>, known: &Known<Self>) -> Settings {
+        spectrum(problem, known)
+    }
+
+    fn coupling(problem: &ContactProblem<Self>, subdomain: &[u32]) -> Option<f64> {
+        analysis::coupling(problem, subdomain)
+    }
+
+    fn spin(_: Vector3<f64>) -> Option<f64> {
+        None
+    }
+
+    fn of_contacts(_: &[Contact<3>], _: &[f64]) -> Vec<(&'static str, Vec<f64>)> {
+        Vec::new()
+    }
+
+    fn numbers(problem: &ContactProblem<Self>, number: &mut dyn FnMut(f64)) {
+        numbers(problem, number);
+    }
+
+    fn to_json(frozen: &Frozen<Self>) -> serde_json::Result<String> {
+        frozen.to_json()
+    }
+
+    fn any(frozen: Frozen<Self>) -> AnyFrozen {
+        AnyFrozen::Spheres(frozen)
+    }
+
+    fn elsewhere(
+        programme: &Programme,
+        _: Option<&Truth<Self>>,
+        _: &Frozen<Self>,
+        _: &[f64],
+        _: &Stop,
+        _: &mut Observe,
+    ) -> Result<Ended<Self>> {
+        bail!("{} does not solve problems of {}", programme.code.name, Self::NAME)
+    }
+}
+
 impl Studied for RoughDiscs {
     fn solver(ours: &Ours) -> Option<&dyn Solver<Self>> {
-        ours.rough.as_deref()
+        ours.rough_discs.as_deref()
     }
 
     fn known(root: &Root, frozen: &Frozen<Self>) -> Result<Known<Self>> {
@@ -131,33 +188,18 @@ impl Studied for RoughDiscs {
 
     /// Tangential impulses along t = (−`n_y`, `n_x`); and 0 for a contact that is open, 1 for one that sticks, 2 for one that slides.
     fn of_contacts(contacts: &[RoughContact], r: &[f64]) -> Vec<(&'static str, Vec<f64>)> {
-        let status = |(contact, r): (&RoughContact, &[f64])| {
-            if r[0] <= 0.0 {
-                0.0
-            } else if r[1].abs() < (1.0 - SLIDES) * contact.friction * r[0] {
-                1.0
-            } else {
-                2.0
-            }
-        };
+        let of = |(contact, r): (&RoughContact, &[f64])| status(contact.friction, r[0], r[1].abs());
         let tangential = r.iter().skip(1).step_by(2).copied().collect();
-        let statuses = contacts.iter().zip(r.chunks_exact(2)).map(status).collect();
+        let statuses = contacts.iter().zip(r.chunks_exact(2)).map(of).collect();
         vec![("tangential_impulse_n_s", tangential), ("status", statuses)]
     }
 
     fn numbers(problem: &ContactProblem<Self>, number: &mut dyn FnMut(f64)) {
-        problem.mass().iter().for_each(|mass| number(mass.inertia));
-        for contact in problem.contacts() {
-            number(f64::from(contact.candidate));
-            number(contact.antagonist.map_or(-1.0, f64::from));
-            let vectors = [contact.normal, contact.arms, contact.offset];
-            vectors.iter().flatten().for_each(|x| number(*x));
-            number(contact.friction);
-        }
+        rough_numbers(problem.mass(), problem.contacts(), number);
     }
 
     fn to_json(frozen: &Frozen<Self>) -> serde_json::Result<String> {
-        frozen.to_json()
+        frozen.to_rough_json()
     }
 
     fn any(frozen: Frozen<Self>) -> AnyFrozen {
@@ -173,6 +215,87 @@ impl Studied for RoughDiscs {
         _: &mut Observe,
     ) -> Result<Ended<Self>> {
         bail!("{} does not solve problems of {}", programme.code.name, Self::NAME)
+    }
+}
+
+impl Studied for RoughSpheres {
+    fn solver(ours: &Ours) -> Option<&dyn Solver<Self>> {
+        ours.rough_spheres.as_deref()
+    }
+
+    /// Nothing: no method that ends with a certificate is there.
+    fn known(_: &Root, _: &Frozen<Self>) -> Result<Known<Self>> {
+        Ok(Known::default())
+    }
+
+    fn spectrum(_: &ContactProblem<Self>, _: &Known<Self>) -> Settings {
+        Settings::new()
+    }
+
+    fn coupling(_: &ContactProblem<Self>, _: &[u32]) -> Option<f64> {
+        None
+    }
+
+    /// None about one axis.
+    fn spin(_: Vector6<f64>) -> Option<f64> {
+        None
+    }
+
+    /// The sizes of tangential impulses, and the status of each contact as in the plane.
+    fn of_contacts(contacts: &[RoughContact<3>], r: &[f64]) -> Vec<(&'static str, Vec<f64>)> {
+        let along = |r: &[f64]| r[1].hypot(r[2]);
+        let of = |(contact, r): (&RoughContact<3>, &[f64])| status(contact.friction, r[0], along(r));
+        let statuses = contacts.iter().zip(r.chunks_exact(3)).map(of).collect();
+        vec![("tangential_impulse_n_s", r.chunks_exact(3).map(along).collect()), ("status", statuses)]
+    }
+
+    fn numbers(problem: &ContactProblem<Self>, number: &mut dyn FnMut(f64)) {
+        rough_numbers(problem.mass(), problem.contacts(), number);
+    }
+
+    fn to_json(frozen: &Frozen<Self>) -> serde_json::Result<String> {
+        frozen.to_rough_json()
+    }
+
+    fn any(frozen: Frozen<Self>) -> AnyFrozen {
+        AnyFrozen::RoughSpheres(frozen)
+    }
+
+    fn elsewhere(
+        programme: &Programme,
+        _: Option<&Truth<Self>>,
+        _: &Frozen<Self>,
+        _: &[f64],
+        _: &Stop,
+        _: &mut Observe,
+    ) -> Result<Ended<Self>> {
+        bail!("{} does not solve problems of {}", programme.code.name, Self::NAME)
+    }
+}
+
+/// 0 for a contact that is open, 1 for one that sticks, 2 for one that slides.
+fn status(friction: f64, normal: f64, along: f64) -> f64 {
+    if normal <= 0.0 {
+        0.0
+    } else if along < (1.0 - SLIDES) * friction * normal {
+        1.0
+    } else {
+        2.0
+    }
+}
+
+/// What a method sees of grains and contacts with friction.
+fn rough_numbers<const D: usize>(
+    mass: &[RoughMass],
+    contacts: &[RoughContact<D>],
+    number: &mut dyn FnMut(f64),
+) {
+    mass.iter().for_each(|mass| number(mass.inertia));
+    for contact in contacts {
+        number(f64::from(contact.candidate));
+        number(contact.antagonist.map_or(-1.0, f64::from));
+        contact.normal.iter().chain(&contact.arms).chain(&contact.offset).for_each(|x| number(*x));
+        number(contact.friction);
     }
 }
 
@@ -193,5 +316,26 @@ pub(crate) fn visit<V: Visit>(frozen: AnyFrozen, visitor: V) -> V::Output {
     match frozen {
         AnyFrozen::Discs(frozen) => visitor.visit(frozen),
         AnyFrozen::RoughDiscs(frozen) => visitor.visit(frozen),
+        AnyFrozen::Spheres(frozen) => visitor.visit(frozen),
+        AnyFrozen::RoughSpheres(frozen) => visitor.visit(frozen),
+    }
+}
+
+/// What is done with a case, whatever its mechanics.
+pub(crate) trait Enter {
+    /// What it gives.
+    type Output;
+
+    /// Does it.
+    fn enter<M: Studied>(self) -> Self::Output;
+}
+
+/// Tells the mechanics of cases apart.
+pub(crate) fn enter<E: Enter>(case: &Case, visitor: E) -> Result<E::Output, CaseError> {
+    match (case.in_space()?, case.scene.is_rough()) {
+        (false, false) => Ok(visitor.enter::<Discs>()),
+        (false, true) => Ok(visitor.enter::<RoughDiscs>()),
+        (true, false) => Ok(visitor.enter::<Spheres>()),
+        (true, true) => Ok(visitor.enter::<RoughSpheres>()),
     }
 }

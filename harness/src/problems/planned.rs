@@ -9,10 +9,10 @@ use crate::problems::{
 use analysis::Spectrum;
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
-use contact::{ContactProblem, Discs, Mechanics};
+use contact::{ContactProblem, Discs, Mechanics, Smooth};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// A problem of a study, before it is computed; or a scene of a study through time.
@@ -69,10 +69,7 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
         let path = frozen_path(root, name).context("`problems`")?;
         let frozen = Box::new(AnyFrozen::read(&path)?);
         let beside = path.with_extension("solution.json");
-        let read = || match &*frozen {
-            AnyFrozen::Discs(frozen) => Given::read(&beside, &frozen.problem),
-            AnyFrozen::RoughDiscs(frozen) => Given::read(&beside, &frozen.problem),
-        };
+        let read = || visit((*frozen).clone(), Answered(&beside));
         let given = beside.is_file().then(read).transpose()?;
         let (name, settings) = (frozen.name().to_owned(), Settings::new());
         let source = Source::Frozen(frozen, given);
@@ -169,6 +166,17 @@ impl PlannedProblem {
     }
 }
 
+/// What another code answered, in a file.
+struct Answered<'p>(&'p Path);
+
+impl Visit for Answered<'_> {
+    type Output = Result<Given>;
+
+    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Result<Given> {
+        Given::read(self.0, &frozen.problem)
+    }
+}
+
 /// Of a planned problem, with what another code answered.
 struct Begun<'p> {
     planned: &'p PlannedProblem,
@@ -192,7 +200,10 @@ impl Visit for Begun<'_> {
 const CLOSED: f64 = 1e-8;
 
 /// The eigenvalues of `problem`, of which `known` gives the closed contacts, if it does.
-pub(crate) fn spectrum(problem: &ContactProblem, known: &Known) -> Settings {
+pub(crate) fn spectrum<const D: usize>(
+    problem: &ContactProblem<Smooth<D>>,
+    known: &Known<Smooth<D>>,
+) -> Settings {
     let closed = known.nearest().map(|truth| {
         let mut v = vec![0.0; problem.contact_count()];
         problem.relative_velocity(truth.velocity(), &mut v);

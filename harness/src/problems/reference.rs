@@ -1,12 +1,12 @@
 //! Reference solutions: computed once for each problem, kept in `results/references`, certified again each time they are read.
 
 use crate::identity::{code_version, content_hash};
-use crate::problems::Root;
+use crate::problems::{Root, Studied};
 use crate::terminal::{progress, read_text, write_kept};
 use analysis::proves_infeasible;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{Frozen, all_missing};
-use contact::{ContactProblem, Discs, Mechanics, RoughDiscs, Truth, Vector};
+use contact::{ContactProblem, Discs, Mechanics, RoughDiscs, Smooth, Truth, Vector};
 use reference::{Answer, InteriorPoint, RoughSolution, certify, certify_rough, solve_rough, take};
 use runner::Status;
 use schemars::JsonSchema;
@@ -120,7 +120,13 @@ enum Kept {
 }
 
 /// What is known of a problem without friction, from `results/references` if it is there, else computed and kept there.
-pub(crate) fn known_smooth(root: &Root, frozen: &Frozen) -> Result<Known> {
+pub(crate) fn known_smooth<const D: usize>(
+    root: &Root,
+    frozen: &Frozen<Smooth<D>>,
+) -> Result<Known<Smooth<D>>>
+where
+    Smooth<D>: Studied,
+{
     Ok(match answer(root, frozen)? {
         Answer::Solution { impulses, .. } => Known::of(&frozen.problem, vec![impulses]),
         Answer::Infeasible { .. } => {
@@ -201,7 +207,10 @@ struct Pool {
 }
 
 /// The reference of a problem, kept or computed.
-pub(crate) fn answer(root: &Root, frozen: &Frozen) -> Result<Answer> {
+pub(crate) fn answer<const D: usize>(root: &Root, frozen: &Frozen<Smooth<D>>) -> Result<Answer>
+where
+    Smooth<D>: Studied,
+{
     let kept = root.kept("results/references", &format!("{}.json", content_hash(frozen)));
     if let Some(path) = kept.as_deref().filter(|path| path.exists()) {
         match read(path, &frozen.problem) {
@@ -221,7 +230,7 @@ pub(crate) fn answer(root: &Root, frozen: &Frozen) -> Result<Answer> {
 }
 
 /// Reads a kept answer, and believes nothing of it that the problem does not confirm.
-fn read(path: &Path, problem: &ContactProblem) -> Result<Answer> {
+fn read<const D: usize>(path: &Path, problem: &ContactProblem<Smooth<D>>) -> Result<Answer> {
     let file = || path.display().to_string();
     let kept: Kept = serde_json::from_str(&read_text(path)?).with_context(file)?;
     let (Kept::Impulses(values) | Kept::Ray(values)) = &kept;

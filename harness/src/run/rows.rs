@@ -4,8 +4,7 @@ use crate::plan::{Plan, Variant};
 use crate::problems::{Given, Problem, Studied};
 use crate::run::first_at;
 use cases::Frozen;
-use contact::{Adjacency, Measure, Measuring, Mechanics, Touch, Truth, Vector, Work};
-use nalgebra::Vector2;
+use contact::{Adjacency, Measure, Measuring, Mechanics, Place, Touch, Truth, Vector, Work};
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample};
 use runner::Outcome;
@@ -105,6 +104,7 @@ pub(crate) fn scene_rows<M: Mechanics>(
 ) -> (Vec<GrainRow>, Vec<ContactRow>) {
     let problem = &frozen.problem;
     let (mut grains, mut contacts) = (Vec::new(), Vec::new());
+    let place = |grain: usize| problem.position()[grain].space();
     for (name, grid, scheme) in partitions {
         let Ok(partition) = Partition::of_contacts(problem, *scheme, *grid) else { continue };
         let decomposition = Decomposition::new(problem, &partition);
@@ -113,22 +113,25 @@ pub(crate) fn scene_rows<M: Mechanics>(
             problem: frozen.name.clone(),
             partition: name.clone(),
             grain: grain as u32,
-            x_m: problem.position()[grain].x,
-            y_m: problem.position()[grain].y,
+            x_m: place(grain)[0],
+            y_m: place(grain)[1],
+            z_m: place(grain)[2],
             radius_m: frozen.radius[grain],
             subdomain: most_contacts[grain],
             multiplicity: decomposition.multiplicity[grain],
         }));
         contacts.extend((0..problem.contact_count()).map(|contact| {
-            let (from, to) = ends(frozen, contact);
+            let [from, to] = ends(frozen, contact).map(Place::space);
             ContactRow {
                 problem: frozen.name.clone(),
                 partition: name.clone(),
                 contact: contact as u32,
-                x0_m: from.x,
-                y0_m: from.y,
-                x1_m: to.x,
-                y1_m: to.y,
+                x0_m: from[0],
+                y0_m: from[1],
+                z0_m: from[2],
+                x1_m: to[0],
+                y1_m: to[1],
+                z1_m: to[2],
                 wall: problem.contacts()[contact].ends().1.is_none(),
                 subdomain: partition.subdomain[contact],
                 impulse_n_s: impulses.map_or(f64::NAN, |r| M::Impulse::at(r, contact).first()),
@@ -139,13 +142,13 @@ pub(crate) fn scene_rows<M: Mechanics>(
 }
 
 /// Centre of the candidate, and centre of the antagonist or the touched point of a wall (m).
-fn ends<M: Mechanics>(frozen: &Frozen<M>, contact: usize) -> (Vector2<f64>, Vector2<f64>) {
+fn ends<M: Mechanics>(frozen: &Frozen<M>, contact: usize) -> [M::Place; 2] {
     let (position, gap) = (frozen.problem.position(), frozen.gap[contact]);
     let contact = &frozen.problem.contacts()[contact];
     let (candidate, antagonist) = contact.ends();
     let from = position[candidate as usize];
     let to_wall = frozen.radius[candidate as usize] + gap;
-    (from, antagonist.map_or(from - contact.normal() * to_wall, |j| position[j as usize]))
+    [from, antagonist.map_or(from - contact.normal() * to_wall, |j| position[j as usize])]
 }
 
 /// The subdomain with most of each grain's contacts, the first among equals.

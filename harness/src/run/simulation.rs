@@ -1,12 +1,12 @@
 //! A scene through time: one method, one rule, until the end, an explosion or a refusal; and its row and series.
 
 use crate::plan::Rule;
-use crate::problems::{Scene, Studied};
+use crate::problems::{Enter, Scene, Studied, enter};
 use crate::run::{Conditions, Task};
 use crate::terminal::write_kept;
 use anyhow::Result;
 use cases::{CaseError, Frozen, March, Observables, TimeStep};
-use contact::{Discs, Mechanics, RoughDiscs, Solver};
+use contact::{Discs, Mechanics, Solver};
 use results::schema::{Provenance, Timing};
 use results::simulation::{Observed, Simulated, Simulation, Totals};
 use results::store::LAST_STATES;
@@ -39,10 +39,21 @@ pub(crate) fn run_simulation(
     task: &Task<Through>,
     conditions: &Conditions,
 ) -> Result<Option<Simulated>> {
-    if task.what.scene.case.scene.is_rough() {
-        simulated::<RoughDiscs>(plan, task, conditions)
-    } else {
-        simulated::<Discs>(plan, task, conditions)
+    enter(&task.what.scene.case, Entered { plan, task, conditions })?
+}
+
+/// A simulation is to be run.
+struct Entered<'a> {
+    plan: &'a str,
+    task: &'a Task<'a, Through<'a>>,
+    conditions: &'a Conditions<'a>,
+}
+
+impl Enter for Entered<'_> {
+    type Output = Result<Option<Simulated>>;
+
+    fn enter<M: Studied>(self) -> Result<Option<Simulated>> {
+        simulated::<M>(self.plan, self.task, self.conditions)
     }
 }
 
@@ -148,7 +159,7 @@ impl Series {
 /// What a time step shows.
 pub(crate) fn observed<M: Studied>(seen: &Seen<M>) -> Observed {
     let o = seen.observables;
-    let [floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s] = o.wall_impulses;
+    let [floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s, ..] = o.wall_impulses;
     Observed {
         time_step: seen.totals.time_steps,
         time_s: o.time,

@@ -6,8 +6,7 @@ use crate::run::rows::subdomain_of_grains;
 use crate::terminal::{say, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::{March, Side, TimeStep};
-use contact::{Touch, Vector};
-use nalgebra::Vector2;
+use contact::{Place, Touch, Vector};
 use partition::{Decomposition, Grid, Partition, Scheme};
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
@@ -103,8 +102,8 @@ struct Elements {
 }
 
 impl Elements {
-    fn add(&mut self, place: Vector2<f64>) {
-        self.points.extend([place.x, place.y, 0.0]);
+    fn add(&mut self, place: impl Place) {
+        self.points.extend(place.space());
     }
 
     fn numbers(&mut self, name: &str, values: Vec<f64>) {
@@ -117,8 +116,8 @@ impl Elements {
         self.values.push(Attribute::scalars(name, 1).with_data(values));
     }
 
-    fn vectors(&mut self, name: &str, values: impl Iterator<Item = Vector2<f64>>) {
-        let values: Vec<f64> = values.flat_map(|v| [v.x, v.y, 0.0]).collect();
+    fn vectors(&mut self, name: &str, values: impl Iterator<Item = impl Place>) {
+        let values: Vec<f64> = values.flat_map(Place::space).collect();
         self.values.push(Attribute::vectors(name).with_data(values));
     }
 
@@ -179,7 +178,7 @@ fn contacts<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Part
     let (list, gap, r) = solved.map_or((&[][..], &[][..], &[][..]), |(time_step, r)| {
         (time_step.frozen.problem.contacts(), &time_step.frozen.gap[..], r)
     });
-    let grains: Vec<(f64, Vector2<f64>)> = march.grains().map(|(radius, place, _)| (radius, place)).collect();
+    let grains: Vec<(f64, M::Place)> = march.grains().map(|(radius, place, _)| (radius, place)).collect();
     for (contact, gap) in list.iter().zip(gap) {
         let (candidate, antagonist) = contact.ends();
         let (radius, from) = grains[candidate as usize];
@@ -212,6 +211,8 @@ fn walls<M: Studied>(march: &March<M>) -> Elements {
         Side::Floor => Some(0),
         Side::Left => Some(1),
         Side::Right => Some(2),
+        Side::Back => Some(3),
+        Side::Front => Some(4),
         Side::Grain(_) => None,
     };
     elements.indices("wall", walls.iter().map(|(side, _)| number(side)));

@@ -17,10 +17,11 @@ mod rough;
 mod scaled;
 mod set;
 
+pub use scaled::Scaled;
 pub use set::Set;
 
 use cg::{Cg, Preconditioner};
-use contact::{Iteration, Packing, SetupError, Solver, Work};
+use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work};
 use interior::Interior;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -69,9 +70,9 @@ const NEARER: f64 = 1e-2;
 const STEPS: f64 = 28.0;
 
 /// What an iteration does.
-enum Phase {
+enum Phase<const D: usize> {
     /// Conjugate gradients, for so many iterations at most.
-    Gradient { run: Box<cg::Run>, iterations: u64, most: u64 },
+    Gradient { run: Box<cg::Run<D>>, iterations: u64, most: u64 },
     /// Sets.
     Set,
     /// An interior point, until so much is left (√J).
@@ -80,10 +81,10 @@ enum Phase {
     Ended,
 }
 
-struct Run<'p> {
-    problem: &'p Packing,
-    set: Set,
-    phase: Phase,
+struct Run<'p, const D: usize> {
+    problem: &'p Packing<Smooth<D>>,
+    set: Set<Scaled<D>>,
+    phase: Phase<D>,
     interior: Option<Interior>,
     /// Whether the interior point found no way on.
     is_lost: bool,
@@ -129,7 +130,7 @@ impl Best {
     }
 }
 
-impl Run<'_> {
+impl<const D: usize> Run<'_, D> {
     fn gradient(&mut self) {
         let Phase::Gradient { run, iterations, most } = &mut self.phase else { return };
         run.advance();
@@ -214,7 +215,7 @@ impl Run<'_> {
     }
 }
 
-impl Iteration for Run<'_> {
+impl<const D: usize> Iteration for Run<'_, D> {
     fn advance(&mut self) {
         match self.phase {
             Phase::Gradient { .. } => self.gradient(),
@@ -246,8 +247,12 @@ impl Iteration for Run<'_> {
     }
 }
 
-impl Solver for ActiveSet {
-    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+impl<const D: usize> Solver<Smooth<D>> for ActiveSet {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<Smooth<D>>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_not_negative("start_accuracy", self.start_accuracy)?;
         let mut set = Set::new(problem)?;
         let scale = problem.scale().sqrt();

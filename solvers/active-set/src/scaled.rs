@@ -2,17 +2,17 @@
 //! grains. All in √J; contacts and grains are in the order of the factor.
 
 use cholesky::{Coupling, Factor, Order, Structure};
-use contact::{Column, Contact, Packing, ScaledContact, SetupError, Work, law};
-use nalgebra::Vector2;
+use contact::{Column, Contact, Packing, ScaledContact, SetupError, Smooth, Work, law};
+use nalgebra::SVector;
 use std::sync::Arc;
 
 /// The problem, and the factor of K = 1 + Σ d h̃ h̃ᵗ for some weights d ≥ 0 of the contacts. A contact has its entries in the same
 /// places whatever the weights.
-pub struct Scaled {
-    structure: Arc<Structure>,
-    factor: Option<Factor>,
+pub struct Scaled<const D: usize = 2> {
+    structure: Arc<Structure<D>>,
+    factor: Option<Factor<D>>,
     /// h̃ of each contact, between two places of the factor.
-    columns: Vec<ScaledContact>,
+    columns: Vec<ScaledContact<D>>,
     /// The problem's contact of each column, and back.
     contact: Vec<u32>,
     column: Vec<u32>,
@@ -21,17 +21,17 @@ pub struct Scaled {
     /// c/√`W_αα`.
     offset: Vec<f64>,
     /// M^½ `V_free` of each place.
-    free: Vec<Vector2<f64>>,
+    free: Vec<SVector<f64, D>>,
     /// M^½ V, or a change of it.
-    y: Vec<Vector2<f64>>,
+    y: Vec<SVector<f64, D>>,
     /// √(Σ (|h̃ᵗ| |y| + |c|)²) of `V_free`: the terms of which v without impulses is the sum.
     terms_of_b: f64,
     pub(crate) work: Work,
 }
 
-impl Scaled {
+impl<const D: usize> Scaled<D> {
     /// Lays the problem out, and finds where its factors have entries.
-    pub(crate) fn new(problem: &Packing) -> Result<Self, SetupError> {
+    pub(crate) fn new(problem: &Packing<Smooth<D>>) -> Result<Self, SetupError> {
         let ends: Vec<_> = problem.contacts().iter().map(Contact::ends).collect();
         let order = Order::fill_reducing(problem.position(), &ends)
             .map_err(|why| SetupError::new("problem", why, "one whose grains can be ordered"))?;
@@ -48,12 +48,12 @@ impl Scaled {
             (column, (unit, contact.offset / unit))
         };
         let (columns, (unit, offset)): (Vec<_>, (Vec<_>, Vec<_>)) = contact.iter().map(of_contact).unzip();
-        let mut free = vec![Vector2::zeros(); problem.grain_count()];
+        let mut free = vec![SVector::zeros(); problem.grain_count()];
         for ((place, v_free), mass) in place.iter().zip(problem.free_velocity()).zip(problem.mass()) {
             free[*place as usize] = mass.sqrt() * v_free;
         }
-        let sizes: Vec<_> = free.iter().map(Vector2::abs).collect();
-        let terms = columns.iter().zip(&offset).map(|(column, offset): (&ScaledContact, &f64)| {
+        let sizes: Vec<_> = free.iter().map(SVector::abs).collect();
+        let terms = columns.iter().zip(&offset).map(|(column, offset): (&ScaledContact<D>, &f64)| {
             let (first, second) = column.at_ends();
             let [i, j] = column.places().map(|place| &sizes[place as usize]);
             first.abs().dot(i) + second.abs().dot(j) + offset.abs()
@@ -105,7 +105,7 @@ pub trait Space {
     fn solve(&mut self, p: impl Fn(usize) -> f64, take: impl FnMut(usize, f64));
 }
 
-impl Space for Scaled {
+impl<const D: usize> Space for Scaled<D> {
     fn terms_of_b(&self) -> f64 {
         self.terms_of_b
     }
@@ -136,8 +136,8 @@ impl Space for Scaled {
             (weight != 0.0).then(|| Coupling::dyad(weight, first, second))
         };
         let done = match factor {
-            Some(factor) => factor.renew(|_| Vector2::repeat(1.0), coupling),
-            None => Factor::new(Arc::clone(structure), |_| Vector2::repeat(1.0), coupling)
+            Some(factor) => factor.renew(|_| SVector::repeat(1.0), coupling),
+            None => Factor::new(Arc::clone(structure), |_| SVector::repeat(1.0), coupling)
                 .map(|new| *factor = Some(new)),
         };
         if done.is_err() {
@@ -148,7 +148,7 @@ impl Space for Scaled {
 
     fn solve(&mut self, p: impl Fn(usize) -> f64, mut take: impl FnMut(usize, f64)) {
         let Some(factor) = &self.factor else { return };
-        self.y.fill(Vector2::zeros());
+        self.y.fill(SVector::zeros());
         for (k, column) in self.columns.iter().enumerate() {
             column.push(p(k), &mut self.y);
         }

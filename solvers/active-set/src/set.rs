@@ -1,7 +1,7 @@
 //! The primal-dual active set: Newton's method on s = max(0, s − v).
 
 use crate::scaled::{Scaled, Space, left};
-use contact::{ContactProblem, Packing, SetupError, Work};
+use contact::{ContactProblem, Packing, SetupError, Smooth, Work};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// κ, the weight of the contacts against the masses (–). A solve leaves of an error in the impulses 1/(1 + κ λ), for each
@@ -113,12 +113,12 @@ impl<S: Space> Set<S> {
     }
 }
 
-impl Set {
+impl<const D: usize> Set<Scaled<D>> {
     /// Lays the problem out, with r = 0.
     ///
     /// # Errors
     /// Where it is too large for that.
-    pub fn new(problem: &Packing) -> Result<Self, SetupError> {
+    pub fn new(problem: &Packing<Smooth<D>>) -> Result<Self, SetupError> {
         Ok(Self::on(Scaled::new(problem)?))
     }
 
@@ -163,13 +163,13 @@ impl Set {
     }
 
     /// Impulses that prove that `problem` has no solution, if the growth of the last solve does.
-    pub(crate) fn ray(&mut self, problem: &ContactProblem) -> Option<Vec<f64>> {
+    pub(crate) fn ray(&mut self, problem: &ContactProblem<Smooth<D>>) -> Option<Vec<f64>> {
         let growth: Vec<f64> = self.s.iter().zip(&self.before).map(|(s, before)| s - before).collect();
         self.ray_of(problem, &growth)
     }
 
     /// The same, if the impulses `s` do (√J).
-    pub(crate) fn ray_of(&mut self, problem: &ContactProblem, s: &[f64]) -> Option<Vec<f64>> {
+    pub(crate) fn ray_of(&mut self, problem: &ContactProblem<Smooth<D>>, s: &[f64]) -> Option<Vec<f64>> {
         let mut ray = vec![0.0; s.len()];
         self.scaled.impulses(s, &mut ray);
         let proves = |ray: &[f64]| analysis::proves_infeasible(problem, ray);

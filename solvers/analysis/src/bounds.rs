@@ -1,20 +1,25 @@
 //! Upper bounds of the greatest eigenvalues of W and of W_D⁻¹ W, in one pass over the contacts: cheap enough for a method to
 //! take its step length from.
 
-use contact::{Contact, ContactProblem, Discs, Mechanics, RoughDiscs, Touch};
-use nalgebra::{Matrix3, Vector2, Vector3};
+use contact::{Contact, ContactProblem, Mechanics, Place, RoughDiscs, RoughSpheres, Smooth, Touch, frame};
+use nalgebra::{Matrix3, Matrix6, Vector2, Vector3, Vector6};
 
 /// Λ ≥ λmax(W_D⁻¹ W), in one pass over the contacts (–).
 ///
 /// Both matrices are sums over grains: rᵗ W r = `Σ_i` |`Σ_α` n_α r_α|²/`m_i` and rᵗ W_D r = `Σ_i` `Σ_α` r_α²/`m_i`, α over
 /// the contacts of grain i. Grain by grain the first is at most μ_i times the second, with μ_i the greatest eigenvalue of the
-/// 2×2 matrix `Σ_α` n nᵗ; so Λ = `max_i` μ_i. On a triangular crystal both are 3.
-pub fn scaled_delassus_bound(problem: &ContactProblem) -> f64 {
+/// matrix `Σ_α` n nᵗ; so Λ = `max_i` μ_i. On a triangular crystal both are 3.
+pub fn scaled_delassus_bound<const D: usize>(problem: &ContactProblem<Smooth<D>>) -> f64 {
+    if D == 2 { in_plane(problem) } else { in_space(problem) }
+}
+
+fn in_plane<const D: usize>(problem: &ContactProblem<Smooth<D>>) -> f64 {
     // Σ n nᵗ as its trace k and its deviator (Σ cos 2φ, Σ sin 2φ): μ = (k + |deviator|)/2.
     let mut sums = vec![(0.0, Vector2::zeros()); problem.grain_count()];
     for contact in problem.contacts() {
         let n = contact.normal;
-        let deviator = Vector2::new(n.x * n.x - n.y * n.y, 2.0 * n.x * n.y);
+        let [x, y, _] = n.space();
+        let deviator = Vector2::new(x * x - y * y, 2.0 * x * y);
         for grain in contact.grains() {
             let (trace, sum) = &mut sums[grain as usize];
             *trace += n.norm_squared();
@@ -24,16 +29,25 @@ pub fn scaled_delassus_bound(problem: &ContactProblem) -> f64 {
     sums.iter().map(|(trace, deviator)| 0.5 * (trace + deviator.norm())).fold(0.0, f64::max)
 }
 
+fn in_space<const D: usize>(problem: &ContactProblem<Smooth<D>>) -> f64 {
+    let mut sums = vec![Matrix3::zeros(); problem.grain_count()];
+    for contact in problem.contacts() {
+        let n = Vector3::from(contact.normal.space());
+        contact.grains().for_each(|grain| sums[grain as usize] += n * n.transpose());
+    }
+    sums.iter().map(|sum| sum.symmetric_eigenvalues().max()).fold(0.0, f64::max)
+}
+
 /// Λ = `max_α` (`k_i/m_i` + `k_j/m_j`) ≥ λmax(W), where `k_i` contacts hold grain i: Gershgorin's circles, with
 /// |`W_αβ`| ≤ 1/m for contacts that share a grain of mass m (1/kg).
-pub fn delassus_bound(problem: &ContactProblem) -> f64 {
+pub fn delassus_bound<const D: usize>(problem: &ContactProblem<Smooth<D>>) -> f64 {
     let mut row = vec![0.0; problem.grain_count()];
     for contact in problem.contacts() {
         for grain in contact.grains() {
             row[grain as usize] += 1.0 / problem.mass()[grain as usize];
         }
     }
-    let of_contact = |contact: &Contact| {
+    let of_contact = |contact: &Contact<D>| {
         row[contact.candidate as usize] + contact.antagonist.map_or(0.0, |j| row[j as usize])
     };
     problem.contacts().iter().map(of_contact).fold(0.0, f64::max)
@@ -45,8 +59,8 @@ pub trait Bounded: Mechanics {
     fn scaled_delassus_bound(problem: &ContactProblem<Self>) -> f64;
 }
 
-impl Bounded for Discs {
-    fn scaled_delassus_bound(problem: &ContactProblem) -> f64 {
+impl<const D: usize> Bounded for Smooth<D> {
+    fn scaled_delassus_bound(problem: &ContactProblem<Self>) -> f64 {
         scaled_delassus_bound(problem)
     }
 }
@@ -64,6 +78,31 @@ impl Bounded for RoughDiscs {
                 let (n, t) = (contact.normal, contact.tangent());
                 let (n, h) = (Vector3::new(n.x, n.y, 0.0), Vector3::new(t.x, t.y, sign * arm));
                 sums[grain as usize] += n * n.transpose() + h * h.transpose() / (1.0 + arm * arm);
+            }
+        }
+        sums.iter().map(|sum| sum.symmetric_eigenvalues().max()).fold(0.0, f64::max)
+    }
+}
+
+/// The same in space, with h = (t, ∓R √(m/I) n × t) of either tangent.
+impl Bounded for RoughSpheres {
+    fn scaled_delassus_bound(problem: &ContactProblem<Self>) -> f64 {
+        let mut sums = vec![Matrix6::zeros(); problem.grain_count()];
+        for contact in problem.contacts() {
+            let tangents = frame(&contact.normal);
+            for (k, grain) in contact.grains().enumerate() {
+                let mass = problem.mass()[grain as usize];
+                let arm = contact.arms[k] * (mass.mass / mass.inertia).sqrt();
+                let sign = if k == 0 { 1.0 } else { -1.0 };
+                let sum: &mut Matrix6<f64> = &mut sums[grain as usize];
+                let column =
+                    |v: Vector3<f64>, spin: Vector3<f64>| Vector6::new(v.x, v.y, v.z, spin.x, spin.y, spin.z);
+                let n = column(contact.normal * sign, Vector3::zeros());
+                *sum += n * n.transpose();
+                for t in tangents {
+                    let h = column(t * sign, t.cross(&contact.normal) * arm);
+                    *sum += h * h.transpose() / (1.0 + arm * arm);
+                }
             }
         }
         sums.iter().map(|sum| sum.symmetric_eigenvalues().max()).fold(0.0, f64::max)

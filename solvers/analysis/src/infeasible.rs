@@ -1,7 +1,7 @@
 //! The proof that a problem has no solution: impulses that balance while contacts approach.
 
-use contact::{ContactProblem, Discs, Mechanics, RoughDiscs, law};
-use nalgebra::Vector2;
+use contact::{ContactProblem, Mechanics, RoughDiscs, RoughSpheres, Smooth, law};
+use nalgebra::SVector;
 
 /// How far, in units of the problem's own scale, a velocity must be from `V_free` to be called out of reach (–).
 const OUT_OF_REACH: f64 = 1e6;
@@ -24,7 +24,7 @@ const ROUND_OFF: f64 = 1e-14;
 /// - −bᵗ d is above 1e-12 of its terms, of the sizes of `V_i`, `V_j` and c: as much as such a lever makes of them;
 /// - the bound is above 1e6 √(Σ max(0, −b)²/`W_αα`), with ‖H d‖ raised by its round-off: no velocity nearer than that is
 ///   admissible, whatever rounding made of the ray.
-pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
+pub fn proves_infeasible<const D: usize>(problem: &ContactProblem<Smooth<D>>, ray: &[f64]) -> bool {
     // The proof does not depend on the length of the ray; squares of small numbers would vanish.
     let greatest = ray.iter().copied().fold(0.0, f64::max);
     if !greatest.is_normal() {
@@ -44,13 +44,13 @@ pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
             sizes[grain as usize] += d;
         }
     }
-    let mut resultant = vec![Vector2::zeros(); grains];
+    let mut resultant = vec![SVector::zeros(); grains];
     problem.resultant(&ray, &mut resultant);
     let left = resultant.iter().map(nalgebra::Matrix::amax).fold(0.0, f64::max);
     let pressed = sizes.iter().copied().fold(0.0, f64::max);
     // ‖H d‖² of M⁻¹, each grain raised by its round-off.
     let raised =
-        |((h_d, size), m): ((&Vector2<f64>, &f64), &f64)| (h_d.norm() + ROUND_OFF * size).powi(2) / m;
+        |((h_d, size), m): ((&SVector<f64, D>, &f64), &f64)| (h_d.norm() + ROUND_OFF * size).powi(2) / m;
     let unbalanced = resultant.iter().zip(&sizes).zip(problem.mass()).map(raised).sum::<f64>().sqrt();
     left <= BALANCED * pressed
         && work > BALANCED * terms
@@ -58,7 +58,7 @@ pub fn proves_infeasible(problem: &ContactProblem, ray: &[f64]) -> bool {
 }
 
 /// Whether one of the `rays`, as it is or balanced, [proves](proves_infeasible) that there is no solution.
-pub fn any_proves_infeasible(problem: &ContactProblem, rays: &[Vec<f64>]) -> bool {
+pub fn any_proves_infeasible<const D: usize>(problem: &ContactProblem<Smooth<D>>, rays: &[Vec<f64>]) -> bool {
     let proves = |ray: &Vec<f64>| proves_infeasible(problem, ray);
     rays.iter().any(proves) || rays.iter().any(|ray| proves(&balanced(problem, ray)))
 }
@@ -69,8 +69,8 @@ pub trait Refutable: Mechanics {
     fn any_proves_infeasible(problem: &ContactProblem<Self>, rays: &[Vec<f64>]) -> bool;
 }
 
-impl Refutable for Discs {
-    fn any_proves_infeasible(problem: &ContactProblem, rays: &[Vec<f64>]) -> bool {
+impl<const D: usize> Refutable for Smooth<D> {
+    fn any_proves_infeasible(problem: &ContactProblem<Self>, rays: &[Vec<f64>]) -> bool {
         any_proves_infeasible(problem, rays)
     }
 }
@@ -79,6 +79,15 @@ impl Refutable for Discs {
 impl Refutable for RoughDiscs {
     fn any_proves_infeasible(problem: &ContactProblem<Self>, rays: &[Vec<f64>]) -> bool {
         let normal = |ray: &Vec<f64>| ray.chunks_exact(2).map(|r| law::non_negative(r[0])).collect();
+        let rays: Vec<Vec<f64>> = rays.iter().map(normal).collect();
+        problem.without_friction().is_ok_and(|problem| any_proves_infeasible(&problem, &rays))
+    }
+}
+
+/// Likewise.
+impl Refutable for RoughSpheres {
+    fn any_proves_infeasible(problem: &ContactProblem<Self>, rays: &[Vec<f64>]) -> bool {
+        let normal = |ray: &Vec<f64>| ray.chunks_exact(3).map(|r| law::non_negative(r[0])).collect();
         let rays: Vec<Vec<f64>> = rays.iter().map(normal).collect();
         problem.without_friction().is_ok_and(|problem| any_proves_infeasible(&problem, &rays))
     }
@@ -94,7 +103,7 @@ const DESCENTS: u32 = 3;
 /// Impulses near `ray` that balance at every grain, if there are any: what is left of it when ½ dᵗ W d has fallen as far as it
 /// can over the contacts with d > 0; those that would pull are let go, and it falls again. So what a method adds to its
 /// impulses where there is no solution becomes a proof long before the rest of them is negligible.
-fn balanced(problem: &ContactProblem, ray: &[f64]) -> Vec<f64> {
+fn balanced<const D: usize>(problem: &ContactProblem<Smooth<D>>, ray: &[f64]) -> Vec<f64> {
     let greatest = |d: &[f64]| d.iter().copied().fold(0.0, f64::max);
     let mut d = ray.to_vec();
     for _ in 0..DESCENTS {
@@ -114,10 +123,10 @@ fn balanced(problem: &ContactProblem, ray: &[f64]) -> Vec<f64> {
 }
 
 /// Conjugate gradients on ½ dᵗ W d over the contacts with d > 0, preconditioned by W_D.
-fn descend(problem: &ContactProblem, d: &mut [f64]) {
+fn descend<const D: usize>(problem: &ContactProblem<Smooth<D>>, d: &mut [f64]) {
     let diagonal = problem.delassus_diagonal();
     let presses: Vec<bool> = d.iter().map(|d| *d > 0.0).collect();
-    let mut scratch = vec![Vector2::zeros(); problem.grain_count()];
+    let mut scratch = vec![SVector::zeros(); problem.grain_count()];
     let mut product = |p: &[f64], w_p: &mut [f64]| {
         problem.delassus_product(p, w_p, &mut scratch);
         w_p.iter_mut().zip(&presses).filter(|(_, presses)| !**presses).for_each(|(w_p, _)| *w_p = 0.0);

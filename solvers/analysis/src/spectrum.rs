@@ -1,7 +1,7 @@
 //! The spectrum of W_D⁻¹ W, on which the rates and the limits of most methods hang. W_D is the diagonal of W.
 
-use contact::ContactProblem;
-use nalgebra::{DMatrix, Vector2};
+use contact::{ContactProblem, Smooth};
+use nalgebra::{DMatrix, SVector};
 
 /// Products W p of a power iteration: on packings the quotient then stands to some four digits.
 const PRODUCTS: u32 = 300;
@@ -34,7 +34,7 @@ pub struct Closed {
 
 impl Spectrum {
     /// The spectrum of `problem`, of which `closed` says which contacts stay closed, where that is known.
-    pub fn of(problem: &ContactProblem, closed: Option<&[bool]>) -> Self {
+    pub fn of<const D: usize>(problem: &ContactProblem<Smooth<D>>, closed: Option<&[bool]>) -> Self {
         let all: Vec<usize> = (0..problem.contact_count()).collect();
         let closed = closed.and_then(|closed| {
             let few: Vec<usize> = all.iter().copied().filter(|contact| closed[*contact]).collect();
@@ -60,7 +60,7 @@ impl Closed {
 }
 
 /// The eigenvalues, rising, of W_D^-½ W W_D^-½ over `contacts`; `None` if these are too many.
-fn eigenvalues(problem: &ContactProblem, contacts: &[usize]) -> Option<Vec<f64>> {
+fn eigenvalues<const D: usize>(problem: &ContactProblem<Smooth<D>>, contacts: &[usize]) -> Option<Vec<f64>> {
     (contacts.len() <= DENSE).then(|| rising(&scaled(problem, contacts)))
 }
 
@@ -68,7 +68,7 @@ fn eigenvalues(problem: &ContactProblem, contacts: &[usize]) -> Option<Vec<f64>>
 ///
 /// All subdomains sweep at once, with whole masses: r ← r − N⁻¹ (W r + b) on closed contacts, N the lower triangles of the blocks
 /// of W. Then N + Nᵗ − W = W_D − W_off, and q(r) decreases wherever this is positive: below 1.
-pub fn coupling(problem: &ContactProblem, subdomain: &[u32]) -> Option<f64> {
+pub fn coupling<const D: usize>(problem: &ContactProblem<Smooth<D>>, subdomain: &[u32]) -> Option<f64> {
     if subdomain.len() > DENSE {
         return None;
     }
@@ -84,10 +84,10 @@ pub fn coupling(problem: &ContactProblem, subdomain: &[u32]) -> Option<f64> {
 }
 
 /// W_D^-½ W W_D^-½ over `contacts`.
-fn scaled(problem: &ContactProblem, contacts: &[usize]) -> DMatrix<f64> {
+fn scaled<const D: usize>(problem: &ContactProblem<Smooth<D>>, contacts: &[usize]) -> DMatrix<f64> {
     let diagonal = problem.delassus_diagonal();
     let (mut p, mut w_p) = (vec![0.0; diagonal.len()], vec![0.0; diagonal.len()]);
-    let mut scratch = vec![Vector2::zeros(); problem.grain_count()];
+    let mut scratch = vec![SVector::zeros(); problem.grain_count()];
     let mut matrix = DMatrix::zeros(contacts.len(), contacts.len());
     for (column, beta) in contacts.iter().enumerate() {
         p[*beta] = 1.0;
@@ -111,12 +111,12 @@ fn rising(matrix: &DMatrix<f64>) -> Vec<f64> {
 }
 
 /// λmax(W_D⁻¹ W) by power iteration: a lower bound, close where the eigenvalues below it are apart (–). 0 without contact.
-pub fn greatest_eigenvalue(problem: &ContactProblem) -> f64 {
+pub fn greatest_eigenvalue<const D: usize>(problem: &ContactProblem<Smooth<D>>) -> f64 {
     let diagonal = problem.delassus_diagonal();
     let n = problem.contact_count();
     // Without any symmetry, so that it is orthogonal to no eigenvector.
     let mut p: Vec<f64> = (0..n).map(|k| 0.5 - (k as f64 * 0.618_034).fract()).collect();
-    let (mut w_p, mut scratch) = (vec![0.0; n], vec![Vector2::zeros(); problem.grain_count()]);
+    let (mut w_p, mut scratch) = (vec![0.0; n], vec![SVector::zeros(); problem.grain_count()]);
     let mut eigenvalue: f64 = 0.0;
     for _ in 0..PRODUCTS {
         problem.delassus_product(&p, &mut w_p, &mut scratch);

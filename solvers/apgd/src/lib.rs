@@ -7,7 +7,7 @@
 
 pub use product::Preconditioner;
 
-use contact::{Iteration, Packing, SetupError, Solver, Work, law};
+use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work, law};
 use product::Product;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -44,8 +44,8 @@ struct Contact {
     g: f64,
 }
 
-struct Run {
-    product: Product<Contact>,
+struct Run<const D: usize> {
+    product: Product<Contact, Smooth<D>>,
     acceleration: bool,
     /// β of y = r⁺ + β (r⁺ − r), with r⁺ and r of the iteration before.
     beta: f64,
@@ -56,7 +56,7 @@ struct Run {
     products: u64,
 }
 
-impl Run {
+impl<const D: usize> Run<D> {
     /// y = r⁺ + β (r⁺ − r), then r = r⁺;  g = W y + b.
     fn extrapolate(&mut self) {
         let beta = self.beta;
@@ -88,7 +88,7 @@ impl Run {
     }
 }
 
-impl Iteration for Run {
+impl<const D: usize> Iteration for Run<D> {
     fn advance(&mut self) {
         self.extrapolate();
         self.projected_step();
@@ -115,8 +115,12 @@ impl Iteration for Run {
     }
 }
 
-impl Solver for Apgd {
-    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+impl<const D: usize> Solver<Smooth<D>> for Apgd {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<Smooth<D>>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         let (b, scaled) = (problem.b(), self.preconditioner == Preconditioner::Diagonal);
         // An entry of the diagonal is no more than the greatest eigenvalue, and unlike the reference's ‖W 1‖/‖1‖ never 0.
         let lipschitz =

@@ -10,8 +10,8 @@
 )]
 
 use contact::law::non_negative;
-use contact::{Adjacency, Column};
-use nalgebra::Vector2;
+use contact::{Adjacency, Column, Smooth};
+use nalgebra::SVector;
 use product::{Columns, Subdomain};
 use pulp::{Arch, Simd, WithSimd};
 
@@ -33,8 +33,8 @@ pub(crate) enum Pass {
 }
 
 /// Some contacts, with what the method knows of each.
-pub(crate) struct Block {
-    columns: Columns,
+pub(crate) struct Block<const D: usize> {
+    columns: Columns<Smooth<D>>,
     b: Vec<f64>,
     r: Vec<f64>,
     /// u = −(W r + b), minus the gradient of q.
@@ -45,9 +45,9 @@ pub(crate) struct Block {
     /// The direction.
     p: Vec<f64>,
     /// M^-½ H p, in local indices; of grains that blocks share, each has the sum after it has been received.
-    y: Vec<Vector2<f64>>,
+    y: Vec<SVector<f64, D>>,
     /// M^-½ H d, or of all r, likewise; 0 when it has been used.
-    change: Vec<Vector2<f64>>,
+    change: Vec<SVector<f64, D>>,
     /// Whether the maximum added anything in the last step.
     added: bool,
     /// What the block adds to the sums that the last pass was for.
@@ -62,11 +62,11 @@ fn unblocked(r: f64, u: f64, value: f64) -> f64 {
     if (r > 0.0) | (u > 0.0) { value } else { 0.0 }
 }
 
-impl Block {
+impl<const D: usize> Block<D> {
     /// The contacts of `subdomain` as columns, from the impulses `r0`.
-    pub(crate) fn new(columns: Columns, subdomain: &Subdomain, b: &[f64], r0: &[f64]) -> Self {
+    pub(crate) fn new(columns: Columns<Smooth<D>>, subdomain: &Subdomain, b: &[f64], r0: &[f64]) -> Self {
         let of_contacts = vec![0.0; subdomain.contacts.len()];
-        let zeros = vec![Vector2::zeros(); subdomain.grains.len()];
+        let zeros = vec![SVector::zeros(); subdomain.grains.len()];
         Self {
             b: columns.units().map(|(contact, unit)| b[contact] / unit).collect(),
             r: columns.units().map(|(contact, unit)| r0[contact] * unit).collect(),
@@ -89,7 +89,7 @@ impl Block {
     }
 
     /// What the blocks have in common of the grains that they share, after the pass or before it.
-    pub(crate) fn shared(&mut self, pass: Pass) -> (&Columns, &mut [Vector2<f64>]) {
+    pub(crate) fn shared(&mut self, pass: Pass) -> (&Columns<Smooth<D>>, &mut [SVector<f64, D>]) {
         let shared = match pass {
             Pass::Step { .. } | Pass::Correct | Pass::Whole | Pass::Afresh => &mut self.change,
             Pass::Turn { .. } | Pass::Curvature => &mut self.y,
@@ -179,7 +179,7 @@ impl Block {
     fn correct(&mut self) -> [f64; 2] {
         let [mut product, mut uphill] = self.parts;
         for (grain, (change, share)) in self.change.iter_mut().zip(&self.columns.share).enumerate() {
-            if *change != Vector2::zeros() {
+            if *change != SVector::<f64, D>::zeros() {
                 uphill += 0.5 * share * change.norm_squared();
                 for k in self.adjacency.around(grain) {
                     let k = *k as usize;
@@ -188,7 +188,7 @@ impl Block {
                     *u -= column.relative_of(grain as u32, change);
                     product += (unblocked(r, *u, *u) - before) * column.relative(&self.y);
                 }
-                *change = Vector2::zeros();
+                *change = SVector::zeros();
             }
         }
         [product, uphill]
@@ -212,14 +212,14 @@ impl Block {
             let pressed = column.squared() * r;
             squared_size += unblocked(*r, *u, b * b + pressed * pressed);
         }
-        self.change.fill(Vector2::zeros());
+        self.change.fill(SVector::zeros());
         [product, squared_size]
     }
 
     #[inline(always)]
     fn turn(&mut self, beta: f64) -> [f64; 2] {
         let y = &mut self.y[..];
-        y.fill(Vector2::zeros());
+        y.fill(SVector::zeros());
         let (mut descent, mut squared) = (0.0, 0.0);
         for ((column, p), (r, u)) in
             self.columns.scaled.iter().zip(&mut self.p).zip(self.r.iter().zip(&self.u))
@@ -239,9 +239,9 @@ impl Block {
 }
 
 /// What the processor's instructions are chosen for. A closure would not be inlined there.
-struct Dispatched<'b>(&'b mut Block, Pass);
+struct Dispatched<'b, const D: usize>(&'b mut Block<D>, Pass);
 
-impl WithSimd for Dispatched<'_> {
+impl<const D: usize> WithSimd for Dispatched<'_, D> {
     type Output = [f64; 2];
 
     #[inline(always)]

@@ -17,7 +17,7 @@ pub use rough::RoughRun;
 
 use analysis::{delassus_bound, scaled_delassus_bound};
 use block::{Block, Pass};
-use contact::{Iteration, Packing, SetupError, Solver, Work};
+use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work};
 use product::Layout;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,9 +31,9 @@ pub struct Cg {
 }
 
 /// A run on one problem.
-pub struct Run {
-    layout: Layout,
-    blocks: Vec<Block>,
+pub struct Run<const D: usize = 2> {
+    layout: Layout<Smooth<D>>,
+    blocks: Vec<Block<D>>,
     /// Λ ≥ λmax(W), or λmax(W_D⁻¹W) where the diagonal preconditions.
     greatest: f64,
     /// uᵗ p.
@@ -52,7 +52,7 @@ pub struct Run {
 /// the few contacts around it: that costs a product with W less, and lets u and r part by round-off.
 const WHOLE: u64 = 16;
 
-impl Run {
+impl<const D: usize> Run<D> {
     /// √(Σ `W_αα` (r − r⁺)²) of the iterate, from its gradient (√J): what the measure `natural_map` is a share of.
     pub fn left(&self) -> f64 {
         self.blocks.iter().map(Block::squared_left).sum::<f64>().sqrt()
@@ -151,7 +151,7 @@ impl Run {
     }
 }
 
-impl Iteration for Run {
+impl<const D: usize> Iteration for Run<D> {
     fn advance(&mut self) {
         self.iterations += 1;
         if !self.conjugate_step() {
@@ -182,7 +182,11 @@ impl Cg {
     ///
     /// # Errors
     /// Those of [`Layout::new`].
-    pub fn run(&self, problem: &Packing, r0: &[f64]) -> Result<Run, SetupError> {
+    pub fn run<const D: usize>(
+        &self,
+        problem: &Packing<Smooth<D>>,
+        r0: &[f64],
+    ) -> Result<Run<D>, SetupError> {
         let layout = Layout::new(problem)?;
         let (b, preconditioned) = (problem.b(), self.preconditioner == Preconditioner::Diagonal);
         let mut run = Run {
@@ -203,8 +207,12 @@ impl Cg {
     }
 }
 
-impl Solver for Cg {
-    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+impl<const D: usize> Solver<Smooth<D>> for Cg {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<Smooth<D>>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         Ok(Box::new(self.run(problem, r0)?))
     }
 }

@@ -1,11 +1,10 @@
 //! Orders of the grains in which a factor stays sparse.
 
 use crate::Singular;
-use contact::Groups;
+use contact::{Groups, Place};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
-use nalgebra::Vector2;
 
 /// An order of grains.
 #[derive(Clone, Debug)]
@@ -27,7 +26,7 @@ impl Order {
     ///
     /// # Errors
     /// Where there are too many.
-    pub fn fill_reducing(position: &[Vector2<f64>], ends: &[(u32, Option<u32>)]) -> Result<Self, Singular> {
+    pub fn fill_reducing<P: Place>(position: &[P], ends: &[(u32, Option<u32>)]) -> Result<Self, Singular> {
         if position.len() <= MANY {
             Self::minimum_degree(position.len(), ends)
         } else {
@@ -55,11 +54,11 @@ impl Order {
         Ok(Self { place })
     }
 
-    /// Nested dissection by the positions of the grains (m): a set of grains is cut at the median of the longer extent; the
+    /// Nested dissection by the positions of the grains (m): a set of grains is cut at the median of the longest extent; the
     /// grains of one side that touch the other are the last, and each side is cut likewise.
     ///
     /// A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10 (1973) 345-363.
-    pub fn nested_dissection(position: &[Vector2<f64>], ends: &[(u32, Option<u32>)]) -> Self {
+    pub fn nested_dissection<P: Place>(position: &[P], ends: &[(u32, Option<u32>)]) -> Self {
         let pairs = ends.iter().filter_map(|(i, j)| Some((*i, (*j)?)));
         let both = pairs.flat_map(|(i, j)| [(i, j as usize), (j, i as usize)]);
         let neighbours = Groups::new(both, position.len());
@@ -80,28 +79,28 @@ impl Order {
     }
 }
 
-struct Dissection<'a> {
-    position: &'a [Vector2<f64>],
+struct Dissection<'a, P> {
+    position: &'a [P],
     neighbours: &'a Groups,
     /// The cut that last gave each grain a side, which are two numbers each.
     side: &'a mut [u32],
     cuts: u32,
 }
 
-impl Dissection<'_> {
+impl<P: Place> Dissection<'_, P> {
     fn order(&mut self, grains: &mut [u32]) {
         if grains.len() <= FEW {
             return;
         }
-        let (mut least, mut greatest) =
-            (self.position[grains[0] as usize], self.position[grains[0] as usize]);
-        for grain in &*grains {
-            let at = &self.position[*grain as usize];
-            (least, greatest) = (least.inf(at), greatest.sup(at));
-        }
-        let axis = (greatest - least).imax();
-        let half = grains.len() / 2;
         let position = self.position;
+        let [least, greatest] = P::extent(grains.iter().map(|grain| position[*grain as usize]));
+        // Of extents as long, the first.
+        let longer = |axis: usize, other: usize| {
+            let extent = |axis: usize| greatest[axis] - least[axis];
+            if extent(other) > extent(axis) { other } else { axis }
+        };
+        let axis = (1..P::LEN).fold(0, longer);
+        let half = grains.len() / 2;
         grains.select_nth_unstable_by(half, |i, j| {
             position[*i as usize][axis].total_cmp(&position[*j as usize][axis]).then(i.cmp(j))
         });

@@ -1,47 +1,54 @@
-//! Discs without friction: a grain translates, a contact has one unknown, and 0 ≤ v ⊥ r ≥ 0.
+//! Discs and spheres without friction: a grain translates, a contact has one unknown, and 0 ≤ v ⊥ r ≥ 0.
 
 use crate::error::{is_not_negative, is_positive};
 use crate::law;
 use crate::mechanics::{Associated, Mass, Mechanics, Touch};
 use crate::meter::Meter;
 use crate::scaled::ScaledContact;
-use nalgebra::Vector2;
+use nalgebra::SVector;
+
+/// Grains without friction, in D dimensions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Smooth<const D: usize>;
 
 /// Discs without friction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Discs;
+pub type Discs = Smooth<2>;
 
-impl Mechanics for Discs {
-    type Velocity = Vector2<f64>;
+/// Spheres without friction.
+pub type Spheres = Smooth<3>;
+
+impl<const D: usize> Mechanics for Smooth<D> {
+    type Place = SVector<f64, D>;
+    type Velocity = SVector<f64, D>;
     type Mass = f64;
     type Impulse = f64;
-    type Contact = Contact;
-    type Column = ScaledContact;
-    type Meter<'p> = Meter<'p>;
+    type Contact = Contact<D>;
+    type Column = ScaledContact<D>;
+    type Meter<'p> = Meter<'p, D>;
 
-    const NAME: &'static str = "discs";
+    const NAME: &'static str = if D == 2 { "discs" } else { "spheres" };
     const HAS_ONE_VELOCITY: bool = true;
 }
 
-impl Associated for Discs {}
+impl<const D: usize> Associated for Smooth<D> {}
 
 /// One contact α. v_α = n · (V_candidate − V_antagonist) + c_α.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
+pub struct Contact<const D: usize = 2> {
     /// Index of the candidate grain.
     pub candidate: u32,
     /// Index of the antagonist grain; `None` for a wall, whose motion is in `offset`.
     pub antagonist: Option<u32>,
     /// Unit normal n, from antagonist to candidate (–).
-    pub normal: Vector2<f64>,
+    pub normal: SVector<f64, D>,
     /// c_α: what the scene imposes: a wall's motion and the law's gap term (m/s).
     pub offset: f64,
 }
 
-impl Contact {
+impl<const D: usize> Contact<D> {
     /// (Hᵗ V)_α = n · (V_candidate − V_antagonist) (m/s).
     #[inline]
-    pub fn relative(&self, velocity: &[Vector2<f64>]) -> f64 {
+    pub fn relative(&self, velocity: &[SVector<f64, D>]) -> f64 {
         let candidate = self.normal.dot(&velocity[self.candidate as usize]);
         self.antagonist.map_or(candidate, |j| candidate - self.normal.dot(&velocity[j as usize]))
     }
@@ -57,14 +64,14 @@ impl Contact {
     }
 }
 
-impl Touch<Discs> for Contact {
+impl<const D: usize> Touch<Smooth<D>> for Contact<D> {
     const ADMISSIBLE: &'static str = "finite and not negative";
 
     fn ends(&self) -> (u32, Option<u32>) {
         (self.candidate, self.antagonist)
     }
 
-    fn normal(&self) -> Vector2<f64> {
+    fn normal(&self) -> SVector<f64, D> {
         self.normal
     }
 
@@ -73,12 +80,12 @@ impl Touch<Discs> for Contact {
     }
 
     #[inline]
-    fn relative(&self, velocity: &[Vector2<f64>]) -> f64 {
+    fn relative(&self, velocity: &[SVector<f64, D>]) -> f64 {
         Self::relative(self, velocity)
     }
 
     #[inline]
-    fn push(&self, r: f64, resultant: &mut [Vector2<f64>]) {
+    fn push(&self, r: f64, resultant: &mut [SVector<f64, D>]) {
         let impulse = self.normal * r;
         resultant[self.candidate as usize] += impulse;
         if let Some(j) = self.antagonist {
@@ -104,7 +111,7 @@ impl Touch<Discs> for Contact {
     }
 }
 
-impl Mass<Vector2<f64>> for f64 {
+impl<const D: usize> Mass<SVector<f64, D>> for f64 {
     fn fault(self) -> Option<(&'static str, f64, &'static str)> {
         let expected = if !is_positive(self) {
             "positive and finite"
@@ -125,19 +132,19 @@ impl Mass<Vector2<f64>> for f64 {
         self.sqrt()
     }
 
-    fn times(self, velocity: Vector2<f64>) -> Vector2<f64> {
+    fn times(self, velocity: SVector<f64, D>) -> SVector<f64, D> {
         velocity * self
     }
 
-    fn divides(self, resultant: Vector2<f64>) -> Vector2<f64> {
+    fn divides(self, resultant: SVector<f64, D>) -> SVector<f64, D> {
         resultant / self
     }
 
-    fn squared(self, velocity: Vector2<f64>) -> f64 {
+    fn squared(self, velocity: SVector<f64, D>) -> f64 {
         self * velocity.norm_squared()
     }
 
-    fn speed(self, y: Vector2<f64>) -> f64 {
+    fn speed(self, y: SVector<f64, D>) -> f64 {
         self * y.norm()
     }
 }

@@ -23,16 +23,18 @@ mod truth;
 mod work;
 
 pub use adjacency::{Adjacency, Groups, greedy_colours};
-pub use discs::{Contact, Discs};
+pub use discs::{Contact, Discs, Smooth, Spheres};
 pub use error::{ProblemError, SetupError, is_not_negative, is_positive, shown};
 pub use law::greatest;
 pub use measure::Measure;
 pub use measures::Measures;
-pub use mechanics::{Associated, Column, Mass, Mechanics, Touch, Vector};
+pub use mechanics::{Associated, Column, Mass, Mechanics, Place, Touch, Vector};
 pub use meter::{Measuring, Meter};
 pub use packing::Packing;
 pub use problem::ContactProblem;
-pub use rough::{RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughMeter};
+pub use rough::{
+    RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughMeter, RoughSpheres, Rubbing, SphereColumn, frame,
+};
 pub use scaled::ScaledContact;
 pub use solver::{Iteration, Solver};
 pub use truth::Truth;

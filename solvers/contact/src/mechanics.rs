@@ -5,13 +5,15 @@
 
 use crate::error::shown;
 use crate::scaled::unscale;
-use nalgebra::{SVector, Vector2};
+use nalgebra::{ArrayStorage, SVector};
 use std::fmt::Debug;
 use std::iter::Sum;
-use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use std::ops::{Add, AddAssign, Div, Index, Mul, Neg, Sub, SubAssign};
 
 /// One of the mechanics of a scene.
 pub trait Mechanics: Copy + Debug + PartialEq + Send + Sync + 'static {
+    /// Where a grain is (m), and which way a contact faces: of two or three components.
+    type Place: Place;
     /// How a grain moves: translation (m/s), then spin (rad/s), if any.
     type Velocity: Vector;
     /// What resists: mass (kg), and moment of inertia (kg m²), if there is a spin.
@@ -39,7 +41,6 @@ pub trait Associated: Mechanics {}
 pub trait Vector:
     Copy
     + Debug
-    + Default
     + PartialEq
     + Send
     + Sync
@@ -55,6 +56,9 @@ pub trait Vector:
 {
     /// How many numbers.
     const LEN: usize;
+
+    /// All of them 0.
+    const ZERO: Self;
 
     /// Those of one item of a flat list.
     fn at(list: &[f64], index: usize) -> Self;
@@ -89,8 +93,40 @@ pub trait Vector:
     fn text(self) -> String;
 }
 
+/// A point of the plane or of space, or a direction there: x to the right, y upwards and, in space, z towards who looks.
+pub trait Place: Vector + Index<usize, Output = f64> {
+    /// From its components, of which the plane has no z.
+    fn of(space: [f64; 3]) -> Self;
+
+    /// Its components; in the plane z = 0.
+    fn space(self) -> [f64; 3] {
+        std::array::from_fn(|axis| if axis < Self::LEN { self[axis] } else { 0.0 })
+    }
+
+    /// Its length.
+    #[inline]
+    fn length(self) -> f64 {
+        self.dot_product(self).sqrt()
+    }
+
+    /// The least box around `places`, by its least and greatest corner; upside down without any.
+    fn extent(places: impl Iterator<Item = Self>) -> [Self; 2] {
+        let corner = |x: f64| Self::of([x; 3]);
+        places.fold([corner(f64::INFINITY), corner(f64::NEG_INFINITY)], |[low, high], x| {
+            [low.with(x, f64::min), high.with(x, f64::max)]
+        })
+    }
+}
+
+impl<const D: usize> Place for SVector<f64, D> {
+    fn of(space: [f64; 3]) -> Self {
+        Self::from_fn(|axis, _| space[axis])
+    }
+}
+
 impl Vector for f64 {
     const LEN: usize = 1;
+    const ZERO: Self = 0.0;
 
     #[inline]
     fn at(list: &[f64], index: usize) -> Self {
@@ -134,11 +170,9 @@ impl Vector for f64 {
     }
 }
 
-impl<const N: usize> Vector for SVector<f64, N>
-where
-    Self: Default,
-{
+impl<const N: usize> Vector for SVector<f64, N> {
     const LEN: usize = N;
+    const ZERO: Self = Self::from_array_storage(ArrayStorage([[0.0; N]]));
 
     #[inline]
     fn at(list: &[f64], index: usize) -> Self {
@@ -211,7 +245,7 @@ pub trait Touch<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     fn ends(&self) -> (u32, Option<u32>);
 
     /// Unit normal n, from antagonist to candidate (–).
-    fn normal(&self) -> Vector2<f64>;
+    fn normal(&self) -> M::Place;
 
     /// c: what the scene imposes on the relative velocity (m/s).
     fn offset(&self) -> M::Impulse;

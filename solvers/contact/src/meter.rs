@@ -10,14 +10,14 @@ mod passes;
 pub(crate) mod proof;
 mod sums;
 
-use crate::discs::Discs;
+use crate::discs::Smooth;
 use crate::measure::Measure;
 use crate::measures::Measures;
 use crate::mechanics::Mechanics;
 use crate::problem::ContactProblem;
 use crate::truth::Truth;
 use crate::work::together;
-use nalgebra::Vector2;
+use nalgebra::SVector;
 use passes::Columns;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -30,18 +30,18 @@ const BLOCK: usize = 8192;
 const NS_PER_CONTACT: usize = 3;
 
 /// Measures the iterates of runs on one problem.
-pub struct Meter<'p> {
-    problem: &'p ContactProblem,
-    columns: Columns,
+pub struct Meter<'p, const D: usize = 2> {
+    problem: &'p ContactProblem<Smooth<D>>,
+    columns: Columns<D>,
     /// [`ContactProblem::scale`] (J).
     scale: f64,
     /// V − `V_free` = M⁻¹ H r of the iterate measured last (m/s), of each grain, and of a wall.
-    pushed: Vec<Vector2<f64>>,
+    pushed: Vec<SVector<f64, D>>,
     /// The iterate that [`Meter::measure`] measured before (N·s); empty before the first.
     previous: Vec<f64>,
     /// Scratch.
     blocks: Vec<Sums>,
-    truth: Option<Known>,
+    truth: Option<Known<D>>,
     /// What the problem says of the size of an iterate's energy.
     size: proof::Size,
     /// The contact that approached fastest when all were looked at, and the natural map.
@@ -50,23 +50,23 @@ pub struct Meter<'p> {
 }
 
 /// What of the truth errors are measured with.
-struct Known {
+struct Known<const D: usize> {
     /// V* − `V_free` of each grain (m/s).
-    pushed: Vec<Vector2<f64>>,
+    pushed: Vec<SVector<f64, D>>,
     /// Its size ‖V* − `V_free`‖_M (√J).
     distance: f64,
     /// q* (J).
     energy: f64,
 }
 
-impl<'p> Meter<'p> {
+impl<'p, const D: usize> Meter<'p, D> {
     /// Prepares what the measures of all iterates share.
-    pub fn new(problem: &'p ContactProblem) -> Self {
+    pub fn new(problem: &'p ContactProblem<Smooth<D>>) -> Self {
         let columns = Columns::new(problem);
         Self {
             problem,
             scale: problem.scale(),
-            pushed: vec![Vector2::zeros(); problem.grain_count() + 1],
+            pushed: vec![SVector::zeros(); problem.grain_count() + 1],
             previous: Vec::new(),
             blocks: vec![Sums::default(); problem.contact_count().div_ceil(BLOCK)],
             truth: None,
@@ -82,7 +82,7 @@ impl<'p> Meter<'p> {
     /// # Panics
     /// If the truth is that of another number of grains.
     #[must_use]
-    pub fn against(self, truth: &Truth) -> Self {
+    pub fn against(self, truth: &Truth<Smooth<D>>) -> Self {
         let (problem, velocity) = (self.problem, truth.velocity());
         assert_eq!(velocity.len(), problem.grain_count(), "one true velocity per grain");
         let known = Known {
@@ -115,7 +115,7 @@ impl<'p> Meter<'p> {
         self.worst_contact = sums.worst_contact.unwrap_or(self.worst_contact);
         let (energy, wr) = (0.5 * sums.energy_twice, 0.5 * sums.wr_twice);
         // Where the solution is r = 0, both errors are 0 there and infinite elsewhere.
-        let energy_gap = |known: &Known| ratio(energy - known.energy, known.energy.abs());
+        let energy_gap = |known: &Known<D>| ratio(energy - known.energy, known.energy.abs());
         Measures {
             zeta: sums.zeta(),
             natural_map: self.natural_map(&sums),
@@ -139,7 +139,7 @@ impl<'p> Meter<'p> {
     fn push(&mut self, r: &[f64]) {
         let Self { columns, pushed, .. } = self;
         if in_threads(r.len()) {
-            let gather = |(grain, pushed): (usize, &mut Vector2<f64>)| *pushed = columns.gather(grain, r);
+            let gather = |(grain, pushed): (usize, &mut SVector<f64, D>)| *pushed = columns.gather(grain, r);
             pushed.par_iter_mut().enumerate().with_min_len(BLOCK).for_each(gather);
         } else {
             Arch::new().dispatch(Push { columns, r, pushed });
@@ -169,7 +169,7 @@ impl<'p> Meter<'p> {
     }
 
     /// ‖V − V*‖_M / ‖V* − `V_free`‖_M of the grains as they were pushed last.
-    fn velocity_error(&self, known: &Known) -> f64 {
+    fn velocity_error(&self, known: &Known<D>) -> f64 {
         let sum = |block: usize| {
             let grains = block * BLOCK..known.pushed.len().min((block + 1) * BLOCK);
             grains.map(|grain| self.squared_error(known, grain, self.pushed[grain])).sum::<f64>()
@@ -179,7 +179,7 @@ impl<'p> Meter<'p> {
     }
 
     /// ‖V − V*‖²_M of a grain (J).
-    fn squared_error(&self, known: &Known, grain: usize, pushed: Vector2<f64>) -> f64 {
+    fn squared_error(&self, known: &Known<D>, grain: usize, pushed: SVector<f64, D>) -> f64 {
         self.problem.mass()[grain] * (pushed - known.pushed[grain]).norm_squared()
     }
 }
@@ -204,12 +204,12 @@ pub trait Measuring<'p, M: Mechanics>: Sized {
     fn goes_on(&mut self, on: Measure, tolerance: f64, energy: f64, iterates: (&[f64], &[f64])) -> bool;
 }
 
-impl<'p> Measuring<'p, Discs> for Meter<'p> {
-    fn new(problem: &'p ContactProblem) -> Self {
+impl<'p, const D: usize> Measuring<'p, Smooth<D>> for Meter<'p, D> {
+    fn new(problem: &'p ContactProblem<Smooth<D>>) -> Self {
         Self::new(problem)
     }
 
-    fn against(self, truth: &Truth) -> Self {
+    fn against(self, truth: &Truth<Smooth<D>>) -> Self {
         self.against(truth)
     }
 
@@ -237,13 +237,13 @@ pub(crate) fn ratio(residual: f64, scale: f64) -> f64 {
 }
 
 /// First pass. A closure would not be inlined where the processor's instructions are chosen.
-struct Push<'a> {
-    columns: &'a Columns,
+struct Push<'a, const D: usize> {
+    columns: &'a Columns<D>,
     r: &'a [f64],
-    pushed: &'a mut [Vector2<f64>],
+    pushed: &'a mut [SVector<f64, D>],
 }
 
-impl WithSimd for Push<'_> {
+impl<const D: usize> WithSimd for Push<'_, D> {
     type Output = ();
 
     #[inline(always)]
@@ -253,15 +253,15 @@ impl WithSimd for Push<'_> {
 }
 
 /// Second pass over some contacts.
-struct Pull<'a> {
-    columns: &'a Columns,
+struct Pull<'a, const D: usize> {
+    columns: &'a Columns<D>,
     first: usize,
     iterates: (&'a [f64], &'a [f64]),
-    pushed: &'a [Vector2<f64>],
+    pushed: &'a [SVector<f64, D>],
     alone: bool,
 }
 
-impl WithSimd for Pull<'_> {
+impl<const D: usize> WithSimd for Pull<'_, D> {
     type Output = Sums;
 
     #[inline(always)]

@@ -7,7 +7,7 @@ use crate::problem::ContactProblem;
 impl<M: Mechanics> ContactProblem<M> {
     /// R = H r: the resultant of the contact impulses `r` on each grain (N·s).
     pub fn resultant(&self, r: &[f64], resultant: &mut [M::Velocity]) {
-        resultant.fill(M::Velocity::default());
+        resultant.fill(M::Velocity::ZERO);
         for (k, contact) in self.contacts().iter().enumerate() {
             contact.push(M::Impulse::at(r, k), resultant);
         }

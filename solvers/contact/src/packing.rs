@@ -5,14 +5,13 @@ use crate::discs::Discs;
 use crate::error::ProblemError;
 use crate::mechanics::{Mechanics, Touch, Vector};
 use crate::problem::ContactProblem;
-use nalgebra::Vector2;
 use std::ops::Deref;
 
 /// What a method starts on: a contact problem, which this stands for wherever places do not matter, and its geometry.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Packing<M: Mechanics = Discs> {
     problem: ContactProblem<M>,
-    position: Vec<Vector2<f64>>,
+    position: Vec<M::Place>,
 }
 
 impl<M: Mechanics> Packing<M> {
@@ -22,7 +21,7 @@ impl<M: Mechanics> Packing<M> {
     /// Names the first item that has no meaning.
     pub fn new(
         mass: Vec<M::Mass>,
-        position: Vec<Vector2<f64>>,
+        position: Vec<M::Place>,
         free_velocity: Vec<M::Velocity>,
         contacts: Vec<M::Contact>,
     ) -> Result<Self, ProblemError> {
@@ -33,15 +32,15 @@ impl<M: Mechanics> Packing<M> {
     }
 
     /// Mass centres (m).
-    pub fn position(&self) -> &[Vector2<f64>] {
+    pub fn position(&self) -> &[M::Place] {
         &self.position
     }
 
     /// Midpoint of the two mass centres; the grain's centre for a contact with a wall (§3) (m).
-    pub fn contact_position(&self, contact: &M::Contact) -> Vector2<f64> {
+    pub fn contact_position(&self, contact: &M::Contact) -> M::Place {
         let (candidate, antagonist) = contact.ends();
         let candidate = self.position[candidate as usize];
-        antagonist.map_or(candidate, |j| 0.5 * (candidate + self.position[j as usize]))
+        antagonist.map_or(candidate, |j| (candidate + self.position[j as usize]) * 0.5)
     }
 }
 

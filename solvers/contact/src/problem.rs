@@ -2,7 +2,7 @@
 
 use crate::discs::Discs;
 use crate::error::{ProblemError, shown};
-use crate::mechanics::{Mass, Mechanics, Touch, Vector};
+use crate::mechanics::{Mass, Mechanics, Place, Touch, Vector};
 
 /// The contact problem of one time step: v − W r = b (1), and the contact law (2).
 ///
@@ -75,7 +75,7 @@ fn check_contact<M: Mechanics>(
     let ((candidate, antagonist), normal) = (contact.ends(), contact.normal());
     let grain_range = || format!("the index of one of {grains} grains");
     // Normals come from files of other codes too: 1e-9 lets a normal of any careful code pass and stops a wrong one.
-    let length = normal.norm();
+    let length = normal.length();
     let (key, value, expected) = if candidate as usize >= grains {
         ("contacts.candidate", candidate.to_string(), grain_range())
     } else if let Some(j) = antagonist.filter(|j| *j as usize >= grains) {
@@ -83,7 +83,7 @@ fn check_contact<M: Mechanics>(
     } else if antagonist == Some(candidate) {
         ("contacts.antagonist", candidate.to_string(), "another grain than the candidate".to_owned())
     } else if !((length - 1.0).abs() <= 1e-9) {
-        let value = format!("[{}, {}] of length {}", shown(normal.x), shown(normal.y), shown(length));
+        let value = format!("{} of length {}", normal.text(), shown(length));
         ("contacts.normal", value, "of length 1 (to 1e-9)".to_owned())
     } else if !contact.offset().is_finite() {
         ("contacts.offset", contact.offset().text(), "finite".to_owned())

@@ -5,28 +5,31 @@
 
 mod column;
 mod meter;
+mod spheres;
 
 pub use column::RoughColumn;
-pub use meter::RoughMeter;
+pub use meter::{RoughMeter, Rubbing};
+pub use spheres::{RoughSpheres, SphereColumn, frame};
 
 use crate::discs::{Contact, Discs};
 use crate::error::{ProblemError, is_not_negative, is_positive};
 use crate::law;
 use crate::mechanics::{Mass, Mechanics, Touch, Vector};
 use crate::problem::ContactProblem;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{SVector, Vector2, Vector3};
 
 /// Discs with friction. Velocities are [`V_x`, `V_y`, ω], impulses [`r_n`, `r_t`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RoughDiscs;
 
 impl Mechanics for RoughDiscs {
+    type Place = Vector2<f64>;
     type Velocity = Vector3<f64>;
     type Mass = RoughMass;
     type Impulse = Vector2<f64>;
     type Contact = RoughContact;
     type Column = RoughColumn;
-    type Meter<'p> = RoughMeter<'p>;
+    type Meter<'p> = RoughMeter<'p, Self>;
 
     const NAME: &'static str = "rough-discs";
     const HAS_ONE_VELOCITY: bool = false;
@@ -47,13 +50,20 @@ impl RoughMass {
     }
 }
 
-impl Mass<Vector3<f64>> for RoughMass {
-    fn fault(self) -> Option<(&'static str, f64, &'static str)> {
+impl RoughMass {
+    /// What is wrong with it, if it is.
+    fn fault_of(self) -> Option<(&'static str, f64, &'static str)> {
         let is_good = |m: f64| is_positive(m) && m.recip().is_finite();
         let expected = "positive and finite, and so its inverse";
         [("grains.mass", self.mass), ("grains.inertia", self.inertia)]
             .into_iter()
             .find_map(|(key, m)| (!is_good(m)).then_some((key, m, expected)))
+    }
+}
+
+impl Mass<Vector3<f64>> for RoughMass {
+    fn fault(self) -> Option<(&'static str, f64, &'static str)> {
+        self.fault_of()
     }
 
     fn inverse(self, times: f64) -> Self {
@@ -85,17 +95,17 @@ impl Mass<Vector3<f64>> for RoughMass {
 ///
 /// 0 ≤ `v_n` ⊥ `r_n` ≥ 0,  |`r_t`| ≤ μ `r_n`,  `v_t` = 0 or (|`r_t`| = μ `r_n` and `r_t` against `v_t`)  (2′)
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RoughContact {
+pub struct RoughContact<const D: usize = 2> {
     /// Index of the candidate grain.
     pub candidate: u32,
     /// Index of the antagonist grain; `None` for a wall, whose motion is in `offset`.
     pub antagonist: Option<u32>,
     /// Unit normal n, from antagonist to candidate (–).
-    pub normal: Vector2<f64>,
+    pub normal: SVector<f64, D>,
     /// `R_i` and `R_j`, from the centres to the contact point (m); the second is 0 at a wall.
     pub arms: Vector2<f64>,
-    /// [`c_n`, `c_t`]: what the scene imposes: a wall's motion and, along the normal, the law's gap term (m/s).
-    pub offset: Vector2<f64>,
+    /// [`c_n`, `c_t`], in space [`c_n`, `c_t1`, `c_t2`]: what the scene imposes: a wall's motion and, along the normal, the law's gap term (m/s).
+    pub offset: SVector<f64, D>,
     /// μ (–).
     pub friction: f64,
 }
@@ -183,6 +193,13 @@ impl Touch<RoughDiscs> for RoughContact {
     }
 
     fn fault(&self) -> Option<(&'static str, f64, &'static str)> {
+        self.fault_of()
+    }
+}
+
+impl<const D: usize> RoughContact<D> {
+    /// What is wrong with the law's own numbers, if anything is.
+    fn fault_of(&self) -> Option<(&'static str, f64, &'static str)> {
         let arm = self.arms.iter().copied().find(|arm| !is_not_negative(*arm));
         let friction = (!is_not_negative(self.friction)).then_some(("contacts.friction", self.friction));
         let (key, value) = arm.map(|arm| ("grains.radius", arm)).or(friction)?;

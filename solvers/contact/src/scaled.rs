@@ -1,5 +1,5 @@
 //! The contacts in mass-scaled unknowns, as sweeps and products with W want them: no division and no root is left, and a
-//! contact is 32 bytes.
+//! contact of discs is 32 bytes.
 //!
 //! With y = M^½ V (√J) and s = √`W_αα` r (√J), H̃ = M^-½ H W_D^-½ takes the place of H: relative velocities are
 //! v/√`W_αα` = H̃ᵗ y + c/√`W_αα`, an impulse moves y by H̃ s, and the diagonal of H̃ᵗ H̃ is 1.
@@ -7,26 +7,26 @@
 //! The `unit` of a contact, here and wherever these columns are used, is s/r: √`W_αα` (kg^-½), with the masses that the column
 //! has; or 1, where a method wants r as it is. Sweeps always have √`W_αα`.
 
-use crate::discs::{Contact, Discs};
+use crate::discs::{Contact, Smooth};
 use crate::law;
-use crate::mechanics::{Column, Mass, Mechanics};
+use crate::mechanics::{Column, Mass, Mechanics, Vector};
 use crate::problem::ContactProblem;
-use nalgebra::Vector2;
+use nalgebra::SVector;
 use pulp::{Arch, Simd, WithSimd};
 
 /// A column of H̃: `normal` at the candidate, −`ratio`·`normal` at the antagonist.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ScaledContact {
+pub struct ScaledContact<const D: usize = 2> {
     candidate: u32,
     /// At a wall the candidate itself, which a ratio of 0 leaves out.
     antagonist: u32,
     /// n/√(`m_candidate` `W_αα`) (–).
-    normal: Vector2<f64>,
+    normal: SVector<f64, D>,
     /// √(`m_candidate`/`m_antagonist`) (–); 0 at a wall.
     ratio: f64,
 }
 
-impl ScaledContact {
+impl<const D: usize> ScaledContact<D> {
     /// The diagonal of H̃ᵗ H̃, which is 1, or of W.
     #[inline]
     pub fn squared(&self) -> f64 {
@@ -41,21 +41,21 @@ impl ScaledContact {
 
     /// h̃_α at the candidate, and at the antagonist: 0 at a wall.
     #[inline]
-    pub fn at_ends(&self) -> (Vector2<f64>, Vector2<f64>) {
+    pub fn at_ends(&self) -> (SVector<f64, D>, SVector<f64, D>) {
         (self.normal, -self.ratio * self.normal)
     }
 
     /// What a `change` of one grain of the contact, in the place `grain` of y, adds to (H̃ᵗ y)_α.
     #[inline]
-    pub fn relative_of(&self, grain: u32, change: &Vector2<f64>) -> f64 {
+    pub fn relative_of(&self, grain: u32, change: &SVector<f64, D>) -> f64 {
         let along = self.normal.dot(change);
         if grain == self.candidate { along } else { -self.ratio * along }
     }
 }
 
-impl Column<Discs> for ScaledContact {
+impl<const D: usize> Column<Smooth<D>> for ScaledContact<D> {
     fn new(
-        contact: &Contact,
+        contact: &Contact<D>,
         places: (u32, Option<u32>),
         inverse_mass: impl Fn(u32) -> f64,
         scaled: bool,
@@ -72,13 +72,13 @@ impl Column<Discs> for ScaledContact {
     }
 
     #[inline]
-    fn relative(&self, y: &[Vector2<f64>]) -> f64 {
+    fn relative(&self, y: &[SVector<f64, D>]) -> f64 {
         let (i, j) = (y[self.candidate as usize], y[self.antagonist as usize]);
-        self.normal.x * (i.x - self.ratio * j.x) + self.normal.y * (i.y - self.ratio * j.y)
+        self.normal.dot(&(i - j * self.ratio))
     }
 
     #[inline]
-    fn push(&self, s: f64, y: &mut [Vector2<f64>]) {
+    fn push(&self, s: f64, y: &mut [SVector<f64, D>]) {
         let push = self.normal * s;
         y[self.candidate as usize] += push;
         y[self.antagonist as usize] -= push * self.ratio;
@@ -92,7 +92,7 @@ impl Column<Discs> for ScaledContact {
 
 /// y = M^½ (`V_free` + M⁻¹ H r) of the grains (√J).
 pub fn scaled_velocity<M: Mechanics>(problem: &ContactProblem<M>, r: &[f64]) -> Vec<M::Velocity> {
-    let mut y = vec![M::Velocity::default(); problem.grain_count()];
+    let mut y = vec![M::Velocity::ZERO; problem.grain_count()];
     problem.velocity(r, &mut y);
     y.iter_mut().zip(problem.mass()).for_each(|(y, mass)| *y = mass.root().times(*y));
     y

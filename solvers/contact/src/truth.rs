@@ -1,7 +1,7 @@
 //! The truth that iterates are compared with.
 
 use crate::discs::Discs;
-use crate::mechanics::Mechanics;
+use crate::mechanics::{Mechanics, Vector};
 use crate::problem::ContactProblem;
 
 /// What is unique of the solution of a problem: its velocity and its energy. Impulses need not be. With friction neither is: this
@@ -16,7 +16,7 @@ impl<M: Mechanics> Truth<M> {
     /// V* = `V_free` + M⁻¹ H r* and q* = q(r*) of impulses r* (N·s) that solve the problem. Whether they do is for
     /// their certificate to say, not for this type.
     pub fn new(problem: &ContactProblem<M>, impulses: &[f64]) -> Self {
-        let mut velocity = vec![M::Velocity::default(); problem.grain_count()];
+        let mut velocity = vec![M::Velocity::ZERO; problem.grain_count()];
         problem.velocity(impulses, &mut velocity);
         let mut v = vec![0.0; problem.impulse_count()];
         problem.relative_velocity(&velocity, &mut v);

@@ -5,7 +5,7 @@
 //! one product with W, in two passes over the contacts. q(r) decreases at every iteration for 0 < s < 2.
 
 use analysis::delassus_bound;
-use contact::{Iteration, Packing, SetupError, Solver, Work, law};
+use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work, law};
 use product::Product;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -34,14 +34,14 @@ struct Contact {
     r: f64,
 }
 
-struct Run {
-    product: Product<Contact>,
+struct Run<const D: usize> {
+    product: Product<Contact, Smooth<D>>,
     /// ρ (kg).
     step: f64,
     products: u64,
 }
 
-impl Iteration for Run {
+impl<const D: usize> Iteration for Run<D> {
     fn advance(&mut self) {
         // v = W r + b, the gradient of q;  r = max(0, r − ρ v)
         let step = self.step;
@@ -59,8 +59,12 @@ impl Iteration for Run {
     }
 }
 
-impl Solver for Gradient {
-    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+impl<const D: usize> Solver<Smooth<D>> for Gradient {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<Smooth<D>>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("step", self.step)?;
         let (b, greatest) = (problem.b(), delassus_bound(problem));
         Ok(Box::new(Run {

@@ -1,8 +1,8 @@
 //! The coarse problem: interface impulses whose resultants vanish on every interface, at each linear stage.
 //!
 //! The multiscale step that Iceta et al. 2009 name as perspective, after Alart & Dureisseix, Comput. Methods Appl. Mech.
-//! Engrg. 197 (2008) 319-331: an interface is the set of boundary grains between the same subdomains, its large scale two
-//! translations. A velocity w per interface is added to what the local stage asks of its copies, τ ← τ + d⁻ w, such that
+//! Engrg. 197 (2008) 319-331: an interface is the set of boundary grains between the same subdomains, its large scale the
+//! translations, of which there are T. A velocity w per interface is added to what the local stage asks of its copies, τ ← τ + d⁻ w, such that
 //! Σ F_E = 0 over the interface's grains and copies:
 //!
 //! S w = −g,   S = Σ_E `B_E`ᵗ (d⁻ − d⁻ K_E⁻¹ d⁻) `B_E`,   g = Σ_E `B_E`ᵗ F_E
@@ -15,31 +15,31 @@ use crate::stages::Stages;
 use crate::subdomain::Latin;
 use cholesky::{Coupling, Factor, Order, Singular, Structure};
 use contact::{ContactProblem, SetupError};
-use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+use nalgebra::{SMatrix, SVector};
 use partition::Decomposition;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// What an interface is to one of its subdomains.
-struct Side<const D: usize> {
+struct Side<const D: usize, const T: usize> {
     /// Place of the interface in the order of the coarse factor.
     interface: usize,
     /// Places of the interface's grains in the subdomain, and their d⁻ (kg).
     grains: Vec<(usize, f64)>,
     /// K_E⁻¹ d⁻ `B_E`: what a unit w does to each grain's velocity (–).
-    influence: Vec<SMatrix<f64, D, 2>>,
+    influence: Vec<SMatrix<f64, D, T>>,
 }
 
 /// The coarse problem, factorised.
-pub(crate) struct Coarse<const D: usize> {
+pub(crate) struct Coarse<const D: usize, const T: usize> {
     /// By subdomain.
-    sides: Vec<Vec<Side<D>>>,
-    factor: Factor,
+    sides: Vec<Vec<Side<D, T>>>,
+    factor: Factor<T>,
     /// g, then w, of each interface in the order of the factor.
-    w: Vec<Vector2<f64>>,
+    w: Vec<SVector<f64, T>>,
 }
 
-impl<const D: usize> Coarse<D> {
+impl<const D: usize, const T: usize> Coarse<D, T> {
     /// Groups the boundary grains into interfaces, and assembles and factorises S for these factors of K_E.
     pub(crate) fn new<'f, M: Stages<Velocity = SVector<f64, D>>>(
         problem: &ContactProblem<M>,
@@ -53,7 +53,7 @@ impl<const D: usize> Coarse<D> {
             SetupError::new("coarse", true, format!("{where_not}: its matrix cannot be factorised ({why})"))
         };
         let interfaces = interfaces(decomposition);
-        let mut sides: Vec<Vec<Side<D>>> = subdomains.iter().map(|_| Vec::new()).collect();
+        let mut sides: Vec<Vec<Side<D, T>>> = subdomains.iter().map(|_| Vec::new()).collect();
         for (interface, grains) in interfaces.iter().enumerate() {
             for (k, (e, _)) in grains[0].iter().enumerate() {
                 let latin = &subdomains[*e as usize];
@@ -79,8 +79,8 @@ impl<const D: usize> Coarse<D> {
         for side in sides.iter_mut().flatten() {
             side.interface = structure.position()[side.interface] as usize;
         }
-        let factor = Factor::new(structure, |_| Vector2::zeros(), |k| Some(couplings[k])).map_err(refused)?;
-        Ok(Self { sides, factor, w: vec![Vector2::zeros(); interfaces.len()] })
+        let factor = Factor::new(structure, |_| SVector::zeros(), |k| Some(couplings[k])).map_err(refused)?;
+        Ok(Self { sides, factor, w: vec![SVector::zeros(); interfaces.len()] })
     }
 
     /// Solves for w, and brings every subdomain's V_E and τ to it.
@@ -103,7 +103,7 @@ impl<const D: usize> Coarse<D> {
 
     /// g of each interface (N·s).
     #[cfg(test)]
-    pub(crate) fn resultants<M>(&self, subdomains: &[Latin<M, D>]) -> Vec<Vector2<f64>>
+    pub(crate) fn resultants<M>(&self, subdomains: &[Latin<M, D>]) -> Vec<SVector<f64, T>>
     where
         M: Stages<Velocity = SVector<f64, D>>,
     {
@@ -114,7 +114,7 @@ impl<const D: usize> Coarse<D> {
 
     /// Entries that a correction goes through: those of the factor twice, those of the influences once.
     pub(crate) fn entries(&self) -> usize {
-        let influences: usize = self.sides.iter().flatten().map(|side| 2 * D * side.influence.len()).sum();
+        let influences: usize = self.sides.iter().flatten().map(|side| T * D * side.influence.len()).sum();
         2 * self.factor.entries() + influences
     }
 
@@ -130,11 +130,14 @@ impl<const D: usize> Coarse<D> {
 }
 
 /// g: Σ F_E over the grains and copies of each interface (N·s).
-fn resultants<M, const D: usize>(sides: &[Vec<Side<D>>], subdomains: &[Latin<M, D>], g: &mut [Vector2<f64>])
-where
+fn resultants<M, const D: usize, const T: usize>(
+    sides: &[Vec<Side<D, T>>],
+    subdomains: &[Latin<M, D>],
+    g: &mut [SVector<f64, T>],
+) where
     M: Stages<Velocity = SVector<f64, D>>,
 {
-    g.fill(Vector2::zeros());
+    g.fill(SVector::zeros());
     for (sides, latin) in sides.iter().zip(subdomains) {
         for side in sides {
             g[side.interface] += latin.resultant(&side.grains);
@@ -153,27 +156,29 @@ fn interfaces(decomposition: &Decomposition) -> Vec<Vec<&Vec<(u32, u32)>>> {
 }
 
 /// All pairs of sides of one subdomain, either once.
-fn pairs<const D: usize>(sides: &[Vec<Side<D>>]) -> impl Iterator<Item = (&Side<D>, &Side<D>)> {
+fn pairs<const D: usize, const T: usize>(
+    sides: &[Vec<Side<D, T>>],
+) -> impl Iterator<Item = (&Side<D, T>, &Side<D, T>)> {
     sides.iter().flat_map(|sides| {
         sides.iter().enumerate().flat_map(|(k, row)| sides[k..].iter().map(move |column| (row, column)))
     })
 }
 
 /// The interfaces of two sides, or the one that both are.
-fn ends<const D: usize>(row: &Side<D>, column: &Side<D>) -> (u32, Option<u32>) {
+fn ends<const D: usize, const T: usize>(row: &Side<D, T>, column: &Side<D, T>) -> (u32, Option<u32>) {
     (row.interface as u32, (row.interface != column.interface).then_some(column.interface as u32))
 }
 
 /// What two sides of one subdomain add to S.
-fn coupling<const D: usize>(row: &Side<D>, column: &Side<D>) -> Coupling {
-    let mut block = Matrix2::zeros();
+fn coupling<const D: usize, const T: usize>(row: &Side<D, T>, column: &Side<D, T>) -> Coupling<T> {
+    let mut block = SMatrix::zeros();
     for (place, d_minus) in &row.grains {
-        block -= column.influence[*place].fixed_rows::<2>(0) * *d_minus;
+        block -= column.influence[*place].fixed_rows::<T>(0) * *d_minus;
     }
-    let zeros = Matrix2::zeros();
+    let zeros = SMatrix::zeros();
     if row.interface == column.interface {
         let own: f64 = row.grains.iter().map(|(_, d_minus)| d_minus).sum();
-        Coupling { first: block + own * Matrix2::identity(), second: zeros, between: zeros }
+        Coupling { first: block + own * SMatrix::identity(), second: zeros, between: zeros }
     } else {
         Coupling { first: zeros, second: zeros, between: block }
     }

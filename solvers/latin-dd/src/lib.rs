@@ -129,11 +129,14 @@ impl LatinDd {
     ///
     /// # Errors
     /// As there.
-    pub fn run<'p, M: Stages<Velocity = SVector<f64, D>>, const D: usize>(
+    pub fn run<'p, M, const D: usize, const T: usize>(
         &self,
         problem: &'p Packing<M>,
         r0: &[f64],
-    ) -> Result<Run<'p, M, D>, SetupError> {
+    ) -> Result<Run<'p, M, D, T>, SetupError>
+    where
+        M: Stages<Velocity = SVector<f64, D>, Place = SVector<f64, T>>,
+    {
         let is_share = self.relaxation > 0.0 && self.relaxation <= 1.0;
         SetupError::unless(is_share, "relaxation", self.relaxation, "above 0 and at most 1")?;
         for (key, value) in [("kappa_l", self.kappa_l), ("kappa_d", self.kappa_d)] {
@@ -152,7 +155,10 @@ impl LatinDd {
     }
 }
 
-impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Solver<M> for LatinDd {
+impl<M, const D: usize, const T: usize> Solver<M> for LatinDd
+where
+    M: Stages<Velocity = SVector<f64, D>, Place = SVector<f64, T>>,
+{
     fn start<'p>(&self, problem: &'p Packing<M>, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         Ok(Box::new(self.run(problem, r0)?))
     }

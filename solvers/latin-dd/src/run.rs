@@ -15,14 +15,14 @@ use rayon::prelude::*;
 /// What a stage takes per contact, about (ns).
 const NS_PER_CONTACT: usize = 20;
 
-/// LATIN-DD on one problem, with D unknowns of a grain. `advance` takes its stages in turn; alone, they are for those who look at one of them.
-pub struct Run<'p, M: Stages = Discs, const D: usize = 2> {
+/// LATIN-DD on one problem, with D unknowns of a grain, T of them translations. `advance` takes its stages in turn; alone, they are for those who look at one of them.
+pub struct Run<'p, M: Stages = Discs, const D: usize = 2, const T: usize = 2> {
     problem: &'p ContactProblem<M>,
     pub(crate) decomposition: Decomposition,
     pub(crate) subdomains: Vec<Latin<M, D>>,
     pub(crate) directions: Directions,
     relaxation: f64,
-    pub(crate) coarse: Option<Coarse<D>>,
+    pub(crate) coarse: Option<Coarse<D, T>>,
     balance: Option<Balance>,
     /// Of what [`Latin::send`] gives for each copy of a boundary grain.
     sums: CopySums<Sent<D>>,
@@ -30,7 +30,10 @@ pub struct Run<'p, M: Stages = Discs, const D: usize = 2> {
     work: Work,
 }
 
-impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Iteration for Run<'_, M, D> {
+impl<M, const D: usize, const T: usize> Iteration for Run<'_, M, D, T>
+where
+    M: Stages<Velocity = SVector<f64, D>, Place = SVector<f64, T>>,
+{
     fn advance(&mut self) {
         self.linear_stage();
         let factor = self.balance.as_mut().and_then(|balance| {
@@ -82,7 +85,10 @@ impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Iteration for Run<'_
     }
 }
 
-impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Run<'_, M, D> {
+impl<M, const D: usize, const T: usize> Run<'_, M, D, T>
+where
+    M: Stages<Velocity = SVector<f64, D>, Place = SVector<f64, T>>,
+{
     /// The linear stage of all subdomains, (1) (4) (5), and the coarse problem.
     pub fn linear_stage(&mut self) {
         self.in_subdomains(Latin::linear_stage);
@@ -145,7 +151,7 @@ impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Run<'_, M, D> {
         let entries: usize = self.subdomains.iter().map(|latin| latin.factor.entries()).sum();
         let coarse = self.coarse.as_ref();
         let (entries_of_coarse, values_of_coarse) =
-            coarse.map_or((0, 0), |coarse| (coarse.entries(), 4 * coarse.interfaces()));
+            coarse.map_or((0, 0), |coarse| (coarse.entries(), 2 * T * coarse.interfaces()));
         self.work.contact_updates += self.problem.contact_count() as u64;
         self.work.interface_values += (D * self.decomposition.copy_count() + values_of_coarse) as u64;
         self.work.triangular_solve_entries += (2 * entries + entries_of_coarse) as u64;
@@ -154,12 +160,15 @@ impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Run<'_, M, D> {
 
 impl LatinDd {
     /// A run with these directions, factorised.
-    pub(crate) fn bind<'p, M: Stages<Velocity = SVector<f64, D>>, const D: usize>(
+    pub(crate) fn bind<'p, M, const D: usize, const T: usize>(
         &self,
         problem: &'p Packing<M>,
         directions: Directions,
         r0: &[f64],
-    ) -> Result<Run<'p, M, D>, SetupError> {
+    ) -> Result<Run<'p, M, D, T>, SetupError>
+    where
+        M: Stages<Velocity = SVector<f64, D>, Place = SVector<f64, T>>,
+    {
         let partition = Partition::of_contacts(problem, self.partition, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
         let mut start = vec![SVector::zeros(); problem.grain_count()];

@@ -1,8 +1,8 @@
 //! What the stages need of a mechanics: H of a contact between two places, the law, and directions of its own unknowns.
 
 use analysis::Bounded;
-use contact::{Contact, Discs, Mechanics, RoughContact, RoughDiscs, law};
-use nalgebra::{Vector2, Vector3};
+use contact::{Contact, Mechanics, RoughContact, RoughDiscs, RoughSpheres, Smooth, Touch, law};
+use nalgebra::{SVector, Vector2, Vector3, Vector6};
 use std::fmt::Debug;
 
 /// A mechanics that LATIN solves.
@@ -43,18 +43,18 @@ pub trait Form<M: Mechanics>: Copy + Debug + Send + Sync + 'static {
 
 /// A contact without friction, by its normal n.
 #[derive(Clone, Copy, Debug)]
-pub struct Smooth(Vector2<f64>);
+pub struct Normal<const D: usize>(SVector<f64, D>);
 
-impl Stages for Discs {
-    type Form = Smooth;
+impl<const D: usize> Stages for Smooth<D> {
+    type Form = Normal<D>;
 
     fn numbers(r: f64) -> impl Iterator<Item = f64> {
         std::iter::once(r)
     }
 }
 
-impl Form<Discs> for Smooth {
-    fn new(contact: &Contact) -> Self {
+impl<const D: usize> Form<Smooth<D>> for Normal<D> {
+    fn new(contact: &Contact<D>) -> Self {
         Self(contact.normal)
     }
 
@@ -63,21 +63,21 @@ impl Form<Discs> for Smooth {
     }
 
     #[inline]
-    fn relative(&self, i: Vector2<f64>, j: Vector2<f64>) -> f64 {
+    fn relative(&self, i: SVector<f64, D>, j: SVector<f64, D>) -> f64 {
         self.0.dot(&(i - j))
     }
 
-    fn terms(&self, i: Vector2<f64>, j: Vector2<f64>) -> f64 {
+    fn terms(&self, i: SVector<f64, D>, j: SVector<f64, D>) -> f64 {
         i.norm() + j.norm()
     }
 
     #[inline]
-    fn at_ends(&self, r: f64) -> [Vector2<f64>; 2] {
+    fn at_ends(&self, r: f64) -> [SVector<f64, D>; 2] {
         let impulse = self.0 * r;
         [impulse, -impulse]
     }
 
-    fn columns(&self) -> impl Iterator<Item = [Vector2<f64>; 2]> {
+    fn columns(&self) -> impl Iterator<Item = [SVector<f64, D>; 2]> {
         std::iter::once([self.0, -self.0])
     }
 
@@ -164,5 +164,75 @@ impl Form<RoughDiscs> for Rough {
         let bound = (1.0 - ROUND_OFF) * self.friction * r.x;
         let slides = if v.y < 0.0 { r.y >= bound } else { r.y <= -bound };
         Vector2::new(normal, if slides { v.y } else { 0.0 })
+    }
+}
+
+/// A contact of spheres with friction: the contact itself, between its own two grains.
+#[derive(Clone, Copy, Debug)]
+pub struct RoughInSpace(RoughContact<3>);
+
+impl Stages for RoughSpheres {
+    type Form = RoughInSpace;
+
+    fn numbers(r: Vector3<f64>) -> impl Iterator<Item = f64> {
+        [r.x, r.y, r.z].into_iter()
+    }
+}
+
+impl Form<RoughSpheres> for RoughInSpace {
+    fn new(contact: &RoughContact<3>) -> Self {
+        let arm_of_antagonist = contact.antagonist.map_or(0.0, |_| contact.arms.y);
+        let arms = Vector2::new(contact.arms.x, arm_of_antagonist);
+        Self(RoughContact { candidate: 0, antagonist: Some(1), arms, ..*contact })
+    }
+
+    fn direction(&self, w: Vector3<f64>, kappa_t: f64) -> Vector3<f64> {
+        let along = if self.0.friction > 0.0 { kappa_t / w.y } else { 0.0 };
+        Vector3::new(1.0 / w.x, along, along)
+    }
+
+    #[inline]
+    fn relative(&self, i: Vector6<f64>, j: Vector6<f64>) -> Vector3<f64> {
+        self.0.relative(&[i, j])
+    }
+
+    fn terms(&self, i: Vector6<f64>, j: Vector6<f64>) -> Vector3<f64> {
+        let [translations, spins] = [0, 3].map(|first| [i, j].map(|v| v.fixed_rows::<3>(first).norm()));
+        let (translations, spins) =
+            (translations[0] + translations[1], self.0.arms.x * spins[0] + self.0.arms.y * spins[1]);
+        Vector3::new(translations, translations + spins, translations + spins)
+    }
+
+    #[inline]
+    fn at_ends(&self, r: Vector3<f64>) -> [Vector6<f64>; 2] {
+        let mut ends = [Vector6::zeros(); 2];
+        self.0.push(r, &mut ends);
+        ends
+    }
+
+    fn columns(&self) -> impl Iterator<Item = [Vector6<f64>; 2]> {
+        [Vector3::x(), Vector3::y(), Vector3::z()].map(|r| self.at_ends(r)).into_iter()
+    }
+
+    /// As in the plane, with the tangential part clipped to a disc.
+    #[inline]
+    fn admissible(&self, g: Vector3<f64>) -> Vector3<f64> {
+        let normal = law::non_negative(g.x);
+        let (bound, size) = (self.0.friction * normal, g.yz().norm());
+        let factor = if size > bound { bound / size } else { 1.0 };
+        Vector3::new(normal, factor * g.y, factor * g.z)
+    }
+
+    /// Along the tangents a contact slides against a `r_t` that is at its bound, and sticks elsewhere.
+    fn beside(&self, r: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
+        let normal = if r.x > 0.0 { 0.0 } else { law::non_negative(v.x) };
+        let (size, bound) = (r.yz().norm(), (1.0 - ROUND_OFF) * self.0.friction * r.x);
+        let slides = if size == 0.0 {
+            v.yz()
+        } else {
+            let against = r.yz() / size;
+            against * f64::min(0.0, against.dot(&v.yz()))
+        };
+        if size >= bound { Vector3::new(normal, slides.x, slides.y) } else { Vector3::new(normal, 0.0, 0.0) }
     }
 }

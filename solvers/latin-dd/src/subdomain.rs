@@ -6,7 +6,7 @@ use crate::sent::Sent;
 use crate::stages::{Form, Stages};
 use cholesky::{Factor, Order, Singular, Structure};
 use contact::{Packing, SetupError, Vector};
-use nalgebra::{SMatrix, SVector, Vector2};
+use nalgebra::{SMatrix, SVector};
 use partition::{Decomposition, Sums};
 use std::sync::Arc;
 
@@ -73,7 +73,7 @@ impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Latin<M, D> {
             directions: *directions,
             factor,
             constant: Vec::new(),
-            t: vec![M::Impulse::default(); contacts.len()],
+            t: vec![M::Impulse::ZERO; contacts.len()],
             r_hat: subdomain.contacts.iter().map(|k| Vector::at(r0, *k as usize)).collect(),
             tau: vec![SVector::zeros(); grains],
             right_hand_side: vec![SVector::zeros(); grains + 1],
@@ -192,7 +192,7 @@ impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Latin<M, D> {
             let (d_minus, d_plus) = (self.directions.d_minus * mass, self.directions.d_plus * mass);
             let v_hat = sum.impulse.component_div(&(d_plus * *copies));
             let f_hat = tau - d_minus.component_mul(&v) + d_plus.component_mul(&(v_hat - v));
-            let jump = (v - sum.velocity).fixed_rows::<2>(0).norm();
+            let jump = (v - sum.velocity).rows(0, M::Place::LEN).norm();
             self.velocity_jump = self.velocity_jump.max(jump);
             self.tau[self.boundary[k] as usize] += relaxation * (f_hat + d_minus.component_mul(&v_hat) - tau);
         }
@@ -229,36 +229,41 @@ impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Latin<M, D> {
         contacts.chain(boundary)
     }
 
-    /// K_E⁻¹ d⁻ B_E for the two translations of `grains` (place, d⁻), with a factor of K_E.
-    pub(crate) fn influence(&self, factor: &Factor<D>, grains: &[(usize, f64)]) -> Vec<SMatrix<f64, D, 2>> {
-        let [along_x, along_y] = [0, 1].map(|direction| {
+    /// K_E⁻¹ d⁻ B_E for the T translations of `grains` (place, d⁻), with a factor of K_E.
+    pub(crate) fn influence<const T: usize>(
+        &self,
+        factor: &Factor<D>,
+        grains: &[(usize, f64)],
+    ) -> Vec<SMatrix<f64, D, T>> {
+        let mut influence = vec![SMatrix::<f64, D, T>::zeros(); self.shares.len()];
+        for axis in 0..T {
             let mut x = vec![SVector::zeros(); self.shares.len()];
             for (place, d_minus) in grains {
-                x[*place][direction] = *d_minus;
+                x[*place][axis] = *d_minus;
             }
             factor.solve(&mut x);
-            x
-        });
-        along_x.iter().zip(&along_y).map(|(x, y)| SMatrix::from_columns(&[*x, *y])).collect()
+            influence.iter_mut().zip(&x).for_each(|(influence, x)| influence.set_column(axis, x));
+        }
+        influence
     }
 
     /// Σ F_E over `grains` (place, d⁻), with F_E = τ − d⁻ V_E (N·s).
-    pub(crate) fn resultant(&self, grains: &[(usize, f64)]) -> Vector2<f64> {
+    pub(crate) fn resultant<const T: usize>(&self, grains: &[(usize, f64)]) -> SVector<f64, T> {
         let of = |(place, d_minus): &(usize, f64)| {
-            (self.tau[*place] - *d_minus * self.velocity[*place]).fixed_rows::<2>(0).into_owned()
+            (self.tau[*place] - *d_minus * self.velocity[*place]).fixed_rows::<T>(0).into_owned()
         };
         grains.iter().map(of).sum()
     }
 
     /// Adds d⁻ w to τ of `grains`, and what that does to V_E.
-    pub(crate) fn translate(
+    pub(crate) fn translate<const T: usize>(
         &mut self,
         grains: &[(usize, f64)],
-        influence: &[SMatrix<f64, D, 2>],
-        w: Vector2<f64>,
+        influence: &[SMatrix<f64, D, T>],
+        w: SVector<f64, T>,
     ) {
         for (place, d_minus) in grains {
-            let mut tau = self.tau[*place].fixed_rows_mut::<2>(0);
+            let mut tau = self.tau[*place].fixed_rows_mut::<T>(0);
             tau += *d_minus * w;
         }
         for (v, influence) in self.velocity.iter_mut().zip(influence) {

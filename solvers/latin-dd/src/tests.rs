@@ -66,7 +66,7 @@ fn senseless_settings_are_refused_by_name() {
         assert!(refused(LatinDd { relaxation: bad, ..default }).contains("`relaxation`"));
     }
     assert!(
-        refused(LatinDd { subdomains: Grid { nx: 2000, ny: 1 }, ..default })
+        refused(LatinDd { subdomains: Grid::of(2000, 1), ..default })
             .contains(&problem.contact_count().to_string())
     );
     let no_l_minus = LatinDd { kappa_l_minus: Some(0.0), ..default };
@@ -189,7 +189,10 @@ fn matched_directions_scale_and_a_low_interface_direction_does_not() {
     assert!(low > 5 * one, "{one} to {low}");
 }
 
-fn assert_leaves_no_resultant<M: Stages<Velocity = SVector<f64, D>>, const D: usize>(problem: &Packing<M>) {
+fn assert_leaves_no_resultant<M, const D: usize, const T: usize>(problem: &Packing<M>)
+where
+    M: Stages<Velocity = SVector<f64, D>, Place = SVector<f64, T>>,
+{
     let r0 = vec![0.0; problem.impulse_count()];
     let settings = LatinDd { coarse: true, subdomains: Grid::of_count(16), ..LatinDd::default() };
     let mut run = settings.bind(problem, settings.directions(problem), &r0).unwrap();
@@ -199,7 +202,7 @@ fn assert_leaves_no_resultant<M: Stages<Velocity = SVector<f64, D>>, const D: us
     let before = coarse.resultants(&run.subdomains);
     coarse.correct(&mut run.subdomains);
     let after = coarse.resultants(&run.subdomains);
-    let greatest = |resultants: &[Vector2<f64>]| resultants.iter().map(Vector2::norm).fold(0.0, f64::max);
+    let greatest = |resultants: &[SVector<f64, T>]| resultants.iter().map(SVector::norm).fold(0.0, f64::max);
     assert!(coarse.interfaces() > 16 && greatest(&before) > 0.0);
     assert!(greatest(&after) < 1e-10 * greatest(&before), "{} of {}", greatest(&after), greatest(&before));
 }

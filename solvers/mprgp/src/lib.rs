@@ -34,7 +34,7 @@ mod state;
 pub use product::Preconditioner;
 
 use analysis::{delassus_bound, scaled_delassus_bound};
-use contact::{Iteration, Packing, SetupError, Solver, Work, law};
+use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work, law};
 use product::Product;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -85,8 +85,8 @@ const WHOLE: u64 = 16;
 /// Round-off, with a margin, of M^-½ H p relative to √Λ |p| (–): pᵗ W p says nothing below its square.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
-struct Run {
-    product: Product<Contact>,
+struct Run<const D: usize> {
+    product: Product<Contact, Smooth<D>>,
     expansion: Expansion,
     gamma: f64,
     /// ᾱ, and ᾱ (1 − s/2).
@@ -109,7 +109,7 @@ struct Run {
     products: u64,
 }
 
-impl Run {
+impl<const D: usize> Run<D> {
     /// u from r.
     fn renew(&mut self) {
         let inverse_step = 1.0 / self.step;
@@ -218,7 +218,7 @@ impl Run {
     }
 }
 
-impl Iteration for Run {
+impl<const D: usize> Iteration for Run<D> {
     fn advance(&mut self) {
         self.iterations += 1;
         let mut weight = self.step();
@@ -245,8 +245,12 @@ impl Iteration for Run {
     }
 }
 
-impl Solver for Mprgp {
-    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+impl<const D: usize> Solver<Smooth<D>> for Mprgp {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<Smooth<D>>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("gamma", self.gamma)?;
         let has_meaning = self.step > 0.0 && self.step <= 2.0;
         SetupError::unless(has_meaning, "step", self.step, "above 0 and at most 2")?;

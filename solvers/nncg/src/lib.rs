@@ -5,8 +5,8 @@
 //! iteration: a sweep, and a few passes over impulses and velocities. Neither q(r) nor the error falls at each iteration.
 
 use contact::sweep::Sweep;
-use contact::{Iteration, Packing, SetupError, Solver, Work};
-use nalgebra::Vector2;
+use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work};
+use nalgebra::SVector;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -16,24 +16,24 @@ use serde::{Deserialize, Serialize};
 pub struct Nncg {}
 
 /// In mass-scaled unknowns, s = √`W_αα` r and y = M^½ V. The method stays that of the plain ones: its norm is weighted.
-struct Run {
+struct Run<const D: usize> {
     /// s after the last sweep, which is the answer, and y where the next begins.
-    sweep: Sweep,
+    sweep: Sweep<Smooth<D>>,
     /// 1/`W_αα` (kg).
     inverse_delassus: Vec<f64>,
     /// s where the next sweep begins, extrapolated; may be below 0.
     ahead: Vec<f64>,
     /// The direction, √`W_αα` p, and M^-½ H p.
     p: Vec<f64>,
-    y_p: Vec<Vector2<f64>>,
+    y_p: Vec<SVector<f64, D>>,
     /// y where the sweep began.
-    y_before: Vec<Vector2<f64>>,
+    y_before: Vec<SVector<f64, D>>,
     /// |r_swept − r|² of the last sweep; infinite before the first, which makes β = 0.
     squared_change: f64,
     sweeps: u64,
 }
 
-impl Run {
+impl<const D: usize> Run<D> {
     /// `s` from `ahead`: a sweep of NSGS. Returns |r⁺ − r|².
     fn sweep(&mut self) -> f64 {
         let Sweep { rows, s, y, .. } = &mut self.sweep;
@@ -50,7 +50,7 @@ impl Run {
     }
 }
 
-impl Iteration for Run {
+impl<const D: usize> Iteration for Run<D> {
     fn advance(&mut self) {
         self.y_before.copy_from_slice(&self.sweep.y);
         let squared_change = self.sweep();
@@ -69,7 +69,7 @@ impl Iteration for Run {
                 *y += beta * *y_p;
                 *y_p = beta * *y_p + change;
             } else {
-                *y_p = Vector2::zeros();
+                *y_p = SVector::zeros();
             }
         }
         self.squared_change = squared_change;
@@ -84,15 +84,19 @@ impl Iteration for Run {
     }
 }
 
-impl Solver for Nncg {
-    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+impl<const D: usize> Solver<Smooth<D>> for Nncg {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<Smooth<D>>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         let order: Vec<u32> = (0..problem.contact_count() as u32).collect();
         let sweep = Sweep::new(problem, &order, r0);
         Ok(Box::new(Run {
             inverse_delassus: sweep.unit.iter().map(|unit| 1.0 / (unit * unit)).collect(),
             ahead: sweep.s.clone(),
             p: vec![0.0; r0.len()],
-            y_p: vec![Vector2::zeros(); sweep.y.len()],
+            y_p: vec![SVector::zeros(); sweep.y.len()],
             y_before: sweep.y.clone(),
             sweep,
             squared_change: f64::INFINITY,

@@ -140,7 +140,7 @@ impl<M: Mechanics> Solver<M> for NsgsDd {
             problem.mass()[grain as usize].inverse(f64::from(share))
         };
         // Every copy starts at V_free + M⁻¹ H r0.
-        let mut start = vec![M::Velocity::default(); problem.grain_count()];
+        let mut start = vec![M::Velocity::ZERO; problem.grain_count()];
         problem.velocity(r0, &mut start);
         let of_subdomain = match self.exchange {
             Exchange::Jacobi => vec![0; subdomains.len()],

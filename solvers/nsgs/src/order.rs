@@ -29,7 +29,7 @@ impl Order {
             Self::Natural => {}
             Self::BottomUp => {
                 let height =
-                    |contact: &u32| problem.contact_position(&problem.contacts()[*contact as usize]).y;
+                    |contact: &u32| problem.contact_position(&problem.contacts()[*contact as usize])[1];
                 order.sort_by(|a, b| height(a).total_cmp(&height(b)));
             }
             Self::Shuffled => order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed)),

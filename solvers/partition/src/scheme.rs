@@ -1,8 +1,7 @@
 //! Ways to distribute the contacts, each a geometric rule on their positions (§3), and how good a partition is.
 
 use crate::grid::Grid;
-use contact::{Adjacency, Mechanics, Packing, SetupError};
-use nalgebra::Vector2;
+use contact::{Adjacency, Mechanics, Packing, Place, SetupError};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -15,7 +14,7 @@ use std::ops::Range;
 pub enum Scheme {
     /// Boxes of equal size on the bounding box of the mass centres: the paper's way, and LMGC90's. A box may be empty.
     Boxes,
-    /// Columns, then rows within each, of equal numbers of contacts (to one).
+    /// Columns, rows within each, and layers within these, of equal numbers of contacts (to one).
     Balanced,
 }
 
@@ -38,7 +37,7 @@ impl Partition {
         scheme: Scheme,
         grid: Grid,
     ) -> Result<Self, SetupError> {
-        let points: Vec<Vector2<f64>> =
+        let points: Vec<M::Place> =
             problem.contacts().iter().map(|contact| problem.contact_position(contact)).collect();
         scheme.partition(&points, &vec![1.0; points.len()], problem.position(), grid)
     }
@@ -68,58 +67,80 @@ impl Scheme {
     ///
     /// # Errors
     /// No subdomain, or more subdomains than points, which are contacts. (One subdomain is always allowed.)
-    pub fn partition(
+    pub fn partition<P: Place>(
         self,
-        points: &[Vector2<f64>],
+        points: &[P],
         weights: &[f64],
-        extent: &[Vector2<f64>],
+        extent: &[P],
         grid: Grid,
     ) -> Result<Partition, SetupError> {
         let most = points.len().max(1) as u64;
         SetupError::unless(grid.count() > 0, "subdomains", grid, "at least 1x1")?;
         let expected = format!("at most {most} subdomains, the number of contacts");
         SetupError::unless(grid.count() <= most, "subdomains", grid, expected)?;
+        let in_plane = P::LEN > 2 || grid.nz == 1;
+        SetupError::unless(
+            in_plane,
+            "subdomains",
+            grid,
+            "columns x rows, since grains in the plane have no layers",
+        )?;
         let subdomain = match self {
             _ if grid.count() == 1 => vec![0; points.len()],
             Self::Boxes => boxes(points, extent, grid),
             Self::Balanced => balanced(points, weights, grid),
         };
-        Ok(Partition { subdomain, count: grid.nx * grid.ny })
+        Ok(Partition { subdomain, count: grid.nx * grid.ny * grid.nz })
     }
 }
 
-fn boxes(points: &[Vector2<f64>], extent: &[Vector2<f64>], grid: Grid) -> Vec<u32> {
-    let low = extent.iter().fold(Vector2::repeat(f64::INFINITY), |low, x| low.inf(x));
-    let high = extent.iter().fold(Vector2::repeat(f64::NEG_INFINITY), |high, x| high.sup(x));
+fn boxes<P: Place>(points: &[P], extent: &[P], grid: Grid) -> Vec<u32> {
+    let [low, high] = P::extent(extent.iter().copied());
     // Along an axis without extent (a column) everything is in the first box.
     let index = |x: f64, low: f64, high: f64, n: u32| {
         if high > low { (((x - low) / (high - low) * f64::from(n)) as u32).min(n - 1) } else { 0 }
     };
-    let subdomain =
-        |x: &Vector2<f64>| index(x.x, low.x, high.x, grid.nx) + grid.nx * index(x.y, low.y, high.y, grid.ny);
+    let boxes = along_axes(grid);
+    let subdomain = |x: &P| {
+        let boxes = boxes.iter().enumerate().take(P::LEN);
+        boxes.map(|(axis, (n, stride))| stride * index(x[axis], low[axis], high[axis], *n)).sum()
+    };
     points.iter().map(subdomain).collect()
 }
 
-fn balanced(points: &[Vector2<f64>], weights: &[f64], grid: Grid) -> Vec<u32> {
+/// Along each axis, how many boxes there are, and by how much the number of a box rises from one to the next.
+fn along_axes(grid: Grid) -> [(u32, u32); 3] {
+    [(grid.nx, 1), (grid.ny, grid.nx), (grid.nz, grid.nx * grid.ny)]
+}
+
+fn balanced<P: Place>(points: &[P], weights: &[f64], grid: Grid) -> Vec<u32> {
     let mut subdomain = vec![0; points.len()];
     // Positions go along, so that none is looked up.
-    let mut order: Vec<(Vector2<f64>, u32)> = points.iter().copied().zip(0..).collect();
-    order.par_sort_by(|(a, _), (b, _)| a.x.total_cmp(&b.x));
-    for (column, points) in (0..).zip(shares(&order, weights, grid.nx)) {
-        let column_points = &mut order[points];
-        column_points.par_sort_by(|(a, _), (b, _)| a.y.total_cmp(&b.y));
-        for (row, points) in (0..).zip(shares(column_points, weights, grid.ny)) {
-            for (_, point) in &column_points[points] {
-                subdomain[*point as usize] = column + grid.nx * row;
-            }
-        }
-    }
+    let mut order: Vec<(P, u32)> = points.iter().copied().zip(0..).collect();
+    share_out(&mut order, weights, 0, &along_axes(grid)[..P::LEN], &mut subdomain);
     subdomain
 }
 
+/// Shares points out along an axis, and each share along those after it.
+fn share_out<P: Place>(
+    points: &mut [(P, u32)],
+    weights: &[f64],
+    axis: usize,
+    boxes: &[(u32, u32)],
+    subdomain: &mut [u32],
+) {
+    let Some(((n, stride), rest)) = boxes.split_first() else { return };
+    points.par_sort_by(|(a, _), (b, _)| a[axis].total_cmp(&b[axis]));
+    for (number, share) in (0..).zip(shares(points, weights, *n)) {
+        let share = &mut points[share];
+        share.iter().for_each(|(_, point)| subdomain[*point as usize] += stride * number);
+        share_out(share, weights, axis + 1, rest, subdomain);
+    }
+}
+
 /// `n` shares of points in this order, of equal weight: each ends before the point that would exceed it and those before.
-fn shares(order: &[(Vector2<f64>, u32)], weights: &[f64], n: u32) -> Vec<Range<usize>> {
-    let weight = |(_, point): &(Vector2<f64>, u32)| weights[*point as usize];
+fn shares<P>(order: &[(P, u32)], weights: &[f64], n: u32) -> Vec<Range<usize>> {
+    let weight = |(_, point): &(P, u32)| weights[*point as usize];
     let total: f64 = order.iter().map(weight).sum();
     let (mut end, mut before) = (0, 0.0);
     let share = |k: u32| {

@@ -30,7 +30,7 @@ struct Terms {
 /// What it takes to send a copy, or to fetch what another thread sent, about (ns).
 const NS_PER_COPY: usize = 20;
 
-impl<V: Copy + Default + Send + Sync + Sum> CopySums<V> {
+impl<V: Copy + Send + Sync + Sum> CopySums<V> {
     /// Between the subdomains of `decomposition`.
     pub fn new(decomposition: &Decomposition) -> Self {
         let subdomains = &decomposition.subdomains;
@@ -42,7 +42,8 @@ impl<V: Copy + Default + Send + Sync + Sum> CopySums<V> {
                 terms.counts.push(copies.len() as u32);
             }
         }
-        let sent = subdomains.iter().map(|subdomain| vec![V::default(); subdomain.boundary.len()]).collect();
+        let none: V = std::iter::empty().sum();
+        let sent = subdomains.iter().map(|subdomain| vec![none; subdomain.boundary.len()]).collect();
         Self { sent, terms, copies: decomposition.copy_count() }
     }
 

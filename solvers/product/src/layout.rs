@@ -19,11 +19,11 @@ const NS_PER_CONTACT: usize = 3;
 /// share few grains.
 const BLOCK: usize = 8192;
 
-/// Columns and rows of blocks, of equal numbers of contacts.
-fn grid(contacts: usize) -> Grid {
-    let blocks = contacts.div_ceil(BLOCK).max(1);
-    let n = (blocks - 1).isqrt() as u32 + 1;
-    Grid { nx: n, ny: n }
+/// Columns and rows of blocks, and layers in space, of equal numbers of contacts.
+fn grid(contacts: usize, axes: usize) -> Grid {
+    let blocks = contacts.div_ceil(BLOCK).max(1) as u32;
+    let n = (1..=blocks).find(|n| n.pow(axes as u32) >= blocks).unwrap_or(1);
+    if axes > 2 { Grid { nx: n, ny: n, nz: n } } else { Grid::of(n, n) }
 }
 
 impl<M: Mechanics> Layout<M> {
@@ -33,7 +33,7 @@ impl<M: Mechanics> Layout<M> {
     /// Where the contacts cannot be cut into blocks: there is no such problem.
     pub fn new(problem: &Packing<M>) -> Result<Self, SetupError> {
         let contacts = problem.contact_count();
-        let partition = Partition::of_contacts(problem, Scheme::Balanced, grid(contacts))?;
+        let partition = Partition::of_contacts(problem, Scheme::Balanced, grid(contacts, M::Place::LEN))?;
         let decomposition = Decomposition::new(problem, &partition);
         Ok(Self { sums: CopySums::new(&decomposition), decomposition, contacts })
     }

@@ -11,8 +11,8 @@ mod layout;
 pub use layout::{Columns, Layout};
 pub use partition::Subdomain;
 
-use contact::{Adjacency, Column, Discs, Mechanics, Packing, SetupError, Vector};
-use nalgebra::Vector2;
+use contact::{Adjacency, Column, Discs, Mechanics, Packing, SetupError, Smooth, Vector};
+use nalgebra::SVector;
 use pulp::Arch;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -71,7 +71,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         let layout = Layout::new(problem)?;
         let blocks = layout.blocks(problem, scaled, |columns, subdomain| Block {
             states: columns.units().map(|(contact, unit)| state(contact, unit)).collect(),
-            y: vec![M::Velocity::default(); subdomain.grains.len()],
+            y: vec![M::Velocity::ZERO; subdomain.grains.len()],
             columns,
             parts: [0.0; SUMS],
             adjacency: None,
@@ -186,7 +186,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     }
 }
 
-impl<C: Send + Sync> Product<C> {
+impl<C: Send + Sync, const D: usize> Product<C, Smooth<D>> {
     /// [`pull`](Self::pull) after [`push_few`](Self::push_few), of the contacts around the grains with y ≠ 0 alone: `take` is
     /// given what each of its grains adds to (W p)_α, one after the other. Returns pᵗ W p.
     ///
@@ -205,7 +205,7 @@ impl<C: Send + Sync> Product<C> {
 impl<C, M: Mechanics> Block<C, M> {
     #[inline(always)]
     fn push<const N: usize>(&mut self, p: &impl Fn(&mut C) -> (M::Impulse, [f64; N])) {
-        self.y.fill(M::Velocity::default());
+        self.y.fill(M::Velocity::ZERO);
         let mut sums = [0.0; N];
         for (column, state) in self.columns.scaled.iter().zip(&mut self.states) {
             let (p, terms) = p(state);
@@ -217,10 +217,10 @@ impl<C, M: Mechanics> Block<C, M> {
 
     #[inline(always)]
     fn push_few(&mut self, p: &impl Fn(&C) -> M::Impulse) {
-        self.y.fill(M::Velocity::default());
+        self.y.fill(M::Velocity::ZERO);
         for (column, state) in self.columns.scaled.iter().zip(&self.states) {
             let p = p(state);
-            if p != M::Impulse::default() {
+            if p != M::Impulse::ZERO {
                 column.push(p, &mut self.y);
             }
         }
@@ -242,12 +242,12 @@ impl<C, M: Mechanics> Block<C, M> {
     }
 }
 
-impl<C> Block<C, Discs> {
+impl<C, const D: usize> Block<C, Smooth<D>> {
     fn pull_around(&mut self, take: &impl Fn(&mut C, f64)) {
         let Some(adjacency) = &self.adjacency else { panic!("the contacts around the grains are not known") };
         let mut curvature = 0.0;
         for (grain, (y, share)) in self.y.iter().zip(&self.columns.share).enumerate() {
-            if *y != Vector2::zeros() {
+            if *y != SVector::<f64, D>::ZERO {
                 curvature += share * y.norm_squared();
                 for k in adjacency.around(grain) {
                     let column = &self.columns.scaled[*k as usize];

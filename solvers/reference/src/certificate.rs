@@ -1,7 +1,7 @@
 //! The certificate of a solution: what impulses leave of (1)-(2), recomputed from the problem alone.
 
-use contact::{Contact, ContactProblem, greatest, law};
-use nalgebra::Vector2;
+use contact::{Contact, ContactProblem, Smooth, greatest, law};
+use nalgebra::SVector;
 use serde::Serialize;
 use std::fmt;
 
@@ -102,11 +102,11 @@ impl fmt::Display for Certificate {
 ///
 /// # Panics
 /// If there is not one impulse per contact.
-pub fn certify(problem: &ContactProblem, r: &[f64]) -> Certificate {
+pub fn certify<const D: usize>(problem: &ContactProblem<Smooth<D>>, r: &[f64]) -> Certificate {
     assert_eq!(r.len(), problem.contact_count(), "one impulse per contact");
     let (b, w) = (problem.b(), problem.delassus_diagonal());
     let (mut velocity, mut resultant) =
-        (vec![Vector2::zeros(); problem.grain_count()], vec![Vector2::zeros(); problem.grain_count()]);
+        (vec![SVector::zeros(); problem.grain_count()], vec![SVector::zeros(); problem.grain_count()]);
     problem.velocity(r, &mut velocity);
     problem.resultant(r, &mut resultant);
     let mut v = vec![0.0; r.len()];
@@ -119,7 +119,7 @@ pub fn certify(problem: &ContactProblem, r: &[f64]) -> Certificate {
     // Σ |n| |r|/m at a grain and its |V_free|, and those of a contact's grains with its |c|: the terms of V and of v.
     let of_velocity =
         |grain: usize| pushes[grain] / problem.mass()[grain] + problem.free_velocity()[grain].amax();
-    let of_contact = |contact: &Contact| {
+    let of_contact = |contact: &Contact<D>| {
         contact.offset.abs() + contact.grains().map(|grain| of_velocity(grain as usize)).sum::<f64>()
     };
     let speeds: Vec<f64> =
@@ -137,7 +137,7 @@ pub fn certify(problem: &ContactProblem, r: &[f64]) -> Certificate {
     let gap = r.iter().zip(&v).map(|(r, v)| r * v).sum::<f64>();
     let gap_terms = r.iter().zip(problem.contacts()).map(|(r, contact)| (r * of_contact(contact)).powi(2));
     let energy = f64::max(0.5 * distance * distance, TERMS * gap_terms.sum::<f64>().sqrt());
-    let terms = |contact: &Contact| {
+    let terms = |contact: &Contact<D>| {
         let free = contact.grains().map(|grain| problem.free_velocity()[grain as usize].amax());
         contact.offset.abs() + free.sum::<f64>()
     };
@@ -154,7 +154,7 @@ pub fn certify(problem: &ContactProblem, r: &[f64]) -> Certificate {
 }
 
 /// Σ |n r| of the contacts around each grain (N·s).
-fn term_sizes(problem: &ContactProblem, r: &[f64]) -> Vec<f64> {
+fn term_sizes<const D: usize>(problem: &ContactProblem<Smooth<D>>, r: &[f64]) -> Vec<f64> {
     let mut sizes = vec![0.0; problem.grain_count()];
     for (contact, r) in problem.contacts().iter().zip(r) {
         contact.grains().for_each(|grain| sizes[grain as usize] += r.abs());

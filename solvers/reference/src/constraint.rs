@@ -1,18 +1,18 @@
 //! The contacts in units in which M and the diagonal of W are 1: neither masses nor units enter the numerics.
 
-use contact::ContactProblem;
-use nalgebra::Vector2;
+use contact::{ContactProblem, Smooth};
+use nalgebra::SVector;
 
 /// A row of H̃ᵗ = `W_D`^(−½) Hᵗ M^(−½), of length 1: the contact as a constraint on y.
-pub(crate) struct Constraint {
-    candidate: (usize, Vector2<f64>),
-    antagonist: Option<(usize, Vector2<f64>)>,
+pub(crate) struct Constraint<const D: usize> {
+    candidate: (usize, SVector<f64, D>),
+    antagonist: Option<(usize, SVector<f64, D>)>,
     /// √`W_αα` (kg^(−½)): r̃ = r √`W_αα` and ṽ = v / √`W_αα` are both in √J.
     pub(crate) root: f64,
 }
 
-impl Constraint {
-    pub(crate) fn all(problem: &ContactProblem) -> Vec<Self> {
+impl<const D: usize> Constraint<D> {
+    pub(crate) fn all(problem: &ContactProblem<Smooth<D>>) -> Vec<Self> {
         let roots = problem.delassus_diagonal().into_iter().map(f64::sqrt);
         problem
             .contacts()
@@ -29,9 +29,9 @@ impl Constraint {
             .collect()
     }
 
-    /// Column and value of each entry; grain i has the columns 2i and 2i + 1.
+    /// Column and value of each entry; grain i has the columns D i to D i + D − 1.
     pub(crate) fn entries(&self) -> impl Iterator<Item = (usize, f64)> + Clone {
         let ends = std::iter::once(self.candidate).chain(self.antagonist);
-        ends.flat_map(|(grain, n)| [(2 * grain, n.x), (2 * grain + 1, n.y)])
+        ends.flat_map(|(grain, n)| (0..D).map(move |axis| (D * grain + axis, n[axis])))
     }
 }

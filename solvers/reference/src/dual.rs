@@ -6,7 +6,7 @@
 //! many steps, or one cannot be, and its impulse with those of the active set balances: a proof that there is no solution.
 //! Dense, so for some hundred grains at most.
 
-use contact::{Contact, ContactProblem};
+use contact::{Contact, ContactProblem, Smooth};
 use twofloat::TwoFloat;
 
 /// What the method ends with.
@@ -39,7 +39,7 @@ const ZERO: TwoFloat = TwoFloat::from_f64(0.0);
 
 /// A contact in units in which M and the diagonal of W are 1.
 struct Column {
-    /// Entries of h̃, by unknown: two per grain, and its own where it yields.
+    /// Entries of h̃, by unknown: one per grain and axis, and its own where it yields.
     entries: Vec<(usize, TwoFloat)>,
     /// b̃ over the scale of the problem (–), the size of its terms, and what is negligible of it.
     b: TwoFloat,
@@ -50,28 +50,26 @@ struct Column {
 }
 
 impl Column {
-    fn all(problem: &ContactProblem, scale: f64, yielding: f64) -> Vec<Self> {
+    fn all<const D: usize>(problem: &ContactProblem<Smooth<D>>, scale: f64, yielding: f64) -> Vec<Self> {
         let fastest = problem.b().iter().fold(0.0, |fastest, b| f64::max(fastest, -b));
         let mass = |grain: u32| TwoFloat::from(problem.mass()[grain as usize]);
         let own = TwoFloat::from(yielding).sqrt();
-        let of = |(k, contact): (usize, &Contact)| {
+        let of = |(k, contact): (usize, &Contact<D>)| {
             let root = contact.grains().map(|grain| mass(grain).recip()).fold(ZERO, |w, m| w + m).sqrt();
             let (mut entries, mut b, mut size) =
-                (Vec::with_capacity(4), TwoFloat::from(contact.offset), contact.offset.abs());
+                (Vec::with_capacity(2 * D), TwoFloat::from(contact.offset), contact.offset.abs());
             for grain in contact.grains() {
                 let sign = if grain == contact.candidate { 1.0 } else { -1.0 };
                 let free = problem.free_velocity()[grain as usize];
                 let lever = mass(grain).sqrt() * root;
-                for (k, (n, v)) in
-                    [(contact.normal.x, free.x), (contact.normal.y, free.y)].into_iter().enumerate()
-                {
-                    entries.push((2 * grain as usize + k, TwoFloat::from(sign * n) / lever));
-                    b += TwoFloat::new_mul(sign * n, v);
+                for (axis, (n, v)) in contact.normal.iter().zip(&free).enumerate() {
+                    entries.push((D * grain as usize + axis, TwoFloat::from(sign * n) / lever));
+                    b += TwoFloat::new_mul(sign * n, *v);
                 }
                 size += free.norm();
             }
             if yielding > 0.0 {
-                entries.push((2 * problem.grain_count() + k, own));
+                entries.push((D * problem.grain_count() + k, own));
             }
             let unit = f64::from(root) * scale;
             Self {
@@ -190,10 +188,10 @@ impl Active {
 }
 
 /// Solves `problem`, of which some contact pushes, with contacts that yield by `yielding`, see [`YIELDING`].
-pub(crate) fn solve(problem: &ContactProblem, yielding: f64) -> End {
+pub(crate) fn solve<const D: usize>(problem: &ContactProblem<Smooth<D>>, yielding: f64) -> End {
     let columns = Column::all(problem, problem.scale().sqrt(), yielding);
     // y of the grains; and of each contact √ε u, so that H̃ has the columns of a factor of W̃ + ε 1.
-    let unknowns = 2 * problem.grain_count() + if yielding > 0.0 { columns.len() } else { 0 };
+    let unknowns = D * problem.grain_count() + if yielding > 0.0 { columns.len() } else { 0 };
     let mut active = Active::new(unknowns);
     // y = M^½ (V − V_free) and the multipliers of the active contacts.
     let (mut y, mut u) = (vec![ZERO; unknowns], Vec::<TwoFloat>::new());

@@ -5,7 +5,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus,
 };
-use contact::{ContactProblem, law};
+use contact::{ContactProblem, Smooth, law};
 
 /// min ½ |y|² subject to H̃ᵗ y + b̃ ≥ 0, with y = M^½ (V − `V_free`) and b̃ = `W_D`^(−½) b, both over √(Σ max(0, −b)²/`W_αα`):
 /// the solution is of the order of 1, as absolute tolerances want it. The multipliers are r̃.
@@ -35,8 +35,11 @@ fn settings() -> Result<DefaultSettings<f64>, String> {
 
 impl Interior {
     /// Lays the programme out. Its matrix does not change: its order is found here, its factors in the run.
-    pub(crate) fn new(problem: &ContactProblem, constraints: &[Constraint]) -> Result<Self, String> {
-        let (contacts, columns) = (constraints.len(), 2 * problem.grain_count());
+    pub(crate) fn new<const D: usize>(
+        problem: &ContactProblem<Smooth<D>>,
+        constraints: &[Constraint<D>],
+    ) -> Result<Self, String> {
+        let (contacts, columns) = (constraints.len(), D * problem.grain_count());
         let scale = problem.scale().sqrt();
         let identity = CscMatrix::identity(columns);
         let (mut of_row, mut of_column, mut values) = (Vec::new(), Vec::new(), Vec::new());

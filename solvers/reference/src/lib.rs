@@ -17,7 +17,7 @@ pub use rough::{RoughCertificate, RoughSolution, certify_rough, distance, solve_
 
 use active_set::ActiveSet;
 use analysis::proves_infeasible;
-use contact::{ContactProblem, Iteration, Packing, Solver};
+use contact::{ContactProblem, Iteration, Packing, Smooth, Solver};
 use dual::End;
 use interior::Verdict;
 use method::Run;
@@ -56,7 +56,7 @@ const MANY: u32 = 20_000;
 
 /// The answer to `problem`: solved and certified, or proved to have none. No method's word counts; the active set has the first
 /// try, then the interior point, and on small problems the dual active set.
-pub fn solve(problem: &Packing) -> Answer {
+pub fn solve<const D: usize>(problem: &Packing<Smooth<D>>) -> Answer {
     let none = vec![0.0; problem.contact_count()];
     let mut best = Best { certificate: certify(problem, &none), impulses: none };
     if let Some(answer) = active_set(problem, &mut best) {
@@ -95,7 +95,7 @@ struct Best {
 
 impl Best {
     /// Takes `impulses` that leave less.
-    fn take(&mut self, problem: &ContactProblem, impulses: &[f64]) {
+    fn take<const D: usize>(&mut self, problem: &ContactProblem<Smooth<D>>, impulses: &[f64]) {
         let certificate = certify(problem, impulses);
         if certificate.worst() < self.certificate.worst() || certificate.certified() {
             *self = Self { impulses: impulses.to_vec(), certificate };
@@ -112,7 +112,7 @@ impl Best {
 }
 
 /// The answer of the active set, if it ends with one; else the `best` impulses are kept.
-fn active_set(problem: &Packing, best: &mut Best) -> Option<Answer> {
+fn active_set<const D: usize>(problem: &Packing<Smooth<D>>, best: &mut Best) -> Option<Answer> {
     let mut r = best.impulses.clone();
     let mut run = ActiveSet::default().start(problem, &r).ok()?;
     for _ in 0..MANY {
@@ -130,7 +130,7 @@ fn active_set(problem: &Packing, best: &mut Best) -> Option<Answer> {
 }
 
 /// The answer of the interior point and its polish; or how it ended without one, the `best` impulses kept.
-fn interior_point(problem: &Packing, best: &mut Best) -> Result<Answer, String> {
+fn interior_point<const D: usize>(problem: &Packing<Smooth<D>>, best: &mut Best) -> Result<Answer, String> {
     let mut run = Run::new(problem, &best.impulses, true)?;
     let verdict = run.interior_point();
     if verdict != Verdict::Solution {

@@ -2,9 +2,9 @@
 
 use crate::constraint::Constraint;
 use crate::interior::{Interior, Verdict};
-use active_set::Set;
+use active_set::{Scaled, Set};
 use analysis::proves_infeasible;
-use contact::{Iteration, Packing, SetupError, Solver, Work};
+use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -25,11 +25,11 @@ impl Default for InteriorPoint {
 }
 
 /// A run on one problem.
-pub(crate) struct Run<'p> {
-    problem: &'p Packing,
+pub(crate) struct Run<'p, const D: usize> {
+    problem: &'p Packing<Smooth<D>>,
     /// None where no contact pushes: r = 0.
     interior: Option<Interior>,
-    polish: Set,
+    polish: Set<Scaled<D>>,
     polishes: bool,
     r: Vec<f64>,
     ran: bool,
@@ -41,9 +41,9 @@ pub(crate) struct Run<'p> {
 /// Polish steps that do not halve what is left after which no better impulses are to be expected.
 const PATIENCE: u32 = 8;
 
-impl<'p> Run<'p> {
+impl<'p, const D: usize> Run<'p, D> {
     /// Lays the programme out; says why it cannot.
-    pub(crate) fn new(problem: &'p Packing, r0: &[f64], polishes: bool) -> Result<Self, String> {
+    pub(crate) fn new(problem: &'p Packing<Smooth<D>>, r0: &[f64], polishes: bool) -> Result<Self, String> {
         let pushed = problem.scale() > 0.0;
         let interior = if pushed { Some(Interior::new(problem, &Constraint::all(problem))?) } else { None };
         Ok(Self {
@@ -103,7 +103,7 @@ impl<'p> Run<'p> {
     }
 }
 
-impl Iteration for Run<'_> {
+impl<const D: usize> Iteration for Run<'_, D> {
     fn advance(&mut self) {
         if !self.ran {
             if self.interior_point() == Verdict::Infeasible {
@@ -130,8 +130,12 @@ impl Iteration for Run<'_> {
     }
 }
 
-impl Solver for InteriorPoint {
-    fn start<'p>(&self, problem: &'p Packing, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+impl<const D: usize> Solver<Smooth<D>> for InteriorPoint {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<Smooth<D>>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         let run = Run::new(problem, r0, self.polish);
         // What no validated problem gives, unless its numbers overflow when scaled.
         Ok(Box::new(run.map_err(|why| SetupError::new("problem", why, "one whose numbers can be scaled"))?))

@@ -6,7 +6,9 @@ mod convergence;
 mod looks;
 
 use analysis::Refutable;
-use contact::{Discs, Measure, Measures, Measuring, Mechanics, Packing, SetupError, Solver, Truth, Work};
+use contact::{
+    Discs, Measure, Measures, Measuring, Mechanics, Packing, SetupError, Solver, Truth, Vector, Work,
+};
 use convergence::is_false;
 use looks::{Grid, Looks};
 use schemars::JsonSchema;
@@ -240,7 +242,7 @@ pub fn solve_against<'t, M: Refutable>(
     if !is_measured {
         measures = meter.measure_after(&before, &r, iteration.velocity_jump());
     }
-    let mut velocity = vec![M::Velocity::default(); problem.grain_count()];
+    let mut velocity = vec![M::Velocity::ZERO; problem.grain_count()];
     problem.velocity(&r, &mut velocity);
     Ok(Outcome {
         status,

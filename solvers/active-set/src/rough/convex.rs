@@ -150,7 +150,7 @@ impl Convex {
             .map_err(|why| SetupError::new("problem", why, "one whose grains can be ordered"))?;
         let structure = Arc::new(Structure::new(&ends, &order));
         let place = structure.position();
-        let inverse_mass = |grain: u32| problem.mass()[grain as usize].inverse(1.0);
+        let inverse_mass = |grain: u32| Mass::<Vector3<f64>>::inverse(problem.mass()[grain as usize], 1.0);
         let column = |contact: &contact::RoughContact| {
             let (i, j) = contact.ends();
             let places = (place[i as usize], j.map(|j| place[j as usize]));

@@ -63,7 +63,7 @@ impl Statuses {
     /// # Errors
     /// Where it is too large for that.
     pub(crate) fn new(problem: &Packing<RoughDiscs>) -> Result<Self, SetupError> {
-        let inverse_mass = |grain: u32| problem.mass()[grain as usize].inverse(1.0);
+        let inverse_mass = |grain: u32| Mass::<Vector3<f64>>::inverse(problem.mass()[grain as usize], 1.0);
         let column = |contact| RoughColumn::new(contact, contact.ends(), inverse_mass, true);
         let (columns, unit): (Vec<_>, Vec<_>) = problem.contacts().iter().map(column).unzip();
         let offset = problem

@@ -1,5 +1,6 @@
 use super::*;
 use contact::Contact;
+use nalgebra::Vector2;
 
 /// A disc of 1 kg between two walls that close at 1 m/s; `tilt` (rad) of the second leaves a way out upwards.
 fn between_walls(tilt: f64) -> ContactProblem {

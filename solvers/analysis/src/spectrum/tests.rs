@@ -1,6 +1,7 @@
 use super::*;
 use crate::scaled_delassus_bound;
 use contact::Contact;
+use nalgebra::Vector2;
 
 /// n discs of mass 1 on a floor, one on top of the other.
 fn column(n: u32) -> ContactProblem {

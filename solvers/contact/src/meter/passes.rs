@@ -6,14 +6,15 @@
 
 use super::sums::{Known, Lanes, Sums, TILE};
 use crate::adjacency::Adjacency;
+use crate::discs::Smooth;
 use crate::problem::ContactProblem;
-use nalgebra::Vector2;
+use nalgebra::SVector;
 
 /// What the problem says of its contacts.
-pub(super) struct Columns {
+pub(super) struct Columns<const D: usize> {
     adjacency: Adjacency,
     /// n (–).
-    normal: Vec<Vector2<f64>>,
+    normal: Vec<SVector<f64, D>>,
     /// Candidate and antagonist. A wall is behind all grains.
     ends: Vec<[u32; 2]>,
     /// Without contact impulses (m/s).
@@ -26,8 +27,8 @@ pub(super) struct Columns {
     inverse_mass: Vec<f64>,
 }
 
-impl Columns {
-    pub(super) fn new(problem: &ContactProblem) -> Self {
+impl<const D: usize> Columns<D> {
+    pub(super) fn new(problem: &ContactProblem<Smooth<D>>) -> Self {
         let wall = problem.grain_count() as u32;
         let delassus = problem.delassus_diagonal();
         let contacts = problem.contacts();
@@ -54,21 +55,21 @@ impl Columns {
 
     /// V − `V_free` = M⁻¹ H r of all grains and the wall (m/s).
     #[inline(always)]
-    pub(super) fn push(&self, r: &[f64], pushed: &mut [Vector2<f64>]) {
-        pushed.fill(Vector2::zeros());
+    pub(super) fn push(&self, r: &[f64], pushed: &mut [SVector<f64, D>]) {
+        pushed.fill(SVector::zeros());
         for ((normal, [i, j]), r) in self.normal.iter().zip(&self.ends).zip(r) {
             let impulse = normal * *r;
             pushed[*i as usize] += impulse;
             pushed[*j as usize] -= impulse;
         }
         // A wall never moves, whatever is too much for a number.
-        pushed[self.adjacency.grain_count()] = Vector2::zeros();
+        pushed[self.adjacency.grain_count()] = SVector::zeros();
         pushed.iter_mut().zip(&self.inverse_mass).for_each(|(pushed, inverse)| *pushed *= *inverse);
     }
 
     /// The same of one grain, or of the wall.
-    pub(super) fn gather(&self, grain: usize, r: &[f64]) -> Vector2<f64> {
-        let mut resultant = Vector2::zeros();
+    pub(super) fn gather(&self, grain: usize, r: &[f64]) -> SVector<f64, D> {
+        let mut resultant = SVector::zeros();
         if grain < self.adjacency.grain_count() {
             for contact in self.adjacency.around(grain) {
                 let contact = *contact as usize;
@@ -97,7 +98,7 @@ impl Columns {
         &self,
         first: usize,
         (before, r): (&[f64], &[f64]),
-        pushed: &[Vector2<f64>],
+        pushed: &[SVector<f64, D>],
         alone: bool,
     ) -> Sums {
         let mut lanes = Lanes::default();
@@ -130,7 +131,6 @@ impl Columns {
 
 /// v = n · (ΔV_i − ΔV_j) + b, eq. (1), with what the impulses add to the velocities of the two grains (m/s).
 #[inline(always)]
-fn relative(normal: Vector2<f64>, i: Vector2<f64>, j: Vector2<f64>, b: f64) -> f64 {
-    let apart = i - j;
-    normal.x * apart.x + normal.y * apart.y + b
+fn relative<const D: usize>(normal: SVector<f64, D>, i: SVector<f64, D>, j: SVector<f64, D>, b: f64) -> f64 {
+    normal.dot(&(i - j)) + b
 }

@@ -6,6 +6,7 @@
 use super::passes::Columns;
 use super::sums::{Sums, natural_map, squared, zeta};
 use super::{BLOCK, Known, Meter};
+use crate::discs::Smooth;
 use crate::measure::Measure;
 use crate::problem::ContactProblem;
 use pulp::{Arch, Simd, WithSimd};
@@ -35,7 +36,7 @@ pub(super) struct Size {
 }
 
 impl Size {
-    pub(super) fn new(columns: &Columns, problem: &ContactProblem) -> Self {
+    pub(super) fn new<const D: usize>(columns: &Columns<D>, problem: &ContactProblem<Smooth<D>>) -> Self {
         Self {
             contacts: problem.contact_count() as f64,
             delassus: columns.greatest_delassus(),
@@ -45,7 +46,7 @@ impl Size {
     }
 }
 
-impl Meter<'_> {
+impl<const D: usize> Meter<'_, D> {
     /// Whether the iterate `r` (N·s), which comes after `before`, is proved to have a measure `on` that is above `tolerance`, or
     /// is NaN, and an energy of at most `energy` (J) and a natural map that is finite. It is as [`Meter::measure_after`] would
     /// say, and most often costs a fraction of it; `false` says nothing.
@@ -104,7 +105,7 @@ impl Meter<'_> {
         !r.is_empty() && is_above(self.worst_contact) || some(r.len(), self.size.strides[0]).any(is_above)
     }
 
-    fn error_of_some(&self, known: &Known, tolerance: f64, r: &[f64]) -> bool {
+    fn error_of_some(&self, known: &Known<D>, tolerance: f64, r: &[f64]) -> bool {
         let term = |grain| self.squared_error(known, grain, self.columns.gather(grain, r));
         let scale = known.distance * known.distance;
         exceeds(known.pushed.len(), self.size.strides[1], least(tolerance, scale), term)

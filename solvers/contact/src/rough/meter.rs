@@ -6,39 +6,54 @@ use crate::adjacency::Adjacency;
 use crate::law;
 use crate::measure::Measure;
 use crate::measures::Measures;
-use crate::mechanics::{Column, Mass, Touch, Vector};
+use crate::mechanics::{Column, Mass, Mechanics, Touch, Vector};
 use crate::meter::proof::{FAR, exceeds, least, stride};
 use crate::meter::{Measuring, ratio};
 use crate::problem::ContactProblem;
 use crate::truth::Truth;
 use nalgebra::{Vector2, Vector3};
 
+/// A mechanics with Coulomb's law.
+pub trait Rubbing: Mechanics {
+    /// The places of candidate and antagonist; at a wall twice that of the candidate.
+    fn places(column: &Self::Column) -> [u32; 2];
+
+    /// H̃ᵗ y of the y of candidate and antagonist; the latter counts for nothing at a wall.
+    fn between(column: &Self::Column, ends: [Self::Velocity; 2]) -> Self::Impulse;
+
+    /// What an impulse s does to one of its grains.
+    fn push_at(column: &Self::Column, grain: u32, s: Self::Impulse) -> Self::Velocity;
+
+    /// s − s⁺ (√J) of each unknown, in the form that does not cancel where s is large.
+    fn residual(column: &Self::Column, s: Self::Impulse, v: Self::Impulse) -> Self::Impulse;
+}
+
 /// Measures the iterates of runs on one problem.
-pub struct RoughMeter<'p> {
-    problem: &'p ContactProblem<RoughDiscs>,
-    columns: Vec<RoughColumn>,
+pub struct RoughMeter<'p, M: Rubbing = RoughDiscs> {
+    problem: &'p ContactProblem<M>,
+    columns: Vec<M::Column>,
     /// √`W_αα` (kg^-½).
-    unit: Vec<Vector2<f64>>,
+    unit: Vec<M::Impulse>,
     /// b/√`W_αα` (√J).
-    b: Vec<Vector2<f64>>,
+    b: Vec<M::Impulse>,
     adjacency: Adjacency,
     /// [`ContactProblem::scale`] (J).
     scale: f64,
     /// √(Σ b²/`W_αα`) (√J).
     size_of_b: f64,
     /// M^½ (V − `V_free`) of the iterate measured last (√J).
-    pushed: Vec<Vector3<f64>>,
+    pushed: Vec<M::Velocity>,
     /// s = √`W_αα` r of that iterate (√J).
-    s: Vec<Vector2<f64>>,
+    s: Vec<M::Impulse>,
     /// The natural map of the iterate measured last.
     natural_map: f64,
-    solutions: Vec<Solution>,
+    solutions: Vec<Solution<M::Velocity>>,
 }
 
 /// A solution that errors are measured with.
-struct Solution {
+struct Solution<V> {
     /// M^½ (V* − `V_free`) (√J).
-    pushed: Vec<Vector3<f64>>,
+    pushed: Vec<V>,
     /// Its size ‖V* − `V_free`‖_M (√J).
     distance: f64,
 }
@@ -56,39 +71,59 @@ struct Sums {
     energy: f64,
 }
 
-/// s − s⁺ (√J) of both unknowns, in the form that does not cancel where s is large.
-#[inline]
-fn residual(column: &RoughColumn, s: Vector2<f64>, v: Vector2<f64>) -> Vector2<f64> {
-    let normal = if v.x >= s.x { s.x } else { v.x };
-    // s_t − clip(s_t − v_t, μ s_n): between what leads to either bound.
-    let bound = column.friction() * law::non_negative(s.x);
-    let (to_upper, to_lower) = (s.y - bound, s.y + bound);
-    let tangential = if v.y < to_upper {
-        to_upper
-    } else if v.y > to_lower {
-        to_lower
-    } else {
-        v.y
-    };
-    Vector2::new(normal, tangential)
+impl Rubbing for RoughDiscs {
+    fn places(column: &RoughColumn) -> [u32; 2] {
+        column.places()
+    }
+
+    #[inline]
+    fn between(column: &RoughColumn, ends: [Vector3<f64>; 2]) -> Vector2<f64> {
+        column.between(ends)
+    }
+
+    fn push_at(column: &RoughColumn, grain: u32, s: Vector2<f64>) -> Vector3<f64> {
+        column.push_at(grain, s)
+    }
+
+    #[inline]
+    fn residual(column: &RoughColumn, s: Vector2<f64>, v: Vector2<f64>) -> Vector2<f64> {
+        let normal = if v.x >= s.x { s.x } else { v.x };
+        // s_t − clip(s_t − v_t, μ s_n): between what leads to either bound.
+        let bound = column.friction() * law::non_negative(s.x);
+        let (to_upper, to_lower) = (s.y - bound, s.y + bound);
+        let tangential = if v.y < to_upper {
+            to_upper
+        } else if v.y > to_lower {
+            to_lower
+        } else {
+            v.y
+        };
+        Vector2::new(normal, tangential)
+    }
 }
 
-impl RoughMeter<'_> {
+/// Component by component.
+#[inline]
+fn times<V: Vector>(a: V, b: V) -> V {
+    a.with(b, |a, b| a * b)
+}
+
+impl<M: Rubbing> RoughMeter<'_, M> {
     /// s, and M^½ (V − `V_free`) = H̃ s.
     fn push(&mut self, r: &[f64]) {
         let Self { columns, unit, pushed, s, .. } = self;
-        pushed.fill(Vector3::zeros());
-        let (r, _) = r.as_chunks::<2>();
-        for (((column, unit), r), s) in columns.iter().zip(unit).zip(r).zip(s) {
-            *s = Vector2::from(*r).component_mul(unit);
+        pushed.fill(M::Velocity::ZERO);
+        for (k, ((column, unit), s)) in columns.iter().zip(unit).zip(s).enumerate() {
+            *s = times(M::Impulse::at(r, k), *unit);
             column.push(*s, pushed);
         }
     }
 
     /// The natural map of what was pushed last.
     fn natural_map(&mut self) -> f64 {
-        let squared = |((column, s), b): ((&RoughColumn, &Vector2<f64>), &Vector2<f64>)| {
-            residual(column, *s, column.relative(&self.pushed) + b).norm_squared()
+        let squared = |((column, s), b): ((&M::Column, &M::Impulse), &M::Impulse)| {
+            let left = M::residual(column, *s, column.relative(&self.pushed) + *b);
+            left.dot_product(left)
         };
         let sum: f64 = self.columns.iter().zip(&self.s).zip(&self.b).map(squared).sum();
         self.natural_map = ratio(sum.sqrt(), self.scale.sqrt());
@@ -101,18 +136,18 @@ impl RoughMeter<'_> {
         for (k, ((column, s), (b, unit))) in
             self.columns.iter().zip(&self.s).zip(self.b.iter().zip(&self.unit)).enumerate()
         {
-            let v = column.relative(&self.pushed) + b;
-            let left = residual(column, *s, v);
-            sums.natural_map += left.norm_squared();
+            let v = column.relative(&self.pushed) + *b;
+            let left = M::residual(column, *s, v);
+            sums.natural_map += left.dot_product(left);
             // DV = W_αα (r⁺ − r) and WR = W_αα r, in m/s.
-            let (dv, wr) = (left.component_mul(unit), s.component_mul(unit));
-            let wr_plus = wr - dv;
-            sums.dv += dv.norm_squared();
-            sums.wr += 0.5 * (wr.norm_squared() + wr_plus.norm_squared());
-            sums.greatest_dv = law::greatest([sums.greatest_dv, dv.norm()].into_iter());
-            sums.active += f64::from(u8::from(wr.x + wr_plus.x > 0.0));
-            sums.energy += 0.5 * s.dot(&(v + b));
-            let rate = -v.x * unit.x;
+            let (dv, wr) = (times(left, *unit), times(*s, *unit));
+            let (wr_plus, squared_dv) = (wr - dv, dv.dot_product(dv));
+            sums.dv += squared_dv;
+            sums.wr += 0.5 * (wr.dot_product(wr) + wr_plus.dot_product(wr_plus));
+            sums.greatest_dv = law::greatest([sums.greatest_dv, squared_dv.sqrt()].into_iter());
+            sums.active += f64::from(u8::from(wr.first() + wr_plus.first() > 0.0));
+            sums.energy += 0.5 * s.dot_product(v + *b);
+            let rate = -v.first() * unit.first();
             if !(rate <= sums.rate) && !sums.rate.is_nan() {
                 (sums.rate, sums.worst) = (rate, Some(k));
             }
@@ -122,9 +157,10 @@ impl RoughMeter<'_> {
 
     /// ‖V − V*‖_M / ‖V* − `V_free`‖_M of the nearest solution, of what was pushed last; NaN if none is known.
     fn velocity_error(&self) -> f64 {
-        let error = |solution: &Solution| {
+        let error = |solution: &Solution<M::Velocity>| {
             let pairs = self.pushed.iter().zip(&solution.pushed);
-            let sum: f64 = pairs.map(|(y, known)| (y - known).norm_squared()).sum();
+            let apart = |(y, known): (&M::Velocity, &M::Velocity)| (*y - *known).dot_product(*y - *known);
+            let sum: f64 = pairs.map(apart).sum();
             ratio(sum.sqrt(), solution.distance)
         };
         self.solutions.iter().map(error).reduce(f64::min).unwrap_or(f64::NAN)
@@ -132,45 +168,45 @@ impl RoughMeter<'_> {
 
     /// The natural map's term of a contact whose grains are looked at alone (J).
     fn alone(&self, k: usize, r: &[f64]) -> f64 {
-        let s = |k: usize| Vector2::at(r, k).component_mul(&self.unit[k]);
+        let s = |k: usize| times(M::Impulse::at(r, k), self.unit[k]);
         let column = &self.columns[k];
-        let [i, j] = column.places();
-        let pushed = |grain: u32| -> Vector3<f64> {
+        let [i, j] = M::places(column);
+        let pushed = |grain: u32| -> M::Velocity {
             let around = self.adjacency.around(grain as usize).iter();
-            around.map(|k| self.columns[*k as usize].push_at(grain, s(*k as usize))).sum()
+            around.map(|k| M::push_at(&self.columns[*k as usize], grain, s(*k as usize))).sum()
         };
-        let y = [pushed(i), if i == j { Vector3::zeros() } else { pushed(j) }];
-        residual(column, s(k), column.between(y) + self.b[k]).norm_squared()
+        let y = [pushed(i), if i == j { M::Velocity::ZERO } else { pushed(j) }];
+        let left = M::residual(column, s(k), M::between(column, y) + self.b[k]);
+        left.dot_product(left)
     }
 
     /// No |q(r)|, and no natural map's sum, is above this (J): λmax(W_D⁻¹ W) is at most its trace.
     fn energy_at_most(&self, r: &[f64]) -> f64 {
-        let (pairs, _) = r.as_chunks::<2>();
-        let squared: f64 = pairs
-            .iter()
-            .zip(&self.unit)
-            .map(|(r, unit)| Vector2::from(*r).component_mul(unit).norm_squared())
-            .sum();
+        let squared = |(k, unit): (usize, &M::Impulse)| {
+            let s = times(M::Impulse::at(r, k), *unit);
+            s.dot_product(s)
+        };
+        let squared: f64 = self.unit.iter().enumerate().map(squared).sum();
         let s = r.len() as f64 * squared.sqrt() + self.size_of_b;
         2.0 * s * s
     }
 }
 
-impl<'p> Measuring<'p, RoughDiscs> for RoughMeter<'p> {
-    fn new(problem: &'p ContactProblem<RoughDiscs>) -> Self {
+impl<'p, M: Rubbing> Measuring<'p, M> for RoughMeter<'p, M> {
+    fn new(problem: &'p ContactProblem<M>) -> Self {
         let inverse_mass = |grain: u32| problem.mass()[grain as usize].inverse(1.0);
-        let column = |contact| RoughColumn::new(contact, Touch::ends(contact), inverse_mass, true);
-        let (columns, unit): (Vec<_>, Vec<Vector2<f64>>) = problem.contacts().iter().map(column).unzip();
+        let column = |contact: &M::Contact| M::Column::new(contact, contact.ends(), inverse_mass, true);
+        let (columns, unit): (Vec<_>, Vec<M::Impulse>) = problem.contacts().iter().map(column).unzip();
         let b = problem.b();
-        let b: Vec<Vector2<f64>> =
-            unit.iter().enumerate().map(|(k, unit)| Vector2::at(&b, k).component_div(unit)).collect();
+        let of = |(k, unit): (usize, &M::Impulse)| M::Impulse::at(&b, k).with(*unit, |b, unit| b / unit);
+        let b: Vec<M::Impulse> = unit.iter().enumerate().map(of).collect();
         Self {
             problem,
             adjacency: Adjacency::of(problem),
             scale: problem.scale(),
-            size_of_b: b.iter().map(Vector2::norm_squared).sum::<f64>().sqrt(),
-            pushed: vec![Vector3::zeros(); problem.grain_count()],
-            s: vec![Vector2::zeros(); columns.len()],
+            size_of_b: b.iter().map(|b| b.dot_product(*b)).sum::<f64>().sqrt(),
+            pushed: vec![M::Velocity::ZERO; problem.grain_count()],
+            s: vec![M::Impulse::ZERO; columns.len()],
             natural_map: f64::INFINITY,
             solutions: Vec::new(),
             columns,
@@ -179,12 +215,11 @@ impl<'p> Measuring<'p, RoughDiscs> for RoughMeter<'p> {
         }
     }
 
-    fn against(mut self, truth: &Truth<RoughDiscs>) -> Self {
+    fn against(mut self, truth: &Truth<M>) -> Self {
         let (problem, velocity) = (self.problem, truth.velocity());
         assert_eq!(velocity.len(), problem.grain_count(), "one true velocity per grain");
-        let scaled = |((v, free), mass): ((&Vector3<f64>, &Vector3<f64>), &super::RoughMass)| {
-            mass.root().times(v - free)
-        };
+        let scaled =
+            |((v, free), mass): ((&M::Velocity, &M::Velocity), &M::Mass)| mass.root().times(*v - *free);
         self.solutions.push(Solution {
             pushed: velocity.iter().zip(problem.free_velocity()).zip(problem.mass()).map(scaled).collect(),
             distance: problem.velocity_distance(problem.free_velocity(), velocity),

@@ -6,7 +6,7 @@ use serde::de::IntoDeserializer;
 #[test]
 fn bare_count_is_divided_as_squarely_as_it_goes() {
     for (count, nx, ny) in [(1, 1, 1), (2, 2, 1), (4, 2, 2), (7, 7, 1), (8, 4, 2), (25, 5, 5), (64, 8, 8)] {
-        assert_eq!(Grid::of_count(count), Grid { nx, ny });
+        assert_eq!(Grid::of_count(count), Grid::of(nx, ny));
     }
 }
 
@@ -14,9 +14,11 @@ fn bare_count_is_divided_as_squarely_as_it_goes() {
 fn counts_and_columns_are_read_and_what_is_refused_is_named() {
     let columns = |text: &'static str| -> Result<Grid, Error> { Grid::deserialize(text.into_deserializer()) };
     let count = |count: i64| -> Result<Grid, Error> { Grid::deserialize(count.into_deserializer()) };
-    assert_eq!(columns("4x2"), Ok(Grid { nx: 4, ny: 2 }));
-    assert_eq!(count(8), Ok(Grid { nx: 4, ny: 2 }));
-    for refused in ["0x3", "ax2", "4", "4x2x1"] {
+    assert_eq!(columns("4x2"), Ok(Grid::of(4, 2)));
+    assert_eq!(count(8), Ok(Grid::of(4, 2)));
+    assert_eq!(columns("4x2x3"), Ok(Grid { nz: 3, ..Grid::of(4, 2) }));
+    assert_eq!(Grid { nz: 3, ..Grid::of(4, 2) }.to_string(), "4x2x3");
+    for refused in ["0x3", "ax2", "4", "4x2x0", "4x2x1x1"] {
         let error = columns(refused).unwrap_err().to_string();
         assert!(
             error.starts_with(&format!("invalid value: string {refused:?}, expected a number")),

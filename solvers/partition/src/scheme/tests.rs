@@ -1,6 +1,7 @@
 //! What a partition weighs and cuts.
 
 use super::*;
+use nalgebra::Vector2;
 
 /// Six points on a line, the last three times as heavy as the others.
 fn line() -> (Vec<Vector2<f64>>, [f64; 6]) {
@@ -11,7 +12,7 @@ fn line() -> (Vec<Vector2<f64>>, [f64; 6]) {
 fn balanced_shares_have_equal_weight_and_boxes_equal_size() {
     let (points, weights) = line();
     let halves = |scheme: Scheme, weights: &[f64]| {
-        scheme.partition(&points, weights, &points, Grid { nx: 2, ny: 1 }).unwrap()
+        scheme.partition(&points, weights, &points, Grid::of(2, 1)).unwrap()
     };
     let balanced = halves(Scheme::Balanced, &weights);
     assert_eq!(balanced.subdomain, [0, 0, 0, 0, 1, 1]);

@@ -1,0 +1,204 @@
+//! Spheres with friction: what the plane gives in space, and what is known of one sphere.
+
+use crate::friction::rough;
+use crate::spheres::sphere_problem_of;
+use contact::{
+    Measuring, Packing, RoughContact, RoughDiscs, RoughMass, RoughMeter, RoughSpheres, Solver, Spheres, frame,
+};
+use jacobi::Jacobi;
+use latin_dd::LatinDd;
+use nalgebra::{Vector2, Vector3, Vector6};
+use nsgs::Nsgs;
+use nsgs_dd::NsgsDd;
+use partition::Grid;
+use runner::{Status, Stop, solve};
+
+/// A problem of the plane, laid into space: a disc becomes a body that spins about z as it does, and about the other axes alike.
+fn embedded(problem: &Packing<RoughDiscs>) -> Packing<RoughSpheres> {
+    let contact = |at: &RoughContact| {
+        let normal = Vector3::new(at.normal.x, at.normal.y, 0.0);
+        let tangent = Vector3::new(-at.normal.y, at.normal.x, 0.0);
+        let [first, second] = frame(&normal).map(|t| t.dot(&tangent) * at.offset.y);
+        RoughContact {
+            candidate: at.candidate,
+            antagonist: at.antagonist,
+            normal,
+            arms: at.arms,
+            offset: Vector3::new(at.offset.x, first, second),
+            friction: at.friction,
+        }
+    };
+    Packing::new(
+        problem.mass().to_vec(),
+        problem.position().iter().map(|x| Vector3::new(x.x, x.y, 0.0)).collect(),
+        problem.free_velocity().iter().map(|v| Vector6::new(v.x, v.y, 0.0, 0.0, 0.0, v.z)).collect(),
+        problem.contacts().iter().map(contact).collect(),
+    )
+    .unwrap()
+}
+
+/// The methods that solve in both.
+fn methods<M>() -> Vec<(&'static str, Box<dyn Solver<M>>)>
+where
+    M: contact::Mechanics,
+    Nsgs: Solver<M>,
+    Jacobi: Solver<M>,
+    NsgsDd: Solver<M>,
+    LatinDd: Solver<M>,
+{
+    let grid = Grid::of(2, 2);
+    vec![
+        ("nsgs", Box::new(Nsgs::default())),
+        ("jacobi", Box::new(Jacobi { relaxation: 0.3, ..Jacobi::default() })),
+        ("nsgs-dd", Box::new(NsgsDd { subdomains: grid, ..NsgsDd::default() })),
+        ("latin-dd", Box::new(LatinDd { subdomains: grid, kappa_l: Some(3.0), ..LatinDd::default() })),
+    ]
+}
+
+/// Normal impulses, and tangential ones along the tangent of the plane, are those of the plane; along z nothing acts.
+#[test]
+fn layer_with_friction_in_space_gives_the_iterates_of_the_plane() {
+    let flat = rough("rough-250").problem;
+    let laid = embedded(&flat);
+    let (zeros, none) = (vec![0.0; flat.impulse_count()], vec![0.0; laid.impulse_count()]);
+    for ((name, in_plane), (_, in_space)) in
+        methods::<RoughDiscs>().into_iter().zip(methods::<RoughSpheres>())
+    {
+        let mut one = in_plane.start(&flat, &zeros).unwrap();
+        let mut other = in_space.start(&laid, &none).unwrap();
+        let (mut r, mut s) = (zeros.clone(), none.clone());
+        for iteration in 1..=20 {
+            one.advance();
+            other.advance();
+            one.impulses(&mut r);
+            other.impulses(&mut s);
+            let greatest = r.iter().copied().fold(0.0, f64::max);
+            for (k, contact) in laid.contacts().iter().enumerate() {
+                let (n, t) = (contact.normal, Vector3::new(-contact.normal.y, contact.normal.x, 0.0));
+                let [first, second] = frame(&n);
+                let along = first * s[3 * k + 1] + second * s[3 * k + 2];
+                let apart = Vector3::new(s[3 * k] - r[2 * k], along.dot(&t) - r[2 * k + 1], along.z);
+                assert!(apart.amax() < 1e-9 * greatest, "{name}, iteration {iteration}: {apart:?}");
+            }
+        }
+    }
+    let measures = |zeta: &[f64]| RoughMeter::<RoughDiscs>::new(&flat).measure_after(&[], zeta, 0.0);
+    let in_space = RoughMeter::<RoughSpheres>::new(&laid).measure_after(&[], &none, 0.0);
+    assert!((measures(&zeros).natural_map - in_space.natural_map).abs() < 1e-12);
+}
+
+/// Without friction the tangential unknowns stay 0, and the normal ones are those of spheres without any.
+#[test]
+fn spheres_without_friction_give_the_frictionless_iterates() {
+    let (smooth, radius) = sphere_problem_of("sphere-box", 30);
+    let rough = Packing::<RoughSpheres>::new(
+        smooth
+            .mass()
+            .iter()
+            .zip(&radius)
+            .map(|(m, r)| RoughMass { mass: *m, inertia: 0.4 * m * r * r })
+            .collect(),
+        smooth.position().to_vec(),
+        smooth.free_velocity().iter().map(|v| Vector6::new(v.x, v.y, v.z, 0.0, 0.0, 0.0)).collect(),
+        smooth
+            .contacts()
+            .iter()
+            .map(|at| RoughContact {
+                candidate: at.candidate,
+                antagonist: at.antagonist,
+                normal: at.normal,
+                arms: Vector2::new(
+                    radius[at.candidate as usize],
+                    at.antagonist.map_or(0.0, |j| radius[j as usize]),
+                ),
+                offset: Vector3::new(at.offset, 0.0, 0.0),
+                friction: 0.0,
+            })
+            .collect(),
+    )
+    .unwrap();
+    let (zeros, none) = (vec![0.0; smooth.impulse_count()], vec![0.0; rough.impulse_count()]);
+    for ((name, one), (_, other)) in methods::<Spheres>().into_iter().zip(methods::<RoughSpheres>()) {
+        let (mut one, mut other) = (one.start(&smooth, &zeros).unwrap(), other.start(&rough, &none).unwrap());
+        let (mut r, mut s) = (zeros.clone(), none.clone());
+        for iteration in 1..=20 {
+            one.advance();
+            other.advance();
+            one.impulses(&mut r);
+            other.impulses(&mut s);
+            let greatest = r.iter().copied().fold(0.0, f64::max);
+            for (r, s) in r.iter().zip(s.chunks_exact(3)) {
+                let apart = (r - s[0]).abs().max(s[1].abs()).max(s[2].abs());
+                assert!(apart < 1e-9 * greatest, "{name}, iteration {iteration}: {apart}");
+            }
+        }
+    }
+}
+
+/// Half a second of a sphere on a plane, from a velocity and a spin, under a gravity: V and ω.
+fn rolled(mut motion: Vector6<f64>, gravity: Vector3<f64>, friction: f64, scale: (f64, f64)) -> Vector6<f64> {
+    let (length, mass) = scale;
+    let (radius, m, h) = (0.25 * length, 2.0 * mass, 0.01);
+    motion.fixed_rows_mut::<3>(0).scale_mut(length);
+    for _ in 0..50 {
+        let mut free = motion;
+        let mut translation = free.fixed_rows_mut::<3>(0);
+        translation += gravity * (h * length);
+        let problem = Packing::<RoughSpheres>::new(
+            vec![RoughMass { mass: m, inertia: 0.4 * m * radius * radius }],
+            vec![Vector3::new(0.0, radius, 0.0)],
+            vec![free],
+            vec![RoughContact {
+                candidate: 0,
+                antagonist: None,
+                normal: Vector3::y(),
+                arms: Vector2::new(radius, 0.0),
+                offset: Vector3::zeros(),
+                friction,
+            }],
+        )
+        .unwrap();
+        let stop = Stop { tolerance: 1e-13, max_iterations: 100, ..Stop::default() };
+        let outcome = solve(&Nsgs::default(), &problem, &[0.0; 3], &stop, &mut |_| {}).unwrap();
+        assert_eq!(outcome.status, Status::Converged);
+        motion = outcome.velocity[0];
+    }
+    motion.fixed_rows_mut::<3>(0).unscale_mut(length);
+    motion
+}
+
+/// It rolls iff tan θ ≤ 3.5 μ, at 5/7 g sin θ, whichever way is down; else it slides at g (sin θ − μ cos θ). Units change nothing.
+#[test]
+fn sphere_on_a_slope_rolls_or_slides() {
+    let (g, time) = (9.81, 0.5);
+    for scale in [(1.0, 1.0), (1e-3, 1.0), (1.0, 1e6)] {
+        for (slope, friction) in [(0.3_f64, 0.2), (0.6, 0.1), (0.6, 0.2)] {
+            for down in [Vector3::x(), Vector3::z(), Vector3::new(0.6, 0.0, -0.8)] {
+                let gravity = (down * slope.sin() - Vector3::y() * slope.cos()) * g;
+                let end = rolled(Vector6::zeros(), gravity, friction, scale);
+                let rolls = slope.tan() <= 3.5 * friction;
+                let speed = if rolls {
+                    5.0 / 7.0 * g * slope.sin() * time
+                } else {
+                    g * (slope.sin() - friction * slope.cos()) * time
+                };
+                let translation = end.fixed_rows::<3>(0).into_owned();
+                assert!((translation - down * speed).norm() < 1e-10 * speed, "{scale:?}, {end}");
+                if rolls {
+                    // The contact point is at rest: V = ω × n R.
+                    let spin = end.fixed_rows::<3>(3).cross(&Vector3::y()) * 0.25;
+                    assert!((translation - spin).norm() < 1e-10 * speed, "{end}");
+                }
+            }
+        }
+    }
+}
+
+/// Thrown without spin at v₀, it rolls from 2 v₀/(7 μ g) on, at 5/7 v₀.
+#[test]
+fn thrown_sphere_rolls_at_five_sevenths() {
+    let thrown = Vector6::new(1.2, 0.0, -0.9, 0.0, 0.0, 0.0);
+    let end = rolled(thrown, -Vector3::y() * 9.81, 0.3, (1.0, 1.0));
+    let expected = Vector3::new(1.2, 0.0, -0.9) * (5.0 / 7.0);
+    assert!((end.fixed_rows::<3>(0) - expected).norm() < 1e-12, "{end}");
+}
