@@ -34,6 +34,13 @@ pub(crate) struct CaseProblem {
 /// near, and the packing settles all the same.
 const WITH_FRICTION: u64 = 5000;
 
+/// Sweeps of a time step between spheres with friction, likewise.
+const SPHERES_WITH_FRICTION: u64 = 500;
+
+fn cg() -> Result<Method> {
+    Method::parse("cg", &[("preconditioner".to_owned(), "diagonal".to_owned())])
+}
+
 impl CaseProblem {
     /// The time step is the one that `moment`, the value of `key`, names: by its number, or as one of the case's moments;
     /// without it the case's `solve_at`.
@@ -60,11 +67,11 @@ impl CaseProblem {
 
     /// The problem; the time steps before it are the same whichever method then solves it.
     pub(crate) fn problem(&self) -> Result<AnyFrozen> {
-        let method = Method::parse("cg", &[("preconditioner".to_owned(), "diagonal".to_owned())])?;
-        let stop = if self.case.scene.is_rough() {
-            Stop { max_iterations: WITH_FRICTION, ..Stop::default() }
-        } else {
-            Stop::default()
+        let most = |max_iterations| Stop { max_iterations, ..Stop::default() };
+        let (method, stop) = match (self.case.scene.is_rough(), self.case.in_space()?) {
+            (false, _) => (cg()?, Stop::default()),
+            (true, false) => (cg()?, most(WITH_FRICTION)),
+            (true, true) => (Method::parse("nsgs", &[])?, most(SPHERES_WITH_FRICTION)),
         };
         self.problem_after(&method, &stop, "")
     }

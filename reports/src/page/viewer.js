@@ -6,6 +6,8 @@
   const { problem: problemBox, partition: partitionBox, time, play } = form.elements;
   const now = form.querySelector("output");
   let sample, stops, panels, timer;
+  // How far spheres are turned about the vertical, and towards who looks.
+  let yaw = .5, pitch = .3;
 
   const options = (box, names) => box.replaceChildren(...names.map((name, i) => new Option(name, i)));
   const short = value => value == null ? "–" : value.toExponential(1);
@@ -45,20 +47,37 @@
     return most > 0 ? spreads.indexOf(most) : stops.length - 1;
   }
 
-  // The box around all grains, in the units of the sample.
-  function bounds() {
+  const inSpace = () => sample.grains[0]?.length > 3;
+
+  // The grains as [x, y, r, index] in the order in which they are painted, and the contacts as [x, y, x, y]: in the plane as they
+  // are, in space as they are seen from afar, the nearest last.
+  function seen() {
+    if (!inSpace()) return { grains: sample.grains.map(([x, y, r], i) => [x, y, r, i]), contacts: sample.contacts };
+    const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
+    const turned = (x, y, z) => {
+      const towards = cy * z - sy * x;
+      return [cy * x + sy * z, cp * y - sp * towards, sp * y + cp * towards];
+    };
+    const grains = sample.grains.map(([x, y, r, z], i) => { const [u, v, near] = turned(x, y, z); return [u, v, r, i, near]; });
+    const contacts = sample.contacts.map(([x0, y0, x1, y1, z0, z1]) =>
+      [...turned(x0, y0, z0).slice(0, 2), ...turned(x1, y1, z1).slice(0, 2)]);
+    return { grains: grains.sort((a, b) => a[4] - b[4]), contacts };
+  }
+
+  // The box around grains, in the units of the sample.
+  function bounds(grains) {
     let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
-    for (const [x, y, r] of sample.grains) {
+    for (const [x, y, r] of grains) {
       left = Math.min(left, x - r); right = Math.max(right, x + r);
       low = Math.min(low, y - r); high = Math.max(high, y + r);
     }
-    return sample.grains.length ? { left, low, width: right - left, height: high - low } : { left: 0, low: 0, width: 1, height: 1 };
+    return grains.length ? { left, low, width: right - left, height: high - low } : { left: 0, low: 0, width: 1, height: 1 };
   }
 
   function draw() {
     const style = getComputedStyle(document.documentElement), ink = name => style.getPropertyValue(name).trim();
     const split = sample.partitions[partitionBox.value || 0], iteration = stops[time.value] ?? 0;
-    const box = bounds(), radii = sample.grains.map(grain => grain[2]).sort((a, b) => a - b);
+    const { grains, contacts } = seen(), box = bounds(grains), radii = sample.grains.map(grain => grain[2]).sort((a, b) => a - b);
     const median = radii[radii.length >> 1] || 1;
     now.textContent = stops.length > 1 ? `iteration ${iteration}` : "";
     for (const { track, canvas, caption } of panels) {
@@ -72,8 +91,8 @@
       c.setTransform(ratio, 0, 0, ratio, 0, 0);
       const X = x => edge + (x - box.left) * scale, Y = y => height - 4 - (y - box.low) * scale;
       const disc = ([x, y, r]) => { c.beginPath(); c.arc(X(x), Y(y), r * scale, 0, 7); };
-      sample.grains.forEach((grain, i) => {
-        const fill = split.fill[i];
+      grains.forEach(grain => {
+        const fill = split.fill[grain[3]];
         disc(grain);
         c.globalAlpha = fill == null ? 1 : Number(ink("--fill"));
         c.fillStyle = fill == null ? ink("--idle") : colors[fill];
@@ -81,7 +100,7 @@
         c.globalAlpha = 1; c.lineWidth = .5; c.strokeStyle = ink("--outline"); c.stroke();
       });
       c.strokeStyle = ink("--boundary"); c.lineWidth = 1.4;
-      sample.grains.forEach((grain, i) => { if (split.multiplicity[i] > 1) { disc(grain); c.stroke(); } });
+      grains.forEach(grain => { if (split.multiplicity[grain[3]] > 1) { disc(grain); c.stroke(); } });
       const line = ([x0, y0, x1, y1]) => { c.beginPath(); c.moveTo(X(x0), Y(y0)); c.lineTo(X(x1), Y(y1)); c.stroke(); };
       c.lineWidth = 2; c.strokeStyle = ink("--boundary");
       sample.walls.forEach(line);
@@ -90,7 +109,7 @@
       const widest = Math.min(Math.max(1.8 * median * scale, 1.5), 12);
       frame?.impulses.forEach((share, i) => {
         c.lineWidth = widest * Math.min(share / 1000, 2);
-        if (c.lineWidth > .08 && share > 0) line(sample.contacts[i]);
+        if (c.lineWidth > .08 && share > 0) line(contacts[i]);
       });
       const over = frame && frame.iteration === track.frames.at(-1).iteration && track.ending;
       caption.textContent = !frame || !track.ending ? track.label
@@ -100,7 +119,7 @@
     const boundary = split ? split.multiplicity.filter(copies => copies > 1).length : 0;
     document.querySelector("[data-key]").textContent = `${sample.grains.length} grains, ${sample.contacts.length} contacts; `
       + `colours are subdomains, outlined: ${boundary} boundary grains; the widest line is ${Number(sample.greatest_n_s.toPrecision(2))} N·s, `
-      + `the greatest impulse of the solution.`;
+      + `the greatest impulse of the solution.${inSpace() ? " Drag to turn." : ""}`;
   }
 
   function stop() { clearInterval(timer); timer = undefined; play.textContent = "▶"; play.setAttribute("aria-label", "Play"); }
@@ -109,6 +128,12 @@
     if (time.value === time.max) time.value = 0;
     play.textContent = "⏸"; play.setAttribute("aria-label", "Pause");
     timer = setInterval(() => { if (time.value === time.max) stop(); else { time.value++; draw(); } }, 350);
+    draw();
+  });
+  stage.addEventListener("pointermove", event => {
+    if (!event.buttons || !inSpace()) return;
+    yaw += event.movementX / 150;
+    pitch = Math.max(-1.5, Math.min(1.5, pitch + event.movementY / 150));
     draw();
   });
   problemBox.addEventListener("change", () => { stop(); choose(); });

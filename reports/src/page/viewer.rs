@@ -34,10 +34,11 @@ pub(crate) struct Sample {
     unit_m: f64,
     /// The impulse that is drawn widest (N·s); 0 if none is known.
     greatest_n_s: f64,
-    /// x, y and radius of each grain.
-    grains: Vec<[i64; 3]>,
-    /// Both ends of the segment of each contact.
-    contacts: Vec<[i64; 4]>,
+    /// x, y and radius of each grain, and z in space.
+    grains: Vec<Vec<i64>>,
+    /// Both ends of the segment of each contact, and in space the z of either.
+    contacts: Vec<Vec<i64>>,
+    /// In the plane.
     walls: Vec<[i64; 4]>,
     partitions: Vec<Split>,
     pub(crate) tracks: Vec<Track>,
@@ -129,6 +130,8 @@ impl Sample {
         let place = |length: f64| (length / unit_m).round() as i64;
         let segment =
             |(from, to): &((f64, f64), (f64, f64))| [place(from.0), place(from.1), place(to.0), place(to.1)];
+        let in_space = scene.grains.iter().any(|grain| grain.z_m != 0.0);
+        let depths = |z: &[f64]| z.iter().copied().filter(|_| in_space).map(place).collect::<Vec<_>>();
         let shade = |r: &f64| {
             let share = if greatest_n_s > 0.0 && *r > 0.0 { (r / greatest_n_s).min(BEYOND) } else { 0.0 };
             (share * SHADES).round() as u32
@@ -153,9 +156,17 @@ impl Sample {
             problem,
             unit_m,
             greatest_n_s,
-            grains: scene.grains.iter().map(|g| [g.x_m, g.y_m, g.radius_m].map(place)).collect(),
-            contacts: scene.contacts.iter().map(|contact| segment(&ends(contact))).collect(),
-            walls: walls(&scene.contacts).iter().map(segment).collect(),
+            grains: scene
+                .grains
+                .iter()
+                .map(|g| [&[g.x_m, g.y_m, g.radius_m].map(place)[..], &depths(&[g.z_m])].concat())
+                .collect(),
+            contacts: scene
+                .contacts
+                .iter()
+                .map(|at| [&segment(&ends(at))[..], &depths(&[at.z0_m, at.z1_m])].concat())
+                .collect(),
+            walls: if in_space { Vec::new() } else { walls(&scene.contacts).iter().map(segment).collect() },
             partitions: scenes.iter().map(|(name, scene)| Split::of(name, scene)).collect(),
             tracks,
         }
