@@ -97,19 +97,22 @@
         c.globalAlpha = fill == null ? 1 : Number(ink("--fill"));
         c.fillStyle = fill == null ? ink("--idle") : colors[fill];
         c.fill();
-        c.globalAlpha = 1; c.lineWidth = .5; c.strokeStyle = ink("--outline"); c.stroke();
+        // In space what is behind shows no outline of its own through what is before.
+        const outlined = inSpace() && split.multiplicity[grain[3]] > 1;
+        c.globalAlpha = 1; c.lineWidth = outlined ? 1.4 : .5; c.strokeStyle = ink(outlined ? "--boundary" : "--outline"); c.stroke();
       });
       c.strokeStyle = ink("--boundary"); c.lineWidth = 1.4;
-      grains.forEach(grain => { if (split.multiplicity[grain[3]] > 1) { disc(grain); c.stroke(); } });
+      if (!inSpace()) grains.forEach(grain => { if (split.multiplicity[grain[3]] > 1) { disc(grain); c.stroke(); } });
       const line = ([x0, y0, x1, y1]) => { c.beginPath(); c.moveTo(X(x0), Y(y0)); c.lineTo(X(x1), Y(y1)); c.stroke(); };
       c.lineWidth = 2; c.strokeStyle = ink("--boundary");
       sample.walls.forEach(line);
       c.strokeStyle = ink("--chain"); c.lineCap = "round";
       // The greatest impulse of the solution is almost as wide as a grain, if that is small; what is beyond is cut at twice that.
-      const widest = Math.min(Math.max(1.8 * median * scale, 1.5), 12);
+      // In space many lie behind one another: they are thinner, and the weakest are left out.
+      const widest = Math.min(Math.max((inSpace() ? .7 : 1.8) * median * scale, 1.5), 12), least = inSpace() ? 60 : 0;
       frame?.impulses.forEach((share, i) => {
         c.lineWidth = widest * Math.min(share / 1000, 2);
-        if (c.lineWidth > .08 && share > 0) line(contacts[i]);
+        if (c.lineWidth > .08 && share > least) line(contacts[i]);
       });
       const over = frame && frame.iteration === track.frames.at(-1).iteration && track.ending;
       caption.textContent = !frame || !track.ending ? track.label
