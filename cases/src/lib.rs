@@ -3,6 +3,7 @@
 mod case;
 mod deposit;
 mod detect;
+mod energy;
 mod error;
 mod frozen;
 mod keys;
@@ -16,6 +17,7 @@ mod shapes;
 
 pub use case::{Case, check_name};
 pub use detect::{DetectedContact, Side, detect};
+pub use energy::Energy;
 pub use error::CaseError;
 pub use frozen::Frozen;
 pub use keys::{all_missing, schema};

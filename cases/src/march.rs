@@ -3,6 +3,7 @@
 
 use crate::case::Case;
 use crate::detect::{DetectedContact, Neighbours, Side, walls_near};
+use crate::energy::Energy;
 use crate::error::CaseError;
 use crate::frozen::Frozen;
 use crate::marched::Marched;
@@ -216,6 +217,7 @@ impl<M: Marched> March<M> {
         let problem = &time_step.frozen.problem;
         assert_eq!(r.len(), problem.impulse_count(), "one impulse per contact");
         assert_eq!(velocity.len(), problem.grain_count(), "one velocity per grain");
+        let energy = Energy::of(time_step, &self.scene, (&self.velocity, velocity), r);
         for ((q, detected), v) in self.position.iter_mut().zip(problem.position()).zip(velocity) {
             *q = detected + M::translation(*v) * (h * theta);
         }
@@ -223,7 +225,7 @@ impl<M: Marched> March<M> {
         let keys = problem.contacts().iter().zip(&time_step.sides).map(|(at, side)| (at.ends().0, *side));
         self.last = keys.enumerate().map(|(k, key)| (key, M::Impulse::at(r, k))).collect();
         self.done += 1;
-        self.observe(time_step, r)
+        self.observe(time_step, r, energy)
     }
 
     /// Solves one time step with `solver`, from the impulses of the time step before.
@@ -281,7 +283,7 @@ impl<M: Marched> March<M> {
         }
     }
 
-    fn observe(&self, time_step: &TimeStep<M>, r: &[f64]) -> Observables {
+    fn observe(&self, time_step: &TimeStep<M>, r: &[f64], energy: Energy) -> Observables {
         let kinetic = self.mass.iter().zip(&self.velocity).map(|(m, v)| 0.5 * m.squared(*v));
         let mass = || self.mass.iter().map(|mass| M::weight(*mass));
         let moment = mass().zip(&self.position).map(|(m, q)| m * q.y);
@@ -294,6 +296,7 @@ impl<M: Marched> March<M> {
             mean_overlap: overlaps().sum::<f64>() / self.mass.len() as f64,
             wall_impulses: wall_impulses(&time_step.sides, &r.iter().step_by(M::Impulse::LEN).copied()),
             contacts: time_step.sides.len(),
+            energy,
             greatest_speed: greatest(self.velocity.iter().map(|v| M::translation(*v).norm())),
         }
     }
@@ -301,7 +304,7 @@ impl<M: Marched> March<M> {
 
 impl Law {
     /// The gap term of c (m/s).
-    fn gap_offset(self, gap: f64, h: f64) -> f64 {
+    pub(crate) fn gap_offset(self, gap: f64, h: f64) -> f64 {
         match self {
             Self::PredictedGap => 0.0,
             Self::Iqs => gap.max(0.0) / h,

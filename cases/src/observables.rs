@@ -1,6 +1,7 @@
 //! What a simulation shows of itself after a time step, and when it has exploded.
 
 use crate::detect::Side;
+use crate::energy::Energy;
 use nalgebra::Vector2;
 use runner::Status;
 use std::fmt;
@@ -25,6 +26,8 @@ pub struct Observables {
     pub contacts: usize,
     /// Greatest speed of a grain (m/s).
     pub greatest_speed: f64,
+    /// Where the energy of the time step went.
+    pub energy: Energy,
 }
 
 /// A time step that did not come to its tolerance.

@@ -10,6 +10,7 @@ mod equivalences;
 mod first_order;
 mod friction;
 mod friction_latin;
+mod friction_truth;
 mod fuzz;
 mod hard;
 mod hazards;

@@ -1,7 +1,8 @@
 //! Where files and the command line meet the mechanics: what the program asks of each, and the one place that tells them apart.
 
 use crate::plan::{Ours, Programme, Settings};
-use crate::problems::reference::{known_rough, known_smooth};
+use crate::problems::pool::{known_rough, polished_to};
+use crate::problems::reference::known_smooth;
 use crate::problems::{Known, Root, spectrum};
 use crate::run::{Ended, Observe, climb};
 use anyhow::{Result, bail};
@@ -17,6 +18,15 @@ pub(crate) trait Studied: Marched {
 
     /// What is known of the solutions of a problem: read, or computed and kept.
     fn known(root: &Root, frozen: &Frozen<Self>) -> Result<Known<Self>>;
+
+    /// The solution, where there are several, to which the end `r` of a run (N·s) is polished: whether it is among those `known`, and
+    /// how far it is from r.
+    fn polished_to(
+        root: &Root,
+        frozen: &Frozen<Self>,
+        known: &Known<Self>,
+        r: &[f64],
+    ) -> Result<Option<(bool, f64)>>;
 
     /// Eigenvalues of a problem, where they say something of its methods.
     fn spectrum(problem: &ContactProblem<Self>, known: &Known<Self>) -> Settings;
@@ -60,6 +70,10 @@ impl Studied for Discs {
 
     fn known(root: &Root, frozen: &Frozen) -> Result<Known> {
         known_smooth(root, frozen)
+    }
+
+    fn polished_to(_: &Root, _: &Frozen, _: &Known, _: &[f64]) -> Result<Option<(bool, f64)>> {
+        Ok(None)
     }
 
     fn spectrum(problem: &ContactProblem, known: &Known) -> Settings {
@@ -114,6 +128,15 @@ impl Studied for RoughDiscs {
 
     fn known(root: &Root, frozen: &Frozen<Self>) -> Result<Known<Self>> {
         known_rough(root, frozen)
+    }
+
+    fn polished_to(
+        root: &Root,
+        frozen: &Frozen<Self>,
+        known: &Known<Self>,
+        r: &[f64],
+    ) -> Result<Option<(bool, f64)>> {
+        polished_to(root, frozen, known, r)
     }
 
     /// None: what decides with friction is not W alone.

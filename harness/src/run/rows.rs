@@ -1,10 +1,10 @@
 //! From what the harness holds to the rows of the results.
 
 use crate::plan::{Plan, Variant};
-use crate::problems::{Given, Problem, Studied};
+use crate::problems::{Given, Known, Problem, Studied};
 use crate::run::first_at;
 use cases::Frozen;
-use contact::{Adjacency, Measure, Measuring, Mechanics, Touch, Truth, Vector, Work};
+use contact::{Adjacency, Measure, Measuring, Mechanics, Touch, Vector, Work};
 use nalgebra::Vector2;
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample};
@@ -16,24 +16,30 @@ pub(crate) fn given_row<M: Studied>(
     plan: &Plan,
     problem: &Problem<M>,
     given: &Given,
-    truths: &[Truth<M>],
+    known: &Known<M>,
     provenance: Provenance,
 ) -> Run {
     let meter = M::Meter::new(&problem.frozen.problem);
-    let mut meter = truths.iter().fold(meter, M::Meter::against);
+    let mut meter = known.truths().iter().fold(meter, M::Meter::against);
     let measures = meter.measure_after(&[], &given.impulse, 0.0);
     Run {
         method: "given".to_owned(),
         variant: given.from.clone(),
         status: "given".to_owned(),
         end: End { measures, work: Work::default() },
-        ..nothing_done(plan, problem, provenance)
+        ..nothing_done(plan, problem, known, provenance)
     }
 }
 
 /// The row of a run that has reached nothing yet.
-pub(crate) fn nothing_done<M: Studied>(plan: &Plan, problem: &Problem<M>, provenance: Provenance) -> Run {
+pub(crate) fn nothing_done<M: Studied>(
+    plan: &Plan,
+    problem: &Problem<M>,
+    known: &Known<M>,
+    provenance: Provenance,
+) -> Run {
     Run {
+        known: known.solutions(&problem.frozen.problem),
         plan: plan.name.clone(),
         problem: problem.frozen.name.clone(),
         problem_hash: problem.hash.clone(),

@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use results::simulation::Energy;
+
 use crate::draw::Looks;
 use crate::read::{
     Ending, RunRow, Simulation, Study, Verdicts, count, counted, find_or_push, number, problems,
@@ -28,6 +30,7 @@ fn of_runs(runs: &[RunRow]) -> Vec<String> {
     let problems = problems(runs);
     let (looks, verdicts) = (Looks::new(runs), Verdicts::of(runs));
     let mut sentences = vec![overview(runs, &verdicts, problems.len())];
+    sentences.extend(problems.iter().filter_map(|problem| solutions(runs, problem)));
     if problems.len() <= FEW_PROBLEMS {
         sentences.extend(problems.iter().map(|problem| first_and_last(runs, &verdicts, problem)));
     } else {
@@ -47,7 +50,30 @@ fn of_simulations(all: &[Simulation]) -> Vec<String> {
         return vec!["No simulation of this study is stored.".to_owned()];
     }
     let ended: Vec<String> = ended.iter().map(|(status, n)| format!("{} {status}", count(*n))).collect();
-    vec![format!("{}: {}.", counted(all.len(), "simulation"), ended.join(", "))]
+    let mut sentences = vec![format!("{}: {}.", counted(all.len(), "simulation"), ended.join(", "))];
+    sentences.extend(energy(all));
+    sentences
+}
+
+/// Where the energy went, in the simulation in which most did, and how well the balances of all close.
+fn energy(all: &[Simulation]) -> Option<String> {
+    let moved = |simulation: &&Simulation| simulation.totals.energy.energy_moved_j;
+    let moving = || all.iter().filter(|simulation| moved(simulation) > 0.0 && moved(simulation).is_finite());
+    let most = moving().max_by(|a, b| moved(a).total_cmp(&moved(b)))?;
+    let Energy { walls_work_j, gap_work_j, shock_work_j, sliding_work_j, .. } = most.totals.energy;
+    let left = moving().map(|one| one.totals.energy.energy_left_over_j / moved(&one)).fold(0.0, f64::max);
+    let joule = |work: f64| number(work, 3);
+    Some(format!(
+        "Energy: with {} on {} walls gave {} J, gaps that closed {} J, shocks {} J and sliding {} J. Balances leave over at most {} \
+         of what changed hands.",
+        most.label(),
+        most.scene,
+        joule(walls_work_j),
+        joule(gap_work_j),
+        joule(shock_work_j),
+        joule(sliding_work_j),
+        number(left, 1),
+    ))
 }
 
 fn overview(runs: &[RunRow], verdicts: &Verdicts, problems: usize) -> String {
@@ -64,6 +90,30 @@ fn overview(runs: &[RunRow], verdicts: &Verdicts, problems: usize) -> String {
         counted(problems, "problem"),
         ended.join(", ")
     )
+}
+
+/// The solutions of a problem that are known, where there are several or runs led to some: how far apart they are, and to what runs
+/// were polished.
+fn solutions(runs: &[RunRow], problem: &str) -> Option<String> {
+    let on = || runs.iter().filter(|run| run.problem == problem).map(|run| &run.known);
+    let first = on().find(|known| known.solutions.is_some())?;
+    let polished_to = |word: &str| on().filter(|known| known.polished_to == word).count();
+    let (of_known, new) = (polished_to("known"), polished_to("new"));
+    let solutions = first.solutions.unwrap_or_default() as usize;
+    if solutions < 2 && of_known + new == 0 {
+        return None;
+    }
+    let apart = if solutions > 1 {
+        format!(", up to {} apart in velocity", number(first.spread, 2))
+    } else {
+        String::new()
+    };
+    Some(format!(
+        "{problem}: {} known{apart}; Newton's method leads from the ends of {} to one of them, from those of {} to another.",
+        counted(solutions, "certified solution"),
+        counted(of_known, "run"),
+        counted(new, "run"),
+    ))
 }
 
 /// How a run ended; a claim that there is no solution is a proof unless a run or the reference refutes it.

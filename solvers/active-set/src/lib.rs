@@ -17,6 +17,7 @@ mod rough;
 mod scaled;
 mod set;
 
+pub use rough::Convex;
 pub use set::Set;
 
 use cg::{Cg, Preconditioner};

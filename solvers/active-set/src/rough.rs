@@ -15,7 +15,7 @@ mod statuses;
 use crate::{ActiveSet, Best, Start};
 use cg::{Cg, Preconditioner, RoughRun};
 use contact::{Iteration, Packing, RoughColumn, RoughDiscs, SetupError, Solver, Work};
-use convex::Convex;
+pub use convex::Convex;
 use drift::Drift;
 use latin_dd::LatinDd;
 use nalgebra::{Vector2, Vector3};

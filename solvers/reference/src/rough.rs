@@ -2,7 +2,7 @@
 //! velocities are unique.
 
 use crate::certificate::{Residual, TERMS, worst};
-use active_set::ActiveSet;
+use active_set::{ActiveSet, Start};
 use contact::{
     ContactProblem, Iteration, Packing, RoughContact, RoughDiscs, Solver, Touch, Truth, Vector, greatest, law,
 };
@@ -173,13 +173,40 @@ pub fn take(problem: &Packing<RoughDiscs>, solutions: &mut Vec<RoughSolution>, f
             }
         }
         Some(_) => {
-            let is_new = |known: &RoughSolution| distance(problem, &known.impulses, &found.impulses) > SAME;
-            if certified && solutions.iter().all(is_new) {
+            let is_known =
+                |known: &RoughSolution| is_same(distance(problem, &known.impulses, &found.impulses));
+            if certified && !solutions.iter().any(is_known) {
                 solutions.push(found);
             }
         }
         None => solutions.push(found),
     }
+}
+
+/// Whether two solutions so far apart (–), see [`distance`], are one.
+pub fn is_same(distance: f64) -> bool {
+    distance <= SAME
+}
+
+/// Iterations of a polish: near enough, Newton's method ends in two or three.
+const POLISH: u32 = 8;
+
+/// The certified solution to which Newton's method leads from the impulses `r` (N·s) at which a run ended, if it does. It may be far
+/// from them.
+pub fn polished(problem: &Packing<RoughDiscs>, r: &[f64]) -> Option<RoughSolution> {
+    let newton: Result<Box<dyn Iteration + '_>, _> =
+        Solver::<RoughDiscs>::start(&ActiveSet { start: Start::ColdSet, ..ActiveSet::default() }, problem, r);
+    let mut newton = newton.ok()?;
+    let mut impulses = r.to_vec();
+    for _ in 0..POLISH {
+        newton.advance();
+        newton.impulses(&mut impulses);
+        let certificate = certify_rough(problem, &impulses);
+        if certificate.certified() {
+            return Some(RoughSolution { impulses, certificate });
+        }
+    }
+    None
 }
 
 /// ‖V − V′‖_M of two impulses over ‖V − `V_free`‖_M of the first (–).
