@@ -1,9 +1,12 @@
 //! A case file: why the case is here, where it comes from, its scene, and what is known of the answer.
 
+use crate::bodies::Drum;
 use crate::error::{CaseError, read_to_string};
 use crate::keys::all_missing;
 use crate::sample::{Disc, Sample};
 use crate::scene::Scene;
+use contact::shown;
+use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -70,9 +73,31 @@ impl Case {
 
     /// The discs before time begins.
     pub(crate) fn discs(&self) -> Result<Vec<Disc>, CaseError> {
-        let width = self.scene.walls.as_ref().and_then(|walls| walls.width_m);
+        let Scene { walls, drum, .. } = &self.scene;
+        let of_walls = || walls.as_ref().and_then(|walls| walls.width_m);
+        let width = drum.as_ref().map(Drum::square).or_else(of_walls);
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        self.sample.discs(width, folder).map_err(|message| CaseError::content(&self.path, message))
+        let wrong = |message| CaseError::content(&self.path, message);
+        let mut discs = self.sample.discs(width, folder).map_err(wrong)?;
+        if matches!(self.sample, Sample::Deposited { .. }) {
+            let above = walls.as_ref().and_then(|walls| walls.bump_radius_m).unwrap_or(0.0);
+            // From the foot of the walls to that of the square in the drum, or above the bumps of a floor.
+            let corner = drum.map_or(Vector2::new(0.0, above), |drum| Vector2::repeat(-0.5 * drum.square()));
+            discs.iter_mut().for_each(|disc| disc.position += corner);
+        }
+        let is_outside =
+            |drum: &Drum, disc: &Disc| disc.position.norm() + disc.radius > (1.0 + 1e-9) * drum.radius_m;
+        match drum.as_ref().and_then(|drum| discs.iter().find(|disc| is_outside(drum, disc)).zip(Some(drum)))
+        {
+            Some((Disc { position, radius, .. }, drum)) => Err(wrong(format!(
+                "`scene.drum.radius_m` is {}: a disc of radius {} m at ({}, {}) m is outside",
+                shown(drum.radius_m),
+                shown(*radius),
+                shown(position.x),
+                shown(position.y)
+            ))),
+            None => Ok(discs),
+        }
     }
 
     fn check(&self) -> Result<(), String> {

@@ -13,6 +13,10 @@ pub enum Side {
     Left,
     /// The wall at the right.
     Right,
+    /// The drum.
+    Drum,
+    /// A bump of the floor, numbered from its foot towards +x.
+    Bump(i32),
     /// Another grain, of higher index.
     Grain(u32),
 }

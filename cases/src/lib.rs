@@ -1,5 +1,6 @@
 //! From a scene to a contact problem: samples, neighbours, laws, time marching; and frozen problems.
 
+mod bodies;
 mod case;
 mod deposit;
 mod detect;
@@ -15,6 +16,7 @@ mod sample;
 mod scene;
 mod shapes;
 
+pub use bodies::Drum;
 pub use case::{Case, check_name};
 pub use detect::{DetectedContact, Side, detect};
 pub use energy::Energy;

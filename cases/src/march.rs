@@ -1,6 +1,7 @@
 //! Time marching: the θ-scheme around any solver, one contact problem per time step, each started from the impulses
 //! of the one before (§2).
 
+use crate::bodies::{bodies_near, outlines};
 use crate::case::Case;
 use crate::detect::{DetectedContact, Neighbours, Side, walls_near};
 use crate::energy::Energy;
@@ -104,7 +105,7 @@ impl<M: Marched> March<M> {
     /// The walls as they stand, to be drawn: each a segment from end to end (m), the floor from left to right, side walls
     /// from their feet to as high as the highest grain. A floor alone is as wide as the grains.
     pub fn walls(&self) -> Vec<(Side, [Vector2<f64>; 2])> {
-        let Some(walls) = &self.scene.walls else { return Vec::new() };
+        let Some(walls) = &self.scene.walls else { return outlines(&self.scene, [Vector2::zeros(); 2]) };
         let [floor, left, right] = walls.at(self.done as f64 * self.scene.time_step_s);
         let reach = |along: Vector2<f64>| {
             let reaches = self.position.iter().zip(&self.radius).map(|(q, r)| along.dot(q) + r);
@@ -114,8 +115,9 @@ impl<M: Marched> March<M> {
         if let Some(floor) = floor {
             let at = |x| Vector2::new(x, floor.foot.y);
             let ends = left.zip(right).map(|(left, right)| [left.foot, right.foot]);
-            segments
-                .push((Side::Floor, ends.unwrap_or([at(-reach(-Vector2::x())), at(reach(Vector2::x()))])));
+            let ends = ends.unwrap_or([at(-reach(-Vector2::x())), at(reach(Vector2::x()))]);
+            segments.push((Side::Floor, ends));
+            segments.extend(outlines(&self.scene, ends));
         }
         for (side, wall) in [(Side::Left, left), (Side::Right, right)] {
             if let Some(wall) = wall {
@@ -199,6 +201,8 @@ impl<M: Marched> March<M> {
         let mut ahead = &pairs[..];
         for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)) {
             walls_near(&walls, grain, *x, *radius, reach).for_each(|(pair, offset)| enter(&pair, offset));
+            let bodies = bodies_near(&self.scene, walls[0], grain, (*x, *radius), reach);
+            bodies.for_each(|(pair, offset)| enter(&pair, offset));
             while let Some((pair, rest)) = ahead.split_first().filter(|(pair, _)| pair.candidate == grain) {
                 enter(pair, [0.0; 2]);
                 ahead = rest;

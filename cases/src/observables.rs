@@ -20,7 +20,7 @@ pub struct Observables {
     pub greatest_overlap: f64,
     /// All overlaps of that problem together, per grain (m).
     pub mean_overlap: f64,
-    /// Sums of the impulses that the floor, the left and the right wall gave in the time step (N·s).
+    /// Sums of the normal impulses that the floor with its bumps, or the drum, the left and the right wall gave in the time step (N·s).
     pub wall_impulses: [f64; 3],
     /// Contacts of the problem.
     pub contacts: usize,
@@ -119,13 +119,18 @@ fn worst(values: impl Iterator<Item = (u32, f64, f64)>) -> Option<(u32, f64, f64
     beyond.reduce(|worst, next| if next.1 / next.2 > worst.1 / worst.2 { next } else { worst })
 }
 
-/// Sums of the impulses `r` (N·s) that the floor, the left and the right wall gave.
+/// Sums of the normal impulses `r` (N·s) that the floor with its bumps, or the drum, the left and the right wall gave.
 pub(crate) fn wall_impulses(sides: &[Side], r: &(impl Iterator<Item = f64> + Clone)) -> [f64; 3] {
-    let of_wall = |wall: Side| {
-        let given = sides.iter().zip(r.clone()).filter(|(side, _)| **side == wall);
-        given.fold(0.0, |sum, (_, r)| sum + r)
-    };
-    [Side::Floor, Side::Left, Side::Right].map(of_wall)
+    let mut sums = [0.0; 3];
+    for (side, r) in sides.iter().zip(r.clone()) {
+        match side {
+            Side::Floor | Side::Drum | Side::Bump(_) => sums[0] += r,
+            Side::Left => sums[1] += r,
+            Side::Right => sums[2] += r,
+            Side::Grain(_) => {}
+        }
+    }
+    sums
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! A scene: gravity, the box and its motion, the contact law, the time step.
 
+use crate::bodies::Drum;
 use contact::{is_not_negative, is_positive, shown};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
@@ -33,9 +34,11 @@ pub struct Scene {
     /// How often each contact enters a problem: more than once, and impulses are not unique.
     #[serde(default = "once")]
     pub contact_copies: u32,
-    /// The box. Without it grains fall for ever.
+    /// The box. Without it, and without a drum, grains fall for ever.
     #[serde(rename = "box")]
     pub walls: Option<Walls>,
+    /// A drum around the origin, in place of a box.
+    pub drum: Option<Drum>,
 }
 
 fn midpoint() -> f64 {
@@ -78,6 +81,9 @@ pub struct Walls {
     pub belt_speed_m_per_s: f64,
     /// Coulomb's μ at the walls (–), where it is another than between grains.
     pub friction: Option<f64>,
+    /// Radius of bumps that make the floor rough: discs fixed side by side, with their centres on it (m). Deposited grains begin above
+    /// them.
+    pub bump_radius_m: Option<f64>,
     /// Vibration of the whole box.
     pub vibration: Option<Vibration>,
 }
@@ -169,7 +175,12 @@ impl MovingWall {
     /// the wall turns, and of a belt.
     pub(crate) fn sliding_rate(&self) -> f64 {
         let tangent = Vector2::new(-self.now.normal.y, self.now.normal.x);
-        tangent.dot(&((self.next.foot - self.now.foot) / self.span + Vector2::new(self.belt, 0.0)))
+        tangent.dot(&(self.foot_rate() + Vector2::new(self.belt, 0.0)))
+    }
+
+    /// Velocity of the foot, on average over the span (m/s).
+    pub(crate) fn foot_rate(&self) -> Vector2<f64> {
+        (self.next.foot - self.now.foot) / self.span
     }
 }
 
@@ -228,6 +239,19 @@ impl Scene {
             values.extend(
                 walls.width_m.map(|width| ("box.width_m", width, is_positive(width), "positive and finite")),
             );
+        }
+        if let Some(drum) = &self.drum {
+            let (radius, spin) = (drum.radius_m, drum.spin_rad_per_s);
+            let expected = "positive and finite, and `scene.box` left out";
+            values.push(("drum.radius_m", radius, is_positive(radius) && self.walls.is_none(), expected));
+            values.push(("drum.spin_rad_per_s", spin, spin.is_finite(), "finite"));
+        }
+        if let Some(walls) = &self.walls
+            && let Some(bumps) = walls.bump_radius_m
+        {
+            let (expected, is_still) =
+                ("positive and finite, on a floor that is no belt", walls.belt_speed_m_per_s == 0.0);
+            values.push(("box.bump_radius_m", bumps, is_positive(bumps) && is_still, expected));
         }
         let of_walls = self.walls.as_ref().and_then(|walls| walls.friction);
         for (key, friction) in [("friction", self.friction), ("box.friction", of_walls)] {

@@ -83,6 +83,13 @@ pub struct Run {
     pub iterations_to_velocity_error_1e_2: Option<u64>,
     /// First iteration with `velocity_error` ≤ 1e-4, if any.
     pub iterations_to_velocity_error_1e_4: Option<u64>,
+    /// Iterations at the end in which the least natural map so far was not halved: as many as there are where the run is on a floor.
+    #[serde(default)]
+    pub iterations_in_vain: u64,
+    /// √(dᵗ W d / dᵗ W_D d) of the last iteration's change d of r, with the diagonal W_D of W (–): below 1e-4 impulses drift along the
+    /// kernel of W and move nothing. Undefined where r does not change.
+    #[serde(default = "undefined", with = "number")]
+    pub last_change_moves: f64,
     /// How the seconds were taken.
     pub timing: Timing,
     /// What the last sample of its curve says, beside the iterations and the seconds.
@@ -92,6 +99,11 @@ pub struct Run {
     pub known: KnownSolutions,
     /// Where the run comes from.
     pub provenance: Provenance,
+}
+
+/// Of rows that are older than a column.
+fn undefined() -> f64 {
+    f64::NAN
 }
 
 /// What is known of the solutions of a run's problem, and where the run ended beside them.

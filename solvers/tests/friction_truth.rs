@@ -5,6 +5,7 @@ use crate::problems::frozen_path;
 use active_set::ActiveSet;
 use contact::{Packing, RoughContact, RoughDiscs, RoughMass};
 use nalgebra::{Vector2, Vector3};
+use nsgs::Nsgs;
 use reference::{
     Existence, Isolation, certify_rough, distance, existence, is_same, isolation, polished, solve_rough,
 };
@@ -105,4 +106,33 @@ fn an_iterate_near_a_solution_is_polished_to_it_and_one_far_away_to_none() {
     assert!(found.certificate.certified());
     assert!(is_same(distance(&problem, &solution.impulses, &found.impulses)));
     assert_eq!(polished(&problem, &vec![0.0; problem.impulse_count()]), None);
+}
+
+/// What the last of so many sweeps moves, and what it leaves.
+fn after(problem: &Packing<RoughDiscs>, sweeps: u64) -> (f64, f64) {
+    let stop = Stop { tolerance: 0.0, max_iterations: sweeps, ..Stop::default() };
+    let r0 = vec![0.0; problem.impulse_count()];
+    let outcome = solve(&Nsgs::default(), problem, &r0, &stop, &mut |_| {}).unwrap();
+    (outcome.last_change_moves, outcome.measures.natural_map)
+}
+
+#[test]
+fn impulses_that_drift_along_the_kernel_are_told_from_those_that_only_change_slowly() {
+    // More contacts stick than motion allows: from some thousand sweeps on nothing changes but impulses, by the same each time.
+    let drifting = rough("rough-250").problem;
+    let (early, late) = (after(&drifting, 4000), after(&drifting, 20_000));
+    assert!(early.0 > 1e-3 && late.0 < 1e-6, "{early:?}, {late:?}");
+    assert!((after(&drifting, 30_000).1 / late.1 - 1.0).abs() < 0.1, "it is a floor");
+    let slow = rough("rough-991-mu08").problem;
+    let (share, left) = after(&slow, 8000);
+    assert!(share > 1e-3 && left > 1e-3, "{share:e}, {left:e}");
+    // One contact: all of a change moves its grain, by W itself.
+    let alone = solve(
+        &Nsgs::default(),
+        &disc(DOWN, &[(FLOOR, [0.0, 0.0])], 0.3),
+        &[0.0; 2],
+        &Stop::default(),
+        &mut |_| {},
+    );
+    assert!((alone.unwrap().last_change_moves - 1.0).abs() < 1e-12);
 }

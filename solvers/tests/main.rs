@@ -9,6 +9,7 @@ mod equation_map;
 mod equivalences;
 mod first_order;
 mod friction;
+mod friction_convex;
 mod friction_latin;
 mod friction_truth;
 mod fuzz;

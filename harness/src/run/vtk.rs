@@ -212,6 +212,8 @@ fn walls<M: Studied>(march: &March<M>) -> Elements {
         Side::Floor => Some(0),
         Side::Left => Some(1),
         Side::Right => Some(2),
+        Side::Drum => Some(3),
+        Side::Bump(_) => Some(4),
         Side::Grain(_) => None,
     };
     elements.indices("wall", walls.iter().map(|(side, _)| number(side)));

@@ -139,3 +139,21 @@ fn energies_are_those_of_the_simulation_in_which_most_moved() {
     );
     assert!(sentence.contains("at most 5·10⁻¹³ of what changed hands"), "{sentence}");
 }
+
+#[test]
+fn floors_and_drifts_are_counted() {
+    let mut runs = study();
+    for run in &mut runs {
+        run.status = "iteration-limit".into();
+        (run.iterations, run.iterations_in_vain, run.last_change_moves) = (1000, 900, 1e-7);
+    }
+    (runs[1].last_change_moves, runs[2].iterations_in_vain) = (f64::NAN, 300);
+    let sentence = floors_of(&runs).unwrap();
+    assert!(sentence.contains("did not halve: 2\u{a0}runs; in 1 of them impulses drift"), "{sentence}");
+    runs.iter_mut().for_each(|run| run.status = "converged".into());
+    assert_eq!(floors_of(&runs), None);
+}
+
+fn floors_of(runs: &[Run]) -> Option<String> {
+    told(runs).into_iter().find(|sentence| sentence.starts_with("On a floor"))
+}
