@@ -1,10 +1,11 @@
 //! A case file: why the case is here, where it comes from, its scene, and what is known of the answer.
 
+use crate::bodies::Drum;
 use crate::error::{CaseError, read_to_string};
 use crate::keys::all_missing;
 use crate::sample::{Grain, Sample};
 use crate::scene::Scene;
-use contact::Place;
+use contact::{Place, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -79,13 +80,37 @@ impl Case {
 
     /// The grains before time begins.
     pub(crate) fn grains<P: Place>(&self) -> Result<Vec<Grain<P>>, CaseError> {
-        let walls = self.scene.walls.as_ref();
-        let size = [walls.and_then(|walls| walls.width_m), walls.and_then(|walls| walls.depth_m)];
-        let refuse = |message| CaseError::content(&self.path, message);
+        let Scene { walls, drum, .. } = &self.scene;
+        let of_walls = || walls.as_ref().and_then(|walls| walls.width_m);
+        let width = drum.as_ref().map(Drum::square).or_else(of_walls);
+        let size = [width, walls.as_ref().and_then(|walls| walls.depth_m)];
+        let wrong = |message| CaseError::content(&self.path, message);
         if self.in_space()? != (P::LEN > 2) {
-            return Err(refuse("`sample.kind` is that of grains in another number of dimensions".to_owned()));
+            return Err(wrong("`sample.kind` is that of grains in another number of dimensions".to_owned()));
         }
-        self.sample.grains_in(size, self.folder()).map_err(refuse)
+        let mut grains: Vec<Grain<P>> = self.sample.grains_in(size, self.folder()).map_err(wrong)?;
+        if matches!(self.sample, Sample::Deposited { .. } | Sample::DepositedSpheres { .. }) {
+            let above = walls.as_ref().and_then(|walls| walls.bump_radius_m).unwrap_or(0.0);
+            // From the foot of the walls to that of the square in the drum, or above the bumps of a floor.
+            let corner =
+                drum.map_or([0.0, above, 0.0], |drum| [-0.5 * drum.square(), -0.5 * drum.square(), 0.0]);
+            grains.iter_mut().for_each(|grain| grain.position += P::of(corner));
+        }
+        let is_outside = |drum: &Drum, grain: &Grain<P>| {
+            drum.distance(grain.position) + grain.radius > (1.0 + 1e-9) * drum.radius_m
+        };
+        match drum
+            .as_ref()
+            .and_then(|drum| grains.iter().find(|grain| is_outside(drum, grain)).zip(Some(drum)))
+        {
+            Some((Grain { position, radius, .. }, drum)) => Err(wrong(format!(
+                "`scene.drum.radius_m` is {}: a grain of radius {} m at {} m is outside",
+                shown(drum.radius_m),
+                shown(*radius),
+                position.text()
+            ))),
+            None => Ok(grains),
+        }
     }
 
     fn folder(&self) -> &Path {

@@ -17,6 +17,10 @@ pub enum Side {
     Back,
     /// The wall before, towards who looks.
     Front,
+    /// The drum.
+    Drum,
+    /// A bump of the floor, numbered from its foot towards +x.
+    Bump(i32),
     /// Another grain, of higher index.
     Grain(u32),
 }

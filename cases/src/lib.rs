@@ -1,8 +1,10 @@
 //! From a scene to a contact problem: samples, neighbours, laws, time marching; and frozen problems.
 
+mod bodies;
 mod case;
 mod deposit;
 mod detect;
+mod energy;
 mod error;
 mod frozen;
 mod keys;
@@ -14,8 +16,10 @@ mod sample;
 mod scene;
 mod shapes;
 
+pub use bodies::Drum;
 pub use case::{Case, check_name};
 pub use detect::{DetectedContact, Side, detect};
+pub use energy::Energy;
 pub use error::CaseError;
 pub use frozen::{Frozen, Listed};
 pub use keys::{all_missing, schema};

@@ -1,8 +1,10 @@
 //! Time marching: the θ-scheme around any solver, one contact problem per time step, each started from the impulses
 //! of the one before (§2).
 
+use crate::bodies::{bodies_near, outlines};
 use crate::case::Case;
 use crate::detect::{DetectedContact, Neighbours, Side, WALLS, walls_near};
+use crate::energy::Energy;
 use crate::error::CaseError;
 use crate::frozen::Frozen;
 use crate::marched::Marched;
@@ -104,12 +106,15 @@ impl<M: Marched> March<M> {
     /// as the highest grain. What is not between walls is as wide as the grains. In the plane each is a segment, in space of four
     /// corners.
     pub fn walls(&self) -> Vec<(Side, Vec<M::Place>)> {
-        let Some(walls) = &self.scene.walls else { return Vec::new() };
-        let walls = walls.at::<M::Place>(self.done as f64 * self.scene.time_step_s);
         let reach = |along: M::Place| {
             let reaches = self.position.iter().zip(&self.radius).map(|(q, r)| along.dot_product(*q) + r);
             reaches.fold(f64::NEG_INFINITY, f64::max)
         };
+        let back = M::Place::of([0.0, 0.0, 1.0]);
+        let Some(walls) = &self.scene.walls else {
+            return outlines(&self.scene, [0.0; 3], 0.0, [-reach(-back), reach(back)]);
+        };
+        let walls = walls.at::<M::Place>(self.done as f64 * self.scene.time_step_s);
         // From wall to wall along an axis, or as far as the grains reach.
         let between = |axis: [f64; 3], low: usize, high: usize| {
             let (axis, feet) = (M::Place::of(axis), walls[low].zip(walls[high]));
@@ -146,7 +151,9 @@ impl<M: Marched> March<M> {
             }
         };
         let some = WALLS.into_iter().zip(walls).filter_map(|(side, wall)| Some((side, wall?)));
-        some.map(|(side, wall)| (side, corners(side, wall))).collect()
+        let floor = walls[0].map_or([0.0; 3], |floor| [x[0], floor.foot[1], 0.0]);
+        let bodies = outlines(&self.scene, floor, x[1], z);
+        some.map(|(side, wall)| (side, corners(side, wall))).chain(bodies).collect()
     }
 
     /// The contact problem of the next time step.
@@ -220,6 +227,8 @@ impl<M: Marched> March<M> {
         let mut ahead = &pairs[..];
         for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)) {
             walls_near(&walls, grain, *x, *radius, reach).for_each(|(pair, motion)| enter(&pair, &motion));
+            let bodies = bodies_near(&self.scene, walls[0], grain, (*x, *radius), reach);
+            bodies.for_each(|(pair, motion)| enter(&pair, &motion));
             while let Some((pair, rest)) = ahead.split_first().filter(|(pair, _)| pair.candidate == grain) {
                 enter(pair, &WallMotion::NONE);
                 ahead = rest;
@@ -238,6 +247,7 @@ impl<M: Marched> March<M> {
         let problem = &time_step.frozen.problem;
         assert_eq!(r.len(), problem.impulse_count(), "one impulse per contact");
         assert_eq!(velocity.len(), problem.grain_count(), "one velocity per grain");
+        let energy = Energy::of(time_step, &self.scene, (&self.velocity, velocity), r);
         for ((q, detected), v) in self.position.iter_mut().zip(problem.position()).zip(velocity) {
             *q = *detected + M::translation(*v) * (h * theta);
         }
@@ -246,7 +256,7 @@ impl<M: Marched> March<M> {
         let kept = |k: usize| M::kept(&problem.contacts()[k], M::Impulse::at(r, k));
         self.last = keys.enumerate().map(|(k, key)| (key, kept(k))).collect();
         self.done += 1;
-        self.observe(time_step, r)
+        self.observe(time_step, r, energy)
     }
 
     /// Solves one time step with `solver`, from the impulses of the time step before.
@@ -304,7 +314,7 @@ impl<M: Marched> March<M> {
         }
     }
 
-    fn observe(&self, time_step: &TimeStep<M>, r: &[f64]) -> Observables {
+    fn observe(&self, time_step: &TimeStep<M>, r: &[f64], energy: Energy) -> Observables {
         let kinetic = self.mass.iter().zip(&self.velocity).map(|(m, v)| 0.5 * m.squared(*v));
         let mass = || self.mass.iter().map(|mass| M::weight(*mass));
         let moment = mass().zip(&self.position).map(|(m, q)| m * q[1]);
@@ -317,6 +327,7 @@ impl<M: Marched> March<M> {
             mean_overlap: overlaps().sum::<f64>() / self.mass.len() as f64,
             wall_impulses: wall_impulses(&time_step.sides, &r.iter().step_by(M::Impulse::LEN).copied()),
             contacts: time_step.sides.len(),
+            energy,
             greatest_speed: greatest(self.velocity.iter().map(|v| M::translation(*v).length())),
         }
     }
@@ -324,7 +335,7 @@ impl<M: Marched> March<M> {
 
 impl Law {
     /// The gap term of c (m/s).
-    fn gap_offset(self, gap: f64, h: f64) -> f64 {
+    pub(crate) fn gap_offset(self, gap: f64, h: f64) -> f64 {
         match self {
             Self::PredictedGap => 0.0,
             Self::Iqs => gap.max(0.0) / h,

@@ -1,6 +1,7 @@
 //! What a simulation shows of itself after a time step, and when it has exploded.
 
-use crate::detect::{Side, WALLS};
+use crate::detect::Side;
+use crate::energy::Energy;
 use contact::Place;
 use runner::Status;
 use std::fmt;
@@ -19,13 +20,15 @@ pub struct Observables {
     pub greatest_overlap: f64,
     /// All overlaps of that problem together, per grain (m).
     pub mean_overlap: f64,
-    /// Sums of the normal impulses that the floor, the walls left and right, and in space those behind and before, gave in the time
-    /// step (N·s).
+    /// Sums of the normal impulses that the floor with its bumps, or the drum, the walls left and right, and in space those behind and
+    /// before, gave in the time step (N·s).
     pub wall_impulses: [f64; 5],
     /// Contacts of the problem.
     pub contacts: usize,
     /// Greatest speed of a grain (m/s).
     pub greatest_speed: f64,
+    /// Where the energy of the time step went.
+    pub energy: Energy,
 }
 
 /// A time step that did not come to its tolerance.
@@ -117,13 +120,20 @@ fn worst(values: impl Iterator<Item = (u32, f64, f64)>) -> Option<(u32, f64, f64
     beyond.reduce(|worst, next| if next.1 / next.2 > worst.1 / worst.2 { next } else { worst })
 }
 
-/// Sums of the impulses `r` (N·s) that each wall gave.
+/// Sums of the normal impulses `r` (N·s) that the floor with its bumps, or the drum, and the other walls gave.
 pub(crate) fn wall_impulses(sides: &[Side], r: &(impl Iterator<Item = f64> + Clone)) -> [f64; 5] {
-    let of_wall = |wall: Side| {
-        let given = sides.iter().zip(r.clone()).filter(|(side, _)| **side == wall);
-        given.fold(0.0, |sum, (_, r)| sum + r)
-    };
-    WALLS.map(of_wall)
+    let mut sums = [0.0; 5];
+    for (side, r) in sides.iter().zip(r.clone()) {
+        match side {
+            Side::Floor | Side::Drum | Side::Bump(_) => sums[0] += r,
+            Side::Left => sums[1] += r,
+            Side::Right => sums[2] += r,
+            Side::Back => sums[3] += r,
+            Side::Front => sums[4] += r,
+            Side::Grain(_) => {}
+        }
+    }
+    sums
 }
 
 #[cfg(test)]

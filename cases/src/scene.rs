@@ -1,5 +1,6 @@
 //! A scene: gravity, the box and its motion, the contact law, the time step.
 
+use crate::bodies::Drum;
 use contact::{Place, is_not_negative, is_positive, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -32,9 +33,11 @@ pub struct Scene {
     /// How often each contact enters a problem: more than once, and impulses are not unique.
     #[serde(default = "once")]
     pub contact_copies: u32,
-    /// The box. Without it grains fall for ever.
+    /// The box. Without it, and without a drum, grains fall for ever.
     #[serde(rename = "box")]
     pub walls: Option<Walls>,
+    /// A drum around the origin, in place of a box.
+    pub drum: Option<Drum>,
 }
 
 fn midpoint() -> f64 {
@@ -80,6 +83,9 @@ pub struct Walls {
     pub belt_speed_m_per_s: f64,
     /// Coulomb's μ at the walls (–), where it is another than between grains.
     pub friction: Option<f64>,
+    /// Radius of bumps that make the floor rough: discs fixed side by side, with their centres on it (m). Deposited grains begin above
+    /// them.
+    pub bump_radius_m: Option<f64>,
     /// Vibration of the whole box.
     pub vibration: Option<Vibration>,
 }
@@ -191,8 +197,12 @@ impl<P: Place> MovingWall<P> {
 
     /// How it moves: its surface as its foot, about which it turns, and as a belt.
     pub(crate) fn motion(&self, position: P) -> WallMotion<P> {
-        let sliding = (self.next.foot - self.now.foot) / self.span + self.belt;
-        WallMotion { opening: self.opening_rate(position), sliding }
+        WallMotion { opening: self.opening_rate(position), sliding: self.foot_rate() + self.belt }
+    }
+
+    /// Velocity of the foot, on average over the span (m/s).
+    pub(crate) fn foot_rate(&self) -> P {
+        (self.next.foot - self.now.foot) / self.span
     }
 }
 
@@ -252,6 +262,19 @@ impl Scene {
             for (key, length) in [("box.width_m", walls.width_m), ("box.depth_m", walls.depth_m)] {
                 values.extend(length.map(|length| (key, length, is_positive(length), "positive and finite")));
             }
+        }
+        if let Some(drum) = &self.drum {
+            let (radius, spin) = (drum.radius_m, drum.spin_rad_per_s);
+            let expected = "positive and finite, and `scene.box` left out";
+            values.push(("drum.radius_m", radius, is_positive(radius) && self.walls.is_none(), expected));
+            values.push(("drum.spin_rad_per_s", spin, spin.is_finite(), "finite"));
+        }
+        if let Some(walls) = &self.walls
+            && let Some(bumps) = walls.bump_radius_m
+        {
+            let (expected, is_still) =
+                ("positive and finite, on a floor that is no belt", walls.belt_speed_m_per_s == 0.0);
+            values.push(("box.bump_radius_m", bumps, is_positive(bumps) && is_still, expected));
         }
         let of_walls = self.walls.as_ref().and_then(|walls| walls.friction);
         for (key, friction) in [("friction", self.friction), ("box.friction", of_walls)] {

@@ -73,6 +73,7 @@ mod problems {
     mod files;
     mod mechanics;
     mod planned;
+    mod pool;
     mod reference;
     mod scene;
     #[cfg(test)]
@@ -82,7 +83,8 @@ mod problems {
     pub(crate) use files::{Kind, Root, is_toml, size, stem};
     pub(crate) use mechanics::{AnyProblem, Enter, Studied, Visit, enter, visit};
     pub(crate) use planned::{PlannedProblem, Problem, planned, spectrum};
-    pub(crate) use reference::{Given, Known, answer, pool};
+    pub(crate) use pool::pool;
+    pub(crate) use reference::{Given, Known, answer};
     pub(crate) use scene::{Scene, TIME_STEP};
 }
 

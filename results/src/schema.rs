@@ -83,12 +83,51 @@ pub struct Run {
     pub iterations_to_velocity_error_1e_2: Option<u64>,
     /// First iteration with `velocity_error` ≤ 1e-4, if any.
     pub iterations_to_velocity_error_1e_4: Option<u64>,
+    /// Iterations at the end in which the least natural map so far was not halved: as many as there are where the run is on a floor.
+    #[serde(default)]
+    pub iterations_in_vain: u64,
+    /// √(dᵗ W d / dᵗ W_D d) of the last iteration's change d of r, with the diagonal W_D of W (–): below 1e-4 impulses drift along the
+    /// kernel of W and move nothing. Undefined where r does not change.
+    #[serde(default = "undefined", with = "number")]
+    pub last_change_moves: f64,
     /// How the seconds were taken.
     pub timing: Timing,
     /// What the last sample of its curve says, beside the iterations and the seconds.
     pub end: End,
+    /// What is known of the problem's solutions, and where the run ended beside them.
+    #[serde(default)]
+    pub known: KnownSolutions,
     /// Where the run comes from.
     pub provenance: Provenance,
+}
+
+/// Of rows that are older than a column.
+fn undefined() -> f64 {
+    f64::NAN
+}
+
+/// What is known of the solutions of a run's problem, and where the run ended beside them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct KnownSolutions {
+    /// Certified solutions that were known before the run, each with another velocity; `None` where they were not asked for.
+    pub solutions: Option<u32>,
+    /// Greatest ‖V − V′‖_M of two of them, over ‖V − V_free‖_M of the first (–); undefined of none.
+    #[serde(with = "number")]
+    pub spread: f64,
+    /// With friction: `known` or `new`, as the certified solution is to which Newton's method leads from where the run ended; empty
+    /// where it leads to none.
+    pub polished_to: String,
+    /// How far the end of the run is from that solution, ‖V − V′‖_M over ‖V′ − V_free‖_M (–).
+    #[serde(with = "number")]
+    pub polished_by: f64,
+}
+
+/// Nothing is known.
+impl Default for KnownSolutions {
+    fn default() -> Self {
+        Self { solutions: None, spread: f64::NAN, polished_to: String::new(), polished_by: f64::NAN }
+    }
 }
 
 /// How the seconds of a run were taken.

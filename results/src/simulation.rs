@@ -3,6 +3,7 @@
 use contact::{Work, number};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use std::ops::AddAssign;
 
 use crate::journal::{Entry, RowError, named};
 use crate::json;
@@ -102,6 +103,45 @@ pub struct Totals {
     /// Counted in all time steps.
     #[serde(flatten)]
     pub work: Work,
+    /// Where the energy of all time steps went.
+    #[serde(flatten)]
+    pub energy: Energy,
+}
+
+/// Where energy went (J): what gives it to the grains is positive. In a series since the row before. `cases/src/energy.rs` has the
+/// balance; 0 in journals of before there was one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Energy {
+    /// Work of the walls' motion (J).
+    #[serde(with = "number")]
+    pub walls_work_j: f64,
+    /// Work of the law's gap term: what a gap that closes within its time step takes (J).
+    #[serde(with = "number")]
+    pub gap_work_j: f64,
+    /// Work of shocks (J).
+    #[serde(with = "number")]
+    pub shock_work_j: f64,
+    /// Work of friction (J).
+    #[serde(with = "number")]
+    pub sliding_work_j: f64,
+    /// All that changed hands: for each time step the sizes of the four, of the change of kinetic and of that of potential energy (J).
+    #[serde(with = "number")]
+    pub energy_moved_j: f64,
+    /// What the balance leaves over, its size for each time step: round-off where θ = ½ (J).
+    #[serde(with = "number")]
+    pub energy_left_over_j: f64,
+}
+
+impl AddAssign for Energy {
+    fn add_assign(&mut self, other: Self) {
+        self.walls_work_j += other.walls_work_j;
+        self.gap_work_j += other.gap_work_j;
+        self.shock_work_j += other.shock_work_j;
+        self.sliding_work_j += other.sliding_work_j;
+        self.energy_moved_j += other.energy_moved_j;
+        self.energy_left_over_j += other.energy_left_over_j;
+    }
 }
 
 /// Every [`Simulation::status`] that a journal can hold.
@@ -143,6 +183,9 @@ pub struct Observed {
     /// Those with the right wall (N·s).
     #[serde(with = "number")]
     pub right_impulse_n_s: f64,
+    /// Where energy went since the row before.
+    #[serde(flatten)]
+    pub energy: Energy,
 }
 
 /// A simulation with its series: one line of the journal.

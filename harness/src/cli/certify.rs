@@ -4,9 +4,10 @@ use crate::problems::{Given, Root, Studied, answer, pool, size};
 use crate::terminal::{exit, say};
 use anyhow::{Result, bail};
 use cases::{AnyFrozen, Frozen};
-use contact::{ContactProblem, Meter, RoughDiscs, Smooth, Truth};
+use contact::{ContactProblem, Meter, Packing, RoughDiscs, Smooth, Truth, greatest};
 use reference::{
-    Answer, Certificate, ENERGY_ROUND_OFF, ROUND_OFF, RoughCertificate, certify, certify_rough, distance,
+    Answer, Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, RoughCertificate, RoughSolution,
+    certify, certify_rough, distance, existence, isolation,
 };
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -42,6 +43,7 @@ fn rough(root: &Root, args: &Args, frozen: &Frozen<RoughDiscs>) -> Result<ExitCo
     let given = args.impulses.as_deref().map(|file| Given::read(file, problem)).transpose()?;
     let pool = pool(root, frozen, args.starts)?;
     say(format_args!("{}: {}", frozen.name, size(problem)))?;
+    say(format_args!("{}", existence_in_words(problem)))?;
     let mut certified = pool.iter().any(|solution| solution.certificate.certified());
     if let Some(Given { impulse, .. }) = &given {
         let certificate = certify_rough(problem, impulse);
@@ -65,8 +67,47 @@ fn rough(root: &Root, args: &Args, frozen: &Frozen<RoughDiscs>) -> Result<ExitCo
         if given.is_none() {
             print_rough(&solution.certificate)?;
         }
+        if solution.certificate.certified() {
+            say(format_args!("  {}", isolation_in_words(&isolation(problem, &solution.impulses))))?;
+        }
+    }
+    if let [first, _, ..] = &pool[..] {
+        let pairs = pool.iter().enumerate().flat_map(|(k, a)| pool[..k].iter().map(move |b| (a, b)));
+        let apart = |a: &RoughSolution, b: &RoughSolution| {
+            let [a, b] = [a, b].map(|solution| Truth::new(problem, &solution.impulses));
+            problem.velocity_distance(a.velocity(), b.velocity())
+        };
+        let spread = greatest(pairs.map(|(a, b)| apart(a, b)));
+        let size = Truth::new(problem, &first.impulses);
+        let size = problem.velocity_distance(size.velocity(), problem.free_velocity());
+        say(format_args!("spread of the {} solutions in velocity: {:.2e}", pool.len(), spread / size))?;
     }
     Ok(exit::code(if certified { "certified" } else { "not certified" }))
+}
+
+/// Whether there is a solution at all.
+fn existence_in_words(problem: &Packing<RoughDiscs>) -> &'static str {
+    match existence(problem) {
+        Some(Existence::AtRest) => {
+            "a solution exists: no wall drives a contact at rest, and no gap is negative"
+        }
+        Some(Existence::Moving) => {
+            "a solution exists: there are velocities with v_n ≥ μ|v_t| at every contact"
+        }
+        None => {
+            "whether a solution exists is unknown: no velocities were found with v_n ≥ μ|v_t| at every contact"
+        }
+    }
+}
+
+/// Whether other solutions are near one.
+fn isolation_in_words(isolation: &Isolation) -> String {
+    let Isolation { margin, least_singular_value, unknowns, .. } = isolation;
+    let word = if isolation.is_isolated() { "isolated" } else { "not known to be isolated" };
+    format!(
+        "{word}: a status changes at {margin:.1e} of the scale, the matrix of the statuses has {unknowns} unknowns and the \
+         least singular value {least_singular_value:.1e}"
+    )
 }
 
 fn rough_verdict(certificate: &RoughCertificate) -> String {

@@ -8,8 +8,7 @@ use crate::terminal::{check_place, exit, merged, progress, say, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
 use indicatif::ProgressBar;
-use results::simulation::Observed;
-use results::simulation::Totals;
+use results::simulation::{Energy, Observed, Totals};
 use runner::Stop;
 use serde_json::json;
 use std::fs::File;
@@ -50,7 +49,8 @@ pub(crate) struct Args {
 /// Of the rows in a file.
 const COLUMNS: &str = "time_step,time_s,contacts,status,iterations,kinetic_energy_j,mean_height_m,greatest_overlap_m,\
                        greatest_overlap_mean_diameters,mean_overlap_m,greatest_speed_m_per_s,floor_impulse_n_s,\
-                       left_impulse_n_s,right_impulse_n_s";
+                       left_impulse_n_s,right_impulse_n_s,walls_work_j,gap_work_j,shock_work_j,sliding_work_j,\
+                       energy_moved_j,energy_left_over_j";
 
 /// Above the rows on the terminal.
 const HEADING: &str =
@@ -229,12 +229,15 @@ fn say_time_step<M: Studied>(seen: &Seen<M>, row: &Observed) -> Result<()> {
 fn line<M: Studied>(seen: &Seen<M>, row: &Observed) -> String {
     let Observed { time_step, time_s, contacts, kinetic_energy_j, mean_height_m, .. } = row;
     let Observed { greatest_overlap_m, mean_overlap_m, greatest_speed_m_per_s, .. } = row;
-    let Observed { floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s, .. } = row;
+    let Observed { floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s, energy, .. } = row;
+    let Energy { walls_work_j, gap_work_j, shock_work_j, sliding_work_j, energy_moved_j, energy_left_over_j } =
+        energy;
     let (status, iterations) = (seen.outcome.status.name(), seen.outcome.iterations);
     let in_diameters = greatest_overlap_m / seen.march.mean_diameter();
     format!(
         "{time_step},{time_s},{contacts},{status},{iterations},{kinetic_energy_j},{mean_height_m},{greatest_overlap_m},\
          {in_diameters},{mean_overlap_m},{greatest_speed_m_per_s},{floor_impulse_n_s},{left_impulse_n_s},\
-         {right_impulse_n_s}\n"
+         {right_impulse_n_s},{walls_work_j},{gap_work_j},{shock_work_j},{sliding_work_j},{energy_moved_j},\
+         {energy_left_over_j}\n"
     )
 }

@@ -75,6 +75,10 @@ pub(crate) const METHODS: &[Entry] = &[
         "active-set",
         "primal-dual active set, begun by conjugate gradients",
     ),
+    Entry::with_friction::<convex::Convex>(
+        "convex",
+        "convex relaxation of Coulomb's law, and the fixed point over it",
+    ),
     Entry::of::<reference::InteriorPoint>("interior-point", "interior point, then an active set"),
 ];
 

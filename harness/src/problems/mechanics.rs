@@ -1,16 +1,16 @@
 //! Where files and the command line meet the mechanics: what the program asks of each, and the one place that tells them apart.
 
 use crate::plan::{Ours, Programme, Settings};
-use crate::problems::reference::{known_rough, known_smooth};
+use crate::problems::pool::{known_rough, polished_to};
+use crate::problems::reference::known_smooth;
 use crate::problems::{Known, Root, spectrum};
 use crate::run::{Ended, Observe, climb};
 use anyhow::{Result, bail};
 use cases::{AnyFrozen, Case, CaseError, Frozen, Marched};
 use contact::{
-    Contact, ContactProblem, Discs, Mechanics, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth,
-    Solver, Spheres, Truth,
+    ContactProblem, Discs, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, Solver, Spheres, Truth,
 };
-use nalgebra::{Vector2, Vector3, Vector6};
+use nalgebra::Vector3;
 use runner::Stop;
 
 /// What the program asks of a mechanics, beside what a march does.
@@ -18,20 +18,41 @@ pub(crate) trait Studied: Marched {
     /// The method in this mechanics, if it has it.
     fn solver(ours: &Ours) -> Option<&dyn Solver<Self>>;
 
-    /// What is known of the solutions of a problem: read, or computed and kept.
-    fn known(root: &Root, frozen: &Frozen<Self>) -> Result<Known<Self>>;
+    /// What is known of the solutions of a problem: read, or computed and kept; nothing, where none can be certified.
+    fn known(_: &Root, _: &Frozen<Self>) -> Result<Known<Self>> {
+        Ok(Known::default())
+    }
 
-    /// Eigenvalues of a problem, where they say something of its methods.
-    fn spectrum(problem: &ContactProblem<Self>, known: &Known<Self>) -> Settings;
+    /// The solution, where there are several, to which the end `r` of a run (N·s) is polished: whether it is among those `known`, and
+    /// how far it is from r.
+    fn polished_to(
+        _: &Root,
+        _: &Frozen<Self>,
+        _known: &Known<Self>,
+        _r: &[f64],
+    ) -> Result<Option<(bool, f64)>> {
+        Ok(None)
+    }
+
+    /// Eigenvalues of a problem, where they say something of its methods: with friction, what decides is not W alone.
+    fn spectrum(_: &ContactProblem<Self>, _: &Known<Self>) -> Settings {
+        Settings::new()
+    }
 
     /// How strongly subdomains act on each other where masses are whole, if that is known.
-    fn coupling(problem: &ContactProblem<Self>, subdomain: &[u32]) -> Option<f64>;
+    fn coupling(_: &ContactProblem<Self>, _subdomain: &[u32]) -> Option<f64> {
+        None
+    }
 
-    /// Spin of a grain (rad/s), if it has any.
-    fn spin(velocity: Self::Velocity) -> Option<f64>;
+    /// Spin of a grain about the one axis that it has (rad/s).
+    fn spin(_: Self::Velocity) -> Option<f64> {
+        None
+    }
 
     /// What frames tell of contacts with the impulses `r` (N·s) beside their normal impulses, by name.
-    fn of_contacts(contacts: &[Self::Contact], r: &[f64]) -> Vec<(&'static str, Vec<f64>)>;
+    fn of_contacts(_: &[Self::Contact], _r: &[f64]) -> Vec<(&'static str, Vec<f64>)> {
+        Vec::new()
+    }
 
     /// Everything of a problem that a method sees beside positions, one number after the other.
     fn numbers(problem: &ContactProblem<Self>, number: &mut dyn FnMut(f64));
@@ -45,12 +66,14 @@ pub(crate) trait Studied: Marched {
     /// Runs another code, if it knows the mechanics.
     fn elsewhere(
         programme: &Programme,
-        truth: Option<&Truth<Self>>,
-        frozen: &Frozen<Self>,
-        r0: &[f64],
-        stop: &Stop,
-        observe: &mut Observe,
-    ) -> Result<Ended<Self>>;
+        _truth: Option<&Truth<Self>>,
+        _: &Frozen<Self>,
+        _r0: &[f64],
+        _: &Stop,
+        _: &mut Observe,
+    ) -> Result<Ended<Self>> {
+        bail!("{} does not solve problems of {}", programme.code.name, Self::NAME)
+    }
 }
 
 /// A tangential impulse that is nearer to its bound than this slides (–).
@@ -71,14 +94,6 @@ impl Studied for Discs {
 
     fn coupling(problem: &ContactProblem, subdomain: &[u32]) -> Option<f64> {
         analysis::coupling(problem, subdomain)
-    }
-
-    fn spin(_: Vector2<f64>) -> Option<f64> {
-        None
-    }
-
-    fn of_contacts(_: &[Contact], _: &[f64]) -> Vec<(&'static str, Vec<f64>)> {
-        Vec::new()
     }
 
     fn numbers(problem: &ContactProblem, number: &mut dyn FnMut(f64)) {
@@ -132,14 +147,6 @@ impl Studied for Spheres {
         analysis::coupling(problem, subdomain)
     }
 
-    fn spin(_: Vector3<f64>) -> Option<f64> {
-        None
-    }
-
-    fn of_contacts(_: &[Contact<3>], _: &[f64]) -> Vec<(&'static str, Vec<f64>)> {
-        Vec::new()
-    }
-
     fn numbers(problem: &ContactProblem<Self>, number: &mut dyn FnMut(f64)) {
         numbers(problem, number);
     }
@@ -150,17 +157,6 @@ impl Studied for Spheres {
 
     fn any(frozen: Frozen<Self>) -> AnyFrozen {
         AnyFrozen::Spheres(frozen)
-    }
-
-    fn elsewhere(
-        programme: &Programme,
-        _: Option<&Truth<Self>>,
-        _: &Frozen<Self>,
-        _: &[f64],
-        _: &Stop,
-        _: &mut Observe,
-    ) -> Result<Ended<Self>> {
-        bail!("{} does not solve problems of {}", programme.code.name, Self::NAME)
     }
 }
 
@@ -173,13 +169,13 @@ impl Studied for RoughDiscs {
         known_rough(root, frozen)
     }
 
-    /// None: what decides with friction is not W alone.
-    fn spectrum(_: &ContactProblem<Self>, _: &Known<Self>) -> Settings {
-        Settings::new()
-    }
-
-    fn coupling(_: &ContactProblem<Self>, _: &[u32]) -> Option<f64> {
-        None
+    fn polished_to(
+        root: &Root,
+        frozen: &Frozen<Self>,
+        known: &Known<Self>,
+        r: &[f64],
+    ) -> Result<Option<(bool, f64)>> {
+        polished_to(root, frozen, known, r)
     }
 
     fn spin(velocity: Vector3<f64>) -> Option<f64> {
@@ -205,40 +201,11 @@ impl Studied for RoughDiscs {
     fn any(frozen: Frozen<Self>) -> AnyFrozen {
         AnyFrozen::RoughDiscs(frozen)
     }
-
-    fn elsewhere(
-        programme: &Programme,
-        _: Option<&Truth<Self>>,
-        _: &Frozen<Self>,
-        _: &[f64],
-        _: &Stop,
-        _: &mut Observe,
-    ) -> Result<Ended<Self>> {
-        bail!("{} does not solve problems of {}", programme.code.name, Self::NAME)
-    }
 }
 
 impl Studied for RoughSpheres {
     fn solver(ours: &Ours) -> Option<&dyn Solver<Self>> {
         ours.rough_spheres.as_deref()
-    }
-
-    /// Nothing: no method that ends with a certificate is there.
-    fn known(_: &Root, _: &Frozen<Self>) -> Result<Known<Self>> {
-        Ok(Known::default())
-    }
-
-    fn spectrum(_: &ContactProblem<Self>, _: &Known<Self>) -> Settings {
-        Settings::new()
-    }
-
-    fn coupling(_: &ContactProblem<Self>, _: &[u32]) -> Option<f64> {
-        None
-    }
-
-    /// None about one axis.
-    fn spin(_: Vector6<f64>) -> Option<f64> {
-        None
     }
 
     /// The sizes of tangential impulses, and the status of each contact as in the plane.
@@ -259,17 +226,6 @@ impl Studied for RoughSpheres {
 
     fn any(frozen: Frozen<Self>) -> AnyFrozen {
         AnyFrozen::RoughSpheres(frozen)
-    }
-
-    fn elsewhere(
-        programme: &Programme,
-        _: Option<&Truth<Self>>,
-        _: &Frozen<Self>,
-        _: &[f64],
-        _: &Stop,
-        _: &mut Observe,
-    ) -> Result<Ended<Self>> {
-        bail!("{} does not solve problems of {}", programme.code.name, Self::NAME)
     }
 }
 

@@ -1,13 +1,14 @@
 //! Reference solutions: computed once for each problem, kept in `results/references`, certified again each time they are read.
 
-use crate::identity::{code_version, content_hash};
+use crate::identity::content_hash;
 use crate::problems::{Root, Studied};
-use crate::terminal::{progress, read_text, write_kept};
+use crate::terminal::{read_text, write_kept};
 use analysis::proves_infeasible;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{Frozen, all_missing};
-use contact::{ContactProblem, Discs, Mechanics, RoughDiscs, Smooth, Truth, Vector};
-use reference::{Answer, InteriorPoint, RoughSolution, certify, certify_rough, solve_rough, take};
+use contact::{ContactProblem, Discs, Mechanics, Smooth, Truth, Vector};
+use reference::{Answer, certify};
+use results::schema::KnownSolutions;
 use runner::Status;
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
@@ -18,7 +19,7 @@ use std::path::Path;
 /// What is known of the solutions of a problem; by default nothing.
 pub(crate) struct Known<M: Mechanics = Discs> {
     /// Certified impulses (N·s). Without friction one is enough: all have the same velocities.
-    impulses: Vec<Vec<f64>>,
+    pub(super) impulses: Vec<Vec<f64>>,
     truths: Vec<Truth<M>>,
     /// At the best impulses, where none could be certified.
     nearest: Option<Truth<M>>,
@@ -33,9 +34,14 @@ impl<M: Mechanics> Default for Known<M> {
 
 impl<M: Mechanics> Known<M> {
     /// Of these solutions (N·s).
-    fn of(problem: &ContactProblem<M>, impulses: Vec<Vec<f64>>) -> Self {
+    pub(super) fn of(problem: &ContactProblem<M>, impulses: Vec<Vec<f64>>) -> Self {
         let truths = impulses.iter().map(|r| Truth::new(problem, r)).collect();
         Self { impulses, truths, ..Self::default() }
+    }
+
+    /// Of these impulses, which come nearest where none could be certified (N·s).
+    pub(super) fn near(problem: &ContactProblem<M>, impulses: &[f64]) -> Self {
+        Self { nearest: Some(Truth::new(problem, impulses)), ..Self::default() }
     }
 
     /// Every solution.
@@ -46,6 +52,24 @@ impl<M: Mechanics> Known<M> {
     /// The velocity that is nearest to a solution, as far as is known: it shows which contacts are closed.
     pub(crate) fn nearest(&self) -> Option<&Truth<M>> {
         self.truths.first().or(self.nearest.as_ref())
+    }
+
+    /// How many solutions are known, and the greatest distance between two of them; nothing where none was sought.
+    pub(crate) fn solutions(&self, problem: &ContactProblem<M>) -> KnownSolutions {
+        let Some(first) = self.truths.first() else {
+            let solutions = self.nearest.as_ref().map(|_| 0);
+            return KnownSolutions { solutions, ..KnownSolutions::default() };
+        };
+        let apart = |a: &Truth<M>, b: &Truth<M>| problem.velocity_distance(a.velocity(), b.velocity());
+        let pairs =
+            self.truths.iter().enumerate().flat_map(|(k, a)| self.truths[..k].iter().map(move |b| (a, b)));
+        let greatest = pairs.map(|(a, b)| apart(a, b)).fold(0.0, f64::max);
+        let size = problem.velocity_distance(first.velocity(), problem.free_velocity());
+        KnownSolutions {
+            solutions: Some(self.truths.len() as u32),
+            spread: if greatest == 0.0 { 0.0 } else { greatest / size },
+            ..KnownSolutions::default()
+        }
     }
 
     /// Of the first solution (N·s).
@@ -135,75 +159,9 @@ where
         }
         Answer::Unknown { impulses, certificate, why } => {
             eprintln!("{}: no reference: {why}; the best impulses are {certificate}", frozen.name);
-            Known { nearest: Some(Truth::new(&frozen.problem, &impulses)), ..Known::default() }
+            Known::near(&frozen.problem, &impulses)
         }
     })
-}
-
-/// Starts beside r = 0 from which solutions with friction are sought: where there are several, three find some of them.
-const STARTS: u64 = 3;
-
-/// What is known of a problem with friction: its pool of certified solutions.
-pub(crate) fn known_rough(root: &Root, frozen: &Frozen<RoughDiscs>) -> Result<Known<RoughDiscs>> {
-    let pool = pool(root, frozen, STARTS)?;
-    let problem = &frozen.problem;
-    if let [best] = &pool[..]
-        && !best.certificate.certified()
-    {
-        eprintln!("{}: no certified solution; the best impulses are {}", frozen.name, best.certificate);
-        return Ok(Known { nearest: Some(Truth::new(problem, &best.impulses)), ..Known::default() });
-    }
-    Ok(Known::of(problem, pool.into_iter().map(|solution| solution.impulses).collect()))
-}
-
-/// The certified solutions of a problem with friction that are known, those from so many `starts` among them, each different from
-/// the others; the best impulses, where none is certified.
-pub(crate) fn pool(root: &Root, frozen: &Frozen<RoughDiscs>, starts: u64) -> Result<Vec<RoughSolution>> {
-    let path = root.join("results/references").join(content_hash(frozen)).with_extension("json");
-    let code = code_version::<InteriorPoint>().unwrap_or_default();
-    let mut kept = Pool { starts: 0, code: code.to_owned(), solutions: Vec::new() };
-    if path.exists() {
-        let read = || -> Result<Pool> { Ok(serde_json::from_str(&read_text(&path)?)?) };
-        match read() {
-            Ok(read) => kept = read,
-            Err(error) => eprintln!("{}: {error:#}: computed again", path.display()),
-        }
-    }
-    let problem = &frozen.problem;
-    let mut pool = Vec::new();
-    for impulses in kept.solutions.into_iter().filter(|r| r.len() == problem.impulse_count()) {
-        let certificate = certify_rough(problem, &impulses);
-        take(problem, &mut pool, RoughSolution { impulses, certificate });
-    }
-    // From r = 0 on, each start once; again, where another code sought.
-    if kept.code != code {
-        kept.starts = 0;
-    }
-    if kept.starts <= starts {
-        let bar = progress::bar(starts + 1, "starts");
-        for found in solve_rough(problem, kept.starts..=starts, || bar.inc(1)) {
-            take(problem, &mut pool, found);
-        }
-        bar.finish_and_clear();
-        let solutions = pool.iter().map(|solution| solution.impulses.clone()).collect();
-        write_kept(
-            &path,
-            &serde_json::to_string(&Pool { starts: starts + 1, code: code.to_owned(), solutions })?,
-        )?;
-    }
-    Ok(pool)
-}
-
-/// A kept pool of solutions.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Pool {
-    /// From how many starts they were sought.
-    starts: u64,
-    /// Version of the code that sought them.
-    code: String,
-    /// Impulses of each (N·s).
-    solutions: Vec<Vec<f64>>,
 }
 
 /// The reference of a problem, kept or computed.

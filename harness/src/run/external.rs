@@ -177,6 +177,7 @@ impl Ladder<'_> {
             work: Work::default(),
             derived: Vec::new(),
             critical_path: None,
+            last_change_moves: f64::NAN,
         };
         Ended { outcome, rungs: Vec::new(), samples: Vec::new(), failed: None }
     }

@@ -70,8 +70,7 @@ impl<M: Studied> OneProblem for Problem<M> {
 
     fn given_row(&self, plan: &Plan, root: &Root) -> Result<Option<Run>> {
         let Some(given) = &self.given else { return Ok(None) };
-        let truths = self.known(root)?.truths();
-        Ok(Some(given_row(plan, self, given, truths, provenance()?)))
+        Ok(Some(given_row(plan, self, given, self.known(root)?, provenance()?)))
     }
 
     fn scene_rows(
@@ -112,7 +111,7 @@ fn run_on_problem<M: Studied>(
         status: "skipped".to_owned(),
         spectrum: spectrum(plan, task, known),
         timing: timing.clone(),
-        ..nothing_done(plan, problem, provenance)
+        ..nothing_done(plan, problem, known, provenance)
     };
     let skipped = |reason: &str| {
         let run = Run { reason: reason.to_owned(), ..row.clone() };
@@ -148,6 +147,12 @@ fn run_on_problem<M: Studied>(
     let outcome = Outcome { status: known.ending(ended.outcome.status), ..ended.outcome };
     let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
     let mut run = ended_row(Run { timing, ..row }, &outcome, &curve);
+    if let Some((is_known, by)) =
+        M::polished_to(conditions.how.root, &problem.frozen, known, &outcome.impulses)?
+    {
+        run.known.polished_to = if is_known { "known" } else { "new" }.to_owned();
+        run.known.polished_by = by;
+    }
     if !ours {
         run.derived.insert("rungs".to_owned(), serde_json::to_value(&ended.rungs)?);
     }

@@ -1,10 +1,10 @@
 //! From what the harness holds to the rows of the results.
 
 use crate::plan::{Plan, Variant};
-use crate::problems::{Given, Problem, Studied};
+use crate::problems::{Given, Known, Problem, Studied};
 use crate::run::first_at;
 use cases::Frozen;
-use contact::{Adjacency, Measure, Measuring, Mechanics, Place, Touch, Truth, Vector, Work};
+use contact::{Adjacency, Measure, Measuring, Mechanics, Place, Touch, Vector, Work};
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample};
 use runner::Outcome;
@@ -15,24 +15,30 @@ pub(crate) fn given_row<M: Studied>(
     plan: &Plan,
     problem: &Problem<M>,
     given: &Given,
-    truths: &[Truth<M>],
+    known: &Known<M>,
     provenance: Provenance,
 ) -> Run {
     let meter = M::Meter::new(&problem.frozen.problem);
-    let mut meter = truths.iter().fold(meter, M::Meter::against);
+    let mut meter = known.truths().iter().fold(meter, M::Meter::against);
     let measures = meter.measure_after(&[], &given.impulse, 0.0);
     Run {
         method: "given".to_owned(),
         variant: given.from.clone(),
         status: "given".to_owned(),
         end: End { measures, work: Work::default() },
-        ..nothing_done(plan, problem, provenance)
+        ..nothing_done(plan, problem, known, provenance)
     }
 }
 
 /// The row of a run that has reached nothing yet.
-pub(crate) fn nothing_done<M: Studied>(plan: &Plan, problem: &Problem<M>, provenance: Provenance) -> Run {
+pub(crate) fn nothing_done<M: Studied>(
+    plan: &Plan,
+    problem: &Problem<M>,
+    known: &Known<M>,
+    provenance: Provenance,
+) -> Run {
     Run {
+        known: known.solutions(&problem.frozen.problem),
         plan: plan.name.clone(),
         problem: problem.frozen.name.clone(),
         problem_hash: problem.hash.clone(),
@@ -45,6 +51,7 @@ pub(crate) fn nothing_done<M: Studied>(plan: &Plan, problem: &Problem<M>, proven
         max_iterations: plan.stop.max_iterations,
         setup_s: f64::NAN,
         iterating_s: f64::NAN,
+        last_change_moves: f64::NAN,
         provenance,
         ..Run::default()
     }
@@ -66,9 +73,22 @@ pub(crate) fn ended_row<M: Mechanics>(row: Run, outcome: &Outcome<M>, curve: &[S
         iterations_to_natural_map_1e_4: first(Measure::NaturalMap, 1e-4),
         iterations_to_velocity_error_1e_2: first(Measure::VelocityError, 1e-2),
         iterations_to_velocity_error_1e_4: first(Measure::VelocityError, 1e-4),
+        iterations_in_vain: in_vain(curve),
+        last_change_moves: outcome.last_change_moves,
         end: End { measures, work },
         ..row
     }
+}
+
+/// Iterations since the least natural map of a curve was last halved.
+fn in_vain(curve: &[Sample]) -> u64 {
+    let (mut least, mut halved) = (f64::INFINITY, 0);
+    for sample in curve {
+        if sample.measures.natural_map <= 0.5 * least {
+            (least, halved) = (sample.measures.natural_map, sample.iteration);
+        }
+    }
+    curve.last().map_or(0, |last| last.iteration - halved)
 }
 
 /// What the method worked with beside its settings: the values that they leave open, and the critical path where there is one.

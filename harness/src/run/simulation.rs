@@ -8,7 +8,7 @@ use anyhow::Result;
 use cases::{CaseError, Frozen, March, Observables, TimeStep};
 use contact::{Discs, Mechanics, Solver};
 use results::schema::{Provenance, Timing};
-use results::simulation::{Observed, Simulated, Simulation, Totals};
+use results::simulation::{Energy, Observed, Simulated, Simulation, Totals};
 use results::store::LAST_STATES;
 use runner::{Outcome, Status, Stop};
 use std::path::Path;
@@ -173,12 +173,29 @@ pub(crate) fn observed<M: Studied>(seen: &Seen<M>) -> Observed {
         floor_impulse_n_s,
         left_impulse_n_s,
         right_impulse_n_s,
+        energy: energy(o),
     }
 }
 
-/// The later row, with the impulses of both and their extremes.
+/// Where the energy of a time step went.
+fn energy(observables: &Observables) -> Energy {
+    let cases::Energy { walls, gap, shocks, sliding, moved, left_over } = observables.energy;
+    Energy {
+        walls_work_j: walls,
+        gap_work_j: gap,
+        shock_work_j: shocks,
+        sliding_work_j: sliding,
+        energy_moved_j: moved,
+        energy_left_over_j: left_over,
+    }
+}
+
+/// The later row, with the impulses and the energies of both and their extremes.
 fn joined(earlier: &Observed, later: Observed) -> Observed {
+    let mut energy = earlier.energy;
+    energy += later.energy;
     Observed {
+        energy,
         greatest_overlap_m: earlier.greatest_overlap_m.max(later.greatest_overlap_m),
         greatest_speed_m_per_s: earlier.greatest_speed_m_per_s.max(later.greatest_speed_m_per_s),
         floor_impulse_n_s: earlier.floor_impulse_n_s + later.floor_impulse_n_s,
@@ -235,6 +252,7 @@ pub(crate) fn through_time<M: Studied>(
             Err(error) => return Ok((totals, ended(error, k, time_step)?)),
         };
         add(&mut totals, &outcome);
+        totals.energy += energy(&observables);
         totals.restarted_time_steps += u64::from(failed && rule.warm_start);
         failed = matches!(outcome.status, Status::Diverged | Status::Infeasible);
         let (outcome, observables) = (&outcome, &observables);

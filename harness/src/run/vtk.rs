@@ -211,8 +211,10 @@ fn walls<M: Studied>(march: &March<M>) -> Elements {
         Side::Floor => Some(0),
         Side::Left => Some(1),
         Side::Right => Some(2),
-        Side::Back => Some(3),
-        Side::Front => Some(4),
+        Side::Drum => Some(3),
+        Side::Bump(_) => Some(4),
+        Side::Back => Some(5),
+        Side::Front => Some(6),
         Side::Grain(_) => None,
     };
     elements.indices("wall", walls.iter().map(|(side, _)| number(side)));

@@ -3,6 +3,7 @@
 use crate::bench::{Study, plan, rows};
 use crate::common::{checkout, entries, impulses, text, write};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fs;
 
 #[test]
@@ -165,4 +166,87 @@ fn studies_report_the_error_and_the_convergence_that_is_none() {
     assert_eq!(on_the_error[1].0, "skipped");
     let printed = study.gravel(&["certify", "closing"]).ended(4).stdout;
     assert!(printed.contains("no solution"), "{printed}");
+}
+
+/// A disc that falls on a floor with friction, and slides too fast to stick.
+fn sliding() -> Value {
+    json!({
+        "format": "gravel/contact-problem/2",
+        "name": "sliding",
+        "source": "a test",
+        "time_step": 0.01,
+        "grains": {
+            "mass": [1.0], "inertia": [0.5], "radius": [1.0], "position": [[0.0, 1.0]], "free_velocity": [[3.0, -1.0, 0.0]],
+        },
+        "contacts": {
+            "candidate": [0], "antagonist": [null], "normal": [[0.0, 1.0]], "offset": [[0.0, 0.0]], "gap": [0.0],
+            "friction": [0.3],
+        },
+    })
+}
+
+#[test]
+fn certify_tells_of_friction_whether_solutions_exist_and_stand_alone() {
+    let study = Study::new();
+    write(study.folder(), "cases/frozen/sliding.json", &sliding().to_string());
+    let printed = study.gravel(&["certify", "sliding"]).succeeded().stdout;
+    for word in [
+        "a solution exists: no wall drives",
+        "solution 1: certified to 1e-12",
+        "isolated: a status changes at",
+    ] {
+        assert!(printed.contains(word), "no `{word}` in: {printed}");
+    }
+    assert!(!printed.contains("solution 2") && !printed.contains("not known"), "{printed}");
+}
+
+#[test]
+fn rows_tell_of_friction_how_many_solutions_are_known_and_to_which_a_run_is_polished() {
+    let study = Study::new();
+    write(study.folder(), "cases/frozen/sliding.json", &sliding().to_string());
+    let methods = "[[methods]]\nmethod = \"jacobi\"\nset = { relaxation = 0.5 }\n";
+    study.plan("truth", &["sliding", "pair"], methods);
+    let rows = rows(study.bench("truth").join("runs.csv"));
+    let of = |problem: &str| rows.iter().find(|row| row["problem"] == problem).unwrap();
+    let (sliding, pair) = (of("sliding"), of("pair"));
+    assert_eq!([&*sliding["solutions"], &*sliding["polished_to"], &*pair["polished_to"]], ["1", "known", ""]);
+    assert_eq!(
+        [&sliding["spread"], &pair["spread"]].map(|spread| spread.parse::<f64>().unwrap()),
+        [0.0, 0.0]
+    );
+    let by: f64 = sliding["polished_by"].parse().unwrap();
+    assert!(by > 1e-8 && by < 1e-2, "as far as the run was from it: {by:e}");
+}
+
+#[test]
+fn a_solution_that_a_run_ends_at_is_known_to_later_studies() {
+    let study = Study::new();
+    let read = |name: &str| -> Value {
+        serde_json::from_str(&fs::read_to_string(checkout().join("cases/frozen").join(name)).unwrap())
+            .unwrap()
+    };
+    // Another code's solution as the impulses of the time step before.
+    let mut problem = read("rough-991-mu08.json");
+    problem["name"] = "packing".into();
+    problem["contacts"]["start"] = read("rough-991-mu08.solution.json")["impulse"].take();
+    write(study.folder(), "cases/frozen/packing.json", &problem.to_string());
+    study.plan("ends", &["packing"], "[[methods]]\nmethod = \"nsgs\"\nwarm_start = [true]\n");
+    let row = |study: &Study, plan: &str| rows(study.bench(plan).join("runs.csv")).remove(0);
+    let before = row(&study, "ends");
+    assert_eq!(before["polished_to"], "new", "{before:?}");
+    // In another study, since rows stay as they were made.
+    study.plan("later", &["packing"], "[[methods]]\nmethod = \"nsgs\"\nwarm_start = [true]\n");
+    let after = row(&study, "later");
+    assert_eq!(after["polished_to"], "known", "{after:?}");
+    let solutions = |row: &BTreeMap<String, String>| row["solutions"].parse::<u32>().unwrap();
+    assert_eq!(solutions(&after), solutions(&before) + 1);
+    let number = |row: &BTreeMap<String, String>, column: &str| row[column].parse::<f64>().unwrap();
+    assert!(
+        number(&before, "velocity_error") > 1e-2 && number(&after, "velocity_error") < 1e-10,
+        "{after:?}"
+    );
+    assert!(number(&after, "spread") >= number(&before, "spread"));
+    // Later studies know the same file: nobody has to seek again.
+    let printed = study.gravel(&["certify", "packing"]).succeeded().stdout;
+    assert!(printed.contains(&format!("spread of the {} solutions", solutions(&after))), "{printed}");
 }

@@ -39,6 +39,7 @@ fn simulated(number: u32) -> Simulated {
             setup_s: 0.1,
             iterating_s: 0.2,
             work: Work { contact_updates: 1, interface_values: 5, ..Work::default() },
+            energy: Energy { shock_work_j: -1.0 / 3.0, ..Energy::default() },
         },
         timing: row.timing,
         provenance: row.provenance,
@@ -56,6 +57,7 @@ fn simulated(number: u32) -> Simulated {
         floor_impulse_n_s: 1.0,
         left_impulse_n_s: 2.0,
         right_impulse_n_s: 3.0,
+        energy: Energy { walls_work_j: 0.1 + 0.2, sliding_work_j: f64::NAN, ..Energy::default() },
     };
     Simulated { simulation, series: vec![observed] }
 }

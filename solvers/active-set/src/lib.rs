@@ -17,6 +17,7 @@ mod rough;
 mod scaled;
 mod set;
 
+pub use rough::Convex;
 pub use scaled::Scaled;
 pub use set::Set;
 
@@ -35,8 +36,10 @@ pub enum Start {
     Cg,
     /// By the law from the start impulses: without any, the contacts that approach.
     ColdSet,
-    /// By an interior point.
+    /// By an interior point; for problems without friction.
     InteriorPoint,
+    /// By LATIN with κ = 10; for problems with friction. `cg` goes that way too where its conjugate gradients no longer come nearer.
+    Latin,
 }
 
 /// Settings of the active set.
@@ -260,6 +263,10 @@ impl<const D: usize> Solver<Smooth<D>> for ActiveSet {
         set.begin(r0);
         let is_warm = self.warm && r0.iter().any(|r| *r > 0.0);
         let phase = match self.start {
+            Start::Latin => {
+                let expected = "cg, cold-set or interior-point: LATIN is for problems with friction";
+                return Err(SetupError::new("start", "latin", expected));
+            }
             Start::ColdSet => Phase::Set,
             _ if is_warm => Phase::Set,
             Start::InteriorPoint => Phase::Interior { until: NEARER * NEARER * scale },

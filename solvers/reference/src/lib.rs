@@ -7,13 +7,19 @@
 mod certificate;
 mod constraint;
 mod dual;
+mod existence;
 mod interior;
+mod isolated;
 mod method;
 mod rough;
 
 pub use certificate::{Certificate, ENERGY_ROUND_OFF, ROUND_OFF, Residual, certify};
+pub use existence::{Existence, existence};
+pub use isolated::{Isolation, isolation};
 pub use method::InteriorPoint;
-pub use rough::{RoughCertificate, RoughSolution, certify_rough, distance, solve_rough, take};
+pub use rough::{
+    RoughCertificate, RoughSolution, certify_rough, distance, is_same, polished, solve_rough, take,
+};
 
 use active_set::ActiveSet;
 use analysis::proves_infeasible;

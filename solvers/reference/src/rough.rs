@@ -2,11 +2,10 @@
 //! velocities are unique.
 
 use crate::certificate::{Residual, TERMS, worst};
-use active_set::ActiveSet;
+use active_set::{ActiveSet, Start};
 use contact::{
     ContactProblem, Iteration, Packing, RoughContact, RoughDiscs, Solver, Touch, Truth, Vector, greatest, law,
 };
-use latin_dd::LatinDd;
 use nalgebra::{Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -158,12 +157,7 @@ pub fn solve_rough(
     let mut solutions: Vec<RoughSolution> = Vec::new();
     for seed in starts {
         let start = if seed == 0 { vec![0.0; problem.impulse_count()] } else { drawn(problem, seed) };
-        let found = from(problem, &start);
-        let certified = found.certificate.certified();
-        take(problem, &mut solutions, found);
-        if !certified && let Some(found) = over_latin(problem, &start) {
-            take(problem, &mut solutions, found);
-        }
+        take(problem, &mut solutions, from(problem, &start));
         seen();
     }
     solutions
@@ -179,13 +173,40 @@ pub fn take(problem: &Packing<RoughDiscs>, solutions: &mut Vec<RoughSolution>, f
             }
         }
         Some(_) => {
-            let is_new = |known: &RoughSolution| distance(problem, &known.impulses, &found.impulses) > SAME;
-            if certified && solutions.iter().all(is_new) {
+            let is_known =
+                |known: &RoughSolution| is_same(distance(problem, &known.impulses, &found.impulses));
+            if certified && !solutions.iter().any(is_known) {
                 solutions.push(found);
             }
         }
         None => solutions.push(found),
     }
+}
+
+/// Whether two solutions so far apart (–), see [`distance`], are one.
+pub fn is_same(distance: f64) -> bool {
+    distance <= SAME
+}
+
+/// Iterations of a polish: near enough, Newton's method ends in two or three.
+const POLISH: u32 = 8;
+
+/// The certified solution to which Newton's method leads from the impulses `r` (N·s) at which a run ended, if it does. It may be far
+/// from them.
+pub fn polished(problem: &Packing<RoughDiscs>, r: &[f64]) -> Option<RoughSolution> {
+    let newton: Result<Box<dyn Iteration + '_>, _> =
+        Solver::<RoughDiscs>::start(&ActiveSet { start: Start::ColdSet, ..ActiveSet::default() }, problem, r);
+    let mut newton = newton.ok()?;
+    let mut impulses = r.to_vec();
+    for _ in 0..POLISH {
+        newton.advance();
+        newton.impulses(&mut impulses);
+        let certificate = certify_rough(problem, &impulses);
+        if certificate.certified() {
+            return Some(RoughSolution { impulses, certificate });
+        }
+    }
+    None
 }
 
 /// ‖V − V′‖_M of two impulses over ‖V − `V_free`‖_M of the first (–).
@@ -211,38 +232,6 @@ fn from(problem: &Packing<RoughDiscs>, r0: &[f64]) -> RoughSolution {
         run.impulses(&mut impulses);
     }
     RoughSolution { certificate: certify_rough(problem, &impulses), impulses }
-}
-
-/// κ of LATIN: of 3, 10 and 30 the one that comes nearest on packings with friction of 0.1 to 0.5, where it comes near at all.
-const KAPPA: f64 = 10.0;
-
-/// Iterations of LATIN in all, and from one try of the active set to the next.
-const LATIN: u64 = 20_000;
-const LOOK: u64 = 1000;
-
-/// Iterations of such a try: near enough, Newton's method ends in two or three.
-const TRY: u32 = 8;
-
-/// A solution to which LATIN leads from impulses `r0`, and Newton's method from there: where walls move, a way that others miss.
-fn over_latin(problem: &Packing<RoughDiscs>, r0: &[f64]) -> Option<RoughSolution> {
-    let method = LatinDd { kappa_l: Some(KAPPA), adaptive: Some(false), ..LatinDd::default() };
-    let latin: Result<Box<dyn Iteration + '_>, _> = Solver::<RoughDiscs>::start(&method, problem, r0);
-    let mut latin = latin.ok()?;
-    let mut r = r0.to_vec();
-    for _ in 0..LATIN / LOOK {
-        (0..LOOK).for_each(|_| latin.advance());
-        latin.impulses(&mut r);
-        let newton: Result<Box<dyn Iteration + '_>, _> =
-            Solver::<RoughDiscs>::start(&ActiveSet::default(), problem, &r);
-        let mut newton = newton.ok()?;
-        (0..TRY).for_each(|_| newton.advance());
-        newton.impulses(&mut r);
-        let certificate = certify_rough(problem, &r);
-        if certificate.certified() {
-            return Some(RoughSolution { impulses: r, certificate });
-        }
-    }
-    None
 }
 
 /// Impulses within the cones, the same for the same seed.

@@ -121,6 +121,9 @@ pub struct Outcome<M: Mechanics = Discs> {
     pub derived: Vec<(&'static str, f64)>,
     /// Multiply-adds of an iteration on the longest subdomain, where there are some.
     pub critical_path: Option<u64>,
+    /// √(dᵗ W d / dᵗ `W_D` d) of the last iteration's change d of r, with the diagonal `W_D` of W (–): how much of it moves grains. Next to
+    /// nothing where impulses drift along the kernel of W; NaN where they do not change.
+    pub last_change_moves: f64,
 }
 
 /// q(r) above this many times the problem's own scale of energy is a divergence. It is far, since a method may converge
@@ -243,6 +246,7 @@ pub fn solve_against<'t, M: Refutable>(
         measures = meter.measure_after(&before, &r, iteration.velocity_jump());
     }
     let mut velocity = vec![M::Velocity::ZERO; problem.grain_count()];
+    let last_change_moves = moving_share(problem, &before, &r, &mut velocity);
     problem.velocity(&r, &mut velocity);
     Ok(Outcome {
         status,
@@ -255,5 +259,26 @@ pub fn solve_against<'t, M: Refutable>(
         work: iteration.work(),
         derived: iteration.derived(),
         critical_path: iteration.critical_path(),
+        last_change_moves,
     })
+}
+
+/// √(dᵗ W d / dᵗ `W_D` d) of the change d from impulses `before`, if there are some, to `r` (–).
+fn moving_share<M: Refutable>(
+    problem: &Packing<M>,
+    before: &[f64],
+    r: &[f64],
+    scratch: &mut [M::Velocity],
+) -> f64 {
+    if before.len() != r.len() {
+        return f64::NAN;
+    }
+    let change: Vec<f64> = r.iter().zip(before).map(|(r, before)| r - before).collect();
+    let mut moved = vec![0.0; r.len()];
+    problem.delassus_product(&change, &mut moved, scratch);
+    let diagonal = problem.delassus_diagonal();
+    let of_change: f64 = change.iter().zip(&diagonal).map(|(d, w)| w * d * d).sum();
+    let of_motion: f64 = change.iter().zip(&moved).map(|(d, moved)| d * moved).sum();
+    // Round-off may leave less than nothing.
+    (of_motion.max(0.0) / of_change).sqrt()
 }

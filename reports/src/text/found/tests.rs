@@ -1,7 +1,10 @@
-use results::schema::Run;
+use results::schema::{KnownSolutions, Run};
+use results::simulation::Energy;
 
 use super::*;
+use crate::read::Simulation;
 use crate::tests::fixture::{end, run, sample, tables, whole};
+use crate::tests::fixture_in_time as in_time;
 
 fn told(runs: &[Run]) -> Vec<String> {
     found(&whole(&tables(runs, &[])))
@@ -88,4 +91,69 @@ fn many_problems_are_counted_and_no_run_is_said() {
         (0..20).map(|i| if i % 2 == 0 { on(i, "cg", 10) } else { on(i, "nsgs", 5 + u64::from(i)) }).collect();
     assert_eq!(told(&runs)[1], "cg: fewest iterations on 8 of 10 problems; 10\u{a0}runs converged.");
     assert_eq!(told(&[]), ["No run of this study is stored."]);
+}
+
+#[test]
+fn solutions_with_friction_are_told_where_there_are_several() {
+    let mut runs = study();
+    let known = |to: &str| KnownSolutions {
+        solutions: Some(4),
+        spread: 0.4712,
+        polished_to: to.into(),
+        polished_by: 1e-5,
+    };
+    for (run, to) in runs.iter_mut().zip(["known", "new", ""]) {
+        run.known = known(to);
+    }
+    let sentence = &told(&runs)[1];
+    assert_eq!(
+        sentence,
+        "column: 4\u{a0}certified solutions known, up to 0.47 apart in velocity; Newton's method leads from the ends of \
+         1\u{a0}run to one of them, from those of 1\u{a0}run to another."
+    );
+    // Without friction there is one, and nothing to be said.
+    for run in &mut runs {
+        run.known = KnownSolutions { solutions: Some(1), spread: 0.0, ..KnownSolutions::default() };
+    }
+    assert!(told(&runs).iter().all(|sentence| !sentence.contains("certified")));
+}
+
+#[test]
+fn energies_are_those_of_the_simulation_in_which_most_moved() {
+    let with = |moved: f64, left: f64| {
+        let mut one = in_time::simulated("run", 0.1, 1e-3);
+        one.simulation.totals.energy = Energy {
+            walls_work_j: moved / 2.0,
+            sliding_work_j: -moved / 4.0,
+            energy_moved_j: moved,
+            energy_left_over_j: left,
+            ..Energy::default()
+        };
+        Simulation::of(&one)
+    };
+    assert_eq!(energy(&[with(0.0, 0.0)]), None);
+    let sentence = energy(&[with(8.0, 1e-15), with(4.0, 2e-12)]).unwrap();
+    assert!(
+        sentence.contains("walls gave 4.00 J, gaps that closed 0 J, shocks 0 J and sliding -2.00 J"),
+        "{sentence}"
+    );
+    assert!(sentence.contains("at most 5·10⁻¹³ of what changed hands"), "{sentence}");
+}
+
+#[test]
+fn floors_and_drifts_are_counted() {
+    let mut runs = study();
+    for run in &mut runs {
+        run.status = "iteration-limit".into();
+        (run.iterations, run.iterations_in_vain, run.last_change_moves) = (1000, 900, 1e-7);
+    }
+    (runs[1].last_change_moves, runs[2].iterations_in_vain) = (f64::NAN, 300);
+    let sentence = floors_of(&runs).unwrap();
+    assert!(sentence.contains("did not halve: 2\u{a0}runs; in 1 of them impulses drift"), "{sentence}");
+    runs.iter_mut().for_each(|run| run.status = "converged".into());
+    assert_eq!(floors_of(&runs), None);
+}
+
+fn floors_of(runs: &[Run]) -> Option<String> {
+    told(runs).into_iter().find(|sentence| sentence.starts_with("On a floor"))
 }

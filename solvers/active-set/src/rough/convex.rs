@@ -120,8 +120,8 @@ impl Space for Edges {
     }
 }
 
-/// The fixed point.
-pub(crate) struct Convex {
+/// The fixed point: first the programme with σ = 0, the convex relaxation, then those with the σ that the one before leaves.
+pub struct Convex {
     set: Set<Edges>,
     unit: Vec<Vector2<f64>>,
     /// √(Σ max(0, −`b_n`)²/`w_n`) (√J).
@@ -144,7 +144,7 @@ impl Convex {
     ///
     /// # Errors
     /// Where it is too large for that.
-    pub(crate) fn new(problem: &Packing<RoughDiscs>) -> Result<Self, SetupError> {
+    pub fn new(problem: &Packing<RoughDiscs>) -> Result<Self, SetupError> {
         let ends: Vec<_> = problem.contacts().iter().map(Touch::ends).collect();
         let order = Order::fill_reducing(problem.position(), &ends)
             .map_err(|why| SetupError::new("problem", why, "one whose grains can be ordered"))?;
@@ -181,9 +181,16 @@ impl Convex {
         Ok(Self { set: Set::on(edges), unit, scale: problem.scale().sqrt() })
     }
 
+    /// Asks of the next programme that `v_n` be above μ|`v_t`| by a margin at each contact (m/s).
+    pub fn ask_for(&mut self, margin: f64) {
+        for (sigma, unit) in self.set.scaled.sigma.iter_mut().zip(&self.unit) {
+            *sigma = -margin / unit.x;
+        }
+    }
+
     /// Solves the programme for the present σ, from the impulses of the last; then takes σ = μ|`v_t`|. Whether it was solved, or
     /// nearly.
-    pub(crate) fn advance(&mut self) -> bool {
+    pub fn advance(&mut self) -> bool {
         let solved = self.sets() || self.interior();
         let edges = &mut self.set.scaled;
         let mut v = vec![0.0; edges.contacts()];
@@ -234,12 +241,12 @@ impl Convex {
     }
 
     /// Work so far.
-    pub(crate) fn work(&self) -> Work {
+    pub fn work(&self) -> Work {
         self.set.scaled.work
     }
 
     /// Impulses in the problem's order (N·s), within the cones.
-    pub(crate) fn impulses(&self, r: &mut [f64]) {
+    pub fn impulses(&self, r: &mut [f64]) {
         let z: Vec<f64> = self.set.s.iter().map(|z| z.max(0.0)).collect();
         for (k, unit) in self.unit.iter().enumerate() {
             self.set.scaled.impulse(k, &z).component_div(unit).put(r, k);

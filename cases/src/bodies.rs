@@ -1,0 +1,129 @@
+//! Fixed bodies that are not straight walls: a drum that turns about its axis, and bumps that make a floor rough. In space both are
+//! the same all along z: a cylinder, and ridges.
+
+use crate::detect::{DetectedContact, Side};
+use crate::scene::{MovingWall, Scene, WallMotion};
+use contact::Place;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A hollow cylinder around the origin, in which the grains lie.
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drum {
+    /// Its inner radius (m).
+    pub radius_m: f64,
+    /// Rate at which it turns, anticlockwise (rad/s). Only friction feels it.
+    #[serde(default)]
+    pub spin_rad_per_s: f64,
+}
+
+impl Drum {
+    /// Side of the square inside the drum (m).
+    pub(crate) fn square(&self) -> f64 {
+        std::f64::consts::SQRT_2 * self.radius_m
+    }
+
+    /// Distance of a place from the axis (m).
+    pub(crate) fn distance<P: Place>(&self, position: P) -> f64 {
+        across(position).length()
+    }
+
+    fn near<P: Place>(&self, grain: u32, position: P, radius: f64, reach: f64) -> Option<Near<P>> {
+        let distance = self.distance(position);
+        let gap = self.radius_m - distance - radius;
+        // At the centre there is no normal, and in a drum of some size no contact.
+        let upwards = P::of([0.0, 1.0, 0.0]);
+        let normal = if distance > 0.0 { -across(position) / distance } else { upwards };
+        let contact = DetectedContact { candidate: grain, antagonist: Side::Drum, normal, gap };
+        // The surface at −R n moves at Ω R (n_y, −n_x).
+        let sliding = P::of([normal[1], -normal[0], 0.0]) * (self.spin_rad_per_s * self.radius_m);
+        (gap <= reach).then_some((contact, WallMotion { opening: 0.0, sliding }))
+    }
+}
+
+/// A contact, and how the body moves there.
+type Near<P> = (DetectedContact<P>, WallMotion<P>);
+
+/// What of a place is in the plane of x and y.
+fn across<P: Place>(place: P) -> P {
+    P::of([place[0], place[1], 0.0])
+}
+
+/// Discs of radius a with their centres on the floor, side by side.
+#[derive(Clone, Copy, Debug)]
+struct Bumps<P> {
+    radius: f64,
+    floor: MovingWall<P>,
+}
+
+impl<P: Place> Bumps<P> {
+    fn near(self, grain: u32, position: P, radius: f64, reach: f64) -> impl Iterator<Item = Near<P>> {
+        let Self { radius: a, floor } = self;
+        let (from_foot, touching) = (across(position - floor.now.foot), radius + a);
+        let far = touching + reach;
+        let number = |x: f64| x / (2.0 * a);
+        let range = if from_foot[1] > far {
+            1..=0
+        } else {
+            number(from_foot[0] - far).ceil() as i32..=number(from_foot[0] + far).floor() as i32
+        };
+        let sliding = floor.foot_rate();
+        range.filter_map(move |k| {
+            let between = from_foot - P::of([2.0 * a * f64::from(k), 0.0, 0.0]);
+            let distance = between.length();
+            let gap = distance - touching;
+            let normal = if distance > 0.0 { between / distance } else { P::of([0.0, 1.0, 0.0]) };
+            let contact = DetectedContact { candidate: grain, antagonist: Side::Bump(k), normal, gap };
+            (gap <= reach).then(|| (contact, WallMotion { opening: -normal.dot_product(sliding), sliding }))
+        })
+    }
+}
+
+/// The contacts of one grain with the fixed bodies of a scene that are within `reach` (m), and how each of these moves.
+pub(crate) fn bodies_near<P: Place>(
+    scene: &Scene,
+    floor: Option<MovingWall<P>>,
+    grain: u32,
+    (position, radius): (P, f64),
+    reach: f64,
+) -> impl Iterator<Item = Near<P>> {
+    let drum = scene.drum.and_then(|drum| drum.near(grain, position, radius, reach));
+    let bump_radius = scene.walls.as_ref().and_then(|walls| walls.bump_radius_m);
+    let bumps = bump_radius.zip(floor).map(|(radius, floor)| Bumps { radius, floor });
+    drum.into_iter()
+        .chain(bumps.into_iter().flat_map(move |bumps| bumps.near(grain, position, radius, reach)))
+}
+
+/// Sides of the polygon that stands for a circle where it is drawn.
+const SIDES: u32 = 72;
+
+/// The drum, and the bumps on a floor from a place on to some x, to be drawn by their corners (m): segments in the plane, and in
+/// space what they sweep between two z.
+pub(crate) fn outlines<P: Place>(
+    scene: &Scene,
+    from: [f64; 3],
+    to_x: f64,
+    z: [f64; 2],
+) -> Vec<(Side, Vec<P>)> {
+    let circle = move |side: Side, [x, y]: [f64; 2], radius: f64, sides: u32| {
+        let at = move |k: u32| {
+            let angle = std::f64::consts::TAU * f64::from(k) / f64::from(SIDES);
+            [x + radius * libm::cos(angle), y + radius * libm::sin(angle)]
+        };
+        (0..sides).map(move |k| {
+            let ([x0, y0], [x1, y1]) = (at(k), at(k + 1));
+            let corners = [[x0, y0, z[0]], [x1, y1, z[0]], [x1, y1, z[1]], [x0, y0, z[1]]];
+            (side, corners.into_iter().take(if P::LEN > 2 { 4 } else { 2 }).map(P::of).collect())
+        })
+    };
+    let drum = scene.drum.into_iter().flat_map(|drum| circle(Side::Drum, [0.0; 2], drum.radius_m, SIDES));
+    let bump_radius = scene.walls.as_ref().and_then(|walls| walls.bump_radius_m);
+    let bumps = bump_radius.into_iter().flat_map(|a| {
+        let last = ((to_x - from[0]) / (2.0 * a)).ceil() as i32;
+        (0..=last).flat_map(move |k| {
+            circle(Side::Bump(k), [from[0] + 2.0 * a * f64::from(k), from[1]], a, SIDES / 2)
+        })
+    });
+    drum.chain(bumps).collect()
+}

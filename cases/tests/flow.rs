@@ -1,0 +1,113 @@
+//! Heaps and drums: what friction holds, and what it lifts.
+
+#![allow(clippy::unwrap_used)]
+
+use cases::{Case, Energy, March};
+use contact::{Measure, RoughDiscs};
+use nalgebra::Vector2;
+use nsgs::Nsgs;
+use runner::Stop;
+use std::path::PathBuf;
+
+/// To within a hundredth, as far as flow needs it.
+const STOP: Stop = Stop { on: Measure::NaturalMap, tolerance: 1e-2, max_iterations: 500 };
+
+fn march(name: &str, grains: &str, width: &str, friction: &str) -> March<RoughDiscs> {
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name).with_extension("toml");
+    let size = if name == "heap" { "scene.box.width_m" } else { "scene.drum.radius_m" };
+    let overrides = [("sample.grains", grains), (size, width), ("scene.friction", friction)];
+    March::new(&Case::read(&file, &overrides.map(|(key, value)| (key.into(), value.into()))).unwrap())
+        .unwrap()
+}
+
+/// Centre of mass (m).
+fn centre(march: &March<RoughDiscs>) -> Vector2<f64> {
+    let weights: f64 = march.mass().iter().map(|m| m.mass).sum();
+    march.mass().iter().zip(march.grains()).map(|(m, (_, x, _))| x * m.mass).sum::<Vector2<f64>>() / weights
+}
+
+/// The angle of the heap on bumps of 0.1 m (rad): of a triangle the mean height over the mean distance from its middle.
+fn repose(march: &March<RoughDiscs>) -> f64 {
+    let (centre, weights) = (centre(march), march.mass().iter().map(|m| m.mass).sum::<f64>());
+    let away = march.mass().iter().zip(march.grains()).map(|(m, (_, x, _))| (x.x - centre.x).abs() * m.mass);
+    ((centre.y - 0.1) / (away.sum::<f64>() / weights)).atan()
+}
+
+#[test]
+fn the_angle_of_repose_of_a_heap_rises_with_friction_and_saturates() {
+    let at_rest = |friction: &str| {
+        let mut heap = march("heap", "150", "1.6", friction);
+        for _ in 0..1600 {
+            heap.time_step(&Nsgs::default(), &STOP).unwrap();
+        }
+        let fastest = heap.grains().map(|(_, _, v)| v.norm()).fold(0.0, f64::max);
+        assert!(fastest < 0.02, "{friction}: it comes to rest, {fastest:e} m/s");
+        repose(&heap).to_degrees()
+    };
+    // What bumps alone hold, and what friction adds.
+    let [none, low, middle, high] = ["0.0", "0.1", "0.3", "0.8"].map(at_rest);
+    assert!(none + 2.0 < low && low + 2.0 < middle && middle < high, "{none}, {low}, {middle}, {high}");
+    assert!(high - middle < 0.5 * (middle - none), "{none}, {low}, {middle}, {high}");
+}
+
+/// A drum that turns for 6 s: its angle (°), and the energy of the last 3 s, with what gravity's torque about the axis takes of the
+/// drum's work, Ω M g ∫ x dt (J).
+fn turned(friction: &str) -> (f64, Energy, f64) {
+    let mut drum = march("drum", "100", "1.4", friction);
+    let weight: f64 = drum.mass().iter().map(|m| 9.81 * m.mass).sum();
+    let (mut energy, mut lifted, mut angle) = (Energy::default(), 0.0, 0.0);
+    for k in 0..1200 {
+        let before = centre(&drum).x;
+        let (_, seen) = drum.time_step(&Nsgs::default(), &STOP).unwrap();
+        let centre = centre(&drum);
+        angle = centre.x.atan2(-centre.y);
+        if k >= 600 {
+            energy += seen.energy;
+            lifted += 0.07 * weight * 0.5 * (before + centre.x) * 0.005;
+        }
+    }
+    (angle.to_degrees(), energy, lifted)
+}
+
+#[test]
+fn a_drum_lifts_its_grains_by_friction_alone_and_works_against_their_weight() {
+    let (angle, energy, _) = turned("0.0");
+    assert!(angle.abs() < 1.0 && energy.walls == 0.0 && energy.sliding == 0.0, "{angle}°, {energy:?}");
+    let mut last = angle;
+    for friction in ["0.1", "0.3"] {
+        let (angle, energy, lifted) = turned(friction);
+        assert!(angle > last + 5.0, "{friction}: {angle}° and {last}°");
+        assert!(energy.walls > 0.0 && energy.sliding < 0.0 && energy.shocks < 0.0, "{energy:?}");
+        // All but what the angular momentum of the grains has changed by.
+        assert!((energy.walls / lifted - 1.0).abs() < 0.05, "{friction}: {} and {lifted} J", energy.walls);
+        assert!(energy.left_over <= 1e-12 * energy.moved, "{energy:?}");
+        last = angle;
+    }
+}
+
+/// A disc between two bumps, and one that rolls in a drum with it.
+#[test]
+fn bodies_hold_and_carry_a_disc_as_geometry_says() {
+    let file = |name: &str| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name).with_extension("toml");
+    let settled = |name: &str, disc: &str, time_steps: u32| {
+        let overrides =
+            [("sample", format!("{{ kind = \"discs\", discs = [{disc}], density_kg_per_m2 = 1000.0 }}"))];
+        let case = Case::read(&file(name), &overrides.map(|(key, value)| (key.into(), value))).unwrap();
+        let mut march = March::<RoughDiscs>::new(&case).unwrap();
+        for _ in 0..time_steps {
+            march.time_step(&Nsgs::default(), &Stop { tolerance: 1e-12, ..STOP }).unwrap();
+        }
+        march
+    };
+    // Bumps of 0.1 m with their centres at 1 m and 1.2 m hold a disc of 0.2 m at √(0.3² − 0.1²).
+    let held = settled("heap", "[1.1, 0.3, 0.2]", 300);
+    let (_, place, velocity) = held.grains().next().unwrap();
+    assert!((place - Vector2::new(1.1, 0.08_f64.sqrt())).norm() < 1e-9 && velocity.norm() < 1e-9, "{place}");
+    // In a drum of radius R that turns at Ω a disc of radius r rolls: where its centre turns at φ' about the axis, its own spin is
+    // (Ω R − φ' (R − r))/r. It swings about the bottom as a pendulum does, so at Ω R/r only when φ' = 0.
+    let geared = settled("drum", "[0.0, -1.5, 0.5]", 2000);
+    let (spin, (_, place, velocity)) = (geared.velocity()[0].z, geared.grains().next().unwrap());
+    let along = place.perp(&velocity) / place.norm();
+    assert!(along.abs() > 1e-3, "it swings: {along} m/s");
+    assert!((spin - (0.07 * 2.0 - along) / 0.5).abs() < 1e-3, "{spin} rad/s, {along} m/s");
+}

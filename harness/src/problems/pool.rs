@@ -1,0 +1,124 @@
+//! Pools of certified solutions of problems with friction: kept in `results/references`, certified again each time they are read.
+
+use crate::identity::{code_version, content_hash};
+use crate::problems::{Known, Root};
+use crate::terminal::{progress, read_text, write_kept};
+use anyhow::Result;
+use cases::Frozen;
+use contact::{Packing, RoughDiscs};
+use reference::{
+    InteriorPoint, RoughSolution, certify_rough, distance, is_same, polished, solve_rough, take,
+};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+/// Starts beside r = 0 from which solutions with friction are sought: where there are several, three find some of them.
+const STARTS: u64 = 3;
+
+/// What is known of a problem with friction: its pool of certified solutions.
+pub(crate) fn known_rough(root: &Root, frozen: &Frozen<RoughDiscs>) -> Result<Known<RoughDiscs>> {
+    let pool = pool(root, frozen, STARTS)?;
+    let problem = &frozen.problem;
+    if let [best] = &pool[..]
+        && !best.certificate.certified()
+    {
+        eprintln!("{}: no certified solution; the best impulses are {}", frozen.name, best.certificate);
+        return Ok(Known::near(problem, &best.impulses));
+    }
+    Ok(Known::of(problem, pool.into_iter().map(|solution| solution.impulses).collect()))
+}
+
+/// The certified solutions of a problem with friction that are known, those from so many `starts` among them, each different from
+/// the others; the best impulses, where none is certified.
+pub(crate) fn pool(root: &Root, frozen: &Frozen<RoughDiscs>, starts: u64) -> Result<Vec<RoughSolution>> {
+    let path = path(root, frozen);
+    let code = code_version::<InteriorPoint>().unwrap_or_default();
+    let mut kept = Pool { starts: 0, code: code.to_owned(), solutions: Vec::new() };
+    if path.exists() {
+        let read = || -> Result<Pool> { Ok(serde_json::from_str(&read_text(&path)?)?) };
+        match read() {
+            Ok(read) => kept = read,
+            Err(error) => eprintln!("{}: {error:#}: computed again", path.display()),
+        }
+    }
+    let problem = &frozen.problem;
+    let mut pool = certified(problem, kept.solutions);
+    // From r = 0 on, each start once; again, where another code sought.
+    if kept.code != code {
+        kept.starts = 0;
+    }
+    if kept.starts <= starts {
+        let bar = progress::bar(starts + 1, "starts");
+        for found in solve_rough(problem, kept.starts..=starts, || bar.inc(1)) {
+            take(problem, &mut pool, found);
+        }
+        bar.finish_and_clear();
+        let solutions = pool.iter().map(|solution| solution.impulses.clone()).collect();
+        write_kept(
+            &path,
+            &serde_json::to_string(&Pool { starts: starts + 1, code: code.to_owned(), solutions })?,
+        )?;
+    }
+    Ok(pool)
+}
+
+/// The solutions that kept impulses (N·s) are.
+fn certified(problem: &Packing<RoughDiscs>, kept: Vec<Vec<f64>>) -> Vec<RoughSolution> {
+    let mut pool = Vec::new();
+    for impulses in kept.into_iter().filter(|r| r.len() == problem.impulse_count()) {
+        let certificate = certify_rough(problem, &impulses);
+        take(problem, &mut pool, RoughSolution { impulses, certificate });
+    }
+    pool
+}
+
+/// The certified solution to which the end of a run, `r` (N·s), is polished: whether it is among those `known`, and how far it is
+/// from r. A new one enters the kept pool, so that studies to come know it.
+pub(crate) fn polished_to(
+    root: &Root,
+    frozen: &Frozen<RoughDiscs>,
+    known: &Known<RoughDiscs>,
+    r: &[f64],
+) -> Result<Option<(bool, f64)>> {
+    let problem = &frozen.problem;
+    if known.nearest().is_none() {
+        return Ok(None);
+    }
+    let Some(found) = polished(problem, r) else { return Ok(None) };
+    let by = distance(problem, &found.impulses, r);
+    let is_known = known.impulses.iter().any(|known| is_same(distance(problem, known, &found.impulses)));
+    if !is_known {
+        keep(root, frozen, found)?;
+    }
+    Ok(Some((is_known, by)))
+}
+
+/// Adds a solution to the kept pool, one at a time.
+fn keep(root: &Root, frozen: &Frozen<RoughDiscs>, found: RoughSolution) -> Result<()> {
+    static KEPT: Mutex<()> = Mutex::new(());
+    let _alone = KEPT.lock();
+    let path = path(root, frozen);
+    let mut kept: Pool = serde_json::from_str(&read_text(&path)?)?;
+    let mut pool = certified(&frozen.problem, kept.solutions);
+    take(&frozen.problem, &mut pool, found);
+    kept.solutions = pool.into_iter().map(|solution| solution.impulses).collect();
+    write_kept(&path, &serde_json::to_string(&kept)?)
+}
+
+/// A kept pool of solutions.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Pool {
+    /// From how many starts they were sought.
+    starts: u64,
+    /// Version of the code that sought them.
+    code: String,
+    /// Impulses of each (N·s).
+    solutions: Vec<Vec<f64>>,
+}
+
+/// Where the pool of a problem is kept.
+fn path(root: &Root, frozen: &Frozen<RoughDiscs>) -> PathBuf {
+    root.join("results/references").join(content_hash(frozen)).with_extension("json")
+}

@@ -1,0 +1,47 @@
+//! Whether a problem with friction has a solution: a velocity tells.
+//!
+//! Where some V has `v_n` ≥ μ|`v_t`| at every contact, v = Hᵗ V + c, there is a solution. Where none has, there may be one all the same.
+//!
+//! V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, A formulation of the linear discrete Coulomb friction problem via convex
+//! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175.
+
+use active_set::Convex;
+use contact::{Packing, RoughDiscs, Touch, Vector, greatest, law};
+use nalgebra::{Vector2, Vector3};
+
+/// How it is known that a problem with friction has a solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Existence {
+    /// Where nothing moves: no wall drives a contact, and no gap is negative.
+    AtRest,
+    /// With a velocity that a linear programme has.
+    Moving,
+}
+
+/// What is asked of the velocity, over the fastest approach without impulses (–): far more than round-off, and than an interior
+/// point leaves.
+const MARGIN: f64 = 1e-4;
+
+/// Whether `problem` is known to have a solution; `None` where no velocity was found that says so.
+pub fn existence(problem: &Packing<RoughDiscs>) -> Option<Existence> {
+    let room = |velocity: &[Vector3<f64>]| {
+        let of = |contact: &contact::RoughContact| {
+            let v: Vector2<f64> = contact.relative(velocity) + contact.offset();
+            v.x - contact.friction * v.y.abs()
+        };
+        problem.contacts().iter().map(of).fold(f64::INFINITY, f64::min)
+    };
+    let mut velocity = vec![Vector3::zeros(); problem.grain_count()];
+    if room(&velocity) >= 0.0 {
+        return Some(Existence::AtRest);
+    }
+    let margin =
+        MARGIN * greatest(problem.b().iter().step_by(Vector2::<f64>::LEN).map(|b| law::non_negative(-b)));
+    let mut convex = Convex::new(problem).ok()?;
+    convex.ask_for(margin);
+    convex.advance();
+    let mut r = vec![0.0; problem.impulse_count()];
+    convex.impulses(&mut r);
+    problem.velocity(&r, &mut velocity);
+    (room(&velocity) > 0.5 * margin).then_some(Existence::Moving)
+}

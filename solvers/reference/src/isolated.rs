@@ -1,0 +1,130 @@
+//! Whether a solution with friction stands alone: none other is near it.
+//!
+//! A contact is open, sticks, or slides to one side, and as long as none changes, the law is a linear system. Where each does so
+//! strictly and the matrix of that system is regular, the solution is the only one with these statuses, and those with others are
+//! away.
+
+use contact::scaled::scaled_velocity;
+use contact::{Column, Mass, Packing, RoughColumn, RoughDiscs, Touch, Vector};
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
+use faer::sparse::{SparseColMat, Triplet};
+use nalgebra::{Vector2, Vector3};
+
+/// What stands between a solution and others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Isolation {
+    /// The least change of an impulse or velocity that changes the status of a contact, in mass-scaled unknowns over the problem's
+    /// scale (–).
+    pub margin: f64,
+    /// Impulses of contacts that are closed: two where one sticks, one where it slides.
+    pub unknowns: usize,
+    /// The least singular value of the matrix of these statuses, where `W_αα` = 1 (–); 0 where it is singular.
+    pub least_singular_value: f64,
+    /// What the solution leaves of the law: its natural map (–).
+    pub left: f64,
+}
+
+/// How far beyond the error of the solution a change of status must be (–).
+const BEYOND: f64 = 10.0;
+
+/// Steps of inverse iteration: the value is known to some digits where it is far from the next, and its size where not.
+const STEPS: u32 = 30;
+
+impl Isolation {
+    /// Whether a solution is near that is the only one around: the impulses are away from it by what they leave of the law over the
+    /// least singular value, and the next change of status is farther.
+    pub fn is_isolated(&self) -> bool {
+        self.margin * self.least_singular_value > BEYOND * self.left
+    }
+}
+
+/// An unknown impulse of a contact that is closed: what it does to the contact's grains, and the velocity of theirs that it keeps.
+struct Unknown {
+    push: [Vector3<f64>; 2],
+    pull: [Vector3<f64>; 2],
+}
+
+/// What stands between the solution `r` (N·s) of `problem` and others.
+///
+/// # Panics
+/// If there are not two numbers per contact.
+pub fn isolation(problem: &Packing<RoughDiscs>, r: &[f64]) -> Isolation {
+    assert_eq!(r.len(), problem.impulse_count(), "two numbers per contact");
+    let y = scaled_velocity(problem, r);
+    let inverse_mass = |grain: u32| Mass::<Vector3<f64>>::inverse(problem.mass()[grain as usize], 1.0);
+    let (mut margin, mut left) = (f64::INFINITY, 0.0);
+    let mut unknowns: Vec<([u32; 2], Unknown)> = Vec::new();
+    for (k, contact) in problem.contacts().iter().enumerate() {
+        let (column, unit) = RoughColumn::new(contact, contact.ends(), inverse_mass, true);
+        let s = Vector2::at(r, k).component_mul(&unit);
+        let v = column.relative(&y) + contact.offset.component_div(&unit);
+        left += (column.change(s, v, 1.0)).norm_squared();
+        let (moved, friction) = (s - v, column.friction());
+        margin = margin.min(moved.x.abs());
+        if moved.x <= 0.0 {
+            continue;
+        }
+        let ends = column.at_ends();
+        let (normal, tangent) = (ends.map(|[n, _]| n), ends.map(|[_, t]| t));
+        let bound = friction * moved.x;
+        if friction > 0.0 {
+            margin = margin.min((moved.y.abs() - bound).abs());
+        }
+        if moved.y.abs() < bound {
+            unknowns.push((column.places(), Unknown { push: normal, pull: normal }));
+            unknowns.push((column.places(), Unknown { push: tangent, pull: tangent }));
+        } else {
+            let along = |[n, t]: [Vector3<f64>; 2]| n + moved.y.signum() * friction * t;
+            unknowns.push((column.places(), Unknown { push: ends.map(along), pull: normal }));
+        }
+    }
+    let scale = problem.scale().sqrt();
+    let freedom = 3 * problem.grain_count();
+    let value = if unknowns.len() > freedom { None } else { least_singular_value(&unknowns, y.len()) };
+    Isolation {
+        margin: margin / scale,
+        unknowns: unknowns.len(),
+        least_singular_value: value.unwrap_or(0.0),
+        left: left.sqrt() / scale,
+    }
+}
+
+/// Of the matrix pullᵗ push, by inverse iteration; `None` if it is singular.
+fn least_singular_value(unknowns: &[([u32; 2], Unknown)], grains: usize) -> Option<f64> {
+    let mut around = vec![Vec::new(); grains];
+    for (k, ([i, j], _)) in unknowns.iter().enumerate() {
+        around[*i as usize].push((k, 0));
+        if i != j {
+            around[*j as usize].push((k, 1));
+        }
+    }
+    let mut entries = Vec::new();
+    for around in &around {
+        for (row, side) in around {
+            for (col, other) in around {
+                let value = unknowns[*row].1.pull[*side].dot(&unknowns[*col].1.push[*other]);
+                entries.push(Triplet::new(*row, *col, value));
+            }
+        }
+    }
+    let count = unknowns.len();
+    if count == 0 {
+        return Some(1.0);
+    }
+    let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(count, count, &entries).ok()?;
+    let symbolic = SymbolicLu::try_new(matrix.symbolic()).ok()?;
+    let factor = Lu::try_new_with_symbolic(symbolic, matrix.as_ref()).ok()?;
+    // Some vector that no symmetry of the packing has.
+    let mut x = Mat::from_fn(count, 1, |k, _| 1.0 + (k as f64 * 0.618_033_988_749_895).fract());
+    let mut inverse = f64::NAN;
+    for _ in 0..STEPS {
+        x /= faer::Scale(x.norm_l2());
+        factor.solve_transpose_in_place(x.as_mut());
+        factor.solve_in_place(x.as_mut());
+        inverse = x.norm_l2().sqrt();
+    }
+    let value = inverse.recip();
+    value.is_finite().then_some(value)
+}

@@ -1,0 +1,90 @@
+//! The convex relaxation of Coulomb's law, and its fixed point.
+
+use crate::friction::{rough, with_friction};
+use contact::{Packing, RoughContact, RoughDiscs, RoughMass, Solver};
+use convex::Convex;
+use nalgebra::{Vector2, Vector3};
+use reference::{certify_rough, distance, solve_rough};
+use runner::{Outcome, Status, Stop, solve};
+
+const RELAXED: Convex = Convex { fixed_point: false };
+const FRICTION: f64 = 0.3;
+
+/// A disc of 1 kg and 1 m that comes down on a floor at 1 m/s, and along it at another speed.
+fn landing(speed: f64) -> Packing<RoughDiscs> {
+    let contact = RoughContact {
+        candidate: 0,
+        antagonist: None,
+        normal: Vector2::y(),
+        arms: Vector2::new(1.0, 0.0),
+        offset: Vector2::zeros(),
+        friction: FRICTION,
+    };
+    let free = vec![Vector3::new(speed, -1.0, 0.0)];
+    Packing::new(vec![RoughMass { mass: 1.0, inertia: 0.5 }], vec![Vector2::zeros()], free, vec![contact])
+        .unwrap()
+}
+
+fn run(method: Convex, problem: &Packing<RoughDiscs>, tolerance: f64) -> Outcome<RoughDiscs> {
+    let stop = Stop { tolerance, max_iterations: 200, ..Stop::default() };
+    solve(&method, problem, &vec![0.0; problem.impulse_count()], &stop, &mut |_| {}).unwrap()
+}
+
+/// Along the floor, and away from it.
+fn relative(outcome: &Outcome<RoughDiscs>) -> (f64, f64) {
+    (outcome.velocity[0].x + outcome.velocity[0].z, outcome.velocity[0].y)
+}
+
+#[test]
+fn the_relaxation_lifts_what_slides_by_its_friction_and_keeps_what_sticks() {
+    // It sticks up to a speed of 3 μ.
+    let sticking = run(RELAXED, &landing(0.8), 1e-12);
+    assert_eq!((sticking.status, sticking.iterations), (Status::Converged, 1));
+    assert!(relative(&sticking).0.abs() < 1e-12 && relative(&sticking).1.abs() < 1e-12);
+    let sliding = run(RELAXED, &landing(2.0), 1e-12);
+    assert_eq!((sliding.status, sliding.iterations), (Status::Stalled, 1));
+    let (along, away) = relative(&sliding);
+    assert!(along > 0.1 && (away - FRICTION * along).abs() < 1e-12, "{along}, {away} m/s");
+    // r = (r_n, −μ r_n) with v_n = −1 + r_n = μ v_t = μ (2 − 3 μ r_n).
+    let expected = (1.0 + 2.0 * FRICTION) / (1.0 + 3.0 * FRICTION * FRICTION);
+    assert!((sliding.impulses[0] - expected).abs() < 1e-12, "{:?}", sliding.impulses);
+}
+
+#[test]
+fn the_fixed_point_solves_the_law() {
+    let sliding = run(Convex::default(), &landing(2.0), 1e-12);
+    assert_eq!(sliding.status, Status::Converged);
+    // t = (−1, 0): friction acts against the speed along it.
+    let [normal, tangential] = sliding.impulses[..] else { unreachable!("one contact") };
+    assert!(
+        (normal - 1.0).abs() < 1e-10 && (tangential - FRICTION).abs() < 1e-10,
+        "{normal}, {tangential} N·s"
+    );
+    // A packing: near to the certified solution, where the relaxation is not.
+    let problem = with_friction(&rough("rough-991-mu08").problem, 0.1);
+    let solution = &solve_rough(&problem, 0..=0, || {})[0];
+    assert!(solution.certificate.certified());
+    let error = |method| distance(&problem, &solution.impulses, &run(method, &problem, 1e-6).impulses);
+    let (relaxed, fixed) = (error(RELAXED), error(Convex::default()));
+    assert!(relaxed > 1e-3 && fixed < 1e-2 * relaxed, "{relaxed:e}, {fixed:e}");
+}
+
+#[test]
+fn programmes_end_within_the_cones_and_what_stays_open_is_not_pushed() {
+    for name in ["rough-250", "rough-991-onset"] {
+        let problem = rough(name).problem;
+        let outcome = run(RELAXED, &problem, 1e-12);
+        let certificate = certify_rough(&problem, &outcome.impulses);
+        assert!(
+            certificate.cone.relative < 1e-12 && certificate.pull.absolute == 0.0,
+            "{name}: {certificate}"
+        );
+    }
+}
+
+#[test]
+fn without_friction_there_is_nothing_to_relax() {
+    let problem = crate::problems::frozen("settled-60").problem;
+    let refused = Solver::start(&RELAXED, &problem, &vec![0.0; problem.contact_count()]).err().unwrap();
+    assert!(refused.to_string().contains("one with friction"), "{refused}");
+}

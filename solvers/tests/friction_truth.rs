@@ -1,0 +1,138 @@
+//! What is told of solutions with friction: whether one exists, whether it stands alone, and to which an iterate is polished.
+
+use crate::friction::{given, rough, with_friction};
+use crate::problems::frozen_path;
+use active_set::ActiveSet;
+use contact::{Packing, RoughContact, RoughDiscs, RoughMass};
+use nalgebra::{Vector2, Vector3};
+use nsgs::Nsgs;
+use reference::{
+    Existence, Isolation, certify_rough, distance, existence, is_same, isolation, polished, solve_rough,
+};
+use runner::{Stop, solve};
+use serde_json::Value;
+
+/// A disc of 1 kg and 1 m with this free velocity, and walls by their normals and offsets, of one friction.
+fn disc(free: Vector3<f64>, walls: &[([f64; 2], [f64; 2])], friction: f64) -> Packing<RoughDiscs> {
+    let contact = |(normal, offset): &([f64; 2], [f64; 2])| RoughContact {
+        candidate: 0,
+        antagonist: None,
+        normal: Vector2::from(*normal),
+        arms: Vector2::new(1.0, 0.0),
+        offset: Vector2::from(*offset),
+        friction,
+    };
+    let mass = RoughMass { mass: 1.0, inertia: 0.5 };
+    Packing::new(vec![mass], vec![Vector2::zeros()], vec![free], walls.iter().map(contact).collect()).unwrap()
+}
+
+const FLOOR: [f64; 2] = [0.0, 1.0];
+const CEILING: [f64; 2] = [0.0, -1.0];
+const DOWN: Vector3<f64> = Vector3::new(0.0, -1.0, 0.0);
+
+#[test]
+fn velocities_in_the_dual_cones_tell_that_a_solution_exists() {
+    assert_eq!(existence(&disc(DOWN, &[(FLOOR, [0.0, 0.0])], 0.3)), Some(Existence::AtRest));
+    // A belt takes the disc along; an open gap asks for nothing.
+    assert_eq!(existence(&disc(DOWN, &[(FLOOR, [0.0, 0.5])], 0.3)), Some(Existence::Moving));
+    assert_eq!(
+        existence(&disc(DOWN, &[(FLOOR, [0.5, 0.0]), (CEILING, [0.1, 0.0])], 0.3)),
+        Some(Existence::AtRest)
+    );
+    // Between two plates that close, nothing can be.
+    assert_eq!(existence(&disc(DOWN, &[(FLOOR, [-1.0, 0.0]), (CEILING, [-1.0, 0.0])], 0.3)), None);
+    // Whose contacts, each driven along itself, ask for one spin that none has: v_t = 0 only, as no gap opens.
+    let driven =
+        [(FLOOR, [0.0, 1.0]), (CEILING, [0.0, 1.0]), ([1.0, 0.0], [0.0, -1.0]), ([-1.0, 0.0], [0.0, -1.0])];
+    assert_eq!(existence(&disc(DOWN, &driven, 0.3)), None);
+    for frozen in ["rough-250", "rough-991-mu08", "rough-991-onset"] {
+        assert!(existence(&rough(frozen).problem).is_some(), "{frozen}");
+    }
+}
+
+/// The impulses that end a run of the active set.
+fn solved(problem: &Packing<RoughDiscs>) -> Vec<f64> {
+    let stop = Stop { tolerance: 1e-14, ..Stop::default() };
+    solve(&ActiveSet::default(), problem, &vec![0.0; problem.impulse_count()], &stop, &mut |_| {})
+        .unwrap()
+        .impulses
+}
+
+#[test]
+fn a_solution_is_isolated_where_no_status_is_about_to_change_and_no_impulse_is_free() {
+    let of = |problem: &Packing<RoughDiscs>| isolation(problem, &solved(problem));
+    let across = |speed: f64| Vector3::new(speed, -1.0, 0.0);
+    // It stops with r_t = −speed/3, and slides above 3 μ = 0.9.
+    for (speed, unknowns) in [(0.0, 2), (0.8, 2), (1.0, 1)] {
+        let alone = of(&disc(across(speed), &[(FLOOR, [0.0, 0.0])], 0.3));
+        assert!(alone.is_isolated() && alone.unknowns == unknowns, "{speed}: {alone:?}");
+        assert!((alone.least_singular_value - 1.0).abs() < 1e-12, "W itself, of one contact: {alone:?}");
+    }
+    let turning = of(&disc(across(0.9), &[(FLOOR, [0.0, 0.0])], 0.3));
+    assert!(!turning.is_isolated() && turning.margin < 1e-12, "{turning:?}");
+    // Held in a corner by two contacts that stick, its impulses are not unique.
+    let corner = [(FLOOR, [0.0, 0.0]), ([1.0, 0.0], [0.0, 0.0])];
+    let wedged = of(&disc(Vector3::new(-1.0, -1.0, 0.0), &corner, 0.9));
+    assert!(!wedged.is_isolated() && wedged.least_singular_value < 1e-12, "{wedged:?}");
+}
+
+#[test]
+fn a_packing_has_isolated_solutions_and_some_whose_impulses_are_not_unique() {
+    let problem = rough("rough-991-mu08").problem;
+    let text = std::fs::read_to_string(frozen_path("rough-991-mu08.solution.json")).unwrap();
+    let solution: Value = serde_json::from_str(&text).unwrap();
+    let of = |r: &[f64]| isolation(&problem, r);
+    let solutions = std::iter::once(&solution).chain(solution["other_solutions"].as_array().unwrap());
+    let found: Vec<_> = solutions.map(|known| of(&given(known))).collect();
+    let is_isolated: Vec<bool> = found.iter().map(Isolation::is_isolated).collect();
+    assert_eq!(is_isolated, [true, false, true, false], "{found:?}");
+    for (isolation, is_isolated) in found.iter().zip(is_isolated) {
+        assert_eq!(
+            isolation.least_singular_value > 1e-12,
+            is_isolated,
+            "impulses are unique, or not: {isolation:?}"
+        );
+    }
+}
+
+#[test]
+fn an_iterate_near_a_solution_is_polished_to_it_and_one_far_away_to_none() {
+    let problem = with_friction(&rough("rough-991-mu08").problem, 0.3);
+    let solution = &solve_rough(&problem, 0..=0, || {})[0];
+    assert!(solution.certificate.certified());
+    let near: Vec<f64> = solution.impulses.iter().map(|r| r * (1.0 + 1e-6)).collect();
+    assert!(!certify_rough(&problem, &near).certified());
+    let found = polished(&problem, &near).unwrap();
+    assert!(found.certificate.certified());
+    assert!(is_same(distance(&problem, &solution.impulses, &found.impulses)));
+    assert_eq!(polished(&problem, &vec![0.0; problem.impulse_count()]), None);
+}
+
+/// What the last of so many sweeps moves, and what it leaves.
+fn after(problem: &Packing<RoughDiscs>, sweeps: u64) -> (f64, f64) {
+    let stop = Stop { tolerance: 0.0, max_iterations: sweeps, ..Stop::default() };
+    let r0 = vec![0.0; problem.impulse_count()];
+    let outcome = solve(&Nsgs::default(), problem, &r0, &stop, &mut |_| {}).unwrap();
+    (outcome.last_change_moves, outcome.measures.natural_map)
+}
+
+#[test]
+fn impulses_that_drift_along_the_kernel_are_told_from_those_that_only_change_slowly() {
+    // More contacts stick than motion allows: from some thousand sweeps on nothing changes but impulses, by the same each time.
+    let drifting = rough("rough-250").problem;
+    let (early, late) = (after(&drifting, 4000), after(&drifting, 20_000));
+    assert!(early.0 > 1e-3 && late.0 < 1e-6, "{early:?}, {late:?}");
+    assert!((after(&drifting, 30_000).1 / late.1 - 1.0).abs() < 0.1, "it is a floor");
+    let slow = rough("rough-991-mu08").problem;
+    let (share, left) = after(&slow, 8000);
+    assert!(share > 1e-3 && left > 1e-3, "{share:e}, {left:e}");
+    // One contact: all of a change moves its grain, by W itself.
+    let alone = solve(
+        &Nsgs::default(),
+        &disc(DOWN, &[(FLOOR, [0.0, 0.0])], 0.3),
+        &[0.0; 2],
+        &Stop::default(),
+        &mut |_| {},
+    );
+    assert!((alone.unwrap().last_change_moves - 1.0).abs() < 1e-12);
+}
