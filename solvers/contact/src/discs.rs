@@ -64,6 +64,10 @@ impl Touch<Discs> for Contact {
         (self.candidate, self.antagonist)
     }
 
+    fn between(self, candidate: u32, antagonist: Option<u32>) -> Self {
+        Self { candidate, antagonist, ..self }
+    }
+
     fn normal(&self) -> Vector2<f64> {
         self.normal
     }

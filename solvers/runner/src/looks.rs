@@ -1,7 +1,7 @@
 //! Which iterates are measured wholly, and what is looked for at powers of two.
 
-use analysis::Refutable;
-use contact::{ContactProblem, Measures, law};
+use crate::judge::Judge;
+use contact::{Measures, law};
 
 /// Which iterates are measured wholly and shown with their measures, beside the first, the last, those of the iterations
 /// 1, 2, 4, …, and all of which it is not proved that the run goes on.
@@ -69,10 +69,10 @@ impl Default for Looks {
 
 impl Looks {
     /// Looks at the iterate r, which comes after `before`, if its turn has come.
-    pub(crate) fn look<M: Refutable>(
+    pub(crate) fn look(
         &mut self,
         iteration: u64,
-        problem: &ContactProblem<M>,
+        judge: &mut impl Judge,
         measures: &Measures,
         (before, r): (&[f64], &[f64]),
     ) {
@@ -84,10 +84,11 @@ impl Looks {
             // The impulses, and their growth in one iteration and in half of all: what is constant in them is not in it.
             self.endless = iteration >= FIRST_LOOK
                 && self.stays(measures)
-                && M::any_proves_infeasible(
-                    problem,
-                    &[r.to_vec(), growth(before, r), growth(&self.before_last.0, r)],
-                );
+                && judge.any_proves_infeasible(&[
+                    r.to_vec(),
+                    growth(before, r),
+                    growth(&self.before_last.0, r),
+                ]);
         }
     }
 

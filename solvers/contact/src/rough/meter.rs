@@ -56,23 +56,6 @@ struct Sums {
     energy: f64,
 }
 
-/// s − s⁺ (√J) of both unknowns, in the form that does not cancel where s is large.
-#[inline]
-fn residual(column: &RoughColumn, s: Vector2<f64>, v: Vector2<f64>) -> Vector2<f64> {
-    let normal = if v.x >= s.x { s.x } else { v.x };
-    // s_t − clip(s_t − v_t, μ s_n): between what leads to either bound.
-    let bound = column.friction() * law::non_negative(s.x);
-    let (to_upper, to_lower) = (s.y - bound, s.y + bound);
-    let tangential = if v.y < to_upper {
-        to_upper
-    } else if v.y > to_lower {
-        to_lower
-    } else {
-        v.y
-    };
-    Vector2::new(normal, tangential)
-}
-
 impl RoughMeter<'_> {
     /// s, and M^½ (V − `V_free`) = H̃ s.
     fn push(&mut self, r: &[f64]) {
@@ -88,7 +71,7 @@ impl RoughMeter<'_> {
     /// The natural map of what was pushed last.
     fn natural_map(&mut self) -> f64 {
         let squared = |((column, s), b): ((&RoughColumn, &Vector2<f64>), &Vector2<f64>)| {
-            residual(column, *s, column.relative(&self.pushed) + b).norm_squared()
+            column.residual(*s, column.relative(&self.pushed) + b).norm_squared()
         };
         let sum: f64 = self.columns.iter().zip(&self.s).zip(&self.b).map(squared).sum();
         self.natural_map = ratio(sum.sqrt(), self.scale.sqrt());
@@ -102,7 +85,7 @@ impl RoughMeter<'_> {
             self.columns.iter().zip(&self.s).zip(self.b.iter().zip(&self.unit)).enumerate()
         {
             let v = column.relative(&self.pushed) + b;
-            let left = residual(column, *s, v);
+            let left = column.residual(*s, v);
             sums.natural_map += left.norm_squared();
             // DV = W_αα (r⁺ − r) and WR = W_αα r, in m/s.
             let (dv, wr) = (left.component_mul(unit), s.component_mul(unit));
@@ -140,7 +123,7 @@ impl RoughMeter<'_> {
             around.map(|k| self.columns[*k as usize].push_at(grain, s(*k as usize))).sum()
         };
         let y = [pushed(i), if i == j { Vector3::zeros() } else { pushed(j) }];
-        residual(column, s(k), column.between(y) + self.b[k]).norm_squared()
+        column.residual(s(k), column.between(y) + self.b[k]).norm_squared()
     }
 
     /// No |q(r)|, and no natural map's sum, is above this (J): λmax(W_D⁻¹ W) is at most its trace.
