@@ -28,16 +28,23 @@ impl AnyFrozen {
     /// # Errors
     /// Names the file, the key, the index and the value.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
+        Self::of_text(path, &read_to_string(path)?)
+    }
+
+    /// The problem whose text this is, from the file at `path`.
+    ///
+    /// # Errors
+    /// Those of [`AnyFrozen::read`].
+    pub fn of_text(path: &Path, text: &str) -> Result<Self, CaseError> {
         /// The key that says which keys there are.
         #[derive(Deserialize)]
         struct Head {
             format: String,
         }
-        let text = read_to_string(path)?;
-        if serde_json::from_str(&text).is_ok_and(|Head { format }| format == FORMAT) {
-            Frozen::rough_of_text(path, &text).map(Self::RoughDiscs)
+        if serde_json::from_str(text).is_ok_and(|Head { format }| format == FORMAT) {
+            Frozen::rough_of_text(path, text).map(Self::RoughDiscs)
         } else {
-            Frozen::of_text(path, &text).map(Self::Discs)
+            Frozen::of_text(path, text).map(Self::Discs)
         }
     }
 

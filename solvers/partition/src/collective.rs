@@ -142,20 +142,16 @@ impl Team {
     /// What this rank has, if no rank failed.
     ///
     /// # Errors
-    /// The number of the first rank that failed, and its reason.
+    /// The reason of all; or the number of the first rank that failed, and its reason.
     pub fn agree<T>(&self, own: Result<T, String>) -> Result<T, String> {
-        let reason =
-            own.as_ref().err().map_or(String::new(), |reason| format!("rank {}: {reason}", self.rank()));
-        let numbers: Vec<f64> = reason.bytes().map(f64::from).collect();
-        let reasons = self.gather(&numbers);
-        match (own, reasons.into_iter().find(|reason| !reason.is_empty())) {
-            (Ok(own), None) => Ok(own),
-            (Err(reason), None) => Err(reason),
-            (_, Some(first)) => {
-                let bytes: Vec<u8> = first.into_iter().map(|byte| byte as u8).collect();
-                Err(String::from_utf8_lossy(&bytes).into_owned())
-            }
-        }
+        // A byte before each reason tells an empty one from none.
+        let reason = own.as_ref().err().map_or(String::new(), |reason| format!("!{reason}"));
+        let reasons = self.gather(&reason.bytes().map(f64::from).collect::<Vec<_>>());
+        let Some(first) = reasons.iter().position(|reason| !reason.is_empty()) else { return own };
+        let bytes: Vec<u8> = reasons[first][1..].iter().map(|byte| *byte as u8).collect();
+        let reason = String::from_utf8_lossy(&bytes);
+        let of_all = reasons.iter().all(|reason| *reason == reasons[first]);
+        Err(if of_all { reason.into_owned() } else { format!("rank {first}: {reason}") })
     }
 
     /// Gives all ranks the numbers of rank 0.

@@ -67,13 +67,14 @@ impl Iteration for Counted<'_> {
         self.iteration.stalled()
     }
 
+    /// Of all ranks, which all must ask for.
     fn work(&self) -> Work {
-        self.iteration.work()
+        of_all(self.iteration.work(), &self.team)
     }
 }
 
 /// Runs `solver` from r = 0 until `stop`, on the problem of which this rank has a `share`; all ranks of the `team` must do it. The
-/// observer sees the measures of the whole problem, and the work and impulses of this rank; where one ends the run, all do.
+/// observer sees the measures and the work of all, and the impulses of this rank; where one ends the run, all do.
 ///
 /// The measures are those of one machine but for round-off, since each subdomain adds up its contacts, then a tree all subdomains:
 /// so they are the same bits for any number of ranks. The velocity error is not known here.
@@ -132,12 +133,31 @@ pub fn solve_on_ranks<M: Refutable>(
 
 /// The work of all ranks; a product W p is one of all.
 fn of_all(work: Work, team: &Team) -> Work {
+    let Work { contact_updates, delassus_products, interface_values, triangular_solve_entries, .. } = work;
+    let Work { factorisations, factorisation_multiply_adds, .. } = work;
+    let own = [
+        contact_updates,
+        interface_values,
+        triangular_solve_entries,
+        factorisations,
+        factorisation_multiply_adds,
+    ];
+    let first = team.mine().start;
+    // Exact below 2⁵³.
+    let own = team.mine().map(|e| if e == first { own.map(|count| count as f64) } else { [0.0; 5] });
+    let [
+        contact_updates,
+        interface_values,
+        triangular_solve_entries,
+        factorisations,
+        factorisation_multiply_adds,
+    ] = team.sum(own).map(|count| count as u64);
     Work {
-        contact_updates: team.count(work.contact_updates),
-        delassus_products: work.delassus_products,
-        interface_values: team.count(work.interface_values),
-        triangular_solve_entries: team.count(work.triangular_solve_entries),
-        factorisations: team.count(work.factorisations),
-        factorisation_multiply_adds: team.count(work.factorisation_multiply_adds),
+        contact_updates,
+        delassus_products,
+        interface_values,
+        triangular_solve_entries,
+        factorisations,
+        factorisation_multiply_adds,
     }
 }
