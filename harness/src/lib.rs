@@ -27,14 +27,13 @@ mod team {
     pub(crate) mod bench;
     #[cfg(feature = "mpi")]
     mod main;
-    mod shared;
+    pub(crate) mod ping;
     pub(crate) mod solve;
     #[cfg(test)]
     mod tests;
 
     #[cfg(feature = "mpi")]
     pub(crate) use main::main;
-    pub(crate) use shared::Posted;
 }
 
 /// A study on disk: its journal, its tables, its report, its accepted counts.
@@ -68,8 +67,12 @@ mod run {
     mod curve;
     mod execute;
     mod external;
+    #[cfg(any(feature = "mpi", test))]
+    mod on_ranks;
     mod problem;
     mod rows;
+    #[cfg(any(feature = "mpi", test))]
+    mod shared;
     mod simulation;
     #[cfg(test)]
     mod tests;
@@ -78,12 +81,16 @@ mod run {
     pub(crate) use curve::{Recorder, decades, first_at};
     pub(crate) use execute::{Conditions, How, Task, few, in_parallel, in_the_pool};
     pub(crate) use external::{Ended, Observe, climb, ended};
-    #[cfg(any(feature = "mpi", test))]
-    pub(crate) use problem::skipped_row;
     pub(crate) use problem::{OneProblem, Snapshots};
     pub(crate) use rows::{derived, ended_row, given_row, nothing_done, partitions, scene_rows};
     pub(crate) use simulation::{End, Seen, Through, missed, observed, run_simulation, through_time};
     pub(crate) use vtk::Frames;
+    #[cfg(any(feature = "mpi", test))]
+    pub(crate) use {
+        on_ranks::{OnAllRanks, exchanged, on_ranks},
+        problem::skipped_row,
+        shared::{OnShare, Posted, Shared, Source, cut_of, is_split, share, whole_of},
+    };
 }
 
 /// Frozen problems, cases, scenes, and what is known of their solutions.

@@ -39,7 +39,7 @@ pub(crate) trait OneProblem: Sync {
         &self,
         plan: &Plan,
         task: &Task<&dyn OneProblem>,
-        on: &crate::team::bench::OnRanks,
+        on: &crate::run::OnAllRanks,
     ) -> Result<Option<Record>>;
 
     /// The row of what another code answered, if that lies beside it.
@@ -82,7 +82,7 @@ impl<M: Studied> OneProblem for Problem<M> {
         &self,
         plan: &Plan,
         task: &Task<&dyn OneProblem>,
-        on: &crate::team::bench::OnRanks,
+        on: &crate::run::OnAllRanks,
     ) -> Result<Option<Record>> {
         let Task { id, variant, selected, .. } = task;
         on.run(plan, &Task { id: id.clone(), variant, selected: *selected, what: self })

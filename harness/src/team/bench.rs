@@ -2,23 +2,17 @@
 
 use crate::cli::args::StudyArgs;
 use crate::identity::provenance;
-use crate::problems::{Problem, Root, Studied};
-use crate::run::{Recorder, Task, ended_row, skipped_row};
+use crate::problems::Root;
+use crate::run::{OnAllRanks, Posted};
 use crate::store::{finish, open};
 use crate::study::{Kind, OnProblems, by_id, missing};
-use crate::team::shared::{Posted, cut_of, of_whole};
-use crate::team::solve::{exchanged, on_ranks};
-use crate::terminal::{exit, say};
+use crate::terminal::say;
 use anyhow::{Result, bail};
 use results::journal::Record;
-use results::provenance::load_average;
-use results::schema::{Exchange, Provenance, Run, Sample, Timing};
+use results::schema::Run;
 use results::store::Store;
-use runner::{Measured, Outcome, Status};
 use std::collections::HashSet;
-use std::ops::ControlFlow;
 use std::process::ExitCode;
-use std::time::Instant;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -27,13 +21,6 @@ pub(crate) struct Args {
     /// Run all again, those that are there as well; the new rows replace them in the tables
     #[arg(long)]
     rerun: bool,
-}
-
-/// All ranks, and what their rows say of them.
-pub(crate) struct OnRanks<'a> {
-    posted: &'a Posted,
-    provenance: &'a Provenance,
-    repeats: u32,
 }
 
 pub(crate) fn run(posted: &Posted, root: &Root, args: &Args) -> Result<ExitCode> {
@@ -65,10 +52,13 @@ pub(crate) fn run(posted: &Posted, root: &Root, args: &Args) -> Result<ExitCode>
     let wanted = posted.all()?.gather(if first { &wanted } else { &[] }).swap_remove(0);
     let wanted: HashSet<&str> =
         tasks.iter().zip(wanted).filter(|(_, wanted)| *wanted > 0.0).map(|(task, _)| &*task.id).collect();
-    if first {
-        say(format_args!("plan {name}: {} of {} runs to do", wanted.len(), study.size()))?;
-    }
-    let on = OnRanks { posted, provenance: &provenance, repeats };
+    let (left, size) = (wanted.len(), study.size());
+    posted.agree(if first {
+        say(format_args!("plan {name}: {left} of {size} runs to do"))
+    } else {
+        Ok(())
+    })?;
+    let on = OnAllRanks { posted, provenance: &provenance, repeats };
     let mut known = HashSet::new();
     for task in tasks.iter().filter(|task| wanted.contains(&*task.id) && known.insert(task.id.clone())) {
         let record = task.what.run_on_ranks(&study.selection().plan, task, &on)?;
@@ -89,72 +79,4 @@ fn selection_of(args: &Args, root: &Root, name: &str) -> Result<OnProblems> {
     let mut selection = args.study.selection(root)?;
     name.clone_into(&mut selection.plan.name);
     OnProblems::new(selection, root, true)
-}
-
-impl OnRanks<'_> {
-    /// A run, as often as the plan says; `None` if it was halted.
-    pub(crate) fn run<M: Studied>(
-        &self,
-        plan: &crate::plan::Plan,
-        task: &Task<&Problem<M>>,
-    ) -> Result<Option<Record>> {
-        let timing = Timing {
-            repeats: self.repeats,
-            timed_alone: true,
-            load_average: load_average(),
-            ..Timing::default()
-        };
-        let row = Run { timing: timing.clone(), ..skipped_row(plan, task, self.provenance.restarted()) };
-        let skipped = |reason: &str| {
-            let run = Run { reason: reason.to_owned(), ..row.clone() };
-            Ok(Some(Record { run, curve: Vec::new(), snapshots: Vec::new() }))
-        };
-        if task.variant.warm_start {
-            return skipped("ranks begin from r = 0");
-        }
-        let method = &task.variant.method;
-        // A variant with one subdomain has one, and one rank at most.
-        let given = method.partition().map(|(grid, _)| grid);
-        let shared = cut_of(self.posted, method, given, None)
-            .and_then(|(_, grid, scheme)| of_whole(self.posted, &task.what.frozen, grid, scheme));
-        let shared = match self.posted.agree(shared) {
-            Ok(shared) => shared,
-            Err(reason) => return skipped(&format!("{reason:#}")),
-        };
-        let clock = Instant::now();
-        let mut all = Vec::new();
-        for _ in 0..self.repeats {
-            let mut recorder = Recorder::new(plan.curves);
-            let ended = on_ranks(method, &shared, &plan.stop, Measured::Grid, &mut |progress| {
-                recorder.observe(progress);
-                if exit::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            });
-            match ended {
-                Err(reason) => return skipped(&format!("{reason:#}")),
-                Ok(end) if end.status == Status::Interrupted => return Ok(None),
-                Ok(end) => all.push((end, recorder.finish())),
-            }
-        }
-        all.sort_by_key(|(end, _)| end.iterating);
-        let (end, curve): (runner::OnRanks, Vec<Sample>) = all.swap_remove((all.len() - 1) / 2);
-        let (messages, message_bytes, waiting_s) = exchanged(&end.traffic);
-        let (ranks, slowest_rank) = (self.posted.size() as u32, end.slowest as u32);
-        let exchange = Exchange { ranks, messages, message_bytes, waiting_s, slowest_rank };
-        let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
-        let outcome = Outcome::<M> {
-            status: end.status,
-            iterations: end.iterations,
-            measures: end.measures,
-            impulses: Vec::new(),
-            velocity: Vec::new(),
-            setup: end.setup,
-            iterating: end.iterating,
-            work: end.work,
-            derived: end.derived,
-            critical_path: end.critical_path,
-        };
-        let subdomains = shared.team.subdomains() as u32;
-        let run = ended_row(Run { timing, exchange, subdomains, ..row }, &outcome, &curve);
-        Ok(Some(Record { run, curve, snapshots: Vec::new() }))
-    }
 }

@@ -2,8 +2,8 @@
 
 use crate::plan::read_external;
 use crate::problems::Root;
-use crate::run::{few, in_the_pool};
-use crate::team::{Posted, bench, solve};
+use crate::run::{Posted, few, in_the_pool};
+use crate::team::{bench, ping, solve};
 use crate::terminal::exit;
 use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
@@ -34,6 +34,8 @@ enum Command {
     Solve(solve::Args),
     /// Run whatever is still missing from a plan, each run on all ranks; rank 0 stores its row
     Bench(bench::Args),
+    /// Measure what a message costs between rank 0 and rank 1: its latency and its seconds per byte
+    Ping(ping::Args),
 }
 
 /// All ranks; those that end with an error end alike, and rank 0 says why.
@@ -72,11 +74,12 @@ pub(crate) fn main() -> ExitCode {
 
 fn run(posted: &Posted, cli: &Cli) -> Result<ExitCode> {
     rayon::ThreadPoolBuilder::new().num_threads(cli.threads.get()).build_global()?;
-    let root = Root::find(cli.root.clone())?;
-    read_external(&root)?;
+    let root = posted.agree(Root::find(cli.root.clone()))?;
+    posted.agree(read_external(&root))?;
     exit::listen_for_interrupts().context("at this rank")?;
     match &cli.command {
         Command::Solve(args) => in_the_pool(|| solve::run(posted, &root, args)),
+        Command::Ping(args) => ping::run(posted, args),
         Command::Bench(args) => in_the_pool(|| bench::run(posted, root.needed()?, args)),
     }
 }

@@ -4,14 +4,15 @@ use crate::cli::args::SolverArgs;
 use crate::cli::split::read;
 use crate::plan::Method;
 use crate::problems::{Impulses, Root, Studied};
-use crate::team::shared::{OnShare, Posted, Shared, Source, cut_of, is_split, share, whole_of};
+use crate::run::{OnShare, Posted, Shared, Source, cut_of, exchanged, is_split, on_ranks, share, whole_of};
 use crate::terminal::{Line, exit, merged, say};
 use anyhow::{Context, Result};
 use contact::Measure;
-use partition::{Grid, Team, Traffic};
-use runner::{Measured, OnRanks, Progress, Stop, solve_on_ranks};
+use partition::{Grid, Team};
+use runner::{Measured, OnRanks, Progress, Stop};
 use serde_json::{Value, json};
 use std::fs;
+use std::num::NonZeroU64;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -26,6 +27,10 @@ pub(crate) struct Args {
     /// Subdomains, such as 8 or 4x2 [default: those of the folder or of the method's settings, else one for each rank]
     #[arg(long, value_name = "GRID", value_parser = read::<Grid>)]
     subdomains: Option<Grid>,
+    /// Measure one iterate in N: all ranks wait for a measure, and it takes as long as an iteration; the run may end N - 1
+    /// iterations late
+    #[arg(long, value_name = "N", default_value = "1")]
+    measure_every: NonZeroU64,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -67,7 +72,7 @@ impl OnShare for Solve<'_> {
             }
             if exit::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let end = on_ranks(method, &shared, stop, Measured::Needed, &mut observe)?;
+        let end = on_ranks(method, &shared, stop, Measured::OneIn(args.measure_every.get()), &mut observe)?;
         drop(line);
         if let Some(folder) = &args.impulses {
             posted.agree(Impulses::write_all(folder, &shared.share, &shared.hash, &end.impulses))?;
@@ -81,21 +86,6 @@ impl OnShare for Solve<'_> {
         posted.agree(told)?;
         Ok(if first { exit::code(end.status.name()) } else { ExitCode::SUCCESS })
     }
-}
-
-/// Runs a method on the shares of all ranks, which all must do.
-pub(crate) fn on_ranks<M: Studied>(
-    method: &Method,
-    Shared { share, team, .. }: &Shared<M>,
-    stop: &Stop,
-    measured: Measured,
-    observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-) -> Result<OnRanks> {
-    let solver = M::distributed(method).with_context(|| {
-        format!("method `{}` has no subdomains: nsgs-dd, latin-dd and cg run on ranks", method.name)
-    })?;
-    let ended = solve_on_ranks(&*solver, share, team, stop, measured, observe);
-    team.agree(ended.map_err(|refused| refused.to_string())).map_err(anyhow::Error::msg)
 }
 
 /// The most that one rank holds.
@@ -121,12 +111,6 @@ fn peak_memory_bytes() -> Option<f64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.strip_suffix("kB"))?;
     kilobytes.trim().parse::<f64>().ok().map(|kilobytes| 1024.0 * kilobytes)
-}
-
-/// Messages, bytes and the longest waiting of a run (s).
-pub(crate) fn exchanged(traffic: &[Traffic]) -> (u64, u64, f64) {
-    let (messages, bytes) = traffic.iter().fold((0, 0), |(m, b), t| (m + t.messages, b + t.bytes));
-    (messages, bytes, traffic.iter().map(|t| t.waiting_ns).max().unwrap_or(0) as f64 * 1e-9)
 }
 
 fn to_json<M: Studied>(

@@ -3,8 +3,9 @@
 
 use crate::cli::split;
 use crate::problems::{Impulses, Root};
+use crate::run::Posted;
 use crate::store::open;
-use crate::team::{Posted, bench, solve};
+use crate::team::{bench, ping, solve};
 use anyhow::Result;
 use cases::AnyFrozen;
 use clap::Parser;
@@ -30,6 +31,12 @@ struct Split {
 struct Solve {
     #[command(flatten)]
     args: solve::Args,
+}
+
+#[derive(Parser)]
+struct Ping {
+    #[command(flatten)]
+    args: ping::Args,
 }
 
 #[derive(Parser)]
@@ -203,4 +210,38 @@ fn a_study_on_ranks_is_one_row_a_run() {
         assert_eq!(exchange.messages, 2 * runs[1].iterations);
         assert!(exchange.message_bytes > 0 && exchange.waiting_s > 0.0);
     }
+}
+
+#[test]
+fn a_message_takes_some_time() {
+    let alone = simulated(1, |post| ping::run(&Posted(post), &Ping::parse_from(["ping"]).args));
+    assert!(alone[0].as_ref().unwrap_err().to_string().contains("two ranks"));
+    let ends = simulated(3, |post| ping::run(&Posted(post), &Ping::parse_from(["ping", "--json"]).args));
+    assert!(ends.iter().all(Result::is_ok), "{ends:?}");
+}
+
+/// Whatever iterates are measured, they are the same; one that ends a run may be seen late.
+#[test]
+fn a_run_that_is_measured_rarely_ends_late_by_less_than_that() {
+    let iterations = |every: &str| {
+        let folder = TempDir::new().unwrap();
+        let to = folder.path().to_str().unwrap();
+        let arguments =
+            ["settled-60", "--method", "nsgs-dd", "--set", "subdomains=4x2", "--tolerance", "1e-3"];
+        let more = ["--measure-every", every, "--impulses", to];
+        assert!(solve(2, &[&arguments[..], &more].concat()).iter().all(Result::is_ok));
+        Impulses::join_all(folder.path()).unwrap()
+    };
+    let problem = AnyFrozen::read(&checkout().join("cases/frozen/settled-60.json")).unwrap();
+    let AnyFrozen::Discs(frozen) = problem else { panic!("no friction") };
+    let nsgs = NsgsDd { subdomains: Grid { nx: 4, ny: 2 }, ..NsgsDd::default() };
+    let at = |max_iterations| {
+        let stop = Stop { tolerance: 1e-3, max_iterations, ..Stop::default() };
+        let stop = if max_iterations < 10_000 { Stop { tolerance: 0.0, ..stop } } else { stop };
+        solve_alone(&nsgs, &frozen.problem, &frozen.start(false), &stop, &mut |_| {}).unwrap()
+    };
+    let end = at(10_000);
+    assert!(iterations("1") == end.impulses);
+    assert!(!end.iterations.is_multiple_of(10), "{} iterations", end.iterations);
+    assert!(iterations("10") == at(end.iterations.next_multiple_of(10)).impulses);
 }

@@ -271,7 +271,7 @@ fn run(
         is_measured = grid.has(iterations)
             || iterations == stop.max_iterations
             || iteration.stalled()
-            || !judge.goes_on(stop.on, stop.tolerance, energy_bound, (&before, &r));
+            || !(grid.skips() || judge.goes_on(stop.on, stop.tolerance, energy_bound, (&before, &r)));
         if is_measured {
             measures = judge.measure_after(&before, &r, iteration.velocity_jump());
         }

@@ -13,6 +13,9 @@ pub enum Measured {
     Grid,
     /// No others: nobody looks at them.
     Needed,
+    /// One in so many, and nothing is proved of those between: a run ends late by as many iterations at most. Where ranks must wait
+    /// for each other to prove anything, and to measure costs more than to iterate.
+    OneIn(u64),
 }
 
 /// Up to this iteration all are on the grid, from there on one in so many-th of the iterations.
@@ -29,12 +32,18 @@ impl Grid {
         Self { measured, next: 0 }
     }
 
+    /// Whether iterates that it has not go on unseen.
+    pub(crate) fn skips(&self) -> bool {
+        matches!(self.measured, Measured::OneIn(_))
+    }
+
     /// Whether it has this iteration; asked of each in its turn.
     pub(crate) fn has(&mut self, iteration: u64) -> bool {
         let due = match self.measured {
             Measured::Every => true,
             Measured::Grid => iteration >= self.next,
             Measured::Needed => false,
+            Measured::OneIn(many) => iteration.is_multiple_of(many),
         };
         if due {
             self.next = iteration + (iteration / ALL_UP_TO).max(1);
