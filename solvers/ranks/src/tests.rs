@@ -144,6 +144,30 @@ fn latin_has_the_bits_of_one_machine() {
     }
 }
 
+/// Boxes on a bounding box may be empty, and so may be all that a rank has.
+#[test]
+fn ranks_may_have_nothing_to_do() {
+    let (problem, grid) = (discs("settled-60"), Grid { nx: 10, ny: 12 });
+    let partition = Partition::of_contacts(&problem, Scheme::Boxes, grid).unwrap();
+    assert!((0..120).any(|e| !partition.subdomain.contains(&e)), "no box is empty");
+    let stop = Stop { tolerance: 0.0, max_iterations: 45, ..Stop::default() };
+    let r0 = vec![0.0; problem.contact_count()];
+    let nsgs = NsgsDd { subdomains: grid, exchange: Exchange::GaussSeidel, ..NsgsDd::default() };
+    let latin = LatinDd { subdomains: grid, coarse: true, ..LatinDd::default() };
+    for solver in [&nsgs as &dyn Distributed<Discs>, &latin] {
+        let alone = solve(solver, &problem, &r0, &stop, &mut |_| {}).unwrap();
+        for size in [1, 7, 120] {
+            assert!(
+                on_ranks(&problem, solver, (grid, size), &stop).impulses == alone.impulses,
+                "{size} ranks"
+            );
+        }
+    }
+    let of_cg =
+        [1, 120].map(|size| on_ranks::<Discs>(&problem, &Cg::default(), (grid, size), &stop).impulses);
+    assert!(of_cg[0] == of_cg[1]);
+}
+
 /// On one machine its blocks are others.
 #[test]
 fn conjugate_gradients_have_the_same_bits_on_any_number_of_ranks() {
