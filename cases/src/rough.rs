@@ -33,20 +33,27 @@ impl AnyFrozen {
     /// # Errors
     /// Names the file, the key, the index and the value.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
+        Self::of_text(path, &read_to_string(path)?)
+    }
+
+    /// The problem whose text this is, from the file at `path`.
+    ///
+    /// # Errors
+    /// Those of [`AnyFrozen::read`].
+    pub fn of_text(path: &Path, text: &str) -> Result<Self, CaseError> {
         /// The key that says which keys there are.
         #[derive(Deserialize)]
         struct Head {
             format: String,
             mechanics: Option<String>,
         }
-        let text = read_to_string(path)?;
-        let head: Option<Head> = serde_json::from_str(&text).ok();
+        let head: Option<Head> = serde_json::from_str(text).ok();
         let mechanics = head.filter(|head| head.format == FORMAT).map(|head| head.mechanics);
         match mechanics.as_ref().map(Option::as_deref) {
-            None => Frozen::of_text(path, &text).map(Self::Discs),
-            Some(Some(Spheres::NAME)) => Frozen::of_text(path, &text).map(Self::Spheres),
-            Some(Some(RoughSpheres::NAME)) => Frozen::rough_of_text(path, &text).map(Self::RoughSpheres),
-            Some(_) => Frozen::rough_of_text(path, &text).map(Self::RoughDiscs),
+            None => Frozen::of_text(path, text).map(Self::Discs),
+            Some(Some(Spheres::NAME)) => Frozen::of_text(path, text).map(Self::Spheres),
+            Some(Some(RoughSpheres::NAME)) => Frozen::rough_of_text(path, text).map(Self::RoughSpheres),
+            Some(_) => Frozen::rough_of_text(path, text).map(Self::RoughDiscs),
         }
     }
 

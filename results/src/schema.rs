@@ -90,6 +90,9 @@ pub struct Run {
     /// kernel of W and move nothing. Undefined where r does not change.
     #[serde(default = "undefined", with = "number")]
     pub last_change_moves: f64,
+    /// What ranks exchanged, where several shared the problem.
+    #[serde(default)]
+    pub exchange: Exchange,
     /// How the seconds were taken.
     pub timing: Timing,
     /// What the last sample of its curve says, beside the iterations and the seconds.
@@ -127,6 +130,30 @@ pub struct KnownSolutions {
 impl Default for KnownSolutions {
     fn default() -> Self {
         Self { solutions: None, spread: f64::NAN, polished_to: String::new(), polished_by: f64::NAN }
+    }
+}
+
+/// What the ranks of a run sent each other in `advance`; nothing on one machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Exchange {
+    /// How many ranks shared the problem: 1 on one machine.
+    pub ranks: u32,
+    /// Messages of all ranks.
+    pub messages: u64,
+    /// Bytes in them (B).
+    pub message_bytes: u64,
+    /// The longest time that a rank spent in exchanges, for others that were late and for the way of the messages (s).
+    #[serde(with = "number")]
+    pub waiting_s: f64,
+    /// The rank that worked longest, for which the others waited.
+    pub slowest_rank: u32,
+}
+
+/// One machine.
+impl Default for Exchange {
+    fn default() -> Self {
+        Self { ranks: 1, messages: 0, message_bytes: 0, waiting_s: 0.0, slowest_rank: 0 }
     }
 }
 

@@ -5,6 +5,7 @@ use crate::problems::pool::{known_rough, polished_to};
 use crate::problems::reference::known_smooth;
 use crate::problems::{Known, Root, spectrum};
 use crate::run::{Ended, Observe, climb};
+use analysis::Bounded;
 use anyhow::{Result, bail};
 use cases::{AnyFrozen, Case, CaseError, Frozen, Marched};
 use contact::{
@@ -12,11 +13,22 @@ use contact::{
 };
 use nalgebra::Vector3;
 use runner::Stop;
+#[cfg(any(feature = "mpi", test))]
+use {
+    crate::plan::Method, cg::Cg, latin_dd::LatinDd, nsgs_dd::NsgsDd, partition::Distributed,
+    serde::Deserialize, serde_json::Value,
+};
 
 /// What the program asks of a mechanics, beside what a march does.
-pub(crate) trait Studied: Marched {
+pub(crate) trait Studied: Marched + Bounded {
     /// The method in this mechanics, if it has it.
     fn solver(ours: &Ours) -> Option<&dyn Solver<Self>>;
+
+    /// The method where ranks share a problem, if it has subdomains.
+    #[cfg(any(feature = "mpi", test))]
+    fn distributed(_: &Method) -> Option<Box<dyn Distributed<Self>>> {
+        None
+    }
 
     /// What is known of the solutions of a problem: read, or computed and kept; nothing, where none can be certified.
     fn known(_: &Root, _: &Frozen<Self>) -> Result<Known<Self>> {
@@ -76,12 +88,34 @@ pub(crate) trait Studied: Marched {
     }
 }
 
+/// The methods that ranks may share.
+#[cfg(any(feature = "mpi", test))]
+fn distributed<M: Mechanics>(method: &Method) -> Option<Box<dyn Distributed<M>>>
+where
+    NsgsDd: Distributed<M>,
+    LatinDd: Distributed<M>,
+    Cg: Distributed<M>,
+{
+    let settings = Value::Object(method.settings.clone());
+    Some(match method.name {
+        "nsgs-dd" => Box::new(NsgsDd::deserialize(settings).ok()?),
+        "latin-dd" => Box::new(LatinDd::deserialize(settings).ok()?),
+        "cg" => Box::new(Cg::deserialize(settings).ok()?),
+        _ => return None,
+    })
+}
+
 /// A tangential impulse that is nearer to its bound than this slides (–).
 const SLIDES: f64 = 1e-6;
 
 impl Studied for Discs {
     fn solver(ours: &Ours) -> Option<&dyn Solver> {
         Some(&*ours.discs)
+    }
+
+    #[cfg(any(feature = "mpi", test))]
+    fn distributed(method: &Method) -> Option<Box<dyn Distributed<Self>>> {
+        distributed(method)
     }
 
     fn known(root: &Root, frozen: &Frozen) -> Result<Known> {
@@ -135,6 +169,11 @@ impl Studied for Spheres {
         Some(&*ours.spheres)
     }
 
+    #[cfg(any(feature = "mpi", test))]
+    fn distributed(method: &Method) -> Option<Box<dyn Distributed<Self>>> {
+        distributed(method)
+    }
+
     fn known(root: &Root, frozen: &Frozen<Self>) -> Result<Known<Self>> {
         known_smooth(root, frozen)
     }
@@ -163,6 +202,11 @@ impl Studied for Spheres {
 impl Studied for RoughDiscs {
     fn solver(ours: &Ours) -> Option<&dyn Solver<Self>> {
         ours.rough_discs.as_deref()
+    }
+
+    #[cfg(any(feature = "mpi", test))]
+    fn distributed(method: &Method) -> Option<Box<dyn Distributed<Self>>> {
+        distributed(method)
     }
 
     fn known(root: &Root, frozen: &Frozen<Self>) -> Result<Known<Self>> {

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail};
 use contact::{Mechanics, Vector, Work};
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::journal::Record;
-use results::schema::{ContactRow, GrainRow, Run, Sample, Snapshot, Timing};
+use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
 use runner::{Outcome, Progress, Status};
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
@@ -31,6 +31,15 @@ pub(crate) trait OneProblem: Sync {
         plan: &Plan,
         task: &Task<&dyn OneProblem>,
         conditions: &Conditions,
+    ) -> Result<Option<Record>>;
+
+    /// A run on it by all ranks, each with its share, which all must make; `None` if it was halted.
+    #[cfg(any(feature = "mpi", test))]
+    fn run_on_ranks(
+        &self,
+        plan: &Plan,
+        task: &Task<&dyn OneProblem>,
+        on: &crate::run::OnAllRanks,
     ) -> Result<Option<Record>>;
 
     /// The row of what another code answered, if that lies beside it.
@@ -68,6 +77,17 @@ impl<M: Studied> OneProblem for Problem<M> {
         run_on_problem(plan, &task, conditions)
     }
 
+    #[cfg(any(feature = "mpi", test))]
+    fn run_on_ranks(
+        &self,
+        plan: &Plan,
+        task: &Task<&dyn OneProblem>,
+        on: &crate::run::OnAllRanks,
+    ) -> Result<Option<Record>> {
+        let Task { id, variant, selected, .. } = task;
+        on.run(plan, &Task { id: id.clone(), variant, selected: *selected, what: self })
+    }
+
     fn given_row(&self, plan: &Plan, root: &Root) -> Result<Option<Run>> {
         let Some(given) = &self.given else { return Ok(None) };
         Ok(Some(given_row(plan, self, given, self.known(root)?, provenance()?)))
@@ -89,29 +109,17 @@ fn run_on_problem<M: Studied>(
     task: &Task<&Problem<M>>,
     conditions: &Conditions,
 ) -> Result<Option<Record>> {
-    let Task { id, variant, what: problem, .. } = task;
+    let Task { variant, what: problem, .. } = task;
     let known = problem.known(conditions.how.root)?;
     let timing = conditions.how.timing();
     let mut provenance = conditions.how.provenance.restarted();
     if let Runs::Elsewhere(programme) = &variant.method.runs {
         programme.code.version().unwrap_or_default().clone_into(&mut provenance.other_code);
     }
-    // A skipped run, if it is not run.
     let row = Run {
-        id: id.clone(),
-        method: variant.method.name.to_owned(),
-        settings: variant.method.settings.clone(),
-        variant: variant.name.clone(),
-        // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
-        subdomains: variant
-            .method
-            .partition()
-            .map_or(1, |(grid, _)| u32::try_from(grid.count()).unwrap_or(u32::MAX)),
-        warm_start: variant.warm_start,
-        status: "skipped".to_owned(),
         spectrum: spectrum(plan, task, known),
         timing: timing.clone(),
-        ..nothing_done(plan, problem, known, provenance)
+        ..skipped_row(plan, task, known, provenance)
     };
     let skipped = |reason: &str| {
         let run = Run { reason: reason.to_owned(), ..row.clone() };
@@ -160,6 +168,25 @@ fn run_on_problem<M: Studied>(
         (run.status, run.reason) = ("failed".to_owned(), why);
     }
     Ok(Some(Record { run, curve, snapshots }))
+}
+
+/// The row of a run that was skipped, if it is not run.
+pub(crate) fn skipped_row<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, provenance: Provenance) -> Run {
+    let Task { id, variant, what: problem, .. } = task;
+    Run {
+        id: id.clone(),
+        method: variant.method.name.to_owned(),
+        settings: variant.method.settings.clone(),
+        variant: variant.name.clone(),
+        // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
+        subdomains: variant
+            .method
+            .partition()
+            .map_or(1, |(grid, _)| u32::try_from(grid.count()).unwrap_or(u32::MAX)),
+        warm_start: variant.warm_start,
+        status: "skipped".to_owned(),
+        ..nothing_done(plan, problem, provenance)
+    }
 }
 
 /// What is the same in every repeat.

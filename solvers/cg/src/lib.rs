@@ -17,7 +17,8 @@ pub use rough::RoughRun;
 
 use analysis::{delassus_bound, scaled_delassus_bound};
 use block::{Block, Pass};
-use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work};
+use contact::{Iteration, Mechanics, Packing, SetupError, Smooth, Solver, Work, law};
+use partition::{Distributed, Refused, Share, Team};
 use product::Layout;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -55,7 +56,8 @@ const WHOLE: u64 = 16;
 impl<const D: usize> Run<D> {
     /// √(Σ `W_αα` (r − r⁺)²) of the iterate, from its gradient (√J): what the measure `natural_map` is a share of.
     pub fn left(&self) -> f64 {
-        self.blocks.iter().map(Block::squared_left).sum::<f64>().sqrt()
+        let [squared] = self.layout.sum(self.blocks.iter().map(|block| [block.squared_left()]));
+        squared.sqrt()
     }
 
     /// One pass over all blocks, each of which then sends what it has of the grains it shares; returns the sums over the blocks,
@@ -80,14 +82,14 @@ impl<const D: usize> Run<D> {
     }
 
     fn sums(&self) -> [f64; 2] {
-        let sum = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
-        self.blocks.iter().map(Block::parts).fold([0.0; 2], sum)
+        self.layout.sum(self.blocks.iter().map(Block::parts))
     }
 
     /// r = max(0, r + α p) = r + α p + d and u = −(W r + b); returns wᵗ W p and −uᵗ d + ½ dᵗ W d, with the u of r + α p.
     fn step(&mut self, length: f64) -> [f64; 2] {
         let sums = self.send_after(Pass::Step { length });
-        if self.blocks.iter().any(Block::added) { self.receive_before(Pass::Correct) } else { sums }
+        let corrects = self.layout.any(self.blocks.iter().any(Block::added));
+        if corrects { self.receive_before(Pass::Correct) } else { sums }
     }
 
     /// u from r; returns wᵗ W p.
@@ -133,7 +135,8 @@ impl<const D: usize> Run<D> {
             self.blocks.iter_mut().for_each(Block::withdraw);
         }
         // As far as no contact opens, d = 0 and q decreases all the way.
-        let reach = self.blocks.iter().filter_map(Block::reach).reduce(f64::min).unwrap_or(0.0);
+        let reach = self.blocks.iter().filter_map(Block::reach).fold(f64::INFINITY, f64::min);
+        let reach = Some(self.layout.least(reach)).filter(|reach| reach.is_finite()).unwrap_or(0.0);
         let goes = reach * self.greatest >= 1.0;
         if goes {
             self.short_step(reach);
@@ -187,12 +190,29 @@ impl Cg {
         problem: &Packing<Smooth<D>>,
         r0: &[f64],
     ) -> Result<Run<D>, SetupError> {
-        let layout = Layout::new(problem)?;
-        let (b, preconditioned) = (problem.b(), self.preconditioner == Preconditioner::Diagonal);
+        let greatest =
+            if self.is_scaled() { scaled_delassus_bound(problem) } else { delassus_bound(problem) };
+        Ok(self.over(Layout::new(problem)?, problem, greatest, r0))
+    }
+
+    fn is_scaled(self) -> bool {
+        self.preconditioner == Preconditioner::Diagonal
+    }
+
+    /// A run on the blocks of a layout of `problem`, with Λ.
+    fn over<const D: usize>(
+        self,
+        layout: Layout<Smooth<D>>,
+        problem: &Packing<Smooth<D>>,
+        greatest: f64,
+        r0: &[f64],
+    ) -> Run<D> {
+        let b = problem.b();
         let mut run = Run {
-            blocks: layout
-                .blocks(problem, preconditioned, |columns, subdomain| Block::new(columns, subdomain, &b, r0)),
-            greatest: if preconditioned { scaled_delassus_bound(problem) } else { delassus_bound(problem) },
+            blocks: layout.blocks(problem, self.is_scaled(), |columns, subdomain| {
+                Block::new(columns, subdomain, &b, r0)
+            }),
+            greatest,
             layout,
             descent: 0.0,
             squared: 0.0,
@@ -203,7 +223,27 @@ impl Cg {
         };
         run.renew();
         run.turn(0.0);
-        Ok(run)
+        run
+    }
+
+    /// Λ of a problem of which `share` is a part, where `layout` is that of the share.
+    fn greatest_of<M: Mechanics>(self, share: &Share<M>, layout: &Layout<M>) -> f64 {
+        let bound = share.whole.scaled_delassus_bound;
+        let greatest = || law::greatest(share.problem.delassus_diagonal().into_iter());
+        if self.is_scaled() { bound } else { bound * layout.greatest(greatest()) }
+    }
+}
+
+impl<const D: usize> Distributed<Smooth<D>> for Cg {
+    fn start_in<'p>(
+        &self,
+        share: &'p Share<Smooth<D>>,
+        team: &Team,
+    ) -> Result<Box<dyn Iteration + 'p>, Refused> {
+        let layout = Layout::of_share(share, team);
+        let greatest = self.greatest_of(share, &layout);
+        let r0 = vec![0.0; share.problem.impulse_count()];
+        Ok(Box::new(self.over(layout, &share.problem, greatest, &r0)))
     }
 }
 

@@ -4,12 +4,13 @@
 //! Nothing is minimised: Coulomb's law is not the optimality of any q(r). The step is that of the quadratic form all the same, and
 //! what makes it work is that a contact leaves the boundary of its cone by a direction only, never because the cone grew around it.
 
-use crate::{Cg, Preconditioner};
+use crate::Cg;
 use analysis::Bounded;
 use contact::law::clip;
 use contact::{Iteration, Packing, RoughDiscs, SetupError, Solver, Vector, Work};
 use nalgebra::Vector2;
-use product::Product;
+use partition::{Distributed, Refused, Share, Team};
+use product::{Layout, Product};
 
 /// What the impulse of a contact may do.
 #[derive(Clone, Copy, PartialEq)]
@@ -225,8 +226,20 @@ impl Cg {
     /// # Errors
     /// Those of [`Product::new`].
     pub fn rough_run(&self, problem: &Packing<RoughDiscs>, r0: &[f64]) -> Result<RoughRun, SetupError> {
-        let (b, w) = (problem.b(), problem.delassus_diagonal());
-        let scaled = self.preconditioner == Preconditioner::Diagonal;
+        let (bound, w) = (RoughDiscs::scaled_delassus_bound(problem), problem.delassus_diagonal());
+        let greatest = if self.is_scaled() { bound } else { bound * w.iter().copied().fold(0.0, f64::max) };
+        Ok(self.rough_over(Layout::new(problem)?, problem, greatest, r0))
+    }
+
+    /// A run on the blocks of a layout of `problem`, with Λ.
+    fn rough_over(
+        self,
+        layout: Layout<RoughDiscs>,
+        problem: &Packing<RoughDiscs>,
+        greatest: f64,
+        r0: &[f64],
+    ) -> RoughRun {
+        let b = problem.b();
         let state = |contact: usize, unit: Vector2<f64>| {
             let mut state = State {
                 b: Vector2::at(&b, contact).component_div(&unit),
@@ -241,12 +254,23 @@ impl Cg {
             state.status = state.status_of();
             state
         };
-        let contacts = Product::new(problem, scaled, state)?;
-        let bound = RoughDiscs::scaled_delassus_bound(problem);
-        let greatest = if scaled { bound } else { bound * w.iter().copied().fold(0.0, f64::max) };
+        let contacts = Product::over(layout, problem, self.is_scaled(), state);
         let mut run = RoughRun { contacts, greatest, descent: 0.0, squared: 0.0, iterations: 0, products: 0 };
         run.renew();
         run.turn(0.0);
-        Ok(run)
+        run
+    }
+}
+
+impl Distributed<RoughDiscs> for Cg {
+    fn start_in<'p>(
+        &self,
+        share: &'p Share<RoughDiscs>,
+        team: &Team,
+    ) -> Result<Box<dyn Iteration + 'p>, Refused> {
+        let layout = Layout::of_share(share, team);
+        let greatest = self.greatest_of(share, &layout);
+        let r0 = vec![0.0; share.problem.impulse_count()];
+        Ok(Box::new(self.rough_over(layout, &share.problem, greatest, &r0)))
     }
 }

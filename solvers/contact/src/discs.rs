@@ -71,6 +71,10 @@ impl<const D: usize> Touch<Smooth<D>> for Contact<D> {
         (self.candidate, self.antagonist)
     }
 
+    fn between(self, candidate: u32, antagonist: Option<u32>) -> Self {
+        Self { candidate, antagonist, ..self }
+    }
+
     fn normal(&self) -> SVector<f64, D> {
         self.normal
     }

@@ -29,7 +29,7 @@ pub use law::greatest;
 pub use measure::Measure;
 pub use measures::Measures;
 pub use mechanics::{Associated, Column, Mass, Mechanics, Place, Touch, Vector};
-pub use meter::{Measuring, Meter};
+pub use meter::{Measuring, Meter, ratio};
 pub use packing::Packing;
 pub use problem::ContactProblem;
 pub use rough::{

@@ -244,6 +244,10 @@ pub trait Touch<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     /// Candidate and antagonist; `None` for a wall.
     fn ends(&self) -> (u32, Option<u32>);
 
+    /// The same contact between other grains, numbered as where these are.
+    #[must_use]
+    fn between(self, candidate: u32, antagonist: Option<u32>) -> Self;
+
     /// Unit normal n, from antagonist to candidate (–).
     fn normal(&self) -> M::Place;
 
@@ -299,4 +303,10 @@ pub trait Column<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     /// s⁺ − s, where `W_αα` = 1 and with the relaxation ω (–), of the impulse that solves the law at the contact when all others are
     /// kept.
     fn change(&self, s: M::Impulse, v: M::Impulse, relaxation: f64) -> M::Impulse;
+
+    /// s − s⁺ of the natural map, in a form that does not cancel where s is large; a bound is that of the normal part of s itself.
+    #[inline]
+    fn residual(&self, s: M::Impulse, v: M::Impulse) -> M::Impulse {
+        -self.change(s, v, 1.0)
+    }
 }

@@ -232,7 +232,7 @@ fn in_threads(contacts: usize) -> bool {
 }
 
 /// A residual over its scale; 0 where there is nothing left, whatever the scale.
-pub(crate) fn ratio(residual: f64, scale: f64) -> f64 {
+pub fn ratio(residual: f64, scale: f64) -> f64 {
     if residual == 0.0 { 0.0 } else { residual / scale }
 }
 

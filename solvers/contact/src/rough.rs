@@ -119,7 +119,7 @@ impl RoughContact {
 
     /// Hᵗ V of the velocities of candidate and antagonist (m/s).
     #[inline]
-    fn between(&self, i: Vector3<f64>, j: Option<Vector3<f64>>) -> Vector2<f64> {
+    fn of_grains(&self, i: Vector3<f64>, j: Option<Vector3<f64>>) -> Vector2<f64> {
         let along = |v: Vector3<f64>, arm: f64, sign: f64| {
             let (n, t) = (self.normal.dot(&v.xy()), self.tangent().dot(&v.xy()));
             Vector2::new(sign * n, sign * t - arm * v.z)
@@ -151,6 +151,10 @@ impl Touch<RoughDiscs> for RoughContact {
         (self.candidate, self.antagonist)
     }
 
+    fn between(self, candidate: u32, antagonist: Option<u32>) -> Self {
+        Self { candidate, antagonist, ..self }
+    }
+
     fn normal(&self) -> Vector2<f64> {
         self.normal
     }
@@ -161,7 +165,7 @@ impl Touch<RoughDiscs> for RoughContact {
 
     #[inline]
     fn relative(&self, velocity: &[Vector3<f64>]) -> Vector2<f64> {
-        self.between(velocity[self.candidate as usize], self.antagonist.map(|j| velocity[j as usize]))
+        self.of_grains(velocity[self.candidate as usize], self.antagonist.map(|j| velocity[j as usize]))
     }
 
     #[inline]

@@ -12,8 +12,9 @@
 use crate::directions::Directions;
 use crate::stages::Stages;
 use crate::subdomain::{Iterate, Latin};
-use contact::{ContactProblem, Vector};
+use contact::Vector;
 use nalgebra::SVector;
+use partition::Team;
 use std::ops::RangeInclusive;
 
 /// Iterations after which directions are scaled. In between, the fast part of the change dies out.
@@ -32,12 +33,12 @@ pub(crate) struct Balance {
 }
 
 impl Balance {
-    /// With room for the iterates of so many unknowns of contacts, and components of boundary grains.
-    pub(crate) fn new<M: Stages>(problem: &ContactProblem<M>, iterates: usize, kappa_t: f64) -> Self {
+    /// With Λ of the whole problem, and room for the iterates of so many unknowns of contacts, and components of boundary grains.
+    pub(crate) fn new<M: Stages>(scaled_delassus_bound: f64, iterates: usize, kappa_t: f64) -> Self {
         let room = || Vec::with_capacity(iterates);
         // A tangent's l is κ_t times that of W_D.
         let steepest = if M::Impulse::LEN > 1 { kappa_t.max(1.0) } else { 1.0 };
-        let eigenvalue_bound = steepest * M::scaled_delassus_bound(problem);
+        let eigenvalue_bound = steepest * scaled_delassus_bound;
         Self { previous: room(), current: room(), eigenvalue_bound }
     }
 
@@ -47,6 +48,7 @@ impl Balance {
         iteration: u64,
         kappa: f64,
         subdomains: &[Latin<M, D>],
+        team: &Team,
     ) -> Option<f64>
     where
         M: Stages<Velocity = SVector<f64, D>>,
@@ -63,8 +65,15 @@ impl Balance {
         // M + H l⁻ Hᵗ amplifies the round-off of v by the root of its condition, at most 1 + κ Λ.
         let round_off = ROUND_OFF * (1.0 + kappa * self.eigenvalue_bound).sqrt();
         let changes = || self.current.iter().zip(&self.previous);
-        let impulses = believed(changes().map(|(i, before)| (i.r - before.r, i.terms_of_r)), round_off)?;
-        let velocities = believed(changes().map(|(i, before)| (i.v - before.v, i.terms_of_v)), round_off)?;
+        let of_r = || changes().map(|(i, before)| (i.r - before.r, i.terms_of_r));
+        let of_v = || changes().map(|(i, before)| (i.v - before.v, i.terms_of_v));
+        // One rank after the other goes on with the sums, so that none changes a bit.
+        let sums = team.in_turn(vec![0.0; 4], |sums| {
+            let (of_r, of_v) = (squares((sums[0], sums[1]), of_r()), squares((sums[2], sums[3]), of_v()));
+            sums.copy_from_slice(&[of_r.0, of_r.1, of_v.0, of_v.1]);
+        });
+        let impulses = believed((sums[0], sums[1]), round_off)?;
+        let velocities = believed((sums[2], sums[3]), round_off)?;
         let limits = self.limits();
         let factor = (impulses / velocities).clamp(*limits.start(), *limits.end()) / kappa;
         let worth = factor.is_finite() && !(1.0 / WORTH..=WORTH).contains(&factor);
@@ -81,10 +90,13 @@ impl Balance {
     }
 }
 
-/// The norm of changes, each beside the size of the terms that it is the difference of; `None` if it is round-off.
-fn believed(changes: impl Iterator<Item = (f64, f64)>, round_off: f64) -> Option<f64> {
-    let (change, terms) =
-        changes.fold((0.0, 0.0), |(change, terms), (of, size)| (change + of * of, terms + size * size));
+/// Sums of squares that go on with those of changes, and of the sizes of the terms that each is the difference of.
+fn squares(sums: (f64, f64), changes: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
+    changes.fold(sums, |(change, terms), (of, size)| (change + of * of, terms + size * size))
+}
+
+/// The norm of changes whose sums of squares these are, with those of their terms; `None` if it is round-off.
+fn believed((change, terms): (f64, f64), round_off: f64) -> Option<f64> {
     (change.sqrt() > round_off * terms.sqrt()).then(|| change.sqrt())
 }
 

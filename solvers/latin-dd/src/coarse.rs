@@ -16,8 +16,8 @@ use crate::subdomain::Latin;
 use cholesky::{Coupling, Factor, Order, Singular, Structure};
 use contact::{ContactProblem, SetupError};
 use nalgebra::{SMatrix, SVector};
-use partition::Decomposition;
-use std::collections::BTreeMap;
+use partition::{Decomposition, Team};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// What an interface is to one of its subdomains.
@@ -30,11 +30,14 @@ struct Side<const D: usize, const T: usize> {
     influence: Vec<SMatrix<f64, D, T>>,
 }
 
-/// The coarse problem, factorised.
+/// The coarse problem, factorised: all ranks have it, and each its own sides.
 pub(crate) struct Coarse<const D: usize, const T: usize> {
-    /// By subdomain.
+    team: Team,
+    /// By own subdomain.
     sides: Vec<Vec<Side<D, T>>>,
     factor: Factor<T>,
+    /// Place of the interface of each side of all ranks, in the order of subdomains.
+    all: Vec<usize>,
     /// g, then w, of each interface in the order of the factor.
     w: Vec<SVector<f64, T>>,
 }
@@ -43,7 +46,7 @@ impl<const D: usize, const T: usize> Coarse<D, T> {
     /// Groups the boundary grains into interfaces, and assembles and factorises S for these factors of K_E.
     pub(crate) fn new<'f, M: Stages<Velocity = SVector<f64, D>>>(
         problem: &ContactProblem<M>,
-        decomposition: &Decomposition,
+        (decomposition, team): (&Decomposition, &Team),
         subdomains: &[Latin<M, D>],
         factor_of: impl Fn(usize) -> &'f Factor<D>,
         kappa_d_minus: f64,
@@ -53,14 +56,18 @@ impl<const D: usize, const T: usize> Coarse<D, T> {
             SetupError::new("coarse", true, format!("{where_not}: its matrix cannot be factorised ({why})"))
         };
         let interfaces = interfaces(decomposition);
+        let number_of = numbers(&interfaces, team);
         let mut sides: Vec<Vec<Side<D, T>>> = subdomains.iter().map(|_| Vec::new()).collect();
-        for (interface, grains) in interfaces.iter().enumerate() {
-            for (k, (e, _)) in grains[0].iter().enumerate() {
-                let latin = &subdomains[*e as usize];
+        for (between, grains) in &interfaces {
+            for (k, e) in between.iter().enumerate() {
+                let Some(e) = e.checked_sub(decomposition.first).filter(|e| (*e as usize) < sides.len())
+                else {
+                    continue;
+                };
+                let (latin, subdomain) = (&subdomains[e as usize], &decomposition.subdomains[e as usize]);
                 let grains: Vec<(usize, f64)> = grains
                     .iter()
                     .map(|copies| {
-                        let subdomain = &decomposition.subdomains[*e as usize];
                         let (_, copy) = copies[k];
                         let grain = subdomain.grains[subdomain.boundary[copy as usize] as usize] as usize;
                         let mass = masses::<M, D>(problem.mass()[grain])[0];
@@ -68,19 +75,29 @@ impl<const D: usize, const T: usize> Coarse<D, T> {
                         (latin.boundary[copy as usize] as usize, d_minus)
                     })
                     .collect();
-                let influence = latin.influence(factor_of(*e as usize), &grains);
-                sides[*e as usize].push(Side { interface, grains, influence });
+                let influence = latin.influence(factor_of(e as usize), &grains);
+                sides[e as usize].push(Side { interface: number_of[between], grains, influence });
             }
         }
-        let ends: Vec<_> = pairs(&sides).map(|(row, column)| ends(row, column)).collect();
-        let couplings: Vec<_> = pairs(&sides).map(|(row, column)| coupling(row, column)).collect();
-        let order = Order::minimum_degree(interfaces.len(), &ends).map_err(refused)?;
+        let mut own = Vec::new();
+        for (row, column) in pairs(&sides) {
+            own.extend([row.interface as f64, column.interface as f64]);
+            own.extend(block(row, column).iter());
+        }
+        let read = |pair: &[f64]| (pair[0] as u32, pair[1] as u32, SMatrix::from_column_slice(&pair[2..]));
+        let all: Vec<_> = team.gather(&own).concat().chunks_exact(2 + T * T).map(read).collect();
+        let ends: Vec<_> = all.iter().map(|(row, column, _)| ends(*row, *column)).collect();
+        let order = Order::minimum_degree(number_of.len(), &ends).map_err(refused)?;
         let structure = Arc::new(Structure::new(&ends, &order));
         for side in sides.iter_mut().flatten() {
             side.interface = structure.position()[side.interface] as usize;
         }
-        let factor = Factor::new(structure, |_| SVector::zeros(), |k| Some(couplings[k])).map_err(refused)?;
-        Ok(Self { sides, factor, w: vec![SVector::zeros(); interfaces.len()] })
+        let own: Vec<f64> = sides.iter().flatten().map(|side| side.interface as f64).collect();
+        let places = team.gather(&own).concat().into_iter().map(|place| place as usize).collect();
+        let factor =
+            Factor::new(structure, |_| SVector::zeros(), |k| Some(coupling(all[k]))).map_err(refused)?;
+        let w = vec![SVector::zeros(); number_of.len()];
+        Ok(Self { team: team.clone(), sides, factor, all: places, w })
     }
 
     /// Solves for w, and brings every subdomain's V_E and τ to it.
@@ -88,8 +105,8 @@ impl<const D: usize, const T: usize> Coarse<D, T> {
     where
         M: Stages<Velocity = SVector<f64, D>>,
     {
-        let Self { sides, factor, w } = self;
-        resultants(sides, subdomains, w);
+        self.add_up(subdomains);
+        let Self { sides, factor, w, .. } = self;
         for g in w.iter_mut() {
             *g = -*g;
         }
@@ -101,21 +118,36 @@ impl<const D: usize, const T: usize> Coarse<D, T> {
         }
     }
 
+    /// g: Σ F_E over the grains and copies of each interface (N·s).
+    fn add_up<M: Stages<Velocity = SVector<f64, D>>>(&mut self, subdomains: &[Latin<M, D>]) {
+        let sides = self.sides.iter().zip(subdomains);
+        let own: Vec<f64> = sides
+            .flat_map(|(sides, latin)| {
+                sides.iter().flat_map(|side| latin.resultant::<T>(&side.grains).data.0[0])
+            })
+            .collect();
+        self.w.fill(SVector::zeros());
+        let of_ranks = self.team.gather(&own);
+        let all = of_ranks.iter().flat_map(|of_rank| of_rank.as_chunks::<T>().0);
+        for (place, g) in self.all.iter().zip(all) {
+            self.w[*place] += SVector::from(*g);
+        }
+    }
+
     /// g of each interface (N·s).
     #[cfg(test)]
-    pub(crate) fn resultants<M>(&self, subdomains: &[Latin<M, D>]) -> Vec<SVector<f64, T>>
+    pub(crate) fn resultants<M>(&mut self, subdomains: &[Latin<M, D>]) -> Vec<SVector<f64, T>>
     where
         M: Stages<Velocity = SVector<f64, D>>,
     {
-        let mut g = self.w.clone();
-        resultants(&self.sides, subdomains, &mut g);
-        g
+        self.add_up(subdomains);
+        self.w.clone()
     }
 
-    /// Entries that a correction goes through: those of the factor twice, those of the influences once.
-    pub(crate) fn entries(&self) -> usize {
-        let influences: usize = self.sides.iter().flatten().map(|side| T * D * side.influence.len()).sum();
-        2 * self.factor.entries() + influences
+    /// Entries of the factor that a correction goes through, twice; and those of the influences of the own sides, once.
+    pub(crate) fn entries(&self) -> [usize; 2] {
+        let influences = self.sides.iter().flatten().map(|side| T * D * side.influence.len()).sum();
+        [2 * self.factor.entries(), influences]
     }
 
     /// Multiply-adds of the factorisation of S.
@@ -129,30 +161,33 @@ impl<const D: usize, const T: usize> Coarse<D, T> {
     }
 }
 
-/// g: Σ F_E over the grains and copies of each interface (N·s).
-fn resultants<M, const D: usize, const T: usize>(
-    sides: &[Vec<Side<D, T>>],
-    subdomains: &[Latin<M, D>],
-    g: &mut [SVector<f64, T>],
-) where
-    M: Stages<Velocity = SVector<f64, D>>,
-{
-    g.fill(SVector::zeros());
-    for (sides, latin) in sides.iter().zip(subdomains) {
-        for side in sides {
-            g[side.interface] += latin.resultant(&side.grains);
-        }
-    }
-}
+/// The boundary grains, as the copies of each, by the subdomains between which they are.
+type Interfaces<'d> = BTreeMap<Vec<u32>, Vec<&'d Vec<(u32, u32)>>>;
 
-/// The boundary grains by the subdomains between which they are, as the copies of each.
-fn interfaces(decomposition: &Decomposition) -> Vec<Vec<&Vec<(u32, u32)>>> {
-    let mut interfaces = BTreeMap::<Vec<u32>, Vec<_>>::new();
+fn interfaces(decomposition: &Decomposition) -> Interfaces<'_> {
+    let mut interfaces = Interfaces::new();
     for copies in &decomposition.boundary {
         let between = copies.iter().map(|(e, _)| *e).collect();
         interfaces.entry(between).or_default().push(copies);
     }
-    interfaces.into_values().collect()
+    interfaces
+}
+
+/// The number of each interface among those of all ranks. The rank of its first subdomain tells the others of it.
+fn numbers(interfaces: &Interfaces, team: &Team) -> BTreeMap<Vec<u32>, usize> {
+    let own = interfaces.keys().filter(|between| team.mine().contains(&(between[0] as usize)));
+    let own: Vec<f64> = own
+        .flat_map(|between| std::iter::once(between.len() as u32).chain(between.iter().copied()))
+        .map(f64::from)
+        .collect();
+    let all = team.gather(&own).concat();
+    let (mut between, mut rest) = (BTreeSet::new(), &all[..]);
+    while let Some((length, after)) = rest.split_first() {
+        let (subdomains, after) = after.split_at(*length as usize);
+        between.insert(subdomains.iter().map(|e| *e as u32).collect::<Vec<_>>());
+        rest = after;
+    }
+    between.into_iter().zip(0..).collect()
 }
 
 /// All pairs of sides of one subdomain, either once.
@@ -164,21 +199,29 @@ fn pairs<const D: usize, const T: usize>(
     })
 }
 
-/// The interfaces of two sides, or the one that both are.
-fn ends<const D: usize, const T: usize>(row: &Side<D, T>, column: &Side<D, T>) -> (u32, Option<u32>) {
-    (row.interface as u32, (row.interface != column.interface).then_some(column.interface as u32))
+/// Two interfaces, or the one that both are.
+fn ends(row: u32, column: u32) -> (u32, Option<u32>) {
+    (row, (row != column).then_some(column))
 }
 
 /// What two sides of one subdomain add to S.
-fn coupling<const D: usize, const T: usize>(row: &Side<D, T>, column: &Side<D, T>) -> Coupling<T> {
+fn block<const D: usize, const T: usize>(row: &Side<D, T>, column: &Side<D, T>) -> SMatrix<f64, T, T> {
     let mut block = SMatrix::zeros();
     for (place, d_minus) in &row.grains {
         block -= column.influence[*place].fixed_rows::<T>(0) * *d_minus;
     }
-    let zeros = SMatrix::zeros();
     if row.interface == column.interface {
         let own: f64 = row.grains.iter().map(|(_, d_minus)| d_minus).sum();
-        Coupling { first: block + own * SMatrix::identity(), second: zeros, between: zeros }
+        block += own * SMatrix::identity();
+    }
+    block
+}
+
+/// The same, with the interfaces of the two sides, as the factor wants it.
+fn coupling<const T: usize>((row, column, block): (u32, u32, SMatrix<f64, T, T>)) -> Coupling<T> {
+    let zeros = SMatrix::zeros();
+    if row == column {
+        Coupling { first: block, second: zeros, between: zeros }
     } else {
         Coupling { first: zeros, second: zeros, between: block }
     }

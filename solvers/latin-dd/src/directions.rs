@@ -43,15 +43,24 @@ impl Directions {
 /// With friction it is that of the problem without, which no theory backs: on `rough-991-mu08` it does well with friction lowered to
 /// 0.3, and at 0.8, where κ = 3 comes to a natural map of 1e-3, it comes nowhere.
 pub fn derived_kappa<M: Mechanics>(problem: &ContactProblem<M>) -> f64 {
+    kappa_of(depth_of(problem), problem.contact_count() as u64, problem.grain_count() as u64)
+}
+
+/// κ of the depth n, and of the numbers of contacts and grains.
+pub(crate) fn kappa_of(depth: u32, contacts: u64, grains: u64) -> f64 {
+    let contacts_per_grain = (contacts as f64 / grains as f64).max(1.0);
+    std::f64::consts::FRAC_2_PI * f64::from(depth.max(1)) * contacts_per_grain
+}
+
+/// n of [`derived_kappa`]; 0 where no wall pushes.
+pub fn depth_of<M: Mechanics>(problem: &ContactProblem<M>) -> u32 {
     let b = problem.b();
     let normals = || b.iter().step_by(M::Impulse::LEN);
     let walls = || problem.contacts().iter().zip(normals()).filter(|(contact, _)| contact.ends().1.is_none());
     let fastest = walls().fold(0.0_f64, |fastest, (_, b)| fastest.max(-b));
     let pushed: Vec<u32> =
         walls().filter(|(_, b)| -**b > 0.1 * fastest).map(|(contact, _)| contact.ends().0).collect();
-    let n = depth(problem, &pushed).max(1);
-    let contacts_per_grain = (problem.contact_count() as f64 / problem.grain_count() as f64).max(1.0);
-    std::f64::consts::FRAC_2_PI * f64::from(n) * contacts_per_grain
+    depth(problem, &pushed)
 }
 
 /// Number of grains on the longest of the shortest paths from `sources`, these included.

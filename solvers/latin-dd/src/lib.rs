@@ -36,15 +36,17 @@ mod subdomain;
 #[cfg(test)]
 mod tests;
 
-pub use directions::{Directions, derived_kappa};
+pub use directions::{Directions, depth_of, derived_kappa};
 pub use run::Run;
 pub use stages::{Form, Stages};
 
 use contact::{ContactProblem, Iteration, Mechanics, Packing, SetupError, Solver};
 use nalgebra::SVector;
-use partition::{Grid, Scheme};
+use partition::{Distributed, Grid, Refused, Scheme, Share, Team};
+use run::Beginning;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Settings of LATIN-DD.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
@@ -102,7 +104,11 @@ impl Default for LatinDd {
 impl LatinDd {
     /// The directions that these settings mean on `problem`.
     pub fn directions<M: Mechanics>(&self, problem: &ContactProblem<M>) -> Directions {
-        let kappa_l = self.kappa_l.unwrap_or_else(|| derived_kappa(problem));
+        self.directions_with(|| derived_kappa(problem))
+    }
+
+    fn directions_with(&self, derived_kappa: impl FnOnce() -> f64) -> Directions {
+        let kappa_l = self.kappa_l.unwrap_or_else(derived_kappa);
         let kappa_d = self.kappa_d.unwrap_or_else(|| self.kappa_l_plus.unwrap_or(kappa_l));
         Directions {
             l_minus: self.kappa_l_minus.unwrap_or(kappa_l),
@@ -137,13 +143,22 @@ impl LatinDd {
     where
         M: Stages<Velocity = SVector<f64, D>, Place = SVector<f64, T>>,
     {
+        self.check()?;
+        let directions = self.directions(problem);
+        self.check_directions(&directions)?;
+        self.bind(problem, directions, r0)
+    }
+
+    fn check(&self) -> Result<(), SetupError> {
         let is_share = self.relaxation > 0.0 && self.relaxation <= 1.0;
         SetupError::unless(is_share, "relaxation", self.relaxation, "above 0 and at most 1")?;
         for (key, value) in [("kappa_l", self.kappa_l), ("kappa_d", self.kappa_d)] {
             value.map_or(Ok(()), |value| SetupError::unless_positive(key, value))?;
         }
-        SetupError::unless_positive("kappa_t", self.kappa_t)?;
-        let directions = self.directions(problem);
+        SetupError::unless_positive("kappa_t", self.kappa_t)
+    }
+
+    fn check_directions(&self, directions: &Directions) -> Result<(), SetupError> {
         directions.check()?;
         if self.adapts() && directions.l_minus == 0.0 {
             return Err(SetupError::new("adaptive", true, "false where kappa_l_minus is 0"));
@@ -151,7 +166,7 @@ impl LatinDd {
         if self.coarse && directions.d_minus == 0.0 {
             return Err(SetupError::new("coarse", true, "false where kappa_d_minus is 0"));
         }
-        self.bind(problem, directions, r0)
+        Ok(())
     }
 }
 
@@ -161,5 +176,23 @@ where
 {
     fn start<'p>(&self, problem: &'p Packing<M>, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         Ok(Box::new(self.run(problem, r0)?))
+    }
+}
+
+impl<M, const D: usize, const T: usize> Distributed<M> for LatinDd
+where
+    M: Stages<Velocity = SVector<f64, D>, Place = SVector<f64, T>>,
+{
+    fn start_in<'p>(&self, share: &'p Share<M>, team: &Team) -> Result<Box<dyn Iteration + 'p>, Refused> {
+        let whole = &share.whole;
+        self.check()?;
+        let directions =
+            self.directions_with(|| directions::kappa_of(whole.depth, whole.contacts, whole.grains));
+        self.check_directions(&directions)?;
+        let r0 = vec![0.0; share.problem.impulse_count()];
+        let scaled_delassus_bound = whole.scaled_delassus_bound;
+        let beginning = Beginning { directions, scaled_delassus_bound, r0: &r0 };
+        let run = self.begin(&share.problem, Cow::Borrowed(&share.decomposition), team, &beginning)?;
+        Ok(Box::new(run))
     }
 }

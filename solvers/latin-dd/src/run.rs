@@ -9,8 +9,9 @@ use crate::stages::Stages;
 use crate::subdomain::Latin;
 use contact::{ContactProblem, Discs, Iteration, Packing, SetupError, Vector, Work, together};
 use nalgebra::SVector;
-use partition::{CopySums, Decomposition, Partition};
+use partition::{CopySums, Decomposition, Partition, Refused, Team};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// What a stage takes per contact, about (ns).
 const NS_PER_CONTACT: usize = 20;
@@ -18,7 +19,9 @@ const NS_PER_CONTACT: usize = 20;
 /// LATIN-DD on one problem, with D unknowns of a grain, T of them translations. `advance` takes its stages in turn; alone, they are for those who look at one of them.
 pub struct Run<'p, M: Stages = Discs, const D: usize = 2, const T: usize = 2> {
     problem: &'p ContactProblem<M>,
-    pub(crate) decomposition: Decomposition,
+    team: Team,
+    /// Of the own subdomains.
+    pub(crate) decomposition: Cow<'p, Decomposition>,
     pub(crate) subdomains: Vec<Latin<M, D>>,
     pub(crate) directions: Directions,
     relaxation: f64,
@@ -37,7 +40,7 @@ where
     fn advance(&mut self) {
         self.linear_stage();
         let factor = self.balance.as_mut().and_then(|balance| {
-            balance.factor(self.iterations + 1, self.directions.l_minus, &self.subdomains)
+            balance.factor(self.iterations + 1, self.directions.l_minus, &self.subdomains, &self.team)
         });
         self.local_stage();
         self.iterations += 1;
@@ -77,7 +80,9 @@ where
             8 * unknowns + 2 * latin.factor.entries() + D * latin.boundary.len()
         };
         let longest = self.subdomains.iter().map(work).max().unwrap_or(0);
-        Some((longest + self.coarse.as_ref().map_or(0, Coarse::entries)) as u64)
+        let [factor, influences] = self.coarse.as_ref().map_or([0; 2], Coarse::entries);
+        let longest = self.team.max(longest as f64) as u64;
+        Some(longest + factor as u64 + self.team.count(influences as u64))
     }
 
     fn work(&self) -> Work {
@@ -123,11 +128,14 @@ where
         let factors: Result<Vec<_>, _> =
             self.subdomains.par_iter().map(|subdomain| subdomain.factorise(&directions)).collect();
         self.count_factorisations();
+        if !self.team.all(factors.is_ok()) {
+            return;
+        }
         let Ok(factors) = factors else { return };
         if self.coarse.is_some() {
             let factor_of = |e: usize| &factors[e];
-            let (decomposition, kappa) = (&self.decomposition, directions.d_minus);
-            let coarse = Coarse::new(self.problem, decomposition, &self.subdomains, factor_of, kappa);
+            let (cut, kappa) = ((&*self.decomposition, &self.team), directions.d_minus);
+            let coarse = Coarse::new(self.problem, cut, &self.subdomains, factor_of, kappa);
             let Ok(coarse) = coarse else { return };
             self.coarse = Some(coarse);
         }
@@ -137,10 +145,11 @@ where
         self.directions = directions;
     }
 
-    /// A factorisation of each subdomain's matrix, and of the coarse one.
+    /// A factorisation of each own subdomain's matrix, and of the coarse one, which is counted once.
     fn count_factorisations(&mut self) {
         let of_subdomains = self.subdomains.iter().map(|latin| latin.factor.structure().work());
-        for multiply_adds in of_subdomains.chain(self.coarse.as_ref().map(Coarse::factorisation)) {
+        let coarse = self.coarse.as_ref().filter(|_| self.team.rank() == 0);
+        for multiply_adds in of_subdomains.chain(coarse.map(Coarse::factorisation)) {
             self.work.factorisations += 1;
             self.work.factorisation_multiply_adds += multiply_adds;
         }
@@ -149,17 +158,27 @@ where
     /// Adds the work of one iteration.
     fn count(&mut self) {
         let entries: usize = self.subdomains.iter().map(|latin| latin.factor.entries()).sum();
-        let coarse = self.coarse.as_ref();
-        let (entries_of_coarse, values_of_coarse) =
-            coarse.map_or((0, 0), |coarse| (coarse.entries(), 2 * T * coarse.interfaces()));
+        let once = usize::from(self.team.rank() == 0);
+        let (entries_of_coarse, values_of_coarse) = self.coarse.as_ref().map_or((0, 0), |coarse| {
+            let [factor, influences] = coarse.entries();
+            (once * factor + influences, once * 2 * T * coarse.interfaces())
+        });
         self.work.contact_updates += self.problem.contact_count() as u64;
         self.work.interface_values += (D * self.decomposition.copy_count() + values_of_coarse) as u64;
         self.work.triangular_solve_entries += (2 * entries + entries_of_coarse) as u64;
     }
 }
 
+/// The whole problem's numbers that directions adapt by, or a rank's share of the problem begins with.
+pub(crate) struct Beginning<'r> {
+    pub(crate) directions: Directions,
+    /// Λ ≥ λmax(W_D⁻¹ W) (–), where the directions adapt.
+    pub(crate) scaled_delassus_bound: f64,
+    pub(crate) r0: &'r [f64],
+}
+
 impl LatinDd {
-    /// A run with these directions, factorised.
+    /// A run on the whole problem, with these directions, factorised.
     pub(crate) fn bind<'p, M, const D: usize, const T: usize>(
         &self,
         problem: &'p Packing<M>,
@@ -171,26 +190,45 @@ impl LatinDd {
     {
         let partition = Partition::of_contacts(problem, self.partition, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
+        let team = Team::alone(decomposition.subdomains.len());
+        let scaled_delassus_bound = if self.adapts() { M::scaled_delassus_bound(problem) } else { f64::NAN };
+        let beginning = Beginning { directions, scaled_delassus_bound, r0 };
+        Ok(self.begin(problem, Cow::Owned(decomposition), &team, &beginning)?)
+    }
+
+    /// A run on the subdomains of `decomposition`, which are all or those of a rank.
+    pub(crate) fn begin<'p, M, const D: usize, const T: usize>(
+        &self,
+        problem: &'p Packing<M>,
+        decomposition: Cow<'p, Decomposition>,
+        team: &Team,
+        &Beginning { directions, scaled_delassus_bound, r0 }: &Beginning,
+    ) -> Result<Run<'p, M, D, T>, Refused>
+    where
+        M: Stages<Velocity = SVector<f64, D>, Place = SVector<f64, T>>,
+    {
         let mut start = vec![SVector::zeros(); problem.grain_count()];
         problem.velocity(r0, &mut start);
         let subdomains = (0..decomposition.subdomains.len())
             .into_par_iter()
             .map(|e| Latin::new(problem, &decomposition, e, (&directions, self.kappa_t), r0, &start))
-            .collect::<Result<Vec<_>, _>>()?;
+            .collect::<Result<Vec<_>, _>>();
+        let subdomains = team.unless_refused(subdomains)?;
         let coarse = self
             .coarse
             .then(|| {
                 let factor_of = |e: usize| &subdomains[e].factor;
-                Coarse::new(problem, &decomposition, &subdomains, factor_of, directions.d_minus)
+                Coarse::new(problem, (&decomposition, team), &subdomains, factor_of, directions.d_minus)
             })
             .transpose()?;
         let balance = self.adapts().then(|| {
             let iterates = subdomains.iter().flat_map(Latin::linear_iterate).count();
-            Balance::new(problem, iterates, self.kappa_t)
+            Balance::new::<M>(scaled_delassus_bound, iterates, self.kappa_t)
         });
         let mut run = Run {
             problem,
-            sums: CopySums::new(&decomposition),
+            team: team.clone(),
+            sums: CopySums::over(&decomposition, team),
             decomposition,
             subdomains,
             directions,

@@ -1,6 +1,7 @@
 //! What subdomains send each other at a boundary grain, and how it adds up, (3).
 
 use nalgebra::SVector;
+use partition::Sendable;
 use std::iter::Sum;
 use std::ops::Add;
 
@@ -32,5 +33,18 @@ impl<const D: usize> Sum for Sent<D> {
     #[inline]
     fn sum<I: Iterator<Item = Self>>(sent: I) -> Self {
         sent.fold(Self::default(), Self::add)
+    }
+}
+
+impl<const D: usize> Sendable for Sent<D> {
+    const NUMBERS: usize = 2 * D;
+
+    fn write(self, numbers: &mut Vec<f64>) {
+        numbers.extend(self.impulse.iter().chain(self.velocity.iter()));
+    }
+
+    fn read(numbers: &[f64]) -> Self {
+        let (impulse, velocity) = numbers.split_at(D);
+        Self { impulse: SVector::from_column_slice(impulse), velocity: SVector::from_column_slice(velocity) }
     }
 }

@@ -123,7 +123,8 @@ fn directions_do_not_run_away_from_round_off() {
 fn best_direction_of_any_closed_contacts_is_within_the_limits() {
     let frozen = ["settled-60", "settled-250"].map(|name| frozen(name).problem);
     for problem in frozen.into_iter().chain(["0.005", "0.1"].map(almost_closing)) {
-        let limits = Balance::new(&problem, 0, 1.0).limits();
+        let limits =
+            Balance::new::<contact::Discs>(analysis::scaled_delassus_bound(&problem), 0, 1.0).limits();
         for every in 1..10 {
             let closed: Vec<bool> =
                 (0..problem.contact_count()).map(|contact| contact % every == 0).collect();

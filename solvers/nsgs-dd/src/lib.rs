@@ -6,8 +6,10 @@
 
 mod subdomain;
 
-use contact::{Iteration, Mass, Mechanics, Packing, SetupError, Solver, Vector, Work, greedy_colours};
-use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain};
+use contact::{Iteration, Mass, Mechanics, Packing, SetupError, Solver, Vector, Work};
+use partition::{
+    CopySums, Decomposition, Distributed, Grid, Partition, Refused, Scheme, Share, Subdomain, Team,
+};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -57,9 +59,10 @@ pub enum Exchange {
 }
 
 struct Run<M: Mechanics> {
+    team: Team,
     sweepers: Vec<Sweeper<M>>,
     sums: CopySums<M::Velocity>,
-    /// Contacts of each group of subdomains: those of one group work at the same time, group after group.
+    /// Contacts of each group of own subdomains: those of one group work at the same time, group after group.
     groups: Vec<usize>,
     settings: NsgsDd,
     iterations: u64,
@@ -92,7 +95,7 @@ impl<M: Mechanics> Iteration for Run<M> {
                 + M::Velocity::LEN * sweeper.copies.len())
             .max(*longest);
         }
-        Some(longest.iter().sum::<usize>() as u64)
+        Some(longest.iter().map(|longest| self.team.max(*longest as f64) as u64).sum())
     }
 
     fn work(&self) -> Work {
@@ -130,11 +133,37 @@ impl<M: Mechanics> Run<M> {
 
 impl<M: Mechanics> Solver<M> for NsgsDd {
     fn start<'p>(&self, problem: &'p Packing<M>, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        SetupError::unless(self.inner_sweeps > 0, "inner_sweeps", 0, "at least 1")?;
-        SetupError::unless_positive("relaxation", self.relaxation)?;
+        self.check()?;
         let partition = Partition::of_contacts(problem, self.partition, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
-        let Decomposition { subdomains, multiplicity, .. } = &decomposition;
+        let team = Team::alone(decomposition.subdomains.len());
+        Ok(Box::new(self.bind(problem, &decomposition, &team, r0)))
+    }
+}
+
+impl<M: Mechanics> Distributed<M> for NsgsDd {
+    fn start_in<'p>(&self, share: &'p Share<M>, team: &Team) -> Result<Box<dyn Iteration + 'p>, Refused> {
+        self.check()?;
+        let r0 = vec![0.0; share.problem.impulse_count()];
+        Ok(Box::new(self.bind(&share.problem, &share.decomposition, team, &r0)))
+    }
+}
+
+impl NsgsDd {
+    fn check(&self) -> Result<(), SetupError> {
+        SetupError::unless(self.inner_sweeps > 0, "inner_sweeps", 0, "at least 1")?;
+        SetupError::unless_positive("relaxation", self.relaxation)
+    }
+
+    /// A run on the subdomains of `decomposition`, which are all or those of a rank.
+    fn bind<M: Mechanics>(
+        &self,
+        problem: &Packing<M>,
+        decomposition: &Decomposition,
+        team: &Team,
+        r0: &[f64],
+    ) -> Run<M> {
+        let Decomposition { subdomains, multiplicity, .. } = decomposition;
         let inverse_mass = |grain: u32| {
             let share = if self.mass_splitting { multiplicity[grain as usize] } else { 1 };
             problem.mass()[grain as usize].inverse(f64::from(share))
@@ -142,25 +171,25 @@ impl<M: Mechanics> Solver<M> for NsgsDd {
         // Every copy starts at V_free + M⁻¹ H r0.
         let mut start = vec![M::Velocity::ZERO; problem.grain_count()];
         problem.velocity(r0, &mut start);
-        let of_subdomain = match self.exchange {
-            Exchange::Jacobi => vec![0; subdomains.len()],
-            Exchange::GaussSeidel => {
-                greedy_colours(subdomains.iter().map(Subdomain::boundary_grains), problem.grain_count())
-            }
+        let of_all = match self.exchange {
+            Exchange::Jacobi => vec![0; team.subdomains()],
+            Exchange::GaussSeidel => decomposition.colours(team),
         };
-        let mut groups = vec![0; of_subdomain.iter().max().map_or(0, |greatest| *greatest as usize + 1)];
+        let mut groups = vec![0; of_all.iter().max().map_or(0, |greatest| *greatest as usize + 1)];
+        let of_subdomain = &of_all[team.mine()];
         for (group, subdomain) in of_subdomain.iter().zip(subdomains) {
             groups[*group as usize] += subdomain.contacts.len();
         }
         let sweeper = |(subdomain, group): (&Subdomain, &u32)| {
             Sweeper::new(problem, subdomain, *group, &inverse_mass, multiplicity, (r0, &start))
         };
-        Ok(Box::new(Run {
-            sweepers: subdomains.par_iter().zip(&of_subdomain).map(sweeper).collect(),
-            sums: CopySums::new(&decomposition),
+        Run {
+            team: team.clone(),
+            sweepers: subdomains.par_iter().zip(of_subdomain).map(sweeper).collect(),
+            sums: CopySums::over(decomposition, team),
             groups,
             settings: *self,
             iterations: 0,
-        }))
+        }
     }
 }

@@ -1,7 +1,9 @@
 //! Subdomains with their own copies of the grains.
 
 use crate::scheme::Partition;
+use crate::team::Team;
 use contact::{ContactProblem, Mechanics, Touch};
+use std::collections::BTreeSet;
 
 /// One subdomain E: its contacts, and its own copy of each grain that they touch.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,14 +19,17 @@ pub struct Subdomain {
     pub boundary: Vec<u32>,
 }
 
-/// A contact problem cut along its boundary grains.
+/// A contact problem cut along its boundary grains; or what one of several ranks has of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Decomposition {
-    /// The subdomains; some may have no contact.
+    /// The subdomains, or those of a rank; some may have no contact.
     pub subdomains: Vec<Subdomain>,
+    /// Number of the first of them among all.
+    pub first: u32,
     /// `m_i`: in how many subdomains each grain has contacts; 0 for a grain without contact.
     pub multiplicity: Vec<u32>,
-    /// The copies of each boundary grain, in the order of the subdomains: subdomain, and number among its copies.
+    /// The copies of each boundary grain, in the order of the subdomains: subdomain among all, and number among its copies. Those
+    /// of other ranks stand beside the own ones.
     pub boundary: Vec<Vec<(u32, u32)>>,
 }
 
@@ -64,12 +69,34 @@ impl Decomposition {
             subdomain.boundary = copies.into_iter().map(|(local, _)| local).collect();
         }
         boundary.retain(|copies| !copies.is_empty());
-        Self { subdomains, multiplicity, boundary }
+        Self { subdomains, first: 0, multiplicity, boundary }
     }
 
-    /// Number of copies of boundary grains.
+    /// Number of copies of boundary grains in these subdomains.
     pub fn copy_count(&self) -> usize {
-        self.boundary.iter().map(Vec::len).sum()
+        self.subdomains.iter().map(|subdomain| subdomain.boundary.len()).sum()
+    }
+
+    /// Greedy colours of all subdomains: each, in their order, takes the least that none before it has with which it shares a grain.
+    pub fn colours(&self, team: &Team) -> Vec<u32> {
+        let mut neighbours = vec![BTreeSet::new(); self.subdomains.len()];
+        for copies in &self.boundary {
+            for (e, _) in copies {
+                if let Some(neighbours) =
+                    e.checked_sub(self.first).and_then(|e| neighbours.get_mut(e as usize))
+                {
+                    neighbours.extend(copies.iter().map(|(f, _)| *f).filter(|f| f < e));
+                }
+            }
+        }
+        let colours = team.in_turn(vec![0.0; team.subdomains()], |colours| {
+            for (e, neighbours) in (self.first as usize..).zip(&neighbours) {
+                let taken: BTreeSet<u32> = neighbours.iter().map(|f| colours[*f as usize] as u32).collect();
+                let least = (0..taken.len() as u32).find(|colour| !taken.contains(colour));
+                colours[e] = f64::from(least.unwrap_or(taken.len() as u32));
+            }
+        });
+        colours.into_iter().map(|colour| colour as u32).collect()
     }
 }
 

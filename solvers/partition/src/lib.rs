@@ -1,14 +1,19 @@
 //! Partition of a contact problem, §3: contacts, not grains, are distributed over subdomains.
 //!
 //! A grain with contacts in `m_i` > 1 subdomains is a boundary grain: it has `m_i` copies of mass `M_i/m_i`, which gluing
-//! keeps at one velocity, eq. (3).
+//! keeps at one velocity, eq. (3). Subdomains are all of one machine, or each rank of a [`Team`] has some.
 
+mod collective;
 mod decomposition;
 mod grid;
 mod scheme;
+mod share;
 mod sums;
+mod team;
 
 pub use decomposition::{Decomposition, Subdomain};
 pub use grid::Grid;
 pub use scheme::{Partition, Scheme};
-pub use sums::{CopySums, Sums};
+pub use share::{Distributed, Refused, Share, Whole};
+pub use sums::{CopySums, Sendable, Sums};
+pub use team::{Parcel, Post, Team, Traffic};

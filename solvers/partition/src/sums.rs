@@ -1,19 +1,47 @@
 //! What subdomains exchange: sums over the copies of each boundary grain.
 
 use crate::decomposition::Decomposition;
-use contact::together;
+use crate::team::{Parcel, Team};
+use contact::{Vector, together};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::iter::Sum;
 use std::slice::Iter;
 
+/// What a copy of a boundary grain sends: some numbers that are added up together.
+pub trait Sendable: Copy + Send + Sync + Sum {
+    /// How many.
+    const NUMBERS: usize;
+
+    /// Adds them to a list.
+    fn write(self, numbers: &mut Vec<f64>);
+
+    /// Those at the beginning of a list.
+    fn read(numbers: &[f64]) -> Self;
+}
+
+impl<V: Vector> Sendable for V {
+    const NUMBERS: usize = V::LEN;
+
+    fn write(self, numbers: &mut Vec<f64>) {
+        self.each(&mut |x| numbers.push(x));
+    }
+
+    fn read(numbers: &[f64]) -> Self {
+        V::at(numbers, 0)
+    }
+}
+
 /// The only exchange between subdomains: each copy of a boundary grain gets the sum over all copies of the grain, added up in
-/// the order of the subdomains, so that no number of threads changes a bit.
+/// the order of the subdomains, so that no number of threads or ranks changes a bit.
 ///
-/// In two passes over the subdomains: all [send](Self::send), then each [receives](Self::receive) and waits for no other. Copies
-/// are numbered as in [`Subdomain::boundary`](crate::Subdomain::boundary).
+/// In two passes over the subdomains: all [send](Self::send), then each [receives](Self::receive) and waits for no other. Between
+/// the two, ranks send each other what they share. Copies are numbered as in
+/// [`Subdomain::boundary`](crate::Subdomain::boundary).
 pub struct CopySums<V> {
-    /// What each subdomain sent, copy by copy.
+    /// What each own subdomain sent, copy by copy; then what came from each neighbouring rank.
     sent: Vec<Vec<V>>,
+    post: Option<Between>,
     /// Where each subdomain finds the terms of its sums.
     terms: Vec<Terms>,
     /// Number of copies in all.
@@ -30,21 +58,73 @@ struct Terms {
 /// What it takes to send a copy, or to fetch what another thread sent, about (ns).
 const NS_PER_COPY: usize = 20;
 
-impl<V: Copy + Send + Sync + Sum> CopySums<V> {
-    /// Between the subdomains of `decomposition`.
+/// What goes to other ranks, and comes from them.
+struct Between {
+    team: Team,
+    /// For each parcel to another rank, the own subdomain and the number of each copy.
+    copies: Vec<Vec<(u32, u32)>>,
+    out: Vec<Parcel>,
+    into: Vec<Parcel>,
+}
+
+impl<V: Sendable> CopySums<V> {
+    /// Between the subdomains of `decomposition`, which are all.
     pub fn new(decomposition: &Decomposition) -> Self {
-        let subdomains = &decomposition.subdomains;
-        let mut terms = vec![Terms::default(); subdomains.len()];
+        Self::over(decomposition, &Team::alone(decomposition.subdomains.len()))
+    }
+
+    /// Between the subdomains of `decomposition`, those of this rank, and those of the other ranks of the `team`.
+    pub fn over(decomposition: &Decomposition, team: &Team) -> Self {
+        let (own, first) = (decomposition.subdomains.len(), decomposition.first);
+        // The copies of a grain are known wherever one is, so both sides find the same ones, and sort them alike.
+        let is_mine = |e: u32| team.mine().contains(&(e as usize));
+        let (mut out, mut into) = (BTreeMap::<_, Vec<_>>::new(), BTreeMap::<_, Vec<_>>::new());
         for copies in &decomposition.boundary {
-            for (e, _) in copies {
-                let terms = &mut terms[*e as usize];
-                terms.of.extend(copies);
+            let (mine, others): (Vec<_>, Vec<_>) = copies.iter().copied().partition(|(e, _)| is_mine(*e));
+            let mut ranks: Vec<usize> = others.iter().map(|(e, _)| team.rank_of(*e as usize)).collect();
+            for copy in others {
+                into.entry(team.rank_of(copy.0 as usize)).or_default().push(copy);
+            }
+            ranks.dedup();
+            for rank in ranks {
+                out.entry(rank).or_default().extend(&mine);
+            }
+        }
+        out.values_mut().chain(into.values_mut()).for_each(|copies| copies.sort_unstable());
+
+        let mut place_of = BTreeMap::new();
+        for (slot, copies) in into.values().enumerate() {
+            let place = |(k, copy): (u32, &(u32, u32))| (*copy, ((own + slot) as u32, k));
+            place_of.extend((0..).zip(copies).map(place));
+        }
+        let place =
+            |(e, k): &(u32, u32)| place_of.get(&(*e, *k)).copied().unwrap_or((e.wrapping_sub(first), *k));
+        let mut terms = vec![Terms::default(); own];
+        for copies in &decomposition.boundary {
+            for (e, _) in copies.iter().filter(|(e, _)| is_mine(*e)) {
+                let terms = &mut terms[(*e - first) as usize];
+                terms.of.extend(copies.iter().map(place));
                 terms.counts.push(copies.len() as u32);
             }
         }
+
+        let parcel =
+            |rank: &usize, copies: usize| Parcel { rank: *rank, numbers: vec![0.0; V::NUMBERS * copies] };
         let none: V = std::iter::empty().sum();
-        let sent = subdomains.iter().map(|subdomain| vec![none; subdomain.boundary.len()]).collect();
-        Self { sent, terms, copies: decomposition.copy_count() }
+        let mut sent: Vec<Vec<V>> =
+            decomposition.subdomains.iter().map(|subdomain| vec![none; subdomain.boundary.len()]).collect();
+        let copies = sent.iter().map(Vec::len).sum();
+        sent.extend(into.values().map(|copies| vec![none; copies.len()]));
+        let post = (team.size() > 1).then(|| Between {
+            team: team.clone(),
+            out: out.keys().map(|rank| parcel(rank, 0)).collect(),
+            into: into.iter().map(|(rank, copies)| parcel(rank, copies.len())).collect(),
+            copies: out
+                .into_values()
+                .map(|copies| copies.into_iter().map(|(e, k)| (e - first, k)).collect())
+                .collect(),
+        });
+        Self { sent, post, terms, copies }
     }
 
     /// In every subdomain, `pass(subdomain, sent)` writes what its copies send; the passes take about `nanoseconds` in all.
@@ -57,6 +137,25 @@ impl<V: Copy + Send + Sync + Sum> CopySums<V> {
         let together = self.together(nanoseconds);
         let subdomains = subdomains.par_iter_mut().zip(&mut self.sent).with_min_len(together);
         subdomains.for_each(|(subdomain, sent)| pass(subdomain, sent));
+        self.swap();
+    }
+
+    /// Each rank gets what its neighbours sent.
+    fn swap(&mut self) {
+        let Some(Between { team, copies, out, into }) = &mut self.post else { return };
+        for (parcel, copies) in out.iter_mut().zip(copies) {
+            parcel.numbers.clear();
+            for (e, k) in copies.iter() {
+                self.sent[*e as usize][*k as usize].write(&mut parcel.numbers);
+            }
+        }
+        team.swap(out, into);
+        let own = self.sent.len() - into.len();
+        for (sent, parcel) in self.sent[own..].iter_mut().zip(into) {
+            sent.iter_mut()
+                .zip(parcel.numbers.chunks_exact(V::NUMBERS))
+                .for_each(|(sent, numbers)| *sent = V::read(numbers));
+        }
     }
 
     /// In every subdomain, `pass(subdomain, sums)` takes the sums of what was sent, copy by copy; the passes take about

@@ -1,13 +1,16 @@
-//! Blocks of contacts for the threads, and what they exchange.
+//! Blocks of contacts for the threads, or of the ranks, and what they exchange.
 
 use contact::{Column, ContactProblem, Discs, Mass, Mechanics, Packing, SetupError, Vector, together};
-use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Subdomain, Sums};
+use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Share, Subdomain, Sums, Team};
 use rayon::prelude::*;
 
 /// The contacts of a problem cut into blocks, which meet between two passes only, at the grains that they share. They are for
-/// the threads alone: how many there are depends on the problem, so no number of threads changes a bit.
+/// the threads alone: how many there are depends on the problem, so no number of threads changes a bit. Where ranks share a problem,
+/// each subdomain is a block.
 pub struct Layout<M: Mechanics = Discs> {
     decomposition: Decomposition,
+    /// The ranks, if there are some.
+    team: Option<Team>,
     sums: CopySums<M::Velocity>,
     contacts: usize,
 }
@@ -35,7 +38,40 @@ impl<M: Mechanics> Layout<M> {
         let contacts = problem.contact_count();
         let partition = Partition::of_contacts(problem, Scheme::Balanced, grid(contacts, M::Place::LEN))?;
         let decomposition = Decomposition::new(problem, &partition);
-        Ok(Self { sums: CopySums::new(&decomposition), decomposition, contacts })
+        Ok(Self { sums: CopySums::new(&decomposition), decomposition, team: None, contacts })
+    }
+
+    /// The subdomains of a rank's share of a problem.
+    pub fn of_share(share: &Share<M>, team: &Team) -> Self {
+        Self {
+            sums: CopySums::over(&share.decomposition, team),
+            decomposition: share.decomposition.clone(),
+            team: Some(team.clone()),
+            contacts: share.problem.contact_count(),
+        }
+    }
+
+    /// The sums of what each block adds, at all ranks.
+    pub fn sum<const N: usize>(&self, parts: impl Iterator<Item = [f64; N]>) -> [f64; N] {
+        match &self.team {
+            None => parts.fold([0.0; N], |a, b| std::array::from_fn(|k| a[k] + b[k])),
+            Some(team) => team.sum(parts),
+        }
+    }
+
+    /// Whether it is so at a rank.
+    pub fn any(&self, here: bool) -> bool {
+        self.team.as_ref().map_or(here, |team| !team.all(!here))
+    }
+
+    /// The least value at any rank.
+    pub fn least(&self, here: f64) -> f64 {
+        self.team.as_ref().map_or(here, |team| team.min(here))
+    }
+
+    /// The greatest value at any rank, or 0.
+    pub fn greatest(&self, here: f64) -> f64 {
+        self.team.as_ref().map_or(here, |team| team.max(here))
     }
 
     /// The contacts and grains of each block.

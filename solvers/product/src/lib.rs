@@ -68,7 +68,16 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         scaled: bool,
         state: impl Fn(usize, M::Impulse) -> C + Sync,
     ) -> Result<Self, SetupError> {
-        let layout = Layout::new(problem)?;
+        Ok(Self::over(Layout::new(problem)?, problem, scaled, state))
+    }
+
+    /// The same on the blocks of a layout, whose contacts and grains are those of `problem`.
+    pub fn over(
+        layout: Layout<M>,
+        problem: &Packing<M>,
+        scaled: bool,
+        state: impl Fn(usize, M::Impulse) -> C + Sync,
+    ) -> Self {
         let blocks = layout.blocks(problem, scaled, |columns, subdomain| Block {
             states: columns.units().map(|(contact, unit)| state(contact, unit)).collect(),
             y: vec![M::Velocity::ZERO; subdomain.grains.len()],
@@ -76,7 +85,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
             parts: [0.0; SUMS],
             adjacency: None,
         });
-        Ok(Self { layout, blocks })
+        Self { layout, blocks }
     }
 
     /// The same, ready for [`Product::pull_around`].
@@ -166,7 +175,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         self.layout.each(&mut self.blocks, |block| {
             block.parts = parts([block.states.iter().map(&value).fold(f64::INFINITY, f64::min)]);
         });
-        self.blocks.iter().map(|block| block.parts[0]).fold(f64::INFINITY, f64::min)
+        self.layout.least(self.blocks.iter().map(|block| block.parts[0]).fold(f64::INFINITY, f64::min))
     }
 
     /// Changes each contact.
@@ -182,7 +191,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     }
 
     fn sums<const N: usize>(&self) -> [f64; N] {
-        std::array::from_fn(|k| self.blocks.iter().map(|block| block.parts[k]).sum())
+        self.layout.sum(self.blocks.iter().map(|block| std::array::from_fn(|k| block.parts[k])))
     }
 }
 

@@ -2,8 +2,8 @@
 //! solution, or where there is none.
 
 use crate::Stop;
-use analysis::Refutable;
-use contact::{ContactProblem, Measure, Measures, Mechanics, Vector};
+use crate::judge::Judge;
+use contact::{Measure, Measures};
 
 /// A velocity error of more than this many tolerances is no convergence (–). Over the frozen problems, six methods and
 /// tolerances from 1e-2 to 1e-6, runs that stop on the natural map have at most 60, on the penetration rate 71.
@@ -27,15 +27,15 @@ const HARDLY_FALLEN: f64 = 0.1;
 ///
 /// The truth decides where it is known, and there is no other. Elsewhere the natural map does: it is far above the tolerance, or it
 /// stays (`stays`), or has hardly fallen, while one of the `rays`, the impulses and their growth, proves that there is no solution.
-pub(crate) fn is_false<M: Refutable>(
+pub(crate) fn is_false(
     stop: &Stop,
-    problem: &ContactProblem<M>,
+    judge: &mut impl Judge,
     measures: &Measures,
     stays: bool,
     rays: &dyn Fn() -> Vec<Vec<f64>>,
 ) -> bool {
-    let tolerance = as_a_share(stop, problem);
-    if M::HAS_ONE_VELOCITY && !measures.velocity_error.is_nan() {
+    let tolerance = as_a_share(stop, judge);
+    if judge.has_one_velocity() && !measures.velocity_error.is_nan() {
         return measures.velocity_error > LEAST.max(FAR * tolerance);
     }
     let far = match stop.on {
@@ -47,14 +47,10 @@ pub(crate) fn is_false<M: Refutable>(
     measures.natural_map > LEAST.max(far * tolerance)
         || measures.natural_map > tolerance
             && (stays || measures.natural_map > HARDLY_FALLEN)
-            && M::any_proves_infeasible(problem, &rays())
+            && judge.any_proves_infeasible(&rays())
 }
 
 /// The tolerance of a penetration rate over the rate of r = 0; that of the other measures, which are shares (–).
-fn as_a_share<M: Mechanics>(stop: &Stop, problem: &ContactProblem<M>) -> f64 {
-    if stop.on == Measure::PenetrationRate {
-        stop.tolerance / problem.b().iter().step_by(M::Impulse::LEN).fold(0.0, |rate: f64, b| rate.max(-b))
-    } else {
-        stop.tolerance
-    }
+fn as_a_share(stop: &Stop, judge: &impl Judge) -> f64 {
+    if stop.on == Measure::PenetrationRate { stop.tolerance / judge.greatest_rate() } else { stop.tolerance }
 }

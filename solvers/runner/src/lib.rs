@@ -3,13 +3,17 @@
 //! judge of solutions, drives its own steps in `reference::solve`; as a method it is run by this loop like the others.)
 
 mod convergence;
+mod judge;
 mod looks;
+mod ranks;
 
 use analysis::Refutable;
 use contact::{
-    Discs, Measure, Measures, Measuring, Mechanics, Packing, SetupError, Solver, Truth, Vector, Work,
+    Discs, Iteration, Measure, Measures, Measuring, Mechanics, Packing, SetupError, Solver, Truth, Vector,
+    Work,
 };
 use convergence::is_false;
+use judge::{Judge, OneMachine};
 use looks::{Grid, Looks};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -17,6 +21,7 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 pub use looks::Measured;
+pub use ranks::{OnRanks, solve_on_ranks};
 
 /// Until when a method is advanced.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
@@ -173,18 +178,56 @@ pub fn solve_against<'t, M: Refutable>(
     let is_known = known.peek().is_some() || stop.on != Measure::VelocityError;
     let expected = "another measure: the true velocity of this problem is not known";
     SetupError::unless(is_known, "on", stop.on, expected)?;
-    let mut meter = known.fold(M::Meter::new(problem), M::Meter::against);
+    let meter = known.fold(M::Meter::new(problem), M::Meter::against);
     let clock = Instant::now();
     let mut iteration = solver.start(problem, r0)?;
     let setup = clock.elapsed();
+    let End { status, iterations, measures, before, impulses, iterating } =
+        run(&mut OneMachine { problem, meter }, &mut *iteration, r0.to_vec(), stop, measured, observe);
+    let mut velocity = vec![M::Velocity::ZERO; problem.grain_count()];
+    let last_change_moves = moving_share(problem, &before, &impulses, &mut velocity);
+    problem.velocity(&impulses, &mut velocity);
+    Ok(Outcome {
+        status,
+        iterations,
+        measures,
+        velocity,
+        impulses,
+        setup,
+        iterating,
+        work: iteration.work(),
+        derived: iteration.derived(),
+        critical_path: iteration.critical_path(),
+        last_change_moves,
+    })
+}
 
-    let scale = meter.scale();
-    let mut r = r0.to_vec();
+/// How the loop ended.
+struct End {
+    status: Status,
+    iterations: u64,
+    measures: Measures,
+    /// The iterate before the last; empty if there is none.
+    before: Vec<f64>,
+    impulses: Vec<f64>,
+    iterating: Duration,
+}
+
+/// The loop, from the impulses r (N·s) that the method has begun with.
+fn run(
+    judge: &mut impl Judge,
+    iteration: &mut dyn Iteration,
+    mut r: Vec<f64>,
+    stop: &Stop,
+    measured: Measured,
+    observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+) -> End {
+    let scale = judge.scale();
     if scale == 0.0 {
         r.fill(0.0);
     }
     // The last iterate that was measured; the one before r, none at first.
-    let (mut measures, mut before) = (meter.measure_after(&[], &r, 0.0), Vec::new());
+    let (mut measures, mut before) = (judge.measure_after(&[], &r, 0.0), Vec::new());
     let energy_bound = ENERGY_BOUND * f64::max(scale, measures.energy.abs());
     let (mut iterations, mut iterating, mut is_measured) = (0, Duration::ZERO, true);
     let (mut looks, mut grid) = (Looks::default(), Grid::new(measured));
@@ -199,8 +242,8 @@ pub fn solve_against<'t, M: Refutable>(
         if is_measured {
             // Before convergence, which a measure can feign where others overflow; and so that a NaN counts as diverged.
             if !(measures.energy <= energy_bound && measures.natural_map.is_finite()) {
-                let proved = r.iter().all(|r| r.is_finite())
-                    && M::any_proves_infeasible(problem, std::slice::from_ref(&r));
+                let is_finite = !judge.any(!r.iter().all(|r| r.is_finite()));
+                let proved = is_finite && judge.any_proves_infeasible(std::slice::from_ref(&r));
                 break if proved { Status::Infeasible } else { Status::Diverged };
             }
             if scale == 0.0 {
@@ -208,7 +251,7 @@ pub fn solve_against<'t, M: Refutable>(
             }
             if measures.get(stop.on) <= stop.tolerance {
                 let (stays, rays) = (looks.stays(&measures), || looks.rays(&r));
-                let is_false = is_false(stop, problem, &measures, stays, &rays);
+                let is_false = is_false(stop, judge, &measures, stays, &rays);
                 break if is_false { Status::FalseConvergence } else { Status::Converged };
             }
             if looks.endless {
@@ -218,11 +261,11 @@ pub fn solve_against<'t, M: Refutable>(
                 break Status::IterationLimit;
             }
             if iteration.stalled() {
-                let proved = M::any_proves_infeasible(problem, &looks.rays_of_half(&r));
+                let proved = judge.any_proves_infeasible(&looks.rays_of_half(&r));
                 break if proved { Status::Infeasible } else { Status::Stalled };
             }
         }
-        if goes_on.is_break() {
+        if judge.any(goes_on.is_break()) {
             break Status::Interrupted;
         }
         let clock = Instant::now();
@@ -236,31 +279,16 @@ pub fn solve_against<'t, M: Refutable>(
         is_measured = grid.has(iterations)
             || iterations == stop.max_iterations
             || iteration.stalled()
-            || !meter.goes_on(stop.on, stop.tolerance, energy_bound, (&before, &r));
+            || !(grid.skips() || judge.goes_on(stop.on, stop.tolerance, energy_bound, (&before, &r)));
         if is_measured {
-            measures = meter.measure_after(&before, &r, iteration.velocity_jump());
+            measures = judge.measure_after(&before, &r, iteration.velocity_jump());
         }
-        looks.look(iterations, problem, &measures, (&before, &r));
+        looks.look(iterations, judge, &measures, (&before, &r));
     };
     if !is_measured {
-        measures = meter.measure_after(&before, &r, iteration.velocity_jump());
+        measures = judge.measure_after(&before, &r, iteration.velocity_jump());
     }
-    let mut velocity = vec![M::Velocity::ZERO; problem.grain_count()];
-    let last_change_moves = moving_share(problem, &before, &r, &mut velocity);
-    problem.velocity(&r, &mut velocity);
-    Ok(Outcome {
-        status,
-        iterations,
-        measures,
-        velocity,
-        impulses: r,
-        setup,
-        iterating,
-        work: iteration.work(),
-        derived: iteration.derived(),
-        critical_path: iteration.critical_path(),
-        last_change_moves,
-    })
+    End { status, iterations, measures, before, impulses: r, iterating }
 }
 
 /// √(dᵗ W d / dᵗ `W_D` d) of the change d from impulses `before`, if there are some, to `r` (–).

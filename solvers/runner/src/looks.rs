@@ -1,7 +1,7 @@
 //! Which iterates are measured wholly, and what is looked for at powers of two.
 
-use analysis::Refutable;
-use contact::{ContactProblem, Measures, law};
+use crate::judge::Judge;
+use contact::{Measures, law};
 
 /// Which iterates are measured wholly and shown with their measures, beside the first, the last, those of the iterations
 /// 1, 2, 4, …, and all of which it is not proved that the run goes on.
@@ -13,6 +13,9 @@ pub enum Measured {
     Grid,
     /// No others: nobody looks at them.
     Needed,
+    /// One in so many, and nothing is proved of those between: a run ends late by as many iterations at most. Where ranks must wait
+    /// for each other to prove anything, and to measure costs more than to iterate.
+    OneIn(u64),
 }
 
 /// Up to this iteration all are on the grid, from there on one in so many-th of the iterations.
@@ -29,12 +32,18 @@ impl Grid {
         Self { measured, next: 0 }
     }
 
+    /// Whether iterates that it has not go on unseen.
+    pub(crate) fn skips(&self) -> bool {
+        matches!(self.measured, Measured::OneIn(_))
+    }
+
     /// Whether it has this iteration; asked of each in its turn.
     pub(crate) fn has(&mut self, iteration: u64) -> bool {
         let due = match self.measured {
             Measured::Every => true,
             Measured::Grid => iteration >= self.next,
             Measured::Needed => false,
+            Measured::OneIn(many) => iteration.is_multiple_of(many),
         };
         if due {
             self.next = iteration + (iteration / ALL_UP_TO).max(1);
@@ -69,10 +78,10 @@ impl Default for Looks {
 
 impl Looks {
     /// Looks at the iterate r, which comes after `before`, if its turn has come.
-    pub(crate) fn look<M: Refutable>(
+    pub(crate) fn look(
         &mut self,
         iteration: u64,
-        problem: &ContactProblem<M>,
+        judge: &mut impl Judge,
         measures: &Measures,
         (before, r): (&[f64], &[f64]),
     ) {
@@ -84,10 +93,11 @@ impl Looks {
             // The impulses, and their growth in one iteration and in half of all: what is constant in them is not in it.
             self.endless = iteration >= FIRST_LOOK
                 && self.stays(measures)
-                && M::any_proves_infeasible(
-                    problem,
-                    &[r.to_vec(), growth(before, r), growth(&self.before_last.0, r)],
-                );
+                && judge.any_proves_infeasible(&[
+                    r.to_vec(),
+                    growth(before, r),
+                    growth(&self.before_last.0, r),
+                ]);
         }
     }
 

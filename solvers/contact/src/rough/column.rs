@@ -112,4 +112,20 @@ impl Column<RoughDiscs> for RoughColumn {
         let bound = self.friction * (s.x + normal);
         Vector2::new(normal, law::clip(s.y - relaxation * v.y, bound) - s.y)
     }
+
+    #[inline]
+    fn residual(&self, s: Vector2<f64>, v: Vector2<f64>) -> Vector2<f64> {
+        let normal = if v.x >= s.x { s.x } else { v.x };
+        // s_t − clip(s_t − v_t, μ s_n): between what leads to either bound.
+        let bound = self.friction * law::non_negative(s.x);
+        let (to_upper, to_lower) = (s.y - bound, s.y + bound);
+        let tangential = if v.y < to_upper {
+            to_upper
+        } else if v.y > to_lower {
+            to_lower
+        } else {
+            v.y
+        };
+        Vector2::new(normal, tangential)
+    }
 }

@@ -23,9 +23,6 @@ pub trait Rubbing: Mechanics {
 
     /// What an impulse s does to one of its grains.
     fn push_at(column: &Self::Column, grain: u32, s: Self::Impulse) -> Self::Velocity;
-
-    /// s − s⁺ (√J) of each unknown, in the form that does not cancel where s is large.
-    fn residual(column: &Self::Column, s: Self::Impulse, v: Self::Impulse) -> Self::Impulse;
 }
 
 /// Measures the iterates of runs on one problem.
@@ -84,22 +81,6 @@ impl Rubbing for RoughDiscs {
     fn push_at(column: &RoughColumn, grain: u32, s: Vector2<f64>) -> Vector3<f64> {
         column.push_at(grain, s)
     }
-
-    #[inline]
-    fn residual(column: &RoughColumn, s: Vector2<f64>, v: Vector2<f64>) -> Vector2<f64> {
-        let normal = if v.x >= s.x { s.x } else { v.x };
-        // s_t − clip(s_t − v_t, μ s_n): between what leads to either bound.
-        let bound = column.friction() * law::non_negative(s.x);
-        let (to_upper, to_lower) = (s.y - bound, s.y + bound);
-        let tangential = if v.y < to_upper {
-            to_upper
-        } else if v.y > to_lower {
-            to_lower
-        } else {
-            v.y
-        };
-        Vector2::new(normal, tangential)
-    }
 }
 
 /// Component by component.
@@ -122,7 +103,7 @@ impl<M: Rubbing> RoughMeter<'_, M> {
     /// The natural map of what was pushed last.
     fn natural_map(&mut self) -> f64 {
         let squared = |((column, s), b): ((&M::Column, &M::Impulse), &M::Impulse)| {
-            let left = M::residual(column, *s, column.relative(&self.pushed) + *b);
+            let left = column.residual(*s, column.relative(&self.pushed) + *b);
             left.dot_product(left)
         };
         let sum: f64 = self.columns.iter().zip(&self.s).zip(&self.b).map(squared).sum();
@@ -137,7 +118,7 @@ impl<M: Rubbing> RoughMeter<'_, M> {
             self.columns.iter().zip(&self.s).zip(self.b.iter().zip(&self.unit)).enumerate()
         {
             let v = column.relative(&self.pushed) + *b;
-            let left = M::residual(column, *s, v);
+            let left = column.residual(*s, v);
             sums.natural_map += left.dot_product(left);
             // DV = W_αα (r⁺ − r) and WR = W_αα r, in m/s.
             let (dv, wr) = (times(left, *unit), times(*s, *unit));
@@ -176,7 +157,7 @@ impl<M: Rubbing> RoughMeter<'_, M> {
             around.map(|k| M::push_at(&self.columns[*k as usize], grain, s(*k as usize))).sum()
         };
         let y = [pushed(i), if i == j { M::Velocity::ZERO } else { pushed(j) }];
-        let left = M::residual(column, s(k), M::between(column, y) + self.b[k]);
+        let left = column.residual(s(k), M::between(column, y) + self.b[k]);
         left.dot_product(left)
     }
 

@@ -118,6 +118,10 @@ impl Touch<RoughSpheres> for RoughContact<3> {
         (self.candidate, self.antagonist)
     }
 
+    fn between(self, candidate: u32, antagonist: Option<u32>) -> Self {
+        Self { candidate, antagonist, ..self }
+    }
+
     fn normal(&self) -> Vector3<f64> {
         self.normal
     }
@@ -257,6 +261,16 @@ impl Column<RoughSpheres> for SphereColumn {
         let along = clipped(s - v * relaxation, self.friction * (s.x + normal));
         Vector3::new(normal, along.y - s.y, along.z - s.z)
     }
+
+    #[inline]
+    fn residual(&self, s: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
+        let normal = if v.x >= s.x { s.x } else { v.x };
+        let (bound, moved) = (self.friction * law::non_negative(s.x), s - v);
+        let sticks = moved.y * moved.y + moved.z * moved.z <= bound * bound;
+        let mut left = if sticks { v } else { s - clipped(moved, bound) };
+        left.x = normal;
+        left
+    }
 }
 
 impl Rubbing for RoughSpheres {
@@ -281,15 +295,5 @@ impl Rubbing for RoughSpheres {
         } else {
             joined(push * -column.ratio, turn * column.arms[1])
         }
-    }
-
-    #[inline]
-    fn residual(column: &SphereColumn, s: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
-        let normal = if v.x >= s.x { s.x } else { v.x };
-        let (bound, moved) = (column.friction * law::non_negative(s.x), s - v);
-        let sticks = moved.y * moved.y + moved.z * moved.z <= bound * bound;
-        let mut left = if sticks { v } else { s - clipped(moved, bound) };
-        left.x = normal;
-        left
     }
 }

@@ -1,0 +1,78 @@
+//! `gravel split` and `gravel join`: a problem as one file per subdomain, and the impulses of all subdomains as one file.
+
+use crate::cli::args::SceneArgs;
+use crate::problems::{Impulses, Part, Root, Studied, Visit, size, visit};
+use crate::terminal::{check_place, say, write_whole};
+use anyhow::{Context, Result, bail};
+use cases::Frozen;
+use partition::{Grid, Scheme};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// A frozen problem or a case: its name, or the path of its file
+    #[arg(value_name = "PROBLEM-OR-CASE")]
+    problem: String,
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Subdomains: a number, or columns x rows such as 8x8
+    #[arg(long, value_name = "GRID", value_parser = read::<Grid>)]
+    subdomains: Grid,
+    /// How the contacts are distributed: boxes or balanced
+    #[arg(long, value_name = "RULE", default_value = "boxes", value_parser = read::<Scheme>)]
+    partition: Scheme,
+    /// The folder for the files, one per subdomain, which is made or empty
+    #[arg(short, long, value_name = "FOLDER")]
+    output: PathBuf,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct JoinArgs {
+    /// The folder to which `gravel-mpi solve --impulses` wrote
+    folder: PathBuf,
+    /// The file for the impulses of all, which `gravel certify --impulses` reads
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+}
+
+/// A value as the settings of a method have it.
+pub(crate) fn read<T: for<'v> Deserialize<'v>>(text: &str) -> Result<T, String> {
+    let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
+    T::deserialize(value).map_err(|error| error.to_string())
+}
+
+pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
+    let path = root.problem_or_case(&args.problem)?;
+    let folder = &args.output;
+    fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    if fs::read_dir(folder).with_context(|| folder.display().to_string())?.next().is_some() {
+        bail!("{}: the folder is not empty", folder.display());
+    }
+    let in_problem = || path.display().to_string();
+    visit(args.scene.problem(&path)?, Split { folder, args }).with_context(in_problem)
+}
+
+struct Split<'a> {
+    folder: &'a Path,
+    args: &'a Args,
+}
+
+impl Visit for Split<'_> {
+    type Output = Result<()>;
+
+    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Result<()> {
+        let Self { folder, args: Args { subdomains, partition, .. } } = self;
+        Part::write_all(folder, &frozen, *subdomains, *partition)?;
+        let size = size(&frozen.problem);
+        say(format_args!("{}: {size}, as {} files in {}", frozen.name, subdomains.count(), folder.display()))
+    }
+}
+
+pub(crate) fn join(args: &JoinArgs) -> Result<()> {
+    check_place(&args.output)?;
+    let impulses = Impulses::join_all(&args.folder)?;
+    write_whole(&args.output, &json!({ "impulse": impulses }).to_string())
+}

@@ -1,0 +1,283 @@
+//! The programs `gravel` and `gravel-mpi`: what solves contact problems, sweeps methods over plans, freezes problems and simulates scenes.
+
+/// What a user types and gets: a file for each command.
+mod cli {
+    pub(crate) mod args;
+    pub(crate) mod bench;
+    pub(crate) mod certify;
+    pub(crate) mod freeze;
+    mod keys;
+    pub(crate) mod list;
+    pub(crate) mod merge;
+    pub(crate) mod plan;
+    pub(crate) mod regress;
+    pub(crate) mod report;
+    pub(crate) mod schema;
+    pub(crate) mod simulate;
+    pub(crate) mod solve;
+    pub(crate) mod split;
+    #[cfg(test)]
+    mod tests;
+    pub(crate) mod view;
+}
+
+/// The commands of `gravel-mpi`: those of `gravel` where ranks share each problem.
+#[cfg(any(feature = "mpi", test))]
+mod team {
+    pub(crate) mod bench;
+    #[cfg(feature = "mpi")]
+    mod main;
+    pub(crate) mod ping;
+    pub(crate) mod solve;
+    #[cfg(test)]
+    mod tests;
+
+    #[cfg(feature = "mpi")]
+    pub(crate) use main::main;
+}
+
+/// A study on disk: its journal, its tables, its report, its accepted counts.
+mod store {
+    mod baseline;
+    mod folder;
+    mod stored;
+
+    pub(crate) use baseline::{Counts, ExpectedFailure, baseline_text, expected_failures, read_baseline};
+    pub(crate) use folder::{about, draw, finish, open, runs_folder};
+    pub(crate) use stored::{is_id, problem_of_run, stored_run};
+}
+
+/// A plan with its problems or scenes: the tasks that it asks for, each with its id.
+mod study {
+    mod problems;
+    mod selection;
+    mod simulations;
+    mod tasks;
+    #[cfg(test)]
+    mod tests;
+
+    pub(crate) use problems::OnProblems;
+    pub(crate) use selection::Selection;
+    pub(crate) use simulations::ThroughTime;
+    pub(crate) use tasks::{Kind, Listed, by_id, left_s, missing, run_all};
+}
+
+/// A task becomes a row.
+mod run {
+    mod curve;
+    mod execute;
+    mod external;
+    #[cfg(any(feature = "mpi", test))]
+    mod on_ranks;
+    mod problem;
+    mod rows;
+    #[cfg(any(feature = "mpi", test))]
+    mod shared;
+    mod simulation;
+    #[cfg(test)]
+    mod tests;
+    mod vtk;
+
+    pub(crate) use curve::{Recorder, decades, first_at};
+    pub(crate) use execute::{Conditions, How, Task, few, in_parallel, in_the_pool};
+    pub(crate) use external::{Ended, Observe, climb, ended};
+    pub(crate) use problem::{OneProblem, Snapshots};
+    pub(crate) use rows::{derived, ended_row, given_row, nothing_done, partitions, scene_rows};
+    pub(crate) use simulation::{End, Seen, Through, missed, observed, run_simulation, through_time};
+    pub(crate) use vtk::Frames;
+    #[cfg(any(feature = "mpi", test))]
+    pub(crate) use {
+        on_ranks::{OnAllRanks, exchanged, on_ranks},
+        problem::skipped_row,
+        shared::{OnShare, Posted, Shared, Source, cut_of, is_split, share, whole_of},
+    };
+}
+
+/// Frozen problems, cases, scenes, and what is known of their solutions.
+mod problems {
+    mod case;
+    mod files;
+    mod mechanics;
+    mod parts;
+    mod planned;
+    mod pool;
+    mod reference;
+    mod scene;
+    #[cfg(test)]
+    mod tests;
+
+    pub(crate) use case::{CaseProblem, KeptProblem, first_hash, overrides, read_case};
+    pub(crate) use files::{Kind, Root, is_toml, size, stem};
+    pub(crate) use mechanics::{AnyProblem, Enter, Studied, Visit, enter, visit};
+    #[cfg(any(feature = "mpi", test))]
+    pub(crate) use parts::cut;
+    pub(crate) use parts::{Impulses, Part};
+    pub(crate) use planned::{PlannedProblem, Problem, planned, spectrum};
+    pub(crate) use pool::pool;
+    pub(crate) use reference::{Given, Known, answer};
+    pub(crate) use scene::{Scene, TIME_STEP};
+}
+
+/// The plan file: methods with their settings, axes, rules.
+mod plan {
+    mod axes;
+    mod checks;
+    mod external;
+    mod file;
+    mod methods;
+    mod rules;
+    #[cfg(test)]
+    mod tests;
+    mod variants;
+
+    pub(crate) use axes::{MOST, Settings, combinations, count, values};
+    pub(crate) use checks::MOST_REPEATS;
+    pub(crate) use external::{External, MECHANICS, Programme, last_line};
+    pub(crate) use file::{Curves, Plan, PlannedCase};
+    #[cfg(test)]
+    pub(crate) use methods::METHODS;
+    pub(crate) use methods::{
+        Entry, Method, Ours, Runs, key_value, method_names, methods, read_external, refuse_repeated,
+    };
+    pub(crate) use rules::{Rule, Simulate};
+    pub(crate) use variants::{PlannedMethod, Variant, WarmStart, as_typed, last_parts, pairs};
+}
+
+/// What a person at a terminal sees, presses and gets.
+mod terminal {
+    pub(crate) mod exit;
+    mod output;
+    pub(crate) mod progress;
+    pub(crate) mod suggest;
+    #[cfg(test)]
+    mod tests;
+
+    pub(crate) use output::{
+        check_place, create_folder_of, merged, read_text, replaces, say, say_table, write_kept, write_whole,
+    };
+    pub(crate) use progress::{Bars, Line};
+}
+
+mod identity;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use cli::{
+    bench, certify, freeze, list, merge, plan as show, regress, report, schema, simulate, solve, split, view,
+};
+use run::{few, in_the_pool};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use terminal::{exit, suggest};
+
+/// Benchmark of the solvers of non-smooth contact dynamics of granular media.
+#[derive(Parser)]
+#[command(name = "gravel", version, max_term_width = 100, after_help = exit::HELP)]
+struct Cli {
+    /// Threads that methods may use [default: one per processor]; results do not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = few)]
+    threads: Option<std::num::NonZeroUsize>,
+    /// The checkout, with cases/ and harness/plans/ [default: the current folder or one above it]; problems and cases
+    /// given by path need none
+    #[arg(long, global = true, value_name = "DIR")]
+    root: Option<PathBuf>,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run whatever is still missing from a plan; write its table and figures to reports/out
+    Bench(bench::Args),
+    /// Show the runs of a plan: which are done, and how long the others take
+    Plan(show::Args),
+    /// Draw the tables and figures of the newest stored study of a plan again
+    Report(report::Args),
+    /// Draw one chart of the newest stored study of a plan, into reports/out/PLAN-CHART
+    Figure(report::FigureArgs),
+    /// Print a table of the newest stored study of a plan, or some columns and rows of it, for a paper or a program
+    Table(report::TableArgs),
+    /// Write an HTML page that replays how methods, or a stored run, converge on a problem
+    View(view::Args),
+    /// Join the runs of other stores of a plan to its own
+    Merge(merge::Args),
+    /// Run a plan and compare its counts with the accepted ones, exactly
+    Regress(regress::Args),
+    /// Run a plan and accept its counts
+    Bless(regress::Args),
+    /// Solve one contact problem with one method
+    #[command(after_help = exit::HELP)]
+    Solve(solve::Args),
+    /// Print the residuals of a contact problem at the reference solution, or at impulses you supply
+    #[command(after_help = exit::HELP)]
+    Certify(certify::Args),
+    /// Write the contact problem of one time step of a case as a file
+    Freeze(freeze::Args),
+    /// Write a contact problem as one file per subdomain, for `gravel-mpi`, whose ranks each read their own
+    Split(split::Args),
+    /// Join the impulses that the ranks of `gravel-mpi` wrote to one file
+    Join(split::JoinArgs),
+    /// March a case through time
+    #[command(after_help = exit::HELP)]
+    Simulate(simulate::Args),
+    /// List what there is: cases, problems, methods, plans or charts
+    List(list::Args),
+    /// Print the JSON schema of plans, cases or problems: every key with its meaning; editors complete and check with it
+    Schema(schema::Args),
+}
+
+/// The program `gravel`.
+pub fn gravel() -> ExitCode {
+    match run(Cli::parse()) {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {}", in_one_paragraph(&error));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The program `gravel-mpi`: `gravel` where the ranks that `mpirun` starts share each problem.
+#[cfg(feature = "mpi")]
+pub fn gravel_mpi() -> ExitCode {
+    team::main()
+}
+
+fn run(cli: Cli) -> Result<ExitCode> {
+    if let Some(threads) = cli.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global()?;
+    }
+    let root = problems::Root::find(cli.root)?;
+    plan::read_external(&root)?;
+    match cli.command {
+        Command::Bench(args) => return bench::run(root.needed()?, &args),
+        Command::Plan(args) => show::run(root.needed()?, &args)?,
+        Command::Report(args) => report::run(root.needed()?, &args)?,
+        Command::Figure(args) => report::figure(root.needed()?, &args)?,
+        Command::Table(args) => report::table(root.needed()?, &args)?,
+        Command::View(args) => in_the_pool(|| view::run(&root, &args))?,
+        Command::Merge(args) => return merge::run(root.needed()?, &args),
+        Command::Regress(args) => return regress::regress(root.needed()?, &args),
+        Command::Bless(args) => return regress::bless(root.needed()?, &args),
+        Command::Solve(args) => return in_the_pool(|| solve::run(&root, &args)),
+        Command::Certify(args) => return certify::run(&root, &args),
+        Command::Freeze(args) => in_the_pool(|| freeze::run(&root, &args))?,
+        Command::Split(args) => in_the_pool(|| split::run(&root, &args))?,
+        Command::Join(args) => split::join(&args)?,
+        Command::Simulate(args) => return in_the_pool(|| simulate::run(&root, &args)),
+        Command::List(args) => list::run(&root, &args)?,
+        Command::Schema(args) => schema::run(&args)?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The error, then its causes, without those that the text before them says already.
+fn in_one_paragraph(error: &anyhow::Error) -> String {
+    let mut text = error.to_string().trim_end().to_owned();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.ends_with(cause.trim_end()) {
+            text = format!("{text}: {}", cause.trim_end());
+        }
+    }
+    suggest::without_types(&suggest::in_error(&text))
+}

@@ -1,0 +1,107 @@
+//! A run on a problem that ranks share: one row, with what they sent each other.
+
+use crate::plan::{Method, Plan};
+use crate::problems::{Problem, Studied};
+use crate::run::shared::{Posted, Shared, cut_of, of_whole};
+use crate::run::{Recorder, Task, ended_row, skipped_row};
+use crate::terminal::exit;
+use anyhow::{Context, Result};
+use partition::Traffic;
+use results::journal::Record;
+use results::provenance::load_average;
+use results::schema::{Exchange, Provenance, Run, Sample, Timing};
+use runner::{Measured, OnRanks, Outcome, Progress, Status, Stop, solve_on_ranks};
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+/// Runs a method on the shares of all ranks, which all must do.
+pub(crate) fn on_ranks<M: Studied>(
+    method: &Method,
+    Shared { share, team, .. }: &Shared<M>,
+    stop: &Stop,
+    measured: Measured,
+    observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+) -> Result<OnRanks> {
+    let solver = M::distributed(method).with_context(|| {
+        format!("method `{}` has no subdomains: nsgs-dd, latin-dd and cg run on ranks", method.name)
+    })?;
+    let ended = solve_on_ranks(&*solver, share, team, stop, measured, observe);
+    team.agree(ended.map_err(|refused| refused.to_string())).map_err(anyhow::Error::msg)
+}
+
+/// Messages, bytes and the longest waiting of a run (s).
+pub(crate) fn exchanged(traffic: &[Traffic]) -> (u64, u64, f64) {
+    let (messages, bytes) = traffic.iter().fold((0, 0), |(m, b), t| (m + t.messages, b + t.bytes));
+    (messages, bytes, traffic.iter().map(|t| t.waiting_ns).max().unwrap_or(0) as f64 * 1e-9)
+}
+
+/// All ranks, and what their rows say of them.
+pub(crate) struct OnAllRanks<'a> {
+    pub(crate) posted: &'a Posted,
+    pub(crate) provenance: &'a Provenance,
+    pub(crate) repeats: u32,
+}
+
+impl OnAllRanks<'_> {
+    /// A run, as often as the plan says; `None` if it was halted.
+    pub(crate) fn run<M: Studied>(&self, plan: &Plan, task: &Task<&Problem<M>>) -> Result<Option<Record>> {
+        let timing = Timing {
+            repeats: self.repeats,
+            timed_alone: true,
+            load_average: load_average(),
+            ..Timing::default()
+        };
+        let row = Run { timing: timing.clone(), ..skipped_row(plan, task, self.provenance.restarted()) };
+        let skipped = |reason: &str| {
+            let run = Run { reason: reason.to_owned(), ..row.clone() };
+            Ok(Some(Record { run, curve: Vec::new(), snapshots: Vec::new() }))
+        };
+        if task.variant.warm_start {
+            return skipped("ranks begin from r = 0");
+        }
+        let method = &task.variant.method;
+        // A variant with one subdomain has one, and one rank at most.
+        let given = method.partition().map(|(grid, _)| grid);
+        let shared = cut_of(self.posted, method, given, None)
+            .and_then(|(_, grid, scheme)| of_whole(self.posted, &task.what.frozen, grid, scheme));
+        let shared = match self.posted.agree(shared) {
+            Ok(shared) => shared,
+            Err(reason) => return skipped(&format!("{reason:#}")),
+        };
+        let clock = Instant::now();
+        let mut all = Vec::new();
+        for _ in 0..self.repeats {
+            let mut recorder = Recorder::new(plan.curves);
+            let ended = on_ranks(method, &shared, &plan.stop, Measured::Grid, &mut |progress| {
+                recorder.observe(progress);
+                if exit::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+            match ended {
+                Err(reason) => return skipped(&format!("{reason:#}")),
+                Ok(end) if end.status == Status::Interrupted => return Ok(None),
+                Ok(end) => all.push((end, recorder.finish())),
+            }
+        }
+        all.sort_by_key(|(end, _)| end.iterating);
+        let (end, curve): (OnRanks, Vec<Sample>) = all.swap_remove((all.len() - 1) / 2);
+        let (messages, message_bytes, waiting_s) = exchanged(&end.traffic);
+        let (ranks, slowest_rank) = (self.posted.size() as u32, end.slowest as u32);
+        let exchange = Exchange { ranks, messages, message_bytes, waiting_s, slowest_rank };
+        let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
+        let outcome = Outcome::<M> {
+            status: end.status,
+            iterations: end.iterations,
+            measures: end.measures,
+            impulses: Vec::new(),
+            velocity: Vec::new(),
+            setup: end.setup,
+            iterating: end.iterating,
+            work: end.work,
+            derived: end.derived,
+            critical_path: end.critical_path,
+        };
+        let subdomains = shared.team.subdomains() as u32;
+        let run = ended_row(Run { timing, exchange, subdomains, ..row }, &outcome, &curve);
+        Ok(Some(Record { run, curve, snapshots: Vec::new() }))
+    }
+}

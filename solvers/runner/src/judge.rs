@@ -1,0 +1,64 @@
+//! What the loop asks of a problem: measures, and proofs that there is no solution; on one machine, or of all ranks together.
+
+use analysis::Refutable;
+use contact::{ContactProblem, Measure, Measures, Measuring, Mechanics, Vector};
+
+/// What judges the iterates of a run. Where ranks share a problem all must ask alike, and get the same answers.
+pub(crate) trait Judge {
+    /// [`ContactProblem::scale`] (J).
+    fn scale(&self) -> f64;
+
+    /// Measures the iterate `r` (N·s), which comes after `before`; that is empty if there is none.
+    fn measure_after(&mut self, before: &[f64], r: &[f64], velocity_jump: f64) -> Measures;
+
+    /// Whether the iterate `r` is proved not to end the run; `false` says nothing.
+    fn goes_on(&mut self, on: Measure, tolerance: f64, energy: f64, iterates: (&[f64], &[f64])) -> bool;
+
+    /// Whether one of the rays, or impulses near one, proves that there is no solution.
+    fn any_proves_infeasible(&mut self, rays: &[Vec<f64>]) -> bool;
+
+    /// The greatest approach velocity of r = 0 (m/s).
+    fn greatest_rate(&self) -> f64;
+
+    /// Whether all solutions have the same velocity.
+    fn has_one_velocity(&self) -> bool;
+
+    /// Whether it is so here, or at another rank.
+    fn any(&self, here: bool) -> bool;
+}
+
+/// Judges on one machine.
+pub(crate) struct OneMachine<'p, M: Mechanics> {
+    pub(crate) problem: &'p ContactProblem<M>,
+    pub(crate) meter: M::Meter<'p>,
+}
+
+impl<M: Refutable> Judge for OneMachine<'_, M> {
+    fn scale(&self) -> f64 {
+        self.meter.scale()
+    }
+
+    fn measure_after(&mut self, before: &[f64], r: &[f64], velocity_jump: f64) -> Measures {
+        self.meter.measure_after(before, r, velocity_jump)
+    }
+
+    fn goes_on(&mut self, on: Measure, tolerance: f64, energy: f64, iterates: (&[f64], &[f64])) -> bool {
+        self.meter.goes_on(on, tolerance, energy, iterates)
+    }
+
+    fn any_proves_infeasible(&mut self, rays: &[Vec<f64>]) -> bool {
+        M::any_proves_infeasible(self.problem, rays)
+    }
+
+    fn greatest_rate(&self) -> f64 {
+        self.problem.b().iter().step_by(M::Impulse::LEN).fold(0.0, |rate: f64, b| rate.max(-b))
+    }
+
+    fn has_one_velocity(&self) -> bool {
+        M::HAS_ONE_VELOCITY
+    }
+
+    fn any(&self, here: bool) -> bool {
+        here
+    }
+}

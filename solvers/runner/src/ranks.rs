@@ -1,0 +1,163 @@
+//! The loop where ranks share a problem: each advances its own subdomains, and all measure and decide together.
+
+mod judge;
+mod proof;
+
+use crate::{End, Measured, Progress, Status, Stop, run};
+use analysis::Refutable;
+use contact::{Iteration, Measure, Measures, SetupError, Work};
+use judge::AllRanks;
+use partition::{Distributed, Refused, Share, Team, Traffic};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+/// What came out of a run on ranks: the same at all of them, but for the impulses.
+#[derive(Clone, Debug)]
+pub struct OnRanks {
+    /// How it ended.
+    pub status: Status,
+    /// Number of iterations.
+    pub iterations: u64,
+    /// Measures of the last iterate.
+    pub measures: Measures,
+    /// r of the last iterate, of this rank's contacts (N·s).
+    pub impulses: Vec<f64>,
+    /// Time in `start`, of the rank that took longest.
+    pub setup: Duration,
+    /// Time in `advance`, of the rank that took longest.
+    pub iterating: Duration,
+    /// Counted work of all ranks.
+    pub work: Work,
+    /// The values that the method worked with where its settings leave one open.
+    pub derived: Vec<(&'static str, f64)>,
+    /// Multiply-adds of an iteration on the longest subdomain.
+    pub critical_path: Option<u64>,
+    /// What each rank sent while it advanced, and how long it waited.
+    pub traffic: Vec<Traffic>,
+    /// The rank that worked longest while it advanced: all others waited for it, in the end.
+    pub slowest: usize,
+}
+
+/// Counts what a rank sends while it advances, without what is sent to measure.
+struct Counted<'i> {
+    iteration: Box<dyn Iteration + 'i>,
+    team: Team,
+    traffic: Traffic,
+}
+
+impl Iteration for Counted<'_> {
+    fn advance(&mut self) {
+        let before = self.team.traffic();
+        self.iteration.advance();
+        let since = self.team.traffic().since(&before);
+        self.traffic.messages += since.messages;
+        self.traffic.bytes += since.bytes;
+        self.traffic.waiting_ns += since.waiting_ns;
+    }
+
+    fn impulses(&self, r: &mut [f64]) {
+        self.iteration.impulses(r);
+    }
+
+    fn velocity_jump(&self) -> f64 {
+        self.iteration.velocity_jump()
+    }
+
+    fn stalled(&self) -> bool {
+        self.iteration.stalled()
+    }
+
+    /// Of all ranks, which all must ask for.
+    fn work(&self) -> Work {
+        of_all(self.iteration.work(), &self.team)
+    }
+}
+
+/// Runs `solver` from r = 0 until `stop`, on the problem of which this rank has a `share`; all ranks of the `team` must do it. The
+/// observer sees the measures and the work of all, and the impulses of this rank; where one ends the run, all do.
+///
+/// The measures are those of one machine but for round-off, since each subdomain adds up its contacts, then a tree all subdomains:
+/// so they are the same bits for any number of ranks. The velocity error is not known here.
+///
+/// # Errors
+/// As on one machine, at all ranks if at one.
+pub fn solve_on_ranks<M: Refutable>(
+    solver: &dyn Distributed<M>,
+    share: &Share<M>,
+    team: &Team,
+    stop: &Stop,
+    measured: Measured,
+    observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+) -> Result<OnRanks, Refused> {
+    stop.check()?;
+    let expected = "another measure: the true velocity of this problem is not known";
+    SetupError::unless(stop.on != Measure::VelocityError, "on", stop.on, expected)?;
+    let mut judge = AllRanks::new(share, team);
+    let clock = Instant::now();
+    let iteration = solver.start_in(share, team)?;
+    let setup = clock.elapsed();
+    let mut counted = Counted { iteration, team: team.clone(), traffic: Traffic::default() };
+    let r0 = vec![0.0; share.problem.impulse_count()];
+    let End { status, iterations, measures, impulses, iterating } =
+        run(&mut judge, &mut counted, r0, stop, measured, observe);
+
+    let Counted { iteration, traffic, .. } = counted;
+    let Traffic { messages, bytes, waiting_ns } = traffic;
+    let nanoseconds = [setup, iterating].map(|time| time.as_nanos() as f64);
+    let counts = [messages, bytes, waiting_ns].map(|count| count as f64);
+    let of_ranks = team.gather(&[&nanoseconds[..], &counts[..]].concat());
+    let longest = |k: usize| {
+        let longest = of_ranks.iter().map(|of_rank| of_rank[k]).fold(0.0, f64::max);
+        Duration::from_nanos(longest as u64)
+    };
+    let worked = |rank: &usize| of_ranks[*rank][1] - of_ranks[*rank][4];
+    let slowest = (0..team.size()).max_by(|a, b| worked(a).total_cmp(&worked(b))).unwrap_or(0);
+    let traffic = of_ranks.iter().map(|of_rank| {
+        let [messages, bytes, waiting_ns] = [2, 3, 4].map(|k| of_rank[k] as u64);
+        Traffic { messages, bytes, waiting_ns }
+    });
+    Ok(OnRanks {
+        status,
+        iterations,
+        measures,
+        impulses,
+        setup: longest(0),
+        iterating: longest(1),
+        work: of_all(iteration.work(), team),
+        derived: iteration.derived(),
+        critical_path: iteration.critical_path(),
+        traffic: traffic.collect(),
+        slowest,
+    })
+}
+
+/// The work of all ranks; a product W p is one of all.
+fn of_all(work: Work, team: &Team) -> Work {
+    let Work { contact_updates, delassus_products, interface_values, triangular_solve_entries, .. } = work;
+    let Work { factorisations, factorisation_multiply_adds, .. } = work;
+    let own = [
+        contact_updates,
+        interface_values,
+        triangular_solve_entries,
+        factorisations,
+        factorisation_multiply_adds,
+    ];
+    let first = team.mine().start;
+    // Exact below 2⁵³.
+    let own = team.mine().map(|e| if e == first { own.map(|count| count as f64) } else { [0.0; 5] });
+    let [
+        contact_updates,
+        interface_values,
+        triangular_solve_entries,
+        factorisations,
+        factorisation_multiply_adds,
+    ] = team.sum(own).map(|count| count as u64);
+    Work {
+        contact_updates,
+        delassus_products,
+        interface_values,
+        triangular_solve_entries,
+        factorisations,
+        factorisation_multiply_adds,
+    }
+}

@@ -1,0 +1,282 @@
+//! The proof of all ranks together that a problem has no solution: that of `analysis::proves_infeasible`, which this follows line
+//! by line, with each sum over grains or contacts made subdomain by subdomain. Normal impulses alone: with friction they do as well.
+
+use contact::{Mass, Mechanics, Touch, Vector, law};
+use partition::{CopySums, Share, Subdomain, Team};
+
+/// As in `analysis::infeasible`, where they are explained.
+const OUT_OF_REACH: f64 = 1e6;
+const BALANCED: f64 = 1e-12;
+const ROUND_OFF: f64 = 1e-14;
+const LEFT: f64 = 1e-10;
+const PRODUCTS: u32 = 200;
+const DESCENTS: u32 = 3;
+
+/// All that a proof needs of a problem.
+pub(crate) struct Proof<M: Mechanics> {
+    team: Team,
+    scale: f64,
+    subdomains: Vec<Local<M>>,
+    sums: CopySums<M::Velocity>,
+    sizes: CopySums<f64>,
+}
+
+/// A subdomain with a ray d, one number a contact.
+struct Local<M: Mechanics> {
+    /// Of the rank's contacts.
+    numbers: Vec<u32>,
+    /// Between its own grains.
+    contacts: Vec<M::Contact>,
+    mass: Vec<M::Mass>,
+    free_velocity: Vec<M::Velocity>,
+    /// 1 over the number of copies of each grain: a sum over grains then counts each once.
+    share: Vec<f64>,
+    boundary: Vec<u32>,
+    d: Vec<f64>,
+    /// H d, or M⁻¹ H p.
+    y: Vec<M::Velocity>,
+    /// The sum of the sizes of d at each grain.
+    size: Vec<f64>,
+    presses: Vec<bool>,
+    diagonal: Vec<f64>,
+    g: Vec<f64>,
+    z: Vec<f64>,
+    p: Vec<f64>,
+    w_p: Vec<f64>,
+}
+
+/// A normal impulse.
+fn normal<M: Mechanics>(d: f64) -> M::Impulse {
+    let mut numbers = [0.0; 8];
+    numbers[0] = d;
+    M::Impulse::at(&numbers, 0)
+}
+
+impl<M: Mechanics> Local<M> {
+    fn new(share: &Share<M>, subdomain: &Subdomain) -> Self {
+        let of_grains = || subdomain.grains.iter().map(|grain| *grain as usize);
+        let mass: Vec<M::Mass> = of_grains().map(|grain| share.problem.mass()[grain]).collect();
+        let contact =
+            |(k, (i, j)): (&u32, &(u32, Option<u32>))| share.problem.contacts()[*k as usize].between(*i, *j);
+        let contacts: Vec<M::Contact> = subdomain.contacts.iter().zip(&subdomain.ends).map(contact).collect();
+        let diagonal =
+            |contact: &M::Contact| contact.diagonal(|grain| mass[grain as usize].inverse(1.0)).first();
+        let zeros = vec![0.0; contacts.len()];
+        Self {
+            numbers: subdomain.contacts.clone(),
+            diagonal: contacts.iter().map(diagonal).collect(),
+            free_velocity: of_grains().map(|grain| share.problem.free_velocity()[grain]).collect(),
+            share: of_grains()
+                .map(|grain| 1.0 / f64::from(share.decomposition.multiplicity[grain]))
+                .collect(),
+            boundary: subdomain.boundary.clone(),
+            y: vec![M::Velocity::default(); mass.len()],
+            size: vec![0.0; mass.len()],
+            presses: vec![false; contacts.len()],
+            d: zeros.clone(),
+            g: zeros.clone(),
+            z: zeros.clone(),
+            p: zeros.clone(),
+            w_p: zeros,
+            contacts,
+            mass,
+        }
+    }
+
+    /// H p of its own contacts.
+    fn push(&mut self, of_d: bool, sent: &mut [M::Velocity]) {
+        self.y.fill(M::Velocity::default());
+        let p = if of_d { &self.d } else { &self.p };
+        for (contact, p) in self.contacts.iter().zip(p) {
+            contact.push(normal::<M>(*p), &mut self.y);
+        }
+        for (place, sent) in self.boundary.iter().zip(sent) {
+            *sent = self.y[*place as usize];
+        }
+    }
+
+    fn pressed(&mut self, sent: &mut [f64]) {
+        self.size.fill(0.0);
+        for (contact, d) in self.contacts.iter().zip(&self.d) {
+            contact.grains().for_each(|grain| self.size[grain as usize] += d);
+        }
+        for (place, sent) in self.boundary.iter().zip(sent) {
+            *sent = self.size[*place as usize];
+        }
+    }
+
+    /// −bᵗ d, and the sizes of its terms.
+    fn work(&self) -> [f64; 2] {
+        let (mut work, mut terms) = (0.0, 0.0);
+        for (contact, d) in self.contacts.iter().zip(&self.d) {
+            work -= d * (contact.relative(&self.free_velocity) + contact.offset()).first();
+            terms += d * contact.offset().first().abs();
+            for grain in contact.grains() {
+                let v = self.free_velocity[grain as usize];
+                terms += d * v.dot_product(v).sqrt();
+            }
+        }
+        [work, terms]
+    }
+
+    /// ‖H d‖² of M⁻¹, each grain raised by its round-off.
+    fn unbalanced(&self) -> f64 {
+        let raised = |grain: usize| {
+            // Vᵗ M V of V = M⁻¹ H d.
+            let size_of = |h_d| self.mass[grain].squared(self.mass[grain].divides(h_d)).sqrt();
+            let round_off = ROUND_OFF * self.size[grain] * size_of(unit::<M>());
+            self.share[grain] * (size_of(self.y[grain]) + round_off).powi(2)
+        };
+        (0..self.y.len()).map(raised).sum()
+    }
+
+    fn greatest_left(&self) -> f64 {
+        let mut greatest = 0.0_f64;
+        self.y.iter().for_each(|y| y.each(&mut |x| greatest = greatest.max(x.abs())));
+        greatest
+    }
+}
+
+/// A resultant of size 1 along x.
+fn unit<M: Mechanics>() -> M::Velocity {
+    let mut numbers = [0.0; 8];
+    numbers[0] = 1.0;
+    M::Velocity::at(&numbers, 0)
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn greatest_of(values: &[f64]) -> f64 {
+    values.iter().copied().fold(0.0, f64::max)
+}
+
+impl<M: Mechanics> Proof<M> {
+    pub(crate) fn new(share: &Share<M>, team: &Team, scale: f64) -> Self {
+        let decomposition = &share.decomposition;
+        Self {
+            team: team.clone(),
+            scale,
+            subdomains: decomposition.subdomains.iter().map(|e| Local::new(share, e)).collect(),
+            sums: CopySums::over(decomposition, team),
+            sizes: CopySums::over(decomposition, team),
+        }
+    }
+
+    /// Whether one of the `rays`, flat lists of this rank's impulses, or impulses near one, proves that there is no solution.
+    pub(crate) fn any_proves_infeasible(&mut self, rays: &[Vec<f64>]) -> bool {
+        rays.iter().any(|ray| self.take(ray).proves())
+            || rays.iter().any(|ray| {
+                self.take(ray).balance();
+                self.proves()
+            })
+    }
+
+    fn take(&mut self, ray: &[f64]) -> &mut Self {
+        for e in &mut self.subdomains {
+            for (d, contact) in e.d.iter_mut().zip(&e.numbers) {
+                let r = M::Impulse::at(ray, *contact as usize).first();
+                *d = if M::Impulse::LEN > 1 { law::non_negative(r) } else { r };
+            }
+        }
+        self
+    }
+
+    fn greatest(&self, of: impl Fn(&Local<M>) -> f64) -> f64 {
+        self.team.max(self.subdomains.iter().map(of).fold(0.0, f64::max))
+    }
+
+    fn sum<const N: usize>(&self, of: impl Fn(&Local<M>) -> [f64; N]) -> [f64; N] {
+        self.team.sum(self.subdomains.iter().map(of))
+    }
+
+    fn proves(&mut self) -> bool {
+        let greatest = self.greatest(|e| greatest_of(&e.d));
+        let is_admissible = self.subdomains.iter().all(|e| e.d.iter().all(|d| *d >= 0.0));
+        if !self.team.all(is_admissible) || !greatest.is_normal() {
+            return false;
+        }
+        self.subdomains.iter_mut().flat_map(|e| &mut e.d).for_each(|d| *d /= greatest);
+        let [work, terms] = self.sum(Local::work);
+        self.push(true);
+        self.sizes.send(&mut self.subdomains, 0, Local::pressed);
+        self.sizes.receive(&mut self.subdomains, 0, |e, sums| {
+            e.boundary.iter().zip(sums).for_each(|(place, sum)| e.size[*place as usize] = sum);
+        });
+        let left = self.greatest(Local::greatest_left);
+        let pressed = self.greatest(|e| greatest_of(&e.size));
+        let [unbalanced] = self.sum(|e| [e.unbalanced()]);
+        left <= BALANCED * pressed
+            && work > BALANCED * terms
+            && work > OUT_OF_REACH * self.scale.sqrt() * unbalanced.sqrt()
+    }
+
+    /// H d or H p at all grains.
+    fn push(&mut self, of_d: bool) {
+        self.sums.send(&mut self.subdomains, 0, |e, sent| e.push(of_d, sent));
+        self.sums.receive(&mut self.subdomains, 0, |e, sums| {
+            e.boundary.iter().zip(sums).for_each(|(place, sum)| e.y[*place as usize] = sum);
+        });
+    }
+
+    /// W p, or W d, over the contacts that press.
+    fn product(&mut self, of_d: bool) {
+        self.push(of_d);
+        for e in &mut self.subdomains {
+            e.y.iter_mut().zip(&e.mass).for_each(|(y, mass)| *y = mass.divides(*y));
+            let product = if of_d { &mut e.g } else { &mut e.w_p };
+            for ((w_p, contact), presses) in product.iter_mut().zip(&e.contacts).zip(&e.presses) {
+                *w_p = if *presses { contact.relative(&e.y).first() } else { 0.0 };
+            }
+        }
+    }
+
+    /// Impulses near the ray that balance at every grain, if there are any.
+    fn balance(&mut self) {
+        let greatest = self.greatest(|e| greatest_of(&e.d));
+        for _ in 0..DESCENTS {
+            self.descend();
+            let pulls = self.subdomains.iter().any(|e| e.d.iter().any(|d| *d < 0.0));
+            self.subdomains.iter_mut().flat_map(|e| &mut e.d).for_each(|d| *d = law::non_negative(*d));
+            if self.team.all(!pulls) {
+                break;
+            }
+        }
+        if self.greatest(|e| greatest_of(&e.d)) < LEFT * greatest {
+            self.subdomains.iter_mut().for_each(|e| e.d.fill(0.0));
+        }
+    }
+
+    /// Conjugate gradients on ½ dᵗ W d over the contacts with d > 0, preconditioned by W_D.
+    fn descend(&mut self) {
+        for e in &mut self.subdomains {
+            e.presses = e.d.iter().map(|d| *d > 0.0).collect();
+        }
+        self.product(true);
+        for e in &mut self.subdomains {
+            e.z = e.g.iter().zip(&e.diagonal).map(|(g, w)| g / w).collect();
+            e.p = e.z.iter().map(|z| -z).collect();
+        }
+        for _ in 0..PRODUCTS {
+            self.product(false);
+            let [fall, curvature] = self.sum(|e| [dot(&e.g, &e.z), dot(&e.p, &e.w_p)]);
+            if !(curvature > 0.0 && fall > 0.0) {
+                return;
+            }
+            // d ← d + α p,  α = gᵗ z / pᵗ W p;  p ← −z + β p,  β = g⁺ᵗ z⁺ / gᵗ z
+            let length = fall / curvature;
+            for e in &mut self.subdomains {
+                for k in 0..e.d.len() {
+                    e.d[k] += length * e.p[k];
+                    e.g[k] += length * e.w_p[k];
+                    e.z[k] = e.g[k] / e.diagonal[k];
+                }
+            }
+            let [squared] = self.sum(|e| [dot(&e.g, &e.z)]);
+            for e in &mut self.subdomains {
+                e.p.iter_mut().zip(&e.z).for_each(|(p, z)| *p = squared / fall * *p - z);
+            }
+        }
+    }
+}
