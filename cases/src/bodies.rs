@@ -59,11 +59,9 @@ impl Bumps {
         let (from_foot, touching) = (position - floor.now.foot, radius + a);
         let far = touching + reach;
         let number = |x: f64| x / (2.0 * a);
-        let range = if from_foot.y > far {
-            1..=0
-        } else {
-            number(from_foot.x - far).ceil() as i32..=number(from_foot.x + far).floor() as i32
-        };
+        // None where the disc is too high.
+        let wide = if from_foot.y > far { -1.0 } else { far };
+        let range = number(from_foot.x - wide).ceil() as i32..=number(from_foot.x + wide).floor() as i32;
         let velocity = floor.foot_rate();
         range.filter_map(move |k| {
             let between = from_foot - Vector2::new(2.0 * a * f64::from(k), 0.0);

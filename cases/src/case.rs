@@ -83,7 +83,9 @@ impl Case {
             let above = walls.as_ref().and_then(|walls| walls.bump_radius_m).unwrap_or(0.0);
             // From the foot of the walls to that of the square in the drum, or above the bumps of a floor.
             let corner = drum.map_or(Vector2::new(0.0, above), |drum| Vector2::repeat(-0.5 * drum.square()));
-            discs.iter_mut().for_each(|disc| disc.position += corner);
+            for disc in &mut discs {
+                disc.position += corner;
+            }
         }
         let is_outside =
             |drum: &Drum, disc: &Disc| disc.position.norm() + disc.radius > (1.0 + 1e-9) * drum.radius_m;

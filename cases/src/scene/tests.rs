@@ -23,6 +23,7 @@ fn walls_turn_about_their_feet_and_shake_with_the_box() {
         closing_speed_m_per_s: 0.0,
         belt_speed_m_per_s: 0.0,
         friction: None,
+        bump_radius_m: None,
         vibration: Some(vibration),
     };
     let disc = Vector2::new(1.0, 1.5);

@@ -150,7 +150,8 @@ fn run_on_problem<M: Studied>(
     if let Some((is_known, by)) =
         M::polished_to(conditions.how.root, &problem.frozen, known, &outcome.impulses)?
     {
-        run.known.polished_to = if is_known { "known" } else { "new" }.to_owned();
+        let word = if is_known { "known" } else { "new" };
+        word.clone_into(&mut run.known.polished_to);
         run.known.polished_by = by;
     }
     if !ours {
