@@ -1,6 +1,7 @@
 //! The convex relaxation of Coulomb's law, and its fixed point.
 
 use crate::friction::{rough, with_friction};
+use active_set::ActiveSet;
 use contact::{Packing, RoughContact, RoughDiscs, RoughMass};
 use convex::Convex;
 use nalgebra::{Vector2, Vector3};

@@ -150,7 +150,9 @@ fn runs_that_end_in_a_drift_are_counted() {
     (runs[1].last_change_moves, runs[2].last_change_moves) = (f64::NAN, 1e-3);
     let sentence = floors_of(&runs).unwrap();
     assert!(sentence.contains("at the end of 1\u{a0}run impulses drift"), "{sentence}");
-    runs.iter_mut().for_each(|run| run.status = "converged".into());
+    for run in &mut runs {
+        run.status = "converged".into();
+    }
     assert_eq!(floors_of(&runs), None);
 }
 
