@@ -63,11 +63,9 @@ impl<P: Place> Bumps<P> {
         let (from_foot, touching) = (across(position - floor.now.foot), radius + a);
         let far = touching + reach;
         let number = |x: f64| x / (2.0 * a);
-        let range = if from_foot[1] > far {
-            1..=0
-        } else {
-            number(from_foot[0] - far).ceil() as i32..=number(from_foot[0] + far).floor() as i32
-        };
+        // None where the grain is too high.
+        let wide = if from_foot[1] > far { -1.0 } else { far };
+        let range = number(from_foot[0] - wide).ceil() as i32..=number(from_foot[0] + wide).floor() as i32;
         let sliding = floor.foot_rate();
         range.filter_map(move |k| {
             let between = from_foot - P::of([2.0 * a * f64::from(k), 0.0, 0.0]);

@@ -94,7 +94,9 @@ impl Case {
             // From the foot of the walls to that of the square in the drum, or above the bumps of a floor.
             let corner =
                 drum.map_or([0.0, above, 0.0], |drum| [-0.5 * drum.square(), -0.5 * drum.square(), 0.0]);
-            grains.iter_mut().for_each(|grain| grain.position += P::of(corner));
+            for grain in &mut grains {
+                grain.position += P::of(corner);
+            }
         }
         let is_outside = |drum: &Drum, grain: &Grain<P>| {
             drum.distance(grain.position) + grain.radius > (1.0 + 1e-9) * drum.radius_m

@@ -83,9 +83,6 @@ pub struct Run {
     pub iterations_to_velocity_error_1e_2: Option<u64>,
     /// First iteration with `velocity_error` ≤ 1e-4, if any.
     pub iterations_to_velocity_error_1e_4: Option<u64>,
-    /// Iterations at the end in which the least natural map so far was not halved: as many as there are where the run is on a floor.
-    #[serde(default)]
-    pub iterations_in_vain: u64,
     /// √(dᵗ W d / dᵗ W_D d) of the last iteration's change d of r, with the diagonal W_D of W (–): below 1e-4 impulses drift along the
     /// kernel of W and move nothing. Undefined where r does not change.
     #[serde(default = "undefined", with = "number")]

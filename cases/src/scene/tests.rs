@@ -20,12 +20,12 @@ fn walls_turn_about_their_feet_and_shake_with_the_box() {
     let walls = Walls {
         width_m: Some(3.0),
         depth_m: None,
-        bump_radius_m: None,
         tilt_rate_rad_per_s: std::f64::consts::FRAC_PI_4,
         tilt_start_s: 1.0,
         closing_speed_m_per_s: 0.0,
         belt_speed_m_per_s: 0.0,
         friction: None,
+        bump_radius_m: None,
         vibration: Some(vibration),
     };
     let disc = Vector2::new(1.0, 1.5);

@@ -15,8 +15,8 @@ use nalgebra::Vector3;
 use runner::Stop;
 #[cfg(any(feature = "mpi", test))]
 use {
-    crate::plan::Method, cg::Cg, latin_dd::LatinDd, nsgs_dd::NsgsDd, partition::Distributed,
-    serde::Deserialize, serde_json::Value,
+    crate::plan::Method, cg::Cg, contact::Mechanics, latin_dd::LatinDd, nsgs_dd::NsgsDd,
+    partition::Distributed, serde::Deserialize, serde_json::Value,
 };
 
 /// What the program asks of a mechanics, beside what a march does.

@@ -1,7 +1,7 @@
 //! A run on a problem that ranks share: one row, with what they sent each other.
 
 use crate::plan::{Method, Plan};
-use crate::problems::{Problem, Studied};
+use crate::problems::{Known, Problem, Studied};
 use crate::run::shared::{Posted, Shared, cut_of, of_whole};
 use crate::run::{Recorder, Task, ended_row, skipped_row};
 use crate::terminal::exit;
@@ -51,7 +51,10 @@ impl OnAllRanks<'_> {
             load_average: load_average(),
             ..Timing::default()
         };
-        let row = Run { timing: timing.clone(), ..skipped_row(plan, task, self.provenance.restarted()) };
+        let row = Run {
+            timing: timing.clone(),
+            ..skipped_row(plan, task, &Known::default(), self.provenance.restarted())
+        };
         let skipped = |reason: &str| {
             let run = Run { reason: reason.to_owned(), ..row.clone() };
             Ok(Some(Record { run, curve: Vec::new(), snapshots: Vec::new() }))
@@ -99,6 +102,7 @@ impl OnAllRanks<'_> {
             work: end.work,
             derived: end.derived,
             critical_path: end.critical_path,
+            last_change_moves: f64::NAN,
         };
         let subdomains = shared.team.subdomains() as u32;
         let run = ended_row(Run { timing, exchange, subdomains, ..row }, &outcome, &curve);

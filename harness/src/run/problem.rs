@@ -158,7 +158,8 @@ fn run_on_problem<M: Studied>(
     if let Some((is_known, by)) =
         M::polished_to(conditions.how.root, &problem.frozen, known, &outcome.impulses)?
     {
-        run.known.polished_to = if is_known { "known" } else { "new" }.to_owned();
+        let word = if is_known { "known" } else { "new" };
+        word.clone_into(&mut run.known.polished_to);
         run.known.polished_by = by;
     }
     if !ours {
@@ -171,7 +172,12 @@ fn run_on_problem<M: Studied>(
 }
 
 /// The row of a run that was skipped, if it is not run.
-pub(crate) fn skipped_row<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, provenance: Provenance) -> Run {
+pub(crate) fn skipped_row<M: Studied>(
+    plan: &Plan,
+    task: &Task<&Problem<M>>,
+    known: &Known<M>,
+    provenance: Provenance,
+) -> Run {
     let Task { id, variant, what: problem, .. } = task;
     Run {
         id: id.clone(),
@@ -185,7 +191,7 @@ pub(crate) fn skipped_row<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, pro
             .map_or(1, |(grid, _)| u32::try_from(grid.count()).unwrap_or(u32::MAX)),
         warm_start: variant.warm_start,
         status: "skipped".to_owned(),
-        ..nothing_done(plan, problem, provenance)
+        ..nothing_done(plan, problem, known, provenance)
     }
 }
 

@@ -73,22 +73,10 @@ pub(crate) fn ended_row<M: Mechanics>(row: Run, outcome: &Outcome<M>, curve: &[S
         iterations_to_natural_map_1e_4: first(Measure::NaturalMap, 1e-4),
         iterations_to_velocity_error_1e_2: first(Measure::VelocityError, 1e-2),
         iterations_to_velocity_error_1e_4: first(Measure::VelocityError, 1e-4),
-        iterations_in_vain: in_vain(curve),
         last_change_moves: outcome.last_change_moves,
         end: End { measures, work },
         ..row
     }
-}
-
-/// Iterations since the least natural map of a curve was last halved.
-fn in_vain(curve: &[Sample]) -> u64 {
-    let (mut least, mut halved) = (f64::INFINITY, 0);
-    for sample in curve {
-        if sample.measures.natural_map <= 0.5 * least {
-            (least, halved) = (sample.measures.natural_map, sample.iteration);
-        }
-    }
-    curve.last().map_or(0, |last| last.iteration - halved)
 }
 
 /// What the method worked with beside its settings: the values that they leave open, and the critical path where there is one.

@@ -2,14 +2,14 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::cli::split;
-use crate::problems::{Impulses, Root};
+use crate::plan::Method;
+use crate::problems::{Impulses, Root, Studied, Visit, visit};
 use crate::run::Posted;
 use crate::store::open;
 use crate::team::{bench, ping, solve};
 use anyhow::Result;
-use cases::AnyFrozen;
+use cases::{AnyFrozen, Frozen};
 use clap::Parser;
-use latin_dd::LatinDd;
 use nsgs_dd::NsgsDd;
 use partition::Grid;
 use ranks::simulated;
@@ -83,37 +83,28 @@ fn impulses(size: usize, problem: &str, method: &str) -> Vec<f64> {
     Impulses::join_all(folder.path()).unwrap()
 }
 
+/// The impulses of a method of this name on one machine, after as many iterations as ranks make.
+struct Alone<'m>(&'m str);
+
+impl Visit for Alone<'_> {
+    type Output = Vec<f64>;
+
+    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Vec<f64> {
+        let method = Method::parse(self.0, &[("subdomains".to_owned(), "4x2".to_owned())]).unwrap();
+        let stop = Stop { tolerance: 0.0, max_iterations: 45, ..Stop::default() };
+        let (solver, r0) = (method.solver::<M>().unwrap(), frozen.start(false));
+        solve_alone(solver, &frozen.problem, &r0, &stop, &mut |_| {}).unwrap().impulses
+    }
+}
+
 #[test]
 fn ranks_that_read_their_own_files_end_with_the_bits_of_one_machine() {
-    let stop = Stop { tolerance: 0.0, max_iterations: 45, ..Stop::default() };
-    let grid = Grid { nx: 4, ny: 2 };
-    let (latin, nsgs) = (
-        LatinDd { subdomains: grid, ..LatinDd::default() },
-        NsgsDd { subdomains: grid, ..NsgsDd::default() },
-    );
-    for name in ["settled-991", "rough-250"] {
+    for name in ["settled-991", "rough-250", "spheres-250"] {
         let folder = split(name);
         let parts = folder.path().to_str().unwrap();
-        let (of_latin, of_nsgs) = match AnyFrozen::read(
-            &checkout().join("cases/frozen").join(name).with_extension("json"),
-        )
-        .unwrap()
-        {
-            AnyFrozen::Discs(frozen) => {
-                let r0 = frozen.start(false);
-                let alone = |solver: &dyn contact::Solver| {
-                    solve_alone(solver, &frozen.problem, &r0, &stop, &mut |_| {}).unwrap().impulses
-                };
-                (alone(&latin), alone(&nsgs))
-            }
-            AnyFrozen::RoughDiscs(frozen) => {
-                let r0 = frozen.start(false);
-                let alone = |solver: &dyn contact::Solver<contact::RoughDiscs>| {
-                    solve_alone(solver, &frozen.problem, &r0, &stop, &mut |_| {}).unwrap().impulses
-                };
-                (alone(&latin), alone(&nsgs))
-            }
-        };
+        let path = checkout().join("cases/frozen").join(name).with_extension("json");
+        let alone = |method: &str| visit(AnyFrozen::read(&path).unwrap(), Alone(method));
+        let (of_latin, of_nsgs) = (alone("latin-dd"), alone("nsgs-dd"));
         for size in [1, 3, 8] {
             assert!(impulses(size, parts, "latin-dd") == of_latin, "{name}, {size} ranks");
             assert!(impulses(size, parts, "nsgs-dd") == of_nsgs, "{name}, {size} ranks");
@@ -234,7 +225,7 @@ fn a_run_that_is_measured_rarely_ends_late_by_less_than_that() {
     };
     let problem = AnyFrozen::read(&checkout().join("cases/frozen/settled-60.json")).unwrap();
     let AnyFrozen::Discs(frozen) = problem else { panic!("no friction") };
-    let nsgs = NsgsDd { subdomains: Grid { nx: 4, ny: 2 }, ..NsgsDd::default() };
+    let nsgs = NsgsDd { subdomains: Grid::of(4, 2), ..NsgsDd::default() };
     let at = |max_iterations| {
         let stop = Stop { tolerance: 1e-3, max_iterations, ..Stop::default() };
         let stop = if max_iterations < 10_000 { Stop { tolerance: 0.0, ..stop } } else { stop };

@@ -51,6 +51,7 @@ pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
         iterations: 100,
         setup_s: 1e-5,
         iterating_s: 0.0123,
+        last_change_moves: f64::NAN,
         iterations_to_zeta_1e_3: Some(31),
         iterations_to_natural_map_1e_2: Some(47),
         iterations_to_natural_map_1e_4: Some(100),

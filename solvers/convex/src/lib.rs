@@ -9,7 +9,7 @@
 //! V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, A formulation of the linear discrete Coulomb friction problem via convex
 //! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175.
 
-use active_set::Convex as Programmes;
+use active_set::{ActiveSet, Convex as Programmes};
 use contact::{Iteration, Packing, RoughDiscs, SetupError, Smooth, Solver, Work};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -72,12 +72,12 @@ impl Solver<RoughDiscs> for Convex {
 }
 
 impl<const D: usize> Solver<Smooth<D>> for Convex {
-    /// Refuses: without friction there is nothing to relax.
-    fn start<'p>(&self, _: &'p Packing<Smooth<D>>, _: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        Err(SetupError::new(
-            "problem",
-            "without friction",
-            "one with friction: others are convex as they are",
-        ))
+    /// Without friction there is nothing to relax: the problem is the programme, and the active set solves it.
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<Smooth<D>>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        Solver::<Smooth<D>>::start(&ActiveSet::default(), problem, r0)
     }
 }

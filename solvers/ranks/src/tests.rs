@@ -13,7 +13,7 @@ use runner::{Measured, OnRanks, Status, Stop, solve, solve_on_ranks};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-const GRID: Grid = Grid { nx: 4, ny: 2 };
+const GRID: Grid = Grid::of(4, 2);
 const SIZES: [usize; 4] = [1, 2, 3, 8];
 
 fn frozen(name: &str) -> AnyFrozen {
@@ -147,7 +147,7 @@ fn latin_has_the_bits_of_one_machine() {
 /// Boxes on a bounding box may be empty, and so may be all that a rank has.
 #[test]
 fn ranks_may_have_nothing_to_do() {
-    let (problem, grid) = (discs("settled-60"), Grid { nx: 10, ny: 12 });
+    let (problem, grid) = (discs("settled-60"), Grid::of(10, 12));
     let partition = Partition::of_contacts(&problem, Scheme::Boxes, grid).unwrap();
     assert!((0..120).any(|e| !partition.subdomain.contains(&e)), "no box is empty");
     let stop = Stop { tolerance: 0.0, max_iterations: 45, ..Stop::default() };
@@ -265,7 +265,7 @@ fn tree(values: &[[f64; 2]]) -> [f64; 2] {
 fn ranks_prove_together_that_there_is_no_solution() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/hard/infeasible-b.json");
     let problem = Frozen::read(&path).unwrap().problem;
-    let grid = Grid { nx: 2, ny: 1 };
+    let grid = Grid::of(2, 1);
     let r0 = vec![0.0; problem.contact_count()];
     let nsgs = NsgsDd { subdomains: grid, ..NsgsDd::default() };
     let stop = Stop { tolerance: 1e-10, ..Stop::default() };
@@ -282,7 +282,7 @@ fn ranks_prove_together_that_there_is_no_solution() {
 #[test]
 fn no_rank_holds_more_than_its_contacts_and_their_grains() {
     let problem = discs("shear-box-991-sheared");
-    let grid = Grid { nx: 4, ny: 4 };
+    let grid = Grid::of(4, 4);
     let decomposition =
         Decomposition::new(&problem, &Partition::of_contacts(&problem, Scheme::Boxes, grid).unwrap());
     let whole = whole(&problem, grid, Scheme::Boxes);

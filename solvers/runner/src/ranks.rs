@@ -98,7 +98,7 @@ pub fn solve_on_ranks<M: Refutable>(
     let setup = clock.elapsed();
     let mut counted = Counted { iteration, team: team.clone(), traffic: Traffic::default() };
     let r0 = vec![0.0; share.problem.impulse_count()];
-    let End { status, iterations, measures, impulses, iterating } =
+    let End { status, iterations, measures, impulses, before: _, iterating } =
         run(&mut judge, &mut counted, r0, stop, measured, observe);
 
     let Counted { iteration, traffic, .. } = counted;

@@ -79,7 +79,7 @@ impl<M: Mechanics> Measured<M> {
             contacts: subdomain.contacts.clone(),
             columns,
             unit,
-            pushed: vec![M::Velocity::default(); subdomain.grains.len()],
+            pushed: vec![M::Velocity::ZERO; subdomain.grains.len()],
             boundary: subdomain.boundary.clone(),
             parts: [0.0; 11],
         }
@@ -87,7 +87,7 @@ impl<M: Mechanics> Measured<M> {
 
     /// M^½ (V − `V_free`) = H̃ s of its own contacts.
     fn push(&mut self, r: &[f64], sent: &mut [M::Velocity]) {
-        self.pushed.fill(M::Velocity::default());
+        self.pushed.fill(M::Velocity::ZERO);
         for (contact, (column, unit)) in self.contacts.iter().zip(self.columns.iter().zip(&self.unit)) {
             let s = M::Impulse::at(r, *contact as usize).with(*unit, |r, unit| r * unit);
             column.push(s, &mut self.pushed);

@@ -70,7 +70,7 @@ impl<M: Mechanics> Local<M> {
                 .map(|grain| 1.0 / f64::from(share.decomposition.multiplicity[grain]))
                 .collect(),
             boundary: subdomain.boundary.clone(),
-            y: vec![M::Velocity::default(); mass.len()],
+            y: vec![M::Velocity::ZERO; mass.len()],
             size: vec![0.0; mass.len()],
             presses: vec![false; contacts.len()],
             d: zeros.clone(),
@@ -85,7 +85,7 @@ impl<M: Mechanics> Local<M> {
 
     /// H p of its own contacts.
     fn push(&mut self, of_d: bool, sent: &mut [M::Velocity]) {
-        self.y.fill(M::Velocity::default());
+        self.y.fill(M::Velocity::ZERO);
         let p = if of_d { &self.d } else { &self.p };
         for (contact, p) in self.contacts.iter().zip(p) {
             contact.push(normal::<M>(*p), &mut self.y);
