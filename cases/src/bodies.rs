@@ -24,14 +24,13 @@ impl Drum {
         std::f64::consts::SQRT_2 * self.radius_m
     }
 
-    /// Distance of a place from the axis (m).
-    pub(crate) fn distance<P: Place>(&self, position: P) -> f64 {
-        across(position).length()
+    /// How far a grain is from the surface (m); negative outside.
+    pub(crate) fn gap<P: Place>(&self, position: P, radius: f64) -> f64 {
+        self.radius_m - across(position).length() - radius
     }
 
     fn near<P: Place>(&self, grain: u32, position: P, radius: f64, reach: f64) -> Option<Near<P>> {
-        let distance = self.distance(position);
-        let gap = self.radius_m - distance - radius;
+        let (distance, gap) = (across(position).length(), self.gap(position, radius));
         // At the centre there is no normal, and in a drum of some size no contact.
         let upwards = P::of([0.0, 1.0, 0.0]);
         let normal = if distance > 0.0 { -across(position) / distance } else { upwards };

@@ -98,9 +98,9 @@ impl Case {
                 grain.position += P::of(corner);
             }
         }
-        let is_outside = |drum: &Drum, grain: &Grain<P>| {
-            drum.distance(grain.position) + grain.radius > (1.0 + 1e-9) * drum.radius_m
-        };
+        // Up to round-off.
+        let is_outside =
+            |drum: &Drum, grain: &Grain<P>| drum.gap(grain.position, grain.radius) < -1e-9 * drum.radius_m;
         match drum
             .as_ref()
             .and_then(|drum| grains.iter().find(|grain| is_outside(drum, grain)).zip(Some(drum)))

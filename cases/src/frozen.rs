@@ -114,7 +114,7 @@ struct Grains<P> {
     radius: Vec<f64>,
     /// Mass centre `[x, y]` (m), x to the right, y upwards; of a sphere `[x, y, z]`, z towards who looks. Partitions and some orders of contacts read it.
     position: Vec<P>,
-    /// Velocity, likewise, at the end of the time step if no contact acted (m/s): a grain at rest under gravity g has
+    /// Velocity `[x, y]`, or `[x, y, z]`, at the end of the time step if no contact acted (m/s): a grain at rest under gravity g has
     /// `[0, -g h]`.
     free_velocity: Vec<P>,
 }
@@ -126,7 +126,7 @@ struct Contacts<P> {
     candidate: Vec<u32>,
     /// Number of the antagonist grain, from 0; `null` for a wall.
     antagonist: Vec<Option<u32>>,
-    /// Unit vector, likewise, from the antagonist to the candidate (–): `[0, 1]` for a grain on a floor. A positive impulse
+    /// Unit vector `[x, y]`, or `[x, y, z]`, from the antagonist to the candidate (–): `[0, 1]` for a grain on a floor. A positive impulse
     /// pushes the candidate along it, and the antagonist the other way.
     normal: Vec<P>,
     /// c (m/s), in v = n · (V_candidate − V_antagonist) + c ≥ 0: positive lets the contact close that fast. 0 where two grains

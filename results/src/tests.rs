@@ -107,8 +107,8 @@ fn no_rows_give_tables_with_all_their_columns() {
     assert_eq!((none.height(), none.schema()), (0, table([&run(0)]).unwrap().schema()));
     let none = keyed::<Sample>("run", []).unwrap();
     assert_eq!((none.height(), none.schema()), (0, keyed("run", [(0, &sample(1))]).unwrap().schema()));
-    assert_eq!(table::<GrainRow>([]).unwrap().shape(), (0, 8));
-    assert_eq!(table::<ContactRow>([]).unwrap().shape(), (0, 10));
+    assert_eq!(table::<GrainRow>([]).unwrap().shape(), (0, 9));
+    assert_eq!(table::<ContactRow>([]).unwrap().shape(), (0, 12));
     assert_eq!(
         columns(&keyed::<Snapshot>("run", []).unwrap()),
         ["run", "iteration", "natural_map", "impulses_n_s"]

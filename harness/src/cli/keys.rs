@@ -77,7 +77,8 @@ fn value(schema: &Value) -> String {
     if let Some(only) = schema.get("const") {
         return format!("`{only}`");
     }
-    match schema["type"].as_str() {
+    // One that may be left out has two types, and the other is none.
+    match schema["type"].as_str().or_else(|| schema["type"][0].as_str()) {
         Some("string") if names == 0 && schema.get("enum").is_none() => "a text".to_owned(),
         Some("object") => "a table".to_owned(),
         _ => takes(schema),

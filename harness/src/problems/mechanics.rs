@@ -290,7 +290,9 @@ fn rough_numbers<const D: usize>(
     contacts: &[RoughContact<D>],
     number: &mut dyn FnMut(f64),
 ) {
-    mass.iter().for_each(|mass| number(mass.inertia));
+    for mass in mass {
+        number(mass.inertia);
+    }
     for contact in contacts {
         number(f64::from(contact.candidate));
         number(contact.antagonist.map_or(-1.0, f64::from));

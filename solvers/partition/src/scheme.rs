@@ -133,7 +133,9 @@ fn share_out<P: Place>(
     points.par_sort_by(|(a, _), (b, _)| a[axis].total_cmp(&b[axis]));
     for (number, share) in (0..).zip(shares(points, weights, *n)) {
         let share = &mut points[share];
-        share.iter().for_each(|(_, point)| subdomain[*point as usize] += stride * number);
+        for (_, point) in &*share {
+            subdomain[*point as usize] += stride * number;
+        }
         share_out(share, weights, axis + 1, rest, subdomain);
     }
 }
