@@ -91,36 +91,3 @@ pub(crate) fn bodies_near<P: Place>(
     drum.into_iter()
         .chain(bumps.into_iter().flat_map(move |bumps| bumps.near(grain, position, radius, reach)))
 }
-
-/// Sides of the polygon that stands for a circle where it is drawn.
-const SIDES: u32 = 72;
-
-/// The drum, and the bumps on a floor from a place on to some x, to be drawn by their corners (m): segments in the plane, and in
-/// space what they sweep between two z.
-pub(crate) fn outlines<P: Place>(
-    scene: &Scene,
-    from: [f64; 3],
-    to_x: f64,
-    z: [f64; 2],
-) -> Vec<(Side, Vec<P>)> {
-    let circle = move |side: Side, [x, y]: [f64; 2], radius: f64, sides: u32| {
-        let at = move |k: u32| {
-            let angle = std::f64::consts::TAU * f64::from(k) / f64::from(SIDES);
-            [x + radius * libm::cos(angle), y + radius * libm::sin(angle)]
-        };
-        (0..sides).map(move |k| {
-            let ([x0, y0], [x1, y1]) = (at(k), at(k + 1));
-            let corners = [[x0, y0, z[0]], [x1, y1, z[0]], [x1, y1, z[1]], [x0, y0, z[1]]];
-            (side, corners.into_iter().take(if P::LEN > 2 { 4 } else { 2 }).map(P::of).collect())
-        })
-    };
-    let drum = scene.drum.into_iter().flat_map(|drum| circle(Side::Drum, [0.0; 2], drum.radius_m, SIDES));
-    let bump_radius = scene.walls.as_ref().and_then(|walls| walls.bump_radius_m);
-    let bumps = bump_radius.into_iter().flat_map(|a| {
-        let last = ((to_x - from[0]) / (2.0 * a)).ceil() as i32;
-        (0..=last).flat_map(move |k| {
-            circle(Side::Bump(k), [from[0] + 2.0 * a * f64::from(k), from[1]], a, SIDES / 2)
-        })
-    });
-    drum.chain(bumps).collect()
-}

@@ -10,6 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// A scene with its sample, and the question that it asks.
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
@@ -35,6 +36,9 @@ pub struct Case {
     /// The file that the case was read from.
     #[serde(skip)]
     path: PathBuf,
+    /// Whether the grains are spheres, once that was asked: another file may hold them.
+    #[serde(skip)]
+    in_space: OnceLock<bool>,
 }
 
 impl Case {
@@ -75,7 +79,12 @@ impl Case {
     /// # Errors
     /// Those of the file that holds them.
     pub fn in_space(&self) -> Result<bool, CaseError> {
-        self.sample.in_space(self.folder()).map_err(|message| CaseError::content(&self.path, message))
+        if let Some(in_space) = self.in_space.get() {
+            return Ok(*in_space);
+        }
+        let in_space = self.sample.in_space(self.folder());
+        let in_space = in_space.map_err(|message| CaseError::content(&self.path, message))?;
+        Ok(*self.in_space.get_or_init(|| in_space))
     }
 
     /// The grains before time begins.
@@ -87,6 +96,9 @@ impl Case {
         let wrong = |message| CaseError::content(&self.path, message);
         if self.in_space()? != (P::LEN > 2) {
             return Err(wrong("`sample.kind` is that of grains in another number of dimensions".to_owned()));
+        }
+        if P::LEN == 2 {
+            self.scene.check_in_plane().map_err(wrong)?;
         }
         let mut grains: Vec<Grain<P>> = self.sample.grains_in(size, self.folder()).map_err(wrong)?;
         if matches!(self.sample, Sample::Deposited { .. } | Sample::DepositedSpheres { .. }) {

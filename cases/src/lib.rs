@@ -4,6 +4,7 @@ mod bodies;
 mod case;
 mod deposit;
 mod detect;
+mod drawn;
 mod energy;
 mod error;
 mod frozen;

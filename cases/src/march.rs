@@ -1,15 +1,16 @@
 //! Time marching: the θ-scheme around any solver, one contact problem per time step, each started from the impulses
 //! of the one before (§2).
 
-use crate::bodies::{bodies_near, outlines};
+use crate::bodies::bodies_near;
 use crate::case::Case;
-use crate::detect::{DetectedContact, Neighbours, Side, WALLS, walls_near};
+use crate::detect::{DetectedContact, Neighbours, Side, walls_near};
+use crate::drawn::drawn;
 use crate::energy::Energy;
 use crate::error::CaseError;
 use crate::frozen::Frozen;
 use crate::marched::Marched;
 use crate::observables::{Missed, Observables, explosion, wall_impulses};
-use crate::scene::{Law, MovingWall, Scene, Wall, WallMotion};
+use crate::scene::{Law, MovingWall, Scene, WallMotion};
 use contact::{Discs, Mass, Mechanics, Packing, Place, Solver, Touch, Vector, greatest};
 use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
 use std::cell::RefCell;
@@ -102,58 +103,15 @@ impl<M: Marched> March<M> {
         &self.velocity
     }
 
-    /// The walls as they stand, to be drawn, by their corners (m): the floor from left to right, the others from their feet to as high
-    /// as the highest grain. What is not between walls is as wide as the grains. In the plane each is a segment, in space of four
-    /// corners.
+    /// The walls and other bodies as they stand, to be drawn, by their corners (m): the floor from left to right, the others from their
+    /// feet to as high as the highest grain. What is not between walls is as wide as the grains. In the plane each is a segment, in
+    /// space of four corners.
     pub fn walls(&self) -> Vec<(Side, Vec<M::Place>)> {
         let reach = |along: M::Place| {
             let reaches = self.position.iter().zip(&self.radius).map(|(q, r)| along.dot_product(*q) + r);
             reaches.fold(f64::NEG_INFINITY, f64::max)
         };
-        let back = M::Place::of([0.0, 0.0, 1.0]);
-        let Some(walls) = &self.scene.walls else {
-            return outlines(&self.scene, [0.0; 3], 0.0, [-reach(-back), reach(back)]);
-        };
-        let walls = walls.at::<M::Place>(self.done as f64 * self.scene.time_step_s);
-        // From wall to wall along an axis, or as far as the grains reach.
-        let between = |axis: [f64; 3], low: usize, high: usize| {
-            let (axis, feet) = (M::Place::of(axis), walls[low].zip(walls[high]));
-            feet.map_or_else(
-                || [-reach(-axis), reach(axis)],
-                |(low, high)| [low.foot.dot_product(axis), high.foot.dot_product(axis)],
-            )
-        };
-        let [x, z] = [between([1.0, 0.0, 0.0], 1, 2), between([0.0, 0.0, 1.0], 3, 4)];
-        let corners = |side: Side, wall: Wall<M::Place>| {
-            let [foot_x, foot_y, foot_z] = wall.foot.space();
-            let [from, to] = match side {
-                Side::Floor => x.map(|x| [x, foot_y, z[0]]),
-                Side::Left | Side::Right => z.map(|z| [foot_x, foot_y, z]),
-                _ => x.map(|x| [x, foot_y, foot_z]),
-            }
-            .map(M::Place::of);
-            let [n_x, n_y, n_z] = wall.normal.space();
-            let across = if side == Side::Floor {
-                M::Place::of([0.0, 0.0, z[1] - z[0]])
-            } else {
-                // Along the wall, upwards.
-                let up = M::Place::of(if n_z == 0.0 {
-                    [-n_y * n_x.signum(), n_x * n_x.signum(), 0.0]
-                } else {
-                    [0.0, 1.0, 0.0]
-                });
-                up * (reach(up) - up.dot_product(wall.foot)).max(0.0)
-            };
-            match M::Place::LEN {
-                2 if side == Side::Floor => vec![from, to],
-                2 => vec![from, from + across],
-                _ => vec![from, to, to + across, from + across],
-            }
-        };
-        let some = WALLS.into_iter().zip(walls).filter_map(|(side, wall)| Some((side, wall?)));
-        let floor = walls[0].map_or([0.0; 3], |floor| [x[0], floor.foot[1], 0.0]);
-        let bodies = outlines(&self.scene, floor, x[1], z);
-        some.map(|(side, wall)| (side, corners(side, wall))).chain(bodies).collect()
+        drawn(&self.scene, self.done as f64 * self.scene.time_step_s, reach)
     }
 
     /// The contact problem of the next time step.

@@ -135,8 +135,8 @@ pub enum Sample {
         /// Mass per volume (kg/m³).
         density_kg_per_m3: f64,
     },
-    /// Spheres with radii drawn evenly from a range, let fall one by one at places that are drawn too, each at the lowest place
-    /// around where three others, or walls, hold it: loose, and close to a packing at rest, which time then settles.
+    /// Spheres with radii drawn evenly from a range, let fall one by one over places that are drawn too: each rolls down to where
+    /// others and walls hold it, and a few stop on the way. Loose, and near a packing at rest, which time then settles.
     DepositedSpheres {
         /// Number of spheres.
         grains: u32,
@@ -224,7 +224,7 @@ impl Sample {
                 (in_plane(&rollers), density_kg_per_m2, top_mass_ratio)
             }
             Self::Deposited { grains, seed, radius_m, intruder_radius_m, density_kg_per_m2 } => {
-                let radii = drawn(grains, seed, radius_m, intruder_radius_m, walls()?)?;
+                let radii = drawn(grains, seed, radius_m, intruder_radius_m, &[("width_m", walls()?)])?;
                 let deposited = deposit::deposit(&radii, walls()?).map_err(no_place)?;
                 let discs = deposited.into_iter().map(|(x, radius)| [x.x, x.y, 0.0, radius]);
                 (discs.collect(), density_kg_per_m2, 1.0)
@@ -239,9 +239,8 @@ impl Sample {
             Self::DepositedSpheres { grains, seed, radius_m, density_kg_per_m3 } => {
                 let behind = "`sample.kind` asks for walls behind and before: it needs `scene.box.depth_m`";
                 let size = [walls()?, depth.ok_or(behind)?];
-                drawn(grains, seed, radius_m, None, size[1])
-                    .map_err(|why| why.replace("width_m", "depth_m"))?;
-                let radii = drawn(grains, seed, radius_m, None, size[0])?;
+                let radii =
+                    drawn(grains, seed, radius_m, None, &[("width_m", size[0]), ("depth_m", size[1])])?;
                 (deposit::deposit_spheres(&radii, size, seed), density_kg_per_m3, 1.0)
             }
             Self::Frozen { ref file } => return checked(frozen(&folder.join(file))?.grains()),
@@ -286,13 +285,14 @@ fn checked<P: Place>(grains: Vec<Grain<P>>) -> Result<Vec<Grain<P>>, String> {
     }
 }
 
-/// Radii drawn evenly from a range, that of the intruder in the middle of the list.
+/// Radii drawn evenly from a range, that of the intruder in the middle of the list, for a box with so much room along each of some keys
+/// (m).
 fn drawn(
     grains: u32,
     seed: u64,
     [least, greatest]: [f64; 2],
     intruder: Option<f64>,
-    width: f64,
+    room: &[(&str, f64)],
 ) -> Result<Vec<f64>, String> {
     if !(least > 0.0 && least <= greatest && greatest.is_finite()) {
         return Err(format!(
@@ -307,8 +307,9 @@ fn drawn(
             shown(radius)
         ));
     }
-    if width < 4.0 * f64::max(greatest, intruder.unwrap_or(0.0)) {
-        return Err(format!("`scene.box.width_m` is {}: it must be at least 4 greatest radii", shown(width)));
+    let least_room = 4.0 * f64::max(greatest, intruder.unwrap_or(0.0));
+    if let Some((key, length)) = room.iter().find(|(_, length)| *length < least_room) {
+        return Err(format!("`scene.box.{key}` is {}: it must be at least 4 greatest radii", shown(*length)));
     }
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut radii: Vec<f64> = (0..grains).map(|_| least + (greatest - least) * rng.random::<f64>()).collect();

@@ -235,6 +235,23 @@ impl Scene {
         }
     }
 
+    /// What has no meaning for discs, which lie in the plane of x and y.
+    pub(crate) fn check_in_plane(&self) -> Result<(), String> {
+        let Some(walls) = &self.walls else { return Ok(()) };
+        let along_z = |vibration: &Vibration| matches!(vibration.direction, Direction::Z);
+        if let Some(depth) = walls.depth_m {
+            Err(format!(
+                "`scene.box.depth_m` is {}: discs have no depth, so it must be left out",
+                shown(depth)
+            ))
+        } else if walls.vibration.as_ref().is_some_and(along_z) {
+            Err("`scene.box.vibration.direction` is z: it must be x or y, since discs have no depth"
+                .to_owned())
+        } else {
+            Ok(())
+        }
+    }
+
     /// What is outside the model's meaning, as key, value and what would be accepted.
     pub(crate) fn check(&self) -> Result<(), String> {
         let mut values = vec![

@@ -46,6 +46,20 @@ fn on_the_floor(frozen: &Frozen, r: &[f64]) -> f64 {
 }
 
 #[test]
+fn what_only_spheres_have_is_refused_of_discs() {
+    let depth = case("settled-box", &[("scene.box.depth_m", "1.0")]);
+    let error = March::<Discs>::new(&depth).unwrap_err().to_string();
+    assert!(
+        error.ends_with("`scene.box.depth_m` is 1: discs have no depth, so it must be left out"),
+        "{error}"
+    );
+    let shaken = case("shaken-box", &[("scene.box.vibration.direction", "z")]);
+    let error = March::<Discs>::new(&shaken).unwrap_err().to_string();
+    assert!(error.contains("`scene.box.vibration.direction` is z: it must be x or y"), "{error}");
+    assert!(March::<Discs>::new(&case("sphere-box", &[])).is_err());
+}
+
+#[test]
 fn every_case_file_is_named_as_it_says_and_makes_a_problem() {
     let mut count = 0;
     for entry in std::fs::read_dir(folder()).unwrap() {

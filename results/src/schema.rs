@@ -84,7 +84,7 @@ pub struct Run {
     /// First iteration with `velocity_error` ≤ 1e-4, if any.
     pub iterations_to_velocity_error_1e_4: Option<u64>,
     /// √(dᵗ W d / dᵗ W_D d) of the last iteration's change d of r, with the diagonal W_D of W (–): below 1e-4 impulses drift along the
-    /// kernel of W and move nothing. Undefined where r does not change.
+    /// kernel of W and move next to nothing, or creep along a mode as slow. Undefined where r does not change.
     #[serde(default = "undefined", with = "number")]
     pub last_change_moves: f64,
     /// What ranks exchanged, where several shared the problem.

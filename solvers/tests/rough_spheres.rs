@@ -1,7 +1,7 @@
 //! Spheres with friction: what the plane gives in space, and what is known of one sphere.
 
 use crate::friction::rough;
-use crate::spheres::sphere_problem_of;
+use crate::spheres::{in_step, sphere_problem_of};
 use contact::{
     Measuring, Packing, RoughContact, RoughDiscs, RoughMass, RoughMeter, RoughSpheres, Solver, Spheres, frame,
 };
@@ -64,14 +64,9 @@ fn layer_with_friction_in_space_gives_the_iterates_of_the_plane() {
     for ((name, in_plane), (_, in_space)) in
         methods::<RoughDiscs>().into_iter().zip(methods::<RoughSpheres>())
     {
-        let mut one = in_plane.start(&flat, &zeros).unwrap();
-        let mut other = in_space.start(&laid, &none).unwrap();
-        let (mut r, mut s) = (zeros.clone(), none.clone());
-        for iteration in 1..=20 {
-            one.advance();
-            other.advance();
-            one.impulses(&mut r);
-            other.impulses(&mut s);
+        let one = in_plane.start(&flat, &zeros).unwrap();
+        let other = in_space.start(&laid, &none).unwrap();
+        in_step([one, other], [&zeros, &none], 20, |iteration, r, s| {
             let greatest = r.iter().copied().fold(0.0, f64::max);
             for (k, contact) in laid.contacts().iter().enumerate() {
                 let (n, t) = (contact.normal, Vector3::new(-contact.normal.y, contact.normal.x, 0.0));
@@ -80,7 +75,7 @@ fn layer_with_friction_in_space_gives_the_iterates_of_the_plane() {
                 let apart = Vector3::new(s[3 * k] - r[2 * k], along.dot(&t) - r[2 * k + 1], along.z);
                 assert!(apart.amax() < 1e-9 * greatest, "{name}, iteration {iteration}: {apart:?}");
             }
-        }
+        });
     }
     let measures = |zeta: &[f64]| RoughMeter::<RoughDiscs>::new(&flat).measure_after(&[], zeta, 0.0);
     let in_space = RoughMeter::<RoughSpheres>::new(&laid).measure_after(&[], &none, 0.0);
@@ -119,19 +114,14 @@ fn spheres_without_friction_give_the_frictionless_iterates() {
     .unwrap();
     let (zeros, none) = (vec![0.0; smooth.impulse_count()], vec![0.0; rough.impulse_count()]);
     for ((name, one), (_, other)) in methods::<Spheres>().into_iter().zip(methods::<RoughSpheres>()) {
-        let (mut one, mut other) = (one.start(&smooth, &zeros).unwrap(), other.start(&rough, &none).unwrap());
-        let (mut r, mut s) = (zeros.clone(), none.clone());
-        for iteration in 1..=20 {
-            one.advance();
-            other.advance();
-            one.impulses(&mut r);
-            other.impulses(&mut s);
+        let (one, other) = (one.start(&smooth, &zeros).unwrap(), other.start(&rough, &none).unwrap());
+        in_step([one, other], [&zeros, &none], 20, |iteration, r, s| {
             let greatest = r.iter().copied().fold(0.0, f64::max);
             for (r, s) in r.iter().zip(s.chunks_exact(3)) {
                 let apart = (r - s[0]).abs().max(s[1].abs()).max(s[2].abs());
                 assert!(apart < 1e-9 * greatest, "{name}, iteration {iteration}: {apart}");
             }
-        }
+        });
     }
 }
 

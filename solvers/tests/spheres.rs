@@ -5,7 +5,7 @@ use active_set::ActiveSet;
 use apgd::Apgd;
 use cases::{Case, March};
 use cg::{Cg, Preconditioner};
-use contact::{Contact, Discs, Measure, Meter, Packing, Solver, Spheres, Truth, Vector};
+use contact::{Contact, Discs, Iteration, Measure, Meter, Packing, Solver, Spheres, Truth, Vector};
 use gradient::Gradient;
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
@@ -59,6 +59,27 @@ pub(crate) fn sphere_problem_of(case: &str, time_step: u64) -> (Packing<Spheres>
     (problem, radii)
 }
 
+/// Advances two runs from impulses of these lengths, and shows the impulses of both after each of some iterations.
+pub(crate) fn in_step(
+    mut runs: [Box<dyn Iteration + '_>; 2],
+    lengths: [&[f64]; 2],
+    iterations: u32,
+    mut compare: impl FnMut(u32, &[f64], &[f64]),
+) {
+    let [mut r, mut s] = lengths.map(<[f64]>::to_vec);
+    for iteration in 1..=iterations {
+        runs.iter_mut().for_each(|run| run.advance());
+        runs[0].impulses(&mut r);
+        runs[1].impulses(&mut s);
+        compare(iteration, &r, &s);
+    }
+}
+
+/// The greatest difference of two lists of impulses (N·s).
+fn apart(r: &[f64], s: &[f64]) -> f64 {
+    r.iter().zip(s).map(|(r, s)| (r - s).abs()).fold(0.0, f64::max)
+}
+
 type Both = (&'static str, Box<dyn Solver<Discs>>, Box<dyn Solver<Spheres>>);
 
 fn methods() -> Vec<Both> {
@@ -90,18 +111,15 @@ fn layer_in_space_gives_the_iterates_of_the_plane() {
         let laid = embedded(&flat);
         let r0 = vec![0.0; flat.contact_count()];
         for (method, in_plane, in_space) in methods() {
-            let (mut one, mut other) =
-                (in_plane.start(&flat, &r0).unwrap(), in_space.start(&laid, &r0).unwrap());
-            let (mut r, mut s) = (r0.clone(), r0.clone());
-            for iteration in 1..=30 {
-                one.advance();
-                other.advance();
-                one.impulses(&mut r);
-                other.impulses(&mut s);
+            let (one, other) = (in_plane.start(&flat, &r0).unwrap(), in_space.start(&laid, &r0).unwrap());
+            in_step([one, other], [&r0, &r0], 30, |iteration, r, s| {
                 let greatest = r.iter().copied().fold(0.0, f64::max);
-                let apart = r.iter().zip(&s).map(|(r, s)| (r - s).abs()).fold(0.0, f64::max) / greatest;
-                assert!(apart < 1e-8, "{name}, {method}, iteration {iteration}: {apart}");
-            }
+                assert!(
+                    apart(r, s) < 1e-8 * greatest,
+                    "{name}, {method}, iteration {iteration}: {}",
+                    apart(r, s)
+                );
+            });
         }
     }
 }
@@ -178,17 +196,9 @@ fn subdomains_in_space_never_raise_the_energy() {
             before = energy;
         }
     }
-    let mut one = NsgsDd::default().start(&problem, &r0).unwrap();
-    let mut nsgs = Nsgs::default().start(&problem, &r0).unwrap();
-    let (mut r, mut s) = (r0.clone(), r0);
-    for _ in 0..20 {
-        one.advance();
-        nsgs.advance();
-        one.impulses(&mut r);
-        nsgs.impulses(&mut s);
-        let apart = r.iter().zip(&s).map(|(r, s)| (r - s).abs()).fold(0.0, f64::max);
-        assert!(apart < 1e-12, "{apart} N·s");
-    }
+    let one = NsgsDd::default().start(&problem, &r0).unwrap();
+    let nsgs = Nsgs::default().start(&problem, &r0).unwrap();
+    in_step([one, nsgs], [&r0, &r0], 20, |_, r, s| assert!(apart(r, s) < 1e-12, "{} N·s", apart(r, s)));
 }
 
 /// Layers are for space alone.

@@ -51,11 +51,7 @@ pub(crate) struct Entry {
 /// Where a method comes from.
 enum Source {
     /// A crate in `solvers/`.
-    Crate {
-        code: fn() -> Option<&'static str>,
-        schema: fn() -> Value,
-        build: fn(Map<String, Value>) -> Result<Built>,
-    },
+    Crate { code: fn() -> Option<&'static str>, schema: fn() -> Value, build: Build },
     /// A file in `harness/external`.
     File(&'static External),
 }
@@ -86,43 +82,28 @@ impl Entry {
     /// A method for problems without friction: one whose theory needs a minimum.
     const fn of<S>(name: &'static str, what: &'static str) -> Self
     where
-        S: Solver + Solver<Spheres> + JsonSchema + Serialize + DeserializeOwned + Clone + 'static,
+        S: Solver + Solver<Spheres> + Configured,
     {
-        let build = build_smooth::<S>;
-        Self {
-            name,
-            what,
-            source: Source::Crate { code: code_version::<S>, schema: cases::schema::<S>, build },
-        }
+        Self::built::<S>(name, what, |settings| build(settings, smooth::<S>))
     }
 
     /// A method for problems with and without friction; between spheres without.
     const fn with_friction<S>(name: &'static str, what: &'static str) -> Self
     where
-        S: Solver
-            + Solver<Spheres>
-            + Solver<RoughDiscs>
-            + JsonSchema
-            + Serialize
-            + DeserializeOwned
-            + Clone
-            + 'static,
+        S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Configured,
     {
-        let build = build_rough::<S>;
-        Self {
-            name,
-            what,
-            source: Source::Crate { code: code_version::<S>, schema: cases::schema::<S>, build },
-        }
+        Self::built::<S>(name, what, |settings| build(settings, rough::<S>))
     }
 
     /// A method for every mechanics.
     const fn of_every<S>(name: &'static str, what: &'static str) -> Self
     where
-        S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Solver<RoughSpheres>,
-        S: JsonSchema + Serialize + DeserializeOwned + Clone + 'static,
+        S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Solver<RoughSpheres> + Configured,
     {
-        let build = build_every::<S>;
+        Self::built::<S>(name, what, |settings| build(settings, every::<S>))
+    }
+
+    const fn built<S: Configured>(name: &'static str, what: &'static str, build: Build) -> Self {
         Self {
             name,
             what,
@@ -272,42 +253,40 @@ pub(crate) fn refuse_repeated(settings: &[(String, String)]) -> Result<()> {
     }
 }
 
+/// What is read from settings, and written with defaults spelled out.
+pub(crate) trait Configured: JsonSchema + Serialize + DeserializeOwned + Clone + 'static {}
+
+impl<S: JsonSchema + Serialize + DeserializeOwned + Clone + 'static> Configured for S {}
+
 /// A method's settings, defaults spelled out, and the method.
 type Built = (Map<String, Value>, Ours);
 
-fn build_smooth<S>(settings: Map<String, Value>) -> Result<Built>
-where
-    S: Solver + Solver<Spheres> + Serialize + DeserializeOwned + Clone + 'static,
-{
-    let (settings, solver) = read::<S>(settings)?;
-    Ok((
-        settings,
-        Ours {
-            discs: Box::new(solver.clone()),
-            spheres: Box::new(solver),
-            rough_discs: None,
-            rough_spheres: None,
-        },
-    ))
+/// How it is made from settings.
+type Build = fn(Map<String, Value>) -> Result<Built>;
+
+fn build<S: Configured>(settings: Map<String, Value>, ours: fn(&S) -> Ours) -> Result<Built> {
+    let (settings, solver) = read(settings)?;
+    Ok((settings, ours(&solver)))
 }
 
-fn build_rough<S>(settings: Map<String, Value>) -> Result<Built>
-where
-    S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Serialize + DeserializeOwned + Clone + 'static,
-{
-    let (settings, ours) = build_smooth::<S>(settings)?;
-    let (_, solver) = read::<S>(settings.clone())?;
-    Ok((settings, Ours { rough_discs: Some(Box::new(solver)), ..ours }))
+fn smooth<S: Solver + Solver<Spheres> + Configured>(solver: &S) -> Ours {
+    Ours {
+        discs: Box::new(solver.clone()),
+        spheres: Box::new(solver.clone()),
+        rough_discs: None,
+        rough_spheres: None,
+    }
 }
 
-fn build_every<S>(settings: Map<String, Value>) -> Result<Built>
+fn rough<S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Configured>(solver: &S) -> Ours {
+    Ours { rough_discs: Some(Box::new(solver.clone())), ..smooth(solver) }
+}
+
+fn every<S>(solver: &S) -> Ours
 where
-    S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Solver<RoughSpheres>,
-    S: Serialize + DeserializeOwned + Clone + 'static,
+    S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Solver<RoughSpheres> + Configured,
 {
-    let (settings, ours) = build_rough::<S>(settings)?;
-    let (_, solver) = read::<S>(settings.clone())?;
-    Ok((settings, Ours { rough_spheres: Some(Box::new(solver)), ..ours }))
+    Ours { rough_spheres: Some(Box::new(solver.clone())), ..rough(solver) }
 }
 
 fn read<S: Serialize + DeserializeOwned>(settings: Map<String, Value>) -> Result<(Map<String, Value>, S)> {

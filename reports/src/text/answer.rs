@@ -62,12 +62,13 @@ fn more_subdomains(runs: &[RunRow], method: &str) -> Option<String> {
         return None;
     }
     let (mut ratios, mut to_zeta, mut failed, mut on) = (Vec::new(), Vec::new(), 0, Vec::new());
+    let mut between = 0;
     let mut rule = None;
     for few in of_method().filter(|run| f64::from(run.subdomains) == fewest && run.has_converged()) {
-        let same = |run: &&RunRow| {
-            f64::from(run.subdomains) == most && run.problem == few.problem && others(run) == others(few)
-        };
-        match of_method().find(same) {
+        let same = |run: &&RunRow| run.problem == few.problem && others(run) == others(few);
+        let is_between = |run: &&RunRow| (fewest..most).contains(&f64::from(run.subdomains));
+        between += of_method().filter(same).filter(is_between).filter(|run| !run.has_converged()).count();
+        match of_method().filter(same).find(|run| f64::from(run.subdomains) == most) {
             Some(many) if many.has_converged() && few.iterations > 0 => {
                 ratios.push(many.iterations as f64 / few.iterations as f64);
                 let both = many.iterations_to_zeta_1e_4.zip(few.iterations_to_zeta_1e_4);
@@ -92,6 +93,9 @@ fn more_subdomains(runs: &[RunRow], method: &str) -> Option<String> {
     sentence.extend([" (", &counted(on.len(), "problem"), ")"]);
     if failed > 0 {
         sentence.extend([format!("; {} more did not converge with {most}", counted(failed, "run"))]);
+    }
+    if between > 0 {
+        sentence.extend([format!("; {} in between did not converge", counted(between, "run"))]);
     }
     Some(sentence + ".")
 }

@@ -45,7 +45,8 @@ fn of_runs(runs: &[RunRow]) -> Vec<String> {
 /// discs it is 1e-5 at most where impulses drift along the kernel of W, and 5e-4 at least where they do not.
 const DRIFTS: f64 = 1e-4;
 
-/// How many runs ended without convergence while impulses only drift.
+/// How many runs ended without convergence while impulses only drift, or creep where a mode of W is as slow: the share tells no
+/// difference.
 fn floors(runs: &[RunRow]) -> Option<String> {
     let drifts = |run: &&RunRow| {
         matches!(run.ending, Ending::IterationLimit | Ending::Stalled)
@@ -55,7 +56,7 @@ fn floors(runs: &[RunRow]) -> Option<String> {
     let on_floor = runs.iter().filter(drifts).count();
     (on_floor > 0).then(|| {
         format!(
-            "On a floor: at the end of {} impulses drift along the kernel of W and move nothing.",
+            "Next to nothing moves: at the end of {} impulses drift along the kernel of W, or creep along a slow mode.",
             counted(on_floor, "run")
         )
     })

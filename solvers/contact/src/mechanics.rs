@@ -305,8 +305,5 @@ pub trait Column<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     fn change(&self, s: M::Impulse, v: M::Impulse, relaxation: f64) -> M::Impulse;
 
     /// s − s⁺ of the natural map, in a form that does not cancel where s is large; a bound is that of the normal part of s itself.
-    #[inline]
-    fn residual(&self, s: M::Impulse, v: M::Impulse) -> M::Impulse {
-        -self.change(s, v, 1.0)
-    }
+    fn residual(&self, s: M::Impulse, v: M::Impulse) -> M::Impulse;
 }

@@ -143,9 +143,12 @@ fn tangent(n: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-n.y, n.x)
 }
 
+/// What Coulomb's law admits, in words.
+const ADMISSIBLE: &str =
+    "finite, with a normal part that is not negative and a tangential part of at most μ times it";
+
 impl Touch<RoughDiscs> for RoughContact {
-    const ADMISSIBLE: &'static str =
-        "finite, with a normal part that is not negative and a tangential part of at most μ times it";
+    const ADMISSIBLE: &'static str = ADMISSIBLE;
 
     fn ends(&self) -> (u32, Option<u32>) {
         (self.candidate, self.antagonist)

@@ -88,6 +88,11 @@ impl<const D: usize> Column<Smooth<D>> for ScaledContact<D> {
     fn change(&self, s: f64, v: f64, relaxation: f64) -> f64 {
         law::change(s, v, relaxation)
     }
+
+    #[inline]
+    fn residual(&self, s: f64, v: f64) -> f64 {
+        -law::change(s, v, 1.0)
+    }
 }
 
 /// y = M^½ (`V_free` + M⁻¹ H r) of the grains (√J).

@@ -35,6 +35,15 @@ fn subdomains_cost_what_the_ratio_of_iterations_says() {
 }
 
 #[test]
+fn what_fails_between_the_fewest_and_the_most_is_told() {
+    let mut runs = vec![with(0, "latin-dd", 1, 200, "converged"), with(1, "latin-dd", 8, 100, "converged")];
+    assert!(answered(&runs)[0].ends_with("(1\u{a0}problem)."), "{:?}", answered(&runs));
+    runs.extend([with(2, "latin-dd", 2, 900, "iteration-limit"), with(3, "latin-dd", 4, 300, "converged")]);
+    let told = "needs 50\u{a0}% fewer iterations to natural map ≤ 10⁻⁴ (1\u{a0}problem); 1\u{a0}run in between did not converge.";
+    assert!(answered(&runs)[0].ends_with(told), "{:?}", answered(&runs));
+}
+
+#[test]
 fn problems_make_a_range_and_other_settings_no_pair() {
     let on = |problem: &str, run: Run| Run { problem: problem.into(), ..run };
     let mut runs = vec![

@@ -157,5 +157,5 @@ fn runs_that_end_in_a_drift_are_counted() {
 }
 
 fn floors_of(runs: &[Run]) -> Option<String> {
-    told(runs).into_iter().find(|sentence| sentence.starts_with("On a floor"))
+    told(runs).into_iter().find(|sentence| sentence.starts_with("Next to nothing moves"))
 }

@@ -111,8 +111,7 @@ impl RoughContact<3> {
 }
 
 impl Touch<RoughSpheres> for RoughContact<3> {
-    const ADMISSIBLE: &'static str =
-        "finite, with a normal part that is not negative and a tangential part of at most μ times it";
+    const ADMISSIBLE: &'static str = super::ADMISSIBLE;
 
     fn ends(&self) -> (u32, Option<u32>) {
         (self.candidate, self.antagonist)
