@@ -68,7 +68,9 @@ pub(crate) fn in_step(
 ) {
     let [mut r, mut s] = lengths.map(<[f64]>::to_vec);
     for iteration in 1..=iterations {
-        runs.iter_mut().for_each(|run| run.advance());
+        for run in &mut runs {
+            run.advance();
+        }
         runs[0].impulses(&mut r);
         runs[1].impulses(&mut s);
         compare(iteration, &r, &s);
