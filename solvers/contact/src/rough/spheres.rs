@@ -196,6 +196,8 @@ pub struct SphereColumn {
     antagonist: u32,
     /// n (–).
     normal: Vector3<f64>,
+    /// t₁ and t₂ of its frame, which a visit would take longer to make anew (–).
+    tangents: [Vector3<f64>; 2],
     /// 1/√(`m_candidate` `w_n`), and of `w_t` (–).
     roots: [f64; 2],
     /// √(`m_candidate`/`m_antagonist`) (–); 0 at a wall.
@@ -210,7 +212,7 @@ impl SphereColumn {
     /// What an impulse does to both: the translation of the candidate, and the turn of which each takes its arm.
     #[inline]
     fn pushes(&self, s: Vector3<f64>) -> [Vector3<f64>; 2] {
-        let [first, second] = frame(&self.normal);
+        let [first, second] = self.tangents;
         let along = first * s.y + second * s.z;
         [self.normal * (self.roots[0] * s.x) + along * self.roots[1], along.cross(&self.normal)]
     }
@@ -232,6 +234,7 @@ impl Column<RoughSpheres> for SphereColumn {
             candidate: places.0,
             antagonist: places.1.unwrap_or(places.0),
             normal: contact.normal,
+            tangents: frame(&contact.normal),
             roots: [root / unit.x, root / unit.y],
             ratio: j.mass.sqrt() / root,
             arms: [contact.arms.x * i.inertia.sqrt() / unit.y, contact.arms.y * j.inertia.sqrt() / unit.y],
@@ -283,7 +286,7 @@ impl Rubbing for RoughSpheres {
         let apart = v_i - v_j * column.ratio;
         let spins = spin_i * column.arms[0] + spin_j * column.arms[1];
         let slip = apart * column.roots[1] - spins.cross(&column.normal);
-        let [first, second] = frame(&column.normal);
+        let [first, second] = column.tangents;
         Vector3::new(column.roots[0] * column.normal.dot(&apart), first.dot(&slip), second.dot(&slip))
     }
 
