@@ -60,7 +60,7 @@ enum Source {
 pub(crate) const METHODS: &[Entry] = &[
     Entry::of_every::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem"),
     Entry::of_every::<jacobi::Jacobi>("jacobi", "projected Jacobi with relaxation"),
-    Entry::with_friction::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart"),
+    Entry::of_every::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart"),
     Entry::of::<gradient::Gradient>("gradient", "projected gradient with a fixed step"),
     Entry::of_every::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions"),
     Entry::of_every::<nsgs_dd::NsgsDd>("nsgs-dd", "non-linear Gauss-Seidel by subdomains, with split masses"),

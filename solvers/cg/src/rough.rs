@@ -6,111 +6,157 @@
 
 use crate::Cg;
 use analysis::Bounded;
-use contact::law::clip;
-use contact::{Iteration, Packing, RoughDiscs, SetupError, Solver, Vector, Work};
-use nalgebra::Vector2;
+use contact::{
+    Iteration, Mechanics, Packing, RoughContact, RoughDiscs, RoughSpheres, SetupError, Solver, Vector, Work,
+};
+use nalgebra::SVector;
 use partition::{Distributed, Refused, Share, Team};
 use product::{Layout, Product};
 
 /// What the impulse of a contact may do.
 #[derive(Clone, Copy, PartialEq)]
-enum Status {
+enum Status<const D: usize> {
     /// No impulse.
     Open,
     /// Inside the cone.
     Stick,
-    /// On its boundary, at the side of this sign.
-    Slide(f64),
+    /// On its boundary, out of which this unit vector along the tangents points.
+    Slide(SVector<f64, D>),
 }
 
-/// A contact: all in the units of the product, normal and tangential part.
-struct State {
-    b: Vector2<f64>,
+/// A contact: all in the units of the product, the normal part first, then one tangential part in the plane and two in space.
+struct State<const D: usize> {
+    b: SVector<f64, D>,
     /// μ.
     friction: f64,
-    r: Vector2<f64>,
+    r: SVector<f64, D>,
     /// u = −(W r + b).
-    u: Vector2<f64>,
+    u: SVector<f64, D>,
     /// The direction.
-    p: Vector2<f64>,
+    p: SVector<f64, D>,
     /// (W p)_α.
-    of_p: Vector2<f64>,
+    of_p: SVector<f64, D>,
     /// What the law adds to r + α p.
-    d: Vector2<f64>,
-    status: Status,
+    d: SVector<f64, D>,
+    status: Status<D>,
+    /// Whether p leads into the cone, where the contact slides.
+    enters: bool,
 }
 
-impl State {
-    /// The status of an impulse that the law admits.
-    fn status_of(&self) -> Status {
-        let bound = self.friction * self.r.x;
-        if self.r.x <= 0.0 {
-            Status::Open
-        } else if self.r.y.abs() >= bound {
-            Status::Slide(if self.r.y < 0.0 { -1.0 } else { 1.0 })
+/// The vector of this size along the normal.
+#[inline]
+fn normal<const D: usize>(size: f64) -> SVector<f64, D> {
+    SVector::from_fn(|axis, _| if axis == 0 { size } else { 0.0 })
+}
+
+/// The unit vector along the first tangent.
+#[inline]
+fn tangent<const D: usize>() -> SVector<f64, D> {
+    SVector::from_fn(|axis, _| f64::from(axis == 1))
+}
+
+/// The tangential part, and its size.
+#[inline]
+fn tangential<const D: usize>(mut s: SVector<f64, D>) -> (SVector<f64, D>, f64) {
+    s[0] = 0.0;
+    (s, s.norm())
+}
+
+/// What is left of s when what points `out` of the cone is taken away.
+#[inline]
+fn without<const D: usize>(s: SVector<f64, D>, out: &SVector<f64, D>) -> SVector<f64, D> {
+    s - out * f64::max(0.0, out.dot(&s))
+}
+
+impl<const D: usize> State<D> {
+    /// The impulse that the law admits in the place of `moved`, and its status; a contact that `stays` on the boundary of its cone
+    /// slides, out of it by `before` where there is no tangential part to tell.
+    #[inline]
+    fn admitted(
+        &self,
+        moved: SVector<f64, D>,
+        stays: bool,
+        before: SVector<f64, D>,
+    ) -> (SVector<f64, D>, Status<D>) {
+        let (along, size) = tangential(moved);
+        let bound = self.friction * moved[0];
+        if moved[0] <= 0.0 {
+            (SVector::zeros(), Status::Open)
+        } else if stays || size >= bound {
+            let out = if size > 0.0 { along / size } else { before };
+            (normal(moved[0]) + out * bound, Status::Slide(out))
         } else {
-            Status::Stick
+            (moved, Status::Stick)
         }
     }
 
-    /// r ← r + α p + d, admissible. A contact that slid, and that no direction moves along its tangent, stays on the boundary: else
-    /// it would come to lie inside, only because its normal impulse grew, and its status would be none that the gradient gave it.
+    /// r ← r + α p + d, admissible. A contact that slid, and that no direction moves into its cone, stays on the boundary: else it
+    /// would come to lie inside, only because its normal impulse grew, and its status would be none that the gradient gave it.
     fn step(&mut self, length: f64) {
         let moved = self.r + length * self.p;
-        let before = self.status;
-        self.r = if moved.x <= 0.0 {
-            Vector2::zeros()
-        } else {
-            let bound = self.friction * moved.x;
-            match before {
-                Status::Slide(sign) if self.p.y == 0.0 => Vector2::new(moved.x, sign * bound),
-                _ => Vector2::new(moved.x, clip(moved.y, bound)),
-            }
+        let (r, status) = match self.status {
+            Status::Slide(out) => self.admitted(moved, !self.enters, out),
+            _ => self.admitted(moved, false, tangent()),
         };
-        self.d = self.r - moved;
-        self.status = match (before, self.status_of()) {
-            // Without friction, the side is that of before.
-            (Status::Slide(sign), Status::Slide(_)) if self.r.y == 0.0 => Status::Slide(sign),
-            (_, status) => status,
-        };
+        (self.r, self.d, self.status) = (r, r - moved, status);
     }
 
     /// |r − r⁺|² where `W_αα` is 1.
     fn left(&self) -> f64 {
-        let bound = self.friction * self.r.x;
-        let normal = if -self.u.x < self.r.x { -self.u.x } else { self.r.x };
-        let tangential = self.r.y - clip(self.r.y + self.u.y, bound);
-        normal * normal + tangential * tangential
+        let of_normal = if -self.u[0] < self.r[0] { -self.u[0] } else { self.r[0] };
+        let (moved, size) = tangential(self.r + self.u);
+        let bound = self.friction * self.r[0];
+        let clipped = if size > bound { moved * (bound / size) } else { moved };
+        of_normal * of_normal + (tangential(self.r).0 - clipped).norm_squared()
+    }
+
+    /// Whether a part of u leads into the cone of a contact that slides. Without friction there is no way in.
+    #[inline]
+    fn is_pulled_in(&self, out: &SVector<f64, D>) -> bool {
+        self.friction > 0.0 && out.dot(&self.u) < 0.0
     }
 
     /// w: the part of u that the law does not block.
-    fn w(&self) -> Vector2<f64> {
-        match self.status {
-            Status::Open if self.u.x <= 0.0 => Vector2::zeros(),
-            Status::Open => Vector2::new(self.u.x, 0.0),
+    fn w(&self) -> SVector<f64, D> {
+        match &self.status {
+            Status::Open => normal(f64::max(0.0, self.u[0])),
             Status::Stick => self.u,
             // Without friction there is no tangential unknown.
-            Status::Slide(_) if self.friction == 0.0 => Vector2::new(self.u.x, 0.0),
-            Status::Slide(sign) => Vector2::new(self.u.x, sign * f64::min(0.0, sign * self.u.y)),
+            Status::Slide(_) if self.friction == 0.0 => normal(self.u[0]),
+            Status::Slide(out) => without(self.u, out),
         }
     }
 
     /// z: the part of p that the law does not block.
-    fn z(&self) -> Vector2<f64> {
-        match self.status {
-            Status::Open if self.u.x <= 0.0 => Vector2::zeros(),
+    fn z(&self) -> SVector<f64, D> {
+        match &self.status {
+            Status::Open if self.u[0] <= 0.0 => SVector::zeros(),
             Status::Stick => self.p,
-            Status::Slide(sign) if self.w().y != 0.0 => {
-                Vector2::new(self.p.x, sign * f64::min(0.0, sign * self.p.y))
-            }
-            Status::Open | Status::Slide(_) => Vector2::new(self.p.x, 0.0),
+            Status::Slide(out) if self.is_pulled_in(out) => without(self.p, out),
+            Status::Slide(out) if self.friction > 0.0 => self.p - out * out.dot(&self.p),
+            Status::Open | Status::Slide(_) => normal(self.p[0]),
         }
+    }
+
+    /// p = w + β z.
+    fn turn(&mut self, beta: f64) {
+        self.p = self.w() + beta * self.z();
+        self.enters = matches!(&self.status, Status::Slide(out) if self.is_pulled_in(out));
     }
 }
 
+/// A mechanics with Coulomb's law, and D unknowns at a contact.
+pub trait Frictional<const D: usize>:
+    Bounded + Mechanics<Impulse = SVector<f64, D>, Contact = RoughContact<D>>
+{
+}
+
+impl Frictional<2> for RoughDiscs {}
+impl Frictional<3> for RoughSpheres {}
+
 /// A run on one problem with friction.
-pub struct RoughRun {
-    contacts: Product<State, RoughDiscs>,
+pub struct RoughRun<M: Mechanics = RoughDiscs, const D: usize = 2> {
+    contacts: Product<State<D>, M>,
     /// Λ ≥ λmax.
     greatest: f64,
     /// uᵗ p and pᵗ p.
@@ -126,7 +172,7 @@ const WHOLE: u64 = 16;
 /// Round-off, with a margin, of M^-½ H p relative to √Λ |p| (–): pᵗ W p says nothing below its square.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
-impl RoughRun {
+impl<M: Frictional<D>, const D: usize> RoughRun<M, D> {
     /// √(Σ `W_αα` |r − r⁺|²) of the iterate, from its gradient (√J): what the measure `natural_map` is a share of, with the diagonal
     /// as preconditioner.
     pub fn left(&mut self) -> f64 {
@@ -157,7 +203,7 @@ impl RoughRun {
 
     /// p = w + β z.
     fn turn(&mut self, beta: f64) {
-        self.contacts.each(|at| at.p = at.w() + beta * at.z());
+        self.contacts.each(|at| at.turn(beta));
         [self.descent, self.squared] = self.contacts.sums_of(|at| [at.u.dot(&at.p), at.p.norm_squared()]);
     }
 
@@ -187,7 +233,7 @@ impl RoughRun {
     }
 }
 
-impl Iteration for RoughRun {
+impl<M: Frictional<D>, const D: usize> Iteration for RoughRun<M, D> {
     fn advance(&mut self) {
         self.iterations += 1;
         if !self.conjugate_step() {
@@ -220,38 +266,53 @@ impl Solver<RoughDiscs> for Cg {
     }
 }
 
+impl Solver<RoughSpheres> for Cg {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<RoughSpheres>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        Ok(Box::new(self.rough_run(problem, r0)?))
+    }
+}
+
 impl Cg {
     /// A run on `problem` from the impulses `r0` (N·s), for those who look into it.
     ///
     /// # Errors
     /// Those of [`Product::new`].
-    pub fn rough_run(&self, problem: &Packing<RoughDiscs>, r0: &[f64]) -> Result<RoughRun, SetupError> {
-        let (bound, w) = (RoughDiscs::scaled_delassus_bound(problem), problem.delassus_diagonal());
+    pub fn rough_run<M: Frictional<D>, const D: usize>(
+        &self,
+        problem: &Packing<M>,
+        r0: &[f64],
+    ) -> Result<RoughRun<M, D>, SetupError> {
+        let (bound, w) = (M::scaled_delassus_bound(problem), problem.delassus_diagonal());
         let greatest = if self.is_scaled() { bound } else { bound * w.iter().copied().fold(0.0, f64::max) };
         Ok(self.rough_over(Layout::new(problem)?, problem, greatest, r0))
     }
 
     /// A run on the blocks of a layout of `problem`, with Λ.
-    fn rough_over(
+    fn rough_over<M: Frictional<D>, const D: usize>(
         self,
-        layout: Layout<RoughDiscs>,
-        problem: &Packing<RoughDiscs>,
+        layout: Layout<M>,
+        problem: &Packing<M>,
         greatest: f64,
         r0: &[f64],
-    ) -> RoughRun {
+    ) -> RoughRun<M, D> {
         let b = problem.b();
-        let state = |contact: usize, unit: Vector2<f64>| {
+        let state = |contact: usize, unit: SVector<f64, D>| {
             let mut state = State {
-                b: Vector2::at(&b, contact).component_div(&unit),
-                friction: problem.contacts()[contact].friction * (unit.y / unit.x),
-                r: Vector2::at(r0, contact).component_mul(&unit),
-                u: Vector2::zeros(),
-                p: Vector2::zeros(),
-                of_p: Vector2::zeros(),
-                d: Vector2::zeros(),
+                b: SVector::<f64, D>::at(&b, contact).component_div(&unit),
+                friction: problem.contacts()[contact].friction * (unit[1] / unit[0]),
+                r: SVector::<f64, D>::at(r0, contact).component_mul(&unit),
+                u: SVector::zeros(),
+                p: SVector::zeros(),
+                of_p: SVector::zeros(),
+                d: SVector::zeros(),
                 status: Status::Open,
+                enters: false,
             };
-            state.status = state.status_of();
+            (_, state.status) = state.admitted(state.r, false, tangent());
             state
         };
         let contacts = Product::over(layout, problem, self.is_scaled(), state);
@@ -259,6 +320,18 @@ impl Cg {
         run.renew();
         run.turn(0.0);
         run
+    }
+
+    /// A run on the share of a rank.
+    fn rough_start_in<'p, M: Frictional<D>, const D: usize>(
+        &self,
+        share: &'p Share<M>,
+        team: &Team,
+    ) -> Box<dyn Iteration + 'p> {
+        let layout = Layout::of_share(share, team);
+        let greatest = self.greatest_of(share, &layout);
+        let r0 = vec![0.0; share.problem.impulse_count()];
+        Box::new(self.rough_over(layout, &share.problem, greatest, &r0))
     }
 }
 
@@ -268,9 +341,16 @@ impl Distributed<RoughDiscs> for Cg {
         share: &'p Share<RoughDiscs>,
         team: &Team,
     ) -> Result<Box<dyn Iteration + 'p>, Refused> {
-        let layout = Layout::of_share(share, team);
-        let greatest = self.greatest_of(share, &layout);
-        let r0 = vec![0.0; share.problem.impulse_count()];
-        Ok(Box::new(self.rough_over(layout, &share.problem, greatest, &r0)))
+        Ok(self.rough_start_in(share, team))
+    }
+}
+
+impl Distributed<RoughSpheres> for Cg {
+    fn start_in<'p>(
+        &self,
+        share: &'p Share<RoughSpheres>,
+        team: &Team,
+    ) -> Result<Box<dyn Iteration + 'p>, Refused> {
+        Ok(self.rough_start_in(share, team))
     }
 }
