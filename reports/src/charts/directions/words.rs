@@ -11,7 +11,7 @@ pub(super) fn title(field: &Field) -> [String; 1] {
     } else {
         field.group.clone()
     };
-    [format!("{group}, μ {}", field.relaxation)]
+    [format!("{group}, relaxation {}", field.relaxation)]
 }
 
 /// Iterations of the best, and how many times as many the derived and the adapted directions take.
@@ -56,7 +56,7 @@ pub(super) fn head(problem: &str, fields: &[&Field]) -> [String; 2] {
 
 /// The key.
 pub(super) fn signs(fields: &[&Field]) -> Vec<(Sign, String)> {
-    let mut signs = vec![(Sign::Word, "μ: relaxation".to_owned())];
+    let mut signs = Vec::new();
     if fields.iter().any(|f| f.best().is_some()) {
         signs.push((Sign::Mark(Mark::Square, BEST), "best on the grid".to_owned()));
     }
