@@ -1,5 +1,7 @@
 //! A text with numbers from the rows of a study in it: a template that names runs, so that none is typed.
 
+mod ranking;
+
 use std::collections::BTreeMap;
 
 use minijinja::syntax::SyntaxConfig;
@@ -15,8 +17,9 @@ use crate::read::{count, number};
 /// A run by the names of its columns.
 type Row = BTreeMap<String, Value>;
 
-/// Fills a template: `run(problem=…, method=…, …)` is the one row with these values, `runs(…)` all of them; the filter
-/// `number` writes up to so many digits, `count` groups them by three. A name that is not there is an error.
+/// Fills a template: `run(problem=…, method=…, …)` is the one row with these values, `runs(…)` all of them, `ranking(problems=[…],
+/// accuracy=…)` what comes first for a natural map; the filter `number` writes up to so many digits, `count` groups them by three.
+/// A name that is not there is an error.
 ///
 /// # Errors
 ///
@@ -38,6 +41,8 @@ pub fn fill(study: &Study, template: &str) -> Result<String, ReportError> {
     templates.set_syntax(syntax.map_err(refused)?);
     let all = rows.clone();
     templates.add_function("runs", move |wanted: Kwargs| chosen(&all, &wanted).map(Value::from));
+    let curves = records.to_vec();
+    templates.add_function("ranking", move |wanted: Kwargs| ranking::ranking(&curves, &wanted));
     templates.add_function("run", move |wanted: Kwargs| one(&rows, &wanted));
     templates.add_filter("number", |value: f64, digits: u8| number(value, digits));
     templates.add_filter("count", |value: usize| count(value));

@@ -1,7 +1,7 @@
 use results::schema::Run;
 
 use super::*;
-use crate::tests::fixture::{run, stored, tables};
+use crate::tests::fixture::{run, sample, stored, tables};
 
 fn filled(template: &str) -> Result<String, String> {
     let runs = [
@@ -25,4 +25,27 @@ fn what_is_not_there_is_an_error_that_names_it() {
     assert!(filled(r#"{{ run(method="cg").iterations }}"#).unwrap_err().contains("0 runs have method=cg"));
     assert!(filled(r#"{{ run(methode="cg") }}"#).unwrap_err().contains("`methode`"));
     assert!(filled(r#"{{ run(method="nsgs").iteration }}"#).is_err());
+}
+
+/// `slow` reaches the accuracy on both problems, `fast` on one alone, and far from first there.
+#[test]
+fn first_comes_what_reaches_the_accuracy_most_often_then_what_is_never_far_behind() {
+    let on = |problem: &str, id, method, seconds| Run {
+        problem: problem.into(),
+        setup_s: seconds,
+        ..run(id, method, "", "converged")
+    };
+    let runs = [
+        on("column", 0, "slow", 3.0),
+        on("column", 1, "fast", 1.0),
+        on("box", 2, "slow", 2.0),
+        on("box", 3, "fast", 1.0),
+        on("column", 4, "even", 1.5),
+        on("box", 5, "even", 1.5),
+    ];
+    let ends = [(0, 1e-5), (1, 1e-5), (2, 1e-5), (3, 1e-2), (4, 1e-5), (5, 1e-5)];
+    let curves = ends.map(|(run, map)| (run, vec![sample(0, 0.1, map)]));
+    let text = r#"{% for m in ranking(problems=["column", "box"], accuracy=1e-4) %}{{ m.method }} {{ m.reached }} {{ m.worst|number(2) }}; {% endfor %}"#;
+    let filled = fill(&stored(&tables(&runs, &curves)), text).unwrap();
+    assert_eq!(filled, "even 2 1.5; slow 2 3.0; fast 1 1.0; ");
 }
