@@ -62,6 +62,12 @@ paper: readme
     cargo run --release -- report paper --png --pdf --fill reports/giens2009.md.in
     .ci/paper
 
+# Which method for which problem: every run, the figure and the numbers of reports/which-method.md from nothing
+which-method:
+    cargo run --release -- bench which-method
+    cargo run --release -- report which-method --fill reports/which-method.md.in
+    cp reports/out/which-method/profiles-seconds.svg reports/which-method.svg
+
 # Write what is generated in the READMEs anew: plans with their counts, charts, keys of files
 documents:
     UPDATE_DOCUMENTS=1 cargo test --package harness --test gravel documents

@@ -112,7 +112,8 @@ struct Grains<P> {
     mass: Vec<f64>,
     /// Radius (m), positive. Methods do not read it: it is for drawings.
     radius: Vec<f64>,
-    /// Mass centre `[x, y]` (m), x to the right, y upwards; of a sphere `[x, y, z]`, z towards who looks. Partitions and some orders of contacts read it.
+    /// Mass centre `[x, y]` (m), x to the right, y upwards; of a sphere `[x, y, z]`, z towards who looks. Partitions and some
+    /// orders of contacts read it.
     position: Vec<P>,
     /// Velocity `[x, y]`, or `[x, y, z]`, at the end of the time step if no contact acted (m/s): a grain at rest under gravity g has
     /// `[0, -g h]`.

@@ -58,7 +58,8 @@ pub struct Run {
     pub max_iterations: u64,
     /// `converged`, `iteration-limit`, `stalled`, `diverged` or `infeasible`; `false-convergence` if the measure met the tolerance
     /// far from a solution, or where there is none (`solvers/runner/src/convergence.rs` has the rule); `failed` if another
-    /// code gave no answer; `skipped` if the method could not start on the problem; `given` for impulses of another code, which no run here made.
+    /// code gave no answer; `skipped` if the method could not start on the problem; `given` for impulses of another code, which no
+    /// run here made.
     pub status: String,
     /// Why the run was skipped: the setting, its value, what would be accepted; or why another code gave no answer; empty for
     /// a run that ended.

@@ -23,9 +23,9 @@ impl Recorder {
         Self { curves, samples: Vec::new(), pending: None, reached: [0; Measure::ALL.len()] }
     }
 
-    /// Sees every iterate. Of those that are measured, kept are the first, and those at which a measure first passes one of the [`DECADES`]; of whole
-    /// curves all of the first hundred too, then one in each hundredth of the iterations; of ends those of the iterations
-    /// 1, 2, 4, …, which tell whether a measure still falls.
+    /// Sees every iterate. Of those that are measured, kept are the first, and those at which a measure first passes one of the
+    /// [`DECADES`]; of whole curves all of the first hundred too, then one in each hundredth of the iterations; of ends those of
+    /// the iterations 1, 2, 4, …, which tell whether a measure still falls.
     pub(crate) fn observe(&mut self, progress: &Progress) {
         let Progress { iteration, iterating, measures: Some(measures), work, .. } = *progress else { return };
         let (iterating_s, measures) = (iterating.as_secs_f64(), *measures);

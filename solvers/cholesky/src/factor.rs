@@ -216,8 +216,8 @@ impl<const D: usize> Assembly<'_, D> {
 }
 
 impl<const D: usize> Factor<D> {
-    /// Factorises K, with the masses of the grain at each place, one per unknown, and what each `coupling` adds, if it does; the lower triangle
-    /// counts.
+    /// Factorises K, with the masses of the grain at each place, one per unknown, and what each `coupling` adds, if it does; the
+    /// lower triangle counts.
     ///
     /// # Errors
     /// Where it is not positive definite in double precision.

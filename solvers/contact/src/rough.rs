@@ -104,7 +104,8 @@ pub struct RoughContact<const D: usize = 2> {
     pub normal: SVector<f64, D>,
     /// `R_i` and `R_j`, from the centres to the contact point (m); the second is 0 at a wall.
     pub arms: Vector2<f64>,
-    /// [`c_n`, `c_t`], in space [`c_n`, `c_t1`, `c_t2`]: what the scene imposes: a wall's motion and, along the normal, the law's gap term (m/s).
+    /// [`c_n`, `c_t`], in space [`c_n`, `c_t1`, `c_t2`]: what the scene imposes: a wall's motion and, along the normal, the law's
+    /// gap term (m/s).
     pub offset: SVector<f64, D>,
     /// μ (–).
     pub friction: f64,

@@ -16,7 +16,8 @@ use std::borrow::Cow;
 /// What a stage takes per contact, about (ns).
 const NS_PER_CONTACT: usize = 20;
 
-/// LATIN-DD on one problem, with D unknowns of a grain, T of them translations. `advance` takes its stages in turn; alone, they are for those who look at one of them.
+/// LATIN-DD on one problem, with D unknowns of a grain, T of them translations. `advance` takes its stages in turn; alone, they are
+/// for those who look at one of them.
 pub struct Run<'p, M: Stages = Discs, const D: usize = 2, const T: usize = 2> {
     problem: &'p ContactProblem<M>,
     team: Team,

@@ -105,7 +105,8 @@ impl Column<RoughDiscs> for RoughColumn {
         y[self.antagonist as usize] -= Vector3::new(self.ratio * x, self.ratio * z, self.arms[1] * s.y);
     }
 
-    /// `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`): the two lines solve (2′), since `W_αα` is diagonal.
+    /// `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`): the two lines solve (2′), since `W_αα` is
+    /// diagonal.
     #[inline]
     fn change(&self, s: Vector2<f64>, v: Vector2<f64>, relaxation: f64) -> Vector2<f64> {
         let normal = law::change(s.x, v.x, relaxation);

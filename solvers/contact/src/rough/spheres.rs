@@ -255,8 +255,8 @@ impl Column<RoughSpheres> for SphereColumn {
         y[self.antagonist as usize] += joined(push * -self.ratio, turn * self.arms[1]);
     }
 
-    /// `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`) to the disc of that radius: the two lines solve (2′),
-    /// since `W_αα` is diagonal and the same along both tangents.
+    /// `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`) to the disc of that radius: the two lines
+    /// solve (2′), since `W_αα` is diagonal and the same along both tangents.
     #[inline]
     fn change(&self, s: Vector3<f64>, v: Vector3<f64>, relaxation: f64) -> Vector3<f64> {
         let normal = law::change(s.x, v.x, relaxation);
