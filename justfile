@@ -66,7 +66,7 @@ paper: readme
 which-method:
     cargo run --release -- bench which-method
     cargo run --release -- report which-method --fill reports/which-method.md.in
-    cp reports/out/which-method/profiles-seconds.svg reports/which-method.svg
+    cp reports/out/which-method/work-precision-shear-box-991-sheared.svg reports/which-method.svg
 
 # Write what is generated in the READMEs anew: plans with their counts, charts, keys of files
 documents:
