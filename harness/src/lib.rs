@@ -159,6 +159,7 @@ mod terminal {
 }
 
 mod identity;
+pub mod library;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
