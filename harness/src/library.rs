@@ -3,7 +3,7 @@
 
 use crate::cli::solve::{outcome, to_json};
 use crate::plan::{Curves, Method, read_external};
-use crate::problems::{CaseProblem, Root, Studied, Visit, is_toml, visit};
+use crate::problems::{CaseProblem, Known, Root, Studied, Visit, is_toml, visit};
 use crate::run::{Recorder, in_the_pool};
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
@@ -102,7 +102,7 @@ impl Visit for Solve<'_> {
         let Self { root, request: Request { stop, warm_start, truth, .. }, method, stops } = self;
         stop.check()?;
         let known = *truth || stop.on == Measure::VelocityError;
-        let known = if known { M::known(root, &frozen)? } else { Default::default() };
+        let known = if known { M::known(root, &frozen)? } else { Known::default() };
         let mut recorder = Recorder::new(Curves::Whole);
         let mut observe = |progress: &Progress| {
             recorder.observe(progress);

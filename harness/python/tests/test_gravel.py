@@ -163,6 +163,14 @@ def test_stored_tables_are_data_frames(tmp_path):
     pandas.testing.assert_frame_equal(gravel.load(tmp_path / "runs.parquet"), runs)
 
 
+def test_example_of_the_readme_prints_what_it_says(monkeypatch, capsys):
+    monkeypatch.chdir(CHECKOUT)
+    readme = (CHECKOUT / "harness" / "python" / "README.md").read_text()
+    exec(readme.split("```python\n")[1].split("```")[0], {})
+    printed = capsys.readouterr().out.splitlines()
+    assert printed[0].startswith("converged ") and printed[1] in readme
+
+
 def test_notebook_runs():
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
     path = CHECKOUT / "harness" / "python" / "example.ipynb"
