@@ -10,6 +10,10 @@ the time step is the quadratic programme  min 1/2 |y|^2  subject to  A y + b' >=
 solution is y = At r'; and the complementarity problem  0 <= (A At) r' + b'  perpendicular to  r' >= 0. The rows of A have
 length 1, |max(0, -b')| = 1, and |r' - max(0, r' - (A At) r' - b')| is gravel's `natural_map`: whatever a code takes its
 tolerance for, it is a number without a unit here.
+
+With friction, r, b and V are those of normals and tangents, M has moments of inertia, and there is no programme: what is left
+is  v' = (A At) r' + b'  with Coulomb's law between v' and r'. All numbers of a contact are divided by the same, W_D of its
+normal, so that the cone |r_t| <= mu r_n is what it was; s is that of the normals.
 """
 
 import json
@@ -30,43 +34,92 @@ class Run:
             self.problem = json.load(file)
         # The set-up begins once the file is read.
         self.began = time.perf_counter()
-        self.set_up = None
+        self.set_up = self.took = None
 
     def unitless(self):
-        """A (a sparse matrix by rows: contacts x 2 grains) and b' (one number a contact)."""
+        """A (sparse, by rows: the numbers of each contact x those of the velocity of each grain) and b' (one for each row)."""
         grains, contacts = self.problem["grains"], self.problem["contacts"]
-        root = np.sqrt(np.array(grains["mass"]))
         normal, candidate = np.array(contacts["normal"]), np.array(contacts["candidate"])
-        none = len(root)
-        antagonist = np.array([none if j is None else j for j in contacts["antagonist"]])
-        count = np.arange(len(candidate))
-        touched = np.flatnonzero(antagonist != none)
-        grain = np.concatenate([candidate, antagonist[touched]])
-        side = np.concatenate([normal, -normal[touched]]) / root[grain][:, None]
-        contact = np.concatenate([count, touched])
-        entries = (side.ravel(), (np.repeat(contact, 2), np.stack([2 * grain, 2 * grain + 1], axis=1).ravel()))
-        a = sparse.csr_matrix(entries, shape=(len(count), 2 * none))
-        free = (root[:, None] * np.array(grains["free_velocity"])).ravel()
-        b = a @ free + np.array(contacts["offset"])
-        self.root = np.sqrt(np.asarray(a.multiply(a).sum(axis=1)).ravel())
+        antagonist = np.array([-1 if j is None else j for j in contacts["antagonist"]])
+        (count, space), rough = normal.shape, "friction" in contacts
+        axes = np.stack([normal, *tangents(normal)], axis=1) if rough else normal[:, None]
+        root = np.repeat(np.sqrt(np.array(grains["mass"]))[:, None], space, axis=1)
+        if rough:
+            # n x t, of the spins that a tangent feels: one number in the plane, three in space.
+            spin = turned(normal, axes) if space == 2 else np.cross(normal[:, None], axes)
+            inertia = np.sqrt(np.array(grains["inertia"]))
+            root = np.hstack([root, np.repeat(inertia[:, None], spin.shape[2], axis=1)])
+        radius, (rows, width) = np.array(grains["radius"]), (axes.shape[1], root.shape[1])
+        values, places = [], []
+        for sign, grain in ((1, candidate), (-1, antagonist)):
+            there = np.flatnonzero(grain >= 0)
+            grain = grain[there]
+            side = sign * axes[there]
+            if rough:
+                side = np.concatenate([side, -radius[grain, None, None] * spin[there]], axis=2)
+            values.append((side / root[grain][:, None]).ravel())
+            row = np.broadcast_to((rows * there)[:, None, None] + np.arange(rows)[:, None], side.shape)
+            column = np.broadcast_to((width * grain)[:, None, None] + np.arange(width), side.shape)
+            places.append([row.ravel(), column.ravel()])
+        shape = (rows * count, width * len(root))
+        a = sparse.csr_matrix((np.concatenate(values), np.concatenate(places, axis=1)), shape=shape)
+        b = a @ (root * np.array(grains["free_velocity"])).ravel() + np.array(contacts["offset"]).ravel()
+        diagonal = np.asarray(a.multiply(a).sum(axis=1)).ravel()
+        self.rows, self.root = rows, np.repeat(np.sqrt(diagonal[::rows]), rows)
         b /= self.root
-        self.scale = np.linalg.norm(np.minimum(b, 0))
+        self.scale = np.linalg.norm(np.minimum(b[::rows], 0))
         return sparse.csr_matrix(sparse.diags(1 / self.root) @ a), b / self.scale
+
+    @property
+    def friction(self):
+        """mu of each contact; 0 without friction."""
+        contacts = self.problem["contacts"]
+        return np.array(contacts.get("friction", np.zeros(len(contacts["candidate"]))))
 
     def solving(self):
         """Ends the set-up: what follows is the time of the solver."""
         self.set_up, self.began = time.perf_counter() - self.began, time.perf_counter()
 
+    def solved(self):
+        """Ends the time of the solver, where its answer is still to be looked for."""
+        self.took = time.perf_counter() - self.began
+
     def answer(self, impulses, iterations, ending="solved"):
-        """Writes r', as r, and ends the program. A multiplier that is negative by the code's tolerance is 0."""
-        solving = time.perf_counter() - self.began
-        r = np.maximum(np.asarray(impulses, dtype=float), 0) * self.scale / self.root
+        """Writes r', as r. What is outside of the cone by the code's tolerance is taken to its edge: a normal impulse below 0
+        to 0, a tangential one that is too long to mu times the normal one."""
+        if self.took is None:
+            self.solved()
+        r = np.array(impulses, dtype=float).reshape(-1, self.rows)
+        r[:, 0] = np.maximum(r[:, 0], 0)
+        if self.rows > 1:
+            length, bound = np.linalg.norm(r[:, 1:], axis=1), self.friction * r[:, 0]
+            r[:, 1:] *= (bound / np.where(length > bound, length, np.maximum(bound, 1e-300)))[:, None]
+        r = r.ravel() * self.scale / self.root
         answer = {
             "impulse": [float(x) if np.isfinite(x) else None for x in r],
             "iterations": int(iterations),
             "setup_s": self.set_up,
-            "solve_s": solving,
+            "solve_s": self.took,
             "ending": str(ending),
         }
         with open(self.file, "w") as file:
             json.dump(answer, file)
+
+
+def turned(n, axes):
+    """n x t of the plane, for each unit normal and each of its axes."""
+    return (n[:, None, 0] * axes[:, :, 1] - n[:, None, 1] * axes[:, :, 0])[:, :, None]
+
+
+def tangents(n):
+    """Of each unit normal: the normal turned anticlockwise; in space those of gravel's problem files, Duff et al. (2017)."""
+    if n.shape[1] == 2:
+        return [np.stack([-n[:, 1], n[:, 0]], axis=1)]
+    x, y, z = n.T
+    sign = np.copysign(1.0, z)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    return [
+        np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], axis=1),
+        np.stack([b, sign + y * y * a, -y], axis=1),
+    ]

@@ -80,7 +80,7 @@ mod run {
 
     pub(crate) use curve::{Recorder, decades, first_at};
     pub(crate) use execute::{Conditions, How, Task, few, in_parallel, in_the_pool};
-    pub(crate) use external::{Ended, Observe, climb, ended};
+    pub(crate) use external::{Ended, Observe, ended};
     pub(crate) use problem::{OneProblem, Snapshots};
     pub(crate) use rows::{derived, ended_row, given_row, nothing_done, partitions, scene_rows};
     pub(crate) use simulation::{End, Seen, Through, missed, observed, run_simulation, through_time};
@@ -108,7 +108,7 @@ mod problems {
 
     pub(crate) use case::{CaseProblem, KeptProblem, first_hash, overrides, read_case};
     pub(crate) use files::{Kind, Root, is_toml, size, stem};
-    pub(crate) use mechanics::{AnyProblem, Enter, Studied, Visit, enter, visit};
+    pub(crate) use mechanics::{AnyProblem, Enter, Studied, Visit, enter, in_words, visit};
     #[cfg(any(feature = "mpi", test))]
     pub(crate) use parts::cut;
     pub(crate) use parts::{Impulses, Part};
@@ -132,7 +132,7 @@ mod plan {
 
     pub(crate) use axes::{MOST, Settings, combinations, count, values};
     pub(crate) use checks::MOST_REPEATS;
-    pub(crate) use external::{External, MECHANICS, Programme, last_line};
+    pub(crate) use external::{External, Programme, last_line};
     pub(crate) use file::{Curves, Plan, PlannedCase};
     #[cfg(test)]
     pub(crate) use methods::METHODS;
@@ -159,6 +159,7 @@ mod terminal {
 }
 
 mod identity;
+pub mod library;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};

@@ -4,7 +4,7 @@ use crate::cli::args::{SceneArgs, SolverArgs};
 use crate::identity::content_hash;
 use crate::plan::Method;
 use crate::problems::{Known, Root, Studied, Visit, size, visit};
-use crate::run::{Ended, derived, ended};
+use crate::run::{Ended, Observe, derived, ended};
 use crate::terminal::{Line, check_place, exit, merged, replaces, say, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::Frozen;
@@ -90,14 +90,8 @@ fn solve<M: Studied>(
         line.show(progress, stop.on);
         if exit::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let on_problem = || format!("method `{}` on {}", method.name, path.display());
-    let Ended { outcome, failed, .. } =
-        ended(method, known.truths(), frozen, &r0, stop, Measured::Needed, &mut observe)
-            .with_context(on_problem)?;
-    if let Some(why) = failed {
-        bail!("{}: {why}", on_problem());
-    }
-    let outcome = Outcome { status: known.ending(outcome.status), ..outcome };
+    let outcome = outcome(&known, frozen, (method, stop), &r0, &mut observe)
+        .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
     drop(line);
 
     if let Some(file) = &args.impulses {
@@ -107,19 +101,35 @@ fn solve<M: Studied>(
         write_whole(file, &json!({ "impulse": outcome.impulses }).to_string())?;
     }
     if args.json {
-        say(format_args!("{}", to_json(frozen, method, stop, args.start, &outcome)?))?;
+        say(format_args!("{}", to_json(frozen, method, stop, args.start == Start::Warm, &outcome)?))?;
     } else {
         print(frozen, method, stop, &outcome)?;
     }
     Ok(exit::code(outcome.status.name()))
 }
 
+/// What comes out of a method from the impulses `r0` (N·s).
+pub(crate) fn outcome<M: Studied>(
+    known: &Known<M>,
+    frozen: &Frozen<M>,
+    (method, stop): (&Method, &Stop),
+    r0: &[f64],
+    observe: &mut Observe,
+) -> Result<Outcome<M>> {
+    let Ended { outcome, failed, .. } =
+        ended(method, known.truths(), frozen, r0, stop, Measured::Needed, observe)?;
+    if let Some(why) = failed {
+        bail!("{why}");
+    }
+    Ok(Outcome { status: known.ending(outcome.status), ..outcome })
+}
+
 /// The request and the answer, under the names that the columns of tables have.
-fn to_json<M: Studied>(
+pub(crate) fn to_json<M: Studied>(
     frozen: &Frozen<M>,
     method: &Method,
     stop: &Stop,
-    start: Start,
+    warm_start: bool,
     outcome: &Outcome<M>,
 ) -> Result<Value> {
     let object = json!({
@@ -131,7 +141,7 @@ fn to_json<M: Studied>(
         "method": method.name,
         "settings": method.settings,
         "derived": derived(outcome),
-        "warm_start": start == Start::Warm,
+        "warm_start": warm_start,
         "stop_on": stop.on,
         "tolerance": stop.tolerance,
         "max_iterations": stop.max_iterations,

@@ -12,9 +12,6 @@ use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 use std::time::Duration;
 
-/// The mechanics of the problems that there are: discs that do not rotate, without friction.
-pub(crate) const MECHANICS: &str = "discs";
-
 /// Where the Python environment of the drivers is, if not in `harness/external/.venv`.
 const ENVIRONMENT: &str = "GRAVEL_EXTERNAL_ENVIRONMENT";
 
@@ -28,7 +25,7 @@ const TIME_OUT: &str = "time_out_s";
 struct Description {
     /// What it is, in a line.
     what: String,
-    /// The mechanics that it can solve.
+    /// The mechanics that it can solve, by their names in files.
     mechanics: Vec<String>,
     /// Files beside this one that decide what it answers: its driver.
     files: Vec<String>,

@@ -3,7 +3,7 @@
 
 use crate::identity::code_version;
 use crate::plan::external::{External, Programme};
-use crate::problems::{Root, Studied};
+use crate::problems::{Root, Studied, in_words};
 use crate::terminal::suggest;
 use anyhow::{Context, Result, anyhow, bail};
 use contact::{RoughDiscs, RoughSpheres, Solver, Spheres};
@@ -199,7 +199,7 @@ impl Method {
                 if ours.rough_discs.is_none() {
                     format!("method `{}` minimises an energy: with friction there is none", self.name)
                 } else {
-                    format!("method `{}` has no form for {}", self.name, M::NAME)
+                    format!("method `{}` has no form for {}", self.name, in_words::<M>())
                 }
             }),
             Runs::Elsewhere(_) => {

@@ -1,22 +1,21 @@
 //! Where files and the command line meet the mechanics: what the program asks of each, and the one place that tells them apart.
 
-use crate::plan::{Ours, Programme, Settings};
+use crate::plan::{Ours, Settings};
 use crate::problems::pool::{known_rough, polished_to};
 use crate::problems::reference::known_smooth;
 use crate::problems::{Known, Root, spectrum};
-use crate::run::{Ended, Observe, climb};
 use analysis::Bounded;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use cases::{AnyFrozen, Case, CaseError, Frozen, Marched};
 use contact::{
-    ContactProblem, Discs, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, Solver, Spheres, Truth,
+    ContactProblem, Discs, Mechanics, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, Solver,
+    Spheres,
 };
 use nalgebra::Vector3;
-use runner::Stop;
 #[cfg(any(feature = "mpi", test))]
 use {
-    crate::plan::Method, cg::Cg, contact::Mechanics, latin_dd::LatinDd, nsgs_dd::NsgsDd,
-    partition::Distributed, serde::Deserialize, serde_json::Value,
+    crate::plan::Method, cg::Cg, latin_dd::LatinDd, nsgs_dd::NsgsDd, partition::Distributed,
+    serde::Deserialize, serde_json::Value,
 };
 
 /// What the program asks of a mechanics, beside what a march does.
@@ -74,18 +73,6 @@ pub(crate) trait Studied: Marched + Bounded {
 
     /// The same as what files hold.
     fn any(frozen: Frozen<Self>) -> AnyFrozen;
-
-    /// Runs another code, if it knows the mechanics.
-    fn elsewhere(
-        programme: &Programme,
-        _truth: Option<&Truth<Self>>,
-        _: &Frozen<Self>,
-        _r0: &[f64],
-        _: &Stop,
-        _: &mut Observe,
-    ) -> Result<Ended<Self>> {
-        bail!("{} does not solve problems of {}", programme.code.name, Self::NAME)
-    }
 }
 
 /// The methods that ranks may share.
@@ -140,17 +127,6 @@ impl Studied for Discs {
 
     fn any(frozen: Frozen) -> AnyFrozen {
         AnyFrozen::Discs(frozen)
-    }
-
-    fn elsewhere(
-        programme: &Programme,
-        truth: Option<&Truth>,
-        frozen: &Frozen,
-        r0: &[f64],
-        stop: &Stop,
-        observe: &mut Observe,
-    ) -> Result<Ended> {
-        climb(programme, truth, frozen, r0, stop, observe)
     }
 }
 
@@ -320,6 +296,16 @@ pub(crate) fn visit<V: Visit>(frozen: AnyFrozen, visitor: V) -> V::Output {
         AnyFrozen::RoughDiscs(frozen) => visitor.visit(frozen),
         AnyFrozen::Spheres(frozen) => visitor.visit(frozen),
         AnyFrozen::RoughSpheres(frozen) => visitor.visit(frozen),
+    }
+}
+
+/// The mechanics of a problem, as a reader would say it.
+pub(crate) fn in_words<M: Mechanics>() -> &'static str {
+    match M::NAME {
+        Discs::NAME => "discs without friction",
+        Spheres::NAME => "spheres without friction",
+        RoughSpheres::NAME => "spheres with friction",
+        _ => "discs with friction",
     }
 }
 

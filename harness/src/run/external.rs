@@ -1,13 +1,15 @@
 //! A method runs on a problem: one of ours in its loop; another code as a program, once at each of its tolerances, its
 //! impulses measured as ours are.
 
-use crate::plan::{MECHANICS, Method, Programme, Runs, last_line};
-use crate::problems::Studied;
+use crate::plan::{Method, Programme, Runs, last_line};
+use crate::problems::{Studied, in_words};
 use crate::terminal::exit;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::Frozen;
-use contact::{ContactProblem, Discs, Measure, Measures, Mechanics, Meter, Truth, Work};
-use nalgebra::Vector2;
+use contact::{
+    ContactProblem, Discs, Measure, Measures, Measuring, Mechanics, Touch, Truth, Vector, Work,
+    is_not_negative,
+};
 use results::schema::Sample;
 use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
 use serde::{Deserialize, Serialize};
@@ -52,7 +54,7 @@ pub(crate) struct Rung {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Answer {
-    /// In the problem's contact order (N·s).
+    /// In the problem's contact order, a flat list (N·s).
     impulse: Vec<Option<f64>>,
     iterations: u64,
     setup_s: f64,
@@ -78,7 +80,7 @@ pub(crate) fn ended<M: Studied>(
     observe: &mut Observe,
 ) -> Result<Ended<M>> {
     if let Runs::Elsewhere(programme) = &method.runs {
-        return M::elsewhere(programme, truths.first(), frozen, r0, stop, observe);
+        return climb(programme, truths, frozen, r0, stop, observe);
     }
     let solver = method.solver::<M>()?;
     let outcome = solve_against(truths, solver, &frozen.problem, r0, stop, measured, observe)?;
@@ -86,23 +88,28 @@ pub(crate) fn ended<M: Studied>(
 }
 
 /// Runs another code on a problem, at one tolerance after the other.
-pub(crate) fn climb(
+fn climb<M: Studied>(
     programme: &Programme,
-    truth: Option<&Truth>,
-    frozen: &Frozen,
+    truths: &[Truth<M>],
+    frozen: &Frozen<M>,
     r0: &[f64],
     stop: &Stop,
     observe: &mut Observe,
-) -> Result<Ended> {
-    may_start(programme, truth, r0, stop)?;
-    Ladder { programme, truth, problem: &frozen.problem, stop }.climb(frozen, observe)
+) -> Result<Ended<M>> {
+    may_start(programme, truths, r0, stop)?;
+    Ladder { programme, truths, problem: &frozen.problem, stop }.climb(frozen, observe)
 }
 
 /// Refuses what another code cannot do.
-fn may_start(programme: &Programme, truth: Option<&Truth>, r0: &[f64], stop: &Stop) -> Result<()> {
+fn may_start<M: Mechanics>(
+    programme: &Programme,
+    truths: &[Truth<M>],
+    r0: &[f64],
+    stop: &Stop,
+) -> Result<()> {
     let code = programme.code;
-    if !code.can(MECHANICS) {
-        bail!("{} does not solve problems of {MECHANICS}", code.name);
+    if !code.can(M::NAME) {
+        bail!("{} does not solve problems of {}", code.name, in_words::<M>());
     }
     if let Err(why) = code.version() {
         bail!("{} is not installed ({why}); `{}` installs it", code.name, code.install());
@@ -116,7 +123,7 @@ fn may_start(programme: &Programme, truth: Option<&Truth>, r0: &[f64], stop: &St
     stop.check()?;
     match stop.on {
         Measure::NaturalMap => Ok(()),
-        Measure::VelocityError if truth.is_some() => Ok(()),
+        Measure::VelocityError if !truths.is_empty() => Ok(()),
         Measure::VelocityError => {
             bail!("`on` is {}: the true velocity of this problem is not known", stop.on)
         }
@@ -126,20 +133,20 @@ fn may_start(programme: &Programme, truth: Option<&Truth>, r0: &[f64], stop: &St
 }
 
 /// Another code on a problem, at one tolerance after the other.
-struct Ladder<'l> {
+struct Ladder<'l, M: Studied> {
     programme: &'l Programme,
-    truth: Option<&'l Truth>,
-    problem: &'l ContactProblem,
+    truths: &'l [Truth<M>],
+    problem: &'l ContactProblem<M>,
     stop: &'l Stop,
 }
 
-impl Ladder<'_> {
+impl<M: Studied> Ladder<'_, M> {
     /// Asks for ever less, until what is measured meets the stop rule.
-    fn climb(&self, frozen: &Frozen, observe: &mut Observe) -> Result<Ended> {
+    fn climb(&self, frozen: &Frozen<M>, observe: &mut Observe) -> Result<Ended<M>> {
         let folder = tempfile::tempdir().context("a folder for the other code")?;
         let problem = folder.path().join("problem.json");
-        std::fs::write(&problem, frozen.to_json()?).with_context(|| problem.display().to_string())?;
-        let mut ended = self.begun(vec![0.0; self.problem.contact_count()]);
+        std::fs::write(&problem, M::to_json(frozen)?).with_context(|| problem.display().to_string())?;
+        let mut ended = self.begun(vec![0.0; self.problem.impulse_count()]);
         let trivial = self.problem.scale() == 0.0;
         let mut status = self.judge(&mut ended, trivial, observe);
         for &tolerance in &self.programme.tolerances {
@@ -164,7 +171,7 @@ impl Ladder<'_> {
     }
 
     /// Nothing run yet, at the impulses `r`.
-    fn begun(&self, r: Vec<f64>) -> Ended {
+    fn begun(&self, r: Vec<f64>) -> Ended<M> {
         let (measures, velocity) = self.measured(&r);
         let outcome = Outcome {
             status: Status::Stalled,
@@ -183,16 +190,15 @@ impl Ladder<'_> {
     }
 
     /// The measures of impulses by themselves: one run is no step from another.
-    fn measured(&self, r: &[f64]) -> (Measures, Vec<Vector2<f64>>) {
-        let meter = Meter::new(self.problem);
-        let mut meter = if let Some(truth) = self.truth { meter.against(truth) } else { meter };
-        let mut velocity = vec![Vector2::zeros(); self.problem.grain_count()];
+    fn measured(&self, r: &[f64]) -> (Measures, Vec<M::Velocity>) {
+        let mut meter = self.truths.iter().fold(M::Meter::new(self.problem), M::Meter::against);
+        let mut velocity = vec![M::Velocity::ZERO; self.problem.grain_count()];
         self.problem.velocity(r, &mut velocity);
-        (meter.measure(r, 0.0), velocity)
+        (meter.measure_after(&[], r, 0.0), velocity)
     }
 
     /// Takes an answer that was checked.
-    fn take(&self, ended: &mut Ended, answer: Answer, tolerance: f64, process_s: f64) {
+    fn take(&self, ended: &mut Ended<M>, answer: Answer, tolerance: f64, process_s: f64) {
         let Answer { impulse, iterations, setup_s, solve_s, ending } = answer;
         let r: Vec<f64> = impulse.into_iter().flatten().collect();
         let (measures, velocity) = self.measured(&r);
@@ -223,7 +229,7 @@ impl Ladder<'_> {
     }
 
     /// Shows the iterate and keeps it as a sample; says how the run has ended, if it has.
-    fn judge(&self, ended: &mut Ended, trivial: bool, observe: &mut Observe) -> Option<Status> {
+    fn judge(&self, ended: &mut Ended<M>, trivial: bool, observe: &mut Observe) -> Option<Status> {
         let Outcome { iterations, iterating, ref measures, ref impulses, .. } = ended.outcome;
         let work = Work::default();
         let iterating_s = iterating.as_secs_f64();
@@ -260,22 +266,35 @@ impl Ladder<'_> {
         }
         let text = std::fs::read_to_string(&answer).context("it wrote no answer")?;
         let answer: Answer = serde_json::from_str(&text).map_err(|error| anyhow!("its answer: {error}"))?;
-        answer.check(self.problem.contact_count())?;
+        answer.check(self.problem)?;
         Ok(Some((answer, process_s)))
     }
 }
 
 impl Answer {
-    /// Refuses what is no answer to a problem of so many contacts.
-    fn check(&self, contacts: usize) -> Result<()> {
-        if self.impulse.len() != contacts {
-            bail!("it answers {} impulses where the problem has {contacts} contacts", self.impulse.len());
+    /// Refuses what is no answer to the problem.
+    fn check<M: Mechanics>(&self, problem: &ContactProblem<M>) -> Result<()> {
+        let each = M::Impulse::LEN;
+        if self.impulse.len() != problem.impulse_count() {
+            let (found, contacts) = (self.impulse.len(), problem.contact_count());
+            let of = if each == 1 { String::new() } else { format!(" of {each} numbers each") };
+            bail!("it answers {found} impulses where the problem has {contacts} contacts{of}");
         }
-        for (contact, r) in self.impulse.iter().enumerate() {
-            match r {
-                None => bail!("the impulse of contact {contact} is missing"),
-                Some(r) if !(*r >= 0.0) => bail!("the impulse of contact {contact} is {r}: negative"),
-                Some(_) => {}
+        for (contact, (law, r)) in problem.contacts().iter().zip(self.impulse.chunks_exact(each)).enumerate()
+        {
+            let Some(r) = r.iter().copied().collect::<Option<Vec<f64>>>() else {
+                bail!("the impulse of contact {contact} is missing");
+            };
+            let r = M::Impulse::at(&r, 0);
+            if !is_not_negative(r.first()) {
+                bail!("the impulse of contact {contact} is {}: negative", r.text());
+            }
+            if !(r.is_finite() && law.is_admissible(r)) {
+                bail!(
+                    "the impulse of contact {contact} is {}: it must be {}",
+                    r.text(),
+                    M::Contact::ADMISSIBLE
+                );
             }
         }
         let seconds = [self.setup_s, self.solve_s];

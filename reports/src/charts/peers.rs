@@ -1,5 +1,6 @@
 //! Peers: every method on every problem, ours and other codes, by what it reaches and by both clocks.
 
+use contact::Measure;
 use polars::df;
 use polars::prelude::DataFrame;
 use serde_json::Value;
@@ -16,16 +17,23 @@ const ACCURACY: f64 = ACCURACIES[ACCURACIES.len() - 1];
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let rows: Vec<Row> =
         problems(&study.runs).iter().flat_map(|problem| of_problem(study, problem)).collect();
-    let accuracy = accuracy_text(ACCURACY);
+    let there = there(&study.runs);
     let note = format!(
-        "\nEnding and velocity error: of the whole run. Seconds: set-up and solver to a velocity error of {accuracy}, by the \
-         code's own clock; process: the whole process of another code by ours, with what starts it and what it reads and \
-         writes, which ours has not. Ratio: of the seconds to the least on the problem. Asked: the code's own tolerance at \
-         which it first came there. {}\n{}",
+        "\nEnding, velocity error, with friction that from the nearest solution that is known, and natural map: of the whole \
+         run. Seconds: set-up and solver to {there}, by the code's own clock; process: the whole process of another code by \
+         ours, with what starts it and what it reads and writes, which ours has not. Ratio: of the seconds to the least on the \
+         problem. Asked: the code's own tolerance at which it first came there. {}\n{}",
         repeats(&study.runs),
         reasons(&study.runs)
     );
-    vec![Part::table("peers", table(&rows), note), Part::text("peers-ratios", sentences(&rows))]
+    vec![Part::table("peers", table(&rows), note), Part::text("peers-ratios", sentences(&rows, &there))]
+}
+
+/// What is accurate enough, in words: of what the study is stopped on.
+fn there(runs: &[RunRow]) -> String {
+    let on = runs.first().and_then(RunRow::stopping_measure).filter(|on| *on == Measure::VelocityError);
+    let name = if on.is_some() { "a velocity error" } else { "a natural map" };
+    format!("{name} of {}", accuracy_text(ACCURACY))
 }
 
 struct Row {
@@ -33,6 +41,7 @@ struct Row {
     method: String,
     ending: Ending,
     velocity_error: Option<f64>,
+    natural_map: Option<f64>,
     reached: Option<Reached>,
     /// Of its seconds to the least on the problem.
     ratio: Option<f64>,
@@ -51,12 +60,14 @@ fn of_problem(study: &Problems, problem: &str) -> Vec<Row> {
     let least = span(runs().filter_map(|run| Some(reached(run)?.seconds))).map(|(least, _)| least);
     let row = |run: &RunRow| {
         let reached = reached(run);
+        // What was not begun has none.
+        let end = |measure| if run.ending == Ending::Skipped { None } else { run.end.get(measure) };
         Row {
             problem: problem.to_owned(),
             method: run.label(),
             ending: run.ending,
-            // What was not begun has none.
-            velocity_error: if run.ending == Ending::Skipped { None } else { run.end.velocity_error() },
+            velocity_error: end(Measure::VelocityError),
+            natural_map: end(Measure::NaturalMap),
             reached,
             ratio: reached.zip(least).map(|(reached, least)| reached.seconds / least),
         }
@@ -67,7 +78,7 @@ fn of_problem(study: &Problems, problem: &str) -> Vec<Row> {
 /// The first sample that is accurate enough; of another code the run at one tolerance that it is, with both clocks.
 fn reached(run: &RunRow) -> Option<Reached> {
     let accurate = |error: Option<f64>| error.is_some_and(|error| error <= ACCURACY);
-    let at = run.curve.iter().position(|point| accurate(point.velocity_error()))?;
+    let at = run.curve.iter().position(|point| accurate(point.stopped_on(run)))?;
     let Some(rungs) = run.derived.get("rungs").and_then(Value::as_array) else {
         let seconds = run.setup_s? + run.curve[at].iterating_s;
         return Some(Reached { seconds, process_s: None, asked: None });
@@ -88,6 +99,7 @@ fn table(rows: &[Row]) -> DataFrame {
         "method" => rows.iter().map(|row| row.method.as_str()).collect::<Vec<_>>(),
         "ending" => rows.iter().map(|row| row.ending.text()).collect::<Vec<_>>(),
         "velocity_error" => rows.iter().map(|row| row.velocity_error).collect::<Vec<_>>(),
+        "natural_map" => rows.iter().map(|row| row.natural_map).collect::<Vec<_>>(),
         "seconds" => reached(|reached| Some(reached.seconds)),
         "ratio" => rows.iter().map(|row| row.ratio).collect::<Vec<_>>(),
         "process_s" => reached(|reached| reached.process_s),
@@ -96,7 +108,7 @@ fn table(rows: &[Row]) -> DataFrame {
 }
 
 /// A line for each method: on how many problems it came there, and its median ratio.
-fn sentences(rows: &[Row]) -> String {
+fn sentences(rows: &[Row], there: &str) -> String {
     let mut methods: Vec<&str> = Vec::new();
     for row in rows {
         if !methods.contains(&row.method.as_str()) {
@@ -104,20 +116,20 @@ fn sentences(rows: &[Row]) -> String {
         }
     }
     let mut ranked: Vec<(Option<f64>, String)> =
-        methods.into_iter().map(|method| sentence(rows, method)).collect();
+        methods.into_iter().map(|method| sentence(rows, method, there)).collect();
     let or_last = |ratio: &Option<f64>| ratio.unwrap_or(f64::INFINITY);
     ranked.sort_by(|(a, _), (b, _)| or_last(a).total_cmp(&or_last(b)));
     ranked.into_iter().map(|(_, sentence)| sentence).collect()
 }
 
-fn sentence(rows: &[Row], method: &str) -> (Option<f64>, String) {
+fn sentence(rows: &[Row], method: &str, there: &str) -> (Option<f64>, String) {
     let of_method = || rows.iter().filter(|row| row.method == method);
     let ratios: Vec<f64> = of_method().filter_map(|row| row.ratio).collect();
-    let (reached, all, accuracy) = (ratios.len(), of_method().count(), accuracy_text(ACCURACY));
+    let (reached, all) = (ratios.len(), of_method().count());
     let ratio = median(ratios);
     let cost =
         ratio.map_or(String::new(), |ratio| format!(", median {} times the least seconds", number(ratio, 2)));
-    (ratio, format!("{method}: {reached} of {all} problems to {accuracy}{cost}.\n"))
+    (ratio, format!("{method}: {reached} of {all} problems to {there}{cost}.\n"))
 }
 
 /// Why other codes gave no answer.

@@ -36,7 +36,7 @@ fn seconds_of_another_code_are_those_of_the_tolerance_that_came_there_by_both_cl
     let fast = vec![sample(0, 1.0, 1.0), Sample { iterating_s: 0.25, ..sample(1, 1e-7, 1e-7) }];
     let files = files(&parts(&study(&[other, ours], &[(0, curve), (1, fast)])));
     let csv = file(&files, "peers.csv");
-    assert!(csv.contains("column,piqp,converged,1e-7,2.0,4.0,9.0,0.00001"), "{csv}");
+    assert!(csv.contains("column,piqp,converged,1e-7,1e-7,2.0,4.0,9.0,0.00001"), "{csv}");
     assert!(
         csv.lines().any(|row| row.starts_with("column,cg,converged,") && row.ends_with(",0.5,1.0,,")),
         "{csv}"
@@ -45,8 +45,8 @@ fn seconds_of_another_code_are_those_of_the_tolerance_that_came_there_by_both_cl
     assert_eq!(
         ratios.lines().collect::<Vec<_>>(),
         [
-            "cg: 1 of 1 problems to 10⁻⁶, median 1.0 times the least seconds.",
-            "piqp: 1 of 1 problems to 10⁻⁶, median 4.0 times the least seconds."
+            "cg: 1 of 1 problems to a natural map of 10⁻⁶, median 1.0 times the least seconds.",
+            "piqp: 1 of 1 problems to a natural map of 10⁻⁶, median 4.0 times the least seconds."
         ]
     );
 }

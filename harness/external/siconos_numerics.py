@@ -1,6 +1,6 @@
-"""Siconos: the complementarity problem in r', and the same as contacts with a friction of 0.
+"""Siconos: the complementarity problem in r', or contacts in the plane (`fc2d`) and in space (`fc3d`), with friction or one of 0.
 
-`fc2d` and `fc3d` have one or two tangential rows a contact: the identity here, without a part in the rest.
+A tangential row of `fc2d` or `fc3d` that the problem has not is the identity, without a part in the rest.
 """
 
 import warnings
@@ -33,11 +33,11 @@ SOLVERS = {
 run = Run()
 a, b = run.unitless()
 kind, (name, storage) = run.words[0].split("-")[0], SOLVERS[run.words[0]]
-rows = {"lcp": 1, "fc2d": 2, "fc3d": 3}[kind]
-count = len(b)
-normal = sparse.csr_matrix((np.ones(count), (rows * np.arange(count), np.arange(count))), (rows * count, count))
-w = normal @ (a @ a.T) @ normal.T + sparse.identity(rows * count) - normal @ normal.T
-w, b = w.toarray() if storage == "dense" else w.tocsc(), normal @ b
+rows, count = {"lcp": 1, "fc2d": 2, "fc3d": 3}[kind], len(run.friction)
+taken = (rows * np.arange(count)[:, None] + np.arange(run.rows)).ravel()
+into = sparse.csr_matrix((np.ones(len(taken)), (taken, np.arange(len(taken)))), (rows * count, len(taken)))
+w = into @ (a @ a.T) @ into.T + sparse.identity(rows * count) - into @ into.T
+w, b = w.toarray() if storage == "dense" else w.tocsc(), into @ b
 options = numerics.SolverOptions(getattr(numerics, "SICONOS_" + name))
 options.iparam[numerics.SICONOS_IPARAM_MAX_ITER] = run.iterations
 options.dparam[numerics.SICONOS_DPARAM_TOL] = run.tolerance
@@ -45,8 +45,8 @@ r, v = np.zeros(rows * count), np.zeros(rows * count)
 if kind == "lcp":
     problem, solve = numerics.LCP(w, b), numerics.linearComplementarity_driver
 else:
-    problem = numerics.FrictionContactProblem(rows, w, b, np.zeros(count))
+    problem = numerics.FrictionContactProblem(rows, w, b, run.friction)
     solve = numerics.fc2d_driver if kind == "fc2d" else numerics.fc3d_driver
 run.solving()
 info = solve(problem, r, v, options)
-run.answer(r[::rows], options.iparam[numerics.SICONOS_IPARAM_ITER_DONE], f"info {info}")
+run.answer(r[taken], options.iparam[numerics.SICONOS_IPARAM_ITER_DONE], f"info {info}")

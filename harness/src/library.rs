@@ -1,0 +1,132 @@
+//! The methods for a program that is not the command line, such as the Python package of `harness/python`: a problem is
+//! text, an error is what `gravel` would print.
+
+use crate::cli::solve::{outcome, to_json};
+use crate::plan::{Curves, Method, read_external};
+use crate::problems::{CaseProblem, Known, Root, Studied, Visit, is_toml, visit};
+use crate::run::{Recorder, in_the_pool};
+use anyhow::{Context, Result, bail};
+use cases::{AnyFrozen, Frozen};
+use contact::{Measure, Touch, Vector};
+use runner::{Progress, Stop};
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Once;
+
+/// What is asked of a method.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Request {
+    method: String,
+    /// Of the method; what they leave out has its default.
+    settings: Map<String, Value>,
+    stop: Stop,
+    /// Begin from the impulses of the time step before, if the problem holds them.
+    warm_start: bool,
+    /// Measure the distance to the reference solution as well.
+    truth: bool,
+}
+
+/// What a method found.
+pub struct Solved {
+    /// What `gravel solve --json` prints; `residuals`, the measures among it; and `curve`, the samples that a study keeps.
+    pub told: Value,
+    /// r (N·s), a flat list in the problem's contact order.
+    pub impulses: Vec<f64>,
+    /// V (m/s, rad/s), a flat list in the problem's order of grains.
+    pub velocity: Vec<f64>,
+    /// v (m/s), a flat list in the problem's contact order.
+    pub relative_velocity: Vec<f64>,
+}
+
+/// The text of a problem: of a file, or of a case with values of its scene replaced, at a time step; by name or path, as
+/// `gravel solve` takes it.
+///
+/// # Errors
+/// Says what `gravel` would print.
+pub fn problem(name: &str, scene: Vec<(String, String)>, time_step: Option<&str>) -> Result<String, String> {
+    let read = || -> Result<String> {
+        let path = root()?.problem_or_case(name)?;
+        let frozen = if is_toml(&path) {
+            in_the_pool(|| CaseProblem::read(&path, scene, "time_step", time_step)?.problem())?
+        } else if scene.is_empty() && time_step.is_none() {
+            AnyFrozen::read(&path)?
+        } else {
+            bail!("{} is a frozen problem: it has no scene and no other time step", path.display())
+        };
+        Ok(frozen.to_json()?)
+    };
+    read().map_err(|error| crate::in_one_paragraph(&error))
+}
+
+/// Solves the problem with this text; `stops` is asked after every iteration whether to end.
+///
+/// # Errors
+/// Says what `gravel` would print.
+pub fn solve(text: &str, request: &str, stops: impl Fn() -> bool + Send + Sync) -> Result<Solved, String> {
+    let solved = || -> Result<Solved> {
+        let root = root()?;
+        let request: Request = serde_json::from_str(request)?;
+        let frozen = AnyFrozen::of_text(Path::new("the problem"), text)?;
+        let method = Method::new(&request.method, request.settings.clone())?;
+        in_the_pool(|| {
+            visit(frozen, Solve { root: &root, request: &request, method: &method, stops: &stops })
+        })
+    };
+    solved().map_err(|error| crate::in_one_paragraph(&error))
+}
+
+/// The checkout around the current folder, if there is one; other codes are those of the first.
+fn root() -> Result<Root> {
+    static EXTERNAL: Once = Once::new();
+    let root = Root::find(None)?;
+    let mut read = Ok(());
+    EXTERNAL.call_once(|| read = read_external(&root));
+    read.map(|()| root)
+}
+
+/// A problem is to be solved.
+struct Solve<'s> {
+    root: &'s Root,
+    request: &'s Request,
+    method: &'s Method,
+    stops: &'s (dyn Fn() -> bool + Sync),
+}
+
+impl Visit for Solve<'_> {
+    type Output = Result<Solved>;
+
+    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Result<Solved> {
+        let Self { root, request: Request { stop, warm_start, truth, .. }, method, stops } = self;
+        stop.check()?;
+        let known = *truth || stop.on == Measure::VelocityError;
+        let known = if known { M::known(root, &frozen)? } else { Known::default() };
+        let mut recorder = Recorder::new(Curves::Whole);
+        let mut observe = |progress: &Progress| {
+            recorder.observe(progress);
+            if stops() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let outcome = outcome(&known, &frozen, (method, stop), &frozen.start(*warm_start), &mut observe)
+            .with_context(|| format!("method `{}` on {}", method.name, frozen.name))?;
+        let mut told = to_json(&frozen, method, stop, *warm_start, &outcome)?;
+        told["residuals"] = serde_json::to_value(outcome.measures)?;
+        told["curve"] = serde_json::to_value(recorder.finish())?;
+        let contacts = frozen.problem.contacts().iter();
+        let relative = contacts.map(|contact| contact.relative(&outcome.velocity) + contact.offset());
+        Ok(Solved {
+            told,
+            relative_velocity: flat(relative),
+            velocity: flat(outcome.velocity.iter().copied()),
+            impulses: outcome.impulses,
+        })
+    }
+}
+
+/// The numbers of all, one after the other.
+fn flat<V: Vector>(list: impl Iterator<Item = V>) -> Vec<f64> {
+    let mut numbers = Vec::new();
+    list.for_each(|vector| vector.each(&mut |x| numbers.push(x)));
+    numbers
+}
