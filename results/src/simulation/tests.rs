@@ -131,7 +131,11 @@ fn tables_number_the_simulations_and_are_kept_aside_whole() {
 
 #[test]
 fn the_mean_stress_of_time_steps_does_not_depend_on_how_it_is_gathered() {
-    let each = [1.0, 2.0, 6.0].map(|xy| Stress { stress_xy_n_per_m: xy, stress_yy_n_per_m: -4.0 * xy, ..Stress::default() });
+    let each = [1.0, 2.0, 6.0].map(|xy| Stress {
+        stress_xy_n_per_m: xy,
+        stress_yy_n_per_m: -4.0 * xy,
+        ..Stress::default()
+    });
     let mean = each[0].and_then(1, each[1]).and_then(2, each[2]);
     assert_eq!((mean.stress_xy_n_per_m, mean.stress_yy_n_per_m), (3.0, -12.0));
     assert_eq!(mean.ratio(), None, "nothing presses");
