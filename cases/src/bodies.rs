@@ -2,6 +2,7 @@
 //! the same all along z: a cylinder, and ridges.
 
 use crate::detect::{DetectedContact, Side};
+use crate::periodic::Period;
 use crate::scene::{MovingWall, Scene, WallMotion};
 use contact::Place;
 use schemars::JsonSchema;
@@ -49,30 +50,50 @@ fn across<P: Place>(place: P) -> P {
     P::of([place[0], place[1], 0.0])
 }
 
-/// Discs of radius a with their centres on the floor, side by side.
+/// Discs of radius a with their centres on a line, the floor or a lid, side by side.
 #[derive(Clone, Copy, Debug)]
-struct Bumps<P> {
-    radius: f64,
-    floor: MovingWall<P>,
+pub(crate) struct Bumps<P> {
+    pub(crate) radius: f64,
+    /// The first of them (m).
+    pub(crate) foot: P,
+    /// How the line moves, where that is known beforehand (m/s).
+    pub(crate) moving: P,
+    /// After which they are the same again.
+    pub(crate) period: Period,
+    /// What the k-th is.
+    pub(crate) side: fn(u32, i32) -> Side,
 }
 
 impl<P: Place> Bumps<P> {
-    fn near(self, grain: u32, position: P, radius: f64, reach: f64) -> impl Iterator<Item = Near<P>> {
-        let Self { radius: a, floor } = self;
-        let (from_foot, touching) = (across(position - floor.now.foot), radius + a);
+    /// The contacts of a grain, which rise with the number of the bump; `body` is that of a lid.
+    pub(crate) fn near(
+        self,
+        body: u32,
+        grain: u32,
+        (position, radius): (P, f64),
+        reach: f64,
+    ) -> impl Iterator<Item = Near<P>> {
+        let Self { radius: a, foot, moving, period, side } = self;
+        let (from_foot, touching) = (period.nearest(across(position - foot)), radius + a);
         let far = touching + reach;
+        let count = period.0.map(|width| (width / (2.0 * a)).round() as i32);
         let number = |x: f64| x / (2.0 * a);
         // None where the grain is too high.
-        let wide = if from_foot[1] > far { -1.0 } else { far };
-        let range = number(from_foot[0] - wide).ceil() as i32..=number(from_foot[0] + wide).floor() as i32;
-        let sliding = floor.foot_rate();
-        range.filter_map(move |k| {
+        let wide = if from_foot[1].abs() > far { -1.0 } else { far };
+        let (low, high) =
+            (number(from_foot[0] - wide).ceil() as i32, number(from_foot[0] + wide).floor() as i32);
+        let high = high.max(low - 1);
+        // Where numbers begin anew within the range, those from 0 on come first.
+        let turn = count.map_or(low, |count| (low.div_euclid(count) + 1) * count).clamp(low, high + 1);
+        (turn..=high).chain(low..turn).filter_map(move |k| {
             let between = from_foot - P::of([2.0 * a * f64::from(k), 0.0, 0.0]);
             let distance = between.length();
             let gap = distance - touching;
             let normal = if distance > 0.0 { between / distance } else { P::of([0.0, 1.0, 0.0]) };
-            let contact = DetectedContact { candidate: grain, antagonist: Side::Bump(k), normal, gap };
-            (gap <= reach).then(|| (contact, WallMotion { opening: -normal.dot_product(sliding), sliding }))
+            let antagonist = side(body, count.map_or(k, |count| k.rem_euclid(count)));
+            let contact = DetectedContact { candidate: grain, antagonist, normal, gap };
+            (gap <= reach)
+                .then(|| (contact, WallMotion { opening: -normal.dot_product(moving), sliding: moving }))
         })
     }
 }
@@ -86,8 +107,13 @@ pub(crate) fn bodies_near<P: Place>(
     reach: f64,
 ) -> impl Iterator<Item = Near<P>> {
     let drum = scene.drum.and_then(|drum| drum.near(grain, position, radius, reach));
-    let bump_radius = scene.walls.as_ref().and_then(|walls| walls.bump_radius_m);
-    let bumps = bump_radius.zip(floor).map(|(radius, floor)| Bumps { radius, floor });
+    let bumps = scene.bump_radius().zip(floor).map(|(radius, floor)| Bumps {
+        radius,
+        foot: floor.now.foot,
+        moving: floor.foot_rate(),
+        period: scene.period(),
+        side: |_, k| Side::Bump(k),
+    });
     drum.into_iter()
-        .chain(bumps.into_iter().flat_map(move |bumps| bumps.near(grain, position, radius, reach)))
+        .chain(bumps.into_iter().flat_map(move |bumps| bumps.near(0, grain, (position, radius), reach)))
 }

@@ -99,6 +99,8 @@ impl Case {
         }
         if P::LEN == 2 {
             self.scene.check_in_plane().map_err(wrong)?;
+        } else {
+            self.scene.check_in_space().map_err(wrong)?;
         }
         let mut grains: Vec<Grain<P>> = self.sample.grains_in(size, self.folder()).map_err(wrong)?;
         if matches!(self.sample, Sample::Deposited { .. } | Sample::DepositedSpheres { .. }) {
@@ -110,6 +112,8 @@ impl Case {
                 grain.position += P::of(corner);
             }
         }
+        let greatest_radius = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+        self.scene.period().check(greatest_radius).map_err(wrong)?;
         // Up to round-off.
         let is_outside =
             |drum: &Drum, grain: &Grain<P>| drum.gap(grain.position, grain.radius) < -1e-9 * drum.radius_m;

@@ -1,5 +1,6 @@
 //! Neighbours and gaps: which grains and walls are close, on a grid of cells, in time linear in the number of grains.
 
+use crate::periodic::Period;
 use crate::scene::{MovingWall, WallMotion};
 use contact::{Groups, Place};
 use nalgebra::Vector2;
@@ -23,6 +24,8 @@ pub enum Side {
     Bump(i32),
     /// Another grain, of higher index.
     Grain(u32),
+    /// The lid, by its index among the bodies, and the bump of it, if it has some.
+    Lid(u32, i32),
 }
 
 /// The walls of a box, in the order of its contacts; the last two are in space only.
@@ -47,7 +50,7 @@ pub struct DetectedContact<P = Vector2<f64>> {
 /// larger than the others.
 pub fn detect<P: Place>(position: &[P], radius: &[f64], reach: f64) -> Vec<DetectedContact<P>> {
     let mut contacts = Vec::new();
-    for_each_close(position, radius, reach, |_, _, contact| contacts.push(contact));
+    for_each_close(position, radius, reach, Period(None), |_, _, contact| contacts.push(contact));
     contacts
 }
 
@@ -57,10 +60,11 @@ fn close<P: Place>(
     position: &[P],
     radius: &[f64],
     reach: f64,
+    period: Period,
     [i, j]: [u32; 2],
 ) -> Option<DetectedContact<P>> {
     let [(x, r), (other, s)] = [i, j].map(|k| (position[k as usize], radius[k as usize]));
-    let between = x - other;
+    let between = period.nearest(x - other);
     let contact_distance = r + s;
     // Most pairs are too far: no square root for them.
     let farthest = contact_distance + reach;
@@ -99,25 +103,31 @@ impl<P> Default for Neighbours<P> {
 }
 
 impl<P: Place> Neighbours<P> {
-    /// The contacts of [`detect`]; the discs and their radii are the same at each call.
-    pub(crate) fn contacts(&mut self, position: &[P], radius: &[f64], reach: f64) -> Vec<DetectedContact<P>> {
-        if !self.hold(position, reach) {
+    /// The contacts of [`detect`], through periodic sides too; the discs, their radii and the sides are the same at each call.
+    pub(crate) fn contacts(
+        &mut self,
+        position: &[P],
+        radius: &[f64],
+        reach: f64,
+        period: Period,
+    ) -> Vec<DetectedContact<P>> {
+        if !self.hold(position, reach, period) {
             self.sought_to = reach + MARGIN * radius.iter().copied().fold(0.0, f64::max);
             self.sought_at.clear();
             self.sought_at.extend_from_slice(position);
             self.pairs.clear();
-            for_each_close(position, radius, self.sought_to, |i, j, _| self.pairs.push([i, j]));
+            for_each_close(position, radius, self.sought_to, period, |i, j, _| self.pairs.push([i, j]));
             self.searches += 1;
         }
-        self.pairs.iter().filter_map(|pair| close(position, radius, reach, *pair)).collect()
+        self.pairs.iter().filter_map(|pair| close(position, radius, reach, period, *pair)).collect()
     }
 
     /// Whether no other pair can be close: each of two discs has come nearer by what it has moved.
-    fn hold(&self, position: &[P], reach: f64) -> bool {
+    fn hold(&self, position: &[P], reach: f64, period: Period) -> bool {
         // Less than half of what is left, by far more than round-off.
         let room = 0.5 * (0.999 * self.sought_to - reach);
         let near = |(then, now): (&P, &P)| {
-            let moved = *now - *then;
+            let moved = period.nearest(*now - *then);
             moved.dot_product(moved) < room * room
         };
         room > 0.0 && self.sought_at.len() == position.len() && self.sought_at.iter().zip(position).all(near)
@@ -146,15 +156,16 @@ fn for_each_close<P: Place>(
     position: &[P],
     radius: &[f64],
     reach: f64,
+    period: Period,
     mut visit: impl FnMut(u32, u32, DetectedContact<P>),
 ) {
-    let cells = Cells::new(position, 2.0 * radius.iter().copied().fold(0.0, f64::max) + reach);
+    let cells = Cells::new(position, 2.0 * radius.iter().copied().fold(0.0, f64::max) + reach, period);
     let mut near = Vec::new();
     for (i, x) in (0_u32..).zip(position) {
         near.clear();
         cells.for_each_near(*x, |j| {
             if j > i {
-                near.extend(close(position, radius, reach, [i, j]).map(|contact| (j, contact)));
+                near.extend(close(position, radius, reach, period, [i, j]).map(|contact| (j, contact)));
             }
         });
         near.sort_unstable_by_key(|(j, _)| *j);
@@ -167,7 +178,9 @@ fn for_each_close<P: Place>(
 /// Grains sorted into cells as wide as they are high and deep.
 struct Cells<P> {
     low: P,
-    size: f64,
+    /// Along each axis (m).
+    size: [f64; 3],
+    period: Period,
     /// Columns, rows and, in space, layers.
     counts: [usize; 3],
     /// By cell, row after row and layer after layer.
@@ -176,23 +189,33 @@ struct Cells<P> {
 
 impl<P: Place> Cells<P> {
     /// Cells of at least `size` (m).
-    fn new(position: &[P], size: f64) -> Self {
-        let [low, high] = P::extent(position.iter().copied());
+    fn new(position: &[P], size: f64, period: Period) -> Self {
+        let [mut low, mut high] = P::extent(position.iter().copied());
+        if let Some(width) = period.0 {
+            low += P::of([-low[0], 0.0, 0.0]);
+            high += P::of([width - high[0], 0.0, 0.0]);
+        }
         let extent = (high - low).space().map(|extent| extent.max(size));
         // A grain that flies far away must not make an endless grid of empty cells.
         let most = 4.0 * position.len() as f64 + 16.0;
         let size = size.max(least_size(&extent[..P::LEN], most));
-        let counts =
+        let mut counts: [usize; 3] =
             std::array::from_fn(|axis| if axis < P::LEN { (extent[axis] / size) as usize + 1 } else { 1 });
-        let mut cells = Self { low, size, counts, grains: Groups::default() };
+        let mut size = [size; 3];
+        if let Some(width) = period.0 {
+            // The last column ends where the first begins.
+            counts[0] = ((width / size[0]) as usize).max(1);
+            size[0] = width / counts[0] as f64;
+        }
+        let mut cells = Self { low, size, period, counts, grains: Groups::default() };
         let cell: Vec<usize> = position.iter().map(|x| cells.number(cells.cell(*x))).collect();
         cells.grains = Groups::new((0_u32..).zip(cell.iter().copied()), counts.iter().product());
         cells
     }
 
     fn cell(&self, position: P) -> [usize; 3] {
-        let x = ((position - self.low) / self.size).space();
-        std::array::from_fn(|axis| (x[axis] as usize).min(self.counts[axis] - 1))
+        let x = (self.period.wrapped(position) - self.low).space();
+        std::array::from_fn(|axis| ((x[axis] / self.size[axis]) as usize).min(self.counts[axis] - 1))
     }
 
     fn number(&self, [x, y, z]: [usize; 3]) -> usize {
@@ -204,13 +227,25 @@ impl<P: Place> Cells<P> {
         let cell = self.cell(position);
         let first = cell.map(|k| k.saturating_sub(1));
         let last: [usize; 3] = std::array::from_fn(|axis| (cell[axis] + 1).min(self.counts[axis] - 1));
+        let beyond = self.beyond(cell[0]);
         for z in first[2]..=last[2] {
             for y in first[1]..=last[1] {
                 // The cells of a row lie one after the other.
                 let row = self.number([first[0], y, z])..self.number([last[0], y, z]) + 1;
                 self.grains.of(row).iter().for_each(|grain| visit(*grain));
+                if let Some(column) = beyond {
+                    let cell = self.number([column, y, z]);
+                    self.grains.of(cell..cell + 1).iter().for_each(|grain| visit(*grain));
+                }
             }
         }
+    }
+
+    /// The column at the other end that is beside this one, if sides are periodic and it is no neighbour anyway.
+    fn beyond(&self, column: usize) -> Option<usize> {
+        let last = self.counts[0] - 1;
+        let other = if column == 0 { last } else { 0 };
+        (self.period.0.is_some() && (column == 0 || column == last) && last > 1).then_some(other)
     }
 }
 

@@ -10,8 +10,9 @@ pub(crate) fn drawn<P: Place>(scene: &Scene, time: f64, reach: impl Fn(P) -> f64
     // From wall to wall along an axis, or as far as the grains reach.
     let between = |axis: [f64; 3], low: usize, high: usize| {
         let (axis, feet) = (P::of(axis), walls[low].zip(walls[high]));
+        let periodic = scene.period().0.filter(|_| low == 1).map(|width| [0.0, width]);
         feet.map_or_else(
-            || [-reach(-axis), reach(axis)],
+            || periodic.unwrap_or_else(|| [-reach(-axis), reach(axis)]),
             |(low, high)| [low.foot.dot_product(axis), high.foot.dot_product(axis)],
         )
     };

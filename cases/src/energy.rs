@@ -21,7 +21,7 @@ use std::ops::AddAssign;
 /// The energy of a time step, or of several (J). What gives energy to the grains is positive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
-    /// Work of the walls' motion.
+    /// Work of the walls' motion, and of the force on a lid.
     pub walls: f64,
     /// Work of the law's gap term.
     pub gap: f64,
@@ -76,6 +76,10 @@ impl Energy {
             // As far as it moves.
             let moved = M::translation(*before * (1.0 - theta) + *after * theta) * h;
             potential += M::weight(*mass) * gravity.dot_product(moved);
+        }
+        if let (Some(lid), Some((before, after))) = (scene.lid(), before.last().zip(after.last())) {
+            let moved = M::translation(*before * (1.0 - theta) + *after * theta) * h;
+            energy.walls -= lid.force_n * moved[1];
         }
         let parts = [energy.walls, energy.gap, energy.shocks, energy.sliding];
         let changes = [kinetic, potential];

@@ -8,9 +8,12 @@ use crate::drawn::drawn;
 use crate::energy::Energy;
 use crate::error::CaseError;
 use crate::frozen::Frozen;
+use crate::lid::Placed;
 use crate::marched::Marched;
 use crate::observables::{Missed, Observables, explosion, wall_impulses};
+use crate::sample::Grain;
 use crate::scene::{Law, MovingWall, Scene, WallMotion};
+use crate::stress::Stress;
 use contact::{Discs, Mass, Mechanics, Packing, Place, Solver, Touch, Vector, greatest};
 use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
 use std::cell::RefCell;
@@ -44,6 +47,13 @@ pub struct TimeStep<M: Mechanics = Discs> {
     sides: Vec<Side>,
 }
 
+impl<M: Mechanics> TimeStep<M> {
+    /// The antagonist of each contact.
+    pub fn sides(&self) -> &[Side] {
+        &self.sides
+    }
+}
+
 impl<M: Marched> March<M> {
     /// The scene of `case` at time 0, every grain at rest but those that the scene throws.
     ///
@@ -53,18 +63,29 @@ impl<M: Marched> March<M> {
         if case.scene.is_rough() && !M::HAS_FRICTION {
             return Err(CaseError::Friction { name: case.name.clone() });
         }
-        let grains = case.grains::<M::Place>()?;
+        let mut grains = case.grains::<M::Place>()?;
         let [x, y] = case.scene.thrown_at_m_per_s;
         let mut velocity = vec![M::Place::of([x, y, 0.0]); grains.len()];
         let height = |k: &usize| grains[*k].position[1];
         if let Some(highest) = (0..grains.len()).rev().max_by(|a, b| height(a).total_cmp(&height(b))) {
             velocity[highest] = M::Place::of([x, y - case.scene.impact_speed_m_per_s, 0.0]);
         }
+        let mut mass: Vec<_> = grains.iter().map(M::mass).collect();
+        if let Some(lid) = case.scene.lid() {
+            let radius = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+            let tops = grains.iter().map(|grain| grain.position[1] + grain.radius);
+            let surface = tops.fold(f64::NEG_INFINITY, f64::max) + case.scene.bump_radius().unwrap_or(0.0);
+            let body =
+                Grain { radius, mass: lid.mass_kg, position: M::Place::of([0.0, surface + radius, 0.0]) };
+            mass.push(M::unturned(M::mass(&body)));
+            velocity.push(M::Place::of([lid.speed_m_per_s, 0.0, 0.0]));
+            grains.push(body);
+        }
         Ok(Self {
             name: case.name.clone(),
             scene: case.scene.clone(),
             radius: grains.iter().map(|grain| grain.radius).collect(),
-            mass: grains.iter().map(M::mass).collect(),
+            mass,
             position: grains.iter().map(|grain| grain.position).collect(),
             velocity: velocity.into_iter().map(M::translating).collect(),
             neighbours: RefCell::default(),
@@ -79,12 +100,34 @@ impl<M: Marched> March<M> {
         self.done
     }
 
-    /// Mean diameter of the grains (m).
-    pub fn mean_diameter(&self) -> f64 {
-        2.0 * self.radius.iter().sum::<f64>() / self.radius.len() as f64
+    /// Number of grains; a lid is none.
+    pub fn grain_count(&self) -> usize {
+        self.radius.len() - usize::from(self.scene.lid().is_some())
     }
 
-    /// The grains as they are: radius (m), place (m) and velocity (m/s) of each.
+    /// Mean diameter of the grains (m).
+    pub fn mean_diameter(&self) -> f64 {
+        let radius = &self.radius[..self.grain_count()];
+        2.0 * radius.iter().sum::<f64>() / radius.len() as f64
+    }
+
+    /// Where another grain is, seen from a place: through a periodic side if that is nearer; none of a lid, which is everywhere.
+    pub fn beside(&self, place: M::Place, other: u32) -> Option<M::Place> {
+        let there = (self.position.get(other as usize)).filter(|_| (other as usize) < self.grain_count())?;
+        let period = self.scene.period();
+        // To the bit where nothing is periodic.
+        Some(period.0.map_or(*there, |_| place - period.nearest(place - *there)))
+    }
+
+    /// The lid among the bodies at these places.
+    fn lid(&self, position: &[M::Place]) -> Option<Placed<'_, M::Place>> {
+        self.scene.lid()?;
+        let body = self.grain_count();
+        let foot = position[body] - M::Place::of([0.0, self.radius[body], 0.0]);
+        Some(Placed { scene: &self.scene, body: body as u32, foot })
+    }
+
+    /// The grains, and last a lid, as they are: radius (m), place (m) and velocity (m/s) of each.
     pub fn grains(&self) -> impl Iterator<Item = (f64, M::Place, M::Place)> {
         self.radius
             .iter()
@@ -111,7 +154,9 @@ impl<M: Marched> March<M> {
             let reaches = self.position.iter().zip(&self.radius).map(|(q, r)| along.dot_product(*q) + r);
             reaches.fold(f64::NEG_INFINITY, f64::max)
         };
-        drawn(&self.scene, self.done as f64 * self.scene.time_step_s, reach)
+        let mut walls = drawn(&self.scene, self.done as f64 * self.scene.time_step_s, reach);
+        walls.extend(self.lid(&self.position).and_then(|lid| lid.drawn()));
+        walls
     }
 
     /// The contact problem of the next time step.
@@ -128,7 +173,10 @@ impl<M: Marched> March<M> {
             .map(|(q, v)| *q + M::translation(*v) * (h * (1.0 - theta)))
             .collect();
         let taken = M::translating(self.scene.gravity::<M::Place>() * h);
-        let free_velocity: Vec<_> = self.velocity.iter().map(|v| *v - taken).collect();
+        let mut free_velocity: Vec<_> = self.velocity.iter().map(|v| *v - taken).collect();
+        if let (Some(lid), Some(free)) = (self.scene.lid(), free_velocity.last_mut()) {
+            *free = *free - M::translating(M::Place::of([0.0, lid.force_n * h / lid.mass_kg, 0.0]));
+        }
 
         let (contacts, near) = self.contacts(&position, &free_velocity);
         let keys = near.iter().map(|contact| (contact.candidate, contact.antagonist));
@@ -161,11 +209,16 @@ impl<M: Marched> March<M> {
         let walls = self.scene.walls.as_ref().map_or([None; 5], |walls| walls.over(detection, h));
         let reach = 2.0 * h * greatest_approach::<M>(free_velocity, position, &walls);
 
-        let pairs = self.neighbours.borrow_mut().contacts(position, &self.radius, reach);
+        let (grains, period) = (self.grain_count(), self.scene.period());
+        let mut neighbours = self.neighbours.borrow_mut();
+        let pairs = neighbours.contacts(&position[..grains], &self.radius[..grains], reach, period);
+        let lid = self.lid(position);
         let (mut contacts, mut near) = (Vec::with_capacity(pairs.len()), Vec::with_capacity(pairs.len()));
         let of_walls = self.scene.walls.as_ref().and_then(|walls| walls.friction);
-        let friction = [self.scene.friction, of_walls.or(self.scene.friction)].map(|mu| mu.unwrap_or(0.0));
+        let rough = [self.scene.friction, of_walls.or(self.scene.friction)].map(|mu| mu.unwrap_or(0.0));
         let mut enter = |pair: &DetectedContact<M::Place>, motion: &WallMotion<M::Place>| {
+            // The guides of a lid are smooth.
+            let friction = if pair.candidate as usize == grains { [0.0; 2] } else { rough };
             let mut contact = M::contact(pair, &self.radius, motion, friction);
             let enters = match law {
                 Law::PredictedGap => {
@@ -183,7 +236,7 @@ impl<M: Marched> March<M> {
             }
         };
         let mut ahead = &pairs[..];
-        for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)) {
+        for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)).take(grains) {
             walls_near(&walls, grain, *x, *radius, reach).for_each(|(pair, motion)| enter(&pair, &motion));
             let bodies = bodies_near(&self.scene, walls[0], grain, (*x, *radius), reach);
             bodies.for_each(|(pair, motion)| enter(&pair, &motion));
@@ -191,7 +244,11 @@ impl<M: Marched> March<M> {
                 enter(pair, &WallMotion::NONE);
                 ahead = rest;
             }
+            let below = lid.into_iter().flat_map(|lid| lid.near(grain, (*x, *radius), reach));
+            below.for_each(|pair| enter(&pair, &WallMotion::NONE));
         }
+        let guides = lid.zip(self.scene.lid()).map(|(placed, lid)| placed.guides(lid.speed_m_per_s));
+        guides.iter().flatten().for_each(|(pair, motion)| enter(pair, motion));
         (contacts, near)
     }
 
@@ -205,9 +262,10 @@ impl<M: Marched> March<M> {
         let problem = &time_step.frozen.problem;
         assert_eq!(r.len(), problem.impulse_count(), "one impulse per contact");
         assert_eq!(velocity.len(), problem.grain_count(), "one velocity per grain");
+        let period = self.scene.period();
         let energy = Energy::of(time_step, &self.scene, (&self.velocity, velocity), r);
         for ((q, detected), v) in self.position.iter_mut().zip(problem.position()).zip(velocity) {
-            *q = *detected + M::translation(*v) * (h * theta);
+            *q = period.wrapped(*detected + M::translation(*v) * (h * theta));
         }
         self.velocity.copy_from_slice(velocity);
         let keys = problem.contacts().iter().zip(&time_step.sides).map(|(at, side)| (at.ends().0, *side));
@@ -274,18 +332,21 @@ impl<M: Marched> March<M> {
 
     fn observe(&self, time_step: &TimeStep<M>, r: &[f64], energy: Energy) -> Observables {
         let kinetic = self.mass.iter().zip(&self.velocity).map(|(m, v)| 0.5 * m.squared(*v));
-        let mass = || self.mass.iter().map(|mass| M::weight(*mass));
+        let grains = self.grain_count();
+        let mass = || self.mass[..grains].iter().map(|mass| M::weight(*mass));
         let moment = mass().zip(&self.position).map(|(m, q)| m * q[1]);
+        let height = self.lid(time_step.frozen.problem.position()).map(|lid| lid.foot[1]);
         let overlaps = || time_step.frozen.gap.iter().map(|gap| f64::max(0.0, -gap));
         Observables {
             time: self.done as f64 * self.scene.time_step_s,
             kinetic_energy: kinetic.sum(),
             mean_height: moment.sum::<f64>() / mass().sum::<f64>(),
             greatest_overlap: overlaps().fold(0.0, f64::max),
-            mean_overlap: overlaps().sum::<f64>() / self.mass.len() as f64,
+            mean_overlap: overlaps().sum::<f64>() / grains as f64,
             wall_impulses: wall_impulses(&time_step.sides, &r.iter().step_by(M::Impulse::LEN).copied()),
             contacts: time_step.sides.len(),
             energy,
+            stress: Stress::of(time_step, &self.scene, (grains, height), r),
             greatest_speed: greatest(self.velocity.iter().map(|v| M::translation(*v).length())),
         }
     }

@@ -18,6 +18,12 @@ pub trait Marched: Refutable {
     /// Its mass alone (kg).
     fn weight(mass: Self::Mass) -> f64;
 
+    /// The same mass of a body that does not turn.
+    #[must_use]
+    fn unturned(mass: Self::Mass) -> Self::Mass {
+        mass
+    }
+
     /// A motion without spin (m/s).
     fn translating(velocity: Self::Place) -> Self::Velocity;
 
@@ -34,6 +40,9 @@ pub trait Marched: Refutable {
 
     /// Adds a law's gap term to the offset of a contact (m/s).
     fn widen(contact: &mut Self::Contact, gap_offset: f64);
+
+    /// What an impulse gives to the candidate (N·s).
+    fn to_candidate(contact: &Self::Contact, r: Self::Impulse) -> Self::Place;
 
     /// An impulse as it is kept for the next time step, in which the contact may face another way (N·s).
     fn kept(_: &Self::Contact, r: Self::Impulse) -> Self::Impulse {
@@ -78,6 +87,10 @@ impl<const D: usize> Marched for Smooth<D> {
     fn widen(contact: &mut Contact<D>, gap_offset: f64) {
         contact.offset += gap_offset;
     }
+
+    fn to_candidate(contact: &Contact<D>, r: f64) -> SVector<f64, D> {
+        contact.normal * r
+    }
 }
 
 impl Marched for RoughDiscs {
@@ -90,6 +103,10 @@ impl Marched for RoughDiscs {
 
     fn weight(mass: RoughMass) -> f64 {
         mass.mass
+    }
+
+    fn unturned(mass: RoughMass) -> RoughMass {
+        RoughMass { inertia: mass.inertia * UNTURNED, ..mass }
     }
 
     fn translating(velocity: Vector2<f64>) -> Vector3<f64> {
@@ -114,7 +131,7 @@ impl Marched for RoughDiscs {
             normal: pair.normal,
             arms: Vector2::new(arm(pair.candidate), antagonist.map_or(0.0, arm)),
             offset: Vector2::new(motion.opening, 0.0),
-            friction: friction[usize::from(antagonist.is_none())],
+            friction: friction[usize::from(!matches!(pair.antagonist, Side::Grain(_)))],
         };
         if antagonist.is_none() {
             contact.offset.y = -contact.tangent().dot(&motion.sliding);
@@ -124,6 +141,10 @@ impl Marched for RoughDiscs {
 
     fn widen(contact: &mut RoughContact, gap_offset: f64) {
         contact.offset.x += gap_offset;
+    }
+
+    fn to_candidate(contact: &RoughContact, r: Vector2<f64>) -> Vector2<f64> {
+        contact.normal * r.x + contact.tangent() * r.y
     }
 }
 
@@ -171,10 +192,14 @@ impl Marched for RoughSpheres {
         contact.offset.x += gap_offset;
     }
 
-    /// As a vector in space: the tangents of another normal are others.
-    fn kept(contact: &RoughContact<3>, r: Vector3<f64>) -> Vector3<f64> {
+    fn to_candidate(contact: &RoughContact<3>, r: Vector3<f64>) -> Vector3<f64> {
         let [first, second] = frame(&contact.normal);
         contact.normal * r.x + first * r.y + second * r.z
+    }
+
+    /// As a vector in space: the tangents of another normal are others.
+    fn kept(contact: &RoughContact<3>, r: Vector3<f64>) -> Vector3<f64> {
+        Self::to_candidate(contact, r)
     }
 
     fn recalled(contact: &RoughContact<3>, kept: Vector3<f64>) -> Vector3<f64> {
@@ -186,7 +211,10 @@ impl Marched for RoughSpheres {
     }
 }
 
-/// The grain that an antagonist is, unless it is a wall.
+/// 2¹⁰⁰: a body with so many times its moment of inertia turns by less than round-off shows.
+const UNTURNED: f64 = (1_u128 << 100) as f64;
+
+/// The grain, or the lid, that an antagonist is, unless it is a wall.
 fn grain(antagonist: Side) -> Option<u32> {
-    if let Side::Grain(j) = antagonist { Some(j) } else { None }
+    if let Side::Grain(j) | Side::Lid(j, _) = antagonist { Some(j) } else { None }
 }

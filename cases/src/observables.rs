@@ -2,6 +2,7 @@
 
 use crate::detect::Side;
 use crate::energy::Energy;
+use crate::stress::Stress;
 use contact::Place;
 use runner::Status;
 use std::fmt;
@@ -21,7 +22,7 @@ pub struct Observables {
     /// All overlaps of that problem together, per grain (m).
     pub mean_overlap: f64,
     /// Sums of the normal impulses that the floor with its bumps, or the drum, the walls left and right, and in space those behind and
-    /// before, gave in the time step (N·s).
+    /// before, gave in the time step (N·s). Where there is a lid, left and right are its guides.
     pub wall_impulses: [f64; 5],
     /// Contacts of the problem.
     pub contacts: usize,
@@ -29,6 +30,8 @@ pub struct Observables {
     pub greatest_speed: f64,
     /// Where the energy of the time step went.
     pub energy: Energy,
+    /// What the contacts carry.
+    pub stress: Stress,
 }
 
 /// A time step that did not come to its tolerance.
@@ -130,7 +133,7 @@ pub(crate) fn wall_impulses(sides: &[Side], r: &(impl Iterator<Item = f64> + Clo
             Side::Right => sums[2] += r,
             Side::Back => sums[3] += r,
             Side::Front => sums[4] += r,
-            Side::Grain(_) => {}
+            Side::Grain(_) | Side::Lid(..) => {}
         }
     }
     sums

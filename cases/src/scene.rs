@@ -1,6 +1,8 @@
 //! A scene: gravity, the box and its motion, the contact law, the time step.
 
 use crate::bodies::Drum;
+use crate::lid::Lid;
+use crate::periodic::Period;
 use contact::{Place, is_not_negative, is_positive, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -69,6 +71,11 @@ pub struct Walls {
     pub width_m: Option<f64>,
     /// Distance between the walls behind and before spheres (m); without it there are none.
     pub depth_m: Option<f64>,
+    /// In place of side walls: what leaves the box at one side comes in at the other. For discs.
+    #[serde(default)]
+    pub periodic: bool,
+    /// A lid on the grains of a periodic box.
+    pub lid: Option<Lid>,
     /// Rate at which the side walls tilt about their feet, towards +x (rad/s).
     #[serde(default)]
     pub tilt_rate_rad_per_s: f64,
@@ -83,7 +90,7 @@ pub struct Walls {
     pub belt_speed_m_per_s: f64,
     /// Coulomb's μ at the walls (–), where it is another than between grains.
     pub friction: Option<f64>,
-    /// Radius of bumps that make the floor rough: discs fixed side by side, with their centres on it (m). Deposited grains begin above
+    /// Radius of bumps that make the floor, and a lid, rough: discs fixed side by side, with their centres on it (m). Deposited grains begin above
     /// them.
     pub bump_radius_m: Option<f64>,
     /// Vibration of the whole box.
@@ -154,7 +161,8 @@ impl Walls {
         let back = |_| wall([0.0, 0.0, 1.0], [0.0; 3]);
         let front = |depth| wall([0.0, 0.0, -1.0], [0.0, 0.0, depth]);
         let depth = self.depth_m.filter(|_| P::LEN > 2);
-        [Some(floor), self.width_m.map(left), self.width_m.map(right), depth.map(back), depth.map(front)]
+        let width = self.width_m.filter(|_| !self.periodic);
+        [Some(floor), width.map(left), width.map(right), depth.map(back), depth.map(front)]
     }
 }
 
@@ -224,6 +232,21 @@ impl Scene {
         self.friction.is_some() || self.walls.as_ref().is_some_and(|walls| walls.friction.is_some())
     }
 
+    /// After which width it repeats itself.
+    pub(crate) fn period(&self) -> Period {
+        Period(self.walls.as_ref().filter(|walls| walls.periodic).and_then(|walls| walls.width_m))
+    }
+
+    /// Radius of the bumps of its floor and its lid (m).
+    pub(crate) fn bump_radius(&self) -> Option<f64> {
+        self.walls.as_ref().and_then(|walls| walls.bump_radius_m)
+    }
+
+    /// Its lid.
+    pub(crate) fn lid(&self) -> Option<&Lid> {
+        self.walls.as_ref().and_then(|walls| walls.lid.as_ref())
+    }
+
     /// What gravity takes from velocities (m/s²).
     pub(crate) fn gravity<P: Place>(&self) -> P {
         let g = self.gravity_m_per_s2;
@@ -249,6 +272,15 @@ impl Scene {
                 .to_owned())
         } else {
             Ok(())
+        }
+    }
+
+    /// What has no meaning for spheres.
+    pub(crate) fn check_in_space(&self) -> Result<(), String> {
+        match self.period() {
+            Period(None) => Ok(()),
+            _ => Err("`scene.box.periodic` is true: periodic sides are for discs, so it must be left out"
+                .to_owned()),
         }
     }
 
@@ -301,7 +333,7 @@ impl Scene {
             Some((key, value, _, expected)) => {
                 Err(format!("`scene.{key}` is {}: it must be {expected}", shown(value)))
             }
-            None => Ok(()),
+            None => self.walls.as_ref().map_or(Ok(()), Walls::check_periodic),
         }
     }
 }

@@ -7,6 +7,7 @@ mod atlas_in_time;
 mod convergence;
 mod critical_path;
 mod directions;
+mod macroscopic;
 mod peers;
 mod profiles;
 mod relaxation;
@@ -133,6 +134,12 @@ const CHARTS: &[Chart] = &[
         makes: "`trajectory-<scene>`, `trajectory`",
         shows: "errors of the trajectory beside the reference against seconds per simulated second; what the time step alone costs",
         parts: Parts::Simulations(trajectory::parts),
+    },
+    Chart {
+        name: "macroscopic",
+        makes: "`macroscopic`, `macroscopic-found`",
+        shows: "friction of a sheared packing against that of its grains, and against the tolerance, each method; from which tolerance on it stays",
+        parts: Parts::Simulations(macroscopic::parts),
     },
     Chart {
         name: "atlas-in-time",

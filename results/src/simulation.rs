@@ -186,6 +186,47 @@ pub struct Observed {
     /// Where energy went since the row before.
     #[serde(flatten)]
     pub energy: Energy,
+    /// What the contacts carried since the row before.
+    #[serde(flatten)]
+    pub stress: Stress,
+}
+
+/// What contacts carry, the mean of all time steps since the row before. Pressure is positive. `cases/src/stress.rs` says how it is
+/// computed; 0 in journals of before it was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Stress {
+    /// Normal stress along x, of discs (N/m); 0 without a lid, as below.
+    #[serde(with = "number")]
+    pub stress_xx_n_per_m: f64,
+    /// Shear stress along x across y (N/m).
+    #[serde(with = "number")]
+    pub stress_xy_n_per_m: f64,
+    /// Normal stress along y (N/m).
+    #[serde(with = "number")]
+    pub stress_yy_n_per_m: f64,
+    /// Contacts that push, a grain (–).
+    #[serde(with = "number")]
+    pub coordination: f64,
+}
+
+impl Stress {
+    /// The mean of so many time steps with this one and one more with another.
+    #[must_use]
+    pub fn and_then(self, time_steps: u64, next: Self) -> Self {
+        let mean = |before: f64, next: f64| before + (next - before) / (time_steps + 1) as f64;
+        Self {
+            stress_xx_n_per_m: mean(self.stress_xx_n_per_m, next.stress_xx_n_per_m),
+            stress_xy_n_per_m: mean(self.stress_xy_n_per_m, next.stress_xy_n_per_m),
+            stress_yy_n_per_m: mean(self.stress_yy_n_per_m, next.stress_yy_n_per_m),
+            coordination: mean(self.coordination, next.coordination),
+        }
+    }
+
+    /// Size of the shear stress over the normal stress (–), where something presses.
+    pub fn ratio(self) -> Option<f64> {
+        (self.stress_yy_n_per_m > 0.0).then(|| (self.stress_xy_n_per_m / self.stress_yy_n_per_m).abs())
+    }
 }
 
 /// A simulation with its series: one line of the journal.

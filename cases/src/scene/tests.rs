@@ -18,6 +18,8 @@ fn walls_turn_about_their_feet_and_shake_with_the_box() {
     let (amplitude_m, frequency_hz, direction) = (0.1, 0.25, Direction::Y);
     let vibration = Vibration { amplitude_m, frequency_hz, direction, phase_rad: 0.0, start_s: 1.0 };
     let walls = Walls {
+        periodic: false,
+        lid: None,
         width_m: Some(3.0),
         depth_m: None,
         tilt_rate_rad_per_s: std::f64::consts::FRAC_PI_4,

@@ -8,7 +8,7 @@ use crate::terminal::{check_place, exit, merged, progress, say, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March};
 use indicatif::ProgressBar;
-use results::simulation::{Energy, Observed, Totals};
+use results::simulation::{Energy, Observed, Stress, Totals};
 use runner::Stop;
 use serde_json::json;
 use std::fs::File;
@@ -50,7 +50,8 @@ pub(crate) struct Args {
 const COLUMNS: &str = "time_step,time_s,contacts,status,iterations,kinetic_energy_j,mean_height_m,greatest_overlap_m,\
                        greatest_overlap_mean_diameters,mean_overlap_m,greatest_speed_m_per_s,floor_impulse_n_s,\
                        left_impulse_n_s,right_impulse_n_s,walls_work_j,gap_work_j,shock_work_j,sliding_work_j,\
-                       energy_moved_j,energy_left_over_j";
+                       energy_moved_j,energy_left_over_j,stress_xx_n_per_m,stress_xy_n_per_m,stress_yy_n_per_m,\
+                       coordination";
 
 /// Above the rows on the terminal.
 const HEADING: &str =
@@ -232,12 +233,13 @@ fn line<M: Studied>(seen: &Seen<M>, row: &Observed) -> String {
     let Observed { floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s, energy, .. } = row;
     let Energy { walls_work_j, gap_work_j, shock_work_j, sliding_work_j, energy_moved_j, energy_left_over_j } =
         energy;
+    let Stress { stress_xx_n_per_m, stress_xy_n_per_m, stress_yy_n_per_m, coordination } = row.stress;
     let (status, iterations) = (seen.outcome.status.name(), seen.outcome.iterations);
     let in_diameters = greatest_overlap_m / seen.march.mean_diameter();
     format!(
         "{time_step},{time_s},{contacts},{status},{iterations},{kinetic_energy_j},{mean_height_m},{greatest_overlap_m},\
          {in_diameters},{mean_overlap_m},{greatest_speed_m_per_s},{floor_impulse_n_s},{left_impulse_n_s},\
          {right_impulse_n_s},{walls_work_j},{gap_work_j},{shock_work_j},{sliding_work_j},{energy_moved_j},\
-         {energy_left_over_j}\n"
+         {energy_left_over_j},{stress_xx_n_per_m},{stress_xy_n_per_m},{stress_yy_n_per_m},{coordination}\n"
     )
 }

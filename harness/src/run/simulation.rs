@@ -8,7 +8,7 @@ use anyhow::Result;
 use cases::{CaseError, Frozen, March, Observables, TimeStep};
 use contact::{Discs, Mechanics, Solver};
 use results::schema::{Provenance, Timing};
-use results::simulation::{Energy, Observed, Simulated, Simulation, Totals};
+use results::simulation::{Energy, Observed, Simulated, Simulation, Stress, Totals};
 use results::store::LAST_STATES;
 use runner::{Outcome, Status, Stop};
 use std::path::Path;
@@ -147,7 +147,9 @@ struct Series {
 impl Series {
     fn see<M: Studied>(&mut self, seen: &Seen<M>) {
         let now = observed(seen);
-        let row = self.since.take().map_or(now, |since| joined(&since, now));
+        // Rows begin after whole numbers of them.
+        let gathered = |since: &Observed| (since.time_step - 1) % self.every + 1;
+        let row = self.since.take().map_or(now, |since| joined(&since, now, gathered(&since)));
         if seen.totals.time_steps.is_multiple_of(self.every) {
             self.rows.push(row);
         } else {
@@ -174,6 +176,12 @@ pub(crate) fn observed<M: Studied>(seen: &Seen<M>) -> Observed {
         left_impulse_n_s,
         right_impulse_n_s,
         energy: energy(o),
+        stress: Stress {
+            stress_xx_n_per_m: o.stress.xx,
+            stress_xy_n_per_m: o.stress.xy,
+            stress_yy_n_per_m: o.stress.yy,
+            coordination: o.stress.coordination,
+        },
     }
 }
 
@@ -190,12 +198,14 @@ fn energy(observables: &Observables) -> Energy {
     }
 }
 
-/// The later row, with the impulses and the energies of both and their extremes.
-fn joined(earlier: &Observed, later: Observed) -> Observed {
+/// The later row, of one time step, with the impulses and the energies of both and their extremes, and the mean of the stresses of so
+/// many time steps and its own.
+fn joined(earlier: &Observed, later: Observed, time_steps: u64) -> Observed {
     let mut energy = earlier.energy;
     energy += later.energy;
     Observed {
         energy,
+        stress: earlier.stress.and_then(time_steps, later.stress),
         greatest_overlap_m: earlier.greatest_overlap_m.max(later.greatest_overlap_m),
         greatest_speed_m_per_s: earlier.greatest_speed_m_per_s.max(later.greatest_speed_m_per_s),
         floor_impulse_n_s: earlier.floor_impulse_n_s + later.floor_impulse_n_s,

@@ -184,7 +184,7 @@ fn contacts<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Part
         let (radius, from) = grains[candidate as usize];
         let wall = || from - contact.normal() * (radius + gap);
         elements.add(from);
-        elements.add(antagonist.map_or_else(wall, |j| grains[j as usize].1));
+        elements.add(antagonist.and_then(|j| march.beside(from, j)).unwrap_or_else(wall));
     }
     let subdomain = split.map_or_else(|| vec![0; list.len()], |split| split.subdomain.clone());
     let antagonist = list.iter().map(|contact| contact.ends().1);
@@ -215,6 +215,7 @@ fn walls<M: Studied>(march: &March<M>) -> Elements {
         Side::Bump(_) => Some(4),
         Side::Back => Some(5),
         Side::Front => Some(6),
+        Side::Lid(..) => Some(7),
         Side::Grain(_) => None,
     };
     elements.indices("wall", walls.iter().map(|(side, _)| number(side)));

@@ -2,7 +2,7 @@
 
 use crate::read;
 use crate::tests::fixture;
-use results::simulation::{Energy, Observed, Simulated, Simulation, Totals};
+use results::simulation::{Observed, Simulated, Simulation, Totals};
 
 /// A simulation of `box` by `nsgs` with a mean diameter of 0.1 m and 10 kg, 1 s long with rows of 0.1 s; it lies still at a
 /// height of 1 m and presses on the floor.
@@ -50,7 +50,7 @@ pub(crate) fn simulated(role: &str, time_step_s: f64, tolerance: f64) -> Simulat
         floor_impulse_n_s: 10.0,
         left_impulse_n_s: 0.0,
         right_impulse_n_s: 0.0,
-        energy: Energy::default(),
+        ..Observed::default()
     };
     Simulated { simulation, series: (1..=10).map(row).collect() }
 }

@@ -1,0 +1,245 @@
+//! Friction of a sheared packing: against that of its grains, and against the tolerance of the solver.
+
+#[cfg(test)]
+mod tests;
+
+use polars::df;
+use polars::prelude::DataFrame;
+
+use crate::draw::{
+    Canvas, INSIDE, Legend, Look, MARKS, Mark, Pen, Place, Room, Scale, Sign, log, looks_in_time, row,
+};
+use crate::read::{Simulation, counted, number, padded, unique};
+use crate::text::{Part, chosen};
+
+const KEY: &str = "macroscopic";
+/// What is set of a scene for the friction of its grains.
+const FRICTION: &str = "scene.friction";
+/// The share of the time steps that may miss the tolerance of a simulation of which it is said that it was solved to it.
+const MISSED: f64 = 0.1;
+/// How far apart methods stand where they share a place, over the width of an axis.
+const APART: f64 = 0.012;
+/// Half the width of the end of an error bar (mm).
+const CAP: f64 = 0.7;
+
+/// A simulation whose second half says something.
+struct Sheared<'s> {
+    simulation: &'s Simulation,
+    /// μ of the grains (–).
+    grains: f64,
+    flow: Flow,
+}
+
+impl Sheared<'_> {
+    /// Whether its time steps were solved to its tolerance.
+    fn is_solved(&self) -> bool {
+        self.simulation.totals.missed_time_steps as f64 <= MISSED * self.simulation.totals.time_steps as f64
+    }
+}
+
+/// The second half of a series.
+struct Flow {
+    /// Mean and standard deviation in time of τ/σ (–).
+    friction: f64,
+    spread: f64,
+    /// How far the mean of a quarter of it lies from that of the next: what a mean over so long a time may be off by (–).
+    drift: f64,
+    /// Contacts that push, a grain (–).
+    coordination: f64,
+}
+
+/// Of the rows after half of its time; `None` if it did not come to its end, or if nothing presses.
+fn flow(simulation: &Simulation) -> Option<Flow> {
+    let series = simulation.series();
+    let half = &series[series.len() / 2..];
+    if simulation.status != "completed" || half.len() < 2 {
+        return None;
+    }
+    let ratios: Vec<f64> = half.iter().map(|row| row.stress.ratio()).collect::<Option<_>>()?;
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let friction = mean(&ratios);
+    let squares: Vec<f64> = ratios.iter().map(|ratio| (ratio - friction).powi(2)).collect();
+    let (first, last) = ratios.split_at(ratios.len() / 2);
+    let coordination: Vec<f64> = half.iter().map(|row| row.stress.coordination).collect();
+    Some(Flow {
+        friction,
+        spread: mean(&squares).sqrt(),
+        drift: (mean(last) - mean(first)).abs(),
+        coordination: mean(&coordination),
+    })
+}
+
+fn sheared<'s>(all: &'s [Simulation]) -> Vec<Sheared<'s>> {
+    let of = |simulation: &'s Simulation| {
+        let grains = simulation.scene_settings.get(FRICTION)?.as_f64()?;
+        Some(Sheared { simulation, grains, flow: flow(simulation)? })
+    };
+    all.iter().filter(|simulation| simulation.is_run()).filter_map(of).collect()
+}
+
+/// The figure, the sentences and the table `macroscopic`.
+pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
+    let sheared = sheared(all);
+    let table = Part::table(KEY, table(&sheared), format!("\n{MEANING}\n"));
+    let (solved, missed): (Vec<Sheared>, Vec<Sheared>) = sheared.into_iter().partition(Sheared::is_solved);
+    let mut parts = Vec::new();
+    if !solved.is_empty() {
+        parts.push(Part::figure(KEY, figure(&solved, &looks_in_time(all))));
+    }
+    parts.push(Part::text("macroscopic-found", sentences(all, &solved, missed.len())));
+    parts.push(table);
+    parts
+}
+
+const MEANING: &str = "Friction of the packing is the mean of shear over normal stress (Love-Weber) in the second half of the time, \
+                       its spread the standard deviation in time, its drift the distance of the means of the third and of the \
+                       fourth quarter of the time.";
+
+fn table(sheared: &[Sheared]) -> DataFrame {
+    let of = |value: fn(&Sheared) -> f64| sheared.iter().map(value).collect::<Vec<_>>();
+    let own = df!(
+        "method" => sheared.iter().map(|s| s.simulation.label()).collect::<Vec<_>>(),
+        "friction_of_grains" => of(|s| s.grains),
+        "friction_of_packing" => of(|s| s.flow.friction),
+        "spread" => of(|s| s.flow.spread),
+        "drift" => of(|s| s.flow.drift),
+        "coordination" => of(|s| s.flow.coordination),
+    );
+    let names = "scene method tolerance friction_of_grains friction_of_packing spread drift coordination time_steps \
+                 missed_time_steps iterations iterating_s";
+    chosen(sheared.iter().map(|s| s.simulation), names, own)
+}
+
+/// The μ with which tolerances are compared: the middle one.
+fn middle(sheared: &[Sheared]) -> f64 {
+    let mut grains = unique(sheared.iter().map(|s| s.grains));
+    grains.sort_by(f64::total_cmp);
+    grains[grains.len() / 2]
+}
+
+/// The least tolerance that a method met with this μ.
+fn tightest(sheared: &[Sheared], grains: f64) -> f64 {
+    let tolerances = sheared.iter().filter(|s| s.grains == grains).map(|s| s.simulation.tolerance);
+    tolerances.fold(f64::INFINITY, f64::min)
+}
+
+fn figure(sheared: &[Sheared], looks: &[(String, Look)]) -> String {
+    let marks = [Mark::Disc, Mark::Diamond, Mark::Square].into_iter().chain(MARKS).cycle();
+    let looks: Vec<(String, Look)> = looks
+        .iter()
+        .zip(marks)
+        .map(|((label, look), mark)| (label.clone(), Look { mark, ..*look }))
+        .collect();
+    let middle = middle(sheared);
+    let bars =
+        (Sign::Word, "Bars: standard deviation in time. Methods stand a little apart to be seen.".to_owned());
+    let legend = Legend::new(looks.clone(), vec![bars], INSIDE);
+    let title = [format!(
+        "Friction of the packing: at the least tolerance met, against μ of its grains; with μ = {middle}, against the tolerance"
+    )];
+    row(&title, 2, &legend, |canvas, i, room| {
+        let name = ["friction μ of the grains (–)", "tolerance of a time step (–)"][i];
+        let shown: Vec<(&Sheared, f64)> = if i == 0 {
+            let is_tightest = |s: &&Sheared| s.simulation.tolerance == tightest(sheared, s.grains);
+            sheared.iter().filter(is_tightest).map(|s| (s, s.grains)).collect()
+        } else {
+            sheared.iter().filter(|s| s.grains == middle).map(|s| (s, log(s.simulation.tolerance))).collect()
+        };
+        let scale = [Scale::Share, Scale::Ten][i];
+        panel(canvas, &shown, sheared, &looks, (scale, name), room);
+    })
+}
+
+fn panel(
+    canvas: &Canvas,
+    shown: &[(&Sheared, f64)],
+    all: &[Sheared],
+    looks: &[(String, Look)],
+    (scale, name): (Scale, &str),
+    room: Room,
+) {
+    let x = padded(shown.iter().map(|(_, x)| *x), 0.06);
+    let ends = all.iter().flat_map(|s| [s.flow.friction - s.flow.spread, s.flow.friction + s.flow.spread]);
+    let y = padded(ends.chain([0.0]), 0.04);
+    let frame = room.frame(canvas, (scale, x, name), (Scale::Share, y, "friction τ/σ of the packing (–)"));
+    for (n, (label, look)) in looks.iter().enumerate() {
+        let beside = (n as f64 - 0.5 * (looks.len() - 1) as f64) * APART * (x.1 - x.0);
+        let mut points: Vec<(f64, &Flow)> = shown
+            .iter()
+            .filter(|(s, _)| s.simulation.label() == *label)
+            .map(|(s, x)| (x + beside, &s.flow))
+            .collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let places: Vec<Place> = points.iter().map(|(x, flow)| frame.place((*x, flow.friction))).collect();
+        canvas.line(&places, look.pen);
+        let bar = Pen::solid(look.pen.color, 0.2);
+        for ((x, flow), place) in points.iter().zip(places) {
+            let ends = [-flow.spread, flow.spread].map(|by| frame.place((*x, flow.friction + by)));
+            canvas.line(&ends, bar);
+            for (x, y) in ends {
+                canvas.line(&[(x - CAP, y), (x + CAP, y)], bar);
+            }
+            canvas.mark(look.mark, place, Pen { dash: &[], ..look.pen });
+        }
+    }
+}
+
+/// For each μ, what friction is at the least tolerance, and from which tolerance on no method is farther from it than the means
+/// themselves are sure.
+fn sentences(all: &[Simulation], sheared: &[Sheared], missed: usize) -> String {
+    let mut text = String::new();
+    let mut grains = unique(sheared.iter().map(|s| s.grains));
+    grains.sort_by(f64::total_cmp);
+    for grains in grains {
+        let of_grains: Vec<&Sheared> = sheared.iter().filter(|s| s.grains == grains).collect();
+        let mut tolerances = unique(of_grains.iter().map(|s| s.simulation.tolerance));
+        tolerances.sort_by(f64::total_cmp);
+        let at = |tolerance: f64| {
+            of_grains.iter().copied().filter(move |s| s.simulation.tolerance == tolerance).collect::<Vec<_>>()
+        };
+        let tight = at(tolerances[0]);
+        let friction = tight.iter().map(|s| s.flow.friction).sum::<f64>() / tight.len() as f64;
+        // Of a mean over so long a time, and of methods that all solve as well as they can.
+        let apart = tight.iter().map(|s| (s.flow.friction - friction).abs());
+        let sure = apart.chain(tight.iter().map(|s| s.flow.drift)).fold(0.0, f64::max);
+        let off = |tolerance: f64| {
+            at(tolerance).iter().map(|s| (s.flow.friction - friction).abs()).fold(0.0, f64::max)
+        };
+        let same = tolerances.iter().copied().take_while(|tolerance| off(*tolerance) <= sure).last();
+        let loosest = tolerances[tolerances.len() - 1];
+        let found = match same {
+            Some(same) if same == loosest => {
+                format!("no tolerance up to {} changes it by more", number(same, 2))
+            }
+            Some(same) => format!(
+                "a tolerance of {} is enough; one of {} is off by {}",
+                number(same, 2),
+                number(loosest, 2),
+                number(off(loosest), 2)
+            ),
+            None => "no tolerance gives it".to_owned(),
+        };
+        text.extend([format!(
+            "μ = {grains}: the packing has a friction of {} ± {} when solved to {} (mean of {} in the second half of the time; ±: \
+             the farthest method, or the drift between the quarters of that half); {found}.\n",
+            number(friction, 3),
+            number(sure, 2),
+            number(tolerances[0], 2),
+            counted(tight.len(), "method"),
+        )]);
+    }
+    let runs = all.iter().filter(|simulation| simulation.is_run()).count();
+    if missed > 0 {
+        text.extend([format!(
+            "{missed} of {runs} simulations are left out of figure and sentences: they missed their tolerance in more than a tenth \
+             of their time steps.\n"
+        )]);
+    }
+    let silent = runs - sheared.len() - missed;
+    if silent > 0 {
+        text.extend([format!(
+            "{silent} of {runs} simulations say nothing: they did not come to their end, or nothing pressed.\n"
+        )]);
+    }
+    text
+}
