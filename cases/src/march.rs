@@ -155,7 +155,7 @@ impl<M: Marched> March<M> {
             reaches.fold(f64::NEG_INFINITY, f64::max)
         };
         let mut walls = drawn(&self.scene, self.done as f64 * self.scene.time_step_s, reach);
-        walls.extend(self.lid(&self.position).and_then(|lid| lid.drawn()));
+        walls.extend(self.lid(&self.position).and_then(Placed::drawn));
         walls
     }
 
@@ -175,7 +175,7 @@ impl<M: Marched> March<M> {
         let taken = M::translating(self.scene.gravity::<M::Place>() * h);
         let mut free_velocity: Vec<_> = self.velocity.iter().map(|v| *v - taken).collect();
         if let (Some(lid), Some(free)) = (self.scene.lid(), free_velocity.last_mut()) {
-            *free = *free - M::translating(M::Place::of([0.0, lid.force_n * h / lid.mass_kg, 0.0]));
+            *free -= M::translating(M::Place::of([0.0, lid.force_n * h / lid.mass_kg, 0.0]));
         }
 
         let (contacts, near) = self.contacts(&position, &free_velocity);

@@ -324,7 +324,7 @@ impl Cg {
 
     /// A run on the share of a rank.
     fn rough_start_in<'p, M: Frictional<D>, const D: usize>(
-        &self,
+        self,
         share: &'p Share<M>,
         team: &Team,
     ) -> Box<dyn Iteration + 'p> {

@@ -62,5 +62,8 @@ fn one_that_mostly_missed_its_tolerance_was_not_solved_to_it() {
     let all = read(&[missed, sheared(0.3, 1e-3, 0.25, 0.01), sheared(0.3, 1e-1, 0.25, 0.01)]);
     let files = files(&parts(&all));
     let found = &files.iter().find(|(name, _)| name == "macroscopic-found.md").unwrap().1;
-    assert!(found.contains("when solved to 10⁻³") && found.contains("1 of 3 simulations are left out"), "{found}");
+    assert!(
+        found.contains("when solved to 10⁻³") && found.contains("1 of 3 simulations are left out"),
+        "{found}"
+    );
 }
