@@ -6,6 +6,7 @@
 
 use crate::bodies::Bumps;
 use crate::detect::{DetectedContact, Side};
+use crate::sample::Grain;
 use crate::scene::{Scene, WallMotion};
 use contact::{Place, is_not_negative, is_positive, shown};
 use schemars::JsonSchema;
@@ -25,6 +26,14 @@ pub struct Lid {
 }
 
 impl Lid {
+    /// Itself as one more grain, on top of the `grains`, which its bumps of this radius just touch at most (m).
+    pub(crate) fn body<P: Place>(&self, grains: &[Grain<P>], bumps: f64) -> Grain<P> {
+        let radius = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+        let tops = grains.iter().map(|grain| grain.position[1] + grain.radius);
+        let surface = tops.fold(f64::NEG_INFINITY, f64::max) + bumps;
+        Grain { radius, mass: self.mass_kg, position: P::of([0.0, surface + radius, 0.0]) }
+    }
+
     /// What has no meaning.
     pub(crate) fn check(&self) -> Result<(), String> {
         let Self { mass_kg, force_n, speed_m_per_s } = *self;

@@ -90,8 +90,8 @@ pub struct Walls {
     pub belt_speed_m_per_s: f64,
     /// Coulomb's μ at the walls (–), where it is another than between grains.
     pub friction: Option<f64>,
-    /// Radius of bumps that make the floor, and a lid, rough: discs fixed side by side, with their centres on it (m). Deposited grains begin above
-    /// them.
+    /// Radius of bumps that make the floor, and a lid, rough: discs fixed side by side, with their centres on it (m). Deposited
+    /// grains begin above them.
     pub bump_radius_m: Option<f64>,
     /// Vibration of the whole box.
     pub vibration: Option<Vibration>,

@@ -1,4 +1,4 @@
-//! What the contacts of a time step carry: Love's and Weber's stress, and how many neighbours a grain has.
+//! What the contacts of a time step carry: the Love-Weber stress, and how many contacts a grain has.
 //!
 //! σ = 1/A Σ f ⊗ l over all contacts, f the force on the candidate and l the branch to its centre: from the centre of the other grain,
 //! or of a bump, or from the foot of its perpendicular on a wall. Pressure is positive. A is the width of a periodic box times the
@@ -21,7 +21,7 @@ pub struct Stress {
     pub xy: f64,
     /// `σ_yy` (N/m).
     pub yy: f64,
-    /// Contacts that push, a grain: one between two grains counts for both (–).
+    /// Contacts that push, per grain: one between two grains counts for both (–).
     pub coordination: f64,
 }
 

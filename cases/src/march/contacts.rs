@@ -1,0 +1,112 @@
+//! The contacts of a time step: which are near, which the law lets in, and their impulses of the time step before.
+
+use super::March;
+use crate::bodies::bodies_near;
+use crate::detect::{DetectedContact, Side, walls_near};
+use crate::marched::Marched;
+use crate::scene::{Law, MovingWall, Scene, WallMotion};
+use contact::{Place, Touch, Vector};
+
+impl<M: Marched> March<M> {
+    /// The contacts that the law lets in, with their offsets c, and the pairs that they are.
+    pub(super) fn contacts(
+        &self,
+        position: &[M::Place],
+        free_velocity: &[M::Velocity],
+    ) -> (Vec<M::Contact>, Vec<DetectedContact<M::Place>>) {
+        let Scene { time_step_s: h, theta, law, contact_copies, .. } = self.scene;
+        // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
+        let detection = (self.done as f64 + 1.0 - theta) * h;
+        let walls = self.scene.walls.as_ref().map_or([None; 5], |walls| walls.over(detection, h));
+        let reach = 2.0 * h * greatest_approach::<M>(free_velocity, position, &walls);
+
+        let (grains, period) = (self.grain_count(), self.scene.period());
+        let mut neighbours = self.neighbours.borrow_mut();
+        let pairs = neighbours.contacts(&position[..grains], &self.radius[..grains], reach, period);
+        let lid = self.lid(position);
+        let (mut contacts, mut near) = (Vec::with_capacity(pairs.len()), Vec::with_capacity(pairs.len()));
+        let of_walls = self.scene.walls.as_ref().and_then(|walls| walls.friction);
+        let rough = [self.scene.friction, of_walls.or(self.scene.friction)].map(|mu| mu.unwrap_or(0.0));
+        let mut enter = |pair: &DetectedContact<M::Place>, motion: &WallMotion<M::Place>| {
+            // The guides of a lid are smooth.
+            let friction = if pair.candidate as usize == grains { [0.0; 2] } else { rough };
+            let mut contact = M::contact(pair, &self.radius, motion, friction);
+            let enters = match law {
+                Law::PredictedGap => {
+                    let b = contact.relative(free_velocity).first() + contact.offset().first();
+                    pair.gap + h * b <= 0.0
+                }
+                Law::Iqs => true,
+            };
+            if enters {
+                M::widen(&mut contact, law.gap_offset(pair.gap, h));
+                for _ in 0..contact_copies {
+                    contacts.push(contact);
+                    near.push(*pair);
+                }
+            }
+        };
+        let mut ahead = &pairs[..];
+        for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)).take(grains) {
+            walls_near(&walls, grain, *x, *radius, reach).for_each(|(pair, motion)| enter(&pair, &motion));
+            let bodies = bodies_near(&self.scene, walls[0], grain, (*x, *radius), reach);
+            bodies.for_each(|(pair, motion)| enter(&pair, &motion));
+            while let Some((pair, rest)) = ahead.split_first().filter(|(pair, _)| pair.candidate == grain) {
+                enter(pair, &WallMotion::NONE);
+                ahead = rest;
+            }
+            let below = lid.into_iter().flat_map(|lid| lid.near(grain, (*x, *radius), reach));
+            below.for_each(|pair| enter(&pair, &WallMotion::NONE));
+        }
+        let guides = lid.zip(self.scene.lid()).map(|(placed, lid)| placed.guides(lid.speed_m_per_s));
+        guides.iter().flatten().for_each(|(pair, motion)| enter(pair, motion));
+        (contacts, near)
+    }
+}
+
+impl Law {
+    /// The gap term of c (m/s).
+    pub(crate) fn gap_offset(self, gap: f64, h: f64) -> f64 {
+        match self {
+            Self::PredictedGap => 0.0,
+            Self::Iqs => gap.max(0.0) / h,
+        }
+    }
+
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PredictedGap => "predicted-gap",
+            Self::Iqs => "iqs",
+        }
+    }
+}
+
+/// The greatest free speed of a grain, and of a wall where it faces one (m/s). Twice this times h is as far as two
+/// surfaces come together in a time step without impulses.
+fn greatest_approach<M: Marched>(
+    free_velocity: &[M::Velocity],
+    position: &[M::Place],
+    walls: &[Option<MovingWall<M::Place>>; 5],
+) -> f64 {
+    let grains = free_velocity.iter().map(|v| M::translation(*v).length());
+    let facing = walls.iter().flatten().flat_map(|wall| position.iter().map(|x| wall.opening_rate(*x).abs()));
+    grains.chain(facing).fold(0.0, f64::max)
+}
+
+/// The impulses of the contacts `keys` in the last time step, 0 for a new one. Both lists rise.
+pub(super) fn recall<M: Marched>(
+    last: &[((u32, Side), M::Impulse)],
+    keys: impl ExactSizeIterator<Item = (u32, Side)>,
+    contacts: &[M::Contact],
+) -> Vec<f64> {
+    let mut last = last.iter().peekable();
+    let mut start = vec![0.0; M::Impulse::LEN * keys.len()];
+    for (k, key) in keys.enumerate() {
+        while last.next_if(|(known, _)| *known < key).is_some() {}
+        if let Some((_, r)) = last.next_if(|(known, _)| *known == key) {
+            M::recalled(&contacts[k], *r).put(&mut start, k);
+        }
+    }
+    start
+}
