@@ -4,6 +4,8 @@
 //! Nothing is minimised: Coulomb's law is not the optimality of any q(r). The step is that of the quadratic form all the same, and
 //! what makes it work is that a contact leaves the boundary of its cone by a direction only, never because the cone grew around it.
 
+mod state;
+
 use crate::Cg;
 use analysis::Bounded;
 use contact::{
@@ -12,138 +14,7 @@ use contact::{
 use nalgebra::SVector;
 use partition::{Distributed, Refused, Share, Team};
 use product::{Layout, Product};
-
-/// What the impulse of a contact may do.
-#[derive(Clone, Copy, PartialEq)]
-enum Status<const D: usize> {
-    /// No impulse.
-    Open,
-    /// Inside the cone.
-    Stick,
-    /// On its boundary, out of which this unit vector along the tangents points.
-    Slide(SVector<f64, D>),
-}
-
-/// A contact: all in the units of the product, the normal part first, then one tangential part in the plane and two in space.
-struct State<const D: usize> {
-    b: SVector<f64, D>,
-    /// μ.
-    friction: f64,
-    r: SVector<f64, D>,
-    /// u = −(W r + b).
-    u: SVector<f64, D>,
-    /// The direction.
-    p: SVector<f64, D>,
-    /// (W p)_α.
-    of_p: SVector<f64, D>,
-    /// What the law adds to r + α p.
-    d: SVector<f64, D>,
-    status: Status<D>,
-    /// Whether p leads into the cone, where the contact slides.
-    enters: bool,
-}
-
-/// The vector of this size along the normal.
-#[inline]
-fn normal<const D: usize>(size: f64) -> SVector<f64, D> {
-    SVector::from_fn(|axis, _| if axis == 0 { size } else { 0.0 })
-}
-
-/// The unit vector along the first tangent.
-#[inline]
-fn tangent<const D: usize>() -> SVector<f64, D> {
-    SVector::from_fn(|axis, _| f64::from(axis == 1))
-}
-
-/// The tangential part, and its size.
-#[inline]
-fn tangential<const D: usize>(mut s: SVector<f64, D>) -> (SVector<f64, D>, f64) {
-    s[0] = 0.0;
-    (s, s.norm())
-}
-
-/// What is left of s when what points `out` of the cone is taken away.
-#[inline]
-fn without<const D: usize>(s: SVector<f64, D>, out: &SVector<f64, D>) -> SVector<f64, D> {
-    s - out * f64::max(0.0, out.dot(&s))
-}
-
-impl<const D: usize> State<D> {
-    /// The impulse that the law admits in the place of `moved`, and its status; a contact that `stays` on the boundary of its cone
-    /// slides, out of it by `before` where there is no tangential part to tell.
-    #[inline]
-    fn admitted(
-        &self,
-        moved: SVector<f64, D>,
-        stays: bool,
-        before: SVector<f64, D>,
-    ) -> (SVector<f64, D>, Status<D>) {
-        let (along, size) = tangential(moved);
-        let bound = self.friction * moved[0];
-        if moved[0] <= 0.0 {
-            (SVector::zeros(), Status::Open)
-        } else if stays || size >= bound {
-            let out = if size > 0.0 { along / size } else { before };
-            (normal(moved[0]) + out * bound, Status::Slide(out))
-        } else {
-            (moved, Status::Stick)
-        }
-    }
-
-    /// r ← r + α p + d, admissible. A contact that slid, and that no direction moves into its cone, stays on the boundary: else it
-    /// would come to lie inside, only because its normal impulse grew, and its status would be none that the gradient gave it.
-    fn step(&mut self, length: f64) {
-        let moved = self.r + length * self.p;
-        let (r, status) = match self.status {
-            Status::Slide(out) => self.admitted(moved, !self.enters, out),
-            _ => self.admitted(moved, false, tangent()),
-        };
-        (self.r, self.d, self.status) = (r, r - moved, status);
-    }
-
-    /// |r − r⁺|² where `W_αα` is 1.
-    fn left(&self) -> f64 {
-        let of_normal = if -self.u[0] < self.r[0] { -self.u[0] } else { self.r[0] };
-        let (moved, size) = tangential(self.r + self.u);
-        let bound = self.friction * self.r[0];
-        let clipped = if size > bound { moved * (bound / size) } else { moved };
-        of_normal * of_normal + (tangential(self.r).0 - clipped).norm_squared()
-    }
-
-    /// Whether a part of u leads into the cone of a contact that slides. Without friction there is no way in.
-    #[inline]
-    fn is_pulled_in(&self, out: &SVector<f64, D>) -> bool {
-        self.friction > 0.0 && out.dot(&self.u) < 0.0
-    }
-
-    /// w: the part of u that the law does not block.
-    fn w(&self) -> SVector<f64, D> {
-        match &self.status {
-            Status::Open => normal(f64::max(0.0, self.u[0])),
-            Status::Stick => self.u,
-            // Without friction there is no tangential unknown.
-            Status::Slide(_) if self.friction == 0.0 => normal(self.u[0]),
-            Status::Slide(out) => without(self.u, out),
-        }
-    }
-
-    /// z: the part of p that the law does not block.
-    fn z(&self) -> SVector<f64, D> {
-        match &self.status {
-            Status::Open if self.u[0] <= 0.0 => SVector::zeros(),
-            Status::Stick => self.p,
-            Status::Slide(out) if self.is_pulled_in(out) => without(self.p, out),
-            Status::Slide(out) if self.friction > 0.0 => self.p - out * out.dot(&self.p),
-            Status::Open | Status::Slide(_) => normal(self.p[0]),
-        }
-    }
-
-    /// p = w + β z.
-    fn turn(&mut self, beta: f64) {
-        self.p = self.w() + beta * self.z();
-        self.enters = matches!(&self.status, Status::Slide(out) if self.is_pulled_in(out));
-    }
-}
+use state::State;
 
 /// A mechanics with Coulomb's law, and D unknowns at a contact.
 pub trait Frictional<const D: usize>:
@@ -301,19 +172,11 @@ impl Cg {
     ) -> RoughRun<M, D> {
         let b = problem.b();
         let state = |contact: usize, unit: SVector<f64, D>| {
-            let mut state = State {
-                b: SVector::<f64, D>::at(&b, contact).component_div(&unit),
-                friction: problem.contacts()[contact].friction * (unit[1] / unit[0]),
-                r: SVector::<f64, D>::at(r0, contact).component_mul(&unit),
-                u: SVector::zeros(),
-                p: SVector::zeros(),
-                of_p: SVector::zeros(),
-                d: SVector::zeros(),
-                status: Status::Open,
-                enters: false,
-            };
-            (_, state.status) = state.admitted(state.r, false, tangent());
-            state
+            State::new(
+                SVector::<f64, D>::at(&b, contact).component_div(&unit),
+                SVector::<f64, D>::at(r0, contact).component_mul(&unit),
+                problem.contacts()[contact].friction * (unit[1] / unit[0]),
+            )
         };
         let contacts = Product::over(layout, problem, self.is_scaled(), state);
         let mut run = RoughRun { contacts, greatest, descent: 0.0, squared: 0.0, iterations: 0, products: 0 };
