@@ -13,7 +13,6 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::Once;
 
 /// What is asked of a method.
 #[derive(Deserialize)]
@@ -80,11 +79,9 @@ pub fn solve(text: &str, request: &str, stops: impl Fn() -> bool + Send + Sync) 
 
 /// The checkout around the current folder, if there is one; other codes are those of the first.
 fn root() -> Result<Root> {
-    static EXTERNAL: Once = Once::new();
     let root = Root::find(None)?;
-    let mut read = Ok(());
-    EXTERNAL.call_once(|| read = read_external(&root));
-    read.map(|()| root)
+    read_external(&root)?;
+    Ok(root)
 }
 
 /// A problem is to be solved.

@@ -145,8 +145,11 @@ impl Entry {
 
 static EXTERNAL: OnceLock<Vec<Entry>> = OnceLock::new();
 
-/// Reads the other codes of the checkout: from now on they are methods as well.
+/// Reads the other codes of the checkout, unless some were read: from now on they are methods as well.
 pub(crate) fn read_external(root: &Root) -> Result<()> {
+    if EXTERNAL.get().is_some() {
+        return Ok(());
+    }
     let mut entries = Vec::new();
     for path in root.external()? {
         // Once in the life of the program, and for as long.
