@@ -44,7 +44,7 @@ struct Flow {
     spread: f64,
     /// How far the mean of a quarter of it lies from that of the next: what a mean over so long a time may be off by (–).
     drift: f64,
-    /// Contacts that push, a grain (–).
+    /// Contacts that push, per grain (–).
     coordination: f64,
 }
 
@@ -208,6 +208,7 @@ fn sentences(all: &[Simulation], sheared: &[Sheared], missed: usize) -> String {
         let same = tolerances.iter().copied().take_while(|tolerance| off(*tolerance) <= sure).last();
         let loosest = tolerances[tolerances.len() - 1];
         let found = match same {
+            _ if tolerances.len() == 1 => "no other tolerance was met".to_owned(),
             Some(same) if same == loosest => {
                 format!("no tolerance up to {} changes it by more", number(same, 2))
             }

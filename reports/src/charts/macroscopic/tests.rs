@@ -67,3 +67,10 @@ fn one_that_mostly_missed_its_tolerance_was_not_solved_to_it() {
         "{found}"
     );
 }
+
+#[test]
+fn one_tolerance_alone_says_nothing_of_others() {
+    let files = files(&parts(&read(&[sheared(0.3, 1e-3, 0.25, 0.01)])));
+    let found = &files.iter().find(|(name, _)| name == "macroscopic-found.md").unwrap().1;
+    assert!(found.contains("no other tolerance was met") && !found.contains("no tolerance up to"), "{found}");
+}
