@@ -205,7 +205,7 @@ pub struct Stress {
     /// Normal stress along y (N/m).
     #[serde(with = "number")]
     pub stress_yy_n_per_m: f64,
-    /// Contacts that push, a grain (–).
+    /// Contacts that push, per grain (–).
     #[serde(with = "number")]
     pub coordination: f64,
 }

@@ -69,7 +69,7 @@ fn layer_with_friction_in_space_gives_the_iterates_of_the_plane() {
     {
         let one = in_plane.start(&flat, &zeros).unwrap();
         let other = in_space.start(&laid, &none).unwrap();
-        // A contact that stays at its cone keeps the way in which a small impulse pointed, round-off and all, while this grows.
+        // A contact that stays at its cone keeps the direction of a small impulse, round-off and all, while this grows.
         let iterations = if name == "cg" { 2 } else { 20 };
         in_step([one, other], [&zeros, &none], iterations, |iteration, r, s| {
             let greatest = r.iter().copied().fold(0.0, f64::max);

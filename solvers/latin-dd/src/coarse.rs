@@ -2,8 +2,8 @@
 //!
 //! The multiscale step that Iceta et al. 2009 name as perspective, after Alart & Dureisseix, Comput. Methods Appl. Mech.
 //! Engrg. 197 (2008) 319-331: an interface is the set of boundary grains between the same subdomains, its large scale the
-//! translations, of which there are T. A velocity w per interface is added to what the local stage asks of its copies, τ ← τ + d⁻
-//! w, such that Σ F_E = 0 over the interface's grains and copies:
+//! translations, of which there are T. A velocity w per interface is added to what the local stage asks of its copies,
+//! τ ← τ + d⁻ w, such that Σ F_E = 0 over the interface's grains and copies:
 //!
 //! S w = −g,   S = Σ_E `B_E`ᵗ (d⁻ − d⁻ K_E⁻¹ d⁻) `B_E`,   g = Σ_E `B_E`ᵗ F_E
 //!
