@@ -69,11 +69,15 @@ impl Axis {
                 .map(|exponent| (f64::from(exponent) * 2f64.log10(), (1_u64 << exponent).to_string()))
                 .filter(|(log, _)| self.holds(*log))
                 .collect(),
-            Scale::Share => [0.0, 0.25, 0.5, 0.75, 1.0]
-                .map(|share| (share, share.to_string()))
-                .into_iter()
-                .filter(|(share, _)| self.holds(*share))
-                .collect(),
+            Scale::Share => {
+                // Quarters, or tenths where there is room for few of them.
+                let parts = if self.high - self.low < 0.6 { 10 } else { 4 };
+                (0..=parts)
+                    .map(|k| f64::from(k) / f64::from(parts))
+                    .filter(|share| self.holds(*share))
+                    .map(|share| (share, share.to_string()))
+                    .collect()
+            }
             Scale::Relaxation => [0.0, 1.0, 1.5, 1.8, 1.9, 1.95, 1.98, 1.99, 1.995, 1.998, 1.999]
                 .map(|omega| (Scale::of_relaxation(omega), omega.to_string()))
                 .into_iter()

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use crate::read::{Problems, RunRow, Verdicts, count, counted, number, problems, span};
+use crate::read::{Ending, Problems, RunRow, Verdicts, count, counted, number, problems, span};
 use crate::text::found::comparable;
 
 /// What more subdomains cost in iterations, if that is asked and varied; else which methods are right in every run. Then who is
@@ -29,16 +29,22 @@ pub(crate) fn answer(study: &Problems, of_subdomains: bool) -> Vec<String> {
     sentences
 }
 
-/// The methods of which every run converged or proved that there is no solution, and the one that fails most often.
+/// The methods of which every run converged or proved that there is no solution, and the one that fails most often. A run that was
+/// skipped is none.
 fn who_is_right(runs: &[RunRow], methods: &[&str]) -> Vec<String> {
     let verdicts = Verdicts::of(runs);
-    let failed = |method: &str| {
-        let of_method = || runs.iter().filter(|run| run.method == method);
-        (of_method().filter(|run| !verdicts.is_right(run)).count(), of_method().count())
+    let made = |method: &str| {
+        let of_method = runs.iter().filter(|run| run.method == method);
+        let (skipped, made): (Vec<_>, Vec<_>) = of_method.partition(|run| run.ending == Ending::Skipped);
+        (made.iter().filter(|run| !verdicts.is_right(run)).count(), made.len(), skipped.len())
     };
-    let all: Vec<(&str, (usize, usize))> = methods.iter().map(|method| (*method, failed(method))).collect();
-    let named = |(method, (_, runs)): &(&str, (usize, usize))| format!("{method} ({runs})");
-    let right: Vec<String> = all.iter().filter(|(_, (failed, _))| *failed == 0).map(named).collect();
+    let all: Vec<(&str, (usize, usize, usize))> =
+        methods.iter().map(|method| (*method, made(method))).filter(|(_, (_, made, _))| *made > 0).collect();
+    let named = |(method, (_, runs, skipped)): &(&str, (usize, usize, usize))| match skipped {
+        0 => format!("{method} ({runs})"),
+        skipped => format!("{method} ({runs}; {skipped} skipped)"),
+    };
+    let right: Vec<String> = all.iter().filter(|(_, (failed, ..))| *failed == 0).map(named).collect();
     let mut sentences = vec![match right.as_slice() {
         [] => "No method converged, or proved that there is no solution, in all of its runs.".to_owned(),
         right => format!(
@@ -46,9 +52,9 @@ fn who_is_right(runs: &[RunRow], methods: &[&str]) -> Vec<String> {
             right.join(", ")
         ),
     }];
-    let share = |(_, (failed, all)): &(&str, (usize, usize))| *failed as f64 / *all as f64;
+    let share = |(_, (failed, all, _)): &(&str, (usize, usize, usize))| *failed as f64 / *all as f64;
     let most = all.iter().max_by(|a, b| share(a).total_cmp(&share(b))).filter(|most| share(most) > 0.0);
-    sentences.extend(most.map(|(method, (failed, all))| {
+    sentences.extend(most.map(|(method, (failed, all, _))| {
         format!("Most often not: {method}, in {} of {}.", count(*failed), counted(*all, "run"))
     }));
     sentences

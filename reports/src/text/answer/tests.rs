@@ -81,3 +81,24 @@ fn methods_are_ranked_by_the_runs_in_which_they_are_right() {
     assert!(answered(&runs)[0].starts_with("No method converged"), "{:?}", answered(&runs));
     assert!(answered(&runs)[1].contains("cg, in 1 of 1\u{a0}run"), "{:?}", answered(&runs));
 }
+
+#[test]
+fn a_run_that_was_skipped_did_not_fail() {
+    let on = |i: u32, problem: &str, method: &str, status: &str| Run {
+        problem: problem.into(),
+        ..run(i, method, "", status)
+    };
+    let runs = [
+        on(0, "a", "mprgp", "converged"),
+        on(1, "b", "mprgp", "skipped"),
+        on(2, "a", "nsgs", "converged"),
+        on(3, "b", "nsgs", "iteration-limit"),
+        on(4, "a", "convex", "skipped"),
+    ];
+    let told = answered(&runs);
+    assert_eq!(
+        told[0],
+        "Converged, or proved that there is no solution, in all of their runs: mprgp (1; 1 skipped)."
+    );
+    assert_eq!(told[1], "Most often not: nsgs, in 1 of 2\u{a0}runs.");
+}
