@@ -74,7 +74,7 @@ pub struct Walls {
     /// In place of side walls: what leaves the box at one side comes in at the other. For discs.
     #[serde(default)]
     pub periodic: bool,
-    /// A lid on the grains of a periodic box.
+    /// A lid on the grains of a periodic box; it is the last grain of contact problems and frames.
     pub lid: Option<Lid>,
     /// Rate at which the side walls tilt about their feet, towards +x (rad/s).
     #[serde(default)]

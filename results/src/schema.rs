@@ -303,13 +303,13 @@ pub struct ContactRow {
     /// Centre of the candidate; 0 of discs (m).
     #[serde(default, with = "number")]
     pub z0_m: f64,
-    /// Centre of the antagonist, or the point of the wall that is touched (m).
+    /// Centre of the antagonist, or the touched point of a wall, a lid, or a grain through a periodic side (m).
     #[serde(with = "number")]
     pub x1_m: f64,
-    /// Centre of the antagonist, or the point of the wall that is touched (m).
+    /// Centre of the antagonist, or the touched point of a wall, a lid, or a grain through a periodic side (m).
     #[serde(with = "number")]
     pub y1_m: f64,
-    /// Centre of the antagonist, or the point of the wall that is touched; 0 of discs (m).
+    /// Centre of the antagonist, or the touched point of a wall, a lid, or a grain through a periodic side; 0 of discs (m).
     #[serde(default, with = "number")]
     pub z1_m: f64,
     /// Whether the antagonist is a wall.

@@ -149,14 +149,19 @@ pub(crate) fn scene_rows<M: Mechanics>(
     (grains, contacts)
 }
 
-/// Centre of the candidate, and centre of the antagonist or the touched point of a wall (m).
+/// Centre of the candidate, and centre of the antagonist; where there is none, or its centre is not where the normal leads, through a
+/// periodic side or on a lid, the touched point (m).
 fn ends<M: Mechanics>(frozen: &Frozen<M>, contact: usize) -> [M::Place; 2] {
     let (position, gap) = (frozen.problem.position(), frozen.gap[contact]);
     let contact = &frozen.problem.contacts()[contact];
     let (candidate, antagonist) = contact.ends();
     let from = position[candidate as usize];
-    let to_wall = frozen.radius[candidate as usize] + gap;
-    [from, antagonist.map_or(from - contact.normal() * to_wall, |j| position[j as usize])]
+    let touched = from - contact.normal() * (frozen.radius[candidate as usize] + gap);
+    let is_along = |there: &M::Place| {
+        let between = from - *there;
+        between.dot_product(contact.normal()) >= 0.99 * between.length()
+    };
+    [from, antagonist.map(|j| position[j as usize]).filter(is_along).unwrap_or(touched)]
 }
 
 /// The subdomain with most of each grain's contacts, the first among equals.

@@ -1,7 +1,10 @@
-//! Which iterates are kept.
+//! Which iterates are kept, and where contacts are drawn.
 
-use crate::run::Snapshots;
-use cases::Frozen;
+use crate::problems::Root;
+use crate::run::{Snapshots, scene_rows};
+use cases::{Case, Frozen, March};
+use contact::RoughDiscs;
+use partition::{Grid, Scheme};
 use runner::{Stop, solve};
 
 #[test]
@@ -20,4 +23,24 @@ fn begin_end_and_some_iterates_between_are_kept() {
     assert_eq!(iterations, [0, 1, 2, 3, 5, 7, 10, 14, 20, 23]);
     let end = &snapshots[9].impulses_n_s;
     assert!(end.iter().zip(&outcome.impulses).all(|(kept, r)| (kept - r).abs() <= 0.005 * r));
+}
+
+/// Neither through the whole box, where a contact is beyond a periodic side, nor to the middle of a lid.
+#[test]
+fn a_contact_is_drawn_no_longer_than_two_grains() {
+    let root = Root::find(None).unwrap();
+    let case = Case::read(&root.problem_or_case("periodic-shear").unwrap(), &[]).unwrap();
+    let time_step = March::<RoughDiscs>::new(&case).unwrap().next().unwrap();
+    let partitions = [("1x1".to_owned(), Grid::ONE, Scheme::Boxes)];
+    let (grains, contacts) = scene_rows(&time_step.frozen, &partitions, None);
+    let far = contacts.iter().zip(time_step.frozen.problem.contacts()).filter(|(_, contact)| {
+        let there =
+            contact.antagonist.map(|j| grains[j as usize].x_m - grains[contact.candidate as usize].x_m);
+        there.is_some_and(|x| x.abs() > 1.2)
+    });
+    assert!(far.count() > 0, "a contact through the sides");
+    for row in &contacts {
+        let length = (row.x1_m - row.x0_m).hypot(row.y1_m - row.y0_m);
+        assert!(length < 0.2 + 0.05, "{length} m");
+    }
 }
