@@ -68,6 +68,11 @@ which-method:
     cargo run --release -- report which-method --fill reports/which-method.md.in
     cp reports/out/which-method/work-precision-shear-box-991-sheared.svg reports/which-method.svg
 
+# What users of other codes ask: every run and the numbers of reports/questions.md from nothing; needs the other codes installed
+questions:
+    cargo run --release -- bench questions
+    cargo run --release -- report questions --fill reports/questions.md.in
+
 # Write what is generated in the READMEs anew: plans with their counts, charts, keys of files
 documents:
     UPDATE_DOCUMENTS=1 cargo test --package harness --test gravel documents

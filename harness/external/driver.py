@@ -14,6 +14,9 @@ tolerance for, it is a number without a unit here.
 With friction, r, b and V are those of normals and tangents, M has moments of inertia, and there is no programme: what is left
 is  v' = (A At) r' + b'  with Coulomb's law between v' and r'. All numbers of a contact are divided by the same, W_D of its
 normal, so that the cone |r_t| <= mu r_n is what it was; s is that of the normals.
+
+With the word `units-of-file` W_D and s are 1: W, b and r are then those of the file, as who calls a code without a thought for
+units hands them over, and a tolerance is a number of them.
 """
 
 import json
@@ -65,9 +68,11 @@ class Run:
         a = sparse.csr_matrix((np.concatenate(values), np.concatenate(places, axis=1)), shape=shape)
         b = a @ (root * np.array(grains["free_velocity"])).ravel() + np.array(contacts["offset"]).ravel()
         diagonal = np.asarray(a.multiply(a).sum(axis=1)).ravel()
-        self.rows, self.root = rows, np.repeat(np.sqrt(diagonal[::rows]), rows)
-        b /= self.root
-        self.scale = np.linalg.norm(np.minimum(b[::rows], 0))
+        self.rows, self.root, self.scale = rows, np.ones(rows * count), 1.0
+        if "units-of-file" not in self.words:
+            self.root = np.repeat(np.sqrt(diagonal[::rows]), rows)
+            b /= self.root
+            self.scale = np.linalg.norm(np.minimum(b[::rows], 0))
         return sparse.csr_matrix(sparse.diags(1 / self.root) @ a), b / self.scale
 
     @property

@@ -35,7 +35,7 @@ impl From<&Runs> for Problems {
     }
 }
 
-/// A run by the names of its columns, as a template asks for them.
+/// A run by the names of its columns, as a template asks for them; what a column holds as JSON is an object.
 pub(crate) fn by_column(run: &Run) -> Result<BTreeMap<String, Value>, serde_json::Error> {
     let fields: Map<String, Value> = serde_json::from_value(serde_json::to_value(run)?)?;
     let mut row = BTreeMap::new();
@@ -45,5 +45,8 @@ pub(crate) fn by_column(run: &Run) -> Result<BTreeMap<String, Value>, serde_json
             value => drop(row.insert(name, value)),
         }
     }
+    let objects =
+        [("settings", &run.settings), ("derived", &run.derived), ("spectrum", &run.spectrum)];
+    row.extend(objects.map(|(name, object)| (name.to_owned(), Value::Object(object.clone()))));
     Ok(row)
 }

@@ -1,7 +1,8 @@
 use results::schema::Run;
+use serde_json::json;
 
 use super::*;
-use crate::tests::fixture::{run, sample, stored, tables};
+use crate::tests::fixture::{object, run, sample, stored, tables};
 
 fn filled(template: &str) -> Result<String, String> {
     let runs = [
@@ -18,6 +19,15 @@ fn numbers_and_verdicts_come_from_the_rows() {
 "#;
     assert_eq!(filled(text).unwrap(), "1\u{202f}234, 2.0: fails\n");
     assert_eq!(filled(r#"{{ runs(status="converged")|length }}"#).unwrap(), "2");
+}
+
+#[test]
+fn what_a_column_holds_as_json_is_an_object() {
+    let settings = object(&json!({ "relaxation": 0.5 }));
+    let derived = object(&json!({ "rungs": [{ "tolerance": 1e-2 }, { "tolerance": 1e-4 }] }));
+    let runs = [Run { settings, derived, ..run(0, "osqp", "", "converged") }];
+    let text = r#"{{ run(method="osqp").settings.relaxation }}, {{ run(method="osqp").derived.rungs[1].tolerance|number(1) }}"#;
+    assert_eq!(fill(&stored(&tables(&runs, &[])), text).unwrap(), "0.5, 10⁻⁴");
 }
 
 #[test]
