@@ -332,4 +332,7 @@ pub struct Snapshot {
     /// r, in the problem's contact order, to three significant digits; NaN where it is not finite (N·s).
     #[serde(with = "number::list")]
     pub impulses_n_s: Vec<f64>,
+    /// The contacts that slide, in that order; none without friction.
+    #[serde(default)]
+    pub sliding: Vec<u32>,
 }

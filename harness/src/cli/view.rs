@@ -9,7 +9,7 @@ use crate::store::{is_id, problem_of_run, stored_run};
 use crate::terminal::{check_place, create_folder_of, say, write_whole};
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{AnyFrozen, Frozen};
-use contact::{Truth, Vector};
+use contact::Truth;
 use partition::{Grid, Scheme};
 use results::journal::Record;
 use results::schema::Run;
@@ -156,9 +156,9 @@ impl Shown {
             say(format_args!("{label}: {ending} after {} iterations, as stored", run.iterations))?;
             return Ok(reports::Snapshots { label, ending, snapshots: snapshots.clone() });
         }
-        let (mut kept, start) = (Snapshots::new(), frozen.start(variant.warm_start));
+        let (mut kept, start) = (Snapshots::of(&frozen.problem), frozen.start(variant.warm_start));
         let observe = &mut |progress: &Progress| {
-            kept.observe(progress, M::Impulse::LEN);
+            kept.observe(progress);
             ControlFlow::Continue(())
         };
         let on_problem = || format!("method `{}` on {}", variant.method.name, frozen.name);

@@ -60,9 +60,14 @@ pub(crate) trait Studied: Marched + Bounded {
         None
     }
 
-    /// What frames tell of contacts with the impulses `r` (N·s) beside their normal impulses, by name.
-    fn of_contacts(_: &[Self::Contact], _r: &[f64]) -> Vec<(&'static str, Vec<f64>)> {
-        Vec::new()
+    /// The sizes of the tangential impulses of `r` (N·s), in the plane with the sign along t = (−`n_y`, `n_x`); none without friction.
+    fn tangential(_r: &[f64]) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Of each contact with the impulses `r` (N·s): 0 if it is open, 1 if it sticks, 2 if it slides; none without friction.
+    fn statuses(_: &[Self::Contact], _r: &[f64]) -> Option<Vec<u8>> {
+        None
     }
 
     /// Everything of a problem that a method sees beside positions, one number after the other.
@@ -202,12 +207,12 @@ impl Studied for RoughDiscs {
         Some(velocity.z)
     }
 
-    /// Tangential impulses along t = (−`n_y`, `n_x`); and 0 for a contact that is open, 1 for one that sticks, 2 for one that slides.
-    fn of_contacts(contacts: &[RoughContact], r: &[f64]) -> Vec<(&'static str, Vec<f64>)> {
-        let of = |(contact, r): (&RoughContact, &[f64])| status(contact.friction, r[0], r[1].abs());
-        let tangential = r.iter().skip(1).step_by(2).copied().collect();
-        let statuses = contacts.iter().zip(r.chunks_exact(2)).map(of).collect();
-        vec![("tangential_impulse_n_s", tangential), ("status", statuses)]
+    fn tangential(r: &[f64]) -> Option<Vec<f64>> {
+        Some(r.iter().skip(1).step_by(2).copied().collect())
+    }
+
+    fn statuses(contacts: &[RoughContact], r: &[f64]) -> Option<Vec<u8>> {
+        Some(statuses(contacts, r.iter().step_by(2), &Self::tangential(r)?))
     }
 
     fn numbers(problem: &ContactProblem<Self>, number: &mut dyn FnMut(f64)) {
@@ -228,12 +233,12 @@ impl Studied for RoughSpheres {
         ours.rough_spheres.as_deref()
     }
 
-    /// The sizes of tangential impulses, and the status of each contact as in the plane.
-    fn of_contacts(contacts: &[RoughContact<3>], r: &[f64]) -> Vec<(&'static str, Vec<f64>)> {
-        let along = |r: &[f64]| r[1].hypot(r[2]);
-        let of = |(contact, r): (&RoughContact<3>, &[f64])| status(contact.friction, r[0], along(r));
-        let statuses = contacts.iter().zip(r.chunks_exact(3)).map(of).collect();
-        vec![("tangential_impulse_n_s", r.chunks_exact(3).map(along).collect()), ("status", statuses)]
+    fn tangential(r: &[f64]) -> Option<Vec<f64>> {
+        Some(r.chunks_exact(3).map(|r| r[1].hypot(r[2])).collect())
+    }
+
+    fn statuses(contacts: &[RoughContact<3>], r: &[f64]) -> Option<Vec<u8>> {
+        Some(statuses(contacts, r.iter().step_by(3), &Self::tangential(r)?))
     }
 
     fn numbers(problem: &ContactProblem<Self>, number: &mut dyn FnMut(f64)) {
@@ -249,15 +254,22 @@ impl Studied for RoughSpheres {
     }
 }
 
-/// 0 for a contact that is open, 1 for one that sticks, 2 for one that slides.
-fn status(friction: f64, normal: f64, along: f64) -> f64 {
-    if normal <= 0.0 {
-        0.0
-    } else if along < (1.0 - SLIDES) * friction * normal {
-        1.0
-    } else {
-        2.0
-    }
+/// The statuses of contacts with these impulses along their normals and their tangents (N·s).
+fn statuses<'r, const D: usize>(
+    contacts: &[RoughContact<D>],
+    normal: impl Iterator<Item = &'r f64>,
+    tangential: &[f64],
+) -> Vec<u8> {
+    let status = |((contact, normal), along): ((&RoughContact<D>, &f64), &f64)| {
+        if *normal <= 0.0 {
+            0
+        } else if along.abs() < (1.0 - SLIDES) * contact.friction * normal {
+            1
+        } else {
+            2
+        }
+    };
+    contacts.iter().zip(normal).zip(tangential).map(status).collect()
 }
 
 /// What a method sees of grains and contacts with friction.

@@ -5,7 +5,7 @@ use crate::plan::{Plan, Runs, Settings};
 use crate::problems::{Known, Problem, Root, Studied};
 use crate::run::{Conditions, Ended, Recorder, Task, ended, ended_row, given_row, nothing_done, scene_rows};
 use anyhow::{Context, Result, bail};
-use contact::{Mechanics, Vector, Work};
+use contact::{ContactProblem, Mechanics, Vector, Work};
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::journal::Record;
 use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
@@ -240,14 +240,14 @@ fn once<M: Studied>(
     let (frozen, variant) = (&task.what.frozen, task.variant);
     let mut recorder = Recorder::new(plan.curves);
     let shown = plan.view.as_ref().is_some_and(|view| view.shows(&frozen.name, variant));
-    let mut snapshots = shown.then(Snapshots::new);
+    let mut snapshots = shown.then(|| Snapshots::of(&frozen.problem));
     let mut line = conditions.bars.line(name(task));
     let r0 = frozen.start(variant.warm_start);
     let (truths, measured) = (known.truths(), conditions.how.measured);
     let ended = ended(&variant.method, truths, frozen, &r0, &plan.stop, measured, &mut |progress| {
         recorder.observe(progress);
         if let Some(snapshots) = &mut snapshots {
-            snapshots.observe(progress, M::Impulse::LEN);
+            snapshots.observe(progress);
         }
         line.show(progress, plan.stop.on);
         if (conditions.halt)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -278,40 +278,43 @@ fn median<M: Mechanics>(mut all: Vec<(Ended<M>, Kept)>, timing: &Timing) -> Opti
 }
 
 /// Keeps the beginning of a run, iterations in a ratio of about 1.4, and its end: some thirty iterates of a hundred thousand.
-pub(crate) struct Snapshots {
+pub(crate) struct Snapshots<'p, M: Mechanics> {
+    contacts: &'p [M::Contact],
     snapshots: Vec<Snapshot>,
     /// The next iteration to be kept.
     next: u64,
 }
 
-impl Snapshots {
-    pub(crate) fn new() -> Self {
-        Self { snapshots: Vec::new(), next: 0 }
+impl<'p, M: Studied> Snapshots<'p, M> {
+    pub(crate) fn of(problem: &'p ContactProblem<M>) -> Self {
+        Self { contacts: problem.contacts(), snapshots: Vec::new(), next: 0 }
     }
 
-    /// Sees every iterate, with so many numbers a contact; the normal impulses are kept.
-    pub(crate) fn observe(&mut self, progress: &Progress, numbers: usize) {
+    /// Sees every iterate.
+    pub(crate) fn observe(&mut self, progress: &Progress) {
         if let Some(measures) = progress.measures
             && progress.iteration >= self.next
         {
-            let normal = progress.impulses.iter().step_by(numbers);
-            self.snapshots.push(kept(progress.iteration, measures.natural_map, normal));
+            self.keep(progress.iteration, measures.natural_map, progress.impulses);
             self.next = progress.iteration + (2 * progress.iteration).div_ceil(5).max(1);
         }
     }
 
     /// The iterates; the last one is that of the outcome.
-    pub(crate) fn finish<M: Mechanics>(mut self, outcome: &Outcome<M>) -> Vec<Snapshot> {
+    pub(crate) fn finish(mut self, outcome: &Outcome<M>) -> Vec<Snapshot> {
         if self.snapshots.last().is_none_or(|last| last.iteration != outcome.iterations) {
-            let normal = outcome.impulses.iter().step_by(M::Impulse::LEN);
-            self.snapshots.push(kept(outcome.iterations, outcome.measures.natural_map, normal));
+            self.keep(outcome.iterations, outcome.measures.natural_map, &outcome.impulses);
         }
         self.snapshots
     }
-}
 
-fn kept<'r>(iteration: u64, natural_map: f64, impulses: impl Iterator<Item = &'r f64>) -> Snapshot {
-    Snapshot { iteration, natural_map, impulses_n_s: impulses.copied().map(rounded).collect() }
+    /// Keeps the normal impulses of `r` (N·s), and which contacts slide.
+    fn keep(&mut self, iteration: u64, natural_map: f64, r: &[f64]) {
+        let impulses_n_s = r.iter().step_by(M::Impulse::LEN).copied().map(rounded).collect();
+        let statuses = (0..).zip(M::statuses(self.contacts, r).unwrap_or_default());
+        let sliding = statuses.filter_map(|(contact, status)| (status == 2).then_some(contact)).collect();
+        self.snapshots.push(Snapshot { iteration, natural_map, impulses_n_s, sliding });
+    }
 }
 
 /// To three significant digits: it is for the eye.

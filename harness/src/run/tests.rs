@@ -12,10 +12,10 @@ fn begin_end_and_some_iterates_between_are_kept() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/frozen/shear-box-991-onset.json");
     let frozen = Frozen::read(std::path::Path::new(path)).unwrap();
     let stop = Stop { max_iterations: 23, tolerance: 0.0, ..Stop::default() };
-    let mut snapshots = Snapshots::new();
+    let mut snapshots = Snapshots::of(&frozen.problem);
     let start = frozen.start(false);
     let outcome = solve(&nsgs::Nsgs::default(), &frozen.problem, &start, &stop, &mut |progress| {
-        snapshots.observe(progress, 1);
+        snapshots.observe(progress);
     });
     let outcome = outcome.unwrap();
     let snapshots = snapshots.finish(&outcome);

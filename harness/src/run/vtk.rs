@@ -193,8 +193,9 @@ fn contacts<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Part
     elements.indices("antagonist", antagonist.clone());
     elements.indices("wall", antagonist.map(|j| Some(u32::from(j.is_none()))));
     elements.numbers("impulse_n_s", r.iter().step_by(M::Impulse::LEN).copied().collect());
-    for (name, values) in M::of_contacts(list, r) {
-        elements.numbers(name, values);
+    if let Some((tangential, statuses)) = M::tangential(r).zip(M::statuses(list, r)) {
+        elements.numbers("tangential_impulse_n_s", tangential);
+        elements.numbers("status", statuses.into_iter().map(f64::from).collect());
     }
     elements.numbers("gap_m", gap.to_vec());
     elements.vectors("normal", list.iter().map(Touch::normal));

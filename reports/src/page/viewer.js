@@ -1,5 +1,6 @@
 "use strict";
-// The sample: grains by subdomain, boundary grains outlined, a line for each contact as wide as its impulse.
+// The sample: grains by subdomain, boundary grains outlined, a line for each contact as wide as its impulse, in another colour and
+// broken where it slides.
 (() => {
   const { colors, samples } = JSON.parse(document.getElementById("samples").textContent);
   const form = document.querySelector(".controls"), stage = document.querySelector(".stage");
@@ -110,19 +111,26 @@
       // The greatest impulse of the solution is almost as wide as a grain, if that is small; what is beyond is cut at twice that.
       // In space many lie behind one another: they are thinner, and the weakest are left out.
       const widest = Math.min(Math.max((inSpace() ? .7 : 1.8) * median * scale, 1.5), 12), least = inSpace() ? 60 : 0;
+      const sliding = new Set(frame?.sliding);
       frame?.impulses.forEach((share, i) => {
         c.lineWidth = widest * Math.min(share / 1000, 2);
-        if (c.lineWidth > .08 && share > least) line(contacts[i]);
+        if (c.lineWidth <= .08 || share <= least) return;
+        const slides = sliding.has(i), [x0, y0, x1, y1] = contacts[i];
+        c.strokeStyle = ink(slides ? "--sliding" : "--chain");
+        c.setLineDash(slides ? [Math.hypot(x1 - x0, y1 - y0) * scale / 5] : []);
+        line(contacts[i]);
       });
+      c.setLineDash([]);
       const over = frame && frame.iteration === track.frames.at(-1).iteration && track.ending;
       caption.textContent = !frame || !track.ending ? track.label
-        : `${track.label}: iteration ${frame.iteration}, natural map ${short(frame.natural_map)}${over ? `, ${track.ending}` : ""}`;
+        : `${track.label}: iteration ${frame.iteration}, natural map ${short(frame.natural_map)}`
+          + `${sliding.size ? `, ${sliding.size} contacts slide` : ""}${over ? `, ${track.ending}` : ""}`;
       canvas.setAttribute("aria-label", `${sample.problem}, ${split.name}. ${caption.textContent}`);
     }
     const boundary = split ? split.multiplicity.filter(copies => copies > 1).length : 0;
     document.querySelector("[data-key]").textContent = `${sample.grains.length} grains, ${sample.contacts.length} contacts; `
       + `colours are subdomains, outlined: ${boundary} boundary grains; the widest line is ${Number(sample.greatest_n_s.toPrecision(2))} N·s, `
-      + `the greatest impulse of the solution.${inSpace() ? " Drag to turn." : ""}`;
+      + `the greatest impulse of the solution.${panels.some(({ track }) => track.frames.some(frame => frame.sliding.length)) ? " Broken lines: contacts that slide." : ""}${inSpace() ? " Drag to turn." : ""}`;
   }
 
   function stop() { clearInterval(timer); timer = undefined; play.textContent = "▶"; play.setAttribute("aria-label", "Play"); }

@@ -69,6 +69,8 @@ pub(crate) struct Frame {
     natural_map: Option<f64>,
     /// Of each contact, in thousandths of the greatest.
     impulses: Vec<u32>,
+    /// The contacts that slide.
+    sliding: Vec<u32>,
 }
 
 impl Viewer {
@@ -140,6 +142,7 @@ impl Sample {
             iteration: snapshot.iteration,
             natural_map: Some(snapshot.natural_map).filter(|value| value.is_finite()),
             impulses: snapshot.impulses_n_s.iter().map(shade).collect(),
+            sliding: snapshot.sliding.clone(),
         };
         let track = |Snapshots { label, ending, snapshots }| Track {
             label,
@@ -148,7 +151,7 @@ impl Sample {
         };
         let mut tracks: Vec<Track> = runs.into_iter().map(track).collect();
         if known > 0.0 {
-            let end = Snapshot { iteration: 0, natural_map: f64::NAN, impulses_n_s: solution };
+            let end = Snapshot { natural_map: f64::NAN, impulses_n_s: solution, ..Snapshot::default() };
             let (label, ending) = ("solution".to_owned(), String::new());
             tracks.push(Track { label, ending, frames: vec![frame(&end)] });
         }
