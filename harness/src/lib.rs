@@ -5,6 +5,7 @@ mod cli {
     pub(crate) mod args;
     pub(crate) mod bench;
     pub(crate) mod certify;
+    pub(crate) mod convert;
     pub(crate) mod freeze;
     mod keys;
     pub(crate) mod list;
@@ -158,13 +159,27 @@ mod terminal {
     pub(crate) use progress::{Bars, Line};
 }
 
+/// Files of other codes.
+mod exchange {
+    mod dat;
+    mod fclib;
+    mod files;
+    mod global;
+    #[cfg(test)]
+    mod tests;
+
+    pub(crate) use fclib::Held;
+    pub(crate) use files::{converted, is_foreign, read};
+}
+
 mod identity;
 pub mod library;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use cli::{
-    bench, certify, freeze, list, merge, plan as show, regress, report, schema, simulate, solve, split, view,
+    bench, certify, convert, freeze, list, merge, plan as show, regress, report, schema, simulate, solve,
+    split, view,
 };
 use run::{few, in_the_pool};
 use std::path::PathBuf;
@@ -214,6 +229,8 @@ enum Command {
     Certify(certify::Args),
     /// Write the contact problem of one time step of a case as a file
     Freeze(freeze::Args),
+    /// Write a contact problem as a file of other codes, or one of them as a problem
+    Convert(convert::Args),
     /// Write a contact problem as one file per subdomain, for `gravel-mpi`, whose ranks each read their own
     Split(split::Args),
     /// Join the impulses that the ranks of `gravel-mpi` wrote to one file
@@ -263,6 +280,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
         Command::Solve(args) => return in_the_pool(|| solve::run(&root, &args)),
         Command::Certify(args) => return certify::run(&root, &args),
         Command::Freeze(args) => in_the_pool(|| freeze::run(&root, &args))?,
+        Command::Convert(args) => convert::run(&root, &args)?,
         Command::Split(args) => in_the_pool(|| split::run(&root, &args))?,
         Command::Join(args) => split::join(&args)?,
         Command::Simulate(args) => return in_the_pool(|| simulate::run(&root, &args)),

@@ -1,13 +1,16 @@
 //! `gravel solve`: one contact problem, one method.
 
+mod local;
+
 use crate::cli::args::{SceneArgs, SolverArgs};
+use crate::exchange::{self, Held, is_foreign};
 use crate::identity::content_hash;
 use crate::plan::Method;
 use crate::problems::{Known, Root, Studied, Visit, size, visit};
 use crate::run::{Ended, Observe, derived, ended};
 use crate::terminal::{Line, check_place, exit, merged, replaces, say, write_whole};
 use anyhow::{Context, Result, bail};
-use cases::Frozen;
+use cases::{AnyFrozen, Frozen};
 use clap::ValueEnum;
 use contact::Measure;
 use runner::{Measured, Outcome, Progress, Stop};
@@ -18,7 +21,7 @@ use std::process::ExitCode;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A frozen problem or a case: its name, or the path of its file
+    /// A frozen problem or a case: its name, or the path of its file; or a file of another code, FCLIB (.hdf5) or Siconos (.dat)
     #[arg(value_name = "PROBLEM-OR-CASE")]
     problem: String,
     #[command(flatten)]
@@ -52,8 +55,22 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     if let Some(file) = &args.impulses {
         check_place(file)?;
     }
-    let path = root.problem_or_case(&args.problem)?;
-    visit(args.scene.problem(&path)?, Solve { root, args, method: &method, stop: &stop, path: &path })
+    let foreign = PathBuf::from(&args.problem);
+    let (path, problem) = if is_foreign(&foreign) {
+        match exchange::read(&foreign)? {
+            Held::Local(problem) => return local::solve(&problem, args, (&method, &stop), &foreign),
+            Held::Ours(text) => {
+                args.scene.refused(&format!("{} is a frozen problem", foreign.display()))?;
+                let problem = AnyFrozen::of_text(&foreign, &text)?;
+                (foreign, problem)
+            }
+        }
+    } else {
+        let path = root.problem_or_case(&args.problem)?;
+        let problem = args.scene.problem(&path)?;
+        (path, problem)
+    };
+    visit(problem, Solve { root, args, method: &method, stop: &stop, path: &path })
 }
 
 /// A problem is to be solved.

@@ -60,6 +60,11 @@ pub(crate) trait Studied: Marched + Bounded {
         None
     }
 
+    /// μ of a contact, if the mechanics has friction (–).
+    fn friction(_: &Self::Contact) -> Option<f64> {
+        None
+    }
+
     /// The sizes of the tangential impulses of `r` (N·s), in the plane with the sign along t = (−`n_y`, `n_x`); none without friction.
     fn tangential(_r: &[f64]) -> Option<Vec<f64>> {
         None
@@ -207,6 +212,10 @@ impl Studied for RoughDiscs {
         Some(velocity.z)
     }
 
+    fn friction(contact: &RoughContact) -> Option<f64> {
+        Some(contact.friction)
+    }
+
     fn tangential(r: &[f64]) -> Option<Vec<f64>> {
         Some(r.iter().skip(1).step_by(2).copied().collect())
     }
@@ -231,6 +240,10 @@ impl Studied for RoughDiscs {
 impl Studied for RoughSpheres {
     fn solver(ours: &Ours) -> Option<&dyn Solver<Self>> {
         ours.rough_spheres.as_deref()
+    }
+
+    fn friction(contact: &RoughContact<3>) -> Option<f64> {
+        Some(contact.friction)
     }
 
     fn tangential(r: &[f64]) -> Option<Vec<f64>> {

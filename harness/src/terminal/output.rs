@@ -70,13 +70,14 @@ pub(crate) fn write_kept(path: &Path, content: &str) -> Result<()> {
 
 /// Writes `content` to a file beside `path` and gives it that name once it is complete. A link stays and its target is
 /// written; what is no regular file, such as a pipe or a terminal, is written to as it is.
-pub(crate) fn write_whole(path: &Path, content: &str) -> Result<()> {
+pub(crate) fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
+    let content = content.as_ref();
     let write = || -> io::Result<()> {
         if is_stdout(path) {
-            return io::stdout().write_all(content.as_bytes());
+            return io::stdout().write_all(content);
         }
         if path.metadata().is_ok_and(|found| !found.is_file()) {
-            return OpenOptions::new().write(true).open(path)?.write_all(content.as_bytes());
+            return OpenOptions::new().write(true).open(path)?.write_all(content);
         }
         let target = behind_links(path)?;
         let mut builder = tempfile::Builder::new();
@@ -84,7 +85,7 @@ pub(crate) fn write_whole(path: &Path, content: &str) -> Result<()> {
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let mut file = builder.tempfile_in(folder(&target))?;
-        file.write_all(content.as_bytes())?;
+        file.write_all(content)?;
         file.persist(target)?;
         Ok(())
     };

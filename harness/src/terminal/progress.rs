@@ -81,6 +81,11 @@ impl Line {
         });
     }
 
+    /// Shows where a run of no method of a study is.
+    pub(crate) fn show_value(&mut self, iteration: u64, on: Measure, value: f64) {
+        self.message(|| format!("iteration {iteration}, {on} {value:.2e}"));
+    }
+
     /// Shows where a simulation is.
     pub(crate) fn show_time_step(&mut self, time_step: u64, of: u64) {
         self.message(|| format!("time step {time_step} of {of}"));

@@ -1,0 +1,74 @@
+//! Which files of other codes are read, and what becomes of them.
+
+use super::fclib::{self, Held};
+use super::{dat, global::Global};
+use crate::problems::{Studied, Visit, visit};
+use anyhow::{Context, Result, anyhow, bail};
+use cases::{AnyFrozen, Frozen};
+use contact::Vector;
+use std::path::Path;
+
+/// What this is the ending of.
+fn ending(path: &Path) -> &str {
+    path.extension().and_then(|ending| ending.to_str()).unwrap_or_default()
+}
+
+/// Whether a file is named like one of another code.
+pub(crate) fn is_foreign(path: &Path) -> bool {
+    matches!(ending(path), "hdf5" | "h5" | "dat")
+}
+
+/// The problem in a file of another code.
+///
+/// # Errors
+/// Names the file, and the dataset or the part of it that has no meaning.
+pub(crate) fn read(path: &Path) -> Result<Held> {
+    let held = || match ending(path) {
+        "dat" => dat::problem(&std::fs::read_to_string(path)?).map(Held::Local),
+        _ => fclib::read(path),
+    };
+    if !path.is_file() {
+        bail!("{}: there is no such file", path.display());
+    }
+    held().with_context(|| path.display().to_string())
+}
+
+/// The bytes of the file `to`, made of the problem in the file `from`.
+///
+/// # Errors
+/// Says what cannot be read, or has no place in a file of that kind.
+pub(crate) fn converted(from: &Path, to: &Path) -> Result<Vec<u8>> {
+    let title = from.file_stem().unwrap_or_default().to_string_lossy();
+    let held = if is_foreign(from) {
+        read(from)?
+    } else {
+        Held::Ours(std::fs::read_to_string(from).with_context(|| from.display().to_string())?)
+    };
+    match (held, ending(to)) {
+        (Held::Ours(text), "json") => {
+            // What is no problem is not handed on.
+            AnyFrozen::of_text(from, &text)?;
+            Ok(text.into_bytes())
+        }
+        (Held::Ours(text), "hdf5" | "h5") => visit(AnyFrozen::of_text(from, &text)?, Written { text: &text }),
+        (Held::Local(problem), "hdf5" | "h5") => fclib::write_local(&title, &problem),
+        (Held::Local(_), "json") => Err(anyhow!(
+            "{}: it has W but no grains, which a problem file needs: `gravel solve` takes it as it is",
+            from.display()
+        )),
+        _ => Err(anyhow!("{}: a file that ends in .hdf5 (FCLIB) or .json is written", to.display())),
+    }
+}
+
+/// A problem of ours is to become an FCLIB file.
+struct Written<'t> {
+    text: &'t str,
+}
+
+impl Visit for Written<'_> {
+    type Output = Result<Vec<u8>>;
+
+    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Self::Output {
+        fclib::write_global((&frozen.name, self.text), M::Place::LEN, &Global::of(&frozen))
+    }
+}

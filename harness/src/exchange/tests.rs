@@ -1,0 +1,188 @@
+//! Problems of ours through FCLIB, the three ways in which Siconos writes W, and files that are no problem.
+
+use super::fclib::{self, Held, write_global, write_local};
+use super::global::{Global, Triplets};
+use super::{converted, dat, read};
+use crate::plan::Method;
+use crate::problems::Studied;
+use cases::{AnyFrozen, Frozen};
+use contact::{Measure, RoughDiscs, RoughSpheres, Vector};
+use local::{LocalProblem, Nsgs};
+use runner::{Measured, Stop, solve_against};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+fn frozen(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/frozen").join(name).with_extension("json")
+}
+
+fn file(folder: &TempDir, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    path
+}
+
+#[test]
+fn problem_of_every_mechanics_comes_back_byte_by_byte() {
+    let folder = TempDir::new().unwrap();
+    for name in ["settled-60", "rough-250", "spheres-250", "rough-spheres-250"] {
+        let there = file(&folder, "p.hdf5", converted(&frozen(name), Path::new("p.hdf5")).unwrap());
+        let back = converted(&there, Path::new("p.json")).unwrap();
+        assert!(back == std::fs::read(frozen(name)).unwrap(), "{name}");
+    }
+}
+
+/// What W alone gives after some sweeps of NSGS, and what the problem with its grains gives: impulses and natural map.
+fn swept<M: Studied>(problem: &Frozen<M>, sweeps: u64) -> [(Vec<f64>, f64); 2] {
+    let local = Global::of(problem).local(M::Impulse::LEN).unwrap();
+    let mut nsgs = Nsgs::new(&local);
+    (0..sweeps).for_each(|_| nsgs.sweep());
+    let method = Method::parse("nsgs", &[]).unwrap();
+    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-300, max_iterations: sweeps };
+    let r0 = vec![0.0; problem.problem.impulse_count()];
+    let go_on = &mut |_: &runner::Progress| std::ops::ControlFlow::Continue(());
+    let solver = method.solver::<M>().unwrap();
+    let ours = solve_against(&[], solver, &problem.problem, &r0, &stop, Measured::Needed, go_on).unwrap();
+    let natural_map = local.natural_map(nsgs.impulses());
+    [(nsgs.impulses().to_vec(), natural_map), (ours.impulses, ours.measures.natural_map)]
+}
+
+#[test]
+fn sweeps_on_w_alone_are_those_with_grains() {
+    let check = |[(r, map), (ours, our_map)]: [(Vec<f64>, f64); 2]| {
+        let scale = ours.iter().fold(0.0_f64, |most, r| most.max(r.abs()));
+        assert!(r.len() == ours.len() && scale > 0.0);
+        assert!(r.iter().zip(&ours).all(|(a, b)| (a - b).abs() < 1e-11 * scale));
+        assert!((map - our_map).abs() < 1e-9 * our_map, "{map:e} {our_map:e}");
+    };
+    match AnyFrozen::read(&frozen("rough-250")).unwrap() {
+        AnyFrozen::RoughDiscs(problem) => check(swept::<RoughDiscs>(&problem, 30)),
+        _ => panic!("discs with friction"),
+    }
+    // In space the exact direction of sliding is not where a projection ends, so impulses agree at the solution alone.
+    match AnyFrozen::read(&frozen("rough-spheres-250")).unwrap() {
+        AnyFrozen::RoughSpheres(problem) => {
+            let local = Global::of::<RoughSpheres>(&problem).local(3).unwrap();
+            let [_, (ours, our_map)] = swept::<RoughSpheres>(&problem, 30);
+            let map = local.natural_map(&ours);
+            assert!((map - our_map).abs() < 1e-9 * our_map, "{map:e} {our_map:e}");
+        }
+        _ => panic!("spheres with friction"),
+    }
+}
+
+const DENSE: &str =
+    "2 2 0 4 4 4 4\n 2 0.5 0.25 0\n 0.5 3 0 0\n 0.25 0 4 0\n 0 0 0 5\n -1 0.5 -2 0.25\n 0.3 0.4\n";
+
+#[test]
+fn three_ways_to_write_w_give_one_problem() {
+    let dense = dat::problem(DENSE).unwrap();
+    let blocks = "2 2 1 4 4 4 2 2\n 2 4\n 2 4\n 3 4\n 0 2 4\n 0 1 0 1\n 0 2 0.5 0.5 3\n 1 0.25 0 0 0\n 2 0.25 0 0 0\n 3 4 0 0 5\n \
+                  -1 0.5 -2 0.25\n 0.3 0.4\n 0";
+    assert_eq!(dat::problem(blocks).unwrap(), dense);
+    let printed = "2 2 2 4 4 2\nCSparse Version 3.1.9, May 4, 2016.  Copyright (c) Timothy A. Davis, 2006-2016\n4-by-4, nzmax: 8 nnz: 8, \
+                   1-norm: 5\n col 0 : locations 0 to 2\n 0 : 2\n 1 : 0.5\n 2 : 0.25\n col 1 : locations 3 to 4\n 0 : 0.5\n 1 : 3\n \
+                   col 2 : locations 5 to 6\n 0 : 0.25\n 2 : 4\n col 3 : locations 7 to 7\n 3 : 5\n -1 0.5 -2 0.25\n 0.3 0.4";
+    assert_eq!(dat::problem(printed).unwrap(), dense);
+}
+
+#[test]
+fn local_problem_comes_back_from_fclib_compressed_or_not() {
+    let problem = dat::problem(DENSE).unwrap();
+    let folder = TempDir::new().unwrap();
+    let there = file(&folder, "w.hdf5", write_local("w", &problem).unwrap());
+    let Held::Local(back) = read(&there).unwrap() else { panic!("W alone") };
+    assert_eq!(back, problem);
+    // By rows.
+    let group = |nz: i32, p: &[i32], i: &[i32]| {
+        let mut file = hdf5_pure::FileBuilder::new();
+        let mut local = file.create_group("fclib_local");
+        let mut w = local.create_group("W");
+        for (name, value) in [("m", 4), ("n", 4), ("nz", nz), ("nzmax", 9)] {
+            w.create_dataset(name).with_i32_data(&[value]);
+        }
+        w.create_dataset("p").with_i32_data(p);
+        w.create_dataset("i").with_i32_data(i);
+        w.create_dataset("x").with_f64_data(&[2.0, 0.5, 0.25, 0.5, 3.0, 0.25, 4.0, 5.0]);
+        local.add_group(w.finish());
+        local.create_dataset("spacedim").with_i32_data(&[2]);
+        let mut vectors = local.create_group("vectors");
+        vectors.create_dataset("q").with_f64_data(&[-1.0, 0.5, -2.0, 0.25]);
+        vectors.create_dataset("mu").with_f64_data(&[0.3, 0.4]);
+        local.add_group(vectors.finish());
+        file.add_group(local.finish());
+        self::file(&folder, "rows.hdf5", file.finish().unwrap())
+    };
+    let i = [0, 1, 2, 0, 1, 0, 2, 3];
+    for nz in [-1, -2] {
+        let Held::Local(back) = read(&group(nz, &[0, 3, 5, 7, 8], &i)).unwrap() else { panic!("W alone") };
+        assert_eq!(back, problem, "W is symmetric");
+    }
+    let refused = |path: PathBuf| format!("{:#}", read(&path).err().unwrap());
+    assert!(refused(group(-3, &[0], &i)).contains("`fclib_local/W/nz` is -3"));
+    assert!(refused(group(-2, &[0, 3], &i)).contains("`fclib_local/W`: `p` is shorter"));
+    assert!(refused(group(-2, &[0, 3, 5, 7, 8], &[0, 1, 7, 0, 1, 0, 2, 3])).contains("row 0, column 7"));
+}
+
+/// W and q of a mass matrix that is not diagonal, by hand: M = [2 1; 1 2], H = [1; 0], f = [3; 0], w = −4: M⁻¹ = [2 −1; −1 2]/3.
+#[test]
+fn mass_matrix_may_couple() {
+    let triplets = |rows, columns, entries: &[(usize, usize, f64)]| Triplets {
+        rows,
+        columns,
+        entries: entries.to_vec(),
+    };
+    let global = || Global {
+        mass: triplets(4, 4, &[(0, 0, 2.0), (0, 1, 1.0), (1, 0, 1.0), (1, 1, 2.0), (2, 2, 1.0), (3, 3, 1.0)]),
+        h: triplets(4, 2, &[(0, 0, 1.0), (2, 1, 1.0)]),
+        f: vec![3.0, 0.0, 0.0, 0.0],
+        w: vec![-4.0, 0.0],
+        friction: vec![0.5],
+    };
+    let local = global().local(2).unwrap();
+    let expected =
+        LocalProblem::new(2, [(0, 0, 2.0 / 3.0), (1, 1, 1.0)], vec![-2.0, 0.0], vec![0.5]).unwrap();
+    assert!(local.entries().zip(expected.entries()).all(|(a, b)| (a.2 - b.2).abs() < 1e-15));
+    assert!(local.q().iter().zip(expected.q()).all(|(a, b)| (a - b).abs() < 1e-15));
+    let refused = |global: Global| format!("{:#}", global.local(2).unwrap_err());
+    assert!(refused(Global { w: vec![0.0; 4], ..global() }).contains("`H` has 4 x 2 entries"));
+    assert!(refused(Global { f: vec![0.0; 2], ..global() }).contains("`M` has 4 x 4 entries"));
+    let singular = triplets(4, 4, &[(0, 1, 1.0), (1, 0, 1.0), (2, 2, 1.0)]);
+    assert!(refused(Global { mass: singular, ..global() }).contains("`M` is singular"));
+}
+
+#[test]
+fn file_that_is_no_problem_is_refused_with_what_is_wrong() {
+    let folder = TempDir::new().unwrap();
+    let refused = |name: &str, bytes: &[u8]| {
+        let path = file(&folder, name, bytes);
+        let why = format!("{:#}", read(&path).err().expect("no problem"));
+        assert!(why.starts_with(&path.display().to_string()), "{why}");
+        why
+    };
+    assert!(refused("a.hdf5", b"no HDF5").contains("no HDF5 file"));
+    let mut whole = write_local("w", &dat::problem(DENSE).unwrap()).unwrap();
+    whole.truncate(whole.len() / 2);
+    refused("torn.hdf5", &whole);
+    let mut other = hdf5_pure::FileBuilder::new();
+    other.create_dataset("x").with_f64_data(&[1.0]);
+    assert!(
+        refused("other.hdf5", &other.finish().unwrap()).contains("neither `fclib_local` nor `fclib_global`")
+    );
+    let none = Triplets { rows: 0, columns: 0, entries: Vec::new() };
+    let more = Triplets { rows: 0, columns: 0, entries: Vec::new() };
+    let empty = Global { mass: none, h: more, f: Vec::new(), w: Vec::new(), friction: Vec::new() };
+    let bad = write_global(("empty", "no JSON"), 3, &empty).unwrap();
+    let Held::Ours(text) = fclib::read(&file(&folder, "ours.hdf5", bad)).unwrap() else { panic!("ours") };
+    assert_eq!(text, "no JSON");
+    let here = converted(&folder.path().join("ours.hdf5"), Path::new("ours.json"));
+    assert!(format!("{:#}", here.unwrap_err()).contains("ours.hdf5"));
+    let dat = |text: &str| refused("a.dat", text.as_bytes());
+    assert!(dat("3 1 0 3").contains("ends before the columns of W"));
+    assert!(dat("5 1 0 5 5").contains("5 unknowns"));
+    assert!(dat("3 1 0 9 9 9 9").contains("W has 9 x 9 entries"));
+    assert!(dat("3 1 7 3 3").contains("in the way 7"));
+    assert!(dat(&DENSE.replace("0.25 0\n 0.5", "x 0\n 0.5")).contains("W: \"x\""));
+    assert!(dat(&DENSE.replace(" -1 0.5", " nan 0.5")).contains("`vectors/q[0]`"));
+    assert!(dat(&format!("{DENSE}{}", "1 ".repeat(10))).contains("10 words follow mu"));
+}

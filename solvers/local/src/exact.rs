@@ -1,0 +1,102 @@
+//! Coulomb's law at one contact with a full `W_αα`: 0 ≤ v_n ⊥ r_n ≥ 0, |r_t| ≤ μ r_n, v_t = 0 or r_t against it at its bound.
+//!
+//! The statuses are tried in turn: open, stick, slide. There is a solution, since `W_αα` is positive definite; where there are
+//! several, the first one is taken.
+
+use crate::quartic::{Quartic, roots};
+use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
+
+/// Without tangents: r = max(0, −q/w).
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "all dimensions have one form")]
+pub(crate) fn line(w: &SMatrix<f64, 1, 1>, q: &SVector<f64, 1>, _: f64) -> SVector<f64, 1> {
+    SVector::<f64, 1>::new(if q[0] < 0.0 { -q[0] / w[0] } else { 0.0 })
+}
+
+/// One tangent: sliding has two sides.
+pub(crate) fn plane(w: &Matrix2<f64>, q: &Vector2<f64>, friction: f64) -> Vector2<f64> {
+    if q.x >= 0.0 {
+        return Vector2::zeros();
+    }
+    let stick = stick(w, q);
+    if sticks(stick.x, stick.y.abs(), friction) {
+        return stick;
+    }
+    let slide = |side: f64| {
+        let sum = w[(0, 0)] + side * friction * w[(0, 1)];
+        let r = Vector2::new(1.0, side * friction) * (-q.x / sum);
+        // Which must be against the side.
+        let along = side * (w * r + q).y;
+        (r, if sum > 0.0 { along } else { f64::INFINITY })
+    };
+    let side = stick.y.signum();
+    let (first, second) = (slide(side), slide(-side));
+    // The least also where round-off leaves neither.
+    if first.1 <= 0.0 || first.1 <= second.1 { first.0 } else { second.0 }
+}
+
+/// Two tangents: the direction of sliding is a root of a quartic. (O. Bonnefon, G. Daviet, Quartic formulation of Coulomb 3D
+/// frictional contact, INRIA technical report RT-0400 (2011).)
+///
+/// With `r_t` = μ `r_n` e, |e| = 1, v_n = 0 gives `r_n` = −`q_n`/d(e), d = `w_nn` + μ `w_nT` · e; and d v_T = a + B e, with
+/// a = `w_nn` `q_T` − `q_n` `w_Tn`, B = μ (`q_T` `w_nT` − `q_n` `W_TT`), must be against e.
+pub(crate) fn space(w: &Matrix3<f64>, q: &Vector3<f64>, friction: f64) -> Vector3<f64> {
+    if q.x >= 0.0 {
+        return Vector3::zeros();
+    }
+    let stick = stick(w, q);
+    let tangential = Vector2::new(stick.y, stick.z);
+    if sticks(stick.x, tangential.norm(), friction) {
+        return stick;
+    }
+    let (w_nt, w_tn) = (Vector2::new(w[(0, 1)], w[(0, 2)]), Vector2::new(w[(1, 0)], w[(2, 0)]));
+    let (w_tt, q_t) = (w.fixed_view::<2, 2>(1, 1).into_owned(), Vector2::new(q.y, q.z));
+    let a = q_t * w[(0, 0)] - w_tn * q.x;
+    let b = (q_t * w_nt.transpose() - w_tt * q.x) * friction;
+    let sum = |e: Vector2<f64>| w[(0, 0)] + friction * w_nt.dot(&e);
+    let slide = |e: Vector2<f64>| Vector3::new(1.0, friction * e.x, friction * e.y) * (-q.x / sum(e));
+    let mut best: Option<(f64, Vector2<f64>)> = None;
+    for half in [1.0, -1.0] {
+        // e = ±[1 − t², 2t]/(1 + t²)
+        let (found, count) = roots(&across(&(a * half), &b));
+        for t in &found[..count] {
+            let e = Vector2::new(1.0 - t * t, 2.0 * t) * (half / (1.0 + t * t));
+            let along = e.dot(&(a + b * e));
+            if sum(e) > 0.0 && best.is_none_or(|(least, _)| along < least) {
+                best = Some((along, e));
+            }
+        }
+    }
+    // All directions are roots where nothing moves along the tangents.
+    let else_along = || tangential.try_normalize(0.0).unwrap_or_else(Vector2::x);
+    slide(best.map_or_else(else_along, |(_, e)| e))
+}
+
+/// (1 + t²)² times the part of a + B e across e, e = [1 − t², 2t]/(1 + t²).
+fn across(a: &Vector2<f64>, b: &Matrix2<f64>) -> Quartic {
+    let (b12, b21, both) = (b[(0, 1)], b[(1, 0)], b[(1, 1)] - b[(0, 0)]);
+    [a.y + b21, 2.0 * (both - a.x), -4.0 * b12 - 2.0 * b21, -2.0 * (both + a.x), b21 - a.y]
+}
+
+/// The impulse that stops the contact point.
+fn stick<const D: usize>(w: &SMatrix<f64, D, D>, q: &SVector<f64, D>) -> SVector<f64, D> {
+    // Elimination, whose pivots are positive.
+    let (mut w, mut r) = (*w, -q);
+    for k in 0..D {
+        for row in k + 1..D {
+            let factor = w[(row, k)] / w[(k, k)];
+            for column in k..D {
+                w[(row, column)] -= factor * w[(k, column)];
+            }
+            r[row] -= factor * r[k];
+        }
+    }
+    for k in (0..D).rev() {
+        let known: f64 = (k + 1..D).map(|column| w[(k, column)] * r[column]).sum();
+        r[k] = (r[k] - known) / w[(k, k)];
+    }
+    r
+}
+
+fn sticks(normal: f64, along: f64, friction: f64) -> bool {
+    normal >= 0.0 && along <= friction * normal
+}
