@@ -81,6 +81,11 @@ documents:
 try-readme:
     .ci/readme
 
+# Get the contact problems of Siconos' own tests, into cases/foreign (needs curl)
+fetch-dumps:
+    cd cases/foreign && while read -r _ name; do curl -fsSLO "https://raw.githubusercontent.com/siconos/siconos/6070f0f6fcd9e12457f509211e88a1a583b811bc/numerics/src/FrictionContact/test/data/$name"; done < siconos.sha256
+    cd cases/foreign && sha256sum --check --quiet siconos.sha256
+
 # Draw the figure of the README anew
 readme: bench
     cp reports/out/paper/convergence-shear-box-991-sheared.svg reports/readme.svg

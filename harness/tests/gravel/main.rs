@@ -6,6 +6,7 @@ mod common;
 mod degenerate;
 mod documents;
 mod endings;
+mod exchange;
 #[cfg(unix)]
 mod external;
 mod freeze;
