@@ -280,7 +280,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
         Command::Solve(args) => return in_the_pool(|| solve::run(&root, &args)),
         Command::Certify(args) => return certify::run(&root, &args),
         Command::Freeze(args) => in_the_pool(|| freeze::run(&root, &args))?,
-        Command::Convert(args) => convert::run(&root, &args)?,
+        Command::Convert(args) => in_the_pool(|| convert::run(&root, &args))?,
         Command::Split(args) => in_the_pool(|| split::run(&root, &args))?,
         Command::Join(args) => split::join(&args)?,
         Command::Simulate(args) => return in_the_pool(|| simulate::run(&root, &args)),

@@ -1,29 +1,57 @@
 //! `gravel convert`: contact problems from and to the files of other codes.
 
-use crate::exchange::converted;
-use crate::problems::{Kind, Root};
-use crate::terminal::{check_place, replaces, write_whole};
+use crate::cli::args::SceneArgs;
+use crate::exchange::{Held, converted, is_foreign, read};
+use crate::problems::{Root, Studied, Visit, is_toml, visit};
+use crate::terminal::{check_place, read_text, replaces, write_whole};
 use anyhow::Result;
-use std::path::PathBuf;
+use cases::Frozen;
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A frozen problem: its name, or the path of its file; or a file of another code: FCLIB (.hdf5), Siconos (.dat)
-    #[arg(value_name = "PROBLEM")]
+    /// A frozen problem or a case: its name, or the path of its file; or a file of another code, FCLIB (.hdf5) or Siconos (.dat)
+    #[arg(value_name = "PROBLEM-OR-CASE")]
     from: String,
     /// The file to write: .hdf5 for FCLIB, which other codes read; .json for a problem file, from an FCLIB file that this program
     /// wrote
     #[arg(value_name = "FILE")]
     to: PathBuf,
+    #[command(flatten)]
+    scene: SceneArgs,
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     check_place(&args.to)?;
-    let named = root.all(Kind::Frozen)?.into_iter().find(|path| crate::problems::stem(path) == args.from);
-    let from = named.unwrap_or_else(|| PathBuf::from(&args.from));
-    let bytes = converted(&from, &args.to)?;
+    let (from, held) = held(root, args)?;
+    let bytes = converted(&from, held, &args.to)?;
     if replaces(&args.to) {
         eprintln!("replacing {}", args.to.display());
     }
     write_whole(&args.to, &bytes)
+}
+
+/// The problem that is asked for, and the file from which it comes.
+fn held(root: &Root, args: &Args) -> Result<(PathBuf, Held)> {
+    let from = Path::new(&args.from);
+    if is_foreign(from) {
+        args.scene.refused(&format!("{} is a contact problem", from.display()))?;
+        return Ok((from.to_owned(), read(from)?));
+    }
+    let path = root.problem_or_case(&args.from)?;
+    let problem = args.scene.problem(&path)?;
+    // The file as it is, where there is one.
+    let text = if is_toml(&path) { visit(problem, Text)? } else { read_text(&path)? };
+    Ok((path, Held::Ours(text)))
+}
+
+/// The text of the problem file.
+struct Text;
+
+impl Visit for Text {
+    type Output = serde_json::Result<String>;
+
+    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Self::Output {
+        M::to_json(&frozen)
+    }
 }

@@ -115,7 +115,7 @@ fn solve<M: Studied>(
         if replaces(file) {
             eprintln!("replacing {}", file.display());
         }
-        write_whole(file, &json!({ "impulse": outcome.impulses }).to_string())?;
+        write_whole(file, json!({ "impulse": outcome.impulses }).to_string())?;
     }
     if args.json {
         say(format_args!("{}", to_json(frozen, method, stop, args.start == Start::Warm, &outcome)?))?;

@@ -74,5 +74,5 @@ impl Visit for Split<'_> {
 pub(crate) fn join(args: &JoinArgs) -> Result<()> {
     check_place(&args.output)?;
     let impulses = Impulses::join_all(&args.folder)?;
-    write_whole(&args.output, &json!({ "impulse": impulses }).to_string())
+    write_whole(&args.output, json!({ "impulse": impulses }).to_string())
 }

@@ -163,7 +163,7 @@ impl Folder<'_> {
 /// The bytes of a file with a global problem, made of the problem file with the text `ours`.
 ///
 /// # Errors
-/// Those of HDF5.
+/// Those of HDF5, and a problem that is too large for it.
 pub(crate) fn write_global(
     (title, ours): (&str, &str),
     dimension: usize,
@@ -171,8 +171,8 @@ pub(crate) fn write_global(
 ) -> Result<Vec<u8>> {
     let mut file = FileBuilder::new();
     let mut group = file.create_group("fclib_global");
-    put_matrix(&mut group, "M", &global.mass);
-    put_matrix(&mut group, "H", &global.h);
+    put_matrix(&mut group, "M", &global.mass)?;
+    put_matrix(&mut group, "H", &global.h)?;
     put_rest(&mut group, title, dimension, &[("f", &global.f), ("w", &global.w), ("mu", &global.friction)])?;
     file.add_group(group.finish());
     let mut group = file.create_group("gravel");
@@ -184,34 +184,38 @@ pub(crate) fn write_global(
 /// The bytes of a file with a local problem.
 ///
 /// # Errors
-/// Those of HDF5.
+/// Those of HDF5, and a problem that is too large for it.
 pub(crate) fn write_local(title: &str, problem: &LocalProblem) -> Result<Vec<u8>> {
     let mut file = FileBuilder::new();
     let mut group = file.create_group("fclib_local");
     let size = problem.q().len();
-    put_matrix(
-        &mut group,
-        "W",
-        &Triplets { rows: size, columns: size, entries: problem.entries().collect() },
-    );
+    let w = Triplets { rows: size, columns: size, entries: problem.entries().collect() };
+    put_matrix(&mut group, "W", &w)?;
     let vectors: [(&str, &[f64]); 2] = [("q", problem.q()), ("mu", problem.friction())];
     put_rest(&mut group, title, problem.dimension(), &vectors)?;
     file.add_group(group.finish());
     file.finish().map_err(|error| anyhow!("HDF5: {error}"))
 }
 
-fn put_matrix(group: &mut GroupBuilder, name: &str, matrix: &Triplets) {
+fn put_matrix(group: &mut GroupBuilder, name: &str, matrix: &Triplets) -> Result<()> {
     let mut inner = group.create_group(name);
-    let whole = |numbers: &mut dyn Iterator<Item = usize>| numbers.map(|k| k as i32).collect::<Vec<i32>>();
     let count = matrix.entries.len();
     for (part, value) in [("nzmax", count), ("nz", count), ("m", matrix.rows), ("n", matrix.columns)] {
-        inner.create_dataset(part).with_i32_data(&[value as i32]);
+        inner.create_dataset(part).with_i32_data(&[whole(value)?]);
     }
-    inner.create_dataset("p").with_i32_data(&whole(&mut matrix.entries.iter().map(|entry| entry.1)));
-    inner.create_dataset("i").with_i32_data(&whole(&mut matrix.entries.iter().map(|entry| entry.0)));
+    let columns: Vec<i32> = matrix.entries.iter().map(|entry| whole(entry.1)).collect::<Result<_>>()?;
+    inner.create_dataset("p").with_i32_data(&columns);
+    let rows: Vec<i32> = matrix.entries.iter().map(|entry| whole(entry.0)).collect::<Result<_>>()?;
+    inner.create_dataset("i").with_i32_data(&rows);
     let x: Vec<f64> = matrix.entries.iter().map(|entry| entry.2).collect();
     inner.create_dataset("x").with_f64_data(&x);
     group.add_group(inner.finish());
+    Ok(())
+}
+
+/// As FCLIB keeps whole numbers.
+fn whole(number: usize) -> Result<i32> {
+    i32::try_from(number).map_err(|_| anyhow!("{number} is more than an FCLIB file can count"))
 }
 
 fn put_rest(
@@ -220,7 +224,7 @@ fn put_rest(
     dimension: usize,
     vectors: &[(&str, &[f64])],
 ) -> Result<()> {
-    group.create_dataset("spacedim").with_i32_data(&[dimension as i32]);
+    group.create_dataset("spacedim").with_i32_data(&[whole(dimension)?]);
     let mut inner = group.create_group("vectors");
     for (name, values) in vectors {
         inner.create_dataset(name).with_f64_data(values);

@@ -33,17 +33,12 @@ pub(crate) fn read(path: &Path) -> Result<Held> {
     held().with_context(|| path.display().to_string())
 }
 
-/// The bytes of the file `to`, made of the problem in the file `from`.
+/// The bytes of the file `to`, made of what the file `from` held.
 ///
 /// # Errors
-/// Says what cannot be read, or has no place in a file of that kind.
-pub(crate) fn converted(from: &Path, to: &Path) -> Result<Vec<u8>> {
+/// Says what has no meaning, or no place in a file of that kind.
+pub(crate) fn converted(from: &Path, held: Held, to: &Path) -> Result<Vec<u8>> {
     let title = from.file_stem().unwrap_or_default().to_string_lossy();
-    let held = if is_foreign(from) {
-        read(from)?
-    } else {
-        Held::Ours(std::fs::read_to_string(from).with_context(|| from.display().to_string())?)
-    };
     match (held, ending(to)) {
         (Held::Ours(text), "json") => {
             // What is no problem is not handed on.

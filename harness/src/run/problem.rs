@@ -280,14 +280,14 @@ fn median<M: Mechanics>(mut all: Vec<(Ended<M>, Kept)>, timing: &Timing) -> Opti
 /// Keeps the beginning of a run, iterations in a ratio of about 1.4, and its end: some thirty iterates of a hundred thousand.
 pub(crate) struct Snapshots<'p, M: Mechanics> {
     contacts: &'p [M::Contact],
-    snapshots: Vec<Snapshot>,
+    kept: Vec<Snapshot>,
     /// The next iteration to be kept.
     next: u64,
 }
 
 impl<'p, M: Studied> Snapshots<'p, M> {
     pub(crate) fn of(problem: &'p ContactProblem<M>) -> Self {
-        Self { contacts: problem.contacts(), snapshots: Vec::new(), next: 0 }
+        Self { contacts: problem.contacts(), kept: Vec::new(), next: 0 }
     }
 
     /// Sees every iterate.
@@ -302,10 +302,10 @@ impl<'p, M: Studied> Snapshots<'p, M> {
 
     /// The iterates; the last one is that of the outcome.
     pub(crate) fn finish(mut self, outcome: &Outcome<M>) -> Vec<Snapshot> {
-        if self.snapshots.last().is_none_or(|last| last.iteration != outcome.iterations) {
+        if self.kept.last().is_none_or(|last| last.iteration != outcome.iterations) {
             self.keep(outcome.iterations, outcome.measures.natural_map, &outcome.impulses);
         }
-        self.snapshots
+        self.kept
     }
 
     /// Keeps the normal impulses of `r` (N·s), and which contacts slide.
@@ -313,7 +313,7 @@ impl<'p, M: Studied> Snapshots<'p, M> {
         let impulses_n_s = r.iter().step_by(M::Impulse::LEN).copied().map(rounded).collect();
         let statuses = (0..).zip(M::statuses(self.contacts, r).unwrap_or_default());
         let sliding = statuses.filter_map(|(contact, status)| (status == 2).then_some(contact)).collect();
-        self.snapshots.push(Snapshot { iteration, natural_map, impulses_n_s, sliding });
+        self.kept.push(Snapshot { iteration, natural_map, impulses_n_s, sliding });
     }
 }
 

@@ -39,7 +39,7 @@ fn siconos_solves_a_file_that_was_written_and_the_answer_is_certified() {
     }
     let folder = TempDir::new().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
-    write(folder.path(), "lemke.py", SCRIPT);
+    write(&folder, "lemke.py", SCRIPT);
     for problem in ["settled-60", "spheres-250"] {
         gravel(&["convert", problem, &path("p.hdf5")]).succeeded();
         assert!(python(&[&path("lemke.py"), &path("p.hdf5"), &path("r.json")]), "{problem}");
@@ -50,7 +50,7 @@ fn siconos_solves_a_file_that_was_written_and_the_answer_is_certified() {
 #[test]
 fn w_alone_is_solved_by_nsgs_and_by_nothing_else() {
     let folder = TempDir::new().unwrap();
-    write(folder.path(), "one.dat", "2 1 0 2 2 2 2\n 2 0.5\n 0.5 3\n -1 0.5\n 0.3\n");
+    write(&folder, "one.dat", "2 1 0 2 2 2 2\n 2 0.5\n 0.5 3\n -1 0.5\n 0.3\n");
     let path = |name: &str| folder.path().join(name).display().to_string();
     let one = path("one.dat");
     let solve = |args: &[&str]| gravel(&[&["solve", &one, "--json"], args].concat());
@@ -60,7 +60,7 @@ fn w_alone_is_solved_by_nsgs_and_by_nothing_else() {
     solve(&[]).refused(&["one.dat", "method `cg` needs grains"]);
     let refused =
         |args: &[&str], word| solve(&[&["--method", "nsgs"], args].concat()).refused(&["one.dat", word]);
-    refused(&["--set", "order=reversed"], "--set needs grains");
+    refused(&["--set", "symmetric=true"], "--set needs grains");
     refused(&["--on", "zeta"], "--on zeta needs grains");
     refused(&["--truth"], "--truth needs grains");
     refused(&["--start", "warm"], "--start warm needs grains");
@@ -72,6 +72,9 @@ fn w_alone_is_solved_by_nsgs_and_by_nothing_else() {
     gravel(&["convert", "settled-60", &path("one.txt")]).refused(&["one.txt", ".hdf5 (FCLIB) or .json"]);
     gravel(&["convert", &path("none.hdf5"), &path("one.json")]).refused(&["none.hdf5", "no such file"]);
     assert!(!Path::new(&path("one.json")).exists());
+    gravel(&["convert", "column", &path("c.hdf5"), "--scene", "sample.grains=7"]).succeeded();
+    let column = gravel(&["solve", &path("c.hdf5"), "--json"]).succeeded().json();
+    assert_eq!((&column["problem"], &column["grains"]), (&"column".into(), &7.into()));
 }
 
 /// The sweeps that dumps of another code take.
@@ -82,8 +85,11 @@ fn dumps_of_another_code_are_solved() {
         let args = ["--method", "nsgs", "--tolerance", "1e-4", "--json"];
         gravel(&[&["solve", &file][..], &args].concat()).succeeded().json()
     };
-    let boxes = solve("Box_Stacks-i0122-82-5.hdf5");
-    assert_eq!((&boxes["contacts"], &boxes["unknowns"]), (&82.into(), &3.into()));
-    let capsules = solve("Capsules-i125-1213.hdf5");
-    assert_eq!((&capsules["contacts"], &capsules["unknowns"]), (&286.into(), &3.into()));
+    let check = |file, contacts: u32, sweeps: u32| {
+        let solved = solve(file);
+        let found = ["contacts", "unknowns", "iterations"].map(|key| solved[key].as_u64());
+        assert_eq!(found, [contacts, 3, sweeps].map(|count| Some(count.into())), "{file}");
+    };
+    check("Box_Stacks-i0122-82-5.hdf5", 82, 13);
+    check("Capsules-i125-1213.hdf5", 286, 372);
 }

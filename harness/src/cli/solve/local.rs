@@ -75,7 +75,7 @@ pub(super) fn solve(
         if replaces(file) {
             eprintln!("replacing {}", file.display());
         }
-        write_whole(file, &json!({ "impulse": nsgs.impulses() }).to_string())?;
+        write_whole(file, json!({ "impulse": nsgs.impulses() }).to_string())?;
     }
     let name = path.file_stem().context("a file has a name")?.to_string_lossy();
     let (contacts, unknowns, seconds) =
