@@ -74,7 +74,7 @@ fn w_alone_is_solved_by_nsgs_and_by_nothing_else() {
     assert!(!Path::new(&path("one.json")).exists());
     gravel(&["convert", "column", &path("c.hdf5"), "--scene", "sample.grains=7"]).succeeded();
     let column = gravel(&["solve", &path("c.hdf5"), "--json"]).succeeded().json();
-    assert_eq!((&column["problem"], &column["grains"]), (&"column".into(), &7.into()));
+    assert_eq!((&column["problem"], &column["grains"]), (&"column-t1".into(), &7.into()));
 }
 
 /// The sweeps that dumps of another code take.
