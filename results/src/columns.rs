@@ -139,7 +139,9 @@ fn cell(value: Value) -> PolarsResult<AnyValue<'static>> {
         Value::Float(number) => AnyValue::Float64(number),
         Value::Text(text) => AnyValue::StringOwned(text.into()),
         Value::Array(numbers) => {
-            let numbers: Vec<f64> = numbers.iter().filter_map(Value::as_float).collect();
+            let number =
+                |item: &Value| item.as_float().ok_or_else(|| wrong(&format!("no list holds {item:?}")));
+            let numbers: Vec<f64> = numbers.iter().map(number).collect::<PolarsResult<_>>()?;
             AnyValue::List(Series::from_iter(numbers))
         }
         other => return Err(wrong(&format!("no column holds {other:?}"))),

@@ -333,6 +333,20 @@ pub struct Snapshot {
     #[serde(with = "number::list")]
     pub impulses_n_s: Vec<f64>,
     /// The contacts that slide, in that order; none without friction.
-    #[serde(default)]
+    #[serde(default, with = "indices")]
     pub sliding: Vec<u32>,
+}
+
+/// Indices as a list of numbers, which is what a column can hold.
+mod indices {
+    use serde::{Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(indices: &[u32], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(indices.iter().map(|index| f64::from(*index)))
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u32>, D::Error> {
+        let numbers = super::number::list::deserialize(deserializer)?;
+        Ok(numbers.into_iter().filter(|number| number.is_finite()).map(|number| number as u32).collect())
+    }
 }

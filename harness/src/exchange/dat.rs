@@ -1,7 +1,7 @@
 //! Text files of Siconos: a contact problem as W, q and μ.
 //!
-//! Numbers between blanks: unknowns of a contact, contacts, how W is stored, its rows and columns, W, q, μ. W is dense, row by row; or
-//! in blocks, column by column; or as CSparse prints it, with six digits.
+//! Numbers between blanks: unknowns of a contact, contacts, how W is stored, its rows and columns, W, q, μ. W is dense,
+//! column by column; or in blocks, each column by column; or as CSparse prints it, with six digits.
 
 use anyhow::{Context, Result, anyhow, bail};
 use local::LocalProblem;
@@ -81,8 +81,8 @@ fn dense(words: &mut Words, rows: usize) -> Result<Vec<Entry>> {
         bail!("the size of W is {size:?}, and [{rows}, {rows}] above");
     }
     let mut entries = Vec::new();
-    for row in 0..rows {
-        for column in 0..rows {
+    for column in 0..rows {
+        for row in 0..rows {
             entries.push((row, column, words.next("W")?));
         }
     }

@@ -74,16 +74,16 @@ fn sweeps_on_w_alone_are_those_with_grains() {
 }
 
 const DENSE: &str =
-    "2 2 0 4 4 4 4\n 2 0.5 0.25 0\n 0.5 3 0 0\n 0.25 0 4 0\n 0 0 0 5\n -1 0.5 -2 0.25\n 0.3 0.4\n";
+    "2 2 0 4 4 4 4\n 2 0.5 0.125 0\n 0.5 3 0 0\n 0.25 0 4 0\n 0 0 0 5\n -1 0.5 -2 0.25\n 0.3 0.4\n";
 
 #[test]
 fn three_ways_to_write_w_give_one_problem() {
     let dense = dat::problem(DENSE).unwrap();
-    let blocks = "2 2 1 4 4 4 2 2\n 2 4\n 2 4\n 3 4\n 0 2 4\n 0 1 0 1\n 0 2 0.5 0.5 3\n 1 0.25 0 0 0\n 2 0.25 0 0 0\n 3 4 0 0 5\n \
+    let blocks = "2 2 1 4 4 4 2 2\n 2 4\n 2 4\n 3 4\n 0 2 4\n 0 1 0 1\n 0 2 0.5 0.5 3\n 1 0.25 0 0 0\n 2 0.125 0 0 0\n 3 4 0 0 5\n \
                   -1 0.5 -2 0.25\n 0.3 0.4\n 0";
     assert_eq!(dat::problem(blocks).unwrap(), dense);
     let printed = "2 2 2 4 4 2\nCSparse Version 3.1.9, May 4, 2016.  Copyright (c) Timothy A. Davis, 2006-2016\n4-by-4, nzmax: 8 nnz: 8, \
-                   1-norm: 5\n col 0 : locations 0 to 2\n 0 : 2\n 1 : 0.5\n 2 : 0.25\n col 1 : locations 3 to 4\n 0 : 0.5\n 1 : 3\n \
+                   1-norm: 5\n col 0 : locations 0 to 2\n 0 : 2\n 1 : 0.5\n 2 : 0.125\n col 1 : locations 3 to 4\n 0 : 0.5\n 1 : 3\n \
                    col 2 : locations 5 to 6\n 0 : 0.25\n 2 : 4\n col 3 : locations 7 to 7\n 3 : 5\n -1 0.5 -2 0.25\n 0.3 0.4";
     assert_eq!(dat::problem(printed).unwrap(), dense);
 }
@@ -95,7 +95,7 @@ fn local_problem_comes_back_from_fclib_compressed_or_not() {
     let there = file(&folder, "w.hdf5", write_local("w", &problem).unwrap());
     let Held::Local(back) = read(&there).unwrap() else { panic!("W alone") };
     assert_eq!(back, problem);
-    // By rows.
+    // Compressed.
     let group = |nz: i32, p: &[i32], i: &[i32]| {
         let mut file = hdf5_pure::FileBuilder::new();
         let mut local = file.create_group("fclib_local");
@@ -105,7 +105,7 @@ fn local_problem_comes_back_from_fclib_compressed_or_not() {
         }
         w.create_dataset("p").with_i32_data(p);
         w.create_dataset("i").with_i32_data(i);
-        w.create_dataset("x").with_f64_data(&[2.0, 0.5, 0.25, 0.5, 3.0, 0.25, 4.0, 5.0]);
+        w.create_dataset("x").with_f64_data(&[2.0, 0.5, 0.125, 0.5, 3.0, 0.25, 4.0, 5.0]);
         local.add_group(w.finish());
         local.create_dataset("spacedim").with_i32_data(&[2]);
         let mut vectors = local.create_group("vectors");
@@ -118,7 +118,12 @@ fn local_problem_comes_back_from_fclib_compressed_or_not() {
     let i = [0, 1, 2, 0, 1, 0, 2, 3];
     for nz in [-1, -2] {
         let Held::Local(back) = read(&group(nz, &[0, 3, 5, 7, 8], &i)).unwrap() else { panic!("W alone") };
-        assert_eq!(back, problem, "W is symmetric");
+        // The same lists are W by columns, and its transpose by rows.
+        let turned =
+            |(row, column, value)| if nz == -1 { (row, column, value) } else { (column, row, value) };
+        let entries = problem.entries().map(turned);
+        let (q, friction) = (problem.q().to_vec(), problem.friction().to_vec());
+        assert_eq!(back, LocalProblem::new(2, entries, q, friction).unwrap());
     }
     let refused = |path: PathBuf| format!("{:#}", read(&path).err().unwrap());
     assert!(refused(group(-3, &[0], &i)).contains("`fclib_local/W/nz` is -3"));
@@ -183,7 +188,7 @@ fn file_that_is_no_problem_is_refused_with_what_is_wrong() {
     assert!(dat("5 1 0 5 5").contains("5 unknowns"));
     assert!(dat("3 1 0 9 9 9 9").contains("W has 9 x 9 entries"));
     assert!(dat("3 1 7 3 3").contains("in the way 7"));
-    assert!(dat(&DENSE.replace("0.25 0\n 0.5", "x 0\n 0.5")).contains("W: \"x\""));
+    assert!(dat(&DENSE.replace("0.125 0\n 0.5", "x 0\n 0.5")).contains("W: \"x\""));
     assert!(dat(&DENSE.replace(" -1 0.5", " nan 0.5")).contains("`vectors/q[0]`"));
     assert!(dat(&format!("{DENSE}{}", "1 ".repeat(10))).contains("10 words follow mu"));
 }
