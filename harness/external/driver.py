@@ -15,8 +15,8 @@ With friction, r, b and V are those of normals and tangents, M has moments of in
 is  v' = (A At) r' + b'  with Coulomb's law between v' and r'. All numbers of a contact are divided by the same, W_D of its
 normal, so that the cone |r_t| <= mu r_n is what it was; s is that of the normals.
 
-With the word `units-of-file` W_D and s are 1: W, b and r are then those of the file, as who calls a code without a thought for
-units hands them over, and a tolerance is a number of them.
+With the word `units-of-file` W_D and s are 1: W, b and r are then in the units of the file, as someone who gives no thought to
+units would hand them over, and so is a tolerance.
 """
 
 import json

@@ -154,7 +154,8 @@ mod terminal {
     mod tests;
 
     pub(crate) use output::{
-        check_place, create_folder_of, merged, read_text, replaces, say, say_table, write_kept, write_whole,
+        check_place, create_folder_of, merged, read_text, replaces, say, say_table, write_instead,
+        write_kept, write_whole,
     };
     pub(crate) use progress::{Bars, Line};
 }
@@ -229,7 +230,7 @@ enum Command {
     Certify(certify::Args),
     /// Write the contact problem of one time step of a case as a file
     Freeze(freeze::Args),
-    /// Write a contact problem as a file of other codes, or one of them as a problem
+    /// Convert a contact problem to a file that other codes read, or such a file to a problem
     Convert(convert::Args),
     /// Write a contact problem as one file per subdomain, for `gravel-mpi`, whose ranks each read their own
     Split(split::Args),

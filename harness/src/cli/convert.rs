@@ -3,7 +3,7 @@
 use crate::cli::args::SceneArgs;
 use crate::exchange::{Held, converted, is_foreign, read};
 use crate::problems::{Root, Studied, Visit, is_toml, visit};
-use crate::terminal::{check_place, read_text, replaces, write_whole};
+use crate::terminal::{check_place, read_text, write_instead};
 use anyhow::Result;
 use cases::Frozen;
 use std::path::{Path, PathBuf};
@@ -25,10 +25,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     check_place(&args.to)?;
     let (from, held) = held(root, args)?;
     let bytes = converted(&from, held, &args.to)?;
-    if replaces(&args.to) {
-        eprintln!("replacing {}", args.to.display());
-    }
-    write_whole(&args.to, &bytes)
+    write_instead(&args.to, bytes)
 }
 
 /// The problem that is asked for, and the file from which it comes.

@@ -8,7 +8,7 @@ use crate::identity::content_hash;
 use crate::plan::Method;
 use crate::problems::{Known, Root, Studied, Visit, size, visit};
 use crate::run::{Ended, Observe, derived, ended};
-use crate::terminal::{Line, check_place, exit, merged, replaces, say, write_whole};
+use crate::terminal::{Line, check_place, exit, merged, say, write_instead};
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
 use clap::ValueEnum;
@@ -112,10 +112,7 @@ fn solve<M: Studied>(
     drop(line);
 
     if let Some(file) = &args.impulses {
-        if replaces(file) {
-            eprintln!("replacing {}", file.display());
-        }
-        write_whole(file, json!({ "impulse": outcome.impulses }).to_string())?;
+        write_instead(file, json!({ "impulse": outcome.impulses }).to_string())?;
     }
     if args.json {
         say(format_args!("{}", to_json(frozen, method, stop, args.start == Start::Warm, &outcome)?))?;
@@ -172,13 +169,17 @@ pub(crate) fn to_json<M: Studied>(
     Ok(merged(object, serde_json::to_value(outcome.work)?))
 }
 
+/// How a run ended, in a line.
+fn say_ending(status: &str, iterations: u64, stop: &Stop) -> Result<()> {
+    let (on, tolerance, plural) = (stop.on, stop.tolerance, if iterations == 1 { "" } else { "s" });
+    say(format_args!("{status} after {iterations} iteration{plural} ({on} ≤ {tolerance:e} asked)"))
+}
+
 fn print<M: Studied>(frozen: &Frozen<M>, method: &Method, stop: &Stop, outcome: &Outcome<M>) -> Result<()> {
     let Outcome { status, iterations, measures, .. } = outcome;
     say(format_args!("{}: {}", frozen.name, size(&frozen.problem)))?;
     say(format_args!("{} {}", method.name, Value::Object(method.settings.clone())))?;
-    let (on, tolerance, plural) = (stop.on, stop.tolerance, if *iterations == 1 { "" } else { "s" });
-    let status = status.name();
-    say(format_args!("{status} after {iterations} iteration{plural} ({on} ≤ {tolerance:e} asked)"))?;
+    say_ending(status.name(), *iterations, stop)?;
     let (setup, iterating) = (outcome.setup.as_secs_f64(), outcome.iterating.as_secs_f64());
     say(format_args!("  set-up {setup:.3e} s, iterating {iterating:.3e} s"))?;
     for measure in Measure::ALL {

@@ -83,10 +83,12 @@ fn dense(words: &mut Words, rows: usize) -> Result<Vec<Entry>> {
     let mut entries = Vec::new();
     for column in 0..rows {
         for row in 0..rows {
-            entries.push((row, column, words.next("W")?));
+            let value: f64 = words.next("W")?;
+            if row == column || value != 0.0 {
+                entries.push((row, column, value));
+            }
         }
     }
-    entries.retain(|(row, column, value)| row == column || *value != 0.0);
     Ok(entries)
 }
 

@@ -33,15 +33,15 @@ pub(crate) fn read(path: &Path) -> Result<Held> {
     }
     let groups = file.root().groups().map_err(|error| anyhow!("its groups: {error}"))?;
     let has = |name: &str| groups.iter().any(|group| group == name);
-    match () {
-        () if has("fclib_local") => Folder { file: &file, name: "fclib_local" }.local(),
-        () if has("fclib_global") => Folder { file: &file, name: "fclib_global" }.global(),
-        () => bail!(
-            "it has neither `fclib_local` nor `fclib_global`, but {}",
-            if groups.is_empty() { "no group".to_owned() } else { groups.join(", ") }
-        ),
-    }
-    .map(Held::Local)
+    let problem = if has("fclib_local") {
+        Folder { file: &file, name: "fclib_local" }.local()
+    } else if has("fclib_global") {
+        Folder { file: &file, name: "fclib_global" }.global()
+    } else {
+        let there = if groups.is_empty() { "no group".to_owned() } else { groups.join(", ") };
+        bail!("it has neither `fclib_local` nor `fclib_global`, but {there}")
+    };
+    problem.map(Held::Local)
 }
 
 /// A group of a file.

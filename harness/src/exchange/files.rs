@@ -8,7 +8,7 @@ use cases::{AnyFrozen, Frozen};
 use contact::Vector;
 use std::path::Path;
 
-/// What this is the ending of.
+/// How its name ends.
 fn ending(path: &Path) -> &str {
     path.extension().and_then(|ending| ending.to_str()).unwrap_or_default()
 }

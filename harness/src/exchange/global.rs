@@ -3,7 +3,7 @@
 use crate::problems::Studied;
 use anyhow::{Context, Result, bail};
 use cases::Frozen;
-use contact::{Mass, Place, Touch, Vector};
+use contact::{Mass, Place, Touch, Vector, frame};
 use local::LocalProblem;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
@@ -43,11 +43,9 @@ impl Global {
             if [matrix.rows, matrix.columns] == size {
                 return Ok(());
             }
-            let (has, size) = ([matrix.rows, matrix.columns], size);
+            let (rows, columns) = (matrix.rows, matrix.columns);
             bail!(
-                "`{name}` has {} x {} entries: `vectors/f` and `vectors/w` ask for {} x {}",
-                has[0],
-                has[1],
+                "`{name}` has {rows} x {columns} entries: `vectors/f` and `vectors/w` ask for {} x {}",
                 size[0],
                 size[1]
             )
@@ -121,18 +119,17 @@ impl Global {
             Triplets { rows: size * bodies, columns: d * problem.contact_count(), entries: Vec::new() };
         let (mut w, mut friction) = (Vec::new(), Vec::new());
         let mut velocity = vec![M::Velocity::ZERO; bodies];
-        let plain = M::Impulse::LEN == 1;
         for (at, contact) in problem.contacts().iter().enumerate() {
             let (candidate, antagonist) = contact.ends();
+            let across = if M::Impulse::LEN == 1 { tangents(contact.normal()) } else { Vec::new() };
             for (sign, grain) in [(1.0, Some(candidate)), (-1.0, antagonist)] {
                 let Some(grain) = grain.map(|grain| grain as usize) else { continue };
                 for (k, unit) in units.iter().enumerate() {
                     velocity[grain] = *unit;
                     let mut along = vec![0.0; M::Impulse::LEN];
                     contact.relative(&velocity).put(&mut along, 0);
-                    if plain {
-                        along.extend(tangents(contact.normal()).iter().map(|t| sign * t[k]));
-                    }
+                    // Where there is a spin there are no tangents to be added.
+                    along.extend(across.iter().map(|tangent| sign * tangent[k]));
                     let entries = along.iter().enumerate().filter(|(_, x)| **x != 0.0);
                     h.entries.extend(entries.map(|(row, x)| (size * grain + k, d * at + row, *x)));
                 }
@@ -148,22 +145,13 @@ impl Global {
     }
 }
 
-/// Unit vectors across a normal, each as its components.
+/// Unit vectors across a normal, each as its components: those of the mechanics with friction.
 fn tangents<P: Place>(normal: P) -> Vec<Vec<f64>> {
     let n = normal.space();
     if P::LEN == 2 {
         return vec![vec![-n[1], n[0]]];
     }
-    // Across the axis that the normal is farthest from, and across both.
-    let least = (0..3).min_by(|a, b| n[*a].abs().total_cmp(&n[*b].abs())).unwrap_or(0);
-    let cross = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] {
-        std::array::from_fn(|k| a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
-    };
-    let axis: [f64; 3] = std::array::from_fn(|k| f64::from(u8::from(k == least)));
-    let first = cross(n, axis);
-    let length = first.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let first = first.map(|x| x / length);
-    vec![first.to_vec(), cross(n, first).to_vec()]
+    frame(&n.into()).map(|tangent| tangent.as_slice().to_vec()).to_vec()
 }
 
 /// The entries of a diagonal matrix, of which those of one place are added up.

@@ -68,6 +68,14 @@ pub(crate) fn write_kept(path: &Path, content: &str) -> Result<()> {
     write_whole(path, content)
 }
 
+/// Writes a file whole, and says so where it takes the place of another.
+pub(crate) fn write_instead(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
+    if replaces(path) {
+        eprintln!("replacing {}", path.display());
+    }
+    write_whole(path, content)
+}
+
 /// Writes `content` to a file beside `path` and gives it that name once it is complete. A link stays and its target is
 /// written; what is no regular file, such as a pipe or a terminal, is written to as it is.
 pub(crate) fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {

@@ -81,7 +81,7 @@ impl Line {
         });
     }
 
-    /// Shows where a run of no method of a study is.
+    /// Shows where a run is that has one measure.
     pub(crate) fn show_value(&mut self, iteration: u64, on: Measure, value: f64) {
         self.message(|| format!("iteration {iteration}, {on} {value:.2e}"));
     }

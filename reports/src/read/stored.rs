@@ -45,7 +45,12 @@ pub(crate) fn by_column(run: &Run) -> Result<BTreeMap<String, Value>, serde_json
             value => drop(row.insert(name, value)),
         }
     }
-    let objects = [("settings", &run.settings), ("derived", &run.derived), ("spectrum", &run.spectrum)];
+    let objects = [
+        ("problem_settings", &run.problem_settings),
+        ("settings", &run.settings),
+        ("derived", &run.derived),
+        ("spectrum", &run.spectrum),
+    ];
     row.extend(objects.map(|(name, object)| (name.to_owned(), Value::Object(object.clone()))));
     Ok(row)
 }

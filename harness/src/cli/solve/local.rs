@@ -1,8 +1,8 @@
 //! `gravel solve` of a file of another code that has W alone.
 
-use super::{Args, Start};
+use super::{Args, Start, say_ending};
 use crate::plan::Method;
-use crate::terminal::{Line, exit, replaces, say, write_whole};
+use crate::terminal::{Line, exit, say, write_instead};
 use anyhow::{Context, Result, bail};
 use contact::Measure;
 use local::{LocalProblem, Nsgs};
@@ -72,10 +72,7 @@ pub(super) fn solve(
     };
     drop(line);
     if let Some(file) = &args.impulses {
-        if replaces(file) {
-            eprintln!("replacing {}", file.display());
-        }
-        write_whole(file, json!({ "impulse": nsgs.impulses() }).to_string())?;
+        write_instead(file, json!({ "impulse": nsgs.impulses() }).to_string())?;
     }
     let name = path.file_stem().context("a file has a name")?.to_string_lossy();
     let (contacts, unknowns, seconds) =
@@ -89,11 +86,7 @@ pub(super) fn solve(
         say(format_args!("{object}"))?;
     } else {
         say(format_args!("{name}: {contacts} contacts of {unknowns} unknowns, W alone"))?;
-        let plural = if sweeps == 1 { "" } else { "s" };
-        say(format_args!(
-            "{status} after {sweeps} iteration{plural} ({} ≤ {:e} asked)",
-            stop.on, stop.tolerance
-        ))?;
+        say_ending(status, sweeps, stop)?;
         say(format_args!("  iterating {seconds:.3e} s"))?;
         say(format_args!("  natural_map      {natural_map:.3e}"))?;
     }
