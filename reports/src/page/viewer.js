@@ -107,7 +107,6 @@
       const line = ([x0, y0, x1, y1]) => { c.beginPath(); c.moveTo(X(x0), Y(y0)); c.lineTo(X(x1), Y(y1)); c.stroke(); };
       c.lineWidth = 2; c.strokeStyle = ink("--boundary");
       sample.walls.forEach(line);
-      c.lineCap = "round";
       // The greatest impulse of the solution is almost as wide as a grain, if that is small; what is beyond is cut at twice that.
       // In space many lie behind one another: they are thinner, and the weakest are left out.
       const widest = Math.min(Math.max((inSpace() ? .7 : 1.8) * median * scale, 1.5), 12), least = inSpace() ? 60 : 0;
@@ -117,6 +116,7 @@
         if (c.lineWidth <= .08 || share <= least) return;
         const slides = sliding.has(i), [x0, y0, x1, y1] = contacts[i];
         c.strokeStyle = slides ? slips : sticks;
+        c.lineCap = slides ? "butt" : "round";
         c.setLineDash(slides ? [Math.hypot(x1 - x0, y1 - y0) * scale / 5] : []);
         line(contacts[i]);
       });
