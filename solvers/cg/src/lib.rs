@@ -10,10 +10,14 @@
 //! begins anew with p = w; if that is next to nothing, it makes the step of the projected gradient. Packings ask for none of this.
 
 mod block;
+mod products;
 mod rough;
+mod state;
 
 pub use product::Preconditioner;
-pub use rough::RoughRun;
+pub use products::Products;
+pub use rough::{ConeRun, RoughRun};
+pub use state::State;
 
 use analysis::{delassus_bound, scaled_delassus_bound};
 use block::{Block, Pass};

@@ -4,9 +4,7 @@
 //! Nothing is minimised: Coulomb's law is not the optimality of any q(r). The step is that of the quadratic form all the same, and
 //! what makes it work is that a contact leaves the boundary of its cone by a direction only, never because the cone grew around it.
 
-mod state;
-
-use crate::Cg;
+use crate::{Cg, Products, State};
 use analysis::Bounded;
 use contact::{
     Iteration, Mechanics, Packing, RoughContact, RoughDiscs, RoughSpheres, SetupError, Solver, Vector, Work,
@@ -14,7 +12,6 @@ use contact::{
 use nalgebra::SVector;
 use partition::{Distributed, Refused, Share, Team};
 use product::{Layout, Product};
-use state::State;
 
 /// A mechanics with Coulomb's law, and D unknowns at a contact.
 pub trait Frictional<const D: usize>:
@@ -25,9 +22,12 @@ pub trait Frictional<const D: usize>:
 impl Frictional<2> for RoughDiscs {}
 impl Frictional<3> for RoughSpheres {}
 
-/// A run on one problem with friction.
-pub struct RoughRun<M: Mechanics = RoughDiscs, const D: usize = 2> {
-    contacts: Product<State<D>, M>,
+/// A run on one problem of grains with friction.
+pub type RoughRun<M = RoughDiscs, const D: usize = 2> = ConeRun<Product<State<D>, M>, D>;
+
+/// A run on one problem whose law is a cone at each contact.
+pub struct ConeRun<P, const D: usize> {
+    contacts: P,
     /// Λ ≥ λmax.
     greatest: f64,
     /// uᵗ p and pᵗ p.
@@ -43,11 +43,20 @@ const WHOLE: u64 = 16;
 /// Round-off, with a margin, of M^-½ H p relative to √Λ |p| (–): pᵗ W p says nothing below its square.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
-impl<M: Frictional<D>, const D: usize> RoughRun<M, D> {
+impl<P: Products<D>, const D: usize> ConeRun<P, D> {
+    /// Begins from the impulses that the contacts have; `greatest` is at least λmax of W in their units.
+    pub fn new(contacts: P, greatest: f64) -> Self {
+        let mut run = Self { contacts, greatest, descent: 0.0, squared: 0.0, iterations: 0, products: 0 };
+        run.renew();
+        run.turn(0.0);
+        run
+    }
+
     /// √(Σ `W_αα` |r − r⁺|²) of the iterate, from its gradient (√J): what the measure `natural_map` is a share of, with the diagonal
     /// as preconditioner.
     pub fn left(&mut self) -> f64 {
-        self.contacts.sum_of(State::left).sqrt()
+        let [squared] = self.contacts.sums_of(|at| [at.left()]);
+        squared.sqrt()
     }
 
     /// u = −(W r + b); returns wᵗ W p.
@@ -80,10 +89,11 @@ impl<M: Frictional<D>, const D: usize> RoughRun<M, D> {
 
     /// r + α p, what the law makes of it, and u and W p there; returns wᵗ W p.
     fn step(&mut self, length: f64) -> f64 {
-        self.contacts.pull(|at, of_p| {
+        let [] = self.contacts.pull_sums(|at, of_p| {
             at.of_p = of_p;
             at.u -= length * of_p;
             at.step(length);
+            []
         });
         if self.iterations.is_multiple_of(WHOLE) { self.renew() } else { self.correct() }
     }
@@ -104,7 +114,7 @@ impl<M: Frictional<D>, const D: usize> RoughRun<M, D> {
     }
 }
 
-impl<M: Frictional<D>, const D: usize> Iteration for RoughRun<M, D> {
+impl<P: Products<D>, const D: usize> Iteration for ConeRun<P, D> {
     fn advance(&mut self) {
         self.iterations += 1;
         if !self.conjugate_step() {
@@ -118,7 +128,7 @@ impl<M: Frictional<D>, const D: usize> Iteration for RoughRun<M, D> {
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        self.contacts.impulses(|at| at.r, r);
+        self.contacts.impulses(r);
     }
 
     fn work(&self) -> Work {
@@ -178,11 +188,7 @@ impl Cg {
                 problem.contacts()[contact].friction * (unit[1] / unit[0]),
             )
         };
-        let contacts = Product::over(layout, problem, self.is_scaled(), state);
-        let mut run = RoughRun { contacts, greatest, descent: 0.0, squared: 0.0, iterations: 0, products: 0 };
-        run.renew();
-        run.turn(0.0);
-        run
+        ConeRun::new(Product::over(layout, problem, self.is_scaled(), state), greatest)
     }
 
     /// A run on the share of a rank.

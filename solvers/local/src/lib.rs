@@ -1,240 +1,87 @@
-//! Local problems: v = W r + q and Coulomb's law, with a stored W and no grains, as other codes write them.
+//! Local problems: v = W r + q and Coulomb's law, with a stored W and no grains, as other codes write them; and the methods that need
+//! no more.
 //!
 //! A block `W_αα` may couple normal and tangents, since contact points of bodies of any shape lie anywhere. NSGS solves the law
 //! at one contact exactly all the same.
 
+mod active_set;
 mod exact;
-mod nsgs;
+mod gradient;
+mod graph;
+mod newton;
+mod problem;
 mod quartic;
+mod sweeps;
 
-pub use nsgs::Nsgs;
+pub use cg::Preconditioner;
+pub use problem::LocalProblem;
 
-use contact::{ProblemError, is_not_negative, law};
-use nalgebra::{SMatrix, SVector};
-use std::collections::BTreeMap;
+use active_set::ActiveSet;
+use cg::ConeRun;
+use contact::{Iteration, SetupError};
+use gradient::Stored;
+use sweeps::{Exact, Sweeps};
 
-/// Contacts with 1, 2 or 3 unknowns each, the normal one first: of relative velocity v = W r + q (m/s) and of impulse r (N·s).
-#[derive(Clone, Debug, PartialEq)]
-pub struct LocalProblem {
-    dimension: usize,
-    /// The blocks of contact α are those from `start[α]` to `start[α + 1]`, by their columns.
-    start: Vec<usize>,
-    column: Vec<u32>,
-    /// Column by column, `dimension`² numbers a block (1/kg).
-    blocks: Vec<f64>,
-    /// Which block is `W_αα`.
-    diagonal: Vec<usize>,
-    q: Vec<f64>,
-    friction: Vec<f64>,
+/// A method that needs no grains, with its settings. All begin from r = 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// Non-linear Gauss-Seidel in the order of the contacts.
+    Nsgs,
+    /// Non-linear Gauss-Seidel by subdomains of the graph of W, all at once.
+    NsgsDd {
+        /// How many.
+        subdomains: usize,
+    },
+    /// The conjugate gradient of Renouf and Alart.
+    Cg {
+        /// What scales the gradient.
+        preconditioner: Preconditioner,
+    },
+    /// Newton's method on the statuses of contacts, begun by the conjugate gradient.
+    ActiveSet {
+        /// What the conjugate gradient leaves of the law at first, as a natural map (–).
+        start_accuracy: f64,
+    },
 }
 
-impl LocalProblem {
-    /// A problem of entries (row, column, value) of W (1/kg), of which those of one place are added up; of q (m/s); and of μ (–), whose
-    /// length is the number of contacts.
+impl Method {
+    /// Binds the method to a problem.
     ///
     /// # Errors
-    /// Names what is wrong after the datasets of FCLIB: `W`, `vectors/q`, `vectors/mu`.
-    ///
-    /// # Panics
-    /// Unless there are 1 to 3 unknowns a contact.
-    pub fn new(
-        dimension: usize,
-        entries: impl IntoIterator<Item = (usize, usize, f64)>,
-        q: Vec<f64>,
-        friction: Vec<f64>,
-    ) -> Result<Self, ProblemError> {
-        assert!((1..=3).contains(&dimension), "a contact has one, two or three unknowns");
-        let contacts = friction.len();
-        ProblemError::unless_length("vectors/q", &q, dimension * contacts)?;
-        ProblemError::unless_each("vectors/q", &q, "finite", |q| q.is_finite())?;
-        ProblemError::unless_each("vectors/mu", &friction, "finite and not negative", |mu| {
-            is_not_negative(*mu)
-        })?;
-        let mut all: BTreeMap<(usize, usize), [f64; 9]> = BTreeMap::new();
-        for (index, (row, column, value)) in entries.into_iter().enumerate() {
-            let fault =
-                |value: String, expected: String| ProblemError::Value { key: "W", index, value, expected };
-            if row.max(column) >= q.len() {
-                return Err(fault(
-                    format!("in row {row}, column {column}"),
-                    format!("of {0} × {0} entries", q.len()),
-                ));
+    /// Names the setting that has no meaning for it.
+    pub fn start<'p>(&self, problem: &'p LocalProblem) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        match problem.dimension() {
+            1 => self.start_with(problem, exact::line),
+            2 => self.start_with(problem, exact::plane),
+            _ => self.start_with(problem, exact::space),
+        }
+    }
+
+    fn start_with<'p, const D: usize>(
+        self,
+        problem: &'p LocalProblem,
+        exact: Exact<D>,
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        Ok(match self {
+            Self::Nsgs => Box::new(Sweeps::new(problem, exact, 1)?),
+            Self::NsgsDd { subdomains } => Box::new(Sweeps::new(problem, exact, subdomains)?),
+            Self::Cg { preconditioner } => Box::new(gradient::<D>(problem, preconditioner)),
+            Self::ActiveSet { start_accuracy } => {
+                SetupError::unless_not_negative("start_accuracy", start_accuracy)?;
+                Box::new(ActiveSet::<D>::new(problem, exact, start_accuracy)?)
             }
-            if !value.is_finite() {
-                return Err(fault(format!("{value:?}"), "finite".to_owned()));
-            }
-            let block = all.entry((row / dimension, column / dimension)).or_default();
-            block[row % dimension + dimension * (column % dimension)] += value;
-        }
-        let mut problem = Self {
-            dimension,
-            start: vec![0],
-            column: Vec::with_capacity(all.len()),
-            blocks: Vec::with_capacity(all.len() * dimension * dimension),
-            diagonal: Vec::with_capacity(contacts),
-            q,
-            friction,
-        };
-        for ((row, column), block) in all {
-            problem.start.resize(row + 1, problem.column.len());
-            if row == column {
-                problem.diagonal.push(problem.column.len());
-            }
-            problem.column.push(column as u32);
-            problem.blocks.extend(&block[..dimension * dimension]);
-        }
-        problem.start.resize(contacts + 1, problem.column.len());
-        problem.check_diagonal()?;
-        Ok(problem)
-    }
-
-    /// Accepts a W whose `W_αα` are there and positive definite.
-    fn check_diagonal(&self) -> Result<(), ProblemError> {
-        for contact in 0..self.contact_count() {
-            let is_there = self.diagonal.get(contact).is_some_and(|at| self.column[*at] as usize == contact);
-            let value = if !is_there {
-                "missing".to_owned()
-            } else if !self.is_definite(contact) {
-                format!("{:?}", self.block(self.diagonal[contact]))
-            } else {
-                continue;
-            };
-            let expected = "a block of a contact with itself, positive definite".to_owned();
-            return Err(ProblemError::Value { key: "W", index: contact, value, expected });
-        }
-        Ok(())
-    }
-
-    /// Whether the symmetric part of `W_αα` has positive pivots.
-    fn is_definite(&self, contact: usize) -> bool {
-        match self.dimension {
-            1 => self.own::<1>(contact)[0] > 0.0,
-            2 => definite(&self.own::<2>(contact)),
-            _ => definite(&self.own::<3>(contact)),
-        }
-    }
-
-    /// Unknowns of a contact.
-    pub fn dimension(&self) -> usize {
-        self.dimension
-    }
-
-    /// How many contacts.
-    pub fn contact_count(&self) -> usize {
-        self.friction.len()
-    }
-
-    /// q: the relative velocities without contact impulses (m/s).
-    pub fn q(&self) -> &[f64] {
-        &self.q
-    }
-
-    /// μ of each contact (–).
-    pub fn friction(&self) -> &[f64] {
-        &self.friction
-    }
-
-    /// The entries of all blocks of W by their places, row by row, zeros within a block included: row, column, value (1/kg).
-    pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        let d = self.dimension;
-        (0..self.q.len()).flat_map(move |row| {
-            self.blocks_of(row / d).flat_map(move |at| {
-                let first = d * self.column[at] as usize;
-                (0..d).map(move |k| (row, first + k, self.block(at)[row % d + d * k]))
-            })
         })
     }
-
-    fn blocks_of(&self, contact: usize) -> std::ops::Range<usize> {
-        self.start[contact]..self.start[contact + 1]
-    }
-
-    fn block(&self, at: usize) -> &[f64] {
-        let size = self.dimension * self.dimension;
-        &self.blocks[size * at..size * (at + 1)]
-    }
-
-    /// `W_αα` (1/kg).
-    fn own<const D: usize>(&self, contact: usize) -> SMatrix<f64, D, D> {
-        SMatrix::from_column_slice(self.block(self.diagonal[contact]))
-    }
-
-    /// q + W r at one contact; without `W_αα r_α` if the contact is left out (m/s).
-    fn velocity_at<const D: usize>(&self, r: &[f64], contact: usize, left_out: bool) -> SVector<f64, D> {
-        let mut v = SVector::from_column_slice(&self.q[D * contact..D * (contact + 1)]);
-        for at in self.blocks_of(contact) {
-            let other = self.column[at] as usize;
-            if !(left_out && other == contact) {
-                let r = SVector::<f64, D>::from_column_slice(&r[D * other..D * (other + 1)]);
-                v += SMatrix::<f64, D, D>::from_column_slice(self.block(at)) * r;
-            }
-        }
-        v
-    }
-
-    /// √( Σ w (r − r⁺)² / Σ max(0, −`q_n`)²/`w_n` ) (–), which is 0 exactly at a solution: with `r_n⁺` = max(0, `r_n` − `v_n`/`w_n`) and `r_t⁺`
-    /// the nearest to `r_t` − `v_t`/`w_t` of size μ `r_n` at most, `w_n` = `W_nn` and `w_t` = `λ_max(W_TT)` of the contact. Where `W_αα` is diagonal it
-    /// is the measure of the problems with grains.
-    pub fn natural_map(&self, r: &[f64]) -> f64 {
-        match self.dimension {
-            1 => self.natural_map_of::<1>(r),
-            2 => self.natural_map_of::<2>(r),
-            _ => self.natural_map_of::<3>(r),
-        }
-    }
-
-    fn natural_map_of<const D: usize>(&self, r: &[f64]) -> f64 {
-        let (mut squared, mut scale) = (0.0, 0.0);
-        for contact in 0..self.contact_count() {
-            let w = self.own::<D>(contact);
-            let (w_n, w_t) = (w[(0, 0)], greatest_tangential(&w));
-            let v = self.velocity_at::<D>(r, contact, false);
-            let r = &r[D * contact..D * (contact + 1)];
-            let q_n = law::non_negative(-self.q[D * contact]);
-            scale += q_n * q_n / w_n;
-            let normal = r[0] - law::non_negative(r[0] - v[0] / w_n);
-            squared += w_n * normal * normal;
-            let moved: [f64; D] = std::array::from_fn(|k| r[k] - v[k] / w_t);
-            let (size, bound) = (length(&moved[1..]), self.friction[contact] * law::non_negative(r[0]));
-            let shortened = if size > bound { bound / size } else { 1.0 };
-            let along: f64 = (1..D).map(|k| (r[k] - shortened * moved[k]).powi(2)).sum();
-            squared += w_t * along;
-        }
-        if squared == 0.0 { 0.0 } else { (squared / scale).sqrt() }
-    }
 }
 
-fn length(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// `λ_max` of the symmetric part of `W_TT`; 1 where there are no tangents.
-fn greatest_tangential<const D: usize>(w: &SMatrix<f64, D, D>) -> f64 {
-    match D {
-        1 => 1.0,
-        2 => w[(1, 1)],
-        _ => {
-            let (half, off) = (0.5 * (w[(1, 1)] - w[(2, 2)]), 0.5 * (w[(1, 2)] + w[(2, 1)]));
-            0.5 * (w[(1, 1)] + w[(2, 2)]) + half.hypot(off)
-        }
-    }
-}
-
-fn definite<const D: usize>(w: &SMatrix<f64, D, D>) -> bool {
-    // Pivots of Gaussian elimination, which are those of LDLᵗ.
-    let mut w = (w + w.transpose()) * 0.5;
-    for k in 0..D {
-        if !(w[(k, k)] > 0.0) {
-            return false;
-        }
-        for row in k + 1..D {
-            let factor = w[(row, k)] / w[(k, k)];
-            for column in k..D {
-                w[(row, column)] -= factor * w[(k, column)];
-            }
-        }
-    }
-    true
+/// The conjugate gradient from r = 0.
+fn gradient<const D: usize>(
+    problem: &LocalProblem,
+    preconditioner: Preconditioner,
+) -> ConeRun<Stored<'_, D>, D> {
+    let stored = Stored::new(problem, preconditioner == Preconditioner::Diagonal);
+    let greatest = stored.greatest();
+    ConeRun::new(stored, greatest)
 }
 
 #[cfg(test)]

@@ -1,7 +1,40 @@
-//! The law at one contact, and sweeps over problems with known answers.
+//! The law at one contact, and methods on problems with known answers.
 
-use super::{LocalProblem, Nsgs};
+use super::{LocalProblem, Method, Preconditioner, graph};
 use proptest::prelude::*;
+
+/// The impulses after so many iterations.
+fn after(method: Method, problem: &LocalProblem, iterations: u32) -> Vec<f64> {
+    let mut run = method.start(problem).unwrap();
+    for _ in 0..iterations {
+        run.advance();
+    }
+    let mut r = vec![0.0; problem.q().len()];
+    run.impulses(&mut r);
+    r
+}
+
+/// W = A Aᵗ + 0.05 I with a band of A, so that contacts have neighbours.
+fn chain(dimension: usize, contacts: usize, a: &[f64], q: &[f64], friction: f64) -> LocalProblem {
+    let (size, width) = (dimension * contacts, 2 * dimension);
+    let a = |row: usize, k: usize| if k < width { a[(7 * row + 3 * k) % a.len()] } else { 0.0 };
+    let entry = |row: usize, column: usize| {
+        let least = row.max(column);
+        let product: f64 =
+            (least..row.min(column) + width).map(|k| a(row, k - row) * a(column, k - column)).sum();
+        (row, column, product + if row == column { 0.05 } else { 0.0 })
+    };
+    let near = |row: usize| row.saturating_sub(width)..(row + width).min(size);
+    let entries = (0..size).flat_map(|row| near(row).map(move |column| entry(row, column)));
+    let q = (0..size).map(|k| q[k % q.len()]).collect();
+    LocalProblem::new(dimension, entries, q, vec![friction; contacts]).unwrap()
+}
+
+/// q(r) = ½ rᵗ W r + qᵗ r.
+fn energy(problem: &LocalProblem, r: &[f64]) -> f64 {
+    let v = problem.velocity(r);
+    r.iter().zip(v.iter().zip(problem.q())).map(|(r, (v, q))| 0.5 * r * (v + q)).sum()
+}
 
 /// One contact of W = A Aᵗ + 0.05 I.
 fn one(dimension: usize, a: &[f64], q: &[f64], friction: f64) -> LocalProblem {
@@ -24,15 +57,90 @@ proptest! {
         dimension in 1usize..4,
     ) {
         let problem = one(dimension, &a, &q, friction);
-        let mut nsgs = Nsgs::new(&problem);
-        nsgs.sweep();
-        let r = nsgs.impulses();
+        let r = after(Method::Nsgs, &problem, 1);
         // Relative to what acts, not to the impulse that solves it: that is large where W is nearly singular.
         let size: f64 = r.iter().map(|r| r.abs()).sum();
-        let left = problem.natural_map(r) * -q[0].min(-f64::MIN_POSITIVE) / (1.0 + size);
+        let left = problem.natural_map(&r) * -q[0].min(-f64::MIN_POSITIVE) / (1.0 + size);
         prop_assert!(q[0] >= 0.0 || left < 1e-10, "{left:e} of {r:?}");
         prop_assert!(r[0] >= 0.0 && r[1..].iter().map(|r| r * r).sum::<f64>().sqrt() <= friction * r[0] * (1.0 + 1e-12) + 1e-300);
     }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn energy_never_grows_on_any_number_of_subdomains(
+        a in prop::collection::vec(-1.0..1.0f64, 29),
+        q in prop::collection::vec(-1.0..0.5f64, 23),
+        subdomains in 1usize..9,
+    ) {
+        let problem = chain(1, 24, &a, &q, 0.0);
+        let mut before = 0.0;
+        for iterations in 1..12 {
+            let energy = energy(&problem, &after(Method::NsgsDd { subdomains }, &problem, iterations));
+            prop_assert!(energy <= before + 1e-14, "{before:e} to {energy:e}");
+            before = energy;
+        }
+    }
+
+    #[test]
+    fn active_set_solves_to_round_off_in_every_dimension(
+        a in prop::collection::vec(-1.0..1.0f64, 29),
+        q in prop::collection::vec(-1.0..0.5f64, 23),
+        friction in 0.05..0.4f64,
+        dimension in 1usize..4,
+    ) {
+        let problem = chain(dimension, 12, &a, &q, friction);
+        prop_assume!(problem.scale() > 1e-3);
+        let mut run = Method::ActiveSet { start_accuracy: 1e-2 }.start(&problem).unwrap();
+        let mut iterations = 0;
+        while !run.stalled() && iterations < 30_000 {
+            run.advance();
+            iterations += 1;
+        }
+        let mut r = vec![0.0; problem.q().len()];
+        run.impulses(&mut r);
+        // W is nearly singular at times, and impulses are large then.
+        let size = r.iter().map(|r| r.abs()).fold(1.0, f64::max);
+        prop_assert!(problem.natural_map(&r) < 1e-12 * size, "{:e}", problem.natural_map(&r));
+    }
+}
+
+#[test]
+fn methods_without_friction_end_at_one_velocity() {
+    let a: Vec<f64> = (0..29).map(|k| f64::from(k * k % 13) / 13.0 - 0.4).collect();
+    let problem = chain(1, 40, &a, &[-1.0, 0.3, -0.2, -0.7, 0.1], 0.0);
+    let expected = problem.velocity(&after(Method::ActiveSet { start_accuracy: 1e-3 }, &problem, 300));
+    let diagonal = Method::Cg { preconditioner: Preconditioner::Diagonal };
+    let none = Method::Cg { preconditioner: Preconditioner::None };
+    for method in [Method::Nsgs, Method::NsgsDd { subdomains: 5 }, diagonal, none] {
+        let v = problem.velocity(&after(method, &problem, 20_000));
+        let off = v.iter().zip(&expected).map(|(v, expected)| (v - expected).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-9, "{method:?}: {off:e}");
+    }
+}
+
+#[test]
+fn subdomains_of_a_chain_are_its_pieces() {
+    let entries = (0..12usize).flat_map(|k| {
+        [
+            Some((k, k, 2.0)),
+            (k > 0).then_some((k, k.wrapping_sub(1), -1.0)),
+            (k < 11).then_some((k, k + 1, -1.0)),
+        ]
+    });
+    let problem = LocalProblem::new(1, entries.flatten(), vec![0.0; 12], vec![0.0; 12]).unwrap();
+    for count in [1, 2, 3, 5, 12] {
+        let subdomain = graph::subdomains(&problem, count).unwrap();
+        let parted = subdomain.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        assert_eq!(parted, count - 1, "{subdomain:?}");
+        let sizes: Vec<_> =
+            (0..count as u32).map(|own| subdomain.iter().filter(|of| **of == own).count()).collect();
+        assert!(sizes.iter().max().unwrap() - sizes.iter().min().unwrap() <= 1, "{sizes:?}");
+    }
+    assert!(graph::subdomains(&problem, 13).unwrap_err().to_string().contains("1 to 12"));
+    assert!(graph::subdomains(&problem, 0).is_err());
 }
 
 #[test]
@@ -40,9 +148,7 @@ fn sliding_contact_with_a_diagonal_block_has_the_impulse_of_two_lines() {
     // r_n = −q_n/w_n; the velocity along the tangents stays parallel to q_t, so r_t = −μ r_n q_t/|q_t|.
     let entries = [(0, 0, 2.0), (1, 1, 7.0), (2, 2, 7.0)];
     let problem = LocalProblem::new(3, entries, vec![-1.0, 3.0, -4.0], vec![0.3]).unwrap();
-    let mut nsgs = Nsgs::new(&problem);
-    nsgs.sweep();
-    for (r, expected) in nsgs.impulses().iter().zip([0.5, -0.15 * 0.6, 0.15 * 0.8]) {
+    for (r, expected) in after(Method::Nsgs, &problem, 1).iter().zip([0.5, -0.15 * 0.6, 0.15 * 0.8]) {
         assert!((r - expected).abs() < 1e-15, "{r}");
     }
 }

@@ -14,19 +14,19 @@ enum Status<const D: usize> {
 }
 
 /// A contact: all in the units of the product, the normal part first, then one tangential part in the plane and two in space.
-pub(super) struct State<const D: usize> {
-    pub(super) b: SVector<f64, D>,
+pub struct State<const D: usize> {
+    pub(crate) b: SVector<f64, D>,
     /// μ.
     friction: f64,
-    pub(super) r: SVector<f64, D>,
+    pub(crate) r: SVector<f64, D>,
     /// u = −(W r + b).
-    pub(super) u: SVector<f64, D>,
+    pub(crate) u: SVector<f64, D>,
     /// The direction.
-    pub(super) p: SVector<f64, D>,
+    pub(crate) p: SVector<f64, D>,
     /// (W p)_α.
-    pub(super) of_p: SVector<f64, D>,
+    pub(crate) of_p: SVector<f64, D>,
     /// What the law adds to r + α p.
-    pub(super) d: SVector<f64, D>,
+    pub(crate) d: SVector<f64, D>,
     status: Status<D>,
     /// Whether p leads into the cone, where the contact slides.
     enters: bool,
@@ -59,13 +59,18 @@ fn without<const D: usize>(s: SVector<f64, D>, out: &SVector<f64, D>) -> SVector
 
 impl<const D: usize> State<D> {
     /// A contact with the impulse r.
-    pub(super) fn new(b: SVector<f64, D>, r: SVector<f64, D>, friction: f64) -> Self {
+    pub fn new(b: SVector<f64, D>, r: SVector<f64, D>, friction: f64) -> Self {
         let none = SVector::zeros();
         let open = Status::Open;
         let mut state =
             Self { b, friction, r, u: none, p: none, of_p: none, d: none, status: open, enters: false };
         (_, state.status) = state.admitted(r, false, tangent());
         state
+    }
+
+    /// r.
+    pub fn impulse(&self) -> SVector<f64, D> {
+        self.r
     }
 
     /// The impulse that the law admits in the place of `moved`, and its status; a contact that `stays` on the boundary of its cone
@@ -91,7 +96,7 @@ impl<const D: usize> State<D> {
 
     /// r ← r + α p + d, admissible. A contact that slid, and that no direction moves into its cone, stays on the boundary: else it
     /// would come to lie inside, only because its normal impulse grew, and its status would be none that the gradient gave it.
-    pub(super) fn step(&mut self, length: f64) {
+    pub(crate) fn step(&mut self, length: f64) {
         let moved = self.r + length * self.p;
         let (r, status) = match self.status {
             Status::Slide(out) => self.admitted(moved, !self.enters, out),
@@ -101,7 +106,7 @@ impl<const D: usize> State<D> {
     }
 
     /// |r − r⁺|² where `W_αα` is 1.
-    pub(super) fn left(&self) -> f64 {
+    pub(crate) fn left(&self) -> f64 {
         let of_normal = if -self.u[0] < self.r[0] { -self.u[0] } else { self.r[0] };
         let (moved, size) = tangential(self.r + self.u);
         let bound = self.friction * self.r[0];
@@ -116,7 +121,7 @@ impl<const D: usize> State<D> {
     }
 
     /// w: the part of u that the law does not block.
-    pub(super) fn w(&self) -> SVector<f64, D> {
+    pub(crate) fn w(&self) -> SVector<f64, D> {
         match &self.status {
             Status::Open => normal(f64::max(0.0, self.u[0])),
             Status::Stick => self.u,
@@ -138,7 +143,7 @@ impl<const D: usize> State<D> {
     }
 
     /// p = w + β z.
-    pub(super) fn turn(&mut self, beta: f64) {
+    pub(crate) fn turn(&mut self, beta: f64) {
         self.p = self.w() + beta * self.z();
         self.enters = matches!(&self.status, Status::Slide(out) if self.is_pulled_in(out));
     }

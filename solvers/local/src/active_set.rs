@@ -1,0 +1,194 @@
+//! Newton's method on the statuses of contacts, begun by conjugate gradients, then by sweeps where these come no nearer.
+
+use crate::gradient::Stored;
+use crate::newton::Newton;
+use crate::sweeps::{Exact, Sweeps};
+use crate::{LocalProblem, gradient};
+use cg::{ConeRun, Preconditioner};
+use contact::{Iteration, SetupError, Work};
+
+/// One rung of the ladder over the one before (–): at each Newton's method has a try.
+const RUNG: f64 = 0.1;
+
+/// Iterations in which what is left must be halved: conjugate gradients, or sweeps follow; sweeps, or the run ends.
+const PATIENCE: u64 = 1000;
+const PATIENCE_OF_SWEEPS: u64 = 20_000;
+
+/// Sweeps from one look at what they leave to the next.
+const LOOK: u64 = 10;
+
+/// What is left of the law where no step leaves less, over the problem's scale, at most (–): else it is no end.
+const AT_THE_END: f64 = 1e-12;
+
+enum Phase<'p, const D: usize> {
+    Gradient(Box<ConeRun<Stored<'p, D>, D>>),
+    Sweeps(Box<Sweeps<'p, D>>),
+    Ended,
+}
+
+/// A run on one problem.
+pub(crate) struct ActiveSet<'p, const D: usize> {
+    problem: &'p LocalProblem,
+    exact: Exact<D>,
+    phase: Phase<'p, D>,
+    newton: Newton<'p, D>,
+    /// What was left before Newton's method has its step, while it has a try (√J).
+    trying: Option<f64>,
+    /// What is left at the next rung (√J).
+    rung: f64,
+    /// √ of the problem's scale (√J).
+    scale: f64,
+    /// The impulses that leave least (N·s), and what they leave (√J).
+    best: (Vec<f64>, f64),
+    /// Iterations of the phase, and what was left when it was last halved, at which of them (√J).
+    iterations: u64,
+    halved: (f64, u64),
+    /// Of the phase that ended.
+    work: Work,
+}
+
+impl<'p, const D: usize> ActiveSet<'p, D> {
+    /// From r = 0, by conjugate gradients to `start_accuracy` (–).
+    ///
+    /// # Errors
+    /// None but those of sweeps.
+    pub(crate) fn new(
+        problem: &'p LocalProblem,
+        exact: Exact<D>,
+        start_accuracy: f64,
+    ) -> Result<Self, SetupError> {
+        let scale = problem.scale().sqrt();
+        Ok(Self {
+            problem,
+            exact,
+            phase: Phase::Gradient(Box::new(gradient(problem, Preconditioner::Diagonal))),
+            newton: Newton::new(problem),
+            trying: None,
+            rung: start_accuracy * scale,
+            scale,
+            best: (vec![0.0; problem.q().len()], scale),
+            iterations: 0,
+            halved: (scale, 0),
+            work: Work::default(),
+        })
+    }
+
+    /// Takes the impulses `r` (N·s) for the best, if they leave less of the law; returns what they leave (√J).
+    fn take(&mut self, r: Vec<f64>) -> f64 {
+        let left = self.problem.left(&r);
+        if left < self.best.1 {
+            self.best = (r, left);
+        }
+        left
+    }
+
+    /// One iteration of the gradient or of the sweeps, and a look at what it leaves.
+    fn approach(&mut self) {
+        let mut r = vec![0.0; self.best.0.len()];
+        let (looks, patience) = match &mut self.phase {
+            Phase::Gradient(run) => {
+                run.advance();
+                run.impulses(&mut r);
+                (true, PATIENCE)
+            }
+            Phase::Sweeps(sweeps) => {
+                sweeps.advance();
+                sweeps.impulses(&mut r);
+                ((self.iterations + 1).is_multiple_of(LOOK), PATIENCE_OF_SWEEPS)
+            }
+            Phase::Ended => return,
+        };
+        self.iterations += 1;
+        if !looks {
+            return;
+        }
+        let left = self.take(r);
+        if left <= 0.5 * self.halved.0 {
+            self.halved = (left, self.iterations);
+        }
+        if left <= self.rung {
+            while left <= self.rung {
+                self.rung *= RUNG;
+            }
+            self.newton.begin(&self.best.0);
+            self.trying = Some(left);
+        } else if self.iterations >= self.halved.1 + patience || !left.is_finite() {
+            self.next_phase();
+        }
+    }
+
+    fn next_phase(&mut self) {
+        let ended = std::mem::replace(&mut self.phase, Phase::Ended);
+        if let Phase::Gradient(run) = ended {
+            self.work = run.work();
+            if let Ok(mut sweeps) = Sweeps::new(self.problem, self.exact, 1) {
+                sweeps.begin(&self.best.0);
+                self.phase = Phase::Sweeps(Box::new(sweeps));
+            }
+        } else if let Phase::Sweeps(sweeps) = ended {
+            self.work += sweeps.work();
+        }
+        (self.iterations, self.halved) = (0, (self.best.1, 0));
+    }
+
+    /// One step of Newton's method; where it leaves no less, what came before goes on.
+    fn newton(&mut self, before: f64) {
+        let has_factor = self.newton.step();
+        let mut r = vec![0.0; self.best.0.len()];
+        self.newton.impulses(&mut r);
+        let left = self.take(r);
+        if self.newton.is_round_off(left) {
+            self.trying = None;
+            self.next_to_end();
+        } else if !has_factor || !(left < before) {
+            self.trying = None;
+            if self.best.1 <= AT_THE_END * self.scale {
+                self.next_to_end();
+            }
+        } else {
+            self.trying = Some(left);
+        }
+    }
+
+    fn next_to_end(&mut self) {
+        self.work = self.work_of_phases();
+        self.phase = Phase::Ended;
+    }
+
+    fn work_of_phases(&self) -> Work {
+        let mut work = self.work;
+        match &self.phase {
+            Phase::Gradient(run) => work += run.work(),
+            Phase::Sweeps(sweeps) => work += sweeps.work(),
+            Phase::Ended => {}
+        }
+        work
+    }
+}
+
+impl<const D: usize> Iteration for ActiveSet<'_, D> {
+    fn advance(&mut self) {
+        match self.trying {
+            Some(before) => self.newton(before),
+            None => self.approach(),
+        }
+    }
+
+    fn impulses(&self, r: &mut [f64]) {
+        match &self.phase {
+            Phase::Gradient(run) if self.trying.is_none() => run.impulses(r),
+            Phase::Sweeps(sweeps) if self.trying.is_none() => sweeps.impulses(r),
+            _ => r.copy_from_slice(&self.best.0),
+        }
+    }
+
+    fn stalled(&self) -> bool {
+        matches!(self.phase, Phase::Ended)
+    }
+
+    fn work(&self) -> Work {
+        let mut work = self.work_of_phases();
+        work += self.newton.work();
+        work
+    }
+}
