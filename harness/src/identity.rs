@@ -4,6 +4,7 @@ use crate::problems::Studied;
 use anyhow::Result;
 use cases::Frozen;
 use contact::Vector;
+use local::LocalProblem;
 use results::schema::Provenance;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -40,6 +41,20 @@ pub(crate) fn hash_of(all: &Value) -> String {
 fn first_hex(hash: &[u8]) -> String {
     let first = hash.iter().take(8).fold(0, |first: u64, byte| first << 8 | u64::from(*byte));
     format!("{first:016x}")
+}
+
+/// Hash of a problem that is W alone, and of the code of the methods for such: that of methods for grains is another.
+pub(crate) fn hash_of_w(problem: &LocalProblem) -> String {
+    let mut hash = Sha256::new();
+    let mut number = |x: f64| hash.update(x.to_bits().to_le_bytes());
+    number(problem.dimension() as f64);
+    number(problem.contact_count() as f64);
+    problem.q().iter().chain(problem.friction()).for_each(|x| number(*x));
+    for (row, column, value) in problem.entries() {
+        [row as f64, column as f64, value].into_iter().for_each(&mut number);
+    }
+    hash.update(code_version::<LocalProblem>().unwrap_or_default());
+    first_hex(hash.finalize().as_slice())
 }
 
 /// Hash of everything that a method sees: two problems with the same hash are the same problem.

@@ -70,7 +70,9 @@ mod run {
     mod external;
     #[cfg(any(feature = "mpi", test))]
     mod on_ranks;
+    mod on_w;
     mod problem;
+    mod repeats;
     mod rows;
     #[cfg(any(feature = "mpi", test))]
     mod shared;
@@ -82,8 +84,12 @@ mod run {
     pub(crate) use curve::{Recorder, decades, first_at};
     pub(crate) use execute::{Conditions, How, Task, few, in_parallel, in_the_pool};
     pub(crate) use external::{Ended, Observe, ended};
+    pub(crate) use on_w::{OnW, solved_on_w};
     pub(crate) use problem::{OneProblem, Snapshots};
-    pub(crate) use rows::{derived, ended_row, given_row, nothing_done, partitions, scene_rows};
+    pub(crate) use repeats::{Kept, Made, refused, repeated};
+    pub(crate) use rows::{
+        asked, derived, ended_row, given_row, nothing_done, of_task, partitions, scene_rows,
+    };
     pub(crate) use simulation::{End, Seen, Through, missed, observed, run_simulation, through_time};
     pub(crate) use vtk::Frames;
     #[cfg(any(feature = "mpi", test))]
@@ -108,7 +114,7 @@ mod problems {
     mod tests;
 
     pub(crate) use case::{CaseProblem, KeptProblem, first_hash, overrides, read_case};
-    pub(crate) use files::{Kind, Root, is_toml, size, stem};
+    pub(crate) use files::{Kind, Root, is_toml, size, size_of_w, stem};
     pub(crate) use mechanics::{AnyProblem, Enter, Studied, Visit, enter, in_words, visit};
     #[cfg(any(feature = "mpi", test))]
     pub(crate) use parts::cut;

@@ -1,7 +1,7 @@
 //! The methods for a program that is not the command line, such as the Python package of `harness/python`: a problem is
 //! text, an error is what `gravel` would print.
 
-use crate::cli::solve::{outcome, to_json};
+use crate::cli::solve::{asked, outcome, to_json};
 use crate::plan::{Curves, Method, read_external};
 use crate::problems::{CaseProblem, Known, Root, Studied, Visit, is_toml, visit};
 use crate::run::{Recorder, in_the_pool};
@@ -107,7 +107,7 @@ impl Visit for Solve<'_> {
         };
         let outcome = outcome(&known, &frozen, (method, stop), &frozen.start(*warm_start), &mut observe)
             .with_context(|| format!("method `{}` on {}", method.name, frozen.name))?;
-        let mut told = to_json(&frozen, method, stop, *warm_start, &outcome)?;
+        let mut told = to_json(asked(&frozen, method, stop, *warm_start), &outcome)?;
         told["residuals"] = serde_json::to_value(outcome.measures)?;
         told["curve"] = serde_json::to_value(recorder.finish())?;
         let contacts = frozen.problem.contacts().iter();

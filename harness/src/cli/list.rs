@@ -3,8 +3,9 @@
 use crate::cli::args::StudyArgs;
 use crate::cli::plan::runs;
 use crate::cli::schema::takes;
+use crate::exchange::{Held, read};
 use crate::plan::{External, Plan, methods};
-use crate::problems::{Kind, Root, Studied, Visit, size, stem, visit};
+use crate::problems::{Kind, Root, Studied, Visit, size, size_of_w, stem, visit};
 use crate::terminal::{say, say_table};
 use anyhow::Result;
 use cases::{AnyFrozen, Case, Frozen};
@@ -24,7 +25,7 @@ pub(crate) struct Args {
 enum What {
     /// Cases: scenes that `solve` takes a time step of, and `simulate` all
     Cases,
-    /// Frozen problems: the contact problem of one time step, as a file
+    /// Problems: the contact problem of one time step, as a file of ours or of another code
     Problems,
     /// Methods, with their settings and defaults
     Methods,
@@ -78,6 +79,10 @@ fn problems(root: &Root) -> Result<Vec<Vec<String>>> {
         let frozen = AnyFrozen::read(&path)?;
         let source = frozen.source().to_owned();
         rows.push(vec![code(&stem(&path)), visit(frozen, Size), source]);
+    }
+    for path in root.all(Kind::Foreign)? {
+        let Held::Local(problem) = read(&path)? else { continue };
+        rows.push(vec![code(&stem(&path)), size_of_w(&problem), "another code".to_owned()]);
     }
     Ok(rows)
 }

@@ -12,7 +12,7 @@ use crate::terminal::{Line, check_place, exit, merged, say, write_instead};
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
 use clap::ValueEnum;
-use contact::Measure;
+use contact::{Measure, Mechanics};
 use runner::{Measured, Outcome, Progress, Stop};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
@@ -55,20 +55,17 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     if let Some(file) = &args.impulses {
         check_place(file)?;
     }
-    let foreign = PathBuf::from(&args.problem);
-    let (path, problem) = if is_foreign(&foreign) {
-        match exchange::read(&foreign)? {
-            Held::Local(problem) => return local::solve(&problem, args, (&method, &stop), &foreign),
+    let path = root.problem_or_case(&args.problem)?;
+    let problem = if is_foreign(&path) {
+        match exchange::read(&path)? {
+            Held::Local(problem) => return local::solve(problem, args, (&method, &stop), &path),
             Held::Ours(text) => {
-                args.scene.refused(&format!("{} is a frozen problem", foreign.display()))?;
-                let problem = AnyFrozen::of_text(&foreign, &text)?;
-                (foreign, problem)
+                args.scene.refused(&format!("{} is a frozen problem", path.display()))?;
+                AnyFrozen::of_text(&path, &text)?
             }
         }
     } else {
-        let path = root.problem_or_case(&args.problem)?;
-        let problem = args.scene.problem(&path)?;
-        (path, problem)
+        args.scene.problem(&path)?
     };
     visit(problem, Solve { root, args, method: &method, stop: &stop, path: &path })
 }
@@ -111,13 +108,24 @@ fn solve<M: Studied>(
         .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
     drop(line);
 
+    let asked = || asked(frozen, method, stop, args.start == Start::Warm);
+    tell(args, (asked, &format!("{}: {}", frozen.name, size(&frozen.problem))), (method, stop), &outcome)
+}
+
+/// Writes and prints what came out, and makes an exit code of it: `asked` is the request in JSON, `title` the problem in words.
+fn tell<M: Mechanics>(
+    args: &Args,
+    (asked, title): (impl FnOnce() -> Value, &str),
+    (method, stop): (&Method, &Stop),
+    outcome: &Outcome<M>,
+) -> Result<ExitCode> {
     if let Some(file) = &args.impulses {
         write_instead(file, json!({ "impulse": outcome.impulses }).to_string())?;
     }
     if args.json {
-        say(format_args!("{}", to_json(frozen, method, stop, args.start == Start::Warm, &outcome)?))?;
+        say(format_args!("{}", to_json(asked(), outcome)?))?;
     } else {
-        print(frozen, method, stop, &outcome)?;
+        print(title, (method, stop), outcome)?;
     }
     Ok(exit::code(outcome.status.name()))
 }
@@ -138,15 +146,9 @@ pub(crate) fn outcome<M: Studied>(
     Ok(Outcome { status: known.ending(outcome.status), ..outcome })
 }
 
-/// The request and the answer, under the names that the columns of tables have.
-pub(crate) fn to_json<M: Studied>(
-    frozen: &Frozen<M>,
-    method: &Method,
-    stop: &Stop,
-    warm_start: bool,
-    outcome: &Outcome<M>,
-) -> Result<Value> {
-    let object = json!({
+/// The request, under the names that the columns of tables have.
+pub(crate) fn asked<M: Studied>(frozen: &Frozen<M>, method: &Method, stop: &Stop, warm_start: bool) -> Value {
+    json!({
         "problem": frozen.name,
         "mechanics": M::NAME,
         "problem_hash": content_hash(frozen),
@@ -154,18 +156,24 @@ pub(crate) fn to_json<M: Studied>(
         "contacts": frozen.problem.contact_count(),
         "method": method.name,
         "settings": method.settings,
-        "derived": derived(outcome),
         "warm_start": warm_start,
         "stop_on": stop.on,
         "tolerance": stop.tolerance,
         "max_iterations": stop.max_iterations,
+    })
+}
+
+/// The request `asked` and the answer, under the names that the columns of tables have.
+pub(crate) fn to_json<M: Mechanics>(asked: Value, outcome: &Outcome<M>) -> Result<Value> {
+    let object = json!({
+        "derived": derived(outcome),
         "status": outcome.status,
         "iterations": outcome.iterations,
         "setup_s": outcome.setup.as_secs_f64(),
         "iterating_s": outcome.iterating.as_secs_f64(),
         "worst_contact": outcome.measures.worst_contact,
     });
-    let object = merged(object, serde_json::to_value(outcome.measures)?);
+    let object = merged(merged(asked, object), serde_json::to_value(outcome.measures)?);
     Ok(merged(object, serde_json::to_value(outcome.work)?))
 }
 
@@ -175,9 +183,9 @@ fn say_ending(status: &str, iterations: u64, stop: &Stop) -> Result<()> {
     say(format_args!("{status} after {iterations} iteration{plural} ({on} ≤ {tolerance:e} asked)"))
 }
 
-fn print<M: Studied>(frozen: &Frozen<M>, method: &Method, stop: &Stop, outcome: &Outcome<M>) -> Result<()> {
+fn print<M: Mechanics>(title: &str, (method, stop): (&Method, &Stop), outcome: &Outcome<M>) -> Result<()> {
     let Outcome { status, iterations, measures, .. } = outcome;
-    say(format_args!("{}: {}", frozen.name, size(&frozen.problem)))?;
+    say(format_args!("{title}"))?;
     say(format_args!("{} {}", method.name, Value::Object(method.settings.clone())))?;
     say_ending(status.name(), *iterations, stop)?;
     let (setup, iterating) = (outcome.setup.as_secs_f64(), outcome.iterating.as_secs_f64());
@@ -185,8 +193,8 @@ fn print<M: Studied>(frozen: &Frozen<M>, method: &Method, stop: &Stop, outcome: 
     for measure in Measure::ALL {
         let (name, value) = (measure.name(), measures.get(measure));
         let unit = if measure == Measure::PenetrationRate { " m/s" } else { "" };
-        // Without the solution there is no error.
-        if measure != Measure::VelocityError || !value.is_nan() {
+        // Without the solution there is no error, and without grains no norm of LMGC90's; ζ has none from r = 0.
+        if measure == Measure::Zeta || !value.is_nan() {
             say(format_args!("  {name:<17}{value:.3e}{unit}"))?;
         }
     }

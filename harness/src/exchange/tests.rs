@@ -5,9 +5,10 @@ use super::global::{Global, Triplets};
 use super::{converted, dat, read};
 use crate::plan::Method;
 use crate::problems::Studied;
+use crate::run::solved_on_w;
 use cases::{AnyFrozen, Frozen};
-use contact::{Measure, RoughDiscs, RoughSpheres, Vector};
-use local::{LocalProblem, Nsgs};
+use contact::{Discs, Measure, RoughDiscs, RoughSpheres, Vector};
+use local::LocalProblem;
 use runner::{Measured, Stop, solve_against};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -34,43 +35,81 @@ fn problem_of_every_mechanics_comes_back_byte_by_byte() {
     }
 }
 
-/// What W alone gives after some sweeps of NSGS, and what the problem with its grains gives: impulses and natural map.
-fn swept<M: Studied>(problem: &Frozen<M>, sweeps: u64) -> [(Vec<f64>, f64); 2] {
-    let local = Global::of(problem).local(M::Impulse::LEN).unwrap();
-    let mut nsgs = Nsgs::new(&local);
-    (0..sweeps).for_each(|_| nsgs.sweep());
-    let method = Method::parse("nsgs", &[]).unwrap();
-    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-300, max_iterations: sweeps };
-    let r0 = vec![0.0; problem.problem.impulse_count()];
+/// What a method gives after some iterations on W alone, and what it gives on the problem with its grains: impulses and natural map.
+fn iterated<M: Studied>(problem: &Frozen<M>, method: &Method, iterations: u64) -> [(Vec<f64>, f64); 2] {
+    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-300, max_iterations: iterations };
+    let (r0, needed) = (vec![0.0; problem.problem.impulse_count()], Measured::Needed);
     let go_on = &mut |_: &runner::Progress| std::ops::ControlFlow::Continue(());
+    let local = Global::of(problem).local(M::Impulse::LEN).unwrap();
+    let on_w = solved_on_w(method, None, &local, &stop, needed, go_on).unwrap();
     let solver = method.solver::<M>().unwrap();
-    let ours = solve_against(&[], solver, &problem.problem, &r0, &stop, Measured::Needed, go_on).unwrap();
-    let natural_map = local.natural_map(nsgs.impulses());
-    [(nsgs.impulses().to_vec(), natural_map), (ours.impulses, ours.measures.natural_map)]
+    let ours = solve_against(&[], solver, &problem.problem, &r0, &stop, needed, go_on).unwrap();
+    [(on_w.impulses, on_w.measures.natural_map), (ours.impulses, ours.measures.natural_map)]
+}
+
+fn method(name: &str, settings: &[(&str, &str)]) -> Method {
+    let settings: Vec<_> = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+    Method::parse(name, &settings).unwrap()
 }
 
 #[test]
-fn sweeps_on_w_alone_are_those_with_grains() {
+fn iterates_on_w_alone_are_those_with_grains() {
     let check = |[(r, map), (ours, our_map)]: [(Vec<f64>, f64); 2]| {
         let scale = ours.iter().fold(0.0_f64, |most, r| most.max(r.abs()));
         assert!(r.len() == ours.len() && scale > 0.0);
-        assert!(r.iter().zip(&ours).all(|(a, b)| (a - b).abs() < 1e-11 * scale));
-        assert!((map - our_map).abs() < 1e-9 * our_map, "{map:e} {our_map:e}");
+        assert!(r.iter().zip(&ours).all(|(a, b)| (a - b).abs() < 1e-9 * scale));
+        assert!((map - our_map).abs() < 1e-7 * our_map, "{map:e} {our_map:e}");
     };
-    match AnyFrozen::read(&frozen("rough-250")).unwrap() {
-        AnyFrozen::RoughDiscs(problem) => check(swept::<RoughDiscs>(&problem, 30)),
-        _ => panic!("discs with friction"),
+    let diagonal = method("cg", &[("preconditioner", "diagonal")]);
+    for method in [method("nsgs", &[]), method("cg", &[]), diagonal] {
+        match AnyFrozen::read(&frozen("rough-250")).unwrap() {
+            AnyFrozen::RoughDiscs(problem) => check(iterated::<RoughDiscs>(&problem, &method, 30)),
+            _ => panic!("discs with friction"),
+        }
+        match AnyFrozen::read(&frozen("settled-60")).unwrap() {
+            AnyFrozen::Discs(problem) => check(iterated::<Discs>(&problem, &method, 20)),
+            _ => panic!("discs without friction"),
+        }
     }
     // In space the exact direction of sliding is not where a projection ends, so impulses agree at the solution alone.
     match AnyFrozen::read(&frozen("rough-spheres-250")).unwrap() {
         AnyFrozen::RoughSpheres(problem) => {
             let local = Global::of::<RoughSpheres>(&problem).local(3).unwrap();
-            let [_, (ours, our_map)] = swept::<RoughSpheres>(&problem, 30);
+            let [_, (ours, our_map)] = iterated::<RoughSpheres>(&problem, &method("nsgs", &[]), 30);
             let map = local.natural_map(&ours);
             assert!((map - our_map).abs() < 1e-9 * our_map, "{map:e} {our_map:e}");
+            check(iterated::<RoughSpheres>(&problem, &method("cg", &[("preconditioner", "diagonal")]), 2));
         }
         _ => panic!("spheres with friction"),
     }
+}
+
+#[test]
+fn solution_on_w_alone_is_that_with_grains() {
+    let AnyFrozen::Discs(problem) = AnyFrozen::read(&frozen("settled-250")).unwrap() else {
+        panic!("discs without friction")
+    };
+    let [(r, map), (ours, _)] = iterated::<Discs>(&problem, &method("active-set", &[]), 2000);
+    let [r, ours] = [r, ours].map(|r| contact::Truth::new(&problem.problem, &r));
+    let apart = problem.problem.velocity_distance(r.velocity(), ours.velocity());
+    let moved = problem.problem.velocity_distance(ours.velocity(), problem.problem.free_velocity());
+    assert!(map < 1e-12 && apart < 1e-11 * moved, "{map:e}, {apart:e} of {moved:e}");
+}
+
+#[test]
+fn methods_that_need_grains_are_refused_on_w_alone() {
+    let problem = LocalProblem::new(1, [(0, 0, 1.0)], vec![-1.0], vec![0.0]).unwrap();
+    let refused = |method: &Method| {
+        let go_on = &mut |_: &runner::Progress| std::ops::ControlFlow::Continue(());
+        let ended = solved_on_w(method, None, &problem, &Stop::default(), Measured::Needed, go_on);
+        format!("{:#}", ended.unwrap_err())
+    };
+    assert!(refused(&method("latin-dd", &[])).contains("method `latin-dd` needs grains"));
+    assert!(
+        refused(&method("nsgs", &[("order", "coloured")])).contains("`order` = \"coloured\" needs grains")
+    );
+    let two = method("nsgs-dd", &[("subdomains", "2")]);
+    assert!(refused(&two).contains("`subdomains` is 2: it must be 1 to 1, the number of contacts"));
 }
 
 const DENSE: &str =

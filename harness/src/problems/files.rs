@@ -1,8 +1,10 @@
 //! Where cases, frozen problems and plans are, and how a name or a path becomes one of them.
 
+use crate::exchange::is_foreign;
 use crate::terminal::{read_text, suggest};
 use anyhow::{Context, Result, bail};
 use contact::{ContactProblem, Discs, Mechanics, RoughSpheres, Spheres};
+use local::LocalProblem;
 use std::path::{Path, PathBuf};
 
 /// The checkout, if there is one: a problem, a case or a schema needs none.
@@ -16,6 +18,8 @@ pub(crate) enum Kind {
     Case,
     Plan,
     Frozen,
+    /// Of another code.
+    Foreign,
 }
 
 impl Root {
@@ -107,9 +111,14 @@ impl Root {
         self.file(name, "frozen problem", &[Kind::Frozen])
     }
 
-    /// The file of a frozen problem or a case, given by name or path.
+    /// The file of a frozen problem, or of a problem of another code, given by name or path.
+    pub(crate) fn any_problem(&self, name: &str) -> Result<PathBuf> {
+        self.file(name, "problem", &[Kind::Frozen, Kind::Foreign])
+    }
+
+    /// The file of any problem or a case, given by name or path.
     pub(crate) fn problem_or_case(&self, name: &str) -> Result<PathBuf> {
-        self.file(name, "problem or case", &[Kind::Case, Kind::Frozen])
+        self.file(name, "problem or case", &[Kind::Case, Kind::Foreign, Kind::Frozen])
     }
 
     /// The file with this name or path, which holds one of the `wanted` kinds: `what`, in words.
@@ -162,11 +171,15 @@ impl Kind {
             Self::Case => ("a case", "cases", ".toml"),
             Self::Plan => ("a plan", "harness/plans", ".toml"),
             Self::Frozen => ("a frozen problem", "cases/frozen", ".json"),
+            Self::Foreign => ("a file of another code", "cases/foreign", ".hdf5"),
         }
     }
 
     /// Of a file that cannot be taken for anything else; it may be wrong in itself.
     fn of(path: &Path) -> Option<Self> {
+        if is_foreign(path) {
+            return Some(Self::Foreign);
+        }
         if !is_toml(path) {
             return path.extension().is_some_and(|ending| ending == "json").then_some(Self::Frozen);
         }
@@ -189,6 +202,12 @@ pub(crate) fn size<M: Mechanics>(problem: &ContactProblem<M>) -> String {
         _ => " with friction",
     };
     format!("{} grains, {} contacts{of}", problem.grain_count(), problem.contact_count())
+}
+
+/// The same where there is W alone.
+pub(crate) fn size_of_w(problem: &LocalProblem) -> String {
+    let (contacts, unknowns) = (problem.contact_count(), problem.dimension());
+    format!("{contacts} contacts of {unknowns} unknown{}, W alone", if unknowns == 1 { "" } else { "s" })
 }
 
 /// Name of a file without its ending.

@@ -1,15 +1,19 @@
 //! The problems and scenes of a plan: frozen problems, and those of its cases.
 
+use crate::exchange::{Held, is_foreign, read};
 use crate::identity::content_hash;
 use crate::plan::{Plan, PlannedCase, Settings, combinations, last_parts, pairs, values};
 use crate::problems::{
     AnyProblem, Given, KeptProblem, Kind, Known, Root, Scene, Studied, TIME_STEP, Visit, overrides,
     read_case, stem, visit,
 };
+use crate::run::OnW;
+use crate::terminal::read_text;
 use analysis::Spectrum;
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
 use contact::{ContactProblem, Discs, Mechanics, Smooth};
+use local::LocalProblem;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -28,6 +32,8 @@ pub(crate) struct PlannedProblem {
 
 enum Source {
     Frozen(Box<AnyFrozen>, Option<Given>),
+    /// W alone.
+    Local(Box<LocalProblem>),
     Case(Box<KeptProblem>),
     /// No problem, but the many of a simulation.
     Simulated(Box<Scene>),
@@ -67,7 +73,15 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
     let mut problems = Vec::new();
     for name in &plan.problems {
         let path = frozen_path(root, name).context("`problems`")?;
-        let frozen = Box::new(AnyFrozen::read(&path)?);
+        let frozen = match held(&path).context("`problems`")? {
+            Held::Ours(text) => Box::new(AnyFrozen::of_text(&path, &text)?),
+            Held::Local(problem) => {
+                let source = Source::Local(Box::new(problem));
+                let (name, settings) = (stem(&path), Settings::new());
+                problems.push(PlannedProblem { name, settings, source, reference: plan.reference });
+                continue;
+            }
+        };
         let beside = path.with_extension("solution.json");
         let read = || visit((*frozen).clone(), Answered(&beside));
         let given = beside.is_file().then(read).transpose()?;
@@ -86,9 +100,14 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
     Ok(problems)
 }
 
+/// The text of a frozen problem, or what a file of another code holds.
+fn held(path: &Path) -> Result<Held> {
+    if is_foreign(path) { read(path) } else { Ok(Held::Ours(read_text(path)?)) }
+}
+
 fn frozen_path(root: &Root, name: &str) -> Result<PathBuf> {
     let stems = |kind| Ok::<Vec<_>, anyhow::Error>(root.all(kind)?.iter().map(|path| stem(path)).collect());
-    let frozen = stems(Kind::Frozen)?;
+    let frozen = [stems(Kind::Frozen)?, stems(Kind::Foreign)?].concat();
     let is_in = |names: &[String]| names.iter().any(|known| known == name);
     if is_in(&stems(Kind::Case)?) && !is_in(&frozen) {
         bail!(
@@ -96,7 +115,7 @@ fn frozen_path(root: &Root, name: &str) -> Result<PathBuf> {
             frozen.join(", ")
         );
     }
-    root.problem(name)
+    root.any_problem(name)
 }
 
 /// Every combination of a case's axes, named by the values on them.
@@ -149,6 +168,10 @@ impl PlannedProblem {
     /// The problem, if it need not be computed, or if it is to be; none of a scene.
     pub(crate) fn problem(&self, root: &Root, compute: bool) -> Result<Option<AnyProblem>> {
         let (frozen, given) = match &self.source {
+            Source::Local(problem) => {
+                let problem = OnW::new(self.name.clone(), (**problem).clone(), self.reference);
+                return Ok(Some(Box::new(problem)));
+            }
             Source::Frozen(frozen, given) => (Some((**frozen).clone()), given.clone()),
             Source::Case(kept) if compute => (Some(kept.problem(root, &self.name)?), None),
             Source::Case(kept) => (kept.at_hand(root), None),

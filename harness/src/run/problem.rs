@@ -3,16 +3,18 @@
 use crate::identity::provenance;
 use crate::plan::{Plan, Runs, Settings};
 use crate::problems::{Known, Problem, Root, Studied};
-use crate::run::{Conditions, Ended, Recorder, Task, ended, ended_row, given_row, nothing_done, scene_rows};
-use anyhow::{Context, Result, bail};
-use contact::{ContactProblem, Mechanics, Vector, Work};
+use crate::run::{
+    Conditions, Ended, Kept, Made, Recorder, Task, ended, ended_row, given_row, nothing_done, of_task,
+    refused, repeated, scene_rows,
+};
+use anyhow::Result;
+use contact::{ContactProblem, Mechanics, Vector};
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::journal::Record;
-use results::schema::{ContactRow, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
-use runner::{Outcome, Progress, Status};
+use results::schema::{ContactRow, GrainRow, Provenance, Run, Snapshot};
+use runner::{Outcome, Progress};
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
 
 /// A problem of a study, whatever its mechanics.
 pub(crate) trait OneProblem: Sync {
@@ -121,39 +123,18 @@ fn run_on_problem<M: Studied>(
         timing: timing.clone(),
         ..skipped_row(plan, task, known, provenance)
     };
-    let skipped = |reason: &str| {
-        let run = Run { reason: reason.to_owned(), ..row.clone() };
-        Ok(Some(Record { run, curve: Vec::new(), snapshots: Vec::new() }))
-    };
     if variant.warm_start && problem.frozen.start.is_empty() {
-        return skipped("the problem has no impulses of a time step before to begin from");
-    }
-    let clock = Instant::now();
-    let mut all = Vec::new();
-    // The first of several brings code and data into the caches.
-    let warm_ups = u32::from(timing.repeats > 1);
-    for repeat in 0..warm_ups + timing.repeats {
-        match once(plan, task, known, conditions) {
-            Err(reason) => return skipped(&format!("{reason:#}")),
-            Ok((ended, _)) if ended.outcome.status == Status::Interrupted => return Ok(None),
-            // Another code that gave no answer would give none again.
-            Ok(one) if repeat >= warm_ups || one.0.failed.is_some() => {
-                all.push(one);
-                if all.iter().any(|(ended, _)| ended.failed.is_some()) {
-                    break;
-                }
-            }
-            Ok(_) => {}
-        }
+        let reason = "the problem has no impulses of a time step before to begin from";
+        return Ok(Some(refused(row, reason)));
     }
     let ours = matches!(variant.method.runs, Runs::Here(_));
-    // Another code need not count the same twice.
-    if ours && all.windows(2).any(|pair| counts(&pair[0].0) != counts(&pair[1].0)) {
-        bail!("{}: it counts other work when it is repeated; a run must not", name(task));
-    }
-    let (ended, (curve, snapshots), timing) = median(all, &timing).context("a run is made at least once")?;
+    let once = || once(plan, task, known, conditions);
+    let (ended, (curve, snapshots), timing) = match repeated(&name(task), ours, &timing, once)? {
+        Made::Halted => return Ok(None),
+        Made::Refused(reason) => return Ok(Some(refused(row, &reason))),
+        Made::Ended(ended, kept, timing) => (*ended, kept, timing),
+    };
     let outcome = Outcome { status: known.ending(ended.outcome.status), ..ended.outcome };
-    let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
     let mut run = ended_row(Run { timing, ..row }, &outcome, &curve);
     if let Some((is_known, by)) =
         M::polished_to(conditions.how.root, &problem.frozen, known, &outcome.impulses)?
@@ -178,26 +159,7 @@ pub(crate) fn skipped_row<M: Studied>(
     known: &Known<M>,
     provenance: Provenance,
 ) -> Run {
-    let Task { id, variant, what: problem, .. } = task;
-    Run {
-        id: id.clone(),
-        method: variant.method.name.to_owned(),
-        settings: variant.method.settings.clone(),
-        variant: variant.name.clone(),
-        // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
-        subdomains: variant
-            .method
-            .partition()
-            .map_or(1, |(grid, _)| u32::try_from(grid.count()).unwrap_or(u32::MAX)),
-        warm_start: variant.warm_start,
-        status: "skipped".to_owned(),
-        ..nothing_done(plan, problem, known, provenance)
-    }
-}
-
-/// What is the same in every repeat.
-fn counts<M: Mechanics>(Ended { outcome, .. }: &Ended<M>) -> (Status, u64, Work) {
-    (outcome.status, outcome.iterations, outcome.work)
+    of_task(task, nothing_done(plan, task.what, known, provenance))
 }
 
 /// The run, as a user reads it.
@@ -228,9 +190,6 @@ fn spectrum<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, known: &Known<M>)
     columns
 }
 
-/// The curve of a run, and the iterates that the page shows, if any.
-type Kept = (Vec<Sample>, Vec<Snapshot>);
-
 fn once<M: Studied>(
     plan: &Plan,
     task: &Task<&Problem<M>>,
@@ -255,26 +214,6 @@ fn once<M: Studied>(
     let snapshots = snapshots.map_or_else(Vec::new, |kept| kept.finish(&ended.outcome));
     let curve = if ended.samples.is_empty() { recorder.finish() } else { ended.samples.clone() };
     Ok((ended, (curve, snapshots)))
-}
-
-/// The repeat with the median time in `advance`, with the median time in `start` and the spreads of both; `None` of none.
-fn median<M: Mechanics>(mut all: Vec<(Ended<M>, Kept)>, timing: &Timing) -> Option<(Ended<M>, Kept, Timing)> {
-    let mut setup: Vec<_> = all.iter().map(|(ended, _)| ended.outcome.setup).collect();
-    setup.sort_unstable();
-    all.sort_by_key(|(ended, _)| ended.outcome.iterating);
-    let (last, middle) = (all.len().checked_sub(1)?, (all.len() - 1) / 2);
-    let spread = |least: Duration, greatest: Duration| {
-        if last == 0 { f64::NAN } else { greatest.abs_diff(least).as_secs_f64() }
-    };
-    let iterating = |k: usize| all[k].0.outcome.iterating;
-    let timing = Timing {
-        setup_spread_s: spread(setup[0], setup[last]),
-        iterating_spread_s: spread(iterating(0), iterating(last)),
-        ..timing.clone()
-    };
-    let (mut ended, kept) = all.swap_remove(middle);
-    ended.outcome.setup = setup[middle];
-    Some((ended, kept, timing))
 }
 
 /// Keeps the beginning of a run, iterations in a ratio of about 1.4, and its end: some thirty iterates of a hundred thousand.

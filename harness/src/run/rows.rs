@@ -2,7 +2,7 @@
 
 use crate::plan::{Plan, Variant};
 use crate::problems::{Given, Known, Problem, Studied};
-use crate::run::first_at;
+use crate::run::{OneProblem, Task, first_at};
 use cases::Frozen;
 use contact::{Adjacency, Measure, Measuring, Mechanics, Place, Touch, Vector, Work};
 use partition::{Decomposition, Grid, Partition, Scheme};
@@ -39,12 +39,38 @@ pub(crate) fn nothing_done<M: Studied>(
 ) -> Run {
     Run {
         known: known.solutions(&problem.frozen.problem),
-        plan: plan.name.clone(),
-        problem: problem.frozen.name.clone(),
-        problem_hash: problem.hash.clone(),
-        problem_settings: problem.settings.clone(),
         grains: problem.frozen.problem.grain_count() as u32,
         contacts: problem.frozen.problem.contact_count() as u32,
+        ..asked(plan, problem, provenance)
+    }
+}
+
+/// The row with the task that asks for it; skipped, as long as nothing else is said.
+pub(crate) fn of_task<W>(task: &Task<W>, row: Run) -> Run {
+    let Task { id, variant, .. } = task;
+    Run {
+        id: id.clone(),
+        method: variant.method.name.to_owned(),
+        settings: variant.method.settings.clone(),
+        variant: variant.name.clone(),
+        // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
+        subdomains: variant
+            .method
+            .partition()
+            .map_or(1, |(grid, _)| u32::try_from(grid.count()).unwrap_or(u32::MAX)),
+        warm_start: variant.warm_start,
+        status: "skipped".to_owned(),
+        ..row
+    }
+}
+
+/// What a plan asks of a run, on which problem.
+pub(crate) fn asked(plan: &Plan, problem: &dyn OneProblem, provenance: Provenance) -> Run {
+    Run {
+        plan: plan.name.clone(),
+        problem: problem.name().to_owned(),
+        problem_hash: problem.hash().to_owned(),
+        problem_settings: problem.settings().clone(),
         subdomains: 1,
         stop_on: plan.stop.on.name().to_owned(),
         tolerance: plan.stop.tolerance,

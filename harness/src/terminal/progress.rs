@@ -81,11 +81,6 @@ impl Line {
         });
     }
 
-    /// Shows where a run is that has one measure.
-    pub(crate) fn show_value(&mut self, iteration: u64, on: Measure, value: f64) {
-        self.message(|| format!("iteration {iteration}, {on} {value:.2e}"));
-    }
-
     /// Shows where a simulation is.
     pub(crate) fn show_time_step(&mut self, time_step: u64, of: u64) {
         self.message(|| format!("time step {time_step} of {of}"));

@@ -80,7 +80,11 @@ pub(crate) const MOST_LINES: usize = 120;
 /// The problem, its size, and how many runs there are on it.
 pub(crate) fn title(problem: &str, runs: &[&RunRow]) -> String {
     let size = runs.first().map_or_else(String::new, |run| {
-        format!(": {}, {}", counted(run.grains as usize, "grain"), counted(run.contacts as usize, "contact"))
+        let contacts = counted(run.contacts as usize, "contact");
+        // Where there is W alone, there are none.
+        let grains =
+            if run.grains == 0 { "W of ".to_owned() } else { counted(run.grains as usize, "grain") + ", " };
+        format!(": {grains}{contacts}")
     });
     format!("{problem}{size}, {}", counted(runs.len(), "run"))
 }

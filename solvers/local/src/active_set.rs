@@ -11,7 +11,7 @@ use contact::{Iteration, SetupError, Work};
 const RUNG: f64 = 0.1;
 
 /// Iterations in which what is left must be halved: conjugate gradients, or sweeps follow; sweeps, or the run ends.
-const PATIENCE: u64 = 1000;
+const PATIENCE: u64 = 200;
 const PATIENCE_OF_SWEEPS: u64 = 20_000;
 
 /// Sweeps from one look at what they leave to the next.
@@ -75,7 +75,7 @@ impl<'p, const D: usize> ActiveSet<'p, D> {
 
     /// Takes the impulses `r` (N·s) for the best, if they leave less of the law; returns what they leave (√J).
     fn take(&mut self, r: Vec<f64>) -> f64 {
-        let left = self.problem.left(&r);
+        let left = self.problem.left(&r, &self.problem.velocity_of::<D>(&r));
         if left < self.best.1 {
             self.best = (r, left);
         }

@@ -115,6 +115,13 @@ impl LocalProblem {
         self.friction.len()
     }
 
+    /// The diagonal of W (1/kg), one number for each unknown.
+    pub fn diagonal(&self) -> Vec<f64> {
+        let d = self.dimension;
+        let own = |at: usize| (0..d).map(move |k| self.block(at)[k + d * k]);
+        self.diagonal.iter().copied().flat_map(own).collect()
+    }
+
     /// q: the relative velocities without contact impulses (m/s).
     pub fn q(&self) -> &[f64] {
         &self.q
@@ -212,33 +219,53 @@ impl LocalProblem {
     /// the nearest to `r_t` − `v_t`/`w_t` of size μ `r_n` at most, `w_n` = `W_nn` and `w_t` = `λ_max(W_TT)` of the contact. Where `W_αα` is diagonal it
     /// is the measure of the problems with grains.
     pub fn natural_map(&self, r: &[f64]) -> f64 {
-        let left = self.left(r);
+        let left = self.left(r, &self.velocity(r));
         if left == 0.0 { 0.0 } else { left / self.scale().sqrt() }
     }
 
-    /// √(Σ w (r − r⁺)²) (√J).
-    pub(crate) fn left(&self, r: &[f64]) -> f64 {
-        (0..self.contact_count()).map(|contact| self.left_at(r, contact)).sum::<f64>().sqrt()
+    /// √(Σ w (r − r⁺)²) (√J) of the impulses `r` (N·s), whose velocity is `v` (m/s).
+    pub fn left(&self, r: &[f64], v: &[f64]) -> f64 {
+        let left = match self.dimension {
+            1 => self.left_of::<1>(r, v),
+            2 => self.left_of::<2>(r, v),
+            _ => self.left_of::<3>(r, v),
+        };
+        left.sqrt()
+    }
+
+    fn left_of<const D: usize>(&self, r: &[f64], v: &[f64]) -> f64 {
+        let of = |contact| self.left_at::<D>(contact, &SVector::at(r, contact), &SVector::at(v, contact));
+        (0..self.contact_count()).map(of).sum()
     }
 
     /// w (r − r⁺)² of one contact (J).
-    pub fn left_at(&self, r: &[f64], contact: usize) -> f64 {
-        match self.dimension {
-            1 => self.left_of::<1>(r, contact),
-            2 => self.left_of::<2>(r, contact),
-            _ => self.left_of::<3>(r, contact),
-        }
-    }
-
-    fn left_of<const D: usize>(&self, r: &[f64], contact: usize) -> f64 {
-        let (w, v) = (self.weight::<D>(contact), self.velocity_at::<D>(r, contact));
-        let r = SVector::<f64, D>::at(r, contact);
+    fn left_at<const D: usize>(&self, contact: usize, r: &SVector<f64, D>, v: &SVector<f64, D>) -> f64 {
+        let w = self.weight::<D>(contact);
         let normal = r[0] - law::non_negative(r[0] - v[0] / w[0]);
         let (moved, size) = tangential(r - v.component_div(&w));
         let bound = self.friction[contact] * law::non_negative(r[0]);
         let shortened = if size > bound { bound / size } else { 1.0 };
-        let along = tangential(r).0 - moved * shortened;
+        let along = tangential(*r).0 - moved * shortened;
         w[0] * normal * normal + w[D - 1] * along.norm_squared()
+    }
+
+    /// Whether the natural map of the impulses `r` (N·s) is above `tolerance` (–): the first contacts that are enough to tell are all
+    /// that is looked at.
+    pub fn is_above(&self, tolerance: f64, r: &[f64]) -> bool {
+        match self.dimension {
+            1 => self.is_above_of::<1>(tolerance, r),
+            2 => self.is_above_of::<2>(tolerance, r),
+            _ => self.is_above_of::<3>(tolerance, r),
+        }
+    }
+
+    fn is_above_of<const D: usize>(&self, tolerance: f64, r: &[f64]) -> bool {
+        // With a margin for the round-off of the sum.
+        let (bound, mut left) = (tolerance * tolerance * self.scale() * (1.0 + 1e-9), 0.0);
+        (0..self.contact_count()).any(|contact| {
+            left += self.left_at::<D>(contact, &SVector::at(r, contact), &self.velocity_at(r, contact));
+            left > bound
+        })
     }
 }
 

@@ -7,12 +7,15 @@
 //! So Ŵ − W is diagonally dominant, and q(r) = ½ rᵗ W r + qᵗ r never increases without friction, where W is symmetric.
 
 use crate::{LocalProblem, graph};
-use contact::{Iteration, SetupError, Vector, Work};
+use contact::{Iteration, SetupError, Vector, Work, together};
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
 /// The law at one contact, from `W_αα`, the relative velocity without its own impulse, and μ.
 pub(crate) type Exact<const D: usize> = fn(&SMatrix<f64, D, D>, &SVector<f64, D>, f64) -> SVector<f64, D>;
+
+/// What the update of a contact takes, roughly.
+const NANOSECONDS: usize = 100;
 
 /// A run on one problem.
 pub(crate) struct Sweeps<'p, const D: usize> {
@@ -88,7 +91,8 @@ impl<'p, const D: usize> Sweeps<'p, D> {
 impl<const D: usize> Iteration for Sweeps<'_, D> {
     fn advance(&mut self) {
         let Self { problem, exact, subdomains, place, added, r, .. } = self;
-        subdomains.par_iter_mut().enumerate().for_each(|(own, subdomain)| {
+        let each = together(place.len() * NANOSECONDS);
+        subdomains.par_iter_mut().with_min_len(each).enumerate().for_each(|(own, subdomain)| {
             for k in 0..subdomain.contacts.len() {
                 let contact = subdomain.contacts[k] as usize;
                 let mut w = problem.own::<D>(contact);

@@ -4,6 +4,7 @@
 
 mod convergence;
 mod judge;
+mod local;
 mod looks;
 mod ranks;
 
@@ -20,6 +21,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
+pub use local::{LocalTruth, solve_local};
 pub use looks::Measured;
 pub use ranks::{OnRanks, solve_on_ranks};
 

@@ -1,0 +1,86 @@
+//! A run, repeated for its seconds.
+
+use crate::run::Ended;
+use anyhow::{Context, Result, bail};
+use contact::{Discs, Mechanics, Work};
+use results::journal::Record;
+use results::schema::{Run, Sample, Snapshot, Timing};
+use runner::Status;
+use std::time::{Duration, Instant};
+
+/// The curve of a run, and the iterates that the page shows, if any.
+pub(crate) type Kept = (Vec<Sample>, Vec<Snapshot>);
+
+/// What became of a run.
+pub(crate) enum Made<M: Mechanics = Discs> {
+    /// The user asked for an end.
+    Halted,
+    /// The method cannot start, for this reason.
+    Refused(String),
+    /// The repeat with the median time, and what all took.
+    Ended(Box<Ended<M>>, Kept, Timing),
+}
+
+/// The row of a run that is not made, with its reason.
+pub(crate) fn refused(row: Run, reason: &str) -> Record {
+    let run = Run { reason: reason.to_owned(), ..row };
+    Record { run, curve: Vec::new(), snapshots: Vec::new() }
+}
+
+/// Makes the run `name` as often as `timing` says, by calls of `once`; a method of ours must count the same each time.
+pub(crate) fn repeated<M: Mechanics>(
+    name: &str,
+    ours: bool,
+    timing: &Timing,
+    once: impl Fn() -> Result<(Ended<M>, Kept)>,
+) -> Result<Made<M>> {
+    let clock = Instant::now();
+    let mut all = Vec::new();
+    // The first of several brings code and data into the caches.
+    let warm_ups = u32::from(timing.repeats > 1);
+    for repeat in 0..warm_ups + timing.repeats {
+        match once() {
+            Err(reason) => return Ok(Made::Refused(format!("{reason:#}"))),
+            Ok((ended, _)) if ended.outcome.status == Status::Interrupted => return Ok(Made::Halted),
+            // Another code that gave no answer would give none again.
+            Ok(one) if repeat >= warm_ups || one.0.failed.is_some() => {
+                all.push(one);
+                if all.iter().any(|(ended, _)| ended.failed.is_some()) {
+                    break;
+                }
+            }
+            Ok(_) => {}
+        }
+    }
+    // Another code need not count the same twice.
+    if ours && all.windows(2).any(|pair| counts(&pair[0].0) != counts(&pair[1].0)) {
+        bail!("{name}: it counts other work when it is repeated; a run must not");
+    }
+    let (ended, kept, timing) = median(all, timing).context("a run is made at least once")?;
+    Ok(Made::Ended(Box::new(ended), kept, Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing }))
+}
+
+/// What is the same in every repeat.
+fn counts<M: Mechanics>(Ended { outcome, .. }: &Ended<M>) -> (Status, u64, Work) {
+    (outcome.status, outcome.iterations, outcome.work)
+}
+
+/// The repeat with the median time in `advance`, with the median time in `start` and the spreads of both; `None` of none.
+fn median<M: Mechanics>(mut all: Vec<(Ended<M>, Kept)>, timing: &Timing) -> Option<(Ended<M>, Kept, Timing)> {
+    let mut setup: Vec<_> = all.iter().map(|(ended, _)| ended.outcome.setup).collect();
+    setup.sort_unstable();
+    all.sort_by_key(|(ended, _)| ended.outcome.iterating);
+    let (last, middle) = (all.len().checked_sub(1)?, (all.len() - 1) / 2);
+    let spread = |least: Duration, greatest: Duration| {
+        if last == 0 { f64::NAN } else { greatest.abs_diff(least).as_secs_f64() }
+    };
+    let iterating = |k: usize| all[k].0.outcome.iterating;
+    let timing = Timing {
+        setup_spread_s: spread(setup[0], setup[last]),
+        iterating_spread_s: spread(iterating(0), iterating(last)),
+        ..timing.clone()
+    };
+    let (mut ended, kept) = all.swap_remove(middle);
+    ended.outcome.setup = setup[middle];
+    Some((ended, kept, timing))
+}

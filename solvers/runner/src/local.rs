@@ -1,0 +1,158 @@
+//! The loop on a problem that is W alone.
+
+use crate::judge::Judge;
+use crate::{End, Measured, Outcome, Progress, Stop, run};
+use contact::{Measure, Measures, SetupError, law};
+use local::{LocalProblem, Method};
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+/// A solution of a problem of W alone, which iterates are compared with.
+#[derive(Clone, Debug)]
+pub struct LocalTruth {
+    /// r* (N·s).
+    r: Vec<f64>,
+    /// v* = W r* + q (m/s).
+    v: Vec<f64>,
+    /// r*ᵗ W r* (J).
+    squared: f64,
+    /// q(r*) (J).
+    energy: f64,
+}
+
+impl LocalTruth {
+    /// Of impulses r* (N·s) that solve the problem, which is for others to say.
+    pub fn new(problem: &LocalProblem, r: Vec<f64>) -> Self {
+        let v = problem.velocity(&r);
+        let squared = r.iter().zip(&v).zip(problem.q()).map(|((r, v), q)| r * (v - q)).sum();
+        Self { energy: energy(problem, &r, &v), squared, r, v }
+    }
+
+    /// ‖r − r*‖_W / ‖r*‖_W (–), which is the velocity error of grains whose W it is.
+    fn velocity_error(&self, r: &[f64], v: &[f64]) -> f64 {
+        let apart = |k: usize| (r[k] - self.r[k]) * (v[k] - self.v[k]);
+        // Round-off may leave less than nothing.
+        ((0..r.len()).map(apart).sum::<f64>().max(0.0) / self.squared).sqrt()
+    }
+}
+
+/// ½ rᵗ W r + qᵗ r (J).
+fn energy(problem: &LocalProblem, r: &[f64], v: &[f64]) -> f64 {
+    r.iter().zip(v).zip(problem.q()).map(|((r, v), q)| 0.5 * r * (v + q)).sum()
+}
+
+/// Judges by W.
+struct OnW<'p> {
+    problem: &'p LocalProblem,
+    scale: f64,
+    truth: Option<&'p LocalTruth>,
+}
+
+impl Judge for OnW<'_> {
+    fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    fn measure_after(&mut self, before: &[f64], r: &[f64], velocity_jump: f64) -> Measures {
+        let v = self.problem.velocity(r);
+        let left = self.problem.left(r, &v);
+        let energy = energy(self.problem, r, &v);
+        let approach = |v: &[f64]| law::non_negative(-v[0]);
+        let rates = v.chunks(self.problem.dimension()).map(approach).enumerate();
+        let worst = rates.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, rate)| *rate > 0.0);
+        let (apart, both) = before.iter().zip(r).fold((0.0, 0.0), |(apart, both), (before, r)| {
+            (apart + (r - before) * (r - before), both + r * before)
+        });
+        Measures {
+            zeta: if before.is_empty() { f64::NAN } else { (apart / both).sqrt() },
+            natural_map: if left == 0.0 { 0.0 } else { left / self.scale.sqrt() },
+            penetration_rate: worst.map_or(0.0, |(_, rate)| rate),
+            worst_contact: worst.map(|(contact, _)| contact),
+            velocity_error: self.truth.map_or(f64::NAN, |truth| truth.velocity_error(r, &v)),
+            energy_gap: self.truth.map_or(f64::NAN, |truth| (energy - truth.energy) / truth.energy.abs()),
+            velocity_jump,
+            energy,
+            ..Measures::default()
+        }
+    }
+
+    fn goes_on(&mut self, on: Measure, tolerance: f64, _: f64, (_, r): (&[f64], &[f64])) -> bool {
+        on == Measure::NaturalMap && self.problem.is_above(tolerance, r)
+    }
+
+    /// None is looked for: a direction that W does not feel may yet be blocked by the law along the tangents.
+    fn any_proves_infeasible(&mut self, _: &[Vec<f64>]) -> bool {
+        false
+    }
+
+    fn greatest_rate(&self) -> f64 {
+        let q = self.problem.q().iter().step_by(self.problem.dimension());
+        q.fold(0.0, |rate: f64, q| rate.max(-q))
+    }
+
+    fn has_one_velocity(&self) -> bool {
+        self.problem.friction().iter().all(|mu| *mu == 0.0)
+    }
+
+    fn any(&self, here: bool) -> bool {
+        here
+    }
+}
+
+/// Runs `method` on a problem of W alone from r = 0 until `stop`, beside a solution if one is known; as of other runs, the observer
+/// sees every iterate. The outcome has no velocity, since there are no grains.
+///
+/// # Errors
+/// Names the setting or the stop rule that has no meaning: of the measures, LMGC90's two are for grains.
+pub fn solve_local(
+    truth: Option<&LocalTruth>,
+    method: Method,
+    problem: &LocalProblem,
+    stop: &Stop,
+    measured: Measured,
+    observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+) -> Result<Outcome, SetupError> {
+    stop.check()?;
+    let is_known = match stop.on {
+        Measure::QuadDv | Measure::MaxDv => false,
+        Measure::VelocityError => truth.is_some(),
+        Measure::Zeta | Measure::NaturalMap | Measure::PenetrationRate => true,
+    };
+    let expected = "a measure that is known where there is W alone";
+    SetupError::unless(is_known, "on", stop.on, expected)?;
+    let clock = Instant::now();
+    let mut iteration = method.start(problem)?;
+    let setup = clock.elapsed();
+    let mut judge = OnW { problem, scale: problem.scale(), truth };
+    let r0 = vec![0.0; problem.q().len()];
+    let End { status, iterations, measures, before, impulses, iterating } =
+        run(&mut judge, &mut *iteration, r0, stop, measured, observe);
+    Ok(Outcome {
+        status,
+        iterations,
+        measures,
+        velocity: Vec::new(),
+        setup,
+        iterating,
+        work: iteration.work(),
+        derived: iteration.derived(),
+        critical_path: iteration.critical_path(),
+        last_change_moves: moving_share(problem, &before, &impulses),
+        impulses,
+    })
+}
+
+/// √(dᵗ W d / dᵗ `W_D` d) of the last change d (–), as with grains.
+fn moving_share(problem: &LocalProblem, before: &[f64], r: &[f64]) -> f64 {
+    if before.len() != r.len() {
+        return f64::NAN;
+    }
+    let (v, was) = (problem.velocity(r), problem.velocity(before));
+    let (diagonal, mut of_change, mut of_motion) = (problem.diagonal(), 0.0, 0.0);
+    for (k, w) in diagonal.iter().enumerate() {
+        let change = r[k] - before[k];
+        of_change += w * change * change;
+        of_motion += change * (v[k] - was[k]);
+    }
+    (of_motion.max(0.0) / of_change).sqrt()
+}
