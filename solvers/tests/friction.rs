@@ -68,7 +68,7 @@ pub(crate) fn given(solution: &Value) -> Vec<f64> {
     serde_json::from_value::<Vec<[f64; 2]>>(solution["impulse"].clone()).unwrap().concat()
 }
 
-fn given_solution() -> Value {
+pub(crate) fn given_solution() -> Value {
     let text = std::fs::read_to_string(frozen_path("rough-991-mu08.solution.json")).unwrap();
     serde_json::from_str(&text).unwrap()
 }

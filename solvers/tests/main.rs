@@ -25,3 +25,4 @@ mod proportioning;
 mod reference;
 mod rough_spheres;
 mod spheres;
+mod tresca;

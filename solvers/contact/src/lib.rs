@@ -33,7 +33,8 @@ pub use meter::{Measuring, Meter, ratio};
 pub use packing::Packing;
 pub use problem::ContactProblem;
 pub use rough::{
-    RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughMeter, RoughSpheres, Rubbing, SphereColumn, frame,
+    RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughMeter, RoughSpheres, Rubbing, SphereColumn,
+    TrescaColumn, TrescaContact, TrescaDiscs, frame,
 };
 pub use scaled::ScaledContact;
 pub use solver::{Iteration, Solver};

@@ -23,13 +23,15 @@ fn hue(color: RGBColor) -> Option<f64> {
 
 #[test]
 fn shades_keep_the_hue_of_their_method_and_their_distance_from_all_others() {
-    for (i, (method, family)) in METHODS.iter().enumerate() {
+    let spare = SPARE.iter().map(|family| ("a spare one", family));
+    let all: Vec<_> = METHODS.iter().map(|(method, family)| (*method, family)).chain(spare).collect();
+    for (i, (method, family)) in all.iter().enumerate() {
         for shade in family.shades {
             match (hue(shade), hue(family.shades[0])) {
                 (Some(hue), Some(own)) => assert!((hue - own).abs() <= 8.0, "{method}: {hue} for {own}"),
                 (hue, own) => assert_eq!(hue, own, "{method}"),
             }
-            for (other, others) in METHODS.iter().skip(i + 1) {
+            for (other, others) in all.iter().skip(i + 1) {
                 for of_other in others.shades {
                     let apart = parts(shade)
                         .iter()
@@ -37,7 +39,7 @@ fn shades_keep_the_hue_of_their_method_and_their_distance_from_all_others() {
                         .map(|(a, b)| (a - b).powi(2))
                         .sum::<f64>()
                         .sqrt();
-                    assert!(apart >= 48.0, "{method} and {other} have shades that differ by {apart}");
+                    assert!(apart >= 48.0, "{method} and {other} ({i}) have shades that differ by {apart}: {shade:?}, {of_other:?}");
                 }
             }
         }
