@@ -10,6 +10,7 @@ mod directions;
 mod macroscopic;
 mod peers;
 mod profiles;
+mod ranks;
 mod relaxation;
 mod sample;
 mod scaling;
@@ -122,6 +123,12 @@ const CHARTS: &[Chart] = &[
         makes: "`critical-path-<problem>`, `critical-path`",
         shows: "speed-up by subdomains on the same axes: counted on the longest of them, and measured; the ideal",
         parts: Parts::Problems(critical_path::parts),
+    },
+    Chart {
+        name: "ranks",
+        makes: "`ranks-<problem>`, `ranks`",
+        shows: "iterations and predicted speed-up with a rank for each subdomain, from counted work, messages and bytes at a cluster's prices; which share messages take",
+        parts: Parts::Problems(ranks::parts),
     },
     Chart {
         name: "atlas",

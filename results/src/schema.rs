@@ -39,8 +39,9 @@ pub struct Run {
     /// What was computed of the problem and of the run's partition, as JSON: `lambda_max`, the greatest eigenvalue of
     /// W_D⁻¹W, for many contacts by power iteration; of small problems `closed_lambda_max` and `closed_lambda_min`, the
     /// greatest and the least positive one over the contacts that the solution keeps closed, `redundant`, how many are 0, and
-    /// `kappa_opt`, the best direction of LATIN that follows; `multiplicity`, the most copies of a grain; `coupling`, without
-    /// split masses, the greatest eigenvalue of W_D⁻¹W with all within a subdomain left out.
+    /// `kappa_opt`, the best direction of LATIN that follows; `multiplicity`, the most copies of a grain; `neighbours` and
+    /// `sent_bytes`, of the subdomain that has most, with how many others it shares grains, and what it sends them when copies are
+    /// glued; `coupling`, without split masses, the greatest eigenvalue of W_D⁻¹W with all within a subdomain left out.
     #[serde(default, with = "json")]
     pub spectrum: Map<String, Value>,
     /// The settings in which the runs of this method in this plan differ, such as `4x2`; empty if they are alone.

@@ -168,7 +168,8 @@ fn name<M: Studied>(task: &Task<&Problem<M>>) -> String {
 }
 
 /// What explains how the run ends, where the plan asks for it: the spectrum of the problem; of a partition the most copies of a
-/// grain and, where masses are whole, how strongly subdomains act on each other.
+/// grain, the most neighbours of a subdomain and the most bytes that one sends in an exchange, and, where masses are whole, how
+/// strongly subdomains act on each other.
 fn spectrum<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, known: &Known<M>) -> Map<String, Value> {
     if !plan.spectra {
         return Map::new();
@@ -179,8 +180,14 @@ fn spectrum<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, known: &Known<M>)
     if let Some((grid, scheme)) = variant.method.partition()
         && let Ok(partition) = Partition::of_contacts(problem, scheme, grid)
     {
-        let multiplicity = Decomposition::new(problem, &partition).multiplicity.iter().copied().max();
-        columns.insert("multiplicity".to_owned(), json!(multiplicity));
+        let decomposition = Decomposition::new(problem, &partition);
+        let (neighbours, sent) = decomposition.greatest_exchange();
+        let sent_bytes = sent * (size_of::<f64>() * M::Velocity::LEN) as u64;
+        columns.extend([
+            ("multiplicity".to_owned(), json!(decomposition.multiplicity.iter().copied().max())),
+            ("neighbours".to_owned(), json!(neighbours)),
+            ("sent_bytes".to_owned(), json!(sent_bytes)),
+        ]);
         if variant.method.setting::<bool>("mass_splitting") == Some(false)
             && let Some(coupling) = M::coupling(problem, &partition.subdomain)
         {

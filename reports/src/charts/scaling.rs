@@ -12,7 +12,7 @@ pub(crate) fn path(run: &RunRow) -> Option<f64> {
     Some(run.iterations as f64 * path_per_iteration(run)?)
 }
 
-fn path_per_iteration(run: &RunRow) -> Option<f64> {
+pub(crate) fn path_per_iteration(run: &RunRow) -> Option<f64> {
     run.derived.get("critical_path")?.as_f64()
 }
 

@@ -92,6 +92,14 @@ impl RunRow {
         Some(format!("{} ≤ {}", self.stop_on.replace('_', " "), number(self.tolerance?, 2)))
     }
 
+    /// The same run as if it were shared like another: of a method whose iterates do not depend on that.
+    pub(crate) fn shared_as(&self, other: &Self) -> Self {
+        let mut shared = self.clone();
+        shared.row.subdomains = other.subdomains;
+        shared.row.spectrum.clone_from(&other.row.spectrum);
+        shared
+    }
+
     /// Set-up and iterations (s).
     pub(crate) fn seconds(&self) -> Option<f64> {
         Some(self.setup_s? + self.iterating_s?)

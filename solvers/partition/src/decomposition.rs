@@ -77,6 +77,24 @@ impl Decomposition {
         self.subdomains.iter().map(|subdomain| subdomain.boundary.len()).sum()
     }
 
+    /// With how many others the subdomain with most neighbours shares grains; and how many values of copies the one that sends most
+    /// sends them, one of each of its copies to each other copy of that grain.
+    pub fn greatest_exchange(&self) -> (u32, u64) {
+        let mut of_each = vec![(BTreeSet::new(), 0_u64); self.subdomains.len()];
+        for copies in &self.boundary {
+            for (e, _) in copies {
+                let own = e.checked_sub(self.first).and_then(|e| of_each.get_mut(e as usize));
+                if let Some((neighbours, sent)) = own {
+                    neighbours.extend(copies.iter().map(|(f, _)| *f).filter(|f| f != e));
+                    *sent += copies.len() as u64 - 1;
+                }
+            }
+        }
+        of_each.iter().fold((0, 0), |(most, greatest), (neighbours, sent)| {
+            (most.max(neighbours.len() as u32), greatest.max(*sent))
+        })
+    }
+
     /// Greedy colours of all subdomains: each, in their order, takes the least that none before it has with which it shares a grain.
     pub fn colours(&self, team: &Team) -> Vec<u32> {
         let mut neighbours = vec![BTreeSet::new(); self.subdomains.len()];

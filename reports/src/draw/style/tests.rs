@@ -39,7 +39,10 @@ fn shades_keep_the_hue_of_their_method_and_their_distance_from_all_others() {
                         .map(|(a, b)| (a - b).powi(2))
                         .sum::<f64>()
                         .sqrt();
-                    assert!(apart >= 48.0, "{method} and {other} ({i}) have shades that differ by {apart}: {shade:?}, {of_other:?}");
+                    assert!(
+                        apart >= 48.0,
+                        "{method} and {other} ({i}) have shades that differ by {apart}: {shade:?}, {of_other:?}"
+                    );
                 }
             }
         }

@@ -1,0 +1,142 @@
+//! What a rank for each subdomain would bring: the work of the longest, counted and timed, and its messages, counted, at the price of
+//! a cluster's.
+
+use polars::df;
+
+use super::scaling::{path_per_iteration, seconds_per_iteration};
+use super::subdomains::{Panel, figure};
+use crate::draw::{Series, series};
+use crate::read::{Ending, Problems, RunRow, file_name, problems};
+use crate::text::{Part, chosen};
+
+/// α: what a message takes whatever its length, and β: what each of its bytes takes (s); of an InfiniBand network of 100 Gbit/s.
+const LATENCY_S: f64 = 1.5e-6;
+const BYTE_S: f64 = 1.0 / 12e9;
+
+const NOTE: &str = "\nPredicted, with a rank for each subdomain: T = w + e (m α + β B) + k α ⌈log₂ p⌉ for an iteration. w: the \
+                    seconds of the run with the fewest subdomains, in proportion to the counted work of the longest subdomain; of cg, \
+                    to their number. m and B: counted neighbours and bytes of the subdomain that has most; e: exchanges, of cg one for \
+                    each product with W; k: sums over all ranks, of cg four, of coarse problems one. α = 1.5 µs and 1/β = 12 GB/s, \
+                    those of a cluster. It knows nothing of ranks that share a memory's bandwidth, of caches, nor of those that \
+                    are late.\n";
+
+/// The seconds of an iteration: work, messages to neighbours, sums over all ranks.
+struct Predicted {
+    work_s: f64,
+    messages_s: f64,
+    sums_s: f64,
+}
+
+impl Predicted {
+    /// Of a run of a series, if it was timed and its messages are counted.
+    fn of(series: &Series, run: &RunRow) -> Option<Self> {
+        let same = series.runs.iter().filter(|other| other.problem == run.problem);
+        let fewest = same.min_by_key(|other| other.subdomains)?;
+        let seconds = seconds_per_iteration(fewest)?;
+        let share = match (path_per_iteration(run), path_per_iteration(fewest)) {
+            (Some(own), Some(fewest)) => own / fewest,
+            _ => f64::from(fewest.subdomains) / f64::from(run.subdomains),
+        };
+        let counted =
+            |key: &str| if run.subdomains == 1 { Some(0.0) } else { run.spectrum.get(key)?.as_f64() };
+        let is_cg = run.method == "cg";
+        let products = run.end.work.delassus_products as f64 / run.iterations as f64;
+        let exchanges = if is_cg { products } else { 1.0 };
+        let is_coarse = run.settings.get("coarse").and_then(serde_json::Value::as_bool) == Some(true);
+        let sums = if is_cg { 4.0 } else { f64::from(u8::from(is_coarse)) };
+        Some(Self {
+            work_s: seconds * share,
+            messages_s: exchanges * (counted("neighbours")? * LATENCY_S + counted("sent_bytes")? * BYTE_S),
+            sums_s: sums * LATENCY_S * f64::from(run.subdomains).log2().ceil(),
+        })
+    }
+
+    fn iteration_s(&self) -> f64 {
+        self.work_s + self.messages_s + self.sums_s
+    }
+}
+
+fn seconds(series: &Series, run: &RunRow) -> Option<f64> {
+    Some(run.iterations as f64 * Predicted::of(series, run)?.iteration_s())
+}
+
+/// Over the run with the fewest subdomains.
+fn speed_up(series: &Series, run: &RunRow) -> Option<f64> {
+    let same = series.runs.iter().filter(|other| other.problem == run.problem);
+    let fewest = same.min_by_key(|other| other.subdomains)?;
+    Some(seconds(series, fewest)? / seconds(series, run)?)
+}
+
+fn share_of_messages(series: &Series, run: &RunRow) -> Option<f64> {
+    let predicted = Predicted::of(series, run)?;
+    Some(1.0 - predicted.work_s / predicted.iteration_s()).filter(|share| *share > 0.0)
+}
+
+/// The runs that were made; those of cg, whose iterates do not depend on subdomains, on as many as others have too.
+fn on_ranks(study: &Problems) -> Vec<RunRow> {
+    let made = || study.runs.iter().filter(|run| run.ending != Ending::Skipped);
+    let shared = made().filter(|run| run.method == "cg").flat_map(|run| {
+        let mut seen = vec![run.subdomains];
+        let others = made().filter(move |other| {
+            let is_new = other.problem == run.problem
+                && other.spectrum.contains_key("neighbours")
+                && !seen.contains(&other.subdomains);
+            if is_new {
+                seen.push(other.subdomains);
+            }
+            is_new
+        });
+        others.map(|other| run.shared_as(other))
+    });
+    made().cloned().chain(shared).collect()
+}
+
+/// `ranks-<problem>` for each problem, and the table `ranks`.
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
+    let runs = on_ranks(study);
+    let panels = [
+        Panel::iterations(),
+        Panel { ideal: true, ..Panel::new("predicted speed-up to the tolerance (–)", speed_up) },
+        Panel {
+            on_the_way: true,
+            ..Panel::new("predicted share of messages and sums (–)", share_of_messages)
+        },
+    ];
+    let mut parts = Vec::new();
+    for problem in problems(&runs) {
+        let of_problem: Vec<&RunRow> = runs.iter().filter(|run| run.problem == problem).collect();
+        let notes = vec!["Predicted for a rank per subdomain, messages of 1.5 µs and 12 GB/s.".to_owned()];
+        let name = format!("ranks-{}", file_name(problem));
+        let all = series(of_problem.iter().copied(), &["subdomains"]);
+        let title = crate::draw::title(problem, &of_problem);
+        parts.push(figure(name, title, &all, &panels, notes));
+    }
+    parts.push(table(&runs));
+    parts
+}
+
+fn table(runs: &[RunRow]) -> Part {
+    let all = series(runs, &["subdomains"]);
+    let mut rows: Vec<(&Series, &RunRow)> =
+        all.iter().flat_map(|series| series.runs.iter().map(move |run| (series, *run))).collect();
+    rows.sort_by_key(|(series, run)| (run.problem.clone(), series.label(), run.subdomains));
+    let of = |value: &dyn Fn(&Series, &RunRow) -> Option<f64>| {
+        rows.iter().map(|(series, run)| value(series, run)).collect::<Vec<_>>()
+    };
+    let part =
+        |part: fn(&Predicted) -> f64| of(&|series, run| Some(1e6 * part(&Predicted::of(series, run)?)));
+    let own = df!(
+        "method" => rows.iter().map(|(series, _)| series.label()).collect::<Vec<_>>(),
+        "status" => rows.iter().map(|(_, run)| run.ending.text()).collect::<Vec<_>>(),
+        "neighbours" => of(&|_, run| run.spectrum.get("neighbours")?.as_f64()),
+        "sent_bytes" => of(&|_, run| run.spectrum.get("sent_bytes")?.as_f64()),
+        "work_us" => part(|predicted| predicted.work_s),
+        "messages_us" => part(|predicted| predicted.messages_s),
+        "sums_us" => part(|predicted| predicted.sums_s),
+        "predicted_s" => of(&seconds),
+        "predicted_speed_up" => of(&speed_up),
+    );
+    let names = "problem method subdomains status iterations neighbours sent_bytes work_us messages_us sums_us \
+                 predicted_s predicted_speed_up";
+    Part::table("ranks", chosen(rows.iter().map(|(_, run)| *run), names, own), NOTE)
+}
