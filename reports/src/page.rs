@@ -157,17 +157,20 @@ fn answered(study: &Study, sections: &[Section]) -> Vec<String> {
     if let Some(section) = sections.iter().find(is_answer) {
         return section.sentences.clone();
     }
+    let predicted = sections.iter().filter(|section| section.name == "ranks");
+    let predicted = predicted.flat_map(|section| section.sentences.clone());
     let asks = |chart: &str| sections.iter().any(|section| section.name == chart);
     let of_rows = match study {
         Study::Problems(study) => answer(study, OF_SUBDOMAINS.iter().any(|chart| asks(chart))),
         Study::Simulations(_) => Vec::new(),
     };
     let of_charts = || sections.iter().flat_map(|section| &section.sentences).take(1).cloned().collect();
-    if of_rows.is_empty() { of_charts() } else { of_rows }
+    let all: Vec<String> = of_rows.into_iter().chain(predicted).collect();
+    if all.is_empty() { of_charts() } else { all }
 }
 
 /// The charts of studies that ask what subdomains cost.
-const OF_SUBDOMAINS: [&str; 4] = ["convergence", "subdomains", "weak", "critical-path"];
+const OF_SUBDOMAINS: [&str; 5] = ["convergence", "subdomains", "weak", "critical-path", "ranks"];
 
 /// A page with the viewer alone: the sample of one problem of its `grains` and `contacts`, and runs on it.
 ///

@@ -5,8 +5,8 @@ use polars::df;
 
 use super::scaling::{path_per_iteration, seconds_per_iteration};
 use super::subdomains::{Panel, figure};
-use crate::draw::{Series, series};
-use crate::read::{Ending, Problems, RunRow, file_name, problems};
+use crate::draw::{Series, series, title};
+use crate::read::{Ending, Problems, RunRow, counted, file_name, number, problems};
 use crate::text::{Part, chosen};
 
 /// α: what a message takes whatever its length, and β: what each of its bytes takes (s); of an InfiniBand network of 100 Gbit/s.
@@ -67,11 +67,6 @@ fn speed_up(series: &Series, run: &RunRow) -> Option<f64> {
     Some(seconds(series, fewest)? / seconds(series, run)?)
 }
 
-fn share_of_messages(series: &Series, run: &RunRow) -> Option<f64> {
-    let predicted = Predicted::of(series, run)?;
-    Some(1.0 - predicted.work_s / predicted.iteration_s()).filter(|share| *share > 0.0)
-}
-
 /// The runs that were made; those of cg, whose iterates do not depend on subdomains, on as many as others have too.
 fn on_ranks(study: &Problems) -> Vec<RunRow> {
     let made = || study.runs.iter().filter(|run| run.ending != Ending::Skipped);
@@ -96,11 +91,8 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = on_ranks(study);
     let panels = [
         Panel::iterations(),
-        Panel { ideal: true, ..Panel::new("predicted speed-up to the tolerance (–)", speed_up) },
-        Panel {
-            on_the_way: true,
-            ..Panel::new("predicted share of messages and sums (–)", share_of_messages)
-        },
+        Panel::new("predicted seconds to the tolerance (s)", seconds),
+        Panel { ideal: true, ..Panel::new("predicted speed-up (–)", speed_up) },
     ];
     let mut parts = Vec::new();
     for problem in problems(&runs) {
@@ -108,11 +100,36 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
         let notes = vec!["Predicted for a rank per subdomain, messages of 1.5 µs and 12 GB/s.".to_owned()];
         let name = format!("ranks-{}", file_name(problem));
         let all = series(of_problem.iter().copied(), &["subdomains"]);
-        let title = crate::draw::title(problem, &of_problem);
-        parts.push(figure(name, title, &all, &panels, notes));
+        let made: Vec<&RunRow> = study.runs.iter().filter(|run| run.problem == problem).collect();
+        parts.push(figure(name, title(problem, &made), &all, &panels, notes));
     }
+    let found: String = problems(&runs).into_iter().filter_map(|problem| sentence(&runs, problem)).collect();
+    parts.extend((!found.is_empty()).then(|| Part::text("ranks-found", found)));
     parts.push(table(&runs));
     parts
+}
+
+/// Which number of ranks is the best of each series on a problem, the fastest first, and what takes the time there.
+fn sentence(runs: &[RunRow], problem: &str) -> Option<String> {
+    let all = series(runs.iter().filter(|run| run.problem == problem), &["subdomains"]);
+    let best = |series: &Series| {
+        let timed = series.runs.iter().filter(|run| run.has_converged());
+        let timed = timed
+            .filter_map(|run| Some((seconds(series, run)?, run.subdomains, Predicted::of(series, run)?)));
+        let (seconds, ranks, predicted) = timed.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let share = (100.0 * (1.0 - predicted.work_s / predicted.iteration_s())).round();
+        let on = format!(
+            "{} s on {}, {share} % of it messages and sums",
+            number(seconds, 2),
+            counted(ranks as usize, "rank")
+        );
+        Some((seconds, format!("{} {on}", series.label())))
+    };
+    let mut best: Vec<(f64, String)> = all.iter().filter_map(best).collect();
+    best.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let best: Vec<String> = best.into_iter().map(|(_, text)| text).collect();
+    (!best.is_empty())
+        .then(|| format!("Predicted at the best number of ranks, {problem}: {}.\n", best.join("; ")))
 }
 
 fn table(runs: &[RunRow]) -> Part {

@@ -8,6 +8,9 @@ const MAJOR_TICK: f64 = 1.1;
 const MINOR_TICK: f64 = 0.6;
 /// Labels nearer to each other than this (mm) are hard to read.
 const LABEL_PITCH: f64 = 6.5;
+/// Width of a digit of a label, and the room between two labels (mm).
+const DIGIT: f64 = 1.4;
+const APART: f64 = 1.0;
 
 /// What the coordinates of an axis are, and so where its ticks stand.
 #[derive(Clone, Copy, PartialEq)]
@@ -65,10 +68,7 @@ impl Axis {
     pub(crate) fn labels(&self) -> Vec<(f64, String)> {
         match self.scale {
             Scale::Ten => self.powers_of_ten(),
-            Scale::Two => (0..32)
-                .map(|exponent| (f64::from(exponent) * 2f64.log10(), (1_u64 << exponent).to_string()))
-                .filter(|(log, _)| self.holds(*log))
-                .collect(),
+            Scale::Two => self.powers_of_two(),
             Scale::Share => {
                 // Quarters, or tenths where there is room for few of them.
                 let parts = if self.high - self.low < 0.6 { 10 } else { 4 };
@@ -84,6 +84,17 @@ impl Axis {
                 .filter(|(place, _)| self.holds(*place))
                 .collect(),
         }
+    }
+
+    /// In steps that keep them apart.
+    fn powers_of_two(&self) -> Vec<(f64, String)> {
+        let octave = 2f64.log10();
+        let power = |exponent: u32| (f64::from(exponent) * octave, (1_u64 << exponent).to_string());
+        let held: Vec<u32> = (0..32).filter(|exponent| self.holds(f64::from(*exponent) * octave)).collect();
+        let digits = held.last().map_or(0, |last| power(*last).1.len());
+        let pitch = (self.place(octave) - self.place(0.0)).abs();
+        let step = ((DIGIT * digits as f64 + APART) / pitch).ceil() as u32;
+        held.into_iter().filter(|exponent| exponent.is_multiple_of(step.max(1))).map(power).collect()
     }
 
     fn powers_of_ten(&self) -> Vec<(f64, String)> {

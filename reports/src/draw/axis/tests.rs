@@ -27,6 +27,13 @@ fn powers_of_two_are_labelled_by_their_values() {
 }
 
 #[test]
+fn many_powers_of_two_are_labelled_in_steps() {
+    let axis = Axis { scale: Scale::Two, ..Axis::log((-0.1, 3.7), 0.0, 42.0) };
+    let texts: Vec<String> = axis.labels().into_iter().map(|(_, text)| text).collect();
+    assert_eq!(texts, ["1", "4", "16", "64", "256", "1024", "4096"]);
+}
+
+#[test]
 fn short_axis_has_labels_between_the_powers() {
     let axis = Axis::log((2.2, 3.1), 0.0, 40.0);
     let texts: Vec<String> = axis.labels().into_iter().map(|(_, text)| text).collect();
