@@ -14,10 +14,12 @@ mod march;
 mod marched;
 mod observables;
 mod periodic;
+mod placed;
 mod rough;
 mod sample;
 mod scene;
 mod shapes;
+mod sizes;
 mod stress;
 
 pub use bodies::Drum;
@@ -34,4 +36,5 @@ pub use observables::{Explosion, Missed, Observables};
 pub use rough::AnyFrozen;
 pub use sample::{Grain, Sample};
 pub use scene::{Direction, Law, Scene, Vibration, WallMotion, Walls};
+pub use sizes::Sizes;
 pub use stress::Stress;

@@ -1,12 +1,12 @@
 //! Samples: discs or spheres with radius, mass and place before time begins. What is random comes from the sample's seed.
 
 use crate::deposit;
+use crate::placed::placed;
 use crate::rough::AnyFrozen;
 use crate::shapes;
+use crate::sizes::{Radii, Sizes};
 use contact::{Place, is_positive, shown};
 use nalgebra::Vector2;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -84,7 +84,7 @@ pub enum Sample {
         #[serde(default = "one")]
         top_mass_ratio: f64,
     },
-    /// Discs with radii drawn evenly from a range, laid one by one at the lowest place left where two others, or one
+    /// Discs with radii drawn from a range, laid one by one at the lowest place left where two others, or one
     /// and a wall, hold it: close to a packing at rest, which time then settles.
     Deposited {
         /// Number of discs.
@@ -93,6 +93,9 @@ pub enum Sample {
         seed: u64,
         /// Least and greatest radius (m).
         radius_m: [f64; 2],
+        /// How the radii are distributed between these two; without it evenly by number.
+        #[serde(default)]
+        sizes: Sizes,
         /// Radius of one disc in the midst of the others, in place of its own (m).
         intruder_radius_m: Option<f64>,
         /// Mass per area (kg/m²).
@@ -135,7 +138,7 @@ pub enum Sample {
         /// Mass per volume (kg/m³).
         density_kg_per_m3: f64,
     },
-    /// Spheres with radii drawn evenly from a range, let fall one by one over places that are drawn too: each rolls down to where
+    /// Spheres with radii drawn from a range, let fall one by one over places that are drawn too: each rolls down to where
     /// others and walls hold it, and a few stop on the way. Loose, and near a packing at rest, which time then settles.
     DepositedSpheres {
         /// Number of spheres.
@@ -144,6 +147,23 @@ pub enum Sample {
         seed: u64,
         /// Least and greatest radius (m).
         radius_m: [f64; 2],
+        /// How the radii are distributed between these two; without it evenly by number.
+        #[serde(default)]
+        sizes: Sizes,
+        /// Mass per volume (kg/m³).
+        density_kg_per_m3: f64,
+    },
+    /// Discs at the places of a CSV file, with the columns `x_m`, `y_m` and `radius_m`; others are left alone.
+    Placed {
+        /// The file, seen from the folder of the case.
+        file: PathBuf,
+        /// Mass per area (kg/m²).
+        density_kg_per_m2: f64,
+    },
+    /// Spheres at the places of a CSV file, with the columns `x_m`, `y_m`, `z_m` and `radius_m`.
+    PlacedSpheres {
+        /// The file, seen from the folder of the case.
+        file: PathBuf,
         /// Mass per volume (kg/m³).
         density_kg_per_m3: f64,
     },
@@ -177,7 +197,11 @@ impl Sample {
                 Some(("sample.columns times sample.rows", all.saturating_sub(less)))
             }
             Self::Rollers { rollers, .. } => Some(("sample.rollers", rollers.into())),
-            Self::Discs { .. } | Self::Spheres { .. } | Self::Frozen { .. } => None,
+            Self::Discs { .. }
+            | Self::Spheres { .. }
+            | Self::Placed { .. }
+            | Self::PlacedSpheres { .. }
+            | Self::Frozen { .. } => None,
         }
     }
 
@@ -189,12 +213,14 @@ impl Sample {
             | Self::Triangular { .. }
             | Self::Zigzag { .. }
             | Self::Rollers { .. }
-            | Self::Deposited { .. } => false,
+            | Self::Deposited { .. }
+            | Self::Placed { .. } => false,
             Self::Spheres { .. }
             | Self::ColumnOfSpheres { .. }
             | Self::SimpleCubic { .. }
             | Self::FaceCentred { .. }
-            | Self::DepositedSpheres { .. } => true,
+            | Self::DepositedSpheres { .. }
+            | Self::PlacedSpheres { .. } => true,
             Self::Frozen { file } => frozen(&folder.join(file))?.in_space(),
         })
     }
@@ -223,8 +249,9 @@ impl Sample {
                 let rollers = shapes::rollers(rollers, radius_m, top_radius_m)?;
                 (in_plane(&rollers), density_kg_per_m2, top_mass_ratio)
             }
-            Self::Deposited { grains, seed, radius_m, intruder_radius_m, density_kg_per_m2 } => {
-                let radii = drawn(grains, seed, radius_m, intruder_radius_m, &[("width_m", walls()?)])?;
+            Self::Deposited { grains, seed, radius_m, ref sizes, intruder_radius_m, density_kg_per_m2 } => {
+                let radii = Radii { sizes, range: radius_m, dimensions: 2 }.drawn(grains, seed)?;
+                let radii = with_room(radii, radius_m[1], intruder_radius_m, &[("width_m", walls()?)])?;
                 let deposited = deposit::deposit(&radii, walls()?).map_err(no_place)?;
                 let discs = deposited.into_iter().map(|(x, radius)| [x.x, x.y, 0.0, radius]);
                 (discs.collect(), density_kg_per_m2, 1.0)
@@ -236,11 +263,18 @@ impl Sample {
             Self::FaceCentred { counts, radius_m, density_kg_per_m3 } => {
                 (shapes::face_centred(counts, radius_m), density_kg_per_m3, 1.0)
             }
-            Self::DepositedSpheres { grains, seed, radius_m, density_kg_per_m3 } => {
+            Self::Placed { ref file, density_kg_per_m2 } => {
+                (placed(&folder.join(file), false)?, density_kg_per_m2, 1.0)
+            }
+            Self::PlacedSpheres { ref file, density_kg_per_m3 } => {
+                (placed(&folder.join(file), true)?, density_kg_per_m3, 1.0)
+            }
+            Self::DepositedSpheres { grains, seed, radius_m, ref sizes, density_kg_per_m3 } => {
                 let behind = "`sample.kind` asks for walls behind and before: it needs `scene.box.depth_m`";
                 let size = [walls()?, depth.ok_or(behind)?];
-                let radii =
-                    drawn(grains, seed, radius_m, None, &[("width_m", size[0]), ("depth_m", size[1])])?;
+                let radii = Radii { sizes, range: radius_m, dimensions: 3 }.drawn(grains, seed)?;
+                let room = [("width_m", size[0]), ("depth_m", size[1])];
+                let radii = with_room(radii, radius_m[1], None, &room)?;
                 (deposit::deposit_spheres(&radii, size, seed), density_kg_per_m3, 1.0)
             }
             Self::Frozen { ref file } => return checked(frozen(&folder.join(file))?.grains()),
@@ -285,22 +319,14 @@ fn checked<P: Place>(grains: Vec<Grain<P>>) -> Result<Vec<Grain<P>>, String> {
     }
 }
 
-/// Radii drawn evenly from a range, that of the intruder in the middle of the list, for a box with so much room along each of some keys
+/// `radii` of `greatest` at most, that of the intruder in the middle of the list, for a box with so much room along each of some keys
 /// (m).
-fn drawn(
-    grains: u32,
-    seed: u64,
-    [least, greatest]: [f64; 2],
+fn with_room(
+    mut radii: Vec<f64>,
+    greatest: f64,
     intruder: Option<f64>,
     room: &[(&str, f64)],
 ) -> Result<Vec<f64>, String> {
-    if !(least > 0.0 && least <= greatest && greatest.is_finite()) {
-        return Err(format!(
-            "`sample.radius_m` is [{}, {}]: it must be positive, and not falling",
-            shown(least),
-            shown(greatest)
-        ));
-    }
     if let Some(radius) = intruder.filter(|radius| !is_positive(*radius)) {
         return Err(format!(
             "`sample.intruder_radius_m` is {}: it must be positive and finite",
@@ -311,9 +337,8 @@ fn drawn(
     if let Some((key, length)) = room.iter().find(|(_, length)| *length < least_room) {
         return Err(format!("`scene.box.{key}` is {}: it must be at least 4 greatest radii", shown(*length)));
     }
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut radii: Vec<f64> = (0..grains).map(|_| least + (greatest - least) * rng.random::<f64>()).collect();
-    if let (Some(intruder), Some(middle)) = (intruder, radii.get_mut(grains as usize / 2)) {
+    let middle = radii.len() / 2;
+    if let (Some(intruder), Some(middle)) = (intruder, radii.get_mut(middle)) {
         *middle = intruder;
     }
     Ok(radii)

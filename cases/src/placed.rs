@@ -1,0 +1,78 @@
+//! Grains whose places and radii are in a CSV file.
+
+use contact::shown;
+use serde::Deserialize;
+use std::path::Path;
+
+/// A line of the file; other columns count for nothing.
+#[derive(Deserialize)]
+struct Line {
+    x_m: f64,
+    y_m: f64,
+    #[serde(default)]
+    z_m: Option<f64>,
+    radius_m: f64,
+}
+
+/// [x, y, z, radius] of each grain (m); discs have z = 0.
+///
+/// # Errors
+/// Names the file, and the line or the column of it that has no meaning.
+pub(crate) fn placed(file: &Path, in_space: bool) -> Result<Vec<[f64; 4]>, String> {
+    let wrong = |error: &dyn std::fmt::Display| format!("`sample.file`: {}: {error}", file.display());
+    let mut reader =
+        csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(file).map_err(|error| wrong(&error))?;
+    let mut grains = Vec::new();
+    for (line, number) in reader.deserialize::<Line>().zip(1_u64..) {
+        let Line { x_m, y_m, z_m, radius_m } = line.map_err(|error| wrong(&error))?;
+        let z = match (z_m, in_space) {
+            (Some(z), true) => z,
+            (None, false) => 0.0,
+            (None, true) => return Err(wrong(&"a sphere needs the column `z_m`")),
+            (Some(_), false) => return Err(wrong(&"a disc has no `z_m`: spheres are `placed-spheres`")),
+        };
+        let grain = [x_m, y_m, z, radius_m];
+        if !(grain.iter().all(|x| x.is_finite()) && radius_m > 0.0) {
+            let found = grain.map(shown).join(", ");
+            return Err(wrong(&format!(
+                "grain {}: [x, y, z, radius] is [{found}]: finite numbers and a positive radius are asked",
+                number
+            )));
+        }
+        grains.push(grain);
+    }
+    Ok(grains)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::placed;
+
+    fn read(text: &str, in_space: bool) -> Result<Vec<[f64; 4]>, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("grains.csv");
+        std::fs::write(&file, text).unwrap();
+        placed(&file, in_space)
+    }
+
+    #[test]
+    fn columns_stand_in_any_order_beside_others() {
+        let discs = read("name, radius_m, y_m, x_m\n a, 0.5, 2, 1\nb,0.25,4,3\n", false).unwrap();
+        assert_eq!(discs, [[1.0, 2.0, 0.0, 0.5], [3.0, 4.0, 0.0, 0.25]]);
+        let spheres = read("x_m,y_m,z_m,radius_m\n1,2,3,0.5\n", true).unwrap();
+        assert_eq!(spheres, [[1.0, 2.0, 3.0, 0.5]]);
+    }
+
+    #[test]
+    fn what_has_no_meaning_is_named_with_its_line() {
+        let refused = |text: &str, in_space: bool| read(text, in_space).unwrap_err();
+        assert!(refused("x_m,y_m\n1,2\n", false).contains("missing field `radius_m`"));
+        let word = refused("x_m,y_m,radius_m\n0,0,1\n0,high,1\n", false);
+        assert!(word.contains("grains.csv: ") && word.contains("line: 3"), "{word}");
+        let none = refused("x_m,y_m,radius_m\n0,0,1\n0,4,-1\n", false);
+        assert!(none.contains("grain 2: [x, y, z, radius] is [0, 4, 0, -1]"), "{none}");
+        assert!(refused("x_m,y_m,radius_m\n0,0,1\n", true).contains("needs the column `z_m`"));
+        assert!(refused("x_m,y_m,z_m,radius_m\n0,0,0,1\n", false).contains("`placed-spheres`"));
+        assert!(refused("x_m,y_m,radius_m\n0,0,nan\n", false).contains("NaN"));
+    }
+}
