@@ -4,6 +4,7 @@
 use crate::detect::{DetectedContact, Side};
 use crate::periodic::Period;
 use crate::scene::{MovingWall, Scene, WallMotion};
+use crate::segments::Segment;
 use contact::Place;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -43,7 +44,7 @@ impl Drum {
 }
 
 /// A contact, and how the body moves there.
-type Near<P> = (DetectedContact<P>, WallMotion<P>);
+pub(crate) type Near<P> = (DetectedContact<P>, WallMotion<P>);
 
 /// What of a place is in the plane of x and y.
 fn across<P: Place>(place: P) -> P {
@@ -98,10 +99,10 @@ impl<P: Place> Bumps<P> {
     }
 }
 
-/// The contacts of one grain with the fixed bodies of a scene that are within `reach` (m), and how each of these moves.
+/// The contacts of one grain with the bodies of a scene at a `time` (s) that are within `reach` (m), and how each of these moves.
 pub(crate) fn bodies_near<P: Place>(
     scene: &Scene,
-    floor: Option<MovingWall<P>>,
+    (floor, time): (Option<MovingWall<P>>, f64),
     grain: u32,
     (position, radius): (P, f64),
     reach: f64,
@@ -114,6 +115,10 @@ pub(crate) fn bodies_near<P: Place>(
         period: scene.period(),
         side: |_, k| Side::Bump(k),
     });
+    let near = move |(number, segment): (u32, &Segment)| {
+        segment.near((number, time), grain, (position, radius), reach)
+    };
     drum.into_iter()
         .chain(bumps.into_iter().flat_map(move |bumps| bumps.near(0, grain, (position, radius), reach)))
+        .chain((0..).zip(&scene.segments).filter_map(near))
 }

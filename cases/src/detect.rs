@@ -22,6 +22,8 @@ pub enum Side {
     Drum,
     /// A bump of the floor, numbered from its foot towards +x.
     Bump(i32),
+    /// A segment, by its place in the scene's list.
+    Segment(u32),
     /// Another grain, of higher index.
     Grain(u32),
     /// The lid, by its index among the bodies, and the bump of it, if it has some.

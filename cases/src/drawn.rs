@@ -39,7 +39,9 @@ pub(crate) fn drawn<P: Place>(scene: &Scene, time: f64, reach: impl Fn(P) -> f64
     };
     let some = WALLS.into_iter().zip(walls).filter_map(|(side, wall)| Some((side, wall?)));
     let floor = walls[0].map_or([0.0; 3], |floor| [x[0], floor.foot[1], 0.0]);
-    some.map(|(side, wall)| (side, corners(side, wall))).chain(outlines(scene, floor, x[1], z)).collect()
+    some.map(|(side, wall)| (side, corners(side, wall)))
+        .chain(outlines(scene, time, (floor, x[1]), z))
+        .collect()
 }
 
 /// Along a wall with this normal, which stands on an edge along z or along x.
@@ -51,9 +53,14 @@ fn upwards<P: Place>(normal: P) -> P {
 /// Sides of the polygon that stands for a circle where it is drawn.
 const SIDES: u32 = 72;
 
-/// The drum, and the bumps on a floor from a place on to some x, to be drawn by their corners (m): segments in the plane, and in
+/// The drum, the bumps on a floor from a place on to some x, and the segments at a `time` (s), to be drawn by their corners (m): segments in the plane, and in
 /// space what they sweep between two z.
-fn outlines<P: Place>(scene: &Scene, from: [f64; 3], to_x: f64, z: [f64; 2]) -> Vec<(Side, Vec<P>)> {
+fn outlines<P: Place>(
+    scene: &Scene,
+    time: f64,
+    (from, to_x): ([f64; 3], f64),
+    z: [f64; 2],
+) -> Vec<(Side, Vec<P>)> {
     let circle = move |side: Side, [x, y]: [f64; 2], radius: f64, sides: u32| {
         let at = move |k: u32| {
             let angle = std::f64::consts::TAU * f64::from(k) / f64::from(SIDES);
@@ -73,5 +80,23 @@ fn outlines<P: Place>(scene: &Scene, from: [f64; 3], to_x: f64, z: [f64; 2]) -> 
             circle(Side::Bump(k), [from[0] + 2.0 * a * f64::from(k), from[1]], a, SIDES / 2)
         })
     });
-    drum.chain(bumps).collect()
+    let segments = (0..).zip(&scene.segments).flat_map(|(number, segment)| {
+        let side = Side::Segment(number);
+        segment.ends::<P>(time).into_iter().flat_map(move |[from, to]| {
+            let (along, radius) = (to - from, segment.radius_m);
+            let length = along.length();
+            let aside = P::of([-along[1], along[0], 0.0]) * if length > 0.0 { radius / length } else { 0.0 };
+            let ends = if radius > 0.0 { vec![from, to] } else { Vec::new() };
+            let round = ends.into_iter().flat_map(move |end| circle(side, [end[0], end[1]], radius, SIDES));
+            let flat = if length == 0.0 {
+                Vec::new()
+            } else if radius > 0.0 {
+                vec![(side, vec![from + aside, to + aside]), (side, vec![from - aside, to - aside])]
+            } else {
+                vec![(side, vec![from, to])]
+            };
+            flat.into_iter().chain(round)
+        })
+    });
+    drum.chain(bumps).chain(segments).collect()
 }

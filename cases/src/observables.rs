@@ -123,12 +123,12 @@ fn worst(values: impl Iterator<Item = (u32, f64, f64)>) -> Option<(u32, f64, f64
     beyond.reduce(|worst, next| if next.1 / next.2 > worst.1 / worst.2 { next } else { worst })
 }
 
-/// Sums of the normal impulses `r` (N·s) that the floor with its bumps, or the drum, and the other walls gave.
+/// Sums of the normal impulses `r` (N·s) that the floor with its bumps, or the drum, with all segments, and the other walls gave.
 pub(crate) fn wall_impulses(sides: &[Side], r: &(impl Iterator<Item = f64> + Clone)) -> [f64; 5] {
     let mut sums = [0.0; 5];
     for (side, r) in sides.iter().zip(r.clone()) {
         match side {
-            Side::Floor | Side::Drum | Side::Bump(_) => sums[0] += r,
+            Side::Floor | Side::Drum | Side::Bump(_) | Side::Segment(_) => sums[0] += r,
             Side::Left => sums[1] += r,
             Side::Right => sums[2] += r,
             Side::Back => sums[3] += r,

@@ -98,6 +98,9 @@ pub enum Sample {
         sizes: Sizes,
         /// Radius of one disc in the midst of the others, in place of its own (m).
         intruder_radius_m: Option<f64>,
+        /// Height at which the lowest begin, such as above the gate of a hopper (m).
+        #[serde(default)]
+        lift_m: f64,
         /// Mass per area (kg/m²).
         density_kg_per_m2: f64,
     },
@@ -249,11 +252,19 @@ impl Sample {
                 let rollers = shapes::rollers(rollers, radius_m, top_radius_m)?;
                 (in_plane(&rollers), density_kg_per_m2, top_mass_ratio)
             }
-            Self::Deposited { grains, seed, radius_m, ref sizes, intruder_radius_m, density_kg_per_m2 } => {
+            Self::Deposited {
+                grains,
+                seed,
+                radius_m,
+                ref sizes,
+                intruder_radius_m,
+                lift_m,
+                density_kg_per_m2,
+            } => {
                 let radii = Radii { sizes, range: radius_m, dimensions: 2 }.drawn(grains, seed)?;
                 let radii = with_room(radii, radius_m[1], intruder_radius_m, &[("width_m", walls()?)])?;
                 let deposited = deposit::deposit(&radii, walls()?).map_err(no_place)?;
-                let discs = deposited.into_iter().map(|(x, radius)| [x.x, x.y, 0.0, radius]);
+                let discs = deposited.into_iter().map(|(x, radius)| [x.x, x.y + lift_m, 0.0, radius]);
                 (discs.collect(), density_kg_per_m2, 1.0)
             }
             Self::Spheres { ref spheres, density_kg_per_m3 } => (spheres.clone(), density_kg_per_m3, 1.0),

@@ -3,6 +3,7 @@
 use crate::bodies::Drum;
 use crate::lid::Lid;
 use crate::periodic::Period;
+use crate::segments::Segment;
 use contact::{Place, is_not_negative, is_positive, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -35,11 +36,14 @@ pub struct Scene {
     /// How often each contact enters a problem: more than once, and impulses are not unique.
     #[serde(default = "once")]
     pub contact_copies: u32,
-    /// The box. Without it, and without a drum, grains fall for ever.
+    /// The box. Without it, a drum or segments, grains fall for ever.
     #[serde(rename = "box")]
     pub walls: Option<Walls>,
     /// A drum around the origin, in place of a box.
     pub drum: Option<Drum>,
+    /// Straight walls with two ends, and fixed discs.
+    #[serde(default)]
+    pub segments: Vec<Segment>,
 }
 
 fn midpoint() -> f64 {
@@ -247,6 +251,11 @@ impl Scene {
         self.walls.as_ref().and_then(|walls| walls.lid.as_ref())
     }
 
+    /// Speed of its fastest segment (m/s).
+    pub(crate) fn fastest_segment(&self) -> f64 {
+        self.segments.iter().map(Segment::speed).fold(0.0, f64::max)
+    }
+
     /// What gravity takes from velocities (m/s²).
     pub(crate) fn gravity<P: Place>(&self) -> P {
         let g = self.gravity_m_per_s2;
@@ -277,11 +286,24 @@ impl Scene {
 
     /// What has no meaning for spheres.
     pub(crate) fn check_in_space(&self) -> Result<(), String> {
+        if !self.segments.is_empty() {
+            return Err("`scene.segments` is for discs, so it must be left out".to_owned());
+        }
         match self.period() {
             Period(None) => Ok(()),
             _ => Err("`scene.box.periodic` is true: periodic sides are for discs, so it must be left out"
                 .to_owned()),
         }
+    }
+
+    fn check_segments(&self) -> Result<(), String> {
+        for (number, segment) in self.segments.iter().enumerate() {
+            segment.check(number)?;
+        }
+        if self.period().0.is_some() && !self.segments.is_empty() {
+            return Err("`scene.segments` is for boxes without `periodic` sides".to_owned());
+        }
+        self.walls.as_ref().map_or(Ok(()), Walls::check_periodic)
     }
 
     /// What is outside the model's meaning, as key, value and what would be accepted.
@@ -333,7 +355,7 @@ impl Scene {
             Some((key, value, _, expected)) => {
                 Err(format!("`scene.{key}` is {}: it must be {expected}", shown(value)))
             }
-            None => self.walls.as_ref().map_or(Ok(()), Walls::check_periodic),
+            None => self.check_segments(),
         }
     }
 }

@@ -18,7 +18,9 @@ impl<M: Marched> March<M> {
         // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
         let detection = (self.done as f64 + 1.0 - theta) * h;
         let walls = self.scene.walls.as_ref().map_or([None; 5], |walls| walls.over(detection, h));
-        let reach = 2.0 * h * greatest_approach::<M>(free_velocity, position, &walls);
+        let reach = 2.0
+            * h
+            * f64::max(greatest_approach::<M>(free_velocity, position, &walls), self.scene.fastest_segment());
 
         let (grains, period) = (self.grain_count(), self.scene.period());
         let mut neighbours = self.neighbours.borrow_mut();
@@ -49,7 +51,7 @@ impl<M: Marched> March<M> {
         let mut ahead = &pairs[..];
         for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)).take(grains) {
             walls_near(&walls, grain, *x, *radius, reach).for_each(|(pair, motion)| enter(&pair, &motion));
-            let bodies = bodies_near(&self.scene, walls[0], grain, (*x, *radius), reach);
+            let bodies = bodies_near(&self.scene, (walls[0], detection), grain, (*x, *radius), reach);
             bodies.for_each(|(pair, motion)| enter(&pair, &motion));
             while let Some((pair, rest)) = ahead.split_first().filter(|(pair, _)| pair.candidate == grain) {
                 enter(pair, &WallMotion::NONE);

@@ -217,6 +217,7 @@ fn walls<M: Studied>(march: &March<M>) -> Elements {
         Side::Back => Some(5),
         Side::Front => Some(6),
         Side::Lid(..) => Some(7),
+        Side::Segment(_) => Some(8),
         Side::Grain(_) => None,
     };
     elements.indices("wall", walls.iter().map(|(side, _)| number(side)));
