@@ -1,0 +1,122 @@
+//! Newton outside, subdomains inside: the primal-dual active set, each of whose linear problems is solved by subdomains with their
+//! Schur complements on the boundary grains.
+//!
+//! This is the order of things that LATIN-DD and NSGS-DD give up: there non-smoothness and decomposition are treated in one loop, here
+//! one inside the other. A set asks for solves with K = 1 + κ Σ h̃ h̃ᵗ over its closed contacts, in mass-scaled velocities. K is the
+//! sum of the K_E of the subdomains, with masses of boundary grains shared by their multiplicity and each contact in its own
+//! subdomain. Interior grains are eliminated in each, S_E = K_bb − K_bi K_ii⁻¹ K_ib, and S u = g on the boundary grains, S = Σ S_E,
+//! is solved by a factor, or by conjugate gradients preconditioned by Neumann-Neumann, Σ 1/m S_E⁻¹ 1/m. S_E⁻¹ exists because every
+//! grain has a mass.
+//!
+//! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §1 and its ref. [6]; the preconditioner is that of Y.-H. De Roeck,
+//! P. Le Tallec, Analysis and test of a local domain decomposition preconditioner, Fourth International Symposium on Domain
+//! Decomposition Methods, SIAM (1991) 112-128.
+
+mod conjugate;
+mod interface;
+mod schur;
+mod subdomain;
+
+pub use schur::Schur;
+
+use active_set::ActiveSet;
+use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work};
+use partition::{Grid, Scheme};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the problem on the boundary grains is solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interface {
+    /// By a factor of the assembled Schur complement.
+    Direct,
+    /// By conjugate gradients.
+    #[default]
+    Cg,
+}
+
+/// What preconditions the conjugate gradients on the boundary grains.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preconditioner {
+    /// Nothing.
+    None,
+    /// The mean of what the subdomains would do alone.
+    #[default]
+    NeumannNeumann,
+}
+
+/// Settings of Newton by subdomains.
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct NewtonSchur {
+    /// Subdomains, as columns × rows.
+    pub subdomains: Grid,
+    /// How the contacts are distributed.
+    pub partition: Scheme,
+    /// How the problem on the boundary grains is solved.
+    pub interface: Interface,
+    /// What preconditions its conjugate gradients.
+    pub preconditioner: Preconditioner,
+    /// What its conjugate gradients leave of the right-hand side (–).
+    pub inner_accuracy: f64,
+    /// κ (–), the weight of closed contacts against the masses.
+    pub penalty: f64,
+}
+
+impl Default for NewtonSchur {
+    fn default() -> Self {
+        Self {
+            subdomains: Grid::ONE,
+            partition: Scheme::Boxes,
+            interface: Interface::Cg,
+            preconditioner: Preconditioner::NeumannNeumann,
+            inner_accuracy: 1e-12,
+            penalty: active_set::PENALTY,
+        }
+    }
+}
+
+/// A run: that of the active set, which does not know of subdomains.
+struct Run<'p, const D: usize> {
+    outer: active_set::Run<'p, D, Schur<D>>,
+}
+
+impl<const D: usize> Iteration for Run<'_, D> {
+    fn advance(&mut self) {
+        self.outer.advance();
+    }
+
+    fn impulses(&self, r: &mut [f64]) {
+        self.outer.impulses(r);
+    }
+
+    fn stalled(&self) -> bool {
+        self.outer.stalled()
+    }
+
+    fn derived(&self) -> Vec<(&'static str, f64)> {
+        vec![("inner_iterations", self.outer.inner().inner_iterations() as f64)]
+    }
+
+    /// A product with W takes an exchange too: the resultants of the copies are added up.
+    fn work(&self) -> Work {
+        let mut work = self.outer.work();
+        work.interface_values += work.delassus_products * self.outer.inner().exchange();
+        work
+    }
+}
+
+impl<const D: usize> Solver<Smooth<D>> for NewtonSchur {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<Smooth<D>>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        SetupError::unless_positive("inner_accuracy", self.inner_accuracy)?;
+        SetupError::unless_positive("penalty", self.penalty)?;
+        let outer = ActiveSet::default().run(problem, r0, Schur::new(self, problem)?)?;
+        Ok(Box::new(Run { outer }))
+    }
+}
