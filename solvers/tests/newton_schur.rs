@@ -1,35 +1,209 @@
-//! Newton by subdomains.
+//! Newton by subdomains: the iterates of the active set, whoever solves with its matrices, and what that costs.
 
-use crate::problems::{PACKINGS, frozen, impulses, start};
+use crate::problems::{PACKINGS, frozen, frozen_path, impulses, start};
 use active_set::ActiveSet;
-use contact::Meter;
+use cases::Frozen;
+use contact::{Iteration, Packing, Solver, Spheres};
 use newton_schur::{Interface, NewtonSchur, Preconditioner};
-use partition::Grid;
+use partition::{Decomposition, Grid, Partition, Scheme};
+use reference::certify;
 
+const GRIDS: [Grid; 4] = [Grid::ONE, Grid::of(2, 1), Grid::of(4, 2), Grid::of(8, 8)];
+
+fn method(subdomains: Grid, interface: Interface) -> NewtonSchur {
+    NewtonSchur { subdomains, interface, ..NewtonSchur::default() }
+}
+
+/// Velocities of the impulses, their distance over that to `V_free`.
+fn distance(problem: &Packing, r: &[f64], other: &[f64]) -> f64 {
+    let velocity = |r: &[f64]| {
+        let mut velocity = problem.free_velocity().to_vec();
+        problem.velocity(r, &mut velocity);
+        velocity
+    };
+    let (v, u) = (velocity(r), velocity(other));
+    problem.velocity_distance(&v, &u) / problem.velocity_distance(&v, problem.free_velocity())
+}
+
+/// Advances both until both have ended; the greatest distance of two iterates.
+fn apart(problem: &Packing, a: &NewtonSchur, b: &dyn Solver) -> f64 {
+    let (mut one, mut other) = (start(a, problem), start(b, problem));
+    let mut greatest = 0.0_f64;
+    for _ in 0..2000 {
+        let ended = one.stalled();
+        assert_eq!(ended, other.stalled(), "{a:?}");
+        if ended {
+            return greatest;
+        }
+        one.advance();
+        other.advance();
+        let (r, s) = (impulses(&*one, problem), impulses(&*other, problem));
+        greatest = greatest.max(distance(problem, &r, &s));
+    }
+    panic!("{a:?} does not end");
+}
+
+/// A solve with K loses the digits of κ to round-off.
 #[test]
-fn tmp_iterates() {
+fn with_a_factor_of_the_interface_iterates_are_those_of_the_active_set() {
+    let tolerance = f64::EPSILON * active_set::PENALTY;
     for name in PACKINGS {
         let problem = frozen(name).problem;
-        for (grid, interface, acc) in [(1, Interface::Direct, 1e-12), (8, Interface::Direct, 1e-12), (64, Interface::Direct, 1e-12),(1, Interface::Cg, 1e-12), (8, Interface::Cg, 1e-12), (8, Interface::Cg, 1e-9), (8, Interface::Cg, 1e-6)] {
-            let method = NewtonSchur { subdomains: Grid::of_count(grid), interface, inner_accuracy: acc, ..NewtonSchur::default() };
-            let (mut a, mut b) = (start(&ActiveSet::default(), &problem), start(&method, &problem));
-            let mut meter = Meter::new(&problem);
-            print!("{name} {grid} {interface:?} {acc:e}:");
-            let mut before = 0;
-            let now = std::time::Instant::now();
-            for _ in 0..2000 {
-                if b.stalled() && a.stalled() { break; }
-                a.advance();
-                b.advance();
-                if b.work().factorisations > 0 {
-                    let (r, s) = (impulses(&*a, &problem), impulses(&*b, &problem));
-                    let (m, n) = (meter.measure(&r, 0.0).natural_map, meter.measure(&s, 0.0).natural_map);
-                    let inner = b.derived()[0].1 as u64;
-                    print!(" {m:.1e}/{n:.1e}/{}", inner - before);
-                    before = inner;
-                }
+        for partition in [Scheme::Boxes, Scheme::Balanced] {
+            for grid in GRIDS {
+                let settings = NewtonSchur {
+                    partition,
+                    penalty: active_set::PENALTY,
+                    ..method(grid, Interface::Direct)
+                };
+                let apart = apart(&problem, &settings, &ActiveSet::default());
+                assert!(apart < tolerance, "{name}, {settings:?}: {apart:e}");
             }
-            println!(" {:?}", now.elapsed());
         }
     }
+}
+
+/// What conjugate gradients leave counts κ times.
+#[test]
+fn with_conjugate_gradients_on_the_interface_iterates_are_those_with_its_factor() {
+    for name in PACKINGS {
+        let problem = frozen(name).problem;
+        for grid in [Grid::ONE, Grid::of(2, 1), Grid::of(4, 2)] {
+            for preconditioner in [Preconditioner::None, Preconditioner::NeumannNeumann] {
+                let settings =
+                    NewtonSchur { preconditioner, inner_accuracy: 1e-9, ..method(grid, Interface::Cg) };
+                let apart = apart(&problem, &settings, &method(grid, Interface::Direct));
+                println!("{name} {grid} {preconditioner:?} {apart:e}");
+                assert!(
+                    apart < settings.inner_accuracy * settings.penalty,
+                    "{name}, {settings:?}: {apart:e}"
+                );
+            }
+        }
+    }
+}
+
+fn to_its_end(run: &mut dyn Iteration, r: &mut [f64]) {
+    for _ in 0..2000 {
+        if run.stalled() {
+            return run.impulses(r);
+        }
+        run.advance();
+    }
+    panic!("it does not end");
+}
+
+#[test]
+fn newton_by_subdomains_ends_certified_on_every_frozen_problem_without_friction() {
+    for name in PACKINGS.into_iter().chain(["settled-60", "settled-250"]) {
+        let problem = frozen(name).problem;
+        let grids: &[Grid] = if problem.grain_count() < 100 { &GRIDS[..3] } else { &GRIDS };
+        for grid in grids {
+            for interface in [Interface::Direct, Interface::Cg] {
+                let mut r = vec![0.0; problem.contact_count()];
+                to_its_end(&mut *start(&method(*grid, interface), &problem), &mut r);
+                let certificate = certify(&problem, &r);
+                assert!(certificate.certified(), "{name}, {grid}, {interface:?}: {certificate}");
+            }
+        }
+    }
+}
+
+#[test]
+fn newton_by_subdomains_ends_certified_between_spheres() {
+    let problem = Frozen::<Spheres>::read(&frozen_path("spheres-250.json")).unwrap().problem;
+    let grid = Grid { nx: 2, ny: 2, nz: 2 };
+    for interface in [Interface::Direct, Interface::Cg] {
+        let mut r = vec![0.0; problem.contact_count()];
+        to_its_end(&mut *method(grid, interface).start(&problem, &r).unwrap(), &mut r);
+        let certificate = certify(&problem, &r);
+        assert!(certificate.certified(), "{interface:?}: {certificate}");
+    }
+}
+
+/// Whether subdomains go to threads or not.
+#[test]
+fn newton_by_subdomains_has_the_same_bits_with_any_number_of_threads() {
+    let problem = frozen("settled-991").problem;
+    for grid in [Grid::of(2, 1), Grid::of(4, 2)] {
+        for interface in [Interface::Direct, Interface::Cg] {
+            let with = |threads: usize| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| {
+                    let (mut run, mut r) =
+                        (start(&method(grid, interface), &problem), vec![0.0; problem.contact_count()]);
+                    to_its_end(&mut *run, &mut r);
+                    (r, run.work(), run.derived())
+                })
+            };
+            let one = with(1);
+            assert!(one.1.factorisations > 0);
+            assert!(with(4) == one, "{grid}, {interface:?}");
+        }
+    }
+}
+
+/// Each product with W and each solve is an exchange of all copies, each inner iteration one or, with the preconditioner, two; with
+/// each factorisation this sends its symmetric blocks, and the factor of the interface the triangle of each S_E.
+#[test]
+fn what_copies_send_is_counted() {
+    let problem = frozen("settled-991").problem;
+    let grid = Grid::of(4, 2);
+    let partition = Partition::of_contacts(&problem, Scheme::Boxes, grid).unwrap();
+    let decomposition = Decomposition::new(&problem, &partition);
+    let copies = decomposition.copy_count() as u64;
+    let triangles: u64 =
+        decomposition.subdomains.iter().map(|e| 2 * e.boundary.len() as u64).map(|n| n * (n + 1) / 2).sum();
+    let cases = [
+        (Interface::Direct, Preconditioner::None, 8 + 1, 0, triangles),
+        (Interface::Cg, Preconditioner::None, 8, 1, 0),
+        (Interface::Cg, Preconditioner::NeumannNeumann, 16, 2, 3 * copies),
+    ];
+    for (interface, preconditioner, factorisations, exchanges, sent) in cases {
+        let mut run = start(&NewtonSchur { preconditioner, ..method(grid, interface) }, &problem);
+        while run.work().factorisations == 0 {
+            run.advance();
+        }
+        let (before, inner) = (run.work(), run.derived()[0].1);
+        assert_eq!(before.factorisations, factorisations);
+        run.advance();
+        let (after, inner) = (run.work(), (run.derived()[0].1 - inner) as u64);
+        assert_eq!(after.factorisations, 2 * factorisations, "another set");
+        let solves = after.delassus_products - before.delassus_products;
+        let expected = 2 * copies * (2 * solves + exchanges * inner) + sent;
+        assert_eq!(after.interface_values - before.interface_values, expected, "{interface:?}");
+        assert_eq!(inner > 0, interface == Interface::Cg);
+    }
+}
+
+#[test]
+fn conjugate_gradients_on_the_interface_take_no_more_iterations_than_unknowns() {
+    let problem = frozen("shear-box-991-sheared").problem;
+    let grid = Grid::of(4, 2);
+    let partition = Partition::of_contacts(&problem, Scheme::Boxes, grid).unwrap();
+    let unknowns = 2.0 * Decomposition::new(&problem, &partition).boundary.len() as f64;
+    let mut run = start(&NewtonSchur { inner_accuracy: 1e-16, ..method(grid, Interface::Cg) }, &problem);
+    while run.work().factorisations == 0 {
+        run.advance();
+    }
+    let inner = run.derived()[0].1;
+    assert!(inner > 0.0 && inner <= unknowns, "{inner} of {unknowns}");
+}
+
+#[test]
+fn newton_by_subdomains_refuses_senseless_settings_by_name() {
+    let problem = frozen("settled-60").problem;
+    let r0 = vec![0.0; problem.contact_count()];
+    let refused = |settings: NewtonSchur| match settings.start(&problem, &r0) {
+        Ok(_) => panic!("{settings:?} was accepted"),
+        Err(error) => error.to_string(),
+    };
+    for bad in [0.0, -1.0, f64::NAN] {
+        assert!(
+            refused(NewtonSchur { inner_accuracy: bad, ..NewtonSchur::default() })
+                .contains("`inner_accuracy`")
+        );
+        assert!(refused(NewtonSchur { penalty: bad, ..NewtonSchur::default() }).contains("`penalty`"));
+    }
+    assert!(refused(method(Grid::of(999, 1), Interface::Cg)).contains("`subdomains`"));
 }

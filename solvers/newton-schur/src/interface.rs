@@ -25,17 +25,32 @@ impl<const D: usize> Subdomains<D> {
     }
 
     /// The same, and `sum` gets what they send, added to what it holds in the order of subdomains.
-    pub(crate) fn add(
-        &mut self,
-        sum: &mut [SVector<f64, D>],
-        act: impl Fn(&mut Subdomain<D>) + Sync + Send,
-    ) {
+    pub(crate) fn add(&mut self, sum: &mut [SVector<f64, D>], act: impl Fn(&mut Subdomain<D>) + Sync + Send) {
         self.each(act);
         for subdomain in &self.own {
             for (k, sent) in subdomain.boundary.iter().zip(&subdomain.sent) {
                 sum[*k as usize] += sent;
             }
         }
+    }
+
+    /// D = (Σ K_bb)⁻¹ K_bb of each copy of a boundary grain, grain by grain, which add up to 1; before, each has its K_bb. Says
+    /// whether it could.
+    pub(crate) fn share_out(&mut self) -> bool {
+        let mut sums = vec![SMatrix::<f64, D, D>::zeros(); self.boundary];
+        for subdomain in &self.own {
+            for (k, weight) in subdomain.boundary.iter().zip(&subdomain.weight) {
+                sums[*k as usize] += weight;
+            }
+        }
+        let inverses: Option<Vec<_>> = sums.into_iter().map(SMatrix::try_inverse).collect();
+        let Some(inverses) = inverses else { return false };
+        for subdomain in &mut self.own {
+            for (k, weight) in subdomain.boundary.iter().zip(&mut subdomain.weight) {
+                *weight = inverses[*k as usize] * *weight;
+            }
+        }
+        true
     }
 
     /// Copies of boundary grains.

@@ -5,8 +5,10 @@
 //! one inside the other. A set asks for solves with K = 1 + κ Σ h̃ h̃ᵗ over its closed contacts, in mass-scaled velocities. K is the
 //! sum of the K_E of the subdomains, with masses of boundary grains shared by their multiplicity and each contact in its own
 //! subdomain. Interior grains are eliminated in each, S_E = K_bb − K_bi K_ii⁻¹ K_ib, and S u = g on the boundary grains, S = Σ S_E,
-//! is solved by a factor, or by conjugate gradients preconditioned by Neumann-Neumann, Σ 1/m S_E⁻¹ 1/m. S_E⁻¹ exists because every
-//! grain has a mass.
+//! is solved by a factor, or by conjugate gradients preconditioned by Neumann-Neumann, Σ D_E S_E⁻¹ D_Eᵗ with D_E = (Σ K_bb)⁻¹ K_bb
+//! grain by grain. S_E⁻¹ exists because every grain has a mass.
+//!
+//! With a factor of S the iterates are those of `active-set`, whatever the subdomains.
 //!
 //! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §1 and its ref. [6]; the preconditioner is that of Y.-H. De Roeck,
 //! P. Le Tallec, Analysis and test of a local domain decomposition preconditioner, Fourth International Symposium on Domain
@@ -42,7 +44,7 @@ pub enum Interface {
 pub enum Preconditioner {
     /// Nothing.
     None,
-    /// The mean of what the subdomains would do alone.
+    /// What the subdomains would do alone, in the mean that their stiffness at a grain gives.
     #[default]
     NeumannNeumann,
 }
@@ -65,6 +67,9 @@ pub struct NewtonSchur {
     pub penalty: f64,
 }
 
+/// κ and the accuracy are a pair. Conjugate gradients come no nearer than round-off times κ; what they leave, times κ, is left of the
+/// law. On five packings of 991 discs in 8 and 64 subdomains, κ = 1e7 with 1e-8 takes the sets that it takes with a factor of S, or one
+/// more. With 1e-10, and with κ = 1e6 and 1e-6, there is one of these that takes more than 30; with κ = 1e9 no accuracy serves all.
 impl Default for NewtonSchur {
     fn default() -> Self {
         Self {
@@ -72,8 +77,8 @@ impl Default for NewtonSchur {
             partition: Scheme::Boxes,
             interface: Interface::Cg,
             preconditioner: Preconditioner::NeumannNeumann,
-            inner_accuracy: 1e-12,
-            penalty: active_set::PENALTY,
+            inner_accuracy: 1e-8,
+            penalty: 1e7,
         }
     }
 }

@@ -109,19 +109,29 @@ impl<const D: usize> Inner<D> for Schur<D> {
             self.work.factorisation_multiply_adds += multiply_adds;
             self.work.factorisations += factorisations;
         }
-        if let Way::Direct(assembled) = &mut self.way
-            && done
-        {
-            for subdomain in &self.subdomains.own {
-                let unknowns = (D * subdomain.boundary.len()) as u64;
-                self.work.triangular_solve_entries += 2 * unknowns * subdomain.entries()[0];
-                self.work.interface_values += unknowns * (unknowns + 1) / 2;
-            }
-            self.work.factorisation_multiply_adds += assembled.work();
-            self.work.factorisations += 1;
-            return assembled.factorise(&mut self.subdomains);
+        if !done {
+            return false;
         }
-        done
+        match &mut self.way {
+            Way::Direct(assembled) => {
+                for subdomain in &self.subdomains.own {
+                    let unknowns = (D * subdomain.boundary.len()) as u64;
+                    self.work.triangular_solve_entries += 2 * unknowns * subdomain.entries()[0];
+                    self.work.interface_values += unknowns * (unknowns + 1) / 2;
+                }
+                self.work.factorisation_multiply_adds += assembled.work();
+                self.work.factorisations += u64::from(self.subdomains.boundary > 0);
+                assembled.factorise(&mut self.subdomains)
+            }
+            Way::Cg(conjugate) => {
+                conjugate.renew();
+                if conjugate.neumann {
+                    // Symmetric blocks.
+                    self.work.interface_values += (D * (D + 1) / 2) as u64 * self.subdomains.copies();
+                }
+                !conjugate.neumann || self.subdomains.share_out()
+            }
+        }
     }
 
     /// With S = Σ (K_bb − K_bi K_ii⁻¹ K_ib):
@@ -165,3 +175,6 @@ impl<const D: usize> Inner<D> for Schur<D> {
         self.cost
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -27,6 +27,8 @@ pub(crate) struct Subdomain<const D: usize> {
     pub(crate) boundary: Vec<u32>,
     /// 1/m of each boundary grain: the mass of a copy (–).
     share: Vec<f64>,
+    /// K_bb of each boundary grain; then, of what all subdomains have there, the part that is its own (–).
+    pub(crate) weight: Vec<SMatrix<f64, D, D>>,
     interior: Part<D>,
     /// K_E whole, which the preconditioner wants, and the place of each boundary grain in it.
     whole: Option<(Part<D>, Vec<u32>)>,
@@ -143,6 +145,7 @@ impl<const D: usize> Subdomain<D> {
             couplings: vec![None; own.contacts.len()],
             rim,
             interior_grains,
+            weight: vec![SMatrix::zeros(); boundary.len()],
             share,
             interior,
             z: vec![SVector::zeros(); if is_whole { own.grains.len() } else { 0 }],
@@ -155,12 +158,25 @@ impl<const D: usize> Subdomain<D> {
 
     /// Takes what each of the problem's contacts adds, and factorises; says whether it could.
     pub(crate) fn factorise(&mut self, coupling: &(impl Fn(usize) -> Option<Coupling<D>> + Sync)) -> bool {
-        let Self { contacts, couplings, interior, whole, share, .. } = self;
+        let Self { contacts, couplings, interior, interior_grains, whole, share, weight, rim, .. } = self;
         for (own, contact) in couplings.iter_mut().zip(contacts) {
             *own = coupling(*contact as usize);
         }
         let done = interior.factorise(|_| 1.0, couplings);
         let Some((whole, places)) = whole else { return done };
+        let inside = interior_grains.len();
+        for (weight, share) in weight.iter_mut().zip(&*share) {
+            *weight = SMatrix::from_diagonal_element(*share);
+        }
+        for (contact, Ends { candidate: i, antagonist: j }) in &*rim {
+            let Some(coupling) = &couplings[*contact as usize] else { continue };
+            if *i >= inside {
+                weight[i - inside] += coupling.first;
+            }
+            if *j >= inside && i != j {
+                weight[j - inside] += coupling.second;
+            }
+        }
         let mut mass = vec![1.0; whole.structure.position().len()];
         places.iter().zip(share).for_each(|(place, share)| mass[*place as usize] = *share);
         done && whole.factorise(|place| mass[place], couplings)
@@ -190,16 +206,16 @@ impl<const D: usize> Subdomain<D> {
         self.schur_of_x();
     }
 
-    /// sent ← 1/m S_E⁻¹ 1/m r: what the boundary does under its share of r, shared out. S_E⁻¹ is K_E⁻¹ with no force inside.
+    /// sent ← D S_E⁻¹ Dᵗ r: what the boundary does under its part of r, and its part of that. S_E⁻¹ is K_E⁻¹ with no force inside.
     pub(crate) fn neumann(&mut self, r: &[SVector<f64, D>]) {
         let Some((whole, places)) = &self.whole else { return };
         self.z.fill(SVector::zeros());
-        for ((place, k), share) in places.iter().zip(&self.boundary).zip(&self.share) {
-            self.z[*place as usize] = r[*k as usize] * *share;
+        for ((place, k), weight) in places.iter().zip(&self.boundary).zip(&self.weight) {
+            self.z[*place as usize] = weight.tr_mul(&r[*k as usize]);
         }
         whole.solve(&mut self.z);
-        for ((sent, place), share) in self.sent.iter_mut().zip(places).zip(&self.share) {
-            *sent = self.z[*place as usize] * *share;
+        for ((sent, place), weight) in self.sent.iter_mut().zip(places).zip(&self.weight) {
+            *sent = weight * self.z[*place as usize];
         }
     }
 
@@ -227,8 +243,9 @@ impl<const D: usize> Subdomain<D> {
 
     /// Multiply-adds of its factorisations, and how many they are.
     pub(crate) fn factorisation(&self) -> (u64, u64) {
-        let whole = self.whole.as_ref().map(|(part, _)| part.structure.work());
-        (self.interior.structure.work() + whole.unwrap_or(0), 1 + u64::from(whole.is_some()))
+        let parts = [Some(&self.interior), self.whole.as_ref().map(|(part, _)| part)];
+        let parts = parts.into_iter().flatten().filter(|part| !part.contacts.is_empty());
+        parts.fold((0, 0), |(work, count), part| (work + part.structure.work(), count + 1))
     }
 
     /// Entries of the factor of the interior, and of that of K_E.
