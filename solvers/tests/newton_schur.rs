@@ -1,9 +1,8 @@
 //! Newton by subdomains: the iterates of the active set, whoever solves with its matrices, and what that costs.
 
-use crate::problems::{PACKINGS, frozen, frozen_path, impulses, start};
+use crate::problems::{PACKINGS, frozen, impulses, start};
 use active_set::ActiveSet;
-use cases::Frozen;
-use contact::{Iteration, Packing, Solver, Spheres};
+use contact::{Iteration, Packing, Solver};
 use newton_schur::{Interface, NewtonSchur, Preconditioner};
 use partition::{Decomposition, Grid, Partition, Scheme};
 use reference::certify;
@@ -106,18 +105,6 @@ fn newton_by_subdomains_ends_certified_on_every_frozen_problem_without_friction(
                 assert!(certificate.certified(), "{name}, {grid}, {interface:?}: {certificate}");
             }
         }
-    }
-}
-
-#[test]
-fn newton_by_subdomains_ends_certified_between_spheres() {
-    let problem = Frozen::<Spheres>::read(&frozen_path("spheres-250.json")).unwrap().problem;
-    let grid = Grid { nx: 2, ny: 2, nz: 2 };
-    for interface in [Interface::Direct, Interface::Cg] {
-        let mut r = vec![0.0; problem.contact_count()];
-        to_its_end(&mut *method(grid, interface).start(&problem, &r).unwrap(), &mut r);
-        let certificate = certify(&problem, &r);
-        assert!(certificate.certified(), "{interface:?}: {certificate}");
     }
 }
 
