@@ -130,7 +130,7 @@ fn newton_by_subdomains_has_the_same_bits_with_any_number_of_threads() {
 }
 
 /// Each product with W and each solve is an exchange of all copies, each inner iteration one or, with the preconditioner, two; with
-/// each factorisation this sends its symmetric blocks, and the factor of the interface the triangle of each S_E.
+/// each factorisation shares by stiffness send their symmetric blocks, and the factor of the interface the triangle of each S_E.
 #[test]
 fn what_copies_send_is_counted() {
     let problem = frozen("settled-991").problem;
@@ -140,13 +140,18 @@ fn what_copies_send_is_counted() {
     let copies = decomposition.copy_count() as u64;
     let triangles: u64 =
         decomposition.subdomains.iter().map(|e| 2 * e.boundary.len() as u64).map(|n| n * (n + 1) / 2).sum();
+    // Two translations of each subdomain are an exchange each.
+    let coarse = 2 * copies * 2 * 8;
     let cases = [
-        (Interface::Direct, Preconditioner::None, 8 + 1, 0, triangles),
-        (Interface::Cg, Preconditioner::None, 8, 1, 0),
-        (Interface::Cg, Preconditioner::NeumannNeumann, 16, 2, 3 * copies),
+        (Interface::Direct, Preconditioner::None, false, 8 + 1, 0, triangles),
+        (Interface::Cg, Preconditioner::None, false, 8, 1, 0),
+        (Interface::Cg, Preconditioner::None, true, 8, 1, 3 * copies + coarse),
+        (Interface::Cg, Preconditioner::NeumannNeumann, false, 16, 2, 3 * copies),
+        (Interface::Cg, Preconditioner::NeumannNeumann, true, 16, 2, 3 * copies + coarse),
     ];
-    for (interface, preconditioner, factorisations, exchanges, sent) in cases {
-        let mut run = start(&NewtonSchur { preconditioner, ..method(grid, interface) }, &problem);
+    for (interface, preconditioner, coarse, factorisations, exchanges, sent) in cases {
+        let settings = NewtonSchur { preconditioner, coarse, ..method(grid, interface) };
+        let mut run = start(&settings, &problem);
         while run.work().factorisations == 0 {
             run.advance();
         }
@@ -157,7 +162,7 @@ fn what_copies_send_is_counted() {
         assert_eq!(after.factorisations, 2 * factorisations, "another set");
         let solves = after.delassus_products - before.delassus_products;
         let expected = 2 * copies * (2 * solves + exchanges * inner) + sent;
-        assert_eq!(after.interface_values - before.interface_values, expected, "{interface:?}");
+        assert_eq!(after.interface_values - before.interface_values, expected, "{settings:?}");
         assert_eq!(inner > 0, interface == Interface::Cg);
     }
 }

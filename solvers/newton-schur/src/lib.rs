@@ -61,6 +61,8 @@ pub struct NewtonSchur {
     pub interface: Interface,
     /// What preconditions its conjugate gradients.
     pub preconditioner: Preconditioner,
+    /// Whether its conjugate gradients begin with the translations of all subdomains, and stay conjugate to them.
+    pub coarse: bool,
     /// What its conjugate gradients leave of the right-hand side (–).
     pub inner_accuracy: f64,
     /// κ (–), the weight of closed contacts against the masses.
@@ -77,6 +79,7 @@ impl Default for NewtonSchur {
             partition: Scheme::Boxes,
             interface: Interface::Cg,
             preconditioner: Preconditioner::NeumannNeumann,
+            coarse: false,
             inner_accuracy: 1e-8,
             penalty: 1e7,
         }

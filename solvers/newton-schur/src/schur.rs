@@ -55,7 +55,9 @@ impl<const D: usize> Schur<D> {
         let subdomains = Subdomains { own: own.map_err(refused)?, boundary: boundary.len() };
         let way = match settings.interface {
             Interface::Direct => Way::Direct(Assembled::new(&subdomains).map_err(refused)?),
-            Interface::Cg => Way::Cg(Conjugate::new(boundary.len(), neumann, settings.inner_accuracy)),
+            Interface::Cg => {
+                Way::Cg(Conjugate::new(boundary.len(), (neumann, settings.coarse), settings.inner_accuracy))
+            }
         };
         Ok(Self {
             subdomains,
@@ -125,11 +127,12 @@ impl<const D: usize> Inner<D> for Schur<D> {
             }
             Way::Cg(conjugate) => {
                 conjugate.renew();
-                if conjugate.neumann {
+                let shares = conjugate.neumann || conjugate.coarse;
+                if shares {
                     // Symmetric blocks.
                     self.work.interface_values += (D * (D + 1) / 2) as u64 * self.subdomains.copies();
                 }
-                !conjugate.neumann || self.subdomains.share_out()
+                !shares || self.subdomains.share_out()
             }
         }
     }
@@ -151,9 +154,10 @@ impl<const D: usize> Inner<D> for Schur<D> {
             }
             Way::Cg(conjugate) => {
                 let taken = conjugate.solve(subdomains, u);
-                *iterations += taken;
-                work.triangular_solve_entries += taken * 2 * (inside + whole);
-                work.interface_values += taken * exchange * if conjugate.neumann { 2 } else { 1 };
+                *iterations += taken.iterations;
+                let solves = if conjugate.neumann { taken.iterations } else { 0 };
+                work.triangular_solve_entries += 2 * (taken.products * inside + solves * whole);
+                work.interface_values += exchange * (taken.products + solves);
             }
         }
         subdomains.each(|subdomain| subdomain.recover(x, u));

@@ -163,7 +163,6 @@ impl<const D: usize> Subdomain<D> {
             *own = coupling(*contact as usize);
         }
         let done = interior.factorise(|_| 1.0, couplings);
-        let Some((whole, places)) = whole else { return done };
         let inside = interior_grains.len();
         for (weight, share) in weight.iter_mut().zip(&*share) {
             *weight = SMatrix::from_diagonal_element(*share);
@@ -177,6 +176,7 @@ impl<const D: usize> Subdomain<D> {
                 weight[j - inside] += coupling.second;
             }
         }
+        let Some((whole, places)) = whole else { return done };
         let mut mass = vec![1.0; whole.structure.position().len()];
         places.iter().zip(share).for_each(|(place, share)| mass[*place as usize] = *share);
         done && whole.factorise(|place| mass[place], couplings)

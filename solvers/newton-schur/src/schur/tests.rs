@@ -93,12 +93,18 @@ fn solves_by_subdomains_are_those_of_the_whole() {
         factor.solve(&DVector::from_iterator(2 * given.len(), given.iter().flat_map(|x| [x.x, x.y])));
     for subdomains in GRIDS {
         for interface in [Interface::Direct, Interface::Cg] {
-            for preconditioner in [Preconditioner::None, Preconditioner::NeumannNeumann] {
+            for (preconditioner, coarse) in [
+                (Preconditioner::None, false),
+                (Preconditioner::None, true),
+                (Preconditioner::NeumannNeumann, false),
+                (Preconditioner::NeumannNeumann, true),
+            ] {
                 let inner_accuracy = 1e-14;
                 let settings = NewtonSchur {
                     subdomains,
                     interface,
                     preconditioner,
+                    coarse,
                     inner_accuracy,
                     penalty: 1.0,
                     ..NewtonSchur::default()
