@@ -70,16 +70,7 @@ impl<const D: usize> Inner<D> for Whole<D> {
     fn factorise(&mut self, coupling: impl Fn(usize) -> Option<Coupling<D>> + Sync) -> bool {
         self.work.factorisations += 1;
         self.work.factorisation_multiply_adds += self.structure.work();
-        let Self { factor, structure, .. } = self;
-        let done = match factor {
-            Some(factor) => factor.renew(|_| SVector::repeat(1.0), coupling),
-            None => Factor::new(Arc::clone(structure), |_| SVector::repeat(1.0), coupling)
-                .map(|new| *factor = Some(new)),
-        };
-        if done.is_err() {
-            *factor = None;
-        }
-        done.is_ok()
+        Factor::replace(&mut self.factor, &self.structure, |_| SVector::repeat(1.0), coupling)
     }
 
     fn solve(&mut self, x: &mut [SVector<f64, D>]) {

@@ -103,8 +103,7 @@ impl<const D: usize> Assembled<D> {
                 Coupling { first: zero, second: zero, between: block.transpose() }
             })
         };
-        *factor = Factor::new(Arc::clone(structure), |_| SVector::zeros(), coupling).ok();
-        factor.is_some()
+        Factor::replace(factor, structure, |_| SVector::zeros(), coupling)
     }
 
     /// u ← S⁻¹ u.

@@ -78,14 +78,7 @@ impl<const D: usize> Part<D> {
             // Of a contact with a grain that is no part of this one, the first block alone counts.
             Some(if turned[k] { Coupling { first: coupling.second, ..coupling } } else { coupling })
         };
-        let done = match factor {
-            Some(factor) => factor.renew(mass, coupling),
-            None => Factor::new(Arc::clone(structure), mass, coupling).map(|new| *factor = Some(new)),
-        };
-        if done.is_err() {
-            *factor = None;
-        }
-        done.is_ok()
+        Factor::replace(factor, structure, mass, coupling)
     }
 
     fn solve(&self, x: &mut [SVector<f64, D>]) {
