@@ -10,7 +10,7 @@
 //!
 //! With a factor of S the iterates are those of `active-set`, whatever the subdomains.
 //!
-//! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §1 and its ref. [6]; the preconditioner is that of Y.-H. De Roeck,
+//! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §1 and its ref. \[6\]; the preconditioner is that of Y.-H. De Roeck,
 //! P. Le Tallec, Analysis and test of a local domain decomposition preconditioner, Fourth International Symposium on Domain
 //! Decomposition Methods, SIAM (1991) 112-128.
 
@@ -71,7 +71,9 @@ pub struct NewtonSchur {
 
 /// κ and the accuracy are a pair. Conjugate gradients come no nearer than round-off times κ; what they leave, times κ, is left of the
 /// law. On five packings of 991 discs in 8 and 64 subdomains, κ = 1e7 with 1e-8 takes the sets that it takes with a factor of S, or one
-/// more. With 1e-10, and with κ = 1e6 and 1e-6, there is one of these that takes more than 30; with κ = 1e9 no accuracy serves all.
+/// more. With 1e-10, and with κ = 1e6 and 1e-6, there is one of these that takes more than 30; with κ = 1e9 no accuracy tried serves all.
+/// Translations save at most a ninth of the iterations with Neumann-Neumann, in 2 to 64 subdomains of `shear-box-991-onset`,
+/// `settled-991` and 10,000 deposited discs: a subdomain has as many soft modes as boundary grains.
 impl Default for NewtonSchur {
     fn default() -> Self {
         Self {

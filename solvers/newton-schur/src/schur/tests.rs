@@ -14,7 +14,7 @@ fn problem() -> Packing {
 /// Every third contact is open; weights of the others differ.
 fn coupling(problem: &Packing, k: usize) -> Option<Coupling<2>> {
     let normal = problem.contacts()[k].normal;
-    (k % 3 > 0).then(|| Coupling::dyad(10.0 + k as f64, normal, -0.7 * normal))
+    (!k.is_multiple_of(3)).then(|| Coupling::dyad(10.0 + k as f64, normal, -0.7 * normal))
 }
 
 /// K, with two rows per grain.
