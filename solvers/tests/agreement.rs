@@ -10,6 +10,7 @@ use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use mprgp::{Expansion, Mprgp};
 use nalgebra::Vector2;
+use newton_schur::NewtonSchur;
 use nncg::Nncg;
 use nsgs::{Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
@@ -70,7 +71,8 @@ fn assert_all_methods_agree_on(name: &str) {
     let reference = Answer::of(&Cg::default(), "cg".into(), &problem, 1e-9);
     let grid = |nx, ny| NsgsDd { subdomains: Grid::of(nx, ny), ..NsgsDd::default() };
     let latin = |nx, ny| LatinDd { subdomains: Grid::of(nx, ny), ..LatinDd::default() };
-    let methods: [(&str, &dyn Solver); 21] = [
+    let schur = |interface| NewtonSchur { subdomains: Grid::of(4, 2), interface, ..NewtonSchur::default() };
+    let methods: [(&str, &dyn Solver); 23] = [
         ("latin-dd 1x1", &latin(1, 1)),
         ("latin-dd 2x1", &latin(2, 1)),
         ("latin-dd 2x2, directions kept", &LatinDd { adaptive: Some(false), ..latin(2, 2) }),
@@ -88,6 +90,8 @@ fn assert_all_methods_agree_on(name: &str) {
         ("mprgp, fixed step", &Mprgp { expansion: Expansion::FixedStep, ..Mprgp::default() }),
         ("nncg", &Nncg::default()),
         ("active-set", &ActiveSet::default()),
+        ("newton-schur 4x2, direct", &schur(newton_schur::Interface::Direct)),
+        ("newton-schur 4x2, cg", &schur(newton_schur::Interface::Cg)),
         ("interior-point", &InteriorPoint::default()),
         ("nsgs", &Nsgs::default()),
         (

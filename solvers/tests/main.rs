@@ -18,6 +18,7 @@ mod hazards;
 mod infeasible;
 mod layouts;
 mod measured;
+mod newton_schur;
 mod predictions;
 mod problems;
 mod product;

@@ -11,6 +11,7 @@ use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use mprgp::Mprgp;
 use nalgebra::Vector3;
+use newton_schur::{Interface, NewtonSchur};
 use nncg::Nncg;
 use nsgs::{Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
@@ -57,6 +58,24 @@ pub(crate) fn sphere_problem_of(case: &str, time_step: u64) -> (Packing<Spheres>
     let radius = |m: &f64| (m / 2600.0 * 0.75 / std::f64::consts::PI).cbrt();
     let radii = problem.mass().iter().map(radius).collect();
     (problem, radii)
+}
+
+#[test]
+fn newton_by_subdomains_ends_certified_between_spheres() {
+    let problem = sphere_problem("sphere-box", &[], 1);
+    let subdomains = Grid { nx: 2, ny: 2, nz: 2 };
+    for interface in [Interface::Direct, Interface::Cg] {
+        let method = NewtonSchur { subdomains, interface, ..NewtonSchur::default() };
+        let mut r = vec![0.0; problem.contact_count()];
+        let mut run = method.start(&problem, &r).unwrap();
+        for _ in 0..2000 {
+            run.advance();
+        }
+        assert!(run.stalled() && run.work().factorisations > 8, "{interface:?}");
+        run.impulses(&mut r);
+        let certificate = certify(&problem, &r);
+        assert!(certificate.certified(), "{interface:?}: {certificate}");
+    }
 }
 
 /// Advances two runs from impulses of these lengths, and shows the impulses of both after each of some iterations.

@@ -75,6 +75,10 @@ pub(crate) const METHODS: &[Entry] = &[
         "convex",
         "convex relaxation of Coulomb's law, and the fixed point over it",
     ),
+    Entry::of::<newton_schur::NewtonSchur>(
+        "newton-schur",
+        "active set outside, Schur complements of subdomains inside",
+    ),
     Entry::of::<reference::InteriorPoint>("interior-point", "interior point, then an active set"),
 ];
 

@@ -13,7 +13,7 @@ use crate::read::{
 const FEW_PROBLEMS: usize = 6;
 
 /// Their iterations are whole solves, or factorisations: they have no rank by iterations.
-const FACTORISE: [&str; 3] = ["active-set", "convex", "interior-point"];
+const FACTORISE: [&str; 4] = ["active-set", "convex", "newton-schur", "interior-point"];
 
 /// How the runs ended, who was first on each problem, and whose runs failed.
 pub(crate) fn found(study: &Study) -> Vec<String> {

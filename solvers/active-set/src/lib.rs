@@ -12,11 +12,13 @@
 //! point, which finds its way from anywhere, until what is left is a hundredth of what it was, and the active set tries again. Where
 //! the interior point finds no way on either, conjugate gradients go on from the best impulses, twice as long each time.
 
+mod inner;
 mod interior;
 mod rough;
 mod scaled;
 mod set;
 
+pub use inner::{Inner, PENALTY, Whole};
 pub use rough::Convex;
 pub use scaled::Scaled;
 pub use set::Set;
@@ -84,9 +86,10 @@ enum Phase<const D: usize> {
     Ended,
 }
 
-struct Run<'p, const D: usize> {
+/// A run of the active set, with what solves with the matrices of its sets.
+pub struct Run<'p, const D: usize, K: Inner<D> = Whole<D>> {
     problem: &'p Packing<Smooth<D>>,
-    set: Set<Scaled<D>>,
+    set: Set<Scaled<D, K>>,
     phase: Phase<D>,
     interior: Option<Interior>,
     /// Whether the interior point found no way on.
@@ -133,7 +136,12 @@ impl Best {
     }
 }
 
-impl<const D: usize> Run<'_, D> {
+impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
+    /// What solves with the matrices of its sets.
+    pub fn inner(&self) -> &K {
+        &self.set.scaled.inner
+    }
+
     fn gradient(&mut self) {
         let Phase::Gradient { run, iterations, most } = &mut self.phase else { return };
         run.advance();
@@ -218,7 +226,7 @@ impl<const D: usize> Run<'_, D> {
     }
 }
 
-impl<const D: usize> Iteration for Run<'_, D> {
+impl<const D: usize, K: Inner<D>> Iteration for Run<'_, D, K> {
     fn advance(&mut self) {
         match self.phase {
             Phase::Gradient { .. } => self.gradient(),
@@ -250,14 +258,19 @@ impl<const D: usize> Iteration for Run<'_, D> {
     }
 }
 
-impl<const D: usize> Solver<Smooth<D>> for ActiveSet {
-    fn start<'p>(
+impl ActiveSet {
+    /// The run that [`Solver::start`] begins, with `inner` in the place of one factor of the whole.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn run<'p, const D: usize, K: Inner<D>>(
         &self,
         problem: &'p Packing<Smooth<D>>,
         r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        inner: K,
+    ) -> Result<Run<'p, D, K>, SetupError> {
         SetupError::unless_not_negative("start_accuracy", self.start_accuracy)?;
-        let mut set = Set::new(problem)?;
+        let mut set = Set::on(Scaled::new(problem, inner));
         let scale = problem.scale().sqrt();
         let most = (STEPS * set.step_in_iterations()).max(1.0) as u64;
         set.begin(r0);
@@ -276,7 +289,7 @@ impl<const D: usize> Solver<Smooth<D>> for ActiveSet {
             }
         };
         let best = Best { left: set.left(), impulses: r0.to_vec() };
-        Ok(Box::new(Run {
+        Ok(Run {
             problem,
             set,
             phase,
@@ -289,6 +302,16 @@ impl<const D: usize> Solver<Smooth<D>> for ActiveSet {
             best,
             tries: Tries::default(),
             ray: None,
-        }))
+        })
+    }
+}
+
+impl<const D: usize> Solver<Smooth<D>> for ActiveSet {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<Smooth<D>>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        Ok(Box::new(self.run(problem, r0, Whole::new(problem)?)?))
     }
 }

@@ -1,16 +1,14 @@
-//! A problem in mass-scaled unknowns, s = √`W_αα` r and v/√`W_αα`, in which M = 1 and `W_αα` = 1; and factors in the space of its
-//! grains. All in √J; contacts and grains are in the order of the factor.
+//! A problem in mass-scaled unknowns, s = √`W_αα` r and v/√`W_αα`, in which M = 1 and `W_αα` = 1. All in √J; contacts and grains
+//! are in the order of what solves with K.
 
-use cholesky::{Coupling, Factor, Order, Structure};
-use contact::{Column, Contact, Packing, ScaledContact, SetupError, Smooth, Work, law};
+use crate::inner::{Inner, PENALTY, Whole};
+use cholesky::Coupling;
+use contact::{Column, Packing, ScaledContact, Smooth, Work, law};
 use nalgebra::SVector;
-use std::sync::Arc;
 
-/// The problem, and the factor of K = 1 + Σ d h̃ h̃ᵗ for some weights d ≥ 0 of the contacts. A contact has its entries in the same
-/// places whatever the weights.
-pub struct Scaled<const D: usize = 2> {
-    structure: Arc<Structure<D>>,
-    factor: Option<Factor<D>>,
+/// The problem, and what solves with K = 1 + Σ d h̃ h̃ᵗ for some weights d ≥ 0 of the contacts.
+pub struct Scaled<const D: usize = 2, K: Inner<D> = Whole<D>> {
+    pub(crate) inner: K,
     /// h̃ of each contact, between two places of the factor.
     columns: Vec<ScaledContact<D>>,
     /// The problem's contact of each column, and back.
@@ -26,18 +24,14 @@ pub struct Scaled<const D: usize = 2> {
     y: Vec<SVector<f64, D>>,
     /// √(Σ (|h̃ᵗ| |y| + |c|)²) of `V_free`: the terms of which v without impulses is the sum.
     terms_of_b: f64,
-    pub(crate) work: Work,
+    products: u64,
 }
 
-impl<const D: usize> Scaled<D> {
-    /// Lays the problem out, and finds where its factors have entries.
-    pub(crate) fn new(problem: &Packing<Smooth<D>>) -> Result<Self, SetupError> {
-        let ends: Vec<_> = problem.contacts().iter().map(Contact::ends).collect();
-        let order = Order::fill_reducing(problem.position(), &ends)
-            .map_err(|why| SetupError::new("problem", why, "one whose grains can be ordered"))?;
-        let structure = Arc::new(Structure::new(&ends, &order));
-        let place = structure.position();
-        let contact: Vec<u32> = structure.couplings().collect();
+impl<const D: usize, K: Inner<D>> Scaled<D, K> {
+    /// Lays the problem out as `inner` wants it.
+    pub(crate) fn new(problem: &Packing<Smooth<D>>, inner: K) -> Self {
+        let place = inner.position();
+        let contact: Vec<u32> = inner.contacts().collect();
         let mut column = vec![0; contact.len()];
         (0_u32..).zip(&contact).for_each(|(k, contact)| column[*contact as usize] = k);
         let inverse_mass = |grain: u32| 1.0 / problem.mass()[grain as usize];
@@ -59,9 +53,15 @@ impl<const D: usize> Scaled<D> {
             first.abs().dot(i) + second.abs().dot(j) + offset.abs()
         });
         let terms_of_b = terms.map(|terms| terms * terms).sum::<f64>().sqrt();
-        let (y, work) = (free.clone(), Work::default());
-        let factor = None;
-        Ok(Self { structure, factor, columns, contact, column, unit, offset, free, y, terms_of_b, work })
+        let y = free.clone();
+        Self { inner, columns, contact, column, unit, offset, free, y, terms_of_b, products: 0 }
+    }
+
+    /// Work so far.
+    pub(crate) fn work(&self) -> Work {
+        let mut work = self.inner.work();
+        work.delassus_products += self.products;
+        work
     }
 
     /// s of the impulses `r`, which are in the problem's order (N·s).
@@ -80,8 +80,8 @@ impl<const D: usize> Scaled<D> {
     /// factorisation 0.1 ns, per entry of its two solves 3 ns and per contact 30 ns, to 6 ns per contact.
     pub(crate) fn step_in_iterations(&self) -> f64 {
         let contacts = self.columns.len().max(1) as f64;
-        let step =
-            0.1 * self.structure.work() as f64 + 3.0 * self.structure.entries() as f64 + 30.0 * contacts;
+        let (multiply_adds, entries) = self.inner.cost();
+        let step = 0.1 * multiply_adds as f64 + 3.0 * entries as f64 + 30.0 * contacts;
         step / (6.0 * contacts)
     }
 }
@@ -91,6 +91,11 @@ impl<const D: usize> Scaled<D> {
 pub trait Space {
     /// Number of contacts, or of columns.
     fn contacts(&self) -> usize;
+
+    /// κ of a closed contact (–).
+    fn penalty(&self) -> f64 {
+        PENALTY
+    }
 
     /// √(Σ (|h̃ᵗ| |y| + |c|)²) of `V_free`: the terms of which v without impulses is the sum (√J).
     fn terms_of_b(&self) -> f64;
@@ -105,7 +110,11 @@ pub trait Space {
     fn solve(&mut self, p: impl Fn(usize) -> f64, take: impl FnMut(usize, f64));
 }
 
-impl<const D: usize> Space for Scaled<D> {
+impl<const D: usize, K: Inner<D>> Space for Scaled<D, K> {
+    fn penalty(&self) -> f64 {
+        self.inner.penalty()
+    }
+
     fn terms_of_b(&self) -> f64 {
         self.terms_of_b
     }
@@ -115,7 +124,7 @@ impl<const D: usize> Space for Scaled<D> {
     }
 
     fn velocities(&mut self, s: &[f64], v: &mut [f64]) {
-        self.work.delassus_products += 1;
+        self.products += 1;
         self.y.copy_from_slice(&self.free);
         for (column, s) in self.columns.iter().zip(s) {
             column.push(*s, &mut self.y);
@@ -126,34 +135,21 @@ impl<const D: usize> Space for Scaled<D> {
     }
 
     fn factorise(&mut self, weight: impl Fn(usize) -> f64 + Sync) -> bool {
-        self.work.factorisations += 1;
-        self.work.factorisation_multiply_adds += self.structure.work();
-        let Self { factor, structure, columns, column, .. } = self;
-        let coupling = |contact: usize| {
+        let Self { inner, columns, column, .. } = self;
+        inner.factorise(|contact| {
             let k = column[contact] as usize;
             let (first, second) = columns[k].at_ends();
             let weight = weight(k);
             (weight != 0.0).then(|| Coupling::dyad(weight, first, second))
-        };
-        let done = match factor {
-            Some(factor) => factor.renew(|_| SVector::repeat(1.0), coupling),
-            None => Factor::new(Arc::clone(structure), |_| SVector::repeat(1.0), coupling)
-                .map(|new| *factor = Some(new)),
-        };
-        if done.is_err() {
-            *factor = None;
-        }
-        done.is_ok()
+        })
     }
 
     fn solve(&mut self, p: impl Fn(usize) -> f64, mut take: impl FnMut(usize, f64)) {
-        let Some(factor) = &self.factor else { return };
         self.y.fill(SVector::zeros());
         for (k, column) in self.columns.iter().enumerate() {
             column.push(p(k), &mut self.y);
         }
-        factor.solve(&mut self.y);
-        self.work.triangular_solve_entries += 2 * factor.entries() as u64;
+        self.inner.solve(&mut self.y);
         for (k, column) in self.columns.iter().enumerate() {
             take(k, column.relative(&self.y));
         }

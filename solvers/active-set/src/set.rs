@@ -1,12 +1,9 @@
 //! The primal-dual active set: Newton's method on s = max(0, s − v).
 
+use crate::inner::{Inner, Whole};
 use crate::scaled::{Scaled, Space, left};
 use contact::{ContactProblem, Packing, SetupError, Smooth, Work};
 use std::hash::{DefaultHasher, Hash, Hasher};
-
-/// κ, the weight of the contacts against the masses (–). A solve leaves of an error in the impulses 1/(1 + κ λ), for each
-/// eigenvalue λ of the active part of H̃ᵗ H̃; the lowest of a packing of a thousand discs are some 1e-5.
-const PENALTY: f64 = 1e9;
 
 /// Solves with one factor, at most: each makes good what round-off, κ times as great, left of the one before.
 const SOLVES: u32 = 4;
@@ -74,8 +71,8 @@ impl<S: Space> Set<S> {
         let changed = self.closed.iter().zip(&closed).filter(|(before, now)| before != now).count();
         self.closed = closed;
         if changed > 0 || !self.is_factorised {
-            let closed = &self.closed;
-            self.is_factorised = self.scaled.factorise(|k| if closed[k] { PENALTY } else { 0.0 });
+            let (closed, kappa) = (&self.closed, self.scaled.penalty());
+            self.is_factorised = self.scaled.factorise(|k| if closed[k] { kappa } else { 0.0 });
         }
         if !self.is_factorised {
             return None;
@@ -96,8 +93,9 @@ impl<S: Space> Set<S> {
     fn solve(&mut self) {
         let Self { scaled, closed, s, v, before, .. } = self;
         before.copy_from_slice(s);
-        let pull = |k: usize| if closed[k] { -PENALTY * v[k] } else { -before[k] };
-        scaled.solve(pull, |k, change| s[k] = if closed[k] { s[k] - PENALTY * (v[k] + change) } else { 0.0 });
+        let kappa = scaled.penalty();
+        let pull = |k: usize| if closed[k] { -kappa * v[k] } else { -before[k] };
+        scaled.solve(pull, |k, change| s[k] = if closed[k] { s[k] - kappa * (v[k] + change) } else { 0.0 });
         self.measure();
     }
 
@@ -119,9 +117,11 @@ impl<const D: usize> Set<Scaled<D>> {
     /// # Errors
     /// Where it is too large for that.
     pub fn new(problem: &Packing<Smooth<D>>) -> Result<Self, SetupError> {
-        Ok(Self::on(Scaled::new(problem)?))
+        Ok(Self::on(Scaled::new(problem, Whole::new(problem)?)))
     }
+}
 
+impl<const D: usize, K: Inner<D>> Set<Scaled<D, K>> {
     /// Takes the impulses `r` (N·s).
     pub fn begin(&mut self, r: &[f64]) {
         self.s = self.scaled.scale(r);
@@ -140,7 +140,7 @@ impl<const D: usize> Set<Scaled<D>> {
 
     /// Work so far.
     pub fn work(&self) -> Work {
-        self.scaled.work
+        self.scaled.work()
     }
 
     /// Turns impulses `d` (N·s) near a proof of infeasibility into one: the change of those above 0 that is least in s and after
@@ -152,12 +152,13 @@ impl<const D: usize> Set<Scaled<D>> {
         let acts: Vec<bool> = s.iter().map(|s| *s > 1e-6 * greatest).collect();
         s.iter_mut().zip(&acts).filter(|(_, acts)| !**acts).for_each(|(s, _)| *s = 0.0);
         let scaled = self.lend_factor();
-        if !scaled.factorise(|k| if acts[k] { PENALTY } else { 0.0 }) {
+        let kappa = scaled.penalty();
+        if !scaled.factorise(|k| if acts[k] { kappa } else { 0.0 }) {
             return;
         }
         for _ in 0..SOLVES {
             let unbalanced = s.clone();
-            scaled.solve(|k| unbalanced[k], |k, change| s[k] -= if acts[k] { PENALTY * change } else { 0.0 });
+            scaled.solve(|k| unbalanced[k], |k, change| s[k] -= if acts[k] { kappa * change } else { 0.0 });
         }
         scaled.impulses(&s, d);
     }

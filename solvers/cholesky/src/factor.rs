@@ -251,6 +251,24 @@ impl<const D: usize> Factor<D> {
         }
     }
 
+    /// Leaves the factor of another matrix, as of [`Factor::renew`], in the place of one or of none; says whether it has one. Where it
+    /// has none, none is left.
+    pub fn replace(
+        place: &mut Option<Self>,
+        structure: &Arc<Structure<D>>,
+        mass: impl Fn(usize) -> SVector<f64, D> + Sync,
+        coupling: impl Fn(usize) -> Option<Coupling<D>> + Sync,
+    ) -> bool {
+        let done = match place {
+            Some(factor) => factor.renew(mass, coupling),
+            None => Self::new(Arc::clone(structure), mass, coupling).map(|new| *place = Some(new)),
+        };
+        if done.is_err() {
+            *place = None;
+        }
+        place.is_some()
+    }
+
     /// x ← (P K Pᵗ)⁻¹ x, for one x per place.
     pub fn solve(&self, x: &mut [SVector<f64, D>]) {
         Arch::new().dispatch(|| solve(&self.structure, &self.values, x));

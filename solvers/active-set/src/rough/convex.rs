@@ -92,13 +92,8 @@ impl Space for Edges {
             Some(dyad(2 * contact) + dyad(2 * contact + 1))
         };
         let ones = |_| Vector3::repeat(1.0);
-        let done = match &mut factor {
-            Some(factor) => factor.renew(ones, coupling).is_ok(),
-            None => {
-                Factor::new(Arc::clone(&self.structure), ones, coupling).map(|new| factor = Some(new)).is_ok()
-            }
-        };
-        self.factor = factor.filter(|_| done);
+        let done = Factor::replace(&mut factor, &self.structure, ones, coupling);
+        self.factor = factor;
         done
     }
 

@@ -1,0 +1,89 @@
+//! Who solves with the matrix of a set: K = 1 + Σ d h̃ h̃ᵗ, with weights d ≥ 0 of the contacts, in the mass-scaled velocities of
+//! grains.
+
+use cholesky::{Coupling, Factor, Order, Structure};
+use contact::{Contact, Packing, SetupError, Smooth, Work};
+use nalgebra::SVector;
+use std::sync::Arc;
+
+/// κ, the weight of the contacts against the masses (–). A solve leaves of an error in the impulses 1/(1 + κ λ), for each
+/// eigenvalue λ of the active part of H̃ᵗ H̃; the lowest of a packing of a thousand discs are some 1e-5.
+pub const PENALTY: f64 = 1e9;
+
+/// What solves with K.
+pub trait Inner<const D: usize> {
+    /// κ of a closed contact (–).
+    fn penalty(&self) -> f64 {
+        PENALTY
+    }
+
+    /// The place of each grain in the vectors that it solves for.
+    fn position(&self) -> &[u32];
+
+    /// The problem's contacts, in the order in which their columns are to lie.
+    fn contacts(&self) -> impl Iterator<Item = u32>;
+
+    /// Takes K with what each of the problem's contacts adds to it, d h̃ h̃ᵗ, if it does; says whether it could factorise it.
+    fn factorise(&mut self, coupling: impl Fn(usize) -> Option<Coupling<D>> + Sync) -> bool;
+
+    /// x ← K⁻¹ x; nothing without factors.
+    fn solve(&mut self, x: &mut [SVector<f64, D>]);
+
+    /// What it did so far.
+    fn work(&self) -> Work;
+
+    /// Multiply-adds of a factorisation of the whole, and entries of its factor: after so much conjugate gradients have taken too
+    /// long.
+    fn cost(&self) -> (u64, usize);
+}
+
+/// One sparse factor of the whole.
+pub struct Whole<const D: usize = 2> {
+    structure: Arc<Structure<D>>,
+    factor: Option<Factor<D>>,
+    work: Work,
+}
+
+impl<const D: usize> Whole<D> {
+    /// Finds where the factors of `problem` have entries.
+    ///
+    /// # Errors
+    /// Where it is too large for that.
+    pub fn new(problem: &Packing<Smooth<D>>) -> Result<Self, SetupError> {
+        let ends: Vec<_> = problem.contacts().iter().map(Contact::ends).collect();
+        let order = Order::fill_reducing(problem.position(), &ends)
+            .map_err(|why| SetupError::new("problem", why, "one whose grains can be ordered"))?;
+        let structure = Arc::new(Structure::new(&ends, &order));
+        Ok(Self { structure, factor: None, work: Work::default() })
+    }
+}
+
+impl<const D: usize> Inner<D> for Whole<D> {
+    fn position(&self) -> &[u32] {
+        self.structure.position()
+    }
+
+    fn contacts(&self) -> impl Iterator<Item = u32> {
+        self.structure.couplings()
+    }
+
+    fn factorise(&mut self, coupling: impl Fn(usize) -> Option<Coupling<D>> + Sync) -> bool {
+        self.work.factorisations += 1;
+        self.work.factorisation_multiply_adds += self.structure.work();
+        Factor::replace(&mut self.factor, &self.structure, |_| SVector::repeat(1.0), coupling)
+    }
+
+    fn solve(&mut self, x: &mut [SVector<f64, D>]) {
+        let Some(factor) = &self.factor else { return };
+        factor.solve(x);
+        self.work.triangular_solve_entries += 2 * factor.entries() as u64;
+    }
+
+    fn work(&self) -> Work {
+        self.work
+    }
+
+    fn cost(&self) -> (u64, usize) {
+        (self.structure.work(), self.structure.entries())
+    }
+}
