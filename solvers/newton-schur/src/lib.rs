@@ -73,7 +73,7 @@ pub struct NewtonSchur {
 /// law. On five packings of 991 discs in 8 and 64 subdomains, κ = 1e7 with 1e-8 takes the sets that it takes with a factor of S, or one
 /// more. With 1e-10, and with κ = 1e6 and 1e-6, there is one of these that takes more than 30; with κ = 1e9 no accuracy tried serves all.
 /// Translations save at most a ninth of the iterations with Neumann-Neumann, in 2 to 64 subdomains of `shear-box-991-onset`,
-/// `settled-991` and 10,000 deposited discs: a subdomain has as many soft modes as boundary grains.
+/// `settled-991` and 10,000 deposited discs, for about as many exchanges.
 impl Default for NewtonSchur {
     fn default() -> Self {
         Self {
