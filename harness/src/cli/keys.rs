@@ -30,6 +30,8 @@ fn add(rows: &mut Vec<Vec<String>>, schema: &Value, path: &str) {
         };
         rows.push(vec![format!("`{path}`"), value(&of) + &left_out, meaning(&of)]);
         add(rows, &of, &path);
+        // Of each table of a list.
+        add(rows, &of["items"], &format!("{path}[]"));
         let kinds: Vec<Value> =
             list(&of, "oneOf").into_iter().filter(|one| one["properties"].is_object()).collect();
         for kind in &kinds {
@@ -70,7 +72,8 @@ fn value(schema: &Value) -> String {
         } else {
             // One of two types may be none.
             let or_null = if items["type"].is_array() { " or `null`" } else { "" };
-            value(items).trim_start_matches("a ").replacen("number", "numbers", 1) + or_null
+            let one = value(items).trim_start_matches("a ").replacen("number", "numbers", 1);
+            one.replacen("table", "tables", 1) + or_null
         };
         return format!("a list: {one}");
     }
