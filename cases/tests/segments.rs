@@ -132,6 +132,6 @@ fn hopper_rests_then_flows() {
         }
         kinetic
     };
-    let (resting, flowing) = (energy(400), energy(40));
+    let (resting, flowing) = (energy(240), energy(40));
     assert!(flowing > 20.0 * resting, "{resting} to {flowing} J");
 }
