@@ -55,7 +55,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     if let Some(file) = &args.impulses {
         check_place(file)?;
     }
-    let path = root.problem_or_case(&args.problem)?;
+    let path = root.any_problem_or_case(&args.problem)?;
     let problem = if is_foreign(&path) {
         match exchange::read(&path)? {
             Held::Local(problem) => return local::solve(problem, args, (&method, &stop), &path),

@@ -40,11 +40,14 @@ fn iterated<M: Studied>(problem: &Frozen<M>, method: &Method, iterations: u64) -
     let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-300, max_iterations: iterations };
     let (r0, needed) = (vec![0.0; problem.problem.impulse_count()], Measured::Needed);
     let go_on = &mut |_: &runner::Progress| std::ops::ControlFlow::Continue(());
-    let local = Global::of(problem).local(M::Impulse::LEN).unwrap();
+    // Without friction a tangential impulse of 0 stands beside each normal one.
+    let (unknowns, own) = (M::Place::LEN, M::Impulse::LEN);
+    let local = Global::of(problem).local(unknowns).unwrap();
     let on_w = solved_on_w(method, None, &local, &stop, needed, go_on).unwrap();
+    let impulses = on_w.impulses.chunks(unknowns).flat_map(|r| r[..own].to_vec()).collect();
     let solver = method.solver::<M>().unwrap();
     let ours = solve_against(&[], solver, &problem.problem, &r0, &stop, needed, go_on).unwrap();
-    [(on_w.impulses, on_w.measures.natural_map), (ours.impulses, ours.measures.natural_map)]
+    [(impulses, on_w.measures.natural_map), (ours.impulses, ours.measures.natural_map)]
 }
 
 fn method(name: &str, settings: &[(&str, &str)]) -> Method {

@@ -69,6 +69,9 @@ impl Root {
         }
         let (_, folder, ending) = kind.words();
         let folder = self.join(folder);
+        if kind == Kind::Foreign && !folder.is_dir() {
+            return Ok(Vec::new());
+        }
         let mut paths = Vec::new();
         for entry in std::fs::read_dir(&folder).with_context(|| folder.display().to_string())? {
             let path = entry.with_context(|| folder.display().to_string())?.path();
@@ -116,9 +119,14 @@ impl Root {
         self.file(name, "problem", &[Kind::Frozen, Kind::Foreign])
     }
 
-    /// The file of any problem or a case, given by name or path.
+    /// The file of a frozen problem or a case, given by name or path.
     pub(crate) fn problem_or_case(&self, name: &str) -> Result<PathBuf> {
-        self.file(name, "problem or case", &[Kind::Case, Kind::Foreign, Kind::Frozen])
+        self.file(name, "problem or case", &[Kind::Case, Kind::Frozen])
+    }
+
+    /// The same, or the file of a problem of another code.
+    pub(crate) fn any_problem_or_case(&self, name: &str) -> Result<PathBuf> {
+        self.file(name, "problem or case", &[Kind::Case, Kind::Frozen, Kind::Foreign])
     }
 
     /// The file with this name or path, which holds one of the `wanted` kinds: `what`, in words.

@@ -48,7 +48,7 @@ fn siconos_solves_a_file_that_was_written_and_the_answer_is_certified() {
 }
 
 #[test]
-fn w_alone_is_solved_by_nsgs_and_by_nothing_else() {
+fn w_alone_is_solved_by_methods_that_need_no_grains() {
     let folder = TempDir::new().unwrap();
     write(&folder, "one.dat", "2 1 0 2 2 2 2\n 2 0.5\n 0.5 3\n -1 0.5\n 0.3\n");
     let path = |name: &str| folder.path().join(name).display().to_string();
@@ -57,13 +57,17 @@ fn w_alone_is_solved_by_nsgs_and_by_nothing_else() {
     let object = solve(&["--method", "nsgs"]).succeeded().json();
     assert_eq!((&object["status"], &object["iterations"]), (&"converged".into(), &1.into()));
     assert!(object["natural_map"].as_f64().unwrap() < 1e-14);
-    solve(&[]).refused(&["one.dat", "method `cg` needs grains"]);
+    for method in ["cg", "active-set", "nsgs-dd"] {
+        let object = solve(&["--method", method, "--tolerance", "1e-10", "--truth"]).succeeded().json();
+        assert!(object["natural_map"].as_f64().unwrap() < 1e-10, "{method}");
+        assert!(object["velocity_error"].as_f64().unwrap() < 1e-9, "{method}");
+    }
+    solve(&["--method", "latin-dd"]).refused(&["one.dat", "method `latin-dd` needs grains"]);
     let refused =
         |args: &[&str], word| solve(&[&["--method", "nsgs"], args].concat()).refused(&["one.dat", word]);
-    refused(&["--set", "symmetric=true"], "--set needs grains");
-    refused(&["--on", "zeta"], "--on zeta needs grains");
-    refused(&["--truth"], "--truth needs grains");
-    refused(&["--start", "warm"], "--start warm needs grains");
+    refused(&["--set", "symmetric=true"], "`symmetric` = true needs grains");
+    refused(&["--on", "quad_dv"], "`on` is quad_dv");
+    refused(&["--start", "warm"], "has no impulses of a time step before");
     refused(&["--scene", "a=1"], "has no scene");
     gravel(&["convert", &one, &path("one.hdf5")]).succeeded();
     let again = gravel(&["solve", &path("one.hdf5"), "--json", "--method", "nsgs"]).succeeded().json();

@@ -284,7 +284,12 @@ fn file_of_another_kind_is_named_as_what_it_is() {
     gravel(&["bench", frozen]).refused(&["settled-991.json is a frozen problem: a plan is asked"]);
     gravel(&["bench", case]).refused(&["column.toml is a case: a plan is asked"]);
     let solve = |file| gravel(&["solve", file]);
-    solve("harness/plans/paper.toml").refused(&["paper.toml is a plan: a case or a frozen problem is asked"]);
-    solve("README.md").refused(&["README.md: a case or a frozen problem is asked", ".toml", ".json"]);
+    solve("harness/plans/paper.toml")
+        .refused(&["paper.toml is a plan: a case or a frozen problem or a file of another code is asked"]);
+    solve("README.md").refused(&[
+        "README.md: a case or a frozen problem or a file of another code is asked",
+        ".toml",
+        ".json",
+    ]);
     gravel(&["bench", "README.md"]).refused(&["README.md: a plan is asked, a file that ends in .toml"]);
 }

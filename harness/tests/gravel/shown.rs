@@ -14,7 +14,8 @@ fn first_words(printed: &str) -> Vec<&str> {
 fn lists_of_cases_and_problems_have_every_one() {
     let mut cases: Vec<String> = names("cases", ".toml");
     cases.retain(|name| name != "Cargo");
-    for (what, expected) in [("cases", cases), ("problems", frozen_names())] {
+    let problems = [frozen_names(), names("cases/foreign", ".hdf5")].concat();
+    for (what, expected) in [("cases", cases), ("problems", problems)] {
         let printed = gravel(&["list", what]).succeeded().stdout;
         assert_eq!(first_words(&printed), expected, "{what}");
     }
