@@ -7,11 +7,14 @@ use std::path::Path;
 /// A line of the file; other columns count for nothing.
 #[derive(Deserialize)]
 struct Line {
-    x_m: f64,
-    y_m: f64,
-    #[serde(default)]
-    z_m: Option<f64>,
-    radius_m: f64,
+    #[serde(rename = "x_m")]
+    x: f64,
+    #[serde(rename = "y_m")]
+    y: f64,
+    #[serde(default, rename = "z_m")]
+    z: Option<f64>,
+    #[serde(rename = "radius_m")]
+    radius: f64,
 }
 
 /// [x, y, z, radius] of each grain (m); discs have z = 0.
@@ -24,19 +27,18 @@ pub(crate) fn placed(file: &Path, in_space: bool) -> Result<Vec<[f64; 4]>, Strin
         csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(file).map_err(|error| wrong(&error))?;
     let mut grains = Vec::new();
     for (line, number) in reader.deserialize::<Line>().zip(1_u64..) {
-        let Line { x_m, y_m, z_m, radius_m } = line.map_err(|error| wrong(&error))?;
-        let z = match (z_m, in_space) {
+        let Line { x, y, z, radius } = line.map_err(|error| wrong(&error))?;
+        let z = match (z, in_space) {
             (Some(z), true) => z,
             (None, false) => 0.0,
             (None, true) => return Err(wrong(&"a sphere needs the column `z_m`")),
             (Some(_), false) => return Err(wrong(&"a disc has no `z_m`: spheres are `placed-spheres`")),
         };
-        let grain = [x_m, y_m, z, radius_m];
-        if !(grain.iter().all(|x| x.is_finite()) && radius_m > 0.0) {
+        let grain = [x, y, z, radius];
+        if !(grain.iter().all(|x| x.is_finite()) && radius > 0.0) {
             let found = grain.map(shown).join(", ");
             return Err(wrong(&format!(
-                "grain {}: [x, y, z, radius] is [{found}]: finite numbers and a positive radius are asked",
-                number
+                "grain {number}: [x, y, z, radius] is [{found}]: finite numbers and a positive radius are asked"
             )));
         }
         grains.push(grain);

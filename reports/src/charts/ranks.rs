@@ -20,11 +20,11 @@ const NOTE: &str = "\nPredicted, with a rank for each subdomain: T = w + e (m α
                     those of a cluster. It knows nothing of ranks that share a memory's bandwidth, of caches, nor of those that \
                     are late.\n";
 
-/// The seconds of an iteration: work, messages to neighbours, sums over all ranks.
+/// What an iteration takes: work, messages to neighbours, sums over all ranks (s).
 struct Predicted {
-    work_s: f64,
-    messages_s: f64,
-    sums_s: f64,
+    work: f64,
+    messages: f64,
+    sums: f64,
 }
 
 impl Predicted {
@@ -45,14 +45,14 @@ impl Predicted {
         let is_coarse = run.settings.get("coarse").and_then(serde_json::Value::as_bool) == Some(true);
         let sums = if is_cg { 4.0 } else { f64::from(u8::from(is_coarse)) };
         Some(Self {
-            work_s: seconds * share,
-            messages_s: exchanges * (counted("neighbours")? * LATENCY_S + counted("sent_bytes")? * BYTE_S),
-            sums_s: sums * LATENCY_S * f64::from(run.subdomains).log2().ceil(),
+            work: seconds * share,
+            messages: exchanges * (counted("neighbours")? * LATENCY_S + counted("sent_bytes")? * BYTE_S),
+            sums: sums * LATENCY_S * f64::from(run.subdomains).log2().ceil(),
         })
     }
 
     fn iteration_s(&self) -> f64 {
-        self.work_s + self.messages_s + self.sums_s
+        self.work + self.messages + self.sums
     }
 }
 
@@ -117,7 +117,7 @@ fn sentence(runs: &[RunRow], problem: &str) -> Option<String> {
         let timed = timed
             .filter_map(|run| Some((seconds(series, run)?, run.subdomains, Predicted::of(series, run)?)));
         let (seconds, ranks, predicted) = timed.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let share = (100.0 * (1.0 - predicted.work_s / predicted.iteration_s())).round();
+        let share = (100.0 * (1.0 - predicted.work / predicted.iteration_s())).round();
         let on = format!(
             "{} s on {}, {share} % of it messages and sums",
             number(seconds, 2),
@@ -147,9 +147,9 @@ fn table(runs: &[RunRow]) -> Part {
         "status" => rows.iter().map(|(_, run)| run.ending.text()).collect::<Vec<_>>(),
         "neighbours" => of(&|_, run| run.spectrum.get("neighbours")?.as_f64()),
         "sent_bytes" => of(&|_, run| run.spectrum.get("sent_bytes")?.as_f64()),
-        "work_us" => part(|predicted| predicted.work_s),
-        "messages_us" => part(|predicted| predicted.messages_s),
-        "sums_us" => part(|predicted| predicted.sums_s),
+        "work_us" => part(|predicted| predicted.work),
+        "messages_us" => part(|predicted| predicted.messages),
+        "sums_us" => part(|predicted| predicted.sums),
         "predicted_s" => of(&seconds),
         "predicted_speed_up" => of(&speed_up),
     );

@@ -5,7 +5,7 @@ use crate::newton::Newton;
 use crate::sweeps::{Exact, Sweeps};
 use crate::{LocalProblem, gradient};
 use cg::{ConeRun, Preconditioner};
-use contact::{Iteration, SetupError, Work};
+use contact::{Iteration, Work};
 
 /// One rung of the ladder over the one before (–): at each Newton's method has a try.
 const RUNG: f64 = 0.1;
@@ -49,16 +49,9 @@ pub(crate) struct ActiveSet<'p, const D: usize> {
 
 impl<'p, const D: usize> ActiveSet<'p, D> {
     /// From r = 0, by conjugate gradients to `start_accuracy` (–).
-    ///
-    /// # Errors
-    /// None but those of sweeps.
-    pub(crate) fn new(
-        problem: &'p LocalProblem,
-        exact: Exact<D>,
-        start_accuracy: f64,
-    ) -> Result<Self, SetupError> {
+    pub(crate) fn new(problem: &'p LocalProblem, exact: Exact<D>, start_accuracy: f64) -> Self {
         let scale = problem.scale().sqrt();
-        Ok(Self {
+        Self {
             problem,
             exact,
             phase: Phase::Gradient(Box::new(gradient(problem, Preconditioner::Diagonal))),
@@ -70,7 +63,7 @@ impl<'p, const D: usize> ActiveSet<'p, D> {
             iterations: 0,
             halved: (scale, 0),
             work: Work::default(),
-        })
+        }
     }
 
     /// Takes the impulses `r` (N·s) for the best, if they leave less of the law; returns what they leave (√J).

@@ -13,13 +13,14 @@ pub(crate) fn subdomains(problem: &LocalProblem, count: usize) -> Result<Vec<u32
     let expected = || format!("1 to {contacts}, the number of contacts");
     SetupError::unless((1..=contacts.max(1)).contains(&count), "subdomains", count, expected())?;
     let mut subdomain = vec![0; contacts];
-    split(problem, (0..contacts as u32).collect(), 0..count as u32, &mut subdomain);
+    let all: Vec<u32> = (0..contacts as u32).collect();
+    split(problem, &all, 0..count as u32, &mut subdomain);
     Ok(subdomain)
 }
 
 /// Distributes `contacts`, all of one subdomain so far, over those of `range`.
-fn split(problem: &LocalProblem, contacts: Vec<u32>, range: std::ops::Range<u32>, subdomain: &mut [u32]) {
-    for contact in &contacts {
+fn split(problem: &LocalProblem, contacts: &[u32], range: std::ops::Range<u32>, subdomain: &mut [u32]) {
+    for contact in contacts {
         subdomain[*contact as usize] = range.start;
     }
     if range.len() == 1 {
@@ -27,9 +28,9 @@ fn split(problem: &LocalProblem, contacts: Vec<u32>, range: std::ops::Range<u32>
     }
     let middle = range.start + range.len() as u32 / 2;
     // What is reached last is far from where it began.
-    let far = reached(problem, &contacts, contacts[0], subdomain).last().copied();
-    let mut first = reached(problem, &contacts, far.unwrap_or(contacts[0]), subdomain);
-    let second = first.split_off(contacts.len() * (middle - range.start) as usize / range.len());
+    let far = reached(problem, contacts, contacts[0], subdomain).last().copied();
+    let order = reached(problem, contacts, far.unwrap_or(contacts[0]), subdomain);
+    let (first, second) = order.split_at(contacts.len() * (middle - range.start) as usize / range.len());
     split(problem, second, middle..range.end, subdomain);
     split(problem, first, range.start..middle, subdomain);
 }

@@ -68,7 +68,7 @@ impl Method {
             Self::Cg { preconditioner } => Box::new(gradient::<D>(problem, preconditioner)),
             Self::ActiveSet { start_accuracy } => {
                 SetupError::unless_not_negative("start_accuracy", start_accuracy)?;
-                Box::new(ActiveSet::<D>::new(problem, exact, start_accuracy)?)
+                Box::new(ActiveSet::<D>::new(problem, exact, start_accuracy))
             }
         })
     }

@@ -133,9 +133,9 @@ impl<'p, const D: usize> Newton<'p, D> {
         closed.iter().enumerate().for_each(|(k, contact)| place[*contact] = Some(k));
         let rows: Vec<Rows<D>> =
             closed.iter().map(|contact| self.rows(*contact, &status[*contact], &place)).collect();
-        let wanted = closed.iter().map(|contact| self.wanted(*contact, &status[*contact])).collect();
+        let wanted: Vec<_> = closed.iter().map(|contact| self.wanted(*contact, &status[*contact])).collect();
         self.work.factorisations += 1;
-        let Some(change) = solved(&rows, wanted) else { return false };
+        let Some(change) = solved(&rows, &wanted) else { return false };
         for (contact, change) in closed.iter().zip(change) {
             (SVector::at(&self.r, *contact) + change).put(&mut self.r, *contact);
         }
@@ -183,7 +183,7 @@ impl<'p, const D: usize> Newton<'p, D> {
 }
 
 /// The solution of a system with these rows, block by block; `None` without a factor.
-fn solved<const D: usize>(rows: &[Rows<D>], wanted: Vec<SVector<f64, D>>) -> Option<Vec<SVector<f64, D>>> {
+fn solved<const D: usize>(rows: &[Rows<D>], wanted: &[SVector<f64, D>]) -> Option<Vec<SVector<f64, D>>> {
     let size = D * rows.len();
     let mut triplets = Vec::new();
     for (place, row) in rows.iter().enumerate() {
@@ -197,7 +197,7 @@ fn solved<const D: usize>(rows: &[Rows<D>], wanted: Vec<SVector<f64, D>>) -> Opt
     let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &triplets).ok()?;
     let factor: Lu<usize, f64> = matrix.sp_lu().ok()?;
     let mut change = vec![SVector::<f64, D>::zeros(); rows.len()];
-    let mut left = wanted.clone();
+    let mut left = wanted.to_vec();
     for _ in 0..SOLVES {
         let mut x = faer::Col::from_fn(size, |k| left[k / D][k % D]);
         factor.solve_in_place(x.as_mut());
@@ -206,7 +206,7 @@ fn solved<const D: usize>(rows: &[Rows<D>], wanted: Vec<SVector<f64, D>>) -> Opt
         let of = |(row, wanted): (&Rows<D>, &SVector<f64, D>)| {
             wanted - row.iter().map(|(other, block)| block * next[*other]).sum::<SVector<f64, D>>()
         };
-        let after: Vec<_> = rows.iter().zip(&wanted).map(of).collect();
+        let after: Vec<_> = rows.iter().zip(wanted).map(of).collect();
         let size_of = |all: &[SVector<f64, D>]| all.iter().map(SVector::norm_squared).sum::<f64>().sqrt();
         let (before, now) = (size_of(&left), size_of(&after));
         if now < before {
