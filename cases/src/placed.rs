@@ -1,6 +1,8 @@
 //! Grains whose places and radii are in a CSV file.
 
+use crate::detect::{Side, detect};
 use contact::shown;
+use nalgebra::Vector3;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -17,6 +19,9 @@ struct Line {
     radius: f64,
 }
 
+/// The share of the smaller radius by which two grains may overlap (–): what another code left of its contacts.
+const OVERLAP: f64 = 0.1;
+
 /// [x, y, z, radius] of each grain (m); discs have z = 0.
 ///
 /// # Errors
@@ -25,9 +30,12 @@ pub(crate) fn placed(file: &Path, in_space: bool) -> Result<Vec<[f64; 4]>, Strin
     let wrong = |error: &dyn std::fmt::Display| format!("`sample.file`: {}: {error}", file.display());
     let mut reader =
         csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(file).map_err(|error| wrong(&error))?;
-    let mut grains = Vec::new();
-    for (line, number) in reader.deserialize::<Line>().zip(1_u64..) {
-        let Line { x, y, z, radius } = line.map_err(|error| wrong(&error))?;
+    let headers = reader.headers().map_err(|error| wrong(&error))?.clone();
+    let (mut grains, mut lines) = (Vec::new(), Vec::new());
+    for record in reader.records() {
+        let record = record.map_err(|error| wrong(&error))?;
+        let number = record.position().map_or(0, csv::Position::line);
+        let Line { x, y, z, radius } = record.deserialize(Some(&headers)).map_err(|error| wrong(&error))?;
         let z = match (z, in_space) {
             (Some(z), true) => z,
             (None, false) => 0.0,
@@ -38,12 +46,34 @@ pub(crate) fn placed(file: &Path, in_space: bool) -> Result<Vec<[f64; 4]>, Strin
         if !(grain.iter().all(|x| x.is_finite()) && radius > 0.0) {
             let found = grain.map(shown).join(", ");
             return Err(wrong(&format!(
-                "grain {number}: [x, y, z, radius] is [{found}]: finite numbers and a positive radius are asked"
+                "line {number}: [x, y, z, radius] is [{found}]: finite numbers and a positive radius are asked"
             )));
         }
         grains.push(grain);
+        lines.push(number);
     }
-    Ok(grains)
+    if grains.is_empty() {
+        return Err(wrong(&"it has no grain"));
+    }
+    match overlapping(&grains) {
+        Some([i, j]) => Err(wrong(&format!(
+            "the grains of lines {} and {} overlap by more than {OVERLAP} of the smaller radius",
+            lines[i], lines[j]
+        ))),
+        None => Ok(grains),
+    }
+}
+
+/// Two grains that overlap too much.
+fn overlapping(grains: &[[f64; 4]]) -> Option<[usize; 2]> {
+    let position: Vec<Vector3<f64>> = grains.iter().map(|[x, y, z, _]| Vector3::new(*x, *y, *z)).collect();
+    let radius: Vec<f64> = grains.iter().map(|[.., radius]| *radius).collect();
+    detect(&position, &radius, 0.0).into_iter().find_map(|contact| {
+        let Side::Grain(other) = contact.antagonist else { return None };
+        let pair = [contact.candidate as usize, other as usize];
+        let least = radius[pair[0]].min(radius[pair[1]]);
+        (contact.gap < -OVERLAP * least).then_some(pair)
+    })
 }
 
 #[cfg(test)]
@@ -72,7 +102,11 @@ mod tests {
         let word = refused("x_m,y_m,radius_m\n0,0,1\n0,high,1\n", false);
         assert!(word.contains("grains.csv: ") && word.contains("line: 3"), "{word}");
         let none = refused("x_m,y_m,radius_m\n0,0,1\n0,4,-1\n", false);
-        assert!(none.contains("grain 2: [x, y, z, radius] is [0, 4, 0, -1]"), "{none}");
+        assert!(none.contains("line 3: [x, y, z, radius] is [0, 4, 0, -1]"), "{none}");
+        let overlapping = refused("x_m,y_m,radius_m\n0,0,1\n9,9,1\n0,1.8,1\n", false);
+        assert!(overlapping.contains("the grains of lines 2 and 4 overlap"), "{overlapping}");
+        assert!(refused("x_m,y_m,radius_m\n", false).contains("it has no grain"));
+        assert_eq!(read("x_m,y_m,radius_m\n0,0,1\n0,1.95,1\n", false).unwrap().len(), 2);
         assert!(refused("x_m,y_m,radius_m\n0,0,1\n", true).contains("needs the column `z_m`"));
         assert!(refused("x_m,y_m,z_m,radius_m\n0,0,0,1\n", false).contains("`placed-spheres`"));
         assert!(refused("x_m,y_m,radius_m\n0,0,nan\n", false).contains("NaN"));

@@ -8,7 +8,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A straight wall with two ends, both sides of which discs may touch. A hopper has two that lean and one, its gate, that is taken
-/// away; an obstacle has a radius and no length.
+/// away; an obstacle has a radius and no length. Its friction is that of walls. Where segments meet, a disc on the corner touches both:
+/// the two impulses are not unique.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
@@ -59,8 +60,13 @@ impl Segment {
         let squared = along.dot_product(along);
         let share = if squared > 0.0 { (position - from).dot_product(along) / squared } else { 0.0 };
         let between = position - (from + along * share.clamp(0.0, 1.0));
+        let touching = radius + self.radius_m;
+        // Most are too far: no square root for them.
+        if between.dot_product(between) > (touching + reach) * (touching + reach) {
+            return None;
+        }
         let distance = between.length();
-        let gap = distance - radius - self.radius_m;
+        let gap = distance - touching;
         // A centre on the segment has no side; any will push it off.
         let normal = if distance > 0.0 { between / distance } else { P::of([0.0, 1.0, 0.0]) };
         let contact = DetectedContact { candidate: grain, antagonist: Side::Segment(number), normal, gap };
@@ -83,8 +89,10 @@ impl Segment {
                 return wrong(key, value, "finite");
             }
         }
-        if !is_not_negative(self.radius_m) || self.radius_m == 0.0 && self.to_m.is_none() {
-            return wrong("radius_m", self.radius_m, "positive without `to_m`, and not negative with it");
+        let is_point = self.to_m.is_none_or(|to| to == self.from_m);
+        if !is_not_negative(self.radius_m) || self.radius_m == 0.0 && is_point {
+            let expected = "positive for a segment without length, and not negative for any";
+            return wrong("radius_m", self.radius_m, expected);
         }
         match self.removed_at_s.filter(|time| !is_not_negative(*time)) {
             Some(time) => wrong("removed_at_s", time, "finite and not negative"),

@@ -109,13 +109,44 @@ fn segments_without_meaning_are_refused_by_key_and_number() {
     let refused = |segments: &str| scene("[[0.0, 1.5, 0.5]]", segments).unwrap_err();
     let point = refused("[[scene.segments]]\nfrom_m = [0.0, 0.0]\n");
     assert!(
-        point.contains("`scene.segments[0].radius_m` is 0: it must be positive without `to_m`"),
+        point.contains("`scene.segments[0].radius_m` is 0: it must be positive for a segment without length"),
         "{point}"
     );
     let late = refused(&format!("{LEVEL}{LEVEL}removed_at_s = -1.0\n"));
     assert!(late.contains("`scene.segments[1].removed_at_s` is -1"), "{late}");
-    let space = scene("[[0.0, 1.5, 0.5]]", LEVEL).unwrap();
-    assert!(!space.in_space().unwrap());
+    let same = refused("[[scene.segments]]\nfrom_m = [1.0, 0.0]\nto_m = [1.0, 0.0]\n");
+    assert!(same.contains("`scene.segments[0].radius_m`"), "{same}");
+    let periodic = refused(&format!("[scene.box]\nwidth_m = 9.0\nperiodic = true\n{LEVEL}"));
+    assert!(periodic.contains("`scene.segments` is for boxes without `periodic` sides"), "{periodic}");
+}
+
+#[test]
+fn segments_are_refused_for_spheres() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("spheres.toml");
+    let box_of_spheres =
+        std::fs::read_to_string(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("sphere-box.toml"));
+    std::fs::write(&path, box_of_spheres.unwrap() + LEVEL).unwrap();
+    let case = Case::read(&path, &[]).unwrap();
+    let refused = March::<contact::Spheres>::new(&case).unwrap_err().to_string();
+    assert!(refused.contains("`scene.segments` is for discs"), "{refused}");
+}
+
+#[test]
+fn disc_rolls_down_a_rough_segment_that_leans() {
+    // tan = 0.75 ≤ 3 μ: it rolls, at 2/3 g sin; the spin follows.
+    let leaning = "friction = 0.3\n[[scene.segments]]\nfrom_m = [-4.0, 3.0]\nto_m = [4.0, -3.0]\n";
+    let case = scene("[[0.3, 0.4, 0.5]]", leaning).unwrap();
+    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-14, max_iterations: 10_000 };
+    let mut march = March::<contact::RoughDiscs>::new(&case).unwrap();
+    for _ in 0..20 {
+        march.time_step(&Nsgs::default(), &stop).unwrap();
+    }
+    let [v_x, v_y, spin] = march.velocity()[0].into();
+    let speed = 2.0 / 3.0 * 0.6 * G * 20.0 * H;
+    near(v_x, 0.8 * speed);
+    near(v_y, -0.6 * speed);
+    near(spin, -speed / 0.5);
 }
 
 #[test]
