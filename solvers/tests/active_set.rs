@@ -23,7 +23,7 @@ fn to_its_end(run: &mut dyn Iteration, problem: &Packing) -> Vec<f64> {
 }
 
 /// ‖V − U‖_M of two impulses over ‖V − `V_free`‖_M.
-fn distance(problem: &Packing, r: &[f64], other: &[f64]) -> f64 {
+pub(crate) fn distance(problem: &Packing, r: &[f64], other: &[f64]) -> f64 {
     let velocity = |r: &[f64]| {
         let mut velocity = problem.free_velocity().to_vec();
         problem.velocity(r, &mut velocity);

@@ -1,5 +1,6 @@
 //! Newton by subdomains: the iterates of the active set, whoever solves with its matrices, and what that costs.
 
+use crate::active_set::distance;
 use crate::problems::{PACKINGS, frozen, impulses, start};
 use active_set::ActiveSet;
 use contact::{Iteration, Packing, Solver};
@@ -11,17 +12,6 @@ const GRIDS: [Grid; 4] = [Grid::ONE, Grid::of(2, 1), Grid::of(4, 2), Grid::of(8,
 
 fn method(subdomains: Grid, interface: Interface) -> NewtonSchur {
     NewtonSchur { subdomains, interface, ..NewtonSchur::default() }
-}
-
-/// Velocities of the impulses, their distance over that to `V_free`.
-fn distance(problem: &Packing, r: &[f64], other: &[f64]) -> f64 {
-    let velocity = |r: &[f64]| {
-        let mut velocity = problem.free_velocity().to_vec();
-        problem.velocity(r, &mut velocity);
-        velocity
-    };
-    let (v, u) = (velocity(r), velocity(other));
-    problem.velocity_distance(&v, &u) / problem.velocity_distance(&v, problem.free_velocity())
 }
 
 /// Advances both until both have ended; the greatest distance of two iterates.

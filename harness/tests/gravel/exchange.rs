@@ -57,6 +57,7 @@ fn w_alone_is_solved_by_methods_that_need_no_grains() {
     let object = solve(&["--method", "nsgs"]).succeeded().json();
     assert_eq!((&object["status"], &object["iterations"]), (&"converged".into(), &1.into()));
     assert!(object["natural_map"].as_f64().unwrap() < 1e-14);
+    assert!(object["zeta"].is_null(), "none from r = 0");
     for method in ["cg", "active-set", "nsgs-dd"] {
         let object = solve(&["--method", method, "--tolerance", "1e-10", "--truth"]).succeeded().json();
         assert!(object["natural_map"].as_f64().unwrap() < 1e-10, "{method}");

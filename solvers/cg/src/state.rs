@@ -1,5 +1,6 @@
 //! A contact of the conjugate gradient with friction: its status, and what the law makes of a step and of a gradient.
 
+use contact::law::tangential;
 use nalgebra::SVector;
 
 /// What the impulse of a contact may do.
@@ -42,13 +43,6 @@ fn normal<const D: usize>(size: f64) -> SVector<f64, D> {
 #[inline]
 fn tangent<const D: usize>() -> SVector<f64, D> {
     SVector::from_fn(|axis, _| f64::from(axis == 1))
-}
-
-/// The tangential part, and its size.
-#[inline]
-fn tangential<const D: usize>(mut s: SVector<f64, D>) -> (SVector<f64, D>, f64) {
-    s[0] = 0.0;
-    (s, s.norm())
 }
 
 /// What is left of s when what points `out` of the cone is taken away.

@@ -1,5 +1,7 @@
 //! The contact law, eq. (2): 0 ≤ v ⊥ r ≥ 0, as a fixed point; and maxima that do not hide a NaN.
 
+use nalgebra::SVector;
+
 /// max(0, s), the projection on admissible impulses, which hands a NaN on instead of hiding it as `f64::max` does.
 #[inline]
 pub fn non_negative(s: f64) -> f64 {
@@ -31,6 +33,13 @@ pub fn clip(s: f64, bound: f64) -> f64 {
     } else {
         s
     }
+}
+
+/// The tangential part of what has its normal component first, and its size.
+#[inline]
+pub fn tangential<const D: usize>(mut s: SVector<f64, D>) -> (SVector<f64, D>, f64) {
+    s[0] = 0.0;
+    (s, s.norm())
 }
 
 /// The greatest value; NaN if there is one, 0 for none.

@@ -34,7 +34,7 @@ pub use packing::Packing;
 pub use problem::ContactProblem;
 pub use rough::{
     RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughMeter, RoughSpheres, Rubbing, SphereColumn,
-    TrescaColumn, TrescaContact, TrescaDiscs, frame,
+    TrescaColumn, TrescaContact, TrescaDiscs, frame, zeta,
 };
 pub use scaled::ScaledContact;
 pub use solver::{Iteration, Solver};

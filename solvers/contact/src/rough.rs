@@ -9,7 +9,7 @@ mod spheres;
 mod tresca;
 
 pub use column::RoughColumn;
-pub use meter::{RoughMeter, Rubbing};
+pub use meter::{RoughMeter, Rubbing, zeta};
 pub use spheres::{RoughSpheres, SphereColumn, frame};
 pub use tresca::{TrescaColumn, TrescaContact, TrescaDiscs};
 

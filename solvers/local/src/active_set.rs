@@ -68,7 +68,7 @@ impl<'p, const D: usize> ActiveSet<'p, D> {
 
     /// Takes the impulses `r` (N·s) for the best, if they leave less of the law; returns what they leave (√J).
     fn take(&mut self, r: Vec<f64>) -> f64 {
-        let left = self.problem.left(&r, &self.problem.velocity_of::<D>(&r));
+        let left = self.problem.left(&r, &self.problem.velocity(&r));
         if left < self.best.1 {
             self.best = (r, left);
         }
@@ -77,25 +77,28 @@ impl<'p, const D: usize> ActiveSet<'p, D> {
 
     /// One iteration of the gradient or of the sweeps, and a look at what it leaves.
     fn approach(&mut self) {
-        let mut r = vec![0.0; self.best.0.len()];
-        let (looks, patience) = match &mut self.phase {
+        self.iterations += 1;
+        let (left, patience) = match &mut self.phase {
             Phase::Gradient(run) => {
                 run.advance();
-                run.impulses(&mut r);
-                (true, PATIENCE)
+                let left = run.left();
+                if left < self.best.1 {
+                    run.impulses(&mut self.best.0);
+                    self.best.1 = left;
+                }
+                (left, PATIENCE)
             }
             Phase::Sweeps(sweeps) => {
                 sweeps.advance();
+                if !self.iterations.is_multiple_of(LOOK) {
+                    return;
+                }
+                let mut r = vec![0.0; self.best.0.len()];
                 sweeps.impulses(&mut r);
-                ((self.iterations + 1).is_multiple_of(LOOK), PATIENCE_OF_SWEEPS)
+                (self.take(r), PATIENCE_OF_SWEEPS)
             }
             Phase::Ended => return,
         };
-        self.iterations += 1;
-        if !looks {
-            return;
-        }
-        let left = self.take(r);
         if left <= 0.5 * self.halved.0 {
             self.halved = (left, self.iterations);
         }

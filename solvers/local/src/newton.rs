@@ -5,8 +5,8 @@
 //! is singular where contacts depend on each other.
 
 use crate::LocalProblem;
-use crate::problem::tangential;
-use contact::{Vector, Work, law};
+use contact::law::{self, tangential};
+use contact::{Vector, Work};
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Lu;
 use faer::sparse::{SparseColMat, Triplet};
@@ -58,7 +58,7 @@ impl<'p, const D: usize> Newton<'p, D> {
     /// Takes the impulses `r` (N·s).
     pub(crate) fn begin(&mut self, r: &[f64]) {
         self.r.copy_from_slice(r);
-        self.v = self.problem.velocity_of::<D>(&self.r);
+        self.v = self.problem.velocity(&self.r);
     }
 
     /// The nearest impulses that the law admits (N·s).
@@ -126,7 +126,7 @@ impl<'p, const D: usize> Newton<'p, D> {
                 }
             }
         }
-        self.v = self.problem.velocity_of::<D>(&self.r);
+        self.v = self.problem.velocity(&self.r);
         let closed: Vec<usize> =
             (0..contacts).filter(|contact| !matches!(status[*contact], Status::Open)).collect();
         let mut place = vec![None; contacts];
@@ -139,7 +139,7 @@ impl<'p, const D: usize> Newton<'p, D> {
         for (contact, change) in closed.iter().zip(change) {
             (SVector::at(&self.r, *contact) + change).put(&mut self.r, *contact);
         }
-        self.v = self.problem.velocity_of::<D>(&self.r);
+        self.v = self.problem.velocity(&self.r);
         true
     }
 

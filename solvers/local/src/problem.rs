@@ -1,6 +1,7 @@
 //! The problem, its products and its natural map.
 
-use contact::{ProblemError, Vector, is_not_negative, law};
+use contact::law::{self, tangential};
+use contact::{ProblemError, Vector, is_not_negative, ratio};
 use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeMap;
 
@@ -180,24 +181,28 @@ impl LocalProblem {
         self.blocks_of(contact).map(of).sum()
     }
 
-    /// q + W r at one contact (m/s), with the impulses `r` (N·s).
-    pub(crate) fn velocity_at<const D: usize>(&self, r: &[f64], contact: usize) -> SVector<f64, D> {
-        SVector::at(&self.q, contact) + self.product_at(contact, |other| SVector::at(r, other))
-    }
-
     /// v = W r + q (m/s), normal first at each contact, of the impulses `r` (N·s).
     pub fn velocity(&self, r: &[f64]) -> Vec<f64> {
+        let mut v = self.delassus_product(r);
+        v.iter_mut().zip(&self.q).for_each(|(v, q)| *v += q);
+        v
+    }
+
+    /// W r (m/s), normal first at each contact, of the impulses `r` (N·s).
+    pub fn delassus_product(&self, r: &[f64]) -> Vec<f64> {
         match self.dimension {
-            1 => self.velocity_of::<1>(r),
-            2 => self.velocity_of::<2>(r),
-            _ => self.velocity_of::<3>(r),
+            1 => self.product_of::<1>(r),
+            2 => self.product_of::<2>(r),
+            _ => self.product_of::<3>(r),
         }
     }
 
-    pub(crate) fn velocity_of<const D: usize>(&self, r: &[f64]) -> Vec<f64> {
-        let mut v = vec![0.0; r.len()];
-        (0..self.contact_count()).for_each(|contact| self.velocity_at::<D>(r, contact).put(&mut v, contact));
-        v
+    fn product_of<const D: usize>(&self, r: &[f64]) -> Vec<f64> {
+        let mut product = vec![0.0; r.len()];
+        for contact in 0..self.contact_count() {
+            self.product_at::<D>(contact, |other| SVector::at(r, other)).put(&mut product, contact);
+        }
+        product
     }
 
     /// `w_n` = `W_nn` and `w_t` = `λ_max(W_TT)` of a contact, one for each unknown (1/kg): what its impulses are weighed by.
@@ -219,8 +224,7 @@ impl LocalProblem {
     /// the nearest to `r_t` − `v_t`/`w_t` of size μ `r_n` at most, `w_n` = `W_nn` and `w_t` = `λ_max(W_TT)` of the contact. Where `W_αα` is diagonal it
     /// is the measure of the problems with grains.
     pub fn natural_map(&self, r: &[f64]) -> f64 {
-        let left = self.left(r, &self.velocity(r));
-        if left == 0.0 { 0.0 } else { left / self.scale().sqrt() }
+        ratio(self.left(r, &self.velocity(r)), self.scale().sqrt())
     }
 
     /// √(Σ w (r − r⁺)²) (√J) of the impulses `r` (N·s), whose velocity is `v` (m/s).
@@ -263,16 +267,12 @@ impl LocalProblem {
         // With a margin for the round-off of the sum.
         let (bound, mut left) = (tolerance * tolerance * self.scale() * (1.0 + 1e-9), 0.0);
         (0..self.contact_count()).any(|contact| {
-            left += self.left_at::<D>(contact, &SVector::at(r, contact), &self.velocity_at(r, contact));
+            let product = self.product_at::<D>(contact, |other| SVector::at(r, other));
+            let v = product + SVector::at(&self.q, contact);
+            left += self.left_at::<D>(contact, &SVector::at(r, contact), &v);
             left > bound
         })
     }
-}
-
-/// The tangential part, and its size.
-pub(crate) fn tangential<const D: usize>(mut r: SVector<f64, D>) -> (SVector<f64, D>, f64) {
-    r[0] = 0.0;
-    (r, r.norm())
 }
 
 /// `λ_max` of the symmetric part of `W_TT`; 1 where there are no tangents.

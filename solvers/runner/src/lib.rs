@@ -187,7 +187,11 @@ pub fn solve_against<'t, M: Refutable>(
     let End { status, iterations, measures, before, impulses, iterating } =
         run(&mut OneMachine { problem, meter }, &mut *iteration, r0.to_vec(), stop, measured, observe);
     let mut velocity = vec![M::Velocity::ZERO; problem.grain_count()];
-    let last_change_moves = moving_share(problem, &before, &impulses, &mut velocity);
+    let last_change_moves = moving_share(&before, &impulses, &problem.delassus_diagonal(), |change| {
+        let mut moved = vec![0.0; change.len()];
+        problem.delassus_product(change, &mut moved, &mut velocity);
+        moved
+    });
     problem.velocity(&impulses, &mut velocity);
     Ok(Outcome {
         status,
@@ -293,21 +297,20 @@ fn run(
     End { status, iterations, measures, before, impulses: r, iterating }
 }
 
-/// √(dᵗ W d / dᵗ `W_D` d) of the change d from impulses `before`, if there are some, to `r` (–).
-fn moving_share<M: Refutable>(
-    problem: &Packing<M>,
+/// √(dᵗ W d / dᵗ `W_D` d) of the change d from impulses `before`, if there are some, to `r` (–), with the `diagonal` of W and its
+/// `product`.
+fn moving_share(
     before: &[f64],
     r: &[f64],
-    scratch: &mut [M::Velocity],
+    diagonal: &[f64],
+    product: impl FnOnce(&[f64]) -> Vec<f64>,
 ) -> f64 {
     if before.len() != r.len() {
         return f64::NAN;
     }
     let change: Vec<f64> = r.iter().zip(before).map(|(r, before)| r - before).collect();
-    let mut moved = vec![0.0; r.len()];
-    problem.delassus_product(&change, &mut moved, scratch);
-    let diagonal = problem.delassus_diagonal();
-    let of_change: f64 = change.iter().zip(&diagonal).map(|(d, w)| w * d * d).sum();
+    let moved = product(&change);
+    let of_change: f64 = change.iter().zip(diagonal).map(|(d, w)| w * d * d).sum();
     let of_motion: f64 = change.iter().zip(&moved).map(|(d, moved)| d * moved).sum();
     // Round-off may leave less than nothing.
     (of_motion.max(0.0) / of_change).sqrt()

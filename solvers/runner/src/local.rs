@@ -1,8 +1,8 @@
 //! The loop on a problem that is W alone.
 
 use crate::judge::Judge;
-use crate::{End, Measured, Outcome, Progress, Stop, run};
-use contact::{Measure, Measures, SetupError, law};
+use crate::{End, Measured, Outcome, Progress, Stop, moving_share, run};
+use contact::{ContactProblem, Discs, Measure, Measures, SetupError, law, ratio, zeta};
 use local::{LocalProblem, Method};
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -32,13 +32,13 @@ impl LocalTruth {
     fn velocity_error(&self, r: &[f64], v: &[f64]) -> f64 {
         let apart = |k: usize| (r[k] - self.r[k]) * (v[k] - self.v[k]);
         // Round-off may leave less than nothing.
-        ((0..r.len()).map(apart).sum::<f64>().max(0.0) / self.squared).sqrt()
+        ratio((0..r.len()).map(apart).sum::<f64>().max(0.0), self.squared).sqrt()
     }
 }
 
-/// ½ rᵗ W r + qᵗ r (J).
+/// q(r) (J).
 fn energy(problem: &LocalProblem, r: &[f64], v: &[f64]) -> f64 {
-    r.iter().zip(v).zip(problem.q()).map(|((r, v), q)| 0.5 * r * (v + q)).sum()
+    ContactProblem::<Discs>::energy(r, v, problem.q())
 }
 
 /// Judges by W.
@@ -60,12 +60,9 @@ impl Judge for OnW<'_> {
         let approach = |v: &[f64]| law::non_negative(-v[0]);
         let rates = v.chunks(self.problem.dimension()).map(approach).enumerate();
         let worst = rates.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, rate)| *rate > 0.0);
-        let (apart, both) = before.iter().zip(r).fold((0.0, 0.0), |(apart, both), (before, r)| {
-            (apart + (r - before) * (r - before), both + r * before)
-        });
         Measures {
-            zeta: if before.is_empty() { f64::NAN } else { (apart / both).sqrt() },
-            natural_map: if left == 0.0 { 0.0 } else { left / self.scale.sqrt() },
+            zeta: zeta(before, r),
+            natural_map: ratio(left, self.scale.sqrt()),
             penetration_rate: worst.map_or(0.0, |(_, rate)| rate),
             worst_contact: worst.map(|(contact, _)| contact),
             velocity_error: self.truth.map_or(f64::NAN, |truth| truth.velocity_error(r, &v)),
@@ -137,22 +134,9 @@ pub fn solve_local(
         work: iteration.work(),
         derived: iteration.derived(),
         critical_path: iteration.critical_path(),
-        last_change_moves: moving_share(problem, &before, &impulses),
+        last_change_moves: moving_share(&before, &impulses, &problem.diagonal(), |d| {
+            problem.delassus_product(d)
+        }),
         impulses,
     })
-}
-
-/// √(dᵗ W d / dᵗ `W_D` d) of the last change d (–), as with grains.
-fn moving_share(problem: &LocalProblem, before: &[f64], r: &[f64]) -> f64 {
-    if before.len() != r.len() {
-        return f64::NAN;
-    }
-    let (v, was) = (problem.velocity(r), problem.velocity(before));
-    let (diagonal, mut of_change, mut of_motion) = (problem.diagonal(), 0.0, 0.0);
-    for (k, w) in diagonal.iter().enumerate() {
-        let change = r[k] - before[k];
-        of_change += w * change * change;
-        of_motion += change * (v[k] - was[k]);
-    }
-    (of_motion.max(0.0) / of_change).sqrt()
 }

@@ -253,8 +253,8 @@ impl<'p, M: Rubbing> Measuring<'p, M> for RoughMeter<'p, M> {
     }
 }
 
-/// √(|r − before|²/(rᵗ before)); NaN from r = 0.
-fn zeta(before: &[f64], r: &[f64]) -> f64 {
+/// ζ = √(|r − before|²/(rᵗ before)) (–) of two iterates; NaN from r = 0, or from none.
+pub fn zeta(before: &[f64], r: &[f64]) -> f64 {
     let pairs = || before.iter().zip(r);
     let product: f64 = pairs().map(|(before, r)| r * before).sum();
     let change: f64 = pairs().map(|(before, r)| (r - before) * (r - before)).sum();
