@@ -2,8 +2,9 @@
 //! a cluster's.
 
 use polars::df;
+use serde_json::Value;
 
-use super::scaling::{path_per_iteration, seconds_per_iteration};
+use super::scaling::{fewest, path_per_iteration, same_problem, seconds_per_iteration};
 use super::subdomains::{Panel, figure};
 use crate::draw::{Series, series, title};
 use crate::read::{Ending, Problems, RunRow, counted, file_name, number, problems};
@@ -13,8 +14,8 @@ use crate::text::{Part, chosen};
 const LATENCY_S: f64 = 1.5e-6;
 const BYTE_S: f64 = 1.0 / 12e9;
 
-const NOTE: &str = "\nPredicted, with a rank for each subdomain: T = w + e (m α + β B) + k α ⌈log₂ p⌉ for an iteration. w: the \
-                    seconds of the run with the fewest subdomains, in proportion to the counted work of the longest subdomain; of cg, \
+const NOTE: &str = "\nPredicted, with a rank for each subdomain, of nsgs-dd with one exchange an iteration, latin-dd and cg: T = w + e (m α + β B) + k α ⌈log₂ p⌉ for an iteration. w: the \
+                    seconds of the run with the fewest subdomains, on one thread, in proportion to the counted work of the longest subdomain; of cg, \
                     to their number. m and B: counted neighbours and bytes of the subdomain that has most; e: exchanges, of cg one for \
                     each product with W; k: sums over all ranks, of cg four, of coarse problems one. α = 1.5 µs and 1/β = 12 GB/s, \
                     those of a cluster. It knows nothing of ranks that share a memory's bandwidth, of caches, nor of those that \
@@ -27,23 +28,35 @@ struct Predicted {
     sums: f64,
 }
 
+/// Exchanges with the neighbours in an iteration, and sums over all ranks, of the methods of which they are known.
+fn exchanges_and_sums(run: &RunRow) -> Option<(f64, f64)> {
+    let setting = |key: &str| run.settings.get(key);
+    match run.method.as_str() {
+        "cg" => Some((run.end.work.delassus_products as f64 / run.iterations as f64, 4.0)),
+        "latin-dd" => {
+            let is_coarse = setting("coarse").and_then(Value::as_bool) == Some(true);
+            Some((1.0, f64::from(u8::from(is_coarse))))
+        }
+        // The other exchange takes one for each colour.
+        "nsgs-dd" => {
+            (setting("exchange").and_then(Value::as_str) != Some("gauss-seidel")).then_some((1.0, 0.0))
+        }
+        _ => None,
+    }
+}
+
 impl Predicted {
-    /// Of a run of a series, if it was timed and its messages are counted.
+    /// Of a run of a series, if its messages are counted, and the fewest subdomains were timed on one thread.
     fn of(series: &Series, run: &RunRow) -> Option<Self> {
-        let same = series.runs.iter().filter(|other| other.problem == run.problem);
-        let fewest = same.min_by_key(|other| other.subdomains)?;
+        let fewest = fewest(series, run, same_problem).filter(|fewest| fewest.provenance.threads == 1)?;
         let seconds = seconds_per_iteration(fewest)?;
+        let (exchanges, sums) = exchanges_and_sums(run)?;
         let share = match (path_per_iteration(run), path_per_iteration(fewest)) {
             (Some(own), Some(fewest)) => own / fewest,
             _ => f64::from(fewest.subdomains) / f64::from(run.subdomains),
         };
         let counted =
             |key: &str| if run.subdomains == 1 { Some(0.0) } else { run.spectrum.get(key)?.as_f64() };
-        let is_cg = run.method == "cg";
-        let products = run.end.work.delassus_products as f64 / run.iterations as f64;
-        let exchanges = if is_cg { products } else { 1.0 };
-        let is_coarse = run.settings.get("coarse").and_then(serde_json::Value::as_bool) == Some(true);
-        let sums = if is_cg { 4.0 } else { f64::from(u8::from(is_coarse)) };
         Some(Self {
             work: seconds * share,
             messages: exchanges * (counted("neighbours")? * LATENCY_S + counted("sent_bytes")? * BYTE_S),
@@ -56,15 +69,15 @@ impl Predicted {
     }
 }
 
+/// To the tolerance, of a run that met it.
 fn seconds(series: &Series, run: &RunRow) -> Option<f64> {
-    Some(run.iterations as f64 * Predicted::of(series, run)?.iteration_s())
+    let predicted = Predicted::of(series, run)?;
+    run.has_converged().then(|| run.iterations as f64 * predicted.iteration_s())
 }
 
 /// Over the run with the fewest subdomains.
 fn speed_up(series: &Series, run: &RunRow) -> Option<f64> {
-    let same = series.runs.iter().filter(|other| other.problem == run.problem);
-    let fewest = same.min_by_key(|other| other.subdomains)?;
-    Some(seconds(series, fewest)? / seconds(series, run)?)
+    Some(seconds(series, fewest(series, run, same_problem)?)? / seconds(series, run)?)
 }
 
 /// The runs that were made; those of cg, whose iterates do not depend on subdomains, on as many as others have too.
@@ -113,8 +126,9 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
 fn sentence(runs: &[RunRow], problem: &str) -> Option<String> {
     let all = series(runs.iter().filter(|run| run.problem == problem), &["subdomains"]);
     let best = |series: &Series| {
-        let timed = series.runs.iter().filter(|run| run.has_converged());
-        let timed = timed
+        let timed = series
+            .runs
+            .iter()
             .filter_map(|run| Some((seconds(series, run)?, run.subdomains, Predicted::of(series, run)?)));
         let (seconds, ranks, predicted) = timed.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let share = (100.0 * (1.0 - predicted.work / predicted.iteration_s())).round();
@@ -128,8 +142,9 @@ fn sentence(runs: &[RunRow], problem: &str) -> Option<String> {
     let mut best: Vec<(f64, String)> = all.iter().filter_map(best).collect();
     best.sort_by(|a, b| a.0.total_cmp(&b.0));
     let best: Vec<String> = best.into_iter().map(|(_, text)| text).collect();
-    (!best.is_empty())
-        .then(|| format!("Predicted at the best number of ranks, {problem}: {}.\n", best.join("; ")))
+    (!best.is_empty()).then(|| {
+        format!("Predicted at the best of these numbers of ranks, {problem}: {}.\n", best.join("; "))
+    })
 }
 
 fn table(runs: &[RunRow]) -> Part {
@@ -157,3 +172,6 @@ fn table(runs: &[RunRow]) -> Part {
                  predicted_s predicted_speed_up";
     Part::table("ranks", chosen(rows.iter().map(|(_, run)| *run), names, own), NOTE)
 }
+
+#[cfg(test)]
+mod tests;

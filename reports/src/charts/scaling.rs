@@ -29,27 +29,31 @@ pub(crate) fn grains_per_subdomain(run: &RunRow) -> f64 {
     f64::from(run.grains) / f64::from(run.subdomains)
 }
 
-/// The run with the fewest subdomains among those of a series that are the `same` as this one, if both converged.
-fn fewest<'r>(series: &Series<'r>, run: &RunRow, same: Same) -> Option<&'r RunRow> {
-    let all = series.runs.iter().copied().filter(|other| same(run, other));
-    all.min_by_key(|other| other.subdomains).filter(|fewest| fewest.has_converged() && run.has_converged())
+/// The run with the fewest subdomains among those of a series that are the `same` as this one.
+pub(crate) fn fewest<'r>(series: &Series<'r>, run: &RunRow, same: Same) -> Option<&'r RunRow> {
+    series.runs.iter().copied().filter(|other| same(run, other)).min_by_key(|other| other.subdomains)
+}
+
+/// The same, if both converged.
+fn fewest_converged<'r>(series: &Series<'r>, run: &RunRow, same: Same) -> Option<&'r RunRow> {
+    fewest(series, run, same).filter(|fewest| fewest.has_converged() && run.has_converged())
 }
 
 /// Whether two runs of a series differ in their subdomains alone.
 type Same = fn(&RunRow, &RunRow) -> bool;
 
-fn same_problem(run: &RunRow, other: &RunRow) -> bool {
+pub(crate) fn same_problem(run: &RunRow, other: &RunRow) -> bool {
     run.problem == other.problem
 }
 
 /// How many times more the run with the fewest subdomains takes of the critical path.
 pub(crate) fn counted_speed_up(series: &Series, run: &RunRow) -> Option<f64> {
-    Some(path(fewest(series, run, same_problem)?)? / path(run)?)
+    Some(path(fewest_converged(series, run, same_problem)?)? / path(run)?)
 }
 
 /// The same of seconds.
 pub(crate) fn measured_speed_up(series: &Series, run: &RunRow) -> Option<f64> {
-    Some(fewest(series, run, same_problem)?.iterating_s? / run.iterating_s?)
+    Some(fewest_converged(series, run, same_problem)?.iterating_s? / run.iterating_s?)
 }
 
 /// One row per run of a series on a problem, with the columns `names`.
@@ -65,7 +69,7 @@ pub(crate) fn table(all: &[Series], names: &str, same: Same) -> DataFrame {
         rows.iter().map(|(series, run)| value(series, run)).collect::<Vec<_>>()
     };
     let growth = |series: &Series, run: &RunRow| {
-        let fewest = fewest(series, run, same)?.iterations;
+        let fewest = fewest_converged(series, run, same)?.iterations;
         (fewest > 0).then(|| run.iterations as f64 / fewest as f64)
     };
     let ns_per_contact = |_: &Series, run: &RunRow| {

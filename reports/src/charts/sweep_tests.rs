@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::charts::{critical_path, profiles, ranks, relaxation, size, subdomains, weak};
+use crate::charts::{critical_path, profiles, relaxation, size, subdomains, weak};
 use crate::draw::{METHODS, RGBColor};
 use crate::tests::assert_well_formed;
 use crate::tests::fixture::{
@@ -11,14 +11,14 @@ use crate::tests::fixture::{
 use results::schema::Run;
 use serde_json::{Value, json};
 
-fn text<'f>(files: &'f [File], name: &str) -> &'f str {
+pub(super) fn text<'f>(files: &'f [File], name: &str) -> &'f str {
     for (name, svg) in files.iter().filter(|(name, _)| name.contains(".svg")) {
         assert_well_formed(name, svg);
     }
     &files.iter().find(|(other, _)| other == name).unwrap_or_else(|| panic!("no {name}")).1
 }
 
-fn on(id: u32, subdomains: u32, kappa: &str, iterations: u64) -> Run {
+pub(super) fn on(id: u32, subdomains: u32, kappa: &str, iterations: u64) -> Run {
     let kappa: Value = serde_json::from_str(kappa).unwrap();
     let settings = object(&json!({ "kappa_d": kappa, "subdomains": format!("{subdomains}x1") }));
     Run { settings, subdomains, iterations, ..run(id, "latin-dd", "", "converged") }
@@ -57,41 +57,6 @@ fn speed_up_is_counted_on_the_longest_subdomain_and_measured_in_seconds() {
     assert!(rows[1].contains(",128,250.0,2.5,1.5,"), "{}", rows[1]);
     assert!(rows[2].contains("iteration limit,1000,9.0,,,"), "{}", rows[2]);
     assert_eq!(rows.len(), 3, "cg has no subdomains");
-}
-
-#[test]
-fn ranks_are_predicted_from_work_messages_and_sums() {
-    let counted = |path: u32, run: Run| Run {
-        derived: object(&json!({ "critical_path": path })),
-        spectrum: object(&json!({ "neighbours": 3, "sent_bytes": 1200 })),
-        ..run
-    };
-    let mut cg = Run { iterating_s: 0.2, iterations: 50, ..run(2, "cg", "", "converged") };
-    cg.end.work.delassus_products = 100;
-    let runs = [
-        counted(800, Run { iterating_s: 1.0, ..on(0, 1, "null", 100) }),
-        counted(200, on(1, 4, "null", 128)),
-        cg,
-    ];
-    let files = files(&ranks::parts(&study(&runs, &[])));
-    let rows: Vec<Vec<&str>> =
-        text(&files, "ranks.csv").lines().skip(1).map(|row| row.split(',').collect()).collect();
-    let number = |row: usize, column: usize| rows[row][column].parse::<f64>().unwrap();
-    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9 * b.abs(), "{a} for {b}");
-    // A quarter of 10 ms, three messages of 1.5 µs with 1200 bytes at 12 GB/s; of cg twice, and four sums over 2² ranks.
-    let messages_s = 3.0 * 1.5e-6 + 1200.0 / 12e9;
-    assert_eq!((rows[1][1], rows[1][2], rows[3][1], rows[3][2]), ("cg", "4", "latin-dd", "4"));
-    near(number(3, 7), 2500.0);
-    near(number(3, 8), 1e6 * messages_s);
-    near(number(3, 10), 128.0 * (2.5e-3 + messages_s));
-    near(number(1, 10), 50.0 * (1e-3 + 2.0 * messages_s + 4.0 * 1.5e-6 * 2.0));
-    near(number(3, 11), 1.0 / number(3, 10));
-    let found = text(&files, "ranks-found.md");
-    assert!(
-        found.contains("cg 0.051 s on 4\u{a0}ranks, 2 % of it messages and sums; latin-dd 0.32 s"),
-        "{found}"
-    );
-    assert!(text(&files, "ranks-column.svg").contains("3\u{a0}runs"));
 }
 
 #[test]

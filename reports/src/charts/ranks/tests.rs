@@ -1,0 +1,69 @@
+//! Predictions from runs of known work and messages.
+
+use super::parts;
+use crate::charts::sweep_tests::{on, text};
+use crate::tests::fixture::{files, object, run, study};
+use results::schema::Run;
+use serde_json::json;
+
+#[test]
+fn ranks_are_predicted_from_work_messages_and_sums() {
+    let counted = |path: u32, run: Run| Run {
+        derived: object(&json!({ "critical_path": path })),
+        spectrum: object(&json!({ "neighbours": 3, "sent_bytes": 1200 })),
+        ..run
+    };
+    let mut cg = Run { iterating_s: 0.2, iterations: 50, ..run(2, "cg", "", "converged") };
+    cg.end.work.delassus_products = 100;
+    let runs = [
+        counted(800, Run { iterating_s: 1.0, ..on(0, 1, "null", 100) }),
+        counted(200, on(1, 4, "null", 128)),
+        cg,
+    ];
+    let files = files(&parts(&study(&runs, &[])));
+    let rows: Vec<Vec<&str>> =
+        text(&files, "ranks.csv").lines().skip(1).map(|row| row.split(',').collect()).collect();
+    let number = |row: usize, column: usize| rows[row][column].parse::<f64>().unwrap();
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9 * b.abs(), "{a} for {b}");
+    // A quarter of 10 ms, three messages of 1.5 µs with 1200 bytes at 12 GB/s; of cg twice, and four sums over 2² ranks.
+    let messages_s = 3.0 * 1.5e-6 + 1200.0 / 12e9;
+    assert_eq!((rows[1][1], rows[1][2], rows[3][1], rows[3][2]), ("cg", "4", "latin-dd", "4"));
+    near(number(3, 7), 2500.0);
+    near(number(3, 8), 1e6 * messages_s);
+    near(number(3, 10), 128.0 * (2.5e-3 + messages_s));
+    near(number(1, 10), 50.0 * (1e-3 + 2.0 * messages_s + 4.0 * 1.5e-6 * 2.0));
+    near(number(3, 11), 1.0 / number(3, 10));
+    let found = text(&files, "ranks-found.md");
+    assert!(
+        found.contains("cg 0.051 s on 4\u{a0}ranks, 2 % of it messages and sums; latin-dd 0.32 s"),
+        "{found}"
+    );
+    assert!(text(&files, "ranks-column.svg").contains("3\u{a0}runs"));
+}
+
+#[test]
+fn ranks_are_not_predicted_where_exchanges_are_not_known_or_the_tolerance_was_not_met() {
+    let counted = |method: &str, exchange: &str, status: &str, run: Run| Run {
+        method: method.into(),
+        status: status.into(),
+        settings: object(&json!({ "exchange": exchange, "subdomains": format!("{}x1", run.subdomains) })),
+        derived: object(&json!({ "critical_path": 800 / run.subdomains })),
+        spectrum: object(&json!({ "neighbours": 3, "sent_bytes": 1200 })),
+        ..run
+    };
+    let predicted = |method, exchange, status, threads| {
+        let runs = [1, 4].map(|subdomains| {
+            let mut run = counted(method, exchange, status, on(subdomains, subdomains, "null", 100));
+            run.provenance.threads = threads;
+            run
+        });
+        let files = files(&parts(&study(&runs, &[])));
+        let rows: Vec<String> = text(&files, "ranks.csv").lines().skip(1).map(str::to_owned).collect();
+        rows.iter().map(|row| row.split(',').nth(10).unwrap().parse::<f64>().is_ok()).collect::<Vec<_>>()
+    };
+    assert_eq!(predicted("nsgs-dd", "jacobi", "converged", 1), [true, true]);
+    assert_eq!(predicted("nsgs-dd", "gauss-seidel", "converged", 1), [false, false]);
+    assert_eq!(predicted("newton-schur", "jacobi", "converged", 1), [false, false]);
+    assert_eq!(predicted("nsgs-dd", "jacobi", "iteration-limit", 1), [false, false]);
+    assert_eq!(predicted("nsgs-dd", "jacobi", "converged", 2), [false, false]);
+}
