@@ -3,8 +3,9 @@
 
 use crate::detect::{DetectedContact, Side};
 use crate::periodic::Period;
-use crate::scene::{MovingWall, Scene, WallMotion};
+use crate::scene::Scene;
 use crate::segments::Segment;
+use crate::walls::{MovingWall, WallMotion};
 use contact::Place;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

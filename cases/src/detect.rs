@@ -1,7 +1,7 @@
 //! Neighbours and gaps: which grains and walls are close, on a grid of cells, in time linear in the number of grains.
 
 use crate::periodic::Period;
-use crate::scene::{MovingWall, WallMotion};
+use crate::walls::{MovingWall, WallMotion};
 use contact::{Groups, Place};
 use nalgebra::Vector2;
 

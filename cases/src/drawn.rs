@@ -1,7 +1,8 @@
 //! Walls and other fixed bodies as they are drawn.
 
 use crate::detect::{Side, WALLS};
-use crate::scene::{Scene, Wall};
+use crate::scene::Scene;
+use crate::walls::Wall;
 use contact::Place;
 
 /// The walls and bodies of a scene at a `time` (s), by their corners (m); grains reach so far along a direction.
@@ -53,8 +54,8 @@ fn upwards<P: Place>(normal: P) -> P {
 /// Sides of the polygon that stands for a circle where it is drawn.
 const SIDES: u32 = 72;
 
-/// The drum, the bumps on a floor from a place on to some x, and the segments at a `time` (s), to be drawn by their corners (m): segments in the plane, and in
-/// space what they sweep between two z.
+/// The drum, the bumps on a floor from a place on to some x, and the segments at a `time` (s), to be drawn by their corners (m): lines
+/// in the plane, and in space what they sweep between two z.
 fn outlines<P: Place>(
     scene: &Scene,
     time: f64,

@@ -22,6 +22,7 @@ mod segments;
 mod shapes;
 mod sizes;
 mod stress;
+mod walls;
 
 pub use bodies::Drum;
 pub use case::{Case, check_name};
@@ -36,7 +37,8 @@ pub use marched::Marched;
 pub use observables::{Explosion, Missed, Observables};
 pub use rough::AnyFrozen;
 pub use sample::{Grain, Sample};
-pub use scene::{Direction, Law, Scene, Vibration, WallMotion, Walls};
+pub use scene::{Law, Scene};
 pub use segments::Segment;
 pub use sizes::Sizes;
 pub use stress::Stress;
+pub use walls::{Direction, Vibration, WallMotion, Walls};

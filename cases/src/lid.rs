@@ -7,7 +7,8 @@
 use crate::bodies::Bumps;
 use crate::detect::{DetectedContact, Side};
 use crate::sample::Grain;
-use crate::scene::{Scene, WallMotion};
+use crate::scene::Scene;
+use crate::walls::WallMotion;
 use contact::{Place, is_not_negative, is_positive, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

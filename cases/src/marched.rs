@@ -2,7 +2,7 @@
 
 use crate::detect::{DetectedContact, Side};
 use crate::sample::Grain;
-use crate::scene::WallMotion;
+use crate::walls::WallMotion;
 use analysis::Refutable;
 use contact::{Contact, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, frame};
 use nalgebra::{SVector, Vector2, Vector3, Vector6};

@@ -21,8 +21,8 @@ pub struct Observables {
     pub greatest_overlap: f64,
     /// All overlaps of that problem together, per grain (m).
     pub mean_overlap: f64,
-    /// Sums of the normal impulses that the floor with its bumps, or the drum, the walls left and right, and in space those behind and
-    /// before, gave in the time step (N·s). Where there is a lid, left and right are its guides.
+    /// Sums of the normal impulses that the floor with its bumps, or the drum, and all segments gave in the time step, then the walls
+    /// left and right, and in space those behind and before (N·s). Where there is a lid, left and right are its guides.
     pub wall_impulses: [f64; 5],
     /// Contacts of the problem.
     pub contacts: usize,
@@ -123,7 +123,7 @@ fn worst(values: impl Iterator<Item = (u32, f64, f64)>) -> Option<(u32, f64, f64
     beyond.reduce(|worst, next| if next.1 / next.2 > worst.1 / worst.2 { next } else { worst })
 }
 
-/// Sums of the normal impulses `r` (N·s) that the floor with its bumps, or the drum, with all segments, and the other walls gave.
+/// Sums of the normal impulses `r` (N·s): of the floor with its bumps, or the drum, and all segments, then of each other wall.
 pub(crate) fn wall_impulses(sides: &[Side], r: &(impl Iterator<Item = f64> + Clone)) -> [f64; 5] {
     let mut sums = [0.0; 5];
     for (side, r) in sides.iter().zip(r.clone()) {

@@ -1,6 +1,6 @@
 //! Periodic sides: what leaves the box at one side comes in at the other, and grains touch through the boundary.
 
-use crate::scene::Walls;
+use crate::walls::Walls;
 use contact::{Place, shown};
 
 /// The width after which a scene repeats itself along x (m), if it does.

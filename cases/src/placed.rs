@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 use std::path::Path;
 
-/// A line of the file; other columns count for nothing.
+/// A line of the file; other columns are ignored.
 #[derive(Deserialize)]
 struct Line {
     #[serde(rename = "x_m")]

@@ -4,7 +4,7 @@ use crate::deposit;
 use crate::placed::placed;
 use crate::rough::AnyFrozen;
 use crate::shapes;
-use crate::sizes::{Radii, Sizes};
+use crate::sizes::{Radii, Sizes, with_room};
 use contact::{Place, is_positive, shown};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
@@ -98,7 +98,7 @@ pub enum Sample {
         sizes: Sizes,
         /// Radius of one disc in the midst of the others, in place of its own (m).
         intruder_radius_m: Option<f64>,
-        /// Height at which the lowest begin, such as above the gate of a hopper (m).
+        /// Height of the level that they are laid on, such as above the gate of a hopper (m).
         #[serde(default)]
         lift_m: f64,
         /// Mass per area (kg/m²).
@@ -156,7 +156,7 @@ pub enum Sample {
         /// Mass per volume (kg/m³).
         density_kg_per_m3: f64,
     },
-    /// Discs at the places of a CSV file, with the columns `x_m`, `y_m` and `radius_m`; others are left alone.
+    /// Discs at the places of a CSV file, with the columns `x_m`, `y_m` and `radius_m`; others are ignored.
     Placed {
         /// The file, seen from the folder of the case.
         file: PathBuf,
@@ -328,29 +328,4 @@ fn checked<P: Place>(grains: Vec<Grain<P>>) -> Result<Vec<Grain<P>>, String> {
         None if grains.is_empty() => Err("`sample` has no grain".to_owned()),
         None => Ok(grains),
     }
-}
-
-/// `radii` of `greatest` at most, that of the intruder in the middle of the list, for a box with so much room along each of some keys
-/// (m).
-fn with_room(
-    mut radii: Vec<f64>,
-    greatest: f64,
-    intruder: Option<f64>,
-    room: &[(&str, f64)],
-) -> Result<Vec<f64>, String> {
-    if let Some(radius) = intruder.filter(|radius| !is_positive(*radius)) {
-        return Err(format!(
-            "`sample.intruder_radius_m` is {}: it must be positive and finite",
-            shown(radius)
-        ));
-    }
-    let least_room = 4.0 * f64::max(greatest, intruder.unwrap_or(0.0));
-    if let Some((key, length)) = room.iter().find(|(_, length)| *length < least_room) {
-        return Err(format!("`scene.box.{key}` is {}: it must be at least 4 greatest radii", shown(*length)));
-    }
-    let middle = radii.len() / 2;
-    if let (Some(intruder), Some(middle)) = (intruder, radii.get_mut(middle)) {
-        *middle = intruder;
-    }
-    Ok(radii)
 }

@@ -2,7 +2,7 @@
 
 use crate::bodies::Near;
 use crate::detect::{DetectedContact, Side};
-use crate::scene::WallMotion;
+use crate::walls::WallMotion;
 use contact::{Place, is_not_negative, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

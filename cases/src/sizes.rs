@@ -142,5 +142,30 @@ fn given([least, greatest]: [f64; 2], radii: &[f64], shares: &[f64]) -> Result<(
     }
 }
 
+/// `radii` of `greatest` at most, that of the intruder in the middle of the list, for a box with so much room along each of some keys
+/// (m).
+pub(crate) fn with_room(
+    mut radii: Vec<f64>,
+    greatest: f64,
+    intruder: Option<f64>,
+    room: &[(&str, f64)],
+) -> Result<Vec<f64>, String> {
+    if let Some(radius) = intruder.filter(|radius| !is_positive(*radius)) {
+        return Err(format!(
+            "`sample.intruder_radius_m` is {}: it must be positive and finite",
+            shown(radius)
+        ));
+    }
+    let least_room = 4.0 * f64::max(greatest, intruder.unwrap_or(0.0));
+    if let Some((key, length)) = room.iter().find(|(_, length)| *length < least_room) {
+        return Err(format!("`scene.box.{key}` is {}: it must be at least 4 greatest radii", shown(*length)));
+    }
+    let middle = radii.len() / 2;
+    if let (Some(intruder), Some(middle)) = (intruder, radii.get_mut(middle)) {
+        *middle = intruder;
+    }
+    Ok(radii)
+}
+
 #[cfg(test)]
 mod tests;

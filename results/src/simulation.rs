@@ -174,7 +174,7 @@ pub struct Observed {
     /// Greatest speed of a grain since the row before (m/s).
     #[serde(with = "number")]
     pub greatest_speed_m_per_s: f64,
-    /// All impulses of the contacts with the floor since the row before (N·s).
+    /// All impulses of the contacts with the floor and its bumps, the drum and the segments since the row before (N·s).
     #[serde(with = "number")]
     pub floor_impulse_n_s: f64,
     /// Those with the left wall (N·s).

@@ -4,7 +4,8 @@ use super::March;
 use crate::bodies::bodies_near;
 use crate::detect::{DetectedContact, Side, walls_near};
 use crate::marched::Marched;
-use crate::scene::{Law, MovingWall, Scene, WallMotion};
+use crate::scene::{Law, Scene};
+use crate::walls::{MovingWall, WallMotion};
 use contact::{Place, Touch, Vector};
 
 impl<M: Marched> March<M> {

@@ -109,7 +109,8 @@ fn methods_that_need_grains_are_refused_on_w_alone() {
     };
     assert!(refused(&method("latin-dd", &[])).contains("method `latin-dd` needs grains"));
     assert!(
-        refused(&method("nsgs", &[("order", "coloured")])).contains("`order` = \"coloured\" needs grains")
+        refused(&method("nsgs", &[("order", "coloured")]))
+            .contains("`order` = \"coloured\" has no meaning where there is W alone")
     );
     let two = method("nsgs-dd", &[("subdomains", "2")]);
     assert!(refused(&two).contains("`subdomains` is 2: it must be 1 to 1, the number of contacts"));

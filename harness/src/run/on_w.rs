@@ -54,10 +54,8 @@ fn truth(problem: &LocalProblem) -> Option<LocalTruth> {
 /// The method where there are no grains.
 ///
 /// # Errors
-/// Names the method or the setting that needs them.
+/// Names the method that needs them, or the setting that has no meaning without.
 fn without_grains(method: &Method) -> Result<local::Method> {
-    const NEEDS: &str = "needs grains, and there is W alone";
-    let number = |key| method.setting(key).unwrap_or_default();
     let (own, local) = match method.name {
         "nsgs" => ("", local::Method::Nsgs),
         "nsgs-dd" => {
@@ -69,15 +67,18 @@ fn without_grains(method: &Method) -> Result<local::Method> {
             ("preconditioner", local::Method::Cg { preconditioner })
         }
         "active-set" => {
-            ("start_accuracy", local::Method::ActiveSet { start_accuracy: number("start_accuracy") })
+            let start_accuracy = method.setting("start_accuracy").unwrap_or_default();
+            ("start_accuracy", local::Method::ActiveSet { start_accuracy })
         }
-        other => bail!("method `{other}` {NEEDS}: nsgs, nsgs-dd, cg and active-set do without"),
+        other => bail!(
+            "method `{other}` needs grains, and there is W alone: nsgs, nsgs-dd, cg and active-set do without"
+        ),
     };
     let plain = Method::parse(method.name, &[])?;
     let other =
         method.settings.iter().find(|(key, value)| *key != own && plain.settings.get(*key) != Some(value));
     if let Some((key, value)) = other {
-        bail!("method `{}`: `{key}` = {value} {NEEDS}", method.name);
+        bail!("method `{}`: `{key}` = {value} has no meaning where there is W alone", method.name);
     }
     Ok(local)
 }

@@ -79,7 +79,7 @@ fn read(journal: &Path, begin: &str, found: &mut Found) -> Result<()> {
 
 /// The problem of a stored run, if it still is what it was.
 pub(crate) fn problem_of_run(root: &Root, run: &Run) -> Result<AnyFrozen> {
-    if run.grains == 0 {
+    if run.grains == 0 && run.contacts > 0 {
         bail!("its problem is W alone: there are no grains to show");
     }
     let mut settings = run.problem_settings.clone();

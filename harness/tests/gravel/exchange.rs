@@ -66,7 +66,7 @@ fn w_alone_is_solved_by_methods_that_need_no_grains() {
     solve(&["--method", "latin-dd"]).refused(&["one.dat", "method `latin-dd` needs grains"]);
     let refused =
         |args: &[&str], word| solve(&[&["--method", "nsgs"], args].concat()).refused(&["one.dat", word]);
-    refused(&["--set", "symmetric=true"], "`symmetric` = true needs grains");
+    refused(&["--set", "symmetric=true"], "`symmetric` = true has no meaning where there is W alone");
     refused(&["--on", "quad_dv"], "`on` is quad_dv");
     refused(&["--start", "warm"], "has no impulses of a time step before");
     refused(&["--scene", "a=1"], "has no scene");

@@ -1,5 +1,5 @@
-//! What a rank for each subdomain would bring: the work of the longest, counted and timed, and its messages, counted, at the price of
-//! a cluster's.
+//! What a rank for each subdomain would bring: the work of the longest, counted and timed, and its messages, counted, at a cluster's
+//! prices.
 
 use polars::df;
 use serde_json::Value;

@@ -82,8 +82,11 @@ pub(crate) fn title(problem: &str, runs: &[&RunRow]) -> String {
     let size = runs.first().map_or_else(String::new, |run| {
         let contacts = counted(run.contacts as usize, "contact");
         // Where there is W alone, there are none.
-        let grains =
-            if run.grains == 0 { "W of ".to_owned() } else { counted(run.grains as usize, "grain") + ", " };
+        let grains = if run.grains == 0 && run.contacts > 0 {
+            "W of ".to_owned()
+        } else {
+            counted(run.grains as usize, "grain") + ", "
+        };
         format!(": {grains}{contacts}")
     });
     format!("{problem}{size}, {}", counted(runs.len(), "run"))
