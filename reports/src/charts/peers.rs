@@ -107,7 +107,7 @@ fn table(rows: &[Row]) -> DataFrame {
     ))
 }
 
-/// A line for each method: on how many problems it came there, and its median ratio.
+/// A line for each method: on how many of the problems that it was run on it came there, and its median ratio.
 fn sentences(rows: &[Row], there: &str) -> String {
     let mut methods: Vec<&str> = Vec::new();
     for row in rows {
@@ -125,11 +125,16 @@ fn sentences(rows: &[Row], there: &str) -> String {
 fn sentence(rows: &[Row], method: &str, there: &str) -> (Option<f64>, String) {
     let of_method = || rows.iter().filter(|row| row.method == method);
     let ratios: Vec<f64> = of_method().filter_map(|row| row.ratio).collect();
-    let (reached, all) = (ratios.len(), of_method().count());
+    let skipped = of_method().filter(|row| row.ending == Ending::Skipped).count();
+    let (reached, made) = (ratios.len(), of_method().count() - skipped);
+    if made == 0 {
+        return (None, format!("{method}: skipped on every problem.\n"));
+    }
     let ratio = median(ratios);
     let cost =
         ratio.map_or(String::new(), |ratio| format!(", median {} times the least seconds", number(ratio, 2)));
-    (ratio, format!("{method}: {reached} of {all} problems to {there}{cost}.\n"))
+    let left_out = if skipped == 0 { String::new() } else { format!("; {skipped} skipped") };
+    (ratio, format!("{method}: {reached} of {made} problems to {there}{cost}{left_out}.\n"))
 }
 
 /// Why other codes gave no answer.

@@ -155,20 +155,23 @@ fn table(runs: &[RunRow]) -> Part {
     let of = |value: &dyn Fn(&Series, &RunRow) -> Option<f64>| {
         rows.iter().map(|(series, run)| value(series, run)).collect::<Vec<_>>()
     };
-    let part =
-        |part: fn(&Predicted) -> f64| of(&|series, run| Some(1e6 * part(&Predicted::of(series, run)?)));
+    let part = |part: fn(&Predicted) -> f64| of(&|series, run| Some(part(&Predicted::of(series, run)?)));
+    let counted = |key: &str| {
+        let of_run = |run: &RunRow| run.spectrum.get(key)?.as_u64();
+        rows.iter().map(|(_, run)| of_run(run)).collect::<Vec<_>>()
+    };
     let own = df!(
         "method" => rows.iter().map(|(series, _)| series.label()).collect::<Vec<_>>(),
         "status" => rows.iter().map(|(_, run)| run.ending.text()).collect::<Vec<_>>(),
-        "neighbours" => of(&|_, run| run.spectrum.get("neighbours")?.as_f64()),
-        "sent_bytes" => of(&|_, run| run.spectrum.get("sent_bytes")?.as_f64()),
-        "work_us" => part(|predicted| predicted.work),
-        "messages_us" => part(|predicted| predicted.messages),
-        "sums_us" => part(|predicted| predicted.sums),
+        "neighbours" => counted("neighbours"),
+        "sent_bytes" => counted("sent_bytes"),
+        "work_s" => part(|predicted| predicted.work),
+        "messages_s" => part(|predicted| predicted.messages),
+        "sums_s" => part(|predicted| predicted.sums),
         "predicted_s" => of(&seconds),
         "predicted_speed_up" => of(&speed_up),
     );
-    let names = "problem method subdomains status iterations neighbours sent_bytes work_us messages_us sums_us \
+    let names = "problem method subdomains status iterations neighbours sent_bytes work_s messages_s sums_s \
                  predicted_s predicted_speed_up";
     Part::table("ranks", chosen(rows.iter().map(|(_, run)| *run), names, own), NOTE)
 }

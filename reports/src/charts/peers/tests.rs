@@ -61,6 +61,9 @@ fn run_that_does_not_come_there_has_no_seconds_and_a_failed_one_its_reason() {
     for row in ["column,nsgs,converged,", "column,osqp,failed,", "column,highs,skipped,,"] {
         assert!(csv.lines().any(|line| line.starts_with(row) && line.ends_with(",,,,")), "{csv}");
     }
+    let ratios: Vec<&str> = file(&files, "peers-ratios.md").lines().collect();
+    assert!(ratios.contains(&"highs: skipped on every problem."), "{ratios:?}");
+    assert!(ratios.contains(&"osqp: 0 of 1 problems to a natural map of 10⁻⁶."), "{ratios:?}");
     let note = file(&files, "peers.md");
     assert!(note.contains("failed: osqp on column: at the tolerance 1e-2: no answer within 1 s"), "{note}");
 }
