@@ -188,14 +188,10 @@ impl Scene {
         for (key, friction) in [("friction", self.friction), ("box.friction", of_walls)] {
             values.extend(friction.map(|mu| (key, mu, is_not_negative(mu), "finite and not negative")));
         }
-        match values.into_iter().find(|(_, _, valid, _)| !valid) {
-            Some((key, value, _, expected)) => {
-                Err(format!("`scene.{key}` is {}: it must be {expected}", shown(value)))
-            }
-            None => {
-                self.check_segments()?;
-                self.walls.as_ref().map_or(Ok(()), Walls::check_periodic)
-            }
+        if let Some((key, value, _, expected)) = values.into_iter().find(|(_, _, valid, _)| !valid) {
+            return Err(format!("`scene.{key}` is {}: it must be {expected}", shown(value)));
         }
+        self.check_segments()?;
+        self.walls.as_ref().map_or(Ok(()), Walls::check_periodic)
     }
 }
