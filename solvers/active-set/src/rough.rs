@@ -3,22 +3,24 @@
 //!
 //! Nothing is minimised, and no way is known that always leads to that neighbourhood. So conjugate gradients come first; at each
 //! rung of a ladder of accuracies Newton's method has a try, which is left at the first step that makes things worse. Where the
-//! conjugate gradients no longer come nearer, LATIN follows from the start impulses, which comes nearest where walls move; then a
-//! fixed point over convex programmes, which comes nearest in packings at rest; then sweeps of non-linear Gauss-Seidel: slower, with
-//! more patience, and at once through what is only drift. Where impulses drift from one event to the next and none of many brings
-//! them nearer, that is the floor, and the end.
+//! conjugate gradients no longer come nearer, proximal points follow, each reached along an exact path: they come through where walls
+//! move and where impulses only drift. Where they lead nowhere, LATIN has a try from the start impulses, then a fixed point over convex
+//! programmes, then proximal points once more. Where all of that brings nothing nearer, that is the floor, and the end.
 
 mod convex;
-mod drift;
+mod layout;
+mod matrix;
+mod path;
+mod proximal;
 mod statuses;
 
 use crate::{ActiveSet, Best, Start};
 use cg::{Cg, Preconditioner, RoughRun};
-use contact::{Iteration, Packing, RoughColumn, RoughDiscs, SetupError, Solver, Work};
+use contact::{Iteration, Packing, RoughDiscs, SetupError, Solver, Work};
 pub use convex::Convex;
-use drift::Drift;
 use latin_dd::LatinDd;
-use nalgebra::{Vector2, Vector3};
+use layout::terms_of_b;
+use proximal::Proximal;
 use statuses::Statuses;
 
 /// One rung of the ladder over the one before (–).
@@ -38,6 +40,9 @@ const KAPPA: f64 = 10.0;
 /// Programmes of the fixed point that do not halve what is left, after which sweeps take their place.
 const IN_VAIN: u32 = 4;
 
+/// Where proximal points come no nearer than that, neither LATIN nor convex programmes do (–).
+const AT_THE_FLOOR: f64 = 1e-6;
+
 /// What is left of the law where no step leaves less, over the problem's scale, at most (–): else it is no end.
 const ROUND_OFF: f64 = 1e-12;
 
@@ -49,8 +54,8 @@ enum Phase<'p> {
     Latin { run: Box<latin_dd::Run<'p, RoughDiscs, 3>>, progress: Progress },
     /// The fixed point over convex programmes; the least that one left (√J), and how many since have not halved it.
     Convex { convex: Box<Convex>, least: f64, in_vain: u32 },
-    /// Sweeps.
-    Sweeps(Box<Drift>),
+    /// Proximal points; whether they are the last that is tried.
+    Proximal { points: Box<Proximal<'p>>, is_last: bool },
     /// Newton's method, from what was left before (√J).
     Statuses { before: f64 },
     /// No further iteration helps.
@@ -109,7 +114,7 @@ impl<'p> Run<'p> {
             self.try_statuses();
         } else if is_in_vain {
             self.work += run.work();
-            self.phase = latin(self.problem, &self.r0).unwrap_or_else(|_| self.programmes());
+            self.phase = self.points(false);
         }
     }
 
@@ -135,17 +140,20 @@ impl<'p> Run<'p> {
         }
     }
 
-    /// The fixed point over convex programmes; or sweeps, where it cannot be laid out.
+    /// The fixed point over convex programmes; or proximal points, where it cannot be laid out.
     fn programmes(&self) -> Phase<'p> {
         match Convex::new(self.problem) {
             Ok(convex) => Phase::Convex { convex: Box::new(convex), least: f64::INFINITY, in_vain: 0 },
-            Err(_) => self.sweeping(),
+            Err(_) => self.points(true),
         }
     }
 
-    /// Sweeps from the best impulses.
-    fn sweeping(&self) -> Phase<'p> {
-        Phase::Sweeps(Box::new(Drift::new(self.problem, &self.best.impulses)))
+    /// Proximal points from the best impulses.
+    fn points(&self, is_last: bool) -> Phase<'p> {
+        match Proximal::new(self.problem, &self.best.impulses) {
+            Ok(points) => Phase::Proximal { points: Box::new(points), is_last },
+            Err(_) => Phase::Ended,
+        }
     }
 
     /// One programme of the fixed point, and Newton's method from where it ends.
@@ -162,24 +170,28 @@ impl<'p> Run<'p> {
         let gives_up = !solved || *in_vain >= IN_VAIN;
         if gives_up {
             self.work += convex.work();
-            self.phase = self.sweeping();
+            self.phase = self.points(true);
         }
         if left <= self.rung {
             self.try_statuses();
         }
     }
 
-    /// One sweep. The changes that it makes are about what was left of the law.
-    fn sweeps(&mut self) {
-        let Phase::Sweeps(sweep) = &mut self.phase else { return };
-        let squared = sweep.advance();
-        self.work.contact_updates += sweep.len() as u64;
-        if squared.sqrt() <= self.rung {
-            sweep.impulses(&mut self.best.impulses);
-            self.try_statuses();
-        } else if sweep.is_at_its_floor() {
-            self.best.take(squared.sqrt(), |r| sweep.impulses(r));
-            self.phase = Phase::Ended;
+    /// One proximal point.
+    fn proximal(&mut self) {
+        let Phase::Proximal { points, is_last } = &mut self.phase else { return };
+        if let Some(left) = points.advance() {
+            self.best.take(left, |r| points.impulses(r));
+        }
+        let (is_solved, is_in_vain) = (points.is_solved(), points.is_in_vain());
+        let is_last = *is_last || self.best.left <= AT_THE_FLOOR * self.scale;
+        if is_solved || is_in_vain {
+            self.work += points.work();
+            self.phase = if is_solved || is_last {
+                Phase::Ended
+            } else {
+                latin(self.problem, &self.r0).unwrap_or(Phase::Ended)
+            };
         }
     }
 
@@ -212,22 +224,13 @@ impl<'p> Run<'p> {
     }
 }
 
-/// √ of the sum of squares of the terms of which b is the sum, M^½ `V_free` of the grains and c of the contacts (√J).
-fn terms_of_b(columns: &[RoughColumn], offset: &[Vector2<f64>], free: &[Vector3<f64>]) -> f64 {
-    let of = |(column, c): (&RoughColumn, &Vector2<f64>)| {
-        column.places().map(|place| free[place as usize].norm_squared()).iter().sum::<f64>()
-            + c.norm_squared()
-    };
-    columns.iter().zip(offset).map(of).sum::<f64>().sqrt()
-}
-
 impl Iteration for Run<'_> {
     fn advance(&mut self) {
         match self.phase {
             Phase::Gradient { .. } => self.gradient(),
             Phase::Latin { .. } => self.latin(),
             Phase::Convex { .. } => self.convex(),
-            Phase::Sweeps(_) => self.sweeps(),
+            Phase::Proximal { .. } => self.proximal(),
             Phase::Statuses { before } => self.statuses(before),
             Phase::Ended => {}
         }
@@ -237,8 +240,7 @@ impl Iteration for Run<'_> {
         match &self.phase {
             Phase::Gradient { run, .. } => run.impulses(r),
             Phase::Latin { run, .. } => run.impulses(r),
-            Phase::Sweeps(sweep) => sweep.impulses(r),
-            Phase::Convex { .. } | Phase::Statuses { .. } | Phase::Ended => {
+            Phase::Convex { .. } | Phase::Proximal { .. } | Phase::Statuses { .. } | Phase::Ended => {
                 r.copy_from_slice(&self.best.impulses);
             }
         }
@@ -256,6 +258,7 @@ impl Iteration for Run<'_> {
                 Phase::Gradient { run, .. } => work += run.work(),
                 Phase::Latin { run, .. } => work += run.work(),
                 Phase::Convex { convex, .. } => work += convex.work(),
+                Phase::Proximal { points, .. } => work += points.work(),
                 _ => {}
             }
         }

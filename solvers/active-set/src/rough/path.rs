@@ -1,0 +1,298 @@
+//! From the exact solution of one problem to that of another along a path: the law is piecewise linear in the plane, so solutions of
+//!
+//! v = W s + ε (s − centre) + b + t p
+//!
+//! lie on lines, one for each list of statuses, and a line ends where a contact opens, closes, slides or sticks. From t = 1, where a
+//! solution is known, the path follows them to t = 0. It may turn back in t on its way, which Newton's method cannot: a contact that
+//! changes its status says to which side the next line goes. With ε > 0 each line is given by a matrix that has an inverse but by
+//! chance. (Lemke's pivots are such a path; this one begins anywhere.)
+
+use super::layout::{Layout, Status, against, held, norm};
+use super::matrix::Matrix;
+use contact::{Column, SetupError, Work};
+use nalgebra::{Vector2, Vector3};
+
+/// Lines of one path, at most.
+const LINES: u32 = 400;
+
+/// t beyond which a path has gone away (–).
+const AWAY: f64 = 3.0;
+
+/// Changes of status after which the matrix is factorised anew.
+const CHANGES: usize = 30;
+
+/// A solution of the law, and the path's place on it.
+pub(super) struct Path {
+    pub(super) layout: Layout,
+    pub(super) status: Vec<Status>,
+    pub(super) s: Vec<Vector2<f64>>,
+    matrix: Matrix,
+    pub(super) work: Work,
+}
+
+/// Where a line ends: the contact, and the status that it then has.
+#[derive(Clone, Copy)]
+struct End {
+    at: f64,
+    contact: usize,
+    next: Status,
+}
+
+/// What of the problem a path changes.
+pub(super) struct Change<'a> {
+    /// ε (–).
+    pub(super) epsilon: f64,
+    /// Towards which ε draws (√J).
+    pub(super) centre: &'a [Vector2<f64>],
+    /// p (√J).
+    pub(super) perturbation: &'a [Vector2<f64>],
+}
+
+impl Path {
+    /// Lays a packing out, with s = 0.
+    ///
+    /// # Errors
+    /// Where it is too large for that.
+    pub(super) fn new(layout: Layout) -> Result<Self, SetupError> {
+        let count = layout.columns.len();
+        Ok(Self {
+            matrix: Matrix::new(&layout.columns, layout.grains())?,
+            status: vec![Status::Open; count],
+            s: vec![Vector2::zeros(); count],
+            layout,
+            work: Work::default(),
+        })
+    }
+
+    /// Follows the path from s at t = 1, the solution that goes with `status`, to t = 0. Returns the lines that it had; `None` where it
+    /// comes back to where it began, goes away, or has too many.
+    pub(super) fn follow(&mut self, change: &Change) -> Option<u32> {
+        let start = self.status.clone();
+        let (mut t, mut crossed, mut away_from_start) = (1.0, None::<(usize, Status)>, 0_usize);
+        self.work.factorisations += 1;
+        if !self.matrix.factorise(&self.layout.columns, &self.status, 1.0 / change.epsilon) {
+            return None;
+        }
+        for line in 0..LINES {
+            let (along_s, along_v) = self.respond(change.epsilon, change.perturbation);
+            let forth = match crossed {
+                None => false,
+                Some((contact, before)) => self.enters(contact, before, &along_s, &along_v),
+            };
+            let sign = if forth { 1.0 } else { -1.0 };
+            let v = self.velocity(change, t);
+            let end = self.end(crossed, sign, (&v, &along_s, &along_v));
+            let arrives = !forth && end.is_none_or(|end| end.at >= t);
+            let far = if arrives { t } else { end?.at };
+            for (s, along) in self.s.iter_mut().zip(&along_s) {
+                *s += sign * far * along;
+            }
+            t = if arrives { 0.0 } else { t + sign * far };
+            self.correct(change, t);
+            if arrives {
+                return Some(line);
+            }
+            let End { contact, next, .. } = end?;
+            let before = std::mem::replace(&mut self.status[contact], next);
+            away_from_start += usize::from(before == start[contact]);
+            away_from_start -= usize::from(next == start[contact]);
+            if next == Status::Open {
+                self.s[contact] = Vector2::zeros();
+            }
+            if away_from_start == 0 || t > AWAY || !self.update(contact, before, change.epsilon) {
+                return None;
+            }
+            crossed = Some((contact, before));
+        }
+        None
+    }
+
+    /// v + ε (s − centre) + t p of s, which the law holds for.
+    pub(super) fn velocity(&self, change: &Change, t: f64) -> Vec<Vector2<f64>> {
+        let mut v = self.layout.velocity(&self.s);
+        let drawn = self.s.iter().zip(change.centre).zip(change.perturbation);
+        v.iter_mut().zip(drawn).for_each(|(v, ((s, c), p))| *v += change.epsilon * (s - c) + t * p);
+        v
+    }
+
+    /// The change of s, and of v, that answers velocities `added` (√J): such that nothing moves that is held.
+    fn respond(&mut self, epsilon: f64, added: &[Vector2<f64>]) -> (Vec<Vector2<f64>>, Vec<Vector2<f64>>) {
+        let mut ds = vec![Vector2::zeros(); added.len()];
+        let mut dv = added.to_vec();
+        for _ in 0..2 {
+            self.solve(epsilon, &dv, &mut ds);
+            let y = self.layout.pushed(&ds);
+            let of = self.layout.columns.iter().zip(&ds).zip(added);
+            dv = of.map(|((column, ds), added)| column.relative(&y) + epsilon * ds + added).collect();
+        }
+        (ds, dv)
+    }
+
+    /// Takes back what moves of that which is held, at t.
+    fn correct(&mut self, change: &Change, t: f64) {
+        let v = self.velocity(change, t);
+        let mut s = std::mem::take(&mut self.s);
+        self.solve(change.epsilon, &v, &mut s);
+        self.s = s;
+    }
+
+    /// Adds to s what stops the velocities v of the contacts that are held.
+    fn solve(&self, epsilon: f64, v: &[Vector2<f64>], s: &mut [Vector2<f64>]) {
+        let columns = &self.layout.columns;
+        let kappa = 1.0 / epsilon;
+        let mut y = vec![Vector3::zeros(); self.layout.grains()];
+        for ((column, status), v) in columns.iter().zip(&self.status).zip(v) {
+            if let Some(push) = against(*status, column, *v) {
+                column.push(-kappa * push, &mut y);
+            }
+        }
+        self.matrix.solve(columns, &mut y);
+        for (((column, status), v), s) in columns.iter().zip(&self.status).zip(v).zip(s) {
+            if let Some(push) = against(*status, column, v + column.relative(&y)) {
+                *s -= kappa * push;
+            }
+        }
+    }
+
+    /// Whether a contact comes into the status that it now has, from the one before, as t grows.
+    fn enters(&self, contact: usize, before: Status, ds: &[Vector2<f64>], dv: &[Vector2<f64>]) -> bool {
+        let (ds, dv, friction) = (ds[contact], dv[contact], self.layout.columns[contact].friction());
+        let inwards = match (before, self.status[contact]) {
+            (Status::Slide(_), Status::Open) => dv.x,
+            (Status::Slide(sign), _) => friction * ds.x - sign * ds.y,
+            (Status::Stick, Status::Slide(sign)) => -sign * dv.y,
+            _ => ds.x,
+        };
+        inwards > 0.0
+    }
+
+    /// Where the line along `sign` (ds, dv) ends, if it does. It does not end where it began.
+    fn end(
+        &self,
+        crossed: Option<(usize, Status)>,
+        sign: f64,
+        (v, ds, dv): (&[Vector2<f64>], &[Vector2<f64>], &[Vector2<f64>]),
+    ) -> Option<End> {
+        let mut first: Option<End> = None;
+        for (contact, status) in self.status.iter().enumerate() {
+            let (s, v, ds, dv) = (self.s[contact], v[contact], sign * ds[contact], sign * dv[contact]);
+            let friction = self.layout.columns[contact].friction();
+            let mut meet = |room: f64, closing: f64, next: Status| {
+                let at = room.max(0.0) / closing;
+                let is_where_it_began = crossed == Some((contact, next));
+                if closing > 0.0 && !is_where_it_began && first.is_none_or(|first| at < first.at) {
+                    first = Some(End { at, contact, next });
+                }
+            };
+            match *status {
+                Status::Open => {
+                    let at = v.x / -dv.x;
+                    let side = if v.y + at * dv.y < 0.0 { 1.0 } else { -1.0 };
+                    if !matches!(crossed, Some((c, Status::Slide(_))) if c == contact) {
+                        meet(v.x, -dv.x, Status::Slide(side));
+                    }
+                }
+                Status::Stick => {
+                    for side in [1.0, -1.0] {
+                        let (room, closing) = (friction * s.x - side * s.y, side * ds.y - friction * ds.x);
+                        meet(room, closing, Status::Slide(side));
+                    }
+                }
+                Status::Slide(side) => {
+                    meet(s.x, -ds.x, Status::Open);
+                    meet(-side * v.y, side * dv.y, Status::Stick);
+                }
+            }
+        }
+        first
+    }
+
+    /// The matrix after a contact changed its status; says whether it has an inverse.
+    fn update(&mut self, contact: usize, before: Status, epsilon: f64) -> bool {
+        let columns = &self.layout.columns;
+        let friction = columns[contact].friction();
+        let normal = Vector2::x();
+        let edge = |sign: f64| Vector2::new(1.0, sign * friction);
+        let slipping = |sign: f64| Vector2::new(sign * friction, -1.0);
+        let parts = match (before, self.status[contact]) {
+            (Status::Stick, Status::Slide(sign)) => [Vector2::y(), slipping(sign)],
+            (Status::Slide(sign), Status::Stick) => [Vector2::y(), -slipping(sign)],
+            (Status::Open, Status::Slide(sign)) => [edge(sign), normal],
+            (Status::Slide(sign), Status::Open) => [edge(sign), -normal],
+            _ => return false,
+        };
+        if self.matrix.changes() >= CHANGES {
+            self.work.factorisations += 1;
+            return self.matrix.factorise(columns, &self.status, 1.0 / epsilon);
+        }
+        self.matrix.add(columns, contact, parts, 1.0 / epsilon)
+    }
+
+    /// Takes s as it is, with the statuses of s − v: returns the velocities for which the law holds with the nearest impulses that it
+    /// admits, which s then is.
+    pub(super) fn begin(&mut self) -> Vec<Vector2<f64>> {
+        let v = self.layout.velocity(&self.s);
+        self.status = self.layout.statuses(&self.s, &v);
+        let moved: Vec<_> = self.s.iter().zip(&v).map(|(s, v)| s - v).collect();
+        let admit = |(moved, column): (&Vector2<f64>, &contact::RoughColumn)| {
+            super::layout::admissible(*moved, column.friction())
+        };
+        self.s = moved.iter().zip(&self.layout.columns).map(admit).collect();
+        self.s.iter().zip(&moved).map(|(s, moved)| s - moved).collect()
+    }
+
+    /// Velocities without those of what is held.
+    pub(super) fn free_of_held(&self, v: &mut [Vector2<f64>]) {
+        v.iter_mut().zip(&self.status).for_each(|(v, status)| *v -= held(*status, *v));
+    }
+
+    /// What s, made admissible, leaves of the law (√J).
+    pub(super) fn left(&self) -> f64 {
+        let s = self.admitted();
+        self.layout.left(&s, &self.layout.velocity(&s))
+    }
+
+    /// The nearest impulses to s that the law admits (√J).
+    pub(super) fn admitted(&self) -> Vec<Vector2<f64>> {
+        let admit = |(s, column): (&Vector2<f64>, &contact::RoughColumn)| {
+            super::layout::admissible(*s, column.friction())
+        };
+        self.s.iter().zip(&self.layout.columns).map(admit).collect()
+    }
+
+    /// Whether what s leaves is round-off.
+    pub(super) fn is_solved(&self) -> bool {
+        self.layout.is_round_off(self.left(), &self.s)
+    }
+
+    /// How far s is from another (√J).
+    pub(super) fn distance(&self, other: &[Vector2<f64>]) -> f64 {
+        norm(&self.s.iter().zip(other).map(|(a, b)| a - b).collect::<Vec<_>>())
+    }
+}
+
+impl Path {
+    /// How many times a change of s can be added until something opens or begins to slide; infinite if nothing does.
+    pub(super) fn room(&self, change: &[Vector2<f64>]) -> f64 {
+        let mut least = f64::INFINITY;
+        for (((s, d), status), column) in
+            self.s.iter().zip(change).zip(&self.status).zip(&self.layout.columns)
+        {
+            if *status == Status::Open {
+                continue;
+            }
+            if d.x < 0.0 {
+                least = least.min(s.x / -d.x);
+            }
+            if *status == Status::Stick {
+                for side in [1.0, -1.0] {
+                    let closing = side * d.y - column.friction() * d.x;
+                    if closing > 0.0 {
+                        least = least.min((column.friction() * s.x - side * s.y) / closing);
+                    }
+                }
+            }
+        }
+        least.max(0.0)
+    }
+}

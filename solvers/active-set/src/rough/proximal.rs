@@ -1,0 +1,187 @@
+//! Proximal points, each exact: ε draws the impulses to those of the point before, and a path leads from one to the next.
+//!
+//! Where more sticks than motion allows, sweeps of non-linear Gauss-Seidel move impulses along the kernel of W by the same amount each
+//! time; a proximal point goes 1/ε times as far at once, through all that opens and slides on its way. So ε falls while paths arrive;
+//! where one does not, ε grows; where that does not help either, sweeps look for another beginning.
+
+use super::layout::{Layout, norm};
+use super::path::{Change, Path};
+use contact::sweep::Sweep;
+use contact::{Packing, RoughDiscs, SetupError, Work};
+use nalgebra::Vector2;
+
+/// ε of the first path, the least and the greatest (–).
+const FIRST: f64 = 1e-3;
+const LEAST: f64 = 2e-8;
+const GREATEST: f64 = 0.1;
+
+/// By how much ε falls and grows (–).
+const FACTOR: f64 = 4.0;
+
+/// The share of the impulses that a step changes, above which ε does not fall (–).
+const FAR: f64 = 0.03;
+
+/// Paths in a row that lead nowhere before it ends.
+const IN_VAIN: u32 = 12;
+
+/// Sweeps after paths that led nowhere, for each of these.
+const SWEEPS: u32 = 200;
+
+/// Points after which what is left must be half of what it was, or they lead nowhere.
+const PATIENCE: u32 = 300;
+
+/// Points that leave more than ε accounts for: a contact is beyond its status by round-off, and they begin anew.
+const BEGUN_ANEW: u32 = 40;
+
+/// What a point may leave beyond what ε accounts for, over the terms that make b up (–).
+const ROUND_OFF: f64 = 1e-14;
+
+/// The points.
+pub(super) struct Proximal<'p> {
+    problem: &'p Packing<RoughDiscs>,
+    path: Path,
+    epsilon: f64,
+    /// For which the law holds with s (√J).
+    v: Vec<Vector2<f64>>,
+    in_vain: u32,
+    begun_anew: u32,
+    /// The least that is left (√J); what it was when it was last halved, and the points since.
+    least: f64,
+    halved: f64,
+    points: u32,
+    /// The change of the impulses by the last point, if it had one line (√J).
+    last: Option<Vec<Vector2<f64>>>,
+}
+
+impl<'p> Proximal<'p> {
+    /// From the impulses `r` (N·s), in the problem's order.
+    ///
+    /// # Errors
+    /// Where the problem is too large.
+    pub(super) fn new(problem: &'p Packing<RoughDiscs>, r: &[f64]) -> Result<Self, SetupError> {
+        let mut path = Path::new(Layout::new(problem))?;
+        path.s = path.layout.scaled(r);
+        let least = path.left();
+        let v = path.begin();
+        Ok(Self {
+            problem,
+            path,
+            epsilon: FIRST,
+            v,
+            in_vain: 0,
+            begun_anew: 0,
+            least,
+            halved: least,
+            points: 0,
+            last: None,
+        })
+    }
+
+    /// One point. Returns what it leaves of the law (√J), `None` where the path did not arrive.
+    pub(super) fn advance(&mut self) -> Option<f64> {
+        if self.least <= 0.5 * self.halved {
+            (self.halved, self.points) = (self.least, 0);
+        }
+        self.points += 1;
+        let centre = self.path.s.clone();
+        let status = self.path.status.clone();
+        let of_s = self.path.layout.velocity(&centre);
+        let perturbation: Vec<_> = self.v.iter().zip(&of_s).map(|(v, of_s)| v - of_s).collect();
+        let change = Change { epsilon: self.epsilon, centre: &centre, perturbation: &perturbation };
+        let lines = self.path.follow(&change);
+        let left = self.path.left();
+        let moved = self.path.distance(&centre);
+        if let Some(lines) = lines {
+            if left <= 2.0 * self.epsilon * moved + ROUND_OFF * self.path.layout.terms_of_b() {
+                self.least = self.least.min(left);
+                self.in_vain = 0;
+                self.v = self.path.velocity(&change, 0.0);
+                self.path.free_of_held(&mut self.v);
+                self.drift(lines, &centre);
+                if moved < FAR * norm(&self.path.s) || lines < 5 {
+                    self.epsilon = (self.epsilon / FACTOR).max(LEAST);
+                }
+                return Some(left);
+            }
+            if self.begun_anew < BEGUN_ANEW && left < 3.0 * self.least {
+                self.begun_anew += 1;
+                self.last = None;
+                self.least = self.least.min(left);
+                self.path.s = self.path.admitted();
+                self.v = self.path.begin();
+                self.epsilon = self.epsilon.max(1e-7);
+                return Some(left);
+            }
+        }
+        self.in_vain += 1;
+        self.last = None;
+        self.path.s = centre;
+        self.path.status = status;
+        if self.in_vain.is_multiple_of(2) {
+            self.sweep(SWEEPS * self.in_vain);
+        } else {
+            self.epsilon *= FACTOR;
+        }
+        None
+    }
+
+    /// Where a point had one line only, and moved as the one before, impulses drift: they go on until something opens or slides.
+    fn drift(&mut self, lines: u32, before: &[Vector2<f64>]) {
+        let now: Vec<_> = self.path.s.iter().zip(before).map(|(now, before)| now - before).collect();
+        if lines > 0 {
+            self.last = None;
+            return;
+        }
+        if let Some(last) = self.last.take() {
+            let apart = norm(&now.iter().zip(&last).map(|(a, b)| a - b).collect::<Vec<_>>());
+            if apart < 1e-2 * norm(&now) {
+                let times = self.path.room(&now) * (1.0 - 1e-7);
+                if times.is_finite() && times > 1.0 {
+                    self.path.s.iter_mut().zip(&now).for_each(|(s, now)| *s += times * now);
+                    self.v = self.path.layout.velocity(&self.path.s);
+                    self.path.free_of_held(&mut self.v);
+                    return;
+                }
+            }
+        }
+        self.last = Some(now);
+    }
+
+    /// Begins anew from where sweeps lead.
+    fn sweep(&mut self, sweeps: u32) {
+        let mut r = vec![0.0; 2 * self.path.s.len()];
+        self.path.layout.impulses(&self.path.s, &mut r);
+        let order: Vec<u32> = (0..self.path.s.len() as u32).collect();
+        let mut sweep = Sweep::new(self.problem, &order, &r);
+        for _ in 0..sweeps {
+            let Sweep { rows, s, y, .. } = &mut sweep;
+            rows.iter().zip(s).for_each(|(row, s)| {
+                row.solve(s, y, 1.0);
+            });
+        }
+        sweep.impulses(&mut r);
+        self.path.s = self.path.layout.scaled(&r);
+        self.v = self.path.begin();
+        self.epsilon = (10.0 * self.epsilon.max(1e-6)).min(GREATEST);
+    }
+
+    /// Whether nothing leads on.
+    pub(super) fn is_in_vain(&self) -> bool {
+        self.in_vain >= IN_VAIN || self.points > PATIENCE
+    }
+
+    /// Whether what is left is round-off.
+    pub(super) fn is_solved(&self) -> bool {
+        self.path.is_solved()
+    }
+
+    /// The impulses (N·s).
+    pub(super) fn impulses(&self, r: &mut [f64]) {
+        self.path.layout.impulses(&self.path.s, r);
+    }
+
+    /// Work so far.
+    pub(super) fn work(&self) -> Work {
+        self.path.work
+    }
+}
