@@ -3,9 +3,9 @@
 //!
 //! The bulk is the box that is two mean diameters from the floor, from upright walls and from the surface, which is twice as high as the
 //! mean height. Solid fraction: what of the grains is in that box, cut by its faces, over its volume (in the plane its area). The
-//! contacts are those that push. A rattler is a grain with fewer of them than can hold it against any load, d + 1 without friction and
-//! 2 with it; its contacts go, others may then have too few, and so on until all that are left are held. A grain that lies on others
-//! by its weight alone is a rattler too.
+//! contacts are those that push. A rattler is a grain with fewer of them than can hold it: d + 1 without friction, d where it has weight,
+//! and 2 with friction. Its contacts go, others may then have too few, and so on until all that are left are held. A grain in a cage
+//! that has weight rests on d others and is none.
 //!
 //! I. Agnolin, J.-N. Roux, "Internal states of model isotropic granular packings. I", Phys. Rev. E 76 (2007): frictionless spheres have
 //! 6 contacts at a solid fraction of 0.64.
@@ -57,7 +57,7 @@ impl Bulk {
                 (contact.ends().0, if let Side::Grain(j) = side { Some(*j) } else { None })
             })
             .collect();
-        let needed = if scene.friction.is_some_and(|mu| mu > 0.0) { 2 } else { M::Place::LEN as u32 + 1 };
+        let needed = needed::<M::Place>(scene);
         let held = held_contacts(grains, &pushing, needed);
         let within =
             |x: &M::Place| (0..M::Place::LEN).all(|axis| low[axis] <= x[axis] && x[axis] <= high[axis]);
@@ -94,6 +94,17 @@ fn inside<P: Place>(scene: &Scene, time: f64, position: &[P], radius: &[f64]) ->
         }
     }
     (0..P::LEN).all(|axis| low[axis] < high[axis]).then_some([low, high])
+}
+
+/// The fewest contacts that hold a grain: against any load d + 1, and where its weight is one of the loads d; 2 with friction.
+fn needed<P: Place>(scene: &Scene) -> u32 {
+    if scene.friction.is_some_and(|mu| mu > 0.0) {
+        2
+    } else if scene.gravity_m_per_s2 != 0.0 {
+        P::LEN as u32
+    } else {
+        P::LEN as u32 + 1
+    }
 }
 
 /// Contacts of each grain with others that are held, and with walls; none of rattlers, which have fewer than `needed`.
