@@ -3,7 +3,7 @@
 use polars::df;
 use serde_json::Value;
 
-use crate::read::{Ending, Problems, RunRow, median, number, problems, unique};
+use crate::read::{Ending, Problems, RunRow, counted, median, number, problems, unique};
 use crate::text::{Part, frame};
 
 const NOTE: &str = "\nThe problems of the plane and those of space, without friction and with it, are compared in the order of the study. Work: counted, in sweeps. \
@@ -146,7 +146,7 @@ fn found(pairs: &[Pair]) -> String {
         text += &entries.map_or(String::new(), |entries| {
             format!(", {} times the entries of factors per grain", number(entries, 2))
         });
-        text += &format!(" (medians of {both} pairs of runs that converged, of {}).\n", of.len());
+        text += &format!(" ({} of {} converged on both sides; medians).\n", both, counted(of.len(), "pair"));
         let most = of.iter().map(|pair| pair.plane.subdomains).max().unwrap_or(1);
         let growth = |side: Side| {
             let on = |subdomains: u32, problem: &str| {

@@ -51,7 +51,7 @@ fn the_plane_meets_space_problem_by_problem_on_as_many_subdomains() {
     assert!(found.contains("latin-dd: in space 0.7 times the iterations of the plane"), "{found}");
     assert!(
         found.contains(
-            "3 times the entries of factors per grain (medians of 2 pairs of runs that converged, of 3)"
+            "3 times the entries of factors per grain (2 of 3\u{a0}pairs converged on both sides; medians)"
         ),
         "{found}"
     );
