@@ -206,7 +206,7 @@ fn spectrum<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, known: &Known<M>)
 /// Of the grains of all subdomains, copies counted each, the share that others hold too (–).
 fn boundary_share(multiplicity: &[u32]) -> f64 {
     let copies = |of: &dyn Fn(u32) -> bool| {
-        multiplicity.iter().filter(|copies| of(**copies)).map(|copies| f64::from(*copies)).sum::<f64>()
+        multiplicity.iter().filter(|copies| of(**copies)).map(|copies| u64::from(*copies)).sum::<u64>() as f64
     };
     copies(&|copies| copies > 1) / copies(&|copies| copies > 0).max(1.0)
 }

@@ -133,20 +133,30 @@ fn table(pairs: &[Pair]) -> Part {
 /// For each method how many times more it takes in space, and what more subdomains cost it on either side; then factors and boundaries.
 fn found(pairs: &[Pair]) -> String {
     let mut text = String::new();
-    for method in unique(pairs.iter().map(|pair| pair.plane.method.as_str())) {
-        let of: Vec<&Pair> = pairs.iter().filter(|pair| pair.plane.method == method).collect();
+    let methods = unique(pairs.iter().map(|pair| pair.plane.method.as_str()));
+    for (method, rough) in methods.iter().flat_map(|method| [(*method, false), (*method, true)]) {
+        let is_rough = |pair: &&Pair| of_spectrum(pair.plane, "unknowns").is_some_and(|n| n > 1.0);
+        let of_method = pairs.iter().filter(|pair| pair.plane.method == method);
+        let of: Vec<&Pair> = of_method.filter(|pair| is_rough(pair) == rough).collect();
+        let method = format!("{method} {} friction", if rough { "with" } else { "without" });
         let ratio = |what: fn(&RunRow) -> Option<f64>| {
             median(of.iter().filter_map(|pair| pair.ratio(what)).collect())
         };
         let [iterations, work, entries] = [COMPARED[0].1, COMPARED[1].1, COMPARED[2].1].map(ratio);
-        let Some(iterations) = iterations else { continue };
+        let Some(iterations) = iterations else {
+            if !of.is_empty() {
+                text +=
+                    &format!("{method}: none of {} converged on both sides.\n", counted(of.len(), "pair"));
+            }
+            continue;
+        };
         let both = of.iter().filter(|pair| pair.have_converged()).count();
         text += &format!("{method}: in space {} times the iterations of the plane", number(iterations, 2));
         text += &work.map_or(String::new(), |work| format!(", {} times the work", number(work, 2)));
         text += &entries.map_or(String::new(), |entries| {
             format!(", {} times the entries of factors per grain", number(entries, 2))
         });
-        text += &format!(" ({} of {} converged on both sides; medians).\n", both, counted(of.len(), "pair"));
+        text += &format!(" ({both} of {} converged on both sides; medians).\n", counted(of.len(), "pair"));
         let most = of.iter().map(|pair| pair.plane.subdomains).max().unwrap_or(1);
         let growth = |side: Side| {
             let on = |subdomains: u32, problem: &str| {

@@ -47,16 +47,20 @@ fn the_plane_meets_space_problem_by_problem_on_as_many_subdomains() {
     assert_eq!((rows[1][9], rows[1][10]), ("30.0", "90.0"), "entries of factors per grain");
     assert_eq!(rows[2][..2], ["rough", "rough-space"]);
     let found = text(&files, "dimensions-found.md");
+    assert!(found.contains("latin-dd with friction: none of 1\u{a0}pair converged on both sides"), "{found}");
     // The medians of 0.8 and 0.6; what did not converge counts for nothing.
-    assert!(found.contains("latin-dd: in space 0.7 times the iterations of the plane"), "{found}");
+    assert!(
+        found.contains("latin-dd without friction: in space 0.70 times the iterations of the plane"),
+        "{found}"
+    );
     assert!(
         found.contains(
-            "3 times the entries of factors per grain (2 of 3\u{a0}pairs converged on both sides; medians)"
+            "3.0 times the entries of factors per grain (2 of 2\u{a0}pairs converged on both sides; medians)"
         ),
         "{found}"
     );
     assert!(
-        found.contains("on 8 subdomains beside one: 2 times the iterations in the plane, 1.5 in space"),
+        found.contains("latin-dd without friction on 8 subdomains beside one: 2.00 times the iterations in the plane, 1.50 in space"),
         "{found}"
     );
     assert!(
