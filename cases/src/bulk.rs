@@ -154,8 +154,8 @@ fn solid_fraction<P: Place>(
         if periodic {
             cut[0] = [-1.0, 1.0];
         }
-        let unit = if P::LEN > 2 { ball_in(cut) } else { disc_in([cut[0], cut[1]], 1.0) };
-        unit * radius.powi(P::LEN as i32)
+        let square = radius * radius;
+        if P::LEN > 2 { ball_in(cut) * square * radius } else { disc_in([cut[0], cut[1]], 1.0) * square }
     });
     filled.sum::<f64>() / (0..P::LEN).map(|axis| high[axis] - low[axis]).product::<f64>()
 }
