@@ -1,5 +1,5 @@
-//! Fixed bodies that are not straight walls: a drum that turns about its axis, and bumps that make a floor rough. In space both are
-//! the same all along z: a cylinder, and ridges.
+//! Fixed bodies that are not straight walls: a drum that turns about its axis, and bumps that make a floor rough. In space the drum is
+//! a cylinder along z, and bumps are spheres on a square lattice.
 
 use crate::detect::{DetectedContact, Side};
 use crate::periodic::Period;
@@ -52,7 +52,7 @@ fn across<P: Place>(place: P) -> P {
     P::of([place[0], place[1], 0.0])
 }
 
-/// Discs of radius a with their centres on a line, the floor or a lid, side by side.
+/// Discs of radius a with their centres on a line, the floor or a lid, side by side; spheres side by side along x and z.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bumps<P> {
     pub(crate) radius: f64,
@@ -62,8 +62,8 @@ pub(crate) struct Bumps<P> {
     pub(crate) moving: P,
     /// After which they are the same again.
     pub(crate) period: Period,
-    /// What the k-th is.
-    pub(crate) side: fn(u32, i32) -> Side,
+    /// What the k-th of a row is.
+    pub(crate) side: fn(u32, [i32; 2]) -> Side,
 }
 
 impl<P: Place> Bumps<P> {
@@ -76,7 +76,7 @@ impl<P: Place> Bumps<P> {
         reach: f64,
     ) -> impl Iterator<Item = Near<P>> {
         let Self { radius: a, foot, moving, period, side } = self;
-        let (from_foot, touching) = (period.nearest(across(position - foot)), radius + a);
+        let (from_foot, touching) = (period.nearest(position - foot), radius + a);
         let far = touching + reach;
         let count = period.0.map(|width| (width / (2.0 * a)).round() as i32);
         let number = |x: f64| x / (2.0 * a);
@@ -87,12 +87,16 @@ impl<P: Place> Bumps<P> {
         let high = high.max(low - 1);
         // Where numbers begin anew within the range, those from 0 on come first.
         let turn = count.map_or(low, |count| (low.div_euclid(count) + 1) * count).clamp(low, high + 1);
-        (turn..=high).chain(low..turn).filter_map(move |k| {
-            let between = from_foot - P::of([2.0 * a * f64::from(k), 0.0, 0.0]);
+        let z = if P::LEN > 2 { from_foot[2] } else { 0.0 };
+        let rows = number(z - wide).ceil() as i32..=number(z + wide).floor() as i32;
+        let rows = if P::LEN > 2 { rows } else { 0..=0 };
+        let numbers = (turn..=high).chain(low..turn).flat_map(move |k| rows.clone().map(move |row| [k, row]));
+        numbers.filter_map(move |[k, row]| {
+            let between = from_foot - P::of([k, 0, row].map(|k| 2.0 * a * f64::from(k)));
             let distance = between.length();
             let gap = distance - touching;
             let normal = if distance > 0.0 { between / distance } else { P::of([0.0, 1.0, 0.0]) };
-            let antagonist = side(body, count.map_or(k, |count| k.rem_euclid(count)));
+            let antagonist = side(body, [count.map_or(k, |count| k.rem_euclid(count)), row]);
             let contact = DetectedContact { candidate: grain, antagonist, normal, gap };
             (gap <= reach)
                 .then(|| (contact, WallMotion { opening: -normal.dot_product(moving), sliding: moving }))

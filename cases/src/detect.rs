@@ -20,8 +20,8 @@ pub enum Side {
     Front,
     /// The drum.
     Drum,
-    /// A bump of the floor, numbered from its foot towards +x.
-    Bump(i32),
+    /// A bump of the floor, numbered from its foot towards +x and, in space, +z.
+    Bump([i32; 2]),
     /// A segment, by its place in the scene's list.
     Segment(u32),
     /// Another grain, of higher index.

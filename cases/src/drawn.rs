@@ -54,6 +54,20 @@ fn upwards<P: Place>(normal: P) -> P {
 /// Sides of the polygon that stands for a circle where it is drawn.
 const SIDES: u32 = 72;
 
+/// The upper half of a sphere, in faces of four corners (m).
+fn dome([x, y, z]: [f64; 3], radius: f64) -> impl Iterator<Item = [[f64; 3]; 4]> {
+    const AROUND: u32 = 8;
+    const UP: u32 = 3;
+    let at = move |k: u32, l: u32| {
+        let turned = std::f64::consts::TAU * f64::from(k) / f64::from(AROUND);
+        let raised = std::f64::consts::FRAC_PI_2 * f64::from(l) / f64::from(UP);
+        let across = radius * libm::cos(raised);
+        [x + across * libm::cos(turned), y + radius * libm::sin(raised), z + across * libm::sin(turned)]
+    };
+    let faces = (0..AROUND).flat_map(|k| (0..UP).map(move |l| (k, l)));
+    faces.map(move |(k, l)| [at(k, l), at(k + 1, l), at(k + 1, l + 1), at(k, l + 1)])
+}
+
 /// The drum, the bumps on a floor from a place on to some x, and the segments at a `time` (s), to be drawn by their corners (m): lines
 /// in the plane, and in space what they sweep between two z.
 fn outlines<P: Place>(
@@ -77,8 +91,19 @@ fn outlines<P: Place>(
     let bump_radius = scene.walls.as_ref().and_then(|walls| walls.bump_radius_m);
     let bumps = bump_radius.into_iter().flat_map(|a| {
         let last = ((to_x - from[0]) / (2.0 * a)).ceil() as i32;
-        (0..=last).flat_map(move |k| {
-            circle(Side::Bump(k), [from[0] + 2.0 * a * f64::from(k), from[1]], a, SIDES / 2)
+        let along = move |k: i32| from[0] + 2.0 * a * f64::from(k);
+        // In space those whose centres are between the two z.
+        let [low, high] =
+            if P::LEN > 2 { [(z[0] / (2.0 * a)).ceil(), (z[1] / (2.0 * a)).floor()] } else { [0.0; 2] };
+        let numbers = (0..=last).flat_map(move |k| (low as i32..=high as i32).map(move |row| [k, row]));
+        numbers.flat_map(move |[k, row]| -> Vec<(Side, Vec<P>)> {
+            let side = Side::Bump([k, row]);
+            if P::LEN > 2 {
+                let centre = [along(k), from[1], 2.0 * a * f64::from(row)];
+                dome(centre, a).map(|corners| (side, corners.map(P::of).to_vec())).collect()
+            } else {
+                circle(side, [along(k), from[1]], a, SIDES / 2).collect()
+            }
         })
     });
     let segments = (0..).zip(&scene.segments).flat_map(|(number, segment)| {

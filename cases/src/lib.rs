@@ -1,6 +1,7 @@
 //! From a scene to a contact problem: samples, neighbours, laws, time marching; and frozen problems.
 
 mod bodies;
+mod bulk;
 mod case;
 mod deposit;
 mod detect;
@@ -25,6 +26,7 @@ mod stress;
 mod walls;
 
 pub use bodies::Drum;
+pub use bulk::Bulk;
 pub use case::{Case, check_name};
 pub use detect::{DetectedContact, Side, detect};
 pub use energy::Energy;

@@ -82,7 +82,7 @@ impl<P: Place> Placed<'_, P> {
             foot,
             moving: P::ZERO,
             period: scene.period(),
-            side: Side::Lid,
+            side: |body, [k, _]| Side::Lid(body, k),
         });
         let bumps =
             bumps.into_iter().flat_map(move |bumps| bumps.near(body, grain, (position, radius), reach));

@@ -3,6 +3,7 @@
 
 mod contacts;
 
+use crate::bulk::Bulk;
 use crate::case::Case;
 use crate::detect::{Neighbours, Side};
 use crate::drawn::drawn;
@@ -279,8 +280,9 @@ impl<M: Marched> March<M> {
         let moment = mass().zip(&self.position).map(|(m, q)| m * q[1]);
         let height = self.lid(time_step.frozen.problem.position()).map(|lid| lid.foot[1]);
         let overlaps = || time_step.frozen.gap.iter().map(|gap| f64::max(0.0, -gap));
+        let time = self.done as f64 * self.scene.time_step_s;
         Observables {
-            time: self.done as f64 * self.scene.time_step_s,
+            time,
             kinetic_energy: kinetic.sum(),
             mean_height: moment.sum::<f64>() / mass().sum::<f64>(),
             greatest_overlap: overlaps().fold(0.0, f64::max),
@@ -289,6 +291,7 @@ impl<M: Marched> March<M> {
             contacts: time_step.sides.len(),
             energy,
             stress: Stress::of(time_step, &self.scene, (grains, height), r),
+            bulk: Bulk::of(time_step, &self.scene, (grains, time), r),
             greatest_speed: greatest(self.velocity.iter().map(|v| M::translation(*v).length())),
         }
     }

@@ -1,5 +1,6 @@
 //! What a simulation shows of itself after a time step, and when it has exploded.
 
+use crate::bulk::Bulk;
 use crate::detect::Side;
 use crate::energy::Energy;
 use crate::stress::Stress;
@@ -32,6 +33,8 @@ pub struct Observables {
     pub energy: Energy,
     /// What the contacts carry.
     pub stress: Stress,
+    /// What the packing is like away from its walls and its surface.
+    pub bulk: Bulk,
 }
 
 /// A time step that did not come to its tolerance.

@@ -234,6 +234,7 @@ impl Sample {
         [width, depth]: [Option<f64>; 2],
         folder: &Path,
     ) -> Result<Vec<Grain<P>>, String> {
+        self.check_size([width, depth])?;
         let walls = || width.ok_or("`sample.kind` asks for side walls: it needs `scene.box.width_m`");
         // [x, y, z, radius] of each (m), mass per area or volume (kg/m², kg/m³), and the mass of the last over what its size gives (–).
         let (placed, density, top_mass_ratio) = match *self {
@@ -298,6 +299,29 @@ impl Sample {
         let mut grains: Vec<Grain<P>> = placed.iter().map(grain).collect();
         grains.iter_mut().rev().take(1).for_each(|top| top.mass *= top_mass_ratio);
         checked(grains)
+    }
+}
+
+impl Sample {
+    /// Whether a crystal of spheres is between the walls of a box of this width and depth (m), up to round-off.
+    fn check_size(&self, size: [Option<f64>; 2]) -> Result<(), String> {
+        let (Self::SimpleCubic { counts: [columns, _, deep], radius_m, .. }
+        | Self::FaceCentred { counts: [columns, _, deep], radius_m, .. }) = *self
+        else {
+            return Ok(());
+        };
+        for ((key, count), length) in [("width_m", columns), ("depth_m", deep)].into_iter().zip(size) {
+            let needed = 2.0 * radius_m * f64::from(count);
+            if let Some(length) = length.filter(|length| *length < needed * (1.0 - 1e-9)) {
+                return Err(format!(
+                    "`scene.box.{key}` is {}: {count} spheres of `sample.radius_m` {} side by side need {}",
+                    shown(length),
+                    shown(radius_m),
+                    shown(needed)
+                ));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -113,6 +113,11 @@ impl Scene {
                 "`scene.box.depth_m` is {}: discs have no depth, so it must be left out",
                 shown(depth)
             ))
+        } else if walls.depth_closing_speed_m_per_s != 0.0 {
+            Err(format!(
+                "`scene.box.depth_closing_speed_m_per_s` is {}: discs have no depth, so it must be left out",
+                shown(walls.depth_closing_speed_m_per_s)
+            ))
         } else if walls.vibration.as_ref().is_some_and(along_z) {
             Err("`scene.box.vibration.direction` is z: it must be x or y, since discs have no depth"
                 .to_owned())
@@ -126,10 +131,16 @@ impl Scene {
         if !self.segments.is_empty() {
             return Err("`scene.segments` is for discs, so it must be left out".to_owned());
         }
-        match self.period() {
-            Period(None) => Ok(()),
-            _ => Err("`scene.box.periodic` is true: periodic sides are for discs, so it must be left out"
-                .to_owned()),
+        let closing = self.walls.as_ref().filter(|walls| walls.depth_m.is_none());
+        if let Some(walls) = closing.filter(|walls| walls.depth_closing_speed_m_per_s != 0.0) {
+            return Err(format!(
+                "`scene.box.depth_closing_speed_m_per_s` is {}: it needs `scene.box.depth_m`",
+                shown(walls.depth_closing_speed_m_per_s)
+            ));
+        }
+        match self.lid() {
+            Some(_) => Err("`scene.box.lid` is for discs, so it must be left out".to_owned()),
+            None => Ok(()),
         }
     }
 
@@ -160,6 +171,7 @@ impl Scene {
             finite("box.tilt_rate_rad_per_s", walls.tilt_rate_rad_per_s);
             finite("box.tilt_start_s", walls.tilt_start_s);
             finite("box.closing_speed_m_per_s", walls.closing_speed_m_per_s);
+            finite("box.depth_closing_speed_m_per_s", walls.depth_closing_speed_m_per_s);
             finite("box.belt_speed_m_per_s", walls.belt_speed_m_per_s);
             if let Some(vibration) = &walls.vibration {
                 finite("box.vibration.amplitude_m", vibration.amplitude_m);

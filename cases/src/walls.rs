@@ -14,10 +14,10 @@ pub struct Walls {
     pub width_m: Option<f64>,
     /// Distance between the walls behind and before spheres (m); without it there are none.
     pub depth_m: Option<f64>,
-    /// In place of side walls: what leaves the box at one side comes in at the other. For discs.
+    /// In place of side walls: what leaves the box at one side comes in at the other.
     #[serde(default)]
     pub periodic: bool,
-    /// A lid on the grains of a periodic box; it is the last grain of contact problems and frames.
+    /// A lid on the discs of a periodic box; it is the last grain of contact problems and frames.
     pub lid: Option<Lid>,
     /// Rate at which the side walls tilt about their feet, towards +x (rad/s).
     #[serde(default)]
@@ -28,13 +28,16 @@ pub struct Walls {
     /// Speed at which each side wall moves towards the other (m/s).
     #[serde(default)]
     pub closing_speed_m_per_s: f64,
+    /// Speed at which each of the walls behind and before spheres moves towards the other (m/s).
+    #[serde(default)]
+    pub depth_closing_speed_m_per_s: f64,
     /// Speed at which the floor slides along itself, as a belt, towards +x (m/s). Only friction feels it.
     #[serde(default)]
     pub belt_speed_m_per_s: f64,
     /// Coulomb's μ at the walls (–), where it is another than between grains.
     pub friction: Option<f64>,
-    /// Radius of bumps that make the floor, and a lid, rough: discs fixed side by side, with their centres on it (m). Deposited
-    /// grains begin above them.
+    /// Radius of bumps that make the floor, and a lid, rough: discs fixed side by side, with their centres on it (m); in space
+    /// spheres on a square lattice. Deposited grains begin above them.
     pub bump_radius_m: Option<f64>,
     /// Vibration of the whole box.
     pub vibration: Option<Vibration>,
@@ -101,8 +104,9 @@ impl Walls {
         let floor = Wall { normal: P::of([0.0, 1.0, 0.0]), foot };
         let left = |_| wall([cos, -sin, 0.0], [closed, 0.0, 0.0]);
         let right = |width| wall([-cos, sin, 0.0], [width - closed, 0.0, 0.0]);
-        let back = |_| wall([0.0, 0.0, 1.0], [0.0; 3]);
-        let front = |depth| wall([0.0, 0.0, -1.0], [0.0, 0.0, depth]);
+        let nearer = self.depth_closing_speed_m_per_s * time;
+        let back = |_| wall([0.0, 0.0, 1.0], [0.0, 0.0, nearer]);
+        let front = |depth| wall([0.0, 0.0, -1.0], [0.0, 0.0, depth - nearer]);
         let depth = self.depth_m.filter(|_| P::LEN > 2);
         let width = self.width_m.filter(|_| !self.periodic);
         [Some(floor), width.map(left), width.map(right), depth.map(back), depth.map(front)]

@@ -6,6 +6,7 @@ mod atlas;
 mod atlas_in_time;
 mod convergence;
 mod critical_path;
+mod dimensions;
 mod directions;
 mod macroscopic;
 mod peers;
@@ -117,6 +118,12 @@ const CHARTS: &[Chart] = &[
         makes: "`relaxation`, `relaxation-found`",
         shows: "iterations against the relaxation ω, every problem; the best of each, and the best fixed one over all",
         parts: Parts::Problems(relaxation::parts),
+    },
+    Chart {
+        name: "dimensions",
+        makes: "`dimensions`, `dimensions-found`",
+        shows: "the plane against space, problem by problem: iterations, counted work, entries of factors, shares of boundaries, neighbours",
+        parts: Parts::Problems(dimensions::parts),
     },
     Chart {
         name: "critical-path",

@@ -41,7 +41,8 @@ pub struct Run {
     /// greatest and the least positive one over the contacts that the solution keeps closed, `redundant`, how many are 0, and
     /// `kappa_opt`, the best direction of LATIN that follows; `multiplicity`, the most copies of a grain; `neighbours` and
     /// `sent_bytes`, of the subdomain that has most, with how many others it shares grains, and what it sends them when copies are
-    /// glued; `coupling`, without split masses, the greatest eigenvalue of W_D⁻¹W with all within a subdomain left out.
+    /// glued; `boundary_share`, of the grains of all subdomains, copies counted each, the share that others hold too; `dimensions` of
+    /// the problem's grains and `unknowns` of a contact; `coupling`, without split masses, the greatest eigenvalue of W_D⁻¹W with all within a subdomain left out.
     #[serde(default, with = "json")]
     pub spectrum: Map<String, Value>,
     /// The settings in which the runs of this method in this plan differ, such as `4x2`; empty if they are alone.

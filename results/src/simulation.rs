@@ -208,6 +208,16 @@ pub struct Stress {
     /// Contacts that push, per grain (–).
     #[serde(with = "number")]
     pub coordination: f64,
+    /// Volume of grains over volume, away from walls and surface (–); `cases/src/bulk.rs` says where that is, and so below. 0 where
+    /// there is none.
+    #[serde(with = "number")]
+    pub bulk_solid_fraction: f64,
+    /// Contacts that push, per grain that is no rattler (–).
+    #[serde(with = "number")]
+    pub bulk_coordination: f64,
+    /// Share of grains that are rattlers (–).
+    #[serde(with = "number")]
+    pub bulk_rattlers: f64,
 }
 
 impl Stress {
@@ -220,6 +230,9 @@ impl Stress {
             stress_xy_n_per_m: mean(self.stress_xy_n_per_m, next.stress_xy_n_per_m),
             stress_yy_n_per_m: mean(self.stress_yy_n_per_m, next.stress_yy_n_per_m),
             coordination: mean(self.coordination, next.coordination),
+            bulk_solid_fraction: mean(self.bulk_solid_fraction, next.bulk_solid_fraction),
+            bulk_coordination: mean(self.bulk_coordination, next.bulk_coordination),
+            bulk_rattlers: mean(self.bulk_rattlers, next.bulk_rattlers),
         }
     }
 

@@ -25,6 +25,7 @@ fn walls_turn_about_their_feet_and_shake_with_the_box() {
         tilt_rate_rad_per_s: std::f64::consts::FRAC_PI_4,
         tilt_start_s: 1.0,
         closing_speed_m_per_s: 0.0,
+        depth_closing_speed_m_per_s: 0.0,
         belt_speed_m_per_s: 0.0,
         friction: None,
         bump_radius_m: None,

@@ -51,7 +51,7 @@ const COLUMNS: &str = "time_step,time_s,contacts,status,iterations,kinetic_energ
                        greatest_overlap_mean_diameters,mean_overlap_m,greatest_speed_m_per_s,floor_impulse_n_s,\
                        left_impulse_n_s,right_impulse_n_s,walls_work_j,gap_work_j,shock_work_j,sliding_work_j,\
                        energy_moved_j,energy_left_over_j,stress_xx_n_per_m,stress_xy_n_per_m,stress_yy_n_per_m,\
-                       coordination";
+                       coordination,bulk_solid_fraction,bulk_coordination,bulk_rattlers";
 
 /// Above the rows on the terminal.
 const HEADING: &str =
@@ -233,13 +233,15 @@ fn line<M: Studied>(seen: &Seen<M>, row: &Observed) -> String {
     let Observed { floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s, energy, .. } = row;
     let Energy { walls_work_j, gap_work_j, shock_work_j, sliding_work_j, energy_moved_j, energy_left_over_j } =
         energy;
-    let Stress { stress_xx_n_per_m, stress_xy_n_per_m, stress_yy_n_per_m, coordination } = row.stress;
+    let Stress { stress_xx_n_per_m, stress_xy_n_per_m, stress_yy_n_per_m, coordination, .. } = row.stress;
+    let Stress { bulk_solid_fraction, bulk_coordination, bulk_rattlers, .. } = row.stress;
     let (status, iterations) = (seen.outcome.status.name(), seen.outcome.iterations);
     let in_diameters = greatest_overlap_m / seen.march.mean_diameter();
     format!(
         "{time_step},{time_s},{contacts},{status},{iterations},{kinetic_energy_j},{mean_height_m},{greatest_overlap_m},\
          {in_diameters},{mean_overlap_m},{greatest_speed_m_per_s},{floor_impulse_n_s},{left_impulse_n_s},\
          {right_impulse_n_s},{walls_work_j},{gap_work_j},{shock_work_j},{sliding_work_j},{energy_moved_j},\
-         {energy_left_over_j},{stress_xx_n_per_m},{stress_xy_n_per_m},{stress_yy_n_per_m},{coordination}\n"
+         {energy_left_over_j},{stress_xx_n_per_m},{stress_xy_n_per_m},{stress_yy_n_per_m},{coordination},\
+         {bulk_solid_fraction},{bulk_coordination},{bulk_rattlers}\n"
     )
 }

@@ -167,15 +167,20 @@ fn name<M: Studied>(task: &Task<&Problem<M>>) -> String {
     format!("{} on {}", task.variant.label(), task.what.frozen.name)
 }
 
-/// What explains how the run ends, where the plan asks for it: the spectrum of the problem; of a partition the most copies of a
-/// grain, the most neighbours of a subdomain and the most bytes that one sends in an exchange, and, where masses are whole, how
-/// strongly subdomains act on each other.
+/// What explains how the run ends, where the plan asks for it: the spectrum of the problem, in how many dimensions it is and how many
+/// unknowns a contact has; of a partition the most copies of a grain and the share of copies at boundaries, the most neighbours of a
+/// subdomain and the most bytes that one sends in an exchange, and, where masses are whole, how strongly subdomains act on each
+/// other.
 fn spectrum<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, known: &Known<M>) -> Map<String, Value> {
     if !plan.spectra {
         return Map::new();
     }
     let (problem, variant) = (&task.what.frozen.problem, task.variant);
     let mut columns = task.what.spectrum(known).clone();
+    columns.extend([
+        ("dimensions".to_owned(), json!(M::Place::LEN)),
+        ("unknowns".to_owned(), json!(M::Impulse::LEN)),
+    ]);
     // A run with a partition that does not fit the problem is skipped, and says why.
     if let Some((grid, scheme)) = variant.method.partition()
         && let Ok(partition) = Partition::of_contacts(problem, scheme, grid)
@@ -185,6 +190,7 @@ fn spectrum<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, known: &Known<M>)
         let sent_bytes = sent * (size_of::<f64>() * M::Velocity::LEN) as u64;
         columns.extend([
             ("multiplicity".to_owned(), json!(decomposition.multiplicity.iter().copied().max())),
+            ("boundary_share".to_owned(), json!(boundary_share(&decomposition.multiplicity))),
             ("neighbours".to_owned(), json!(neighbours)),
             ("sent_bytes".to_owned(), json!(sent_bytes)),
         ]);
@@ -195,6 +201,14 @@ fn spectrum<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, known: &Known<M>)
         }
     }
     columns
+}
+
+/// Of the grains of all subdomains, copies counted each, the share that others hold too (–).
+fn boundary_share(multiplicity: &[u32]) -> f64 {
+    let copies = |of: &dyn Fn(u32) -> bool| {
+        multiplicity.iter().filter(|copies| of(**copies)).map(|copies| u64::from(*copies)).sum::<u64>() as f64
+    };
+    copies(&|copies| copies > 1) / copies(&|copies| copies > 0).max(1.0)
 }
 
 fn once<M: Studied>(

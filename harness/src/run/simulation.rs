@@ -181,6 +181,9 @@ pub(crate) fn observed<M: Studied>(seen: &Seen<M>) -> Observed {
             stress_xy_n_per_m: o.stress.xy,
             stress_yy_n_per_m: o.stress.yy,
             coordination: o.stress.coordination,
+            bulk_solid_fraction: o.bulk.solid_fraction,
+            bulk_coordination: o.bulk.coordination,
+            bulk_rattlers: o.bulk.rattlers,
         },
     }
 }
