@@ -7,6 +7,9 @@
 //! changes its status says to which side the next line goes. With ε > 0 each line is given by a matrix that has an inverse but by
 //! chance. (Lemke's pivots are such a path; this one begins anywhere.)
 
+#[cfg(test)]
+mod tests;
+
 use super::layout::{Layout, Status, against, held, norm};
 use super::matrix::Matrix;
 use contact::{Column, SetupError, Work};
@@ -210,16 +213,8 @@ impl Path {
     /// The matrix after a contact changed its status; says whether it has an inverse.
     fn update(&mut self, contact: usize, before: Status, epsilon: f64) -> bool {
         let columns = &self.layout.columns;
-        let friction = columns[contact].friction();
-        let normal = Vector2::x();
-        let edge = |sign: f64| Vector2::new(1.0, sign * friction);
-        let slipping = |sign: f64| Vector2::new(sign * friction, -1.0);
-        let parts = match (before, self.status[contact]) {
-            (Status::Stick, Status::Slide(sign)) => [Vector2::y(), slipping(sign)],
-            (Status::Slide(sign), Status::Stick) => [Vector2::y(), -slipping(sign)],
-            (Status::Open, Status::Slide(sign)) => [edge(sign), normal],
-            (Status::Slide(sign), Status::Open) => [edge(sign), -normal],
-            _ => return false,
+        let Some(parts) = parts(before, self.status[contact], columns[contact].friction()) else {
+            return false;
         };
         if self.matrix.changes() >= CHANGES {
             self.work.factorisations += 1;
@@ -269,9 +264,7 @@ impl Path {
     pub(super) fn distance(&self, other: &[Vector2<f64>]) -> f64 {
         norm(&self.s.iter().zip(other).map(|(a, b)| a - b).collect::<Vec<_>>())
     }
-}
 
-impl Path {
     /// How many times a change of s can be added until something opens or begins to slide; infinite if nothing does.
     pub(super) fn room(&self, change: &[Vector2<f64>]) -> f64 {
         let mut least = f64::INFINITY;
@@ -294,5 +287,19 @@ impl Path {
             }
         }
         least.max(0.0)
+    }
+}
+
+/// push and pull of the product that K gains with a change of status, by their parts along normal and tangent: none where it has no
+/// such form.
+fn parts(before: Status, now: Status, friction: f64) -> Option<[Vector2<f64>; 2]> {
+    let edge = |sign: f64| Vector2::new(1.0, sign * friction);
+    let slipping = |sign: f64| Vector2::new(sign * friction, -1.0);
+    match (before, now) {
+        (Status::Stick, Status::Slide(sign)) => Some([Vector2::y(), slipping(sign)]),
+        (Status::Slide(sign), Status::Stick) => Some([Vector2::y(), -slipping(sign)]),
+        (Status::Open, Status::Slide(sign)) => Some([edge(sign), Vector2::x()]),
+        (Status::Slide(sign), Status::Open) => Some([edge(sign), -Vector2::x()]),
+        _ => None,
     }
 }

@@ -1,0 +1,105 @@
+//! What theory says of paths, and that the matrix follows its changes.
+
+use super::super::layout::{Layout, Status, admissible};
+use super::super::matrix::Matrix;
+use super::{Change, Path};
+use contact::{Packing, RoughContact, RoughMass};
+use nalgebra::{Vector2, Vector3};
+
+/// Numbers in [0, 1), the same ones each time.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Discs of any mass and velocity, each with contacts to the two after it and to a wall: more than motion allows.
+fn packing(seed: u64, grains: u32) -> Packing<contact::RoughDiscs> {
+    let mut numbers = Numbers(seed);
+    let mut contacts = Vec::new();
+    for i in 0..grains {
+        let others = [Some(i + 1), Some(i + 2), None].map(|j| j.filter(|j| *j < grains));
+        for antagonist in others {
+            let angle = std::f64::consts::TAU * numbers.next();
+            contacts.push(RoughContact {
+                candidate: i,
+                antagonist,
+                normal: Vector2::new(angle.cos(), angle.sin()),
+                arms: Vector2::new(0.5, if antagonist.is_some() { 0.4 } else { 0.0 }),
+                offset: Vector2::new(0.1 * numbers.next(), 0.1 * (numbers.next() - 0.5)),
+                friction: numbers.next(),
+            });
+        }
+    }
+    let mass = (0..grains).map(|_| {
+        let mass = 0.2 + numbers.next();
+        RoughMass { mass, inertia: 0.125 * mass }
+    });
+    let mass: Vec<_> = mass.collect();
+    let mut component = || 2.0 * numbers.next() - 1.0;
+    let free = (0..grains).map(|_| Vector3::new(component(), component(), component())).collect();
+    let position = (0..grains).map(|i| Vector2::new(f64::from(i), 0.5)).collect();
+    Packing::new(mass, position, free, contacts).unwrap()
+}
+
+/// From where all contacts are pushed open, which has no other solution, the path can only end at a solution: it stays within bounds
+/// for any ε > 0, and does not come back.
+#[test]
+fn a_path_from_open_contacts_ends_at_a_solution_of_coulombs_law() {
+    for seed in 0..200 {
+        let problem = packing(seed, 3 + (seed % 6) as u32);
+        let mut path = Path::new(Layout::new(&problem)).unwrap();
+        let none = path.s.clone();
+        let b = path.layout.velocity(&none);
+        let open = |(b, column): (&Vector2<f64>, &contact::RoughColumn)| {
+            Vector2::new(b.x.abs() + column.friction() * b.y.abs() + 0.1, 0.0)
+        };
+        let perturbation: Vec<_> = b.iter().zip(&path.layout.columns).map(open).collect();
+        for epsilon in [1e-1, 1e-4] {
+            path.s.clone_from(&none);
+            path.status.fill(Status::Open);
+            let change = Change { epsilon, centre: &none, perturbation: &perturbation };
+            let lines = path.follow(&change).unwrap_or_else(|| panic!("seed {seed}, ε {epsilon}"));
+            assert!(lines > 0, "seed {seed}: the packing would fly apart");
+            let left = path.layout.left(&path.s, &path.velocity(&change, 0.0));
+            assert!(left < 1e-10, "seed {seed}, ε {epsilon}: {left}");
+            for (s, column) in path.s.iter().zip(&path.layout.columns) {
+                assert!((s - admissible(*s, column.friction())).norm() < 1e-10, "seed {seed}: {s}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_matrix_that_followed_changes_solves_as_one_made_anew() {
+    let layout = Layout::new(&packing(7, 8));
+    let columns = &layout.columns;
+    let kappa = 1e3;
+    let mut status = vec![Status::Stick; columns.len()];
+    let mut followed = Matrix::new(columns, layout.grains()).unwrap();
+    assert!(followed.factorise(columns, &status, kappa));
+    let changes = [
+        (3, Status::Slide(1.0)),
+        (5, Status::Slide(-1.0)),
+        (3, Status::Open),
+        (11, Status::Slide(1.0)),
+        (3, Status::Slide(-1.0)),
+        (5, Status::Stick),
+    ];
+    for (contact, next) in changes {
+        let before = std::mem::replace(&mut status[contact], next);
+        let parts = super::parts(before, next, columns[contact].friction()).unwrap();
+        assert!(followed.add(columns, contact, parts, kappa));
+    }
+    let mut anew = Matrix::new(columns, layout.grains()).unwrap();
+    assert!(anew.factorise(columns, &status, kappa));
+    let mut x: Vec<_> = (0..layout.grains()).map(|k| Vector3::new(1.0, k as f64, -0.5)).collect();
+    let mut y = x.clone();
+    followed.solve(columns, &mut x);
+    anew.solve(columns, &mut y);
+    let apart = x.iter().zip(&y).map(|(x, y)| (x - y).norm()).fold(0.0, f64::max);
+    assert!(apart < 1e-9, "{apart}");
+}
