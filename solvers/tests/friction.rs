@@ -380,12 +380,8 @@ fn the_active_set_comes_through_where_impulses_drift_and_ends_at_a_floor() {
     assert_eq!(outcome.status, Status::Converged);
     assert!(outcome.iterations < 60_000, "{}", outcome.iterations);
     assert!(certify_rough(&problem, &outcome.impulses).certified());
-    // A packing at rest, in which more contacts stick than motion allows: nobody found a solution.
+    // A packing at rest, in which more contacts stick than motion allows: no solution was found, and it is not called converged.
     let outcome = run(&ActiveSet::default(), &rough("rough-250").problem, 1e-12);
     assert_eq!(outcome.status, Status::Stalled);
-    assert!(
-        outcome.measures.natural_map < 1e-6 && outcome.measures.natural_map > 1e-9,
-        "{:?}",
-        outcome.measures
-    );
+    assert!(outcome.measures.natural_map < 1e-9, "{:?}", outcome.measures);
 }
