@@ -6,7 +6,7 @@ use analysis::proves_infeasible;
 use cases::{Case, CaseError, Explosion, Frozen, March, Missed, Side, detect};
 use cg::Cg;
 use contact::{Discs, Measure, RoughDiscs, RoughSpheres, Spheres};
-use nalgebra::Vector2;
+use nalgebra::{Matrix3, Vector2, Vector3};
 use nsgs::Nsgs;
 use proptest::prelude::*;
 use runner::{Status, Stop, solve};
@@ -509,6 +509,36 @@ fn a_stack_of_three_stands_or_falls() {
     assert!(fastest(&[]) < 1e-8);
     assert!(fastest(&[("scene.friction", "0.26")]) > 1e-3);
     assert!(fastest(&[("scene.box.friction", "0.085")]) > 1e-3);
+}
+
+#[test]
+fn an_arch_stands_where_the_thrust_stays_within_the_cones() {
+    // Balance of a side disc, horizontal and vertical, and of the keystone, in units of a weight: thrust at the keystone, tangential
+    // impulse, thrust at the support.
+    let (sine, root) = (0.5, f64::sqrt(0.5));
+    let cosine = f64::sqrt(0.75);
+    let balance = Matrix3::new(-cosine, -(sine + root), root, -sine, cosine + root, root, 2.0 * sine, -2.0 * cosine, 0.0);
+    let thrust = balance.lu().solve(&Vector3::new(0.0, 1.0, 1.0)).unwrap();
+    let least = thrust.y / thrust.x;
+    assert!((least - 0.14050).abs() < 1e-5 && (thrust.y / thrust.z - 0.09593).abs() < 1e-5, "{thrust}");
+    let fastest = |friction: f64, scaled: bool| {
+        let friction = friction.to_string();
+        let mut overrides = vec![("scene.friction", friction.as_str())];
+        if scaled {
+            overrides.extend([
+                ("sample.discs", "[[-1.7320508075688772e-3, 2e-3, 1e-3], [0.0, 3e-3, 1e-3], [1.7320508075688772e-3, 2e-3, 1e-3]]"),
+                ("sample.density_kg_per_m2", "1e12"),
+                ("scene.segments", "[{ from_m = [-3.1462643699419726e-3, 0.585786437626905e-3], radius_m = 1e-3 }, \
+                    { from_m = [3.1462643699419726e-3, 0.585786437626905e-3], radius_m = 1e-3 }]"),
+            ]);
+        }
+        velocities("arch", &overrides, 1).into_iter().flatten().fold(0.0, |v: f64, x| v.max(x.abs()))
+    };
+    for scaled in [false, true] {
+        let of_gravity = 10.0 * 0.01;
+        assert!(fastest(1.001 * least, scaled) < 1e-8 * of_gravity, "{scaled}");
+        assert!(fastest(0.999 * least, scaled) > 1e-5 * of_gravity, "{scaled}");
+    }
 }
 
 #[test]

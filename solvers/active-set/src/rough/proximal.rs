@@ -159,6 +159,7 @@ impl<'p> Proximal<'p> {
                 row.solve(s, y, 1.0);
             });
         }
+        self.path.work.contact_updates += u64::from(sweeps) * order.len() as u64;
         sweep.impulses(&mut r);
         self.path.s = self.path.layout.scaled(&r);
         self.v = self.path.begin();
