@@ -517,7 +517,17 @@ fn an_arch_stands_where_the_thrust_stays_within_the_cones() {
     // impulse, thrust at the support.
     let (sine, root) = (0.5, f64::sqrt(0.5));
     let cosine = f64::sqrt(0.75);
-    let balance = Matrix3::new(-cosine, -(sine + root), root, -sine, cosine + root, root, 2.0 * sine, -2.0 * cosine, 0.0);
+    let balance = Matrix3::new(
+        -cosine,
+        -(sine + root),
+        root,
+        -sine,
+        cosine + root,
+        root,
+        2.0 * sine,
+        -2.0 * cosine,
+        0.0,
+    );
     let thrust = balance.lu().solve(&Vector3::new(0.0, 1.0, 1.0)).unwrap();
     let least = thrust.y / thrust.x;
     assert!((least - 0.14050).abs() < 1e-5 && (thrust.y / thrust.z - 0.09593).abs() < 1e-5, "{thrust}");

@@ -337,6 +337,9 @@ pub struct Snapshot {
     /// The contacts that slide, in that order; none without friction.
     #[serde(default, with = "indices")]
     pub sliding: Vec<u32>,
+    /// The spin of each grain, to three significant digits; none without friction, or in space (rad/s).
+    #[serde(default, with = "number::list")]
+    pub spins_rad_per_s: Vec<f64>,
 }
 
 /// Indices as a list of numbers, which is what a column can hold.

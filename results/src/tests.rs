@@ -84,8 +84,13 @@ pub(crate) fn record(number: u32) -> Record {
     };
     let fine = Measures { zeta: 0.1 + 0.2, quad_dv: 5e-324, max_dv: f64::MAX, ..sample(2).measures };
     let curve = [(1, odd), (2, fine)].map(|(n, measures)| Sample { measures, ..sample(n) }).to_vec();
-    let seen =
-        Snapshot { iteration: 2, natural_map: f64::NAN, impulses_n_s: vec![0.1, f64::NAN], sliding: vec![1] };
+    let seen = Snapshot {
+        iteration: 2,
+        natural_map: f64::NAN,
+        impulses_n_s: vec![0.1, f64::NAN],
+        sliding: vec![1],
+        spins_rad_per_s: vec![-0.5],
+    };
     Record { run: run(number), curve, snapshots: vec![seen] }
 }
 
@@ -112,7 +117,7 @@ fn no_rows_give_tables_with_all_their_columns() {
     assert_eq!(table::<ContactRow>([]).unwrap().shape(), (0, 12));
     assert_eq!(
         columns(&keyed::<Snapshot>("run", []).unwrap()),
-        ["run", "iteration", "natural_map", "impulses_n_s", "sliding"]
+        ["run", "iteration", "natural_map", "impulses_n_s", "sliding", "spins_rad_per_s"]
     );
     assert_eq!(columns(&table::<Simulation>([]).unwrap())[..2], ["id", "plan"]);
     assert_eq!(keyed::<Observed>("simulation", []).unwrap().shape(), (0, 23));
@@ -137,8 +142,13 @@ fn rows_read_equal_the_rows_written() {
     let all = [run(0), odd];
     let read: Vec<Run> = rows(&table(&all).unwrap()).unwrap();
     assert_eq!(format!("{read:?}"), format!("{all:?}"));
-    let seen =
-        Snapshot { iteration: 2, natural_map: f64::NAN, impulses_n_s: vec![0.1, f64::NAN], sliding: vec![1] };
+    let seen = Snapshot {
+        iteration: 2,
+        natural_map: f64::NAN,
+        impulses_n_s: vec![0.1, f64::NAN],
+        sliding: vec![1],
+        spins_rad_per_s: vec![-0.5],
+    };
     let stored = keyed("run", [(5, &seen), (6, &seen)]).unwrap();
     assert_eq!(keys("run", &stored).unwrap(), [5, 6]);
     let read: Vec<Snapshot> = rows(&stored).unwrap();

@@ -239,7 +239,7 @@ fn once<M: Studied>(
 
 /// Keeps the beginning of a run, iterations in a ratio of about 1.4, and its end: some thirty iterates of a hundred thousand.
 pub(crate) struct Snapshots<'p, M: Mechanics> {
-    contacts: &'p [M::Contact],
+    problem: &'p ContactProblem<M>,
     kept: Vec<Snapshot>,
     /// The next iteration to be kept.
     next: u64,
@@ -247,7 +247,7 @@ pub(crate) struct Snapshots<'p, M: Mechanics> {
 
 impl<'p, M: Studied> Snapshots<'p, M> {
     pub(crate) fn of(problem: &'p ContactProblem<M>) -> Self {
-        Self { contacts: problem.contacts(), kept: Vec::new(), next: 0 }
+        Self { problem, kept: Vec::new(), next: 0 }
     }
 
     /// Sees every iterate.
@@ -268,12 +268,16 @@ impl<'p, M: Studied> Snapshots<'p, M> {
         self.kept
     }
 
-    /// Keeps the normal impulses of `r` (N·s), and which contacts slide.
+    /// Keeps the normal impulses of `r` (N·s), which contacts slide, and spins.
     fn keep(&mut self, iteration: u64, natural_map: f64, r: &[f64]) {
         let impulses_n_s = r.iter().step_by(M::Impulse::LEN).copied().map(rounded).collect();
-        let statuses = (0..).zip(M::statuses(self.contacts, r).unwrap_or_default());
+        let statuses = (0..).zip(M::statuses(self.problem.contacts(), r).unwrap_or_default());
         let sliding = statuses.filter_map(|(contact, status)| (status == 2).then_some(contact)).collect();
-        self.kept.push(Snapshot { iteration, natural_map, impulses_n_s, sliding });
+        let mut velocity = self.problem.free_velocity().to_vec();
+        self.problem.velocity(r, &mut velocity);
+        let spins = velocity.into_iter().map(M::spin).collect::<Option<Vec<_>>>().unwrap_or_default();
+        let spins_rad_per_s = spins.into_iter().map(rounded).collect();
+        self.kept.push(Snapshot { iteration, natural_map, impulses_n_s, sliding, spins_rad_per_s });
     }
 }
 

@@ -51,13 +51,14 @@ fn viewer_holds_the_sample_and_the_snapshots_of_its_runs() {
         natural_map: 0.5,
         impulses_n_s: vec![impulse, 1.0, f64::NAN],
         sliding: vec![1],
+        spins_rad_per_s: vec![impulse, -4.0],
     };
     let mut study = tables(&[Run { problem: "pair".into(), ..run(0, "cg", "", "converged") }], &[]);
     (study.grains, study.contacts) = (grains, contacts);
     study.records[0].snapshots = vec![kept(0, 0.0), kept(3, 2.0)];
     let page = made(&study);
     // Thousandths of the greatest impulse of the solution, 2 N·s.
-    assert!(page.contains(r#""frames":[{"iteration":0,"natural_map":0.5,"impulses":[0,500,0],"sliding":[1]},{"iteration":3,"natural_map":0.5,"impulses":[1000,500,0],"sliding":[1]}]"#), "{page}");
+    assert!(page.contains(r#""frames":[{"iteration":0,"natural_map":0.5,"impulses":[0,500,0],"sliding":[1],"spins":[0,-1000]},{"iteration":3,"natural_map":0.5,"impulses":[1000,500,0],"sliding":[1],"spins":[500,-1000]}]"#), "{page}");
     assert!(page.contains(r#""label":"solution""#) && page.contains("sample-pair-2x1.svg"));
     study.records[0].snapshots.clear();
     assert!(made(&study).contains("<code>gravel view PROBLEM --run"), "what shows the iterations is said");

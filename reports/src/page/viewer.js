@@ -104,6 +104,12 @@
       });
       c.strokeStyle = ink("--boundary"); c.lineWidth = 1.4;
       if (!inSpace()) grains.forEach(grain => { if (split.multiplicity[grain[3]] > 1) { disc(grain); c.stroke(); } });
+      // A spoke is upright where nothing spins, and lies down at the greatest spin.
+      c.strokeStyle = ink("--outline"); c.lineWidth = 1;
+      if (frame?.spins.length) grains.forEach(([x, y, r, i]) => {
+        const angle = Math.PI / 2 * (1 + frame.spins[i] / 1000);
+        c.beginPath(); c.moveTo(X(x), Y(y)); c.lineTo(X(x + r * Math.cos(angle)), Y(y + r * Math.sin(angle))); c.stroke();
+      });
       const line = ([x0, y0, x1, y1]) => { c.beginPath(); c.moveTo(X(x0), Y(y0)); c.lineTo(X(x1), Y(y1)); c.stroke(); };
       c.lineWidth = 2; c.strokeStyle = ink("--boundary");
       sample.walls.forEach(line);
@@ -130,7 +136,7 @@
     const boundary = split ? split.multiplicity.filter(copies => copies > 1).length : 0;
     document.querySelector("[data-key]").textContent = `${sample.grains.length} grains, ${sample.contacts.length} contacts; `
       + `colours are subdomains, outlined: ${boundary} boundary grains; the widest line is ${Number(sample.greatest_n_s.toPrecision(2))} N·s, `
-      + `the greatest impulse of the solution.${panels.some(({ track }) => track.frames.some(frame => frame.sliding.length)) ? " Broken lines: contacts that slide." : ""}${inSpace() ? " Drag to turn." : ""}`;
+      + `the greatest impulse of the solution.${panels.some(({ track }) => track.frames.some(frame => frame.sliding.length)) ? " Broken lines: contacts that slide." : ""}${sample.greatest_rad_per_s ? ` Spokes: spins, upright at rest, lying at ${Number(sample.greatest_rad_per_s.toPrecision(2))} rad/s.` : ""}${inSpace() ? " Drag to turn." : ""}`;
   }
 
   function stop() { clearInterval(timer); timer = undefined; play.textContent = "▶"; play.setAttribute("aria-label", "Play"); }

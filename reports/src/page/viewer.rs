@@ -34,6 +34,8 @@ pub(crate) struct Sample {
     unit_m: f64,
     /// The impulse that is drawn widest (N·s); 0 if none is known.
     greatest_n_s: f64,
+    /// The spin of a spoke that lies down (rad/s); 0 if none is known.
+    greatest_rad_per_s: f64,
     /// x, y and radius of each grain, and z in space.
     grains: Vec<Vec<i64>>,
     /// Both ends of the segment of each contact, and in space the z of either.
@@ -71,6 +73,8 @@ pub(crate) struct Frame {
     impulses: Vec<u32>,
     /// The contacts that slide.
     sliding: Vec<u32>,
+    /// Of each grain, in thousandths of the greatest at the end of a run.
+    spins: Vec<i32>,
 }
 
 impl Viewer {
@@ -128,6 +132,10 @@ impl Sample {
             |r: &mut dyn Iterator<Item = &f64>| r.copied().filter(|r| r.is_finite()).fold(0.0, f64::max);
         let known = greatest(&mut solution.iter());
         let greatest_n_s = if known > 0.0 { known } else { greatest(&mut last.into_iter()) };
+        let at_the_end = runs.iter().filter_map(|run| run.snapshots.last());
+        let spins: Vec<f64> =
+            at_the_end.flat_map(|last| &last.spins_rad_per_s).map(|spin| spin.abs()).collect();
+        let greatest_rad_per_s = greatest(&mut spins.iter());
         let unit_m = unit_m(scene);
         let place = |length: f64| (length / unit_m).round() as i64;
         let segment =
@@ -138,11 +146,17 @@ impl Sample {
             let share = if greatest_n_s > 0.0 && *r > 0.0 { (r / greatest_n_s).min(BEYOND) } else { 0.0 };
             (share * SHADES).round() as u32
         };
+        // Twice that points down.
+        let turn = |spin: &f64| {
+            let share = if greatest_rad_per_s > 0.0 { spin / greatest_rad_per_s } else { 0.0 };
+            (share.clamp(-2.0, 2.0) * SHADES).round() as i32
+        };
         let frame = |snapshot: &Snapshot| Frame {
             iteration: snapshot.iteration,
             natural_map: Some(snapshot.natural_map).filter(|value| value.is_finite()),
             impulses: snapshot.impulses_n_s.iter().map(shade).collect(),
             sliding: snapshot.sliding.clone(),
+            spins: snapshot.spins_rad_per_s.iter().map(turn).collect(),
         };
         let track = |Snapshots { label, ending, snapshots }| Track {
             label,
@@ -159,6 +173,7 @@ impl Sample {
             problem,
             unit_m,
             greatest_n_s,
+            greatest_rad_per_s,
             grains: scene
                 .grains
                 .iter()
