@@ -11,8 +11,11 @@ const NOTE: &str = "\nThe problems of the plane and those of space, without fric
                     Boundary: of the grains of all subdomains, copies counted each, the share that others hold too. Where several \
                     grids have as many subdomains, that with most axes counts. The sentences are of runs that converged.\n";
 
+/// What a column is of, and its value of a run.
+type Compared = (&'static str, fn(&RunRow) -> Option<f64>);
+
 /// What of a run is compared, by the begin of its columns.
-const COMPARED: [(&str, fn(&RunRow) -> Option<f64>); 5] = [
+const COMPARED: [Compared; 5] = [
     ("iterations", |run| Some(run.iterations as f64)),
     ("work", |run| run.end.work(run)),
     ("entries_per_grain", entries_per_grain),
@@ -132,7 +135,7 @@ fn table(pairs: &[Pair]) -> Part {
 
 /// For each method how many times more it takes in space, and what more subdomains cost it on either side; then factors and boundaries.
 fn found(pairs: &[Pair]) -> String {
-    let mut text = String::new();
+    let mut lines = Vec::new();
     let methods = unique(pairs.iter().map(|pair| pair.plane.method.as_str()));
     for (method, rough) in methods.iter().flat_map(|method| [(*method, false), (*method, true)]) {
         let is_rough = |pair: &&Pair| of_spectrum(pair.plane, "unknowns").is_some_and(|n| n > 1.0);
@@ -145,18 +148,24 @@ fn found(pairs: &[Pair]) -> String {
         let [iterations, work, entries] = [COMPARED[0].1, COMPARED[1].1, COMPARED[2].1].map(ratio);
         let Some(iterations) = iterations else {
             if !of.is_empty() {
-                text +=
-                    &format!("{method}: none of {} converged on both sides.\n", counted(of.len(), "pair"));
+                lines.push(format!(
+                    "{method}: none of {} converged on both sides.",
+                    counted(of.len(), "pair")
+                ));
             }
             continue;
         };
         let both = of.iter().filter(|pair| pair.have_converged()).count();
-        text += &format!("{method}: in space {} times the iterations of the plane", number(iterations, 2));
-        text += &work.map_or(String::new(), |work| format!(", {} times the work", number(work, 2)));
-        text += &entries.map_or(String::new(), |entries| {
-            format!(", {} times the entries of factors per grain", number(entries, 2))
-        });
-        text += &format!(" ({both} of {} converged on both sides; medians).\n", counted(of.len(), "pair"));
+        let work = work.map(|work| format!(", {} times the work", number(work, 2)));
+        let entries =
+            entries.map(|entries| format!(", {} times the entries of factors per grain", number(entries, 2)));
+        lines.push(format!(
+            "{method}: in space {} times the iterations of the plane{}{} ({both} of {} converged on both sides; medians).",
+            number(iterations, 2),
+            work.unwrap_or_default(),
+            entries.unwrap_or_default(),
+            counted(of.len(), "pair")
+        ));
         let most = of.iter().map(|pair| pair.plane.subdomains).max().unwrap_or(1);
         let growth = |side: Side| {
             let on = |subdomains: u32, problem: &str| {
@@ -177,11 +186,11 @@ fn found(pairs: &[Pair]) -> String {
         if let (true, Some(plane), Some(space)) =
             (most > 1, growth(|pair| pair.plane), growth(|pair| pair.space))
         {
-            text += &format!(
-                "{method} on {most} subdomains beside one: {} times the iterations in the plane, {} in space.\n",
+            lines.push(format!(
+                "{method} on {most} subdomains beside one: {} times the iterations in the plane, {} in space.",
                 number(plane, 3),
                 number(space, 3)
-            );
+            ));
         }
     }
     let most = pairs.iter().map(|pair| pair.plane.subdomains).max().unwrap_or(1);
@@ -190,13 +199,14 @@ fn found(pairs: &[Pair]) -> String {
         median(of.filter_map(|run| of_spectrum(run, "boundary_share")).collect())
     };
     if let (true, Some(plane), Some(space)) = (most > 1, share(|pair| pair.plane), share(|pair| pair.space)) {
-        text += &format!(
-            "On {most} subdomains {} % of their grains are on boundaries in the plane, {} % in space.\n",
+        lines.push(format!(
+            "On {most} subdomains {} % of their grains are on boundaries in the plane, {} % in space.",
             number(100.0 * plane, 2),
             number(100.0 * space, 2)
-        );
+        ));
     }
-    text
+    lines.push(String::new());
+    lines.join("\n")
 }
 
 #[cfg(test)]

@@ -41,6 +41,12 @@ struct End {
     next: Status,
 }
 
+/// The direction of a line: the change of s and that of v (√J), for dt = 1.
+struct Line {
+    ds: Vec<Vector2<f64>>,
+    dv: Vec<Vector2<f64>>,
+}
+
 /// What of the problem a path changes.
 pub(super) struct Change<'a> {
     /// ε (–).
@@ -77,18 +83,15 @@ impl Path {
             return None;
         }
         for line in 0..LINES {
-            let (along_s, along_v) = self.respond(change.epsilon, change.perturbation);
-            let forth = match crossed {
-                None => false,
-                Some((contact, before)) => self.enters(contact, before, &along_s, &along_v),
-            };
+            let along = self.respond(change.epsilon, change.perturbation);
+            let forth = crossed.is_some_and(|(contact, before)| self.enters(contact, before, &along));
             let sign = if forth { 1.0 } else { -1.0 };
             let v = self.velocity(change, t);
-            let end = self.end(crossed, sign, (&v, &along_s, &along_v));
+            let end = self.end(crossed, &v, sign, &along);
             let arrives = !forth && end.is_none_or(|end| end.at >= t);
             let far = if arrives { t } else { end?.at };
-            for (s, along) in self.s.iter_mut().zip(&along_s) {
-                *s += sign * far * along;
+            for (s, ds) in self.s.iter_mut().zip(&along.ds) {
+                *s += sign * far * ds;
             }
             t = if arrives { 0.0 } else { t + sign * far };
             self.correct(change, t);
@@ -119,7 +122,7 @@ impl Path {
     }
 
     /// The change of s, and of v, that answers velocities `added` (√J): such that nothing moves that is held.
-    fn respond(&mut self, epsilon: f64, added: &[Vector2<f64>]) -> (Vec<Vector2<f64>>, Vec<Vector2<f64>>) {
+    fn respond(&self, epsilon: f64, added: &[Vector2<f64>]) -> Line {
         let mut ds = vec![Vector2::zeros(); added.len()];
         let mut dv = added.to_vec();
         for _ in 0..2 {
@@ -128,7 +131,7 @@ impl Path {
             let of = self.layout.columns.iter().zip(&ds).zip(added);
             dv = of.map(|((column, ds), added)| column.relative(&y) + epsilon * ds + added).collect();
         }
-        (ds, dv)
+        Line { ds, dv }
     }
 
     /// Takes back what moves of that which is held, at t.
@@ -158,8 +161,9 @@ impl Path {
     }
 
     /// Whether a contact comes into the status that it now has, from the one before, as t grows.
-    fn enters(&self, contact: usize, before: Status, ds: &[Vector2<f64>], dv: &[Vector2<f64>]) -> bool {
-        let (ds, dv, friction) = (ds[contact], dv[contact], self.layout.columns[contact].friction());
+    fn enters(&self, contact: usize, before: Status, along: &Line) -> bool {
+        let (ds, dv) = (along.ds[contact], along.dv[contact]);
+        let friction = self.layout.columns[contact].friction();
         let inwards = match (before, self.status[contact]) {
             (Status::Slide(_), Status::Open) => dv.x,
             (Status::Slide(sign), _) => friction * ds.x - sign * ds.y,
@@ -169,16 +173,18 @@ impl Path {
         inwards > 0.0
     }
 
-    /// Where the line along `sign` (ds, dv) ends, if it does. It does not end where it began.
+    /// Where the line from s and `v` ends, if it does, as t grows or falls with its `sign`. It does not end where it began.
     fn end(
         &self,
         crossed: Option<(usize, Status)>,
+        v: &[Vector2<f64>],
         sign: f64,
-        (v, ds, dv): (&[Vector2<f64>], &[Vector2<f64>], &[Vector2<f64>]),
+        along: &Line,
     ) -> Option<End> {
         let mut first: Option<End> = None;
         for (contact, status) in self.status.iter().enumerate() {
-            let (s, v, ds, dv) = (self.s[contact], v[contact], sign * ds[contact], sign * dv[contact]);
+            let (s, v) = (self.s[contact], v[contact]);
+            let (ds, dv) = (sign * along.ds[contact], sign * along.dv[contact]);
             let friction = self.layout.columns[contact].friction();
             let mut meet = |room: f64, closing: f64, next: Status| {
                 let at = room.max(0.0) / closing;
