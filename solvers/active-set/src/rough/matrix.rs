@@ -16,6 +16,9 @@ pub(super) struct Matrix {
     values: Vec<f64>,
     factor: Option<Lu<usize, f64>>,
     changes: Changes,
+    /// What it is the matrix of: the statuses, and κ (–).
+    status: Vec<Status>,
+    kappa: f64,
 }
 
 /// What changed since the factor was made: K is the factor's matrix and κ Σ push pullᵗ of these.
@@ -49,12 +52,21 @@ impl Matrix {
             .map_err(|error| failed(&error))?;
         let symbolic = SymbolicLu::try_new(pattern.as_ref()).map_err(|error| failed(&error))?;
         let values = vec![0.0; count];
-        Ok(Self { pattern, places, symbolic, values, factor: None, changes: Changes::default() })
+        Ok(Self {
+            pattern,
+            places,
+            symbolic,
+            values,
+            factor: None,
+            changes: Changes::default(),
+            status: Vec::new(),
+            kappa: 0.0,
+        })
     }
 
-    /// Whether there is a factor.
-    pub(super) fn is_factorised(&self) -> bool {
-        self.factor.is_some()
+    /// Whether it solves with the matrix of these statuses and κ (–).
+    pub(super) fn is_of(&self, status: &[Status], kappa: f64) -> bool {
+        self.factor.is_some() && self.kappa == kappa && self.status == status
     }
 
     /// Changes since the factor was made.
@@ -85,20 +97,18 @@ impl Matrix {
             .ok()
             .and_then(|matrix| Lu::try_new_with_symbolic(self.symbolic.clone(), matrix.as_ref()).ok());
         self.factor = factor;
+        self.kappa = kappa;
+        self.status.clear();
+        self.status.extend_from_slice(status);
         self.factor.is_some()
     }
 
-    /// Adds κ push pullᵗ of a contact, given by their parts along its normal and its tangent; says whether K then has an inverse.
-    pub(super) fn add(
-        &mut self,
-        columns: &[RoughColumn],
-        contact: usize,
-        parts: [Vector2<f64>; 2],
-        kappa: f64,
-    ) -> bool {
-        let [push, pull] = parts;
+    /// Gives a contact another status; says whether K then has an inverse.
+    pub(super) fn change(&mut self, columns: &[RoughColumn], contact: usize, now: Status) -> bool {
+        let before = std::mem::replace(&mut self.status[contact], now);
+        let Some([push, pull]) = parts(before, now, columns[contact].friction()) else { return false };
         let mut solved = vec![Vector3::zeros(); self.pattern.ncols() / 3];
-        columns[contact].push(kappa * push, &mut solved);
+        columns[contact].push(self.kappa * push, &mut solved);
         self.solve_with_factor(&mut solved);
         let Changes { of, solved: all, small } = &mut self.changes;
         of.push((contact, push, pull));
@@ -134,6 +144,20 @@ impl Matrix {
         x.iter_mut()
             .enumerate()
             .for_each(|(k, x)| *x = Vector3::new(all[3 * k], all[3 * k + 1], all[3 * k + 2]));
+    }
+}
+
+/// push and pull of the product that K gains with a change of status, by their parts along normal and tangent: none where it has no
+/// such form.
+fn parts(before: Status, now: Status, friction: f64) -> Option<[Vector2<f64>; 2]> {
+    let edge = |sign: f64| Vector2::new(1.0, sign * friction);
+    let slipping = |sign: f64| Vector2::new(sign * friction, -1.0);
+    match (before, now) {
+        (Status::Stick, Status::Slide(sign)) => Some([Vector2::y(), slipping(sign)]),
+        (Status::Slide(sign), Status::Stick) => Some([Vector2::y(), -slipping(sign)]),
+        (Status::Open, Status::Slide(sign)) => Some([edge(sign), Vector2::x()]),
+        (Status::Slide(sign), Status::Open) => Some([edge(sign), -Vector2::x()]),
+        _ => None,
     }
 }
 

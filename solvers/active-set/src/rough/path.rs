@@ -24,6 +24,16 @@ const AWAY: f64 = 3.0;
 /// Changes of status after which the matrix is factorised anew.
 const CHANGES: usize = 30;
 
+/// Solves of one system, at most: each makes good what round-off left of the one before.
+const SOLVES: u32 = 5;
+
+/// The share of what a solve had before it that is left after it, at most, or no other follows (–).
+const WORTH_ANOTHER: f64 = 0.1;
+
+/// What may move of that which is held: along a line over the change of the impulses, and at its end over the impulses (–).
+const SMALL: f64 = 1e-12;
+const ROUND_OFF: f64 = 1e-15;
+
 /// A solution of the law, and the path's place on it.
 pub(super) struct Path {
     pub(super) layout: Layout,
@@ -78,8 +88,7 @@ impl Path {
     pub(super) fn follow(&mut self, change: &Change) -> Option<u32> {
         let start = self.status.clone();
         let (mut t, mut crossed, mut away_from_start) = (1.0, None::<(usize, Status)>, 0_usize);
-        self.work.factorisations += 1;
-        if !self.matrix.factorise(&self.layout.columns, &self.status, 1.0 / change.epsilon) {
+        if !self.matrix.is_of(&self.status, 1.0 / change.epsilon) && !self.factorise(change.epsilon) {
             return None;
         }
         for line in 0..LINES {
@@ -105,7 +114,7 @@ impl Path {
             if next == Status::Open {
                 self.s[contact] = Vector2::zeros();
             }
-            if away_from_start == 0 || t > AWAY || !self.update(contact, before, change.epsilon) {
+            if away_from_start == 0 || t > AWAY || !self.update(contact, change.epsilon) {
                 return None;
             }
             crossed = Some((contact, before));
@@ -125,21 +134,38 @@ impl Path {
     fn respond(&self, epsilon: f64, added: &[Vector2<f64>]) -> Line {
         let mut ds = vec![Vector2::zeros(); added.len()];
         let mut dv = added.to_vec();
-        for _ in 0..2 {
+        let mut moves = f64::INFINITY;
+        for _ in 0..SOLVES {
             self.solve(epsilon, &dv, &mut ds);
             let y = self.layout.pushed(&ds);
             let of = self.layout.columns.iter().zip(&ds).zip(added);
             dv = of.map(|((column, ds), added)| column.relative(&y) + epsilon * ds + added).collect();
+            let before = std::mem::replace(&mut moves, self.moving(&dv));
+            if moves <= SMALL * (norm(&ds) + norm(added)) || moves > WORTH_ANOTHER * before {
+                break;
+            }
         }
         Line { ds, dv }
     }
 
-    /// Takes back what moves of that which is held, at t.
+    /// Takes back what moves of that which is held, at t: round-off of the line that led there.
     fn correct(&mut self, change: &Change, t: f64) {
-        let v = self.velocity(change, t);
-        let mut s = std::mem::take(&mut self.s);
-        self.solve(change.epsilon, &v, &mut s);
-        self.s = s;
+        let mut moves = f64::INFINITY;
+        for _ in 0..SOLVES {
+            let v = self.velocity(change, t);
+            let before = std::mem::replace(&mut moves, self.moving(&v));
+            if moves <= ROUND_OFF * (norm(&self.s) + self.layout.terms_of_b()) || moves > WORTH_ANOTHER * before {
+                break;
+            }
+            let mut s = std::mem::take(&mut self.s);
+            self.solve(change.epsilon, &v, &mut s);
+            self.s = s;
+        }
+    }
+
+    /// What moves of that which is held (√J).
+    fn moving(&self, v: &[Vector2<f64>]) -> f64 {
+        norm(&v.iter().zip(&self.status).map(|(v, status)| held(*status, *v)).collect::<Vec<_>>())
     }
 
     /// Adds to s what stops the velocities v of the contacts that are held.
@@ -216,17 +242,19 @@ impl Path {
         first
     }
 
-    /// The matrix after a contact changed its status; says whether it has an inverse.
-    fn update(&mut self, contact: usize, before: Status, epsilon: f64) -> bool {
-        let columns = &self.layout.columns;
-        let Some(parts) = parts(before, self.status[contact], columns[contact].friction()) else {
-            return false;
-        };
-        if self.matrix.changes() >= CHANGES {
-            self.work.factorisations += 1;
-            return self.matrix.factorise(columns, &self.status, 1.0 / epsilon);
+    /// The matrix of the statuses that there are; says whether it has an inverse.
+    fn factorise(&mut self, epsilon: f64) -> bool {
+        self.work.factorisations += 1;
+        self.matrix.factorise(&self.layout.columns, &self.status, 1.0 / epsilon)
+    }
+
+    /// The same after a contact changed its status.
+    fn update(&mut self, contact: usize, epsilon: f64) -> bool {
+        if self.matrix.changes() < CHANGES {
+            self.matrix.change(&self.layout.columns, contact, self.status[contact])
+        } else {
+            self.factorise(epsilon)
         }
-        self.matrix.add(columns, contact, parts, 1.0 / epsilon)
     }
 
     /// Takes s as it is, with the statuses of s − v: returns the velocities for which the law holds with the nearest impulses that it
@@ -293,19 +321,5 @@ impl Path {
             }
         }
         least.max(0.0)
-    }
-}
-
-/// push and pull of the product that K gains with a change of status, by their parts along normal and tangent: none where it has no
-/// such form.
-fn parts(before: Status, now: Status, friction: f64) -> Option<[Vector2<f64>; 2]> {
-    let edge = |sign: f64| Vector2::new(1.0, sign * friction);
-    let slipping = |sign: f64| Vector2::new(sign * friction, -1.0);
-    match (before, now) {
-        (Status::Stick, Status::Slide(sign)) => Some([Vector2::y(), slipping(sign)]),
-        (Status::Slide(sign), Status::Stick) => Some([Vector2::y(), -slipping(sign)]),
-        (Status::Open, Status::Slide(sign)) => Some([edge(sign), Vector2::x()]),
-        (Status::Slide(sign), Status::Open) => Some([edge(sign), -Vector2::x()]),
-        _ => None,
     }
 }

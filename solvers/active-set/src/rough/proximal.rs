@@ -12,7 +12,7 @@ use nalgebra::Vector2;
 
 /// ε of the first path, the least and the greatest (–).
 const FIRST: f64 = 1e-3;
-const LEAST: f64 = 2e-8;
+const LEAST: f64 = 1e-12;
 const GREATEST: f64 = 0.1;
 
 /// By how much ε falls and grows (–).

@@ -79,7 +79,7 @@ impl Statuses {
         let now = self.layout.statuses(&self.s, &self.v);
         let changed = now.iter().zip(&self.status).filter(|(now, before)| now != before).count();
         self.status = now;
-        if changed > 0 || !self.matrix.is_factorised() {
+        if !self.matrix.is_of(&self.status, PENALTY) {
             self.work.factorisations += 1;
             if !self.matrix.factorise(&self.layout.columns, &self.status, PENALTY) {
                 return None;
