@@ -42,7 +42,8 @@ impl Front<'_> {
                 return false;
             }
             let (done, ahead) = panel.split_at_mut(to * rows);
-            let done = Done { columns: &done[from * rows..], rows, depth: to - from };
+            let columns = Entries { of: &done[from * rows..], rows };
+            let done = Product { left: columns, right: columns, depth: to - from, whole: false };
             done.subtract(ahead, 0, to);
             done.subtract(rest, own, own);
             from = to;
@@ -94,85 +95,97 @@ fn columns(panel: &mut [f64], from: usize, to: usize, rows: usize) -> bool {
     true
 }
 
-/// Columns of L of all `rows`, `depth` of them.
+/// Columns with so many `rows` each.
 #[derive(Clone, Copy)]
-struct Done<'m> {
-    columns: &'m [f64],
-    rows: usize,
-    depth: usize,
+pub(crate) struct Entries<'m> {
+    pub(crate) of: &'m [f64],
+    pub(crate) rows: usize,
 }
 
-impl Done<'_> {
-    /// Takes L Lᵗ from a `matrix` whose first row is the front's row `top` and whose first column is `first`.
-    fn subtract(self, matrix: &mut [f64], top: usize, first: usize) {
-        let stride = self.rows - top;
+/// The product A Bᵗ of A and B with `depth` columns.
+#[derive(Clone, Copy)]
+pub(crate) struct Product<'m> {
+    pub(crate) left: Entries<'m>,
+    pub(crate) right: Entries<'m>,
+    pub(crate) depth: usize,
+    /// Not its lower triangle alone.
+    pub(crate) whole: bool,
+}
+
+impl Product<'_> {
+    /// Takes it from a `matrix` whose first row is its row `top` and whose first column is its column `first`.
+    pub(crate) fn subtract(self, matrix: &mut [f64], top: usize, first: usize) {
+        let stride = self.left.rows - top;
         if matrix.len() * self.depth < WORTH_THREADS {
-            Arch::new().dispatch(Product { done: self, matrix, top, first });
+            Arch::new().dispatch(Difference { product: self, matrix, top, first });
         } else {
             matrix.par_chunks_mut(TOGETHER * stride).enumerate().for_each(|(k, matrix)| {
-                Arch::new().dispatch(Product { done: self, matrix, top, first: first + k * TOGETHER });
+                let first = first + k * TOGETHER;
+                Arch::new().dispatch(Difference { product: self, matrix, top, first });
             });
         }
     }
 }
 
-/// See [`Done::subtract`].
-struct Product<'m> {
-    done: Done<'m>,
+/// See [`Product::subtract`].
+struct Difference<'m> {
+    product: Product<'m>,
     matrix: &'m mut [f64],
     top: usize,
     first: usize,
 }
 
-impl WithSimd for Product<'_> {
+impl WithSimd for Difference<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { done, matrix, top, first } = self;
-        let stride = done.rows - top;
+        let Self { product, matrix, top, first } = self;
+        let stride = product.left.rows - top;
         let (mut j, end) = (first, first + matrix.len().checked_div(stride).unwrap_or(0));
         while j < end {
-            let target = &mut matrix[(j - first) * stride + j - top..];
+            let from = if product.whole { top } else { j };
+            let target = &mut matrix[(j - first) * stride + from - top..];
             if j + 4 <= end {
-                done.strip::<4>(target, stride, j);
+                product.strip::<4>(target, stride, from, j);
                 j += 4;
             } else if j + 2 <= end {
-                done.strip::<2>(target, stride, j);
+                product.strip::<2>(target, stride, from, j);
                 j += 2;
             } else {
-                done.strip::<1>(target, stride, j);
+                product.strip::<1>(target, stride, from, j);
                 j += 1;
             }
         }
     }
 }
 
-impl Done<'_> {
-    /// C columns from `j` on, and all rows from `j` on.
+impl Product<'_> {
+    /// C columns from `j` on, and all rows from `from` on.
     #[inline(always)]
-    fn strip<const C: usize>(&self, target: &mut [f64], stride: usize, j: usize) {
-        let mut i = j;
-        while i + 8 <= self.rows {
-            self.tile::<8, C>(&mut target[i - j..], stride, i, j);
+    fn strip<const C: usize>(&self, target: &mut [f64], stride: usize, from: usize, j: usize) {
+        let mut i = from;
+        while i + 8 <= self.left.rows {
+            self.tile::<8, C>(&mut target[i - from..], stride, i, j);
             i += 8;
         }
-        while i + 2 <= self.rows {
-            self.tile::<2, C>(&mut target[i - j..], stride, i, j);
+        while i + 2 <= self.left.rows {
+            self.tile::<2, C>(&mut target[i - from..], stride, i, j);
             i += 2;
         }
-        if i < self.rows {
-            self.tile::<1, C>(&mut target[i - j..], stride, i, j);
+        if i < self.left.rows {
+            self.tile::<1, C>(&mut target[i - from..], stride, i, j);
         }
     }
 
     /// R×C entries from row `i` and column `j` on.
     #[inline(always)]
     fn tile<const R: usize, const C: usize>(&self, target: &mut [f64], stride: usize, i: usize, j: usize) {
+        let Self { left, right, .. } = self;
         let mut sums = [[0.0; R]; C];
         for k in 0..self.depth {
-            let column = &self.columns[k * self.rows..(k + 1) * self.rows];
-            let (a, b) = (&column[i..i + R], &column[j..j + C]);
+            let a = &left.of[k * left.rows + i..k * left.rows + i + R];
+            let b = &right.of[k * right.rows + j..k * right.rows + j + C];
             for (sums, b) in sums.iter_mut().zip(b) {
                 for (sum, a) in sums.iter_mut().zip(a) {
                     *sum += a * b;

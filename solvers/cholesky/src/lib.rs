@@ -1,5 +1,5 @@
-//! Sparse Cholesky factors L Lᵗ of matrices that couple grains, D rows for the D unknowns of a grain: its two
-//! translations, and its spin where it has one.
+//! Sparse factors of matrices that couple grains, D rows for the D unknowns of a grain: its two translations, and its spin where it
+//! has one. Those of Cholesky, L Lᵗ, and L U where grains act on each other otherwise than the others on them, as where they slide.
 //!
 //! A multifrontal factorisation (J. W. H. Liu, The multifrontal method for sparse matrix solution: theory and practice, SIAM
 //! Review 34 (1992) 82-109) in D×D blocks: the graph of the grains is analysed once, matrices of its structure are then factorised
@@ -7,12 +7,14 @@
 
 mod factor;
 mod front;
+mod lu;
 mod order;
 mod solve;
 mod structure;
 mod supernodes;
 
 pub use factor::{Coupling, Factor};
+pub use lu::{Lu, OneWay};
 pub use order::Order;
 pub use structure::Structure;
 

@@ -214,3 +214,60 @@ fn matrix_that_is_not_positive_definite_has_no_factor() {
         assert_eq!(failed.unwrap().to_string(), "it is not positive definite in double precision");
     }
 }
+
+/// push pullᵗ of vectors that turn from coupling to coupling.
+fn one_way<const D: usize>(k: usize, seed: f64) -> Option<OneWay<D>> {
+    let Coupling { first, second, between } = coupling::<D>(k, seed)?;
+    let turned = coupling::<D>(k, 1.7 * seed).map_or(between, |turned| turned.between);
+    Some(OneWay { first: first - 0.5 * turned, second, between: turned, back: -between.transpose() })
+}
+
+fn assert_solves_what_is_not_symmetric<const D: usize>() {
+    for (columns, rows) in [(1, 1), (2, 1), (9, 1), (5, 4), (13, 11), (40, 35)] {
+        let (position, ends) = grid(columns, rows);
+        let grains = position.len();
+        let mut dense =
+            DMatrix::from_diagonal(&DVector::from_fn(D * grains, |k, _| masses::<D>(k / D)[k % D]));
+        for (k, (i, j)) in ends.iter().enumerate() {
+            let Some(coupling) = one_way::<D>(k, 0.7) else { continue };
+            let mut add = |row: u32, column: u32, block: &SMatrix<f64, D, D>| {
+                let mut view = dense.fixed_view_mut::<D, D>(D * row as usize, D * column as usize);
+                view += block;
+            };
+            add(*i, *i, &coupling.first);
+            if let Some(j) = *j {
+                add(j, j, &coupling.second);
+                add(*i, j, &coupling.between);
+                add(j, *i, &coupling.back);
+            }
+        }
+        let b = DVector::from_fn(D * grains, |k, _| (1.3 * k as f64).cos());
+        for order in both_orders(&position, &ends) {
+            let structure = Arc::new(Structure::<D>::new(&ends, &order));
+            let mut at = vec![0; grains];
+            (0..grains).for_each(|grain| at[structure.position()[grain] as usize] = grain);
+            let mut lu = Lu::new(Arc::clone(&structure));
+            lu.renew(|place| masses(at[place]), |k| one_way(k, 0.7)).unwrap();
+            let mut x: Vec<_> = at.iter().map(|grain| b.fixed_rows::<D>(D * grain).into_owned()).collect();
+            lu.solve(&mut x);
+            let x = DVector::from_fn(D * grains, |k, _| x[structure.position()[k / D] as usize][k % D]);
+            let left = (&dense * &x - &b).norm() / (dense.norm() * x.norm());
+            assert!(left < 1e-13, "{columns}×{rows}: {left}");
+        }
+    }
+}
+
+#[test]
+fn factors_l_and_u_solve_what_is_not_symmetric() {
+    assert_solves_what_is_not_symmetric::<2>();
+    assert_solves_what_is_not_symmetric::<3>();
+}
+
+#[test]
+fn what_has_no_pivot_has_no_factors() {
+    let structure =
+        Arc::new(Structure::<2>::new(&[(0, None)], &Order::minimum_degree(1, &[(0, None)]).unwrap()));
+    let mut lu = Lu::new(structure);
+    assert!(lu.renew(|_| SVector::zeros(), |_| None).is_err());
+    assert!(lu.renew(|_| SVector::repeat(1.0), |_| None).is_ok());
+}

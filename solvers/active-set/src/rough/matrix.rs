@@ -1,20 +1,17 @@
-//! K = 1 + κ Σ push pullᵗ of the contacts that are held, in 3×3 blocks of grains: it has a factor, and after single contacts changed
-//! their status solves with the factor that it had and what changed.
+//! K = 1 + κ Σ push pullᵗ of the contacts that are held, in 3×3 blocks of grains: it has factors, and after single contacts changed
+//! their status solves with the factors that it had and what changed.
 
 use super::layout::Status;
+use cholesky::{Lu, OneWay, Order, Structure};
 use contact::{Column, RoughColumn, SetupError};
-use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
-use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
-use nalgebra::{DMatrix, DVector, Dyn, LU, Matrix3, Vector2, Vector3};
+use nalgebra::{DMatrix, DVector, Dyn, LU, Vector2, Vector3};
+use std::sync::Arc;
 
-/// K, of which the pattern never changes.
+/// K, of which the structure never changes.
 pub(super) struct Matrix {
-    pattern: SymbolicSparseColMat<usize>,
-    places: Argsort<usize>,
-    symbolic: SymbolicLu<usize>,
-    values: Vec<f64>,
-    factor: Option<Lu<usize, f64>>,
+    structure: Arc<Structure<3>>,
+    factors: Lu<3>,
+    is_factorised: bool,
     changes: Changes,
     /// What it is the matrix of: the statuses, and κ (–).
     status: Vec<Status>,
@@ -38,26 +35,15 @@ impl Matrix {
     /// # Errors
     /// Where it is too large for that.
     pub(super) fn new(columns: &[RoughColumn], grains: usize) -> Result<Self, SetupError> {
-        let failed =
-            |error: &dyn std::fmt::Debug| SetupError::new("problem", format!("{error:?}"), "smaller");
-        let mut places: Vec<Pair<usize, usize>> = (0..3 * grains).map(|k| Pair { row: k, col: k }).collect();
-        for column in columns {
-            for [row, col] in blocks(column) {
-                let of_block = (0..3).flat_map(|c| (0..3).map(move |r| (r, c)));
-                places.extend(of_block.map(|(r, c)| Pair { row: 3 * row + r, col: 3 * col + c }));
-            }
-        }
-        let count = places.len();
-        let (pattern, places) = SymbolicSparseColMat::try_new_from_indices(3 * grains, 3 * grains, &places)
-            .map_err(|error| failed(&error))?;
-        let symbolic = SymbolicLu::try_new(pattern.as_ref()).map_err(|error| failed(&error))?;
-        let values = vec![0.0; count];
+        let ends: Vec<_> =
+            columns.iter().map(RoughColumn::places).map(|[i, j]| (i, (j != i).then_some(j))).collect();
+        let order = Order::minimum_degree(grains, &ends)
+            .map_err(|error| SetupError::new("problem", error, "smaller"))?;
+        let structure = Arc::new(Structure::new(&ends, &order));
         Ok(Self {
-            pattern,
-            places,
-            symbolic,
-            values,
-            factor: None,
+            factors: Lu::new(Arc::clone(&structure)),
+            structure,
+            is_factorised: false,
             changes: Changes::default(),
             status: Vec::new(),
             kappa: 0.0,
@@ -66,7 +52,7 @@ impl Matrix {
 
     /// Whether it solves with the matrix of these statuses and κ (–).
     pub(super) fn is_of(&self, status: &[Status], kappa: f64) -> bool {
-        self.factor.is_some() && self.kappa == kappa && self.status == status
+        self.is_factorised && self.kappa == kappa && self.status == status
     }
 
     /// Changes since the factor was made.
@@ -77,37 +63,29 @@ impl Matrix {
     /// Whether the matrix of these statuses with the weight κ (–) has a factor.
     pub(super) fn factorise(&mut self, columns: &[RoughColumn], status: &[Status], kappa: f64) -> bool {
         self.changes = Changes::default();
-        self.values.clear();
-        self.values.resize(self.pattern.ncols(), 1.0);
-        for (column, status) in columns.iter().zip(status) {
-            let ends = column.at_ends();
-            let outer = |push: &Vector3<f64>, pull: &Vector3<f64>| kappa * push * pull.transpose();
-            for [row, col] in sides(column) {
-                let ([n, t], [n_pull, t_pull]) = (ends[row], ends[col]);
-                let block = match status {
-                    Status::Open => Matrix3::zeros(),
-                    Status::Stick => outer(&n, &n_pull) + outer(&t, &t_pull),
-                    Status::Slide(sign) => outer(&(n + sign * column.friction() * t), &n_pull),
-                };
-                self.values.extend_from_slice(block.as_slice());
-            }
-        }
-        let matrix = SparseColMat::new_from_argsort(self.pattern.clone(), &self.places, &self.values);
-        let factor = matrix
-            .ok()
-            .and_then(|matrix| Lu::try_new_with_symbolic(self.symbolic.clone(), matrix.as_ref()).ok());
-        self.factor = factor;
         self.kappa = kappa;
         self.status.clear();
         self.status.extend_from_slice(status);
-        self.factor.is_some()
+        let coupling = |contact: usize| {
+            let column: &RoughColumn = &columns[contact];
+            let [first, second] = column.at_ends();
+            let of = |along: Vector2<f64>| [first, second].map(|[n, t]| along.x * n + along.y * t);
+            let dyad = |push, pull| OneWay::dyad(of(kappa * push), of(pull));
+            match status[contact] {
+                Status::Open => None,
+                Status::Stick => Some(dyad(Vector2::x(), Vector2::x()) + dyad(Vector2::y(), Vector2::y())),
+                Status::Slide(sign) => Some(dyad(Vector2::new(1.0, sign * column.friction()), Vector2::x())),
+            }
+        };
+        self.is_factorised = self.factors.renew(|_| Vector3::repeat(1.0), coupling).is_ok();
+        self.is_factorised
     }
 
     /// Gives a contact another status; says whether K then has an inverse.
     pub(super) fn change(&mut self, columns: &[RoughColumn], contact: usize, now: Status) -> bool {
         let before = std::mem::replace(&mut self.status[contact], now);
         let Some([push, pull]) = parts(before, now, columns[contact].friction()) else { return false };
-        let mut solved = vec![Vector3::zeros(); self.pattern.ncols() / 3];
+        let mut solved = vec![Vector3::zeros(); self.structure.position().len()];
         columns[contact].push(self.kappa * push, &mut solved);
         self.solve_with_factor(&mut solved);
         let Changes { of, solved: all, small } = &mut self.changes;
@@ -138,12 +116,11 @@ impl Matrix {
     }
 
     fn solve_with_factor(&self, x: &mut [Vector3<f64>]) {
-        let Some(factor) = &self.factor else { return };
-        let mut all = faer::Col::from_fn(3 * x.len(), |k| x[k / 3][k % 3]);
-        factor.solve_in_place(all.as_mut());
-        x.iter_mut()
-            .enumerate()
-            .for_each(|(k, x)| *x = Vector3::new(all[3 * k], all[3 * k + 1], all[3 * k + 2]));
+        let mut placed = vec![Vector3::zeros(); x.len()];
+        let position = self.structure.position();
+        position.iter().zip(&*x).for_each(|(place, x)| placed[*place as usize] = *x);
+        self.factors.solve(&mut placed);
+        x.iter_mut().zip(position).for_each(|(x, place)| *x = placed[*place as usize]);
     }
 }
 
@@ -159,17 +136,4 @@ fn parts(before: Status, now: Status, friction: f64) -> Option<[Vector2<f64>; 2]
         (Status::Slide(sign), Status::Open) => Some([edge(sign), -Vector2::x()]),
         _ => None,
     }
-}
-
-/// The blocks of a contact, by the side that is pushed and the side that pulls: one at a wall.
-fn sides(column: &RoughColumn) -> impl Iterator<Item = [usize; 2]> {
-    let [i, j] = column.places();
-    let count = if i == j { 1 } else { 2 };
-    (0..count).flat_map(move |row| (0..count).map(move |col| [row, col]))
-}
-
-/// The same by grains.
-fn blocks(column: &RoughColumn) -> impl Iterator<Item = [usize; 2]> {
-    let places = column.places();
-    sides(column).map(move |[row, col]| [places[row] as usize, places[col] as usize])
 }

@@ -154,7 +154,9 @@ impl Path {
         for _ in 0..SOLVES {
             let v = self.velocity(change, t);
             let before = std::mem::replace(&mut moves, self.moving(&v));
-            if moves <= ROUND_OFF * (norm(&self.s) + self.layout.terms_of_b()) || moves > WORTH_ANOTHER * before {
+            if moves <= ROUND_OFF * (norm(&self.s) + self.layout.terms_of_b())
+                || moves > WORTH_ANOTHER * before
+            {
                 break;
             }
             let mut s = std::mem::take(&mut self.s);

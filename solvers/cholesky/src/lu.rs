@@ -1,0 +1,328 @@
+//! Factors L U of matrices with entries in symmetric places, which are not symmetric: front by front as those of Cholesky. A pivot is
+//! the greatest entry of its column in the own rows of its front.
+
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined where the processor's instructions are chosen does not get them"
+)]
+
+use crate::Singular;
+use crate::front::{Entries, Product};
+use crate::structure::{Structure, Supernode};
+use nalgebra::{SMatrix, SVector};
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Add;
+use std::sync::Arc;
+
+/// What a coupling of two grains, with D unknowns each, adds to the matrix where one acts on the other otherwise than that on it.
+#[derive(Clone, Copy, Debug)]
+pub struct OneWay<const D: usize> {
+    /// In the rows and columns of its first grain.
+    pub first: SMatrix<f64, D, D>,
+    /// In those of its second, if there is one.
+    pub second: SMatrix<f64, D, D>,
+    /// In the rows of the first and the columns of the second, if there is one.
+    pub between: SMatrix<f64, D, D>,
+    /// In the rows of the second and the columns of the first, if there is one.
+    pub back: SMatrix<f64, D, D>,
+}
+
+impl<const D: usize> OneWay<D> {
+    /// push pullᵗ, of vectors given at the first grain and at the second.
+    #[inline]
+    pub fn dyad(push: [SVector<f64, D>; 2], pull: [SVector<f64, D>; 2]) -> Self {
+        let block = |row: usize, column: usize| push[row] * pull[column].transpose();
+        Self { first: block(0, 0), second: block(1, 1), between: block(0, 1), back: block(1, 0) }
+    }
+}
+
+/// What both add.
+impl<const D: usize> Add for OneWay<D> {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            first: self.first + other.first,
+            second: self.second + other.second,
+            between: self.between + other.between,
+            back: self.back + other.back,
+        }
+    }
+}
+
+/// The factors of P K Pᵗ, with K = diag(masses) + what the couplings add.
+pub struct Lu<const D: usize> {
+    structure: Arc<Structure<D>>,
+    /// Of each supernode, its columns: of U in its own rows, with the inverses of the diagonal entries, and of L below, whose diagonal
+    /// is 1.
+    lower: Vec<f64>,
+    /// Of each supernode, from the same place on, its rows of U to the right of its own columns, one after the other.
+    upper: Vec<f64>,
+    /// The own row of its front, counted from itself, that took the place of each unknown's.
+    exchanged: Vec<u32>,
+}
+
+impl<const D: usize> Lu<D> {
+    /// Memory for the factors of matrices of this structure; it has none yet.
+    pub fn new(structure: Arc<Structure<D>>) -> Self {
+        let (entries, unknowns) = (structure.stored(), D * structure.position().len());
+        Self { structure, lower: vec![0.0; entries], upper: vec![0.0; entries], exchanged: vec![0; unknowns] }
+    }
+
+    /// Factorises K, with the masses of the grain at each place, one per unknown, and what each `coupling` adds, if it does.
+    ///
+    /// # Errors
+    /// Where a front has no pivot in its own rows: this is then no factor of any.
+    pub fn renew(
+        &mut self,
+        mass: impl Fn(usize) -> SVector<f64, D>,
+        coupling: impl Fn(usize) -> Option<OneWay<D>>,
+    ) -> Result<(), Singular> {
+        let structure = Arc::clone(&self.structure);
+        let mut waiting: Vec<(usize, Vec<f64>)> = Vec::new();
+        for (k, node) in structure.supernodes.iter().enumerate() {
+            let (own, below) = unknowns::<D>(node);
+            let mut rest = vec![0.0; below * below];
+            let (lower, upper) =
+                (node.start..node.start + (own + below) * own, node.start..node.start + own * below);
+            let front = Front {
+                lower: &mut self.lower[lower],
+                upper: &mut self.upper[upper],
+                rest: &mut rest,
+                exchanged: &mut self.exchanged[D * node.own.start as usize..][..own],
+                own,
+                below,
+            };
+            let children = waiting.split_off(waiting.len() - node.children as usize);
+            let eliminated = Arch::new().dispatch(|| {
+                let mut front = front;
+                front.clear();
+                for (place, at) in node.own.clone().zip(0..) {
+                    front.add::<D>(at, at, &SMatrix::from_diagonal(&mass(place as usize)));
+                }
+                for join in &structure.joins[node.joins.clone()] {
+                    let [i, j] = join.ends;
+                    if let Some(coupling) = coupling(join.coupling as usize) {
+                        front.add(i, i, &coupling.first);
+                        if i != j {
+                            front.add(j, j, &coupling.second);
+                            front.add(i, j, &coupling.between);
+                            front.add(j, i, &coupling.back);
+                        }
+                    }
+                }
+                for (child, left) in &children {
+                    let rows = &structure.in_parent[structure.supernodes[*child].rows.clone()];
+                    front.extend_add::<D>(left, rows);
+                }
+                front.eliminate()
+            });
+            if !eliminated {
+                return Err(Singular("a front has no pivot".to_owned()));
+            }
+            if below > 0 {
+                waiting.push((k, rest));
+            }
+        }
+        Ok(())
+    }
+
+    /// x ← (P K Pᵗ)⁻¹ x, for one x per place.
+    pub fn solve(&self, x: &mut [SVector<f64, D>]) {
+        let mut all: Vec<f64> = x.iter().flat_map(|x| x.iter().copied()).collect();
+        Arch::new().dispatch(Solve { lu: self, x: &mut all });
+        x.iter_mut().zip(all.as_chunks::<D>().0).for_each(|(x, all)| *x = SVector::from(*all));
+    }
+
+    /// See [`Structure::entries`]: as many of L, and of U.
+    pub fn entries(&self) -> usize {
+        2 * self.structure.entries()
+    }
+}
+
+/// Unknowns of a supernode: its own, and those of its rows below.
+fn unknowns<const D: usize>(node: &Supernode) -> (usize, usize) {
+    (D * node.own.len(), D * node.rows.len())
+}
+
+/// A front: `own` columns of all its rows, the rows of these to the right, and the rest.
+struct Front<'m> {
+    /// Column by column.
+    lower: &'m mut [f64],
+    /// Row by row.
+    upper: &'m mut [f64],
+    /// Column by column.
+    rest: &'m mut [f64],
+    exchanged: &'m mut [u32],
+    own: usize,
+    below: usize,
+}
+
+impl Front<'_> {
+    #[inline(always)]
+    fn clear(&mut self) {
+        self.lower.fill(0.0);
+        self.upper.fill(0.0);
+        self.rest.fill(0.0);
+    }
+
+    /// Adds a block at a grain's rows and another's columns, given by their indices in the front.
+    #[inline(always)]
+    fn add<const D: usize>(&mut self, row: u32, column: u32, block: &SMatrix<f64, D, D>) {
+        for (c, block) in block.column_iter().enumerate() {
+            self.add_column(D * row as usize, D * column as usize + c, block.as_slice());
+        }
+    }
+
+    /// Adds entries of a column, which follow one another from a row on.
+    #[inline(always)]
+    fn add_column(&mut self, row: usize, column: usize, entries: &[f64]) {
+        let (own, below) = (self.own, self.below);
+        if column < own {
+            let at = column * (own + below) + row;
+            self.lower[at..at + entries.len()].iter_mut().zip(entries).for_each(|(to, entry)| *to += entry);
+        } else if row < own {
+            let to = self.upper[row * below + column - own..].iter_mut().step_by(below);
+            to.zip(entries).for_each(|(to, entry)| *to += entry);
+        } else {
+            let at = (column - own) * below + row - own;
+            self.rest[at..at + entries.len()].iter_mut().zip(entries).for_each(|(to, entry)| *to += entry);
+        }
+    }
+
+    /// Adds what a child left, whose rows have these indices.
+    #[inline(always)]
+    fn extend_add<const D: usize>(&mut self, left: &[f64], rows: &[u32]) {
+        for (column, left) in left.chunks_exact(D * rows.len()).enumerate() {
+            let column = D * rows[column / D] as usize + column % D;
+            for (row, left) in rows.iter().zip(left.as_chunks::<D>().0) {
+                self.add_column(D * *row as usize, column, left);
+            }
+        }
+    }
+
+    /// Eliminates the own columns; `false` where one has no pivot.
+    #[inline(always)]
+    fn eliminate(&mut self) -> bool {
+        let (own, below) = (self.own, self.below);
+        let rows = own + below;
+        for j in 0..own {
+            let column = &self.lower[j * rows + j..j * rows + own];
+            let (mut pivot, mut at) = (column[0], 0);
+            for (k, entry) in column.iter().enumerate() {
+                if entry.abs() > pivot.abs() {
+                    (pivot, at) = (*entry, k);
+                }
+            }
+            if !(pivot != 0.0 && pivot.is_finite()) {
+                return false;
+            }
+            self.exchanged[j] = at as u32;
+            if at > 0 {
+                self.lower.chunks_exact_mut(rows).for_each(|column| column.swap(j, j + at));
+                if below > 0 {
+                    let (first, second) = self.upper.split_at_mut((j + at) * below);
+                    first[j * below..(j + 1) * below].swap_with_slice(&mut second[..below]);
+                }
+            }
+            let inverse = 1.0 / pivot;
+            let (done, ahead) = self.lower.split_at_mut((j + 1) * rows);
+            let column = &mut done[j * rows + j..];
+            column[0] = inverse;
+            column[1..].iter_mut().for_each(|entry| *entry *= inverse);
+            for other in ahead.chunks_exact_mut(rows) {
+                subtract(&mut other[j..], &done[j * rows + j..]);
+            }
+            let (above, under) = self.upper.split_at_mut((j + 1) * below);
+            let of_j = &above[j * below..];
+            for (k, row) in under.chunks_exact_mut(below.max(1)).enumerate() {
+                let factor = done[j * rows + j + 1 + k];
+                row.iter_mut().zip(of_j).for_each(|(entry, of_j)| *entry -= factor * of_j);
+            }
+        }
+        let left = Entries { of: self.lower, rows };
+        let right = Entries { of: self.upper, rows: below };
+        Product { left, right, depth: own, whole: true }.subtract(self.rest, own, 0);
+        true
+    }
+}
+
+/// Takes a column of L, whose first entry belongs to U, times the first entry of another column from that below it.
+#[inline(always)]
+fn subtract(column: &mut [f64], of_l: &[f64]) {
+    let factor = column[0];
+    column[1..].iter_mut().zip(&of_l[1..]).for_each(|(entry, of_l)| *entry -= factor * of_l);
+}
+
+/// See [`Lu::solve`].
+struct Solve<'s, const D: usize> {
+    lu: &'s Lu<D>,
+    x: &'s mut [f64],
+}
+
+impl<const D: usize> WithSimd for Solve<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { lu, x } = self;
+        let Lu { structure, lower, upper, exchanged } = lu;
+        let mut far = Vec::new();
+        for node in &structure.supernodes {
+            let (own, below) = unknowns::<D>(node);
+            let rows = &structure.rows[node.rows.clone()];
+            let start = D * node.own.start as usize;
+            let near = &mut x[start..start + own];
+            for (j, at) in exchanged[start..start + own].iter().enumerate() {
+                near.swap(j, j + *at as usize);
+            }
+            far.clear();
+            far.resize(below, 0.0);
+            for (j, column) in
+                lower[node.start..][..(own + below) * own].chunks_exact(own + below).enumerate()
+            {
+                let factor = near[j];
+                near[j + 1..].iter_mut().zip(&column[j + 1..]).for_each(|(x, l)| *x -= factor * l);
+                far.iter_mut().zip(&column[own..]).for_each(|(x, l)| *x += factor * l);
+            }
+            for (row, far) in rows.iter().zip(far.as_chunks::<D>().0) {
+                let at = D * *row as usize;
+                x[at..at + D].iter_mut().zip(far).for_each(|(x, far)| *x -= far);
+            }
+        }
+        for node in structure.supernodes.iter().rev() {
+            let (own, below) = unknowns::<D>(node);
+            let start = D * node.own.start as usize;
+            far.clear();
+            for row in &structure.rows[node.rows.clone()] {
+                far.extend_from_slice(&x[D * *row as usize..][..D]);
+            }
+            let near = &mut x[start..start + own];
+            if below > 0 {
+                for (x, row) in near.iter_mut().zip(upper[node.start..][..own * below].chunks_exact(below)) {
+                    *x -= dot(row, &far);
+                }
+            }
+            for (j, column) in
+                lower[node.start..][..(own + below) * own].chunks_exact(own + below).enumerate().rev()
+            {
+                let factor = near[j] * column[j];
+                near[j] = factor;
+                near[..j].iter_mut().zip(column).for_each(|(x, u)| *x -= factor * u);
+            }
+        }
+    }
+}
+
+/// Σ a b, in four sums.
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let mut sums = [0.0; 4];
+    for (a, b) in a.iter().zip(b) {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum += a * b;
+        }
+    }
+    sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
+}
