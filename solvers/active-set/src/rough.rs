@@ -1,11 +1,12 @@
 //! With friction: Newton's method on the statuses open, stick and slide, which ends where it begins near a solution, and wanders
 //! anywhere else.
 //!
-//! Nothing is minimised, and no way is known that always leads to that neighbourhood. So conjugate gradients come first; at each
-//! rung of a ladder of accuracies Newton's method has a try, which is left at the first step that makes things worse. Where the
-//! conjugate gradients no longer come nearer, proximal points follow, each reached along an exact path: they come through where walls
-//! move and where impulses only drift. Where they lead nowhere, LATIN has a try from the start impulses, then a fixed point over convex
-//! programmes, then proximal points once more. Where all of that brings nothing nearer, that is the floor, and the end.
+//! Nothing is minimised, and no way is known that always leads to that neighbourhood. So conjugate gradients come first, to the
+//! accuracy of the start or as near as they come; Newton's method has a try from there, which is left at the first step that makes
+//! things worse. Proximal points follow, each reached along an exact path: they come through where walls move and where impulses only
+//! drift. Where they lead nowhere, LATIN has a try from the start impulses, with Newton's method at each rung of a ladder of
+//! accuracies, then a fixed point over convex programmes, then proximal points once more. Where all of that brings nothing nearer, that
+//! is the floor, and the end.
 
 mod convex;
 mod layout;
@@ -26,7 +27,8 @@ use statuses::Statuses;
 /// One rung of the ladder over the one before (–).
 const RUNG: f64 = 0.1;
 
-/// Iterations in which the conjugate gradient must halve what is left, or LATIN follows; and those of LATIN, or the fixed point does.
+/// Iterations in which the conjugate gradient must halve what is left, or proximal points follow; and those of LATIN, or the fixed point
+/// does.
 const PATIENCE: u64 = 1000;
 const PATIENCE_WITH_LATIN: u64 = 4000;
 
@@ -213,6 +215,10 @@ impl<'p> Run<'p> {
         } else if changed.is_none() || !(left < before) || changed == Some(0) && !is_better {
             let is_round_off = self.best.left <= ROUND_OFF * self.scale;
             self.phase = match self.waiting.take() {
+                Some(Phase::Gradient { run, progress }) if !is_round_off && progress.iterations > 0 => {
+                    self.work += run.work();
+                    self.points(false)
+                }
                 Some(waiting) if !is_round_off => waiting,
                 _ => Phase::Ended,
             };

@@ -3,7 +3,7 @@
 
 use super::layout::Status;
 use cholesky::{Lu, OneWay, Order, Structure};
-use contact::{Column, RoughColumn, SetupError};
+use contact::{Column, RoughColumn, SetupError, Work};
 use nalgebra::{DMatrix, DVector, Dyn, LU, Vector2, Vector3};
 use std::sync::Arc;
 
@@ -16,6 +16,7 @@ pub(super) struct Matrix {
     /// What it is the matrix of: the statuses, and κ (–).
     status: Vec<Status>,
     kappa: f64,
+    work: Work,
 }
 
 /// What changed since the factor was made: K is the factor's matrix and κ Σ push pullᵗ of these.
@@ -47,6 +48,7 @@ impl Matrix {
             changes: Changes::default(),
             status: Vec::new(),
             kappa: 0.0,
+            work: Work::default(),
         })
     }
 
@@ -77,6 +79,8 @@ impl Matrix {
                 Status::Slide(sign) => Some(dyad(Vector2::new(1.0, sign * column.friction()), Vector2::x())),
             }
         };
+        self.work.factorisations += 1;
+        self.work.factorisation_multiply_adds += 2 * self.structure.work();
         self.is_factorised = self.factors.renew(|_| Vector3::repeat(1.0), coupling).is_ok();
         self.is_factorised
     }
@@ -102,7 +106,7 @@ impl Matrix {
     }
 
     /// x ← K⁻¹ x.
-    pub(super) fn solve(&self, columns: &[RoughColumn], x: &mut [Vector3<f64>]) {
+    pub(super) fn solve(&mut self, columns: &[RoughColumn], x: &mut [Vector3<f64>]) {
         self.solve_with_factor(x);
         let Changes { of, solved, small } = &self.changes;
         let Some(small) = small else { return };
@@ -115,8 +119,14 @@ impl Matrix {
         }
     }
 
-    fn solve_with_factor(&self, x: &mut [Vector3<f64>]) {
+    /// Work so far.
+    pub(super) fn work(&self) -> Work {
+        self.work
+    }
+
+    fn solve_with_factor(&mut self, x: &mut [Vector3<f64>]) {
         let mut placed = vec![Vector3::zeros(); x.len()];
+        self.work.triangular_solve_entries += self.factors.entries() as u64;
         let position = self.structure.position();
         position.iter().zip(&*x).for_each(|(place, x)| placed[*place as usize] = *x);
         self.factors.solve(&mut placed);

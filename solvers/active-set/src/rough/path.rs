@@ -7,12 +7,14 @@
 //! changes its status says to which side the next line goes. With ε > 0 each line is given by a matrix that has an inverse but by
 //! chance. (Lemke's pivots are such a path; this one begins anywhere.)
 
+mod line;
 #[cfg(test)]
 mod tests;
 
 use super::layout::{Layout, Status, against, held, norm};
 use super::matrix::Matrix;
 use contact::{Column, SetupError, Work};
+use line::{End, Line};
 use nalgebra::{Vector2, Vector3};
 
 /// Lines of one path, at most.
@@ -30,8 +32,10 @@ const SOLVES: u32 = 5;
 /// The share of what a solve had before it that is left after it, at most, or no other follows (–).
 const WORTH_ANOTHER: f64 = 0.1;
 
-/// What may move of that which is held: along a line over the change of the impulses, and at its end over the impulses (–).
-const SMALL: f64 = 1e-12;
+/// What may move of that which is held: along a line over the change of the impulses; over the impulses where a line ends, and the path
+/// (–).
+const ALONG: f64 = 1e-10;
+const UNDERWAY: f64 = 1e-13;
 const ROUND_OFF: f64 = 1e-15;
 
 /// A solution of the law, and the path's place on it.
@@ -40,21 +44,8 @@ pub(super) struct Path {
     pub(super) status: Vec<Status>,
     pub(super) s: Vec<Vector2<f64>>,
     matrix: Matrix,
-    pub(super) work: Work,
-}
-
-/// Where a line ends: the contact, and the status that it then has.
-#[derive(Clone, Copy)]
-struct End {
-    at: f64,
-    contact: usize,
-    next: Status,
-}
-
-/// The direction of a line: the change of s and that of v (√J), for dt = 1.
-struct Line {
-    ds: Vec<Vector2<f64>>,
-    dv: Vec<Vector2<f64>>,
+    /// Sweeps over contacts.
+    pub(super) sweeps: u64,
 }
 
 /// What of the problem a path changes.
@@ -79,7 +70,7 @@ impl Path {
             status: vec![Status::Open; count],
             s: vec![Vector2::zeros(); count],
             layout,
-            work: Work::default(),
+            sweeps: 0,
         })
     }
 
@@ -131,7 +122,7 @@ impl Path {
     }
 
     /// The change of s, and of v, that answers velocities `added` (√J): such that nothing moves that is held.
-    fn respond(&self, epsilon: f64, added: &[Vector2<f64>]) -> Line {
+    fn respond(&mut self, epsilon: f64, added: &[Vector2<f64>]) -> Line {
         let mut ds = vec![Vector2::zeros(); added.len()];
         let mut dv = added.to_vec();
         let mut moves = f64::INFINITY;
@@ -141,7 +132,7 @@ impl Path {
             let of = self.layout.columns.iter().zip(&ds).zip(added);
             dv = of.map(|((column, ds), added)| column.relative(&y) + epsilon * ds + added).collect();
             let before = std::mem::replace(&mut moves, self.moving(&dv));
-            if moves <= SMALL * (norm(&ds) + norm(added)) || moves > WORTH_ANOTHER * before {
+            if moves <= ALONG * (norm(&ds) + norm(added)) || moves > WORTH_ANOTHER * before {
                 break;
             }
         }
@@ -150,12 +141,12 @@ impl Path {
 
     /// Takes back what moves of that which is held, at t: round-off of the line that led there.
     fn correct(&mut self, change: &Change, t: f64) {
+        let allowed = if t == 0.0 { ROUND_OFF } else { UNDERWAY };
         let mut moves = f64::INFINITY;
         for _ in 0..SOLVES {
             let v = self.velocity(change, t);
             let before = std::mem::replace(&mut moves, self.moving(&v));
-            if moves <= ROUND_OFF * (norm(&self.s) + self.layout.terms_of_b())
-                || moves > WORTH_ANOTHER * before
+            if moves <= allowed * (norm(&self.s) + self.layout.terms_of_b()) || moves > WORTH_ANOTHER * before
             {
                 break;
             }
@@ -171,7 +162,7 @@ impl Path {
     }
 
     /// Adds to s what stops the velocities v of the contacts that are held.
-    fn solve(&self, epsilon: f64, v: &[Vector2<f64>], s: &mut [Vector2<f64>]) {
+    fn solve(&mut self, epsilon: f64, v: &[Vector2<f64>], s: &mut [Vector2<f64>]) {
         let columns = &self.layout.columns;
         let kappa = 1.0 / epsilon;
         let mut y = vec![Vector3::zeros(); self.layout.grains()];
@@ -188,65 +179,8 @@ impl Path {
         }
     }
 
-    /// Whether a contact comes into the status that it now has, from the one before, as t grows.
-    fn enters(&self, contact: usize, before: Status, along: &Line) -> bool {
-        let (ds, dv) = (along.ds[contact], along.dv[contact]);
-        let friction = self.layout.columns[contact].friction();
-        let inwards = match (before, self.status[contact]) {
-            (Status::Slide(_), Status::Open) => dv.x,
-            (Status::Slide(sign), _) => friction * ds.x - sign * ds.y,
-            (Status::Stick, Status::Slide(sign)) => -sign * dv.y,
-            _ => ds.x,
-        };
-        inwards > 0.0
-    }
-
-    /// Where the line from s and `v` ends, if it does, as t grows or falls with its `sign`. It does not end where it began.
-    fn end(
-        &self,
-        crossed: Option<(usize, Status)>,
-        v: &[Vector2<f64>],
-        sign: f64,
-        along: &Line,
-    ) -> Option<End> {
-        let mut first: Option<End> = None;
-        for (contact, status) in self.status.iter().enumerate() {
-            let (s, v) = (self.s[contact], v[contact]);
-            let (ds, dv) = (sign * along.ds[contact], sign * along.dv[contact]);
-            let friction = self.layout.columns[contact].friction();
-            let mut meet = |room: f64, closing: f64, next: Status| {
-                let at = room.max(0.0) / closing;
-                let is_where_it_began = crossed == Some((contact, next));
-                if closing > 0.0 && !is_where_it_began && first.is_none_or(|first| at < first.at) {
-                    first = Some(End { at, contact, next });
-                }
-            };
-            match *status {
-                Status::Open => {
-                    let at = v.x / -dv.x;
-                    let side = if v.y + at * dv.y < 0.0 { 1.0 } else { -1.0 };
-                    if !matches!(crossed, Some((c, Status::Slide(_))) if c == contact) {
-                        meet(v.x, -dv.x, Status::Slide(side));
-                    }
-                }
-                Status::Stick => {
-                    for side in [1.0, -1.0] {
-                        let (room, closing) = (friction * s.x - side * s.y, side * ds.y - friction * ds.x);
-                        meet(room, closing, Status::Slide(side));
-                    }
-                }
-                Status::Slide(side) => {
-                    meet(s.x, -ds.x, Status::Open);
-                    meet(-side * v.y, side * dv.y, Status::Stick);
-                }
-            }
-        }
-        first
-    }
-
     /// The matrix of the statuses that there are; says whether it has an inverse.
     fn factorise(&mut self, epsilon: f64) -> bool {
-        self.work.factorisations += 1;
         self.matrix.factorise(&self.layout.columns, &self.status, 1.0 / epsilon)
     }
 
@@ -270,6 +204,13 @@ impl Path {
         };
         self.s = moved.iter().zip(&self.layout.columns).map(admit).collect();
         self.s.iter().zip(&moved).map(|(s, moved)| s - moved).collect()
+    }
+
+    /// Work so far.
+    pub(super) fn work(&self) -> Work {
+        let mut work = self.matrix.work();
+        work.contact_updates += self.sweeps * self.s.len() as u64;
+        work
     }
 
     /// Velocities without those of what is held.
@@ -299,29 +240,5 @@ impl Path {
     /// How far s is from another (√J).
     pub(super) fn distance(&self, other: &[Vector2<f64>]) -> f64 {
         norm(&self.s.iter().zip(other).map(|(a, b)| a - b).collect::<Vec<_>>())
-    }
-
-    /// How many times a change of s can be added until something opens or begins to slide; infinite if nothing does.
-    pub(super) fn room(&self, change: &[Vector2<f64>]) -> f64 {
-        let mut least = f64::INFINITY;
-        for (((s, d), status), column) in
-            self.s.iter().zip(change).zip(&self.status).zip(&self.layout.columns)
-        {
-            if *status == Status::Open {
-                continue;
-            }
-            if d.x < 0.0 {
-                least = least.min(s.x / -d.x);
-            }
-            if *status == Status::Stick {
-                for side in [1.0, -1.0] {
-                    let closing = side * d.y - column.friction() * d.x;
-                    if closing > 0.0 {
-                        least = least.min((column.friction() * s.x - side * s.y) / closing);
-                    }
-                }
-            }
-        }
-        least.max(0.0)
     }
 }

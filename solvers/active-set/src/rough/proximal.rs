@@ -15,11 +15,13 @@ const FIRST: f64 = 1e-3;
 const LEAST: f64 = 1e-12;
 const GREATEST: f64 = 0.1;
 
-/// By how much ε falls and grows (–).
-const FACTOR: f64 = 4.0;
+/// By how much ε falls and grows; by how much it falls after a path of few lines (–), and how many are few.
+const FACTOR: f64 = 2.0;
+const FAST: f64 = 4.0;
+const FEW: u32 = 5;
 
-/// The share of the impulses that a step changes, above which ε does not fall (–).
-const FAR: f64 = 0.03;
+/// The share of the impulses that a longer path changes, above which ε does not fall (–).
+const FAR: f64 = 0.003;
 
 /// Paths in a row that lead nowhere before it ends.
 const IN_VAIN: u32 = 12;
@@ -29,6 +31,9 @@ const SWEEPS: u32 = 200;
 
 /// Points after which what is left must be half of what it was, or they lead nowhere.
 const PATIENCE: u32 = 300;
+
+/// How far two points may move apart and drift all the same (–).
+const DRIFT: f64 = 1e-2;
 
 /// Points that leave more than ε accounts for: a contact is beyond its status by round-off, and they begin anew.
 const BEGUN_ANEW: u32 = 40;
@@ -49,7 +54,7 @@ pub(super) struct Proximal<'p> {
     least: f64,
     halved: f64,
     points: u32,
-    /// The change of the impulses by the last point, if it had one line (√J).
+    /// ε times the change of the impulses by the last point, if it had one line (√J).
     last: Option<Vec<Vector2<f64>>>,
 }
 
@@ -98,8 +103,8 @@ impl<'p> Proximal<'p> {
                 self.v = self.path.velocity(&change, 0.0);
                 self.path.free_of_held(&mut self.v);
                 self.drift(lines, &centre);
-                if moved < FAR * norm(&self.path.s) || lines < 5 {
-                    self.epsilon = (self.epsilon / FACTOR).max(LEAST);
+                if moved < FAR * norm(&self.path.s) || lines < FEW {
+                    self.epsilon = (self.epsilon / if lines < FEW { FAST } else { FACTOR }).max(LEAST);
                 }
                 return Some(left);
             }
@@ -127,21 +132,22 @@ impl<'p> Proximal<'p> {
 
     /// Where a point had one line only, and moved as the one before, impulses drift: they go on until something opens or slides.
     fn drift(&mut self, lines: u32, before: &[Vector2<f64>]) {
-        let now: Vec<_> = self.path.s.iter().zip(before).map(|(now, before)| now - before).collect();
+        let last = self.last.take();
         if lines > 0 {
-            self.last = None;
             return;
         }
-        if let Some(last) = self.last.take() {
-            let apart = norm(&now.iter().zip(&last).map(|(a, b)| a - b).collect::<Vec<_>>());
-            if apart < 1e-2 * norm(&now) {
-                let times = self.path.room(&now) * (1.0 - 1e-7);
-                if times.is_finite() && times > 1.0 {
-                    self.path.s.iter_mut().zip(&now).for_each(|(s, now)| *s += times * now);
-                    self.v = self.path.layout.velocity(&self.path.s);
-                    self.path.free_of_held(&mut self.v);
-                    return;
-                }
+        // ε drives, so that twice the ε goes half as far.
+        let now: Vec<_> =
+            self.path.s.iter().zip(before).map(|(now, before)| self.epsilon * (now - before)).collect();
+        let apart =
+            |last: &Vec<Vector2<f64>>| norm(&now.iter().zip(last).map(|(a, b)| a - b).collect::<Vec<_>>());
+        if last.is_some_and(|last| apart(&last) < DRIFT * norm(&now)) {
+            let times = self.path.room(&now) * (1.0 - 1e-7);
+            if times.is_finite() && times * self.epsilon > 1.0 {
+                self.path.s.iter_mut().zip(&now).for_each(|(s, now)| *s += times * now);
+                self.v = self.path.layout.velocity(&self.path.s);
+                self.path.free_of_held(&mut self.v);
+                return;
             }
         }
         self.last = Some(now);
@@ -159,7 +165,7 @@ impl<'p> Proximal<'p> {
                 row.solve(s, y, 1.0);
             });
         }
-        self.path.work.contact_updates += u64::from(sweeps) * order.len() as u64;
+        self.path.sweeps += u64::from(sweeps);
         sweep.impulses(&mut r);
         self.path.s = self.path.layout.scaled(&r);
         self.v = self.path.begin();
@@ -183,6 +189,6 @@ impl<'p> Proximal<'p> {
 
     /// Work so far.
     pub(super) fn work(&self) -> Work {
-        self.path.work
+        self.path.work()
     }
 }

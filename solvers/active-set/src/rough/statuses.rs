@@ -21,7 +21,6 @@ pub(crate) struct Statuses {
     s: Vec<Vector2<f64>>,
     v: Vec<Vector2<f64>>,
     matrix: Matrix,
-    work: Work,
 }
 
 impl Statuses {
@@ -38,7 +37,6 @@ impl Statuses {
             v: layout.velocity(&s),
             s,
             layout,
-            work: Work::default(),
         })
     }
 
@@ -65,7 +63,7 @@ impl Statuses {
 
     /// Work so far.
     pub(crate) fn work(&self) -> Work {
-        self.work
+        self.matrix.work()
     }
 
     /// One step of Newton: the statuses of s − v, and the impulses for which they hold. With `push` the column, or columns, that the
@@ -80,7 +78,6 @@ impl Statuses {
         let changed = now.iter().zip(&self.status).filter(|(now, before)| now != before).count();
         self.status = now;
         if !self.matrix.is_of(&self.status, PENALTY) {
-            self.work.factorisations += 1;
             if !self.matrix.factorise(&self.layout.columns, &self.status, PENALTY) {
                 return None;
             }
