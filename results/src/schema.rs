@@ -90,6 +90,9 @@ pub struct Run {
     /// kernel of W and move next to nothing, or creep along a mode as slow. Undefined where r does not change.
     #[serde(default = "undefined", with = "number")]
     pub last_change_moves: f64,
+    /// Iterations of the cycle in which a run went round at its iteration limit, up to 32: after them its impulses are the same again.
+    #[serde(default)]
+    pub cycle_iterations: Option<u64>,
     /// What ranks exchanged, where several shared the problem.
     #[serde(default)]
     pub exchange: Exchange,

@@ -3,7 +3,8 @@
 use crate::friction::{given, rough, with_friction};
 use crate::problems::frozen_path;
 use active_set::ActiveSet;
-use contact::{Packing, RoughContact, RoughDiscs, RoughMass};
+use contact::{Packing, RoughContact, RoughDiscs, RoughMass, Solver};
+use jacobi::Jacobi;
 use nalgebra::{Vector2, Vector3};
 use nsgs::Nsgs;
 use reference::{
@@ -135,4 +136,19 @@ fn impulses_that_drift_along_the_kernel_are_told_from_those_that_only_change_slo
         &mut |_| {},
     );
     assert!((alone.unwrap().last_change_moves - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn runs_that_go_round_in_a_cycle_are_told_from_those_that_drift() {
+    // Three times the same contact: each stops the disc on its own, all together throw it back, so that none then acts.
+    let thrice = disc(DOWN, &[(FLOOR, [0.0, 0.0]); 3], 0.3);
+    let cycle = |solver: &dyn Solver<RoughDiscs>, problem: &Packing<RoughDiscs>, max_iterations: u64| {
+        let stop = Stop { tolerance: 0.0, max_iterations, ..Stop::default() };
+        let r0 = vec![0.0; problem.impulse_count()];
+        solve(solver, problem, &r0, &stop, &mut |_| {}).unwrap().cycle
+    };
+    let jacobi = Jacobi { relaxation: 1.0, bounded: false };
+    assert_eq!([401, 400, 100].map(|most| cycle(&jacobi, &thrice, most)), [Some(2), Some(2), None]);
+    assert_eq!(cycle(&Jacobi::default(), &thrice, 400), None, "it converges");
+    assert_eq!(cycle(&Nsgs::default(), &rough("rough-250").problem, 12_000), None, "it drifts");
 }

@@ -185,6 +185,7 @@ impl<M: Studied> Ladder<'_, M> {
             derived: Vec::new(),
             critical_path: None,
             last_change_moves: f64::NAN,
+            cycle: None,
         };
         Ended { outcome, rungs: Vec::new(), samples: Vec::new(), failed: None }
     }

@@ -103,6 +103,7 @@ impl OnAllRanks<'_> {
             derived: end.derived,
             critical_path: end.critical_path,
             last_change_moves: f64::NAN,
+            cycle: None,
         };
         let subdomains = shared.team.subdomains() as u32;
         let run = ended_row(Run { timing, exchange, subdomains, ..row }, &outcome, &curve);

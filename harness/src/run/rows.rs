@@ -100,6 +100,7 @@ pub(crate) fn ended_row<M: Mechanics>(row: Run, outcome: &Outcome<M>, curve: &[S
         iterations_to_velocity_error_1e_2: first(Measure::VelocityError, 1e-2),
         iterations_to_velocity_error_1e_4: first(Measure::VelocityError, 1e-4),
         last_change_moves: outcome.last_change_moves,
+        cycle_iterations: outcome.cycle,
         end: End { measures, work },
         ..row
     }

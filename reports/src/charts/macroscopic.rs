@@ -22,9 +22,11 @@ const APART: f64 = 0.012;
 /// Half the width of the end of an error bar (mm).
 const CAP: f64 = 0.7;
 
-/// A simulation whose second half says something.
+/// A simulation whose second half says something; or several of other packings, and their mean.
 struct Sheared<'s> {
+    /// The first.
     simulation: &'s Simulation,
+    packings: usize,
     /// μ of the grains (–).
     grains: f64,
     flow: Flow,
@@ -42,7 +44,8 @@ struct Flow {
     /// Mean and standard deviation in time of τ/σ (–).
     friction: f64,
     spread: f64,
-    /// How far the mean of a quarter of it lies from that of the next: what a mean over so long a time may be off by (–).
+    /// How far the mean of a quarter of it lies from that of the next: what a mean over so long a time may be off by (–). Of several
+    /// packings the standard error of their mean.
     drift: f64,
     /// Contacts that push, per grain (–).
     coordination: f64,
@@ -72,9 +75,36 @@ fn flow(simulation: &Simulation) -> Option<Flow> {
 fn sheared<'s>(all: &'s [Simulation]) -> Vec<Sheared<'s>> {
     let of = |simulation: &'s Simulation| {
         let grains = simulation.scene_settings.get(FRICTION)?.as_f64()?;
-        Some(Sheared { simulation, grains, flow: flow(simulation)? })
+        Some(Sheared { simulation, packings: 1, grains, flow: flow(simulation)? })
     };
     all.iter().filter(|simulation| simulation.is_run()).filter_map(of).collect()
+}
+
+/// The mean over packings of what has the same μ, method and tolerance.
+fn over_packings(sheared: Vec<Sheared>) -> Vec<Sheared> {
+    let mut groups: Vec<Vec<Sheared>> = Vec::new();
+    for one in sheared {
+        let is_like = |other: &Sheared| {
+            (one.grains, one.simulation.tolerance) == (other.grains, other.simulation.tolerance)
+                && one.simulation.label() == other.simulation.label()
+        };
+        match groups.iter_mut().find(|group| is_like(&group[0])) {
+            Some(group) => group.push(one),
+            None => groups.push(vec![one]),
+        }
+    }
+    groups.into_iter().map(mean_of).collect()
+}
+
+fn mean_of(group: Vec<Sheared>) -> Sheared {
+    let packings = group.len();
+    let mean = |of: &dyn Fn(&Flow) -> f64| group.iter().map(|s| of(&s.flow)).sum::<f64>() / packings as f64;
+    let friction = mean(&|flow| flow.friction);
+    let off = mean(&|flow| (flow.friction - friction).powi(2));
+    let drift = if packings == 1 { group[0].flow.drift } else { (off / (packings - 1) as f64).sqrt() };
+    let spread = mean(&|flow| flow.spread.powi(2)).sqrt();
+    let flow = Flow { friction, spread, drift, coordination: mean(&|flow| flow.coordination) };
+    Sheared { packings, flow, ..group.into_iter().next().expect("a group has one that began it") }
 }
 
 /// The figure, the sentences and the table `macroscopic`.
@@ -82,11 +112,12 @@ pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
     let sheared = sheared(all);
     let table = Part::table(KEY, table(&sheared), format!("\n{MEANING}\n"));
     let (solved, missed): (Vec<Sheared>, Vec<Sheared>) = sheared.into_iter().partition(Sheared::is_solved);
+    let (runs, solved) = (solved.len() + missed.len(), over_packings(solved));
     let mut parts = Vec::new();
     if !solved.is_empty() {
         parts.push(Part::figure(KEY, figure(&solved, &looks_in_time(all))));
     }
-    parts.push(Part::text("macroscopic-found", sentences(all, &solved, missed.len())));
+    parts.push(Part::text("macroscopic-found", sentences(all, &solved, (missed.len(), runs))));
     parts.push(table);
     parts
 }
@@ -186,7 +217,7 @@ fn panel(
 
 /// For each μ, what friction is at the least tolerance, and from which tolerance on no method is farther from it than the means
 /// themselves are sure.
-fn sentences(all: &[Simulation], sheared: &[Sheared], missed: usize) -> String {
+fn sentences(all: &[Simulation], sheared: &[Sheared], (missed, telling): (usize, usize)) -> String {
     let mut text = String::new();
     let mut grains = unique(sheared.iter().map(|s| s.grains));
     grains.sort_by(f64::total_cmp);
@@ -198,6 +229,7 @@ fn sentences(all: &[Simulation], sheared: &[Sheared], missed: usize) -> String {
             of_grains.iter().copied().filter(move |s| s.simulation.tolerance == tolerance).collect::<Vec<_>>()
         };
         let tight = at(tolerances[0]);
+        let packings = tight.iter().map(|s| s.packings).max().unwrap_or(1);
         let friction = tight.iter().map(|s| s.flow.friction).sum::<f64>() / tight.len() as f64;
         // Of a mean over so long a time, and of methods that all solve as well as they can.
         let apart = tight.iter().map(|s| (s.flow.friction - friction).abs());
@@ -221,12 +253,14 @@ fn sentences(all: &[Simulation], sheared: &[Sheared], missed: usize) -> String {
             None => "no tolerance gives it".to_owned(),
         };
         text.extend([format!(
-            "μ = {grains}: the packing has a friction of {} ± {} when solved to {} (mean of {} in the second half of the time; ±: \
-             the farthest method, or the drift between the quarters of that half); {found}.\n",
+            "μ = {grains}: the packing has a friction of {} ± {} when solved to {} (mean of {}{} in the second half of the time; ±: \
+             the farthest method, or {}); {found}.\n",
             number(friction, 3),
             number(sure, 2),
             number(tolerances[0], 2),
             counted(tight.len(), "method"),
+            if packings > 1 { format!(" and {packings} packings") } else { String::new() },
+            if packings > 1 { "the standard error" } else { "the drift between the quarters of that half" },
         )]);
     }
     let runs = all.iter().filter(|simulation| simulation.is_run()).count();
@@ -236,7 +270,7 @@ fn sentences(all: &[Simulation], sheared: &[Sheared], missed: usize) -> String {
              of their time steps.\n"
         )]);
     }
-    let silent = runs - sheared.len() - missed;
+    let silent = runs - telling;
     if silent > 0 {
         text.extend([format!(
             "{silent} of {runs} simulations say nothing: they did not come to their end, or nothing pressed.\n"

@@ -38,6 +38,7 @@ fn of_runs(runs: &[RunRow]) -> Vec<String> {
     }
     sentences.extend(failures(runs, &verdicts));
     sentences.extend(floors(runs));
+    sentences.extend(cycles(runs));
     sentences
 }
 
@@ -60,6 +61,16 @@ fn floors(runs: &[RunRow]) -> Option<String> {
             counted(on_floor, "run")
         )
     })
+}
+
+/// How many runs went round in cycles.
+fn cycles(runs: &[RunRow]) -> Option<String> {
+    let lengths: Vec<u64> = runs.iter().filter_map(|run| run.cycle_iterations).collect();
+    let (least, most) = (lengths.iter().min()?, lengths.iter().max()?);
+    let range = if least == most { least.to_string() } else { format!("{least} to {most}") };
+    let many = lengths.len();
+    let rounds = if many == 1 { "goes round in a cycle" } else { "go round in cycles" };
+    Some(format!("{} {rounds} of {range} iterations at the end.", counted(many, "run")))
 }
 
 /// How the simulations ended.

@@ -40,7 +40,7 @@ pub enum Start {
     ColdSet,
     /// By an interior point; for problems without friction.
     InteriorPoint,
-    /// By LATIN with κ = 10; for problems with friction. `cg` goes that way too where its conjugate gradients no longer come nearer.
+    /// By LATIN with κ = 10; for problems with friction. `cg` goes that way too where all else leads nowhere.
     Latin,
 }
 

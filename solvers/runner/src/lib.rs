@@ -3,6 +3,7 @@
 //! judge of solutions, drives its own steps in `reference::solve`; as a method it is run by this loop like the others.)
 
 mod convergence;
+mod cycle;
 mod judge;
 mod local;
 mod looks;
@@ -14,6 +15,7 @@ use contact::{
     Work,
 };
 use convergence::is_false;
+use cycle::cycle;
 use judge::{Judge, OneMachine};
 use looks::{Grid, Looks};
 use schemars::JsonSchema;
@@ -131,6 +133,8 @@ pub struct Outcome<M: Mechanics = Discs> {
     /// √(dᵗ W d / dᵗ `W_D` d) of the last iteration's change d of r, with the diagonal `W_D` of W (–): how much of it moves grains. Next to
     /// nothing where impulses drift along the kernel of W; NaN where they do not change.
     pub last_change_moves: f64,
+    /// Iterations after which the impulses of a run that came to its limit are those of its last iterate again, if they are.
+    pub cycle: Option<u64>,
 }
 
 /// q(r) above this many times the problem's own scale of energy is a divergence. It is far, since a method may converge
@@ -193,6 +197,11 @@ pub fn solve_against<'t, M: Refutable>(
         moved
     });
     problem.velocity(&impulses, &mut velocity);
+    let work = iteration.work();
+    let (derived, critical_path) = (iteration.derived(), iteration.critical_path());
+    let cycle = (status == Status::IterationLimit)
+        .then(|| cycle(&mut *iteration, iterations, &before, &impulses))
+        .flatten();
     Ok(Outcome {
         status,
         iterations,
@@ -201,10 +210,11 @@ pub fn solve_against<'t, M: Refutable>(
         impulses,
         setup,
         iterating,
-        work: iteration.work(),
-        derived: iteration.derived(),
-        critical_path: iteration.critical_path(),
+        work,
+        derived,
+        critical_path,
         last_change_moves,
+        cycle,
     })
 }
 

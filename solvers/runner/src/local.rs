@@ -137,6 +137,7 @@ pub fn solve_local(
         last_change_moves: moving_share(&before, &impulses, &problem.diagonal(), |d| {
             problem.delassus_product(d)
         }),
+        cycle: None,
         impulses,
     })
 }

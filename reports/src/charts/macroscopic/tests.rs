@@ -74,3 +74,20 @@ fn one_tolerance_alone_says_nothing_of_others() {
     let found = &files.iter().find(|(name, _)| name == "macroscopic-found.md").unwrap().1;
     assert!(found.contains("no other tolerance was met") && !found.contains("no tolerance up to"), "{found}");
 }
+
+#[test]
+fn packings_that_differ_in_their_seed_are_one_place_with_a_standard_error() {
+    let all = read(&[0.2, 0.25, 0.3].map(|friction| sheared(0.3, 1e-3, friction, 0.0)));
+    let merged = over_packings(super::sheared(&all));
+    assert_eq!((merged.len(), merged[0].packings), (1, 3));
+    assert!((merged[0].flow.friction - 0.25).abs() < 1e-12, "{}", merged[0].flow.friction);
+    assert!((merged[0].flow.drift - 0.05 / 3.0_f64.sqrt()).abs() < 1e-12, "{}", merged[0].flow.drift);
+    let files = files(&parts(&all));
+    let found = &files.iter().find(|(name, _)| name == "macroscopic-found.md").unwrap().1;
+    assert!(
+        found.contains("(mean of 1\u{a0}method and 3 packings") && found.contains("the standard error"),
+        "{found}"
+    );
+    let table = &files.iter().find(|(name, _)| name == "macroscopic.csv").unwrap().1;
+    assert_eq!(table.lines().count(), 4, "{table}");
+}

@@ -159,3 +159,14 @@ fn runs_that_end_in_a_drift_are_counted() {
 fn floors_of(runs: &[Run]) -> Option<String> {
     told(runs).into_iter().find(|sentence| sentence.starts_with("Next to nothing moves"))
 }
+
+#[test]
+fn runs_that_go_round_are_counted_with_the_lengths_of_their_cycles() {
+    let mut runs = study();
+    let cycles = |runs: &[Run]| told(runs).into_iter().find(|sentence| sentence.contains("cycle"));
+    assert_eq!(cycles(&runs), None);
+    runs[0].cycle_iterations = Some(2);
+    assert_eq!(cycles(&runs).unwrap(), "1\u{a0}run goes round in a cycle of 2 iterations at the end.");
+    runs[1].cycle_iterations = Some(14);
+    assert_eq!(cycles(&runs).unwrap(), "2\u{a0}runs go round in cycles of 2 to 14 iterations at the end.");
+}

@@ -1,0 +1,101 @@
+//! A line of a path: where it leads, and which contact ends it.
+
+use super::Path;
+use crate::rough::layout::Status;
+use nalgebra::Vector2;
+
+/// Where a line ends: the contact, and the status that it then has.
+#[derive(Clone, Copy)]
+pub(super) struct End {
+    pub(super) at: f64,
+    pub(super) contact: usize,
+    pub(super) next: Status,
+}
+
+/// The direction of a line: the change of s and that of v (√J), for dt = 1.
+pub(super) struct Line {
+    pub(super) ds: Vec<Vector2<f64>>,
+    pub(super) dv: Vec<Vector2<f64>>,
+}
+
+impl Path {
+    /// Whether a contact comes into the status that it now has, from the one before, as t grows.
+    pub(super) fn enters(&self, contact: usize, before: Status, along: &Line) -> bool {
+        let (ds, dv) = (along.ds[contact], along.dv[contact]);
+        let friction = self.layout.columns[contact].friction();
+        let inwards = match (before, self.status[contact]) {
+            (Status::Slide(_), Status::Open) => dv.x,
+            (Status::Slide(sign), _) => friction * ds.x - sign * ds.y,
+            (Status::Stick, Status::Slide(sign)) => -sign * dv.y,
+            _ => ds.x,
+        };
+        inwards > 0.0
+    }
+
+    /// Where the line from s and `v` ends, if it does, as t grows or falls with its `sign`. It does not end where it began.
+    pub(super) fn end(
+        &self,
+        crossed: Option<(usize, Status)>,
+        v: &[Vector2<f64>],
+        sign: f64,
+        along: &Line,
+    ) -> Option<End> {
+        let mut first: Option<End> = None;
+        for (contact, status) in self.status.iter().enumerate() {
+            let (s, v) = (self.s[contact], v[contact]);
+            let (ds, dv) = (sign * along.ds[contact], sign * along.dv[contact]);
+            let friction = self.layout.columns[contact].friction();
+            let mut meet = |room: f64, closing: f64, next: Status| {
+                let at = room.max(0.0) / closing;
+                let is_where_it_began = crossed == Some((contact, next));
+                if closing > 0.0 && !is_where_it_began && first.is_none_or(|first| at < first.at) {
+                    first = Some(End { at, contact, next });
+                }
+            };
+            match *status {
+                Status::Open => {
+                    let at = v.x / -dv.x;
+                    let side = if v.y + at * dv.y < 0.0 { 1.0 } else { -1.0 };
+                    if !matches!(crossed, Some((c, Status::Slide(_))) if c == contact) {
+                        meet(v.x, -dv.x, Status::Slide(side));
+                    }
+                }
+                Status::Stick => {
+                    for side in [1.0, -1.0] {
+                        let (room, closing) = (friction * s.x - side * s.y, side * ds.y - friction * ds.x);
+                        meet(room, closing, Status::Slide(side));
+                    }
+                }
+                Status::Slide(side) => {
+                    meet(s.x, -ds.x, Status::Open);
+                    meet(-side * v.y, side * dv.y, Status::Stick);
+                }
+            }
+        }
+        first
+    }
+
+    /// How many times a change of s can be added until something opens or begins to slide; infinite if nothing does.
+    pub(in super::super) fn room(&self, change: &[Vector2<f64>]) -> f64 {
+        let mut least = f64::INFINITY;
+        for (((s, d), status), column) in
+            self.s.iter().zip(change).zip(&self.status).zip(&self.layout.columns)
+        {
+            if *status == Status::Open {
+                continue;
+            }
+            if d.x < 0.0 {
+                least = least.min(s.x / -d.x);
+            }
+            if *status == Status::Stick {
+                for side in [1.0, -1.0] {
+                    let closing = side * d.y - column.friction() * d.x;
+                    if closing > 0.0 {
+                        least = least.min((column.friction() * s.x - side * s.y) / closing);
+                    }
+                }
+            }
+        }
+        least.max(0.0)
+    }
+}
