@@ -309,7 +309,8 @@ impl Sample {
 
     /// The strips that it is deposited in, if it is in some, for a box of `width` (m).
     pub(crate) fn strips(&self, width: Option<f64>) -> Result<Option<Strips<'_>>, String> {
-        let Self::Deposited { grains, seed, radius_m, sizes, intruder_radius_m, strips: Some(count), .. } = self
+        let Self::Deposited { grains, seed, radius_m, sizes, intruder_radius_m, strips: Some(count), .. } =
+            self
         else {
             return Ok(None);
         };
@@ -337,7 +338,8 @@ impl Sample {
 
     /// The grains that some discs of its strips are.
     pub(crate) fn grains_of<P: Place>(&self, deposited: &[Placed]) -> Result<Vec<Grain<P>>, String> {
-        let density = if let Self::Deposited { density_kg_per_m2, .. } = self { *density_kg_per_m2 } else { 0.0 };
+        let density =
+            if let Self::Deposited { density_kg_per_m2, .. } = self { *density_kg_per_m2 } else { 0.0 };
         checked(homogeneous(&self.lifted(deposited), density))
     }
 }

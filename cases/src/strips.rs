@@ -81,7 +81,8 @@ impl Strips<'_> {
         let start = self.start(strip);
         let width = self.pitch() - SEAM * self.greatest();
         let radii = self.radii.stream(self.seed, 2 * u64::from(strip))?.take(self.numbers(strip).len());
-        let radii = with_room(radii.collect::<Result<_, _>>()?, self.greatest(), None, &[("width_m", width)])?;
+        let radii =
+            with_room(radii.collect::<Result<_, _>>()?, self.greatest(), None, &[("width_m", width)])?;
         let mut discs = deposit::deposit(&radii, width).map_err(no_place)?;
         discs.iter_mut().for_each(|(x, _)| x.x += start);
         Ok(discs)

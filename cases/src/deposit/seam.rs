@@ -45,7 +45,9 @@ impl Seam {
         let surface = |side: &[Placed]| side.iter().map(|(x, _)| x.y).fold(0.0, f64::max);
         let surface = surface(sides[0]).min(surface(sides[1]));
         let mut rising = sides.concat();
-        rising.sort_by(|(a, _), (b, _)| (a.y, a.x).partial_cmp(&(b.y, b.x)).unwrap_or(std::cmp::Ordering::Equal));
+        rising.sort_by(|(a, _), (b, _)| {
+            (a.y, a.x).partial_cmp(&(b.y, b.x)).unwrap_or(std::cmp::Ordering::Equal)
+        });
         let mut ahead = rising.into_iter().peekable();
         let (mut laid, mut near, mut level): (Vec<Placed>, Vec<Placed>, f64) = (Vec::new(), Vec::new(), 0.0);
         for radius in radii {

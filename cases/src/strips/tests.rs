@@ -39,8 +39,7 @@ fn strips_join_without_overlap_and_hold_each_other() {
             let height = position.iter().map(|x| x.y).fold(0.0, f64::max);
             assert!(across.count() as f64 > height / 0.4, "strips {border} do not touch");
             let of_seam: Vec<u32> = (strips.numbers(border - 1)).filter(|k| in_seam(*k)).collect();
-            let area: f64 =
-                of_seam.iter().map(|k| std::f64::consts::PI * radius[*k as usize].powi(2)).sum();
+            let area: f64 = of_seam.iter().map(|k| std::f64::consts::PI * radius[*k as usize].powi(2)).sum();
             assert!(area > 0.6 * height * 0.4, "the seam is filled to {}", area / (height * 0.4));
             let loose = of_seam.iter().filter(|k| held[**k as usize] < 2 && position[**k as usize].y > 0.1);
             // Those whose neighbour of the next strip was one too many.
@@ -56,5 +55,8 @@ fn strips_join_without_overlap_and_hold_each_other() {
 #[test]
 fn strips_that_are_too_narrow_are_refused() {
     let error = strips(1000, 8, 4.8, 1).check().unwrap_err();
-    assert!(error.starts_with("`sample.strips` is 8: strips are to be at least 24 greatest radii"), "{error}");
+    assert!(
+        error.starts_with("`sample.strips` is 8: strips are to be at least 24 greatest radii"),
+        "{error}"
+    );
 }
