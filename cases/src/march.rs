@@ -172,21 +172,6 @@ impl<M: Marched> March<M> {
         self.next_within(reach, position, free_velocity)
     }
 
-    /// The greatest gap of a contact of the next time step, as far as these grains tell (m).
-    pub fn greatest_gap(&self) -> f64 {
-        let (position, free_velocity) = self.free();
-        self.reach(&position, &free_velocity)
-    }
-
-    /// The contact problem of the next time step, where others than these grains tell the greatest gap of a contact (m).
-    ///
-    /// # Errors
-    /// Those of [`March::next`].
-    pub fn next_up_to(&self, greatest_gap: f64) -> Result<TimeStep<M>, CaseError> {
-        let (position, free_velocity) = self.free();
-        self.next_within(greatest_gap, position, free_velocity)
-    }
-
     /// Where contacts are sought, and the velocities without them.
     fn free(&self) -> (Vec<M::Place>, Vec<M::Velocity>) {
         let Scene { time_step_s: h, theta, .. } = self.scene;

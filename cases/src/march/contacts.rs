@@ -1,14 +1,30 @@
 //! The contacts of a time step: which are near, which the law lets in, and their impulses of the time step before.
 
-use super::March;
+use super::{March, TimeStep};
 use crate::bodies::bodies_near;
 use crate::detect::{DetectedContact, Side, walls_near};
+use crate::error::CaseError;
 use crate::marched::Marched;
 use crate::scene::{Law, Scene};
 use crate::walls::{MovingWall, WallMotion};
 use contact::{Place, Touch, Vector};
 
 impl<M: Marched> March<M> {
+    /// The greatest gap of a contact of the next time step, as far as these grains tell (m).
+    pub fn greatest_gap(&self) -> f64 {
+        let (position, free_velocity) = self.free();
+        self.reach(&position, &free_velocity)
+    }
+
+    /// The contact problem of the next time step, where others than these grains tell the greatest gap of a contact (m).
+    ///
+    /// # Errors
+    /// Those of [`March::next`].
+    pub fn next_up_to(&self, greatest_gap: f64) -> Result<TimeStep<M>, CaseError> {
+        let (position, free_velocity) = self.free();
+        self.next_within(greatest_gap, position, free_velocity)
+    }
+
     /// When contacts are sought (s), and the walls then.
     fn walls_at_detection(&self) -> (f64, [Option<MovingWall<M::Place>>; 5]) {
         let Scene { time_step_s: h, theta, .. } = self.scene;

@@ -8,8 +8,9 @@ use crate::run::Posted;
 use crate::store::open;
 use crate::team::{bench, ping, solve};
 use anyhow::Result;
-use cases::{AnyFrozen, Frozen};
+use cases::{AnyFrozen, Case, Frozen};
 use clap::Parser;
+use contact::Discs;
 use nsgs_dd::NsgsDd;
 use partition::Grid;
 use ranks::simulated;
@@ -20,6 +21,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use tempfile::TempDir;
+
+mod in_parts;
 
 #[derive(Parser)]
 struct Split {
