@@ -268,14 +268,12 @@ impl Sample {
                 density_kg_per_m2,
                 ..
             } => {
-                let deposited = match self.strips(width)? {
-                    Some(strips) => strips.whole()?,
-                    None => {
-                        let radii = Radii { sizes, range: radius_m, dimensions: 2 }.drawn(grains, seed)?;
-                        let radii =
-                            with_room(radii, radius_m[1], intruder_radius_m, &[("width_m", walls()?)])?;
-                        deposit::deposit(&radii, walls()?).map_err(no_place)?
-                    }
+                let deposited = if let Some(strips) = self.strips(width)? {
+                    strips.whole()?
+                } else {
+                    let radii = Radii { sizes, range: radius_m, dimensions: 2 }.drawn(grains, seed)?;
+                    let radii = with_room(radii, radius_m[1], intruder_radius_m, &[("width_m", walls()?)])?;
+                    deposit::deposit(&radii, walls()?).map_err(no_place)?
                 };
                 (self.lifted(&deposited), density_kg_per_m2, 1.0)
             }

@@ -84,7 +84,9 @@ impl Strips<'_> {
         let radii =
             with_room(radii.collect::<Result<_, _>>()?, self.greatest(), None, &[("width_m", width)])?;
         let mut discs = deposit::deposit(&radii, width).map_err(no_place)?;
-        discs.iter_mut().for_each(|(x, _)| x.x += start);
+        for (x, _) in &mut discs {
+            x.x += start;
+        }
         Ok(discs)
     }
 
