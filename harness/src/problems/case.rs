@@ -106,7 +106,8 @@ impl CaseProblem {
 
 /// What was replaced in a case, as the source of its problem says it.
 pub(crate) fn replaced(overrides: &[(String, String)]) -> String {
-    overrides.iter().map(|(key, value)| format!(" {key} = {value}.")).collect()
+    let each: Vec<String> = overrides.iter().map(|(key, value)| format!(" {key} = {value}.")).collect();
+    each.concat()
 }
 
 /// The problem of a case, reached by a method.
