@@ -137,23 +137,20 @@ fn views<M: Studied>(parts: &InParts, team: &Team, own: &[Vec<Disc>]) -> Result<
         gap <= greatest,
         "within a time step bodies come {gap:e} m nearer: where ranks make a problem, it must be at most the greatest radius, {greatest:e} m"
     );
-    let view =
-        |((((part, march), own), names), seen): ((((u32, cases::March<M>), _), _), [Vec<usize>; 2])| {
-            let (own, [before, after]): (&Vec<Disc>, &[Vec<f64>; 2]) = (own, names);
-            let outer = |names: &[f64]| names.iter().map(|name| *name as u32).collect::<Vec<_>>();
-            let start = before.len();
-            let seen = seen.map(|some| some.into_iter().map(|k| k + start).collect());
-            Ok(View {
-                part,
-                frozen: march.next_up_to(gap)?.frozen,
-                grains: [outer(before), parts.numbers(part).collect(), outer(after)].concat(),
-                contacts: Vec::new(),
-                own: start..start + own.len(),
-                seen,
-            })
-        };
-    let all = mine().zip(marches).zip(own).zip(&names).zip(seen.clone());
-    agree(team, all.map(view).collect())
+    let view = |(k, march): (usize, cases::March<M>)| {
+        let ([before, after], part) = (&names[k], (team.mine().start + k) as u32);
+        let outer = |names: &[f64]| names.iter().map(|name| *name as u32).collect::<Vec<_>>();
+        let start = before.len();
+        Ok(View {
+            part,
+            frozen: march.next_up_to(gap)?.frozen,
+            grains: [outer(before), parts.numbers(part).collect(), outer(after)].concat(),
+            contacts: Vec::new(),
+            own: start..start + own[k].len(),
+            seen: seen[k].each_ref().map(|some| some.iter().map(|grain| grain + start).collect()),
+        })
+    };
+    agree(team, marches.into_iter().enumerate().map(view).collect())
 }
 
 impl<M: Studied> View<M> {

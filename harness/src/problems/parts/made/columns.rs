@@ -111,6 +111,8 @@ fn joined<M: Studied>(
             all.entry(grain as u32).or_default().push((subdomain, number));
         }
     }
-    all.values_mut().for_each(|copies| copies.sort_unstable());
+    for copies in all.values_mut() {
+        copies.sort_unstable();
+    }
     all
 }
