@@ -89,11 +89,8 @@ impl Case {
 
     /// The grains before time begins.
     pub(crate) fn grains<P: Place>(&self) -> Result<Vec<Grain<P>>, CaseError> {
-        let Scene { walls, drum, .. } = &self.scene;
-        let of_walls = || walls.as_ref().and_then(|walls| walls.width_m);
-        let width = drum.as_ref().map(Drum::square).or_else(of_walls);
-        let size = [width, walls.as_ref().and_then(|walls| walls.depth_m)];
-        let wrong = |message| CaseError::content(&self.path, message);
+        let size = [self.width(), self.scene.walls.as_ref().and_then(|walls| walls.depth_m)];
+        let wrong = |message| self.wrong(message);
         if self.in_space()? != (P::LEN > 2) {
             return Err(wrong("`sample.kind` is that of grains in another number of dimensions".to_owned()));
         }
@@ -102,7 +99,19 @@ impl Case {
         } else {
             self.scene.check_in_space().map_err(wrong)?;
         }
-        let mut grains: Vec<Grain<P>> = self.sample.grains_in(size, self.folder()).map_err(wrong)?;
+        self.in_place(self.sample.grains_in(size, self.folder()).map_err(wrong)?)
+    }
+
+    /// The width for a sample, if there are sides (m).
+    pub(crate) fn width(&self) -> Option<f64> {
+        let of_walls = || self.scene.walls.as_ref().and_then(|walls| walls.width_m);
+        self.scene.drum.as_ref().map(Drum::square).or_else(of_walls)
+    }
+
+    /// The grains of the sample, or some of them, where they are in the scene.
+    pub(crate) fn in_place<P: Place>(&self, mut grains: Vec<Grain<P>>) -> Result<Vec<Grain<P>>, CaseError> {
+        let Scene { walls, drum, .. } = &self.scene;
+        let wrong = |message| self.wrong(message);
         if matches!(self.sample, Sample::Deposited { .. } | Sample::DepositedSpheres { .. }) {
             let above = walls.as_ref().and_then(|walls| walls.bump_radius_m).unwrap_or(0.0);
             // From the foot of the walls to that of the square in the drum, or above the bumps of a floor.
@@ -129,6 +138,11 @@ impl Case {
             ))),
             None => Ok(grains),
         }
+    }
+
+    /// An error in its file.
+    pub(crate) fn wrong(&self, message: String) -> CaseError {
+        CaseError::content(&self.path, message)
     }
 
     fn folder(&self) -> &Path {

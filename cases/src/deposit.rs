@@ -10,12 +10,15 @@
 
 mod front;
 mod heights;
+mod seam;
 mod spheres;
 
-use front::{Front, Place, Placed};
+use front::{Front, Place};
 use heights::Heights;
 use nalgebra::Vector2;
 
+pub(crate) use front::Placed;
+pub(crate) use seam::Seam;
 pub(crate) use spheres::deposit_spheres;
 
 /// Centres and radii (m) of discs with the given radii, in a box of `width` (m) with a floor at y = 0; `Err` is the

@@ -13,6 +13,7 @@ use crate::frozen::Frozen;
 use crate::lid::Placed;
 use crate::marched::Marched;
 use crate::observables::{Missed, Observables, explosion, wall_impulses};
+use crate::sample::Grain;
 use crate::scene::Scene;
 use crate::stress::Stress;
 use contact::{Discs, Mass, Mechanics, Packing, Place, Solver, Touch, Vector, greatest};
@@ -65,7 +66,11 @@ impl<M: Marched> March<M> {
         if case.scene.is_rough() && !M::HAS_FRICTION {
             return Err(CaseError::Friction { name: case.name.clone() });
         }
-        let mut grains = case.grains::<M::Place>()?;
+        Ok(Self::of(case, case.grains::<M::Place>()?))
+    }
+
+    /// The scene of `case` with `grains`, at time 0.
+    pub(crate) fn of(case: &Case, mut grains: Vec<Grain<M::Place>>) -> Self {
         let [x, y] = case.scene.thrown_at_m_per_s;
         let mut velocity = vec![M::Place::of([x, y, 0.0]); grains.len()];
         let height = |k: &usize| grains[*k].position[1];
@@ -79,7 +84,7 @@ impl<M: Marched> March<M> {
             velocity.push(M::Place::of([lid.speed_m_per_s, 0.0, 0.0]));
             grains.push(body);
         }
-        Ok(Self {
+        Self {
             name: case.name.clone(),
             scene: case.scene.clone(),
             radius: grains.iter().map(|grain| grain.radius).collect(),
@@ -90,7 +95,7 @@ impl<M: Marched> March<M> {
             done: 0,
             last: Vec::new(),
             missed: None,
-        })
+        }
     }
 
     /// Time steps done.
@@ -162,7 +167,14 @@ impl<M: Marched> March<M> {
     /// # Errors
     /// A simulation that exploded has none.
     pub fn next(&self) -> Result<TimeStep<M>, CaseError> {
-        let Scene { time_step_s: h, theta, law, .. } = self.scene;
+        let (position, free_velocity) = self.free();
+        let reach = self.reach(&position, &free_velocity);
+        self.next_within(reach, position, free_velocity)
+    }
+
+    /// Where contacts are sought, and the velocities without them.
+    fn free(&self) -> (Vec<M::Place>, Vec<M::Velocity>) {
+        let Scene { time_step_s: h, theta, .. } = self.scene;
         // Contacts are sought at q + h(1−θ)V⁻, and V_free = V⁻ + M⁻¹Rᵈ.
         let position: Vec<_> = self
             .position
@@ -175,8 +187,18 @@ impl<M: Marched> March<M> {
         if let (Some(lid), Some(free)) = (self.scene.lid(), free_velocity.last_mut()) {
             *free -= M::translating(M::Place::of([0.0, lid.force_n * h / lid.mass_kg, 0.0]));
         }
+        (position, free_velocity)
+    }
 
-        let (contacts, near) = self.contacts(&position, &free_velocity);
+    /// The contact problem with contacts up to a gap of `reach` (m).
+    fn next_within(
+        &self,
+        reach: f64,
+        position: Vec<M::Place>,
+        free_velocity: Vec<M::Velocity>,
+    ) -> Result<TimeStep<M>, CaseError> {
+        let Scene { time_step_s: h, law, .. } = self.scene;
+        let (contacts, near) = self.contacts(&position, &free_velocity, reach);
         let keys = near.iter().map(|contact| (contact.candidate, contact.antagonist));
         let start = recall::<M>(&self.last, keys, &contacts);
         let gap = near.iter().map(|contact| contact.gap).collect();

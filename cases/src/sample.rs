@@ -1,10 +1,11 @@
 //! Samples: discs or spheres with radius, mass and place before time begins. What is random comes from the sample's seed.
 
-use crate::deposit;
+use crate::deposit::{self, Placed};
 use crate::placed::placed;
 use crate::rough::AnyFrozen;
 use crate::shapes;
 use crate::sizes::{Radii, Sizes, with_room};
+use crate::strips::{Strips, no_place};
 use contact::{Place, is_positive, shown};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
@@ -101,6 +102,11 @@ pub enum Sample {
         /// Height of the level that they are laid on, such as above the gate of a hopper (m).
         #[serde(default)]
         lift_m: f64,
+        /// Number of strips, side by side, each deposited on its own before the seams between them are filled: so
+        /// `gravel-mpi split` makes a sample that no machine holds. Without it the box is filled as a whole.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(range(min = 1))]
+        strips: Option<u32>,
         /// Mass per area (kg/m²).
         density_kg_per_m2: f64,
     },
@@ -259,14 +265,17 @@ impl Sample {
                 radius_m,
                 ref sizes,
                 intruder_radius_m,
-                lift_m,
                 density_kg_per_m2,
+                ..
             } => {
-                let radii = Radii { sizes, range: radius_m, dimensions: 2 }.drawn(grains, seed)?;
-                let radii = with_room(radii, radius_m[1], intruder_radius_m, &[("width_m", walls()?)])?;
-                let deposited = deposit::deposit(&radii, walls()?).map_err(no_place)?;
-                let discs = deposited.into_iter().map(|(x, radius)| [x.x, x.y + lift_m, 0.0, radius]);
-                (discs.collect(), density_kg_per_m2, 1.0)
+                let deposited = if let Some(strips) = self.strips(width)? {
+                    strips.whole()?
+                } else {
+                    let radii = Radii { sizes, range: radius_m, dimensions: 2 }.drawn(grains, seed)?;
+                    let radii = with_room(radii, radius_m[1], intruder_radius_m, &[("width_m", walls()?)])?;
+                    deposit::deposit(&radii, walls()?).map_err(no_place)?
+                };
+                (self.lifted(&deposited), density_kg_per_m2, 1.0)
             }
             Self::Spheres { ref spheres, density_kg_per_m3 } => (spheres.clone(), density_kg_per_m3, 1.0),
             Self::SimpleCubic { counts, radius_m, density_kg_per_m3 } => {
@@ -291,15 +300,56 @@ impl Sample {
             }
             Self::Frozen { ref file } => return checked(frozen(&folder.join(file))?.grains()),
         };
-        let grain = |&[x, y, z, radius]: &[f64; 4]| {
-            let of_disc = density * std::f64::consts::PI * radius * radius;
-            let mass = if P::LEN > 2 { of_disc * radius * 4.0 / 3.0 } else { of_disc };
-            Grain { radius, mass, position: P::of([x, y, z]) }
-        };
-        let mut grains: Vec<Grain<P>> = placed.iter().map(grain).collect();
+        let mut grains = homogeneous(&placed, density);
         grains.iter_mut().rev().take(1).for_each(|top| top.mass *= top_mass_ratio);
         checked(grains)
     }
+
+    /// The strips that it is deposited in, if it is in some, for a box of `width` (m).
+    pub(crate) fn strips(&self, width: Option<f64>) -> Result<Option<Strips<'_>>, String> {
+        let Self::Deposited { grains, seed, radius_m, sizes, intruder_radius_m, strips: Some(count), .. } =
+            self
+        else {
+            return Ok(None);
+        };
+        if *count == 0 {
+            return Err("`sample.strips` is 0: it must be at least 1".to_owned());
+        }
+        if let Some(radius) = intruder_radius_m {
+            return Err(format!(
+                "`sample.intruder_radius_m` is {}: with `sample.strips` it must be left out",
+                shown(*radius)
+            ));
+        }
+        let width = width.ok_or("`sample.strips` asks for side walls: it needs `scene.box.width_m`")?;
+        let radii = Radii { sizes, range: *radius_m, dimensions: 2 };
+        let strips = Strips { radii, seed: *seed, grains: *grains, count: *count, width };
+        strips.check()?;
+        Ok(Some(strips))
+    }
+
+    /// Discs that were deposited, at their level, as [x, y, z, radius] (m).
+    fn lifted(&self, deposited: &[Placed]) -> Vec<[f64; 4]> {
+        let lift_m = if let Self::Deposited { lift_m, .. } = self { *lift_m } else { 0.0 };
+        deposited.iter().map(|(x, radius)| [x.x, x.y + lift_m, 0.0, *radius]).collect()
+    }
+
+    /// The grains that some discs of its strips are.
+    pub(crate) fn grains_of<P: Place>(&self, deposited: &[Placed]) -> Result<Vec<Grain<P>>, String> {
+        let density =
+            if let Self::Deposited { density_kg_per_m2, .. } = self { *density_kg_per_m2 } else { 0.0 };
+        checked(homogeneous(&self.lifted(deposited), density))
+    }
+}
+
+/// Grains at [x, y, z, radius] (m), of one mass per area or volume (kg/m², kg/m³).
+fn homogeneous<P: Place>(placed: &[[f64; 4]], density: f64) -> Vec<Grain<P>> {
+    let grain = |&[x, y, z, radius]: &[f64; 4]| {
+        let of_disc = density * std::f64::consts::PI * radius * radius;
+        let mass = if P::LEN > 2 { of_disc * radius * 4.0 / 3.0 } else { of_disc };
+        Grain { radius, mass, position: P::of([x, y, z]) }
+    };
+    placed.iter().map(grain).collect()
 }
 
 impl Sample {
@@ -327,10 +377,6 @@ impl Sample {
 
 fn in_plane(discs: &[[f64; 3]]) -> Vec<[f64; 4]> {
     discs.iter().map(|&[x, y, radius]| [x, y, 0.0, radius]).collect()
-}
-
-fn no_place(radius: f64) -> String {
-    format!("`sample`: no place in the box holds a grain of radius {} m", shown(radius))
 }
 
 fn frozen(file: &Path) -> Result<AnyFrozen, String> {

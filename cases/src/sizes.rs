@@ -35,6 +35,7 @@ pub enum Sizes {
 const MOST_OUTSIDE: u32 = 10_000;
 
 /// A distribution in its range, in as many dimensions as grains have.
+#[derive(Clone, Copy)]
 pub(crate) struct Radii<'s> {
     pub(crate) sizes: &'s Sizes,
     /// Least and greatest (m).
@@ -49,9 +50,22 @@ impl Radii<'_> {
     /// # Errors
     /// Names the key and the value that have no meaning.
     pub(crate) fn drawn(&self, grains: u32, seed: u64) -> Result<Vec<f64>, String> {
+        self.stream(seed, 0)?.take(grains as usize).collect()
+    }
+
+    /// Radii without end (m), from one of the streams of random numbers that a seed has.
+    ///
+    /// # Errors
+    /// Those of [`Radii::drawn`].
+    pub(crate) fn stream(
+        &self,
+        seed: u64,
+        stream: u64,
+    ) -> Result<impl Iterator<Item = Result<f64, String>>, String> {
         self.check()?;
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        (0..grains).map(|_| self.one(&mut rng)).collect()
+        rng.set_stream(stream);
+        Ok(std::iter::repeat_with(move || self.one(&mut rng)))
     }
 
     fn one(&self, rng: &mut ChaCha8Rng) -> Result<f64, String> {

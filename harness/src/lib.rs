@@ -30,6 +30,7 @@ mod team {
     mod main;
     pub(crate) mod ping;
     pub(crate) mod solve;
+    pub(crate) mod split;
     #[cfg(test)]
     mod tests;
 
@@ -116,13 +117,16 @@ mod problems {
     pub(crate) use case::{CaseProblem, KeptProblem, first_hash, overrides, read_case};
     pub(crate) use files::{Kind, Root, is_toml, size, size_of_w, stem};
     pub(crate) use mechanics::{AnyProblem, Enter, Studied, Visit, enter, in_words, visit};
-    #[cfg(any(feature = "mpi", test))]
-    pub(crate) use parts::cut;
     pub(crate) use parts::{Impulses, Part};
     pub(crate) use planned::{PlannedProblem, Problem, planned, spectrum};
     pub(crate) use pool::pool;
     pub(crate) use reference::{Given, Known, answer};
     pub(crate) use scene::{Scene, TIME_STEP};
+    #[cfg(any(feature = "mpi", test))]
+    pub(crate) use {
+        case::replaced,
+        parts::{MadeOf, cut, make},
+    };
 }
 
 /// The plan file: methods with their settings, axes, rules.

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 /// Centre and radius (m).
-pub(super) type Placed = (Vector2<f64>, f64);
+pub(crate) type Placed = (Vector2<f64>, f64);
 
 /// Where a disc can lie.
 pub(super) struct Place {

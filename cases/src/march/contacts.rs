@@ -1,28 +1,54 @@
 //! The contacts of a time step: which are near, which the law lets in, and their impulses of the time step before.
 
-use super::March;
+use super::{March, TimeStep};
 use crate::bodies::bodies_near;
 use crate::detect::{DetectedContact, Side, walls_near};
+use crate::error::CaseError;
 use crate::marched::Marched;
 use crate::scene::{Law, Scene};
 use crate::walls::{MovingWall, WallMotion};
 use contact::{Place, Touch, Vector};
 
 impl<M: Marched> March<M> {
-    /// The contacts that the law lets in, with their offsets c, and the pairs that they are.
+    /// The greatest gap of a contact of the next time step, as far as these grains tell (m).
+    pub fn greatest_gap(&self) -> f64 {
+        let (position, free_velocity) = self.free();
+        self.reach(&position, &free_velocity)
+    }
+
+    /// The contact problem of the next time step, where others than these grains tell the greatest gap of a contact (m).
+    ///
+    /// # Errors
+    /// Those of [`March::next`].
+    pub fn next_up_to(&self, greatest_gap: f64) -> Result<TimeStep<M>, CaseError> {
+        let (position, free_velocity) = self.free();
+        self.next_within(greatest_gap, position, free_velocity)
+    }
+
+    /// When contacts are sought (s), and the walls then.
+    fn walls_at_detection(&self) -> (f64, [Option<MovingWall<M::Place>>; 5]) {
+        let Scene { time_step_s: h, theta, .. } = self.scene;
+        // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
+        let detection = (self.done as f64 + 1.0 - theta) * h;
+        (detection, self.scene.walls.as_ref().map_or([None; 5], |walls| walls.over(detection, h)))
+    }
+
+    /// The greatest gap that two bodies could close within the time step (m).
+    pub(super) fn reach(&self, position: &[M::Place], free_velocity: &[M::Velocity]) -> f64 {
+        let (_, walls) = self.walls_at_detection();
+        let approach = greatest_approach::<M>(free_velocity, position, &walls);
+        2.0 * self.scene.time_step_s * f64::max(approach, self.scene.fastest_segment())
+    }
+
+    /// The contacts with gaps of at most `reach` (m) that the law lets in, with their offsets c, and the pairs that they are.
     pub(super) fn contacts(
         &self,
         position: &[M::Place],
         free_velocity: &[M::Velocity],
+        reach: f64,
     ) -> (Vec<M::Contact>, Vec<DetectedContact<M::Place>>) {
-        let Scene { time_step_s: h, theta, law, contact_copies, .. } = self.scene;
-        // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
-        let detection = (self.done as f64 + 1.0 - theta) * h;
-        let walls = self.scene.walls.as_ref().map_or([None; 5], |walls| walls.over(detection, h));
-        let reach = 2.0
-            * h
-            * f64::max(greatest_approach::<M>(free_velocity, position, &walls), self.scene.fastest_segment());
-
+        let Scene { time_step_s: h, law, contact_copies, .. } = self.scene;
+        let (detection, walls) = self.walls_at_detection();
         let (grains, period) = (self.grain_count(), self.scene.period());
         let mut neighbours = self.neighbours.borrow_mut();
         let pairs = neighbours.contacts(&position[..grains], &self.radius[..grains], reach, period);

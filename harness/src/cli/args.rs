@@ -170,6 +170,23 @@ impl SceneArgs {
         pairs("scene", &self.case.overrides).chain(time_step)
     }
 
+    /// The case of a file, of which time step 1 is asked, and what is replaced in it.
+    #[cfg(any(feature = "mpi", test))]
+    pub(crate) fn case_at_first(&self, path: &Path) -> Result<(cases::Case, &[(String, String)])> {
+        if !is_toml(path) {
+            bail!("{}: it is a frozen problem, which `gravel split` splits", path.display());
+        }
+        let overrides = &self.case.overrides;
+        let case = cases::Case::read(path, overrides)?;
+        let time_step = self.time_step.clone().unwrap_or_else(|| case.solve_at.to_string());
+        if time_step != "1" {
+            bail!(
+                "--time-step {time_step}: it must be 1 where ranks make a problem, before anything has moved"
+            );
+        }
+        Ok((case, overrides))
+    }
+
     /// The problem of a file.
     pub(crate) fn problem(&self, path: &Path) -> Result<AnyFrozen> {
         if is_toml(path) {

@@ -15,18 +15,18 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// A frozen problem or a case: its name, or the path of its file
     #[arg(value_name = "PROBLEM-OR-CASE")]
-    problem: String,
+    pub(crate) problem: String,
     #[command(flatten)]
-    scene: SceneArgs,
+    pub(crate) scene: SceneArgs,
     /// Subdomains: a number, or columns x rows such as 8x8
     #[arg(long, value_name = "GRID", value_parser = read::<Grid>)]
-    subdomains: Grid,
+    pub(crate) subdomains: Grid,
     /// How the contacts are distributed: boxes or balanced
     #[arg(long, value_name = "RULE", default_value = "boxes", value_parser = read::<Scheme>)]
-    partition: Scheme,
+    pub(crate) partition: Scheme,
     /// The folder for the files, one per subdomain, which is made or empty
     #[arg(short, long, value_name = "FOLDER")]
-    output: PathBuf,
+    pub(crate) output: PathBuf,
 }
 
 #[derive(clap::Args)]
@@ -47,12 +47,18 @@ pub(crate) fn read<T: for<'v> Deserialize<'v>>(text: &str) -> Result<T, String> 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let path = root.problem_or_case(&args.problem)?;
     let folder = &args.output;
+    make_folder(folder)?;
+    let in_problem = || path.display().to_string();
+    visit(args.scene.problem(&path)?, Split { folder, args }).with_context(in_problem)
+}
+
+/// Makes an empty folder.
+pub(crate) fn make_folder(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     if fs::read_dir(folder).with_context(|| folder.display().to_string())?.next().is_some() {
         bail!("{}: the folder is not empty", folder.display());
     }
-    let in_problem = || path.display().to_string();
-    visit(args.scene.problem(&path)?, Split { folder, args }).with_context(in_problem)
+    Ok(())
 }
 
 struct Split<'a> {

@@ -93,9 +93,7 @@ impl CaseProblem {
         }
         bar.finish_and_clear();
         let mut frozen = march.next()?.frozen;
-        for (key, value) in &self.overrides {
-            write!(frozen.source, " {key} = {value}.")?;
-        }
+        frozen.source += &replaced(&self.overrides);
         frozen.source += how;
         if missed > 0 {
             let note = format!("{missed} of the {before} time steps before did not converge.");
@@ -104,6 +102,12 @@ impl CaseProblem {
         }
         Ok(M::any(frozen))
     }
+}
+
+/// What was replaced in a case, as the source of its problem says it.
+pub(crate) fn replaced(overrides: &[(String, String)]) -> String {
+    let each: Vec<String> = overrides.iter().map(|(key, value)| format!(" {key} = {value}.")).collect();
+    each.concat()
 }
 
 /// The problem of a case, reached by a method.

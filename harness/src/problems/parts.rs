@@ -12,6 +12,12 @@ use std::path::{Path, PathBuf};
 #[cfg(any(feature = "mpi", test))]
 use {cases::AnyFrozen, contact::Vector};
 
+#[cfg(any(feature = "mpi", test))]
+mod made;
+
+#[cfg(any(feature = "mpi", test))]
+pub(crate) use made::{MadeOf, make};
+
 const FORMAT: &str = "gravel/subdomain/1";
 
 /// The first line of the file of a subdomain.
@@ -88,19 +94,26 @@ impl Part {
                 grains: share.grains.clone(),
                 contacts: share.contacts.clone(),
             };
-            let alone = Frozen {
-                name: frozen.name.clone(),
-                source: frozen.source.clone(),
-                time_step: frozen.time_step,
-                radius: of(&frozen.radius, &share.grains),
-                gap: of(&frozen.gap, &share.contacts),
-                problem: share.problem,
-                start: Vec::new(),
-            };
-            let text = format!("{}\n{}", serde_json::to_string(&part)?, M::to_json(&alone)?);
-            write_whole(&Self::path(folder, e), &text)?;
+            part.write(
+                folder,
+                &Frozen {
+                    name: frozen.name.clone(),
+                    source: frozen.source.clone(),
+                    time_step: frozen.time_step,
+                    radius: of(&frozen.radius, &share.grains),
+                    gap: of(&frozen.gap, &share.contacts),
+                    problem: share.problem,
+                    start: Vec::new(),
+                },
+            )?;
         }
         Ok(())
+    }
+
+    /// Writes the file of a subdomain, `alone` the problem of its second line.
+    fn write<M: Studied>(&self, folder: &Path, alone: &Frozen<M>) -> Result<()> {
+        let text = format!("{}\n{}", serde_json::to_string(self)?, M::to_json(alone)?);
+        write_whole(&Self::path(folder, self.subdomain as usize), &text)
     }
 
     /// The first line of the file of a subdomain.

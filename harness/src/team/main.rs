@@ -1,9 +1,10 @@
 //! The command line of `gravel-mpi`, at each rank.
 
+use crate::cli::split::Args as SplitArgs;
 use crate::plan::read_external;
 use crate::problems::Root;
 use crate::run::{Posted, few, in_the_pool};
-use crate::team::{bench, ping, solve};
+use crate::team::{bench, ping, solve, split};
 use crate::terminal::exit;
 use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
@@ -30,6 +31,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Make a case in parts and write it as one file per subdomain, each rank its own: for scenes that no machine holds
+    Split(SplitArgs),
     /// Solve one contact problem with one method
     Solve(solve::Args),
     /// Run whatever is still missing from a plan, each run on all ranks; rank 0 stores its row
@@ -78,6 +81,7 @@ fn run(posted: &Posted, cli: &Cli) -> Result<ExitCode> {
     posted.agree(read_external(&root))?;
     exit::listen_for_interrupts().context("at this rank")?;
     match &cli.command {
+        Command::Split(args) => split::run(posted, &root, args),
         Command::Solve(args) => in_the_pool(|| solve::run(posted, &root, args)),
         Command::Ping(args) => ping::run(posted, args),
         Command::Bench(args) => in_the_pool(|| bench::run(posted, root.needed()?, args)),

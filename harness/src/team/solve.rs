@@ -107,7 +107,7 @@ impl Held {
 }
 
 /// The most memory that this process has had (B), where the system tells.
-fn peak_memory_bytes() -> Option<f64> {
+pub(crate) fn peak_memory_bytes() -> Option<f64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.strip_suffix("kB"))?;
     kilobytes.trim().parse::<f64>().ok().map(|kilobytes| 1024.0 * kilobytes)

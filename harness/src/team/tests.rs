@@ -21,6 +21,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use tempfile::TempDir;
 
+mod in_parts;
+
 #[derive(Parser)]
 struct Split {
     #[command(flatten)]

@@ -55,30 +55,57 @@ pub(crate) fn kappa_of(depth: u32, contacts: u64, grains: u64) -> f64 {
 
 /// n of [`derived_kappa`]; 0 where no wall pushes.
 pub fn depth_of<M: Mechanics>(problem: &ContactProblem<M>) -> u32 {
-    let b = problem.b();
-    let normals = || b.iter().step_by(M::Impulse::LEN);
-    let walls = || problem.contacts().iter().zip(normals()).filter(|(contact, _)| contact.ends().1.is_none());
-    let fastest = walls().fold(0.0_f64, |fastest, (_, b)| fastest.max(-b));
-    let pushed: Vec<u32> =
-        walls().filter(|(_, b)| -**b > 0.1 * fastest).map(|(contact, _)| contact.ends().0).collect();
-    depth(problem, &pushed)
+    let mut depth = pushed(problem, fastest_wall(problem));
+    deepen(problem, &mut depth);
+    depth.into_iter().max().unwrap_or(0)
 }
 
-/// Number of grains on the longest of the shortest paths from `sources`, these included.
-fn depth<M: Mechanics>(problem: &ContactProblem<M>, sources: &[u32]) -> u32 {
-    let (contacts, adjacency) = (problem.contacts(), Adjacency::of(problem));
-    let touched = |grain: &u32| {
-        let around = adjacency.around(*grain as usize).iter();
-        around.flat_map(|contact| contacts[*contact as usize].grains())
-    };
-    let mut reached = vec![false; problem.grain_count()];
-    let mut layer: Vec<u32> = sources.to_vec();
-    layer.retain(|grain| !std::mem::replace(&mut reached[*grain as usize], true));
-    let mut depth = 0;
-    while !layer.is_empty() {
-        depth += 1;
-        let touched = layer.iter().flat_map(touched);
-        layer = touched.filter(|grain| !std::mem::replace(&mut reached[*grain as usize], true)).collect();
+/// Each contact with a wall: the grain, and the speed at which they would come together (m/s).
+fn walls<M: Mechanics>(problem: &ContactProblem<M>) -> Vec<(u32, f64)> {
+    let b = problem.b();
+    let normals = b.iter().step_by(M::Impulse::LEN);
+    let walls = problem.contacts().iter().zip(normals).filter(|(contact, _)| contact.ends().1.is_none());
+    walls.map(|(contact, b)| (contact.ends().0, -b)).collect()
+}
+
+/// The greatest speed at which a wall and a grain would come together (m/s).
+pub fn fastest_wall<M: Mechanics>(problem: &ContactProblem<M>) -> f64 {
+    walls(problem).into_iter().fold(0.0_f64, |fastest, (_, speed)| fastest.max(speed))
+}
+
+/// The depth of each grain as far as it is known at once: 1 where a wall pushes, beside one as fast as the `fastest` (m/s), else 0.
+pub fn pushed<M: Mechanics>(problem: &ContactProblem<M>, fastest: f64) -> Vec<u32> {
+    let mut depth = vec![0; problem.grain_count()];
+    for (grain, speed) in walls(problem) {
+        if speed > 0.1 * fastest {
+            depth[grain as usize] = 1;
+        }
     }
     depth
+}
+
+/// Gives each grain the least depth that those given have for it: one more than that of a grain which it touches; 0 is none.
+pub fn deepen<M: Mechanics>(problem: &ContactProblem<M>, depth: &mut [u32]) {
+    let (contacts, adjacency) = (problem.contacts(), Adjacency::of(problem));
+    let mut given: Vec<u32> = (0..depth.len() as u32).filter(|grain| depth[*grain as usize] > 0).collect();
+    given.sort_by_key(|grain| depth[*grain as usize]);
+    let mut given = given.into_iter().peekable();
+    let (mut level, mut layer) = (0, Vec::new());
+    while !layer.is_empty() || given.peek().is_some() {
+        level += 1;
+        layer.extend(std::iter::from_fn(|| given.next_if(|grain| depth[*grain as usize] <= level)));
+        let mut next = Vec::new();
+        for grain in layer {
+            for touched in
+                adjacency.around(grain as usize).iter().flat_map(|k| contacts[*k as usize].grains())
+            {
+                let known = &mut depth[touched as usize];
+                if *known == 0 || *known > level + 1 {
+                    *known = level + 1;
+                    next.push(touched);
+                }
+            }
+        }
+        layer = next;
+    }
 }

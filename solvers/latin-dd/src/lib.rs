@@ -36,7 +36,7 @@ mod subdomain;
 #[cfg(test)]
 mod tests;
 
-pub use directions::{Directions, depth_of, derived_kappa};
+pub use directions::{Directions, deepen, depth_of, derived_kappa, fastest_wall, pushed};
 pub use run::Run;
 pub use stages::{Form, Stages};
 

@@ -118,6 +118,40 @@ impl Team {
         lists
     }
 
+    /// The lists that the subdomains before and after each own one have for it; `own` are those that each has for these two.
+    ///
+    /// # Panics
+    /// If there is not one pair of lists for each own subdomain.
+    pub fn from_beside(&self, own: &[[Vec<f64>; 2]]) -> Vec<[Vec<f64>; 2]> {
+        assert_eq!(own.len(), self.mine().len(), "each subdomain has lists for those beside it");
+        let (rank, last) = (self.rank(), own.len() - 1);
+        let before = rank.checked_sub(1).map(|rank| (rank, &own[0][0]));
+        let after = Some((rank + 1, &own[last][1])).filter(|(rank, _)| *rank < self.size());
+        let others: Vec<(usize, &Vec<f64>)> = before.into_iter().chain(after).collect();
+        let sent = |numbers: &dyn Fn(&Vec<f64>) -> Vec<f64>| -> Vec<Parcel> {
+            others.iter().map(|(rank, list)| Parcel { rank: *rank, numbers: numbers(list) }).collect()
+        };
+        let mut received = sent(&|_| vec![0.0]);
+        self.swap(&sent(&|list| vec![list.len() as f64]), &mut received);
+        for Parcel { numbers, .. } in &mut received {
+            *numbers = vec![0.0; numbers[0] as usize];
+        }
+        self.swap(&sent(&|list| list.clone()), &mut received);
+        let mut of_rank = |other: usize| {
+            let parcel = received.iter_mut().find(|parcel| parcel.rank == other);
+            parcel.map_or(Vec::new(), |parcel| std::mem::take(&mut parcel.numbers))
+        };
+        let mut outer = [rank.checked_sub(1).map_or(Vec::new(), &mut of_rank), of_rank(rank + 1)];
+        (0..=last)
+            .map(|k| {
+                [
+                    if k > 0 { own[k - 1][1].clone() } else { std::mem::take(&mut outer[0]) },
+                    if k < last { own[k + 1][0].clone() } else { std::mem::take(&mut outer[1]) },
+                ]
+            })
+            .collect()
+    }
+
     /// What becomes of `state` when one rank after the other has gone on with it.
     pub fn in_turn(&self, mut state: Vec<f64>, go_on: impl FnOnce(&mut [f64])) -> Vec<f64> {
         let (rank, last) = (self.rank(), self.size() - 1);

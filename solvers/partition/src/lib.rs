@@ -13,7 +13,7 @@ mod team;
 
 pub use decomposition::{Decomposition, Subdomain};
 pub use grid::Grid;
-pub use scheme::{Partition, Scheme};
-pub use share::{Distributed, Refused, Share, Whole};
+pub use scheme::{Partition, Scheme, boxes};
+pub use share::{Distributed, Refused, Share, Whole, some_of};
 pub use sums::{CopySums, Sendable, Sums};
 pub use team::{Parcel, Post, Team, Traffic};

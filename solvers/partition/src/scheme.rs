@@ -87,15 +87,15 @@ impl Scheme {
         )?;
         let subdomain = match self {
             _ if grid.count() == 1 => vec![0; points.len()],
-            Self::Boxes => boxes(points, extent, grid),
+            Self::Boxes => boxes(points, P::extent(extent.iter().copied()), grid),
             Self::Balanced => balanced(points, weights, grid),
         };
         Ok(Partition { subdomain, count: grid.nx * grid.ny * grid.nz })
     }
 }
 
-fn boxes<P: Place>(points: &[P], extent: &[P], grid: Grid) -> Vec<u32> {
-    let [low, high] = P::extent(extent.iter().copied());
+/// The box of each point among those that divide the box with the corners `low` and `high`.
+pub fn boxes<P: Place>(points: &[P], [low, high]: [P; 2], grid: Grid) -> Vec<u32> {
     // Along an axis without extent (a column) everything is in the first box.
     let index = |x: f64, low: f64, high: f64, n: u32| {
         if high > low { (((x - low) / (high - low) * f64::from(n)) as u32).min(n - 1) } else { 0 }

@@ -227,7 +227,10 @@ fn place(numbers: &[u32], number: u32) -> u32 {
 }
 
 /// Some contacts of a problem, between some grains, which have those that the contacts touch; both rising.
-fn some_of<M: Mechanics>(
+///
+/// # Errors
+/// None: what is taken from a problem is valid.
+pub fn some_of<M: Mechanics>(
     problem: &Packing<M>,
     contacts: &[u32],
     grains: &[u32],

@@ -251,6 +251,24 @@ fn sums_go_along_one_tree_whatever_the_ranks() {
     }
 }
 
+#[test]
+fn lists_go_to_the_subdomains_beside() {
+    // Subdomain e tells the one before it e times its number, and the one after it e + 1 times the negative.
+    let told = |e: usize| [vec![e as f64; e], vec![-(e as f64); e + 1]];
+    for subdomains in 1..7 {
+        for size in 1..=subdomains {
+            let heard = simulated(size, |post| {
+                let team = Team::new(post, subdomains).unwrap();
+                team.from_beside(&team.mine().map(told).collect::<Vec<_>>())
+            });
+            for (e, [before, after]) in heard.into_iter().flatten().enumerate() {
+                assert_eq!(before, e.checked_sub(1).map_or(Vec::new(), |e| told(e)[1].clone()));
+                assert_eq!(after, if e + 1 < subdomains { told(e + 1)[0].clone() } else { Vec::new() });
+            }
+        }
+    }
+}
+
 fn tree(values: &[[f64; 2]]) -> [f64; 2] {
     if let [value] = values {
         return *value;
