@@ -214,7 +214,7 @@ impl Marched for RoughSpheres {
 /// 2¹⁰⁰: a body with so many times its moment of inertia turns by less than round-off shows.
 const UNTURNED: f64 = (1_u128 << 100) as f64;
 
-/// The grain, or the lid, that an antagonist is, unless it is a wall.
+/// The grain, the lid or the driven segment that an antagonist is, unless it is a wall.
 fn grain(antagonist: Side) -> Option<u32> {
-    if let Side::Grain(j) | Side::Lid(j, _) = antagonist { Some(j) } else { None }
+    if let Side::Grain(j) | Side::Lid(j, _) | Side::Driven(j, _) = antagonist { Some(j) } else { None }
 }

@@ -98,6 +98,8 @@ pub enum Sample {
         sizes: Sizes,
         /// Radius of one disc in the midst of the others, in place of its own (m).
         intruder_radius_m: Option<f64>,
+        /// Width of the place that they are laid in, from x = 0 on, where the box is wider or there is none (m).
+        width_m: Option<f64>,
         /// Height of the level that they are laid on, such as above the gate of a hopper (m).
         #[serde(default)]
         lift_m: f64,
@@ -259,12 +261,17 @@ impl Sample {
                 radius_m,
                 ref sizes,
                 intruder_radius_m,
+                width_m,
                 lift_m,
                 density_kg_per_m2,
             } => {
                 let radii = Radii { sizes, range: radius_m, dimensions: 2 }.drawn(grains, seed)?;
-                let radii = with_room(radii, radius_m[1], intruder_radius_m, &[("width_m", walls()?)])?;
-                let deposited = deposit::deposit(&radii, walls()?).map_err(no_place)?;
+                let laid = match width_m {
+                    Some(width) => ("sample.width_m", width),
+                    None => ("scene.box.width_m", walls()?),
+                };
+                let radii = with_room(radii, radius_m[1], intruder_radius_m, &[laid])?;
+                let deposited = deposit::deposit(&radii, laid.1).map_err(no_place)?;
                 let discs = deposited.into_iter().map(|(x, radius)| [x.x, x.y + lift_m, 0.0, radius]);
                 (discs.collect(), density_kg_per_m2, 1.0)
             }
@@ -285,7 +292,7 @@ impl Sample {
                 let behind = "`sample.kind` asks for walls behind and before: it needs `scene.box.depth_m`";
                 let size = [walls()?, depth.ok_or(behind)?];
                 let radii = Radii { sizes, range: radius_m, dimensions: 3 }.drawn(grains, seed)?;
-                let room = [("width_m", size[0]), ("depth_m", size[1])];
+                let room = [("scene.box.width_m", size[0]), ("scene.box.depth_m", size[1])];
                 let radii = with_room(radii, radius_m[1], None, &room)?;
                 (deposit::deposit_spheres(&radii, size, seed), density_kg_per_m3, 1.0)
             }
