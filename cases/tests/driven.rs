@@ -76,8 +76,9 @@ fn a_platform_that_vibrates_keeps_a_disc_on_it_below_g() {
     // A (2π f)² = 0.9 g.
     let omega = std::f64::consts::TAU * 2.0;
     let amplitude = 9.0 / (omega * omega);
-    let vibration =
-        format!("vibration = {{ amplitude_m = {amplitude}, frequency_hz = 2.0, direction = \"y\", start_s = 0.005 }}\n");
+    let vibration = format!(
+        "vibration = {{ amplitude_m = {amplitude}, frequency_hz = 2.0, direction = \"y\", start_s = 0.005 }}\n"
+    );
     let case = scene("[[0.0, 1.5, 0.5]]", &format!("{LEVEL}{vibration}")).unwrap();
     let mut march = March::<Discs>::new(&case).unwrap();
     for k in 1..100 {
