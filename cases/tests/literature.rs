@@ -2,20 +2,17 @@
 
 #![allow(clippy::unwrap_used)]
 
-use cases::{Case, March, Marched, Sample};
+use cases::{Case, March, Marched};
 use contact::{Discs, Measure, RoughDiscs, RoughSpheres, Solver, Spheres};
 use nsgs::Nsgs;
 use runner::Stop;
 use std::path::{Path, PathBuf};
 
-/// As many grains are enough where they are laid.
-const GRAINS: &str = "60";
-
 fn two_time_steps<M: Marched>(case: &Case) -> usize
 where
     Nsgs: Solver<M>,
 {
-    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-2, max_iterations: 200 };
+    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-2, max_iterations: 50 };
     let mut march = March::<M>::new(case).unwrap_or_else(|error| panic!("{error}"));
     let mut contacts = 0;
     for _ in 0..2 {
@@ -28,14 +25,9 @@ where
 }
 
 fn run(path: &Path) -> usize {
-    let read = |overrides: &[(String, String)]| {
-        Case::read(path, overrides).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-    };
-    let case = read(&[]);
+    let case = Case::read(path, &[]).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     assert_eq!(Some(case.name.as_str()), path.file_stem().and_then(|stem| stem.to_str()));
     assert!(case.source.chars().any(|c| c.is_ascii_digit()), "{}: a source has its year", case.name);
-    let is_laid = matches!(case.sample, Sample::Deposited { .. } | Sample::DepositedSpheres { .. });
-    let case = if is_laid { read(&[("sample.grains".to_owned(), GRAINS.to_owned())]) } else { case };
     match (case.in_space().unwrap(), case.scene.is_rough()) {
         (false, false) => two_time_steps::<Discs>(&case),
         (false, true) => two_time_steps::<RoughDiscs>(&case),
