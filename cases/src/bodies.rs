@@ -121,7 +121,7 @@ pub(crate) fn bodies_near<P: Place>(
         side: |_, k| Side::Bump(k),
     });
     let near = move |(number, segment): (u32, &Segment)| {
-        segment.near((number, time), grain, (position, radius), reach)
+        segment.near((number, time, scene.time_step_s), grain, (position, radius), reach)
     };
     drum.into_iter()
         .chain(bumps.into_iter().flat_map(move |bumps| bumps.near(0, grain, (position, radius), reach)))

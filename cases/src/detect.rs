@@ -28,6 +28,10 @@ pub enum Side {
     Grain(u32),
     /// The lid, by its index among the bodies, and the bump of it, if it has some.
     Lid(u32, i32),
+    /// A segment that a force drives, by its index among the bodies, and its place in the scene's list.
+    Driven(u32, u32),
+    /// One of the two guides of such a segment.
+    Guide(u32),
 }
 
 /// The walls of a box, in the order of its contacts; the last two are in space only.

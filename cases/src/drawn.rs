@@ -76,18 +76,7 @@ fn outlines<P: Place>(
     (from, to_x): ([f64; 3], f64),
     z: [f64; 2],
 ) -> Vec<(Side, Vec<P>)> {
-    let circle = move |side: Side, [x, y]: [f64; 2], radius: f64, sides: u32| {
-        let at = move |k: u32| {
-            let angle = std::f64::consts::TAU * f64::from(k) / f64::from(SIDES);
-            [x + radius * libm::cos(angle), y + radius * libm::sin(angle)]
-        };
-        (0..sides).map(move |k| {
-            let ([x0, y0], [x1, y1]) = (at(k), at(k + 1));
-            let corners = [[x0, y0, z[0]], [x1, y1, z[0]], [x1, y1, z[1]], [x0, y0, z[1]]];
-            (side, corners.into_iter().take(if P::LEN > 2 { 4 } else { 2 }).map(P::of).collect())
-        })
-    };
-    let drum = scene.drum.into_iter().flat_map(|drum| circle(Side::Drum, [0.0; 2], drum.radius_m, SIDES));
+    let drum = scene.drum.into_iter().flat_map(|drum| arc(Side::Drum, [0.0; 2], drum.radius_m, SIDES, z));
     let bump_radius = scene.walls.as_ref().and_then(|walls| walls.bump_radius_m);
     let bumps = bump_radius.into_iter().flat_map(|a| {
         let last = ((to_x - from[0]) / (2.0 * a)).ceil() as i32;
@@ -102,27 +91,40 @@ fn outlines<P: Place>(
                 let centre = [along(k), from[1], 2.0 * a * f64::from(row)];
                 dome(centre, a).map(|corners| (side, corners.map(P::of).to_vec())).collect()
             } else {
-                circle(side, [along(k), from[1]], a, SIDES / 2).collect()
+                arc(side, [along(k), from[1]], a, SIDES / 2, z).collect()
             }
         })
     });
     let segments = (0..).zip(&scene.segments).flat_map(|(number, segment)| {
-        let side = Side::Segment(number);
-        segment.ends::<P>(time).into_iter().flat_map(move |[from, to]| {
-            let (along, radius) = (to - from, segment.radius_m);
-            let length = along.length();
-            let aside = P::of([-along[1], along[0], 0.0]) * if length > 0.0 { radius / length } else { 0.0 };
-            let ends = if radius > 0.0 { vec![from, to] } else { Vec::new() };
-            let round = ends.into_iter().flat_map(move |end| circle(side, [end[0], end[1]], radius, SIDES));
-            let flat = if length == 0.0 {
-                Vec::new()
-            } else if radius > 0.0 {
-                vec![(side, vec![from + aside, to + aside]), (side, vec![from - aside, to - aside])]
-            } else {
-                vec![(side, vec![from, to])]
-            };
-            flat.into_iter().chain(round)
-        })
+        segment.ends::<P>(time).map_or_else(Vec::new, |ends| segment.outline(Side::Segment(number), ends))
     });
     drum.chain(bumps).chain(segments).collect()
+}
+
+/// A circle in the plane (m).
+pub(crate) fn circle<P: Place>(
+    side: Side,
+    centre: [f64; 2],
+    radius: f64,
+) -> impl Iterator<Item = (Side, Vec<P>)> {
+    arc(side, centre, radius, SIDES, [0.0; 2])
+}
+
+/// The first of the sides that stand for a circle (m), and in space what they sweep between two z.
+fn arc<P: Place>(
+    side: Side,
+    [x, y]: [f64; 2],
+    radius: f64,
+    sides: u32,
+    z: [f64; 2],
+) -> impl Iterator<Item = (Side, Vec<P>)> {
+    let at = move |k: u32| {
+        let angle = std::f64::consts::TAU * f64::from(k) / f64::from(SIDES);
+        [x + radius * libm::cos(angle), y + radius * libm::sin(angle)]
+    };
+    (0..sides).map(move |k| {
+        let ([x0, y0], [x1, y1]) = (at(k), at(k + 1));
+        let corners = [[x0, y0, z[0]], [x1, y1, z[0]], [x1, y1, z[1]], [x0, y0, z[1]]];
+        (side, corners.into_iter().take(if P::LEN > 2 { 4 } else { 2 }).map(P::of).collect())
+    })
 }

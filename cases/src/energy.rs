@@ -21,7 +21,7 @@ use std::ops::AddAssign;
 /// The energy of a time step, or of several (J). What gives energy to the grains is positive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
-    /// Work of the walls' motion, and of the force on a lid.
+    /// Work of the walls' motion, and of the forces on a lid and on driven segments.
     pub walls: f64,
     /// Work of the law's gap term.
     pub gap: f64,
@@ -77,9 +77,13 @@ impl Energy {
             let moved = M::translation(*before * (1.0 - theta) + *after * theta) * h;
             potential += M::weight(*mass) * gravity.dot_product(moved);
         }
-        if let (Some(lid), Some((before, after))) = (scene.lid(), before.last().zip(after.last())) {
+        let forces = scene.forces::<M::Place>();
+        let bodies = before.len() - forces.len()..;
+        for ((_, force), (before, after)) in
+            forces.iter().zip(before[bodies.clone()].iter().zip(&after[bodies]))
+        {
             let moved = M::translation(*before * (1.0 - theta) + *after * theta) * h;
-            energy.walls -= lid.force_n * moved[1];
+            energy.walls += force.dot_product(moved);
         }
         let parts = [energy.walls, energy.gap, energy.shocks, energy.sliding];
         let changes = [kinetic, potential];

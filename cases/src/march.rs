@@ -7,6 +7,7 @@ use crate::bulk::Bulk;
 use crate::case::Case;
 use crate::detect::{Neighbours, Side};
 use crate::drawn::drawn;
+use crate::driven;
 use crate::energy::Energy;
 use crate::error::CaseError;
 use crate::frozen::Frozen;
@@ -84,6 +85,11 @@ impl<M: Marched> March<M> {
             velocity.push(M::Place::of([lid.speed_m_per_s, 0.0, 0.0]));
             grains.push(body);
         }
+        for body in case.scene.driven_bodies(&grains) {
+            mass.push(M::unturned(M::mass(&body)));
+            velocity.push(M::Place::ZERO);
+            grains.push(body);
+        }
         Self {
             name: case.name.clone(),
             scene: case.scene.clone(),
@@ -103,9 +109,9 @@ impl<M: Marched> March<M> {
         self.done
     }
 
-    /// Number of grains; a lid is none.
+    /// Number of grains; a lid is none, nor is a driven segment.
     pub fn grain_count(&self) -> usize {
-        self.radius.len() - usize::from(self.scene.lid().is_some())
+        self.radius.len() - self.scene.body_count()
     }
 
     /// Mean diameter of the grains (m).
@@ -114,7 +120,8 @@ impl<M: Marched> March<M> {
         2.0 * radius.iter().sum::<f64>() / radius.len() as f64
     }
 
-    /// Where another grain is, seen from a place: through a periodic side if that is nearer; none of a lid, which is everywhere.
+    /// Where another grain is, seen from a place: through a periodic side if that is nearer; none of other bodies, which
+    /// are everywhere.
     pub fn beside(&self, place: M::Place, other: u32) -> Option<M::Place> {
         let there = (self.position.get(other as usize)).filter(|_| (other as usize) < self.grain_count())?;
         let period = self.scene.period();
@@ -130,7 +137,7 @@ impl<M: Marched> March<M> {
         Some(Placed { scene: &self.scene, body: body as u32, foot })
     }
 
-    /// The grains, and last a lid, as they are: radius (m), place (m) and velocity (m/s) of each.
+    /// The grains, and last a lid or driven segments, as they are: radius (m), place (m) and velocity (m/s) of each.
     pub fn grains(&self) -> impl Iterator<Item = (f64, M::Place, M::Place)> {
         self.radius
             .iter()
@@ -159,6 +166,7 @@ impl<M: Marched> March<M> {
         };
         let mut walls = drawn(&self.scene, self.done as f64 * self.scene.time_step_s, reach);
         walls.extend(self.lid(&self.position).and_then(Placed::drawn));
+        walls.extend(self.scene.driven_at(&self.position).iter().flat_map(driven::Placed::drawn));
         walls
     }
 
@@ -184,8 +192,9 @@ impl<M: Marched> March<M> {
             .collect();
         let taken = M::translating(self.scene.gravity::<M::Place>() * h);
         let mut free_velocity: Vec<_> = self.velocity.iter().map(|v| *v - taken).collect();
-        if let (Some(lid), Some(free)) = (self.scene.lid(), free_velocity.last_mut()) {
-            *free -= M::translating(M::Place::of([0.0, lid.force_n * h / lid.mass_kg, 0.0]));
+        let grains = self.grain_count();
+        for (free, (mass, force)) in free_velocity[grains..].iter_mut().zip(self.scene.forces::<M::Place>()) {
+            *free += M::translating(force * h / mass);
         }
         (position, free_velocity)
     }
@@ -301,6 +310,7 @@ impl<M: Marched> March<M> {
         let mass = || self.mass[..grains].iter().map(|mass| M::weight(*mass));
         let moment = mass().zip(&self.position).map(|(m, q)| m * q[1]);
         let height = self.lid(time_step.frozen.problem.position()).map(|lid| lid.foot[1]);
+        let area = self.scene.period().0.zip(height).map(|(width, height)| width * height);
         let overlaps = || time_step.frozen.gap.iter().map(|gap| f64::max(0.0, -gap));
         let time = self.done as f64 * self.scene.time_step_s;
         Observables {
@@ -312,7 +322,7 @@ impl<M: Marched> March<M> {
             wall_impulses: wall_impulses(&time_step.sides, &r.iter().step_by(M::Impulse::LEN).copied()),
             contacts: time_step.sides.len(),
             energy,
-            stress: Stress::of(time_step, &self.scene, (grains, height), r),
+            stress: Stress::of(time_step, &self.scene, (grains, area), r),
             bulk: Bulk::of(time_step, &self.scene, (grains, time), r),
             greatest_speed: greatest(self.velocity.iter().map(|v| M::translation(*v).length())),
         }

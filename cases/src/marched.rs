@@ -4,7 +4,7 @@ use crate::detect::{DetectedContact, Side};
 use crate::sample::Grain;
 use crate::walls::WallMotion;
 use analysis::Refutable;
-use contact::{Contact, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, frame};
+use contact::{Contact, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, Touch, frame};
 use nalgebra::{SVector, Vector2, Vector3, Vector6};
 
 /// A mechanics that scenes march with.
@@ -146,6 +146,17 @@ impl Marched for RoughDiscs {
     fn to_candidate(contact: &RoughContact, r: Vector2<f64>) -> Vector2<f64> {
         contact.normal * r.x + contact.tangent() * r.y
     }
+
+    /// Where a contact opens, round-off of what it was before can be more than μ times what is left.
+    fn recalled(contact: &RoughContact, kept: Vector2<f64>) -> Vector2<f64> {
+        let bound = contact.friction * kept.x.max(0.0);
+        // To the bit where the solver's start is admitted.
+        if contact.is_admissible(kept) {
+            kept
+        } else {
+            Vector2::new(kept.x.max(0.0), kept.y.clamp(-bound, bound))
+        }
+    }
 }
 
 impl Marched for RoughSpheres {
@@ -214,7 +225,33 @@ impl Marched for RoughSpheres {
 /// 2¹⁰⁰: a body with so many times its moment of inertia turns by less than round-off shows.
 const UNTURNED: f64 = (1_u128 << 100) as f64;
 
-/// The grain, or the lid, that an antagonist is, unless it is a wall.
+/// The grain, the lid or the driven segment that an antagonist is, unless it is a wall.
 fn grain(antagonist: Side) -> Option<u32> {
-    if let Side::Grain(j) | Side::Lid(j, _) = antagonist { Some(j) } else { None }
+    if let Side::Grain(j) | Side::Lid(j, _) | Side::Driven(j, _) = antagonist { Some(j) } else { None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Marched;
+    use contact::{RoughContact, RoughDiscs, Touch};
+    use nalgebra::Vector2;
+
+    #[test]
+    fn round_off_of_a_contact_that_opened_is_admitted_in_the_next_time_step() {
+        let contact = RoughContact {
+            candidate: 0,
+            antagonist: None,
+            normal: Vector2::new(0.0, 1.0),
+            arms: Vector2::new(1.0, 0.0),
+            offset: Vector2::zeros(),
+            friction: 0.5,
+        };
+        let recalled = |r: [f64; 2]| RoughDiscs::recalled(&contact, Vector2::from(r));
+        // As Gauss-Seidel left it of impulses of 1 N·s.
+        let left = recalled([1.7766237262946734e-16, 8.883536924695433e-17]);
+        assert!(contact.is_admissible(left) && left.x == 1.7766237262946734e-16, "{left}");
+        for inside in [[2.0, 1.0], [2.0, -0.3], [0.0, 0.0]] {
+            assert_eq!(recalled(inside), Vector2::from(inside));
+        }
+    }
 }

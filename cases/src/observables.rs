@@ -22,7 +22,7 @@ pub struct Observables {
     pub greatest_overlap: f64,
     /// All overlaps of that problem together, per grain (m).
     pub mean_overlap: f64,
-    /// Sums of the normal impulses that the floor with its bumps, or the drum, and all segments gave in the time step, then the walls
+    /// Sums of the normal impulses that the floor with its bumps, or the drum, and all segments that no force drives gave in the time step, then the walls
     /// left and right, and in space those behind and before (N·s). Where there is a lid, left and right are its guides.
     pub wall_impulses: [f64; 5],
     /// Contacts of the problem.
@@ -136,7 +136,7 @@ pub(crate) fn wall_impulses(sides: &[Side], r: &(impl Iterator<Item = f64> + Clo
             Side::Right => sums[2] += r,
             Side::Back => sums[3] += r,
             Side::Front => sums[4] += r,
-            Side::Grain(_) | Side::Lid(..) => {}
+            Side::Grain(_) | Side::Lid(..) | Side::Driven(..) | Side::Guide(_) => {}
         }
     }
     sums

@@ -99,6 +99,8 @@ pub enum Sample {
         sizes: Sizes,
         /// Radius of one disc in the midst of the others, in place of its own (m).
         intruder_radius_m: Option<f64>,
+        /// Width of the place that they are laid in, from x = 0 on, where the box is wider or there is none (m).
+        width_m: Option<f64>,
         /// Height of the level that they are laid on, such as above the gate of a hopper (m).
         #[serde(default)]
         lift_m: f64,
@@ -265,6 +267,7 @@ impl Sample {
                 radius_m,
                 ref sizes,
                 intruder_radius_m,
+                width_m,
                 density_kg_per_m2,
                 ..
             } => {
@@ -272,8 +275,12 @@ impl Sample {
                     strips.whole()?
                 } else {
                     let radii = Radii { sizes, range: radius_m, dimensions: 2 }.drawn(grains, seed)?;
-                    let radii = with_room(radii, radius_m[1], intruder_radius_m, &[("width_m", walls()?)])?;
-                    deposit::deposit(&radii, walls()?).map_err(no_place)?
+                    let laid = match width_m {
+                        Some(width) => ("sample.width_m", width),
+                        None => ("scene.box.width_m", walls()?),
+                    };
+                    let radii = with_room(radii, radius_m[1], intruder_radius_m, &[laid])?;
+                    deposit::deposit(&radii, laid.1).map_err(no_place)?
                 };
                 (self.lifted(&deposited), density_kg_per_m2, 1.0)
             }
@@ -294,7 +301,7 @@ impl Sample {
                 let behind = "`sample.kind` asks for walls behind and before: it needs `scene.box.depth_m`";
                 let size = [walls()?, depth.ok_or(behind)?];
                 let radii = Radii { sizes, range: radius_m, dimensions: 3 }.drawn(grains, seed)?;
-                let room = [("width_m", size[0]), ("depth_m", size[1])];
+                let room = [("scene.box.width_m", size[0]), ("scene.box.depth_m", size[1])];
                 let radii = with_room(radii, radius_m[1], None, &room)?;
                 (deposit::deposit_spheres(&radii, size, seed), density_kg_per_m3, 1.0)
             }
@@ -307,19 +314,29 @@ impl Sample {
 
     /// The strips that it is deposited in, if it is in some, for a box of `width` (m).
     pub(crate) fn strips(&self, width: Option<f64>) -> Result<Option<Strips<'_>>, String> {
-        let Self::Deposited { grains, seed, radius_m, sizes, intruder_radius_m, strips: Some(count), .. } =
-            self
+        let Self::Deposited {
+            grains,
+            seed,
+            radius_m,
+            sizes,
+            intruder_radius_m,
+            width_m,
+            strips: Some(count),
+            ..
+        } = self
         else {
             return Ok(None);
         };
         if *count == 0 {
             return Err("`sample.strips` is 0: it must be at least 1".to_owned());
         }
-        if let Some(radius) = intruder_radius_m {
-            return Err(format!(
-                "`sample.intruder_radius_m` is {}: with `sample.strips` it must be left out",
-                shown(*radius)
-            ));
+        for (key, value) in [("intruder_radius_m", intruder_radius_m), ("width_m", width_m)] {
+            if let Some(value) = value {
+                return Err(format!(
+                    "`sample.{key}` is {}: with `sample.strips` it must be left out",
+                    shown(*value)
+                ));
+            }
         }
         let width = width.ok_or("`sample.strips` asks for side walls: it needs `scene.box.width_m`")?;
         let radii = Radii { sizes, range: *radius_m, dimensions: 2 };

@@ -70,7 +70,9 @@ pub enum Law {
 impl Scene {
     /// Whether grains feel friction.
     pub fn is_rough(&self) -> bool {
-        self.friction.is_some() || self.walls.as_ref().is_some_and(|walls| walls.friction.is_some())
+        self.friction.is_some()
+            || self.walls.as_ref().is_some_and(|walls| walls.friction.is_some())
+            || self.segments.iter().any(|segment| segment.friction.is_some())
     }
 
     /// After which width it repeats itself.

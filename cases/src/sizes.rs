@@ -171,8 +171,9 @@ pub(crate) fn with_room(
         ));
     }
     let least_room = 4.0 * f64::max(greatest, intruder.unwrap_or(0.0));
-    if let Some((key, length)) = room.iter().find(|(_, length)| *length < least_room) {
-        return Err(format!("`scene.box.{key}` is {}: it must be at least 4 greatest radii", shown(*length)));
+    if let Some((key, length)) = room.iter().find(|(_, length)| !is_positive(*length) || *length < least_room)
+    {
+        return Err(format!("`{key}` is {}: it must be at least 4 greatest radii", shown(*length)));
     }
     let middle = radii.len() / 2;
     if let (Some(intruder), Some(middle)) = (intruder, radii.get_mut(middle)) {

@@ -43,7 +43,7 @@ pub struct Walls {
     pub vibration: Option<Vibration>,
 }
 
-/// The box moves by A (sin(2π f (t − start) + φ) − sin φ) from `start_s` on. It begins at its full speed with φ = 0, at
+/// It moves by A (sin(2π f (t − start) + φ) − sin φ) from `start_s` on. It begins at its full speed with φ = 0, at
 /// rest with φ = −π/2. Its greatest acceleration is Γ = A (2π f)²/g times that of gravity.
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -162,7 +162,24 @@ impl<P: Place> MovingWall<P> {
 }
 
 impl Vibration {
-    fn displacement<P: Place>(&self, time: f64) -> P {
+    /// 2π f A (m/s).
+    pub(crate) fn greatest_speed(&self) -> f64 {
+        (std::f64::consts::TAU * self.frequency_hz * self.amplitude_m).abs()
+    }
+
+    /// The first of its values that is not finite, with its key.
+    pub(crate) fn not_finite(&self) -> Option<(&'static str, f64)> {
+        let values = [
+            ("amplitude_m", self.amplitude_m),
+            ("frequency_hz", self.frequency_hz),
+            ("phase_rad", self.phase_rad),
+            ("start_s", self.start_s),
+        ];
+        values.into_iter().find(|(_, value)| !value.is_finite())
+    }
+
+    /// How far it has moved at a `time` (s), in metres.
+    pub(crate) fn displacement<P: Place>(&self, time: f64) -> P {
         let turned = std::f64::consts::TAU * self.frequency_hz * (time - self.start_s).max(0.0);
         let value = self.amplitude_m * (libm::sin(turned + self.phase_rad) - libm::sin(self.phase_rad));
         match self.direction {

@@ -196,7 +196,7 @@ pub struct Observed {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Stress {
-    /// Normal stress along x, of discs (N/m); 0 without a lid, as below.
+    /// Normal stress along x, of discs (N/m); 0 without a lid and without a driven segment, as below.
     #[serde(with = "number")]
     pub stress_xx_n_per_m: f64,
     /// Shear stress along x across y (N/m).

@@ -3,6 +3,7 @@
 use super::{March, TimeStep};
 use crate::bodies::bodies_near;
 use crate::detect::{DetectedContact, Side, walls_near};
+use crate::driven;
 use crate::error::CaseError;
 use crate::marched::Marched;
 use crate::scene::{Law, Scene};
@@ -52,13 +53,20 @@ impl<M: Marched> March<M> {
         let (grains, period) = (self.grain_count(), self.scene.period());
         let mut neighbours = self.neighbours.borrow_mut();
         let pairs = neighbours.contacts(&position[..grains], &self.radius[..grains], reach, period);
-        let lid = self.lid(position);
+        let (lid, driven) = (self.lid(position), self.scene.driven_at(position));
         let (mut contacts, mut near) = (Vec::with_capacity(pairs.len()), Vec::with_capacity(pairs.len()));
         let of_walls = self.scene.walls.as_ref().and_then(|walls| walls.friction);
         let rough = [self.scene.friction, of_walls.or(self.scene.friction)].map(|mu| mu.unwrap_or(0.0));
         let mut enter = |pair: &DetectedContact<M::Place>, motion: &WallMotion<M::Place>| {
-            // The guides of a lid are smooth.
-            let friction = if pair.candidate as usize == grains { [0.0; 2] } else { rough };
+            let of_segment = match pair.antagonist {
+                Side::Segment(number) | Side::Driven(_, number) => {
+                    self.scene.segments[number as usize].friction
+                }
+                _ => None,
+            };
+            // The guides of a lid and of driven segments are smooth.
+            let is_guided = pair.candidate as usize >= grains;
+            let friction = if is_guided { [0.0; 2] } else { of_segment.map_or(rough, |mu| [rough[0], mu]) };
             let mut contact = M::contact(pair, &self.radius, motion, friction);
             let enters = match law {
                 Law::PredictedGap => {
@@ -86,9 +94,12 @@ impl<M: Marched> March<M> {
             }
             let below = lid.into_iter().flat_map(|lid| lid.near(grain, (*x, *radius), reach));
             below.for_each(|pair| enter(&pair, &WallMotion::NONE));
+            let beside = driven.iter().filter_map(|segment| segment.near(grain, (*x, *radius), reach));
+            beside.for_each(|pair| enter(&pair, &WallMotion::NONE));
         }
         let guides = lid.zip(self.scene.lid()).map(|(placed, lid)| placed.guides(lid.speed_m_per_s));
         guides.iter().flatten().for_each(|(pair, motion)| enter(pair, motion));
+        driven.iter().flat_map(driven::Placed::guides).for_each(|pair| enter(&pair, &WallMotion::NONE));
         (contacts, near)
     }
 }

@@ -218,7 +218,8 @@ fn walls<M: Studied>(march: &March<M>) -> Elements {
         Side::Front => Some(6),
         Side::Lid(..) => Some(7),
         Side::Segment(_) => Some(8),
-        Side::Grain(_) => None,
+        Side::Driven(..) => Some(9),
+        Side::Grain(_) | Side::Guide(_) => None,
     };
     elements.indices("wall", walls.iter().map(|(side, _)| number(side)));
     elements
