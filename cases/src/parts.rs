@@ -33,6 +33,7 @@ impl Case {
         for (is_there, key) in [
             (scene.period().0.is_some(), "box.periodic"),
             (scene.lid().is_some(), "box.lid"),
+            (scene.driven().next().is_some(), "segments.driven"),
             (scene.impact_speed_m_per_s != 0.0, "impact_speed_m_per_s"),
         ] {
             if is_there {

@@ -77,10 +77,10 @@ impl Statuses {
         let now = self.layout.statuses(&self.s, &self.v);
         let changed = now.iter().zip(&self.status).filter(|(now, before)| now != before).count();
         self.status = now;
-        if !self.matrix.is_of(&self.status, PENALTY) {
-            if !self.matrix.factorise(&self.layout.columns, &self.status, PENALTY) {
-                return None;
-            }
+        if !self.matrix.is_of(&self.status, PENALTY)
+            && !self.matrix.factorise(&self.layout.columns, &self.status, PENALTY)
+        {
+            return None;
         }
         self.project();
         let mut left = self.unheld();
