@@ -92,12 +92,21 @@ impl Frames {
     }
 }
 
-/// Points, or lines of two points each, with values.
+/// What cells are made of.
+#[derive(Clone, Copy, Default)]
+enum Shape {
+    #[default]
+    Point,
+    Line,
+    Face,
+}
+
+/// Points, lines of two points each or faces of four, with values.
 #[derive(Default)]
 struct Elements {
     points: Vec<f64>,
-    lines: bool,
-    /// Of each point or line.
+    shape: Shape,
+    /// Of each cell.
     values: Vec<Attribute>,
 }
 
@@ -121,14 +130,18 @@ impl Elements {
         self.values.push(Attribute::vectors(name).with_data(values));
     }
 
-    /// The values of points are theirs, so that glyphs take them; those of lines belong to their cells.
+    /// The values of points are theirs, so that glyphs take them; those of lines and faces belong to their cells.
     fn into_vtk(self) -> Vtk {
-        let (size, kind) = if self.lines { (2, CellType::Line) } else { (1, CellType::Vertex) };
+        let (size, kind) = match self.shape {
+            Shape::Point => (1, CellType::Vertex),
+            Shape::Line => (2, CellType::Line),
+            Shape::Face => (4, CellType::Quad),
+        };
         let points = self.points.len() as u64 / 3;
         let cells = points / size;
         let offsets = (1..=cells).map(|k| k * size).collect();
         let verts = VertexNumbers::XML { connectivity: (0..points).collect(), offsets };
-        let (point, cell) = if self.lines { (vec![], self.values) } else { (self.values, vec![]) };
+        let (point, cell) = if size > 1 { (Vec::new(), self.values) } else { (self.values, Vec::new()) };
         Vtk {
             version: Version::new_xml(1, 0),
             title: String::new(),
@@ -174,7 +187,7 @@ fn grains<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Partit
 
 /// A line for each contact, from the centre of the candidate to that of the antagonist, or to the point of the wall.
 fn contacts<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Partition>) -> Elements {
-    let mut elements = Elements { lines: true, ..Elements::default() };
+    let mut elements = Elements { shape: Shape::Line, ..Elements::default() };
     let (list, gap, r) = solved.map_or((&[][..], &[][..], &[][..]), |(time_step, r)| {
         (time_step.frozen.problem.contacts(), &time_step.frozen.gap[..], r)
     });
@@ -203,9 +216,10 @@ fn contacts<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Part
     elements
 }
 
-/// A line for each wall.
+/// A line for each wall, in space a face.
 fn walls<M: Studied>(march: &March<M>) -> Elements {
-    let mut elements = Elements { lines: true, ..Elements::default() };
+    let shape = if M::Place::LEN > 2 { Shape::Face } else { Shape::Line };
+    let mut elements = Elements { shape, ..Elements::default() };
     let walls = march.walls();
     walls.iter().flat_map(|(_, ends)| ends).for_each(|end| elements.add(*end));
     let number = |side: &Side| match side {

@@ -231,7 +231,16 @@ fn frame(file: &std::path::Path) -> (Vec<f64>, BTreeMap<String, Vec<f64>>) {
         }
         vtkio::model::Attribute::Field { .. } => panic!("a field"),
     };
-    let all = piece.data.point.iter().chain(&piece.data.cell).map(values).collect();
+    let all: BTreeMap<_, _> = piece.data.point.iter().chain(&piece.data.cell).map(values).collect();
+    let cells = piece.cells.num_cells();
+    for (name, values) in &all {
+        assert_eq!(values.len() % cells, 0, "{name}: readers ask for as many values as there are cells");
+        assert!(
+            (1..=3).contains(&(values.len() / cells)),
+            "{name}: {} values of {cells} cells",
+            values.len()
+        );
+    }
     (piece.points.cast_into::<f64>().unwrap(), all)
 }
 
@@ -276,4 +285,15 @@ fn frames_have_grains_contacts_and_walls_apart_from_the_initial_state_on() {
     let (ends, walls) = frame(&vtk.join(of("walls", 0)));
     assert_eq!((&*walls["wall"], ends[1], ends[4]), (&[0.0][..], 0.0, 0.0));
     gravel(&args).refused(&["--vtk", "frames", "empty"]);
+}
+
+#[test]
+fn frames_of_spheres_have_the_faces_of_their_box() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let vtk = folder.path().join("frames");
+    let few = ["--scene", "sample.grains=8", "--time-steps", "1", "--vtk", text(&vtk)];
+    gravel(&[&["simulate", "sphere-box"][..], &few].concat()).succeeded();
+    let (corners, walls) = frame(&vtk.join("sphere-box-walls-000000.vtu"));
+    // The floor, left and right, back and front.
+    assert_eq!((corners.len(), &*walls["wall"]), (5 * 4 * 3, &[0.0, 1.0, 2.0, 5.0, 6.0][..]));
 }
