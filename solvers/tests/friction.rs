@@ -373,15 +373,14 @@ fn a_floor_that_slides_takes_a_disc_along() {
 }
 
 #[test]
-fn the_active_set_comes_through_where_impulses_drift_and_ends_at_a_floor() {
-    // Gauss-Seidel takes 129,100 sweeps.
-    let problem = rough("rough-991-mu08").problem;
-    let outcome = run(&ActiveSet::default(), &problem, 1e-12);
-    assert_eq!(outcome.status, Status::Converged);
-    assert!(outcome.iterations < 60_000, "{}", outcome.iterations);
-    assert!(certify_rough(&problem, &outcome.impulses).certified());
-    // A packing at rest, in which more contacts stick than motion allows: no solution was found, and it is not called converged.
-    let outcome = run(&ActiveSet::default(), &rough("rough-250").problem, 1e-12);
-    assert_eq!(outcome.status, Status::Stalled);
-    assert!(outcome.measures.natural_map < 1e-9, "{:?}", outcome.measures);
+fn the_active_set_comes_through_where_impulses_drift() {
+    // Gauss-Seidel takes 129,100 sweeps; of the second, a packing at rest in which more contacts stick than motion allows, it comes to
+    // a floor of 2e-7.
+    for name in ["rough-991-mu08", "rough-250"] {
+        let problem = rough(name).problem;
+        let outcome = run(&ActiveSet::default(), &problem, 1e-12);
+        assert_eq!(outcome.status, Status::Converged, "{name}");
+        assert!(outcome.iterations < 60_000, "{name}: {}", outcome.iterations);
+        assert!(certify_rough(&problem, &outcome.impulses).certified(), "{name}");
+    }
 }
