@@ -65,7 +65,7 @@ impl Scene {
         usize::from(self.lid().is_some()) + self.driven().count()
     }
 
-    /// Its driven segments as more grains; none where the discs have no greatest radius.
+    /// Its driven segments as more grains.
     pub(crate) fn driven_bodies<P: Place>(&self, grains: &[Grain<P>]) -> Vec<Grain<P>> {
         let radius = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
         let body = |(_, segment, driven): (u32, &Segment, &Driven)| Grain {

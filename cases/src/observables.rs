@@ -22,8 +22,8 @@ pub struct Observables {
     pub greatest_overlap: f64,
     /// All overlaps of that problem together, per grain (m).
     pub mean_overlap: f64,
-    /// Sums of the normal impulses that the floor with its bumps, or the drum, and all segments that no force drives gave in the time step, then the walls
-    /// left and right, and in space those behind and before (N·s). Where there is a lid, left and right are its guides.
+    /// Sums of the normal impulses that the floor with its bumps, or the drum, and all segments that no force drives gave in the time
+    /// step, then the walls left and right, and in space those behind and before (N·s). Where there is a lid, left and right are its guides.
     pub wall_impulses: [f64; 5],
     /// Contacts of the problem.
     pub contacts: usize,

@@ -13,7 +13,6 @@ use crate::structure::{Structure, Supernode};
 use front::Front;
 use nalgebra::{SMatrix, SVector};
 use pulp::{Arch, Simd, WithSimd};
-use std::ops::Add;
 use std::sync::Arc;
 
 /// What a coupling of two grains, with D unknowns each, adds to the matrix where one acts on the other otherwise than that on it.
@@ -30,25 +29,11 @@ pub struct OneWay<const D: usize> {
 }
 
 impl<const D: usize> OneWay<D> {
-    /// push pullᵗ, of vectors given at the first grain and at the second.
+    /// push pullᵗ, of one column or more, given by their rows at the first grain and at the second.
     #[inline]
-    pub fn dyad(push: [SVector<f64, D>; 2], pull: [SVector<f64, D>; 2]) -> Self {
+    pub fn product<const C: usize>(push: [SMatrix<f64, D, C>; 2], pull: [SMatrix<f64, D, C>; 2]) -> Self {
         let block = |row: usize, column: usize| push[row] * pull[column].transpose();
         Self { first: block(0, 0), second: block(1, 1), between: block(0, 1), back: block(1, 0) }
-    }
-}
-
-/// What both add.
-impl<const D: usize> Add for OneWay<D> {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            first: self.first + other.first,
-            second: self.second + other.second,
-            between: self.between + other.between,
-            back: self.back + other.back,
-        }
     }
 }
 

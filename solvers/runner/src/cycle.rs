@@ -25,11 +25,13 @@ pub(crate) fn cycle(
         return None;
     }
     let mut r = last.to_vec();
-    (1..=LONGEST).find(|_| {
+    let back = (1..=LONGEST).find(|_| {
         iteration.advance();
         iteration.impulses(&mut r);
         distance(&r, last) <= BACK * change
-    })
+    });
+    // Impulses that stay as they are go nowhere.
+    back.filter(|iterations| *iterations > 1)
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {

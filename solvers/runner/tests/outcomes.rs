@@ -172,3 +172,15 @@ fn senseless_starts_and_stop_rules_are_refused_by_name() {
     assert!(refused(&[0.0], Stop { tolerance: -1.0, ..stop(1) }).contains("`tolerance` is -1"));
     assert!(refused(&[0.0], Stop { tolerance: f64::NAN, ..stop(1) }).contains("`tolerance` is NaN"));
 }
+
+#[test]
+fn impulses_that_stay_go_round_in_no_cycle_and_those_that_come_back_do() {
+    let cycle = |after: [f64; 2]| {
+        let before = (0..400).map(|k| if k % 2 == 0 { 1.0 } else { 0.5 });
+        let all = before.chain((0..32).map(|k| after[k % 2])).collect();
+        solve(&Recorded(all), &falling_on_a_floor(), &[0.0], &stop(400), &mut |_| {}).unwrap().cycle
+    };
+    assert_eq!(cycle([1.0, 0.5]), Some(2));
+    assert_eq!(cycle([0.5, 0.5]), None);
+    assert_eq!(cycle([1.0, 1.5]), None);
+}

@@ -137,6 +137,11 @@ pub(super) fn held(status: Status, v: Vector2<f64>) -> Vector2<f64> {
     }
 }
 
+/// What moves of the velocities v that contacts with these statuses must not have (√J).
+pub(super) fn moving(status: &[Status], v: &[Vector2<f64>]) -> f64 {
+    norm(&v.iter().zip(status).map(|(v, status)| held(*status, *v)).collect::<Vec<_>>())
+}
+
 /// The nearest impulse of the cone along its own tangent.
 pub(super) fn admissible(s: Vector2<f64>, friction: f64) -> Vector2<f64> {
     let normal = non_negative(s.x);

@@ -1,10 +1,10 @@
 //! K = 1 + κ Σ push pullᵗ of the contacts that are held, in 3×3 blocks of grains: it has factors, and after single contacts changed
 //! their status solves with the factors that it had and what changed.
 
-use super::layout::Status;
+use super::layout::{Status, against};
 use cholesky::{Lu, OneWay, Order, Structure};
 use contact::{Column, RoughColumn, SetupError, Work};
-use nalgebra::{DMatrix, DVector, Dyn, LU, Vector2, Vector3};
+use nalgebra::{DMatrix, DVector, Dyn, LU, Matrix3x2, Vector2, Vector3};
 use std::sync::Arc;
 
 /// K, of which the structure never changes.
@@ -69,14 +69,17 @@ impl Matrix {
         self.status.clear();
         self.status.extend_from_slice(status);
         let coupling = |contact: usize| {
-            let column: &RoughColumn = &columns[contact];
-            let [first, second] = column.at_ends();
-            let of = |along: Vector2<f64>| [first, second].map(|[n, t]| along.x * n + along.y * t);
-            let dyad = |push, pull| OneWay::dyad(of(kappa * push), of(pull));
+            let (ends, friction) = (columns[contact].at_ends(), columns[contact].friction());
             match status[contact] {
                 Status::Open => None,
-                Status::Stick => Some(dyad(Vector2::x(), Vector2::x()) + dyad(Vector2::y(), Vector2::y())),
-                Status::Slide(sign) => Some(dyad(Vector2::new(1.0, sign * column.friction()), Vector2::x())),
+                Status::Stick => {
+                    let both = ends.map(|end| Matrix3x2::from_columns(&end));
+                    Some(OneWay::product(both.map(|end| kappa * end), both))
+                }
+                Status::Slide(sign) => {
+                    let edge = ends.map(|[n, t]| kappa * n + kappa * (sign * friction) * t);
+                    Some(OneWay::product(edge, ends.map(|[n, _]| n)))
+                }
             }
         };
         self.work.factorisations += 1;
@@ -85,10 +88,16 @@ impl Matrix {
         self.is_factorised
     }
 
-    /// Gives a contact another status; says whether K then has an inverse.
+    /// Gives a contact another status; says whether K then has an inverse. If not, it is the matrix of none.
     pub(super) fn change(&mut self, columns: &[RoughColumn], contact: usize, now: Status) -> bool {
         let before = std::mem::replace(&mut self.status[contact], now);
-        let Some([push, pull]) = parts(before, now, columns[contact].friction()) else { return false };
+        self.is_factorised = parts(before, now, columns[contact].friction())
+            .is_some_and(|parts| self.add(columns, contact, parts));
+        self.is_factorised
+    }
+
+    /// Adds κ push pullᵗ of a contact, given by their parts along its normal and its tangent; says whether K then has an inverse.
+    fn add(&mut self, columns: &[RoughColumn], contact: usize, [push, pull]: [Vector2<f64>; 2]) -> bool {
         let mut solved = vec![Vector3::zeros(); self.structure.position().len()];
         columns[contact].push(self.kappa * push, &mut solved);
         self.solve_with_factor(&mut solved);
@@ -103,6 +112,27 @@ impl Matrix {
         let is_regular = lu.is_invertible();
         *small = Some(lu);
         is_regular
+    }
+
+    /// Adds to the impulses s what stops the velocities v of the contacts that are held (√J):
+    ///
+    /// K δy = −κ Σ push v_pull,   δs = −κ (v + pullᵗ δy),   K = 1 + κ Σ push pullᵗ
+    ///
+    /// with `push` the column, or columns, that the impulses of a contact act by, and `pull` those that must not move: a sliding contact
+    /// pushes by `h_n` ± μ `h_t` and pulls by `h_n` alone.
+    pub(super) fn stop(&mut self, columns: &[RoughColumn], v: &[Vector2<f64>], s: &mut [Vector2<f64>]) {
+        let mut change = vec![Vector3::zeros(); self.structure.position().len()];
+        for ((column, status), v) in columns.iter().zip(&self.status).zip(v) {
+            if let Some(push) = against(*status, column, *v) {
+                column.push(-self.kappa * push, &mut change);
+            }
+        }
+        self.solve(columns, &mut change);
+        for (((column, status), v), s) in columns.iter().zip(&self.status).zip(v).zip(s) {
+            if let Some(push) = against(*status, column, v + column.relative(&change)) {
+                *s -= self.kappa * push;
+            }
+        }
     }
 
     /// x ← K⁻¹ x.

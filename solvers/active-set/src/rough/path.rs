@@ -11,11 +11,11 @@ mod line;
 #[cfg(test)]
 mod tests;
 
-use super::layout::{Layout, Status, against, held, norm};
+use super::layout::{Layout, Status, held, moving, norm};
 use super::matrix::Matrix;
 use contact::{Column, SetupError, Work};
 use line::{End, Line};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector2;
 
 /// Lines of one path, at most.
 const LINES: u32 = 400;
@@ -127,11 +127,11 @@ impl Path {
         let mut dv = added.to_vec();
         let mut moves = f64::INFINITY;
         for _ in 0..SOLVES {
-            self.solve(epsilon, &dv, &mut ds);
+            self.matrix.stop(&self.layout.columns, &dv, &mut ds);
             let y = self.layout.pushed(&ds);
             let of = self.layout.columns.iter().zip(&ds).zip(added);
             dv = of.map(|((column, ds), added)| column.relative(&y) + epsilon * ds + added).collect();
-            let before = std::mem::replace(&mut moves, self.moving(&dv));
+            let before = std::mem::replace(&mut moves, moving(&self.status, &dv));
             if moves <= ALONG * (norm(&ds) + norm(added)) || moves > WORTH_ANOTHER * before {
                 break;
             }
@@ -145,37 +145,12 @@ impl Path {
         let mut moves = f64::INFINITY;
         for _ in 0..SOLVES {
             let v = self.velocity(change, t);
-            let before = std::mem::replace(&mut moves, self.moving(&v));
+            let before = std::mem::replace(&mut moves, moving(&self.status, &v));
             if moves <= allowed * (norm(&self.s) + self.layout.terms_of_b()) || moves > WORTH_ANOTHER * before
             {
                 break;
             }
-            let mut s = std::mem::take(&mut self.s);
-            self.solve(change.epsilon, &v, &mut s);
-            self.s = s;
-        }
-    }
-
-    /// What moves of that which is held (√J).
-    fn moving(&self, v: &[Vector2<f64>]) -> f64 {
-        norm(&v.iter().zip(&self.status).map(|(v, status)| held(*status, *v)).collect::<Vec<_>>())
-    }
-
-    /// Adds to s what stops the velocities v of the contacts that are held.
-    fn solve(&mut self, epsilon: f64, v: &[Vector2<f64>], s: &mut [Vector2<f64>]) {
-        let columns = &self.layout.columns;
-        let kappa = 1.0 / epsilon;
-        let mut y = vec![Vector3::zeros(); self.layout.grains()];
-        for ((column, status), v) in columns.iter().zip(&self.status).zip(v) {
-            if let Some(push) = against(*status, column, *v) {
-                column.push(-kappa * push, &mut y);
-            }
-        }
-        self.matrix.solve(columns, &mut y);
-        for (((column, status), v), s) in columns.iter().zip(&self.status).zip(v).zip(s) {
-            if let Some(push) = against(*status, column, v + column.relative(&y)) {
-                *s -= kappa * push;
-            }
+            self.matrix.stop(&self.layout.columns, &v, &mut self.s);
         }
     }
 

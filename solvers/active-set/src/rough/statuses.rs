@@ -1,9 +1,9 @@
 //! Newton's method on the statuses of contacts with friction: which are open, stick, or slide to which side.
 
-use super::layout::{Layout, Status, against, held, norm};
+use super::layout::{Layout, Status, against, moving};
 use super::matrix::Matrix;
-use contact::{Column, Packing, RoughDiscs, SetupError, Work};
-use nalgebra::{Vector2, Vector3};
+use contact::{Packing, RoughDiscs, SetupError, Work};
+use nalgebra::Vector2;
 
 /// κ, the weight of the contacts against the masses (–): what sticks more than motion allows keeps its impulses but for 1/κ.
 const PENALTY: f64 = 1e6;
@@ -66,12 +66,7 @@ impl Statuses {
         self.matrix.work()
     }
 
-    /// One step of Newton: the statuses of s − v, and the impulses for which they hold. With `push` the column, or columns, that the
-    /// impulses of a contact act by, and `pull` those that must not move,
-    ///
-    /// K δy = −κ Σ push v_pull,   δs = −κ (v + pullᵗ δy),   K = 1 + κ Σ push pullᵗ
-    ///
-    /// where a sliding contact pushes by `h_n` ± μ `h_t` and pulls by `h_n` alone. v comes from s each time, so that no error of K
+    /// One step of Newton: the statuses of s − v, and the impulses for which they hold. v comes from s each time, so that no error of K
     /// stays. Returns how many contacts changed, `None` if the matrix has no factor.
     pub(crate) fn step(&mut self) -> Option<usize> {
         let now = self.layout.statuses(&self.s, &self.v);
@@ -83,10 +78,11 @@ impl Statuses {
             return None;
         }
         self.project();
-        let mut left = self.unheld();
+        let mut left = moving(&self.status, &self.v);
         for _ in 0..SOLVES {
-            self.solve();
-            let before = std::mem::replace(&mut left, self.unheld());
+            self.matrix.stop(&self.layout.columns, &self.v, &mut self.s);
+            self.measure();
+            let before = std::mem::replace(&mut left, moving(&self.status, &self.v));
             if !(left < WORTH_ANOTHER * before) {
                 break;
             }
@@ -101,28 +97,6 @@ impl Statuses {
                 Status::Stick => *s,
                 _ => against(*status, column, *s).unwrap_or_default(),
             };
-        }
-        self.measure();
-    }
-
-    /// What moves of that which must not (√J).
-    fn unheld(&self) -> f64 {
-        norm(&self.v.iter().zip(&self.status).map(|(v, status)| held(*status, *v)).collect::<Vec<_>>())
-    }
-
-    fn solve(&mut self) {
-        let columns = &self.layout.columns;
-        let mut change = vec![Vector3::zeros(); self.layout.grains()];
-        for ((column, status), v) in columns.iter().zip(&self.status).zip(&self.v) {
-            if let Some(push) = against(*status, column, *v) {
-                column.push(-PENALTY * push, &mut change);
-            }
-        }
-        self.matrix.solve(columns, &mut change);
-        for (((column, status), v), s) in columns.iter().zip(&self.status).zip(&self.v).zip(&mut self.s) {
-            if let Some(push) = against(*status, column, v + column.relative(&change)) {
-                *s -= PENALTY * push;
-            }
         }
         self.measure();
     }

@@ -26,7 +26,6 @@ impl Front<'_> {
     pub(super) fn clear(&mut self) {
         self.lower.fill(0.0);
         self.upper.fill(0.0);
-        self.rest.fill(0.0);
     }
 
     /// Adds a block at a grain's rows and another's columns, given by their indices in the front.

@@ -101,4 +101,8 @@ fn a_matrix_that_followed_changes_solves_as_one_made_anew() {
     anew.solve(columns, &mut y);
     let apart = x.iter().zip(&y).map(|(x, y)| (x - y).norm()).fold(0.0, f64::max);
     assert!(apart < 1e-9, "{apart}");
+    // From stick to open leads no product of one column: it is then the matrix of nothing.
+    assert!(followed.is_of(&status, kappa));
+    status[0] = Status::Open;
+    assert!(!followed.change(columns, 0, Status::Open) && !followed.is_of(&status, kappa));
 }
