@@ -2,7 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use cases::{Case, March, Marched, Observables};
+use common::scene_of_discs;
 use contact::{Discs, Measure, RoughDiscs, Solver};
 use nalgebra::Vector2;
 use nsgs::Nsgs;
@@ -11,15 +14,7 @@ use runner::{Outcome, Stop};
 const H: f64 = 0.01;
 
 fn scene(discs: &str, rest: &str) -> Result<Case, String> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("driven.toml");
-    let text = format!(
-        "name = \"driven\"\nwhy = \"\"\nsource = \"\"\nknown = \"\"\nsolve_at = 1\n\
-         [sample]\nkind = \"discs\"\ndiscs = {discs}\ndensity_kg_per_m2 = 1000.0\n\
-         [scene]\nlaw = \"iqs\"\ntime_step_s = {H}\n{rest}"
-    );
-    std::fs::write(&path, text).unwrap();
-    Case::read(&path, &[]).map_err(|error| error.to_string())
+    scene_of_discs(discs, H, rest)
 }
 
 fn time_step<M: Marched<Place = Vector2<f64>>>(march: &mut March<M>) -> (Outcome<M>, Observables)

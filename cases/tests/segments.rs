@@ -2,7 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use cases::{Case, March, Observables};
+use common::scene_of_discs;
 use contact::{Discs, Measure};
 use nalgebra::Vector2;
 use nsgs::Nsgs;
@@ -16,15 +19,7 @@ const MASS: f64 = 1000.0 * std::f64::consts::PI * 0.25;
 
 /// Discs, as [x, y, radius], over segments.
 fn scene(discs: &str, segments: &str) -> Result<Case, String> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("segments.toml");
-    let text = format!(
-        "name = \"segments\"\nwhy = \"\"\nsource = \"\"\nknown = \"\"\nsolve_at = 1\n\
-         [sample]\nkind = \"discs\"\ndiscs = {discs}\ndensity_kg_per_m2 = 1000.0\n\
-         [scene]\nlaw = \"iqs\"\ntime_step_s = {H}\ngravity_m_per_s2 = {G:?}\n{segments}"
-    );
-    std::fs::write(&path, text).unwrap();
-    Case::read(&path, &[]).map_err(|error| error.to_string())
+    scene_of_discs(discs, H, &format!("gravity_m_per_s2 = {G:?}\n{segments}"))
 }
 
 /// The last of so many time steps, and how the first disc moves after it.
