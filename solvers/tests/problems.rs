@@ -1,6 +1,6 @@
 //! What the tests share: problems, and runs that are watched iterate by iterate.
 
-use cases::{Case, Frozen, March};
+use cases::{Case, Frozen, March, Marched};
 use contact::{Contact, Iteration, Meter, Packing, Solver};
 use nalgebra::Vector2;
 use proptest::prelude::*;
@@ -29,8 +29,13 @@ pub(crate) fn frozen(name: &str) -> Frozen {
     Frozen::read(&frozen_path(&format!("{name}.json"))).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The first contact problem of a case, with some of its values replaced.
+/// The first contact problem of a case without friction, with some of its values replaced.
 pub(crate) fn first_problem(case: &str, overrides: &[(&str, &str)]) -> Frozen {
+    first_problem_of(case, overrides)
+}
+
+/// The same in the mechanics that is asked for.
+pub(crate) fn first_problem_of<M: Marched>(case: &str, overrides: &[(&str, &str)]) -> Frozen<M> {
     let path = cases_folder().join(case).with_extension("toml");
     let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).into(), (*value).into())).collect();
     let case = Case::read(&path, &overrides).unwrap_or_else(|error| panic!("{error}"));
