@@ -133,9 +133,11 @@ fn first_in_time(runs: &[RunRow]) -> Option<String> {
     let problems = problems(runs);
     let mut firsts: BTreeMap<String, usize> = BTreeMap::new();
     for problem in &problems {
-        let compared = comparable(runs, problem);
-        // With one method alone nobody is first.
-        if compared.iter().any(|run| run.method != compared[0].method) {
+        // With one method alone nobody is first; where others did not converge, one is.
+        let mut on_it = runs.iter().filter(|run| run.problem == **problem && run.ending != Ending::Skipped);
+        let method = on_it.next().map(|run| &run.method);
+        if on_it.any(|run| Some(&run.method) != method) {
+            let compared = comparable(runs, problem);
             let timed = compared.iter().filter_map(|run| Some((run.seconds()?, run)));
             if let Some((_, first)) = timed.min_by(|a, b| a.0.total_cmp(&b.0)) {
                 *firsts.entry(first.label()).or_default() += 1;

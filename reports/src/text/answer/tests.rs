@@ -63,9 +63,14 @@ fn who_is_first_in_time_is_said_where_methods_meet() {
     let mut runs = vec![with(0, "nsgs-dd", 1, 100, "converged"), with(1, "nsgs-dd", 2, 100, "converged")];
     assert_eq!(answered(&runs).len(), 1);
     runs.push(Run { iterating_s: 1e-9, setup_s: 0.0, ..run(2, "cg", "", "converged") });
-    let [subdomains, time] = &answered(&runs)[..] else { panic!("two sentences") };
+    let told = answered(&runs);
+    let [subdomains, time] = &told[..] else { panic!("two sentences") };
     assert!(subdomains.contains("needs as many iterations"));
     assert_eq!(time, "First in time to the tolerance: cg on 1 of 1\u{a0}problem.");
+    // Also where no other method came there.
+    runs[0].status = "iteration-limit".into();
+    runs[1].status = "iteration-limit".into();
+    assert_eq!(answered(&runs).last(), Some(time));
 }
 
 #[test]
