@@ -4,12 +4,12 @@
 //!
 //! ½ V⁺ᵗ M V⁺ − ½ V⁻ᵗ M V⁻ = gravity's work + ½ rᵗ Hᵗ (V⁺ + V⁻)
 //!
-//! The contacts' work, the last term, has four parts. With c = `c_w` + `c_g`, of the walls' motion and of the law's gap term, and
-//! v± = Hᵗ V± + c:
+//! The contacts' work, the last term, has four parts. With c = `c_w` + `c_g` + `c_e`, of the walls' motion, of the law's gap term and of
+//! its rebound e v⁻, and v± = Hᵗ V± + `c_w` + `c_g`:
 //!
 //! - walls: −r · `c_w`, what their motion gives or takes
 //! - gap: −½ `r_n` `c_g`, what a gap that closes within the time step takes before its contact does
-//! - shocks: ½ `r_n` (`v_n⁺` + `v_n⁻`), where `v_n⁺` is 0 but for what the solver leaves
+//! - shocks: ½ `r_n` (`v_n⁺` + `v_n⁻`), where `v_n⁺` is 0, or −e `v_n⁻`, but for what the solver leaves
 //! - sliding: ½ `r_t` (`v_t⁺` + `v_t⁻`), which is friction's
 
 use crate::march::TimeStep;
@@ -54,19 +54,21 @@ impl Energy {
         (before, after): (&[M::Velocity], &[M::Velocity]),
         r: &[f64],
     ) -> Self {
-        let Scene { time_step_s: h, theta, law, .. } = *scene;
+        let Scene { time_step_s: h, theta, law, restitution, .. } = *scene;
         let problem = &time_step.frozen.problem;
         let mean: Vec<M::Velocity> =
             before.iter().zip(after).map(|(before, after)| (*before + *after) * 0.5).collect();
         let mut energy = Self::default();
         for (k, (contact, gap)) in problem.contacts().iter().zip(&time_step.frozen.gap).enumerate() {
             let (r, c, c_g) = (M::Impulse::at(r, k), contact.offset(), law.gap_offset(*gap, h));
+            // With c, what was v⁻ has become (1 + e) v⁻.
+            let c_e = restitution.map_or(0.0, |e| e / (1.0 + e) * (contact.relative(before) + c).first());
             let normal = r.first();
             let v = contact.relative(&mean) + c;
             let of_normal = normal * v.first();
-            energy.walls += normal * c_g - r.dot_product(c);
+            energy.walls += normal * (c_g + c_e) - r.dot_product(c);
             energy.gap -= 0.5 * normal * c_g;
-            energy.shocks += of_normal - 0.5 * normal * c_g;
+            energy.shocks += of_normal - normal * c_e - 0.5 * normal * c_g;
             energy.sliding += r.dot_product(v) - of_normal;
         }
         let gravity = scene.gravity::<M::Place>();

@@ -38,8 +38,8 @@ pub trait Marched: Refutable {
         friction: [f64; 2],
     ) -> Self::Contact;
 
-    /// Adds a law's gap term to the offset of a contact (m/s).
-    fn widen(contact: &mut Self::Contact, gap_offset: f64);
+    /// Adds a law's own term to the offset of a contact along its normal (m/s).
+    fn widen(contact: &mut Self::Contact, term: f64);
 
     /// What an impulse gives to the candidate (N·s).
     fn to_candidate(contact: &Self::Contact, r: Self::Impulse) -> Self::Place;
@@ -84,8 +84,8 @@ impl<const D: usize> Marched for Smooth<D> {
         Contact { candidate, antagonist: grain(antagonist), normal, offset: motion.opening }
     }
 
-    fn widen(contact: &mut Contact<D>, gap_offset: f64) {
-        contact.offset += gap_offset;
+    fn widen(contact: &mut Contact<D>, term: f64) {
+        contact.offset += term;
     }
 
     fn to_candidate(contact: &Contact<D>, r: f64) -> SVector<f64, D> {
@@ -139,8 +139,8 @@ impl Marched for RoughDiscs {
         contact
     }
 
-    fn widen(contact: &mut RoughContact, gap_offset: f64) {
-        contact.offset.x += gap_offset;
+    fn widen(contact: &mut RoughContact, term: f64) {
+        contact.offset.x += term;
     }
 
     fn to_candidate(contact: &RoughContact, r: Vector2<f64>) -> Vector2<f64> {
@@ -199,8 +199,8 @@ impl Marched for RoughSpheres {
         }
     }
 
-    fn widen(contact: &mut RoughContact<3>, gap_offset: f64) {
-        contact.offset.x += gap_offset;
+    fn widen(contact: &mut RoughContact<3>, term: f64) {
+        contact.offset.x += term;
     }
 
     fn to_candidate(contact: &RoughContact<3>, r: Vector3<f64>) -> Vector3<f64> {

@@ -15,6 +15,8 @@ use serde::{Deserialize, Serialize};
 pub struct Scene {
     /// Which contacts enter a problem, and with what offset.
     pub law: Law,
+    /// Newton's e: the part of its approach with which a contact parts (–), of the law `newton`.
+    pub restitution: Option<f64>,
     /// h (s).
     pub time_step_s: f64,
     /// θ of the θ-scheme (–).
@@ -65,6 +67,9 @@ pub enum Law {
     /// Inelastic quasi-shock: a contact enters if its gap is no more than what the two fastest bodies of the scene could
     /// close within the time step; c has max(0, gap)/h.
     Iqs,
+    /// Newton's law of impact in Moreau's form: contacts enter as with `predicted-gap`, and c has e v⁻, so that
+    /// 0 ≤ v⁺ + e v⁻ ⊥ r ≥ 0, which without friction never gives energy. It needs `scene.restitution`.
+    Newton,
 }
 
 impl Scene {
@@ -191,6 +196,10 @@ impl Scene {
             values.push(("drum.radius_m", radius, is_positive(radius) && self.walls.is_none(), expected));
             values.push(("drum.spin_rad_per_s", spin, spin.is_finite(), "finite"));
         }
+        values.extend(self.restitution.map(|e| {
+            let valid = (0.0..=1.0).contains(&e) && self.law == Law::Newton;
+            ("restitution", e, valid, "between 0 and 1, with the law `newton`")
+        }));
         if let Some(walls) = &self.walls
             && let Some(bumps) = walls.bump_radius_m
         {
@@ -204,6 +213,11 @@ impl Scene {
         }
         if let Some((key, value, _, expected)) = values.into_iter().find(|(_, _, valid, _)| !valid) {
             return Err(format!("`scene.{key}` is {}: it must be {expected}", shown(value)));
+        }
+        if self.law == Law::Newton && self.restitution.is_none() {
+            return Err(
+                "`scene.restitution` is missing: the law `newton` needs it, between 0 and 1".to_owned()
+            );
         }
         self.check_segments()?;
         self.walls.as_ref().map_or(Ok(()), Walls::check_periodic)

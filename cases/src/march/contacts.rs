@@ -48,7 +48,7 @@ impl<M: Marched> March<M> {
         free_velocity: &[M::Velocity],
         reach: f64,
     ) -> (Vec<M::Contact>, Vec<DetectedContact<M::Place>>) {
-        let Scene { time_step_s: h, law, contact_copies, .. } = self.scene;
+        let Scene { time_step_s: h, law, restitution, contact_copies, .. } = self.scene;
         let (detection, walls) = self.walls_at_detection();
         let (grains, period) = (self.grain_count(), self.scene.period());
         let mut neighbours = self.neighbours.borrow_mut();
@@ -69,14 +69,18 @@ impl<M: Marched> March<M> {
             let friction = if is_guided { [0.0; 2] } else { of_segment.map_or(rough, |mu| [rough[0], mu]) };
             let mut contact = M::contact(pair, &self.radius, motion, friction);
             let enters = match law {
-                Law::PredictedGap => {
+                Law::PredictedGap | Law::Newton => {
                     let b = contact.relative(free_velocity).first() + contact.offset().first();
                     pair.gap + h * b <= 0.0
                 }
                 Law::Iqs => true,
             };
             if enters {
-                M::widen(&mut contact, law.gap_offset(pair.gap, h));
+                let own = match restitution {
+                    None => law.gap_offset(pair.gap, h),
+                    Some(e) => e * (contact.relative(&self.velocity) + contact.offset()).first(),
+                };
+                M::widen(&mut contact, own);
                 for _ in 0..contact_copies {
                     contacts.push(contact);
                     near.push(*pair);
@@ -108,7 +112,7 @@ impl Law {
     /// The gap term of c (m/s).
     pub(crate) fn gap_offset(self, gap: f64, h: f64) -> f64 {
         match self {
-            Self::PredictedGap => 0.0,
+            Self::PredictedGap | Self::Newton => 0.0,
             Self::Iqs => gap.max(0.0) / h,
         }
     }
@@ -118,6 +122,7 @@ impl Law {
         match self {
             Self::PredictedGap => "predicted-gap",
             Self::Iqs => "iqs",
+            Self::Newton => "newton",
         }
     }
 }

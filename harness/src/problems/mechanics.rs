@@ -11,7 +11,7 @@ use contact::{
     ContactProblem, Discs, Mechanics, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, Solver,
     Spheres,
 };
-use nalgebra::Vector3;
+use nalgebra::{Vector3, Vector6};
 #[cfg(any(feature = "mpi", test))]
 use {
     crate::plan::Method, cg::Cg, latin_dd::LatinDd, nsgs_dd::NsgsDd, partition::Distributed,
@@ -55,9 +55,9 @@ pub(crate) trait Studied: Marched + Bounded {
         None
     }
 
-    /// Spin of a grain about the one axis that it has (rad/s).
-    fn spin(_: Self::Velocity) -> Option<f64> {
-        None
+    /// Spin of a grain about the axes that it has (rad/s): none without friction, one in the plane, three in space.
+    fn spin(_: &Self::Velocity) -> &[f64] {
+        &[]
     }
 
     /// μ of a contact, if the mechanics has friction (–).
@@ -208,8 +208,8 @@ impl Studied for RoughDiscs {
         polished_to(root, frozen, known, r)
     }
 
-    fn spin(velocity: Vector3<f64>) -> Option<f64> {
-        Some(velocity.z)
+    fn spin(velocity: &Vector3<f64>) -> &[f64] {
+        &velocity.as_slice()[2..]
     }
 
     fn friction(contact: &RoughContact) -> Option<f64> {
@@ -240,6 +240,10 @@ impl Studied for RoughDiscs {
 impl Studied for RoughSpheres {
     fn solver(ours: &Ours) -> Option<&dyn Solver<Self>> {
         ours.rough_spheres.as_deref()
+    }
+
+    fn spin(velocity: &Vector6<f64>) -> &[f64] {
+        &velocity.as_slice()[3..]
     }
 
     fn friction(contact: &RoughContact<3>) -> Option<f64> {

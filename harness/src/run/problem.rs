@@ -275,8 +275,9 @@ impl<'p, M: Studied> Snapshots<'p, M> {
         let sliding = statuses.filter_map(|(contact, status)| (status == 2).then_some(contact)).collect();
         let mut velocity = self.problem.free_velocity().to_vec();
         self.problem.velocity(r, &mut velocity);
-        let spins = velocity.into_iter().map(M::spin).collect::<Option<Vec<_>>>().unwrap_or_default();
-        let spins_rad_per_s = spins.into_iter().map(rounded).collect();
+        // In space a spin is a vector, which the page does not draw.
+        let spins = velocity.iter().map(M::spin).filter(|spin| spin.len() == 1);
+        let spins_rad_per_s = spins.flatten().copied().map(rounded).collect();
         self.kept.push(Snapshot { iteration, natural_map, impulses_n_s, sliding, spins_rad_per_s });
     }
 }

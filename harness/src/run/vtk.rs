@@ -177,8 +177,11 @@ fn grains<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Partit
     elements.numbers("radius_m", march.grains().map(|(radius, ..)| radius).collect());
     elements.numbers("mass_kg", march.mass().iter().map(|mass| M::weight(*mass)).collect());
     elements.vectors("velocity_m_per_s", march.grains().map(|(_, _, velocity)| velocity));
-    if let Some(spins) = march.velocity().iter().map(|v| M::spin(*v)).collect() {
-        elements.numbers("spin_rad_per_s", spins);
+    let spins = march.velocity().iter().flat_map(M::spin).copied().collect::<Vec<_>>();
+    match spins.len() / count {
+        0 => {}
+        1 => elements.numbers("spin_rad_per_s", spins),
+        _ => elements.values.push(Attribute::vectors("spin_rad_per_s").with_data(spins)),
     }
     elements.indices("subdomain", subdomain);
     elements.indices("multiplicity", copies.into_iter().map(|copies| Some(copies.max(1))));
