@@ -39,7 +39,7 @@ pub use error::CaseError;
 pub use frozen::{Frozen, Listed};
 pub use keys::{all_missing, schema};
 pub use lid::Lid;
-pub use march::{March, TimeStep};
+pub use march::{March, Start, TimeStep};
 pub use marched::Marched;
 pub use observables::{Explosion, Missed, Observables};
 pub use parts::{Disc, InParts};
