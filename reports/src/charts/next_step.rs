@@ -7,8 +7,8 @@ use polars::df;
 use polars::prelude::DataFrame;
 
 use crate::draw::{
-    Axis, BLACK, Canvas, DERIVED, Frame, HPos, INSIDE, LEADING, MARGIN, Mark, PAGE, Pen, Scale, Sign, Signs,
-    TEXT, TICK_TEXT, TOLERANCE, Ticks, VPos, log, svg, text_width,
+    Axis, BLACK, Canvas, DERIVED, Frame, HPos, INK, INSIDE, LEADING, MARGIN, Mark, PAGE, Pen, Scale, Sign,
+    Signs, TEXT, TICK_TEXT, TOLERANCE, Ticks, VPos, log, svg, text_width,
 };
 use crate::read::{Simulation, counted, milliseconds, number, padded, unique};
 use crate::text::{Part, chosen};
@@ -95,6 +95,8 @@ fn setting(row: &Row) -> String {
     format!("{}, h = {h} ms, tolerance {}", nothing.scene, number(nothing.tolerance, 1))
 }
 
+/// Where a start from nothing stands.
+const NOTHING: Pen = Pen::solid(INK, 0.25);
 /// Height of a line (mm).
 const LINE: f64 = 3.9;
 
@@ -124,7 +126,9 @@ fn figure(rows: &[&Row], left_out: usize) -> String {
                 scale: Scale::Ten,
                 ..Axis::log(padded(ratios.map(log).chain([0.0]), 0.06), from, from + wide)
             };
-            let frame = Frame { x, y: Axis::log((0.0, 1.0), bottom, top) };
+            // Rows have names in place of ticks.
+            let y = Axis { scale: Scale::Share, ..Axis::log((2.0, 3.0), bottom, top) };
+            let frame = Frame { x, y };
             panel(canvas, &frame, &lines, *cost);
             frame.name(canvas, &format!("{name} over those from nothing (–)"), name);
         }
@@ -138,13 +142,15 @@ fn figure(rows: &[&Row], left_out: usize) -> String {
 }
 
 fn panel(canvas: &Canvas, frame: &Frame, lines: &[(String, Option<&Row>)], cost: Cost) {
-    let (bottom, top) = (frame.y.from, frame.y.to);
+    let top = frame.y.to;
     frame.draw_border(canvas, Ticks::Outside);
     frame.label_x(canvas, Ticks::Outside);
     let one = frame.x.place(0.0);
-    canvas.line(&[(one, bottom), (one, top)], TOLERANCE);
     for (i, (_, row)) in lines.iter().enumerate() {
         let y = top + LINE * (i as f64 + 0.5);
+        if row.is_some() {
+            canvas.line(&[(one, y - 0.5 * LINE), (one, y + 0.5 * LINE)], NOTHING);
+        }
         let places = [0, 1].map(|start| {
             let ratio = row.and_then(|row| row.ratio(start, cost))?;
             Some((frame.x.place(log(ratio)), y))
@@ -163,7 +169,7 @@ fn key(left_out: usize) -> Signs {
         .iter()
         .map(|(name, mark, pen)| (Sign::Mark(*mark, *pen), format!("from {name} impulses")))
         .collect();
-    signs.push((Sign::Line(TOLERANCE), "from nothing: 1".to_owned()));
+    signs.push((Sign::Line(NOTHING), "from nothing: 1".to_owned()));
     if left_out > 0 {
         let text = format!(
             "Not drawn, since they missed their tolerance in more than a tenth of the time steps: {left_out}."
