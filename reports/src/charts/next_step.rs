@@ -92,7 +92,7 @@ fn table(all: &[Simulation]) -> DataFrame {
 fn setting(row: &Row) -> String {
     let Row { nothing, .. } = row;
     let h = milliseconds(nothing.time_step_s);
-    format!("{}, h = {h} ms, tolerance {}", nothing.scene, number(nothing.tolerance, 1))
+    format!("{}, h = {h} ms, ≤ {}", nothing.scene, number(nothing.tolerance, 1))
 }
 
 /// Where a start from nothing stands.
@@ -170,6 +170,7 @@ fn key(left_out: usize) -> Signs {
         .map(|(name, mark, pen)| (Sign::Mark(*mark, *pen), format!("from {name} impulses")))
         .collect();
     signs.push((Sign::Line(NOTHING), "from nothing: 1".to_owned()));
+    signs.push((Sign::Word, "h: time step; ≤: tolerance.".to_owned()));
     if left_out > 0 {
         let text = format!(
             "Not drawn, since they missed their tolerance in more than a tenth of the time steps: {left_out}."
