@@ -79,16 +79,16 @@ impl Homogenised {
             for e in copies {
                 let one = &mut all[*e as usize];
                 one.grains += share;
-                one.volume += share * radius[i].powi(M::Place::LEN as i32);
+                one.volume += share * (0..M::Place::LEN).map(|_| radius[i]).product::<f64>();
                 one.coordination += share * of_grain[i].contacts;
                 one.stress.add_share(share, &of_grain[i].moment);
                 one.fabric.add_share(share, &of_grain[i].fabric);
             }
         }
         let touching: f64 = all.iter().map(|one| one.volume).sum();
-        let box_ = bounds(&problem.position()[..grains], radius);
+        let room = bounds(&problem.position()[..grains], radius);
         for one in all.iter_mut().filter(|one| one.grains > 0.0) {
-            one.volume *= box_ / touching;
+            one.volume *= room / touching;
             one.stress = one.stress.map(|sum| sum / one.volume);
             one.fabric = one.fabric.map(|sum| sum / f64::max(one.coordination, f64::MIN_POSITIVE));
             one.coordination /= one.grains;

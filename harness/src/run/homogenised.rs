@@ -2,7 +2,7 @@
 
 use crate::problems::Studied;
 use anyhow::Result;
-use cases::{Frozen, Homogenised, Tensor};
+use cases::{Frozen, Homogenised};
 use contact::Vector;
 use partition::{Grid, Partition, Scheme};
 
@@ -28,12 +28,12 @@ pub(crate) fn homogenised<M: Studied>(
     let all = Homogenised::of(frozen, frozen.problem.grain_count(), (&subdomain, count as usize), r);
     for (e, one) in all.iter().enumerate() {
         let Homogenised { grains, volume, coordination, stress, fabric } = one;
-        text += &format!("{e},{grains},{volume},{coordination},{}", one.pressure(M::Place::LEN));
-        let values = |tensor: &Tensor| {
-            let shown = if in_space { vec![0, 1, 2, 3, 4, 5] } else { vec![0, 1, 3] };
-            shown.into_iter().map(|k| format!(",{}", tensor[k])).collect::<String>()
-        };
-        text += &(values(stress) + &values(fabric) + "\n");
+        text.extend([format!("{e},{grains},{volume},{coordination},{}", one.pressure(M::Place::LEN))]);
+        for tensor in [stress, fabric] {
+            let shown: &[usize] = if in_space { &[0, 1, 2, 3, 4, 5] } else { &[0, 1, 3] };
+            text.extend(shown.iter().map(|k| format!(",{}", tensor[*k])));
+        }
+        text.push('\n');
     }
     Ok(text)
 }

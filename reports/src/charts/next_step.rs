@@ -103,10 +103,10 @@ const LINE: f64 = 3.9;
 /// Two panels side by side, a line for each row below a heading for each setting.
 fn figure(rows: &[&Row], left_out: usize) -> String {
     let mut lines: Vec<(String, Option<&Row>)> = Vec::new();
-    for setting_ in unique(rows.iter().map(|row| setting(row))) {
-        let of_setting = rows.iter().filter(|row| setting(row) == setting_);
+    for each in unique(rows.iter().map(|row| setting(row))) {
+        let of_setting = rows.iter().filter(|row| setting(row) == each);
         let of_setting: Vec<_> = of_setting.map(|row| (row.nothing.label(), Some(*row))).collect();
-        lines.push((setting_, None));
+        lines.push((each, None));
         lines.extend(of_setting);
     }
     let labels = lines.iter().filter(|(_, row)| row.is_some()).map(|(label, _)| text_width(label, TICK_TEXT));
@@ -192,12 +192,12 @@ fn sentences(rows: &[Row]) -> String {
         let [iterations, seconds] = COSTS.map(|(_, cost)| [of(0, cost), of(1, cost)]);
         let count = seconds[0].len().min(iterations[0].len());
         if count == 0 {
-            text += &format!("{label}: nothing to compare, since time steps missed their tolerance.\n");
+            text.extend([format!("{label}: nothing to compare, since time steps missed their tolerance.\n")]);
             continue;
         }
         let [i, s] = [&iterations, &seconds].map(|both| [0, 1].map(|k| number(mean(&both[k]), 2)));
         let faster = seconds[0].iter().zip(&seconds[1]).filter(|(old, new)| new < old).count();
-        text += &format!(
+        text.extend([format!(
             "{label}: of the iterations from nothing, previous impulses take {} and extrapolated ones {}; of the seconds {} and {} \
              (geometric means of {}). Extrapolating takes fewer seconds than previous impulses in {faster} of {count}.\n",
             i[0],
@@ -205,7 +205,7 @@ fn sentences(rows: &[Row]) -> String {
             s[0],
             s[1],
             counted(count, "simulation")
-        );
+        )]);
     }
     text
 }
