@@ -130,7 +130,7 @@ mod tests {
     }
 
     fn solver() -> Cg {
-        Cg { preconditioner: Preconditioner::Diagonal, ..Cg::default() }
+        Cg { preconditioner: Preconditioner::Diagonal }
     }
 
     #[test]
