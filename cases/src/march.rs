@@ -1,7 +1,8 @@
 //! Time marching: the θ-scheme around any solver, one contact problem per time step, each started from the impulses
-//! of the one before (§2).
+//! of those before (§2).
 
 mod contacts;
+mod start;
 
 use crate::bulk::Bulk;
 use crate::case::Case;
@@ -18,8 +19,9 @@ use crate::sample::Grain;
 use crate::scene::Scene;
 use crate::stress::Stress;
 use contact::{Discs, Mass, Mechanics, Packing, Place, Solver, Touch, Vector, greatest};
-use contacts::recall;
 use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
+pub use start::Start;
+use start::recall;
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 
@@ -38,6 +40,8 @@ pub struct March<M: Mechanics = Discs> {
     done: u64,
     /// Impulses of the last time step, as they are kept, ordered by contact (N·s); none if its solve failed.
     last: Vec<((u32, Side), M::Impulse)>,
+    /// Those of the time step before it, if both solves did not fail (N·s).
+    before: Vec<((u32, Side), M::Impulse)>,
     /// How the last time step ended, if it did not converge.
     missed: Option<Missed>,
 }
@@ -55,6 +59,11 @@ impl<M: Mechanics> TimeStep<M> {
     /// The antagonist of each contact.
     pub fn sides(&self) -> &[Side] {
         &self.sides
+    }
+
+    /// The candidate and the antagonist of each contact, by which it is known again.
+    fn keys(&self) -> impl Iterator<Item = (u32, Side)> {
+        self.frozen.problem.contacts().iter().zip(&self.sides).map(|(at, side)| (at.ends().0, *side))
     }
 }
 
@@ -100,6 +109,7 @@ impl<M: Marched> March<M> {
             neighbours: RefCell::default(),
             done: 0,
             last: Vec::new(),
+            before: Vec::new(),
             missed: None,
         }
     }
@@ -242,9 +252,9 @@ impl<M: Marched> March<M> {
             *q = period.wrapped(*detected + M::translation(*v) * (h * theta));
         }
         self.velocity.copy_from_slice(velocity);
-        let keys = problem.contacts().iter().zip(&time_step.sides).map(|(at, side)| (at.ends().0, *side));
         let kept = |k: usize| M::kept(&problem.contacts()[k], M::Impulse::at(r, k));
-        self.last = keys.enumerate().map(|(k, key)| (key, kept(k))).collect();
+        let last = time_step.keys().enumerate().map(|(k, key)| (key, kept(k))).collect();
+        self.before = std::mem::replace(&mut self.last, last);
         self.done += 1;
         self.observe(time_step, r, energy)
     }
@@ -259,11 +269,11 @@ impl<M: Marched> March<M> {
         stop: &Stop,
     ) -> Result<(Outcome<M>, Observables), CaseError> {
         let next = self.next()?;
-        self.solve(&next, solver, stop, true, &|| false)
+        self.solve(&next, solver, stop, Start::Previous, &|| false)
     }
 
-    /// Solves the time step that [`March::next`] gave with `solver`: from the impulses of the one before if `warm` and if
-    /// its solve did not fail, else from none. `halt` is called after every iteration.
+    /// Solves the time step that [`March::next`] gave with `solver`, from `start`; from no impulses if the solve of the one
+    /// before failed. `halt` is called after every iteration.
     ///
     /// # Errors
     /// Names a setting of the solver without meaning, or says how the simulation has exploded: `next` is then the problem
@@ -273,10 +283,10 @@ impl<M: Marched> March<M> {
         next: &TimeStep<M>,
         solver: &dyn Solver<M>,
         stop: &Stop,
-        warm: bool,
+        start: Start,
         halt: &dyn Fn() -> bool,
     ) -> Result<(Outcome<M>, Observables), CaseError> {
-        let (Frozen { problem, gap, .. }, start) = (&next.frozen, next.frozen.start(warm));
+        let (Frozen { problem, gap, .. }, start) = (&next.frozen, self.start(next, start));
         let mut observe =
             |_: &Progress| if halt() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
         let measured = Measured::Needed;

@@ -50,9 +50,7 @@ pub trait Marched: Refutable {
     }
 
     /// What is kept of the time step before, as an impulse that the contact admits (N·s).
-    fn recalled(_: &Self::Contact, kept: Self::Impulse) -> Self::Impulse {
-        kept
-    }
+    fn recalled(contact: &Self::Contact, kept: Self::Impulse) -> Self::Impulse;
 }
 
 impl<const D: usize> Marched for Smooth<D> {
@@ -90,6 +88,11 @@ impl<const D: usize> Marched for Smooth<D> {
 
     fn to_candidate(contact: &Contact<D>, r: f64) -> SVector<f64, D> {
         contact.normal * r
+    }
+
+    /// To the bit where the solver's start is admitted.
+    fn recalled(_: &Contact<D>, kept: f64) -> f64 {
+        if kept < 0.0 { 0.0 } else { kept }
     }
 }
 

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use analysis::proves_infeasible;
-use cases::{Case, CaseError, Explosion, Frozen, March, Missed, Side, detect};
+use cases::{Case, CaseError, Explosion, Frozen, March, Missed, Side, Start, detect};
 use cg::Cg;
 use contact::{Discs, Measure, RoughDiscs, RoughSpheres, Spheres};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -256,7 +256,7 @@ fn time_step_that_is_stopped_inside_its_solve_is_not_made() {
         asked.set(asked.get() + 1);
         asked.get() > 3
     };
-    let stopped = march.solve(&next, &Cg::default(), &tight(), true, &halt).unwrap_err();
+    let stopped = march.solve(&next, &Cg::default(), &tight(), Start::Previous, &halt).unwrap_err();
     assert!(matches!(stopped, CaseError::Interrupted { time_step: 1, iterations: 3 }), "{stopped}");
     assert_eq!((march.time_steps(), march.next().unwrap().frozen), (0, next.frozen));
 }

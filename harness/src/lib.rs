@@ -69,6 +69,7 @@ mod run {
     mod curve;
     mod execute;
     mod external;
+    mod homogenised;
     #[cfg(any(feature = "mpi", test))]
     mod on_ranks;
     mod on_w;
@@ -85,6 +86,7 @@ mod run {
     pub(crate) use curve::{Recorder, decades, first_at};
     pub(crate) use execute::{Conditions, How, Task, few, in_parallel, in_the_pool};
     pub(crate) use external::{Ended, Observe, ended};
+    pub(crate) use homogenised::homogenised;
     pub(crate) use on_w::{OnW, solved_on_w};
     pub(crate) use problem::{OneProblem, Snapshots};
     pub(crate) use repeats::{Kept, Made, refused, repeated};

@@ -9,6 +9,7 @@ mod critical_path;
 mod dimensions;
 mod directions;
 mod macroscopic;
+mod next_step;
 mod peers;
 mod profiles;
 mod ranks;
@@ -154,6 +155,12 @@ const CHARTS: &[Chart] = &[
         makes: "`macroscopic`, `macroscopic-found`",
         shows: "friction of a sheared packing against that of its grains, and against the tolerance, each method; from which tolerance on it stays",
         parts: Parts::Simulations(macroscopic::parts),
+    },
+    Chart {
+        name: "next-step",
+        makes: "`next-step`, `next-step-found`",
+        shows: "iterations and seconds of time steps that begin from previous or from extrapolated impulses, over those of a start from nothing",
+        parts: Parts::Simulations(next_step::parts),
     },
     Chart {
         name: "atlas-in-time",

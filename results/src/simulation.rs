@@ -53,6 +53,10 @@ pub struct Simulation {
     pub variant: String,
     /// Whether each time step began from the impulses of the one before.
     pub warm_start: bool,
+    /// What each time step began from: `nothing`, `previous` impulses, or those `extrapolated` from the last two; empty in journals
+    /// of before there was a choice.
+    #[serde(default)]
+    pub start: String,
     /// The measure that was asked to stop each time step.
     pub stop_on: String,
     /// Value of that measure at which a time step was to stop.

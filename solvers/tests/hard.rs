@@ -6,7 +6,7 @@
 use crate::hazards::{chain, lattice, wedge};
 use crate::infeasible::all_methods;
 use crate::problems::first_problem;
-use cases::Frozen;
+use cases::{Frozen, Start};
 use cg::{Cg, Preconditioner};
 use contact::{Contact, Packing, Solver};
 use microlp::{ComparisonOp, OptimizationDirection, Problem, SolveOutcome};
@@ -97,7 +97,7 @@ fn the_first_time_steps_of_cases_are_certified() {
             let step = march.next().unwrap();
             let answer = reference::solve(&step.frozen.problem);
             assert_eq!(verdict(&answer), "certified", "{}: {answer:?}", step.frozen.name);
-            march.solve(&step, &solver, &stop, true, &|| false).unwrap();
+            march.solve(&step, &solver, &stop, Start::Previous, &|| false).unwrap();
         }
     }
 }

@@ -138,20 +138,3 @@ fn greatest_approach<M: Marched>(
     let facing = walls.iter().flatten().flat_map(|wall| position.iter().map(|x| wall.opening_rate(*x).abs()));
     grains.chain(facing).fold(0.0, f64::max)
 }
-
-/// The impulses of the contacts `keys` in the last time step, 0 for a new one. Both lists rise.
-pub(super) fn recall<M: Marched>(
-    last: &[((u32, Side), M::Impulse)],
-    keys: impl ExactSizeIterator<Item = (u32, Side)>,
-    contacts: &[M::Contact],
-) -> Vec<f64> {
-    let mut last = last.iter().peekable();
-    let mut start = vec![0.0; M::Impulse::LEN * keys.len()];
-    for (k, key) in keys.enumerate() {
-        while last.next_if(|(known, _)| *known < key).is_some() {}
-        if let Some((_, r)) = last.next_if(|(known, _)| *known == key) {
-            M::recalled(&contacts[k], *r).put(&mut start, k);
-        }
-    }
-    start
-}

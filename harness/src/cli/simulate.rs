@@ -6,7 +6,7 @@ use crate::problems::{Enter, Root, Studied, enter, read_case};
 use crate::run::{End, Frames, Seen, missed, observed, through_time};
 use crate::terminal::{check_place, exit, merged, progress, say, write_whole};
 use anyhow::{Context, Result, bail};
-use cases::{Case, Frozen, March};
+use cases::{Case, Frozen, March, Start};
 use indicatif::ProgressBar;
 use results::simulation::{Energy, Observed, Stress, Totals};
 use runner::Stop;
@@ -37,6 +37,9 @@ pub(crate) struct Args {
     /// Begin each time step from r = 0, not from the impulses of the one before
     #[arg(long)]
     cold: bool,
+    /// Begin each time step from the impulses of the two before, extrapolated linearly
+    #[arg(long, conflicts_with = "cold")]
+    extrapolate: bool,
     /// Print one JSON object: how it ended, what it took and its last time step
     #[arg(long)]
     json: bool,
@@ -88,7 +91,12 @@ impl Enter for Marched<'_> {
 fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) -> Result<ExitCode> {
     let solver = method.solver::<M>()?;
     let mut march = March::<M>::new(case)?;
-    let rule = Rule { stop, warm_start: !args.cold };
+    let warm_start = match (args.cold, args.extrapolate) {
+        (true, _) => Start::Nothing,
+        (_, true) => Start::Extrapolated,
+        _ => Start::Previous,
+    };
+    let rule = Rule { stop, warm_start };
     exit::listen_for_interrupts()?;
     let mut kept = Kept::new(args, case, method)?;
     if let Some(frames) = &mut kept.frames {

@@ -7,7 +7,7 @@ use crate::exchange::{self, Held, is_foreign};
 use crate::identity::content_hash;
 use crate::plan::Method;
 use crate::problems::{Known, Root, Studied, Visit, size, visit};
-use crate::run::{Ended, Observe, derived, ended};
+use crate::run::{Ended, Observe, derived, ended, homogenised};
 use crate::terminal::{Line, check_place, exit, merged, say, write_instead};
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
@@ -42,6 +42,10 @@ pub(crate) struct Args {
     /// friction the normal and the tangential one of each]}
     #[arg(long, value_name = "FILE")]
     impulses: Option<PathBuf>,
+    /// Write what the method's subdomains are as a material to FILE, as CSV: stress, fabric and coordination of each; of all as
+    /// one, where it has no subdomains
+    #[arg(long, value_name = "FILE")]
+    homogenised: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -52,7 +56,7 @@ enum Start {
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let (method, stop) = args.solver.read()?;
-    if let Some(file) = &args.impulses {
+    for file in args.impulses.iter().chain(&args.homogenised) {
         check_place(file)?;
     }
     let path = root.any_problem_or_case(&args.problem)?;
@@ -107,6 +111,9 @@ fn solve<M: Studied>(
     let outcome = outcome(&known, frozen, (method, stop), &r0, &mut observe)
         .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
     drop(line);
+    if let Some(file) = &args.homogenised {
+        write_instead(file, homogenised(frozen, method.partition(), &outcome.impulses)?)?;
+    }
 
     let asked = || asked(frozen, method, stop, args.start == Start::Warm);
     tell(args, (asked, &format!("{}: {}", frozen.name, size(&frozen.problem))), (method, stop), &outcome)

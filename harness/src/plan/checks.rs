@@ -3,7 +3,7 @@
 use crate::plan::{Curves, MOST, Plan, PlannedCase, PlannedMethod, Simulate, Variant, WarmStart, count};
 use crate::terminal::suggest;
 use anyhow::{Context, Error, Result, bail};
-use cases::check_name;
+use cases::{Start, check_name};
 use contact::Discs;
 use contact::Measure;
 use reports::Chart;
@@ -72,6 +72,11 @@ impl Plan {
         if !self.through_time() {
             if let Some(case) = self.cases.iter().find(|case| case.duration_s.is_some()) {
                 bail!("`cases`: case `{}`: `duration_s`: the plan has no table [simulate]", case.case);
+            }
+            if self.warm_start == Start::Extrapolated {
+                bail!(
+                    "`warm_start` is \"extrapolated\": a problem knows one time step before; true and false are for all plans"
+                );
             }
             return Ok(());
         }

@@ -3,7 +3,7 @@
 use crate::plan::{PlannedMethod, Rule, Settings, Simulate, Variant};
 use crate::terminal::{read_text, suggest};
 use anyhow::{Context, Result, anyhow, bail};
-use cases::all_missing;
+use cases::{Start, all_missing};
 use reports::Chart;
 use runner::Stop;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -27,9 +27,10 @@ pub(crate) struct Plan {
     /// Cases whose problems are computed for the study.
     #[serde(default)]
     pub(crate) cases: Vec<PlannedCase>,
-    /// Whether runs begin from the impulses of the time step before, where a method does not say it of itself.
+    /// Whether runs begin from the impulses of the time step before, where a method does not say it of itself; through time also
+    /// by a name, such as `"extrapolated"`.
     #[serde(default)]
-    pub(crate) warm_start: bool,
+    pub(crate) warm_start: Start,
     /// Whether rows hold the eigenvalues of their problems, which explain failures.
     #[serde(default)]
     pub(crate) spectra: bool,

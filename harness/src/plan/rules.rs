@@ -3,6 +3,7 @@
 use crate::plan::{Method, Settings, Variant, combinations, count, last_parts, pairs};
 use crate::terminal::merged;
 use anyhow::{Context, Result, anyhow, bail};
+use cases::Start;
 use contact::{Discs, Measure, shown};
 use runner::Stop;
 use schemars::JsonSchema;
@@ -53,7 +54,7 @@ fn quarter() -> NonZeroU32 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rule {
     pub(crate) stop: Stop,
-    pub(crate) warm_start: bool,
+    pub(crate) warm_start: Start,
 }
 
 /// A rule, key by key.
@@ -63,12 +64,12 @@ struct Keys {
     on: Measure,
     tolerance: f64,
     max_iterations: u64,
-    warm_start: bool,
+    warm_start: Start,
 }
 
 impl Simulate {
     /// Every rule with its name; what it leaves open is the plan's.
-    pub(crate) fn rules(&self, stop: &Stop, warm_start: bool) -> Result<Vec<(Rule, String)>> {
+    pub(crate) fn rules(&self, stop: &Stop, warm_start: Start) -> Result<Vec<(Rule, String)>> {
         if !(self.sample_every_s > 0.0 && self.sample_every_s.is_finite()) {
             bail!(
                 "`simulate.sample_every_s` is {}: it must be positive and finite",
@@ -115,7 +116,7 @@ impl Simulate {
         let stop = Stop { on: Measure::NaturalMap, tolerance: *tolerance, ..*stop };
         stop.check().context("`simulate.reference`")?;
         let name = "reference".to_owned();
-        Ok((Variant { method, warm_start: true, name }, Rule { stop, warm_start: true }))
+        Ok((Variant { method, warm_start: true, name }, Rule { stop, warm_start: Start::Previous }))
     }
 }
 

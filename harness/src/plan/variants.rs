@@ -54,7 +54,7 @@ impl Plan {
         let mut seen = HashSet::new();
         let mut unused: Vec<&(String, String)> = changes.iter().collect();
         for planned in &self.methods {
-            for (method, warm_start) in planned.methods(self.warm_start)? {
+            for (method, warm_start) in planned.methods(self.warm_start.is_warm())? {
                 let (known, changed) = (method.settings.clone(), method.changed(changes)?);
                 unused.retain(|(key, _)| !known.contains_key(key));
                 let settings = Value::Object(changed.settings.clone()).to_string();

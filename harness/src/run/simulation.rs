@@ -5,7 +5,7 @@ use crate::problems::{Enter, Scene, Studied, enter};
 use crate::run::{Conditions, Task};
 use crate::terminal::write_kept;
 use anyhow::Result;
-use cases::{CaseError, Frozen, March, Observables, TimeStep};
+use cases::{CaseError, Frozen, March, Observables, Start, TimeStep};
 use contact::{Discs, Mechanics, Solver};
 use results::schema::{Provenance, Timing};
 use results::simulation::{Energy, Observed, Simulated, Simulation, Stress, Totals};
@@ -26,7 +26,11 @@ pub(crate) struct Through<'s> {
 impl Through<'_> {
     /// Its time step, and until when each is solved from what.
     pub(crate) fn in_words(&self) -> String {
-        let start = if self.rule.warm_start { "" } else { ", cold" };
+        let start = match self.rule.warm_start {
+            Start::Nothing => ", cold",
+            Start::Previous => "",
+            Start::Extrapolated => ", extrapolated",
+        };
         let (h, stop) = (self.scene.case.scene.time_step_s, &self.rule.stop);
         format!("h = {h} s, {} ≤ {:e}{start}", stop.on, stop.tolerance)
     }
@@ -127,7 +131,8 @@ fn nothing_done<M: Studied>(
         method: variant.method.name.to_owned(),
         settings: variant.method.settings.clone(),
         variant: variant.name.clone(),
-        warm_start: rule.warm_start,
+        warm_start: rule.warm_start.is_warm(),
+        start: rule.warm_start.name().to_owned(),
         stop_on: rule.stop.on.name().to_owned(),
         tolerance: rule.stop.tolerance,
         max_iterations: rule.stop.max_iterations,
@@ -266,7 +271,7 @@ pub(crate) fn through_time<M: Studied>(
         };
         add(&mut totals, &outcome);
         totals.energy += energy(&observables);
-        totals.restarted_time_steps += u64::from(failed && rule.warm_start);
+        totals.restarted_time_steps += u64::from(failed && rule.warm_start.is_warm());
         failed = matches!(outcome.status, Status::Diverged | Status::Infeasible);
         let (outcome, observables) = (&outcome, &observables);
         see(&Seen { march, time_step: &time_step, outcome, observables, totals: &totals })?;

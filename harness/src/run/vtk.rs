@@ -5,7 +5,7 @@ use crate::problems::Studied;
 use crate::run::rows::subdomain_of_grains;
 use crate::terminal::{say, write_whole};
 use anyhow::{Context, Result, bail};
-use cases::{March, Side, TimeStep};
+use cases::{Homogenised, March, Side, TimeStep};
 use contact::{Place, Touch, Vector};
 use partition::{Decomposition, Grid, Partition, Scheme};
 use std::fs::File;
@@ -183,6 +183,18 @@ fn grains<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Partit
         1 => elements.numbers("spin_rad_per_s", spins),
         _ => elements.values.push(Attribute::vectors("spin_rad_per_s").with_data(spins)),
     }
+    let material = solved.map_or_else(Vec::new, |(time_step, r)| {
+        let one = (vec![0; time_step.frozen.problem.contact_count()], 1);
+        let (list, count) = split.map_or(one, |split| (split.subdomain.clone(), split.count as usize));
+        Homogenised::of(&time_step.frozen, march.grain_count(), (&list, count), r)
+    });
+    let of_material = |value: &dyn Fn(&Homogenised) -> f64| {
+        subdomain.iter().map(|e| e.and_then(|e| material.get(e as usize)).map_or(0.0, value)).collect()
+    };
+    let pressure = if M::Place::LEN > 2 { "n_per_m2" } else { "n_per_m" };
+    let pressure = format!("subdomain_pressure_{pressure}");
+    elements.numbers(&pressure, of_material(&|one| one.pressure(M::Place::LEN)));
+    elements.numbers("subdomain_coordination", of_material(&|one| one.coordination));
     elements.indices("subdomain", subdomain);
     elements.indices("multiplicity", copies.into_iter().map(|copies| Some(copies.max(1))));
     elements

@@ -273,6 +273,9 @@ fn frames_have_grains_contacts_and_walls_apart_from_the_initial_state_on() {
     assert!(grains["velocity_m_per_s"].iter().all(|v| v.abs() < 1e-6));
     // The lower disc has contacts in both subdomains.
     assert_eq!(grains["multiplicity"], [2.0, 1.0]);
+    // Two contacts of the lower one, one of the upper; the upper subdomain has the upper disc and half of the lower.
+    assert_eq!(grains["subdomain_coordination"].iter().copied().fold(0.0, f64::max), 2.0);
+    assert!(grains["subdomain_pressure_n_per_m"].iter().all(|pressure| *pressure > 0.0));
     let (ends, contacts) = frame(&vtk.join(of("contacts", 3)));
     assert!((ends[1] - 0.5).abs() < 1e-9 && ends[4].abs() < 1e-9, "from the disc to the floor: {ends:?}");
     assert_eq!((&*contacts["candidate"], &*contacts["antagonist"]), (&[0.0, 0.0][..], &[-1.0, 1.0][..]));

@@ -158,3 +158,29 @@ fn warm_start_begins_from_the_impulses_of_the_file() {
     assert!(cold["iterations"].as_u64().unwrap() > 0);
     assert_eq!(warm["iterations"], 0);
 }
+
+#[test]
+fn subdomains_as_a_material_sum_to_the_whole_whatever_the_threads() {
+    let folder = TempDir::new().unwrap();
+    let table = |name: &str, threads: &str, subdomains: &str| {
+        let file = folder.path().join(name);
+        let method = ["--method", "nsgs-dd", "--set", subdomains, "--homogenised", text(&file)];
+        gravel(&[&["--threads", threads, "solve", "column", "--tolerance", "1e-12"][..], &method].concat())
+            .succeeded();
+        fs::read_to_string(file).unwrap()
+    };
+    let (parts, whole) = (table("two", "1", "subdomains=1x2"), table("one", "1", "subdomains=1x1"));
+    assert_eq!(parts, table("two-threads", "2", "subdomains=1x2"));
+    let head = "subdomain,grains,area_m2,coordination,pressure_n_per_m,stress_xx_n_per_m,stress_yy_n_per_m,";
+    assert!(parts.starts_with(head), "{parts}");
+    // Areas times σ_yy.
+    let sum = |table: &str| -> f64 {
+        let rows = table.lines().skip(1).map(|row| row.split(',').collect::<Vec<_>>());
+        rows.map(|row| row[2].parse::<f64>().unwrap() * row[6].parse::<f64>().unwrap()).sum()
+    };
+    // Over all 20 discs Σ ½ (39 − 2k) m g, and 1 m² each.
+    let expected = 200.0 * weight(0.5) / 0.005;
+    for sum in [sum(&parts), sum(&whole)] {
+        assert!((sum / expected - 1.0).abs() < 1e-8, "{sum} instead of {expected}");
+    }
+}

@@ -31,7 +31,14 @@ impl Simulation {
     }
 
     pub(crate) fn label(&self) -> String {
-        label(&self.method, &self.variant)
+        // A truth value says of which setting it is, if that is the only one.
+        let mut truths = self.settings.iter().filter(|(_, value)| value.is_boolean());
+        match (self.variant.as_str(), truths.next(), truths.next()) {
+            (variant @ ("true" | "false"), Some((key, _)), None) => {
+                label(&self.method, &format!("{key}={variant}"))
+            }
+            (variant, ..) => label(&self.method, variant),
+        }
     }
 
     /// Seconds in the method for each second simulated, as far as it came.

@@ -22,6 +22,7 @@ pub(crate) fn simulated(role: &str, time_step_s: f64, tolerance: f64) -> Simulat
         duration_s: 1.0,
         method: "nsgs".into(),
         warm_start: true,
+        start: "previous".into(),
         stop_on: "natural_map".into(),
         tolerance,
         max_iterations: 100,

@@ -23,6 +23,7 @@ fn simulated(number: u32) -> Simulated {
         settings: row.settings,
         variant: String::new(),
         warm_start: true,
+        start: "previous".into(),
         stop_on: row.stop_on,
         tolerance: row.tolerance,
         max_iterations: row.max_iterations,

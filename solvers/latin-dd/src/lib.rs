@@ -29,6 +29,7 @@ mod assembly;
 mod balance;
 mod coarse;
 mod directions;
+mod homogenised;
 mod run;
 mod sent;
 mod stages;

@@ -22,6 +22,9 @@ pub(super) fn solve(
     path: &Path,
 ) -> Result<ExitCode> {
     args.scene.refused(&format!("{} is a problem of W alone", path.display()))?;
+    if args.homogenised.is_some() {
+        bail!("--homogenised: {} has W alone, no grains and no contacts in space", path.display());
+    }
     if args.start == Start::Warm {
         bail!("--start warm: {} has no impulses of a time step before", path.display());
     }
