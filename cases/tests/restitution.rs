@@ -9,13 +9,14 @@ use std::path::Path;
 fn march(name: &str, overrides: &[(&str, &str)]) -> March {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("{name}.toml"));
     let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).into(), (*value).into())).collect();
-    March::<Discs>::new(&Case::read(&path, &overrides).unwrap()).unwrap()
+    let made = Case::read(&path, &overrides).and_then(|case| March::<Discs>::new(&case));
+    made.unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Marches one time step, solved to round-off, and gives what became of its energy (J).
 fn time_step(march: &mut March) -> Energy {
-    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-13, max_iterations: 100_000, ..Stop::default() };
-    march.time_step(&Nsgs::default(), &stop).unwrap().1.energy
+    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-13, max_iterations: 100_000 };
+    march.time_step(&Nsgs::default(), &stop).unwrap_or_else(|error| panic!("{error}")).1.energy
 }
 
 fn speeds(march: &March) -> Vec<f64> {
