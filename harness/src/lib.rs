@@ -127,7 +127,7 @@ mod problems {
     #[cfg(any(feature = "mpi", test))]
     pub(crate) use {
         case::replaced,
-        parts::{MadeOf, cut, make},
+        parts::{MadeOf, cut, make, own, solution_folder},
     };
 }
 

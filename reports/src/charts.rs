@@ -134,8 +134,8 @@ const CHARTS: &[Chart] = &[
     },
     Chart {
         name: "ranks",
-        makes: "`ranks-<problem>`, `ranks`",
-        shows: "iterations and predicted speed-up with a rank for each subdomain, from counted work, messages and bytes at a cluster's prices; which share messages take",
+        makes: "`ranks-<problem>`, `ranks`; `ranks-measured` of runs on ranks",
+        shows: "iterations and predicted speed-up with a rank for each subdomain, from counted work, messages and bytes at a cluster's prices; which share messages take; of runs on ranks measured over predicted seconds of an iteration",
         parts: Parts::Problems(ranks::parts),
     },
     Chart {

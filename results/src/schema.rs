@@ -151,12 +151,26 @@ pub struct Exchange {
     pub waiting_s: f64,
     /// The rank that worked longest, for which the others waited.
     pub slowest_rank: u32,
+    /// What a message took before the runs, whatever its length (s); undefined of one rank.
+    #[serde(with = "number")]
+    pub latency_s: f64,
+    /// And each of its bytes (s).
+    #[serde(with = "number")]
+    pub seconds_per_byte: f64,
 }
 
 /// One machine.
 impl Default for Exchange {
     fn default() -> Self {
-        Self { ranks: 1, messages: 0, message_bytes: 0, waiting_s: 0.0, slowest_rank: 0 }
+        Self {
+            ranks: 1,
+            messages: 0,
+            message_bytes: 0,
+            waiting_s: 0.0,
+            slowest_rank: 0,
+            latency_s: f64::NAN,
+            seconds_per_byte: f64::NAN,
+        }
     }
 }
 

@@ -6,12 +6,11 @@ use crate::cli::args::{SceneArgs, SolverArgs};
 use crate::exchange::{self, Held, is_foreign};
 use crate::identity::content_hash;
 use crate::plan::Method;
-use crate::problems::{Known, Root, Studied, Visit, size, visit};
+use crate::problems::{Given, Known, Root, Studied, Visit, size, visit};
 use crate::run::{Ended, Observe, derived, ended, homogenised};
 use crate::terminal::{Line, check_place, exit, merged, say, write_instead};
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
-use clap::ValueEnum;
 use contact::{Measure, Mechanics};
 use runner::{Measured, Outcome, Progress, Stop};
 use serde_json::{Value, json};
@@ -28,8 +27,9 @@ pub(crate) struct Args {
     scene: SceneArgs,
     #[command(flatten)]
     solver: SolverArgs,
-    /// Begin from r = 0, or from the impulses of the time step before
-    #[arg(long, value_enum, default_value = "cold")]
+    /// Begin from r = 0 (cold), from the impulses of the time step before, if there are some (warm), or from those in a FILE such as
+    /// `--impulses` writes
+    #[arg(long, value_name = "START", default_value = "cold", value_parser = Start::read)]
     start: Start,
     /// Measure the distance to the reference solution as well, which is kept in results/references; so does
     /// `--on velocity_error`
@@ -48,10 +48,24 @@ pub(crate) struct Args {
     homogenised: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Start {
+/// The impulses to begin from.
+#[derive(Clone, PartialEq, Eq)]
+pub(crate) enum Start {
     Cold,
     Warm,
+    From(PathBuf),
+}
+
+impl Start {
+    /// Any word but the two is a place.
+    pub(crate) fn read(text: &str) -> Result<Self, String> {
+        Ok(match text {
+            "" => return Err("cold, warm, or where impulses are".to_owned()),
+            "cold" => Self::Cold,
+            "warm" => Self::Warm,
+            place => Self::From(place.into()),
+        })
+    }
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
@@ -98,7 +112,10 @@ fn solve<M: Studied>(
     path: &Path,
     frozen: &Frozen<M>,
 ) -> Result<ExitCode> {
-    let r0 = frozen.start(args.start == Start::Warm);
+    let r0 = match &args.start {
+        Start::From(file) => Given::read(file, &frozen.problem)?.impulse,
+        start => frozen.start(*start == Start::Warm),
+    };
 
     let truth = args.truth || stop.on == Measure::VelocityError;
     let known = if truth { M::known(root, frozen)? } else { Known::default() };
@@ -115,7 +132,7 @@ fn solve<M: Studied>(
         write_instead(file, homogenised(frozen, method.partition(), &outcome.impulses)?)?;
     }
 
-    let asked = || asked(frozen, method, stop, args.start == Start::Warm);
+    let asked = || asked(frozen, method, stop, args.start != Start::Cold);
     tell(args, (asked, &format!("{}: {}", frozen.name, size(&frozen.problem))), (method, stop), &outcome)
 }
 

@@ -1,7 +1,7 @@
 //! `gravel split` and `gravel join`: a problem as one file per subdomain, and the impulses of all subdomains as one file.
 
 use crate::cli::args::SceneArgs;
-use crate::problems::{Impulses, Part, Root, Studied, Visit, size, visit};
+use crate::problems::{Impulses, Known, Part, Root, Studied, Visit, size, visit};
 use crate::terminal::{check_place, say, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::Frozen;
@@ -27,6 +27,10 @@ pub(crate) struct Args {
     /// The folder for the files, one per subdomain, which is made or empty
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output: PathBuf,
+    /// Write the reference solution as well, which is kept in results/references, a file per subdomain in FOLDER/solution-0; with
+    /// friction each known solution, in solution-0, solution-1, …
+    #[arg(long)]
+    pub(crate) truth: bool,
 }
 
 #[derive(clap::Args)]
@@ -49,7 +53,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let folder = &args.output;
     make_folder(folder)?;
     let in_problem = || path.display().to_string();
-    visit(args.scene.problem(&path)?, Split { folder, args }).with_context(in_problem)
+    visit(args.scene.problem(&path)?, Split { root, folder, args }).with_context(in_problem)
 }
 
 /// Makes an empty folder.
@@ -62,6 +66,7 @@ pub(crate) fn make_folder(folder: &Path) -> Result<()> {
 }
 
 struct Split<'a> {
+    root: &'a Root,
     folder: &'a Path,
     args: &'a Args,
 }
@@ -70,8 +75,9 @@ impl Visit for Split<'_> {
     type Output = Result<()>;
 
     fn visit<M: Studied>(self, frozen: Frozen<M>) -> Result<()> {
-        let Self { folder, args: Args { subdomains, partition, .. } } = self;
-        Part::write_all(folder, &frozen, *subdomains, *partition)?;
+        let Self { root, folder, args: Args { subdomains, partition, truth, .. } } = self;
+        let known = if *truth { M::known(root, &frozen)? } else { Known::default() };
+        Part::write_all(folder, &frozen, known.all_impulses(), (*subdomains, *partition))?;
         let size = size(&frozen.problem);
         say(format_args!("{}: {size}, as {} files in {}", frozen.name, subdomains.count(), folder.display()))
     }

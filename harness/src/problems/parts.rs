@@ -5,12 +5,12 @@ use crate::problems::Studied;
 use crate::terminal::{read_text, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::Frozen;
-use contact::Packing;
+use contact::{Packing, Vector};
 use partition::{Decomposition, Grid, Partition, Scheme, Share, Whole};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 #[cfg(any(feature = "mpi", test))]
-use {cases::AnyFrozen, contact::Vector};
+use {cases::AnyFrozen, contact::Touch};
 
 #[cfg(any(feature = "mpi", test))]
 mod made;
@@ -33,7 +33,7 @@ pub(crate) struct Part {
     /// The whole problem's numbers of its grains, in the order of the second line.
     grains: Vec<u32>,
     /// And of its contacts.
-    contacts: Vec<u32>,
+    pub(crate) contacts: Vec<u32>,
     /// Its copies of boundary grains, in their order: the grain, by its place in the second line, and all copies, each by its
     /// subdomain and its number there.
     boundary: Vec<(u32, Vec<(u32, u32)>)>,
@@ -67,21 +67,34 @@ impl Part {
         folder.join(format!("{subdomain}.jsonl"))
     }
 
-    /// Writes a problem to a folder, a file per subdomain.
+    /// Writes a problem to a folder, a file per subdomain; and its `solutions` (N·s) to folders inside.
     pub(crate) fn write_all<M: Studied>(
         folder: &Path,
         frozen: &Frozen<M>,
-        grid: Grid,
-        scheme: Scheme,
+        solutions: &[Vec<f64>],
+        (grid, scheme): (Grid, Scheme),
     ) -> Result<()> {
         let (decomposition, whole) = cut(&frozen.problem, grid, scheme)?;
+        for k in 0..solutions.len() {
+            let folder = solution_folder(folder, k);
+            std::fs::create_dir(&folder).with_context(|| folder.display().to_string())?;
+        }
         let problem_hash = content_hash(frozen);
+        let begins = frozen.start.iter().any(|r| *r != 0.0);
         for e in 0..decomposition.subdomains.len() {
             let share = Share::of_subdomain(&frozen.problem, &decomposition, e, whole)?;
-            let own = &share.decomposition;
+            for (k, solution) in solutions.iter().enumerate() {
+                Impulses::write_all(
+                    &solution_folder(folder, k),
+                    &share,
+                    &problem_hash,
+                    &own(&share, solution),
+                )?;
+            }
+            let cut = &share.decomposition;
             let place = |copies: &Vec<(u32, u32)>| {
                 let (_, k) = *copies.iter().find(|(f, _)| *f as usize == e)?;
-                let subdomain = &own.subdomains[0];
+                let subdomain = &cut.subdomains[0];
                 Some((subdomain.grains[subdomain.boundary[k as usize] as usize], copies.clone()))
             };
             let of = |all: &[f64], some: &[u32]| some.iter().map(|k| all[*k as usize]).collect();
@@ -90,7 +103,7 @@ impl Part {
                 problem_hash: problem_hash.clone(),
                 whole,
                 subdomain: e as u32,
-                boundary: own.boundary.iter().filter_map(place).collect(),
+                boundary: cut.boundary.iter().filter_map(place).collect(),
                 grains: share.grains.clone(),
                 contacts: share.contacts.clone(),
             };
@@ -102,8 +115,8 @@ impl Part {
                     time_step: frozen.time_step,
                     radius: of(&frozen.radius, &share.grains),
                     gap: of(&frozen.gap, &share.contacts),
+                    start: if begins { own(&share, &frozen.start) } else { Vec::new() },
                     problem: share.problem,
-                    start: Vec::new(),
                 },
             )?;
         }
@@ -177,9 +190,62 @@ impl Part {
     }
 }
 
+/// Where a solution of a problem lies, beside the files of its subdomains: one of several, where there is friction.
+pub(crate) fn solution_folder(folder: &Path, k: usize) -> PathBuf {
+    folder.join(format!("solution-{k}"))
+}
+
+/// Of the impulses `r` of the whole problem, those of a share, in its order (N·s).
+pub(crate) fn own<M: Studied>(share: &Share<M>, r: &[f64]) -> Vec<f64> {
+    let mut own = Vec::new();
+    for contact in &share.contacts {
+        M::Impulse::at(r, *contact as usize).each(&mut |r| own.push(r));
+    }
+    own
+}
+
 impl Impulses {
-    /// Those of each subdomain of a share, of its impulses `r`, written to a folder.
+    /// Those of a share, in its order (N·s), from the files of its own subdomains in a folder.
     #[cfg(any(feature = "mpi", test))]
+    pub(crate) fn read_own<M: Studied>(
+        folder: &Path,
+        share: &Share<M>,
+        problem_hash: &str,
+    ) -> Result<Vec<f64>> {
+        let mut r = vec![f64::NAN; share.problem.impulse_count()];
+        for (e, subdomain) in (share.decomposition.first..).zip(&share.decomposition.subdomains) {
+            let path = Self::path(folder, e as usize);
+            let in_file = || path.display().to_string();
+            let read: Self = serde_json::from_str(&read_text(&path)?).with_context(in_file)?;
+            if read.problem_hash != problem_hash {
+                bail!("{}: `problem_hash` is {}: it must be {problem_hash}", in_file(), read.problem_hash);
+            }
+            let contacts = subdomain.contacts.iter().map(|k| share.contacts[*k as usize]);
+            if !read.contact.iter().copied().eq(contacts) {
+                bail!(
+                    "{}: `contact` has not the contacts of subdomain {e}: other subdomains, or another rule",
+                    in_file()
+                );
+            }
+            let (found, expected) = (read.impulse.len(), M::Impulse::LEN * read.contact.len());
+            if found != expected {
+                bail!("{}: `impulse` has {found} values where {expected} are expected", in_file());
+            }
+            for (k, contact) in subdomain.contacts.iter().enumerate() {
+                let own = M::Impulse::at(&read.impulse, k);
+                let touch = &share.problem.contacts()[*contact as usize];
+                if !(own.is_finite() && touch.is_admissible(own)) {
+                    let (number, expected) = (read.contact[k], M::Contact::ADMISSIBLE);
+                    let text = own.text();
+                    bail!("{}: `impulse` of contact {number} is {text}: it must be {expected}", in_file());
+                }
+                own.put(&mut r, *contact as usize);
+            }
+        }
+        Ok(r)
+    }
+
+    /// Those of each subdomain of a share, of its impulses `r`, written to a folder.
     pub(crate) fn write_all<M: Studied>(
         folder: &Path,
         share: &Share<M>,

@@ -72,6 +72,11 @@ impl<M: Mechanics> Known<M> {
         }
     }
 
+    /// Of every solution (N·s).
+    pub(crate) fn all_impulses(&self) -> &[Vec<f64>] {
+        &self.impulses
+    }
+
     /// Of the first solution (N·s).
     pub(crate) fn impulses(&self) -> Option<&[f64]> {
         self.impulses.first().map(Vec::as_slice)

@@ -1,23 +1,24 @@
 //! A run on a problem that ranks share: one row, with what they sent each other.
 
 use crate::plan::{Method, Plan};
-use crate::problems::{Known, Problem, Studied};
+use crate::problems::{Problem, Root, Studied};
+use crate::run::problem::NO_START;
 use crate::run::shared::{Posted, Shared, cut_of, of_whole};
 use crate::run::{Recorder, Task, ended_row, skipped_row};
 use crate::terminal::exit;
 use anyhow::{Context, Result};
-use partition::Traffic;
+use partition::{Refused, Traffic};
 use results::journal::Record;
 use results::provenance::load_average;
 use results::schema::{Exchange, Provenance, Run, Sample, Timing};
-use runner::{Measured, OnRanks, Outcome, Progress, Status, Stop, solve_on_ranks};
+use runner::{Beside, Measured, OnRanks, Outcome, Progress, Status, Stop, solve_on_ranks};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-/// Runs a method on the shares of all ranks, which all must do.
+/// Runs a method on the shares of all ranks, which all must do, each from the impulses `start` of its contacts (N·s).
 pub(crate) fn on_ranks<M: Studied>(
     method: &Method,
-    Shared { share, team, .. }: &Shared<M>,
+    (Shared { share, team, solutions, .. }, start): (&Shared<M>, &[f64]),
     stop: &Stop,
     measured: Measured,
     observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
@@ -25,8 +26,15 @@ pub(crate) fn on_ranks<M: Studied>(
     let solver = M::distributed(method).with_context(|| {
         format!("method `{}` has no subdomains: nsgs-dd, latin-dd and cg run on ranks", method.name)
     })?;
-    let ended = solve_on_ranks(&*solver, share, team, stop, measured, observe);
-    team.agree(ended.map_err(|refused| refused.to_string())).map_err(anyhow::Error::msg)
+    let beside = Beside { start, solutions };
+    let ended = solve_on_ranks(&*solver, share, team, beside, stop, measured, observe);
+    // The reason is that of the rank which has one.
+    let own = match ended {
+        Ok(end) => Ok(Some(end)),
+        Err(Refused::Elsewhere) => Ok(None),
+        Err(Refused::Here(reason)) => Err(reason.to_string()),
+    };
+    team.agree(own).map_err(anyhow::Error::msg)?.context("another rank cannot start")
 }
 
 /// Messages, bytes and the longest waiting of a run (s).
@@ -38,8 +46,11 @@ pub(crate) fn exchanged(traffic: &[Traffic]) -> (u64, u64, f64) {
 /// All ranks, and what their rows say of them.
 pub(crate) struct OnAllRanks<'a> {
     pub(crate) posted: &'a Posted,
+    pub(crate) root: &'a Root,
     pub(crate) provenance: &'a Provenance,
     pub(crate) repeats: u32,
+    /// α (s) and β (s/B) of the machine; undefined of one rank.
+    pub(crate) prices: (f64, f64),
 }
 
 impl OnAllRanks<'_> {
@@ -51,31 +62,32 @@ impl OnAllRanks<'_> {
             load_average: load_average(),
             ..Timing::default()
         };
-        let row = Run {
-            timing: timing.clone(),
-            ..skipped_row(plan, task, &Known::default(), self.provenance.restarted())
-        };
+        let known = self.posted.first_alone(|| task.what.known(self.root))?;
+        let row =
+            Run { timing: timing.clone(), ..skipped_row(plan, task, known, self.provenance.restarted()) };
         let skipped = |reason: &str| {
             let run = Run { reason: reason.to_owned(), ..row.clone() };
             Ok(Some(Record { run, curve: Vec::new(), snapshots: Vec::new() }))
         };
-        if task.variant.warm_start {
-            return skipped("ranks begin from r = 0");
-        }
         let method = &task.variant.method;
         // A variant with one subdomain has one, and one rank at most.
         let given = method.partition().map(|(grid, _)| grid);
         let shared = cut_of(self.posted, method, given, None)
-            .and_then(|(_, grid, scheme)| of_whole(self.posted, &task.what.frozen, grid, scheme));
+            .and_then(|(_, grid, scheme)| of_whole(self.posted, &task.what.frozen, known, (grid, scheme)));
         let shared = match self.posted.agree(shared) {
             Ok(shared) => shared,
             Err(reason) => return skipped(&format!("{reason:#}")),
+        };
+        let start = match task.variant.warm_start {
+            false => vec![0.0; shared.share.problem.impulse_count()],
+            true if task.what.frozen.start.is_empty() => return skipped(NO_START),
+            true => shared.start.clone(),
         };
         let clock = Instant::now();
         let mut all = Vec::new();
         for _ in 0..self.repeats {
             let mut recorder = Recorder::new(plan.curves);
-            let ended = on_ranks(method, &shared, &plan.stop, Measured::Grid, &mut |progress| {
+            let ended = on_ranks(method, (&shared, &start), &plan.stop, Measured::Grid, &mut |progress| {
                 recorder.observe(progress);
                 if exit::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
@@ -89,10 +101,12 @@ impl OnAllRanks<'_> {
         let (end, curve): (OnRanks, Vec<Sample>) = all.swap_remove((all.len() - 1) / 2);
         let (messages, message_bytes, waiting_s) = exchanged(&end.traffic);
         let (ranks, slowest_rank) = (self.posted.size() as u32, end.slowest as u32);
-        let exchange = Exchange { ranks, messages, message_bytes, waiting_s, slowest_rank };
+        let (latency_s, seconds_per_byte) = self.prices;
+        let exchange =
+            Exchange { ranks, messages, message_bytes, waiting_s, slowest_rank, latency_s, seconds_per_byte };
         let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
         let outcome = Outcome::<M> {
-            status: end.status,
+            status: known.ending(end.status),
             iterations: end.iterations,
             measures: end.measures,
             impulses: Vec::new(),

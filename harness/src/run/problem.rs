@@ -16,6 +16,9 @@ use runner::{Outcome, Progress};
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 
+/// Why a run with a warm start is skipped.
+pub(super) const NO_START: &str = "the problem has no impulses of a time step before to begin from";
+
 /// A problem of a study, whatever its mechanics.
 pub(crate) trait OneProblem: Sync {
     /// Its name.
@@ -124,8 +127,7 @@ fn run_on_problem<M: Studied>(
         ..skipped_row(plan, task, known, provenance)
     };
     if variant.warm_start && problem.frozen.start.is_empty() {
-        let reason = "the problem has no impulses of a time step before to begin from";
-        return Ok(Some(refused(row, reason)));
+        return Ok(Some(refused(row, NO_START)));
     }
     let ours = matches!(variant.method.runs, Runs::Here(_));
     let once = || once(plan, task, known, conditions);

@@ -2,12 +2,13 @@
 
 use crate::identity::content_hash;
 use crate::plan::Method;
-use crate::problems::{Part, Root, Studied, Visit, cut, visit};
+use crate::problems::{Impulses, Known, Part, Root, Studied, Visit, cut, own, solution_folder, visit};
 use anyhow::{Context, Error, Result, anyhow, bail};
 use cases::{AnyFrozen, Frozen};
+use contact::Vector;
 use partition::{Grid, Post, Scheme, Share, Team, Whole};
 use std::any::Any;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The ranks, before they share anything.
@@ -28,6 +29,16 @@ impl Posted {
         Ok(Team::new(Arc::clone(&self.0), self.size())?)
     }
 
+    /// What all compute alike, but rank 0 first: what it keeps the others read.
+    pub(crate) fn first_alone<T>(&self, make: impl Fn() -> Result<T>) -> Result<T> {
+        let mut made = None;
+        for turn in [true, false] {
+            let own = if (self.rank() == 0) == turn { make().map(Some) } else { Ok(None) };
+            made = self.agree(own)?.or(made);
+        }
+        made.context("a rank has no turn")
+    }
+
     /// What this rank has, if none failed; else the reason of the first that did, with its number.
     pub(crate) fn agree<T>(&self, own: Result<T>) -> Result<T> {
         self.all()?.agree(own.map_err(|error| format!("{error:#}"))).map_err(Error::msg)
@@ -42,6 +53,10 @@ pub(crate) struct Shared<M: Studied> {
     pub(crate) hash: String,
     pub(crate) share: Share<M>,
     pub(crate) team: Team,
+    /// Of the time step before, of its own contacts; 0 where the problem has none (N·s).
+    pub(crate) start: Vec<f64>,
+    /// Its part of each solution, if they are asked for (N·s).
+    pub(crate) solutions: Vec<Vec<f64>>,
 }
 
 /// What is done with a share, whatever its mechanics.
@@ -60,6 +75,8 @@ pub(crate) struct Source<'s> {
     pub(crate) problem: &'s str,
     pub(crate) grid: Grid,
     pub(crate) scheme: Scheme,
+    /// Whether the solutions are asked for.
+    pub(crate) truth: bool,
 }
 
 /// Whether `gravel split` wrote to a folder of this name.
@@ -81,7 +98,7 @@ pub(crate) fn whole_of(posted: &Posted, folder: &Path) -> Result<Whole> {
 /// Gives `visitor` the share of this rank.
 pub(crate) fn share<V: OnShare>(posted: &Posted, source: &Source, visitor: V) -> Result<V::Output> {
     if is_split(source.problem) {
-        of_parts(posted, Path::new(source.problem), visitor)
+        of_parts(posted, Path::new(source.problem), source.truth, visitor)
     } else {
         let frozen = source.root.problem(source.problem).and_then(|path| Ok(AnyFrozen::read(&path)?));
         visit(posted.agree(frozen)?, OfWhole { posted, source, visitor })
@@ -98,26 +115,33 @@ impl<V: OnShare> Visit for OfWhole<'_, V> {
     type Output = Result<V::Output>;
 
     fn visit<M: Studied>(self, frozen: Frozen<M>) -> Result<V::Output> {
-        let Self { posted, source: Source { grid, scheme, .. }, visitor } = self;
-        Ok(visitor.on(of_whole(posted, &frozen, *grid, *scheme)?))
+        let Self { posted, source: Source { root, grid, scheme, truth, .. }, visitor } = self;
+        let known = || if *truth { M::known(root, &frozen) } else { Ok(Known::default()) };
+        let known = posted.first_alone(known)?;
+        if *truth && known.all_impulses().is_empty() {
+            bail!("{}: no solution of it is known", frozen.name);
+        }
+        Ok(visitor.on(of_whole(posted, &frozen, &known, (*grid, *scheme))?))
     }
 }
 
-/// The share of this rank of a problem that it has as a whole.
+/// The share of this rank of a problem that it has as a whole, with what is `known` of it.
 pub(crate) fn of_whole<M: Studied>(
     posted: &Posted,
     frozen: &Frozen<M>,
-    grid: Grid,
-    scheme: Scheme,
+    known: &Known<M>,
+    (grid, scheme): (Grid, Scheme),
 ) -> Result<Shared<M>> {
     let (decomposition, whole) = cut(&frozen.problem, grid, scheme)?;
     let team = Team::new(Arc::clone(&posted.0), decomposition.subdomains.len())?;
     let share = Share::of_rank(&frozen.problem, &decomposition, &team, whole)?;
-    Ok(Shared { name: frozen.name.clone(), hash: content_hash(frozen), share, team })
+    let start = own(&share, &frozen.start(true));
+    let solutions = known.all_impulses().iter().map(|solution| own(&share, solution)).collect();
+    Ok(Shared { name: frozen.name.clone(), hash: content_hash(frozen), share, team, start, solutions })
 }
 
 /// The share of this rank from the files of its own subdomains, and of no others.
-fn of_parts<V: OnShare>(posted: &Posted, folder: &Path, visitor: V) -> Result<V::Output> {
+fn of_parts<V: OnShare>(posted: &Posted, folder: &Path, truth: bool, visitor: V) -> Result<V::Output> {
     let whole = whole_of(posted, folder)?;
     let team = Team::new(Arc::clone(&posted.0), usize::try_from(whole.subdomains.count())?)?;
     let own = team.mine().map(|e| {
@@ -130,8 +154,22 @@ fn of_parts<V: OnShare>(posted: &Posted, folder: &Path, visitor: V) -> Result<V:
     let mut own = posted.agree(own.collect::<Result<Vec<OwnPart>>>())?;
     let OwnPart { hash, frozen, .. } = own.first().context("a rank has a subdomain")?;
     let (hash, empty) = (hash.clone(), frozen.clone());
-    let shares = own.drain(..).map(|part| part.share).collect();
-    visit(empty, Joined { posted, hash, shares, team, visitor })
+    let (shares, starts) = own.drain(..).map(|part| (part.share, part.start)).unzip();
+    let solutions = if truth { solutions_in(posted, folder)? } else { Vec::new() };
+    visit(empty, Joined { posted, hash, shares, starts, solutions, team, visitor })
+}
+
+/// The folders of the solutions that lie beside parts, which rank 0 counts for all.
+fn solutions_in(posted: &Posted, folder: &Path) -> Result<Vec<PathBuf>> {
+    let count = (0..usize::MAX).take_while(|k| solution_folder(folder, *k).is_dir()).count();
+    let count = posted.all()?.gather(&[count as f64]).swap_remove(0)[0] as usize;
+    if count == 0 {
+        bail!(
+            "{}: no solution lies there: `gravel split --truth` writes those that are known",
+            folder.display()
+        );
+    }
+    Ok((0..count).map(|k| solution_folder(folder, k)).collect())
 }
 
 /// A subdomain as it was read; its mechanics is forgotten until the problem's is known.
@@ -140,6 +178,8 @@ struct OwnPart {
     /// A problem without grains, of the same mechanics and name.
     frozen: AnyFrozen,
     share: Box<dyn Any>,
+    /// The numbers of its contacts in the whole problem, and their impulses of the time step before (N·s).
+    start: (Vec<u32>, Vec<f64>),
 }
 
 struct Own {
@@ -150,13 +190,14 @@ impl Visit for Own {
     type Output = Result<OwnPart>;
 
     fn visit<M: Studied>(self, frozen: Frozen<M>) -> Result<OwnPart> {
-        let (hash, Frozen { name, source, time_step, problem, .. }) =
-            (self.part.problem_hash.clone(), frozen);
+        let (hash, before) = (self.part.problem_hash.clone(), frozen.start(true));
+        let start = (self.part.contacts.clone(), before);
+        let Frozen { name, source, time_step, problem, .. } = frozen;
         let share = Box::new(self.part.share::<M>(problem)?);
         let problem = contact::Packing::new(Vec::new(), Vec::new(), Vec::new(), Vec::new())?;
-        let (radius, gap, start) = (Vec::new(), Vec::new(), Vec::new());
-        let frozen = M::any(Frozen { name, source, time_step, radius, gap, problem, start });
-        Ok(OwnPart { hash, frozen, share })
+        let (radius, gap) = (Vec::new(), Vec::new());
+        let frozen = M::any(Frozen { name, source, time_step, radius, gap, problem, start: Vec::new() });
+        Ok(OwnPart { hash, frozen, share, start })
     }
 }
 
@@ -164,6 +205,8 @@ struct Joined<'a, V> {
     posted: &'a Posted,
     hash: String,
     shares: Vec<Box<dyn Any>>,
+    starts: Vec<(Vec<u32>, Vec<f64>)>,
+    solutions: Vec<PathBuf>,
     team: Team,
     visitor: V,
 }
@@ -172,14 +215,28 @@ impl<V: OnShare> Visit for Joined<'_, V> {
     type Output = Result<V::Output>;
 
     fn visit<M: Studied>(self, frozen: Frozen<M>) -> Result<V::Output> {
-        let Self { posted, hash, shares, team, visitor } = self;
+        let Self { posted, hash, shares, starts, solutions, team, visitor } = self;
         let other = |_| anyhow!("its subdomains are not all {}", M::NAME);
         let shares = shares.into_iter().map(|share| Ok(*share.downcast::<Share<M>>().map_err(other)?));
         let joined = shares.collect::<Result<Vec<_>>>().and_then(|shares| Ok(Share::joined(shares)?));
         let share = posted.agree(joined)?;
-        let name = frozen.name;
-        Ok(visitor.on(Shared { name, hash, share, team }))
+        let start = joined_start(&share, &starts);
+        let solutions = solutions.iter().map(|folder| Impulses::read_own(folder, &share, &hash));
+        let solutions = posted.agree(solutions.collect())?;
+        Ok(visitor.on(Shared { name: frozen.name, hash, share, team, start, solutions }))
     }
+}
+
+/// Impulses of a share (N·s) in its order, of those of its subdomains.
+fn joined_start<M: Studied>(share: &Share<M>, of_parts: &[(Vec<u32>, Vec<f64>)]) -> Vec<f64> {
+    let mut joined = vec![0.0; share.problem.impulse_count()];
+    for (contacts, start) in of_parts {
+        for (k, contact) in contacts.iter().enumerate() {
+            let place = share.contacts.partition_point(|other| other < contact);
+            M::Impulse::at(start, k).put(&mut joined, place);
+        }
+    }
+    joined
 }
 
 /// The method, and how it cuts a problem: as its settings say, or as is `given`, or as the problem is `split`. Where none says it,

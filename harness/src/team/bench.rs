@@ -2,16 +2,21 @@
 
 use crate::cli::args::StudyArgs;
 use crate::identity::provenance;
+use crate::plan::method_names;
 use crate::problems::Root;
 use crate::run::{OnAllRanks, Posted};
-use crate::store::{finish, open};
+use crate::store::{about, draw, finish, open, runs_folder};
 use crate::study::{Kind, OnProblems, by_id, missing};
-use crate::terminal::say;
+use crate::team::ping;
+use crate::terminal::{exit, say};
 use anyhow::{Result, bail};
+use reports::{About, Formats, Wanted};
 use results::journal::Record;
 use results::schema::Run;
-use results::store::Store;
+use results::store::{Store, records_of};
+use results::study::{Runs, Study as Rows};
 use std::collections::HashSet;
+use std::fs;
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
@@ -30,19 +35,12 @@ pub(crate) fn run(posted: &Posted, root: &Root, args: &Args) -> Result<ExitCode>
         bail!("plan {}: it marches through time, which is done on one machine", plan.name);
     }
     // The same counts as on one machine, in other seconds.
-    let (name, repeats) = (format!("{}-on-{}-ranks", plan.name, posted.size()), plan.repeats.get());
+    let (base, repeats) = (plan.name, plan.repeats.get());
+    let name = format!("{base}-on-{}-ranks", posted.size());
     let provenance = posted.agree(provenance())?;
     let mut store: Option<Store<Record>> =
         posted.agree(if first { open(root, &name).map(Some) } else { Ok(None) })?;
-    // What has to be computed is computed and kept by rank 0 alone, then read by all.
-    let mut begun = None;
-    for turn in [true, false] {
-        let own = if first == turn { selection_of(args, root, &name).map(Some) } else { Ok(None) };
-        if let Some(study) = posted.agree(own)? {
-            begun = Some(study);
-        }
-    }
-    let Some(study) = begun else { bail!("a rank has no study") };
+    let study = posted.first_alone(|| selection_of(args, root, &name))?;
     let tasks = study.tasks();
     let known = store.as_ref().filter(|_| !args.rerun);
     let done: HashSet<&str> =
@@ -58,7 +56,8 @@ pub(crate) fn run(posted: &Posted, root: &Root, args: &Args) -> Result<ExitCode>
     } else {
         Ok(())
     })?;
-    let on = OnAllRanks { posted, provenance: &provenance, repeats };
+    let prices = ping::prices(posted);
+    let on = OnAllRanks { posted, root, provenance: &provenance, repeats, prices };
     let mut known = HashSet::new();
     for task in tasks.iter().filter(|task| wanted.contains(&*task.id) && known.insert(task.id.clone())) {
         let record = task.what.run_on_ranks(&study.selection().plan, task, &on)?;
@@ -70,8 +69,48 @@ pub(crate) fn run(posted: &Posted, root: &Root, args: &Args) -> Result<ExitCode>
         });
         posted.agree(kept)?;
     }
-    let finished = store.map_or(Ok(ExitCode::SUCCESS), |store| finish(root, &study, store));
+    let finished = store.map_or(Ok(ExitCode::SUCCESS), |store| {
+        let code = finish(root, &study, store)?;
+        if !exit::requested() {
+            draw_all(root, &study, &base)?;
+        }
+        Ok(code)
+    });
     posted.agree(finished)
+}
+
+/// Draws what is stored of a plan on one rank and on several, measured beside predicted.
+fn draw_all(root: &Root, study: &OnProblems, base: &str) -> Result<()> {
+    let (stores, tasks) = (runs_folder(root), study.tasks());
+    let mut counts: Vec<u32> = Vec::new();
+    for entry in fs::read_dir(&stores)? {
+        let name = entry?.file_name().to_string_lossy().into_owned();
+        let count =
+            name.strip_prefix(base).and_then(|name| name.strip_prefix("-on-")?.strip_suffix("-ranks"));
+        counts.extend(count.and_then(|count| count.parse::<u32>().ok()));
+    }
+    counts.sort_unstable();
+    if !(counts.first() == Some(&1) && counts.len() > 1) {
+        return Ok(());
+    }
+    let mut rows = Runs::default();
+    for count in counts {
+        let stored: Vec<Record> =
+            records_of(&stores.join(format!("{base}-on-{count}-ranks")), &method_names())?;
+        let known = by_id(&stored);
+        for mut record in tasks.iter().filter_map(|task| known.get(&*task.id).map(|r| (*r).clone())) {
+            record.run.settings.insert("ranks".to_owned(), count.into());
+            rows.records.push(record);
+        }
+    }
+    let name = format!("{base}-on-ranks");
+    let selection = study.selection();
+    let about = About { name: name.clone(), draw: None, ..about(&selection.plan, &selection.again) };
+    let charts = ["ranks".parse()?];
+    draw(root, &name, &stores, Formats::default(), |formats, out| {
+        let wanted = Wanted { charts: &charts, formats, against: None };
+        Ok(reports::report(&Rows::Runs(rows), &about, wanted, out)?)
+    })
 }
 
 /// The study of the plan on the command line, under the name of its store.

@@ -26,12 +26,7 @@ pub(crate) fn run(posted: &Posted, args: &Args) -> Result<ExitCode> {
     if posted.size() < 2 {
         bail!("a message needs two ranks: mpirun -n 2");
     }
-    let [short, long] = TIMES.map(|(numbers, times)| {
-        (0..REPEATS).map(|_| one_way_s(posted, numbers, times)).fold(f64::INFINITY, f64::min)
-    });
-    // α + β n of both lengths.
-    let seconds_per_byte = (long - short) / (8 * (LONG - SHORT)) as f64;
-    let latency_s = short - seconds_per_byte * (8 * SHORT) as f64;
+    let (latency_s, seconds_per_byte) = prices(posted);
     let told = if posted.rank() > 0 {
         Ok(())
     } else if args.json {
@@ -42,6 +37,19 @@ pub(crate) fn run(posted: &Posted, args: &Args) -> Result<ExitCode> {
     };
     posted.agree(told)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// α (s) and β (s/B), as rank 0 measures them; undefined of one rank.
+pub(crate) fn prices(posted: &Posted) -> (f64, f64) {
+    if posted.size() < 2 {
+        return (f64::NAN, f64::NAN);
+    }
+    let [short, long] = TIMES.map(|(numbers, times)| {
+        (0..REPEATS).map(|_| one_way_s(posted, numbers, times)).fold(f64::INFINITY, f64::min)
+    });
+    // α + β n of both lengths.
+    let seconds_per_byte = (long - short) / (8 * (LONG - SHORT)) as f64;
+    (short - seconds_per_byte * (8 * SHORT) as f64, seconds_per_byte)
 }
 
 /// What a message of so many numbers takes, between ranks 0 and 1 (s).

@@ -1,6 +1,7 @@
 //! `gravel-mpi solve`: one contact problem, one method, on ranks of which each has its own subdomains alone.
 
 use crate::cli::args::SolverArgs;
+use crate::cli::solve::Start;
 use crate::cli::split::read;
 use crate::plan::Method;
 use crate::problems::{Impulses, Root, Studied};
@@ -27,6 +28,14 @@ pub(crate) struct Args {
     /// Subdomains, such as 8 or 4x2 [default: those of the folder or of the method's settings, else one for each rank]
     #[arg(long, value_name = "GRID", value_parser = read::<Grid>)]
     subdomains: Option<Grid>,
+    /// Begin from r = 0 (cold), from the impulses of the time step before (warm), or from those in a FOLDER to which `--impulses`
+    /// wrote, of which each rank reads those of its own subdomains
+    #[arg(long, value_name = "START", default_value = "cold", value_parser = Start::read)]
+    start: Start,
+    /// Measure the distance to the reference solution as well; so does `--on velocity_error`. Of a folder it is the one that `gravel
+    /// split --truth` wrote there, and each rank reads its own part
+    #[arg(long)]
+    truth: bool,
     /// Measure one iterate in N: all ranks wait for a measure, and it takes as long as an iteration; the run may end N - 1
     /// iterations late
     #[arg(long, value_name = "N", default_value = "1")]
@@ -48,7 +57,8 @@ pub(crate) fn run(posted: &Posted, root: &Root, args: &Args) -> Result<ExitCode>
     let folder = Path::new(&args.problem);
     let whole = is_split(&args.problem).then(|| whole_of(posted, folder)).transpose()?;
     let (method, grid, scheme) = cut_of(posted, &method, args.subdomains, whole.as_ref())?;
-    let source = Source { root, problem: &args.problem, grid, scheme };
+    let truth = args.truth || stop.on == Measure::VelocityError;
+    let source = Source { root, problem: &args.problem, grid, scheme, truth };
     share(posted, &source, Solve { posted, args, method: &method, stop: &stop })?
 }
 
@@ -65,6 +75,7 @@ impl OnShare for Solve<'_> {
     fn on<M: Studied>(self, shared: Shared<M>) -> Result<ExitCode> {
         let Self { posted, args, method, stop } = self;
         let first = posted.rank() == 0;
+        let start = posted.agree(start(&args.start, &shared))?;
         let mut line = first.then(|| Line::alone(method.name.to_owned()));
         let mut observe = |progress: &Progress| {
             if let Some(line) = &mut line {
@@ -72,7 +83,13 @@ impl OnShare for Solve<'_> {
             }
             if exit::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let end = on_ranks(method, &shared, stop, Measured::OneIn(args.measure_every.get()), &mut observe)?;
+        let end = on_ranks(
+            method,
+            (&shared, &start),
+            stop,
+            Measured::OneIn(args.measure_every.get()),
+            &mut observe,
+        )?;
         drop(line);
         if let Some(folder) = &args.impulses {
             posted.agree(Impulses::write_all(folder, &shared.share, &shared.hash, &end.impulses))?;
@@ -85,6 +102,18 @@ impl OnShare for Solve<'_> {
         };
         posted.agree(told)?;
         Ok(if first { exit::code(end.status.name()) } else { ExitCode::SUCCESS })
+    }
+}
+
+/// The impulses that this rank begins from (N·s).
+fn start<M: Studied>(
+    start: &Start,
+    Shared { hash, share, start: before, .. }: &Shared<M>,
+) -> Result<Vec<f64>> {
+    match start {
+        Start::Cold => Ok(vec![0.0; share.problem.impulse_count()]),
+        Start::Warm => Ok(before.clone()),
+        Start::From(folder) => Impulses::read_own(folder, share, hash),
     }
 }
 
@@ -114,7 +143,7 @@ pub(crate) fn peak_memory_bytes() -> Option<f64> {
 }
 
 fn to_json<M: Studied>(
-    Shared { name, hash, share, team }: &Shared<M>,
+    Shared { name, hash, share, team, .. }: &Shared<M>,
     method: &Method,
     stop: &Stop,
     end: &OnRanks,
@@ -182,7 +211,7 @@ fn print<M: Studied>(
     for measure in Measure::ALL {
         let (name, value) = (measure.name(), end.measures.get(measure));
         let unit = if measure == Measure::PenetrationRate { " m/s" } else { "" };
-        if measure != Measure::VelocityError {
+        if measure == Measure::Zeta || !value.is_nan() {
             say(format_args!("  {name:<17}{value:.3e}{unit}"))?;
         }
     }

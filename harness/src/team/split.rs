@@ -34,6 +34,9 @@ impl Enter for Make<'_> {
     fn enter<M: Studied>(self) -> Result<ExitCode> {
         let Self { posted, args, case, source } = self;
         let (parts, grid) = (case.in_parts()?, args.subdomains);
+        if args.truth {
+            bail!("--truth: no rank holds the whole problem, which has to be solved for that");
+        }
         if args.partition != Scheme::Boxes {
             bail!("--partition: it must be boxes where ranks make a problem");
         }

@@ -1,6 +1,8 @@
 //! What a rank for each subdomain would bring: the work of the longest, counted and timed, and its messages, counted, at a cluster's
 //! prices.
 
+mod measured;
+
 use polars::df;
 use serde_json::Value;
 
@@ -99,8 +101,11 @@ fn on_ranks(study: &Problems) -> Vec<RunRow> {
     made().cloned().chain(shared).collect()
 }
 
-/// `ranks-<problem>` for each problem, and the table `ranks`.
+/// `ranks-<problem>` for each problem, and the table `ranks`; `ranks-measured` instead where ranks made runs.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
+    if measured::has_ranks(&study.runs) {
+        return measured::parts(&study.runs);
+    }
     let runs = on_ranks(study);
     let panels = [
         Panel::iterations(),

@@ -242,12 +242,12 @@ impl<const D: usize> Distributed<Smooth<D>> for Cg {
     fn start_in<'p>(
         &self,
         share: &'p Share<Smooth<D>>,
+        r0: &[f64],
         team: &Team,
     ) -> Result<Box<dyn Iteration + 'p>, Refused> {
         let layout = Layout::of_share(share, team);
         let greatest = self.greatest_of(share, &layout);
-        let r0 = vec![0.0; share.problem.impulse_count()];
-        Ok(Box::new(self.over(layout, &share.problem, greatest, &r0)))
+        Ok(Box::new(self.over(layout, &share.problem, greatest, r0)))
     }
 }
 

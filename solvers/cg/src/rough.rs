@@ -195,12 +195,12 @@ impl Cg {
     fn rough_start_in<'p, M: Frictional<D>, const D: usize>(
         self,
         share: &'p Share<M>,
+        r0: &[f64],
         team: &Team,
     ) -> Box<dyn Iteration + 'p> {
         let layout = Layout::of_share(share, team);
         let greatest = self.greatest_of(share, &layout);
-        let r0 = vec![0.0; share.problem.impulse_count()];
-        Box::new(self.rough_over(layout, &share.problem, greatest, &r0))
+        Box::new(self.rough_over(layout, &share.problem, greatest, r0))
     }
 }
 
@@ -208,9 +208,10 @@ impl Distributed<RoughDiscs> for Cg {
     fn start_in<'p>(
         &self,
         share: &'p Share<RoughDiscs>,
+        r0: &[f64],
         team: &Team,
     ) -> Result<Box<dyn Iteration + 'p>, Refused> {
-        Ok(self.rough_start_in(share, team))
+        Ok(self.rough_start_in(share, r0, team))
     }
 }
 
@@ -218,8 +219,9 @@ impl Distributed<RoughSpheres> for Cg {
     fn start_in<'p>(
         &self,
         share: &'p Share<RoughSpheres>,
+        r0: &[f64],
         team: &Team,
     ) -> Result<Box<dyn Iteration + 'p>, Refused> {
-        Ok(self.rough_start_in(share, team))
+        Ok(self.rough_start_in(share, r0, team))
     }
 }

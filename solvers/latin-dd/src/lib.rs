@@ -184,15 +184,20 @@ impl<M, const D: usize, const T: usize> Distributed<M> for LatinDd
 where
     M: Stages<Velocity = SVector<f64, D>, Place = SVector<f64, T>>,
 {
-    fn start_in<'p>(&self, share: &'p Share<M>, team: &Team) -> Result<Box<dyn Iteration + 'p>, Refused> {
+    fn start_in<'p>(
+        &self,
+        share: &'p Share<M>,
+        r0: &[f64],
+        team: &Team,
+    ) -> Result<Box<dyn Iteration + 'p>, Refused> {
         let whole = &share.whole;
         self.check()?;
         let directions =
             self.directions_with(|| directions::kappa_of(whole.depth, whole.contacts, whole.grains));
         self.check_directions(&directions)?;
-        let r0 = vec![0.0; share.problem.impulse_count()];
+        let velocity = share.velocity(r0, team);
         let scaled_delassus_bound = whole.scaled_delassus_bound;
-        let beginning = Beginning { directions, scaled_delassus_bound, r0: &r0 };
+        let beginning = Beginning { directions, scaled_delassus_bound, start: (r0, &velocity) };
         let run = self.begin(&share.problem, Cow::Borrowed(&share.decomposition), team, &beginning)?;
         Ok(Box::new(run))
     }

@@ -171,11 +171,12 @@ where
 }
 
 /// The whole problem's numbers that directions adapt by, or a rank's share of the problem begins with.
-pub(crate) struct Beginning<'r> {
+pub(crate) struct Beginning<'r, const D: usize> {
     pub(crate) directions: Directions,
     /// Λ ≥ λmax(W_D⁻¹ W) (–), where the directions adapt.
     pub(crate) scaled_delassus_bound: f64,
-    pub(crate) r0: &'r [f64],
+    /// Impulses (N·s), and the velocities of their grains (m/s).
+    pub(crate) start: (&'r [f64], &'r [SVector<f64, D>]),
 }
 
 impl LatinDd {
@@ -193,7 +194,9 @@ impl LatinDd {
         let decomposition = Decomposition::new(problem, &partition);
         let team = Team::alone(decomposition.subdomains.len());
         let scaled_delassus_bound = if self.adapts() { M::scaled_delassus_bound(problem) } else { f64::NAN };
-        let beginning = Beginning { directions, scaled_delassus_bound, r0 };
+        let mut velocity = vec![SVector::zeros(); problem.grain_count()];
+        problem.velocity(r0, &mut velocity);
+        let beginning = Beginning { directions, scaled_delassus_bound, start: (r0, &velocity) };
         Ok(self.begin(problem, Cow::Owned(decomposition), &team, &beginning)?)
     }
 
@@ -203,16 +206,14 @@ impl LatinDd {
         problem: &'p Packing<M>,
         decomposition: Cow<'p, Decomposition>,
         team: &Team,
-        &Beginning { directions, scaled_delassus_bound, r0 }: &Beginning,
+        &Beginning { directions, scaled_delassus_bound, start: (r0, velocity) }: &Beginning<'_, D>,
     ) -> Result<Run<'p, M, D, T>, Refused>
     where
         M: Stages<Velocity = SVector<f64, D>, Place = SVector<f64, T>>,
     {
-        let mut start = vec![SVector::zeros(); problem.grain_count()];
-        problem.velocity(r0, &mut start);
         let subdomains = (0..decomposition.subdomains.len())
             .into_par_iter()
-            .map(|e| Latin::new(problem, &decomposition, e, (&directions, self.kappa_t), r0, &start))
+            .map(|e| Latin::new(problem, &decomposition, e, (&directions, self.kappa_t), r0, velocity))
             .collect::<Result<Vec<_>, _>>();
         let subdomains = team.unless_refused(subdomains)?;
         let coarse = self

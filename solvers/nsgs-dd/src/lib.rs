@@ -137,15 +137,23 @@ impl<M: Mechanics> Solver<M> for NsgsDd {
         let partition = Partition::of_contacts(problem, self.partition, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
         let team = Team::alone(decomposition.subdomains.len());
-        Ok(Box::new(self.bind(problem, &decomposition, &team, r0)))
+        // Every copy starts at V_free + M⁻¹ H r0.
+        let mut start = vec![M::Velocity::ZERO; problem.grain_count()];
+        problem.velocity(r0, &mut start);
+        Ok(Box::new(self.bind(problem, &decomposition, &team, (r0, &start))))
     }
 }
 
 impl<M: Mechanics> Distributed<M> for NsgsDd {
-    fn start_in<'p>(&self, share: &'p Share<M>, team: &Team) -> Result<Box<dyn Iteration + 'p>, Refused> {
+    fn start_in<'p>(
+        &self,
+        share: &'p Share<M>,
+        r0: &[f64],
+        team: &Team,
+    ) -> Result<Box<dyn Iteration + 'p>, Refused> {
         self.check()?;
-        let r0 = vec![0.0; share.problem.impulse_count()];
-        Ok(Box::new(self.bind(&share.problem, &share.decomposition, team, &r0)))
+        let start = share.velocity(r0, team);
+        Ok(Box::new(self.bind(&share.problem, &share.decomposition, team, (r0, &start))))
     }
 }
 
@@ -155,22 +163,19 @@ impl NsgsDd {
         SetupError::unless_positive("relaxation", self.relaxation)
     }
 
-    /// A run on the subdomains of `decomposition`, which are all or those of a rank.
+    /// A run on the subdomains of `decomposition`, which are all or those of a rank, from impulses and their velocities.
     fn bind<M: Mechanics>(
         &self,
         problem: &Packing<M>,
         decomposition: &Decomposition,
         team: &Team,
-        r0: &[f64],
+        start: (&[f64], &[M::Velocity]),
     ) -> Run<M> {
         let Decomposition { subdomains, multiplicity, .. } = decomposition;
         let inverse_mass = |grain: u32| {
             let share = if self.mass_splitting { multiplicity[grain as usize] } else { 1 };
             problem.mass()[grain as usize].inverse(f64::from(share))
         };
-        // Every copy starts at V_free + M⁻¹ H r0.
-        let mut start = vec![M::Velocity::ZERO; problem.grain_count()];
-        problem.velocity(r0, &mut start);
         let of_all = match self.exchange {
             Exchange::Jacobi => vec![0; team.subdomains()],
             Exchange::GaussSeidel => decomposition.colours(team),
@@ -181,7 +186,7 @@ impl NsgsDd {
             groups[*group as usize] += subdomain.contacts.len();
         }
         let sweeper = |(subdomain, group): (&Subdomain, &u32)| {
-            Sweeper::new(problem, subdomain, *group, &inverse_mass, multiplicity, (r0, &start))
+            Sweeper::new(problem, subdomain, *group, &inverse_mass, multiplicity, start)
         };
         Run {
             team: team.clone(),

@@ -10,6 +10,7 @@ mod scheme;
 mod share;
 mod sums;
 mod team;
+mod whole_order;
 
 pub use decomposition::{Decomposition, Subdomain};
 pub use grid::Grid;

@@ -55,12 +55,17 @@ pub enum Refused {
 
 /// A method whose subdomains may be those of several ranks.
 pub trait Distributed<M: Mechanics>: Solver<M> {
-    /// Binds the method to the share of this rank, from r = 0; all of the `team` must do it. Impulses are then in the order of the
-    /// share's contacts, and counted work is that of this rank.
+    /// Binds the method to the share of this rank, from its impulses `r0` (N·s); all of the `team` must do it. Impulses are in the
+    /// order of the share's contacts, and counted work is that of this rank.
     ///
     /// # Errors
     /// Those of [`Solver::start`], at all ranks if at one.
-    fn start_in<'p>(&self, share: &'p Share<M>, team: &Team) -> Result<Box<dyn Iteration + 'p>, Refused>;
+    fn start_in<'p>(
+        &self,
+        share: &'p Share<M>,
+        r0: &[f64],
+        team: &Team,
+    ) -> Result<Box<dyn Iteration + 'p>, Refused>;
 }
 
 impl Team {

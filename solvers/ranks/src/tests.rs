@@ -9,7 +9,7 @@ use contact::{Discs, Measures, Packing, RoughDiscs, Vector};
 use latin_dd::LatinDd;
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Decomposition, Distributed, Grid, Partition, Scheme, Share, Team};
-use runner::{Measured, OnRanks, Status, Stop, solve, solve_on_ranks};
+use runner::{Beside, Measured, OnRanks, Status, Stop, solve, solve_on_ranks};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -33,23 +33,46 @@ fn rough(name: &str) -> Packing<RoughDiscs> {
     problem
 }
 
-/// A run on so many ranks: what came out, with the impulses of all.
+/// A run on so many ranks from r = 0: what came out, with the impulses of all.
 fn on_ranks<M: Refutable + analysis::Bounded>(
     problem: &Packing<M>,
     solver: &dyn Distributed<M>,
-    (grid, size): (Grid, usize),
+    cut: (Grid, usize),
     stop: &Stop,
 ) -> OnRanks {
+    let r0 = vec![0.0; problem.impulse_count()];
+    on_ranks_beside(problem, solver, cut, Beside { start: &r0, solutions: &[] }, stop).unwrap()
+}
+
+/// The same from a start, and beside solutions, all of the whole problem.
+fn on_ranks_beside<M: Refutable + analysis::Bounded>(
+    problem: &Packing<M>,
+    solver: &dyn Distributed<M>,
+    (grid, size): (Grid, usize),
+    Beside { start, solutions }: Beside<'_>,
+    stop: &Stop,
+) -> Result<OnRanks, String> {
     let partition = Partition::of_contacts(problem, Scheme::Boxes, grid).unwrap();
     let decomposition = Decomposition::new(problem, &partition);
     let whole = whole(problem, grid, Scheme::Boxes);
     let mut of_ranks = simulated(size, |post| {
         let team = Team::new(post, decomposition.subdomains.len()).unwrap();
         let share = Share::of_rank(problem, &decomposition, &team, whole).unwrap();
+        let own = |r: &[f64]| {
+            let mut own = vec![0.0; share.problem.impulse_count()];
+            for (k, contact) in share.contacts.iter().enumerate() {
+                M::Impulse::at(r, *contact as usize).put(&mut own, k);
+            }
+            own
+        };
+        let (start, solutions) = (own(start), solutions.iter().map(|r| own(r)).collect::<Vec<_>>());
+        let beside = Beside { start: &start, solutions: &solutions };
         let go_on = &mut |_: &runner::Progress| ControlFlow::Continue(());
-        let end = solve_on_ranks(solver, &share, &team, stop, Measured::Needed, go_on).unwrap();
-        (share.contacts, end)
-    });
+        let end = solve_on_ranks(solver, &share, &team, beside, stop, Measured::Needed, go_on);
+        end.map(|end| (share.contacts, end)).map_err(|refused| refused.to_string())
+    })
+    .into_iter()
+    .collect::<Result<Vec<_>, _>>()?;
     let mut impulses = vec![f64::NAN; problem.impulse_count()];
     for (contacts, end) in &of_ranks {
         for (k, contact) in contacts.iter().enumerate() {
@@ -61,13 +84,15 @@ fn on_ranks<M: Refutable + analysis::Bounded>(
         of_ranks.iter().map(|(_, end)| (end.status, end.iterations, bits(&end.measures))).collect();
     assert!(ends.iter().all(|end| *end == ends[0]), "all ranks say the same: {ends:?}");
     let (_, end) = of_ranks.remove(0);
-    OnRanks { impulses, ..end }
+    Ok(OnRanks { impulses, ..end })
 }
 
 fn bits(measures: &Measures) -> Vec<u64> {
     let Measures { zeta, natural_map, penetration_rate, quad_dv, max_dv, velocity_jump, energy, .. } =
         *measures;
-    [zeta, natural_map, penetration_rate, quad_dv, max_dv, velocity_jump, energy].map(f64::to_bits).to_vec()
+    let Measures { velocity_error, energy_gap, .. } = *measures;
+    let of_iterate = [zeta, natural_map, penetration_rate, quad_dv, max_dv, velocity_jump, energy];
+    of_iterate.into_iter().chain([velocity_error, energy_gap]).map(f64::to_bits).collect()
 }
 
 fn close(found: f64, expected: f64) -> bool {
@@ -112,6 +137,8 @@ fn as_on_one_machine<M: Refutable + analysis::Bounded>(
         assert_eq!(found.worst_contact, expected.worst_contact, "{name}");
     }
 }
+
+mod beside;
 
 #[test]
 fn sweeps_have_the_bits_of_one_machine() {
@@ -209,7 +236,9 @@ fn what_stops_a_run_at_one_rank_stops_it_at_all() {
             let presses = team.rank() == 2 && progress.iteration == 7;
             if presses { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        solve_on_ranks(&nsgs, &share, &team, &Stop::default(), Measured::Needed, observe).unwrap()
+        let r0 = vec![0.0; share.problem.impulse_count()];
+        let beside = Beside { start: &r0, solutions: &[] };
+        solve_on_ranks(&nsgs, &share, &team, beside, &Stop::default(), Measured::Needed, observe).unwrap()
     });
     assert!(ends.iter().all(|end| (end.status, end.iterations) == (Status::Interrupted, 7)));
 }

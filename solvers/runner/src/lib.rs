@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 
 pub use local::{LocalTruth, solve_local};
 pub use looks::Measured;
-pub use ranks::{OnRanks, solve_on_ranks};
+pub use ranks::{Beside, OnRanks, solve_on_ranks};
 
 /// Until when a method is advanced.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]

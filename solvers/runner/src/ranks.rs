@@ -11,6 +11,9 @@ use partition::{Distributed, Refused, Share, Team, Traffic};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
+/// What a solution may leave of its natural map (–), as those that are certified.
+const SOLVED: f64 = 1e-8;
+
 /// What came out of a run on ranks: the same at all of them, but for the impulses.
 #[derive(Clone, Debug)]
 pub struct OnRanks {
@@ -36,6 +39,15 @@ pub struct OnRanks {
     pub traffic: Vec<Traffic>,
     /// The rank that worked longest while it advanced: all others waited for it, in the end.
     pub slowest: usize,
+}
+
+/// What a rank has beside its share of a problem, in the order of its contacts (N·s).
+#[derive(Clone, Copy, Debug)]
+pub struct Beside<'r> {
+    /// The impulses to begin from.
+    pub start: &'r [f64],
+    /// Solutions: errors are measured to the nearest. All ranks have as many.
+    pub solutions: &'r [Vec<f64>],
 }
 
 /// Counts what a rank sends while it advances, without what is sent to measure.
@@ -73,11 +85,12 @@ impl Iteration for Counted<'_> {
     }
 }
 
-/// Runs `solver` from r = 0 until `stop`, on the problem of which this rank has a `share`; all ranks of the `team` must do it. The
-/// observer sees the measures and the work of all, and the impulses of this rank; where one ends the run, all do.
+/// Runs `solver` until `stop` on the problem of which this rank has a `share`; all ranks of the `team` must do it, each
+/// with what it has `beside`. The observer sees the measures and the work of all, and the impulses of this rank; where one ends the
+/// run, all do.
 ///
 /// The measures are those of one machine but for round-off, since each subdomain adds up its contacts, then a tree all subdomains:
-/// so they are the same bits for any number of ranks. The velocity error is not known here.
+/// so they are the same bits for any number of ranks.
 ///
 /// # Errors
 /// As on one machine, at all ranks if at one.
@@ -85,21 +98,33 @@ pub fn solve_on_ranks<M: Refutable>(
     solver: &dyn Distributed<M>,
     share: &Share<M>,
     team: &Team,
+    Beside { start, solutions }: Beside<'_>,
     stop: &Stop,
     measured: Measured,
     observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<OnRanks, Refused> {
     stop.check()?;
     let expected = "another measure: the true velocity of this problem is not known";
-    SetupError::unless(stop.on != Measure::VelocityError, "on", stop.on, expected)?;
+    let is_known = !solutions.is_empty() || stop.on != Measure::VelocityError;
+    SetupError::unless(is_known, "on", stop.on, expected)?;
+    team.unless_refused(SetupError::unless_admissible(&share.problem, start))?;
     let mut judge = AllRanks::new(share, team);
+    for (k, solution) in solutions.iter().enumerate() {
+        let left = judge.against(solution);
+        let expected = "impulses that solve this problem, which leave a natural map of at most 1e-8";
+        SetupError::unless(
+            left <= SOLVED,
+            "solution",
+            format!("number {k}, which leaves {left:e}"),
+            expected,
+        )?;
+    }
     let clock = Instant::now();
-    let iteration = solver.start_in(share, team)?;
+    let iteration = solver.start_in(share, start, team)?;
     let setup = clock.elapsed();
     let mut counted = Counted { iteration, team: team.clone(), traffic: Traffic::default() };
-    let r0 = vec![0.0; share.problem.impulse_count()];
     let End { status, iterations, measures, impulses, before: _, iterating } =
-        run(&mut judge, &mut counted, r0, stop, measured, observe);
+        run(&mut judge, &mut counted, start.to_vec(), stop, measured, observe);
 
     let Counted { iteration, traffic, .. } = counted;
     let Traffic { messages, bytes, waiting_ns } = traffic;

@@ -25,8 +25,8 @@ pub(super) fn solve(
     if args.homogenised.is_some() {
         bail!("--homogenised: {} has W alone, no grains and no contacts in space", path.display());
     }
-    if args.start == Start::Warm {
-        bail!("--start warm: {} has no impulses of a time step before", path.display());
+    if args.start != Start::Cold {
+        bail!("--start: {} is a problem of W alone, where all runs begin from r = 0", path.display());
     }
     exit::listen_for_interrupts()?;
     let on_w = OnW::new(stem(path), problem, args.truth || stop.on == Measure::VelocityError);

@@ -3,7 +3,7 @@
 use super::parts;
 use crate::charts::sweep_tests::{on, text};
 use crate::tests::fixture::{files, object, run, study};
-use results::schema::Run;
+use results::schema::{Exchange, Run};
 use serde_json::json;
 
 #[test]
@@ -66,4 +66,43 @@ fn ranks_are_not_predicted_where_exchanges_are_not_known_or_the_tolerance_was_no
     assert_eq!(predicted("newton-schur", "jacobi", "converged", 1), [false, false]);
     assert_eq!(predicted("nsgs-dd", "jacobi", "iteration-limit", 1), [false, false]);
     assert_eq!(predicted("nsgs-dd", "jacobi", "converged", 2), [false, false]);
+}
+
+#[test]
+fn what_ranks_took_stands_beside_what_is_predicted_of_them() {
+    let on_ranks = |number: u32, ranks: u32, iterating_s: f64| Run {
+        settings: object(&json!({ "ranks": ranks })),
+        iterating_s,
+        exchange: Exchange {
+            ranks,
+            // Each of the 100 iterations, three of each rank with 1200 bytes in all.
+            messages: if ranks > 1 { 300 * u64::from(ranks) } else { 0 },
+            message_bytes: if ranks > 1 { 120_000 * u64::from(ranks) } else { 0 },
+            latency_s: 1e-6,
+            seconds_per_byte: 1e-10,
+            ..Exchange::default()
+        },
+        ..run(number, "nsgs-dd", "", "iteration-limit")
+    };
+    let runs = [on_ranks(0, 1, 0.1), on_ranks(1, 2, 0.06), on_ranks(2, 4, 0.02)];
+    let of = |runs: &[Run]| {
+        let files = files(&parts(&study(runs, &[])));
+        assert!(text(&files, "ranks-measured.svg").contains("as predicted"));
+        let rows = text(&files, "ranks.csv").lines().skip(1).map(str::to_owned).collect::<Vec<_>>();
+        let last = |row: &String| row.rsplit(',').next().unwrap().parse::<f64>().ok();
+        (rows.iter().map(last).collect::<Vec<_>>(), files)
+    };
+    let (ratios, files) = of(&runs);
+    let messages_s = 3.0 * 1e-6 + 1200.0 * 1e-10;
+    let expected = [1.0, 6e-4 / (5e-4 + messages_s), 2e-4 / (2.5e-4 + messages_s)];
+    for (ratio, expected) in ratios.iter().zip(expected) {
+        assert!((ratio.unwrap() - expected).abs() < 1e-9, "{ratios:?} for {expected}");
+    }
+    let found = text(&files, "ranks-found.md");
+    let two = "Measured over predicted seconds of an iteration on 2\u{a0}ranks: nsgs-dd 1.2.";
+    assert!(found.contains(two) && found.contains("on 4\u{a0}ranks: nsgs-dd 0.79."), "{found}");
+    // Nothing is predicted from one rank of another machine.
+    let mut elsewhere = runs;
+    elsewhere[0].provenance.processor = "another".into();
+    assert_eq!(of(&elsewhere).0, [Some(1.0), None, None]);
 }

@@ -15,6 +15,8 @@ pub(crate) struct AllRanks<'p, M: Mechanics> {
     sums: CopySums<M::Velocity>,
     scale: f64,
     greatest_rate: f64,
+    /// Of each solution, ‖V* − `V_free`‖_M (√J) and its energy (J).
+    solutions: Vec<(f64, f64)>,
 }
 
 /// What measures a subdomain.
@@ -29,6 +31,10 @@ struct Measured<M: Mechanics> {
     /// M^½ (V − `V_free`) of its grains (√J).
     pushed: Vec<M::Velocity>,
     boundary: Vec<u32>,
+    /// 1 over the number of copies of each grain: a sum over grains then counts each once.
+    share: Vec<f64>,
+    /// `pushed` of each solution.
+    solutions: Vec<Vec<M::Velocity>>,
     parts: Parts,
 }
 
@@ -81,6 +87,12 @@ impl<M: Mechanics> Measured<M> {
             unit,
             pushed: vec![M::Velocity::ZERO; subdomain.grains.len()],
             boundary: subdomain.boundary.clone(),
+            share: subdomain
+                .grains
+                .iter()
+                .map(|grain| 1.0 / f64::from(share.decomposition.multiplicity[*grain as usize]))
+                .collect(),
+            solutions: Vec::new(),
             parts: [0.0; 11],
         }
     }
@@ -132,6 +144,16 @@ impl<M: Mechanics> Measured<M> {
         }
         self.parts = parts;
     }
+
+    /// Its part of ‖V − V*‖²_M (J), of what was pushed last and the solution `k`; of ‖V − `V_free`‖²_M without one.
+    fn squared_distance(&self, k: Option<usize>) -> [f64; 1] {
+        let squared = |place: usize| {
+            let to = k.map_or(M::Velocity::ZERO, |k| self.solutions[k][place]);
+            let apart = self.pushed[place] - to;
+            self.share[place] * apart.dot_product(apart)
+        };
+        [(0..self.pushed.len()).map(squared).sum()]
+    }
 }
 
 impl<'p, M: Mechanics> AllRanks<'p, M> {
@@ -151,7 +173,37 @@ impl<'p, M: Mechanics> AllRanks<'p, M> {
             share,
             team: team.clone(),
             subdomains,
+            solutions: Vec::new(),
         }
+    }
+
+    /// Measures the distance to the solution with the impulses `r` (N·s) too; returns its natural map.
+    pub(crate) fn against(&mut self, r: &[f64]) -> f64
+    where
+        M: Refutable,
+    {
+        let Measures { natural_map, energy, .. } = self.measure_after(&[], r, 0.0);
+        let distance = self.distance(None);
+        self.subdomains.iter_mut().for_each(|e| e.solutions.push(e.pushed.clone()));
+        self.solutions.push((distance, energy));
+        natural_map
+    }
+
+    /// ‖V − V*‖_M (√J) of what was pushed last and the solution `k`; ‖V − `V_free`‖_M without one.
+    fn distance(&self, k: Option<usize>) -> f64 {
+        let [squared] = self.team.sum(self.subdomains.iter().map(|e| e.squared_distance(k)));
+        squared.sqrt()
+    }
+
+    /// As a share of the distance from `V_free`, to the nearest solution; NaN if none is known.
+    fn velocity_error(&self) -> f64 {
+        let error = |(k, (size, _)): (usize, &(f64, f64))| ratio(self.distance(Some(k)), *size);
+        self.solutions.iter().enumerate().map(error).reduce(f64::min).unwrap_or(f64::NAN)
+    }
+
+    fn energy_gap(&self, energy: f64) -> f64 {
+        let solution = self.solutions.first().filter(|_| M::HAS_ONE_VELOCITY);
+        solution.map_or(f64::NAN, |(_, least)| ratio(energy - least, least.abs()))
     }
 }
 
@@ -161,7 +213,7 @@ impl<M: Refutable> Judge for AllRanks<'_, M> {
     }
 
     fn measure_after(&mut self, before: &[f64], r: &[f64], velocity_jump: f64) -> Measures {
-        let Self { subdomains, sums, share, team, .. } = self;
+        let Self { subdomains, sums, share, team, .. } = &mut *self;
         // What a subdomain takes, about (ns).
         let nanoseconds = 20 * share.problem.contact_count();
         sums.send(subdomains, nanoseconds, |e, sent| e.push(r, sent));
@@ -179,9 +231,10 @@ impl<M: Refutable> Judge for AllRanks<'_, M> {
             worst_contact: (parts[WORST] >= 0.0).then_some(parts[WORST] as usize),
             quad_dv: ratio(parts[DV].sqrt(), wr.sqrt()),
             max_dv: ratio(parts[GREATEST_DV], (wr / parts[ACTIVE].max(1.0)).sqrt()),
+            velocity_error: self.velocity_error(),
+            energy_gap: self.energy_gap(parts[ENERGY]),
             velocity_jump: parts[VELOCITY_JUMP],
             energy: parts[ENERGY],
-            ..Measures::default()
         }
     }
 
