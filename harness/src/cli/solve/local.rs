@@ -26,7 +26,10 @@ pub(super) fn solve(
         bail!("--homogenised: {} has W alone, no grains and no contacts in space", path.display());
     }
     if args.start != Start::Cold {
-        bail!("--start: {} is a problem of W alone, where all runs begin from r = 0", path.display());
+        bail!(
+            "--start: {} is a problem of W alone: it has no impulses of a time step before, and takes none",
+            path.display()
+        );
     }
     exit::listen_for_interrupts()?;
     let on_w = OnW::new(stem(path), problem, args.truth || stop.on == Measure::VelocityError);
