@@ -8,12 +8,10 @@ use local::LocalProblem;
 use results::schema::Provenance;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
+use std::sync::OnceLock;
 
-/// Commit of the build.
-const COMMIT: &str = git_version::git_version!(
-    args = ["--always", "--abbrev=12", "--exclude=*", "--dirty=-modified"],
-    fallback = "not built from a git checkout"
-);
+/// Commit of the build, which the program says as it starts.
+static COMMIT: OnceLock<&str> = OnceLock::new();
 
 /// Versions of the code of the solver crates and of `cases`, from the build script.
 const CODE_VERSIONS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/code_versions.rs"));
@@ -25,11 +23,17 @@ pub(crate) fn code_version<T>() -> Option<&'static str> {
     CODE_VERSIONS.iter().find(|(name, _)| *name == of_type).map(|(_, version)| *version)
 }
 
+/// Takes the commit of the build.
+pub(crate) fn built_from(commit: &'static str) {
+    COMMIT.get_or_init(|| commit);
+}
+
 /// This build, on this machine.
 pub(crate) fn provenance() -> Result<Provenance> {
     let rustc = rustc_version_runtime::version().to_string();
+    let commit = COMMIT.get().copied().unwrap_or("not built as a program");
     let profile = if cfg!(debug_assertions) { "debug" } else { "release" };
-    Ok(Provenance::gather(COMMIT, &rustc, profile, rayon::current_num_threads() as u32)?)
+    Ok(Provenance::gather(commit, &rustc, profile, rayon::current_num_threads() as u32)?)
 }
 
 /// Hash of all that something depends on.

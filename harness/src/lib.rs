@@ -257,8 +257,9 @@ enum Command {
     Schema(schema::Args),
 }
 
-/// The program `gravel`.
-pub fn gravel() -> ExitCode {
+/// The program `gravel`, built from a `commit`.
+pub fn gravel(commit: &'static str) -> ExitCode {
+    identity::built_from(commit);
     match run(Cli::parse()) {
         Ok(code) => code,
         Err(error) => {
@@ -270,7 +271,8 @@ pub fn gravel() -> ExitCode {
 
 /// The program `gravel-mpi`: `gravel` where the ranks that `mpirun` starts share each problem.
 #[cfg(feature = "mpi")]
-pub fn gravel_mpi() -> ExitCode {
+pub fn gravel_mpi(commit: &'static str) -> ExitCode {
+    identity::built_from(commit);
     team::main()
 }
 

@@ -1,7 +1,9 @@
 //! `gravel`.
 
+mod commit;
+
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    harness::gravel()
+    harness::gravel(commit::COMMIT)
 }

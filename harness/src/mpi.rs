@@ -1,7 +1,9 @@
 //! `gravel-mpi`.
 
+mod commit;
+
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    harness::gravel_mpi()
+    harness::gravel_mpi(commit::COMMIT)
 }

@@ -7,6 +7,7 @@
 
 mod factor;
 mod front;
+mod general;
 mod lu;
 mod order;
 mod solve;
@@ -14,6 +15,7 @@ mod structure;
 mod supernodes;
 
 pub use factor::{Coupling, Factor};
+pub use general::General;
 pub use lu::{Lu, OneWay};
 pub use order::Order;
 pub use structure::Structure;

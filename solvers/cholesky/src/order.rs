@@ -2,9 +2,6 @@
 
 use crate::Singular;
 use contact::{Groups, Place};
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::amd;
 
 /// An order of grains.
 #[derive(Clone, Debug)]
@@ -42,15 +39,18 @@ impl Order {
     /// # Errors
     /// Where there are too many.
     pub fn minimum_degree(grains: usize, ends: &[(u32, Option<u32>)]) -> Result<Self, Singular> {
+        // The lower half with its diagonal, each entry once.
         let pairs = ends.iter().filter_map(|(i, j)| Some((*i, (*j)?)));
-        let (first, others) =
-            Groups::new(pairs.map(|(i, j)| (i.max(j), i.min(j) as usize)), grains).into_parts();
-        let pattern = SymbolicSparseColMatRef::new_unsorted_checked(grains, grains, &first, None, &others);
-        let (mut forward, mut place) = (vec![0; grains], vec![0; grains]);
-        let mut memory = MemBuffer::new(amd::order_maybe_unsorted_scratch::<u32>(grains, others.len()));
-        let (control, stack) = (amd::Control::default(), MemStack::new(&mut memory));
-        amd::order_maybe_unsorted(&mut forward, &mut place, pattern, control, stack)
-            .map_err(Singular::new)?;
+        let mut entries: Vec<(u32, u32)> = pairs.map(|(i, j)| (i.max(j), i.min(j))).collect();
+        entries.extend((0..grains as u32).map(|grain| (grain, grain)));
+        entries.sort_unstable();
+        entries.dedup();
+        let first: Vec<_> =
+            (0..=grains).map(|row| entries.partition_point(|at| (at.0 as usize) < row)).collect();
+        let others: Vec<_> = entries.iter().map(|(_, column)| *column as usize).collect();
+        let (_, place, _) =
+            amd::order(grains, &first, &others, &amd::Control::default()).map_err(Singular::new)?;
+        let place = place.into_iter().map(|place| place as u32).collect();
         Ok(Self { place })
     }
 

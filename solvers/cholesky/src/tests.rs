@@ -271,3 +271,46 @@ fn what_has_no_pivot_has_no_factors() {
     assert!(lu.renew(|_| SVector::zeros(), |_| None).is_err());
     assert!(lu.renew(|_| SVector::repeat(1.0), |_| None).is_ok());
 }
+
+#[test]
+fn factors_of_any_matrix_solve_what_dense_ones_do() {
+    // Nothing on the diagonal of its first half, so that rows must be exchanged; and one place twice.
+    let size = 40;
+    let mut entries: Vec<(usize, usize, f64)> = Vec::new();
+    for k in 0..size {
+        let at = k as f64;
+        if k >= size / 2 {
+            entries.push((k, k, 2.0 + at.sin()));
+        }
+        for step in [1, 7] {
+            let other = (k + step) % size;
+            entries.push((k, other, (3.0 * at).cos() + 1.5));
+            entries.push((other, k, (2.0 * at).sin() - 1.2));
+        }
+    }
+    entries.push(entries[3]);
+    let mut dense = DMatrix::zeros(size, size);
+    entries.iter().for_each(|(row, column, value)| dense[(*row, *column)] += value);
+    let factors = General::new(size, entries.clone()).unwrap();
+    let b = DVector::from_fn(size, |k, _| (0.7 * k as f64).cos());
+    let scale = dense.norm();
+    for (matrix, x) in [
+        (dense.clone(), {
+            let mut x = b.as_slice().to_vec();
+            factors.solve(&mut x);
+            x
+        }),
+        (dense.transpose(), {
+            let mut x = b.as_slice().to_vec();
+            factors.solve_transposed(&mut x);
+            x
+        }),
+    ] {
+        let x = DVector::from_vec(x);
+        assert!((&matrix * &x - &b).norm() <= 1e-13 * scale * x.norm(), "{:e}", (&matrix * &x - &b).norm());
+    }
+
+    entries.retain(|(row, column, _)| *row != 5 && *column != 5);
+    assert!(General::new(size, entries).is_err());
+    assert!(General::new(3, Vec::new()).is_err());
+}

@@ -4,7 +4,8 @@
 //!
 //! first with σ = 0, the relaxation, then with the σ = μ|`v_t`| that the one before leaves. Where σ stays, the law holds. The
 //! relaxation alone keeps what sticks and lifts what slides: there it has `v_n` = μ|`v_t`|, as a body that dilates. The fixed point
-//! contracts in packings at rest; that it does anywhere else is not proved, and where walls move it often does not.
+//! contracts in packings at rest; that it does anywhere else is not proved, and where walls move it often does not: it stalls where
+//! programme after programme changes the impulses as much as before.
 //!
 //! V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, A formulation of the linear discrete Coulomb friction problem via convex
 //! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175.
@@ -29,12 +30,32 @@ impl Default for Convex {
     }
 }
 
+/// Programmes in which the change of the impulses must halve, or the fixed point leads nowhere.
+const PATIENCE: u32 = 1000;
+
 struct Run {
     programmes: Programmes,
     fixed_point: bool,
     /// N·s.
     r: Vec<f64>,
+    /// Those of the programme before (N·s).
+    before: Vec<f64>,
+    /// Σ (Δr)² when it was last a quarter of what it had been (N²·s²), and the programmes since.
+    quartered: (f64, u32),
     has_ended: bool,
+}
+
+impl Run {
+    /// Whether the last programmes lead nowhere.
+    fn is_in_vain(&mut self) -> bool {
+        let changed = self.r.iter().zip(&self.before).map(|(r, before)| (r - before).powi(2)).sum::<f64>();
+        let (least, since) = &mut self.quartered;
+        *since += 1;
+        if changed <= 0.25 * *least {
+            (*least, *since) = (changed, 0);
+        }
+        *since >= PATIENCE
+    }
 }
 
 impl Iteration for Run {
@@ -42,7 +63,9 @@ impl Iteration for Run {
         if !self.has_ended {
             // One that is not solved leaves a σ that means nothing.
             self.has_ended = !self.programmes.advance() || !self.fixed_point;
+            std::mem::swap(&mut self.r, &mut self.before);
             self.programmes.impulses(&mut self.r);
+            self.has_ended |= self.is_in_vain();
         }
     }
 
@@ -67,7 +90,9 @@ impl Solver<RoughDiscs> for Convex {
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         let programmes = Programmes::new(problem)?;
-        Ok(Box::new(Run { programmes, fixed_point: self.fixed_point, r: r0.to_vec(), has_ended: false }))
+        let Self { fixed_point } = *self;
+        let (r, before, quartered) = (r0.to_vec(), r0.to_vec(), (f64::INFINITY, 0));
+        Ok(Box::new(Run { programmes, fixed_point, r, before, quartered, has_ended: false }))
     }
 }
 

@@ -5,11 +5,9 @@
 //! is singular where contacts depend on each other.
 
 use crate::LocalProblem;
+use cholesky::General;
 use contact::law::{self, tangential};
 use contact::{Vector, Work};
-use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::solvers::Lu;
-use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::{SMatrix, SVector};
 
 /// ε of the proximal term, over w (–).
@@ -185,22 +183,24 @@ impl<'p, const D: usize> Newton<'p, D> {
 /// The solution of a system with these rows, block by block; `None` without a factor.
 fn solved<const D: usize>(rows: &[Rows<D>], wanted: &[SVector<f64, D>]) -> Option<Vec<SVector<f64, D>>> {
     let size = D * rows.len();
-    let mut triplets = Vec::new();
+    let mut entries = Vec::new();
     for (place, row) in rows.iter().enumerate() {
         for (other, block) in row {
             for (k, l) in (0..D).flat_map(|k| (0..D).map(move |l| (k, l))) {
                 let proximal = if *other == place && k == l { PROXIMAL * block[(k, k)].abs() } else { 0.0 };
-                triplets.push(Triplet::new(D * place + k, D * other + l, block[(k, l)] + proximal));
+                entries.push((D * place + k, D * other + l, block[(k, l)] + proximal));
             }
         }
     }
-    let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &triplets).ok()?;
-    let factor: Lu<usize, f64> = matrix.sp_lu().ok()?;
+    if size == 0 {
+        return Some(Vec::new());
+    }
+    let factor = General::new(size, entries).ok()?;
     let mut change = vec![SVector::<f64, D>::zeros(); rows.len()];
     let mut left = wanted.to_vec();
     for _ in 0..SOLVES {
-        let mut x = faer::Col::from_fn(size, |k| left[k / D][k % D]);
-        factor.solve_in_place(x.as_mut());
+        let mut x: Vec<f64> = left.iter().flat_map(|left| left.iter().copied()).collect();
+        factor.solve(&mut x);
         let step = |k: usize| SVector::<f64, D>::from_fn(|l, _| x[D * k + l]);
         let next: Vec<_> = change.iter().enumerate().map(|(k, change)| change + step(k)).collect();
         let of = |(row, wanted): (&Rows<D>, &SVector<f64, D>)| {

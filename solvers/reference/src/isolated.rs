@@ -4,12 +4,9 @@
 //! strictly and the matrix of that system is regular, the solution is the only one with these statuses, and those with others are
 //! away.
 
+use cholesky::General;
 use contact::scaled::scaled_velocity;
 use contact::{Column, Mass, Packing, RoughColumn, RoughDiscs, Touch, Vector};
-use faer::Mat;
-use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
-use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::{Vector2, Vector3};
 
 /// What stands between a solution and others.
@@ -105,7 +102,7 @@ fn least_singular_value(unknowns: &[([u32; 2], Unknown)], grains: usize) -> Opti
         for (row, side) in around {
             for (col, other) in around {
                 let value = unknowns[*row].1.pull[*side].dot(&unknowns[*col].1.push[*other]);
-                entries.push(Triplet::new(*row, *col, value));
+                entries.push((*row, *col, value));
             }
         }
     }
@@ -113,17 +110,17 @@ fn least_singular_value(unknowns: &[([u32; 2], Unknown)], grains: usize) -> Opti
     if count == 0 {
         return Some(1.0);
     }
-    let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(count, count, &entries).ok()?;
-    let symbolic = SymbolicLu::try_new(matrix.symbolic()).ok()?;
-    let factor = Lu::try_new_with_symbolic(symbolic, matrix.as_ref()).ok()?;
+    let factor = General::new(count, entries).ok()?;
     // Some vector that no symmetry of the packing has.
-    let mut x = Mat::from_fn(count, 1, |k, _| 1.0 + (k as f64 * 0.618_033_988_749_895).fract());
+    let mut x: Vec<f64> = (0..count).map(|k| 1.0 + (k as f64 * 0.618_033_988_749_895).fract()).collect();
+    let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
     let mut inverse = f64::NAN;
     for _ in 0..STEPS {
-        x /= faer::Scale(x.norm_l2());
-        factor.solve_transpose_in_place(x.as_mut());
-        factor.solve_in_place(x.as_mut());
-        inverse = x.norm_l2().sqrt();
+        let size = length(&x);
+        x.iter_mut().for_each(|x| *x /= size);
+        factor.solve_transposed(&mut x);
+        factor.solve(&mut x);
+        inverse = length(&x).sqrt();
     }
     let value = inverse.recip();
     value.is_finite().then_some(value)
