@@ -70,6 +70,17 @@ fn the_fixed_point_solves_the_law() {
     assert!(relaxed > 1e-3 && fixed < 1e-2 * relaxed, "{relaxed:e}, {fixed:e}");
 }
 
+/// More contacts stick there than motion allows: the programmes drift.
+#[test]
+fn the_fixed_point_stalls_on_a_floor() {
+    let problem = rough("rough-250").problem;
+    let stop = Stop { tolerance: 1e-10, max_iterations: 5_000, ..Stop::default() };
+    let r0 = vec![0.0; problem.impulse_count()];
+    let outcome = solve(&Convex::default(), &problem, &r0, &stop, &mut |_| {}).unwrap();
+    assert_eq!(outcome.status, Status::Stalled);
+    assert!(outcome.measures.natural_map < 1e-6, "{:e}", outcome.measures.natural_map);
+}
+
 #[test]
 fn programmes_end_within_the_cones_and_what_stays_open_is_not_pushed() {
     for name in ["rough-250", "rough-991-onset"] {
