@@ -16,8 +16,8 @@ const RATIO: &str = "iterations over those without subdomains (–)";
 
 /// Of fewer iterations than these, one more or less would be a ratio of its own.
 const LEAST: u64 = 10;
-/// Half the height of the least axis (a logarithm): less would show differences that are none.
-const NARROWEST: f64 = 0.302;
+/// The least axis (in logarithms): less would show differences that are none.
+const NARROWEST: (f64, f64) = (-0.1, 0.302);
 
 /// `ratios-<problem>`; nothing where no run has another to be compared with.
 pub(super) fn figure(study: &Lines, problem: &str) -> Option<Part> {
@@ -40,7 +40,9 @@ pub(super) fn figure(study: &Lines, problem: &str) -> Option<Part> {
     let svg = row(&[title(problem, &shown)], MEASURES.len(), &legend, |canvas, i, room| {
         panel(canvas, MEASURES[i].1, &panels[i], room);
     });
-    Some(Part::figure(format!("ratios-{}", file_name(problem)), svg))
+    let caption =
+        format!("{problem}: iterations with subdomains over those without, against the accuracy reached.");
+    Some(Part::figure(format!("ratios-{}", file_name(problem)), svg).captioned(caption))
 }
 
 /// The run that `run` is NSGS-DD of, which is NSGS; or else its own method's on one subdomain, if that is another run. All
@@ -90,7 +92,7 @@ fn has_gaps(run: &RunRow) -> bool {
 }
 
 fn key(study: &Lines, shown: &[&RunRow]) -> Legend {
-    let mut more = vec![(Sign::Line(TOLERANCE), "as many".to_owned())];
+    let mut more = vec![(Sign::Line(TOLERANCE), "as many iterations".to_owned())];
     let dd = shown.iter().any(|run| run.method == "nsgs-dd");
     let others = shown.iter().any(|run| run.method != "nsgs-dd");
     if dd {
@@ -100,7 +102,7 @@ fn key(study: &Lines, shown: &[&RunRow]) -> Legend {
         let who = if dd { "Others" } else { "Each" };
         more.push((Sign::Word, format!("{who}: over the same method on one subdomain.")));
     }
-    more.push((Sign::Word, format!("From {LEAST} iterations of that on.")));
+    more.push((Sign::Word, format!("Drawn from {LEAST} iterations of these on.")));
     study.legend(shown, more, INSIDE)
 }
 
@@ -108,7 +110,7 @@ fn panel(canvas: &Canvas, name: &str, lines: &[Line], room: Room) {
     let points = || lines.iter().flat_map(|line| line.points.iter().flatten());
     let (low, high) = points().fold((0.0_f64, f64::NEG_INFINITY), |(l, h), (x, _)| (l.min(*x), h.max(*x)));
     let x = if low < high { (low - 0.2, high + 0.2) } else { (-4.0, 0.0) };
-    let (least, most) = points().fold((-NARROWEST, NARROWEST), |(l, m), (_, y)| (l.min(*y), m.max(*y)));
+    let (least, most) = points().fold(NARROWEST, |(l, m), (_, y)| (l.min(*y), m.max(*y)));
     let frame = room.frame(canvas, (Scale::Ten, x, name), (Scale::Ten, (least - 0.02, most + 0.02), RATIO));
     frame.across(canvas, 0.0, TOLERANCE);
     draw_lines(canvas, &frame, lines);

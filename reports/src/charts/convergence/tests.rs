@@ -22,7 +22,9 @@ fn nsgs(number: u32) -> Run {
 
 fn figures(runs: &[Run], curves: &[(u32, Vec<Sample>)]) -> Vec<File> {
     let files = files(&parts(&study(runs, curves)));
-    files.iter().for_each(|(name, svg)| assert_well_formed(name, svg));
+    for (name, svg) in &files {
+        assert_well_formed(name, svg);
+    }
     files
 }
 
