@@ -228,7 +228,7 @@ enum Command {
     Table(report::TableArgs),
     /// Write an HTML page that replays how methods, or a stored run, converge on a problem
     View(view::Args),
-    /// Join the runs of other stores of a plan to its own
+    /// Merge the runs of other stores of a plan into its own
     Merge(merge::Args),
     /// Run a plan and compare its counts with the accepted ones, exactly
     Regress(regress::Args),

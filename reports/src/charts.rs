@@ -56,8 +56,8 @@ enum Parts {
 const CHARTS: &[Chart] = &[
     Chart {
         name: "convergence",
-        makes: "`convergence-<problem>`; `convergence` if a page holds all",
-        shows: "ζ and the natural map against iterations, every run",
+        makes: "`convergence-<problem>`, `ratios-<problem>`; `convergence` if a page holds all",
+        shows: "ζ and the natural map against iterations, every run; what subdomains cost: iterations to each accuracy over those without",
         parts: Parts::Problems(convergence::parts),
     },
     Chart {

@@ -241,7 +241,7 @@ fn section(
                 section.files.push(Links::of_figure(&part.name, formats));
             }
             Kind::Figure(svg) => {
-                let caption = caption(chapter, &part.name);
+                let caption = part.caption.clone().unwrap_or_else(|| caption(chapter, &part.name));
                 let (svg, links) = (inline(svg, &caption), Links::of_figure(&part.name, formats));
                 section.figures.push(Figure { caption, svg, links });
             }

@@ -25,8 +25,8 @@ pub(crate) struct PlanArgs {
 pub(crate) struct StudyArgs {
     #[command(flatten)]
     plan: PlanArgs,
-    /// Only those of the runs with this problem, method or variant, such as method=latin-dd or problem=shear*; of several,
-    /// all must hold
+    /// Only the runs with this problem, method or variant, such as method=latin-dd or problem=shear*; may be repeated:
+    /// a run must match all
     #[arg(long, value_name = "KEY=PATTERN", value_parser = key_value)]
     only: Vec<(String, String)>,
     /// A setting of every method that has it, in place of the plan's; may be repeated
@@ -50,7 +50,7 @@ pub(crate) struct SceneArgs {
 /// A method and until when it runs, on the command line.
 #[derive(clap::Args)]
 pub(crate) struct SolverArgs {
-    /// A method; `gravel list methods` shows them with their settings
+    /// A method; `gravel list methods` shows them with their settings. With friction nsgs is the safe one
     #[arg(long, default_value = "cg", value_name = "M")]
     method: String,
     /// A setting of the method, such as relaxation=0.8 or subdomains=4x2; may be repeated
@@ -63,14 +63,14 @@ pub(crate) struct SolverArgs {
 /// A stop rule on the command line.
 #[derive(Default, clap::Args)]
 pub(crate) struct StopArgs {
-    /// A run has converged when the measure is at most this [default: that of the plan or of the stored run, else 1e-6]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    /// A run has converged when the measure is at most this [default: as the plan or the stored run has it, else 1e-6]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = real)]
     tolerance: Option<f64>,
-    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv, max_dv or velocity_error [default:
-    /// likewise, else natural_map]
+    /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv, max_dv or velocity_error [default: as the
+    /// plan or the stored run has it, else natural_map]
     #[arg(long, value_name = "MEASURE", value_parser = measure)]
     on: Option<Measure>,
-    /// A run ends after this many iterations at the latest [default: likewise, else 100000]
+    /// Stop a run after this many iterations [default: as the plan or the stored run has it, else 100000]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     max_iterations: Option<u64>,
 }
@@ -81,6 +81,11 @@ pub(crate) struct CaseArgs {
     /// A value of the case file to replace, such as sample.grains=250 or scene.law=iqs; may be repeated
     #[arg(long = "scene", value_name = "KEY=VALUE", value_parser = key_value)]
     pub(crate) overrides: Vec<(String, String)>,
+}
+
+/// A number on the command line.
+fn real(text: &str) -> Result<f64> {
+    text.parse().ok().with_context(|| format!("`{text}` is no number such as 1e-6"))
 }
 
 /// Arguments `--NAME 'KEY=VALUE'`.

@@ -22,14 +22,14 @@ pub(crate) struct Args {
     /// Do N different runs at a time: the counts are the same, but seconds are then not taken alone
     #[arg(long, value_name = "N", default_value = "1", value_parser = few)]
     pub(crate) jobs: NonZeroUsize,
-    /// Repeat every run N times, and once before that without counting it; its seconds are medians [default: the plan's
+    /// Run everything N times, after one warm-up that does not count; seconds are medians [default: the plan's
     /// `repeats`, or 1]
     #[arg(long, value_name = "N")]
     pub(crate) repeats: Option<NonZeroU32>,
-    /// Run all again, those that are there as well; the new rows replace them in the tables
+    /// Run everything again, finished runs too; the new rows replace the old ones in the tables
     #[arg(long)]
     pub(crate) rerun: bool,
-    /// Start afresh; what was there is kept in a folder named after the time
+    /// Start afresh; the old rows are kept in a folder named after the time
     #[arg(long, conflicts_with = "rerun")]
     pub(crate) fresh: bool,
 }

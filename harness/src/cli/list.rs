@@ -16,7 +16,7 @@ use reports::Chart;
 pub(crate) struct Args {
     /// What to list
     what: What,
-    /// As a table of Markdown, plans with their numbers of runs: those of the READMEs
+    /// Print a Markdown table, as the READMEs have it; plans with their numbers of runs
     #[arg(long)]
     markdown: bool,
 }

@@ -15,7 +15,7 @@ use std::time::Duration;
 pub(crate) struct Args {
     #[command(flatten)]
     study: StudyArgs,
-    /// The numbers of runs alone
+    /// Print the numbers of runs only
     #[arg(long)]
     count: bool,
 }

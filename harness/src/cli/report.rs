@@ -5,8 +5,8 @@ use crate::cli::args::PlanArgs;
 use crate::plan::{Plan, key_value};
 use crate::problems::Root;
 use crate::store::{about, draw, runs_folder};
-use crate::terminal::{check_place, say, write_whole};
-use anyhow::{Context, Result, bail};
+use crate::terminal::{check_place, say, suggest, write_whole};
+use anyhow::{Context, Result, anyhow, bail};
 use reports::{Chart, Formats, Pick, TableFormat, Wanted};
 use results::store::{read, tables_folder};
 use results::study::Study as Rows;
@@ -28,7 +28,8 @@ pub(crate) struct Args {
 
 #[derive(clap::Args)]
 pub(crate) struct FigureArgs {
-    /// The chart
+    /// The chart; `gravel list charts` shows them
+    #[arg(value_parser = chart)]
     chart: Chart,
     #[command(flatten)]
     study: PlanArgs,
@@ -46,12 +47,19 @@ pub(crate) struct TableArgs {
     /// Its columns in this order, by their names in the CSV file [default: those that the page shows]
     #[arg(long, value_name = "A,B,…", value_delimiter = ',')]
     columns: Vec<String>,
-    /// Only rows whose value matches, such as method=nsgs* or iterations=1??; of several, all must hold
+    /// Only rows whose value matches, such as method=nsgs* or iterations=1??; may be repeated: a row must
+    /// match all
     #[arg(long, value_name = "COLUMN=PATTERN", value_parser = key_value)]
     rows: Vec<(String, String)>,
     /// Write it to FILE, whose ending says the format: .tex, .csv or .md [default: Markdown on standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+}
+
+/// A chart by its name.
+fn chart(name: &str) -> Result<Chart> {
+    let names = Chart::all().iter().map(|chart| chart.name());
+    name.parse().map_err(|_| anyhow!("{}", suggest::among(&format!("no chart `{name}`"), name, names)))
 }
 
 /// Formats of figures on the command line.
@@ -149,6 +157,6 @@ fn stored(root: &Root, plan: &Plan) -> Result<PathBuf> {
         let quick = tables_folder(&runs, &format!("{}-quick", plan.name));
         let quick = if quick.is_some() { "; its quick form is: add --quick" } else { "" };
         let runs = runs.display();
-        format!("no study of plan `{}` is stored in {runs}{quick}: `gravel bench` runs it", plan.name)
+        format!("no study of plan `{0}` is stored in {runs}{quick}: `gravel bench {0}` runs it", plan.name)
     })
 }

@@ -34,10 +34,10 @@ pub(crate) struct Args {
     /// A frame for every K-th time step
     #[arg(long, value_name = "K", default_value = "1", requires = "vtk")]
     every: NonZeroU64,
-    /// Begin each time step from r = 0, not from the impulses of the one before
+    /// Start each time step from r = 0, not from the impulses of the one before
     #[arg(long)]
     cold: bool,
-    /// Begin each time step from the impulses of the two before, extrapolated linearly
+    /// Start each time step from the impulses of the two before, extrapolated linearly
     #[arg(long, conflicts_with = "cold")]
     extrapolate: bool,
     /// Print one JSON object: how it ended, what it took and its last time step
@@ -134,7 +134,8 @@ fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) ->
         say(format_args!("{}", merged(object, serde_json::to_value(totals)?)))?;
     } else {
         kept.say(args)?;
-        say_ending(&case.name, args, &totals, missed(&totals, &stop), &end, last_state)?;
+        let missed = missed(&totals, &stop).map(|text| text + advice(case, method));
+        say_ending(&case.name, args, &totals, missed, &end, last_state)?;
     }
     Ok(exit::code(end.status()))
 }
@@ -200,6 +201,12 @@ fn last_state<M: Studied>(last: &Frozen<M>, args: &Args) -> Result<PathBuf> {
     };
     write().context("the problem of its last good state was not written")?;
     Ok(file)
+}
+
+/// What may help where time steps did not converge.
+fn advice(case: &Case, method: &Method) -> &'static str {
+    let rough = case.scene.friction.is_some_and(|friction| friction > 0.0);
+    if rough && method.name == "cg" { "; with friction `--method nsgs` is the safe one" } else { "" }
 }
 
 fn say_ending<M: Studied>(

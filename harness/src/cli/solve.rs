@@ -27,8 +27,8 @@ pub(crate) struct Args {
     scene: SceneArgs,
     #[command(flatten)]
     solver: SolverArgs,
-    /// Begin from r = 0 (cold), from the impulses of the time step before, if there are some (warm), or from those in a FILE such as
-    /// `--impulses` writes
+    /// Start from r = 0 (cold), from the impulses of the time step before, if there are any (warm), or from those in a FILE as
+    /// `--impulses` writes it
     #[arg(long, value_name = "START", default_value = "cold", value_parser = Start::read)]
     start: Start,
     /// Measure the distance to the reference solution as well, which is kept in results/references; so does
@@ -42,8 +42,8 @@ pub(crate) struct Args {
     /// friction the normal and the tangential one of each]}
     #[arg(long, value_name = "FILE")]
     impulses: Option<PathBuf>,
-    /// Write what the method's subdomains are as a material to FILE, as CSV: stress, fabric and coordination of each; of all as
-    /// one, where it has no subdomains
+    /// Write the homogenised stress, fabric and coordination of each subdomain to FILE, as CSV; of the whole sample, if the
+    /// method has no subdomains
     #[arg(long, value_name = "FILE")]
     homogenised: Option<PathBuf>,
 }

@@ -19,8 +19,8 @@ use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A frozen problem or a case, by name or by the path of its file; or a run that a study stored: its id, or as much of
-    /// its beginning as sets it apart from others
+    /// A frozen problem or a case, by name or by the path of its file; or a run that a study stored: its id, or any
+    /// unambiguous prefix of it
     #[arg(value_name = "PROBLEM-OR-RUN")]
     problem: String,
     #[command(flatten)]

@@ -51,7 +51,7 @@ pub(crate) fn converted(from: &Path, held: Held, to: &Path) -> Result<Vec<u8>> {
             "{}: it has W but no grains, which a problem file needs: `gravel solve` takes it as it is",
             from.display()
         )),
-        _ => Err(anyhow!("{}: a file that ends in .hdf5 (FCLIB) or .json is written", to.display())),
+        _ => Err(anyhow!("{}: the name of the file must end in .hdf5 (FCLIB) or .json", to.display())),
     }
 }
 

@@ -129,6 +129,19 @@ impl Root {
         self.file(name, "problem or case", &[Kind::Case, Kind::Frozen, Kind::Foreign])
     }
 
+    /// What has this name and is none of the `wanted` kinds; a path is no name.
+    fn of_another_kind(&self, name: &str, wanted: &[Kind]) -> Result<Option<(Kind, PathBuf)>> {
+        for kind in [Kind::Case, Kind::Plan, Kind::Frozen, Kind::Foreign] {
+            if wanted.contains(&kind) || Path::new(name).exists() {
+                continue;
+            }
+            if let Some(path) = self.all(kind)?.into_iter().find(|path| stem(path) == name) {
+                return Ok(Some((kind, path)));
+            }
+        }
+        Ok(None)
+    }
+
     /// The file with this name or path, which holds one of the `wanted` kinds: `what`, in words.
     fn file(&self, name: &str, what: &str, wanted: &[Kind]) -> Result<PathBuf> {
         let mut known = Vec::new();
@@ -136,6 +149,16 @@ impl Root {
             known.extend(self.all(*kind)?);
         }
         let named = known.iter().find(|path| stem(path) == name);
+        if let (None, Some((other, _))) = (named, self.of_another_kind(name, wanted)?) {
+            let freeze = if other == Kind::Case && wanted.contains(&Kind::Frozen) {
+                format!(
+                    ": `gravel freeze {name} --time-step K -o FILE.json` writes the problem of one time step"
+                )
+            } else {
+                String::new()
+            };
+            bail!("`{name}` is {}, no {what}{freeze}", other.words().0);
+        }
         let path = named.map_or_else(|| typed(name, what, &known), |path| Ok(path.clone()))?;
         let found = Kind::of(&path);
         // Whoever reads a file says what is wrong inside it.

@@ -49,7 +49,7 @@ impl Selection {
     pub(crate) fn keep(&mut self, key: &str, pattern: &str) -> Result<()> {
         const KEYS: [&str; 3] = ["problem", "method", "variant"];
         if !KEYS.contains(&key) {
-            bail!("--only {key}={pattern}: it must name a {}{}", KEYS.join(", "), suggest::of(key, KEYS));
+            bail!("--only {key}={pattern}: the key is one of {}{}", KEYS.join(", "), suggest::of(key, KEYS));
         }
         let parts = self.selected().filter_map(|(problem, variant)| part(key, &problem.name, variant));
         let known: BTreeSet<String> = parts.map(str::to_owned).collect();

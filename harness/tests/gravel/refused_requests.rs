@@ -216,3 +216,17 @@ fn folder_that_is_no_checkout_is_refused() {
     let absent = folder.path().join("absent");
     gravel(&["--root", text(&absent), "list", "cases"]).refused(&["--root", "absent"]);
 }
+
+#[test]
+fn name_of_another_kind_is_told_what_it_is() {
+    let certified = gravel(&["certify", "settled-box"]);
+    certified
+        .refused(&["`settled-box` is a case, no frozen problem: `gravel freeze settled-box --time-step K"]);
+    gravel(&["bench", "hopper"]).refused(&["`hopper` is a case, no plan"]);
+    gravel(&["simulate", "paper", "--time-steps", "1"]).refused(&["`paper` is a plan, no case"]);
+}
+
+#[test]
+fn unknown_chart_is_refused_with_the_one_that_was_meant() {
+    gravel(&["figure", "convergance"]).refused(&["no chart `convergance`; did you mean `convergence`?"]);
+}

@@ -1,5 +1,7 @@
 //! Measures against iterations: ζ, the paper's indicator, on the left, and the natural map of the same runs.
 
+mod ratios;
+
 use contact::Measure;
 
 use crate::draw::{
@@ -26,7 +28,7 @@ const MEASURES: [(Measure, &str); 2] = [
     (Measure::NaturalMap, "natural map, distance to a solution (–)"),
 ];
 
-/// `convergence-<problem>` for each problem, and `convergence` with all of them if a page holds that many.
+/// `convergence-<problem>` and `ratios-<problem>` for each problem, and `convergence` with all of them if a page holds that many.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let (study, problems) = (Lines::of(&study.runs), problems(&study.runs));
     if problems.is_empty() {
@@ -40,6 +42,7 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
             many if many > MOST_LINES => too_many(name, problem, many),
             _ => Part::figure(name, study.figure(&[problem], ALONE)),
         });
+        parts.extend(ratios::figure(&study, problem));
     }
     if problems.iter().any(|problem| lines(problem) > MOST_LINES) {
         return parts;
@@ -126,3 +129,6 @@ fn tolerances(runs: &[&RunRow], measure: Measure) -> Vec<f64> {
     tolerances.dedup();
     tolerances
 }
+
+#[cfg(test)]
+mod tests;

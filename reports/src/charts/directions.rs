@@ -29,7 +29,10 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
         parts.push(Part::table("directions", table::table(&planes), table::NOTE));
     }
     if !lines.is_empty() {
-        parts.push(Part::figure("derived-direction", against_size::figure(&lines)));
+        let figure = Part::figure("derived-direction", against_size::figure(&lines));
+        parts.push(figure.captioned(
+            "The best and the derived κ_l, and what the derived one costs, against the number of grains.",
+        ));
         parts.push(Part::table("derived-direction", table::table(&lines), table::NOTE));
     }
     parts

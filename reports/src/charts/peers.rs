@@ -6,7 +6,7 @@ use polars::prelude::DataFrame;
 use serde_json::Value;
 
 use crate::read::{
-    ACCURACIES, Ending, Problems, RunRow, accuracy_text, median, number, problems, repeats, span,
+    ACCURACIES, Ending, Problems, RunRow, accuracy_text, counted, median, number, problems, repeats, span,
 };
 use crate::text::{Part, frame};
 
@@ -115,10 +115,15 @@ fn sentences(rows: &[Row], there: &str) -> String {
             methods.push(&row.method);
         }
     }
+    let ran = |method: &&str| rows.iter().any(|row| row.method == *method && row.ending != Ending::Skipped);
+    let (ran, skipped): (Vec<&str>, Vec<&str>) = methods.into_iter().partition(ran);
     let mut ranked: Vec<(Option<f64>, String)> =
-        methods.into_iter().map(|method| sentence(rows, method, there)).collect();
+        ran.into_iter().map(|method| sentence(rows, method, there)).collect();
     let or_last = |ratio: &Option<f64>| ratio.unwrap_or(f64::INFINITY);
     ranked.sort_by(|(a, _), (b, _)| or_last(a).total_cmp(&or_last(b)));
+    if !skipped.is_empty() {
+        ranked.push((None, format!("Skipped on every problem: {}.\n", skipped.join("; "))));
+    }
     ranked.into_iter().map(|(_, sentence)| sentence).collect()
 }
 
@@ -127,14 +132,11 @@ fn sentence(rows: &[Row], method: &str, there: &str) -> (Option<f64>, String) {
     let ratios: Vec<f64> = of_method().filter_map(|row| row.ratio).collect();
     let skipped = of_method().filter(|row| row.ending == Ending::Skipped).count();
     let (reached, made) = (ratios.len(), of_method().count() - skipped);
-    if made == 0 {
-        return (None, format!("{method}: skipped on every problem.\n"));
-    }
     let ratio = median(ratios);
     let cost =
         ratio.map_or(String::new(), |ratio| format!(", median {} times the least seconds", number(ratio, 2)));
     let left_out = if skipped == 0 { String::new() } else { format!("; {skipped} skipped") };
-    (ratio, format!("{method}: {reached} of {made} problems to {there}{cost}{left_out}.\n"))
+    (ratio, format!("{method}: {reached} of {} to {there}{cost}{left_out}.\n", counted(made, "problem")))
 }
 
 /// Why other codes gave no answer.

@@ -74,8 +74,13 @@ fn figure(runs: &[RunRow], all: &[Series]) -> Part {
         return nothing("size-found", "size", &format!("{same}, and cost has nothing to grow with"));
     }
     let all_costs = costs();
-    let costs: Vec<&Panel> =
+    let has_points = |cost: &Panel| all.iter().any(|series| !points(series, cost).is_empty());
+    let mut costs: Vec<&Panel> =
         all_costs.iter().filter(|cost| !(cost.on_the_way && stopped_at_1e_2(runs))).collect();
+    // What no run has takes no room, unless none has anything.
+    if costs.iter().any(|cost| has_points(cost)) {
+        costs.retain(|cost| has_points(cost));
+    }
     // By panel, then by series.
     let clouds: Vec<Vec<Points>> =
         costs.iter().map(|cost| all.iter().map(|series| points(series, cost)).collect()).collect();

@@ -8,6 +8,8 @@ const MAJOR_TICK: f64 = 1.1;
 const MINOR_TICK: f64 = 0.6;
 /// Labels nearer to each other than this (mm) are hard to read.
 const LABEL_PITCH: f64 = 6.5;
+/// An axis that is shorter (in logarithms) has room for more labels than one, two and five times a power.
+const SHORT_AXIS: f64 = 0.5;
 /// Width of a digit of a label, and the room between two labels (mm).
 const DIGIT: f64 = 1.4;
 const APART: f64 = 1.0;
@@ -64,7 +66,7 @@ impl Axis {
     }
 
     /// The labels with their logarithms: powers of ten in steps that keep labels apart; where there are fewer than two,
-    /// once or twice and five times a power too.
+    /// some of their multiples too.
     pub(crate) fn labels(&self) -> Vec<(f64, String)> {
         match self.scale {
             Scale::Ten => self.powers_of_ten(),
@@ -112,12 +114,20 @@ impl Axis {
         let multiples = |multiples: &[f64]| -> Vec<(f64, String)> {
             let powers =
                 (self.low.floor() as i32..=self.high.ceil() as i32).map(|exponent| 10f64.powi(exponent));
-            let values = powers.flat_map(|power| multiples.iter().map(move |m| m * power));
-            let labels = values.map(|value| (value.log10(), number(value, 1)));
+            let values =
+                powers.flat_map(|power| multiples.iter().map(move |m| (m * power, m.fract() == 0.0)));
+            let digits = |whole| if whole { 1 } else { 2 };
+            let labels = values.map(|(value, whole)| (value.log10(), number(value, digits(whole))));
             labels.filter(|(log, _)| self.holds(*log)).collect()
         };
         let few = multiples(&[1.0, 2.0, 5.0]);
-        if few.len() < 2 { multiples(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]) } else { few }
+        let more = multiples(&[1.0, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0]);
+        match (few.len(), more.len()) {
+            (0 | 1, 0 | 1) => multiples(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]),
+            (2, 3..) if self.high - self.low < SHORT_AXIS => more,
+            (0 | 1, _) => more,
+            _ => few,
+        }
     }
 
     /// Places of the ticks at 2, 3 … 9 times a power of ten.

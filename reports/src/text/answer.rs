@@ -150,7 +150,7 @@ fn first_in_time(runs: &[RunRow]) -> Option<String> {
     let words =
         firsts.iter().take(3).map(|(label, n)| format!("{label} on {n} of {}", counted(of, "problem")));
     let words = words.collect::<Vec<_>>().join("; ");
-    (!words.is_empty()).then(|| format!("First in time to the tolerance: {words}."))
+    (!words.is_empty()).then(|| format!("Fastest to the tolerance: {words}."))
 }
 
 #[cfg(test)]

@@ -190,7 +190,7 @@ fn first_and_last(runs: &[RunRow], verdicts: &Verdicts, problem: &str) -> String
     }
     let timed = runs.iter().filter_map(|run| Some((run.seconds()?, run)));
     if let Some((least, first)) = timed.min_by(|a, b| a.0.total_cmp(&b.0)) {
-        sentence.extend(["; ", &first.label(), " is first in time (", &number(least, 2), " s)"]);
+        sentence.extend(["; ", &first.label(), " is the fastest (", &number(least, 2), " s)"]);
     }
     sentence + "."
 }
@@ -224,7 +224,8 @@ fn wins(runs: &[RunRow], looks: &Looks, problems: &[&str]) -> Vec<String> {
         .collect()
 }
 
-/// A sentence for each method with runs that failed: that neither converged nor proved that there is no solution.
+/// A sentence for each method with runs that failed: that neither converged nor proved that there is no solution. Those that
+/// were skipped are counted apart.
 fn failures(runs: &[RunRow], verdicts: &Verdicts) -> Vec<String> {
     let mut methods: Vec<(&str, usize, BTreeMap<_, usize>)> = Vec::new();
     for run in runs {
@@ -235,11 +236,21 @@ fn failures(runs: &[RunRow], verdicts: &Verdicts) -> Vec<String> {
             *failed.entry((run.ending, how(run, verdicts))).or_default() += 1;
         }
     }
-    let sentence = |(method, all, failed): (&str, usize, BTreeMap<_, usize>)| {
-        let kinds: Vec<String> =
-            failed.iter().map(|((_, how), n): (&(Ending, &str), _)| format!("{} {how}", count(*n))).collect();
-        let number: usize = failed.values().sum();
-        format!("{method}: {} of {} failed ({}).", count(number), counted(all, "run"), kinds.join(", "))
+    let sentence = |(method, all, mut failed): (&str, usize, BTreeMap<(Ending, &str), usize>)| {
+        let mut skipped = 0;
+        failed.retain(|(ending, _), n| {
+            skipped += if *ending == Ending::Skipped { *n } else { 0 };
+            *ending != Ending::Skipped
+        });
+        let kinds: Vec<String> = failed.iter().map(|((_, how), n)| format!("{} {how}", count(*n))).collect();
+        let (number, all) = (count(failed.values().sum()), counted(all, "run"));
+        match (kinds.join(", "), skipped) {
+            (kinds, _) if kinds.is_empty() => format!("{method}: {} of {all} skipped.", count(skipped)),
+            (kinds, 0) => format!("{method}: {number} of {all} failed ({kinds})."),
+            (kinds, _) => {
+                format!("{method}: {number} of {all} failed ({kinds}), {} skipped.", count(skipped))
+            }
+        }
     };
     methods.into_iter().filter(|(_, _, failed)| !failed.is_empty()).map(sentence).collect()
 }

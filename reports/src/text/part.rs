@@ -27,6 +27,8 @@ impl File {
 pub(crate) struct Part {
     pub(crate) name: String,
     pub(crate) kind: Kind,
+    /// What a figure shows, where that is not what its chart shows.
+    pub(crate) caption: Option<String>,
     /// Whether its page shows it, or names its files alone, since another part shows the same.
     pub(crate) on_page: bool,
 }
@@ -50,17 +52,26 @@ pub(crate) struct Table {
 }
 
 impl Part {
+    pub(crate) fn new(name: impl Into<String>, kind: Kind) -> Self {
+        Self { name: name.into(), kind, caption: None, on_page: true }
+    }
+
     pub(crate) fn figure(name: impl Into<String>, svg: String) -> Self {
-        Self { name: name.into(), kind: Kind::Figure(svg), on_page: true }
+        Self::new(name, Kind::Figure(svg))
     }
 
     pub(crate) fn table(name: impl Into<String>, all: DataFrame, note: impl Into<String>) -> Self {
         let table = Table { shown: all.clone(), all, note: note.into() };
-        Self { name: name.into(), kind: Kind::Table(table), on_page: true }
+        Self::new(name, Kind::Table(table))
     }
 
     pub(crate) fn text(name: impl Into<String>, text: String) -> Self {
-        Self { name: name.into(), kind: Kind::Text(text), on_page: true }
+        Self::new(name, Kind::Text(text))
+    }
+
+    /// A figure with a caption of its own.
+    pub(crate) fn captioned(self, caption: impl Into<String>) -> Self {
+        Self { caption: Some(caption.into()), ..self }
     }
 
     /// A part that repeats others: a file, and no place on the page.

@@ -47,7 +47,7 @@ pub(crate) fn rows(study: &Study) -> Result<Part, ReportError> {
         Study::Problems(study) => ("iterations", of_runs(study)?),
         Study::Simulations(all) => ("simulations", of_simulations(all)?),
     };
-    Ok(Part { name: name.to_owned(), kind: Kind::Table(table), on_page: true })
+    Ok(Part::new(name, Kind::Table(table)))
 }
 
 /// The table of runs or simulations as text, less what a page has no room for; below it, why runs were skipped or ended

@@ -43,20 +43,29 @@ struct Layout {
 impl Grid<'_, '_> {
     pub(super) fn draw(&self) -> String {
         let inside = PAGE - 2.0 * MARGIN;
-        let keys = Signs::new(self.entries(), inside);
-        let heads: usize = self.columns.iter().map(|c| lines(&c.head).len()).max().unwrap_or(0);
+        let room = (inside - self.label_width()) / self.columns.len().max(1) as f64;
+        let longest = self.columns.iter().filter_map(|c| c.entry.as_deref());
+        let longest = longest.map(|entry| text_width(entry, TICK_TEXT) + 2.0).fold(0.0, f64::max);
+        // Numbers stand for words where these do not fit above their columns.
+        let in_words = longest <= room;
+        let keys = Signs::new(self.entries(!in_words), inside);
+        let head = |column: &Column| match &column.entry {
+            Some(entry) if in_words => vec![entry.clone()],
+            _ => lines(&column.head).into_iter().map(str::to_owned).collect(),
+        };
+        let heads: Vec<Vec<String>> = self.columns.iter().map(head).collect();
+        let rows: usize = heads.iter().map(Vec::len).max().unwrap_or(0);
         let layout = Layout {
             left: MARGIN + self.label_width(),
-            top: MARGIN + 1.5 * LEADING + LEADING * heads as f64,
+            top: MARGIN + 1.5 * LEADING + LEADING * rows as f64,
             column: 0.0,
         };
-        let column = (PAGE - MARGIN - layout.left) / self.columns.len().max(1) as f64;
-        let layout = Layout { column: column.min(WIDEST), ..layout };
+        let widest = if in_words { longest.max(WIDEST) } else { WIDEST };
+        let layout = Layout { column: room.min(widest), ..layout };
         let bottom = layout.top + ROW * self.hazards.len() as f64;
         svg((PAGE, bottom + 1.5 + keys.height() + MARGIN), |canvas| {
             canvas.text(&self.title, (MARGIN, MARGIN + 0.5 * LEADING), TEXT, (HPos::Left, VPos::Center));
-            for (i, column) in self.columns.iter().enumerate() {
-                let words = lines(&column.head);
+            for (i, words) in heads.iter().enumerate() {
                 for (n, word) in words.iter().enumerate() {
                     let y = layout.top - LEADING * (words.len() - n) as f64 + 0.3 * LEADING;
                     let x = layout.left + layout.column * (i as f64 + 0.5);
@@ -79,7 +88,8 @@ impl Grid<'_, '_> {
 
     fn row(&self, canvas: &Canvas, layout: &Layout, top: f64, hazard: &Hazard) {
         let knob = if hazard.knob.is_empty() { 0.5 } else { 0.28 };
-        canvas.line(&[(MARGIN, top), (PAGE - MARGIN, top)], Pen { width: 0.08, ..FRAME });
+        let right = layout.left + layout.column * self.columns.len() as f64;
+        canvas.line(&[(MARGIN, top), (right, top)], Pen { width: 0.08, ..FRAME });
         canvas.text(&hazard.name, (MARGIN, top + knob * ROW), TEXT, (HPos::Left, VPos::Center));
         canvas.text_in(INK, &hazard.knob, (MARGIN, top + 0.72 * ROW), TICK_TEXT, (HPos::Left, VPos::Center));
         for i in 0..self.columns.len() {
@@ -98,8 +108,8 @@ impl Grid<'_, '_> {
         }
     }
 
-    /// The key: classes that occur, the marks, the numbered columns.
-    fn entries(&self) -> Vec<(Sign, String)> {
+    /// The key: classes that occur, the marks, the columns if they are numbered.
+    fn entries(&self, numbered: bool) -> Vec<(Sign, String)> {
         let problems = || self.hazards.iter().flat_map(|hazard| &hazard.problems);
         let cells: Vec<_> = (0..self.columns.len())
             .flat_map(|i| problems().filter_map(move |problem| (self.cell)(i, problem)))
@@ -116,11 +126,10 @@ impl Grid<'_, '_> {
             entries.push((Sign::Wedge, "ζ met the tolerance far from the solution".to_owned()));
         }
         entries.extend(self.notes.iter().map(|note| (Sign::Word, note.clone())));
-        let numbered = self
-            .columns
-            .iter()
-            .filter_map(|c| Some((Sign::Word, format!("{} {}", c.head, c.entry.as_ref()?))));
-        entries.extend(numbered);
+        if numbered {
+            let entry = |c: &Column| Some((Sign::Word, format!("{} {}", c.head, c.entry.as_ref()?)));
+            entries.extend(self.columns.iter().filter_map(entry));
+        }
         entries
     }
 }

@@ -24,7 +24,7 @@ pub(crate) fn figure(fields: &[Field]) -> String {
     let derived = points(&|field| field.kappa.map(|(l, _)| l));
     let ratios = points(&|field| field.ratio(field.derived));
     let adaptive = points(&|field| field.ratio(field.adaptive));
-    let legend = Legend::new(Vec::new(), signs(&ratios, &adaptive), INSIDE);
+    let legend = Legend::new(Vec::new(), signs(&best, &derived, (&ratios, &adaptive)), INSIDE);
     let grains = padded(best.iter().chain(&derived).map(|p| p.0), 0.15);
     let x = (Scale::Ten, grains, "grains");
     row(&[head(fields)], 2, &legend, |canvas, i, room| {
@@ -76,17 +76,21 @@ fn head(fields: &[Field]) -> String {
     )
 }
 
-fn signs(ratios: &Points, adaptive: &Points) -> Vec<(Sign, String)> {
-    let mut signs = vec![
-        (Sign::Mark(Mark::Ring, BEST_POINT), "best of the grid, one per problem".to_owned()),
-        (Sign::Line(MEDIAN), "their median".to_owned()),
-        (Sign::Mark(Mark::Diamond, DERIVED), "derived".to_owned()),
-        (Sign::Line(MEDIAN_DERIVED), "median of the derived".to_owned()),
-    ];
-    if !adaptive.is_empty() {
-        signs.push((Sign::Mark(Mark::Cross, BEST_POINT), "derived, then adapted".to_owned()));
-        signs.push((Sign::Line(MEDIAN_ADAPTIVE), "median of the adapted".to_owned()));
-    }
+/// Signs of what is drawn: a single number of grains has medians, and no line through them.
+fn signs(best: &Points, derived: &Points, (ratios, adaptive): (&Points, &Points)) -> Vec<(Sign, String)> {
+    let mut signs = Vec::new();
+    let mut entry = |points: &[&Points], (mark, pen), text: &str, line: Pen, median: &str| {
+        if points.iter().any(|points| !points.is_empty()) {
+            signs.push((Sign::Mark(mark, pen), text.to_owned()));
+        }
+        if points.iter().any(|points| medians(points).len() > 1) {
+            signs.push((Sign::Line(line), median.to_owned()));
+        }
+    };
+    entry(&[best], (Mark::Ring, BEST_POINT), "best of the grid, one per problem", MEDIAN, "their median");
+    entry(&[derived, ratios], (Mark::Diamond, DERIVED), "derived", MEDIAN_DERIVED, "median of the derived");
+    let adapted = "derived, then adapted";
+    entry(&[adaptive], (Mark::Cross, BEST_POINT), adapted, MEDIAN_ADAPTIVE, "median of the adapted");
     for (what, points) in [("derived", ratios), ("adapted", adaptive)] {
         let text =
             |(x, y): (f64, f64)| format!("{} at {:.0} grains", number(10f64.powf(y), 3), 10f64.powf(x));

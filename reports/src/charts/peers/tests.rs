@@ -45,8 +45,8 @@ fn seconds_of_another_code_are_those_of_the_tolerance_that_came_there_by_both_cl
     assert_eq!(
         ratios.lines().collect::<Vec<_>>(),
         [
-            "cg: 1 of 1 problems to a natural map of 10⁻⁶, median 1.0 times the least seconds.",
-            "piqp: 1 of 1 problems to a natural map of 10⁻⁶, median 4.0 times the least seconds."
+            "cg: 1 of 1\u{a0}problem to a natural map of 10⁻⁶, median 1.0 times the least seconds.",
+            "piqp: 1 of 1\u{a0}problem to a natural map of 10⁻⁶, median 4.0 times the least seconds."
         ]
     );
 }
@@ -62,8 +62,8 @@ fn run_that_does_not_come_there_has_no_seconds_and_a_failed_one_its_reason() {
         assert!(csv.lines().any(|line| line.starts_with(row) && line.ends_with(",,,,")), "{csv}");
     }
     let ratios: Vec<&str> = file(&files, "peers-ratios.md").lines().collect();
-    assert!(ratios.contains(&"highs: skipped on every problem."), "{ratios:?}");
-    assert!(ratios.contains(&"osqp: 0 of 1 problems to a natural map of 10⁻⁶."), "{ratios:?}");
+    assert!(ratios.contains(&"Skipped on every problem: highs."), "{ratios:?}");
+    assert!(ratios.contains(&"osqp: 0 of 1\u{a0}problem to a natural map of 10⁻⁶."), "{ratios:?}");
     let note = file(&files, "peers.md");
     assert!(note.contains("failed: osqp on column: at the tolerance 1e-2: no answer within 1 s"), "{note}");
 }

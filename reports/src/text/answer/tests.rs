@@ -66,7 +66,7 @@ fn who_is_first_in_time_is_said_where_methods_meet() {
     let told = answered(&runs);
     let [subdomains, time] = &told[..] else { panic!("two sentences") };
     assert!(subdomains.contains("needs as many iterations"));
-    assert_eq!(time, "First in time to the tolerance: cg on 1 of 1\u{a0}problem.");
+    assert_eq!(time, "Fastest to the tolerance: cg on 1 of 1\u{a0}problem.");
     // Also where no other method came there.
     runs[0].status = "iteration-limit".into();
     runs[1].status = "iteration-limit".into();

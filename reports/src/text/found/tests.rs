@@ -22,7 +22,7 @@ fn study() -> Vec<Run> {
 fn sentences_say_what_the_rows_say() {
     let expected = [
         "3\u{a0}runs of 3\u{a0}methods on 1\u{a0}problem: 2 converged, 1 diverged.",
-        "column: cg (40) has the fewest iterations to natural map ≤ 10⁻⁴, nsgs (900) the most; nsgs is first in time (0.20 s).",
+        "column: cg (40) has the fewest iterations to natural map ≤ 10⁻⁴, nsgs (900) the most; nsgs is the fastest (0.20 s).",
         "jacobi: 1 of 1\u{a0}run failed (1 diverged).",
     ];
     assert_eq!(told(&study()), expected);
@@ -36,7 +36,7 @@ fn other_rows_make_other_sentences() {
     other[2].status = "converged".into();
     let expected = [
         "3\u{a0}runs of 3\u{a0}methods on 1\u{a0}problem: 3 converged.",
-        "column: jacobi (7) has the fewest iterations to natural map ≤ 10⁻⁴, cg (1\u{202f}000) the most; jacobi is first in time (0.012 s).",
+        "column: jacobi (7) has the fewest iterations to natural map ≤ 10⁻⁴, cg (1\u{202f}000) the most; jacobi is the fastest (0.012 s).",
     ];
     assert_eq!(told(&other), expected);
 }
@@ -68,7 +68,7 @@ fn interior_point_has_no_rank_by_iterations_and_one_in_time() {
     runs.push(Run { iterations: 2, iterating_s: 0.1, ..run(3, "interior-point", "", "converged") });
     let sentence = &told(&runs)[1];
     assert!(sentence.starts_with("column: cg (40) has the fewest iterations"), "{sentence}");
-    assert!(sentence.ends_with("interior-point is first in time (0.10 s)."), "{sentence}");
+    assert!(sentence.ends_with("interior-point is the fastest (0.10 s)."), "{sentence}");
     assert_eq!(told(&runs[3..])[1], "column: interior-point alone converged.");
 }
 
@@ -169,4 +169,17 @@ fn runs_that_go_round_are_counted_with_the_lengths_of_their_cycles() {
     assert_eq!(cycles(&runs).unwrap(), "1\u{a0}run goes round in a cycle of 2 iterations at the end.");
     runs[1].cycle_iterations = Some(14);
     assert_eq!(cycles(&runs).unwrap(), "2\u{a0}runs go round in cycles of 2 to 14 iterations at the end.");
+}
+
+#[test]
+fn run_that_was_skipped_is_no_failure() {
+    let runs = [
+        run(0, "nsgs", "", "converged"),
+        run(1, "piqp", "", "skipped"),
+        run(2, "osqp", "", "skipped"),
+        run(3, "osqp", "", "failed"),
+    ];
+    let told = told(&runs);
+    assert!(told.contains(&"piqp: 1 of 1\u{a0}run skipped.".to_owned()), "{told:?}");
+    assert!(told.contains(&"osqp: 1 of 2\u{a0}runs failed (1 failed), 1 skipped.".to_owned()), "{told:?}");
 }

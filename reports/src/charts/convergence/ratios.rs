@@ -1,0 +1,117 @@
+//! What subdomains cost: iterations to an accuracy over those of the method without them.
+
+use contact::Measure;
+
+use crate::draw::{
+    Canvas, INSIDE, Legend, Line, Lines, LogPoint, MOST_LINES, Room, Scale, Sign, TOLERANCE, draw_lines, row,
+    title,
+};
+use crate::read::{Ending, Point, RunRow, file_name};
+use crate::text::Part;
+
+/// The panels and the names of their axes.
+const MEASURES: [(Measure, &str); 2] =
+    [(Measure::Zeta, "ζ reached (–)"), (Measure::NaturalMap, "natural map reached (–)")];
+const RATIO: &str = "iterations over those without subdomains (–)";
+
+/// Of fewer iterations than these, one more or less would be a ratio of its own.
+const LEAST: u64 = 10;
+/// The least axis (in logarithms): less would show differences that are none.
+const NARROWEST: (f64, f64) = (-0.1, 0.302);
+
+/// `ratios-<problem>`; nothing where no run has another to be compared with.
+pub(super) fn figure(study: &Lines, problem: &str) -> Option<Part> {
+    let runs = study.runs_of(problem);
+    let pairs: Vec<(&RunRow, &RunRow)> =
+        runs.iter().filter_map(|run| Some((*run, without_subdomains(run, &runs)?))).collect();
+    let panels = MEASURES.map(|(measure, _)| {
+        let line = |&(run, base): &(&RunRow, &RunRow)| {
+            let (points, ending) = ratios(run, base, measure);
+            Line { look: study.looks.look(run), ending, points }
+        };
+        pairs.iter().map(line).collect::<Vec<_>>()
+    });
+    let drawn = |i: usize| panels.iter().any(|lines| !lines[i].points.is_empty());
+    let shown: Vec<&RunRow> = (0..pairs.len()).filter(|&i| drawn(i)).map(|i| pairs[i].0).collect();
+    if shown.is_empty() || shown.len() > MOST_LINES {
+        return None;
+    }
+    let legend = key(study, &shown);
+    let svg = row(&[title(problem, &shown)], MEASURES.len(), &legend, |canvas, i, room| {
+        panel(canvas, MEASURES[i].1, &panels[i], room);
+    });
+    let caption =
+        format!("{problem}: iterations with subdomains over those without, against the accuracy reached.");
+    Some(Part::figure(format!("ratios-{}", file_name(problem)), svg).captioned(caption))
+}
+
+/// The run that `run` is NSGS-DD of, which is NSGS; or else its own method's on one subdomain, if that is another run. All
+/// settings that both have are the same.
+fn without_subdomains<'r>(run: &RunRow, runs: &[&'r RunRow]) -> Option<&'r RunRow> {
+    let method = if run.method == "nsgs-dd" { "nsgs" } else { &run.method };
+    let agrees = |other: &RunRow| {
+        let mut settings = run.settings.iter().filter(|(key, _)| *key != "subdomains");
+        settings.all(|(key, value)| other.settings.get(key).is_none_or(|of| of == value))
+    };
+    let is_base = |other: &&&RunRow| {
+        other.method == method
+            && other.subdomains == 1
+            && other.run != run.run
+            && other.warm_start == run.warm_start
+            && agrees(other)
+    };
+    run.settings.contains_key("subdomains").then(|| runs.iter().find(is_base).copied())?
+}
+
+/// Logarithms of accuracies that both reach, ten to a decade, and of the ratio of iterations; and how the run ended that does
+/// not reach the next. Of curves with gaps the whole decades alone, which are kept exactly.
+pub(super) fn ratios(run: &RunRow, base: &RunRow, measure: Measure) -> (Vec<LogPoint>, Ending) {
+    let step = if has_gaps(run) || has_gaps(base) { 10 } else { 1 };
+    let mut points = Vec::new();
+    for tenth in (-20..=120).filter(|tenth| tenth % step == 0) {
+        let log = -f64::from(tenth) / 10.0;
+        let Some(of_base) = first(&base.curve, measure, log) else { return (points, base.ending) };
+        let Some(of_run) = first(&run.curve, measure, log) else { return (points, run.ending) };
+        if of_base >= LEAST {
+            points.push(Some((log, (of_run as f64 / of_base as f64).log10())));
+        }
+    }
+    (points, run.ending)
+}
+
+/// The first iteration with a measure of at most 10 to the power of `log`.
+fn first(curve: &[Point], measure: Measure, log: f64) -> Option<u64> {
+    // Round-off of the power must not lose a whole decade.
+    let accuracy = 10f64.powf(log) * (1.0 + 1e-12);
+    curve.iter().find(|point| point.get(measure).is_some_and(|value| value <= accuracy)).map(|p| p.iteration)
+}
+
+/// Whether more is left out of a curve than a hundredth of its iterations at a time.
+fn has_gaps(run: &RunRow) -> bool {
+    run.curve.windows(2).any(|pair| pair[1].iteration * 100 > pair[0].iteration * 102 + 100)
+}
+
+fn key(study: &Lines, shown: &[&RunRow]) -> Legend {
+    let mut more = vec![(Sign::Line(TOLERANCE), "as many iterations".to_owned())];
+    let dd = shown.iter().any(|run| run.method == "nsgs-dd");
+    let others = shown.iter().any(|run| run.method != "nsgs-dd");
+    if dd {
+        more.push((Sign::Word, "nsgs-dd: over nsgs.".to_owned()));
+    }
+    if others {
+        let who = if dd { "Others" } else { "Each" };
+        more.push((Sign::Word, format!("{who}: over the same method on one subdomain.")));
+    }
+    more.push((Sign::Word, format!("Drawn from {LEAST} iterations of these on.")));
+    study.legend(shown, more, INSIDE)
+}
+
+fn panel(canvas: &Canvas, name: &str, lines: &[Line], room: Room) {
+    let points = || lines.iter().flat_map(|line| line.points.iter().flatten());
+    let (low, high) = points().fold((0.0_f64, f64::NEG_INFINITY), |(l, h), (x, _)| (l.min(*x), h.max(*x)));
+    let x = if low < high { (low - 0.2, high + 0.2) } else { (-4.0, 0.0) };
+    let (least, most) = points().fold(NARROWEST, |(l, m), (_, y)| (l.min(*y), m.max(*y)));
+    let frame = room.frame(canvas, (Scale::Ten, x, name), (Scale::Ten, (least - 0.02, most + 0.02), RATIO));
+    frame.across(canvas, 0.0, TOLERANCE);
+    draw_lines(canvas, &frame, lines);
+}
