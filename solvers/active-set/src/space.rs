@@ -107,8 +107,8 @@ impl<'p> Run<'p> {
         run.impulses(&mut r);
         let left = self.newton.left(ALONE, &self.newton.layout.scaled(&r));
         let is_in_vain = progress.is_in_vain(left, PATIENCE_WITH_LATIN);
-        let is_better = self.best.take(left, |best| best.copy_from_slice(&r));
-        if left <= self.rung && is_better {
+        self.best.take(left, |best| best.copy_from_slice(&r));
+        if left <= self.rung {
             self.try_newton();
         } else if is_in_vain {
             self.work += run.work();
