@@ -19,6 +19,7 @@ mod infeasible;
 mod layouts;
 mod measured;
 mod newton_schur;
+mod newton_spheres;
 mod predictions;
 mod problems;
 mod product;

@@ -4,7 +4,8 @@ use crate::friction::rough;
 use crate::spheres::{in_step, sphere_problem_of};
 use cg::{Cg, Preconditioner};
 use contact::{
-    Measuring, Packing, RoughContact, RoughDiscs, RoughMass, RoughMeter, RoughSpheres, Solver, Spheres, frame,
+    Contact, Measuring, Packing, RoughContact, RoughDiscs, RoughMass, RoughMeter, RoughSpheres, Solver,
+    Spheres, frame,
 };
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
@@ -15,7 +16,7 @@ use partition::Grid;
 use runner::{Status, Stop, solve};
 
 /// A problem of the plane, laid into space: a disc becomes a body that spins about z as it does, and about the other axes alike.
-fn embedded(problem: &Packing<RoughDiscs>) -> Packing<RoughSpheres> {
+pub(crate) fn embedded(problem: &Packing<RoughDiscs>) -> Packing<RoughSpheres> {
     let contact = |at: &RoughContact| {
         let normal = Vector3::new(at.normal.x, at.normal.y, 0.0);
         let tangent = Vector3::new(-at.normal.y, at.normal.x, 0.0);
@@ -87,36 +88,35 @@ fn layer_with_friction_in_space_gives_the_iterates_of_the_plane() {
     assert!((measures(&zeros).natural_map - in_space.natural_map).abs() < 1e-12);
 }
 
-/// Without friction the tangential unknowns stay 0, and the normal ones are those of spheres without any.
-#[test]
-fn spheres_without_friction_give_the_frictionless_iterates() {
-    let (smooth, radius) = sphere_problem_of("sphere-box", 30);
-    let rough = Packing::<RoughSpheres>::new(
+/// The same spheres with friction.
+pub(crate) fn roughened(smooth: &Packing<Spheres>, radius: &[f64], friction: f64) -> Packing<RoughSpheres> {
+    let contact = |at: &Contact<3>| RoughContact {
+        candidate: at.candidate,
+        antagonist: at.antagonist,
+        normal: at.normal,
+        arms: Vector2::new(radius[at.candidate as usize], at.antagonist.map_or(0.0, |j| radius[j as usize])),
+        offset: Vector3::new(at.offset, 0.0, 0.0),
+        friction,
+    };
+    Packing::new(
         smooth
             .mass()
             .iter()
-            .zip(&radius)
+            .zip(radius)
             .map(|(m, r)| RoughMass { mass: *m, inertia: 0.4 * m * r * r })
             .collect(),
         smooth.position().to_vec(),
         smooth.free_velocity().iter().map(|v| Vector6::new(v.x, v.y, v.z, 0.0, 0.0, 0.0)).collect(),
-        smooth
-            .contacts()
-            .iter()
-            .map(|at| RoughContact {
-                candidate: at.candidate,
-                antagonist: at.antagonist,
-                normal: at.normal,
-                arms: Vector2::new(
-                    radius[at.candidate as usize],
-                    at.antagonist.map_or(0.0, |j| radius[j as usize]),
-                ),
-                offset: Vector3::new(at.offset, 0.0, 0.0),
-                friction: 0.0,
-            })
-            .collect(),
+        smooth.contacts().iter().map(contact).collect(),
     )
-    .unwrap();
+    .unwrap()
+}
+
+/// Without friction the tangential unknowns stay 0, and the normal ones are those of spheres without any.
+#[test]
+fn spheres_without_friction_give_the_frictionless_iterates() {
+    let (smooth, radius) = sphere_problem_of("sphere-box", 30);
+    let rough = roughened(&smooth, &radius, 0.0);
     let (zeros, none) = (vec![0.0; smooth.impulse_count()], vec![0.0; rough.impulse_count()]);
     for ((name, one), (_, other)) in methods::<Spheres>().into_iter().zip(methods::<RoughSpheres>()) {
         let (one, other) = (one.start(&smooth, &zeros).unwrap(), other.start(&rough, &none).unwrap());

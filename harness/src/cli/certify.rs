@@ -2,12 +2,13 @@
 
 use crate::problems::{Given, Root, Studied, answer, pool, size};
 use crate::terminal::{exit, say};
-use anyhow::{Result, bail};
+use active_set::ActiveSet;
+use anyhow::Result;
 use cases::{AnyFrozen, Frozen};
-use contact::{ContactProblem, Meter, Packing, RoughDiscs, Smooth, Truth, greatest};
+use contact::{ContactProblem, Meter, Packing, RoughDiscs, Smooth, Solver, Truth, greatest};
 use reference::{
-    Answer, Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, RoughCertificate, RoughSolution,
-    certify, certify_rough, distance, existence, isolation,
+    Answer, Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, Rough, RoughCertificate,
+    RoughSolution, certify, certify_rough, distance, existence, isolation,
 };
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -28,22 +29,40 @@ pub(crate) struct Args {
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     match AnyFrozen::read(&root.problem(&args.problem)?)? {
         AnyFrozen::Discs(frozen) => smooth(root, args, &frozen),
-        AnyFrozen::RoughDiscs(frozen) => rough(root, args, &frozen),
+        AnyFrozen::RoughDiscs(frozen) => rough(root, args, &frozen, Some(IN_THE_PLANE)),
         AnyFrozen::Spheres(frozen) => smooth(root, args, &frozen),
-        AnyFrozen::RoughSpheres(frozen) => bail!(
-            "{}: solutions between spheres with friction are not certified: `gravel solve` tells what impulses leave of the law",
-            frozen.name
-        ),
+        AnyFrozen::RoughSpheres(frozen) => rough(root, args, &frozen, None),
     }
 }
 
+/// What else is said of a problem with friction: whether it has a solution, and whether one stands alone.
+struct Theory<M: Rough> {
+    existence: fn(&Packing<M>) -> &'static str,
+    isolation: fn(&Packing<M>, &[f64]) -> String,
+}
+
+const IN_THE_PLANE: Theory<RoughDiscs> = Theory {
+    existence: existence_in_words,
+    isolation: |problem, r| isolation_in_words(&isolation(problem, r)),
+};
+
 /// With friction: each solution of the pool, and how far apart they are.
-fn rough(root: &Root, args: &Args, frozen: &Frozen<RoughDiscs>) -> Result<ExitCode> {
+fn rough<M: Studied + Rough>(
+    root: &Root,
+    args: &Args,
+    frozen: &Frozen<M>,
+    theory: Option<Theory<M>>,
+) -> Result<ExitCode>
+where
+    ActiveSet: Solver<M>,
+{
     let problem = &frozen.problem;
     let given = args.impulses.as_deref().map(|file| Given::read(file, problem)).transpose()?;
     let pool = pool(root, frozen, args.starts)?;
     say(format_args!("{}: {}", frozen.name, size(problem)))?;
-    say(format_args!("{}", existence_in_words(problem)))?;
+    let unknown =
+        "whether a solution exists, and whether one stands alone, is looked into between discs alone";
+    say(format_args!("{}", theory.as_ref().map_or(unknown, |theory| (theory.existence)(problem))))?;
     let mut certified = pool.iter().any(|solution| solution.certificate.certified());
     if let Some(Given { impulse, .. }) = &given {
         let certificate = certify_rough(problem, impulse);
@@ -67,8 +86,8 @@ fn rough(root: &Root, args: &Args, frozen: &Frozen<RoughDiscs>) -> Result<ExitCo
         if given.is_none() {
             print_rough(&solution.certificate)?;
         }
-        if solution.certificate.certified() {
-            say(format_args!("  {}", isolation_in_words(&isolation(problem, &solution.impulses))))?;
+        if let (Some(theory), true) = (&theory, solution.certificate.certified()) {
+            say(format_args!("  {}", (theory.isolation)(problem, &solution.impulses)))?;
         }
     }
     if let [first, _, ..] = &pool[..] {

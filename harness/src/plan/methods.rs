@@ -67,7 +67,7 @@ pub(crate) const METHODS: &[Entry] = &[
     Entry::of::<mprgp::Mprgp>("mprgp", "proportioning with gradient projections of Dostál & Schöberl"),
     Entry::of::<apgd::Apgd>("apgd", "accelerated projected gradient of Mazhar et al."),
     Entry::of::<nncg::Nncg>("nncg", "non-smooth non-linear conjugate gradient of Silcowitz et al."),
-    Entry::with_friction::<active_set::ActiveSet>(
+    Entry::of_every::<active_set::ActiveSet>(
         "active-set",
         "primal-dual active set, begun by conjugate gradients",
     ),

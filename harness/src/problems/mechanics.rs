@@ -242,6 +242,19 @@ impl Studied for RoughSpheres {
         ours.rough_spheres.as_deref()
     }
 
+    fn known(root: &Root, frozen: &Frozen<Self>) -> Result<Known<Self>> {
+        known_rough(root, frozen)
+    }
+
+    fn polished_to(
+        root: &Root,
+        frozen: &Frozen<Self>,
+        known: &Known<Self>,
+        r: &[f64],
+    ) -> Result<Option<(bool, f64)>> {
+        polished_to(root, frozen, known, r)
+    }
+
     fn spin(velocity: &Vector6<f64>) -> &[f64] {
         &velocity.as_slice()[3..]
     }

@@ -1,13 +1,14 @@
 //! Pools of certified solutions of problems with friction: kept in `results/references`, certified again each time they are read.
 
 use crate::identity::{code_version, content_hash};
-use crate::problems::{Known, Root};
+use crate::problems::{Known, Root, Studied};
 use crate::terminal::{progress, read_text, write_kept};
+use active_set::ActiveSet;
 use anyhow::Result;
 use cases::Frozen;
-use contact::{Packing, RoughDiscs};
+use contact::{Packing, Solver};
 use reference::{
-    InteriorPoint, RoughSolution, certify_rough, distance, is_same, polished, solve_rough, take,
+    InteriorPoint, Rough, RoughSolution, certify_rough, distance, is_same, polished, solve_rough, take,
 };
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -17,7 +18,10 @@ use std::sync::Mutex;
 const STARTS: u64 = 3;
 
 /// What is known of a problem with friction: its pool of certified solutions.
-pub(crate) fn known_rough(root: &Root, frozen: &Frozen<RoughDiscs>) -> Result<Known<RoughDiscs>> {
+pub(crate) fn known_rough<M: Studied + Rough>(root: &Root, frozen: &Frozen<M>) -> Result<Known<M>>
+where
+    ActiveSet: Solver<M>,
+{
     let pool = pool(root, frozen, STARTS)?;
     let problem = &frozen.problem;
     if let [best] = &pool[..]
@@ -31,7 +35,14 @@ pub(crate) fn known_rough(root: &Root, frozen: &Frozen<RoughDiscs>) -> Result<Kn
 
 /// The certified solutions of a problem with friction that are known, those from so many `starts` among them, each different from
 /// the others; the best impulses, where none is certified.
-pub(crate) fn pool(root: &Root, frozen: &Frozen<RoughDiscs>, starts: u64) -> Result<Vec<RoughSolution>> {
+pub(crate) fn pool<M: Studied + Rough>(
+    root: &Root,
+    frozen: &Frozen<M>,
+    starts: u64,
+) -> Result<Vec<RoughSolution>>
+where
+    ActiveSet: Solver<M>,
+{
     let path = path(root, frozen);
     let code = code_version::<InteriorPoint>().unwrap_or_default();
     let mut kept = Pool { starts: 0, code: code.to_owned(), solutions: Vec::new() };
@@ -64,7 +75,7 @@ pub(crate) fn pool(root: &Root, frozen: &Frozen<RoughDiscs>, starts: u64) -> Res
 }
 
 /// The solutions that kept impulses (N·s) are.
-fn certified(problem: &Packing<RoughDiscs>, kept: Vec<Vec<f64>>) -> Vec<RoughSolution> {
+fn certified<M: Rough>(problem: &Packing<M>, kept: Vec<Vec<f64>>) -> Vec<RoughSolution> {
     let mut pool = Vec::new();
     for impulses in kept.into_iter().filter(|r| r.len() == problem.impulse_count()) {
         let certificate = certify_rough(problem, &impulses);
@@ -75,12 +86,15 @@ fn certified(problem: &Packing<RoughDiscs>, kept: Vec<Vec<f64>>) -> Vec<RoughSol
 
 /// The certified solution to which the end of a run, `r` (N·s), is polished: whether it is among those `known`, and how far it is
 /// from r. A new one enters the kept pool, so that studies to come know it.
-pub(crate) fn polished_to(
+pub(crate) fn polished_to<M: Studied + Rough>(
     root: &Root,
-    frozen: &Frozen<RoughDiscs>,
-    known: &Known<RoughDiscs>,
+    frozen: &Frozen<M>,
+    known: &Known<M>,
     r: &[f64],
-) -> Result<Option<(bool, f64)>> {
+) -> Result<Option<(bool, f64)>>
+where
+    ActiveSet: Solver<M>,
+{
     let problem = &frozen.problem;
     if known.nearest().is_none() {
         return Ok(None);
@@ -95,7 +109,7 @@ pub(crate) fn polished_to(
 }
 
 /// Adds a solution to the kept pool, one at a time.
-fn keep(root: &Root, frozen: &Frozen<RoughDiscs>, found: RoughSolution) -> Result<()> {
+fn keep<M: Studied + Rough>(root: &Root, frozen: &Frozen<M>, found: RoughSolution) -> Result<()> {
     static KEPT: Mutex<()> = Mutex::new(());
     let _alone = KEPT.lock();
     let path = path(root, frozen);
@@ -119,6 +133,6 @@ struct Pool {
 }
 
 /// Where the pool of a problem is kept.
-fn path(root: &Root, frozen: &Frozen<RoughDiscs>) -> PathBuf {
+fn path<M: Studied>(root: &Root, frozen: &Frozen<M>) -> PathBuf {
     root.join("results/references").join(content_hash(frozen)).with_extension("json")
 }

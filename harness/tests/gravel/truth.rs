@@ -200,6 +200,23 @@ fn certify_tells_of_friction_whether_solutions_exist_and_stand_alone() {
     assert!(!printed.contains("solution 2") && !printed.contains("not known"), "{printed}");
 }
 
+/// The same as a sphere, in space.
+#[test]
+fn certify_finds_the_solution_between_spheres_with_friction() {
+    let study = Study::new();
+    let mut problem = sliding();
+    problem["mechanics"] = "rough-spheres".into();
+    problem["grains"]["position"] = json!([[0.0, 1.0, 0.0]]);
+    problem["grains"]["free_velocity"] = json!([[3.0, -1.0, 0.5, 0.0, 0.0, 0.0]]);
+    problem["contacts"]["normal"] = json!([[0.0, 1.0, 0.0]]);
+    problem["contacts"]["offset"] = json!([[0.0, 0.0, 0.0]]);
+    write(study.folder(), "cases/frozen/sliding.json", &problem.to_string());
+    let printed = study.gravel(&["certify", "sliding"]).succeeded().stdout;
+    for word in ["between discs alone", "solution 1: certified to 1e-12"] {
+        assert!(printed.contains(word), "no `{word}` in: {printed}");
+    }
+}
+
 #[test]
 fn rows_tell_of_friction_how_many_solutions_are_known_and_to_which_a_run_is_polished() {
     let study = Study::new();

@@ -14,9 +14,11 @@
 
 mod inner;
 mod interior;
+mod progress;
 mod rough;
 mod scaled;
 mod set;
+mod space;
 
 pub use inner::{Inner, PENALTY, Whole};
 pub use rough::Convex;

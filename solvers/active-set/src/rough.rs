@@ -15,6 +15,7 @@ mod path;
 mod proximal;
 mod statuses;
 
+use crate::progress::Progress;
 use crate::{ActiveSet, Best, Start};
 use cg::{Cg, Preconditioner, RoughRun};
 use contact::{Iteration, Packing, RoughDiscs, SetupError, Solver, Work};
@@ -62,27 +63,6 @@ enum Phase<'p> {
     Statuses { before: f64 },
     /// No further iteration helps.
     Ended,
-}
-
-/// Iterations so far; and what was left when it was last halved (√J), and at which of them.
-struct Progress {
-    iterations: u64,
-    halved: (f64, u64),
-}
-
-impl Progress {
-    /// None so far, with so much left (√J).
-    fn from(left: f64) -> Self {
-        Self { iterations: 0, halved: (left, 0) }
-    }
-
-    /// Whether so much left (√J) after these iterations is no progress in the last `patience`.
-    fn is_in_vain(&mut self, left: f64, patience: u64) -> bool {
-        if left <= 0.5 * self.halved.0 {
-            self.halved = (left, self.iterations);
-        }
-        self.iterations >= self.halved.1 + patience || !left.is_finite()
-    }
 }
 
 struct Run<'p> {

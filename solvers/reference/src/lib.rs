@@ -18,7 +18,7 @@ pub use existence::{Existence, existence};
 pub use isolated::{Isolation, isolation};
 pub use method::InteriorPoint;
 pub use rough::{
-    RoughCertificate, RoughSolution, certify_rough, distance, is_same, polished, solve_rough, take,
+    Rough, RoughCertificate, RoughSolution, certify_rough, distance, is_same, polished, solve_rough, take,
 };
 
 use active_set::ActiveSet;

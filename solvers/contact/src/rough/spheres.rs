@@ -209,6 +209,25 @@ pub struct SphereColumn {
 }
 
 impl SphereColumn {
+    /// The places of candidate and antagonist; at a wall twice that of the candidate.
+    #[inline]
+    pub fn places(&self) -> [u32; 2] {
+        [self.candidate, self.antagonist]
+    }
+
+    /// μ √(`w_t`/`w_n`) (–).
+    #[inline]
+    pub fn friction(&self) -> f64 {
+        self.friction
+    }
+
+    /// h̃ s of an impulse s at the candidate and at the antagonist: 0 at a wall.
+    #[inline]
+    pub fn at_ends(&self, s: Vector3<f64>) -> [Vector6<f64>; 2] {
+        let [push, turn] = self.pushes(s);
+        [joined(push, turn * self.arms[0]), joined(push * -self.ratio, turn * self.arms[1])]
+    }
+
     /// What an impulse does to both: the translation of the candidate, and the turn of which each takes its arm.
     #[inline]
     fn pushes(&self, s: Vector3<f64>) -> [Vector3<f64>; 2] {
@@ -250,9 +269,9 @@ impl Column<RoughSpheres> for SphereColumn {
 
     #[inline]
     fn push(&self, s: Vector3<f64>, y: &mut [Vector6<f64>]) {
-        let [push, turn] = self.pushes(s);
-        y[self.candidate as usize] += joined(push, turn * self.arms[0]);
-        y[self.antagonist as usize] += joined(push * -self.ratio, turn * self.arms[1]);
+        let [candidate, antagonist] = self.at_ends(s);
+        y[self.candidate as usize] += candidate;
+        y[self.antagonist as usize] += antagonist;
     }
 
     /// `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`) to the disc of that radius: the two lines
@@ -277,7 +296,7 @@ impl Column<RoughSpheres> for SphereColumn {
 
 impl Rubbing for RoughSpheres {
     fn places(column: &SphereColumn) -> [u32; 2] {
-        [column.candidate, column.antagonist]
+        column.places()
     }
 
     #[inline]
@@ -291,11 +310,7 @@ impl Rubbing for RoughSpheres {
     }
 
     fn push_at(column: &SphereColumn, grain: u32, s: Vector3<f64>) -> Vector6<f64> {
-        let [push, turn] = column.pushes(s);
-        if grain == column.candidate {
-            joined(push, turn * column.arms[0])
-        } else {
-            joined(push * -column.ratio, turn * column.arms[1])
-        }
+        let [candidate, antagonist] = column.at_ends(s);
+        if grain == column.candidate { candidate } else { antagonist }
     }
 }
