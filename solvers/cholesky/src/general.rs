@@ -33,7 +33,7 @@ impl General {
             }
             is_same
         });
-        let first = |column: usize| entries.partition_point(|entry| entry.1 < column) as isize;
+        let first = |column: usize| entries.partition_point(|entry| entry.1 < column).cast_signed();
         let matrix = Sprs {
             nzmax: entries.len(),
             m: size,
@@ -56,17 +56,17 @@ impl General {
     /// x ← A⁻¹ x.
     pub fn solve(&self, x: &mut [f64]) {
         let mut y = vec![0.0; x.len()];
-        self.row.iter().zip(&*x).for_each(|(place, x)| y[*place as usize] = *x);
+        self.row.iter().zip(&*x).for_each(|(place, x)| y[place.cast_unsigned()] = *x);
         rsparse::lsolve(&self.factors.l, &mut y);
         rsparse::usolve(&self.factors.u, &mut y);
-        self.column.iter().zip(&y).for_each(|(place, y)| x[*place as usize] = *y);
+        self.column.iter().zip(&y).for_each(|(place, y)| x[place.cast_unsigned()] = *y);
     }
 
     /// x ← A⁻ᵗ x.
     pub fn solve_transposed(&self, x: &mut [f64]) {
-        let mut y: Vec<f64> = self.column.iter().map(|place| x[*place as usize]).collect();
+        let mut y: Vec<f64> = self.column.iter().map(|place| x[place.cast_unsigned()]).collect();
         rsparse::utsolve(&self.factors.u, &mut y);
         rsparse::ltsolve(&self.factors.l, &mut y);
-        self.row.iter().zip(x).for_each(|(place, x)| *x = y[*place as usize]);
+        self.row.iter().zip(x).for_each(|(place, x)| *x = y[place.cast_unsigned()]);
     }
 }

@@ -290,7 +290,9 @@ fn factors_of_any_matrix_solve_what_dense_ones_do() {
     }
     entries.push(entries[3]);
     let mut dense = DMatrix::zeros(size, size);
-    entries.iter().for_each(|(row, column, value)| dense[(*row, *column)] += value);
+    for (row, column, value) in &entries {
+        dense[(*row, *column)] += value;
+    }
     let factors = General::new(size, entries.clone()).unwrap();
     let b = DVector::from_fn(size, |k, _| (0.7 * k as f64).cos());
     let scale = dense.norm();

@@ -117,7 +117,9 @@ fn least_singular_value(unknowns: &[([u32; 2], Unknown)], grains: usize) -> Opti
     let mut inverse = f64::NAN;
     for _ in 0..STEPS {
         let size = length(&x);
-        x.iter_mut().for_each(|x| *x /= size);
+        for x in &mut x {
+            *x /= size;
+        }
         factor.solve_transposed(&mut x);
         factor.solve(&mut x);
         inverse = length(&x).sqrt();
