@@ -141,12 +141,14 @@ fn solutions(runs: &[RunRow], problem: &str) -> Option<String> {
     } else {
         String::new()
     };
-    Some(format!(
-        "{problem}: {} known{apart}; Newton's method leads from the ends of {} to one of them, from those of {} to another.",
-        counted(solutions, "certified solution"),
-        counted(of_known, "run"),
-        counted(new, "run"),
-    ))
+    let led: Vec<String> = [(of_known, "one of them"), (new, "another")]
+        .into_iter()
+        .filter(|(runs, _)| *runs > 0)
+        .map(|(runs, to)| format!("from where {} ended to {to}", counted(runs, "run")))
+        .collect();
+    let led = if led.is_empty() { "nowhere from where runs ended".to_owned() } else { led.join(", ") };
+    let known = counted(solutions, "certified solution");
+    Some(format!("{problem}: {known} known{apart}; Newton's method leads {led}."))
 }
 
 /// How a run ended; a claim that there is no solution is a proof unless a run or the reference refutes it.

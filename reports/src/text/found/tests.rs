@@ -108,8 +108,16 @@ fn solutions_with_friction_are_told_where_there_are_several() {
     let sentence = &told(&runs)[1];
     assert_eq!(
         sentence,
-        "column: 4\u{a0}certified solutions known, up to 0.47 apart in velocity; Newton's method leads from the ends of \
-         1\u{a0}run to one of them, from those of 1\u{a0}run to another."
+        "column: 4\u{a0}certified solutions known, up to 0.47 apart in velocity; Newton's method leads from where 1\u{a0}run \
+         ended to one of them, from where 1\u{a0}run ended to another."
+    );
+    for run in &mut runs {
+        run.known = known("");
+    }
+    assert!(
+        told(&runs)[1].ends_with("; Newton's method leads nowhere from where runs ended."),
+        "{}",
+        told(&runs)[1]
     );
     // Without friction there is one, and nothing to be said.
     for run in &mut runs {
