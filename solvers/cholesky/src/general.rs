@@ -3,7 +3,8 @@
 use crate::Singular;
 use rsparse::data::{Nmrc, Sprs};
 
-/// An order by minimum degree of A + Aᵗ.
+/// The order as it is, and one by minimum degree of A + Aᵗ, which needs three rows.
+const NATURAL: i8 = -1;
 const OF_SYMMETRIC_PATTERN: i8 = 0;
 
 /// A pivot may be this small beside the greatest of its column, if it is on the diagonal (–): rows exchanged for less add entries.
@@ -45,10 +46,11 @@ impl General {
         if entries.is_empty() {
             return Err(Singular::new("a matrix without entries"));
         }
-        let mut symbolic = rsparse::sqr(&matrix, OF_SYMMETRIC_PATTERN, false);
+        let order = if size < 3 { NATURAL } else { OF_SYMMETRIC_PATTERN };
+        let mut symbolic = rsparse::sqr(&matrix, order, false);
         let mut factors = rsparse::lu(&matrix, &mut symbolic, PIVOT).map_err(Singular::new)?;
         let row = factors.pinv.take().unwrap_or_default();
-        let mut column = symbolic.q.unwrap_or_default();
+        let mut column = symbolic.q.unwrap_or_else(|| (0..size.cast_signed()).collect());
         column.truncate(size);
         Ok(Self { factors, row, column })
     }
