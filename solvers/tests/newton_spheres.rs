@@ -151,7 +151,7 @@ fn without_friction_it_finds_the_frictionless_solution() {
     let outcome = solve::<Spheres>(&ActiveSet::default(), &smooth, &none, &stop, &mut |_| {}).unwrap();
     let mut velocity = vec![Vector6::zeros(); problem.grain_count()];
     problem.velocity(&r, &mut velocity);
-    let fastest = outcome.velocity.iter().map(|v| v.norm()).fold(0.0, f64::max);
+    let fastest = outcome.velocity.iter().map(Vector3::norm).fold(0.0, f64::max);
     for (one, other) in velocity.iter().zip(&outcome.velocity) {
         assert!((one.fixed_rows::<3>(0) - other).norm() < 1e-10 * fastest, "{one:?} {other:?}");
     }

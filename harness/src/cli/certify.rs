@@ -29,7 +29,7 @@ pub(crate) struct Args {
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     match AnyFrozen::read(&root.problem(&args.problem)?)? {
         AnyFrozen::Discs(frozen) => smooth(root, args, &frozen),
-        AnyFrozen::RoughDiscs(frozen) => rough(root, args, &frozen, Some(IN_THE_PLANE)),
+        AnyFrozen::RoughDiscs(frozen) => rough(root, args, &frozen, Some(&IN_THE_PLANE)),
         AnyFrozen::Spheres(frozen) => smooth(root, args, &frozen),
         AnyFrozen::RoughSpheres(frozen) => rough(root, args, &frozen, None),
     }
@@ -51,7 +51,7 @@ fn rough<M: Studied + Rough>(
     root: &Root,
     args: &Args,
     frozen: &Frozen<M>,
-    theory: Option<Theory<M>>,
+    theory: Option<&Theory<M>>,
 ) -> Result<ExitCode>
 where
     ActiveSet: Solver<M>,
@@ -62,7 +62,7 @@ where
     say(format_args!("{}: {}", frozen.name, size(problem)))?;
     let unknown =
         "whether a solution exists, and whether one stands alone, is looked into between discs alone";
-    say(format_args!("{}", theory.as_ref().map_or(unknown, |theory| (theory.existence)(problem))))?;
+    say(format_args!("{}", theory.map_or(unknown, |theory| (theory.existence)(problem))))?;
     let mut certified = pool.iter().any(|solution| solution.certificate.certified());
     if let Some(Given { impulse, .. }) = &given {
         let certificate = certify_rough(problem, impulse);
@@ -86,7 +86,7 @@ where
         if given.is_none() {
             print_rough(&solution.certificate)?;
         }
-        if let (Some(theory), true) = (&theory, solution.certificate.certified()) {
+        if let (Some(theory), true) = (theory, solution.certificate.certified()) {
             say(format_args!("  {}", (theory.isolation)(problem, &solution.impulses)))?;
         }
     }
