@@ -4,9 +4,9 @@ use crate::Singular;
 use crate::front::Front;
 use crate::solve::solve;
 use crate::structure::{Join, Structure};
+use contact::threads;
 use nalgebra::{SMatrix, SVector};
 use pulp::Arch;
-use rayon::prelude::*;
 use std::ops::Add;
 use std::sync::Arc;
 
@@ -53,24 +53,24 @@ pub struct Factor<const D: usize = 2> {
     values: Vec<f64>,
 }
 
-/// What the matrix is made of: the masses of each place, and what each coupling adds, if it does.
-struct Matrix<'m, M, C, const D: usize> {
+/// What the matrix is made of: the masses of each place, and what each coupling adds, if it does. Trait objects, or each method would
+/// have a factorisation of its own compiled.
+struct Matrix<'m, const D: usize> {
     structure: &'m Structure<D>,
-    mass: M,
-    coupling: C,
+    mass: &'m (dyn Fn(usize) -> SVector<f64, D> + Sync),
+    coupling: &'m (dyn Fn(usize) -> Option<Coupling<D>> + Sync),
 }
 
 /// Multiply-adds of a subtree that are worth a thread.
 const WORTH_A_THREAD: u64 = 1_000_000;
 
+/// Supernode k, the top of a subtree; the values of the subtree; and what it leaves to its parent.
+type Part<'v> = (usize, &'v mut [f64], Option<Left>);
+
 /// What a supernode leaves to its parent: (D × rows)², column by column.
 type Left = Vec<f64>;
 
-impl<M, C, const D: usize> Matrix<'_, M, C, D>
-where
-    M: Fn(usize) -> SVector<f64, D> + Sync,
-    C: Fn(usize) -> Option<Coupling<D>> + Sync,
-{
+impl<const D: usize> Matrix<'_, D> {
     /// The subtree of supernode `k` into its `values`; what it leaves, or `None` where a pivot is not positive.
     fn subtree(&self, k: usize, values: &mut [f64]) -> Option<Left> {
         let node = &self.structure.supernodes[k];
@@ -91,21 +91,18 @@ where
         tops: impl Iterator<Item = usize>,
         mut values: &mut [f64],
     ) -> Option<Vec<(usize, Left)>> {
-        let mut parts = Vec::new();
+        let mut parts: Vec<Part<'_>> = Vec::new();
         for k in tops {
             let first = self.structure.supernodes[k].first as usize;
             let entries = self.structure.end(k) - self.structure.supernodes[first].start;
             let (part, others) = values.split_at_mut(entries);
-            parts.push((k, part));
+            parts.push((k, part, None));
             values = others;
         }
-        let most = parts.iter().map(|(k, _)| self.structure.supernodes[*k].work).max().unwrap_or(0);
-        let together = if most < WORTH_A_THREAD { usize::MAX } else { 1 };
-        parts
-            .into_par_iter()
-            .with_min_len(together)
-            .map(|(k, part)| Some((k, self.subtree(k, part)?)))
-            .collect()
+        let most = parts.iter().map(|(k, ..)| self.structure.supernodes[*k].work).max().unwrap_or(0);
+        // Some ten multiply-adds take a nanosecond; the greatest part decides.
+        threads::each(&mut parts, (most / 10) as usize, &|_, (k, part, left)| *left = self.subtree(*k, part));
+        parts.into_iter().map(|(k, _, left)| Some((k, left?))).collect()
     }
 
     /// Supernodes `first` to `last`, a subtree, one after the other.
@@ -242,7 +239,7 @@ impl<const D: usize> Factor<D> {
         coupling: impl Fn(usize) -> Option<Coupling<D>> + Sync,
     ) -> Result<(), Singular> {
         let structure = &*self.structure;
-        let matrix = Matrix { structure, mass, coupling };
+        let matrix = Matrix { structure, mass: &mass, coupling: &coupling };
         let done = matrix.subtrees(structure.roots(), &mut self.values).is_some();
         if done {
             Ok(())

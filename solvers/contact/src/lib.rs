@@ -19,6 +19,7 @@ mod rough;
 pub mod scaled;
 mod solver;
 pub mod sweep;
+pub mod threads;
 mod truth;
 mod work;
 
@@ -39,4 +40,4 @@ pub use rough::{
 pub use scaled::ScaledContact;
 pub use solver::{Iteration, Solver};
 pub use truth::Truth;
-pub use work::{Work, together};
+pub use work::Work;

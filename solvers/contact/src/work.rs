@@ -1,4 +1,4 @@
-//! What is counted of the work of a method, and how much work is worth a thread.
+//! What is counted of the work of a method.
 
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
@@ -44,13 +44,4 @@ impl AddAssign for Work {
         self.factorisations += other.factorisations;
         self.factorisation_multiply_adds += other.factorisation_multiply_adds;
     }
-}
-
-/// A thread that sleeps takes some tens of microseconds to wake (ns).
-const WORTH_A_THREAD: usize = 100_000;
-
-/// How many of some items stay together on one thread, for `with_min_len` of rayon: all, where they take less than a
-/// tenth of a millisecond in all. Only time depends on it.
-pub fn together(nanoseconds: usize) -> usize {
-    if nanoseconds < WORTH_A_THREAD { usize::MAX } else { 1 }
 }

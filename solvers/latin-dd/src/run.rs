@@ -7,10 +7,9 @@ use crate::directions::Directions;
 use crate::sent::Sent;
 use crate::stages::Stages;
 use crate::subdomain::Latin;
-use contact::{ContactProblem, Discs, Iteration, Packing, SetupError, Vector, Work, together};
+use contact::{ContactProblem, Discs, Iteration, Packing, SetupError, Vector, Work, threads};
 use nalgebra::SVector;
 use partition::{CopySums, Decomposition, Partition, Refused, Team};
-use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// What a stage takes per contact, about (ns).
@@ -114,9 +113,9 @@ where
         sums.receive(subdomains, 0, |latin, sums| latin.interface(relaxation, sums));
     }
 
-    pub(crate) fn in_subdomains(&mut self, stage: impl Fn(&mut Latin<M, D>) + Sync + Send) {
-        let together = together(self.nanoseconds());
-        self.subdomains.par_iter_mut().with_min_len(together).for_each(stage);
+    pub(crate) fn in_subdomains(&mut self, stage: impl Fn(&mut Latin<M, D>) + Sync) {
+        let nanoseconds = self.nanoseconds();
+        threads::each(&mut self.subdomains, nanoseconds, &|_, latin| stage(latin));
     }
 
     /// What a stage takes, about (ns).
@@ -126,8 +125,9 @@ where
 
     /// Takes other directions; where a matrix of theirs cannot be factorised, all stays as it is.
     pub(crate) fn turn(&mut self, directions: Directions) {
-        let factors: Result<Vec<_>, _> =
-            self.subdomains.par_iter().map(|subdomain| subdomain.factorise(&directions)).collect();
+        let subdomains = &self.subdomains;
+        let factors = threads::make(subdomains.len(), &|e| subdomains[e].factorise(&directions));
+        let factors: Result<Vec<_>, _> = factors.into_iter().collect();
         self.count_factorisations();
         if !self.team.all(factors.is_ok()) {
             return;
@@ -211,11 +211,10 @@ impl LatinDd {
     where
         M: Stages<Velocity = SVector<f64, D>, Place = SVector<f64, T>>,
     {
-        let subdomains = (0..decomposition.subdomains.len())
-            .into_par_iter()
-            .map(|e| Latin::new(problem, &decomposition, e, (&directions, self.kappa_t), r0, velocity))
-            .collect::<Result<Vec<_>, _>>();
-        let subdomains = team.unless_refused(subdomains)?;
+        let subdomains = threads::make(decomposition.subdomains.len(), &|e| {
+            Latin::new(problem, &decomposition, e, (&directions, self.kappa_t), r0, velocity)
+        });
+        let subdomains: Vec<_> = team.unless_refused(subdomains.into_iter().collect())?;
         let coarse = self
             .coarse
             .then(|| {

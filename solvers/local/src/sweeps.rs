@@ -7,9 +7,8 @@
 //! So Ŵ − W is diagonally dominant, and q(r) = ½ rᵗ W r + qᵗ r never increases without friction, where W is symmetric.
 
 use crate::{LocalProblem, graph};
-use contact::{Iteration, SetupError, Vector, Work, together};
+use contact::{Iteration, SetupError, Vector, Work, threads};
 use nalgebra::{SMatrix, SVector};
-use rayon::prelude::*;
 
 /// The law at one contact, from `W_αα`, the relative velocity without its own impulse, and μ.
 pub(crate) type Exact<const D: usize> = fn(&SMatrix<f64, D, D>, &SVector<f64, D>, f64) -> SVector<f64, D>;
@@ -91,8 +90,7 @@ impl<'p, const D: usize> Sweeps<'p, D> {
 impl<const D: usize> Iteration for Sweeps<'_, D> {
     fn advance(&mut self) {
         let Self { problem, exact, subdomains, place, added, r, .. } = self;
-        let each = together(place.len() * NANOSECONDS);
-        subdomains.par_iter_mut().with_min_len(each).enumerate().for_each(|(own, subdomain)| {
+        threads::each(subdomains, place.len() * NANOSECONDS, &|own, subdomain| {
             for k in 0..subdomain.contacts.len() {
                 let contact = subdomain.contacts[k] as usize;
                 let mut w = problem.own::<D>(contact);

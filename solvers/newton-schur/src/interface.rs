@@ -2,9 +2,8 @@
 
 use crate::subdomain::Subdomain;
 use cholesky::{Coupling, Factor, Order, Singular, Structure};
-use contact::together;
+use contact::threads;
 use nalgebra::{SMatrix, SVector};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// What a thread takes for an entry of a factor, about (ns): two passes.
@@ -20,8 +19,7 @@ impl<const D: usize> Subdomains<D> {
     /// Each does this, at the same time, where that pays.
     pub(crate) fn each(&mut self, act: impl Fn(&mut Subdomain<D>) + Sync + Send) {
         let entries: u64 = self.own.iter().flat_map(Subdomain::entries).sum();
-        let together = together(NS_PER_ENTRY * entries as usize);
-        self.own.par_iter_mut().with_min_len(together).for_each(act);
+        threads::each(&mut self.own, NS_PER_ENTRY * entries as usize, &|_, subdomain| act(subdomain));
     }
 
     /// The same, and `sum` gets what they send, added to what it holds in the order of subdomains.
@@ -88,8 +86,10 @@ impl<const D: usize> Assembled<D> {
 
     /// Adds up S and factorises it; says whether it could.
     pub(crate) fn factorise(&mut self, subdomains: &mut Subdomains<D>) -> bool {
-        let blocks: Vec<Vec<SMatrix<f64, D, D>>> =
-            subdomains.own.par_iter_mut().map(Subdomain::assembled).collect();
+        let mut blocks = vec![Vec::new(); subdomains.own.len()];
+        threads::each_pair((&mut subdomains.own, &mut blocks), usize::MAX, &|subdomain, blocks| {
+            *blocks = subdomain.assembled();
+        });
         let Self { couplings, structure, factor, .. } = self;
         let coupling = |k: usize| {
             let [e, column, row] = couplings[k].map(|index| index as usize);

@@ -6,10 +6,9 @@ use crate::subdomain::Subdomain;
 use crate::{Interface, NewtonSchur, Preconditioner};
 use active_set::{Inner, Whole};
 use cholesky::{Coupling, Singular};
-use contact::{Packing, SetupError, Smooth, Work};
+use contact::{Packing, SetupError, Smooth, Work, threads};
 use nalgebra::SVector;
 use partition::{Decomposition, Partition};
-use rayon::prelude::*;
 
 /// How the interface problem is solved.
 enum Way<const D: usize> {
@@ -51,7 +50,8 @@ impl<const D: usize> Schur<D> {
             let numbers = own.boundary_grains().map(|grain| number[grain as usize]).collect();
             Subdomain::new(problem, own, &multiplicity, numbers, neumann)
         };
-        let own: Result<Vec<_>, _> = subdomains.par_iter().map(of_own).collect();
+        let own = threads::make(subdomains.len(), &|e| of_own(&subdomains[e]));
+        let own: Result<Vec<_>, _> = own.into_iter().collect();
         let subdomains = Subdomains { own: own.map_err(refused)?, boundary: boundary.len() };
         let way = match settings.interface {
             Interface::Direct => Way::Direct(Assembled::new(&subdomains).map_err(refused)?),
@@ -104,14 +104,17 @@ impl<const D: usize> Inner<D> for Schur<D> {
     }
 
     fn factorise(&mut self, coupling: impl Fn(usize) -> Option<Coupling<D>> + Sync) -> bool {
-        let done = self.subdomains.own.par_iter_mut().map(|subdomain| subdomain.factorise(&coupling));
-        let done = done.collect::<Vec<_>>().into_iter().all(|done| done);
+        let subdomains = &mut self.subdomains.own;
+        let mut done = vec![false; subdomains.len()];
+        threads::each_pair((subdomains, &mut done), usize::MAX, &|subdomain, done| {
+            *done = subdomain.factorise(&coupling);
+        });
         for subdomain in &self.subdomains.own {
             let (multiply_adds, factorisations) = subdomain.factorisation();
             self.work.factorisation_multiply_adds += multiply_adds;
             self.work.factorisations += factorisations;
         }
-        if !done {
+        if done.contains(&false) {
             return false;
         }
         match &mut self.way {

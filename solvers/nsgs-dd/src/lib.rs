@@ -6,11 +6,8 @@
 
 mod subdomain;
 
-use contact::{Iteration, Mass, Mechanics, Packing, SetupError, Solver, Vector, Work};
-use partition::{
-    CopySums, Decomposition, Distributed, Grid, Partition, Refused, Scheme, Share, Subdomain, Team,
-};
-use rayon::prelude::*;
+use contact::{Iteration, Mass, Mechanics, Packing, SetupError, Solver, Vector, Work, threads};
+use partition::{CopySums, Decomposition, Distributed, Grid, Partition, Refused, Scheme, Share, Team};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use subdomain::Sweeper;
@@ -185,12 +182,12 @@ impl NsgsDd {
         for (group, subdomain) in of_subdomain.iter().zip(subdomains) {
             groups[*group as usize] += subdomain.contacts.len();
         }
-        let sweeper = |(subdomain, group): (&Subdomain, &u32)| {
-            Sweeper::new(problem, subdomain, *group, &inverse_mass, multiplicity, start)
+        let sweeper = |e: usize| {
+            Sweeper::new(problem, &subdomains[e], of_subdomain[e], &inverse_mass, multiplicity, start)
         };
         Run {
             team: team.clone(),
-            sweepers: subdomains.par_iter().zip(of_subdomain).map(sweeper).collect(),
+            sweepers: threads::make(subdomains.len(), &sweeper),
             sums: CopySums::over(decomposition, team),
             groups,
             settings: *self,

@@ -2,8 +2,7 @@
 
 use crate::decomposition::Decomposition;
 use crate::team::{Parcel, Team};
-use contact::{Vector, together};
-use rayon::prelude::*;
+use contact::{Vector, threads};
 use std::collections::BTreeMap;
 use std::iter::Sum;
 use std::slice::Iter;
@@ -134,9 +133,10 @@ impl<V: Sendable> CopySums<V> {
         nanoseconds: usize,
         pass: impl Fn(&mut S, &mut [V]) + Sync,
     ) {
-        let together = self.together(nanoseconds);
-        let subdomains = subdomains.par_iter_mut().zip(&mut self.sent).with_min_len(together);
-        subdomains.for_each(|(subdomain, sent)| pass(subdomain, sent));
+        let nanoseconds = nanoseconds + NS_PER_COPY * self.copies;
+        threads::each_pair((subdomains, &mut self.sent), nanoseconds, &|subdomain, sent| {
+            pass(subdomain, sent)
+        });
         self.swap();
     }
 
@@ -166,15 +166,11 @@ impl<V: Sendable> CopySums<V> {
         nanoseconds: usize,
         pass: impl Fn(&mut S, Sums<'_, V>) + Sync,
     ) {
-        let together = self.together(nanoseconds);
-        let subdomains = subdomains.par_iter_mut().zip(&self.terms).with_min_len(together);
-        subdomains.for_each(|(subdomain, terms)| {
-            pass(subdomain, Sums { counts: terms.counts.iter(), of: &terms.of, sent: &self.sent });
+        let nanoseconds = nanoseconds + NS_PER_COPY * self.copies;
+        threads::each(subdomains, nanoseconds, &|e, subdomain| {
+            let Terms { counts, of } = &self.terms[e];
+            pass(subdomain, Sums { counts: counts.iter(), of, sent: &self.sent });
         });
-    }
-
-    fn together(&self, nanoseconds: usize) -> usize {
-        together(nanoseconds + NS_PER_COPY * self.copies)
     }
 }
 

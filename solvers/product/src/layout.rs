@@ -1,8 +1,7 @@
 //! Blocks of contacts for the threads, or of the ranks, and what they exchange.
 
-use contact::{Column, ContactProblem, Discs, Mass, Mechanics, Packing, SetupError, Vector, together};
+use contact::{Column, ContactProblem, Discs, Mass, Mechanics, Packing, SetupError, Vector, threads};
 use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Share, Subdomain, Sums, Team};
-use rayon::prelude::*;
 
 /// The contacts of a problem cut into blocks, which meet between two passes only, at the grains that they share. They are for
 /// the threads alone: how many there are depends on the problem, so no number of threads changes a bit. Where ranks share a problem,
@@ -86,10 +85,10 @@ impl<M: Mechanics> Layout<M> {
         scaled: bool,
         block: impl Fn(Columns<M>, &Subdomain) -> B + Sync,
     ) -> Vec<B> {
-        let of = |subdomain: &Subdomain| {
-            block(Columns::new(problem, &self.decomposition, subdomain, scaled), subdomain)
-        };
-        self.decomposition.subdomains.par_iter().map(of).collect()
+        let subdomains = self.subdomains();
+        threads::make(subdomains.len(), &|e| {
+            block(Columns::new(problem, &self.decomposition, &subdomains[e], scaled), &subdomains[e])
+        })
     }
 
     /// A pass over all blocks, in which each sends what it has of the grains it shares, in the order of [`Subdomain::boundary`].
@@ -104,8 +103,7 @@ impl<M: Mechanics> Layout<M> {
 
     /// A pass over all blocks in which they exchange nothing.
     pub fn each<B: Send>(&self, blocks: &mut [B], make: impl Fn(&mut B) + Sync) {
-        let together = together(NS_PER_CONTACT * self.contacts);
-        blocks.par_iter_mut().with_min_len(together).for_each(&make);
+        threads::each(blocks, NS_PER_CONTACT * self.contacts, &|_, block| make(block));
     }
 }
 
