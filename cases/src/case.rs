@@ -7,6 +7,7 @@ use crate::sample::{Grain, Sample};
 use crate::scene::Scene;
 use contact::{Place, shown};
 use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -41,6 +42,15 @@ pub struct Case {
     in_space: OnceLock<bool>,
 }
 
+/// What a text in TOML holds; or the key at which it is wrong, and how.
+///
+/// # Errors
+/// The key with those around it, and what is wrong, with its line.
+pub fn of_toml<T: DeserializeOwned>(text: &str) -> Result<T, (String, toml::de::Error)> {
+    let text = toml::Deserializer::parse(text).map_err(|error| (String::new(), error))?;
+    serde_path_to_error::deserialize(text).map_err(|error| (error.path().to_string(), error.into_inner()))
+}
+
 impl Case {
     /// Reads a case file; then each of `overrides`, such as (`sample.grains`, `250`), replaces a value that the file
     /// could hold.
@@ -54,17 +64,17 @@ impl Case {
         let all =
             |error: String| content.as_ref().map_or(error.clone(), |all| all_missing::<Self>(all, error));
         let mut case: Self =
-            toml::from_str(&text).map_err(|error| CaseError::content(path, all(error.to_string())))?;
+            of_toml(&text).map_err(|(_, error)| CaseError::content(path, all(error.to_string())))?;
         if !overrides.is_empty() {
             let mut table = content.map_err(|error| CaseError::content(path, error))?;
             for (key, value) in overrides {
                 set(&mut table, key, value).map_err(|message| CaseError::content(path, message))?;
             }
-            case = serde_path_to_error::deserialize(table.clone()).map_err(|error| {
+            case = of_toml(&table.to_string()).map_err(|(key, error)| {
                 // The path ends at a table whose keys depend on its `kind`, so the error may not name the key.
                 let set: Vec<String> =
                     overrides.iter().map(|(key, value)| format!("{key} = {value}")).collect();
-                let message = format!("`{}`: {}", error.path(), error.inner().message());
+                let message = format!("`{key}`: {}", error.message());
                 let message = all_missing::<Self>(&table, message);
                 CaseError::content(path, format!("with {}: {message}", set.join(", ")))
             })?;

@@ -32,7 +32,7 @@ mod walls;
 
 pub use bodies::Drum;
 pub use bulk::Bulk;
-pub use case::{Case, check_name};
+pub use case::{Case, check_name, of_toml};
 pub use detect::{DetectedContact, Side, detect};
 pub use driven::Driven;
 pub use energy::Energy;

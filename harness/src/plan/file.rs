@@ -3,7 +3,7 @@
 use crate::plan::{PlannedMethod, Rule, Settings, Simulate, Variant};
 use crate::terminal::{read_text, suggest};
 use anyhow::{Context, Result, anyhow, bail};
-use cases::{Start, all_missing};
+use cases::{Start, all_missing, of_toml};
 use reports::Chart;
 use runner::Stop;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -131,12 +131,12 @@ impl Plan {
     pub(crate) fn read(path: &Path, quick: bool) -> Result<Self> {
         let text = read_text(path)?;
         // All keys that it lacks at once, if that is what is wrong.
-        let lacks = |error: toml::de::Error| match toml::from_str::<toml::Table>(&text) {
+        let lacks = |(_, error): (String, toml::de::Error)| match toml::from_str::<toml::Table>(&text) {
             Ok(content) => anyhow!(all_missing::<Self>(&content, error.to_string())),
             Err(_) => error.into(),
         };
         let read = || {
-            let plan: Self = toml::from_str(&text).map_err(lacks)?;
+            let plan: Self = of_toml(&text).map_err(lacks)?;
             plan.check()?;
             let short = plan.quick(&text).context("`quick`")?;
             match (quick, short) {
@@ -160,9 +160,8 @@ impl Plan {
                 _ => drop(plan.insert(key.clone(), value.clone())),
             }
         }
-        let mut plan: Self = serde_path_to_error::deserialize(plan.clone()).map_err(|error| {
-            let message = format!("`{}`: {}", error.path(), error.inner().message());
-            anyhow!(all_missing::<Self>(&plan, message))
+        let mut plan: Self = of_toml(&plan.to_string()).map_err(|(key, error)| {
+            anyhow!(all_missing::<Self>(&plan, format!("`{key}`: {}", error.message())))
         })?;
         plan.name += "-quick";
         plan.check()?;

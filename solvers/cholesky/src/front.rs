@@ -8,8 +8,8 @@
     reason = "what is not inlined where the processor's instructions are chosen does not get them"
 )]
 
+use contact::threads;
 use pulp::{Arch, Simd, WithSimd};
-use rayon::prelude::*;
 
 /// Columns that are eliminated before the columns after them are touched.
 const PANEL: usize = 48;
@@ -119,7 +119,8 @@ impl Product<'_> {
         if matrix.len() * self.depth < WORTH_THREADS {
             Arch::new().dispatch(Difference { product: self, matrix, top, first });
         } else {
-            matrix.par_chunks_mut(TOGETHER * stride).enumerate().for_each(|(k, matrix)| {
+            let mut columns: Vec<_> = matrix.chunks_mut(TOGETHER * stride).collect();
+            threads::each(&mut columns, usize::MAX, &|k, matrix| {
                 let first = first + k * TOGETHER;
                 Arch::new().dispatch(Difference { product: self, matrix, top, first });
             });

@@ -15,12 +15,11 @@ use crate::measure::Measure;
 use crate::measures::Measures;
 use crate::mechanics::Mechanics;
 use crate::problem::ContactProblem;
-use crate::threads::together;
+use crate::threads;
 use crate::truth::Truth;
 use nalgebra::SVector;
 use passes::Columns;
 use pulp::{Arch, Simd, WithSimd};
-use rayon::prelude::*;
 use sums::Sums;
 
 /// Contacts that are summed up together, then block by block, so that the number of threads changes no bit; and grains.
@@ -139,8 +138,12 @@ impl<'p, const D: usize> Meter<'p, D> {
     fn push(&mut self, r: &[f64]) {
         let Self { columns, pushed, .. } = self;
         if in_threads(r.len()) {
-            let gather = |(grain, pushed): (usize, &mut SVector<f64, D>)| *pushed = columns.gather(grain, r);
-            pushed.par_iter_mut().enumerate().with_min_len(BLOCK).for_each(gather);
+            let mut blocks: Vec<_> = pushed.chunks_mut(BLOCK).collect();
+            threads::each(&mut blocks, usize::MAX, &|block, pushed| {
+                for (grain, pushed) in (block * BLOCK..).zip(&mut **pushed) {
+                    *pushed = columns.gather(grain, r);
+                }
+            });
         } else {
             Arch::new().dispatch(Push { columns, r, pushed });
         }
@@ -149,18 +152,13 @@ impl<'p, const D: usize> Meter<'p, D> {
     /// Sums over all contacts, from what the grains were pushed last; of the natural map only if it is `alone`.
     fn pull(&mut self, (before, r): (&[f64], &[f64]), alone: bool) -> Sums {
         let Self { columns, pushed, blocks, .. } = self;
-        let pull = |(block, sums): (usize, &mut Sums)| {
+        threads::each(blocks, NS_PER_CONTACT * r.len(), &|block, sums| {
             let first = block * BLOCK;
             let here = first..r.len().min(first + BLOCK);
             let before = if before.is_empty() { before } else { &before[here.clone()] };
             *sums =
                 Arch::new().dispatch(Pull { columns, first, iterates: (before, &r[here]), pushed, alone });
-        };
-        if in_threads(r.len()) {
-            blocks.par_iter_mut().enumerate().for_each(pull);
-        } else {
-            blocks.iter_mut().enumerate().for_each(pull);
-        }
+        });
         let mut sums = Sums::default();
         for (k, block) in blocks.iter().enumerate() {
             sums.join(block, k * BLOCK);
@@ -228,7 +226,7 @@ impl<'p, const D: usize> Measuring<'p, Smooth<D>> for Meter<'p, D> {
 
 /// Whether there are threads, and so many contacts worth them.
 fn in_threads(contacts: usize) -> bool {
-    rayon::current_num_threads() > 1 && together(NS_PER_CONTACT * contacts) == 1
+    rayon::current_num_threads() > 1 && threads::pay(NS_PER_CONTACT * contacts)
 }
 
 /// A residual over its scale; 0 where there is nothing left, whatever the scale.

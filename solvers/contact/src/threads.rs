@@ -1,15 +1,25 @@
-//! Work on many items in threads. The closures are taken as trait objects: a thread's worth of work never feels the call, and the
-//! compiler makes one loop per kind of item instead of one per closure.
+//! Work on many items in threads. Closures come as trait objects: a thread's worth of work never feels the call, and the compiler
+//! makes one parallel loop for all of the program instead of one for each closure.
 
 use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// A thread that sleeps takes some tens of microseconds to wake (ns).
 const WORTH_A_THREAD: usize = 100_000;
 
-/// Calls `act` with each item and its index. On one thread, where all take less than a tenth of a millisecond, about `nanoseconds`;
-/// only time depends on it.
+/// Whether work of about so many `nanoseconds` is worth threads: from a tenth of a millisecond on. Only time depends on it.
+pub(crate) fn pay(nanoseconds: usize) -> bool {
+    nanoseconds >= WORTH_A_THREAD
+}
+
+/// Calls `act` with each item and its index; in threads, where all take about so many `nanoseconds` that these pay.
 pub fn each<T: Send>(items: &mut [T], nanoseconds: usize, act: &(dyn Fn(usize, &mut T) + Sync)) {
-    items.par_iter_mut().enumerate().with_min_len(together(nanoseconds)).for_each(|(k, item)| act(k, item));
+    if pay(nanoseconds) {
+        let items: Vec<Mutex<&mut T>> = items.iter_mut().map(Mutex::new).collect();
+        in_threads(items.len(), &|k| act(k, &mut items[k].lock().unwrap_or_else(PoisonError::into_inner)));
+    } else {
+        items.iter_mut().enumerate().for_each(|(k, item)| act(k, item));
+    }
 }
 
 /// [`each`] of two lists, as far as both go.
@@ -18,16 +28,21 @@ pub fn each_pair<A: Send, B: Send>(
     nanoseconds: usize,
     act: &(dyn Fn(&mut A, &mut B) + Sync),
 ) {
-    let pairs = first.par_iter_mut().zip(second).with_min_len(together(nanoseconds));
-    pairs.for_each(|(a, b)| act(a, b));
+    let pairs = first.iter_mut().zip(second);
+    if pay(nanoseconds) {
+        each(&mut pairs.collect::<Vec<_>>(), nanoseconds, &|_, (a, b)| act(a, b));
+    } else {
+        pairs.for_each(|(a, b)| act(a, b));
+    }
 }
 
 /// What `make` makes of the indices below `count`, each of which is worth a thread.
 pub fn make<T: Send>(count: usize, make: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
-    (0..count).into_par_iter().map(make).collect()
+    let mut made: Vec<Option<T>> = (0..count).map(|_| None).collect();
+    each(&mut made, usize::MAX, &|k, made| *made = Some(make(k)));
+    made.into_iter().flatten().collect()
 }
 
-/// How many items stay together on one thread, for `with_min_len` of rayon.
-pub(crate) fn together(nanoseconds: usize) -> usize {
-    if nanoseconds < WORTH_A_THREAD { usize::MAX } else { 1 }
+fn in_threads(count: usize, act: &(dyn Fn(usize) + Sync)) {
+    (0..count).into_par_iter().for_each(act);
 }
