@@ -4,7 +4,7 @@ use crate::plan::{Method, Plan, key_value, refuse_repeated};
 use crate::problems::{CaseProblem, Root, is_toml, planned};
 use crate::study::Selection;
 use anyhow::{Context, Result, bail};
-use cases::AnyFrozen;
+use cases::{AnyFrozen, Case};
 use contact::Measure;
 use runner::Stop;
 use std::path::{Path, PathBuf};
@@ -50,9 +50,10 @@ pub(crate) struct SceneArgs {
 /// A method and until when it runs, on the command line.
 #[derive(clap::Args)]
 pub(crate) struct SolverArgs {
-    /// A method; `gravel list methods` shows them with their settings. With friction nsgs is the safe one
-    #[arg(long, default_value = "cg", value_name = "M")]
-    method: String,
+    /// A method; `gravel list methods` shows them with their settings [default: cg; through time with friction nsgs, which misses
+    /// fewer time steps]
+    #[arg(long, value_name = "M")]
+    method: Option<String>,
     /// A setting of the method, such as relaxation=0.8 or subdomains=4x2; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     settings: Vec<(String, String)>,
@@ -210,8 +211,19 @@ impl CaseArgs {
 }
 
 impl SolverArgs {
+    /// The method, or else cg.
     pub(crate) fn read(&self) -> Result<(Method, Stop)> {
-        Ok((Method::parse(&self.method, &self.settings)?, self.stop.of(Stop::default())?))
+        self.read_or("cg")
+    }
+
+    /// The method, or else that which misses the fewest time steps of the case.
+    pub(crate) fn through(&self, case: &Case) -> Result<(Method, Stop)> {
+        self.read_or(if case.scene.is_rough() { "nsgs" } else { "cg" })
+    }
+
+    fn read_or(&self, default: &str) -> Result<(Method, Stop)> {
+        let method = self.method.as_deref().unwrap_or(default);
+        Ok((Method::parse(method, &self.settings)?, self.stop.of(Stop::default())?))
     }
 }
 

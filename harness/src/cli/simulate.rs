@@ -68,7 +68,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         check_place(file)?;
     }
     let case = read_case(&root.case(&args.case)?, &args.changes.overrides)?;
-    let (method, stop) = args.solver.read()?;
+    let (method, stop) = args.solver.through(&case)?;
     enter(&case, Marched { args, case: &case, method: &method, stop })?
 }
 
@@ -205,8 +205,12 @@ fn last_state<M: Studied>(last: &Frozen<M>, args: &Args) -> Result<PathBuf> {
 
 /// What may help where time steps did not converge.
 fn advice(case: &Case, method: &Method) -> &'static str {
-    let rough = case.scene.friction.is_some_and(|friction| friction > 0.0);
-    if rough && method.name == "cg" { "; with friction `--method nsgs` is the safe one" } else { "" }
+    match method.name {
+        _ if !case.scene.is_rough() => "",
+        "cg" => "; with friction `--method nsgs` misses fewer",
+        "nsgs" => "; `--method active-set` may reach them, or a looser `--tolerance`",
+        _ => "",
+    }
 }
 
 fn say_ending<M: Studied>(

@@ -157,7 +157,7 @@ impl Root {
             } else {
                 String::new()
             };
-            bail!("`{name}` is {}, no {what}{freeze}", other.words().0);
+            bail!("`{name}` is {}, not a {what}{freeze}", other.words().0);
         }
         let path = named.map_or_else(|| typed(name, what, &known), |path| Ok(path.clone()))?;
         let found = Kind::of(&path);

@@ -2,7 +2,7 @@
 
 use crate::identity::content_hash;
 use crate::problems::{Root, Studied};
-use crate::terminal::{read_text, write_kept};
+use crate::terminal::{read_text, suggest, write_kept};
 use analysis::proves_infeasible;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{Frozen, all_missing};
@@ -135,8 +135,11 @@ fn read_as<T: DeserializeOwned + JsonSchema>(text: &str) -> Result<Read<T>, Stri
     serde_json::from_str(text).map_err(|error| {
         let error = error.to_string();
         // A text that is no JSON lacks more than keys.
-        let content = serde_json::from_str::<Value>(text);
-        content.map_or(error.clone(), |all| all_missing::<Read<T>>(&all, error))
+        let Ok(content) = serde_json::from_str::<Value>(text) else { return error };
+        let meant = |key: &&String| *key != "impulse" && !suggest::of(key, ["impulse"]).is_empty();
+        let meant = content.as_object().and_then(|content| content.keys().find(meant));
+        let meant = meant.map(|key| format!(": `{key}` is no key{}", suggest::of(key, ["impulse"])));
+        all_missing::<Read<T>>(&content, error) + &meant.unwrap_or_default()
     })
 }
 

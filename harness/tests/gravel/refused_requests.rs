@@ -220,10 +220,11 @@ fn folder_that_is_no_checkout_is_refused() {
 #[test]
 fn name_of_another_kind_is_told_what_it_is() {
     let certified = gravel(&["certify", "settled-box"]);
-    certified
-        .refused(&["`settled-box` is a case, no frozen problem: `gravel freeze settled-box --time-step K"]);
-    gravel(&["bench", "hopper"]).refused(&["`hopper` is a case, no plan"]);
-    gravel(&["simulate", "paper", "--time-steps", "1"]).refused(&["`paper` is a plan, no case"]);
+    certified.refused(&[
+        "`settled-box` is a case, not a frozen problem: `gravel freeze settled-box --time-step K",
+    ]);
+    gravel(&["bench", "hopper"]).refused(&["`hopper` is a case, not a plan"]);
+    gravel(&["simulate", "paper", "--time-steps", "1"]).refused(&["`paper` is a plan, not a case"]);
 }
 
 #[test]

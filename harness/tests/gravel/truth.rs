@@ -65,7 +65,10 @@ fn impulses_of_another_problem_are_refused() {
     let study = Study::new();
     for (content, words) in [
         (json!({ "impulse": [1.0] }), &["`impulse` has 1 values", "2 contacts"][..]),
-        (json!({ "impulses": [1.0, 1.0] }), &["missing key `impulse`"]),
+        (
+            json!({ "impulses": [1.0, 1.0] }),
+            &["missing key `impulse`: `impulses` is no key; did you mean `impulse`?"],
+        ),
         (json!({ "impulse": [1.0, "x"] }), &["given.json", "expected a number"]),
     ] {
         let file = write(study.folder(), "given.json", &content.to_string());
