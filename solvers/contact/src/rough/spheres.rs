@@ -2,6 +2,8 @@
 //!
 //! `v_t` = Tᵗ (`V_i` − `V_j` − (`R_i` `ω_i` + `R_j` `ω_j`) × n), with T = [t₁ t₂] of a frame chosen from n alone.
 
+#![expect(clippy::inline_always, reason = "a call for each contact would cost a sweep a third of its time")]
+
 use super::{RoughContact, RoughMass, RoughMeter, Rubbing};
 use crate::discs::{Contact, Spheres};
 use crate::error::{ProblemError, is_not_negative};
@@ -262,12 +264,12 @@ impl Column<RoughSpheres> for SphereColumn {
         (column, unit)
     }
 
-    #[inline]
+    #[inline(always)]
     fn relative(&self, y: &[Vector6<f64>]) -> Vector3<f64> {
         RoughSpheres::between(self, [y[self.candidate as usize], y[self.antagonist as usize]])
     }
 
-    #[inline]
+    #[inline(always)]
     fn push(&self, s: Vector3<f64>, y: &mut [Vector6<f64>]) {
         let [candidate, antagonist] = self.at_ends(s);
         y[self.candidate as usize] += candidate;
