@@ -19,6 +19,7 @@ mod rough;
 mod scaled;
 mod set;
 mod space;
+mod stages;
 
 pub use inner::{Inner, PENALTY, Whole};
 pub use rough::Convex;
@@ -112,7 +113,7 @@ pub struct Run<'p, const D: usize, K: Inner<D> = Whole<D>> {
 
 /// The impulses that leave least of the law, of all since the first set or step: what the run shows. Between good sets there are
 /// some that hold what cannot be held, with impulses beyond all measure.
-struct Best {
+pub(crate) struct Best {
     /// What they leave (√J).
     left: f64,
     /// N·s, in the problem's order.
@@ -128,7 +129,7 @@ struct Tries {
 
 impl Best {
     /// Takes the impulses that `give` writes if they leave less; says whether they do.
-    fn take(&mut self, left: f64, give: impl FnOnce(&mut [f64])) -> bool {
+    pub(crate) fn take(&mut self, left: f64, give: impl FnOnce(&mut [f64])) -> bool {
         let is_better = left < self.left;
         if is_better {
             self.left = left;

@@ -42,7 +42,7 @@ const BEGUN_ANEW: u32 = 40;
 const ROUND_OFF: f64 = 1e-14;
 
 /// The points.
-pub(super) struct Proximal<'p> {
+pub(crate) struct Proximal<'p> {
     problem: &'p Packing<RoughDiscs>,
     path: Path,
     epsilon: f64,

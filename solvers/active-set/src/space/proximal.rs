@@ -46,7 +46,7 @@ const SWEEPS: u32 = 100;
 const PATIENCE: u32 = 600;
 
 /// The points.
-pub(super) struct Proximal {
+pub(crate) struct Proximal {
     epsilon: f64,
     /// √J.
     centre: Vec<Vector3<f64>>,
