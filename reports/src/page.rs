@@ -138,7 +138,7 @@ pub(crate) fn page(
         "page.html",
         &viewer,
         context! {
-            about => context! { name => &about.name, why => &about.why, bench => &about.bench, rows => &about.rows },
+            about => context! { name => &about.name, why => about.why.split('`').map(str::to_owned).collect::<Vec<_>>(), bench => &about.bench, rows => &about.rows },
             through_time => matches!(study, Study::Simulations(_)),
             answer,
             of_viewer => Serde(&of_viewer),
@@ -153,7 +153,9 @@ pub(crate) fn page(
 /// The answer to the question of the study: the words of a chart that is one, else from its rows, or else the first sentence of
 /// its charts.
 fn answered(study: &Study, sections: &[Section]) -> Vec<String> {
-    let is_answer = |section: &&Section| section.name == "relaxation" && !section.sentences.is_empty();
+    let is_answer = |section: &&Section| {
+        ["relaxation", "directions"].contains(&section.name.as_str()) && !section.sentences.is_empty()
+    };
     if let Some(section) = sections.iter().find(is_answer) {
         return section.sentences.clone();
     }

@@ -8,7 +8,7 @@ mod table;
 mod tests;
 mod words;
 
-use crate::read::{Problems, file_name, problems};
+use crate::read::{Problems, RunRow, counted, file_name, median, number, problems, span};
 use crate::text::Part;
 use field::{Field, fields};
 
@@ -16,7 +16,10 @@ use field::{Field, fields};
 /// its table.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = &study.runs;
-    let (planes, lines): (Vec<Field>, Vec<Field>) = fields(runs).into_iter().partition(Field::is_plane);
+    let fields = fields(runs);
+    let found = [found(&fields, "derived", |f| f.derived), found(&fields, "adapted", |f| f.adaptive)];
+    let found = found.into_iter().flatten().collect::<Vec<_>>().join("\n");
+    let (planes, lines): (Vec<Field>, Vec<Field>) = fields.into_iter().partition(Field::is_plane);
     let mut parts = Vec::new();
     for problem in problems(runs) {
         let fields: Vec<&Field> = planes.iter().filter(|field| field.problem == problem).collect();
@@ -35,5 +38,32 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
         ));
         parts.push(Part::table("derived-direction", table::table(&lines), table::NOTE));
     }
+    parts.extend((!found.is_empty()).then(|| Part::text("directions-found", found)));
     parts
+}
+
+/// How many iterations some runs take over those of the best of their grids, and how many do not converge where one of the grid does.
+fn found<'r>(
+    fields: &[Field<'r>],
+    which: &str,
+    run: impl Fn(&Field<'r>) -> Option<&'r RunRow>,
+) -> Option<String> {
+    let asked = || fields.iter().filter(|field| run(field).is_some() && field.best().is_some());
+    let ratios: Vec<f64> = asked().filter_map(|field| field.ratio(run(field))).collect();
+    let failed = asked().count() - ratios.len();
+    let mut sentence = format!("The {which} directions");
+    if let (Some((least, most)), Some(median)) = (span(ratios.iter().copied()), median(ratios.clone())) {
+        let [least, most, median] = [least, most, median].map(|ratio| number(ratio, 2));
+        let (of, on) = (if least == most { least } else { format!("{least} to {most}") }, ratios.len());
+        let middle = if on > 2 { format!(", {median} in the median") } else { String::new() };
+        sentence += &format!(
+            " take {of} times the iterations of the best of their grid{middle} ({})",
+            counted(on, "grid")
+        );
+    }
+    if failed > 0 {
+        let and = if ratios.is_empty() { " do" } else { ", and do" };
+        sentence += &format!("{and} not converge on {}", counted(failed, "grid"));
+    }
+    (failed + ratios.len() > 0).then(|| sentence + ".")
 }

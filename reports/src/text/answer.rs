@@ -115,7 +115,9 @@ fn others(run: &RunRow) -> (Vec<(&String, &Value)>, bool, &str, Option<u64>) {
 /// A range of ratios in words: `12 to 28 % more iterations`.
 fn more((low, high): (f64, f64)) -> String {
     if high >= 3.0 {
-        return format!("{} to {} times the iterations", number(low, 2), number(high, 2));
+        let (low, high) = (number(low, 2), number(high, 2));
+        let range = if low == high { low } else { format!("{low} to {high}") };
+        return format!("{range} times the iterations");
     }
     let percent = |ratio: f64| (100.0 * (ratio - 1.0)).round() as i64;
     match (percent(low), percent(high)) {

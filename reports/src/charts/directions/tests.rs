@@ -61,7 +61,15 @@ fn names(files: &[File]) -> Vec<&str> {
 #[test]
 fn best_and_derived_directions_are_read_off_the_rows() {
     let files = made(&plane());
-    assert_eq!(names(&files), ["directions-column.svg", "directions.csv", "directions.md", "directions.tex"]);
+    assert_eq!(
+        names(&files),
+        ["directions-column.svg", "directions.csv", "directions.md", "directions.tex", "directions-found.md"]
+    );
+    assert_eq!(
+        text(&files, "directions-found.md"),
+        "The derived directions take 1.2 times the iterations of the best of their grid (1\u{a0}grid).\n\
+         The adapted directions take 0.75 times the iterations of the best of their grid (1\u{a0}grid)."
+    );
     let rows: Vec<&str> = text(&files, "directions.csv").lines().skip(1).collect();
     assert_eq!(
         rows[0],
@@ -138,7 +146,20 @@ fn matched_directions_on_problems_of_several_sizes_are_drawn_against_them() {
     let files = made(&runs);
     assert_eq!(
         names(&files),
-        ["derived-direction.svg", "derived-direction.csv", "derived-direction.md", "derived-direction.tex"]
+        [
+            "derived-direction.svg",
+            "derived-direction.csv",
+            "derived-direction.md",
+            "derived-direction.tex",
+            "directions-found.md"
+        ]
+    );
+    let found = text(&files, "directions-found.md");
+    assert!(
+        found.contains(
+            "take 1.2 to 1.5 times the iterations of the best of their grid, 1.3 in the median (4\u{a0}grids)"
+        ),
+        "{found}"
     );
     // Medians of 1.5 and 1.333 in logarithms, and of 1.25 and 1.167.
     let svg = text(&files, "derived-direction.svg");
