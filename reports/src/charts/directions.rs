@@ -51,19 +51,14 @@ fn found<'r>(
     let asked = || fields.iter().filter(|field| run(field).is_some() && field.best().is_some());
     let ratios: Vec<f64> = asked().filter_map(|field| field.ratio(run(field))).collect();
     let failed = asked().count() - ratios.len();
-    let mut sentence = format!("The {which} directions");
-    if let (Some((least, most)), Some(median)) = (span(ratios.iter().copied()), median(ratios.clone())) {
+    let range = span(ratios.iter().copied()).zip(median(ratios.clone()));
+    let takes = range.map(|((least, most), median)| {
         let [least, most, median] = [least, most, median].map(|ratio| number(ratio, 2));
         let (of, on) = (if least == most { least } else { format!("{least} to {most}") }, ratios.len());
         let middle = if on > 2 { format!(", {median} in the median") } else { String::new() };
-        sentence += &format!(
-            " take {of} times the iterations of the best of their grid{middle} ({})",
-            counted(on, "grid")
-        );
-    }
-    if failed > 0 {
-        let and = if ratios.is_empty() { " do" } else { ", and do" };
-        sentence += &format!("{and} not converge on {}", counted(failed, "grid"));
-    }
-    (failed + ratios.len() > 0).then(|| sentence + ".")
+        format!("take {of} times the iterations of the best of their grid{middle} ({})", counted(on, "grid"))
+    });
+    let fails = (failed > 0).then(|| format!("do not converge on {}", counted(failed, "grid")));
+    let said: Vec<String> = takes.into_iter().chain(fails).collect();
+    (!said.is_empty()).then(|| format!("The {which} directions {}.", said.join(", and ")))
 }

@@ -135,7 +135,7 @@ impl<V: Sendable> CopySums<V> {
     ) {
         let nanoseconds = nanoseconds + NS_PER_COPY * self.copies;
         threads::each_pair((subdomains, &mut self.sent), nanoseconds, &|subdomain, sent| {
-            pass(subdomain, sent)
+            pass(subdomain, sent);
         });
         self.swap();
     }
