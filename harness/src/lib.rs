@@ -208,7 +208,7 @@ struct Cli {
     threads: Option<std::num::NonZeroUsize>,
     /// The checkout, with cases/ and harness/plans/ [default: the current folder or one above it]; problems and cases
     /// given by path need none
-    #[arg(long, global = true, value_name = "DIR")]
+    #[arg(long, global = true, value_name = "DIR", env = "GRAVEL_ROOT", hide_env_values = true)]
     root: Option<PathBuf>,
     #[command(subcommand)]
     command: Command,

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// The checkout, if there is one: a problem, a case or a schema needs none.
 pub(crate) struct Root(Option<PathBuf>);
 
-const NO_CHECKOUT: &str = "no folder from here up holds cases/frozen and harness/plans: run gravel in its checkout, or give --root DIR";
+const NO_CHECKOUT: &str = "no folder from here up holds cases/frozen and harness/plans: run gravel in its checkout, or give --root DIR or GRAVEL_ROOT";
 
 /// What a file holds.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -23,7 +23,7 @@ struct Cli {
     #[arg(long, global = true, value_name = "N", default_value = "1", value_parser = few)]
     threads: NonZeroUsize,
     /// The checkout, with cases/ and harness/plans/ [default: the current folder or one above it]
-    #[arg(long, global = true, value_name = "DIR")]
+    #[arg(long, global = true, value_name = "DIR", env = "GRAVEL_ROOT", hide_env_values = true)]
     root: Option<PathBuf>,
     #[command(subcommand)]
     command: Command,

@@ -32,6 +32,7 @@ pub(crate) fn command(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gravel"));
     // Whoever asks for backtraces of panics, as a build server does, must not get one with an error.
     command.args(args).current_dir(checkout()).env("RUST_BACKTRACE", "1").stdin(Stdio::null());
+    command.env_remove("GRAVEL_ROOT");
     command
 }
 

@@ -119,6 +119,10 @@ fn what_needs_no_checkout_works_outside_one_and_the_rest_says_so() {
         assert_eq!(ran.status.code(), Some(1), "{args:?}");
         assert!(error.contains("give --root DIR"), "{args:?}: {error}");
     }
+    let root =
+        |args: &[&str]| command(args).current_dir(&folder).env("GRAVEL_ROOT", checkout()).output().unwrap();
+    assert!(root(&["solve", "column", "--tolerance", "1e-2"]).status.success());
+    assert!(root(&["list", "cases"]).status.success());
 }
 
 #[test]
