@@ -50,8 +50,8 @@ pub(crate) struct SceneArgs {
 /// A method and until when it runs, on the command line.
 #[derive(clap::Args)]
 pub(crate) struct SolverArgs {
-    /// A method; `gravel list methods` shows them with their settings [default: cg; through time with friction nsgs, which misses
-    /// fewer time steps]
+    /// A method; `gravel list methods` shows them with their settings [default: cg; with friction
+    /// simulate takes nsgs, which misses fewer time steps]
     #[arg(long, value_name = "M")]
     method: Option<String>,
     /// A setting of the method, such as relaxation=0.8 or subdomains=4x2; may be repeated
