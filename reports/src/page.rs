@@ -138,7 +138,7 @@ pub(crate) fn page(
         "page.html",
         &viewer,
         context! {
-            about => context! { name => &about.name, why => about.why.split('`').map(str::to_owned).collect::<Vec<_>>(), bench => &about.bench, rows => &about.rows },
+            about => context! { name => &about.name, why => &about.why, bench => &about.bench, rows => &about.rows },
             through_time => matches!(study, Study::Simulations(_)),
             answer,
             of_viewer => Serde(&of_viewer),
