@@ -194,6 +194,8 @@ use cli::{
     bench, certify, convert, freeze, list, merge, plan as show, regress, report, schema, simulate, solve,
     split, view,
 };
+use contact::memory;
+use results::provenance::available_memory;
 use run::{few, in_the_pool};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -276,9 +278,15 @@ pub fn gravel_mpi(commit: &'static str) -> ExitCode {
     team::main()
 }
 
+/// What factors may take of the memory that is free (–); the rest is for problems, impulses and curves.
+const FOR_FACTORS: f64 = 0.8;
+
 fn run(cli: Cli) -> Result<ExitCode> {
     if let Some(threads) = cli.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global()?;
+    }
+    if let Some(free) = available_memory() {
+        memory::allow((FOR_FACTORS * free as f64) as u64);
     }
     let root = problems::Root::find(cli.root)?;
     plan::read_external(&root)?;

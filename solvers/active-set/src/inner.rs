@@ -51,9 +51,8 @@ impl<const D: usize> Whole<D> {
     /// Where it is too large for that.
     pub fn new(problem: &Packing<Smooth<D>>) -> Result<Self, SetupError> {
         let ends: Vec<_> = problem.contacts().iter().map(Contact::ends).collect();
-        let order = Order::fill_reducing(problem.position(), &ends)
-            .map_err(|why| SetupError::new("problem", why, "one whose grains can be ordered"))?;
-        let structure = Arc::new(Structure::new(&ends, &order));
+        let order = Order::fill_reducing(problem.position(), &ends)?;
+        let structure = Structure::new(&ends, &order)?;
         Ok(Self { structure, factor: None, work: Work::default() })
     }
 }

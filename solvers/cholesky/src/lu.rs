@@ -10,6 +10,8 @@ mod front;
 
 use crate::Singular;
 use crate::structure::{Structure, Supernode};
+use contact::SetupError;
+use contact::memory::Reserved;
 use front::Front;
 use nalgebra::{SMatrix, SVector};
 use pulp::{Arch, Simd, WithSimd};
@@ -47,13 +49,20 @@ pub struct Lu<const D: usize> {
     upper: Vec<f64>,
     /// The own row of its front, counted from itself, that took the place of each unknown's.
     exchanged: Vec<u32>,
+    /// The memory of the second factor.
+    _second: Reserved,
 }
 
 impl<const D: usize> Lu<D> {
     /// Memory for the factors of matrices of this structure; it has none yet.
-    pub fn new(structure: Arc<Structure<D>>) -> Self {
+    ///
+    /// # Errors
+    /// Where that is not left.
+    pub fn new(structure: Arc<Structure<D>>) -> Result<Self, SetupError> {
         let (entries, unknowns) = (structure.stored(), D * structure.position().len());
-        Self { structure, lower: vec![0.0; entries], upper: vec![0.0; entries], exchanged: vec![0; unknowns] }
+        let second = Reserved::new(structure.bytes())?;
+        let [lower, upper] = [(); 2].map(|()| vec![0.0; entries]);
+        Ok(Self { structure, lower, upper, exchanged: vec![0; unknowns], _second: second })
     }
 
     /// Factorises K, with the masses of the grain at each place, one per unknown, and what each `coupling` adds, if it does.
@@ -144,7 +153,7 @@ impl<const D: usize> WithSimd for Solve<'_, D> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { lu, x } = self;
-        let Lu { structure, lower, upper, exchanged } = lu;
+        let Lu { structure, lower, upper, exchanged, .. } = lu;
         let mut far = Vec::new();
         for node in &structure.supernodes {
             let (own, below) = unknowns::<D>(node);

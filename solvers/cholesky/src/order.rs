@@ -1,7 +1,6 @@
 //! Orders of the grains in which a factor stays sparse.
 
-use crate::Singular;
-use contact::{Groups, Place};
+use contact::{Groups, Place, SetupError};
 
 /// An order of grains.
 #[derive(Clone, Debug)]
@@ -23,7 +22,7 @@ impl Order {
     ///
     /// # Errors
     /// Where there are too many.
-    pub fn fill_reducing<P: Place>(position: &[P], ends: &[(u32, Option<u32>)]) -> Result<Self, Singular> {
+    pub fn fill_reducing<P: Place>(position: &[P], ends: &[(u32, Option<u32>)]) -> Result<Self, SetupError> {
         if position.len() <= MANY {
             Self::minimum_degree(position.len(), ends)
         } else {
@@ -38,7 +37,7 @@ impl Order {
     ///
     /// # Errors
     /// Where there are too many.
-    pub fn minimum_degree(grains: usize, ends: &[(u32, Option<u32>)]) -> Result<Self, Singular> {
+    pub fn minimum_degree(grains: usize, ends: &[(u32, Option<u32>)]) -> Result<Self, SetupError> {
         // The lower half with its diagonal, each entry once.
         let pairs = ends.iter().filter_map(|(i, j)| Some((*i, (*j)?)));
         let mut entries: Vec<(u32, u32)> = pairs.map(|(i, j)| (i.max(j), i.min(j))).collect();
@@ -48,8 +47,9 @@ impl Order {
         let first: Vec<_> =
             (0..=grains).map(|row| entries.partition_point(|at| (at.0 as usize) < row)).collect();
         let others: Vec<_> = entries.iter().map(|(_, column)| *column as usize).collect();
-        let (_, place, _) =
-            amd::order(grains, &first, &others, &amd::Control::default()).map_err(Singular::new)?;
+        let (_, place, _) = amd::order(grains, &first, &others, &amd::Control::default()).map_err(|why| {
+            SetupError::new("problem", format!("{why:?}"), "one whose grains can be ordered")
+        })?;
         let place = place.into_iter().map(|place| place as u32).collect();
         Ok(Self { place })
     }

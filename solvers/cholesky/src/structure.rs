@@ -2,8 +2,10 @@
 
 use crate::Order;
 use crate::supernodes::{Growing, elimination_tree, fundamental, merged, pairs, postorder};
-use contact::Groups;
+use contact::memory::Reserved;
+use contact::{Groups, SetupError};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Grains that are eliminated together, one after the other: below its own rows, each has entries in the same rows.
 #[derive(Clone, Debug)]
@@ -49,17 +51,24 @@ pub struct Structure<const D: usize = 2> {
     entries: usize,
     /// Multiply-adds of a factorisation.
     work: u64,
+    /// The memory of one factor.
+    reserved: Reserved,
 }
 
 impl<const D: usize> Structure<D> {
     /// The structure for these couplings, of which `ends` gives the two grains, or one and `None`, with the grains in this
-    /// `order`, but for what makes no difference to the fill.
-    pub fn new(ends: &[(u32, Option<u32>)], order: &Order) -> Self {
+    /// `order`, but for what makes no difference to the fill. It reserves the memory of one factor.
+    ///
+    /// # Errors
+    /// Where that is not left.
+    pub fn new(ends: &[(u32, Option<u32>)], order: &Order) -> Result<Arc<Self>, SetupError> {
         let tree = elimination_tree(pairs(ends, order.places()), order.places().len());
         let place_of = postorder(&tree);
         let position: Vec<u32> = order.places().iter().map(|place| place_of[*place as usize]).collect();
         let supernodes = merged(fundamental(pairs(ends, &position), position.len()));
-        Self::of(position, &supernodes, ends)
+        let mut structure = Self::of(position, &supernodes, ends);
+        structure.reserved = Reserved::new((structure.stored * size_of::<f64>()) as u64)?;
+        Ok(Arc::new(structure))
     }
 
     fn of(position: Vec<u32>, growing: &[Growing], ends: &[(u32, Option<u32>)]) -> Self {
@@ -76,6 +85,7 @@ impl<const D: usize> Structure<D> {
             stored: 0,
             entries: 0,
             work: 0,
+            reserved: Reserved::default(),
         };
         let of_couplings = structure.by_first(ends, &owner, growing.len());
         let mut first: Vec<u32> = (0..growing.len() as u32).collect();
@@ -138,6 +148,11 @@ impl<const D: usize> Structure<D> {
     /// Entries that a factor stores, with those above the diagonals of its supernodes.
     pub(crate) fn stored(&self) -> usize {
         self.stored
+    }
+
+    /// What a factor takes (B); while it is made, the fronts that wait take some more.
+    pub fn bytes(&self) -> u64 {
+        self.reserved.bytes()
     }
 
     /// Multiply-adds of a factorisation, with those of the zeros that a factor stores.

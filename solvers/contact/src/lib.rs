@@ -10,6 +10,7 @@ pub mod law;
 mod measure;
 mod measures;
 pub mod mechanics;
+pub mod memory;
 mod meter;
 pub mod number;
 mod operators;

@@ -18,7 +18,6 @@ use contact::{ContactProblem, SetupError};
 use nalgebra::{SMatrix, SVector};
 use partition::{Decomposition, Team};
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
 
 /// What an interface is to one of its subdomains.
 struct Side<const D: usize, const T: usize> {
@@ -87,8 +86,8 @@ impl<const D: usize, const T: usize> Coarse<D, T> {
         let read = |pair: &[f64]| (pair[0] as u32, pair[1] as u32, SMatrix::from_column_slice(&pair[2..]));
         let all: Vec<_> = team.gather(&own).concat().chunks_exact(2 + T * T).map(read).collect();
         let ends: Vec<_> = all.iter().map(|(row, column, _)| ends(*row, *column)).collect();
-        let order = Order::minimum_degree(number_of.len(), &ends).map_err(refused)?;
-        let structure = Arc::new(Structure::new(&ends, &order));
+        let order = Order::minimum_degree(number_of.len(), &ends)?;
+        let structure = team.unless_refused(Structure::new(&ends, &order))?;
         for side in sides.iter_mut().flatten() {
             side.interface = structure.position()[side.interface] as usize;
         }

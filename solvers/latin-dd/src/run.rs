@@ -7,6 +7,7 @@ use crate::directions::Directions;
 use crate::sent::Sent;
 use crate::stages::Stages;
 use crate::subdomain::Latin;
+use contact::memory::Reserved;
 use contact::{ContactProblem, Discs, Iteration, Packing, SetupError, Vector, Work, threads};
 use nalgebra::SVector;
 use partition::{CopySums, Decomposition, Partition, Refused, Team};
@@ -27,6 +28,8 @@ pub struct Run<'p, M: Stages = Discs, const D: usize = 2, const T: usize = 2> {
     relaxation: f64,
     pub(crate) coarse: Option<Coarse<D, T>>,
     balance: Option<Balance>,
+    /// The memory of the factors of directions that are found on the way, beside that of those before.
+    _second: Option<Reserved>,
     /// Of what [`Latin::send`] gives for each copy of a boundary grain.
     sums: CopySums<Sent<D>>,
     iterations: u64,
@@ -222,6 +225,8 @@ impl LatinDd {
                 Coarse::new(problem, (&decomposition, team), &subdomains, factor_of, directions.d_minus)
             })
             .transpose()?;
+        let bytes = subdomains.iter().map(Latin::factor_bytes).sum();
+        let second = team.unless_refused(self.adapts().then(|| Reserved::new(bytes)).transpose())?;
         let balance = self.adapts().then(|| {
             let iterates = subdomains.iter().flat_map(Latin::linear_iterate).count();
             Balance::new::<M>(scaled_delassus_bound, iterates, self.kappa_t)
@@ -236,6 +241,7 @@ impl LatinDd {
             relaxation: self.relaxation,
             coarse,
             balance,
+            _second: second,
             iterations: 0,
             work: Work::default(),
         };

@@ -63,8 +63,8 @@ impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Latin<M, D> {
         let subdomain = &decomposition.subdomains[e];
         let position: Vec<_> =
             subdomain.grains.iter().map(|grain| problem.position()[*grain as usize]).collect();
-        let order = Order::fill_reducing(&position, &subdomain.ends).map_err(too_large)?;
-        let structure = Arc::new(Structure::new(&subdomain.ends, &order));
+        let order = Order::fill_reducing(&position, &subdomain.ends)?;
+        let structure = Structure::new(&subdomain.ends, &order)?;
         let contacts = placed(problem, subdomain, structure.position(), kappa_t);
         let shares = shares(problem, decomposition, subdomain, structure.position());
         let factor = factorise(&structure, &shares, &contacts, *directions).map_err(too_large)?;
@@ -126,6 +126,11 @@ impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Latin<M, D> {
         for (contact, t) in self.contacts.iter().zip(&self.t) {
             contact.add(*t, &mut self.right_hand_side);
         }
+    }
+
+    /// What its factor takes of the memory (B).
+    pub(crate) fn factor_bytes(&self) -> u64 {
+        self.structure.bytes()
     }
 
     /// The factor for other directions.

@@ -1,8 +1,8 @@
 //! The interface problem S u = g on the boundary grains, S = Σ S_E: by a factor of S, or by conjugate gradients.
 
 use crate::subdomain::Subdomain;
-use cholesky::{Coupling, Factor, Order, Singular, Structure};
-use contact::threads;
+use cholesky::{Coupling, Factor, Order, Structure};
+use contact::{SetupError, threads};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
@@ -69,7 +69,7 @@ pub(crate) struct Assembled<const D: usize> {
 
 impl<const D: usize> Assembled<D> {
     /// All boundary grains of a subdomain are coupled.
-    pub(crate) fn new(subdomains: &Subdomains<D>) -> Result<Self, Singular> {
+    pub(crate) fn new(subdomains: &Subdomains<D>) -> Result<Self, SetupError> {
         let (mut couplings, mut ends) = (Vec::new(), Vec::new());
         for (e, subdomain) in (0_u32..).zip(&subdomains.own) {
             for (column, i) in (0_u32..).zip(&subdomain.boundary) {
@@ -80,7 +80,7 @@ impl<const D: usize> Assembled<D> {
             }
         }
         let order = Order::minimum_degree(subdomains.boundary, &ends)?;
-        let structure = Arc::new(Structure::new(&ends, &order));
+        let structure = Structure::new(&ends, &order)?;
         Ok(Self { couplings, structure, factor: None, u: vec![SVector::zeros(); subdomains.boundary] })
     }
 

@@ -5,7 +5,7 @@ use crate::interface::{Assembled, Subdomains};
 use crate::subdomain::Subdomain;
 use crate::{Interface, NewtonSchur, Preconditioner};
 use active_set::{Inner, Whole};
-use cholesky::{Coupling, Singular};
+use cholesky::Coupling;
 use contact::{Packing, SetupError, Smooth, Work, threads};
 use nalgebra::SVector;
 use partition::{Decomposition, Partition};
@@ -36,7 +36,6 @@ pub struct Schur<const D: usize = 2> {
 impl<const D: usize> Schur<D> {
     /// Cuts the problem into subdomains, and finds where the factors have entries.
     pub(crate) fn new(settings: &NewtonSchur, problem: &Packing<Smooth<D>>) -> Result<Self, SetupError> {
-        let refused = |why: Singular| SetupError::new("problem", why, "one whose grains can be ordered");
         let partition = Partition::of_contacts(problem, settings.partition, settings.subdomains)?;
         let Decomposition { subdomains, multiplicity, .. } = Decomposition::new(problem, &partition);
         let position: Vec<u32> = (0..problem.grain_count() as u32).collect();
@@ -52,9 +51,9 @@ impl<const D: usize> Schur<D> {
         };
         let own = threads::make(subdomains.len(), &|e| of_own(&subdomains[e]));
         let own: Result<Vec<_>, _> = own.into_iter().collect();
-        let subdomains = Subdomains { own: own.map_err(refused)?, boundary: boundary.len() };
+        let subdomains = Subdomains { own: own?, boundary: boundary.len() };
         let way = match settings.interface {
-            Interface::Direct => Way::Direct(Assembled::new(&subdomains).map_err(refused)?),
+            Interface::Direct => Way::Direct(Assembled::new(&subdomains)?),
             Interface::Cg => {
                 Way::Cg(Conjugate::new(boundary.len(), (neumann, settings.coarse), settings.inner_accuracy))
             }

@@ -1,8 +1,8 @@
 //! One subdomain: its own matrix K_E = 1/m + Σ d h̃ h̃ᵗ over its contacts, and what is left of it at its boundary grains when the
 //! others are eliminated, S_E = K_bb − K_bi K_ii⁻¹ K_ib.
 
-use cholesky::{Coupling, Factor, Order, Singular, Structure};
-use contact::{Packing, Smooth};
+use cholesky::{Coupling, Factor, Order, Structure};
+use contact::{Packing, SetupError, Smooth};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
@@ -56,7 +56,7 @@ impl<const D: usize> Part<D> {
         ends: &[(u32, Option<u32>)],
         positions: &[SVector<f64, D>],
         index: impl Fn(u32) -> Option<u32>,
-    ) -> Result<Self, Singular> {
+    ) -> Result<Self, SetupError> {
         let (mut contacts, mut turned, mut own) = (Vec::new(), Vec::new(), Vec::new());
         for (contact, (i, j)) in (0_u32..).zip(ends) {
             let (i, j) = (index(*i), j.and_then(&index));
@@ -66,7 +66,7 @@ impl<const D: usize> Part<D> {
             own.push((first, i.and(j)));
         }
         let order = Order::fill_reducing(positions, &own)?;
-        Ok(Self { contacts, turned, structure: Arc::new(Structure::new(&own, &order)), factor: None })
+        Ok(Self { contacts, turned, structure: Structure::new(&own, &order)?, factor: None })
     }
 
     /// Factorises with the `mass` of each place and these couplings of all contacts; says whether it could.
@@ -97,7 +97,7 @@ impl<const D: usize> Subdomain<D> {
         multiplicity: &[u32],
         boundary: Vec<u32>,
         is_whole: bool,
-    ) -> Result<Self, Singular> {
+    ) -> Result<Self, SetupError> {
         let position = |grain: &u32| problem.position()[*grain as usize];
         let mut is_boundary = vec![false; own.grains.len()];
         own.boundary.iter().for_each(|local| is_boundary[*local as usize] = true);

@@ -141,9 +141,8 @@ impl Convex {
     /// Where it is too large for that.
     pub fn new(problem: &Packing<RoughDiscs>) -> Result<Self, SetupError> {
         let ends: Vec<_> = problem.contacts().iter().map(Touch::ends).collect();
-        let order = Order::fill_reducing(problem.position(), &ends)
-            .map_err(|why| SetupError::new("problem", why, "one whose grains can be ordered"))?;
-        let structure = Arc::new(Structure::new(&ends, &order));
+        let order = Order::fill_reducing(problem.position(), &ends)?;
+        let structure = Structure::new(&ends, &order)?;
         let place = structure.position();
         let inverse_mass = |grain: u32| Mass::<Vector3<f64>>::inverse(problem.mass()[grain as usize], 1.0);
         let column = |contact: &contact::RoughContact| {

@@ -38,11 +38,10 @@ impl Matrix {
     pub(super) fn new(columns: &[RoughColumn], grains: usize) -> Result<Self, SetupError> {
         let ends: Vec<_> =
             columns.iter().map(RoughColumn::places).map(|[i, j]| (i, (j != i).then_some(j))).collect();
-        let order = Order::minimum_degree(grains, &ends)
-            .map_err(|error| SetupError::new("problem", error, "smaller"))?;
-        let structure = Arc::new(Structure::new(&ends, &order));
+        let order = Order::minimum_degree(grains, &ends)?;
+        let structure = Structure::new(&ends, &order)?;
         Ok(Self {
-            factors: Lu::new(Arc::clone(&structure)),
+            factors: Lu::new(Arc::clone(&structure))?,
             structure,
             is_factorised: false,
             changes: Changes::default(),

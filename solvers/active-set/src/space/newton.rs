@@ -57,10 +57,9 @@ impl Newton {
             .map(SphereColumn::places)
             .map(|[i, j]| (i, (j != i).then_some(j)))
             .collect();
-        let order = Order::fill_reducing(problem.position(), &ends)
-            .map_err(|error| SetupError::new("problem", error, "smaller"))?;
-        let structure = Arc::new(Structure::new(&ends, &order));
-        Ok(Self { layout, factors: Lu::new(Arc::clone(&structure)), structure, work: Work::default() })
+        let order = Order::fill_reducing(problem.position(), &ends)?;
+        let structure = Structure::new(&ends, &order)?;
+        Ok(Self { layout, factors: Lu::new(Arc::clone(&structure))?, structure, work: Work::default() })
     }
 
     /// The impulses to which a step of Newton leads from s, for the statuses of s − v: those that s has to first order. `None` if the

@@ -1,0 +1,56 @@
+//! What factors may take of the machine's memory. Who runs methods says how much there is; a method that would need more is refused
+//! as it is set up, where it would else bring the whole process down.
+
+use crate::error::SetupError;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What is left of it (B).
+static LEFT: AtomicU64 = AtomicU64::new(u64::MAX);
+
+/// Lets all factors of this process together take so many `bytes`; without a word they may take any.
+pub fn allow(bytes: u64) {
+    LEFT.store(bytes, Ordering::Relaxed);
+}
+
+/// Some bytes of it, until this is dropped.
+#[derive(Debug, Default)]
+pub struct Reserved {
+    bytes: u64,
+}
+
+impl Reserved {
+    /// So many `bytes`.
+    ///
+    /// # Errors
+    /// Where fewer are left.
+    pub fn new(bytes: u64) -> Result<Self, SetupError> {
+        let less = |left: u64| left.checked_sub(bytes);
+        match LEFT.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less) {
+            Ok(_) => Ok(Self { bytes }),
+            Err(left) => Err(SetupError::new(
+                "problem",
+                format!(
+                    "so large that a factor takes {}, and {} of memory are left",
+                    gigabytes(bytes),
+                    gigabytes(left)
+                ),
+                "smaller, or cut into more subdomains, or solved by a method without factors, such as cg",
+            )),
+        }
+    }
+
+    /// How many.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}
+
+impl Drop for Reserved {
+    fn drop(&mut self) {
+        LEFT.fetch_add(self.bytes, Ordering::Relaxed);
+    }
+}
+
+fn gigabytes(bytes: u64) -> String {
+    format!("{:.1} GB", bytes as f64 / 1e9)
+}
