@@ -51,7 +51,7 @@ pub(crate) struct SceneArgs {
 #[derive(clap::Args)]
 pub(crate) struct SolverArgs {
     /// A method; `gravel list methods` shows them with their settings [default: cg; with friction
-    /// simulate takes nsgs, which misses fewer time steps]
+    /// nsgs in simulate, which misses fewer time steps, and in freeze between spheres]
     #[arg(long, value_name = "M")]
     method: Option<String>,
     /// A setting of the method, such as relaxation=0.8 or subdomains=4x2; may be repeated
@@ -219,6 +219,15 @@ impl SolverArgs {
     /// The method, or else that which misses the fewest time steps of the case.
     pub(crate) fn through(&self, case: &Case) -> Result<(Method, Stop)> {
         self.read_or(if case.scene.is_rough() { "nsgs" } else { "cg" })
+    }
+
+    /// The method, or else this one, which stops as this says where no argument says otherwise.
+    pub(crate) fn or(&self, (method, stop): (Method, Stop)) -> Result<(Method, Stop)> {
+        let method = match &self.method {
+            None if self.settings.is_empty() => method,
+            name => Method::parse(name.as_deref().unwrap_or(&method.name), &self.settings)?,
+        };
+        Ok((method, self.stop.of(stop)?))
     }
 
     fn read_or(&self, default: &str) -> Result<(Method, Stop)> {

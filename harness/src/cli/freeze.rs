@@ -8,6 +8,10 @@ use cases::check_name;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
+#[command(
+    after_help = "With friction the time steps before are solved as `gravel solve` has them: by cg in at most 5000 iterations,
+or between spheres by nsgs in at most 500 sweeps. Those that do not converge are counted in the problem's source."
+)]
 pub(crate) struct Args {
     /// A case: its name, or the path of its file
     case: String,
@@ -35,7 +39,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let name = stem(&args.output);
     check_name(&name).map_err(|why| anyhow!("{file}: the problem's {why}"))?;
     let case = args.changes.at(&root.case(&args.case)?, Some(&args.time_step))?;
-    let (method, stop) = args.solver.read()?;
+    let (method, stop) = args.solver.or(case.before()?)?;
     let (solver, on, tolerance) = (method.name, stop.on, stop.tolerance);
     let how = format!(
         " Time steps before it solved by {solver} to {on} ≤ {tolerance:e}, from the impulses of the one before."

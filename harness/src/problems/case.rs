@@ -65,14 +65,19 @@ impl CaseProblem {
         Ok(Self { case, overrides, time_step })
     }
 
-    /// The problem; the time steps before it are the same whichever method then solves it.
-    pub(crate) fn problem(&self) -> Result<AnyFrozen> {
+    /// What solves the time steps before it, unless somebody wants another method.
+    pub(crate) fn before(&self) -> Result<(Method, Stop)> {
         let most = |max_iterations| Stop { max_iterations, ..Stop::default() };
-        let (method, stop) = match (self.case.scene.is_rough(), self.case.in_space()?) {
+        Ok(match (self.case.scene.is_rough(), self.case.in_space()?) {
             (false, _) => (cg()?, Stop::default()),
             (true, false) => (cg()?, most(WITH_FRICTION)),
             (true, true) => (Method::parse("nsgs", &[])?, most(SPHERES_WITH_FRICTION)),
-        };
+        })
+    }
+
+    /// The problem; the time steps before it are the same whichever method then solves it.
+    pub(crate) fn problem(&self) -> Result<AnyFrozen> {
+        let (method, stop) = self.before()?;
         self.problem_after(&method, &stop, "")
     }
 
