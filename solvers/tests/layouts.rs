@@ -1,9 +1,13 @@
 //! Layouts that make methods fast must not change them: mass-scaled unknowns, sweeps by levels, blocks.
 
-use crate::problems::{PACKINGS, any_problem, difference, first_problem, frozen, impulses, start};
+use crate::problems::{
+    PACKINGS, any_problem, difference, first_problem, frozen, frozen_path, impulses, start,
+};
+use cases::AnyFrozen;
 use cg::{Cg, Preconditioner};
 use contact::scaled::{ScaledContact, by_levels, scaled_velocity};
-use contact::{Column, Packing, law};
+use contact::sweep::Sweep;
+use contact::{Column, Mechanics, Packing, Vector, law};
 use nalgebra::Vector2;
 use nsgs::{Nsgs, Order};
 use proptest::prelude::*;
@@ -41,6 +45,36 @@ fn sweeps_by_levels_give_the_bits_of_sweeps_in_the_order_of_the_list() {
             }
             let plain: Vec<f64> = (0_u32..).zip(&s).map(|(k, s)| s / scaled(&problem, k).1).collect();
             assert!(plain == impulses(&*by_levels, &problem), "{name}, {order:?}");
+        }
+    }
+}
+
+/// Sweeps whose visits are made some at a time, against single visits.
+fn assert_visits_together_are_single_ones<M: Mechanics>(problem: &Packing<M>) {
+    for order in [Order::Natural, Order::Coloured] {
+        let order = order.of(problem, 1);
+        let sweep = || Sweep::new(problem, &order, &vec![0.0; M::Impulse::LEN * problem.contact_count()]);
+        let (mut together, mut single) = (sweep(), sweep());
+        for _ in 0..50 {
+            together.forward(0.9);
+            for (row, s) in single.rows.iter().zip(&mut single.s) {
+                row.solve(s, &mut single.y, 0.9);
+            }
+        }
+        assert!(together.s == single.s && together.y == single.y, "{}", M::NAME);
+        assert!(single.s.iter().any(|s| s.first() > 0.0));
+    }
+}
+
+#[test]
+fn visits_made_together_give_the_bits_of_single_ones() {
+    for name in ["settled-250", "rough-991-mu08", "spheres-250", "rough-spheres-250"] {
+        let file = frozen_path(&format!("{name}.json"));
+        match AnyFrozen::read(&file).unwrap_or_else(|error| panic!("{error}")) {
+            AnyFrozen::Discs(frozen) => assert_visits_together_are_single_ones(&frozen.problem),
+            AnyFrozen::RoughDiscs(frozen) => assert_visits_together_are_single_ones(&frozen.problem),
+            AnyFrozen::Spheres(frozen) => assert_visits_together_are_single_ones(&frozen.problem),
+            AnyFrozen::RoughSpheres(frozen) => assert_visits_together_are_single_ones(&frozen.problem),
         }
     }
 }

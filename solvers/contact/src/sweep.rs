@@ -1,5 +1,10 @@
 //! The contacts of a sweep in mass-scaled unknowns: what Gauss-Seidel and Jacobi visit, one after the other.
 
+#![expect(
+    clippy::inline_always,
+    reason = "what visits are made of is called in two places, and a call would cost a third of a visit"
+)]
+
 use crate::discs::Discs;
 use crate::mechanics::{Column, Mass, Mechanics, Touch, Vector};
 use crate::problem::ContactProblem;
@@ -26,26 +31,26 @@ impl<M: Mechanics> Row<M> {
     }
 
     /// (H̃ᵗ y)_α + c/√`W_αα` (√J).
-    #[inline]
+    #[inline(always)]
     pub fn relative(&self, y: &[M::Velocity]) -> M::Impulse {
         self.column.relative(y) + self.offset
     }
 
     /// s⁺ − s of the law, at the relative velocity v/√`W_αα` (√J).
-    #[inline]
+    #[inline(always)]
     pub fn change(&self, s: M::Impulse, v: M::Impulse, relaxation: f64) -> M::Impulse {
         self.column.change(s, v, relaxation)
     }
 
     /// y ← y + h̃_α Δs.
-    #[inline]
+    #[inline(always)]
     pub fn push(&self, change: M::Impulse, y: &mut [M::Velocity]) {
         self.column.push(change, y);
     }
 
     /// v = Hᵗ V + c at α; r⁺ = max(0, r − ω v/`W_αα`), or what the law says; V ← V + M⁻¹ `h_α` (r⁺ − r). Returns √`W_αα` (r⁺ − r)
     /// (√J).
-    #[inline]
+    #[inline(always)]
     pub fn solve(&self, s: &mut M::Impulse, y: &mut [M::Velocity], relaxation: f64) -> M::Impulse {
         let change = self.change(*s, self.relative(y), relaxation);
         self.push(change, y);
@@ -53,6 +58,11 @@ impl<M: Mechanics> Row<M> {
         change
     }
 }
+
+/// Visits that are made together where no two of them share a grain: a processor finds more to do in all of them at a time than in
+/// one, which is a chain of operations of which each waits for the one before. On 8,476 contacts between spheres with friction a visit
+/// takes 17.4 ns instead of 21.7, by four 18.9, by sixteen 18.3.
+const TOGETHER: usize = 8;
 
 /// Contacts in the order of a sweep, with their impulses and the velocities of their grains.
 pub struct Sweep<M: Mechanics = Discs> {
@@ -66,6 +76,8 @@ pub struct Sweep<M: Mechanics = Discs> {
     pub s: Vec<M::Impulse>,
     /// y = M^½ (`V_free` + M⁻¹ H r) (√J), in places of its own.
     pub y: Vec<M::Velocity>,
+    /// Whether no two of each [`TOGETHER`] rows share a grain; empty where a visit is too short for that to be faster.
+    apart: Vec<bool>,
 }
 
 impl<M: Mechanics> Sweep<M> {
@@ -98,13 +110,26 @@ impl<M: Mechanics> Sweep<M> {
         r0: &[f64],
         y: Vec<M::Velocity>,
     ) -> Self {
-        let mut sweep = Self { rows: Vec::new(), contacts: Vec::new(), unit: Vec::new(), s: Vec::new(), y };
+        let mut sweep = Self {
+            rows: Vec::new(),
+            contacts: Vec::new(),
+            unit: Vec::new(),
+            s: Vec::new(),
+            y,
+            apart: Vec::new(),
+        };
+        let mut ends = Vec::new();
         for (k, places) in contacts {
+            ends.push(places);
             let (row, unit) = Row::new(&problem.contacts()[k as usize], places, &inverse_mass);
             sweep.rows.push(row);
             sweep.contacts.push(k);
             sweep.unit.push(unit);
             sweep.s.push(unit.with(M::Impulse::at(r0, k as usize), |unit, r| unit * r));
+        }
+        // Without friction in the plane a visit is all loads and stores.
+        if M::Velocity::LEN > 2 {
+            sweep.apart = ends.chunks(TOGETHER).map(are_apart).collect();
         }
         sweep
     }
@@ -112,8 +137,15 @@ impl<M: Mechanics> Sweep<M> {
     /// Contact by contact: v = Hᵗ V + c; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
     #[inline]
     pub fn forward(&mut self, relaxation: f64) {
-        for (row, s) in self.rows.iter().zip(&mut self.s) {
-            row.solve(s, &mut self.y, relaxation);
+        let Self { rows, s, y, apart, .. } = self;
+        if apart.is_empty() {
+            return in_turn(rows, s, y, relaxation);
+        }
+        for ((rows, s), apart) in rows.chunks(TOGETHER).zip(s.chunks_mut(TOGETHER)).zip(apart) {
+            match (rows.try_into(), <&mut [_; TOGETHER]>::try_from(&mut *s)) {
+                (Ok(rows), Ok(s)) if *apart => together(rows, s, y, relaxation),
+                _ => in_turn(rows, s, y, relaxation),
+            }
         }
     }
 
@@ -134,6 +166,38 @@ impl<M: Mechanics> Sweep<M> {
     pub fn impulses(&self, r: &mut [f64]) {
         M::Impulse::unscale((&self.s, &self.unit), &self.contacts, r);
     }
+}
+
+/// One visit after the other.
+#[inline(always)]
+fn in_turn<M: Mechanics>(rows: &[Row<M>], s: &mut [M::Impulse], y: &mut [M::Velocity], relaxation: f64) {
+    for (row, s) in rows.iter().zip(s) {
+        row.solve(s, y, relaxation);
+    }
+}
+
+/// The same of rows that share no grain.
+#[inline(always)]
+fn together<M: Mechanics>(
+    rows: &[Row<M>; TOGETHER],
+    s: &mut [M::Impulse; TOGETHER],
+    y: &mut [M::Velocity],
+    relaxation: f64,
+) {
+    let mut changes = [M::Impulse::ZERO; TOGETHER];
+    for k in 0..TOGETHER {
+        changes[k] = rows[k].change(s[k], rows[k].relative(y), relaxation);
+    }
+    for k in 0..TOGETHER {
+        rows[k].push(changes[k], y);
+        s[k] += changes[k];
+    }
+}
+
+/// Whether no two of some contacts share a place.
+fn are_apart(ends: &[(u32, Option<u32>)]) -> bool {
+    let places = || ends.iter().flat_map(|(i, j)| std::iter::once(*i).chain(*j));
+    places().enumerate().all(|(k, place)| places().skip(k + 1).all(|other| other != place))
 }
 
 /// The same sweep, level by level.
