@@ -137,7 +137,7 @@ impl<'p, const D: usize> Meter<'p, D> {
     /// V − `V_free` = M⁻¹ H r (m/s).
     fn push(&mut self, r: &[f64]) {
         let Self { columns, pushed, .. } = self;
-        if in_threads(r.len()) {
+        if threads::pay(NS_PER_CONTACT * r.len()) {
             let mut blocks: Vec<_> = pushed.chunks_mut(BLOCK).collect();
             threads::each(&mut blocks, usize::MAX, &|block, pushed| {
                 for (grain, pushed) in (block * BLOCK..).zip(&mut **pushed) {
@@ -222,11 +222,6 @@ impl<'p, const D: usize> Measuring<'p, Smooth<D>> for Meter<'p, D> {
     fn goes_on(&mut self, on: Measure, tolerance: f64, energy: f64, iterates: (&[f64], &[f64])) -> bool {
         self.goes_on(on, tolerance, energy, iterates)
     }
-}
-
-/// Whether there are threads, and so many contacts worth them.
-fn in_threads(contacts: usize) -> bool {
-    rayon::current_num_threads() > 1 && threads::pay(NS_PER_CONTACT * contacts)
 }
 
 /// A residual over its scale; 0 where there is nothing left, whatever the scale.

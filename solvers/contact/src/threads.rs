@@ -7,16 +7,16 @@ use std::sync::{Mutex, PoisonError};
 /// A thread that sleeps takes some tens of microseconds to wake (ns).
 const WORTH_A_THREAD: usize = 100_000;
 
-/// Whether work of about so many `nanoseconds` is worth threads: from a tenth of a millisecond on. Only time depends on it.
+/// Whether there are threads, and work of about so many `nanoseconds` is worth them: from a tenth of a millisecond on. Only time
+/// depends on it.
 pub(crate) fn pay(nanoseconds: usize) -> bool {
-    nanoseconds >= WORTH_A_THREAD
+    nanoseconds >= WORTH_A_THREAD && rayon::current_num_threads() > 1
 }
 
 /// Calls `act` with each item and its index; in threads, where all take about so many `nanoseconds` that these pay.
 pub fn each<T: Send>(items: &mut [T], nanoseconds: usize, act: &(dyn Fn(usize, &mut T) + Sync)) {
     if pay(nanoseconds) {
-        let items: Vec<Mutex<&mut T>> = items.iter_mut().map(Mutex::new).collect();
-        in_threads(items.len(), &|k| act(k, &mut items[k].lock().unwrap_or_else(PoisonError::into_inner)));
+        shared(items.iter_mut(), &|k, item| act(k, item));
     } else {
         items.iter_mut().enumerate().for_each(|(k, item)| act(k, item));
     }
@@ -30,7 +30,7 @@ pub fn each_pair<A: Send, B: Send>(
 ) {
     let pairs = first.iter_mut().zip(second);
     if pay(nanoseconds) {
-        each(&mut pairs.collect::<Vec<_>>(), nanoseconds, &|_, (a, b)| act(a, b));
+        shared(pairs, &|_, (a, b)| act(a, b));
     } else {
         pairs.for_each(|(a, b)| act(a, b));
     }
@@ -41,6 +41,12 @@ pub fn make<T: Send>(count: usize, make: &(dyn Fn(usize) -> T + Sync)) -> Vec<T>
     let mut made: Vec<Option<T>> = (0..count).map(|_| None).collect();
     each(&mut made, usize::MAX, &|k, made| *made = Some(make(k)));
     made.into_iter().flatten().collect()
+}
+
+/// In threads, each of which locks the item that it works on.
+fn shared<T: Send>(items: impl Iterator<Item = T>, act: &(dyn Fn(usize, &mut T) + Sync)) {
+    let items: Vec<Mutex<T>> = items.map(Mutex::new).collect();
+    in_threads(items.len(), &|k| act(k, &mut items[k].lock().unwrap_or_else(PoisonError::into_inner)));
 }
 
 fn in_threads(count: usize, act: &(dyn Fn(usize) + Sync)) {
