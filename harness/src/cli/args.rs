@@ -225,7 +225,7 @@ impl SolverArgs {
     pub(crate) fn or(&self, (method, stop): (Method, Stop)) -> Result<(Method, Stop)> {
         let method = match &self.method {
             None if self.settings.is_empty() => method,
-            name => Method::parse(name.as_deref().unwrap_or(&method.name), &self.settings)?,
+            name => Method::parse(name.as_deref().unwrap_or(method.name), &self.settings)?,
         };
         Ok((method, self.stop.of(stop)?))
     }
