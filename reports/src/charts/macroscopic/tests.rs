@@ -56,6 +56,15 @@ fn the_tolerance_that_is_enough_is_the_loosest_before_friction_changes() {
 }
 
 #[test]
+fn a_tolerance_that_only_itself_stays_near_is_not_called_enough() {
+    let all = read(&[sheared(0.3, 1e-6, 0.25, 0.01), sheared(0.3, 1e-3, 0.4, 0.01)]);
+    let files = files(&parts(&all));
+    let found = &files.iter().find(|(name, _)| name == "macroscopic-found.md").unwrap().1;
+    assert!(found.contains("no looser tolerance stays as near; one of 10⁻³ is off by 0.15"), "{found}");
+    assert!(!found.contains("is enough"), "{found}");
+}
+
+#[test]
 fn one_that_mostly_missed_its_tolerance_was_not_solved_to_it() {
     let mut missed = sheared(0.3, 1e-6, 0.4, 0.01);
     missed.simulation.totals.missed_time_steps = missed.simulation.totals.time_steps;
