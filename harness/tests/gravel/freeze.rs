@@ -26,6 +26,9 @@ fn frozen_time_step_solves_like_that_of_the_case() {
     // What `solve` marches with.
     let cg = ["--method", "cg", "--set", "preconditioner=diagonal"];
     gravel(&[&["freeze", "-o", text(&file)], &PACKING[..], &cg].concat()).succeeded();
+    let named = fs::read(&file).unwrap();
+    gravel(&[&["freeze", "--force", "-o", text(&file)], &PACKING[..]].concat()).succeeded();
+    assert!(named == fs::read(&file).unwrap(), "without a method it is another problem");
     for start in ["cold", "warm"] {
         let end = ["--start", start, "--method", "nsgs", "--tolerance", "1e-3"];
         let frozen = solve(&[&[text(&file)], &end[..]].concat());
