@@ -7,6 +7,7 @@ use crate::terminal::{progress, read_text, say, suggest, write_kept};
 use anyhow::{Result, bail};
 use cases::{AnyFrozen, Case, March, Sample};
 use cg::Cg;
+use contact::memory::gigabytes;
 use results::provenance::available_memory;
 use runner::{Status, Stop};
 use serde_json::{Value, json};
@@ -229,8 +230,4 @@ pub(crate) fn fits(case: &Case, free: Option<u64>) -> Result<(), String> {
         )),
         _ => Ok(()),
     }
-}
-
-fn gigabytes(bytes: f64) -> String {
-    format!("{:.1} GB", bytes / 1e9)
 }

@@ -37,6 +37,9 @@ pub trait Inner<const D: usize> {
     fn cost(&self) -> (u64, usize);
 }
 
+/// Candidate and antagonist of a contact; `None` for a wall.
+type Ends = (u32, Option<u32>);
+
 /// One sparse factor of the whole.
 pub struct Whole<const D: usize = 2> {
     structure: Arc<Structure<D>>,
@@ -50,11 +53,26 @@ impl<const D: usize> Whole<D> {
     /// # Errors
     /// Where it is too large for that.
     pub fn new(problem: &Packing<Smooth<D>>) -> Result<Self, SetupError> {
-        let ends: Vec<_> = problem.contacts().iter().map(Contact::ends).collect();
-        let order = Order::fill_reducing(problem.position(), &ends)?;
+        let (ends, order) = ordered(problem)?;
         let structure = Structure::new(&ends, &order)?;
         Ok(Self { structure, factor: None, work: Work::default() })
     }
+
+    /// What a factor of `problem` would cost, as [`Inner::cost`] says it.
+    ///
+    /// # Errors
+    /// Where the problem is too large for that.
+    pub fn cost_of(problem: &Packing<Smooth<D>>) -> Result<(u64, usize), SetupError> {
+        let (ends, order) = ordered(problem)?;
+        Ok(Structure::<D>::cost(&ends, &order))
+    }
+}
+
+/// The ends of all contacts, and an order of the grains in which a factor has few entries.
+fn ordered<const D: usize>(problem: &Packing<Smooth<D>>) -> Result<(Vec<Ends>, Order), SetupError> {
+    let ends: Vec<Ends> = problem.contacts().iter().map(Contact::ends).collect();
+    let order = Order::fill_reducing(problem.position(), &ends)?;
+    Ok((ends, order))
 }
 
 impl<const D: usize> Inner<D> for Whole<D> {

@@ -1,5 +1,5 @@
-//! What factors may take of the machine's memory. Who runs methods says how much there is; a method that would need more is refused
-//! as it is set up, where it would else bring the whole process down.
+//! What factors may take of the machine's memory. Who runs methods says how much there is; a method that needs more is refused as
+//! it is set up; it would otherwise bring the whole process down.
 
 use crate::error::SetupError;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// What is left of it (B).
 static LEFT: AtomicU64 = AtomicU64::new(u64::MAX);
 
-/// Lets all factors of this process together take so many `bytes`; without a word they may take any.
+/// Lets all factors of this process together take so many `bytes`. Until this is called they may take any number.
 pub fn allow(bytes: u64) {
     LEFT.store(bytes, Ordering::Relaxed);
 }
@@ -30,9 +30,9 @@ impl Reserved {
             Err(left) => Err(SetupError::new(
                 "problem",
                 format!(
-                    "so large that a factor takes {}, and {} of memory are left",
-                    gigabytes(bytes),
-                    gigabytes(left)
+                    "so large that a factor takes {}, and {} are left for factors",
+                    gigabytes(bytes as f64),
+                    gigabytes(left as f64)
                 ),
                 "smaller, or cut into more subdomains, or solved by a method without factors, such as cg",
             )),
@@ -51,6 +51,7 @@ impl Drop for Reserved {
     }
 }
 
-fn gigabytes(bytes: u64) -> String {
-    format!("{:.1} GB", bytes as f64 / 1e9)
+/// So many `bytes`, as errors show them.
+pub fn gigabytes(bytes: f64) -> String {
+    format!("{:.1} GB", bytes / 1e9)
 }

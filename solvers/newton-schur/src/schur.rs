@@ -66,7 +66,7 @@ impl<const D: usize> Schur<D> {
             contacts: problem.contact_count() as u32,
             u: vec![SVector::zeros(); boundary.len()],
             boundary,
-            cost: Whole::new(problem)?.cost(),
+            cost: Whole::cost_of(problem)?,
             work: Work::default(),
             iterations: 0,
         })
