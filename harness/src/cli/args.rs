@@ -42,7 +42,7 @@ pub(crate) struct SceneArgs {
     #[command(flatten)]
     case: CaseArgs,
     /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]; those before
-    /// it are solved by preconditioned cg, whatever the method
+    /// it are solved by preconditioned cg, or with friction between spheres by nsgs, whatever the method
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     time_step: Option<String>,
 }
@@ -213,26 +213,22 @@ impl CaseArgs {
 impl SolverArgs {
     /// The method, or else cg.
     pub(crate) fn read(&self) -> Result<(Method, Stop)> {
-        self.read_or("cg")
+        self.or((Method::parse("cg", &[])?, Stop::default()))
     }
 
     /// The method, or else that which misses the fewest time steps of the case.
     pub(crate) fn through(&self, case: &Case) -> Result<(Method, Stop)> {
-        self.read_or(if case.scene.is_rough() { "nsgs" } else { "cg" })
+        let method = if case.scene.is_rough() { "nsgs" } else { "cg" };
+        self.or((Method::parse(method, &[])?, Stop::default()))
     }
 
-    /// The method, or else this one, which stops as this says where no argument says otherwise.
+    /// The method, or else this one; it stops as given here, but for what an argument says.
     pub(crate) fn or(&self, (method, stop): (Method, Stop)) -> Result<(Method, Stop)> {
         let method = match &self.method {
             None if self.settings.is_empty() => method,
             name => Method::parse(name.as_deref().unwrap_or(method.name), &self.settings)?,
         };
         Ok((method, self.stop.of(stop)?))
-    }
-
-    fn read_or(&self, default: &str) -> Result<(Method, Stop)> {
-        let method = self.method.as_deref().unwrap_or(default);
-        Ok((Method::parse(method, &self.settings)?, self.stop.of(Stop::default())?))
     }
 }
 

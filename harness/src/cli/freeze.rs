@@ -9,8 +9,9 @@ use std::path::PathBuf;
 
 #[derive(clap::Args)]
 #[command(
-    after_help = "With friction the time steps before are solved as `gravel solve` has them: by cg in at most 5000 iterations,
-or between spheres by nsgs in at most 500 sweeps. Those that do not converge are counted in the problem's source."
+    after_help = "Without --method the time steps before are solved as `gravel solve CASE` solves them: by cg with the \
+                  preconditioner `diagonal`, with friction in at most 5000 iterations; with friction between spheres by \
+                  nsgs in at most 500 sweeps. The problem's source says how many did not converge."
 )]
 pub(crate) struct Args {
     /// A case: its name, or the path of its file

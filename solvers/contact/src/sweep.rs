@@ -59,9 +59,9 @@ impl<M: Mechanics> Row<M> {
     }
 }
 
-/// Visits that are made together where no two of them share a grain: a processor finds more to do in all of them at a time than in
-/// one, which is a chain of operations of which each waits for the one before. On 8,476 contacts between spheres with friction a visit
-/// takes 17.4 ns instead of 21.7, by four 18.9, by sixteen 18.3.
+/// How many visits are made at a time, where no two of them share a grain. A visit is a chain of operations, each of which waits for
+/// the one before; a processor that has several of them at hand waits less. On 8,476 contacts between spheres with friction a visit
+/// takes 17.4 ns, alone 21.7, in fours 18.9, in sixteens 18.3.
 const TOGETHER: usize = 8;
 
 /// Contacts in the order of a sweep, with their impulses and the velocities of their grains.
@@ -76,7 +76,7 @@ pub struct Sweep<M: Mechanics = Discs> {
     pub s: Vec<M::Impulse>,
     /// y = M^½ (`V_free` + M⁻¹ H r) (√J), in places of its own.
     pub y: Vec<M::Velocity>,
-    /// Whether no two of each [`TOGETHER`] rows share a grain; empty where a visit is too short for that to be faster.
+    /// Whether no two of each [`TOGETHER`] rows share a grain; empty where visits are faster alone.
     apart: Vec<bool>,
 }
 
@@ -127,7 +127,7 @@ impl<M: Mechanics> Sweep<M> {
             sweep.unit.push(unit);
             sweep.s.push(unit.with(M::Impulse::at(r0, k as usize), |unit, r| unit * r));
         }
-        // Without friction in the plane a visit is all loads and stores.
+        // In the plane without friction a visit takes 2.3 ns alone, and 2.6 in eights.
         if M::Velocity::LEN > 2 {
             sweep.apart = ends.chunks(TOGETHER).map(are_apart).collect();
         }
@@ -176,7 +176,7 @@ fn in_turn<M: Mechanics>(rows: &[Row<M>], s: &mut [M::Impulse], y: &mut [M::Velo
     }
 }
 
-/// The same of rows that share no grain.
+/// The same for rows that share no grain: all look before any of them pushes.
 #[inline(always)]
 fn together<M: Mechanics>(
     rows: &[Row<M>; TOGETHER],
