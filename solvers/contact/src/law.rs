@@ -1,5 +1,6 @@
 //! The contact law, eq. (2): 0 ≤ v ⊥ r ≥ 0, as a fixed point; and maxima that do not hide a NaN.
 
+use crate::lanes::Lanes;
 use nalgebra::SVector;
 
 /// max(0, s), the projection on admissible impulses, which hands a NaN on instead of hiding it as `f64::max` does.
@@ -18,9 +19,9 @@ pub fn update(r: f64, v: f64, inverse_delassus: f64, relaxation: f64) -> f64 {
 /// r⁺ − r = max(−r, −ω v) of [`update`] where `W_αα` = 1, which waits for v one addition less; r plus this is NaN where r or v
 /// is.
 #[inline]
-pub fn change(r: f64, v: f64, relaxation: f64) -> f64 {
-    let change = -relaxation * v;
-    if -r > change { -r } else { change }
+pub fn change<N: Lanes>(r: N, v: N, relaxation: f64) -> N {
+    let change = v.all(-relaxation) * v;
+    N::where_greater([-r, change], || -r, change)
 }
 
 /// s, or the nearest value of at most `bound` in size, which is not negative; a NaN is handed on.

@@ -6,6 +6,7 @@
 pub mod adjacency;
 mod discs;
 mod error;
+pub mod lanes;
 pub mod law;
 mod measure;
 mod measures;

@@ -5,7 +5,9 @@
 
 use crate::error::shown;
 use crate::scaled::unscale;
+use crate::sweep::{Row, TOGETHER, look_then_push};
 use nalgebra::{ArrayStorage, SVector};
+use pulp::Simd;
 use std::fmt::Debug;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, Index, Mul, Neg, Sub, SubAssign};
@@ -303,6 +305,18 @@ pub trait Column<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     /// s⁺ − s, where `W_αα` = 1 and with the relaxation ω (–), of the impulse that solves the law at the contact when all others are
     /// kept.
     fn change(&self, s: M::Impulse, v: M::Impulse, relaxation: f64) -> M::Impulse;
+
+    /// Visits of contacts that share no grain, with the bits that they have one after the other.
+    #[inline]
+    fn visit<S: Simd>(
+        _: S,
+        rows: &[Row<M>; TOGETHER],
+        s: &mut [M::Impulse; TOGETHER],
+        y: &mut [M::Velocity],
+        relaxation: f64,
+    ) {
+        look_then_push(rows, s, y, relaxation);
+    }
 
     /// s − s⁺ of the natural map, in a form that does not cancel where s is large; a bound is that of the normal part of s itself.
     fn residual(&self, s: M::Impulse, v: M::Impulse) -> M::Impulse;

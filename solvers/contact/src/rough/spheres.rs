@@ -2,13 +2,15 @@
 //!
 //! `v_t` = Tᵗ (`V_i` − `V_j` − (`R_i` `ω_i` + `R_j` `ω_j`) × n), with T = [t₁ t₂] of a frame chosen from n alone.
 
-#![expect(clippy::inline_always, reason = "a call for each contact would cost a sweep a third of its time")]
+mod column;
 
-use super::{RoughContact, RoughMass, RoughMeter, Rubbing};
+pub use column::SphereColumn;
+
+use super::{RoughContact, RoughMass, RoughMeter};
 use crate::discs::{Contact, Spheres};
 use crate::error::{ProblemError, is_not_negative};
 use crate::law;
-use crate::mechanics::{Column, Mass, Mechanics, Touch};
+use crate::mechanics::{Mass, Mechanics, Touch};
 use crate::problem::ContactProblem;
 use nalgebra::{Vector3, Vector6};
 
@@ -87,15 +89,6 @@ impl Mass<Vector6<f64>> for RoughMass {
     }
 }
 
-/// The tangential part of an impulse, [0, s₁, s₂] of [s, s₁, s₂], or the nearest one of at most `bound` in size.
-#[inline]
-fn clipped(s: Vector3<f64>, bound: f64) -> Vector3<f64> {
-    let squared = s.y * s.y + s.z * s.z;
-    // A NaN is handed on.
-    let factor = if squared > bound * bound { bound / squared.sqrt() } else { 1.0 };
-    Vector3::new(0.0, factor * s.y, factor * s.z)
-}
-
 impl RoughContact<3> {
     /// Hᵗ V of one grain, with the sign of its translation (m/s).
     fn of_grain(&self, v: &Vector6<f64>, arm: f64, sign: f64) -> Vector3<f64> {
@@ -156,9 +149,8 @@ impl Touch<RoughSpheres> for RoughContact<3> {
 
     fn admissible(&self, r: Vector3<f64>, v: Vector3<f64>, diagonal: Vector3<f64>) -> Vector3<f64> {
         let moved = r - v.component_div(&diagonal);
-        let mut plus = clipped(moved, self.friction * law::non_negative(r.x));
-        plus.x = law::non_negative(moved.x);
-        plus
+        let [first, second] = column::clipped([moved.y, moved.z], self.friction * law::non_negative(r.x));
+        Vector3::new(law::non_negative(moved.x), first, second)
     }
 
     fn is_admissible(&self, r: Vector3<f64>) -> bool {
@@ -187,132 +179,5 @@ impl ContactProblem<RoughSpheres> {
             self.free_velocity().iter().map(|v| parts(v)[0]).collect(),
             self.contacts().iter().map(contact).collect(),
         )
-    }
-}
-
-/// The three columns of H̃ of a contact: along its normal, and along its tangents with the spins.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SphereColumn {
-    candidate: u32,
-    /// At a wall the candidate itself, which a ratio and an arm of 0 leave out.
-    antagonist: u32,
-    /// n (–).
-    normal: Vector3<f64>,
-    /// t₁ and t₂ of its frame, which a visit would take longer to make anew (–).
-    tangents: [Vector3<f64>; 2],
-    /// 1/√(`m_candidate` `w_n`), and of `w_t` (–).
-    roots: [f64; 2],
-    /// √(`m_candidate`/`m_antagonist`) (–); 0 at a wall.
-    ratio: f64,
-    /// `R_i`/√(`I_i` `w_t`), and of j likewise (–); 0 at a wall.
-    arms: [f64; 2],
-    /// μ √(`w_t`/`w_n`) (–): a circular cone stays circular.
-    friction: f64,
-}
-
-impl SphereColumn {
-    /// The places of candidate and antagonist; at a wall twice that of the candidate.
-    #[inline]
-    pub fn places(&self) -> [u32; 2] {
-        [self.candidate, self.antagonist]
-    }
-
-    /// μ √(`w_t`/`w_n`) (–).
-    #[inline]
-    pub fn friction(&self) -> f64 {
-        self.friction
-    }
-
-    /// h̃ s of an impulse s at the candidate and at the antagonist: 0 at a wall.
-    #[inline]
-    pub fn at_ends(&self, s: Vector3<f64>) -> [Vector6<f64>; 2] {
-        let [push, turn] = self.pushes(s);
-        [joined(push, turn * self.arms[0]), joined(push * -self.ratio, turn * self.arms[1])]
-    }
-
-    /// What an impulse does to both: the translation of the candidate, and the turn of which each takes its arm.
-    #[inline]
-    fn pushes(&self, s: Vector3<f64>) -> [Vector3<f64>; 2] {
-        let [first, second] = self.tangents;
-        let along = first * s.y + second * s.z;
-        [self.normal * (self.roots[0] * s.x) + along * self.roots[1], along.cross(&self.normal)]
-    }
-}
-
-impl Column<RoughSpheres> for SphereColumn {
-    fn new(
-        contact: &RoughContact<3>,
-        places: (u32, Option<u32>),
-        inverse_mass: impl Fn(u32) -> RoughMass,
-        scaled: bool,
-    ) -> (Self, Vector3<f64>) {
-        let none = RoughMass { mass: 0.0, inertia: 0.0 };
-        let i = inverse_mass(contact.candidate);
-        let j = contact.antagonist.map_or(none, &inverse_mass);
-        let unit = if scaled { contact.diagonal(inverse_mass).map(f64::sqrt) } else { Vector3::repeat(1.0) };
-        let root = i.mass.sqrt();
-        let column = Self {
-            candidate: places.0,
-            antagonist: places.1.unwrap_or(places.0),
-            normal: contact.normal,
-            tangents: frame(&contact.normal),
-            roots: [root / unit.x, root / unit.y],
-            ratio: j.mass.sqrt() / root,
-            arms: [contact.arms.x * i.inertia.sqrt() / unit.y, contact.arms.y * j.inertia.sqrt() / unit.y],
-            friction: contact.friction * (unit.y / unit.x),
-        };
-        (column, unit)
-    }
-
-    #[inline(always)]
-    fn relative(&self, y: &[Vector6<f64>]) -> Vector3<f64> {
-        RoughSpheres::between(self, [y[self.candidate as usize], y[self.antagonist as usize]])
-    }
-
-    #[inline(always)]
-    fn push(&self, s: Vector3<f64>, y: &mut [Vector6<f64>]) {
-        let [candidate, antagonist] = self.at_ends(s);
-        y[self.candidate as usize] += candidate;
-        y[self.antagonist as usize] += antagonist;
-    }
-
-    /// `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`) to the disc of that radius: the two lines
-    /// solve (2′), since `W_αα` is diagonal and the same along both tangents.
-    #[inline]
-    fn change(&self, s: Vector3<f64>, v: Vector3<f64>, relaxation: f64) -> Vector3<f64> {
-        let normal = law::change(s.x, v.x, relaxation);
-        let along = clipped(s - v * relaxation, self.friction * (s.x + normal));
-        Vector3::new(normal, along.y - s.y, along.z - s.z)
-    }
-
-    #[inline]
-    fn residual(&self, s: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
-        let normal = if v.x >= s.x { s.x } else { v.x };
-        let (bound, moved) = (self.friction * law::non_negative(s.x), s - v);
-        let sticks = moved.y * moved.y + moved.z * moved.z <= bound * bound;
-        let mut left = if sticks { v } else { s - clipped(moved, bound) };
-        left.x = normal;
-        left
-    }
-}
-
-impl Rubbing for RoughSpheres {
-    fn places(column: &SphereColumn) -> [u32; 2] {
-        column.places()
-    }
-
-    #[inline]
-    fn between(column: &SphereColumn, [i, j]: [Vector6<f64>; 2]) -> Vector3<f64> {
-        let ([v_i, spin_i], [v_j, spin_j]) = (parts(&i), parts(&j));
-        let apart = v_i - v_j * column.ratio;
-        let spins = spin_i * column.arms[0] + spin_j * column.arms[1];
-        let slip = apart * column.roots[1] - spins.cross(&column.normal);
-        let [first, second] = column.tangents;
-        Vector3::new(column.roots[0] * column.normal.dot(&apart), first.dot(&slip), second.dot(&slip))
-    }
-
-    fn push_at(column: &SphereColumn, grain: u32, s: Vector3<f64>) -> Vector6<f64> {
-        let [candidate, antagonist] = column.at_ends(s);
-        if grain == column.candidate { candidate } else { antagonist }
     }
 }

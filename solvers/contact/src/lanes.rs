@@ -1,0 +1,140 @@
+//! Numbers in which the equations of a visit are written once: for one contact, or for four at once.
+
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined where the processor's instructions are chosen does not get them"
+)]
+
+use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign, Scalar, Vector3};
+use pulp::{Simd, bytemuck};
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// A number, or several, on each of which every operation has the result that it has on that one alone.
+pub trait Lanes:
+    Scalar + Copy + ClosedAddAssign + ClosedSubAssign + ClosedMulAssign + ClosedDivAssign + Neg<Output = Self>
+{
+    /// √.
+    #[must_use]
+    fn root(self) -> Self;
+
+    /// `x`, as many times as there are numbers here.
+    #[must_use]
+    fn all(self, x: f64) -> Self;
+
+    /// What `then` returns where a > b, else `or`.
+    #[must_use]
+    fn where_greater(ab: [Self; 2], then: impl FnOnce() -> Self, or: Self) -> Self;
+}
+
+impl Lanes for f64 {
+    #[inline(always)]
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+
+    #[inline(always)]
+    fn all(self, x: f64) -> Self {
+        x
+    }
+
+    #[inline(always)]
+    fn where_greater([a, b]: [Self; 2], then: impl FnOnce() -> Self, or: Self) -> Self {
+        if a > b { then() } else { or }
+    }
+}
+
+/// Four numbers, on a processor whose instructions take as many: [`Simd::F64_LANES`] is 4.
+#[derive(Clone, Copy, Debug)]
+pub struct Four<S: Simd> {
+    simd: S,
+    of: S::f64s,
+}
+
+impl<S: Simd> Four<S> {
+    /// The numbers `of` 0 to 3.
+    #[inline(always)]
+    pub fn new(simd: S, of: impl Fn(usize) -> f64) -> Self {
+        Self { simd, of: bytemuck::cast([of(0), of(1), of(2), of(3)]) }
+    }
+
+    /// Four vectors: component n of vector k is `of` k and n.
+    #[inline(always)]
+    pub fn vector(simd: S, of: impl Fn(usize, usize) -> f64) -> Vector3<Self> {
+        Vector3::new(
+            Self::new(simd, |k| of(k, 0)),
+            Self::new(simd, |k| of(k, 1)),
+            Self::new(simd, |k| of(k, 2)),
+        )
+    }
+
+    /// The four vectors one by one.
+    #[inline(always)]
+    pub fn apart(of: Vector3<Self>) -> [Vector3<f64>; 4] {
+        let (x, y, z) = (of.x.numbers(), of.y.numbers(), of.z.numbers());
+        let vector = |k: usize| Vector3::new(x[k], y[k], z[k]);
+        [vector(0), vector(1), vector(2), vector(3)]
+    }
+
+    #[inline(always)]
+    fn numbers(self) -> [f64; 4] {
+        bytemuck::cast(self.of)
+    }
+}
+
+impl<S: Simd> PartialEq for Four<S> {
+    fn eq(&self, other: &Self) -> bool {
+        self.numbers() == other.numbers()
+    }
+}
+
+impl<S: Simd> Lanes for Four<S> {
+    #[inline(always)]
+    fn root(self) -> Self {
+        Self { of: self.simd.sqrt_f64s(self.of), ..self }
+    }
+
+    #[inline(always)]
+    fn all(self, x: f64) -> Self {
+        Self { of: self.simd.splat_f64s(x), ..self }
+    }
+
+    #[inline(always)]
+    fn where_greater([a, b]: [Self; 2], then: impl FnOnce() -> Self, or: Self) -> Self {
+        let greater = a.simd.greater_than_f64s(a.of, b.of);
+        Self { of: a.simd.select_f64s(greater, then().of, or.of), ..a }
+    }
+}
+
+impl<S: Simd> Neg for Four<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { of: self.simd.neg_f64s(self.of), ..self }
+    }
+}
+
+macro_rules! operation {
+    ($operator:ident::$of:ident, $assigned:ident::$assign:ident, $on_all:ident) => {
+        impl<S: Simd> $operator for Four<S> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $of(self, other: Self) -> Self {
+                Self { of: self.simd.$on_all(self.of, other.of), ..self }
+            }
+        }
+
+        impl<S: Simd> $assigned for Four<S> {
+            #[inline(always)]
+            fn $assign(&mut self, other: Self) {
+                *self = (*self).$of(other);
+            }
+        }
+    };
+}
+
+operation!(Add::add, AddAssign::add_assign, add_f64s);
+operation!(Sub::sub, SubAssign::sub_assign, sub_f64s);
+operation!(Mul::mul, MulAssign::mul_assign, mul_f64s);
+operation!(Div::div, DivAssign::div_assign, div_f64s);

@@ -1,0 +1,241 @@
+//! A contact between spheres with friction in mass-scaled unknowns: 168 bytes.
+
+#![expect(clippy::inline_always, reason = "a call for each contact would cost a sweep a third of its time")]
+
+use super::{RoughContact, RoughMass, RoughSpheres, frame, joined, parts};
+use crate::lanes::{Four, Lanes};
+use crate::law;
+use crate::mechanics::{Column, Touch};
+use crate::rough::Rubbing;
+use crate::sweep::{Row, TOGETHER, look_then_push};
+use nalgebra::{Vector3, Vector6};
+use pulp::Simd;
+
+/// The three columns of H̃ of a contact: along its normal, and along its tangents with the spins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SphereColumn {
+    candidate: u32,
+    /// At a wall the candidate itself, which a ratio and an arm of 0 leave out.
+    antagonist: u32,
+    of: Columns,
+}
+
+/// What the equations of a contact are made of; or of four, where `N` is [`Four`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Columns<N = f64> {
+    /// n (–).
+    normal: Vector3<N>,
+    /// t₁ and t₂ of its frame, which a visit would take longer to make anew (–).
+    tangents: [Vector3<N>; 2],
+    /// 1/√(`m_candidate` `w_n`), and of `w_t` (–).
+    roots: [N; 2],
+    /// √(`m_candidate`/`m_antagonist`) (–); 0 at a wall.
+    ratio: N,
+    /// `R_i`/√(`I_i` `w_t`), and of j likewise (–); 0 at a wall.
+    arms: [N; 2],
+    /// μ √(`w_t`/`w_n`) (–): a circular cone stays circular.
+    friction: N,
+}
+
+#[inline(always)]
+fn dot<N: Lanes>(a: &Vector3<N>, b: &Vector3<N>) -> N {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+/// The tangential part of an impulse, or the nearest one of at most `bound` in size.
+#[inline(always)]
+pub(super) fn clipped<N: Lanes>([first, second]: [N; 2], bound: N) -> [N; 2] {
+    let squared = first * first + second * second;
+    // A NaN is handed on.
+    let factor = N::where_greater([squared, bound * bound], || bound / squared.root(), bound.all(1.0));
+    [factor * first, factor * second]
+}
+
+impl<N: Lanes> Columns<N> {
+    /// H̃ᵗ y of [translation, spin] in the y of candidate and antagonist; the latter counts for nothing at a wall.
+    #[inline(always)]
+    fn between(&self, [[v_i, spin_i], [v_j, spin_j]]: [[Vector3<N>; 2]; 2]) -> Vector3<N> {
+        let apart = v_i - v_j * self.ratio;
+        let spins = spin_i * self.arms[0] + spin_j * self.arms[1];
+        let slip = apart * self.roots[1] - spins.cross(&self.normal);
+        let [first, second] = &self.tangents;
+        Vector3::new(self.roots[0] * dot(&self.normal, &apart), dot(first, &slip), dot(second, &slip))
+    }
+
+    /// `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`) to the disc of that radius: the two lines
+    /// solve (2′), since `W_αα` is diagonal and the same along both tangents.
+    #[inline(always)]
+    fn change(&self, s: Vector3<N>, v: Vector3<N>, relaxation: f64) -> Vector3<N> {
+        let normal = law::change(s.x, v.x, relaxation);
+        let moved = s - v * v.x.all(relaxation);
+        let [first, second] = clipped([moved.y, moved.z], self.friction * (s.x + normal));
+        Vector3::new(normal, first - s.y, second - s.z)
+    }
+
+    /// h̃ s of an impulse s, as [translation, spin] of the candidate and of the antagonist: 0 at a wall.
+    #[inline(always)]
+    fn at_ends(&self, s: Vector3<N>) -> [[Vector3<N>; 2]; 2] {
+        let [first, second] = self.tangents;
+        let along = first * s.y + second * s.z;
+        let push = self.normal * (self.roots[0] * s.x) + along * self.roots[1];
+        let turn = along.cross(&self.normal);
+        [[push, turn * self.arms[0]], [push * -self.ratio, turn * self.arms[1]]]
+    }
+}
+
+impl<S: Simd> Columns<Four<S>> {
+    #[inline(always)]
+    fn new(simd: S, rows: &[Row<RoughSpheres>; 4]) -> Self {
+        let of = |k: usize| &rows[k].column.of;
+        Self {
+            normal: Four::vector(simd, |k, n| of(k).normal[n]),
+            tangents: [
+                Four::vector(simd, |k, n| of(k).tangents[0][n]),
+                Four::vector(simd, |k, n| of(k).tangents[1][n]),
+            ],
+            roots: [Four::new(simd, |k| of(k).roots[0]), Four::new(simd, |k| of(k).roots[1])],
+            ratio: Four::new(simd, |k| of(k).ratio),
+            arms: [Four::new(simd, |k| of(k).arms[0]), Four::new(simd, |k| of(k).arms[1])],
+            friction: Four::new(simd, |k| of(k).friction),
+        }
+    }
+}
+
+impl SphereColumn {
+    /// The places of candidate and antagonist; at a wall twice that of the candidate.
+    #[inline]
+    pub fn places(&self) -> [u32; 2] {
+        [self.candidate, self.antagonist]
+    }
+
+    /// μ √(`w_t`/`w_n`) (–).
+    #[inline]
+    pub fn friction(&self) -> f64 {
+        self.of.friction
+    }
+
+    /// h̃ s of an impulse s at the candidate and at the antagonist: 0 at a wall.
+    #[inline]
+    pub fn at_ends(&self, s: Vector3<f64>) -> [Vector6<f64>; 2] {
+        self.of.at_ends(s).map(|[translation, spin]| joined(translation, spin))
+    }
+}
+
+impl Column<RoughSpheres> for SphereColumn {
+    fn new(
+        contact: &RoughContact<3>,
+        places: (u32, Option<u32>),
+        inverse_mass: impl Fn(u32) -> RoughMass,
+        scaled: bool,
+    ) -> (Self, Vector3<f64>) {
+        let none = RoughMass { mass: 0.0, inertia: 0.0 };
+        let i = inverse_mass(contact.candidate);
+        let j = contact.antagonist.map_or(none, &inverse_mass);
+        let unit = if scaled { contact.diagonal(inverse_mass).map(f64::sqrt) } else { Vector3::repeat(1.0) };
+        let root = i.mass.sqrt();
+        let of = Columns {
+            normal: contact.normal,
+            tangents: frame(&contact.normal),
+            roots: [root / unit.x, root / unit.y],
+            ratio: j.mass.sqrt() / root,
+            arms: [contact.arms.x * i.inertia.sqrt() / unit.y, contact.arms.y * j.inertia.sqrt() / unit.y],
+            friction: contact.friction * (unit.y / unit.x),
+        };
+        (Self { candidate: places.0, antagonist: places.1.unwrap_or(places.0), of }, unit)
+    }
+
+    #[inline(always)]
+    fn relative(&self, y: &[Vector6<f64>]) -> Vector3<f64> {
+        RoughSpheres::between(self, [y[self.candidate as usize], y[self.antagonist as usize]])
+    }
+
+    #[inline(always)]
+    fn push(&self, s: Vector3<f64>, y: &mut [Vector6<f64>]) {
+        let [candidate, antagonist] = self.at_ends(s);
+        y[self.candidate as usize] += candidate;
+        y[self.antagonist as usize] += antagonist;
+    }
+
+    #[inline]
+    fn change(&self, s: Vector3<f64>, v: Vector3<f64>, relaxation: f64) -> Vector3<f64> {
+        self.of.change(s, v, relaxation)
+    }
+
+    #[inline(always)]
+    fn visit<S: Simd>(
+        simd: S,
+        rows: &[Row<RoughSpheres>; TOGETHER],
+        s: &mut [Vector3<f64>; TOGETHER],
+        y: &mut [Vector6<f64>],
+        relaxation: f64,
+    ) {
+        if S::F64_LANES != 4 {
+            return look_then_push(rows, s, y, relaxation);
+        }
+        for (rows, s) in rows.as_chunks().0.iter().zip(s.as_chunks_mut().0) {
+            visit_four(simd, rows, s, y, relaxation);
+        }
+    }
+
+    #[inline]
+    fn residual(&self, s: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
+        let normal = if v.x >= s.x { s.x } else { v.x };
+        let (bound, moved) = (self.of.friction * law::non_negative(s.x), s - v);
+        if moved.y * moved.y + moved.z * moved.z <= bound * bound {
+            return Vector3::new(normal, v.y, v.z);
+        }
+        let [first, second] = clipped([moved.y, moved.z], bound);
+        Vector3::new(normal, s.y - first, s.z - second)
+    }
+}
+
+/// Three components of each of four velocities.
+#[inline(always)]
+fn part<'y, S: Simd>(simd: S, from: usize, of: impl Fn(usize) -> &'y Vector6<f64>) -> Vector3<Four<S>> {
+    Four::vector(simd, |k, n| of(k)[from + n])
+}
+
+/// Four visits at once.
+#[inline(always)]
+fn visit_four<S: Simd>(
+    simd: S,
+    rows: &[Row<RoughSpheres>; 4],
+    s: &mut [Vector3<f64>; 4],
+    y: &mut [Vector6<f64>],
+    relaxation: f64,
+) {
+    let i = |k: usize| rows[k].column.candidate as usize;
+    let j = |k: usize| rows[k].column.antagonist as usize;
+    let columns = Columns::new(simd, rows);
+    let ends = [
+        [part(simd, 0, |k| &y[i(k)]), part(simd, 3, |k| &y[i(k)])],
+        [part(simd, 0, |k| &y[j(k)]), part(simd, 3, |k| &y[j(k)])],
+    ];
+    let v = columns.between(ends) + Four::vector(simd, |k, n| rows[k].offset[n]);
+    let before = Four::vector(simd, |k, n| s[k][n]);
+    let change = columns.change(before, v, relaxation);
+    *s = Four::apart(before + change);
+    let [[push_i, turn_i], [push_j, turn_j]] = columns.at_ends(change);
+    let of_i = (Four::apart(push_i), Four::apart(turn_i));
+    let of_j = (Four::apart(push_j), Four::apart(turn_j));
+    for k in 0..4 {
+        y[i(k)] += joined(of_i.0[k], of_i.1[k]);
+        y[j(k)] += joined(of_j.0[k], of_j.1[k]);
+    }
+}
+
+impl Rubbing for RoughSpheres {
+    fn places(column: &SphereColumn) -> [u32; 2] {
+        column.places()
+    }
+
+    #[inline]
+    fn between(column: &SphereColumn, ends: [Vector6<f64>; 2]) -> Vector3<f64> {
+        column.of.between(ends.map(|y| parts(&y)))
+    }
+
+    fn push_at(column: &SphereColumn, grain: u32, s: Vector3<f64>) -> Vector6<f64> {
+        let [candidate, antagonist] = column.at_ends(s);
+        if grain == column.candidate { candidate } else { antagonist }
+    }
+}
