@@ -124,6 +124,9 @@ fn exponents_are_those_of_runs_that_converged_on_three_sizes() {
         Run { status: "iteration-limit".into(), ..sized(3, "nsgs", 100_000, 7) },
         // A proof that there is no solution is no failure.
         Run { problem: "wedge".into(), end: end(sample(9, 1.0, f64::NAN)), ..run(4, "cg", "", "infeasible") },
+        sized(5, "jacobi", 10, 1001),
+        sized(6, "jacobi", 1000, 1000),
+        sized(7, "jacobi", 100_000, 1000),
     ];
     let read = |runs: &[Run]| files(&size::parts(&study(runs, &[])));
     let fitted = read(&runs);
@@ -131,8 +134,10 @@ fn exponents_are_those_of_runs_that_converged_on_three_sizes() {
     assert!(rows[0].starts_with("nsgs,4,1,0.0,1.5,") && rows[1].starts_with("cg,1,0,,"), "{rows:?}");
     let svg = text(&fitted, "size.svg");
     assert!(svg.contains("nsgs (0.00, 1.50, 0.00)") && svg.contains("fitted to 3 sizes or more"), "{svg}");
+    assert!(svg.contains("jacobi (") && !svg.contains("−0.00"), "no zero has a sign: {svg}");
     assert!(svg.contains("∝ √n") && svg.contains("∝ n"), "slopes to compare with: {svg}");
     // Through two sizes every power goes.
+    runs.truncate(5);
     runs.remove(1);
     let joined = read(&runs);
     assert!(text(&joined, "size.csv").contains("nsgs,3,1,,,"), "{}", text(&joined, "size.csv"));
