@@ -8,8 +8,11 @@ use crate::read::{Ending, Problems, RunRow, Verdicts, count, counted, number, pr
 use crate::text::found::comparable;
 
 /// What more subdomains cost in iterations, if that is asked and varied; else which methods are right in every run. Then who is
-/// first in time. Nothing of a study with a single method.
+/// first in time. Nothing of a study with a single method. Where runs were to go on to their limit, what an iteration takes.
 pub(crate) fn answer(study: &Problems, of_subdomains: bool) -> Vec<String> {
+    if study.runs.iter().all(|run| run.tolerance == Some(0.0)) {
+        return an_iteration(&study.runs).into_iter().collect();
+    }
     let mut methods: Vec<&str> = Vec::new();
     for run in &study.runs {
         if !methods.contains(&run.method.as_str()) {
@@ -27,6 +30,22 @@ pub(crate) fn answer(study: &Problems, of_subdomains: bool) -> Vec<String> {
         sentences.extend(first_in_time(&study.runs));
     }
     sentences
+}
+
+/// What an iteration takes on the largest problem, by each kind of run.
+fn an_iteration(runs: &[RunRow]) -> Option<String> {
+    let largest = runs.iter().max_by_key(|run| run.contacts)?;
+    let on_it = runs.iter().filter(|run| run.problem == largest.problem && run.iterations > 0);
+    let taken = on_it.filter_map(|run| {
+        let on = match run.exchange.ranks {
+            1 => counted(run.provenance.threads as usize, "thread"),
+            ranks => counted(ranks as usize, "rank"),
+        };
+        let seconds = run.iterating_s? / run.iterations as f64;
+        Some(format!("{} s with {} on {on}", number(seconds, 2), run.label()))
+    });
+    let taken: Vec<String> = taken.collect();
+    (!taken.is_empty()).then(|| format!("An iteration on {}: {}.", largest.problem, taken.join(", ")))
 }
 
 /// The methods of which every run converged or proved that there is no solution, and the one that fails most often. A run that was

@@ -107,3 +107,20 @@ fn a_run_that_was_skipped_did_not_fail() {
     );
     assert_eq!(told[1], "Most often not: nsgs, in 1 of 2\u{a0}runs.");
 }
+
+#[test]
+fn where_nothing_was_to_be_reached_an_iteration_is_timed() {
+    let endless = |i: u32, method: &str, ranks: u32| {
+        let mut run =
+            Run { iterations: 10, iterating_s: 0.5, tolerance: 0.0, ..run(i, method, "", "iteration-limit") };
+        run.exchange.ranks = ranks;
+        run
+    };
+    let mut runs = vec![endless(0, "cg", 1), endless(1, "nsgs-dd", 4)];
+    runs.push(Run { problem: "small".into(), contacts: 0, ..endless(2, "cg", 1) });
+    let problem = runs[0].problem.clone();
+    let expected = format!(
+        "An iteration on {problem}: 0.050 s with cg on 1\u{a0}thread, 0.050 s with nsgs-dd on 4\u{a0}ranks."
+    );
+    assert_eq!(answered(&runs), [expected]);
+}
