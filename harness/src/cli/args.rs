@@ -222,7 +222,7 @@ impl SolverArgs {
         self.or((Method::parse(method, &[])?, Stop::default()))
     }
 
-    /// The method, or else this one; it stops as given here, but for what an argument says.
+    /// The method, or else this one; it stops as given here, unless an argument says otherwise.
     pub(crate) fn or(&self, (method, stop): (Method, Stop)) -> Result<(Method, Stop)> {
         let method = match &self.method {
             None if self.settings.is_empty() => method,

@@ -195,7 +195,7 @@ fn panel(
     let frame = room.frame(canvas, (scale, x, name), (Scale::Share, y, "friction τ/σ of the packing (–)"));
     let mut values = unique(shown.iter().map(|(_, x)| *x));
     values.sort_by(f64::total_cmp);
-    let rank = |x: f64| values.iter().position(|value| *value == x);
+    let rank = |x: f64| values.partition_point(|value| *value < x);
     for (n, (label, look)) in looks.iter().enumerate() {
         let beside = (n as f64 - 0.5 * (looks.len() - 1) as f64) * APART * (x.1 - x.0);
         let mut points: Vec<(f64, &Flow)> = shown
@@ -206,7 +206,7 @@ fn panel(
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let place = |x: f64, friction: f64| frame.place((x + beside, friction));
         // A line does not pass over a place where others stand and this method does not.
-        for joined in points.chunk_by(|a, b| rank(b.0) == rank(a.0).map(|rank| rank + 1)) {
+        for joined in points.chunk_by(|a, b| rank(b.0) == rank(a.0) + 1) {
             let places: Vec<Place> = joined.iter().map(|(x, flow)| place(*x, flow.friction)).collect();
             canvas.line(&places, look.pen);
         }
@@ -246,6 +246,7 @@ fn sentences(all: &[Simulation], sheared: &[Sheared], (missed, telling): (usize,
         };
         let same = tolerances.iter().copied().take_while(|tolerance| off(*tolerance) <= sure).last();
         let loosest = tolerances[tolerances.len() - 1];
+        let far = tolerances.iter().copied().find(|tolerance| off(*tolerance) > sure).unwrap_or(loosest);
         let found = match same {
             _ if tolerances.len() == 1 => "no other tolerance was met".to_owned(),
             Some(same) if same == loosest => {
@@ -254,14 +255,10 @@ fn sentences(all: &[Simulation], sheared: &[Sheared], (missed, telling): (usize,
             Some(same) if same > tolerances[0] => format!(
                 "a tolerance of {} is enough; one of {} is off by {}",
                 number(same, 2),
-                number(loosest, 2),
-                number(off(loosest), 2)
+                number(far, 2),
+                number(off(far), 2)
             ),
-            _ => format!(
-                "no looser tolerance stays as near; one of {} is off by {}",
-                number(loosest, 2),
-                number(off(loosest), 2)
-            ),
+            _ => format!("already one of {} is off by {}", number(far, 2), number(off(far), 2)),
         };
         text.extend([format!(
             "μ = {grains}: the packing has a friction of {} ± {} when solved to {} (mean of {}{} in the second half of the time; ±: \

@@ -87,8 +87,8 @@ fn figure(runs: &[RunRow], all: &[Series]) -> Part {
     let fitted = all.iter().any(|series| costs.iter().any(|cost| exponent(series, cost).is_some()));
     let label = |series: &Series| {
         let text = |cost: &&Panel| {
-            let rounded = exponent(series, cost).map(|e| (100.0 * e).round() / 100.0 + 0.0);
-            rounded.map_or("–".to_owned(), |e| format!("{e:.2}").replace('-', "−"))
+            let rounded = exponent(series, cost).map_or("–".to_owned(), |e| format!("{e:.2}"));
+            rounded.replace("-0.00", "0.00").replace('-', "−")
         };
         let exponents: Vec<String> = costs.iter().map(text).collect();
         series.label() + &if fitted { format!(" ({})", exponents.join(", ")) } else { String::new() }
@@ -102,7 +102,7 @@ fn figure(runs: &[RunRow], all: &[Series]) -> Part {
     signs.extend(endings(shown().map(|run| run.ending).filter(|ending| *ending != Ending::Converged)));
     let legend = Legend::new(entries, signs, INSIDE);
     let counts = format!(
-        "{}, {}, {} of n grains",
+        "{}, {}, {}, of n grains",
         counted(problems(runs).len(), "problem"),
         counted(shown().count(), "run"),
         counted(sizes.len(), "size"),

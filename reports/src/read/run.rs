@@ -8,6 +8,7 @@ use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot};
 use serde_json::{Map, Value};
 
+use crate::draw::METHODS;
 use crate::read::{Ending, counted, number};
 
 /// A run with all that is stored of it, and what is read from that; a number that is undefined there is `None` here.
@@ -150,20 +151,19 @@ impl Point {
     }
 }
 
-/// A variant that is the value of one setting, such as `0.5` or `false`, or the name of one of the `methods`, says of which:
-/// `relaxation=0.5`, `no polish`, `start=cg`.
+/// A variant that is the value of one setting, such as `0.5` or `false`, or the name of a method, says of which: `relaxation=0.5`,
+/// `no polish`, `start=cg`.
 pub(crate) fn words(
     variant: &str,
     (method, settings): (&str, &Map<String, Value>),
     differing: &BTreeSet<(String, String)>,
-    methods: &BTreeSet<String>,
 ) -> String {
     let (value, start) = variant.find(',').map_or((variant, ""), |comma| variant.split_at(comma));
     let number = value.parse::<f64>().ok();
     let is = |of: &&Value| match of {
         Value::Bool(truth) => truth.to_string() == value,
         Value::Number(of) => number.is_some() && of.as_f64() == number,
-        Value::String(name) => name == value && methods.contains(name),
+        Value::String(name) => name == value && METHODS.iter().any(|(method, _)| method == name),
         _ => false,
     };
     let keys = differing.iter().filter(|(of, _)| of == method).map(|(_, key)| key);

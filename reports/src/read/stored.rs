@@ -28,9 +28,8 @@ impl From<&Runs> for Problems {
         let rows = (0..).zip(&study.records).map(|(number, record)| RunRow::of(number, record));
         let (given, mut runs): (Vec<RunRow>, Vec<RunRow>) = rows.partition(|row| row.status == GIVEN);
         let differing = differing(runs.iter().map(|run| (&run.method, &run.settings)), &[]);
-        let methods = runs.iter().map(|run| run.method.clone()).collect();
         for run in &mut runs {
-            run.words = words(&run.variant, (&run.method, &run.settings), &differing, &methods);
+            run.words = words(&run.variant, (&run.method, &run.settings), &differing);
         }
         Self { runs, given, scenes: scenes(&study.grains, &study.contacts) }
     }

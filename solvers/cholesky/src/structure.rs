@@ -62,18 +62,19 @@ impl<const D: usize> Structure<D> {
     /// # Errors
     /// Where that is not left.
     pub fn new(ends: &[(u32, Option<u32>)], order: &Order) -> Result<Arc<Self>, SetupError> {
-        let mut structure = Self::found(ends, order);
+        let mut structure = Self::analysed(ends, order);
         structure.reserved = Reserved::new((structure.stored * size_of::<f64>()) as u64)?;
         Ok(Arc::new(structure))
     }
 
-    /// Multiply-adds of a factorisation and entries of a factor that nobody makes.
+    /// Multiply-adds of a factorisation and entries of a factor, without reserving memory for it.
     pub fn cost(ends: &[(u32, Option<u32>)], order: &Order) -> (u64, usize) {
-        let structure = Self::found(ends, order);
+        let structure = Self::analysed(ends, order);
         (structure.work, structure.entries)
     }
 
-    fn found(ends: &[(u32, Option<u32>)], order: &Order) -> Self {
+    /// The structure, with no memory reserved.
+    fn analysed(ends: &[(u32, Option<u32>)], order: &Order) -> Self {
         let tree = elimination_tree(pairs(ends, order.places()), order.places().len());
         let place_of = postorder(&tree);
         let position: Vec<u32> = order.places().iter().map(|place| place_of[*place as usize]).collect();

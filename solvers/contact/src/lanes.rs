@@ -1,4 +1,4 @@
-//! Numbers in which the equations of a visit are written once: for one contact, or for four at once.
+//! Types of numbers for which the equations of a visit are written once: of one contact, or of four at once.
 
 #![expect(
     clippy::inline_always,
@@ -9,7 +9,7 @@ use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssig
 use pulp::{Simd, bytemuck};
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A number, or several, on each of which every operation has the result that it has on that one alone.
+/// One number, or several side by side, to each of which an operation does what it does to one alone.
 pub trait Lanes:
     Scalar + Copy + ClosedAddAssign + ClosedSubAssign + ClosedMulAssign + ClosedDivAssign + Neg<Output = Self>
 {
@@ -43,23 +43,23 @@ impl Lanes for f64 {
     }
 }
 
-/// Four numbers, on a processor whose instructions take as many: [`Simd::F64_LANES`] is 4.
+/// Four numbers, on a processor whose instructions take as many.
 #[derive(Clone, Copy, Debug)]
-pub struct Four<S: Simd> {
+pub(crate) struct Four<S: Simd> {
     simd: S,
-    of: S::f64s,
+    numbers: S::f64s,
 }
 
 impl<S: Simd> Four<S> {
-    /// The numbers `of` 0 to 3.
+    /// The numbers `of` 0 to 3. It panics where [`Simd::F64_LANES`] is not 4: who calls it has asked.
     #[inline(always)]
-    pub fn new(simd: S, of: impl Fn(usize) -> f64) -> Self {
-        Self { simd, of: bytemuck::cast([of(0), of(1), of(2), of(3)]) }
+    pub(crate) fn new(simd: S, of: impl Fn(usize) -> f64) -> Self {
+        Self { simd, numbers: bytemuck::cast([of(0), of(1), of(2), of(3)]) }
     }
 
     /// Four vectors: component n of vector k is `of` k and n.
     #[inline(always)]
-    pub fn vector(simd: S, of: impl Fn(usize, usize) -> f64) -> Vector3<Self> {
+    pub(crate) fn vector(simd: S, of: impl Fn(usize, usize) -> f64) -> Vector3<Self> {
         Vector3::new(
             Self::new(simd, |k| of(k, 0)),
             Self::new(simd, |k| of(k, 1)),
@@ -69,7 +69,7 @@ impl<S: Simd> Four<S> {
 
     /// The four vectors one by one.
     #[inline(always)]
-    pub fn apart(of: Vector3<Self>) -> [Vector3<f64>; 4] {
+    pub(crate) fn apart(of: Vector3<Self>) -> [Vector3<f64>; 4] {
         let (x, y, z) = (of.x.numbers(), of.y.numbers(), of.z.numbers());
         let vector = |k: usize| Vector3::new(x[k], y[k], z[k]);
         [vector(0), vector(1), vector(2), vector(3)]
@@ -77,7 +77,7 @@ impl<S: Simd> Four<S> {
 
     #[inline(always)]
     fn numbers(self) -> [f64; 4] {
-        bytemuck::cast(self.of)
+        bytemuck::cast(self.numbers)
     }
 }
 
@@ -90,18 +90,18 @@ impl<S: Simd> PartialEq for Four<S> {
 impl<S: Simd> Lanes for Four<S> {
     #[inline(always)]
     fn root(self) -> Self {
-        Self { of: self.simd.sqrt_f64s(self.of), ..self }
+        Self { numbers: self.simd.sqrt_f64s(self.numbers), ..self }
     }
 
     #[inline(always)]
     fn all(self, x: f64) -> Self {
-        Self { of: self.simd.splat_f64s(x), ..self }
+        Self { numbers: self.simd.splat_f64s(x), ..self }
     }
 
     #[inline(always)]
     fn where_greater([a, b]: [Self; 2], then: impl FnOnce() -> Self, or: Self) -> Self {
-        let greater = a.simd.greater_than_f64s(a.of, b.of);
-        Self { of: a.simd.select_f64s(greater, then().of, or.of), ..a }
+        let greater = a.simd.greater_than_f64s(a.numbers, b.numbers);
+        Self { numbers: a.simd.select_f64s(greater, then().numbers, or.numbers), ..a }
     }
 }
 
@@ -110,7 +110,7 @@ impl<S: Simd> Neg for Four<S> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { of: self.simd.neg_f64s(self.of), ..self }
+        Self { numbers: self.simd.neg_f64s(self.numbers), ..self }
     }
 }
 
@@ -121,7 +121,7 @@ macro_rules! operation {
 
             #[inline(always)]
             fn $of(self, other: Self) -> Self {
-                Self { of: self.simd.$on_all(self.of, other.of), ..self }
+                Self { numbers: self.simd.$on_all(self.numbers, other.numbers), ..self }
             }
         }
 

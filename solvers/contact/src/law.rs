@@ -18,7 +18,8 @@ pub fn update(r: f64, v: f64, inverse_delassus: f64, relaxation: f64) -> f64 {
 
 /// r⁺ − r = max(−r, −ω v) of [`update`] where `W_αα` = 1, which waits for v one addition less; r plus this is NaN where r or v
 /// is.
-#[inline]
+#[expect(clippy::inline_always, reason = "else it lacks the instructions that its caller is made for")]
+#[inline(always)]
 pub fn change<N: Lanes>(r: N, v: N, relaxation: f64) -> N {
     let change = v.all(-relaxation) * v;
     N::where_greater([-r, change], || -r, change)

@@ -306,7 +306,7 @@ pub trait Column<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     /// kept.
     fn change(&self, s: M::Impulse, v: M::Impulse, relaxation: f64) -> M::Impulse;
 
-    /// Visits of contacts that share no grain, with the bits that they have one after the other.
+    /// Visits of contacts that share no grain, with the bits of one visit after the other.
     #[inline]
     fn visit<S: Simd>(
         _: S,

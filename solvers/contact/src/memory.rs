@@ -51,7 +51,7 @@ impl Drop for Reserved {
     }
 }
 
-/// So many `bytes`, as errors show them.
+/// `bytes` in GB, as errors show them.
 pub fn gigabytes(bytes: f64) -> String {
     format!("{:.1} GB", bytes / 1e9)
 }

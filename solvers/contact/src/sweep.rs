@@ -61,9 +61,10 @@ impl<M: Mechanics> Row<M> {
 }
 
 /// How many visits are made at a time, where no two of them share a grain. A visit is a chain of operations, each of which waits for
-/// the one before; a processor that has several of them at hand waits less, and [`Column::visit`] may make them in one. On 8,476
-/// contacts between spheres with friction a visit takes 13.4 ns, in fours 15.9, in sixteens 13.0; alone, 21.7 ns.
-pub(crate) const TOGETHER: usize = 8;
+/// the one before; a processor that has several of them at hand waits less, and [`Column::visit`] may compute some at once. On 8,476
+/// contacts between spheres with friction a visit takes 13.4 ns, in fours 15.9, in sixteens 13.0, of which small subdomains have few;
+/// without AVX2 17.4; alone, 21.7.
+pub const TOGETHER: usize = 8;
 
 /// Contacts in the order of a sweep, with their impulses and the velocities of their grains.
 pub struct Sweep<M: Mechanics = Discs> {
@@ -77,7 +78,7 @@ pub struct Sweep<M: Mechanics = Discs> {
     pub s: Vec<M::Impulse>,
     /// y = M^½ (`V_free` + M⁻¹ H r) (√J), in places of its own.
     pub y: Vec<M::Velocity>,
-    /// Whether no two of each [`TOGETHER`] rows share a grain; empty where visits are faster alone.
+    /// Of each [`TOGETHER`] rows, whether no two share a grain; empty where visits are faster alone.
     apart: Vec<bool>,
 }
 
@@ -138,18 +139,22 @@ impl<M: Mechanics> Sweep<M> {
     /// Contact by contact: v = Hᵗ V + c; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
     #[inline]
     pub fn forward(&mut self, relaxation: f64) {
-        let Self { rows, s, y, apart, .. } = self;
-        if apart.is_empty() {
-            return in_turn(rows, s, y, relaxation);
-        }
-        Arch::new().dispatch(Forward { rows, s, y, apart, relaxation });
+        self.pass(relaxation, false);
     }
 
     /// The same from the last contact to the first.
     #[inline]
     pub fn backward(&mut self, relaxation: f64) {
-        for (row, s) in self.rows.iter().zip(&mut self.s).rev() {
-            row.solve(s, &mut self.y, relaxation);
+        self.pass(relaxation, true);
+    }
+
+    #[inline(always)]
+    fn pass(&mut self, relaxation: f64, backward: bool) {
+        let Self { rows, s, y, apart, .. } = self;
+        if apart.is_empty() {
+            in_turn(rows, s, y, relaxation, backward);
+        } else {
+            Arch::new().dispatch(Pass { rows, s, y, apart, relaxation, backward });
         }
     }
 
@@ -164,11 +169,24 @@ impl<M: Mechanics> Sweep<M> {
     }
 }
 
-/// One visit after the other.
+/// One visit after the other, or `backward` from the last.
 #[inline(always)]
-fn in_turn<M: Mechanics>(rows: &[Row<M>], s: &mut [M::Impulse], y: &mut [M::Velocity], relaxation: f64) {
-    for (row, s) in rows.iter().zip(s) {
-        row.solve(s, y, relaxation);
+fn in_turn<M: Mechanics>(
+    rows: &[Row<M>],
+    s: &mut [M::Impulse],
+    y: &mut [M::Velocity],
+    relaxation: f64,
+    backward: bool,
+) {
+    let visits = rows.iter().zip(s);
+    if backward {
+        for (row, s) in visits.rev() {
+            row.solve(s, y, relaxation);
+        }
+    } else {
+        for (row, s) in visits {
+            row.solve(s, y, relaxation);
+        }
     }
 }
 
@@ -190,25 +208,29 @@ pub(crate) fn look_then_push<M: Mechanics>(
     }
 }
 
-/// [`Sweep::forward`] where some visits are made at a time.
-struct Forward<'a, M: Mechanics> {
+/// A sweep in which some visits are made at a time.
+struct Pass<'a, M: Mechanics> {
     rows: &'a [Row<M>],
     s: &'a mut [M::Impulse],
     y: &'a mut [M::Velocity],
     apart: &'a [bool],
     relaxation: f64,
+    backward: bool,
 }
 
-impl<M: Mechanics> WithSimd for Forward<'_, M> {
+impl<M: Mechanics> WithSimd for Pass<'_, M> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { rows, s, y, apart, relaxation } = self;
-        for ((rows, s), apart) in rows.chunks(TOGETHER).zip(s.chunks_mut(TOGETHER)).zip(apart) {
+        let Self { rows, s, y, apart, relaxation, backward } = self;
+        for k in 0..apart.len() {
+            let k = if backward { apart.len() - 1 - k } else { k };
+            let here = TOGETHER * k..rows.len().min(TOGETHER * (k + 1));
+            let (rows, s) = (&rows[here.clone()], &mut s[here]);
             match (rows.try_into(), <&mut [_; TOGETHER]>::try_from(&mut *s)) {
-                (Ok(rows), Ok(s)) if *apart => M::Column::visit(simd, rows, s, y, relaxation),
-                _ => in_turn(rows, s, y, relaxation),
+                (Ok(rows), Ok(s)) if apart[k] => M::Column::visit(simd, rows, s, y, relaxation),
+                _ => in_turn(rows, s, y, relaxation, backward),
             }
         }
     }

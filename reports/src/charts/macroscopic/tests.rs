@@ -57,10 +57,12 @@ fn the_tolerance_that_is_enough_is_the_loosest_before_friction_changes() {
 
 #[test]
 fn a_tolerance_that_only_itself_stays_near_is_not_called_enough() {
-    let all = read(&[sheared(0.3, 1e-6, 0.25, 0.01), sheared(0.3, 1e-3, 0.4, 0.01)]);
+    // That the loosest is near again is chance.
+    let three = [(1e-6, 0.25), (1e-3, 0.4), (1e-1, 0.25)];
+    let all = read(&three.map(|(tolerance, friction)| sheared(0.3, tolerance, friction, 0.01)));
     let files = files(&parts(&all));
     let found = &files.iter().find(|(name, _)| name == "macroscopic-found.md").unwrap().1;
-    assert!(found.contains("no looser tolerance stays as near; one of 10⁻³ is off by 0.15"), "{found}");
+    assert!(found.contains("already one of 10⁻³ is off by 0.15"), "{found}");
     assert!(!found.contains("is enough"), "{found}");
 }
 

@@ -15,7 +15,7 @@ fn labels(all: &[(&str, Value)]) -> Vec<String> {
 }
 
 #[test]
-fn value_that_says_nothing_alone_is_told_with_the_setting_that_it_is_of() {
+fn ambiguous_value_is_told_with_the_setting_that_it_is_of() {
     let polish = |on: bool| json!({ "polish": on, "symmetric": false });
     assert_eq!(labels(&[("true", polish(true)), ("false", polish(false))]), ["m, polish", "m, no polish"]);
     let omega = |omega: f64| json!({ "relaxation": omega, "sweeps": 1 });
@@ -27,7 +27,10 @@ fn value_that_says_nothing_alone_is_told_with_the_setting_that_it_is_of() {
         variants.iter().zip(["none", "none", "diagonal"]).map(|(v, n)| (*v, names(n))).collect();
     assert_eq!(labels(&named), ["m", "m, warm start", "m, diagonal"]);
     let start = |name: &str| json!({ "start": name });
-    assert_eq!(labels(&[("m", start("m")), ("cold-set", start("cold-set"))]), ["m, start=m", "m, cold-set"]);
+    assert_eq!(
+        labels(&[("cg", start("cg")), ("cold-set", start("cold-set"))]),
+        ["m, start=cg", "m, cold-set"]
+    );
     // Two settings have the value: of which it is, is not known.
     let both = |x: f64| json!({ "kappa_l": x, "kappa_d": x });
     assert_eq!(labels(&[("1", both(1.0)), ("2", both(2.0))]), ["m 1", "m 2"]);

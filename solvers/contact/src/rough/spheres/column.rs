@@ -1,6 +1,9 @@
-//! A contact between spheres with friction in mass-scaled unknowns: 168 bytes.
+//! A contact between spheres with friction in mass-scaled unknowns: 128 bytes.
 
-#![expect(clippy::inline_always, reason = "a call for each contact would cost a sweep a third of its time")]
+#![expect(
+    clippy::inline_always,
+    reason = "a call for each contact would cost a third of a visit, and lack the instructions that a sweep is made for"
+)]
 
 use super::{RoughContact, RoughMass, RoughSpheres, frame, joined, parts};
 use crate::lanes::{Four, Lanes};
@@ -17,8 +20,10 @@ pub struct SphereColumn {
     candidate: u32,
     /// At a wall the candidate itself, which a ratio and an arm of 0 leave out.
     antagonist: u32,
-    of: Columns,
+    columns: Columns,
 }
+
+const _: () = assert!(size_of::<SphereColumn>() == 128);
 
 /// What the equations of a contact are made of; or of four, where `N` is [`Four`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +57,7 @@ pub(super) fn clipped<N: Lanes>([first, second]: [N; 2], bound: N) -> [N; 2] {
 }
 
 impl<N: Lanes> Columns<N> {
-    /// H̃ᵗ y of [translation, spin] in the y of candidate and antagonist; the latter counts for nothing at a wall.
+    /// H̃ᵗ y of [translation, spin] in the y of candidate and antagonist; the latter has no effect at a wall.
     #[inline(always)]
     fn between(&self, [[v_i, spin_i], [v_j, spin_j]]: [[Vector3<N>; 2]; 2]) -> Vector3<N> {
         let apart = v_i - v_j * self.ratio;
@@ -86,7 +91,7 @@ impl<N: Lanes> Columns<N> {
 impl<S: Simd> Columns<Four<S>> {
     #[inline(always)]
     fn new(simd: S, rows: &[Row<RoughSpheres>; 4]) -> Self {
-        let of = |k: usize| &rows[k].column.of;
+        let of = |k: usize| &rows[k].column.columns;
         Self {
             normal: Four::vector(simd, |k, n| of(k).normal[n]),
             tangents: [
@@ -111,13 +116,13 @@ impl SphereColumn {
     /// μ √(`w_t`/`w_n`) (–).
     #[inline]
     pub fn friction(&self) -> f64 {
-        self.of.friction
+        self.columns.friction
     }
 
     /// h̃ s of an impulse s at the candidate and at the antagonist: 0 at a wall.
     #[inline]
     pub fn at_ends(&self, s: Vector3<f64>) -> [Vector6<f64>; 2] {
-        self.of.at_ends(s).map(|[translation, spin]| joined(translation, spin))
+        self.columns.at_ends(s).map(|[translation, spin]| joined(translation, spin))
     }
 }
 
@@ -133,7 +138,7 @@ impl Column<RoughSpheres> for SphereColumn {
         let j = contact.antagonist.map_or(none, &inverse_mass);
         let unit = if scaled { contact.diagonal(inverse_mass).map(f64::sqrt) } else { Vector3::repeat(1.0) };
         let root = i.mass.sqrt();
-        let of = Columns {
+        let columns = Columns {
             normal: contact.normal,
             tangents: frame(&contact.normal),
             roots: [root / unit.x, root / unit.y],
@@ -141,7 +146,7 @@ impl Column<RoughSpheres> for SphereColumn {
             arms: [contact.arms.x * i.inertia.sqrt() / unit.y, contact.arms.y * j.inertia.sqrt() / unit.y],
             friction: contact.friction * (unit.y / unit.x),
         };
-        (Self { candidate: places.0, antagonist: places.1.unwrap_or(places.0), of }, unit)
+        (Self { candidate: places.0, antagonist: places.1.unwrap_or(places.0), columns }, unit)
     }
 
     #[inline(always)]
@@ -158,7 +163,7 @@ impl Column<RoughSpheres> for SphereColumn {
 
     #[inline]
     fn change(&self, s: Vector3<f64>, v: Vector3<f64>, relaxation: f64) -> Vector3<f64> {
-        self.of.change(s, v, relaxation)
+        self.columns.change(s, v, relaxation)
     }
 
     #[inline(always)]
@@ -172,6 +177,7 @@ impl Column<RoughSpheres> for SphereColumn {
         if S::F64_LANES != 4 {
             return look_then_push(rows, s, y, relaxation);
         }
+        const { assert!(TOGETHER.is_multiple_of(4), "a remainder would not be visited") };
         for (rows, s) in rows.as_chunks().0.iter().zip(s.as_chunks_mut().0) {
             visit_four(simd, rows, s, y, relaxation);
         }
@@ -180,7 +186,7 @@ impl Column<RoughSpheres> for SphereColumn {
     #[inline]
     fn residual(&self, s: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
         let normal = if v.x >= s.x { s.x } else { v.x };
-        let (bound, moved) = (self.of.friction * law::non_negative(s.x), s - v);
+        let (bound, moved) = (self.columns.friction * law::non_negative(s.x), s - v);
         if moved.y * moved.y + moved.z * moved.z <= bound * bound {
             return Vector3::new(normal, v.y, v.z);
         }
@@ -231,7 +237,7 @@ impl Rubbing for RoughSpheres {
 
     #[inline]
     fn between(column: &SphereColumn, ends: [Vector6<f64>; 2]) -> Vector3<f64> {
-        column.of.between(ends.map(|y| parts(&y)))
+        column.columns.between(ends.map(|y| parts(&y)))
     }
 
     fn push_at(column: &SphereColumn, grain: u32, s: Vector3<f64>) -> Vector6<f64> {
@@ -239,3 +245,6 @@ impl Rubbing for RoughSpheres {
         if grain == column.candidate { candidate } else { antagonist }
     }
 }
+
+#[cfg(test)]
+mod tests;

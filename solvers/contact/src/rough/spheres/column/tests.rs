@@ -1,0 +1,69 @@
+use super::*;
+use nalgebra::Vector2;
+use pulp::{Arch, WithSimd};
+
+/// Visits at once, with whatever instructions this processor has.
+struct Visits<'a> {
+    rows: &'a [Row<RoughSpheres>; TOGETHER],
+    s: &'a mut [Vector3<f64>; TOGETHER],
+    y: &'a mut [Vector6<f64>],
+}
+
+impl WithSimd for Visits<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        SphereColumn::visit(simd, self.rows, self.s, self.y, 0.9);
+    }
+}
+
+/// Contacts between grains 2 k and 2 k + 1, every third with a wall.
+fn row(k: usize, next: &mut impl FnMut() -> f64) -> Row<RoughSpheres> {
+    let (candidate, has_antagonist) = (2 * k as u32, !k.is_multiple_of(3));
+    let contact = RoughContact {
+        candidate,
+        antagonist: has_antagonist.then_some(candidate + 1),
+        normal: Vector3::new(next(), next(), next()).normalize(),
+        arms: Vector2::new(0.1, if has_antagonist { 0.2 } else { 0.0 }),
+        offset: Vector3::zeros(),
+        friction: 0.3,
+    };
+    let mass = |grain: u32| RoughMass { mass: 1.0 + f64::from(grain), inertia: 2.0 + f64::from(grain) };
+    let (column, _) = SphereColumn::new(&contact, contact.ends(), mass, true);
+    Row { column, offset: Vector3::new(next(), next(), next()) }
+}
+
+#[test]
+fn visits_at_once_have_the_bits_of_visits_one_by_one_whatever_the_numbers() {
+    let mut state = 1_u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    let rows: [_; TOGETHER] = std::array::from_fn(|k| row(k, &mut next));
+    let odd = [0.0, -0.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
+    let (mut slid, mut stuck) = (0, 0);
+    for trial in 0..2000 {
+        let mut number = || {
+            let x = next();
+            // Half of the trials have numbers that are none, or zeros with signs.
+            if trial % 2 == 0 || x < 0.8 { x } else { odd[(1e6 * x) as usize % odd.len()] }
+        };
+        let mut vector = || Vector3::new(number(), number(), number());
+        let mut s: [_; TOGETHER] = std::array::from_fn(|_| vector() + Vector3::x());
+        let mut y: Vec<_> = (0..2 * TOGETHER).map(|_| joined(vector(), vector())).collect();
+        let (mut s_alone, mut y_alone) = (s, y.clone());
+        for (row, s) in rows.iter().zip(&mut s_alone) {
+            row.solve(s, &mut y_alone, 0.9);
+            let bound = row.column.friction() * s.x;
+            if s.yz().norm() < 0.999 * bound { stuck += 1 } else { slid += 1 }
+        }
+        Arch::new().dispatch(Visits { rows: &rows, s: &mut s, y: &mut y });
+        let numbers = s.iter().flatten().chain(y.iter().flatten());
+        for (x, alone) in numbers.zip(s_alone.iter().flatten().chain(y_alone.iter().flatten())) {
+            assert!(x.to_bits() == alone.to_bits() || x.is_nan() && alone.is_nan(), "{x} {alone}");
+        }
+    }
+    assert!(slid > 1000 && stuck > 1000, "{slid} slid and {stuck} stuck");
+}
