@@ -102,10 +102,10 @@ fn figure(runs: &[RunRow], all: &[Series]) -> Part {
     signs.extend(endings(shown().map(|run| run.ending).filter(|ending| *ending != Ending::Converged)));
     let legend = Legend::new(entries, signs, INSIDE);
     let counts = format!(
-        "{}, {}, {}, of n grains",
+        "{}, {}, {} of grains, n",
         counted(problems(runs).len(), "problem"),
         counted(shown().count(), "run"),
-        counted(sizes.len(), "size"),
+        counted(sizes.len(), "number"),
     );
     let lines = if fitted {
         format!(
