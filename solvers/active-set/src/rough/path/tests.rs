@@ -5,41 +5,33 @@ use super::super::matrix::Matrix;
 use super::{Change, Path};
 use contact::{Packing, RoughContact, RoughMass};
 use nalgebra::{Vector2, Vector3};
-
-/// Numbers in [0, 1), the same ones each time.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 /// Discs of any mass and velocity, each with contacts to the two after it and to a wall: more than motion allows.
 fn packing(seed: u64, grains: u32) -> Packing<contact::RoughDiscs> {
-    let mut numbers = Numbers(seed);
+    let mut numbers = ChaCha8Rng::seed_from_u64(seed);
     let mut contacts = Vec::new();
     for i in 0..grains {
         let others = [Some(i + 1), Some(i + 2), None].map(|j| j.filter(|j| *j < grains));
         for antagonist in others {
-            let angle = std::f64::consts::TAU * numbers.next();
+            let angle = std::f64::consts::TAU * numbers.random::<f64>();
             contacts.push(RoughContact {
                 candidate: i,
                 antagonist,
                 normal: Vector2::new(angle.cos(), angle.sin()),
                 arms: Vector2::new(0.5, if antagonist.is_some() { 0.4 } else { 0.0 }),
-                offset: Vector2::new(0.1 * numbers.next(), 0.1 * (numbers.next() - 0.5)),
-                friction: numbers.next(),
+                offset: Vector2::new(0.1 * numbers.random::<f64>(), 0.1 * (numbers.random::<f64>() - 0.5)),
+                friction: numbers.random::<f64>(),
             });
         }
     }
     let mass = (0..grains).map(|_| {
-        let mass = 0.2 + numbers.next();
+        let mass = 0.2 + numbers.random::<f64>();
         RoughMass { mass, inertia: 0.125 * mass }
     });
     let mass: Vec<_> = mass.collect();
-    let mut component = || 2.0 * numbers.next() - 1.0;
+    let mut component = || 2.0 * numbers.random::<f64>() - 1.0;
     let free = (0..grains).map(|_| Vector3::new(component(), component(), component())).collect();
     let position = (0..grains).map(|i| Vector2::new(f64::from(i), 0.5)).collect();
     Packing::new(mass, position, free, contacts).unwrap()

@@ -1,6 +1,8 @@
 use super::*;
 use nalgebra::Vector2;
 use pulp::{Arch, WithSimd};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 /// Visits at once, with whatever instructions this processor has.
 struct Visits<'a> {
@@ -36,19 +38,17 @@ fn row(k: usize, next: &mut impl FnMut() -> f64) -> Row<RoughSpheres> {
 
 #[test]
 fn visits_at_once_have_the_bits_of_visits_one_by_one_whatever_the_numbers() {
-    let mut state = 1_u64;
-    let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    };
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut next = || rng.random_range(-1.0..1.0);
     let rows: [_; TOGETHER] = std::array::from_fn(|k| row(k, &mut next));
     let odd = [0.0, -0.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
     let (mut slid, mut stuck) = (0, 0);
-    for trial in 0..2000 {
+    for trial in 0..5000 {
+        // Half of the trials have numbers that are none, or zeros with signs.
+        let plain = trial % 2 == 0;
         let mut number = || {
             let x = next();
-            // Half of the trials have numbers that are none, or zeros with signs.
-            if trial % 2 == 0 || x < 0.8 { x } else { odd[(1e6 * x) as usize % odd.len()] }
+            if plain || x < 0.8 { x } else { odd[(1e6 * x) as usize % odd.len()] }
         };
         let mut vector = || Vector3::new(number(), number(), number());
         let mut s: [_; TOGETHER] = std::array::from_fn(|_| vector() + Vector3::x());
@@ -57,7 +57,9 @@ fn visits_at_once_have_the_bits_of_visits_one_by_one_whatever_the_numbers() {
         for (row, s) in rows.iter().zip(&mut s_alone) {
             row.solve(s, &mut y_alone, 0.9);
             let bound = row.column.friction() * s.x;
-            if s.yz().norm() < 0.999 * bound { stuck += 1 } else { slid += 1 }
+            let sticks = s.yz().norm() < 0.999 * bound;
+            stuck += u32::from(plain && sticks);
+            slid += u32::from(plain && s.x > 0.0 && !sticks);
         }
         Arch::new().dispatch(Visits { rows: &rows, s: &mut s, y: &mut y });
         let numbers = s.iter().flatten().chain(y.iter().flatten());
