@@ -244,21 +244,19 @@ fn sentences(all: &[Simulation], sheared: &[Sheared], (missed, telling): (usize,
         let off = |tolerance: f64| {
             at(tolerance).iter().map(|s| (s.flow.friction - friction).abs()).fold(0.0, f64::max)
         };
-        let same = tolerances.iter().copied().take_while(|tolerance| off(*tolerance) <= sure).last();
-        let loosest = tolerances[tolerances.len() - 1];
-        let far = tolerances.iter().copied().find(|tolerance| off(*tolerance) > sure).unwrap_or(loosest);
-        let found = match same {
+        let near = tolerances.iter().take_while(|tolerance| off(**tolerance) <= sure).count();
+        let found = match tolerances.get(near) {
             _ if tolerances.len() == 1 => "no other tolerance was met".to_owned(),
-            Some(same) if same == loosest => {
-                format!("no tolerance up to {} changes it by more", number(same, 2))
+            None => {
+                format!("no tolerance up to {} changes it by more", number(tolerances[near - 1], 2))
             }
-            Some(same) if same > tolerances[0] => format!(
-                "a tolerance of {} is enough; one of {} is off by {}",
-                number(same, 2),
-                number(far, 2),
-                number(off(far), 2)
-            ),
-            _ => format!("already one of {} is off by {}", number(far, 2), number(off(far), 2)),
+            Some(far) => {
+                let enough = match near {
+                    0 | 1 => "already".to_owned(),
+                    near => format!("a tolerance of {} is enough;", number(tolerances[near - 1], 2)),
+                };
+                format!("{enough} one of {} is off by {}", number(*far, 2), number(off(*far), 2))
+            }
         };
         text.extend([format!(
             "μ = {grains}: the packing has a friction of {} ± {} when solved to {} (mean of {}{} in the second half of the time; ±: \

@@ -6,7 +6,7 @@ mod measured;
 use polars::df;
 use serde_json::Value;
 
-use super::scaling::{fewest, path_per_iteration, same_problem, seconds_per_iteration};
+use super::scaling::{fewest, path_per_iteration, same_problem};
 use super::subdomains::{Panel, figure};
 use crate::draw::{Series, series, title};
 use crate::read::{Ending, Problems, RunRow, counted, file_name, number, problems};
@@ -51,7 +51,7 @@ impl Predicted {
     /// Of a run of a series, if its messages are counted, and the fewest subdomains were timed on one thread.
     fn of(series: &Series, run: &RunRow) -> Option<Self> {
         let fewest = fewest(series, run, same_problem).filter(|fewest| fewest.provenance.threads == 1)?;
-        let seconds = seconds_per_iteration(fewest)?;
+        let seconds = fewest.seconds_per_iteration()?;
         let (exchanges, sums) = exchanges_and_sums(run)?;
         let share = match (path_per_iteration(run), path_per_iteration(fewest)) {
             (Some(own), Some(fewest)) => own / fewest,

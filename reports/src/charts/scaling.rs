@@ -21,10 +21,6 @@ pub(crate) fn with_path(study: &Problems) -> Vec<&RunRow> {
     study.runs.iter().filter(|run| run.ending != Ending::Skipped && path(run).is_some()).collect()
 }
 
-pub(crate) fn seconds_per_iteration(run: &RunRow) -> Option<f64> {
-    run.iterating_s.filter(|_| run.iterations > 0).map(|seconds| seconds / run.iterations as f64)
-}
-
 pub(crate) fn grains_per_subdomain(run: &RunRow) -> f64 {
     f64::from(run.grains) / f64::from(run.subdomains)
 }
@@ -87,7 +83,7 @@ pub(crate) fn table(all: &[Series], names: &str, same: Same) -> DataFrame {
         "counted_speed_up" => of(&counted_speed_up),
         "measured_speed_up" => of(&measured_speed_up),
         "ns_per_contact" => of(&ns_per_contact),
-        "seconds_per_iteration" => of(&|_, run| seconds_per_iteration(run)),
+        "seconds_per_iteration" => of(&|_, run| run.seconds_per_iteration()),
         "seconds" => of(&|_, run| run.seconds()),
     );
     chosen(rows.iter().map(|(_, run)| *run), names, own)

@@ -1,6 +1,6 @@
 //! Iterations, and seconds of an iteration, against the number of subdomains.
 
-use super::scaling::{seconds_per_iteration, table_of};
+use super::scaling::table_of;
 use crate::draw::{
     Canvas, INSIDE, Legend, MOST_LINES, Pen, Points, Room, Scale, Series, Sign, TOLERANCE, draw_empty,
     draw_signs, endings, has_line, key, on_the_way, reach, row, series, title,
@@ -44,7 +44,7 @@ impl Panel {
 /// `subdomains-<problem>` for each problem, and the table `subdomains` with the growth.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs: Vec<&RunRow> = study.runs.iter().collect();
-    let seconds = Panel::new("seconds per iteration (s)", |_, run| seconds_per_iteration(run));
+    let seconds = Panel::new("seconds per iteration (s)", |_, run| run.seconds_per_iteration());
     let panels = [Panel::iterations(), seconds];
     let mut parts = Vec::new();
     for problem in problems(&study.runs) {

@@ -1,6 +1,6 @@
 //! Iterations, the longest subdomain and time, with as many grains in each subdomain however many there are.
 
-use super::scaling::{grains_per_subdomain, path, seconds_per_iteration, table, with_path};
+use super::scaling::{grains_per_subdomain, path, table, with_path};
 use super::subdomains::{Panel, figure};
 use crate::draw::{DASHES, Look, Looks, Pen, Series, series};
 use crate::read::{Problems, RunRow, counted, find_or_push, stopped_at_1e_2};
@@ -9,7 +9,7 @@ use crate::text::{Part, nothing};
 /// Iterations to 10⁻² are left out where that is what all runs were stopped at.
 fn panels(runs: &[&RunRow]) -> Vec<Panel> {
     let per_grain =
-        |_: &Series, run: &RunRow| Some(1e9 * seconds_per_iteration(run)? / f64::from(run.grains));
+        |_: &Series, run: &RunRow| Some(1e9 * run.seconds_per_iteration()? / f64::from(run.grains));
     let others = [
         Panel::iterations(),
         Panel::new("longest subdomain (multiply-adds)", |_, run| path(run)),

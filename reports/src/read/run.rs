@@ -101,6 +101,11 @@ impl RunRow {
         shared
     }
 
+    /// What an iteration takes (s).
+    pub(crate) fn seconds_per_iteration(&self) -> Option<f64> {
+        self.iterating_s.filter(|_| self.iterations > 0).map(|seconds| seconds / self.iterations as f64)
+    }
+
     /// Set-up and iterations (s).
     pub(crate) fn seconds(&self) -> Option<f64> {
         Some(self.setup_s? + self.iterating_s?)

@@ -35,14 +35,13 @@ pub(crate) fn answer(study: &Problems, of_subdomains: bool) -> Vec<String> {
 /// What an iteration takes on the largest problem, by each kind of run.
 fn an_iteration(runs: &[RunRow]) -> Option<String> {
     let largest = runs.iter().max_by_key(|run| run.contacts)?;
-    let on_it = runs.iter().filter(|run| run.problem == largest.problem && run.iterations > 0);
+    let on_it = runs.iter().filter(|run| run.problem == largest.problem);
     let taken = on_it.filter_map(|run| {
         let on = match run.exchange.ranks {
             1 => counted(run.provenance.threads as usize, "thread"),
             ranks => counted(ranks as usize, "rank"),
         };
-        let seconds = run.iterating_s? / run.iterations as f64;
-        Some(format!("{} s with {} on {on}", number(seconds, 2), run.label()))
+        Some(format!("{} s with {} on {on}", number(run.seconds_per_iteration()?, 2), run.label()))
     });
     let taken: Vec<String> = taken.collect();
     (!taken.is_empty()).then(|| format!("An iteration on {}: {}.", largest.problem, taken.join(", ")))

@@ -2,7 +2,6 @@
 
 use polars::df;
 
-use crate::charts::scaling::seconds_per_iteration;
 use crate::charts::subdomains::Panel;
 use crate::draw::{
     Canvas, INSIDE, Legend, Points, Room, Scale, Series, Sign, TOLERANCE, draw_empty, draw_signs, grid, key,
@@ -29,7 +28,7 @@ impl Predicted {
                 && other.exchange.ranks == 1
                 && other.provenance.comparable(&run.provenance)
         };
-        let alone = seconds_per_iteration(series.runs.iter().find(is_alone)?)?;
+        let alone = series.runs.iter().find(is_alone)?.seconds_per_iteration()?;
         let exchange = &run.exchange;
         let ranks = f64::from(exchange.ranks);
         let of_rank = |count: u64| count as f64 / (ranks * run.iterations as f64);
@@ -46,7 +45,7 @@ impl Predicted {
 /// Measured over predicted (–).
 fn ratio(series: &Series, run: &RunRow) -> Option<f64> {
     let Predicted { work, messages } = Predicted::of(series, run)?;
-    Some(seconds_per_iteration(run)? / (work + messages))
+    Some(run.seconds_per_iteration()? / (work + messages))
 }
 
 /// Whether some runs were shared by ranks.
@@ -162,7 +161,7 @@ fn table(all: &[Series]) -> Part {
     let own = df!(
         "method" => rows.iter().map(|(series, _)| series.label()).collect::<Vec<_>>(),
         "ranks" => ranks,
-        "seconds_per_iteration" => of(&|_, run| seconds_per_iteration(run)),
+        "seconds_per_iteration" => of(&|_, run| run.seconds_per_iteration()),
         "work_s" => part(|predicted| predicted.work),
         "messages_s" => part(|predicted| predicted.messages),
         "predicted_s" => part(|predicted| predicted.work + predicted.messages),
