@@ -3,6 +3,7 @@
 //!
 //! Equation numbers are those of Iceta, Dureisseix, Alart, Giens 2009, hal-00413720. No method lives here.
 
+pub mod acceleration;
 pub mod adjacency;
 mod discs;
 mod error;

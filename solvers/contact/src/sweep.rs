@@ -5,11 +5,13 @@
     reason = "what visits are made of is called in two places, and a call would cost a third of a visit"
 )]
 
+use crate::acceleration::{Accelerated, Trail};
 use crate::discs::Discs;
 use crate::mechanics::{Column, Mass, Mechanics, Touch, Vector};
 use crate::problem::ContactProblem;
 use crate::scaled::{by_levels, scaled_velocity};
 use pulp::{Arch, Simd, WithSimd};
+use std::slice::{from_mut, from_ref};
 
 /// One contact as a sweep needs it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,22 +141,64 @@ impl<M: Mechanics> Sweep<M> {
     /// Contact by contact: v = Hᵗ V + c; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
     #[inline]
     pub fn forward(&mut self, relaxation: f64) {
-        self.pass(relaxation, false);
+        self.pass(relaxation, false, &mut ());
     }
 
     /// The same from the last contact to the first.
     #[inline]
     pub fn backward(&mut self, relaxation: f64) {
-        self.pass(relaxation, true);
+        self.pass(relaxation, true, &mut ());
+    }
+
+    /// Extrapolates the velocities of an accelerated iteration by the `factor` β; the impulses follow as they are first visited.
+    pub fn extrapolate(&mut self, trail: &mut Trail<M>, factor: f64) {
+        trail.extrapolate(&mut self.y, factor);
+    }
+
+    /// Makes the passes of an iteration, each forward or `backward`; with the `trail` of an accelerated one, which is extrapolated.
+    pub fn iterate(
+        &mut self,
+        relaxation: f64,
+        passes: impl ExactSizeIterator<Item = bool>,
+        trail: Option<&mut Trail<M>>,
+    ) {
+        let Some(trail) = trail else {
+            return passes.for_each(|backward| self.pass(relaxation, backward, &mut ()));
+        };
+        let last = passes.len() - 1;
+        for (k, backward) in passes.enumerate() {
+            let around = &mut Accelerated { trail, is_first: k == 0, is_last: k == last };
+            self.pass(relaxation, backward, around);
+        }
+    }
+
+    /// Returns the trail of accelerated iterations that begin here; velocities are `free` without impulses (√J).
+    pub fn trail(&self, free: Vec<M::Velocity>) -> Trail<M> {
+        Trail::new(&self.s, &self.y, free)
+    }
+
+    /// Adds H̃ s, or takes it away, to velocities `y` without these impulses.
+    pub fn push_all(&self, sign: f64, y: &mut [M::Velocity]) {
+        for (row, s) in self.rows.iter().zip(&self.s) {
+            row.push(*s * sign, y);
+        }
+    }
+
+    /// Makes y anew from the impulses: without the round-off of all sweeps so far.
+    pub fn renew(&mut self, trail: &Trail<M>) {
+        let mut y = std::mem::take(&mut self.y);
+        y.copy_from_slice(trail.free());
+        self.push_all(1.0, &mut y);
+        self.y = y;
     }
 
     #[inline(always)]
-    fn pass(&mut self, relaxation: f64, backward: bool) {
+    fn pass(&mut self, relaxation: f64, backward: bool, around: &mut impl Around<M>) {
         let Self { rows, s, y, apart, .. } = self;
         if apart.is_empty() {
-            in_turn(rows, s, y, relaxation, backward);
+            in_turn((0, rows, s), y, relaxation, backward, around);
         } else {
-            Arch::new().dispatch(Pass { rows, s, y, apart, relaxation, backward });
+            Arch::new().dispatch(Pass { rows, s, y, apart, relaxation, backward, around });
         }
     }
 
@@ -169,23 +213,41 @@ impl<M: Mechanics> Sweep<M> {
     }
 }
 
-/// One visit after the other, or `backward` from the last.
+/// What is done to impulses right before and after they are visited; `first` is the row of the first of them.
+pub(crate) trait Around<M: Mechanics> {
+    fn before(&mut self, first: usize, s: &mut [M::Impulse]);
+    fn after(&mut self, first: usize, s: &[M::Impulse]);
+}
+
+impl<M: Mechanics> Around<M> for () {
+    #[inline(always)]
+    fn before(&mut self, _: usize, _: &mut [M::Impulse]) {}
+
+    #[inline(always)]
+    fn after(&mut self, _: usize, _: &[M::Impulse]) {}
+}
+
+/// One visit after the other, or `backward` from the last; the first of these rows is the row `first` of all.
 #[inline(always)]
 fn in_turn<M: Mechanics>(
-    rows: &[Row<M>],
-    s: &mut [M::Impulse],
+    (first, rows, s): (usize, &[Row<M>], &mut [M::Impulse]),
     y: &mut [M::Velocity],
     relaxation: f64,
     backward: bool,
+    around: &mut impl Around<M>,
 ) {
-    let visits = rows.iter().zip(s);
+    let visits = rows.iter().zip(s).enumerate();
     if backward {
-        for (row, s) in visits.rev() {
+        for (k, (row, s)) in visits.rev() {
+            around.before(first + k, from_mut(s));
             row.solve(s, y, relaxation);
+            around.after(first + k, from_ref(s));
         }
     } else {
-        for (row, s) in visits {
+        for (k, (row, s)) in visits {
+            around.before(first + k, from_mut(s));
             row.solve(s, y, relaxation);
+            around.after(first + k, from_ref(s));
         }
     }
 }
@@ -209,28 +271,33 @@ pub(crate) fn look_then_push<M: Mechanics>(
 }
 
 /// A sweep in which some visits are made at a time.
-struct Pass<'a, M: Mechanics> {
+struct Pass<'a, M: Mechanics, A> {
     rows: &'a [Row<M>],
     s: &'a mut [M::Impulse],
     y: &'a mut [M::Velocity],
     apart: &'a [bool],
     relaxation: f64,
     backward: bool,
+    around: &'a mut A,
 }
 
-impl<M: Mechanics> WithSimd for Pass<'_, M> {
+impl<M: Mechanics, A: Around<M>> WithSimd for Pass<'_, M, A> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { rows, s, y, apart, relaxation, backward } = self;
+        let Self { rows, s, y, apart, relaxation, backward, around } = self;
         for k in 0..apart.len() {
             let k = if backward { apart.len() - 1 - k } else { k };
             let here = TOGETHER * k..rows.len().min(TOGETHER * (k + 1));
-            let (rows, s) = (&rows[here.clone()], &mut s[here]);
+            let (first, rows, s) = (here.start, &rows[here.clone()], &mut s[here]);
             match (rows.try_into(), <&mut [_; TOGETHER]>::try_from(&mut *s)) {
-                (Ok(rows), Ok(s)) if apart[k] => M::Column::visit(simd, rows, s, y, relaxation),
-                _ => in_turn(rows, s, y, relaxation, backward),
+                (Ok(rows), Ok(s)) if apart[k] => {
+                    around.before(first, s);
+                    M::Column::visit(simd, rows, s, y, relaxation);
+                    around.after(first, s);
+                }
+                _ => in_turn((first, rows, s), y, relaxation, backward, around),
             }
         }
     }

@@ -2,15 +2,18 @@
 //! masses, the interface impulses kept; then the copies of the boundary grains are glued, eq. (3).
 //!
 //! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §4.2. With split masses and 0 < ω < 2, q(r) never increases without friction, for
-//! any number of subdomains and of inner sweeps. Cost of an iteration: `inner_sweeps` sweeps over all contacts, and the gluing.
+//! any number of subdomains and of inner sweeps. Cost of an iteration: `inner_sweeps` sweeps over all contacts, and the gluing. With
+//! acceleration ([`contact::acceleration`]) impulses and glued velocities are extrapolated at the beginning of an iteration: copies of
+//! a grain have one velocity there, and one β, so nothing more is exchanged but two sums.
 
 mod subdomain;
 
+use contact::acceleration::{Acceleration, LAG, Momentum, SLACK};
 use contact::{Iteration, Mass, Mechanics, Packing, SetupError, Solver, Vector, Work, threads};
 use partition::{CopySums, Decomposition, Distributed, Grid, Partition, Refused, Scheme, Share, Team};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use subdomain::Sweeper;
+use subdomain::{Sweeper, scaled};
 
 /// Settings of NSGS-DD.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
@@ -29,6 +32,13 @@ pub struct NsgsDd {
     /// Whether each copy of a boundary grain has its share `M_i/m_i` of the mass. Without it (Schwarz) each copy has
     /// the whole mass and the changes of velocity are added up; nothing bounds q(r) then.
     pub mass_splitting: bool,
+    /// Extrapolation over the iterations.
+    pub acceleration: Acceleration,
+    /// q (–): the extrapolation grows as β = j/(j + q) over the j iterations since the last restart.
+    pub lag: f64,
+    /// ρ (–): acceleration restarts where an iteration changes the impulses more than ρ times as much as the least since the last
+    /// restart.
+    pub slack: f64,
 }
 
 /// The paper's choices, on one subdomain.
@@ -41,6 +51,9 @@ impl Default for NsgsDd {
             relaxation: 1.0,
             exchange: Exchange::Jacobi,
             mass_splitting: true,
+            acceleration: Acceleration::None,
+            lag: LAG,
+            slack: SLACK,
         }
     }
 }
@@ -62,14 +75,26 @@ struct Run<M: Mechanics> {
     /// Contacts of each group of own subdomains: those of one group work at the same time, group after group.
     groups: Vec<usize>,
     settings: NsgsDd,
+    momentum: Option<Momentum>,
+    /// |g|² and ⟨g, d⟩ of each own subdomain (J).
+    progress: Vec<[f64; 2]>,
     iterations: u64,
+    restarts: u64,
 }
 
 impl<M: Mechanics> Iteration for Run<M> {
     fn advance(&mut self) {
+        if self.momentum.as_ref().is_some_and(Momentum::has_restarted) {
+            self.renew();
+        }
         self.sweepers.iter_mut().for_each(|sweeper| sweeper.velocity_jump = 0.0);
         for group in 0..self.groups.len() {
             self.sweep_and_glue(group);
+        }
+        if let Some(momentum) = &mut self.momentum {
+            let of_subdomains = self.progress.iter_mut().zip(&self.sweepers);
+            of_subdomains.for_each(|(sums, sweeper)| *sums = sweeper.progress());
+            momentum.turn(self.team.sum_of(&self.progress));
         }
         self.iterations += 1;
     }
@@ -102,7 +127,9 @@ impl<M: Mechanics> Iteration for Run<M> {
         Work {
             contact_updates: sweeps * contacts as u64,
             // Every copy belongs to one group and sends its components once per iteration.
-            interface_values: self.iterations * (M::Velocity::LEN * copies) as u64,
+            interface_values: (self.iterations + self.restarts) * (M::Velocity::LEN * copies) as u64,
+            // H r alone, half of a product.
+            delassus_products: self.restarts.div_ceil(2),
             ..Work::default()
         }
     }
@@ -117,27 +144,44 @@ impl<M: Mechanics> Run<M> {
     fn sweep_and_glue(&mut self, group: usize) {
         let NsgsDd { inner_sweeps: sweeps, relaxation, mass_splitting, .. } = self.settings;
         let updates = self.groups[group] * sweeps as usize;
-        let Self { sweepers, sums, .. } = self;
+        let Self { sweepers, sums, momentum, .. } = self;
+        let factor = momentum.as_ref().map(Momentum::factor);
         sums.send(sweepers, NS_PER_UPDATE * updates, |sweeper, sent| {
+            if group == 0 {
+                sweeper.begin(factor);
+            }
             if sweeper.group == group {
-                (0..sweeps).for_each(|_| sweeper.sweep.forward(relaxation));
+                sweeper.advance(sweeps, relaxation);
             }
             sweeper.send(mass_splitting, sent);
         });
         sums.receive(sweepers, 0, |sweeper, sums| sweeper.glue(mass_splitting, sums));
     }
+
+    /// Makes the velocities of all subdomains anew from their impulses, and glues them.
+    fn renew(&mut self) {
+        let mass_splitting = self.settings.mass_splitting;
+        let contacts: usize = self.groups.iter().sum();
+        let Self { sweepers, sums, .. } = self;
+        sums.send(sweepers, NS_PER_UPDATE * contacts, |sweeper, sent| {
+            sweeper.renew();
+            sweeper.send(mass_splitting, sent);
+        });
+        sums.receive(sweepers, 0, |sweeper, sums| sweeper.glue(mass_splitting, sums));
+        self.restarts += 1;
+    }
 }
 
 impl<M: Mechanics> Solver<M> for NsgsDd {
     fn start<'p>(&self, problem: &'p Packing<M>, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        self.check()?;
+        let momentum = self.check()?;
         let partition = Partition::of_contacts(problem, self.partition, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
         let team = Team::alone(decomposition.subdomains.len());
         // Every copy starts at V_free + M⁻¹ H r0.
         let mut start = vec![M::Velocity::ZERO; problem.grain_count()];
         problem.velocity(r0, &mut start);
-        Ok(Box::new(self.bind(problem, &decomposition, &team, (r0, &start))))
+        Ok(Box::new(self.bind(problem, &decomposition, &team, momentum, (r0, &start))))
     }
 }
 
@@ -148,16 +192,17 @@ impl<M: Mechanics> Distributed<M> for NsgsDd {
         r0: &[f64],
         team: &Team,
     ) -> Result<Box<dyn Iteration + 'p>, Refused> {
-        self.check()?;
+        let momentum = self.check()?;
         let start = share.velocity(r0, team);
-        Ok(Box::new(self.bind(&share.problem, &share.decomposition, team, (r0, &start))))
+        Ok(Box::new(self.bind(&share.problem, &share.decomposition, team, momentum, (r0, &start))))
     }
 }
 
 impl NsgsDd {
-    fn check(&self) -> Result<(), SetupError> {
+    fn check(&self) -> Result<Option<Momentum>, SetupError> {
         SetupError::unless(self.inner_sweeps > 0, "inner_sweeps", 0, "at least 1")?;
-        SetupError::unless_positive("relaxation", self.relaxation)
+        SetupError::unless_positive("relaxation", self.relaxation)?;
+        self.acceleration.momentum(self.lag, self.slack)
     }
 
     /// A run on the subdomains of `decomposition`, which are all or those of a rank, from impulses and their velocities.
@@ -166,6 +211,7 @@ impl NsgsDd {
         problem: &Packing<M>,
         decomposition: &Decomposition,
         team: &Team,
+        momentum: Option<Momentum>,
         start: (&[f64], &[M::Velocity]),
     ) -> Run<M> {
         let Decomposition { subdomains, multiplicity, .. } = decomposition;
@@ -183,7 +229,13 @@ impl NsgsDd {
             groups[*group as usize] += subdomain.contacts.len();
         }
         let sweeper = |e: usize| {
-            Sweeper::new(problem, &subdomains[e], of_subdomain[e], &inverse_mass, multiplicity, start)
+            let mut sweeper =
+                Sweeper::new(problem, &subdomains[e], of_subdomain[e], &inverse_mass, multiplicity, start);
+            sweeper.trail = momentum.map(|_| {
+                let free = scaled(problem.free_velocity(), &subdomains[e], &inverse_mass);
+                sweeper.sweep.trail(free)
+            });
+            sweeper
         };
         Run {
             team: team.clone(),
@@ -191,7 +243,10 @@ impl NsgsDd {
             sums: CopySums::over(decomposition, team),
             groups,
             settings: *self,
+            momentum,
+            progress: vec![[0.0; 2]; subdomains.len()],
             iterations: 0,
+            restarts: 0,
         }
     }
 }

@@ -2,6 +2,7 @@
 //! all in mass-scaled unknowns.
 
 use contact::scaled::by_levels;
+use contact::acceleration::Trail;
 use contact::sweep::Sweep;
 use contact::{ContactProblem, Mass, Mechanics};
 use partition::{Subdomain, Sums};
@@ -16,6 +17,8 @@ pub(crate) struct Sweeper<M: Mechanics> {
     pub(crate) copies: Vec<GrainCopy<M>>,
     /// Greatest |`V_E` − V̄| of the copies before they were glued, since it was last 0 (m/s).
     pub(crate) velocity_jump: f64,
+    /// The iteration before, if iterations are accelerated.
+    pub(crate) trail: Option<Trail<M>>,
 }
 
 /// A copy of a boundary grain.
@@ -28,6 +31,16 @@ pub(crate) struct GrainCopy<M: Mechanics> {
     root_inverse_mass: M::Mass,
     /// y after the last gluing (√J).
     glued: M::Velocity,
+}
+
+/// Returns y = M^½ V of the grains of a subdomain, with the masses of its copies, from the velocities V of all (m/s).
+pub(crate) fn scaled<V: Copy, N: Mass<V>>(
+    velocity: &[V],
+    subdomain: &Subdomain,
+    inverse_mass: &(dyn Fn(u32) -> N + Sync),
+) -> Vec<V> {
+    let y_of = |grain: &u32| inverse_mass(*grain).root().divides(velocity[*grain as usize]);
+    subdomain.grains.iter().map(y_of).collect()
 }
 
 impl<M: Mechanics> Sweeper<M> {
@@ -43,8 +56,7 @@ impl<M: Mechanics> Sweeper<M> {
     ) -> Self {
         let order = by_levels(subdomain.ends.iter().copied(), subdomain.grains.len());
         let contacts = order.iter().map(|k| (subdomain.contacts[*k as usize], subdomain.ends[*k as usize]));
-        let y_of = |grain: &u32| inverse_mass(*grain).root().divides(start[*grain as usize]);
-        let y: Vec<_> = subdomain.grains.iter().map(y_of).collect();
+        let y = scaled(start, subdomain, inverse_mass);
         let copy = |local: &u32| {
             let grain = subdomain.grains[*local as usize];
             GrainCopy {
@@ -56,7 +68,36 @@ impl<M: Mechanics> Sweeper<M> {
         };
         let copies = subdomain.boundary.iter().map(copy).collect();
         let sweep = Sweep::between(problem, contacts, inverse_mass, r0, y);
-        Self { group: group as usize, sweep, copies, velocity_jump: 0.0 }
+        Self { group: group as usize, sweep, copies, velocity_jump: 0.0, trail: None }
+    }
+
+    /// Makes y anew from the impulses of an accelerated run, as if no copy were glued.
+    pub(crate) fn renew(&mut self) {
+        let Some(trail) = &self.trail else { return };
+        self.sweep.renew(trail);
+        for copy in &mut self.copies {
+            copy.glued = trail.free()[copy.local as usize];
+        }
+    }
+
+    /// Begins an iteration, extrapolated by the `factor` β, if there is one.
+    pub(crate) fn begin(&mut self, factor: Option<f64>) {
+        if let Some((trail, factor)) = self.trail.as_mut().zip(factor) {
+            self.sweep.extrapolate(trail, factor);
+            for copy in &mut self.copies {
+                copy.glued = self.sweep.y[copy.local as usize];
+            }
+        }
+    }
+
+    /// Makes the `sweeps` of an iteration.
+    pub(crate) fn advance(&mut self, sweeps: u32, relaxation: f64) {
+        self.sweep.iterate(relaxation, (0..sweeps).map(|_| false), self.trail.as_mut());
+    }
+
+    /// |g|² and ⟨g, d⟩ of an accelerated iteration (J).
+    pub(crate) fn progress(&self) -> [f64; 2] {
+        self.trail.as_ref().map_or([0.0; 2], Trail::sums)
     }
 
     /// What its copies add to the sums over all copies of their grains: y or, without mass splitting, what that has gained.

@@ -3,12 +3,14 @@
 //! M. Jean, The non-smooth contact dynamics method, Comput. Methods Appl. Mech. Engrg. 177 (1999) 235-257; the
 //! paper's reference \[1\]. Cost of a sweep: one visit of each contact, that is two gathers and two scatters of a
 //! velocity; whatever the order, the visits are made level by level, and the grains are numbered as they are visited, which
-//! changes no bit. Without friction q(r) never increases for 0 < ω < 2.
+//! changes no bit. Without friction q(r) never increases for 0 < ω < 2. With acceleration the iterations are extrapolated
+//! ([`contact::acceleration`]): one more pass over the velocities, and two lists of impulses to keep.
 
 mod order;
 
 pub use order::Order;
 
+use contact::acceleration::{Acceleration, LAG, Momentum, SLACK, Trail};
 use contact::sweep::Sweep;
 use contact::{Iteration, Mechanics, Packing, SetupError, Solver, Work};
 use schemars::JsonSchema;
@@ -27,12 +29,27 @@ pub struct Nsgs {
     pub relaxation: f64,
     /// Whether an iteration is a sweep forward and a sweep backward, instead of one forward.
     pub symmetric: bool,
+    /// Extrapolation over the iterations.
+    pub acceleration: Acceleration,
+    /// q (–): the extrapolation grows as β = j/(j + q) over the j iterations since the last restart.
+    pub lag: f64,
+    /// ρ (–): acceleration restarts where an iteration changes the impulses more than ρ times as much as the least since the last
+    /// restart.
+    pub slack: f64,
 }
 
 /// The paper's method: the order of the list, ω = 1, forward sweeps.
 impl Default for Nsgs {
     fn default() -> Self {
-        Self { order: Order::Natural, seed: 1, relaxation: 1.0, symmetric: false }
+        Self {
+            order: Order::Natural,
+            seed: 1,
+            relaxation: 1.0,
+            symmetric: false,
+            acceleration: Acceleration::None,
+            lag: LAG,
+            slack: SLACK,
+        }
     }
 }
 
@@ -40,17 +57,27 @@ struct Run<M: Mechanics> {
     sweep: Sweep<M>,
     relaxation: f64,
     symmetric: bool,
+    accelerated: Option<(Momentum, Trail<M>)>,
     sweeps: u64,
+    restarts: u64,
 }
 
 impl<M: Mechanics> Iteration for Run<M> {
     fn advance(&mut self) {
-        self.sweep.forward(self.relaxation);
-        self.sweeps += 1;
-        if self.symmetric {
-            self.sweep.backward(self.relaxation);
-            self.sweeps += 1;
+        let passes = 1 + usize::from(self.symmetric);
+        let backward = (0..passes).map(|pass| pass == 1);
+        if let Some((momentum, trail)) = &mut self.accelerated {
+            if momentum.has_restarted() {
+                self.sweep.renew(trail);
+                self.restarts += 1;
+            }
+            self.sweep.extrapolate(trail, momentum.factor());
+            self.sweep.iterate(self.relaxation, backward, Some(trail));
+            momentum.turn(trail.sums());
+        } else {
+            self.sweep.iterate(self.relaxation, backward, None);
         }
+        self.sweeps += passes as u64;
     }
 
     fn impulses(&self, r: &mut [f64]) {
@@ -58,7 +85,12 @@ impl<M: Mechanics> Iteration for Run<M> {
     }
 
     fn work(&self) -> Work {
-        Work { contact_updates: self.sweeps * self.sweep.rows.len() as u64, ..Work::default() }
+        Work {
+            contact_updates: self.sweeps * self.sweep.rows.len() as u64,
+            // H r alone, half of a product.
+            delassus_products: self.restarts.div_ceil(2),
+            ..Work::default()
+        }
     }
 }
 
@@ -67,6 +99,12 @@ impl<M: Mechanics> Solver<M> for Nsgs {
         SetupError::unless_positive("relaxation", self.relaxation)?;
         let sweep = Sweep::new(problem, &self.order.of(problem, self.seed), r0);
         let Self { relaxation, symmetric, .. } = *self;
-        Ok(Box::new(Run { sweep, relaxation, symmetric, sweeps: 0 }))
+        let momentum = self.acceleration.momentum(self.lag, self.slack)?;
+        let accelerated = momentum.map(|momentum| {
+            let mut free = sweep.y.clone();
+            sweep.push_all(-1.0, &mut free);
+            (momentum, sweep.trail(free))
+        });
+        Ok(Box::new(Run { sweep, relaxation, symmetric, accelerated, sweeps: 0, restarts: 0 }))
     }
 }

@@ -12,6 +12,14 @@ impl Team {
         self.join(own, |a, b| std::array::from_fn(|k| a[k] + b[k]))
     }
 
+    /// Returns the sums of the `own` values of each subdomain, as [`Team::sum`] does, without a list of its own.
+    ///
+    /// # Panics
+    /// If there is not one item for each own subdomain.
+    pub fn sum_of<const N: usize>(&self, own: &[[f64; N]]) -> [f64; N] {
+        self.joined_by_all(own, |a, b| std::array::from_fn(|k| a[k] + b[k]))
+    }
+
     /// What the values of all subdomains become, of which each own one has some, where neighbours in a binary tree are joined, the
     /// lower one before the higher.
     ///
@@ -23,11 +31,19 @@ impl Team {
         join: impl Fn([f64; N], [f64; N]) -> [f64; N],
     ) -> [f64; N] {
         let own: Vec<[f64; N]> = own.into_iter().collect();
+        self.joined_by_all(&own, join)
+    }
+
+    fn joined_by_all<const N: usize>(
+        &self,
+        own: &[[f64; N]],
+        join: impl Fn([f64; N], [f64; N]) -> [f64; N],
+    ) -> [f64; N] {
         assert_eq!(own.len(), self.mine().len(), "each subdomain has its share of a sum");
-        let all = if self.subdomains() > 0 { self.joined(&own, 0..self.subdomains(), &join) } else { None };
-        let mut all = all.map_or_else(|| vec![0.0; N], Vec::from);
+        let all = if self.subdomains() > 0 { self.joined(own, 0..self.subdomains(), &join) } else { None };
+        let mut all = all.unwrap_or([0.0; N]);
         self.spread(&mut all);
-        std::array::from_fn(|k| all[k])
+        all
     }
 
     /// Those of the subdomains of a node of the tree, at the rank that has the first of them.
