@@ -252,7 +252,8 @@ proptest! {
                     relaxation,
                     exchange,
                     mass_splitting: true,
-                };
+                ..NsgsDd::default()
+            };
                 assert_never_increases(&energies(&settings, &problem, 40), &format!("{settings:?}"));
             }
         }
@@ -273,7 +274,7 @@ proptest! {
         symmetric: bool,
     ) {
         for order in [Order::Natural, Order::BottomUp, Order::Shuffled, Order::Coloured] {
-            let settings = Nsgs { order, seed, relaxation, symmetric };
+            let settings = Nsgs { order, seed, relaxation, symmetric, ..Nsgs::default() };
             assert_never_increases(&energies(&settings, &problem, 40), &format!("{settings:?}"));
         }
     }

@@ -1,6 +1,7 @@
 //! Methods against each other, on random problems and on the frozen ones.
 #![allow(clippy::unwrap_used)]
 
+mod acceleration;
 mod active_set;
 mod agreement;
 mod column;

@@ -1,8 +1,8 @@
 //! One subdomain: its sweep, that of NSGS on the subdomain's contacts with its own masses, and the gluing of its copies, (3);
 //! all in mass-scaled unknowns.
 
-use contact::scaled::by_levels;
 use contact::acceleration::Trail;
+use contact::scaled::by_levels;
 use contact::sweep::Sweep;
 use contact::{ContactProblem, Mass, Mechanics};
 use partition::{Subdomain, Sums};

@@ -5,6 +5,7 @@ use crate::{simulated, whole};
 use analysis::Refutable;
 use cases::{AnyFrozen, Frozen};
 use cg::Cg;
+use contact::acceleration::Acceleration;
 use contact::{Discs, Measures, Packing, RoughDiscs, Vector};
 use latin_dd::LatinDd;
 use nsgs_dd::{Exchange, NsgsDd};
@@ -149,6 +150,7 @@ fn sweeps_have_the_bits_of_one_machine() {
         ("gauss-seidel", NsgsDd { exchange: Exchange::GaussSeidel, ..default }),
         ("schwarz", NsgsDd { mass_splitting: false, relaxation: 0.5, ..default }),
         ("three sweeps", NsgsDd { inner_sweeps: 3, ..default }),
+        ("accelerated", NsgsDd { acceleration: Acceleration::Nesterov, ..default }),
     ] {
         as_on_one_machine::<Discs>(&smooth, &settings, name, true);
         as_on_one_machine(&rough, &settings, name, true);

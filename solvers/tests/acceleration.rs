@@ -1,0 +1,231 @@
+//! Accelerated sweeps: the formula, the subdomains, the restart, and what it saves.
+
+use crate::problems::{difference, frozen, frozen_path, impulses, start};
+use cases::AnyFrozen;
+use contact::acceleration::{Acceleration, Momentum};
+use contact::sweep::Sweep;
+use contact::{ContactProblem, Mechanics, Packing, Solver, Vector};
+use nsgs::{Nsgs, Order};
+use nsgs_dd::{Exchange, NsgsDd};
+use partition::{Grid, Scheme};
+use runner::{Status, Stop, solve};
+
+const ACCELERATED: Nsgs = Nsgs {
+    order: Order::Natural,
+    seed: 1,
+    relaxation: 1.0,
+    symmetric: false,
+    acceleration: Acceleration::Nesterov,
+    lag: 3.0,
+    slack: 1.5,
+};
+
+/// An accelerated run, step by step from whole lists of impulses: each sweep begins from velocities computed anew.
+struct Plain<'p, M: Mechanics> {
+    problem: &'p Packing<M>,
+    order: Vec<u32>,
+    settings: Nsgs,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    weight: Vec<f64>,
+    j: f64,
+    least: f64,
+    best: f64,
+    pause: [u32; 2],
+    /// Number of restarts so far.
+    restarts: u32,
+}
+
+impl<'p, M: Mechanics> Plain<'p, M> {
+    fn new(problem: &'p Packing<M>, settings: Nsgs) -> Self {
+        let zero = vec![0.0; problem.impulse_count()];
+        Self {
+            problem,
+            order: settings.order.of(problem, settings.seed),
+            settings,
+            x: zero.clone(),
+            y: zero,
+            weight: problem.delassus_diagonal(),
+            j: 0.0,
+            least: f64::INFINITY,
+            best: f64::INFINITY,
+            pause: [0, 0],
+            restarts: 0,
+        }
+    }
+
+    fn advance(&mut self) {
+        let mut sweep = Sweep::new(self.problem, &self.order, &self.y);
+        sweep.forward(self.settings.relaxation);
+        if self.settings.symmetric {
+            sweep.backward(self.settings.relaxation);
+        }
+        let mut z = self.y.clone();
+        sweep.impulses(&mut z);
+        let (mut squared, mut along) = (0.0, 0.0);
+        for k in 0..z.len() {
+            let g = self.y[k] - z[k];
+            squared += self.weight[k] * g * g;
+            along += self.weight[k] * g * (z[k] - self.x[k]);
+        }
+        let [pause, paused] = &mut self.pause;
+        if *paused > 0 {
+            *paused -= 1;
+            self.least = squared;
+        } else if squared > self.settings.slack.powi(2) * self.least || along > 0.0 {
+            *pause = match (self.least < self.best, *pause) {
+                (true, _) => 0,
+                (false, 0) => 1,
+                (false, pause) => 64.min(2 * pause),
+            };
+            self.best = self.best.min(self.least);
+            (self.j, self.least, *paused) = (0.0, squared, *pause);
+            self.restarts += 1;
+        } else {
+            self.j += 1.0;
+            self.least = self.least.min(squared);
+        }
+        let factor = self.j / (self.j + self.settings.lag);
+        self.y = (0..z.len()).map(|k| z[k] + factor * (z[k] - self.x[k])).collect();
+        self.x = z;
+    }
+}
+
+fn assert_is_the_formula<M: Mechanics>(problem: &Packing<M>, settings: Nsgs) {
+    let zero = vec![0.0; problem.impulse_count()];
+    let mut run = Solver::<M>::start(&settings, problem, &zero).unwrap();
+    let (mut plain, mut r) = (Plain::new(problem, settings), zero);
+    for k in 0..150 {
+        run.advance();
+        plain.advance();
+        run.impulses(&mut r);
+        // Round-off alone, which a frictional contact may enlarge.
+        let difference = difference(&r, &plain.x);
+        assert!(difference < 1e-9, "{}, iteration {k}: {difference}", M::NAME);
+    }
+    assert!(plain.restarts > 0, "{}: no restart was tried", M::NAME);
+}
+
+#[test]
+fn accelerated_sweeps_are_the_formula_in_every_mechanics() {
+    for name in ["shear-box-991-sheared", "rough-250", "spheres-250", "rough-spheres-250"] {
+        let file = frozen_path(&format!("{name}.json"));
+        match AnyFrozen::read(&file).unwrap_or_else(|error| panic!("{error}")) {
+            AnyFrozen::Discs(frozen) => {
+                assert_is_the_formula(&frozen.problem, ACCELERATED);
+                assert_is_the_formula(&frozen.problem, Nsgs { order: Order::Coloured, ..ACCELERATED });
+                let symmetric = Nsgs { symmetric: true, slack: 1.0, ..ACCELERATED };
+                assert_is_the_formula(&frozen.problem, symmetric);
+            }
+            AnyFrozen::RoughDiscs(frozen) => assert_is_the_formula(&frozen.problem, ACCELERATED),
+            AnyFrozen::Spheres(frozen) => assert_is_the_formula(&frozen.problem, ACCELERATED),
+            AnyFrozen::RoughSpheres(frozen) => assert_is_the_formula(&frozen.problem, ACCELERATED),
+        }
+    }
+}
+
+/// One momentum over all subdomains: on one of them it is that of NSGS.
+#[test]
+fn accelerated_nsgs_dd_on_one_subdomain_is_accelerated_nsgs() {
+    let problem = frozen("shear-box-991-onset").problem;
+    let one = NsgsDd { acceleration: Acceleration::Nesterov, ..NsgsDd::default() };
+    let (mut nsgs, mut dd) = (start(&ACCELERATED, &problem), start(&one, &problem));
+    for k in 0..100 {
+        nsgs.advance();
+        dd.advance();
+        let difference = difference(&impulses(&*nsgs, &problem), &impulses(&*dd, &problem));
+        assert!(difference < 1e-10, "iteration {k}: {difference}");
+    }
+}
+
+/// Whatever the exchange, copies of a grain have one velocity again after each extrapolation: a run ends at a solution.
+#[test]
+fn accelerated_nsgs_dd_ends_at_solutions() {
+    let stop = Stop { tolerance: 1e-8, max_iterations: 3000, ..Stop::default() };
+    let default =
+        NsgsDd { subdomains: Grid::of(4, 2), acceleration: Acceleration::Nesterov, ..NsgsDd::default() };
+    for (name, settings) in [
+        ("jacobi", default),
+        ("gauss-seidel", NsgsDd { exchange: Exchange::GaussSeidel, ..default }),
+        ("schwarz", NsgsDd { mass_splitting: false, relaxation: 0.5, ..default }),
+        ("three sweeps", NsgsDd { inner_sweeps: 3, ..default }),
+        ("balanced", NsgsDd { partition: Scheme::Balanced, ..default }),
+    ] {
+        let problem = frozen("shear-box-991-sheared").problem;
+        let r0 = vec![0.0; problem.contact_count()];
+        let outcome = solve(&settings, &problem, &r0, &stop, &mut |_| {}).unwrap();
+        assert_eq!(outcome.status, Status::Converged, "{name}: {}", outcome.measures.natural_map);
+    }
+}
+
+/// Counts, which no machine changes: a tenth of the sweeps of NSGS, in the whole and in eight subdomains.
+#[test]
+fn acceleration_saves_nine_of_ten_sweeps_on_sheared_packings() {
+    let stop = Stop { tolerance: 1e-6, max_iterations: 9_000, ..Stop::default() };
+    for name in ["shear-box-991-onset", "shear-box-991-sheared"] {
+        let problem = frozen(name).problem;
+        let count = |solver: &dyn Solver| {
+            let r0 = vec![0.0; problem.contact_count()];
+            let outcome = solve(solver, &problem, &r0, &stop, &mut |_| {}).unwrap();
+            assert_eq!(outcome.status, Status::Converged, "{name}");
+            outcome.iterations
+        };
+        let plain = count(&Nsgs::default());
+        let accelerated = count(&ACCELERATED);
+        let dd =
+            NsgsDd { subdomains: Grid::of(4, 2), acceleration: Acceleration::Nesterov, ..NsgsDd::default() };
+        let eight = count(&dd);
+        assert!(10 * accelerated < plain, "{name}: {accelerated} of {plain}");
+        assert!(10 * eight < 13 * accelerated, "{name}: {eight} on eight subdomains, {accelerated} on one");
+    }
+}
+
+/// Velocities made anew at restarts keep round-off from growing with β: plain sums end at 1e-11 here.
+#[test]
+fn accelerated_sweeps_come_to_round_off() {
+    let problem = frozen("shear-box-991-onset").problem;
+    let r0 = vec![0.0; problem.contact_count()];
+    let stop = Stop { tolerance: 1e-12, max_iterations: 3_000, ..Stop::default() };
+    let outcome = solve(&ACCELERATED, &problem, &r0, &stop, &mut |_| {}).unwrap();
+    assert_eq!(outcome.status, Status::Converged, "{}", outcome.measures.natural_map);
+}
+
+/// Without friction the sweep after a restart is one of plain NSGS, which never increases q(r) = ½ rᵗ W r + bᵗ r.
+#[test]
+fn a_sweep_after_a_restart_never_increases_the_energy() {
+    for name in ["shear-box-991-rest", "settled-250", "lmgc90-shear-991-t1"] {
+        let problem = frozen(name).problem;
+        let (b, mut v) = (problem.b(), vec![0.0; problem.contact_count()]);
+        let mut energy = |r: &[f64]| {
+            let mut velocity = problem.free_velocity().to_vec();
+            problem.velocity(r, &mut velocity);
+            problem.relative_velocity(&velocity, &mut v);
+            ContactProblem::<contact::Discs>::energy(r, &v, &b)
+        };
+        let mut plain = Plain::new(&problem, ACCELERATED);
+        let mut tried = 0;
+        for _ in 0..400 {
+            let (restarts, before) = (plain.restarts, plain.x.clone());
+            let begins_there = plain.y == before;
+            plain.advance();
+            if begins_there && restarts > 0 {
+                let (from, to) = (energy(&before), energy(&plain.x));
+                assert!(to <= from + 1e-13 * from.abs(), "{name}: {from} to {to}");
+                tried += 1;
+            }
+        }
+        assert!(tried > 0, "{name}");
+    }
+}
+
+#[test]
+fn momentum_without_meaning_is_refused() {
+    let momentum = |lag, slack| Acceleration::Nesterov.momentum(lag, slack).map(|_: Option<Momentum>| ());
+    assert!(momentum(3.0, 1.0).is_ok());
+    for (lag, slack, key) in
+        [(0.0, 1.5, "lag"), (f64::NAN, 1.5, "lag"), (3.0, 0.9, "slack"), (3.0, f64::NAN, "slack")]
+    {
+        let error = momentum(lag, slack).unwrap_err().to_string();
+        assert!(error.contains(key), "{error}");
+    }
+}
