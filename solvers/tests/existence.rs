@@ -425,9 +425,12 @@ fn grain_between_closing_walls_has_no_solution_whatever_its_friction() {
 
 #[test]
 fn fuzz_no_problem_without_solution_is_certified() {
-    let sum = table("no solution", |kind, in_space, count| match in_space {
-        false => count_without::<RoughDiscs, 2>(kind, count),
-        true => count_without::<RoughSpheres, 3>(kind, count),
+    let sum = table("no solution", |kind, in_space, count| {
+        if in_space {
+            count_without::<RoughSpheres, 3>(kind, count)
+        } else {
+            count_without::<RoughDiscs, 2>(kind, count)
+        }
     });
     assert_eq!(sum.false_certificates, 0);
     assert!(sum.unknown * 20 <= sum.problems, "{} of {} are unknown", sum.unknown, sum.problems);
@@ -435,9 +438,12 @@ fn fuzz_no_problem_without_solution_is_certified() {
 
 #[test]
 fn fuzz_no_problem_with_a_solution_is_proved_to_have_none() {
-    let sum = table("a solution", |kind, in_space, count| match in_space {
-        false => count_with::<RoughDiscs, 2>(kind, count),
-        true => count_with::<RoughSpheres, 3>(kind, count),
+    let sum = table("a solution", |kind, in_space, count| {
+        if in_space {
+            count_with::<RoughSpheres, 3>(kind, count)
+        } else {
+            count_with::<RoughDiscs, 2>(kind, count)
+        }
     });
     assert_eq!(sum.false_proofs, 0);
     assert_eq!(sum.unknown, 0, "the solution that was made is certified");
