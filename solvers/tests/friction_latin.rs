@@ -7,7 +7,7 @@ use contact::{Measure, Measuring, Packing, RoughContact, RoughDiscs, RoughMass, 
 use latin_dd::LatinDd;
 use nalgebra::{Vector2, Vector3};
 use partition::{Decomposition, Grid, Partition, Scheme};
-use reference::certify_rough;
+use reference::certify;
 use runner::{Status, Stop, solve};
 
 /// The same packing whose contacts have no tangent.
@@ -162,7 +162,7 @@ fn disc_thrown_along_a_floor_rolls_at_two_thirds_or_slides() {
 fn ends_certified(method: ActiveSet, problem: &Packing<RoughDiscs>, most: u64) {
     let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-12, max_iterations: most };
     let outcome = solve(&method, problem, &vec![0.0; problem.impulse_count()], &stop, &mut |_| ()).unwrap();
-    let certificate = certify_rough(problem, &outcome.impulses);
+    let certificate = certify(problem, &outcome.impulses);
     assert!(certificate.certified(), "{method:?}: {:?}, {certificate}", outcome.status);
 }
 

@@ -8,7 +8,7 @@ use jacobi::Jacobi;
 use nalgebra::{Vector2, Vector3};
 use nsgs::Nsgs;
 use reference::{
-    Existence, Isolation, certify_rough, distance, existence, is_same, isolation, polished, solve_rough,
+    Existence, Isolation, certify, distance, existence, is_same, isolation, polished, solve_rough,
 };
 use runner::{Stop, solve};
 use serde_json::Value;
@@ -102,7 +102,7 @@ fn an_iterate_near_a_solution_is_polished_to_it_and_one_far_away_to_none() {
     let solution = &solve_rough(&problem, 0..=0, || {})[0];
     assert!(solution.certificate.certified());
     let near: Vec<f64> = solution.impulses.iter().map(|r| r * (1.0 + 1e-6)).collect();
-    assert!(!certify_rough(&problem, &near).certified());
+    assert!(!certify(&problem, &near).certified());
     let found = polished(&problem, &near).unwrap();
     assert!(found.certificate.certified());
     assert!(is_same(distance(&problem, &solution.impulses, &found.impulses)));

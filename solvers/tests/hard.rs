@@ -141,27 +141,20 @@ fn by_linear_programme(problem: &Packing) -> Judged {
     }
 }
 
-/// Whether one grain has an admissible velocity that is no farther from `V_free` than a proof of no solution says, in exact
-/// arithmetic: one unknown is eliminated after the other (Fourier, Motzkin).
-fn within_reach(problem: &Packing) -> bool {
+/// Whether one grain has an admissible velocity, however fast, in exact arithmetic: one unknown is eliminated after the other
+/// (Fourier, Motzkin).
+fn has_velocity(problem: &Packing) -> bool {
     let exact = |x: f64| BigRational::from_float(x).unwrap();
     let zero = exact(0.0);
-    let squared: f64 = problem.b().iter().map(|b| f64::min(*b, 0.0).powi(2)).sum();
-    let reach = exact(0.5e6 * squared.sqrt());
-    let free = problem.free_velocity()[0].map(exact);
     // a x + b y + c ≥ 0
     let mut rows: Vec<[BigRational; 3]> = problem
         .contacts()
         .iter()
         .map(|contact| {
             let (a, b) = (exact(contact.normal.x), exact(contact.normal.y));
-            let c = &a * &free.x + &b * &free.y + exact(contact.offset);
-            [a, b, c]
+            [a, b, exact(contact.offset)]
         })
         .collect();
-    for (a, b) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
-        rows.push([exact(a), exact(b), reach.clone()]);
-    }
     for unknown in [1, 0] {
         let (bounded, mut left): (Vec<_>, Vec<_>) = rows.into_iter().partition(|row| row[unknown] != zero);
         let (below, above): (Vec<_>, Vec<_>) = bounded.into_iter().partition(|row| row[unknown] > zero);
@@ -212,18 +205,21 @@ fn answers(kind: &str, problems: impl Strategy<Value = Packing>, judge: impl Fn(
     unknown.len() as u32 * 1000 / cases
 }
 
-/// Several walls around a grain, in any direction or opposite to others but for a turn; still or moving at any speed.
+/// Several walls around a grain, in any direction or opposite to others, exactly or but for a turn; still or moving at any speed.
 fn walls() -> impl Strategy<Value = Packing> {
     let turn = prop_oneof![2 => Just(0.0), 1 => (-16.0..-2.0_f64).prop_map(|exponent| 10_f64.powf(exponent))];
-    let of_eight =
-        (0..8_u32, turn).prop_map(|(eighth, turn)| f64::from(eighth) * std::f64::consts::FRAC_PI_4 + turn);
-    let wall = (prop_oneof![of_eight, 0.0..std::f64::consts::TAU], -1.0..1.0_f64);
+    let toward = |angle: f64| Vector2::new(angle.cos(), angle.sin());
+    let of_eight = (0..4_u32, any::<bool>(), turn).prop_map(move |(eighth, is_opposite, turn)| {
+        let normal = toward(f64::from(eighth) * std::f64::consts::FRAC_PI_4 + turn);
+        if is_opposite { -normal } else { normal }
+    });
+    let wall = (prop_oneof![of_eight, (0.0..std::f64::consts::TAU).prop_map(toward)], -1.0..1.0_f64);
     let free = (-1.0..1.0_f64, -1.0..1.0_f64).prop_map(|(x, y)| Vector2::new(x, y));
     (prop::collection::vec(wall, 2..=7), free).prop_map(|(walls, free)| {
-        let contact = |(angle, offset): &(f64, f64)| Contact {
+        let contact = |(normal, offset): &(Vector2<f64>, f64)| Contact {
             candidate: 0,
             antagonist: None,
-            normal: Vector2::new(angle.cos(), angle.sin()),
+            normal: *normal,
             offset: *offset,
         };
         let contacts = walls.iter().map(contact).collect();
@@ -263,15 +259,16 @@ fn fuzz_wedges_with_a_solution_are_certified() {
     assert!(answers("wedges", wedge(), |_| Judged::Feasible) <= 5);
 }
 
+/// Walls that close, and face each other but for a lever, leave a way out that is too fast for double precision.
 #[test]
 fn fuzz_walls_are_judged_as_by_exact_arithmetic() {
-    let judge = |problem: &Packing| if within_reach(problem) { Judged::Feasible } else { Judged::Open };
-    assert!(answers("walls, exact arithmetic", walls(), judge) <= 10);
+    let judge = |problem: &Packing| if has_velocity(problem) { Judged::Feasible } else { Judged::Open };
+    assert!(answers("walls, exact arithmetic", walls(), judge) <= 40);
 }
 
 #[test]
 fn fuzz_walls_are_judged_as_by_a_linear_programme() {
-    assert!(answers("walls, linear programme", walls(), by_linear_programme) <= 10);
+    assert!(answers("walls, linear programme", walls(), by_linear_programme) <= 40);
 }
 
 /// How a run to a natural map of 1e-6 ends.

@@ -8,6 +8,7 @@ mod column;
 mod decomposition;
 mod equation_map;
 mod equivalences;
+mod existence;
 mod first_order;
 mod friction;
 mod friction_convex;

@@ -13,7 +13,7 @@ use nalgebra::{Vector2, Vector3, Vector6};
 use nsgs::Nsgs;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use reference::{RoughSolution, certify_rough, distance, polished, solve_rough};
+use reference::{RoughSolution, certify, distance, polished, solve_rough};
 use runner::{Stop, solve};
 
 /// Contacts between spheres of radius 0.5 m and mass 1 kg, or with walls, each given by its grains and normal.
@@ -61,7 +61,7 @@ fn solution(problem: &Packing<RoughSpheres>) -> Vec<f64> {
     let none = vec![0.0; problem.impulse_count()];
     let (r, is_ended, _) = ended(&ActiveSet::default(), problem, &none, 20_000);
     assert!(is_ended);
-    let certificate = certify_rough(problem, &r);
+    let certificate = certify(problem, &r);
     assert!(certificate.certified(), "{certificate}");
     r
 }
@@ -131,12 +131,12 @@ fn layer_in_space_is_solved_by_impulses_of_the_plane() {
         let [normal, along] = [known.impulses[2 * k], known.impulses[2 * k + 1]];
         r[3 * k..3 * k + 3].copy_from_slice(&[normal, first * along, second * along]);
     }
-    assert!(certify_rough(&laid, &r).certified());
+    assert!(certify(&laid, &r).certified());
     // From it nothing moves; from near it Newton's method comes back.
     let (stays, is_ended, factorisations) = ended(&ActiveSet::default(), &laid, &r, 10);
-    assert!(is_ended && factorisations <= 1 && certify_rough(&laid, &stays).certified());
+    assert!(is_ended && factorisations <= 1 && certify(&laid, &stays).certified());
     let near: Vec<f64> = r.iter().map(|r| r * (1.0 + 1e-6)).collect();
-    assert!(!certify_rough(&laid, &near).certified());
+    assert!(!certify(&laid, &near).certified());
     let found = polished(&laid, &near).unwrap();
     assert!(distance(&laid, &r, &found.impulses) < 1e-6);
 }
@@ -167,7 +167,7 @@ fn falling_packing_is_certified_and_its_solution_stays() {
         assert!(found[0].certificate.certified(), "{friction}: {}", found[0].certificate);
         let (r, is_ended, factorisations) = ended(&ActiveSet::default(), &problem, &found[0].impulses, 3);
         assert!(is_ended && factorisations <= 2, "{factorisations}");
-        assert!(certify_rough(&problem, &r).certified());
+        assert!(certify(&problem, &r).certified());
     }
 }
 
@@ -230,6 +230,6 @@ proptest! {
         let left = |r: &[f64]| {
             RoughMeter::<RoughSpheres>::new(&problem).measure_after(&[], r, 0.0).natural_map
         };
-        prop_assert!(left(&r) <= left(&none) * (1.0 + 1e-12) || certify_rough(&problem, &r).certified());
+        prop_assert!(left(&r) <= left(&none) * (1.0 + 1e-12) || certify(&problem, &r).certified());
     }
 }

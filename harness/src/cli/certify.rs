@@ -7,8 +7,8 @@ use anyhow::Result;
 use cases::{AnyFrozen, Frozen};
 use contact::{ContactProblem, Meter, Packing, RoughDiscs, Smooth, Solver, Truth, greatest};
 use reference::{
-    Answer, Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, Rough, RoughCertificate,
-    RoughSolution, certify, certify_rough, distance, existence, isolation,
+    Answer, Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, Rough, RoughSolution, certify,
+    distance, existence, isolation,
 };
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -60,31 +60,31 @@ where
     let given = args.impulses.as_deref().map(|file| Given::read(file, problem)).transpose()?;
     let pool = pool(root, frozen, args.starts)?;
     say(format_args!("{}: {}", frozen.name, size(problem)))?;
+    let of_given = given.as_ref().map(|given| certify(problem, &given.impulse));
+    if let Some(certificate) = &of_given {
+        say(format_args!("given impulses: {}", verdict(certificate)))?;
+        print(certificate)?;
+    }
+    let Some(pool) = pool else { return no_solution() };
     let unknown =
         "whether a solution exists, and whether one stands alone, is looked into between discs alone";
     say(format_args!("{}", theory.map_or(unknown, |theory| (theory.existence)(problem))))?;
-    let mut certified = pool.iter().any(|solution| solution.certificate.certified());
-    if let Some(Given { impulse, .. }) = &given {
-        let certificate = certify_rough(problem, impulse);
-        certified = certificate.certified();
-        say(format_args!("given impulses: {}", rough_verdict(&certificate)))?;
-        print_rough(&certificate)?;
-        if let Some((n, apart)) = pool
+    if let Some(Given { impulse, .. }) = &given
+        && let Some((n, apart)) = pool
             .iter()
             .map(|solution| distance(problem, &solution.impulses, impulse))
             .enumerate()
             .min_by(|a, b| a.1.total_cmp(&b.1))
-        {
-            say(format_args!("  its velocity is nearest to that of solution {}: {apart:.1e} apart", n + 1))?;
-        }
+    {
+        say(format_args!("  its velocity is nearest to that of solution {}: {apart:.1e} apart", n + 1))?;
     }
     for (n, solution) in pool.iter().enumerate() {
         let apart = distance(problem, &pool[0].impulses, &solution.impulses);
         let of_first =
             if n == 0 { String::new() } else { format!(", {apart:.1e} from the first in velocity") };
-        say(format_args!("solution {}: {}{of_first}", n + 1, rough_verdict(&solution.certificate)))?;
+        say(format_args!("solution {}: {}{of_first}", n + 1, verdict(&solution.certificate)))?;
         if given.is_none() {
-            print_rough(&solution.certificate)?;
+            print(&solution.certificate)?;
         }
         if let (Some(theory), true) = (theory, solution.certificate.certified()) {
             say(format_args!("  {}", (theory.isolation)(problem, &solution.impulses)))?;
@@ -101,7 +101,9 @@ where
         let size = problem.velocity_distance(size.velocity(), problem.free_velocity());
         say(format_args!("spread of the {} solutions in velocity: {:.2e}", pool.len(), spread / size))?;
     }
-    Ok(exit::code(if certified { "certified" } else { "not certified" }))
+    // `take` keeps no other beside one that is certified.
+    let certificate = of_given.as_ref().or(pool.first().map(|solution| &solution.certificate));
+    Ok(exit::code(certificate.map_or("not certified", word)))
 }
 
 /// Whether there is a solution at all.
@@ -129,27 +131,11 @@ fn isolation_in_words(isolation: &Isolation) -> String {
     )
 }
 
-fn rough_verdict(certificate: &RoughCertificate) -> String {
-    let word = if certificate.certified() { "certified" } else { "not certified" };
-    format!("{word} to {ROUND_OFF:e}")
-}
-
-fn print_rough(certificate: &RoughCertificate) -> Result<()> {
-    say(format_args!("  {:<17}{:>10}  absolute", "", "relative"))?;
-    for (name, residual) in certificate.residuals() {
-        let unit = match name {
-            "approach" | "complementarity" | "sliding" => "m/s",
-            "natural_map" => "√J",
-            _ => "N·s",
-        };
-        let above =
-            if residual.relative <= ROUND_OFF { String::new() } else { format!(", above {ROUND_OFF:e}") };
-        say(format_args!(
-            "  {name:<17}{:>10.1e}  {:.1e} {unit}{above}",
-            residual.relative, residual.absolute
-        ))?;
-    }
-    Ok(())
+fn no_solution() -> Result<ExitCode> {
+    say(format_args!(
+        "the problem has no solution: normal impulses balance, in exact arithmetic, while contacts approach"
+    ))?;
+    Ok(exit::code("no-solution"))
 }
 
 fn smooth<const D: usize>(root: &Root, args: &Args, frozen: &Frozen<Smooth<D>>) -> Result<ExitCode>
@@ -166,10 +152,7 @@ where
         print(certificate)?;
     }
     let of_reference = match &reference {
-        Answer::Infeasible { .. } => {
-            say(format_args!("the problem has no solution: impulses balance while contacts approach"))?;
-            return Ok(exit::code("no-solution"));
-        }
+        Answer::Infeasible { .. } => return no_solution(),
         Answer::Unknown { certificate, why, .. } => {
             say(format_args!("reference: {}: {why}", verdict(certificate)))?;
             print(certificate)?;
@@ -200,10 +183,10 @@ fn print(certificate: &Certificate) -> Result<()> {
     say(format_args!("  {:<17}{:>10}  absolute", "", "relative"))?;
     for (name, residual) in certificate.residuals() {
         let unit = match name {
-            "approach" | "complementarity" => "m/s",
-            "pull" | "momentum" => "N·s",
+            "approach" | "complementarity" | "sliding" => "m/s",
             "natural_map" => "√J",
-            _ => "J",
+            "duality_gap" => "J",
+            _ => "N·s",
         };
         let limit = if name == "natural_map" { ENERGY_ROUND_OFF } else { ROUND_OFF };
         let above = if residual.relative <= limit { String::new() } else { format!(", above {limit:e}") };

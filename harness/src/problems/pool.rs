@@ -8,7 +8,7 @@ use anyhow::Result;
 use cases::Frozen;
 use contact::{Packing, Solver};
 use reference::{
-    InteriorPoint, Rough, RoughSolution, certify_rough, distance, is_same, polished, solve_rough, take,
+    InteriorPoint, Rough, RoughSolution, certify, distance, is_same, polished, solve_rough, take,
 };
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -22,7 +22,7 @@ pub(crate) fn known_rough<M: Studied + Rough>(root: &Root, frozen: &Frozen<M>) -
 where
     ActiveSet: Solver<M>,
 {
-    let pool = pool(root, frozen, STARTS)?;
+    let Some(pool) = pool(root, frozen, STARTS)? else { return Ok(Known::none(&frozen.name)) };
     let problem = &frozen.problem;
     if let [best] = &pool[..]
         && !best.certificate.certified()
@@ -34,12 +34,12 @@ where
 }
 
 /// The certified solutions of a problem with friction that are known, those from so many `starts` among them, each different from
-/// the others; the best impulses, where none is certified.
+/// the others; the best impulses, where none is certified. `None` if it is proved that there is none.
 pub(crate) fn pool<M: Studied + Rough>(
     root: &Root,
     frozen: &Frozen<M>,
     starts: u64,
-) -> Result<Vec<RoughSolution>>
+) -> Result<Option<Vec<RoughSolution>>>
 where
     ActiveSet: Solver<M>,
 {
@@ -55,6 +55,9 @@ where
     }
     let problem = &frozen.problem;
     let mut pool = certified(problem, kept.solutions);
+    if !pool.iter().any(|solution| solution.certificate.certified()) && M::has_no_solution(problem) {
+        return Ok(None);
+    }
     // From r = 0 on, each start once; again, where another code sought.
     if kept.code != code {
         kept.starts = 0;
@@ -71,14 +74,14 @@ where
             &serde_json::to_string(&Pool { starts: starts + 1, code: code.to_owned(), solutions })?,
         )?;
     }
-    Ok(pool)
+    Ok(Some(pool))
 }
 
 /// The solutions that kept impulses (N·s) are.
 fn certified<M: Rough>(problem: &Packing<M>, kept: Vec<Vec<f64>>) -> Vec<RoughSolution> {
     let mut pool = Vec::new();
     for impulses in kept.into_iter().filter(|r| r.len() == problem.impulse_count()) {
-        let certificate = certify_rough(problem, &impulses);
+        let certificate = certify(problem, &impulses);
         take(problem, &mut pool, RoughSolution { impulses, certificate });
     }
     pool

@@ -39,6 +39,12 @@ impl<M: Mechanics> Known<M> {
         Self { impulses, truths, ..Self::default() }
     }
 
+    /// That there is none, which is said of the problem of this name.
+    pub(super) fn none(name: &str) -> Self {
+        eprintln!("{name}: the problem has no solution");
+        Self { is_infeasible: true, ..Self::default() }
+    }
+
     /// Of these impulses, which come nearest where none could be certified (N·s).
     pub(super) fn near(problem: &ContactProblem<M>, impulses: &[f64]) -> Self {
         Self { nearest: Some(Truth::new(problem, impulses)), ..Self::default() }
@@ -161,10 +167,7 @@ where
 {
     Ok(match answer(root, frozen)? {
         Answer::Solution { impulses, .. } => Known::of(&frozen.problem, vec![impulses]),
-        Answer::Infeasible { .. } => {
-            eprintln!("{}: the problem has no solution", frozen.name);
-            Known { is_infeasible: true, ..Known::default() }
-        }
+        Answer::Infeasible { .. } => Known::none(&frozen.name),
         Answer::Unknown { impulses, certificate, why } => {
             eprintln!("{}: no reference: {why}; the best impulses are {certificate}", frozen.name);
             Known::near(&frozen.problem, &impulses)

@@ -188,6 +188,58 @@ fn sliding() -> Value {
     })
 }
 
+/// A disc between two walls that close along a line at an angle, with friction.
+fn closing_with_friction() -> Value {
+    json!({
+        "format": "gravel/contact-problem/2",
+        "name": "squeezed",
+        "source": "a test",
+        "time_step": 0.005,
+        "grains": {
+            "mass": [1.0], "inertia": [0.125], "radius": [0.5], "position": [[0.0, 0.0]], "free_velocity": [[0.0, 0.0, 0.0]],
+        },
+        "contacts": {
+            "candidate": [0, 0], "antagonist": [null, null],
+            "normal": [[-0.373_388_827_803_571_5, 0.927_674_934_053_666_7], [0.373_388_827_803_571_5, -0.927_674_934_053_666_7]],
+            "offset": [[-0.5, 0.0], [-0.9, 0.0]], "gap": [0.0, 0.0], "friction": [0.3, 0.3],
+        },
+    })
+}
+
+#[test]
+fn normal_parts_prove_that_a_problem_with_friction_has_no_solution_whatever_was_kept() {
+    let study = Study::new();
+    let file = write(study.folder(), "cases/frozen/squeezed.json", &closing_with_friction().to_string());
+    let printed = study.gravel(&["certify", "squeezed", "--starts", "0"]).ended(4).stdout;
+    assert!(printed.contains("the problem has no solution") && !printed.contains(" certified"), "{printed}");
+    let huge = json!({ "impulse": [[1e25, 0.0], [1e25, 0.0]] }).to_string();
+    let given = write(study.folder(), "huge.json", &huge);
+    let printed = study.gravel(&["certify", text(&file), "--impulses", text(&given)]).ended(4).stdout;
+    assert!(printed.contains("given impulses: not certified"), "{printed}");
+    // A tolerance above the rate of the walls is met at once.
+    let rate =
+        ["solve", "squeezed", "--json", "--on", "penetration_rate", "--tolerance", "1.5", "--method", "nsgs"];
+    assert_eq!(study.gravel(&[&rate[..], &["--truth"]].concat()).json()["status"], "false-convergence");
+}
+
+#[test]
+fn kept_solutions_with_friction_are_certified_again() {
+    let study = Study::new();
+    write(study.folder(), "cases/frozen/sliding.json", &sliding().to_string());
+    study.gravel(&["certify", "sliding", "--starts", "0"]).ended(0);
+    let folder = study.folder().path().join("results/references");
+    let file = folder.join(&entries(&folder)[0]);
+    let good: Value = serde_json::from_str(&fs::read_to_string(&file).unwrap()).unwrap();
+    // Impulses far too large, beside the right ones, and alone.
+    for solutions in [json!([[9.0, 0.0], good["solutions"][0]]), json!([[9.0, 0.0]])] {
+        let starts = if solutions[1].is_null() { json!(0) } else { good["starts"].clone() };
+        let kept = json!({ "starts": starts, "code": good["code"], "solutions": solutions });
+        fs::write(&file, kept.to_string()).unwrap();
+        let printed = study.gravel(&["certify", "sliding", "--starts", "0"]).ended(0).stdout;
+        assert!(printed.contains("solution 1: certified") && !printed.contains("solution 2"), "{printed}");
+    }
+}
+
 #[test]
 fn certify_tells_of_friction_whether_solutions_exist_and_stand_alone() {
     let study = Study::new();

@@ -1,29 +1,24 @@
 //! The proof that a problem has no solution: impulses that balance while contacts approach.
 
-use contact::{ContactProblem, Mechanics, RoughDiscs, RoughSpheres, Smooth, law};
+mod exact;
+mod regular;
+
+pub use exact::{Thrust, proves_exactly};
+
+use contact::{Contact, ContactProblem, Mechanics, RoughDiscs, RoughSpheres, Smooth, law};
 use nalgebra::SVector;
 
-/// How far, in units of the problem's own scale, a velocity must be from `V_free` to be called out of reach (–).
-const OUT_OF_REACH: f64 = 1e6;
-
 /// What impulses that balance leave at any grain, over the sum of their sizes at the grain that is pressed most (–): the
-/// round-off of some thousand of them. A lever finer than this is none.
+/// round-off of some thousand of them.
 const BALANCED: f64 = 1e-12;
-
-/// Round-off of a sum relative to the sizes of its terms (–).
-const ROUND_OFF: f64 = 1e-14;
 
 /// Whether the impulses `ray` prove that the problem has no solution (lemma of Farkas).
 ///
-/// For d ≥ 0 and any admissible V, that is Hᵗ V + c ≥ 0, dᵗ (Hᵗ V + c) ≥ 0, hence
-/// ‖V − `V_free`‖_M ≥ −bᵗ d / ‖H d‖_{M⁻¹}. If H d = 0 and bᵗ d < 0, there is no such V: the impulses d balance at every
-/// grain, and on the whole they act against approach, whatever V. In floating point all three must stand out from round-off:
-///
-/// - H d is that of impulses that balance, to 1e-12 of their sizes. A lever of 3e-9 is none of these, nor is a grain too heavy to
-///   feel the rest of its impulses;
-/// - −bᵗ d is above 1e-12 of its terms, of the sizes of `V_i`, `V_j` and c: as much as such a lever makes of them;
-/// - the bound is above 1e6 √(Σ max(0, −b)²/`W_αα`), with ‖H d‖ raised by its round-off: no velocity nearer than that is
-///   admissible, whatever rounding made of the ray.
+/// For d ≥ 0 and any admissible V, that is Hᵗ V + c ≥ 0, dᵗ (Hᵗ V + c) ≥ 0. If H d = 0 and bᵗ d < 0, there is no such V: the
+/// impulses d balance at every grain, and on the whole they act against approach, whatever V. The proof is that of impulses near
+/// the ray for which this [holds in exact arithmetic](proves_exactly): a lever as fine as round-off is one. It is tried where, in
+/// double precision, H d is that of impulses that balance, to 1e-12 of their sizes, and −bᵗ d is above 1e-12 of its terms, of the
+/// sizes of `V_i`, `V_j` and c.
 pub fn proves_infeasible<const D: usize>(problem: &ContactProblem<Smooth<D>>, ray: &[f64]) -> bool {
     // The proof does not depend on the length of the ray; squares of small numbers would vanish.
     let greatest = ray.iter().copied().fold(0.0, f64::max);
@@ -48,13 +43,10 @@ pub fn proves_infeasible<const D: usize>(problem: &ContactProblem<Smooth<D>>, ra
     problem.resultant(&ray, &mut resultant);
     let left = resultant.iter().map(nalgebra::Matrix::amax).fold(0.0, f64::max);
     let pressed = sizes.iter().copied().fold(0.0, f64::max);
-    // ‖H d‖² of M⁻¹, each grain raised by its round-off.
-    let raised =
-        |((h_d, size), m): ((&SVector<f64, D>, &f64), &f64)| (h_d.norm() + ROUND_OFF * size).powi(2) / m;
-    let unbalanced = resultant.iter().zip(&sizes).zip(problem.mass()).map(raised).sum::<f64>().sqrt();
-    left <= BALANCED * pressed
-        && work > BALANCED * terms
-        && work > OUT_OF_REACH * problem.scale().sqrt() * unbalanced
+    left <= BALANCED * pressed && work > BALANCED * terms && {
+        let thrust = |(contact, d): (&Contact<D>, &f64)| Thrust::new::<Smooth<D>>(contact, *d);
+        proves_exactly(&problem.contacts().iter().zip(&ray).map(thrust).collect::<Vec<_>>())
+    }
 }
 
 /// Whether one of the `rays`, as it is or balanced, [proves](proves_infeasible) that there is no solution.
@@ -137,10 +129,12 @@ fn descend<const D: usize>(problem: &ContactProblem<Smooth<D>>, d: &mut [f64]) {
     let scaled = |g: &[f64]| g.iter().zip(&diagonal).map(|(g, w)| g / w).collect::<Vec<f64>>();
     let mut z = scaled(&g);
     let mut p: Vec<f64> = z.iter().map(|z| -z).collect();
+    let least = f64::EPSILON * f64::EPSILON * dot(&g, &z);
     for _ in 0..PRODUCTS {
         product(&p, &mut w_p);
         let (fall, curvature) = (dot(&g, &z), dot(&p, &w_p));
-        if !(curvature > 0.0 && fall > 0.0) {
+        // What is left is round-off, and a direction that moves no grain has no length.
+        if !(curvature > 0.0 && fall > least) {
             return;
         }
         // d ← d + α p,  α = gᵗ z / pᵗ W p;  p ← −z + β p,  β = g⁺ᵗ z⁺ / gᵗ z

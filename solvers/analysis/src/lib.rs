@@ -1,10 +1,10 @@
 //! What the operator of a problem says: the proof that there is no solution, to which a few hundred conjugate gradients on ½ dᵗ W d
-//! may lead, the spectrum of W_D⁻¹ W, and bounds of eigenvalues that cost one pass over the contacts. No method of the line-up.
+//! may lead and which is made in exact arithmetic, the spectrum of W_D⁻¹ W, and bounds of eigenvalues that cost one pass over the contacts. No method of the line-up.
 
 mod bounds;
 mod infeasible;
 mod spectrum;
 
 pub use bounds::{Bounded, delassus_bound, scaled_delassus_bound};
-pub use infeasible::{Refutable, any_proves_infeasible, proves_infeasible};
+pub use infeasible::{Refutable, Thrust, any_proves_infeasible, proves_exactly, proves_infeasible};
 pub use spectrum::{Closed, Spectrum, coupling, greatest_eigenvalue};

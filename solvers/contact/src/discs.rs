@@ -1,7 +1,6 @@
 //! Discs and spheres without friction: a grain translates, a contact has one unknown, and 0 ≤ v ⊥ r ≥ 0.
 
 use crate::error::{is_not_negative, is_positive};
-use crate::law;
 use crate::mechanics::{Associated, Mass, Mechanics, Touch};
 use crate::meter::Meter;
 use crate::scaled::ScaledContact;
@@ -100,10 +99,6 @@ impl<const D: usize> Touch<Smooth<D>> for Contact<D> {
     fn diagonal(&self, inverse_mass: impl Fn(u32) -> f64) -> f64 {
         let candidate = inverse_mass(self.candidate);
         self.antagonist.map_or(candidate, |j| candidate + inverse_mass(j))
-    }
-
-    fn admissible(&self, r: f64, v: f64, diagonal: f64) -> f64 {
-        law::non_negative(r - v / diagonal)
     }
 
     fn is_admissible(&self, r: f64) -> bool {

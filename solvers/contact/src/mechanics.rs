@@ -265,10 +265,6 @@ pub trait Touch<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     /// `W_αα`, which is diagonal since normals pass through the centres (1/kg), with the inverse of the masses.
     fn diagonal(&self, inverse_mass: impl Fn(u32) -> M::Mass) -> M::Impulse;
 
-    /// r⁺ of the law, with the impulse that solves it at the contact when all others are kept: r⁺ − r is the natural map (N·s).
-    /// `diagonal` is `W_αα` (1/kg). At a bound of the normal impulse of r itself, not of r⁺.
-    fn admissible(&self, r: M::Impulse, v: M::Impulse, diagonal: M::Impulse) -> M::Impulse;
-
     /// Whether the law admits r, up to round-off of a bound (N·s).
     fn is_admissible(&self, r: M::Impulse) -> bool;
 

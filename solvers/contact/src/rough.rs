@@ -15,7 +15,6 @@ pub use tresca::{TrescaColumn, TrescaContact, TrescaDiscs};
 
 use crate::discs::{Contact, Discs};
 use crate::error::{ProblemError, is_not_negative, is_positive};
-use crate::law;
 use crate::mechanics::{Mass, Mechanics, Touch, Vector};
 use crate::problem::ContactProblem;
 use nalgebra::{SVector, Vector2, Vector3};
@@ -190,12 +189,6 @@ impl Touch<RoughDiscs> for RoughContact {
         };
         let candidate = of(self.candidate, self.arms.x);
         self.antagonist.map_or(candidate, |j| candidate + of(j, self.arms.y))
-    }
-
-    fn admissible(&self, r: Vector2<f64>, v: Vector2<f64>, diagonal: Vector2<f64>) -> Vector2<f64> {
-        let moved = r - v.component_div(&diagonal);
-        let bound = self.friction * law::non_negative(r.x);
-        Vector2::new(law::non_negative(moved.x), law::clip(moved.y, bound))
     }
 
     fn is_admissible(&self, r: Vector2<f64>) -> bool {

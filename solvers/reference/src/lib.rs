@@ -13,13 +13,11 @@ mod isolated;
 mod method;
 mod rough;
 
-pub use certificate::{Certificate, ENERGY_ROUND_OFF, ROUND_OFF, Residual, certify};
+pub use certificate::{Certificate, Certified, ENERGY_ROUND_OFF, ROUND_OFF, Residual, certify};
 pub use existence::{Existence, existence};
 pub use isolated::{Isolation, isolation};
 pub use method::InteriorPoint;
-pub use rough::{
-    Rough, RoughCertificate, RoughSolution, certify_rough, distance, is_same, polished, solve_rough, take,
-};
+pub use rough::{Rough, RoughSolution, distance, is_same, polished, solve_rough, take};
 
 use active_set::ActiveSet;
 use analysis::proves_infeasible;

@@ -1,193 +1,43 @@
 //! Solutions of problems with friction: certified by what they leave of the law, and several, since neither impulses nor
 //! velocities are unique.
 
-use crate::certificate::{Residual, TERMS, worst};
+use crate::certificate::{Certificate, Certified, certify};
+use crate::{Answer, solve};
 use active_set::{ActiveSet, Start};
 use contact::{
-    ContactProblem, Mechanics, Packing, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Solver, Touch,
-    Truth, Vector, greatest, law,
+    ContactProblem, Packing, RoughDiscs, RoughMass, RoughSpheres, Smooth, Solver, Truth, Vector, greatest,
+    law,
 };
-use nalgebra::{Vector2, Vector3, Vector6};
+use nalgebra::SVector;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde::Serialize;
-use std::fmt;
 use std::ops::RangeInclusive;
 
-/// What impulses r leave of (1) and Coulomb's law, computed from r and the problem alone. The scales are those of the certificate
-/// without friction: the fastest approach without impulses, and the impulse that stops one contact.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct RoughCertificate {
-    /// Greatest max(0, −`v_n`) (m/s).
-    pub approach: Residual,
-    /// Greatest max(0, −`r_n`) (N·s).
-    pub pull: Residual,
-    /// Greatest max(0, |`r_t`| − μ `r_n`): how far outside the cone (N·s).
-    pub cone: Residual,
-    /// Greatest |min(`w_n` `r_n`, `v_n`)| (m/s).
-    pub complementarity: Residual,
-    /// Greatest `w_t` |`r_t` − clip(`r_t` − `v_t`/`w_t`, μ `r_n`)|: what sticks and moves, or slides against too little (m/s).
-    pub sliding: Residual,
-    /// Greatest component of M (V − `V_free`) − H r, moments over the arms (N·s).
-    pub momentum: Residual,
-    /// √(Σ `W_αα` |r − r⁺|²) over √(Σ max(0, −`b_n`)²/`w_n`): all that is left, weighed as energy (√J).
-    pub natural_map: Residual,
-}
-
-/// What a certified solution may leave of each (–).
-const ROUND_OFF: f64 = 1e-12;
-
-impl RoughCertificate {
-    /// Names and residuals.
-    pub fn residuals(&self) -> [(&'static str, Residual); 7] {
-        [
-            ("approach", self.approach),
-            ("pull", self.pull),
-            ("cone", self.cone),
-            ("complementarity", self.complementarity),
-            ("sliding", self.sliding),
-            ("momentum", self.momentum),
-            ("natural_map", self.natural_map),
-        ]
-    }
-
-    /// Whether every one is at most 1e-12.
-    pub fn certified(&self) -> bool {
-        self.worst() <= ROUND_OFF
-    }
-
-    /// The greatest relative residual (–); NaN if one is.
-    pub fn worst(&self) -> f64 {
-        greatest(self.residuals().into_iter().map(|(_, left)| left.relative))
-    }
-}
-
-impl fmt::Display for RoughCertificate {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(if self.certified() { "certified" } else { "not certified" })?;
-        for (name, residual) in self.residuals() {
-            write!(f, ", {name} {:.1e}", residual.relative)?;
-        }
-        Ok(())
-    }
-}
-
-/// A mechanics with Coulomb's law, whose solutions are certified.
-pub trait Rough: Mechanics<Mass = RoughMass> {
-    /// Translation and spin of a velocity (m/s, rad/s), or of a resultant (N·s, N·m·s).
-    fn parts(velocity: &Self::Velocity) -> (&[f64], &[f64]);
-
-    /// `R_i` and `R_j` (m), and μ (–).
-    fn law(contact: &Self::Contact) -> (Vector2<f64>, f64);
+/// A mechanics with Coulomb's law.
+pub trait Rough: Certified<Mass = RoughMass> {
+    /// Whether the normal parts alone prove that `problem` has no solution: where no velocity keeps the contacts from approaching,
+    /// friction does not help. `false` says nothing.
+    fn has_no_solution(problem: &Packing<Self>) -> bool;
 }
 
 impl Rough for RoughDiscs {
-    fn parts(velocity: &Vector3<f64>) -> (&[f64], &[f64]) {
-        velocity.as_slice().split_at(2)
-    }
-
-    fn law(contact: &RoughContact) -> (Vector2<f64>, f64) {
-        (contact.arms, contact.friction)
+    fn has_no_solution(problem: &Packing<Self>) -> bool {
+        problem.without_friction().is_ok_and(|normal| has_none(&normal, problem.position()))
     }
 }
 
 impl Rough for RoughSpheres {
-    fn parts(velocity: &Vector6<f64>) -> (&[f64], &[f64]) {
-        velocity.as_slice().split_at(3)
-    }
-
-    fn law(contact: &RoughContact<3>) -> (Vector2<f64>, f64) {
-        (contact.arms, contact.friction)
+    fn has_no_solution(problem: &Packing<Self>) -> bool {
+        problem.without_friction().is_ok_and(|normal| has_none(&normal, problem.position()))
     }
 }
 
-/// The greatest size of some numbers.
-fn amax<'x>(numbers: impl IntoIterator<Item = &'x f64>) -> f64 {
-    greatest(numbers.into_iter().map(|x| x.abs()))
-}
-
-/// The greatest size of a component.
-fn greatest_of<V: Vector>(list: V) -> f64 {
-    let mut found = 0.0;
-    list.each(&mut |x| found = greatest([found, x.abs()].into_iter()));
-    found
-}
-
-/// The size of all components but the first, the normal one.
-fn tangential<V: Vector>(list: V) -> f64 {
-    let (mut squares, mut is_first) = (0.0, true);
-    list.each(&mut |x| {
-        squares += if is_first { 0.0 } else { x * x };
-        is_first = false;
-    });
-    f64::sqrt(squares)
-}
-
-/// The certificate of impulses `r` (N·s), a flat list.
-///
-/// # Panics
-/// If there are not as many numbers per contact as it has unknowns.
-pub fn certify_rough<M: Rough>(problem: &ContactProblem<M>, r: &[f64]) -> RoughCertificate {
-    assert_eq!(r.len(), problem.impulse_count(), "two numbers per contact, or three");
-    let (b, w) = (problem.b(), problem.delassus_diagonal());
-    let none = vec![M::Velocity::ZERO; problem.grain_count()];
-    let (mut velocity, mut resultant, mut v) = (none.clone(), none, vec![0.0; r.len()]);
-    problem.velocity(r, &mut velocity);
-    problem.resultant(r, &mut resultant);
-    problem.relative_velocity(&velocity, &mut v);
-    let approaches = || b.iter().zip(&w).step_by(M::Impulse::LEN).map(|(b, w)| (law::non_negative(-b), w));
-    let (speed, impulse) =
-        (greatest(approaches().map(|(b, _)| b)), greatest(approaches().map(|(b, w)| b / w)));
-    // The terms that V and v are sums of: a residual may be 1/256 of 1e-12 of these, sixteen units of their last digits.
-    let (mut pushes, mut arms) = (vec![0.0; velocity.len()], vec![f64::INFINITY; velocity.len()]);
-    for (k, contact) in problem.contacts().iter().enumerate() {
-        let own = M::Impulse::at(r, k);
-        for (grain, arm) in contact.grains().zip(M::law(contact).0.iter()) {
-            pushes[grain as usize] += own.dot_product(own).sqrt();
-            arms[grain as usize] = arm.min(arms[grain as usize]);
-        }
-    }
-    let (free, mass) = (problem.free_velocity(), problem.mass());
-    let speed_of = |velocity: &M::Velocity| amax(M::parts(velocity).0);
-    let of_velocity = |grain: u32| {
-        let k = grain as usize;
-        pushes[k] / mass[k].mass + speed_of(&free[k])
-    };
-    let speeds = |contact: &M::Contact| {
-        let terms = greatest_of(contact.offset()) + contact.grains().map(of_velocity).sum::<f64>();
-        speed.max(TERMS * terms)
-    };
-    let momentum = (0..velocity.len()).map(|k| {
-        let terms = mass[k].mass * (speed_of(&velocity[k]) + speed_of(&free[k])) + pushes[k];
-        let change = velocity[k] - free[k];
-        let ((translation, spin), (pushed, turned)) = (M::parts(&change), M::parts(&resultant[k]));
-        let left = |inertia: f64, (change, pushed): (&f64, &f64)| (change * inertia - pushed).abs();
-        let pushing = translation.iter().zip(pushed).map(|at| left(mass[k].mass, at));
-        let turning = spin.iter().zip(turned).map(|at| left(mass[k].inertia, at) / arms[k]);
-        Residual::new(greatest(pushing.chain(turning)), impulse.max(TERMS * terms))
-    });
-    let contacts = || {
-        let at = |(k, contact)| (contact, M::Impulse::at(r, k), M::Impulse::at(&v, k), M::Impulse::at(&w, k));
-        problem.contacts().iter().enumerate().map(at)
-    };
-    // W_αα (r − r⁺)
-    let left = |(contact, r, v, w): (&M::Contact, M::Impulse, M::Impulse, M::Impulse)| {
-        (r - contact.admissible(r, v, w)).with(w, |left, w| left * w)
-    };
-    let squares =
-        contacts().map(|at| left(at).with(at.3, |left, w| left / w).dot_product(left(at))).sum::<f64>();
-    RoughCertificate {
-        approach: worst(contacts().map(|at| Residual::new(law::non_negative(-at.2.first()), speeds(at.0)))),
-        pull: worst(contacts().map(|at| Residual::new(law::non_negative(-at.1.first()), impulse))),
-        cone: worst(contacts().map(|(contact, r, ..)| {
-            let bound = M::law(contact).1 * law::non_negative(r.first());
-            Residual::new(law::non_negative(tangential(r) - bound), impulse.max(TERMS * bound))
-        })),
-        complementarity: worst(contacts().map(|at| Residual::new(left(at).first().abs(), speeds(at.0)))),
-        sliding: worst(contacts().map(|at| Residual::new(tangential(left(at)), speeds(at.0)))),
-        momentum: worst(momentum),
-        natural_map: Residual::new(squares.sqrt(), problem.scale().sqrt()),
-    }
+/// Whether it is proved that a problem without friction has no solution, where it is not one that nothing moves.
+fn has_none<const D: usize>(problem: &ContactProblem<Smooth<D>>, position: &[SVector<f64, D>]) -> bool {
+    let rests = problem.contacts().iter().all(|contact| contact.offset >= 0.0);
+    let (mass, free) = (problem.mass().to_vec(), problem.free_velocity().to_vec());
+    let packing = || Packing::new(mass, position.to_vec(), free, problem.contacts().to_vec());
+    !rests && packing().is_ok_and(|problem| matches!(solve(&problem), Answer::Infeasible { .. }))
 }
 
 /// A certified solution of a problem with friction, one of some.
@@ -196,7 +46,7 @@ pub struct RoughSolution {
     /// [`r_n`, `r_t`] of each contact, in space [`r_n`, `r_t1`, `r_t2`], a flat list (N·s).
     pub impulses: Vec<f64>,
     /// Their certificate.
-    pub certificate: RoughCertificate,
+    pub certificate: Certificate,
 }
 
 /// Two solutions are the same if their velocities differ by less than this, over what the impulses change of them (–).
@@ -264,7 +114,7 @@ where
     for _ in 0..POLISH {
         newton.advance();
         newton.impulses(&mut impulses);
-        let certificate = certify_rough(problem, &impulses);
+        let certificate = certify(problem, &impulses);
         if certificate.certified() {
             return Some(RoughSolution { impulses, certificate });
         }
@@ -296,7 +146,7 @@ where
         }
         run.impulses(&mut impulses);
     }
-    RoughSolution { certificate: certify_rough(problem, &impulses), impulses }
+    RoughSolution { certificate: certify(problem, &impulses), impulses }
 }
 
 /// Impulses within the cones, the same for the same seed.

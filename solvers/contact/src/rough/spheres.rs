@@ -9,7 +9,6 @@ pub use column::SphereColumn;
 use super::{RoughContact, RoughMass, RoughMeter};
 use crate::discs::{Contact, Spheres};
 use crate::error::{ProblemError, is_not_negative};
-use crate::law;
 use crate::mechanics::{Mass, Mechanics, Touch};
 use crate::problem::ContactProblem;
 use nalgebra::{Vector3, Vector6};
@@ -145,12 +144,6 @@ impl Touch<RoughSpheres> for RoughContact<3> {
         };
         let candidate = of(self.candidate, self.arms.x);
         self.antagonist.map_or(candidate, |j| candidate + of(j, self.arms.y))
-    }
-
-    fn admissible(&self, r: Vector3<f64>, v: Vector3<f64>, diagonal: Vector3<f64>) -> Vector3<f64> {
-        let moved = r - v.component_div(&diagonal);
-        let [first, second] = column::clipped([moved.y, moved.z], self.friction * law::non_negative(r.x));
-        Vector3::new(law::non_negative(moved.x), first, second)
     }
 
     fn is_admissible(&self, r: Vector3<f64>) -> bool {

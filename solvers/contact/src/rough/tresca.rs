@@ -70,11 +70,6 @@ impl Touch<TrescaDiscs> for TrescaContact {
         self.touch.diagonal(inverse_mass)
     }
 
-    fn admissible(&self, r: Vector2<f64>, v: Vector2<f64>, diagonal: Vector2<f64>) -> Vector2<f64> {
-        let moved = r - v.component_div(&diagonal);
-        Vector2::new(law::non_negative(moved.x), law::clip(moved.y, self.bound))
-    }
-
     fn is_admissible(&self, r: Vector2<f64>) -> bool {
         is_not_negative(r.x) && r.y.abs() <= (1.0 + 1e-9) * self.bound
     }

@@ -244,7 +244,7 @@ impl<M: Refutable> Judge for AllRanks<'_, M> {
     }
 
     fn any_proves_infeasible(&mut self, rays: &[Vec<f64>]) -> bool {
-        Proof::new(self.share, &self.team, self.scale).any_proves_infeasible(rays)
+        Proof::new(self.share, &self.team).any_proves_infeasible(rays)
     }
 
     fn greatest_rate(&self) -> f64 {

@@ -1,21 +1,25 @@
 //! The proof of all ranks together that a problem has no solution: that of `analysis::proves_infeasible`, which this follows line
 //! by line, with each sum over grains or contacts made subdomain by subdomain. Normal impulses alone: with friction they do as well.
+//! The last word, in exact arithmetic, each rank says by itself, of the contacts of all that act.
 
+use analysis::{Thrust, proves_exactly};
 use contact::{Mass, Mechanics, Touch, Vector, law};
 use partition::{CopySums, Share, Subdomain, Team};
 
 /// As in `analysis::infeasible`, where they are explained.
-const OUT_OF_REACH: f64 = 1e6;
 const BALANCED: f64 = 1e-12;
-const ROUND_OFF: f64 = 1e-14;
 const LEFT: f64 = 1e-10;
 const PRODUCTS: u32 = 200;
 const DESCENTS: u32 = 3;
 
+/// Numbers of a contact that are told to all ranks, and contacts of a proof: more of them would fill the memory of a rank, and
+/// exact arithmetic comes to no end with as many.
+const NUMBERS: usize = 7;
+const ACTING: u64 = 100_000;
+
 /// All that a proof needs of a problem.
 pub(crate) struct Proof<M: Mechanics> {
     team: Team,
-    scale: f64,
     subdomains: Vec<Local<M>>,
     sums: CopySums<M::Velocity>,
     sizes: CopySums<f64>,
@@ -27,10 +31,10 @@ struct Local<M: Mechanics> {
     numbers: Vec<u32>,
     /// Between its own grains.
     contacts: Vec<M::Contact>,
+    /// The whole problem's numbers of its grains.
+    grains: Vec<u32>,
     mass: Vec<M::Mass>,
     free_velocity: Vec<M::Velocity>,
-    /// 1 over the number of copies of each grain: a sum over grains then counts each once.
-    share: Vec<f64>,
     boundary: Vec<u32>,
     d: Vec<f64>,
     /// H d, or M⁻¹ H p.
@@ -66,9 +70,7 @@ impl<M: Mechanics> Local<M> {
             numbers: subdomain.contacts.clone(),
             diagonal: contacts.iter().map(diagonal).collect(),
             free_velocity: of_grains().map(|grain| share.problem.free_velocity()[grain]).collect(),
-            share: of_grains()
-                .map(|grain| 1.0 / f64::from(share.decomposition.multiplicity[grain]))
-                .collect(),
+            grains: of_grains().map(|grain| share.grains[grain]).collect(),
             boundary: subdomain.boundary.clone(),
             y: vec![M::Velocity::ZERO; mass.len()],
             size: vec![0.0; mass.len()],
@@ -119,15 +121,15 @@ impl<M: Mechanics> Local<M> {
         [work, terms]
     }
 
-    /// ‖H d‖² of M⁻¹, each grain raised by its round-off.
-    fn unbalanced(&self) -> f64 {
-        let raised = |grain: usize| {
-            // Vᵗ M V of V = M⁻¹ H d.
-            let size_of = |h_d| self.mass[grain].squared(self.mass[grain].divides(h_d)).sqrt();
-            let round_off = ROUND_OFF * self.size[grain] * size_of(unit::<M>());
-            self.share[grain] * (size_of(self.y[grain]) + round_off).powi(2)
+    /// The contacts that act, as [`NUMBERS`] each.
+    fn acting(&self) -> Vec<f64> {
+        let contacts = self.contacts.iter().zip(&self.d).filter(|(_, d)| **d > LEFT);
+        let numbers = |(contact, d): (&M::Contact, &f64)| {
+            let Thrust { ends: (i, j), normal: [x, y, z], offset, impulse } = Thrust::new::<M>(contact, *d);
+            let grain = |local: u32| f64::from(self.grains[local as usize]);
+            [grain(i), j.map_or(-1.0, grain), x, y, z, offset, impulse]
         };
-        (0..self.y.len()).map(raised).sum()
+        contacts.flat_map(numbers).collect()
     }
 
     fn greatest_left(&self) -> f64 {
@@ -137,11 +139,14 @@ impl<M: Mechanics> Local<M> {
     }
 }
 
-/// A resultant of size 1 along x.
-fn unit<M: Mechanics>() -> M::Velocity {
-    let mut numbers = [0.0; 8];
-    numbers[0] = 1.0;
-    M::Velocity::at(&numbers, 0)
+/// What [`Local::acting`] has of a contact.
+fn thrust(numbers: &[f64]) -> Thrust {
+    Thrust {
+        ends: (numbers[0] as u32, (numbers[1] >= 0.0).then_some(numbers[1] as u32)),
+        normal: [numbers[2], numbers[3], numbers[4]],
+        offset: numbers[5],
+        impulse: numbers[6],
+    }
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -153,11 +158,10 @@ fn greatest_of(values: &[f64]) -> f64 {
 }
 
 impl<M: Mechanics> Proof<M> {
-    pub(crate) fn new(share: &Share<M>, team: &Team, scale: f64) -> Self {
+    pub(crate) fn new(share: &Share<M>, team: &Team) -> Self {
         let decomposition = &share.decomposition;
         Self {
             team: team.clone(),
-            scale,
             subdomains: decomposition.subdomains.iter().map(|e| Local::new(share, e)).collect(),
             sums: CopySums::over(decomposition, team),
             sizes: CopySums::over(decomposition, team),
@@ -206,10 +210,19 @@ impl<M: Mechanics> Proof<M> {
         });
         let left = self.greatest(Local::greatest_left);
         let pressed = self.greatest(|e| greatest_of(&e.size));
-        let [unbalanced] = self.sum(|e| [e.unbalanced()]);
-        left <= BALANCED * pressed
-            && work > BALANCED * terms
-            && work > OUT_OF_REACH * self.scale.sqrt() * unbalanced.sqrt()
+        left <= BALANCED * pressed && work > BALANCED * terms && self.proves_exactly()
+    }
+
+    /// Whether what acts of the contacts of all ranks is a proof in exact arithmetic.
+    fn proves_exactly(&self) -> bool {
+        let acting: Vec<f64> = self.subdomains.iter().flat_map(Local::acting).collect();
+        let all = self.team.count((acting.len() / NUMBERS) as u64);
+        all <= ACTING && {
+            let lists = self.team.gather(&acting);
+            proves_exactly(
+                &lists.iter().flat_map(|list| list.chunks_exact(NUMBERS)).map(thrust).collect::<Vec<_>>(),
+            )
+        }
     }
 
     /// H d or H p at all grains.
@@ -258,10 +271,11 @@ impl<M: Mechanics> Proof<M> {
             e.z = e.g.iter().zip(&e.diagonal).map(|(g, w)| g / w).collect();
             e.p = e.z.iter().map(|z| -z).collect();
         }
+        let [first] = self.sum(|e| [dot(&e.g, &e.z)]);
         for _ in 0..PRODUCTS {
             self.product(false);
             let [fall, curvature] = self.sum(|e| [dot(&e.g, &e.z), dot(&e.p, &e.w_p)]);
-            if !(curvature > 0.0 && fall > 0.0) {
+            if !(curvature > 0.0 && fall > f64::EPSILON * f64::EPSILON * first) {
                 return;
             }
             // d ← d + α p,  α = gᵗ z / pᵗ W p;  p ← −z + β p,  β = g⁺ᵗ z⁺ / gᵗ z

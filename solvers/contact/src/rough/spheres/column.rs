@@ -49,7 +49,7 @@ fn dot<N: Lanes>(a: &Vector3<N>, b: &Vector3<N>) -> N {
 
 /// The tangential part of an impulse, or the nearest one of at most `bound` in size.
 #[inline(always)]
-pub(super) fn clipped<N: Lanes>([first, second]: [N; 2], bound: N) -> [N; 2] {
+fn clipped<N: Lanes>([first, second]: [N; 2], bound: N) -> [N; 2] {
     let squared = first * first + second * second;
     // A NaN is handed on.
     let factor = N::where_greater([squared, bound * bound], || bound / squared.root(), bound.all(1.0));
@@ -186,12 +186,21 @@ impl Column<RoughSpheres> for SphereColumn {
     #[inline]
     fn residual(&self, s: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
         let normal = if v.x >= s.x { s.x } else { v.x };
-        let (bound, moved) = (self.columns.friction * law::non_negative(s.x), s - v);
-        if moved.y * moved.y + moved.z * moved.z <= bound * bound {
-            return Vector3::new(normal, v.y, v.z);
+        let bound = self.columns.friction * law::non_negative(s.x);
+        let (s, v) = (s.yz(), v.yz());
+        // |s − v|² − bound², where v may be round-off of s.
+        let beyond = if 4.0 * v.norm_squared() <= s.norm_squared() {
+            (s.norm() - bound) * (s.norm() + bound) + v.dot(&(v - 2.0 * s))
+        } else {
+            (s - v).norm_squared() - bound * bound
+        };
+        if beyond <= 0.0 {
+            return Vector3::new(normal, v.x, v.y);
         }
-        let [first, second] = clipped([moved.y, moved.z], bound);
-        Vector3::new(normal, s.y - first, s.z - second)
+        // s − bound (s − v)/|s − v|
+        let length = (beyond + bound * bound).sqrt();
+        let tangential = (s * (beyond / (length + bound)) + v * bound) / length;
+        Vector3::new(normal, tangential.x, tangential.y)
     }
 }
 

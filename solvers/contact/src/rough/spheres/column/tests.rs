@@ -69,3 +69,22 @@ fn visits_at_once_have_the_bits_of_visits_one_by_one_whatever_the_numbers() {
     }
     assert!(slid > 1000 && stuck > 1000, "{slid} slid and {stuck} stuck");
 }
+
+/// s − s⁺ is v, or what of v is at a right angle to a sliding s, however large s is.
+#[test]
+fn residual_of_huge_impulses_is_what_moves() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let Row { column, .. } = row(1, &mut || rng.random_range(-1.0..1.0));
+    let v = Vector3::new(-0.5, 0.3, 0.4);
+    for size in [1e6, 1e10, 1e20] {
+        let bound = column.friction() * size;
+        let of = |first: f64| column.residual(Vector3::new(size, first * bound, 0.0), v);
+        assert_eq!(of(0.9), v, "it should stick");
+        assert_eq!(of(1.0).x, -0.5, "it approaches");
+        assert_eq!(of(1.0).yz(), v.yz(), "it slides, and friction pushes it on");
+        let against = of(-1.0).yz() - Vector2::new(0.0, 0.4);
+        assert!(against.norm() < 2.0 / size + 1e-9, "{size:e}: {against:?}");
+    }
+    let left = column.residual(Vector3::new(f64::NAN, 1.0, 0.0), v);
+    assert!(left.y.is_nan() && left.z.is_nan());
+}
