@@ -373,7 +373,7 @@ fn edited_arrays_are_the_problem_and_the_text_is_the_rest() {
 fn edit_that_contradicts_the_text_is_refused() {
     let refused = |name: &str, edit: &dyn Fn(&mut Global)| edited(name, edit).unwrap_err();
     let h = refused("rough-250", &|global| global.h.entries[0].2 += 0.25);
-    assert!(h.contains("`fclib_global/H[0, 0]` is ") && h.contains("without the group `gravel`"), "{h}");
+    assert!(h.contains("`fclib_global/H[0, 1]` is ") && h.contains("without the group `gravel`"), "{h}");
     let mu = refused("settled-60", &|global| global.friction[5] = 0.3);
     assert!(mu.contains("`fclib_global/vectors/mu[5]` is 0.3, and `gravel/problem` makes 0.0 of it"), "{mu}");
     let w = refused("settled-60", &|global| global.w[5] = 0.3);
