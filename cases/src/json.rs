@@ -15,7 +15,7 @@ pub fn read_text(path: &Path) -> Result<String, CaseError> {
     let bytes = std::fs::read(path).map_err(|source| CaseError::File { path: path.to_owned(), source })?;
     let mut text = String::from_utf8(bytes).map_err(|error| {
         let (bytes, at) = (error.as_bytes(), error.utf8_error().valid_up_to());
-        let line = 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count();
+        let line = bytes[..at].split(|byte| *byte == b'\n').count();
         let is = if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
             "it is text in UTF-16"
         } else {

@@ -24,7 +24,7 @@ pub(crate) fn problem(text: &str, notes: &mut Vec<String>) -> Result<LocalProble
     if let [size, "0" | "1" | "2", down, across, ..] = head[..]
         && size == down
         && size == across
-        && head.get(4) != Some(&&*of_contacts)
+        && (!(2..=3).contains(&dimension) || head.get(4) != Some(&&*of_contacts))
     {
         bail!(
             "it seems to be a linear complementarity problem of {size} unknowns: contacts of 2 or 3 unknowns are read, with their μ"
@@ -192,12 +192,15 @@ fn in_blocks(words: &mut Words, rows: usize, columns: usize) -> Result<Vec<Entry
 /// As CSparse prints a matrix, column by column or as triplets.
 fn printed(words: &mut Words) -> Result<Vec<Entry>> {
     let _origin: u32 = words.next("how W is stored")?;
-    // A title, then "m-by-n, nzmax: … nnz: …, 1-norm: …".
+    // A title, then "m-by-n, nzmax: … nnz: …", and of columns ", 1-norm: …".
     while words.word("the number of entries of W")? != "nnz:" {}
     let count = words.word("the number of entries of W")?;
+    let has_norm = count.ends_with(',');
     let count: usize = count.trim_end_matches(',').parse().with_context(|| format!("W: nnz is {count:?}"))?;
-    words.word("the norm of W")?;
-    words.word("the norm of W")?;
+    if has_norm {
+        words.word("the norm of W")?;
+        words.word("the norm of W")?;
+    }
     let (mut entries, mut column) = (Vec::new(), 0);
     while entries.len() < count {
         let word = words.word("an entry of W")?;

@@ -134,6 +134,11 @@ fn three_ways_to_write_w_give_one_problem() {
                    1-norm: 5\n col 0 : locations 0 to 2\n 0 : 2\n 1 : 0.5\n 2 : 0.125\n col 1 : locations 3 to 4\n 0 : 0.5\n 1 : 3\n \
                    col 2 : locations 5 to 6\n 0 : 0.25\n 2 : 4\n col 3 : locations 7 to 7\n 3 : 5\n -1 0.5 -2 0.25\n 0.3 0.4";
     assert_eq!(problem_of(printed).unwrap(), dense);
+    // Triplets have no norm.
+    let triplets = "2 2 2 4 4 1\nCSparse Version 3.1.9, May 4, 2016.  Copyright (c) Timothy A. Davis, 2006-2016\n\
+                    triplet: 4-by-4, nzmax: 9 nnz: 8\n 0 0 : 2\n 1 0 : 0.5\n 2 0 : 0.125\n 0 1 : 0.5\n 1 1 : 3\n 0 2 : 0.25\n \
+                    2 2 : 4\n 3 3 : 5\n -1 0.5 -2 0.25\n 0.3 0.4";
+    assert_eq!(problem_of(triplets).unwrap(), dense);
 }
 
 #[test]
