@@ -33,7 +33,9 @@ pub(super) fn reconciled(
         return Ok(text.to_owned());
     }
     let mut file: Value = serde_json::from_str(text)?;
-    edits.iter().for_each(|edit| written.take(edit, theirs, &mut file));
+    for edit in &edits {
+        written.take(edit, theirs, &mut file);
+    }
     let names: BTreeSet<&str> = edits.iter().map(|edit| edit.array).collect();
     let names = names.into_iter().collect::<Vec<_>>().join(", ");
     if let Some(source) = file["source"].as_str() {

@@ -44,7 +44,9 @@ pub(crate) fn read(path: &Path) -> Result<Held> {
         Ok(held)
     };
     let held = read().with_context(|| path.display().to_string())?;
-    notes.iter().for_each(|note| eprintln!("{}: {note}", path.display()));
+    for note in notes {
+        eprintln!("{}: {note}", path.display());
+    }
     Ok(held)
 }
 

@@ -404,8 +404,9 @@ fn compressed_datasets_are_read_under_every_ending() {
     for (name, value) in [("m", 4), ("n", 4), ("nz", 16), ("nzmax", 16)] {
         w.create_dataset(name).with_i32_data(&[value]);
     }
-    let index =
-        |of: fn(&(usize, usize, f64)) -> usize| entries.iter().map(|e| of(e) as i64).collect::<Vec<_>>();
+    let index = |of: fn(&(usize, usize, f64)) -> usize| {
+        entries.iter().map(|e| i64::try_from(of(e)).unwrap()).collect::<Vec<_>>()
+    };
     w.create_dataset("i").with_i64_data(&index(|e| e.0)).with_chunks(&[5]).with_deflate(4);
     w.create_dataset("p").with_i64_data(&index(|e| e.1)).with_chunks(&[16]).with_shuffle().with_deflate(9);
     let x: Vec<f64> = entries.iter().map(|e| e.2).collect();
