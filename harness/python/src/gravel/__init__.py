@@ -197,4 +197,4 @@ def _check_finite(array, key):
     if len(wrong):
         index = tuple(wrong[0])
         place = key + "".join(f"[{k}]" for k in index)
-        raise ValueError(f"`{place}` is {array[index]}: it must be finite")
+        raise ValueError(f"`{place}` is {array[index]!s}: it must be finite")
