@@ -45,15 +45,20 @@ pub struct Solved {
 }
 
 /// The text of a problem: of a file, or of a case with values of its scene replaced, at a time step; by name or path, as
-/// `gravel solve` takes it.
+/// `gravel solve` takes it. `stops` is asked after every iteration of the time steps before it whether to end.
 ///
 /// # Errors
 /// Says what `gravel` would print.
-pub fn problem(name: &str, scene: Vec<(String, String)>, time_step: Option<&str>) -> Result<String, String> {
+pub fn problem(
+    name: &str,
+    scene: Vec<(String, String)>,
+    time_step: Option<&str>,
+    stops: impl Fn() -> bool + Send + Sync,
+) -> Result<String, String> {
     let read = || -> Result<String> {
         let path = root()?.problem_or_case(name)?;
         let frozen = if is_toml(&path) {
-            in_the_pool(|| CaseProblem::read(&path, scene, "time_step", time_step)?.problem())?
+            in_the_pool(|| CaseProblem::read(&path, scene, "time_step", time_step)?.problem_unless(&stops))?
         } else if scene.is_empty() && time_step.is_none() {
             AnyFrozen::read(&path)?
         } else {

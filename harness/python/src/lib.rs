@@ -23,7 +23,9 @@ fn problem(
     scene: Vec<(String, String)>,
     time_step: Option<String>,
 ) -> PyResult<String> {
-    heeded(py, move |_| library::problem(&name, scene, time_step.as_deref()))
+    heeded(py, move |stopped| {
+        library::problem(&name, scene, time_step.as_deref(), || stopped.load(Ordering::Relaxed))
+    })
 }
 
 /// What `gravel solve --json` prints, with the curve; impulses, velocities and relative velocities; numbers of a contact or a grain in each.

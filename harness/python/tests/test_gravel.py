@@ -244,6 +244,14 @@ def test_ctrl_c_is_heard_inside_an_iteration_of_hours():
     assert (ran.returncode, ran.stdout) == (0, "heard\n"), ran.stderr
 
 
+def test_ctrl_c_ends_a_march_to_a_time_step():
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        gravel.load(CHECKOUT / "cases" / "column.toml", time_step=10**9)
+
+
 def test_stored_tables_are_data_frames(tmp_path):
     pandas = pytest.importorskip("pandas")
     runs = pandas.DataFrame({"run": [0, 1], "method": ["nsgs", "cg"], "natural_map": [1e-6, 1e-7]})
