@@ -296,7 +296,16 @@ fn one_signal_ends_a_solve_inside_an_iteration_without_end() {
     let sweeps = format!("inner_sweeps={SWEEPS}");
     let run = ["solve", "settled-250", "--method", "nsgs-dd", "--set", &sweeps, "--impulses", text(&file)];
     let mut child = command(&run).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    wait_until_it_listens(&mut child);
+    // Half a second of a processor, in ticks of 10 ms: all before the first iteration takes a tenth of that.
+    let worked = |child: &Child| {
+        let stat = fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
+        let after_name = stat.rsplit(')').next().unwrap().split_whitespace();
+        after_name.skip(11).take(2).map(|ticks| ticks.parse::<u64>().unwrap()).sum::<u64>()
+    };
+    while worked(&child) < 50 {
+        assert!(child.try_wait().unwrap().is_none(), "ended");
+        sleep(Duration::from_millis(2));
+    }
     let mut stderr = child.stderr.take().unwrap();
     let (code, printed) = terminated(child);
     let mut said = String::new();
