@@ -5,8 +5,7 @@ use anyhow::{Result, bail};
 use local::LocalProblem;
 use std::collections::BTreeMap;
 
-/// ‖W − Wᵗ‖/‖W‖ (–) that nobody need look into: of the 50 dumps of Siconos' tests 23 have 1e-5 to 5e-4, of linearised rotations and of
-/// numbers with few digits, and one has 1.4e-3.
+/// ‖W − Wᵗ‖/‖W‖ (–) that nobody need look into: of the 50 dumps of Siconos' tests 23 have 1e-5 to 5e-4, and one has 1.4e-3.
 const ROUND_OFF: f64 = 1e-3;
 
 /// The triangle that holds all entries off the diagonal, where there are some.
