@@ -1,7 +1,8 @@
 //! A case file: why the case is here, where it comes from, its scene, and what is known of the answer.
 
 use crate::bodies::Drum;
-use crate::error::{CaseError, read_to_string};
+use crate::error::CaseError;
+use crate::json::read_text;
 use crate::keys::all_missing;
 use crate::sample::{Grain, Sample};
 use crate::scene::Scene;
@@ -58,7 +59,7 @@ impl Case {
     /// # Errors
     /// Names the file, the key, the value and what would be accepted.
     pub fn read(path: &Path, overrides: &[(String, String)]) -> Result<Self, CaseError> {
-        let text = read_to_string(path)?;
+        let text = read_text(path)?;
         // Read once as it stands: the errors of the text name its lines.
         let content = toml::from_str::<toml::Table>(&text);
         let all =

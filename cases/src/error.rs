@@ -66,8 +66,3 @@ impl CaseError {
         Self::Content { path: path.to_owned(), message: format!("{message}") }
     }
 }
-
-/// The text of a file.
-pub(crate) fn read_to_string(path: &Path) -> Result<String, CaseError> {
-    std::fs::read_to_string(path).map_err(|source| CaseError::File { path: path.to_owned(), source })
-}

@@ -1,8 +1,8 @@
 //! Frozen problems: the contact problem of a chosen time step as a file, so that every method meets the same input.
 
 use crate::case::check_name;
-use crate::error::{CaseError, read_to_string};
-use crate::keys::all_missing;
+use crate::error::CaseError;
+use crate::json::{of_json, read_text};
 use contact::{
     Contact, Discs, Mechanics, Packing, Place, ProblemError, Smooth, is_not_negative, is_positive, shown,
 };
@@ -148,7 +148,7 @@ impl Frozen {
     /// # Errors
     /// Names the file, the key, the index and the value.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
-        Self::of_text(path, &read_to_string(path)?)
+        Self::of_text(path, &read_text(path)?)
     }
 }
 
@@ -200,17 +200,7 @@ impl<M: Mechanics> Frozen<M> {
 
 /// The file at `path`, with this text, key by key.
 pub(crate) fn read_file<T: DeserializeOwned + JsonSchema>(path: &Path, text: &str) -> Result<T, CaseError> {
-    let mut json = serde_json::Deserializer::from_str(text);
-    let file = serde_path_to_error::deserialize(&mut json).map_err(|error| {
-        let key = error.path().to_string();
-        let key = if key == "." { String::new() } else { format!("`{key}`: ") };
-        let error = format!("{key}{}", error.inner());
-        // A text that is no JSON lacks more than keys.
-        let content = serde_json::from_str::<Value>(text);
-        CaseError::content(path, content.map_or(error.clone(), |all| all_missing::<T>(&all, error)))
-    })?;
-    json.end().map_err(|error| CaseError::content(path, error))?;
-    Ok(file)
+    of_json(text).map_err(|message| CaseError::content(path, message))
 }
 
 /// Checks the mechanics that a file names, which may leave it out if that is `plain`.

@@ -1,7 +1,8 @@
 //! Frozen problems with friction, format 2; and files of either format, each as what it is.
 
-use crate::error::{CaseError, read_to_string};
+use crate::error::CaseError;
 use crate::frozen::{Frozen, Listed, check_head, check_mechanics, read_file};
+use crate::json::{broken, read_text};
 use crate::marched::Marched;
 use crate::sample::Grain;
 use contact::{
@@ -33,7 +34,7 @@ impl AnyFrozen {
     /// # Errors
     /// Names the file, the key, the index and the value.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
-        Self::of_text(path, &read_to_string(path)?)
+        Self::of_text(path, &read_text(path)?)
     }
 
     /// The problem whose text this is, from the file at `path`.
@@ -48,6 +49,11 @@ impl AnyFrozen {
             mechanics: Option<String>,
         }
         let head: Option<Head> = serde_json::from_str(text).ok();
+        if head.is_none()
+            && let Some(message) = broken(text)
+        {
+            return Err(CaseError::content(path, message));
+        }
         let mechanics = head.filter(|head| head.format == FORMAT).map(|head| head.mechanics);
         match mechanics.as_ref().map(Option::as_deref) {
             None => Frozen::of_text(path, text).map(Self::Discs),
@@ -216,7 +222,7 @@ impl Frozen<RoughDiscs> {
     /// # Errors
     /// Names the file, the key, the index and the value.
     pub fn read_rough(path: &Path) -> Result<Self, CaseError> {
-        Self::rough_of_text(path, &read_to_string(path)?)
+        Self::rough_of_text(path, &read_text(path)?)
     }
 }
 

@@ -175,9 +175,11 @@ mod terminal {
 /// Files of other codes.
 mod exchange {
     mod dat;
+    mod edited;
     mod fclib;
     mod files;
     mod global;
+    mod symmetry;
     #[cfg(test)]
     mod tests;
 

@@ -5,7 +5,7 @@ use crate::cli::solve::{asked, outcome, to_json};
 use crate::plan::{Curves, Method, read_external};
 use crate::problems::{CaseProblem, Known, Root, Studied, Visit, is_toml, visit};
 use crate::run::{Recorder, in_the_pool};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use cases::{AnyFrozen, Frozen};
 use contact::{Measure, Touch, Vector};
 use runner::{Progress, Stop};
@@ -32,6 +32,10 @@ pub struct Request {
 pub struct Solved {
     /// What `gravel solve --json` prints; `residuals`, the measures among it; and `curve`, the samples that a study keeps.
     pub told: Value,
+    /// Numbers of a grain among velocities.
+    pub of_grain: usize,
+    /// Numbers of a contact among impulses.
+    pub of_contact: usize,
     /// r (N·s), a flat list in the problem's contact order.
     pub impulses: Vec<f64>,
     /// V (m/s, rad/s), a flat list in the problem's order of grains.
@@ -41,15 +45,20 @@ pub struct Solved {
 }
 
 /// The text of a problem: of a file, or of a case with values of its scene replaced, at a time step; by name or path, as
-/// `gravel solve` takes it.
+/// `gravel solve` takes it. `stops` is asked after every iteration of the time steps before it whether to end.
 ///
 /// # Errors
 /// Says what `gravel` would print.
-pub fn problem(name: &str, scene: Vec<(String, String)>, time_step: Option<&str>) -> Result<String, String> {
+pub fn problem(
+    name: &str,
+    scene: Vec<(String, String)>,
+    time_step: Option<&str>,
+    stops: impl Fn() -> bool + Send + Sync,
+) -> Result<String, String> {
     let read = || -> Result<String> {
         let path = root()?.problem_or_case(name)?;
         let frozen = if is_toml(&path) {
-            in_the_pool(|| CaseProblem::read(&path, scene, "time_step", time_step)?.problem())?
+            in_the_pool(|| CaseProblem::read(&path, scene, "time_step", time_step)?.problem_unless(&stops))?
         } else if scene.is_empty() && time_step.is_none() {
             AnyFrozen::read(&path)?
         } else {
@@ -67,7 +76,9 @@ pub fn problem(name: &str, scene: Vec<(String, String)>, time_step: Option<&str>
 pub fn solve(text: &str, request: &str, stops: impl Fn() -> bool + Send + Sync) -> Result<Solved, String> {
     let solved = || -> Result<Solved> {
         let root = root()?;
-        let request: Request = serde_json::from_str(request)?;
+        let request: Value = serde_json::from_str(request)?;
+        let request: Request = serde_path_to_error::deserialize(request)
+            .map_err(|error| anyhow!("`{}`: {}", error.path(), error.inner()))?;
         let frozen = AnyFrozen::of_text(Path::new("the problem"), text)?;
         let method = Method::new(&request.method, request.settings.clone())?;
         in_the_pool(|| {
@@ -114,6 +125,8 @@ impl Visit for Solve<'_> {
         let relative = contacts.map(|contact| contact.relative(&outcome.velocity) + contact.offset());
         Ok(Solved {
             told,
+            of_grain: M::Velocity::LEN,
+            of_contact: M::Impulse::LEN,
             relative_velocity: flat(relative),
             velocity: flat(outcome.velocity.iter().copied()),
             impulses: outcome.impulses,

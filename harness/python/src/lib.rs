@@ -6,8 +6,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
 use std::panic::resume_unwind;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
 use std::time::Duration;
 
 /// How long a user waits for Ctrl-C to be heard.
@@ -21,40 +23,50 @@ fn problem(
     scene: Vec<(String, String)>,
     time_step: Option<String>,
 ) -> PyResult<String> {
-    heeded(py, move |_| library::problem(&name, scene, time_step.as_deref()))
+    heeded(py, move |stopped| {
+        library::problem(&name, scene, time_step.as_deref(), || stopped.load(Ordering::Relaxed))
+    })
 }
 
-/// Solves a problem: what `gravel solve --json` prints, with the curve; then impulses, velocities and relative velocities.
+/// What `gravel solve --json` prints, with the curve; impulses, velocities and relative velocities; numbers of a contact or a grain in each.
+type Told<'py> = (String, [Bound<'py, PyByteArray>; 3], [usize; 3]);
+
+/// Solves a problem.
 #[pyfunction]
-fn solve(py: Python, problem: String, request: String) -> PyResult<(String, [Bound<PyByteArray>; 3])> {
+fn solve(py: Python<'_>, problem: String, request: String) -> PyResult<Told<'_>> {
     let solved =
         heeded(py, move |stopped| library::solve(&problem, &request, || stopped.load(Ordering::Relaxed)))?;
     let arrays = [solved.impulses, solved.velocity, solved.relative_velocity];
     let bytes = |numbers: Vec<f64>| numbers.into_iter().flat_map(f64::to_ne_bytes).collect::<Vec<u8>>();
-    Ok((solved.told.to_string(), arrays.map(|numbers| PyByteArray::new(py, &bytes(numbers)))))
+    let each = [solved.of_contact, solved.of_grain, solved.of_contact];
+    Ok((solved.told.to_string(), arrays.map(|numbers| PyByteArray::new(py, &bytes(numbers))), each))
 }
 
-/// Does `work` in a thread of its own, while this one hears Ctrl-C and other threads of Python go on.
-fn heeded<T: Send>(py: Python, work: impl FnOnce(&AtomicBool) -> Result<T, String> + Send) -> PyResult<T> {
+/// Does `work` in a thread of its own, while this one hears Ctrl-C and other threads of Python go on. What is interrupted is left
+/// alone, and ends where it next asks whether it is stopped.
+fn heeded<T: Send + 'static>(
+    py: Python,
+    work: impl FnOnce(&AtomicBool) -> Result<T, String> + Send + 'static,
+) -> PyResult<T> {
     py.detach(|| {
-        let (stopped, mut heard) = (AtomicBool::new(false), Ok(()));
-        let done = std::thread::scope(|scope| {
-            let (open, closes) = channel::<()>();
-            let worker = scope.spawn(|| {
-                // It closes with the work, however that ends.
-                let _open = open;
-                work(&stopped)
-            });
-            while closes.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
-                if heard.is_ok() {
-                    heard = Python::attach(|py| py.check_signals());
+        let stopped = Arc::new(AtomicBool::new(false));
+        let (give, given) = channel();
+        let stops = Arc::clone(&stopped);
+        let worker = thread::spawn(move || give.send(work(&stops)).is_ok());
+        loop {
+            match given.recv_timeout(LOOK) {
+                Ok(done) => return done.map_err(PyValueError::new_err),
+                Err(RecvTimeoutError::Timeout) => {
+                    if let Err(heard) = Python::attach(|py| py.check_signals()) {
+                        stopped.store(true, Ordering::Relaxed);
+                        return Err(heard);
+                    }
                 }
-                stopped.store(heard.is_err(), Ordering::Relaxed);
+                Err(RecvTimeoutError::Disconnected) => break,
             }
-            worker.join()
-        });
-        heard?;
-        done.unwrap_or_else(|panic| resume_unwind(panic)).map_err(PyValueError::new_err)
+        }
+        let ended = worker.join().map(|_| PyValueError::new_err("the work ended without an answer"));
+        Err(ended.unwrap_or_else(|panic| resume_unwind(panic)))
     })
 }
 

@@ -3,6 +3,8 @@
 import json
 import os
 import signal
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -113,6 +115,63 @@ def test_problem_without_contacts_or_with_open_ones_has_no_impulses():
     np.testing.assert_array_equal(solution.velocities, problem["grains"]["free_velocity"])
 
 
+def rough_without_contacts():
+    problem = gravel.load(FROZEN / "rough-250.json")
+    problem["contacts"] = {key: values[:0] for key, values in problem["contacts"].items()}
+    return problem
+
+
+def test_no_contacts_with_friction_have_rows_of_two(tmp_path):
+    problem = rough_without_contacts()
+    solution = gravel.solve(problem, "nsgs")
+    assert solution.impulses.shape == solution.relative_velocities.shape == (0, 2)
+    np.testing.assert_array_equal(solution.velocities, problem["grains"]["free_velocity"])
+    # A file of them is read with the same shapes and kinds.
+    listed = lambda table: {key: values.tolist() for key, values in problem[table].items()}
+    file = {**problem, "grains": listed("grains"), "contacts": listed("contacts")}
+    (tmp_path / "none.json").write_text(json.dumps(file))
+    loaded = gravel.load(tmp_path / "none.json")
+    assert set(loaded["contacts"]) == set(problem["contacts"]) - {"start"}
+    for key, values in loaded["contacts"].items():
+        assert values.shape == problem["contacts"][key].shape and values.dtype.kind == problem["contacts"][key].dtype.kind
+    assert loaded["contacts"]["antagonist"].dtype.kind == "i"
+
+
+def test_solutions_are_equal_where_their_arrays_are():
+    one, same, other = (gravel.solve(column(), "nsgs", tolerance=tolerance) for tolerance in (1e-6, 1e-6, 1e-3))
+    assert one == same and not one != same
+    assert one != other and one != "nsgs"
+    assert one in [other, same]
+    with pytest.raises(TypeError):
+        hash(one)
+
+
+def test_whatever_becomes_an_array_is_one():
+    expected = gravel.solve(column(), "nsgs").impulses
+
+    def impulses(change):
+        problem = column()
+        for table, keys in (("grains", ("mass", "radius")), ("contacts", ("candidate", "antagonist", "offset"))):
+            for key in keys:
+                problem[table][key] = change(problem[table][key])
+        return gravel.solve(problem, "nsgs").impulses
+
+    wide = impulses(lambda values: values.astype(np.longdouble) if values.dtype.kind == "f" else values.astype(np.int16))
+    np.testing.assert_array_equal(wide, expected)
+    np.testing.assert_array_equal(impulses(list), expected)  # of NumPy's numbers
+    np.testing.assert_array_equal(impulses(lambda values: values.astype(object)), expected)
+    pandas = pytest.importorskip("pandas")
+    np.testing.assert_array_equal(impulses(pandas.Series), expected)
+
+
+def test_setting_of_any_kind_of_number_is_one():
+    plain = gravel.solve(column(), "nsgs", tolerance=1e-6, relaxation=1.25, max_iterations=1000)
+    typed = gravel.solve(
+        column(), "nsgs", tolerance=np.longdouble(1e-6), relaxation=np.float32(1.25), max_iterations=1e3, symmetric=np.bool_(False)
+    )
+    assert plain == typed
+
+
 def changed(table, key, value):
     problem = column()
     problem[table][key] = value
@@ -126,7 +185,20 @@ def changed(table, key, value):
         (lambda: gravel.solve(column(), "nsgs", omega=1.2), "unknown field `omega`; did you mean `relaxation`?"),
         (lambda: gravel.solve(column(), tolerance=-1), "`tolerance` is -1"),
         (lambda: gravel.solve(column(), on="error"), "unknown variant `error`"),
-        (lambda: gravel.solve(changed("grains", "mass", np.array([2.0, 2, np.nan, 2, 2]))), "`grains.mass[2]`: invalid type: null"),
+        (lambda: gravel.solve(changed("grains", "mass", np.array([2.0, 2, np.nan, 2, 2]))), "`grains.mass[2]` is nan: it must be finite"),
+        (lambda: gravel.solve(changed("grains", "position", np.array([[0, 0.1]] * 4 + [[0, np.inf]]))), "`grains.position[4][1]` is inf"),
+        (lambda: gravel.solve(changed("grains", "mass", [2.0, 2.0, float("nan"), 2.0, 2.0])), "`grains.mass[2]` is nan"),
+        (lambda: gravel.solve(changed("grains", "mass", np.full(N, np.longdouble("1e400")))), "`grains.mass[0]` is 1e+400"),
+        (lambda: gravel.solve(changed("grains", "mass", np.full(N, 2 + 0j))), "`grains.mass` is an array of complex128"),
+        (lambda: gravel.solve(changed("grains", "mass", [2 + 0j] * N)), "`grains.mass[0]` is (2+0j)"),
+        (lambda: gravel.solve(changed("contacts", "antagonist", np.array([np.nan, 0, 1, 2, 3]))), "`contacts.antagonist[0]` is nan"),
+        (lambda: gravel.solve(changed("contacts", "antagonist", np.array([-2, 0, 1, 2, 3]))), "`contacts.antagonist[0]`"),
+        (lambda: gravel.solve(column(), "nsgs", relaxation=np.nan), "`relaxation` is nan: it must be finite"),
+        (lambda: gravel.solve(column(), "latin-dd", kappa_l=float("inf")), "`kappa_l` is inf: it must be finite"),
+        (lambda: gravel.solve(column(), "nsgs", relaxation=1j), "`relaxation` is 1j"),
+        (lambda: gravel.solve(column(), tolerance=float("nan")), "`tolerance` is nan"),
+        (lambda: gravel.solve(column(), max_iterations=1.5), "`stop.max_iterations`: invalid type: floating point `1.5`"),
+        (lambda: gravel.load("settled-box", scene={"scene.friction": np.nan}), "`scene.friction` is nan"),
         (lambda: gravel.solve(changed("grains", "mass", np.array([2.0, 2, -1, 2, 2]))), "`grains.mass[2]` is -1"),
         (lambda: gravel.solve(changed("contacts", "gap", np.zeros(4))), "`contacts.gap`"),
         (lambda: gravel.solve(changed("contacts", "antagonist", np.full(N, 9))), "`contacts.antagonist[0]` is 9"),
@@ -153,6 +225,31 @@ def test_ctrl_c_ends_a_run():
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         gravel.solve(FROZEN / "settled-991.json", "jacobi", tolerance=0, max_iterations=10**9)
+
+
+INSIDE = """
+import os, signal, threading, gravel
+signal.signal(signal.SIGINT, signal.default_int_handler)
+threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+try:
+    gravel.solve({path!r}, "nsgs-dd", inner_sweeps=4_000_000_000)
+except KeyboardInterrupt:
+    print("heard")
+"""
+
+
+def test_ctrl_c_is_heard_inside_an_iteration_of_hours():
+    script = INSIDE.format(path=str(FROZEN / "settled-250.json"))
+    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (ran.returncode, ran.stdout) == (0, "heard\n"), ran.stderr
+
+
+def test_ctrl_c_ends_a_march_to_a_time_step():
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        gravel.load(CHECKOUT / "cases" / "column.toml", time_step=10**9)
 
 
 def test_stored_tables_are_data_frames(tmp_path):

@@ -66,7 +66,7 @@ fn bench<K: Kind>(root: &Root, args: &Args, selection: Selection) -> Result<Exit
     let Selection { plan, notes, again, .. } = study.selection();
     let done = if args.rerun { HashSet::new() } else { by_id(store.records()).into_keys().collect() };
     let tasks = missing(&study.tasks(), &done);
-    exit::listen_for_interrupts()?;
+    exit::listen_for_interrupts("the runs that had ended are kept, and the same command goes on")?;
     let left = left_s(&tasks, store.records()).filter(|s| *s >= 1.0 && !args.rerun);
     let left = left.map_or(String::new(), |s| format!(", about {s:.0} s"));
     let (asks, size) = (study.asks(), study.size());

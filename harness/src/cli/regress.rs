@@ -38,6 +38,7 @@ pub(crate) fn regress(root: &Root, args: &Args) -> Result<ExitCode> {
     }
     let before = read_baseline(&path)?;
     let (now, unexpected) = count(root, args, selection)?;
+    let _whole = exit::whole();
     let wrong = [changes(&before, &now), unexpected].concat();
     if wrong.is_empty() {
         say(format_args!("{plan}: {} runs, all as in {file}", now.len()))?;
@@ -53,6 +54,7 @@ pub(crate) fn bless(root: &Root, args: &Args) -> Result<ExitCode> {
     let selection = args.selection(root)?;
     let plan = selection.plan.name.clone();
     let (now, unexpected) = count(root, args, selection)?;
+    let _whole = exit::whole();
     let path = baseline(root, &plan);
     let before = if path.is_file() { read_baseline(&path)? } else { Vec::new() };
     say_all(&changes(&before, &now))?;
@@ -79,7 +81,7 @@ fn count(root: &Root, args: &Args, selection: Selection) -> Result<(Vec<Counts>,
     let expected = expected_failures(&root.join("results/baseline/expected-failures.toml"), plan)?;
     let jobs = args.jobs.or_else(|| std::thread::available_parallelism().ok());
     let jobs = jobs.unwrap_or(NonZeroUsize::MIN);
-    exit::listen_for_interrupts()?;
+    exit::listen_for_interrupts("nothing was compared")?;
     let (tasks, provenance, mut records) = (study.tasks(), provenance()?, Vec::new());
     // So that it is exact where measures pass the powers of ten.
     let how =

@@ -5,7 +5,7 @@ use crate::cli::args::PlanArgs;
 use crate::plan::{Plan, key_value};
 use crate::problems::Root;
 use crate::store::{about, draw, runs_folder};
-use crate::terminal::{check_place, say, suggest, write_whole};
+use crate::terminal::{check_place, read_text, say, suggest, write_whole};
 use anyhow::{Context, Result, anyhow, bail};
 use reports::{Chart, Formats, Pick, TableFormat, Wanted};
 use results::store::{read, tables_folder};
@@ -101,7 +101,7 @@ fn fill(rows: &Rows, template: &Path) -> Result<()> {
     if template.extension().is_none_or(|ending| ending != "in") {
         bail!("--fill {}: the name of a template ends in .in", template.display());
     }
-    let text = std::fs::read_to_string(template).with_context(|| format!("--fill {}", template.display()))?;
+    let text = read_text(template).context("--fill")?;
     let filled = reports::fill(rows, &text).with_context(|| format!("--fill {}", template.display()))?;
     let page = template.with_extension("");
     write_whole(&page, &filled)?;

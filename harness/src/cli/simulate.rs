@@ -97,7 +97,7 @@ fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) ->
         _ => Start::Previous,
     };
     let rule = Rule { stop, warm_start };
-    exit::listen_for_interrupts()?;
+    exit::listen_for_interrupts("the time steps that had ended are kept")?;
     let mut kept = Kept::new(args, case, method)?;
     if let Some(frames) = &mut kept.frames {
         frames.begin(&march)?;
@@ -107,6 +107,7 @@ fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) ->
     }
     let see = &mut |seen: &Seen<M>| kept.see(args, seen);
     let ended = through_time(&mut march, solver, &rule, args.time_steps, &exit::requested, see);
+    let _whole = exit::whole();
     kept.bar.finish_and_clear();
     let (totals, end) = ended?;
     let last_state = match &end {
@@ -163,6 +164,7 @@ impl Kept {
     }
 
     fn see<M: Studied>(&mut self, args: &Args, seen: &Seen<M>) -> Result<()> {
+        let _whole = exit::whole();
         let (k, row) = (seen.totals.time_steps, observed(seen));
         if let (Some(file), Some(path)) = (&mut self.rows, &args.output) {
             // At once, so that no half row is left.

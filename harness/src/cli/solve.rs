@@ -119,7 +119,7 @@ fn solve<M: Studied>(
 
     let truth = args.truth || stop.on == Measure::VelocityError;
     let known = if truth { M::known(root, frozen)? } else { Known::default() };
-    exit::listen_for_interrupts()?;
+    exit::listen_for_interrupts("nothing of it is kept")?;
     let mut line = Line::alone(method.name.to_owned());
     let mut observe = |progress: &Progress| {
         line.show(progress, stop.on);
@@ -127,6 +127,7 @@ fn solve<M: Studied>(
     };
     let outcome = outcome(&known, frozen, (method, stop), &r0, &mut observe)
         .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
+    let _whole = exit::whole();
     drop(line);
     if let Some(file) = &args.homogenised {
         write_instead(file, homogenised(frozen, method.partition(), &outcome.impulses)?)?;

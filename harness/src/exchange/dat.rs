@@ -1,52 +1,115 @@
-//! Text files of Siconos: a contact problem as W, q and μ.
+//! Text files of Siconos: a contact problem as W, q and μ, or as M, H, f, w and μ.
 //!
-//! Numbers between blanks: unknowns of a contact, contacts, how W is stored, its rows and columns, W, q, μ. W is dense,
-//! column by column; or in blocks, each column by column; or as CSparse prints it, with six digits.
+//! Numbers between blanks: unknowns of a contact, contacts, the matrices, the lists. A matrix is how it is stored, its rows and columns,
+//! then its entries: dense, column by column; or in blocks, each column by column; or as CSparse prints it, with six digits.
 
+use super::global::{Global, Triplets};
+use super::symmetry::mirror;
 use anyhow::{Context, Result, anyhow, bail};
 use local::LocalProblem;
 use std::str::{FromStr, SplitAsciiWhitespace};
 
-/// The problem of this text.
+/// The problem of this text, and what is to be said of it.
 ///
 /// # Errors
-/// Says which part of the file has no meaning.
-pub(crate) fn problem(text: &str) -> Result<LocalProblem> {
+/// Says which part of the file has no meaning, or which other problem it seems to hold.
+pub(crate) fn problem(text: &str, notes: &mut Vec<String>) -> Result<LocalProblem> {
+    let head: Vec<&str> = text.split_ascii_whitespace().take(5).collect();
     let mut words = Words(text.split_ascii_whitespace());
     let dimension: usize = words.next("the number of unknowns of a contact")?;
-    if !(2..=3).contains(&dimension) {
-        bail!(
-            "a contact has {dimension} unknowns: 2 or 3 are expected, as Coulomb's law has without rolling"
-        );
-    }
     let contacts: usize = words.next("the number of contacts")?;
-    let storage: u32 = words.next("how W is stored")?;
-    let size = [words.next::<usize>("the rows of W")?, words.next("the columns of W")?];
     let rows = dimension.saturating_mul(contacts);
-    if size != [rows; 2] {
+    let of_contacts = rows.to_string();
+    // Its size, then one matrix.
+    if let [size, "0" | "1" | "2", down, across, ..] = head[..]
+        && size == down
+        && size == across
+        && (!(2..=3).contains(&dimension) || head.get(4) != Some(&&*of_contacts))
+    {
         bail!(
-            "W has {} x {} entries: {contacts} contacts of {dimension} unknowns have {rows} x {rows}; a global problem of M and H is \
-             read from FCLIB alone",
-            size[0],
-            size[1]
+            "it seems to be a linear complementarity problem of {size} unknowns: contacts of 2 or 3 unknowns are read, with their μ"
         );
     }
-    let entries = match storage {
-        0 => dense(&mut words, rows)?,
-        1 => in_blocks(&mut words, rows)?,
-        2 => printed(&mut words)?,
-        other => {
-            bail!("W is stored in the way {other}: 0 (dense), 1 (in blocks) or 2 (by CSparse) is expected")
-        }
-    };
+    if !(2..=3).contains(&dimension) {
+        let is = if dimension == 5 { ", as one with rolling friction has" } else { "" };
+        bail!(
+            "a contact has {dimension} unknowns{is}: 2 or 3 are expected, as Coulomb's law has without rolling"
+        );
+    }
+    let first = matrix(&mut words, "W")?;
+    let next: Vec<&str> = words.0.clone().take(3).collect();
+    let is_matrix = matches!(next[..], ["0" | "1" | "2", _, across] if across == of_contacts);
+    let is_w = [first.rows, first.columns] == [rows; 2];
+    if !is_w || is_matrix && words.0.clone().count() > 2 * rows + rows + contacts + 1 {
+        return global((dimension, contacts), first, &mut words, notes);
+    }
     let q = words.list("q", rows)?;
     let friction = words.list("mu", contacts)?;
+    nothing_more(&mut words, rows, contacts)?;
+    Ok(LocalProblem::new(dimension, first.entries, q, friction)?)
+}
+
+/// Checks that guesses follow μ, or that there are none.
+fn nothing_more(words: &mut Words, rows: usize, contacts: usize) -> Result<()> {
     // Whether guesses follow, and these.
-    let more = words.0.count();
-    if more > 1 + 2 * rows {
-        bail!("{more} words follow mu: a global problem of M and H is read from FCLIB alone");
+    let rest: Vec<&str> = words.0.clone().collect();
+    match (rest.len(), rest.first()) {
+        (0, _) | (1, Some(&("0" | "1"))) => Ok(()),
+        (count, Some(&("0" | "1"))) if count == 1 + 2 * rows => Ok(()),
+        (count, first) => {
+            let first = first.unwrap_or(&"");
+            let is = if count == contacts {
+                ", one for each contact, as in files of rolling friction or of Mohr and Coulomb's law"
+            } else {
+                ""
+            };
+            bail!(
+                "{count} words follow mu, \"{first}\" first{is}: Coulomb's law has μ alone, so the file is of another problem"
+            )
+        }
     }
-    Ok(LocalProblem::new(dimension, entries, q, friction)?)
+}
+
+/// A global problem, from its M on.
+fn global(
+    (dimension, contacts): (usize, usize),
+    mut mass: Triplets,
+    words: &mut Words,
+    notes: &mut Vec<String>,
+) -> Result<LocalProblem> {
+    let rows = dimension.saturating_mul(contacts);
+    let size = [mass.rows, mass.columns];
+    let h = matrix(words, "H").with_context(|| {
+        format!(
+            "the first matrix has {} x {} entries and {contacts} contacts of {dimension} unknowns have {rows}, so that it would be \
+             the M of a global problem",
+            size[0], size[1]
+        )
+    })?;
+    let f = words.list("f", size[0])?;
+    let w = words.list("w", rows)?;
+    let friction = words.list("mu", contacts)?;
+    nothing_more(words, rows, contacts)?;
+    notes.extend(mirror(&mut mass));
+    Global { mass, h, f, w, friction }.local(dimension)
+}
+
+/// A matrix: how it is stored, its rows and columns, its entries.
+fn matrix(words: &mut Words, name: &str) -> Result<Triplets> {
+    let storage: u32 = words.next(&format!("how {name} is stored"))?;
+    let (rows, columns) =
+        (words.next(&format!("the rows of {name}"))?, words.next(&format!("the columns of {name}"))?);
+    let entries = match storage {
+        0 => dense(words, rows, columns)?,
+        1 => in_blocks(words, rows, columns)?,
+        2 => printed(words)?,
+        other => {
+            bail!(
+                "{name} is stored in the way {other}: 0 (dense), 1 (in blocks) or 2 (by CSparse) is expected"
+            )
+        }
+    };
+    Ok(Triplets { rows, columns, entries })
 }
 
 /// Row, column, value.
@@ -74,14 +137,14 @@ impl<'t> Words<'t> {
     }
 }
 
-fn dense(words: &mut Words, rows: usize) -> Result<Vec<Entry>> {
+fn dense(words: &mut Words, rows: usize, columns: usize) -> Result<Vec<Entry>> {
     // Its size once more.
     let size: Vec<usize> = words.list("the size of W", 2)?;
-    if size != [rows; 2] {
-        bail!("the size of W is {size:?}, and [{rows}, {rows}] above");
+    if size != [rows, columns] {
+        bail!("the size of W is {size:?}, and [{rows}, {columns}] above");
     }
     let mut entries = Vec::new();
-    for column in 0..rows {
+    for column in 0..columns {
         for row in 0..rows {
             let value: f64 = words.next("W")?;
             if row == column || value != 0.0 {
@@ -93,7 +156,7 @@ fn dense(words: &mut Words, rows: usize) -> Result<Vec<Entry>> {
 }
 
 /// The blocks of each row of blocks one after the other.
-fn in_blocks(words: &mut Words, rows: usize) -> Result<Vec<Entry>> {
+fn in_blocks(words: &mut Words, rows: usize, columns: usize) -> Result<Vec<Entry>> {
     let blocks: usize = words.next("the number of blocks of W")?;
     let [down, across] =
         [words.next::<usize>("the rows of blocks of W")?, words.next("its columns of blocks")?];
@@ -103,16 +166,17 @@ fn in_blocks(words: &mut Words, rows: usize) -> Result<Vec<Entry>> {
     let [filled_rows, filled] =
         [words.next::<usize>("the filled rows of W")?, words.next("its filled blocks")?];
     let starts: Vec<usize> = words.list("the rows of the blocks of W", filled_rows)?;
-    let columns: Vec<usize> = words.list("the columns of the blocks of W", filled)?;
-    let span = |ends: &[usize], at: usize| {
+    let places: Vec<usize> = words.list("the columns of the blocks of W", filled)?;
+    let span = |ends: &[usize], at: usize, all: usize| {
         let from = at.checked_sub(1).map_or(Some(&0), |before| ends.get(before))?;
-        ends.get(at).filter(|end| (*from..=rows).contains(*end)).map(|end| *from..*end)
+        ends.get(at).filter(|end| (*from..=all).contains(*end)).map(|end| *from..*end)
     };
     let mut entries = Vec::new();
     for block in 0..blocks {
         let number: usize = words.next("the number of a block of W")?;
-        let there = starts.partition_point(|start| *start <= block).checked_sub(1).zip(columns.get(block));
-        let place = there.and_then(|(row, column)| span(&row_ends, row).zip(span(&column_ends, *column)));
+        let there = starts.partition_point(|start| *start <= block).checked_sub(1).zip(places.get(block));
+        let place = there
+            .and_then(|(row, column)| span(&row_ends, row, rows).zip(span(&column_ends, *column, columns)));
         let Some((rows, columns)) = place.filter(|_| number == block) else {
             bail!("W: block {number} is the one after {block} others, which has no place");
         };
@@ -128,12 +192,15 @@ fn in_blocks(words: &mut Words, rows: usize) -> Result<Vec<Entry>> {
 /// As CSparse prints a matrix, column by column or as triplets.
 fn printed(words: &mut Words) -> Result<Vec<Entry>> {
     let _origin: u32 = words.next("how W is stored")?;
-    // A title, then "m-by-n, nzmax: … nnz: …, 1-norm: …".
+    // A title, then "m-by-n, nzmax: … nnz: …", and of columns ", 1-norm: …".
     while words.word("the number of entries of W")? != "nnz:" {}
     let count = words.word("the number of entries of W")?;
+    let has_norm = count.ends_with(',');
     let count: usize = count.trim_end_matches(',').parse().with_context(|| format!("W: nnz is {count:?}"))?;
-    words.word("the norm of W")?;
-    words.word("the norm of W")?;
+    if has_norm {
+        words.word("the norm of W")?;
+        words.word("the norm of W")?;
+    }
     let (mut entries, mut column) = (Vec::new(), 0);
     while entries.len() < count {
         let word = words.word("an entry of W")?;

@@ -4,14 +4,16 @@
 //! A local problem is v = W r + q; a global one M V = H r + f, v = Hᵗ V + w. The normal component of a contact comes first. Sparse
 //! matrices are of CSparse: `nz` is the number of triplets, −1 for compressed columns, −2 for compressed rows.
 
+use super::edited;
 use super::global::{Global, Triplets};
+use super::symmetry::mirror;
 use anyhow::{Context, Result, anyhow, bail};
-use hdf5_pure::{File, FileBuilder, GroupBuilder};
+use hdf5_pure::{Error, File, FileBuilder, FormatError, GroupBuilder};
 use local::LocalProblem;
 use std::path::Path;
 
 /// Where a file keeps the text of a problem file of ours.
-const OURS: &str = "gravel/problem";
+pub(super) const OURS: &str = "gravel/problem";
 
 /// What a file holds.
 pub(crate) enum Held {
@@ -21,27 +23,31 @@ pub(crate) enum Held {
     Local(LocalProblem),
 }
 
-/// The problem in a file.
+/// The problem in a file, and what is to be said of it.
 ///
 /// # Errors
 /// Names the dataset that is missing, or has no meaning.
-pub(crate) fn read(path: &Path) -> Result<Held> {
+pub(crate) fn read(path: &Path, notes: &mut Vec<String>) -> Result<Held> {
     let file = File::open(path).map_err(|error| anyhow!("it is no HDF5 file that can be read: {error}"))?;
-    if let Ok(ours) = file.dataset(OURS) {
-        let bytes = ours.read_u8().map_err(|error| anyhow!("`{OURS}`: {error}"))?;
-        return Ok(Held::Ours(String::from_utf8(bytes).with_context(|| format!("`{OURS}` is no text"))?));
-    }
     let groups = file.root().groups().map_err(|error| anyhow!("its groups: {error}"))?;
     let has = |name: &str| groups.iter().any(|group| group == name);
     let problem = if has("fclib_local") {
-        Folder { file: &file, name: "fclib_local" }.local()
+        Folder { file: &file, name: "fclib_local" }.local()?
     } else if has("fclib_global") {
-        Folder { file: &file, name: "fclib_global" }.global()
+        let folder = Folder { file: &file, name: "fclib_global" };
+        let (dimension, mut global) = (folder.dimension()?, folder.global()?);
+        if let Ok(ours) = file.dataset(OURS) {
+            let bytes = ours.read_u8().map_err(|error| anyhow!("`{OURS}`: {error}"))?;
+            let text = String::from_utf8(bytes).with_context(|| format!("`{OURS}` is no text"))?;
+            return edited::reconciled(&text, dimension, &global, notes).map(Held::Ours);
+        }
+        notes.extend(mirror(&mut global.mass));
+        global.local(dimension).context(folder.name)?
     } else {
         let there = if groups.is_empty() { "no group".to_owned() } else { groups.join(", ") };
         bail!("it has neither `fclib_local` nor `fclib_global`, but {there}")
     };
-    problem.map(Held::Local)
+    Ok(Held::Local(problem))
 }
 
 /// A group of a file.
@@ -58,19 +64,17 @@ impl Folder<'_> {
             .with_context(|| self.name)
     }
 
-    fn global(&self) -> Result<LocalProblem> {
-        let dimension = self.dimension()?;
+    fn global(&self) -> Result<Global> {
         if self.file.dataset(&self.path("G/i")).is_ok() {
             bail!("`{}` is there: a problem with equations beside its contacts is not read", self.path("G"));
         }
-        let global = Global {
+        Ok(Global {
             mass: self.matrix("M")?,
             h: self.matrix("H")?,
             f: self.numbers("vectors/f")?,
             w: self.numbers("vectors/w")?,
             friction: self.numbers("vectors/mu")?,
-        };
-        global.local(dimension).with_context(|| self.name)
+        })
     }
 
     /// Unknowns of a contact.
@@ -132,11 +136,20 @@ impl Folder<'_> {
     ) -> Result<Vec<T>> {
         let path = self.path(name);
         let dataset = self.file.dataset(&path).map_err(|error| anyhow!("`{path}` is missing: {error}"))?;
-        read(&dataset).map_err(|error| anyhow!("`{path}`: {error}"))
+        read(&dataset).map_err(|error| match error {
+            Error::Format(FormatError::UnsupportedFilter(filter)) => anyhow!(
+                "`{path}` is compressed by filter {filter}, which is not read: `h5repack -f GZIP=4 FILE NEW` writes it anew"
+            ),
+            error => anyhow!("`{path}`: {error}"),
+        })
     }
 
     fn numbers(&self, name: &str) -> Result<Vec<f64>> {
-        self.list(name, hdf5_pure::Dataset::read_f64)
+        let numbers = self.list(name, hdf5_pure::Dataset::read_f64)?;
+        match numbers.iter().enumerate().find(|(_, x)| !x.is_finite()) {
+            Some((index, x)) => bail!("`{}[{index}]` is {x}: it must be finite", self.path(name)),
+            None => Ok(numbers),
+        }
     }
 
     fn indices(&self, name: &str) -> Result<Vec<usize>> {
@@ -160,12 +173,12 @@ impl Folder<'_> {
     }
 }
 
-/// The bytes of a file with a global problem, made of the problem file with the text `ours`.
+/// The bytes of a file with a global problem, made of the problem file with the text `ours`, if it is one of ours.
 ///
 /// # Errors
 /// Those of HDF5, and a problem that is too large for it.
 pub(crate) fn write_global(
-    (title, ours): (&str, &str),
+    (title, ours): (&str, Option<&str>),
     dimension: usize,
     global: &Global,
 ) -> Result<Vec<u8>> {
@@ -175,9 +188,11 @@ pub(crate) fn write_global(
     put_matrix(&mut group, "H", &global.h)?;
     put_rest(&mut group, title, dimension, &[("f", &global.f), ("w", &global.w), ("mu", &global.friction)])?;
     file.add_group(group.finish());
-    let mut group = file.create_group("gravel");
-    group.create_dataset("problem").with_u8_data(ours.as_bytes());
-    file.add_group(group.finish());
+    if let Some(ours) = ours {
+        let mut group = file.create_group("gravel");
+        group.create_dataset("problem").with_u8_data(ours.as_bytes());
+        file.add_group(group.finish());
+    }
     file.finish().map_err(|error| anyhow!("HDF5: {error}"))
 }
 

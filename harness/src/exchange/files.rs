@@ -1,36 +1,53 @@
 //! Which files of other codes are read, and what becomes of them.
 
 use super::fclib::{self, Held};
+use super::symmetry::check;
 use super::{dat, global::Global};
 use crate::problems::{Studied, Visit, visit};
+use crate::terminal::read_text;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{AnyFrozen, Frozen};
 use contact::Vector;
 use std::path::Path;
 
-/// How its name ends.
-fn ending(path: &Path) -> &str {
-    path.extension().and_then(|ending| ending.to_str()).unwrap_or_default()
+/// How its name ends, in small letters.
+fn ending(path: &Path) -> String {
+    path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
 /// Whether a file is named like one of another code.
 pub(crate) fn is_foreign(path: &Path) -> bool {
-    matches!(ending(path), "hdf5" | "h5" | "dat")
+    matches!(&*ending(path), "hdf5" | "h5" | "dat" | "npz")
 }
 
-/// The problem in a file of another code.
+/// The problem in a file of another code; says what it makes of one that is not as it should be.
 ///
 /// # Errors
 /// Names the file, and the dataset or the part of it that has no meaning.
 pub(crate) fn read(path: &Path) -> Result<Held> {
-    let held = || match ending(path) {
-        "dat" => dat::problem(&std::fs::read_to_string(path)?).map(Held::Local),
-        _ => fclib::read(path),
-    };
     if !path.is_file() {
         bail!("{}: there is no such file", path.display());
     }
-    held().with_context(|| path.display().to_string())
+    let text = (ending(path) == "dat").then(|| read_text(path)).transpose()?;
+    let mut notes = Vec::new();
+    let mut read = || {
+        let held = match (&text, &*ending(path)) {
+            (Some(text), _) => Held::Local(dat::problem(text, &mut notes)?),
+            (None, "npz") => bail!(
+                "an archive of NumPy, as ContactBench writes, is not read: its W, q and μ are as an FCLIB file, which h5py writes"
+            ),
+            (None, _) => fclib::read(path, &mut notes)?,
+        };
+        if let Held::Local(problem) = &held {
+            notes.extend(check(problem)?);
+        }
+        Ok(held)
+    };
+    let held = read().with_context(|| path.display().to_string())?;
+    for note in notes {
+        eprintln!("{}: {note}", path.display());
+    }
+    Ok(held)
 }
 
 /// The bytes of the file `to`, made of what the file `from` held.
@@ -39,7 +56,7 @@ pub(crate) fn read(path: &Path) -> Result<Held> {
 /// Says what has no meaning, or no place in a file of that kind.
 pub(crate) fn converted(from: &Path, held: Held, to: &Path) -> Result<Vec<u8>> {
     let title = from.file_stem().unwrap_or_default().to_string_lossy();
-    match (held, ending(to)) {
+    match (held, &*ending(to)) {
         (Held::Ours(text), "json") => {
             // What is no problem is not handed on.
             AnyFrozen::of_text(from, &text)?;
@@ -64,6 +81,6 @@ impl Visit for Written<'_> {
     type Output = Result<Vec<u8>>;
 
     fn visit<M: Studied>(self, frozen: Frozen<M>) -> Self::Output {
-        fclib::write_global((&frozen.name, self.text), M::Place::LEN, &Global::of(&frozen))
+        fclib::write_global((&frozen.name, Some(self.text)), M::Place::LEN, &Global::of(&frozen))
     }
 }

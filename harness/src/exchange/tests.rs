@@ -116,24 +116,34 @@ fn methods_that_need_grains_are_refused_on_w_alone() {
     assert!(refused(&two).contains("`subdomains` is 2: it must be 1 to 1, the number of contacts"));
 }
 
+/// The problem of a text file of Siconos.
+fn problem_of(text: &str) -> anyhow::Result<LocalProblem> {
+    dat::problem(text, &mut Vec::new())
+}
+
 const DENSE: &str =
     "2 2 0 4 4 4 4\n 2 0.5 0.125 0\n 0.5 3 0 0\n 0.25 0 4 0\n 0 0 0 5\n -1 0.5 -2 0.25\n 0.3 0.4\n";
 
 #[test]
 fn three_ways_to_write_w_give_one_problem() {
-    let dense = dat::problem(DENSE).unwrap();
+    let dense = problem_of(DENSE).unwrap();
     let blocks = "2 2 1 4 4 4 2 2\n 2 4\n 2 4\n 3 4\n 0 2 4\n 0 1 0 1\n 0 2 0.5 0.5 3\n 1 0.25 0 0 0\n 2 0.125 0 0 0\n 3 4 0 0 5\n \
                   -1 0.5 -2 0.25\n 0.3 0.4\n 0";
-    assert_eq!(dat::problem(blocks).unwrap(), dense);
+    assert_eq!(problem_of(blocks).unwrap(), dense);
     let printed = "2 2 2 4 4 2\nCSparse Version 3.1.9, May 4, 2016.  Copyright (c) Timothy A. Davis, 2006-2016\n4-by-4, nzmax: 8 nnz: 8, \
                    1-norm: 5\n col 0 : locations 0 to 2\n 0 : 2\n 1 : 0.5\n 2 : 0.125\n col 1 : locations 3 to 4\n 0 : 0.5\n 1 : 3\n \
                    col 2 : locations 5 to 6\n 0 : 0.25\n 2 : 4\n col 3 : locations 7 to 7\n 3 : 5\n -1 0.5 -2 0.25\n 0.3 0.4";
-    assert_eq!(dat::problem(printed).unwrap(), dense);
+    assert_eq!(problem_of(printed).unwrap(), dense);
+    // Triplets have no norm.
+    let triplets = "2 2 2 4 4 1\nCSparse Version 3.1.9, May 4, 2016.  Copyright (c) Timothy A. Davis, 2006-2016\n\
+                    triplet: 4-by-4, nzmax: 9 nnz: 8\n 0 0 : 2\n 1 0 : 0.5\n 2 0 : 0.125\n 0 1 : 0.5\n 1 1 : 3\n 0 2 : 0.25\n \
+                    2 2 : 4\n 3 3 : 5\n -1 0.5 -2 0.25\n 0.3 0.4";
+    assert_eq!(problem_of(triplets).unwrap(), dense);
 }
 
 #[test]
 fn local_problem_comes_back_from_fclib_compressed_or_not() {
-    let problem = dat::problem(DENSE).unwrap();
+    let problem = problem_of(DENSE).unwrap();
     let folder = TempDir::new().unwrap();
     let there = file(&folder, "w.hdf5", write_local("w", &problem).unwrap());
     let Held::Local(back) = read(&there).unwrap() else { panic!("W alone") };
@@ -211,7 +221,7 @@ fn file_that_is_no_problem_is_refused_with_what_is_wrong() {
         why
     };
     assert!(refused("a.hdf5", b"no HDF5").contains("no HDF5 file"));
-    let mut whole = write_local("w", &dat::problem(DENSE).unwrap()).unwrap();
+    let mut whole = write_local("w", &problem_of(DENSE).unwrap()).unwrap();
     whole.truncate(whole.len() / 2);
     refused("torn.hdf5", &whole);
     let mut other = hdf5_pure::FileBuilder::new();
@@ -222,16 +232,204 @@ fn file_that_is_no_problem_is_refused_with_what_is_wrong() {
     let none = Triplets { rows: 0, columns: 0, entries: Vec::new() };
     let more = Triplets { rows: 0, columns: 0, entries: Vec::new() };
     let empty = Global { mass: none, h: more, f: Vec::new(), w: Vec::new(), friction: Vec::new() };
-    let bad = write_global(("empty", "no JSON"), 3, &empty).unwrap();
-    let ours = file(&folder, "ours.hdf5", bad);
-    let here = converted(&ours, read(&ours).unwrap(), Path::new("ours.json"));
-    assert!(format!("{:#}", here.unwrap_err()).contains("ours.hdf5"));
+    let bad = write_global(("empty", Some("no JSON")), 3, &empty).unwrap();
+    assert!(refused("ours.hdf5", &bad).contains("gravel/problem: expected ident"));
     let dat = |text: &str| refused("a.dat", text.as_bytes());
     assert!(dat("3 1 0 3").contains("ends before the columns of W"));
     assert!(dat("5 1 0 5 5").contains("5 unknowns"));
-    assert!(dat("3 1 0 9 9 9 9").contains("W has 9 x 9 entries"));
+    assert!(dat("3 1 0 9 9 9 9").contains("the file ends before W"));
     assert!(dat("3 1 7 3 3").contains("in the way 7"));
     assert!(dat(&DENSE.replace("0.125 0\n 0.5", "x 0\n 0.5")).contains("W: \"x\""));
     assert!(dat(&DENSE.replace(" -1 0.5", " nan 0.5")).contains("`vectors/q[0]`"));
     assert!(dat(&format!("{DENSE}{}", "1 ".repeat(10))).contains("10 words follow mu"));
+}
+
+/// A list after μ, a size and one matrix, five unknowns of a contact: the files of other laws.
+#[test]
+fn text_file_of_another_problem_is_named_as_what_it_seems_to_be() {
+    let why = |text: &str| format!("{:#}", problem_of(text).unwrap_err());
+    assert!(why(&format!("{DENSE} 0.25 0.25")).contains("rolling friction or of Mohr and Coulomb's law"));
+    assert!(why("2 1 0 2 2 2 2\n2 0 0 3\n-1 0\n0.3\n0.25").contains("\"0.25\" first, one for each contact"));
+    assert!(why("4 0 4 4 4 4 1 0 0 0").contains("a linear complementarity problem of 4 unknowns"));
+    assert!(why("2 0 2 2 2 2 1 0 0 1 -1 -1").contains("a linear complementarity problem of 2 unknowns"));
+    assert!(why("5 2 0 10 10").contains("rolling friction"));
+    assert!(why("2 1 0 3 3 3 3 1 0 0 0 1 0 0 0 1 0 0").contains("the M of a global problem"));
+    // Guesses may follow μ, or that there are none.
+    let guesses = format!("{DENSE} 1 {}", "0 ".repeat(8));
+    for text in [&guesses, &format!("{DENSE} 0"), &format!("{DENSE} 1")] {
+        assert_eq!(problem_of(text).unwrap(), problem_of(DENSE).unwrap());
+    }
+}
+
+/// M = [2 1 0; 1 2 0; 0 0 1], H = [1 0; 0 0; 0 1], f = [3 0 0], w = [−4 0].
+#[test]
+fn global_text_file_is_the_problem_of_its_matrices() {
+    let rest = "0 3 2 3 2 1 0 0 0 0 1\n3 0 0\n-4 0\n0.5\n";
+    let mut notes = Vec::new();
+    let whole = dat::problem(&format!("2 1 0 3 3 3 3 2 1 0 1 2 0 0 0 1\n{rest}"), &mut notes).unwrap();
+    assert!(notes.is_empty());
+    let expected =
+        LocalProblem::new(2, [(0, 0, 2.0 / 3.0), (1, 1, 1.0)], vec![-2.0, 0.0], vec![0.5]).unwrap();
+    assert!(whole.entries().zip(expected.entries()).all(|(a, b)| (a.2 - b.2).abs() < 1e-15));
+    assert_eq!(whole.q(), expected.q());
+    let half = dat::problem(&format!("2 1 0 3 3 3 3 2 0 0 1 2 0 0 0 1\n{rest}"), &mut notes).unwrap();
+    assert_eq!((half, notes.len()), (whole, 1));
+    assert!(notes[0].contains("`M` holds its upper triangle only"), "{notes:?}");
+}
+
+#[test]
+fn triangle_of_m_is_mirrored_and_that_of_w_refused() {
+    let entries = [(0, 0, 2.0), (0, 1, 0.5), (1, 1, 3.0), (1, 3, -0.25), (2, 2, 1.0), (3, 3, 4.0)];
+    let turned = entries.map(|(row, column, x)| (column, row, x));
+    let off = |list: &[(usize, usize, f64)]| -> Vec<_> {
+        list.iter().filter(|(row, column, _)| row != column).copied().collect()
+    };
+    let folder = TempDir::new().unwrap();
+    let global = |mass: Vec<(usize, usize, f64)>| {
+        let mass = Triplets { rows: 4, columns: 4, entries: mass };
+        let h = vec![(0, 0, 1.0), (1, 1, 1.0), (2, 1, -1.0), (3, 0, 0.5)];
+        let h = Triplets { rows: 4, columns: 2, entries: h };
+        let of = Global { mass, h, f: vec![1.0, -2.0, 0.5, 3.0], w: vec![-4.0, 0.5], friction: vec![0.3] };
+        let there = file(&folder, "m.hdf5", write_global(("m", None), 2, &of).unwrap());
+        let Held::Local(problem) = read(&there).unwrap() else { panic!("W alone") };
+        problem
+    };
+    let whole = global([&entries[..], &off(&turned)].concat());
+    assert_eq!(global(entries.to_vec()), whole);
+    assert_eq!(global(turned.to_vec()), whole);
+    let refused = |text: &str| {
+        let path = file(&folder, "w.dat", text);
+        format!("{:#}", read(&path).err().expect("no problem"))
+    };
+    let half = DENSE.replace("0.5 0.125 0", "0 0 0");
+    assert!(refused(&half).contains("`W` holds its upper triangle only"), "{}", refused(&half));
+    let mut notes = vec![];
+    let asymmetric = dat::problem(DENSE, &mut notes).unwrap();
+    // ‖W − Wᵗ‖² = 2 · 0.125², ‖W‖² = 54.5 + 0.25² + 0.125²
+    let note = super::symmetry::check(&asymmetric).unwrap().unwrap();
+    assert!(note.contains("‖W − Wᵗ‖ is 2.4e-2 of ‖W‖"), "{note}");
+    let symmetric = problem_of(&DENSE.replace("0.125", "0.25")).unwrap();
+    assert_eq!(super::symmetry::check(&symmetric).unwrap(), None);
+}
+
+/// The arrays of a file of ours are changed, as through h5py.
+fn edited(name: &str, edit: impl FnOnce(&mut Global)) -> Result<AnyFrozen, String> {
+    let text = std::fs::read_to_string(frozen(name)).unwrap();
+    let (mut global, d) = match AnyFrozen::read(&frozen(name)).unwrap() {
+        AnyFrozen::Discs(problem) => (Global::of(&problem), 2),
+        AnyFrozen::RoughDiscs(problem) => (Global::of(&problem), 2),
+        AnyFrozen::Spheres(problem) => (Global::of(&problem), 3),
+        AnyFrozen::RoughSpheres(problem) => (Global::of(&problem), 3),
+    };
+    edit(&mut global);
+    let folder = TempDir::new().unwrap();
+    let there = file(&folder, "edited.hdf5", write_global((name, Some(&text)), d, &global).unwrap());
+    match read(&there).map_err(|error| format!("{error:#}"))? {
+        Held::Ours(now) => {
+            assert!(now != text);
+            Ok(AnyFrozen::of_text(&there, &now).unwrap())
+        }
+        Held::Local(_) => panic!("{name}: its grains are there"),
+    }
+}
+
+#[test]
+fn edited_arrays_are_the_problem_and_the_text_is_the_rest() {
+    let edit = |global: &mut Global| {
+        global.friction[3] = 0.75;
+        global.w[7] += 0.125;
+        global.f[4] = -2.0 * global.f[4] + 0.5;
+        // The second grain weighs twice as much.
+        global.mass.entries.iter_mut().filter(|(row, ..)| *row / 3 == 1).for_each(|(.., x)| *x *= 2.0);
+    };
+    let AnyFrozen::RoughDiscs(now) = edited("rough-250", edit).unwrap() else {
+        panic!("discs with friction")
+    };
+    let AnyFrozen::RoughDiscs(before) = AnyFrozen::read(&frozen("rough-250")).unwrap() else {
+        panic!("likewise")
+    };
+    let mut expected = Global::of(&before);
+    edit(&mut expected);
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-14 * b.abs();
+    let global = Global::of(&now);
+    for (now, expected) in
+        [(&global.f, &expected.f), (&global.w, &expected.w), (&global.friction, &expected.friction)]
+    {
+        assert!(now.iter().zip(expected).all(|(a, b)| near(*a, *b)));
+    }
+    assert!(global.mass.entries.iter().zip(&expected.mass.entries).all(|(a, b)| near(a.2, b.2)));
+    assert_eq!((&now.radius, &now.gap, &now.name), (&before.radius, &before.gap, &before.name));
+    assert!(
+        now.source.ends_with("M, vectors/f, vectors/mu, vectors/w as edited in an FCLIB file."),
+        "{}",
+        now.source
+    );
+    // Without friction an offset is one number.
+    let AnyFrozen::Spheres(now) = edited("spheres-250", |global| global.w[6] += 0.5).unwrap() else {
+        panic!("spheres")
+    };
+    let AnyFrozen::Spheres(before) = AnyFrozen::read(&frozen("spheres-250")).unwrap() else {
+        panic!("likewise")
+    };
+    assert_eq!(now.problem.contacts()[2].offset, before.problem.contacts()[2].offset + 0.5);
+}
+
+#[test]
+fn edit_that_contradicts_the_text_is_refused() {
+    let refused = |name: &str, edit: &dyn Fn(&mut Global)| edited(name, edit).unwrap_err();
+    let h = refused("rough-250", &|global| global.h.entries[0].2 += 0.25);
+    assert!(h.contains("`fclib_global/H[0, 1]` is ") && h.contains("without the group `gravel`"), "{h}");
+    let mu = refused("settled-60", &|global| global.friction[5] = 0.3);
+    assert!(mu.contains("`fclib_global/vectors/mu[5]` is 0.3, and `gravel/problem` makes 0.0 of it"), "{mu}");
+    let w = refused("settled-60", &|global| global.w[5] = 0.3);
+    assert!(w.contains("`fclib_global/vectors/w[5]` is 0.3"), "{w}");
+    let mass = refused("rough-250", &|global| global.mass.entries[1].2 *= 2.0);
+    assert!(mass.contains("`fclib_global/M[1, 1]`"), "{mass}");
+    let length = refused("rough-250", &|global| global.friction.truncate(9));
+    assert!(length.contains("`fclib_global/vectors/mu` is of size"), "{length}");
+    let negative = refused("rough-250", &|global| global.friction[0] = -1.0);
+    assert!(negative.contains("`contacts.friction[0]` is -1"), "{negative}");
+    let nan = refused("rough-250", &|global| global.f[2] = f64::NAN);
+    assert!(nan.contains("`fclib_global/vectors/f[2]` is NaN"), "{nan}");
+}
+
+/// As h5py writes with `compression="gzip"`, `shuffle` and `fletcher32`.
+#[test]
+fn compressed_datasets_are_read_under_every_ending() {
+    let problem = problem_of(DENSE).unwrap();
+    let mut fclib = hdf5_pure::FileBuilder::new();
+    let mut local = fclib.create_group("fclib_local");
+    let mut w = local.create_group("W");
+    let entries: Vec<_> = problem.entries().collect();
+    for (name, value) in [("m", 4), ("n", 4), ("nz", 16), ("nzmax", 16)] {
+        w.create_dataset(name).with_i32_data(&[value]);
+    }
+    let index = |of: fn(&(usize, usize, f64)) -> usize| {
+        entries.iter().map(|e| i64::try_from(of(e)).unwrap()).collect::<Vec<_>>()
+    };
+    w.create_dataset("i").with_i64_data(&index(|e| e.0)).with_chunks(&[5]).with_deflate(4);
+    w.create_dataset("p").with_i64_data(&index(|e| e.1)).with_chunks(&[16]).with_shuffle().with_deflate(9);
+    let x: Vec<f64> = entries.iter().map(|e| e.2).collect();
+    w.create_dataset("x")
+        .with_f64_data(&x)
+        .with_chunks(&[8])
+        .with_shuffle()
+        .with_deflate(1)
+        .with_fletcher32();
+    local.add_group(w.finish());
+    local.create_dataset("spacedim").with_i32_data(&[2]);
+    let mut vectors = local.create_group("vectors");
+    vectors.create_dataset("q").with_f64_data(problem.q()).with_chunks(&[4]).with_deflate(4);
+    vectors.create_dataset("mu").with_f64_data(problem.friction());
+    local.add_group(vectors.finish());
+    fclib.add_group(local.finish());
+    let (folder, bytes) = (TempDir::new().unwrap(), fclib.finish().unwrap());
+    for name in ["a.hdf5", "a.h5", "a.HDF5", "a.H5"] {
+        let Held::Local(back) = read(&file(&folder, name, &bytes)).unwrap() else { panic!("W alone") };
+        assert_eq!(back, problem, "{name}");
+    }
+    let Held::Local(back) = read(&file(&folder, "a.DAT", DENSE)).unwrap() else { panic!("W alone") };
+    assert_eq!(back, problem);
+    let archive = file(&folder, "a.npz", b"PK");
+    assert!(format!("{:#}", read(&archive).err().unwrap()).contains("an archive of NumPy"));
 }

@@ -5,7 +5,7 @@ use crate::plan::{Method, Settings, as_typed};
 use crate::problems::{Enter, Root, Studied, enter};
 use crate::terminal::{progress, read_text, say, suggest, write_kept};
 use anyhow::{Result, bail};
-use cases::{AnyFrozen, Case, March, Sample};
+use cases::{AnyFrozen, Case, March, Sample, Start};
 use cg::Cg;
 use contact::memory::gigabytes;
 use results::provenance::available_memory;
@@ -78,21 +78,27 @@ impl CaseProblem {
 
     /// The problem; the time steps before it are the same whichever method then solves it.
     pub(crate) fn problem(&self) -> Result<AnyFrozen> {
+        self.problem_unless(&|| false)
+    }
+
+    /// The problem, unless `halt` asks for an end after an iteration of a time step before it.
+    pub(crate) fn problem_unless(&self, halt: &Halt) -> Result<AnyFrozen> {
         let (method, stop) = self.before()?;
-        self.problem_after(&method, &stop, "")
+        enter(&self.case, Reached { problem: self, method: &method, stop: &stop, how: "", halt })?
     }
 
     /// The problem after time steps solved by `method`, with a bar on anything long. Its source names what was replaced,
     /// `how` it was reached, and how many of the time steps before did not converge, which is printed as well.
     pub(crate) fn problem_after(&self, method: &Method, stop: &Stop, how: &str) -> Result<AnyFrozen> {
-        enter(&self.case, Reached { problem: self, method, stop, how })?
+        enter(&self.case, Reached { problem: self, method, stop, how, halt: &|| false })?
     }
 
-    fn marched<M: Studied>(&self, method: &Method, stop: &Stop, how: &str) -> Result<AnyFrozen> {
+    fn marched<M: Studied>(&self, method: &Method, stop: &Stop, how: &str, halt: &Halt) -> Result<AnyFrozen> {
         let (mut march, before, mut missed) = (March::<M>::new(&self.case)?, self.time_step - 1, 0);
         let bar = progress::bar(before, "time steps");
         for _ in 0..before {
-            let (outcome, _) = march.time_step(method.solver()?, stop)?;
+            let time_step = march.next()?;
+            let (outcome, _) = march.solve(&time_step, method.solver()?, stop, Start::Previous, halt)?;
             missed += u64::from(outcome.status != Status::Converged);
             bar.set_message(format!("{} iterations", outcome.iterations));
             bar.inc(1);
@@ -116,19 +122,23 @@ pub(crate) fn replaced(overrides: &[(String, String)]) -> String {
     each.concat()
 }
 
+/// Asks for an end.
+type Halt<'h> = dyn Fn() -> bool + Sync + 'h;
+
 /// The problem of a case, reached by a method.
 struct Reached<'c> {
     problem: &'c CaseProblem,
     method: &'c Method,
     stop: &'c Stop,
     how: &'c str,
+    halt: &'c Halt<'c>,
 }
 
 impl Enter for Reached<'_> {
     type Output = Result<AnyFrozen>;
 
     fn enter<M: Studied>(self) -> Result<AnyFrozen> {
-        self.problem.marched::<M>(self.method, self.stop, self.how)
+        self.problem.marched::<M>(self.method, self.stop, self.how, self.halt)
     }
 }
 

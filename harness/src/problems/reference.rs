@@ -5,13 +5,12 @@ use crate::problems::{Root, Studied};
 use crate::terminal::{read_text, suggest, write_kept};
 use analysis::proves_infeasible;
 use anyhow::{Context, Result, anyhow, bail};
-use cases::{Frozen, all_missing};
+use cases::{Frozen, of_json};
 use contact::{ContactProblem, Discs, Mechanics, Smooth, Truth, Vector};
 use reference::{Answer, certify};
 use results::schema::KnownSolutions;
 use runner::Status;
 use schemars::JsonSchema;
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
@@ -117,14 +116,23 @@ impl Given {
     pub(crate) fn read<M: Mechanics>(file: &Path, problem: &ContactProblem<M>) -> Result<Self> {
         let name = || file.display().to_string();
         let text = read_text(file)?;
-        let in_lists = || match read_as::<Vec<f64>>(&text) {
-            Ok(Read { impulse, from }) if M::Impulse::LEN > 1 => {
-                Some(Read { impulse: impulse.concat(), from })
+        let each = M::Impulse::LEN;
+        let in_lists = || {
+            let Read { impulse, from } = of_json::<Read<Vec<f64>>>(&text)?;
+            let wrong = impulse.iter().enumerate().find(|(_, list)| list.len() != each);
+            if let Some((index, list)) = wrong {
+                let (found, contacts) = (list.len(), problem.contact_count());
+                return Err(format!(
+                    "`impulse[{index}]` has {found} values where each of {contacts} contacts has {each}"
+                ));
             }
-            _ => None,
+            Ok(Read { impulse: impulse.concat(), from })
         };
-        let flat = read_as::<f64>(&text).or_else(|error| in_lists().ok_or(error));
-        let Read { impulse, from } = flat.map_err(|error| anyhow!("{}: {error}", name()))?;
+        let flat = of_json::<Read<f64>>(&text).or_else(|error| {
+            let is_in_lists = each > 1 && error.contains("invalid type: sequence");
+            if is_in_lists { in_lists() } else { Err(error) }
+        });
+        let Read { impulse, from } = flat.map_err(|error| anyhow!("{}: {}", name(), meant(&text, error)))?;
         let (found, expected) = (impulse.len(), problem.impulse_count());
         if found != expected {
             let contacts = problem.contact_count();
@@ -136,17 +144,18 @@ impl Given {
     }
 }
 
-/// The file of this text, or what is wrong with it.
-fn read_as<T: DeserializeOwned + JsonSchema>(text: &str) -> Result<Read<T>, String> {
-    serde_json::from_str(text).map_err(|error| {
-        let error = error.to_string();
-        // A text that is no JSON lacks more than keys.
-        let Ok(content) = serde_json::from_str::<Value>(text) else { return error };
-        let meant = |key: &&String| *key != "impulse" && !suggest::of(key, ["impulse"]).is_empty();
-        let meant = content.as_object().and_then(|content| content.keys().find(meant));
-        let meant = meant.map(|key| format!(": `{key}` is no key{}", suggest::of(key, ["impulse"])));
-        all_missing::<Read<T>>(&content, error) + &meant.unwrap_or_default()
-    })
+/// The `error` about a file of impulses with this text, with the key that stands in the place of `impulse`, or with the form of the file
+/// where it is no JSON.
+fn meant(text: &str, error: String) -> String {
+    let Ok(content) = serde_json::from_str::<Value>(text) else {
+        return format!(
+            "{error}; impulses are read from a file with {{\"impulse\": […]}}, as `gravel solve --impulses` writes it"
+        );
+    };
+    let meant = |key: &&String| *key != "impulse" && !suggest::of(key, ["impulse"]).is_empty();
+    let meant = content.as_object().and_then(|content| content.keys().find(meant));
+    let meant = meant.map(|key| format!(": `{key}` is no key{}", suggest::of(key, ["impulse"])));
+    error + &meant.unwrap_or_default()
 }
 
 /// A kept answer: impulses that solve the problem, or a ray that proves that nothing does (N·s).

@@ -3,7 +3,7 @@
 
 use crate::plan::{Method, Programme, Runs, last_line};
 use crate::problems::{Studied, in_words};
-use crate::terminal::exit;
+use crate::terminal::{exit, read_text};
 use anyhow::{Context, Result, anyhow, bail};
 use cases::Frozen;
 use contact::{
@@ -265,7 +265,7 @@ impl<M: Studied> Ladder<'_, M> {
             let said = std::fs::read(&complaints)?;
             bail!("it ended with {status}: {}", last_line(&String::from_utf8_lossy(&said)));
         }
-        let text = std::fs::read_to_string(&answer).context("it wrote no answer")?;
+        let text = read_text(&answer).context("it wrote no answer")?;
         let answer: Answer = serde_json::from_str(&text).map_err(|error| anyhow!("its answer: {error}"))?;
         answer.check(self.problem)?;
         Ok(Some((answer, process_s)))

@@ -39,6 +39,7 @@ pub(crate) fn open<R: Entry>(root: &Root, plan: &str) -> Result<Store<R>> {
 
 /// Writes the tables of a study from its store, and its report if the user did not stop it.
 pub(crate) fn finish<K: Kind>(root: &Root, study: &K, mut store: Store<K::Record>) -> Result<ExitCode> {
+    let _whole = exit::whole();
     let Selection { plan, again, .. } = study.selection();
     let tasks = study.tasks();
     let known = by_id(store.records());

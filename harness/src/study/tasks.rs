@@ -4,7 +4,7 @@
 use crate::problems::Root;
 use crate::run::{Conditions, How, Task, in_parallel};
 use crate::study::Selection;
-use crate::terminal::Bars;
+use crate::terminal::{Bars, exit};
 use anyhow::Result;
 use results::journal::Entry;
 use results::study::Study as Rows;
@@ -74,6 +74,7 @@ pub(crate) fn run_all<K: Kind>(
     let (bars, keep) = (Bars::new(tasks.len() as u64), Mutex::new(keep));
     in_parallel(tasks, how.jobs, |task, halt| {
         if let Some(record) = study.run(task, &Conditions { how, bars: &bars, halt })? {
+            let _whole = exit::whole();
             keep.lock().unwrap_or_else(PoisonError::into_inner)(record)?;
             bars.run_ended();
         }

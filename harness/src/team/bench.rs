@@ -62,11 +62,13 @@ pub(crate) fn run(posted: &Posted, root: &Root, args: &Args) -> Result<ExitCode>
     for task in tasks.iter().filter(|task| wanted.contains(&*task.id) && known.insert(task.id.clone())) {
         let record = task.what.run_on_ranks(&study.selection().plan, task, &on)?;
         let Some(record) = record else { break };
+        let whole = exit::whole();
         let kept = store.as_mut().map_or(Ok(()), |store| {
             let Run { problem, method, variant, status, iterations, .. } = &record.run;
             say(format_args!("{problem}, {method} {variant}: {status} after {iterations} iterations"))?;
             Ok(store.append(record)?)
         });
+        drop(whole);
         posted.agree(kept)?;
     }
     let finished = store.map_or(Ok(ExitCode::SUCCESS), |store| {

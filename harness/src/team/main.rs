@@ -79,7 +79,7 @@ fn run(posted: &Posted, cli: &Cli) -> Result<ExitCode> {
     rayon::ThreadPoolBuilder::new().num_threads(cli.threads.get()).build_global()?;
     let root = posted.agree(Root::find(cli.root.clone()))?;
     posted.agree(read_external(&root))?;
-    exit::listen_for_interrupts().context("at this rank")?;
+    exit::listen_for_interrupts("the runs that had ended are kept").context("at this rank")?;
     match &cli.command {
         Command::Split(args) => split::run(posted, &root, args),
         Command::Solve(args) => in_the_pool(|| solve::run(posted, &root, args)),

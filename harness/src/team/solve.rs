@@ -90,6 +90,7 @@ impl OnShare for Solve<'_> {
             Measured::OneIn(args.measure_every.get()),
             &mut observe,
         )?;
+        let _whole = exit::whole();
         drop(line);
         if let Some(folder) = &args.impulses {
             posted.agree(Impulses::write_all(folder, &shared.share, &shared.hash, &end.impulses))?;

@@ -1,9 +1,15 @@
-//! How the program ends: exit codes, which a script may ask for without reading what is printed; and Ctrl-C or SIGTERM, of
-//! which the first requests an end after the current iteration, and the second ends the program at once.
+//! How the program ends: exit codes, which a script may ask for without reading what is printed; and Ctrl-C or SIGTERM.
+//!
+//! The first signal requests an end after the current iteration. Where that has not come within a second, as inside the factors of a
+//! large problem, the program ends without, once nothing is being written; so does the second signal, at once. What is kept in
+//! files by then, such as the runs of a study that had ended, is whole.
 
 use anyhow::{Context, Result};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::Duration;
 
 /// The answer was found, or all is done.
 const DONE: u8 = 0;
@@ -23,7 +29,8 @@ Exit codes:
     3  solve: not converged (iteration-limit, stalled, diverged, false-convergence);
        certify: not certified; simulate: exploded or solver-diverged
     4  solve, certify, simulate: it is proved that the problem has no solution
-  130  stopped by Ctrl-C or SIGTERM; what was reached is kept
+  130  stopped by Ctrl-C or SIGTERM; what was reached is kept, but no run inside an iteration
+       of more than a second
 A run of `bench` that fails is a row like any other: exit code 0.";
 
 /// The code of a solve, a certificate or a simulation that ended with this status.
@@ -38,12 +45,20 @@ pub(crate) fn code(status: &str) -> ExitCode {
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 
-/// From now on the first Ctrl-C only requests an end.
-pub(crate) fn listen_for_interrupts() -> Result<()> {
-    let handler = || {
+/// How many threads write what is to be whole.
+static WRITING: Mutex<u32> = Mutex::new(0);
+
+/// The time that an iteration has to end after a signal, and that between two looks at whether files are whole.
+const GRACE: Duration = Duration::from_secs(1);
+const LOOK: Duration = Duration::from_millis(20);
+
+/// From now on the first Ctrl-C requests an end; where none comes in time, the program says what is `kept`.
+pub(crate) fn listen_for_interrupts(kept: &'static str) -> Result<()> {
+    let handler = move || {
         if REQUESTED.swap(true, Ordering::Relaxed) {
             std::process::exit(INTERRUPTED.into());
         }
+        thread::spawn(move || end_after_grace(kept));
     };
     ctrlc::set_handler(handler).context("Ctrl-C cannot be caught")
 }
@@ -51,4 +66,38 @@ pub(crate) fn listen_for_interrupts() -> Result<()> {
 /// Whether the user requested an end.
 pub(crate) fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
+}
+
+/// Ends the program if it is still inside an iteration after the time that it has for it.
+fn end_after_grace(kept: &str) {
+    thread::sleep(GRACE);
+    loop {
+        let writing = writing();
+        if *writing == 0 {
+            eprintln!("stopped inside an iteration, which takes longer than a second; {kept}");
+            // Whoever wants to write waits for the guard, and the program ends before.
+            std::process::exit(INTERRUPTED.into());
+        }
+        drop(writing);
+        thread::sleep(LOOK);
+    }
+}
+
+fn writing() -> MutexGuard<'static, u32> {
+    WRITING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A time in which a signal alone does not end the program, since something is written that is to be whole.
+pub(crate) struct Whole(());
+
+/// Begins to write something that is to be whole, or to end in order, until the guard is dropped.
+pub(crate) fn whole() -> Whole {
+    *writing() += 1;
+    Whole(())
+}
+
+impl Drop for Whole {
+    fn drop(&mut self) {
+        *writing() -= 1;
+    }
 }

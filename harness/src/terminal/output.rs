@@ -54,7 +54,7 @@ fn folder(path: &Path) -> &Path {
 
 /// The text of a file.
 pub(crate) fn read_text(path: &Path) -> Result<String> {
-    std::fs::read_to_string(path).with_context(|| path.display().to_string())
+    Ok(cases::read_text(path)?)
 }
 
 /// Creates the folder of a file where it is not there.

@@ -5,6 +5,7 @@ use crate::common::{Ran, checkout, command, entries, gravel, text, write};
 use crate::truth::closing_walls;
 use serde_json::{Value, json};
 use std::fs;
+use std::io::Read;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -234,7 +235,20 @@ fn simulation_is_stopped_inside_a_solve_and_says_where() {
     assert_eq!(fs::read_to_string(&file).unwrap().lines().count(), 1);
 }
 
-/// The signals that a process catches are a mask of its status.
+/// Waits until the process catches SIGTERM: the signals that it catches are a mask of its status.
+#[cfg(target_os = "linux")]
+fn wait_until_it_listens(child: &mut Child) {
+    let catches_sigterm = |child: &Child| {
+        let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap().trim();
+        u64::from_str_radix(mask, 16).unwrap() & 1 << 14 != 0
+    };
+    while !catches_sigterm(child) {
+        assert!(child.try_wait().unwrap().is_none(), "ended");
+        sleep(Duration::from_millis(2));
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn solve_that_is_stopped_writes_what_it_reached() {
@@ -242,15 +256,7 @@ fn solve_that_is_stopped_writes_what_it_reached() {
     let file = folder.path().join("r.json");
     let run = ["solve", "settled-250", "--json", "--impulses", text(&file)];
     let mut child = command(&[&run[..], &ENDLESS].concat()).stdout(Stdio::piped()).spawn().unwrap();
-    let catches_sigterm = |child: &Child| {
-        let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
-        let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap().trim();
-        u64::from_str_radix(mask, 16).unwrap() & 1 << 14 != 0
-    };
-    while !catches_sigterm(&child) {
-        assert!(child.try_wait().unwrap().is_none(), "ended");
-        sleep(Duration::from_millis(2));
-    }
+    wait_until_it_listens(&mut child);
     let (code, printed) = terminated(child);
     let object: Value = serde_json::from_str(&printed).unwrap();
     assert_eq!((code, &object["status"]), (Some(130), &json!("interrupted")), "{object}");
@@ -277,4 +283,58 @@ fn study_through_time_is_stopped_inside_a_solve() {
     let (code, printed) = terminated(child);
     assert_eq!(code, Some(130), "{printed}");
     assert!(printed.contains("stopped; simulations missing: "), "{printed}");
+}
+
+/// Sweeps of one iteration that take hours.
+const SWEEPS: &str = "4000000000";
+
+#[cfg(target_os = "linux")]
+#[test]
+fn one_signal_ends_a_solve_inside_an_iteration_without_end() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("r.json");
+    let sweeps = format!("inner_sweeps={SWEEPS}");
+    let run = ["solve", "settled-250", "--method", "nsgs-dd", "--set", &sweeps, "--impulses", text(&file)];
+    let mut child = command(&run).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // Half a second of a processor, in ticks of 10 ms: all before the first iteration takes a tenth of that.
+    let worked = |child: &Child| {
+        let stat = fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
+        let after_name = stat.rsplit(')').next().unwrap().split_whitespace();
+        after_name.skip(11).take(2).map(|ticks| ticks.parse::<u64>().unwrap()).sum::<u64>()
+    };
+    while worked(&child) < 50 {
+        assert!(child.try_wait().unwrap().is_none(), "ended");
+        sleep(Duration::from_millis(2));
+    }
+    let mut stderr = child.stderr.take().unwrap();
+    let (code, printed) = terminated(child);
+    let mut said = String::new();
+    stderr.read_to_string(&mut said).unwrap();
+    assert_eq!((code, &*printed), (Some(130), ""), "{said}");
+    assert!(said.contains("stopped inside an iteration, which takes longer than a second"), "{said}");
+    assert!(!file.exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn study_that_is_ended_inside_an_iteration_keeps_the_runs_before() {
+    let study = Study::new();
+    let methods = format!(
+        "[[methods]]\nmethod = \"nsgs\"\n\n[[methods]]\nmethod = \"nsgs-dd\"\naxes = {{ inner_sweeps = [{SWEEPS}] }}\n"
+    );
+    let column = study.folder().path().join("cases/frozen/column-999.json");
+    let freeze =
+        ["freeze", "column", "--time-step", "1", "--scene", "sample.grains=999", "-o", text(&column)];
+    study.gravel(&freeze).succeeded();
+    study.plan("endless", &["column-999"], &methods);
+    let args = ["--root", text(study.folder().path()), "bench", "endless"];
+    let mut child = command(&args).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+    let journal = study.runs("endless").join("journal.jsonl");
+    wait_for_lines(&journal, 1, &mut child);
+    let (code, printed) = terminated(child);
+    assert_eq!(code, Some(130), "{printed}");
+    let kept = fs::read_to_string(&journal).unwrap();
+    assert!(kept.ends_with('\n') && kept.lines().count() == 1, "{kept}");
+    let listed = study.gravel(&["plan", "endless"]).succeeded().stdout;
+    assert!(listed.contains("1        2  in all"), "{listed}");
 }

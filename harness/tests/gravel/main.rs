@@ -26,3 +26,4 @@ mod solve;
 mod store;
 mod truth;
 mod view;
+mod w_alone;

@@ -252,12 +252,101 @@ fn empty_truncated_and_continued_files_are_refused() {
     refused("gravel", &["line 1 column 1"]);
 }
 
+/// One sphere on the floor, with friction.
+const ROUGH: &str = r#"{"format": "gravel/contact-problem/2", "mechanics": "rough-spheres", "name": "one", "source": "t",
+"time_step": 0.01, "grains": {"mass": [5.0], "radius": [1.0], "inertia": [2.0], "position": [[0, 1, 0]],
+"free_velocity": [[0, -0.1, 0, 0, 0, 0]]}, "contacts": {"candidate": [0], "antagonist": [null], "normal": [[0, 1, 0]],
+"offset": [[0, 0, 0]], "gap": [0], "friction": [0.8]}}"#;
+
+#[test]
+fn what_json_has_no_number_for_is_named_with_its_key() {
+    for word in ["NaN", "nan", "Infinity", "-Infinity", "inf", "-inf"] {
+        let is = format!("`grains.free_velocity[0][1]` is {word}, line 3 column ");
+        refused(&ROUGH.replace("-0.1", word), &[&is, "a finite number is expected"]);
+        let whole = pair().to_string().replace("[1.0,2.0]", &format!("[1.0,{word}]"));
+        refused(&whole, &[&format!("`grains.mass[1]` is {word}, line 1 column ")]);
+    }
+    refused(&ROUGH.replace("0.8", "1e999"), &["`contacts.friction[0]`: number out of range at line 4"]);
+}
+
+#[test]
+fn file_with_friction_that_is_cut_off_is_refused_where_it_ends() {
+    let end = ROUGH.find("-0.1").unwrap();
+    refused(
+        &ROUGH[..end],
+        &["`grains.free_velocity[0]", "EOF while parsing", "line 3 column", "where the file ends"],
+    );
+    refused(&ROUGH[..ROUGH.len() - 1], &["EOF while parsing an object", "line 4"]);
+    refused(&ROUGH[..9], &["EOF", "line 1"]);
+}
+
 #[test]
 fn file_that_is_not_text_is_refused() {
     let folder = TempDir::new().unwrap();
-    let file = folder.path().join("bad.json");
-    std::fs::write(&file, [0xff, 0xfe, 0x00]).unwrap();
-    gravel(&["solve", text(&file)]).refused(&["bad.json", "UTF-8"]);
+    let refused = |name: &str, bytes: &[u8], words: &[&str]| {
+        let file = folder.path().join(name);
+        std::fs::write(&file, bytes).unwrap();
+        gravel(&["solve", text(&file)]).refused(words);
+    };
+    refused("bad.json", &[0xff, 0xfe, 0x00], &["bad.json: it is text in UTF-16", "save it in UTF-8"]);
+    let latin = b"{\"format\":\n\"\xe9\"}";
+    refused(
+        "bad.json",
+        latin,
+        &["bad.json: it is no text in UTF-8, by the byte 0xe9 on line 2", "save it in UTF-8"],
+    );
+    refused("bad.dat", &[b'2', 0xfe], &["bad.dat: it is no text in UTF-8"]);
+    refused("bad.toml", &[b'2', 0xfe], &["bad.toml: it is no text in UTF-8"]);
+    let problem = write(&folder, "pair.json", &pair().to_string());
+    let impulses = folder.path().join("r.npy");
+    std::fs::write(&impulses, b"\x93NUMPY").unwrap();
+    gravel(&["certify", text(&problem), "--impulses", text(&impulses)])
+        .refused(&["r.npy: it is no text in UTF-8, by the byte 0x93 on line 1"]);
+}
+
+#[test]
+fn byte_order_mark_is_no_part_of_a_file() {
+    let folder = TempDir::new().unwrap();
+    let case = std::fs::read_to_string(crate::common::checkout().join("cases/column.toml")).unwrap();
+    for (name, content) in [("p.json", &*pair().to_string()), ("rough.json", ROUGH), ("case.toml", &*case)] {
+        let file = write(&folder, name, &format!("\u{feff}{content}"));
+        gravel(&["solve", text(&file)]).succeeded();
+    }
+}
+
+#[test]
+fn impulses_in_another_form_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let (smooth, rough) =
+        (write(&folder, "pair.json", &pair().to_string()), write(&folder, "rough.json", ROUGH));
+    let refused = |problem: &std::path::Path, content: &str, words: &[&str]| {
+        let file = write(&folder, "r.json", content);
+        gravel(&["certify", text(problem), "--impulses", text(&file)])
+            .refused(&[&["r.json: "], words].concat());
+        gravel(&["solve", text(problem), "--start", text(&file)]).refused(&[&["r.json: "], words].concat());
+    };
+    let form = "impulses are read from a file with {\"impulse\": […]}";
+    refused(&smooth, "# r\n0.15\n0.1\n", &["expected value at line 1 column 1", form]);
+    refused(&smooth, "none", &["expected ident at line 1 column 2", form]);
+    refused(&smooth, r#"{"impulse": [0.15, NaN]}"#, &["`impulse[1]` is NaN, line 1 column 20", form]);
+    refused(
+        &smooth,
+        r#"{"impulse": [0.15, null]}"#,
+        &["`impulse[1]`: invalid type: null, expected a number"],
+    );
+    refused(&smooth, r#"{"impulse": [0.15]}"#, &["`impulse` has 1 values where the problem has 2 contacts"]);
+    refused(
+        &smooth,
+        r#"{"impulses": [0.15, 0.1]}"#,
+        &["missing key `impulse`", "`impulses` is no key; did you mean"],
+    );
+    // Of one contact with three numbers, a list for each; not a list for each direction.
+    refused(
+        &rough,
+        r#"{"impulse": [[0.5], [0.1], [0.1]]}"#,
+        &["`impulse[0]` has 1 values where each of 1 contacts has 3"],
+    );
+    refused(&rough, r#"{"impulse": [[0.5, 0.1, "x"]]}"#, &["`impulse[0][2]`: invalid type: string \"x\""]);
 }
 
 #[test]

@@ -32,6 +32,10 @@ impl Default for Apgd {
 /// From one iteration to the next the step length may grow by 1/0.9, as in the reference.
 const SHRINK: f64 = 0.9;
 
+/// Doublings of L in one iteration, at most: from its least value it takes 52 to the greatest entry of the diagonal of W, and no more
+/// from there than the number of contacts has digits.
+const DOUBLINGS: u32 = 128;
+
 /// What the method knows of a contact. D is 1: with the preconditioner, the unknowns are scaled by it.
 struct Contact {
     b: f64,
@@ -69,9 +73,9 @@ impl<const D: usize> Run<D> {
         self.products += 1;
     }
 
-    /// r⁺ = max(0, y − D⁻¹ g / L), with L doubled until dᵗ W d ≤ L dᵗ D d, d = r⁺ − y: then q(r⁺) is below its bound at y.
+    /// r⁺ = max(0, y − D⁻¹ g / L), with L doubled until dᵗ W d ≤ L dᵗ D d, d = r⁺ − y, which round-off alone prevents: then q(r⁺) is below its bound at y.
     fn projected_step(&mut self) {
-        loop {
+        for _ in 0..DOUBLINGS {
             let lipschitz = self.lipschitz;
             let length = self.product.push(|at| {
                 at.r_plus = law::non_negative(at.y - at.g / lipschitz);

@@ -10,6 +10,9 @@ use contact::{Iteration, Work};
 /// One rung of the ladder over the one before (–): at each Newton's method has a try.
 const RUNG: f64 = 0.1;
 
+/// Rungs that a ladder has at most: as many decades lie between the greatest number and the least.
+const RUNGS: usize = 633;
+
 /// Iterations in which what is left must be halved: conjugate gradients, or sweeps follow; sweeps, or the run ends.
 const PATIENCE: u64 = 200;
 const PATIENCE_OF_SWEEPS: u64 = 20_000;
@@ -103,9 +106,7 @@ impl<'p, const D: usize> ActiveSet<'p, D> {
             self.halved = (left, self.iterations);
         }
         if left <= self.rung {
-            while left <= self.rung {
-                self.rung *= RUNG;
-            }
+            self.rung = next_rung(self.rung, left);
             self.newton.begin(&self.best.0);
             self.trying = Some(left);
         } else if self.iterations >= self.halved.1 + patience || !left.is_finite() {
@@ -160,6 +161,12 @@ impl<'p, const D: usize> ActiveSet<'p, D> {
         }
         work
     }
+}
+
+/// The first rung from `rung` down that is below what is `left` (√J); 0 where nothing is.
+fn next_rung(rung: f64, left: f64) -> f64 {
+    let rungs = std::iter::successors(Some(rung), |rung| Some(RUNG * rung));
+    rungs.take(RUNGS).find(|rung| *rung < left).unwrap_or(0.0)
 }
 
 impl<const D: usize> Iteration for ActiveSet<'_, D> {

@@ -107,6 +107,52 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// A W that contacts feel much or hardly, with q of all signs and sizes, zeros among them.
+    #[test]
+    fn every_iteration_of_every_method_ends(
+        a in prop::collection::vec(prop_oneof![Just(0.0), -1.0..1.0f64, -1e-8..1e-8f64], 29),
+        q in prop::collection::vec(prop_oneof![Just(0.0), Just(-1.0), -1.0..1.0f64, -1e-300..1e-300f64, -1e150..1e150f64], 1..23),
+        friction in prop_oneof![Just(0.0), 0.0..1.5f64],
+        dimension in 1usize..4,
+        contacts in 1usize..40,
+        start_accuracy in prop_oneof![Just(0.0), Just(3e-3), Just(1.0), Just(f64::MAX)],
+    ) {
+        let problem = chain(dimension, contacts, &a, &q, friction);
+        let two = Method::NsgsDd { subdomains: contacts.min(2) };
+        let [none, diagonal] = [Preconditioner::None, Preconditioner::Diagonal].map(|preconditioner| Method::Cg { preconditioner });
+        for method in [Method::Nsgs, two, none, diagonal, Method::ActiveSet { start_accuracy }] {
+            let r = after(method, &problem, 60);
+            prop_assert_eq!(r.len(), problem.q().len());
+        }
+    }
+}
+
+#[test]
+fn start_that_solves_the_problem_exactly_is_the_end() {
+    for (dimension, contacts, friction) in
+        [(1, 1, 0.0), (2, 1, 0.3), (2, 300, 0.0), (3, 7, 0.8), (3, 300, 0.3)]
+    {
+        // Powers of two, so that nothing is rounded; tangents are at rest.
+        let size = dimension * contacts;
+        let entries = (0..size).map(|k| (k, k, f64::from(1 << (k % 3))));
+        let q = (0..size).map(|k| if k % dimension == 0 { -0.5 } else { 0.0 }).collect();
+        let problem = LocalProblem::new(dimension, entries, q, vec![friction; contacts]).unwrap();
+        for start_accuracy in [0.0, 3e-3, 1.0, f64::MAX] {
+            let mut run = Method::ActiveSet { start_accuracy }.start(&problem).unwrap();
+            let ends = (0..500).any(|_| {
+                run.advance();
+                run.stalled()
+            });
+            let mut r = vec![0.0; size];
+            run.impulses(&mut r);
+            assert!(ends && problem.natural_map(&r) < 1e-15, "{:e}", problem.natural_map(&r));
+        }
+    }
+}
+
 #[test]
 fn methods_without_friction_end_at_one_velocity() {
     let a: Vec<f64> = (0..29).map(|k| f64::from(k * k % 13) / 13.0 - 0.4).collect();

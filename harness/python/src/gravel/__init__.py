@@ -9,6 +9,7 @@ contact move apart. Whatever the program would print as an error is a `ValueErro
 """
 
 import json
+import numbers
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,9 +23,12 @@ __all__ = ["Solution", "load", "solve"]
 WALL = -1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solution:
-    """What a method found. With g grains, c contacts:"""
+    """What a method found, for g grains and c contacts.
+
+    Two are equal if they ended alike after as many iterations, at the same impulses and velocities; seconds do not count.
+    """
 
     status: str
     """`converged`, or how else it ended: `iteration-limit`, `stalled`, `diverged`, `false-convergence`, `infeasible`."""
@@ -44,6 +48,16 @@ class Solution:
     """Columns of the curve: `iteration`, `iterating_s` (s), the residuals, counted work. Of each an array, a sample in each row."""
     told: dict
     """All that `gravel solve --json` prints: settings with their defaults, what they derive, seconds, counted work."""
+
+    def __eq__(self, other):
+        if not isinstance(other, Solution):
+            return NotImplemented
+        arrays = ("impulses", "velocities", "relative_velocities")
+        return (self.status, self.iterations) == (other.status, other.iterations) and all(
+            np.array_equal(getattr(self, name), getattr(other, name), equal_nan=True) for name in arrays
+        )
+
+    __hash__ = None
 
 
 def solve(
@@ -65,18 +79,18 @@ def solve(
     warm_start      begin from `contacts["start"]`, the impulses of the time step before (N s)
     truth           seek the solution first, and measure the distance to it: `residuals["velocity_error"]` (-)
 
-    Returns a `Solution`, whether it converged or not. Ctrl-C ends it after the current iteration.
+    Returns a `Solution`, whether it converged or not. Ctrl-C raises `KeyboardInterrupt` at once; what the method was at ends
+    in the background, with its current iteration.
     """
     text = json.dumps(_listed(problem)) if isinstance(problem, dict) else _native.problem(str(problem), [], None)
-    stop = {"on": on, "tolerance": tolerance, "max_iterations": max_iterations}
-    request = {"method": method, "settings": settings, "stop": stop, "warm_start": warm_start, "truth": truth}
-    told, arrays = _native.solve(text, json.dumps(_listed(request)))
+    stop = _listed({"on": on, "tolerance": tolerance, "max_iterations": max_iterations})
+    if isinstance(stop["max_iterations"], float) and stop["max_iterations"].is_integer():
+        stop["max_iterations"] = int(stop["max_iterations"])  # 1e5
+    request = {"method": method, "settings": _listed(settings), "stop": stop, "warm_start": warm_start, "truth": truth}
+    told, arrays, each = _native.solve(text, json.dumps(_listed(request)))
     told = json.loads(told)
     residuals, samples = told.pop("residuals"), told.pop("curve")
-    # As many numbers for each contact, and for each grain.
-    impulses, velocities, relative = (
-        _rows(np.frombuffer(array), told[of]) for array, of in zip(arrays, ("contacts", "grains", "contacts"))
-    )
+    impulses, velocities, relative = (_rows(np.frombuffer(array), width) for array, width in zip(arrays, each))
     return Solution(
         status=told["status"],
         iterations=told["iterations"],
@@ -107,11 +121,17 @@ def load(path, *, scene={}, time_step=None):
         return tables
     if path.suffix == ".parquet":
         return _frame(path)
-    changes = [(key, value if isinstance(value, str) else json.dumps(_listed(value))) for key, value in scene.items()]
+    changes = [(key, value if isinstance(value, str) else json.dumps(_listed(value, key))) for key, value in scene.items()]
     problem = json.loads(_native.problem(str(path), changes, None if time_step is None else str(time_step)))
     for table in ("grains", "contacts"):
         for key, values in problem[table].items():
-            problem[table][key] = np.array([WALL if value is None else value for value in values])
+            values = [WALL if value is None else value for value in values]
+            problem[table][key] = np.array(values, dtype=int if key in ("candidate", "antagonist") else float)
+    # Without contacts lists do not tell their width.
+    vectors = ("normal", "tangent", "offset", "start") if "friction" in problem["contacts"] else ("normal",)
+    for key in vectors:
+        if key in problem["contacts"] and problem["contacts"][key].size == 0:
+            problem["contacts"][key] = np.empty((0, problem["grains"]["position"].shape[-1]))
     return problem
 
 
@@ -130,20 +150,51 @@ def _frame(file):
     return polars.read_parquet(file)
 
 
-def _rows(numbers, count):
-    """As many numbers for each of `count` items: one row each, unless it is one number."""
-    each = len(numbers) // count if count else 1
-    return numbers if each == 1 else numbers.reshape(count, each)
+def _rows(array, each):
+    """A row of `each` numbers for every item, unless it is one number."""
+    return array if each == 1 else array.reshape(-1, each)
 
 
-def _listed(value, key=None):
-    """As JSON has it: lists for arrays, `null` for what is no number and for walls."""
+def _listed(value, key=""):
+    """As JSON has it: lists for arrays, and for whatever becomes one, such as a pandas Series; `null` for walls. `key` says where it
+    stands."""
+    if value is None or isinstance(value, (str, bool, np.bool_)):
+        return bool(value) if isinstance(value, np.bool_) else value
     if isinstance(value, dict):
-        return {key: _listed(item, key) for key, item in value.items()}
-    if isinstance(value, (np.ndarray, np.generic)):
-        value = value.tolist()
+        return {name: _listed(item, f"{key}.{name}" if key else name) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_listed(item, key) for item in value]
-    if key == "antagonist" and value == WALL or isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value
+        listed = [_listed(item, f"{key}[{index}]") for index, item in enumerate(value)]
+    elif isinstance(value, numbers.Integral):
+        return int(value)
+    elif isinstance(value, numbers.Real):
+        _check_finite(np.asarray(value), key)
+        return float(value)
+    elif hasattr(value, "__array__"):
+        listed = _list_of(np.asarray(value), key)
+    else:
+        raise ValueError(f"`{key}` is {value!r}: it must be a number, a text, true or false, or an array of these")
+    if key == "contacts.antagonist":
+        listed = [None if item == WALL else item for item in listed]
+    return listed
+
+
+def _list_of(array, key):
+    """An array as lists of what JSON has."""
+    if array.dtype.kind == "O":
+        return _listed(array.tolist(), key)
+    if array.dtype.kind == "f":
+        _check_finite(array, key)
+        array = array.astype(float)  # whatever its precision
+    elif array.dtype.kind not in "biuU":
+        raise ValueError(f"`{key}` is an array of {array.dtype}: it must hold real numbers")
+    return array.tolist()
+
+
+def _check_finite(array, key):
+    """Refuses the first number that is none, or is infinite once it has 64 bits."""
+    with np.errstate(over="ignore"):
+        wrong = np.argwhere(~np.isfinite(array.astype(float)))
+    if len(wrong):
+        index = tuple(wrong[0])
+        place = key + "".join(f"[{k}]" for k in index)
+        raise ValueError(f"`{place}` is {array[index]!s}: it must be finite")

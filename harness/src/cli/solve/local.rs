@@ -31,7 +31,7 @@ pub(super) fn solve(
             path.display()
         );
     }
-    exit::listen_for_interrupts()?;
+    exit::listen_for_interrupts("nothing of it is kept")?;
     let on_w = OnW::new(stem(path), problem, args.truth || stop.on == Measure::VelocityError);
     let (truth, problem) = (on_w.truth(), &on_w.problem);
     let mut line = Line::alone(method.name.to_owned());
@@ -41,6 +41,7 @@ pub(super) fn solve(
     };
     let outcome = solved_on_w(method, truth, problem, stop, Measured::Needed, &mut observe)
         .with_context(|| format!("method `{}` on {}", method.name, path.display()))?;
+    let _whole = exit::whole();
     drop(line);
     let asked = || {
         json!({
