@@ -137,11 +137,13 @@ pub struct WallMotion<P> {
     pub opening: f64,
     /// Velocity of its surface (m/s), of which the part along it counts.
     pub sliding: P,
+    /// Of a wall that is curved, the gap where the grain's free motion along it leads, its distance kept (m).
+    pub ahead: Option<f64>,
 }
 
 impl<P: Place> WallMotion<P> {
     /// None.
-    pub(crate) const NONE: Self = Self { opening: 0.0, sliding: P::ZERO };
+    pub(crate) const NONE: Self = Self { opening: 0.0, sliding: P::ZERO, ahead: None };
 }
 
 impl<P: Place> MovingWall<P> {
@@ -152,7 +154,8 @@ impl<P: Place> MovingWall<P> {
 
     /// How it moves: its surface as its foot, about which it turns, and as a belt.
     pub(crate) fn motion(&self, position: P) -> WallMotion<P> {
-        WallMotion { opening: self.opening_rate(position), sliding: self.foot_rate() + self.belt }
+        let sliding = self.foot_rate() + self.belt;
+        WallMotion { opening: self.opening_rate(position), sliding, ahead: None }
     }
 
     /// Velocity of the foot, on average over the span (m/s).

@@ -245,6 +245,11 @@ fn say_time_step<M: Studied>(seen: &Seen<M>, row: &Observed) -> Result<()> {
     say(format_args!("{solved}  {shown}  {:>11.4e}", row.floor_impulse_n_s))
 }
 
+/// A number as a field of the file, which is empty where it is not defined.
+fn or_empty(value: f64) -> String {
+    if value.is_nan() { String::new() } else { value.to_string() }
+}
+
 /// A row of the file.
 fn line<M: Studied>(seen: &Seen<M>, row: &Observed) -> String {
     let Observed { time_step, time_s, contacts, kinetic_energy_j, mean_height_m, .. } = row;
@@ -253,7 +258,8 @@ fn line<M: Studied>(seen: &Seen<M>, row: &Observed) -> String {
     let Energy { walls_work_j, gap_work_j, shock_work_j, sliding_work_j, energy_moved_j, energy_left_over_j } =
         energy;
     let Stress { stress_xx_n_per_m, stress_xy_n_per_m, stress_yy_n_per_m, coordination, .. } = row.stress;
-    let Stress { bulk_solid_fraction, bulk_coordination, bulk_rattlers, .. } = row.stress;
+    let bulk = [row.stress.bulk_solid_fraction, row.stress.bulk_coordination, row.stress.bulk_rattlers];
+    let [bulk_solid_fraction, bulk_coordination, bulk_rattlers] = bulk.map(or_empty);
     let (status, iterations) = (seen.outcome.status.name(), seen.outcome.iterations);
     let in_diameters = greatest_overlap_m / seen.march.mean_diameter();
     format!(
