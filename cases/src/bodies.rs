@@ -131,5 +131,5 @@ pub(crate) fn bodies_near<P: Place>(
     let Disc { place, radius, .. } = disc;
     drum.into_iter()
         .chain(bumps.into_iter().flat_map(move |bumps| bumps.near(0, grain, (place, radius), reach)))
-        .chain(line.near(grain, disc, (scene.time_step_s, reach)))
+        .chain(line.near(grain, disc, reach))
 }

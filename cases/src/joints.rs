@@ -83,6 +83,8 @@ pub(crate) struct Line<'s, P> {
     /// In the order of the scene's list; none of those that are driven or taken away.
     placed: Vec<Option<Placed<'s, P>>>,
     walls: [Option<MovingWall<P>>; 5],
+    /// The time until contacts are sought again (s).
+    span: f64,
 }
 
 /// A segment where contacts are sought.
@@ -113,95 +115,115 @@ impl<'s, P: Place> Line<'s, P> {
         walls: [Option<MovingWall<P>>; 5],
         (time, since): (f64, f64),
     ) -> Self {
+        let span = scene.time_step_s;
         let place = |segment: &'s Segment| {
             let ends = segment.ends(time)?;
             let came = segment.moved::<P>(time) - segment.moved(time - since);
-            Some(Placed { segment, ends, came, velocity: segment.velocity(time, scene.time_step_s) })
+            Some(Placed { segment, ends, came, velocity: segment.velocity(time, span) })
         };
-        Self { joints, placed: scene.segments.iter().map(place).collect(), walls }
+        Self { joints, placed: scene.segments.iter().map(place).collect(), walls, span }
     }
 
     /// The contacts of a grain that are within `reach` (m), at most one with each segment, and how each of these moves.
-    pub(crate) fn near(
-        &self,
-        grain: u32,
-        disc: Disc<P>,
-        (span, reach): (f64, f64),
-    ) -> impl Iterator<Item = Near<P>> {
+    pub(crate) fn near(&self, grain: u32, disc: Disc<P>, reach: f64) -> impl Iterator<Item = Near<P>> {
         (0..).zip(&self.placed).filter_map(move |(number, placed)| {
             let placed = placed.as_ref()?;
-            let beside = placed.beside(disc, reach)?;
-            let hidden = beside.end.map_or(Hidden::No, |end| self.hides((number, end), &disc));
-            let (normal, gap) = match hidden {
-                Hidden::No => (beside.towards(), beside.gap),
-                Hidden::Ended => return None,
-                Hidden::By(other) => placed.face(
-                    beside.end?,
-                    &beside,
-                    &other,
-                    disc.ahead - placed.velocity * span,
-                    disc.place,
-                )?,
-            };
+            let (normal, gap) = self.contact((number, placed), &placed.beside(&disc, reach)?, &disc)?;
             let contact =
                 DetectedContact { candidate: grain, antagonist: Side::Segment(number), normal, gap };
-            let motion = WallMotion {
-                opening: -normal.dot_product(placed.velocity),
-                sliding: placed.velocity,
-                ahead: None,
-            };
-            (gap <= reach).then_some((contact, motion))
+            let opening = -normal.dot_product(placed.velocity);
+            (gap <= reach).then_some((contact, WallMotion { opening, sliding: placed.velocity, ahead: None }))
         })
     }
 
-    /// What hides the end of a segment, where it is the nearest point of that, from a disc.
-    fn hides(&self, (number, end): (u32, usize), disc: &Disc<P>) -> Hidden<P> {
-        let Some(own) = &self.placed[number as usize] else { return Hidden::No };
-        let mut nearest: Option<Nearer<P>> = None;
+    /// Normal (–) and gap (m) of a disc beside a segment, unless that is hidden.
+    fn contact(
+        &self,
+        (number, placed): (u32, &Placed<P>),
+        beside: &Beside<P>,
+        disc: &Disc<P>,
+    ) -> Option<(P, f64)> {
+        let own = Some((beside.towards(), beside.gap));
+        let Some(end) = beside.end else { return own };
+        let mut hidden_by: Option<Nearer<P>> = None;
         for other in &self.joints.0[number as usize][end] {
-            let nearer = match *other {
-                Other::Segment(other, at) => {
-                    let Some(placed) = &self.placed[other as usize] else { continue };
-                    let [radius, own] = [placed.segment.radius_m, own.segment.radius_m];
-                    let Some(beside) = placed.beside(*disc, f64::INFINITY).filter(|_| radius >= own) else {
-                        continue;
-                    };
-                    if beside.end.is_some() && beside.end == at {
-                        if radius > own || other < number {
-                            return Hidden::Ended;
-                        }
-                        continue;
-                    }
-                    Nearer {
-                        distance: beside.between.length(),
-                        place: disc.place - beside.between,
-                        normal: beside.towards(),
-                        is_face: beside.end.is_none(),
+            match self.hides((number, placed), other, beside, disc) {
+                Hides::No => {}
+                Hides::AtItsEnd => return None,
+                Hides::Nearer(other) => {
+                    if hidden_by.as_ref().is_none_or(|by| other.distance < by.distance) {
+                        hidden_by = Some(other);
                     }
                 }
-                Other::Wall(side) => {
-                    let Some(wall) = &self.walls[side] else { continue };
-                    let distance = wall.now.gap(disc.place, 0.0);
-                    let normal = wall.now.normal;
-                    Nearer { distance, place: disc.place - normal * distance, normal, is_face: true }
-                }
-            };
-            if nearest.as_ref().is_none_or(|nearest| nearer.distance < nearest.distance) {
-                nearest = Some(nearer);
             }
         }
-        nearest.map_or(Hidden::No, Hidden::By)
+        let Some(other) = hidden_by else { return own };
+        let ahead = disc.ahead - placed.velocity * self.span;
+        let goes_on = self.turns_up((number, placed), 1 - end, beside.normal);
+        placed.face((end, goes_on), beside, &other, (disc.place, ahead))
+    }
+
+    /// Whether the line turns to the side of this `normal` (–) beyond an `end` of a segment.
+    fn turns_up(&self, (number, placed): (u32, &Placed<P>), end: usize, normal: P) -> bool {
+        let from = placed.ends[end];
+        self.joints.0[number as usize][end].iter().any(|other| match *other {
+            Other::Segment(other, at) => {
+                let there = self.placed[other as usize].as_ref().zip(at);
+                there.is_some_and(|(there, at)| is_above(there.ends[1 - at] - from, normal))
+            }
+            Other::Wall(_) => true,
+        })
+    }
+
+    /// How an`other` body, on which an end of a segment lies, hides that end from a disc to which it is the nearest point.
+    fn hides(
+        &self,
+        (number, placed): (u32, &Placed<P>),
+        other: &Other,
+        beside: &Beside<P>,
+        disc: &Disc<P>,
+    ) -> Hides<P> {
+        match *other {
+            Other::Segment(other, at) => {
+                let Some(there) = &self.placed[other as usize] else { return Hides::No };
+                let [radius, own] = [there, placed].map(|placed| placed.segment.radius_m);
+                let Some(nearest) = there.beside(disc, f64::INFINITY).filter(|_| radius >= own) else {
+                    return Hides::No;
+                };
+                if nearest.end.is_some() && nearest.end == at {
+                    let has_it = radius > own || other < number;
+                    return if has_it { Hides::AtItsEnd } else { Hides::No };
+                }
+                let [distance, to_end] = [&nearest, beside].map(|beside| beside.between.length());
+                // Of several in a row each is nearer than the one before, so that the row has an end.
+                let is_open = nearest.end.is_none()
+                    || distance < to_end && self.contact((other, there), &nearest, disc).is_some();
+                let place = disc.place - nearest.between;
+                Hides::Nearer(Nearer { distance, place, normal: nearest.normal, is_open })
+            }
+            Other::Wall(side) => {
+                let Some(wall) = &self.walls[side] else { return Hides::No };
+                let (distance, normal) = (wall.now.gap(disc.place, 0.0), wall.now.normal);
+                let place = disc.place - normal * distance;
+                Hides::Nearer(Nearer { distance, place, normal, is_open: true })
+            }
+        }
     }
 }
 
-/// How the end of a segment is hidden from a disc.
-enum Hidden<P> {
-    /// It is not: a contact with it is one with a corner.
+/// Whether a direction rises towards the side of this normal.
+fn is_above<P: Place>(direction: P, normal: P) -> bool {
+    direction.dot_product(normal) > TURNS * direction.length()
+}
+
+/// How a body on which the end of a segment lies hides it from a disc.
+enum Hides<P> {
+    /// It does not.
     No,
-    /// Another segment that ends there has the contact.
-    Ended,
-    /// By something that is nearer.
-    By(Nearer<P>),
+    /// It ends there too, and has the contact.
+    AtItsEnd,
+    /// It is nearer.
+    Nearer(Nearer<P>),
 }
 
 /// What is nearer to a disc than an end that lies on it.
@@ -210,44 +232,43 @@ struct Nearer<P> {
     distance: f64,
     /// Its nearest point (m).
     place: P,
-    /// Unit normal from there to the centre (–).
+    /// Unit normal of its line on the side of the disc (–).
     normal: P,
-    /// Whether the disc is beside it, not beyond one of its ends.
-    is_face: bool,
+    /// Whether the disc has a contact with its side, so that it can come to what is beyond.
+    is_open: bool,
 }
 
 impl<P: Place> Placed<'_, P> {
-    fn beside(&self, disc: Disc<P>, reach: f64) -> Option<Beside<P>> {
+    fn beside(&self, disc: &Disc<P>, reach: f64) -> Option<Beside<P>> {
         self.segment.beside(self.ends, disc.came - self.came, (disc.place, disc.radius), reach)
     }
 
     /// Normal (–) and gap (m) of a disc that is beyond an `end`, which an`other` hides, with the line of the segment's side; if the two
-    /// make a corner there, in which the disc is, and its way `ahead`, seen from the segment (m), does not lead over the far end.
+    /// make a corner there, in which the disc is, and its way `ahead`, seen from the segment (m), may lead to that side and not over it. Where the
+    /// line `goes_on` to turn towards the disc, nothing is over it.
     fn face(
         &self,
-        end: usize,
+        (end, goes_on): (usize, bool),
         beside: &Beside<P>,
         other: &Nearer<P>,
-        ahead: P,
-        place: P,
+        (place, ahead): (P, P),
     ) -> Option<(P, f64)> {
         let [near, far] = [self.ends[end], self.ends[1 - end]];
         let (along, normal) = (far - near, beside.normal);
-        let is_above = |direction: P, normal: P| direction.dot_product(normal) > TURNS * direction.length();
         if !is_above(other.place - near, normal) || !is_above(along, other.normal) {
             return None;
         }
         let gap = normal.dot_product(place - near) - beside.touching;
-        let squared = along.dot_product(along);
-        let [from, by] = [place - near, ahead].map(|way| way.dot_product(along) / squared);
-        // The parts of the way after which the disc is beside the segment, and beyond its far end.
-        let reaches_side = by > 0.0 && from + by > 0.0;
-        let [enters, leaves] = [-from / by, (1.0 - from) / by];
+        let length = along.length();
+        // Before the near end, and how far it moves towards the far one.
+        let [before, by] = [near - place, ahead].map(|way| way.dot_product(along) / length);
+        let [enters, leaves] = [before / by, (before + length) / by];
         let gap_after = |part: f64| gap + part * normal.dot_product(ahead);
-        let meets = if reaches_side {
-            leaves >= 1.0 || f64::min(gap_after(enters), gap_after(leaves)) <= 0.0
+        let meets = if by > before {
+            goes_on || leaves >= 1.0 || f64::min(gap_after(enters), gap_after(leaves)) <= 0.0
         } else {
-            other.is_face
+            // Pushed by others it may come there all the same.
+            other.is_open
         };
         (gap >= 0.0 && meets).then_some((normal, gap))
     }

@@ -16,13 +16,14 @@ impl<M: Marched> March<M> {
         let own = matches!(sample, Sample::Frozen { .. })
             || matches!(sample, Sample::Triangular { overlap, .. } if *overlap > 0.0);
         let here = |_| M::Place::ZERO;
-        let found = self.too_deep((0.0, 0.0), (&self.position, here), |pair| !own || of_segment(pair));
+        let found = self.too_deep((0.0, 0.0), (&self.position, here, 0.0), |pair| !own || of_segment(pair));
         if let Some((text, key)) = found {
             return Err(format!("{key}: {text} when time begins: move one of them"));
         }
-        let (position, _) = self.free();
+        let (position, free_velocity) = self.free();
         let times = (self.detection(), self.since_detection());
-        match self.too_deep(times, (&position, here), of_segment) {
+        let reach = self.reach(&position, &free_velocity);
+        match self.too_deep(times, (&position, here, reach), of_segment) {
             Some((text, key)) => Err(format!(
                 "{key}: {text} at {} s, when contacts are sought for the first time: shorten `scene.time_step_s`, or let it begin farther away",
                 shown(times.0)
@@ -35,12 +36,11 @@ impl<M: Marched> March<M> {
     fn too_deep(
         &self,
         times: (f64, f64),
-        at: (&[M::Place], impl Fn(u32) -> M::Place),
+        (position, ahead, reach): (&[M::Place], impl Fn(u32) -> M::Place, f64),
         judged: impl Fn(&DetectedContact<M::Place>) -> bool,
     ) -> Option<(String, String)> {
         let mut found = None;
-        let (position, ahead) = at;
-        self.for_each_near(times, (position, ahead), 0.0, |pair, _| {
+        self.for_each_near(times, (position, ahead), reach, |pair, _| {
             let radius = |grain: u32| self.radius[grain as usize];
             let own = radius(pair.candidate);
             let smaller = if let Side::Grain(other) = pair.antagonist { own.min(radius(other)) } else { own };
