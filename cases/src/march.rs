@@ -18,9 +18,9 @@ use crate::lid::Placed;
 use crate::marched::Marched;
 use crate::observables::{Missed, Observables, explosion, wall_impulses};
 use crate::sample::Grain;
-use crate::scene::Scene;
+use crate::scene::{Scene, too_far};
 use crate::stress::Stress;
-use contact::{Discs, Mass, Mechanics, Packing, Place, Solver, Touch, Vector, greatest};
+use contact::{Discs, Mass, Mechanics, Packing, Place, Solver, Touch, Vector, greatest, shown};
 pub(crate) use contacts::Terms;
 use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
 pub use start::Start;
@@ -126,6 +126,20 @@ impl<M: Marched> March<M> {
         };
         march.check_begin(&case.sample).map_err(|message| case.wrong(message))?;
         Ok(march)
+    }
+
+    /// What can be meant in its scene but rarely is, each by its key.
+    pub fn warnings(&self) -> Vec<String> {
+        self.scene.warnings(self.radius.iter().copied().fold(f64::INFINITY, f64::min))
+    }
+
+    /// The warning of a grain that the last time step moved by more than its radius, if there is one.
+    pub fn moved_too_far(&self) -> Option<String> {
+        let h = self.scene.time_step_s;
+        let moved = (0..self.grain_count()).map(|k| (k, M::translation(self.velocity[k]).length() * h));
+        let (grain, by) = moved.into_iter().find(|(k, by)| *by > self.radius[*k])?;
+        let moves = format!("time step {} moves grain {grain} by {} m", self.done, shown(by));
+        Some(too_far(h, &moves, self.radius[grain]))
     }
 
     /// Time steps done.

@@ -154,7 +154,7 @@ impl Segment {
     }
 
     /// What has no meaning, if anything has.
-    pub(crate) fn check(&self, number: usize) -> Result<(), String> {
+    pub(crate) fn check(&self, number: usize, time_step_s: f64) -> Result<(), String> {
         let wrong = |key: &str, value: f64, expected: &str| {
             Err(format!("`scene.segments[{number}].{key}` is {}: it must be {expected}", shown(value)))
         };
@@ -188,6 +188,9 @@ impl Segment {
                     "`scene.segments[{number}].vibration.direction` is z: it must be x or y"
                 ));
             }
+        }
+        if let Some(vibration) = &self.vibration {
+            vibration.check_resolved(&format!("segments[{number}]"), time_step_s)?;
         }
         motion::check(&self.motion, &format!("scene.segments[{number}].motion"))?;
         driven::check(self, number)

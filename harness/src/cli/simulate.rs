@@ -2,7 +2,7 @@
 
 use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::plan::{Method, Rule};
-use crate::problems::{Enter, Root, Studied, enter, read_case};
+use crate::problems::{Enter, Root, Studied, enter, read_case, warn};
 use crate::run::{End, Frames, Seen, missed, observed, through_time};
 use crate::terminal::{check_place, exit, merged, progress, say, write_whole};
 use anyhow::{Context, Result, bail};
@@ -91,6 +91,8 @@ impl Enter for Marched<'_> {
 fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) -> Result<ExitCode> {
     let solver = method.solver::<M>()?;
     let mut march = March::<M>::new(case)?;
+    warn(&case.name, march.warnings());
+    let mut warned = false;
     let warm_start = match (args.cold, args.extrapolate) {
         (true, _) => Start::Nothing,
         (_, true) => Start::Extrapolated,
@@ -105,7 +107,10 @@ fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) ->
     if !args.json {
         say(format_args!("{HEADING}"))?;
     }
-    let see = &mut |seen: &Seen<M>| kept.see(args, seen);
+    let see = &mut |seen: &Seen<M>| {
+        warned = warned || kept.bar.suspend(|| warn(&case.name, seen.march.moved_too_far()));
+        kept.see(args, seen)
+    };
     let ended = through_time(&mut march, solver, &rule, args.time_steps, &exit::requested, see);
     kept.bar.finish_and_clear();
     let (totals, end) = ended?;
