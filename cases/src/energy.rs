@@ -9,7 +9,8 @@
 //!
 //! - walls: −r · `c_w`, what their motion gives or takes
 //! - gap: −½ `r_n` `c_g`, what a gap that closes within the time step takes before its contact does
-//! - shocks: ½ `r_n` (`v_n⁺` + `v_n⁻`), where `v_n⁺` is 0, or −e `v_n⁻`, but for what the solver leaves
+//! - shocks: ½ `r_n` (`v_n⁺` + `v_n⁻`), where `v_n⁺` is 0, or −e `v_n⁻`, but for what the solver leaves. At a curved wall `c_g` is what
+//!   the wall turns towards the grain: of a grain that slides along it, the gap gives back what the shock against the chord takes
 //! - sliding: ½ `r_t` (`v_t⁺` + `v_t⁻`), which is friction's
 
 use crate::march::{Terms, TimeStep};
