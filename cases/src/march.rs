@@ -247,11 +247,12 @@ impl<M: Marched> March<M> {
         free_velocity: Vec<M::Velocity>,
     ) -> Result<TimeStep<M>, CaseError> {
         let Scene { time_step_s: h, law, .. } = self.scene;
-        let (contacts, near, terms) = self.contacts(&position, &free_velocity, reach);
-        let keys = near.iter().map(|contact| (contact.candidate, contact.antagonist));
+        let (contacts, near) = self.contacts(&position, &free_velocity, reach);
+        let keys = near.iter().map(|(contact, _)| (contact.candidate, contact.antagonist));
         let start = recall::<M>(&self.last, keys, &contacts);
-        let gap = near.iter().map(|contact| contact.gap).collect();
-        let sides = near.iter().map(|contact| contact.antagonist).collect();
+        let gap = near.iter().map(|(contact, _)| contact.gap).collect();
+        let sides = near.iter().map(|(contact, _)| contact.antagonist).collect();
+        let terms = near.iter().map(|(_, terms)| *terms).collect();
         let problem = Packing::new(self.mass.clone(), position, free_velocity, contacts)
             .map_err(|source| CaseError::TimeStep { time_step: self.done + 1, source })?;
         let frozen = Frozen {

@@ -105,5 +105,6 @@ fn shipped_drums_and_segments_do_not_sink_in_twenty_seconds() {
         let h = Case::read(&file, &[]).unwrap().scene.time_step_s;
         let [first, second] = overlaps(name, (20.0 / h).round() as u64);
         println!("{name}: {first:.2e}, then {second:.2e} of the least radius");
+        assert!(first.max(second) < 0.05, "{name}");
     }
 }

@@ -45,16 +45,15 @@ impl<M: Marched> March<M> {
         2.0 * self.scene.time_step_s * f64::max(approach, self.scene.fastest_segment())
     }
 
-    /// The contacts with gaps of at most `reach` (m) that the law lets in, with their offsets c, the pairs that they are, and what the law
-    /// added to c.
+    /// The contacts with gaps of at most `reach` (m) that the law lets in, with their offsets c, and the pairs that they are.
     pub(super) fn contacts(
         &self,
         position: &[M::Place],
         free_velocity: &[M::Velocity],
         reach: f64,
-    ) -> (Vec<M::Contact>, Vec<DetectedContact<M::Place>>, Vec<Terms>) {
+    ) -> (Vec<M::Contact>, Vec<Entered<M::Place>>) {
         let Scene { time_step_s: h, law, restitution, contact_copies, .. } = self.scene;
-        let (mut contacts, mut near, mut terms) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut contacts, mut near) = (Vec::new(), Vec::new());
         let of_walls = self.scene.walls.as_ref().and_then(|walls| walls.friction);
         let rough = [self.scene.friction, of_walls.or(self.scene.friction)].map(|mu| mu.unwrap_or(0.0));
         let enter = |pair: &DetectedContact<M::Place>, motion: &WallMotion<M::Place>| {
@@ -82,14 +81,13 @@ impl<M: Marched> March<M> {
                 M::widen(&mut contact, own.gap + own.rebound);
                 for _ in 0..contact_copies {
                     contacts.push(contact);
-                    near.push(*pair);
-                    terms.push(own);
+                    near.push((*pair, own));
                 }
             }
         };
         let ahead = |grain: u32| M::translation(free_velocity[grain as usize]) * h;
         self.for_each_near((self.detection(), self.since_detection()), (position, ahead), reach, enter);
-        (contacts, near, terms)
+        (contacts, near)
     }
 
     /// Calls `visit` with every pair whose gap is at most `reach` (m) where the bodies are at a `time` (s), some time `since` contacts
@@ -134,6 +132,9 @@ impl<M: Marched> March<M> {
         if self.done == 0 { (1.0 - theta) * h } else { h }
     }
 }
+
+/// A pair that the law lets in, and what that adds to its offset.
+pub(super) type Entered<P> = (DetectedContact<P>, Terms);
 
 /// What a law adds to the offset of a contact (m/s).
 #[derive(Clone, Copy, Debug)]
