@@ -106,9 +106,9 @@ fn simulation_writes_a_row_per_time_step() {
     }
     assert!(rows[0][rows[0].len() - 3..].iter().all(|name| name.starts_with("bulk_")), "{csv}");
     let printed = gravel(&["simulate", "column", "--time-steps", "3", "--json"]).succeeded().stdout;
-    let object: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    let object: Value = serde_json::from_str(&printed).unwrap();
     for key in ["bulk_solid_fraction", "bulk_coordination", "bulk_rattlers"] {
-        assert!(object["last_time_step"].get(key).is_some_and(serde_json::Value::is_null), "{key}: {printed}");
+        assert!(object["last_time_step"].get(key).is_some_and(Value::is_null), "{key}: {printed}");
     }
 }
 
