@@ -2,9 +2,9 @@
 //! a cylinder along z, and bumps are spheres on a square lattice.
 
 use crate::detect::{DetectedContact, Side};
+use crate::joints::{Disc, Line};
 use crate::periodic::Period;
 use crate::scene::Scene;
-use crate::segments::Segment;
 use crate::walls::{MovingWall, WallMotion};
 use contact::Place;
 use schemars::JsonSchema;
@@ -32,15 +32,23 @@ impl Drum {
         self.radius_m - across(position).length() - radius
     }
 
-    fn near<P: Place>(&self, grain: u32, position: P, radius: f64, reach: f64) -> Option<Near<P>> {
-        let (distance, gap) = (across(position).length(), self.gap(position, radius));
+    /// The contact of a grain, if it is within `reach` (m). The wall curves towards a grain that slides along it: a
+    /// gap of none that only opens or stays as the normal says would become an overlap of (h v)²/2(R − r). So the contact knows the gap
+    /// where the free motion along the wall leads.
+    fn near<P: Place>(&self, grain: u32, disc: Disc<P>, reach: f64) -> Option<Near<P>> {
+        let Disc { place, radius, ahead, .. } = disc;
+        let (distance, gap) = (across(place).length(), self.gap(place, radius));
         // At the centre there is no normal, and in a drum of some size no contact.
         let upwards = P::of([0.0, 1.0, 0.0]);
-        let normal = if distance > 0.0 { -across(position) / distance } else { upwards };
+        let normal = if distance > 0.0 { -across(place) / distance } else { upwards };
         let contact = DetectedContact { candidate: grain, antagonist: Side::Drum, normal, gap };
         // The surface at −R n moves at Ω R (n_y, −n_x).
-        let sliding = P::of([normal[1], -normal[0], 0.0]) * (self.spin_rad_per_s * self.radius_m);
-        (gap <= reach).then_some((contact, WallMotion { opening: 0.0, sliding }))
+        let tangent = P::of([normal[1], -normal[0], 0.0]);
+        let sliding = tangent * (self.spin_rad_per_s * self.radius_m);
+        let (room, along) = (self.radius_m - radius, tangent.dot_product(ahead));
+        // √(room² − along²) − distance.
+        let there = (room * room - along * along).max(0.0).sqrt() - distance;
+        (gap <= reach).then_some((contact, WallMotion { opening: 0.0, sliding, ahead: Some(there) }))
     }
 }
 
@@ -98,21 +106,21 @@ impl<P: Place> Bumps<P> {
             let normal = if distance > 0.0 { between / distance } else { P::of([0.0, 1.0, 0.0]) };
             let antagonist = side(body, [count.map_or(k, |count| k.rem_euclid(count)), row]);
             let contact = DetectedContact { candidate: grain, antagonist, normal, gap };
-            (gap <= reach)
-                .then(|| (contact, WallMotion { opening: -normal.dot_product(moving), sliding: moving }))
+            let motion = WallMotion { opening: -normal.dot_product(moving), sliding: moving, ahead: None };
+            (gap <= reach).then_some((contact, motion))
         })
     }
 }
 
-/// The contacts of one grain with the bodies of a scene at a `time` (s) that are within `reach` (m), and how each of these moves.
+/// The contacts of one grain with the bodies of a scene that are within `reach` (m), and how each of these moves.
 pub(crate) fn bodies_near<P: Place>(
-    scene: &Scene,
-    (floor, time): (Option<MovingWall<P>>, f64),
+    (scene, line): (&Scene, &Line<P>),
+    floor: Option<MovingWall<P>>,
     grain: u32,
-    (position, radius): (P, f64),
+    disc: Disc<P>,
     reach: f64,
 ) -> impl Iterator<Item = Near<P>> {
-    let drum = scene.drum.and_then(|drum| drum.near(grain, position, radius, reach));
+    let drum = scene.drum.and_then(|drum| drum.near(grain, disc, reach));
     let bumps = scene.bump_radius().zip(floor).map(|(radius, floor)| Bumps {
         radius,
         foot: floor.now.foot,
@@ -120,10 +128,8 @@ pub(crate) fn bodies_near<P: Place>(
         period: scene.period(),
         side: |_, k| Side::Bump(k),
     });
-    let near = move |(number, segment): (u32, &Segment)| {
-        segment.near((number, time, scene.time_step_s), grain, (position, radius), reach)
-    };
+    let Disc { place, radius, .. } = disc;
     drum.into_iter()
-        .chain(bumps.into_iter().flat_map(move |bumps| bumps.near(0, grain, (position, radius), reach)))
-        .chain((0..).zip(&scene.segments).filter_map(near))
+        .chain(bumps.into_iter().flat_map(move |bumps| bumps.near(0, grain, (place, radius), reach)))
+        .chain(line.near(grain, disc, reach))
 }

@@ -16,8 +16,8 @@ use crate::marched::Marched;
 use crate::scene::Scene;
 use contact::{Place, Touch, Vector};
 
-/// The bulk of a packing; all is 0 where no grain's centre is in it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The bulk of a packing; NaN is what is not defined, as where there is no bulk or no grain's centre is in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bulk {
     /// Volume of grains over volume (–).
     pub solid_fraction: f64,
@@ -41,7 +41,7 @@ impl Bulk {
         let (problem, radius) = (&time_step.frozen.problem, &time_step.frozen.radius[..grains]);
         let position = &problem.position()[..grains];
         let Some([low, high]) = inside::<M::Place>(scene, time, position, radius) else {
-            return Self::default();
+            return Self { solid_fraction: f64::NAN, coordination: f64::NAN, rattlers: f64::NAN };
         };
         let period = scene.period().0;
         let solid_fraction = solid_fraction(position, radius, [low, high], period.is_some());
@@ -65,7 +65,8 @@ impl Bulk {
             position.iter().zip(held).filter(|(x, _)| within(x)).map(|(_, held)| held).collect();
         let rattlers = of_bulk.iter().filter(|held| **held == 0).count();
         let left = of_bulk.len() - rattlers;
-        let over = |sum: f64, count: usize| if count == 0 { 0.0 } else { sum / count as f64 };
+        // Of none, NaN.
+        let over = |sum: f64, count: usize| sum / count as f64;
         Self {
             solid_fraction,
             coordination: over(of_bulk.iter().map(|held| f64::from(*held)).sum(), left),

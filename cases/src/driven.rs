@@ -5,6 +5,7 @@
 //! others keeps them from turning.
 
 use crate::detect::{DetectedContact, Side};
+use crate::joints::Disc;
 use crate::sample::Grain;
 use crate::scene::Scene;
 use crate::segments::Segment;
@@ -77,13 +78,15 @@ impl Scene {
         self.driven().map(body).collect()
     }
 
-    /// Where driven segments are, by the places of their `bodies`, the last of them all (m).
-    pub(crate) fn driven_at<P: Place>(&self, bodies: &[P]) -> Vec<Placed<'_, P>> {
+    /// Where driven segments are, by the places of their `bodies`, the last of them all, and how far these came since contacts were
+    /// sought last (m).
+    pub(crate) fn driven_at<P: Place>(&self, bodies: &[P], came: impl Fn(u32) -> P) -> Vec<Placed<'_, P>> {
         let first = bodies.len() - self.driven().count();
         let placed = |((number, segment, driven), body): ((u32, _, &Driven), u32)| {
             let along = driven.along::<P>();
             let moved = along * along.dot_product(bodies[body as usize] - middle(segment));
-            Placed { segment, side: Side::Driven(body, number), body, along, moved }
+            let came = along * along.dot_product(came(body));
+            Placed { segment, side: Side::Driven(body, number), body, along, moved, came }
         };
         self.driven().zip(first as u32..).map(placed).collect()
     }
@@ -106,12 +109,17 @@ pub(crate) struct Placed<'s, P> {
     along: P,
     /// How far it has (m).
     moved: P,
+    /// Of this, since contacts were sought last, or since time began (m).
+    came: P,
 }
 
 impl<P: Place> Placed<'_, P> {
     /// Its contact with one grain, if that is within `reach` (m).
-    pub(crate) fn near(&self, grain: u32, disc: (P, f64), reach: f64) -> Option<DetectedContact<P>> {
-        let (normal, gap) = self.segment.nearest(self.segment.ends_at(self.moved), disc, reach)?;
+    pub(crate) fn near(&self, grain: u32, disc: Disc<P>, reach: f64) -> Option<DetectedContact<P>> {
+        let came = disc.came - self.came;
+        let ends = self.segment.ends_at(self.moved);
+        let beside = self.segment.beside(ends, came, (disc.place, disc.radius), reach)?;
+        let (normal, gap) = (beside.towards(), beside.gap);
         Some(DetectedContact { candidate: grain, antagonist: self.side, normal, gap })
     }
 

@@ -9,10 +9,11 @@
 //!
 //! - walls: −r · `c_w`, what their motion gives or takes
 //! - gap: −½ `r_n` `c_g`, what a gap that closes within the time step takes before its contact does
-//! - shocks: ½ `r_n` (`v_n⁺` + `v_n⁻`), where `v_n⁺` is 0, or −e `v_n⁻`, but for what the solver leaves
+//! - shocks: ½ `r_n` (`v_n⁺` + `v_n⁻`), where `v_n⁺` is 0, or −e `v_n⁻`, but for what the solver leaves. At a curved wall `c_g` is what
+//!   the wall turns towards the grain: of a grain that slides along it, the gap gives back what the shock against the chord takes
 //! - sliding: ½ `r_t` (`v_t⁺` + `v_t⁻`), which is friction's
 
-use crate::march::TimeStep;
+use crate::march::{Terms, TimeStep};
 use crate::marched::Marched;
 use crate::scene::Scene;
 use contact::{Mass, Touch, Vector};
@@ -54,15 +55,14 @@ impl Energy {
         (before, after): (&[M::Velocity], &[M::Velocity]),
         r: &[f64],
     ) -> Self {
-        let Scene { time_step_s: h, theta, law, restitution, .. } = *scene;
+        let Scene { time_step_s: h, theta, .. } = *scene;
         let problem = &time_step.frozen.problem;
         let mean: Vec<M::Velocity> =
             before.iter().zip(after).map(|(before, after)| (*before + *after) * 0.5).collect();
         let mut energy = Self::default();
-        for (k, (contact, gap)) in problem.contacts().iter().zip(&time_step.frozen.gap).enumerate() {
-            let (r, c, c_g) = (M::Impulse::at(r, k), contact.offset(), law.gap_offset(*gap, h));
-            // With c, what was v⁻ has become (1 + e) v⁻.
-            let c_e = restitution.map_or(0.0, |e| e / (1.0 + e) * (contact.relative(before) + c).first());
+        for (k, (contact, own)) in problem.contacts().iter().zip(time_step.terms()).enumerate() {
+            let (r, c) = (M::Impulse::at(r, k), contact.offset());
+            let Terms { gap: c_g, rebound: c_e } = *own;
             let normal = r.first();
             let v = contact.relative(&mean) + c;
             let of_normal = normal * v.first();

@@ -11,6 +11,7 @@ mod energy;
 mod error;
 mod frozen;
 mod homogenised;
+mod joints;
 mod json;
 mod keys;
 mod lid;

@@ -100,7 +100,7 @@ impl<P: Place> Placed<'_, P> {
         [(Side::Left, 1.0), (Side::Right, -1.0)].map(|(antagonist, sign)| {
             let normal = P::of([sign, 0.0, 0.0]);
             let contact = DetectedContact { candidate: self.body, antagonist, normal, gap: 0.0 };
-            (contact, WallMotion { opening: -sign * speed, sliding: P::ZERO })
+            (contact, WallMotion { opening: -sign * speed, ..WallMotion::NONE })
         })
     }
 }

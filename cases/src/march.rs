@@ -1,6 +1,7 @@
 //! Time marching: the θ-scheme around any solver, one contact problem per time step, each started from the impulses
 //! of those before (§2).
 
+mod begin;
 mod contacts;
 mod start;
 
@@ -12,13 +13,15 @@ use crate::driven;
 use crate::energy::Energy;
 use crate::error::CaseError;
 use crate::frozen::Frozen;
+use crate::joints::Joints;
 use crate::lid::Placed;
 use crate::marched::Marched;
 use crate::observables::{Missed, Observables, explosion, wall_impulses};
 use crate::sample::Grain;
-use crate::scene::Scene;
+use crate::scene::{Scene, too_far};
 use crate::stress::Stress;
-use contact::{Discs, Mass, Mechanics, Packing, Place, Solver, Touch, Vector, greatest};
+use contact::{Discs, Mass, Mechanics, Packing, Place, Solver, Touch, Vector, greatest, shown};
+pub(crate) use contacts::Terms;
 use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
 pub use start::Start;
 use start::recall;
@@ -30,6 +33,7 @@ use std::ops::ControlFlow;
 pub struct March<M: Mechanics = Discs> {
     name: String,
     scene: Scene,
+    joints: Joints,
     radius: Vec<f64>,
     mass: Vec<M::Mass>,
     position: Vec<M::Place>,
@@ -53,12 +57,19 @@ pub struct TimeStep<M: Mechanics = Discs> {
     pub frozen: Frozen<M>,
     /// The antagonist of each contact.
     sides: Vec<Side>,
+    /// What the law added to the offset of each.
+    terms: Vec<Terms>,
 }
 
 impl<M: Mechanics> TimeStep<M> {
     /// The antagonist of each contact.
     pub fn sides(&self) -> &[Side] {
         &self.sides
+    }
+
+    /// What the law added to the offset of each contact.
+    pub(crate) fn terms(&self) -> &[Terms] {
+        &self.terms
     }
 
     /// The candidate and the antagonist of each contact, by which it is known again.
@@ -76,11 +87,11 @@ impl<M: Marched> March<M> {
         if case.scene.is_rough() && !M::HAS_FRICTION {
             return Err(CaseError::Friction { name: case.name.clone() });
         }
-        Ok(Self::of(case, case.grains::<M::Place>()?))
+        Self::of(case, case.grains::<M::Place>()?)
     }
 
     /// The scene of `case` with `grains`, at time 0.
-    pub(crate) fn of(case: &Case, mut grains: Vec<Grain<M::Place>>) -> Self {
+    pub(crate) fn of(case: &Case, mut grains: Vec<Grain<M::Place>>) -> Result<Self, CaseError> {
         let [x, y] = case.scene.thrown_at_m_per_s;
         let mut velocity = vec![M::Place::of([x, y, 0.0]); grains.len()];
         let height = |k: &usize| grains[*k].position[1];
@@ -99,9 +110,10 @@ impl<M: Marched> March<M> {
             velocity.push(M::Place::ZERO);
             grains.push(body);
         }
-        Self {
+        let march = Self {
             name: case.name.clone(),
             scene: case.scene.clone(),
+            joints: Joints::of(&case.scene),
             radius: grains.iter().map(|grain| grain.radius).collect(),
             mass,
             position: grains.iter().map(|grain| grain.position).collect(),
@@ -111,7 +123,23 @@ impl<M: Marched> March<M> {
             last: Vec::new(),
             before: Vec::new(),
             missed: None,
-        }
+        };
+        march.check_begin(&case.sample).map_err(|message| case.wrong(message))?;
+        Ok(march)
+    }
+
+    /// What can be meant in its scene but rarely is, each by its key.
+    pub fn warnings(&self) -> Vec<String> {
+        self.scene.warnings(self.radius.iter().copied().fold(f64::INFINITY, f64::min))
+    }
+
+    /// The warning of a grain that the last time step moved by more than its radius, if there is one.
+    pub fn moved_too_far(&self) -> Option<String> {
+        let h = self.scene.time_step_s;
+        let moved = (0..self.grain_count()).map(|k| (k, M::translation(self.velocity[k]).length() * h));
+        let (grain, by) = moved.into_iter().find(|(k, by)| *by > self.radius[*k])?;
+        let moves = format!("time step {} moves grain {grain} by {} m", self.done, shown(by));
+        Some(too_far(h, &moves, self.radius[grain]))
     }
 
     /// Time steps done.
@@ -176,7 +204,9 @@ impl<M: Marched> March<M> {
         };
         let mut walls = drawn(&self.scene, self.done as f64 * self.scene.time_step_s, reach);
         walls.extend(self.lid(&self.position).and_then(Placed::drawn));
-        walls.extend(self.scene.driven_at(&self.position).iter().flat_map(driven::Placed::drawn));
+        walls.extend(
+            self.scene.driven_at(&self.position, |_| M::Place::ZERO).iter().flat_map(driven::Placed::drawn),
+        );
         walls
     }
 
@@ -218,10 +248,11 @@ impl<M: Marched> March<M> {
     ) -> Result<TimeStep<M>, CaseError> {
         let Scene { time_step_s: h, law, .. } = self.scene;
         let (contacts, near) = self.contacts(&position, &free_velocity, reach);
-        let keys = near.iter().map(|contact| (contact.candidate, contact.antagonist));
+        let keys = near.iter().map(|(contact, _)| (contact.candidate, contact.antagonist));
         let start = recall::<M>(&self.last, keys, &contacts);
-        let gap = near.iter().map(|contact| contact.gap).collect();
-        let sides = near.iter().map(|contact| contact.antagonist).collect();
+        let gap = near.iter().map(|(contact, _)| contact.gap).collect();
+        let sides = near.iter().map(|(contact, _)| contact.antagonist).collect();
+        let terms = near.iter().map(|(_, terms)| *terms).collect();
         let problem = Packing::new(self.mass.clone(), position, free_velocity, contacts)
             .map_err(|source| CaseError::TimeStep { time_step: self.done + 1, source })?;
         let frozen = Frozen {
@@ -233,7 +264,7 @@ impl<M: Marched> March<M> {
             problem,
             start,
         };
-        Ok(TimeStep { frozen, sides })
+        Ok(TimeStep { frozen, sides, terms })
     }
 
     /// Ends the time step with the impulses `r` (N·s) and velocities `velocity` (m/s) found for it:

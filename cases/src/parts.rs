@@ -92,6 +92,6 @@ impl InParts<'_> {
     /// Names a grain that is outside the scene.
     pub fn march<M: Marched>(&self, discs: &[Disc]) -> Result<March<M>, CaseError> {
         let grains = self.case.sample.grains_of(discs).map_err(|error| self.case.wrong(error))?;
-        Ok(March::of(self.case, self.case.in_place(grains)?))
+        March::of(self.case, self.case.in_place(grains)?)
     }
 }

@@ -20,7 +20,7 @@ struct Line {
 }
 
 /// The share of the smaller radius by which two grains may overlap (–): what another code left of its contacts.
-const OVERLAP: f64 = 0.1;
+pub(crate) const OVERLAP: f64 = 0.1;
 
 /// [x, y, z, radius] of each grain (m); discs have z = 0.
 ///
@@ -31,9 +31,20 @@ pub(crate) fn placed(file: &Path, in_space: bool) -> Result<Vec<[f64; 4]>, Strin
     let mut reader =
         csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(file).map_err(|error| wrong(&error))?;
     let headers = reader.headers().map_err(|error| wrong(&error))?.clone();
+    if let Some(name) = separated_otherwise(&headers) {
+        let line = headers.as_slice();
+        return Err(wrong(&format!(
+            "line 1 is {line:?}, with {name} between values: commas are asked there, and points in decimals, as in 0.25"
+        )));
+    }
     let (mut grains, mut lines) = (Vec::new(), Vec::new());
     for record in reader.records() {
-        let record = record.map_err(|error| wrong(&error))?;
+        let record = record.map_err(|error| match error.kind() {
+            csv::ErrorKind::UnequalLengths { expected_len, len, .. } if len > expected_len => wrong(
+                &format!("{error}: commas are asked between values, and points in decimals, as in 0.25"),
+            ),
+            _ => wrong(&error),
+        })?;
         let number = record.position().map_or(0, csv::Position::line);
         let Line { x, y, z, radius } = record.deserialize(Some(&headers)).map_err(|error| wrong(&error))?;
         let z = match (z, in_space) {
@@ -62,6 +73,13 @@ pub(crate) fn placed(file: &Path, in_space: bool) -> Result<Vec<[f64; 4]>, Strin
         ))),
         None => Ok(grains),
     }
+}
+
+/// What other than commas is between the names of columns.
+fn separated_otherwise(headers: &csv::StringRecord) -> Option<&'static str> {
+    let separators = [(";", "semicolons"), ("\t", "tabs")];
+    let found = |separator: &str| headers.iter().any(|name| name.contains(separator));
+    separators.into_iter().find(|(separator, _)| found(separator)).map(|(_, name)| name)
 }
 
 /// Two grains that overlap too much.
@@ -110,5 +128,14 @@ mod tests {
         assert!(refused("x_m,y_m,radius_m\n0,0,1\n", true).contains("needs the column `z_m`"));
         assert!(refused("x_m,y_m,z_m,radius_m\n0,0,0,1\n", false).contains("`placed-spheres`"));
         assert!(refused("x_m,y_m,radius_m\n0,0,nan\n", false).contains("NaN"));
+        // As spreadsheets write them where decimals have commas.
+        let sheet = refused("x_m;y_m;radius_m\n0,0;0,1;0,1\n0,25;0,1;0,1\n", false);
+        assert!(
+            sheet.contains("line 1 is \"x_m;y_m;radius_m\", with semicolons") && sheet.contains("0.25"),
+            "{sheet}"
+        );
+        assert!(refused("x_m\ty_m\tradius_m\n0\t0\t1\n", false).contains("with tabs between values"));
+        let decimals = refused("x_m,y_m,radius_m\n0,0,0,1,0,1\n", false);
+        assert!(decimals.contains("line: 2") && decimals.contains("points in decimals"), "{decimals}");
     }
 }

@@ -49,6 +49,17 @@ pub struct Scene {
     pub segments: Vec<Segment>,
 }
 
+/// Coulomb's μ above which something else was meant (–).
+const GREAT_FRICTION: f64 = 2.0;
+
+/// The warning of a time step that `moves` a grain of this radius too far (m).
+pub(crate) fn too_far(time_step_s: f64, moves: &str, radius: f64) -> String {
+    let (h, radius) = (shown(time_step_s), shown(radius));
+    format!(
+        "`scene.time_step_s` is {h}: {moves}, farther than its radius, {radius} m, so contacts may be missed"
+    )
+}
+
 fn midpoint() -> f64 {
     0.5
 }
@@ -151,9 +162,50 @@ impl Scene {
         }
     }
 
+    /// What can be meant but rarely is, for grains of at least this radius (m): key, value and why.
+    pub(crate) fn warnings(&self, least_radius: f64) -> Vec<String> {
+        let (g, h) = (self.gravity_m_per_s2, self.time_step_s);
+        let of_walls = self.walls.as_ref().and_then(|walls| walls.friction);
+        let of_segments = (0..)
+            .zip(&self.segments)
+            .map(|(number, segment)| (format!("segments[{number}].friction"), segment.friction));
+        let frictions = [("friction", self.friction), ("box.friction", of_walls)];
+        let frictions = frictions.into_iter().map(|(key, mu)| (key.to_owned(), mu)).chain(of_segments);
+        let mut warnings: Vec<String> = frictions
+            .filter_map(|(key, mu)| Some((key, mu.filter(|mu| *mu > GREAT_FRICTION)?)))
+            .map(|(key, mu)| {
+                format!("`scene.{key}` is {}: no material has a friction above {GREAT_FRICTION}", shown(mu))
+            })
+            .collect();
+        if self.slope_rad.abs() > std::f64::consts::FRAC_PI_2 {
+            let degrees = shown(self.slope_rad.to_degrees().round());
+            let slope = shown(self.slope_rad);
+            warnings.push(format!(
+                "`scene.slope_rad` is {slope}, {degrees} degrees: grains fall off a slope above π/2"
+            ));
+        }
+        if g < 0.0 {
+            warnings.push(format!(
+                "`scene.gravity_m_per_s2` is {}: it lifts grains, for it points downwards",
+                shown(g)
+            ));
+        }
+        let [x, y] = self.thrown_at_m_per_s;
+        let fastest = x.hypot(y - self.impact_speed_m_per_s).max(x.hypot(y));
+        let moved = h * (fastest + h * g.abs());
+        if moved > least_radius {
+            warnings.push(too_far(
+                h,
+                &format!("the first one moves a free grain by {} m", shown(moved)),
+                least_radius,
+            ));
+        }
+        warnings
+    }
+
     fn check_segments(&self) -> Result<(), String> {
         for (number, segment) in self.segments.iter().enumerate() {
-            segment.check(number)?;
+            segment.check(number, self.time_step_s)?;
         }
         if self.period().0.is_some() && !self.segments.is_empty() {
             return Err("`scene.segments` is for boxes without `periodic` sides".to_owned());
@@ -220,6 +272,9 @@ impl Scene {
             );
         }
         self.check_segments()?;
+        if let Some(vibration) = self.walls.as_ref().and_then(|walls| walls.vibration.as_ref()) {
+            vibration.check_resolved("box", self.time_step_s)?;
+        }
         self.walls.as_ref().map_or(Ok(()), Walls::check_periodic)
     }
 }

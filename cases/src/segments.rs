@@ -1,18 +1,16 @@
 //! Segments: straight walls with two ends that stand, move or are driven, and may be taken away; without length they are discs.
 
-use crate::bodies::Near;
-use crate::detect::{DetectedContact, Side};
+use crate::detect::Side;
 use crate::drawn::circle;
 use crate::driven::{self, Driven};
 use crate::motion::{self, Row};
-use crate::walls::{Direction, Vibration, WallMotion};
+use crate::walls::{Direction, Vibration};
 use contact::{Place, is_not_negative, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A straight wall with two ends, both sides of which discs may touch. A hopper has two that lean and one, its gate, that is taken
-/// away; an obstacle has a radius and no length. Where segments meet, a disc on the corner touches both: the two impulses are not
-/// unique. Its velocities add up; contacts see their mean from one detection to the next, over [t + (1−θ)h, t + (2−θ)h], so that a
+/// away; an obstacle has a radius and no length. Segments that meet and move alike are one line to a disc. Its velocities add up; contacts see their mean from one detection to the next, over [t + (1−θ)h, t + (2−θ)h], so that a
 /// disc stays on it exactly. With θ = ½ that is the velocity at the end of the time step, where it is linear.
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -53,7 +51,7 @@ impl Segment {
     }
 
     /// How far it has moved at a `time` (s), as given (m).
-    fn moved<P: Place>(&self, time: f64) -> P {
+    pub(crate) fn moved<P: Place>(&self, time: f64) -> P {
         let moved = self.constant::<P>() * time;
         if !self.is_unsteady() {
             return moved;
@@ -64,7 +62,7 @@ impl Segment {
     }
 
     /// Its velocity over the `span` after a `time` (s), on average (m/s).
-    fn velocity<P: Place>(&self, time: f64, span: f64) -> P {
+    pub(crate) fn velocity<P: Place>(&self, time: f64, span: f64) -> P {
         // To the bit where it is constant.
         if self.is_unsteady() {
             (self.moved::<P>(time + span) - self.moved(time)) / span
@@ -90,27 +88,22 @@ impl Segment {
             + self.vibration.as_ref().map_or(0.0, Vibration::greatest_speed)
     }
 
-    /// The contact of a grain with the segment of this `number` over the `span` after a `time` (s), if it is within `reach` (m).
-    pub(crate) fn near<P: Place>(
-        &self,
-        (number, time, span): (u32, f64, f64),
-        grain: u32,
-        disc: (P, f64),
-        reach: f64,
-    ) -> Option<Near<P>> {
-        let (normal, gap) = self.nearest(self.ends::<P>(time)?, disc, reach)?;
-        let contact = DetectedContact { candidate: grain, antagonist: Side::Segment(number), normal, gap };
-        let sliding = self.velocity::<P>(time, span);
-        Some((contact, WallMotion { opening: -normal.dot_product(sliding), sliding }))
+    /// Whether both move as given, in one way.
+    pub(crate) fn moves_as(&self, other: &Self) -> bool {
+        let given = self.driven.is_none() && other.driven.is_none();
+        let alike = self.velocity_m_per_s == other.velocity_m_per_s && self.motion == other.motion;
+        given && alike && self.vibration == other.vibration
     }
 
-    /// Normal (–) and gap (m) between a disc and the nearest point of the segment between these ends, if that is within `reach` (m).
-    pub(crate) fn nearest<P: Place>(
+    /// Where a disc is beside it between these ends, if its surface is within `reach` (m). Seen from the segment the disc `came` this way
+    /// since contacts were sought last (m).
+    pub(crate) fn beside<P: Place>(
         &self,
         [from, to]: [P; 2],
+        came: P,
         (position, radius): (P, f64),
         reach: f64,
-    ) -> Option<(P, f64)> {
+    ) -> Option<Beside<P>> {
         let along = to - from;
         let squared = along.dot_product(along);
         let share = if squared > 0.0 { (position - from).dot_product(along) / squared } else { 0.0 };
@@ -121,10 +114,26 @@ impl Segment {
             return None;
         }
         let distance = between.length();
-        let gap = distance - touching;
-        // A centre on the segment has no side; any will push it off.
-        let normal = if distance > 0.0 { between / distance } else { P::of([0.0, 1.0, 0.0]) };
-        (gap <= reach).then_some((normal, gap))
+        let end = if share <= 0.0 { Some(0) } else { (share >= 1.0).then_some(1) };
+        let line = (squared > 0.0).then(|| {
+            let length = squared.sqrt();
+            let upwards = P::of([-along[1], along[0], 0.0]) / length;
+            let height = upwards.dot_product(position - from);
+            let before = height - upwards.dot_product(came);
+            let passed = is_within(share - came.dot_product(along) / squared, share, before, height);
+            let above = if passed && before != 0.0 { before > 0.0 } else { (height >= 0.0) != passed };
+            (if above { upwards } else { -upwards }, passed)
+        });
+        let (normal, passed) = line.unwrap_or((P::ZERO, false));
+        let gap = if passed { -distance } else { distance } - touching;
+        (gap <= reach).then_some(Beside {
+            end: end.filter(|_| !passed),
+            between,
+            distance,
+            normal,
+            touching,
+            gap,
+        })
     }
 
     /// As it is drawn between these ends (m): a line, or two with circles at their ends.
@@ -145,7 +154,7 @@ impl Segment {
     }
 
     /// What has no meaning, if anything has.
-    pub(crate) fn check(&self, number: usize) -> Result<(), String> {
+    pub(crate) fn check(&self, number: usize, time_step_s: f64) -> Result<(), String> {
         let wrong = |key: &str, value: f64, expected: &str| {
             Err(format!("`scene.segments[{number}].{key}` is {}: it must be {expected}", shown(value)))
         };
@@ -180,7 +189,48 @@ impl Segment {
                 ));
             }
         }
+        if let Some(vibration) = &self.vibration {
+            vibration.check_resolved(&format!("segments[{number}]"), time_step_s)?;
+        }
         motion::check(&self.motion, &format!("scene.segments[{number}].motion"))?;
         driven::check(self, number)
+    }
+}
+
+/// Whether a centre that moved from a height `before` above a line to `after` crossed it between 0 and 1 of its length; it was at the
+/// share `from` of it and is at `to`.
+fn is_within(from: f64, to: f64, before: f64, after: f64) -> bool {
+    // At a joint one of the two segments is crossed, whatever the rounding.
+    const SLACK: f64 = 1e-9;
+    let crossed = before * after <= 0.0 && before != after;
+    crossed && (-SLACK..=1.0 + SLACK).contains(&(from + (to - from) * before / (before - after)))
+}
+
+/// A disc beside a segment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beside<P> {
+    /// The end that is the nearest point, if it is one; none where the disc has passed through.
+    pub(crate) end: Option<usize>,
+    /// From the nearest point to the centre (m).
+    pub(crate) between: P,
+    /// Its length (m).
+    distance: f64,
+    /// Unit normal of the segment towards the side from which the disc came (–); 0 of a segment without length.
+    pub(crate) normal: P,
+    /// Distance of centre and line where the surfaces touch (m).
+    pub(crate) touching: f64,
+    /// Distance of the surfaces; where the centre has passed through, less than minus the radius (m).
+    pub(crate) gap: f64,
+}
+
+impl<P: Place> Beside<P> {
+    /// Unit normal of the contact (–).
+    pub(crate) fn towards(&self) -> P {
+        match self.end {
+            None => self.normal,
+            Some(_) if self.distance > 0.0 => self.between / self.distance,
+            // A centre on an end has no side; any will push it off.
+            Some(_) => P::of([0.0, 1.0, 0.0]),
+        }
     }
 }

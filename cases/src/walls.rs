@@ -1,7 +1,7 @@
 //! The box: a floor and walls that tilt, close, slide or vibrate, and how each moves where a grain is.
 
 use crate::lid::Lid;
-use contact::Place;
+use contact::{Place, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +42,10 @@ pub struct Walls {
     /// Vibration of the whole box.
     pub vibration: Option<Vibration>,
 }
+
+/// The fewest time steps in a period of a vibration: walls move by the mean velocity of each, which is then within 1/2 % of its
+/// greatest, and at a whole number of periods per time step they would stand still.
+const PER_PERIOD: f64 = 20.0;
 
 /// It moves by A (sin(2π f (t − start) + φ) − sin φ) from `start_s` on. It begins at its full speed with φ = 0, at
 /// rest with φ = −π/2. Its greatest acceleration is Γ = A (2π f)²/g times that of gravity.
@@ -137,11 +141,13 @@ pub struct WallMotion<P> {
     pub opening: f64,
     /// Velocity of its surface (m/s), of which the part along it counts.
     pub sliding: P,
+    /// Of a wall that is curved, the gap where the grain's free motion along it leads, its distance kept (m).
+    pub ahead: Option<f64>,
 }
 
 impl<P: Place> WallMotion<P> {
     /// None.
-    pub(crate) const NONE: Self = Self { opening: 0.0, sliding: P::ZERO };
+    pub(crate) const NONE: Self = Self { opening: 0.0, sliding: P::ZERO, ahead: None };
 }
 
 impl<P: Place> MovingWall<P> {
@@ -152,7 +158,8 @@ impl<P: Place> MovingWall<P> {
 
     /// How it moves: its surface as its foot, about which it turns, and as a belt.
     pub(crate) fn motion(&self, position: P) -> WallMotion<P> {
-        WallMotion { opening: self.opening_rate(position), sliding: self.foot_rate() + self.belt }
+        let sliding = self.foot_rate() + self.belt;
+        WallMotion { opening: self.opening_rate(position), sliding, ahead: None }
     }
 
     /// Velocity of the foot, on average over the span (m/s).
@@ -165,6 +172,23 @@ impl Vibration {
     /// 2π f A (m/s).
     pub(crate) fn greatest_speed(&self) -> f64 {
         (std::f64::consts::TAU * self.frequency_hz * self.amplitude_m).abs()
+    }
+
+    /// Refuses a vibration, that of a `place` in the scene, whose period is cut by the time step of `h` (s) into too few parts.
+    pub(crate) fn check_resolved(&self, place: &str, h: f64) -> Result<(), String> {
+        let period = 1.0 / self.frequency_hz.abs();
+        // To the rounding of decimal fractions.
+        if period >= PER_PERIOD * h * (1.0 - 1e-9) {
+            return Ok(());
+        }
+        Err(format!(
+            "`scene.{place}.vibration.frequency_hz` is {}, a period of {} s, and `scene.time_step_s` is {}: a period must be at least \
+             {PER_PERIOD} time steps, {} s",
+            shown(self.frequency_hz),
+            shown(period),
+            shown(h),
+            shown(PER_PERIOD * h)
+        ))
     }
 
     /// The first of its values that is not finite, with its key.

@@ -161,3 +161,47 @@ fn hopper_rests_then_flows() {
     let (resting, flowing) = (energy(240), energy(40));
     assert!(flowing > 20.0 * resting, "{resting} to {flowing} J");
 }
+
+#[test]
+fn a_vibration_that_the_time_step_does_not_resolve_is_refused_with_both_numbers() {
+    let shaken = |place: &str, hertz: f64| {
+        let vibration =
+            format!("vibration = {{ amplitude_m = 0.001, frequency_hz = {hertz:?}, direction = \"y\" }}\n");
+        scene("[[0.0, 1.5, 0.5]]", &format!("{place}{vibration}"))
+    };
+    // At 100 Hz, 1/h, the floor would stand still.
+    for (place, key) in [("[scene.box]\n", "box"), (LEVEL, "segments[0]")] {
+        for hertz in [5.01, 100.0, -100.0] {
+            let refused = shaken(place, hertz).unwrap_err();
+            for said in [
+                format!("`scene.{key}.vibration.frequency_hz` is {hertz}"),
+                "`scene.time_step_s` is 0.01".into(),
+                "20 time steps".into(),
+            ] {
+                assert!(refused.contains(&said), "{refused}");
+            }
+        }
+        assert!(shaken(place, 5.0).is_ok(), "{key}");
+    }
+}
+
+#[test]
+fn what_is_rarely_meant_is_warned_of_by_its_key() {
+    let warned = |sets: &[(&str, &str)]| {
+        let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("thrown-disc.toml");
+        let sets: Vec<_> = sets.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+        March::<contact::RoughDiscs>::new(&Case::read(&file, &sets).unwrap()).unwrap().warnings()
+    };
+    for (key, value, said) in [
+        ("scene.friction", "30", "`scene.friction` is 30"),
+        ("scene.box.friction", "3", "`scene.box.friction` is 3"),
+        ("scene.slope_rad", "20", "`scene.slope_rad` is 20"),
+        ("scene.gravity_m_per_s2", "-9.81", "`scene.gravity_m_per_s2` is -9.81"),
+        ("scene.time_step_s", "5", "`scene.time_step_s` is 5"),
+        ("scene.impact_speed_m_per_s", "60", "`scene.time_step_s` is 0.01"),
+    ] {
+        let warnings = warned(&[(key, value)]);
+        assert!(warnings.len() == 1 && warnings[0].contains(said), "{key}: {warnings:?}");
+    }
+    assert_eq!(warned(&[("scene.friction", "2"), ("scene.slope_rad", "1.5")]), Vec::<String>::new());
+}

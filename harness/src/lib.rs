@@ -116,7 +116,7 @@ mod problems {
     #[cfg(test)]
     mod tests;
 
-    pub(crate) use case::{CaseProblem, KeptProblem, first_hash, overrides, read_case};
+    pub(crate) use case::{CaseProblem, KeptProblem, first_hash, overrides, read_case, warn};
     pub(crate) use files::{Kind, Root, is_toml, size, size_of_w, stem};
     pub(crate) use mechanics::{AnyProblem, Enter, Studied, Visit, enter, in_words, visit};
     pub(crate) use parts::{Impulses, Part};

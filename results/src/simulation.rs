@@ -212,8 +212,8 @@ pub struct Stress {
     /// Contacts that push, per grain (–).
     #[serde(with = "number")]
     pub coordination: f64,
-    /// Volume of grains over volume, away from walls and surface (–); `cases/src/bulk.rs` says where that is, and so below. 0 where
-    /// there is none.
+    /// Volume of grains over volume, away from walls and surface (–); `cases/src/bulk.rs` says where that is, and so below. NaN where
+    /// it is not defined in one of the time steps.
     #[serde(with = "number")]
     pub bulk_solid_fraction: f64,
     /// Contacts that push, per grain that is no rattler (–).

@@ -5,6 +5,7 @@ use crate::bodies::bodies_near;
 use crate::detect::{DetectedContact, Side, walls_near};
 use crate::driven;
 use crate::error::CaseError;
+use crate::joints::{Disc, Line};
 use crate::marched::Marched;
 use crate::scene::{Law, Scene};
 use crate::walls::{MovingWall, WallMotion};
@@ -26,17 +27,20 @@ impl<M: Marched> March<M> {
         self.next_within(greatest_gap, position, free_velocity)
     }
 
-    /// When contacts are sought (s), and the walls then.
-    fn walls_at_detection(&self) -> (f64, [Option<MovingWall<M::Place>>; 5]) {
+    /// When contacts are sought (s): gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
+    pub(super) fn detection(&self) -> f64 {
         let Scene { time_step_s: h, theta, .. } = self.scene;
-        // Gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
-        let detection = (self.done as f64 + 1.0 - theta) * h;
-        (detection, self.scene.walls.as_ref().map_or([None; 5], |walls| walls.over(detection, h)))
+        (self.done as f64 + 1.0 - theta) * h
+    }
+
+    /// The walls from a `time` (s) on, for a time step.
+    fn walls_from(&self, time: f64) -> [Option<MovingWall<M::Place>>; 5] {
+        self.scene.walls.as_ref().map_or([None; 5], |walls| walls.over(time, self.scene.time_step_s))
     }
 
     /// The greatest gap that two bodies could close within the time step (m).
     pub(super) fn reach(&self, position: &[M::Place], free_velocity: &[M::Velocity]) -> f64 {
-        let (_, walls) = self.walls_at_detection();
+        let walls = self.walls_from(self.detection());
         let approach = greatest_approach::<M>(free_velocity, position, &walls);
         2.0 * self.scene.time_step_s * f64::max(approach, self.scene.fastest_segment())
     }
@@ -47,17 +51,12 @@ impl<M: Marched> March<M> {
         position: &[M::Place],
         free_velocity: &[M::Velocity],
         reach: f64,
-    ) -> (Vec<M::Contact>, Vec<DetectedContact<M::Place>>) {
+    ) -> (Vec<M::Contact>, Vec<Entered<M::Place>>) {
         let Scene { time_step_s: h, law, restitution, contact_copies, .. } = self.scene;
-        let (detection, walls) = self.walls_at_detection();
-        let (grains, period) = (self.grain_count(), self.scene.period());
-        let mut neighbours = self.neighbours.borrow_mut();
-        let pairs = neighbours.contacts(&position[..grains], &self.radius[..grains], reach, period);
-        let (lid, driven) = (self.lid(position), self.scene.driven_at(position));
-        let (mut contacts, mut near) = (Vec::with_capacity(pairs.len()), Vec::with_capacity(pairs.len()));
+        let (mut contacts, mut near) = (Vec::new(), Vec::new());
         let of_walls = self.scene.walls.as_ref().and_then(|walls| walls.friction);
         let rough = [self.scene.friction, of_walls.or(self.scene.friction)].map(|mu| mu.unwrap_or(0.0));
-        let mut enter = |pair: &DetectedContact<M::Place>, motion: &WallMotion<M::Place>| {
+        let enter = |pair: &DetectedContact<M::Place>, motion: &WallMotion<M::Place>| {
             let of_segment = match pair.antagonist {
                 Side::Segment(number) | Side::Driven(_, number) => {
                     self.scene.segments[number as usize].friction
@@ -65,58 +64,106 @@ impl<M: Marched> March<M> {
                 _ => None,
             };
             // The guides of a lid and of driven segments are smooth.
-            let is_guided = pair.candidate as usize >= grains;
+            let is_guided = pair.candidate as usize >= self.grain_count();
             let friction = if is_guided { [0.0; 2] } else { of_segment.map_or(rough, |mu| [rough[0], mu]) };
             let mut contact = M::contact(pair, &self.radius, motion, friction);
             let enters = match law {
                 Law::PredictedGap | Law::Newton => {
                     let b = contact.relative(free_velocity).first() + contact.offset().first();
-                    pair.gap + h * b <= 0.0
+                    motion.ahead.unwrap_or(pair.gap) + h * b <= 0.0
                 }
                 Law::Iqs => true,
             };
             if enters {
-                let own = match restitution {
-                    None => law.gap_offset(pair.gap, h),
-                    Some(e) => e * (contact.relative(&self.velocity) + contact.offset()).first(),
-                };
-                M::widen(&mut contact, own);
+                let rebound =
+                    restitution.map(|e| e * (contact.relative(&self.velocity) + contact.offset()).first());
+                let own = Terms::of(law, (pair.gap, motion.ahead, h), rebound);
+                M::widen(&mut contact, own.gap + own.rebound);
                 for _ in 0..contact_copies {
                     contacts.push(contact);
-                    near.push(*pair);
+                    near.push((*pair, own));
                 }
             }
         };
-        let mut ahead = &pairs[..];
+        let ahead = |grain: u32| M::translation(free_velocity[grain as usize]) * h;
+        self.for_each_near((self.detection(), self.since_detection()), (position, ahead), reach, enter);
+        (contacts, near)
+    }
+
+    /// Calls `visit` with every pair whose gap is at most `reach` (m) where the bodies are at a `time` (s), some time `since` contacts
+    /// were sought last; its grains' free motion leads them `ahead` by so much (m).
+    pub(super) fn for_each_near(
+        &self,
+        (time, since): (f64, f64),
+        (position, ahead): (&[M::Place], impl Fn(u32) -> M::Place),
+        reach: f64,
+        mut visit: impl FnMut(&DetectedContact<M::Place>, &WallMotion<M::Place>),
+    ) {
+        let (grains, period) = (self.grain_count(), self.scene.period());
+        let walls = self.walls_from(time);
+        let mut neighbours = self.neighbours.borrow_mut();
+        let pairs = neighbours.contacts(&position[..grains], &self.radius[..grains], reach, period);
+        let came = |k: u32| M::translation(self.velocity[k as usize]) * since;
+        let line = Line::at((&self.scene, &self.joints), walls, (time, since));
+        let (lid, driven) = (self.lid(position), self.scene.driven_at(position, came));
+        let mut rest = &pairs[..];
         for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)).take(grains) {
-            walls_near(&walls, grain, *x, *radius, reach).for_each(|(pair, motion)| enter(&pair, &motion));
-            let bodies = bodies_near(&self.scene, (walls[0], detection), grain, (*x, *radius), reach);
-            bodies.for_each(|(pair, motion)| enter(&pair, &motion));
-            while let Some((pair, rest)) = ahead.split_first().filter(|(pair, _)| pair.candidate == grain) {
-                enter(pair, &WallMotion::NONE);
-                ahead = rest;
+            walls_near(&walls, grain, *x, *radius, reach).for_each(|(pair, motion)| visit(&pair, &motion));
+            let disc = Disc { place: *x, radius: *radius, came: came(grain), ahead: ahead(grain) };
+            let bodies = bodies_near((&self.scene, &line), walls[0], grain, disc, reach);
+            bodies.for_each(|(pair, motion)| visit(&pair, &motion));
+            while let Some((pair, others)) = rest.split_first().filter(|(pair, _)| pair.candidate == grain) {
+                visit(pair, &WallMotion::NONE);
+                rest = others;
             }
             let below = lid.into_iter().flat_map(|lid| lid.near(grain, (*x, *radius), reach));
-            below.for_each(|pair| enter(&pair, &WallMotion::NONE));
-            let beside = driven.iter().filter_map(|segment| segment.near(grain, (*x, *radius), reach));
-            beside.for_each(|pair| enter(&pair, &WallMotion::NONE));
+            below.for_each(|pair| visit(&pair, &WallMotion::NONE));
+            let beside = driven.iter().filter_map(|segment| segment.near(grain, disc, reach));
+            beside.for_each(|pair| visit(&pair, &WallMotion::NONE));
         }
         let guides = lid.zip(self.scene.lid()).map(|(placed, lid)| placed.guides(lid.speed_m_per_s));
-        guides.iter().flatten().for_each(|(pair, motion)| enter(pair, motion));
-        driven.iter().flat_map(driven::Placed::guides).for_each(|pair| enter(&pair, &WallMotion::NONE));
-        (contacts, near)
+        guides.iter().flatten().for_each(|(pair, motion)| visit(pair, motion));
+        driven.iter().flat_map(driven::Placed::guides).for_each(|pair| visit(&pair, &WallMotion::NONE));
+    }
+
+    /// The time since contacts were sought last, or since time began (s).
+    pub(super) fn since_detection(&self) -> f64 {
+        let Scene { time_step_s: h, theta, .. } = self.scene;
+        if self.done == 0 { (1.0 - theta) * h } else { h }
+    }
+}
+
+/// A pair that the law lets in, and what that adds to its offset.
+pub(super) type Entered<P> = (DetectedContact<P>, Terms);
+
+/// What a law adds to the offset of a contact (m/s).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Terms {
+    /// For its gap, c_g.
+    pub(crate) gap: f64,
+    /// For its rebound, e v⁻.
+    pub(crate) rebound: f64,
+}
+
+impl Terms {
+    /// Those of a contact with a gap, which at a curved wall is another `ahead` (m), over a time step of `h` (s), with its `rebound` if
+    /// the law has one (m/s). At a curved wall the gap ahead enters as it is: what the wall turns towards the grain, and what is left of
+    /// an overlap. Elsewhere overlaps are let be.
+    fn of(law: Law, (gap, ahead, h): (f64, Option<f64>, f64), rebound: Option<f64>) -> Self {
+        let gap = match (law, ahead) {
+            (Law::Iqs, None) => gap.max(0.0) / h,
+            (Law::Iqs, Some(ahead)) => ahead / h,
+            (Law::PredictedGap | Law::Newton, ahead) => ahead.map_or(0.0, |ahead| ahead.min(0.0) / h),
+        };
+        // Both are lower bounds of v⁺, with the sign turned: the greater counts.
+        match rebound {
+            Some(rebound) if gap >= rebound.min(0.0) => Self { gap: 0.0, rebound },
+            _ => Self { gap, rebound: 0.0 },
+        }
     }
 }
 
 impl Law {
-    /// The gap term of c (m/s).
-    pub(crate) fn gap_offset(self, gap: f64, h: f64) -> f64 {
-        match self {
-            Self::PredictedGap | Self::Newton => 0.0,
-            Self::Iqs => gap.max(0.0) / h,
-        }
-    }
-
     /// Name in files.
     pub fn name(self) -> &'static str {
         match self {

@@ -2,7 +2,7 @@
 
 use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::plan::{Method, Rule};
-use crate::problems::{Enter, Root, Studied, enter, read_case};
+use crate::problems::{Enter, Root, Studied, enter, read_case, warn};
 use crate::run::{End, Frames, Seen, missed, observed, through_time};
 use crate::terminal::{check_place, exit, merged, progress, say, write_whole};
 use anyhow::{Context, Result, bail};
@@ -91,6 +91,8 @@ impl Enter for Marched<'_> {
 fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) -> Result<ExitCode> {
     let solver = method.solver::<M>()?;
     let mut march = March::<M>::new(case)?;
+    warn(&case.name, march.warnings());
+    let mut warned = false;
     let warm_start = match (args.cold, args.extrapolate) {
         (true, _) => Start::Nothing,
         (_, true) => Start::Extrapolated,
@@ -105,7 +107,10 @@ fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) ->
     if !args.json {
         say(format_args!("{HEADING}"))?;
     }
-    let see = &mut |seen: &Seen<M>| kept.see(args, seen);
+    let see = &mut |seen: &Seen<M>| {
+        warned = warned || kept.bar.suspend(|| warn(&case.name, seen.march.moved_too_far()));
+        kept.see(args, seen)
+    };
     let ended = through_time(&mut march, solver, &rule, args.time_steps, &exit::requested, see);
     let _whole = exit::whole();
     kept.bar.finish_and_clear();
@@ -247,6 +252,11 @@ fn say_time_step<M: Studied>(seen: &Seen<M>, row: &Observed) -> Result<()> {
     say(format_args!("{solved}  {shown}  {:>11.4e}", row.floor_impulse_n_s))
 }
 
+/// A number as a field of the file, which is empty where it is not defined.
+fn or_empty(value: f64) -> String {
+    if value.is_nan() { String::new() } else { value.to_string() }
+}
+
 /// A row of the file.
 fn line<M: Studied>(seen: &Seen<M>, row: &Observed) -> String {
     let Observed { time_step, time_s, contacts, kinetic_energy_j, mean_height_m, .. } = row;
@@ -255,7 +265,8 @@ fn line<M: Studied>(seen: &Seen<M>, row: &Observed) -> String {
     let Energy { walls_work_j, gap_work_j, shock_work_j, sliding_work_j, energy_moved_j, energy_left_over_j } =
         energy;
     let Stress { stress_xx_n_per_m, stress_xy_n_per_m, stress_yy_n_per_m, coordination, .. } = row.stress;
-    let Stress { bulk_solid_fraction, bulk_coordination, bulk_rattlers, .. } = row.stress;
+    let bulk = [row.stress.bulk_solid_fraction, row.stress.bulk_coordination, row.stress.bulk_rattlers];
+    let [bulk_solid_fraction, bulk_coordination, bulk_rattlers] = bulk.map(or_empty);
     let (status, iterations) = (seen.outcome.status.name(), seen.outcome.iterations);
     let in_diameters = greatest_overlap_m / seen.march.mean_diameter();
     format!(

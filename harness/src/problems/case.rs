@@ -95,10 +95,13 @@ impl CaseProblem {
 
     fn marched<M: Studied>(&self, method: &Method, stop: &Stop, how: &str, halt: &Halt) -> Result<AnyFrozen> {
         let (mut march, before, mut missed) = (March::<M>::new(&self.case)?, self.time_step - 1, 0);
+        warn(&self.case.name, march.warnings());
+        let mut warned = false;
         let bar = progress::bar(before, "time steps");
         for _ in 0..before {
             let time_step = march.next()?;
             let (outcome, _) = march.solve(&time_step, method.solver()?, stop, Start::Previous, halt)?;
+            warned = warned || bar.suspend(|| warn(&self.case.name, march.moved_too_far()));
             missed += u64::from(outcome.status != Status::Converged);
             bar.set_message(format!("{} iterations", outcome.iterations));
             bar.inc(1);
@@ -114,6 +117,11 @@ impl CaseProblem {
         }
         Ok(M::any(frozen))
     }
+}
+
+/// Says on stderr what rarely is meant in a case, a line each; returns whether anything was said.
+pub(crate) fn warn(case: &str, warnings: impl IntoIterator<Item = String>) -> bool {
+    warnings.into_iter().inspect(|warning| eprintln!("warning: {case}: {warning}")).count() > 0
 }
 
 /// What was replaced in a case, as the source of its problem says it.

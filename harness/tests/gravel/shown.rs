@@ -101,7 +101,28 @@ fn simulation_writes_a_row_per_time_step() {
         assert_eq!((row[0], row[2], row[3]), (&*k.to_string(), "20", "converged"), "{csv}");
         // 5 ms per time step, to the rounding of a product.
         assert!((row[1].parse::<f64>().unwrap() - 0.005 * f64::from(k)).abs() < 1e-15, "{csv}");
+        // A column has no bulk.
+        assert_eq!(row[row.len() - 3..], [""; 3], "{csv}");
     }
+    assert!(rows[0][rows[0].len() - 3..].iter().all(|name| name.starts_with("bulk_")), "{csv}");
+    let printed = gravel(&["simulate", "column", "--time-steps", "3", "--json"]).succeeded().stdout;
+    let object: Value = serde_json::from_str(&printed).unwrap();
+    for key in ["bulk_solid_fraction", "bulk_coordination", "bulk_rattlers"] {
+        assert!(object["last_time_step"].get(key).is_some_and(Value::is_null), "{key}: {printed}");
+    }
+}
+
+#[test]
+fn what_is_rarely_meant_in_a_case_is_a_line_on_stderr() {
+    let said = |sets: &[&str]| {
+        let sets = sets.iter().flat_map(|set| ["--scene", *set]).collect::<Vec<_>>();
+        gravel(&[&["simulate", "thrown-disc", "--time-steps", "2"], &sets[..]].concat()).succeeded().stderr
+    };
+    assert!(!said(&[]).contains("warning"));
+    let friction = said(&["scene.friction=30"]);
+    assert_eq!(friction.matches("warning: thrown-disc: `scene.friction` is 30").count(), 1, "{friction}");
+    let far = said(&["scene.thrown_at_m_per_s=[60.0, 0.0]"]);
+    assert!(far.contains("warning: thrown-disc: `scene.time_step_s` is 0.01: time step 1 moves grain 0"), "{far}");
 }
 
 #[test]
