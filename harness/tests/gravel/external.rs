@@ -89,7 +89,7 @@ fn answer_that_is_none_is_a_row_with_its_reason() {
 }
 
 /// A disc of 1 kg comes to a floor at 0.05 m/s, sliding so that a tangential impulse of 0.01 N·s stops it: W is 1 and 3 1/kg.
-const ROUGH: &str = r#"{"format": "gravel/contact-problem/2", "name": "rough", "source": "a test", "time_step": 0.005,
+pub(crate) const ROUGH: &str = r#"{"format": "gravel/contact-problem/2", "name": "rough", "source": "a test", "time_step": 0.005,
     "grains": {"mass": [1], "inertia": [0.5], "radius": [1], "position": [[0, 1]], "free_velocity": [[0.03, -0.05, 0]]},
     "contacts": {"candidate": [0], "antagonist": [null], "normal": [[0, 1]], "offset": [[0, 0]], "gap": [0],
                  "friction": [0.3]}}"#;
