@@ -2,10 +2,13 @@
 
 Discs are at rest in space with their free velocity, without gravity; a wall is a thin JONCx at its contact. The law is
 IQS_CLB, theta is 1: c = max(0, gap)/h, and motion of the wall. A problem with another c between two discs is refused, and so is
-an answer in which LMGC90 found contacts that the problem has not, and that press. Scenes pass through its text files, whose
-numbers have 7 digits.
+an answer in which LMGC90 found contacts that the problem has not, and that press. Discs are placed where their contacts have the
+problem's normals and gaps, which `grains.position` need not be (`scene.py`); where no places do, the problem is refused. Scenes pass
+through its text files, whose numbers have 7 digits: what LMGC90 makes of them is compared with the problem, and refused where it
+differs by more than the tolerance that is asked.
 """
 
+import copy
 import math
 import os
 import sys
@@ -14,11 +17,15 @@ import tempfile
 import numpy as np
 from driver import Run, tangents
 from pylmgc90 import chipy, pre
+from scene import placed, refuse, rounded
 
 run = Run()
 problem, grains, contacts = run.problem, run.problem["grains"], run.problem["contacts"]
 h, mass, radius = problem["time_step"], np.array(grains["mass"]), np.array(grains["radius"])
-position, free = np.array(grains["position"]), np.array(grains["free_velocity"])
+free = np.array(grains["free_velocity"])
+position, missed = placed(problem)
+if missed > 1e-9 * radius.min():
+    sys.exit(f"`contacts.normal` and `contacts.gap` are of no places of the grains: at the best, one misses them by {missed:.1e} m")
 n, gap, mu = np.array(contacts["normal"]), np.array(contacts["gap"]), run.friction
 t, offset = tangents(n)[0], np.array(contacts["offset"]).reshape(len(n), -1)
 # Its tolerances have no unit: the problem keeps its own.
@@ -37,8 +44,9 @@ os.mkdir("DATBOX")
 materials, models, bodies = pre.materials(), pre.models(), pre.avatars()
 rigid = pre.model(name="rigid", physics="MECAx", element="Rxx2D", dimension=2)
 models.addModel(rigid)
-for i, density in enumerate(mass / (math.pi * radius**2)):
-    material = pre.material(name=f"m{i:04x}", materialType="RIGID", density=density)
+density = mass / (math.pi * radius**2)
+for i, of_disc in enumerate(density):
+    material = pre.material(name=f"m{i:04x}", materialType="RIGID", density=of_disc)
     materials.addMaterial(material)
     disc = pre.rigidDisk(r=radius[i], center=list(position[i]), model=rigid, material=material, color="GRAIN")
     disc.imposeInitValue(component=list(range(1, free.shape[1] + 1)), value=list(free[i]))
@@ -56,7 +64,8 @@ for alpha, (i, j) in enumerate(zip(contacts["candidate"], contacts["antagonist"]
             bar.imposeDrivenDof(component=component, dofty="vlocy", ct=float(speed), rampi=1.0)
         bodies.addAvatar(bar)
         j = len(bodies) - 1
-    numbers[frozenset((i + 1, j + 1))] = alpha
+    if numbers.setdefault(frozenset((i + 1, j + 1)), alpha) != alpha:
+        sys.exit(f"contact {alpha} is between grains that have one already: LMGC90 makes one of two discs")
 laws, tables = pre.tact_behavs(), pre.see_tables()
 law = pre.tact_behav(name="iqsc0", law="IQS_CLB", fric=float(mu[0]))
 laws.addBehav(law)
@@ -83,6 +92,15 @@ chipy.ComputeBulk()
 chipy.ComputeFreeVelocity()
 chipy.SelectProxTactors()
 chipy.RecupRloc()
+# What LMGC90 makes of its scene: the geometry of the numbers in its files, and the gaps that it found there itself.
+handed = copy.deepcopy(problem)
+gaps = {frozenset((int(f["icdbdy"]), int(f["ianbdy"]))): float(f["gapTT"]) for f in chipy.getInteractions()}
+for bodies_of, alpha in numbers.items():
+    if bodies_of not in gaps:
+        sys.exit(f"LMGC90 found no contact where the problem has contact {alpha}")
+    handed["contacts"]["gap"][alpha] = gaps[bodies_of]
+handed = rounded(handed, position, density)
+refuse(problem, handed, run.tolerance, "LMGC90")
 run.solving()
 # Convergence is looked at every so many iterations.
 every = min(50, run.iterations)

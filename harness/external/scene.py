@@ -30,8 +30,8 @@ def placed(problem):
     )
     _, group = sparse.csgraph.connected_components(b.T @ b, directed=False)
     # One grain of each group stays, then the group moves as a whole: on average it stays.
-    fixed = sparse.csr_matrix((np.ones(group.max() + 1), np.array([range(group.max() + 1), np.unique(group, return_index=True)[1]])),
-                              (group.max() + 1, len(x)))
+    groups, first = np.unique(group, return_index=True)
+    fixed = sparse.csr_matrix((np.ones(len(groups)), (groups, first)), (len(groups), len(x)))
     laplacian = (b.T @ b + fixed.T @ fixed).tocsc()
     solve = scipy.sparse.linalg.factorized(laplacian)
     shift = np.zeros_like(x)
@@ -42,6 +42,27 @@ def placed(problem):
         mean = np.stack([np.bincount(group, column) for column in step.T], axis=1) / np.bincount(group)[:, None]
         shift += step - mean[group]
     return x + shift, float(np.abs(d - b @ (x + shift)).max())
+
+
+def rounded(problem, position, density, digits=7):
+    """The problem of discs that are in a file at these positions (m), of these densities (kg/m2), in numbers of so many digits:
+    normals between two of them are those of the positions, offsets those of its gaps; with a wall both are the problem's, since walls
+    are placed by them."""
+    shown = np.vectorize(lambda x: float(f"{x:.{digits - 1}e}"), otypes=[float])
+    grains, contacts = problem["grains"], problem["contacts"]
+    x, radius = shown(position), shown(np.array(grains["radius"]))
+    mass = np.pi * radius**2 * shown(density)
+    normal, offset = np.array(contacts["normal"]), np.array(contacts["offset"], dtype=float)
+    offset = offset.reshape(len(normal), -1)
+    for k, (i, j) in enumerate(zip(contacts["candidate"], contacts["antagonist"])):
+        if j is not None:
+            normal[k] = (x[i] - x[j]) / np.linalg.norm(x[i] - x[j])
+            offset[k, 0] = max(0.0, contacts["gap"][k]) / problem["time_step"]
+    grains = {**grains, "mass": mass, "radius": radius, "free_velocity": shown(np.array(grains["free_velocity"]))}
+    if "inertia" in grains:
+        grains["inertia"] = 0.5 * mass * radius**2
+    contacts = {**contacts, "normal": normal, "offset": offset.ravel()}
+    return {**problem, "grains": grains, "contacts": contacts}
 
 
 def difference(problem, handed):

@@ -166,7 +166,7 @@ mod terminal {
     mod tests;
 
     pub(crate) use output::{
-        check_place, create_folder_of, merged, read_sealed, read_text, replaces, say, say_table,
+        check_apart, check_place, create_folder_of, merged, read_sealed, read_text, replaces, say, say_table,
         write_instead, write_kept, write_sealed, write_whole,
     };
     pub(crate) use progress::{Bars, Line};

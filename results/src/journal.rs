@@ -222,7 +222,7 @@ impl Texts {
         Self { path: path.to_owned(), reader, number: 0, unsealed: 0, torn: 0, whole: 0 }
     }
 
-    /// Number of lines so far that are from before there were checksums.
+    /// Returns the number of lines so far that are from before there were checksums.
     pub fn unsealed(&self) -> usize {
         self.unsealed
     }

@@ -206,7 +206,7 @@ impl Store {
     }
 }
 
-/// What the journal of a study's folder holds at this moment, whoever writes to it: runs by one of the `known` methods; nothing if
+/// Returns what the journal of a study's folder holds at this moment, whoever writes to it: runs by one of the `known` methods; nothing if
 /// it is not there.
 ///
 /// # Errors

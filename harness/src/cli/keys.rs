@@ -10,7 +10,7 @@ pub(super) fn rows(schema: &Value) -> Vec<Vec<String>> {
     rows
 }
 
-/// Every key of a case, such as `scene.friction`.
+/// Returns every key of a case, such as `scene.friction`.
 pub(crate) fn of_cases() -> Vec<String> {
     let rows = rows(&cases::schema::<cases::Case>()).into_iter();
     rows.filter_map(|row| row.into_iter().next()).map(|key| key.trim_matches('`').to_owned()).collect()

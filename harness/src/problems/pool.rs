@@ -78,7 +78,7 @@ where
     Ok(pool)
 }
 
-/// A kept pool, and whether it has a checksum.
+/// Reads a kept pool, and whether it has a checksum.
 fn read(path: &Path) -> Result<(Pool, bool)> {
     let (text, sealed) = read_sealed(path)?;
     Ok((serde_json::from_str(&text).with_context(|| path.display().to_string())?, sealed))

@@ -308,7 +308,7 @@ impl<M: Mechanics> End<M> {
         }
     }
 
-    /// The status that decides the exit code: that of the worst time step, where all were made.
+    /// Returns the status that decides the exit code: that of the worst time step, where all were made.
     pub(crate) fn worst(&self, totals: &Totals) -> &'static str {
         match self {
             Self::Completed if totals.infeasible_time_steps > 0 => "no-solution",

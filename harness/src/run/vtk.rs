@@ -92,7 +92,7 @@ impl Frames {
     }
 }
 
-/// The text of a frame with the type of numbers of points that VTK itself writes, and meshio alone reads. They are far below 2⁶³, so
+/// Returns the text of a frame with the type of numbers of points that VTK itself writes, and meshio alone reads. They are far below 2⁶³, so
 /// their bytes are the same.
 fn signed(frame: &str) -> String {
     frame.replace(" type=\"UInt64\"", " type=\"Int64\"")

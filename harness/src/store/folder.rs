@@ -39,7 +39,7 @@ pub(crate) fn open<R: Entry>(root: &Root, plan: &str) -> Result<Store<R>> {
     Ok(store)
 }
 
-/// The runs that the journal of a study holds at this moment; says how many of them have no checksum.
+/// Returns the runs that the journal of a study holds at this moment; says how many of them have no checksum.
 pub(crate) fn records_of<R: Entry>(folder: &Path) -> Result<Vec<R>> {
     let lines = results::store::records_of(folder, &method_names())?;
     note_unsealed(folder, lines.unsealed);
@@ -56,7 +56,7 @@ fn note_unsealed(folder: &Path, unsealed: usize) {
 
 const UNSEALED: &str = "damage to them would go unnoticed";
 
-/// The tables of a study; says which of them have no checksum.
+/// Returns the tables of a study; says which of them have no checksum.
 pub(crate) fn tables_of(folder: &Path) -> Result<Rows> {
     let (rows, unsealed) = results::store::read(folder)?;
     if !unsealed.is_empty() {

@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::fmt::Arguments;
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Prints a line. Whoever reads may have left, as `head` does: the work goes on without.
 pub(crate) fn say(line: Arguments) -> Result<()> {
@@ -44,6 +44,26 @@ pub(crate) fn check_place(path: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Refuses two files, each named by its argument, that are one: the second would replace the first.
+pub(crate) fn check_apart(files: &[(&str, &Path)]) -> Result<()> {
+    for (k, (argument, path)) in files.iter().enumerate() {
+        if let Some((other, _)) = files[..k].iter().find(|(_, other)| is_same(path, other)) {
+            bail!("{other} and {argument} are one file, {}: give another path", path.display());
+        }
+    }
+    Ok(())
+}
+
+/// Returns whether two paths lead to one file, which need not be there yet. Devices and pipes may be written to twice.
+fn is_same(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| -> Option<PathBuf> {
+        let target = behind_links(path).ok()?;
+        Some(folder(&target).canonicalize().ok()?.join(target.file_name()?))
+    };
+    let is_file = |path: &Path| !is_stdout(path) && path.metadata().map_or(true, |found| found.is_file());
+    is_file(a) && is_file(b) && place(a).is_some_and(|a| place(b) == Some(a))
+}
+
 /// Whether writing to `path` replaces a file.
 pub(crate) fn replaces(path: &Path) -> bool {
     path.is_file() && !is_stdout(path)
@@ -63,7 +83,7 @@ pub(crate) fn create_folder_of(path: &Path) -> Result<()> {
     std::fs::create_dir_all(folder(path)).with_context(|| folder(path).display().to_string())
 }
 
-/// The text of a file that [`write_sealed`] wrote, without its checksum; and whether it has one, as those from before there were any
+/// Returns the text of a file that [`write_sealed`] wrote, without its checksum; and whether it has one, as those from before there were any
 /// have not.
 pub(crate) fn read_sealed(path: &Path) -> Result<(String, bool)> {
     let text = read_text(path)?;

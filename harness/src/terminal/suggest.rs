@@ -45,7 +45,7 @@ pub(crate) fn of<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> S
     nearest.map_or_else(String::new, |(_, nearest)| format!("; did you mean `{nearest}`?"))
 }
 
-/// Whether a name in small letters is that of another code for what is `known` here.
+/// Returns whether a name in small letters is that of another code for what is `known` here.
 fn means(given: &str, known: &str) -> bool {
     ALIASES.iter().any(|(key, others)| *key == known && others.contains(&given))
 }

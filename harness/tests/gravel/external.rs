@@ -1,7 +1,7 @@
 //! Other codes as methods: what becomes of their answers, and of codes that are not there.
 
 use crate::bench::{Study, rows};
-use crate::common::{gravel, other_codes, write};
+use crate::common::{checkout, gravel, other_codes, write};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -161,6 +161,43 @@ fn installed_codes_come_to_the_certified_velocity() {
         let object =
             gravel(&[&["solve", "settled-60", "--json", "--method", &code], &stop[..]].concat()).json();
         assert_eq!(object["status"], "converged", "{code}");
+    }
+}
+
+/// What a code is handed that makes its own contacts; without the Python of the other codes the test says so and checks nothing.
+#[test]
+fn what_is_handed_over_is_placed_exactly_and_told_from_another_problem() {
+    let here = checkout().join("harness/external");
+    let environment = std::env::var_os("GRAVEL_EXTERNAL_ENVIRONMENT");
+    let environment = environment.map_or_else(|| here.join(".venv"), std::path::PathBuf::from);
+    let python = environment.join("bin/python");
+    if !python.is_file() {
+        eprintln!("skipped: there is no {}", python.display());
+        return;
+    }
+    let problem = checkout().join("cases/frozen/lmgc90-shear-991-t1.json");
+    let output = std::process::Command::new(python)
+        .args([here.join("test_scene.py"), problem])
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// Each form of a programme has the same solution.
+#[test]
+fn both_forms_of_a_programme_come_to_the_certified_velocity() {
+    for code in ["clarabel", "osqp", "piqp", "proxqp"] {
+        if !other_codes().contains(&(code.to_owned(), true)) {
+            eprintln!("skipped: {code} is not installed; `gravel list methods` says how to install it");
+            continue;
+        }
+        for form in ["form=dual", "form=primal"] {
+            let stop = ["--on", "velocity_error", "--tolerance", "1e-6", "--set", form];
+            let object =
+                gravel(&[&["solve", "settled-60", "--json", "--method", code], &stop[..]].concat()).json();
+            assert_eq!(object["status"], "converged", "{code}, {form}");
+        }
     }
 }
 

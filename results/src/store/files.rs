@@ -104,7 +104,7 @@ pub(super) fn write_whole(
     Ok(())
 }
 
-/// A table as a Parquet file, in which the place of its checksum is empty.
+/// Returns a table as a Parquet file, in which the place of its checksum is empty.
 pub(super) fn parquet_of(table: &mut DataFrame) -> PolarsResult<Vec<u8>> {
     let mut bytes = Vec::new();
     let seal = KeyValueMetadata::from_static(vec![(OF_TABLE.to_owned(), of_no_table())]);
@@ -142,7 +142,7 @@ impl Tables {
         table.and_then(|table| take(&table)).map_err(format)
     }
 
-    /// The rows of a table.
+    /// Returns the rows of a table.
     pub(super) fn rows<Row>(&mut self, path: &Path) -> Result<Vec<Row>, StoreError>
     where
         Row: Serialize + DeserializeOwned + Default + Send,
@@ -150,7 +150,7 @@ impl Tables {
         self.read(path, rows)
     }
 
-    /// The rows of a table whose column `key` says of which of `count` runs or simulations each is; rows of none are left aside.
+    /// Returns the rows of a table whose column `key` says of which of `count` runs or simulations each is; rows of none are left aside.
     pub(super) fn groups<Row>(
         &mut self,
         path: &Path,
