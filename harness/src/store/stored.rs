@@ -21,9 +21,9 @@ type Found = BTreeMap<String, (String, Option<Record>)>;
 /// The run whose id begins with `begin`.
 pub(crate) fn stored_run(root: &Root, begin: &str) -> Result<Record> {
     let folder = runs_folder(root);
-    let mut found = Found::new();
+    let (mut found, mut damaged) = (Found::new(), Vec::new());
     for journal in journals(&folder)? {
-        read(&journal, begin, &mut found)?;
+        read(&journal, begin, &mut found, &mut damaged)?;
     }
     let names: Vec<String> = found.values().map(|(name, _)| name.clone()).collect();
     match (names.as_slice(), found.pop_first()) {
@@ -31,12 +31,17 @@ pub(crate) fn stored_run(root: &Root, begin: &str) -> Result<Record> {
             if record.run.status == "skipped" {
                 bail!("run {name} was skipped, it has no iterations to show: {}", record.run.reason);
             }
+            // One of them may be a later run of this id.
+            damaged.iter().for_each(|line| eprintln!("{line}"));
             Ok(record)
         }
         ([simulation], _) => bail!(
             "{simulation} is a simulation: `gravel view` shows runs on a single problem; `gravel simulate` with --vtk \
              writes the frames of one"
         ),
+        ([], _) if !damaged.is_empty() => {
+            bail!("no run that can be read has the id `{begin}`, and: {}", damaged.join("; "))
+        }
         ([], _) => bail!(
             "`{begin}` is no problem and no case, and no run in {} begins so: reports show the id of each run, on their \
              page and in iterations.csv",
@@ -46,16 +51,16 @@ pub(crate) fn stored_run(root: &Root, begin: &str) -> Result<Record> {
     }
 }
 
-fn read(journal: &Path, begin: &str, found: &mut Found) -> Result<()> {
+/// Adds the runs of a journal whose ids begin so, and the lines that are damaged.
+fn read(journal: &Path, begin: &str, found: &mut Found, damaged: &mut Vec<String>) -> Result<()> {
     let named = format!("\"id\":\"{begin}");
     let mut texts = Texts::new(journal, File::open(journal).with_context(|| journal.display().to_string())?);
     for number in 1.. {
         let text = match texts.next() {
             None => break,
             Some(Ok(text)) => text,
-            // Whatever run it was: if it is the one that is looked for, it is known why it is not found.
             Some(Err(error @ StoreError::Line { .. })) => {
-                eprintln!("{error}");
+                damaged.push(error.to_string());
                 continue;
             }
             Some(Err(error)) => return Err(error.into()),

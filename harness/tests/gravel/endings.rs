@@ -132,7 +132,7 @@ fn completed_simulation_prints_one_object() {
     let object =
         gravel(&["simulate", "column", "--time-steps", "3", "--max-iterations", "1", "--json"]).json();
     assert_eq!(object["status"], "completed");
-    assert_eq!(object["reason"], "3 of 3 time steps did not converge to natural_map ≤ 1e-4");
+    assert_eq!(object["reason"], "3 of 3 time steps did not converge to natural_map ≤ 1e-6");
     assert_eq!((&object["time_steps_asked"], &object["time_steps"]), (&json!(3), &json!(3)));
     assert_eq!((&object["missed_time_steps"], &object["iterations"]), (&json!(3), &json!(3)));
     assert_eq!(object["max_iterations"], 1);
@@ -148,7 +148,7 @@ fn exit_code_of_a_simulation_is_that_of_its_worst_time_step_and_its_last_line_sa
     let object = gravel(&[&column[..], &["--json"]].concat()).json();
     assert_eq!((&object["status"], &object["reason"]), (&json!("completed"), &json!("")));
     let missed = gravel(&[&column[..], &["--max-iterations", "1"]].concat()).ended(3);
-    assert_eq!(last(&missed), "3 of 3 time steps did not converge to natural_map ≤ 1e-4");
+    assert_eq!(last(&missed), "3 of 3 time steps did not converge to natural_map ≤ 1e-6");
     // It ends before the walls have passed the centre of the disc.
     let squeezed = [&SQUEEZED[..5], &["3"], &SQUEEZED[6..]].concat();
     let none = gravel(&squeezed).ended(4);
