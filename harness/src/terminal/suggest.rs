@@ -74,7 +74,9 @@ pub(crate) fn in_error(text: &str, keys: impl Fn() -> Vec<String>) -> String {
     let is_last =
         |key: &String| key.rsplit_once('.').is_some_and(|(_, last)| last == lower || means(&lower, last));
     let what = NOT_MODELLED.iter().find(|(name, _)| *name == lower).map(|(_, what)| (*what).to_owned());
-    let of_case = || keys().into_iter().find(is_last).map(|key| format!("in a case it is `{key}`"));
+    // That of the whole scene, where a wall has its own.
+    let key = || keys().into_iter().filter(is_last).min_by_key(|key| key.matches('.').count());
+    let of_case = || key().map(|key| format!("in a case it is `{key}`"));
     what.or_else(of_case)
         .map_or_else(|| text.to_owned(), |what| format!("{before}; {what}. Expected {known}"))
 }

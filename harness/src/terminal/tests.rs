@@ -63,7 +63,7 @@ enum Law {
 }
 
 fn keys() -> Vec<String> {
-    ["name", "scene.friction", "scene.restitution"].map(str::to_owned).to_vec()
+    ["name", "scene.box.friction", "scene.friction", "scene.restitution"].map(str::to_owned).to_vec()
 }
 
 #[test]
