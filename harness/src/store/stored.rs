@@ -32,7 +32,9 @@ pub(crate) fn stored_run(root: &Root, begin: &str) -> Result<Record> {
                 bail!("run {name} was skipped, it has no iterations to show: {}", record.run.reason);
             }
             // One of them may be a later run of this id.
-            damaged.iter().for_each(|line| eprintln!("{line}"));
+            for line in damaged {
+                eprintln!("{line}");
+            }
             Ok(record)
         }
         ([simulation], _) => bail!(
