@@ -46,8 +46,8 @@ def placed(problem):
 
 def rounded(problem, position, density, digits=7):
     """The problem of discs that are in a file at these positions (m), of these densities (kg/m2), in numbers of so many digits:
-    normals between two of them are those of the positions, offsets those of its gaps; with a wall both are the problem's, since walls
-    are placed by them."""
+    normals between two of them are those of the positions, and offsets those of their gaps there; with a wall both are the problem's,
+    since walls are placed by them."""
     shown = np.vectorize(lambda x: float(f"{x:.{digits - 1}e}"), otypes=[float])
     grains, contacts = problem["grains"], problem["contacts"]
     x, radius = shown(position), shown(np.array(grains["radius"]))
@@ -56,8 +56,9 @@ def rounded(problem, position, density, digits=7):
     offset = offset.reshape(len(normal), -1)
     for k, (i, j) in enumerate(zip(contacts["candidate"], contacts["antagonist"])):
         if j is not None:
-            normal[k] = (x[i] - x[j]) / np.linalg.norm(x[i] - x[j])
-            offset[k, 0] = max(0.0, contacts["gap"][k]) / problem["time_step"]
+            distance = np.linalg.norm(x[i] - x[j])
+            normal[k] = (x[i] - x[j]) / distance
+            offset[k, 0] = max(0.0, distance - radius[i] - radius[j]) / problem["time_step"]
     grains = {**grains, "mass": mass, "radius": radius, "free_velocity": shown(np.array(grains["free_velocity"]))}
     if "inertia" in grains:
         grains["inertia"] = 0.5 * mass * radius**2
