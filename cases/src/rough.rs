@@ -29,7 +29,7 @@ pub enum AnyFrozen {
 }
 
 impl AnyFrozen {
-    /// Reads a file of format `gravel/contact-problem/1` or `gravel/contact-problem/2`.
+    /// Reads a file of format `gravel/contact-problem/1` or `gravel/contact-problem/2`, and checks its checksum if it has one.
     ///
     /// # Errors
     /// Names the file, the key, the index and the value.
@@ -48,6 +48,9 @@ impl AnyFrozen {
             format: String,
             mechanics: Option<String>,
         }
+        let opened = seal::opened(text.as_bytes()).map_err(|damaged| CaseError::content(path, damaged))?;
+        let opened = opened.and_then(|text| String::from_utf8(text).ok());
+        let text = opened.as_deref().unwrap_or(text);
         let head: Option<Head> = serde_json::from_str(text).ok();
         if head.is_none()
             && let Some(message) = broken(text)

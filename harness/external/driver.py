@@ -41,39 +41,26 @@ class Run:
 
     def unitless(self):
         """A (sparse, by rows: the numbers of each contact x those of the velocity of each grain) and b' (one for each row)."""
-        grains, contacts = self.problem["grains"], self.problem["contacts"]
-        normal, candidate = np.array(contacts["normal"]), np.array(contacts["candidate"])
-        antagonist = np.array([-1 if j is None else j for j in contacts["antagonist"]])
-        (count, space), rough = normal.shape, "friction" in contacts
-        axes = np.stack([normal, *tangents(normal)], axis=1) if rough else normal[:, None]
-        root = np.repeat(np.sqrt(np.array(grains["mass"]))[:, None], space, axis=1)
-        if rough:
-            # n x t, of the spins that a tangent feels: one number in the plane, three in space.
-            spin = turned(normal, axes) if space == 2 else np.cross(normal[:, None], axes)
-            inertia = np.sqrt(np.array(grains["inertia"]))
-            root = np.hstack([root, np.repeat(inertia[:, None], spin.shape[2], axis=1)])
-        radius, (rows, width) = np.array(grains["radius"]), (axes.shape[1], root.shape[1])
-        values, places = [], []
-        for sign, grain in ((1, candidate), (-1, antagonist)):
-            there = np.flatnonzero(grain >= 0)
-            grain = grain[there]
-            side = sign * axes[there]
-            if rough:
-                side = np.concatenate([side, -radius[grain, None, None] * spin[there]], axis=2)
-            values.append((side / root[grain][:, None]).ravel())
-            row = np.broadcast_to((rows * there)[:, None, None] + np.arange(rows)[:, None], side.shape)
-            column = np.broadcast_to((width * grain)[:, None, None] + np.arange(width), side.shape)
-            places.append([row.ravel(), column.ravel()])
-        shape = (rows * count, width * len(root))
-        a = sparse.csr_matrix((np.concatenate(values), np.concatenate(places, axis=1)), shape=shape)
-        b = a @ (root * np.array(grains["free_velocity"])).ravel() + np.array(contacts["offset"]).ravel()
+        a, b, rows = assembled(self.problem)
         diagonal = np.asarray(a.multiply(a).sum(axis=1)).ravel()
-        self.rows, self.root, self.scale = rows, np.ones(rows * count), 1.0
+        self.rows, self.root, self.scale = rows, np.ones(len(b)), 1.0
         if "units-of-file" not in self.words:
             self.root = np.repeat(np.sqrt(diagonal[::rows]), rows)
             b /= self.root
             self.scale = np.linalg.norm(np.minimum(b[::rows], 0))
         return sparse.csr_matrix(sparse.diags(1 / self.root) @ a), b / self.scale
+
+    def programme(self):
+        """P, q, G and l of  min 1/2 x'P x + q'x  subject to  G x >= l: in y; or, with the word `form-dual`, in r', where G is
+        the identity and l is 0."""
+        a, b = self.unitless()
+        if self.is_dual:
+            return (a @ a.T).tocsc(), b, sparse.identity(len(b), format="csc"), np.zeros(len(b))
+        return sparse.identity(a.shape[1], format="csc"), np.zeros(a.shape[1]), a.tocsc(), -b
+
+    @property
+    def is_dual(self):
+        return "form-dual" in self.words
 
     @property
     def friction(self):
@@ -109,6 +96,38 @@ class Run:
         }
         with open(self.file, "w") as file:
             json.dump(answer, file)
+
+
+def assembled(problem):
+    """Of a problem, in the units of its file: Ht M^-1/2 (sparse, by rows: the numbers of each contact x those of the velocity of
+    each grain), b (one for each row), and how many rows a contact has."""
+    grains, contacts = problem["grains"], problem["contacts"]
+    normal, candidate = np.array(contacts["normal"]), np.array(contacts["candidate"])
+    antagonist = np.array([-1 if j is None else j for j in contacts["antagonist"]])
+    (count, space), rough = normal.shape, "friction" in contacts
+    axes = np.stack([normal, *tangents(normal)], axis=1) if rough else normal[:, None]
+    root = np.repeat(np.sqrt(np.array(grains["mass"]))[:, None], space, axis=1)
+    if rough:
+        # n x t, of the spins that a tangent feels: one number in the plane, three in space.
+        spin = turned(normal, axes) if space == 2 else np.cross(normal[:, None], axes)
+        inertia = np.sqrt(np.array(grains["inertia"]))
+        root = np.hstack([root, np.repeat(inertia[:, None], spin.shape[2], axis=1)])
+    radius, (rows, width) = np.array(grains["radius"]), (axes.shape[1], root.shape[1])
+    values, places = [], []
+    for sign, grain in ((1, candidate), (-1, antagonist)):
+        there = np.flatnonzero(grain >= 0)
+        grain = grain[there]
+        side = sign * axes[there]
+        if rough:
+            side = np.concatenate([side, -radius[grain, None, None] * spin[there]], axis=2)
+        values.append((side / root[grain][:, None]).ravel())
+        row = np.broadcast_to((rows * there)[:, None, None] + np.arange(rows)[:, None], side.shape)
+        column = np.broadcast_to((width * grain)[:, None, None] + np.arange(width), side.shape)
+        places.append([row.ravel(), column.ravel()])
+    shape = (rows * count, width * len(root))
+    a = sparse.csr_matrix((np.concatenate(values), np.concatenate(places, axis=1)), shape=shape)
+    b = a @ (root * np.array(grains["free_velocity"])).ravel() + np.array(contacts["offset"]).ravel()
+    return a, b, rows
 
 
 def turned(n, axes):

@@ -2,8 +2,10 @@
 
 Discs are at rest in space with their free velocity, without gravity; a wall is a thin JONCx at its contact. The law is
 IQS_CLB, theta is 1: c = max(0, gap)/h, and motion of the wall. A problem with another c between two discs is refused, and so is
-an answer in which LMGC90 found contacts that the problem has not, and that press. Scenes pass through its text files, whose
-numbers have 7 digits.
+an answer in which LMGC90 found contacts that the problem has not, and that press. Discs are placed where their contacts have the
+problem's normals and gaps, which `grains.position` need not be (`scene.py`); where no places do, the problem is refused. Scenes pass
+through its text files, whose numbers have 7 digits: W and b of the discs in them are compared with the problem's, and refused where
+they differ by more than the tolerance that is asked. So is an answer that lacks a contact of the problem.
 """
 
 import math
@@ -14,11 +16,15 @@ import tempfile
 import numpy as np
 from driver import Run, tangents
 from pylmgc90 import chipy, pre
+from scene import placed, refuse, rounded
 
 run = Run()
 problem, grains, contacts = run.problem, run.problem["grains"], run.problem["contacts"]
 h, mass, radius = problem["time_step"], np.array(grains["mass"]), np.array(grains["radius"])
-position, free = np.array(grains["position"]), np.array(grains["free_velocity"])
+free = np.array(grains["free_velocity"])
+position, missed = placed(problem)
+if missed > 1e-9 * radius.min():
+    sys.exit(f"`contacts.normal` and `contacts.gap` are of no places of the grains: at the best, one misses them by {missed:.1e} m")
 n, gap, mu = np.array(contacts["normal"]), np.array(contacts["gap"]), run.friction
 t, offset = tangents(n)[0], np.array(contacts["offset"]).reshape(len(n), -1)
 # Its tolerances have no unit: the problem keeps its own.
@@ -32,13 +38,16 @@ if "inertia" in grains and np.any(np.abs(np.array(grains["inertia"]) / (0.5 * ma
 if len(set(mu)) > 1:
     sys.exit("`contacts.friction` differs from contact to contact: the driver has one law")
 
+density = mass / (math.pi * radius**2)
+refuse(problem, rounded(problem, position, density), run.tolerance, "LMGC90")
+
 os.chdir(tempfile.mkdtemp(dir=os.path.dirname(os.path.abspath(run.file))))
 os.mkdir("DATBOX")
 materials, models, bodies = pre.materials(), pre.models(), pre.avatars()
 rigid = pre.model(name="rigid", physics="MECAx", element="Rxx2D", dimension=2)
 models.addModel(rigid)
-for i, density in enumerate(mass / (math.pi * radius**2)):
-    material = pre.material(name=f"m{i:04x}", materialType="RIGID", density=density)
+for i, of_disc in enumerate(density):
+    material = pre.material(name=f"m{i:04x}", materialType="RIGID", density=of_disc)
     materials.addMaterial(material)
     disc = pre.rigidDisk(r=radius[i], center=list(position[i]), model=rigid, material=material, color="GRAIN")
     disc.imposeInitValue(component=list(range(1, free.shape[1] + 1)), value=list(free[i]))
@@ -56,7 +65,8 @@ for alpha, (i, j) in enumerate(zip(contacts["candidate"], contacts["antagonist"]
             bar.imposeDrivenDof(component=component, dofty="vlocy", ct=float(speed), rampi=1.0)
         bodies.addAvatar(bar)
         j = len(bodies) - 1
-    numbers[frozenset((i + 1, j + 1))] = alpha
+    if numbers.setdefault(frozenset((i + 1, j + 1)), alpha) != alpha:
+        sys.exit(f"contact {alpha} is between grains that have one already: LMGC90 makes one of two discs")
 laws, tables = pre.tact_behavs(), pre.see_tables()
 law = pre.tact_behav(name="iqsc0", law="IQS_CLB", fric=float(mu[0]))
 laws.addBehav(law)
@@ -64,7 +74,7 @@ for antagonist, colour in (("DISKx", "GRAIN"), ("JONCx", "WALLx")):
     tables.addSeeTable(
         pre.see_table(
             CorpsCandidat="RBDY2", candidat="DISKx", colorCandidat="GRAIN", CorpsAntagoniste="RBDY2",
-            antagoniste=antagonist, colorAntagoniste=colour, behav=law, alert=max(0.0, gap.max()) + 1e-6 * radius.min(),
+            antagoniste=antagonist, colorAntagoniste=colour, behav=law, alert=max(0.0, gap.max()) + 1e-4 * radius.min(),
         )
     )
 pre.writeDatbox(2, materials, models, bodies, laws, tables, gravy=[0.0, 0.0, 0.0], post=pre.postpro_commands())
@@ -93,15 +103,19 @@ else:
 run.solved()
 chipy.StockRloc()
 r = np.zeros((len(n), run.rows))
+missing = set(numbers)
 for found in chipy.getInteractions():
     bodies_of = frozenset((int(found["icdbdy"]), int(found["ianbdy"])))
     # Forces in its own frame, on its candidate: the disc where there is a wall.
     force = found["uc"] @ found["rl"] * h
+    missing.discard(bodies_of)
     if bodies_of in numbers:
         alpha = numbers[bodies_of]
         force = force if found["icdbdy"] == contacts["candidate"][alpha] + 1 else -force
         r[alpha] = [force @ n[alpha], force @ t[alpha]][: run.rows]
     elif np.any(force != 0):
         sys.exit(f"bodies {sorted(bodies_of)} press, between which the problem has no contact")
+if missing:
+    sys.exit(f"LMGC90 found no contact where the problem has contact {min(numbers[bodies_of] for bodies_of in missing)}")
 # The count of its iterations is not handed out.
 run.answer(r.ravel(), 1)

@@ -1,4 +1,4 @@
-"""OSQP: operator splitting (ADMM) on the programme in y."""
+"""OSQP: operator splitting (ADMM) on the programme in y, or in r'."""
 
 import numpy as np
 import osqp
@@ -6,14 +6,12 @@ import scipy.sparse as sparse
 from driver import Run
 
 run = Run()
-a, b = run.unitless()
-count, size = a.shape
+p, q, g, least = run.programme()
 solver = osqp.OSQP()
-identity = sparse.identity(size, format="csc")
 solver.setup(
-    identity, np.zeros(size), a.tocsc(), -b, np.full(count, np.inf),
+    sparse.triu(p, format="csc"), q, g, least, np.full(len(least), np.inf),
     eps_abs=run.tolerance, eps_rel=0.0, max_iter=run.iterations, verbose=False,
 )
 run.solving()
 result = solver.solve(raise_error=False)
-run.answer(-result.y, result.info.iter, result.info.status)
+run.answer(result.x if run.is_dual else -result.y, result.info.iter, result.info.status)

@@ -1,22 +1,20 @@
-"""ProxQP: proximal augmented Lagrangian on the programme in y."""
+"""ProxQP: proximal augmented Lagrangian on the programme in y, or in r'."""
 
 import numpy as np
-import scipy.sparse as sparse
 from driver import Run
 from proxsuite import proxqp
 
 run = Run()
-a, b = run.unitless()
-count, size = a.shape
-identity, matrix = sparse.identity(size, format="csc"), a.tocsc()
-if run.words == ["dense"]:
-    qp, identity, matrix = proxqp.dense.QP(size, 0, count), identity.toarray(), matrix.toarray()
+p, q, g, least = run.programme()
+(count, size), backend = g.shape, run.words[0]
+if backend == "dense":
+    qp, p, g = proxqp.dense.QP(size, 0, count), p.toarray(), g.toarray()
 else:
     qp = proxqp.sparse.QP(size, 0, count)
     names = {"matrix-free": "MatrixFree", "sparse-cholesky": "SparseCholesky"}
-    qp.settings.sparse_backend = getattr(proxqp.SparseBackend, names[run.words[0]])
+    qp.settings.sparse_backend = getattr(proxqp.SparseBackend, names[backend])
 qp.settings.eps_abs, qp.settings.eps_rel, qp.settings.max_iter = run.tolerance, 0.0, run.iterations
-qp.init(identity, np.zeros(size), None, None, matrix, -b, np.full(count, np.inf))
+qp.init(p, q, None, None, g, least, np.full(count, np.inf))
 run.solving()
 qp.solve()
-run.answer(-qp.results.z, qp.results.info.iter, str(qp.results.info.status).split(".")[-1])
+run.answer(qp.results.x if run.is_dual else -qp.results.z, qp.results.info.iter, str(qp.results.info.status).split(".")[-1])

@@ -7,7 +7,7 @@ mod cli {
     pub(crate) mod certify;
     pub(crate) mod convert;
     pub(crate) mod freeze;
-    mod keys;
+    pub(crate) mod keys;
     pub(crate) mod list;
     pub(crate) mod merge;
     pub(crate) mod plan;
@@ -45,7 +45,7 @@ mod store {
     mod stored;
 
     pub(crate) use baseline::{Counts, ExpectedFailure, baseline_text, expected_failures, read_baseline};
-    pub(crate) use folder::{about, draw, finish, open, runs_folder};
+    pub(crate) use folder::{about, draw, finish, open, records_of, runs_folder, tables_of};
     pub(crate) use stored::{is_id, problem_of_run, stored_run};
 }
 
@@ -166,8 +166,8 @@ mod terminal {
     mod tests;
 
     pub(crate) use output::{
-        check_place, create_folder_of, merged, read_text, replaces, say, say_table, write_instead,
-        write_kept, write_whole,
+        check_apart, check_place, create_folder_of, merged, read_sealed, read_text, replaces, say, say_table,
+        write_instead, write_kept, write_sealed, write_whole,
     };
     pub(crate) use progress::{Bars, Line};
 }
@@ -323,5 +323,5 @@ fn in_one_paragraph(error: &anyhow::Error) -> String {
             text = format!("{text}: {}", cause.trim_end());
         }
     }
-    suggest::without_types(&suggest::in_error(&text))
+    suggest::without_types(&suggest::in_error(&text, cli::keys::of_cases))
 }

@@ -6,6 +6,7 @@ use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use seal::{Damaged, opened, sealed};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -76,13 +77,11 @@ pub enum RowError {
         known: Vec<&'static str>,
     },
     /// A line was changed after it was written.
-    #[error("damaged: its checksum is {found}, and `{CHECKSUM}` says {written}")]
-    Damaged {
-        /// Of what stands there.
-        found: String,
-        /// Of what was written.
-        written: String,
-    },
+    #[error(transparent)]
+    Damaged(#[from] Damaged),
+    /// A line has lost its checksum.
+    #[error("damaged: it has no checksum, and a line before it has one")]
+    Unsealed,
     /// A line is no row, or one of another version of the schema.
     #[error("not a run as this version writes them: {0}")]
     Json(#[from] serde_json::Error),
@@ -100,36 +99,6 @@ impl RowError {
         }
         Err(Self::Name { key, value: value.to_owned(), known: known.to_vec() })
     }
-}
-
-/// Key of the checksum: CRC-32 of the line before the comma in front of it.
-const CHECKSUM: &str = "crc32";
-
-/// The end of a line, in place of the bracket that closes it.
-fn seal(line: &[u8]) -> String {
-    format!(",\"{CHECKSUM}\":\"{:08x}\"}}", crc32fast::hash(line))
-}
-
-/// Reads a line of a journal, without its end, and whether it has a checksum: those from before there were any have none.
-///
-/// # Errors
-///
-/// If it is damaged, or is no row.
-pub fn entry<R: Entry>(line: &[u8]) -> Result<(R, bool), RowError> {
-    let whole = line.len().checked_sub(seal(b"").len()).map(|end| line.split_at(end));
-    let key = format!(",\"{CHECKSUM}\":\"");
-    let whole = whole.filter(|(_, end)| end.starts_with(key.as_bytes()));
-    let record: R = match whole {
-        // Where the key of the checksum is damaged it is one that no row has.
-        None => serde_json::from_slice(line)?,
-        Some((row, end)) if seal(row).as_bytes() == end => serde_json::from_slice(&[row, b"}"].concat())?,
-        Some((row, end)) => {
-            let checksum = |end: &[u8]| String::from_utf8_lossy(&end[key.len()..]).replace(['"', '}'], "");
-            return Err(RowError::Damaged { found: checksum(seal(row).as_bytes()), written: checksum(end) });
-        }
-    };
-    record.check()?;
-    Ok((record, whole.is_some()))
 }
 
 /// A run with its curve: one line of the journal.
@@ -195,8 +164,8 @@ pub(crate) fn named(
 pub struct Lines<R> {
     /// Its runs, in the order in which they ended.
     pub records: Vec<R>,
-    /// Those of them, by index, whose line has no checksum.
-    old: Vec<usize>,
+    /// Number of runs whose lines are from before there were checksums: the first ones.
+    pub unsealed: usize,
     /// Length of a last line that has no end: whoever wrote it was stopped (bytes).
     pub torn: u64,
     /// Length of all lines before it (bytes).
@@ -209,26 +178,81 @@ pub struct Lines<R> {
 ///
 /// If the file cannot be read, or a line that has an end is not a run.
 pub fn read<R: Entry>(path: &Path) -> Result<Lines<R>, StoreError> {
-    let mut lines = Lines { records: Vec::new(), old: Vec::new(), torn: 0, whole: 0 };
-    let mut reader = match File::open(path) {
-        Ok(file) => BufReader::new(file),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(lines),
+    let mut records = Vec::new();
+    let mut texts = match File::open(path) {
+        Ok(file) => Texts::new(path, file),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            return Ok(Lines { records, unsealed: 0, torn: 0, whole: 0 });
+        }
         Err(error) => return Err(at(path)(error)),
     };
-    let mut line = Vec::new();
-    loop {
-        line.clear();
-        let length = reader.read_until(b'\n', &mut line).map_err(at(path))? as u64;
+    for text in &mut texts {
+        records.push(entry(&text?).map_err(at_line(path, records.len()))?);
+    }
+    let Texts { unsealed, torn, whole, .. } = texts;
+    Ok(Lines { records, unsealed, torn, whole })
+}
+
+/// Reads a line of a journal, without its checksum.
+///
+/// # Errors
+///
+/// If it is no row.
+pub fn entry<R: Entry>(text: &[u8]) -> Result<R, RowError> {
+    let record: R = serde_json::from_slice(text)?;
+    record.check()?;
+    Ok(record)
+}
+
+/// The lines of a journal that have an end, each without its checksum, which is checked. Their ends may be those of Windows. Lines
+/// from before there were checksums have none; they stand before all others.
+pub struct Texts {
+    path: PathBuf,
+    reader: BufReader<File>,
+    number: usize,
+    unsealed: usize,
+    torn: u64,
+    whole: u64,
+}
+
+impl Texts {
+    /// Reads the journal `file`, whose path is for errors.
+    pub fn new(path: &Path, file: File) -> Self {
+        let reader = BufReader::new(file);
+        Self { path: path.to_owned(), reader, number: 0, unsealed: 0, torn: 0, whole: 0 }
+    }
+
+    /// Returns the number of lines so far that are from before there were checksums.
+    pub fn unsealed(&self) -> usize {
+        self.unsealed
+    }
+}
+
+impl Iterator for Texts {
+    type Item = Result<Vec<u8>, StoreError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let mut line = Vec::new();
+        let length = match self.reader.read_until(b'\n', &mut line) {
+            Ok(length) => length as u64,
+            Err(error) => return Some(Err(at(&self.path)(error))),
+        };
         if line.pop_if(|end| *end == b'\n').is_none() {
-            lines.torn = length;
-            return Ok(lines);
+            self.torn = length;
+            return None;
         }
-        let (record, sealed) = entry(&line).map_err(at_line(path, lines.records.len()))?;
-        if !sealed {
-            lines.old.push(lines.records.len());
-        }
-        lines.records.push(record);
-        lines.whole += length;
+        let text = match opened(&line) {
+            Ok(Some(text)) => Ok(text),
+            Ok(None) if self.unsealed == self.number => {
+                self.unsealed += 1;
+                Ok(line)
+            }
+            Ok(None) => Err(RowError::Unsealed),
+            Err(damaged) => Err(damaged.into()),
+        };
+        self.number += 1;
+        self.whole += length;
+        Some(text.map_err(at_line(&self.path, self.number - 1)))
     }
 }
 
@@ -244,9 +268,8 @@ impl<R: Entry> Lines<R> {
     ///
     /// Names the line of the journal `path`, the method and those that are known.
     pub fn check_methods(&self, path: &Path, known: &[&'static str]) -> Result<(), StoreError> {
-        for &index in &self.old {
-            RowError::unless_known("method", self.records[index].method(), known)
-                .map_err(at_line(path, index))?;
+        for (index, record) in self.records[..self.unsealed].iter().enumerate() {
+            RowError::unless_known("method", record.method(), known).map_err(at_line(path, index))?;
         }
         Ok(())
     }
@@ -277,11 +300,9 @@ impl Journal {
     }
 
     pub(crate) fn append<R: Entry>(&mut self, record: &R) -> Result<(), StoreError> {
-        let mut line = serde_json::to_vec(record).map_err(|e| at(&self.path)(e.into()))?;
-        line.pop();
-        line.extend(seal(&line).bytes());
-        line.push(b'\n');
-        if let Err(error) = self.file.write_all(&line) {
+        let object = serde_json::to_string(record).map_err(|e| at(&self.path)(e.into()))?;
+        let line = sealed(&object) + "\n";
+        if let Err(error) = self.file.write_all(line.as_bytes()) {
             // The next reader would drop the half line all the same.
             let _ = self.file.set_len(self.length);
             return Err(at(&self.path)(error));

@@ -5,6 +5,7 @@ pub mod journal;
 mod json;
 pub mod provenance;
 pub mod schema;
+mod seal;
 pub mod simulation;
 pub mod store;
 pub mod study;

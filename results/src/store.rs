@@ -3,18 +3,17 @@
 mod files;
 
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use polars::prelude::{CsvWriter, DataFrame, ParquetWriter, PolarsError, PolarsResult, SerWriter};
+use polars::prelude::{CsvWriter, PolarsError, PolarsResult, SerWriter};
 use rayon::prelude::*;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use seal::Damaged;
 use thiserror::Error;
 
-use crate::columns::{keys, rows};
 use crate::journal::{Entry, Journal, Lines, Record, RowError, read as read_journal};
 use crate::schema::{Run, Sample, Snapshot};
+use crate::seal::seal_tables;
 use crate::simulation::{Observed, Simulated, Simulation};
 use crate::study::{
     CONTACTS, CURVES, GRAINS, Named, RUN, RUNS, Runs, SERIES, SIMULATION, SIMULATIONS, SNAPSHOTS, Study,
@@ -22,7 +21,7 @@ use crate::study::{
 };
 pub(crate) use files::at;
 pub use files::behind_links;
-use files::{lock, new_dated_folder, read_parquet, write_whole};
+use files::{Tables, lock, new_dated_folder, parquet_of, remove_unfinished, write_whole};
 
 const JOURNAL: &str = "journal.jsonl";
 const LOCK: &str = "lock";
@@ -47,6 +46,27 @@ pub enum StoreError {
         path: PathBuf,
         /// Why.
         source: PolarsError,
+    },
+    /// A table was changed after it was written.
+    #[error("{path}: {source}; `gravel bench` makes the tables again from the journal")]
+    Damaged {
+        /// Which file.
+        path: PathBuf,
+        /// In what it shows.
+        source: Damaged,
+    },
+    /// Two tables of a study were not written together.
+    #[error(
+        "{} is not of the same time as {}: the program was stopped between them; `gravel bench` makes the tables again \
+         from the journal",
+        path.display(),
+        other.display()
+    )]
+    Apart {
+        /// Which file.
+        path: PathBuf,
+        /// The one that was read before it.
+        other: PathBuf,
     },
     /// A line of a journal is damaged, or no run as this version writes them.
     #[error("{path}, line {line}: {source}")]
@@ -86,7 +106,7 @@ pub struct Store<R = Record> {
 
 impl<R: Entry> Store<R> {
     /// Opens the study of a plan below `root`, and goes on behind what it holds. A place that cannot be written to is so
-    /// known before the first run, not after the last.
+    /// known before the first run, not after the last. What a program that was killed did not finish is removed.
     ///
     /// # Errors
     ///
@@ -96,6 +116,7 @@ impl<R: Entry> Store<R> {
         let folder = folder(root, plan)?;
         fs::create_dir_all(&folder).map_err(at(&folder))?;
         let lock = lock(&folder.join(LOCK))?;
+        remove_unfinished(&folder)?;
         let (journal, lines) = Journal::open(&folder.join(JOURNAL))?;
         Ok(Self { folder, journal, lines, _lock: lock })
     }
@@ -119,9 +140,9 @@ impl<R: Entry> Store<R> {
         self.lines.check_methods(&self.folder.join(JOURNAL), known)
     }
 
-    /// Length of a torn last line that was dropped (bytes); 0 if there was none.
-    pub fn dropped(&self) -> u64 {
-        self.lines.torn
+    /// The journal, as it was when it was opened, with all runs.
+    pub fn lines(&self) -> &Lines<R> {
+        &self.lines
     }
 
     /// Adds a run. It is in the journal, whole, when this returns; if it fails, the journal is as before.
@@ -144,10 +165,13 @@ impl<R: Entry> Store<R> {
     pub fn write_tables(&mut self, study: &Study) -> Result<(), StoreError> {
         self.journal.sync()?;
         let format = |source| StoreError::Format { path: self.folder.clone(), source };
-        study.tables().map_err(format)?.into_par_iter().try_for_each(|Named { name, mut table, csv }| {
-            write_whole(&parquet(&self.folder, name), |file| {
-                ParquetWriter::new(file).finish(&mut table).map(drop)
-            })?;
+        let mut named = study.tables().map_err(format)?;
+        let bytes = named.par_iter_mut().map(|Named { table, .. }| parquet_of(table));
+        let mut bytes = bytes.collect::<PolarsResult<Vec<_>>>().map_err(format)?;
+        seal_tables(&mut bytes)
+            .map_err(|source| StoreError::Damaged { path: self.folder.clone(), source })?;
+        named.into_par_iter().zip(bytes).try_for_each(|(Named { name, mut table, csv }, bytes)| {
+            write_whole(&parquet(&self.folder, name), |file| Ok(file.write_all(&bytes)?))?;
             if csv {
                 let path = self.folder.join(name).with_extension("csv");
                 write_whole(&path, |file| CsvWriter::new(file).finish(&mut table))?;
@@ -182,17 +206,17 @@ impl Store {
     }
 }
 
-/// The runs, by one of the `known` methods, that a study's folder holds at this moment, whoever writes to it; none if it is
-/// not there.
+/// Returns what the journal of a study's folder holds at this moment, whoever writes to it: runs by one of the `known` methods; nothing if
+/// it is not there.
 ///
 /// # Errors
 ///
 /// If its journal cannot be read.
-pub fn records_of<R: Entry>(folder: &Path, known: &[&'static str]) -> Result<Vec<R>, StoreError> {
+pub fn records_of<R: Entry>(folder: &Path, known: &[&'static str]) -> Result<Lines<R>, StoreError> {
     let path = folder.join(JOURNAL);
     let lines = read_journal(&path)?;
     lines.check_methods(&path, known)?;
-    Ok(lines.records)
+    Ok(lines)
 }
 
 /// The journals of all studies below `root`, by name; none if it is not there.
@@ -218,68 +242,44 @@ pub fn is_study(folder: &Path) -> bool {
     folder.join(JOURNAL).is_file()
 }
 
-/// Reads the tables of a study's folder.
+/// Reads the tables of a study's folder; and returns with them the paths of those that have no checksum, since they are from before
+/// there were any.
 ///
 /// # Errors
 ///
-/// If a file is missing, is not a table, or not one of such rows.
-pub fn read(folder: &Path) -> Result<Study, StoreError> {
+/// If a file is missing, is not a table, not one of such rows, was changed, or was written at another time than the others.
+pub fn read(folder: &Path) -> Result<(Study, Vec<PathBuf>), StoreError> {
+    let mut tables = Tables::default();
+    let study = read_study(folder, &mut tables)?;
+    Ok((study, tables.unsealed))
+}
+
+fn read_study(folder: &Path, tables: &mut Tables) -> Result<Study, StoreError> {
     if parquet(folder, SIMULATIONS).is_file() {
-        let simulations: Vec<Simulation> = typed(folder, SIMULATIONS)?;
-        let mut series = grouped::<Observed>(folder, SERIES, SIMULATION, simulations.len())?.into_iter();
+        let simulations: Vec<Simulation> = tables.rows(&parquet(folder, SIMULATIONS))?;
+        let series = tables.groups::<Observed>(&parquet(folder, SERIES), SIMULATION, simulations.len())?;
+        let mut series = series.into_iter();
         let one = |simulation| Simulated { simulation, series: series.next().unwrap_or_default() };
         return Ok(Study::Simulations(simulations.into_iter().map(one).collect()));
     }
-    let runs: Vec<Run> = typed(folder, RUNS)?;
-    let mut curves = grouped::<Sample>(folder, CURVES, RUN, runs.len())?.into_iter();
+    let runs: Vec<Run> = tables.rows(&parquet(folder, RUNS))?;
+    let mut curves = tables.groups::<Sample>(&parquet(folder, CURVES), RUN, runs.len())?.into_iter();
     // Older studies have none.
-    let has_snapshots = parquet(folder, SNAPSHOTS).is_file();
-    let snapshots = has_snapshots.then(|| grouped::<Snapshot>(folder, SNAPSHOTS, RUN, runs.len()));
-    let mut snapshots = snapshots.transpose()?.into_iter().flatten();
+    let snapshots = Some(parquet(folder, SNAPSHOTS)).filter(|path| path.is_file());
+    let snapshots = snapshots.map(|path| tables.groups::<Snapshot>(&path, RUN, runs.len())).transpose()?;
+    let mut snapshots = snapshots.into_iter().flatten();
     let record = |run| Record {
         run,
         curve: curves.next().unwrap_or_default(),
         snapshots: snapshots.next().unwrap_or_default(),
     };
     let records = runs.into_iter().map(record).collect();
-    Ok(Study::Runs(Runs { records, grains: typed(folder, GRAINS)?, contacts: typed(folder, CONTACTS)? }))
+    let grains = tables.rows(&parquet(folder, GRAINS))?;
+    Ok(Study::Runs(Runs { records, grains, contacts: tables.rows(&parquet(folder, CONTACTS))? }))
 }
 
 fn parquet(folder: &Path, name: &str) -> PathBuf {
     folder.join(name).with_extension("parquet")
-}
-
-fn from_table<T>(
-    folder: &Path,
-    name: &str,
-    read: impl Fn(&DataFrame) -> PolarsResult<T>,
-) -> Result<T, StoreError> {
-    let path = parquet(folder, name);
-    read(&read_parquet(&path)?).map_err(|source| StoreError::Format { path, source })
-}
-
-/// The rows of a table.
-fn typed<Row>(folder: &Path, name: &str) -> Result<Vec<Row>, StoreError>
-where
-    Row: Serialize + DeserializeOwned + Default + Send,
-{
-    from_table(folder, name, rows)
-}
-
-/// The rows of a table whose column `key` says of which run or simulation each is; rows of none are left aside.
-fn grouped<Row>(folder: &Path, name: &str, key: &str, count: usize) -> Result<Vec<Vec<Row>>, StoreError>
-where
-    Row: Serialize + DeserializeOwned + Default + Send,
-{
-    let (keys, rows) = from_table(folder, name, |table| Ok((keys(key, table)?, rows::<Row>(table)?)))?;
-    let mut groups: Vec<Vec<Row>> = Vec::new();
-    groups.resize_with(count, Vec::new);
-    for (key, row) in keys.into_iter().zip(rows) {
-        if let Some(group) = groups.get_mut(key as usize) {
-            group.push(row);
-        }
-    }
-    Ok(groups)
 }
 
 /// The folder of a plan's study, if it has tables.

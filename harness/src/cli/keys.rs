@@ -10,6 +10,12 @@ pub(super) fn rows(schema: &Value) -> Vec<Vec<String>> {
     rows
 }
 
+/// Returns every key of a case, such as `scene.friction`.
+pub(crate) fn of_cases() -> Vec<String> {
+    let rows = rows(&cases::schema::<cases::Case>()).into_iter();
+    rows.filter_map(|row| row.into_iter().next()).map(|key| key.trim_matches('`').to_owned()).collect()
+}
+
 fn add(rows: &mut Vec<Vec<String>>, schema: &Value, path: &str) {
     let list = |schema: &Value, key: &str| schema[key].as_array().cloned().unwrap_or_default();
     let required = list(schema, "required");

@@ -1,14 +1,13 @@
 //! `gravel merge`: the runs of other stores of a plan, such as those of another machine, join this one.
 
 use crate::cli::args::StudyArgs;
-use crate::plan::method_names;
 use crate::problems::Root;
-use crate::store::{finish, open};
+use crate::store::{finish, open, records_of};
 use crate::study::{Kind, OnProblems, Selection, ThroughTime};
 use crate::terminal::say;
 use anyhow::{Result, bail};
 use results::journal::Entry;
-use results::store::{Store, is_study, records_of};
+use results::store::{Store, is_study};
 use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -43,7 +42,7 @@ fn joined<R: Entry>(root: &Root, plan: &str, from: &[PathBuf]) -> Result<Store<R
         if !is_study(folder) {
             bail!("{}: this folder has no journal.jsonl", folder.display());
         }
-        stores.push((folder, records_of::<R>(folder, &method_names())?));
+        stores.push((folder, records_of::<R>(folder)?));
     }
     let mut store = open(root, plan)?;
     refuse_other_counts(store.records(), &stores, plan)?;

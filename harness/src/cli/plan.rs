@@ -1,14 +1,12 @@
 //! `gravel plan`: the runs of a plan, which of them are done, and how long the others take, with nothing run.
 
 use crate::cli::args::StudyArgs;
-use crate::plan::method_names;
 use crate::problems::Root;
-use crate::store::runs_folder;
+use crate::store::{records_of, runs_folder};
 use crate::study::{Kind, Listed, OnProblems, Selection, ThroughTime, by_id, left_s, missing};
 use crate::terminal::say;
 use anyhow::Result;
 use indicatif::HumanDuration;
-use results::store::records_of;
 use std::time::Duration;
 
 #[derive(clap::Args)]
@@ -49,7 +47,7 @@ fn all(root: &Root, selection: Selection) -> Result<(Vec<Listed>, Option<f64>)> 
 /// The tasks, and how long the missing ones may take (s).
 fn listed<K: Kind>(root: &Root, selection: Selection) -> Result<(Vec<Listed>, Option<f64>)> {
     let folder = runs_folder(root).join(&selection.plan.name);
-    let records: Vec<K::Record> = records_of(&folder, &method_names())?;
+    let records: Vec<K::Record> = records_of(&folder)?;
     let study = K::new(selection, root, false)?;
     let done = by_id(&records).into_keys().collect();
     let left = left_s(&missing(&study.tasks(), &done), &records);

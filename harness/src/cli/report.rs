@@ -4,11 +4,11 @@
 use crate::cli::args::PlanArgs;
 use crate::plan::{Plan, key_value};
 use crate::problems::Root;
-use crate::store::{about, draw, runs_folder};
+use crate::store::{about, draw, runs_folder, tables_of};
 use crate::terminal::{check_place, read_text, say, suggest, write_whole};
 use anyhow::{Context, Result, anyhow, bail};
 use reports::{Chart, Formats, Pick, TableFormat, Wanted};
-use results::store::{read, tables_folder};
+use results::store::tables_folder;
 use results::study::Study as Rows;
 use std::path::{Path, PathBuf};
 
@@ -82,8 +82,8 @@ impl FormatArgs {
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let plan = Plan::read(&args.study.path(root)?, args.study.quick)?;
     let stored = stored(root, &plan)?;
-    let rows = read(&stored)?;
-    let earlier = args.against.as_deref().map(read).transpose().context("--against")?;
+    let rows = tables_of(&stored)?;
+    let earlier = args.against.as_deref().map(tables_of).transpose().context("--against")?;
     if (args.fill.is_some() || earlier.is_some()) && !matches!(rows, Rows::Runs(_)) {
         bail!("--against and --fill are for studies of problems, and `{}` is one through time", plan.name);
     }
@@ -115,7 +115,7 @@ pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
     let stored = stored(root, &plan)?;
     let name = format!("{}-{}", plan.name, args.chart.name());
     draw(root, &name, &stored, args.formats.formats(), |formats, out| {
-        Ok(reports::figure(&read(&stored)?, args.chart, formats, out)?)
+        Ok(reports::figure(&tables_of(&stored)?, args.chart, formats, out)?)
     })
 }
 
@@ -131,7 +131,7 @@ pub(crate) fn table(root: &Root, args: &TableArgs) -> Result<()> {
     };
     let plan = Plan::read(&study.path(root)?, study.quick)?;
     let pick = Pick { table, columns, rows, format };
-    let text = reports::table(&read(&stored(root, &plan)?)?, &plan.charts(), pick)?;
+    let text = reports::table(&tables_of(&stored(root, &plan)?)?, &plan.charts(), pick)?;
     match output {
         None => say(format_args!("{}", text.trim_end())),
         Some(file) => {

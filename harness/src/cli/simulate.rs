@@ -4,7 +4,7 @@ use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::plan::{Method, Rule};
 use crate::problems::{Enter, Root, Studied, enter, read_case, warn};
 use crate::run::{End, Frames, Seen, missed, observed, through_time};
-use crate::terminal::{check_place, exit, merged, progress, say, write_whole};
+use crate::terminal::{check_place, exit, merged, progress, say, write_sealed};
 use anyhow::{Context, Result, bail};
 use cases::{Case, Frozen, March, Start};
 use indicatif::ProgressBar;
@@ -120,7 +120,9 @@ fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) ->
         End::Exploded { last, .. } => Some(last_state(last, args)),
         End::Completed | End::Interrupted(_) => None,
     };
+    let missed = missed(&totals, &stop);
     if args.json {
+        let reason = if matches!(end, End::Completed) { missed.as_deref() } else { Some(end.reason()) };
         let last_state = last_state.and_then(|state| state.inspect_err(|error| eprintln!("{error:#}")).ok());
         let object = json!({
             "case": case.name,
@@ -133,17 +135,17 @@ fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) ->
             "time_step_s": case.scene.time_step_s,
             "time_steps_asked": args.time_steps,
             "status": end.status(),
-            "reason": end.reason(),
+            "reason": reason.unwrap_or_default(),
             "last_state": last_state,
             "last_time_step": kept.reached,
         });
         say(format_args!("{}", merged(object, serde_json::to_value(totals)?)))?;
     } else {
         kept.say(args)?;
-        let missed = missed(&totals, &stop).map(|text| text + advice(case, method));
+        let missed = missed.map(|text| text + advice(case, method));
         say_ending(&case.name, args, &totals, missed, &end, last_state)?;
     }
-    Ok(exit::code(end.status()))
+    Ok(exit::code(end.worst(&totals)))
 }
 
 /// What is kept of a simulation while it goes on: a program that is killed leaves the time steps that had ended.
@@ -204,7 +206,7 @@ fn last_state<M: Studied>(last: &Frozen<M>, args: &Args) -> Result<PathBuf> {
         if file.exists() {
             bail!("{} exists", file.display());
         }
-        write_whole(&file, &M::to_json(last)?)
+        write_sealed(&file, &M::to_json(last)?)
     };
     write().context("the problem of its last good state was not written")?;
     Ok(file)
@@ -228,13 +230,15 @@ fn say_ending<M: Studied>(
     end: &End<M>,
     last_state: Option<Result<PathBuf>>,
 ) -> Result<()> {
+    if !matches!(end, End::Completed) {
+        say(format_args!("{} after {} of {} time steps", end.status(), totals.time_steps, args.time_steps))?;
+    }
     if let Some(missed) = missed {
         say(format_args!("{missed}"))?;
     }
     if matches!(end, End::Completed) {
         return Ok(());
     }
-    say(format_args!("{} after {} of {} time steps", end.status(), totals.time_steps, args.time_steps))?;
     let kept = match last_state {
         Some(Ok(file)) => format!("the problem of its last good state is {}", file.display()),
         Some(Err(error)) => format!("{error:#}"),

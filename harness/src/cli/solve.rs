@@ -8,11 +8,11 @@ use crate::identity::content_hash;
 use crate::plan::Method;
 use crate::problems::{Given, Known, Root, Studied, Visit, size, visit};
 use crate::run::{Ended, Observe, derived, ended, homogenised};
-use crate::terminal::{Line, check_place, exit, merged, say, write_instead};
+use crate::terminal::{Line, check_apart, check_place, exit, merged, say, write_instead};
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
 use contact::{Measure, Mechanics};
-use runner::{Measured, Outcome, Progress, Stop};
+use runner::{Measured, Outcome, Progress, Status, Stop};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -74,6 +74,9 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         check_place(file)?;
     }
     let path = root.any_problem_or_case(&args.problem)?;
+    let outputs = [("--impulses", &args.impulses), ("--homogenised", &args.homogenised)];
+    let outputs = outputs.iter().filter_map(|(name, file)| Some((*name, file.as_deref()?)));
+    check_apart(&[("the problem", &*path)].into_iter().chain(outputs).collect::<Vec<_>>())?;
     let problem = if is_foreign(&path) {
         match exchange::read(&path)? {
             Held::Local(problem) => return local::solve(problem, args, (&method, &stop), &path),
@@ -147,12 +150,37 @@ fn tell<M: Mechanics>(
     if let Some(file) = &args.impulses {
         write_instead(file, json!({ "impulse": outcome.impulses }).to_string())?;
     }
+    if let Some(why) = at_rest(outcome, stop) {
+        eprintln!("warning: {why}");
+    }
     if args.json {
         say(format_args!("{}", to_json(asked(), outcome)?))?;
     } else {
         print(title, (method, stop), outcome)?;
     }
     Ok(exit::code(outcome.status.name()))
+}
+
+/// Returns what to check where no impulse at all ended a run at once.
+fn at_rest<M: Mechanics>(outcome: &Outcome<M>, stop: &Stop) -> Option<String> {
+    let Outcome { status, iterations, impulses, measures, .. } = outcome;
+    if *status != Status::Converged || *iterations > 0 || impulses.iter().any(|r| *r != 0.0) {
+        return None;
+    }
+    if impulses.is_empty() {
+        return Some("there is no contact".to_owned());
+    }
+    let (on, tolerance, left) = (stop.on, stop.tolerance, measures.get(stop.on));
+    Some(if left > 0.0 {
+        format!(
+            "no contact pushes: {on} is {left:.3e} without any impulse, which `--tolerance {tolerance}` allows; ask for less"
+        )
+    } else {
+        "no contact pushes, since none closes. If some should: `contacts.normal` points from the antagonist (or the wall) to the \
+         candidate, `grains.free_velocity` is that at the end of the time step, gravity in it, and `contacts.offset` is negative \
+         where a wall comes closer"
+            .to_owned()
+    })
 }
 
 /// What comes out of a method from the impulses `r0` (N·s).

@@ -3,8 +3,8 @@
 use crate::identity::{code_version, content_hash, hash_of};
 use crate::plan::{Method, Settings, as_typed};
 use crate::problems::{Enter, Root, Studied, enter};
-use crate::terminal::{progress, read_text, say, suggest, write_kept};
-use anyhow::{Result, bail};
+use crate::terminal::{progress, read_sealed, read_text, say, suggest, write_sealed};
+use anyhow::{Result, bail, ensure};
 use cases::{AnyFrozen, Case, March, Sample, Start};
 use cg::Cg;
 use contact::memory::gigabytes;
@@ -180,9 +180,13 @@ impl KeptProblem {
     /// The problem, if it need not be computed.
     pub(crate) fn at_hand(&self, root: &Root) -> Option<AnyFrozen> {
         let file = self.file(root);
-        let read =
-            || AnyFrozen::read(&file).inspect_err(|error| eprintln!("{error}; it is computed again")).ok();
-        file.is_file().then(read)?
+        let read = || -> Result<AnyFrozen> {
+            let (text, sealed) = read_sealed(&file)?;
+            ensure!(sealed, "{}: it has no checksum, so it may be damaged", file.display());
+            Ok(AnyFrozen::of_text(&file, &text)?)
+        };
+        let again = |error: &anyhow::Error| eprintln!("{error:#}; it is computed again");
+        file.is_file().then(|| read().inspect_err(again).ok())?
     }
 
     /// The problem, kept or computed; a study calls it `name`.
@@ -192,7 +196,7 @@ impl KeptProblem {
         }
         say(format_args!("computing {name}: {} time steps", self.of.time_step))?;
         let frozen = self.of.problem()?;
-        write_kept(&self.file(root), &frozen.to_json()?)?;
+        write_sealed(&self.file(root), &frozen.to_json()?)?;
         Ok(frozen)
     }
 }

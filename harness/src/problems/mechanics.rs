@@ -25,9 +25,7 @@ pub(crate) trait Studied: Marched + Bounded {
 
     /// The method where ranks share a problem, if it has subdomains.
     #[cfg(any(feature = "mpi", test))]
-    fn distributed(_: &Method) -> Option<Box<dyn Distributed<Self>>> {
-        None
-    }
+    fn distributed(method: &Method) -> Option<Box<dyn Distributed<Self>>>;
 
     /// What is known of the solutions of a problem: read, or computed and kept; nothing, where none can be certified.
     fn known(_: &Root, _: &Frozen<Self>) -> Result<Known<Self>> {
@@ -240,6 +238,11 @@ impl Studied for RoughDiscs {
 impl Studied for RoughSpheres {
     fn solver(ours: &Ours) -> Option<&dyn Solver<Self>> {
         ours.rough_spheres.as_deref()
+    }
+
+    #[cfg(any(feature = "mpi", test))]
+    fn distributed(method: &Method) -> Option<Box<dyn Distributed<Self>>> {
+        distributed(method)
     }
 
     fn known(root: &Root, frozen: &Frozen<Self>) -> Result<Known<Self>> {

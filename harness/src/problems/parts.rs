@@ -1,12 +1,18 @@
-//! A problem as one file per subdomain: the first line says what it is a part of, the second is a frozen problem of its own.
+//! A problem as one file per subdomain: the first line says what it is a part of, the second is a frozen problem of its own. Both
+//! have checksums.
 
 use crate::identity::content_hash;
 use crate::problems::Studied;
-use crate::terminal::{read_text, write_whole};
+#[cfg(any(feature = "mpi", test))]
+use crate::terminal::read_text;
+use crate::terminal::{read_sealed, write_whole};
 use anyhow::{Context, Result, bail};
 use cases::Frozen;
 use contact::{Packing, Vector};
 use partition::{Decomposition, Grid, Partition, Scheme, Share, Whole};
+#[cfg(any(feature = "mpi", test))]
+use seal::opened;
+use seal::sealed;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 #[cfg(any(feature = "mpi", test))]
@@ -18,7 +24,11 @@ mod made;
 #[cfg(any(feature = "mpi", test))]
 pub(crate) use made::{MadeOf, make};
 
-const FORMAT: &str = "gravel/subdomain/1";
+const FORMAT: &str = "gravel/subdomain/2";
+
+/// The same from before there were checksums.
+#[cfg(any(feature = "mpi", test))]
+const UNSEALED: &str = "gravel/subdomain/1";
 
 /// The first line of the file of a subdomain.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -125,7 +135,7 @@ impl Part {
 
     /// Writes the file of a subdomain, `alone` the problem of its second line.
     fn write<M: Studied>(&self, folder: &Path, alone: &Frozen<M>) -> Result<()> {
-        let text = format!("{}\n{}", serde_json::to_string(self)?, M::to_json(alone)?);
+        let text = format!("{}\n{}", sealed(&serde_json::to_string(self)?), sealed(&M::to_json(alone)?));
         write_whole(&Self::path(folder, self.subdomain as usize), &text)
     }
 
@@ -142,9 +152,12 @@ impl Part {
 
     #[cfg(any(feature = "mpi", test))]
     fn of_line(line: &str, subdomain: usize) -> Result<Self> {
-        let part: Self = serde_json::from_str(line)?;
-        if part.format != FORMAT {
-            bail!("`format` is \"{}\": it must be \"{FORMAT}\"", part.format);
+        let opened = opened(line.as_bytes())?;
+        let part: Self = serde_json::from_slice(opened.as_deref().unwrap_or(line.as_bytes()))?;
+        match (&*part.format, opened) {
+            (FORMAT, Some(_)) | (UNSEALED, None) => {}
+            (FORMAT, None) => bail!("{NO_CHECKSUM}"),
+            (format, _) => bail!("`format` is \"{format}\": it must be \"{FORMAT}\""),
         }
         if part.subdomain as usize != subdomain {
             bail!("`subdomain` is {}: it must be {subdomain}", part.subdomain);
@@ -160,6 +173,11 @@ impl Part {
         let in_file = || path.display().to_string();
         let (first, second) = text.split_once('\n').unwrap_or((&text, ""));
         let part = Self::of_line(first, subdomain).with_context(in_file)?;
+        if part.format == UNSEALED {
+            note_unsealed(&path, subdomain);
+        } else if opened(second.as_bytes()).with_context(in_file)?.is_none() {
+            bail!("{}: line 2 is {NO_CHECKSUM}", in_file());
+        }
         Ok((part, AnyFrozen::of_text(&path, second)?))
     }
 
@@ -190,6 +208,16 @@ impl Part {
     }
 }
 
+#[cfg(any(feature = "mpi", test))]
+const NO_CHECKSUM: &str = "damaged: it has no checksum; `gravel split` writes the files again";
+
+/// Says that damage may go unnoticed to a file, and to others like it: once, of subdomain 0.
+fn note_unsealed(path: &Path, subdomain: usize) {
+    if subdomain == 0 {
+        eprintln!("{}: from before there were checksums; damage to it would go unnoticed", path.display());
+    }
+}
+
 /// Where a solution of a problem lies, beside the files of its subdomains: one of several, where there is friction.
 pub(crate) fn solution_folder(folder: &Path, k: usize) -> PathBuf {
     folder.join(format!("solution-{k}"))
@@ -216,7 +244,7 @@ impl Impulses {
         for (e, subdomain) in (share.decomposition.first..).zip(&share.decomposition.subdomains) {
             let path = Self::path(folder, e as usize);
             let in_file = || path.display().to_string();
-            let read: Self = serde_json::from_str(&read_text(&path)?).with_context(in_file)?;
+            let read = Self::read(&path, e as usize)?;
             if read.problem_hash != problem_hash {
                 bail!("{}: `problem_hash` is {}: it must be {problem_hash}", in_file(), read.problem_hash);
             }
@@ -264,9 +292,19 @@ impl Impulses {
                 contact: subdomain.contacts.iter().map(|k| share.contacts[*k as usize]).collect(),
                 impulse,
             };
-            write_whole(&Self::path(folder, e as usize), &serde_json::to_string(&impulses)?)?;
+            write_whole(&Self::path(folder, e as usize), sealed(&serde_json::to_string(&impulses)?))?;
         }
         Ok(())
+    }
+
+    /// Reads the file of a subdomain.
+    fn read(path: &Path, subdomain: usize) -> Result<Self> {
+        let (text, sealed) = read_sealed(path)?;
+        let read = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
+        if !sealed {
+            note_unsealed(path, subdomain);
+        }
+        Ok(read)
     }
 
     /// The file of a subdomain in a folder.
@@ -276,12 +314,9 @@ impl Impulses {
 
     /// All impulses of a folder, in the order of the whole problem's contacts (N·s).
     pub(crate) fn join_all(folder: &Path) -> Result<Vec<f64>> {
-        let read = |path: &Path| -> Result<Self> {
-            serde_json::from_str(&read_text(path)?).with_context(|| path.display().to_string())
-        };
         let mut parts = Vec::new();
         while Self::path(folder, parts.len()).is_file() {
-            parts.push(read(&Self::path(folder, parts.len()))?);
+            parts.push(Self::read(&Self::path(folder, parts.len()), parts.len())?);
         }
         let Some(first) = parts.first() else {
             bail!("{}: there is no such file", Self::path(folder, 0).display());

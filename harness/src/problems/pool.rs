@@ -2,16 +2,16 @@
 
 use crate::identity::{code_version, content_hash};
 use crate::problems::{Known, Root, Studied};
-use crate::terminal::{progress, read_text, write_kept};
+use crate::terminal::{progress, read_sealed, write_sealed};
 use active_set::ActiveSet;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use cases::Frozen;
 use contact::{Packing, Solver};
 use reference::{
     InteriorPoint, Rough, RoughSolution, certify, distance, is_same, polished, solve_rough, take,
 };
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 /// Starts beside r = 0 from which solutions with friction are sought: where there are several, three find some of them.
@@ -45,16 +45,16 @@ where
 {
     let path = path(root, frozen);
     let code = code_version::<InteriorPoint>().unwrap_or_default();
+    let mut sealed = true;
     let mut kept = Pool { starts: 0, code: code.to_owned(), solutions: Vec::new() };
     if path.exists() {
-        let read = || -> Result<Pool> { Ok(serde_json::from_str(&read_text(&path)?)?) };
-        match read() {
-            Ok(read) => kept = read,
-            Err(error) => eprintln!("{}: {error:#}: computed again", path.display()),
+        match read(&path) {
+            Ok((read, is_sealed)) => (kept, sealed) = (read, is_sealed),
+            Err(error) => eprintln!("{error:#}: computed again"),
         }
     }
     let problem = &frozen.problem;
-    let mut pool = certified(problem, kept.solutions);
+    let mut pool = certified(problem, std::mem::take(&mut kept.solutions));
     if !pool.iter().any(|solution| solution.certificate.certified()) && M::has_no_solution(problem) {
         return Ok(None);
     }
@@ -69,12 +69,26 @@ where
         }
         bar.finish_and_clear();
         let solutions = pool.iter().map(|solution| solution.impulses.clone()).collect();
-        write_kept(
-            &path,
-            &serde_json::to_string(&Pool { starts: starts + 1, code: code.to_owned(), solutions })?,
-        )?;
+        write(&path, &Pool { starts: starts + 1, code: code.to_owned(), solutions })?;
+    } else if !sealed {
+        eprintln!(
+            "{}: it had no checksum; what it holds is certified again, and has one now",
+            path.display()
+        );
+        let solutions = pool.iter().map(|solution| solution.impulses.clone()).collect();
+        write(&path, &Pool { solutions, ..kept })?;
     }
     Ok(Some(pool))
+}
+
+/// Reads a kept pool, and whether it has a checksum.
+fn read(path: &Path) -> Result<(Pool, bool)> {
+    let (text, sealed) = read_sealed(path)?;
+    Ok((serde_json::from_str(&text).with_context(|| path.display().to_string())?, sealed))
+}
+
+fn write(path: &Path, pool: &Pool) -> Result<()> {
+    write_sealed(path, &serde_json::to_string(pool)?)
 }
 
 /// The solutions that kept impulses (N·s) are.
@@ -116,11 +130,11 @@ fn keep<M: Studied + Rough>(root: &Root, frozen: &Frozen<M>, found: RoughSolutio
     static KEPT: Mutex<()> = Mutex::new(());
     let _alone = KEPT.lock();
     let path = path(root, frozen);
-    let mut kept: Pool = serde_json::from_str(&read_text(&path)?)?;
+    let (mut kept, _) = read(&path)?;
     let mut pool = certified(&frozen.problem, kept.solutions);
     take(&frozen.problem, &mut pool, found);
     kept.solutions = pool.into_iter().map(|solution| solution.impulses).collect();
-    write_kept(&path, &serde_json::to_string(&kept)?)
+    write(&path, &kept)
 }
 
 /// A kept pool of solutions.

@@ -2,7 +2,7 @@
 
 use crate::identity::content_hash;
 use crate::problems::{Root, Studied};
-use crate::terminal::{read_text, suggest, write_kept};
+use crate::terminal::{read_sealed, read_text, suggest, write_sealed};
 use analysis::proves_infeasible;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{Frozen, of_json};
@@ -203,31 +203,37 @@ where
         Answer::Infeasible { ray } => Kept::Ray(ray.clone()),
         Answer::Unknown { .. } => return Ok(answer),
     };
-    write_kept(&path, &serde_json::to_string(&kept)?)?;
+    write_sealed(&path, &serde_json::to_string(&kept)?)?;
     Ok(answer)
 }
 
 /// Reads a kept answer, and believes nothing of it that the problem does not confirm.
 fn read<const D: usize>(path: &Path, problem: &ContactProblem<Smooth<D>>) -> Result<Answer> {
     let file = || path.display().to_string();
-    let kept: Kept = serde_json::from_str(&read_text(path)?).with_context(file)?;
+    let (text, sealed) = read_sealed(path)?;
+    let kept: Kept = serde_json::from_str(&text).with_context(file)?;
     let (Kept::Impulses(values) | Kept::Ray(values)) = &kept;
     if values.len() != problem.contact_count() {
         bail!("{}: {} values for {} contacts", file(), values.len(), problem.contact_count());
     }
-    match kept {
+    let answer = match kept {
         Kept::Impulses(impulses) => {
             let certificate = certify(problem, &impulses);
             if !certificate.certified() {
                 bail!("{}: {certificate}", file());
             }
-            Ok(Answer::Solution { impulses, certificate })
+            Answer::Solution { impulses, certificate }
         }
         Kept::Ray(ray) => {
             if !proves_infeasible(problem, &ray) {
                 bail!("{}: no proof that the problem has no solution", file());
             }
-            Ok(Answer::Infeasible { ray })
+            Answer::Infeasible { ray }
         }
+    };
+    if !sealed {
+        eprintln!("{}: it had no checksum; it is right, and has one now", file());
+        write_sealed(path, &text)?;
     }
+    Ok(answer)
 }

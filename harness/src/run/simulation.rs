@@ -3,7 +3,7 @@
 use crate::plan::Rule;
 use crate::problems::{Enter, Scene, Studied, enter};
 use crate::run::{Conditions, Task};
-use crate::terminal::write_kept;
+use crate::terminal::write_sealed;
 use anyhow::Result;
 use cases::{CaseError, Frozen, March, Observables, Start, TimeStep};
 use contact::{Discs, Mechanics, Solver};
@@ -100,7 +100,7 @@ fn simulated<M: Studied>(
 /// Writes the problem of the last good state below the folder of the study, and returns its path there.
 fn keep<M: Studied>(last: &Frozen<M>, folder: &Path, id: &str) -> Result<String> {
     let file = format!("{LAST_STATES}/{id}.json");
-    write_kept(&folder.join(&file), &M::to_json(last)?)?;
+    write_sealed(&folder.join(&file), &M::to_json(last)?)?;
     Ok(file)
 }
 
@@ -305,6 +305,15 @@ impl<M: Mechanics> End<M> {
             Self::Exploded { status, .. } => status,
             Self::Refused(_) => "skipped",
             Self::Interrupted(_) => "interrupted",
+        }
+    }
+
+    /// Returns the status that decides the exit code: that of the worst time step, where all were made.
+    pub(crate) fn worst(&self, totals: &Totals) -> &'static str {
+        match self {
+            Self::Completed if totals.infeasible_time_steps > 0 => "no-solution",
+            Self::Completed if totals.missed_time_steps > 0 => Status::IterationLimit.name(),
+            end => end.status(),
         }
     }
 

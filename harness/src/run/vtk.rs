@@ -70,7 +70,7 @@ impl Frames {
             let file = format!("{}-{name}-{:06}.vtu", self.name, march.time_steps());
             let mut bytes = Vec::new();
             grid.into_vtk().write_xml(&mut bytes).with_context(|| file.clone())?;
-            write_whole(&self.folder.join(&file), &String::from_utf8(bytes)?)?;
+            write_whole(&self.folder.join(&file), signed(&String::from_utf8(bytes)?))?;
             lines.extend([format!(
                 "    <DataSet timestep=\"{time}\" part=\"{part}\" name=\"{name}\" file=\"{file}\"/>\n"
             )]);
@@ -90,6 +90,12 @@ impl Frames {
     pub(crate) fn say(&self) -> Result<()> {
         say(format_args!("{}: {} frames", self.path.display(), self.written))
     }
+}
+
+/// Returns the text of a frame with the type of numbers of points that VTK itself writes, and meshio alone reads. They are far below 2⁶³, so
+/// their bytes are the same.
+fn signed(frame: &str) -> String {
+    frame.replace(" type=\"UInt64\"", " type=\"Int64\"")
 }
 
 /// What cells are made of.
@@ -223,7 +229,7 @@ fn contacts<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Part
     elements.numbers("impulse_n_s", r.iter().step_by(M::Impulse::LEN).copied().collect());
     if let Some((tangential, statuses)) = M::tangential(r).zip(M::statuses(list, r)) {
         elements.numbers("tangential_impulse_n_s", tangential);
-        elements.numbers("status", statuses.into_iter().map(f64::from).collect());
+        elements.indices("status", statuses.into_iter().map(|status| Some(status.into())));
     }
     elements.numbers("gap_m", gap.to_vec());
     elements.vectors("normal", list.iter().map(Touch::normal));

@@ -10,6 +10,7 @@ use reports::{About, Formats, Wanted, made};
 use results::journal::Entry;
 use results::schema::Provenance;
 use results::store::{Store, StoreError};
+use results::study::Study as Rows;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -30,11 +31,43 @@ pub(crate) fn open<R: Entry>(root: &Root, plan: &str) -> Result<Store<R>> {
         ),
         error => error.into(),
     })?;
-    if store.dropped() > 0 {
-        let folder = store.folder().display();
-        eprintln!("{folder}: the last run was not written to its end ({} bytes): dropped", store.dropped());
+    let (folder, torn) = (store.folder().display(), store.lines().torn);
+    if torn > 0 {
+        eprintln!("{folder}: the last run was not written to its end ({torn} bytes): dropped");
     }
+    note_unsealed(store.folder(), store.lines().unsealed);
     Ok(store)
+}
+
+/// Returns the runs that the journal of a study holds at this moment; says how many of them have no checksum.
+pub(crate) fn records_of<R: Entry>(folder: &Path) -> Result<Vec<R>> {
+    let lines = results::store::records_of(folder, &method_names())?;
+    note_unsealed(folder, lines.unsealed);
+    Ok(lines.records)
+}
+
+/// Says that damage to the journal in a folder may go unnoticed: in so many lines of it.
+fn note_unsealed(folder: &Path, unsealed: usize) {
+    if unsealed > 0 {
+        let folder = folder.display();
+        eprintln!("{folder}: runs in the journal from before there were checksums: {unsealed}; {UNSEALED}");
+    }
+}
+
+const UNSEALED: &str = "damage to them would go unnoticed";
+
+/// Returns the tables of a study; says which of them have no checksum.
+pub(crate) fn tables_of(folder: &Path) -> Result<Rows> {
+    let (rows, unsealed) = results::store::read(folder)?;
+    if !unsealed.is_empty() {
+        let names: Vec<_> =
+            unsealed.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy())).collect();
+        let (folder, names) = (folder.display(), names.join(", "));
+        eprintln!(
+            "{folder}: tables from before there were checksums: {names}; {UNSEALED}, and `gravel bench` makes them again"
+        );
+    }
+    Ok(rows)
 }
 
 /// Writes the tables of a study from its store, and its report if the user did not stop it.

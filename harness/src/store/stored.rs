@@ -6,13 +6,12 @@ use crate::problems::{KeptProblem, Root, Studied, Visit, visit};
 use crate::store::runs_folder;
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
-use results::journal::{Record, entry};
+use results::journal::{Record, Texts, entry};
 use results::schema::Run;
 use results::simulation::Simulated;
-use results::store::journals;
+use results::store::{StoreError, journals};
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 /// What is stored under an id, in words, and its record; a simulation has none. Of two runs of one id the later, but one
@@ -22,9 +21,9 @@ type Found = BTreeMap<String, (String, Option<Record>)>;
 /// The run whose id begins with `begin`.
 pub(crate) fn stored_run(root: &Root, begin: &str) -> Result<Record> {
     let folder = runs_folder(root);
-    let mut found = Found::new();
+    let (mut found, mut damaged) = (Found::new(), Vec::new());
     for journal in journals(&folder)? {
-        read(&journal, begin, &mut found).with_context(|| journal.display().to_string())?;
+        read(&journal, begin, &mut found, &mut damaged)?;
     }
     let names: Vec<String> = found.values().map(|(name, _)| name.clone()).collect();
     match (names.as_slice(), found.pop_first()) {
@@ -32,12 +31,19 @@ pub(crate) fn stored_run(root: &Root, begin: &str) -> Result<Record> {
             if record.run.status == "skipped" {
                 bail!("run {name} was skipped, it has no iterations to show: {}", record.run.reason);
             }
+            // One of them may be a later run of this id.
+            for line in damaged {
+                eprintln!("{line}");
+            }
             Ok(record)
         }
         ([simulation], _) => bail!(
             "{simulation} is a simulation: `gravel view` shows runs on a single problem; `gravel simulate` with --vtk \
              writes the frames of one"
         ),
+        ([], _) if !damaged.is_empty() => {
+            bail!("no run that can be read has the id `{begin}`, and: {}", damaged.join("; "))
+        }
         ([], _) => bail!(
             "`{begin}` is no problem and no case, and no run in {} begins so: reports show the id of each run, on their \
              page and in iterations.csv",
@@ -47,26 +53,35 @@ pub(crate) fn stored_run(root: &Root, begin: &str) -> Result<Record> {
     }
 }
 
-fn read(journal: &Path, begin: &str, found: &mut Found) -> Result<()> {
-    let mut reader = BufReader::new(File::open(journal)?);
+/// Adds the runs of a journal whose ids begin so, and the lines that are damaged.
+fn read(journal: &Path, begin: &str, found: &mut Found, damaged: &mut Vec<String>) -> Result<()> {
     let named = format!("\"id\":\"{begin}");
-    let mut line = String::new();
-    // A line that has no end is none.
+    let mut texts = Texts::new(journal, File::open(journal).with_context(|| journal.display().to_string())?);
     for number in 1.. {
-        line.clear();
-        if reader.read_line(&mut line)? == 0 || !line.ends_with('\n') {
-            break;
-        }
-        if !line.contains(&named) {
+        let text = match texts.next() {
+            None => break,
+            Some(Ok(text)) => text,
+            Some(Err(error @ StoreError::Line { .. })) => {
+                damaged.push(error.to_string());
+                continue;
+            }
+            Some(Err(error)) => return Err(error.into()),
+        };
+        if !text.windows(named.len()).any(|part| part == named.as_bytes()) {
             continue;
         }
-        let line = line.trim_end().as_bytes();
-        if let Ok((Simulated { simulation: s, .. }, _)) = entry(line) {
+        if texts.unsealed() == number {
+            let journal = journal.display();
+            eprintln!(
+                "{journal}, line {number}: from before there were checksums; damage to it would go unnoticed"
+            );
+        }
+        if let Ok(Simulated { simulation: s, .. }) = entry(&text) {
             let name = name([&s.id, &s.method, &s.variant, &s.scene, &s.plan]);
             found.insert(s.id, (name, None));
             continue;
         }
-        let (record, _): (Record, _) = entry(line).with_context(|| format!("line {number}"))?;
+        let record: Record = entry(&text).with_context(|| format!("{}, line {number}", journal.display()))?;
         let run = &record.run;
         let before = found.get(&run.id).and_then(|(_, before)| before.as_ref());
         if !record.snapshots.is_empty() || before.is_none_or(|before| before.snapshots.is_empty()) {

@@ -2,10 +2,9 @@
 
 use crate::cli::args::StudyArgs;
 use crate::identity::provenance;
-use crate::plan::method_names;
 use crate::problems::Root;
 use crate::run::{OnAllRanks, Posted};
-use crate::store::{about, draw, finish, open, runs_folder};
+use crate::store::{about, draw, finish, open, records_of, runs_folder};
 use crate::study::{Kind, OnProblems, by_id, missing};
 use crate::team::ping;
 use crate::terminal::{exit, say};
@@ -13,7 +12,7 @@ use anyhow::{Result, bail};
 use reports::{About, Formats, Wanted};
 use results::journal::Record;
 use results::schema::Run;
-use results::store::{Store, records_of};
+use results::store::Store;
 use results::study::{Runs, Study as Rows};
 use std::collections::HashSet;
 use std::fs;
@@ -97,8 +96,7 @@ fn draw_all(root: &Root, study: &OnProblems, base: &str) -> Result<()> {
     }
     let mut rows = Runs::default();
     for count in counts {
-        let stored: Vec<Record> =
-            records_of(&stores.join(format!("{base}-on-{count}-ranks")), &method_names())?;
+        let stored: Vec<Record> = records_of(&stores.join(format!("{base}-on-{count}-ranks")))?;
         let known = by_id(&stored);
         for mut record in tasks.iter().filter_map(|task| known.get(&*task.id).map(|r| (*r).clone())) {
             record.run.settings.insert("ranks".to_owned(), count.into());

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 /// The answer was found, or all is done.
 const DONE: u8 = 0;
-/// The method did not solve the problem, the impulses are not certified, or the simulation exploded.
+/// The method did not solve the problem, the impulses are not certified, or the simulation exploded or missed its tolerance.
 const NOT_CONVERGED: u8 = 3;
 /// It is proved that the problem has no solution.
 const NO_SOLUTION: u8 = 4;
@@ -23,12 +23,12 @@ const INTERRUPTED: u8 = 130;
 /// Below the help of every command whose answer is one of them.
 pub(crate) const HELP: &str = "\
 Exit codes:
-    0  solve: converged; certify: certified; simulate: all time steps reached; else: done
+    0  solve: converged; certify: certified; simulate: every time step converged; else: done
     1  an error: a file, a key or a value is wrong; regress: a count has changed
     2  wrong arguments
     3  solve: not converged (iteration-limit, stalled, diverged, false-convergence);
-       certify: not certified; simulate: exploded or solver-diverged
-    4  solve, certify, simulate: it is proved that the problem has no solution
+       certify: not certified; simulate: exploded, solver-diverged, or a time step did not converge
+    4  solve, certify: it is proved that the problem has no solution; simulate: so for a time step
   130  stopped by Ctrl-C or SIGTERM; what was reached is kept, but no run inside an iteration
        of more than a second
 A run of `bench` that fails is a row like any other: exit code 0.";

@@ -2,11 +2,12 @@
 
 use anyhow::{Context, Result, bail};
 use results::store::behind_links;
+use seal::{opened, sealed};
 use serde_json::Value;
 use std::fmt::Arguments;
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Prints a line. Whoever reads may have left, as `head` does: the work goes on without.
 pub(crate) fn say(line: Arguments) -> Result<()> {
@@ -43,6 +44,26 @@ pub(crate) fn check_place(path: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Refuses two files, each named by its argument, that are one: the second would replace the first.
+pub(crate) fn check_apart(files: &[(&str, &Path)]) -> Result<()> {
+    for (k, (argument, path)) in files.iter().enumerate() {
+        if let Some((other, _)) = files[..k].iter().find(|(_, other)| is_same(path, other)) {
+            bail!("{other} and {argument} are one file, {}: give another path", path.display());
+        }
+    }
+    Ok(())
+}
+
+/// Returns whether two paths lead to one file, which need not be there yet. Devices and pipes may be written to twice.
+fn is_same(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| -> Option<PathBuf> {
+        let target = behind_links(path).ok()?;
+        Some(folder(&target).canonicalize().ok()?.join(target.file_name()?))
+    };
+    let is_file = |path: &Path| !is_stdout(path) && path.metadata().map_or(true, |found| found.is_file());
+    is_file(a) && is_file(b) && place(a).is_some_and(|a| place(b) == Some(a))
+}
+
 /// Whether writing to `path` replaces a file.
 pub(crate) fn replaces(path: &Path) -> bool {
     path.is_file() && !is_stdout(path)
@@ -62,10 +83,40 @@ pub(crate) fn create_folder_of(path: &Path) -> Result<()> {
     std::fs::create_dir_all(folder(path)).with_context(|| folder(path).display().to_string())
 }
 
-/// Writes a file whole, in a folder that need not be there.
+/// Returns the text of a file that [`write_sealed`] wrote, without its checksum; and whether it has one, as those from before there were any
+/// have not.
+pub(crate) fn read_sealed(path: &Path) -> Result<(String, bool)> {
+    let text = read_text(path)?;
+    let opened = opened(text.as_bytes()).with_context(|| path.display().to_string())?;
+    Ok(opened.map_or((text, false), |text| (String::from_utf8_lossy(&text).into_owned(), true)))
+}
+
+/// Writes an object of JSON with its checksum, whole, in a folder that need not be there.
+pub(crate) fn write_sealed(path: &Path, object: &str) -> Result<()> {
+    write_kept(path, &sealed(object))
+}
+
+/// Writes a file whole, in a folder that need not be there. What programs that were killed did not finish there is removed.
 pub(crate) fn write_kept(path: &Path, content: &str) -> Result<()> {
     create_folder_of(path)?;
+    remove_abandoned(folder(path)).with_context(|| folder(path).display().to_string())?;
     write_whole(path, content)
+}
+
+/// How the names of files begin that are not complete.
+const UNFINISHED: &str = ".unfinished-";
+
+/// Removes incomplete files to which no program writes any more: whoever writes one has locked it.
+fn remove_abandoned(folder: &Path) -> io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let is_abandoned = |path: &Path| File::open(path).is_ok_and(|file| file.try_lock().is_ok());
+        if entry.file_name().to_string_lossy().starts_with(UNFINISHED) && is_abandoned(&entry.path()) {
+            // Another program may have been faster.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+    Ok(())
 }
 
 /// Writes a file whole, and says so where it takes the place of another.
@@ -89,10 +140,13 @@ pub(crate) fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<()> 
         }
         let target = behind_links(path)?;
         let mut builder = tempfile::Builder::new();
+        builder.prefix(UNFINISHED);
         // A temporary file is closed to other users unless it asks for what files usually get.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let mut file = builder.tempfile_in(folder(&target))?;
+        // Where files cannot be locked, none is taken for abandoned either.
+        let _ = file.as_file().try_lock();
         file.write_all(content)?;
         file.persist(target)?;
         Ok(())

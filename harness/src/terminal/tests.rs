@@ -20,6 +20,12 @@ fn name_of_another_code_means_the_key_that_is_known_here() {
     assert_eq!(of("tol", ["on", "tolerance"]), "; did you mean `tolerance`?");
     assert_eq!(of("dt", ["law", "time_step_s"]), "; did you mean `time_step_s`?");
     assert_eq!(of("omega", ["order", "seed"]), "", "it is no key here");
+    let methods = ["cg", "jacobi", "nsgs", "nsgs-dd"];
+    for (given, meant) in
+        [("NLGS", "nsgs"), ("CPG", "cg"), ("PGS", "nsgs"), ("NSGS", "nsgs"), ("Jacobi", "jacobi")]
+    {
+        assert_eq!(of(given, methods), format!("; did you mean `{meant}`?"));
+    }
 }
 
 #[test]
@@ -56,11 +62,15 @@ enum Law {
     Iqs,
 }
 
+fn keys() -> Vec<String> {
+    ["name", "scene.box.friction", "scene.friction", "scene.restitution"].map(str::to_owned).to_vec()
+}
+
 #[test]
 fn errors_of_serde_tell_what_was_given_and_what_is_known() {
     let error = |text: &str| toml::from_str::<One>(text).unwrap_err().to_string().trim_end().to_owned();
     let meant = |error: &str, expected: &str| {
-        let printed = in_error(error);
+        let printed = in_error(error, keys);
         assert!(
             printed.contains(expected) && printed.starts_with(error.split("`, ").next().unwrap()),
             "{printed}"
@@ -72,9 +82,11 @@ fn errors_of_serde_tell_what_was_given_and_what_is_known() {
     );
     let variant = error("preconditioner = \"predicted-gp\"");
     meant(&variant, "`predicted-gp`; did you mean `predicted-gap`? Expected `predicted-gap` or `iqs`");
-    meant(&error("mu = 0.3"), "`mu`; friction is a number of the scene, `scene.friction`");
+    meant(&error("mu = 0.3"), "`mu`; in a case it is `scene.friction`. Expected `preconditioner`");
+    meant(&error("Restitution = 0.3"), "`Restitution`; in a case it is `scene.restitution`");
+    meant(&error("cohesion = 0.3"), "`cohesion`; contacts are without cohesion");
     for none in ["preconditioner = \"hertz\"", "preconditioner = 1"] {
-        assert_eq!(in_error(&error(none)), error(none));
+        assert_eq!(in_error(&error(none), keys), error(none));
     }
     let json = serde_json::from_str::<One>("{\"preconditionr\": \"iqs\"}").unwrap_err().to_string();
     meant(&json, "; did you mean `preconditioner`? Expected `preconditioner`");

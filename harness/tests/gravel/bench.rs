@@ -141,7 +141,7 @@ fn study_leaves_its_rows_and_its_figures_under_its_root() {
         assert!(svg.trim_end().ends_with("</svg>"), "{figure} is not whole");
     }
 
-    let results::study::Study::Runs(runs) = results::store::read(&folder).unwrap() else { panic!() };
+    let (results::study::Study::Runs(runs), _) = results::store::read(&folder).unwrap() else { panic!() };
     // The pair has 2 grains and 2 contacts, the column 9; 1x2 fits both, 3x3 the column only.
     assert_eq!(runs.records.len(), 8);
     assert_eq!((runs.grains.len(), runs.contacts.len()), (2 + 2 * 9, 2 + 2 * 9));

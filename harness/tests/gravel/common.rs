@@ -58,11 +58,15 @@ impl Ran {
         self
     }
 
-    /// The run printed one JSON value, which is returned, and its exit code is that of the status in it.
+    /// The run printed one JSON value, which is returned, and its exit code is that of the status in it, and of the time steps that
+    /// missed the tolerance.
     #[track_caller]
     pub(crate) fn json(self) -> Value {
         let value: Value = serde_json::from_str(&self.stdout).unwrap_or_else(|_| panic!("{}", self.stderr));
+        let some = |count: &str| value[count].as_u64().is_some_and(|count| count > 0);
         self.ended(match value["status"].as_str() {
+            Some("completed") if some("infeasible_time_steps") => 4,
+            Some("completed") if some("missed_time_steps") => 3,
             None | Some("converged" | "completed") => 0,
             Some("infeasible" | "no-solution") => 4,
             Some("interrupted") => 130,

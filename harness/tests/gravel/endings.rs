@@ -117,6 +117,9 @@ fn simulation_whose_solver_diverges_says_so() {
     let state = object["last_state"].as_str().unwrap();
     assert!(Path::new(state).starts_with(folder.path()), "{state}");
     gravel(&["solve", state]).succeeded();
+    let kept = fs::read_to_string(state).unwrap();
+    fs::write(state, kept.replacen("\"mass\":[", "\"mass\":[1", 1)).unwrap();
+    gravel(&["solve", state]).refused(&[state, "damaged: its checksum is"]);
     // What is stopped early has not diverged: it exploded, and the time steps say what they missed.
     let early = ["--max-iterations", "12", "--tolerance", "0", "--json"];
     let object = simulate(&[&packing[..], &jacobi, &early].concat()).1.json();
@@ -129,11 +132,31 @@ fn simulation_whose_solver_diverges_says_so() {
 fn completed_simulation_prints_one_object() {
     let object =
         gravel(&["simulate", "column", "--time-steps", "3", "--max-iterations", "1", "--json"]).json();
-    assert_eq!((&object["status"], &object["reason"]), (&json!("completed"), &json!("")));
+    assert_eq!(object["status"], "completed");
+    assert_eq!(object["reason"], "3 of 3 time steps did not converge to natural_map ≤ 1e-6");
     assert_eq!((&object["time_steps_asked"], &object["time_steps"]), (&json!(3), &json!(3)));
     assert_eq!((&object["missed_time_steps"], &object["iterations"]), (&json!(3), &json!(3)));
     assert_eq!(object["max_iterations"], 1);
     assert!(object["last_state"].is_null() && object["delassus_products"].is_u64(), "{object}");
+}
+
+#[test]
+fn exit_code_of_a_simulation_is_that_of_its_worst_time_step_and_its_last_line_says_why() {
+    let column = ["simulate", "column", "--time-steps", "3"];
+    let last = |ran: &Ran| ran.stdout.lines().last().unwrap().to_owned();
+    let ran = gravel(&column).ended(0);
+    assert!(last(&ran).trim_start().starts_with("3 "), "{}", ran.stdout);
+    let object = gravel(&[&column[..], &["--json"]].concat()).json();
+    assert_eq!((&object["status"], &object["reason"]), (&json!("completed"), &json!("")));
+    let missed = gravel(&[&column[..], &["--max-iterations", "1"]].concat()).ended(3);
+    assert_eq!(last(&missed), "3 of 3 time steps did not converge to natural_map ≤ 1e-6");
+    // It ends before the walls have passed the centre of the disc.
+    let squeezed = [&SQUEEZED[..5], &["3"], &SQUEEZED[6..]].concat();
+    let none = gravel(&squeezed).ended(4);
+    assert!(last(&none).contains("3 of 3 time steps did not converge"), "{}", none.stdout);
+    assert!(last(&none).contains("3 had no solution"), "{}", none.stdout);
+    let object = gravel(&[&squeezed[..], &["--json"]].concat()).json();
+    assert_eq!((&object["status"], &object["infeasible_time_steps"]), (&json!("completed"), &json!(3)));
 }
 
 #[test]

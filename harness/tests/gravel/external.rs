@@ -1,7 +1,7 @@
 //! Other codes as methods: what becomes of their answers, and of codes that are not there.
 
 use crate::bench::{Study, rows};
-use crate::common::{gravel, other_codes, write};
+use crate::common::{checkout, gravel, other_codes, write};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -89,7 +89,7 @@ fn answer_that_is_none_is_a_row_with_its_reason() {
 }
 
 /// A disc of 1 kg comes to a floor at 0.05 m/s, sliding so that a tangential impulse of 0.01 N·s stops it: W is 1 and 3 1/kg.
-const ROUGH: &str = r#"{"format": "gravel/contact-problem/2", "name": "rough", "source": "a test", "time_step": 0.005,
+pub(crate) const ROUGH: &str = r#"{"format": "gravel/contact-problem/2", "name": "rough", "source": "a test", "time_step": 0.005,
     "grains": {"mass": [1], "inertia": [0.5], "radius": [1], "position": [[0, 1]], "free_velocity": [[0.03, -0.05, 0]]},
     "contacts": {"candidate": [0], "antagonist": [null], "normal": [[0, 1]], "offset": [[0, 0]], "gap": [0],
                  "friction": [0.3]}}"#;
@@ -161,6 +161,43 @@ fn installed_codes_come_to_the_certified_velocity() {
         let object =
             gravel(&[&["solve", "settled-60", "--json", "--method", &code], &stop[..]].concat()).json();
         assert_eq!(object["status"], "converged", "{code}");
+    }
+}
+
+/// What a code is handed that makes its own contacts; without the Python of the other codes the test says so and checks nothing.
+#[test]
+fn what_is_handed_over_is_placed_exactly_and_told_from_another_problem() {
+    let here = checkout().join("harness/external");
+    let environment = std::env::var_os("GRAVEL_EXTERNAL_ENVIRONMENT");
+    let environment = environment.map_or_else(|| here.join(".venv"), std::path::PathBuf::from);
+    let python = environment.join("bin/python");
+    if !python.is_file() {
+        eprintln!("skipped: there is no {}", python.display());
+        return;
+    }
+    let problem = checkout().join("cases/frozen/lmgc90-shear-991-t1.json");
+    let output = std::process::Command::new(python)
+        .args([here.join("test_scene.py"), problem])
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// Each form of a programme has the same solution.
+#[test]
+fn both_forms_of_a_programme_come_to_the_certified_velocity() {
+    for code in ["clarabel", "osqp", "piqp", "proxqp"] {
+        if !other_codes().contains(&(code.to_owned(), true)) {
+            eprintln!("skipped: {code} is not installed; `gravel list methods` says how to install it");
+            continue;
+        }
+        for form in ["form=dual", "form=primal"] {
+            let stop = ["--on", "velocity_error", "--tolerance", "1e-6", "--set", form];
+            let object =
+                gravel(&[&["solve", "settled-60", "--json", "--method", code], &stop[..]].concat()).json();
+            assert_eq!(object["status"], "converged", "{code}, {form}");
+        }
     }
 }
 

@@ -84,6 +84,31 @@ fn standard_output_takes_a_file_before_what_is_said() {
 }
 
 #[test]
+fn two_outputs_to_one_file_and_an_output_over_its_problem_are_refused_before_the_work() {
+    let folder = TempDir::new().unwrap();
+    let problem = write(&folder, "pair.json", &pair().to_string());
+    let before = fs::read(&problem).unwrap();
+    let link = folder.path().join("link");
+    symlink("out", &link).unwrap();
+    let out = folder.path().join("out");
+    let solve = ["solve", text(&problem), "--impulses"];
+    // Through a link to what is not there yet, too.
+    for other in
+        [&out, &link, &folder.path().join("../").join(folder.path().file_name().unwrap()).join("out")]
+    {
+        gravel(&[&solve[..], &[text(&out), "--homogenised", text(other)]].concat())
+            .refused(&["--impulses and --homogenised are one file", "give another path"]);
+        assert!(!out.exists());
+    }
+    gravel(&[&solve[..], &[text(&problem)]].concat()).refused(&["the problem and --impulses are one file"]);
+    gravel(&["convert", text(&problem), text(&problem)]).refused(&["the problem and FILE are one file"]);
+    assert_eq!(fs::read(&problem).unwrap(), before);
+    gravel(&[&solve[..], &["/dev/null", "--homogenised", "/dev/null"]].concat()).succeeded();
+    gravel(&[&solve[..], &[text(&out), "--homogenised", text(&folder.path().join("other"))]].concat())
+        .succeeded();
+}
+
+#[test]
 fn links_that_lead_in_a_circle_are_refused_before_the_work() {
     let folder = TempDir::new().unwrap();
     let link = folder.path().join("loop");

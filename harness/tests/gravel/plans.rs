@@ -71,6 +71,17 @@ fn computed_problem_is_kept_and_one_that_does_not_read_is_computed_again() {
     assert_eq!(made(&ran.stdout), 1);
     assert!(ran.stderr.contains(&kept[0]) && ran.stderr.contains("computed again"), "{}", ran.stderr);
     assert_eq!(fs::read_to_string(&file).unwrap(), before);
+    // One digit of a number, and a file from before there were checksums.
+    let digit = before.find("\"mass\":[").unwrap() + 14;
+    let other = if before.as_bytes()[digit] == b'7' { "8" } else { "7" };
+    let changed = format!("{}{other}{}", &before[..digit], &before[digit + 1..]);
+    let unsealed = String::from_utf8(seal::opened(before.as_bytes()).unwrap().unwrap()).unwrap();
+    for (text, why) in [(changed, "damaged: its checksum is"), (unsealed, "it has no checksum")] {
+        fs::write(&file, text).unwrap();
+        let ran = bench();
+        assert!(ran.stderr.contains(why) && ran.stderr.contains("computed again"), "{}", ran.stderr);
+        assert_eq!(fs::read_to_string(&file).unwrap(), before);
+    }
     // Another case, another problem.
     let case = study.folder().path().join("cases/column.toml");
     fs::write(&case, fs::read_to_string(&case).unwrap().replace("9.81", "9.8")).unwrap();

@@ -154,5 +154,8 @@ fn table_is_written_in_part_and_in_the_format_of_its_file() {
     table(&["--columns", "itertions"])
         .refused(&["no column of table `iterations` `itertions`", "iterations"]);
     table(&["-o", text(&file("t.xls"))]).refused(&["t.xls", ".tex, .csv or .md"]);
+    table(&["--rows", "method=nsgx*"])
+        .refused(&["no row of table `iterations` that matches `method=nsgx*`", "nsgs"]);
+    table(&["--rows", "method=nsgs", "--rows", "iterations=0?x"]).refused(&["matches `iterations=0?x`"]);
     study.gravel(&["table", "sizes", "drawn"]).refused(&["no table of this study `sizes`", "iterations"]);
 }

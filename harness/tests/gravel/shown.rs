@@ -136,7 +136,7 @@ fn simulation_refuses_to_replace_a_file() {
 #[test]
 fn simulation_says_how_many_time_steps_did_not_converge() {
     let printed =
-        gravel(&["simulate", "column", "--time-steps", "3", "--max-iterations", "1"]).succeeded().stdout;
+        gravel(&["simulate", "column", "--time-steps", "3", "--max-iterations", "1"]).ended(3).stdout;
     assert!(printed.contains("3 of 3 time steps did not converge to natural_map ≤ 1e-6"), "{printed}");
 }
 

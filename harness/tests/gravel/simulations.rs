@@ -290,6 +290,33 @@ fn frames_have_grains_contacts_and_walls_apart_from_the_initial_state_on() {
     gravel(&args).refused(&["--vtk", "frames", "empty"]);
 }
 
+/// The type of each array of a frame, by its name.
+fn types(file: &std::path::Path) -> BTreeMap<String, String> {
+    let text = fs::read_to_string(file).unwrap();
+    let value = |array: &str, key: &str| {
+        array.split_once(&format!(" {key}=\"")).map(|(_, rest)| rest.split('"').next().unwrap().to_owned())
+    };
+    let arrays = text.split("<DataArray").skip(1).map(|rest| rest.split('>').next().unwrap());
+    arrays.filter_map(|array| Some((value(array, "Name")?, value(array, "type")?))).collect()
+}
+
+/// meshio reads no unsigned numbers of points, and an integer is one, not a number with a fraction.
+#[test]
+fn frames_have_signed_numbers_of_points_and_whole_statuses() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let vtk = folder.path().join("frames");
+    let few =
+        ["--scene", "scene.friction=0.3", "--time-steps", "2", "--tolerance", "1e-2", "--vtk", text(&vtk)];
+    gravel(&[&["simulate", "column"][..], &few].concat()).succeeded();
+    let of = types(&vtk.join("column-contacts-000002.vtu"));
+    for name in ["connectivity", "offsets", "status", "contact", "subdomain"] {
+        assert_eq!(of[name], "Int64", "{name}");
+    }
+    assert_eq!(of["impulse_n_s"], "Float64");
+    let (_, contacts) = frame(&vtk.join("column-contacts-000002.vtu"));
+    assert!(contacts["status"].iter().all(|status| [0.0, 1.0, 2.0].contains(status)));
+}
+
 #[test]
 fn frames_of_spheres_have_the_faces_of_their_box() {
     let folder = tempfile::TempDir::new().unwrap();

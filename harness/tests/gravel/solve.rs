@@ -1,10 +1,29 @@
 //! `gravel solve`: what it prints, what it writes, how it ends.
 
-use crate::common::{gravel, impulses, methods, pair, text, write};
+use crate::common::{gravel, impulses, methods, pair, pair_with, text, write};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 use std::fs;
 use tempfile::TempDir;
+
+#[test]
+fn run_that_ends_at_once_without_an_impulse_says_what_to_check() {
+    let folder = TempDir::new().unwrap();
+    let loose = gravel(&["solve", "settled-60", "--tolerance", "5"]).succeeded();
+    assert!(loose.stdout.contains("converged after 0 iterations"), "{}", loose.stdout);
+    let warning = "warning: no contact pushes: natural_map is 1.000e0 without any impulse";
+    assert!(loose.stderr.starts_with(warning), "{}", loose.stderr);
+    assert!(loose.stderr.contains("`--tolerance 5` allows"), "{}", loose.stderr);
+    // The normals the wrong way round, and no contact closes.
+    let turned = pair_with("/contacts/normal", json!([[0.0, -1.0], [0.0, -1.0]]));
+    let turned = write(&folder, "turned.json", &turned.to_string());
+    for more in [&[][..], &["--json"]] {
+        let ran = gravel(&[&["solve", text(&turned)], more].concat()).succeeded();
+        assert!(ran.stderr.contains("no contact pushes, since none closes"), "{}", ran.stderr);
+        assert!(ran.stderr.contains("`contacts.normal` points from the antagonist"), "{}", ran.stderr);
+    }
+    assert_eq!(gravel(&["solve", "settled-60"]).succeeded().stderr, "");
+}
 
 /// Weight impulse of a disc of `radius` (m) over the time step of the cases, and their gravity and density (N·s).
 fn weight(radius: f64) -> f64 {

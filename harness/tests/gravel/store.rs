@@ -152,11 +152,40 @@ fn counts_after_bench(study: &Study) -> Vec<std::collections::BTreeMap<String, S
     counts(study, "small", "runs.csv")
 }
 
-/// A line of a journal that counts more contacts updated at the end of the run, without its checksum.
+/// A line of a journal that counts more contacts updated at the end of the run.
 fn with_other_counts(line: &str) -> String {
     let line = without_checksums(line);
     let (before, end) = line.split_once("\"end\":").unwrap();
-    format!("{before}\"end\":{}", end.replacen("\"contact_updates\":", "\"contact_updates\":1", 1))
+    seal::sealed(&format!(
+        "{before}\"end\":{}",
+        end.replacen("\"contact_updates\":", "\"contact_updates\":1", 1)
+    ))
+}
+
+#[test]
+fn what_is_from_before_there_were_checksums_is_read_with_a_word() {
+    let study = study_of_the_pair_and_a_column();
+    let folder = study.bench("small");
+    let report = || study.gravel(&["report", "small"]).succeeded().stderr;
+    assert_eq!(report(), "");
+    let journal = folder.join("journal.jsonl");
+    fs::write(&journal, without_checksums(&fs::read_to_string(&journal).unwrap())).unwrap();
+    let said = study.gravel(&["plan", "small"]).succeeded().stderr;
+    assert!(said.contains("journal from before there were checksums: 8;"), "{said}");
+}
+
+#[test]
+fn damaged_table_is_refused_and_bench_makes_it_again() {
+    let study = study_of_the_pair_and_a_column();
+    let file = study.bench("small").join("curves.parquet");
+    let mut bytes = fs::read(&file).unwrap();
+    bytes[100] ^= 1;
+    fs::write(&file, bytes).unwrap();
+    study
+        .gravel(&["report", "small"])
+        .refused(&["curves.parquet: damaged", "`gravel bench` makes the tables again"]);
+    assert!(study.gravel(&["bench", "small"]).succeeded().stdout.contains("0 of 8 to run"));
+    study.gravel(&["report", "small"]).succeeded();
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::bench::{Study, plan, rows};
 use crate::common::{checkout, entries, impulses, text, write};
+use crate::external::ROUGH;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
@@ -43,6 +44,50 @@ fn corrupted_references_are_computed_again_with_a_word() {
         assert!(ran.stderr.contains("computed again"), "{bad}: {}", ran.stderr);
         assert!(ran.stdout.contains("reference: certified"), "{bad}: {}", ran.stdout);
         assert_eq!(fs::read_to_string(&file).unwrap(), good, "{bad}");
+    }
+}
+
+#[test]
+fn references_from_before_there_were_checksums_are_certified_and_get_one() {
+    for problem in ["pair", "rough"] {
+        let study = Study::new();
+        write(study.folder(), "cases/frozen/rough.json", ROUGH);
+        study.gravel(&["certify", problem]).succeeded();
+        let folder = study.folder().path().join("results/references");
+        let file = folder.join(&entries(&folder)[0]);
+        let kept = fs::read(&file).unwrap();
+        fs::write(&file, seal::opened(&kept).unwrap().unwrap()).unwrap();
+        let said = study.gravel(&["certify", problem]).succeeded().stderr;
+        assert!(said.contains("it had no checksum; ") && said.contains("has one now"), "{said}");
+        assert_eq!(fs::read(&file).unwrap(), kept);
+        assert_eq!(study.gravel(&["certify", problem]).succeeded().stderr, "");
+    }
+}
+
+/// Bits here and there of what is kept: the answer is that of before, and what was damaged is made again with a word.
+#[test]
+fn no_flipped_bit_of_what_is_kept_changes_an_answer() {
+    let study = Study::new();
+    write(study.folder(), "cases/frozen/rough.json", ROUGH);
+    for problem in ["pair", "rough"] {
+        let certify = || study.gravel(&["certify", problem]).succeeded();
+        let folder = study.folder().path().join("results/references");
+        let _ = fs::remove_dir_all(&folder);
+        let answer = certify().stdout;
+        let file = folder.join(&entries(&folder)[0]);
+        let kept = fs::read(&file).unwrap();
+        for bit in (3..8 * (kept.len() - 1)).step_by(8 * kept.len() / 12) {
+            let mut flipped = kept.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            fs::write(&file, flipped).unwrap();
+            let ran = certify();
+            assert!(ran.stderr.contains("computed again"), "{problem}, bit {bit}: {}", ran.stderr);
+            assert_eq!(
+                (ran.stdout, fs::read(&file).unwrap()),
+                (answer.clone(), kept.clone()),
+                "{problem}, bit {bit}"
+            );
+        }
     }
 }
 

@@ -101,10 +101,11 @@ fn run_that_cannot_be_shown_is_refused() {
     let journal = study.runs("kept").join("journal.jsonl");
     let whole = fs::read_to_string(&journal).unwrap();
     fs::write(&journal, whole.replacen("\"grains\":2", "\"grains\":3", 1)).unwrap();
-    study.gravel(&["view", &kept["id"]]).refused(&["journal.jsonl: line 1", "damaged", "checksum"]);
+    study.gravel(&["view", &kept["id"]]).refused(&["journal.jsonl, line 1", "damaged", "checksum"]);
     fs::write(&journal, whole).unwrap();
     let lines = without_checksums(&fs::read_to_string(&journal).unwrap());
     let alike = lines.replace(&kept["id"], "abcd000000000001").replace(&other["id"], "abcd000000000002");
+    let alike: String = alike.lines().map(|line| seal::sealed(line) + "\n").collect();
     fs::write(&journal, alike).unwrap();
     let both = ["`abcd`", "abcd000000000001 (nsgs on pair", "abcd000000000002 (nsgs on column grains=6"];
     study.gravel(&["view", "abcd"]).refused(&both);

@@ -12,6 +12,9 @@ use crate::text::File;
 /// Names the files of the report, so that the next one knows which files it may replace.
 const MADE: &str = ".report";
 
+/// A file among drafts that is locked as long as somebody works on them.
+const LOCK: &str = "lock";
+
 /// Names of the files that the last report left in the folder `out` and that are still there.
 pub fn made(out: &Path) -> Vec<String> {
     let list = fs::read_to_string(out.join(MADE)).unwrap_or_default();
@@ -22,16 +25,21 @@ pub fn made(out: &Path) -> Vec<String> {
 pub(crate) fn replace(files: &[File], out: &Path) -> Result<Vec<PathBuf>, ReportError> {
     // A file of that name is refused here.
     fs::create_dir_all(out).map_err(at(out))?;
+    // A link to the folder stays: what it leads to is replaced.
+    let place = fs::canonicalize(out).map_err(at(out))?;
+    let parent = place.parent().unwrap_or(&place);
+    let prefix = format!(".unfinished-{}-", place.file_name().unwrap_or_default().to_string_lossy());
+    clear(parent, &prefix, &place)?;
     let before = made(out);
     let someones = |file: &&File| out.join(&file.name).exists() && !before.contains(&file.name);
     if let Some(File { name, .. }) = files.iter().find(someones) {
         let why = "no report made this file, and one would replace it: move it, or give it another name";
         return Err(at(&out.join(name))(io::Error::other(why)));
     }
-    // A link to the folder stays: what it leads to is replaced.
-    let place = fs::canonicalize(out).map_err(at(out))?;
-    let parent = place.parent().unwrap_or(&place);
-    let drafts = TempDir::with_prefix_in(".unfinished-", parent).map_err(at(parent))?;
+    let drafts = TempDir::with_prefix_in(&prefix, parent).map_err(at(parent))?;
+    // As long as this one is locked, nobody takes the drafts for abandoned.
+    let lock = fs::File::create(drafts.path().join(LOCK)).map_err(at(parent))?;
+    let _ = lock.try_lock();
     // Folders inside the temporary one, since the temporary one is closed to other users.
     let (new, old) = (drafts.path().join("new"), drafts.path().join("old"));
     fs::create_dir(&new).map_err(at(&new))?;
@@ -49,22 +57,53 @@ pub(crate) fn replace(files: &[File], out: &Path) -> Result<Vec<PathBuf>, Report
     Ok(names.into_iter().map(|name| out.join(name)).collect())
 }
 
+/// Removes the drafts that programs left which were killed while they wrote this report; what in them is of others comes back.
+fn clear(parent: &Path, prefix: &str, out: &Path) -> Result<(), ReportError> {
+    for entry in fs::read_dir(parent).map_err(at(parent))? {
+        let drafts = entry.map_err(at(parent))?.path();
+        let name = drafts.file_name().unwrap_or_default().to_string_lossy();
+        // Behind the prefix stand letters and digits; more is of another report, whose name begins as this one's.
+        if !name.strip_prefix(prefix).is_some_and(|end| end.chars().all(char::is_alphanumeric)) {
+            continue;
+        }
+        if fs::File::open(drafts.join(LOCK)).is_ok_and(|lock| lock.try_lock().is_err()) {
+            continue;
+        }
+        let old = drafts.join("old");
+        if !old.is_dir() || bring_back(&old, out).map_err(at(&old))? {
+            fs::remove_dir_all(&drafts).map_err(at(&drafts))?;
+        }
+    }
+    Ok(())
+}
+
 fn swap(new: &Path, old: &Path, out: &Path) -> io::Result<()> {
     fs::rename(out, old)?;
     if let Err(error) = fs::rename(new, out) {
         fs::rename(old, out)?;
         return Err(error);
     }
+    bring_back(old, out).map(drop)
+}
+
+/// Moves what no report made from the folder of an old one to its place; `false` if some of it is there already.
+fn bring_back(old: &Path, out: &Path) -> io::Result<bool> {
+    let mut all = true;
     let list = fs::read_to_string(old.join(MADE)).unwrap_or_default();
     let made: BTreeSet<&str> = list.lines().chain([MADE]).collect();
     for entry in fs::read_dir(old)? {
         let entry = entry?;
         let (name, place) = (entry.file_name(), out.join(entry.file_name()));
-        if !name.to_str().is_some_and(|name| made.contains(name)) && !place.exists() {
+        if name.to_str().is_some_and(|name| made.contains(name)) {
+            continue;
+        }
+        if place.exists() {
+            all = false;
+        } else {
             fs::rename(entry.path(), place)?;
         }
     }
-    Ok(())
+    Ok(all)
 }
 
 fn at(path: &Path) -> impl FnOnce(io::Error) -> ReportError {

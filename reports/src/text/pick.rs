@@ -1,5 +1,7 @@
 //! Some columns and rows of a table of a report, in one of its formats.
 
+use std::collections::BTreeSet;
+
 use polars::prelude::{AnyValue, BooleanChunked, Column, DataFrame, NewChunkedArray};
 use wildmatch::WildMatch;
 
@@ -35,9 +37,18 @@ impl Pick<'_> {
     pub(crate) fn of(&self, from: &Table) -> Result<String, ReportError> {
         let mut rows = vec![true; from.all.height()];
         for (name, pattern) in self.rows {
-            let (column, pattern) = (self.column(from, name)?, WildMatch::new(pattern));
-            for (i, chosen) in rows.iter_mut().enumerate() {
-                *chosen &= pattern.matches(&plain(&column.get(i)?));
+            let (column, wanted) = (self.column(from, name)?, WildMatch::new(pattern));
+            let mut known = BTreeSet::new();
+            for (i, chosen) in rows.iter_mut().enumerate().filter(|(_, chosen)| **chosen) {
+                let value = plain(&column.get(i)?);
+                *chosen = wanted.matches(&value);
+                known.insert(value);
+            }
+            if !known.is_empty() && !rows.contains(&true) {
+                let what = format!("row of table `{}` that matches", self.table);
+                let rest = (known.len() > NAMED).then(|| "…".to_owned());
+                let known = known.into_iter().take(NAMED).chain(rest).collect();
+                return Err(ReportError::Unknown { what, name: format!("{name}={pattern}"), known });
             }
         }
         let columns = self.columns.iter().map(|name| self.column(from, name).cloned());
@@ -60,6 +71,9 @@ impl Pick<'_> {
         })
     }
 }
+
+/// How many values an error names.
+const NAMED: usize = 20;
 
 /// A value as its CSV file has it; nothing where there is none.
 fn plain(value: &AnyValue) -> String {

@@ -16,13 +16,13 @@ fn runs_read_equal_the_runs_appended_to_the_last_bit() {
     let root = TempDir::new().unwrap();
     let journal = stored(&root, 2);
     let all: Vec<Record> = (0..3).map(record).collect();
-    assert!(same(&records_of(&root.path().join("paper"), &["nsgs"]).unwrap(), &all[..2]));
+    assert!(same(&records_of(&root.path().join("paper"), &["nsgs"]).unwrap().records, &all[..2]));
     let mut store = Store::open(root.path(), "paper").unwrap();
     store.append(record(2)).unwrap();
     assert!(same(store.records(), &all));
-    assert_eq!(store.dropped(), 0);
+    assert_eq!(store.lines().torn, 0);
     assert_eq!(fs::read_to_string(journal).unwrap().lines().count(), 3);
-    assert!(records_of::<Record>(&root.path().join("absent"), &[]).unwrap().is_empty());
+    assert!(records_of::<Record>(&root.path().join("absent"), &[]).unwrap().records.is_empty());
 }
 
 #[test]
@@ -51,7 +51,7 @@ fn line_torn_at_any_byte_is_dropped_and_the_next_run_stands_behind_the_whole_one
     for length in (first..bytes.len()).step_by(97).chain([bytes.len() - 1]) {
         fs::write(&journal, &bytes[..length]).unwrap();
         let mut store = Store::open(root.path(), "paper").unwrap();
-        assert_eq!(store.dropped(), (length - first) as u64);
+        assert_eq!(store.lines().torn, (length - first) as u64);
         assert!(same(store.records(), &[record(0)]));
         store.append(record(1)).unwrap();
         drop(store);
@@ -83,14 +83,37 @@ fn old(line: &str) -> String {
 }
 
 #[test]
-fn line_is_json_whose_last_key_is_the_checksum_of_what_is_before() {
+fn line_that_lost_its_checksum_is_refused_behind_one_that_has_its_own() {
     let root = TempDir::new().unwrap();
-    let text = fs::read_to_string(stored(&root, 1)).unwrap();
-    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
-    let (row, _) = text.rsplit_once(",\"crc32\"").unwrap();
-    assert_eq!(json["crc32"], format!("{:08x}", crc32fast::hash(row.as_bytes())));
-    // The check value of CRC-32, as its catalogue gives it.
-    assert_eq!(crc32fast::hash(b"123456789"), 0xcbf4_3926);
+    let journal = stored(&root, 3);
+    let text = fs::read_to_string(&journal).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    for lost in [1, 2] {
+        fs::write(&journal, text.replacen(lines[lost], &old(lines[lost]), 1)).unwrap();
+        let error = Store::open(root.path(), "paper").unwrap_err();
+        assert!(
+            matches!(&error, StoreError::Line { line, source: RowError::Unsealed, .. } if *line == lost + 1),
+            "{error}"
+        );
+    }
+    // The first ones may be from before there were any, which is counted.
+    fs::write(&journal, text.replacen(lines[0], &old(lines[0]), 1)).unwrap();
+    assert_eq!(Store::open(root.path(), "paper").unwrap().lines().unsealed, 1);
+}
+
+#[test]
+fn journal_with_the_ends_of_lines_of_windows_is_read_and_goes_on() {
+    let root = TempDir::new().unwrap();
+    let journal = stored(&root, 2);
+    let text = fs::read_to_string(&journal).unwrap();
+    for before in [text.clone(), text.lines().map(|line| old(line) + "\n").collect()] {
+        fs::write(&journal, before.replace('\n', "\r\n")).unwrap();
+        let mut store = Store::open(root.path(), "paper").unwrap();
+        assert!(same(store.records(), &[record(0), record(1)]) && store.lines().torn == 0);
+        store.append(record(2)).unwrap();
+        drop(store);
+        assert_eq!(read::<Record>(&journal).unwrap().records.len(), 3);
+    }
 }
 
 #[test]
@@ -129,11 +152,12 @@ fn journal_from_before_there_were_checksums_is_read_and_goes_on_with_them() {
     fs::write(&journal, &before).unwrap();
     let mut store = Store::open(root.path(), "paper").unwrap();
     assert!(same(store.records(), &[record(0), record(1)]));
+    assert_eq!(store.lines().unsealed, 2);
     store.append(record(2)).unwrap();
     drop(store);
     let grown = fs::read_to_string(&journal).unwrap();
     assert!(grown.starts_with(&before) && grown.lines().last().unwrap().contains("\"crc32\""));
-    assert_eq!(records_of::<Record>(journal.parent().unwrap(), &["nsgs"]).unwrap().len(), 3);
+    assert_eq!(records_of::<Record>(journal.parent().unwrap(), &["nsgs"]).unwrap().records.len(), 3);
 }
 
 #[test]
@@ -144,7 +168,8 @@ fn status_and_method_that_are_none_are_refused_by_line_and_value() {
     let second = text.lines().nth(1).unwrap();
     let refused = |name: &str, wrong: &str, expected: &str| {
         let line = old(second).replacen(name, wrong, 1);
-        fs::write(&journal, text.replacen(second, &line, 1)).unwrap();
+        let first = old(text.lines().next().unwrap());
+        fs::write(&journal, format!("{first}\n{line}\n")).unwrap();
         let error = records_of::<Record>(journal.parent().unwrap(), &["nsgs"]).unwrap_err().to_string();
         assert!(error.contains("journal.jsonl, line 2: ") && error.contains(expected), "{error}");
     };
@@ -156,7 +181,7 @@ fn status_and_method_that_are_none_are_refused_by_line_and_value() {
     refused("nsgs", "nsgr", "`method` is \"nsgr\": it must be one of nsgs");
     // One that was known when the line was written may be gone since.
     fs::write(&journal, &text).unwrap();
-    assert_eq!(records_of::<Record>(journal.parent().unwrap(), &["cg"]).unwrap().len(), 2);
+    assert_eq!(records_of::<Record>(journal.parent().unwrap(), &["cg"]).unwrap().records.len(), 2);
     let wrong = Run { status: "Converged".into(), ..run(3) };
     let mut store = Store::open(root.path(), "paper").unwrap();
     let refused = store.append(Record { run: wrong, curve: Vec::new(), snapshots: Vec::new() });

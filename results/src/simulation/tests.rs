@@ -77,7 +77,7 @@ fn simulations_read_equal_those_appended_to_the_last_bit() {
     for one in &all {
         store.append(one.clone()).unwrap();
     }
-    assert!(same(&records_of(store.folder(), &["nsgs"]).unwrap(), &all));
+    assert!(same(&records_of(store.folder(), &["nsgs"]).unwrap().records, &all));
     drop(store);
     // A store of runs does not take them for its own.
     let error = Store::<crate::journal::Record>::open(root.path(), "time").unwrap_err();
@@ -92,7 +92,7 @@ fn journals_from_before_failed_time_steps_were_counted_are_read() {
         line["simulation"].as_object_mut().unwrap().remove(key).unwrap();
     }
     std::fs::write(root.path().join("journal.jsonl"), format!("{line}\n")).unwrap();
-    let read: Vec<Simulated> = records_of(root.path(), &["nsgs", "cg"]).unwrap();
+    let read: Vec<Simulated> = records_of(root.path(), &["nsgs", "cg"]).unwrap().records;
     assert_eq!(
         (read[0].simulation.totals.missed_time_steps, read[0].simulation.totals.diverged_time_steps),
         (2, 0)
@@ -122,7 +122,7 @@ fn tables_number_the_simulations_and_are_kept_aside_whole() {
     let series = std::fs::read_to_string(store.folder().join("series.csv")).unwrap();
     let second = series.lines().nth(2).unwrap();
     assert!(second.starts_with("1,6,0.30000000000000004,20,60,inf,1.0,,"), "{series}");
-    assert_eq!(format!("{:?}", read(store.folder()).unwrap()), format!("{written:?}"));
+    assert_eq!(format!("{:?}", read(store.folder()).unwrap().0), format!("{written:?}"));
     drop(store);
     let aside = Store::set_aside(root.path(), "time").unwrap().unwrap();
     for file in ["simulations.parquet", "series.parquet", "simulations.csv", "series.csv", "journal.jsonl"] {

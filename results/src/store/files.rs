@@ -1,13 +1,19 @@
 //! The files of a study: locked, dated, written whole.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, Write};
+use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
 
 use jiff::Timestamp;
-use polars::prelude::{DataFrame, ParquetReader, PolarsError, SerReader};
+use polars::prelude::{
+    DataFrame, KeyValueMetadata, ParquetReader, ParquetWriter, PolarsError, PolarsResult, SerReader,
+};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use super::StoreError;
+use crate::columns::{keys, rows};
+use crate::seal::{OF_TABLE, of_no_table, open_table};
 
 /// Locks a folder by a file inside it, or says who holds it.
 pub(super) fn lock(path: &Path) -> Result<File, StoreError> {
@@ -63,6 +69,22 @@ pub fn behind_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("its links lead in a circle"))
 }
 
+/// How the names of files begin that are not complete.
+const UNFINISHED: &str = ".unfinished-";
+
+/// Removes what programs that were killed did not finish in the folder of a study, to which nobody else writes.
+pub(super) fn remove_unfinished(folder: &Path) -> Result<(), StoreError> {
+    for entry in fs::read_dir(folder).map_err(at(folder))? {
+        let path = entry.map_err(at(folder))?.path();
+        if path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(UNFINISHED))
+            && path.is_file()
+        {
+            fs::remove_file(&path).map_err(at(&path))?;
+        }
+    }
+    Ok(())
+}
+
 /// Writes a table beside its place and gives it its name once it is complete; a link stays, and its target is written.
 pub(super) fn write_whole(
     path: &Path,
@@ -71,7 +93,7 @@ pub(super) fn write_whole(
     let target = behind_links(path).map_err(at(path))?;
     let folder = target.parent().unwrap_or(path);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".unfinished-");
+    builder.prefix(UNFINISHED);
     // A temporary file is closed to other users unless it asks for what files usually get.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -82,10 +104,72 @@ pub(super) fn write_whole(
     Ok(())
 }
 
-pub(super) fn read_parquet(path: &Path) -> Result<DataFrame, StoreError> {
-    let file = File::open(path).map_err(at(path))?;
-    let format = |source| StoreError::Format { path: path.to_owned(), source };
-    ParquetReader::new(file).finish().map_err(format)
+/// Returns a table as a Parquet file, in which the place of its checksum is empty.
+pub(super) fn parquet_of(table: &mut DataFrame) -> PolarsResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let seal = KeyValueMetadata::from_static(vec![(OF_TABLE.to_owned(), of_no_table())]);
+    ParquetWriter::new(&mut bytes).with_key_value_metadata(Some(seal)).finish(table)?;
+    Ok(bytes)
+}
+
+/// The tables of a study as they are read, one after the other.
+#[derive(Default)]
+pub(super) struct Tables {
+    /// Those without a checksum.
+    pub(super) unsealed: Vec<PathBuf>,
+    /// The first, and the checksum of all that were written with it, if it has one.
+    first: Option<(PathBuf, Option<String>)>,
+}
+
+impl Tables {
+    fn read<T>(
+        &mut self,
+        path: &Path,
+        take: impl Fn(&DataFrame) -> PolarsResult<T>,
+    ) -> Result<T, StoreError> {
+        let bytes = fs::read(path).map_err(at(path))?;
+        let opened = open_table(bytes);
+        let (bytes, all) = opened.map_err(|source| StoreError::Damaged { path: path.to_owned(), source })?;
+        if all.is_none() {
+            self.unsealed.push(path.to_owned());
+        }
+        let (other, with) = self.first.get_or_insert_with(|| (path.to_owned(), all.clone()));
+        if *with != all {
+            return Err(StoreError::Apart { path: path.to_owned(), other: other.clone() });
+        }
+        let table = ParquetReader::new(Cursor::new(bytes)).finish();
+        let format = |source| StoreError::Format { path: path.to_owned(), source };
+        table.and_then(|table| take(&table)).map_err(format)
+    }
+
+    /// Returns the rows of a table.
+    pub(super) fn rows<Row>(&mut self, path: &Path) -> Result<Vec<Row>, StoreError>
+    where
+        Row: Serialize + DeserializeOwned + Default + Send,
+    {
+        self.read(path, rows)
+    }
+
+    /// Returns the rows of a table whose column `key` says of which of `count` runs or simulations each is; rows of none are left aside.
+    pub(super) fn groups<Row>(
+        &mut self,
+        path: &Path,
+        key: &str,
+        count: usize,
+    ) -> Result<Vec<Vec<Row>>, StoreError>
+    where
+        Row: Serialize + DeserializeOwned + Default + Send,
+    {
+        let (keys, rows) = self.read(path, |table| Ok((keys(key, table)?, rows::<Row>(table)?)))?;
+        let mut groups: Vec<Vec<Row>> = Vec::new();
+        groups.resize_with(count, Vec::new);
+        for (key, row) in keys.into_iter().zip(rows) {
+            if let Some(group) = groups.get_mut(key as usize) {
+                group.push(row);
+            }
+        }
+        Ok(groups)
+    }
 }
 
 pub(crate) fn at(path: &Path) -> impl FnOnce(io::Error) -> StoreError {

@@ -33,7 +33,9 @@ fn study() -> Study {
     Study::Runs(Runs { records: vec![record(0), alone], grains: vec![grain], contacts: vec![contact] })
 }
 
-fn runs(study: Study) -> Runs {
+/// The runs of a study whose tables all have checksums.
+fn runs((study, unsealed): (Study, Vec<PathBuf>)) -> Runs {
+    assert!(unsealed.is_empty(), "{unsealed:?}");
     let Study::Runs(runs) = study else { panic!("no study of problems: {study:?}") };
     runs
 }
@@ -66,7 +68,7 @@ fn what_is_set_aside_is_kept_in_a_folder_of_its_own() {
     let journal = stored(&root, 1);
     Store::open(root.path(), "paper").unwrap().write_tables(&study()).unwrap();
     let first = Store::set_aside(root.path(), "paper").unwrap().unwrap();
-    assert_eq!(records_of::<Record>(&first, &["nsgs"]).unwrap().len(), 1);
+    assert_eq!(records_of::<Record>(&first, &["nsgs"]).unwrap().records.len(), 1);
     assert_eq!(runs(read(&first).unwrap()).records.len(), 2);
     assert_eq!(tables_folder(root.path(), "paper"), None);
     // Even what cannot be read.
@@ -86,7 +88,7 @@ fn tables_read_equal_the_tables_written_and_replace_those_before() {
     store.write_tables(&Study::Runs(Runs::default())).unwrap();
     assert!(runs(read(store.folder()).unwrap()).records.is_empty());
     store.write_tables(&written).unwrap();
-    let read = read(&tables_folder(root.path(), "paper").unwrap()).unwrap();
+    let (read, _) = read(&tables_folder(root.path(), "paper").unwrap()).unwrap();
     assert_eq!(format!("{read:?}"), format!("{written:?}"));
     let files = [
         "contacts.parquet",
@@ -173,4 +175,81 @@ fn study_from_before_there_were_snapshots_has_none() {
     store.write_tables(&study()).unwrap();
     fs::remove_file(parquet(store.folder(), SNAPSHOTS)).unwrap();
     assert!(runs(read(store.folder()).unwrap()).records.iter().all(|record| record.snapshots.is_empty()));
+}
+
+/// The tables without checksums, as they were written once.
+fn without_checksums(folder: &Path) {
+    for Named { name, mut table, .. } in study().tables().unwrap() {
+        let mut bytes = Vec::new();
+        polars::prelude::ParquetWriter::new(&mut bytes).finish(&mut table).unwrap();
+        fs::write(parquet(folder, name), bytes).unwrap();
+    }
+}
+
+#[test]
+fn no_flipped_bit_of_a_table_is_taken_for_what_was_written() {
+    let root = TempDir::new().unwrap();
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    store.write_tables(&study()).unwrap();
+    let written = format!("{:?}", read(store.folder()).unwrap());
+    for name in [RUNS, CURVES, GRAINS, CONTACTS, SNAPSHOTS] {
+        let path = parquet(store.folder(), name);
+        let bytes = fs::read(&path).unwrap();
+        // Of each byte another bit, and all of the last bytes: the metadata with the checksum.
+        let last = 8 * (bytes.len() - 120);
+        for bit in (0..last).step_by(131).chain((last..8 * bytes.len()).step_by(3)) {
+            let mut flipped = bytes.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            fs::write(&path, &flipped).unwrap();
+            let error = read(store.folder()).map(drop).unwrap_err().to_string();
+            assert!(error.contains(name) && error.contains("damaged"), "{name}, bit {bit}: {error}");
+        }
+        fs::write(&path, bytes).unwrap();
+    }
+    assert_eq!(format!("{:?}", read(store.folder()).unwrap()), written);
+}
+
+#[test]
+fn tables_from_before_there_were_checksums_are_read_and_named() {
+    let root = TempDir::new().unwrap();
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    without_checksums(store.folder());
+    let (old, unsealed) = read(store.folder()).unwrap();
+    assert_eq!(unsealed.len(), 5, "{unsealed:?}");
+    assert_eq!(format!("{old:?}"), format!("{:?}", study()));
+    // The program was stopped after the first new one.
+    let before = fs::read(parquet(store.folder(), CURVES)).unwrap();
+    store.write_tables(&study()).unwrap();
+    fs::write(parquet(store.folder(), CURVES), before).unwrap();
+    assert!(
+        matches!(read(store.folder()), Err(StoreError::Apart { path, .. }) if path.ends_with("curves.parquet"))
+    );
+}
+
+#[test]
+fn tables_of_two_times_are_not_read_as_one_study() {
+    let root = TempDir::new().unwrap();
+    let mut store = Store::open(root.path(), "paper").unwrap();
+    store
+        .write_tables(&Study::Runs(Runs { records: vec![record(3), record(0)], ..Runs::default() }))
+        .unwrap();
+    let before = fs::read(parquet(store.folder(), CURVES)).unwrap();
+    store.write_tables(&study()).unwrap();
+    fs::write(parquet(store.folder(), CURVES), before).unwrap();
+    let error = read(store.folder()).map(drop).unwrap_err().to_string();
+    assert!(
+        error.contains("curves.parquet is not of the same time as") && error.contains("runs.parquet"),
+        "{error}"
+    );
+}
+
+#[test]
+fn what_a_program_that_was_killed_did_not_finish_is_removed_by_the_next() {
+    let root = TempDir::new().unwrap();
+    let folder = Store::open(root.path(), "paper").unwrap().folder().to_owned();
+    for name in [".unfinished-aB3xYz", ".unfinished-mine", "notes.txt"] {
+        fs::write(folder.join(name), "half").unwrap();
+    }
+    let _store = Store::open(root.path(), "paper").unwrap();
+    assert_eq!(entries(&folder), [JOURNAL, LOCK, "notes.txt"]);
 }

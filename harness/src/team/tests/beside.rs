@@ -145,6 +145,11 @@ fn ranks_begin_where_others_ended_or_the_time_step_before_did() {
     }
 }
 
+/// The text of a file of impulses without its checksum, as it was written once: what a test changes in it is then read.
+fn without_checksum(path: &Path) -> String {
+    String::from_utf8(seal::opened(&fs::read(path).unwrap()).unwrap().unwrap()).unwrap()
+}
+
 #[test]
 fn what_lies_beside_is_refused_with_its_file_and_rank() {
     let (root, folder) = (checkout_of(&["settled-60"]), TempDir::new().unwrap());
@@ -156,7 +161,7 @@ fn what_lies_beside_is_refused_with_its_file_and_rank() {
     let solved = |more: &[&str]| reason(4, &[&[parts_, "--method", "cg"], more].concat());
 
     let path = parts.join("solution-0/5.impulses.json");
-    let kept = fs::read_to_string(&path).unwrap();
+    let kept = without_checksum(&path);
     fs::remove_file(&path).unwrap();
     assert!(
         solved(&["--truth"]).starts_with(&format!("rank 2: {}", path.display())),
@@ -170,7 +175,7 @@ fn what_lies_beside_is_refused_with_its_file_and_rank() {
     assert!(solved(&["--truth"]).starts_with("`solution` is number 0, which"), "{}", solved(&["--truth"]));
 
     let path = start.join("6.impulses.json");
-    let kept = fs::read_to_string(&path).unwrap();
+    let kept = without_checksum(&path);
     let begun = || solved(&["--start", start_]);
     let says = |expected: &str| {
         let reason = begun();
@@ -183,4 +188,57 @@ fn what_lies_beside_is_refused_with_its_file_and_rank() {
     says("`impulse` of contact ");
     fs::copy(start.join("5.impulses.json"), &path).unwrap();
     says("`contact` has not the contacts of subdomain 6");
+}
+
+#[test]
+fn no_flipped_bit_of_a_part_or_of_its_impulses_is_taken_for_what_was_written() {
+    let (root, folder) = (checkout_of(&["settled-60"]), TempDir::new().unwrap());
+    let [parts, start] = ["parts", "start"].map(|inner| folder.path().join(inner));
+    split_of(&root, "settled-60", &parts, &["--truth"]);
+    fs::create_dir(&start).unwrap();
+    let [parts_, start_] = [&parts, &start].map(|path| path.to_str().unwrap());
+    ended_in(&root, 2, &[parts_, "--method", "nsgs-dd"], &start);
+    let solved = || reason(2, &[parts_, "--method", "nsgs-dd", "--start", start_, "--truth"]);
+    for (file, rank) in [
+        (parts.join("0.jsonl"), 0),
+        (parts.join("5.jsonl"), 1),
+        (parts.join("solution-0/1.impulses.json"), 0),
+        (start.join("6.impulses.json"), 1),
+    ] {
+        let kept = fs::read(&file).unwrap();
+        for bit in (3..8 * kept.len()).step_by(8 * kept.len() / 40 + 1) {
+            let mut flipped = kept.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            fs::write(&file, flipped).unwrap();
+            let reason = solved();
+            let expected = format!("rank {rank}: {}", file.display());
+            assert!(reason.starts_with(&expected), "bit {bit}: {reason}");
+        }
+        fs::write(&file, kept).unwrap();
+    }
+}
+
+#[test]
+fn parts_from_before_there_were_checksums_are_read_and_ones_that_lost_theirs_are_not() {
+    let (root, folder) = (checkout_of(&["settled-60"]), TempDir::new().unwrap());
+    let parts = folder.path().join("parts");
+    split_of(&root, "settled-60", &parts, &[]);
+    let arguments =
+        [parts.to_str().unwrap(), "--method", "nsgs-dd", "--tolerance", "0", "--max-iterations", "9"];
+    let expected = ended(&root, 2, &arguments);
+    for e in 0..8 {
+        let file = parts.join(format!("{e}.jsonl"));
+        let text = fs::read_to_string(&file).unwrap();
+        let lines = text.lines().map(|line| seal::opened(line.as_bytes()).unwrap().unwrap());
+        let lines: Vec<String> = lines.map(|line| String::from_utf8(line).unwrap()).collect();
+        if e == 3 {
+            fs::write(&file, lines.join("\n")).unwrap();
+            assert!(reason(2, &arguments).contains("3.jsonl: damaged: it has no checksum"));
+            let first = text.lines().next().unwrap();
+            fs::write(&file, format!("{first}\n{}\n", lines[1])).unwrap();
+            assert!(reason(2, &arguments).contains("3.jsonl: line 2 is damaged: it has no checksum"));
+        }
+        fs::write(&file, lines.join("\n").replacen("subdomain/2", "subdomain/1", 1)).unwrap();
+    }
+    assert!(ended(&root, 2, &arguments) == expected);
 }
