@@ -4,7 +4,7 @@ use crate::problems::{difference, frozen, frozen_path, impulses, start};
 use cases::AnyFrozen;
 use contact::acceleration::{Acceleration, Momentum};
 use contact::sweep::Sweep;
-use contact::{ContactProblem, Mechanics, Packing, Solver, Vector};
+use contact::{ContactProblem, Mechanics, Packing, Solver};
 use nsgs::{Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Grid, Scheme};

@@ -122,7 +122,10 @@ fn what_is_rarely_meant_in_a_case_is_a_line_on_stderr() {
     let friction = said(&["scene.friction=30"]);
     assert_eq!(friction.matches("warning: thrown-disc: `scene.friction` is 30").count(), 1, "{friction}");
     let far = said(&["scene.thrown_at_m_per_s=[60.0, 0.0]"]);
-    assert!(far.contains("warning: thrown-disc: `scene.time_step_s` is 0.01: time step 1 moves grain 0"), "{far}");
+    assert!(
+        far.contains("warning: thrown-disc: `scene.time_step_s` is 0.01: time step 1 moves grain 0"),
+        "{far}"
+    );
 }
 
 #[test]
