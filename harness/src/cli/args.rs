@@ -42,7 +42,7 @@ pub(crate) struct SceneArgs {
     #[command(flatten)]
     case: CaseArgs,
     /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]; those before
-    /// it are solved by preconditioned cg, or with friction by accelerated nsgs, whatever the method
+    /// it are solved by preconditioned cg, or with friction between spheres by nsgs, whatever the method
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     time_step: Option<String>,
 }
@@ -50,8 +50,9 @@ pub(crate) struct SceneArgs {
 /// A method and until when it runs, on the command line.
 #[derive(clap::Args)]
 pub(crate) struct SolverArgs {
-    /// A method; `gravel list methods` shows them with their settings [default: cg; in simulate
-    /// and freeze with friction nsgs with acceleration=nesterov, which misses fewer time steps]
+    /// A method; `gravel list methods` shows them with their settings [default: cg; with friction
+    /// nsgs with acceleration=nesterov in simulate, which misses fewer time steps, and nsgs in freeze
+    /// between spheres]
     #[arg(long, value_name = "M")]
     method: Option<String>,
     /// A setting of the method, such as relaxation=0.8 or subdomains=4x2; may be repeated

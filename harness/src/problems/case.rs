@@ -71,8 +71,8 @@ impl CaseProblem {
         let most = |max_iterations| Stop { max_iterations, ..Stop::default() };
         Ok(match (self.case.scene.is_rough(), self.case.in_space()?) {
             (false, _) => (cg()?, Stop::default()),
-            (true, false) => (Method::accelerated_sweeps()?, most(WITH_FRICTION)),
-            (true, true) => (Method::accelerated_sweeps()?, most(SPHERES_WITH_FRICTION)),
+            (true, false) => (cg()?, most(WITH_FRICTION)),
+            (true, true) => (Method::parse("nsgs", &[])?, most(SPHERES_WITH_FRICTION)),
         })
     }
 
