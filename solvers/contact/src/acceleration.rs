@@ -54,7 +54,7 @@ impl Acceleration {
 pub const LAG: f64 = 3.0;
 
 /// ρ (–). On 14 frictional problems of 250 to 1,000 grains, μ from 0.1 to 0.8, 1.5 takes a fifth fewer sweeps to 1e-3 and 1e-4, and 2
-/// fails to reach these on two to four of them; but through time 1.5 misses twice as many time steps as 1.2 (see [`LONGEST_PAUSE`]).
+/// fails to reach these on two to four of them; but through time 1.5 misses twice as many time steps as 1.2.
 pub const SLACK: f64 = 1.2;
 
 /// Plain iterations at most between two cycles. Over 200 time steps each of the cases `heap`, `drum` and `biaxial` with five seeds, 20 of
