@@ -80,7 +80,10 @@ fn json_spells_out_the_defaults_of_every_method() {
         assert_eq!(object["settings"], defaults, "{method}");
     }
     let set = gravel(&["solve", "column", "--json", "--method", "nsgs", "--set", "relaxation=1.5"]).json();
-    let settings = json!({ "order": "natural", "relaxation": 1.5, "seed": 1, "symmetric": false });
+    let settings = json!({
+        "order": "natural", "relaxation": 1.5, "seed": 1, "symmetric": false,
+        "acceleration": "none", "lag": 3.0, "slack": 1.2
+    });
     assert_eq!(set["settings"], settings);
 }
 
