@@ -109,7 +109,7 @@ pub(crate) struct Placed<'s, P> {
     along: P,
     /// How far it has (m).
     moved: P,
-    /// Of this, since contacts were sought last, or since time began (m).
+    /// Part of this since contacts were sought last, or since time began (m).
     came: P,
 }
 

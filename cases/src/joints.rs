@@ -13,7 +13,7 @@ use crate::walls::{MovingWall, WallMotion, Walls};
 use contact::Place;
 use nalgebra::Vector2;
 
-/// What an end lies on.
+/// Support of an end.
 #[derive(Clone, Copy, Debug)]
 enum Other {
     /// A segment, by its place in the scene's list, and the end of it that is there, if one is.
@@ -33,13 +33,13 @@ const TOGETHER: f64 = 1e-6;
 const TURNS: f64 = 1e-6;
 
 impl Joints {
-    /// Those of a scene.
+    /// Returns the joints of a scene.
     pub(crate) fn of(scene: &Scene) -> Self {
         Self(scene.segments.iter().map(|segment| [0, 1].map(|end| ends_on(scene, segment, end))).collect())
     }
 }
 
-/// What the `end` of a segment lies on.
+/// Returns the support of the `end` of a segment.
 fn ends_on(scene: &Scene, segment: &Segment, end: usize) -> Vec<Other> {
     let [point, far] = at_begin(segment, end);
     let others = (0..).zip(&scene.segments).filter(|(_, other)| !std::ptr::eq(*other, segment));
@@ -70,7 +70,7 @@ fn size(segment: &Segment) -> f64 {
     if from == to { segment.radius_m } else { (to - from).norm() }
 }
 
-/// Whether a segment moves as the walls of the box, which keep their angles and distances.
+/// Checks that a segment moves as the walls of the box, which keep their angles and distances.
 fn stands_in(segment: &Segment, walls: &Walls) -> bool {
     let still = segment.velocity_m_per_s == [0.0; 2] && segment.motion.is_empty() && segment.driven.is_none();
     let stand = walls.tilt_rate_rad_per_s == 0.0 && walls.closing_speed_m_per_s == 0.0;
@@ -109,7 +109,7 @@ pub(crate) struct Disc<P> {
 }
 
 impl<'s, P: Place> Line<'s, P> {
-    /// Those of a scene at a `time` (s), some time `since` contacts were sought last.
+    /// Returns the joints of a scene at a `time` (s), some time `since` contacts were sought last.
     pub(crate) fn at(
         (scene, joints): (&'s Scene, &'s Joints),
         walls: [Option<MovingWall<P>>; 5],
@@ -163,7 +163,7 @@ impl<'s, P: Place> Line<'s, P> {
         placed.face((end, goes_on), beside, &other, (disc.place, ahead))
     }
 
-    /// Whether the line turns to the side of this `normal` (–) beyond an `end` of a segment.
+    /// Checks that the line turns to the side of this `normal` (–) beyond an `end` of a segment.
     fn turns_up(&self, (number, placed): (u32, &Placed<P>), end: usize, normal: P) -> bool {
         let from = placed.ends[end];
         self.joints.0[number as usize][end].iter().any(|other| match *other {
@@ -211,7 +211,7 @@ impl<'s, P: Place> Line<'s, P> {
     }
 }
 
-/// Whether a direction rises towards the side of this normal.
+/// Checks that a direction rises towards the side of this normal.
 fn is_above<P: Place>(direction: P, normal: P) -> bool {
     direction.dot_product(normal) > TURNS * direction.length()
 }
@@ -226,7 +226,7 @@ enum Hides<P> {
     Nearer(Nearer<P>),
 }
 
-/// What is nearer to a disc than an end that lies on it.
+/// Part of the line nearer to a disc than an end that lies on it.
 struct Nearer<P> {
     /// From the centre (m).
     distance: f64,
@@ -234,7 +234,7 @@ struct Nearer<P> {
     place: P,
     /// Unit normal of its line on the side of the disc (–).
     normal: P,
-    /// Whether the disc has a contact with its side, so that it can come to what is beyond.
+    /// Set where the disc has a contact with its side and can reach the next piece.
     is_open: bool,
 }
 

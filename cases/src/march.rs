@@ -57,7 +57,7 @@ pub struct TimeStep<M: Mechanics = Discs> {
     pub frozen: Frozen<M>,
     /// The antagonist of each contact.
     sides: Vec<Side>,
-    /// What the law added to the offset of each.
+    /// Terms that the law added to the offset of each.
     terms: Vec<Terms>,
 }
 
@@ -67,7 +67,7 @@ impl<M: Mechanics> TimeStep<M> {
         &self.sides
     }
 
-    /// What the law added to the offset of each contact.
+    /// Terms that the law added to the offset of each contact.
     pub(crate) fn terms(&self) -> &[Terms] {
         &self.terms
     }
@@ -128,7 +128,7 @@ impl<M: Marched> March<M> {
         Ok(march)
     }
 
-    /// What can be meant in its scene but rarely is, each by its key.
+    /// Returns the unusual values of its scene, each by its key.
     pub fn warnings(&self) -> Vec<String> {
         self.scene.warnings(self.radius.iter().copied().fold(f64::INFINITY, f64::min))
     }

@@ -75,7 +75,7 @@ pub(crate) fn placed(file: &Path, in_space: bool) -> Result<Vec<[f64; 4]>, Strin
     }
 }
 
-/// What other than commas is between the names of columns.
+/// Returns the separator of the names of columns where it is no comma.
 fn separated_otherwise(headers: &csv::StringRecord) -> Option<&'static str> {
     let separators = [(";", "semicolons"), ("\t", "tabs")];
     let found = |separator: &str| headers.iter().any(|name| name.contains(separator));

@@ -162,7 +162,7 @@ impl Scene {
         }
     }
 
-    /// What can be meant but rarely is, for grains of at least this radius (m): key, value and why.
+    /// Returns unusual values, for grains of at least this radius (m): key, value and why.
     pub(crate) fn warnings(&self, least_radius: f64) -> Vec<String> {
         let (g, h) = (self.gravity_m_per_s2, self.time_step_s);
         let of_walls = self.walls.as_ref().and_then(|walls| walls.friction);

@@ -88,7 +88,7 @@ impl Segment {
             + self.vibration.as_ref().map_or(0.0, Vibration::greatest_speed)
     }
 
-    /// Whether both move as given, in one way.
+    /// Checks that both move as given, in one way.
     pub(crate) fn moves_as(&self, other: &Self) -> bool {
         let given = self.driven.is_none() && other.driven.is_none();
         let alike = self.velocity_m_per_s == other.velocity_m_per_s && self.motion == other.motion;
@@ -197,7 +197,7 @@ impl Segment {
     }
 }
 
-/// Whether a centre that moved from a height `before` above a line to `after` crossed it between 0 and 1 of its length; it was at the
+/// Checks whether a centre that moved from a height `before` above a line to `after` crossed it between 0 and 1 of its length; it was at the
 /// share `from` of it and is at `to`.
 fn is_within(from: f64, to: f64, before: f64, after: f64) -> bool {
     // At a joint one of the two segments is crossed, whatever the rounding.

@@ -141,7 +141,7 @@ pub struct WallMotion<P> {
     pub opening: f64,
     /// Velocity of its surface (m/s), of which the part along it counts.
     pub sliding: P,
-    /// Of a wall that is curved, the gap where the grain's free motion along it leads, its distance kept (m).
+    /// Gap of a curved wall where the grain's free motion along it leads, its distance kept (m).
     pub ahead: Option<f64>,
 }
 

@@ -141,7 +141,7 @@ fn by_linear_programme(problem: &Packing) -> Judged {
     }
 }
 
-/// Whether one grain has an admissible velocity, however fast, in exact arithmetic: one unknown is eliminated after the other
+/// Decides whether one grain has an admissible velocity, however fast, in exact arithmetic: one unknown is eliminated after the other
 /// (Fourier, Motzkin).
 fn has_velocity(problem: &Packing) -> bool {
     let exact = |x: f64| BigRational::from_float(x).unwrap();

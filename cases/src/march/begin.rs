@@ -1,4 +1,4 @@
-//! What is refused when time begins: grains that lie in each other, in a wall or in a segment, and segments that would be in a grain, or
+//! Overlaps refused when time begins: grains that lie in each other, in a wall or in a segment, and segments that would be in a grain, or
 //! past it, before contacts are sought for the first time.
 
 use super::March;

@@ -136,7 +136,7 @@ impl<M: Marched> March<M> {
 /// A pair that the law lets in, and what that adds to its offset.
 pub(super) type Entered<P> = (DetectedContact<P>, Terms);
 
-/// What a law adds to the offset of a contact (m/s).
+/// Terms that a law adds to the offset of a contact (m/s).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Terms {
     /// For its gap, c_g.
@@ -146,7 +146,7 @@ pub(crate) struct Terms {
 }
 
 impl Terms {
-    /// Those of a contact with a gap, which at a curved wall is another `ahead` (m), over a time step of `h` (s), with its `rebound` if
+    /// Returns the terms of a contact with a gap, which at a curved wall is another `ahead` (m), over a time step of `h` (s), with its `rebound` if
     /// the law has one (m/s). At a curved wall the gap ahead enters as it is: what the wall turns towards the grain, and what is left of
     /// an overlap. Elsewhere overlaps are let be.
     fn of(law: Law, (gap, ahead, h): (f64, Option<f64>, f64), rebound: Option<f64>) -> Self {

@@ -26,7 +26,7 @@ pub(crate) use made::{MadeOf, make};
 
 const FORMAT: &str = "gravel/subdomain/2";
 
-/// The same from before there were checksums.
+/// Format of parts written before there were checksums.
 #[cfg(any(feature = "mpi", test))]
 const UNSEALED: &str = "gravel/subdomain/1";
 

@@ -5,7 +5,7 @@ use regex::{Captures, Regex};
 /// Names that are less alike than this are not meant for each other (Jaro and Winkler's similarity, 1 for equal names).
 const ALIKE: f64 = 0.8;
 
-/// What other codes and papers call the methods and the keys of this one.
+/// Names that other codes and papers have for the methods and keys of this one.
 const ALIASES: [(&str, &[&str]); 19] = [
     ("nsgs", &["nlgs", "pgs", "pgs3", "gs", "gauss-seidel", "psor", "sor"]),
     ("nsgs-dd", &["nlgs-dd", "nlgs-ddm", "ddm", "schwarz"]),
@@ -28,7 +28,7 @@ const ALIASES: [(&str, &[&str]); 19] = [
     ("gravity_m_per_s2", &["g"]),
 ];
 
-/// What no key stands for, and what there is instead.
+/// Features without a key, and the alternative to each.
 const NOT_MODELLED: [(&str, &str); 2] = [
     ("cohesion", "contacts are without cohesion"),
     ("rotation", "grains turn where they have friction, `scene.friction`"),

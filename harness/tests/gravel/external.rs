@@ -164,7 +164,7 @@ fn installed_codes_come_to_the_certified_velocity() {
     }
 }
 
-/// What a code is handed that makes its own contacts; without the Python of the other codes the test says so and checks nothing.
+/// Input of a code that makes its own contacts; without the Python of the other codes the test says so and checks nothing.
 #[test]
 fn what_is_handed_over_is_placed_exactly_and_told_from_another_problem() {
     let here = checkout().join("harness/external");

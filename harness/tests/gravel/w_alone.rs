@@ -4,14 +4,14 @@ use crate::common::{gravel, text, write};
 use std::fmt::Write;
 use tempfile::TempDir;
 
-/// What contacts do.
+/// Motion of contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shape {
     /// Blocks couple nothing, and tangents are at rest: the first step of a start solves the problem exactly.
     Exact,
     /// Blocks couple all, and each contact its neighbours.
     Coupled,
-    /// The same without friction.
+    /// That motion without friction.
     Frictionless,
     /// Tangents move ten times as fast as normals, with little friction.
     Sliding,

@@ -5,7 +5,7 @@ use thiserror::Error;
 /// A file, or a line of one, that was changed after it was written.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum Damaged {
-    /// What stands there is not what the checksum is of.
+    /// The checksum is of another content.
     #[error("damaged: its checksum is {found}, and `{CHECKSUM}` says {written}")]
     Changed {
         /// Checksum of what stands there.

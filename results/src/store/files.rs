@@ -115,7 +115,7 @@ pub(super) fn parquet_of(table: &mut DataFrame) -> PolarsResult<Vec<u8>> {
 /// The tables of a study as they are read, one after the other.
 #[derive(Default)]
 pub(super) struct Tables {
-    /// Those without a checksum.
+    /// Files without a checksum.
     pub(super) unsealed: Vec<PathBuf>,
     /// The first, and the checksum of all that were written with it, if it has one.
     first: Option<(PathBuf, Option<String>)>,

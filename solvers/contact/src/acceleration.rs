@@ -23,6 +23,7 @@ use crate::error::SetupError;
 use crate::mechanics::{Mechanics, Vector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Extrapolation over the iterations of a method of sweeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
@@ -62,6 +63,9 @@ pub const SLACK: f64 = 1.2;
 /// cycle; plain sweeps miss 78, with six times as many iterations. Without a bound 17 (18) miss, but the frozen problem `settled-991`
 /// then stays at 1e-7.
 const LONGEST_PAUSE: u32 = 64;
+
+/// Sums side by side.
+const LANES: usize = 4;
 
 /// The factor β of the extrapolation, from iteration to iteration.
 #[derive(Clone, Copy, Debug)]
@@ -115,7 +119,7 @@ pub struct Trail<M: Mechanics> {
     ahead: Vec<M::Impulse>,
     /// Mass-scaled velocities of x (√J).
     velocity: Vec<M::Velocity>,
-    /// Those without impulses (√J).
+    /// Mass-scaled velocities without impulses (√J).
     free: Vec<M::Velocity>,
     /// β.
     factor: f64,
@@ -145,45 +149,34 @@ impl<M: Mechanics> Trail<M> {
         }
     }
 
+    /// Extrapolates impulses of some rows: y = z + β (z − x), x = z.
+    pub(crate) fn lead(&mut self, s: &mut [M::Impulse], here: Range<usize>) {
+        let (x, ahead) = (&mut self.s[here.clone()], &mut self.ahead[here.clone()]);
+        for ((s, x), ahead) in s[here].iter_mut().zip(x).zip(ahead) {
+            *ahead = *s + (*s - *x) * self.factor;
+            *x = *s;
+            *s = *ahead;
+        }
+    }
+
+    /// Adds |g|² and ⟨g, d⟩ of some rows, g = y − z and d = z − x, in sums that do not wait for each other.
+    pub(crate) fn judge(&mut self, s: &[M::Impulse], here: Range<usize>) {
+        let [mut squared, mut along] = [[0.0; LANES]; 2];
+        let (s, x, ahead) = (&s[here.clone()], &self.s[here.clone()], &self.ahead[here]);
+        let chunks = s.chunks(LANES).zip(x.chunks(LANES)).zip(ahead.chunks(LANES));
+        for ((s, x), ahead) in chunks {
+            for (lane, ((s, x), ahead)) in s.iter().zip(x).zip(ahead).enumerate() {
+                let g = *ahead - *s;
+                squared[lane] += g.dot_product(g);
+                along[lane] += g.dot_product(*s - *x);
+            }
+        }
+        self.sums[0] += squared.iter().sum::<f64>();
+        self.sums[1] += along.iter().sum::<f64>();
+    }
+
     /// Returns |g|² and ⟨g, d⟩ of the iteration (J).
     pub fn sums(&self) -> [f64; 2] {
         self.sums
-    }
-}
-
-/// The visits of one pass of an iteration, of which the first extrapolates and the last is judged.
-pub(crate) struct Accelerated<'a, M: Mechanics> {
-    pub(crate) trail: &'a mut Trail<M>,
-    pub(crate) is_first: bool,
-    pub(crate) is_last: bool,
-}
-
-impl<M: Mechanics> crate::sweep::Around<M> for Accelerated<'_, M> {
-    #[expect(clippy::inline_always, reason = "a call per visit would cost as much as the visit")]
-    #[inline(always)]
-    fn before(&mut self, first: usize, s: &mut [M::Impulse]) {
-        if self.is_first {
-            let Trail { s: x, ahead, factor, .. } = &mut *self.trail;
-            let last = first + s.len();
-            for ((s, x), ahead) in s.iter_mut().zip(&mut x[first..last]).zip(&mut ahead[first..last]) {
-                *ahead = *s + (*s - *x) * *factor;
-                *x = *s;
-                *s = *ahead;
-            }
-        }
-    }
-
-    #[expect(clippy::inline_always, reason = "a call per visit would cost as much as the visit")]
-    #[inline(always)]
-    fn after(&mut self, first: usize, s: &[M::Impulse]) {
-        if self.is_last {
-            let Trail { s: x, ahead, sums, .. } = &mut *self.trail;
-            let last = first + s.len();
-            for ((s, x), ahead) in s.iter().zip(&x[first..last]).zip(&ahead[first..last]) {
-                let g = *ahead - *s;
-                sums[0] += g.dot_product(g);
-                sums[1] += g.dot_product(*s - *x);
-            }
-        }
     }
 }

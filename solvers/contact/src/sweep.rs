@@ -5,13 +5,13 @@
     reason = "what visits are made of is called in two places, and a call would cost a third of a visit"
 )]
 
-use crate::acceleration::{Accelerated, Trail};
+use crate::acceleration::Trail;
 use crate::discs::Discs;
 use crate::mechanics::{Column, Mass, Mechanics, Touch, Vector};
 use crate::problem::ContactProblem;
 use crate::scaled::{by_levels, scaled_velocity};
 use pulp::{Arch, Simd, WithSimd};
-use std::slice::{from_mut, from_ref};
+use std::ops::Range;
 
 /// One contact as a sweep needs it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,6 +67,9 @@ impl<M: Mechanics> Row<M> {
 /// contacts between spheres with friction a visit takes 13.4 ns, in fours 15.9, in sixteens 13.0, of which small subdomains have few;
 /// without AVX2 17.4; alone, 21.7.
 pub const TOGETHER: usize = 8;
+
+/// Visits of an accelerated sweep between two looks at its trail: their impulses stay in the nearest cache.
+const NEAR: usize = 16 * TOGETHER;
 
 /// Contacts in the order of a sweep, with their impulses and the velocities of their grains.
 pub struct Sweep<M: Mechanics = Discs> {
@@ -141,13 +144,13 @@ impl<M: Mechanics> Sweep<M> {
     /// Contact by contact: v = Hᵗ V + c; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
     #[inline]
     pub fn forward(&mut self, relaxation: f64) {
-        self.pass(relaxation, false, &mut ());
+        self.pass(relaxation, false, 0..self.rows.len());
     }
 
     /// The same from the last contact to the first.
     #[inline]
     pub fn backward(&mut self, relaxation: f64) {
-        self.pass(relaxation, true, &mut ());
+        self.pass(relaxation, true, 0..self.rows.len());
     }
 
     /// Extrapolates the velocities of an accelerated iteration by the `factor` β; the impulses follow as they are first visited.
@@ -155,20 +158,33 @@ impl<M: Mechanics> Sweep<M> {
         trail.extrapolate(&mut self.y, factor);
     }
 
-    /// Makes the passes of an iteration, each forward or `backward`; with the `trail` of an accelerated one, which is extrapolated.
+    /// Makes the passes of an iteration, each forward or `backward`; with the `trail` of an accelerated one, whose first pass begins from
+    /// extrapolated impulses, and whose last is judged, some visits at a time: what these read is then near.
     pub fn iterate(
         &mut self,
         relaxation: f64,
         passes: impl ExactSizeIterator<Item = bool>,
-        trail: Option<&mut Trail<M>>,
+        mut trail: Option<&mut Trail<M>>,
     ) {
-        let Some(trail) = trail else {
-            return passes.for_each(|backward| self.pass(relaxation, backward, &mut ()));
-        };
-        let last = passes.len() - 1;
-        for (k, backward) in passes.enumerate() {
-            let around = &mut Accelerated { trail, is_first: k == 0, is_last: k == last };
-            self.pass(relaxation, backward, around);
+        let (rows, count) = (self.rows.len(), passes.len());
+        let length = if trail.is_some() { NEAR } else { rows.max(1) };
+        let chunks = rows.div_ceil(length);
+        for (pass, backward) in passes.enumerate() {
+            for k in 0..chunks {
+                let k = if backward { chunks - 1 - k } else { k };
+                let here = length * k..rows.min(length * (k + 1));
+                if let Some(trail) = &mut trail
+                    && pass == 0
+                {
+                    trail.lead(&mut self.s, here.clone());
+                }
+                self.pass(relaxation, backward, here.clone());
+                if let Some(trail) = &mut trail
+                    && pass + 1 == count
+                {
+                    trail.judge(&self.s, here);
+                }
+            }
         }
     }
 
@@ -177,28 +193,29 @@ impl<M: Mechanics> Sweep<M> {
         Trail::new(&self.s, &self.y, free)
     }
 
-    /// Adds H̃ s, or takes it away, to velocities `y` without these impulses.
-    pub fn push_all(&self, sign: f64, y: &mut [M::Velocity]) {
-        for (row, s) in self.rows.iter().zip(&self.s) {
-            row.push(*s * sign, y);
-        }
+    /// Returns the velocities y without the impulses (√J).
+    pub fn without_impulses(&self) -> Vec<M::Velocity> {
+        let mut free = self.y.clone();
+        push_all(&self.rows, &self.s, -1.0, &mut free);
+        free
     }
 
     /// Makes y anew from the impulses: without the round-off of all sweeps so far.
     pub fn renew(&mut self, trail: &Trail<M>) {
-        let mut y = std::mem::take(&mut self.y);
-        y.copy_from_slice(trail.free());
-        self.push_all(1.0, &mut y);
-        self.y = y;
+        self.y.copy_from_slice(trail.free());
+        push_all(&self.rows, &self.s, 1.0, &mut self.y);
     }
 
+    /// Visits some rows, of which the first is a multiple of [`TOGETHER`].
     #[inline(always)]
-    fn pass(&mut self, relaxation: f64, backward: bool, around: &mut impl Around<M>) {
+    fn pass(&mut self, relaxation: f64, backward: bool, here: Range<usize>) {
         let Self { rows, s, y, apart, .. } = self;
+        let (rows, s) = (&rows[here.clone()], &mut s[here.clone()]);
         if apart.is_empty() {
-            in_turn((0, rows, s), y, relaxation, backward, around);
+            in_turn(rows, s, y, relaxation, backward);
         } else {
-            Arch::new().dispatch(Pass { rows, s, y, apart, relaxation, backward, around });
+            let apart = &apart[here.start / TOGETHER..here.end.div_ceil(TOGETHER)];
+            Arch::new().dispatch(Pass { rows, s, y, apart, relaxation, backward });
         }
     }
 
@@ -213,41 +230,30 @@ impl<M: Mechanics> Sweep<M> {
     }
 }
 
-/// What is done to impulses right before and after they are visited; `first` is the row of the first of them.
-pub(crate) trait Around<M: Mechanics> {
-    fn before(&mut self, first: usize, s: &mut [M::Impulse]);
-    fn after(&mut self, first: usize, s: &[M::Impulse]);
+/// Adds H̃ s to velocities y, so many `times`.
+fn push_all<M: Mechanics>(rows: &[Row<M>], s: &[M::Impulse], times: f64, y: &mut [M::Velocity]) {
+    for (row, s) in rows.iter().zip(s) {
+        row.push(*s * times, y);
+    }
 }
 
-impl<M: Mechanics> Around<M> for () {
-    #[inline(always)]
-    fn before(&mut self, _: usize, _: &mut [M::Impulse]) {}
-
-    #[inline(always)]
-    fn after(&mut self, _: usize, _: &[M::Impulse]) {}
-}
-
-/// One visit after the other, or `backward` from the last; the first of these rows is the row `first` of all.
+/// One visit after the other, or `backward` from the last.
 #[inline(always)]
 fn in_turn<M: Mechanics>(
-    (first, rows, s): (usize, &[Row<M>], &mut [M::Impulse]),
+    rows: &[Row<M>],
+    s: &mut [M::Impulse],
     y: &mut [M::Velocity],
     relaxation: f64,
     backward: bool,
-    around: &mut impl Around<M>,
 ) {
-    let visits = rows.iter().zip(s).enumerate();
+    let visits = rows.iter().zip(s);
     if backward {
-        for (k, (row, s)) in visits.rev() {
-            around.before(first + k, from_mut(s));
+        for (row, s) in visits.rev() {
             row.solve(s, y, relaxation);
-            around.after(first + k, from_ref(s));
         }
     } else {
-        for (k, (row, s)) in visits {
-            around.before(first + k, from_mut(s));
+        for (row, s) in visits {
             row.solve(s, y, relaxation);
-            around.after(first + k, from_ref(s));
         }
     }
 }
@@ -271,33 +277,28 @@ pub(crate) fn look_then_push<M: Mechanics>(
 }
 
 /// A sweep in which some visits are made at a time.
-struct Pass<'a, M: Mechanics, A> {
+struct Pass<'a, M: Mechanics> {
     rows: &'a [Row<M>],
     s: &'a mut [M::Impulse],
     y: &'a mut [M::Velocity],
     apart: &'a [bool],
     relaxation: f64,
     backward: bool,
-    around: &'a mut A,
 }
 
-impl<M: Mechanics, A: Around<M>> WithSimd for Pass<'_, M, A> {
+impl<M: Mechanics> WithSimd for Pass<'_, M> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { rows, s, y, apart, relaxation, backward, around } = self;
+        let Self { rows, s, y, apart, relaxation, backward } = self;
         for k in 0..apart.len() {
             let k = if backward { apart.len() - 1 - k } else { k };
             let here = TOGETHER * k..rows.len().min(TOGETHER * (k + 1));
-            let (first, rows, s) = (here.start, &rows[here.clone()], &mut s[here]);
+            let (rows, s) = (&rows[here.clone()], &mut s[here]);
             match (rows.try_into(), <&mut [_; TOGETHER]>::try_from(&mut *s)) {
-                (Ok(rows), Ok(s)) if apart[k] => {
-                    around.before(first, s);
-                    M::Column::visit(simd, rows, s, y, relaxation);
-                    around.after(first, s);
-                }
-                _ => in_turn((first, rows, s), y, relaxation, backward, around),
+                (Ok(rows), Ok(s)) if apart[k] => M::Column::visit(simd, rows, s, y, relaxation),
+                _ => in_turn(rows, s, y, relaxation, backward),
             }
         }
     }

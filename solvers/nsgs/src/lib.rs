@@ -100,11 +100,7 @@ impl<M: Mechanics> Solver<M> for Nsgs {
         let sweep = Sweep::new(problem, &self.order.of(problem, self.seed), r0);
         let Self { relaxation, symmetric, .. } = *self;
         let momentum = self.acceleration.momentum(self.lag, self.slack)?;
-        let accelerated = momentum.map(|momentum| {
-            let mut free = sweep.y.clone();
-            sweep.push_all(-1.0, &mut free);
-            (momentum, sweep.trail(free))
-        });
+        let accelerated = momentum.map(|momentum| (momentum, sweep.trail(sweep.without_impulses())));
         Ok(Box::new(Run { sweep, relaxation, symmetric, accelerated, sweeps: 0, restarts: 0 }))
     }
 }

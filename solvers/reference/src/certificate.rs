@@ -25,7 +25,7 @@ impl Residual {
     }
 }
 
-/// What impulses r leave of (1) and the law, (2) or (2′). V = `V_free` + M⁻¹ H r and v = Hᵗ V + c are computed from r and the problem,
+/// Residuals of impulses r in (1) and the law, (2) or (2′). V = `V_free` + M⁻¹ H r and v = Hᵗ V + c are computed from r and the problem,
 /// and what is left of the law in the form that does not cancel, however large r is: min(`w_n` `r_n`, `v_n`) along the normal.
 ///
 /// The scale of velocities is v₀ = max(0, −`b_n`), at its greatest: the fastest approach without impulses; that of impulses is
@@ -178,7 +178,7 @@ impl Certified for RoughSpheres {
 struct Terms {
     /// v₀ (m/s).
     speed: f64,
-    /// What stops v₀ at one contact (N·s).
+    /// Impulse that stops v₀ at one contact (N·s).
     impulse: f64,
     /// Σ |r| of the contacts around each grain (N·s), and the least arm of these (m).
     pushes: Vec<f64>,
@@ -206,13 +206,13 @@ impl Terms {
         }
     }
 
-    /// Those of b at a contact (m/s).
+    /// Returns the sum of the terms of b at a contact (m/s).
     fn of_b<M: Certified>(problem: &ContactProblem<M>, contact: &M::Contact) -> f64 {
         let free = contact.grains().map(|grain| speed::<M>(&problem.free_velocity()[grain as usize]));
         greatest_of(contact.offset()) + free.sum::<f64>()
     }
 
-    /// Those of v at a contact (m/s).
+    /// Returns the sum of the terms of v at a contact (m/s).
     fn of_v<M: Certified>(&self, problem: &ContactProblem<M>, contact: &M::Contact) -> f64 {
         let pushed = |grain: u32| self.pushes[grain as usize] / M::mass(problem.mass()[grain as usize]).mass;
         Self::of_b(problem, contact) + contact.grains().map(pushed).sum::<f64>()
@@ -247,7 +247,7 @@ fn tangential<V: Vector>(list: V) -> f64 {
     f64::sqrt(squares)
 }
 
-/// What is left of M (V − `V_free`) = H r at each grain.
+/// Returns the residual of M (V − `V_free`) = H r at each grain.
 fn momentum<M: Certified>(
     problem: &ContactProblem<M>,
     r: &[f64],

@@ -15,7 +15,7 @@ use std::ops::RangeInclusive;
 
 /// A mechanics with Coulomb's law.
 pub trait Rough: Certified<Mass = RoughMass> {
-    /// Whether the normal parts alone prove that `problem` has no solution: where no velocity keeps the contacts from approaching,
+    /// Decides whether the normal parts alone prove that `problem` has no solution: where no velocity keeps the contacts from approaching,
     /// friction does not help. `false` says nothing.
     fn has_no_solution(problem: &Packing<Self>) -> bool;
 }
@@ -32,7 +32,7 @@ impl Rough for RoughSpheres {
     }
 }
 
-/// Whether it is proved that a problem without friction has no solution, where it is not one that nothing moves.
+/// Decides whether it is proved that a problem without friction has no solution, where it is not one that nothing moves.
 fn has_none<const D: usize>(problem: &ContactProblem<Smooth<D>>, position: &[SVector<f64, D>]) -> bool {
     let rests = problem.contacts().iter().all(|contact| contact.offset >= 0.0);
     let (mass, free) = (problem.mass().to_vec(), problem.free_velocity().to_vec());

@@ -34,7 +34,7 @@ impl Thrust {
         }
     }
 
-    /// What it pushes: grain and axis, and how much (–).
+    /// Returns the translations that it pushes, by grain and axis, and the share of each (–).
     pub(super) fn entries(&self) -> impl Iterator<Item = ((u32, usize), f64)> + use<> {
         let ((i, j), normal) = (self.ends, self.normal);
         let ends = std::iter::once((i, 1.0)).chain(j.map(|j| (j, -1.0)));
@@ -66,7 +66,7 @@ const MULTIPLY_ADDS: u64 = 1_000_000;
 /// Translations of grains of one proof.
 const UNKNOWNS: usize = 4096;
 
-/// Whether impulses d̂ ≥ 0 near some of these `thrusts` balance exactly at every grain, H d̂ = 0, while contacts approach, cᵗ d̂ < 0:
+/// Decides whether impulses d̂ ≥ 0 near some of these `thrusts` balance exactly at every grain, H d̂ = 0, while contacts approach, cᵗ d̂ < 0:
 /// then no velocity is admissible. `false` says nothing.
 pub fn proves_exactly(thrusts: &[Thrust]) -> bool {
     let greatest = thrusts.iter().map(|thrust| thrust.impulse).fold(0.0, f64::max);
@@ -78,7 +78,7 @@ pub fn proves_exactly(thrusts: &[Thrust]) -> bool {
     })
 }
 
-/// Those that grains join; without groups that do not act against approach.
+/// Returns the groups of thrusts that grains join, without groups that do not act against approach.
 fn groups(thrusts: impl Iterator<Item = Thrust> + Clone) -> Vec<Vec<Thrust>> {
     fn top(above: &BTreeMap<u32, u32>, mut grain: u32) -> u32 {
         while let Some(next) = above.get(&grain) {
@@ -162,7 +162,7 @@ fn size(x: &BigRational) -> u64 {
     (x.numer().bits() + x.denom().bits()) / 64
 }
 
-/// Whether a change of these impulses, all above 0, that is small against them is a proof; takes its multiply-adds from `words`.
+/// Decides whether a change of these impulses, all above 0, that is small against them is a proof; takes its multiply-adds from `words`.
 fn balances(thrusts: &[Thrust], words: &mut u64) -> bool {
     let entries = Entries::of(thrusts);
     regular::balances(thrusts, &entries) || try_to_balance(thrusts, &entries, words).unwrap_or(false)

@@ -24,7 +24,7 @@ struct Ray<'t> {
     places: usize,
 }
 
-/// Whether impulses d̂ ≥ 0 near these `thrusts`, all above 0, balance exactly while contacts approach; `false` says nothing.
+/// Decides whether impulses d̂ ≥ 0 near these `thrusts`, all above 0, balance exactly while contacts approach; `false` says nothing.
 pub(super) fn balances(thrusts: &[Thrust], entries: &Entries) -> bool {
     let Some(mut ray) = Ray::new(thrusts, entries) else { return false };
     ray.balance() && ray.proves().unwrap_or(false)
@@ -92,7 +92,7 @@ impl<'t> Ray<'t> {
         self.d.iter().all(|d| *d > 0.0)
     }
 
-    /// Whether it is proved; `None` where the matrix may be singular.
+    /// Decides whether it is proved; `None` where the matrix may be singular.
     fn proves(&self) -> Option<bool> {
         // Sums have no more terms than this, and each of them no greater error than this share of the sizes of its terms; of numbers
         // too small for that, what is lost is added.

@@ -139,7 +139,7 @@ impl<M: Mechanics> Local<M> {
     }
 }
 
-/// What [`Local::acting`] has of a contact.
+/// Returns the thrust whose numbers [`Local::acting`] lists.
 fn thrust(numbers: &[f64]) -> Thrust {
     Thrust {
         ends: (numbers[0] as u32, (numbers[1] >= 0.0).then_some(numbers[1] as u32)),
@@ -213,7 +213,7 @@ impl<M: Mechanics> Proof<M> {
         left <= BALANCED * pressed && work > BALANCED * terms && self.proves_exactly()
     }
 
-    /// Whether what acts of the contacts of all ranks is a proof in exact arithmetic.
+    /// Decides whether the acting contacts of all ranks are a proof in exact arithmetic.
     fn proves_exactly(&self) -> bool {
         let acting: Vec<f64> = self.subdomains.iter().flat_map(Local::acting).collect();
         let all = self.team.count((acting.len() / NUMBERS) as u64);
