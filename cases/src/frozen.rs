@@ -30,6 +30,8 @@ pub struct Frozen<M: Mechanics = Discs> {
     pub problem: Packing<M>,
     /// Impulses of the time step before, where the contact existed, a flat list (N·s); empty for none.
     pub start: Vec<f64>,
+    /// Number of time steps before it whose solve did not converge; none if it is not known.
+    pub missed_before: Option<u64>,
 }
 
 /// The formats of discs, and of spheres.
@@ -99,6 +101,9 @@ struct File<P> {
     /// Time step h (s), positive.
     #[schemars(extend("exclusiveMinimum" = 0))]
     time_step: f64,
+    /// Number of time steps before it, in the simulation that it is taken from, whose solve did not converge.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    missed_before: Option<u64>,
     /// The grains, numbered from 0: each key is a list with one value per grain.
     grains: Grains<P>,
     /// The contacts: each key is a list with one value per contact.
@@ -255,8 +260,8 @@ impl<P: Copy> File<P> {
         let vectors = |list: Vec<P>| list.into_iter().map(Listed::of_list).collect();
         let contacts = (0..contacts).map(contact).collect();
         let problem = Packing::new(mass, vectors(position), vectors(free_velocity), contacts)?;
-        let Self { name, source, time_step, .. } = self;
-        Ok(Frozen { name, source, time_step, radius, gap, problem, start })
+        let Self { name, source, time_step, missed_before, .. } = self;
+        Ok(Frozen { name, source, time_step, radius, gap, problem, start, missed_before })
     }
 }
 
@@ -274,6 +279,7 @@ where
             name: frozen.name.clone(),
             source: frozen.source.clone(),
             time_step: frozen.time_step,
+            missed_before: frozen.missed_before,
             grains: Grains {
                 mass: problem.mass().to_vec(),
                 radius: frozen.radius.clone(),

@@ -263,6 +263,7 @@ impl<M: Marched> March<M> {
             gap,
             problem,
             start,
+            missed_before: None,
         };
         Ok(TimeStep { frozen, sides, terms })
     }

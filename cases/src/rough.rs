@@ -167,6 +167,9 @@ struct File<P, V> {
     /// Time step h (s), positive.
     #[schemars(extend("exclusiveMinimum" = 0))]
     time_step: f64,
+    /// Number of time steps before it, in the simulation that it is taken from, whose solve did not converge.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    missed_before: Option<u64>,
     /// μ of all contacts (–), for readers: what counts is `contacts.friction`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     friction: Option<f64>,
@@ -312,8 +315,8 @@ where
             let at = value.rsplit(' ').next().and_then(|index| index.parse().ok()).unwrap_or(0);
             return Err(ProblemError::Value { key: "contacts.start", index: at, value, expected });
         }
-        let File { name, source, time_step, .. } = file;
-        Ok(Self { name, source, time_step, radius, gap, problem, start })
+        let File { name, source, time_step, missed_before, .. } = file;
+        Ok(Self { name, source, time_step, radius, gap, problem, start, missed_before })
     }
 
     fn to_file(&self) -> FileOf<M> {
@@ -324,6 +327,7 @@ where
             mechanics: Some(M::NAME.to_owned()),
             name: self.name.clone(),
             source: self.source.clone(),
+            missed_before: self.missed_before,
             time_step: self.time_step,
             friction: None,
             grains: Grains {

@@ -109,8 +109,16 @@ fn crystal_under_pressure_has_that_pressure_in_every_subdomain() {
     let (gap, start) = (vec![0.0; contacts.len()], Vec::new());
     let problem = Packing::new(vec![1.0; count], position, vec![Vector2::zeros(); count], contacts).unwrap();
     let (name, source) = (String::new(), String::new());
-    let frozen: Frozen =
-        Frozen { name, source, time_step: 0.01, radius: vec![0.5; count], gap, problem, start };
+    let frozen: Frozen = Frozen {
+        name,
+        source,
+        time_step: 0.01,
+        radius: vec![0.5; count],
+        gap,
+        problem,
+        start,
+        missed_before: None,
+    };
     let r = vec![0.03; frozen.problem.contact_count()];
     // A force of 3 N on each metre of wall.
     for one in Homogenised::of(&frozen, count, (&quarters(&frozen), 4), &r) {
