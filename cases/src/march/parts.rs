@@ -3,8 +3,8 @@
 use crate::case::Case;
 use crate::error::CaseError;
 use crate::march::March;
-use crate::marched::Marched;
-use crate::strips::Strips;
+use crate::problem::marched::Marched;
+use crate::sample::strips::Strips;
 use nalgebra::Vector2;
 use std::ops::Range;
 

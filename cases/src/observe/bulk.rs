@@ -11,8 +11,8 @@
 //! 6 contacts at a solid fraction of 0.64.
 
 use crate::detect::Side;
-use crate::march::TimeStep;
-use crate::marched::Marched;
+use crate::problem::marched::Marched;
+use crate::problem::time_step::TimeStep;
 use crate::scene::Scene;
 use contact::{Place, Touch, Vector};
 

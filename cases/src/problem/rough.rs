@@ -1,10 +1,10 @@
 //! Frozen problems with friction, format 2; and files of either format, each as what it is.
 
+use crate::detect::Grain;
 use crate::error::CaseError;
-use crate::frozen::{Frozen, Listed, check_head, check_mechanics, read_file};
-use crate::json::{broken, read_text};
-use crate::marched::Marched;
-use crate::sample::Grain;
+use crate::file::json::{broken, read_text};
+use crate::problem::frozen::{Frozen, Listed, check_head, check_mechanics, read_file};
+use crate::problem::marched::Marched;
 use contact::{
     Mechanics, Packing, Place, ProblemError, RoughContact, RoughDiscs, RoughMass, RoughSpheres, SetupError,
     Spheres, Vector, is_not_negative, is_positive,

@@ -1,6 +1,5 @@
 //! Periodic sides: what leaves the box at one side comes in at the other, and grains touch through the boundary.
 
-use crate::walls::Walls;
 use contact::{Place, shown};
 
 /// The width after which a scene repeats itself along x (m), if it does.
@@ -37,41 +36,5 @@ impl Period {
             )),
             _ => Ok(()),
         }
-    }
-}
-
-impl Walls {
-    /// What does not go with periodic sides, or without them.
-    pub(crate) fn check_periodic(&self) -> Result<(), String> {
-        if !self.periodic {
-            return match self.lid {
-                Some(_) => Err("`scene.box.lid` asks for `scene.box.periodic` = true".to_owned()),
-                None => Ok(()),
-            };
-        }
-        let Some(width) = self.width_m else {
-            return Err("`scene.box.periodic` is true: it needs `scene.box.width_m`".to_owned());
-        };
-        let of_sides = [
-            ("tilt_rate_rad_per_s", self.tilt_rate_rad_per_s),
-            ("closing_speed_m_per_s", self.closing_speed_m_per_s),
-        ];
-        if let Some((key, value)) = of_sides.iter().find(|(_, value)| *value != 0.0) {
-            return Err(format!(
-                "`scene.box.{key}` is {}: periodic sides are no walls, so it must be 0",
-                shown(*value)
-            ));
-        }
-        if let Some(bumps) = self.bump_radius_m {
-            let count = width / (2.0 * bumps);
-            if (count - count.round()).abs() > 1e-9 * count {
-                return Err(format!(
-                    "`scene.box.bump_radius_m` is {}: the width of a periodic box, {}, must be a multiple of twice that",
-                    shown(bumps),
-                    shown(width)
-                ));
-            }
-        }
-        self.lid.map_or(Ok(()), |lid| lid.check())
     }
 }

@@ -4,11 +4,10 @@
 //! guides each, across their direction, hold them on it: they are contacts of the problem as well. A moment of inertia beyond all
 //! others keeps them from turning.
 
-use crate::detect::{DetectedContact, Side};
-use crate::joints::Disc;
-use crate::sample::Grain;
+use crate::detect::{DetectedContact, Grain, Side};
 use crate::scene::Scene;
-use crate::segments::Segment;
+use crate::scene::joints::Disc;
+use crate::scene::segments::Segment;
 use contact::{Place, is_positive, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

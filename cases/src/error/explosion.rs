@@ -1,41 +1,9 @@
-//! What a simulation shows of itself after a time step, and when it has exploded.
+//! Explosions of simulations, and the solves that they go back to.
 
-use crate::bulk::Bulk;
-use crate::detect::Side;
-use crate::energy::Energy;
-use crate::stress::Stress;
 use contact::Place;
 use runner::Status;
 use std::fmt;
 use thiserror::Error;
-
-/// What a simulation shows of itself after a time step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Observables {
-    /// Time reached (s).
-    pub time: f64,
-    /// ½ Σ m V² (J).
-    pub kinetic_energy: f64,
-    /// Mean height of the centres of mass, weighted by mass (m).
-    pub mean_height: f64,
-    /// Greatest overlap at a contact of the problem just solved (m).
-    pub greatest_overlap: f64,
-    /// All overlaps of that problem together, per grain (m).
-    pub mean_overlap: f64,
-    /// Sums of the normal impulses that the floor with its bumps, or the drum, and all segments that no force drives gave in the time
-    /// step, then the walls left and right, and in space those behind and before (N·s). Where there is a lid, left and right are its guides.
-    pub wall_impulses: [f64; 5],
-    /// Contacts of the problem.
-    pub contacts: usize,
-    /// Greatest speed of a grain (m/s).
-    pub greatest_speed: f64,
-    /// Where the energy of the time step went.
-    pub energy: Energy,
-    /// What the contacts carry.
-    pub stress: Stress,
-    /// What the packing is like away from its walls and its surface.
-    pub bulk: Bulk,
-}
 
 /// A time step that did not come to its tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,22 +92,6 @@ pub(crate) fn explosion<P: Place>(
 fn worst(values: impl Iterator<Item = (u32, f64, f64)>) -> Option<(u32, f64, f64)> {
     let beyond = values.filter(|(_, value, bound)| value > bound);
     beyond.reduce(|worst, next| if next.1 / next.2 > worst.1 / worst.2 { next } else { worst })
-}
-
-/// Sums of the normal impulses `r` (N·s): of the floor with its bumps, or the drum, and all segments, then of each other wall.
-pub(crate) fn wall_impulses(sides: &[Side], r: &(impl Iterator<Item = f64> + Clone)) -> [f64; 5] {
-    let mut sums = [0.0; 5];
-    for (side, r) in sides.iter().zip(r.clone()) {
-        match side {
-            Side::Floor | Side::Drum | Side::Bump(_) | Side::Segment(_) => sums[0] += r,
-            Side::Left => sums[1] += r,
-            Side::Right => sums[2] += r,
-            Side::Back => sums[3] += r,
-            Side::Front => sums[4] += r,
-            Side::Grain(_) | Side::Lid(..) | Side::Driven(..) | Side::Guide(_) => {}
-        }
-    }
-    sums
 }
 
 #[cfg(test)]

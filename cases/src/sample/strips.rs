@@ -5,8 +5,8 @@
 //! left, which is filled up to their surface with discs that touch both. What is then too much, the highest discs of strip and
 //! seam, is taken away; so all strips are about as high, and the sample has its number of grains.
 
-use crate::deposit::{self, Placed, Seam};
-use crate::sizes::{Radii, with_room};
+use crate::sample::deposit::{self, Placed, Seam};
+use crate::sample::sizes::{Radii, with_room};
 use contact::shown;
 use nalgebra::Vector2;
 use std::ops::Range;

@@ -13,8 +13,8 @@
 //!   the wall turns towards the grain: of a grain that slides along it, the gap gives back what the shock against the chord takes
 //! - sliding: ½ `r_t` (`v_t⁺` + `v_t⁻`), which is friction's
 
-use crate::march::{Terms, TimeStep};
-use crate::marched::Marched;
+use crate::problem::marched::Marched;
+use crate::problem::time_step::{Terms, TimeStep};
 use crate::scene::Scene;
 use contact::{Mass, Touch, Vector};
 use std::ops::AddAssign;

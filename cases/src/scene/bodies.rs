@@ -1,11 +1,11 @@
 //! Fixed bodies that are not straight walls: a drum that turns about its axis, and bumps that make a floor rough. In space the drum is
 //! a cylinder along z, and bumps are spheres on a square lattice.
 
+use crate::detect::periodic::Period;
 use crate::detect::{DetectedContact, Side};
-use crate::joints::{Disc, Line};
-use crate::periodic::Period;
 use crate::scene::Scene;
-use crate::walls::{MovingWall, WallMotion};
+use crate::scene::joints::{Disc, Line};
+use crate::scene::walls::{MovingWall, WallMotion};
 use contact::Place;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

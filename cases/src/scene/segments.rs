@@ -1,10 +1,10 @@
 //! Segments: straight walls with two ends that stand, move or are driven, and may be taken away; without length they are discs.
 
 use crate::detect::Side;
-use crate::drawn::circle;
-use crate::driven::{self, Driven};
-use crate::motion::{self, Row};
-use crate::walls::{Direction, Vibration};
+use crate::scene::drawn::circle;
+use crate::scene::driven::{self, Driven};
+use crate::scene::motion::{self, Row};
+use crate::scene::walls::{Direction, Vibration};
 use contact::{Place, is_not_negative, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,6 @@
 use super::*;
 use crate::detect::{Side, detect};
-use crate::sizes::Sizes;
+use crate::sample::sizes::Sizes;
 
 fn strips(grains: u32, count: u32, width: f64, seed: u64) -> Strips<'static> {
     let radii = Radii { sizes: &Sizes::UniformByNumber, range: [0.05, 0.1], dimensions: 2 };

@@ -4,11 +4,10 @@
 //! frictionless guides, at its left and at its right, let it move along y alone and hold it at its speed along x: they are contacts of
 //! the problem as well. A moment of inertia beyond all others keeps it from turning.
 
-use crate::bodies::Bumps;
-use crate::detect::{DetectedContact, Side};
-use crate::sample::Grain;
+use crate::detect::{DetectedContact, Grain, Side};
 use crate::scene::Scene;
-use crate::walls::WallMotion;
+use crate::scene::bodies::Bumps;
+use crate::scene::walls::WallMotion;
 use contact::{Place, is_not_negative, is_positive, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

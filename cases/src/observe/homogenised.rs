@@ -10,8 +10,8 @@
 //!
 //! F. Radjai, V. Richefeu, "Contact dynamics as a nonsmooth discrete element method", Mech. Mater. 41 (2009).
 
-use crate::frozen::Frozen;
-use crate::marched::Marched;
+use crate::problem::frozen::Frozen;
+use crate::problem::marched::Marched;
 use contact::{Place, Touch, Vector};
 use std::collections::BTreeSet;
 

@@ -5,11 +5,11 @@
 //! thickest has the contact, the first of equal ones. Where the other is nearer, the end is hidden. If the line turns towards the disc
 //! beyond the hidden end, the disc may reach that side within the time step: it has a contact with the line of that side as well.
 
-use crate::bodies::Near;
 use crate::detect::{DetectedContact, Side};
 use crate::scene::Scene;
-use crate::segments::{Beside, Segment};
-use crate::walls::{MovingWall, WallMotion, Walls};
+use crate::scene::bodies::Near;
+use crate::scene::segments::{Beside, Segment};
+use crate::scene::walls::{MovingWall, WallMotion, Walls};
 use contact::Place;
 use nalgebra::Vector2;
 

@@ -1,6 +1,7 @@
 //! The box: a floor and walls that tilt, close, slide or vibrate, and how each moves where a grain is.
 
-use crate::lid::Lid;
+use crate::detect::{DetectedContact, WALLS};
+use crate::scene::lid::Lid;
 use contact::{Place, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -211,6 +212,58 @@ impl Vibration {
             Direction::Y => P::of([0.0, value, 0.0]),
             Direction::Z => P::of([0.0, 0.0, value]),
         }
+    }
+}
+
+/// The contacts of one grain with the walls that are within `reach` (m), and how each of these moves.
+pub(crate) fn walls_near<P: Place>(
+    walls: &[Option<MovingWall<P>>; 5],
+    grain: u32,
+    position: P,
+    radius: f64,
+    reach: f64,
+) -> impl Iterator<Item = (DetectedContact<P>, WallMotion<P>)> {
+    WALLS.into_iter().zip(*walls).filter_map(move |(antagonist, wall)| {
+        let wall = wall?;
+        let (gap, normal) = (wall.now.gap(position, radius), wall.now.normal);
+        let contact = DetectedContact { candidate: grain, antagonist, normal, gap };
+        (gap <= reach).then(|| (contact, wall.motion(position)))
+    })
+}
+
+impl Walls {
+    /// What does not go with periodic sides, or without them.
+    pub(crate) fn check_periodic(&self) -> Result<(), String> {
+        if !self.periodic {
+            return match self.lid {
+                Some(_) => Err("`scene.box.lid` asks for `scene.box.periodic` = true".to_owned()),
+                None => Ok(()),
+            };
+        }
+        let Some(width) = self.width_m else {
+            return Err("`scene.box.periodic` is true: it needs `scene.box.width_m`".to_owned());
+        };
+        let of_sides = [
+            ("tilt_rate_rad_per_s", self.tilt_rate_rad_per_s),
+            ("closing_speed_m_per_s", self.closing_speed_m_per_s),
+        ];
+        if let Some((key, value)) = of_sides.iter().find(|(_, value)| *value != 0.0) {
+            return Err(format!(
+                "`scene.box.{key}` is {}: periodic sides are no walls, so it must be 0",
+                shown(*value)
+            ));
+        }
+        if let Some(bumps) = self.bump_radius_m {
+            let count = width / (2.0 * bumps);
+            if (count - count.round()).abs() > 1e-9 * count {
+                return Err(format!(
+                    "`scene.box.bump_radius_m` is {}: the width of a periodic box, {}, must be a multiple of twice that",
+                    shown(bumps),
+                    shown(width)
+                ));
+            }
+        }
+        self.lid.map_or(Ok(()), |lid| lid.check())
     }
 }
 

@@ -1,8 +1,8 @@
 //! Frozen problems: the contact problem of a chosen time step as a file, so that every method meets the same input.
 
-use crate::case::check_name;
 use crate::error::CaseError;
-use crate::json::{of_json, read_text};
+use crate::file::check_name;
+use crate::file::json::{of_json, read_text};
 use contact::{
     Contact, Discs, Mechanics, Packing, Place, ProblemError, Smooth, is_not_negative, is_positive, shown,
 };

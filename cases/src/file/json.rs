@@ -1,7 +1,7 @@
 //! JSON and the texts that files hold, read so that errors name the key, the index and the value.
 
 use crate::error::CaseError;
-use crate::keys::all_missing;
+use crate::file::keys::all_missing;
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde_json::Value;

@@ -2,7 +2,7 @@
 
 use crate::detect::{Side, WALLS};
 use crate::scene::Scene;
-use crate::walls::Wall;
+use crate::scene::walls::Wall;
 use contact::Place;
 
 /// The walls and bodies of a scene at a `time` (s), by their corners (m); grains reach so far along a direction.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::shapes;
+use crate::sample::shapes;
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::{FRAC_PI_6, PI};
 

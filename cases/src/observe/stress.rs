@@ -8,8 +8,8 @@
 //! F. Radjai, V. Richefeu, "Contact dynamics as a nonsmooth discrete element method", Mech. Mater. 41 (2009).
 
 use crate::detect::Side;
-use crate::march::TimeStep;
-use crate::marched::Marched;
+use crate::problem::marched::Marched;
+use crate::problem::time_step::TimeStep;
 use crate::scene::Scene;
 use contact::{Touch, Vector};
 

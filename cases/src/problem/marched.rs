@@ -1,8 +1,7 @@
 //! What a march needs to know of a mechanics.
 
-use crate::detect::{DetectedContact, Side};
-use crate::sample::Grain;
-use crate::walls::WallMotion;
+use crate::detect::{DetectedContact, Grain, Side};
+use crate::scene::walls::WallMotion;
 use analysis::Refutable;
 use contact::{Contact, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, Touch, frame};
 use nalgebra::{SVector, Vector2, Vector3, Vector6};
