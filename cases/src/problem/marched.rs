@@ -2,12 +2,11 @@
 
 use crate::detect::{DetectedContact, Grain, Side};
 use crate::scene::walls::WallMotion;
-use analysis::Refutable;
-use contact::{Contact, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, Touch, frame};
+use contact::{Contact, Mechanics, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, Touch, frame};
 use nalgebra::{SVector, Vector2, Vector3, Vector6};
 
 /// A mechanics that scenes march with.
-pub trait Marched: Refutable {
+pub trait Marched: Mechanics {
     /// Whether contacts have friction: a scene that has may not march without.
     const HAS_FRICTION: bool;
 
