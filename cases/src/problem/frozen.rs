@@ -30,7 +30,7 @@ pub struct Frozen<M: Mechanics = Discs> {
     pub problem: Packing<M>,
     /// Impulses of the time step before, where the contact existed, a flat list (N·s); empty for none.
     pub start: Vec<f64>,
-    /// Number of time steps before it whose solve did not converge; none if it is not known.
+    /// Number of time steps before it whose solve did not converge; none at the first, or if it is not known.
     pub missed_before: Option<u64>,
 }
 

@@ -132,7 +132,7 @@ impl CaseProblem {
         let mut frozen = march.next()?.frozen;
         frozen.source += &replaced(&self.overrides);
         frozen.source += how;
-        frozen.missed_before = Some(missed);
+        frozen.missed_before = (before > 0).then_some(missed);
         if missed > 0 {
             let note = format!("{missed} of the {before} time steps before did not converge.");
             eprintln!("{note}");
