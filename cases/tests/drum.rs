@@ -62,6 +62,9 @@ fn overlaps(name: &str, time_steps: u64) -> [f64; 2] {
             march.time_step(&Nsgs::default(), &stop).unwrap_or_else(|error| panic!("{name}: {error}"));
         let half = &mut deepest[usize::from(2 * k >= time_steps)];
         *half = half.max(seen.greatest_overlap / least);
+        if k % 100 == 99 {
+            println!("{name}: {:.2e} after {} of {time_steps} time steps", deepest[0].max(deepest[1]), k + 1);
+        }
     }
     deepest
 }

@@ -13,9 +13,8 @@ impl<M: Marched> March<M> {
     pub(super) fn check_begin(&self, sample: &Sample) -> Result<(), String> {
         let of_segment =
             |pair: &DetectedContact<_>| matches!(pair.antagonist, Side::Segment(_) | Side::Driven(..));
-        // A deposit of very unlike radii leaves some overlaps; no input is wrong there.
         let own = match sample {
-            Sample::Frozen { .. } | Sample::Deposited { .. } | Sample::DepositedSpheres { .. } => true,
+            Sample::Frozen { .. } => true,
             Sample::Triangular { overlap, .. } => *overlap > 0.0,
             _ => false,
         };

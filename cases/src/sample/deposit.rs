@@ -31,18 +31,13 @@ pub(crate) fn deposit(radii: &[f64], width: f64) -> Result<Vec<Placed>, f64> {
 fn laid(radii: &[f64], width: f64) -> Result<(Front, Promises), f64> {
     let mut front = Front::new(width, radii);
     let mut promises = Promises::new(radii, front.columns());
-    let (mut on_floor, mut last) = (true, None);
+    let mut on_floor = true;
     for &radius in radii {
         if on_floor {
-            let x = last.map_or(radius, |last: u32| {
-                // Beside the last, both on the floor: (R + r)² = (R − r)² + Δx²
-                let (centre, r) = front.discs[last as usize];
-                centre.x + 2.0 * (r * radius).sqrt()
-            });
+            let (x, left) = front.beside_on_floor(radius);
             on_floor = x + radius <= width;
             if on_floor {
-                let at = Vector2::new(x, radius);
-                last = Some(front.lay(&Place { at, left: last, right: None }, radius));
+                front.lay(&Place { at: Vector2::new(x, radius), left, right: None }, radius);
                 continue;
             }
         }

@@ -73,6 +73,23 @@ impl Front {
         1e-12 * self.width
     }
 
+    /// Where the next disc lies on the floor (m), while all others do, and which of them it touches; `None` for the wall. A small disc
+    /// may lie below a large one, so the last is not always the one.
+    pub(super) fn beside_on_floor(&self, radius: f64) -> (f64, Option<u32>) {
+        let mut next = (radius, None);
+        for (k, (centre, r)) in self.discs.iter().enumerate().rev() {
+            // Both on the floor: (R + r)² = (R − r)² + Δx²
+            let x = centre.x + 2.0 * (r * radius).sqrt();
+            if x > next.0 {
+                next = (x, Some(k as u32));
+            }
+            if centre.x + 2.0 * (self.greatest * radius).sqrt() <= next.0 {
+                break;
+            }
+        }
+        next
+    }
+
     /// Lays a disc, and takes what it covers from the front.
     pub(super) fn lay(&mut self, place: &Place, radius: f64) -> u32 {
         let disc = self.discs.len() as u32;

@@ -8,16 +8,19 @@ fn radii(count: u32, least: f64, greatest: f64) -> Vec<f64> {
 
 #[test]
 fn deposited_discs_fill_the_box_without_overlap() {
-    let discs = deposit(&radii(400, 0.05, 0.1), 3.0).unwrap();
-    for (k, (x, r)) in discs.iter().enumerate() {
-        assert!(x.x >= r - 1e-11 && x.x <= 3.0 - r + 1e-11 && x.y >= r - 1e-11, "disc {k} leaves the box");
-        for (other, s) in &discs[..k] {
-            assert!((x - other).norm() >= r + s - 1e-11, "disc {k} overlaps another");
+    for (least, width, solid) in [(0.05, 3.0, 0.7), (0.01, 2.0, 0.7), (0.001, 2.0, 0.7)] {
+        let discs = deposit(&radii(400, least, 0.1), width).unwrap();
+        for (k, (x, r)) in discs.iter().enumerate() {
+            let inside = x.x >= r - 1e-11 && x.x <= width - r + 1e-11 && x.y >= r - 1e-11;
+            assert!(inside, "disc {k} leaves the box");
+            for (other, (y, s)) in discs[..k].iter().enumerate() {
+                assert!((x - y).norm() >= r + s - 1e-11, "discs {other} and {k} from {least} m overlap");
+            }
         }
+        let area: f64 = discs.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum();
+        let top = discs.iter().map(|(x, r)| x.y + r).fold(0.0, f64::max);
+        assert!(area / (width * top) > solid, "solid fraction {} from {least} m", area / (width * top));
     }
-    let area: f64 = discs.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum();
-    let top = discs.iter().map(|(x, r)| x.y + r).fold(0.0, f64::max);
-    assert!(area / (3.0 * top) > 0.7, "solid fraction {}", area / (3.0 * top));
 }
 
 /// The lowest of all places on any two discs of the front, or on one and beside a wall.
@@ -52,9 +55,9 @@ fn every_disc_lies_at_the_lowest_of_all_places() {
     ] {
         let mut front = Front::new(width, &radii);
         for (k, (at, radius)) in (0_u32..).zip(deposit(&radii, width).unwrap()) {
-            let on_floor = at.y == radius;
-            let place = if on_floor {
-                Place { at, left: k.checked_sub(1), right: None }
+            let place = if at.y == radius {
+                let (x, left) = front.beside_on_floor(radius);
+                Place { at: Vector2::new(x, radius), left, right: None }
             } else {
                 lowest_of_all(&front, radius).unwrap()
             };

@@ -56,8 +56,9 @@ impl Entries {
     }
 }
 
-/// Shares of the greatest impulse up to which others are left out as round-off (–), tried one after the other.
-const ROUND_OFF: [f64; 3] = [1e-10, 1e-6, 1e-3];
+/// Shares of the greatest impulse up to which others are left out as round-off (–), tried one after the other. With 0, all act: an
+/// impulse that bars a fine lever may be as small as round-off.
+const ROUND_OFF: [f64; 4] = [1e-10, 1e-6, 1e-3, 0.0];
 
 /// Multiply-adds of 64-bit words that one proof may take, a tenth of a second: the digits of rationals grow with the
 /// contacts that balance each other. Then nothing is proved.

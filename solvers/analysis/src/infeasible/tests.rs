@@ -25,6 +25,19 @@ fn impulses_that_balance_while_contacts_approach_prove_that_there_is_no_solution
     }
 }
 
+/// Two walls that give way upwards at a lever, and a third above that is pushed by as little of their impulses.
+#[test]
+fn impulse_as_small_as_round_off_bars_a_fine_lever() {
+    for tilt in [1e-3_f64, 1e-9, 1e-11, 1e-12] {
+        let wall = |normal, offset| Contact { candidate: 0, antagonist: None, normal, offset };
+        let slopes = [tilt.cos(), -tilt.cos()].map(|x| wall(Vector2::new(x, tilt.sin()), -1.0));
+        let barred = slopes.into_iter().chain([wall(-Vector2::y(), 0.0)]).collect();
+        let barred = ContactProblem::new(vec![1.0], vec![Vector2::zeros()], barred).unwrap();
+        assert!(proves_infeasible(&barred, &[1.0, 1.0, 2.0 * tilt.sin()]), "{tilt} rad");
+        assert!(!proves_infeasible(&barred, &[1.0, 1.0, 0.0]), "{tilt} rad");
+    }
+}
+
 /// Grains of 1 kg in a row along `normal`, and walls that close on its ends.
 fn row(grains: u32, normal: Vector2<f64>) -> ContactProblem {
     let contact = |candidate, antagonist, normal, offset| Contact { candidate, antagonist, normal, offset };
