@@ -24,9 +24,9 @@ pub struct Case {
     pub name: String,
     /// Why the case is here, in a sentence.
     pub why: String,
-    /// Where it comes from.
+    /// Source of the case.
     pub source: String,
-    /// What is known of the answer.
+    /// Known properties of the answer.
     pub known: String,
     /// The time step, counted from 1, whose contact problem stands for the case where one is asked for.
     pub solve_at: u64,
@@ -35,17 +35,17 @@ pub struct Case {
     pub moments: BTreeMap<String, u64>,
     /// The grains.
     pub sample: Sample,
-    /// What surrounds them.
+    /// Surroundings of the grains, contact law and time step.
     pub scene: Scene,
     /// The file that the case was read from.
     #[serde(skip)]
     path: PathBuf,
-    /// Whether the grains are spheres, once that was asked: another file may hold them.
+    /// True where the grains are spheres. Set on first use, since another file may hold them.
     #[serde(skip)]
     in_space: OnceLock<bool>,
 }
 
-/// What a text in TOML holds; or the key at which it is wrong, and how.
+/// Parses a text in TOML.
 ///
 /// # Errors
 /// The key with those around it, and what is wrong, with its line.
@@ -87,7 +87,7 @@ impl Case {
         Ok(case)
     }
 
-    /// Whether its grains are spheres, in space; else they are discs, in the plane.
+    /// Reports whether the grains are spheres, in space; otherwise they are discs, in the plane.
     ///
     /// # Errors
     /// Those of the file that holds them.

@@ -100,18 +100,18 @@ fn close<P: Place>(
 /// that others may be close. The contacts are those of [`detect`], bit by bit.
 #[derive(Clone, Debug)]
 pub(crate) struct Neighbours<P> {
-    /// Where the discs were when the pairs were sought (m).
+    /// Positions of the grains at the last search for pairs (m).
     sought_at: Vec<P>,
     /// The gap to which they were sought (m).
     sought_to: f64,
     /// Candidate and antagonist, rising.
     pairs: Vec<[u32; 2]>,
-    /// How often they were sought.
+    /// Number of searches.
     searches: u64,
 }
 
-/// How much farther than asked pairs are sought, in greatest radii (–): in the shear box a search for eighteen time steps, with
-/// an eighth of the pairs more than are asked for.
+/// Margin by which a search exceeds the reach asked for, over the greatest radius (–): in the shear box, one search per eighteen
+/// time steps, with an eighth more pairs than asked for.
 const MARGIN: f64 = 0.2;
 
 impl<P> Default for Neighbours<P> {
@@ -140,7 +140,7 @@ impl<P: Place> Neighbours<P> {
         self.pairs.iter().filter_map(|pair| close(position, radius, reach, period, *pair)).collect()
     }
 
-    /// Whether no other pair can be close: each of two discs has come nearer by what it has moved.
+    /// Reports whether the pairs still include all within `reach` (m): no grain has moved by half the margin since the search.
     fn hold(&self, position: &[P], reach: f64, period: Period) -> bool {
         // Less than half of what is left, by far more than round-off.
         let room = 0.5 * (0.999 * self.sought_to - reach);

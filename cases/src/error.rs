@@ -1,4 +1,4 @@
-//! What can be wrong with a case or a frozen problem.
+//! Errors of cases, frozen problems and simulations.
 
 pub(crate) mod explosion;
 
@@ -7,7 +7,7 @@ pub use explosion::{Explosion, Missed};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// What is wrong with a case or a frozen problem: the file, the key, the value.
+/// Error of a case, a frozen problem or a simulation, with the file, key and value, or the time step.
 #[derive(Debug, Error)]
 pub enum CaseError {
     /// A file cannot be read or written.
@@ -15,7 +15,7 @@ pub enum CaseError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The content of a file, or an override of it, is not what the format asks.
@@ -31,7 +31,7 @@ pub enum CaseError {
     TimeStep {
         /// The time step, counted from 1.
         time_step: u64,
-        /// What is wrong with its problem.
+        /// Error of its problem.
         source: ProblemError,
     },
     /// A time step gave a state that no longer says anything of the scene.
@@ -39,7 +39,7 @@ pub enum CaseError {
     Exploded {
         /// The time step, counted from 1.
         time_step: u64,
-        /// How it is known.
+        /// Criterion by which the explosion was detected.
         why: Explosion,
         /// The solve that it goes back to, if one failed.
         solved: Option<Missed>,

@@ -38,15 +38,15 @@ pub struct March<M: Mechanics = Discs> {
     mass: Vec<M::Mass>,
     position: Vec<M::Place>,
     velocity: Vec<M::Velocity>,
-    /// What is known of pairs of grains: it spares work, and changes no contact.
+    /// Cached pairs of close grains: they save work and change no contact.
     neighbours: RefCell<Neighbours<M::Place>>,
     /// Time steps done.
     done: u64,
     /// Impulses of the last time step, as they are kept, ordered by contact (N·s); none if its solve failed.
     last: Vec<((u32, Side), M::Impulse)>,
-    /// Those of the time step before it, if both solves did not fail (N·s).
+    /// Impulses of the time step before it, likewise; none if its solve failed (N·s).
     before: Vec<((u32, Side), M::Impulse)>,
-    /// How the last time step ended, if it did not converge.
+    /// Status of the last time step, if it did not converge.
     missed: Option<Missed>,
 }
 
@@ -130,8 +130,8 @@ impl<M: Marched> March<M> {
         2.0 * radius.iter().sum::<f64>() / radius.len() as f64
     }
 
-    /// Where another grain is, seen from a place: through a periodic side if that is nearer; none of other bodies, which
-    /// are everywhere.
+    /// Returns the position of another grain, or of its periodic image if that is nearer to a place; `None` for other bodies, which
+    /// extend across the scene.
     pub fn beside(&self, place: M::Place, other: u32) -> Option<M::Place> {
         let there = (self.position.get(other as usize)).filter(|_| (other as usize) < self.grain_count())?;
         let period = self.scene.period();
@@ -192,7 +192,7 @@ impl<M: Marched> March<M> {
         self.next_within(reach, position, free_velocity)
     }
 
-    /// Where contacts are sought, and the velocities without them.
+    /// Returns the positions at which contacts are detected, and the free velocities.
     fn free(&self) -> (Vec<M::Place>, Vec<M::Velocity>) {
         let Scene { time_step_s: h, theta, .. } = self.scene;
         // Contacts are sought at q + h(1−θ)V⁻, and V_free = V⁻ + M⁻¹Rᵈ.

@@ -10,7 +10,7 @@ use bulk::Bulk;
 use energy::Energy;
 use stress::Stress;
 
-/// What a simulation shows of itself after a time step.
+/// Observables of a simulation after a time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observables {
     /// Time reached (s).
@@ -30,11 +30,11 @@ pub struct Observables {
     pub contacts: usize,
     /// Greatest speed of a grain (m/s).
     pub greatest_speed: f64,
-    /// Where the energy of the time step went.
+    /// Energy balance of the time step.
     pub energy: Energy,
-    /// What the contacts carry.
+    /// Stress and coordination of the contacts.
     pub stress: Stress,
-    /// What the packing is like away from its walls and its surface.
+    /// Properties of the packing away from its walls and its surface.
     pub bulk: Bulk,
 }
 

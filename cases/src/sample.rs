@@ -17,7 +17,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// How the grains of a scene are made: discs in the plane, or spheres in space.
+/// Initial grains of a scene: discs in the plane, or spheres in space.
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Sample {
@@ -51,7 +51,7 @@ pub enum Sample {
         radius_m: f64,
         /// Mass per area (kg/m²).
         density_kg_per_m2: f64,
-        /// How far neighbours overlap, over a diameter (–).
+        /// Overlap of neighbours, over a diameter (–).
         #[serde(default)]
         overlap: f64,
     },
@@ -88,7 +88,7 @@ pub enum Sample {
         seed: u64,
         /// Least and greatest radius (m).
         radius_m: [f64; 2],
-        /// How the radii are distributed between these two; without it evenly by number.
+        /// Distribution of the radii between these two; without it uniform by number.
         #[serde(default)]
         sizes: Sizes,
         /// Radius of one disc in the midst of the others, in place of its own (m).
@@ -152,7 +152,7 @@ pub enum Sample {
         seed: u64,
         /// Least and greatest radius (m).
         radius_m: [f64; 2],
-        /// How the radii are distributed between these two; without it evenly by number.
+        /// Distribution of the radii between these two; without it uniform by number.
         #[serde(default)]
         sizes: Sizes,
         /// Mass per volume (kg/m³).
@@ -210,7 +210,7 @@ impl Sample {
         }
     }
 
-    /// Whether its grains are spheres; `folder` is that of the case.
+    /// Reports whether the grains are spheres; `folder` is that of the case.
     pub(crate) fn in_space(&self, folder: &Path) -> Result<bool, String> {
         Ok(match self {
             Self::Discs { .. }
@@ -364,7 +364,7 @@ fn homogeneous<P: Place>(placed: &[[f64; 4]], density: f64) -> Vec<Grain<P>> {
 }
 
 impl Sample {
-    /// Whether a crystal of spheres is between the walls of a box of this width and depth (m), up to round-off.
+    /// Checks that a crystal of spheres fits between the walls of a box of this width and depth (m), up to round-off.
     fn check_size(&self, size: [Option<f64>; 2]) -> Result<(), String> {
         let (Self::SimpleCubic { counts: [columns, _, deep], radius_m, .. }
         | Self::FaceCentred { counts: [columns, _, deep], radius_m, .. }) = *self

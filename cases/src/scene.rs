@@ -18,7 +18,7 @@ use contact::{Place, is_not_negative, is_positive, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What surrounds the grains, and how time is cut.
+/// Surroundings of the grains, contact law and time step.
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
@@ -45,7 +45,7 @@ pub struct Scene {
     /// Speed at which the highest grain, the first of several, begins downwards; the others are at rest (m/s).
     #[serde(default)]
     pub impact_speed_m_per_s: f64,
-    /// How often each contact enters a problem: more than once, and impulses are not unique.
+    /// Number of copies of each contact in a problem: with more than one, impulses are not unique.
     #[serde(default = "once")]
     pub contact_copies: u32,
     /// The box. Without it, a drum or segments, grains fall for ever.
@@ -104,7 +104,7 @@ impl Law {
 }
 
 impl Scene {
-    /// Whether grains feel friction.
+    /// Reports whether the scene has friction.
     pub fn is_rough(&self) -> bool {
         self.friction.is_some()
             || self.walls.as_ref().is_some_and(|walls| walls.friction.is_some())
@@ -131,7 +131,7 @@ impl Scene {
         self.segments.iter().map(Segment::speed).fold(0.0, f64::max)
     }
 
-    /// What gravity takes from velocities (m/s²).
+    /// Returns the acceleration of gravity with its sign reversed, to be subtracted from velocities (m/s²).
     pub(crate) fn gravity<P: Place>(&self) -> P {
         let g = self.gravity_m_per_s2;
         // Nothing leans where there is no slope, to the sign of a zero.
@@ -142,7 +142,7 @@ impl Scene {
         }
     }
 
-    /// What has no meaning for discs, which lie in the plane of x and y.
+    /// Refuses values without meaning for discs, which lie in the plane of x and y.
     pub(crate) fn check_in_plane(&self) -> Result<(), String> {
         let Some(walls) = &self.walls else { return Ok(()) };
         let along_z = |vibration: &Vibration| matches!(vibration.direction, Direction::Z);
@@ -164,7 +164,7 @@ impl Scene {
         }
     }
 
-    /// What has no meaning for spheres.
+    /// Refuses values without meaning for spheres.
     pub(crate) fn check_in_space(&self) -> Result<(), String> {
         if !self.segments.is_empty() {
             return Err("`scene.segments` is for discs, so it must be left out".to_owned());
@@ -233,7 +233,7 @@ impl Scene {
         Ok(())
     }
 
-    /// What is outside the model's meaning, as key, value and what would be accepted.
+    /// Refuses values outside the range of the model, with key, value and what would be accepted.
     pub(crate) fn check(&self) -> Result<(), String> {
         let mut values = vec![
             ("time_step_s", self.time_step_s, is_positive(self.time_step_s), "positive and finite"),

@@ -14,7 +14,7 @@ use thiserror::Error;
 use crate::schema::{Provenance, Run, STATUSES, Sample, Snapshot, Timing};
 use crate::store::{StoreError, at};
 
-/// What the journal of a study holds, one per line.
+/// Entry of a study's journal, one per line.
 pub trait Entry: Serialize + DeserializeOwned {
     /// Hash of all that decides what counts of it: of two with one id the later counts.
     fn id(&self) -> &str;
@@ -22,16 +22,16 @@ pub trait Entry: Serialize + DeserializeOwned {
     /// Name of the method.
     fn method(&self) -> &str;
 
-    /// What was run on what, as it is told to the user.
+    /// Returns a name for the user: the method, and its problem or scene.
     fn name(&self) -> String;
 
-    /// How its seconds were taken.
+    /// Returns its timing.
     fn timing(&self) -> &Timing;
 
-    /// Where it comes from.
+    /// Returns its provenance.
     fn provenance(&self) -> &Provenance;
 
-    /// What two of one id have in common, whatever made them: name and value of each.
+    /// Returns the counts in which all entries of one id must agree, whatever made them: name and value of each.
     fn counts(&self) -> Vec<(String, String)>;
 
     /// Refuses what could not be traced, or ended as nothing ends.
@@ -73,7 +73,7 @@ pub enum RowError {
         key: &'static str,
         /// The text.
         value: String,
-        /// What it can be.
+        /// Accepted texts.
         known: Vec<&'static str>,
     },
     /// A line was changed after it was written.
@@ -150,7 +150,7 @@ impl Entry for Record {
     }
 }
 
-/// How one ended, and its counts.
+/// Returns a status and counts as names and values.
 pub(crate) fn named(
     status: &str,
     counts: impl Iterator<Item = (&'static str, u64)>,
@@ -159,7 +159,7 @@ pub(crate) fn named(
     std::iter::once(("status".to_owned(), status.to_owned())).chain(counts).collect()
 }
 
-/// What a journal holds.
+/// Content of a journal.
 #[derive(Debug)]
 pub struct Lines<R> {
     /// Its runs, in the order in which they ended.
@@ -284,7 +284,8 @@ pub(crate) struct Journal {
     synced: Instant,
 }
 
-/// What a power cut may lose; whatever else stops the program loses nothing that was appended.
+/// Time between syncs: a power cut may lose the entries of this time; whatever else stops the program loses nothing that was
+/// appended.
 const UNSYNCED: Duration = Duration::from_secs(1);
 
 impl Journal {

@@ -1,4 +1,4 @@
-//! What was measured: the schema of the tables, how they are stored, where they come from.
+//! Measurements: the schema of the tables, their storage, their provenance.
 
 pub mod columns;
 pub mod journal;

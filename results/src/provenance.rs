@@ -1,4 +1,4 @@
-//! Where a row comes from: build, machine, time.
+//! Provenance of a row: build, machine, time.
 
 use jiff::Timestamp;
 use sysinfo::{CpuRefreshKind, MemoryRefreshKind, RefreshKind, System};
@@ -26,7 +26,7 @@ impl Provenance {
         Ok(provenance)
     }
 
-    /// The same, for what begins now.
+    /// Returns the same provenance for a run that begins now.
     #[must_use]
     pub fn restarted(&self) -> Self {
         Self { started_utc: now(), ..self.clone() }
@@ -58,7 +58,7 @@ pub fn load_average() -> f64 {
     System::load_average().map_or(f64::NAN, |load| load.one)
 }
 
-/// What this process can still take of the memory (B); `None` where the system does not tell.
+/// Returns the memory that this process can still take (B); `None` where the system does not tell.
 pub fn available_memory() -> Option<u64> {
     let wanted = RefreshKind::nothing().with_memory(MemoryRefreshKind::nothing().with_ram());
     let system = System::new_with_specifics(wanted).ok()?;

@@ -18,8 +18,8 @@ pub struct Run {
     pub problem: String,
     /// Hash of the problem's content.
     pub problem_hash: String,
-    /// What was set to make the problem, as JSON: `case`, `time_step`, and what replaced values of the case by their keys,
-    /// such as `sample.seed`; `{}` for a frozen one.
+    /// Settings that made the problem, as JSON: `case`, `time_step`, and replacements of values of the case by their keys, such as
+    /// `sample.seed`; `{}` for a frozen one.
     #[serde(with = "json")]
     pub problem_settings: Map<String, Value>,
     /// Number of grains.
@@ -31,25 +31,26 @@ pub struct Run {
     /// All its parameters as JSON, defaults spelled out.
     #[serde(with = "json")]
     pub settings: Map<String, Value>,
-    /// What it worked with beside its settings, as JSON: a value that they leave open, by its name; and, of a method with
-    /// subdomains, `critical_path`, the multiply-adds of an iteration on the longest of them; of another code `rungs`: for
-    /// each tolerance that was asked of it its iterations, the seconds by its clock and by ours, and what was measured.
+    /// Values used beside the settings, as JSON: a value that these leave open, by its name; for a method with subdomains,
+    /// `critical_path`, the multiply-adds of an iteration on the longest of them; for another code `rungs`: for each tolerance
+    /// asked of it its iterations, the seconds by its clock and by ours, and what was measured.
     #[serde(with = "json")]
     pub derived: Map<String, Value>,
-    /// What was computed of the problem and of the run's partition, as JSON: `lambda_max`, the greatest eigenvalue of
-    /// W_D⁻¹W, for many contacts by power iteration; of small problems `closed_lambda_max` and `closed_lambda_min`, the
-    /// greatest and the least positive one over the contacts that the solution keeps closed, `redundant`, how many are 0, and
-    /// `kappa_opt`, the best direction of LATIN that follows; `multiplicity`, the most copies of a grain; `neighbours` and
-    /// `sent_bytes`, of the subdomain that has most, with how many others it shares grains, and what it sends them when copies are
-    /// glued; `boundary_share`, of the grains of all subdomains, copies counted each, the share that others hold too; `dimensions` of
-    /// the problem's grains and `unknowns` of a contact; `coupling`, without split masses, the greatest eigenvalue of W_D⁻¹W with all within a subdomain left out.
+    /// Quantities computed for the problem and the run's partition, as JSON: `lambda_max`, the greatest eigenvalue of W_D⁻¹W, for
+    /// many contacts by power iteration; of small problems `closed_lambda_max` and `closed_lambda_min`, the greatest and the least
+    /// positive one over the contacts that the solution keeps closed, `redundant`, how many are 0, and `kappa_opt`, the best search
+    /// direction of LATIN that follows; `multiplicity`, the most copies of a grain; `neighbours` and `sent_bytes`, of the subdomain
+    /// that has most, with how many others it shares grains, and what it sends them when copies are glued; `boundary_share`, of the
+    /// grains of all subdomains, copies counted each, the share that others hold too; `dimensions` of the problem's grains and
+    /// `unknowns` of a contact; `coupling`, without split masses, the greatest eigenvalue of W_D⁻¹W with all within a subdomain
+    /// left out.
     #[serde(default, with = "json")]
     pub spectrum: Map<String, Value>,
     /// The settings in which the runs of this method in this plan differ, such as `4x2`; empty if they are alone.
     pub variant: String,
     /// Number of subdomains; 1 for a method that does not decompose.
     pub subdomains: u32,
-    /// Whether the run began from the impulses of the previous time step.
+    /// True where the run began from the impulses of the previous time step.
     pub warm_start: bool,
     /// The measure that was asked to stop the run.
     pub stop_on: String,
@@ -93,26 +94,26 @@ pub struct Run {
     /// Iterations of the cycle in which a run went round at its iteration limit, up to 32: after them its impulses are the same again.
     #[serde(default)]
     pub cycle_iterations: Option<u64>,
-    /// What ranks exchanged, where several shared the problem.
+    /// Messages between ranks, where several shared the problem.
     #[serde(default)]
     pub exchange: Exchange,
-    /// How the seconds were taken.
+    /// Timing of the run.
     pub timing: Timing,
-    /// What the last sample of its curve says, beside the iterations and the seconds.
+    /// Last sample of its curve, without the iterations and the seconds.
     pub end: End,
-    /// What is known of the problem's solutions, and where the run ended beside them.
+    /// Known solutions of the problem, and the end of the run relative to them.
     #[serde(default)]
     pub known: KnownSolutions,
-    /// Where the run comes from.
+    /// Provenance of the run.
     pub provenance: Provenance,
 }
 
-/// Of rows that are older than a column.
+/// Returns the value in rows older than a column.
 fn undefined() -> f64 {
     f64::NAN
 }
 
-/// What is known of the solutions of a run's problem, and where the run ended beside them.
+/// Known solutions of a run's problem, and the end of the run relative to them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct KnownSolutions {
@@ -124,7 +125,7 @@ pub struct KnownSolutions {
     /// With friction: `known` or `new`, as the certified solution is to which Newton's method leads from where the run ended; empty
     /// where it leads to none.
     pub polished_to: String,
-    /// How far the end of the run is from that solution, ‖V − V′‖_M over ‖V′ − V_free‖_M (–).
+    /// Distance of the end of the run from that solution, ‖V − V′‖_M over ‖V′ − V_free‖_M (–).
     #[serde(with = "number")]
     pub polished_by: f64,
 }
@@ -136,11 +137,11 @@ impl Default for KnownSolutions {
     }
 }
 
-/// What the ranks of a run sent each other in `advance`; nothing on one machine.
+/// Messages between the ranks of a run in `advance`; none on one machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Exchange {
-    /// How many ranks shared the problem: 1 on one machine.
+    /// Number of ranks that shared the problem: 1 on one machine.
     pub ranks: u32,
     /// Messages of all ranks.
     pub messages: u64,
@@ -151,10 +152,10 @@ pub struct Exchange {
     pub waiting_s: f64,
     /// The rank that worked longest, for which the others waited.
     pub slowest_rank: u32,
-    /// What a message took before the runs, whatever its length (s); undefined of one rank.
+    /// Latency of a message, whatever its length, measured before the runs (s); undefined for one rank.
     #[serde(with = "number")]
     pub latency_s: f64,
-    /// And each of its bytes (s).
+    /// Time per byte of a message, measured likewise (s).
     #[serde(with = "number")]
     pub seconds_per_byte: f64,
 }
@@ -174,12 +175,12 @@ impl Default for Exchange {
     }
 }
 
-/// How the seconds of a run were taken.
+/// Timing of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
-    /// How many times the run was made for its seconds; one more, before them, is not counted if there are several.
+    /// Number of repeats of the run for its seconds; one more, before them, is not counted if there are several.
     pub repeats: u32,
-    /// Whether no other run of the study was made at the same time.
+    /// True where no other run of the study was made at the same time.
     pub timed_alone: bool,
     /// Longest less shortest `setup_s` of the repeats; undefined for a single one (s).
     #[serde(with = "number")]
@@ -236,7 +237,7 @@ pub struct Sample {
     pub work: Work,
 }
 
-/// Where a row comes from. A run without it is not stored.
+/// Provenance of a row. A run without it is not stored.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Commit of the build; ends in `-modified` if the tree was.
@@ -251,7 +252,7 @@ pub struct Provenance {
     pub profile: String,
     /// When the run began (UTC, RFC 3339).
     pub started_utc: String,
-    /// What another code that made the run says of its version; empty for a method of ours.
+    /// Version reported by another code that made the run; empty for a method of ours.
     #[serde(default)]
     pub other_code: String,
 }
@@ -269,8 +270,8 @@ pub const STATUSES: [&str; 8] = [
 ];
 
 impl Provenance {
-    /// Whether seconds of the two can be compared: the same build on the same processor with as many threads. Codes that are
-    /// compared with ours have versions of their own.
+    /// Reports whether seconds of the two can be compared: the same build on the same processor with as many threads. Codes that
+    /// are compared with ours have versions of their own.
     pub fn comparable(&self, other: &Self) -> bool {
         let build = |p: &Self| Self { started_utc: String::new(), other_code: String::new(), ..p.clone() };
         build(self) == build(other)
@@ -331,7 +332,7 @@ pub struct ContactRow {
     /// Centre of the antagonist, or the touched point of a wall, a lid, or a grain through a periodic side; 0 of discs (m).
     #[serde(default, with = "number")]
     pub z1_m: f64,
-    /// Whether the antagonist is a wall.
+    /// True where the antagonist is a wall.
     pub wall: bool,
     /// The subdomain of the contact.
     pub subdomain: u32,

@@ -19,7 +19,7 @@ pub struct Simulation {
     pub plan: String,
     /// Name of the scene, without its time step: what compares.
     pub scene: String,
-    /// What was set to make the scene, as JSON: `case`, and what replaced values of the case by their keys.
+    /// Settings that made the scene, as JSON: `case`, and replacements of values of the case by their keys.
     #[serde(with = "json")]
     pub scene_settings: Map<String, Value>,
     /// Hash of the scene's content.
@@ -51,10 +51,10 @@ pub struct Simulation {
     pub settings: Map<String, Value>,
     /// The settings in which the runs of this method in this plan differ; empty if they are alone.
     pub variant: String,
-    /// Whether each time step began from the impulses of the one before.
+    /// True where each time step began from impulses of the time steps before.
     pub warm_start: bool,
-    /// What each time step began from: `nothing`, `previous` impulses, or those `extrapolated` from the last two; empty in journals
-    /// of before there was a choice.
+    /// Initial impulses of each time step: `nothing`, `previous` impulses, or those `extrapolated` from the last two; empty in
+    /// journals older than this choice.
     #[serde(default)]
     pub start: String,
     /// The measure that was asked to stop each time step.
@@ -67,30 +67,30 @@ pub struct Simulation {
     /// `completed`; `exploded`, or what made it explode: `solver-diverged`, or `no-solution` of a time step's problem;
     /// `skipped` if the method refused a time step.
     pub status: String,
-    /// How it is known that it exploded, or why the method refused; empty for one that was completed.
+    /// Evidence of the explosion, or the reason why the method refused; empty for a simulation that was completed.
     pub reason: String,
     /// The problem of the last good state, a file in the folder of the study; empty unless it exploded.
     pub last_state: String,
-    /// What it took.
+    /// Totals over all time steps.
     #[serde(flatten)]
     pub totals: Totals,
-    /// How the seconds were taken.
+    /// Timing of the simulation.
     pub timing: Timing,
-    /// Where the simulation comes from.
+    /// Provenance of the simulation.
     pub provenance: Provenance,
 }
 
-/// What all time steps took together.
+/// Totals over all time steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Totals {
     /// Time steps made.
     pub time_steps: u64,
-    /// Those of them that did not come to the tolerance.
+    /// Time steps whose solve missed the tolerance.
     pub missed_time_steps: u64,
-    /// Those of these whose solver diverged; 0 in journals of before they were counted, as below.
+    /// Missed time steps whose solver diverged; 0 in journals older than this count, as below.
     #[serde(default)]
     pub diverged_time_steps: u64,
-    /// Those of these whose problem has no solution.
+    /// Missed time steps whose problem has no solution.
     #[serde(default)]
     pub infeasible_time_steps: u64,
     /// Time steps that began from no impulses because the one before had diverged or had no solution.
@@ -107,13 +107,13 @@ pub struct Totals {
     /// Counted in all time steps.
     #[serde(flatten)]
     pub work: Work,
-    /// Where the energy of all time steps went.
+    /// Energy balance of all time steps.
     #[serde(flatten)]
     pub energy: Energy,
 }
 
-/// Where energy went (J): what gives it to the grains is positive. In a series since the row before. `cases/src/observe/energy.rs` has the
-/// balance; 0 in journals of before there was one.
+/// Energy balance (J): what gives energy to the grains is positive. In a series, since the row before.
+/// `cases/src/observe/energy.rs` has the formulas; 0 in journals older than the balance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Energy {
@@ -132,7 +132,7 @@ pub struct Energy {
     /// All that changed hands: for each time step the sizes of the four, of the change of kinetic and of that of potential energy (J).
     #[serde(with = "number")]
     pub energy_moved_j: f64,
-    /// What the balance leaves over, its size for each time step: round-off where θ = ½ (J).
+    /// Residual of the balance, in absolute value for each time step: round-off where θ = ½ (J).
     #[serde(with = "number")]
     pub energy_left_over_j: f64,
 }
@@ -181,22 +181,22 @@ pub struct Observed {
     /// All impulses of the contacts with the floor and its bumps, the drum and the segments since the row before (N·s).
     #[serde(with = "number")]
     pub floor_impulse_n_s: f64,
-    /// Those with the left wall (N·s).
+    /// All impulses of the contacts with the left wall since the row before (N·s).
     #[serde(with = "number")]
     pub left_impulse_n_s: f64,
-    /// Those with the right wall (N·s).
+    /// All impulses of the contacts with the right wall since the row before (N·s).
     #[serde(with = "number")]
     pub right_impulse_n_s: f64,
-    /// Where energy went since the row before.
+    /// Energy balance since the row before.
     #[serde(flatten)]
     pub energy: Energy,
-    /// What the contacts carried since the row before.
+    /// Stress and coordination since the row before.
     #[serde(flatten)]
     pub stress: Stress,
 }
 
-/// What contacts carry, the mean of all time steps since the row before. Pressure is positive. `cases/src/observe/stress.rs` says how it is
-/// computed; 0 in journals of before it was.
+/// Stress, coordination and bulk properties, the means of all time steps since the row before. Pressure is positive.
+/// `cases/src/observe/stress.rs` has the formulas; 0 in journals older than these.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Stress {

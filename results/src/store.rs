@@ -83,7 +83,7 @@ pub enum StoreError {
     InUse {
         /// Which study.
         folder: PathBuf,
-        /// Who writes.
+        /// Process that writes to it.
         holder: String,
     },
     /// A run does not say where it comes from, or ended as nothing ends.
@@ -237,7 +237,7 @@ pub fn journals(root: &Path) -> Result<Vec<PathBuf>, StoreError> {
     Ok(journals)
 }
 
-/// Whether a folder is a study: it has a journal.
+/// Reports whether a folder is a study: it has a journal.
 pub fn is_study(folder: &Path) -> bool {
     folder.join(JOURNAL).is_file()
 }

@@ -1,4 +1,4 @@
-//! What a study found, as typed rows; and as the tables that other programs read.
+//! Results of a study, as typed rows and as the tables that other programs read.
 
 use polars::prelude::{DataFrame, PolarsResult};
 
@@ -7,7 +7,7 @@ use crate::journal::Record;
 use crate::schema::{ContactRow, GrainRow};
 use crate::simulation::Simulated;
 
-/// What a study found.
+/// Results of a study.
 #[derive(Clone, Debug)]
 pub enum Study {
     /// Runs on problems.
@@ -16,7 +16,7 @@ pub enum Study {
     Simulations(Vec<Simulated>),
 }
 
-/// What a study of problems found. A run has the number of its place in the list.
+/// Results of a study of problems. A run has the number of its place in the list.
 #[derive(Clone, Debug, Default)]
 pub struct Runs {
     /// The runs with their curves.
@@ -31,7 +31,7 @@ pub struct Runs {
 pub(crate) struct Named {
     pub(crate) name: &'static str,
     pub(crate) table: DataFrame,
-    /// Whether it is written once more as CSV, for spreadsheets and `diff`.
+    /// True where the table is also written as CSV, for spreadsheets and `diff`.
     pub(crate) csv: bool,
 }
 

@@ -11,7 +11,7 @@ pub(crate) struct Period(pub(crate) Option<f64>);
 const LEAST_WIDTH: f64 = 12.0;
 
 impl Period {
-    /// Of the differences between the images of two places the least.
+    /// Returns the minimum image of the difference of two places: the shortest among their periodic images (m).
     #[inline]
     pub(crate) fn nearest<P: Place>(self, between: P) -> P {
         self.0.map_or(between, |width| between - P::of([width * (between[0] / width).round(), 0.0, 0.0]))
@@ -26,7 +26,7 @@ impl Period {
         })
     }
 
-    /// Whether the box is wide enough for grains of this greatest radius (m).
+    /// Checks that the box is wide enough for grains of this greatest radius (m).
     pub(crate) fn check(self, greatest_radius: f64) -> Result<(), String> {
         match self.0 {
             Some(width) if width < LEAST_WIDTH * greatest_radius => Err(format!(

@@ -10,12 +10,12 @@ use thiserror::Error;
 pub struct Missed {
     /// The time step, counted from 1.
     pub time_step: u64,
-    /// How its solve ended.
+    /// Status with which its solve ended.
     pub status: Status,
 }
 
 impl Missed {
-    /// Whether its impulses mean nothing, so that no other time step may begin from them.
+    /// Reports whether the solve failed: its impulses have no meaning, and no other time step may start from them.
     pub fn failed(self) -> bool {
         matches!(self.status, Status::Diverged | Status::Infeasible)
     }
@@ -62,9 +62,9 @@ pub enum Explosion {
     },
 }
 
-/// Whether grains of these radii (m) have exploded: by the gaps (m) of the problem just solved, or the velocities (m/s)
-/// found for it, over a time step of `h` (s). Each grain is judged by its own size: beside large ones, a small one is
-/// swallowed long before the mean diameter notices.
+/// Detects an explosion of grains of these radii (m), from the gaps (m) of the problem just solved or the velocities (m/s) found
+/// for it, over a time step of `h` (s). Each grain is judged by its own size: a bound from the mean diameter would notice too late
+/// that a small grain is inside a large one.
 pub(crate) fn explosion<P: Place>(
     contacts: impl Iterator<Item = (u32, Option<u32>)>,
     gap: &[f64],
@@ -88,7 +88,7 @@ pub(crate) fn explosion<P: Place>(
     worst(overlaps).map(overlap).or_else(|| worst(speeds).map(speed))
 }
 
-/// Of grains with a value and its bound, the one that is farthest beyond it; of equal ones the first.
+/// Returns the grain whose value exceeds its bound by the greatest factor; of equal ones the first.
 fn worst(values: impl Iterator<Item = (u32, f64, f64)>) -> Option<(u32, f64, f64)> {
     let beyond = values.filter(|(_, value, bound)| value > bound);
     beyond.reduce(|worst, next| if next.1 / next.2 > worst.1 / worst.2 { next } else { worst })

@@ -1,4 +1,4 @@
-//! What a file lacks, all at once: readers of JSON and TOML stop at the first key.
+//! All missing keys of a file at once: readers of JSON and TOML stop at the first.
 
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};
@@ -37,7 +37,7 @@ pub fn all_missing<T: JsonSchema>(content: &impl Serialize, error: String) -> St
 #[derive(Default)]
 struct Lacks {
     keys: Vec<String>,
-    /// What should have been a table, in words.
+    /// Messages about values that should have been tables.
     tables: Vec<String>,
     /// The first key that is none, in the words of serde.
     unknown: Option<String>,

@@ -45,7 +45,7 @@ impl Case {
 }
 
 impl InParts<'_> {
-    /// How many parts there are.
+    /// Returns the number of parts.
     pub fn count(&self) -> u32 {
         self.strips.count
     }
@@ -68,7 +68,7 @@ impl InParts<'_> {
         self.strips.laid(part).map_err(|error| self.case.wrong(error))
     }
 
-    /// What of the discs that were `laid` the part before must know, to be filled.
+    /// Returns those of the `laid` discs that the part before needs in order to be filled.
     pub fn left_side(&self, part: u32, laid: &[Disc]) -> Vec<Disc> {
         self.strips.left_side(part, laid)
     }
@@ -81,7 +81,7 @@ impl InParts<'_> {
         self.strips.filled(part, laid, next).map_err(|error| self.case.wrong(error))
     }
 
-    /// Whether the part before must know of a disc, to have its contacts; and whether that after it must.
+    /// Reports whether the part before needs a disc for its contacts, and whether the part after does.
     pub fn matters(&self, part: u32, (at, _): &Disc) -> [bool; 2] {
         self.strips.matters(part, *at)
     }

@@ -1,4 +1,4 @@
-//! What a time step is started from (§5): the impulses of the time steps before, or none.
+//! Initial impulses of a time step (§5): those of the time steps before, or none.
 
 use super::March;
 use crate::detect::Side;
@@ -8,7 +8,7 @@ use contact::Vector;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What a time step is started from. In files `false` and `true` are `nothing` and `previous`.
+/// Initial impulses of a time step. In files `false` and `true` are `nothing` and `previous`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(from = "Written", into = "Written")]
 pub enum Start {
@@ -58,7 +58,7 @@ impl From<Start> for Written {
 }
 
 impl Start {
-    /// Whether it takes anything from the time steps before.
+    /// Reports whether it uses impulses of the time steps before.
     pub fn is_warm(self) -> bool {
         self != Self::Nothing
     }

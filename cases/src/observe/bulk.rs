@@ -1,5 +1,4 @@
-//! What a packing is like away from its walls and its surface: how much of the room it fills, how many contacts hold a grain, and how
-//! many grains are held by none.
+//! Properties of a packing away from its walls and its surface: solid fraction, coordination number and share of rattlers.
 //!
 //! The bulk is the box that is two mean diameters from the floor, from upright walls and from the surface, which is twice as high as the
 //! mean height. Solid fraction: what of the grains is in that box, cut by its faces, over its volume (in the plane its area). The
@@ -31,7 +30,8 @@ pub struct Bulk {
 const MARGIN: f64 = 2.0;
 
 impl Bulk {
-    /// Of the impulses `r` (N·s) of a time step, for the first `grains` of its bodies, at `time` (s).
+    /// Computes the properties of the bulk from the impulses `r` (N·s) of a time step, for the first `grains` of its bodies, at
+    /// `time` (s).
     pub(crate) fn of<M: Marched>(
         time_step: &TimeStep<M>,
         scene: &Scene,

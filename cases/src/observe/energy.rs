@@ -1,4 +1,4 @@
-//! Where the energy of a time step goes.
+//! Energy balance of a time step.
 //!
 //! M (V⁺ − V⁻) = h M g + H r, multiplied by the mean velocity, is the balance of the θ-scheme with θ = ½, exactly:
 //!
@@ -48,7 +48,8 @@ impl AddAssign for Energy {
 }
 
 impl Energy {
-    /// Of a time step of a scene with the impulses `r` (N·s), from one velocity to the other.
+    /// Computes the energy balance of a time step of a scene with the impulses `r` (N·s), between the velocities before and after
+    /// it.
     pub(crate) fn of<M: Marched>(
         time_step: &TimeStep<M>,
         scene: &Scene,

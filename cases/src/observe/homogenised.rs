@@ -1,4 +1,4 @@
-//! What subdomains are as a material (§5): stress, fabric and coordination of each.
+//! Subdomains as homogenised materials (§5): stress, fabric and coordination of each.
 //!
 //! The moment of a grain i is `M_i` = Σ f ⊗ l over its contacts, f the force on it and l from its centre to the contact. A grain
 //! whose contacts lie in m subdomains counts in each of them with 1/m, as its copies have its mass:
@@ -39,8 +39,8 @@ impl Homogenised {
         self.stress[..dimensions].iter().sum::<f64>() / dimensions as f64
     }
 
-    /// Of `count` subdomains, where `subdomain` is that of each contact, with the impulses `r` (N·s). Bodies from number `grains` on,
-    /// lids and driven segments, are walls.
+    /// Homogenises `count` subdomains, given the `subdomain` of each contact and the impulses `r` (N·s). Bodies from number
+    /// `grains` on, lids and driven segments, are walls.
     ///
     /// # Panics
     /// If there is not one subdomain below `count` and one impulse for each contact.
@@ -97,7 +97,7 @@ impl Homogenised {
     }
 }
 
-/// What the contacts of a grain that push add up to.
+/// Sums over the contacts of a grain that push.
 #[derive(Clone, Copy, Default)]
 struct Grain {
     moment: Tensor,

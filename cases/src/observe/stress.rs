@@ -1,4 +1,4 @@
-//! What the contacts of a time step carry: the Love-Weber stress, and how many contacts a grain has.
+//! Love-Weber stress of a time step, and number of contacts per grain.
 //!
 //! σ = 1/A Σ f ⊗ l over all contacts, f the force on the candidate and l the branch to its centre: from the centre of the other grain,
 //! or of a bump, or from the foot of its perpendicular on a wall. Pressure is positive. A is the width of a periodic box times the
@@ -27,7 +27,8 @@ pub struct Stress {
 }
 
 impl Stress {
-    /// Of the impulses `r` (N·s) of a time step, over an area (m²); or over that of the rectangle around the grains.
+    /// Computes stress and coordination from the impulses `r` (N·s) of a time step, over an area (m²); without one, the stress of a
+    /// scene with a driven segment is over the rectangle around the grains.
     pub(crate) fn of<M: Marched>(
         time_step: &TimeStep<M>,
         scene: &Scene,

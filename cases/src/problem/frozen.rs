@@ -18,7 +18,7 @@ use std::path::Path;
 pub struct Frozen<M: Mechanics = Discs> {
     /// Name of the problem.
     pub name: String,
-    /// Where it comes from, in a sentence.
+    /// Source of the problem, in a sentence.
     pub source: String,
     /// h (s).
     pub time_step: f64,
@@ -96,7 +96,7 @@ struct File<P> {
     mechanics: Option<String>,
     /// Name of the problem: files are named after it, so it has no `/`, `\` or `:`, and does not start with a dot.
     name: String,
-    /// Where the problem comes from, in a sentence.
+    /// Source of the problem, in a sentence.
     source: String,
     /// Time step h (s), positive.
     #[schemars(extend("exclusiveMinimum" = 0))]

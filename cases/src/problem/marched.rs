@@ -1,4 +1,4 @@
-//! What a march needs to know of a mechanics.
+//! Interface of a mechanics to the time march.
 
 use crate::detect::{DetectedContact, Grain, Side};
 use crate::scene::walls::WallMotion;
@@ -7,16 +7,16 @@ use nalgebra::{SVector, Vector2, Vector3, Vector6};
 
 /// A mechanics that scenes march with.
 pub trait Marched: Mechanics {
-    /// Whether contacts have friction: a scene that has may not march without.
+    /// True where contacts have friction, as a scene with friction requires.
     const HAS_FRICTION: bool;
 
-    /// What resists the motion of a homogeneous grain.
+    /// Returns the mass of a homogeneous grain, and its moment of inertia if it spins.
     fn mass(grain: &Grain<Self::Place>) -> Self::Mass;
 
     /// Its mass alone (kg).
     fn weight(mass: Self::Mass) -> f64;
 
-    /// The same mass of a body that does not turn.
+    /// Returns this mass for a body that does not turn.
     #[must_use]
     fn unturned(mass: Self::Mass) -> Self::Mass {
         mass
@@ -39,7 +39,7 @@ pub trait Marched: Mechanics {
     /// Adds a law's own term to the offset of a contact along its normal (m/s).
     fn widen(contact: &mut Self::Contact, term: f64);
 
-    /// What an impulse gives to the candidate (N·s).
+    /// Returns an impulse as the vector that acts on the candidate (N·s).
     fn to_candidate(contact: &Self::Contact, r: Self::Impulse) -> Self::Place;
 
     /// An impulse as it is kept for the next time step, in which the contact may face another way (N·s).
@@ -47,7 +47,7 @@ pub trait Marched: Mechanics {
         r
     }
 
-    /// What is kept of the time step before, as an impulse that the contact admits (N·s).
+    /// Returns an impulse `kept` from the time step before, clipped to those that the contact admits (N·s).
     fn recalled(contact: &Self::Contact, kept: Self::Impulse) -> Self::Impulse;
 }
 
@@ -148,7 +148,8 @@ impl Marched for RoughDiscs {
         contact.normal * r.x + contact.tangent() * r.y
     }
 
-    /// Where a contact opens, round-off of what it was before can be more than μ times what is left.
+    /// Clips to Coulomb's cone: at a contact that opens, round-off of the earlier impulse can exceed μ times the remaining normal
+    /// impulse.
     fn recalled(contact: &RoughContact, kept: Vector2<f64>) -> Vector2<f64> {
         let bound = contact.friction * kept.x.max(0.0);
         // To the bit where the solver's start is admitted.

@@ -86,7 +86,7 @@ impl AnyFrozen {
         }
     }
 
-    /// Where it comes from, in a sentence.
+    /// Returns the source of the problem, in a sentence.
     pub fn source(&self) -> &str {
         match self {
             Self::Discs(frozen) => &frozen.source,
@@ -106,7 +106,7 @@ impl AnyFrozen {
         }
     }
 
-    /// Whether its grains are spheres.
+    /// Reports whether the grains are spheres.
     pub fn in_space(&self) -> bool {
         match self {
             Self::Discs(_) | Self::RoughDiscs(_) => false,
@@ -162,7 +162,7 @@ struct File<P, V> {
     mechanics: Option<String>,
     /// Name of the problem: files are named after it, so it has no `/`, `\` or `:`, and does not start with a dot.
     name: String,
-    /// Where the problem comes from, in a sentence.
+    /// Source of the problem, in a sentence.
     source: String,
     /// Time step h (s), positive.
     #[schemars(extend("exclusiveMinimum" = 0))]

@@ -50,7 +50,7 @@ fn laid(radii: &[f64], width: f64) -> Result<(Front, Promises), f64> {
 /// Classes of radius, so many that a promise is close.
 const CLASSES: usize = 8;
 
-/// What each column promises for each class of radius.
+/// Promises of each column to each class of radius: lower bounds of the height.
 struct Promises {
     /// The least radius of each class, rising.
     radius: Vec<f64>,
@@ -58,7 +58,7 @@ struct Promises {
     height: Vec<Heights>,
     /// The changes of the column when the promise was made.
     made: Vec<Vec<Option<u32>>>,
-    /// How often a column was looked at.
+    /// Number of times that a column was examined.
     looks: u64,
 }
 

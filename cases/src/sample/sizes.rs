@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How radii are distributed between the least and the greatest.
+/// Distribution of radii between the least and the greatest.
 #[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Sizes {
@@ -26,7 +26,7 @@ pub enum Sizes {
     Given {
         /// The radii (m).
         radii_m: Vec<f64>,
-        /// How many grains have each, over any total (–).
+        /// Number of grains of each radius, over any total (–).
         shares: Vec<f64>,
     },
 }

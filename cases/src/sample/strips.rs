@@ -18,7 +18,7 @@ pub(crate) struct Strips<'s> {
     pub(crate) seed: u64,
     pub(crate) grains: u32,
     pub(crate) count: u32,
-    /// Of the box (m).
+    /// Width of the box (m).
     pub(crate) width: f64,
 }
 
@@ -26,7 +26,8 @@ pub(crate) struct Strips<'s> {
 const SEAM: f64 = 4.0;
 const LEAST: f64 = 24.0;
 
-/// How far from their border the discs of two strips matter to the other's contacts and subdomains, over the greatest radius (–).
+/// Distance from their border within which the discs of two strips matter to the other's contacts and subdomains, over the greatest
+/// radius (–).
 const REACH: f64 = 12.0;
 
 impl Strips<'_> {
@@ -56,7 +57,7 @@ impl Strips<'_> {
         (self.width + SEAM * self.greatest()) / f64::from(self.count)
     }
 
-    /// Where a strip begins, and the one before with its seam ends (m).
+    /// Returns the beginning of a strip, which is the end of the one before with its seam (m).
     fn start(&self, strip: u32) -> f64 {
         f64::from(strip) * self.pitch()
     }
@@ -90,7 +91,7 @@ impl Strips<'_> {
         Ok(discs)
     }
 
-    /// Of the discs that were `laid` in a strip, those that the seam at its left may touch.
+    /// Returns those of the discs `laid` in a strip that the seam at its left may touch.
     pub(crate) fn left_side(&self, strip: u32, laid: &[Placed]) -> Vec<Placed> {
         let seam = strip.checked_sub(1).map(|before| self.seam(before));
         laid.iter().filter(|disc| seam.as_ref().is_some_and(|seam| seam.is_beside(disc))).copied().collect()
@@ -118,7 +119,7 @@ impl Strips<'_> {
         Ok(rising.into_iter().map(|k| laid[k]).collect())
     }
 
-    /// Whether a disc of a strip matters to the one at its left, and to that at its right.
+    /// Reports whether a disc of a strip matters to the strip at its left, and whether to that at its right.
     pub(crate) fn matters(&self, strip: u32, at: Vector2<f64>) -> [bool; 2] {
         let reach = REACH * self.greatest();
         [

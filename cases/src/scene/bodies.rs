@@ -27,7 +27,7 @@ impl Drum {
         std::f64::consts::SQRT_2 * self.radius_m
     }
 
-    /// How far a grain is from the surface (m); negative outside.
+    /// Returns the distance of a grain from the surface (m); negative outside.
     pub(crate) fn gap<P: Place>(&self, position: P, radius: f64) -> f64 {
         self.radius_m - across(position).length() - radius
     }
@@ -55,7 +55,7 @@ impl Drum {
 /// A contact, and how the body moves there.
 pub(crate) type Near<P> = (DetectedContact<P>, WallMotion<P>);
 
-/// What of a place is in the plane of x and y.
+/// Projects a place onto the plane of x and y.
 fn across<P: Place>(place: P) -> P {
     P::of([place[0], place[1], 0.0])
 }
@@ -66,11 +66,11 @@ pub(crate) struct Bumps<P> {
     pub(crate) radius: f64,
     /// The first of them (m).
     pub(crate) foot: P,
-    /// How the line moves, where that is known beforehand (m/s).
+    /// Velocity of the line, where it is known beforehand (m/s).
     pub(crate) moving: P,
     /// After which they are the same again.
     pub(crate) period: Period,
-    /// What the k-th of a row is.
+    /// Antagonist for a bump, from its body and its numbers along x and z.
     pub(crate) side: fn(u32, [i32; 2]) -> Side,
 }
 

@@ -12,7 +12,7 @@ use contact::{Place, is_positive, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What drives a segment: it begins at rest, and gravity acts on it too. Other segments and walls do not stop it.
+/// Drive of a segment, which begins at rest and on which gravity acts too. Other segments and walls do not stop it.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Driven {
@@ -32,7 +32,7 @@ impl Driven {
         P::of([x / length, y / length, 0.0])
     }
 
-    /// What has no meaning, as key, value and what would be accepted.
+    /// Returns the first value without meaning, as key, value and what would be accepted.
     pub(crate) fn fault(&self) -> Option<(&'static str, f64, &'static str)> {
         let length = self.direction[0].hypot(self.direction[1]);
         let values = [
@@ -52,7 +52,7 @@ impl Scene {
         all.filter_map(|(number, segment)| Some((number, segment, segment.driven.as_ref()?)))
     }
 
-    /// What the forces on its last bodies give them, in their order: of a lid, or of driven segments (N).
+    /// Returns the mass (kg) of each of the last bodies and the force on it (N), in their order: a lid, or driven segments.
     pub(crate) fn forces<P: Place>(&self) -> Vec<(f64, P)> {
         let of_lid = self.lid().map(|lid| (lid.mass_kg, P::of([0.0, -lid.force_n, 0.0])));
         let of_segments =
@@ -60,7 +60,7 @@ impl Scene {
         of_lid.into_iter().chain(of_segments).collect()
     }
 
-    /// How many bodies follow the grains.
+    /// Returns the number of bodies after the grains.
     pub(crate) fn body_count(&self) -> usize {
         usize::from(self.lid().is_some()) + self.driven().count()
     }
@@ -77,8 +77,8 @@ impl Scene {
         self.driven().map(body).collect()
     }
 
-    /// Where driven segments are, by the places of their `bodies`, the last of them all, and how far these came since contacts were
-    /// sought last (m).
+    /// Returns the driven segments at the positions of their bodies, the last of `bodies`; `came` gives the displacement of each
+    /// since contacts were detected last (m).
     pub(crate) fn driven_at<P: Place>(&self, bodies: &[P], came: impl Fn(u32) -> P) -> Vec<Placed<'_, P>> {
         let first = bodies.len() - self.driven().count();
         let placed = |((number, segment, driven), body): ((u32, _, &Driven), u32)| {
@@ -106,7 +106,7 @@ pub(crate) struct Placed<'s, P> {
     body: u32,
     /// Unit vector along which it moves (–).
     along: P,
-    /// How far it has (m).
+    /// Displacement since time began (m).
     moved: P,
     /// Part of this since contacts were sought last, or since time began (m).
     came: P,

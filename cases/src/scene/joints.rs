@@ -26,7 +26,8 @@ enum Other {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Joints(Vec<[Vec<Other>; 2]>);
 
-/// How near is together, over the length of a segment, or its radius if it has none (–): coordinates may have six digits.
+/// Distance within which points coincide, over the length of a segment, or its radius if it has none (–): coordinates may have six
+/// digits.
 const TOGETHER: f64 = 1e-6;
 
 /// The sine of an angle by which a line turns (–); by less it is straight.
@@ -91,7 +92,7 @@ pub(crate) struct Line<'s, P> {
 struct Placed<'s, P> {
     segment: &'s Segment,
     ends: [P; 2],
-    /// How far it came since they were sought last, or since time began (m).
+    /// Displacement since contacts were detected last, or since time began (m).
     came: P,
     /// Its velocity until they are sought again, on average (m/s).
     velocity: P,
@@ -102,9 +103,9 @@ struct Placed<'s, P> {
 pub(crate) struct Disc<P> {
     pub(crate) place: P,
     pub(crate) radius: f64,
-    /// How far it came since they were sought last, or since time began (m).
+    /// Displacement since contacts were detected last, or since time began (m).
     pub(crate) came: P,
-    /// How far its free velocity would lead it until they are sought again (m).
+    /// Displacement by the free velocity until the next detection (m).
     pub(crate) ahead: P,
 }
 
@@ -175,7 +176,8 @@ impl<'s, P: Place> Line<'s, P> {
         })
     }
 
-    /// How an`other` body, on which an end of a segment lies, hides that end from a disc to which it is the nearest point.
+    /// Determines how an`other` body, on which an end of a segment lies, hides that end from a disc to which it is the nearest
+    /// point.
     fn hides(
         &self,
         (number, placed): (u32, &Placed<P>),
@@ -216,7 +218,7 @@ fn is_above<P: Place>(direction: P, normal: P) -> bool {
     direction.dot_product(normal) > TURNS * direction.length()
 }
 
-/// How a body on which the end of a segment lies hides it from a disc.
+/// Effect of a body, on which the end of a segment lies, on the contact of this end with a disc.
 enum Hides<P> {
     /// It does not.
     No,

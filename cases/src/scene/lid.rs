@@ -34,7 +34,7 @@ impl Lid {
         Grain { radius, mass: self.mass_kg, position: P::of([0.0, surface + radius, 0.0]) }
     }
 
-    /// What has no meaning.
+    /// Refuses values without meaning.
     pub(crate) fn check(&self) -> Result<(), String> {
         let Self { mass_kg, force_n, speed_m_per_s } = *self;
         let values = [
@@ -57,7 +57,7 @@ pub(crate) struct Placed<'s, P> {
     pub(crate) scene: &'s Scene,
     /// Its index among the bodies.
     pub(crate) body: u32,
-    /// Where its surface begins (m).
+    /// Point of its surface, at the first bump (m).
     pub(crate) foot: P,
 }
 

@@ -5,8 +5,8 @@ use contact::shown;
 /// A time (s) and the velocity then, as [t, `v_x`, `v_y`] (m/s).
 pub(crate) type Row = [f64; 3];
 
-/// How far a table has led at a `time` (s) since time 0, along x and y (m): the integral of what is linear from row to row, and
-/// constant before the first and after the last.
+/// Returns the displacement along x and y that a table gives from time 0 to a `time` (s), in metres: the integral of a velocity
+/// that is linear from row to row, and constant before the first and after the last.
 pub(crate) fn displacement(table: &[Row], time: f64) -> [f64; 2] {
     let (now, begin) = (integral(table, time), integral(table, 0.0));
     [now[0] - begin[0], now[1] - begin[1]]
@@ -35,7 +35,7 @@ pub(crate) fn greatest_speed(table: &[Row]) -> f64 {
     table.iter().map(|[_, x, y]| x.hypot(*y)).fold(0.0, f64::max)
 }
 
-/// What of a table has no meaning, by its `key`.
+/// Refuses a table without meaning, by its `key`.
 pub(crate) fn check(table: &[Row], key: &str) -> Result<(), String> {
     for (k, row) in table.iter().enumerate() {
         let row_shown = row.map(shown).join(", ");

@@ -50,7 +50,7 @@ impl Segment {
         [self.from_m, self.to_m.unwrap_or(self.from_m)].map(|[x, y]| P::of([x, y, 0.0]) + moved)
     }
 
-    /// How far it has moved at a `time` (s), as given (m).
+    /// Returns its prescribed displacement at a `time` (s), in metres.
     pub(crate) fn moved<P: Place>(&self, time: f64) -> P {
         let moved = self.constant::<P>() * time;
         if !self.is_unsteady() {
@@ -80,7 +80,7 @@ impl Segment {
         !self.motion.is_empty() || self.vibration.is_some()
     }
 
-    /// How fast it is at most, as given (m/s).
+    /// Returns an upper bound of its prescribed speed (m/s).
     pub(crate) fn speed(&self) -> f64 {
         let constant = self.velocity_m_per_s[0].hypot(self.velocity_m_per_s[1]);
         constant
@@ -95,8 +95,8 @@ impl Segment {
         given && alike && self.vibration == other.vibration
     }
 
-    /// Where a disc is beside it between these ends, if its surface is within `reach` (m). Seen from the segment the disc `came` this way
-    /// since contacts were sought last (m).
+    /// Locates a disc beside the segment between these ends, if their surfaces are within `reach` (m). Seen from the segment the
+    /// disc `came` this way since contacts were detected last (m).
     pub(crate) fn beside<P: Place>(
         &self,
         [from, to]: [P; 2],
@@ -153,7 +153,7 @@ impl Segment {
         flat.into_iter().chain(round).collect()
     }
 
-    /// What has no meaning, if anything has.
+    /// Refuses values without meaning.
     pub(crate) fn check(&self, number: usize, time_step_s: f64) -> Result<(), String> {
         let wrong = |key: &str, value: f64, expected: &str| {
             Err(format!("`scene.segments[{number}].{key}` is {}: it must be {expected}", shown(value)))

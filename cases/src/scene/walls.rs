@@ -135,7 +135,7 @@ pub(crate) struct MovingWall<P> {
     belt: P,
 }
 
-/// How a wall moves where a grain is, on average over a span of time.
+/// Motion of a wall at the place of a grain, on average over a span of time.
 #[derive(Clone, Copy, Debug)]
 pub struct WallMotion<P> {
     /// Rate at which it opens the gap of a grain at rest (m/s).
@@ -157,7 +157,7 @@ impl<P: Place> MovingWall<P> {
         (self.next.gap(position, 0.0) - self.now.gap(position, 0.0)) / self.span
     }
 
-    /// How it moves: its surface as its foot, about which it turns, and as a belt.
+    /// Returns its motion: its surface moves as its foot, about which it turns, and as a belt.
     pub(crate) fn motion(&self, position: P) -> WallMotion<P> {
         let sliding = self.foot_rate() + self.belt;
         WallMotion { opening: self.opening_rate(position), sliding, ahead: None }
@@ -203,7 +203,7 @@ impl Vibration {
         values.into_iter().find(|(_, value)| !value.is_finite())
     }
 
-    /// How far it has moved at a `time` (s), in metres.
+    /// Returns its displacement at a `time` (s), in metres.
     pub(crate) fn displacement<P: Place>(&self, time: f64) -> P {
         let turned = std::f64::consts::TAU * self.frequency_hz * (time - self.start_s).max(0.0);
         let value = self.amplitude_m * (libm::sin(turned + self.phase_rad) - libm::sin(self.phase_rad));
@@ -232,7 +232,7 @@ pub(crate) fn walls_near<P: Place>(
 }
 
 impl Walls {
-    /// What does not go with periodic sides, or without them.
+    /// Refuses values that contradict periodic sides, or that need them.
     pub(crate) fn check_periodic(&self) -> Result<(), String> {
         if !self.periodic {
             return match self.lid {

@@ -1,4 +1,4 @@
-//! What a journal takes, keeps and refuses.
+//! Tests of the lines that a journal takes, keeps and refuses.
 
 use super::*;
 use crate::store::records_of;

@@ -51,8 +51,8 @@ pub(super) fn new_dated_folder(parent: &Path) -> Result<PathBuf, StoreError> {
     }
 }
 
-/// Where a path leads that may be a link, even to what is not there yet: who renames a file to the path of a link replaces
-/// the link.
+/// Returns the target of a path that may be a link, even to what is not there yet: renaming a file to the path of a link would
+/// replace the link.
 ///
 /// # Errors
 ///
@@ -69,7 +69,7 @@ pub fn behind_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("its links lead in a circle"))
 }
 
-/// How the names of files begin that are not complete.
+/// Prefix of the names of incomplete files.
 const UNFINISHED: &str = ".unfinished-";
 
 /// Removes what programs that were killed did not finish in the folder of a study, to which nobody else writes.

@@ -21,7 +21,7 @@ fn touching(position: &[Vector3<f64>], radius: &[f64]) -> Vec<(u32, Option<u32>)
     pairs.chain(faces).collect()
 }
 
-/// What is above and below a plane adds up, and what planes through the centre leave is a half, a quarter, an eighth.
+/// Checks that the parts above and below a plane add up, and that planes through the centre leave a half, a quarter and an eighth.
 #[test]
 fn balls_and_discs_are_cut_exactly() {
     let whole = 4.0 / 3.0 * PI;

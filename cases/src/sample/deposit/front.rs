@@ -5,7 +5,7 @@ use nalgebra::Vector2;
 /// Centre and radius (m).
 pub(crate) type Placed = (Vector2<f64>, f64);
 
-/// Where a disc can lie.
+/// Place that can hold a disc.
 pub(super) struct Place {
     pub(super) at: Vector2<f64>,
     /// The disc of the front that holds it at the left; `None` for the wall.
@@ -28,7 +28,7 @@ pub(super) struct Front {
     pub(super) after: Vec<Option<u32>>,
     /// The discs of the chain by column.
     columns: Vec<Vec<u32>>,
-    /// How often the front has changed in reach of each column.
+    /// Number of changes of the front within reach of each column.
     pub(super) changes: Vec<u32>,
 }
 
@@ -155,7 +155,7 @@ impl Front {
         }
     }
 
-    /// Whether a disc can lie there and come there from above, past those that are `near`.
+    /// Reports whether a disc fits at a place and can reach it from above, past those that are `near`.
     pub(super) fn fits(&self, mut near: impl Iterator<Item = u32>, place: Vector2<f64>, radius: f64) -> bool {
         let slack = self.slack();
         let inside =
@@ -173,7 +173,7 @@ impl Front {
         inside && near.all(below_or_aside)
     }
 
-    /// How low the centre of a disc that comes from above can be anywhere in the column, or less.
+    /// Returns a lower bound of the height of the centre of a disc that comes from above, anywhere in the column (m).
     ///
     /// Each disc of the front bounds its height by an arc. Arcs are concave, so the height is lowest where two arcs meet,
     /// right beside the end of one, or at an end of the column.

@@ -5,19 +5,19 @@
 pub(super) struct Heights {
     /// The lower of what is at 2 k and 2 k + 1 is at k, so that the lowest is at 1; the columns are last.
     lower: Vec<f64>,
-    /// How many of these were looked at.
+    /// Number of entries of `lower` visited.
     pub(super) steps: u64,
 }
 
 impl Heights {
-    /// Of so many columns, 0 each.
+    /// Creates the heights of a number of columns, 0 each.
     pub(super) fn new(columns: usize) -> Self {
         let mut heights = Self { lower: vec![f64::INFINITY; 2 * columns.next_power_of_two()], steps: 0 };
         (0..columns).for_each(|column| heights.set(column, 0.0));
         heights
     }
 
-    /// Where the columns begin.
+    /// Returns the index of the first column in `lower`.
     fn first(&self) -> usize {
         self.lower.len() / 2
     }

@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 
 /// A gap between the sides of two deposits.
 pub(crate) struct Seam {
-    /// Where the left deposit ends and the right one begins (m).
+    /// End of the left deposit and beginning of the right one (m).
     pub(crate) ends: [f64; 2],
     /// Greatest radius (m).
     pub(crate) greatest: f64,
@@ -14,18 +14,18 @@ pub(crate) struct Seam {
     pub(crate) slack: f64,
 }
 
-/// How far from the level discs count as near, over the greatest radius (–): a new disc is at most 4 below it or 6 above it, and those
-/// that it may touch are 2 from there.
+/// Distances below and above the level within which discs count as near, over the greatest radius (–): a new disc is at most 4
+/// below the level or 6 above it, and those that it may touch are at most 2 from there.
 const BELOW: f64 = 6.0;
 const ABOVE: f64 = 8.0;
 
 impl Seam {
-    /// How deep a disc of the gap may have its centre in a pocket of a side (m).
+    /// Returns the depth to which a disc of the gap may have its centre in a pocket of a side (m).
     fn pocket(&self) -> f64 {
         self.greatest
     }
 
-    /// Whether a disc of a deposit is so near to the gap that those in it may touch it.
+    /// Reports whether a disc of a deposit is so near to the gap that discs in the gap may touch it.
     pub(crate) fn is_beside(&self, (centre, radius): &Placed) -> bool {
         let reach = self.pocket() + self.greatest + radius;
         self.ends[0] - reach <= centre.x && centre.x <= self.ends[1] + reach

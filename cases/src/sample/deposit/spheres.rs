@@ -37,7 +37,7 @@ const SHORTER: f64 = 0.95;
 /// The share of its direction that it keeps (–).
 const ROLLS_ON: f64 = 0.7;
 
-/// How near to where it rolled a sphere may be held, and what holds it, over its radius (–).
+/// Distance within which a sphere that has rolled to a place finds its supports, over its radius (–).
 const AROUND: f64 = 0.3;
 
 /// Others that may hold a sphere.
@@ -52,7 +52,7 @@ struct Sphere {
     radius: f64,
 }
 
-/// What a sphere can lean on.
+/// Support of a sphere.
 #[derive(Clone, Copy)]
 enum Support {
     /// Another, by its centre and the sum of both radii.
@@ -136,8 +136,9 @@ impl Heap {
         best
     }
 
-    /// Where a sphere that falls from [x, z] comes to rest: it rolls down what the others let its centre reach, and lies where three of
-    /// them, or walls, hold it, or on the floor; or it stays where it came to on its way there.
+    /// Returns the position at which a sphere that falls from [x, z] comes to rest: it rolls down the surface to which the others
+    /// confine its centre, and lies where three of them, or walls, hold it, or on the floor; or it stays where it stopped on the
+    /// way there.
     fn place(&self, over: Vector2<f64>, radius: f64) -> Vector3<f64> {
         let (mut at, mut down) = (over, Vector2::zeros());
         let (low, high) = (Vector2::repeat(radius), Vector2::from(self.size).add_scalar(-radius));
@@ -175,8 +176,8 @@ impl Heap {
         lowest.unwrap_or_else(|| Vector3::new(at.x, height, at.y))
     }
 
-    /// What can hold a sphere near [x, z], where its centre can be as low as `height` (m): walls, and the others that bound it there or
-    /// almost, by how high they do.
+    /// Returns the supports of a sphere near [x, z] whose centre can be as low as `height` (m): the spheres that bound its height
+    /// there, or nearly so, from the highest bound down; then the floor and the walls.
     fn supports(&self, at: Vector2<f64>, height: f64, radius: f64) -> Vec<Support> {
         let least = height - AROUND * radius;
         let layers = self.layer_of((least - self.greatest - radius).max(0.0))..self.layers(at);
@@ -207,7 +208,7 @@ impl Heap {
         supports
     }
 
-    /// Whether a sphere can lie there and come there from above, or roll there from what lies a little higher.
+    /// Reports whether a sphere fits at a place and can reach it from above, or by rolling off what lies a little higher.
     fn fits(&self, at: Vector3<f64>, radius: f64) -> bool {
         let slack = SLACK * (self.size[0] + self.size[1]);
         let inside = |x: f64, size: f64| x >= radius - slack && x <= size - radius + slack;
@@ -284,7 +285,7 @@ fn touching_three(supports: [&Support; 3]) -> [Option<Vector3<f64>>; 2] {
     }
 }
 
-/// Whether the three carry weight there, each pushing: Σ n f = (0, 1, 0) with f ≥ 0.
+/// Reports whether three supports carry a weight at a place, each pushing: Σ n f = (0, 1, 0) with f ≥ 0.
 fn is_held(supports: [&Support; 3], at: Vector3<f64>) -> bool {
     let normal = |support: &Support| match support {
         Support::Sphere(centre, distance) => (at - centre) / *distance,
