@@ -115,7 +115,7 @@ fn matrix(words: &mut Words, name: &str) -> Result<Triplets> {
 /// Row, column, value.
 type Entry = (usize, usize, f64);
 
-/// What is left of a file.
+/// Words of a file that are still to be read.
 struct Words<'t>(SplitAsciiWhitespace<'t>);
 
 impl<'t> Words<'t> {

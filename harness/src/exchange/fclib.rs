@@ -12,10 +12,10 @@ use hdf5_pure::{Error, File, FileBuilder, FormatError, GroupBuilder};
 use local::LocalProblem;
 use std::path::Path;
 
-/// Where a file keeps the text of a problem file of ours.
+/// Dataset of a file that holds the text of a problem file of ours.
 pub(super) const OURS: &str = "gravel/problem";
 
-/// What a file holds.
+/// Content of a file.
 pub(crate) enum Held {
     /// The text of a problem file of ours.
     Ours(String),
