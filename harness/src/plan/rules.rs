@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::num::NonZeroU32;
 
-/// How simulations are run: every combination of the values of `set`, `zip` and `axes` is a rule; each scene meets each
-/// method under each rule.
+/// Simulations of a study: every combination of the values of `set`, `zip` and `axes` is a rule; each scene meets each method
+/// under each rule.
 #[derive(Debug, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Simulate {
@@ -29,7 +29,7 @@ pub(crate) struct Simulate {
     /// Keys whose values are combined.
     #[serde(default)]
     axes: Settings,
-    /// What the simulations of a scene are compared with.
+    /// Simulation with which the others of a scene are compared.
     pub(crate) reference: Reference,
 }
 

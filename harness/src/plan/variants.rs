@@ -19,7 +19,7 @@ pub(crate) struct PlannedMethod {
     pub(crate) zip: Settings,
     #[serde(default)]
     pub(crate) axes: Settings,
-    /// Whether its runs begin from the impulses of the time step before; `[false, true]` for both.
+    /// True where its runs begin from the impulses of the time step before; `[false, true]` for both.
     #[serde(default)]
     pub(crate) warm_start: Option<WarmStart>,
 }
