@@ -16,7 +16,7 @@ pub(crate) struct Scene {
     /// Its name, without its time step.
     pub(crate) name: String,
     pub(crate) case: Case,
-    /// What was set in the case.
+    /// Values set in the case.
     pub(crate) settings: Settings,
     /// The time to simulate (s).
     pub(crate) duration_s: f64,
@@ -57,7 +57,7 @@ impl Scene {
         Ok(Self { name, case, settings, duration_s, every_s, time_steps: rows * every, every, hash })
     }
 
-    /// The same with a time step `refine` times shorter.
+    /// Returns the scene with a time step `refine` times shorter.
     pub(crate) fn refined(&self, refine: u32) -> Result<Self> {
         let mut case = self.case.clone();
         case.scene.time_step_s /= f64::from(refine);
