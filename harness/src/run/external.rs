@@ -19,10 +19,10 @@ use std::path::Path;
 use std::process::{Child, ExitStatus};
 use std::time::{Duration, Instant};
 
-/// What came out of a method.
+/// Outcome of a method, ours or another code's.
 pub(crate) struct Ended<M: Mechanics = Discs> {
     pub(crate) outcome: Outcome<M>,
-    /// What another code did at each tolerance; of ours none.
+    /// Runs of another code, one at each tolerance; of ours none.
     pub(crate) rungs: Vec<Rung>,
     /// The curve of another code: r = 0, then a sample for each tolerance.
     pub(crate) samples: Vec<Sample>,
@@ -33,7 +33,7 @@ pub(crate) struct Ended<M: Mechanics = Discs> {
 /// One run of another code.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Rung {
-    /// What it was asked for.
+    /// Tolerance that the code was asked for.
     tolerance: f64,
     /// Its own count.
     iterations: u64,
@@ -43,14 +43,14 @@ pub(crate) struct Rung {
     solve_s: f64,
     /// By ours: its whole process, with what starts it and what it reads and writes (s).
     process_s: f64,
-    /// How it says that it ended.
+    /// Status in the code's own words.
     ending: String,
     natural_map: f64,
     #[serde(with = "contact::number")]
     velocity_error: f64,
 }
 
-/// What a driver writes.
+/// Answer that a driver writes.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Answer {
@@ -62,7 +62,7 @@ struct Answer {
     ending: String,
 }
 
-/// What sees every iterate, and may end the run.
+/// Observer of every iterate, which may end the run.
 pub(crate) type Observe<'o> = dyn FnMut(&Progress) -> ControlFlow<()> + 'o;
 
 /// Runs `method` from the impulses `r0` (N·s) until `stop`, beside the solutions that are known. Of ours, the iterates that

@@ -29,7 +29,7 @@ pub(crate) struct OnW {
 }
 
 impl OnW {
-    /// Of a plan that compares its runs with a solution, or does not.
+    /// Makes a problem of a plan; `reference` tells whether its runs are compared with a solution.
     pub(crate) fn new(name: String, problem: LocalProblem, reference: bool) -> Self {
         let truth = if reference { OnceLock::new() } else { OnceLock::from(None) };
         Self { hash: hash_of_w(&problem), name, settings: Settings::new(), problem, truth }

@@ -20,7 +20,7 @@ fn spinner() -> ProgressBar {
     ProgressBar::new_spinner().with_style(style)
 }
 
-/// What a study shows of itself: a bar for all its runs, and a line for each that is under way.
+/// Display of a study under way: a bar for all its runs, and a line for each that is under way.
 pub(crate) struct Bars {
     all: MultiProgress,
     runs: ProgressBar,
@@ -54,7 +54,7 @@ impl Drop for Bars {
 pub(crate) struct Line {
     bar: ProgressBar,
     name: String,
-    /// Whether there is a terminal to show it on.
+    /// True where there is a terminal to show it on.
     seen: bool,
     shown: Instant,
     /// The measure of the stop rule of the iterate that was measured last.

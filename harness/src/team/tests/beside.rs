@@ -1,4 +1,4 @@
-//! What ranks read beside the files of a problem: impulses to begin from, and solutions.
+//! Files that ranks read beside those of a problem: impulses to begin from, and solutions.
 
 use super::{Solve, Split, checkout, reason};
 use crate::cli::split;
