@@ -46,7 +46,7 @@ const IN_THE_PLANE: Theory<RoughDiscs> = Theory {
     isolation: |problem, r| isolation_in_words(&isolation(problem, r)),
 };
 
-/// With friction: each solution of the pool, and how far apart they are.
+/// Certifies a problem with friction: each solution of the pool, and how far apart they are.
 fn rough<M: Studied + Rough>(
     root: &Root,
     args: &Args,

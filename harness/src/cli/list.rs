@@ -98,7 +98,7 @@ impl Visit for Size {
     }
 }
 
-/// With their numbers of runs if `counted`.
+/// Lists the plans, with their numbers of runs if `counted`.
 fn plans(root: &Root, counted: bool) -> Result<Vec<Vec<String>>> {
     let mut rows = Vec::new();
     for path in root.all(Kind::Plan)? {

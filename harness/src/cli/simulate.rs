@@ -56,7 +56,7 @@ const COLUMNS: &str = "time_step,time_s,contacts,status,iterations,kinetic_energ
                        energy_moved_j,energy_left_over_j,stress_xx_n_per_m,stress_xy_n_per_m,stress_yy_n_per_m,\
                        coordination,bulk_solid_fraction,bulk_coordination,bulk_rattlers";
 
-/// Above the rows on the terminal.
+/// Heading above the rows on the terminal.
 const HEADING: &str =
     " time step   time (s)  contacts  iterations  kinetic e. (J)    mean h. (m)  overlap (m)  floor (N·s)";
 

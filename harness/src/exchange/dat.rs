@@ -189,7 +189,7 @@ fn in_blocks(words: &mut Words, rows: usize, columns: usize) -> Result<Vec<Entry
     Ok(entries)
 }
 
-/// As CSparse prints a matrix, column by column or as triplets.
+/// Reads a matrix as CSparse prints it, column by column or as triplets.
 fn printed(words: &mut Words) -> Result<Vec<Entry>> {
     let _origin: u32 = words.next("how W is stored")?;
     // A title, then "m-by-n, nzmax: … nnz: …", and of columns ", 1-norm: …".

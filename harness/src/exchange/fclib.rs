@@ -228,7 +228,7 @@ fn put_matrix(group: &mut GroupBuilder, name: &str, matrix: &Triplets) -> Result
     Ok(())
 }
 
-/// As FCLIB keeps whole numbers.
+/// Converts a whole number to the type in which FCLIB keeps it.
 fn whole(number: usize) -> Result<i32> {
     i32::try_from(number).map_err(|_| anyhow!("{number} is more than an FCLIB file can count"))
 }

@@ -1,4 +1,4 @@
-//! Which files of other codes are read, and what becomes of them.
+//! Files of other codes: formats that are read, and their conversion.
 
 use super::fclib::{self, Held};
 use super::symmetry::check;

@@ -35,9 +35,9 @@ struct Description {
     command: Vec<String>,
     /// Command that installs it, as a user types it.
     install: String,
-    /// Asked of it one after the other, until what the study asks is met.
+    /// Tolerances asked of it one after the other, until what the study asks is met.
     tolerances: Vec<f64>,
-    /// After which a run at one tolerance is given up (s).
+    /// Time after which a run at one tolerance is given up (s).
     time_out_s: f64,
     #[serde(default)]
     settings: BTreeMap<String, Choice>,

@@ -44,11 +44,11 @@ pub(crate) struct Plan {
     /// large that this would take longer than the runs.
     #[serde(default = "yes")]
     pub(crate) reference: bool,
-    /// Until when.
+    /// Stop rule of the runs.
     pub(crate) stop: Stop,
     /// Makes of the study one through time: simulations of its cases, instead of problems.
     pub(crate) simulate: Option<Simulate>,
-    /// Which samples of a run are kept.
+    /// Samples of a run that are kept.
     #[serde(default)]
     pub(crate) curves: Curves,
     /// Names of the figures.
@@ -119,7 +119,7 @@ pub(crate) struct View {
     pub(crate) runs: Vec<String>,
 }
 
-/// Which samples of a run are kept.
+/// Samples of a run that are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Curves {

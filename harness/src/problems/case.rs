@@ -47,7 +47,7 @@ pub(crate) struct Marcher {
     /// Its settings; those left out have their defaults.
     #[serde(default)]
     set: Settings,
-    /// When the solve of a time step ends.
+    /// Stop rule of the solve of a time step.
     #[serde(default)]
     stop: Stop,
 }

@@ -332,7 +332,7 @@ pub(crate) trait Visit {
     /// Result of the visit.
     type Output;
 
-    /// Does it.
+    /// Visits it.
     fn visit<M: Studied>(self, frozen: Frozen<M>) -> Self::Output;
 }
 
@@ -361,7 +361,7 @@ pub(crate) trait Enter {
     /// Result of the visit.
     type Output;
 
-    /// Does it.
+    /// Visits it.
     fn enter<M: Studied>(self) -> Self::Output;
 }
 

@@ -42,7 +42,7 @@ pub(crate) struct Part {
     subdomain: u32,
     /// The whole problem's numbers of its grains, in the order of the second line.
     grains: Vec<u32>,
-    /// And of its contacts.
+    /// The whole problem's numbers of its contacts.
     pub(crate) contacts: Vec<u32>,
     /// Its copies of boundary grains, in their order: the grain, by its place in the second line, and all copies, each by its
     /// subdomain and its number there.

@@ -20,7 +20,7 @@ pub(crate) struct Known<M: Mechanics = Discs> {
     /// Certified impulses (N·s). Without friction one is enough: all have the same velocities.
     pub(super) impulses: Vec<Vec<f64>>,
     truths: Vec<Truth<M>>,
-    /// At the best impulses, where none could be certified.
+    /// Velocity at the best impulses, where none could be certified.
     nearest: Option<Truth<M>>,
     is_infeasible: bool,
 }
@@ -38,7 +38,7 @@ impl<M: Mechanics> Known<M> {
         Self { impulses, truths, ..Self::default() }
     }
 
-    /// That there is none, which is said of the problem of this name.
+    /// Builds the record of a problem without solution, and prints that the problem of this name has none.
     pub(super) fn none(name: &str) -> Self {
         eprintln!("{name}: the problem has no solution");
         Self { is_infeasible: true, ..Self::default() }
@@ -96,7 +96,7 @@ impl<M: Mechanics> Known<M> {
 /// Impulses that another code, or another run, gave.
 #[derive(Clone, Debug)]
 pub(crate) struct Given {
-    /// In the problem's contact order, a flat list (N·s).
+    /// Impulses in the problem's contact order, a flat list (N·s).
     pub(crate) impulse: Vec<f64>,
     /// Source of the impulses.
     pub(crate) from: String,

@@ -20,7 +20,7 @@ pub(crate) struct Scene {
     pub(crate) settings: Settings,
     /// The time to simulate (s).
     pub(crate) duration_s: f64,
-    /// Between two rows of its series (s).
+    /// Time between two rows of its series (s).
     every_s: f64,
     pub(crate) time_steps: u64,
     /// Time steps from a row of its series to the next.

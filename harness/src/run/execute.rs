@@ -20,7 +20,7 @@ pub(crate) struct Task<'s, W> {
     pub(crate) variant: &'s Variant,
     /// True where the selection has it.
     pub(crate) selected: bool,
-    /// On what the variant is run.
+    /// Problem that the variant is run on, or simulation.
     pub(crate) what: W,
 }
 
@@ -34,7 +34,7 @@ pub(crate) struct How<'a> {
     pub(crate) repeats: u32,
     /// Number of tasks at a time.
     pub(crate) jobs: NonZeroUsize,
-    /// Which iterates of each are measured.
+    /// Iterates of each that are measured.
     pub(crate) measured: Measured,
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct Conditions<'a> {
 }
 
 impl How<'_> {
-    /// Before a run.
+    /// Returns the timing of a run before it starts.
     pub(crate) fn timing(&self) -> Timing {
         let timed_alone = self.jobs.get() == 1;
         Timing { repeats: self.repeats, timed_alone, load_average: load_average(), ..Timing::default() }

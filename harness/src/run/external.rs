@@ -26,7 +26,7 @@ pub(crate) struct Ended<M: Mechanics = Discs> {
     pub(crate) rungs: Vec<Rung>,
     /// The curve of another code: r = 0, then a sample for each tolerance.
     pub(crate) samples: Vec<Sample>,
-    /// Why another code gave no answer at a tolerance, where it gave none; the outcome is the one before.
+    /// Reason why another code gave no answer at a tolerance, where it gave none; the outcome is the one before.
     pub(crate) failed: Option<String>,
 }
 
@@ -37,11 +37,11 @@ pub(crate) struct Rung {
     tolerance: f64,
     /// Its own count.
     iterations: u64,
-    /// By its own clock: from the numbers of the file to what its solver takes (s).
+    /// Time by the code's own clock, from the numbers of the file to what its solver takes (s).
     setup_s: f64,
-    /// By its own clock: in its solver (s).
+    /// Time by the code's own clock, in its solver (s).
     solve_s: f64,
-    /// By ours: its whole process, with what starts it and what it reads and writes (s).
+    /// Time by our clock, of its whole process, with what starts it and what it reads and writes (s).
     process_s: f64,
     /// Status in the code's own words.
     ending: String,
@@ -54,7 +54,7 @@ pub(crate) struct Rung {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Answer {
-    /// In the problem's contact order, a flat list (N·s).
+    /// Impulses in the problem's contact order, a flat list (N·s).
     impulse: Vec<Option<f64>>,
     iterations: u64,
     setup_s: f64,
@@ -170,7 +170,7 @@ impl<M: Studied> Ladder<'_, M> {
         Ok(ended)
     }
 
-    /// Nothing run yet, at the impulses `r`.
+    /// Returns the state before any run, at the impulses `r`.
     fn begun(&self, r: Vec<f64>) -> Ended<M> {
         let (measures, velocity) = self.measured(&r);
         let outcome = Outcome {
@@ -308,7 +308,7 @@ impl Answer {
 
 /// Waits for a program until it is to be given up; `None` if the user stopped it.
 fn wait(mut child: Child, time_out: Duration) -> Result<Option<ExitStatus>> {
-    /// Between two looks, which is how exact the time of a process is.
+    /// Interval between two checks, and so the resolution of the time of a process.
     const LOOK: Duration = Duration::from_millis(1);
     let clock = Instant::now();
     loop {

@@ -21,7 +21,7 @@ use std::sync::OnceLock;
 pub(crate) struct OnW {
     pub(crate) name: String,
     hash: String,
-    /// Nothing can be set.
+    /// Values set in a case: always none.
     settings: Settings,
     pub(crate) problem: LocalProblem,
     /// A solution, once it was looked for; nobody asks for one where it is set from the start.

@@ -16,7 +16,7 @@ use runner::{Outcome, Progress};
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 
-/// Why a run with a warm start is skipped.
+/// Reason why a run with a warm start is skipped.
 pub(super) const NO_START: &str = "the problem has no impulses of a time step before to begin from";
 
 /// A problem of a study, whatever its mechanics.
@@ -171,8 +171,8 @@ fn name<M: Studied>(task: &Task<&Problem<M>>) -> String {
 
 /// Returns the quantities that explain how the run ends, where the plan asks for them: the spectrum of the problem, its
 /// dimension and the unknowns per contact; of a partition the most copies of a grain and the share of copies at boundaries,
-/// the most neighbours of a subdomain and the most bytes that one sends in an exchange, and, with unsplit masses, the
-/// strength of the coupling between subdomains.
+/// the most neighbours of a subdomain and the most bytes that one sends in an exchange, and, without mass
+/// splitting, the strength of the coupling between subdomains.
 fn spectrum<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, known: &Known<M>) -> Map<String, Value> {
     if !plan.spectra {
         return Map::new();
@@ -284,7 +284,7 @@ impl<'p, M: Studied> Snapshots<'p, M> {
     }
 }
 
-/// To three significant digits: it is for the eye.
+/// Rounds to three significant digits, for display.
 fn rounded(r: f64) -> f64 {
     format!("{r:.2e}").parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(f64::NAN)
 }

@@ -66,7 +66,7 @@ pub(crate) trait OnShare {
     /// Result of the visit.
     type Output;
 
-    /// Does it.
+    /// Visits it.
     fn on<M: Studied>(self, shared: Shared<M>) -> Self::Output;
 }
 

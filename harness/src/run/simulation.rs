@@ -235,7 +235,7 @@ pub(crate) struct Seen<'a, M: Mechanics = Discs> {
 /// End of a simulation.
 pub(crate) enum End<M: Mechanics = Discs> {
     Completed,
-    /// With the problem of the last good state.
+    /// A simulation that exploded, with the problem of its last good state.
     Exploded {
         /// `exploded`; or why it exploded, `solver-diverged` or `no-solution`.
         status: &'static str,

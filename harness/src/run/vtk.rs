@@ -31,7 +31,7 @@ const HEAD: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" versio
 const TAIL: &str = "  </Collection>\n</VTKFile>\n";
 
 impl Frames {
-    /// In a folder that is not there, or empty.
+    /// Begins a collection in a folder that is not there, or empty.
     pub(crate) fn new(folder: &Path, name: &str, partition: Option<(Grid, Scheme)>) -> Result<Self> {
         if folder.is_file() || folder.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
             bail!("--vtk {}: it exists, and is no empty folder: give another one", folder.display());

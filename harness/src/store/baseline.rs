@@ -116,7 +116,7 @@ pub(crate) struct ExpectedFailure {
     pub(crate) run: String,
     /// Status of the failed run.
     pub(crate) status: String,
-    /// Why that is right.
+    /// Reason why that is right.
     pub(crate) why: String,
 }
 

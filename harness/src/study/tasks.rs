@@ -15,7 +15,7 @@ use std::sync::{Mutex, PoisonError};
 pub(crate) trait Kind: Sized + Sync {
     /// Stored record of a task that has ended.
     type Record: Entry + Clone + Send + Sync;
-    /// On what a variant is run.
+    /// Problem that a variant is run on, or simulation.
     type What<'s>: Clone + Sync
     where
         Self: 's;

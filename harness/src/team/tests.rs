@@ -67,7 +67,7 @@ fn solve(size: usize, arguments: &[&str]) -> Vec<Result<ExitCode>> {
     simulated(size, |post| solve::run(&Posted(post), &Root::find(Some(checkout())).unwrap(), &args))
 }
 
-/// Why it ends with an error, the same at all ranks.
+/// Returns the error it ends with, the same at all ranks.
 fn reason(size: usize, arguments: &[&str]) -> String {
     let reasons: Vec<String> =
         solve(size, arguments).into_iter().map(|end| format!("{:#}", end.unwrap_err())).collect();

@@ -20,7 +20,7 @@ const NO_SOLUTION: u8 = 4;
 /// Exit code that shells give to a program ended by Ctrl-C.
 const INTERRUPTED: u8 = 130;
 
-/// Below the help of every command whose answer is one of them.
+/// Text below the help of every command whose answer is one of them.
 pub(crate) const HELP: &str = "\
 Exit codes:
     0  solve: converged; certify: certified; simulate: every time step converged; else: done
@@ -48,11 +48,11 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 /// Number of live [`Whole`] guards: writes that must not be cut short.
 static WRITING: Mutex<u32> = Mutex::new(0);
 
-/// The time that an iteration has to end after a signal, and that between two looks at whether files are whole.
+/// The time that an iteration has to end after a signal, and that between two checks whether files are whole.
 const GRACE: Duration = Duration::from_secs(1);
 const LOOK: Duration = Duration::from_millis(20);
 
-/// From now on the first Ctrl-C requests an end; where none comes in time, the program says what is `kept`.
+/// Makes the first Ctrl-C request an end; where none comes in time, the program says what is `kept`.
 pub(crate) fn listen_for_interrupts(kept: &'static str) -> Result<()> {
     let handler = move || {
         if REQUESTED.swap(true, Ordering::Relaxed) {

@@ -13,7 +13,7 @@ pub(crate) fn bar(total: u64, units: &str) -> ProgressBar {
     ProgressBar::new(total).with_style(style)
 }
 
-/// Without an end in sight.
+/// Makes a bar without an end in sight.
 fn spinner() -> ProgressBar {
     let style =
         ProgressStyle::with_template("{spinner} {msg}").unwrap_or_else(|_| ProgressStyle::default_spinner());
@@ -86,7 +86,7 @@ impl Line {
         self.message(|| format!("time step {time_step} of {of}"));
     }
 
-    /// If someone looks, and what they see is older than a fifth of a second.
+    /// Shows a text, if there is a terminal and the text on it is older than a fifth of a second.
     fn message(&mut self, text: impl FnOnce() -> String) {
         if self.seen && self.shown.elapsed() >= Duration::from_millis(200) {
             self.shown = Instant::now();

@@ -35,7 +35,7 @@ struct View<M: Studied> {
     frozen: Frozen<M>,
     /// The whole problem's number of each grain, rising.
     grains: Vec<u32>,
-    /// And of each contact, where all of its candidate's are in view.
+    /// The whole problem's number of each contact, where all contacts of its candidate are in view.
     contacts: Vec<u32>,
     /// The own ones.
     own: Range<usize>,
