@@ -1,4 +1,4 @@
-//! What ids depend on: versions of code, hashes of problems; and where rows come from.
+//! Inputs of ids: versions of code and hashes of problems; and the provenance of rows.
 
 use crate::problems::Studied;
 use anyhow::Result;

@@ -1,6 +1,6 @@
 //! The programs `gravel` and `gravel-mpi`: what solves contact problems, sweeps methods over plans, freezes problems and simulates scenes.
 
-/// What a user types and gets: a file for each command.
+/// The command line: one file for each command.
 mod cli {
     pub(crate) mod args;
     pub(crate) mod bench;
@@ -156,7 +156,7 @@ mod plan {
     pub(crate) use variants::{PlannedMethod, Variant, WarmStart, as_typed, last_parts, pairs};
 }
 
-/// What a person at a terminal sees, presses and gets.
+/// The terminal: progress and output, Ctrl-C and exit codes, suggestions.
 mod terminal {
     pub(crate) mod exit;
     mod output;
@@ -280,7 +280,7 @@ pub fn gravel_mpi(commit: &'static str) -> ExitCode {
     team::main()
 }
 
-/// What factors may take of the memory that is free (–); the rest is for problems, impulses and curves.
+/// Share of the free memory that factorisations may take (–); the rest is for problems, impulses and curves.
 const FOR_FACTORS: f64 = 0.8;
 
 fn run(cli: Cli) -> Result<ExitCode> {

@@ -14,12 +14,12 @@ use serde_json::{Map, Value};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// What is asked of a method.
+/// Request to solve a problem: method, settings, stop rule.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Request {
     method: String,
-    /// Of the method; what they leave out has its default.
+    /// Settings of the method; those left out have their defaults.
     settings: Map<String, Value>,
     stop: Stop,
     /// Begin from the impulses of the time step before, if the problem holds them.
@@ -28,9 +28,10 @@ pub struct Request {
     truth: bool,
 }
 
-/// What a method found.
+/// Result of a solve.
 pub struct Solved {
-    /// What `gravel solve --json` prints; `residuals`, the measures among it; and `curve`, the samples that a study keeps.
+    /// The object that `gravel solve --json` prints, with two more keys: `residuals`, the measures by themselves, and `curve`, the
+    /// samples that a study keeps.
     pub told: Value,
     /// Numbers of a grain among velocities.
     pub of_grain: usize,

@@ -12,7 +12,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-/// How long a user waits for Ctrl-C to be heard.
+/// Interval between two checks for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// The text of a problem: of a file, or of a case at a time step.
@@ -28,7 +28,8 @@ fn problem(
     })
 }
 
-/// What `gravel solve --json` prints, with the curve; impulses, velocities and relative velocities; numbers of a contact or a grain in each.
+/// Answer to Python: the text that `gravel solve --json` prints, with the curve; impulses, velocities and relative
+/// velocities; the numbers per contact or grain in each.
 type Told<'py> = (String, [Bound<'py, PyByteArray>; 3], [usize; 3]);
 
 /// Solves a problem.

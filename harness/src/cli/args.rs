@@ -36,7 +36,7 @@ pub(crate) struct StudyArgs {
     stop: StopArgs,
 }
 
-/// What a case on the command line changes.
+/// Changes to a case on the command line, and its time step.
 #[derive(clap::Args)]
 pub(crate) struct SceneArgs {
     #[command(flatten)]

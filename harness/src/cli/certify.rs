@@ -35,7 +35,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     }
 }
 
-/// What else is said of a problem with friction: whether it has a solution, and whether one stands alone.
+/// Further analyses of a problem with friction: existence of a solution, and isolation of one.
 struct Theory<M: Rough> {
     existence: fn(&Packing<M>) -> &'static str,
     isolation: fn(&Packing<M>, &[f64]) -> String,
@@ -46,7 +46,7 @@ const IN_THE_PLANE: Theory<RoughDiscs> = Theory {
     isolation: |problem, r| isolation_in_words(&isolation(problem, r)),
 };
 
-/// With friction: each solution of the pool, and how far apart they are.
+/// Certifies a problem with friction: each solution of the pool, and how far apart they are.
 fn rough<M: Studied + Rough>(
     root: &Root,
     args: &Args,
@@ -106,7 +106,7 @@ where
     Ok(exit::code(certificate.map_or("not certified", word)))
 }
 
-/// Whether there is a solution at all.
+/// Returns, in words, whether a solution exists.
 fn existence_in_words(problem: &Packing<RoughDiscs>) -> &'static str {
     match existence(problem) {
         Some(Existence::AtRest) => {
@@ -121,7 +121,7 @@ fn existence_in_words(problem: &Packing<RoughDiscs>) -> &'static str {
     }
 }
 
-/// Whether other solutions are near one.
+/// Returns, in words, whether a solution is isolated.
 fn isolation_in_words(isolation: &Isolation) -> String {
     let Isolation { margin, least_singular_value, unknowns, .. } = isolation;
     let word = if isolation.is_isolated() { "isolated" } else { "not known to be isolated" };

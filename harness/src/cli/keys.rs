@@ -59,7 +59,7 @@ fn add_kind(rows: &mut Vec<Vec<String>>, schema: &Value, path: &str) {
     add(rows, &schema, path);
 }
 
-/// What a value must be, in words.
+/// Returns, in words, the values that a schema allows.
 fn value(schema: &Value) -> String {
     let kinds = schema["oneOf"].as_array().into_iter().flatten();
     let [tables, names]: [usize; 2] =

@@ -14,7 +14,7 @@ use reports::Chart;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// What to list
+    /// Kind of item to list
     what: What,
     /// Print a Markdown table, as the READMEs have it; plans with their numbers of runs
     #[arg(long)]
@@ -98,7 +98,7 @@ impl Visit for Size {
     }
 }
 
-/// With their numbers of runs if `counted`.
+/// Lists the plans, with their numbers of runs if `counted`.
 fn plans(root: &Root, counted: bool) -> Result<Vec<Vec<String>>> {
     let mut rows = Vec::new();
     for path in root.all(Kind::Plan)? {
@@ -129,7 +129,7 @@ fn say_methods() -> Result<()> {
     Ok(())
 }
 
-/// Whether another code is there, and if not how it comes.
+/// Prints whether another code is installed, and if not, the command that installs it.
 fn say_installed(external: &External) -> Result<()> {
     match external.version() {
         Ok(version) => say(format_args!("      another code, installed: {version}")),

@@ -63,7 +63,7 @@ fn joined<R: Entry>(root: &Root, plan: &str, from: &[PathBuf]) -> Result<Store<R
     Ok(store)
 }
 
-/// How many differing runs an error names.
+/// Greatest number of differing runs that an error names.
 const NAMED: usize = 5;
 
 /// Refuses runs of one id that counted different work: the machines that ran them disagree, and a table must not mix them.

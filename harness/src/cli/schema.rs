@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// What the schema describes
+    /// Kind of file that the schema describes
     what: What,
     /// The keys as a table of Markdown: what each takes, whether it may be left out, and what it means
     #[arg(long)]
@@ -27,11 +27,11 @@ enum What {
     Case,
     /// cases/frozen/*.json: the file of a contact problem
     Problem,
-    /// The same with friction
+    /// The file of a contact problem with friction
     RoughProblem,
-    /// The same of spheres
+    /// The file of a contact problem of spheres
     SphereProblem,
-    /// The same of spheres with friction
+    /// The file of a contact problem of spheres with friction
     RoughSphereProblem,
 }
 
@@ -90,7 +90,7 @@ fn axis(value: &Value) -> Value {
     ] })
 }
 
-/// What kind of value the schema of a setting allows.
+/// Returns, in words, the kind of value that the schema of a setting allows.
 pub(crate) fn takes(setting: &Value) -> String {
     if let Some(words) = setting["title"].as_str() {
         return words.to_owned();

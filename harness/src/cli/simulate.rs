@@ -21,7 +21,7 @@ use std::process::ExitCode;
 pub(crate) struct Args {
     /// A case: its name, or the path of its file
     case: String,
-    /// How many time steps to march
+    /// Number of time steps to march
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     time_steps: u64,
     /// Write the observables of every time step to FILE, as CSV, each row as soon as its time step has ended
@@ -49,14 +49,14 @@ pub(crate) struct Args {
     solver: SolverArgs,
 }
 
-/// Of the rows in a file.
+/// Columns of the output file.
 const COLUMNS: &str = "time_step,time_s,contacts,status,iterations,kinetic_energy_j,mean_height_m,greatest_overlap_m,\
                        greatest_overlap_mean_diameters,mean_overlap_m,greatest_speed_m_per_s,floor_impulse_n_s,\
                        left_impulse_n_s,right_impulse_n_s,walls_work_j,gap_work_j,shock_work_j,sliding_work_j,\
                        energy_moved_j,energy_left_over_j,stress_xx_n_per_m,stress_xy_n_per_m,stress_yy_n_per_m,\
                        coordination,bulk_solid_fraction,bulk_coordination,bulk_rattlers";
 
-/// Above the rows on the terminal.
+/// Heading above the rows on the terminal.
 const HEADING: &str =
     " time step   time (s)  contacts  iterations  kinetic e. (J)    mean h. (m)  overlap (m)  floor (N·s)";
 
@@ -148,12 +148,12 @@ fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) ->
     Ok(exit::code(end.worst(&totals)))
 }
 
-/// What is kept of a simulation while it goes on: a program that is killed leaves the time steps that had ended.
+/// Output of a simulation under way: a program that is killed leaves the time steps that had ended.
 struct Kept {
     rows: Option<File>,
     frames: Option<Frames>,
     bar: ProgressBar,
-    /// What the last time step showed.
+    /// Observables of the last time step.
     reached: Option<Observed>,
 }
 
@@ -212,7 +212,7 @@ fn last_state<M: Studied>(last: &Frozen<M>, args: &Args) -> Result<PathBuf> {
     Ok(file)
 }
 
-/// What may help where time steps did not converge.
+/// Returns advice on a method or a setting for time steps that did not converge; empty if there is none.
 fn advice(case: &Case, method: &Method) -> &'static str {
     match method.name {
         _ if !case.scene.is_rough() => "",

@@ -183,7 +183,7 @@ fn at_rest<M: Mechanics>(outcome: &Outcome<M>, stop: &Stop) -> Option<String> {
     })
 }
 
-/// What comes out of a method from the impulses `r0` (N·s).
+/// Runs a method from the impulses `r0` (N·s) and returns its outcome.
 pub(crate) fn outcome<M: Studied>(
     known: &Known<M>,
     frozen: &Frozen<M>,
@@ -230,7 +230,7 @@ pub(crate) fn to_json<M: Mechanics>(asked: Value, outcome: &Outcome<M>) -> Resul
     Ok(merged(object, serde_json::to_value(outcome.work)?))
 }
 
-/// How a run ended, in a line.
+/// Prints one line on how a run ended.
 fn say_ending(status: &str, iterations: u64, stop: &Stop) -> Result<()> {
     let (on, tolerance, plural) = (stop.on, stop.tolerance, if iterations == 1 { "" } else { "s" });
     say(format_args!("{status} after {iterations} iteration{plural} ({on} ≤ {tolerance:e} asked)"))

@@ -21,7 +21,7 @@ pub(crate) struct Args {
     /// Subdomains: a number, or columns x rows such as 8x8
     #[arg(long, value_name = "GRID", value_parser = read::<Grid>)]
     pub(crate) subdomains: Grid,
-    /// How the contacts are distributed: boxes or balanced
+    /// Rule that distributes the contacts: boxes or balanced
     #[arg(long, value_name = "RULE", default_value = "boxes", value_parser = read::<Scheme>)]
     pub(crate) partition: Scheme,
     /// The folder for the files, one per subdomain, which is made or empty

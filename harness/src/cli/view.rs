@@ -37,8 +37,8 @@ pub(crate) struct Args {
     output: Option<PathBuf>,
 }
 
-/// What is shown of a problem that nobody asks for more of: what the page of the plan `paper` shows, directions that stay
-/// included; on fewer subdomains where there are not as many contacts.
+/// Returns the runs that are shown by default: those on the page of the plan `paper`, with search directions that stay fixed;
+/// on fewer subdomains where there are not as many contacts.
 pub(super) fn runs_of(contacts: usize) -> [String; 3] {
     const GRIDS: [Grid; 3] = [Grid::of(4, 2), Grid::of(2, 2), Grid::of(2, 1)];
     let grid = GRIDS.into_iter().find(|grid| grid.count() <= contacts as u64).unwrap_or(Grid::ONE);
@@ -46,7 +46,7 @@ pub(super) fn runs_of(contacts: usize) -> [String; 3] {
     ["nsgs".to_owned(), latin, "cg preconditioner=diagonal".to_owned()]
 }
 
-/// What a page shows.
+/// Content of a page.
 struct Shown {
     frozen: AnyFrozen,
     stop: Stop,

@@ -115,7 +115,7 @@ fn matrix(words: &mut Words, name: &str) -> Result<Triplets> {
 /// Row, column, value.
 type Entry = (usize, usize, f64);
 
-/// What is left of a file.
+/// Words of a file that are still to be read.
 struct Words<'t>(SplitAsciiWhitespace<'t>);
 
 impl<'t> Words<'t> {
@@ -189,7 +189,7 @@ fn in_blocks(words: &mut Words, rows: usize, columns: usize) -> Result<Vec<Entry
     Ok(entries)
 }
 
-/// As CSparse prints a matrix, column by column or as triplets.
+/// Reads a matrix as CSparse prints it, column by column or as triplets.
 fn printed(words: &mut Words) -> Result<Vec<Entry>> {
     let _origin: u32 = words.next("how W is stored")?;
     // A title, then "m-by-n, nzmax: … nnz: …", and of columns ", 1-norm: …".

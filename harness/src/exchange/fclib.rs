@@ -12,10 +12,10 @@ use hdf5_pure::{Error, File, FileBuilder, FormatError, GroupBuilder};
 use local::LocalProblem;
 use std::path::Path;
 
-/// Where a file keeps the text of a problem file of ours.
+/// Dataset of a file that holds the text of a problem file of ours.
 pub(super) const OURS: &str = "gravel/problem";
 
-/// What a file holds.
+/// Content of a file.
 pub(crate) enum Held {
     /// The text of a problem file of ours.
     Ours(String),
@@ -228,7 +228,7 @@ fn put_matrix(group: &mut GroupBuilder, name: &str, matrix: &Triplets) -> Result
     Ok(())
 }
 
-/// As FCLIB keeps whole numbers.
+/// Converts a whole number to the type in which FCLIB keeps it.
 fn whole(number: usize) -> Result<i32> {
     i32::try_from(number).map_err(|_| anyhow!("{number} is more than an FCLIB file can count"))
 }

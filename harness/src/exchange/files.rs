@@ -1,4 +1,4 @@
-//! Which files of other codes are read, and what becomes of them.
+//! Files of other codes: formats that are read, and their conversion.
 
 use super::fclib::{self, Held};
 use super::symmetry::check;
@@ -10,12 +10,12 @@ use cases::{AnyFrozen, Frozen};
 use contact::Vector;
 use std::path::Path;
 
-/// How its name ends, in small letters.
+/// Returns the extension of a file, in lower case.
 fn ending(path: &Path) -> String {
     path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-/// Whether a file is named like one of another code.
+/// Reports whether a file has the extension of a format of another code.
 pub(crate) fn is_foreign(path: &Path) -> bool {
     matches!(&*ending(path), "hdf5" | "h5" | "dat" | "npz")
 }

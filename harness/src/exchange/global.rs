@@ -23,7 +23,7 @@ pub(crate) struct Global {
     pub(crate) h: Triplets,
     /// M `V_free` (N·s).
     pub(crate) f: Vec<f64>,
-    /// What the relative velocity is without V (m/s).
+    /// Relative velocity at V = 0 (m/s).
     pub(crate) w: Vec<f64>,
     /// μ of each contact (–).
     pub(crate) friction: Vec<f64>,

@@ -35,7 +35,8 @@ fn problem_of_every_mechanics_comes_back_byte_by_byte() {
     }
 }
 
-/// What a method gives after some iterations on W alone, and what it gives on the problem with its grains: impulses and natural map.
+/// Returns the iterates of a method after some iterations, on W alone and on the problem with its grains: impulses and
+/// natural map of each.
 fn iterated<M: Studied>(problem: &Frozen<M>, method: &Method, iterations: u64) -> [(Vec<f64>, f64); 2] {
     let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-300, max_iterations: iterations };
     let (r0, needed) = (vec![0.0; problem.problem.impulse_count()], Measured::Needed);

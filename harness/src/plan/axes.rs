@@ -35,7 +35,7 @@ pub(crate) fn combinations(set: &Settings, zip: &Settings, axes: &Settings) -> R
     Ok(combinations)
 }
 
-/// How many combinations there are.
+/// Returns the number of combinations.
 pub(crate) fn count(zip: &Settings, axes: &Settings) -> Result<f64> {
     let of = |(key, axis): (&String, &Value)| Ok(values(key, axis)?.len() as f64);
     let zipped = zip.iter().next().map_or(Ok(1.0), of)?;

@@ -1,4 +1,4 @@
-//! What a plan refuses before any of its problems is computed.
+//! Checks that refuse a plan before any of its problems is computed.
 
 use crate::plan::{Curves, MOST, Plan, PlannedCase, PlannedMethod, Simulate, Variant, WarmStart, count};
 use crate::terminal::suggest;

@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 use std::time::Duration;
 
-/// Where the Python environment of the drivers is, if not in `harness/external/.venv`.
+/// Variable with the folder of the drivers' Python environment, if that is not `harness/external/.venv`.
 const ENVIRONMENT: &str = "GRAVEL_EXTERNAL_ENVIRONMENT";
 
 /// The settings that every other code has.
@@ -23,7 +23,7 @@ const TIME_OUT: &str = "time_out_s";
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Description {
-    /// What it is, in a line.
+    /// Description of the code, in a line.
     what: String,
     /// The mechanics that it can solve, by their names in files.
     mechanics: Vec<String>,
@@ -33,11 +33,11 @@ struct Description {
     version: Vec<String>,
     /// Solves a problem, once at one tolerance.
     command: Vec<String>,
-    /// What a user types to install it.
+    /// Command that installs it, as a user types it.
     install: String,
-    /// Asked of it one after the other, until what the study asks is met.
+    /// Tolerances asked of it one after the other, until what the study asks is met.
     tolerances: Vec<f64>,
-    /// After which a run at one tolerance is given up (s).
+    /// Time after which a run at one tolerance is given up (s).
     time_out_s: f64,
     #[serde(default)]
     settings: BTreeMap<String, Choice>,
@@ -59,7 +59,7 @@ pub(crate) struct External {
     description: Description,
     /// Hash of its description and its driver.
     files: String,
-    /// What it says of itself, or why it says nothing.
+    /// Version that it prints, or the reason why it prints none.
     version: OnceLock<Result<String, String>>,
     code: OnceLock<String>,
 }
@@ -93,17 +93,17 @@ impl External {
         &self.description.what
     }
 
-    /// What a user types to install it.
+    /// Returns the command that installs it, as a user types it.
     pub(crate) fn install(&self) -> &str {
         &self.description.install
     }
 
-    /// Whether it solves the problems that there are.
+    /// Reports whether it solves problems of this mechanics.
     pub(crate) fn can(&self, mechanics: &str) -> bool {
         self.description.mechanics.iter().any(|can| can == mechanics)
     }
 
-    /// What it says of itself; asked once. Or why it does not run here.
+    /// Returns the version that it prints, which is asked once; or the reason why it does not run here.
     pub(crate) fn version(&self) -> Result<&str, &str> {
         let ask = || {
             let command = self.command(&self.description.version, &BTreeMap::new()).output();
@@ -117,7 +117,7 @@ impl External {
         self.version.get_or_init(ask).as_deref().map_err(String::as_str)
     }
 
-    /// What decides its answers: description, driver, version.
+    /// Returns the hash of all that decides its answers: description, driver, version.
     pub(crate) fn code_version(&self) -> &str {
         self.code.get_or_init(|| hash_of(&json!([self.files, self.version().ok()])))
     }
@@ -222,7 +222,8 @@ impl Description {
 }
 
 impl Programme {
-    /// What solves the problem of a file at a tolerance in at most so many iterations, and leaves its answer in another.
+    /// Returns the command that solves the problem in one file, at a tolerance and in at most so many iterations, and leaves
+    /// its answer in another.
     pub(crate) fn command(&self, problem: &Path, answer: &Path, tolerance: f64, iterations: u64) -> Command {
         let mut words = self.words.clone();
         let mut word = |key: &str, value: String| drop(words.insert(key.to_owned(), value));

@@ -20,7 +20,7 @@ use std::path::Path;
 pub(crate) struct Plan {
     /// Name, in results and of their folders.
     pub(crate) name: String,
-    /// What the study asks, in a sentence.
+    /// Question of the study, in a sentence.
     pub(crate) why: String,
     /// Names of frozen problems.
     #[serde(default)]
@@ -28,38 +28,38 @@ pub(crate) struct Plan {
     /// Cases whose problems are computed for the study.
     #[serde(default)]
     pub(crate) cases: Vec<PlannedCase>,
-    /// Whether runs begin from the impulses of the time step before, where a method does not say it of itself; through time also
-    /// by a name, such as `"extrapolated"`.
+    /// True where runs begin from the impulses of the time step before, unless a method says otherwise; through time also a
+    /// name, such as `"extrapolated"`.
     #[serde(default)]
     pub(crate) warm_start: Start,
-    /// Whether rows hold the eigenvalues of their problems, which explain failures.
+    /// True where rows hold the eigenvalues of their problems, which explain failures.
     #[serde(default)]
     pub(crate) spectra: bool,
-    /// How often each run is repeated for its seconds, which are then medians.
+    /// Number of repeats of each run for its seconds, which are then medians.
     #[serde(default = "once")]
     pub(crate) repeats: NonZeroU32,
     /// Threads that methods may use, where `--threads` does not say it.
     pub(crate) threads: Option<NonZeroU32>,
-    /// Whether errors are measured beside reference solutions, and scenes kept to be drawn; not where problems are so
+    /// True where errors against reference solutions are measured, and scenes are kept to be drawn; false is for problems so
     /// large that this would take longer than the runs.
     #[serde(default = "yes")]
     pub(crate) reference: bool,
-    /// Until when.
+    /// Stop rule of the runs.
     pub(crate) stop: Stop,
     /// Makes of the study one through time: simulations of its cases, instead of problems.
     pub(crate) simulate: Option<Simulate>,
-    /// Which samples of a run are kept.
+    /// Samples of a run that are kept.
     #[serde(default)]
     pub(crate) curves: Curves,
     /// Names of the figures.
     #[serde(default, deserialize_with = "charts")]
     #[schemars(schema_with = "charts_schema")]
     charts: Option<Vec<Chart>>,
-    /// What the page of the study shows through the iterations.
+    /// Runs whose iterations the page of the study shows.
     pub(crate) view: Option<View>,
     /// The methods.
     pub(crate) methods: Vec<PlannedMethod>,
-    /// The same study in under a minute: these keys replace those of the plan.
+    /// Short version of the study, which takes less than a minute: these keys replace those of the plan.
     #[serde(default)]
     #[schemars(with = "Settings")]
     quick: Option<toml::Table>,
@@ -119,7 +119,7 @@ pub(crate) struct View {
     pub(crate) runs: Vec<String>,
 }
 
-/// Which samples of a run are kept.
+/// Samples of a run that are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Curves {
@@ -172,7 +172,7 @@ impl Plan {
         Ok(Some(plan))
     }
 
-    /// Whether the study is of simulations, not of problems.
+    /// Reports whether the study is of simulations, not of problems.
     pub(crate) fn through_time(&self) -> bool {
         self.simulate.is_some()
     }
@@ -189,7 +189,7 @@ impl Plan {
 }
 
 impl View {
-    /// Whether the iterates of a run are kept.
+    /// Reports whether the iterates of a run are kept.
     pub(crate) fn shows(&self, problem: &str, variant: &Variant) -> bool {
         problem == self.problem && self.runs.contains(&variant.label())
     }

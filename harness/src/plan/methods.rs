@@ -25,7 +25,7 @@ pub(crate) struct Method {
     pub(crate) code: &'static str,
 }
 
-/// What runs it.
+/// Code that runs a method.
 pub(crate) enum Runs {
     /// The loop of `solvers/runner`.
     Here(Ours),
@@ -48,7 +48,7 @@ pub(crate) struct Entry {
     source: Source,
 }
 
-/// Where a method comes from.
+/// Origin of a method.
 enum Source {
     /// A crate in `solvers/`.
     Crate { code: fn() -> Option<&'static str>, schema: fn() -> Value, build: Build },
@@ -241,7 +241,7 @@ impl Method {
         Self::new(self.name, settings)
     }
 
-    /// What cuts the problem into subdomains, where the method does that.
+    /// Returns the grid and the rule that cut the problem into subdomains, if the method has them.
     pub(crate) fn partition(&self) -> Option<(Grid, Scheme)> {
         self.setting("subdomains").zip(self.setting("partition"))
     }
@@ -266,7 +266,7 @@ pub(crate) fn refuse_repeated(settings: &[(String, String)]) -> Result<()> {
     }
 }
 
-/// What is read from settings, and written with defaults spelled out.
+/// Types read from settings, and written with their defaults spelled out.
 pub(crate) trait Configured: JsonSchema + Serialize + DeserializeOwned + Clone + 'static {}
 
 impl<S: JsonSchema + Serialize + DeserializeOwned + Clone + 'static> Configured for S {}
@@ -274,7 +274,7 @@ impl<S: JsonSchema + Serialize + DeserializeOwned + Clone + 'static> Configured 
 /// A method's settings, defaults spelled out, and the method.
 type Built = (Map<String, Value>, Ours);
 
-/// How it is made from settings.
+/// Function that makes a method from its settings.
 type Build = fn(Map<String, Value>) -> Result<Built>;
 
 fn build<S: Configured>(settings: Map<String, Value>, ours: fn(&S) -> Ours) -> Result<Built> {

@@ -11,14 +11,14 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::num::NonZeroU32;
 
-/// How simulations are run: every combination of the values of `set`, `zip` and `axes` is a rule; each scene meets each
-/// method under each rule.
+/// Simulations of a study: every combination of the values of `set`, `zip` and `axes` is a rule; each scene meets each method
+/// under each rule.
 #[derive(Debug, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Simulate {
     /// The time to simulate, where a case has no `duration_s` of its own (s).
     pub(crate) duration_s: Option<f64>,
-    /// Between two rows of a series (s): a whole number of every time step.
+    /// Time between two rows of a series (s): a whole multiple of every time step.
     pub(crate) sample_every_s: f64,
     /// Keys of a rule that are the same for all.
     #[serde(default)]
@@ -29,7 +29,7 @@ pub(crate) struct Simulate {
     /// Keys whose values are combined.
     #[serde(default)]
     axes: Settings,
-    /// What the simulations of a scene are compared with.
+    /// Simulation with which the others of a scene are compared.
     pub(crate) reference: Reference,
 }
 
@@ -50,7 +50,7 @@ fn quarter() -> NonZeroU32 {
     NonZeroU32::MIN.saturating_add(3)
 }
 
-/// Until when each time step is solved, and from what.
+/// Stop rule of each time step, and the start of its solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rule {
     pub(crate) stop: Stop,

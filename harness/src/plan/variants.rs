@@ -19,7 +19,7 @@ pub(crate) struct PlannedMethod {
     pub(crate) zip: Settings,
     #[serde(default)]
     pub(crate) axes: Settings,
-    /// Whether its runs begin from the impulses of the time step before; `[false, true]` for both.
+    /// True where its runs begin from the impulses of the time step before; `[false, true]` for both.
     #[serde(default)]
     pub(crate) warm_start: Option<WarmStart>,
 }
@@ -97,9 +97,9 @@ impl PlannedMethod {
     }
 }
 
-/// For each method, the settings in which it differs from the others of the same name: the value where there is one such
-/// setting, as `4x2`; with several of them, `key=value` of each that is not left open. Then whether it begins warm, if some
-/// other begins cold.
+/// Returns, for each method, the settings in which it differs from the others of the same name: the value where there is one
+/// such setting, as `4x2`; with several of them, `key=value` of each that is not left open. Then whether it begins warm, if
+/// some other begins cold.
 pub(crate) fn of_variants(methods: &[(Method, bool)]) -> Vec<String> {
     let mut first: BTreeMap<&str, &Settings> = BTreeMap::new();
     let mut differing: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
@@ -150,7 +150,7 @@ fn short(value: &Value) -> String {
     }
 }
 
-/// For each of `keys`, such as `scene.box.width_m`, its last part where no other of them ends so.
+/// Returns, for each of `keys`, such as `scene.box.width_m`, its last part where no other of them ends so.
 pub(crate) fn last_parts<'k>(keys: &[&'k str]) -> Vec<&'k str> {
     let last = |key: &'k str| key.rsplit_once('.').map_or(key, |(_, last)| last);
     let alone = |key: &str| keys.iter().filter(|other| last(other) == key).count() == 1;

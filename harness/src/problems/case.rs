@@ -47,7 +47,7 @@ pub(crate) struct Marcher {
     /// Its settings; those left out have their defaults.
     #[serde(default)]
     set: Settings,
-    /// When the solve of a time step ends.
+    /// Stop rule of the solve of a time step.
     #[serde(default)]
     stop: Stop,
 }
@@ -147,7 +147,7 @@ pub(crate) fn warn(case: &str, warnings: impl IntoIterator<Item = String>) -> bo
     warnings.into_iter().inspect(|warning| eprintln!("warning: {case}: {warning}")).count() > 0
 }
 
-/// What was replaced in a case, as the source of its problem says it.
+/// Returns the values replaced in a case, as text for the source of its problem.
 pub(crate) fn replaced(overrides: &[(String, String)]) -> String {
     let each: Vec<String> = overrides.iter().map(|(key, value)| format!(" {key} = {value}.")).collect();
     each.concat()
@@ -252,9 +252,8 @@ pub(crate) fn overrides(settings: &Settings) -> Vec<(String, String)> {
     settings.iter().map(|(key, value)| (key.clone(), as_typed(value))).collect()
 }
 
-/// What a grain takes with its contacts left aside, and what each of these takes, in a march and its solver (B): with `cg` a
-/// first time step took 135 and 200, on columns of 1e5 grains with 1 to 30 copies of each contact, and a march keeps the
-/// impulses of the one before.
+/// Memory of a march and its solver: per grain, without its contacts, and per contact (B). With `cg` a first time step took 135
+/// and 200, on columns of 1e5 grains with 1 to 30 copies of each contact, and a march keeps the impulses of the one before.
 const PER_GRAIN: f64 = 200.0;
 const PER_CONTACT: f64 = 250.0;
 

@@ -1,4 +1,4 @@
-//! Where cases, frozen problems and plans are, and how a name or a path becomes one of them.
+//! Folders of cases, frozen problems and plans, and the search in them for a name or a path.
 
 use crate::exchange::is_foreign;
 use crate::terminal::{read_text, suggest};
@@ -12,13 +12,13 @@ pub(crate) struct Root(Option<PathBuf>);
 
 const NO_CHECKOUT: &str = "no folder from here up holds cases/frozen and harness/plans: run gravel in its checkout, or give --root DIR or GRAVEL_ROOT";
 
-/// What a file holds.
+/// Kind of a file.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Case,
     Plan,
     Frozen,
-    /// Of another code.
+    /// Problem of another code.
     Foreign,
 }
 
@@ -124,12 +124,12 @@ impl Root {
         self.file(name, "problem or case", &[Kind::Case, Kind::Frozen])
     }
 
-    /// The same, or the file of a problem of another code.
+    /// Finds the file of a frozen problem, a case or a problem of another code, given by name or path.
     pub(crate) fn any_problem_or_case(&self, name: &str) -> Result<PathBuf> {
         self.file(name, "problem or case", &[Kind::Case, Kind::Frozen, Kind::Foreign])
     }
 
-    /// What has this name and is none of the `wanted` kinds; a path is no name.
+    /// Finds a file of this name that is of none of the `wanted` kinds; a path is no name.
     fn of_another_kind(&self, name: &str, wanted: &[Kind]) -> Result<Option<(Kind, PathBuf)>> {
         for kind in [Kind::Case, Kind::Plan, Kind::Frozen, Kind::Foreign] {
             if wanted.contains(&kind) || Path::new(name).exists() {
@@ -206,7 +206,7 @@ impl Kind {
         }
     }
 
-    /// Of a file that cannot be taken for anything else; it may be wrong in itself.
+    /// Returns the kind of a file, where it cannot be taken for another; the file may still be wrong in itself.
     fn of(path: &Path) -> Option<Self> {
         if is_foreign(path) {
             return Some(Self::Foreign);
@@ -224,7 +224,7 @@ impl Kind {
     }
 }
 
-/// How large a problem is, in words.
+/// Returns the size of a problem, in words.
 pub(crate) fn size<M: Mechanics>(problem: &ContactProblem<M>) -> String {
     let of = match M::NAME {
         Discs::NAME => "",
@@ -235,7 +235,7 @@ pub(crate) fn size<M: Mechanics>(problem: &ContactProblem<M>) -> String {
     format!("{} grains, {} contacts{of}", problem.grain_count(), problem.contact_count())
 }
 
-/// The same where there is W alone.
+/// Returns the size of a problem of W alone, in words.
 pub(crate) fn size_of_w(problem: &LocalProblem) -> String {
     let (contacts, unknowns) = (problem.contact_count(), problem.dimension());
     format!("{contacts} contacts of {unknowns} unknown{}, W alone", if unknowns == 1 { "" } else { "s" })
@@ -246,7 +246,7 @@ pub(crate) fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
 }
 
-/// Whether a file is a case or a plan, by its name.
+/// Reports whether a file has the extension of a case or a plan.
 pub(crate) fn is_toml(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == "toml")
 }

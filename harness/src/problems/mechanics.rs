@@ -1,4 +1,5 @@
-//! Where files and the command line meet the mechanics: what the program asks of each, and the one place that tells them apart.
+//! Mechanics as files and the command line use them: the requirements of the program on each, and the one place that tells
+//! them apart.
 
 use crate::plan::{Ours, Settings};
 use crate::problems::pool::{known_rough, polished_to};
@@ -18,7 +19,7 @@ use {
     serde::Deserialize, serde_json::Value,
 };
 
-/// What the program asks of a mechanics, beside what a march does.
+/// Requirements of the program on a mechanics, beyond those of a march.
 pub(crate) trait Studied: Marched + Bounded {
     /// The method in this mechanics, if it has it.
     fn solver(ours: &Ours) -> Option<&dyn Solver<Self>>;
@@ -27,7 +28,7 @@ pub(crate) trait Studied: Marched + Bounded {
     #[cfg(any(feature = "mpi", test))]
     fn distributed(method: &Method) -> Option<Box<dyn Distributed<Self>>>;
 
-    /// What is known of the solutions of a problem: read, or computed and kept; nothing, where none can be certified.
+    /// Returns the known solutions of a problem, read, or computed and kept; none where none can be certified.
     fn known(_: &Root, _: &Frozen<Self>) -> Result<Known<Self>> {
         Ok(Known::default())
     }
@@ -48,7 +49,7 @@ pub(crate) trait Studied: Marched + Bounded {
         Settings::new()
     }
 
-    /// How strongly subdomains act on each other where masses are whole, if that is known.
+    /// Returns the strength of the coupling between subdomains without mass splitting, if it is known.
     fn coupling(_: &ContactProblem<Self>, _subdomain: &[u32]) -> Option<f64> {
         None
     }
@@ -68,7 +69,8 @@ pub(crate) trait Studied: Marched + Bounded {
         None
     }
 
-    /// Of each contact with the impulses `r` (N·s): 0 if it is open, 1 if it sticks, 2 if it slides; none without friction.
+    /// Returns the status of each contact with the impulses `r` (N·s): 0 if it is open, 1 if it sticks, 2 if it slides; none
+    /// without friction.
     fn statuses(_: &[Self::Contact], _r: &[f64]) -> Option<Vec<u8>> {
         None
     }
@@ -79,7 +81,7 @@ pub(crate) trait Studied: Marched + Bounded {
     /// The text of the file.
     fn to_json(frozen: &Frozen<Self>) -> serde_json::Result<String>;
 
-    /// The same as what files hold.
+    /// Wraps the problem as one of any mechanics, as files hold it.
     fn any(frozen: Frozen<Self>) -> AnyFrozen;
 }
 
@@ -138,7 +140,7 @@ impl Studied for Discs {
     }
 }
 
-/// What a method sees of contacts without friction.
+/// Passes on all that a method sees of frictionless contacts, one number after the other.
 fn numbers<const D: usize>(problem: &ContactProblem<Smooth<D>>, number: &mut dyn FnMut(f64)) {
     for contact in problem.contacts() {
         number(f64::from(contact.candidate));
@@ -305,7 +307,7 @@ fn statuses<'r, const D: usize>(
     contacts.iter().zip(normal).zip(tangential).map(status).collect()
 }
 
-/// What a method sees of grains and contacts with friction.
+/// Passes on all that a method sees of frictional grains and contacts, one number after the other.
 fn rough_numbers<const D: usize>(
     mass: &[RoughMass],
     contacts: &[RoughContact<D>],
@@ -325,12 +327,12 @@ fn rough_numbers<const D: usize>(
 /// A problem of a study, whatever its mechanics.
 pub(crate) type AnyProblem = Box<dyn crate::run::OneProblem>;
 
-/// What is done with a frozen problem, whatever its mechanics.
+/// Visitor of a frozen problem, whatever its mechanics.
 pub(crate) trait Visit {
-    /// What it gives.
+    /// Result of the visit.
     type Output;
 
-    /// Does it.
+    /// Visits it.
     fn visit<M: Studied>(self, frozen: Frozen<M>) -> Self::Output;
 }
 
@@ -354,12 +356,12 @@ pub(crate) fn in_words<M: Mechanics>() -> &'static str {
     }
 }
 
-/// What is done with a case, whatever its mechanics.
+/// Visitor of a case, whatever its mechanics.
 pub(crate) trait Enter {
-    /// What it gives.
+    /// Result of the visit.
     type Output;
 
-    /// Does it.
+    /// Visits it.
     fn enter<M: Studied>(self) -> Self::Output;
 }
 

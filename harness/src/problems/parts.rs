@@ -42,7 +42,7 @@ pub(crate) struct Part {
     subdomain: u32,
     /// The whole problem's numbers of its grains, in the order of the second line.
     grains: Vec<u32>,
-    /// And of its contacts.
+    /// The whole problem's numbers of its contacts.
     pub(crate) contacts: Vec<u32>,
     /// Its copies of boundary grains, in their order: the grain, by its place in the second line, and all copies, each by its
     /// subdomain and its number there.
@@ -54,7 +54,7 @@ pub(crate) struct Part {
 #[serde(deny_unknown_fields)]
 pub(crate) struct Impulses {
     pub(crate) problem_hash: String,
-    /// How many contacts the whole problem has.
+    /// Number of contacts of the whole problem.
     pub(crate) contacts: u64,
     pub(crate) contact: Vec<u32>,
     /// N·s; with friction the normal and the tangential one of each contact.
@@ -219,12 +219,13 @@ fn note_unsealed(path: &Path, subdomain: usize) {
     }
 }
 
-/// Where a solution of a problem lies, beside the files of its subdomains: one of several, where there is friction.
+/// Returns the folder of a solution of a problem, beside the files of its subdomains: one of several, where there is
+/// friction.
 pub(crate) fn solution_folder(folder: &Path, k: usize) -> PathBuf {
     folder.join(format!("solution-{k}"))
 }
 
-/// Of the impulses `r` of the whole problem, those of a share, in its order (N·s).
+/// Returns the impulses of a share, in its order, from those of the whole problem, `r` (N·s).
 pub(crate) fn own<M: Studied>(share: &Share<M>, r: &[f64]) -> Vec<f64> {
     let mut own = Vec::new();
     for contact in &share.contacts {
@@ -234,7 +235,7 @@ pub(crate) fn own<M: Studied>(share: &Share<M>, r: &[f64]) -> Vec<f64> {
 }
 
 impl Impulses {
-    /// Those of a share, in its order (N·s), from the files of its own subdomains in a folder.
+    /// Reads the impulses of a share, in its order (N·s), from the files of its own subdomains in a folder.
     #[cfg(any(feature = "mpi", test))]
     pub(crate) fn read_own<M: Studied>(
         folder: &Path,
@@ -274,7 +275,7 @@ impl Impulses {
         Ok(r)
     }
 
-    /// Those of each subdomain of a share, of its impulses `r`, written to a folder.
+    /// Writes the impulses `r` of a share to a folder, one file for each of its subdomains.
     pub(crate) fn write_all<M: Studied>(
         folder: &Path,
         share: &Share<M>,

@@ -29,10 +29,10 @@ pub(crate) const MISSED_BEFORE: &str = "missed_before";
 pub(crate) struct PlannedProblem {
     /// Its name, in results.
     pub(crate) name: String,
-    /// What was set in the case: nothing for a frozen problem.
+    /// Values set in the case: none for a frozen problem.
     settings: Settings,
     source: Source,
-    /// Whether runs are compared with its solution.
+    /// True where runs are compared with its solution.
     reference: bool,
 }
 
@@ -50,16 +50,16 @@ pub(crate) struct Problem<M: Mechanics = Discs> {
     pub(crate) frozen: Frozen<M>,
     /// Hash of its content.
     pub(crate) hash: String,
-    /// What was set in the case.
+    /// Values set in the case.
     pub(crate) settings: Settings,
-    /// What another code answered, if that lies beside it.
+    /// Answer of another code, if a file of it lies beside the problem.
     pub(crate) given: Option<Given>,
     known: OnceLock<Known<M>>,
     spectrum: OnceLock<Settings>,
 }
 
 impl<M: Studied> Problem<M> {
-    /// What is known of its solution; computed at the first call, unless it was kept.
+    /// Returns the known solutions; computed at the first call, unless they were kept.
     pub(crate) fn known(&self, root: &Root) -> Result<&Known<M>> {
         if let Some(known) = self.known.get() {
             return Ok(known);
@@ -199,7 +199,7 @@ impl PlannedProblem {
     }
 }
 
-/// What another code answered, in a file.
+/// Visitor that reads another code's answer from a file.
 struct Answered<'p>(&'p Path);
 
 impl Visit for Answered<'_> {
@@ -210,7 +210,7 @@ impl Visit for Answered<'_> {
     }
 }
 
-/// Of a planned problem, with what another code answered.
+/// Visitor that builds a problem from its plan and another code's answer.
 struct Begun<'p> {
     planned: &'p PlannedProblem,
     given: Option<Given>,

@@ -17,7 +17,7 @@ use std::sync::Mutex;
 /// Starts beside r = 0 from which solutions with friction are sought: where there are several, three find some of them.
 const STARTS: u64 = 3;
 
-/// What is known of a problem with friction: its pool of certified solutions.
+/// Returns the known solutions of a problem with friction: its pool of certified ones.
 pub(crate) fn known_rough<M: Studied + Rough>(root: &Root, frozen: &Frozen<M>) -> Result<Known<M>>
 where
     ActiveSet: Solver<M>,
@@ -149,7 +149,7 @@ struct Pool {
     solutions: Vec<Vec<f64>>,
 }
 
-/// Where the pool of a problem is kept.
+/// Returns the file that keeps the pool of a problem.
 fn path<M: Studied>(root: &Root, frozen: &Frozen<M>) -> PathBuf {
     root.join("results/references").join(content_hash(frozen)).with_extension("json")
 }

@@ -15,12 +15,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 
-/// What is known of the solutions of a problem; by default nothing.
+/// Known solutions of a problem; by default none.
 pub(crate) struct Known<M: Mechanics = Discs> {
     /// Certified impulses (N·s). Without friction one is enough: all have the same velocities.
     pub(super) impulses: Vec<Vec<f64>>,
     truths: Vec<Truth<M>>,
-    /// At the best impulses, where none could be certified.
+    /// Velocity at the best impulses, where none could be certified.
     nearest: Option<Truth<M>>,
     is_infeasible: bool,
 }
@@ -32,19 +32,19 @@ impl<M: Mechanics> Default for Known<M> {
 }
 
 impl<M: Mechanics> Known<M> {
-    /// Of these solutions (N·s).
+    /// Builds the record from certified impulses (N·s).
     pub(super) fn of(problem: &ContactProblem<M>, impulses: Vec<Vec<f64>>) -> Self {
         let truths = impulses.iter().map(|r| Truth::new(problem, r)).collect();
         Self { impulses, truths, ..Self::default() }
     }
 
-    /// That there is none, which is said of the problem of this name.
+    /// Builds the record of a problem without solution, and prints that the problem of this name has none.
     pub(super) fn none(name: &str) -> Self {
         eprintln!("{name}: the problem has no solution");
         Self { is_infeasible: true, ..Self::default() }
     }
 
-    /// Of these impulses, which come nearest where none could be certified (N·s).
+    /// Builds the record of a problem without certified solution from the best impulses (N·s).
     pub(super) fn near(problem: &ContactProblem<M>, impulses: &[f64]) -> Self {
         Self { nearest: Some(Truth::new(problem, impulses)), ..Self::default() }
     }
@@ -59,7 +59,7 @@ impl<M: Mechanics> Known<M> {
         self.truths.first().or(self.nearest.as_ref())
     }
 
-    /// How many solutions are known, and the greatest distance between two of them; nothing where none was sought.
+    /// Returns the number of known solutions and the greatest distance between two of them; nothing where none was sought.
     pub(crate) fn solutions(&self, problem: &ContactProblem<M>) -> KnownSolutions {
         let Some(first) = self.truths.first() else {
             let solutions = self.nearest.as_ref().map(|_| 0);
@@ -77,17 +77,17 @@ impl<M: Mechanics> Known<M> {
         }
     }
 
-    /// Of every solution (N·s).
+    /// Returns the impulses of every solution (N·s).
     pub(crate) fn all_impulses(&self) -> &[Vec<f64>] {
         &self.impulses
     }
 
-    /// Of the first solution (N·s).
+    /// Returns the impulses of the first solution (N·s).
     pub(crate) fn impulses(&self) -> Option<&[f64]> {
         self.impulses.first().map(Vec::as_slice)
     }
 
-    /// How a run ended: nothing converges on a problem without solution.
+    /// Returns the final status of a run: on a problem without solution, convergence is false.
     pub(crate) fn ending(&self, status: Status) -> Status {
         if self.is_infeasible && status == Status::Converged { Status::FalseConvergence } else { status }
     }
@@ -96,9 +96,9 @@ impl<M: Mechanics> Known<M> {
 /// Impulses that another code, or another run, gave.
 #[derive(Clone, Debug)]
 pub(crate) struct Given {
-    /// In the problem's contact order, a flat list (N·s).
+    /// Impulses in the problem's contact order, a flat list (N·s).
     pub(crate) impulse: Vec<f64>,
-    /// Who gave them.
+    /// Source of the impulses.
     pub(crate) from: String,
 }
 
@@ -166,7 +166,8 @@ enum Kept {
     Ray(Vec<f64>),
 }
 
-/// What is known of a problem without friction, from `results/references` if it is there, else computed and kept there.
+/// Returns the known solutions of a frictionless problem, from `results/references` if they are there, else computed and kept
+/// there.
 pub(crate) fn known_smooth<const D: usize>(
     root: &Root,
     frozen: &Frozen<Smooth<D>>,

@@ -16,11 +16,11 @@ pub(crate) struct Scene {
     /// Its name, without its time step.
     pub(crate) name: String,
     pub(crate) case: Case,
-    /// What was set in the case.
+    /// Values set in the case.
     pub(crate) settings: Settings,
     /// The time to simulate (s).
     pub(crate) duration_s: f64,
-    /// Between two rows of its series (s).
+    /// Time between two rows of its series (s).
     every_s: f64,
     pub(crate) time_steps: u64,
     /// Time steps from a row of its series to the next.
@@ -57,7 +57,7 @@ impl Scene {
         Ok(Self { name, case, settings, duration_s, every_s, time_steps: rows * every, every, hash })
     }
 
-    /// The same with a time step `refine` times shorter.
+    /// Returns the scene with a time step `refine` times shorter.
     pub(crate) fn refined(&self, refine: u32) -> Result<Self> {
         let mut case = self.case.clone();
         case.scene.time_step_s /= f64::from(refine);

@@ -1,4 +1,4 @@
-//! What fits into the memory, and what divides.
+//! Limits of memory, and durations that time steps divide.
 
 use crate::problems::case::fits;
 use crate::problems::scene::whole;

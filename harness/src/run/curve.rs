@@ -14,7 +14,7 @@ pub(crate) struct Recorder {
     samples: Vec<Sample>,
     /// The iterate seen last, if it is not in `samples`.
     pending: Option<Sample>,
-    /// How many of the [`DECADES`] each measure has reached.
+    /// Number of the [`DECADES`] that each measure has reached.
     reached: [usize; Measure::ALL.len()],
 }
 

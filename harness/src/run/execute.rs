@@ -18,36 +18,36 @@ pub(crate) struct Task<'s, W> {
     /// Hash of all that decides its counts.
     pub(crate) id: String,
     pub(crate) variant: &'s Variant,
-    /// Whether the selection has it.
+    /// True where the selection has it.
     pub(crate) selected: bool,
-    /// On what the variant is run.
+    /// Problem that the variant is run on, or simulation.
     pub(crate) what: W,
 }
 
-/// How tasks are run.
+/// Settings by which tasks are run.
 pub(crate) struct How<'a> {
     pub(crate) root: &'a Root,
     /// The folder of the study, where there is one.
     pub(crate) folder: Option<&'a Path>,
     pub(crate) provenance: &'a Provenance,
-    /// How often each for its seconds.
+    /// Number of repeats of each, for its seconds.
     pub(crate) repeats: u32,
-    /// How many at a time.
+    /// Number of tasks at a time.
     pub(crate) jobs: NonZeroUsize,
-    /// Which iterates of each are measured.
+    /// Iterates of each that are measured.
     pub(crate) measured: Measured,
 }
 
-/// What a task meets while it runs.
+/// Conditions of a task while it runs.
 pub(crate) struct Conditions<'a> {
     pub(crate) how: &'a How<'a>,
     pub(crate) bars: &'a Bars,
-    /// Whether to end at once.
+    /// Test for a request to end at once.
     pub(crate) halt: &'a dyn Fn() -> bool,
 }
 
 impl How<'_> {
-    /// Before a run.
+    /// Returns the timing of a run before it starts.
     pub(crate) fn timing(&self) -> Timing {
         let timed_alone = self.jobs.get() == 1;
         Timing { repeats: self.repeats, timed_alone, load_average: load_average(), ..Timing::default() }

@@ -19,42 +19,42 @@ use std::path::Path;
 use std::process::{Child, ExitStatus};
 use std::time::{Duration, Instant};
 
-/// What came out of a method.
+/// Outcome of a method, ours or another code's.
 pub(crate) struct Ended<M: Mechanics = Discs> {
     pub(crate) outcome: Outcome<M>,
-    /// What another code did at each tolerance; of ours none.
+    /// Runs of another code, one at each tolerance; of ours none.
     pub(crate) rungs: Vec<Rung>,
     /// The curve of another code: r = 0, then a sample for each tolerance.
     pub(crate) samples: Vec<Sample>,
-    /// Why another code gave no answer at a tolerance, where it gave none; the outcome is the one before.
+    /// Reason why another code gave no answer at a tolerance, where it gave none; the outcome is the one before.
     pub(crate) failed: Option<String>,
 }
 
 /// One run of another code.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Rung {
-    /// What it was asked for.
+    /// Tolerance that the code was asked for.
     tolerance: f64,
     /// Its own count.
     iterations: u64,
-    /// By its own clock: from the numbers of the file to what its solver takes (s).
+    /// Time by the code's own clock, from the numbers of the file to what its solver takes (s).
     setup_s: f64,
-    /// By its own clock: in its solver (s).
+    /// Time by the code's own clock, in its solver (s).
     solve_s: f64,
-    /// By ours: its whole process, with what starts it and what it reads and writes (s).
+    /// Time by our clock, of its whole process, with what starts it and what it reads and writes (s).
     process_s: f64,
-    /// How it says that it ended.
+    /// Status in the code's own words.
     ending: String,
     natural_map: f64,
     #[serde(with = "contact::number")]
     velocity_error: f64,
 }
 
-/// What a driver writes.
+/// Answer that a driver writes.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Answer {
-    /// In the problem's contact order, a flat list (N·s).
+    /// Impulses in the problem's contact order, a flat list (N·s).
     impulse: Vec<Option<f64>>,
     iterations: u64,
     setup_s: f64,
@@ -62,7 +62,7 @@ struct Answer {
     ending: String,
 }
 
-/// What sees every iterate, and may end the run.
+/// Observer of every iterate, which may end the run.
 pub(crate) type Observe<'o> = dyn FnMut(&Progress) -> ControlFlow<()> + 'o;
 
 /// Runs `method` from the impulses `r0` (N·s) until `stop`, beside the solutions that are known. Of ours, the iterates that
@@ -170,7 +170,7 @@ impl<M: Studied> Ladder<'_, M> {
         Ok(ended)
     }
 
-    /// Nothing run yet, at the impulses `r`.
+    /// Returns the state before any run, at the impulses `r`.
     fn begun(&self, r: Vec<f64>) -> Ended<M> {
         let (measures, velocity) = self.measured(&r);
         let outcome = Outcome {
@@ -308,7 +308,7 @@ impl Answer {
 
 /// Waits for a program until it is to be given up; `None` if the user stopped it.
 fn wait(mut child: Child, time_out: Duration) -> Result<Option<ExitStatus>> {
-    /// Between two looks, which is how exact the time of a process is.
+    /// Interval between two checks, and so the resolution of the time of a process.
     const LOOK: Duration = Duration::from_millis(1);
     let clock = Instant::now();
     loop {

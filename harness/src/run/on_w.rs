@@ -21,7 +21,7 @@ use std::sync::OnceLock;
 pub(crate) struct OnW {
     pub(crate) name: String,
     hash: String,
-    /// Nothing can be set.
+    /// Values set in a case: always none.
     settings: Settings,
     pub(crate) problem: LocalProblem,
     /// A solution, once it was looked for; nobody asks for one where it is set from the start.
@@ -29,7 +29,7 @@ pub(crate) struct OnW {
 }
 
 impl OnW {
-    /// Of a plan that compares its runs with a solution, or does not.
+    /// Makes a problem of a plan; `reference` tells whether its runs are compared with a solution.
     pub(crate) fn new(name: String, problem: LocalProblem, reference: bool) -> Self {
         let truth = if reference { OnceLock::new() } else { OnceLock::from(None) };
         Self { hash: hash_of_w(&problem), name, settings: Settings::new(), problem, truth }

@@ -16,7 +16,7 @@ use runner::{Outcome, Progress};
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 
-/// Why a run with a warm start is skipped.
+/// Reason why a run with a warm start is skipped.
 pub(super) const NO_START: &str = "the problem has no impulses of a time step before to begin from";
 
 /// A problem of a study, whatever its mechanics.
@@ -27,7 +27,7 @@ pub(crate) trait OneProblem: Sync {
     /// Hash of its content.
     fn hash(&self) -> &str;
 
-    /// What was set in its case.
+    /// Values set in its case.
     fn settings(&self) -> &Settings;
 
     /// A run on it; `None` if it was halted.
@@ -169,10 +169,10 @@ fn name<M: Studied>(task: &Task<&Problem<M>>) -> String {
     format!("{} on {}", task.variant.label(), task.what.frozen.name)
 }
 
-/// What explains how the run ends, where the plan asks for it: the spectrum of the problem, in how many dimensions it is and how many
-/// unknowns a contact has; of a partition the most copies of a grain and the share of copies at boundaries, the most neighbours of a
-/// subdomain and the most bytes that one sends in an exchange, and, where masses are whole, how strongly subdomains act on each
-/// other.
+/// Returns the quantities that explain how the run ends, where the plan asks for them: the spectrum of the problem, its
+/// dimension and the unknowns per contact; of a partition the most copies of a grain and the share of copies at boundaries,
+/// the most neighbours of a subdomain and the most bytes that one sends in an exchange, and, without mass
+/// splitting, the strength of the coupling between subdomains.
 fn spectrum<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, known: &Known<M>) -> Map<String, Value> {
     if !plan.spectra {
         return Map::new();
@@ -205,7 +205,7 @@ fn spectrum<M: Studied>(plan: &Plan, task: &Task<&Problem<M>>, known: &Known<M>)
     columns
 }
 
-/// Of the grains of all subdomains, copies counted each, the share that others hold too (–).
+/// Returns the share of boundary grains among the grains of all subdomains, each copy counted (–).
 fn boundary_share(multiplicity: &[u32]) -> f64 {
     let copies = |of: &dyn Fn(u32) -> bool| {
         multiplicity.iter().filter(|copies| of(**copies)).map(|copies| u64::from(*copies)).sum::<u64>() as f64
@@ -284,7 +284,7 @@ impl<'p, M: Studied> Snapshots<'p, M> {
     }
 }
 
-/// To three significant digits: it is for the eye.
+/// Rounds to three significant digits, for display.
 fn rounded(r: f64) -> f64 {
     format!("{r:.2e}").parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(f64::NAN)
 }

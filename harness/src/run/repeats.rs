@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// The curve of a run, and the iterates that the page shows, if any.
 pub(crate) type Kept = (Vec<Sample>, Vec<Snapshot>);
 
-/// What became of a run.
+/// Outcome of a run and its repeats.
 pub(crate) enum Made<M: Mechanics = Discs> {
     /// The user asked for an end.
     Halted,
@@ -60,7 +60,7 @@ pub(crate) fn repeated<M: Mechanics>(
     Ok(Made::Ended(Box::new(ended), kept, Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing }))
 }
 
-/// What is the same in every repeat.
+/// Returns the counts, which are the same in every repeat.
 fn counts<M: Mechanics>(Ended { outcome, .. }: &Ended<M>) -> (Status, u64, Work) {
     (outcome.status, outcome.iterations, outcome.work)
 }

@@ -64,7 +64,7 @@ pub(crate) fn of_task<W>(task: &Task<W>, row: Run) -> Run {
     }
 }
 
-/// What a plan asks of a run, on which problem.
+/// Returns the row of a run with the request alone: plan, problem and stop rule.
 pub(crate) fn asked(plan: &Plan, problem: &dyn OneProblem, provenance: Provenance) -> Run {
     Run {
         plan: plan.name.clone(),
@@ -106,7 +106,7 @@ pub(crate) fn ended_row<M: Mechanics>(row: Run, outcome: &Outcome<M>, curve: &[S
     }
 }
 
-/// What the method worked with beside its settings: the values that they leave open, and the critical path where there is one.
+/// Returns the values that a method derived where its settings leave them open, and the critical path where there is one.
 pub(crate) fn derived<M: Mechanics>(outcome: &Outcome<M>) -> Map<String, Value> {
     let critical_path = outcome.critical_path.map(|path| ("critical_path", path as f64));
     let all = outcome.derived.iter().copied().chain(critical_path);

@@ -1,4 +1,5 @@
-//! How a rank comes to its share of a problem: from the files of its own subdomains, or of a small problem by itself.
+//! The share of a rank in a problem: read from the files of its own subdomains, or cut from a small problem by the rank
+//! itself.
 
 use crate::identity::content_hash;
 use crate::plan::Method;
@@ -29,7 +30,7 @@ impl Posted {
         Ok(Team::new(Arc::clone(&self.0), self.size())?)
     }
 
-    /// What all compute alike, but rank 0 first: what it keeps the others read.
+    /// Computes the same at every rank, but at rank 0 first: the others read what it keeps.
     pub(crate) fn first_alone<T>(&self, make: impl Fn() -> Result<T>) -> Result<T> {
         let mut made = None;
         for turn in [true, false] {
@@ -39,7 +40,8 @@ impl Posted {
         made.context("a rank has no turn")
     }
 
-    /// What this rank has, if none failed; else the reason of the first that did, with its number.
+    /// Returns the value of this rank if no rank failed; else the error of the first that did, with its number unless all
+    /// failed alike.
     pub(crate) fn agree<T>(&self, own: Result<T>) -> Result<T> {
         self.all()?.agree(own.map_err(|error| format!("{error:#}"))).map_err(Error::msg)
     }
@@ -53,33 +55,33 @@ pub(crate) struct Shared<M: Studied> {
     pub(crate) hash: String,
     pub(crate) share: Share<M>,
     pub(crate) team: Team,
-    /// Of the time step before, of its own contacts; 0 where the problem has none (N·s).
+    /// Impulses of the time step before, at its own contacts; 0 where the problem has none (N·s).
     pub(crate) start: Vec<f64>,
     /// Its part of each solution, if they are asked for (N·s).
     pub(crate) solutions: Vec<Vec<f64>>,
 }
 
-/// What is done with a share, whatever its mechanics.
+/// Visitor of a share, whatever its mechanics.
 pub(crate) trait OnShare {
-    /// What it gives.
+    /// Result of the visit.
     type Output;
 
-    /// Does it.
+    /// Visits it.
     fn on<M: Studied>(self, shared: Shared<M>) -> Self::Output;
 }
 
-/// Where ranks find a problem, and how it is cut where that is for them to say.
+/// Problem that ranks share, and the rule of its cut where they cut it themselves.
 pub(crate) struct Source<'s> {
     pub(crate) root: &'s Root,
     /// A folder of parts; or a frozen problem, by name or path.
     pub(crate) problem: &'s str,
     pub(crate) grid: Grid,
     pub(crate) scheme: Scheme,
-    /// Whether the solutions are asked for.
+    /// True where the solutions are asked for.
     pub(crate) truth: bool,
 }
 
-/// Whether `gravel split` wrote to a folder of this name.
+/// Reports whether a problem is named by a folder, such as `gravel split` writes.
 pub(crate) fn is_split(problem: &str) -> bool {
     Path::new(problem).is_dir()
 }

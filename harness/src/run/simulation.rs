@@ -163,7 +163,7 @@ impl Series {
     }
 }
 
-/// What a time step shows.
+/// Returns the observables of a time step, as rows hold them.
 pub(crate) fn observed<M: Studied>(seen: &Seen<M>) -> Observed {
     let o = seen.observables;
     let [floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s, ..] = o.wall_impulses;
@@ -193,7 +193,7 @@ pub(crate) fn observed<M: Studied>(seen: &Seen<M>) -> Observed {
     }
 }
 
-/// Where the energy of a time step went.
+/// Returns the energy balance of a time step, as rows hold it.
 fn energy(observables: &Observables) -> Energy {
     let cases::Energy { walls, gap, shocks, sliding, moved, left_over } = observables.energy;
     Energy {
@@ -232,10 +232,10 @@ pub(crate) struct Seen<'a, M: Mechanics = Discs> {
     pub(crate) totals: &'a Totals,
 }
 
-/// How a simulation ended.
+/// End of a simulation.
 pub(crate) enum End<M: Mechanics = Discs> {
     Completed,
-    /// With the problem of the last good state.
+    /// A simulation that exploded, with the problem of its last good state.
     Exploded {
         /// `exploded`; or why it exploded, `solver-diverged` or `no-solution`.
         status: &'static str,
@@ -279,7 +279,7 @@ pub(crate) fn through_time<M: Studied>(
     Ok((totals, End::Completed))
 }
 
-/// What it means for a simulation that its `k`-th time step was not solved.
+/// Returns the end of a simulation whose `k`-th time step was not solved.
 fn ended<M: Studied>(error: CaseError, k: u64, time_step: TimeStep<M>) -> Result<End<M>> {
     let why = error.to_string();
     Ok(match error {
@@ -317,7 +317,8 @@ impl<M: Mechanics> End<M> {
         }
     }
 
-    /// How it is known that it exploded, why the method refused, or where it was stopped; empty if it was completed.
+    /// Returns the evidence that it exploded, the reason why the method refused, or the place where it was stopped; empty if
+    /// it was completed.
     pub(crate) fn reason(&self) -> &str {
         match self {
             Self::Completed => "",
@@ -338,7 +339,7 @@ fn add<M: Mechanics>(totals: &mut Totals, outcome: &Outcome<M>) {
     totals.work += outcome.work;
 }
 
-/// How many of the time steps did not converge to `stop`, in words; nothing if all did.
+/// Returns, in words, the number of time steps that did not converge to `stop`; nothing if all did.
 pub(crate) fn missed(totals: &Totals, stop: &Stop) -> Option<String> {
     let Totals { time_steps, missed_time_steps: missed, restarted_time_steps: restarted, .. } = *totals;
     let (diverged, infeasible) = (totals.diverged_time_steps, totals.infeasible_time_steps);

@@ -23,7 +23,7 @@ pub(crate) struct Frames {
     path: PathBuf,
     collection: File,
     written: usize,
-    /// How the method cuts the problem.
+    /// Grid and rule of the method's partition, if it has one.
     partition: Option<(Grid, Scheme)>,
 }
 
@@ -31,7 +31,7 @@ const HEAD: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" versio
 const TAIL: &str = "  </Collection>\n</VTKFile>\n";
 
 impl Frames {
-    /// In a folder that is not there, or empty.
+    /// Begins a collection in a folder that is not there, or empty.
     pub(crate) fn new(folder: &Path, name: &str, partition: Option<(Grid, Scheme)>) -> Result<Self> {
         if folder.is_file() || folder.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
             bail!("--vtk {}: it exists, and is no empty folder: give another one", folder.display());
@@ -98,7 +98,7 @@ fn signed(frame: &str) -> String {
     frame.replace(" type=\"UInt64\"", " type=\"Int64\"")
 }
 
-/// What cells are made of.
+/// Shape of the cells.
 #[derive(Clone, Copy, Default)]
 enum Shape {
     #[default]
@@ -112,7 +112,7 @@ enum Shape {
 struct Elements {
     points: Vec<f64>,
     shape: Shape,
-    /// Of each cell.
+    /// Values of each cell.
     values: Vec<Attribute>,
 }
 
@@ -125,7 +125,7 @@ impl Elements {
         self.values.push(Attribute::scalars(name, 1).with_data(values));
     }
 
-    /// Where there is none, −1.
+    /// Adds an index for each cell: −1 where there is none.
     fn indices(&mut self, name: &str, values: impl IntoIterator<Item = Option<u32>>) {
         let values: Vec<i64> = values.into_iter().map(|value| value.map_or(-1, i64::from)).collect();
         self.values.push(Attribute::scalars(name, 1).with_data(values));
@@ -162,7 +162,7 @@ impl Elements {
     }
 }
 
-/// What is known of a time step once it is solved: its contacts and their impulses (N·s).
+/// Solved time step, if there is one: its contacts and their impulses (N·s).
 type Solved<'t, M> = Option<(&'t TimeStep<M>, &'t [f64])>;
 
 /// A vertex for each grain.

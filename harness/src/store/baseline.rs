@@ -24,7 +24,7 @@ fn columns() -> Vec<&'static str> {
     COLUMNS.into_iter().chain(Work::default().named().map(|(name, _)| name)).collect()
 }
 
-/// What one run counted: a line of a baseline.
+/// Counts of one run: a line of a baseline.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Counts(Vec<String>);
 
@@ -114,9 +114,9 @@ pub(crate) struct ExpectedFailure {
     pub(crate) plan: String,
     /// Problem, method and settings, as `gravel regress` names the run.
     pub(crate) run: String,
-    /// How it fails.
+    /// Status of the failed run.
     pub(crate) status: String,
-    /// Why that is right.
+    /// Reason why that is right.
     pub(crate) why: String,
 }
 

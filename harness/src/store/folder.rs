@@ -15,7 +15,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Where studies are stored.
+/// Returns the folder that stores studies.
 pub(crate) fn runs_folder(root: &Root) -> PathBuf {
     root.join("results/runs")
 }
@@ -107,7 +107,7 @@ pub(crate) fn finish<K: Kind>(root: &Root, study: &K, mut store: Store<K::Record
     Ok(ExitCode::SUCCESS)
 }
 
-/// What the page of a study says of it, whose arguments are `again`.
+/// Describes a study, whose arguments are `again`, for its page.
 pub(crate) fn about(plan: &Plan, again: &str) -> About {
     // A study that is changed is drawn by its own command alone.
     let drawn_again = again.split_whitespace().skip(1).all(|word| word == "--quick");
@@ -144,7 +144,7 @@ pub(crate) fn draw(
     Ok(())
 }
 
-/// What a reader of the tables must know of where their rows come from, one sentence each.
+/// Returns the notes on where the rows of the tables come from, one sentence each.
 fn notes<K: Kind>(study: &K, tasks: &[Task<K::What<'_>>], records: &[K::Record]) -> Vec<String> {
     let known = by_id(records);
     let wanted: HashSet<&str> = tasks.iter().map(|task| task.id.as_str()).collect();
@@ -202,7 +202,7 @@ fn origins<'r>(rows: impl Iterator<Item = &'r Provenance>) -> Option<String> {
     })
 }
 
-/// Those of one id that did not count the same, with their ids.
+/// Lists the runs whose counts differ from those of the first of their id, by name and id.
 fn unlike_twins<R: Entry>(records: &[R]) -> Vec<String> {
     let mut first: HashMap<&str, &R> = HashMap::new();
     let mut differ = Vec::new();

@@ -15,8 +15,8 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
 
-/// What is stored under an id, in words, and its record; a simulation has none. Of two runs of one id the later, but one
-/// with iterates before one without.
+/// Runs found, by id: name and record; a simulation has no record. Of two runs of one id the later, but one with iterates
+/// before one without.
 type Found = BTreeMap<String, (String, Option<Record>)>;
 
 /// The run whose id begins with `begin`.
@@ -129,7 +129,7 @@ impl Visit for Hash {
     }
 }
 
-/// Whether a text can be an id, or as much of its beginning as is worth looking for.
+/// Reports whether a text can be an id, or a beginning of one long enough to search for.
 pub(crate) fn is_id(text: &str) -> bool {
     (4..=16).contains(&text.len()) && text.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'))
 }

@@ -110,7 +110,7 @@ impl OnProblems {
     }
 }
 
-/// The same id means the same counts: on any machine, with any number of threads.
+/// Returns the id of a run. Equal ids mean equal counts: on any machine, with any number of threads.
 pub(crate) fn run_id(problem_hash: &str, variant: &Variant, stop: &Stop) -> String {
     let Variant { method, warm_start, .. } = variant;
     // Sorted, whatever the map of the JSON crate does with its keys.

@@ -15,9 +15,9 @@ pub(crate) struct Selection {
     pub(crate) plan: Plan,
     pub(crate) problems: Vec<PlannedProblem>,
     pub(crate) variants: Vec<Variant>,
-    /// What was changed or left out, in words.
+    /// Changes and omissions, in words.
     pub(crate) notes: Vec<String>,
-    /// What the selected runs have in common: a pattern for what [`part`] gives of each key.
+    /// Patterns that the selected runs match: a key, and the pattern for the value that [`part`] gives of it.
     pub(crate) only: Vec<(String, WildMatch)>,
 }
 
@@ -32,7 +32,7 @@ impl Selection {
         self.plan.rules().map_or(1, |rules| rules.len().max(1))
     }
 
-    /// Whether the run of a variant on a problem is selected.
+    /// Reports whether the run of a variant on a problem is selected.
     pub(crate) fn selects(&self, problem: &str, variant: &Variant) -> bool {
         let mut only = self.only.iter();
         only.all(|(key, pattern)| part(key, problem, variant).is_some_and(|part| pattern.matches(part)))
@@ -62,7 +62,7 @@ impl Selection {
     }
 }
 
-/// What a run has under a key of `--only`.
+/// Returns the value of a run under a key of `--only`.
 fn part<'a>(key: &str, problem: &'a str, variant: &'a Variant) -> Option<&'a str> {
     match key {
         "problem" => Some(problem),

@@ -19,7 +19,7 @@ pub(crate) struct ThroughTime {
     rules: Vec<Rule>,
     /// Each scene once, with a time step shorter than any of the plan.
     refined: Vec<Scene>,
-    /// What solves the references, and until when.
+    /// Variant that computes the references, and its rule.
     reference: (Variant, Rule),
     /// Version of the code of the march.
     march: &'static str,
@@ -31,7 +31,7 @@ impl ThroughTime {
         self.selection.problems.iter().filter_map(|problem| Some((problem.name.as_str(), problem.scene()?)))
     }
 
-    /// Whether a simulation is selected: a run, or what such runs are compared with.
+    /// Reports whether a simulation is selected: a run, or the reference of selected runs.
     fn selects(&self, scene: &Scene, variant: &Variant, role: &str) -> bool {
         let (selection, is_run) = (&self.selection, role == "run");
         let variants = || selection.variants.iter().filter(|v| !is_run || std::ptr::eq(*v, variant));

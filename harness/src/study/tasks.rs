@@ -13,19 +13,19 @@ use std::sync::{Mutex, PoisonError};
 
 /// A kind of study.
 pub(crate) trait Kind: Sized + Sync {
-    /// What is stored of a task that has ended.
+    /// Stored record of a task that has ended.
     type Record: Entry + Clone + Send + Sync;
-    /// On what a variant is run.
+    /// Problem that a variant is run on, or simulation.
     type What<'s>: Clone + Sync
     where
         Self: 's;
-    /// What the tasks are called.
+    /// Name of the tasks, in the plural.
     const TASKS: &'static str;
 
     /// The study of a selection; problems that are needed and not there are computed first, if `compute` says so.
     fn new(selection: Selection, root: &Root, compute: bool) -> Result<Self>;
 
-    /// What was selected of the plan.
+    /// Returns the selection from the plan.
     fn selection(&self) -> &Selection;
 
     /// Every task, in the order of the plan.
@@ -34,10 +34,10 @@ pub(crate) trait Kind: Sized + Sync {
     /// Runs a task; `None` if it was halted.
     fn run(&self, task: &Task<Self::What<'_>>, conditions: &Conditions) -> Result<Option<Self::Record>>;
 
-    /// How many tasks the whole plan has.
+    /// Returns the number of tasks of the whole plan.
     fn size(&self) -> usize;
 
-    /// What the plan asks for, in words.
+    /// Returns, in words, the work that the plan asks for.
     fn asks(&self) -> String;
 
     /// The tasks as they are listed, where those whose ids are in `done` have ended.
@@ -87,8 +87,8 @@ pub(crate) fn by_id<R: Entry>(records: &[R]) -> HashMap<&str, &R> {
     records.iter().map(|record| (record.id(), record)).collect()
 }
 
-/// How long the `missing` tasks take, one at a time, judged by the records of the same method, or else by all; `None` if
-/// there are none (s).
+/// Estimates the time that the `missing` tasks take, one at a time, from the records of the same method, or else from all;
+/// `None` if there are none (s).
 pub(crate) fn left_s<W>(missing: &[Task<W>], records: &[impl Entry]) -> Option<f64> {
     let mut of_methods: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     // A run that was skipped took no time.

@@ -1,4 +1,4 @@
-//! What an id depends on.
+//! Inputs of the id of a run.
 
 use crate::plan::{METHODS, Method, Variant};
 use crate::study::problems::run_id;

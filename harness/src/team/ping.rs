@@ -52,7 +52,7 @@ pub(crate) fn prices(posted: &Posted) -> (f64, f64) {
     (short - seconds_per_byte * (8 * SHORT) as f64, seconds_per_byte)
 }
 
-/// What a message of so many numbers takes, between ranks 0 and 1 (s).
+/// Measures the time of a message of so many numbers between ranks 0 and 1 (s).
 fn one_way_s(posted: &Posted, numbers: usize, times: u32) -> f64 {
     let (rank, post) = (posted.rank(), &posted.0);
     let parcel = |rank| [Parcel { rank, numbers: vec![1.0; numbers] }];

@@ -122,7 +122,7 @@ fn start<M: Studied>(
 struct Held {
     grains: f64,
     contacts: f64,
-    /// Of its process, at any time (B); 0 where the system does not tell.
+    /// Peak memory of its process (B); 0 where the system does not tell.
     memory_bytes: f64,
 }
 

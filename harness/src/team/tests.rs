@@ -61,13 +61,13 @@ fn split(problem: &str) -> TempDir {
     folder
 }
 
-/// What `gravel-mpi solve` ends with at each of so many ranks.
+/// Runs `gravel-mpi solve` on so many ranks and returns the end of each.
 fn solve(size: usize, arguments: &[&str]) -> Vec<Result<ExitCode>> {
     let Solve { args } = Solve::parse_from([&["solve"], arguments].concat());
     simulated(size, |post| solve::run(&Posted(post), &Root::find(Some(checkout())).unwrap(), &args))
 }
 
-/// Why it ends with an error, the same at all ranks.
+/// Returns the error it ends with, the same at all ranks.
 fn reason(size: usize, arguments: &[&str]) -> String {
     let reasons: Vec<String> =
         solve(size, arguments).into_iter().map(|end| format!("{:#}", end.unwrap_err())).collect();

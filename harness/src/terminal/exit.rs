@@ -1,4 +1,4 @@
-//! How the program ends: exit codes, which a script may ask for without reading what is printed; and Ctrl-C or SIGTERM.
+//! The end of the program: exit codes, which a script may ask for without reading what is printed; and Ctrl-C or SIGTERM.
 //!
 //! The first signal requests an end after the current iteration. Where that has not come within a second, as inside the factors of a
 //! large problem, the program ends without, once nothing is being written; so does the second signal, at once. What is kept in
@@ -17,10 +17,10 @@ const DONE: u8 = 0;
 const NOT_CONVERGED: u8 = 3;
 /// It is proved that the problem has no solution.
 const NO_SOLUTION: u8 = 4;
-/// What a shell gives to a program that Ctrl-C ended.
+/// Exit code that shells give to a program ended by Ctrl-C.
 const INTERRUPTED: u8 = 130;
 
-/// Below the help of every command whose answer is one of them.
+/// Text below the help of every command whose answer is one of them.
 pub(crate) const HELP: &str = "\
 Exit codes:
     0  solve: converged; certify: certified; simulate: every time step converged; else: done
@@ -45,14 +45,14 @@ pub(crate) fn code(status: &str) -> ExitCode {
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 
-/// How many threads write what is to be whole.
+/// Number of live [`Whole`] guards: writes that must not be cut short.
 static WRITING: Mutex<u32> = Mutex::new(0);
 
-/// The time that an iteration has to end after a signal, and that between two looks at whether files are whole.
+/// The time that an iteration has to end after a signal, and that between two checks whether files are whole.
 const GRACE: Duration = Duration::from_secs(1);
 const LOOK: Duration = Duration::from_millis(20);
 
-/// From now on the first Ctrl-C requests an end; where none comes in time, the program says what is `kept`.
+/// Makes the first Ctrl-C request an end; where none comes in time, the program says what is `kept`.
 pub(crate) fn listen_for_interrupts(kept: &'static str) -> Result<()> {
     let handler = move || {
         if REQUESTED.swap(true, Ordering::Relaxed) {
@@ -63,7 +63,7 @@ pub(crate) fn listen_for_interrupts(kept: &'static str) -> Result<()> {
     ctrlc::set_handler(handler).context("Ctrl-C cannot be caught")
 }
 
-/// Whether the user requested an end.
+/// Reports whether the user requested an end.
 pub(crate) fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }

@@ -64,7 +64,7 @@ fn is_same(a: &Path, b: &Path) -> bool {
     is_file(a) && is_file(b) && place(a).is_some_and(|a| place(b) == Some(a))
 }
 
-/// Whether writing to `path` replaces a file.
+/// Reports whether writing to `path` replaces a file.
 pub(crate) fn replaces(path: &Path) -> bool {
     path.is_file() && !is_stdout(path)
 }
@@ -103,7 +103,7 @@ pub(crate) fn write_kept(path: &Path, content: &str) -> Result<()> {
     write_whole(path, content)
 }
 
-/// How the names of files begin that are not complete.
+/// Prefix of the names of incomplete files.
 const UNFINISHED: &str = ".unfinished-";
 
 /// Removes incomplete files to which no program writes any more: whoever writes one has locked it.
@@ -154,7 +154,7 @@ pub(crate) fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<()> 
     write().with_context(|| format!("writing {}", path.display()))
 }
 
-/// Whether it is standard output, which may be a file that whoever called has open.
+/// Reports whether it is standard output, which may be a file that whoever called has open.
 fn is_stdout(path: &Path) -> bool {
     ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|stdout| path == Path::new(stdout))
 }

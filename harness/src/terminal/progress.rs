@@ -13,14 +13,14 @@ pub(crate) fn bar(total: u64, units: &str) -> ProgressBar {
     ProgressBar::new(total).with_style(style)
 }
 
-/// Without an end in sight.
+/// Makes a bar without an end in sight.
 fn spinner() -> ProgressBar {
     let style =
         ProgressStyle::with_template("{spinner} {msg}").unwrap_or_else(|_| ProgressStyle::default_spinner());
     ProgressBar::new_spinner().with_style(style)
 }
 
-/// What a study shows of itself: a bar for all its runs, and a line for each that is under way.
+/// Display of a study under way: a bar for all its runs, and a line for each that is under way.
 pub(crate) struct Bars {
     all: MultiProgress,
     runs: ProgressBar,
@@ -54,7 +54,7 @@ impl Drop for Bars {
 pub(crate) struct Line {
     bar: ProgressBar,
     name: String,
-    /// Whether there is a terminal to show it on.
+    /// True where there is a terminal to show it on.
     seen: bool,
     shown: Instant,
     /// The measure of the stop rule of the iterate that was measured last.
@@ -86,7 +86,7 @@ impl Line {
         self.message(|| format!("time step {time_step} of {of}"));
     }
 
-    /// If someone looks, and what they see is older than a fifth of a second.
+    /// Shows a text, if there is a terminal and the text on it is older than a fifth of a second.
     fn message(&mut self, text: impl FnOnce() -> String) {
         if self.seen && self.shown.elapsed() >= Duration::from_millis(200) {
             self.shown = Instant::now();

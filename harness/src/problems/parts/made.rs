@@ -21,7 +21,7 @@ mod columns;
 
 use columns::{Cut, columns};
 
-/// What was made, and the most that a rank had of it.
+/// Summary of a problem made in parts, with the most that one rank held.
 pub(crate) struct MadeOf {
     pub(crate) name: String,
     pub(crate) whole: Whole,
@@ -29,13 +29,13 @@ pub(crate) struct MadeOf {
     pub(crate) most: [u64; 2],
 }
 
-/// What a rank has of a part: its grains with those near it, and their contacts.
+/// View of a part at its rank: its grains with those near it, and their contacts.
 struct View<M: Studied> {
     part: u32,
     frozen: Frozen<M>,
     /// The whole problem's number of each grain, rising.
     grains: Vec<u32>,
-    /// And of each contact, where all of its candidate's are in view.
+    /// The whole problem's number of each contact, where all contacts of its candidate are in view.
     contacts: Vec<u32>,
     /// The own ones.
     own: Range<usize>,
@@ -159,7 +159,7 @@ impl<M: Studied> View<M> {
         self.frozen.problem.contacts().iter().map(|contact| contact.ends().0 as usize)
     }
 
-    /// Those of the own grains.
+    /// Returns the contacts whose candidate is an own grain.
     fn own_contacts(&self) -> impl Iterator<Item = usize> {
         self.candidates().filter(|candidate| self.own.contains(candidate))
     }

@@ -1,4 +1,4 @@
-//! What ranks read beside the files of a problem: impulses to begin from, and solutions.
+//! Files that ranks read beside those of a problem: impulses to begin from, and solutions.
 
 use super::{Solve, Split, checkout, reason};
 use crate::cli::split;
@@ -64,7 +64,7 @@ fn frozen(name: &str) -> Frozen {
     frozen
 }
 
-/// On one machine, beside the solution.
+/// Solves on one machine, and measures the distance to the solution.
 fn alone(frozen: &Frozen, method: &str, start: &[f64], stop: &Stop) -> Outcome {
     let method = Method::parse(method, &[("subdomains".to_owned(), "4x2".to_owned())]).unwrap();
     let Answer::Solution { impulses, .. } = reference::solve(&frozen.problem) else { panic!("no solution") };

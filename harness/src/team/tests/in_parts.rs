@@ -16,7 +16,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use tempfile::TempDir;
 
-/// What `gravel-mpi split` ends with at each of so many ranks.
+/// Runs `gravel-mpi split` on so many ranks and returns the end of each.
 fn split_in_parts(size: usize, arguments: &[&str], to: &Path) -> Vec<Result<ExitCode>> {
     let to = to.to_str().unwrap();
     let Split { args } = Split::parse_from([&["split", "deposited-box", "-o", to], arguments].concat());
