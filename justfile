@@ -92,7 +92,9 @@ readme: bench
 
 # Make our frozen problems anew, the shear boxes from the new sample; git then shows what changed
 freeze: (freeze-one "settled-box" "400" "settled-60" "--scene sample.grains=60 --scene scene.box.width_m=1.2") (freeze-one "settled-box" "400" "settled-250" "") (freeze-one "settled-box" "1000" "settled-991" "--scene sample.grains=991 --scene scene.box.width_m=4.75") (freeze-one "shear-box-991" "rest" "shear-box-991-rest" "") (freeze-one "shear-box-991" "onset" "shear-box-991-onset" "") (freeze-one "shear-box-991" "sheared" "shear-box-991-sheared" "") (freeze-one "sphere-box" "300" "spheres-250" "")
-    cargo run --release -- freeze sphere-box --time-step 300 --scene scene.friction=0.3 --method nsgs --force -o cases/frozen/rough-spheres-250.json
+    cargo run --release -- freeze sphere-box --time-step 300 --scene scene.friction=0.3 --method active-set --tolerance 1e-4 --force -o cases/frozen/rough-spheres-250.json
+    cargo run --release -- freeze rough-shear-box --time-step onset --scene scene.friction=0.3 --method active-set --max-iterations 20000 --force -o cases/frozen/rough-991-onset.json
+    cargo run --release -- freeze rough-shear-box --time-step sheared --scene scene.friction=0.3 --method active-set --max-iterations 20000 --force -o cases/frozen/rough-991-sheared.json
 
 [private]
 freeze-one case moment name scene:

@@ -1,11 +1,13 @@
 //! A case file: why the case is here, where it comes from, its scene, and what is known of the answer.
 
-use crate::bodies::Drum;
+use crate::detect::Grain;
 use crate::error::CaseError;
-use crate::json::read_text;
-use crate::keys::all_missing;
-use crate::sample::{Grain, Sample};
+use crate::file::check_name;
+use crate::file::json::read_text;
+use crate::file::keys::all_missing;
+use crate::sample::Sample;
 use crate::scene::Scene;
+use crate::scene::bodies::Drum;
 use contact::{Place, shown};
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
@@ -171,20 +173,6 @@ impl Case {
         }
         Ok(())
     }
-}
-
-/// Refuses a `name` that would lead elsewhere where files are named after it.
-///
-/// # Errors
-/// Names it, and says what would be accepted.
-pub fn check_name(name: &str) -> Result<(), String> {
-    let leads_elsewhere = |c: char| "/\\:".contains(c) || c.is_control();
-    if name.is_empty() || name.starts_with('.') || name.contains(leads_elsewhere) {
-        return Err(format!(
-            "`name` is {name:?}: files are named after it, so it must not be empty, start with a dot, or have /, \\ or : in it"
-        ));
-    }
-    Ok(())
 }
 
 /// Sets the value at a dotted key, read as TOML if it is any, else as text.

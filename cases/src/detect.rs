@@ -1,9 +1,21 @@
 //! Neighbours and gaps: which grains and walls are close, on a grid of cells, in time linear in the number of grains.
 
-use crate::periodic::Period;
-use crate::walls::{MovingWall, WallMotion};
+pub(crate) mod periodic;
+
+use crate::detect::periodic::Period;
 use contact::{Groups, Place};
 use nalgebra::Vector2;
+
+/// A rigid disc or sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grain<P = Vector2<f64>> {
+    /// Radius (m).
+    pub radius: f64,
+    /// Mass (kg).
+    pub mass: f64,
+    /// Centre (m).
+    pub position: P,
+}
 
 /// The antagonist of a detected contact. Its order is that of the contacts of one candidate in a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -138,22 +150,6 @@ impl<P: Place> Neighbours<P> {
         };
         room > 0.0 && self.sought_at.len() == position.len() && self.sought_at.iter().zip(position).all(near)
     }
-}
-
-/// The contacts of one grain with the walls that are within `reach` (m), and how each of these moves.
-pub(crate) fn walls_near<P: Place>(
-    walls: &[Option<MovingWall<P>>; 5],
-    grain: u32,
-    position: P,
-    radius: f64,
-    reach: f64,
-) -> impl Iterator<Item = (DetectedContact<P>, WallMotion<P>)> {
-    WALLS.into_iter().zip(*walls).filter_map(move |(antagonist, wall)| {
-        let wall = wall?;
-        let (gap, normal) = (wall.now.gap(position, radius), wall.now.normal);
-        let contact = DetectedContact { candidate: grain, antagonist, normal, gap };
-        (gap <= reach).then(|| (contact, wall.motion(position)))
-    })
 }
 
 /// Calls `visit` with every pair of discs with a gap of at most `reach` (m), by rising candidate, then antagonist, and with

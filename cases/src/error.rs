@@ -1,7 +1,9 @@
 //! What can be wrong with a case or a frozen problem.
 
-use crate::observables::{Explosion, Missed};
+pub(crate) mod explosion;
+
 use contact::{ProblemError, SetupError};
+pub use explosion::{Explosion, Missed};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 

@@ -3,25 +3,25 @@
 
 mod begin;
 mod contacts;
+pub(crate) mod parts;
 mod start;
 
-use crate::bulk::Bulk;
 use crate::case::Case;
-use crate::detect::{Neighbours, Side};
-use crate::drawn::drawn;
-use crate::driven;
-use crate::energy::Energy;
-use crate::error::CaseError;
-use crate::frozen::Frozen;
-use crate::joints::Joints;
-use crate::lid::Placed;
-use crate::marched::Marched;
-use crate::observables::{Missed, Observables, explosion, wall_impulses};
-use crate::sample::Grain;
+use crate::detect::{Grain, Neighbours, Side};
+use crate::error::{CaseError, Missed, explosion::explosion};
+use crate::observe::bulk::Bulk;
+use crate::observe::energy::Energy;
+use crate::observe::stress::Stress;
+use crate::observe::{Observables, wall_impulses};
+use crate::problem::frozen::Frozen;
+use crate::problem::marched::Marched;
+use crate::problem::time_step::TimeStep;
+use crate::scene::drawn::drawn;
+use crate::scene::driven;
+use crate::scene::joints::Joints;
+use crate::scene::lid::Placed;
 use crate::scene::{Scene, too_far};
-use crate::stress::Stress;
 use contact::{Discs, Mass, Mechanics, Packing, Place, Solver, Touch, Vector, greatest, shown};
-pub(crate) use contacts::Terms;
 use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
 pub use start::Start;
 use start::recall;
@@ -48,34 +48,6 @@ pub struct March<M: Mechanics = Discs> {
     before: Vec<((u32, Side), M::Impulse)>,
     /// How the last time step ended, if it did not converge.
     missed: Option<Missed>,
-}
-
-/// The contact problem of a time step that is not solved yet.
-#[derive(Clone, Debug)]
-pub struct TimeStep<M: Mechanics = Discs> {
-    /// The problem, with the impulses of the time step before as its start.
-    pub frozen: Frozen<M>,
-    /// The antagonist of each contact.
-    sides: Vec<Side>,
-    /// Terms that the law added to the offset of each.
-    terms: Vec<Terms>,
-}
-
-impl<M: Mechanics> TimeStep<M> {
-    /// The antagonist of each contact.
-    pub fn sides(&self) -> &[Side] {
-        &self.sides
-    }
-
-    /// Terms that the law added to the offset of each contact.
-    pub(crate) fn terms(&self) -> &[Terms] {
-        &self.terms
-    }
-
-    /// The candidate and the antagonist of each contact, by which it is known again.
-    fn keys(&self) -> impl Iterator<Item = (u32, Side)> {
-        self.frozen.problem.contacts().iter().zip(&self.sides).map(|(at, side)| (at.ends().0, *side))
-    }
 }
 
 impl<M: Marched> March<M> {
@@ -263,6 +235,7 @@ impl<M: Marched> March<M> {
             gap,
             problem,
             start,
+            missed_before: None,
         };
         Ok(TimeStep { frozen, sides, terms })
     }

@@ -1,27 +1,21 @@
 //! Samples: discs or spheres with radius, mass and place before time begins. What is random comes from the sample's seed.
 
-use crate::deposit::{self, Placed};
-use crate::placed::placed;
-use crate::rough::AnyFrozen;
-use crate::shapes;
-use crate::sizes::{Radii, Sizes, with_room};
-use crate::strips::{Strips, no_place};
+pub(crate) mod deposit;
+pub(crate) mod placed;
+pub(crate) mod shapes;
+pub(crate) mod sizes;
+pub(crate) mod strips;
+
+use crate::detect::Grain;
+use crate::problem::rough::AnyFrozen;
+use crate::sample::deposit::Placed;
+use crate::sample::placed::placed;
+use crate::sample::sizes::{Radii, Sizes, with_room};
+use crate::sample::strips::{Strips, no_place};
 use contact::{Place, is_positive, shown};
-use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-
-/// A rigid disc or sphere.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grain<P = Vector2<f64>> {
-    /// Radius (m).
-    pub radius: f64,
-    /// Mass (kg).
-    pub mass: f64,
-    /// Centre (m).
-    pub position: P,
-}
 
 /// How the grains of a scene are made: discs in the plane, or spheres in space.
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]

@@ -1,10 +1,19 @@
 //! A scene: gravity, the box and its motion, the contact law, the time step.
 
-use crate::bodies::Drum;
-use crate::lid::Lid;
-use crate::periodic::Period;
-use crate::segments::Segment;
-use crate::walls::{Direction, Vibration, Walls};
+pub(crate) mod bodies;
+pub(crate) mod drawn;
+pub(crate) mod driven;
+pub(crate) mod joints;
+pub(crate) mod lid;
+pub(crate) mod motion;
+pub(crate) mod segments;
+pub(crate) mod walls;
+
+use crate::detect::periodic::Period;
+use crate::scene::bodies::Drum;
+use crate::scene::lid::Lid;
+use crate::scene::segments::Segment;
+use crate::scene::walls::{Direction, Vibration, Walls};
 use contact::{Place, is_not_negative, is_positive, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -81,6 +90,17 @@ pub enum Law {
     /// Newton's law of impact in Moreau's form: contacts enter as with `predicted-gap`, and c has e v⁻, so that
     /// 0 ≤ v⁺ + e v⁻ ⊥ r ≥ 0, which without friction never gives energy. It needs `scene.restitution`.
     Newton,
+}
+
+impl Law {
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PredictedGap => "predicted-gap",
+            Self::Iqs => "iqs",
+            Self::Newton => "newton",
+        }
+    }
 }
 
 impl Scene {

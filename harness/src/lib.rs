@@ -116,11 +116,11 @@ mod problems {
     #[cfg(test)]
     mod tests;
 
-    pub(crate) use case::{CaseProblem, KeptProblem, first_hash, overrides, read_case, warn};
+    pub(crate) use case::{CaseProblem, KeptProblem, Marcher, first_hash, overrides, read_case, warn};
     pub(crate) use files::{Kind, Root, is_toml, size, size_of_w, stem};
     pub(crate) use mechanics::{AnyProblem, Enter, Studied, Visit, enter, in_words, visit};
     pub(crate) use parts::{Impulses, Part};
-    pub(crate) use planned::{PlannedProblem, Problem, planned, spectrum};
+    pub(crate) use planned::{MARCH, MISSED_BEFORE, PlannedProblem, Problem, planned, spectrum};
     pub(crate) use pool::pool;
     pub(crate) use reference::{Given, Known, answer};
     pub(crate) use scene::{Scene, TIME_STEP};

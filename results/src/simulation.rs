@@ -112,7 +112,7 @@ pub struct Totals {
     pub energy: Energy,
 }
 
-/// Where energy went (J): what gives it to the grains is positive. In a series since the row before. `cases/src/energy.rs` has the
+/// Where energy went (J): what gives it to the grains is positive. In a series since the row before. `cases/src/observe/energy.rs` has the
 /// balance; 0 in journals of before there was one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -195,7 +195,7 @@ pub struct Observed {
     pub stress: Stress,
 }
 
-/// What contacts carry, the mean of all time steps since the row before. Pressure is positive. `cases/src/stress.rs` says how it is
+/// What contacts carry, the mean of all time steps since the row before. Pressure is positive. `cases/src/observe/stress.rs` says how it is
 /// computed; 0 in journals of before it was.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -212,7 +212,7 @@ pub struct Stress {
     /// Contacts that push, per grain (–).
     #[serde(with = "number")]
     pub coordination: f64,
-    /// Volume of grains over volume, away from walls and surface (–); `cases/src/bulk.rs` says where that is, and so below. NaN where
+    /// Volume of grains over volume, away from walls and surface (–); `cases/src/observe/bulk.rs` says where that is, and so below. NaN where
     /// it is not defined in one of the time steps.
     #[serde(with = "number")]
     pub bulk_solid_fraction: f64,

@@ -67,9 +67,6 @@ fn balanced_subdomains_differ_by_one_contact() {
     let partition = Partition::of_contacts(&problem, Scheme::Balanced, Grid::of(4, 2)).unwrap();
     let count = |e: u32| partition.subdomain.iter().filter(|other| **other == e).count();
     let counts: Vec<usize> = (0..8).map(count).collect();
-    let mean = problem.contact_count() as f64 / 8.0;
-    let imbalance = partition.imbalance(&vec![1.0; problem.contact_count()]);
-    assert!((mean * (1.0 + imbalance) - *counts.iter().max().unwrap() as f64).abs() < 1e-9, "{imbalance}");
     assert!(counts.iter().max().unwrap() - counts.iter().min().unwrap() <= 1, "{counts:?}");
 }
 

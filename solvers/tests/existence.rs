@@ -4,7 +4,6 @@
 //! Some of each; `just fuzz` makes 10,000 and prints the table. The same seeds each time.
 
 use active_set::ActiveSet;
-use analysis::Refutable;
 use cg::Cg;
 use contact::{Mechanics, Packing, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Solver, Touch, Vector};
 use nalgebra::{SVector, Vector2, Vector3, Vector6};
@@ -16,7 +15,7 @@ use reference::{Rough, certify, solve_rough};
 use runner::{Status, Stop, solve};
 
 /// A mechanics with friction in D dimensions.
-trait Dimension<const D: usize>: Rough + Refutable + Mechanics<Place = SVector<f64, D>> {
+trait Dimension<const D: usize>: Rough + Mechanics<Place = SVector<f64, D>> {
     fn contact(contact: RoughContact<D>) -> Self::Contact;
 
     fn velocity(translation: SVector<f64, D>, spin: [f64; 3]) -> Self::Velocity;

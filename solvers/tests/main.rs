@@ -29,4 +29,3 @@ mod proportioning;
 mod reference;
 mod rough_spheres;
 mod spheres;
-mod tresca;

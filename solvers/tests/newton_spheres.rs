@@ -176,7 +176,7 @@ fn falling_packing_is_certified_and_its_solution_stays() {
 #[test]
 fn packing_at_rest_comes_nearer_than_sweeps() {
     let AnyFrozen::RoughSpheres(Frozen { problem, .. }) =
-        AnyFrozen::read(&frozen_path("rough-spheres-250.json")).unwrap()
+        AnyFrozen::read(&frozen_path("rough-spheres-250-unconverged.json")).unwrap()
     else {
         panic!("spheres with friction");
     };

@@ -3,9 +3,9 @@
 
 use super::March;
 use crate::detect::{DetectedContact, Side};
-use crate::marched::Marched;
-use crate::placed::OVERLAP;
+use crate::problem::marched::Marched;
 use crate::sample::Sample;
+use crate::sample::placed::OVERLAP;
 use contact::{Vector, shown};
 
 impl<M: Marched> March<M> {

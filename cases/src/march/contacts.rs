@@ -1,14 +1,15 @@
 //! The contacts of a time step: which are near, which the law lets in, and their impulses of the time step before.
 
-use super::{March, TimeStep};
-use crate::bodies::bodies_near;
-use crate::detect::{DetectedContact, Side, walls_near};
-use crate::driven;
+use super::March;
+use crate::detect::{DetectedContact, Side};
 use crate::error::CaseError;
-use crate::joints::{Disc, Line};
-use crate::marched::Marched;
+use crate::problem::marched::Marched;
+use crate::problem::time_step::{Terms, TimeStep};
+use crate::scene::bodies::bodies_near;
+use crate::scene::driven;
+use crate::scene::joints::{Disc, Line};
+use crate::scene::walls::{MovingWall, WallMotion, walls_near};
 use crate::scene::{Law, Scene};
-use crate::walls::{MovingWall, WallMotion};
 use contact::{Place, Touch, Vector};
 
 impl<M: Marched> March<M> {
@@ -135,44 +136,6 @@ impl<M: Marched> March<M> {
 
 /// A pair that the law lets in, and what that adds to its offset.
 pub(super) type Entered<P> = (DetectedContact<P>, Terms);
-
-/// Terms that a law adds to the offset of a contact (m/s).
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Terms {
-    /// For its gap, c_g.
-    pub(crate) gap: f64,
-    /// For its rebound, e v⁻.
-    pub(crate) rebound: f64,
-}
-
-impl Terms {
-    /// Returns the terms of a contact with a gap, which at a curved wall is another `ahead` (m), over a time step of `h` (s), with its `rebound` if
-    /// the law has one (m/s). At a curved wall the gap ahead enters as it is: what the wall turns towards the grain, and what is left of
-    /// an overlap. Elsewhere overlaps are let be.
-    fn of(law: Law, (gap, ahead, h): (f64, Option<f64>, f64), rebound: Option<f64>) -> Self {
-        let gap = match (law, ahead) {
-            (Law::Iqs, None) => gap.max(0.0) / h,
-            (Law::Iqs, Some(ahead)) => ahead / h,
-            (Law::PredictedGap | Law::Newton, ahead) => ahead.map_or(0.0, |ahead| ahead.min(0.0) / h),
-        };
-        // Both are lower bounds of v⁺, with the sign turned: the greater counts.
-        match rebound {
-            Some(rebound) if gap >= rebound.min(0.0) => Self { gap: 0.0, rebound },
-            _ => Self { gap, rebound: 0.0 },
-        }
-    }
-}
-
-impl Law {
-    /// Name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::PredictedGap => "predicted-gap",
-            Self::Iqs => "iqs",
-            Self::Newton => "newton",
-        }
-    }
-}
 
 /// The greatest free speed of a grain, and of a wall where it faces one (m/s). Twice this times h is as far as two
 /// surfaces come together in a time step without impulses.

@@ -1,8 +1,9 @@
 //! What a time step is started from (§5): the impulses of the time steps before, or none.
 
-use super::{March, TimeStep};
+use super::March;
 use crate::detect::Side;
-use crate::marched::Marched;
+use crate::problem::marched::Marched;
+use crate::problem::time_step::TimeStep;
 use contact::Vector;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -10,9 +10,9 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(
     after_help = "Without --method the time steps before are solved as `gravel solve CASE` solves them: by cg with the \
-                  preconditioner `diagonal`, between spheres with friction by nsgs. Whatever the method, with friction each \
-                  stops after 5000 iterations, between spheres after 500, unless --max-iterations says otherwise. The \
-                  problem's source says how many did not converge."
+                  preconditioner `diagonal`, with friction by nsgs with acceleration=nesterov. Whatever the method, with friction \
+                  each stops after 5000 iterations unless --max-iterations says otherwise. The problem's key `missed_before` says how \
+                  many did not converge."
 )]
 pub(crate) struct Args {
     /// A case: its name, or the path of its file

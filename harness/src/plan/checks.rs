@@ -86,6 +86,9 @@ impl Plan {
         if let Some(case) = self.cases.iter().find(|case| case.time_step.is_some()) {
             bail!("`cases`: case `{}`: `time_step`: a simulation begins at the first", case.case);
         }
+        if let Some(case) = self.cases.iter().find(|case| case.march.is_some()) {
+            bail!("`cases`: case `{}`: `march`: the methods of the plan solve every time step", case.case);
+        }
         for PlannedMethod { method, warm_start, .. } in &self.methods {
             if let Some(starts) = warm_start {
                 let starts = match starts {

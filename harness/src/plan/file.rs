@@ -1,6 +1,7 @@
 //! A plan: which methods meet which problems, along which axes, until when.
 
 use crate::plan::{PlannedMethod, Rule, Settings, Simulate, Variant};
+use crate::problems::Marcher;
 use crate::terminal::{read_text, suggest};
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{Start, all_missing, of_toml};
@@ -94,6 +95,9 @@ pub(crate) struct PlannedCase {
     pub(crate) time_step: Option<Value>,
     /// The time to simulate, in a study through time; the plan's where there is none (s).
     pub(crate) duration_s: Option<f64>,
+    /// The method that solves the time steps before, such as `{ method = "active-set", stop = { tolerance = 1e-4 } }`; without it
+    /// accelerated `nsgs` where there is friction, `cg` where there is none.
+    pub(crate) march: Option<Marcher>,
     /// Values that are the same for all, such as `"scene.law" = "iqs"`.
     #[serde(default)]
     pub(crate) scene: Settings,

@@ -4,12 +4,13 @@ use crate::identity::{code_version, content_hash, hash_of};
 use crate::plan::{Method, Settings, as_typed};
 use crate::problems::{Enter, Root, Studied, enter};
 use crate::terminal::{progress, read_sealed, read_text, say, suggest, write_sealed};
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use cases::{AnyFrozen, Case, March, Sample, Start};
-use cg::Cg;
 use contact::memory::gigabytes;
 use results::provenance::available_memory;
 use runner::{Status, Stop};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -29,17 +30,34 @@ pub(crate) struct CaseProblem {
     overrides: Vec<(String, String)>,
     /// Counted from 1.
     pub(crate) time_step: u64,
+    /// The method that solves the time steps before it, if one is named.
+    marcher: Option<Marcher>,
 }
 
-/// Iterations of a time step with friction on the way to a problem, at most: where a packing falls together some come nowhere
-/// near, and the packing settles all the same.
+/// Iterations of a frictional time step on the way to a problem, at most: an impact may keep sweeps from converging, and the packing
+/// settles all the same.
 const WITH_FRICTION: u64 = 5000;
 
-/// Sweeps of a time step between spheres with friction, likewise.
-const SPHERES_WITH_FRICTION: u64 = 500;
+/// The method that solves the time steps before the problem of a case, each from the impulses of the one before.
+#[derive(Clone, Debug, JsonSchema, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Marcher {
+    /// Its name.
+    method: String,
+    /// Its settings; those left out have their defaults.
+    #[serde(default)]
+    set: Settings,
+    /// When the solve of a time step ends.
+    #[serde(default)]
+    stop: Stop,
+}
 
-fn cg() -> Result<Method> {
-    Method::parse("cg", &[("preconditioner".to_owned(), "diagonal".to_owned())])
+impl Marcher {
+    /// Returns the method, and when the solve of a time step ends.
+    fn read(&self) -> Result<(Method, Stop)> {
+        self.stop.check().context("`march.stop`")?;
+        Ok((Method::new(&self.method, self.set.clone()).context("`march`")?, self.stop))
+    }
 }
 
 impl CaseProblem {
@@ -63,16 +81,20 @@ impl CaseProblem {
         if time_step == 0 {
             bail!("{key} 0: time steps are counted from 1");
         }
-        Ok(Self { case, overrides, time_step })
+        Ok(Self { case, overrides, time_step, marcher: None })
     }
 
-    /// What solves the time steps before it, unless somebody wants another method.
+    /// Returns the method that solves the time steps before it, unless an argument names another, and when each solve ends.
     pub(crate) fn before(&self) -> Result<(Method, Stop)> {
-        let most = |max_iterations| Stop { max_iterations, ..Stop::default() };
-        Ok(match (self.case.scene.is_rough(), self.case.in_space()?) {
-            (false, _) => (cg()?, Stop::default()),
-            (true, false) => (cg()?, most(WITH_FRICTION)),
-            (true, true) => (Method::parse("nsgs", &[])?, most(SPHERES_WITH_FRICTION)),
+        if let Some(marcher) = &self.marcher {
+            return marcher.read();
+        }
+        Ok(if self.case.scene.is_rough() {
+            let stop = Stop { max_iterations: WITH_FRICTION, ..Stop::default() };
+            (Method::accelerated_sweeps()?, stop)
+        } else {
+            let diagonal = ("preconditioner".to_owned(), "diagonal".to_owned());
+            (Method::parse("cg", &[diagonal])?, Stop::default())
         })
     }
 
@@ -110,6 +132,7 @@ impl CaseProblem {
         let mut frozen = march.next()?.frozen;
         frozen.source += &replaced(&self.overrides);
         frozen.source += how;
+        frozen.missed_before = Some(missed);
         if missed > 0 {
             let note = format!("{missed} of the {before} time steps before did not converge.");
             eprintln!("{note}");
@@ -158,9 +181,15 @@ pub(crate) struct KeptProblem {
 }
 
 impl KeptProblem {
-    pub(crate) fn read(path: &Path, settings: &Settings, moment: Option<&Value>) -> Result<Self> {
+    pub(crate) fn read(
+        path: &Path,
+        settings: &Settings,
+        moment: Option<&Value>,
+        marcher: Option<&Marcher>,
+    ) -> Result<Self> {
         let of =
             CaseProblem::read(path, overrides(settings), "`time_step`", moment.map(as_typed).as_deref())?;
+        let of = CaseProblem { marcher: marcher.cloned(), ..of };
         // The first problem of the case shows whether its sample is possible, and what another file holds of it; a deposit
         // may take long, and its settings say all of it.
         let first = match of.case.sample {
@@ -168,8 +197,9 @@ impl KeptProblem {
             _ => Some(first_hash(&of.case)?),
         };
         // The code that computes it.
-        let code = (code_version::<Case>(), code_version::<Cg>());
-        let identity = hash_of(&json!([read_text(path)?, of.overrides, first, of.time_step, code]));
+        let (method, stop) = of.before()?;
+        let march = (code_version::<Case>(), method.name, method.code, method.settings, stop);
+        let identity = hash_of(&json!([read_text(path)?, of.overrides, first, of.time_step, march]));
         Ok(Self { of, identity })
     }
 

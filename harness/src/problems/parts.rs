@@ -127,6 +127,7 @@ impl Part {
                     gap: of(&frozen.gap, &share.contacts),
                     start: if begins { own(&share, &frozen.start) } else { Vec::new() },
                     problem: share.problem,
+                    missed_before: frozen.missed_before,
                 },
             )?;
         }

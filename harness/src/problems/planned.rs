@@ -19,6 +19,12 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
+/// The key of rows that holds the method of the time steps before a problem, if the plan names it.
+pub(crate) const MARCH: &str = "march";
+
+/// The key of rows that counts the time steps before a problem whose solve did not converge.
+pub(crate) const MISSED_BEFORE: &str = "missed_before";
+
 /// A problem of a study, before it is computed; or a scene of a study through time.
 pub(crate) struct PlannedProblem {
     /// Its name, in results.
@@ -136,10 +142,14 @@ fn of_case(root: &Root, plan: &Plan, planned: &PlannedCase) -> Result<Vec<Planne
             let scene = Scene::planned(case, alone, settings.clone(), planned, simulate)?;
             (name, Source::Simulated(Box::new(scene)))
         } else {
-            let kept = KeptProblem::read(&path, &settings, planned.time_step.as_ref())?;
+            let march = planned.march.as_ref();
+            let kept = KeptProblem::read(&path, &settings, planned.time_step.as_ref(), march)?;
             let name = &kept.of.case.name;
             all.insert("case".to_owned(), json!(name));
             all.insert("time_step".to_owned(), json!(kept.of.time_step));
+            if let Some(march) = march {
+                all.insert(MARCH.to_owned(), json!(march));
+            }
             (named(name, &settings, ""), Source::Case(Box::new(kept)))
         };
         all.extend(settings);
@@ -213,7 +223,8 @@ impl Visit for Begun<'_> {
         let Self { planned, given } = self;
         let frozen = Frozen { name: planned.name.clone(), ..frozen };
         let known = if planned.reference { OnceLock::new() } else { OnceLock::from(Known::default()) };
-        let (hash, settings) = (content_hash(&frozen), planned.settings.clone());
+        let (hash, mut settings) = (content_hash(&frozen), planned.settings.clone());
+        settings.extend(frozen.missed_before.map(|missed| (MISSED_BEFORE.to_owned(), json!(missed))));
         Box::new(Problem { hash, settings, given, known, spectrum: OnceLock::new(), frozen })
     }
 }

@@ -8,6 +8,7 @@ use crate::run::{
     repeated,
 };
 use anyhow::{Result, bail};
+use contact::acceleration::{Acceleration, LAG, SLACK};
 use local::LocalProblem;
 use partition::{Grid, Scheme};
 use results::journal::Record;
@@ -56,27 +57,30 @@ fn truth(problem: &LocalProblem) -> Option<LocalTruth> {
 /// # Errors
 /// Names the method that needs them, or the setting that has no meaning without.
 fn without_grains(method: &Method) -> Result<local::Method> {
-    let (own, local) = match method.name {
-        "nsgs" => ("", local::Method::Nsgs),
-        "nsgs-dd" => {
+    const SWEEPS: &[&str] = &["subdomains", "acceleration", "lag", "slack"];
+    let (own, local): (&[&str], _) = match method.name {
+        "nsgs" | "nsgs-dd" => {
             let subdomains = method.partition().map_or(1, |(grid, _)| grid.count());
-            ("subdomains", local::Method::NsgsDd { subdomains: usize::try_from(subdomains)? })
+            let acceleration: Acceleration = method.setting("acceleration").unwrap_or_default();
+            let lag = method.setting("lag").unwrap_or(LAG);
+            let momentum = acceleration.momentum(lag, method.setting("slack").unwrap_or(SLACK))?;
+            (SWEEPS, local::Method::Nsgs { subdomains: usize::try_from(subdomains)?, momentum })
         }
         "cg" => {
             let preconditioner = method.setting("preconditioner").unwrap_or_default();
-            ("preconditioner", local::Method::Cg { preconditioner })
+            (&["preconditioner"], local::Method::Cg { preconditioner })
         }
         "active-set" => {
             let start_accuracy = method.setting("start_accuracy").unwrap_or_default();
-            ("start_accuracy", local::Method::ActiveSet { start_accuracy })
+            (&["start_accuracy"], local::Method::ActiveSet { start_accuracy })
         }
         other => bail!(
             "method `{other}` needs grains, and there is W alone: nsgs, nsgs-dd, cg and active-set do without"
         ),
     };
     let plain = Method::parse(method.name, &[])?;
-    let other =
-        method.settings.iter().find(|(key, value)| *key != own && plain.settings.get(*key) != Some(value));
+    let is_other = |key: &str, value| !own.contains(&key) && plain.settings.get(key) != Some(value);
+    let other = method.settings.iter().find(|(key, value)| is_other(key, value));
     if let Some((key, value)) = other {
         bail!("method `{}`: `{key}` = {value} has no meaning where there is W alone", method.name);
     }

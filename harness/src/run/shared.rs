@@ -196,7 +196,16 @@ impl Visit for Own {
         let share = Box::new(self.part.share::<M>(problem)?);
         let problem = contact::Packing::new(Vec::new(), Vec::new(), Vec::new(), Vec::new())?;
         let (radius, gap) = (Vec::new(), Vec::new());
-        let frozen = M::any(Frozen { name, source, time_step, radius, gap, problem, start: Vec::new() });
+        let frozen = M::any(Frozen {
+            name,
+            source,
+            time_step,
+            radius,
+            gap,
+            problem,
+            start: Vec::new(),
+            missed_before: None,
+        });
         Ok(OwnPart { hash, frozen, share, start })
     }
 }

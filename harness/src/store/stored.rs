@@ -2,7 +2,7 @@
 
 use crate::identity::content_hash;
 use crate::plan::as_typed;
-use crate::problems::{KeptProblem, Root, Studied, Visit, visit};
+use crate::problems::{KeptProblem, MARCH, MISSED_BEFORE, Marcher, Root, Studied, Visit, visit};
 use crate::store::runs_folder;
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
@@ -10,6 +10,7 @@ use results::journal::{Record, Texts, entry};
 use results::schema::Run;
 use results::simulation::Simulated;
 use results::store::{StoreError, journals};
+use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
@@ -98,12 +99,15 @@ pub(crate) fn problem_of_run(root: &Root, run: &Run) -> Result<AnyFrozen> {
         bail!("its problem is W alone: there are no grains to show");
     }
     let mut settings = run.problem_settings.clone();
+    settings.remove(MISSED_BEFORE);
     let mut problem = match settings.remove("case") {
         None => AnyFrozen::read(&root.problem(&run.problem)?)?,
         Some(case) => {
             let time_step = settings.remove("time_step");
             let path = root.case(&as_typed(&case))?;
-            KeptProblem::read(&path, &settings, time_step.as_ref())?.problem(root, &run.problem)?
+            let march = settings.remove(MARCH).map(Marcher::deserialize).transpose()?;
+            KeptProblem::read(&path, &settings, time_step.as_ref(), march.as_ref())?
+                .problem(root, &run.problem)?
         }
     };
     let (before, now) = (&run.problem_hash, visit(problem.clone(), Hash));

@@ -6,5 +6,5 @@ mod infeasible;
 mod spectrum;
 
 pub use bounds::{Bounded, delassus_bound, scaled_delassus_bound};
-pub use infeasible::{Refutable, Thrust, any_proves_infeasible, proves_exactly, proves_infeasible};
+pub use infeasible::{Proof, proves_infeasible};
 pub use spectrum::{Closed, Spectrum, coupling, greatest_eigenvalue};

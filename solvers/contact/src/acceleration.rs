@@ -68,7 +68,7 @@ const LONGEST_PAUSE: u32 = 64;
 const LANES: usize = 4;
 
 /// The factor β of the extrapolation, from iteration to iteration.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Momentum {
     lag: f64,
     slack: f64,

@@ -29,11 +29,6 @@ impl Groups {
         Self { first, members }
     }
 
-    /// Where the members of each group begin and the last ends, and all members, one group after the other.
-    pub fn into_parts(self) -> (Vec<u32>, Vec<u32>) {
-        (self.first, self.members)
-    }
-
     /// The members of some groups, one group after the other.
     #[inline]
     pub fn of(&self, groups: Range<usize>) -> &[u32] {

@@ -1,7 +1,7 @@
 //! Discs and spheres without friction: a grain translates, a contact has one unknown, and 0 ≤ v ⊥ r ≥ 0.
 
 use crate::error::{is_not_negative, is_positive};
-use crate::mechanics::{Associated, Mass, Mechanics, Touch};
+use crate::mechanics::{Mass, Mechanics, Touch};
 use crate::meter::Meter;
 use crate::scaled::ScaledContact;
 use nalgebra::SVector;
@@ -28,8 +28,6 @@ impl<const D: usize> Mechanics for Smooth<D> {
     const NAME: &'static str = if D == 2 { "discs" } else { "spheres" };
     const HAS_ONE_VELOCITY: bool = true;
 }
-
-impl<const D: usize> Associated for Smooth<D> {}
 
 /// One contact α. v_α = n · (V_candidate − V_antagonist) + c_α.
 #[derive(Clone, Copy, Debug, PartialEq)]

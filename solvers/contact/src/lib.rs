@@ -32,13 +32,13 @@ pub use error::{ProblemError, SetupError, is_not_negative, is_positive, shown};
 pub use law::greatest;
 pub use measure::Measure;
 pub use measures::Measures;
-pub use mechanics::{Associated, Column, Mass, Mechanics, Place, Touch, Vector};
+pub use mechanics::{Column, Mass, Mechanics, Place, Touch, Vector};
 pub use meter::{Measuring, Meter, ratio};
 pub use packing::Packing;
 pub use problem::ContactProblem;
 pub use rough::{
-    RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughMeter, RoughSpheres, Rubbing, SphereColumn,
-    TrescaColumn, TrescaContact, TrescaDiscs, frame, zeta,
+    RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughMeter, RoughSpheres, Rubbing, SphereColumn, frame,
+    zeta,
 };
 pub use scaled::ScaledContact;
 pub use solver::{Iteration, Solver};

@@ -36,9 +36,6 @@ pub trait Mechanics: Copy + Debug + PartialEq + Send + Sync + 'static {
     const HAS_ONE_VELOCITY: bool;
 }
 
-/// A mechanics whose solutions minimise q(r): velocity and energy are unique then, and a method may descend.
-pub trait Associated: Mechanics {}
-
 /// A short list of numbers that are added up and scaled together.
 pub trait Vector:
     Copy

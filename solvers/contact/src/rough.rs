@@ -6,12 +6,10 @@
 mod column;
 mod meter;
 mod spheres;
-mod tresca;
 
 pub use column::RoughColumn;
 pub use meter::{RoughMeter, Rubbing, zeta};
 pub use spheres::{RoughSpheres, SphereColumn, frame};
-pub use tresca::{TrescaColumn, TrescaContact, TrescaDiscs};
 
 use crate::discs::{Contact, Discs};
 use crate::error::{ProblemError, is_not_negative, is_positive};

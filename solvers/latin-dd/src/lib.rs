@@ -29,7 +29,6 @@ mod assembly;
 mod balance;
 mod coarse;
 mod directions;
-mod homogenised;
 mod run;
 mod sent;
 mod stages;

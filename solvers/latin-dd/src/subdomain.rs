@@ -252,19 +252,6 @@ impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Latin<M, D> {
         influence
     }
 
-    /// F_E of the copies of boundary grains of which these velocities are asked, (d⁻ − d⁻ K_E⁻¹ d⁻) V̂ (N·s).
-    pub(crate) fn answer(&self, asked: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
-        let d_minus = |place: u32| self.directions.d_minus * self.shares[place as usize].mass;
-        let mut x = vec![SVector::zeros(); self.shares.len()];
-        for (place, v) in self.boundary.iter().zip(asked) {
-            x[*place as usize] = d_minus(*place).component_mul(v);
-        }
-        self.factor.solve(&mut x);
-        let force =
-            |(place, v): (&u32, &SVector<f64, D>)| d_minus(*place).component_mul(&(v - x[*place as usize]));
-        self.boundary.iter().zip(asked).map(force).collect()
-    }
-
     /// Σ F_E over `grains` (place, d⁻), with F_E = τ − d⁻ V_E (N·s).
     pub(crate) fn resultant<const T: usize>(&self, grains: &[(usize, f64)]) -> SVector<f64, T> {
         let of = |(place, d_minus): &(usize, f64)| {

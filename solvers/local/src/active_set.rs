@@ -118,7 +118,7 @@ impl<'p, const D: usize> ActiveSet<'p, D> {
         let ended = std::mem::replace(&mut self.phase, Phase::Ended);
         if let Phase::Gradient(run) = ended {
             self.work = run.work();
-            if let Ok(mut sweeps) = Sweeps::new(self.problem, self.exact, 1) {
+            if let Ok(mut sweeps) = Sweeps::new(self.problem, self.exact, 1, None) {
                 sweeps.begin(&self.best.0);
                 self.phase = Phase::Sweeps(Box::new(sweeps));
             }

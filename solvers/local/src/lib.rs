@@ -18,6 +18,7 @@ pub use problem::LocalProblem;
 
 use active_set::ActiveSet;
 use cg::ConeRun;
+use contact::acceleration::Momentum;
 use contact::{Iteration, SetupError};
 use gradient::Stored;
 use sweeps::{Exact, Sweeps};
@@ -25,12 +26,12 @@ use sweeps::{Exact, Sweeps};
 /// A method that needs no grains, with its settings. All begin from r = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
-    /// Non-linear Gauss-Seidel in the order of the contacts.
-    Nsgs,
-    /// Non-linear Gauss-Seidel by subdomains of the graph of W, all at once.
-    NsgsDd {
-        /// How many.
+    /// Non-linear Gauss-Seidel by subdomains of the graph of W, all at once; in one, in the order of the contacts.
+    Nsgs {
+        /// Number of subdomains.
         subdomains: usize,
+        /// Extrapolation over the iterations, if any.
+        momentum: Option<Momentum>,
     },
     /// The conjugate gradient of Renouf and Alart.
     Cg {
@@ -63,8 +64,9 @@ impl Method {
         exact: Exact<D>,
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         Ok(match self {
-            Self::Nsgs => Box::new(Sweeps::new(problem, exact, 1)?),
-            Self::NsgsDd { subdomains } => Box::new(Sweeps::new(problem, exact, subdomains)?),
+            Self::Nsgs { subdomains, momentum } => {
+                Box::new(Sweeps::new(problem, exact, subdomains, momentum)?)
+            }
             Self::Cg { preconditioner } => Box::new(gradient::<D>(problem, preconditioner)),
             Self::ActiveSet { start_accuracy } => {
                 SetupError::unless_not_negative("start_accuracy", start_accuracy)?;

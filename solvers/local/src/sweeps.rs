@@ -5,8 +5,11 @@
 //! much when all do it at once. With split masses that holds for problems with grains, since subdomains then have a Ŵ that is no less
 //! than W; here Ŵ is W without what couples subdomains, and the sums of the sizes of that in each row are added to its diagonal.
 //! So Ŵ − W is diagonally dominant, and q(r) = ½ rᵗ W r + qᵗ r never increases without friction, where W is symmetric.
+//!
+//! With acceleration the iterations are extrapolated as those between grains ([`contact::acceleration`]), in the norm of the blocks `W_αα`.
 
 use crate::{LocalProblem, graph};
+use contact::acceleration::Momentum;
 use contact::{Iteration, SetupError, Vector, Work, threads};
 use nalgebra::{SMatrix, SVector};
 
@@ -27,9 +30,19 @@ pub(crate) struct Sweeps<'p, const D: usize> {
     added: Vec<SVector<f64, D>>,
     /// r after the last sweep (N·s).
     r: Vec<f64>,
+    accelerated: Option<Trail>,
     iterations: u64,
     /// Impulses that a subdomain needs of others, component by component.
     interface: u64,
+}
+
+/// State that an accelerated iteration keeps of the one before.
+struct Trail {
+    momentum: Momentum,
+    /// x: r after the sweep before (N·s).
+    r: Vec<f64>,
+    /// y: r where this sweep began (N·s).
+    ahead: Vec<f64>,
 }
 
 struct Subdomain<const D: usize> {
@@ -46,6 +59,7 @@ impl<'p, const D: usize> Sweeps<'p, D> {
         problem: &'p LocalProblem,
         exact: Exact<D>,
         subdomains: usize,
+        momentum: Option<Momentum>,
     ) -> Result<Self, SetupError> {
         let of = graph::subdomains(problem, subdomains)?;
         let mut all: Vec<Subdomain<D>> =
@@ -73,22 +87,55 @@ impl<'p, const D: usize> Sweeps<'p, D> {
             interface += (D * needed_by.len()) as u64;
         }
         let r = vec![0.0; problem.q().len()];
-        Ok(Self { problem, exact, subdomains: all, place, added, r, iterations: 0, interface })
+        let accelerated = momentum.map(|momentum| Trail { momentum, r: r.clone(), ahead: r.clone() });
+        Ok(Self { problem, exact, subdomains: all, place, added, r, accelerated, iterations: 0, interface })
     }
 
     /// Takes the impulses `r` (N·s).
     pub(crate) fn begin(&mut self, r: &[f64]) {
         self.r.copy_from_slice(r);
+        self.hand_out();
+    }
+
+    /// Gives each subdomain its impulses.
+    fn hand_out(&mut self) {
         for subdomain in &mut self.subdomains {
             for (contact, own) in subdomain.contacts.iter().zip(&mut subdomain.r) {
-                *own = SVector::at(r, *contact as usize);
+                *own = SVector::at(&self.r, *contact as usize);
             }
         }
+    }
+
+    /// Extrapolates the impulses: y = z + β (z − x), x = z.
+    fn extrapolate(&mut self) {
+        let Some(Trail { momentum, r: x, ahead }) = &mut self.accelerated else { return };
+        let factor = momentum.factor();
+        for ((z, x), y) in self.r.iter_mut().zip(x).zip(ahead) {
+            *y = *z + (*z - *x) * factor;
+            *x = *z;
+            *z = *y;
+        }
+        self.hand_out();
+    }
+
+    /// Takes |g|² and ⟨g, d⟩ of the sweep, g = y − z and d = z − x, in the norm of the blocks `W_αα`.
+    fn turn(&mut self) {
+        let Some(Trail { momentum, r: x, ahead }) = &mut self.accelerated else { return };
+        let mut sums = [0.0; 2];
+        for contact in 0..self.place.len() {
+            let [z, x, y] = [&self.r, x, ahead].map(|list| SVector::<f64, D>::at(list, contact));
+            let g = y - z;
+            let weighed = self.problem.own::<D>(contact) * g;
+            sums[0] += g.dot(&weighed);
+            sums[1] += weighed.dot(&(z - x));
+        }
+        momentum.turn(sums);
     }
 }
 
 impl<const D: usize> Iteration for Sweeps<'_, D> {
     fn advance(&mut self) {
+        self.extrapolate();
         let Self { problem, exact, subdomains, place, added, r, .. } = self;
         threads::each(subdomains, place.len() * NANOSECONDS, &|own, subdomain| {
             for k in 0..subdomain.contacts.len() {
@@ -113,6 +160,7 @@ impl<const D: usize> Iteration for Sweeps<'_, D> {
                 own.put(&mut self.r, *contact as usize);
             }
         }
+        self.turn();
         self.iterations += 1;
     }
 

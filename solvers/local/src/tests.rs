@@ -1,7 +1,11 @@
 //! The law at one contact, and methods on problems with known answers.
 
 use super::{LocalProblem, Method, Preconditioner, graph};
+use contact::acceleration::{Acceleration, LAG, SLACK};
 use proptest::prelude::*;
+
+/// Gauss-Seidel as it is.
+const PLAIN: Method = Method::Nsgs { subdomains: 1, momentum: None };
 
 /// The impulses after so many iterations.
 fn after(method: Method, problem: &LocalProblem, iterations: u32) -> Vec<f64> {
@@ -57,7 +61,7 @@ proptest! {
         dimension in 1usize..4,
     ) {
         let problem = one(dimension, &a, &q, friction);
-        let r = after(Method::Nsgs, &problem, 1);
+        let r = after(PLAIN, &problem, 1);
         // Relative to what acts, not to the impulse that solves it: that is large where W is nearly singular.
         let size: f64 = r.iter().map(|r| r.abs()).sum();
         let left = problem.natural_map(&r) * -q[0].min(-f64::MIN_POSITIVE) / (1.0 + size);
@@ -78,7 +82,7 @@ proptest! {
         let problem = chain(1, 24, &a, &q, 0.0);
         let mut before = 0.0;
         for iterations in 1..12 {
-            let energy = energy(&problem, &after(Method::NsgsDd { subdomains }, &problem, iterations));
+            let energy = energy(&problem, &after(Method::Nsgs { subdomains, momentum: None }, &problem, iterations));
             prop_assert!(energy <= before + 1e-14, "{before:e} to {energy:e}");
             before = energy;
         }
@@ -121,9 +125,9 @@ proptest! {
         start_accuracy in prop_oneof![Just(0.0), Just(3e-3), Just(1.0), Just(f64::MAX)],
     ) {
         let problem = chain(dimension, contacts, &a, &q, friction);
-        let two = Method::NsgsDd { subdomains: contacts.min(2) };
+        let two = Method::Nsgs { subdomains: contacts.min(2), momentum: None };
         let [none, diagonal] = [Preconditioner::None, Preconditioner::Diagonal].map(|preconditioner| Method::Cg { preconditioner });
-        for method in [Method::Nsgs, two, none, diagonal, Method::ActiveSet { start_accuracy }] {
+        for method in [PLAIN, two, none, diagonal, Method::ActiveSet { start_accuracy }] {
             let r = after(method, &problem, 60);
             prop_assert_eq!(r.len(), problem.q().len());
         }
@@ -160,7 +164,7 @@ fn methods_without_friction_end_at_one_velocity() {
     let expected = problem.velocity(&after(Method::ActiveSet { start_accuracy: 1e-3 }, &problem, 300));
     let diagonal = Method::Cg { preconditioner: Preconditioner::Diagonal };
     let none = Method::Cg { preconditioner: Preconditioner::None };
-    for method in [Method::Nsgs, Method::NsgsDd { subdomains: 5 }, diagonal, none] {
+    for method in [PLAIN, Method::Nsgs { subdomains: 5, momentum: None }, diagonal, none] {
         let v = problem.velocity(&after(method, &problem, 20_000));
         let off = v.iter().zip(&expected).map(|(v, expected)| (v - expected).abs()).fold(0.0, f64::max);
         assert!(off < 1e-9, "{method:?}: {off:e}");
@@ -194,7 +198,7 @@ fn sliding_contact_with_a_diagonal_block_has_the_impulse_of_two_lines() {
     // r_n = −q_n/w_n; the velocity along the tangents stays parallel to q_t, so r_t = −μ r_n q_t/|q_t|.
     let entries = [(0, 0, 2.0), (1, 1, 7.0), (2, 2, 7.0)];
     let problem = LocalProblem::new(3, entries, vec![-1.0, 3.0, -4.0], vec![0.3]).unwrap();
-    for (r, expected) in after(Method::Nsgs, &problem, 1).iter().zip([0.5, -0.15 * 0.6, 0.15 * 0.8]) {
+    for (r, expected) in after(PLAIN, &problem, 1).iter().zip([0.5, -0.15 * 0.6, 0.15 * 0.8]) {
         assert!((r - expected).abs() < 1e-15, "{r}");
     }
 }
@@ -210,4 +214,38 @@ fn block_that_is_missing_or_indefinite_is_refused() {
     assert!(refused(&[(0, 0, 1.0), (1, 1, -1.0)]).contains("`W[1]` is [-1.0]"));
     assert!(refused(&[(0, 2, 1.0)]).contains("row 0, column 2"));
     assert!(refused(&[(0, 0, f64::NAN)]).contains("NaN"));
+}
+
+/// Iterations until the natural map is at most 1e-9, of at most 20,000.
+fn iterations_to_solve(method: Method, problem: &LocalProblem) -> usize {
+    let (mut run, mut r) = (method.start(problem).unwrap(), vec![0.0; problem.q().len()]);
+    let mut is_left = || {
+        run.advance();
+        run.impulses(&mut r);
+        problem.natural_map(&r) > 1e-9
+    };
+    (0..20_000).take_while(|_| is_left()).count()
+}
+
+#[test]
+fn accelerated_sweeps_solve_in_fewer_iterations_on_any_number_of_subdomains() {
+    let smooth = |row: usize, column: usize| match row.abs_diff(column) {
+        0 => 2.001,
+        1 => -1.0,
+        _ => 0.0,
+    };
+    // A beam of masses between springs: its stiffness has a small least eigenvalue.
+    let near = |row: usize| row.saturating_sub(1)..(row + 2).min(400);
+    let entries = (0..400).flat_map(|row| near(row).map(move |column| (row, column, smooth(row, column))));
+    let line = LocalProblem::new(1, entries, vec![-1.0; 400], vec![0.0; 400]).unwrap();
+    let a: Vec<f64> = (0..29).map(|k| (f64::from(k) * 2.3).sin()).collect();
+    let q: Vec<f64> = (0..23).map(|k| (f64::from(k) * 1.7).sin() - 0.4).collect();
+    let momentum = Acceleration::Nesterov.momentum(LAG, SLACK).unwrap();
+    for (problem, gain) in [(line, 5), (chain(2, 60, &a, &q, 0.2), 1), (chain(3, 60, &a, &q, 0.2), 1)] {
+        for subdomains in [1, 4] {
+            let [plain, accelerated] = [None, momentum]
+                .map(|momentum| iterations_to_solve(Method::Nsgs { subdomains, momentum }, &problem));
+            assert!(gain * accelerated < plain, "{subdomains} subdomains: {accelerated}, plain {plain}");
+        }
+    }
 }

@@ -42,16 +42,6 @@ impl Partition {
         scheme.partition(&points, &vec![1.0; points.len()], problem.position(), grid)
     }
 
-    /// By how much the heaviest subdomain is above the mean, over the mean, with the `weights` of the contacts (–).
-    pub fn imbalance(&self, weights: &[f64]) -> f64 {
-        let mut loads = vec![0.0; self.count as usize];
-        for (subdomain, weight) in self.subdomain.iter().zip(weights) {
-            loads[*subdomain as usize] += weight;
-        }
-        let mean = loads.iter().sum::<f64>() / f64::from(self.count);
-        if mean > 0.0 { loads.into_iter().fold(0.0, f64::max) / mean - 1.0 } else { 0.0 }
-    }
-
     /// Copies of grains beyond one of each, Σ (`m_i` − 1) over the grains with contacts: what subdomains must exchange.
     pub fn cut(&self, adjacency: &Adjacency) -> usize {
         let copies = |grain: usize| {

@@ -2,11 +2,10 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::{simulated, whole};
-use analysis::Refutable;
 use cases::{AnyFrozen, Frozen};
 use cg::Cg;
 use contact::acceleration::Acceleration;
-use contact::{Discs, Measures, Packing, RoughDiscs, Vector};
+use contact::{Discs, Measures, Mechanics, Packing, RoughDiscs, Vector};
 use latin_dd::LatinDd;
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Decomposition, Distributed, Grid, Partition, Scheme, Share, Team};
@@ -35,7 +34,7 @@ fn rough(name: &str) -> Packing<RoughDiscs> {
 }
 
 /// A run on so many ranks from r = 0: what came out, with the impulses of all.
-fn on_ranks<M: Refutable + analysis::Bounded>(
+fn on_ranks<M: Mechanics + analysis::Bounded>(
     problem: &Packing<M>,
     solver: &dyn Distributed<M>,
     cut: (Grid, usize),
@@ -46,7 +45,7 @@ fn on_ranks<M: Refutable + analysis::Bounded>(
 }
 
 /// The same from a start, and beside solutions, all of the whole problem.
-fn on_ranks_beside<M: Refutable + analysis::Bounded>(
+fn on_ranks_beside<M: Mechanics + analysis::Bounded>(
     problem: &Packing<M>,
     solver: &dyn Distributed<M>,
     (grid, size): (Grid, usize),
@@ -101,7 +100,7 @@ fn close(found: f64, expected: f64) -> bool {
 }
 
 /// The run on each number of ranks beside that on one machine, and on one rank.
-fn as_on_one_machine<M: Refutable + analysis::Bounded>(
+fn as_on_one_machine<M: Mechanics + analysis::Bounded>(
     problem: &Packing<M>,
     solver: &dyn Distributed<M>,
     name: &str,

@@ -1,6 +1,6 @@
 //! What the loop asks of a problem: measures, and proofs that there is no solution; on one machine, or of all ranks together.
 
-use analysis::Refutable;
+use analysis::Proof;
 use contact::{ContactProblem, Measure, Measures, Measuring, Mechanics, Vector};
 
 /// What judges the iterates of a run. Where ranks share a problem all must ask alike, and get the same answers.
@@ -33,7 +33,7 @@ pub(crate) struct OneMachine<'p, M: Mechanics> {
     pub(crate) meter: M::Meter<'p>,
 }
 
-impl<M: Refutable> Judge for OneMachine<'_, M> {
+impl<M: Mechanics> Judge for OneMachine<'_, M> {
     fn scale(&self) -> f64 {
         self.meter.scale()
     }
@@ -47,7 +47,7 @@ impl<M: Refutable> Judge for OneMachine<'_, M> {
     }
 
     fn any_proves_infeasible(&mut self, rays: &[Vec<f64>]) -> bool {
-        M::any_proves_infeasible(self.problem, rays)
+        Proof::alone(self.problem).any_proves_infeasible(rays)
     }
 
     fn greatest_rate(&self) -> f64 {

@@ -9,7 +9,6 @@ mod local;
 mod looks;
 mod ranks;
 
-use analysis::Refutable;
 use contact::{
     Discs, Iteration, Measure, Measures, Measuring, Mechanics, Packing, SetupError, Solver, Truth, Vector,
     Work,
@@ -150,7 +149,7 @@ const ENERGY_BOUND: f64 = 1e20;
 /// # Errors
 /// Names the setting, the stop rule or the start impulse that has no meaning; stopping on the velocity error is the
 /// business of [`solve_against`].
-pub fn solve<M: Refutable>(
+pub fn solve<M: Mechanics>(
     solver: &dyn Solver<M>,
     problem: &Packing<M>,
     r0: &[f64],
@@ -169,7 +168,7 @@ pub fn solve<M: Refutable>(
 ///
 /// # Errors
 /// Those of [`solve`]; names the stop rule if it is on the error of a solution that is not known.
-pub fn solve_against<'t, M: Refutable>(
+pub fn solve_against<'t, M: Mechanics>(
     known: impl IntoIterator<Item = &'t Truth<M>>,
     solver: &dyn Solver<M>,
     problem: &Packing<M>,

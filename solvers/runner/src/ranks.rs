@@ -1,11 +1,9 @@
 //! The loop where ranks share a problem: each advances its own subdomains, and all measure and decide together.
 
 mod judge;
-mod proof;
 
 use crate::{End, Measured, Progress, Status, Stop, run};
-use analysis::Refutable;
-use contact::{Iteration, Measure, Measures, SetupError, Work};
+use contact::{Iteration, Measure, Measures, Mechanics, SetupError, Work};
 use judge::AllRanks;
 use partition::{Distributed, Refused, Share, Team, Traffic};
 use std::ops::ControlFlow;
@@ -94,7 +92,7 @@ impl Iteration for Counted<'_> {
 ///
 /// # Errors
 /// As on one machine, at all ranks if at one.
-pub fn solve_on_ranks<M: Refutable>(
+pub fn solve_on_ranks<M: Mechanics>(
     solver: &dyn Distributed<M>,
     share: &Share<M>,
     team: &Team,

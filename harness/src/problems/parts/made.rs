@@ -200,6 +200,7 @@ impl<M: Studied> View<M> {
                 gap: values(gap, &cut.contacts),
                 problem: some_of(problem, &cut.contacts, &cut.grains)?,
                 start: Vec::new(),
+                missed_before: None,
             },
         )
     }

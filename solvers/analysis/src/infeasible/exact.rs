@@ -12,20 +12,20 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// A contact and its part in a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Thrust {
+pub(super) struct Thrust {
     /// Candidate and antagonist; `None` for a wall.
-    pub ends: (u32, Option<u32>),
+    pub(super) ends: (u32, Option<u32>),
     /// Unit normal n, from antagonist to candidate; in the plane with z = 0 (–).
-    pub normal: [f64; 3],
+    pub(super) normal: [f64; 3],
     /// The normal part of c (m/s).
-    pub offset: f64,
+    pub(super) offset: f64,
     /// d (N·s).
-    pub impulse: f64,
+    pub(super) impulse: f64,
 }
 
 impl Thrust {
     /// The impulse `d` along the normal of `contact` (N·s).
-    pub fn new<M: Mechanics>(contact: &M::Contact, d: f64) -> Self {
+    pub(super) fn new<M: Mechanics>(contact: &M::Contact, d: f64) -> Self {
         Self {
             ends: contact.ends(),
             normal: contact.normal().space(),
@@ -68,7 +68,7 @@ const UNKNOWNS: usize = 4096;
 
 /// Decides whether impulses d̂ ≥ 0 near some of these `thrusts` balance exactly at every grain, H d̂ = 0, while contacts approach, cᵗ d̂ < 0:
 /// then no velocity is admissible. `false` says nothing.
-pub fn proves_exactly(thrusts: &[Thrust]) -> bool {
+pub(super) fn proves_exactly(thrusts: &[Thrust]) -> bool {
     let greatest = thrusts.iter().map(|thrust| thrust.impulse).fold(0.0, f64::max);
     let mut words = MULTIPLY_ADDS;
     ROUND_OFF.into_iter().any(|share| {

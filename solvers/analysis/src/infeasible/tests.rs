@@ -44,7 +44,8 @@ fn impulses_need_balance_but_for_round_off_where_impulses_near_them_balance_exac
     // One link is turned by a unit of round-off: the row gives way there, at some 1e16 m/s.
     let mut contacts = row(3, normal).contacts().to_vec();
     contacts[2].normal.x = contacts[2].normal.x.next_up();
-    let turned = ContactProblem::new(vec![1.0; 3], vec![Vector2::zeros(); 3], contacts).unwrap();
+    let turned: ContactProblem =
+        ContactProblem::new(vec![1.0; 3], vec![Vector2::zeros(); 3], contacts).unwrap();
     assert!(!proves_infeasible(&turned, &[1.0; 4]));
 }
 
@@ -92,12 +93,16 @@ fn packing_that_is_held_in_more_ways_than_it_can_move_is_refuted_by_bounds_of_ro
         }
     }
     let grains = (SIDE * SIDE) as usize;
-    let problem = ContactProblem::new(vec![1.0; grains], vec![Vector2::zeros(); grains], contacts).unwrap();
-    let ray = balanced(&problem, &ray);
+    let problem: ContactProblem =
+        ContactProblem::new(vec![1.0; grains], vec![Vector2::zeros(); grains], contacts).unwrap();
+    let mut proof = Proof::alone(&problem);
+    proof.take(&ray).balance();
+    let ray = proof.subdomains[0].d.clone();
     assert!(proves_infeasible(&problem, &ray));
     // The same with walls that open has a solution.
     let opened = |contact: &Contact| Contact { offset: -contact.offset, ..*contact };
     let open = problem.contacts().iter().map(opened).collect();
-    let open = ContactProblem::new(problem.mass().to_vec(), problem.free_velocity().to_vec(), open).unwrap();
+    let open: ContactProblem =
+        ContactProblem::new(problem.mass().to_vec(), problem.free_velocity().to_vec(), open).unwrap();
     assert!(!proves_infeasible(&open, &ray));
 }

@@ -2,9 +2,9 @@
 
 use super::{GRID, SIZES, bits, close, discs, on_ranks_beside, rough};
 use crate::{simulated, whole};
-use analysis::{Bounded, Refutable};
+use analysis::Bounded;
 use cg::Cg;
-use contact::{Discs, Measure, Measures, Packing, RoughDiscs, Truth};
+use contact::{Discs, Measure, Measures, Mechanics, Packing, RoughDiscs, Truth};
 use latin_dd::LatinDd;
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Decomposition, Distributed, Partition, Scheme, Share, Team};
@@ -15,12 +15,12 @@ use std::ops::ControlFlow;
 const FEW: Stop = Stop { on: Measure::NaturalMap, tolerance: 0.0, max_iterations: 45 };
 
 /// An iterate that presses at many contacts.
-fn iterate<M: Refutable>(problem: &Packing<M>, solver: &dyn Distributed<M>) -> Vec<f64> {
+fn iterate<M: Mechanics>(problem: &Packing<M>, solver: &dyn Distributed<M>) -> Vec<f64> {
     let stop = Stop { max_iterations: 20, ..FEW };
     solve(solver, problem, &vec![0.0; problem.impulse_count()], &stop, &mut |_| {}).unwrap().impulses
 }
 
-fn begin_alike<M: Refutable + Bounded>(problem: &Packing<M>, solver: &dyn Distributed<M>, name: &str) {
+fn begin_alike<M: Mechanics + Bounded>(problem: &Packing<M>, solver: &dyn Distributed<M>, name: &str) {
     let start = iterate(problem, solver);
     let alone = solve(solver, problem, &start, &FEW, &mut |_| {}).unwrap();
     let beside = Beside { start: &start, solutions: &[] };
@@ -92,7 +92,7 @@ fn velocities_are_added_up_in_the_order_of_the_whole() {
 }
 
 /// The errors of the last iterate on each number of ranks beside those of one machine.
-fn errors_alike<M: Refutable + Bounded>(
+fn errors_alike<M: Mechanics + Bounded>(
     problem: &Packing<M>,
     solver: &dyn Distributed<M>,
     solutions: &[Vec<f64>],

@@ -2,8 +2,7 @@
 //! added up in between, and the subdomains along a tree.
 
 use crate::judge::Judge;
-use crate::ranks::proof::Proof;
-use analysis::Refutable;
+use analysis::Proof;
 use contact::{Column, Measure, Measures, Mechanics, Vector, law, ratio};
 use partition::{CopySums, Share, Subdomain, Sums, Team};
 
@@ -178,10 +177,7 @@ impl<'p, M: Mechanics> AllRanks<'p, M> {
     }
 
     /// Measures the distance to the solution with the impulses `r` (N·s) too; returns its natural map.
-    pub(crate) fn against(&mut self, r: &[f64]) -> f64
-    where
-        M: Refutable,
-    {
+    pub(crate) fn against(&mut self, r: &[f64]) -> f64 {
         let Measures { natural_map, energy, .. } = self.measure_after(&[], r, 0.0);
         let distance = self.distance(None);
         self.subdomains.iter_mut().for_each(|e| e.solutions.push(e.pushed.clone()));
@@ -207,7 +203,7 @@ impl<'p, M: Mechanics> AllRanks<'p, M> {
     }
 }
 
-impl<M: Refutable> Judge for AllRanks<'_, M> {
+impl<M: Mechanics> Judge for AllRanks<'_, M> {
     fn scale(&self) -> f64 {
         self.scale
     }
@@ -244,7 +240,8 @@ impl<M: Refutable> Judge for AllRanks<'_, M> {
     }
 
     fn any_proves_infeasible(&mut self, rays: &[Vec<f64>]) -> bool {
-        Proof::new(self.share, &self.team).any_proves_infeasible(rays)
+        let Self { share, team, .. } = self;
+        Proof::of(&share.problem, &share.decomposition, &share.grains, team).any_proves_infeasible(rays)
     }
 
     fn greatest_rate(&self) -> f64 {

@@ -1,0 +1,96 @@
+//! Where the energy of a time step goes.
+//!
+//! M (V⁺ − V⁻) = h M g + H r, multiplied by the mean velocity, is the balance of the θ-scheme with θ = ½, exactly:
+//!
+//! ½ V⁺ᵗ M V⁺ − ½ V⁻ᵗ M V⁻ = gravity's work + ½ rᵗ Hᵗ (V⁺ + V⁻)
+//!
+//! The contacts' work, the last term, has four parts. With c = `c_w` + `c_g` + `c_e`, of the walls' motion, of the law's gap term and of
+//! its rebound e v⁻, and v± = Hᵗ V± + `c_w` + `c_g`:
+//!
+//! - walls: −r · `c_w`, what their motion gives or takes
+//! - gap: −½ `r_n` `c_g`, what a gap that closes within the time step takes before its contact does
+//! - shocks: ½ `r_n` (`v_n⁺` + `v_n⁻`), where `v_n⁺` is 0, or −e `v_n⁻`, but for what the solver leaves. At a curved wall `c_g` is what
+//!   the wall turns towards the grain: of a grain that slides along it, the gap gives back what the shock against the chord takes
+//! - sliding: ½ `r_t` (`v_t⁺` + `v_t⁻`), which is friction's
+
+use crate::problem::marched::Marched;
+use crate::problem::time_step::{Terms, TimeStep};
+use crate::scene::Scene;
+use contact::{Mass, Touch, Vector};
+use std::ops::AddAssign;
+
+/// The energy of a time step, or of several (J). What gives energy to the grains is positive.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// Work of the walls' motion, and of the forces on a lid and on driven segments.
+    pub walls: f64,
+    /// Work of the law's gap term.
+    pub gap: f64,
+    /// Work of shocks: negative.
+    pub shocks: f64,
+    /// Work of friction.
+    pub sliding: f64,
+    /// All that changed hands: the sizes of the four, of the change of kinetic and of that of potential energy.
+    pub moved: f64,
+    /// Size of what the balance leaves over: round-off where θ = ½, what the scheme itself takes or gives elsewhere.
+    pub left_over: f64,
+}
+
+impl AddAssign for Energy {
+    fn add_assign(&mut self, other: Self) {
+        self.walls += other.walls;
+        self.gap += other.gap;
+        self.shocks += other.shocks;
+        self.sliding += other.sliding;
+        self.moved += other.moved;
+        self.left_over += other.left_over;
+    }
+}
+
+impl Energy {
+    /// Of a time step of a scene with the impulses `r` (N·s), from one velocity to the other.
+    pub(crate) fn of<M: Marched>(
+        time_step: &TimeStep<M>,
+        scene: &Scene,
+        (before, after): (&[M::Velocity], &[M::Velocity]),
+        r: &[f64],
+    ) -> Self {
+        let Scene { time_step_s: h, theta, .. } = *scene;
+        let problem = &time_step.frozen.problem;
+        let mean: Vec<M::Velocity> =
+            before.iter().zip(after).map(|(before, after)| (*before + *after) * 0.5).collect();
+        let mut energy = Self::default();
+        for (k, (contact, own)) in problem.contacts().iter().zip(time_step.terms()).enumerate() {
+            let (r, c) = (M::Impulse::at(r, k), contact.offset());
+            let Terms { gap: c_g, rebound: c_e } = *own;
+            let normal = r.first();
+            let v = contact.relative(&mean) + c;
+            let of_normal = normal * v.first();
+            energy.walls += normal * (c_g + c_e) - r.dot_product(c);
+            energy.gap -= 0.5 * normal * c_g;
+            energy.shocks += of_normal - normal * c_e - 0.5 * normal * c_g;
+            energy.sliding += r.dot_product(v) - of_normal;
+        }
+        let gravity = scene.gravity::<M::Place>();
+        let (mut kinetic, mut potential) = (0.0, 0.0);
+        for ((before, after), mass) in before.iter().zip(after).zip(problem.mass()) {
+            kinetic += 0.5 * (mass.squared(*after) - mass.squared(*before));
+            // As far as it moves.
+            let moved = M::translation(*before * (1.0 - theta) + *after * theta) * h;
+            potential += M::weight(*mass) * gravity.dot_product(moved);
+        }
+        let forces = scene.forces::<M::Place>();
+        let bodies = before.len() - forces.len()..;
+        for ((_, force), (before, after)) in
+            forces.iter().zip(before[bodies.clone()].iter().zip(&after[bodies]))
+        {
+            let moved = M::translation(*before * (1.0 - theta) + *after * theta) * h;
+            energy.walls += force.dot_product(moved);
+        }
+        let parts = [energy.walls, energy.gap, energy.shocks, energy.sliding];
+        let changes = [kinetic, potential];
+        energy.moved = parts.iter().chain(&changes).map(|part| part.abs()).sum();
+        energy.left_over = (kinetic + potential - parts.iter().sum::<f64>()).abs();
+        energy
+    }
+}

@@ -1,0 +1,76 @@
+//! What the contacts of a time step carry: the Love-Weber stress, and how many contacts a grain has.
+//!
+//! σ = 1/A Σ f ⊗ l over all contacts, f the force on the candidate and l the branch to its centre: from the centre of the other grain,
+//! or of a bump, or from the foot of its perpendicular on a wall. Pressure is positive. A is the width of a periodic box times the
+//! height of its lid over its floor: under a lid at rest `σ_yy` is then its force over its width, exactly, where grains have no weight.
+//! In a box that a driven segment closes A is the rectangle around the grains: with four walls and no weight, force over length too.
+//!
+//! F. Radjai, V. Richefeu, "Contact dynamics as a nonsmooth discrete element method", Mech. Mater. 41 (2009).
+
+use crate::detect::Side;
+use crate::problem::marched::Marched;
+use crate::problem::time_step::TimeStep;
+use crate::scene::Scene;
+use contact::{Touch, Vector};
+
+/// Stress (N/m) and coordination of a time step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stress {
+    /// `σ_xx` (N/m); 0 without a lid and without a driven segment, as below.
+    pub xx: f64,
+    /// `σ_xy`: what acts along x across y (N/m).
+    pub xy: f64,
+    /// `σ_yy` (N/m).
+    pub yy: f64,
+    /// Contacts that push, per grain: one between two grains counts for both (–).
+    pub coordination: f64,
+}
+
+impl Stress {
+    /// Of the impulses `r` (N·s) of a time step, over an area (m²); or over that of the rectangle around the grains.
+    pub(crate) fn of<M: Marched>(
+        time_step: &TimeStep<M>,
+        scene: &Scene,
+        (grains, area): (usize, Option<f64>),
+        r: &[f64],
+    ) -> Self {
+        let (radius, contacts) = (&time_step.frozen.radius, time_step.frozen.problem.contacts());
+        let area = area.or_else(|| scene.driven().next().map(|_| rectangle(time_step, grains)));
+        let bumps = scene.bump_radius().unwrap_or(0.0);
+        let (mut stress, mut touched) = (Self::default(), 0_u32);
+        for (k, ((contact, side), gap)) in
+            contacts.iter().zip(time_step.sides()).zip(&time_step.frozen.gap).enumerate()
+        {
+            let (candidate, r) = (contact.ends().0 as usize, M::Impulse::at(r, k));
+            // The guides of a lid.
+            if candidate >= grains || r.first() <= 0.0 {
+                continue;
+            }
+            let beyond = match *side {
+                Side::Grain(j) => radius[j as usize],
+                Side::Bump(_) | Side::Lid(_, 0..) => bumps,
+                _ => 0.0,
+            };
+            touched += if matches!(side, Side::Grain(_)) { 2 } else { 1 };
+            if let Some(area) = area {
+                let branch = contact.normal() * (radius[candidate] + beyond + gap);
+                let force = M::to_candidate(contact, r) / (scene.time_step_s * area);
+                stress.xx += force[0] * branch[0];
+                stress.xy += force[0] * branch[1];
+                stress.yy += force[1] * branch[1];
+            }
+        }
+        stress.coordination = f64::from(touched) / grains as f64;
+        stress
+    }
+}
+
+/// The area of the rectangle around the grains (m²).
+fn rectangle<M: Marched>(time_step: &TimeStep<M>, grains: usize) -> f64 {
+    let (radius, position) = (&time_step.frozen.radius, time_step.frozen.problem.position());
+    let reach = |axis: usize, sign: f64| {
+        let reaches = position.iter().zip(radius).take(grains).map(|(x, r)| sign * x[axis] + r);
+        reaches.fold(f64::NEG_INFINITY, f64::max)
+    };
+    (reach(0, 1.0) + reach(0, -1.0)) * (reach(1, 1.0) + reach(1, -1.0))
+}

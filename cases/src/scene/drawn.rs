@@ -1,0 +1,130 @@
+//! Walls and other fixed bodies as they are drawn.
+
+use crate::detect::{Side, WALLS};
+use crate::scene::Scene;
+use crate::scene::walls::Wall;
+use contact::Place;
+
+/// The walls and bodies of a scene at a `time` (s), by their corners (m); grains reach so far along a direction.
+pub(crate) fn drawn<P: Place>(scene: &Scene, time: f64, reach: impl Fn(P) -> f64) -> Vec<(Side, Vec<P>)> {
+    let walls = scene.walls.as_ref().map_or([None; 5], |walls| walls.at::<P>(time));
+    // From wall to wall along an axis, or as far as the grains reach.
+    let between = |axis: [f64; 3], low: usize, high: usize| {
+        let (axis, feet) = (P::of(axis), walls[low].zip(walls[high]));
+        let periodic = scene.period().0.filter(|_| low == 1).map(|width| [0.0, width]);
+        feet.map_or_else(
+            || periodic.unwrap_or_else(|| [-reach(-axis), reach(axis)]),
+            |(low, high)| [low.foot.dot_product(axis), high.foot.dot_product(axis)],
+        )
+    };
+    let [x, z] = [between([1.0, 0.0, 0.0], 1, 2), between([0.0, 0.0, 1.0], 3, 4)];
+    let corners = |side: Side, wall: Wall<P>| {
+        let [foot_x, foot_y, foot_z] = wall.foot.space();
+        let [from, to] = match side {
+            Side::Floor => x.map(|x| [x, foot_y, z[0]]),
+            Side::Left | Side::Right => z.map(|z| [foot_x, foot_y, z]),
+            _ => x.map(|x| [x, foot_y, foot_z]),
+        }
+        .map(P::of);
+        let across = if side == Side::Floor {
+            P::of([0.0, 0.0, z[1] - z[0]])
+        } else {
+            let up = upwards(wall.normal);
+            up * (reach(up) - up.dot_product(wall.foot)).max(0.0)
+        };
+        match P::LEN {
+            2 if side == Side::Floor => vec![from, to],
+            2 => vec![from, from + across],
+            _ => vec![from, to, to + across, from + across],
+        }
+    };
+    let some = WALLS.into_iter().zip(walls).filter_map(|(side, wall)| Some((side, wall?)));
+    let floor = walls[0].map_or([0.0; 3], |floor| [x[0], floor.foot[1], 0.0]);
+    some.map(|(side, wall)| (side, corners(side, wall)))
+        .chain(outlines(scene, time, (floor, x[1]), z))
+        .collect()
+}
+
+/// Along a wall with this normal, which stands on an edge along z or along x.
+fn upwards<P: Place>(normal: P) -> P {
+    let [n_x, n_y, n_z] = normal.space();
+    P::of(if n_z == 0.0 { [-n_y * n_x.signum(), n_x * n_x.signum(), 0.0] } else { [0.0, 1.0, 0.0] })
+}
+
+/// Sides of the polygon that stands for a circle where it is drawn.
+const SIDES: u32 = 72;
+
+/// The upper half of a sphere, in faces of four corners (m).
+fn dome([x, y, z]: [f64; 3], radius: f64) -> impl Iterator<Item = [[f64; 3]; 4]> {
+    const AROUND: u32 = 8;
+    const UP: u32 = 3;
+    let at = move |k: u32, l: u32| {
+        let turned = std::f64::consts::TAU * f64::from(k) / f64::from(AROUND);
+        let raised = std::f64::consts::FRAC_PI_2 * f64::from(l) / f64::from(UP);
+        let across = radius * libm::cos(raised);
+        [x + across * libm::cos(turned), y + radius * libm::sin(raised), z + across * libm::sin(turned)]
+    };
+    let faces = (0..AROUND).flat_map(|k| (0..UP).map(move |l| (k, l)));
+    faces.map(move |(k, l)| [at(k, l), at(k + 1, l), at(k + 1, l + 1), at(k, l + 1)])
+}
+
+/// The drum, the bumps on a floor from a place on to some x, and the segments at a `time` (s), to be drawn by their corners (m): lines
+/// in the plane, and in space what they sweep between two z.
+fn outlines<P: Place>(
+    scene: &Scene,
+    time: f64,
+    (from, to_x): ([f64; 3], f64),
+    z: [f64; 2],
+) -> Vec<(Side, Vec<P>)> {
+    let drum = scene.drum.into_iter().flat_map(|drum| arc(Side::Drum, [0.0; 2], drum.radius_m, SIDES, z));
+    let bump_radius = scene.walls.as_ref().and_then(|walls| walls.bump_radius_m);
+    let bumps = bump_radius.into_iter().flat_map(|a| {
+        let last = ((to_x - from[0]) / (2.0 * a)).ceil() as i32;
+        let along = move |k: i32| from[0] + 2.0 * a * f64::from(k);
+        // In space those whose centres are between the two z.
+        let [low, high] =
+            if P::LEN > 2 { [(z[0] / (2.0 * a)).ceil(), (z[1] / (2.0 * a)).floor()] } else { [0.0; 2] };
+        let numbers = (0..=last).flat_map(move |k| (low as i32..=high as i32).map(move |row| [k, row]));
+        numbers.flat_map(move |[k, row]| -> Vec<(Side, Vec<P>)> {
+            let side = Side::Bump([k, row]);
+            if P::LEN > 2 {
+                let centre = [along(k), from[1], 2.0 * a * f64::from(row)];
+                dome(centre, a).map(|corners| (side, corners.map(P::of).to_vec())).collect()
+            } else {
+                arc(side, [along(k), from[1]], a, SIDES / 2, z).collect()
+            }
+        })
+    });
+    let segments = (0..).zip(&scene.segments).flat_map(|(number, segment)| {
+        segment.ends::<P>(time).map_or_else(Vec::new, |ends| segment.outline(Side::Segment(number), ends))
+    });
+    drum.chain(bumps).chain(segments).collect()
+}
+
+/// A circle in the plane (m).
+pub(crate) fn circle<P: Place>(
+    side: Side,
+    centre: [f64; 2],
+    radius: f64,
+) -> impl Iterator<Item = (Side, Vec<P>)> {
+    arc(side, centre, radius, SIDES, [0.0; 2])
+}
+
+/// The first of the sides that stand for a circle (m), and in space what they sweep between two z.
+fn arc<P: Place>(
+    side: Side,
+    [x, y]: [f64; 2],
+    radius: f64,
+    sides: u32,
+    z: [f64; 2],
+) -> impl Iterator<Item = (Side, Vec<P>)> {
+    let at = move |k: u32| {
+        let angle = std::f64::consts::TAU * f64::from(k) / f64::from(SIDES);
+        [x + radius * libm::cos(angle), y + radius * libm::sin(angle)]
+    };
+    (0..sides).map(move |k| {
+        let ([x0, y0], [x1, y1]) = (at(k), at(k + 1));
+        let corners = [[x0, y0, z[0]], [x1, y1, z[0]], [x1, y1, z[1]], [x0, y0, z[1]]];
+        (side, corners.into_iter().take(if P::LEN > 2 { 4 } else { 2 }).map(P::of).collect())
+    })
+}

@@ -1,0 +1,236 @@
+//! Segments: straight walls with two ends that stand, move or are driven, and may be taken away; without length they are discs.
+
+use crate::detect::Side;
+use crate::scene::drawn::circle;
+use crate::scene::driven::{self, Driven};
+use crate::scene::motion::{self, Row};
+use crate::scene::walls::{Direction, Vibration};
+use contact::{Place, is_not_negative, shown};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A straight wall with two ends, both sides of which discs may touch. A hopper has two that lean and one, its gate, that is taken
+/// away; an obstacle has a radius and no length. Segments that meet and move alike are one line to a disc. Its velocities add up; contacts see their mean from one detection to the next, over [t + (1−θ)h, t + (2−θ)h], so that a
+/// disc stays on it exactly. With θ = ½ that is the velocity at the end of the time step, where it is linear.
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Segment {
+    /// One end, as [x, y], when time begins (m).
+    pub from_m: [f64; 2],
+    /// The other end (m); without it the segment has no length.
+    pub to_m: Option<[f64; 2]>,
+    /// Half its thickness (m): its ends are round.
+    #[serde(default)]
+    pub radius_m: f64,
+    /// Velocity (m/s).
+    #[serde(default)]
+    pub velocity_m_per_s: [f64; 2],
+    /// More velocity, as rows of [time (s), `v_x`, `v_y` (m/s)]: linear from row to row, constant before the first and after the last.
+    #[serde(default)]
+    pub motion: Vec<Row>,
+    /// Vibration.
+    pub vibration: Option<Vibration>,
+    /// A force that drives it, in place of a given motion; it is one of the last grains of contact problems and frames.
+    pub driven: Option<Driven>,
+    /// Coulomb's μ on it (–), where it is another than at walls.
+    pub friction: Option<f64>,
+    /// When it is taken away (s); without it, never.
+    pub removed_at_s: Option<f64>,
+}
+
+impl Segment {
+    /// Its ends at a `time` (s), if it is there and moves as given.
+    pub(crate) fn ends<P: Place>(&self, time: f64) -> Option<[P; 2]> {
+        let is_there = self.driven.is_none() && self.removed_at_s.is_none_or(|removed| time < removed);
+        is_there.then(|| self.ends_at(self.moved(time)))
+    }
+
+    /// Its ends where it has so far moved (m).
+    pub(crate) fn ends_at<P: Place>(&self, moved: P) -> [P; 2] {
+        [self.from_m, self.to_m.unwrap_or(self.from_m)].map(|[x, y]| P::of([x, y, 0.0]) + moved)
+    }
+
+    /// How far it has moved at a `time` (s), as given (m).
+    pub(crate) fn moved<P: Place>(&self, time: f64) -> P {
+        let moved = self.constant::<P>() * time;
+        if !self.is_unsteady() {
+            return moved;
+        }
+        let [x, y] = motion::displacement(&self.motion, time);
+        let shaken = self.vibration.as_ref().map_or(P::ZERO, |vibration| vibration.displacement(time));
+        moved + P::of([x, y, 0.0]) + shaken
+    }
+
+    /// Its velocity over the `span` after a `time` (s), on average (m/s).
+    pub(crate) fn velocity<P: Place>(&self, time: f64, span: f64) -> P {
+        // To the bit where it is constant.
+        if self.is_unsteady() {
+            (self.moved::<P>(time + span) - self.moved(time)) / span
+        } else {
+            self.constant()
+        }
+    }
+
+    fn constant<P: Place>(&self) -> P {
+        let [x, y] = self.velocity_m_per_s;
+        P::of([x, y, 0.0])
+    }
+
+    fn is_unsteady(&self) -> bool {
+        !self.motion.is_empty() || self.vibration.is_some()
+    }
+
+    /// How fast it is at most, as given (m/s).
+    pub(crate) fn speed(&self) -> f64 {
+        let constant = self.velocity_m_per_s[0].hypot(self.velocity_m_per_s[1]);
+        constant
+            + motion::greatest_speed(&self.motion)
+            + self.vibration.as_ref().map_or(0.0, Vibration::greatest_speed)
+    }
+
+    /// Checks that both move as given, in one way.
+    pub(crate) fn moves_as(&self, other: &Self) -> bool {
+        let given = self.driven.is_none() && other.driven.is_none();
+        let alike = self.velocity_m_per_s == other.velocity_m_per_s && self.motion == other.motion;
+        given && alike && self.vibration == other.vibration
+    }
+
+    /// Where a disc is beside it between these ends, if its surface is within `reach` (m). Seen from the segment the disc `came` this way
+    /// since contacts were sought last (m).
+    pub(crate) fn beside<P: Place>(
+        &self,
+        [from, to]: [P; 2],
+        came: P,
+        (position, radius): (P, f64),
+        reach: f64,
+    ) -> Option<Beside<P>> {
+        let along = to - from;
+        let squared = along.dot_product(along);
+        let share = if squared > 0.0 { (position - from).dot_product(along) / squared } else { 0.0 };
+        let between = position - (from + along * share.clamp(0.0, 1.0));
+        let touching = radius + self.radius_m;
+        // Most are too far: no square root for them.
+        if between.dot_product(between) > (touching + reach) * (touching + reach) {
+            return None;
+        }
+        let distance = between.length();
+        let end = if share <= 0.0 { Some(0) } else { (share >= 1.0).then_some(1) };
+        let line = (squared > 0.0).then(|| {
+            let length = squared.sqrt();
+            let upwards = P::of([-along[1], along[0], 0.0]) / length;
+            let height = upwards.dot_product(position - from);
+            let before = height - upwards.dot_product(came);
+            let passed = is_within(share - came.dot_product(along) / squared, share, before, height);
+            let above = if passed && before != 0.0 { before > 0.0 } else { (height >= 0.0) != passed };
+            (if above { upwards } else { -upwards }, passed)
+        });
+        let (normal, passed) = line.unwrap_or((P::ZERO, false));
+        let gap = if passed { -distance } else { distance } - touching;
+        (gap <= reach).then_some(Beside {
+            end: end.filter(|_| !passed),
+            between,
+            distance,
+            normal,
+            touching,
+            gap,
+        })
+    }
+
+    /// As it is drawn between these ends (m): a line, or two with circles at their ends.
+    pub(crate) fn outline<P: Place>(&self, side: Side, [from, to]: [P; 2]) -> Vec<(Side, Vec<P>)> {
+        let (along, radius) = (to - from, self.radius_m);
+        let length = along.length();
+        let aside = P::of([-along[1], along[0], 0.0]) * if length > 0.0 { radius / length } else { 0.0 };
+        let ends = if radius > 0.0 { vec![from, to] } else { Vec::new() };
+        let round = ends.into_iter().flat_map(|end| circle(side, [end[0], end[1]], radius));
+        let flat = if length == 0.0 {
+            Vec::new()
+        } else if radius > 0.0 {
+            vec![(side, vec![from + aside, to + aside]), (side, vec![from - aside, to - aside])]
+        } else {
+            vec![(side, vec![from, to])]
+        };
+        flat.into_iter().chain(round).collect()
+    }
+
+    /// What has no meaning, if anything has.
+    pub(crate) fn check(&self, number: usize, time_step_s: f64) -> Result<(), String> {
+        let wrong = |key: &str, value: f64, expected: &str| {
+            Err(format!("`scene.segments[{number}].{key}` is {}: it must be {expected}", shown(value)))
+        };
+        let pairs = [
+            ("from_m", self.from_m),
+            ("to_m", self.to_m.unwrap_or(self.from_m)),
+            ("velocity_m_per_s", self.velocity_m_per_s),
+        ];
+        for (key, pair) in pairs {
+            if let Some(value) = pair.into_iter().find(|value| !value.is_finite()) {
+                return wrong(key, value, "finite");
+            }
+        }
+        let is_point = self.to_m.is_none_or(|to| to == self.from_m);
+        if !is_not_negative(self.radius_m) || self.radius_m == 0.0 && is_point {
+            let expected = "positive for a segment without length, and not negative for any";
+            return wrong("radius_m", self.radius_m, expected);
+        }
+        let values = [("removed_at_s", self.removed_at_s), ("friction", self.friction)];
+        for (key, value) in values {
+            if let Some(value) = value.filter(|value| !is_not_negative(*value)) {
+                return wrong(key, value, "finite and not negative");
+            }
+        }
+        if let Some(vibration) = &self.vibration {
+            if let Some((key, value)) = vibration.not_finite() {
+                return wrong(&format!("vibration.{key}"), value, "finite");
+            }
+            if matches!(vibration.direction, Direction::Z) {
+                return Err(format!(
+                    "`scene.segments[{number}].vibration.direction` is z: it must be x or y"
+                ));
+            }
+        }
+        if let Some(vibration) = &self.vibration {
+            vibration.check_resolved(&format!("segments[{number}]"), time_step_s)?;
+        }
+        motion::check(&self.motion, &format!("scene.segments[{number}].motion"))?;
+        driven::check(self, number)
+    }
+}
+
+/// Checks whether a centre that moved from a height `before` above a line to `after` crossed it between 0 and 1 of its length; it was at the
+/// share `from` of it and is at `to`.
+fn is_within(from: f64, to: f64, before: f64, after: f64) -> bool {
+    // At a joint one of the two segments is crossed, whatever the rounding.
+    const SLACK: f64 = 1e-9;
+    let crossed = before * after <= 0.0 && before != after;
+    crossed && (-SLACK..=1.0 + SLACK).contains(&(from + (to - from) * before / (before - after)))
+}
+
+/// A disc beside a segment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beside<P> {
+    /// The end that is the nearest point, if it is one; none where the disc has passed through.
+    pub(crate) end: Option<usize>,
+    /// From the nearest point to the centre (m).
+    pub(crate) between: P,
+    /// Its length (m).
+    distance: f64,
+    /// Unit normal of the segment towards the side from which the disc came (–); 0 of a segment without length.
+    pub(crate) normal: P,
+    /// Distance of centre and line where the surfaces touch (m).
+    pub(crate) touching: f64,
+    /// Distance of the surfaces; where the centre has passed through, less than minus the radius (m).
+    pub(crate) gap: f64,
+}
+
+impl<P: Place> Beside<P> {
+    /// Unit normal of the contact (–).
+    pub(crate) fn towards(&self) -> P {
+        match self.end {
+            None => self.normal,
+            Some(_) if self.distance > 0.0 => self.between / self.distance,
+            // A centre on an end has no side; any will push it off.
+            Some(_) => P::of([0.0, 1.0, 0.0]),
+        }
+    }
+}
