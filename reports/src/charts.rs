@@ -5,9 +5,10 @@ mod against_truth;
 mod atlas;
 mod atlas_in_time;
 mod convergence;
-mod critical_path;
+mod declared;
 mod dimensions;
 mod directions;
+mod lines;
 mod macroscopic;
 mod next_step;
 mod peers;
@@ -16,8 +17,6 @@ mod ranks;
 mod relaxation;
 mod sample;
 mod scaling;
-mod size;
-mod subdomains;
 #[cfg(test)]
 mod sweep_tests;
 mod trajectory;
@@ -43,9 +42,11 @@ pub struct Chart {
     parts: Parts,
 }
 
-/// What a chart is drawn from.
+/// Source of a chart.
 #[derive(Clone, Copy)]
 enum Parts {
+    /// Runs on problems, drawn as declared.
+    Lines(&'static lines::Lines),
     /// Runs on problems.
     Problems(fn(&Problems) -> Vec<Part>),
     /// Simulations.
@@ -100,7 +101,7 @@ const CHARTS: &[Chart] = &[
         name: "subdomains",
         makes: "`subdomains-<problem>`, `subdomains`",
         shows: "iterations, and seconds of one, against the number of subdomains",
-        parts: Parts::Problems(subdomains::parts),
+        parts: Parts::Lines(&declared::OF_SUBDOMAINS),
     },
     Chart {
         name: "weak",
@@ -112,7 +113,7 @@ const CHARTS: &[Chart] = &[
         name: "size",
         makes: "`size`",
         shows: "iterations to 10⁻² and to the tolerance, seconds, work against the number of grains, with exponents fitted to three sizes or more and slopes to compare with",
-        parts: Parts::Problems(size::parts),
+        parts: Parts::Lines(&declared::SIZE),
     },
     Chart {
         name: "relaxation",
@@ -130,7 +131,7 @@ const CHARTS: &[Chart] = &[
         name: "critical-path",
         makes: "`critical-path-<problem>`, `critical-path`",
         shows: "speed-up by subdomains on the same axes: counted on the longest of them, and measured; the ideal",
-        parts: Parts::Problems(critical_path::parts),
+        parts: Parts::Lines(&declared::CRITICAL_PATH),
     },
     Chart {
         name: "ranks",
@@ -205,6 +206,7 @@ impl Chart {
     /// Nothing of a study of the other kind.
     pub(crate) fn parts(self, study: &Study) -> Vec<Part> {
         match (self.parts, study) {
+            (Parts::Lines(lines), Study::Problems(study)) => lines.parts(study),
             (Parts::Problems(parts), Study::Problems(study)) => parts(study),
             (Parts::Simulations(parts), Study::Simulations(all)) => parts(all),
             _ => Vec::new(),

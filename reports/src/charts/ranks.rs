@@ -1,15 +1,15 @@
 //! What a rank for each subdomain would bring: the work of the longest, counted and timed, and its messages, counted, at a cluster's
 //! prices.
 
-mod measured;
+pub(super) mod measured;
 
 use polars::df;
 use serde_json::Value;
 
+use super::declared::ON_RANKS;
 use super::scaling::{fewest, path_per_iteration, same_problem};
-use super::subdomains::{Panel, figure};
 use crate::draw::{Series, series, title};
-use crate::read::{Ending, Problems, RunRow, counted, file_name, number, problems};
+use crate::read::{Ending, Problems, RunRow, file_name, problems};
 use crate::text::{Part, chosen};
 
 /// α: what a message takes whatever its length, and β: what each of its bytes takes (s); of an InfiniBand network of 100 Gbit/s.
@@ -72,13 +72,13 @@ impl Predicted {
 }
 
 /// To the tolerance, of a run that met it.
-fn seconds(series: &Series, run: &RunRow) -> Option<f64> {
+pub(super) fn seconds(series: &Series, run: &RunRow) -> Option<f64> {
     let predicted = Predicted::of(series, run)?;
     run.has_converged().then(|| run.iterations as f64 * predicted.iteration_s())
 }
 
 /// Over the run with the fewest subdomains.
-fn speed_up(series: &Series, run: &RunRow) -> Option<f64> {
+pub(super) fn speed_up(series: &Series, run: &RunRow) -> Option<f64> {
     Some(seconds(series, fewest(series, run, same_problem)?)? / seconds(series, run)?)
 }
 
@@ -107,49 +107,16 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
         return measured::parts(&study.runs);
     }
     let runs = on_ranks(study);
-    let panels = [
-        Panel::iterations(),
-        Panel::new("predicted seconds to the tolerance (s)", seconds),
-        Panel { ideal: true, ..Panel::new("predicted speed-up (–)", speed_up) },
-    ];
     let mut parts = Vec::new();
     for problem in problems(&runs) {
-        let of_problem: Vec<&RunRow> = runs.iter().filter(|run| run.problem == problem).collect();
-        let notes = vec!["Predicted for a rank per subdomain, messages of 1.5 µs and 12 GB/s.".to_owned()];
+        let of_problem = runs.iter().filter(|run| run.problem == problem);
         let name = format!("ranks-{}", file_name(problem));
-        let all = series(of_problem.iter().copied(), &["subdomains"]);
         let made: Vec<&RunRow> = study.runs.iter().filter(|run| run.problem == problem).collect();
-        parts.push(figure(name, title(problem, &made), &all, &panels, notes));
+        let all = series(of_problem, ON_RANKS.varied);
+        parts.push(ON_RANKS.figure(name, &[title(problem, &made)], &all, &study.runs));
     }
-    let found: String = problems(&runs).into_iter().filter_map(|problem| sentence(&runs, problem)).collect();
-    parts.extend((!found.is_empty()).then(|| Part::text("ranks-found", found)));
     parts.push(table(&runs));
     parts
-}
-
-/// Which number of ranks is the best of each series on a problem, the fastest first, and what takes the time there.
-fn sentence(runs: &[RunRow], problem: &str) -> Option<String> {
-    let all = series(runs.iter().filter(|run| run.problem == problem), &["subdomains"]);
-    let best = |series: &Series| {
-        let timed = series
-            .runs
-            .iter()
-            .filter_map(|run| Some((seconds(series, run)?, run.subdomains, Predicted::of(series, run)?)));
-        let (seconds, ranks, predicted) = timed.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let share = (100.0 * (1.0 - predicted.work / predicted.iteration_s())).round();
-        let on = format!(
-            "{} s on {}, {share} % of it messages and sums",
-            number(seconds, 2),
-            counted(ranks as usize, "rank")
-        );
-        Some((seconds, format!("{} {on}", series.label())))
-    };
-    let mut best: Vec<(f64, String)> = all.iter().filter_map(best).collect();
-    best.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let best: Vec<String> = best.into_iter().map(|(_, text)| text).collect();
-    (!best.is_empty()).then(|| {
-        format!("Predicted at the best of these numbers of ranks, {problem}: {}.\n", best.join("; "))
-    })
 }
 
 fn table(runs: &[RunRow]) -> Part {

@@ -1,9 +1,9 @@
-//! What more subdomains change: values of a run beside the one with the fewest, and a table of them with a row per run.
+//! Values of runs over subdomains: values of a run beside the one with the fewest, and a table of them with a row per run.
 
 use polars::df;
 use polars::prelude::DataFrame;
 
-use crate::draw::{Series, series};
+use crate::draw::Series;
 use crate::read::{Ending, Problems, RunRow};
 use crate::text::chosen;
 
@@ -30,31 +30,26 @@ pub(crate) fn fewest<'r>(series: &Series<'r>, run: &RunRow, same: Same) -> Optio
     series.runs.iter().copied().filter(|other| same(run, other)).min_by_key(|other| other.subdomains)
 }
 
-/// The same, if both converged.
+/// Returns that run if both converged.
 fn fewest_converged<'r>(series: &Series<'r>, run: &RunRow, same: Same) -> Option<&'r RunRow> {
     fewest(series, run, same).filter(|fewest| fewest.has_converged() && run.has_converged())
 }
 
-/// Whether two runs of a series differ in their subdomains alone.
-type Same = fn(&RunRow, &RunRow) -> bool;
+/// A relation of two runs of a series that differ in their subdomains alone.
+pub(crate) type Same = fn(&RunRow, &RunRow) -> bool;
 
 pub(crate) fn same_problem(run: &RunRow, other: &RunRow) -> bool {
     run.problem == other.problem
 }
 
-/// How many times more the run with the fewest subdomains takes of the critical path.
+/// Returns how many times longer the critical path of the run with the fewest subdomains is.
 pub(crate) fn counted_speed_up(series: &Series, run: &RunRow) -> Option<f64> {
     Some(path(fewest_converged(series, run, same_problem)?)? / path(run)?)
 }
 
-/// The same of seconds.
+/// Returns how many times more seconds it takes.
 pub(crate) fn measured_speed_up(series: &Series, run: &RunRow) -> Option<f64> {
     Some(fewest_converged(series, run, same_problem)?.iterating_s? / run.iterating_s?)
-}
-
-/// One row per run of a series on a problem, with the columns `names`.
-pub(crate) fn table_of<'r>(runs: impl IntoIterator<Item = &'r RunRow>, names: &str) -> DataFrame {
-    table(&series(runs, &["subdomains"]), names, same_problem)
 }
 
 /// One row per run, with the columns `names`; growth is over the iterations of the run with the fewest subdomains.

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::charts::{critical_path, profiles, relaxation, size, subdomains, weak};
+use crate::charts::declared::{CRITICAL_PATH, OF_SUBDOMAINS, SIZE};
+use crate::charts::{profiles, relaxation, weak};
 use crate::draw::{METHODS, RGBColor};
 use crate::tests::assert_well_formed;
 use crate::tests::fixture::{
@@ -33,7 +34,7 @@ fn growth_with_subdomains_is_told_for_each_setting_apart() {
         Run { status: "iteration-limit".into(), ..on(3, 8, "0.3", 1000) },
         Run { status: "skipped".into(), iterating_s: f64::NAN, ..on(4, 64, "0.3", 0) },
     ];
-    let files = files(&subdomains::parts(&study(&runs, &[])));
+    let files = files(&OF_SUBDOMAINS.parts(&study(&runs, &[])));
     let rows: Vec<&str> = text(&files, "subdomains.csv").lines().skip(1).collect();
     assert!(rows[1].starts_with("column,latin-dd,8,converged,125,1.25,"), "{}", rows[1]);
     assert!(rows[3].starts_with("column,\"latin-dd, kappa_d=0.3\",8,iteration limit,1000,,"), "{}", rows[3]);
@@ -52,7 +53,7 @@ fn speed_up_is_counted_on_the_longest_subdomain_and_measured_in_seconds() {
         path(9, Run { status: "iteration-limit".into(), ..on(2, 16, "null", 1000) }),
         run(3, "cg", "", "converged"),
     ];
-    let files = files(&critical_path::parts(&study(&runs, &[])));
+    let files = files(&CRITICAL_PATH.parts(&study(&runs, &[])));
     let rows: Vec<&str> = text(&files, "critical-path.csv").lines().skip(1).collect();
     assert!(rows[1].contains(",128,250.0,2.5,1.5,"), "{}", rows[1]);
     assert!(rows[2].contains("iteration limit,1000,9.0,,,"), "{}", rows[2]);
@@ -128,7 +129,7 @@ fn exponents_are_those_of_runs_that_converged_on_three_sizes() {
         sized(6, "jacobi", 1000, 1000),
         sized(7, "jacobi", 100_000, 1000),
     ];
-    let read = |runs: &[Run]| files(&size::parts(&study(runs, &[])));
+    let read = |runs: &[Run]| files(&SIZE.parts(&study(runs, &[])));
     let fitted = read(&runs);
     let rows: Vec<&str> = text(&fitted, "size.csv").lines().skip(1).collect();
     assert!(rows[0].starts_with("nsgs,4,1,0.0,1.5,") && rows[1].starts_with("cg,1,0,,"), "{rows:?}");
@@ -149,12 +150,12 @@ fn size_has_no_panel_twice_nor_an_empty_one_and_is_a_sentence_on_one_size() {
     let names = |files: &[File]| files.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
     let panels = |tolerance: f64| {
         let runs = [sized(0, "cg", 10, 100), sized(1, "cg", 1000, 200)].map(|run| Run { tolerance, ..run });
-        let files = files(&size::parts(&study(&runs, &[])));
+        let files = files(&SIZE.parts(&study(&runs, &[])));
         text(&files, "size.svg").matches("\ngrains\n").count()
     };
     // Without curves there is no counted work, and no panel of it.
     assert_eq!((panels(1e-2), panels(1e-4)), (2, 3));
-    let files = files(&size::parts(&study(&[run(0, "cg", "", "converged")], &[])));
+    let files = files(&SIZE.parts(&study(&[run(0, "cg", "", "converged")], &[])));
     assert_eq!(names(&files), ["size-found.md", "size.csv", "size.md", "size.tex"]);
     assert!(text(&files, "size-found.md").contains("every problem has 20\u{a0}grains"));
 }
@@ -208,7 +209,7 @@ fn variants_of_a_method_wear_its_hue_alone() {
     let kappas = ["null", "0.1", "0.3", "1.0", "3.0", "10.0", "30.0", "100.0"];
     let runs: Vec<Run> =
         (0..16).map(|i| on(i, 1 + 7 * (i / 8), kappas[i as usize % 8], u64::from(100 + i))).collect();
-    let files = files(&subdomains::parts(&study(&runs, &[])));
+    let files = files(&OF_SUBDOMAINS.parts(&study(&runs, &[])));
     let worn = colors(text(&files, "subdomains-column.svg"));
     // Black is of frames and texts as well.
     for (method, family) in METHODS.iter().filter(|(method, _)| *method != "nsgs") {
@@ -222,7 +223,7 @@ fn failures_stand_beside_each_other_and_methods_without_subdomains_are_levels() 
     let limit = |id, kappa| Run { status: "iteration-limit".into(), ..on(id, 8, kappa, 1000) };
     let mut runs = vec![on(0, 1, "0.1", 100), on(1, 1, "0.3", 110), limit(2, "0.1"), limit(3, "0.3")];
     let drawn = |runs: &[Run]| {
-        let files = files(&subdomains::parts(&study(runs, &[])));
+        let files = files(&OF_SUBDOMAINS.parts(&study(runs, &[])));
         text(&files, "subdomains-column.svg").to_owned()
     };
     let alone = drawn(&runs);
@@ -254,7 +255,7 @@ fn both_speed_ups_have_the_same_axes_with_the_ideal_and_the_threads() {
         ..run
     };
     let runs = [path(3200, 1.0, on(0, 1, "null", 100)), path(100, 1.1, on(1, 16, "null", 100))];
-    let files = files(&critical_path::parts(&study(&runs, &[])));
+    let files = files(&CRITICAL_PATH.parts(&study(&runs, &[])));
     let svg = text(&files, "critical-path-column.svg");
     assert_eq!(svg.matches("\n10¹\n").count(), 2, "a tick of each panel: {svg}");
     for words in ["1\u{a0}thread (–)", "no communication cost", "Above the ideal: fewer iterations"] {
@@ -268,15 +269,10 @@ fn no_run_only_failures_and_undefined_values_are_no_obstacle() {
     let skipped = Run { grains: 0, ..run(1, "cg", "", "skipped") };
     let one = tables(&[failed, skipped], &[(0, explosion())]);
     for study in [tables(&[], &[]), without_truth(one.clone()), one].iter().map(read) {
-        for chart in [
-            subdomains::parts,
-            weak::parts,
-            size::parts,
-            profiles::parts,
-            critical_path::parts,
-            relaxation::parts,
-        ] {
-            let files = files(&chart(&study));
+        let charts = [OF_SUBDOMAINS, SIZE, CRITICAL_PATH].map(|lines| lines.parts(&study)).into_iter();
+        let others = [weak::parts, profiles::parts, relaxation::parts].map(|parts| parts(&study));
+        for parts in charts.chain(others) {
+            let files = files(&parts);
             text(&files, &files[0].0);
         }
     }

@@ -1,40 +1,20 @@
 //! Iterations, the longest subdomain and time, with as many grains in each subdomain however many there are.
 
-use super::scaling::{grains_per_subdomain, path, table, with_path};
-use super::subdomains::{Panel, figure};
+use super::declared::WEAK;
+use super::scaling::{grains_per_subdomain, with_path};
 use crate::draw::{DASHES, Look, Looks, Pen, Series, series};
-use crate::read::{Problems, RunRow, counted, find_or_push, stopped_at_1e_2};
+use crate::read::{Problems, RunRow, counted, find_or_push};
 use crate::text::{Part, nothing};
-
-/// Iterations to 10⁻² are left out where that is what all runs were stopped at.
-fn panels(runs: &[&RunRow]) -> Vec<Panel> {
-    let per_grain =
-        |_: &Series, run: &RunRow| Some(1e9 * run.seconds_per_iteration()? / f64::from(run.grains));
-    let others = [
-        Panel::iterations(),
-        Panel::new("longest subdomain (multiply-adds)", |_, run| path(run)),
-        Panel { on_the_way: true, ..Panel::new("time per iteration and grain (ns)", per_grain) },
-    ];
-    let first = (!stopped_at_1e_2(runs.iter().copied())).then(Panel::iterations_to_1e_2);
-    first.into_iter().chain(others).collect()
-}
-
-const NOTE: &str = "\nThe longest subdomain: its multiply-adds in all iterations, exchange with its neighbours included; with a \
-                    machine per subdomain the time to the tolerance goes with it, and constant is ideal. Growth: iterations over \
-                    those with the fewest subdomains, as many grains in each.\n";
 
 /// The figure `weak`, and the table of all runs whose grains per subdomain come with several numbers of subdomains.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = with_path(study);
     let all = all(&runs);
-    let names = "method grains_per_subdomain subdomains grains status to_natural_map_1e_2 iterations growth \
-                 longest_subdomain seconds_per_iteration";
-    let table = table(&all, names, |_, _| true);
-    let figure = drawn(all, &Looks::new(runs.iter().copied()), &panels(&runs));
-    vec![figure, Part::table("weak", table, NOTE)]
+    let table = WEAK.table(&all, |_, _| true);
+    vec![drawn(all, &study.runs), table]
 }
 
-/// Of all runs of a series.
+/// Returns the grains per subdomain of all runs of a series.
 fn each(series: &Series) -> f64 {
     grains_per_subdomain(series.runs[0])
 }
@@ -55,7 +35,8 @@ fn all<'r>(runs: &[&'r RunRow]) -> Vec<Series<'r>> {
 }
 
 /// The figure of the numbers of grains per subdomain that come most often, as many as there are dashes.
-fn drawn(mut all: Vec<Series>, looks: &Looks, panels: &[Panel]) -> Part {
+fn drawn(mut all: Vec<Series>, rows: &[RunRow]) -> Part {
+    let looks = Looks::new(all.iter().flat_map(|series| series.runs.iter().copied()));
     let mut often: Vec<(f64, usize)> = Vec::new();
     for series in &all {
         find_or_push(&mut often, |(of, _)| *of == each(series), || (each(series), 0)).1 += series.runs.len();
@@ -80,5 +61,5 @@ fn drawn(mut all: Vec<Series>, looks: &Looks, panels: &[Panel]) -> Part {
     });
     let title =
         format!("{}; the number of grains in each subdomain is the same along a line.", counted(runs, "run"));
-    figure("weak".to_owned(), title, &series.collect::<Vec<_>>(), panels, Vec::new())
+    WEAK.figure("weak".to_owned(), &[title], &series.collect::<Vec<_>>(), rows)
 }

@@ -2,12 +2,9 @@
 
 use polars::df;
 
-use crate::charts::subdomains::Panel;
-use crate::draw::{
-    Canvas, INSIDE, Legend, Points, Room, Scale, Series, Sign, TOLERANCE, draw_empty, draw_signs, grid, key,
-    on_the_way, reach, series,
-};
-use crate::read::{Ending, RunRow, counted, number, problems};
+use crate::charts::declared::MEASURED_ON_RANKS;
+use crate::draw::{Series, series};
+use crate::read::{Ending, RunRow};
 use crate::text::{Part, chosen};
 
 const NOTE: &str = "\nPredicted of an iteration on p ranks: T = w/p + m α + β B. w: the seconds of one rank; m and B: messages and bytes of a rank, \
@@ -43,7 +40,7 @@ impl Predicted {
 }
 
 /// Measured over predicted (–).
-fn ratio(series: &Series, run: &RunRow) -> Option<f64> {
+pub(in crate::charts) fn ratio(series: &Series, run: &RunRow) -> Option<f64> {
     let Predicted { work, messages } = Predicted::of(series, run)?;
     Some(run.seconds_per_iteration()? / (work + messages))
 }
@@ -53,100 +50,11 @@ pub(super) fn has_ranks(runs: &[RunRow]) -> bool {
     runs.iter().any(|run| run.exchange.ranks > 1)
 }
 
-/// The figure `ranks-measured`, its sentence, and the table `ranks`.
+/// The figure `ranks-measured`, and the table `ranks`.
 pub(super) fn parts(runs: &[RunRow]) -> Vec<Part> {
-    let all = series(runs.iter().filter(|run| run.ending != Ending::Skipped), &["ranks"]);
-    let mut parts = vec![figure(runs, &all)];
-    let found = sentence(&all);
-    parts.extend((!found.is_empty()).then(|| Part::text("ranks-found", found)));
-    parts.push(table(&all));
-    parts
-}
-
-fn figure(runs: &[RunRow], all: &[Series]) -> Part {
-    let problems = problems(runs);
-    let panel_of = |problem: &str| {
-        let grains = runs.iter().find(|run| run.problem == problem).map_or(0, |run| run.grains);
-        Panel::new(format!("measured / predicted, {} (–)", counted(grains as usize, "grain")), ratio)
-    };
-    let panels: Vec<Panel> = problems.iter().map(|problem| panel_of(problem)).collect();
-    // By panel, then by series.
-    let on = |panel: &Panel, series: &Series, problem: &str| -> Points {
-        let mut here = series.clone();
-        here.runs.retain(|run| run.problem == problem);
-        on_the_way(panel.points(&here, |run| f64::from(run.exchange.ranks)))
-    };
-    let lines: Vec<Vec<Points>> = panels
-        .iter()
-        .zip(&problems)
-        .map(|(panel, problem)| all.iter().map(|series| on(panel, series, problem)).collect())
-        .collect();
-    let keyed = all.iter().enumerate().map(|(i, series)| {
-        (series.label(), series.look, lines.iter().map(|lines| &lines[i]).collect(), false)
-    });
-    let (entries, mut signs) = key(keyed);
-    signs.push((Sign::Line(TOLERANCE), "as predicted; of one rank by definition".to_owned()));
-    signs.push((Sign::Word, "More ranks than processors take longer.".to_owned()));
-    let legend = Legend::new(entries, signs, INSIDE);
-    let flat = || lines.iter().flatten().flatten();
-    let (x, (low, high)) = (reach(flat(), |point| point.0), reach(flat(), |point| point.1));
-    // All panels have the same axes, on which a factor of two is seen as what it is.
-    let y = (low.min(-0.35), high.max(0.35));
+    let all = series(runs.iter().filter(|run| run.ending != Ending::Skipped), MEASURED_ON_RANKS.varied);
     let title = "Seconds of an iteration on ranks: measured over predicted, T = w/p + m α + β B.".to_owned();
-    let columns = match panels.len() {
-        4 => 2,
-        count => count.clamp(1, 3),
-    };
-    let svg = grid(&[title], (columns, panels.len().div_ceil(columns)), &legend, |canvas, i, room| {
-        if let Some(lines) = lines.get(i) {
-            panel(canvas, all, lines, (x, y), (&panels[i].title, room));
-        }
-    });
-    Part::figure("ranks-measured", svg)
-}
-
-fn panel(
-    canvas: &Canvas,
-    all: &[Series],
-    lines: &[Points],
-    (x, y): ((f64, f64), (f64, f64)),
-    (title, room): (&str, Room),
-) {
-    let frame = room.frame(canvas, (Scale::Two, x, "ranks"), (Scale::Ten, y, title));
-    frame.across(canvas, 0.0, TOLERANCE);
-    for (series, points) in all.iter().zip(lines) {
-        let places: Vec<_> = points.iter().map(|(_, point)| frame.place(*point)).collect();
-        canvas.line(&places, series.look.pen);
-    }
-    let signs: Vec<_> =
-        all.iter().zip(lines).map(|(series, points)| (series.look, points.as_slice())).collect();
-    draw_signs(canvas, &frame, &signs);
-    if lines.iter().all(Vec::is_empty) {
-        draw_empty(canvas, &frame);
-    }
-}
-
-/// How far predictions are off, for each number of ranks.
-fn sentence(all: &[Series]) -> String {
-    let mut counts: Vec<u32> = all.iter().flat_map(|s| &s.runs).map(|run| run.exchange.ranks).collect();
-    counts.sort_unstable();
-    counts.dedup();
-    let of = |ranks: u32| {
-        let range = |series: &Series| {
-            let runs = series.runs.iter().filter(|run| run.exchange.ranks == ranks);
-            let ratios: Vec<f64> = runs.filter_map(|run| ratio(series, run)).collect();
-            let low = ratios.iter().copied().reduce(f64::min)?;
-            let high = ratios.iter().copied().reduce(f64::max)?;
-            let range = if ratios.len() == 1 { String::new() } else { format!(" to {}", number(high, 2)) };
-            Some(format!("{} {}{range}", series.label(), number(low, 2)))
-        };
-        let ranges: Vec<String> = all.iter().filter_map(range).collect();
-        (!ranges.is_empty()).then(|| {
-            let ranks = counted(ranks as usize, "rank");
-            format!("Measured over predicted seconds of an iteration on {ranks}: {}.\n", ranges.join("; "))
-        })
-    };
-    counts.into_iter().filter(|ranks| *ranks > 1).filter_map(of).collect()
+    vec![MEASURED_ON_RANKS.figure("ranks-measured".to_owned(), &[title], &all, runs), table(&all)]
 }
 
 fn table(all: &[Series]) -> Part {

@@ -33,11 +33,6 @@ fn ranks_are_predicted_from_work_messages_and_sums() {
     near(number(3, 10), 128.0 * (2.5e-3 + messages_s));
     near(number(1, 10), 50.0 * (1e-3 + 2.0 * messages_s + 4.0 * 1.5e-6 * 2.0));
     near(number(3, 11), 1.0 / number(3, 10));
-    let found = text(&files, "ranks-found.md");
-    assert!(
-        found.contains("cg 0.051 s on 4\u{a0}ranks, 2 % of it messages and sums; latin-dd 0.32 s"),
-        "{found}"
-    );
     assert!(text(&files, "ranks-column.svg").contains("3\u{a0}runs"));
 }
 
@@ -90,19 +85,16 @@ fn what_ranks_took_stands_beside_what_is_predicted_of_them() {
         assert!(text(&files, "ranks-measured.svg").contains("as predicted"));
         let rows = text(&files, "ranks.csv").lines().skip(1).map(str::to_owned).collect::<Vec<_>>();
         let last = |row: &String| row.rsplit(',').next().unwrap().parse::<f64>().ok();
-        (rows.iter().map(last).collect::<Vec<_>>(), files)
+        rows.iter().map(last).collect::<Vec<_>>()
     };
-    let (ratios, files) = of(&runs);
+    let ratios = of(&runs);
     let messages_s = 3.0 * 1e-6 + 1200.0 * 1e-10;
     let expected = [1.0, 6e-4 / (5e-4 + messages_s), 2e-4 / (2.5e-4 + messages_s)];
     for (ratio, expected) in ratios.iter().zip(expected) {
         assert!((ratio.unwrap() - expected).abs() < 1e-9, "{ratios:?} for {expected}");
     }
-    let found = text(&files, "ranks-found.md");
-    let two = "Measured over predicted seconds of an iteration on 2\u{a0}ranks: nsgs-dd 1.2.";
-    assert!(found.contains(two) && found.contains("on 4\u{a0}ranks: nsgs-dd 0.79."), "{found}");
     // Nothing is predicted from one rank of another machine.
     let mut elsewhere = runs;
     elsewhere[0].provenance.processor = "another".into();
-    assert_eq!(of(&elsewhere).0, [Some(1.0), None, None]);
+    assert_eq!(of(&elsewhere), [Some(1.0), None, None]);
 }
