@@ -73,8 +73,8 @@ impl Front {
         1e-12 * self.width
     }
 
-    /// Returns the place of the next disc on the floor (m), while all others lie there, and which it touches; `None` for the wall. A small disc
-    /// may lie below a large one, so the last is not always the one.
+    /// Returns the place of the next disc on the floor (m), while all others lie there, and which it touches; `None` for the wall.
+    /// A small disc may lie below a large one, so the last is not always the one.
     pub(super) fn beside_on_floor(&self, radius: f64) -> (f64, Option<u32>) {
         let mut next = (radius, None);
         for (k, (centre, r)) in self.discs.iter().enumerate().rev() {
