@@ -4,6 +4,7 @@ pub mod columns;
 pub mod journal;
 mod json;
 pub mod provenance;
+mod reached;
 pub mod schema;
 mod seal;
 pub mod simulation;
@@ -11,3 +12,5 @@ pub mod store;
 pub mod study;
 #[cfg(test)]
 mod tests;
+
+pub use reached::reached;

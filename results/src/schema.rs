@@ -75,17 +75,17 @@ pub struct Run {
     /// Time in `advance`, measures excluded; the median of the repeats, the lower of the middle two (s).
     #[serde(with = "number")]
     pub iterating_s: f64,
-    /// First iteration with ζ ≤ 1e-3, if any.
+    /// First iteration with ζ ≤ 1e-3 that no later one leaves by a decade, if any.
     pub iterations_to_zeta_1e_3: Option<u64>,
-    /// First iteration with ζ ≤ 1e-4, if any.
+    /// First iteration with ζ ≤ 1e-4 that no later one leaves by a decade, if any.
     pub iterations_to_zeta_1e_4: Option<u64>,
-    /// First iteration with `natural_map` ≤ 1e-2, if any.
+    /// First iteration with `natural_map` ≤ 1e-2 that no later one leaves by a decade, if any.
     pub iterations_to_natural_map_1e_2: Option<u64>,
-    /// First iteration with `natural_map` ≤ 1e-4, if any.
+    /// First iteration with `natural_map` ≤ 1e-4 that no later one leaves by a decade, if any.
     pub iterations_to_natural_map_1e_4: Option<u64>,
-    /// First iteration with `velocity_error` ≤ 1e-2, if any.
+    /// First iteration with `velocity_error` ≤ 1e-2 that no later one leaves by a decade, if any.
     pub iterations_to_velocity_error_1e_2: Option<u64>,
-    /// First iteration with `velocity_error` ≤ 1e-4, if any.
+    /// First iteration with `velocity_error` ≤ 1e-4 that no later one leaves by a decade, if any.
     pub iterations_to_velocity_error_1e_4: Option<u64>,
     /// √(dᵗ W d / dᵗ W_D d) of the last iteration's change d of r, with the diagonal W_D of W (–): below 1e-4 impulses drift along the
     /// kernel of W and move next to nothing, or creep along a mode as slow. Undefined where r does not change.

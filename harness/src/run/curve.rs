@@ -2,6 +2,7 @@
 
 use crate::plan::Curves;
 use contact::Measure;
+use results::reached;
 use results::schema::Sample;
 use runner::Progress;
 
@@ -14,35 +15,53 @@ pub(crate) struct Recorder {
     samples: Vec<Sample>,
     /// The iterate seen last, if it is not in `samples`.
     pending: Option<Sample>,
-    /// Number of the [`DECADES`] that each measure has reached.
+    /// Number of the [`DECADES`] that each measure has reached and not left again by a decade.
     reached: [usize; Measure::ALL.len()],
+    /// The greatest that this number was.
+    most: [usize; Measure::ALL.len()],
 }
 
 impl Recorder {
     pub(crate) fn new(curves: Curves) -> Self {
-        Self { curves, samples: Vec::new(), pending: None, reached: [0; Measure::ALL.len()] }
+        Self {
+            curves,
+            samples: Vec::new(),
+            pending: None,
+            reached: [0; Measure::ALL.len()],
+            most: [0; Measure::ALL.len()],
+        }
     }
 
     /// Sees every iterate. Of those that are measured, kept are the first, and those at which a measure first passes one of the
     /// [`DECADES`]; of whole curves all of the first hundred too, then one in each hundredth of the iterations; of ends those of
-    /// the iterations 1, 2, 4, …, which tell whether a measure still falls.
+    /// the iterations 1, 2, 4, …, which tell whether a measure still falls, and those that leave a decade by another or pass it again,
+    /// at most one in each hundredth.
     pub(crate) fn observe(&mut self, progress: &Progress) {
         let Progress { iteration, iterating, measures: Some(measures), work, .. } = *progress else { return };
         let (iterating_s, measures) = (iterating.as_secs_f64(), *measures);
         let sample = Sample { iteration, iterating_s, measures, work };
         let octave = self.curves == Curves::Ends && progress.iteration.is_power_of_two();
         let mut keep = progress.iteration == 0 || octave;
-        for (measure, reached) in Measure::ALL.into_iter().zip(&mut self.reached) {
+        let mut turned = false;
+        for (measure, (reached, most)) in
+            Measure::ALL.into_iter().zip(self.reached.iter_mut().zip(&mut self.most))
+        {
             let value = measures.get(measure);
+            let before = *reached;
+            while *reached > 0 && (value.is_nan() || value > 10.0 * DECADES[*reached - 1]) {
+                *reached -= 1;
+            }
             while DECADES.get(*reached).is_some_and(|decade| value <= *decade) {
                 *reached += 1;
-                keep = true;
             }
+            turned |= *reached != before;
+            keep |= *reached > *most;
+            *most = (*most).max(*reached);
         }
         let last = self.samples.last().map_or(0, |sample| sample.iteration);
-        let whole = self.curves == Curves::Whole
-            && (progress.iteration <= 100 || progress.iteration * 100 >= last * 101);
-        if keep || whole {
+        let is_first = self.curves == Curves::Whole && progress.iteration <= 100;
+        let is_apart = progress.iteration * 100 >= last * 101;
+        if keep || is_first || is_apart && (turned || self.curves == Curves::Whole) {
             self.samples.push(sample);
             self.pending = None;
         } else {
@@ -57,10 +76,11 @@ impl Recorder {
     }
 }
 
-/// The first iteration of a recorded curve at which `measure` is at most `tolerance`, one of the
-/// [`DECADES`].
+/// Returns the iteration of a recorded curve from which on `measure` has reached `tolerance`, one of the [`DECADES`], and stays there:
+/// [`reached`].
 pub(crate) fn first_at(curve: &[Sample], measure: Measure, tolerance: f64) -> Option<u64> {
-    curve.iter().find(|sample| sample.measures.get(measure) <= tolerance).map(|sample| sample.iteration)
+    let values = curve.iter().map(|sample| sample.measures.get(measure));
+    reached(values, tolerance).map(|at| curve[at].iteration)
 }
 
 /// The first iterations of a recorded curve at which `measure` is at most 0.1, 0.01, …, as far as it falls.

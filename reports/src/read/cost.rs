@@ -34,7 +34,8 @@ pub(crate) const WORK: &str = "A sweep of counted work is eight multiply-adds pe
                                eighth. Factorisations are in the seconds alone; a run that factorises many times has \
                                no counted work.";
 
-/// The first sample with a velocity error of at most `accuracy`.
+/// Returns the first sample with a velocity error of at most `accuracy`, from which on it stays there.
 pub(crate) fn reached(curve: &[Point], accuracy: f64) -> Option<&Point> {
-    curve.iter().find(|point| point.velocity_error().is_some_and(|error| error <= accuracy))
+    let errors = curve.iter().map(|point| point.velocity_error().unwrap_or(f64::NAN));
+    results::reached(errors, accuracy).map(|at| &curve[at])
 }

@@ -79,11 +79,12 @@ pub(super) fn ratios(run: &RunRow, base: &RunRow, measure: Measure) -> (Vec<LogP
     (points, run.ending)
 }
 
-/// The first iteration with a measure of at most 10 to the power of `log`.
+/// Returns the first iteration with a measure of at most 10 to the power of `log`, from which on it stays there.
 fn first(curve: &[Point], measure: Measure, log: f64) -> Option<u64> {
     // Round-off of the power must not lose a whole decade.
     let accuracy = 10f64.powf(log) * (1.0 + 1e-12);
-    curve.iter().find(|point| point.get(measure).is_some_and(|value| value <= accuracy)).map(|p| p.iteration)
+    let values = curve.iter().map(|point| point.get(measure).unwrap_or(f64::NAN));
+    results::reached(values, accuracy).map(|at| curve[at].iteration)
 }
 
 /// Whether more is left out of a curve than a hundredth of its iterations at a time.

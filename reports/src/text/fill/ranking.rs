@@ -12,10 +12,10 @@ use crate::read::median;
 /// A method with its settings: method and variant.
 type Name = (String, String);
 
-/// Seconds, set-up included, after which a run's natural map is first at most the accuracy.
+/// Returns the seconds, set-up included, after which a run's natural map is at most the accuracy and stays there.
 fn seconds(record: &Record, accuracy: f64) -> Option<f64> {
-    let first = record.curve.iter().find(|sample| sample.measures.natural_map <= accuracy)?;
-    Some(record.run.setup_s + first.iterating_s)
+    let first = results::reached(record.curve.iter().map(|sample| sample.measures.natural_map), accuracy)?;
+    Some(record.run.setup_s + record.curve[first].iterating_s)
 }
 
 /// The methods on the `problems`, for a natural map of `accuracy`: those that reach it on more problems first, then those that are
