@@ -117,7 +117,7 @@ impl Viewer {
 pub struct Snapshots {
     /// Method and variant.
     pub label: String,
-    /// How it ended.
+    /// Ending of the run.
     pub ending: String,
     /// In the order of the iterations.
     pub snapshots: Vec<Snapshot>,

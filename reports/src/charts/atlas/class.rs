@@ -5,7 +5,7 @@ use contact::Measure;
 use crate::draw::{BLACK, Cell, RGBColor, WHITE};
 use crate::read::{Ending, Point, RunRow};
 
-/// How a method fared on a problem.
+/// Outcome of a method on a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Class {
     Converged,
