@@ -7,8 +7,8 @@ use serde_json::Value;
 use crate::read::{Ending, Problems, RunRow, Verdicts, count, counted, number, problems, span};
 use crate::text::found::comparable;
 
-/// States the cost of more subdomains in iterations, if asked and varied; else which methods are right in every run. Then who is
-/// first in time. Nothing of a study with a single method. Where runs were to go on to their limit, what an iteration takes.
+/// States the cost of more subdomains in iterations, if asked and varied; else which methods are right in every run. Then the
+/// first in time. Of a single method, the cost of subdomains alone. Where all runs go on to their limit, the time of an iteration.
 pub(crate) fn answer(study: &Problems, of_subdomains: bool) -> Vec<String> {
     if study.runs.iter().all(|run| run.tolerance == Some(0.0)) {
         return an_iteration(&study.runs).into_iter().collect();

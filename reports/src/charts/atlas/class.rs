@@ -83,7 +83,7 @@ fn is_far(run: &RunRow, point: Option<&Point>) -> bool {
     error > FAR * tolerance
 }
 
-/// Reports whether ζ met the tolerance at an iterate far from the solution, or of a problem that has none.
+/// Reports whether ζ first met the tolerance at an iterate far from the solution, or of a problem that has none.
 pub(crate) fn zeta_lies(run: &RunRow) -> bool {
     let met = |point: &&Point| {
         point.get(Measure::Zeta).zip(run.tolerance).is_some_and(|(zeta, tolerance)| zeta <= tolerance)
@@ -92,7 +92,8 @@ pub(crate) fn zeta_lies(run: &RunRow) -> bool {
     first.is_some_and(|point| run.ending == Ending::Infeasible || is_far(run, Some(point)))
 }
 
-/// Reports whether the measure still falls: its least value in the second half of the iterations is below that in the first.
+/// Reports whether the measure still falls: its least value in the second half of the iterations is more than 1 % below
+/// that in the first.
 fn falls(run: &RunRow) -> bool {
     let half = run.iterations / 2;
     let least = |late: bool| {

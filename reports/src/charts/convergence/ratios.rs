@@ -86,7 +86,7 @@ fn first(curve: &[Point], measure: Measure, log: f64) -> Option<u64> {
     curve.iter().find(|point| point.get(measure).is_some_and(|value| value <= accuracy)).map(|p| p.iteration)
 }
 
-/// Reports whether a curve omits more than a hundredth of its iterations at a time.
+/// Reports whether two neighbouring points of a curve are more than one iteration and 2 % apart.
 fn has_gaps(run: &RunRow) -> bool {
     run.curve.windows(2).any(|pair| pair[1].iteration * 100 > pair[0].iteration * 102 + 100)
 }
