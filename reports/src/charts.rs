@@ -42,7 +42,7 @@ pub struct Chart {
     parts: Parts,
 }
 
-/// Source of a chart.
+/// Function or declaration that makes the parts of a chart, by the kind of study.
 #[derive(Clone, Copy)]
 enum Parts {
     /// Runs on problems, drawn as declared.
@@ -177,13 +177,13 @@ impl Chart {
         CHARTS
     }
 
-    /// What a study gets that asks for nothing else: `convergence` and `sample`, or `trajectory` if it is through time.
+    /// Returns the charts of a study that names none: `convergence` and `sample`, or `trajectory` if it is through time.
     pub fn default_set(through_time: bool) -> Vec<Self> {
         let first = if through_time { 1 } else { 2 };
         CHARTS.iter().filter(|chart| chart.through_time() == through_time).take(first).copied().collect()
     }
 
-    /// Whether it is drawn from simulations.
+    /// Reports whether the chart is drawn from simulations.
     pub fn through_time(self) -> bool {
         matches!(self.parts, Parts::Simulations(_))
     }
@@ -198,7 +198,7 @@ impl Chart {
         self.makes
     }
 
-    /// What they show, in a sentence.
+    /// Returns a sentence on the content of the chart.
     pub fn shows(self) -> &'static str {
         self.shows
     }

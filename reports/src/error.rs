@@ -21,11 +21,11 @@ pub enum ReportError {
     /// A table, or a column of it, that is not there.
     #[error("no {what} `{name}`: there are {}", known.join(", "))]
     Unknown {
-        /// What was asked for, in words.
+        /// Kind of thing asked for, in words.
         what: String,
         /// Its name.
         name: String,
-        /// What there is.
+        /// Known names.
         known: Vec<String>,
     },
     /// A file or folder cannot be written or replaced.

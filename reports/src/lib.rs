@@ -27,7 +27,7 @@ use page::{Chapter, replace};
 use read::Study;
 use text::{File, Kind, Part};
 
-/// What a report is made of.
+/// Contents of a report.
 #[derive(Clone, Copy, Debug)]
 pub struct Wanted<'w> {
     /// The charts.

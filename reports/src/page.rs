@@ -24,16 +24,16 @@ use rows::Rows;
 pub use viewer::Snapshots;
 use viewer::Viewer;
 
-/// What a report says of its study beside the rows.
+/// Description of a study beside its rows.
 #[derive(Clone, Debug)]
 pub struct About {
     /// Name of the study.
     pub name: String,
-    /// What it asks, in a sentence.
+    /// Question of the study, in a sentence.
     pub why: String,
     /// The arguments of `gravel bench` that run it.
     pub bench: String,
-    /// Where the tables of its rows are, seen from its page.
+    /// Location of the tables of its rows, relative to its page.
     pub rows: String,
     /// The arguments of `gravel report` and `gravel figure` that draw it, where they can.
     pub draw: Option<String>,
@@ -213,7 +213,7 @@ fn render(template: &str, viewer: &Viewer, values: Value) -> Result<String, Repo
     templates.get_template(template).and_then(|page| page.render(values)).map_err(refused)
 }
 
-/// Whether a figure is the sample of a problem, under any partition.
+/// Reports whether a figure is the sample of a problem, under any partition.
 fn sample_of(figure: &str, problem: &str) -> bool {
     figure.starts_with(&format!("sample-{}-", file_name(problem)))
 }
@@ -272,7 +272,7 @@ fn sentence(text: &str) -> String {
     first.unwrap_or_default() + letters.as_str()
 }
 
-/// What a figure shows, and of what.
+/// Returns the caption of a figure: its content and its subject.
 fn caption(chapter: &Chapter, name: &str) -> String {
     // What follows a semicolon is in its tables and sentences.
     let shows = chapter.chart.map(|chart| chart.shows().split(';').next().unwrap_or_default());

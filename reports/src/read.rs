@@ -1,4 +1,4 @@
-//! What figures, tables and sentences know of a study: its rows, read once, and what is true of them.
+//! Data of a study for figures, tables and sentences: its rows, read once, and what follows from them.
 
 mod cost;
 mod ending;

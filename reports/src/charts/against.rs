@@ -9,7 +9,7 @@ use crate::draw::{Canvas, INSIDE, Legend, Looks, Room, Scale, Sign, TOLERANCE, d
 use crate::read::{Problems, RunRow, counted, median, number, padded, unique};
 use crate::text::{Part, frame};
 
-/// What a panel compares, and its name.
+/// Quantity that a panel compares: its name and its value for a run.
 type Measure = (&'static str, fn(&RunRow) -> Option<f64>);
 
 const MEASURES: [Measure; 2] =

@@ -1,4 +1,4 @@
-//! What the charts that compare runs with the truth share.
+//! Common part of the charts that compare runs with the truth.
 
 use crate::draw::{Lines, MOST_LINES};
 use crate::read::{Problems, RunRow, file_name, problems};
@@ -8,7 +8,7 @@ use crate::text::{Part, too_many};
 pub(crate) struct AgainstTruth {
     /// Name of the chart.
     pub(crate) name: &'static str,
-    /// What cannot be drawn without the truth.
+    /// Content that cannot be drawn without the truth.
     pub(crate) lacks: &'static str,
     pub(crate) figure: fn(&Lines, &str, &[&RunRow]) -> String,
     pub(crate) sentences: fn(&Lines, &str) -> String,

@@ -19,7 +19,7 @@ use hazard::{Hazard, hazards};
 pub(crate) struct Judged<'r> {
     pub(crate) run: &'r RunRow,
     pub(crate) class: Class,
-    /// Whether ζ met the tolerance far from the solution on the way.
+    /// True where ζ met the tolerance far from the solution on the way.
     pub(crate) zeta_lies: bool,
 }
 

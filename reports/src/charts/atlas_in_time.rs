@@ -99,7 +99,7 @@ impl Line {
         Self { method: simulation.label(), warm_start, tolerance, max_iterations }
     }
 
-    /// What of it differs within the study; a tolerance of 0 is never met, so that the budget decides.
+    /// Names the settings that differ within the study; a tolerance of 0 is never met, so that the budget decides.
     fn text(&self, tolerances: bool, starts: bool) -> String {
         let mut words = vec![self.method.clone()];
         if self.tolerance == 0.0 {
@@ -179,7 +179,7 @@ fn key() -> Signs {
     Signs::new(all.map(|(class, name)| (Sign::Cell(Class::cell(class)), name.to_owned())).collect(), INSIDE)
 }
 
-/// What the rows say: how many of each class, of each method, and what the start and the time step change.
+/// Summarises the rows: how many of each class, of each method, and what the start and the time step change.
 fn sentences(judged: &[Judged]) -> String {
     let counts = |of: &dyn Fn(&Judged) -> bool| {
         let count = |class| judged.iter().filter(|j| of(j) && j.class == Some(class)).count();

@@ -22,7 +22,7 @@ const ALONE: f64 = 66.0;
 const LEAST: f64 = 32.0;
 const GREATEST: f64 = 54.0;
 
-/// What the panels beside each other show, and the names of their axes.
+/// Measures of the panels beside each other, and the names of their axes.
 const MEASURES: [(Measure, &str); 2] = [
     (Measure::Zeta, "ζ, relative change in the last iteration (–)"),
     (Measure::NaturalMap, "natural map, distance to a solution (–)"),

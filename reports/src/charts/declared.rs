@@ -121,7 +121,7 @@ pub(super) const ON_RANKS: Lines = Lines {
     ..OF_SUBDOMAINS
 };
 
-/// Of runs on ranks.
+/// Seconds of runs on ranks over their prediction.
 pub(super) const MEASURED_ON_RANKS: Lines = Lines {
     name: "ranks",
     x: RANKS,

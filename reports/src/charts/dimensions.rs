@@ -11,10 +11,10 @@ const NOTE: &str = "\nThe problems of the plane and those of space, without fric
                     Boundary: of the grains of all subdomains, copies counted each, the share that others hold too. Where several \
                     grids have as many subdomains, that with most axes counts. The sentences are of runs that converged.\n";
 
-/// What a column is of, and its value of a run.
+/// Begin of the names of columns, and the value of a run there.
 type Compared = (&'static str, fn(&RunRow) -> Option<f64>);
 
-/// What of a run is compared, by the begin of its columns.
+/// Quantities of a run that are compared, by the begin of their columns.
 const COMPARED: [Compared; 5] = [
     ("iterations", |run| Some(run.iterations as f64)),
     ("work", |run| run.end.work(run)),
@@ -27,8 +27,8 @@ fn of_spectrum(run: &RunRow, key: &str) -> Option<f64> {
     run.spectrum.get(key)?.as_f64()
 }
 
-/// Of the factors that the run solved with: LATIN-DD goes through those of all subdomains in each iteration, the active set through a
-/// new one.
+/// Returns the entries per grain of the factors that the run solved with: LATIN-DD goes through those of all subdomains in each
+/// iteration, the active set through a new one.
 fn entries_per_grain(run: &RunRow) -> Option<f64> {
     let solves = match run.method.as_str() {
         "latin-dd" => run.iterations,
@@ -92,7 +92,7 @@ fn pairs(runs: &[RunRow]) -> Vec<Pair<'_>> {
     pairs
 }
 
-/// Of the runs on a problem that were not skipped one for each method and number of subdomains, that with most axes.
+/// Returns one run on a problem for each method and number of subdomains: that with most axes of those not skipped.
 fn chosen<'r>(runs: &[&'r RunRow]) -> Vec<&'r RunRow> {
     let mut chosen: Vec<&RunRow> = Vec::new();
     let axes = |run: &RunRow| {

@@ -42,7 +42,7 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     parts
 }
 
-/// How many iterations some runs take over those of the best of their grids, and how many do not converge where one of the grid does.
+/// States the iterations of some runs over those of the best of their grids, and how many do not converge where one of the grid does.
 fn found<'r>(
     fields: &[Field<'r>],
     which: &str,

@@ -13,11 +13,11 @@ use crate::read::{Simulation, counted, number, padded, unique};
 use crate::text::{Part, chosen};
 
 const KEY: &str = "macroscopic";
-/// What is set of a scene for the friction of its grains.
+/// Setting of a scene for the friction of its grains.
 const FRICTION: &str = "scene.friction";
 /// The share of the time steps that may miss the tolerance of a simulation of which it is said that it was solved to it.
 const MISSED: f64 = 0.1;
-/// How far apart methods stand where they share a place, over the width of an axis.
+/// Distance between methods that share a place, over the width of an axis.
 const APART: f64 = 0.012;
 /// Half the width of the end of an error bar (mm).
 const CAP: f64 = 0.7;
@@ -33,7 +33,7 @@ struct Sheared<'s> {
 }
 
 impl Sheared<'_> {
-    /// Whether its time steps were solved to its tolerance.
+    /// Reports whether its time steps were solved to its tolerance.
     fn is_solved(&self) -> bool {
         self.simulation.totals.missed_time_steps as f64 <= MISSED * self.simulation.totals.time_steps as f64
     }
@@ -44,14 +44,14 @@ struct Flow {
     /// Mean and standard deviation in time of τ/σ (–).
     friction: f64,
     spread: f64,
-    /// How far the mean of a quarter of it lies from that of the next: what a mean over so long a time may be off by (–). Of several
+    /// Distance of the mean of a quarter of it from that of the next: the possible error of a mean over so long a time (–). Of several
     /// packings the standard error of their mean.
     drift: f64,
     /// Contacts that push, per grain (–).
     coordination: f64,
 }
 
-/// Of the rows after half of its time; `None` if it did not come to its end, or if nothing presses.
+/// Averages the rows after half of its time; `None` if it did not come to its end, or if nothing presses.
 fn flow(simulation: &Simulation) -> Option<Flow> {
     let series = simulation.series();
     let half = &series[series.len() / 2..];

@@ -1,4 +1,4 @@
-//! What time steps are started from: iterations and seconds beside those of a start from nothing.
+//! Starts of time steps: iterations and seconds beside those of a start from nothing.
 
 #[cfg(test)]
 mod tests;
@@ -20,7 +20,7 @@ const STARTS: [(&str, Mark, Pen); 2] =
 /// The share of the time steps that may miss the tolerance of a simulation of which it is said that it was solved to it.
 const MISSED: f64 = 0.1;
 
-/// What a start is compared by.
+/// Cost by which starts are compared.
 type Cost = fn(&Simulation) -> f64;
 const COSTS: [(&str, Cost); 2] = [
     ("iterations", |s| s.totals.iterations as f64 / s.totals.time_steps.max(1) as f64),
@@ -95,7 +95,7 @@ fn setting(row: &Row) -> String {
     format!("{}, h = {h} ms, ≤ {}", nothing.scene, number(nothing.tolerance, 1))
 }
 
-/// Where a start from nothing stands.
+/// Pen of the line at a start from nothing.
 const NOTHING: Pen = Pen::solid(INK, 0.25);
 /// Height of a line (mm).
 const LINE: f64 = 3.9;

@@ -29,7 +29,7 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     vec![Part::table("peers", table(&rows), note), Part::text("peers-ratios", sentences(&rows, &there))]
 }
 
-/// What is accurate enough, in words: of what the study is stopped on.
+/// Names the accuracy that is enough, in the measure that the study is stopped on.
 fn there(runs: &[RunRow]) -> String {
     let on = runs.first().and_then(RunRow::stopping_measure).filter(|on| *on == Measure::VelocityError);
     let name = if on.is_some() { "a velocity error" } else { "a natural map" };
@@ -43,7 +43,7 @@ struct Row {
     velocity_error: Option<f64>,
     natural_map: Option<f64>,
     reached: Option<Reached>,
-    /// Of its seconds to the least on the problem.
+    /// Ratio of its seconds to the least on the problem.
     ratio: Option<f64>,
 }
 

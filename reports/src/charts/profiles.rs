@@ -77,7 +77,7 @@ fn figure(runs: &[RunRow], methods: &[Series], cost: &Cost) -> Part {
     Part::figure(name, svg)
 }
 
-/// Where the axis ends: at the greatest ratio, or before (logarithm).
+/// Returns the end of the axis: the greatest ratio, or less (logarithm).
 fn far(ratios: &Ratios) -> f64 {
     const FAR: f64 = 3.0;
     let greatest = ratios.of_methods.iter().flatten().flatten().copied().fold(10.0, f64::max);

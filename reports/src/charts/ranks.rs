@@ -1,4 +1,4 @@
-//! What a rank for each subdomain would bring: the work of the longest, counted and timed, and its messages, counted, at a cluster's
+//! Prediction of a rank for each subdomain: the work of the longest, counted and timed, and its messages, counted, at a cluster's
 //! prices.
 
 pub(super) mod measured;
@@ -23,7 +23,7 @@ const NOTE: &str = "\nPredicted, with a rank for each subdomain, of nsgs-dd with
                     those of a cluster. It knows nothing of ranks that share a memory's bandwidth, of caches, nor of those that \
                     are late.\n";
 
-/// What an iteration takes: work, messages to neighbours, sums over all ranks (s).
+/// Predicted parts of an iteration: work, messages to neighbours, sums over all ranks (s).
 struct Predicted {
     work: f64,
     messages: f64,
@@ -48,7 +48,7 @@ fn exchanges_and_sums(run: &RunRow) -> Option<(f64, f64)> {
 }
 
 impl Predicted {
-    /// Of a run of a series, if its messages are counted, and the fewest subdomains were timed on one thread.
+    /// Returns the prediction for a run of a series, if its messages are counted, and the fewest subdomains were timed on one thread.
     fn of(series: &Series, run: &RunRow) -> Option<Self> {
         let fewest = fewest(series, run, same_problem).filter(|fewest| fewest.provenance.threads == 1)?;
         let seconds = fewest.seconds_per_iteration()?;

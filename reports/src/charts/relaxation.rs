@@ -18,7 +18,7 @@ const KEY: &str = "relaxation";
 struct Swept<'r> {
     label: String,
     problems: Vec<Vec<&'r RunRow>>,
-    /// What each ω costs over all problems, by rising ω.
+    /// Cost of each ω over all problems, by rising ω.
     overall: Vec<Overall>,
 }
 
@@ -47,7 +47,7 @@ fn omega(run: &RunRow) -> Option<f64> {
     run.settings.get(KEY)?.as_f64()
 }
 
-/// Those that were run with several ω.
+/// Returns the series that were run with several ω.
 fn swept<'r>(runs: &[&'r RunRow]) -> Vec<Swept<'r>> {
     let mut all = Vec::new();
     for series in series(runs.iter().copied(), &[KEY]) {
@@ -96,7 +96,7 @@ fn best<'r>(runs: &[&'r RunRow]) -> Option<&'r RunRow> {
     runs.iter().copied().filter(|run| run.has_converged()).min_by_key(|run| run.iterations)
 }
 
-/// What the best fixed ω of a method is, beside ω = 1.
+/// Returns the sentence on the best fixed ω of a method, beside ω = 1.
 fn sentence(swept: &Swept) -> Option<String> {
     let cost = |of: &Overall| {
         format!("{} iterations in the geometric mean, {} failed", number(of.mean, 3), of.failed)
@@ -159,7 +159,7 @@ fn figure(runs: &[&RunRow], all: &[Swept]) -> Part {
     Part::figure(KEY, svg)
 }
 
-/// Where ω is on its axis; what is not below 2 has no place there.
+/// Returns the place of ω on its axis; values of 2 and above have none.
 fn place(run: &RunRow) -> Option<f64> {
     Some(Scale::of_relaxation(omega(run)?)).filter(|place| place.is_finite())
 }

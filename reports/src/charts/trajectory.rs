@@ -116,7 +116,7 @@ fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> Stri
     row(&title, OBSERVABLES.len(), &legend, |canvas, i, room| panel(canvas, compared, looks, i, room))
 }
 
-/// What the runs have, the greatest first.
+/// Returns the distinct values of the runs, the greatest first.
 fn falling(compared: &[&Compared], of: fn(&Simulation) -> f64) -> Vec<f64> {
     let mut values: Vec<f64> = of_role(compared, "run").map(|c| of(c)).collect();
     values.sort_by(|a, b| b.total_cmp(a));
@@ -188,7 +188,7 @@ fn panel(canvas: &Canvas, compared: &[&Compared], looks: &[(String, Look)], i: u
     }
 }
 
-/// What the rows of a scene say, one sentence for each time step.
+/// Summarises the rows of a scene, in one sentence for each time step.
 fn sentences(scene: &str, compared: &[&Compared]) -> String {
     let Some(twin) = of_role(compared, "twin").next().and_then(|c| c.errors) else {
         return format!("{scene}: no reference was made, so no error is known.\n");

@@ -31,7 +31,7 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     AgainstTruth { name: "truth", lacks, figure, sentences, note: String::new() }.parts(study)
 }
 
-/// What a panel shows: lines, and behind them the bands of those that go up and down.
+/// Content of a panel: lines, and behind them the bands of those that go up and down.
 struct Shown {
     lines: Vec<Line>,
     bands: Vec<(RGBColor, Band)>,

@@ -14,7 +14,7 @@ const SHORT_AXIS: f64 = 0.5;
 const DIGIT: f64 = 1.4;
 const APART: f64 = 1.0;
 
-/// What the coordinates of an axis are, and so where its ticks stand.
+/// Meaning of the coordinates of an axis, which sets its ticks.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Scale {
     /// Logarithms, with powers of ten.
@@ -50,7 +50,7 @@ impl Axis {
         Self { scale: Scale::Ten, low, high, from, to }
     }
 
-    /// Where a coordinate is on paper.
+    /// Returns the position of a coordinate on paper.
     pub(crate) fn place(&self, log: f64) -> f64 {
         self.from + (log - self.low) / (self.high - self.low) * (self.to - self.from)
     }
@@ -163,7 +163,7 @@ pub(crate) enum Ticks {
 }
 
 impl Frame {
-    /// Where a point, given by its logarithms, is on paper.
+    /// Returns the position on paper of a point given by its logarithms.
     pub(crate) fn place(&self, (x, y): (f64, f64)) -> Place {
         (self.x.place(x), self.y.place(y))
     }
@@ -242,7 +242,7 @@ impl Frame {
     }
 }
 
-/// What ticks take beside a panel (mm).
+/// Returns the room that ticks take beside a panel (mm).
 fn room(ticks: Ticks) -> f64 {
     if ticks == Ticks::Outside { MAJOR_TICK } else { 0.0 }
 }

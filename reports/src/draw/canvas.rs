@@ -196,7 +196,7 @@ fn use_own_font() {
     assert!(*REGISTERED.get_or_init(register), "the font that is part of this program is a font");
 }
 
-/// What is drawn goes into a text in memory, with a font that is there: no file, device or size can refuse it.
+/// Unwraps the result of a drawing: in memory, with a font that is there, no file, device or size can refuse it.
 fn drawn<T, E: std::fmt::Debug>(result: Result<T, E>) -> T {
     result.expect("drawing in memory does not fail")
 }

@@ -14,7 +14,7 @@ const KEY: f64 = 9.0;
 const GAP: f64 = 1.3;
 const COLUMN_GAP: f64 = 5.0;
 
-/// How the curve of a run looks.
+/// Style of the curve of a run.
 #[derive(Clone, Copy)]
 pub(crate) struct Look {
     pub(crate) pen: Pen,
@@ -22,7 +22,7 @@ pub(crate) struct Look {
 }
 
 impl Look {
-    /// The same with a sign, for points that no line joins.
+    /// Adds a sign to the look, for points that no line joins.
     pub(crate) fn signed(self) -> Self {
         Self { mark: if self.mark == Mark::None { Mark::Disc } else { self.mark }, ..self }
     }
@@ -86,7 +86,7 @@ impl<'t> Looks<'t> {
         Look { pen: Pen { color, width: *width, dash }, mark: *mark }
     }
 
-    /// The same where no other method is drawn, and signs are free to tell variants apart.
+    /// Returns the look of a variant where no other method is drawn, and signs are free to tell variants apart.
     pub(crate) fn variant_alone(&self, name: &str, n: usize) -> Look {
         let look = self.variant(name, n);
         let own = MARKS.iter().position(|mark| *mark == look.mark).unwrap_or(0);

@@ -8,7 +8,7 @@ use crate::draw::{
 };
 use crate::read::{ACCURACIES, COSTS, Cost, Ending, Point, RunRow, accuracy_text, reached};
 
-/// What all panels of a study share.
+/// Data shared by all panels of a study: its runs and their looks.
 pub(crate) struct Lines<'t> {
     pub(crate) runs: &'t [RunRow],
     pub(crate) looks: Looks<'t>,
@@ -29,7 +29,7 @@ impl<'t> Lines<'t> {
         Self { runs, looks: Looks::new(runs) }
     }
 
-    /// Whether some run on a problem was measured against a known solution.
+    /// Reports whether some run on a problem was measured against a known solution.
     pub(crate) fn knows_truth(&self, problem: &str) -> bool {
         let known = |run: &&RunRow| run.curve.iter().any(|point| point.velocity_error().is_some());
         self.runs_of(problem).iter().any(known)
@@ -80,7 +80,7 @@ impl<'t> Lines<'t> {
         self.legend(&coloured, more, width)
     }
 
-    /// The same lines as [`Lines::lines`], with those of all but the best runs behind the others, and grey.
+    /// Returns the lines of [`Lines::lines`], with those of all but the best runs behind the others, and grey.
     pub(crate) fn lines_of_best(
         &self,
         runs: &[&RunRow],

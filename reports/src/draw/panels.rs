@@ -48,7 +48,7 @@ pub(crate) fn row(
     grid(title, if count == 4 { (2, 2) } else { (count, 1) }, legend, panel)
 }
 
-/// The same with panels in columns and rows, row by row.
+/// Draws panels in columns and rows, row by row, with a title and a legend.
 pub(crate) fn grid(
     title: &[String],
     (columns, rows): (usize, usize),

@@ -8,13 +8,13 @@ use crate::read::{Ending, RunRow, differing, padded, settings_text};
 /// Lines of a key, and its signs.
 type Key = (Vec<(String, Look)>, Vec<(Sign, String)>);
 
-/// How a series looks, and its points.
+/// Look of a series, and its points.
 type Drawn<'p> = (Look, &'p [(Ending, (f64, f64))]);
 
 /// Points of a series: how the run ended, logarithms of x and y.
 pub(crate) type Points = Vec<(Ending, (f64, f64))>;
 
-/// The same of something that was reached, however the run ended later.
+/// Marks all points as converged: they were reached, however the run ended later.
 pub(crate) fn on_the_way(points: Points) -> Points {
     points.into_iter().map(|(_, point)| (Ending::Converged, point)).collect()
 }
@@ -86,7 +86,7 @@ pub(crate) fn reach<'p>(
     padded(points.map(|(_, point)| of(point)), 0.08)
 }
 
-/// Whether points that converged have at least two x: a line then joins or fits them.
+/// Reports whether points that converged have at least two x: a line then joins or fits them.
 pub(crate) fn has_line(points: &[(Ending, (f64, f64))]) -> bool {
     let mut xs = points.iter().filter(|(ending, _)| *ending == Ending::Converged).map(|(_, (x, _))| *x);
     xs.next().is_some_and(|first| xs.any(|x| x != first))

@@ -13,7 +13,7 @@ const SIGN: f64 = 2.6;
 const SAMPLE: f64 = 8.0;
 const NEXT: f64 = 4.0;
 
-/// What an entry explains.
+/// Sign that an entry explains.
 pub(crate) enum Sign {
     /// Text alone.
     Word,

@@ -26,7 +26,7 @@ const OUTLINE_GREY: RGBColor = RGBColor(140, 140, 140);
 /// Fill of a grain without contact.
 pub(crate) const IDLE: RGBColor = RGBColor(245, 245, 245);
 
-/// How a line is drawn.
+/// Style of a line.
 #[derive(Clone, Copy)]
 pub(crate) struct Pen {
     pub(crate) color: RGBColor,
@@ -77,14 +77,14 @@ pub(crate) enum Mark {
     Triangle,
 }
 
-/// How a method and its variants look: one hue in three shades, the first of them the method's own.
+/// Styles of a method and its variants: one hue in three shades, the first of them the method's own.
 pub(crate) struct Family {
     pub(crate) width: f64,
     pub(crate) mark: Mark,
     pub(crate) shades: [RGBColor; 3],
 }
 
-/// How each method looks, in every study. The hues are close to those of Okabe and Ito, told apart with any colour vision,
+/// Style of each method, in every study. The hues are close to those of Okabe and Ito, told apart with any colour vision,
 /// and made to differ in lightness where they can; the signs tell the rest in grey. No shade comes near one of another
 /// method. `nsgs` is wide, since a method that decomposes into one subdomain may lie exactly upon it.
 pub(crate) const METHODS: [(&str, Family); 11] = [

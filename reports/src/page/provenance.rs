@@ -1,4 +1,4 @@
-//! Where the rows of a study come from.
+//! Provenance of the rows of a study.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use results::schema::Provenance;
 
 use crate::text::frame;
 
-/// Where a row comes from, and whether no other run went on beside it.
+/// Provenance of a row, and whether no other run went on beside it.
 pub(crate) type Origin<'r> = (&'r Provenance, bool);
 
 /// One row per build, machine and number of threads; seconds compare within a row only.

@@ -1,4 +1,4 @@
-//! What the viewer on a page shows: samples under their partitions, and the impulses of runs through their iterations.
+//! Data of the viewer on a page: samples under their partitions, and the impulses of runs through their iterations.
 
 use std::collections::BTreeMap;
 
@@ -59,7 +59,7 @@ struct Split {
 #[derive(Serialize)]
 pub(crate) struct Track {
     pub(crate) label: String,
-    /// How the run ended; empty for the solution.
+    /// Ending of the run; empty for the solution.
     ending: String,
     pub(crate) frames: Vec<Frame>,
 }
@@ -69,11 +69,11 @@ pub(crate) struct Track {
 pub(crate) struct Frame {
     pub(crate) iteration: u64,
     natural_map: Option<f64>,
-    /// Of each contact, in thousandths of the greatest.
+    /// Impulse of each contact, in thousandths of the greatest.
     impulses: Vec<u32>,
     /// The contacts that slide.
     sliding: Vec<u32>,
-    /// Of each grain, in thousandths of the greatest at the end of a run.
+    /// Spin of each grain, in thousandths of the greatest at the end of a run.
     spins: Vec<i32>,
 }
 
@@ -117,7 +117,7 @@ impl Viewer {
 pub struct Snapshots {
     /// Method and variant.
     pub label: String,
-    /// How it ended.
+    /// Ending of the run.
     pub ending: String,
     /// In the order of the iterations.
     pub snapshots: Vec<Snapshot>,

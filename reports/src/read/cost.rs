@@ -1,4 +1,4 @@
-//! What a run has cost at a sample, and when it was accurate for the first time.
+//! Cost of a run at a sample, and the first sample at which it was accurate.
 
 use crate::read::run::defined;
 use crate::read::{Point, RunRow, power_of_ten};
@@ -28,7 +28,7 @@ pub(crate) const COSTS: [Cost; 2] = [
     Cost { name: "sweeps", title: "counted work (sweeps)", of: |run, point| point.work(run) },
 ];
 
-/// What a sweep of work is.
+/// Definition of a sweep of counted work.
 pub(crate) const WORK: &str = "A sweep of counted work is eight multiply-adds per contact of the problem: a contact updated \
                                counts as much as a contact passed in a product with W, an entry of a triangular factor an \
                                eighth. Factorisations are in the seconds alone; a run that factorises many times has \

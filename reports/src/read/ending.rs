@@ -1,10 +1,10 @@
-//! How a run ended, and whether that is true of its problem beside its own word.
+//! Ending of a run, and whether it holds for the problem whatever the run claims.
 
 use std::collections::BTreeSet;
 
 use crate::read::RunRow;
 
-/// How a run ended.
+/// Ending of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Ending {
     Converged,
@@ -45,7 +45,7 @@ impl Ending {
     }
 }
 
-/// What is known of the problems.
+/// Known facts on the problems of a study.
 pub(crate) struct Verdicts<'r> {
     /// Problems that have a solution: a run converged, or the reference is certified.
     solved: BTreeSet<&'r str>,
@@ -57,12 +57,12 @@ impl<'r> Verdicts<'r> {
         Self { solved: runs.iter().filter(solved).map(|run| run.problem.as_str()).collect() }
     }
 
-    /// Whether a run proved that there is no solution, and nothing speaks against it.
+    /// Reports whether a run proved that there is no solution, and nothing speaks against it.
     pub(crate) fn is_proof(&self, run: &RunRow) -> bool {
         run.ending == Ending::Infeasible && !self.solved.contains(run.problem.as_str())
     }
 
-    /// Whether a run found what there is to find: the solution, or that there is none.
+    /// Reports whether a run is right: it found the solution, or proved that there is none.
     pub(crate) fn is_right(&self, run: &RunRow) -> bool {
         run.has_converged() || self.is_proof(run)
     }

@@ -24,7 +24,7 @@ pub(crate) fn differing<'r>(
     differing
 }
 
-/// What of `keys` a run has, as text: `4x2`, `4x2, relaxation=0.8`. What is unset or `none` is left out.
+/// Writes those settings of a run that are in `keys`: `4x2`, `4x2, relaxation=0.8`. What is unset or `none` is left out.
 pub(crate) fn settings_text(run: &RunRow, keys: &BTreeSet<(String, String)>) -> String {
     let word = |(_, key): &(String, String)| match run.settings.get(key)? {
         Value::Null => None,

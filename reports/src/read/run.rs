@@ -88,12 +88,12 @@ impl RunRow {
         Measure::ALL.into_iter().find(|measure| measure.name() == self.stop_on)
     }
 
-    /// What it was to be stopped by, as a sentence says it.
+    /// Returns the stopping rule as a sentence has it.
     pub(crate) fn rule(&self) -> Option<String> {
         Some(format!("{} ≤ {}", self.stop_on.replace('_', " "), number(self.tolerance?, 2)))
     }
 
-    /// The same run as if it were shared like another: of a method whose iterates do not depend on that.
+    /// Copies the run with the partition of another: for a method whose iterates do not depend on that.
     pub(crate) fn shared_as(&self, other: &Self) -> Self {
         let mut shared = self.clone();
         shared.row.subdomains = other.subdomains;
@@ -101,7 +101,7 @@ impl RunRow {
         shared
     }
 
-    /// What an iteration takes (s).
+    /// Returns the time of an iteration (s).
     pub(crate) fn seconds_per_iteration(&self) -> Option<f64> {
         self.iterating_s.filter(|_| self.iterations > 0).map(|seconds| seconds / self.iterations as f64)
     }
@@ -132,7 +132,7 @@ impl Point {
         self.get(Measure::VelocityError)
     }
 
-    /// What a run was stopped on; the natural map, the working measure, stands for those that are no error.
+    /// Returns the measure that a run was stopped on; the natural map, the working measure, stands for those that are no error.
     pub(crate) fn stopped_on(&self, run: &RunRow) -> Option<f64> {
         match run.stopping_measure() {
             Some(error @ (Measure::Zeta | Measure::QuadDv | Measure::VelocityError)) => self.get(error),
@@ -181,7 +181,7 @@ pub(crate) fn words(
     }
 }
 
-/// How often each was run for its seconds, as a note says it.
+/// States how often each was run for its seconds, as a note.
 pub(crate) fn repeats(runs: &[RunRow]) -> String {
     match range(runs, |run| run.timing.repeats) {
         (_, 1) => "One run each.".to_owned(),
@@ -190,7 +190,7 @@ pub(crate) fn repeats(runs: &[RunRow]) -> String {
     }
 }
 
-/// How many threads the runs had, in words.
+/// States the number of threads of the runs, in words.
 pub(crate) fn threads(runs: &[RunRow]) -> String {
     match range(runs, |run| run.provenance.threads) {
         (least, most) if least == most => counted(most as usize, "thread"),
@@ -203,7 +203,7 @@ fn range(runs: &[RunRow], of: fn(&RunRow) -> u32) -> (u32, u32) {
     (least.unwrap_or(1), most.unwrap_or(1))
 }
 
-/// Whether the tolerance of all runs is a natural map of 10⁻², which figures show beside tighter ones.
+/// Reports whether the tolerance of all runs is a natural map of 10⁻², which figures show beside tighter ones.
 pub(crate) fn stopped_at_1e_2<'r>(runs: impl IntoIterator<Item = &'r RunRow>) -> bool {
     runs.into_iter().all(|run| run.stop_on == "natural_map" && run.tolerance == Some(1e-2))
 }

@@ -78,7 +78,7 @@ struct Side {
 }
 
 impl Side {
-    /// Whether a touched place is on the line; `reach` is the distance of the grain's centre (m).
+    /// Reports whether a touched place is on the line; `reach` is the distance of the grain's centre (m).
     fn holds(&self, normal: (f64, f64), at: f64, reach: f64) -> bool {
         const PARALLEL: f64 = 1e-6;
         let turn = (self.normal.0 - normal.0).hypot(self.normal.1 - normal.1);

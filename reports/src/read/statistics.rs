@@ -24,7 +24,7 @@ pub(crate) fn padded(values: impl Iterator<Item = f64>, room: f64) -> (f64, f64)
     (low - room, high + room)
 }
 
-/// How many values there are, equal ones counted once.
+/// Counts the values, equal ones once.
 pub(crate) fn distinct(values: impl Iterator<Item = f64>) -> usize {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);

@@ -119,7 +119,7 @@ pub(crate) fn stored(study: &Runs) -> Stored {
     Stored::Runs(study.clone())
 }
 
-/// What a run ends with.
+/// Returns the end of a run: the measures and the work of its last sample.
 pub(crate) fn end(Sample { measures, work, .. }: Sample) -> End {
     End { measures, work }
 }
@@ -133,7 +133,7 @@ pub(crate) fn files(parts: &[Part]) -> Vec<File> {
     files.map(|file| (file.name, String::from_utf8(file.content).unwrap())).collect()
 }
 
-/// The same without velocity errors.
+/// Removes the velocity errors.
 pub(crate) fn without_truth(mut study: Runs) -> Runs {
     for sample in study.records.iter_mut().flat_map(|record| &mut record.curve) {
         sample.measures.velocity_error = f64::NAN;

@@ -56,7 +56,7 @@ pub(crate) fn simulated(role: &str, time_step_s: f64, tolerance: f64) -> Simulat
     Simulated { simulation, series: (1..=10).map(row).collect() }
 }
 
-/// The same with every row changed.
+/// Changes every row of the series.
 pub(crate) fn with(mut simulated: Simulated, change: impl Fn(&mut Observed)) -> Simulated {
     simulated.series.iter_mut().for_each(change);
     simulated

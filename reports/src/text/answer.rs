@@ -7,8 +7,8 @@ use serde_json::Value;
 use crate::read::{Ending, Problems, RunRow, Verdicts, count, counted, number, problems, span};
 use crate::text::found::comparable;
 
-/// What more subdomains cost in iterations, if that is asked and varied; else which methods are right in every run. Then who is
-/// first in time. Nothing of a study with a single method. Where runs were to go on to their limit, what an iteration takes.
+/// States the cost of more subdomains in iterations, if asked and varied; else which methods are right in every run. Then the
+/// first in time. Of a single method, the cost of subdomains alone. Where all runs go on to their limit, the time of an iteration.
 pub(crate) fn answer(study: &Problems, of_subdomains: bool) -> Vec<String> {
     if study.runs.iter().all(|run| run.tolerance == Some(0.0)) {
         return an_iteration(&study.runs).into_iter().collect();
@@ -32,7 +32,7 @@ pub(crate) fn answer(study: &Problems, of_subdomains: bool) -> Vec<String> {
     sentences
 }
 
-/// What an iteration takes on the largest problem, by each kind of run.
+/// States the time of an iteration on the largest problem, by each kind of run.
 fn an_iteration(runs: &[RunRow]) -> Option<String> {
     let largest = runs.iter().max_by_key(|run| run.contacts)?;
     let on_it = runs.iter().filter(|run| run.problem == largest.problem);
@@ -78,7 +78,7 @@ fn who_is_right(runs: &[RunRow], methods: &[&str]) -> Vec<String> {
     sentences
 }
 
-/// How many more iterations a method takes with the most subdomains than with the fewest, all else being equal.
+/// States how many more iterations a method takes with the most subdomains than with the fewest, all else being equal.
 fn more_subdomains(runs: &[RunRow], method: &str) -> Option<String> {
     let of_method = || runs.iter().filter(|run| run.method == method);
     let (fewest, most) = span(of_method().map(|run| f64::from(run.subdomains)))?;

@@ -32,7 +32,7 @@ fn of_simulations(all: &[Simulation]) -> DataFrame {
     chosen(failed, "scene method variant status reason", Ok(DataFrame::empty()))
 }
 
-/// What the row says, or what its ending means.
+/// Returns the reason in the row, or the meaning of its ending.
 fn reason(run: &RunRow) -> String {
     if !run.reason.is_empty() {
         return run.reason.clone();

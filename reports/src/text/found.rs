@@ -1,4 +1,4 @@
-//! What a study found, in sentences from its rows alone.
+//! Findings of a study, in sentences from its rows alone.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,13 +9,13 @@ use crate::read::{
     Ending, RunRow, Simulation, Study, Verdicts, count, counted, find_or_push, number, problems,
 };
 
-/// Of more problems than this, methods are counted over all of them.
+/// Number of problems above which methods are counted over all of them.
 const FEW_PROBLEMS: usize = 6;
 
 /// Their iterations are whole solves, or factorisations: they have no rank by iterations.
 const FACTORISE: [&str; 4] = ["active-set", "convex", "newton-schur", "interior-point"];
 
-/// How the runs ended, who was first on each problem, and whose runs failed.
+/// States how the runs ended, who was first on each problem, and whose runs failed.
 pub(crate) fn found(study: &Study) -> Vec<String> {
     match study {
         Study::Problems(study) => of_runs(&study.runs),
@@ -42,11 +42,11 @@ fn of_runs(runs: &[RunRow]) -> Vec<String> {
     sentences
 }
 
-/// Of a change of impulses the share that moves grains, below which they only drift (–): with friction on packings of 250 and 991
+/// Share of a change of impulses that moves grains, below which they only drift (–): with friction on packings of 250 and 991
 /// discs it is 1e-5 at most where impulses drift along the kernel of W, and 5e-4 at least where they do not.
 const DRIFTS: f64 = 1e-4;
 
-/// How many runs ended without convergence while impulses only drift, or creep where a mode of W is as slow: the share tells no
+/// Counts runs that ended without convergence while impulses only drift, or creep where a mode of W is as slow: the share tells no
 /// difference.
 fn floors(runs: &[RunRow]) -> Option<String> {
     let drifts = |run: &&RunRow| {
@@ -63,7 +63,7 @@ fn floors(runs: &[RunRow]) -> Option<String> {
     })
 }
 
-/// How many runs went round in cycles.
+/// Counts the runs that went round in cycles.
 fn cycles(runs: &[RunRow]) -> Option<String> {
     let lengths: Vec<u64> = runs.iter().filter_map(|run| run.cycle_iterations).collect();
     let (least, most) = (lengths.iter().min()?, lengths.iter().max()?);
@@ -73,7 +73,7 @@ fn cycles(runs: &[RunRow]) -> Option<String> {
     Some(format!("{} {rounds} of {range} iterations at the end.", counted(many, "run")))
 }
 
-/// How the simulations ended.
+/// Counts the simulations by their endings.
 fn of_simulations(all: &[Simulation]) -> Vec<String> {
     let mut ended: BTreeMap<&str, usize> = BTreeMap::new();
     for simulation in all {
@@ -88,7 +88,7 @@ fn of_simulations(all: &[Simulation]) -> Vec<String> {
     sentences
 }
 
-/// Where the energy went, in the simulation in which most did, and how well the balances of all close.
+/// Accounts for the energy in the simulation in which most was moved, and states how well the balances of all close.
 fn energy(all: &[Simulation]) -> Option<String> {
     let moved = |simulation: &&Simulation| simulation.totals.energy.energy_moved_j;
     let moving = || all.iter().filter(|simulation| moved(simulation) > 0.0 && moved(simulation).is_finite());
@@ -151,7 +151,7 @@ fn solutions(runs: &[RunRow], problem: &str) -> Option<String> {
     Some(format!("{problem}: {known} known{apart}; Newton's method leads {led}."))
 }
 
-/// How a run ended; a claim that there is no solution is a proof unless a run or the reference refutes it.
+/// Describes the ending of a run; a claim that there is no solution is a proof unless a run or the reference refutes it.
 fn how(run: &RunRow, verdicts: &Verdicts) -> &'static str {
     match run.ending {
         Ending::Infeasible if verdicts.is_proof(run) => "proved that there is no solution",

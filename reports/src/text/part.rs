@@ -1,4 +1,4 @@
-//! What a chart makes of the tables: figures, tables and sentences, and the files that they become.
+//! Output of a chart: figures, tables and sentences, and the files that they become.
 
 use std::ops::Deref;
 
@@ -23,13 +23,13 @@ impl File {
     }
 }
 
-/// What a reader looks at; its name is that of its files.
+/// Part of a report; its name is that of its files.
 pub(crate) struct Part {
     pub(crate) name: String,
     pub(crate) kind: Kind,
-    /// What a figure shows, where that is not what its chart shows.
+    /// Caption of a figure, where it is not that of its chart.
     pub(crate) caption: Option<String>,
-    /// Whether its page shows it, or names its files alone, since another part shows the same.
+    /// True where its page shows it; else the page names its files alone, since another part shows the same.
     pub(crate) on_page: bool,
 }
 

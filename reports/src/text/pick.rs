@@ -8,7 +8,7 @@ use wildmatch::WildMatch;
 use crate::error::ReportError;
 use crate::text::{Table, table};
 
-/// What of a table is wanted, and how.
+/// Selection from a table, and its format.
 #[derive(Clone, Copy, Debug)]
 pub struct Pick<'p> {
     /// Name of the table: that of its files.
@@ -72,7 +72,7 @@ impl Pick<'_> {
     }
 }
 
-/// How many values an error names.
+/// Greatest number of values that an error names.
 const NAMED: usize = 20;
 
 /// A value as its CSV file has it; nothing where there is none.

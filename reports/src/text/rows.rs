@@ -11,7 +11,7 @@ use crate::error::ReportError;
 use crate::read::{Problems, Simulation, Study};
 use crate::text::{Kind, Part, Table, markdown};
 
-/// What of the table of runs a page is wide enough for, with the headings there.
+/// Columns of the table of runs that fit on a page, with the headings there.
 const OF_RUNS: [(&str, &str); 11] = [
     ("problem", "problem"),
     ("method", "method"),
@@ -26,7 +26,7 @@ const OF_RUNS: [(&str, &str); 11] = [
     ("velocity_error", "error at the end"),
 ];
 
-/// The same of the table of simulations.
+/// Columns of the table of simulations that fit on a page, with the headings there.
 const OF_SIMULATIONS: [(&str, &str); 11] = [
     ("scene", "scene"),
     ("role", "role"),
@@ -61,14 +61,14 @@ pub fn summary(study: &Stored) -> Result<String, ReportError> {
     Ok(markdown(&shown)? + &note)
 }
 
-/// What the files of a table of runs hold.
+/// Columns in the files of a table of runs.
 const RUNS: &str = "\
     problem method variant subdomains status iterations_to_zeta_1e_3 iterations_to_zeta_1e_4 \
     iterations_to_natural_map_1e_2 iterations_to_natural_map_1e_4 iterations contact_updates \
     delassus_products triangular_solve_entries factorisations setup_s iterating_s natural_map \
     velocity_error reason id";
 
-/// The same of a table of simulations.
+/// Columns in the files of a table of simulations.
 const SIMULATIONS: &str = "\
     scene role time_step_s method variant warm_start tolerance max_iterations status time_steps \
     missed_time_steps iterations contact_updates delassus_products setup_s iterating_s reason";

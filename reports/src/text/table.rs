@@ -102,7 +102,7 @@ pub(crate) fn latex(table: &DataFrame) -> Result<String, ReportError> {
     ))
 }
 
-/// How a column stands: text to the left, numbers at their decimal marker, with room for the longest.
+/// Returns the alignment of a column: text to the left, numbers at their decimal marker, with room for the longest.
 fn alignment(column: &Column) -> String {
     if !column.numeric {
         return "l".to_owned();

@@ -5,7 +5,7 @@ use contact::Measure;
 use crate::draw::{BLACK, Cell, RGBColor, WHITE};
 use crate::read::{Ending, Point, RunRow};
 
-/// How a method fared on a problem.
+/// Outcome of a method on a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Class {
     Converged,
@@ -57,7 +57,7 @@ impl Class {
         }
     }
 
-    /// Whether nothing is wrong with the method: it found the solution, or proved that there is none.
+    /// Reports whether the method did well: it found the solution, or proved that there is none.
     pub(crate) fn is_good(self) -> bool {
         matches!(self, Self::Converged | Self::Infeasible)
     }
@@ -75,7 +75,7 @@ const fn cell(letter: &'static str, fill: RGBColor, ink: RGBColor) -> Cell {
     Cell { fill, letter, ink }
 }
 
-/// Whether a point is far from the true velocity, where that is known.
+/// Reports whether a point is far from the true velocity; `false` where that is not known.
 fn is_far(run: &RunRow, point: Option<&Point>) -> bool {
     let (Some(tolerance), Some(error)) = (run.tolerance, point.and_then(Point::velocity_error)) else {
         return false;
@@ -83,7 +83,7 @@ fn is_far(run: &RunRow, point: Option<&Point>) -> bool {
     error > FAR * tolerance
 }
 
-/// Whether ζ met the tolerance at an iterate that is far from the solution, or of a problem that has none.
+/// Reports whether ζ first met the tolerance at an iterate far from the solution, or of a problem that has none.
 pub(crate) fn zeta_lies(run: &RunRow) -> bool {
     let met = |point: &&Point| {
         point.get(Measure::Zeta).zip(run.tolerance).is_some_and(|(zeta, tolerance)| zeta <= tolerance)
@@ -92,7 +92,8 @@ pub(crate) fn zeta_lies(run: &RunRow) -> bool {
     first.is_some_and(|point| run.ending == Ending::Infeasible || is_far(run, Some(point)))
 }
 
-/// Whether the measure still falls: its least value in the second half of the iterations is below that in the first.
+/// Reports whether the measure still falls: its least value in the second half of the iterations is more than 1 % below
+/// that in the first.
 fn falls(run: &RunRow) -> bool {
     let half = run.iterations / 2;
     let least = |late: bool| {

@@ -26,14 +26,14 @@ pub(super) struct Grid<'g, 'r> {
     pub(super) notes: Vec<String>,
     pub(super) columns: Vec<Column>,
     pub(super) hazards: &'g [Hazard],
-    /// What a column has on a problem.
+    /// Cell of a problem and a column.
     pub(super) cell: &'g dyn Fn(usize, &str) -> Option<Cell<'g, 'r>>,
 }
 
 /// A run, and whether another setting mends it.
 type Cell<'g, 'r> = (&'g Judged<'r>, bool);
 
-/// Where the cells are (mm).
+/// Position and size of the cells (mm).
 struct Layout {
     left: f64,
     top: f64,

@@ -1,4 +1,4 @@
-//! What problems share that are hard for one reason: a case, and the values of it that vary.
+//! Hazards: problems of one case that are hard for one reason, and the values that vary among them.
 
 use serde_json::Value;
 
@@ -8,7 +8,7 @@ use crate::read::{RunRow, problems};
 pub(crate) struct Hazard {
     /// Name of the case; of a frozen problem its own.
     pub(crate) name: String,
-    /// What varies, with its values; empty for a problem alone.
+    /// Varied parameters with their values; empty for a problem alone.
     pub(crate) knob: String,
     pub(crate) problems: Vec<String>,
 }

@@ -6,7 +6,7 @@ use super::hazard::Hazard;
 use super::{Judged, Kind, find};
 use crate::read::{counted, number};
 
-/// What the classes mean, and the sentences.
+/// Returns the sentences on each method, and the meaning of the classes.
 pub(super) fn text(judged: &[Judged], hazards: &[Hazard], kinds: &[Kind]) -> String {
     let mut text = String::new();
     for kind in kinds {
@@ -28,7 +28,7 @@ pub(super) fn text(judged: &[Judged], hazards: &[Hazard], kinds: &[Kind]) -> Str
     text + &zeta(judged)
 }
 
-/// What the classes and the letters mean.
+/// Meaning of the classes and the letters.
 pub(super) const RULE: &str = "\nConverged: the measure met the tolerance; false convergence: it did, with a velocity error of more than 100 \
 tolerances, or where there is no solution. Infeasible: it was proved that there is no solution; failed: it was claimed, and \
 there is one. Slow: all iterations were made, and the least measure of \
@@ -44,7 +44,7 @@ struct Failing {
     why: String,
 }
 
-/// What is to be said of a method on a hazard; nothing where all its settings do well.
+/// Describes a method on a hazard; `None` where all its settings do well.
 fn region(judged: &[Judged], hazard: &Hazard, kind: &Kind) -> Option<String> {
     let mut groups: Vec<(Vec<String>, String, String)> = Vec::new();
     let mut good = Vec::new();
@@ -125,7 +125,7 @@ fn why(judged: &[Judged], failing: &[&Judged]) -> String {
     words.join("; ")
 }
 
-/// How often ζ promised too much.
+/// Counts the runs in which ζ met the tolerance wrongly.
 fn zeta(judged: &[Judged]) -> String {
     let begun: Vec<&Judged> = judged.iter().filter(|run| run.class != Class::Skipped).collect();
     let lies = begun.iter().filter(|run| run.zeta_lies).count();

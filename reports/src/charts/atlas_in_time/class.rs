@@ -1,11 +1,11 @@
-//! What became of a simulation, judged by its series beside that of the reference of its scene.
+//! Class of a simulation, judged by its series beside that of the reference of its scene.
 
 use crate::draw::{Cell, ColorScale, RGBColor};
 use results::simulation::Observed;
 
 use crate::read::{Simulation, median};
 
-/// What became of a simulation, from the best to the worst.
+/// Outcome of a simulation, from the best to the worst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Class {
     /// It stays as near to the reference as the others do not.
@@ -16,9 +16,9 @@ pub(crate) enum Class {
     Creeping,
     /// It was stopped: see the reason.
     Exploded,
-    /// The same, because the problem of a time step had no solution.
+    /// Stopped, because the problem of a time step had no solution.
     NoSolution,
-    /// The same, because the solver diverged.
+    /// Stopped, because the solver diverged.
     SolverDiverged,
 }
 
@@ -29,7 +29,7 @@ pub(crate) const CREEP: f64 = 0.05;
 pub(crate) const MORE_ENERGY: f64 = 1.0;
 pub(crate) const SHARE_OF_FALL: f64 = 0.1;
 
-/// How a simulation differs from the reference, over the second half of the common times.
+/// Differences of a simulation from the reference, over the second half of the common times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Drift {
     /// Median difference of the mean heights, over the mean diameter.

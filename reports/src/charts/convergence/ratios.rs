@@ -1,4 +1,4 @@
-//! What subdomains cost: iterations to an accuracy over those of the method without them.
+//! Cost of subdomains: iterations to an accuracy over those of the method without them.
 
 use contact::Measure;
 
@@ -14,7 +14,7 @@ const MEASURES: [(Measure, &str); 2] =
     [(Measure::Zeta, "ζ reached (–)"), (Measure::NaturalMap, "natural map reached (–)")];
 const RATIO: &str = "iterations over those without subdomains (–)";
 
-/// Of fewer iterations than these, one more or less would be a ratio of its own.
+/// Least number of iterations for a ratio: with fewer, one more or less would be a ratio of its own.
 const LEAST: u64 = 10;
 /// The least axis (in logarithms): less would show differences that are none.
 const NARROWEST: (f64, f64) = (-0.1, 0.302);
@@ -87,7 +87,7 @@ fn first(curve: &[Point], measure: Measure, log: f64) -> Option<u64> {
     results::reached(values, accuracy).map(|at| curve[at].iteration)
 }
 
-/// Whether more is left out of a curve than a hundredth of its iterations at a time.
+/// Reports whether two neighbouring points of a curve are more than one iteration and 2 % apart.
 fn has_gaps(run: &RunRow) -> bool {
     run.curve.windows(2).any(|pair| pair[1].iteration * 100 > pair[0].iteration * 102 + 100)
 }

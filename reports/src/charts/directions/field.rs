@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::read::{Ending, RunRow, differing, find_or_push, settings_text};
 
-/// What runs may differ in inside a field, or is written beside the group.
+/// Settings in which runs may differ inside a field, or that are written beside the group.
 const APART: [&str; 4] = ["kappa_l", "kappa_d", "relaxation", "adaptive"];
 const SINGLE_SIDED: [&str; 4] = ["kappa_l_minus", "kappa_l_plus", "kappa_d_minus", "kappa_d_plus"];
 
@@ -37,7 +37,7 @@ pub(crate) struct Field<'r> {
 }
 
 impl<'r> Field<'r> {
-    /// Whether κ_d varies on its own.
+    /// Reports whether κ_d varies on its own.
     pub(crate) fn is_plane(&self) -> bool {
         self.cells.iter().any(|cell| cell.kappa_d != cell.kappa_l)
     }
@@ -70,7 +70,7 @@ impl<'r> Field<'r> {
         }
     }
 
-    /// How many times the iterations of the best run this run of the field takes, if it converged.
+    /// Returns the ratio of the iterations of a run of the field to those of its best run, if it converged.
     pub(crate) fn ratio(&self, run: Option<&RunRow>) -> Option<f64> {
         let best = self.best().map(|cell| cell.run.iterations).filter(|iterations| *iterations > 0)?;
         Some(iterations(run)? as f64 / best as f64)

@@ -34,7 +34,7 @@ pub(crate) fn pages(problem: &str, fields: &[&Field]) -> Vec<String> {
     chunks.map(|(number, fields)| page.draw(fields, number)).collect()
 }
 
-/// What the pages of a problem share.
+/// Layout shared by the pages of a problem.
 struct Page {
     width: f64,
     columns: usize,

@@ -47,7 +47,7 @@ pub(crate) fn table(fields: &[Field]) -> DataFrame {
     ))
 }
 
-/// What its columns mean.
+/// Meaning of its columns.
 pub(crate) const NOTE: &str = "\nIterations are those to the stop rule of the plan. Best: the fewest among the converged runs with given \
                                directions; `at_edge` says which of them is the least or greatest of the grid, which may then hold \
                                no best at all. Derived: the run of the same method that derives its own; none where it did not \

@@ -38,7 +38,7 @@ pub(super) fn notes(field: &Field) -> Vec<String> {
     [Some(best), Some(derived), line("adapted", field.adaptive), no_effect].into_iter().flatten().collect()
 }
 
-/// What the figure shows, and how many runs failed.
+/// Returns the title: the content of the figure, and the number of failed runs.
 pub(super) fn head(problem: &str, fields: &[&Field]) -> [String; 2] {
     let method = fields[0].method;
     let rule = fields[0].cells.first().and_then(|cell| cell.run.rule());

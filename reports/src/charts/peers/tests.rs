@@ -1,4 +1,4 @@
-//! What the table of other codes says of their runs.
+//! Tests of the table of other codes.
 
 use results::schema::{End, Run, Sample};
 use serde_json::json;

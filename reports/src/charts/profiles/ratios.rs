@@ -38,7 +38,7 @@ impl Ratios {
         self.of_methods.iter().flatten().flatten().copied().filter(|ratio| *ratio <= 1.0).collect()
     }
 
-    /// How many of the pairs of method and problem do not reach the accuracy, and how many pairs there are.
+    /// Counts the pairs of method and problem that do not reach the accuracy, and all pairs.
     pub(super) fn not_reached(&self) -> (usize, usize) {
         let pairs = || self.of_methods.iter().flatten();
         (pairs().filter(|ratio| ratio.is_none()).count(), pairs().count())

@@ -1,4 +1,4 @@
-//! What ranks took beside what is predicted of them: one rank's seconds shared by all, and messages at the prices of the machine.
+//! Seconds of ranks beside their prediction: one rank's seconds shared by all, and messages at the prices of the machine.
 
 use polars::df;
 
@@ -18,7 +18,7 @@ struct Predicted {
 }
 
 impl Predicted {
-    /// Of a run of a series whose run on one rank of the same machine and build is there.
+    /// Returns the prediction for a run of a series whose run on one rank of the same machine and build is there.
     fn of(series: &Series, run: &RunRow) -> Option<Self> {
         let is_alone = |other: &&&RunRow| {
             other.problem == run.problem
@@ -45,7 +45,7 @@ pub(in crate::charts) fn ratio(series: &Series, run: &RunRow) -> Option<f64> {
     Some(run.seconds_per_iteration()? / (work + messages))
 }
 
-/// Whether some runs were shared by ranks.
+/// Reports whether some runs were shared by ranks.
 pub(super) fn has_ranks(runs: &[RunRow]) -> bool {
     runs.iter().any(|run| run.exchange.ranks > 1)
 }

@@ -1,10 +1,10 @@
-//! How far a simulation is from the reference of its scene.
+//! Errors of a simulation against the reference of its scene.
 
 use results::simulation::Observed;
 
 use crate::read::Simulation;
 
-/// What is compared, as an axis says it.
+/// Observables compared, as named on axes.
 pub(crate) const OBSERVABLES: [&str; 4] =
     ["wall impulse (–)", "kinetic energy (–)", "greatest overlap (d)", "mean height (d)"];
 

@@ -32,7 +32,7 @@ fn impulse_as_small_as_round_off_bars_a_fine_lever() {
         let wall = |normal, offset| Contact { candidate: 0, antagonist: None, normal, offset };
         let slopes = [tilt.cos(), -tilt.cos()].map(|x| wall(Vector2::new(x, tilt.sin()), -1.0));
         let barred = slopes.into_iter().chain([wall(-Vector2::y(), 0.0)]).collect();
-        let barred = ContactProblem::new(vec![1.0], vec![Vector2::zeros()], barred).unwrap();
+        let barred: ContactProblem = ContactProblem::new(vec![1.0], vec![Vector2::zeros()], barred).unwrap();
         assert!(proves_infeasible(&barred, &[1.0, 1.0, 2.0 * tilt.sin()]), "{tilt} rad");
         assert!(!proves_infeasible(&barred, &[1.0, 1.0, 0.0]), "{tilt} rad");
     }
