@@ -34,7 +34,8 @@ const KAPPA: f64 = 10.0;
 /// Programmes of the fixed point that do not halve what is left, after which sweeps take their place.
 const IN_VAIN: u32 = 4;
 
-/// Accuracy at which stages end: where proximal points come no nearer, neither LATIN nor convex programmes do (–).
+/// Residual, over the problem's scale, from which proximal points are the last stage (–): where they come no nearer, neither LATIN nor
+/// convex programmes do.
 const AT_THE_FLOOR: f64 = 1e-6;
 
 /// Largest residual of the law at an end where no step reduces it, over the problem's scale (–): else it is no end.

@@ -88,7 +88,7 @@ impl<const D: usize> Block<D> {
         self.parts = Arch::new().dispatch(Dispatched(self, pass));
     }
 
-    /// Returns the grains that the blocks share, after the pass or before it.
+    /// Returns the columns, and the values of grains that blocks share, after the pass or before it.
     pub(crate) fn shared(&mut self, pass: Pass) -> (&Columns<Smooth<D>>, &mut [SVector<f64, D>]) {
         let shared = match pass {
             Pass::Step { .. } | Pass::Correct | Pass::Whole | Pass::Afresh => &mut self.change,

@@ -48,7 +48,7 @@ pub struct Meter<'p, const D: usize = 2> {
     natural_map: f64,
 }
 
-/// Known solution's quantities that errors are measured with.
+/// Quantities of the truth that errors are measured with.
 struct Known<const D: usize> {
     /// V* − `V_free` of each grain (m/s).
     pushed: Vec<SVector<f64, D>>,

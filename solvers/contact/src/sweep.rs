@@ -258,7 +258,7 @@ fn in_turn<M: Mechanics>(
     }
 }
 
-/// Visits rows that share no grain: all are read before any of them pushes.
+/// Visits rows that share no grain: all velocities are read before any impulse is applied.
 #[inline(always)]
 pub(crate) fn look_then_push<M: Mechanics>(
     rows: &[Row<M>; TOGETHER],
@@ -310,7 +310,7 @@ fn are_apart(ends: &[(u32, Option<u32>)]) -> bool {
     places().enumerate().all(|(k, place)| places().skip(k + 1).all(|other| other != place))
 }
 
-/// Orders the contacts of the sweep level by level.
+/// Returns the contacts of `order`, level by level.
 fn in_levels<M: Mechanics>(problem: &ContactProblem<M>, order: &[u32]) -> Vec<u32> {
     let ends = order.iter().map(|contact| problem.contacts()[*contact as usize].ends());
     by_levels(ends, problem.grain_count()).iter().map(|place| order[*place as usize]).collect()

@@ -72,7 +72,7 @@ pub struct LatinDd {
     pub kappa_d_minus: Option<f64>,
     /// κ of d⁺ alone (–).
     pub kappa_d_plus: Option<f64>,
-    /// Adaptive directions: all are scaled a few times so that impulses and velocities change alike; without it, where no
+    /// Adaptive directions: all are scaled a few times so that impulses and velocities change alike; if unset, where no
     /// direction is given.
     pub adaptive: Option<bool>,
     /// Coarse problem that keeps the resultants of every interface at zero.

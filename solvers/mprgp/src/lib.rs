@@ -97,7 +97,7 @@ struct Run<const D: usize> {
     /// φ̃ᵗ φ and βᵗ β.
     free: f64,
     chopped: f64,
-    /// True where p is β; else p may be conjugate to another.
+    /// True where p is β; true where it is conjugate to another.
     proportions: bool,
     conjugate: bool,
     /// uᵗ p and pᵗ p.

@@ -51,7 +51,7 @@ struct Part<const D: usize> {
 }
 
 impl<const D: usize> Part<D> {
-    /// Lists the couplings of the grains that `index` numbers, of so many `positions`.
+    /// Builds the part of the grains that `index` numbers, of so many `positions`.
     fn new(
         ends: &[(u32, Option<u32>)],
         positions: &[SVector<f64, D>],

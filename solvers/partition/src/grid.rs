@@ -57,7 +57,7 @@ impl Serialize for Grid {
     }
 }
 
-/// Representation of a grid in a file, a number that is no count among it, so that an error names it.
+/// Representation of a grid in a file; it admits a number that is no count, so that an error names it.
 #[derive(Deserialize, JsonSchema)]
 #[serde(
     untagged,

@@ -130,7 +130,7 @@ pub fn distance<M: Rough>(problem: &ContactProblem<M>, r: &[f64], other: &[f64])
     if apart == 0.0 { 0.0 } else { apart / size }
 }
 
-/// Returns the end of the active set that begins from impulses `r0` with conjugate gradients.
+/// Returns the solution at which the active set ends, begun from impulses `r0` with conjugate gradients.
 fn from<M: Rough>(problem: &Packing<M>, r0: &[f64]) -> RoughSolution
 where
     ActiveSet: Solver<M>,

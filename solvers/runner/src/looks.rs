@@ -32,12 +32,12 @@ impl Grid {
         Self { measured, next: 0 }
     }
 
-    /// Reports whether iterates outside the schedule go on unseen.
+    /// Reports whether iterates off the grid go on unseen.
     pub(crate) fn skips(&self) -> bool {
         matches!(self.measured, Measured::OneIn(_))
     }
 
-    /// Reports whether the schedule has this iteration; asked of each in its turn.
+    /// Reports whether the grid has this iteration; asked of each in its turn.
     pub(crate) fn has(&mut self, iteration: u64) -> bool {
         let due = match self.measured {
             Measured::Every => true,
@@ -56,8 +56,8 @@ impl Grid {
 /// it costs little, and late, so that a curve shows what the measures say meanwhile. A power of two.
 const FIRST_LOOK: u64 = 1024;
 
-/// Largest ratio of the natural map to that at the last check at which no proof is searched for (–): on a problem without solution it stays
-/// away from 0.
+/// Ratio of the natural map to that of an earlier check, below which no proof is searched for (–): on a problem without solution
+/// the natural map stays away from 0.
 const CONVERGES: f64 = 0.9;
 
 /// r and natural map at the last two powers of two.

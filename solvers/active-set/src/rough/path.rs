@@ -158,7 +158,7 @@ impl Path {
         self.matrix.factorise(&self.layout.columns, &self.status, 1.0 / epsilon)
     }
 
-    /// Updates the line after a contact changed its status.
+    /// Updates the factor after a contact changed its status; reports whether there is one.
     fn update(&mut self, contact: usize, epsilon: f64) -> bool {
         if self.matrix.changes() < CHANGES {
             self.matrix.change(&self.layout.columns, contact, self.status[contact])

@@ -16,7 +16,7 @@ pub(super) enum Status {
     Slide(Slide),
 }
 
-/// Direction and length of a contact's sliding.
+/// Tangents and stiffness of a sliding contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Slide {
     /// d: the unit vector of the tangential part of s − v; none without friction and motion.

@@ -14,7 +14,7 @@ pub(crate) struct AllRanks<'p, M: Mechanics> {
     sums: CopySums<M::Velocity>,
     scale: f64,
     greatest_rate: f64,
-    /// Norm and energy of each solution, ‖V* − `V_free`‖_M (√J) and (J).
+    /// Pairs, one for each solution: ‖V* − `V_free`‖_M (√J) and its energy (J).
     solutions: Vec<(f64, f64)>,
 }
 
