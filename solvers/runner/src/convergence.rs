@@ -13,7 +13,8 @@ const FAR: f64 = 100.0;
 /// greatest of those runs on ζ, `quad_dv` or `max_dv` whose velocity error is within [`FAR`], 350.
 const FAR_ON_THE_NATURAL_MAP: f64 = 1000.0;
 
-/// Factor of the penetration rate beyond which it is far, where it is 6 (–). It is one-sided: impulses that are too large meet it.
+/// Largest penetration rate of a converged run, where the solution is not known, over the tolerance (–): the greatest of those runs
+/// is 6. It is one-sided: impulses that are too large meet it.
 const FAR_ON_THE_RATE: f64 = 100.0;
 
 /// Below this nothing is judged (–): a truth is certified to 1e-12, and its velocity may be off by more.
