@@ -1,5 +1,5 @@
-//! Who solves with the matrix of a set: K = 1 + Σ d h̃ h̃ᵗ, with weights d ≥ 0 of the contacts, in the mass-scaled velocities of
-//! grains.
+//! Linear solvers for the matrix K of an active set: K = 1 + Σ d h̃ h̃ᵗ, with weights d ≥ 0 of the contacts, in the mass-scaled velocities
+//! of grains.
 
 use cholesky::{Coupling, Factor, Order, Structure};
 use contact::{Contact, Packing, SetupError, Smooth, Work};
@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// eigenvalue λ of the active part of H̃ᵗ H̃; the lowest of a packing of a thousand discs are some 1e-5.
 pub const PENALTY: f64 = 1e9;
 
-/// What solves with K.
+/// Linear solver for K.
 pub trait Inner<const D: usize> {
     /// κ of a closed contact (–).
     fn penalty(&self) -> f64 {
@@ -29,7 +29,7 @@ pub trait Inner<const D: usize> {
     /// x ← K⁻¹ x; nothing without factors.
     fn solve(&mut self, x: &mut [SVector<f64, D>]);
 
-    /// What it did so far.
+    /// Returns the work done so far.
     fn work(&self) -> Work;
 
     /// Multiply-adds of a factorisation of the whole, and entries of its factor: after so much conjugate gradients have taken too
@@ -58,7 +58,7 @@ impl<const D: usize> Whole<D> {
         Ok(Self { structure, factor: None, work: Work::default() })
     }
 
-    /// What a factor of `problem` would cost, as [`Inner::cost`] says it.
+    /// Returns the cost of a factor of `problem`, as [`Inner::cost`] says it.
     ///
     /// # Errors
     /// Where the problem is too large for that.

@@ -15,14 +15,14 @@ pub(crate) struct Interior {
     steps: u32,
 }
 
-/// Where there is a solution, a fifth of so many steps leads to it.
+/// Limit of steps: where there is a solution, a fifth of so many leads to it.
 const MOST_STEPS: u32 = 150;
 
 /// The impulses and slacks to begin with, over the quadratic mean of what r = 0 leaves (–): impulses add up in a packing, so
 /// that those of a hundred layers are a hundred times those of one.
 const FROM: f64 = 100.0;
 
-/// What is kept of the way to the boundary (–).
+/// Fraction of the way to the boundary that a step takes (–).
 const SHORT_OF_IT: f64 = 0.99;
 
 /// The steps are so short that there is no way on (–).
@@ -85,7 +85,7 @@ impl Interior {
         });
     }
 
-    /// How far s and t stay above 0.
+    /// Returns the longest steps that keep s and t above 0.
     fn reach(&self) -> (f64, f64) {
         let reach = |x: &[f64], change: &[f64]| {
             let falling = x.iter().zip(change).filter(|(_, change)| **change < 0.0);

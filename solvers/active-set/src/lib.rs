@@ -32,7 +32,7 @@ use interior::Interior;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How the first set is found.
+/// Method that finds the first set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
@@ -51,11 +51,11 @@ pub enum Start {
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ActiveSet {
-    /// How the first set is found.
+    /// Method that finds the first set.
     pub start: Start,
-    /// What the conjugate gradient leaves of the law, as a natural map (–).
+    /// Residual of the law at which the conjugate gradient ends, as a natural map (–).
     pub start_accuracy: f64,
-    /// Whether start impulses, where there are some, take the place of `start`: the first set is theirs.
+    /// Warm start: start impulses, where there are some, take the place of `start`: the first set is theirs.
     pub warm: bool,
 }
 
@@ -70,14 +70,14 @@ impl Default for ActiveSet {
 /// Sets one after the other that leave no less than one before, after which another way is taken.
 const PATIENCE: u32 = 8;
 
-/// What is left after an interior point's steps, of what was left before them, at most (–).
+/// Largest ratio of the residual after an interior point's steps to that before them (–).
 const NEARER: f64 = 1e-2;
 
 /// Steps of an interior point that a conjugate gradient may take the time of (–): twice those that lead to the neighbourhood of a
 /// solution.
 const STEPS: f64 = 28.0;
 
-/// What an iteration does.
+/// Phase of an iteration.
 enum Phase<const D: usize> {
     /// Conjugate gradients, for so many iterations at most.
     Gradient { run: Box<cg::Run<D>>, iterations: u64, most: u64 },
@@ -95,9 +95,9 @@ pub struct Run<'p, const D: usize, K: Inner<D> = Whole<D>> {
     set: Set<Scaled<D, K>>,
     phase: Phase<D>,
     interior: Option<Interior>,
-    /// Whether the interior point found no way on.
+    /// True where the interior point found no way on.
     is_lost: bool,
-    /// What the conjugate gradient is to leave (√J).
+    /// Residual that the conjugate gradient is to reach (√J).
     accuracy: f64,
     /// Iterations that the next conjugate gradient may take.
     most: u64,
@@ -114,7 +114,7 @@ pub struct Run<'p, const D: usize, K: Inner<D> = Whole<D>> {
 /// The impulses that leave least of the law, of all since the first set or step: what the run shows. Between good sets there are
 /// some that hold what cannot be held, with impulses beyond all measure.
 pub(crate) struct Best {
-    /// What they leave (√J).
+    /// Residual of these impulses (√J).
     left: f64,
     /// N·s, in the problem's order.
     impulses: Vec<f64>,
@@ -140,7 +140,7 @@ impl Best {
 }
 
 impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
-    /// What solves with the matrices of its sets.
+    /// Returns the linear solver for the matrices of its sets.
     pub fn inner(&self) -> &K {
         &self.set.scaled.inner
     }
@@ -186,7 +186,7 @@ impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
         }
     }
 
-    /// What follows where sets wander.
+    /// Changes to the phase that follows where sets wander.
     fn other_way(&mut self) {
         self.tries = Tries::default();
         if self.is_lost {

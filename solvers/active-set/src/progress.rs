@@ -1,4 +1,4 @@
-//! How far the iterations of a method have come that leads to the neighbourhood of a solution.
+//! Progress of the iterations of a method that leads to the neighbourhood of a solution.
 
 /// Iterations so far; and what was left when it was last halved (√J), and at which of them.
 pub(crate) struct Progress {
@@ -12,7 +12,7 @@ impl Progress {
         Self { iterations: 0, halved: (left, 0) }
     }
 
-    /// Whether so much left (√J) after these iterations is no progress in the last `patience`.
+    /// Reports whether the residual `left` (√J) after these iterations is no progress in the last `patience`.
     pub(crate) fn is_in_vain(&mut self, left: f64, patience: u64) -> bool {
         if left <= 0.5 * self.halved.0 {
             self.halved = (left, self.iterations);

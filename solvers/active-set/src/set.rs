@@ -18,7 +18,7 @@ const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 pub struct Set<S: Space = Scaled> {
     pub(crate) scaled: S,
     closed: Vec<bool>,
-    /// Whether the factor is that of the set.
+    /// True where the factor is that of the set.
     is_factorised: bool,
     pub(crate) s: Vec<f64>,
     /// v that follow from s.
@@ -42,7 +42,7 @@ impl<S: Space> Set<S> {
         left(&self.s, &self.v)
     }
 
-    /// Whether what is left of the law is round-off.
+    /// Reports whether the residual of the law is round-off.
     pub fn is_solved(&self) -> bool {
         let of_s = self.s.iter().map(|s| s * s).sum::<f64>().sqrt();
         self.left() <= ROUND_OFF * (of_s + self.scaled.terms_of_b())
@@ -169,7 +169,7 @@ impl<const D: usize, K: Inner<D>> Set<Scaled<D, K>> {
         self.ray_of(problem, &growth)
     }
 
-    /// The same, if the impulses `s` do (√J).
+    /// Returns the ray of the impulses `s` (√J), if they prove that there is no solution.
     pub(crate) fn ray_of(&mut self, problem: &ContactProblem<Smooth<D>>, s: &[f64]) -> Option<Vec<f64>> {
         let mut ray = vec![0.0; s.len()];
         self.scaled.impulses(s, &mut ray);

@@ -34,13 +34,14 @@ const KAPPA: f64 = 10.0;
 /// Programmes of the fixed point that do not halve what is left, after which sweeps take their place.
 const IN_VAIN: u32 = 4;
 
-/// Where proximal points come no nearer than that, neither LATIN nor convex programmes do (–).
+/// Residual, over the problem's scale, from which proximal points are the last stage (–): where they come no nearer, neither LATIN nor
+/// convex programmes do.
 const AT_THE_FLOOR: f64 = 1e-6;
 
-/// What is left of the law where no step leaves less, over the problem's scale, at most (–): else it is no end.
+/// Largest residual of the law at an end where no step reduces it, over the problem's scale (–): else it is no end.
 const ROUND_OFF: f64 = 1e-12;
 
-/// What an iteration does.
+/// Phase of an iteration.
 enum Phase<'p, N: Newton<'p, D>, const D: usize> {
     /// Conjugate gradients.
     Gradient { run: Box<RoughRun<N::Mechanics, D>>, progress: Progress },
@@ -60,16 +61,16 @@ struct Run<'p, N: Newton<'p, D>, const D: usize> {
     problem: &'p Packing<N::Mechanics>,
     newton: N,
     phase: Phase<'p, N, D>,
-    /// What goes on where Newton's method, which has a try, does not end.
+    /// Phase that resumes where Newton's method, which has a try, does not end.
     waiting: Option<Phase<'p, N, D>>,
     /// From which LATIN begins (N·s).
     r0: Vec<f64>,
-    /// What is left at the next rung (√J).
+    /// Next residual threshold (√J).
     rung: f64,
     /// √(Σ max(0, −b)²/`W_αα`) (√J).
     scale: f64,
     best: Best,
-    /// Of the phases that ended.
+    /// Work of the phases that ended.
     work: Work,
 }
 

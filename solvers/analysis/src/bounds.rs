@@ -84,7 +84,7 @@ impl Bounded for RoughDiscs {
     }
 }
 
-/// The same in space, with h = (t, ∓R √(m/I) n × t) of either tangent.
+/// Bound in space, with h = (t, ∓R √(m/I) n × t) of either tangent.
 impl Bounded for RoughSpheres {
     fn scaled_delassus_bound(problem: &ContactProblem<Self>) -> f64 {
         let mut sums = vec![Matrix6::zeros(); problem.grain_count()];

@@ -1,4 +1,4 @@
-//! What the operator of a problem says: the proof that there is no solution, to which a few hundred conjugate gradients on ½ dᵗ W d
+//! Analysis of the operator of a problem: the proof that there is no solution, to which a few hundred conjugate gradients on ½ dᵗ W d
 //! may lead and which is made in exact arithmetic, the spectrum of W_D⁻¹ W, and bounds of eigenvalues that cost one pass over the contacts. No method of the line-up.
 
 mod bounds;

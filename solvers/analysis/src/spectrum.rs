@@ -12,12 +12,12 @@ const DENSE: usize = 400;
 /// Eigenvalues below this share of the greatest are those of redundant contacts, 0 but for round-off (–).
 const ZERO: f64 = 1e-13;
 
-/// What is computed of the spectrum of a problem.
+/// Quantities computed from the spectrum of a problem.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spectrum {
     /// λmax(W_D⁻¹ W) over all contacts (–).
     pub greatest: f64,
-    /// The same over the closed contacts; only where these are few enough.
+    /// Spectrum over the closed contacts; only where these are few enough.
     pub closed: Option<Closed>,
 }
 
@@ -28,7 +28,7 @@ pub struct Closed {
     pub greatest: f64,
     /// λ̃min, the least that is not 0 (–).
     pub least: f64,
-    /// How many are 0: contacts more than equilibrium needs.
+    /// Number of zero eigenvalues: contacts more than equilibrium needs.
     pub redundant: usize,
 }
 

@@ -36,7 +36,7 @@ const SHRINK: f64 = 0.9;
 /// from there than the number of contacts has digits.
 const DOUBLINGS: u32 = 128;
 
-/// What the method knows of a contact. D is 1: with the preconditioner, the unknowns are scaled by it.
+/// Data of a contact. D is 1: with the preconditioner, the unknowns are scaled by it.
 struct Contact {
     b: f64,
     r: f64,

@@ -48,9 +48,9 @@ pub(crate) struct Block<const D: usize> {
     y: Vec<SVector<f64, D>>,
     /// M^-½ H d, or of all r, likewise; 0 when it has been used.
     change: Vec<SVector<f64, D>>,
-    /// Whether the maximum added anything in the last step.
+    /// True where the maximum added anything in the last step.
     added: bool,
-    /// What the block adds to the sums that the last pass was for.
+    /// Contribution of the block to the sums that the last pass was for.
     parts: [f64; 2],
     adjacency: Adjacency,
 }
@@ -88,7 +88,7 @@ impl<const D: usize> Block<D> {
         self.parts = Arch::new().dispatch(Dispatched(self, pass));
     }
 
-    /// What the blocks have in common of the grains that they share, after the pass or before it.
+    /// Returns the columns, and the values of grains that blocks share, after the pass or before it.
     pub(crate) fn shared(&mut self, pass: Pass) -> (&Columns<Smooth<D>>, &mut [SVector<f64, D>]) {
         let shared = match pass {
             Pass::Step { .. } | Pass::Correct | Pass::Whole | Pass::Afresh => &mut self.change,
@@ -97,12 +97,12 @@ impl<const D: usize> Block<D> {
         (&self.columns, shared)
     }
 
-    /// What the block adds to the sums that the last pass was for.
+    /// Returns the contribution of the block to the sums that the last pass was for.
     pub(crate) fn parts(&self) -> [f64; 2] {
         self.parts
     }
 
-    /// Whether the maximum added anything in the last step: then a correction must follow.
+    /// Reports whether the maximum added anything in the last step: then a correction must follow.
     pub(crate) fn added(&self) -> bool {
         self.added
     }
@@ -138,7 +138,7 @@ impl<const D: usize> Block<D> {
         std::mem::swap(&mut self.u, &mut self.u_before);
     }
 
-    /// How far r + α p stays above 0: the least −r/p of the contacts with p < 0, if there are any.
+    /// Returns the longest step that keeps r + α p above 0: the least −r/p of the contacts with p < 0, if there are any.
     pub(crate) fn reach(&self) -> Option<f64> {
         let falling = self.r.iter().zip(&self.p).filter(|(_, p)| **p < 0.0);
         falling.map(|(r, p)| -r / p).reduce(f64::min)
@@ -238,7 +238,7 @@ impl<const D: usize> Block<D> {
     }
 }
 
-/// What the processor's instructions are chosen for. A closure would not be inlined there.
+/// Pass that is compiled for the processor's instructions. A closure would not be inlined there.
 struct Dispatched<'b, const D: usize>(&'b mut Block<D>, Pass);
 
 impl<const D: usize> WithSimd for Dispatched<'_, D> {

@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Cg {
-    /// What scales the gradient before it becomes a direction.
+    /// Scaling of the gradient before it becomes a direction.
     pub preconditioner: Preconditioner,
 }
 
@@ -47,7 +47,7 @@ pub struct Run<const D: usize = 2> {
     squared: f64,
     /// q(r₀) − q(r), or less (J).
     gain: f64,
-    /// What u = −(W r + b) is the difference of, where r ≥ 0 does not block it, when it was last made from r: √(Σ b² + Σ (`W_αα` r)²).
+    /// Size of the terms of u = −(W r + b), where r ≥ 0 does not block it, when it was last made from r: √(Σ b² + Σ (`W_αα` r)²).
     size: f64,
     iterations: u64,
     products: u64,
@@ -75,7 +75,7 @@ impl<const D: usize> Run<D> {
         self.sums()
     }
 
-    /// The same, but each block first takes the sums of what all have sent.
+    /// Makes a pass before which each block takes the sums of what all have sent.
     fn receive_before(&mut self, pass: Pass) -> [f64; 2] {
         self.layout.receive(&mut self.blocks, |block, sums| {
             let (columns, shared) = block.shared(pass);
@@ -110,7 +110,7 @@ impl<const D: usize> Run<D> {
         [self.descent, self.squared] = self.send_after(Pass::Turn { beta });
     }
 
-    /// Whether uᵗ p is round-off: where p = w, no step can make q less.
+    /// Reports whether uᵗ p is round-off: where p = w, no step can make q less.
     fn at_rest(&self) -> bool {
         !(self.descent > f64::EPSILON * self.size * self.squared.sqrt())
     }

@@ -1,4 +1,4 @@
-//! What the conjugate gradient with friction asks of products with W: of grains, or of a W that is stored.
+//! Products with W that the conjugate gradient with friction needs: of grains, or of a W that is stored.
 
 use crate::State;
 use contact::Mechanics;

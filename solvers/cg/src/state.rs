@@ -3,7 +3,7 @@
 use contact::law::tangential;
 use nalgebra::SVector;
 
-/// What the impulse of a contact may do.
+/// Status of the impulse of a contact.
 #[derive(Clone, Copy, PartialEq)]
 enum Status<const D: usize> {
     /// No impulse.
@@ -26,10 +26,10 @@ pub struct State<const D: usize> {
     pub(crate) p: SVector<f64, D>,
     /// (W p)_α.
     pub(crate) of_p: SVector<f64, D>,
-    /// What the law adds to r + α p.
+    /// Correction that the law adds to r + α p.
     pub(crate) d: SVector<f64, D>,
     status: Status<D>,
-    /// Whether p leads into the cone, where the contact slides.
+    /// True where p leads into the cone, at a contact that slides.
     enters: bool,
 }
 
@@ -45,7 +45,7 @@ fn tangent<const D: usize>() -> SVector<f64, D> {
     SVector::from_fn(|axis, _| f64::from(axis == 1))
 }
 
-/// What is left of s when what points `out` of the cone is taken away.
+/// Returns s without its part that points `out` of the cone.
 #[inline]
 fn without<const D: usize>(s: SVector<f64, D>, out: &SVector<f64, D>) -> SVector<f64, D> {
     s - out * f64::max(0.0, out.dot(&s))
@@ -108,7 +108,7 @@ impl<const D: usize> State<D> {
         of_normal * of_normal + (tangential(self.r).0 - clipped).norm_squared()
     }
 
-    /// Whether a part of u leads into the cone of a contact that slides. Without friction there is no way in.
+    /// Reports whether a part of u leads into the cone of a contact that slides. Without friction there is no way in.
     #[inline]
     fn is_pulled_in(&self, out: &SVector<f64, D>) -> bool {
         self.friction > 0.0 && out.dot(&self.u) < 0.0

@@ -10,7 +10,7 @@ use pulp::Arch;
 use std::ops::Add;
 use std::sync::Arc;
 
-/// What a coupling of two grains adds to the matrix, with D unknowns of each.
+/// Contribution of a coupling of two grains to the matrix, with D unknowns of each.
 #[derive(Clone, Copy, Debug)]
 pub struct Coupling<const D: usize = 2> {
     /// In the rows and columns of its first grain.
@@ -33,7 +33,7 @@ impl<const D: usize> Coupling<D> {
     }
 }
 
-/// What both add.
+/// Sum of two contributions.
 impl<const D: usize> Add for Coupling<D> {
     type Output = Self;
 
@@ -49,11 +49,11 @@ impl<const D: usize> Add for Coupling<D> {
 /// The factor L of P K Pᵗ = L Lᵗ, with K = diag(masses) + what the couplings add.
 pub struct Factor<const D: usize = 2> {
     structure: Arc<Structure<D>>,
-    /// Of each supernode, its columns of L, with the inverses of the diagonal entries in their places.
+    /// Columns of L of each supernode, with the inverses of the diagonal entries in their places.
     values: Vec<f64>,
 }
 
-/// What the matrix is made of: the masses of each place, and what each coupling adds, if it does. Trait objects, or each method would
+/// Terms of the matrix: the masses of each place, and what each coupling adds, if it does. Trait objects, or each method would
 /// have a factorisation of its own compiled.
 struct Matrix<'m, const D: usize> {
     structure: &'m Structure<D>,
@@ -67,7 +67,7 @@ const WORTH_A_THREAD: u64 = 1_000_000;
 /// Supernode k, the top of a subtree; the values of the subtree; and what it leaves to its parent.
 type Part<'v> = (usize, &'v mut [f64], Option<Left>);
 
-/// What a supernode leaves to its parent: (D × rows)², column by column.
+/// Update of a supernode to its parent: (D × rows)², column by column.
 type Left = Vec<f64>;
 
 impl<const D: usize> Matrix<'_, D> {
@@ -271,7 +271,7 @@ impl<const D: usize> Factor<D> {
         Arch::new().dispatch(|| solve(&self.structure, &self.values, x));
     }
 
-    /// What it owes to the coupled grains alone.
+    /// Returns the part of the factor that depends on the coupled grains alone.
     pub fn structure(&self) -> &Structure<D> {
         &self.structure
     }

@@ -20,8 +20,8 @@ pub struct General {
 }
 
 impl General {
-    /// Of a matrix with so many rows and columns, by the row, the column and the value of its entries; values of one place are added
-    /// up.
+    /// Factorises a matrix with so many rows and columns, given by the row, the column and the value of its entries; values of one place
+    /// are added up.
     ///
     /// # Errors
     /// Where it is singular, or empty.

@@ -17,7 +17,7 @@ use nalgebra::{SMatrix, SVector};
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::Arc;
 
-/// What a coupling of two grains, with D unknowns each, adds to the matrix where one acts on the other otherwise than that on it.
+/// Contribution of a coupling of two grains, with D unknowns each, to the matrix where one acts on the other otherwise than that on it.
 #[derive(Clone, Copy, Debug)]
 pub struct OneWay<const D: usize> {
     /// In the rows and columns of its first grain.
@@ -42,10 +42,9 @@ impl<const D: usize> OneWay<D> {
 /// The factors of P K Pᵗ, with K = diag(masses) + what the couplings add.
 pub struct Lu<const D: usize> {
     structure: Arc<Structure<D>>,
-    /// Of each supernode, its columns: of U in its own rows, with the inverses of the diagonal entries, and of L below, whose diagonal
-    /// is 1.
+    /// Columns of each supernode: of U in its own rows, with the inverses of the diagonal entries, and of L below, whose diagonal is 1.
     lower: Vec<f64>,
-    /// Of each supernode, from the same place on, its rows of U to the right of its own columns, one after the other.
+    /// Rows of U of each supernode, from the same place on, to the right of its own columns, one after the other.
     upper: Vec<f64>,
     /// The own row of its front, counted from itself, that took the place of each unknown's.
     exchanged: Vec<u32>,

@@ -37,7 +37,7 @@ struct Columns<'p, const D: usize> {
 type Blocks<'p, const D: usize> = [&'p [[f64; D]]; D];
 
 impl<'p, const D: usize> Columns<'p, D> {
-    /// Of the grain with this index among `own`, in a panel of so many rows.
+    /// Returns the view of the grain with this index among `own`, in a panel of so many rows.
     #[inline(always)]
     fn new(panel: &'p [f64], height: usize, own: usize, grain: usize) -> Self {
         let panel = &panel[D * grain * height..D * (grain + 1) * height];

@@ -1,4 +1,5 @@
-//! What a factor owes to the coupled grains alone: their order, its supernodes, and where each coupling adds to the matrix.
+//! Structure of a factor, which depends on the coupled grains alone: their order, its supernodes, and where each coupling adds to the
+//! matrix.
 
 use crate::Order;
 use crate::supernodes::{Growing, elimination_tree, fundamental, merged, pairs, postorder};
@@ -16,9 +17,9 @@ pub(crate) struct Supernode {
     pub(crate) rows: Range<usize>,
     /// The first supernode of its subtree, which are the supernodes from there to itself.
     pub(crate) first: u32,
-    /// How many of the supernodes before it have it as parent.
+    /// Number of the supernodes before it that have it as parent.
     pub(crate) children: u32,
-    /// Where its entries begin among those of the factor.
+    /// Position of its first entry among those of the factor.
     pub(crate) start: usize,
     /// A range of [`Structure::joins`].
     pub(crate) joins: Range<usize>,
@@ -34,8 +35,8 @@ pub(crate) struct Join {
     pub(crate) ends: [u32; 2],
 }
 
-/// What a factor owes to the coupled grains, of D unknowns each, alone. All matrices of one structure have their entries in the
-/// same places.
+/// Structure of a factor, which depends on the coupled grains, of D unknowns each, alone. All matrices of one structure have their entries
+/// in the same places.
 #[derive(Debug)]
 pub struct Structure<const D: usize = 2> {
     /// Place of each grain in the order.
@@ -161,7 +162,7 @@ impl<const D: usize> Structure<D> {
         self.stored
     }
 
-    /// What a factor takes (B); while it is made, the fronts that wait take some more.
+    /// Returns the memory of a factor (B); while it is made, the fronts that wait take some more.
     pub fn bytes(&self) -> u64 {
         self.reserved.bytes()
     }
@@ -171,7 +172,7 @@ impl<const D: usize> Structure<D> {
         self.work
     }
 
-    /// Where the entries of a supernode end.
+    /// Returns the position where the entries of a supernode end.
     pub(crate) fn end(&self, k: usize) -> usize {
         self.supernodes.get(k + 1).map_or(self.stored, |next| next.start)
     }

@@ -1,4 +1,4 @@
-//! What belongs to each of some groups: contacts to the grains that they touch; and colours of what shares none.
+//! Lists of the members of groups: the contacts that touch each grain; and colours of contacts that share no grain.
 
 use crate::mechanics::{Mechanics, Touch};
 use crate::problem::ContactProblem;
@@ -41,7 +41,7 @@ impl Groups {
 pub struct Adjacency(Groups);
 
 impl Adjacency {
-    /// Of the contacts of `problem`.
+    /// Returns the contacts of each grain of `problem`.
     pub fn of<M: Mechanics>(problem: &ContactProblem<M>) -> Self {
         Self::new(problem.contacts().iter().map(Touch::ends), problem.grain_count())
     }

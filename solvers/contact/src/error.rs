@@ -1,4 +1,4 @@
-//! What a problem, a setting or a start is refused for: the key, the value, what would be accepted.
+//! Errors of a refused problem, setting or start: the key, the value, what would be accepted.
 
 use crate::mechanics::{Mechanics, Touch, Vector};
 use crate::problem::ContactProblem;
@@ -26,7 +26,7 @@ pub enum ProblemError {
         index: usize,
         /// The value found.
         value: String,
-        /// What would be accepted.
+        /// Description of the accepted values.
         expected: String,
     },
 }
@@ -70,12 +70,12 @@ impl ProblemError {
     }
 }
 
-/// Whether a quantity is positive and finite.
+/// Reports whether a quantity is positive and finite.
 pub fn is_positive(x: f64) -> bool {
     x > 0.0 && x.is_finite()
 }
 
-/// Whether a quantity is finite and not negative.
+/// Reports whether a quantity is finite and not negative.
 pub fn is_not_negative(x: f64) -> bool {
     x >= 0.0 && x.is_finite()
 }
@@ -94,7 +94,7 @@ pub struct SetupError {
     pub key: &'static str,
     /// Its value.
     pub value: String,
-    /// What would be accepted.
+    /// Description of the accepted values.
     pub expected: String,
 }
 

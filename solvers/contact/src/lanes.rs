@@ -21,7 +21,7 @@ pub trait Lanes:
     #[must_use]
     fn all(self, x: f64) -> Self;
 
-    /// What `then` returns where a > b, else `or`.
+    /// Returns the result of `then` where a > b, else `or`.
     #[must_use]
     fn where_greater(ab: [Self; 2], then: impl FnOnce() -> Self, or: Self) -> Self;
 }

@@ -1,4 +1,4 @@
-//! What a scene needs of its grains and contacts, as types: how many unknowns a contact has, how a grain moves, and the law.
+//! Types of a scene's grains and contacts: the number of unknowns of a contact, the motion of a grain, and the law.
 //!
 //! Nothing of a larger mechanics is stored, computed or branched on in a smaller one. Outside the kernels, impulses and relative
 //! velocities are flat lists, [`Vector::LEN`] numbers of [`Mechanics::Impulse`] a contact, the normal one first.
@@ -14,25 +14,25 @@ use std::ops::{Add, AddAssign, Div, Index, Mul, Neg, Sub, SubAssign};
 
 /// One of the mechanics of a scene.
 pub trait Mechanics: Copy + Debug + PartialEq + Send + Sync + 'static {
-    /// Where a grain is (m), and which way a contact faces: of two or three components.
+    /// Position of a grain (m), or direction of a contact: two or three components.
     type Place: Place;
-    /// How a grain moves: translation (m/s), then spin (rad/s), if any.
+    /// Velocity of a grain: translation (m/s), then spin (rad/s), if any.
     type Velocity: Vector;
-    /// What resists: mass (kg), and moment of inertia (kg m²), if there is a spin.
+    /// Inertia of a grain: mass (kg), and moment of inertia (kg m²), if there is a spin.
     type Mass: Mass<Self::Velocity>;
-    /// What acts at a contact (N·s), and what it acts against (m/s).
+    /// Impulse at a contact (N·s), or relative velocity there (m/s).
     type Impulse: Vector;
     /// One contact of a problem.
     type Contact: Touch<Self>;
     /// One contact in mass-scaled unknowns.
     type Column: Column<Self>;
-    /// What measures the iterates of runs on a problem.
+    /// Meter of the iterates of runs on a problem.
     type Meter<'p>: crate::meter::Measuring<'p, Self>;
 
     /// Name in files.
     const NAME: &'static str;
 
-    /// Whether all solutions of a problem have the same velocity: far from a known one is then far from any.
+    /// True where all solutions of a problem have the same velocity: far from a known one is then far from any.
     const HAS_ONE_VELOCITY: bool;
 }
 
@@ -53,13 +53,13 @@ pub trait Vector:
     + SubAssign
     + 'static
 {
-    /// How many numbers.
+    /// Number of components.
     const LEN: usize;
 
     /// All of them 0.
     const ZERO: Self;
 
-    /// Those of one item of a flat list.
+    /// Reads the components of one item of a flat list.
     fn at(list: &[f64], index: usize) -> Self;
 
     /// Puts them into a flat list.
@@ -78,7 +78,7 @@ pub trait Vector:
     /// Each number.
     fn each(self, number: &mut dyn FnMut(f64));
 
-    /// Whether none is infinite or NaN.
+    /// Reports whether no component is infinite or NaN.
     fn is_finite(self) -> bool;
 
     /// Puts r = s/unit of each of some `contacts` of a problem into its flat list.
@@ -212,9 +212,9 @@ impl<const N: usize> Vector for SVector<f64, N> {
     }
 }
 
-/// What resists the motion of a grain; or its inverse, which is of the same kind.
+/// Inertia of a grain; or its inverse, which is of the same kind.
 pub trait Mass<V>: Copy + Debug + PartialEq + Send + Sync + 'static {
-    /// What is wrong with it, if it is: the key, the value, and what is expected.
+    /// Returns the fault of the inertia, if any: the key, the value, and what is expected.
     fn fault(self) -> Option<(&'static str, f64, &'static str)>;
 
     /// M⁻¹, so many times.
@@ -243,7 +243,7 @@ pub trait Touch<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     /// Candidate and antagonist; `None` for a wall.
     fn ends(&self) -> (u32, Option<u32>);
 
-    /// The same contact between other grains, numbered as where these are.
+    /// Returns the same contact between other grains, numbered as where these are.
     #[must_use]
     fn between(self, candidate: u32, antagonist: Option<u32>) -> Self;
 
@@ -262,13 +262,13 @@ pub trait Touch<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     /// `W_αα`, which is diagonal since normals pass through the centres (1/kg), with the inverse of the masses.
     fn diagonal(&self, inverse_mass: impl Fn(u32) -> M::Mass) -> M::Impulse;
 
-    /// Whether the law admits r, up to round-off of a bound (N·s).
+    /// Reports whether the law admits r, up to round-off of a bound (N·s).
     fn is_admissible(&self, r: M::Impulse) -> bool;
 
-    /// What an admissible impulse is, in words.
+    /// Description of an admissible impulse, in words.
     const ADMISSIBLE: &'static str;
 
-    /// What is wrong with the law's own numbers, if anything is: the key, the value, and what is expected.
+    /// Returns the fault of the law's own numbers, if any: the key, the value, and what is expected.
     fn fault(&self) -> Option<(&'static str, f64, &'static str)>;
 
     /// The one or two grains that touch.

@@ -1,10 +1,10 @@
-//! What factors may take of the machine's memory. Who runs methods says how much there is; a method that needs more is refused as
-//! it is set up; it would otherwise bring the whole process down.
+//! Memory budget of factorisations, set by the caller. A method that needs more is refused as it is set up; it would otherwise bring the
+//! whole process down.
 
 use crate::error::SetupError;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What is left of it (B).
+/// Unreserved part of the budget (B).
 static LEFT: AtomicU64 = AtomicU64::new(u64::MAX);
 
 /// Lets all factors of this process together take so many `bytes`. Until this is called they may take any number.
@@ -39,7 +39,7 @@ impl Reserved {
         }
     }
 
-    /// How many.
+    /// Returns the number of bytes.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }

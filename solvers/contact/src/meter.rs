@@ -25,7 +25,7 @@ use sums::Sums;
 /// Contacts that are summed up together, then block by block, so that the number of threads changes no bit; and grains.
 const BLOCK: usize = 8192;
 
-/// What a contact takes, about (ns).
+/// Approximate cost of a contact (ns).
 const NS_PER_CONTACT: usize = 3;
 
 /// Measures the iterates of runs on one problem.
@@ -41,14 +41,14 @@ pub struct Meter<'p, const D: usize = 2> {
     /// Scratch.
     blocks: Vec<Sums>,
     truth: Option<Known<D>>,
-    /// What the problem says of the size of an iterate's energy.
+    /// Bounds that the problem sets on the size of an iterate's energy.
     size: proof::Size,
     /// The contact that approached fastest when all were looked at, and the natural map.
     worst_contact: usize,
     natural_map: f64,
 }
 
-/// What of the truth errors are measured with.
+/// Quantities of the truth that errors are measured with.
 struct Known<const D: usize> {
     /// V* − `V_free` of each grain (m/s).
     pushed: Vec<SVector<f64, D>>,
@@ -182,7 +182,7 @@ impl<'p, const D: usize> Meter<'p, D> {
     }
 }
 
-/// What measures the iterates of runs on one problem.
+/// Meter of the iterates of runs on one problem.
 pub trait Measuring<'p, M: Mechanics>: Sized {
     /// Prepares what the measures of all iterates share.
     fn new(problem: &'p ContactProblem<M>) -> Self;
@@ -197,8 +197,8 @@ pub trait Measuring<'p, M: Mechanics>: Sized {
     /// Measures the iterate `r` (N·s); ζ compares it with the iterate `before`, which is empty if there is none.
     fn measure_after(&mut self, before: &[f64], r: &[f64], velocity_jump: f64) -> Measures;
 
-    /// Whether the iterate `r` (N·s), which comes after `before`, is proved to have a measure `on` that is above `tolerance`, or
-    /// is NaN, and an energy of at most `energy` (J) and a natural map that is finite; `false` says nothing.
+    /// Reports whether the iterate `r` (N·s), which comes after `before`, is proved to have a measure `on` that is above `tolerance`, or is
+    /// NaN, and an energy of at most `energy` (J) and a natural map that is finite; `false` says nothing.
     fn goes_on(&mut self, on: Measure, tolerance: f64, energy: f64, iterates: (&[f64], &[f64])) -> bool;
 }
 

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// What stands in the file.
+/// Representation of a number in the file.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged, expecting = "expected a number, null, \"inf\" or \"-inf\"")]
 enum Written {

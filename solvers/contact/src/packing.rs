@@ -7,7 +7,7 @@ use crate::mechanics::{Mechanics, Touch, Vector};
 use crate::problem::ContactProblem;
 use std::ops::Deref;
 
-/// What a method starts on: a contact problem, which this stands for wherever places do not matter, and its geometry.
+/// Input of a method: a contact problem, which this stands for wherever places do not matter, and its geometry.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Packing<M: Mechanics = Discs> {
     problem: ContactProblem<M>,

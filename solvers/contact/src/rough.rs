@@ -50,7 +50,7 @@ impl RoughMass {
 }
 
 impl RoughMass {
-    /// What is wrong with it, if it is.
+    /// Returns the fault of the inertia, if any.
     fn fault_of(self) -> Option<(&'static str, f64, &'static str)> {
         let is_good = |m: f64| is_positive(m) && m.recip().is_finite();
         let expected = "positive and finite, and so its inverse";
@@ -143,7 +143,7 @@ fn tangent(n: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-n.y, n.x)
 }
 
-/// What Coulomb's law admits, in words.
+/// Description of the impulses that Coulomb's law admits.
 const ADMISSIBLE: &str =
     "finite, with a normal part that is not negative and a tangential part of at most μ times it";
 
@@ -199,7 +199,7 @@ impl Touch<RoughDiscs> for RoughContact {
 }
 
 impl<const D: usize> RoughContact<D> {
-    /// What is wrong with the law's own numbers, if anything is.
+    /// Returns the fault of the law's own numbers, if any.
     fn fault_of(&self) -> Option<(&'static str, f64, &'static str)> {
         let arm = self.arms.iter().copied().find(|arm| !is_not_negative(*arm));
         let friction = (!is_not_negative(self.friction)).then_some(("contacts.friction", self.friction));
@@ -209,7 +209,7 @@ impl<const D: usize> RoughContact<D> {
 }
 
 impl ContactProblem<RoughDiscs> {
-    /// The same grains and contacts without friction.
+    /// Returns the same grains and contacts without friction.
     ///
     /// # Errors
     /// None: what is left was valid before.

@@ -45,7 +45,7 @@ impl<const D: usize> ScaledContact<D> {
         (self.normal, -self.ratio * self.normal)
     }
 
-    /// What a `change` of one grain of the contact, in the place `grain` of y, adds to (H̃ᵗ y)_α.
+    /// Returns the contribution to (H̃ᵗ y)_α of a `change` of one grain of the contact, in the place `grain` of y.
     #[inline]
     pub fn relative_of(&self, grain: u32, change: &SVector<f64, D>) -> f64 {
         let along = self.normal.dot(change);

@@ -1,4 +1,4 @@
-//! What a method is: a value that holds its settings and starts on a problem; an iteration that advances.
+//! Interface of a method: a value that holds its settings and starts on a problem; an iteration that advances.
 
 use crate::discs::Discs;
 use crate::error::SetupError;
@@ -29,7 +29,7 @@ pub trait Iteration {
         0.0
     }
 
-    /// Whether no further iteration will bring the impulses nearer to a solution: the run then ends.
+    /// Reports whether no further iteration will bring the impulses nearer to a solution: the run then ends.
     fn stalled(&self) -> bool {
         false
     }

@@ -62,7 +62,7 @@ impl<M: Mechanics> Row<M> {
     }
 }
 
-/// How many visits are made at a time, where no two of them share a grain. A visit is a chain of operations, each of which waits for
+/// Number of visits made at a time, where no two of them share a grain. A visit is a chain of operations, each of which waits for
 /// the one before; a processor that has several of them at hand waits less, and [`Column::visit`] may compute some at once. On 8,476
 /// contacts between spheres with friction a visit takes 13.4 ns, in fours 15.9, in sixteens 13.0, of which small subdomains have few;
 /// without AVX2 17.4; alone, 21.7.
@@ -83,7 +83,7 @@ pub struct Sweep<M: Mechanics = Discs> {
     pub s: Vec<M::Impulse>,
     /// y = M^½ (`V_free` + M⁻¹ H r) (√J), in places of its own.
     pub y: Vec<M::Velocity>,
-    /// Of each [`TOGETHER`] rows, whether no two share a grain; empty where visits are faster alone.
+    /// Flags, one for each [`TOGETHER`] rows: true where no two share a grain; empty where visits are faster alone.
     apart: Vec<bool>,
 }
 
@@ -147,7 +147,7 @@ impl<M: Mechanics> Sweep<M> {
         self.pass(relaxation, false, 0..self.rows.len());
     }
 
-    /// The same from the last contact to the first.
+    /// Sweeps from the last contact to the first.
     #[inline]
     pub fn backward(&mut self, relaxation: f64) {
         self.pass(relaxation, true, 0..self.rows.len());
@@ -258,7 +258,7 @@ fn in_turn<M: Mechanics>(
     }
 }
 
-/// The same for rows that share no grain: all look before any of them pushes.
+/// Visits rows that share no grain: all velocities are read before any impulse is applied.
 #[inline(always)]
 pub(crate) fn look_then_push<M: Mechanics>(
     rows: &[Row<M>; TOGETHER],
@@ -304,13 +304,13 @@ impl<M: Mechanics> WithSimd for Pass<'_, M> {
     }
 }
 
-/// Whether no two of some contacts share a place.
+/// Reports whether no two of some contacts share a place.
 fn are_apart(ends: &[(u32, Option<u32>)]) -> bool {
     let places = || ends.iter().flat_map(|(i, j)| std::iter::once(*i).chain(*j));
     places().enumerate().all(|(k, place)| places().skip(k + 1).all(|other| other != place))
 }
 
-/// The same sweep, level by level.
+/// Returns the contacts of `order`, level by level.
 fn in_levels<M: Mechanics>(problem: &ContactProblem<M>, order: &[u32]) -> Vec<u32> {
     let ends = order.iter().map(|contact| problem.contacts()[*contact as usize].ends());
     by_levels(ends, problem.grain_count()).iter().map(|place| order[*place as usize]).collect()

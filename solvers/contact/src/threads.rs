@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 /// A thread that sleeps takes some tens of microseconds to wake (ns).
 const WORTH_A_THREAD: usize = 100_000;
 
-/// Whether there are threads, and work of about so many `nanoseconds` is worth them: from a tenth of a millisecond on. Only time
+/// Reports whether there are threads, and work of about so many `nanoseconds` is worth them: from a tenth of a millisecond on. Only time
 /// depends on it.
 pub(crate) fn pay(nanoseconds: usize) -> bool {
     nanoseconds >= WORTH_A_THREAD && rayon::current_num_threads() > 1
@@ -36,7 +36,7 @@ pub fn each_pair<A: Send, B: Send>(
     }
 }
 
-/// What `make` makes of the indices below `count`, each of which is worth a thread.
+/// Returns the results of `make` for the indices below `count`, each of which is worth a thread.
 pub fn make<T: Send>(count: usize, make: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
     let mut made: Vec<Option<T>> = (0..count).map(|_| None).collect();
     each(&mut made, usize::MAX, &|k, made| *made = Some(make(k)));

@@ -4,7 +4,7 @@ use crate::discs::Discs;
 use crate::mechanics::{Mechanics, Vector};
 use crate::problem::ContactProblem;
 
-/// What is unique of the solution of a problem: its velocity and its energy. Impulses need not be. With friction neither is: this
+/// Unique part of the solution of a problem: its velocity and its energy. Impulses need not be. With friction neither is: this
 /// is then one of the solutions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth<M: Mechanics = Discs> {

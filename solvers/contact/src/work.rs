@@ -1,4 +1,4 @@
-//! What is counted of the work of a method.
+//! Counters of the work of a method.
 
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Convex {
-    /// Whether programmes follow the first, each with the σ of the one before; else the first is the end.
+    /// Fixed point: programmes follow the first, each with the σ of the one before; else the first is the end.
     pub fixed_point: bool,
 }
 
@@ -38,7 +38,7 @@ struct Run {
     fixed_point: bool,
     /// N·s.
     r: Vec<f64>,
-    /// Those of the programme before (N·s).
+    /// Impulses of the programme before (N·s).
     before: Vec<f64>,
     /// Σ (Δr)² when it was last a quarter of what it had been (N²·s²), and the programmes since.
     quartered: (f64, u32),
@@ -46,7 +46,7 @@ struct Run {
 }
 
 impl Run {
-    /// Whether the last programmes lead nowhere.
+    /// Reports whether the last programmes lead nowhere.
     fn is_in_vain(&mut self) -> bool {
         let changed = self.r.iter().zip(&self.before).map(|(r, before)| (r - before).powi(2)).sum::<f64>();
         let (least, since) = &mut self.quartered;

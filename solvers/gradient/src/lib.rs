@@ -26,7 +26,7 @@ impl Default for Gradient {
     }
 }
 
-/// What the method knows of a contact.
+/// Data of a contact.
 struct Contact {
     /// b (m/s).
     b: f64,

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 pub struct Jacobi {
     /// ω (–). Any positive value is accepted: that a packing diverges at ω = 1 is a result.
     pub relaxation: f64,
-    /// Whether ω is `relaxation` times 2/Λ instead, with Λ ≥ λmax(W_D⁻¹W): then any value below 1 converges, on any problem.
+    /// Bounded relaxation: ω is `relaxation` times 2/Λ instead, with Λ ≥ λmax(W_D⁻¹W): then any value below 1 converges, on any problem.
     pub bounded: bool,
 }
 

@@ -77,12 +77,12 @@ where
 }
 
 impl<const D: usize> Share<D> {
-    /// Whether other subdomains have a part of the grain.
+    /// Reports whether other subdomains have a part of the grain.
     pub(crate) fn on_boundary(&self) -> bool {
         self.copies > 1.0
     }
 
-    /// What the grain has on the diagonal of M_E + d⁻_E (kg, kg m²).
+    /// Returns the diagonal block of the grain in M_E + d⁻_E (kg, kg m²).
     pub(crate) fn on_diagonal(&self, directions: Directions) -> SVector<f64, D> {
         if self.on_boundary() { self.mass + directions.d_minus * self.mass } else { self.mass }
     }

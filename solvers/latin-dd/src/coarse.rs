@@ -19,7 +19,7 @@ use nalgebra::{SMatrix, SVector};
 use partition::{Decomposition, Team};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What an interface is to one of its subdomains.
+/// Side of an interface that belongs to one of its subdomains.
 struct Side<const D: usize, const T: usize> {
     /// Place of the interface in the order of the coarse factor.
     interface: usize,
@@ -203,7 +203,7 @@ fn ends(row: u32, column: u32) -> (u32, Option<u32>) {
     (row, (row != column).then_some(column))
 }
 
-/// What two sides of one subdomain add to S.
+/// Returns the contribution of two sides of one subdomain to S.
 fn block<const D: usize, const T: usize>(row: &Side<D, T>, column: &Side<D, T>) -> SMatrix<f64, T, T> {
     let mut block = SMatrix::zeros();
     for (place, d_minus) in &row.grains {
@@ -216,7 +216,7 @@ fn block<const D: usize, const T: usize>(row: &Side<D, T>, column: &Side<D, T>) 
     block
 }
 
-/// The same, with the interfaces of the two sides, as the factor wants it.
+/// Returns the contribution, with the interfaces of the two sides, in the form of the factor.
 fn coupling<const T: usize>((row, column, block): (u32, u32, SMatrix<f64, T, T>)) -> Coupling<T> {
     let zeros = SMatrix::zeros();
     if row == column {

@@ -54,7 +54,7 @@ use std::borrow::Cow;
 pub struct LatinDd {
     /// Subdomains, as columns × rows.
     pub subdomains: Grid,
-    /// How the contacts are distributed.
+    /// Scheme by which the contacts are distributed.
     pub partition: Scheme,
     /// μ (–), in (0, 1]: the share of a new local stage that the next linear stage takes.
     pub relaxation: f64,
@@ -72,10 +72,10 @@ pub struct LatinDd {
     pub kappa_d_minus: Option<f64>,
     /// κ of d⁺ alone (–).
     pub kappa_d_plus: Option<f64>,
-    /// Whether all directions are scaled a few times so that impulses and velocities change alike; without it, where no
+    /// Adaptive directions: all are scaled a few times so that impulses and velocities change alike; if unset, where no
     /// direction is given.
     pub adaptive: Option<bool>,
-    /// Whether a coarse problem keeps the resultants of every interface at zero.
+    /// Coarse problem that keeps the resultants of every interface at zero.
     pub coarse: bool,
 }
 
@@ -118,7 +118,7 @@ impl LatinDd {
         }
     }
 
-    /// Whether the directions adapt.
+    /// Reports whether the directions adapt.
     fn adapts(&self) -> bool {
         let given = [
             self.kappa_l,

@@ -13,7 +13,7 @@ use nalgebra::SVector;
 use partition::{CopySums, Decomposition, Partition, Refused, Team};
 use std::borrow::Cow;
 
-/// What a stage takes per contact, about (ns).
+/// Approximate cost of a stage per contact (ns).
 const NS_PER_CONTACT: usize = 20;
 
 /// LATIN-DD on one problem, with D unknowns of a grain, T of them translations. `advance` takes its stages in turn; alone, they are
@@ -21,7 +21,7 @@ const NS_PER_CONTACT: usize = 20;
 pub struct Run<'p, M: Stages = Discs, const D: usize = 2, const T: usize = 2> {
     problem: &'p ContactProblem<M>,
     team: Team,
-    /// Of the own subdomains.
+    /// Decomposition of the own subdomains.
     pub(crate) decomposition: Cow<'p, Decomposition>,
     pub(crate) subdomains: Vec<Latin<M, D>>,
     pub(crate) directions: Directions,
@@ -30,7 +30,7 @@ pub struct Run<'p, M: Stages = Discs, const D: usize = 2, const T: usize = 2> {
     balance: Option<Balance>,
     /// The memory of the factors of directions that are found on the way, beside that of those before.
     _second: Option<Reserved>,
-    /// Of what [`Latin::send`] gives for each copy of a boundary grain.
+    /// Sums of what [`Latin::send`] gives for each copy of a boundary grain.
     sums: CopySums<Sent<D>>,
     iterations: u64,
     work: Work,
@@ -121,7 +121,7 @@ where
         threads::each(&mut self.subdomains, nanoseconds, &|_, latin| stage(latin));
     }
 
-    /// What a stage takes, about (ns).
+    /// Returns the approximate cost of a stage (ns).
     fn nanoseconds(&self) -> usize {
         NS_PER_CONTACT * self.problem.contact_count()
     }

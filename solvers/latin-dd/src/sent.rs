@@ -1,11 +1,11 @@
-//! What subdomains send each other at a boundary grain, and how it adds up, (3).
+//! Messages between subdomains at a boundary grain, and their sums, (3).
 
 use nalgebra::SVector;
 use partition::Sendable;
 use std::iter::Sum;
 use std::ops::Add;
 
-/// What a copy of a boundary grain sends.
+/// Message of a copy of a boundary grain.
 #[derive(Clone, Copy)]
 pub(crate) struct Sent<const D: usize> {
     /// d⁺ V_E − F_E (N·s).

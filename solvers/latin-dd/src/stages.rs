@@ -1,4 +1,4 @@
-//! What the stages need of a mechanics: H of a contact between two places, the law, and directions of its own unknowns.
+//! Interface of the stages to a mechanics: H of a contact between two places, the law, and directions of its own unknowns.
 
 use analysis::Bounded;
 use contact::{Contact, Mechanics, RoughContact, RoughDiscs, RoughSpheres, Smooth, Touch, law};
@@ -103,7 +103,7 @@ pub struct Rough {
     friction: f64,
 }
 
-/// What |`r_t`| may be below μ `r_n` at the bound, for round-off of either (–).
+/// Tolerance by which |`r_t`| may be below μ `r_n` at the bound, for round-off of either (–).
 const ROUND_OFF: f64 = 1e-9;
 
 impl Stages for RoughDiscs {

@@ -114,7 +114,7 @@ impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Latin<M, D> {
         self.assemble();
     }
 
-    /// What does not change in the right-hand side, and the rest of it but τ.
+    /// Assembles the constant part of the right-hand side, and the rest of it but τ.
     fn assemble(&mut self) {
         self.constant =
             self.shares.iter().map(|share| share.mass.component_mul(&share.free_velocity)).collect();
@@ -128,7 +128,7 @@ impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Latin<M, D> {
         }
     }
 
-    /// What its factor takes of the memory (B).
+    /// Returns the memory of its factor (B).
     pub(crate) fn factor_bytes(&self) -> u64 {
         self.structure.bytes()
     }
@@ -178,8 +178,8 @@ impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Latin<M, D> {
         }
     }
 
-    /// What its copies of boundary grains add to the sums over all copies: (d⁺ + d⁻) V_E − τ = d⁺ V_E − F_E (N·s) and V_E/m_i
-    /// (m/s).
+    /// Writes the contributions of its copies of boundary grains to the sums over all copies: (d⁺ + d⁻) V_E − τ = d⁺ V_E − F_E (N·s) and
+    /// V_E/m_i (m/s).
     pub(crate) fn send(&self, sent: &mut [Sent<D>]) {
         for (k, sent) in sent.iter_mut().enumerate() {
             let (v, tau, Share { mass, copies, .. }) = self.copy(k);

@@ -20,7 +20,7 @@ const PATIENCE_OF_SWEEPS: u64 = 20_000;
 /// Sweeps from one look at what they leave to the next.
 const LOOK: u64 = 10;
 
-/// What is left of the law where no step leaves less, over the problem's scale, at most (–): else it is no end.
+/// Largest residual of the law at an end where no step reduces it, over the problem's scale (–): else it is no end.
 const AT_THE_END: f64 = 1e-12;
 
 enum Phase<'p, const D: usize> {
@@ -35,9 +35,9 @@ pub(crate) struct ActiveSet<'p, const D: usize> {
     exact: Exact<D>,
     phase: Phase<'p, D>,
     newton: Newton<'p, D>,
-    /// What was left before Newton's method has its step, while it has a try (√J).
+    /// Residual before Newton's method has its step, while it has a try (√J).
     trying: Option<f64>,
-    /// What is left at the next rung (√J).
+    /// Next residual threshold (√J).
     rung: f64,
     /// √ of the problem's scale (√J).
     scale: f64,
@@ -46,7 +46,7 @@ pub(crate) struct ActiveSet<'p, const D: usize> {
     /// Iterations of the phase, and what was left when it was last halved, at which of them (√J).
     iterations: u64,
     halved: (f64, u64),
-    /// Of the phase that ended.
+    /// Work of the phase that ended.
     work: Work,
 }
 

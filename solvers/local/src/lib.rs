@@ -35,12 +35,12 @@ pub enum Method {
     },
     /// The conjugate gradient of Renouf and Alart.
     Cg {
-        /// What scales the gradient.
+        /// Scaling of the gradient.
         preconditioner: Preconditioner,
     },
     /// Newton's method on the statuses of contacts, begun by the conjugate gradient.
     ActiveSet {
-        /// What the conjugate gradient leaves of the law at first, as a natural map (–).
+        /// Residual of the law at which the conjugate gradient first ends, as a natural map (–).
         start_accuracy: f64,
     },
 }

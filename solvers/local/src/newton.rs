@@ -22,7 +22,7 @@ const WORTH_ANOTHER: f64 = 0.5;
 /// The share of the terms that make v up which is round-off (–).
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 
-/// What a contact does.
+/// Status of a contact.
 #[derive(Clone, Copy)]
 enum Status<const D: usize> {
     Open,
@@ -78,7 +78,7 @@ impl<'p, const D: usize> Newton<'p, D> {
         self.work
     }
 
-    /// Whether so much left of the law (√J) is round-off.
+    /// Reports whether the residual `left` of the law (√J) is round-off.
     pub(crate) fn is_round_off(&self, left: f64) -> bool {
         let of = |contact: usize| {
             let mut terms = SVector::<f64, D>::at(self.problem.q(), contact).abs();
@@ -141,7 +141,7 @@ impl<'p, const D: usize> Newton<'p, D> {
         true
     }
 
-    /// What the rows of a contact are to bring about: −v along what must not move.
+    /// Returns the right-hand side of the rows of a contact: −v along what must not move.
     fn wanted(&self, contact: usize, status: &Status<D>) -> SVector<f64, D> {
         let mut wanted = -SVector::<f64, D>::at(&self.v, contact);
         if let Status::Slide(..) = status {

@@ -97,7 +97,7 @@ impl LocalProblem {
         Ok(())
     }
 
-    /// Whether the symmetric part of `W_αα` has positive pivots.
+    /// Reports whether the symmetric part of `W_αα` has positive pivots.
     fn is_definite(&self, contact: usize) -> bool {
         match self.dimension {
             1 => self.own::<1>(contact)[0] > 0.0,
@@ -111,7 +111,7 @@ impl LocalProblem {
         self.dimension
     }
 
-    /// How many contacts.
+    /// Returns the number of contacts.
     pub fn contact_count(&self) -> usize {
         self.friction.len()
     }
@@ -253,8 +253,8 @@ impl LocalProblem {
         w[0] * normal * normal + w[D - 1] * along.norm_squared()
     }
 
-    /// Whether the natural map of the impulses `r` (N·s) is above `tolerance` (–): the first contacts that are enough to tell are all
-    /// that is looked at.
+    /// Reports whether the natural map of the impulses `r` (N·s) is above `tolerance` (–): only the first contacts that suffice to tell are
+    /// checked.
     pub fn is_above(&self, tolerance: f64, r: &[f64]) -> bool {
         match self.dimension {
             1 => self.is_above_of::<1>(tolerance, r),

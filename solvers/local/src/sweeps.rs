@@ -16,7 +16,7 @@ use nalgebra::{SMatrix, SVector};
 /// The law at one contact, from `W_αα`, the relative velocity without its own impulse, and μ.
 pub(crate) type Exact<const D: usize> = fn(&SMatrix<f64, D, D>, &SVector<f64, D>, f64) -> SVector<f64, D>;
 
-/// What the update of a contact takes, roughly.
+/// Approximate cost of the update of a contact (ns).
 const NANOSECONDS: usize = 100;
 
 /// A run on one problem.
@@ -26,7 +26,7 @@ pub(crate) struct Sweeps<'p, const D: usize> {
     subdomains: Vec<Subdomain<D>>,
     /// The subdomain of each contact, and its place there.
     place: Vec<(u32, u32)>,
-    /// What is added to the diagonal of `W_αα` (1/kg).
+    /// Term added to the diagonal of `W_αα` (1/kg).
     added: Vec<SVector<f64, D>>,
     /// r after the last sweep (N·s).
     r: Vec<f64>,

@@ -40,7 +40,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use state::Contact;
 
-/// What is done where the conjugate step would make impulses negative.
+/// Step taken where the conjugate step would make impulses negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Expansion {
@@ -55,13 +55,13 @@ pub enum Expansion {
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Mprgp {
-    /// What scales the unknowns: r ≥ 0 acts on each alone, so the method is the same in √D r.
+    /// Scaling of the unknowns: r ≥ 0 acts on each alone, so the method is the same in √D r.
     pub preconditioner: Preconditioner,
     /// Γ (–): the set of pressing contacts grows where |β|² > Γ² φ̃ᵗ φ.
     pub gamma: f64,
     /// s (–), above 0 and at most 2: the fixed step is ᾱ = s/Λ, where Λ ≥ λmax(W). The proof of 2005 takes s ≤ 1, that of 2009 s < 2.
     pub step: f64,
-    /// How the set of open contacts grows.
+    /// Rule by which the set of open contacts grows.
     pub expansion: Expansion,
 }
 
@@ -97,13 +97,13 @@ struct Run<const D: usize> {
     /// φ̃ᵗ φ and βᵗ β.
     free: f64,
     chopped: f64,
-    /// Whether p is β; whether it is conjugate to another.
+    /// True where p is β; true where it is conjugate to another.
     proportions: bool,
     conjugate: bool,
     /// uᵗ p and pᵗ p.
     descent: f64,
     squared: f64,
-    /// What u is the difference of, where r ≥ 0 does not block it, when it was last made from r: √(Σ b² + Σ (`W_αα` r)²).
+    /// Size of the terms of u, where r ≥ 0 does not block it, when it was last made from r: √(Σ b² + Σ (`W_αα` r)²).
     size: f64,
     iterations: u64,
     products: u64,

@@ -1,8 +1,8 @@
-//! What the method knows of a contact, and how it splits u = −(W r + b) there.
+//! State of a contact, and the split of u = −(W r + b) there.
 
 use contact::law;
 
-/// What the method knows of a contact. With the preconditioner, the unknowns are scaled by it.
+/// State of a contact. With the preconditioner, the unknowns are scaled by it.
 pub(crate) struct Contact {
     pub(crate) b: f64,
     /// `W_αα`.
@@ -37,7 +37,7 @@ impl Contact {
         [free * if free < least { least } else { free }, chopped * chopped]
     }
 
-    /// What max(0, r) added to r + α p in the last step, of the `length` α.
+    /// Returns the part that max(0, r) added to r + α p in the last step, of the `length` α.
     #[inline]
     pub(crate) fn added(&self, length: f64) -> f64 {
         law::non_negative(-(self.r_before + length * self.p))

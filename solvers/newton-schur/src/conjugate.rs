@@ -9,7 +9,7 @@
 use crate::interface::Subdomains;
 use nalgebra::SVector;
 
-/// What a solve took.
+/// Work of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Taken {
     /// Iterations, and so solves with the preconditioner.
@@ -23,15 +23,15 @@ type Boundary<const D: usize> = Vec<SVector<f64, D>>;
 
 /// The conjugate gradients, with the directions p of S so far, pᵗSp = 1.
 pub(crate) struct Conjugate<const D: usize> {
-    /// Whether z is Σ Dᵗ S_E⁻¹ D r, else r.
+    /// True where z is Σ Dᵗ S_E⁻¹ D r, else r.
     pub(crate) neumann: bool,
-    /// Whether the first directions of each S are the translations of subdomains.
+    /// True where the first directions of each S are the translations of subdomains.
     pub(crate) coarse: bool,
     /// ‖S u − g‖/‖g‖ at which they end (–).
     accuracy: f64,
     /// p and S p of each direction, and memory for more.
     directions: Vec<[Boundary<D>; 2]>,
-    /// How many of them are of S.
+    /// Number of them that are of S.
     count: usize,
     residual: Boundary<D>,
     z: Boundary<D>,

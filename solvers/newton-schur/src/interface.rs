@@ -6,7 +6,7 @@ use contact::{SetupError, threads};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
-/// What a thread takes for an entry of a factor, about (ns): two passes.
+/// Approximate time of a thread for an entry of a factor (ns): two passes.
 const NS_PER_ENTRY: usize = 2;
 
 /// The subdomains, and how many boundary grains they have among them.
@@ -22,7 +22,7 @@ impl<const D: usize> Subdomains<D> {
         threads::each(&mut self.own, NS_PER_ENTRY * entries as usize, &|_, subdomain| act(subdomain));
     }
 
-    /// The same, and `sum` gets what they send, added to what it holds in the order of subdomains.
+    /// Acts on all subdomains; `sum` gets what they send, added to what it holds in the order of subdomains.
     pub(crate) fn add(&mut self, sum: &mut [SVector<f64, D>], act: impl Fn(&mut Subdomain<D>) + Sync + Send) {
         self.each(act);
         for subdomain in &self.own {

@@ -27,7 +27,7 @@ use partition::{Grid, Scheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How the problem on the boundary grains is solved.
+/// Solver of the problem on the boundary grains.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interface {
@@ -38,13 +38,13 @@ pub enum Interface {
     Cg,
 }
 
-/// What preconditions the conjugate gradients on the boundary grains.
+/// Preconditioner of the conjugate gradients on the boundary grains.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preconditioner {
     /// Nothing.
     None,
-    /// What the subdomains would do alone, in the mean that their stiffness at a grain gives.
+    /// Answers of the subdomains alone, averaged with their stiffness at a grain.
     #[default]
     NeumannNeumann,
 }
@@ -55,15 +55,15 @@ pub enum Preconditioner {
 pub struct NewtonSchur {
     /// Subdomains, as columns × rows.
     pub subdomains: Grid,
-    /// How the contacts are distributed.
+    /// Scheme by which the contacts are distributed.
     pub partition: Scheme,
-    /// How the problem on the boundary grains is solved.
+    /// Solver of the problem on the boundary grains.
     pub interface: Interface,
-    /// What preconditions its conjugate gradients.
+    /// Preconditioner of its conjugate gradients.
     pub preconditioner: Preconditioner,
-    /// Whether its conjugate gradients begin with the translations of all subdomains, and stay conjugate to them.
+    /// Coarse space: its conjugate gradients begin with the translations of all subdomains, and stay conjugate to them.
     pub coarse: bool,
-    /// What its conjugate gradients leave of the right-hand side (–).
+    /// Residual of its conjugate gradients over the right-hand side (–).
     pub inner_accuracy: f64,
     /// κ (–), the weight of closed contacts against the masses.
     pub penalty: f64,

@@ -1,4 +1,4 @@
-//! What solves with K by subdomains: interiors are condensed, the interface problem is solved, interiors follow.
+//! Linear solver for K by subdomains: interiors are condensed, the interface problem is solved, interiors follow.
 
 use crate::conjugate::Conjugate;
 use crate::interface::{Assembled, Subdomains};
@@ -10,7 +10,7 @@ use contact::{Packing, SetupError, Smooth, Work, threads};
 use nalgebra::SVector;
 use partition::{Decomposition, Partition};
 
-/// How the interface problem is solved.
+/// Solver of the interface problem.
 enum Way<const D: usize> {
     Direct(Assembled<D>),
     Cg(Conjugate<D>),

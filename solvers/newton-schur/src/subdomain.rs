@@ -17,7 +17,7 @@ struct Ends {
 pub(crate) struct Subdomain<const D: usize> {
     /// The problem's contact of each contact.
     contacts: Vec<u32>,
-    /// What each adds to K_E.
+    /// Contribution of each to K_E.
     couplings: Vec<Option<Coupling<D>>>,
     /// The contacts with a boundary grain, and their ends.
     rim: Vec<(u32, Ends)>,
@@ -44,14 +44,14 @@ pub(crate) struct Subdomain<const D: usize> {
 struct Part<const D: usize> {
     /// The contacts that have one or two of the grains.
     contacts: Vec<u32>,
-    /// Whether the first of these grains is the antagonist of each.
+    /// True for each where the first of these grains is the antagonist.
     turned: Vec<bool>,
     structure: Arc<Structure<D>>,
     factor: Option<Factor<D>>,
 }
 
 impl<const D: usize> Part<D> {
-    /// Those of the grains that `index` numbers, of so many `positions`.
+    /// Builds the part of the grains that `index` numbers, of so many `positions`.
     fn new(
         ends: &[(u32, Option<u32>)],
         positions: &[SVector<f64, D>],
@@ -175,8 +175,8 @@ impl<const D: usize> Subdomain<D> {
         done && whole.factorise(|place| mass[place], couplings)
     }
 
-    /// Of a right-hand side g of the problem's grains, what eliminating the interior takes from that of the boundary:
-    /// sent ← −K_bi K_ii⁻¹ g_i.
+    /// Eliminates the interior from a right-hand side g of the problem's grains and sends the change of that of the boundary: sent ← −K_bi
+    /// K_ii⁻¹ g_i.
     pub(crate) fn condense(&mut self, g: &[SVector<f64, D>]) {
         self.load(g);
         self.boundary_of_x().fill(SVector::zeros());

@@ -21,7 +21,7 @@ use subdomain::{Sweeper, scaled};
 pub struct NsgsDd {
     /// Subdomains, as columns × rows.
     pub subdomains: Grid,
-    /// How the contacts are distributed.
+    /// Scheme by which the contacts are distributed.
     pub partition: Scheme,
     /// `n_in`: sweeps of each subdomain between two gluings.
     pub inner_sweeps: u32,
@@ -29,7 +29,7 @@ pub struct NsgsDd {
     pub relaxation: f64,
     /// When a subdomain sees what the others did.
     pub exchange: Exchange,
-    /// Whether each copy of a boundary grain has its share `M_i/m_i` of the mass. Without it (Schwarz) each copy has
+    /// Mass splitting: each copy of a boundary grain has its share `M_i/m_i` of the mass. Without it (Schwarz) each copy has
     /// the whole mass and the changes of velocity are added up; nothing bounds q(r) then.
     pub mass_splitting: bool,
     /// Extrapolation over the iterations.
@@ -135,7 +135,7 @@ impl<M: Mechanics> Iteration for Run<M> {
     }
 }
 
-/// What an update of a contact takes, about (ns).
+/// Approximate cost of an update of a contact (ns).
 const NS_PER_UPDATE: usize = 5;
 
 impl<M: Mechanics> Run<M> {

@@ -9,7 +9,7 @@ use partition::{Subdomain, Sums};
 
 /// A subdomain: its sweep, level by level, with its own masses; and its copies.
 pub(crate) struct Sweeper<M: Mechanics> {
-    /// Those of a group sweep at the same time.
+    /// Group of the subdomain: those of a group sweep at the same time.
     pub(crate) group: usize,
     /// y is M^½ `V_E` with the masses of the copies.
     pub(crate) sweep: Sweep<M>,
@@ -100,7 +100,8 @@ impl<M: Mechanics> Sweeper<M> {
         self.trail.as_ref().map_or([0.0; 2], Trail::sums)
     }
 
-    /// What its copies add to the sums over all copies of their grains: y or, without mass splitting, what that has gained.
+    /// Writes the contributions of its copies to the sums over all copies of their grains: y or, without mass splitting, what that has
+    /// gained.
     pub(crate) fn send(&self, mass_splitting: bool, sent: &mut [M::Velocity]) {
         for (copy, sent) in self.copies.iter().zip(sent) {
             let y = self.sweep.y[copy.local as usize];

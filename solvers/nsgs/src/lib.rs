@@ -27,7 +27,7 @@ pub struct Nsgs {
     /// ω (–): 1 solves (2) exactly at each contact; above, over-relaxation. Any positive value is accepted, since
     /// where it fails (ω ≥ 2) is of interest.
     pub relaxation: f64,
-    /// Whether an iteration is a sweep forward and a sweep backward, instead of one forward.
+    /// Symmetric sweeps: an iteration is one forward and one backward, instead of one forward.
     pub symmetric: bool,
     /// Extrapolation over the iterations.
     pub acceleration: Acceleration,

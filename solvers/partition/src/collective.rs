@@ -1,4 +1,4 @@
-//! What all ranks find out together: sums, extremes, lists, and whether one of them failed.
+//! Collective operations of all ranks: sums, extremes, lists, and whether one of them failed.
 //!
 //! Sums go along one binary tree over the numbers of the subdomains, whichever rank has which, so that no number of ranks changes a
 //! bit; a sum takes some log₂ of the number of ranks messages one after the other, and as many to tell all.
@@ -20,8 +20,8 @@ impl Team {
         self.joined_by_all(own, |a, b| std::array::from_fn(|k| a[k] + b[k]))
     }
 
-    /// What the values of all subdomains become, of which each own one has some, where neighbours in a binary tree are joined, the
-    /// lower one before the higher.
+    /// Reduces the values of all subdomains, of which each own one has some, by joining neighbours in a binary tree, the lower one before
+    /// the higher.
     ///
     /// # Panics
     /// If there is not one item for each own subdomain.
@@ -46,7 +46,7 @@ impl Team {
         all
     }
 
-    /// Those of the subdomains of a node of the tree, at the rank that has the first of them.
+    /// Joins the values of the subdomains of a node of the tree, at the rank that has the first of them.
     fn joined<const N: usize>(
         &self,
         own: &[[f64; N]],
@@ -92,7 +92,7 @@ impl Team {
         least
     }
 
-    /// Whether it is so at all ranks.
+    /// Reports the logical AND over all ranks.
     pub fn all(&self, yes: bool) -> bool {
         self.max(f64::from(u8::from(!yes))) == 0.0
     }
@@ -168,7 +168,7 @@ impl Team {
             .collect()
     }
 
-    /// What becomes of `state` when one rank after the other has gone on with it.
+    /// Passes `state` from rank to rank, each of which goes on with it, and returns the final one.
     pub fn in_turn(&self, mut state: Vec<f64>, go_on: impl FnOnce(&mut [f64])) -> Vec<f64> {
         let (rank, last) = (self.rank(), self.size() - 1);
         if rank > 0 {
@@ -189,7 +189,7 @@ impl Team {
         state
     }
 
-    /// What this rank has, if no rank failed.
+    /// Returns the value of this rank, if no rank failed.
     ///
     /// # Errors
     /// The reason of all; or the number of the first rank that failed, and its reason.
@@ -244,7 +244,7 @@ fn above(rank: usize) -> usize {
     rank & (rank - 1)
 }
 
-/// What leads from a rank to those below it in that tree, the nearest first.
+/// Returns the steps from a rank to those below it in that tree, the nearest first.
 fn steps(rank: usize, size: usize) -> impl Iterator<Item = usize> {
     let below = if rank == 0 { size.next_power_of_two() } else { rank & rank.wrapping_neg() };
     std::iter::successors(Some(1), |step| Some(2 * step)).take_while(move |step| *step < below)

@@ -1,4 +1,4 @@
-//! How many subdomains, as columns × rows, and layers in space.
+//! Numbers of subdomains, as columns × rows, and layers in space.
 
 use schemars::JsonSchema;
 use serde::de::value::Error;
@@ -57,7 +57,7 @@ impl Serialize for Grid {
     }
 }
 
-/// What stands in a file, a number that is no count among it, so that an error names it.
+/// Representation of a grid in a file; it admits a number that is no count, so that an error names it.
 #[derive(Deserialize, JsonSchema)]
 #[serde(
     untagged,

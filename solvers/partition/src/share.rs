@@ -1,4 +1,4 @@
-//! What a rank has of a problem that is cut into subdomains: its own contacts, and the grains that they touch.
+//! Share of a rank in a problem that is cut into subdomains: its own contacts, and the grains that they touch.
 
 use crate::decomposition::{Decomposition, Subdomain};
 use crate::grid::Grid;
@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use thiserror::Error;
 
-/// What only the whole problem tells, and every rank must know.
+/// Facts about the whole problem that every rank must know.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Whole {
     /// Subdomains, as columns × rows.
     pub subdomains: Grid,
-    /// How the contacts are distributed.
+    /// Scheme by which the contacts are distributed.
     pub partition: Scheme,
     /// Number of grains.
     pub grains: u64,
@@ -32,13 +32,13 @@ pub struct Whole {
 pub struct Share<M: Mechanics> {
     /// Their contacts and grains, in the order of the whole problem, with their own numbers.
     pub problem: Packing<M>,
-    /// Of these; the copies of others stand beside them.
+    /// Decomposition of these contacts; the copies of others stand beside them.
     pub decomposition: Decomposition,
     /// The whole problem's number of each contact.
     pub contacts: Vec<u32>,
     /// The whole problem's number of each grain.
     pub grains: Vec<u32>,
-    /// Of which they are a part.
+    /// Whole problem of which they are a part.
     pub whole: Whole,
 }
 
@@ -69,7 +69,7 @@ pub trait Distributed<M: Mechanics>: Solver<M> {
 }
 
 impl Team {
-    /// What this rank could make, if all could.
+    /// Returns the result of this rank, if all ranks succeeded.
     ///
     /// # Errors
     /// The own reason, or that another rank has one.

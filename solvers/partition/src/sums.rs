@@ -1,4 +1,4 @@
-//! What subdomains exchange: sums over the copies of each boundary grain.
+//! Exchange between subdomains: sums over the copies of each boundary grain.
 
 use crate::decomposition::Decomposition;
 use crate::team::{Parcel, Team};
@@ -7,15 +7,15 @@ use std::collections::BTreeMap;
 use std::iter::Sum;
 use std::slice::Iter;
 
-/// What a copy of a boundary grain sends: some numbers that are added up together.
+/// Message of a copy of a boundary grain: some numbers that are added up together.
 pub trait Sendable: Copy + Send + Sync + Sum {
-    /// How many.
+    /// Number of components.
     const NUMBERS: usize;
 
     /// Adds them to a list.
     fn write(self, numbers: &mut Vec<f64>);
 
-    /// Those at the beginning of a list.
+    /// Reads a value from the beginning of a list.
     fn read(numbers: &[f64]) -> Self;
 }
 
@@ -38,10 +38,10 @@ impl<V: Vector> Sendable for V {
 /// the two, ranks send each other what they share. Copies are numbered as in
 /// [`Subdomain::boundary`](crate::Subdomain::boundary).
 pub struct CopySums<V> {
-    /// What each own subdomain sent, copy by copy; then what came from each neighbouring rank.
+    /// Values sent by each own subdomain, copy by copy; then those received from each neighbouring rank.
     sent: Vec<Vec<V>>,
     post: Option<Between>,
-    /// Where each subdomain finds the terms of its sums.
+    /// Positions of the terms of each subdomain's sums.
     terms: Vec<Terms>,
     /// Number of copies in all.
     copies: usize,
@@ -54,10 +54,10 @@ struct Terms {
     of: Vec<(u32, u32)>,
 }
 
-/// What it takes to send a copy, or to fetch what another thread sent, about (ns).
+/// Approximate cost of sending a copy, or of fetching one that another thread sent (ns).
 const NS_PER_COPY: usize = 20;
 
-/// What goes to other ranks, and comes from them.
+/// Values sent to other ranks, and received from them.
 struct Between {
     team: Team,
     /// For each parcel to another rank, the own subdomain and the number of each copy.

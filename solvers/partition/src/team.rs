@@ -1,5 +1,4 @@
-//! Who holds which subdomains, and how all who hold some decide together: alone on one machine, or as ranks with a memory of
-//! their own.
+//! Distribution of subdomains over their holders, and their joint decisions: alone on one machine, or as ranks with a memory of their own.
 
 use contact::SetupError;
 use std::ops::Range;
@@ -16,12 +15,12 @@ pub struct Parcel {
     pub numbers: Vec<f64>,
 }
 
-/// What carries numbers between ranks: all that a library of messages, or a test, must offer.
+/// Transport of numbers between ranks: all that a library of messages, or a test, must offer.
 pub trait Post: Send + Sync {
     /// Number of this rank, from 0.
     fn rank(&self) -> usize;
 
-    /// How many ranks there are.
+    /// Returns the number of ranks.
     fn size(&self) -> usize;
 
     /// Sends the parcels `sent`, and returns when the `received`, whose lengths are known, are filled. Between two ranks parcels
@@ -44,7 +43,7 @@ impl Post for Alone {
     fn swap(&self, _: &[Parcel], _: &mut [Parcel]) {}
 }
 
-/// What a rank has sent, and how long it waited for others.
+/// Data that a rank has sent, and the time it waited for others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Messages sent.
@@ -56,7 +55,7 @@ pub struct Traffic {
 }
 
 impl Traffic {
-    /// What was added since `before`.
+    /// Returns the traffic added since `before`.
     #[must_use]
     pub fn since(&self, before: &Self) -> Self {
         Self {
@@ -100,7 +99,7 @@ impl Team {
         self.post.rank()
     }
 
-    /// How many ranks there are.
+    /// Returns the number of ranks.
     pub fn size(&self) -> usize {
         self.post.size()
     }
@@ -125,7 +124,7 @@ impl Team {
         self.first.partition_point(|first| *first <= subdomain) - 1
     }
 
-    /// What this rank has sent so far, and how long it waited.
+    /// Returns the data that this rank has sent so far, and the time it waited.
     pub fn traffic(&self) -> Traffic {
         let [messages, bytes, waiting_ns] = [0, 1, 2].map(|k| self.counts[k].load(Ordering::Relaxed));
         Traffic { messages, bytes, waiting_ns }

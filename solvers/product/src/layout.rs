@@ -14,7 +14,7 @@ pub struct Layout<M: Mechanics = Discs> {
     contacts: usize,
 }
 
-/// What a pass takes per contact, about (ns).
+/// Approximate cost of a pass per contact (ns).
 const NS_PER_CONTACT: usize = 3;
 
 /// Contacts of a block, about: few enough that some threads have work where there is work for them, so many that blocks
@@ -58,7 +58,7 @@ impl<M: Mechanics> Layout<M> {
         }
     }
 
-    /// Whether it is so at a rank.
+    /// Reports the logical OR over all ranks.
     pub fn any(&self, here: bool) -> bool {
         self.team.as_ref().map_or(here, |team| !team.all(!here))
     }
@@ -78,7 +78,7 @@ impl<M: Mechanics> Layout<M> {
         &self.decomposition.subdomains
     }
 
-    /// What a method knows of each block, from its columns, which are `scaled` by the diagonal of W or not.
+    /// Returns the data of a method for each block, made from its columns, which are `scaled` by the diagonal of W or not.
     pub fn blocks<B: Send>(
         &self,
         problem: &ContactProblem<M>,
@@ -113,7 +113,7 @@ pub struct Columns<M: Mechanics = Discs> {
     contact: Vec<u32>,
     /// Columns of M^-½ H, or of H̃ where they are scaled by the diagonal of W.
     pub scaled: Vec<M::Column>,
-    /// Whether they are.
+    /// True where they are.
     pub is_scaled: bool,
     /// 1, or √`W_αα` (kg^-½) for those of H̃.
     unit: Vec<M::Impulse>,

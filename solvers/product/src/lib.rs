@@ -17,7 +17,7 @@ use pulp::Arch;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What scales the impulses, and with them the gradient, of a method that is made of products.
+/// Scaling of the impulses, and with them of the gradient, of a method that is made of products.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preconditioner {
@@ -42,7 +42,7 @@ struct Block<C, M: Mechanics> {
     states: Vec<C>,
     /// M^-½ H p; of grains that blocks share, each has the sum after it has been received.
     y: Vec<M::Velocity>,
-    /// What the block adds to the sums that the last pass was for.
+    /// Contribution of the block to the sums that the last pass was for.
     parts: [f64; SUMS],
     /// The contacts around each grain, where [`Product::pull_around`] is wanted.
     adjacency: Option<Adjacency>,
@@ -71,7 +71,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         Ok(Self::over(Layout::new(problem)?, problem, scaled, state))
     }
 
-    /// The same on the blocks of a layout, whose contacts and grains are those of `problem`.
+    /// Returns the product on the blocks of a layout, whose contacts and grains are those of `problem`.
     pub fn over(
         layout: Layout<M>,
         problem: &Packing<M>,
@@ -88,7 +88,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         Self { layout, blocks }
     }
 
-    /// The same, ready for [`Product::pull_around`].
+    /// Returns the product, ready for [`Product::pull_around`].
     #[must_use]
     pub fn with_neighbours(mut self) -> Self {
         for (block, subdomain) in self.blocks.iter_mut().zip(self.layout.subdomains()) {

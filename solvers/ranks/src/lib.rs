@@ -13,7 +13,7 @@ use analysis::Bounded;
 use contact::Packing;
 use partition::{Grid, Scheme, Whole};
 
-/// What only the whole problem tells of it, cut into `subdomains` by the rule `partition`.
+/// Returns the facts about the whole problem, cut into `subdomains` by the rule `partition`, that every rank must know.
 pub fn whole<M: Bounded>(problem: &Packing<M>, subdomains: Grid, partition: Scheme) -> Whole {
     Whole {
         subdomains,

@@ -42,7 +42,7 @@ impl Post for Channels {
     }
 }
 
-/// What `work` returns at each of so many ranks, which are threads of this process.
+/// Returns the results of `work` at each of so many ranks, which are threads of this process.
 ///
 /// # Panics
 /// If the work of a rank does.

@@ -9,7 +9,7 @@ use nalgebra::{SVector, Vector2, Vector3, Vector6};
 use serde::Serialize;
 use std::fmt;
 
-/// What is left of a condition, as it is and over the problem's own scale.
+/// Residual of a condition, as it is and over the problem's own scale.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Residual {
     /// In the unit of the condition.
@@ -66,10 +66,10 @@ pub struct Certificate {
     pub natural_map: Residual,
 }
 
-/// What a certified solution may leave of each condition (–): some thousand units of round-off.
+/// Largest residual of each condition in a certified solution (–): some thousand units of round-off.
 pub const ROUND_OFF: f64 = 1e-12;
 
-/// What it may leave of all of them together, weighed as energy (–). The rest of each condition may be round-off of greater
+/// Largest residual of all of them together, weighed as energy (–). The rest of each condition may be round-off of greater
 /// terms; this is not, and above it impulses in double precision say too little of the motion to be called its solution.
 pub const ENERGY_ROUND_OFF: f64 = 1e-8;
 
@@ -98,7 +98,7 @@ impl Certificate {
         all.into_iter().filter_map(|(name, residual)| Some((name, residual?)))
     }
 
-    /// Whether every condition holds to [`ROUND_OFF`], and all together to [`ENERGY_ROUND_OFF`].
+    /// Reports whether every condition holds to [`ROUND_OFF`], and all together to [`ENERGY_ROUND_OFF`].
     pub fn certified(&self) -> bool {
         self.worst() <= ROUND_OFF && self.natural_map.relative <= ENERGY_ROUND_OFF
     }

@@ -9,7 +9,7 @@
 use contact::{Contact, ContactProblem, Smooth};
 use twofloat::TwoFloat;
 
-/// What the method ends with.
+/// Result of the method.
 pub(crate) enum End {
     /// Impulses r ≥ 0 that solve the problem (N·s).
     Solution(Vec<f64>),
@@ -23,8 +23,8 @@ pub(crate) enum End {
 /// double precision do not say more.
 const NEARNESS: f64 = 1e-13;
 
-/// What W̃ + ε 1 takes for W̃ at first (–): contacts then yield by ε W r, which a certificate allows, and impulses stay what
-/// they need to be where a contact nearly repeats others. With 0, contacts that cannot be satisfied are found.
+/// Values of ε in W̃ + ε 1, which takes the place of W̃ at first (–): contacts then yield by ε W r, which a certificate allows, and
+/// impulses stay what they need to be where a contact nearly repeats others. With 0, contacts that cannot be satisfied are found.
 pub(crate) const YIELDING: [f64; 3] = [1e-15, 1e-17, 0.0];
 
 /// A contact is satisfied if it approaches by no more than this share of the terms that its velocity is made of (–): the

@@ -1,4 +1,4 @@
-//! Whether a problem with friction has a solution: a velocity tells.
+//! Proof, by a velocity, that a problem with friction has a solution.
 //!
 //! Where some V has `v_n` ≥ μ|`v_t`| at every contact, v = Hᵗ V + c, there is a solution. Where none has, there may be one all the same.
 //!
@@ -9,20 +9,20 @@ use active_set::Convex;
 use contact::{Packing, RoughDiscs, Touch, Vector, greatest, law};
 use nalgebra::{Vector2, Vector3};
 
-/// How it is known that a problem with friction has a solution.
+/// Reason why a problem with friction is known to have a solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Existence {
-    /// Where nothing moves: no wall drives a contact, and no gap is negative.
+    /// Rest: no wall drives a contact, and no gap is negative.
     AtRest,
     /// With a velocity that a linear programme has.
     Moving,
 }
 
-/// What is asked of the velocity, over the fastest approach without impulses (–): far more than round-off, and than an interior
+/// Margin required of the velocity, over the fastest approach without impulses (–): far more than round-off, and than an interior
 /// point leaves.
 const MARGIN: f64 = 1e-4;
 
-/// Whether `problem` is known to have a solution; `None` where no velocity was found that says so.
+/// Returns the reason why `problem` is known to have a solution; `None` where no velocity was found that says so.
 pub fn existence(problem: &Packing<RoughDiscs>) -> Option<Existence> {
     let room = |velocity: &[Vector3<f64>]| {
         let of = |contact: &contact::RoughContact| {

@@ -15,7 +15,7 @@ pub(crate) struct Interior {
     unscale: Vec<f64>,
 }
 
-/// What the interior point says of its answer; the certificate judges the answer, not this word.
+/// Verdict of the interior point on its answer; the certificate judges the answer, not this word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     /// The multipliers are near a solution.

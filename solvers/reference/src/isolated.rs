@@ -1,4 +1,4 @@
-//! Whether a solution with friction stands alone: none other is near it.
+//! Isolation of a solution with friction: none other is near it.
 //!
 //! A contact is open, sticks, or slides to one side, and as long as none changes, the law is a linear system. Where each does so
 //! strictly and the matrix of that system is regular, the solution is the only one with these statuses, and those with others are
@@ -9,7 +9,7 @@ use contact::scaled::scaled_velocity;
 use contact::{Column, Mass, Packing, RoughColumn, RoughDiscs, Touch, Vector};
 use nalgebra::{Vector2, Vector3};
 
-/// What stands between a solution and others.
+/// Measures of the isolation of a solution from others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Isolation {
     /// The least change of an impulse or velocity that changes the status of a contact, in mass-scaled unknowns over the problem's
@@ -19,18 +19,18 @@ pub struct Isolation {
     pub unknowns: usize,
     /// The least singular value of the matrix of these statuses, where `W_αα` = 1 (–); 0 where it is singular.
     pub least_singular_value: f64,
-    /// What the solution leaves of the law: its natural map (–).
+    /// Residual of the solution: its natural map (–).
     pub left: f64,
 }
 
-/// How far beyond the error of the solution a change of status must be (–).
+/// Factor by which a change of status must be beyond the error of the solution (–).
 const BEYOND: f64 = 10.0;
 
 /// Steps of inverse iteration: the value is known to some digits where it is far from the next, and its size where not.
 const STEPS: u32 = 30;
 
 impl Isolation {
-    /// Whether a solution is near that is the only one around: the impulses are away from it by what they leave of the law over the
+    /// Reports whether a solution is near that is the only one around: the impulses are away from it by what they leave of the law over the
     /// least singular value, and the next change of status is farther.
     pub fn is_isolated(&self) -> bool {
         self.margin * self.least_singular_value > BEYOND * self.left
@@ -43,7 +43,7 @@ struct Unknown {
     pull: [Vector3<f64>; 2],
 }
 
-/// What stands between the solution `r` (N·s) of `problem` and others.
+/// Returns the isolation of the solution `r` (N·s) of `problem` from others.
 ///
 /// # Panics
 /// If there are not two numbers per contact.
@@ -88,7 +88,7 @@ pub fn isolation(problem: &Packing<RoughDiscs>, r: &[f64]) -> Isolation {
     }
 }
 
-/// Of the matrix pullᵗ push, by inverse iteration; `None` if it is singular.
+/// Returns the least singular value of the matrix pullᵗ push, by inverse iteration; `None` if it is singular.
 fn least_singular_value(unknowns: &[([u32; 2], Unknown)], grains: usize) -> Option<f64> {
     let mut around = vec![Vec::new(); grains];
     for (k, ([i, j], _)) in unknowns.iter().enumerate() {

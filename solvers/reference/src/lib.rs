@@ -26,7 +26,7 @@ use dual::End;
 use interior::Verdict;
 use method::Run;
 
-/// What a problem has.
+/// Answer to a problem.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
     /// A certified solution.
@@ -45,9 +45,9 @@ pub enum Answer {
     Unknown {
         /// The best impulses found (N·s).
         impulses: Vec<f64>,
-        /// What they leave.
+        /// Certificate of their residuals.
         certificate: Certificate,
-        /// How the methods of the reference ended.
+        /// Reasons why the methods of the reference ended.
         why: String,
     },
 }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct InteriorPoint {
-    /// Whether the iterations after the first, which is the interior point's whole run, are polish steps; else it ends with
+    /// True where the iterations after the first, which is the interior point's whole run, are polish steps; else it ends with
     /// the first.
     pub polish: bool,
 }
@@ -33,7 +33,7 @@ pub(crate) struct Run<'p, const D: usize> {
     polishes: bool,
     r: Vec<f64>,
     ran: bool,
-    /// What the best polished impulses have left, and the steps since it was halved.
+    /// Least residual of polished impulses, and the steps since it was halved.
     left: f64,
     in_vain: u32,
 }

@@ -94,7 +94,7 @@ pub fn take<M: Rough>(problem: &Packing<M>, solutions: &mut Vec<RoughSolution>, 
     }
 }
 
-/// Whether two solutions so far apart (–), see [`distance`], are one.
+/// Reports whether two solutions so far apart (–), see [`distance`], are one.
 pub fn is_same(distance: f64) -> bool {
     distance <= SAME
 }
@@ -130,7 +130,7 @@ pub fn distance<M: Rough>(problem: &ContactProblem<M>, r: &[f64], other: &[f64])
     if apart == 0.0 { 0.0 } else { apart / size }
 }
 
-/// Where the active set ends that begins from impulses `r0` with conjugate gradients.
+/// Returns the solution at which the active set ends, begun from impulses `r0` with conjugate gradients.
 fn from<M: Rough>(problem: &Packing<M>, r0: &[f64]) -> RoughSolution
 where
     ActiveSet: Solver<M>,

@@ -1,4 +1,4 @@
-//! Whether a run that met its stop rule has converged. ζ, LMGC90's norms and the penetration rate can all be met far from a
+//! Check that a run that met its stop rule has converged. ζ, LMGC90's norms and the penetration rate can all be met far from a
 //! solution, or where there is none.
 
 use crate::Stop;
@@ -13,7 +13,8 @@ const FAR: f64 = 100.0;
 /// greatest of those runs on ζ, `quad_dv` or `max_dv` whose velocity error is within [`FAR`], 350.
 const FAR_ON_THE_NATURAL_MAP: f64 = 1000.0;
 
-/// The same for the penetration rate, where it is 6 (–). It is one-sided: impulses that are too large meet it.
+/// Largest penetration rate of a converged run, where the solution is not known, over the tolerance (–): the greatest of those runs
+/// is 6. It is one-sided: impulses that are too large meet it.
 const FAR_ON_THE_RATE: f64 = 100.0;
 
 /// Below this nothing is judged (–): a truth is certified to 1e-12, and its velocity may be off by more.
@@ -23,7 +24,7 @@ const LEAST: f64 = 1e-9;
 /// natural map falls (–): with a coarse tolerance a run ends before it can stay.
 const HARDLY_FALLEN: f64 = 0.1;
 
-/// Whether `stop`, which the last iterate met, promises too much.
+/// Reports whether `stop`, which the last iterate met, promises too much.
 ///
 /// The truth decides where it is known, and there is no other. Elsewhere the natural map does: it is far above the tolerance, or it
 /// stays (`stays`), or has hardly fallen, while one of the `rays`, the impulses and their growth, proves that there is no solution.

@@ -1,4 +1,4 @@
-//! Whether a run that did not converge goes round in a cycle.
+//! Detection of cycles in a run that did not converge.
 
 use contact::Iteration;
 
@@ -8,7 +8,7 @@ const LONGEST: u64 = 32;
 /// Iterations from which on a run is long enough for the look.
 const LONG: u64 = 320;
 
-/// How near impulses come back, over their last change (–).
+/// Largest distance at which impulses count as returned, over their last change (–).
 const BACK: f64 = 1e-6;
 
 /// Iterations of the cycle in which a run of so many goes, if it does: after them the impulses are those of its last iterate again,

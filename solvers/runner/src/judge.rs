@@ -1,9 +1,9 @@
-//! What the loop asks of a problem: measures, and proofs that there is no solution; on one machine, or of all ranks together.
+//! Judgement of iterates for the loop: measures, and proofs that there is no solution; on one machine, or of all ranks together.
 
 use analysis::Proof;
 use contact::{ContactProblem, Measure, Measures, Measuring, Mechanics, Vector};
 
-/// What judges the iterates of a run. Where ranks share a problem all must ask alike, and get the same answers.
+/// Judge of the iterates of a run. Where ranks share a problem all must ask alike, and get the same answers.
 pub(crate) trait Judge {
     /// [`ContactProblem::scale`] (J).
     fn scale(&self) -> f64;
@@ -11,19 +11,19 @@ pub(crate) trait Judge {
     /// Measures the iterate `r` (N·s), which comes after `before`; that is empty if there is none.
     fn measure_after(&mut self, before: &[f64], r: &[f64], velocity_jump: f64) -> Measures;
 
-    /// Whether the iterate `r` is proved not to end the run; `false` says nothing.
+    /// Reports whether the iterate `r` is proved not to end the run; `false` says nothing.
     fn goes_on(&mut self, on: Measure, tolerance: f64, energy: f64, iterates: (&[f64], &[f64])) -> bool;
 
-    /// Whether one of the rays, or impulses near one, proves that there is no solution.
+    /// Reports whether one of the rays, or impulses near one, proves that there is no solution.
     fn any_proves_infeasible(&mut self, rays: &[Vec<f64>]) -> bool;
 
     /// The greatest approach velocity of r = 0 (m/s).
     fn greatest_rate(&self) -> f64;
 
-    /// Whether all solutions have the same velocity.
+    /// Reports whether all solutions have the same velocity.
     fn has_one_velocity(&self) -> bool;
 
-    /// Whether it is so here, or at another rank.
+    /// Reports the logical OR over all ranks.
     fn any(&self, here: bool) -> bool;
 }
 

@@ -56,7 +56,7 @@ impl Stop {
     }
 }
 
-/// How a run ended.
+/// Status at the end of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
@@ -91,7 +91,7 @@ impl Status {
     }
 }
 
-/// What an observer sees after every iteration, and once before the first.
+/// State that an observer sees after every iteration, and once before the first.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
     /// Iterations so far.
@@ -106,10 +106,10 @@ pub struct Progress<'a> {
     pub impulses: &'a [f64],
 }
 
-/// What came out of a run.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome<M: Mechanics = Discs> {
-    /// How it ended.
+    /// Status at the end.
     pub status: Status,
     /// Number of iterations.
     pub iterations: u64,
@@ -217,7 +217,7 @@ pub fn solve_against<'t, M: Mechanics>(
     })
 }
 
-/// How the loop ended.
+/// Result of the loop.
 struct End {
     status: Status,
     iterations: u64,

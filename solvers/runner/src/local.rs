@@ -21,7 +21,7 @@ pub struct LocalTruth {
 }
 
 impl LocalTruth {
-    /// Of impulses r* (N·s) that solve the problem, which is for others to say.
+    /// Returns the known solution with impulses r* (N·s); that they solve the problem is for others to say.
     pub fn new(problem: &LocalProblem, r: Vec<f64>) -> Self {
         let v = problem.velocity(&r);
         let squared = r.iter().zip(&v).zip(problem.q()).map(|((r, v), q)| r * (v - q)).sum();

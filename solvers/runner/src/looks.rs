@@ -32,12 +32,12 @@ impl Grid {
         Self { measured, next: 0 }
     }
 
-    /// Whether iterates that it has not go on unseen.
+    /// Reports whether iterates off the grid go on unseen.
     pub(crate) fn skips(&self) -> bool {
         matches!(self.measured, Measured::OneIn(_))
     }
 
-    /// Whether it has this iteration; asked of each in its turn.
+    /// Reports whether the grid has this iteration; asked of each in its turn.
     pub(crate) fn has(&mut self, iteration: u64) -> bool {
         let due = match self.measured {
             Measured::Every => true,
@@ -52,19 +52,19 @@ impl Grid {
     }
 }
 
-/// Where the proof that there is no solution is first looked for, and then at every power of two (iterations): rarely,
-/// so that it costs little, and late, so that a curve shows what the measures say meanwhile. A power of two.
+/// Iteration of the first search for a proof that there is no solution; others follow at every power of two (iterations): rarely, so that
+/// it costs little, and late, so that a curve shows what the measures say meanwhile. A power of two.
 const FIRST_LOOK: u64 = 1024;
 
-/// What is left of the natural map since the last look, at most, where no proof is looked for (–): on a problem without
-/// solution it stays away from 0.
+/// Ratio of the natural map to that of an earlier check, below which no proof is searched for (–): on a problem without solution
+/// the natural map stays away from 0.
 const CONVERGES: f64 = 0.9;
 
 /// r and natural map at the last two powers of two.
 pub(crate) struct Looks {
     last: (Vec<f64>, f64),
     before_last: (Vec<f64>, f64),
-    /// Whether the last look has proved that there is no solution.
+    /// True where the last check has proved that there is no solution.
     pub(crate) endless: bool,
 }
 
@@ -101,7 +101,7 @@ impl Looks {
         }
     }
 
-    /// Whether the natural map has hardly fallen since the last look but one.
+    /// Reports whether the natural map has hardly fallen since the last check but one.
     pub(crate) fn stays(&self, measures: &Measures) -> bool {
         !(measures.natural_map < CONVERGES * self.before_last.1)
     }

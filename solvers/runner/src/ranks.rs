@@ -9,13 +9,13 @@ use partition::{Distributed, Refused, Share, Team, Traffic};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// What a solution may leave of its natural map (–), as those that are certified.
+/// Largest natural map of a solution (–), as of those that are certified.
 const SOLVED: f64 = 1e-8;
 
-/// What came out of a run on ranks: the same at all of them, but for the impulses.
+/// Result of a run on ranks: the same at all of them, but for the impulses.
 #[derive(Clone, Debug)]
 pub struct OnRanks {
-    /// How it ended.
+    /// Status at the end.
     pub status: Status,
     /// Number of iterations.
     pub iterations: u64,
@@ -33,13 +33,13 @@ pub struct OnRanks {
     pub derived: Vec<(&'static str, f64)>,
     /// Multiply-adds of an iteration on the longest subdomain.
     pub critical_path: Option<u64>,
-    /// What each rank sent while it advanced, and how long it waited.
+    /// Data that each rank sent while it advanced, and the time it waited.
     pub traffic: Vec<Traffic>,
     /// The rank that worked longest while it advanced: all others waited for it, in the end.
     pub slowest: usize,
 }
 
-/// What a rank has beside its share of a problem, in the order of its contacts (N·s).
+/// Impulses of a rank beside its share of a problem, in the order of its contacts (N·s).
 #[derive(Clone, Copy, Debug)]
 pub struct Beside<'r> {
     /// The impulses to begin from.
@@ -77,7 +77,7 @@ impl Iteration for Counted<'_> {
         self.iteration.stalled()
     }
 
-    /// Of all ranks, which all must ask for.
+    /// Returns the work of all ranks, which all must ask for.
     fn work(&self) -> Work {
         of_all(self.iteration.work(), &self.team)
     }

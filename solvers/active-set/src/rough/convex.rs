@@ -40,7 +40,7 @@ impl Edges {
         Vector2::new(one + other, self.contacts[contact].friction() * (one - other)) / length
     }
 
-    /// What a relative velocity is along the two edges.
+    /// Returns the components of a relative velocity along the two edges.
     fn along(&self, contact: usize, v: Vector2<f64>) -> [f64; 2] {
         let tangential = self.contacts[contact].friction() * v.y;
         [(v.x + tangential) / self.length[contact], (v.x - tangential) / self.length[contact]]
@@ -126,12 +126,12 @@ pub struct Convex {
 /// Sets of one programme that may leave more than one before, or the interior point leads on.
 const SETS: u32 = 8;
 
-/// What the interior point leaves, over the problem's scale, where it has come near enough; and where it has come too far to be
-/// called nearly solved (–). Where edges depend on each other it ends between the two.
+/// Residual of the interior point, over the problem's scale, where it has come near enough; and where it has come too far to be called
+/// nearly solved (–). Where edges depend on each other it ends between the two.
 const NEAR: f64 = 1e-10;
 const NEARLY: f64 = 1e-3;
 
-/// What is round-off, over the problem's scale (–).
+/// Level of round-off, over the problem's scale (–).
 const ROUND_OFF: f64 = 1e-12;
 
 impl Convex {

@@ -8,7 +8,7 @@ use nalgebra::{Vector2, Vector3};
 /// The share of the terms that make v up which is round-off (–).
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 
-/// What a contact does.
+/// Status of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Status {
     Open,
@@ -83,7 +83,7 @@ impl Layout {
         self.columns.iter().zip(&self.offset).map(|(column, c)| column.relative(&y) + c).collect()
     }
 
-    /// What is left of the law, weighed as energy: the natural map (√J).
+    /// Returns the residual of the law, weighed as energy: the natural map (√J).
     pub(super) fn left(&self, s: &[Vector2<f64>], v: &[Vector2<f64>]) -> f64 {
         let of = |((s, v), column): ((&Vector2<f64>, &Vector2<f64>), &RoughColumn)| {
             let bound = column.friction() * non_negative(s.x);
@@ -94,7 +94,7 @@ impl Layout {
         s.iter().zip(v).zip(&self.columns).map(of).sum::<f64>().sqrt()
     }
 
-    /// Whether so much left (√J) by the impulses s is round-off.
+    /// Reports whether the residual `left` (√J) of the impulses s is round-off.
     pub(super) fn is_round_off(&self, left: f64, s: &[Vector2<f64>]) -> bool {
         left <= ROUND_OFF * (norm(s) + self.terms_of_b)
     }
@@ -137,7 +137,7 @@ pub(super) fn held(status: Status, v: Vector2<f64>) -> Vector2<f64> {
     }
 }
 
-/// What moves of the velocities v that contacts with these statuses must not have (√J).
+/// Returns the size of the velocities v that contacts with these statuses must not have (√J).
 pub(super) fn moving(status: &[Status], v: &[Vector2<f64>]) -> f64 {
     norm(&v.iter().zip(status).map(|(v, status)| held(*status, *v)).collect::<Vec<_>>())
 }

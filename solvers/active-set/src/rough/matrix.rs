@@ -13,13 +13,13 @@ pub(super) struct Matrix {
     factors: Lu<3>,
     is_factorised: bool,
     changes: Changes,
-    /// What it is the matrix of: the statuses, and κ (–).
+    /// Statuses and κ (–) of the matrix.
     status: Vec<Status>,
     kappa: f64,
     work: Work,
 }
 
-/// What changed since the factor was made: K is the factor's matrix and κ Σ push pullᵗ of these.
+/// Changes since the factor was made: K is the factor's matrix and κ Σ push pullᵗ of these.
 #[derive(Default)]
 struct Changes {
     /// By contact, the parts along normal and tangent of what pushes and what pulls.
@@ -51,7 +51,7 @@ impl Matrix {
         })
     }
 
-    /// Whether it solves with the matrix of these statuses and κ (–).
+    /// Reports whether it solves with the matrix of these statuses and κ (–).
     pub(super) fn is_of(&self, status: &[Status], kappa: f64) -> bool {
         self.is_factorised && self.kappa == kappa && self.status == status
     }
@@ -61,7 +61,7 @@ impl Matrix {
         self.changes.of.len()
     }
 
-    /// Whether the matrix of these statuses with the weight κ (–) has a factor.
+    /// Factorises the matrix of these statuses with the weight κ (–) and reports whether it has a factor.
     pub(super) fn factorise(&mut self, columns: &[RoughColumn], status: &[Status], kappa: f64) -> bool {
         self.changes = Changes::default();
         self.kappa = kappa;

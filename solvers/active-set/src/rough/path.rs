@@ -32,8 +32,7 @@ const SOLVES: u32 = 5;
 /// The share of what a solve had before it that is left after it, at most, or no other follows (–).
 const WORTH_ANOTHER: f64 = 0.1;
 
-/// What may move of that which is held: along a line over the change of the impulses; over the impulses where a line ends, and the path
-/// (–).
+/// Largest motion of held velocities: along a line over the change of the impulses; over the impulses where a line ends, and the path (–).
 const ALONG: f64 = 1e-10;
 const UNDERWAY: f64 = 1e-13;
 const ROUND_OFF: f64 = 1e-15;
@@ -48,7 +47,7 @@ pub(super) struct Path {
     pub(super) sweeps: u64,
 }
 
-/// What of the problem a path changes.
+/// Part of the problem that a path changes.
 pub(super) struct Change<'a> {
     /// ε (–).
     pub(super) epsilon: f64,
@@ -159,7 +158,7 @@ impl Path {
         self.matrix.factorise(&self.layout.columns, &self.status, 1.0 / epsilon)
     }
 
-    /// The same after a contact changed its status.
+    /// Updates the factor after a contact changed its status; reports whether there is one.
     fn update(&mut self, contact: usize, epsilon: f64) -> bool {
         if self.matrix.changes() < CHANGES {
             self.matrix.change(&self.layout.columns, contact, self.status[contact])
@@ -193,7 +192,7 @@ impl Path {
         v.iter_mut().zip(&self.status).for_each(|(v, status)| *v -= held(*status, *v));
     }
 
-    /// What s, made admissible, leaves of the law (√J).
+    /// Returns the residual of s, made admissible (√J).
     pub(super) fn left(&self) -> f64 {
         let s = self.admitted();
         self.layout.left(&s, &self.layout.velocity(&s))
@@ -207,12 +206,12 @@ impl Path {
         self.s.iter().zip(&self.layout.columns).map(admit).collect()
     }
 
-    /// Whether what s leaves is round-off.
+    /// Reports whether the residual of s is round-off.
     pub(super) fn is_solved(&self) -> bool {
         self.layout.is_round_off(self.left(), &self.s)
     }
 
-    /// How far s is from another (√J).
+    /// Returns the distance of s from another (√J).
     pub(super) fn distance(&self, other: &[Vector2<f64>]) -> f64 {
         norm(&self.s.iter().zip(other).map(|(a, b)| a - b).collect::<Vec<_>>())
     }

@@ -32,13 +32,13 @@ const SWEEPS: u32 = 200;
 /// Points after which what is left must be half of what it was, or they lead nowhere.
 const PATIENCE: u32 = 300;
 
-/// How far two points may move apart and drift all the same (–).
+/// Largest relative difference of the moves of two points that drift (–).
 const DRIFT: f64 = 1e-2;
 
 /// Points that leave more than ε accounts for: a contact is beyond its status by round-off, and they begin anew.
 const BEGUN_ANEW: u32 = 40;
 
-/// What a point may leave beyond what ε accounts for, over the terms that make b up (–).
+/// Largest residual of a point beyond what ε accounts for, over the terms that make b up (–).
 const ROUND_OFF: f64 = 1e-14;
 
 /// The points.
@@ -130,7 +130,7 @@ impl<'p> Proximal<'p> {
         None
     }
 
-    /// Where a point had one line only, and moved as the one before, impulses drift: they go on until something opens or slides.
+    /// Continues a drift of impulses until something opens or slides, where a point had one line only, and moved as the one before.
     fn drift(&mut self, lines: u32, before: &[Vector2<f64>]) {
         let last = self.last.take();
         if lines > 0 {
@@ -172,12 +172,12 @@ impl<'p> Proximal<'p> {
         self.epsilon = (10.0 * self.epsilon.max(1e-6)).min(GREATEST);
     }
 
-    /// Whether nothing leads on.
+    /// Reports whether nothing leads on.
     pub(super) fn is_in_vain(&self) -> bool {
         self.in_vain >= IN_VAIN || self.points > PATIENCE
     }
 
-    /// Whether what is left is round-off.
+    /// Reports whether the residual is round-off.
     pub(super) fn is_solved(&self) -> bool {
         self.path.is_solved()
     }

@@ -51,12 +51,12 @@ impl Statuses {
         self.layout.impulses(&self.s, r);
     }
 
-    /// What is left of the law, weighed as energy: the natural map (√J).
+    /// Returns the residual of the law, weighed as energy: the natural map (√J).
     pub(crate) fn left(&self) -> f64 {
         self.layout.left(&self.s, &self.v)
     }
 
-    /// Whether what is left of the law is round-off.
+    /// Reports whether the residual of the law is round-off.
     pub(crate) fn is_solved(&self) -> bool {
         self.layout.is_round_off(self.left(), &self.s)
     }

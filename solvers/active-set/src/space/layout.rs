@@ -8,7 +8,7 @@ use nalgebra::{Vector3, Vector6};
 /// The share of the terms that make v up which is round-off (–).
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 
-/// What a contact does.
+/// Status of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Status {
     Open,
@@ -16,7 +16,7 @@ pub(super) enum Status {
     Slide(Slide),
 }
 
-/// How a contact slides.
+/// Tangents and stiffness of a sliding contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Slide {
     /// d: the unit vector of the tangential part of s − v; none without friction and motion.
@@ -110,7 +110,7 @@ impl Layout {
         }
     }
 
-    /// What is left of the law, weighed as energy: the natural map (√J).
+    /// Returns the residual of the law, weighed as energy: the natural map (√J).
     pub(super) fn left(&self, s: &[Vector3<f64>], v: &[Vector3<f64>]) -> f64 {
         let of = |((s, v), column): ((&Vector3<f64>, &Vector3<f64>), &SphereColumn)| {
             column.residual(*s, *v).norm_squared()
@@ -118,7 +118,7 @@ impl Layout {
         s.iter().zip(v).zip(&self.columns).map(of).sum::<f64>().sqrt()
     }
 
-    /// Whether so much left (√J) by the impulses s is round-off.
+    /// Reports whether the residual `left` (√J) of the impulses s is round-off.
     pub(super) fn is_round_off(&self, left: f64, s: &[Vector3<f64>]) -> bool {
         left <= ROUND_OFF * (norm(s) + self.terms_of_b)
     }

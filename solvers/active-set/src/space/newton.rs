@@ -24,7 +24,7 @@ pub(super) struct Newton {
     work: Work,
 }
 
-/// What draws impulses to others: v + ε (s − centre) takes the place of v.
+/// Proximal term that draws impulses to others: v + ε (s − centre) takes the place of v.
 #[derive(Clone, Copy)]
 pub(super) struct Drawn<'a> {
     /// ε (–).
@@ -154,7 +154,7 @@ impl Newton {
         self.layout.sweep(drawn.epsilon, drawn.centre, s, sweeps);
     }
 
-    /// What s leaves of the law, of v + ε (s − centre) in the place of v (√J).
+    /// Returns the residual of s in the law, with v + ε (s − centre) in the place of v (√J).
     pub(super) fn left(&self, drawn: Drawn, s: &[Vector3<f64>]) -> f64 {
         self.layout.left(s, &drawn.velocity(&self.layout, s))
     }
@@ -181,7 +181,7 @@ fn unturned(slide: &Slide, s: Vector3<f64>, v: Vector3<f64>) -> f64 {
     slide.across.dot(&v) + if across == 0.0 { 0.0 } else { across * slide.stiff }
 }
 
-/// What a contact's impulse must lose where its velocity is v.
+/// Returns the part that a contact's impulse must lose where its velocity is v.
 fn answer(
     status: &Status,
     column: &SphereColumn,
@@ -199,7 +199,7 @@ fn answer(
     }
 }
 
-/// How far contacts are from what their statuses want (√J).
+/// Returns the distance of contacts from the conditions of their statuses (√J).
 fn wanted(status: &[Status], s: &[Vector3<f64>], v: &[Vector3<f64>]) -> f64 {
     let of = |((status, s), v): ((&Status, &Vector3<f64>), &Vector3<f64>)| match status {
         Status::Open => 0.0,

@@ -24,7 +24,7 @@ const GROWS: f64 = 3.0;
 /// Steps of Newton for one point, at most.
 const STEPS: u32 = 25;
 
-/// What a point leaves over ε times the way to it, at most (–).
+/// Largest residual of a point over ε times the way to it (–).
 const REACHED: f64 = 0.1;
 
 /// A shorter step over the one before (–), and how many are tried.
@@ -55,7 +55,7 @@ pub(crate) struct Proximal {
     /// Steps of Newton from the centre.
     steps: u32,
     in_vain: u32,
-    /// What was left when it was last halved (√J), and the steps since.
+    /// Residual when it was last halved (√J), and the steps since.
     halved: f64,
     since: u32,
 }
@@ -123,7 +123,7 @@ impl Proximal {
         }
     }
 
-    /// Whether nothing leads on.
+    /// Reports whether nothing leads on.
     pub(super) fn is_in_vain(&self) -> bool {
         self.in_vain >= IN_VAIN || self.since > PATIENCE
     }

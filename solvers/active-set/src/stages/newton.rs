@@ -1,4 +1,4 @@
-//! What the stages with friction leave to the plane and to space: Newton's method and proximal points.
+//! Interface of the frictional stages to the plane and to space: Newton's method and proximal points.
 
 use crate::{Best, Convex};
 use cg::Frictional;
@@ -9,7 +9,7 @@ pub(crate) trait Newton<'p, const D: usize>: Sized {
     type Mechanics: Frictional<D>;
     type Points;
 
-    /// Whether conjugate gradients give way to proximal points once a try of Newton's method from them was in vain.
+    /// True where conjugate gradients give way to proximal points once a try of Newton's method from them was in vain.
     const HAS_ONE_TRY: bool;
 
     /// Lays the problem out.
@@ -44,9 +44,9 @@ pub(crate) trait Newton<'p, const D: usize>: Sized {
     }
 }
 
-/// Where a step of Newton's method ends.
+/// Result of a step of Newton's method.
 pub(crate) enum Step {
-    /// What is left is round-off.
+    /// Residual at round-off.
     Solved,
     /// It goes on from what is left (√J).
     On(f64),
@@ -54,9 +54,9 @@ pub(crate) enum Step {
     InVain,
 }
 
-/// Where a proximal point, or a step towards it, ends.
+/// Result of a proximal point, or of a step towards it.
 pub(crate) enum Approach {
-    /// What is left is round-off.
+    /// Residual at round-off.
     Solved,
     /// Newton's method ends it.
     Nearly,

@@ -10,7 +10,7 @@ use crate::discs::Smooth;
 use crate::problem::ContactProblem;
 use nalgebra::SVector;
 
-/// What the problem says of its contacts.
+/// Constants of the problem's contacts.
 pub(super) struct Columns<const D: usize> {
     adjacency: Adjacency,
     /// n (–).
@@ -67,7 +67,7 @@ impl<const D: usize> Columns<D> {
         pushed.iter_mut().zip(&self.inverse_mass).for_each(|(pushed, inverse)| *pushed *= *inverse);
     }
 
-    /// The same of one grain, or of the wall.
+    /// Returns the velocity change of one grain, or of the wall, under the impulses `r`.
     pub(super) fn gather(&self, grain: usize, r: &[f64]) -> SVector<f64, D> {
         let mut resultant = SVector::zeros();
         if grain < self.adjacency.grain_count() {

@@ -17,13 +17,13 @@ const SHARE: usize = 16;
 /// Nearer to the tolerance than this (–), some of [`SHARE`] seldom prove anything: its root, and a margin.
 pub(crate) const FAR: f64 = 5.0;
 
-/// What a sum over all may be less than that over a part, by round-off (–), with a margin.
+/// Relative margin by which round-off may make a sum over all less than that over a part (–).
 const ROUND_OFF: f64 = 1e-6;
 
 /// Below this, squares lose digits.
 const TINY: f64 = 1e-290;
 
-/// What the problem says of the size of an iterate's energy.
+/// Data of the problem that bound the size of an iterate's energy.
 pub(super) struct Size {
     /// λmax(W_D⁻¹W) is at most the trace, the number of contacts.
     contacts: f64,
@@ -31,7 +31,7 @@ pub(super) struct Size {
     delassus: f64,
     /// √(Σ b²/`W_αα`) (√J).
     b: f64,
-    /// What leads from one contact, or grain, to the next one that is looked at.
+    /// Strides from one contact, or grain, to the next one that is checked.
     strides: [usize; 2],
 }
 
@@ -47,9 +47,9 @@ impl Size {
 }
 
 impl<const D: usize> Meter<'_, D> {
-    /// Whether the iterate `r` (N·s), which comes after `before`, is proved to have a measure `on` that is above `tolerance`, or
-    /// is NaN, and an energy of at most `energy` (J) and a natural map that is finite. It is as [`Meter::measure_after`] would
-    /// say, and most often costs a fraction of it; `false` says nothing.
+    /// Reports whether the iterate `r` (N·s), which comes after `before`, is proved to have a measure `on` that is above `tolerance`, or is
+    /// NaN, and an energy of at most `energy` (J) and a natural map that is finite. It is as [`Meter::measure_after`] would say, and most
+    /// often costs a fraction of it; `false` says nothing.
     pub fn goes_on(
         &mut self,
         on: Measure,
@@ -118,7 +118,7 @@ pub(crate) fn least(tolerance: f64, scale: f64) -> f64 {
     if tolerance == 0.0 || least > TINY { (1.0 + ROUND_OFF) * least } else { f64::INFINITY }
 }
 
-/// Whether the sum of the `term`s of some of `all` is above a bound; it ends where it is.
+/// Reports whether the sum of the `term`s of some of `all` is above a bound; the summation ends where it is.
 pub(crate) fn exceeds(all: usize, stride: usize, bound: f64, term: impl Fn(usize) -> f64) -> bool {
     let mut sum = 0.0;
     some(all, stride).any(|k| {

@@ -1,4 +1,4 @@
-//! What the measures are made of, summed up over contacts in eight lanes.
+//! Sums that the measures are computed from, over contacts in eight lanes.
 //!
 //! Terms first, then their sums: a processor makes several of either at the same time, and a compiler sees that it may.
 
@@ -12,7 +12,7 @@ pub(super) const TILE: usize = 256;
 
 type Lane = [f64; LANES];
 
-/// What the measures are made of, over some contacts.
+/// Sums that the measures are computed from, over some contacts.
 #[derive(Clone, Default)]
 pub(super) struct Sums {
     /// Σ (rᵢ − rᵢ₋₁)².
@@ -27,7 +27,7 @@ pub(super) struct Sums {
     pub(super) wr_twice: f64,
     /// max |DV|.
     pub(super) greatest_dv: f64,
-    /// How many have r or r⁺ above 0.
+    /// Number of contacts with r or r⁺ above 0.
     pub(super) active: f64,
     pub(super) penetration_rate: f64,
     pub(super) worst_contact: Option<usize>,
@@ -75,7 +75,7 @@ fn greater(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }
 
-/// What the problem says of a contact: `W_αα` (1/kg), 1/`W_αα` (kg), and b (m/s), v without contact impulses.
+/// Constants of a contact: `W_αα` (1/kg), 1/`W_αα` (kg), and b (m/s), v without contact impulses.
 #[derive(Clone, Copy)]
 pub(super) struct Known<'a> {
     pub(super) delassus: &'a [f64],
@@ -90,7 +90,7 @@ pub(super) fn natural_map(r: f64, v: f64, w: f64, inverse: f64) -> f64 {
     dv * dv * inverse
 }
 
-/// The same sums, lane by lane, of the contacts of one tile after the other.
+/// Sums, lane by lane, of the contacts of one tile after the other.
 pub(super) struct Lanes {
     change: Lane,
     product: Lane,
@@ -200,7 +200,7 @@ impl Lanes {
         }
     }
 
-    /// What ζ is made of.
+    /// Adds the terms of ζ.
     #[inline(always)]
     pub(super) fn change(&mut self, before: &[f64], r: &[f64]) {
         let n = self.terms(before, r, |before, r| (r - before) * (r - before));
@@ -232,7 +232,7 @@ pub(super) fn squared(r: &[f64]) -> f64 {
     sum(lane)
 }
 
-/// What ζ is made of, alone.
+/// Returns the sums of ζ alone.
 #[inline(always)]
 pub(super) fn zeta(before: &[f64], r: &[f64]) -> Sums {
     let mut lanes = Lanes::default();

@@ -45,7 +45,7 @@ impl RoughColumn {
         Vector2::new(normal, self.slant * across - (self.arms[0] * i.z + self.arms[1] * j.z))
     }
 
-    /// What an impulse s does to one of its grains.
+    /// Returns the velocity change of one of its grains under an impulse s.
     #[inline]
     pub(super) fn push_at(&self, grain: u32, s: Vector2<f64>) -> Vector3<f64> {
         let along = self.slant * s.y;

@@ -21,7 +21,7 @@ pub trait Rubbing: Mechanics {
     /// H̃ᵗ y of the y of candidate and antagonist; the latter counts for nothing at a wall.
     fn between(column: &Self::Column, ends: [Self::Velocity; 2]) -> Self::Impulse;
 
-    /// What an impulse s does to one of its grains.
+    /// Returns the velocity change of one of its grains under an impulse s.
     fn push_at(column: &Self::Column, grain: u32, s: Self::Impulse) -> Self::Velocity;
 }
 
@@ -55,7 +55,7 @@ struct Solution<V> {
     distance: f64,
 }
 
-/// What the measures beside the natural map are made of.
+/// Sums that the measures beside the natural map are computed from.
 #[derive(Default)]
 struct Sums {
     natural_map: f64,

@@ -156,7 +156,7 @@ impl Touch<RoughSpheres> for RoughContact<3> {
 }
 
 impl ContactProblem<RoughSpheres> {
-    /// The same grains and contacts without friction.
+    /// Returns the same grains and contacts without friction.
     ///
     /// # Errors
     /// None: what is left was valid before.

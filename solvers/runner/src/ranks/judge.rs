@@ -14,13 +14,13 @@ pub(crate) struct AllRanks<'p, M: Mechanics> {
     sums: CopySums<M::Velocity>,
     scale: f64,
     greatest_rate: f64,
-    /// Of each solution, ‖V* − `V_free`‖_M (√J) and its energy (J).
+    /// Pairs, one for each solution: ‖V* − `V_free`‖_M (√J) and its energy (J).
     solutions: Vec<(f64, f64)>,
 }
 
-/// What measures a subdomain.
+/// Meter of a subdomain.
 struct Measured<M: Mechanics> {
-    /// Of the rank's contacts.
+    /// Contacts of the rank.
     contacts: Vec<u32>,
     columns: Vec<M::Column>,
     /// √`W_αα` (kg^-½).
@@ -37,7 +37,7 @@ struct Measured<M: Mechanics> {
     parts: Parts,
 }
 
-/// What measures are made of. Those before [`EXTREMES`] are added up.
+/// Parts that measures are computed from. Those before [`EXTREMES`] are added up.
 type Parts = [f64; 11];
 const NATURAL_MAP: usize = 0;
 const DV: usize = 1;
@@ -52,7 +52,7 @@ const VELOCITY_JUMP: usize = 8;
 const RATE: usize = 9;
 const WORST: usize = 10;
 
-/// Those of two neighbours in the tree.
+/// Joins the parts of two neighbours in the tree.
 fn joined(a: Parts, b: Parts) -> Parts {
     let mut parts = a;
     for k in 0..EXTREMES {

@@ -4,7 +4,7 @@ use super::Path;
 use crate::rough::layout::Status;
 use nalgebra::Vector2;
 
-/// Where a line ends: the contact, and the status that it then has.
+/// End of a line: the contact, and the status that it then has.
 #[derive(Clone, Copy)]
 pub(super) struct End {
     pub(super) at: f64,
@@ -19,7 +19,7 @@ pub(super) struct Line {
 }
 
 impl Path {
-    /// Whether a contact comes into the status that it now has, from the one before, as t grows.
+    /// Reports whether a contact comes into the status that it now has, from the one before, as t grows.
     pub(super) fn enters(&self, contact: usize, before: Status, along: &Line) -> bool {
         let (ds, dv) = (along.ds[contact], along.dv[contact]);
         let friction = self.layout.columns[contact].friction();
@@ -32,7 +32,7 @@ impl Path {
         inwards > 0.0
     }
 
-    /// Where the line from s and `v` ends, if it does, as t grows or falls with its `sign`. It does not end where it began.
+    /// Returns the end of the line from s and `v`, if it has one, as t grows or falls with its `sign`. It does not end where it began.
     pub(super) fn end(
         &self,
         crossed: Option<(usize, Status)>,
@@ -75,7 +75,7 @@ impl Path {
         first
     }
 
-    /// How many times a change of s can be added until something opens or begins to slide; infinite if nothing does.
+    /// Returns the number of times that a change of s can be added until something opens or begins to slide; infinite if nothing does.
     pub(in super::super) fn room(&self, change: &[Vector2<f64>]) -> f64 {
         let mut least = f64::INFINITY;
         for (((s, d), status), column) in

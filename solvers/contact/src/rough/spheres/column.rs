@@ -25,7 +25,7 @@ pub struct SphereColumn {
 
 const _: () = assert!(size_of::<SphereColumn>() == 128);
 
-/// What the equations of a contact are made of; or of four, where `N` is [`Four`].
+/// Coefficients of the equations of a contact; or of four, where `N` is [`Four`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Columns<N = f64> {
     /// n (–).
