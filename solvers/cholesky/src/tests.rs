@@ -30,7 +30,7 @@ fn coupling<const D: usize>(k: usize, seed: f64) -> Option<Coupling<D>> {
     (k % 5 != 4).then(|| Coupling::dyad(10.0 + sin, first, second))
 }
 
-/// Of the first two unknowns of a grain; the third has half of it.
+/// Entry for the first two unknowns of a grain; the third has half of it.
 fn mass(grain: usize) -> f64 {
     1.0 + 0.01 * grain as f64
 }
@@ -39,7 +39,7 @@ fn masses<const D: usize>(grain: usize) -> SVector<f64, D> {
     SVector::from_fn(|c, _| [1.0, 1.0, 0.5][c] * mass(grain))
 }
 
-/// The same matrix, dense, by grains.
+/// Returns the matrix, dense, by grains.
 fn dense<const D: usize>(grains: usize, ends: &[(u32, Option<u32>)], seed: f64) -> DMatrix<f64> {
     let mut dense = DMatrix::from_diagonal(&DVector::from_fn(D * grains, |k, _| masses::<D>(k / D)[k % D]));
     for (k, (i, j)) in ends.iter().enumerate() {
@@ -180,7 +180,7 @@ fn factor_in_the_memory_of_another_is_that_of_a_new_one() {
     }
 }
 
-/// Whether subtrees and products go to threads or not.
+/// Work per thread with which subtrees and products go to threads, and with which they do not.
 #[test]
 fn factor_has_the_same_bits_with_any_number_of_threads() {
     let (position, ends) = grid(90, 80);

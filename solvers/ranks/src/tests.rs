@@ -1,4 +1,4 @@
-//! What ranks do together is what one machine does, bit by bit, whatever their number.
+//! Results of any number of ranks are bitwise identical to those of one machine.
 #![allow(clippy::unwrap_used)]
 
 use crate::{simulated, whole};
@@ -44,7 +44,7 @@ fn on_ranks<M: Mechanics + analysis::Bounded>(
     on_ranks_beside(problem, solver, cut, Beside { start: &r0, solutions: &[] }, stop).unwrap()
 }
 
-/// The same from a start, and beside solutions, all of the whole problem.
+/// Runs ranks from a start and beside solutions, all of the whole problem.
 fn on_ranks_beside<M: Mechanics + analysis::Bounded>(
     problem: &Packing<M>,
     solver: &dyn Distributed<M>,

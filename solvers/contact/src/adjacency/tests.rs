@@ -1,4 +1,4 @@
-//! What is around a grain.
+//! Neighbours of a grain.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! What solves the law, and what is no number.
+//! Solutions of the law, and values that are not numbers.
 
 use super::*;
 

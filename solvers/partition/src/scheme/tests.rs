@@ -1,4 +1,4 @@
-//! What a partition weighs and cuts.
+//! Weights and cuts of partitions.
 
 use super::*;
 use nalgebra::Vector2;

@@ -1,4 +1,4 @@
-//! What ranks have beside a problem, in parts: impulses to begin from, and solutions.
+//! Data of ranks beside a problem, in parts: impulses to begin from, and solutions.
 
 use super::{GRID, SIZES, bits, close, discs, on_ranks_beside, rough};
 use crate::{simulated, whole};
@@ -133,7 +133,7 @@ fn errors_are_those_of_one_machine_but_for_round_off() {
     }
 }
 
-/// Of two solutions with different velocities, each is the nearest of runs that begin there.
+/// Checks that of two solutions with different velocities each is the nearest of runs that begin there.
 #[test]
 fn with_friction_the_error_is_that_of_the_nearest_solution() {
     let problem = rough("rough-991-mu08");

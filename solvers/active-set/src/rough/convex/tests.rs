@@ -1,4 +1,4 @@
-//! What the convex neighbour of Coulomb's law is known to do.
+//! Known properties of the convex neighbour of Coulomb's law.
 
 use super::Convex;
 use contact::{Packing, RoughContact, RoughMass, Truth};

@@ -1,4 +1,4 @@
-//! What theory says of paths, and that the matrix follows its changes.
+//! Properties of paths by their theory, and changes of the matrix.
 
 use super::super::layout::{Layout, Status, admissible};
 use super::super::matrix::Matrix;
