@@ -180,7 +180,7 @@ fn factor_in_the_memory_of_another_is_that_of_a_new_one() {
     }
 }
 
-/// Work per thread with which subtrees and products go to threads, and with which they do not.
+/// Checks factors whose subtrees and products go to threads, and others.
 #[test]
 fn factor_has_the_same_bits_with_any_number_of_threads() {
     let (position, ends) = grid(90, 80);
