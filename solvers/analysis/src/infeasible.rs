@@ -145,7 +145,7 @@ impl<M: Mechanics> Local<M> {
 
     /// The contacts that act, as [`NUMBERS`] each.
     fn acting(&self) -> Vec<f64> {
-        let contacts = self.contacts.iter().zip(&self.d).filter(|(_, d)| **d > LEFT);
+        let contacts = self.contacts.iter().zip(&self.d).filter(|(_, d)| **d > 0.0);
         let numbers = |(contact, d): (&M::Contact, &f64)| {
             let Thrust { ends: (i, j), normal: [x, y, z], offset, impulse } = Thrust::new::<M>(contact, *d);
             let grain = |local: u32| f64::from(self.grains[local as usize]);
