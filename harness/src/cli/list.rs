@@ -47,10 +47,12 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     if args.markdown {
         return say_table(&headings, &rows);
     }
-    for row in rows {
+    let names = || rows.iter().map(|row| row[0].trim_matches('`'));
+    let width = names().map(|name| name.chars().count() + 1).fold(24, usize::max);
+    for (name, row) in names().zip(&rows) {
         // The files of a chart matter to who looks for one.
         let words = if matches!(args.what, What::Charts) { &row[2..] } else { &row[1..] };
-        say(format_args!("{:<24}{}", row[0].trim_matches('`'), words.join("; ")))?;
+        say(format_args!("{name:<width$}{}", words.join("; ")))?;
     }
     Ok(())
 }

@@ -5,9 +5,10 @@ use results::store::behind_links;
 use seal::{opened, sealed};
 use serde_json::Value;
 use std::fmt::Arguments;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// Prints a line. Whoever reads may have left, as `head` does: the work goes on without.
 pub(crate) fn say(line: Arguments) -> Result<()> {
@@ -110,8 +111,13 @@ const UNFINISHED: &str = ".unfinished-";
 fn remove_abandoned(folder: &Path) -> io::Result<()> {
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
-        let is_abandoned = |path: &Path| File::open(path).is_ok_and(|file| file.try_lock().is_ok());
-        if entry.file_name().to_string_lossy().starts_with(UNFINISHED) && is_abandoned(&entry.path()) {
+        if !entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
+            continue;
+        }
+        // It stays locked until it is gone, so that whoever has just made it sees that.
+        if let Ok(file) = File::open(entry.path())
+            && file.try_lock().is_ok()
+        {
             // Another program may have been faster.
             let _ = std::fs::remove_file(entry.path());
         }
@@ -144,14 +150,28 @@ pub(crate) fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<()> 
         // A temporary file is closed to other users unless it asks for what files usually get.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut file = builder.tempfile_in(folder(&target))?;
-        // Where files cannot be locked, none is taken for abandoned either.
-        let _ = file.as_file().try_lock();
+        let mut file = locked(&builder, folder(&target))?;
         file.write_all(content)?;
         file.persist(target)?;
         Ok(())
     };
     write().with_context(|| format!("writing {}", path.display()))
+}
+
+/// Attempts at a file that nobody takes for abandoned before it is locked.
+const ATTEMPTS: usize = 100;
+
+/// Makes a locked file in `folder`. A program that removes abandoned files may lock a new one first: then another is made.
+fn locked(builder: &tempfile::Builder, folder: &Path) -> io::Result<NamedTempFile> {
+    for _ in 0..ATTEMPTS {
+        let file = builder.tempfile_in(folder)?;
+        // Where files cannot be locked, none is taken for abandoned either.
+        let is_taken = matches!(file.as_file().try_lock(), Err(TryLockError::WouldBlock));
+        if !is_taken && file.path().exists() {
+            return Ok(file);
+        }
+    }
+    Err(io::Error::other("another program removes each new file"))
 }
 
 /// Reports whether it is standard output, which may be a file that whoever called has open.

@@ -1,6 +1,7 @@
 //! "Did you mean …?", and errors without types.
 
 use crate::terminal::suggest::{among, in_error, of, without_types};
+use crate::terminal::write_kept;
 use serde::Deserialize;
 
 #[test]
@@ -90,4 +91,17 @@ fn errors_of_serde_tell_what_was_given_and_what_is_known() {
     }
     let json = serde_json::from_str::<One>("{\"preconditionr\": \"iqs\"}").unwrap_err().to_string();
     meant(&json, "; did you mean `preconditioner`? Expected `preconditioner`");
+}
+
+#[test]
+fn files_are_written_while_others_remove_abandoned_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    std::thread::scope(|scope| {
+        for thread in 0..4 {
+            let path = folder.path().join(format!("{thread}.json"));
+            scope.spawn(move || (0..200).for_each(|_| write_kept(&path, "{}").unwrap()));
+        }
+    });
+    let left = std::fs::read_dir(folder.path()).unwrap().count();
+    assert_eq!(left, 4);
 }

@@ -16,6 +16,9 @@ use crate::read::{
 };
 use crate::text::{Part, frame, nothing, too_many};
 
+/// A sentence of a key, with the series that it is said of.
+pub(crate) type Note = (&'static str, fn(&[Series]) -> bool);
+
 /// A declared chart.
 pub(crate) struct Lines {
     /// Name of its table, and begin of those of its figures.
@@ -29,7 +32,7 @@ pub(crate) struct Lines {
     /// The runs that it is of.
     pub(crate) of: fn(&RunRow) -> bool,
     /// Sentences of the key, each with the series that it is said of.
-    pub(crate) notes: &'static [(&'static str, fn(&[Series]) -> bool)],
+    pub(crate) notes: &'static [Note],
     /// Columns of the table with a row per run; of a fit there is a row per series.
     pub(crate) columns: &'static str,
     /// Below the table.
@@ -134,7 +137,9 @@ impl Lines {
             for problem in problems(runs.iter().copied()) {
                 let name = format!("{}-{}", self.name, file_name(problem));
                 let mut drawn = drawn.clone();
-                drawn.iter_mut().for_each(|series| series.runs.retain(|run| run.problem == problem));
+                for series in &mut drawn {
+                    series.runs.retain(|run| run.problem == problem);
+                }
                 drawn.retain(|series| !series.runs.is_empty());
                 let shown: Vec<&RunRow> =
                     drawn.iter().flat_map(|series| series.runs.iter().copied()).collect();
@@ -270,7 +275,7 @@ impl Lines {
             let mut label = series.label();
             if fitted {
                 let texts: Vec<String> = exponents[i].iter().map(|e| rounded(*e)).collect();
-                label += &format!(" ({})", texts.join(", "));
+                label = format!("{label} ({})", texts.join(", "));
             }
             let of_series: Vec<&Points> = clouds.iter().map(|clouds| &clouds[i]).collect();
             let level = clouds.iter().any(|clouds| self.level(series, &clouds[i], clouds).is_some());

@@ -31,7 +31,7 @@ const ACTING: u64 = 100_000;
 ///
 /// For d ≥ 0 and any admissible V, that is Hᵗ V + c ≥ 0, dᵗ (Hᵗ V + c) ≥ 0. If H d = 0 and bᵗ d < 0, there is no such V: the
 /// impulses d balance at every grain, and on the whole they act against approach, whatever V. The proof is that of impulses near
-/// the ray for which this [holds in exact arithmetic](proves_exactly): a lever as fine as round-off is one. It is tried where, in
+/// the ray for which this holds in exact arithmetic: a lever as fine as round-off is one. It is tried where, in
 /// double precision, H d is that of impulses that balance, to 1e-12 of their sizes, and −bᵗ d is above 1e-12 of its terms, of the
 /// sizes of `V_i`, `V_j` and c.
 pub fn proves_infeasible<M: Mechanics>(problem: &ContactProblem<M>, ray: &[f64]) -> bool {
