@@ -111,47 +111,32 @@ impl Momentum {
     }
 }
 
-/// State that an accelerated iteration keeps of the one before.
-pub struct Trail<M: Mechanics> {
-    /// x: s after the sweep before (√J).
-    s: Vec<M::Impulse>,
-    /// y: s where this sweep began.
-    ahead: Vec<M::Impulse>,
-    /// Mass-scaled velocities of x (√J).
-    velocity: Vec<M::Velocity>,
-    /// Mass-scaled velocities without impulses (√J).
-    free: Vec<M::Velocity>,
+/// Impulses of an accelerated iteration, of a contact each: x and y of the formula, and its two sums.
+pub struct Lead<V> {
+    /// x: the impulses after the sweep before.
+    before: Vec<V>,
+    /// y: the impulses where this sweep began.
+    ahead: Vec<V>,
     /// β.
     factor: f64,
     /// |g|² and ⟨g, d⟩ (J).
     sums: [f64; 2],
 }
 
-impl<M: Mechanics> Trail<M> {
-    /// The trail of a sweep that begins at impulses `s` and velocities `y`, which are `free` without impulses (√J).
-    pub(crate) fn new(s: &[M::Impulse], y: &[M::Velocity], free: Vec<M::Velocity>) -> Self {
-        let (s, velocity) = (s.to_vec(), y.to_vec());
-        Self { ahead: s.clone(), s, velocity, free, factor: 0.0, sums: [0.0; 2] }
+impl<V: Vector> Lead<V> {
+    /// The lead of a sweep that begins at impulses `s`.
+    pub fn new(s: &[V]) -> Self {
+        Self { before: s.to_vec(), ahead: s.to_vec(), factor: 0.0, sums: [0.0; 2] }
     }
 
-    /// Returns the mass-scaled velocities without impulses (√J).
-    pub fn free(&self) -> &[M::Velocity] {
-        &self.free
-    }
-
-    /// Extrapolates the velocities `y`; the impulses follow as they are visited.
-    pub(crate) fn extrapolate(&mut self, y: &mut [M::Velocity], factor: f64) {
+    /// Begins an iteration with `factor` β.
+    pub fn begin(&mut self, factor: f64) {
         (self.factor, self.sums) = (factor, [0.0; 2]);
-        for (y, before) in y.iter_mut().zip(&mut self.velocity) {
-            let z = *y;
-            *y = z + (z - *before) * factor;
-            *before = z;
-        }
     }
 
-    /// Extrapolates impulses of some rows: y = z + β (z − x), x = z.
-    pub(crate) fn lead(&mut self, s: &mut [M::Impulse], here: Range<usize>) {
-        let (x, ahead) = (&mut self.s[here.clone()], &mut self.ahead[here.clone()]);
+    /// Extrapolates the impulses of some rows: y = z + β (z − x), x = z.
+    pub fn extrapolate(&mut self, s: &mut [V], here: Range<usize>) {
+        let (x, ahead) = (&mut self.before[here.clone()], &mut self.ahead[here.clone()]);
         for ((s, x), ahead) in s[here].iter_mut().zip(x).zip(ahead) {
             *ahead = *s + (*s - *x) * self.factor;
             *x = *s;
@@ -159,16 +144,19 @@ impl<M: Mechanics> Trail<M> {
         }
     }
 
-    /// Adds |g|² and ⟨g, d⟩ of some rows, g = y − z and d = z − x, in sums that do not wait for each other.
-    pub(crate) fn judge(&mut self, s: &[M::Impulse], here: Range<usize>) {
+    /// Adds |g|² and ⟨g, d⟩ of some rows, g = y − z and d = z − x, in sums that do not wait for each other; `weighed` multiplies the g of a
+    /// row by the D of the norm.
+    pub fn judge(&mut self, s: &[V], here: Range<usize>, weighed: impl Fn(usize, V) -> V) {
         let [mut squared, mut along] = [[0.0; LANES]; 2];
-        let (s, x, ahead) = (&s[here.clone()], &self.s[here.clone()], &self.ahead[here]);
+        let (first, s) = (here.start, &s[here.clone()]);
+        let (x, ahead) = (&self.before[here.clone()], &self.ahead[here]);
         let chunks = s.chunks(LANES).zip(x.chunks(LANES)).zip(ahead.chunks(LANES));
-        for ((s, x), ahead) in chunks {
+        for (chunk, ((s, x), ahead)) in chunks.enumerate() {
             for (lane, ((s, x), ahead)) in s.iter().zip(x).zip(ahead).enumerate() {
                 let g = *ahead - *s;
-                squared[lane] += g.dot_product(g);
-                along[lane] += g.dot_product(*s - *x);
+                let of_g = weighed(first + LANES * chunk + lane, g);
+                squared[lane] += g.dot_product(of_g);
+                along[lane] += of_g.dot_product(*s - *x);
             }
         }
         self.sums[0] += squared.iter().sum::<f64>();
@@ -178,5 +166,42 @@ impl<M: Mechanics> Trail<M> {
     /// Returns |g|² and ⟨g, d⟩ of the iteration (J).
     pub fn sums(&self) -> [f64; 2] {
         self.sums
+    }
+}
+
+/// State that an accelerated iteration keeps of the one before.
+pub struct Trail<M: Mechanics> {
+    /// Mass-scaled impulses s (√J).
+    pub(crate) impulses: Lead<M::Impulse>,
+    /// Mass-scaled velocities of x (√J).
+    velocity: Vec<M::Velocity>,
+    /// Mass-scaled velocities without impulses (√J).
+    free: Vec<M::Velocity>,
+}
+
+impl<M: Mechanics> Trail<M> {
+    /// The trail of a sweep that begins at impulses `s` and velocities `y`, which are `free` without impulses (√J).
+    pub(crate) fn new(s: &[M::Impulse], y: &[M::Velocity], free: Vec<M::Velocity>) -> Self {
+        Self { impulses: Lead::new(s), velocity: y.to_vec(), free }
+    }
+
+    /// Returns the mass-scaled velocities without impulses (√J).
+    pub fn free(&self) -> &[M::Velocity] {
+        &self.free
+    }
+
+    /// Extrapolates the velocities `y`; the impulses follow as they are visited.
+    pub(crate) fn extrapolate(&mut self, y: &mut [M::Velocity], factor: f64) {
+        self.impulses.begin(factor);
+        for (y, before) in y.iter_mut().zip(&mut self.velocity) {
+            let z = *y;
+            *y = z + (z - *before) * factor;
+            *before = z;
+        }
+    }
+
+    /// Returns |g|² and ⟨g, d⟩ of the iteration (J).
+    pub fn sums(&self) -> [f64; 2] {
+        self.impulses.sums()
     }
 }

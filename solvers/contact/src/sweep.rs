@@ -176,13 +176,13 @@ impl<M: Mechanics> Sweep<M> {
                 if let Some(trail) = &mut trail
                     && pass == 0
                 {
-                    trail.lead(&mut self.s, here.clone());
+                    trail.impulses.extrapolate(&mut self.s, here.clone());
                 }
                 self.pass(relaxation, backward, here.clone());
                 if let Some(trail) = &mut trail
                     && pass + 1 == count
                 {
-                    trail.judge(&self.s, here);
+                    trail.impulses.judge(&self.s, here, |_, g| g);
                 }
             }
         }

@@ -9,7 +9,7 @@
 //! With acceleration the iterations are extrapolated as those between grains ([`contact::acceleration`]), in the norm of the blocks `W_αα`.
 
 use crate::{LocalProblem, graph};
-use contact::acceleration::Momentum;
+use contact::acceleration::{Lead, Momentum};
 use contact::{Iteration, SetupError, Vector, Work, threads};
 use nalgebra::{SMatrix, SVector};
 
@@ -29,20 +29,11 @@ pub(crate) struct Sweeps<'p, const D: usize> {
     /// Term added to the diagonal of `W_αα` (1/kg).
     added: Vec<SVector<f64, D>>,
     /// r after the last sweep (N·s).
-    r: Vec<f64>,
-    accelerated: Option<Trail>,
+    r: Vec<SVector<f64, D>>,
+    accelerated: Option<(Momentum, Lead<SVector<f64, D>>)>,
     iterations: u64,
     /// Impulses that a subdomain needs of others, component by component.
     interface: u64,
-}
-
-/// State that an accelerated iteration keeps of the one before.
-struct Trail {
-    momentum: Momentum,
-    /// x: r after the sweep before (N·s).
-    r: Vec<f64>,
-    /// y: r where this sweep began (N·s).
-    ahead: Vec<f64>,
 }
 
 struct Subdomain<const D: usize> {
@@ -86,14 +77,16 @@ impl<'p, const D: usize> Sweeps<'p, D> {
             needed_by.dedup();
             interface += (D * needed_by.len()) as u64;
         }
-        let r = vec![0.0; problem.q().len()];
-        let accelerated = momentum.map(|momentum| Trail { momentum, r: r.clone(), ahead: r.clone() });
+        let r = vec![SVector::zeros(); of.len()];
+        let accelerated = momentum.map(|momentum| (momentum, Lead::new(&r)));
         Ok(Self { problem, exact, subdomains: all, place, added, r, accelerated, iterations: 0, interface })
     }
 
     /// Takes the impulses `r` (N·s).
     pub(crate) fn begin(&mut self, r: &[f64]) {
-        self.r.copy_from_slice(r);
+        for (contact, own) in self.r.iter_mut().enumerate() {
+            *own = SVector::at(r, contact);
+        }
         self.hand_out();
     }
 
@@ -101,41 +94,20 @@ impl<'p, const D: usize> Sweeps<'p, D> {
     fn hand_out(&mut self) {
         for subdomain in &mut self.subdomains {
             for (contact, own) in subdomain.contacts.iter().zip(&mut subdomain.r) {
-                *own = SVector::at(&self.r, *contact as usize);
+                *own = self.r[*contact as usize];
             }
         }
-    }
-
-    /// Extrapolates the impulses: y = z + β (z − x), x = z.
-    fn extrapolate(&mut self) {
-        let Some(Trail { momentum, r: x, ahead }) = &mut self.accelerated else { return };
-        let factor = momentum.factor();
-        for ((z, x), y) in self.r.iter_mut().zip(x).zip(ahead) {
-            *y = *z + (*z - *x) * factor;
-            *x = *z;
-            *z = *y;
-        }
-        self.hand_out();
-    }
-
-    /// Takes |g|² and ⟨g, d⟩ of the sweep, g = y − z and d = z − x, in the norm of the blocks `W_αα`.
-    fn turn(&mut self) {
-        let Some(Trail { momentum, r: x, ahead }) = &mut self.accelerated else { return };
-        let mut sums = [0.0; 2];
-        for contact in 0..self.place.len() {
-            let [z, x, y] = [&self.r, x, ahead].map(|list| SVector::<f64, D>::at(list, contact));
-            let g = y - z;
-            let weighed = self.problem.own::<D>(contact) * g;
-            sums[0] += g.dot(&weighed);
-            sums[1] += weighed.dot(&(z - x));
-        }
-        momentum.turn(sums);
     }
 }
 
 impl<const D: usize> Iteration for Sweeps<'_, D> {
     fn advance(&mut self) {
-        self.extrapolate();
+        let contacts = self.r.len();
+        if let Some((momentum, lead)) = &mut self.accelerated {
+            lead.begin(momentum.factor());
+            lead.extrapolate(&mut self.r, 0..contacts);
+            self.hand_out();
+        }
         let Self { problem, exact, subdomains, place, added, r, .. } = self;
         threads::each(subdomains, place.len() * NANOSECONDS, &|own, subdomain| {
             for k in 0..subdomain.contacts.len() {
@@ -149,7 +121,7 @@ impl<const D: usize> Iteration for Sweeps<'_, D> {
                     if other != contact {
                         let (of, there) = place[other];
                         let is_own = of as usize == own;
-                        v += w * if is_own { subdomain.r[there as usize] } else { SVector::at(r, other) };
+                        v += w * if is_own { subdomain.r[there as usize] } else { r[other] };
                     }
                 }
                 subdomain.r[k] = exact(&w, &v, problem.friction()[contact]);
@@ -157,15 +129,20 @@ impl<const D: usize> Iteration for Sweeps<'_, D> {
         });
         for subdomain in &self.subdomains {
             for (contact, own) in subdomain.contacts.iter().zip(&subdomain.r) {
-                own.put(&mut self.r, *contact as usize);
+                self.r[*contact as usize] = *own;
             }
         }
-        self.turn();
+        if let Some((momentum, lead)) = &mut self.accelerated {
+            lead.judge(&self.r, 0..contacts, |contact, g| self.problem.own::<D>(contact) * g);
+            momentum.turn(lead.sums());
+        }
         self.iterations += 1;
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        r.copy_from_slice(&self.r);
+        for (contact, own) in self.r.iter().enumerate() {
+            own.put(r, contact);
+        }
     }
 
     fn work(&self) -> Work {
