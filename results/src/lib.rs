@@ -13,4 +13,4 @@ pub mod study;
 #[cfg(test)]
 mod tests;
 
-pub use reached::reached;
+pub use reached::{STAYED, reached};

@@ -1,7 +1,7 @@
 //! When a run has reached an accuracy: not when it first touches it, but when it stays there.
 
 /// A measure may rise to this many accuracies and has stayed all the same (–): one decade, the least that a chart tells apart.
-const STAYED: f64 = 10.0;
+pub const STAYED: f64 = 10.0;
 
 /// Returns the index of the first of `values`, a measure along a curve, that is at most `accuracy` and is followed by none above ten
 /// times that; `None` if there is none. A value that is not a number is above.

@@ -42,7 +42,7 @@ pub(crate) struct SceneArgs {
     #[command(flatten)]
     case: CaseArgs,
     /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]; those before
-    /// it are solved by preconditioned cg, or with friction between spheres by nsgs, whatever the method
+    /// it are solved by preconditioned cg, or with friction by accelerated nsgs, whatever the method
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     time_step: Option<String>,
 }

@@ -2,8 +2,8 @@
 
 use crate::plan::Curves;
 use contact::Measure;
-use results::reached;
 use results::schema::Sample;
+use results::{STAYED, reached};
 use runner::Progress;
 
 /// Tolerances that are read off a curve exactly.
@@ -48,7 +48,7 @@ impl Recorder {
         {
             let value = measures.get(measure);
             let before = *reached;
-            while *reached > 0 && (value.is_nan() || value > 10.0 * DECADES[*reached - 1]) {
+            while *reached > 0 && (value.is_nan() || value > STAYED * DECADES[*reached - 1]) {
                 *reached -= 1;
             }
             while DECADES.get(*reached).is_some_and(|decade| value <= *decade) {

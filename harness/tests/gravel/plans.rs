@@ -54,6 +54,40 @@ fn every_combination_of_the_axes_of_a_case_is_a_problem_with_its_settings() {
     assert_eq!(settings, expected);
 }
 
+/// A plan on the fourth time step of a column, all before it solved as `march` says.
+fn study_of_a_march(march: &str) -> Study {
+    let study = Study::new();
+    let case = format!("[[cases]]\ncase = \"column\"\ntime_step = 4\n{march}\n");
+    write(study.folder(), "harness/plans/marched.toml", &plan("marched", &[], &format!("{case}\n{CG}")));
+    study
+}
+
+#[test]
+fn case_names_its_marcher_and_rows_count_the_time_steps_that_missed() {
+    let settings = |march: &str| {
+        let study = study_of_a_march(march);
+        let row = rows(study.bench("marched").join("runs.csv")).remove(0);
+        // The problem is made again from the row, by the same marcher.
+        fs::remove_dir_all(study.folder().path().join("results/problems")).unwrap();
+        study.gravel(&["view", &row["id"]]).succeeded();
+        serde_json::from_str::<serde_json::Value>(&row["problem_settings"]).unwrap()
+    };
+    let own = settings("");
+    assert_eq!((&own["missed_before"], &own["march"]), (&0.into(), &serde_json::Value::Null));
+    let short = "march = { method = \"nsgs\", set = { relaxation = 0.5 }, stop = { max_iterations = 1 } }";
+    let missed = settings(short);
+    assert_eq!(missed["missed_before"], 3);
+    assert_eq!(missed["march"]["method"], "nsgs");
+    assert_eq!(missed["march"]["set"]["relaxation"], 0.5);
+    for (march, words) in [
+        ("march = { method = \"nsgss\" }", ["`march`", "nsgss", "nsgs"]),
+        ("march = { method = \"nsgs\", set = { omega = 1 } }", ["`march`", "omega", "column"]),
+        ("march = { method = \"nsgs\", stop = { tolerance = -1 } }", ["`march.stop`", "tolerance", "-1"]),
+    ] {
+        study_of_a_march(march).gravel(&["bench", "marched"]).refused(&words);
+    }
+}
+
 #[test]
 fn computed_problem_is_kept_and_one_that_does_not_read_is_computed_again() {
     let study = study_of_columns();

@@ -197,6 +197,8 @@ fn plans_through_time_that_make_no_sense_are_refused() {
     refused("duration_s = 0.04", "duration_s = 0.045", &["duration_s", "0.045", "whole number"]);
     refused("duration_s = 0.04\n", "", &["column", "`duration_s`"]);
     refused("tolerance = [1e-1, 1e-6]", "tolerance = [-1.0]", &["simulate", "tolerance", "-1"]);
+    let march = "case = \"column\"\nmarch = { method = \"cg\" }";
+    refused("case = \"column\"", march, &["column", "`march`"]);
     refused("axes = { tolerance", "axes = { tolerence", &["simulate", "tolerence"]);
     refused("why =", "problems = [\"pair\"]\nwhy =", &["`problems`", "`cases` only"]);
     refused("why =", "charts = [\"size\"]\nwhy =", &["`charts`", "size", "simulations"]);
