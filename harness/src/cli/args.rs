@@ -51,8 +51,7 @@ pub(crate) struct SceneArgs {
 #[derive(clap::Args)]
 pub(crate) struct SolverArgs {
     /// A method; `gravel list methods` shows them with their settings [default: cg; with friction
-    /// nsgs with acceleration=nesterov in simulate, which misses fewer time steps, and nsgs in freeze
-    /// between spheres]
+    /// nsgs with acceleration=nesterov in simulate and freeze]
     #[arg(long, value_name = "M")]
     method: Option<String>,
     /// A setting of the method, such as relaxation=0.8 or subdomains=4x2; may be repeated
@@ -217,7 +216,7 @@ impl SolverArgs {
         self.or((Method::parse("cg", &[])?, Stop::default()))
     }
 
-    /// The method, or else that which misses the fewest time steps of the case.
+    /// Returns the method, or else accelerated sweeps with friction and cg without.
     pub(crate) fn through(&self, case: &Case) -> Result<(Method, Stop)> {
         let is_frictional = case.scene.is_rough();
         let method = if is_frictional { Method::accelerated_sweeps() } else { Method::parse("cg", &[]) };

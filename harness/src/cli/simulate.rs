@@ -216,8 +216,7 @@ fn last_state<M: Studied>(last: &Frozen<M>, args: &Args) -> Result<PathBuf> {
 fn advice(case: &Case, method: &Method) -> &'static str {
     match method.name {
         _ if !case.scene.is_rough() => "",
-        "cg" => "; with friction `--method nsgs --set acceleration=nesterov` misses fewer",
-        "nsgs" => "; `--method active-set` may reach them, or a looser `--tolerance`",
+        "cg" | "nsgs" => "; `--method active-set` may reach them, or a looser `--tolerance`",
         _ => "",
     }
 }
