@@ -4,9 +4,10 @@
 
 mod common;
 
+use analysis::Meter;
 use cases::{Frozen, detect};
 use cg::Cg;
-use contact::{Iteration, Meter, Solver};
+use contact::{Iteration, Solver};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;

@@ -5,9 +5,10 @@
 
 mod common;
 
+use analysis::Meter;
 use cases::Frozen;
 use cg::Cg;
-use contact::{Discs, Measuring, Mechanics, RoughDiscs, Solver};
+use contact::{Discs, Mechanics, RoughDiscs, Solver};
 use latin_dd::LatinDd;
 use nsgs_dd::NsgsDd;
 use partition::{Grid, Scheme};
@@ -76,7 +77,7 @@ fn round<M: Mechanics>(pool: &ThreadPool, frozen: &Frozen<M>, solver: &dyn Solve
         let problem = &frozen.problem;
         let mut r = frozen.start(false);
         let mut iteration = solver.start(problem, &r).unwrap_or_else(|error| panic!("{error}"));
-        let mut meter = M::Meter::new(problem);
+        let mut meter = Meter::new(problem);
         (0..5).for_each(|_| iteration.advance());
         let times = (0..ITERATIONS).map(|_| {
             let clock = Instant::now();

@@ -2,7 +2,8 @@
 
 use crate::problems::{PACKINGS, first_problem, frozen, impulses, start};
 use active_set::{ActiveSet, Start};
-use contact::{Iteration, Meter, Packing, Solver};
+use analysis::Meter;
+use contact::{Iteration, Packing, Solver};
 use reference::{InteriorPoint, certify};
 
 const STARTS: [Start; 3] = [Start::Cg, Start::ColdSet, Start::InteriorPoint];

@@ -2,10 +2,11 @@
 
 use crate::problems::frozen;
 use active_set::ActiveSet;
+use analysis::Meter;
 use analysis::greatest_eigenvalue;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::{Measure, Meter, Packing, Solver};
+use contact::{Measure, Packing, Solver};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use mprgp::{Expansion, Mprgp};

@@ -2,11 +2,11 @@
 
 use crate::problems::{first_problem_of, frozen, frozen_path};
 use active_set::ActiveSet;
+use analysis::Meter;
 use cases::Frozen;
 use cg::{Cg, Preconditioner};
 use contact::{
-    Contact, Discs, Iteration, Measure, Measuring, Packing, RoughContact, RoughDiscs, RoughMass, RoughMeter,
-    Solver, Truth,
+    Contact, Discs, Iteration, Measure, Packing, RoughContact, RoughDiscs, RoughMass, Solver, Truth,
 };
 use jacobi::Jacobi;
 use nalgebra::{Vector2, Vector3};
@@ -90,7 +90,7 @@ fn another_codes_solutions_are_certified_and_far_from_each_other() {
     let first = given(&solution);
     let certificate = certify(&frozen.problem, &first);
     assert!(certificate.certified(), "{certificate}");
-    let measured = RoughMeter::new(&frozen.problem).measure_after(&[], &first, 0.0).natural_map;
+    let measured = Meter::new(&frozen.problem).measure_after(&[], &first, 0.0).natural_map;
     let said = solution["residual"].as_f64().unwrap();
     assert!(measured < 2.0 * said && certificate.natural_map.relative < 2.0 * said, "{measured:e}, {said:e}");
     for other in solution["other_solutions"].as_array().unwrap() {

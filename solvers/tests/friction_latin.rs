@@ -3,7 +3,8 @@
 use crate::friction::{given, rough, with_friction};
 use crate::problems::frozen_path;
 use active_set::{ActiveSet, Start};
-use contact::{Measure, Measuring, Packing, RoughContact, RoughDiscs, RoughMass, RoughMeter, Solver};
+use analysis::Meter;
+use contact::{Measure, Packing, RoughContact, RoughDiscs, RoughMass, Solver};
 use latin_dd::LatinDd;
 use nalgebra::{Vector2, Vector3};
 use partition::{Decomposition, Grid, Partition, Scheme};
@@ -73,7 +74,7 @@ fn latin_stays_at_the_solution_of_another_code() {
     let mut velocity = vec![Vector3::zeros(); problem.grain_count()];
     problem.velocity(&solution, &mut velocity);
     let size = problem.velocity_distance(problem.free_velocity(), &velocity);
-    let mut meter = RoughMeter::new(&problem);
+    let mut meter = Meter::new(&problem);
     for (subdomains, kappa_l) in [(Grid::ONE, 3.0), (Grid::ONE, 30.0), (Grid::of(4, 2), 30.0)] {
         let settings = LatinDd { subdomains, kappa_t: 2.0, ..latin(kappa_l) };
         let mut run = Solver::<RoughDiscs>::start(&settings, &problem, &solution).unwrap();

@@ -4,9 +4,10 @@
 
 use crate::problems::{first_problem, impulses, start};
 use active_set::ActiveSet;
+use analysis::Meter;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::{Contact, Measure, Meter, Packing, Solver};
+use contact::{Contact, Measure, Packing, Solver};
 use mprgp::{Expansion, Mprgp};
 use nalgebra::Vector2;
 use nncg::Nncg;

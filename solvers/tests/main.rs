@@ -23,6 +23,7 @@ mod measured;
 mod newton_schur;
 mod newton_spheres;
 mod predictions;
+mod problem_and_measures;
 mod problems;
 mod product;
 mod proportioning;

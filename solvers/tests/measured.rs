@@ -2,9 +2,10 @@
 
 use crate::fuzz::{methods, worst_problem};
 use crate::problems::{any_problem, first_problem, frozen, impulses, start};
+use analysis::Meter;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::{Measure, Measures, Meter, Packing, Solver, Truth, greatest};
+use contact::{Measure, Measures, Packing, Solver, Truth, greatest};
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
 use nncg::Nncg;

@@ -5,10 +5,9 @@ use crate::problems::frozen_path;
 use crate::rough_spheres::{embedded, roughened};
 use crate::spheres::sphere_problem_of;
 use active_set::{ActiveSet, Start};
+use analysis::Meter;
 use cases::{AnyFrozen, Frozen};
-use contact::{
-    Iteration, Measuring, Packing, RoughContact, RoughMass, RoughMeter, RoughSpheres, Solver, Spheres, frame,
-};
+use contact::{Iteration, Packing, RoughContact, RoughMass, RoughSpheres, Solver, Spheres, frame};
 use nalgebra::{Vector2, Vector3, Vector6};
 use nsgs::Nsgs;
 use proptest::prelude::*;
@@ -182,7 +181,7 @@ fn packing_at_rest_comes_nearer_than_sweeps() {
     };
     let none = vec![0.0; problem.impulse_count()];
     let (r, ..) = ended(&ActiveSet::default(), &problem, &none, 4500);
-    let left = |r: &[f64]| RoughMeter::<RoughSpheres>::new(&problem).measure_after(&[], r, 0.0).natural_map;
+    let left = |r: &[f64]| Meter::new(&problem).measure_after(&[], r, 0.0).natural_map;
     let stop = Stop { tolerance: 0.0, max_iterations: 5000, ..Stop::default() };
     let swept = solve(&Nsgs::default(), &problem, &none, &stop, &mut |_| {}).unwrap();
     assert!(left(&r) < 0.1 * left(&swept.impulses), "{:e} {:e}", left(&r), left(&swept.impulses));
@@ -228,7 +227,7 @@ proptest! {
         prop_assert!(is_ended);
         prop_assert!(r.iter().all(|r| r.is_finite()));
         let left = |r: &[f64]| {
-            RoughMeter::<RoughSpheres>::new(&problem).measure_after(&[], r, 0.0).natural_map
+            Meter::new(&problem).measure_after(&[], r, 0.0).natural_map
         };
         prop_assert!(left(&r) <= left(&none) * (1.0 + 1e-12) || certify(&problem, &r).certified());
     }

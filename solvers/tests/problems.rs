@@ -1,7 +1,8 @@
 //! What the tests share: problems, and runs that are watched iterate by iterate.
 
+use analysis::Meter;
 use cases::{Case, Frozen, March, Marched};
-use contact::{Contact, Iteration, Meter, Packing, Solver};
+use contact::{Contact, Iteration, Packing, Solver};
 use nalgebra::Vector2;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};

@@ -3,9 +3,10 @@
 use crate::hazards::{chain, lattice, wedge};
 use crate::layouts::moving_packing;
 use crate::problems::{any_problem, difference, first_problem, frozen, impulses, start};
+use analysis::Meter;
 use analysis::{Spectrum, delassus_bound, scaled_delassus_bound};
 use cg::Cg;
-use contact::{Contact, Measure, Meter, Packing, SetupError, Solver};
+use contact::{Contact, Measure, Packing, SetupError, Solver};
 use mprgp::{Expansion, Mprgp, Preconditioner};
 use nalgebra::Vector2;
 use nsgs::Nsgs;

@@ -1,9 +1,10 @@
 //! The reference against exact solutions, brute force and the other methods; its certificates.
 
 use crate::problems::{PACKINGS, any_contact, first_problem, frozen};
+use analysis::Meter;
 use analysis::proves_infeasible;
 use cg::{Cg, Preconditioner};
-use contact::{Contact, Measure, Meter, Packing, Solver, Truth};
+use contact::{Contact, Measure, Packing, Solver, Truth};
 use nalgebra::{DMatrix, DVector, Vector2};
 use nsgs::Nsgs;
 use proptest::prelude::*;

@@ -2,11 +2,9 @@
 
 use crate::friction::rough;
 use crate::spheres::{in_step, sphere_problem_of};
+use analysis::Meter;
 use cg::{Cg, Preconditioner};
-use contact::{
-    Contact, Measuring, Packing, RoughContact, RoughDiscs, RoughMass, RoughMeter, RoughSpheres, Solver,
-    Spheres, frame,
-};
+use contact::{Contact, Packing, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Solver, Spheres, frame};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use nalgebra::{Vector2, Vector3, Vector6};
@@ -83,8 +81,8 @@ fn layer_with_friction_in_space_gives_the_iterates_of_the_plane() {
             }
         });
     }
-    let measures = |zeta: &[f64]| RoughMeter::<RoughDiscs>::new(&flat).measure_after(&[], zeta, 0.0);
-    let in_space = RoughMeter::<RoughSpheres>::new(&laid).measure_after(&[], &none, 0.0);
+    let measures = |zeta: &[f64]| Meter::new(&flat).measure_after(&[], zeta, 0.0);
+    let in_space = Meter::new(&laid).measure_after(&[], &none, 0.0);
     assert!((measures(&zeros).natural_map - in_space.natural_map).abs() < 1e-12);
 }
 

@@ -2,10 +2,11 @@
 
 use crate::problems::{PACKINGS, frozen};
 use active_set::ActiveSet;
+use analysis::Meter;
 use apgd::Apgd;
 use cases::{Case, March};
 use cg::{Cg, Preconditioner};
-use contact::{Contact, Discs, Iteration, Measure, Meter, Packing, Solver, Spheres, Truth, Vector};
+use contact::{Contact, Discs, Iteration, Measure, Packing, Solver, Spheres, Truth, Vector};
 use gradient::Gradient;
 use jacobi::Jacobi;
 use latin_dd::LatinDd;

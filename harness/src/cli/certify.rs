@@ -3,9 +3,10 @@
 use crate::problems::{Given, Root, Studied, answer, pool, size};
 use crate::terminal::{exit, say};
 use active_set::ActiveSet;
+use analysis::Meter;
 use anyhow::Result;
 use cases::{AnyFrozen, Frozen};
-use contact::{ContactProblem, Meter, Packing, RoughDiscs, Smooth, Solver, Truth, greatest};
+use contact::{ContactProblem, Packing, RoughDiscs, Smooth, Solver, Truth, greatest};
 use reference::{
     Answer, Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, Rough, RoughSolution, certify,
     distance, existence, isolation,

@@ -4,11 +4,11 @@
 use crate::plan::{Method, Programme, Runs, last_line};
 use crate::problems::{Studied, in_words};
 use crate::terminal::{exit, read_text};
+use analysis::Meter;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::Frozen;
 use contact::{
-    ContactProblem, Discs, Measure, Measures, Measuring, Mechanics, Touch, Truth, Vector, Work,
-    is_not_negative,
+    ContactProblem, Discs, Measure, Measures, Mechanics, Touch, Truth, Vector, Work, is_not_negative,
 };
 use results::schema::Sample;
 use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
@@ -192,7 +192,7 @@ impl<M: Studied> Ladder<'_, M> {
 
     /// The measures of impulses by themselves: one run is no step from another.
     fn measured(&self, r: &[f64]) -> (Measures, Vec<M::Velocity>) {
-        let mut meter = self.truths.iter().fold(M::Meter::new(self.problem), M::Meter::against);
+        let mut meter = self.truths.iter().fold(Meter::new(self.problem), Meter::against);
         let mut velocity = vec![M::Velocity::ZERO; self.problem.grain_count()];
         self.problem.velocity(r, &mut velocity);
         (meter.measure_after(&[], r, 0.0), velocity)

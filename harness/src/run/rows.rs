@@ -3,8 +3,9 @@
 use crate::plan::{Plan, Variant};
 use crate::problems::{Given, Known, Problem, Studied};
 use crate::run::{OneProblem, Task, first_at};
+use analysis::Meter;
 use cases::Frozen;
-use contact::{Adjacency, Measure, Measuring, Mechanics, Place, Touch, Vector, Work};
+use contact::{Adjacency, Measure, Mechanics, Place, Touch, Vector, Work};
 use partition::{Decomposition, Grid, Partition, Scheme};
 use results::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample};
 use runner::Outcome;
@@ -18,8 +19,8 @@ pub(crate) fn given_row<M: Studied>(
     known: &Known<M>,
     provenance: Provenance,
 ) -> Run {
-    let meter = M::Meter::new(&problem.frozen.problem);
-    let mut meter = known.truths().iter().fold(meter, M::Meter::against);
+    let meter = Meter::new(&problem.frozen.problem);
+    let mut meter = known.truths().iter().fold(meter, Meter::against);
     let measures = meter.measure_after(&[], &given.impulse, 0.0);
     Run {
         method: "given".to_owned(),

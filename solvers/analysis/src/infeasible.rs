@@ -8,7 +8,7 @@ mod regular;
 use exact::{Thrust, proves_exactly};
 
 use contact::{ContactProblem, Mass, Mechanics, Touch, Vector, law};
-use partition::{CopySums, Decomposition, Partition, Subdomain, Team};
+use partition::{CopySums, Decomposition, Partition, Share, Subdomain, Team};
 
 /// Residual of impulses that balance, at any grain, over the sum of their sizes at the grain that is pressed most (–): the
 /// round-off of some thousand of them.
@@ -184,17 +184,16 @@ impl<M: Mechanics> Proof<M> {
     pub fn alone(problem: &ContactProblem<M>) -> Self {
         let whole = Partition { subdomain: vec![0; problem.contact_count()], count: 1 };
         let grains: Vec<u32> = (0..problem.grain_count() as u32).collect();
-        Self::of(problem, &Decomposition::new(problem, &whole), &grains, &Team::alone(1))
+        Self::new(problem, &Decomposition::new(problem, &whole), &grains, &Team::alone(1))
     }
 
-    /// Prepares the proof of a `team`, of which this rank has the `problem`, cut into subdomains by `decomposition`; `grains` are the
-    /// numbers of its grains among those of all ranks.
-    pub fn of(
-        problem: &ContactProblem<M>,
-        decomposition: &Decomposition,
-        grains: &[u32],
-        team: &Team,
-    ) -> Self {
+    /// Prepares the proof of a `team`, of which this rank has a `share`.
+    pub fn of(share: &Share<M>, team: &Team) -> Self {
+        Self::new(&share.problem, &share.decomposition, &share.grains, team)
+    }
+
+    /// Prepares the proof of a `problem` that is cut into subdomains; `grains` are the numbers of its grains among those of all ranks.
+    fn new(problem: &ContactProblem<M>, decomposition: &Decomposition, grains: &[u32], team: &Team) -> Self {
         Self {
             team: team.clone(),
             subdomains: decomposition.subdomains.iter().map(|e| Local::new(problem, e, grains)).collect(),

@@ -1,8 +1,8 @@
 //! Discs and spheres without friction: a grain translates, a contact has one unknown, and 0 ≤ v ⊥ r ≥ 0.
 
 use crate::error::{is_not_negative, is_positive};
+use crate::gauge::Plain;
 use crate::mechanics::{Mass, Mechanics, Touch};
-use crate::meter::Meter;
 use crate::scaled::ScaledContact;
 use nalgebra::SVector;
 
@@ -23,7 +23,7 @@ impl<const D: usize> Mechanics for Smooth<D> {
     type Impulse = f64;
     type Contact = Contact<D>;
     type Column = ScaledContact<D>;
-    type Meter<'p> = Meter<'p, D>;
+    type Gauge = Plain<D>;
 
     const NAME: &'static str = if D == 2 { "discs" } else { "spheres" };
     const HAS_ONE_VELOCITY: bool = true;

@@ -7,13 +7,13 @@ pub mod acceleration;
 pub mod adjacency;
 mod discs;
 mod error;
+pub mod gauge;
 pub mod lanes;
 pub mod law;
 mod measure;
 mod measures;
 pub mod mechanics;
 pub mod memory;
-mod meter;
 pub mod number;
 mod operators;
 mod packing;
@@ -29,17 +29,14 @@ mod work;
 pub use adjacency::{Adjacency, Groups, greedy_colours};
 pub use discs::{Contact, Discs, Smooth, Spheres};
 pub use error::{ProblemError, SetupError, is_not_negative, is_positive, shown};
+pub use gauge::{ratio, zeta};
 pub use law::greatest;
 pub use measure::Measure;
 pub use measures::Measures;
 pub use mechanics::{Column, Mass, Mechanics, Place, Touch, Vector};
-pub use meter::{Measuring, Meter, ratio};
 pub use packing::Packing;
 pub use problem::ContactProblem;
-pub use rough::{
-    RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughMeter, RoughSpheres, Rubbing, SphereColumn, frame,
-    zeta,
-};
+pub use rough::{RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughSpheres, SphereColumn, frame};
 pub use scaled::ScaledContact;
 pub use solver::{Iteration, Solver};
 pub use truth::Truth;

@@ -4,6 +4,7 @@
 //! velocities are flat lists, [`Vector::LEN`] numbers of [`Mechanics::Impulse`] a contact, the normal one first.
 
 use crate::error::shown;
+use crate::gauge::Gauge;
 use crate::scaled::unscale;
 use crate::sweep::{Row, TOGETHER, look_then_push};
 use nalgebra::{ArrayStorage, SVector};
@@ -26,8 +27,8 @@ pub trait Mechanics: Copy + Debug + PartialEq + Send + Sync + 'static {
     type Contact: Touch<Self>;
     /// One contact in mass-scaled unknowns.
     type Column: Column<Self>;
-    /// Meter of the iterates of runs on a problem.
-    type Meter<'p>: crate::meter::Measuring<'p, Self>;
+    /// Kernel of the measures of an iterate.
+    type Gauge: Gauge<Self>;
 
     /// Name in files.
     const NAME: &'static str;
@@ -289,11 +290,28 @@ pub trait Column<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
         scaled: bool,
     ) -> (Self, M::Impulse);
 
+    /// Returns the places of candidate and antagonist in y; at a wall twice that of the candidate.
+    fn places(&self) -> [u32; 2];
+
+    /// H̃ᵗ y of the y of candidate and antagonist; the latter has no effect at a wall.
+    fn between(&self, ends: [M::Velocity; 2]) -> M::Impulse;
+
+    /// h̃_α s at candidate and antagonist; 0 at a wall.
+    fn pushes(&self, s: M::Impulse) -> [M::Velocity; 2];
+
     /// (H̃ᵗ y)_α.
-    fn relative(&self, y: &[M::Velocity]) -> M::Impulse;
+    #[inline(always)]
+    fn relative(&self, y: &[M::Velocity]) -> M::Impulse {
+        self.between(self.places().map(|place| y[place as usize]))
+    }
 
     /// y ← y + h̃_α s.
-    fn push(&self, s: M::Impulse, y: &mut [M::Velocity]);
+    #[inline(always)]
+    fn push(&self, s: M::Impulse, y: &mut [M::Velocity]) {
+        let ([i, j], [candidate, antagonist]) = (self.places(), self.pushes(s));
+        y[i as usize] += candidate;
+        y[j as usize] += antagonist;
+    }
 
     /// s⁺ − s, where `W_αα` = 1 and with the relaxation ω (–), of the impulse that solves the law at the contact when all others are
     /// kept.

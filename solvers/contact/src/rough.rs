@@ -4,15 +4,14 @@
 //! along it: the two translations enter the relative velocity with opposite signs, the two spins with the same.
 
 mod column;
-mod meter;
 mod spheres;
 
 pub use column::RoughColumn;
-pub use meter::{RoughMeter, Rubbing, zeta};
 pub use spheres::{RoughSpheres, SphereColumn, frame};
 
 use crate::discs::{Contact, Discs};
 use crate::error::{ProblemError, is_not_negative, is_positive};
+use crate::gauge::Scaled;
 use crate::mechanics::{Mass, Mechanics, Touch, Vector};
 use crate::problem::ContactProblem;
 use nalgebra::{SVector, Vector2, Vector3};
@@ -28,7 +27,7 @@ impl Mechanics for RoughDiscs {
     type Impulse = Vector2<f64>;
     type Contact = RoughContact;
     type Column = RoughColumn;
-    type Meter<'p> = RoughMeter<'p, Self>;
+    type Gauge = Scaled<Self>;
 
     const NAME: &'static str = "rough-discs";
     const HAS_ONE_VELOCITY: bool = false;

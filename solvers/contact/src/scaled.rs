@@ -33,12 +33,6 @@ impl<const D: usize> ScaledContact<D> {
         self.normal.norm_squared() * (1.0 + self.ratio * self.ratio)
     }
 
-    /// The places of candidate and antagonist; at a wall twice that of the candidate.
-    #[inline]
-    pub fn places(&self) -> [u32; 2] {
-        [self.candidate, self.antagonist]
-    }
-
     /// h̃_α at the candidate, and at the antagonist: 0 at a wall.
     #[inline]
     pub fn at_ends(&self) -> (SVector<f64, D>, SVector<f64, D>) {
@@ -72,16 +66,19 @@ impl<const D: usize> Column<Smooth<D>> for ScaledContact<D> {
     }
 
     #[inline]
-    fn relative(&self, y: &[SVector<f64, D>]) -> f64 {
-        let (i, j) = (y[self.candidate as usize], y[self.antagonist as usize]);
+    fn places(&self) -> [u32; 2] {
+        [self.candidate, self.antagonist]
+    }
+
+    #[inline]
+    fn between(&self, [i, j]: [SVector<f64, D>; 2]) -> f64 {
         self.normal.dot(&(i - j * self.ratio))
     }
 
     #[inline]
-    fn push(&self, s: f64, y: &mut [SVector<f64, D>]) {
+    fn pushes(&self, s: f64) -> [SVector<f64, D>; 2] {
         let push = self.normal * s;
-        y[self.candidate as usize] += push;
-        y[self.antagonist as usize] -= push * self.ratio;
+        [push, -(push * self.ratio)]
     }
 
     #[inline]

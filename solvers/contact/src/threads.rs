@@ -9,7 +9,7 @@ const WORTH_A_THREAD: usize = 100_000;
 
 /// Reports whether there are threads, and work of about so many `nanoseconds` is worth them: from a tenth of a millisecond on. Only time
 /// depends on it.
-pub(crate) fn pay(nanoseconds: usize) -> bool {
+pub fn pay(nanoseconds: usize) -> bool {
     nanoseconds >= WORTH_A_THREAD && rayon::current_num_threads() > 1
 }
 

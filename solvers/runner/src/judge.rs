@@ -1,11 +1,11 @@
-//! Judgement of iterates for the loop: measures, and proofs that there is no solution; on one machine, or of all ranks together.
+//! Judgement of iterates for the loop: measures, and proofs that there is no solution.
 
-use analysis::Proof;
-use contact::{ContactProblem, Measure, Measures, Measuring, Mechanics, Vector};
+use analysis::Meter;
+use contact::{Measure, Measures, Mechanics};
 
 /// Judge of the iterates of a run. Where ranks share a problem all must ask alike, and get the same answers.
 pub(crate) trait Judge {
-    /// [`ContactProblem::scale`] (J).
+    /// Scale of the impulses' work, fixed by the problem (J).
     fn scale(&self) -> f64;
 
     /// Measures the iterate `r` (N·s), which comes after `before`; that is empty if there is none.
@@ -15,7 +15,7 @@ pub(crate) trait Judge {
     fn goes_on(&mut self, on: Measure, tolerance: f64, energy: f64, iterates: (&[f64], &[f64])) -> bool;
 
     /// Reports whether one of the rays, or impulses near one, proves that there is no solution.
-    fn any_proves_infeasible(&mut self, rays: &[Vec<f64>]) -> bool;
+    fn any_proves_infeasible(&self, rays: &[Vec<f64>]) -> bool;
 
     /// The greatest approach velocity of r = 0 (m/s).
     fn greatest_rate(&self) -> f64;
@@ -27,31 +27,25 @@ pub(crate) trait Judge {
     fn any(&self, here: bool) -> bool;
 }
 
-/// Judges on one machine.
-pub(crate) struct OneMachine<'p, M: Mechanics> {
-    pub(crate) problem: &'p ContactProblem<M>,
-    pub(crate) meter: M::Meter<'p>,
-}
-
-impl<M: Mechanics> Judge for OneMachine<'_, M> {
+impl<M: Mechanics> Judge for Meter<'_, M> {
     fn scale(&self) -> f64 {
-        self.meter.scale()
+        self.scale()
     }
 
     fn measure_after(&mut self, before: &[f64], r: &[f64], velocity_jump: f64) -> Measures {
-        self.meter.measure_after(before, r, velocity_jump)
+        self.measure_after(before, r, velocity_jump)
     }
 
     fn goes_on(&mut self, on: Measure, tolerance: f64, energy: f64, iterates: (&[f64], &[f64])) -> bool {
-        self.meter.goes_on(on, tolerance, energy, iterates)
+        self.goes_on(on, tolerance, energy, iterates)
     }
 
-    fn any_proves_infeasible(&mut self, rays: &[Vec<f64>]) -> bool {
-        Proof::alone(self.problem).any_proves_infeasible(rays)
+    fn any_proves_infeasible(&self, rays: &[Vec<f64>]) -> bool {
+        self.any_proves_infeasible(rays)
     }
 
     fn greatest_rate(&self) -> f64 {
-        self.problem.b().iter().step_by(M::Impulse::LEN).fold(0.0, |rate: f64, b| rate.max(-b))
+        self.greatest_rate()
     }
 
     fn has_one_velocity(&self) -> bool {
@@ -59,6 +53,6 @@ impl<M: Mechanics> Judge for OneMachine<'_, M> {
     }
 
     fn any(&self, here: bool) -> bool {
-        here
+        self.any(here)
     }
 }

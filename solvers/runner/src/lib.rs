@@ -9,13 +9,13 @@ mod local;
 mod looks;
 mod ranks;
 
+use analysis::Meter;
 use contact::{
-    Discs, Iteration, Measure, Measures, Measuring, Mechanics, Packing, SetupError, Solver, Truth, Vector,
-    Work,
+    Discs, Iteration, Measure, Measures, Mechanics, Packing, SetupError, Solver, Truth, Vector, Work,
 };
 use convergence::is_false;
 use cycle::cycle;
-use judge::{Judge, OneMachine};
+use judge::Judge;
 use looks::{Grid, Looks};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -183,12 +183,12 @@ pub fn solve_against<'t, M: Mechanics>(
     let is_known = known.peek().is_some() || stop.on != Measure::VelocityError;
     let expected = "another measure: the true velocity of this problem is not known";
     SetupError::unless(is_known, "on", stop.on, expected)?;
-    let meter = known.fold(M::Meter::new(problem), M::Meter::against);
+    let mut meter = known.fold(Meter::new(problem), Meter::against);
     let clock = Instant::now();
     let mut iteration = solver.start(problem, r0)?;
     let setup = clock.elapsed();
     let End { status, iterations, measures, before, impulses, iterating } =
-        run(&mut OneMachine { problem, meter }, &mut *iteration, r0.to_vec(), stop, measured, observe);
+        run(&mut meter, &mut *iteration, r0.to_vec(), stop, measured, observe);
     let mut velocity = vec![M::Velocity::ZERO; problem.grain_count()];
     let last_change_moves = moving_share(&before, &impulses, &problem.delassus_diagonal(), |change| {
         let mut moved = vec![0.0; change.len()];

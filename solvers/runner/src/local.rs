@@ -67,9 +67,10 @@ impl Judge for OnW<'_> {
             worst_contact: worst.map(|(contact, _)| contact),
             velocity_error: self.truth.map_or(f64::NAN, |truth| truth.velocity_error(r, &v)),
             energy_gap: self.truth.map_or(f64::NAN, |truth| (energy - truth.energy) / truth.energy.abs()),
+            quad_dv: f64::NAN,
+            max_dv: f64::NAN,
             velocity_jump,
             energy,
-            ..Measures::default()
         }
     }
 
@@ -78,7 +79,7 @@ impl Judge for OnW<'_> {
     }
 
     /// None is looked for: a direction that W does not feel may yet be blocked by the law along the tangents.
-    fn any_proves_infeasible(&mut self, _: &[Vec<f64>]) -> bool {
+    fn any_proves_infeasible(&self, _: &[Vec<f64>]) -> bool {
         false
     }
 

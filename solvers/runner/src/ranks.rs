@@ -1,10 +1,8 @@
 //! The loop where ranks share a problem: each advances its own subdomains, and all measure and decide together.
 
-mod judge;
-
 use crate::{End, Measured, Progress, Status, Stop, run};
+use analysis::Meter;
 use contact::{Iteration, Measure, Measures, Mechanics, SetupError, Work};
-use judge::AllRanks;
 use partition::{Distributed, Refused, Share, Team, Traffic};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -106,9 +104,9 @@ pub fn solve_on_ranks<M: Mechanics>(
     let is_known = !solutions.is_empty() || stop.on != Measure::VelocityError;
     SetupError::unless(is_known, "on", stop.on, expected)?;
     team.unless_refused(SetupError::unless_admissible(&share.problem, start))?;
-    let mut judge = AllRanks::new(share, team);
+    let mut judge = Meter::over(share, team);
     for (k, solution) in solutions.iter().enumerate() {
-        let left = judge.against(solution);
+        let left = judge.against_impulses(solution);
         let expected = "impulses that solve this problem, which leave a natural map of at most 1e-8";
         SetupError::unless(
             left <= SOLVED,

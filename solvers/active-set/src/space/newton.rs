@@ -97,7 +97,7 @@ impl Newton {
         let coupling = |contact: usize| {
             let column = &columns[contact];
             let [n, first, second] =
-                [Vector3::x(), Vector3::y(), Vector3::z()].map(|unit| column.at_ends(unit));
+                [Vector3::x(), Vector3::y(), Vector3::z()].map(|unit| column.pushes(unit));
             match &status[contact] {
                 Status::Open => None,
                 Status::Stick => {
@@ -105,7 +105,7 @@ impl Newton {
                     Some(OneWay::product(all.map(|all| kappa * all), all))
                 }
                 Status::Slide(slide) => {
-                    let (push, across) = (column.at_ends(edge(slide, column)), column.at_ends(slide.across));
+                    let (push, across) = (column.pushes(edge(slide, column)), column.pushes(slide.across));
                     let weight = weight(slide, epsilon);
                     Some(OneWay::product(
                         [0, 1].map(|end| Matrix6x2::from_columns(&[kappa * push[end], weight * across[end]])),

@@ -24,38 +24,10 @@ pub struct RoughColumn {
 }
 
 impl RoughColumn {
-    /// The places of candidate and antagonist; at a wall twice that of the candidate.
-    #[inline]
-    pub fn places(&self) -> [u32; 2] {
-        [self.candidate, self.antagonist]
-    }
-
     /// μ √(`w_t`/`w_n`) (–).
     #[inline]
     pub fn friction(&self) -> f64 {
         self.friction
-    }
-
-    /// H̃ᵗ y of the y of candidate and antagonist; the latter counts for nothing at a wall.
-    #[inline]
-    pub(super) fn between(&self, [i, j]: [Vector3<f64>; 2]) -> Vector2<f64> {
-        let (x, y) = (i.x - self.ratio * j.x, i.y - self.ratio * j.y);
-        let normal = self.normal.x * x + self.normal.y * y;
-        let across = self.normal.x * y - self.normal.y * x;
-        Vector2::new(normal, self.slant * across - (self.arms[0] * i.z + self.arms[1] * j.z))
-    }
-
-    /// Returns the velocity change of one of its grains under an impulse s.
-    #[inline]
-    pub(super) fn push_at(&self, grain: u32, s: Vector2<f64>) -> Vector3<f64> {
-        let along = self.slant * s.y;
-        let (x, y) =
-            (self.normal.x * s.x - self.normal.y * along, self.normal.y * s.x + self.normal.x * along);
-        if grain == self.candidate {
-            Vector3::new(x, y, -self.arms[0] * s.y)
-        } else {
-            Vector3::new(-self.ratio * x, -self.ratio * y, -self.arms[1] * s.y)
-        }
     }
 
     /// h̃ of the normal and of the tangent, at the candidate and at the antagonist: 0 at a wall.
@@ -92,17 +64,27 @@ impl Column<RoughDiscs> for RoughColumn {
     }
 
     #[inline]
-    fn relative(&self, y: &[Vector3<f64>]) -> Vector2<f64> {
-        self.between([y[self.candidate as usize], y[self.antagonist as usize]])
+    fn places(&self) -> [u32; 2] {
+        [self.candidate, self.antagonist]
     }
 
     #[inline]
-    fn push(&self, s: Vector2<f64>, y: &mut [Vector3<f64>]) {
+    fn between(&self, [i, j]: [Vector3<f64>; 2]) -> Vector2<f64> {
+        let (x, y) = (i.x - self.ratio * j.x, i.y - self.ratio * j.y);
+        let normal = self.normal.x * x + self.normal.y * y;
+        let across = self.normal.x * y - self.normal.y * x;
+        Vector2::new(normal, self.slant * across - (self.arms[0] * i.z + self.arms[1] * j.z))
+    }
+
+    #[inline]
+    fn pushes(&self, s: Vector2<f64>) -> [Vector3<f64>; 2] {
         let along = self.slant * s.y;
-        let (x, z) =
+        let (x, y) =
             (self.normal.x * s.x - self.normal.y * along, self.normal.y * s.x + self.normal.x * along);
-        y[self.candidate as usize] += Vector3::new(x, z, -self.arms[0] * s.y);
-        y[self.antagonist as usize] -= Vector3::new(self.ratio * x, self.ratio * z, self.arms[1] * s.y);
+        [
+            Vector3::new(x, y, -(self.arms[0] * s.y)),
+            Vector3::new(-(self.ratio * x), -(self.ratio * y), -(self.arms[1] * s.y)),
+        ]
     }
 
     /// `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`): the two lines solve (2′), since `W_αα` is

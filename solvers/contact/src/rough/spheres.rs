@@ -6,9 +6,10 @@ mod column;
 
 pub use column::SphereColumn;
 
-use super::{RoughContact, RoughMass, RoughMeter};
+use super::{RoughContact, RoughMass};
 use crate::discs::{Contact, Spheres};
 use crate::error::{ProblemError, is_not_negative};
+use crate::gauge::Scaled;
 use crate::mechanics::{Mass, Mechanics, Touch};
 use crate::problem::ContactProblem;
 use nalgebra::{Vector3, Vector6};
@@ -24,7 +25,7 @@ impl Mechanics for RoughSpheres {
     type Impulse = Vector3<f64>;
     type Contact = RoughContact<3>;
     type Column = SphereColumn;
-    type Meter<'p> = RoughMeter<'p, Self>;
+    type Gauge = Scaled<Self>;
 
     const NAME: &'static str = "rough-spheres";
     const HAS_ONE_VELOCITY: bool = false;

@@ -9,7 +9,6 @@ use super::{RoughContact, RoughMass, RoughSpheres, frame, joined, parts};
 use crate::lanes::{Four, Lanes};
 use crate::law;
 use crate::mechanics::{Column, Touch};
-use crate::rough::Rubbing;
 use crate::sweep::{Row, TOGETHER, look_then_push};
 use nalgebra::{Vector3, Vector6};
 use pulp::Simd;
@@ -107,22 +106,10 @@ impl<S: Simd> Columns<Four<S>> {
 }
 
 impl SphereColumn {
-    /// The places of candidate and antagonist; at a wall twice that of the candidate.
-    #[inline]
-    pub fn places(&self) -> [u32; 2] {
-        [self.candidate, self.antagonist]
-    }
-
     /// μ √(`w_t`/`w_n`) (–).
     #[inline]
     pub fn friction(&self) -> f64 {
         self.columns.friction
-    }
-
-    /// h̃ s of an impulse s at the candidate and at the antagonist: 0 at a wall.
-    #[inline]
-    pub fn at_ends(&self, s: Vector3<f64>) -> [Vector6<f64>; 2] {
-        self.columns.at_ends(s).map(|[translation, spin]| joined(translation, spin))
     }
 }
 
@@ -149,16 +136,19 @@ impl Column<RoughSpheres> for SphereColumn {
         (Self { candidate: places.0, antagonist: places.1.unwrap_or(places.0), columns }, unit)
     }
 
-    #[inline(always)]
-    fn relative(&self, y: &[Vector6<f64>]) -> Vector3<f64> {
-        RoughSpheres::between(self, [y[self.candidate as usize], y[self.antagonist as usize]])
+    #[inline]
+    fn places(&self) -> [u32; 2] {
+        [self.candidate, self.antagonist]
     }
 
     #[inline(always)]
-    fn push(&self, s: Vector3<f64>, y: &mut [Vector6<f64>]) {
-        let [candidate, antagonist] = self.at_ends(s);
-        y[self.candidate as usize] += candidate;
-        y[self.antagonist as usize] += antagonist;
+    fn between(&self, ends: [Vector6<f64>; 2]) -> Vector3<f64> {
+        self.columns.between(ends.map(|y| parts(&y)))
+    }
+
+    #[inline(always)]
+    fn pushes(&self, s: Vector3<f64>) -> [Vector6<f64>; 2] {
+        self.columns.at_ends(s).map(|[translation, spin]| joined(translation, spin))
     }
 
     #[inline]
@@ -236,22 +226,6 @@ fn visit_four<S: Simd>(
     for k in 0..4 {
         y[i(k)] += joined(of_i.0[k], of_i.1[k]);
         y[j(k)] += joined(of_j.0[k], of_j.1[k]);
-    }
-}
-
-impl Rubbing for RoughSpheres {
-    fn places(column: &SphereColumn) -> [u32; 2] {
-        column.places()
-    }
-
-    #[inline]
-    fn between(column: &SphereColumn, ends: [Vector6<f64>; 2]) -> Vector3<f64> {
-        column.columns.between(ends.map(|y| parts(&y)))
-    }
-
-    fn push_at(column: &SphereColumn, grain: u32, s: Vector3<f64>) -> Vector6<f64> {
-        let [candidate, antagonist] = column.at_ends(s);
-        if grain == column.candidate { candidate } else { antagonist }
     }
 }
 

@@ -2,7 +2,10 @@
 //!
 //! Terms first, then their sums: a processor makes several of either at the same time, and a compiler sees that it may.
 
+use super::BLOCK;
 use crate::law;
+use crate::measures::Measures;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Contact k of a tile is summed up in lane k mod 8, whatever the processor can do at the same time.
 pub(super) const LANES: usize = 8;
@@ -13,53 +16,156 @@ pub(super) const TILE: usize = 256;
 type Lane = [f64; LANES];
 
 /// Sums that the measures are computed from, over some contacts.
-#[derive(Clone, Default)]
-pub(super) struct Sums {
+#[derive(Clone, Copy, Default)]
+pub struct Sums {
     /// Σ (rᵢ − rᵢ₋₁)².
-    change: f64,
+    pub change: f64,
     /// Σ rᵢ rᵢ₋₁.
-    product: f64,
+    pub product: f64,
     /// Σ `W_αα` (r − r⁺)².
-    pub(super) natural_map: f64,
+    pub natural_map: f64,
     /// Σ DV².
-    pub(super) dv: f64,
+    pub dv: f64,
     /// Σ (WR² + WR⁺²).
-    pub(super) wr_twice: f64,
+    pub wr_twice: f64,
     /// max |DV|.
-    pub(super) greatest_dv: f64,
+    pub greatest_dv: f64,
     /// Number of contacts with r or r⁺ above 0.
-    pub(super) active: f64,
-    pub(super) penetration_rate: f64,
-    pub(super) worst_contact: Option<usize>,
+    pub active: f64,
+    /// The greatest approach velocity (m/s).
+    pub penetration_rate: f64,
+    /// Its contact; `None` where none approaches.
+    pub worst_contact: Option<usize>,
     /// Σ r (v + b).
-    pub(super) energy_twice: f64,
+    pub energy_twice: f64,
+    /// Greatest disagreement of copies before gluing (m/s).
+    pub velocity_jump: f64,
 }
 
 impl Sums {
+    /// How many numbers they are.
+    pub const NUMBERS: usize = 11;
+
+    /// Returns the measures with the `scale` of the problem (J), without those that need a solution.
+    pub fn measures(&self, scale: f64) -> Measures {
+        let (energy, wr) = (0.5 * self.energy_twice, 0.5 * self.wr_twice);
+        Measures {
+            zeta: self.zeta(),
+            natural_map: self.natural_map(scale),
+            penetration_rate: self.penetration_rate,
+            worst_contact: self.worst_contact,
+            quad_dv: ratio(self.dv.sqrt(), wr.sqrt()),
+            max_dv: ratio(self.greatest_dv, (wr / self.active.max(1.0)).sqrt()),
+            velocity_error: f64::NAN,
+            energy_gap: f64::NAN,
+            velocity_jump: self.velocity_jump,
+            energy,
+        }
+    }
+
+    /// Returns the natural map with the `scale` of the problem (J).
+    pub fn natural_map(&self, scale: f64) -> f64 {
+        ratio(self.natural_map.sqrt(), scale.sqrt())
+    }
+
+    /// Adds those of other contacts; theirs are numbered from 0 on where these have the `numbers`.
+    pub fn join(&mut self, other: &Self, number: impl FnOnce(usize) -> usize) {
+        self.change += other.change;
+        self.product += other.product;
+        self.natural_map += other.natural_map;
+        self.dv += other.dv;
+        self.wr_twice += other.wr_twice;
+        self.greatest_dv = law::greatest([self.greatest_dv, other.greatest_dv].into_iter());
+        self.active += other.active;
+        self.take_rate(other.penetration_rate, other.worst_contact.map(number));
+        self.energy_twice += other.energy_twice;
+        self.velocity_jump = law::greatest([self.velocity_jump, other.velocity_jump].into_iter());
+    }
+
+    /// Adds the change of the impulses from `before` to `r`, lists of some contacts.
+    pub fn take_change(&mut self, before: &[f64], r: &[f64]) {
+        let change = Arch::new().dispatch(Change { before, r });
+        self.change += change.change;
+        self.product += change.product;
+    }
+
     /// ζ; NaN from r = 0.
-    pub(super) fn zeta(&self) -> f64 {
+    fn zeta(&self) -> f64 {
         if self.product > 0.0 { (self.change / self.product).sqrt() } else { f64::NAN }
     }
 
     /// Takes a rate that is greater than that so far, or NaN, which stays.
-    fn take_rate(&mut self, rate: f64, contact: Option<usize>) {
+    pub(super) fn take_rate(&mut self, rate: f64, contact: Option<usize>) {
         if !(rate <= self.penetration_rate) && !self.penetration_rate.is_nan() {
             (self.penetration_rate, self.worst_contact) = (rate, contact);
         }
     }
+}
 
-    /// Adds those of the contacts from `first` on.
-    pub(super) fn join(&mut self, block: &Self, first: usize) {
-        self.change += block.change;
-        self.product += block.product;
-        self.natural_map += block.natural_map;
-        self.dv += block.dv;
-        self.wr_twice += block.wr_twice;
-        self.greatest_dv = greater(self.greatest_dv, block.greatest_dv);
-        self.active += block.active;
-        self.take_rate(block.penetration_rate, block.worst_contact.map(|k| first + k));
-        self.energy_twice += block.energy_twice;
+/// Numbers as ranks send them.
+impl From<Sums> for [f64; Sums::NUMBERS] {
+    fn from(sums: Sums) -> Self {
+        let Sums { change, product, natural_map, dv, wr_twice, greatest_dv, .. } = sums;
+        let Sums { active, penetration_rate, worst_contact, energy_twice, velocity_jump, .. } = sums;
+        // Exact below 2⁵³.
+        let worst = worst_contact.map_or(-1.0, |contact| contact as f64);
+        [
+            change,
+            product,
+            natural_map,
+            dv,
+            wr_twice,
+            greatest_dv,
+            active,
+            penetration_rate,
+            worst,
+            energy_twice,
+            velocity_jump,
+        ]
     }
+}
+
+impl From<[f64; Self::NUMBERS]> for Sums {
+    fn from(numbers: [f64; Self::NUMBERS]) -> Self {
+        let [
+            change,
+            product,
+            natural_map,
+            dv,
+            wr_twice,
+            greatest_dv,
+            active,
+            rate,
+            worst,
+            energy_twice,
+            jump,
+        ] = numbers;
+        Self {
+            change,
+            product,
+            natural_map,
+            dv,
+            wr_twice,
+            greatest_dv,
+            active,
+            penetration_rate: rate,
+            worst_contact: (worst >= 0.0).then_some(worst as usize),
+            energy_twice,
+            velocity_jump: jump,
+        }
+    }
+}
+
+/// ζ = √(|r − before|²/(rᵗ before)) (–) of two iterates; NaN from r = 0, or from none.
+pub fn zeta(before: &[f64], r: &[f64]) -> f64 {
+    let mut sums = Sums::default();
+    before.chunks(BLOCK).zip(r.chunks(BLOCK)).for_each(|(before, r)| sums.take_change(before, r));
+    sums.zeta()
+}
+
+/// A residual over its scale; 0 where there is nothing left, whatever the scale.
+pub fn ratio(residual: f64, scale: f64) -> f64 {
+    if residual == 0.0 { 0.0 } else { residual / scale }
 }
 
 /// −DV = `W_αα` (r − r⁺) = min(`W_αα` r, v), which does not cancel where r is large: a problem without solution drives it there.
@@ -202,7 +308,7 @@ impl Lanes {
 
     /// Adds the terms of ζ.
     #[inline(always)]
-    pub(super) fn change(&mut self, before: &[f64], r: &[f64]) {
+    fn change(&mut self, before: &[f64], r: &[f64]) {
         let n = self.terms(before, r, |before, r| (r - before) * (r - before));
         add(&mut self.change, &self.terms[..n]);
         let n = self.terms(before, r, |before, r| r * before);
@@ -232,12 +338,21 @@ pub(super) fn squared(r: &[f64]) -> f64 {
     sum(lane)
 }
 
-/// Returns the sums of ζ alone.
-#[inline(always)]
-pub(super) fn zeta(before: &[f64], r: &[f64]) -> Sums {
-    let mut lanes = Lanes::default();
-    before.chunks(TILE).zip(r.chunks(TILE)).for_each(|(before, r)| lanes.change(before, r));
-    lanes.sums()
+/// Terms of ζ.
+struct Change<'a> {
+    before: &'a [f64],
+    r: &'a [f64],
+}
+
+impl WithSimd for Change<'_> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Sums {
+        let mut lanes = Lanes::default();
+        self.before.chunks(TILE).zip(self.r.chunks(TILE)).for_each(|(before, r)| lanes.change(before, r));
+        lanes.sums()
+    }
 }
 
 const _: () = assert!(TILE.is_multiple_of(LANES), "a tile begins in the first lane");

@@ -2,7 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use contact::{Contact, ContactProblem, Discs, Meter, Packing, ProblemError, Truth, greatest};
+use analysis::Meter;
+use contact::{Contact, ContactProblem, Discs, Packing, ProblemError, Truth, greatest};
 use nalgebra::Vector2;
 
 /// A grain of 2 kg falling at 1 m/s onto a floor: W = ½, b = −1, so r = 2 N·s.
@@ -50,7 +51,7 @@ fn errors_beside_the_truth_are_as_by_hand() {
 #[test]
 fn where_nothing_is_pushed_any_impulse_is_an_endless_error() {
     let contact = Contact { candidate: 0, antagonist: None, normal: Vector2::y(), offset: 2.0 };
-    let problem = ContactProblem::new(vec![1.0], vec![Vector2::zeros()], vec![contact]).unwrap();
+    let problem = ContactProblem::<Discs>::new(vec![1.0], vec![Vector2::zeros()], vec![contact]).unwrap();
     let truth = Truth::new(&problem, &[0.0]);
     let mut meter = Meter::new(&problem).against(&truth);
     assert_eq!(meter.measure(&[0.0], 0.0).velocity_error, 0.0);
@@ -62,7 +63,7 @@ fn where_nothing_is_pushed_any_impulse_is_an_endless_error() {
 fn no_norm_but_the_penetration_rate_is_blind_to_impulses_that_are_too_large() {
     let contact = Contact { candidate: 0, antagonist: None, normal: Vector2::y(), offset: 0.0 };
     let falling = vec![Vector2::new(0.0, -1.0)];
-    let problem = ContactProblem::new(vec![1.0], falling, vec![contact; 2]).unwrap();
+    let problem = ContactProblem::<Discs>::new(vec![1.0], falling, vec![contact; 2]).unwrap();
     let measures = Meter::new(&problem).measure(&[1.0, 1.0], 0.0);
     // DV = −1 and WR = 1, WR⁺ = 0 at both: √(2 / ½ · 2) and 1 / √(½ · 2 / 2).
     assert!((measures.quad_dv - 2.0_f64.sqrt()).abs() < 1e-15);
@@ -85,7 +86,7 @@ fn natural_map_is_the_same_in_any_units() {
     let problem = |mass: f64, speed: f64| {
         let velocity = vec![Vector2::new(-speed, 0.0), Vector2::new(speed, speed)];
         let contacts = vec![contact(0.0), contact(0.5 * speed)];
-        ContactProblem::new(vec![mass, 3.0 * mass], velocity, contacts).unwrap()
+        ContactProblem::<Discs>::new(vec![mass, 3.0 * mass], velocity, contacts).unwrap()
     };
     let (kilograms, tonnes) = (problem(1.0, 1.0), problem(1e-3, 1e3));
     let one = Meter::new(&kilograms).measure(&[0.7, 0.1], 0.0);
