@@ -223,9 +223,7 @@ impl SolverArgs {
 
     /// Returns the method, or else accelerated sweeps with friction and cg without.
     pub(crate) fn through(&self, case: &Case) -> Result<(Method, Stop)> {
-        let is_frictional = case.scene.is_rough();
-        let method = if is_frictional { Method::accelerated_sweeps() } else { Method::parse("cg", &[]) };
-        self.or((method?, Stop::default()))
+        self.or((Method::marching(case.scene.is_rough(), "none")?, Stop::default()))
     }
 
     /// The method, or else this one; it stops as given here, unless an argument says otherwise.

@@ -106,13 +106,11 @@ impl CaseProblem {
         if let Some(marcher) = &self.marcher {
             return marcher.read();
         }
-        Ok(if self.case.scene.is_rough() {
-            let stop = Stop { max_iterations: WITH_FRICTION, ..Stop::default() };
-            (Method::accelerated_sweeps()?, stop)
-        } else {
-            let diagonal = ("preconditioner".to_owned(), "diagonal".to_owned());
-            (Method::parse("cg", &[diagonal])?, Stop::default())
-        })
+        let (is_frictional, mut stop) = (self.case.scene.is_rough(), Stop::default());
+        if is_frictional {
+            stop.max_iterations = WITH_FRICTION;
+        }
+        Ok((Method::marching(is_frictional, "diagonal")?, stop))
     }
 
     /// The problem; the time steps before it are the same whichever method then solves it.

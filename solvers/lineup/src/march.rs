@@ -1,8 +1,9 @@
 //! A march through time, whatever the mechanics.
 
+use crate::facts::facts;
 use crate::form::Form;
 use crate::methods::Ours;
-use crate::problem::{facts, plain};
+use crate::problem::plain;
 use anyhow::Result;
 use cases::{AnyFrozen, Case, CaseError, March, Observables, Side, Start};
 use contact::{Discs, Place, RoughDiscs, RoughSpheres, Spheres, Vector};

@@ -1,6 +1,7 @@
 //! A contact problem whatever its mechanics, and what is asked of it.
 
 use crate::arrays::{Global, arrays};
+use crate::facts::{Facts, Touching, facts};
 use crate::form::{Form, Law};
 use crate::methods::Ours;
 use crate::share::{OneShare, Part};
@@ -14,60 +15,6 @@ use std::ops::ControlFlow;
 
 /// Observer of every iterate, which may end the run.
 pub type Observe<'o> = dyn FnMut(&Progress) -> ControlFlow<()> + 'o;
-
-/// Kind and size of a problem.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Facts {
-    /// Name of the mechanics in files; `local` of W alone.
-    pub mechanics: &'static str,
-    /// True where contacts have friction.
-    pub has_friction: bool,
-    /// Components of a place; of W alone unknowns of a contact.
-    pub dimensions: usize,
-    /// Number of grains.
-    pub grains: usize,
-    /// Number of contacts.
-    pub contacts: usize,
-    /// Numbers of a grain among velocities.
-    pub of_grain: usize,
-    /// Numbers of a contact among impulses.
-    pub of_contact: usize,
-}
-
-impl Facts {
-    /// Returns the mechanics, as a reader would say it.
-    pub fn in_words(&self) -> String {
-        let grains = if self.dimensions > 2 { "spheres" } else { "discs" };
-        format!("{grains} {} friction", if self.has_friction { "with" } else { "without" })
-    }
-
-    /// Returns the size, in words.
-    pub fn size(&self) -> String {
-        let Self { grains, contacts, dimensions, .. } = self;
-        if *grains == 0 && self.of_grain == 0 {
-            let plural = if *dimensions == 1 { "" } else { "s" };
-            return format!("{contacts} contacts of {dimensions} unknown{plural}, W alone");
-        }
-        let between = if *dimensions > 2 { " between spheres" } else { "" };
-        let friction = if self.has_friction { " with friction" } else { "" };
-        format!("{grains} grains, {contacts} contacts{between}{friction}")
-    }
-}
-
-/// A contact between grains.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touching {
-    /// The candidate grain.
-    pub candidate: u32,
-    /// The antagonist; `None` for a wall.
-    pub antagonist: Option<u32>,
-    /// From the antagonist to the candidate (–).
-    pub normal: [f64; 3],
-    /// Gap at detection (m).
-    pub gap: f64,
-    /// μ (–); 0 without friction.
-    pub friction: f64,
-}
 
 /// Conditions of a run.
 #[derive(Clone, Copy)]
@@ -189,19 +136,6 @@ pub trait OneProblem: Send + Sync {
     /// # Errors
     /// None: what is taken from a problem is valid.
     fn share(&self, cut: &Decomposition, team: &Team, whole: Whole) -> Result<Box<dyn OneShare>>;
-}
-
-/// The kind and size of a problem of a mechanics.
-pub(crate) fn facts<M: Form>(grains: usize, contacts: usize) -> Facts {
-    Facts {
-        mechanics: M::NAME,
-        has_friction: M::HAS_FRICTION,
-        dimensions: M::Place::LEN,
-        grains,
-        contacts,
-        of_grain: M::Velocity::LEN,
-        of_contact: M::Impulse::LEN,
-    }
 }
 
 /// A tangential impulse that is nearer to its bound than this slides (–).

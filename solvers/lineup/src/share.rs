@@ -1,7 +1,8 @@
 //! The share of a rank in a problem, whatever the mechanics; and the first line of the file of a subdomain.
 
+use crate::facts::{Facts, facts};
 use crate::form::Form;
-use crate::problem::{Facts, admits, facts};
+use crate::problem::admits;
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
 use contact::{Discs, Mechanics, RoughDiscs, RoughSpheres, Spheres, Vector};

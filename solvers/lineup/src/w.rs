@@ -1,7 +1,8 @@
 //! Problems as they are posed: between grains, or as W alone.
 
+use crate::facts::Facts;
 use crate::methods::Ours;
-use crate::problem::{Facts, Observe, OneProblem, Run};
+use crate::problem::{Observe, OneProblem, Run};
 use active_set::ActiveSet;
 use anyhow::{Result, bail, ensure};
 use contact::Measure;
