@@ -28,7 +28,10 @@ mod team {
     pub(crate) mod bench;
     #[cfg(feature = "mpi")]
     mod main;
+    mod parts;
     pub(crate) mod ping;
+    mod run;
+    mod share;
     pub(crate) mod solve;
     pub(crate) mod split;
     #[cfg(test)]
@@ -66,49 +69,37 @@ mod study {
 
 /// A task becomes a row.
 mod run {
+    mod answer;
     mod curve;
     mod execute;
     mod external;
     mod homogenised;
-    #[cfg(any(feature = "mpi", test))]
-    mod on_ranks;
-    mod on_w;
-    mod problem;
+    pub(crate) mod problem;
     mod repeats;
     mod rows;
-    #[cfg(any(feature = "mpi", test))]
-    mod shared;
     mod simulation;
     #[cfg(test)]
     mod tests;
     mod vtk;
 
+    pub(crate) use answer::{asked, outcome, to_json};
     pub(crate) use curve::{Recorder, decades, first_at};
     pub(crate) use execute::{Conditions, How, Task, few, in_parallel, in_the_pool};
-    pub(crate) use external::{Ended, Observe, ended};
+    pub(crate) use external::{Ended, ended};
     pub(crate) use homogenised::homogenised;
-    pub(crate) use on_w::{OnW, solved_on_w};
-    pub(crate) use problem::{OneProblem, Snapshots};
+    pub(crate) use problem::{Snapshots, run_on_problem};
     pub(crate) use repeats::{Kept, Made, refused, repeated};
-    pub(crate) use rows::{
-        asked, derived, ended_row, given_row, nothing_done, of_task, partitions, scene_rows,
-    };
+    pub(crate) use rows::{derived, ended_row, given_row, partitions, scene_rows, skipped_row};
     pub(crate) use simulation::{End, Seen, Through, missed, observed, run_simulation, through_time};
     pub(crate) use vtk::Frames;
-    #[cfg(any(feature = "mpi", test))]
-    pub(crate) use {
-        on_ranks::{OnAllRanks, exchanged, on_ranks},
-        problem::skipped_row,
-        shared::{OnShare, Posted, Shared, Source, cut_of, is_split, share, whole_of},
-    };
 }
 
 /// Frozen problems, cases, scenes, and what is known of their solutions.
 mod problems {
-    mod case;
+    pub(crate) mod case;
     mod files;
-    mod mechanics;
-    mod parts;
+    mod given;
+    pub(crate) mod parts;
     mod planned;
     mod pool;
     mod reference;
@@ -117,18 +108,13 @@ mod problems {
     mod tests;
 
     pub(crate) use case::{CaseProblem, KeptProblem, Marcher, first_hash, overrides, read_case, warn};
-    pub(crate) use files::{Kind, Root, is_toml, size, size_of_w, stem};
-    pub(crate) use mechanics::{AnyProblem, Enter, Studied, Visit, enter, in_words, visit};
-    pub(crate) use parts::{Impulses, Part};
-    pub(crate) use planned::{MARCH, MISSED_BEFORE, PlannedProblem, Problem, planned, spectrum};
-    pub(crate) use pool::pool;
-    pub(crate) use reference::{Given, Known, answer};
+    pub(crate) use files::{Kind, Root, is_toml, stem};
+    pub(crate) use given::Given;
+    pub(crate) use parts::{Impulses, write_parts};
+    pub(crate) use planned::{MARCH, MISSED_BEFORE, PlannedProblem, Problem, planned};
+    pub(crate) use pool::{polished_to, pool};
+    pub(crate) use reference::{Known, answer};
     pub(crate) use scene::{Scene, TIME_STEP};
-    #[cfg(any(feature = "mpi", test))]
-    pub(crate) use {
-        case::replaced,
-        parts::{MadeOf, cut, make, own, solution_folder},
-    };
 }
 
 /// The plan file: methods with their settings, axes, rules.
@@ -147,10 +133,8 @@ mod plan {
     pub(crate) use checks::MOST_REPEATS;
     pub(crate) use external::{External, Programme, last_line};
     pub(crate) use file::{Curves, Plan, PlannedCase};
-    #[cfg(test)]
-    pub(crate) use methods::METHODS;
     pub(crate) use methods::{
-        Entry, Method, Ours, Runs, key_value, method_names, methods, read_external, refuse_repeated,
+        Entry, Method, Runs, key_value, method, method_names, methods, read_external, refuse_repeated,
     };
     pub(crate) use rules::{Rule, Simulate};
     pub(crate) use variants::{PlannedMethod, Variant, WarmStart, as_typed, last_parts, pairs};

@@ -1,13 +1,12 @@
 //! The methods for a program that is not the command line, such as the Python package of `harness/python`: a problem is
 //! text, an error is what `gravel` would print.
 
-use crate::cli::solve::{asked, outcome, to_json};
 use crate::plan::{Curves, Method, read_external};
-use crate::problems::{CaseProblem, Known, Root, Studied, Visit, is_toml, visit};
-use crate::run::{Recorder, in_the_pool};
+use crate::problems::{CaseProblem, Problem, Root, is_toml};
+use crate::run::{Recorder, asked, in_the_pool, outcome, to_json};
 use anyhow::{Context, Result, anyhow, bail};
-use cases::{AnyFrozen, Frozen};
-use contact::{Measure, Touch, Vector};
+use cases::AnyFrozen;
+use contact::Measure;
 use runner::{Progress, Stop};
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -75,18 +74,16 @@ pub fn problem(
 /// # Errors
 /// Says what `gravel` would print.
 pub fn solve(text: &str, request: &str, stops: impl Fn() -> bool + Send + Sync) -> Result<Solved, String> {
-    let solved = || -> Result<Solved> {
+    let run = || -> Result<Solved> {
         let root = root()?;
         let request: Value = serde_json::from_str(request)?;
         let request: Request = serde_path_to_error::deserialize(request)
             .map_err(|error| anyhow!("`{}`: {}", error.path(), error.inner()))?;
         let frozen = AnyFrozen::of_text(Path::new("the problem"), text)?;
         let method = Method::new(&request.method, request.settings.clone())?;
-        in_the_pool(|| {
-            visit(frozen, Solve { root: &root, request: &request, method: &method, stops: &stops })
-        })
+        in_the_pool(|| solved(&root, &request, &method, frozen, &stops))
     };
-    solved().map_err(|error| crate::in_one_paragraph(&error))
+    run().map_err(|error| crate::in_one_paragraph(&error))
 }
 
 /// The checkout around the current folder, if there is one; other codes are those of the first.
@@ -96,48 +93,33 @@ fn root() -> Result<Root> {
     Ok(root)
 }
 
-/// A problem is to be solved.
-struct Solve<'s> {
-    root: &'s Root,
-    request: &'s Request,
-    method: &'s Method,
-    stops: &'s (dyn Fn() -> bool + Sync),
-}
-
-impl Visit for Solve<'_> {
-    type Output = Result<Solved>;
-
-    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Result<Solved> {
-        let Self { root, request: Request { stop, warm_start, truth, .. }, method, stops } = self;
-        stop.check()?;
-        let known = *truth || stop.on == Measure::VelocityError;
-        let known = if known { M::known(root, &frozen)? } else { Known::default() };
-        let mut recorder = Recorder::new(Curves::Whole);
-        let mut observe = |progress: &Progress| {
-            recorder.observe(progress);
-            if stops() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
-        let outcome = outcome(&known, &frozen, (method, stop), &frozen.start(*warm_start), &mut observe)
-            .with_context(|| format!("method `{}` on {}", method.name, frozen.name))?;
-        let mut told = to_json(asked(&frozen, method, stop, *warm_start), &outcome)?;
-        told["residuals"] = serde_json::to_value(outcome.measures)?;
-        told["curve"] = serde_json::to_value(recorder.finish())?;
-        let contacts = frozen.problem.contacts().iter();
-        let relative = contacts.map(|contact| contact.relative(&outcome.velocity) + contact.offset());
-        Ok(Solved {
-            told,
-            of_grain: M::Velocity::LEN,
-            of_contact: M::Impulse::LEN,
-            relative_velocity: flat(relative),
-            velocity: flat(outcome.velocity.iter().copied()),
-            impulses: outcome.impulses,
-        })
-    }
-}
-
-/// The numbers of all, one after the other.
-fn flat<V: Vector>(list: impl Iterator<Item = V>) -> Vec<f64> {
-    let mut numbers = Vec::new();
-    list.for_each(|vector| vector.each(&mut |x| numbers.push(x)));
-    numbers
+fn solved(
+    root: &Root,
+    Request { stop, warm_start, truth, .. }: &Request,
+    method: &Method,
+    frozen: AnyFrozen,
+    stops: &dyn Fn() -> bool,
+) -> Result<Solved> {
+    stop.check()?;
+    let problem = Problem::alone(frozen, *truth || stop.on == Measure::VelocityError);
+    let known = problem.known(root)?;
+    let mut recorder = Recorder::new(Curves::Whole);
+    let mut observe = |progress: &Progress| {
+        recorder.observe(progress);
+        if stops() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let outcome = outcome(&problem, known, (method, stop), &problem.start(*warm_start), &mut observe)
+        .with_context(|| format!("method `{}` on {}", method.name, problem.name))?;
+    let mut told = to_json(asked(&problem, method, stop, *warm_start), &outcome)?;
+    told["residuals"] = serde_json::to_value(outcome.measures)?;
+    told["curve"] = serde_json::to_value(recorder.finish())?;
+    let (facts, of_grains) = (problem.posed.facts(), problem.posed.grains()?);
+    Ok(Solved {
+        told,
+        of_grain: facts.of_grain,
+        of_contact: facts.of_contact,
+        relative_velocity: of_grains.relative_velocity(&outcome.impulses),
+        velocity: of_grains.velocity(&outcome.impulses),
+        impulses: outcome.impulses,
+    })
 }

@@ -117,6 +117,24 @@ fn flat(row: &impl Serialize) -> PolarsResult<Vec<Field>> {
     Ok(flat)
 }
 
+/// Returns the values of a row as a text file holds them, each with its column; what is undefined is empty.
+///
+/// # Errors
+///
+/// If the row holds what no column can.
+pub fn cells(row: &impl Serialize) -> PolarsResult<Vec<(String, String)>> {
+    let text = |value: Value| -> PolarsResult<String> {
+        Ok(match cell(value)? {
+            AnyValue::Null => String::new(),
+            AnyValue::Float64(number) => number.to_string(),
+            AnyValue::UInt64(count) => count.to_string(),
+            AnyValue::StringOwned(text) => text.to_string(),
+            other => other.to_string(),
+        })
+    };
+    flat(row)?.into_iter().map(|(name, value)| Ok((name, text(value)?))).collect()
+}
+
 /// The type of a column that holds `value`; unknown of a null.
 fn kind(value: &Value) -> PolarsResult<Option<DataType>> {
     Ok(Some(match value {

@@ -6,13 +6,12 @@ use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use seal::{Damaged, opened, sealed};
+use seal::{opened, sealed};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
+use crate::error::{RowError, StoreError, at};
 use crate::schema::{Provenance, Run, STATUSES, Sample, Snapshot, Timing};
-use crate::store::{StoreError, at};
 
 /// Entry of a study's journal, one per line.
 pub trait Entry: Serialize + DeserializeOwned {
@@ -54,50 +53,6 @@ pub trait Entry: Serialize + DeserializeOwned {
                 (None, Some((name, b))) => return Some((name, none(), b)),
             }
         }
-    }
-}
-
-/// Why a row is not stored, or a line of a journal not taken.
-#[derive(Debug, Error)]
-pub enum RowError {
-    /// It does not say where it comes from.
-    #[error("provenance: `{0}` is unknown, and a run without it is not stored")]
-    Untraced(&'static str),
-    /// The operating system does not describe the machine.
-    #[error("provenance: the processor cannot be read: {0}")]
-    System(String),
-    /// A text is none of those that it can be.
-    #[error("`{key}` is \"{value}\": it must be one of {}", known.join(", "))]
-    Name {
-        /// Key of the text.
-        key: &'static str,
-        /// The text.
-        value: String,
-        /// Accepted texts.
-        known: Vec<&'static str>,
-    },
-    /// A line was changed after it was written.
-    #[error(transparent)]
-    Damaged(#[from] Damaged),
-    /// A line has lost its checksum.
-    #[error("damaged: it has no checksum, and a line before it has one")]
-    Unsealed,
-    /// A line is no row, or one of another version of the schema.
-    #[error("not a run as this version writes them: {0}")]
-    Json(#[from] serde_json::Error),
-}
-
-impl RowError {
-    /// Refuses a text that is none of the `known` ones.
-    ///
-    /// # Errors
-    ///
-    /// Names the key, the text and those that are known.
-    pub fn unless_known(key: &'static str, value: &str, known: &[&'static str]) -> Result<(), Self> {
-        if known.contains(&value) {
-            return Ok(());
-        }
-        Err(Self::Name { key, value: value.to_owned(), known: known.to_vec() })
     }
 }
 

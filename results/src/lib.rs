@@ -1,6 +1,7 @@
 //! Measurements: the schema of the tables, their storage, their provenance.
 
 pub mod columns;
+pub mod error;
 pub mod journal;
 mod json;
 pub mod provenance;
@@ -12,5 +13,6 @@ pub mod store;
 pub mod study;
 #[cfg(test)]
 mod tests;
+pub mod whole;
 
 pub use reached::{STAYED, reached};

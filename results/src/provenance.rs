@@ -3,7 +3,7 @@
 use jiff::Timestamp;
 use sysinfo::{CpuRefreshKind, MemoryRefreshKind, RefreshKind, System};
 
-use crate::journal::RowError;
+use crate::error::RowError;
 use crate::schema::Provenance;
 
 impl Provenance {

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::ops::AddAssign;
 
-use crate::journal::{Entry, RowError, named};
+use crate::error::RowError;
+use crate::journal::{Entry, named};
 use crate::json;
 use crate::schema::{Provenance, Timing};
 

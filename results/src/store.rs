@@ -6,12 +6,11 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use polars::prelude::{CsvWriter, PolarsError, PolarsResult, SerWriter};
+use polars::prelude::{CsvWriter, PolarsResult, SerWriter};
 use rayon::prelude::*;
-use seal::Damaged;
-use thiserror::Error;
 
-use crate::journal::{Entry, Journal, Lines, Record, RowError, read as read_journal};
+use crate::error::{StoreError, at};
+use crate::journal::{Entry, Journal, Lines, Record, read as read_journal};
 use crate::schema::{Run, Sample, Snapshot};
 use crate::seal::seal_tables;
 use crate::simulation::{Observed, Simulated, Simulation};
@@ -19,80 +18,13 @@ use crate::study::{
     CONTACTS, CURVES, GRAINS, Named, RUN, RUNS, Runs, SERIES, SIMULATION, SIMULATIONS, SNAPSHOTS, Study,
     TABLES,
 };
-pub(crate) use files::at;
-pub use files::behind_links;
-use files::{Tables, lock, new_dated_folder, parquet_of, remove_unfinished, write_whole};
+use crate::whole;
+use files::{Tables, lock, new_dated_folder, parquet_of};
 
 const JOURNAL: &str = "journal.jsonl";
 const LOCK: &str = "lock";
 /// Problems of the last good states of simulations that exploded.
 pub const LAST_STATES: &str = "last-states";
-
-/// Why a study was not written or read.
-#[derive(Debug, Error)]
-pub enum StoreError {
-    /// A file or folder cannot be made, opened, written or renamed.
-    #[error("{path}: {source}")]
-    File {
-        /// Which one.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// A table cannot be put into a file's format, or a file does not hold a table.
-    #[error("{path}: {source}")]
-    Format {
-        /// Which file.
-        path: PathBuf,
-        /// Why.
-        source: PolarsError,
-    },
-    /// A table was changed after it was written.
-    #[error("{path}: {source}; `gravel bench` makes the tables again from the journal")]
-    Damaged {
-        /// Which file.
-        path: PathBuf,
-        /// In what it shows.
-        source: Damaged,
-    },
-    /// Two tables of a study were not written together.
-    #[error(
-        "{} is not of the same time as {}: the program was stopped between them; `gravel bench` makes the tables again \
-         from the journal",
-        path.display(),
-        other.display()
-    )]
-    Apart {
-        /// Which file.
-        path: PathBuf,
-        /// The one that was read before it.
-        other: PathBuf,
-    },
-    /// A line of a journal is damaged, or no run as this version writes them.
-    #[error("{path}, line {line}: {source}")]
-    Line {
-        /// Which journal.
-        path: PathBuf,
-        /// Which line, counted from 1.
-        line: usize,
-        /// Why.
-        source: RowError,
-    },
-    /// Another process writes to the study.
-    #[error("{folder} is being written by {holder}: wait until it ends, or stop it")]
-    InUse {
-        /// Which study.
-        folder: PathBuf,
-        /// Process that writes to it.
-        holder: String,
-    },
-    /// A run does not say where it comes from, or ended as nothing ends.
-    #[error(transparent)]
-    Entry(#[from] RowError),
-    /// A plan's name is the name of a folder.
-    #[error("plan `{0}`: its name must be one folder's name, not starting with a dot")]
-    Plan(String),
-}
 
 /// A study that this process, and no other, writes to: runs on problems, or simulations.
 #[derive(Debug)]
@@ -116,7 +48,7 @@ impl<R: Entry> Store<R> {
         let folder = folder(root, plan)?;
         fs::create_dir_all(&folder).map_err(at(&folder))?;
         let lock = lock(&folder.join(LOCK))?;
-        remove_unfinished(&folder)?;
+        whole::remove_abandoned(&folder).map_err(at(&folder))?;
         let (journal, lines) = Journal::open(&folder.join(JOURNAL))?;
         Ok(Self { folder, journal, lines, _lock: lock })
     }
@@ -171,14 +103,24 @@ impl<R: Entry> Store<R> {
         seal_tables(&mut bytes)
             .map_err(|source| StoreError::Damaged { path: self.folder.clone(), source })?;
         named.into_par_iter().zip(bytes).try_for_each(|(Named { name, mut table, csv }, bytes)| {
-            write_whole(&parquet(&self.folder, name), |file| Ok(file.write_all(&bytes)?))?;
+            write_table(&parquet(&self.folder, name), |file| Ok(file.write_all(&bytes)?))?;
             if csv {
                 let path = self.folder.join(name).with_extension("csv");
-                write_whole(&path, |file| CsvWriter::new(file).finish(&mut table))?;
+                write_table(&path, |file| CsvWriter::new(file).finish(&mut table))?;
             }
             Ok(())
         })
     }
+}
+
+/// Writes a table whole, to the disk.
+fn write_table(path: &Path, write: impl FnOnce(&mut File) -> PolarsResult<()>) -> Result<(), StoreError> {
+    let format = |source| StoreError::Format { path: path.to_owned(), source };
+    whole::write(path, |file| {
+        write(file)?;
+        Ok(file.sync_all()?)
+    })
+    .map_err(format)
 }
 
 impl Store {

@@ -1,7 +1,8 @@
 //! Rows as tables and back; and rows for the other tests of this crate.
 
 use crate::columns::{keyed, keys, rows, table};
-use crate::journal::{Record, RowError};
+use crate::error::RowError;
+use crate::journal::Record;
 use crate::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
 use crate::simulation::{Observed, Simulation};
 use contact::{Measures, Work};

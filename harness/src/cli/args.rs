@@ -7,6 +7,8 @@ use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Case};
 use contact::Measure;
 use runner::Stop;
+use serde::Deserialize;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// A plan on the command line.
@@ -40,11 +42,11 @@ pub(crate) struct StudyArgs {
 #[derive(clap::Args)]
 pub(crate) struct SceneArgs {
     #[command(flatten)]
-    case: CaseArgs,
+    pub(crate) case: CaseArgs,
     /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]; those before
     /// it are solved by preconditioned cg, or with friction by accelerated nsgs, whatever the method
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
-    time_step: Option<String>,
+    pub(crate) time_step: Option<String>,
 }
 
 /// A method and until when it runs, on the command line.
@@ -82,6 +84,26 @@ pub(crate) struct CaseArgs {
     /// A value of the case file to replace, such as sample.grains=250 or scene.law=iqs; may be repeated
     #[arg(long = "scene", value_name = "KEY=VALUE", value_parser = key_value)]
     pub(crate) overrides: Vec<(String, String)>,
+}
+
+/// The impulses to begin from.
+#[derive(Clone, PartialEq, Eq)]
+pub(crate) enum Start {
+    Cold,
+    Warm,
+    From(PathBuf),
+}
+
+impl Start {
+    /// Any word but the two is a place.
+    pub(crate) fn read(text: &str) -> Result<Self, String> {
+        Ok(match text {
+            "" => return Err("cold, warm, or where impulses are".to_owned()),
+            "cold" => Self::Cold,
+            "warm" => Self::Warm,
+            place => Self::From(place.into()),
+        })
+    }
 }
 
 /// A number on the command line.
@@ -176,23 +198,6 @@ impl SceneArgs {
         pairs("scene", &self.case.overrides).chain(time_step)
     }
 
-    /// The case of a file, of which time step 1 is asked, and what is replaced in it.
-    #[cfg(any(feature = "mpi", test))]
-    pub(crate) fn case_at_first(&self, path: &Path) -> Result<(cases::Case, &[(String, String)])> {
-        if !is_toml(path) {
-            bail!("{}: it is a frozen problem, which `gravel split` splits", path.display());
-        }
-        let overrides = &self.case.overrides;
-        let case = cases::Case::read(path, overrides)?;
-        let time_step = self.time_step.clone().unwrap_or_else(|| case.solve_at.to_string());
-        if time_step != "1" {
-            bail!(
-                "--time-step {time_step}: it must be 1 where ranks make a problem, before anything has moved"
-            );
-        }
-        Ok((case, overrides))
-    }
-
     /// The problem of a file.
     pub(crate) fn problem(&self, path: &Path) -> Result<AnyFrozen> {
         if is_toml(path) {
@@ -218,9 +223,7 @@ impl SolverArgs {
 
     /// Returns the method, or else accelerated sweeps with friction and cg without.
     pub(crate) fn through(&self, case: &Case) -> Result<(Method, Stop)> {
-        let is_frictional = case.scene.is_rough();
-        let method = if is_frictional { Method::accelerated_sweeps() } else { Method::parse("cg", &[]) };
-        self.or((method?, Stop::default()))
+        self.or((Method::marching(case.scene.is_rough(), "none")?, Stop::default()))
     }
 
     /// The method, or else this one; it stops as given here, unless an argument says otherwise.
@@ -257,6 +260,12 @@ impl StopArgs {
         stop.check()?;
         Ok(stop)
     }
+}
+
+/// A value as the settings of a method have it.
+pub(crate) fn read<T: for<'v> Deserialize<'v>>(text: &str) -> Result<T, String> {
+    let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
+    T::deserialize(value).map_err(|error| error.to_string())
 }
 
 pub(crate) fn measure(name: &str) -> Result<Measure, String> {

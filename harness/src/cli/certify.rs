@@ -1,15 +1,14 @@
 //! `gravel certify`: what a solution leaves of the contact problem, condition by condition.
 
-use crate::problems::{Given, Root, Studied, answer, pool, size};
+use crate::problems::{Given, Root, answer, pool};
 use crate::terminal::{exit, say};
-use active_set::ActiveSet;
-use analysis::Meter;
 use anyhow::Result;
-use cases::{AnyFrozen, Frozen};
-use contact::{ContactProblem, Packing, RoughDiscs, Smooth, Solver, Truth, greatest};
+use cases::AnyFrozen;
+use contact::{Packing, RoughDiscs};
+use lineup::{Law, OneProblem};
 use reference::{
-    Answer, Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, Rough, RoughSolution, certify,
-    distance, existence, isolation,
+    Answer, Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, RoughSolution, existence,
+    isolation,
 };
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -28,83 +27,102 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    match AnyFrozen::read(&root.problem(&args.problem)?)? {
-        AnyFrozen::Discs(frozen) => smooth(root, args, &frozen),
-        AnyFrozen::RoughDiscs(frozen) => rough(root, args, &frozen, Some(&IN_THE_PLANE)),
-        AnyFrozen::Spheres(frozen) => smooth(root, args, &frozen),
-        AnyFrozen::RoughSpheres(frozen) => rough(root, args, &frozen, None),
-    }
-}
-
-/// Further analyses of a problem with friction: existence of a solution, and isolation of one.
-struct Theory<M: Rough> {
-    existence: fn(&Packing<M>) -> &'static str,
-    isolation: fn(&Packing<M>, &[f64]) -> String,
-}
-
-const IN_THE_PLANE: Theory<RoughDiscs> = Theory {
-    existence: existence_in_words,
-    isolation: |problem, r| isolation_in_words(&isolation(problem, r)),
-};
-
-/// Certifies a problem with friction: each solution of the pool, and how far apart they are.
-fn rough<M: Studied + Rough>(
-    root: &Root,
-    args: &Args,
-    frozen: &Frozen<M>,
-    theory: Option<&Theory<M>>,
-) -> Result<ExitCode>
-where
-    ActiveSet: Solver<M>,
-{
-    let problem = &frozen.problem;
-    let given = args.impulses.as_deref().map(|file| Given::read(file, problem)).transpose()?;
-    let pool = pool(root, frozen, args.starts)?;
-    say(format_args!("{}: {}", frozen.name, size(problem)))?;
-    let of_given = given.as_ref().map(|given| certify(problem, &given.impulse));
-    if let Some(certificate) = &of_given {
+    let frozen = AnyFrozen::read(&root.problem(&args.problem)?)?;
+    let name = frozen.name().to_owned();
+    let problem = &*lineup::problem(frozen);
+    let facts = problem.facts();
+    let given = args.impulses.as_deref().map(|file| Given::read(file, &facts)).transpose()?;
+    let given = given.map(|given| (problem.certify(&given.impulse), given.impulse));
+    // Certified solutions, or the best impulses; without friction the reason why none is certified.
+    let (found, why) = match problem.law() {
+        Law::Frictional { problem: law, .. } => (pool(root, problem, law, args.starts)?, String::new()),
+        Law::Frictionless(law) => match answer(root, problem, law)? {
+            Answer::Infeasible { .. } => (None, String::new()),
+            Answer::Solution { impulses, certificate } => {
+                (Some(vec![RoughSolution { impulses, certificate }]), String::new())
+            }
+            Answer::Unknown { impulses, certificate, why } => {
+                (Some(vec![RoughSolution { impulses, certificate }]), format!(": {why}"))
+            }
+        },
+    };
+    say(format_args!("{name}: {}", facts.size()))?;
+    if let Some((certificate, _)) = &given {
         say(format_args!("given impulses: {}", verdict(certificate)))?;
         print(certificate)?;
     }
-    let Some(pool) = pool else { return no_solution() };
+    let Some(solutions) = found else {
+        say(format_args!(
+            "the problem has no solution: normal impulses balance, in exact arithmetic, while contacts approach"
+        ))?;
+        return Ok(exit::code("no-solution"));
+    };
+    let r = given.as_ref().map(|(_, r)| &**r);
+    match problem.law() {
+        Law::Frictionless(_) => say_one(problem, &solutions, &why, r)?,
+        Law::Frictional { discs, .. } => say_several(problem, discs, &solutions, r)?,
+    }
+    // Where there is a solution, the given impulses are what is asked about; `take` keeps no other beside one that is certified.
+    let found = solutions.first().map(|solution| &solution.certificate);
+    Ok(exit::code(given.as_ref().map(|(certificate, _)| certificate).or(found).map_or("not certified", word)))
+}
+
+/// Prints the reference solution of a frictionless problem, or how far the `given` impulses (N·s) are from it.
+fn say_one(
+    problem: &dyn OneProblem,
+    solutions: &[RoughSolution],
+    why: &str,
+    given: Option<&[f64]>,
+) -> Result<()> {
+    for RoughSolution { impulses, certificate } in solutions {
+        say(format_args!("reference: {}{why}", verdict(certificate)))?;
+        let Some(given) = given.filter(|_| certificate.certified()) else {
+            print(certificate)?;
+            continue;
+        };
+        let measures = problem.measures(&[impulses.clone()], given);
+        say(format_args!("the given impulses beside it"))?;
+        say(format_args!("  {:<17}{:>10.1e}", "velocity_error", measures.velocity_error))?;
+        say(format_args!("  {:<17}{:>10.1e}", "energy_gap", measures.energy_gap))?;
+    }
+    Ok(())
+}
+
+/// Prints each solution of a problem with friction, and how far apart they are.
+fn say_several(
+    problem: &dyn OneProblem,
+    discs: Option<&Packing<RoughDiscs>>,
+    pool: &[RoughSolution],
+    given: Option<&[f64]>,
+) -> Result<()> {
     let unknown =
         "whether a solution exists, and whether one stands alone, is looked into between discs alone";
-    say(format_args!("{}", theory.map_or(unknown, |theory| (theory.existence)(problem))))?;
-    if let Some(Given { impulse, .. }) = &given
-        && let Some((n, apart)) = pool
-            .iter()
-            .map(|solution| distance(problem, &solution.impulses, impulse))
-            .enumerate()
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-    {
+    say(format_args!("{}", discs.map_or(unknown, existence_in_words)))?;
+    let apart = |given| pool.iter().map(move |solution| problem.distance(&solution.impulses, given));
+    let nearest = given.and_then(|given| apart(given).enumerate().min_by(|a, b| a.1.total_cmp(&b.1)));
+    if let Some((n, apart)) = nearest {
         say(format_args!("  its velocity is nearest to that of solution {}: {apart:.1e} apart", n + 1))?;
     }
     for (n, solution) in pool.iter().enumerate() {
-        let apart = distance(problem, &pool[0].impulses, &solution.impulses);
+        let apart = problem.distance(&pool[0].impulses, &solution.impulses);
         let of_first =
             if n == 0 { String::new() } else { format!(", {apart:.1e} from the first in velocity") };
         say(format_args!("solution {}: {}{of_first}", n + 1, verdict(&solution.certificate)))?;
         if given.is_none() {
             print(&solution.certificate)?;
         }
-        if let (Some(theory), true) = (theory, solution.certificate.certified()) {
-            say(format_args!("  {}", (theory.isolation)(problem, &solution.impulses)))?;
+        if solution.certificate.certified()
+            && let Some(discs) = discs
+        {
+            say(format_args!("  {}", isolation_in_words(&isolation(discs, &solution.impulses))))?;
         }
     }
-    if let [first, _, ..] = &pool[..] {
-        let pairs = pool.iter().enumerate().flat_map(|(k, a)| pool[..k].iter().map(move |b| (a, b)));
-        let apart = |a: &RoughSolution, b: &RoughSolution| {
-            let [a, b] = [a, b].map(|solution| Truth::new(problem, &solution.impulses));
-            problem.velocity_distance(a.velocity(), b.velocity())
-        };
-        let spread = greatest(pairs.map(|(a, b)| apart(a, b)));
-        let size = Truth::new(problem, &first.impulses);
-        let size = problem.velocity_distance(size.velocity(), problem.free_velocity());
-        say(format_args!("spread of the {} solutions in velocity: {:.2e}", pool.len(), spread / size))?;
+    if pool.len() > 1 {
+        let all: Vec<&[f64]> = pool.iter().map(|solution| &*solution.impulses).collect();
+        let spread = problem.spread(&all);
+        say(format_args!("spread of the {} solutions in velocity: {spread:.2e}", pool.len()))?;
     }
-    // `take` keeps no other beside one that is certified.
-    let certificate = of_given.as_ref().or(pool.first().map(|solution| &solution.certificate));
-    Ok(exit::code(certificate.map_or("not certified", word)))
+    Ok(())
 }
 
 /// Returns, in words, whether a solution exists.
@@ -132,46 +150,6 @@ fn isolation_in_words(isolation: &Isolation) -> String {
     )
 }
 
-fn no_solution() -> Result<ExitCode> {
-    say(format_args!(
-        "the problem has no solution: normal impulses balance, in exact arithmetic, while contacts approach"
-    ))?;
-    Ok(exit::code("no-solution"))
-}
-
-fn smooth<const D: usize>(root: &Root, args: &Args, frozen: &Frozen<Smooth<D>>) -> Result<ExitCode>
-where
-    Smooth<D>: Studied,
-{
-    let problem = &frozen.problem;
-    let given = args.impulses.as_deref().map(|file| Given::read(file, problem)).transpose()?;
-    let reference = answer(root, frozen)?;
-    say(format_args!("{}: {}", frozen.name, size(problem)))?;
-    let of_given = given.as_ref().map(|given| certify(problem, &given.impulse));
-    if let Some(certificate) = &of_given {
-        say(format_args!("given impulses: {}", verdict(certificate)))?;
-        print(certificate)?;
-    }
-    let of_reference = match &reference {
-        Answer::Infeasible { .. } => return no_solution(),
-        Answer::Unknown { certificate, why, .. } => {
-            say(format_args!("reference: {}: {why}", verdict(certificate)))?;
-            print(certificate)?;
-            certificate
-        }
-        Answer::Solution { impulses, certificate } => {
-            say(format_args!("reference: {}", verdict(certificate)))?;
-            match &given {
-                Some(given) => print_errors(problem, &Truth::new(problem, impulses), &given.impulse)?,
-                None => print(certificate)?,
-            }
-            certificate
-        }
-    };
-    // Where there is a solution, the given impulses are what is asked about.
-    Ok(exit::code(word(of_given.as_ref().unwrap_or(of_reference))))
-}
-
 fn word(certificate: &Certificate) -> &'static str {
     if certificate.certified() { "certified" } else { "not certified" }
 }
@@ -197,15 +175,4 @@ fn print(certificate: &Certificate) -> Result<()> {
         ))?;
     }
     Ok(())
-}
-
-fn print_errors<const D: usize>(
-    problem: &ContactProblem<Smooth<D>>,
-    truth: &Truth<Smooth<D>>,
-    impulses: &[f64],
-) -> Result<()> {
-    let measures = Meter::new(problem).against(truth).measure(impulses, 0.0);
-    say(format_args!("the given impulses beside it"))?;
-    say(format_args!("  {:<17}{:>10.1e}", "velocity_error", measures.velocity_error))?;
-    say(format_args!("  {:<17}{:>10.1e}", "energy_gap", measures.energy_gap))
 }

@@ -2,10 +2,9 @@
 
 use crate::cli::args::SceneArgs;
 use crate::exchange::{Held, converted, is_foreign, read};
-use crate::problems::{Root, Studied, Visit, is_toml, visit};
+use crate::problems::{Root, is_toml};
 use crate::terminal::{check_apart, check_place, read_text, write_instead};
 use anyhow::Result;
-use cases::Frozen;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -39,17 +38,6 @@ fn held(root: &Root, args: &Args) -> Result<(PathBuf, Held)> {
     let path = root.problem_or_case(&args.from)?;
     let problem = args.scene.problem(&path)?;
     // The file as it is, where there is one.
-    let text = if is_toml(&path) { visit(problem, Text)? } else { read_text(&path)? };
+    let text = if is_toml(&path) { problem.to_json()? } else { read_text(&path)? };
     Ok((path, Held::Ours(text)))
-}
-
-/// The text of the problem file.
-struct Text;
-
-impl Visit for Text {
-    type Output = serde_json::Result<String>;
-
-    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Self::Output {
-        M::to_json(&frozen)
-    }
 }

@@ -4,12 +4,13 @@ use crate::cli::args::StudyArgs;
 use crate::cli::plan::runs;
 use crate::cli::schema::takes;
 use crate::exchange::{Held, read};
-use crate::plan::{External, Plan, methods};
-use crate::problems::{Kind, Root, Studied, Visit, size, size_of_w, stem, visit};
+use crate::plan::{Entry, External, Plan, methods};
+use crate::problems::{Kind, Root, stem};
 use crate::terminal::{say, say_table};
 use anyhow::Result;
-use cases::{AnyFrozen, Case, Frozen};
+use cases::{AnyFrozen, Case};
 use clap::ValueEnum;
+use lineup::Posed;
 use reports::Chart;
 
 #[derive(clap::Args)]
@@ -62,7 +63,7 @@ fn code(name: &str) -> String {
 }
 
 fn methods_in_brief() -> Vec<Vec<String>> {
-    methods().map(|entry| vec![code(entry.name), entry.what.to_owned()]).collect()
+    methods().map(|entry| vec![code(entry.name()), entry.what().to_owned()]).collect()
 }
 
 fn charts() -> Vec<Vec<String>> {
@@ -80,24 +81,14 @@ fn problems(root: &Root) -> Result<Vec<Vec<String>>> {
     for path in root.all(Kind::Frozen)? {
         let frozen = AnyFrozen::read(&path)?;
         let source = frozen.source().to_owned();
-        rows.push(vec![code(&stem(&path)), visit(frozen, Size), source]);
+        rows.push(vec![code(&stem(&path)), lineup::problem(frozen).facts().size(), source]);
     }
     for path in root.all(Kind::Foreign)? {
         let Held::Local(problem) = read(&path)? else { continue };
-        rows.push(vec![code(&stem(&path)), size_of_w(&problem), "another code".to_owned()]);
+        let size = Posed::W(Box::new(problem)).facts().size();
+        rows.push(vec![code(&stem(&path)), size, "another code".to_owned()]);
     }
     Ok(rows)
-}
-
-/// The size of a problem, in words.
-struct Size;
-
-impl Visit for Size {
-    type Output = String;
-
-    fn visit<M: Studied>(self, frozen: Frozen<M>) -> String {
-        size(&frozen.problem)
-    }
 }
 
 /// Lists the plans, with their numbers of runs if `counted`.
@@ -116,8 +107,8 @@ fn plans(root: &Root, counted: bool) -> Result<Vec<Vec<String>>> {
 
 fn say_methods() -> Result<()> {
     for entry in methods() {
-        say(format_args!("{:<16}{}", entry.name, entry.what))?;
-        if let Some(external) = entry.external() {
+        say(format_args!("{:<16}{}", entry.name(), entry.what()))?;
+        if let Entry::File(external) = entry {
             say_installed(external)?;
         }
         let settings = entry.settings();

@@ -69,12 +69,12 @@ fn plan() -> Value {
     plan
 }
 
-fn planned_method(entry: &Entry) -> Value {
+fn planned_method(entry: Entry) -> Value {
     let settings = entry.settings();
     let axes: Map<String, Value> = settings.iter().map(|(key, value)| (key.clone(), axis(value))).collect();
     let mut method = of::<PlannedMethod>();
     let keys = &mut method["properties"];
-    keys["method"] = json!({ "const": entry.name, "description": entry.what });
+    keys["method"] = json!({ "const": entry.name(), "description": entry.what() });
     for (table, settings) in [("set", settings), ("zip", axes.clone()), ("axes", axes)] {
         keys[table]["properties"] = settings.into();
         keys[table]["additionalProperties"] = false.into();

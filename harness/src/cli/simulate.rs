@@ -2,14 +2,15 @@
 
 use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::plan::{Method, Rule};
-use crate::problems::{Enter, Root, Studied, enter, read_case, warn};
+use crate::problems::{Root, read_case, warn};
 use crate::run::{End, Frames, Seen, missed, observed, through_time};
 use crate::terminal::{check_place, exit, merged, progress, say, write_sealed};
 use anyhow::{Context, Result, bail};
-use cases::{Case, Frozen, March, Start};
+use cases::{AnyFrozen, Case, Start};
 use indicatif::ProgressBar;
-use results::simulation::{Energy, Observed, Stress, Totals};
-use runner::Stop;
+use lineup::march;
+use results::columns::cells;
+use results::simulation::{Observed, Totals};
 use serde_json::json;
 use std::fs::File;
 use std::io::Write;
@@ -49,13 +50,6 @@ pub(crate) struct Args {
     solver: SolverArgs,
 }
 
-/// Columns of the output file.
-const COLUMNS: &str = "time_step,time_s,contacts,status,iterations,kinetic_energy_j,mean_height_m,greatest_overlap_m,\
-                       greatest_overlap_mean_diameters,mean_overlap_m,greatest_speed_m_per_s,floor_impulse_n_s,\
-                       left_impulse_n_s,right_impulse_n_s,walls_work_j,gap_work_j,shock_work_j,sliding_work_j,\
-                       energy_moved_j,energy_left_over_j,stress_xx_n_per_m,stress_xy_n_per_m,stress_yy_n_per_m,\
-                       coordination,bulk_solid_fraction,bulk_coordination,bulk_rattlers";
-
 /// Heading above the rows on the terminal.
 const HEADING: &str =
     " time step   time (s)  contacts  iterations  kinetic e. (J)    mean h. (m)  overlap (m)  floor (N·s)";
@@ -69,28 +63,8 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     }
     let case = read_case(&root.case(&args.case)?, &args.changes.overrides)?;
     let (method, stop) = args.solver.through(&case)?;
-    enter(&case, Marched { args, case: &case, method: &method, stop })?
-}
-
-/// A case is to be marched.
-struct Marched<'a> {
-    args: &'a Args,
-    case: &'a Case,
-    method: &'a Method,
-    stop: Stop,
-}
-
-impl Enter for Marched<'_> {
-    type Output = Result<ExitCode>;
-
-    fn enter<M: Studied>(self) -> Result<ExitCode> {
-        marched::<M>(self.args, self.case, self.method, self.stop)
-    }
-}
-
-fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) -> Result<ExitCode> {
-    let solver = method.solver::<M>()?;
-    let mut march = March::<M>::new(case)?;
+    let mut march = march(&case)?;
+    march.check(method.ours()?)?;
     warn(&case.name, march.warnings());
     let mut warned = false;
     let warm_start = match (args.cold, args.extrapolate) {
@@ -100,18 +74,18 @@ fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) ->
     };
     let rule = Rule { stop, warm_start };
     exit::listen_for_interrupts("the time steps that had ended are kept")?;
-    let mut kept = Kept::new(args, case, method)?;
+    let mut kept = Kept::new(args, &case, &method)?;
     if let Some(frames) = &mut kept.frames {
-        frames.begin(&march)?;
+        frames.begin(&*march)?;
     }
     if !args.json {
         say(format_args!("{HEADING}"))?;
     }
-    let see = &mut |seen: &Seen<M>| {
+    let see = &mut |seen: &Seen| {
         warned = warned || kept.bar.suspend(|| warn(&case.name, seen.march.moved_too_far()));
         kept.see(args, seen)
     };
-    let ended = through_time(&mut march, solver, &rule, args.time_steps, &exit::requested, see);
+    let ended = through_time(&mut *march, method.ours()?, &rule, args.time_steps, &exit::requested, see);
     let _whole = exit::whole();
     kept.bar.finish_and_clear();
     let (totals, end) = ended?;
@@ -142,7 +116,7 @@ fn marched<M: Studied>(args: &Args, case: &Case, method: &Method, stop: Stop) ->
         say(format_args!("{}", merged(object, serde_json::to_value(totals)?)))?;
     } else {
         kept.say(args)?;
-        let missed = missed.map(|text| text + advice(case, method));
+        let missed = missed.map(|text| text + advice(&case, &method));
         say_ending(&case.name, args, &totals, missed, &end, last_state)?;
     }
     Ok(exit::code(end.worst(&totals)))
@@ -163,29 +137,36 @@ impl Kept {
         let frames = args.vtk.as_ref().map(frames).transpose()?;
         let begin = |path: &PathBuf| -> Result<File> {
             let file = File::create_new(path);
-            file.and_then(|mut file| writeln!(file, "{COLUMNS}").map(|()| file))
+            let names: Vec<String> =
+                row(&Observed::default(), "", 0.0)?.into_iter().map(|(name, _)| name).collect();
+            file.and_then(|mut file| writeln!(file, "{}", names.join(",")).map(|()| file))
                 .with_context(|| path.display().to_string())
         };
         let rows = args.output.as_ref().map(begin).transpose()?;
         Ok(Self { rows, frames, bar: progress::bar(args.time_steps, "time steps"), reached: None })
     }
 
-    fn see<M: Studied>(&mut self, args: &Args, seen: &Seen<M>) -> Result<()> {
+    fn see(&mut self, args: &Args, seen: &Seen) -> Result<()> {
         let _whole = exit::whole();
-        let (k, row) = (seen.totals.time_steps, observed(seen));
+        let (k, observed) = (seen.totals.time_steps, observed(seen));
         if let (Some(file), Some(path)) = (&mut self.rows, &args.output) {
+            // Its own iterations, not those so far.
+            let own = Observed { iterations: seen.outcome.iterations, ..observed };
+            let row = row(&own, seen.outcome.status.name(), seen.march.mean_diameter())?;
+            let values: Vec<String> = row.into_iter().map(|(_, value)| value).collect();
             // At once, so that no half row is left.
-            file.write_all(line(seen, &row).as_bytes()).with_context(|| path.display().to_string())?;
+            let line = values.join(",") + "\n";
+            file.write_all(line.as_bytes()).with_context(|| path.display().to_string())?;
         }
         if let Some(frames) = self.frames.as_mut().filter(|_| k.is_multiple_of(args.every.get())) {
-            frames.add(row.time_s, seen.march, Some((seen.time_step, &seen.outcome.impulses)))?;
+            frames.add(observed.time_s, seen.march, Some((seen.problem, &seen.outcome.impulses)))?;
         }
         // Ten lines on the terminal, whatever the length.
         let shown_every = (args.time_steps / 10).max(1);
         if !args.json && (k.is_multiple_of(shown_every) || k == args.time_steps) {
-            self.bar.suspend(|| say_time_step(seen, &row))?;
+            self.bar.suspend(|| say_time_step(seen, &observed))?;
         }
-        self.reached = Some(row);
+        self.reached = Some(observed);
         self.bar.inc(1);
         Ok(())
     }
@@ -199,14 +180,14 @@ impl Kept {
 }
 
 /// Writes the problem of the last good state beside what else is written.
-fn last_state<M: Studied>(last: &Frozen<M>, args: &Args) -> Result<PathBuf> {
+fn last_state(last: &AnyFrozen, args: &Args) -> Result<PathBuf> {
     let folder = args.output.as_deref().and_then(Path::parent).or(args.vtk.as_deref());
-    let file = folder.unwrap_or(Path::new("")).join(format!("{}.json", last.name));
+    let file = folder.unwrap_or(Path::new("")).join(format!("{}.json", last.name()));
     let write = || -> Result<()> {
         if file.exists() {
             bail!("{} exists", file.display());
         }
-        write_sealed(&file, &M::to_json(last)?)
+        write_sealed(&file, &last.to_json()?)
     };
     write().context("the problem of its last good state was not written")?;
     Ok(file)
@@ -221,12 +202,12 @@ fn advice(case: &Case, method: &Method) -> &'static str {
     }
 }
 
-fn say_ending<M: Studied>(
+fn say_ending(
     case: &str,
     args: &Args,
     totals: &Totals,
     missed: Option<String>,
-    end: &End<M>,
+    end: &End,
     last_state: Option<Result<PathBuf>>,
 ) -> Result<()> {
     if !matches!(end, End::Completed) {
@@ -247,7 +228,7 @@ fn say_ending<M: Studied>(
     Ok(())
 }
 
-fn say_time_step<M: Studied>(seen: &Seen<M>, row: &Observed) -> Result<()> {
+fn say_time_step(seen: &Seen, row: &Observed) -> Result<()> {
     let Observed { time_step, time_s, contacts, kinetic_energy_j, mean_height_m, .. } = row;
     let solved = format!("{time_step:>10}  {time_s:>9.4}  {contacts:>8}  {:>10}", seen.outcome.iterations);
     let shown =
@@ -255,28 +236,17 @@ fn say_time_step<M: Studied>(seen: &Seen<M>, row: &Observed) -> Result<()> {
     say(format_args!("{solved}  {shown}  {:>11.4e}", row.floor_impulse_n_s))
 }
 
-/// A number as a field of the file, which is empty where it is not defined.
-fn or_empty(value: f64) -> String {
-    if value.is_nan() { String::new() } else { value.to_string() }
-}
-
-/// A row of the file.
-fn line<M: Studied>(seen: &Seen<M>, row: &Observed) -> String {
-    let Observed { time_step, time_s, contacts, kinetic_energy_j, mean_height_m, .. } = row;
-    let Observed { greatest_overlap_m, mean_overlap_m, greatest_speed_m_per_s, .. } = row;
-    let Observed { floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s, energy, .. } = row;
-    let Energy { walls_work_j, gap_work_j, shock_work_j, sliding_work_j, energy_moved_j, energy_left_over_j } =
-        energy;
-    let Stress { stress_xx_n_per_m, stress_xy_n_per_m, stress_yy_n_per_m, coordination, .. } = row.stress;
-    let bulk = [row.stress.bulk_solid_fraction, row.stress.bulk_coordination, row.stress.bulk_rattlers];
-    let [bulk_solid_fraction, bulk_coordination, bulk_rattlers] = bulk.map(or_empty);
-    let (status, iterations) = (seen.outcome.status.name(), seen.outcome.iterations);
-    let in_diameters = greatest_overlap_m / seen.march.mean_diameter();
-    format!(
-        "{time_step},{time_s},{contacts},{status},{iterations},{kinetic_energy_j},{mean_height_m},{greatest_overlap_m},\
-         {in_diameters},{mean_overlap_m},{greatest_speed_m_per_s},{floor_impulse_n_s},{left_impulse_n_s},\
-         {right_impulse_n_s},{walls_work_j},{gap_work_j},{shock_work_j},{sliding_work_j},{energy_moved_j},\
-         {energy_left_over_j},{stress_xx_n_per_m},{stress_xy_n_per_m},{stress_yy_n_per_m},{coordination},\
-         {bulk_solid_fraction},{bulk_coordination},{bulk_rattlers}\n"
-    )
+/// A row of the file, each value with its column: what is observed, the status of the solve, and the greatest overlap over the mean
+/// diameter of grains (m).
+fn row(observed: &Observed, status: &str, mean_diameter: f64) -> Result<Vec<(String, String)>> {
+    let mut row = cells(observed)?;
+    let in_diameters = (observed.greatest_overlap_m / mean_diameter).to_string();
+    for (after, name, value) in [
+        ("contacts", "status", status.to_owned()),
+        ("greatest_overlap_m", "greatest_overlap_mean_diameters", in_diameters),
+    ] {
+        let place = row.iter().position(|(column, _)| column == after).map_or(row.len(), |place| place + 1);
+        row.insert(place, (name.to_owned(), value));
+    }
+    Ok(row)
 }

@@ -1,13 +1,11 @@
 //! `gravel split` and `gravel join`: a problem as one file per subdomain, and the impulses of all subdomains as one file.
 
-use crate::cli::args::SceneArgs;
-use crate::problems::{Impulses, Known, Part, Root, Studied, Visit, size, visit};
+use crate::cli::args::{SceneArgs, read};
+use crate::problems::{Impulses, Problem, Root, write_parts};
 use crate::terminal::{check_place, say, write_whole};
 use anyhow::{Context, Result, bail};
-use cases::Frozen;
 use partition::{Grid, Scheme};
-use serde::Deserialize;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -42,18 +40,19 @@ pub(crate) struct JoinArgs {
     output: PathBuf,
 }
 
-/// A value as the settings of a method have it.
-pub(crate) fn read<T: for<'v> Deserialize<'v>>(text: &str) -> Result<T, String> {
-    let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
-    T::deserialize(value).map_err(|error| error.to_string())
-}
-
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let path = root.problem_or_case(&args.problem)?;
     let folder = &args.output;
     make_folder(folder)?;
-    let in_problem = || path.display().to_string();
-    visit(args.scene.problem(&path)?, Split { root, folder, args }).with_context(in_problem)
+    let Args { subdomains, partition, truth, .. } = args;
+    let problem = Problem::alone(args.scene.problem(&path)?, *truth);
+    let write = || -> Result<()> {
+        let known = problem.known(root)?;
+        write_parts(folder, problem.posed.grains()?, &known.impulses, (*subdomains, *partition))
+    };
+    write().with_context(|| path.display().to_string())?;
+    let (name, size) = (&problem.name, problem.posed.facts().size());
+    say(format_args!("{name}: {size}, as {} files in {}", subdomains.count(), folder.display()))
 }
 
 /// Makes an empty folder.
@@ -63,24 +62,6 @@ pub(crate) fn make_folder(folder: &Path) -> Result<()> {
         bail!("{}: the folder is not empty", folder.display());
     }
     Ok(())
-}
-
-struct Split<'a> {
-    root: &'a Root,
-    folder: &'a Path,
-    args: &'a Args,
-}
-
-impl Visit for Split<'_> {
-    type Output = Result<()>;
-
-    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Result<()> {
-        let Self { root, folder, args: Args { subdomains, partition, truth, .. } } = self;
-        let known = if *truth { M::known(root, &frozen)? } else { Known::default() };
-        Part::write_all(folder, &frozen, known.all_impulses(), (*subdomains, *partition))?;
-        let size = size(&frozen.problem);
-        say(format_args!("{}: {size}, as {} files in {}", frozen.name, subdomains.count(), folder.display()))
-    }
 }
 
 pub(crate) fn join(args: &JoinArgs) -> Result<()> {

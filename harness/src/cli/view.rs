@@ -3,13 +3,11 @@
 
 use crate::cli::args::{SceneArgs, StopArgs, measure};
 use crate::plan::{Method, Variant, key_value};
-use crate::problems::{Root, Studied, Visit, visit};
+use crate::problems::{Known, Problem, Root};
 use crate::run::{Ended, Snapshots, ended, partitions, scene_rows};
 use crate::store::{is_id, problem_of_run, stored_run};
 use crate::terminal::{check_place, create_folder_of, say, write_whole};
 use anyhow::{Context, Result, anyhow, bail};
-use cases::{AnyFrozen, Frozen};
-use contact::Truth;
 use partition::{Grid, Scheme};
 use results::journal::Record;
 use results::schema::Run;
@@ -48,7 +46,7 @@ pub(super) fn runs_of(contacts: usize) -> [String; 3] {
 
 /// Content of a page.
 struct Shown {
-    frozen: AnyFrozen,
+    problem: Problem,
     stop: Stop,
     /// A stored run, if one is shown: it is the first of the variants.
     stored: Option<Record>,
@@ -57,27 +55,8 @@ struct Shown {
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let shown = args.shown(root)?;
-    visit(shown.frozen.clone(), Film { root, args, shown: &shown })
-}
-
-/// A page is to be made.
-struct Film<'a> {
-    root: &'a Root,
-    args: &'a Args,
-    shown: &'a Shown,
-}
-
-impl Visit for Film<'_> {
-    type Output = Result<()>;
-
-    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Result<()> {
-        film(self.root, self.args, self.shown, &frozen)
-    }
-}
-
-fn film<M: Studied>(root: &Root, args: &Args, shown: &Shown, frozen: &Frozen<M>) -> Result<()> {
-    let Shown { stored, variants, .. } = shown;
-    let name = stored.as_ref().map_or(&frozen.name, |record| &record.run.id);
+    let Shown { problem, stored, variants, .. } = &shown;
+    let name = stored.as_ref().map_or(&problem.name, |record| &record.run.id);
     let file = format!("view-{name}.html");
     let default = || root.kept("reports/out", &file).unwrap_or_else(|| file.clone().into());
     let page = args.output.clone().unwrap_or_else(default);
@@ -86,17 +65,18 @@ fn film<M: Studied>(root: &Root, args: &Args, shown: &Shown, frozen: &Frozen<M>)
     }
     check_place(&page)?;
 
-    let known = M::known(root, frozen)?;
+    let known = problem.known(root)?;
     let mut filmed = Vec::new();
     for (n, variant) in variants.iter().enumerate() {
-        filmed.push(shown.iterates(frozen, variant, stored.as_ref().filter(|_| n == 0), known.truths())?);
+        filmed.push(shown.iterates(variant, stored.as_ref().filter(|_| n == 0), known)?);
     }
     let mut split = partitions(variants);
     if split.is_empty() {
         split.push(("1x1".to_owned(), Grid::ONE, Scheme::Boxes));
     }
-    let (grains, contacts) = scene_rows(frozen, &split, known.impulses());
-    let html = reports::view(&frozen.name, (&grains, &contacts), filmed, &args.again())?;
+    let r = known.impulses.first().map(Vec::as_slice);
+    let (grains, contacts) = scene_rows((&problem.name, problem.posed.grains()?), &split, r);
+    let html = reports::view(&problem.name, (&grains, &contacts), filmed, &args.again())?;
     write_whole(&page, &html)?;
     say(format_args!("{}", page.display()))
 }
@@ -110,12 +90,12 @@ impl Args {
             }
             path => path?,
         };
-        let frozen = self.scene.problem(&path)?;
+        let problem = Problem::alone(self.scene.problem(&path)?, true);
         if variants.is_empty() {
-            let runs = runs_of(frozen.size().1);
+            let runs = runs_of(problem.posed.facts().contacts);
             variants = runs.iter().map(|text| variant(text)).collect::<Result<_>>()?;
         }
-        Ok(Shown { frozen, stop: self.stop.of(Stop::default())?, stored: None, variants })
+        Ok(Shown { problem, stop: self.stop.of(Stop::default())?, stored: None, variants })
     }
 
     /// A stored run, and `others` beside it that begin as it does.
@@ -128,8 +108,8 @@ impl Args {
         let method = Method::new(&run.method, run.settings.clone()).with_context(|| name.clone())?;
         let mut variants = vec![Variant { method, warm_start, name: run.variant.clone() }];
         variants.extend(others.into_iter().map(|other| Variant { warm_start, ..other }));
-        let frozen = problem_of_run(root, run).context(name)?;
-        Ok(Shown { frozen, stop, stored: Some(record), variants })
+        let problem = Problem::alone(problem_of_run(root, run).context(name)?, true);
+        Ok(Shown { problem, stop, stored: Some(record), variants })
     }
 
     /// The command.
@@ -142,13 +122,13 @@ impl Args {
 
 impl Shown {
     /// The iterates of a run: those that are `stored`, or else those of a run now.
-    fn iterates<M: Studied>(
+    fn iterates(
         &self,
-        frozen: &Frozen<M>,
         variant: &Variant,
         stored: Option<&Record>,
-        truths: &[Truth<M>],
+        known: &Known,
     ) -> Result<reports::Snapshots> {
+        let problem = &self.problem;
         let label = variant.label();
         let as_stored = stored.filter(|record| stop_of(&record.run).is_ok_and(|stop| stop == self.stop));
         if let Some(Record { run, snapshots, .. }) = as_stored.filter(|record| !record.snapshots.is_empty()) {
@@ -156,15 +136,16 @@ impl Shown {
             say(format_args!("{label}: {ending} after {} iterations, as stored", run.iterations))?;
             return Ok(reports::Snapshots { label, ending, snapshots: snapshots.clone() });
         }
-        let (mut kept, start) = (Snapshots::of(&frozen.problem), frozen.start(variant.warm_start));
+        let (mut kept, start) = (Snapshots::of(&problem.posed), problem.start(variant.warm_start));
         let observe = &mut |progress: &Progress| {
             kept.observe(progress);
             ControlFlow::Continue(())
         };
-        let on_problem = || format!("method `{}` on {}", variant.method.name, frozen.name);
+        let truths = &known.impulses;
+        let run = lineup::Run { truths, r0: &start, stop: &self.stop, measured: Measured::Grid };
+        let on_problem = || format!("method `{}` on {}", variant.method.name, problem.name);
         let Ended { outcome, failed, .. } =
-            ended(&variant.method, truths, frozen, &start, &self.stop, Measured::Grid, observe)
-                .with_context(on_problem)?;
+            ended(&variant.method, problem, run, observe).with_context(on_problem)?;
         if let Some(why) = failed {
             bail!("{}: {why}", on_problem());
         }

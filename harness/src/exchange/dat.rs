@@ -3,9 +3,10 @@
 //! Numbers between blanks: unknowns of a contact, contacts, the matrices, the lists. A matrix is how it is stored, its rows and columns,
 //! then its entries: dense, column by column; or in blocks, each column by column; or as CSparse prints it, with six digits.
 
-use super::global::{Global, Triplets};
+use super::global::local;
 use super::symmetry::mirror;
 use anyhow::{Context, Result, anyhow, bail};
+use lineup::{Global, Triplets};
 use local::LocalProblem;
 use std::str::{FromStr, SplitAsciiWhitespace};
 
@@ -91,7 +92,7 @@ fn global(
     let friction = words.list("mu", contacts)?;
     nothing_more(words, rows, contacts)?;
     notes.extend(mirror(&mut mass));
-    Global { mass, h, f, w, friction }.local(dimension)
+    local(Global { mass, h, f, w, friction }, dimension)
 }
 
 /// A matrix: how it is stored, its rows and columns, its entries.

@@ -2,11 +2,9 @@
 //! has no place for, such as normals, radii and names.
 
 use super::fclib::OURS;
-use super::global::{Global, Triplets};
-use crate::problems::{Studied, Visit, visit};
 use anyhow::{Result, bail};
-use cases::{AnyFrozen, Frozen};
-use contact::Vector;
+use cases::AnyFrozen;
+use lineup::{Global, Triplets};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -24,7 +22,7 @@ pub(super) fn reconciled(
     theirs: &Global,
     notes: &mut Vec<String>,
 ) -> Result<String> {
-    let written = visit(AnyFrozen::of_text(Path::new(OURS), text)?, Written);
+    let written = OfOurs::of(AnyFrozen::of_text(Path::new(OURS), text)?);
     if written.unknowns != dimension {
         bail!("`spacedim` is {dimension}, and `{OURS}` has {}: {ADVICE}", written.unknowns);
     }
@@ -43,7 +41,7 @@ pub(super) fn reconciled(
     }
     let edited = AnyFrozen::of_text(Path::new(OURS), &file.to_string())?;
     let text = edited.to_json()?;
-    if let Some(left) = differences(&visit(edited, Written).global, theirs)?.first() {
+    if let Some(left) = differences(&OfOurs::of(edited).global, theirs)?.first() {
         let ((row, column), array) = (left.at, left.array);
         let at = if array.contains('/') { format!("{row}") } else { format!("{row}, {column}") };
         let (found, expected) = (left.theirs, left.ours);
@@ -65,17 +63,6 @@ struct OfOurs {
     global: Global,
 }
 
-/// A problem of ours is to become arrays.
-struct Written;
-
-impl Visit for Written {
-    type Output = OfOurs;
-
-    fn visit<M: Studied>(self, frozen: Frozen<M>) -> OfOurs {
-        OfOurs { size: M::Velocity::LEN, unknowns: M::Place::LEN, global: Global::of(&frozen) }
-    }
-}
-
 /// An entry of an array that is not as the text has it.
 struct Edit {
     array: &'static str,
@@ -85,6 +72,12 @@ struct Edit {
 }
 
 impl OfOurs {
+    fn of(frozen: AnyFrozen) -> Self {
+        let problem = lineup::problem(frozen);
+        let facts = problem.facts();
+        Self { size: facts.of_grain, unknowns: facts.dimensions, global: problem.arrays() }
+    }
+
     /// Puts an entry of theirs into the file of the problem, if there is a place for it.
     fn take(&self, edit: &Edit, theirs: &Global, file: &mut Value) {
         let (row, d) = (edit.at.0, self.unknowns);

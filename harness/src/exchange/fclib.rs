@@ -5,10 +5,11 @@
 //! matrices are of CSparse: `nz` is the number of triplets, −1 for compressed columns, −2 for compressed rows.
 
 use super::edited;
-use super::global::{Global, Triplets};
+use super::global::local;
 use super::symmetry::mirror;
 use anyhow::{Context, Result, anyhow, bail};
 use hdf5_pure::{Error, File, FileBuilder, FormatError, GroupBuilder};
+use lineup::{Global, Triplets};
 use local::LocalProblem;
 use std::path::Path;
 
@@ -42,7 +43,7 @@ pub(crate) fn read(path: &Path, notes: &mut Vec<String>) -> Result<Held> {
             return edited::reconciled(&text, dimension, &global, notes).map(Held::Ours);
         }
         notes.extend(mirror(&mut global.mass));
-        global.local(dimension).context(folder.name)?
+        local(global, dimension).context(folder.name)?
     } else {
         let there = if groups.is_empty() { "no group".to_owned() } else { groups.join(", ") };
         bail!("it has neither `fclib_local` nor `fclib_global`, but {there}")

@@ -1,13 +1,11 @@
 //! Files of other codes: formats that are read, and their conversion.
 
+use super::dat;
 use super::fclib::{self, Held};
 use super::symmetry::check;
-use super::{dat, global::Global};
-use crate::problems::{Studied, Visit, visit};
 use crate::terminal::read_text;
 use anyhow::{Context, Result, anyhow, bail};
-use cases::{AnyFrozen, Frozen};
-use contact::Vector;
+use cases::AnyFrozen;
 use std::path::Path;
 
 /// Returns the extension of a file, in lower case.
@@ -62,25 +60,16 @@ pub(crate) fn converted(from: &Path, held: Held, to: &Path) -> Result<Vec<u8>> {
             AnyFrozen::of_text(from, &text)?;
             Ok(text.into_bytes())
         }
-        (Held::Ours(text), "hdf5" | "h5") => visit(AnyFrozen::of_text(from, &text)?, Written { text: &text }),
+        (Held::Ours(text), "hdf5" | "h5") => {
+            let frozen = AnyFrozen::of_text(from, &text)?;
+            let (name, problem) = (frozen.name().to_owned(), lineup::problem(frozen));
+            fclib::write_global((&name, Some(&text)), problem.facts().dimensions, &problem.arrays())
+        }
         (Held::Local(problem), "hdf5" | "h5") => fclib::write_local(&title, &problem),
         (Held::Local(_), "json") => Err(anyhow!(
             "{}: it has W but no grains, which a problem file needs: `gravel solve` takes it as it is",
             from.display()
         )),
         _ => Err(anyhow!("{}: the name of the file must end in .hdf5 (FCLIB) or .json", to.display())),
-    }
-}
-
-/// A problem of ours is to become an FCLIB file.
-struct Written<'t> {
-    text: &'t str,
-}
-
-impl Visit for Written<'_> {
-    type Output = Result<Vec<u8>>;
-
-    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Self::Output {
-        fclib::write_global((&frozen.name, Some(self.text)), M::Place::LEN, &Global::of(&frozen))
     }
 }

@@ -1,7 +1,7 @@
 //! Matrices that ought to be symmetric: those that hold one triangle only, and those that are not.
 
-use super::global::Triplets;
 use anyhow::{Result, bail};
+use lineup::Triplets;
 use local::LocalProblem;
 use std::collections::BTreeMap;
 

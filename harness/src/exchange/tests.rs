@@ -1,15 +1,14 @@
 //! Problems of ours through FCLIB, the three ways in which Siconos writes W, and files that are no problem.
 
 use super::fclib::{Held, write_global, write_local};
-use super::global::{Global, Triplets};
+use super::global::local;
 use super::{converted, dat, read};
 use crate::plan::Method;
-use crate::problems::Studied;
-use crate::run::solved_on_w;
-use cases::{AnyFrozen, Frozen};
-use contact::{Discs, Measure, RoughDiscs, RoughSpheres, Vector};
+use cases::AnyFrozen;
+use contact::Measure;
+use lineup::{Global, OneProblem, Posed, Run, Triplets};
 use local::LocalProblem;
-use runner::{Measured, Stop, solve_against};
+use runner::{Measured, Outcome, Stop};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -35,19 +34,29 @@ fn problem_of_every_mechanics_comes_back_byte_by_byte() {
     }
 }
 
+fn problem(name: &str) -> Box<dyn OneProblem> {
+    lineup::problem(AnyFrozen::read(&frozen(name)).unwrap())
+}
+
+/// Runs a method from r = 0.
+fn solved(posed: &Posed, method: &Method, stop: &Stop) -> anyhow::Result<Outcome> {
+    let r0 = vec![0.0; posed.facts().of_contact * posed.facts().contacts];
+    let go_on = &mut |_: &runner::Progress| std::ops::ControlFlow::Continue(());
+    let run = Run { truths: &[], r0: &r0, stop, measured: Measured::Needed };
+    posed.solve(method.ours()?, run, go_on)
+}
+
 /// Returns the iterates of a method after some iterations, on W alone and on the problem with its grains: impulses and
 /// natural map of each.
-fn iterated<M: Studied>(problem: &Frozen<M>, method: &Method, iterations: u64) -> [(Vec<f64>, f64); 2] {
+fn iterated(name: &str, method: &Method, iterations: u64) -> [(Vec<f64>, f64); 2] {
     let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-300, max_iterations: iterations };
-    let (r0, needed) = (vec![0.0; problem.problem.impulse_count()], Measured::Needed);
-    let go_on = &mut |_: &runner::Progress| std::ops::ControlFlow::Continue(());
+    let problem = problem(name);
     // Without friction a tangential impulse of 0 stands beside each normal one.
-    let (unknowns, own) = (M::Place::LEN, M::Impulse::LEN);
-    let local = Global::of(problem).local(unknowns).unwrap();
-    let on_w = solved_on_w(method, None, &local, &stop, needed, go_on).unwrap();
+    let (unknowns, own) = (problem.facts().dimensions, problem.facts().of_contact);
+    let on_w = Posed::W(Box::new(local(problem.arrays(), unknowns).unwrap()));
+    let on_w = solved(&on_w, method, &stop).unwrap();
     let impulses = on_w.impulses.chunks(unknowns).flat_map(|r| r[..own].to_vec()).collect();
-    let solver = method.solver::<M>().unwrap();
-    let ours = solve_against(&[], solver, &problem.problem, &r0, &stop, needed, go_on).unwrap();
+    let ours = solved(&Posed::Grains(problem), method, &stop).unwrap();
     [(impulses, on_w.measures.natural_map), (ours.impulses, ours.measures.natural_map)]
 }
 
@@ -66,48 +75,28 @@ fn iterates_on_w_alone_are_those_with_grains() {
     };
     let diagonal = method("cg", &[("preconditioner", "diagonal")]);
     for method in [method("nsgs", &[]), method("cg", &[]), diagonal] {
-        match AnyFrozen::read(&frozen("rough-250")).unwrap() {
-            AnyFrozen::RoughDiscs(problem) => check(iterated::<RoughDiscs>(&problem, &method, 30)),
-            _ => panic!("discs with friction"),
-        }
-        match AnyFrozen::read(&frozen("settled-60")).unwrap() {
-            AnyFrozen::Discs(problem) => check(iterated::<Discs>(&problem, &method, 20)),
-            _ => panic!("discs without friction"),
-        }
+        check(iterated("rough-250", &method, 30));
+        check(iterated("settled-60", &method, 20));
     }
     // In space the exact direction of sliding is not where a projection ends, so impulses agree at the solution alone.
-    match AnyFrozen::read(&frozen("rough-spheres-250")).unwrap() {
-        AnyFrozen::RoughSpheres(problem) => {
-            let local = Global::of::<RoughSpheres>(&problem).local(3).unwrap();
-            let [_, (ours, our_map)] = iterated::<RoughSpheres>(&problem, &method("nsgs", &[]), 30);
-            let map = local.natural_map(&ours);
-            assert!((map - our_map).abs() < 1e-9 * our_map, "{map:e} {our_map:e}");
-            check(iterated::<RoughSpheres>(&problem, &method("cg", &[("preconditioner", "diagonal")]), 2));
-        }
-        _ => panic!("spheres with friction"),
-    }
+    let [_, (ours, our_map)] = iterated("rough-spheres-250", &method("nsgs", &[]), 30);
+    let map = local(problem("rough-spheres-250").arrays(), 3).unwrap().natural_map(&ours);
+    assert!((map - our_map).abs() < 1e-9 * our_map, "{map:e} {our_map:e}");
+    check(iterated("rough-spheres-250", &method("cg", &[("preconditioner", "diagonal")]), 2));
 }
 
 #[test]
 fn solution_on_w_alone_is_that_with_grains() {
-    let AnyFrozen::Discs(problem) = AnyFrozen::read(&frozen("settled-250")).unwrap() else {
-        panic!("discs without friction")
-    };
-    let [(r, map), (ours, _)] = iterated::<Discs>(&problem, &method("active-set", &[]), 2000);
-    let [r, ours] = [r, ours].map(|r| contact::Truth::new(&problem.problem, &r));
-    let apart = problem.problem.velocity_distance(r.velocity(), ours.velocity());
-    let moved = problem.problem.velocity_distance(ours.velocity(), problem.problem.free_velocity());
-    assert!(map < 1e-12 && apart < 1e-11 * moved, "{map:e}, {apart:e} of {moved:e}");
+    let [(r, map), (ours, _)] = iterated("settled-250", &method("active-set", &[]), 2000);
+    let apart = problem("settled-250").distance(&ours, &r);
+    assert!(map < 1e-12 && apart < 1e-11, "{map:e}, {apart:e}");
 }
 
 #[test]
 fn methods_that_need_grains_are_refused_on_w_alone() {
     let problem = LocalProblem::new(1, [(0, 0, 1.0)], vec![-1.0], vec![0.0]).unwrap();
-    let refused = |method: &Method| {
-        let go_on = &mut |_: &runner::Progress| std::ops::ControlFlow::Continue(());
-        let ended = solved_on_w(method, None, &problem, &Stop::default(), Measured::Needed, go_on);
-        format!("{:#}", ended.unwrap_err())
-    };
+    let problem = Posed::W(Box::new(problem));
+    let refused = |method: &Method| format!("{:#}", solved(&problem, method, &Stop::default()).unwrap_err());
     assert!(refused(&method("latin-dd", &[])).contains("method `latin-dd` needs grains"));
     assert!(
         refused(&method("nsgs", &[("order", "coloured")]))
@@ -200,12 +189,12 @@ fn mass_matrix_may_couple() {
         w: vec![-4.0, 0.0],
         friction: vec![0.5],
     };
-    let local = global().local(2).unwrap();
+    let read = local(global(), 2).unwrap();
     let expected =
         LocalProblem::new(2, [(0, 0, 2.0 / 3.0), (1, 1, 1.0)], vec![-2.0, 0.0], vec![0.5]).unwrap();
-    assert!(local.entries().zip(expected.entries()).all(|(a, b)| (a.2 - b.2).abs() < 1e-15));
-    assert!(local.q().iter().zip(expected.q()).all(|(a, b)| (a - b).abs() < 1e-15));
-    let refused = |global: Global| format!("{:#}", global.local(2).unwrap_err());
+    assert!(read.entries().zip(expected.entries()).all(|(a, b)| (a.2 - b.2).abs() < 1e-15));
+    assert!(read.q().iter().zip(expected.q()).all(|(a, b)| (a - b).abs() < 1e-15));
+    let refused = |global: Global| format!("{:#}", local(global, 2).unwrap_err());
     assert!(refused(Global { w: vec![0.0; 4], ..global() }).contains("`H` has 4 x 2 entries"));
     assert!(refused(Global { f: vec![0.0; 2], ..global() }).contains("`M` has 4 x 4 entries"));
     let singular = triplets(4, 4, &[(0, 1, 1.0), (1, 0, 1.0), (2, 2, 1.0)]);
@@ -316,12 +305,7 @@ fn triangle_of_m_is_mirrored_and_that_of_w_refused() {
 /// The arrays of a file of ours are changed, as through h5py.
 fn edited(name: &str, edit: impl FnOnce(&mut Global)) -> Result<AnyFrozen, String> {
     let text = std::fs::read_to_string(frozen(name)).unwrap();
-    let (mut global, d) = match AnyFrozen::read(&frozen(name)).unwrap() {
-        AnyFrozen::Discs(problem) => (Global::of(&problem), 2),
-        AnyFrozen::RoughDiscs(problem) => (Global::of(&problem), 2),
-        AnyFrozen::Spheres(problem) => (Global::of(&problem), 3),
-        AnyFrozen::RoughSpheres(problem) => (Global::of(&problem), 3),
-    };
+    let (mut global, d) = (problem(name).arrays(), problem(name).facts().dimensions);
     edit(&mut global);
     let folder = TempDir::new().unwrap();
     let there = file(&folder, "edited.hdf5", write_global((name, Some(&text)), d, &global).unwrap());
@@ -343,28 +327,28 @@ fn edited_arrays_are_the_problem_and_the_text_is_the_rest() {
         // The second grain weighs twice as much.
         global.mass.entries.iter_mut().filter(|(row, ..)| *row / 3 == 1).for_each(|(.., x)| *x *= 2.0);
     };
-    let AnyFrozen::RoughDiscs(now) = edited("rough-250", edit).unwrap() else {
-        panic!("discs with friction")
-    };
-    let AnyFrozen::RoughDiscs(before) = AnyFrozen::read(&frozen("rough-250")).unwrap() else {
-        panic!("likewise")
-    };
-    let mut expected = Global::of(&before);
+    let now = edited("rough-250", edit).unwrap();
+    let before = AnyFrozen::read(&frozen("rough-250")).unwrap();
+    assert!(
+        now.source().ends_with("M, vectors/f, vectors/mu, vectors/w as edited in an FCLIB file."),
+        "{}",
+        now.source()
+    );
+    assert_eq!(now.name(), before.name());
+    let [now, before] = [now, before].map(lineup::problem);
+    let mut expected = before.arrays();
     edit(&mut expected);
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-14 * b.abs();
-    let global = Global::of(&now);
+    let global = now.arrays();
     for (now, expected) in
         [(&global.f, &expected.f), (&global.w, &expected.w), (&global.friction, &expected.friction)]
     {
         assert!(now.iter().zip(expected).all(|(a, b)| near(*a, *b)));
     }
     assert!(global.mass.entries.iter().zip(&expected.mass.entries).all(|(a, b)| near(a.2, b.2)));
-    assert_eq!((&now.radius, &now.gap, &now.name), (&before.radius, &before.gap, &before.name));
-    assert!(
-        now.source.ends_with("M, vectors/f, vectors/mu, vectors/w as edited in an FCLIB file."),
-        "{}",
-        now.source
-    );
+    assert_eq!(now.radii(), before.radii());
+    let gaps = |of: &dyn OneProblem| of.touching().iter().map(|contact| contact.gap).collect::<Vec<_>>();
+    assert_eq!(gaps(&*now), gaps(&*before));
     // Without friction an offset is one number.
     let AnyFrozen::Spheres(now) = edited("spheres-250", |global| global.w[6] += 0.5).unwrap() else {
         panic!("spheres")

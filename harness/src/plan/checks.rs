@@ -4,7 +4,6 @@ use crate::plan::{Curves, MOST, Plan, PlannedCase, PlannedMethod, Simulate, Vari
 use crate::terminal::suggest;
 use anyhow::{Context, Error, Result, bail};
 use cases::{Start, check_name};
-use contact::Discs;
 use contact::Measure;
 use reports::Chart;
 use serde_json::json;
@@ -32,7 +31,7 @@ impl Plan {
         }
         let variants = self.variants(&[])?;
         if self.through_time() {
-            variants.iter().try_for_each(|variant| variant.method.solver::<Discs>().map(drop))?;
+            variants.iter().try_for_each(|variant| variant.method.ours().map(drop))?;
         }
         let labels: Vec<String> = variants.iter().map(Variant::label).collect();
         let shown = self.view.iter().flat_map(|view| &view.runs);

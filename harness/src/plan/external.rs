@@ -1,9 +1,9 @@
 //! Other codes as methods: programs of their own that `harness/external/NAME.toml` describes.
 
-use crate::identity::hash_of;
 use crate::terminal::read_text;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::check_name;
+use lineup::hash_of;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;

@@ -4,7 +4,7 @@ use crate::plan::{Method, Settings, Variant, combinations, count, last_parts, pa
 use crate::terminal::merged;
 use anyhow::{Context, Result, anyhow, bail};
 use cases::Start;
-use contact::{Discs, Measure, shown};
+use contact::{Measure, shown};
 use runner::Stop;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -112,7 +112,7 @@ impl Simulate {
     pub(crate) fn reference(&self, stop: &Stop) -> Result<(Variant, Rule)> {
         let Reference { method, set, tolerance, .. } = &self.reference;
         let method = Method::new(method, set.clone()).context("`simulate.reference`")?;
-        method.solver::<Discs>().context("`simulate.reference`")?;
+        method.ours().context("`simulate.reference`")?;
         let stop = Stop { on: Measure::NaturalMap, tolerance: *tolerance, ..*stop };
         stop.check().context("`simulate.reference`")?;
         let name = "reference".to_owned();

@@ -1,18 +1,18 @@
 //! The contact problem of one time step of a case: which one it is, how it is reached, and where a study keeps it.
 
-use crate::identity::{code_version, content_hash, hash_of};
+use crate::identity::code_version;
 use crate::plan::{Method, Settings, as_typed};
-use crate::problems::{Enter, Root, Studied, enter};
+use crate::problems::Root;
 use crate::terminal::{progress, read_sealed, read_text, say, suggest, write_sealed};
 use anyhow::{Context, Result, bail, ensure};
-use cases::{AnyFrozen, Case, March, Sample, Start};
+use cases::{AnyFrozen, Case, Sample, Start};
 use contact::memory::gigabytes;
+use lineup::{content_hash, hash_of, march};
 use results::provenance::available_memory;
 use runner::{Status, Stop};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Reads a case with `overrides`, and refuses one that the machine cannot hold.
@@ -58,6 +58,18 @@ impl Marcher {
         self.stop.check().context("`march.stop`")?;
         Ok((Method::new(&self.method, self.set.clone()).context("`march`")?, self.stop))
     }
+
+    /// Returns its method, settings and stop rule in a word: what is not left out, or not the default.
+    fn in_words(&self) -> String {
+        let (Stop { on, tolerance, max_iterations }, default) = (self.stop, Stop::default());
+        let mut words = vec![self.method.clone()];
+        words.extend(self.set.iter().map(|(key, value)| format!("{key}={}", as_typed(value))));
+        words.extend((on != default.on).then(|| format!("on={on}")));
+        words.extend((tolerance != default.tolerance).then(|| format!("tolerance={tolerance:e}")));
+        let changed = max_iterations != default.max_iterations;
+        words.extend(changed.then(|| format!("max_iterations={max_iterations}")));
+        words.join(",")
+    }
 }
 
 impl CaseProblem {
@@ -84,18 +96,21 @@ impl CaseProblem {
         Ok(Self { case, overrides, time_step, marcher: None })
     }
 
+    /// Returns the method of the time steps before it in a word, if one is named.
+    pub(crate) fn march_in_words(&self) -> Option<String> {
+        self.marcher.as_ref().map(Marcher::in_words)
+    }
+
     /// Returns the method that solves the time steps before it, unless an argument names another, and when each solve ends.
     pub(crate) fn before(&self) -> Result<(Method, Stop)> {
         if let Some(marcher) = &self.marcher {
             return marcher.read();
         }
-        Ok(if self.case.scene.is_rough() {
-            let stop = Stop { max_iterations: WITH_FRICTION, ..Stop::default() };
-            (Method::accelerated_sweeps()?, stop)
-        } else {
-            let diagonal = ("preconditioner".to_owned(), "diagonal".to_owned());
-            (Method::parse("cg", &[diagonal])?, Stop::default())
-        })
+        let (is_frictional, mut stop) = (self.case.scene.is_rough(), Stop::default());
+        if is_frictional {
+            stop.max_iterations = WITH_FRICTION;
+        }
+        Ok((Method::marching(is_frictional, "diagonal")?, stop))
     }
 
     /// The problem; the time steps before it are the same whichever method then solves it.
@@ -104,41 +119,38 @@ impl CaseProblem {
     }
 
     /// The problem, unless `halt` asks for an end after an iteration of a time step before it.
-    pub(crate) fn problem_unless(&self, halt: &Halt) -> Result<AnyFrozen> {
+    pub(crate) fn problem_unless(&self, halt: &dyn Fn() -> bool) -> Result<AnyFrozen> {
         let (method, stop) = self.before()?;
-        enter(&self.case, Reached { problem: self, method: &method, stop: &stop, how: "", halt })?
+        self.marched(&method, &stop, "", halt)
     }
 
     /// The problem after time steps solved by `method`, with a bar on anything long. Its source names what was replaced,
     /// `how` it was reached, and how many of the time steps before did not converge, which is printed as well.
     pub(crate) fn problem_after(&self, method: &Method, stop: &Stop, how: &str) -> Result<AnyFrozen> {
-        enter(&self.case, Reached { problem: self, method, stop, how, halt: &|| false })?
+        self.marched(method, stop, how, &|| false)
     }
 
-    fn marched<M: Studied>(&self, method: &Method, stop: &Stop, how: &str, halt: &Halt) -> Result<AnyFrozen> {
-        let (mut march, before, mut missed) = (March::<M>::new(&self.case)?, self.time_step - 1, 0);
+    fn marched(&self, method: &Method, stop: &Stop, how: &str, halt: &dyn Fn() -> bool) -> Result<AnyFrozen> {
+        let (mut march, before, mut missed) = (march(&self.case)?, self.time_step - 1, 0);
         warn(&self.case.name, march.warnings());
         let mut warned = false;
         let bar = progress::bar(before, "time steps");
         for _ in 0..before {
-            let time_step = march.next()?;
-            let (outcome, _) = march.solve(&time_step, method.solver()?, stop, Start::Previous, halt)?;
+            let (outcome, _) = march.solve(method.ours()?, stop, Start::Previous, halt)?.solved?;
             warned = warned || bar.suspend(|| warn(&self.case.name, march.moved_too_far()));
             missed += u64::from(outcome.status != Status::Converged);
             bar.set_message(format!("{} iterations", outcome.iterations));
             bar.inc(1);
         }
         bar.finish_and_clear();
-        let mut frozen = march.next()?.frozen;
-        frozen.source += &replaced(&self.overrides);
-        frozen.source += how;
-        frozen.missed_before = (before > 0).then_some(missed);
+        let mut note = String::new();
         if missed > 0 {
-            let note = format!("{missed} of the {before} time steps before did not converge.");
+            note = format!("{missed} of the {before} time steps before did not converge.");
             eprintln!("{note}");
-            write!(frozen.source, " {note}")?;
+            note.insert(0, ' ');
         }
-        Ok(M::any(frozen))
+        let how = replaced(&self.overrides) + how + &note;
+        Ok(march.frozen(&how, (before > 0).then_some(missed))?)
     }
 }
 
@@ -151,26 +163,6 @@ pub(crate) fn warn(case: &str, warnings: impl IntoIterator<Item = String>) -> bo
 pub(crate) fn replaced(overrides: &[(String, String)]) -> String {
     let each: Vec<String> = overrides.iter().map(|(key, value)| format!(" {key} = {value}.")).collect();
     each.concat()
-}
-
-/// Asks for an end.
-type Halt<'h> = dyn Fn() -> bool + Sync + 'h;
-
-/// The problem of a case, reached by a method.
-struct Reached<'c> {
-    problem: &'c CaseProblem,
-    method: &'c Method,
-    stop: &'c Stop,
-    how: &'c str,
-    halt: &'c Halt<'c>,
-}
-
-impl Enter for Reached<'_> {
-    type Output = Result<AnyFrozen>;
-
-    fn enter<M: Studied>(self) -> Result<AnyFrozen> {
-        self.problem.marched::<M>(self.method, self.stop, self.how, self.halt)
-    }
 }
 
 /// The problem of a case for studies: computed once, then kept under `results/problems`.
@@ -198,7 +190,7 @@ impl KeptProblem {
         };
         // The code that computes it.
         let (method, stop) = of.before()?;
-        let march = (code_version::<Case>(), method.name, method.code, method.settings, stop);
+        let march = (code_version("cases"), method.name, method.code, method.settings, stop);
         let identity = hash_of(&json!([read_text(path)?, of.overrides, first, of.time_step, march]));
         Ok(Self { of, identity })
     }
@@ -233,18 +225,7 @@ impl KeptProblem {
 
 /// Hash of the first problem of a case.
 pub(crate) fn first_hash(case: &Case) -> Result<String> {
-    enter(case, First(case))?
-}
-
-/// The first problem of a case.
-struct First<'c>(&'c Case);
-
-impl Enter for First<'_> {
-    type Output = Result<String>;
-
-    fn enter<M: Studied>(self) -> Result<String> {
-        Ok(content_hash(&March::<M>::new(self.0)?.next()?.frozen))
-    }
+    Ok(content_hash(&*lineup::problem(march(case)?.frozen("", None)?)))
 }
 
 /// Settings as they are typed.

@@ -3,8 +3,6 @@
 use crate::exchange::is_foreign;
 use crate::terminal::{read_text, suggest};
 use anyhow::{Context, Result, bail};
-use contact::{ContactProblem, Discs, Mechanics, RoughSpheres, Spheres};
-use local::LocalProblem;
 use std::path::{Path, PathBuf};
 
 /// The checkout, if there is one: a problem, a case or a schema needs none.
@@ -222,23 +220,6 @@ impl Kind {
             _ => None,
         }
     }
-}
-
-/// Returns the size of a problem, in words.
-pub(crate) fn size<M: Mechanics>(problem: &ContactProblem<M>) -> String {
-    let of = match M::NAME {
-        Discs::NAME => "",
-        Spheres::NAME => " between spheres",
-        RoughSpheres::NAME => " between spheres with friction",
-        _ => " with friction",
-    };
-    format!("{} grains, {} contacts{of}", problem.grain_count(), problem.contact_count())
-}
-
-/// Returns the size of a problem of W alone, in words.
-pub(crate) fn size_of_w(problem: &LocalProblem) -> String {
-    let (contacts, unknowns) = (problem.contact_count(), problem.dimension());
-    format!("{contacts} contacts of {unknowns} unknown{}, W alone", if unknowns == 1 { "" } else { "s" })
 }
 
 /// Name of a file without its ending.

@@ -1,21 +1,16 @@
 //! The problems and scenes of a plan: frozen problems, and those of its cases.
 
 use crate::exchange::{Held, is_foreign, read};
-use crate::identity::content_hash;
+use crate::identity::code_version;
 use crate::plan::{Plan, PlannedCase, Settings, combinations, last_parts, pairs, values};
-use crate::problems::{
-    AnyProblem, Given, KeptProblem, Kind, Known, Root, Scene, Studied, TIME_STEP, Visit, overrides,
-    read_case, stem, visit,
-};
-use crate::run::OnW;
+use crate::problems::{Given, KeptProblem, Kind, Known, Root, Scene, TIME_STEP, overrides, read_case, stem};
 use crate::terminal::read_text;
-use analysis::Spectrum;
 use anyhow::{Context, Result, bail};
-use cases::{AnyFrozen, Frozen};
-use contact::{ContactProblem, Discs, Mechanics, Smooth};
+use cases::AnyFrozen;
+use lineup::{Law, Posed, content_hash, hash_of_w};
 use local::LocalProblem;
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -46,31 +41,60 @@ enum Source {
 }
 
 /// A problem of a study.
-pub(crate) struct Problem<M: Mechanics = Discs> {
-    pub(crate) frozen: Frozen<M>,
+pub(crate) struct Problem {
+    pub(crate) name: String,
+    pub(crate) posed: Posed,
     /// Hash of its content.
     pub(crate) hash: String,
     /// Values set in the case.
     pub(crate) settings: Settings,
     /// Answer of another code, if a file of it lies beside the problem.
     pub(crate) given: Option<Given>,
-    known: OnceLock<Known<M>>,
+    known: OnceLock<Known>,
     spectrum: OnceLock<Settings>,
 }
 
-impl<M: Studied> Problem<M> {
+impl Problem {
+    /// The problem of this name; nothing of its solutions is known where they are not asked for as a `reference`.
+    pub(crate) fn new(name: String, posed: Posed, mut settings: Settings, reference: bool) -> Self {
+        let known = if reference { OnceLock::new() } else { OnceLock::from(Known::default()) };
+        let hash = match &posed {
+            Posed::Grains(problem) => {
+                let missed = problem.missed_before();
+                settings.extend(missed.map(|missed| (MISSED_BEFORE.to_owned(), json!(missed))));
+                content_hash(&**problem)
+            }
+            Posed::W(problem) => hash_of_w(problem, code_version("local").unwrap_or_default()),
+        };
+        Self { name, posed, hash, settings, given: None, known, spectrum: OnceLock::new() }
+    }
+
+    /// The frozen problem, outside of a study.
+    pub(crate) fn alone(frozen: AnyFrozen, reference: bool) -> Self {
+        let name = frozen.name().to_owned();
+        Self::new(name, Posed::Grains(lineup::problem(frozen)), Settings::new(), reference)
+    }
+
     /// Returns the known solutions; computed at the first call, unless they were kept.
-    pub(crate) fn known(&self, root: &Root) -> Result<&Known<M>> {
+    pub(crate) fn known(&self, root: &Root) -> Result<&Known> {
         if let Some(known) = self.known.get() {
             return Ok(known);
         }
-        let known = M::known(root, &self.frozen)?;
+        let known = Known::of(root, &self.name, &self.posed)?;
         Ok(self.known.get_or_init(|| known))
     }
 
-    /// Its eigenvalues; computed at the first call.
-    pub(crate) fn spectrum(&self, known: &Known<M>) -> &Settings {
-        self.spectrum.get_or_init(|| M::spectrum(&self.frozen.problem, known))
+    /// Returns the impulses of the time step before, if the problem has some and they are to be begun from (N·s); else 0.
+    pub(crate) fn start(&self, warm: bool) -> Vec<f64> {
+        match &self.posed {
+            Posed::Grains(problem) if warm && !problem.start().is_empty() => problem.start().to_vec(),
+            posed => vec![0.0; posed.facts().of_contact * posed.facts().contacts],
+        }
+    }
+
+    /// Its eigenvalues, of which `known` gives the closed contacts, if it does; computed at the first call.
+    pub(crate) fn spectrum(&self, known: &Known) -> &Settings {
+        self.spectrum.get_or_init(|| spectrum(&self.posed, known))
     }
 }
 
@@ -89,7 +113,7 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
             }
         };
         let beside = path.with_extension("solution.json");
-        let read = || visit((*frozen).clone(), Answered(&beside));
+        let read = || Given::read(&beside, &lineup::problem((*frozen).clone()).facts());
         let given = beside.is_file().then(read).transpose()?;
         let (name, settings) = (frozen.name().to_owned(), Settings::new());
         let source = Source::Frozen(frozen, given);
@@ -99,11 +123,25 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
         let of_case = of_case(root, plan, planned);
         problems.extend(of_case.with_context(|| format!("`cases`: case `{}`", planned.case))?);
     }
+    name_marches(&mut problems);
     let mut seen = BTreeSet::new();
     if let Some(twice) = problems.iter().find(|problem| !seen.insert(&problem.name)) {
         bail!("two problems have the name `{}`: vary them as axes of one case", twice.name);
     }
     Ok(problems)
+}
+
+/// Adds to the names of problems that are not unique the method of the time steps before, where the plan names it.
+fn name_marches(problems: &mut [PlannedProblem]) {
+    let mut count: BTreeMap<String, usize> = BTreeMap::new();
+    problems.iter().for_each(|problem| *count.entry(problem.name.clone()).or_default() += 1);
+    for problem in problems.iter_mut().filter(|problem| count[&problem.name] > 1) {
+        if let Source::Case(kept) = &problem.source
+            && let Some(march) = kept.of.march_in_words()
+        {
+            problem.name += &format!(" march={march}");
+        }
+    }
 }
 
 /// The text of a frozen problem, or what a file of another code holds.
@@ -176,18 +214,17 @@ fn naming(planned: &PlannedCase) -> Result<Vec<&str>> {
 
 impl PlannedProblem {
     /// The problem, if it need not be computed, or if it is to be; none of a scene.
-    pub(crate) fn problem(&self, root: &Root, compute: bool) -> Result<Option<AnyProblem>> {
-        let (frozen, given) = match &self.source {
-            Source::Local(problem) => {
-                let problem = OnW::new(self.name.clone(), (**problem).clone(), self.reference);
-                return Ok(Some(Box::new(problem)));
-            }
-            Source::Frozen(frozen, given) => (Some((**frozen).clone()), given.clone()),
-            Source::Case(kept) if compute => (Some(kept.problem(root, &self.name)?), None),
-            Source::Case(kept) => (kept.at_hand(root), None),
+    pub(crate) fn problem(&self, root: &Root, compute: bool) -> Result<Option<Problem>> {
+        let grains = |frozen| Posed::Grains(lineup::problem(frozen));
+        let (posed, given) = match &self.source {
+            Source::Local(problem) => (Some(Posed::W(problem.clone())), None),
+            Source::Frozen(frozen, given) => (Some(grains((**frozen).clone())), given.clone()),
+            Source::Case(kept) if compute => (Some(grains(kept.problem(root, &self.name)?)), None),
+            Source::Case(kept) => (kept.at_hand(root).map(grains), None),
             Source::Simulated(_) => (None, None),
         };
-        Ok(frozen.map(|frozen| visit(frozen, Begun { planned: self, given })))
+        let problem = |posed| Problem::new(self.name.clone(), posed, self.settings.clone(), self.reference);
+        Ok(posed.map(|posed| Problem { given, ..problem(posed) }))
     }
 
     /// The scene of a study through time.
@@ -199,52 +236,21 @@ impl PlannedProblem {
     }
 }
 
-/// Visitor that reads another code's answer from a file.
-struct Answered<'p>(&'p Path);
-
-impl Visit for Answered<'_> {
-    type Output = Result<Given>;
-
-    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Result<Given> {
-        Given::read(self.0, &frozen.problem)
-    }
-}
-
-/// Visitor that builds a problem from its plan and another code's answer.
-struct Begun<'p> {
-    planned: &'p PlannedProblem,
-    given: Option<Given>,
-}
-
-impl Visit for Begun<'_> {
-    type Output = AnyProblem;
-
-    fn visit<M: Studied>(self, frozen: Frozen<M>) -> AnyProblem {
-        let Self { planned, given } = self;
-        let frozen = Frozen { name: planned.name.clone(), ..frozen };
-        let known = if planned.reference { OnceLock::new() } else { OnceLock::from(Known::default()) };
-        let (hash, mut settings) = (content_hash(&frozen), planned.settings.clone());
-        settings.extend(frozen.missed_before.map(|missed| (MISSED_BEFORE.to_owned(), json!(missed))));
-        Box::new(Problem { hash, settings, given, known, spectrum: OnceLock::new(), frozen })
-    }
-}
-
 /// A contact that opens at less than this share of the greatest |b| is closed (–): references are certified to 1e-12, and come
 /// near it where they are not.
 const CLOSED: f64 = 1e-8;
 
-/// The eigenvalues of `problem`, of which `known` gives the closed contacts, if it does.
-pub(crate) fn spectrum<const D: usize>(
-    problem: &ContactProblem<Smooth<D>>,
-    known: &Known<Smooth<D>>,
-) -> Settings {
-    let closed = known.nearest().map(|truth| {
-        let mut v = vec![0.0; problem.contact_count()];
-        problem.relative_velocity(truth.velocity(), &mut v);
-        let greatest = problem.b().iter().fold(0.0_f64, |greatest, b| greatest.max(b.abs()));
-        v.iter().map(|v| *v <= CLOSED * greatest).collect::<Vec<_>>()
+/// The eigenvalues of a problem, where they say something of its methods.
+fn spectrum(posed: &Posed, known: &Known) -> Settings {
+    let Posed::Grains(problem) = posed else { return Settings::new() };
+    let Law::Frictionless(law) = problem.law() else { return Settings::new() };
+    let closed = known.nearest().map(|r| {
+        // v at r = 0.
+        let b = problem.relative_velocity(&vec![0.0; r.len()]);
+        let greatest = b.iter().fold(0.0_f64, |greatest, b| greatest.max(b.abs()));
+        problem.relative_velocity(r).iter().map(|v| *v <= CLOSED * greatest).collect::<Vec<_>>()
     });
-    let spectrum = Spectrum::of(problem, closed.as_deref());
+    let spectrum = law.spectrum(closed.as_deref());
     let mut columns = Settings::from_iter([("lambda_max".to_owned(), json!(spectrum.greatest))]);
     if let Some(closed) = spectrum.closed {
         columns.extend([

@@ -1,50 +1,28 @@
 //! Pools of certified solutions of problems with friction: kept in `results/references`, certified again each time they are read.
 
-use crate::identity::{code_version, content_hash};
-use crate::problems::{Known, Root, Studied};
+use crate::identity::code_version;
+use crate::problems::{Known, Root};
 use crate::terminal::{progress, read_sealed, write_sealed};
-use active_set::ActiveSet;
 use anyhow::{Context, Result};
-use cases::Frozen;
-use contact::{Packing, Solver};
-use reference::{
-    InteriorPoint, Rough, RoughSolution, certify, distance, is_same, polished, solve_rough, take,
-};
+use lineup::{Frictional, Law, OneProblem, content_hash};
+use reference::{RoughSolution, is_same, take};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 /// Starts beside r = 0 from which solutions with friction are sought: where there are several, three find some of them.
-const STARTS: u64 = 3;
-
-/// Returns the known solutions of a problem with friction: its pool of certified ones.
-pub(crate) fn known_rough<M: Studied + Rough>(root: &Root, frozen: &Frozen<M>) -> Result<Known<M>>
-where
-    ActiveSet: Solver<M>,
-{
-    let Some(pool) = pool(root, frozen, STARTS)? else { return Ok(Known::none(&frozen.name)) };
-    let problem = &frozen.problem;
-    if let [best] = &pool[..]
-        && !best.certificate.certified()
-    {
-        eprintln!("{}: no certified solution; the best impulses are {}", frozen.name, best.certificate);
-        return Ok(Known::near(problem, &best.impulses));
-    }
-    Ok(Known::of(problem, pool.into_iter().map(|solution| solution.impulses).collect()))
-}
+pub(super) const STARTS: u64 = 3;
 
 /// The certified solutions of a problem with friction that are known, those from so many `starts` among them, each different from
 /// the others; the best impulses, where none is certified. `None` if it is proved that there is none.
-pub(crate) fn pool<M: Studied + Rough>(
+pub(crate) fn pool(
     root: &Root,
-    frozen: &Frozen<M>,
+    problem: &dyn OneProblem,
+    law: &dyn Frictional,
     starts: u64,
-) -> Result<Option<Vec<RoughSolution>>>
-where
-    ActiveSet: Solver<M>,
-{
-    let path = path(root, frozen);
-    let code = code_version::<InteriorPoint>().unwrap_or_default();
+) -> Result<Option<Vec<RoughSolution>>> {
+    let path = path(root, problem);
+    let code = code_version("reference").unwrap_or_default();
     let mut sealed = true;
     let mut kept = Pool { starts: 0, code: code.to_owned(), solutions: Vec::new() };
     if path.exists() {
@@ -53,9 +31,8 @@ where
             Err(error) => eprintln!("{error:#}: computed again"),
         }
     }
-    let problem = &frozen.problem;
     let mut pool = certified(problem, std::mem::take(&mut kept.solutions));
-    if !pool.iter().any(|solution| solution.certificate.certified()) && M::has_no_solution(problem) {
+    if !pool.iter().any(|solution| solution.certificate.certified()) && law.has_no_solution() {
         return Ok(None);
     }
     // From r = 0 on, each start once; again, where another code sought.
@@ -64,8 +41,8 @@ where
     }
     if kept.starts <= starts {
         let bar = progress::bar(starts + 1, "starts");
-        for found in solve_rough(problem, kept.starts..=starts, || bar.inc(1)) {
-            take(problem, &mut pool, found);
+        for found in law.solutions(kept.starts..=starts, &mut || bar.inc(1)) {
+            take(&mut pool, found, |a, b| problem.distance(a, b));
         }
         bar.finish_and_clear();
         let solutions = pool.iter().map(|solution| solution.impulses.clone()).collect();
@@ -92,47 +69,44 @@ fn write(path: &Path, pool: &Pool) -> Result<()> {
 }
 
 /// The solutions that kept impulses (N·s) are.
-fn certified<M: Rough>(problem: &Packing<M>, kept: Vec<Vec<f64>>) -> Vec<RoughSolution> {
-    let mut pool = Vec::new();
-    for impulses in kept.into_iter().filter(|r| r.len() == problem.impulse_count()) {
-        let certificate = certify(problem, &impulses);
-        take(problem, &mut pool, RoughSolution { impulses, certificate });
+fn certified(problem: &dyn OneProblem, kept: Vec<Vec<f64>>) -> Vec<RoughSolution> {
+    let (mut pool, facts) = (Vec::new(), problem.facts());
+    for impulses in kept.into_iter().filter(|r| r.len() == facts.of_contact * facts.contacts) {
+        let certificate = problem.certify(&impulses);
+        take(&mut pool, RoughSolution { impulses, certificate }, |a, b| problem.distance(a, b));
     }
     pool
 }
 
 /// The certified solution to which the end of a run, `r` (N·s), is polished: whether it is among those `known`, and how far it is
-/// from r. A new one enters the kept pool, so that studies to come know it.
-pub(crate) fn polished_to<M: Studied + Rough>(
+/// from r. A new one enters the kept pool, so that studies to come know it; the problems of this one have read it before their first run.
+pub(crate) fn polished_to(
     root: &Root,
-    frozen: &Frozen<M>,
-    known: &Known<M>,
+    problem: &dyn OneProblem,
+    known: &Known,
     r: &[f64],
-) -> Result<Option<(bool, f64)>>
-where
-    ActiveSet: Solver<M>,
-{
-    let problem = &frozen.problem;
+) -> Result<Option<(bool, f64)>> {
     if known.nearest().is_none() {
         return Ok(None);
     }
-    let Some(found) = polished(problem, r) else { return Ok(None) };
-    let by = distance(problem, &found.impulses, r);
-    let is_known = known.impulses.iter().any(|known| is_same(distance(problem, known, &found.impulses)));
+    let Law::Frictional { problem: law, .. } = problem.law() else { return Ok(None) };
+    let Some(found) = law.polished(r) else { return Ok(None) };
+    let by = problem.distance(&found.impulses, r);
+    let is_known = known.impulses.iter().any(|known| is_same(problem.distance(known, &found.impulses)));
     if !is_known {
-        keep(root, frozen, found)?;
+        keep(root, problem, found)?;
     }
     Ok(Some((is_known, by)))
 }
 
 /// Adds a solution to the kept pool, one at a time.
-fn keep<M: Studied + Rough>(root: &Root, frozen: &Frozen<M>, found: RoughSolution) -> Result<()> {
+fn keep(root: &Root, problem: &dyn OneProblem, found: RoughSolution) -> Result<()> {
     static KEPT: Mutex<()> = Mutex::new(());
     let _alone = KEPT.lock();
-    let path = path(root, frozen);
+    let path = path(root, problem);
     let (mut kept, _) = read(&path)?;
-    let mut pool = certified(&frozen.problem, kept.solutions);
-    take(&frozen.problem, &mut pool, found);
+    let mut pool = certified(problem, kept.solutions);
+    take(&mut pool, found, |a, b| problem.distance(a, b));
     kept.solutions = pool.into_iter().map(|solution| solution.impulses).collect();
     write(&path, &kept)
 }
@@ -150,6 +124,6 @@ struct Pool {
 }
 
 /// Returns the file that keeps the pool of a problem.
-fn path<M: Studied>(root: &Root, frozen: &Frozen<M>) -> PathBuf {
-    root.join("results/references").join(content_hash(frozen)).with_extension("json")
+fn path(root: &Root, problem: &dyn OneProblem) -> PathBuf {
+    root.join("results/references").join(content_hash(problem)).with_extension("json")
 }

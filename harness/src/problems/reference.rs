@@ -1,161 +1,83 @@
 //! Reference solutions: computed once for each problem, kept in `results/references`, certified again each time they are read.
 
-use crate::identity::content_hash;
-use crate::problems::{Root, Studied};
-use crate::terminal::{read_sealed, read_text, suggest, write_sealed};
-use analysis::proves_infeasible;
-use anyhow::{Context, Result, anyhow, bail};
-use cases::{Frozen, of_json};
-use contact::{ContactProblem, Discs, Mechanics, Smooth, Truth, Vector};
-use reference::{Answer, certify};
+use crate::problems::Root;
+use crate::problems::pool::{STARTS, pool};
+use crate::terminal::{read_sealed, write_sealed};
+use anyhow::{Context, Result, bail};
+use lineup::{Frictionless, Law, OneProblem, Posed, content_hash, solution};
+use reference::Answer;
 use results::schema::KnownSolutions;
 use runner::Status;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use std::path::Path;
 
-/// Known solutions of a problem; by default none.
-pub(crate) struct Known<M: Mechanics = Discs> {
+/// Known solutions of a problem; by default none was sought.
+#[derive(Default)]
+pub(crate) struct Known {
     /// Certified impulses (N·s). Without friction one is enough: all have the same velocities.
-    pub(super) impulses: Vec<Vec<f64>>,
-    truths: Vec<Truth<M>>,
-    /// Velocity at the best impulses, where none could be certified.
-    nearest: Option<Truth<M>>,
+    pub(crate) impulses: Vec<Vec<f64>>,
+    /// The best impulses, where none could be certified (N·s).
+    nearest: Option<Vec<f64>>,
+    was_sought: bool,
     is_infeasible: bool,
 }
 
-impl<M: Mechanics> Default for Known<M> {
-    fn default() -> Self {
-        Self { impulses: Vec::new(), truths: Vec::new(), nearest: None, is_infeasible: false }
-    }
-}
-
-impl<M: Mechanics> Known<M> {
-    /// Builds the record from certified impulses (N·s).
-    pub(super) fn of(problem: &ContactProblem<M>, impulses: Vec<Vec<f64>>) -> Self {
-        let truths = impulses.iter().map(|r| Truth::new(problem, r)).collect();
-        Self { impulses, truths, ..Self::default() }
-    }
-
-    /// Builds the record of a problem without solution, and prints that the problem of this name has none.
-    pub(super) fn none(name: &str) -> Self {
-        eprintln!("{name}: the problem has no solution");
-        Self { is_infeasible: true, ..Self::default() }
-    }
-
-    /// Builds the record of a problem without certified solution from the best impulses (N·s).
-    pub(super) fn near(problem: &ContactProblem<M>, impulses: &[f64]) -> Self {
-        Self { nearest: Some(Truth::new(problem, impulses)), ..Self::default() }
-    }
-
-    /// Every solution.
-    pub(crate) fn truths(&self) -> &[Truth<M>] {
-        &self.truths
-    }
-
-    /// The velocity that is nearest to a solution, as far as is known: it shows which contacts are closed.
-    pub(crate) fn nearest(&self) -> Option<&Truth<M>> {
-        self.truths.first().or(self.nearest.as_ref())
-    }
-
-    /// Returns the number of known solutions and the greatest distance between two of them; nothing where none was sought.
-    pub(crate) fn solutions(&self, problem: &ContactProblem<M>) -> KnownSolutions {
-        let Some(first) = self.truths.first() else {
-            let solutions = self.nearest.as_ref().map(|_| 0);
-            return KnownSolutions { solutions, ..KnownSolutions::default() };
+impl Known {
+    /// Returns the known solutions of the problem of this name, read, or computed and kept.
+    pub(crate) fn of(root: &Root, name: &str, problem: &Posed) -> Result<Self> {
+        let sought = Self { was_sought: true, ..Self::default() };
+        let problem = match problem {
+            Posed::Grains(problem) => &**problem,
+            Posed::W(problem) => {
+                return Ok(Self { impulses: solution(problem).into_iter().collect(), ..sought });
+            }
         };
-        let apart = |a: &Truth<M>, b: &Truth<M>| problem.velocity_distance(a.velocity(), b.velocity());
-        let pairs =
-            self.truths.iter().enumerate().flat_map(|(k, a)| self.truths[..k].iter().map(move |b| (a, b)));
-        let greatest = pairs.map(|(a, b)| apart(a, b)).fold(0.0, f64::max);
-        let size = problem.velocity_distance(first.velocity(), problem.free_velocity());
-        KnownSolutions {
-            solutions: Some(self.truths.len() as u32),
-            spread: if greatest == 0.0 { 0.0 } else { greatest / size },
-            ..KnownSolutions::default()
+        let none = || {
+            eprintln!("{name}: the problem has no solution");
+            Self { is_infeasible: true, ..Self::default() }
+        };
+        match problem.law() {
+            Law::Frictionless(law) => Ok(match answer(root, problem, law)? {
+                Answer::Solution { impulses, .. } => Self { impulses: vec![impulses], ..sought },
+                Answer::Infeasible { .. } => none(),
+                Answer::Unknown { impulses, certificate, why } => {
+                    eprintln!("{name}: no reference: {why}; the best impulses are {certificate}");
+                    Self { nearest: Some(impulses), ..sought }
+                }
+            }),
+            Law::Frictional { problem: law, .. } => {
+                let Some(pool) = pool(root, problem, law, STARTS)? else { return Ok(none()) };
+                if let [best] = &pool[..]
+                    && !best.certificate.certified()
+                {
+                    eprintln!("{name}: no certified solution; the best impulses are {}", best.certificate);
+                    return Ok(Self { nearest: Some(best.impulses.clone()), ..sought });
+                }
+                Ok(Self { impulses: pool.into_iter().map(|solution| solution.impulses).collect(), ..sought })
+            }
         }
     }
 
-    /// Returns the impulses of every solution (N·s).
-    pub(crate) fn all_impulses(&self) -> &[Vec<f64>] {
-        &self.impulses
+    /// Returns the impulses that are nearest to a solution, as far as is known (N·s): they show which contacts are closed.
+    pub(crate) fn nearest(&self) -> Option<&[f64]> {
+        self.impulses.first().or(self.nearest.as_ref()).map(Vec::as_slice)
     }
 
-    /// Returns the impulses of the first solution (N·s).
-    pub(crate) fn impulses(&self) -> Option<&[f64]> {
-        self.impulses.first().map(Vec::as_slice)
+    /// Returns the number of known solutions and the greatest distance between two of them; nothing where none was sought.
+    pub(crate) fn solutions(&self, problem: &Posed) -> KnownSolutions {
+        let all: Vec<&[f64]> = self.impulses.iter().map(Vec::as_slice).collect();
+        let spread = match problem {
+            Posed::Grains(problem) if !all.is_empty() => problem.spread(&all),
+            _ => f64::NAN,
+        };
+        let solutions = self.was_sought.then_some(all.len() as u32);
+        KnownSolutions { solutions, spread, ..KnownSolutions::default() }
     }
 
     /// Returns the final status of a run: on a problem without solution, convergence is false.
     pub(crate) fn ending(&self, status: Status) -> Status {
         if self.is_infeasible && status == Status::Converged { Status::FalseConvergence } else { status }
     }
-}
-
-/// Impulses that another code, or another run, gave.
-#[derive(Clone, Debug)]
-pub(crate) struct Given {
-    /// Impulses in the problem's contact order, a flat list (N·s).
-    pub(crate) impulse: Vec<f64>,
-    /// Source of the impulses.
-    pub(crate) from: String,
-}
-
-/// The file, with a number or a list of them for each contact.
-#[derive(JsonSchema, Deserialize)]
-struct Read<T> {
-    impulse: Vec<T>,
-    #[serde(default)]
-    from: String,
-}
-
-impl Given {
-    /// Reads a file with `{"impulse": […]}`; whatever else it holds is left aside. Where a contact has several numbers, they stand one
-    /// after the other, or each contact has a list of its own.
-    pub(crate) fn read<M: Mechanics>(file: &Path, problem: &ContactProblem<M>) -> Result<Self> {
-        let name = || file.display().to_string();
-        let text = read_text(file)?;
-        let each = M::Impulse::LEN;
-        let in_lists = || {
-            let Read { impulse, from } = of_json::<Read<Vec<f64>>>(&text)?;
-            let wrong = impulse.iter().enumerate().find(|(_, list)| list.len() != each);
-            if let Some((index, list)) = wrong {
-                let (found, contacts) = (list.len(), problem.contact_count());
-                return Err(format!(
-                    "`impulse[{index}]` has {found} values where each of {contacts} contacts has {each}"
-                ));
-            }
-            Ok(Read { impulse: impulse.concat(), from })
-        };
-        let flat = of_json::<Read<f64>>(&text).or_else(|error| {
-            let is_in_lists = each > 1 && error.contains("invalid type: sequence");
-            if is_in_lists { in_lists() } else { Err(error) }
-        });
-        let Read { impulse, from } = flat.map_err(|error| anyhow!("{}: {}", name(), meant(&text, error)))?;
-        let (found, expected) = (impulse.len(), problem.impulse_count());
-        if found != expected {
-            let contacts = problem.contact_count();
-            let each =
-                if expected == contacts { String::new() } else { format!(", {expected} values in all") };
-            bail!("{}: `impulse` has {found} values where the problem has {contacts} contacts{each}", name());
-        }
-        Ok(Self { impulse, from })
-    }
-}
-
-/// The `error` about a file of impulses with this text, with the key that stands in the place of `impulse`, or with the form of the file
-/// where it is no JSON.
-fn meant(text: &str, error: String) -> String {
-    let Ok(content) = serde_json::from_str::<Value>(text) else {
-        return format!(
-            "{error}; impulses are read from a file with {{\"impulse\": […]}}, as `gravel solve --impulses` writes it"
-        );
-    };
-    let meant = |key: &&String| *key != "impulse" && !suggest::of(key, ["impulse"]).is_empty();
-    let meant = content.as_object().and_then(|content| content.keys().find(meant));
-    let meant = meant.map(|key| format!(": `{key}` is no key{}", suggest::of(key, ["impulse"])));
-    error + &meant.unwrap_or_default()
 }
 
 /// A kept answer: impulses that solve the problem, or a ray that proves that nothing does (N·s).
@@ -166,38 +88,16 @@ enum Kept {
     Ray(Vec<f64>),
 }
 
-/// Returns the known solutions of a frictionless problem, from `results/references` if they are there, else computed and kept
-/// there.
-pub(crate) fn known_smooth<const D: usize>(
-    root: &Root,
-    frozen: &Frozen<Smooth<D>>,
-) -> Result<Known<Smooth<D>>>
-where
-    Smooth<D>: Studied,
-{
-    Ok(match answer(root, frozen)? {
-        Answer::Solution { impulses, .. } => Known::of(&frozen.problem, vec![impulses]),
-        Answer::Infeasible { .. } => Known::none(&frozen.name),
-        Answer::Unknown { impulses, certificate, why } => {
-            eprintln!("{}: no reference: {why}; the best impulses are {certificate}", frozen.name);
-            Known::near(&frozen.problem, &impulses)
-        }
-    })
-}
-
 /// The reference of a problem, kept or computed.
-pub(crate) fn answer<const D: usize>(root: &Root, frozen: &Frozen<Smooth<D>>) -> Result<Answer>
-where
-    Smooth<D>: Studied,
-{
-    let kept = root.kept("results/references", &format!("{}.json", content_hash(frozen)));
+pub(crate) fn answer(root: &Root, problem: &dyn OneProblem, law: &dyn Frictionless) -> Result<Answer> {
+    let kept = root.kept("results/references", &format!("{}.json", content_hash(problem)));
     if let Some(path) = kept.as_deref().filter(|path| path.exists()) {
-        match read(path, &frozen.problem) {
+        match read(path, problem, law) {
             Ok(answer) => return Ok(answer),
             Err(error) => eprintln!("{error:#}: computed again"),
         }
     }
-    let answer = reference::solve(&frozen.problem);
+    let answer = law.reference();
     let Some(path) = kept else { return Ok(answer) };
     let kept = match &answer {
         Answer::Solution { impulses, .. } => Kept::Impulses(impulses.clone()),
@@ -209,24 +109,25 @@ where
 }
 
 /// Reads a kept answer, and believes nothing of it that the problem does not confirm.
-fn read<const D: usize>(path: &Path, problem: &ContactProblem<Smooth<D>>) -> Result<Answer> {
+fn read(path: &Path, problem: &dyn OneProblem, law: &dyn Frictionless) -> Result<Answer> {
     let file = || path.display().to_string();
     let (text, sealed) = read_sealed(path)?;
     let kept: Kept = serde_json::from_str(&text).with_context(file)?;
     let (Kept::Impulses(values) | Kept::Ray(values)) = &kept;
-    if values.len() != problem.contact_count() {
-        bail!("{}: {} values for {} contacts", file(), values.len(), problem.contact_count());
+    let contacts = problem.facts().contacts;
+    if values.len() != contacts {
+        bail!("{}: {} values for {contacts} contacts", file(), values.len());
     }
     let answer = match kept {
         Kept::Impulses(impulses) => {
-            let certificate = certify(problem, &impulses);
+            let certificate = problem.certify(&impulses);
             if !certificate.certified() {
                 bail!("{}: {certificate}", file());
             }
             Answer::Solution { impulses, certificate }
         }
         Kept::Ray(ray) => {
-            if !proves_infeasible(problem, &ray) {
+            if !law.proves_infeasible(&ray) {
                 bail!("{}: no proof that the problem has no solution", file());
             }
             Answer::Infeasible { ray }

@@ -1,11 +1,11 @@
 //! A scene of a study through time: a case with its values replaced, for a while.
 
-use crate::identity::hash_of;
 use crate::plan::{PlannedCase, Settings, Simulate};
 use crate::problems::first_hash;
 use anyhow::{Context, Result};
 use cases::Case;
 use contact::shown;
+use lineup::hash_of;
 use serde_json::json;
 
 /// The key of the time step: scenes that differ in it alone have one name, and one reference.

@@ -2,26 +2,23 @@
 //! impulses measured as ours are.
 
 use crate::plan::{Method, Programme, Runs, last_line};
-use crate::problems::{Studied, in_words};
+use crate::problems::Problem;
 use crate::terminal::{exit, read_text};
 use analysis::Meter;
 use anyhow::{Context, Result, anyhow, bail};
-use cases::Frozen;
-use contact::{
-    ContactProblem, Discs, Measure, Measures, Mechanics, Touch, Truth, Vector, Work, is_not_negative,
-};
+use contact::{Measure, Measures, Work};
+use lineup::{Observe, OneProblem, Run};
 use results::schema::Sample;
-use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
+use runner::{Outcome, Progress, Status};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::{Child, ExitStatus};
 use std::time::{Duration, Instant};
 
 /// Outcome of a method, ours or another code's.
-pub(crate) struct Ended<M: Mechanics = Discs> {
-    pub(crate) outcome: Outcome<M>,
+pub(crate) struct Ended {
+    pub(crate) outcome: Outcome,
     /// Runs of another code, one at each tolerance; of ours none.
     pub(crate) rungs: Vec<Rung>,
     /// The curve of another code: r = 0, then a sample for each tolerance.
@@ -62,54 +59,30 @@ struct Answer {
     ending: String,
 }
 
-/// Observer of every iterate, which may end the run.
-pub(crate) type Observe<'o> = dyn FnMut(&Progress) -> ControlFlow<()> + 'o;
-
-/// Runs `method` from the impulses `r0` (N·s) until `stop`, beside the solutions that are known. Of ours, the iterates that
-/// `measured` names are measured; of another code every answer.
+/// Runs `method` under the conditions of `run`. Of ours, the iterates that these name are measured; of another code every answer.
 ///
 /// # Errors
 /// Says why the method cannot start on the problem.
-pub(crate) fn ended<M: Studied>(
-    method: &Method,
-    truths: &[Truth<M>],
-    frozen: &Frozen<M>,
-    r0: &[f64],
-    stop: &Stop,
-    measured: Measured,
-    observe: &mut Observe,
-) -> Result<Ended<M>> {
-    if let Runs::Elsewhere(programme) = &method.runs {
-        return climb(programme, truths, frozen, r0, stop, observe);
+pub(crate) fn ended(method: &Method, problem: &Problem, run: Run, observe: &mut Observe) -> Result<Ended> {
+    match &method.runs {
+        Runs::Here(ours) => {
+            let outcome = problem.posed.solve(ours, run, observe)?;
+            Ok(Ended { outcome, rungs: Vec::new(), samples: Vec::new(), failed: None })
+        }
+        Runs::Elsewhere(programme) => {
+            let problem = problem.posed.grains()?;
+            may_start(programme, problem, run)?;
+            Ladder { programme, problem, run }.climb(observe)
+        }
     }
-    let solver = method.solver::<M>()?;
-    let outcome = solve_against(truths, solver, &frozen.problem, r0, stop, measured, observe)?;
-    Ok(Ended { outcome, rungs: Vec::new(), samples: Vec::new(), failed: None })
-}
-
-/// Runs another code on a problem, at one tolerance after the other.
-fn climb<M: Studied>(
-    programme: &Programme,
-    truths: &[Truth<M>],
-    frozen: &Frozen<M>,
-    r0: &[f64],
-    stop: &Stop,
-    observe: &mut Observe,
-) -> Result<Ended<M>> {
-    may_start(programme, truths, r0, stop)?;
-    Ladder { programme, truths, problem: &frozen.problem, stop }.climb(frozen, observe)
 }
 
 /// Refuses what another code cannot do.
-fn may_start<M: Mechanics>(
-    programme: &Programme,
-    truths: &[Truth<M>],
-    r0: &[f64],
-    stop: &Stop,
-) -> Result<()> {
-    let code = programme.code;
-    if !code.can(M::NAME) {
-        bail!("{} does not solve problems of {}", code.name, in_words::<M>());
+fn may_start(programme: &Programme, problem: &dyn OneProblem, run: Run) -> Result<()> {
+    let Run { truths, r0, stop, .. } = run;
+    let (code, facts) = (programme.code, problem.facts());
+    if !code.can(facts.mechanics) {
+        bail!("{} does not solve problems of {}", code.name, facts.in_words());
     }
     if let Err(why) = code.version() {
         bail!("{} is not installed ({why}); `{}` installs it", code.name, code.install());
@@ -133,20 +106,19 @@ fn may_start<M: Mechanics>(
 }
 
 /// Another code on a problem, at one tolerance after the other.
-struct Ladder<'l, M: Studied> {
+struct Ladder<'l> {
     programme: &'l Programme,
-    truths: &'l [Truth<M>],
-    problem: &'l ContactProblem<M>,
-    stop: &'l Stop,
+    problem: &'l dyn OneProblem,
+    run: Run<'l>,
 }
 
-impl<M: Studied> Ladder<'_, M> {
+impl Ladder<'_> {
     /// Asks for ever less, until what is measured meets the stop rule.
-    fn climb(&self, frozen: &Frozen<M>, observe: &mut Observe) -> Result<Ended<M>> {
+    fn climb(&self, observe: &mut Observe) -> Result<Ended> {
         let folder = tempfile::tempdir().context("a folder for the other code")?;
         let problem = folder.path().join("problem.json");
-        std::fs::write(&problem, M::to_json(frozen)?).with_context(|| problem.display().to_string())?;
-        let mut ended = self.begun(vec![0.0; self.problem.impulse_count()]);
+        std::fs::write(&problem, self.problem.to_json()?).with_context(|| problem.display().to_string())?;
+        let mut ended = self.begun(vec![0.0; self.run.r0.len()]);
         let trivial = self.problem.scale() == 0.0;
         let mut status = self.judge(&mut ended, trivial, observe);
         for &tolerance in &self.programme.tolerances {
@@ -171,14 +143,13 @@ impl<M: Studied> Ladder<'_, M> {
     }
 
     /// Returns the state before any run, at the impulses `r`.
-    fn begun(&self, r: Vec<f64>) -> Ended<M> {
-        let (measures, velocity) = self.measured(&r);
+    fn begun(&self, r: Vec<f64>) -> Ended {
         let outcome = Outcome {
             status: Status::Stalled,
             iterations: 0,
-            measures,
+            measures: self.problem.measures(self.run.truths, &r),
             impulses: r,
-            velocity,
+            velocity: Vec::new(),
             setup: Duration::ZERO,
             iterating: Duration::ZERO,
             work: Work::default(),
@@ -190,33 +161,17 @@ impl<M: Studied> Ladder<'_, M> {
         Ended { outcome, rungs: Vec::new(), samples: Vec::new(), failed: None }
     }
 
-    /// The measures of impulses by themselves: one run is no step from another.
-    fn measured(&self, r: &[f64]) -> (Measures, Vec<M::Velocity>) {
-        let mut meter = self.truths.iter().fold(Meter::new(self.problem), Meter::against);
-        let mut velocity = vec![M::Velocity::ZERO; self.problem.grain_count()];
-        self.problem.velocity(r, &mut velocity);
-        (meter.measure_after(&[], r, 0.0), velocity)
-    }
-
     /// Takes an answer that was checked.
-    fn take(&self, ended: &mut Ended<M>, answer: Answer, tolerance: f64, process_s: f64) {
+    fn take(&self, ended: &mut Ended, answer: Answer, tolerance: f64, process_s: f64) {
         let Answer { impulse, iterations, setup_s, solve_s, ending } = answer;
         let r: Vec<f64> = impulse.into_iter().flatten().collect();
-        let (measures, velocity) = self.measured(&r);
+        // By themselves: one run is no step from another.
+        let measures = self.problem.measures(self.run.truths, &r);
         let Measures { natural_map, velocity_error, .. } = measures;
-        let (setup, iterating) = (Duration::from_secs_f64(setup_s), Duration::from_secs_f64(solve_s));
-        let derived = vec![("tolerance", tolerance), ("process_s", process_s)];
         let outcome = &mut ended.outcome;
-        *outcome = Outcome {
-            iterations,
-            measures,
-            impulses: r,
-            velocity,
-            setup,
-            iterating,
-            derived,
-            ..outcome.clone()
-        };
+        (outcome.iterations, outcome.measures, outcome.impulses) = (iterations, measures, r);
+        [outcome.setup, outcome.iterating] = [setup_s, solve_s].map(Duration::from_secs_f64);
+        outcome.derived = vec![("tolerance", tolerance), ("process_s", process_s)];
         ended.rungs.push(Rung {
             tolerance,
             iterations,
@@ -230,14 +185,14 @@ impl<M: Studied> Ladder<'_, M> {
     }
 
     /// Shows the iterate and keeps it as a sample; says how the run has ended, if it has.
-    fn judge(&self, ended: &mut Ended<M>, trivial: bool, observe: &mut Observe) -> Option<Status> {
+    fn judge(&self, ended: &mut Ended, trivial: bool, observe: &mut Observe) -> Option<Status> {
         let Outcome { iterations, iterating, ref measures, ref impulses, .. } = ended.outcome;
         let work = Work::default();
         let iterating_s = iterating.as_secs_f64();
         ended.samples.push(Sample { iteration: iterations, iterating_s, measures: *measures, work });
         let goes_on =
             observe(&Progress { iteration: iterations, iterating, measures: Some(measures), work, impulses });
-        if trivial || measures.get(self.stop.on) <= self.stop.tolerance {
+        if trivial || measures.get(self.run.stop.on) <= self.run.stop.tolerance {
             Some(Status::Converged)
         } else {
             goes_on.is_break().then_some(Status::Interrupted)
@@ -252,7 +207,7 @@ impl<M: Studied> Ladder<'_, M> {
             std::fs::remove_file(&answer)?;
         }
         let complaints = folder.join("complaints");
-        let mut command = self.programme.command(&problem, &answer, tolerance, self.stop.max_iterations);
+        let mut command = self.programme.command(&problem, &answer, tolerance, self.run.stop.max_iterations);
         command.stdout(File::create(folder.join("chatter"))?).stderr(File::create(&complaints)?);
         // Ctrl-C is for this program, which ends the other one.
         #[cfg(unix)]
@@ -274,28 +229,19 @@ impl<M: Studied> Ladder<'_, M> {
 
 impl Answer {
     /// Refuses what is no answer to the problem.
-    fn check<M: Mechanics>(&self, problem: &ContactProblem<M>) -> Result<()> {
-        let each = M::Impulse::LEN;
-        if self.impulse.len() != problem.impulse_count() {
-            let (found, contacts) = (self.impulse.len(), problem.contact_count());
+    fn check(&self, problem: &dyn OneProblem) -> Result<()> {
+        let (each, contacts) = (problem.facts().of_contact, problem.facts().contacts);
+        let found = self.impulse.len();
+        if found != each * contacts {
             let of = if each == 1 { String::new() } else { format!(" of {each} numbers each") };
             bail!("it answers {found} impulses where the problem has {contacts} contacts{of}");
         }
-        for (contact, (law, r)) in problem.contacts().iter().zip(self.impulse.chunks_exact(each)).enumerate()
-        {
+        for (contact, r) in self.impulse.chunks_exact(each).enumerate() {
             let Some(r) = r.iter().copied().collect::<Option<Vec<f64>>>() else {
                 bail!("the impulse of contact {contact} is missing");
             };
-            let r = M::Impulse::at(&r, 0);
-            if !is_not_negative(r.first()) {
-                bail!("the impulse of contact {contact} is {}: negative", r.text());
-            }
-            if !(r.is_finite() && law.is_admissible(r)) {
-                bail!(
-                    "the impulse of contact {contact} is {}: it must be {}",
-                    r.text(),
-                    M::Contact::ADMISSIBLE
-                );
+            if let Err(why) = problem.admits(contact, &r) {
+                bail!("the impulse of contact {contact} {why}");
             }
         }
         let seconds = [self.setup_s, self.solve_s];

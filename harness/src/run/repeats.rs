@@ -2,7 +2,7 @@
 
 use crate::run::Ended;
 use anyhow::{Context, Result, bail};
-use contact::{Discs, Mechanics, Work};
+use contact::Work;
 use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot, Timing};
 use runner::Status;
@@ -12,13 +12,13 @@ use std::time::{Duration, Instant};
 pub(crate) type Kept = (Vec<Sample>, Vec<Snapshot>);
 
 /// Outcome of a run and its repeats.
-pub(crate) enum Made<M: Mechanics = Discs> {
+pub(crate) enum Made {
     /// The user asked for an end.
     Halted,
     /// The method cannot start, for this reason.
     Refused(String),
     /// The repeat with the median time, and what all took.
-    Ended(Box<Ended<M>>, Kept, Timing),
+    Ended(Box<Ended>, Kept, Timing),
 }
 
 /// The row of a run that is not made, with its reason.
@@ -28,12 +28,12 @@ pub(crate) fn refused(row: Run, reason: &str) -> Record {
 }
 
 /// Makes the run `name` as often as `timing` says, by calls of `once`; a method of ours must count the same each time.
-pub(crate) fn repeated<M: Mechanics>(
+pub(crate) fn repeated(
     name: &str,
     ours: bool,
     timing: &Timing,
-    once: impl Fn() -> Result<(Ended<M>, Kept)>,
-) -> Result<Made<M>> {
+    once: impl Fn() -> Result<(Ended, Kept)>,
+) -> Result<Made> {
     let clock = Instant::now();
     let mut all = Vec::new();
     // The first of several brings code and data into the caches.
@@ -61,12 +61,12 @@ pub(crate) fn repeated<M: Mechanics>(
 }
 
 /// Returns the counts, which are the same in every repeat.
-fn counts<M: Mechanics>(Ended { outcome, .. }: &Ended<M>) -> (Status, u64, Work) {
+fn counts(Ended { outcome, .. }: &Ended) -> (Status, u64, Work) {
     (outcome.status, outcome.iterations, outcome.work)
 }
 
 /// The repeat with the median time in `advance`, with the median time in `start` and the spreads of both; `None` of none.
-fn median<M: Mechanics>(mut all: Vec<(Ended<M>, Kept)>, timing: &Timing) -> Option<(Ended<M>, Kept, Timing)> {
+fn median(mut all: Vec<(Ended, Kept)>, timing: &Timing) -> Option<(Ended, Kept, Timing)> {
     let mut setup: Vec<_> = all.iter().map(|(ended, _)| ended.outcome.setup).collect();
     setup.sort_unstable();
     all.sort_by_key(|(ended, _)| ended.outcome.iterating);

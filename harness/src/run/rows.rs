@@ -1,77 +1,45 @@
 //! From what the harness holds to the rows of the results.
 
 use crate::plan::{Plan, Variant};
-use crate::problems::{Given, Known, Problem, Studied};
-use crate::run::{OneProblem, Task, first_at};
-use analysis::Meter;
-use cases::Frozen;
-use contact::{Adjacency, Measure, Mechanics, Place, Touch, Vector, Work};
-use partition::{Decomposition, Grid, Partition, Scheme};
+use crate::problems::{Known, Problem, Root};
+use crate::run::{Task, first_at};
+use anyhow::Result;
+use contact::{Measure, Work};
+use lineup::{OneProblem, Posed, Settings, Touching};
+use partition::{Grid, Partition, Scheme};
 use results::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample};
 use runner::Outcome;
-use serde_json::{Map, Value};
 
-/// The row of impulses that another code gave: measured as ours are, with nothing run.
-pub(crate) fn given_row<M: Studied>(
+/// The row of what another code answered, if that lies beside the problem: measured as ours are, with nothing run.
+pub(crate) fn given_row(
     plan: &Plan,
-    problem: &Problem<M>,
-    given: &Given,
-    known: &Known<M>,
+    problem: &Problem,
+    root: &Root,
     provenance: Provenance,
-) -> Run {
-    let meter = Meter::new(&problem.frozen.problem);
-    let mut meter = known.truths().iter().fold(meter, Meter::against);
-    let measures = meter.measure_after(&[], &given.impulse, 0.0);
-    Run {
+) -> Result<Option<Run>> {
+    let (Some(given), Posed::Grains(posed)) = (&problem.given, &problem.posed) else { return Ok(None) };
+    let known = problem.known(root)?;
+    let measures = posed.measures(&known.impulses, &given.impulse);
+    Ok(Some(Run {
         method: "given".to_owned(),
         variant: given.from.clone(),
         status: "given".to_owned(),
         end: End { measures, work: Work::default() },
         ..nothing_done(plan, problem, known, provenance)
-    }
+    }))
 }
 
 /// The row of a run that has reached nothing yet.
-pub(crate) fn nothing_done<M: Studied>(
-    plan: &Plan,
-    problem: &Problem<M>,
-    known: &Known<M>,
-    provenance: Provenance,
-) -> Run {
-    Run {
-        known: known.solutions(&problem.frozen.problem),
-        grains: problem.frozen.problem.grain_count() as u32,
-        contacts: problem.frozen.problem.contact_count() as u32,
-        ..asked(plan, problem, provenance)
-    }
-}
-
-/// The row with the task that asks for it; skipped, as long as nothing else is said.
-pub(crate) fn of_task<W>(task: &Task<W>, row: Run) -> Run {
-    let Task { id, variant, .. } = task;
-    Run {
-        id: id.clone(),
-        method: variant.method.name.to_owned(),
-        settings: variant.method.settings.clone(),
-        variant: variant.name.clone(),
-        // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
-        subdomains: variant
-            .method
-            .partition()
-            .map_or(1, |(grid, _)| u32::try_from(grid.count()).unwrap_or(u32::MAX)),
-        warm_start: variant.warm_start,
-        status: "skipped".to_owned(),
-        ..row
-    }
-}
-
-/// Returns the row of a run with the request alone: plan, problem and stop rule.
-pub(crate) fn asked(plan: &Plan, problem: &dyn OneProblem, provenance: Provenance) -> Run {
+fn nothing_done(plan: &Plan, problem: &Problem, known: &Known, provenance: Provenance) -> Run {
+    let facts = problem.posed.facts();
     Run {
         plan: plan.name.clone(),
-        problem: problem.name().to_owned(),
-        problem_hash: problem.hash().to_owned(),
-        problem_settings: problem.settings().clone(),
+        problem: problem.name.clone(),
+        problem_hash: problem.hash.clone(),
+        problem_settings: problem.settings.clone(),
+        known: known.solutions(&problem.posed),
+        grains: facts.grains as u32,
+        contacts: facts.contacts as u32,
         subdomains: 1,
         stop_on: plan.stop.on.name().to_owned(),
         tolerance: plan.stop.tolerance,
@@ -84,8 +52,27 @@ pub(crate) fn asked(plan: &Plan, problem: &dyn OneProblem, provenance: Provenanc
     }
 }
 
+/// The row of a run that was skipped, if it is not run.
+pub(crate) fn skipped_row(plan: &Plan, task: &Task<&Problem>, known: &Known, provenance: Provenance) -> Run {
+    let Task { id, variant, what: problem, .. } = task;
+    Run {
+        id: id.clone(),
+        method: variant.method.name.to_owned(),
+        settings: variant.method.settings.clone(),
+        variant: variant.name.clone(),
+        // A grid may have more subdomains than the column counts; every method refuses it, and its row stays.
+        subdomains: variant
+            .method
+            .partition()
+            .map_or(1, |(grid, _)| u32::try_from(grid.count()).unwrap_or(u32::MAX)),
+        warm_start: variant.warm_start,
+        status: "skipped".to_owned(),
+        ..nothing_done(plan, problem, known, provenance)
+    }
+}
+
 /// The row with what the run reached.
-pub(crate) fn ended_row<M: Mechanics>(row: Run, outcome: &Outcome<M>, curve: &[Sample]) -> Run {
+pub(crate) fn ended_row(row: Run, outcome: &Outcome, curve: &[Sample]) -> Run {
     let first = |measure: Measure, tolerance| first_at(curve, measure, tolerance);
     let Sample { measures, work, .. } = curve[curve.len() - 1];
     Run {
@@ -108,7 +95,7 @@ pub(crate) fn ended_row<M: Mechanics>(row: Run, outcome: &Outcome<M>, curve: &[S
 }
 
 /// Returns the values that a method derived where its settings leave them open, and the critical path where there is one.
-pub(crate) fn derived<M: Mechanics>(outcome: &Outcome<M>) -> Map<String, Value> {
+pub(crate) fn derived(outcome: &Outcome) -> Settings {
     let critical_path = outcome.critical_path.map(|path| ("critical_path", path as f64));
     let all = outcome.derived.iter().copied().chain(critical_path);
     all.map(|(key, value)| (key.to_owned(), value.into())).collect()
@@ -133,44 +120,43 @@ pub(crate) fn partitions(variants: &[Variant]) -> Vec<(String, Grid, Scheme)> {
 
 /// The grains and contacts of a problem under those of `partitions` that fit it, as they are drawn: a run with one that does
 /// not fit was skipped.
-pub(crate) fn scene_rows<M: Mechanics>(
-    frozen: &Frozen<M>,
+pub(crate) fn scene_rows(
+    (name, problem): (&str, &dyn OneProblem),
     partitions: &[(String, Grid, Scheme)],
     impulses: Option<&[f64]>,
 ) -> (Vec<GrainRow>, Vec<ContactRow>) {
-    let problem = &frozen.problem;
     let (mut grains, mut contacts) = (Vec::new(), Vec::new());
-    let place = |grain: usize| problem.position()[grain].space();
-    for (name, grid, scheme) in partitions {
-        let Ok(partition) = Partition::of_contacts(problem, *scheme, *grid) else { continue };
-        let decomposition = Decomposition::new(problem, &partition);
-        let most_contacts = subdomain_of_grains(frozen, &partition);
-        grains.extend((0..problem.grain_count()).map(|grain| GrainRow {
-            problem: frozen.name.clone(),
-            partition: name.clone(),
+    let (places, radii, touching) = (problem.places(), problem.radii(), problem.touching());
+    let of_contact = problem.facts().of_contact;
+    for (of, grid, scheme) in partitions {
+        let Ok((partition, decomposition)) = problem.cut(*grid, *scheme) else { continue };
+        let subdomains = subdomain_of_grains(places.len(), &touching, &partition);
+        grains.extend(places.iter().enumerate().map(|(grain, [x_m, y_m, z_m])| GrainRow {
+            problem: name.to_owned(),
+            partition: of.clone(),
             grain: grain as u32,
-            x_m: place(grain)[0],
-            y_m: place(grain)[1],
-            z_m: place(grain)[2],
-            radius_m: frozen.radius[grain],
-            subdomain: most_contacts[grain],
+            x_m: *x_m,
+            y_m: *y_m,
+            z_m: *z_m,
+            radius_m: radii[grain],
+            subdomain: subdomains[grain],
             multiplicity: decomposition.multiplicity[grain],
         }));
-        contacts.extend((0..problem.contact_count()).map(|contact| {
-            let [from, to] = ends(frozen, contact).map(Place::space);
+        contacts.extend(touching.iter().enumerate().map(|(contact, touching)| {
+            let [[x0_m, y0_m, z0_m], [x1_m, y1_m, z1_m]] = ends(touching, &places, radii);
             ContactRow {
-                problem: frozen.name.clone(),
-                partition: name.clone(),
+                problem: name.to_owned(),
+                partition: of.clone(),
                 contact: contact as u32,
-                x0_m: from[0],
-                y0_m: from[1],
-                z0_m: from[2],
-                x1_m: to[0],
-                y1_m: to[1],
-                z1_m: to[2],
-                wall: problem.contacts()[contact].ends().1.is_none(),
+                x0_m,
+                y0_m,
+                z0_m,
+                x1_m,
+                y1_m,
+                z1_m,
+                wall: touching.antagonist.is_none(),
                 subdomain: partition.subdomain[contact],
-                impulse_n_s: impulses.map_or(f64::NAN, |r| M::Impulse::at(r, contact).first()),
+                impulse_n_s: impulses.map_or(f64::NAN, |r| r[of_contact * contact]),
             }
         }));
     }
@@ -179,30 +165,34 @@ pub(crate) fn scene_rows<M: Mechanics>(
 
 /// Centre of the candidate, and centre of the antagonist; where there is none, or its centre is not where the normal leads, through a
 /// periodic side or on a lid, the touched point (m).
-fn ends<M: Mechanics>(frozen: &Frozen<M>, contact: usize) -> [M::Place; 2] {
-    let (position, gap) = (frozen.problem.position(), frozen.gap[contact]);
-    let contact = &frozen.problem.contacts()[contact];
-    let (candidate, antagonist) = contact.ends();
-    let from = position[candidate as usize];
-    let touched = from - contact.normal() * (frozen.radius[candidate as usize] + gap);
-    let is_along = |there: &M::Place| {
-        let between = from - *there;
-        between.dot_product(contact.normal()) >= 0.99 * between.length()
+fn ends(contact: &Touching, places: &[[f64; 3]], radii: &[f64]) -> [[f64; 3]; 2] {
+    let Touching { candidate, antagonist, normal, gap, .. } = contact;
+    let from = places[*candidate as usize];
+    let reach = radii[*candidate as usize] + gap;
+    let touched = [0, 1, 2].map(|k| from[k] - normal[k] * reach);
+    let is_along = |there: &[f64; 3]| {
+        let between = [0, 1, 2].map(|k| from[k] - there[k]);
+        let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        dot(&between, normal) >= 0.99 * dot(&between, &between).sqrt()
     };
-    [from, antagonist.map(|j| position[j as usize]).filter(is_along).unwrap_or(touched)]
+    [from, antagonist.map(|j| places[j as usize]).filter(is_along).unwrap_or(touched)]
 }
 
 /// The subdomain with most of each grain's contacts, the first among equals.
-pub(super) fn subdomain_of_grains<M: Mechanics>(
-    frozen: &Frozen<M>,
+pub(super) fn subdomain_of_grains(
+    grains: usize,
+    touching: &[Touching],
     partition: &Partition,
 ) -> Vec<Option<u32>> {
-    let adjacency = Adjacency::of(&frozen.problem);
-    let most = |grain: usize| {
-        let subdomains =
-            || adjacency.around(grain).iter().map(|contact| partition.subdomain[*contact as usize]);
-        let count = |e: u32| subdomains().filter(|other| *other == e).count();
-        subdomains().max_by_key(|e| (count(*e), std::cmp::Reverse(*e)))
+    let mut around = vec![Vec::new(); grains];
+    for (contact, subdomain) in touching.iter().zip(&partition.subdomain) {
+        for grain in [Some(contact.candidate), contact.antagonist].into_iter().flatten() {
+            around[grain as usize].push(*subdomain);
+        }
+    }
+    let most = |subdomains: &Vec<u32>| {
+        let count = |e: u32| subdomains.iter().filter(|other| **other == e).count();
+        subdomains.iter().copied().max_by_key(|e| (count(*e), std::cmp::Reverse(*e)))
     };
-    (0..adjacency.grain_count()).map(most).collect()
+    around.iter().map(most).collect()
 }

@@ -1,12 +1,12 @@
 //! A scene through time: one method, one rule, until the end, an explosion or a refusal; and its row and series.
 
 use crate::plan::Rule;
-use crate::problems::{Enter, Scene, Studied, enter};
+use crate::problems::Scene;
 use crate::run::{Conditions, Task};
 use crate::terminal::write_sealed;
 use anyhow::Result;
-use cases::{CaseError, Frozen, March, Observables, Start, TimeStep};
-use contact::{Discs, Mechanics, Solver};
+use cases::{AnyFrozen, CaseError, Observables, Start};
+use lineup::{Attempt, OneMarch, OneProblem, Ours, march};
 use results::schema::{Provenance, Timing};
 use results::simulation::{Energy, Observed, Simulated, Simulation, Stress, Totals};
 use results::store::LAST_STATES;
@@ -43,40 +43,17 @@ pub(crate) fn run_simulation(
     task: &Task<Through>,
     conditions: &Conditions,
 ) -> Result<Option<Simulated>> {
-    enter(&task.what.scene.case, Entered { plan, task, conditions })?
-}
-
-/// A simulation is to be run.
-struct Entered<'a> {
-    plan: &'a str,
-    task: &'a Task<'a, Through<'a>>,
-    conditions: &'a Conditions<'a>,
-}
-
-impl Enter for Entered<'_> {
-    type Output = Result<Option<Simulated>>;
-
-    fn enter<M: Studied>(self) -> Result<Option<Simulated>> {
-        simulated::<M>(self.plan, self.task, self.conditions)
-    }
-}
-
-fn simulated<M: Studied>(
-    plan: &str,
-    task: &Task<Through>,
-    conditions: &Conditions,
-) -> Result<Option<Simulated>> {
     let clock = Instant::now();
     let Task { variant, what: Through { scene, rule, .. }, .. } = task;
     let Conditions { how, bars, halt } = conditions;
     let Scene { case, name, time_steps, every, .. } = scene;
-    let mut march = March::<M>::new(case)?;
+    let mut march = march(case)?;
     let timing = how.timing();
-    let row = nothing_done(plan, task, &march, how.provenance.restarted())?;
+    let row = nothing_done(plan, task, &*march, how.provenance.restarted());
     let mut line = bars.line(format!("{} on {name}, {}", variant.label(), task.what.in_words()));
     let mut series = Series { every: *every, rows: Vec::new(), since: None };
-    let solver = variant.method.solver::<M>()?;
-    let (totals, end) = through_time(&mut march, solver, rule, *time_steps, halt, &mut |seen: &Seen<M>| {
+    let ours = variant.method.ours()?;
+    let (totals, end) = through_time(&mut *march, ours, rule, *time_steps, halt, &mut |seen: &Seen| {
         series.see(seen);
         line.show_time_step(seen.totals.time_steps, *time_steps);
         Ok(())
@@ -98,32 +75,32 @@ fn simulated<M: Studied>(
 }
 
 /// Writes the problem of the last good state below the folder of the study, and returns its path there.
-fn keep<M: Studied>(last: &Frozen<M>, folder: &Path, id: &str) -> Result<String> {
+fn keep(last: &AnyFrozen, folder: &Path, id: &str) -> Result<String> {
     let file = format!("{LAST_STATES}/{id}.json");
-    write_sealed(&folder.join(&file), &M::to_json(last)?)?;
+    write_sealed(&folder.join(&file), &last.to_json()?)?;
     Ok(file)
 }
 
 /// The row of a simulation that has reached nothing yet.
-fn nothing_done<M: Studied>(
+fn nothing_done(
     plan: &str,
     task: &Task<Through>,
-    march: &March<M>,
+    march: &dyn OneMarch,
     provenance: Provenance,
-) -> Result<Simulation> {
+) -> Simulation {
     let Task { id, variant, what: Through { scene, rule, role }, .. } = task;
-    let problem = march.next()?.frozen.problem;
+    let bodies = march.bodies();
     let mut settings = scene.settings.clone();
     settings.insert("case".to_owned(), scene.case.name.as_str().into());
-    Ok(Simulation {
+    Simulation {
         id: id.clone(),
         plan: plan.to_owned(),
         scene: scene.name.clone(),
         scene_settings: settings,
         scene_hash: scene.hash.clone(),
         role: (*role).to_owned(),
-        grains: problem.grain_count() as u32,
-        mass_kg: problem.mass().iter().map(|mass| M::weight(*mass)).sum(),
+        grains: bodies.len() as u32,
+        mass_kg: bodies.iter().map(|body| body.mass).sum(),
         mean_diameter_m: march.mean_diameter(),
         gravity_m_per_s2: scene.case.scene.gravity_m_per_s2,
         time_step_s: scene.case.scene.time_step_s,
@@ -138,7 +115,7 @@ fn nothing_done<M: Studied>(
         max_iterations: rule.stop.max_iterations,
         provenance,
         ..Simulation::default()
-    })
+    }
 }
 
 /// The series of a simulation, thinned: a row for every so many time steps.
@@ -150,7 +127,7 @@ struct Series {
 }
 
 impl Series {
-    fn see<M: Studied>(&mut self, seen: &Seen<M>) {
+    fn see(&mut self, seen: &Seen) {
         let now = observed(seen);
         // Rows begin after whole numbers of them.
         let gathered = |since: &Observed| (since.time_step - 1) % self.every + 1;
@@ -164,7 +141,7 @@ impl Series {
 }
 
 /// Returns the observables of a time step, as rows hold them.
-pub(crate) fn observed<M: Studied>(seen: &Seen<M>) -> Observed {
+pub(crate) fn observed(seen: &Seen) -> Observed {
     let o = seen.observables;
     let [floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s, ..] = o.wall_impulses;
     Observed {
@@ -224,23 +201,23 @@ fn joined(earlier: &Observed, later: Observed, time_steps: u64) -> Observed {
 }
 
 /// A time step that was solved.
-pub(crate) struct Seen<'a, M: Mechanics = Discs> {
-    pub(crate) march: &'a March<M>,
-    pub(crate) time_step: &'a TimeStep<M>,
-    pub(crate) outcome: &'a Outcome<M>,
+pub(crate) struct Seen<'a> {
+    pub(crate) march: &'a dyn OneMarch,
+    pub(crate) problem: &'a dyn OneProblem,
+    pub(crate) outcome: &'a Outcome,
     pub(crate) observables: &'a Observables,
     pub(crate) totals: &'a Totals,
 }
 
 /// End of a simulation.
-pub(crate) enum End<M: Mechanics = Discs> {
+pub(crate) enum End {
     Completed,
     /// A simulation that exploded, with the problem of its last good state.
     Exploded {
         /// `exploded`; or why it exploded, `solver-diverged` or `no-solution`.
         status: &'static str,
         why: String,
-        last: Box<Frozen<M>>,
+        last: Box<AnyFrozen>,
     },
     /// The method refused a time step.
     Refused(String),
@@ -249,38 +226,37 @@ pub(crate) enum End<M: Mechanics = Discs> {
 }
 
 /// Makes `time_steps` time steps; `see` sees each. `halt` may ask for an end after any iteration.
-pub(crate) fn through_time<M: Studied>(
-    march: &mut March<M>,
-    solver: &dyn Solver<M>,
+pub(crate) fn through_time(
+    march: &mut dyn OneMarch,
+    ours: &Ours,
     rule: &Rule,
     time_steps: u64,
     halt: &dyn Fn() -> bool,
-    see: &mut dyn FnMut(&Seen<M>) -> Result<()>,
-) -> Result<(Totals, End<M>)> {
+    see: &mut dyn FnMut(&Seen) -> Result<()>,
+) -> Result<(Totals, End)> {
     let mut totals = Totals::default();
     let mut failed = false;
     for k in 1..=time_steps {
         if halt() {
             return Ok((totals, End::Interrupted(format!("stopped before time step {k}"))));
         }
-        let time_step = march.next()?;
-        let (outcome, observables) = match march.solve(&time_step, solver, &rule.stop, rule.warm_start, halt)
-        {
+        let Attempt { frozen, solved } = march.solve(ours, &rule.stop, rule.warm_start, halt)?;
+        let (outcome, observables) = match solved {
             Ok(solved) => solved,
-            Err(error) => return Ok((totals, ended(error, k, time_step)?)),
+            Err(error) => return Ok((totals, ended(error, k, frozen)?)),
         };
         add(&mut totals, &outcome);
         totals.energy += energy(&observables);
         totals.restarted_time_steps += u64::from(failed && rule.warm_start.is_warm());
         failed = matches!(outcome.status, Status::Diverged | Status::Infeasible);
-        let (outcome, observables) = (&outcome, &observables);
-        see(&Seen { march, time_step: &time_step, outcome, observables, totals: &totals })?;
+        let (problem, outcome, observables) = (&*lineup::problem(frozen), &outcome, &observables);
+        see(&Seen { march, problem, outcome, observables, totals: &totals })?;
     }
     Ok((totals, End::Completed))
 }
 
-/// Returns the end of a simulation whose `k`-th time step was not solved.
-fn ended<M: Studied>(error: CaseError, k: u64, time_step: TimeStep<M>) -> Result<End<M>> {
+/// Returns the end of a simulation whose `k`-th time step, with the problem `frozen`, was not solved.
+fn ended(error: CaseError, k: u64, frozen: AnyFrozen) -> Result<End> {
     let why = error.to_string();
     Ok(match error {
         CaseError::Exploded { solved, .. } => {
@@ -289,7 +265,7 @@ fn ended<M: Studied>(error: CaseError, k: u64, time_step: TimeStep<M>) -> Result
                 Some(Status::Infeasible) => "no-solution",
                 _ => "exploded",
             };
-            End::Exploded { status, why, last: Box::new(time_step.frozen) }
+            End::Exploded { status, why, last: Box::new(frozen) }
         }
         CaseError::Setup(_) => End::Refused(format!("time step {k}: {why}")),
         CaseError::Interrupted { .. } => End::Interrupted(why),
@@ -297,7 +273,7 @@ fn ended<M: Studied>(error: CaseError, k: u64, time_step: TimeStep<M>) -> Result
     })
 }
 
-impl<M: Mechanics> End<M> {
+impl End {
     /// Name in files.
     pub(crate) fn status(&self) -> &'static str {
         match self {
@@ -328,7 +304,7 @@ impl<M: Mechanics> End<M> {
 }
 
 /// Adds a time step that was solved.
-fn add<M: Mechanics>(totals: &mut Totals, outcome: &Outcome<M>) {
+fn add(totals: &mut Totals, outcome: &Outcome) {
     totals.time_steps += 1;
     totals.missed_time_steps += u64::from(outcome.status != Status::Converged);
     totals.diverged_time_steps += u64::from(outcome.status == Status::Diverged);

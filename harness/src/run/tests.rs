@@ -1,21 +1,26 @@
 //! Which iterates are kept, and where contacts are drawn.
 
-use crate::problems::Root;
+use crate::plan::Method;
+use crate::problems::{Problem, Root};
 use crate::run::{Snapshots, scene_rows};
-use cases::{Case, Frozen, March};
-use contact::RoughDiscs;
+use cases::{AnyFrozen, Case};
+use lineup::march;
 use partition::{Grid, Scheme};
-use runner::{Stop, solve};
+use runner::{Measured, Stop};
+use std::ops::ControlFlow;
 
 #[test]
 fn begin_end_and_some_iterates_between_are_kept() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/frozen/shear-box-991-onset.json");
-    let frozen = Frozen::read(std::path::Path::new(path)).unwrap();
+    let problem = Problem::alone(AnyFrozen::read(std::path::Path::new(path)).unwrap(), false);
     let stop = Stop { max_iterations: 23, tolerance: 0.0, ..Stop::default() };
-    let mut snapshots = Snapshots::of(&frozen.problem);
-    let start = frozen.start(false);
-    let outcome = solve(&nsgs::Nsgs::default(), &frozen.problem, &start, &stop, &mut |progress| {
+    let mut snapshots = Snapshots::of(&problem.posed);
+    let start = problem.start(false);
+    let run = lineup::Run { truths: &[], r0: &start, stop: &stop, measured: Measured::Every };
+    let nsgs = Method::parse("nsgs", &[]).unwrap();
+    let outcome = problem.posed.solve(nsgs.ours().unwrap(), run, &mut |progress| {
         snapshots.observe(progress);
+        ControlFlow::Continue(())
     });
     let outcome = outcome.unwrap();
     let snapshots = snapshots.finish(&outcome);
@@ -30,10 +35,10 @@ fn begin_end_and_some_iterates_between_are_kept() {
 fn a_contact_is_drawn_no_longer_than_two_grains() {
     let root = Root::find(None).unwrap();
     let case = Case::read(&root.problem_or_case("periodic-shear").unwrap(), &[]).unwrap();
-    let time_step = March::<RoughDiscs>::new(&case).unwrap().next().unwrap();
+    let problem = lineup::problem(march(&case).unwrap().frozen("", None).unwrap());
     let partitions = [("1x1".to_owned(), Grid::ONE, Scheme::Boxes)];
-    let (grains, contacts) = scene_rows(&time_step.frozen, &partitions, None);
-    let far = contacts.iter().zip(time_step.frozen.problem.contacts()).filter(|(_, contact)| {
+    let (grains, contacts) = scene_rows(("periodic-shear", &*problem), &partitions, None);
+    let far = contacts.iter().zip(problem.touching()).filter(|(_, contact)| {
         let there =
             contact.antagonist.map(|j| grains[j as usize].x_m - grains[contact.candidate as usize].x_m);
         there.is_some_and(|x| x.abs() > 1.2)

@@ -1,13 +1,12 @@
 //! Frames for ParaView: at each kept time the grains, the contacts and the walls as files of an unstructured grid, and a
 //! collection that lists them.
 
-use crate::problems::Studied;
 use crate::run::rows::subdomain_of_grains;
 use crate::terminal::{say, write_whole};
 use anyhow::{Context, Result, bail};
-use cases::{Homogenised, March, Side, TimeStep};
-use contact::{Place, Touch, Vector};
-use partition::{Decomposition, Grid, Partition, Scheme};
+use cases::{Homogenised, Side};
+use lineup::{OneMarch, OneProblem};
+use partition::{Grid, Partition, Scheme};
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -49,15 +48,16 @@ impl Frames {
     }
 
     /// Adds the initial state, which no contact has changed yet.
-    pub(crate) fn begin<M: Studied>(&mut self, march: &March<M>) -> Result<()> {
+    pub(crate) fn begin(&mut self, march: &dyn OneMarch) -> Result<()> {
         self.add(0.0, march, None)
     }
 
     /// Adds the state at a time (s): that after a time step, with the impulses (N·s) that it took.
-    pub(crate) fn add<M: Studied>(&mut self, time: f64, march: &March<M>, solved: Solved<M>) -> Result<()> {
-        let split = solved.zip(self.partition).and_then(|((time_step, _), (grid, scheme))| {
-            Partition::of_contacts(&time_step.frozen.problem, scheme, grid).ok()
-        });
+    pub(crate) fn add(&mut self, time: f64, march: &dyn OneMarch, solved: Solved) -> Result<()> {
+        let split = solved
+            .zip(self.partition)
+            .and_then(|((problem, _), (grid, scheme))| problem.cut(grid, scheme).ok());
+        let split = split.map(|(partition, decomposition)| (partition, decomposition.multiplicity));
         let parts = [
             ("grains", grains(march, solved, split.as_ref())),
             ("contacts", contacts(march, solved, split.as_ref())),
@@ -117,8 +117,8 @@ struct Elements {
 }
 
 impl Elements {
-    fn add(&mut self, place: impl Place) {
-        self.points.extend(place.space());
+    fn add(&mut self, place: [f64; 3]) {
+        self.points.extend(place);
     }
 
     fn numbers(&mut self, name: &str, values: Vec<f64>) {
@@ -131,8 +131,8 @@ impl Elements {
         self.values.push(Attribute::scalars(name, 1).with_data(values));
     }
 
-    fn vectors(&mut self, name: &str, values: impl Iterator<Item = impl Place>) {
-        let values: Vec<f64> = values.flat_map(Place::space).collect();
+    fn vectors(&mut self, name: &str, values: impl Iterator<Item = [f64; 3]>) {
+        let values: Vec<f64> = values.flatten().collect();
         self.values.push(Attribute::vectors(name).with_data(values));
     }
 
@@ -162,44 +162,48 @@ impl Elements {
     }
 }
 
-/// Solved time step, if there is one: its contacts and their impulses (N·s).
-type Solved<'t, M> = Option<(&'t TimeStep<M>, &'t [f64])>;
+/// Problem of a solved time step, if there is one, and its impulses (N·s).
+type Solved<'t> = Option<(&'t dyn OneProblem, &'t [f64])>;
+
+/// Partition of its contacts, if the method has one, and the number of copies of each grain.
+type Split = (Partition, Vec<u32>);
 
 /// A vertex for each grain.
-fn grains<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Partition>) -> Elements {
+fn grains(march: &dyn OneMarch, solved: Solved, split: Option<&Split>) -> Elements {
     let mut elements = Elements::default();
-    march.grains().for_each(|(_, place, _)| elements.add(place));
-    let count = march.mass().len();
+    let bodies = march.bodies();
+    bodies.iter().for_each(|body| elements.add(body.place));
+    let count = bodies.len();
     // Of a method without subdomains all is in one; before the first contacts, and without contact, a grain is in none.
     let (subdomain, copies) = match (solved, split) {
-        (Some((time_step, _)), Some(split)) => {
-            let copies = Decomposition::new(&time_step.frozen.problem, split).multiplicity;
-            (subdomain_of_grains(&time_step.frozen, split), copies)
+        (Some((problem, _)), Some((partition, copies))) => {
+            (subdomain_of_grains(count, &problem.touching(), partition), copies.clone())
         }
         (Some(_), None) => (vec![Some(0); count], vec![1; count]),
         (None, _) => (vec![None; count], vec![1; count]),
     };
     elements.indices("grain", (0..count as u32).map(Some));
-    elements.numbers("radius_m", march.grains().map(|(radius, ..)| radius).collect());
-    elements.numbers("mass_kg", march.mass().iter().map(|mass| M::weight(*mass)).collect());
-    elements.vectors("velocity_m_per_s", march.grains().map(|(_, _, velocity)| velocity));
-    let spins = march.velocity().iter().flat_map(M::spin).copied().collect::<Vec<_>>();
+    elements.numbers("radius_m", bodies.iter().map(|body| body.radius).collect());
+    elements.numbers("mass_kg", bodies.iter().map(|body| body.mass).collect());
+    elements.vectors("velocity_m_per_s", bodies.iter().map(|body| body.velocity));
+    let spins = bodies.iter().flat_map(|body| &body.spin).copied().collect::<Vec<_>>();
     match spins.len() / count {
         0 => {}
         1 => elements.numbers("spin_rad_per_s", spins),
         _ => elements.values.push(Attribute::vectors("spin_rad_per_s").with_data(spins)),
     }
-    let material = solved.map_or_else(Vec::new, |(time_step, r)| {
-        let one = (vec![0; time_step.frozen.problem.contact_count()], 1);
-        let (list, count) = split.map_or(one, |split| (split.subdomain.clone(), split.count as usize));
-        Homogenised::of(&time_step.frozen, march.grain_count(), (&list, count), r)
+    let material = solved.map_or_else(Vec::new, |(problem, r)| {
+        let one = || (vec![0; problem.facts().contacts], 1);
+        let (list, count) = split.map_or_else(one, |(p, _)| (p.subdomain.clone(), p.count as usize));
+        problem.homogenised(march.grain_count(), (&list, count), r)
     });
     let of_material = |value: &dyn Fn(&Homogenised) -> f64| {
         subdomain.iter().map(|e| e.and_then(|e| material.get(e as usize)).map_or(0.0, value)).collect()
     };
-    let pressure = if M::Place::LEN > 2 { "n_per_m2" } else { "n_per_m" };
+    let dimensions = march.dimensions();
+    let pressure = if dimensions > 2 { "n_per_m2" } else { "n_per_m" };
     let pressure = format!("subdomain_pressure_{pressure}");
-    elements.numbers(&pressure, of_material(&|one| one.pressure(M::Place::LEN)));
+    elements.numbers(&pressure, of_material(&|one| one.pressure(dimensions)));
     elements.numbers("subdomain_coordination", of_material(&|one| one.coordination));
     elements.indices("subdomain", subdomain);
     elements.indices("multiplicity", copies.into_iter().map(|copies| Some(copies.max(1))));
@@ -207,39 +211,38 @@ fn grains<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Partit
 }
 
 /// A line for each contact, from the centre of the candidate to that of the antagonist, or to the point of the wall.
-fn contacts<M: Studied>(march: &March<M>, solved: Solved<M>, split: Option<&Partition>) -> Elements {
+fn contacts(march: &dyn OneMarch, solved: Solved, split: Option<&Split>) -> Elements {
     let mut elements = Elements { shape: Shape::Line, ..Elements::default() };
-    let (list, gap, r) = solved.map_or((&[][..], &[][..], &[][..]), |(time_step, r)| {
-        (time_step.frozen.problem.contacts(), &time_step.frozen.gap[..], r)
-    });
-    let grains: Vec<(f64, M::Place)> = march.grains().map(|(radius, place, _)| (radius, place)).collect();
-    for (contact, gap) in list.iter().zip(gap) {
-        let (candidate, antagonist) = contact.ends();
-        let (radius, from) = grains[candidate as usize];
-        let wall = || from - contact.normal() * (radius + gap);
-        elements.add(from);
-        elements.add(antagonist.and_then(|j| march.beside(from, j)).unwrap_or_else(wall));
+    let Some((problem, r)) = solved else { return elements };
+    let (list, bodies) = (problem.touching(), march.bodies());
+    for contact in &list {
+        let body = &bodies[contact.candidate as usize];
+        let reach = body.radius + contact.gap;
+        let wall = || [0, 1, 2].map(|k| body.place[k] - contact.normal[k] * reach);
+        elements.add(body.place);
+        elements.add(contact.antagonist.and_then(|j| march.beside(body.place, j)).unwrap_or_else(wall));
     }
-    let subdomain = split.map_or_else(|| vec![0; list.len()], |split| split.subdomain.clone());
-    let antagonist = list.iter().map(|contact| contact.ends().1);
+    let subdomain = split.map_or_else(|| vec![0; list.len()], |(split, _)| split.subdomain.clone());
+    let antagonist = list.iter().map(|contact| contact.antagonist);
     elements.indices("contact", (0..list.len() as u32).map(Some));
-    elements.indices("candidate", list.iter().map(|contact| Some(contact.ends().0)));
+    elements.indices("candidate", list.iter().map(|contact| Some(contact.candidate)));
     elements.indices("antagonist", antagonist.clone());
     elements.indices("wall", antagonist.map(|j| Some(u32::from(j.is_none()))));
-    elements.numbers("impulse_n_s", r.iter().step_by(M::Impulse::LEN).copied().collect());
-    if let Some((tangential, statuses)) = M::tangential(r).zip(M::statuses(list, r)) {
+    let of_contact = problem.facts().of_contact;
+    elements.numbers("impulse_n_s", r.iter().step_by(of_contact).copied().collect());
+    if let Some((tangential, statuses)) = problem.tangential(r).zip(problem.statuses(r)) {
         elements.numbers("tangential_impulse_n_s", tangential);
         elements.indices("status", statuses.into_iter().map(|status| Some(status.into())));
     }
-    elements.numbers("gap_m", gap.to_vec());
-    elements.vectors("normal", list.iter().map(Touch::normal));
+    elements.numbers("gap_m", list.iter().map(|contact| contact.gap).collect());
+    elements.vectors("normal", list.iter().map(|contact| contact.normal));
     elements.indices("subdomain", subdomain.into_iter().map(Some));
     elements
 }
 
-/// A line for each wall, in space a face.
-fn walls<M: Studied>(march: &March<M>) -> Elements {
-    let shape = if M::Place::LEN > 2 { Shape::Face } else { Shape::Line };
+/// A line for each wall, in 3D a face.
+fn walls(march: &dyn OneMarch) -> Elements {
+    let shape = if march.dimensions() > 2 { Shape::Face } else { Shape::Line };
     let mut elements = Elements { shape, ..Elements::default() };
     let walls = march.walls();
     walls.iter().flat_map(|(_, ends)| ends).for_each(|end| elements.add(*end));

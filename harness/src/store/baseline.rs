@@ -1,7 +1,8 @@
 //! Baselines: the counts of a plan's runs as they were accepted, and the failures that are expected.
 
-use crate::plan::{as_typed, methods};
-use crate::run::{OneProblem, Task, decades};
+use crate::plan::{as_typed, method};
+use crate::problems::Problem;
+use crate::run::{Task, decades};
 use crate::study::by_id;
 use crate::terminal::read_text;
 use anyhow::{Context, Result, bail};
@@ -30,17 +31,17 @@ pub(crate) struct Counts(Vec<String>);
 
 impl Counts {
     /// The counts of a study's runs, in the order of their names.
-    pub(crate) fn of(tasks: &[Task<&dyn OneProblem>], records: &[Record]) -> Result<Vec<Self>> {
+    pub(crate) fn of(tasks: &[Task<&Problem>], records: &[Record]) -> Result<Vec<Self>> {
         let known = by_id(records);
         let mut all = Vec::new();
         for Task { id, variant, what: problem, .. } in tasks {
-            let problem = problem.name();
+            let problem = &problem.name;
             let missing = || format!("{} on {problem} has no run", variant.label());
             let Record { run, curve, .. } = known.get(id.as_str()).with_context(missing)?;
             let decades = |measure| {
                 decades(curve, measure).iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
             };
-            let mut row = vec![problem.to_owned(), run.method.clone()];
+            let mut row = vec![problem.clone(), run.method.clone()];
             row.push(not_default(&run.method, &variant.method.settings)?);
             row.extend([run.problem_hash.clone(), run.status.clone(), run.iterations.to_string()]);
             row.extend([Measure::Zeta, Measure::NaturalMap].map(decades));
@@ -79,9 +80,8 @@ fn difference(column: &str, before: &str, now: &str) -> [String; 3] {
 }
 
 /// The settings that differ from the defaults, such as `relaxation=1.5 sweeps=2`.
-fn not_default(method: &str, settings: &Map<String, Value>) -> Result<String> {
-    let entry = methods().find(|entry| entry.name == method);
-    let defaults = entry.with_context(|| format!("no method `{method}`"))?.defaults()?;
+fn not_default(name: &str, settings: &Map<String, Value>) -> Result<String> {
+    let defaults = method(name).with_context(|| format!("no method `{name}`"))?.defaults()?;
     let set = settings.iter().filter(|(key, value)| defaults.get(*key) != Some(*value));
     Ok(set.map(|(key, value)| format!("{key}={}", as_typed(value))).collect::<Vec<_>>().join(" "))
 }

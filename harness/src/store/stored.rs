@@ -1,15 +1,16 @@
 //! A run of any study in `results/runs`, found by its id.
 
-use crate::identity::content_hash;
 use crate::plan::as_typed;
-use crate::problems::{KeptProblem, MARCH, MISSED_BEFORE, Marcher, Root, Studied, Visit, visit};
+use crate::problems::{KeptProblem, MARCH, MISSED_BEFORE, Marcher, Root};
 use crate::store::runs_folder;
 use anyhow::{Context, Result, bail};
-use cases::{AnyFrozen, Frozen};
+use cases::AnyFrozen;
+use lineup::content_hash;
+use results::error::StoreError;
 use results::journal::{Record, Texts, entry};
 use results::schema::Run;
 use results::simulation::Simulated;
-use results::store::{StoreError, journals};
+use results::store::journals;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -110,23 +111,12 @@ pub(crate) fn problem_of_run(root: &Root, run: &Run) -> Result<AnyFrozen> {
                 .problem(root, &run.problem)?
         }
     };
-    let (before, now) = (&run.problem_hash, visit(problem.clone(), Hash));
+    let (before, now) = (&run.problem_hash, content_hash(&*lineup::problem(problem.clone())));
     if now != *before {
         bail!("the problem has changed since: its hash was {before}, and is {now} now");
     }
     problem.rename(&run.problem);
     Ok(problem)
-}
-
-/// The hash of a problem is asked for.
-struct Hash;
-
-impl Visit for Hash {
-    type Output = String;
-
-    fn visit<M: Studied>(self, frozen: Frozen<M>) -> String {
-        content_hash(&frozen)
-    }
 }
 
 /// Reports whether a text can be an id, or a beginning of one long enough to search for.

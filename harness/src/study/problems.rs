@@ -1,13 +1,13 @@
 //! A study of problems: every variant on every problem is a run.
 
-use crate::identity::{code_version, hash_of};
+use crate::identity::{code_version, provenance};
 use crate::plan::Variant;
-use crate::problems::{AnyProblem, PlannedProblem, Root};
-use crate::run::{Conditions, OneProblem, Task, partitions};
+use crate::problems::{PlannedProblem, Problem, Root};
+use crate::run::{Conditions, Task, given_row, partitions, run_on_problem, scene_rows};
 use crate::study::{Kind, Listed, Selection};
 use anyhow::Result;
 use contact::Measure;
-use reference::InteriorPoint;
+use lineup::{Posed, hash_of};
 use results::journal::Record;
 use results::study::{Runs, Study as Rows};
 use runner::Stop;
@@ -17,12 +17,12 @@ use std::collections::{BTreeMap, HashSet};
 /// A plan with those of its problems that are there: all that runs need, and others that need not be computed.
 pub(crate) struct OnProblems {
     selection: Selection,
-    problems: Vec<AnyProblem>,
+    problems: Vec<Problem>,
 }
 
 impl Kind for OnProblems {
     type Record = Record;
-    type What<'s> = &'s dyn OneProblem;
+    type What<'s> = &'s Problem;
     const TASKS: &'static str = "runs";
 
     fn new(selection: Selection, root: &Root, compute: bool) -> Result<Self> {
@@ -40,21 +40,21 @@ impl Kind for OnProblems {
         &self.selection
     }
 
-    fn tasks(&self) -> Vec<Task<'_, &dyn OneProblem>> {
-        let mut tasks: Vec<Task<'_, &dyn OneProblem>> = Vec::new();
+    fn tasks(&self) -> Vec<Task<'_, &Problem>> {
+        let mut tasks = Vec::new();
         for what in &self.problems {
             tasks.extend(self.selection.variants.iter().map(|variant| Task {
-                id: self.run_id(&**what, variant),
+                id: self.run_id(what, variant),
                 variant,
-                selected: self.selection.selects(what.name(), variant),
-                what: &**what,
+                selected: self.selection.selects(&what.name, variant),
+                what,
             }));
         }
         tasks
     }
 
-    fn run(&self, task: &Task<&dyn OneProblem>, conditions: &Conditions) -> Result<Option<Record>> {
-        task.what.run(&self.selection.plan, task, conditions)
+    fn run(&self, task: &Task<&Problem>, conditions: &Conditions) -> Result<Option<Record>> {
+        run_on_problem(&self.selection.plan, task, conditions)
     }
 
     fn size(&self) -> usize {
@@ -67,28 +67,28 @@ impl Kind for OnProblems {
 
     fn listed(&self, done: &HashSet<&str>) -> Vec<Listed> {
         // A problem that is not there has no run that has ended.
-        let there = |name: &str| self.problems.iter().find(|problem| problem.name() == name);
+        let there = |name: &str| self.problems.iter().find(|problem| problem.name == name);
         let listed = |(problem, variant): (&PlannedProblem, &Variant)| Listed {
             problem: problem.name.clone(),
             method: variant.method.name,
             variant: variant.name.clone(),
-            done: there(&problem.name).is_some_and(|there| done.contains(&*self.run_id(&**there, variant))),
+            done: there(&problem.name).is_some_and(|there| done.contains(&*self.run_id(there, variant))),
         };
         self.selection.selected().map(listed).collect()
     }
 
-    fn rows(&self, root: &Root, ended: Vec<(Task<&dyn OneProblem>, Record)>) -> Result<Rows> {
+    fn rows(&self, root: &Root, ended: Vec<(Task<&Problem>, Record)>) -> Result<Rows> {
         let plan = &self.selection.plan;
         let mut rows = Runs::default();
         for (Task { variant, what: problem, .. }, mut record) in ended {
             record.run.plan.clone_from(&plan.name);
-            problem.name().clone_into(&mut record.run.problem);
-            record.run.problem_settings.clone_from(problem.settings());
+            record.run.problem.clone_from(&problem.name);
+            record.run.problem_settings.clone_from(&problem.settings);
             record.run.variant.clone_from(&variant.name);
             rows.records.push(record);
         }
         for problem in &self.problems {
-            if let Some(run) = problem.given_row(plan, root)? {
+            if let Some(run) = given_row(plan, problem, root, provenance()?)? {
                 rows.records.push(Record { run, curve: Vec::new(), snapshots: Vec::new() });
             }
         }
@@ -96,7 +96,9 @@ impl Kind for OnProblems {
         // Without a partition there is nothing to draw.
         let drawn = plan.reference && !partitions.is_empty();
         for problem in self.problems.iter().filter(|_| drawn) {
-            let (grains, contacts) = problem.scene_rows(&partitions, root)?;
+            let Posed::Grains(posed) = &problem.posed else { continue };
+            let r = problem.known(root)?.impulses.first().map(Vec::as_slice);
+            let (grains, contacts) = scene_rows((&problem.name, &**posed), &partitions, r);
             rows.grains.extend(grains);
             rows.contacts.extend(contacts);
         }
@@ -105,8 +107,8 @@ impl Kind for OnProblems {
 }
 
 impl OnProblems {
-    fn run_id(&self, problem: &dyn OneProblem, variant: &Variant) -> String {
-        run_id(problem.hash(), variant, &self.selection.plan.stop)
+    fn run_id(&self, problem: &Problem, variant: &Variant) -> String {
+        run_id(&problem.hash, variant, &self.selection.plan.stop)
     }
 }
 
@@ -116,7 +118,7 @@ pub(crate) fn run_id(problem_hash: &str, variant: &Variant, stop: &Stop) -> Stri
     // Sorted, whatever the map of the JSON crate does with its keys.
     let settings: BTreeMap<_, _> = method.settings.iter().collect();
     // What stops on the error needs the solution, and whether ζ lied is judged by it.
-    let truth = matches!(stop.on, Measure::VelocityError | Measure::Zeta).then(code_version::<InteriorPoint>);
+    let truth = matches!(stop.on, Measure::VelocityError | Measure::Zeta).then(|| code_version("reference"));
     let stop = (stop.on, stop.tolerance, stop.max_iterations);
     hash_of(&json!([problem_hash, method.name, method.code, settings, stop, warm_start, truth]))
 }

@@ -1,13 +1,13 @@
 //! A study through time: every variant on every scene under every rule is a simulation; and so are those that they are
 //! compared with.
 
-use crate::identity::{code_version, hash_of};
+use crate::identity::code_version;
 use crate::plan::{Rule, Variant};
 use crate::problems::{PlannedProblem, Root, Scene};
 use crate::run::{Conditions, Task, Through, run_simulation};
 use crate::study::{Kind, Listed, Selection, missing};
 use anyhow::{Context, Result};
-use cases::March;
+use lineup::hash_of;
 use results::simulation::Simulated;
 use results::study::Study as Rows;
 use serde_json::json;
@@ -77,7 +77,7 @@ impl Kind for ThroughTime {
         let refined = shortest.into_iter().map(|scene| scene.refined(refine)).collect::<Result<_>>()?;
         let reference = simulate.reference(&selection.plan.stop)?;
         let rules = selection.plan.rules()?.into_iter().map(|(rule, _)| rule).collect();
-        let march = code_version::<March>().context("the crate `cases` has no version")?;
+        let march = code_version("cases").context("the crate `cases` has no version")?;
         Ok(Self { selection, rules, refined, reference, march })
     }
 

@@ -1,7 +1,8 @@
 //! Inputs of the id of a run.
 
-use crate::plan::{METHODS, Method, Variant};
+use crate::plan::{Method, Variant};
 use crate::study::problems::run_id;
+use lineup::METHODS;
 use runner::Stop;
 
 fn nsgs(settings: &[(&str, &str)]) -> Variant {

@@ -3,10 +3,11 @@
 use crate::cli::args::StudyArgs;
 use crate::identity::provenance;
 use crate::problems::Root;
-use crate::run::{OnAllRanks, Posted};
 use crate::store::{about, draw, finish, open, records_of, runs_folder};
 use crate::study::{Kind, OnProblems, by_id, missing};
 use crate::team::ping;
+use crate::team::run::OnAllRanks;
+use crate::team::share::Posted;
 use crate::terminal::{exit, say};
 use anyhow::{Result, bail};
 use reports::{About, Formats, Wanted};
@@ -59,7 +60,7 @@ pub(crate) fn run(posted: &Posted, root: &Root, args: &Args) -> Result<ExitCode>
     let on = OnAllRanks { posted, root, provenance: &provenance, repeats, prices };
     let mut known = HashSet::new();
     for task in tasks.iter().filter(|task| wanted.contains(&*task.id) && known.insert(task.id.clone())) {
-        let record = task.what.run_on_ranks(&study.selection().plan, task, &on)?;
+        let record = on.run(&study.selection().plan, task)?;
         let Some(record) = record else { break };
         let whole = exit::whole();
         let kept = store.as_mut().map_or(Ok(()), |store| {

@@ -3,7 +3,8 @@
 use crate::cli::split::Args as SplitArgs;
 use crate::plan::read_external;
 use crate::problems::Root;
-use crate::run::{Posted, few, in_the_pool};
+use crate::run::{few, in_the_pool};
+use crate::team::share::Posted;
 use crate::team::{bench, ping, solve, split};
 use crate::terminal::exit;
 use anyhow::{Context, Result};

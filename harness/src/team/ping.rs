@@ -1,6 +1,6 @@
 //! `gravel-mpi ping`: α and β of a machine, a message of n bytes taking α + β n, by messages that go to and fro.
 
-use crate::run::Posted;
+use crate::team::share::Posted;
 use crate::terminal::say;
 use anyhow::{Result, bail};
 use partition::Parcel;

@@ -1,15 +1,16 @@
 //! `gravel-mpi solve`: one contact problem, one method, on ranks of which each has its own subdomains alone.
 
-use crate::cli::args::SolverArgs;
-use crate::cli::solve::Start;
-use crate::cli::split::read;
+use crate::cli::args::{SolverArgs, Start, read};
+use crate::cli::solve::{say_ending, say_measures};
 use crate::plan::Method;
-use crate::problems::{Impulses, Root, Studied};
-use crate::run::{OnShare, Posted, Shared, Source, cut_of, exchanged, is_split, on_ranks, share, whole_of};
+use crate::problems::{Impulses, Root};
+use crate::team::parts::read_impulses;
+use crate::team::run::{exchanged, on_ranks};
+use crate::team::share::{Posted, Shared, Source, cut_of, is_split, share, whole_of};
 use crate::terminal::{Line, exit, merged, say};
 use anyhow::{Context, Result};
 use contact::Measure;
-use partition::{Grid, Team};
+use partition::Grid;
 use runner::{Measured, OnRanks, Progress, Stop};
 use serde_json::{Value, json};
 use std::fs;
@@ -55,66 +56,43 @@ pub(crate) fn run(posted: &Posted, root: &Root, args: &Args) -> Result<ExitCode>
         posted.agree(made.with_context(|| folder.display().to_string()))?;
     }
     let folder = Path::new(&args.problem);
-    let whole = is_split(&args.problem).then(|| whole_of(posted, folder)).transpose()?;
-    let (method, grid, scheme) = cut_of(posted, &method, args.subdomains, whole.as_ref())?;
+    let split = is_split(&args.problem).then(|| whole_of(posted, folder)).transpose()?;
+    let (method, grid, scheme) = cut_of(posted, &method, args.subdomains, split.as_ref())?;
     let truth = args.truth || stop.on == Measure::VelocityError;
     let source = Source { root, problem: &args.problem, grid, scheme, truth };
-    share(posted, &source, Solve { posted, args, method: &method, stop: &stop })?
-}
-
-struct Solve<'a> {
-    posted: &'a Posted,
-    args: &'a Args,
-    method: &'a Method,
-    stop: &'a Stop,
-}
-
-impl OnShare for Solve<'_> {
-    type Output = Result<ExitCode>;
-
-    fn on<M: Studied>(self, shared: Shared<M>) -> Result<ExitCode> {
-        let Self { posted, args, method, stop } = self;
-        let first = posted.rank() == 0;
-        let start = posted.agree(start(&args.start, &shared))?;
-        let mut line = first.then(|| Line::alone(method.name.to_owned()));
-        let mut observe = |progress: &Progress| {
-            if let Some(line) = &mut line {
-                line.show(progress, stop.on);
-            }
-            if exit::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
-        let end = on_ranks(
-            method,
-            (&shared, &start),
-            stop,
-            Measured::OneIn(args.measure_every.get()),
-            &mut observe,
-        )?;
-        let _whole = exit::whole();
-        drop(line);
-        if let Some(folder) = &args.impulses {
-            posted.agree(Impulses::write_all(folder, &shared.share, &shared.hash, &end.impulses))?;
+    let shared = share(posted, &source)?;
+    let first = posted.rank() == 0;
+    let start = posted.agree(start(&args.start, &shared))?;
+    let mut line = first.then(|| Line::alone(method.name.to_owned()));
+    let mut observe = |progress: &Progress| {
+        if let Some(line) = &mut line {
+            line.show(progress, stop.on);
         }
-        let held = Held::of(&shared);
-        let told = match first {
-            true if args.json => say(format_args!("{}", to_json(&shared, method, stop, &end, &held)?)),
-            true => print(&shared, method, stop, &end, &held),
-            false => Ok(()),
-        };
-        posted.agree(told)?;
-        Ok(if first { exit::code(end.status.name()) } else { ExitCode::SUCCESS })
+        if exit::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let measured = Measured::OneIn(args.measure_every.get());
+    let end = on_ranks(&method, (&shared, &start), &stop, measured, &mut observe)?;
+    let _whole = exit::whole();
+    drop(line);
+    if let Some(folder) = &args.impulses {
+        posted.agree(Impulses::write_all(folder, &*shared.share, &shared.hash, &end.impulses))?;
     }
+    let held = Held::of(&shared);
+    let told = match first {
+        true if args.json => say(format_args!("{}", to_json(&shared, &method, &stop, &end, &held)?)),
+        true => print(&shared, &method, &stop, &end, &held),
+        false => Ok(()),
+    };
+    posted.agree(told)?;
+    Ok(if first { exit::code(end.status.name()) } else { ExitCode::SUCCESS })
 }
 
 /// The impulses that this rank begins from (N·s).
-fn start<M: Studied>(
-    start: &Start,
-    Shared { hash, share, start: before, .. }: &Shared<M>,
-) -> Result<Vec<f64>> {
+fn start(start: &Start, Shared { hash, share, start: before, .. }: &Shared) -> Result<Vec<f64>> {
     match start {
-        Start::Cold => Ok(vec![0.0; share.problem.impulse_count()]),
+        Start::Cold => Ok(vec![0.0; before.len()]),
         Start::Warm => Ok(before.clone()),
-        Start::From(folder) => Impulses::read_own(folder, share, hash),
+        Start::From(folder) => read_impulses(folder, &**share, hash),
     }
 }
 
@@ -127,10 +105,11 @@ struct Held {
 }
 
 impl Held {
-    fn of<M: Studied>(Shared { share, team, .. }: &Shared<M>) -> Self {
+    fn of(Shared { share, team, .. }: &Shared) -> Self {
+        let facts = share.facts();
         Self {
-            grains: team.max(share.problem.grain_count() as f64),
-            contacts: team.max(share.problem.contact_count() as f64),
+            grains: team.max(facts.grains as f64),
+            contacts: team.max(facts.contacts as f64),
             memory_bytes: team.max(peak_memory_bytes().unwrap_or(0.0)),
         }
     }
@@ -143,22 +122,23 @@ pub(crate) fn peak_memory_bytes() -> Option<f64> {
     kilobytes.trim().parse::<f64>().ok().map(|kilobytes| 1024.0 * kilobytes)
 }
 
-fn to_json<M: Studied>(
-    Shared { name, hash, share, team, .. }: &Shared<M>,
+fn to_json(
+    Shared { name, hash, share, team, .. }: &Shared,
     method: &Method,
     stop: &Stop,
     end: &OnRanks,
     held: &Held,
 ) -> Result<Value> {
     let (messages, bytes, waiting_s) = exchanged(&end.traffic);
+    let whole = share.whole();
     let derived: Vec<Value> = end.derived.iter().map(|(key, value)| json!([key, value])).collect();
     let object = json!({
         "problem": name,
-        "mechanics": M::NAME,
+        "mechanics": share.facts().mechanics,
         "problem_hash": hash,
-        "grains": share.whole.grains,
-        "contacts": share.whole.contacts,
-        "subdomains": share.whole.subdomains,
+        "grains": whole.grains,
+        "contacts": whole.contacts,
+        "subdomains": whole.subdomains,
         "method": method.name,
         "settings": method.settings,
         "derived": derived,
@@ -184,41 +164,26 @@ fn to_json<M: Studied>(
     Ok(merged(object, serde_json::to_value(end.work)?))
 }
 
-fn print<M: Studied>(
-    Shared { name, share, team, .. }: &Shared<M>,
+fn print(
+    Shared { name, share, team, .. }: &Shared,
     method: &Method,
     stop: &Stop,
     end: &OnRanks,
     held: &Held,
 ) -> Result<()> {
-    let whole = &share.whole;
-    let ranks = of_ranks(team);
+    let whole = share.whole();
+    let ranks = format!("{} rank{}", team.size(), if team.size() == 1 { "" } else { "s" });
     say(format_args!(
         "{name}: {} grains, {} contacts in {} subdomains on {ranks}",
         whole.grains, whole.contacts, whole.subdomains
     ))?;
-    say(format_args!("{} {}", method.name, Value::Object(method.settings.clone())))?;
-    let (status, iterations) = (end.status.name(), end.iterations);
-    let (on, tolerance, plural) = (stop.on, stop.tolerance, if iterations == 1 { "" } else { "s" });
-    say(format_args!("{status} after {iterations} iteration{plural} ({on} ≤ {tolerance:e} asked)"))?;
-    let (setup, iterating) = (end.setup.as_secs_f64(), end.iterating.as_secs_f64());
-    say(format_args!("  set-up {setup:.3e} s, iterating {iterating:.3e} s"))?;
+    let seconds = [end.setup, end.iterating].map(|time| time.as_secs_f64());
+    say_ending(method, stop, (end.status, end.iterations), seconds)?;
     let (messages, bytes, waiting) = exchanged(&end.traffic);
     let slowest = end.slowest;
     say(format_args!(
         "  {messages} messages of {bytes} B in all; up to {waiting:.3e} s of waiting, least at rank {slowest}"
     ))?;
     say(format_args!("  no rank holds more than {} grains and {} contacts", held.grains, held.contacts))?;
-    for measure in Measure::ALL {
-        let (name, value) = (measure.name(), end.measures.get(measure));
-        let unit = if measure == Measure::PenetrationRate { " m/s" } else { "" };
-        if measure == Measure::Zeta || !value.is_nan() {
-            say(format_args!("  {name:<17}{value:.3e}{unit}"))?;
-        }
-    }
-    Ok(())
-}
-
-fn of_ranks(team: &Team) -> String {
-    format!("{} rank{}", team.size(), if team.size() == 1 { "" } else { "s" })
+    say_measures(&end.measures)
 }

@@ -3,20 +3,20 @@
 
 use crate::cli::split;
 use crate::plan::Method;
-use crate::problems::{Impulses, Root, Studied, Visit, visit};
-use crate::run::Posted;
+use crate::problems::{Impulses, Problem, Root};
 use crate::store::open;
+use crate::team::share::Posted;
 use crate::team::{bench, ping, solve};
 use anyhow::Result;
-use cases::{AnyFrozen, Frozen};
+use cases::AnyFrozen;
 use clap::Parser;
-use nsgs_dd::NsgsDd;
-use partition::Grid;
+use lineup::Run;
 use ranks::simulated;
 use results::journal::Record;
 use results::store::Store;
-use runner::{Stop, solve as solve_alone};
+use runner::{Measured, Outcome, Stop};
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use tempfile::TempDir;
@@ -86,18 +86,12 @@ fn impulses(size: usize, problem: &str, method: &str) -> Vec<f64> {
     Impulses::join_all(folder.path()).unwrap()
 }
 
-/// The impulses of a method of this name on one machine, after as many iterations as ranks make.
-struct Alone<'m>(&'m str);
-
-impl Visit for Alone<'_> {
-    type Output = Vec<f64>;
-
-    fn visit<M: Studied>(self, frozen: Frozen<M>) -> Vec<f64> {
-        let method = Method::parse(self.0, &[("subdomains".to_owned(), "4x2".to_owned())]).unwrap();
-        let stop = Stop { tolerance: 0.0, max_iterations: 45, ..Stop::default() };
-        let (solver, r0) = (method.solver::<M>().unwrap(), frozen.start(false));
-        solve_alone(solver, &frozen.problem, &r0, &stop, &mut |_| {}).unwrap().impulses
-    }
+/// The end of a method of this name on one machine.
+fn alone(problem: &Path, method: &str, stop: &Stop) -> Outcome {
+    let problem = Problem::alone(AnyFrozen::read(problem).unwrap(), false);
+    let method = Method::parse(method, &[("subdomains".to_owned(), "4x2".to_owned())]).unwrap();
+    let run = Run { truths: &[], r0: &problem.start(false), stop, measured: Measured::Every };
+    problem.posed.solve(method.ours().unwrap(), run, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
 #[test]
@@ -106,8 +100,9 @@ fn ranks_that_read_their_own_files_end_with_the_bits_of_one_machine() {
         let folder = split(name);
         let parts = folder.path().to_str().unwrap();
         let path = checkout().join("cases/frozen").join(name).with_extension("json");
-        let alone = |method: &str| visit(AnyFrozen::read(&path).unwrap(), Alone(method));
-        let (of_latin, of_nsgs) = (alone("latin-dd"), alone("nsgs-dd"));
+        // As many iterations as ranks make.
+        let stop = Stop { tolerance: 0.0, max_iterations: 45, ..Stop::default() };
+        let [of_latin, of_nsgs] = ["latin-dd", "nsgs-dd"].map(|method| alone(&path, method, &stop).impulses);
         for size in [1, 3, 8] {
             assert!(impulses(size, parts, "latin-dd") == of_latin, "{name}, {size} ranks");
             assert!(impulses(size, parts, "nsgs-dd") == of_nsgs, "{name}, {size} ranks");
@@ -229,13 +224,11 @@ fn a_run_that_is_measured_rarely_ends_late_by_less_than_that() {
         assert!(solve(2, &[&arguments[..], &more].concat()).iter().all(Result::is_ok));
         Impulses::join_all(folder.path()).unwrap()
     };
-    let problem = AnyFrozen::read(&checkout().join("cases/frozen/settled-60.json")).unwrap();
-    let AnyFrozen::Discs(frozen) = problem else { panic!("no friction") };
-    let nsgs = NsgsDd { subdomains: Grid::of(4, 2), ..NsgsDd::default() };
+    let path = checkout().join("cases/frozen/settled-60.json");
     let at = |max_iterations| {
         let stop = Stop { tolerance: 1e-3, max_iterations, ..Stop::default() };
         let stop = if max_iterations < 10_000 { Stop { tolerance: 0.0, ..stop } } else { stop };
-        solve_alone(&nsgs, &frozen.problem, &frozen.start(false), &stop, &mut |_| {}).unwrap()
+        alone(&path, "nsgs-dd", &stop)
     };
     let end = at(10_000);
     assert!(iterations("1") == end.impulses);

@@ -1,14 +1,13 @@
 //! Lines on standard output, and files that appear whole or not at all.
 
 use anyhow::{Context, Result, bail};
-use results::store::behind_links;
+use results::whole::{self, behind_links, remove_abandoned};
 use seal::{opened, sealed};
 use serde_json::Value;
 use std::fmt::Arguments;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::OpenOptions;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// Prints a line. Whoever reads may have left, as `head` does: the work goes on without.
 pub(crate) fn say(line: Arguments) -> Result<()> {
@@ -104,27 +103,6 @@ pub(crate) fn write_kept(path: &Path, content: &str) -> Result<()> {
     write_whole(path, content)
 }
 
-/// Prefix of the names of incomplete files.
-const UNFINISHED: &str = ".unfinished-";
-
-/// Removes incomplete files to which no program writes any more: whoever writes one has locked it.
-fn remove_abandoned(folder: &Path) -> io::Result<()> {
-    for entry in std::fs::read_dir(folder)? {
-        let entry = entry?;
-        if !entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
-            continue;
-        }
-        // It stays locked until it is gone, so that whoever has just made it sees that.
-        if let Ok(file) = File::open(entry.path())
-            && file.try_lock().is_ok()
-        {
-            // Another program may have been faster.
-            let _ = std::fs::remove_file(entry.path());
-        }
-    }
-    Ok(())
-}
-
 /// Writes a file whole, and says so where it takes the place of another.
 pub(crate) fn write_instead(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
     if replaces(path) {
@@ -144,34 +122,9 @@ pub(crate) fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<()> 
         if path.metadata().is_ok_and(|found| !found.is_file()) {
             return OpenOptions::new().write(true).open(path)?.write_all(content);
         }
-        let target = behind_links(path)?;
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(UNFINISHED);
-        // A temporary file is closed to other users unless it asks for what files usually get.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut file = locked(&builder, folder(&target))?;
-        file.write_all(content)?;
-        file.persist(target)?;
-        Ok(())
+        whole::write(path, |file| file.write_all(content))
     };
     write().with_context(|| format!("writing {}", path.display()))
-}
-
-/// Attempts at a file that nobody takes for abandoned before it is locked.
-const ATTEMPTS: usize = 100;
-
-/// Makes a locked file in `folder`. A program that removes abandoned files may lock a new one first: then another is made.
-fn locked(builder: &tempfile::Builder, folder: &Path) -> io::Result<NamedTempFile> {
-    for _ in 0..ATTEMPTS {
-        let file = builder.tempfile_in(folder)?;
-        // Where files cannot be locked, none is taken for abandoned either.
-        let is_taken = matches!(file.as_file().try_lock(), Err(TryLockError::WouldBlock));
-        if !is_taken && file.path().exists() {
-            return Ok(file);
-        }
-    }
-    Err(io::Error::other("another program removes each new file"))
 }
 
 /// Reports whether it is standard output, which may be a file that whoever called has open.

@@ -1,4 +1,4 @@
-//! "Did you mean …?", for every unknown name.
+//! "Did you mean …?", for every unknown name. Errors of serde are read as texts, since serde hands on nothing else of them.
 
 use regex::{Captures, Regex};
 

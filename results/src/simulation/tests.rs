@@ -1,5 +1,6 @@
 use super::*;
-use crate::store::{Store, StoreError, read, records_of};
+use crate::error::StoreError;
+use crate::store::{Store, read, records_of};
 use crate::study::Study;
 use crate::tests::run;
 use tempfile::TempDir;

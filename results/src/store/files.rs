@@ -5,14 +5,12 @@ use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
 
 use jiff::Timestamp;
-use polars::prelude::{
-    DataFrame, KeyValueMetadata, ParquetReader, ParquetWriter, PolarsError, PolarsResult, SerReader,
-};
+use polars::prelude::{DataFrame, KeyValueMetadata, ParquetReader, ParquetWriter, PolarsResult, SerReader};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::StoreError;
 use crate::columns::{keys, rows};
+use crate::error::{StoreError, at};
 use crate::seal::{OF_TABLE, of_no_table, open_table};
 
 /// Locks a folder by a file inside it, or says who holds it.
@@ -49,59 +47,6 @@ pub(super) fn new_dated_folder(parent: &Path) -> Result<PathBuf, StoreError> {
             Err(error) => return Err(at(&path)(error)),
         }
     }
-}
-
-/// Returns the target of a path that may be a link, even to what is not there yet: renaming a file to the path of a link would
-/// replace the link.
-///
-/// # Errors
-///
-/// If links lead in a circle.
-pub fn behind_links(path: &Path) -> io::Result<PathBuf> {
-    let mut place = path.to_owned();
-    // As many as Linux follows.
-    for _ in 0..40 {
-        match place.read_link() {
-            Ok(to) => place = place.parent().unwrap_or(Path::new("")).join(to),
-            Err(_) => return Ok(place),
-        }
-    }
-    Err(io::Error::other("its links lead in a circle"))
-}
-
-/// Prefix of the names of incomplete files.
-const UNFINISHED: &str = ".unfinished-";
-
-/// Removes what programs that were killed did not finish in the folder of a study, to which nobody else writes.
-pub(super) fn remove_unfinished(folder: &Path) -> Result<(), StoreError> {
-    for entry in fs::read_dir(folder).map_err(at(folder))? {
-        let path = entry.map_err(at(folder))?.path();
-        if path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(UNFINISHED))
-            && path.is_file()
-        {
-            fs::remove_file(&path).map_err(at(&path))?;
-        }
-    }
-    Ok(())
-}
-
-/// Writes a table beside its place and gives it its name once it is complete; a link stays, and its target is written.
-pub(super) fn write_whole(
-    path: &Path,
-    write: impl FnOnce(&mut File) -> Result<(), PolarsError>,
-) -> Result<(), StoreError> {
-    let target = behind_links(path).map_err(at(path))?;
-    let folder = target.parent().unwrap_or(path);
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(UNFINISHED);
-    // A temporary file is closed to other users unless it asks for what files usually get.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder).map_err(at(path))?;
-    write(file.as_file_mut()).map_err(|source| StoreError::Format { path: path.to_owned(), source })?;
-    file.as_file().sync_all().map_err(at(path))?;
-    file.persist(&target).map_err(|error| at(path)(error.error))?;
-    Ok(())
 }
 
 /// Returns a table as a Parquet file, in which the place of its checksum is empty.
@@ -170,9 +115,4 @@ impl Tables {
         }
         Ok(groups)
     }
-}
-
-pub(crate) fn at(path: &Path) -> impl FnOnce(io::Error) -> StoreError {
-    let path = path.to_owned();
-    |source| StoreError::File { path, source }
 }

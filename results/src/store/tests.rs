@@ -1,4 +1,5 @@
 use super::*;
+use crate::error::RowError;
 use crate::schema::{ContactRow, GrainRow, Provenance};
 use crate::tests::{Store, record, run, stored};
 use tempfile::TempDir;

@@ -5,8 +5,8 @@ use crate::certificate::{Certificate, Certified, certify};
 use crate::{Answer, solve};
 use active_set::{ActiveSet, Start};
 use contact::{
-    ContactProblem, Packing, RoughDiscs, RoughMass, RoughSpheres, Smooth, Solver, Truth, Vector, greatest,
-    law,
+    ContactProblem, Mechanics, Packing, RoughDiscs, RoughMass, RoughSpheres, Smooth, Solver, Truth, Vector,
+    greatest, law,
 };
 use nalgebra::SVector;
 use rand::{RngExt, SeedableRng};
@@ -68,14 +68,18 @@ where
     let mut solutions: Vec<RoughSolution> = Vec::new();
     for seed in starts {
         let start = if seed == 0 { vec![0.0; problem.impulse_count()] } else { drawn(problem, seed) };
-        take(problem, &mut solutions, from(problem, &start));
+        take(&mut solutions, from(problem, &start), |a, b| distance(problem, a, b));
         seen();
     }
     solutions
 }
 
-/// Adds a solution that is not among them; one that is certified drives out one that is not.
-pub fn take<M: Rough>(problem: &Packing<M>, solutions: &mut Vec<RoughSolution>, found: RoughSolution) {
+/// Adds a solution that is not among them by its [`distance`]; one that is certified drives out one that is not.
+pub fn take(
+    solutions: &mut Vec<RoughSolution>,
+    found: RoughSolution,
+    distance: impl Fn(&[f64], &[f64]) -> f64,
+) {
     let certified = found.certificate.certified();
     match solutions.first() {
         Some(best) if !best.certificate.certified() => {
@@ -84,8 +88,7 @@ pub fn take<M: Rough>(problem: &Packing<M>, solutions: &mut Vec<RoughSolution>, 
             }
         }
         Some(_) => {
-            let is_known =
-                |known: &RoughSolution| is_same(distance(problem, &known.impulses, &found.impulses));
+            let is_known = |known: &RoughSolution| is_same(distance(&known.impulses, &found.impulses));
             if certified && !solutions.iter().any(is_known) {
                 solutions.push(found);
             }
@@ -123,7 +126,7 @@ where
 }
 
 /// ‖V − V′‖_M of two impulses over ‖V − `V_free`‖_M of the first (–).
-pub fn distance<M: Rough>(problem: &ContactProblem<M>, r: &[f64], other: &[f64]) -> f64 {
+pub fn distance<M: Mechanics>(problem: &ContactProblem<M>, r: &[f64], other: &[f64]) -> f64 {
     let (one, other) = (Truth::new(problem, r), Truth::new(problem, other));
     let size = problem.velocity_distance(one.velocity(), problem.free_velocity());
     let apart = problem.velocity_distance(one.velocity(), other.velocity());

@@ -4,17 +4,18 @@ use super::{Solve, Split, checkout, reason};
 use crate::cli::split;
 use crate::plan::Method;
 use crate::problems::{Impulses, Root};
-use crate::run::Posted;
 use crate::store::open;
+use crate::team::share::Posted;
 use crate::team::{bench, solve};
 use cases::{AnyFrozen, Frozen};
 use clap::Parser;
-use contact::{Measure, Truth};
+use contact::Measure;
+use lineup::{OneProblem, Run};
 use ranks::simulated;
 use reference::Answer;
 use results::journal::Record;
 use results::store::Store;
-use runner::{Measured, Outcome, Stop, solve_against};
+use runner::{Measured, Outcome, Stop};
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -68,10 +69,9 @@ fn frozen(name: &str) -> Frozen {
 fn alone(frozen: &Frozen, method: &str, start: &[f64], stop: &Stop) -> Outcome {
     let method = Method::parse(method, &[("subdomains".to_owned(), "4x2".to_owned())]).unwrap();
     let Answer::Solution { impulses, .. } = reference::solve(&frozen.problem) else { panic!("no solution") };
-    let truth = Truth::new(&frozen.problem, &impulses);
-    let solver = method.solver().unwrap();
+    let run = Run { truths: &[impulses], r0: start, stop, measured: Measured::Every };
     let go_on = &mut |_: &runner::Progress| ControlFlow::Continue(());
-    solve_against([&truth], solver, &frozen.problem, start, stop, Measured::Every, go_on).unwrap()
+    OneProblem::solve(frozen, method.ours().unwrap(), run, go_on).unwrap()
 }
 
 #[test]

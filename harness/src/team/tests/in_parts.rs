@@ -2,13 +2,13 @@
 
 use super::{Split, checkout};
 use crate::cli::split;
-use crate::problems::{Root, make};
-use crate::run::Posted;
+use crate::problems::Root;
+use crate::team::share::Posted;
 use crate::team::split as on_ranks;
 use anyhow::Result;
 use cases::Case;
 use clap::Parser;
-use contact::Discs;
+use lineup::make;
 use partition::{Grid, Team};
 use ranks::simulated;
 use std::fs;
@@ -73,11 +73,10 @@ fn a_rank_that_makes_parts_holds_its_own_and_little_more() {
     let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
     let changes = [set("sample.strips", "8"), set("sample.grains", "6000"), set("scene.box.width_m", "48")];
     let case = Case::read(&checkout().join("cases/deposited-box.toml"), &changes).unwrap();
-    let folder = TempDir::new().unwrap();
     let made = simulated(8, |post| {
         let team = Team::new(post, 8).unwrap();
-        let made =
-            make::<Discs>(folder.path(), &case.in_parts().unwrap(), &team, Grid::of(8, 1), "").unwrap();
+        let parts = case.in_parts().unwrap();
+        let made = make(&parts, false, &team, Grid::of(8, 1), "", &mut |_, _| Ok(())).unwrap();
         (made.whole.grains, made.whole.contacts, made.most)
     });
     for (grains, contacts, [most_grains, most_contacts]) in made {

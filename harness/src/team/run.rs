@@ -1,33 +1,31 @@
 //! A run on a problem that ranks share: one row, with what they sent each other.
 
 use crate::plan::{Method, Plan};
-use crate::problems::{Problem, Root, Studied};
+use crate::problems::{Problem, Root};
 use crate::run::problem::NO_START;
-use crate::run::shared::{Posted, Shared, cut_of, of_whole};
-use crate::run::{Recorder, Task, ended_row, skipped_row};
+use crate::run::{Recorder, Task, ended_row, refused, skipped_row};
+use crate::team::share::{Posted, Shared, cut_of, of_whole};
 use crate::terminal::exit;
 use anyhow::{Context, Result};
+use lineup::Posed;
 use partition::{Refused, Traffic};
 use results::journal::Record;
 use results::provenance::load_average;
 use results::schema::{Exchange, Provenance, Run, Sample, Timing};
-use runner::{Beside, Measured, OnRanks, Outcome, Progress, Status, Stop, solve_on_ranks};
+use runner::{Beside, Measured, OnRanks, Outcome, Progress, Status, Stop};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// Runs a method on the shares of all ranks, which all must do, each from the impulses `start` of its contacts (N·s).
-pub(crate) fn on_ranks<M: Studied>(
+pub(crate) fn on_ranks(
     method: &Method,
-    (Shared { share, team, solutions, .. }, start): (&Shared<M>, &[f64]),
+    (Shared { share, team, solutions, .. }, start): (&Shared, &[f64]),
     stop: &Stop,
     measured: Measured,
     observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<OnRanks> {
-    let solver = M::distributed(method).with_context(|| {
-        format!("method `{}` has no subdomains: nsgs-dd, latin-dd and cg run on ranks", method.name)
-    })?;
     let beside = Beside { start, solutions };
-    let ended = solve_on_ranks(&*solver, share, team, beside, stop, measured, observe);
+    let ended = share.solve(team, method.ours()?, beside, stop, measured, observe)?;
     // The reason is that of the rank which has one.
     let own = match ended {
         Ok(end) => Ok(Some(end)),
@@ -55,7 +53,7 @@ pub(crate) struct OnAllRanks<'a> {
 
 impl OnAllRanks<'_> {
     /// A run, as often as the plan says; `None` if it was halted.
-    pub(crate) fn run<M: Studied>(&self, plan: &Plan, task: &Task<&Problem<M>>) -> Result<Option<Record>> {
+    pub(crate) fn run(&self, plan: &Plan, task: &Task<&Problem>) -> Result<Option<Record>> {
         let timing = Timing {
             repeats: self.repeats,
             timed_alone: true,
@@ -65,22 +63,22 @@ impl OnAllRanks<'_> {
         let known = self.posted.first_alone(|| task.what.known(self.root))?;
         let row =
             Run { timing: timing.clone(), ..skipped_row(plan, task, known, self.provenance.restarted()) };
-        let skipped = |reason: &str| {
-            let run = Run { reason: reason.to_owned(), ..row.clone() };
-            Ok(Some(Record { run, curve: Vec::new(), snapshots: Vec::new() }))
+        let skipped = |reason: &str| Ok(Some(refused(row.clone(), reason)));
+        let Posed::Grains(problem) = &task.what.posed else {
+            return skipped("ranks share grains, and there is W alone");
         };
         let method = &task.variant.method;
         // A variant with one subdomain has one, and one rank at most.
         let given = method.partition().map(|(grid, _)| grid);
         let shared = cut_of(self.posted, method, given, None)
-            .and_then(|(_, grid, scheme)| of_whole(self.posted, &task.what.frozen, known, (grid, scheme)));
+            .and_then(|(_, grid, scheme)| of_whole(self.posted, task.what, known, (grid, scheme)));
         let shared = match self.posted.agree(shared) {
             Ok(shared) => shared,
             Err(reason) => return skipped(&format!("{reason:#}")),
         };
         let start = match task.variant.warm_start {
-            false => vec![0.0; shared.share.problem.impulse_count()],
-            true if task.what.frozen.start.is_empty() => return skipped(NO_START),
+            false => vec![0.0; shared.start.len()],
+            true if problem.start().is_empty() => return skipped(NO_START),
             true => shared.start.clone(),
         };
         let clock = Instant::now();
@@ -105,7 +103,7 @@ impl OnAllRanks<'_> {
         let exchange =
             Exchange { ranks, messages, message_bytes, waiting_s, slowest_rank, latency_s, seconds_per_byte };
         let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
-        let outcome = Outcome::<M> {
+        let outcome: Outcome = Outcome {
             status: known.ending(end.status),
             iterations: end.iterations,
             measures: end.measures,

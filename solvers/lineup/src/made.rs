@@ -1,36 +1,37 @@
-//! The files of the subdomains of a case whose sample is made in parts: each rank makes its own, and none has the whole. They are
-//! those that [`Part::write_all`] writes of the whole, but for the hash, which is that of the hashes of the parts.
+//! The subdomains of a case whose sample is made in parts: each rank makes its own, and none has the whole. They are those of the whole,
+//! but for the hash, which is that of the hashes of the parts.
 //!
 //! A part is a strip of the sample, and a column of subdomains. A rank knows of those beside its own what lies near: first the sides
 //! between which seams are filled, then the grains, of which it finds the contacts as their owners do, then what each copy of a boundary
 //! grain is called.
 
-use crate::identity::{content_hash, hash_of};
-use crate::problems::Studied;
-use crate::problems::parts::{FORMAT, Part};
+use crate::form::Form;
+use crate::hash::{content_hash, hash_of};
+use crate::share::{FORMAT, Part};
 use anyhow::{Error, Result, ensure};
-use cases::{Disc, Frozen, InParts};
-use contact::{Place, Touch};
+use cases::{AnyFrozen, Disc, Frozen, InParts};
+use contact::{Discs, Place, RoughDiscs, Touch};
 use nalgebra::Vector2;
 use partition::{Grid, Scheme, Team, Whole, some_of};
 use serde_json::json;
 use std::ops::Range;
-use std::path::Path;
 
 mod columns;
 
 use columns::{Cut, columns};
 
 /// Summary of a problem made in parts, with the most that one rank held.
-pub(crate) struct MadeOf {
-    pub(crate) name: String,
-    pub(crate) whole: Whole,
+pub struct MadeOf {
+    /// Its name.
+    pub name: String,
+    /// Facts about the whole.
+    pub whole: Whole,
     /// Grains and contacts of a rank, with those of others near its own.
-    pub(crate) most: [u64; 2],
+    pub most: [u64; 2],
 }
 
 /// View of a part at its rank: its grains with those near it, and their contacts.
-struct View<M: Studied> {
+struct View<M: Form> {
     part: u32,
     frozen: Frozen<M>,
     /// The whole problem's number of each grain, rising.
@@ -43,13 +44,31 @@ struct View<M: Studied> {
     seen: [Vec<usize>; 2],
 }
 
-/// Makes the own parts of this rank, and writes a file for each of their subdomains; `source` is added to where each comes from.
-pub(crate) fn make<M: Studied>(
-    folder: &Path,
+/// Function that writes a subdomain: the first line of its file, and the problem of the second.
+type Write<'w> = dyn FnMut(&Part, AnyFrozen) -> Result<()> + 'w;
+
+/// Makes the own parts of this rank, and writes each of their subdomains; `source` is added to where each comes from.
+///
+/// # Errors
+/// Names the value of which no sample can be made, at all ranks if at one.
+pub fn make(
+    parts: &InParts,
+    has_friction: bool,
+    team: &Team,
+    grid: Grid,
+    source: &str,
+    write: &mut Write,
+) -> Result<MadeOf> {
+    let make = if has_friction { make_of::<RoughDiscs> } else { make_of::<Discs> };
+    make(parts, team, grid, source, write)
+}
+
+fn make_of<M: Form>(
     parts: &InParts,
     team: &Team,
     grid: Grid,
     source: &str,
+    write: &mut Write,
 ) -> Result<MadeOf> {
     let discs = laid(parts, team)?;
     let mut views = views::<M>(parts, team, &discs)?;
@@ -71,11 +90,17 @@ pub(crate) fn make<M: Studied>(
             .max(views.iter().map(|view| M::scaled_delassus_bound(&view.frozen.problem)).fold(0.0, f64::max)),
     };
     let columns = columns(team, &views, extent, grid, parts.greatest_radius());
-    let written = views.iter().zip(columns).flat_map(|(view, column)| {
-        let (problem_hash, whole) = (&problem_hash, &whole);
-        column.into_iter().map(move |cut| view.write(folder, cut, problem_hash, *whole, source))
-    });
-    agree(team, written.collect::<Result<()>>())?;
+    let write_all = || -> Result<()> {
+        for (view, column) in views.iter().zip(columns) {
+            for cut in column {
+                let (part, frozen) = view.part(cut, &problem_hash, whole, source)?;
+                write(&part, frozen)?;
+            }
+        }
+        Ok(())
+    };
+    let written = write_all();
+    agree(team, written)?;
     let most = |of: &dyn Fn(&View<M>) -> usize| team.max(views.iter().map(of).sum::<usize>() as f64) as u64;
     let most = [most(&|view| view.grains.len()), most(&|view| view.contacts.len())];
     let name = views.first().map(|view| view.frozen.name.clone()).unwrap_or_default();
@@ -108,7 +133,7 @@ fn laid(parts: &InParts, team: &Team) -> Result<Vec<Vec<Disc>>> {
 }
 
 /// The own parts, with the grains near them; contacts have no number yet.
-fn views<M: Studied>(parts: &InParts, team: &Team, own: &[Vec<Disc>]) -> Result<Vec<View<M>>> {
+fn views<M: Form>(parts: &InParts, team: &Team, own: &[Vec<Disc>]) -> Result<Vec<View<M>>> {
     let mine = || team.mine().map(|part| part as u32);
     let seen: Vec<[Vec<usize>; 2]> = mine()
         .zip(own)
@@ -153,7 +178,7 @@ fn views<M: Studied>(parts: &InParts, team: &Team, own: &[Vec<Disc>]) -> Result<
     agree(team, marches.into_iter().enumerate().map(view).collect())
 }
 
-impl<M: Studied> View<M> {
+impl<M: Form> View<M> {
     /// The candidate of each contact, by its place in view.
     fn candidates(&self) -> impl Iterator<Item = usize> {
         self.frozen.problem.contacts().iter().map(|contact| contact.ends().0 as usize)
@@ -175,12 +200,22 @@ impl<M: Studied> View<M> {
         places.zip(before.iter().chain(after)).for_each(|(grain, number)| take(grain, *number));
     }
 
-    /// Writes the file of a subdomain.
-    fn write(&self, folder: &Path, cut: Cut, problem_hash: &str, whole: Whole, source: &str) -> Result<()> {
+    /// Returns a subdomain as the first line of its file, and as a problem of its own.
+    fn part(&self, cut: Cut, problem_hash: &str, whole: Whole, source: &str) -> Result<(Part, AnyFrozen)> {
         let Frozen { name, time_step, radius, gap, problem, .. } = &self.frozen;
         let of = |all: &[u32], some: &[u32]| some.iter().map(|k| all[*k as usize]).collect();
         let values = |all: &[f64], some: &[u32]| some.iter().map(|k| all[*k as usize]).collect();
         let place = |grain: u32| cut.grains.partition_point(|other| *other < grain) as u32;
+        let alone = Frozen {
+            name: name.clone(),
+            source: format!("{}{source}", self.frozen.source),
+            time_step: *time_step,
+            radius: values(radius, &cut.grains),
+            gap: values(gap, &cut.contacts),
+            problem: some_of(problem, &cut.contacts, &cut.grains)?,
+            start: Vec::new(),
+            missed_before: None,
+        };
         let part = Part {
             format: FORMAT.to_owned(),
             problem_hash: problem_hash.to_owned(),
@@ -188,26 +223,14 @@ impl<M: Studied> View<M> {
             subdomain: cut.subdomain,
             grains: of(&self.grains, &cut.grains),
             contacts: of(&self.contacts, &cut.contacts),
-            boundary: cut.boundary.into_iter().map(|(grain, copies)| (place(grain), copies)).collect(),
+            boundary: cut.boundary.iter().map(|(grain, copies)| (place(*grain), copies.clone())).collect(),
         };
-        part.write(
-            folder,
-            &Frozen {
-                name: name.clone(),
-                source: format!("{}{source}", self.frozen.source),
-                time_step: *time_step,
-                radius: values(radius, &cut.grains),
-                gap: values(gap, &cut.contacts),
-                problem: some_of(problem, &cut.contacts, &cut.grains)?,
-                start: Vec::new(),
-                missed_before: None,
-            },
-        )
+        Ok((part, M::any(alone)))
     }
 }
 
 /// Numbers all contacts in view, in the order of their candidates.
-fn number<M: Studied>(team: &Team, views: &mut [View<M>]) {
+fn number<M: Form>(team: &Team, views: &mut [View<M>]) {
     let counts = views.iter().map(|view| view.own_contacts().count() as f64);
     let of_parts = team.gather(&counts.collect::<Vec<_>>()).concat();
     let mut first: Vec<Vec<u32>> = Vec::new();
@@ -233,7 +256,7 @@ fn number<M: Studied>(team: &Team, views: &mut [View<M>]) {
 }
 
 /// The least and greatest corner of the box around all mass centres.
-fn extent<M: Studied>(team: &Team, views: &[View<M>]) -> [M::Place; 2] {
+fn extent<M: Form>(team: &Team, views: &[View<M>]) -> [M::Place; 2] {
     let own = views.iter().flat_map(|view| view.frozen.problem.position()[view.own.clone()].iter().copied());
     let [low, high] = M::Place::extent(own).map(Place::space);
     let along = |axis: usize| axis < <M::Place as contact::Vector>::LEN;
@@ -244,7 +267,7 @@ fn extent<M: Studied>(team: &Team, views: &[View<M>]) -> [M::Place; 2] {
 }
 
 /// The depth of the whole, from that of each part: what others found is told until it changes nothing.
-fn depth<M: Studied>(team: &Team, views: &[View<M>]) -> u32 {
+fn depth<M: Form>(team: &Team, views: &[View<M>]) -> u32 {
     let fastest = views.iter().map(|view| latin_dd::fastest_wall(&*view.frozen.problem)).fold(0.0, f64::max);
     let fastest = team.max(fastest);
     let mut depths: Vec<Vec<u32>> =

@@ -1,7 +1,7 @@
 //! The subdomains of each part's column, cut as the boxes of the whole cut it.
 
 use super::View;
-use crate::problems::Studied;
+use crate::form::Form;
 use contact::Touch;
 use partition::{Grid, Team, boxes};
 use std::collections::BTreeMap;
@@ -19,7 +19,7 @@ pub(super) struct Cut {
 }
 
 /// The subdomains of each own part's column.
-pub(super) fn columns<M: Studied>(
+pub(super) fn columns<M: Form>(
     team: &Team,
     views: &[View<M>],
     [low, high]: [M::Place; 2],
@@ -93,7 +93,7 @@ pub(super) fn columns<M: Studied>(
 }
 
 /// All copies of each grain in view, of the own column and of those beside it, in the order of the subdomains.
-fn joined<M: Studied>(
+fn joined<M: Form>(
     view: &View<M>,
     column: &[Cut],
     heard: &[Vec<f64>; 2],

@@ -1,0 +1,175 @@
+//! Requirements of the line-up on a mechanics.
+
+use crate::methods::{Engine, Ours};
+use active_set::ActiveSet;
+use analysis::{Bounded, Spectrum, proves_infeasible};
+use cases::{AnyFrozen, Frozen, Marched};
+use contact::{Discs, Packing, RoughDiscs, RoughSpheres, Smooth, Solver, Spheres};
+use reference::{Answer, Certified, Rough, RoughSolution, polished, solve_rough};
+use std::ops::RangeInclusive;
+
+/// A mechanics in which problems are solved, marched and certified.
+pub(crate) trait Form: Marched + Bounded + Certified {
+    /// The method in this mechanics, if it has it.
+    fn engine(ours: &Ours) -> Option<&Engine<Self>>;
+
+    /// Wraps a problem as one of any mechanics, as files hold it.
+    fn any(frozen: Frozen<Self>) -> AnyFrozen;
+
+    /// Returns the problem, if it is of this mechanics.
+    fn of(frozen: AnyFrozen) -> Option<Frozen<Self>>;
+
+    /// Returns the problem under the law of its contacts.
+    fn under(problem: &Packing<Self>) -> Law<'_>;
+}
+
+/// Law of the contacts of a problem, and what is known where it holds.
+#[derive(Clone, Copy)]
+pub enum Law<'p> {
+    /// The Signorini condition.
+    Frictionless(&'p dyn Frictionless),
+    /// The Signorini condition and Coulomb's law.
+    Frictional {
+        /// The problem.
+        problem: &'p dyn Frictional,
+        /// The problem, if it is between discs.
+        discs: Option<&'p Packing<RoughDiscs>>,
+    },
+}
+
+/// A problem without friction, whose solutions have one velocity.
+pub trait Frictionless {
+    /// Solves it to round-off.
+    fn reference(&self) -> Answer;
+
+    /// Reports whether a ray (N·s) proves that it has no solution.
+    fn proves_infeasible(&self, ray: &[f64]) -> bool;
+
+    /// Computes eigenvalues of W; `closed` tells which contacts a solution keeps closed.
+    fn spectrum(&self, closed: Option<&[bool]>) -> Spectrum;
+
+    /// Computes the strength of the coupling between subdomains without mass splitting, where they are few enough.
+    fn coupling(&self, subdomain: &[u32]) -> Option<f64>;
+}
+
+impl<const D: usize> Frictionless for Packing<Smooth<D>>
+where
+    Smooth<D>: Form,
+{
+    fn reference(&self) -> Answer {
+        reference::solve(self)
+    }
+
+    fn proves_infeasible(&self, ray: &[f64]) -> bool {
+        proves_infeasible(self, ray)
+    }
+
+    fn spectrum(&self, closed: Option<&[bool]>) -> Spectrum {
+        Spectrum::of(self, closed)
+    }
+
+    fn coupling(&self, subdomain: &[u32]) -> Option<f64> {
+        analysis::coupling(self, subdomain)
+    }
+}
+
+/// A problem with friction, which may have several solutions.
+pub trait Frictional {
+    /// Solves it from some starts, each of which is `seen`: [`solve_rough`].
+    fn solutions(&self, starts: RangeInclusive<u64>, seen: &mut dyn FnMut()) -> Vec<RoughSolution>;
+
+    /// Reports whether it is proved that it has no solution.
+    fn has_no_solution(&self) -> bool;
+
+    /// Returns the certified solution to which the end of a run (N·s) is polished, if there is one: [`polished`].
+    fn polished(&self, r: &[f64]) -> Option<RoughSolution>;
+}
+
+impl<M: Rough> Frictional for Packing<M>
+where
+    ActiveSet: Solver<M>,
+{
+    fn solutions(&self, starts: RangeInclusive<u64>, seen: &mut dyn FnMut()) -> Vec<RoughSolution> {
+        solve_rough(self, starts, seen)
+    }
+
+    fn has_no_solution(&self) -> bool {
+        M::has_no_solution(self)
+    }
+
+    fn polished(&self, r: &[f64]) -> Option<RoughSolution> {
+        polished(self, r)
+    }
+}
+
+impl Form for Discs {
+    fn engine(ours: &Ours) -> Option<&Engine<Self>> {
+        ours.discs.as_ref()
+    }
+
+    fn any(frozen: Frozen) -> AnyFrozen {
+        AnyFrozen::Discs(frozen)
+    }
+
+    fn of(frozen: AnyFrozen) -> Option<Frozen> {
+        if let AnyFrozen::Discs(frozen) = frozen { Some(frozen) } else { None }
+    }
+
+    fn under(problem: &Packing) -> Law<'_> {
+        Law::Frictionless(problem)
+    }
+}
+
+impl Form for Spheres {
+    fn engine(ours: &Ours) -> Option<&Engine<Self>> {
+        ours.spheres.as_ref()
+    }
+
+    fn any(frozen: Frozen<Self>) -> AnyFrozen {
+        AnyFrozen::Spheres(frozen)
+    }
+
+    fn of(frozen: AnyFrozen) -> Option<Frozen<Self>> {
+        if let AnyFrozen::Spheres(frozen) = frozen { Some(frozen) } else { None }
+    }
+
+    fn under(problem: &Packing<Self>) -> Law<'_> {
+        Law::Frictionless(problem)
+    }
+}
+
+impl Form for RoughDiscs {
+    fn engine(ours: &Ours) -> Option<&Engine<Self>> {
+        ours.rough_discs.as_ref()
+    }
+
+    fn any(frozen: Frozen<Self>) -> AnyFrozen {
+        AnyFrozen::RoughDiscs(frozen)
+    }
+
+    fn of(frozen: AnyFrozen) -> Option<Frozen<Self>> {
+        if let AnyFrozen::RoughDiscs(frozen) = frozen { Some(frozen) } else { None }
+    }
+
+    fn under(problem: &Packing<Self>) -> Law<'_> {
+        Law::Frictional { problem, discs: Some(problem) }
+    }
+}
+
+impl Form for RoughSpheres {
+    fn engine(ours: &Ours) -> Option<&Engine<Self>> {
+        ours.rough_spheres.as_ref()
+    }
+
+    fn any(frozen: Frozen<Self>) -> AnyFrozen {
+        AnyFrozen::RoughSpheres(frozen)
+    }
+
+    fn of(frozen: AnyFrozen) -> Option<Frozen<Self>> {
+        if let AnyFrozen::RoughSpheres(frozen) = frozen { Some(frozen) } else { None }
+    }
+
+    fn under(problem: &Packing<Self>) -> Law<'_> {
+        Law::Frictional { problem, discs: None }
+    }
+}
