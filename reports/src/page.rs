@@ -16,7 +16,7 @@ use crate::charts::Chart;
 use crate::draw::Formats;
 use crate::error::ReportError;
 use crate::read::{Scenes, Study, file_name, scenes};
-use crate::text::{Kind, Part, answer, failures, found};
+use crate::text::{Kind, Part, failures, found};
 pub use folder::made;
 pub(crate) use folder::replace;
 use provenance::{Origin, provenance};
@@ -127,7 +127,8 @@ pub(crate) fn page(
     let shown = |figure: &str| viewer.samples.iter().any(|sample| sample_of(figure, &sample.problem));
     let sections = chapters.iter().map(|chapter| section(chapter, about, formats, &shown));
     let mut sections: Vec<Section> = sections.collect::<Result<_, _>>()?;
-    let answer = answered(study, &sections);
+    let asks = |chart: &&str| sections.iter().any(|section| section.name == **chart);
+    let [answer, found] = found(study, OF_SUBDOMAINS.iter().any(|chart| asks(&chart)));
     // What the viewer shows has its place there, and nothing is left for a section.
     let empty = |s: &Section| s.figures.is_empty() && s.tables.is_empty() && s.sentences.is_empty();
     let of_viewer: Vec<Section> = sections.extract_if(.., |section| empty(section)).collect();
@@ -142,33 +143,12 @@ pub(crate) fn page(
             through_time => matches!(study, Study::Simulations(_)),
             answer,
             of_viewer => Serde(&of_viewer),
-            found => found(study),
+            found,
             sections => Serde(&sections),
             failed => Serde(&failed),
             provenance => Serde(&provenance),
         },
     )
-}
-
-/// The answer to the question of the study: the words of a chart that is one, else from its rows, or else the first sentence of
-/// its charts.
-fn answered(study: &Study, sections: &[Section]) -> Vec<String> {
-    let is_answer = |section: &&Section| {
-        ["relaxation", "directions"].contains(&section.name.as_str()) && !section.sentences.is_empty()
-    };
-    if let Some(section) = sections.iter().find(is_answer) {
-        return section.sentences.clone();
-    }
-    let predicted = sections.iter().filter(|section| section.name == "ranks");
-    let predicted = predicted.flat_map(|section| section.sentences.clone());
-    let asks = |chart: &str| sections.iter().any(|section| section.name == chart);
-    let of_rows = match study {
-        Study::Problems(study) => answer(study, OF_SUBDOMAINS.iter().any(|chart| asks(chart))),
-        Study::Simulations(_) => Vec::new(),
-    };
-    let of_charts = || sections.iter().flat_map(|section| &section.sentences).take(1).cloned().collect();
-    let all: Vec<String> = of_rows.into_iter().chain(predicted).collect();
-    if all.is_empty() { of_charts() } else { all }
 }
 
 /// The charts of studies that ask what subdomains cost.
