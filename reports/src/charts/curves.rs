@@ -14,7 +14,9 @@ use super::band::Band;
 
 /// A quantity of a sample.
 pub(super) struct Sampled {
+    /// Name of its axis, and one for panels with little room.
     pub(super) title: &'static str,
+    pub(super) short: &'static str,
     pub(super) of: Of,
 }
 
@@ -91,10 +93,12 @@ impl Curves {
         let titles: Vec<String> =
             problems.iter().map(|problem| title(problem, &study.runs_of(problem))).collect();
         let columns = self.panels.len();
+        let several = problems.len() > 1;
         grid(&titles, (columns, problems.len()), &self.legend(study, problems), |canvas, i, room| {
             let ((x, y), problem) = (&self.panels[i % columns], problems[i / columns]);
-            let of = if problems.len() > 1 { format!("{problem}: ") } else { String::new() };
-            self.draw(canvas, &self.shown(study, problem, (x, y)), (x.title, &(of + y.title)), room);
+            let of = if several { format!("{problem}: ") } else { String::new() };
+            let name = if several || columns > 2 { y.short } else { y.title };
+            self.draw(canvas, &self.shown(study, problem, (x, y)), (x.title, &(of + name)), room);
         })
     }
 
@@ -146,11 +150,10 @@ impl Curves {
             points: line.points.iter().map(|point: &LogPoint| point.map(|(x, y)| (y, x))).collect(),
             ..*line
         };
+        let costs = runs.iter().flat_map(|run| run.curve.iter().filter_map(|point| x.at(run, point)));
         let x = match x.of {
             Of::Measure(_) => range(&lines.iter().map(turn).collect::<Vec<_>>(), &[]),
-            Of::Cost(_) => {
-                padded(lines.iter().flat_map(|line| &line.points).flatten().map(|point| point.0), 0.05)
-            }
+            Of::Cost(_) => padded(costs.flatten(), 0.05),
         };
         let y = range(&lines, if self.of_truth { &[] } else { &tolerances });
         let mut bands = Vec::new();

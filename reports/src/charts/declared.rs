@@ -5,19 +5,25 @@ use contact::Measure;
 use super::curves::{Curves, Of, Sampled};
 use super::lines::{Each, Ideal, Lines};
 use crate::draw::Through;
-use crate::read::{COSTS, Ending, RunRow};
+use crate::read::{COSTS, Ending, Point, RunRow};
 
-const ITERATION: Sampled =
-    Sampled { title: "iterations", of: Of::Cost(|_, point| Some(point.iteration as f64)) };
-const SECONDS: Sampled = Sampled { title: COSTS[0].title, of: Of::Cost(COSTS[0].of) };
-const WORK: Sampled = Sampled { title: COSTS[1].title, of: Of::Cost(COSTS[1].of) };
-const ZETA: Sampled =
-    Sampled { title: "ζ, relative change in the last iteration (–)", of: Of::Measure(Measure::Zeta) };
+const fn cost(title: &'static str, of: fn(&RunRow, &Point) -> Option<f64>) -> Sampled {
+    Sampled { title, short: title, of: Of::Cost(of) }
+}
+
+const fn measure(title: &'static str, short: &'static str, measure: Measure) -> Sampled {
+    Sampled { title, short, of: Of::Measure(measure) }
+}
+
+const ITERATION: Sampled = cost("iterations", |_, point| Some(point.iteration as f64));
+const SECONDS: Sampled = cost(COSTS[0].title, COSTS[0].of);
+const WORK: Sampled = cost(COSTS[1].title, COSTS[1].of);
+const ZETA: Sampled = measure("ζ, relative change in the last iteration (–)", "ζ (–)", Measure::Zeta);
 const NATURAL_MAP: Sampled =
-    Sampled { title: "natural map, distance to a solution (–)", of: Of::Measure(Measure::NaturalMap) };
+    measure("natural map, distance to a solution (–)", "natural map (–)", Measure::NaturalMap);
 const QUAD_DV: Sampled =
-    Sampled { title: "quadratic norm of LMGC90 (–)", of: Of::Measure(Measure::QuadDv) };
-const ERROR: Sampled = Sampled { title: "velocity error (–)", of: Of::Measure(Measure::VelocityError) };
+    measure("quadratic norm of LMGC90 (–)", "quadratic norm of LMGC90 (–)", Measure::QuadDv);
+const ERROR: Sampled = measure("velocity error (–)", "velocity error (–)", Measure::VelocityError);
 
 /// Measures against iterations: ζ, the paper's indicator, on the left, and the natural map of the same runs.
 pub(super) const CONVERGENCE: Curves = Curves {
@@ -87,6 +93,7 @@ pub(super) const WEAK: Lines = Lines {
     apart: Some(|run| format!("{} grains each", f64::from(run.grains) / f64::from(run.subdomains))),
     each: Each::Study,
     of: |run| run.ending != Ending::Skipped && run.path_per_iteration().is_some(),
+    key: "As many grains in each subdomain along a line.",
     columns: "method grains_per_subdomain subdomains grains status to_natural_map_1e_2 iterations growth \
               longest_subdomain seconds_per_iteration",
     note: "\nThe longest subdomain: its multiply-adds in all iterations, exchange with its neighbours included; with a \

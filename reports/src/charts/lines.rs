@@ -117,6 +117,9 @@ impl Lines {
             find_or_push(&mut often, |(of, _)| *of == apart(run), || (apart(run), 0)).1 += 1;
         }
         often.sort_by_key(|(_, runs)| std::cmp::Reverse(*runs));
+        // Numbers in a name by their size.
+        often.truncate(DASHES.len());
+        often.sort_by_key(|(name, _)| (name.len(), name.clone()));
         let mut all = Vec::new();
         for (series, ((name, _), dash)) in
             whole.iter().flat_map(|s| often.iter().zip(DASHES).map(move |o| (s, o)))

@@ -6,7 +6,9 @@ mod tests;
 use polars::df;
 use polars::prelude::DataFrame;
 
-use crate::draw::{At, Curve, Guide, Panel, Plot, Scale, Side, Sign, TOLERANCE, Through, log, looks_in_time};
+use crate::draw::{
+    At, Curve, Guide, Look, MARKS, Panel, Plot, Scale, Side, Sign, TOLERANCE, Through, log, looks_in_time,
+};
 use crate::read::Simulation;
 use crate::text::{Part, chosen};
 
@@ -71,9 +73,9 @@ fn figure(all: &[Simulation]) -> String {
     };
     let (looks, key) = (looks_in_time(all), "the same; below it extrapolated impulses cost less");
     let panel = |(name, cost): &(&str, Cost)| {
-        let curves = looks.iter().map(|(label, look)| {
+        let curves = looks.iter().zip(MARKS.into_iter().cycle()).map(|((label, look), mark)| {
             let points = extrapolated().filter(|s| s.label() == *label).filter_map(|s| point(s, *cost));
-            Curve::of(label.clone(), look.signed(), points, Through::Nothing)
+            Curve::of(label.clone(), Look { mark, ..*look }, points, Through::Nothing)
         });
         let side = |start: &str| Side::new(Scale::Ten, format!("{name} from {start} impulses (–)"));
         let guide = Guide::new(At::Diagonal, TOLERANCE, key);

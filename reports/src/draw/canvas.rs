@@ -244,7 +244,7 @@ fn dashes(places: &[Place], pattern: &[f64]) -> Vec<Vec<Place>> {
     for ends in places.windows(2) {
         let (mut from, to) = (ends[0], ends[1]);
         let mut length = (to.0 - from.0).hypot(to.1 - from.1);
-        while length > left {
+        while length > left && length.is_finite() {
             let t = left / length;
             from = (from.0 + t * (to.0 - from.0), from.1 + t * (to.1 - from.1));
             length -= left;

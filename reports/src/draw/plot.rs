@@ -76,7 +76,7 @@ pub(crate) struct Guide {
 pub(crate) enum At {
     X(f64),
     Y(f64),
-    /// Equal coordinates on axes of the same range.
+    /// Equal coordinates; panels that do not share their axes have the same range on both.
     Diagonal,
 }
 
@@ -130,7 +130,7 @@ impl Panel {
         let diagonal = self.guides.iter().any(|guide| guide.at == At::Diagonal);
         let other = |of: fn((f64, f64)) -> f64| points().filter(move |_| diagonal).map(of);
         let xs = points().map(|point| point.0).chain(self.x.holds.iter().copied());
-        let x = padded(xs.chain(other(|point| point.1)), ROOM);
+        let x = padded(xs.chain(other(|point| point.1).filter(|_| !self.shared)), ROOM);
         let ys = points().map(|point| point.1).chain(self.y.holds.iter().copied());
         let mut y = padded(ys.chain(other(|point| point.0)), ROOM);
         if self.fits() {
@@ -198,10 +198,11 @@ impl Curve {
         slope(&points).filter(|_| distinct(points.iter().map(|point| point.0)) >= places)
     }
 
-    /// Points that a line joins, also thinly.
+    /// Points that a line joins, also thinly; none without bound.
     fn joined(&self) -> Vec<(f64, f64)> {
         let joins = |ending| matches!(ending, Ending::Converged | Ending::IterationLimit);
-        self.points.iter().filter(|(ending, _)| joins(*ending)).map(|(_, point)| *point).collect()
+        let joined = self.points.iter().filter(|(ending, point)| joins(*ending) && point.1.is_finite());
+        joined.map(|(_, point)| *point).collect()
     }
 
     /// Reports whether the key has a line of it.
@@ -326,7 +327,7 @@ fn draw_signs(canvas: &Canvas, frame: &Frame, all: &[Curve]) {
     for curve in all {
         let fixed = is_fixed(curve);
         for (ending, point) in curve.points.iter().filter(|(e, _)| !fixed || *e != Ending::Converged) {
-            let place = free(&taken, place(*point), frame);
+            let place = if point.1.is_finite() { free(&taken, place(*point), frame) } else { place(*point) };
             match ending {
                 Ending::Converged => canvas.mark(curve.look.mark, place, curve.look.pen),
                 failed => canvas.ending(*failed, place, curve.look.pen.color),

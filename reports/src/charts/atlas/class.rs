@@ -3,7 +3,7 @@
 use contact::Measure;
 use results::simulation::Observed;
 
-use crate::draw::{Cell, ColorScale, RGBColor, WHITE};
+use crate::draw::{Cell, ColorScale, INK, RGBColor, WHITE};
 use crate::read::{Ending, Point, RunRow, Simulation, median};
 
 /// Outcome of a method on a problem, and then of a simulation, each from the best to the worst.
@@ -128,7 +128,9 @@ impl Class {
 
     pub(super) fn cell(self) -> Cell {
         let (_, _, letter, fill) = LOOKS[self as usize];
-        Cell { fill, letter, ink: ColorScale::ink_on(fill) }
+        // What is well stands back.
+        let pale = self.is_good() || self == Self::Skipped;
+        Cell { fill, letter, ink: if pale { INK } else { ColorScale::ink_on(fill) } }
     }
 }
 

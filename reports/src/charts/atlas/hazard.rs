@@ -6,7 +6,7 @@ use crate::read::{RunRow, find_or_push, problems, unique};
 
 /// The problems of one case that replace the same values of it.
 pub(crate) struct Hazard {
-    /// Name of the case; of a frozen problem its own.
+    /// Name of the case; of a problem alone its own.
     pub(crate) name: String,
     /// Values that differ among the problems.
     pub(crate) knob: String,
@@ -35,6 +35,9 @@ pub(crate) fn hazards(runs: &[RunRow]) -> Vec<Hazard> {
             let key = key.rsplit_once('.').map_or(key.as_str(), |(_, last)| last);
             (values.len() > 1).then(|| format!("{key} {}", values.join(", ")))
         };
+        if let [problem] = &hazard.problems[..] {
+            problem.clone_into(&mut hazard.name);
+        }
         hazard.knob = settings[0].keys().filter_map(knob).collect::<Vec<_>>().join("; ");
         hazard
     };
