@@ -108,6 +108,8 @@ pub(super) const SIZE: Lines = Lines {
     x: "grains",
     y: "to_natural_map_1e_2 iterations seconds work",
     varied: "",
+    // Sizes of other cases are no sizes of this one.
+    apart: Some(|_| String::new()),
     each: Each::Study,
     through: Through::Fit,
     columns: "",

@@ -2,6 +2,7 @@
 //! figures, lines or fits, ideals, and the columns of its table.
 
 use polars::prelude::{Column, DataFrame};
+use serde_json::Value;
 
 use super::quantities::{Quantity, named, table};
 use crate::draw::{
@@ -108,13 +109,23 @@ impl Lines {
         parts
     }
 
-    /// The series; where something else sets them apart, those of several x, with what comes most often, as many as there are dashes.
+    /// The series; where something else sets them apart, of several cases these too, those of several x, with what comes most
+    /// often, as many as there are dashes.
     fn series<'r>(&self, runs: Vec<&'r RunRow>) -> Vec<Series<'r>> {
         let whole = series(runs.iter().copied(), &[self.varied]);
         let Some(apart) = self.apart else { return whole };
+        let case = |run: &RunRow| run.problem_settings.get("case").and_then(Value::as_str).map(str::to_owned);
+        let several = unique(runs.iter().map(|run| case(run))).len() > 1;
+        let apart = |run: &RunRow| {
+            let words = [case(run).filter(|_| several), Some(apart(run)).filter(|words| !words.is_empty())];
+            words.into_iter().flatten().collect::<Vec<_>>().join(", ")
+        };
         let mut often: Vec<(String, usize)> = Vec::new();
         for run in runs {
             find_or_push(&mut often, |(of, _)| *of == apart(run), || (apart(run), 0)).1 += 1;
+        }
+        if often.iter().all(|(name, _)| name.is_empty()) {
+            return whole;
         }
         often.sort_by_key(|(_, runs)| std::cmp::Reverse(*runs));
         // Numbers in a name by their size.
