@@ -21,7 +21,7 @@ pub(crate) use lines::{Line, Lines, draw_lines};
 pub(crate) use panels::{INSIDE, MOST_LINES, Room, fits_a_page, grid, row, title};
 pub use picture::Formats;
 pub(crate) use picture::{pdf, png};
-pub(crate) use plot::{At, Curve, Guide, Panel, Plot, Points, Side, Through, draw_empty, medians};
+pub(crate) use plot::{At, Curve, Guide, Panel, Plot, Points, Side, Through, medians};
 pub(crate) use scale::ColorScale;
 pub(crate) use series::{Series, series};
 pub(crate) use signs::{Cell, Sign, Signs, endings, ring, wedge};

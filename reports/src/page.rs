@@ -57,49 +57,17 @@ impl Chapter {
     }
 }
 
+/// A chapter as a page has it: its parts, each with its name and the endings of its files.
 #[derive(Serialize)]
 struct Section {
     name: String,
     title: String,
     command: Option<String>,
-    figures: Vec<Figure>,
+    figures: Vec<Value>,
     /// Figures that show what another does, or the viewer: files alone.
-    files: Vec<Links>,
-    tables: Vec<Table>,
+    files: Vec<Value>,
+    tables: Vec<Value>,
     sentences: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct Figure {
-    caption: String,
-    svg: String,
-    links: Links,
-}
-
-#[derive(Serialize)]
-struct Table {
-    rows: Rows,
-    links: Links,
-}
-
-/// A part with the files that it has beside the page: their endings and formats.
-#[derive(Serialize)]
-struct Links {
-    name: String,
-    formats: Vec<(&'static str, &'static str)>,
-}
-
-impl Links {
-    fn of_figure(name: &str, formats: Formats) -> Self {
-        let mut links = vec![("svg", "SVG")];
-        links.extend(formats.pdf.then_some(("pdf", "PDF")));
-        links.extend(formats.png.then_some(("png", "PNG")));
-        Self { name: name.to_owned(), formats: links }
-    }
-
-    fn of_table(name: &str) -> Self {
-        Self { name: name.to_owned(), formats: vec![("csv", "CSV"), ("md", "Markdown"), ("tex", "LaTeX")] }
-    }
 }
 
 /// The page of a study.
@@ -132,7 +100,7 @@ pub(crate) fn page(
     // What the viewer shows has its place there, and nothing is left for a section.
     let empty = |s: &Section| s.figures.is_empty() && s.tables.is_empty() && s.sentences.is_empty();
     let of_viewer: Vec<Section> = sections.extract_if(.., |section| empty(section)).collect();
-    let of_viewer: Vec<Links> = of_viewer.into_iter().flat_map(|section| section.files).collect();
+    let of_viewer: Vec<Value> = of_viewer.into_iter().flat_map(|section| section.files).collect();
     let failed = Rows::of("failures", &failures(study), "")?;
     let provenance = Rows::of("provenance", &provenance(&origins), "")?;
     render(
@@ -142,7 +110,7 @@ pub(crate) fn page(
             about => context! { name => &about.name, why => &about.why, bench => &about.bench, rows => &about.rows },
             through_time => matches!(study, Study::Simulations(_)),
             answer,
-            of_viewer => Serde(&of_viewer),
+            of_viewer,
             found,
             sections => Serde(&sections),
             failed => Serde(&failed),
@@ -218,14 +186,14 @@ fn section(
         sentences: Vec::new(),
     };
     for part in &chapter.parts {
+        let (name, endings) = (&part.name, part.endings(formats));
         match &part.kind {
-            Kind::Figure(_) if shown(&part.name) || !part.on_page => {
-                section.files.push(Links::of_figure(&part.name, formats));
+            Kind::Figure(_) if shown(name) || !part.on_page => {
+                section.files.push(context! { name, endings });
             }
             Kind::Figure(svg) => {
-                let caption = part.caption.clone().unwrap_or_else(|| caption(chapter, &part.name));
-                let (svg, links) = (inline(svg, &caption), Links::of_figure(&part.name, formats));
-                section.figures.push(Figure { caption, svg, links });
+                let caption = part.caption.clone().unwrap_or_else(|| caption(chapter, name));
+                section.figures.push(context! { name, endings, svg => inline(svg, &caption), caption });
             }
             Kind::Table(table) => {
                 let mut shown = table.shown.clone();
@@ -233,8 +201,8 @@ fn section(
                 if let Ok(id) = table.all.column("id") {
                     shown.with_column(id.clone())?;
                 }
-                let rows = Rows::of(&part.name, &shown, &table.note)?;
-                section.tables.push(Table { rows, links: Links::of_table(&part.name) });
+                let rows = Serde(Rows::of(name, &shown, &table.note)?);
+                section.tables.push(context! { name, endings, rows });
             }
             Kind::Text(text) => {
                 let lines = text.lines().filter(|line| !line.is_empty());

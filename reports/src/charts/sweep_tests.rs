@@ -194,7 +194,7 @@ fn profile_names_its_axis_what_is_not_reached_and_who_has_no_line() {
         assert!(text(&files, "profiles-sweeps.svg").contains(words), "{words}");
     }
     let svg = text(&files, "profiles-sweeps.svg");
-    assert!(svg.contains("No line: jacobi, which") && svg.matches("jacobi").count() == 1, "{svg}");
+    assert!(svg.contains("jacobi: no value") && svg.matches("jacobi").count() == 1, "{svg}");
 }
 
 /// Colours in a figure, of lines and of fills.

@@ -348,6 +348,6 @@ fn free(taken: &[Place], (x, y): Place, frame: &Frame) -> Place {
 }
 
 /// Said in a panel without points.
-pub(crate) fn draw_empty(canvas: &Canvas, frame: &Frame) {
+fn draw_empty(canvas: &Canvas, frame: &Frame) {
     canvas.text("no value", frame.middle(), TEXT, (HPos::Center, VPos::Center));
 }

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use results::simulation::Energy;
-
 use crate::draw::series;
 use crate::read::{
     Ending, RunRow, Simulation, Study, Verdicts, count, counted, find_or_push, number, problems, span, unique,
@@ -44,26 +42,19 @@ fn of_runs(runs: &[RunRow], of_subdomains: bool) -> [Vec<String>; 2] {
             *of_method.failed.entry(how).or_default() += 1;
         }
     }
-    let problems = problems(runs);
     let mut found = vec![format!(
         "{} of {} on {}: {}.",
         counted(runs.len(), "run"),
         counted(methods.len(), "method"),
-        counted(problems.len(), "problem"),
+        counted(problems(runs).len(), "problem"),
         kinds(&ended)
     )];
-    found.extend(problems.iter().filter_map(|problem| solutions(runs, problem)));
     found.extend(methods.iter().filter_map(failures));
-    found.extend(cycles(runs));
     let mut answer = Vec::new();
-    if runs.iter().all(|run| run.tolerance == Some(0.0)) {
-        answer.extend(an_iteration(runs));
-    } else {
-        if of_subdomains {
-            answer.extend(methods.iter().filter_map(|ended| more_subdomains(runs, ended.method)));
-        }
-        answer.extend((methods.len() > 1).then(|| right(&methods)));
+    if of_subdomains {
+        answer.extend(methods.iter().filter_map(|ended| more_subdomains(runs, ended.method)));
     }
+    answer.extend((methods.len() > 1).then(|| right(&methods)));
     [answer, found]
 }
 
@@ -112,21 +103,6 @@ fn failures(Ended { method, failed, skipped, all }: &Ended) -> Option<String> {
     }
 }
 
-/// States the time of an iteration on the largest problem, by each kind of run.
-fn an_iteration(runs: &[RunRow]) -> Option<String> {
-    let largest = runs.iter().max_by_key(|run| run.contacts)?;
-    let on_it = runs.iter().filter(|run| run.problem == largest.problem);
-    let taken = on_it.filter_map(|run| {
-        let on = match run.exchange.ranks {
-            1 => counted(run.provenance.threads as usize, "thread"),
-            ranks => counted(ranks as usize, "rank"),
-        };
-        Some(format!("{} s with {} on {on}", number(run.seconds_per_iteration()?, 2), run.label()))
-    });
-    let taken: Vec<String> = taken.collect();
-    (!taken.is_empty()).then(|| format!("An iteration on {}: {}.", largest.problem, taken.join(", ")))
-}
-
 /// States how many times as many iterations a method takes with the most subdomains as with the fewest, all else being equal.
 fn more_subdomains(runs: &[RunRow], method: &str) -> Option<String> {
     let of_method = || runs.iter().filter(|run| run.method == method);
@@ -153,35 +129,6 @@ fn more_subdomains(runs: &[RunRow], method: &str) -> Option<String> {
     ))
 }
 
-/// The solutions of a problem that are known, where there are several or runs led to some: how far apart they are, and to what runs
-/// were polished.
-fn solutions(runs: &[RunRow], problem: &str) -> Option<String> {
-    let on = || runs.iter().filter(|run| run.problem == problem).map(|run| &run.known);
-    let first = on().find(|known| known.solutions.is_some())?;
-    let polished_to = |word: &str| on().filter(|known| known.polished_to == word).count();
-    let (of_known, new) = (polished_to("known"), polished_to("new"));
-    let solutions = first.solutions.unwrap_or_default() as usize;
-    if solutions < 2 && of_known + new == 0 {
-        return None;
-    }
-    let known = counted(solutions, "certified solution");
-    let apart = (solutions > 1).then(|| format!(", up to {} apart in velocity", number(first.spread, 2)));
-    Some(format!(
-        "{problem}: {known} known{}; from where they ended Newton's method leads {} to one of them, {} to another.",
-        apart.unwrap_or_default(),
-        counted(of_known, "run"),
-        counted(new, "run")
-    ))
-}
-
-/// Counts the runs that went round in cycles.
-fn cycles(runs: &[RunRow]) -> Option<String> {
-    let (least, most) = span(runs.iter().filter_map(|run| Some(run.cycle_iterations? as f64)))?;
-    let many = counted(runs.iter().filter(|run| run.cycle_iterations.is_some()).count(), "run");
-    let range = if least == most { least.to_string() } else { format!("{least} to {most}") };
-    Some(format!("At the end of {many} impulses repeat after {range} iterations."))
-}
-
 /// Counts the simulations by their endings.
 fn of_simulations(all: &[Simulation]) -> Vec<String> {
     let mut ended: BTreeMap<&str, usize> = BTreeMap::new();
@@ -192,30 +139,7 @@ fn of_simulations(all: &[Simulation]) -> Vec<String> {
         return vec!["No simulation of this study is stored.".to_owned()];
     }
     let ended: Vec<String> = ended.iter().map(|(status, n)| format!("{} {status}", count(*n))).collect();
-    let mut sentences = vec![format!("{}: {}.", counted(all.len(), "simulation"), ended.join(", "))];
-    sentences.extend(energy(all));
-    sentences
-}
-
-/// Accounts for the energy in the simulation in which most was moved, and states how well the balances of all close.
-fn energy(all: &[Simulation]) -> Option<String> {
-    let moved = |simulation: &&Simulation| simulation.totals.energy.energy_moved_j;
-    let moving = || all.iter().filter(|simulation| moved(simulation) > 0.0 && moved(simulation).is_finite());
-    let most = moving().max_by(|a, b| moved(a).total_cmp(&moved(b)))?;
-    let Energy { walls_work_j, gap_work_j, shock_work_j, sliding_work_j, .. } = most.totals.energy;
-    let left = moving().map(|one| one.totals.energy.energy_left_over_j / moved(&one)).fold(0.0, f64::max);
-    let joule = |work: f64| number(work, 3);
-    Some(format!(
-        "Energy: with {} on {} walls gave {} J, gaps that closed {} J, shocks {} J and sliding {} J. Balances leave over at most {} \
-         of what changed hands.",
-        most.label(),
-        most.scene,
-        joule(walls_work_j),
-        joule(gap_work_j),
-        joule(shock_work_j),
-        joule(sliding_work_j),
-        number(left, 1),
-    ))
+    vec![format!("{}: {}.", counted(all.len(), "simulation"), ended.join(", "))]
 }
 
 #[cfg(test)]

@@ -103,30 +103,19 @@ impl Line {
         Self { method: simulation.label(), warm_start, tolerance, max_iterations }
     }
 
-    /// Names the settings that differ within the study; a tolerance of 0 is never met, so that the budget decides.
-    fn text(&self, tolerances: bool, starts: bool) -> String {
-        let mut words = vec![self.method.clone()];
-        if self.tolerance == 0.0 {
-            words.push(counted(self.max_iterations as usize, "iteration"));
-        } else if tolerances {
-            words.push(format!("≤ {}", number(self.tolerance, 1)));
-        }
-        if starts {
-            words.push(if self.warm_start { "warm" } else { "cold" }.to_owned());
-        }
-        words.join(", ")
+    /// Names the method and its rule; a tolerance of 0 is never met, so that the budget decides.
+    fn text(&self) -> String {
+        let rule = match self.tolerance {
+            0.0 => counted(self.max_iterations as usize, "iteration"),
+            tolerance => format!("≤ {}", number(tolerance, 1)),
+        };
+        format!("{}, {rule}, {}", self.method, if self.warm_start { "warm" } else { "cold" })
     }
 }
 
 fn figure(judged: &[Judged]) -> String {
     let lines = unique(judged.iter().map(|j| Line::of(j.simulation)));
-    let tolerances = lines.windows(2).any(|pair| pair[0].tolerance != pair[1].tolerance);
-    let starts = lines.windows(2).any(|pair| pair[0].warm_start != pair[1].warm_start);
-    let short: Vec<String> = lines.iter().map(|line| line.text(tolerances, starts)).collect();
-    let alone = |text: &String| short.iter().filter(|other| *other == text).count() == 1;
-    let long = |(line, text): (&Line, &String)| format!("{text}, {} iterations", line.max_iterations);
-    let of = |(line, text)| if alone(text) { text.clone() } else { long((line, text)) };
-    let texts: Vec<String> = lines.iter().zip(&short).map(of).collect();
+    let texts: Vec<String> = lines.iter().map(Line::text).collect();
     let scenes = unique(judged.iter().map(|j| j.simulation.scene.as_str()));
     let steps = |scene: &str| {
         unique(judged.iter().filter(|j| j.simulation.scene == scene).map(|j| j.simulation.time_step_s))

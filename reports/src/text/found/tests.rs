@@ -1,11 +1,8 @@
-use results::schema::{KnownSolutions, Run};
-use results::simulation::Energy;
+use results::schema::Run;
 use serde_json::json;
 
 use super::*;
-use crate::read::Simulation;
 use crate::tests::fixture::{end, object, run, sample, tables, whole};
-use crate::tests::fixture_in_time as in_time;
 
 fn told(runs: &[Run]) -> Vec<String> {
     let [_, told] = found(&whole(&tables(runs, &[])), false);
@@ -52,64 +49,6 @@ fn proof_that_there_is_no_solution_is_no_failure_unless_a_run_finds_one() {
     runs[1].status = "iteration-limit".into();
     runs[0].end = end(sample(9, 1.0, 0.5));
     assert!(told(&runs)[1].starts_with("cg: 1 of 1\u{a0}run failed"), "{:?}", told(&runs));
-}
-
-#[test]
-fn solutions_with_friction_are_told_where_there_are_several() {
-    let mut runs = study();
-    let known = |to: &str| KnownSolutions {
-        solutions: Some(4),
-        spread: 0.4712,
-        polished_to: to.into(),
-        polished_by: 1e-5,
-    };
-    for (run, to) in runs.iter_mut().zip(["known", "new", ""]) {
-        run.known = known(to);
-    }
-    let sentence = &told(&runs)[1];
-    assert_eq!(
-        sentence,
-        "column: 4\u{a0}certified solutions known, up to 0.47 apart in velocity; from where they ended Newton's method leads \
-         1\u{a0}run to one of them, 1\u{a0}run to another."
-    );
-    // Without friction there is one, and nothing to be said.
-    for run in &mut runs {
-        run.known = KnownSolutions { solutions: Some(1), spread: 0.0, ..KnownSolutions::default() };
-    }
-    assert!(told(&runs).iter().all(|sentence| !sentence.contains("certified")));
-}
-
-#[test]
-fn energies_are_those_of_the_simulation_in_which_most_moved() {
-    let with = |moved: f64, left: f64| {
-        let mut one = in_time::simulated("run", 0.1, 1e-3);
-        one.simulation.totals.energy = Energy {
-            walls_work_j: moved / 2.0,
-            sliding_work_j: -moved / 4.0,
-            energy_moved_j: moved,
-            energy_left_over_j: left,
-            ..Energy::default()
-        };
-        Simulation::of(&one)
-    };
-    assert_eq!(energy(&[with(0.0, 0.0)]), None);
-    let sentence = energy(&[with(8.0, 1e-15), with(4.0, 2e-12)]).unwrap();
-    assert!(
-        sentence.contains("walls gave 4.00 J, gaps that closed 0 J, shocks 0 J and sliding -2.00 J"),
-        "{sentence}"
-    );
-    assert!(sentence.contains("at most 5·10⁻¹³ of what changed hands"), "{sentence}");
-}
-
-#[test]
-fn runs_that_go_round_are_counted_with_the_lengths_of_their_cycles() {
-    let mut runs = study();
-    let cycles = |runs: &[Run]| told(runs).into_iter().find(|sentence| sentence.contains("repeat"));
-    assert_eq!(cycles(&runs), None);
-    runs[0].cycle_iterations = Some(2);
-    assert_eq!(cycles(&runs).unwrap(), "At the end of 1\u{a0}run impulses repeat after 2 iterations.");
-    runs[1].cycle_iterations = Some(14);
-    assert_eq!(cycles(&runs).unwrap(), "At the end of 2\u{a0}runs impulses repeat after 2 to 14 iterations.");
 }
 
 #[test]
@@ -170,21 +109,4 @@ fn methods_that_are_right_in_all_runs_are_named() {
     assert_eq!(answered(&runs), [right]);
     runs[0].status = "diverged".into();
     assert!(answered(&runs)[0].starts_with("No method converged"), "{:?}", answered(&runs));
-}
-
-#[test]
-fn where_nothing_was_to_be_reached_an_iteration_is_timed() {
-    let endless = |i: u32, method: &str, ranks: u32| {
-        let mut run =
-            Run { iterations: 10, iterating_s: 0.5, tolerance: 0.0, ..run(i, method, "", "iteration-limit") };
-        run.exchange.ranks = ranks;
-        run
-    };
-    let mut runs = vec![endless(0, "cg", 1), endless(1, "nsgs-dd", 4)];
-    runs.push(Run { problem: "small".into(), contacts: 0, ..endless(2, "cg", 1) });
-    let problem = runs[0].problem.clone();
-    let expected = format!(
-        "An iteration on {problem}: 0.050 s with cg on 1\u{a0}thread, 0.050 s with nsgs-dd on 4\u{a0}ranks."
-    );
-    assert_eq!(answered(&runs), [expected]);
 }
