@@ -18,8 +18,8 @@ const BELOW: f64 = 5.5;
 /// Bounds of the side of a panel (mm).
 const LEAST: f64 = 21.0;
 const GREATEST: f64 = 52.0;
-/// Two lines of text above all, and the name of the x axis below (mm).
-const HEAD: f64 = 2.0 * LEADING;
+/// A line of text above all, and the name of the x axis below (mm).
+const HEAD: f64 = 1.5 * LEADING;
 const FOOT: f64 = LEADING + 1.0;
 /// A cell at least so wide and high has its number in it (mm).
 const ROOMY: (f64, f64) = (8.5, 6.0);
@@ -40,7 +40,7 @@ struct Page {
     columns: usize,
     rows: usize,
     side: f64,
-    head: [String; 2],
+    head: String,
     /// Ranges of log κ_l and log κ_d.
     kappa_l: (f64, f64),
     kappa_d: (f64, f64),
@@ -59,10 +59,8 @@ impl Page {
         let columns = first_row.clamp(1, ((room(PAGE) / (least + GAP)) as usize).max(1));
         let side = (room(PAGE) / columns as f64 - GAP).min(GREATEST);
         let head = head(problem, fields);
-        let mut width = COLUMN.max(PAGE - room(PAGE) + columns as f64 * (side + GAP));
-        for line in &head {
-            width = width.max(text_width(line, TEXT) + 2.0 * MARGIN);
-        }
+        let panels = PAGE - room(PAGE) + columns as f64 * (side + GAP);
+        let width = COLUMN.max(panels).max(text_width(&head, TEXT) + 2.0 * MARGIN);
         let signs = Signs::new(signs(fields), width - 2.0 * MARGIN);
         let free = PAGE_HEIGHT - 2.0 * MARGIN - HEAD - FOOT - signs.height();
         let iterations = || fields.iter().flat_map(|f| &f.cells).filter_map(converged);
@@ -84,11 +82,9 @@ impl Page {
         let panels = rows as f64 * (ABOVE + self.side + BELOW);
         let below = MARGIN + HEAD + panels + FOOT;
         svg((self.width, (below + self.signs.height() + MARGIN).ceil()), |canvas| {
-            for (i, line) in self.head.iter().enumerate() {
-                let line = if number > 0 && i == 0 { format!("{line} (continued)") } else { line.clone() };
-                let place = (MARGIN, MARGIN + LEADING * i as f64);
-                canvas.text(&line, place, TEXT, (HPos::Left, VPos::Top));
-            }
+            let more = if number > 0 { " (continued)" } else { "" };
+            let title = format!("{}{more}", self.head);
+            canvas.text(&title, (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top));
             for (i, field) in fields.iter().enumerate() {
                 // The last panel of a column has the labels of its κ_l.
                 self.panel(
@@ -202,20 +198,12 @@ fn cost(field: &Field) -> String {
     words.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
-/// Returns the title: the content of the figure, and the number of failed runs.
-fn head(problem: &str, fields: &[&Field]) -> [String; 2] {
-    let method = fields[0].method;
+/// Returns the title: the content of the figure.
+fn head(problem: &str, fields: &[&Field]) -> String {
     let rule = fields[0].cells.first().and_then(|cell| cell.run.rule());
     let stop = rule.map_or(String::new(), |rule| format!(" to {rule}"));
-    let runs = fields.iter().map(|f| f.cells.len()).sum();
-    let mut counts = vec![counted(runs, "run")];
-    for (ending, text) in Ending::ALL.into_iter().filter(|(ending, _)| *ending != Ending::Converged) {
-        let number: usize = fields.iter().map(|f| f.count(ending)).sum();
-        if number > 0 {
-            counts.push(format!("{} {text}", count(number)));
-        }
-    }
-    [format!("{problem}, {method}: iterations{stop}, over the search directions"), counts.join(", ")]
+    let runs = counted(fields.iter().map(|f| f.cells.len()).sum(), "run");
+    format!("{problem}, {}: iterations{stop}, over the search directions, {runs}", fields[0].method)
 }
 
 /// The key.
