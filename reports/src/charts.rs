@@ -29,6 +29,8 @@ use thiserror::Error;
 use crate::read::{Problems, Simulation, Study};
 use crate::text::Part;
 pub(crate) use against::parts as against;
+pub use lines::OwnChart;
+pub use quantities::UnknownQuantity;
 
 /// A kind of figure, with the tables that belong to it.
 #[derive(Clone, Copy)]
@@ -172,6 +174,17 @@ impl Chart {
     /// Every kind.
     pub fn all() -> &'static [Self] {
         CHARTS
+    }
+
+    /// Declares a chart of a plan's own.
+    ///
+    /// # Errors
+    ///
+    /// Names a quantity that is not there, with those that are.
+    pub fn own(own: OwnChart) -> Result<Self, UnknownQuantity> {
+        let lines = Box::leak(Box::new(lines::Lines::own(own)?));
+        let shows = format!("{} against {}", lines.y, lines.x).leak();
+        Ok(Self { name: lines.name, makes: lines.name, shows, parts: Parts::Lines(lines) })
     }
 
     /// Returns the charts of a study that names none: `convergence` and `sample`, or `trajectory` if it is through time.

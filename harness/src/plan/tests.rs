@@ -282,3 +282,16 @@ fn a_method_meets_the_problems_that_it_names_alone() {
     refused(&text("[\"pair\"]", "[\"pair\"]"), false, &["`cg`", "two runs"]);
     refused(&text("[\"pair\"]", "[]"), false, &["`cg`", "two runs"]);
 }
+
+#[test]
+fn a_plan_declares_charts_of_its_own() {
+    let own = |x: &str| {
+        let chart = format!("{{ name = \"mine\", x = \"{x}\", y = [\"iterations\", \"growth\"] }}");
+        PLAN.replace("[stop]", &format!("charts = [\"size\", {chart}]\n\n[stop]"))
+    };
+    let plan = read(&own("contacts"), false).unwrap();
+    assert_eq!(plan.charts().iter().map(|chart| chart.name()).collect::<Vec<_>>(), ["size", "mine"]);
+    refused(&own("beauty"), false, &["`charts`", "no quantity `beauty`", "contacts, ranks"]);
+    let nameless = own("contacts").replace("name = \"mine\", ", "");
+    refused(&nameless, false, &["`charts`", "missing field `name`"]);
+}

@@ -2,9 +2,11 @@
 //! figures, lines or fits, ideals, and the columns of its table.
 
 use polars::prelude::{Column, DataFrame};
+use serde::Deserialize;
 use serde_json::Value;
 
-use super::quantities::{Quantity, named, table};
+use super::declared::OF_SUBDOMAINS;
+use super::quantities::{Quantity, UnknownQuantity, named, table};
 use crate::draw::{
     At, Curve, DASHES, Guide, MOST_LINES, Panel, Pen, Plot, Points, Scale, Series, Side, Sign, TOLERANCE,
     Through, series, title,
@@ -28,7 +30,7 @@ pub(crate) struct Lines {
     pub(crate) y: &'static str,
     /// The setting in which the runs of a series may differ.
     pub(crate) varied: &'static str,
-    /// What sets the series of a method apart beside its settings, told by dashes: name and value of a run.
+    /// Name that sets series of a method apart beside its settings, of a run; dashes tell it.
     pub(crate) apart: Option<fn(&RunRow) -> String>,
     pub(crate) each: Each,
     pub(crate) through: Through,
@@ -42,6 +44,23 @@ pub(crate) struct Lines {
     pub(crate) columns: &'static str,
     /// Below the table.
     pub(crate) note: &'static str,
+}
+
+/// A chart "y against x by series" that a plan declares; quantities stand by their names.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OwnChart {
+    /// Name of its table, and begin of those of its figures.
+    pub name: String,
+    /// Quantity on the x axis.
+    pub x: String,
+    /// Quantities on the y axes, a panel each.
+    pub y: Vec<String>,
+    /// Setting in which the runs of a line differ; the name of x without it.
+    pub varied: Option<String>,
+    /// True where a figure of all problems has powers of x fitted to the runs; false where each problem has a figure.
+    #[serde(default)]
+    pub fit: bool,
 }
 
 /// A line to compare with.
@@ -70,6 +89,29 @@ const PLACES: usize = 3;
 const AROUND_ONE: f64 = 0.35;
 
 impl Lines {
+    /// Declares what a plan asks for; its texts are kept as long as the program runs, as those of other charts are.
+    pub(crate) fn own(own: OwnChart) -> Result<Self, UnknownQuantity> {
+        let unknown = |name: &&String| named(name).is_none();
+        if let Some(name) = std::iter::once(&own.x).chain(&own.y).find(unknown) {
+            return Err(UnknownQuantity(name.clone()));
+        }
+        let kept = |text: String| -> &'static str { text.leak() };
+        let (x, y) = (kept(own.x), kept(own.y.join(" ")));
+        let (each, through) =
+            if own.fit { (Each::Study, Through::Fit) } else { (Each::Problem, Through::Points) };
+        Ok(Self {
+            name: kept(own.name),
+            x,
+            y,
+            varied: own.varied.map_or(x, kept),
+            each,
+            through,
+            columns: if own.fit { "" } else { kept(format!("problem method {x} status {y}")) },
+            note: "",
+            ..OF_SUBDOMAINS
+        })
+    }
+
     fn x(&self) -> &'static Quantity {
         named(self.x).expect("a declared quantity has a name")
     }

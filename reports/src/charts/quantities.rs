@@ -1,6 +1,7 @@
 //! Quantities of a run by name: what the axes of declared charts and the columns of their tables hold.
 
 use polars::prelude::{Column, DataFrame};
+use thiserror::Error;
 
 use super::ranks::predicted;
 use crate::draw::{Scale, Series};
@@ -113,6 +114,15 @@ const QUANTITIES: &[Quantity] = &[
     })
     .on_the_way(),
 ];
+
+/// A name that no quantity has.
+#[derive(Debug, Error)]
+#[error("no quantity `{0}`: there are {names}", names = names())]
+pub struct UnknownQuantity(pub(super) String);
+
+fn names() -> String {
+    QUANTITIES.iter().map(|quantity| quantity.name).collect::<Vec<_>>().join(", ")
+}
 
 /// The quantity of a name.
 pub(super) fn named(name: &str) -> Option<&'static Quantity> {

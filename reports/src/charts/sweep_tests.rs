@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::charts::declared::{CRITICAL_PATH, DIMENSIONS, OF_SUBDOMAINS, SIZE, WEAK};
+use crate::charts::lines::{Lines, OwnChart};
 use crate::charts::{profiles, relaxation};
 use crate::draw::{METHODS, RGBColor};
 use crate::tests::assert_well_formed;
@@ -305,4 +306,25 @@ fn the_plane_stands_beside_space_for_as_many_subdomains_with_and_without_frictio
     );
     assert_eq!(rows.len(), 4, "nothing in space is as rough");
     assert!(text(&files, "dimensions.svg").contains("8 subdomains without friction"));
+}
+
+#[test]
+fn chart_of_a_plan_is_drawn_as_it_is_declared() {
+    let own = |fit| OwnChart {
+        name: "mine".into(),
+        x: "grains".into(),
+        y: vec!["iterations".into(), "work".into()],
+        varied: None,
+        fit,
+    };
+    let runs = [sized(0, "cg", 10, 100), sized(1, "cg", 1000, 200)];
+    let study = study(&runs, &[(0, decay()), (1, decay())]);
+    let names = |fit| {
+        let files = files(&Lines::own(own(fit)).unwrap().parts(&study));
+        files.into_iter().map(|(name, _)| name).filter(|name| !name.ends_with(".tex")).collect::<Vec<_>>()
+    };
+    assert_eq!(names(true), ["mine.svg", "mine.csv", "mine.md"]);
+    assert_eq!(names(false), ["mine-10-grains.svg", "mine-1000-grains.svg", "mine.csv", "mine.md"]);
+    let unknown = Lines::own(OwnChart { x: "beauty".into(), ..own(true) }).map(drop);
+    assert!(unknown.unwrap_err().to_string().starts_with("no quantity `beauty`: there are subdomains, "));
 }

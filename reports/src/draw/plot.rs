@@ -49,15 +49,15 @@ pub(crate) struct Curve {
 /// Line through the points of a curve.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Through {
-    /// It joins them, thin to runs that made all their iterations and would need more.
+    /// Line from point to point, thin to runs that made all their iterations and would need more.
     Points,
-    /// It joins the medians of equal x.
+    /// Line through the medians of equal x.
     Medians,
-    /// It is a power of x, fitted to the runs that converged.
+    /// Power of x, fitted to the runs that converged.
     Fit,
-    /// It is level: the only value, whatever x.
+    /// Level line: the only value, whatever x.
     Level,
-    /// There is none.
+    /// No line.
     Nothing,
 }
 

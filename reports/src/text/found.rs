@@ -18,7 +18,7 @@ pub(crate) fn found(study: &Study, of_subdomains: bool) -> [Vec<String>; 2] {
     }
 }
 
-/// How the runs of a method ended that were neither skipped nor right, how many were skipped, and how many there are.
+/// Endings of the runs of a method that were neither skipped nor right, with the numbers of skipped and of all runs.
 struct Ended<'r> {
     method: &'r str,
     failed: BTreeMap<(Ending, &'static str), usize>,

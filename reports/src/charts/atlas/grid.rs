@@ -10,7 +10,7 @@ use crate::draw::{
 };
 use crate::text::frame;
 
-/// What of the height of a row its tiles leave free (–), and of the width of a column (mm).
+/// Gaps between tiles: share of the height of a row (–), and part of the width of a column (mm).
 const FREE: f64 = 0.1;
 const APART: f64 = 0.7;
 /// Greatest width of a column (mm).

@@ -188,7 +188,7 @@ fn title(field: &Field) -> String {
     format!("{group}, relaxation {}", field.relaxation)
 }
 
-/// What the derived and the adapted directions cost.
+/// Cost of the derived and of the adapted directions.
 fn cost(field: &Field) -> String {
     let times = |word, run: Option<_>| {
         let ratio = field.ratio(Some(run?)).map_or("failed".to_owned(), |ratio| format!("×{ratio:.2}"));
