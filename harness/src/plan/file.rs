@@ -91,7 +91,7 @@ fn charts_schema(_: &mut SchemaGenerator) -> Schema {
             "fit": { "type": "boolean" },
         },
     });
-    json_schema!({ "type": "array", "items": { "anyOf": [{ "enum": names }, own] } })
+    json_schema!({ "type": "array", "items": { "anyOf": [{ "enum": names }, { "allOf": [own] }] } })
 }
 
 fn yes() -> bool {
