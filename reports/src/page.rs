@@ -95,8 +95,8 @@ pub(crate) fn page(
     let shown = |figure: &str| viewer.samples.iter().any(|sample| sample_of(figure, &sample.problem));
     let sections = chapters.iter().map(|chapter| section(chapter, about, formats, &shown));
     let mut sections: Vec<Section> = sections.collect::<Result<_, _>>()?;
-    let asks = |chart: &&str| sections.iter().any(|section| section.name == **chart);
-    let [answer, found] = found(study, OF_SUBDOMAINS.iter().any(|chart| asks(&chart)));
+    let asks = |chart: &str| sections.iter().any(|section| section.name == chart);
+    let [answer, found] = found(study, OF_SUBDOMAINS.iter().any(|chart| asks(chart)));
     // What the viewer shows has its place there, and nothing is left for a section.
     let empty = |s: &Section| s.figures.is_empty() && s.tables.is_empty() && s.sentences.is_empty();
     let of_viewer: Vec<Section> = sections.extract_if(.., |section| empty(section)).collect();

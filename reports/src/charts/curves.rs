@@ -12,6 +12,9 @@ use crate::text::{Part, nothing, too_many};
 
 use super::band::Band;
 
+/// A logarithm; `None` where its value is undefined.
+type Log = Option<f64>;
+
 /// A quantity of a sample.
 pub(super) struct Sampled {
     /// Name of its axis, and one for panels with little room.
@@ -51,7 +54,7 @@ struct Shown {
 
 impl Sampled {
     /// The logarithm at a sample, where it has a place; `None` inside where it is undefined.
-    fn at(&self, run: &RunRow, point: &Point) -> Option<Option<f64>> {
+    fn at(&self, run: &RunRow, point: &Point) -> Option<Log> {
         match self.of {
             Of::Cost(of) => of(run, point).filter(|cost| *cost > 0.0).map(|cost| Some(log(cost))),
             Of::Measure(measure) => Some(point.get(measure).map(log)),

@@ -24,7 +24,14 @@ pub(crate) fn work_precision(study: &Problems) -> Vec<Part> {
     for given in &study.given {
         if let Some(error) = given.end.velocity_error() {
             let (problem, code, error) = (&given.problem, &given.variant, number(error, 2));
-            note += &format!("{problem}: the impulses that {code} gave have a velocity error of {error}.\n");
+            note.extend([
+                problem,
+                ": the impulses that ",
+                code,
+                " gave have a velocity error of ",
+                &error,
+                ".\n",
+            ]);
         }
     }
     note.extend(["\n", &repeats(&study.runs), " ", WORK, "\n"]);

@@ -225,7 +225,10 @@ fn units(mm: f64) -> i32 {
 fn points(places: &[Place]) -> String {
     let mut places: Vec<(i32, i32)> = places.iter().map(|&(x, y)| (units(x), units(y))).collect();
     places.dedup();
-    places.into_iter().map(|(x, y)| format!("{x},{y} ")).collect()
+    places.into_iter().fold(String::new(), |mut text, (x, y)| {
+        let _ = write!(text, "{x},{y} ");
+        text
+    })
 }
 
 /// Size of a font of so many points, in units.
