@@ -1,28 +1,25 @@
 //! The charts by name. To add one: its `mod`, and its line in [`CHARTS`].
 
 mod against;
-mod against_truth;
 mod atlas;
-mod atlas_in_time;
+mod band;
 mod convergence;
+mod curves;
 mod declared;
-mod dimensions;
 mod directions;
 mod lines;
 mod macroscopic;
 mod next_step;
 mod peers;
 mod profiles;
+mod quantities;
 mod ranks;
 mod relaxation;
 mod sample;
-mod scaling;
 #[cfg(test)]
 mod sweep_tests;
 mod trajectory;
 mod truth;
-mod weak;
-mod work_precision;
 
 use std::fmt;
 use std::str::FromStr;
@@ -32,6 +29,8 @@ use thiserror::Error;
 use crate::read::{Problems, Simulation, Study};
 use crate::text::Part;
 pub(crate) use against::parts as against;
+pub use lines::OwnChart;
+pub use quantities::UnknownQuantity;
 
 /// A kind of figure, with the tables that belong to it.
 #[derive(Clone, Copy)]
@@ -76,14 +75,14 @@ const CHARTS: &[Chart] = &[
     Chart {
         name: "work-precision",
         makes: "`work-precision-<problem>`, `work-precision`",
-        shows: "velocity error against seconds and counted work, the Pareto front; of more than twelve runs the first of each method in colour, the others grey; who is first to 10⁻², 10⁻⁴, 10⁻⁶",
-        parts: Parts::Problems(work_precision::parts),
+        shows: "velocity error against seconds and counted work, the Pareto front; of more than twelve runs the first of each method in colour, the others grey; the first to 10⁻², 10⁻⁴, 10⁻⁶",
+        parts: Parts::Problems(truth::work_precision),
     },
     Chart {
         name: "truth",
         makes: "`truth-<problem>`, `truth`",
         shows: "ζ, the natural map and LMGC90's norm against the velocity error: where they promise too much; a curve that goes up and down is a band with its median",
-        parts: Parts::Problems(truth::parts),
+        parts: Parts::Problems(truth::truth),
     },
     Chart {
         name: "peers",
@@ -107,7 +106,7 @@ const CHARTS: &[Chart] = &[
         name: "weak",
         makes: "`weak`",
         shows: "iterations, the longest subdomain and time against the number of subdomains, as many grains in each",
-        parts: Parts::Problems(weak::parts),
+        parts: Parts::Lines(&declared::WEAK),
     },
     Chart {
         name: "size",
@@ -123,9 +122,9 @@ const CHARTS: &[Chart] = &[
     },
     Chart {
         name: "dimensions",
-        makes: "`dimensions`, `dimensions-found`",
-        shows: "the plane against space, problem by problem: iterations, counted work, entries of factors, shares of boundaries, neighbours",
-        parts: Parts::Problems(dimensions::parts),
+        makes: "`dimensions`",
+        shows: "the plane against space: iterations, counted work, entries of factors, shares of boundaries",
+        parts: Parts::Lines(&declared::DIMENSIONS),
     },
     Chart {
         name: "critical-path",
@@ -142,7 +141,7 @@ const CHARTS: &[Chart] = &[
     Chart {
         name: "atlas",
         makes: "`atlas`, `atlas-<method>`, `atlas-counts`",
-        shows: "the class of every run over hazards, methods and settings; a sentence for each region that fails, with the spectral reason where one is known",
+        shows: "the class of every run over hazards, methods and settings; with the spectrum of each problem where it is known",
         parts: Parts::Problems(atlas::parts),
     },
     Chart {
@@ -153,21 +152,21 @@ const CHARTS: &[Chart] = &[
     },
     Chart {
         name: "macroscopic",
-        makes: "`macroscopic`, `macroscopic-found`",
-        shows: "friction of a sheared packing against that of its grains, and against the tolerance, each method; from which tolerance on it stays",
+        makes: "`macroscopic`",
+        shows: "friction of a sheared packing against that of its grains, and against the tolerance, each method",
         parts: Parts::Simulations(macroscopic::parts),
     },
     Chart {
         name: "next-step",
-        makes: "`next-step`, `next-step-found`",
-        shows: "iterations and seconds of time steps that begin from previous or from extrapolated impulses, over those of a start from nothing",
+        makes: "`next-step`",
+        shows: "iterations and seconds of time steps that begin from extrapolated impulses against those from previous ones, both over those of a start from nothing",
         parts: Parts::Simulations(next_step::parts),
     },
     Chart {
         name: "atlas-in-time",
-        makes: "`atlas-in-time`",
+        makes: "`atlas-in-time`, `atlas-in-time-counts`",
         shows: "which simulations stay stable, jitter, creep or explode: methods and rules against scenes and time steps",
-        parts: Parts::Simulations(atlas_in_time::parts),
+        parts: Parts::Simulations(atlas::in_time::parts),
     },
 ];
 
@@ -175,6 +174,17 @@ impl Chart {
     /// Every kind.
     pub fn all() -> &'static [Self] {
         CHARTS
+    }
+
+    /// Declares a chart of a plan's own.
+    ///
+    /// # Errors
+    ///
+    /// Names a quantity that is not there, with those that are.
+    pub fn own(own: OwnChart) -> Result<Self, UnknownQuantity> {
+        let lines = Box::leak(Box::new(lines::Lines::own(own)?));
+        let shows = format!("{} against {}", lines.y, lines.x).leak();
+        Ok(Self { name: lines.name, makes: lines.name, shows, parts: Parts::Lines(lines) })
     }
 
     /// Returns the charts of a study that names none: `convergence` and `sample`, or `trajectory` if it is through time.

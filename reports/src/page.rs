@@ -16,7 +16,7 @@ use crate::charts::Chart;
 use crate::draw::Formats;
 use crate::error::ReportError;
 use crate::read::{Scenes, Study, file_name, scenes};
-use crate::text::{Kind, Part, answer, failures, found};
+use crate::text::{Kind, Part, failures, found};
 pub use folder::made;
 pub(crate) use folder::replace;
 use provenance::{Origin, provenance};
@@ -57,49 +57,17 @@ impl Chapter {
     }
 }
 
+/// A chapter as a page has it: its parts, each with its name and the endings of its files.
 #[derive(Serialize)]
 struct Section {
     name: String,
     title: String,
     command: Option<String>,
-    figures: Vec<Figure>,
+    figures: Vec<Value>,
     /// Figures that show what another does, or the viewer: files alone.
-    files: Vec<Links>,
-    tables: Vec<Table>,
+    files: Vec<Value>,
+    tables: Vec<Value>,
     sentences: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct Figure {
-    caption: String,
-    svg: String,
-    links: Links,
-}
-
-#[derive(Serialize)]
-struct Table {
-    rows: Rows,
-    links: Links,
-}
-
-/// A part with the files that it has beside the page: their endings and formats.
-#[derive(Serialize)]
-struct Links {
-    name: String,
-    formats: Vec<(&'static str, &'static str)>,
-}
-
-impl Links {
-    fn of_figure(name: &str, formats: Formats) -> Self {
-        let mut links = vec![("svg", "SVG")];
-        links.extend(formats.pdf.then_some(("pdf", "PDF")));
-        links.extend(formats.png.then_some(("png", "PNG")));
-        Self { name: name.to_owned(), formats: links }
-    }
-
-    fn of_table(name: &str) -> Self {
-        Self { name: name.to_owned(), formats: vec![("csv", "CSV"), ("md", "Markdown"), ("tex", "LaTeX")] }
-    }
 }
 
 /// The page of a study.
@@ -127,11 +95,12 @@ pub(crate) fn page(
     let shown = |figure: &str| viewer.samples.iter().any(|sample| sample_of(figure, &sample.problem));
     let sections = chapters.iter().map(|chapter| section(chapter, about, formats, &shown));
     let mut sections: Vec<Section> = sections.collect::<Result<_, _>>()?;
-    let answer = answered(study, &sections);
+    let asks = |chart: &str| sections.iter().any(|section| section.name == chart);
+    let [answer, found] = found(study, OF_SUBDOMAINS.iter().any(|chart| asks(chart)));
     // What the viewer shows has its place there, and nothing is left for a section.
     let empty = |s: &Section| s.figures.is_empty() && s.tables.is_empty() && s.sentences.is_empty();
     let of_viewer: Vec<Section> = sections.extract_if(.., |section| empty(section)).collect();
-    let of_viewer: Vec<Links> = of_viewer.into_iter().flat_map(|section| section.files).collect();
+    let of_viewer: Vec<Value> = of_viewer.into_iter().flat_map(|section| section.files).collect();
     let failed = Rows::of("failures", &failures(study), "")?;
     let provenance = Rows::of("provenance", &provenance(&origins), "")?;
     render(
@@ -141,34 +110,13 @@ pub(crate) fn page(
             about => context! { name => &about.name, why => &about.why, bench => &about.bench, rows => &about.rows },
             through_time => matches!(study, Study::Simulations(_)),
             answer,
-            of_viewer => Serde(&of_viewer),
-            found => found(study),
+            of_viewer,
+            found,
             sections => Serde(&sections),
             failed => Serde(&failed),
             provenance => Serde(&provenance),
         },
     )
-}
-
-/// The answer to the question of the study: the words of a chart that is one, else from its rows, or else the first sentence of
-/// its charts.
-fn answered(study: &Study, sections: &[Section]) -> Vec<String> {
-    let is_answer = |section: &&Section| {
-        ["relaxation", "directions"].contains(&section.name.as_str()) && !section.sentences.is_empty()
-    };
-    if let Some(section) = sections.iter().find(is_answer) {
-        return section.sentences.clone();
-    }
-    let predicted = sections.iter().filter(|section| section.name == "ranks");
-    let predicted = predicted.flat_map(|section| section.sentences.clone());
-    let asks = |chart: &str| sections.iter().any(|section| section.name == chart);
-    let of_rows = match study {
-        Study::Problems(study) => answer(study, OF_SUBDOMAINS.iter().any(|chart| asks(chart))),
-        Study::Simulations(_) => Vec::new(),
-    };
-    let of_charts = || sections.iter().flat_map(|section| &section.sentences).take(1).cloned().collect();
-    let all: Vec<String> = of_rows.into_iter().chain(predicted).collect();
-    if all.is_empty() { of_charts() } else { all }
 }
 
 /// The charts of studies that ask what subdomains cost.
@@ -238,14 +186,14 @@ fn section(
         sentences: Vec::new(),
     };
     for part in &chapter.parts {
+        let (name, endings) = (&part.name, part.endings(formats));
         match &part.kind {
-            Kind::Figure(_) if shown(&part.name) || !part.on_page => {
-                section.files.push(Links::of_figure(&part.name, formats));
+            Kind::Figure(_) if shown(name) || !part.on_page => {
+                section.files.push(context! { name, endings });
             }
             Kind::Figure(svg) => {
-                let caption = part.caption.clone().unwrap_or_else(|| caption(chapter, &part.name));
-                let (svg, links) = (inline(svg, &caption), Links::of_figure(&part.name, formats));
-                section.figures.push(Figure { caption, svg, links });
+                let caption = part.caption.clone().unwrap_or_else(|| caption(chapter, name));
+                section.figures.push(context! { name, endings, svg => inline(svg, &caption), caption });
             }
             Kind::Table(table) => {
                 let mut shown = table.shown.clone();
@@ -253,8 +201,8 @@ fn section(
                 if let Ok(id) = table.all.column("id") {
                     shown.with_column(id.clone())?;
                 }
-                let rows = Rows::of(&part.name, &shown, &table.note)?;
-                section.tables.push(Table { rows, links: Links::of_table(&part.name) });
+                let rows = Serde(Rows::of(name, &shown, &table.note)?);
+                section.tables.push(context! { name, endings, rows });
             }
             Kind::Text(text) => {
                 let lines = text.lines().filter(|line| !line.is_empty());

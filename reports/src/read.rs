@@ -3,6 +3,7 @@
 mod cost;
 mod ending;
 mod groups;
+mod methods;
 mod number;
 mod run;
 mod scene;
@@ -15,7 +16,7 @@ use std::collections::BTreeMap;
 pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, accuracy_text, reached};
 pub(crate) use ending::{Ending, Verdicts};
 pub(crate) use groups::{differing, settings_text};
-pub(crate) use number::{count, counted, number, power_of_ten, round_down, round_up};
+pub(crate) use number::{count, counted, number, power_of_ten, round_down};
 pub(crate) use run::{Point, RunRow, problems, repeats, stopped_at_1e_2, threads};
 pub(crate) use scene::{Scene, ends, impulse, scenes, walls};
 pub(crate) use simulation::{Simulation, in_role, milliseconds};

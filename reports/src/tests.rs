@@ -5,12 +5,15 @@ pub(crate) mod fixture_in_time;
 
 use std::fs;
 
-use crate::tests::fixture::{decay, explosion, files, read, run, sample, scene, stored, tables, whole};
+use crate::tests::fixture::{
+    decay, explosion, files, object, read, run, sample, scene, stored, tables, whole,
+};
 use crate::text::{Kind, Table, markdown, rows};
 use crate::{About, Chart, Formats, Wanted, report, summary};
 use polars::prelude::DataFrame;
 use results::schema::{Run, Sample};
 use results::study::Runs;
+use serde_json::json;
 use tempfile::TempDir;
 
 fn figures(runs: &Runs) -> Vec<(String, String)> {
@@ -41,10 +44,14 @@ pub(crate) fn assert_well_formed(name: &str, svg: &str) {
 }
 
 fn study() -> Runs {
+    let on = |subdomains, run: Run| {
+        let settings = object(&json!({ "subdomains": run.variant }));
+        Run { subdomains, settings, ..run }
+    };
     let runs = [
         run(0, "nsgs", "", "converged"),
-        Run { subdomains: 8, ..run(1, "nsgs-dd", "4x2", "iteration-limit") },
-        Run { subdomains: 2, ..run(2, "nsgs-dd", "2x1", "converged") },
+        on(8, run(1, "nsgs-dd", "4x2", "iteration-limit")),
+        on(2, run(2, "nsgs-dd", "2x1", "converged")),
         run(3, "cg", "", "diverged"),
     ];
     tables(&runs, &[(0, decay()), (1, decay()), (2, decay()), (3, explosion())])
@@ -231,5 +238,8 @@ fn table_reads_off_what_the_rows_say() {
         "200",
     ];
     assert_eq!(row[..13], expected);
-    assert_eq!(row[13..], ["0", "0", "10⁻⁵", "0.0123", "10⁻⁴", "10⁻⁴", "", "0000000000000001", ""]);
+    assert_eq!(
+        row[13..],
+        ["0", "0", "10⁻⁵", "0.0123", "10⁻⁴", "10⁻⁴", "–", "–", "–", "–", "", "–", "", "0000000000000001", ""]
+    );
 }

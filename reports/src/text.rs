@@ -1,6 +1,5 @@
 //! Tables, sentences and templates: what a report says in words and numbers.
 
-mod answer;
 mod failures;
 mod fill;
 mod found;
@@ -9,7 +8,6 @@ mod pick;
 mod rows;
 mod table;
 
-pub(crate) use answer::answer;
 pub(crate) use failures::failures;
 pub use fill::fill;
 pub(crate) use found::found;

@@ -151,6 +151,7 @@ impl StudyArgs {
         let variants = plan.variants(&self.settings).with_context(in_plan)?;
         let (again, notes, only) = (self.again(), Vec::new(), Vec::new());
         let mut selection = Selection { again, plan, problems, variants, notes, only };
+        selection.check().with_context(in_plan)?;
         // Its rows must not pass for those of the plan.
         if !changes.is_empty() {
             selection.plan.name += "-changed";

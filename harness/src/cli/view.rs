@@ -106,7 +106,8 @@ impl Args {
         self.scene.refused(&format!("{name} is stored"))?;
         let stop = self.stop.of(stop_of(run)?)?;
         let method = Method::new(&run.method, run.settings.clone()).with_context(|| name.clone())?;
-        let mut variants = vec![Variant { method, warm_start, name: run.variant.clone() }];
+        let mut variants =
+            vec![Variant { method, warm_start, name: run.variant.clone(), problems: Vec::new() }];
         variants.extend(others.into_iter().map(|other| Variant { warm_start, ..other }));
         let problem = Problem::alone(problem_of_run(root, run).context(name)?, true);
         Ok(Shown { problem, stop, stored: Some(record), variants })
@@ -176,5 +177,5 @@ pub(super) fn variant(text: &str) -> Result<Variant> {
     let pairs = settings.split_whitespace().map(|word| key_value(word).map_err(anyhow::Error::msg));
     let read = || Method::parse(name, &pairs.collect::<Result<Vec<_>>>()?);
     let method = read().with_context(|| format!("--run '{text}'"))?;
-    Ok(Variant { method, warm_start: false, name: settings.trim().to_owned() })
+    Ok(Variant { method, warm_start: false, name: settings.trim().to_owned(), problems: Vec::new() })
 }

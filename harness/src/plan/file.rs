@@ -11,6 +11,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
+use std::fmt::Display;
 use std::num::NonZeroU32;
 use std::path::Path;
 
@@ -65,16 +66,32 @@ pub(crate) struct Plan {
     quick: Option<toml::Table>,
 }
 
-fn charts<'de, D: Deserializer<'de>>(names: D) -> Result<Option<Vec<Chart>>, D::Error> {
+fn charts<'de, D: Deserializer<'de>>(charts: D) -> Result<Option<Vec<Chart>>, D::Error> {
     let known = || Chart::all().iter().map(|chart| chart.name());
     let unknown = |name: &str| suggest::among(&format!("`charts`: unknown chart `{name}`"), name, known());
-    let read = |name: &String| name.parse().map_err(|_| D::Error::custom(unknown(name)));
-    Vec::<String>::deserialize(names)?.iter().map(read).collect::<Result<_, _>>().map(Some)
+    let refused = |error: &dyn Display| D::Error::custom(format!("`charts`: {error}"));
+    let read = |chart: toml::Value| match chart {
+        toml::Value::String(name) => name.parse().map_err(|_| D::Error::custom(unknown(&name))),
+        own => Chart::own(own.try_into().map_err(|error| refused(&error))?).map_err(|error| refused(&error)),
+    };
+    Vec::<toml::Value>::deserialize(charts)?.into_iter().map(read).collect::<Result<_, _>>().map(Some)
 }
 
 fn charts_schema(_: &mut SchemaGenerator) -> Schema {
     let names: Vec<&str> = Chart::all().iter().map(|chart| chart.name()).collect();
-    json_schema!({ "type": "array", "items": { "enum": names } })
+    let own = json_schema!({
+        "type": "object",
+        "required": ["name", "x", "y"],
+        "additionalProperties": false,
+        "properties": {
+            "name": { "type": "string" },
+            "x": { "type": "string" },
+            "y": { "type": "array", "items": { "type": "string" } },
+            "varied": { "type": "string" },
+            "fit": { "type": "boolean" },
+        },
+    });
+    json_schema!({ "type": "array", "items": { "anyOf": [{ "enum": names }, { "allOf": [own] }] } })
 }
 
 fn yes() -> bool {

@@ -116,7 +116,10 @@ impl Simulate {
         let stop = Stop { on: Measure::NaturalMap, tolerance: *tolerance, ..*stop };
         stop.check().context("`simulate.reference`")?;
         let name = "reference".to_owned();
-        Ok((Variant { method, warm_start: true, name }, Rule { stop, warm_start: Start::Previous }))
+        Ok((
+            Variant { method, warm_start: true, name, problems: Vec::new() },
+            Rule { stop, warm_start: Start::Previous },
+        ))
     }
 }
 

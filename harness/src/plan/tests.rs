@@ -267,3 +267,31 @@ fn key_is_short_unless_another_ends_so() {
     assert_eq!(last_parts(&["sample.grains", "scene.box.width_m"]), ["grains", "width_m"]);
     assert_eq!(last_parts(&["a.width", "b.width", "seed"]), ["a.width", "b.width", "seed"]);
 }
+
+#[test]
+fn a_method_meets_the_problems_that_it_names_alone() {
+    let text = |first: &str, second: &str| {
+        format!("{PLAN}problems = {first}\n\n[[methods]]\nmethod = \"cg\"\nproblems = {second}\n")
+    };
+    let plan = read(&text("[\"pair*\"]", "[\"column\"]"), false).unwrap();
+    let variants = plan.variants(&[]).unwrap();
+    let [first, _, cg] = &variants[..] else { panic!("three variants") };
+    assert!(first.meets("any"));
+    assert!(cg.meets("pair of discs") && cg.meets("column") && !cg.meets("box"));
+    // Twice on one problem.
+    refused(&text("[\"pair\"]", "[\"pair\"]"), false, &["`cg`", "two runs"]);
+    refused(&text("[\"pair\"]", "[]"), false, &["`cg`", "two runs"]);
+}
+
+#[test]
+fn a_plan_declares_charts_of_its_own() {
+    let own = |x: &str| {
+        let chart = format!("{{ name = \"mine\", x = \"{x}\", y = [\"iterations\", \"growth\"] }}");
+        PLAN.replace("[stop]", &format!("charts = [\"size\", {chart}]\n\n[stop]"))
+    };
+    let plan = read(&own("contacts"), false).unwrap();
+    assert_eq!(plan.charts().iter().map(|chart| chart.name()).collect::<Vec<_>>(), ["size", "mine"]);
+    refused(&own("beauty"), false, &["`charts`", "no quantity `beauty`", "contacts, ranks"]);
+    let nameless = own("contacts").replace("name = \"mine\", ", "");
+    refused(&nameless, false, &["`charts`", "missing field `name`"]);
+}

@@ -6,7 +6,8 @@ use anyhow::{Context, Result, bail};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use wildmatch::WildMatch;
 
 /// A method with fixed settings, and settings along which it varies; every combination is a run.
 #[derive(Debug, JsonSchema, Deserialize)]
@@ -22,6 +23,9 @@ pub(crate) struct PlannedMethod {
     /// True where its runs begin from the impulses of the time step before; `[false, true]` for both.
     #[serde(default)]
     pub(crate) warm_start: Option<WarmStart>,
+    /// Names of the problems that it meets, in which `*` stands for any text; all of them without any.
+    #[serde(default)]
+    pub(crate) problems: Vec<String>,
 }
 
 /// One way to begin, or several.
@@ -37,9 +41,17 @@ pub(crate) struct Variant {
     pub(crate) method: Method,
     pub(crate) warm_start: bool,
     pub(crate) name: String,
+    /// Patterns of the problems that it meets; all of them without any.
+    pub(crate) problems: Vec<String>,
 }
 
 impl Variant {
+    /// Reports whether the plan asks for its run on a problem.
+    pub(crate) fn meets(&self, problem: &str) -> bool {
+        self.problems.is_empty()
+            || self.problems.iter().any(|pattern| WildMatch::new(pattern).matches(problem))
+    }
+
     /// Method and variant, as a figure names them.
     pub(crate) fn label(&self) -> String {
         format!("{} {}", self.method.name, self.name).trim_end().to_owned()
@@ -51,17 +63,30 @@ impl Plan {
     /// every method that has it; runs that are the same then are one.
     pub(crate) fn variants(&self, changes: &[(String, String)]) -> Result<Vec<Variant>> {
         let mut methods: Vec<(Method, bool)> = Vec::new();
-        let mut seen = HashSet::new();
+        let mut met: Vec<Vec<String>> = Vec::new();
+        let mut seen = HashMap::new();
         let mut unused: Vec<&(String, String)> = changes.iter().collect();
         for planned in &self.methods {
             for (method, warm_start) in planned.methods(self.warm_start.is_warm())? {
                 let (known, changed) = (method.settings.clone(), method.changed(changes)?);
                 unused.retain(|(key, _)| !known.contains_key(key));
                 let settings = Value::Object(changed.settings.clone()).to_string();
-                if seen.insert((changed.name, settings, warm_start)) {
+                let index = *seen.entry((changed.name, settings, warm_start)).or_insert(methods.len());
+                if index == methods.len() {
                     methods.push((changed, warm_start));
-                } else if changes.is_empty() {
+                    met.push(planned.problems.clone());
+                    continue;
+                }
+                // Apart only by their problems, or by what was changed.
+                let both: &mut Vec<String> = &mut met[index];
+                let all = both.is_empty() || planned.problems.is_empty();
+                let apart = !all && !planned.problems.iter().any(|pattern| both.contains(pattern));
+                if changes.is_empty() && !apart {
                     bail!("method `{}`: two runs have the settings {}", method.name, Value::Object(known));
+                }
+                both.extend(planned.problems.iter().cloned());
+                if all {
+                    both.clear();
                 }
             }
         }
@@ -74,8 +99,9 @@ impl Plan {
             bail!("--set {key}={value}: no method of the plan has `{key}`{}", suggest::of(key, known));
         }
         let names = of_variants(&methods);
-        let variant = |((method, warm_start), name)| Variant { method, warm_start, name };
-        Ok(methods.into_iter().zip(names).map(variant).collect())
+        let variant =
+            |(((method, warm_start), name), problems)| Variant { method, warm_start, name, problems };
+        Ok(methods.into_iter().zip(names).zip(met).map(variant).collect())
     }
 }
 

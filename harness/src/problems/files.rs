@@ -8,6 +8,16 @@ use std::path::{Path, PathBuf};
 /// The checkout, if there is one: a problem, a case or a schema needs none.
 pub(crate) struct Root(Option<PathBuf>);
 
+/// Names of plans that others have taken in, and of these.
+const MERGED: [(&str, &str); 7] = [
+    ("derived-direction", "search-directions"),
+    ("search-directions-3d", "search-directions"),
+    ("scaling-3d", "scaling"),
+    ("paper-3d", "beyond-paper"),
+    ("friction", "beyond-paper"),
+    ("dimensions", "beyond-paper"),
+    ("newton-schur", "interface"),
+];
 const NO_CHECKOUT: &str = "no folder from here up holds cases/frozen and harness/plans: run gravel in its checkout, or give --root DIR or GRAVEL_ROOT";
 
 /// Kind of a file.
@@ -104,7 +114,11 @@ impl Root {
 
     /// The file of a plan, given by name or path.
     pub(crate) fn plan(&self, name: &str) -> Result<PathBuf> {
-        self.file(name, "plan", &[Kind::Plan])
+        let file = self.file(name, "plan", &[Kind::Plan]);
+        match MERGED.iter().find(|(old, _)| *old == name) {
+            Some((_, plan)) => file.with_context(|| format!("`{name}` is part of the plan `{plan}` now")),
+            None => file,
+        }
     }
 
     /// The file of a frozen problem, given by name or path.

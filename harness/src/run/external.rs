@@ -4,7 +4,6 @@
 use crate::plan::{Method, Programme, Runs, last_line};
 use crate::problems::Problem;
 use crate::terminal::{exit, read_text};
-use analysis::Meter;
 use anyhow::{Context, Result, anyhow, bail};
 use contact::{Measure, Measures, Work};
 use lineup::{Observe, OneProblem, Run};

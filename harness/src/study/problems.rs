@@ -27,7 +27,8 @@ impl Kind for OnProblems {
 
     fn new(selection: Selection, root: &Root, compute: bool) -> Result<Self> {
         let needed = |problem: &PlannedProblem| {
-            selection.variants.iter().any(|variant| selection.selects(&problem.name, variant))
+            let mut met = selection.variants.iter().filter(|variant| variant.meets(&problem.name));
+            met.any(|variant| selection.selects(&problem.name, variant))
         };
         let mut problems = Vec::new();
         for problem in &selection.problems {
@@ -43,7 +44,8 @@ impl Kind for OnProblems {
     fn tasks(&self) -> Vec<Task<'_, &Problem>> {
         let mut tasks = Vec::new();
         for what in &self.problems {
-            tasks.extend(self.selection.variants.iter().map(|variant| Task {
+            let met = self.selection.variants.iter().filter(|variant| variant.meets(&what.name));
+            tasks.extend(met.map(|variant| Task {
                 id: self.run_id(what, variant),
                 variant,
                 selected: self.selection.selects(&what.name, variant),
@@ -58,11 +60,13 @@ impl Kind for OnProblems {
     }
 
     fn size(&self) -> usize {
-        self.selection.problems.len() * self.selection.variants.len()
+        self.selection.runs()
     }
 
     fn asks(&self) -> String {
-        format!("{} runs, {} on each problem", self.size(), self.selection.variants.len())
+        let (size, variants) = (self.size(), self.selection.variants.len());
+        let most = if size == variants * self.selection.problems.len() { "" } else { "at most " };
+        format!("{size} runs, {most}{variants} on each problem")
     }
 
     fn listed(&self, done: &HashSet<&str>) -> Vec<Listed> {

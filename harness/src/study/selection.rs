@@ -24,7 +24,7 @@ pub(crate) struct Selection {
 impl Selection {
     /// Number of runs of the plan.
     pub(crate) fn runs(&self) -> usize {
-        self.problems.len() * self.variants.len() * self.rules()
+        self.met().count() * self.rules()
     }
 
     /// Number of rules under which every variant meets every scene, in a study through time; else 1.
@@ -38,11 +38,31 @@ impl Selection {
         only.all(|(key, pattern)| part(key, problem, variant).is_some_and(|part| pattern.matches(part)))
     }
 
-    /// The selected runs, in the order of the plan.
-    pub(crate) fn selected(&self) -> impl Iterator<Item = (&PlannedProblem, &Variant)> {
+    /// The runs of the plan, in its order.
+    pub(crate) fn met(&self) -> impl Iterator<Item = (&PlannedProblem, &Variant)> {
         let of_problem = |problem| self.variants.iter().map(move |variant| (problem, variant));
         let all = self.problems.iter().flat_map(of_problem);
-        all.filter(|(problem, variant)| self.selects(&problem.name, variant))
+        all.filter(|(problem, variant)| variant.meets(&problem.name))
+    }
+
+    /// The selected runs.
+    pub(crate) fn selected(&self) -> impl Iterator<Item = (&PlannedProblem, &Variant)> {
+        self.met().filter(|(problem, variant)| self.selects(&problem.name, variant))
+    }
+
+    /// Refuses a method that meets none of the problems.
+    pub(crate) fn check(&self) -> Result<()> {
+        let meets_none =
+            |variant: &&Variant| !self.problems.iter().any(|problem| variant.meets(&problem.name));
+        let Some(variant) = self.variants.iter().find(meets_none) else { return Ok(()) };
+        let what = format!(
+            "method `{}`: `problems` is {:?}: no problem of the plan has such a name",
+            variant.method.name, variant.problems
+        );
+        bail!(
+            "{}",
+            suggest::among(&what, &variant.problems[0], self.problems.iter().map(|p| p.name.as_str()))
+        )
     }
 
     /// Keeps, of the selected runs, those whose `key` matches `pattern`, in which `*` stands for any text.

@@ -98,8 +98,8 @@ impl Kind for ThroughTime {
         for (_, scene) in self.scenes() {
             tasks.push(self.task(scene, method, *tight, "floor"));
         }
-        for (_, scene) in self.scenes() {
-            for variant in &self.selection.variants {
+        for (name, scene) in self.scenes() {
+            for variant in self.selection.variants.iter().filter(|variant| variant.meets(name)) {
                 tasks.extend(self.rules.iter().map(|rule| self.task(scene, variant, *rule, "run")));
             }
         }

@@ -12,7 +12,7 @@ fn nsgs(settings: &[(&str, &str)]) -> Variant {
 }
 
 fn variant(method: Method) -> Variant {
-    Variant { method, warm_start: false, name: String::new() }
+    Variant { method, warm_start: false, name: String::new(), problems: Vec::new() }
 }
 
 #[test]

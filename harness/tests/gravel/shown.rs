@@ -26,7 +26,7 @@ fn listed_charts_are_those_that_a_plan_may_ask_for_each_with_what_it_shows() {
     let printed = gravel(&["list", "charts"]).succeeded().stdout;
     let schema = gravel(&["schema", "plan"]).succeeded().stdout;
     let schema: Value = serde_json::from_str(&schema).unwrap();
-    let known: Vec<&str> = schema["properties"]["charts"]["items"]["enum"]
+    let known: Vec<&str> = schema["properties"]["charts"]["items"]["anyOf"][0]["enum"]
         .as_array()
         .unwrap()
         .iter()

@@ -1,60 +1,72 @@
-//! The atlas of stability: where each method converges, is slow, stalls, diverges or lies, and why where a reason is known.
+//! The atlas of stability: where each method converges, is slow, stalls, diverges or lies.
 
-mod cause;
 mod class;
 mod grid;
 mod hazard;
-mod table;
+pub(super) mod in_time;
 #[cfg(test)]
 mod tests;
-mod words;
 
-use crate::read::{Problems, RunRow, Verdicts, file_name, unique};
-use crate::text::Part;
+use contact::Measure;
+use polars::df;
+use polars::prelude::{Column, DataFrame};
+use serde_json::Value;
+
+use crate::read::{Point, Problems, RunRow, Verdicts, file_name, unique};
+use crate::text::{Part, chosen, frame};
 use class::{Class, zeta_lies};
-use grid::{Column, Grid};
+use grid::{Grid, Head, Tile, counts};
 use hazard::{Hazard, hazards};
 
+/// Height of a hazard (mm).
+const ROW: f64 = 7.0;
+
 /// A run with its class.
-pub(crate) struct Judged<'r> {
-    pub(crate) run: &'r RunRow,
-    pub(crate) class: Class,
+struct Judged<'r> {
+    run: &'r RunRow,
+    class: Class,
     /// True where ζ met the tolerance far from the solution on the way.
-    pub(crate) zeta_lies: bool,
+    zeta_lies: bool,
 }
 
 /// A method with its settings, in the order of the study.
-pub(crate) struct Kind<'r> {
-    pub(crate) method: &'r str,
-    pub(crate) variants: Vec<&'r str>,
+struct Kind<'r> {
+    method: &'r str,
+    variants: Vec<&'r str>,
 }
 
-impl Kind<'_> {
-    /// A variant by what tells it from the first of its method; the first in full.
-    pub(crate) fn label(&self, variant: &str) -> String {
-        let first: Vec<&str> = self.variants.first().iter().flat_map(|first| first.split(' ')).collect();
-        let own: Vec<&str> = variant.split(' ').filter(|word| !first.contains(word)).collect();
-        if own.is_empty() { setting(variant) } else { own.join(" ") }
-    }
-}
+/// Meaning of the classes and the letters.
+const RULE: &str = "\nConverged: the measure met the tolerance; false convergence: it did, with a velocity error of more than 100 \
+tolerances, or where there is no solution. Infeasible: it was proved that there is no solution; failed: it was claimed, and \
+there is one. Slow: all iterations were made, and the least measure of \
+their second half is at least 1 % below that of the first; stalled: it is not. Diverged: not finite, or an energy beyond all \
+scales. Skipped: the method cannot start, and says why. ζ lies: it met the tolerance at an iterate with a velocity error of more \
+than 100 tolerances, or of a problem without solution. λmax is the greatest eigenvalue of W_D⁻¹W, where W_D is the diagonal of W; \
+closed: over the contacts that the solution keeps closed, λ̃; κ_opt = 1/√(λ̃min λ̃max); the coupling is that of what of W couples \
+contacts of different subdomains. All are computed, where the contacts are few enough; elsewhere λmax is a lower bound by power \
+iteration. Jacobi needs ω λmax < 2; nsgs and a gradient need ω, or a step, below 2; iterations grow with λ̃max/λ̃min.\n";
 
-/// `atlas`, every method on every hazard; `atlas-<method>`, every setting of a method; `atlas-found` in words; the tables
-/// `atlas-counts`, and `atlas` with every run.
+/// `atlas`, every method on every hazard; `atlas-<method>`, every setting of a method; the tables `atlas-counts`, and `atlas` with
+/// every run.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = &study.runs;
     let verdicts = Verdicts::of(runs);
-    let judged: Vec<Judged> = runs
-        .iter()
-        .map(|run| {
-            let class = match Class::of(run) {
-                // Another run, or the reference, has a solution.
-                Class::Infeasible if !verdicts.is_proof(run) => Class::Failed,
-                class => class,
-            };
-            Judged { run, class, zeta_lies: zeta_lies(run) }
-        })
-        .collect();
-    let (hazards, kinds) = (hazards(runs), kinds(runs));
+    let judge = |run| {
+        let class = match Class::of(run) {
+            // Another run, or the reference, has a solution.
+            Class::Infeasible if !verdicts.is_proof(run) => Class::Failed,
+            class => class,
+        };
+        Judged { run, class, zeta_lies: zeta_lies(run) }
+    };
+    let judged: Vec<Judged> = runs.iter().map(judge).collect();
+    let hazards = hazards(runs);
+    let of_method = |method| {
+        let of = runs.iter().filter(|run| run.method == method);
+        Kind { method, variants: unique(of.map(|run| run.words.as_str())) }
+    };
+    let methods = unique(runs.iter().map(|run| run.method.as_str()));
+    let kinds: Vec<Kind> = methods.into_iter().map(of_method).collect();
     let mut parts = Vec::new();
     if !judged.is_empty() {
         parts.push(Part::figure("atlas", matrix(&judged, &hazards, &kinds)));
@@ -62,22 +74,19 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     for kind in kinds.iter().filter(|kind| kind.variants.len() > 1) {
         parts.push(Part::figure(format!("atlas-{}", file_name(kind.method)), map(&judged, &hazards, kind)));
     }
-    parts.push(Part::text("atlas-found", words::text(&judged, &hazards, &kinds)));
-    parts.push(Part::table("atlas-counts", table::counts(&judged, &kinds), words::RULE));
-    parts.push(Part::table("atlas", table::runs(&judged, &hazards), ""));
+    let classes = kinds.iter().map(|kind| {
+        let of = judged.iter().filter(|j| j.run.method == kind.method).map(|j| j.class);
+        (kind.method.to_owned(), kind.variants.len(), of.collect())
+    });
+    let classes: Vec<_> = classes.collect();
+    let of_runs = Class::all().take_while(|class| *class < Class::Stable);
+    parts.push(Part::table("atlas-counts", counts(&classes, of_runs), RULE));
+    parts.push(Part::table("atlas", table(&judged, &hazards), ""));
     parts
 }
 
-fn kinds(runs: &[RunRow]) -> Vec<Kind<'_>> {
-    let of = |method| {
-        let runs = runs.iter().filter(|run| run.method == method);
-        Kind { method, variants: unique(runs.map(|run| run.words.as_str())) }
-    };
-    unique(runs.iter().map(|run| run.method.as_str())).into_iter().map(of).collect()
-}
-
 /// The run of a method with a setting on a problem.
-pub(crate) fn find<'j, 'r>(
+fn find<'j, 'r>(
     judged: &'j [Judged<'r>],
     method: &str,
     variant: &str,
@@ -88,41 +97,74 @@ pub(crate) fn find<'j, 'r>(
 
 /// Each method by the first of its settings in the plan, with a ring where another one mends it.
 fn matrix(judged: &[Judged], hazards: &[Hazard], kinds: &[Kind]) -> String {
-    let first = |kind: &Kind| kind.variants.first().copied().unwrap_or_default().to_owned();
-    let columns = kinds.iter().map(|kind| Column { head: kind.method.to_owned(), entry: None }).collect();
-    let key = kinds.iter().filter(|kind| kind.variants.len() > 1);
-    let shown: Vec<String> = key.map(|kind| format!("{}: {}", kind.method, setting(&first(kind)))).collect();
+    let several = kinds.iter().filter(|kind| kind.variants.len() > 1);
+    let tile = |kind: &Kind, problem: &str| {
+        let Judged { class, zeta_lies, .. } = *find(judged, kind.method, kind.variants[0], problem)?;
+        let mut others = kind.variants.iter().filter_map(|v| find(judged, kind.method, v, problem));
+        let mended = !class.is_good() && others.any(|other| other.class.is_good());
+        Some(Tile { class, mended, zeta_lies })
+    };
     Grid {
         title: "Every method, by the first of its settings in the plan".to_owned(),
-        notes: shown,
-        columns,
-        hazards,
-        cell: &|column, problem| {
-            let kind = &kinds[column];
-            let found = find(judged, kind.method, kind.variants.first().copied()?, problem)?;
-            let others = || kind.variants.iter().filter_map(|v| find(judged, kind.method, v, problem));
-            let cured = !found.class.is_good() && others().any(|other| other.class.is_good());
-            Some((found, cured))
+        notes: several.map(|kind| format!("{}: {}", kind.method, setting(kind.variants[0]))).collect(),
+        rows: hazards.iter().map(|hazard| (hazard.name.as_str(), hazard.knob.as_str())).collect(),
+        height: ROW,
+        columns: kinds.iter().map(|kind| Head { short: kind.method.to_owned(), long: None }).collect(),
+        tiles: &|row, column| {
+            hazards[row].problems.iter().map(|problem| tile(&kinds[column], problem)).collect()
         },
     }
-    .draw()
+    .svg()
 }
 
 /// Every setting of one method.
 fn map(judged: &[Judged], hazards: &[Hazard], kind: &Kind) -> String {
-    let column =
-        |(i, variant): (usize, &&str)| Column { head: (i + 1).to_string(), entry: Some(setting(variant)) };
+    let head =
+        |(i, variant): (usize, &&str)| Head { short: (i + 1).to_string(), long: Some(setting(variant)) };
+    let tile = |variant: &str, problem: &String| {
+        let Judged { class, zeta_lies, .. } = *find(judged, kind.method, variant, problem)?;
+        Some(Tile { class, mended: false, zeta_lies })
+    };
     Grid {
         title: format!("{}, every setting in the plan", kind.method),
         notes: Vec::new(),
-        columns: kind.variants.iter().enumerate().map(column).collect(),
-        hazards,
-        cell: &|column, problem| Some((find(judged, kind.method, kind.variants[column], problem)?, false)),
+        rows: hazards.iter().map(|hazard| (hazard.name.as_str(), hazard.knob.as_str())).collect(),
+        height: ROW,
+        columns: kind.variants.iter().enumerate().map(head).collect(),
+        tiles: &|row, column| hazards[row].problems.iter().map(|p| tile(kind.variants[column], p)).collect(),
     }
-    .draw()
+    .svg()
 }
 
 /// A variant as it is read: one without words has the method's defaults.
-pub(crate) fn setting(variant: &str) -> String {
+fn setting(variant: &str) -> String {
     if variant.is_empty() { "default".to_owned() } else { variant.to_owned() }
+}
+
+/// One row per run.
+fn table(judged: &[Judged], hazards: &[Hazard]) -> DataFrame {
+    let hazard = |j: &Judged| {
+        let of = hazards.iter().find(|hazard| hazard.problems.contains(&j.run.problem));
+        of.map(|hazard| hazard.name.clone())
+    };
+    let last = |of: fn(&Point) -> Option<f64>| -> Vec<Option<f64>> {
+        judged.iter().map(|j| j.run.curve.last().and_then(of)).collect()
+    };
+    let own = frame(df!(
+        "hazard" => judged.iter().map(hazard).collect::<Vec<_>>(),
+        "setting" => judged.iter().map(|j| setting(&j.run.words)).collect::<Vec<_>>(),
+        "class" => judged.iter().map(|j| j.class.text()).collect::<Vec<_>>(),
+        "natural_map" => last(|end| end.get(Measure::NaturalMap)),
+        "velocity_error" => last(Point::velocity_error),
+        "zeta_lies" => judged.iter().map(|j| j.zeta_lies).collect::<Vec<_>>(),
+    ));
+    let spectrum = "lambda_max closed_lambda_max closed_lambda_min redundant kappa_opt multiplicity coupling";
+    let spectral = |key: &str| {
+        let of = |j: &Judged| j.run.spectrum.get(key).and_then(Value::as_f64);
+        Column::new(key.into(), judged.iter().map(of).collect::<Vec<Option<f64>>>())
+    };
+    let own = own.hstack(&spectrum.split(' ').map(spectral).collect::<Vec<_>>());
+    let names =
+        "hazard problem contacts method setting class reason iterations natural_map velocity_error zeta_lies";
+    chosen(judged.iter().map(|j| j.run), &format!("{names} {spectrum}"), own)
 }

@@ -1,133 +1,128 @@
-//! Measures against iterations: ζ, the paper's indicator, on the left, and the natural map of the same runs.
-
-mod ratios;
+//! Convergence, and the cost of subdomains: iterations to an accuracy over those of the method without them.
 
 use contact::Measure;
 
+use super::declared::CONVERGENCE;
 use crate::draw::{
-    Axis, Canvas, Frame, HPos, LEADING, Legend, Lines, MARGIN, MOST_LINES, PAGE, PAGE_HEIGHT, Sign, TEXT,
-    TICK_TEXT, TOLERANCE, VPos, draw_lines, log_point, range, svg, title,
+    Canvas, INSIDE, Legend, Line, Lines, LogPoint, MOST_LINES, Room, Scale, Sign, TOLERANCE, draw_lines, row,
+    title,
 };
-use crate::read::{Problems, RunRow, file_name, number, problems, round_up};
-use crate::text::{Part, nothing, too_many};
+use crate::read::{Ending, Point, Problems, RunRow, file_name, problems, unique};
+use crate::text::Part;
 
-/// Left of a panel for the labels of its ticks, and right of it for the tolerance (mm).
-const LEFT: f64 = 11.0;
-const RIGHT: f64 = 9.0;
-/// Above a panel for its titles, and below it for the labels and the name of its iterations (mm).
-const ABOVE: f64 = 2.0 * LEADING + 0.8;
-const BELOW: f64 = 9.0;
-/// Height of a panel alone, and bounds of it in a stack (mm).
-const ALONE: f64 = 66.0;
-const LEAST: f64 = 32.0;
-const GREATEST: f64 = 54.0;
+/// The panels and the names of their axes.
+const MEASURES: [(Measure, &str); 2] =
+    [(Measure::Zeta, "ζ reached (–)"), (Measure::NaturalMap, "natural map reached (–)")];
+const RATIO: &str = "iterations over those without subdomains (–)";
 
-/// Measures of the panels beside each other, and the names of their axes.
-const MEASURES: [(Measure, &str); 2] = [
-    (Measure::Zeta, "ζ, relative change in the last iteration (–)"),
-    (Measure::NaturalMap, "natural map, distance to a solution (–)"),
-];
+/// Least number of iterations for a ratio: with fewer, one more or less would be a ratio of its own.
+const LEAST: u64 = 10;
+/// The least axis (in logarithms): less would show differences that are none.
+const NARROWEST: (f64, f64) = (-0.1, 0.302);
 
-/// `convergence-<problem>` and `ratios-<problem>` for each problem, and `convergence` with all of them if a page holds that many.
+/// The figures `convergence`, and `ratios-<problem>` for each problem.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
-    let (study, problems) = (Lines::of(&study.runs), problems(&study.runs));
-    if problems.is_empty() {
-        return vec![nothing("convergence", "convergence", "no run in this study")];
-    }
-    let mut parts = Vec::new();
-    let lines = |problem: &&str| study.runs_of(problem).len();
-    for &problem in &problems {
-        let name = format!("convergence-{}", file_name(problem));
-        parts.push(match lines(&problem) {
-            many if many > MOST_LINES => too_many(name, problem, many),
-            _ => Part::figure(name, study.figure(&[problem], ALONE)),
-        });
-        parts.extend(ratios::figure(&study, problem));
-    }
-    if problems.iter().any(|problem| lines(problem) > MOST_LINES) {
-        return parts;
-    }
-    let legend = study.key(&problems).height() + 2.0 * MARGIN;
-    let panel = (PAGE_HEIGHT - legend) / problems.len() as f64 - ABOVE - BELOW;
-    if panel >= LEAST {
-        let together = Part::figure("convergence", study.figure(&problems, panel.min(GREATEST)));
-        parts.push(together.beside_the_page());
-    }
+    let mut parts = CONVERGENCE.parts(study);
+    let lines = Lines::of(&study.runs);
+    parts.extend(problems(&study.runs).into_iter().filter_map(|problem| figure(&lines, problem)));
     parts
 }
 
-impl Lines<'_> {
-    /// One row of panels per problem, with one legend below.
-    fn figure(&self, problems: &[&str], panel: f64) -> String {
-        let legend = self.key(problems);
-        let rows = problems.len() as f64 * (ABOVE + panel + BELOW);
-        let height = (2.0 * MARGIN + rows + legend.height()).ceil();
-        svg((PAGE, height), |canvas| {
-            for (i, problem) in problems.iter().enumerate() {
-                let top = MARGIN + i as f64 * (ABOVE + panel + BELOW);
-                self.draw_problem(canvas, problem, (top + ABOVE, top + ABOVE + panel));
-            }
-            legend.draw(canvas, (MARGIN + LEFT, MARGIN + rows));
-        })
-    }
-
-    /// One entry per kind of run, the signs, and the runs that have no line since nothing was left to do.
-    fn key(&self, problems: &[&str]) -> Legend {
-        let runs: Vec<&RunRow> = problems.iter().flat_map(|problem| self.runs_of(problem)).collect();
-        let begun = |run: &&&RunRow| run.has_converged() && run.iterations == 0;
-        let note = |run: &&RunRow| {
-            let text = format!("{} on {}: converged at its start, no line", run.label(), run.problem);
-            (Sign::Word, text)
+/// `ratios-<problem>`; nothing where no run has another to be compared with.
+fn figure(study: &Lines, problem: &str) -> Option<Part> {
+    let runs = study.runs_of(problem);
+    let pairs: Vec<(&RunRow, &RunRow)> =
+        runs.iter().filter_map(|run| Some((*run, without_subdomains(run, &runs)?))).collect();
+    let panels = MEASURES.map(|(measure, _)| {
+        let line = |&(run, base): &(&RunRow, &RunRow)| {
+            let (points, ending) = ratios(run, base, measure);
+            Line { look: study.looks.look(run), ending, points }
         };
-        let tolerance = (Sign::Line(TOLERANCE), "stopping tolerance".to_owned());
-        let more = std::iter::once(tolerance).chain(runs.iter().filter(begun).map(note)).collect();
-        self.legend(&runs, more, PAGE - 2.0 * MARGIN - LEFT)
+        pairs.iter().map(line).collect::<Vec<_>>()
+    });
+    let drawn = |i: usize| panels.iter().any(|lines| !lines[i].points.is_empty());
+    let shown: Vec<&RunRow> = (0..pairs.len()).filter(|&i| drawn(i)).map(|i| pairs[i].0).collect();
+    if shown.is_empty() || shown.len() > MOST_LINES {
+        return None;
     }
-
-    fn draw_problem(&self, canvas: &Canvas, problem: &str, (top, bottom): (f64, f64)) {
-        let runs = self.runs_of(problem);
-        let left = MARGIN + LEFT;
-        canvas.text(&title(problem, &runs), (left, top - ABOVE), TEXT, (HPos::Left, VPos::Top));
-        let last = runs.iter().filter_map(|run| run.curve.last()).map(|point| point.iteration).max();
-        let most = round_up(last.unwrap_or(1).max(10) as f64).log10();
-        let pitch = (PAGE - 2.0 * MARGIN) / MEASURES.len() as f64;
-        for (i, measure) in MEASURES.into_iter().enumerate() {
-            let from = left + pitch * i as f64;
-            let x = Axis::log((0.0, most), from, from + pitch - LEFT - RIGHT);
-            self.draw_panel(canvas, measure, &runs, x, (top, bottom));
-        }
-    }
-
-    fn draw_panel(
-        &self,
-        canvas: &Canvas,
-        (measure, name): (Measure, &str),
-        runs: &[&RunRow],
-        x: Axis,
-        (top, bottom): (f64, f64),
-    ) {
-        let lines = self.lines(runs, |_, point| log_point(point.iteration as f64, point.get(measure)));
-        let tolerances = tolerances(runs, measure);
-        let frame = Frame { x, y: Axis::log(range(&lines, &tolerances), bottom, top) };
-        frame.draw(canvas);
-        frame.name(canvas, "iterations", name);
-        for tolerance in tolerances {
-            frame.across(canvas, tolerance.log10(), TOLERANCE);
-            let place = (frame.x.to + 0.9, frame.y.place(tolerance.log10()));
-            canvas.text(&number(tolerance, 2), place, TICK_TEXT, (HPos::Left, VPos::Center));
-        }
-        draw_lines(canvas, &frame, &lines);
-    }
+    let legend = key(study, &shown);
+    let svg = row(&[title(problem, &shown)], MEASURES.len(), &legend, |canvas, i, room| {
+        panel(canvas, MEASURES[i].1, &panels[i], room);
+    });
+    let caption =
+        format!("{problem}: iterations with subdomains over those without, against the accuracy reached.");
+    Some(Part::figure(format!("ratios-{}", file_name(problem)), svg).captioned(caption))
 }
 
-/// The tolerances at which a measure stops some of the runs.
-fn tolerances(runs: &[&RunRow], measure: Measure) -> Vec<f64> {
-    let all =
-        runs.iter().filter(|run| run.stopping_measure() == Some(measure)).filter_map(|run| run.tolerance);
-    let mut tolerances: Vec<f64> = all.filter(|t| t.is_finite() && *t > 0.0).collect();
-    tolerances.sort_by(f64::total_cmp);
-    tolerances.dedup();
-    tolerances
+/// The run that `run` is NSGS-DD of, which is NSGS; or else its own method's on one subdomain, if that is another run. All
+/// settings that both have are the same.
+fn without_subdomains<'r>(run: &RunRow, runs: &[&'r RunRow]) -> Option<&'r RunRow> {
+    let agrees = |other: &RunRow| {
+        let mut settings = run.settings.iter().filter(|(key, _)| *key != "subdomains");
+        settings.all(|(key, value)| other.settings.get(key).is_none_or(|of| of == value))
+    };
+    let is_base = |other: &&&RunRow| {
+        other.method == run.without_subdomains()
+            && other.subdomains == 1
+            && other.run != run.run
+            && other.warm_start == run.warm_start
+            && agrees(other)
+    };
+    run.settings.contains_key("subdomains").then(|| runs.iter().find(is_base).copied())?
+}
+
+/// Logarithms of accuracies that both reach, ten to a decade, and of the ratio of iterations; and how the run ended that does
+/// not reach the next. Of curves with gaps the whole decades alone, which are kept exactly.
+fn ratios(run: &RunRow, base: &RunRow, measure: Measure) -> (Vec<LogPoint>, Ending) {
+    let step = if has_gaps(run) || has_gaps(base) { 10 } else { 1 };
+    let mut points = Vec::new();
+    for tenth in (-20..=120).filter(|tenth| tenth % step == 0) {
+        let log = -f64::from(tenth) / 10.0;
+        let Some(of_base) = first(&base.curve, measure, log) else { return (points, base.ending) };
+        let Some(of_run) = first(&run.curve, measure, log) else { return (points, run.ending) };
+        if of_base >= LEAST {
+            points.push(Some((log, (of_run as f64 / of_base as f64).log10())));
+        }
+    }
+    (points, run.ending)
+}
+
+/// Returns the first iteration with a measure of at most 10 to the power of `log`, from which on it stays there.
+fn first(curve: &[Point], measure: Measure, log: f64) -> Option<u64> {
+    // Round-off of the power must not lose a whole decade.
+    let accuracy = 10f64.powf(log) * (1.0 + 1e-12);
+    let values = curve.iter().map(|point| point.get(measure).unwrap_or(f64::NAN));
+    results::reached(values, accuracy).map(|at| curve[at].iteration)
+}
+
+/// Reports whether two neighbouring points of a curve are more than one iteration and 2 % apart.
+fn has_gaps(run: &RunRow) -> bool {
+    run.curve.windows(2).any(|pair| pair[1].iteration * 100 > pair[0].iteration * 102 + 100)
+}
+
+fn key(study: &Lines, shown: &[&RunRow]) -> Legend {
+    let mut more = vec![(Sign::Line(TOLERANCE), "as many iterations".to_owned())];
+    let others = unique(shown.iter().map(|run| (run.method.as_str(), run.without_subdomains())));
+    let words = others.iter().filter(|(method, whole)| method != whole);
+    let words: Vec<String> = words.map(|(method, whole)| format!("{method}: over {whole}.")).collect();
+    if others.len() > words.len() {
+        let who = if words.is_empty() { "Each" } else { "Others" };
+        more.push((Sign::Word, format!("{who}: over the same method on one subdomain.")));
+    }
+    let at = more.len().min(1);
+    more.splice(at..at, words.into_iter().map(|word| (Sign::Word, word)));
+    more.push((Sign::Word, format!("Drawn from {LEAST} iterations of these on.")));
+    study.legend(shown, more, INSIDE)
+}
+
+fn panel(canvas: &Canvas, name: &str, lines: &[Line], room: Room) {
+    let points = || lines.iter().flat_map(|line| line.points.iter().flatten());
+    let (low, high) = points().fold((0.0_f64, f64::NEG_INFINITY), |(l, h), (x, _)| (l.min(*x), h.max(*x)));
+    let x = if low < high { (low - 0.2, high + 0.2) } else { (-4.0, 0.0) };
+    let (least, most) = points().fold(NARROWEST, |(l, m), (_, y)| (l.min(*y), m.max(*y)));
+    let frame = room.frame(canvas, (Scale::Ten, x, name), (Scale::Ten, (least - 0.02, most + 0.02), RATIO));
+    frame.across(canvas, 0.0, TOLERANCE);
+    draw_lines(canvas, &frame, lines);
 }
 
 #[cfg(test)]

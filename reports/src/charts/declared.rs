@@ -1,135 +1,180 @@
 //! The declared charts: a new one is one more declaration here, and its line in `CHARTS`.
 
-use super::lines::{Each, Ideal, Lines, Panel, Through, X};
-use super::ranks::{measured, seconds, speed_up};
-use super::scaling::{counted_speed_up, measured_speed_up, path};
-use crate::draw::Scale;
-use crate::read::Ending;
+use contact::Measure;
 
-const SUBDOMAINS: X = X { title: "subdomains", scale: Scale::Two, of: |run| run.subdomains };
-const GRAINS: X = X { title: "grains", scale: Scale::Ten, of: |run| run.grains };
-const RANKS: X = X { title: "ranks", scale: Scale::Two, of: |run| run.exchange.ranks };
+use super::curves::{Curves, Of, Sampled};
+use super::lines::{Each, Ideal, Lines};
+use crate::draw::Through;
+use crate::read::{COSTS, Ending, Point, RunRow};
 
-/// Iterations of runs that converged; of others those that they made.
-const ITERATIONS: Panel =
-    Panel::new("iterations", "iterations to the tolerance", |_, run| Some(run.iterations as f64));
-const ITERATIONS_TO_1E_2: Panel =
-    Panel::new("to_natural_map_1e_2", "iterations to a natural map of 10⁻²", |_, run| {
-        run.iterations_to_natural_map_1e_2.map(|iterations| iterations as f64)
-    })
-    .on_the_way();
+const fn cost(title: &'static str, of: fn(&RunRow, &Point) -> Option<f64>) -> Sampled {
+    Sampled { title, short: title, of: Of::Cost(of) }
+}
+
+const fn measure(title: &'static str, short: &'static str, measure: Measure) -> Sampled {
+    Sampled { title, short, of: Of::Measure(measure) }
+}
+
+const ITERATION: Sampled = cost("iterations", |_, point| Some(point.iteration as f64));
+const SECONDS: Sampled = cost(COSTS[0].title, COSTS[0].of);
+const WORK: Sampled = cost(COSTS[1].title, COSTS[1].of);
+const ZETA: Sampled = measure("ζ, relative change in the last iteration (–)", "ζ (–)", Measure::Zeta);
+const NATURAL_MAP: Sampled =
+    measure("natural map, distance to a solution (–)", "natural map (–)", Measure::NaturalMap);
+const QUAD_DV: Sampled =
+    measure("quadratic norm of LMGC90 (–)", "quadratic norm of LMGC90 (–)", Measure::QuadDv);
+const ERROR: Sampled = measure("velocity error (–)", "velocity error (–)", Measure::VelocityError);
+
+/// Measures against iterations: ζ, the paper's indicator, on the left, and the natural map of the same runs.
+pub(super) const CONVERGENCE: Curves = Curves {
+    name: "convergence",
+    panels: &[(ITERATION, ZETA), (ITERATION, NATURAL_MAP)],
+    of_truth: false,
+    promises: false,
+    key: &[],
+};
+
+/// Work and precision: the velocity error against seconds and against counted work.
+pub(super) const WORK_PRECISION: Curves = Curves {
+    name: "work-precision",
+    panels: &[(SECONDS, ERROR), (WORK, ERROR)],
+    of_truth: true,
+    key: &[
+        "Counted work is without factorisations that a library makes; runs with more than a few have none.",
+    ],
+    ..CONVERGENCE
+};
+
+/// Measures against the truth: where a measure is smaller than the velocity error, it promises too much.
+pub(super) const TRUTH: Curves = Curves {
+    name: "truth",
+    panels: &[(ERROR, ZETA), (ERROR, NATURAL_MAP), (ERROR, QUAD_DV)],
+    of_truth: true,
+    promises: true,
+    key: &["A band holds a curve that goes up and down; the line in it is the median."],
+};
+
 const AS_MANY: Ideal = Ideal::X("ideal: as many times faster as there are subdomains");
 
 pub(super) const OF_SUBDOMAINS: Lines = Lines {
     name: "subdomains",
-    x: SUBDOMAINS,
-    panels: &[
-        ITERATIONS,
-        Panel::new("seconds_per_iteration", "seconds per iteration (s)", |_, run| {
-            run.seconds_per_iteration()
-        }),
-    ],
-    varied: &["subdomains"],
+    figures: "",
+    x: "subdomains",
+    y: "iterations seconds_per_iteration",
+    varied: "subdomains",
+    apart: None,
     each: Each::Problem,
     through: Through::Points,
     of: |_| true,
-    notes: &[],
+    ideals: &[],
+    key: "",
     columns: "problem method subdomains status iterations growth seconds_per_iteration setup_s seconds",
     note: "\nGrowth: iterations over those of the same method and settings with the fewest subdomains.\n",
 };
 
 pub(super) const CRITICAL_PATH: Lines = Lines {
     name: "critical-path",
-    x: SUBDOMAINS,
-    panels: &[
-        Panel::new("counted", "counted speed-up, a machine per subdomain (–)", counted_speed_up)
-            .ideal(AS_MANY),
-        Panel::new("measured", "measured speed-up of the iterations, {threads} (–)", measured_speed_up)
-            .ideal(AS_MANY),
-    ],
-    varied: &["subdomains"],
-    each: Each::Problem,
-    through: Through::Points,
-    of: |run| run.ending != Ending::Skipped && path(run).is_some(),
-    notes: &[
-        ("Counted: multiply-adds of the longest subdomain, no communication cost.", |_| true),
-        ("Above the ideal: fewer iterations, or factors with fewer entries per contact.", |all| {
-            all.iter().any(|series| {
-                let times = |run| counted_speed_up(series, run).unwrap_or_default();
-                series.runs.iter().any(|run| times(run) > f64::from(run.subdomains))
-            })
-        }),
-    ],
+    y: "counted_speed_up measured_speed_up",
+    of: |run| run.ending != Ending::Skipped && run.path_per_iteration().is_some(),
+    ideals: &[("counted_speed_up", AS_MANY), ("measured_speed_up", AS_MANY)],
+    key: "Counted: multiply-adds of the longest subdomain, no communication cost.",
     columns: "problem method contacts subdomains status iterations path_per_iteration counted_speed_up \
               measured_speed_up ns_per_contact",
     note: "\nThe critical path of an iteration is the multiply-adds of the longest subdomain, exchange with its \
            neighbours included; messages between machines cost nothing in it. A speed-up is over the run of the same \
            method and settings on the same problem with the fewest subdomains, both to the same tolerance. It passes \
            the ideal where the factors of smaller subdomains have fewer entries per contact, or iterations are fewer.\n",
+    ..OF_SUBDOMAINS
 };
 
 pub(super) const WEAK: Lines = Lines {
     name: "weak",
-    x: SUBDOMAINS,
-    panels: &[
-        ITERATIONS_TO_1E_2,
-        ITERATIONS,
-        Panel::new("longest_subdomain", "longest subdomain (multiply-adds)", |_, run| path(run)),
-        Panel::new("time", "time per iteration and grain (ns)", |_, run| {
-            Some(1e9 * run.seconds_per_iteration()? / f64::from(run.grains))
-        })
-        .on_the_way(),
-    ],
+    y: "to_natural_map_1e_2 iterations longest_subdomain time",
+    apart: Some(|run| format!("{} grains each", f64::from(run.grains) / f64::from(run.subdomains))),
     each: Each::Study,
-    notes: &[],
+    of: |run| run.ending != Ending::Skipped && run.path_per_iteration().is_some(),
+    key: "As many grains in each subdomain along a line.",
     columns: "method grains_per_subdomain subdomains grains status to_natural_map_1e_2 iterations growth \
               longest_subdomain seconds_per_iteration",
     note: "\nThe longest subdomain: its multiply-adds in all iterations, exchange with its neighbours included; with a \
            machine per subdomain the time to the tolerance goes with it, and constant is ideal. Growth: iterations over \
-           those with the fewest subdomains, as many grains in each.\n",
-    ..CRITICAL_PATH
+           those with the fewest subdomains, as many grains in each. Of the numbers of grains in each subdomain, those \
+           that come most often.\n",
+    ..OF_SUBDOMAINS
 };
 
 pub(super) const SIZE: Lines = Lines {
     name: "size",
-    x: GRAINS,
-    panels: &[
-        ITERATIONS_TO_1E_2,
-        ITERATIONS,
-        Panel::new("seconds", "set-up and iterations (s)", |_, run| run.seconds()),
-        Panel::new("work", "counted work (sweeps)", |_, run| run.curve.last()?.work(run)),
-    ],
-    varied: &[],
+    x: "grains",
+    y: "to_natural_map_1e_2 iterations seconds work",
+    varied: "",
+    // Sizes of other cases are no sizes of this one.
+    apart: Some(|_| String::new()),
     each: Each::Study,
     through: Through::Fit,
-    of: |_| true,
-    notes: &[],
     columns: "",
     note: "\nCost = a · grains^exponent, least squares in logarithms over the runs that converged, or reached 10⁻² on their \
            way; none on fewer than 3 sizes. {WORK}\n",
+    ..OF_SUBDOMAINS
 };
+
+/// The plane and space side by side, with and without friction, for as many subdomains.
+pub(super) const DIMENSIONS: Lines = Lines {
+    name: "dimensions",
+    x: "dimensions",
+    y: "iterations work entries_per_grain boundary_share",
+    apart: Some(in_each_dimension),
+    each: Each::Study,
+    through: Through::Medians,
+    of: |run| run.spectrum.contains_key("dimensions"),
+    columns: "problem dimensions grains method subdomains status iterations work entries_per_grain boundary_share neighbours",
+    note: "\nLines join medians. Work: counted, in sweeps. Entries: those of the triangular factors of all subdomains, per grain; \
+           of factors that are made anew the mean. Boundary: of the grains of all subdomains, copies counted each, the share \
+           that others hold too.\n",
+    ..OF_SUBDOMAINS
+};
+
+fn in_each_dimension(run: &RunRow) -> String {
+    let unknowns = run.spectrum.get("unknowns").and_then(serde_json::Value::as_f64);
+    let friction = if unknowns > Some(1.0) { "with friction" } else { "without friction" };
+    if run.subdomains == 1 {
+        friction.to_owned()
+    } else {
+        format!("{} subdomains {friction}", run.subdomains)
+    }
+}
 
 /// With a rank for each subdomain, from counts.
 pub(super) const ON_RANKS: Lines = Lines {
     name: "ranks",
-    panels: &[
-        ITERATIONS,
-        Panel::new("predicted", "predicted seconds to the tolerance (s)", seconds),
-        Panel::new("speed_up", "predicted speed-up (–)", speed_up).ideal(AS_MANY),
-    ],
-    notes: &[("Predicted for a rank per subdomain, messages of 1.5 µs and 12 GB/s.", |_| true)],
+    y: "iterations predicted_s predicted_speed_up",
+    ideals: &[("predicted_speed_up", AS_MANY)],
+    key: "Predicted for a rank per subdomain, messages of 1.5 µs and 12 GB/s.",
+    columns: "problem method subdomains status iterations neighbours sent_bytes work_s messages_s sums_s predicted_s \
+              predicted_speed_up",
+    note: "\nPredicted, with a rank for each subdomain, of nsgs-dd with one exchange an iteration, latin-dd and cg: \
+           T = w + e (m α + β B) + k α ⌈log₂ p⌉ for an iteration. w: the seconds of the run with the fewest subdomains, on one \
+           thread, in proportion to the counted work of the longest subdomain; of cg, to their number. m and B: counted \
+           neighbours and bytes of the subdomain that has most; e: exchanges, of cg one for each product with W; k: sums over all \
+           ranks, of cg four, of coarse problems one. α = 1.5 µs and 1/β = 12 GB/s, those of a cluster. It knows nothing of ranks \
+           that share a memory's bandwidth, of caches, nor of those that are late.\n",
     ..OF_SUBDOMAINS
 };
 
 /// Seconds of runs on ranks over their prediction.
 pub(super) const MEASURED_ON_RANKS: Lines = Lines {
     name: "ranks",
-    x: RANKS,
-    panels: &[Panel::new("measured", "measured / predicted, {grains} (–)", measured::ratio)
-        .on_the_way()
-        .ideal(Ideal::One("as predicted; of one rank by definition"))],
-    varied: &["ranks"],
+    figures: "ranks-measured",
+    x: "ranks",
+    y: "measured_over_predicted",
+    varied: "ranks",
     each: Each::PanelOfProblem,
-    notes: &[("More ranks than processors take longer.", |_| true)],
+    ideals: &[("measured_over_predicted", Ideal::One("as predicted; of one rank by definition"))],
+    key: "More ranks than processors take longer.",
+    columns: "problem method ranks iterations seconds_per_iteration work_s messages_s predicted_s=iteration_s \
+              measured_over_predicted",
+    note: "\nPredicted of an iteration on p ranks: T = w/p + m α + β B. w: the seconds of one rank; m and B: messages and bytes of \
+           a rank, those of sums over all ranks included, counted; α and β: what `gravel-mpi ping` measures before the runs. It \
+           knows nothing of ranks that share a memory's bandwidth or a processor, of caches, nor of those that are late.\n",
     ..OF_SUBDOMAINS
 };

@@ -1,69 +1,72 @@
-//! Charts "y against x by series", each of them one declaration in [`DECLARED`]: its x axis, its panels, what sets its series
-//! apart, lines or fits through them, its ideal, its notes and the columns of its table.
-//!
-//! [`DECLARED`]: super::declared
+//! Charts "y against x by series", each of them one declaration in `declared.rs`: its x, its panels, what sets its series apart,
+//! figures, lines or fits, ideals, and the columns of its table.
 
-use polars::prelude::Column;
+use polars::prelude::{Column, DataFrame};
+use serde::Deserialize;
+use serde_json::Value;
 
-use super::scaling::{Same, table};
+use super::declared::OF_SUBDOMAINS;
+use super::quantities::{Quantity, UnknownQuantity, named, table};
 use crate::draw::{
-    Canvas, Frame, HPos, INSIDE, Legend, MOST_LINES, Pen, Points, Room, Scale, Series, Sign, TICK_TEXT,
-    TOLERANCE, VPos, draw_empty, draw_signs, endings, grid, has_line, key, on_the_way, reach, series, title,
+    At, Curve, DASHES, Guide, MOST_LINES, Panel, Pen, Plot, Points, Scale, Series, Side, Sign, TOLERANCE,
+    Through, series, title,
 };
 use crate::read::{
-    Ending, Problems, RunRow, Verdicts, WORK, counted, distinct, file_name, problems, slope, span,
-    stopped_at_1e_2, threads, unique,
+    Ending, Problems, RunRow, Verdicts, WORK, counted, file_name, find_or_push, problems, stopped_at_1e_2,
+    threads, unique,
 };
 use crate::text::{Part, frame, nothing, too_many};
 
-/// A sentence of a key, with the series that it is said of.
-pub(crate) type Note = (&'static str, fn(&[Series]) -> bool);
-
-/// A declared chart.
+/// A declared chart. Quantities stand by their names.
+#[derive(Clone, Copy)]
 pub(crate) struct Lines {
     /// Name of its table, and begin of those of its figures.
     pub(crate) name: &'static str,
-    pub(crate) x: X,
-    pub(crate) panels: &'static [Panel],
+    /// Name of its figures, if that is another.
+    pub(crate) figures: &'static str,
+    /// The quantity on the x axis.
+    pub(crate) x: &'static str,
+    /// The quantities on the y axes, a panel each.
+    pub(crate) y: &'static str,
     /// The setting in which the runs of a series may differ.
-    pub(crate) varied: &'static [&'static str],
+    pub(crate) varied: &'static str,
+    /// Name that sets series of a method apart beside its settings, of a run; dashes tell it.
+    pub(crate) apart: Option<fn(&RunRow) -> String>,
     pub(crate) each: Each,
     pub(crate) through: Through,
     /// The runs that it is of.
     pub(crate) of: fn(&RunRow) -> bool,
-    /// Sentences of the key, each with the series that it is said of.
-    pub(crate) notes: &'static [Note],
-    /// Columns of the table with a row per run; of a fit there is a row per series.
+    /// Panels with a line to compare with.
+    pub(crate) ideals: &'static [(&'static str, Ideal)],
+    /// Said in the key.
+    pub(crate) key: &'static str,
+    /// Columns of the table with a row per run; without any there is a row per series, with the exponents of fits.
     pub(crate) columns: &'static str,
     /// Below the table.
     pub(crate) note: &'static str,
 }
 
-/// The x axis, the same in all panels.
-pub(crate) struct X {
-    pub(crate) title: &'static str,
-    pub(crate) scale: Scale,
-    pub(crate) of: fn(&RunRow) -> u32,
-}
-
-/// A quantity on the y axis of a panel.
-#[derive(Clone, Copy)]
-pub(crate) struct Panel {
-    /// Begin of its column in the table of a fit.
-    pub(crate) column: &'static str,
-    /// Name of the axis; `{threads}` and `{grains}` stand for those of the runs.
-    pub(crate) title: &'static str,
-    pub(crate) of: fn(&Series, &RunRow) -> Option<f64>,
-    /// True if it was reached however the run ended.
-    pub(crate) on_the_way: bool,
-    /// Panels with an ideal have the same axes.
-    pub(crate) ideal: Option<Ideal>,
+/// A chart "y against x by series" that a plan declares; quantities stand by their names.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OwnChart {
+    /// Name of its table, and begin of those of its figures.
+    pub name: String,
+    /// Quantity on the x axis.
+    pub x: String,
+    /// Quantities on the y axes, a panel each.
+    pub y: Vec<String>,
+    /// Setting in which the runs of a line differ; the name of x without it.
+    pub varied: Option<String>,
+    /// True where a figure of all problems has powers of x fitted to the runs; false where each problem has a figure.
+    #[serde(default)]
+    pub fit: bool,
 }
 
 /// A line to compare with.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Ideal {
-    /// As many times as x says.
+    /// As many times as x says, measured by a run at x = 1.
     X(&'static str),
     /// One, in the midst of at least a factor of two.
     One(&'static str),
@@ -80,300 +83,219 @@ pub(crate) enum Each {
     PanelOfProblem,
 }
 
-/// Lines of a chart.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Through {
-    /// They join points.
-    Points,
-    /// They are powers of x, fitted to the runs that converged.
-    Fit,
-}
-
-/// A panel as it is drawn: its axis, and the only problem that it is of.
-struct Drawn<'p> {
-    panel: &'p Panel,
-    title: String,
-    problem: Option<&'p str>,
-}
-
 /// Fewer places than this have no exponent: through two points every power fits.
 const PLACES: usize = 3;
-/// Slopes to compare with, as powers of x.
-const SLOPES: [(f64, &str); 2] = [(0.5, "∝ √n"), (1.0, "∝ n")];
-/// The part of a panel's height that is left to them.
-const BELOW: f64 = 0.2;
 /// Half the height of an axis around an ideal of one, at least (logarithm).
 const AROUND_ONE: f64 = 0.35;
 
-impl Panel {
-    pub(crate) const fn new(
-        column: &'static str,
-        title: &'static str,
-        of: fn(&Series, &RunRow) -> Option<f64>,
-    ) -> Self {
-        Self { column, title, of, on_the_way: false, ideal: None }
-    }
-
-    pub(crate) const fn on_the_way(self) -> Self {
-        Self { on_the_way: true, ..self }
-    }
-
-    pub(crate) const fn ideal(self, ideal: Ideal) -> Self {
-        Self { ideal: Some(ideal), ..self }
-    }
-}
-
 impl Lines {
+    /// Declares what a plan asks for; its texts are kept as long as the program runs, as those of other charts are.
+    pub(crate) fn own(own: OwnChart) -> Result<Self, UnknownQuantity> {
+        let unknown = |name: &&String| named(name).is_none();
+        if let Some(name) = std::iter::once(&own.x).chain(&own.y).find(unknown) {
+            return Err(UnknownQuantity(name.clone()));
+        }
+        let kept = |text: String| -> &'static str { text.leak() };
+        let (x, y) = (kept(own.x), kept(own.y.join(" ")));
+        let (each, through) =
+            if own.fit { (Each::Study, Through::Fit) } else { (Each::Problem, Through::Points) };
+        Ok(Self {
+            name: kept(own.name),
+            x,
+            y,
+            varied: own.varied.map_or(x, kept),
+            each,
+            through,
+            columns: if own.fit { "" } else { kept(format!("problem method {x} status {y}")) },
+            note: "",
+            ..OF_SUBDOMAINS
+        })
+    }
+
+    fn x(&self) -> &'static Quantity {
+        named(self.x).expect("a declared quantity has a name")
+    }
+
     /// Makes its figures and its table.
     pub(crate) fn parts(&self, study: &Problems) -> Vec<Part> {
-        let runs: Vec<&RunRow> = study.runs.iter().filter(|run| (self.of)(run)).collect();
-        let all = series(runs.iter().copied(), self.varied);
-        let mut drawn = all.clone();
-        for series in &mut drawn {
+        let all = self.series(study.runs.iter().filter(|run| (self.of)(run)).collect());
+        let mut made = all.clone();
+        for series in &mut made {
             series.runs.retain(|run| run.ending != Ending::Skipped);
         }
         let mut parts = Vec::new();
         if self.each == Each::Problem {
-            for problem in problems(runs.iter().copied()) {
-                let name = format!("{}-{}", self.name, file_name(problem));
-                let mut drawn = drawn.clone();
-                for series in &mut drawn {
+            for problem in problems(all.iter().flat_map(|series| series.runs.iter().copied())) {
+                let mut here = made.clone();
+                for series in &mut here {
                     series.runs.retain(|run| run.problem == problem);
                 }
-                drawn.retain(|series| !series.runs.is_empty());
+                here.retain(|series| !series.runs.is_empty());
                 let shown: Vec<&RunRow> =
-                    drawn.iter().flat_map(|series| series.runs.iter().copied()).collect();
-                parts.push(self.figure(name, &[title(problem, &shown)], &drawn, &study.runs));
+                    here.iter().flat_map(|series| series.runs.iter().copied()).collect();
+                parts.push(self.figure(
+                    &format!("-{}", file_name(problem)),
+                    title(problem, &shown),
+                    &here,
+                    study,
+                ));
             }
         } else {
-            parts.push(self.of_study(&drawn, &study.runs));
+            parts.push(self.of_study(&made, study));
         }
-        parts.push(match self.through {
-            Through::Points => self.table(&all, |run, other| run.problem == other.problem),
-            Through::Fit => self.exponents(&drawn, &study.runs),
+        parts.push(if self.columns.is_empty() {
+            self.exponents(&made, &study.runs)
+        } else {
+            Part::table(self.name, table(&all, self.columns), self.note)
         });
         parts
     }
 
-    /// The table with a row for each run.
-    pub(crate) fn table(&self, all: &[Series], same: Same) -> Part {
-        Part::table(self.name, table(all, self.columns, same), self.note)
+    /// The series; where something else sets them apart, of several cases these too, those of several x, with what comes most
+    /// often, as many as there are dashes.
+    fn series<'r>(&self, runs: Vec<&'r RunRow>) -> Vec<Series<'r>> {
+        let whole = series(runs.iter().copied(), &[self.varied]);
+        let Some(apart) = self.apart else { return whole };
+        let case = |run: &RunRow| run.problem_settings.get("case").and_then(Value::as_str).map(str::to_owned);
+        let several = unique(runs.iter().map(|run| case(run))).len() > 1;
+        let apart = |run: &RunRow| {
+            let words = [case(run).filter(|_| several), Some(apart(run)).filter(|words| !words.is_empty())];
+            words.into_iter().flatten().collect::<Vec<_>>().join(", ")
+        };
+        let mut often: Vec<(String, usize)> = Vec::new();
+        for run in runs {
+            find_or_push(&mut often, |(of, _)| *of == apart(run), || (apart(run), 0)).1 += 1;
+        }
+        if often.iter().all(|(name, _)| name.is_empty()) {
+            return whole;
+        }
+        often.sort_by_key(|(_, runs)| std::cmp::Reverse(*runs));
+        // Numbers in a name by their size.
+        often.truncate(DASHES.len());
+        often.sort_by_key(|(name, _)| (name.len(), name.clone()));
+        let mut all = Vec::new();
+        for (series, ((name, _), dash)) in
+            whole.iter().flat_map(|s| often.iter().zip(DASHES).map(move |o| (s, o)))
+        {
+            let mut own = series.clone();
+            own.runs.retain(|run| apart(run) == *name);
+            own.across = true;
+            own.group = [&series.group, name]
+                .into_iter()
+                .filter(|t| !t.is_empty())
+                .cloned()
+                .collect::<Vec<_>>()
+                .join(", ");
+            own.look.pen = Pen { dash, ..own.look.pen };
+            if unique(own.runs.iter().map(|run| (self.x().of)(&own, run).map(f64::to_bits))).len() > 1 {
+                all.push(own);
+            }
+        }
+        all
     }
 
     /// The figure of all problems; a sentence where x has a single value.
-    fn of_study(&self, all: &[Series], runs: &[RunRow]) -> Part {
-        let found = format!("{}-found", self.name);
-        if all.len() > MOST_LINES {
-            return too_many(found, self.name, all.len());
-        }
-        let shown = || all.iter().flat_map(|series| &series.runs);
-        let xs = unique(shown().map(|run| (self.x.of)(run)));
+    fn of_study(&self, all: &[Series], study: &Problems) -> Part {
+        let shown = || all.iter().flat_map(|series| series.runs.iter().map(move |run| (series, *run)));
+        let xs = unique(shown().filter_map(|(series, run)| (self.x().of)(series, run)));
+        let (x, found) = (self.x().title, format!("{}-found", self.name));
         if xs.len() < 2 {
-            let noun = self.x.title.trim_end_matches('s');
-            let same = xs
-                .first()
-                .map_or("no run".to_owned(), |n| format!("every problem has {}", counted(*n as usize, noun)));
+            let same = xs.first().map_or("no run".to_owned(), |n| {
+                format!("every problem has {}", counted(*n as usize, x.trim_end_matches('s')))
+            });
             return nothing(found, self.name, &format!("{same}, and cost has nothing to grow with"));
         }
+        let n = if self.through == Through::Fit { ", n" } else { "" };
         let counts = format!(
-            "{}, {}, {} of {}, n",
-            counted(problems(runs).len(), "problem"),
+            "{}, {}, {} of {x}{n}",
+            counted(problems(shown().map(|(_, run)| run)).len(), "problem"),
             counted(shown().count(), "run"),
             counted(xs.len(), "number"),
-            self.x.title,
         );
-        let fitted = self.panels.iter().any(|panel| all.iter().any(|s| self.exponent(s, panel).is_some()));
-        let lines = if fitted {
-            format!(
-                "In brackets the exponents of the powers fitted to {PLACES} sizes or more, in the order of the panels."
-            )
-        } else {
-            format!("Lines join the means of the sizes; an exponent needs {PLACES}.")
-        };
-        self.figure(self.name.to_owned(), &[counts, lines], all, runs)
+        self.figure("", counts, all, study)
     }
 
-    /// Points of a series in a panel.
-    fn points(&self, series: &Series, panel: &Panel) -> Points {
-        let points = series.points(|run| f64::from((self.x.of)(run)), |run| (panel.of)(series, run));
-        if panel.on_the_way { on_the_way(points) } else { points }
-    }
-
-    /// The exponent of the power of x fitted over enough places.
-    fn exponent(&self, series: &Series, panel: &Panel) -> Option<f64> {
-        let points = converged(&self.points(series, panel));
-        let places = distinct(points.iter().map(|point| point.0));
-        slope(&points).filter(|_| places >= PLACES)
-    }
-
-    /// Panels that have something to show: one of 10⁻² tells nothing where all runs stop there.
-    fn drawn<'p>(&'p self, all: &[Series], runs: &'p [RunRow]) -> Vec<Drawn<'p>> {
+    /// The panels, each of a quantity, on all problems or on one; one of 10⁻² tells nothing where all runs stop there.
+    fn panels<'p>(&self, all: &[Series], runs: &'p [RunRow]) -> Vec<(&'static Quantity, Option<&'p str>)> {
         let shown = || all.iter().flat_map(|series| series.runs.iter().copied());
-        let twice = |panel: &&Panel| panel.column == "to_natural_map_1e_2" && stopped_at_1e_2(shown());
-        let mut panels: Vec<&Panel> = self.panels.iter().filter(|panel| !twice(panel)).collect();
-        let has_points = |panel: &Panel| all.iter().any(|series| !self.points(series, panel).is_empty());
-        if self.through == Through::Fit && panels.iter().any(|panel| has_points(panel)) {
-            panels.retain(|panel| has_points(panel));
-        }
-        let of = |panel: &'p Panel, problem: Option<&'p str>| {
-            let run = runs.iter().find(|run| problem.is_none_or(|problem| run.problem == problem));
-            let grains = counted(run.map_or(0, |run| run.grains as usize), "grain");
-            let title = panel.title.replace("{threads}", &threads(runs)).replace("{grains}", &grains);
-            Drawn { panel, title, problem }
+        let quantities = self.y.split_whitespace().filter_map(named);
+        let quantities = quantities.filter(|y| y.name != "to_natural_map_1e_2" || !stopped_at_1e_2(shown()));
+        let problems = match self.each {
+            Each::PanelOfProblem => problems(runs).into_iter().map(Some).collect(),
+            Each::Problem | Each::Study => vec![None],
         };
-        let problems = if self.each == Each::PanelOfProblem {
-            problems(runs).into_iter().map(Some).collect()
-        } else {
-            vec![None]
+        quantities.flat_map(|quantity| problems.iter().map(move |problem| (quantity, *problem))).collect()
+    }
+
+    /// Points of a series, on one problem or on all.
+    fn points(&self, series: &Series, y: &Quantity, problem: Option<&str>) -> Points {
+        let on = series.runs.iter().filter(|run| problem.is_none_or(|problem| run.problem == problem));
+        let point = |run: &&RunRow| {
+            let ending = if y.on_the_way { Ending::Converged } else { run.ending };
+            Some((ending, ((self.x().of)(series, run)?.log10(), (y.of)(series, run)?.log10())))
         };
-        panels.iter().flat_map(|panel| problems.iter().map(move |problem| of(panel, *problem))).collect()
+        let finite = |(_, (x, y)): &(Ending, (f64, f64))| x.is_finite() && y.is_finite();
+        let mut points: Points = on.filter_map(point).filter(finite).collect();
+        points.sort_by(|(_, a), (_, b)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        points
     }
 
     /// A figure of series with all panels.
-    pub(crate) fn figure(&self, name: String, title: &[String], all: &[Series], runs: &[RunRow]) -> Part {
+    fn figure(&self, of: &str, title: String, all: &[Series], study: &Problems) -> Part {
+        let name = if self.figures.is_empty() { self.name } else { self.figures };
         if all.len() > MOST_LINES {
-            return too_many(name, &title.join("; "), all.len());
+            let name = if of.is_empty() { format!("{name}-found") } else { format!("{name}{of}") };
+            return too_many(name, &title, all.len());
         }
-        let panels = self.drawn(all, runs);
-        let on = |series: &Series, drawn: &Drawn| {
-            let mut here = series.clone();
-            here.runs.retain(|run| drawn.problem.is_none_or(|problem| run.problem == problem));
-            self.points(&here, drawn.panel)
-        };
-        // By panel, then by series.
-        let clouds: Vec<Vec<Points>> =
-            panels.iter().map(|panel| all.iter().map(|series| on(series, panel)).collect()).collect();
-        let legend = self.legend(all, &panels, &clouds);
-        let shared: Vec<&Points> = panels
-            .iter()
-            .zip(&clouds)
-            .filter(|(drawn, _)| drawn.panel.ideal.is_some())
-            .flat_map(|(_, clouds)| clouds)
-            .collect();
-        let columns = match panels.len() {
-            4 => 2,
-            count => count.clamp(1, 3),
-        };
-        let svg = grid(title, (columns, panels.len().div_ceil(columns)), &legend, |canvas, i, room| {
-            let Some(drawn) = panels.get(i) else { return };
-            let range = if drawn.panel.ideal.is_some() { shared.clone() } else { clouds[i].iter().collect() };
-            self.panel(canvas, all, drawn, (&clouds[i], &range), room);
-        });
-        Part::figure(name, svg)
-    }
-
-    fn legend(&self, all: &[Series], panels: &[Drawn], clouds: &[Vec<Points>]) -> Legend {
-        let exponents: Vec<Vec<Option<f64>>> = match self.through {
-            Through::Points => Vec::new(),
-            Through::Fit => all
-                .iter()
-                .map(|s| panels.iter().map(|drawn| self.exponent(s, drawn.panel)).collect())
-                .collect(),
-        };
-        let fitted = exponents.iter().flatten().any(Option::is_some);
-        let keyed = all.iter().enumerate().map(|(i, series)| {
-            let mut label = series.label();
-            if fitted {
-                let texts: Vec<String> = exponents[i].iter().map(|e| rounded(*e)).collect();
-                label = format!("{label} ({})", texts.join(", "));
+        let fitting = self.through == Through::Fit;
+        let mut panels: Vec<Panel> = Vec::new();
+        for (y, problem) in self.panels(all, &study.runs) {
+            let mut curves: Vec<Curve> = Vec::new();
+            for series in all {
+                let points = self.points(series, y, problem);
+                curves.push(Curve::new(series.label(), series.look, points, self.through));
             }
-            let of_series: Vec<&Points> = clouds.iter().map(|clouds| &clouds[i]).collect();
-            let level = clouds.iter().any(|clouds| self.level(series, &clouds[i], clouds).is_some());
-            let joined = |points: &&Points| has_line(&on_the_way(joined(points)));
-            let line = level || self.through == Through::Points && of_series.iter().any(joined);
-            (label, series.look, of_series, line)
-        });
-        let (entries, mut signs) = key(keyed);
-        let shown = clouds.iter().flatten().flatten();
-        signs.extend(endings(shown.map(|(ending, _)| *ending).filter(|ending| *ending != Ending::Converged)));
-        let ideals = panels.iter().zip(clouds).filter_map(|(drawn, clouds)| ideal(drawn.panel, clouds));
-        let texts = unique(ideals.map(|(Ideal::X(text) | Ideal::One(text))| text));
-        signs.extend(texts.into_iter().map(|text| (Sign::Line(TOLERANCE), text.to_owned())));
-        let has_level =
-            |clouds: &Vec<Points>| all.iter().zip(clouds).any(|(s, p)| self.level(s, p, clouds).is_some());
-        if clouds.iter().any(has_level) {
-            signs.push((Sign::Word, "Level lines: methods without subdomains.".to_owned()));
-        }
-        let said = self.notes.iter().filter(|(_, of)| of(all));
-        signs.extend(said.map(|(note, _)| (Sign::Word, (*note).to_owned())));
-        Legend::new(entries, signs, INSIDE)
-    }
-
-    /// The value of a method that knows nothing of what varies, where others of the panel have several values of it.
-    fn level(&self, series: &Series, points: &Points, clouds: &[Points]) -> Option<f64> {
-        let varied = self.varied.first()?;
-        let whole = series.runs.iter().all(|run| !run.settings.contains_key(*varied));
-        let several = clouds.iter().flatten().any(|(_, (log, _))| *log > 0.0);
-        match points.as_slice() {
-            [(Ending::Converged, (_, value))] if whole && several => Some(*value),
-            _ => None,
-        }
-    }
-
-    /// A panel whose axes hold the points of `range`, and the ideal beside them.
-    fn panel(
-        &self,
-        canvas: &Canvas,
-        all: &[Series],
-        drawn: &Drawn,
-        (clouds, range): (&[Points], &[&Points]),
-        room: Room,
-    ) {
-        let x = reach(range.iter().copied().flatten(), |point| point.0);
-        let ideal = ideal(drawn.panel, clouds);
-        let diagonal: Points = match ideal {
-            Some(Ideal::X(_)) => {
-                range.iter().copied().flatten().map(|&(ending, (log, _))| (ending, (log, log))).collect()
-            }
-            _ => Vec::new(),
-        };
-        let (mut low, mut high) = reach(range.iter().copied().flatten().chain(&diagonal), |point| point.1);
-        if let Some(Ideal::One(_)) = ideal {
-            (low, high) = (low.min(-AROUND_ONE), high.max(AROUND_ONE));
-        }
-        if self.through == Through::Fit {
-            low -= BELOW / (1.0 - BELOW) * (high - low);
-        }
-        let y = (Scale::Ten, (low, high), drawn.title.as_str());
-        let frame = room.frame(canvas, (self.x.scale, x, self.x.title), y);
-        match ideal {
-            Some(Ideal::X(_)) => frame.draw_diagonal(canvas),
-            Some(Ideal::One(_)) => frame.across(canvas, 0.0, TOLERANCE),
-            None => {}
-        }
-        if clouds.iter().all(Vec::is_empty) {
-            return draw_empty(canvas, &frame);
-        }
-        if self.through == Through::Fit {
-            draw_slopes(canvas, &frame);
-        }
-        for (series, points) in all.iter().zip(clouds) {
-            match self.through {
-                Through::Points => self.join(canvas, &frame, series, (points, clouds)),
-                Through::Fit => {
-                    let fit = fit(&converged(points)).map(|line| line.map(|point| frame.place(point)));
-                    canvas.line(fit.as_ref().map_or(&[], |line| line.as_slice()), series.look.pen);
+            // A method that knows nothing of what varies, where others of the panel have several values of it.
+            let several = curves.iter().flat_map(|curve| &curve.points).any(|(_, (log, _))| *log > 0.0);
+            for (series, curve) in all.iter().zip(&mut curves) {
+                let varies = series.runs.iter().any(|run| run.settings.contains_key(self.varied));
+                if self.x == self.varied
+                    && !varies
+                    && several
+                    && matches!(*curve.points, [(Ending::Converged, _)])
+                {
+                    curve.through = Through::Level;
                 }
             }
+            let run = study.runs.iter().find(|run| problem.is_none_or(|problem| run.problem == problem));
+            let grains = counted(run.map_or(0, |run| run.grains as usize), "grain");
+            let title = y.title.replace("{threads}", &threads(&study.runs)).replace("{grains}", &grains);
+            panels.push(self.panel(y, title, curves));
         }
-        let signs: Vec<_> =
-            all.iter().zip(clouds).map(|(series, points)| (series.look, points.as_slice())).collect();
-        draw_signs(canvas, &frame, &signs);
+        let mut titles = vec![title];
+        let mut signs = Vec::new();
+        if fitting {
+            if !panels.iter().all(Panel::is_empty) {
+                panels.retain(|panel| !panel.is_empty());
+            }
+            titles.push(bracket(&mut panels));
+        }
+        signs.extend((!self.key.is_empty()).then(|| (Sign::Word, self.key.to_owned())));
+        Part::figure(format!("{name}{of}"), Plot { title: titles, panels, entries: Vec::new(), signs }.svg())
     }
 
-    /// The line of a series, thin to runs that made all their iterations and would need more.
-    fn join(&self, canvas: &Canvas, frame: &Frame, series: &Series, (points, clouds): (&Points, &[Points])) {
-        let pen = series.look.pen;
-        if let Some(value) = self.level(series, points, clouds) {
-            frame.across(canvas, value, pen);
-        }
-        let line = joined(points);
-        let places = |limit: bool| {
-            let points = line.iter().filter(|(ending, _)| limit || *ending == Ending::Converged);
-            points.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>()
+    fn panel(&self, y: &Quantity, title: String, curves: Vec<Curve>) -> Panel {
+        let ideal = self.ideals.iter().find(|(name, _)| *name == y.name).map(|(_, ideal)| *ideal);
+        let has_one = curves.iter().flat_map(|curve| &curve.points).any(|(_, (log, _))| *log == 0.0);
+        let (guide, holds) = match ideal {
+            Some(Ideal::X(key)) if has_one => (Some(Guide::new(At::Diagonal, TOLERANCE, key)), vec![]),
+            Some(Ideal::One(key)) => {
+                (Some(Guide::new(At::Y(0.0), TOLERANCE, key)), vec![-AROUND_ONE, AROUND_ONE])
+            }
+            _ => (None, vec![]),
         };
-        canvas.line(&places(true), Pen { width: 0.4 * pen.width, ..pen });
-        canvas.line(&places(false), pen);
+        let (x, y) = (Side::new(self.x().scale, self.x().title), Side::new(Scale::Ten, title).holding(holds));
+        Panel { shared: ideal.is_some(), ..Panel::new(x, y, curves).guided(guide) }
     }
 
     /// The table of a fit, with a row for each series.
@@ -386,54 +308,40 @@ impl Lines {
             Column::new("runs".into(), all.iter().map(|s| s.runs.len() as u64).collect::<Vec<_>>()),
             Column::new("failed".into(), all.iter().map(failed).collect::<Vec<_>>()),
         ];
-        columns.extend(self.panels.iter().map(|panel| {
-            let values: Vec<Option<f64>> = all.iter().map(|series| self.exponent(series, panel)).collect();
-            Column::new(format!("{}_exponent", panel.column).into(), values)
+        columns.extend(self.y.split_whitespace().filter_map(named).map(|y| {
+            let exponent = |series: &Series| {
+                Curve::new("", series.look, self.points(series, y, None), self.through).exponent(PLACES)
+            };
+            let name = format!("{}_exponent", y.name).into();
+            Column::new(name, all.iter().map(exponent).collect::<Vec<Option<f64>>>())
         }));
-        let table = frame(polars::prelude::DataFrame::new(all.len(), columns));
+        let table = frame(DataFrame::new(all.len(), columns));
         Part::table(self.name, table, self.note.replace("{WORK}", WORK))
     }
 }
 
-/// Points that a line goes through.
-fn joined(points: &Points) -> Points {
-    let joins = |ending| matches!(ending, Ending::Converged | Ending::IterationLimit);
-    points.iter().filter(|(ending, _)| joins(*ending)).copied().collect()
-}
-
-fn converged(points: &Points) -> Vec<(f64, f64)> {
-    points.iter().filter(|(ending, _)| *ending == Ending::Converged).map(|(_, point)| *point).collect()
-}
-
-/// The ideal of a panel; one in proportion to x needs a run at x = 1 that it is measured by.
-fn ideal(panel: &Panel, clouds: &[Points]) -> Option<Ideal> {
-    let has_one = || clouds.iter().flatten().any(|(_, (log, _))| *log == 0.0);
-    panel.ideal.filter(|ideal| matches!(ideal, Ideal::One(_)) || has_one())
+/// Adds the exponents of fits to the names of curves, where there are some, and says so.
+fn bracket(panels: &mut [Panel]) -> String {
+    let of_curve =
+        |i: usize| panels.iter().map(move |panel| panel.curves[i].exponent(PLACES)).collect::<Vec<_>>();
+    let all: Vec<Vec<Option<f64>>> =
+        (0..panels.first().map_or(0, |p| p.curves.len())).map(of_curve).collect();
+    if all.iter().flatten().all(Option::is_none) {
+        return format!("Lines join the means of the sizes; an exponent needs {PLACES}.");
+    }
+    for panel in panels {
+        for (curve, exponents) in panel.curves.iter_mut().zip(&all) {
+            let texts: Vec<String> = exponents.iter().map(|exponent| rounded(*exponent)).collect();
+            curve.label = format!("{} ({})", curve.label, texts.join(", "));
+        }
+    }
+    format!(
+        "In brackets the exponents of the powers fitted to {PLACES} sizes or more, in the order of the panels."
+    )
 }
 
 /// An exponent as a key has it; no zero has a sign.
 fn rounded(exponent: Option<f64>) -> String {
     let text = exponent.map_or("–".to_owned(), |e| format!("{e:.2}"));
     text.replace("-0.00", "0.00").replace('-', "−")
-}
-
-/// The slopes to compare with, from one place below the points.
-fn draw_slopes(canvas: &Canvas, frame: &Frame) {
-    let (wide, high) = (frame.x.high - frame.x.low, frame.y.high - frame.y.low);
-    let from = (frame.x.low + 0.4 * wide, frame.y.low + 0.03 * high);
-    for ((slope, text), lower) in SLOPES.into_iter().zip([1.2, -1.2]) {
-        let run = (0.3 * wide).min(0.8 * BELOW * high / slope);
-        let to = frame.place((from.0 + run, from.1 + slope * run));
-        canvas.line(&[frame.place(from), to], TOLERANCE);
-        canvas.text(text, (to.0 + 0.6, to.1 + lower), TICK_TEXT, (HPos::Left, VPos::Center));
-    }
-}
-
-/// Ends of the fitted line over the places that there are; of two it joins the means.
-fn fit(points: &[(f64, f64)]) -> Option<[(f64, f64); 2]> {
-    let slope = slope(points)?;
-    let (low, high) = span(points.iter().map(|point| point.0))?;
-    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    Some([low, high].map(|at| (at, y + slope * (at - x))))
 }

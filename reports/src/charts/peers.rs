@@ -6,17 +6,17 @@ use polars::prelude::DataFrame;
 use serde_json::Value;
 
 use crate::read::{
-    ACCURACIES, Ending, Problems, RunRow, accuracy_text, counted, median, number, problems, repeats, span,
+    ACCURACIES, Ending, Problems, RunRow, accuracy_text, median, problems, repeats, span, unique,
 };
-use crate::text::{Part, frame};
+use crate::text::{Part, chosen, frame};
 
 /// The accuracy at which seconds are compared: the strictest.
 const ACCURACY: f64 = ACCURACIES[ACCURACIES.len() - 1];
 
-/// `peers`: a row for each run; and in sentences the median ratio of each method.
+/// `peers`: a row for each run; and `peers-ratios`: the median ratio of each method.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
-    let rows: Vec<Row> =
-        problems(&study.runs).iter().flat_map(|problem| of_problem(study, problem)).collect();
+    let runs = &study.runs;
+    let rows: Vec<Row> = problems(runs).iter().flat_map(|problem| of_problem(runs, problem)).collect();
     let there = there(&study.runs);
     let note = format!(
         "\nEnding, velocity error, with friction that from the nearest solution that is known, and natural map: of the whole \
@@ -26,7 +26,10 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
         repeats(&study.runs),
         reasons(&study.runs)
     );
-    vec![Part::table("peers", table(&rows), note), Part::text("peers-ratios", sentences(&rows, &there))]
+    vec![
+        Part::table("peers", table(&rows), note),
+        Part::table("peers-ratios", ratios(&rows), format!("\nReached: {there}.\n")),
+    ]
 }
 
 /// Names the accuracy that is enough, in the measure that the study is stopped on.
@@ -36,12 +39,8 @@ fn there(runs: &[RunRow]) -> String {
     format!("{name} of {}", accuracy_text(ACCURACY))
 }
 
-struct Row {
-    problem: String,
-    method: String,
-    ending: Ending,
-    velocity_error: Option<f64>,
-    natural_map: Option<f64>,
+struct Row<'r> {
+    run: &'r RunRow,
     reached: Option<Reached>,
     /// Ratio of its seconds to the least on the problem.
     ratio: Option<f64>,
@@ -55,24 +54,12 @@ struct Reached {
     asked: Option<f64>,
 }
 
-fn of_problem(study: &Problems, problem: &str) -> Vec<Row> {
-    let runs = || study.runs.iter().filter(|run| run.problem == problem);
-    let least = span(runs().filter_map(|run| Some(reached(run)?.seconds))).map(|(least, _)| least);
-    let row = |run: &RunRow| {
-        let reached = reached(run);
-        // What was not begun has none.
-        let end = |measure| if run.ending == Ending::Skipped { None } else { run.end.get(measure) };
-        Row {
-            problem: problem.to_owned(),
-            method: run.label(),
-            ending: run.ending,
-            velocity_error: end(Measure::VelocityError),
-            natural_map: end(Measure::NaturalMap),
-            reached,
-            ratio: reached.zip(least).map(|(reached, least)| reached.seconds / least),
-        }
-    };
-    runs().map(row).collect()
+fn of_problem<'r>(runs: &'r [RunRow], problem: &str) -> Vec<Row<'r>> {
+    let reached = runs.iter().filter(|run| run.problem == problem).map(|run| (run, reached(run)));
+    let reached: Vec<(&RunRow, Option<Reached>)> = reached.collect();
+    let least = span(reached.iter().filter_map(|(_, reached)| Some(reached.as_ref()?.seconds)));
+    let ratio = |reached: Option<Reached>| Some(reached?.seconds / least?.0);
+    reached.into_iter().map(|(run, reached)| Row { run, reached, ratio: ratio(reached) }).collect()
 }
 
 /// The first sample that is accurate enough; of another code the run at one tolerance that it is, with both clocks.
@@ -91,52 +78,44 @@ fn reached(run: &RunRow) -> Option<Reached> {
 }
 
 fn table(rows: &[Row]) -> DataFrame {
-    let reached = |of: fn(&Reached) -> Option<f64>| -> Vec<Option<f64>> {
-        rows.iter().map(|row| row.reached.as_ref().and_then(of)).collect()
+    let of = |value: &dyn Fn(&Row) -> Option<f64>| rows.iter().map(value).collect::<Vec<_>>();
+    // What was not begun has none.
+    let end = |row: &Row, measure| row.run.end.get(measure).filter(|_| row.run.ending != Ending::Skipped);
+    let own = df!(
+        "method" => rows.iter().map(|row| row.run.label()).collect::<Vec<_>>(),
+        "ending" => rows.iter().map(|row| row.run.ending.text()).collect::<Vec<_>>(),
+        "velocity_error" => of(&|row| end(row, Measure::VelocityError)),
+        "natural_map" => of(&|row| end(row, Measure::NaturalMap)),
+        "seconds" => of(&|row| Some(row.reached?.seconds)),
+        "ratio" => of(&|row| row.ratio),
+        "process_s" => of(&|row| row.reached?.process_s),
+        "asked" => of(&|row| row.reached?.asked),
+    );
+    let names = "problem method ending velocity_error natural_map seconds ratio process_s asked";
+    chosen(rows.iter().map(|row| row.run), names, own)
+}
+
+/// A row for each method: on how many of the problems that it was run on it came there, and its median ratio, the least first.
+fn ratios(rows: &[Row]) -> DataFrame {
+    let of_method = |method: String| {
+        let of = || rows.iter().filter(|row| row.run.label() == method);
+        let (ratios, skipped) =
+            (of().filter_map(|row| row.ratio), of().filter(|row| row.run.ending == Ending::Skipped));
+        let (reached, ratio, skipped) =
+            (ratios.clone().count() as u64, median(ratios.collect()), skipped.count() as u64);
+        let made = of().count() as u64 - skipped;
+        (method, made, reached, skipped, ratio)
     };
+    let mut methods: Vec<_> =
+        unique(rows.iter().map(|row| row.run.label())).into_iter().map(of_method).collect();
+    methods.sort_by(|a, b| a.4.unwrap_or(f64::INFINITY).total_cmp(&b.4.unwrap_or(f64::INFINITY)));
     frame(df!(
-        "problem" => rows.iter().map(|row| row.problem.as_str()).collect::<Vec<_>>(),
-        "method" => rows.iter().map(|row| row.method.as_str()).collect::<Vec<_>>(),
-        "ending" => rows.iter().map(|row| row.ending.text()).collect::<Vec<_>>(),
-        "velocity_error" => rows.iter().map(|row| row.velocity_error).collect::<Vec<_>>(),
-        "natural_map" => rows.iter().map(|row| row.natural_map).collect::<Vec<_>>(),
-        "seconds" => reached(|reached| Some(reached.seconds)),
-        "ratio" => rows.iter().map(|row| row.ratio).collect::<Vec<_>>(),
-        "process_s" => reached(|reached| reached.process_s),
-        "asked" => reached(|reached| reached.asked),
+        "method" => methods.iter().map(|row| row.0.as_str()).collect::<Vec<_>>(),
+        "problems" => methods.iter().map(|row| row.1).collect::<Vec<_>>(),
+        "reached" => methods.iter().map(|row| row.2).collect::<Vec<_>>(),
+        "skipped" => methods.iter().map(|row| row.3).collect::<Vec<_>>(),
+        "median_ratio" => methods.iter().map(|row| row.4).collect::<Vec<_>>(),
     ))
-}
-
-/// A line for each method: on how many of the problems that it was run on it came there, and its median ratio.
-fn sentences(rows: &[Row], there: &str) -> String {
-    let mut methods: Vec<&str> = Vec::new();
-    for row in rows {
-        if !methods.contains(&row.method.as_str()) {
-            methods.push(&row.method);
-        }
-    }
-    let ran = |method: &&str| rows.iter().any(|row| row.method == *method && row.ending != Ending::Skipped);
-    let (ran, skipped): (Vec<&str>, Vec<&str>) = methods.into_iter().partition(ran);
-    let mut ranked: Vec<(Option<f64>, String)> =
-        ran.into_iter().map(|method| sentence(rows, method, there)).collect();
-    let or_last = |ratio: &Option<f64>| ratio.unwrap_or(f64::INFINITY);
-    ranked.sort_by(|(a, _), (b, _)| or_last(a).total_cmp(&or_last(b)));
-    if !skipped.is_empty() {
-        ranked.push((None, format!("Skipped on every problem: {}.\n", skipped.join("; "))));
-    }
-    ranked.into_iter().map(|(_, sentence)| sentence).collect()
-}
-
-fn sentence(rows: &[Row], method: &str, there: &str) -> (Option<f64>, String) {
-    let of_method = || rows.iter().filter(|row| row.method == method);
-    let ratios: Vec<f64> = of_method().filter_map(|row| row.ratio).collect();
-    let skipped = of_method().filter(|row| row.ending == Ending::Skipped).count();
-    let (reached, made) = (ratios.len(), of_method().count() - skipped);
-    let ratio = median(ratios);
-    let cost =
-        ratio.map_or(String::new(), |ratio| format!(", median {} times the least seconds", number(ratio, 2)));
-    let left_out = if skipped == 0 { String::new() } else { format!("; {skipped} skipped") };
-    (ratio, format!("{method}: {reached} of {} to {there}{cost}{left_out}.\n", counted(made, "problem")))
 }
 
 /// Why other codes gave no answer.

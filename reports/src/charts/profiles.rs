@@ -6,9 +6,7 @@ mod ratios;
 use polars::df;
 use polars::prelude::DataFrame;
 
-use crate::draw::{
-    Canvas, INSIDE, Legend, MOST_LINES, Place, Room, Scale, Series, Sign, draw_empty, row, series,
-};
+use crate::draw::{Curve, Look, MOST_LINES, Mark, Panel, Plot, Scale, Series, Side, Through, series};
 use crate::read::{
     ACCURACIES, COSTS, Cost, Problems, RunRow, WORK, accuracy_text, counted, median, problems, repeats,
 };
@@ -51,19 +49,12 @@ fn figure(runs: &[RunRow], methods: &[Series], cost: &Cost) -> Part {
         let why = "no run reaches a known velocity error of 10⁻² or less";
         return nothing(name, "performance profiles", why);
     }
-    let (shown, none): (Vec<usize>, Vec<usize>) = (0..methods.len())
-        .partition(|k| all.iter().any(|ratios| !stairs(&ratios.of_methods[*k], far(ratios)).is_empty()));
-    let entries = shown.iter().map(|k| (methods[*k].label(), methods[*k].look)).collect();
-    let none: Vec<String> = none.into_iter().map(|k| methods[k].label()).collect();
-    let without = format!("No line: {}, which reach none of the accuracies.", none.join("; "));
-    let signs = if none.is_empty() { Vec::new() } else { vec![(Sign::Word, without)] };
-    let legend = Legend::new(entries, signs, INSIDE);
     let not_reached = |(accuracy, ratios): (f64, &Ratios)| {
         let (not_reached, runs) = ratios.not_reached();
         format!("{} by {not_reached} of {runs}", accuracy_text(accuracy))
     };
     let not_reached: Vec<String> = ACCURACIES.into_iter().zip(&all).map(not_reached).collect();
-    let title = [
+    let title = vec![
         format!(
             "Share of {} solved within τ times the least cost, against τ.",
             counted(all[0].problems, "problem")
@@ -71,10 +62,9 @@ fn figure(runs: &[RunRow], methods: &[Series], cost: &Cost) -> Part {
         format!("Cost: {}, to a velocity error of 10⁻², 10⁻⁴, 10⁻⁶.", cost.title),
         format!("Not reached, in pairs of method and problem: {}.", not_reached.join(", ")),
     ];
-    let svg = row(&title, all.len(), &legend, |canvas, i, room| {
-        panel(canvas, methods, &all[i], ACCURACIES[i], room);
-    });
-    Part::figure(name, svg)
+    let panels = ACCURACIES.into_iter().zip(&all).map(|(accuracy, ratios)| panel(methods, ratios, accuracy));
+    let plot = Plot { title, panels: panels.collect(), entries: Vec::new(), signs: Vec::new() };
+    Part::figure(name, plot.svg())
 }
 
 /// Returns the end of the axis: the greatest ratio, or less (logarithm).
@@ -84,23 +74,21 @@ fn far(ratios: &Ratios) -> f64 {
     greatest.log10().min(FAR) + 0.1
 }
 
-fn panel(canvas: &Canvas, methods: &[Series], ratios: &Ratios, accuracy: f64, room: Room) {
-    let share = format!("share solved to {} (–)", accuracy_text(accuracy));
-    let x = (Scale::Ten, (0.0, far(ratios)), "τ (–)");
-    let frame = room.frame(canvas, x, (Scale::Share, (-0.03, 1.03), &share));
-    for (k, (method, ratios)) in methods.iter().zip(&ratios.of_methods).enumerate() {
-        let stairs = stairs(ratios, frame.x.high);
-        canvas.line(&stairs.iter().map(|point| frame.place(*point)).collect::<Vec<Place>>(), method.look.pen);
-        // Where the line rises, at a height of its own: what is flat lies on what others have flat.
+fn panel(methods: &[Series], ratios: &Ratios, accuracy: f64) -> Panel {
+    let mut curves = Vec::new();
+    for (k, (method, of_method)) in methods.iter().zip(&ratios.of_methods).enumerate() {
+        let stairs = stairs(of_method, far(ratios));
+        // Its sign where the line rises, at a height of its own: what is flat lies on what others have flat.
         let height = (k as f64 + 0.5) / methods.len() as f64 * stairs.last().map_or(0.0, |(_, share)| *share);
         let rises = |step: &&[(f64, f64)]| step[0].1 < height && height <= step[1].1;
-        if let Some(step) = stairs.windows(2).find(rises) {
-            canvas.mark(method.look.mark, frame.place((step[1].0, height)), method.look.pen);
-        }
+        let sign = stairs.windows(2).find(rises).map(|step| (step[1].0, height));
+        let bare = Look { mark: Mark::None, ..method.look };
+        curves.push(Curve::of(method.label(), method.look, sign, Through::Nothing));
+        curves.push(Curve::of(method.label(), bare, stairs, Through::Points));
     }
-    if ratios.best().is_empty() {
-        draw_empty(canvas, &frame);
-    }
+    let share = format!("share solved to {} (–)", accuracy_text(accuracy));
+    let (x, y) = (Side::new(Scale::Ten, "τ (–)"), Side::new(Scale::Share, share));
+    Panel::new(x, y.holding([0.0, 1.0]), curves)
 }
 
 /// ρ(τ) from τ = 1 up to `end` in logarithms; no line for a method that solves nothing.

@@ -1,91 +1,80 @@
-//! Prediction of a rank for each subdomain: the work of the longest, counted and timed, and its messages, counted, at a cluster's
-//! prices.
+//! Predictions for ranks: of a rank for each subdomain from counts, and of runs on ranks from one on a rank alone.
 
-pub(super) mod measured;
-
-use polars::df;
-use serde_json::Value;
-
-use super::declared::ON_RANKS;
-use super::scaling::{fewest, path_per_iteration, same_problem};
-use crate::draw::{Series, series, title};
-use crate::read::{Ending, Problems, RunRow, file_name, problems};
-use crate::text::{Part, chosen};
+use super::declared::{MEASURED_ON_RANKS, ON_RANKS};
+use crate::draw::Series;
+use crate::read::{Ending, Problems, RunRow, Scenes};
+use crate::text::Part;
 
 /// α: what a message takes whatever its length, and β: what each of its bytes takes (s); of an InfiniBand network of 100 Gbit/s.
 const LATENCY_S: f64 = 1.5e-6;
 const BYTE_S: f64 = 1.0 / 12e9;
 
-const NOTE: &str = "\nPredicted, with a rank for each subdomain, of nsgs-dd with one exchange an iteration, latin-dd and cg: T = w + e (m α + β B) + k α ⌈log₂ p⌉ for an iteration. w: the \
-                    seconds of the run with the fewest subdomains, on one thread, in proportion to the counted work of the longest subdomain; of cg, \
-                    to their number. m and B: counted neighbours and bytes of the subdomain that has most; e: exchanges, of cg one for \
-                    each product with W; k: sums over all ranks, of cg four, of coarse problems one. α = 1.5 µs and 1/β = 12 GB/s, \
-                    those of a cluster. It knows nothing of ranks that share a memory's bandwidth, of caches, nor of those that \
-                    are late.\n";
-
 /// Predicted parts of an iteration: work, messages to neighbours, sums over all ranks (s).
-struct Predicted {
-    work: f64,
-    messages: f64,
-    sums: f64,
-}
-
-/// Exchanges with the neighbours in an iteration, and sums over all ranks, of the methods of which they are known.
-fn exchanges_and_sums(run: &RunRow) -> Option<(f64, f64)> {
-    let setting = |key: &str| run.settings.get(key);
-    match run.method.as_str() {
-        "cg" => Some((run.end.work.delassus_products as f64 / run.iterations as f64, 4.0)),
-        "latin-dd" => {
-            let is_coarse = setting("coarse").and_then(Value::as_bool) == Some(true);
-            Some((1.0, f64::from(u8::from(is_coarse))))
-        }
-        // The other exchange takes one for each colour.
-        "nsgs-dd" => {
-            (setting("exchange").and_then(Value::as_str) != Some("gauss-seidel")).then_some((1.0, 0.0))
-        }
-        _ => None,
-    }
+pub(super) struct Predicted {
+    pub(super) work: f64,
+    pub(super) messages: f64,
+    pub(super) sums: f64,
 }
 
 impl Predicted {
-    /// Returns the prediction for a run of a series, if its messages are counted, and the fewest subdomains were timed on one thread.
-    fn of(series: &Series, run: &RunRow) -> Option<Self> {
-        let fewest = fewest(series, run, same_problem).filter(|fewest| fewest.provenance.threads == 1)?;
-        let seconds = fewest.seconds_per_iteration()?;
-        let (exchanges, sums) = exchanges_and_sums(run)?;
-        let share = match (path_per_iteration(run), path_per_iteration(fewest)) {
-            (Some(own), Some(fewest)) => own / fewest,
-            _ => f64::from(fewest.subdomains) / f64::from(run.subdomains),
-        };
-        let counted =
-            |key: &str| if run.subdomains == 1 { Some(0.0) } else { run.spectrum.get(key)?.as_f64() };
-        Some(Self {
-            work: seconds * share,
-            messages: exchanges * (counted("neighbours")? * LATENCY_S + counted("sent_bytes")? * BYTE_S),
-            sums: sums * LATENCY_S * f64::from(run.subdomains).log2().ceil(),
-        })
-    }
-
-    fn iteration_s(&self) -> f64 {
+    pub(super) fn iteration_s(&self) -> f64 {
         self.work + self.messages + self.sums
     }
 }
 
-/// To the tolerance, of a run that met it.
-pub(super) fn seconds(series: &Series, run: &RunRow) -> Option<f64> {
-    let predicted = Predicted::of(series, run)?;
-    run.has_converged().then(|| run.iterations as f64 * predicted.iteration_s())
+/// Returns the prediction for a run of a series, with a rank for each subdomain if no run of the series was shared by ranks.
+pub(super) fn predicted(series: &Series, run: &RunRow) -> Option<Predicted> {
+    if has_ranks(series.runs.iter().copied()) { on_ranks(series, run) } else { of_subdomains(series, run) }
 }
 
-/// Over the run with the fewest subdomains.
-pub(super) fn speed_up(series: &Series, run: &RunRow) -> Option<f64> {
-    Some(seconds(series, fewest(series, run, same_problem)?)? / seconds(series, run)?)
+/// Returns the prediction from counts, if messages are counted, and the fewest subdomains were timed on one thread.
+fn of_subdomains(series: &Series, run: &RunRow) -> Option<Predicted> {
+    let fewest = series.fewest(run).filter(|fewest| fewest.provenance.threads == 1)?;
+    let seconds = fewest.seconds_per_iteration()?;
+    let (exchanges, sums) = run.exchanges_and_sums()?;
+    let share = match (run.path_per_iteration(), fewest.path_per_iteration()) {
+        (Some(own), Some(fewest)) => own / fewest,
+        _ => f64::from(fewest.subdomains) / f64::from(run.subdomains),
+    };
+    let counted = |key: &str| if run.subdomains == 1 { Some(0.0) } else { run.spectrum.get(key)?.as_f64() };
+    Some(Predicted {
+        work: seconds * share,
+        messages: exchanges * (counted("neighbours")? * LATENCY_S + counted("sent_bytes")? * BYTE_S),
+        sums: sums * LATENCY_S * f64::from(run.subdomains).log2().ceil(),
+    })
 }
 
-/// The runs that were made; those of cg, whose iterates do not depend on subdomains, on as many as others have too.
-fn on_ranks(study: &Problems) -> Vec<RunRow> {
-    let made = || study.runs.iter().filter(|run| run.ending != Ending::Skipped);
-    let shared = made().filter(|run| run.method == "cg").flat_map(|run| {
+/// Returns the prediction for a run on ranks: the seconds of one rank of the same machine and build shared by all, and messages
+/// at the prices of the machine.
+fn on_ranks(series: &Series, run: &RunRow) -> Option<Predicted> {
+    let is_alone = |other: &&&RunRow| {
+        other.problem == run.problem
+            && other.exchange.ranks == 1
+            && other.provenance.comparable(&run.provenance)
+    };
+    let alone = series.runs.iter().find(is_alone)?.seconds_per_iteration()?;
+    let exchange = &run.exchange;
+    let ranks = f64::from(exchange.ranks);
+    let of_rank = |count: u64| count as f64 / (ranks * run.iterations as f64);
+    let messages = if exchange.ranks == 1 {
+        0.0
+    } else {
+        of_rank(exchange.messages) * exchange.latency_s
+            + of_rank(exchange.message_bytes) * exchange.seconds_per_byte
+    };
+    Some(Predicted { work: alone / ranks, messages, sums: 0.0 })
+        .filter(|predicted| predicted.messages.is_finite())
+}
+
+/// Reports whether some runs were shared by ranks.
+fn has_ranks<'r>(runs: impl IntoIterator<Item = &'r RunRow>) -> bool {
+    runs.into_iter().any(|run| run.exchange.ranks > 1)
+}
+
+/// The runs; those whose iterates do not depend on subdomains, on as many as others have too.
+fn shared(runs: &[RunRow]) -> Vec<RunRow> {
+    let made = || runs.iter().filter(|run| run.ending != Ending::Skipped);
+    let shared = made().filter(|run| run.is_shared_anyhow()).flat_map(|run| {
         let mut seen = vec![run.subdomains];
         let others = made().filter(move |other| {
             let is_new = other.problem == run.problem
@@ -101,51 +90,13 @@ fn on_ranks(study: &Problems) -> Vec<RunRow> {
     made().cloned().chain(shared).collect()
 }
 
-/// `ranks-<problem>` for each problem, and the table `ranks`; `ranks-measured` instead where ranks made runs.
+/// The chart of predictions; where ranks made runs, that of their seconds over the predicted.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
-    if measured::has_ranks(&study.runs) {
-        return measured::parts(&study.runs);
+    if has_ranks(&study.runs) {
+        return MEASURED_ON_RANKS.parts(study);
     }
-    let runs = on_ranks(study);
-    let mut parts = Vec::new();
-    for problem in problems(&runs) {
-        let of_problem = runs.iter().filter(|run| run.problem == problem);
-        let name = format!("ranks-{}", file_name(problem));
-        let made: Vec<&RunRow> = study.runs.iter().filter(|run| run.problem == problem).collect();
-        let all = series(of_problem, ON_RANKS.varied);
-        parts.push(ON_RANKS.figure(name, &[title(problem, &made)], &all, &study.runs));
-    }
-    parts.push(table(&runs));
-    parts
-}
-
-fn table(runs: &[RunRow]) -> Part {
-    let all = series(runs, &["subdomains"]);
-    let mut rows: Vec<(&Series, &RunRow)> =
-        all.iter().flat_map(|series| series.runs.iter().map(move |run| (series, *run))).collect();
-    rows.sort_by_key(|(series, run)| (run.problem.clone(), series.label(), run.subdomains));
-    let of = |value: &dyn Fn(&Series, &RunRow) -> Option<f64>| {
-        rows.iter().map(|(series, run)| value(series, run)).collect::<Vec<_>>()
-    };
-    let part = |part: fn(&Predicted) -> f64| of(&|series, run| Some(part(&Predicted::of(series, run)?)));
-    let counted = |key: &str| {
-        let of_run = |run: &RunRow| run.spectrum.get(key)?.as_u64();
-        rows.iter().map(|(_, run)| of_run(run)).collect::<Vec<_>>()
-    };
-    let own = df!(
-        "method" => rows.iter().map(|(series, _)| series.label()).collect::<Vec<_>>(),
-        "status" => rows.iter().map(|(_, run)| run.ending.text()).collect::<Vec<_>>(),
-        "neighbours" => counted("neighbours"),
-        "sent_bytes" => counted("sent_bytes"),
-        "work_s" => part(|predicted| predicted.work),
-        "messages_s" => part(|predicted| predicted.messages),
-        "sums_s" => part(|predicted| predicted.sums),
-        "predicted_s" => of(&seconds),
-        "predicted_speed_up" => of(&speed_up),
-    );
-    let names = "problem method subdomains status iterations neighbours sent_bytes work_s messages_s sums_s \
-                 predicted_s predicted_speed_up";
-    Part::table("ranks", chosen(rows.iter().map(|(_, run)| *run), names, own), NOTE)
+    let (runs, given, scenes) = (shared(&study.runs), Vec::new(), Scenes::new());
+    ON_RANKS.parts(&Problems { runs, given, scenes })
 }
 
 #[cfg(test)]

@@ -6,10 +6,10 @@ use polars::df;
 use polars::prelude::DataFrame;
 
 use crate::draw::{
-    BEST, Canvas, DASHES, INSIDE, Legend, Look, MARKS, MOST_LINES, Mark, Pen, Room, SPARE, Scale, Sign,
-    TOLERANCE, draw_empty, draw_signs, endings, grid, series,
+    At, BEST, Curve, DASHES, Guide, Look, MARKS, MOST_LINES, Mark, Panel, Pen, Plot, SPARE, Scale, Side,
+    TOLERANCE, Through, series,
 };
-use crate::read::{Ending, Problems, RunRow, counted, number, padded, problems, unique};
+use crate::read::{Ending, Problems, RunRow, counted, problems, unique};
 use crate::text::{Part, frame, nothing, too_many};
 
 const KEY: &str = "relaxation";
@@ -35,12 +35,13 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let swept_over = |run: &&RunRow| run.ending != Ending::Skipped && omega(run).is_some();
     let runs: Vec<&RunRow> = study.runs.iter().filter(swept_over).collect();
     let all = swept(&runs);
-    let note: String = all.iter().filter_map(sentence).collect();
     let rule = "\nThe best fixed ω fails on the fewest problems, and among such has the least geometric mean of iterations; a \
                 run that failed counts with all iterations that it was allowed.\n";
-    let table = Part::table(KEY, table(&all), rule);
-    let found = (!note.is_empty()).then(|| Part::text("relaxation-found", note));
-    [Some(figure(&runs, &all)), found, Some(table)].into_iter().flatten().collect()
+    vec![
+        figure(&runs, &all),
+        Part::table("relaxation-found", table_of_fixed(&all), rule),
+        Part::table(KEY, table(&all), ""),
+    ]
 }
 
 fn omega(run: &RunRow) -> Option<f64> {
@@ -96,40 +97,22 @@ fn best<'r>(runs: &[&'r RunRow]) -> Option<&'r RunRow> {
     runs.iter().copied().filter(|run| run.has_converged()).min_by_key(|run| run.iterations)
 }
 
-/// Returns the sentence on the best fixed ω of a method, beside ω = 1.
-fn sentence(swept: &Swept) -> Option<String> {
-    let cost = |of: &Overall| {
-        format!("{} iterations in the geometric mean, {} failed", number(of.mean, 3), of.failed)
-    };
-    let fixed = swept.fixed()?;
-    let one = swept.at(1.0).map_or(String::new(), |one| format!("; at ω = 1 {}", cost(one)));
-    let edge = swept.overall.last().is_some_and(|last| last.relaxation == fixed.relaxation);
-    let edge = if edge { ", the greatest of the grid" } else { "" };
-    Some(format!(
-        "{} on {}: the best fixed ω is {}{edge}, with {}{one}.\n",
-        swept.label,
-        counted(swept.problems.len(), "problem"),
-        fixed.relaxation,
-        cost(fixed)
-    ))
-}
-
-/// A problem without its seed: packings that differ in it look the same.
-fn kind(problem: &str) -> String {
-    problem.split(' ').filter(|word| !word.starts_with("seed=")).collect::<Vec<_>>().join(" ")
+/// The problem of a run without its seed: packings that differ in it look the same.
+fn kind(run: &RunRow) -> String {
+    match run.problem_settings.get("sample.seed") {
+        Some(seed) => run.problem.replace(&format!(" seed={seed}"), ""),
+        None => run.problem.clone(),
+    }
 }
 
 /// Looks of the kinds of problem, in the order of the study: none of a method.
-fn looks(runs: &[&RunRow]) -> (Vec<(String, Look)>, BTreeMap<String, Look>) {
+fn looks(runs: &[&RunRow]) -> BTreeMap<String, Look> {
     let look = |(n, kind): (usize, String)| {
         let color = SPARE[n % SPARE.len()].shades[0];
         let pen = Pen { color, width: 0.3, dash: DASHES[n % DASHES.len()] };
         (kind, Look { pen, mark: MARKS[n % MARKS.len()] })
     };
-    let kinds = unique(problems(runs.iter().copied()).into_iter().map(kind));
-    let entries: Vec<(String, Look)> = kinds.into_iter().enumerate().map(look).collect();
-    let by_kind = entries.iter().cloned().collect();
-    (entries, by_kind)
+    unique(runs.iter().map(|run| kind(run))).into_iter().enumerate().map(look).collect()
 }
 
 fn figure(runs: &[&RunRow], all: &[Swept]) -> Part {
@@ -141,57 +124,34 @@ fn figure(runs: &[&RunRow], all: &[Swept]) -> Part {
     if lines > MOST_LINES {
         return too_many(KEY, "Iterations against ω", lines);
     }
-    let shown: Vec<&RunRow> = all.iter().flat_map(|swept| &swept.problems).flatten().copied().collect();
-    let (entries, looks) = looks(runs);
-    let mut signs = endings(shown.iter().map(|run| run.ending).filter(|ending| *ending != Ending::Converged));
-    signs.push((Sign::Mark(Mark::Ring, BEST), "best ω of the problem".to_owned()));
-    signs.push((Sign::Line(TOLERANCE), "best fixed ω over all problems".to_owned()));
-    let legend = Legend::new(entries, signs, INSIDE);
-    let (first, last) = (shown.first(), all.len());
-    let stop = first.and_then(|run| Some(format!(", iterations to {}", run.rule()?)));
-    let title = format!("{}{}", counted(shown.len(), "run"), stop.unwrap_or_default());
-    let columns = last.min(2);
-    let svg = grid(&[title], (columns, last.div_ceil(columns)), &legend, |canvas, i, room| {
-        if let Some(swept) = all.get(i) {
-            panel(canvas, swept, &looks, room);
-        }
-    });
-    Part::figure(KEY, svg)
+    let shown = || all.iter().flat_map(|swept| &swept.problems).flatten();
+    let stop = shown().next().and_then(|run| Some(format!(", iterations to {}", run.rule()?)));
+    let title = vec![format!("{}{}", counted(shown().count(), "run"), stop.unwrap_or_default())];
+    let looks = looks(runs);
+    let panels = all.iter().map(|swept| panel(swept, &looks)).collect();
+    Part::figure(KEY, Plot { title, panels, entries: Vec::new(), signs: Vec::new() }.svg())
 }
 
-/// Returns the place of ω on its axis; values of 2 and above have none.
-fn place(run: &RunRow) -> Option<f64> {
-    Some(Scale::of_relaxation(omega(run)?)).filter(|place| place.is_finite())
-}
-
-fn panel(canvas: &Canvas, swept: &Swept, looks: &BTreeMap<String, Look>, room: Room) {
-    let runs = || swept.problems.iter().flatten();
-    let iterations = runs().filter(|run| run.has_converged()).map(|run| (run.iterations as f64).log10());
-    let x = padded(runs().filter_map(|run| place(run)), 0.05);
-    let (y, name) = (padded(iterations, 0.1), format!("iterations of {}", swept.label));
-    let frame = room.frame(canvas, (Scale::Relaxation, x, "relaxation ω (–)"), (Scale::Ten, y, &name));
-    if let Some(fixed) = swept.fixed().map(|fixed| Scale::of_relaxation(fixed.relaxation)) {
-        canvas.line(&[(frame.x.place(fixed), room.bottom), (frame.x.place(fixed), room.top)], TOLERANCE);
-    }
-    for runs in &swept.problems {
-        let look = looks[&kind(&runs[0].problem)];
-        // A run that failed is at the upper edge, however many iterations it made.
-        let point = |run: &&RunRow| {
-            let y = if run.has_converged() { (run.iterations as f64).log10() } else { frame.y.high };
-            Some((run.ending, (place(run)?, y)))
-        };
-        let points: Vec<_> = runs.iter().filter_map(point).collect();
-        let converged = points.iter().filter(|(ending, _)| *ending == Ending::Converged);
-        canvas.line(&converged.map(|(_, point)| frame.place(*point)).collect::<Vec<_>>(), look.pen);
-        draw_signs(canvas, &frame, &[(look, points.as_slice())]);
-        if let Some((_, point)) = best(runs).and_then(|run| point(&run)) {
-            canvas.mark(Mark::Ring, frame.place(point), BEST);
-        }
-    }
-    if runs().any(|run| run.has_converged()) {
-    } else {
-        draw_empty(canvas, &frame);
-    }
+/// A line for each problem; a run that failed is at the upper edge, however many iterations it made. An ω of 2 or more has no place.
+fn panel(swept: &Swept, looks: &BTreeMap<String, Look>) -> Panel {
+    let place = |omega: f64| Some(Scale::of_relaxation(omega)).filter(|place| place.is_finite());
+    let point = |run: &&RunRow| {
+        let y = if run.has_converged() { (run.iterations as f64).log10() } else { f64::INFINITY };
+        Some((run.ending, (place(omega(run)?)?, y)))
+    };
+    let curve = |runs: &Vec<&RunRow>| {
+        let kind = kind(runs[0]);
+        let points = runs.iter().filter_map(point).collect();
+        Curve::new(kind.clone(), looks[&kind], points, Through::Points)
+    };
+    let mut curves: Vec<Curve> = swept.problems.iter().map(curve).collect();
+    let best = swept.problems.iter().filter_map(|runs| point(&best(runs)?)).collect();
+    let ring = Look { pen: BEST, mark: Mark::Ring };
+    curves.push(Curve::new("best ω of the problem", ring, best, Through::Nothing));
+    let fixed = swept.fixed().and_then(|fixed| place(fixed.relaxation));
+    let guide = fixed.map(|x| Guide::new(At::X(x), TOLERANCE, "best fixed ω over all problems"));
+    let (x, y) = ("relaxation ω (–)", format!("iterations of {}", swept.label));
+    Panel::new(Side::new(Scale::Relaxation, x), Side::new(Scale::Ten, y), curves).guided(guide)
 }
 
 /// One row per method and problem.
@@ -212,5 +172,19 @@ fn table(all: &[Swept]) -> DataFrame {
         "best_fixed" => rows.iter().map(|(swept, _)| fixed(swept)).collect::<Vec<_>>(),
         "iterations_at_best_fixed" => rows.iter().map(|(swept, runs)| at(runs, fixed(swept)?)).collect::<Vec<_>>(),
         "iterations_at_1" => rows.iter().map(|(_, runs)| at(runs, 1.0)).collect::<Vec<_>>(),
+    ))
+}
+
+/// One row per method: the best fixed ω beside ω = 1, over all problems.
+fn table_of_fixed(all: &[Swept]) -> DataFrame {
+    let of = |at: fn(&Swept) -> Option<f64>| all.iter().map(at).collect::<Vec<_>>();
+    frame(df!(
+        "method" => all.iter().map(|swept| swept.label.as_str()).collect::<Vec<_>>(),
+        "problems" => all.iter().map(|swept| swept.problems.len() as u64).collect::<Vec<_>>(),
+        "best_fixed" => of(|swept| Some(swept.fixed()?.relaxation)),
+        "mean_iterations" => of(|swept| Some(swept.fixed()?.mean)),
+        "failed" => of(|swept| Some(swept.fixed()?.failed as f64)),
+        "mean_iterations_at_1" => of(|swept| Some(swept.at(1.0)?.mean)),
+        "failed_at_1" => of(|swept| Some(swept.at(1.0)?.failed as f64)),
     ))
 }

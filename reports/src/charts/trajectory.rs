@@ -10,10 +10,10 @@ use polars::df;
 use polars::prelude::DataFrame;
 
 use crate::draw::{
-    Canvas, HPos, INK, INSIDE, LOWEST, Legend, Look, Mark, Pen, Place, Room, Scale, Sign, TICK_TEXT,
-    TOLERANCE, VPos, log, looks_in_time, row,
+    At, Curve, Guide, INK, LOWEST, Look, Mark, Panel, Pen, Plot, Scale, Side, Sign, TOLERANCE, Through, log,
+    looks_in_time,
 };
-use crate::read::{Simulation, file_name, in_role, milliseconds, number, padded, span, unique};
+use crate::read::{Simulation, file_name, in_role, milliseconds, number, span, unique};
 use crate::text::{Part, chosen};
 use error::{OBSERVABLES, errors};
 
@@ -21,8 +21,8 @@ use error::{OBSERVABLES, errors};
 const MARKS: [Mark; 5] = [Mark::Ring, Mark::Square, Mark::Diamond, Mark::Triangle, Mark::Cross];
 /// Two references that differ in their tolerance alone: below their distance no error means anything.
 const TWINS: Pen = Pen { color: INK, width: 0.3, dash: &[0.4, 0.5] };
-/// A run within this factor of the error of its time step alone is as good as exact.
-const AT_THE_FLOOR: f64 = 1.5;
+/// Least height of an axis (logarithm).
+const LEAST: f64 = 1.0;
 
 /// A simulation beside the reference of its scene.
 struct Compared<'s> {
@@ -50,23 +50,20 @@ impl Compared<'_> {
     }
 }
 
-/// `trajectory-<scene>` for each scene, `trajectory-found` in words, and the table `trajectory` with all errors.
+/// `trajectory-<scene>` for each scene, and the table `trajectory` with all errors.
 pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
     let beside = |s: &Simulation| errors(s, in_role(all, &s.scene, "reference")?);
     let compared: Vec<Compared> =
         all.iter().map(|simulation| Compared { simulation, errors: beside(simulation) }).collect();
     let looks = looks_in_time(all);
     let mut parts = Vec::new();
-    let mut text = String::new();
     for scene in unique(all.iter().map(|s| s.scene.as_str())) {
         let of_scene: Vec<&Compared> = compared.iter().filter(|c| c.scene == scene).collect();
         if of_scene.iter().any(|c| c.errors.is_some() && c.role != "reference") {
             let name = format!("trajectory-{}", file_name(scene));
             parts.push(Part::figure(name, figure(scene, &of_scene, &looks)));
         }
-        text += &sentences(scene, &of_scene);
     }
-    parts.push(Part::text("trajectory-found", text));
     parts.push(Part::table("trajectory", table(&compared), format!("\n{NORMS}\n")));
     parts
 }
@@ -92,16 +89,7 @@ fn table(compared: &[Compared]) -> DataFrame {
 
 fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> String {
     let sign = |(h, mark)| (Sign::Mark(mark, Pen::solid(INK, 0.3)), format!("h = {} ms", milliseconds(h)));
-    let steps = time_steps(compared).into_iter().zip(MARKS.into_iter().cycle());
-    let mut signs: Vec<(Sign, String)> = steps.map(sign).collect();
-    let axes: Vec<_> = (0..OBSERVABLES.len()).filter_map(|i| axes(compared, i)).collect();
-    if of_role(compared, "floor").any(|c| c.errors.is_some()) {
-        signs.push((Sign::Line(TOLERANCE), "error of the time step alone".to_owned()));
-    }
-    if axes.iter().any(|axes| !axes.twins.is_empty()) {
-        let text = "uncertainty of the reference: smaller errors are not meaningful".to_owned();
-        signs.push((Sign::Line(TWINS), text));
-    }
+    let mut signs: Vec<(Sign, String)> = steps(compared).map(sign).collect();
     let tolerances: Vec<String> = falling(compared, |s| s.tolerance).iter().map(|t| number(*t, 2)).collect();
     let text = format!("Tolerances along a line, from loose to tight: {}.", tolerances.join(", "));
     signs.push((Sign::Word, text));
@@ -110,10 +98,10 @@ fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> Stri
     if failed > 0 {
         signs.push((Sign::Word, format!("Not drawn, since they did not come to the end: {failed}.")));
     }
-    let legend = Legend::new(looks.to_vec(), signs, INSIDE);
     let title =
-        [format!("{scene}: errors of the trajectory against seconds of the method per simulated second")];
-    row(&title, OBSERVABLES.len(), &legend, |canvas, i, room| panel(canvas, compared, looks, i, room))
+        vec![format!("{scene}: errors of the trajectory against seconds of the method per simulated second")];
+    let panels = (0..OBSERVABLES.len()).map(|i| panel(compared, looks, i)).collect();
+    Plot { title, panels, entries: looks.to_vec(), signs }.svg()
 }
 
 /// Returns the distinct values of the runs, the greatest first.
@@ -124,10 +112,6 @@ fn falling(compared: &[&Compared], of: fn(&Simulation) -> f64) -> Vec<f64> {
     values
 }
 
-fn time_steps(compared: &[&Compared]) -> Vec<f64> {
-    falling(compared, |s| s.time_step_s)
-}
-
 fn of_role<'c>(
     compared: &'c [&'c Compared<'c>],
     role: &'static str,
@@ -135,93 +119,34 @@ fn of_role<'c>(
     compared.iter().copied().filter(move |c| c.role == role)
 }
 
-/// Ranges of a panel, and the distances of two references that are in it.
-struct Axes {
-    x: (f64, f64),
-    y: (f64, f64),
-    twins: Vec<f64>,
+/// The time steps, each with its mark.
+fn steps(compared: &[&Compared]) -> impl Iterator<Item = (f64, Mark)> {
+    falling(compared, |s| s.time_step_s).into_iter().zip(MARKS.into_iter().cycle())
 }
 
-/// The axes of the panel of the i-th error; none if it is known of no run.
-fn axes(compared: &[&Compared], i: usize) -> Option<Axes> {
-    let runs = || of_role(compared, "run");
-    let x = padded(runs().filter_map(|c| c.error(i).and(c.cost())), 0.05);
-    let floors = of_role(compared, "floor").filter_map(|c| c.error(i));
-    let y = span(runs().filter_map(|c| c.error(i)).chain(floors))?;
-    let (low, high) = padded([y.0, y.1].into_iter(), 0.08);
-    let twins = of_role(compared, "twin").filter_map(|c| c.error(i));
-    let twins = twins.filter(|at| (low..=high).contains(at)).collect();
-    Some(Axes { x, y: (low, high.max(low + 1.0)), twins })
-}
-
-fn panel(canvas: &Canvas, compared: &[&Compared], looks: &[(String, Look)], i: usize, room: Room) {
-    let runs = || of_role(compared, "run");
-    let Some(Axes { x, y, twins }) = axes(compared, i) else {
-        return canvas.text("no error known", (room.left, room.top), TICK_TEXT, (HPos::Left, VPos::Top));
+/// The i-th error, with a curve for each method and time step.
+fn panel(compared: &[&Compared], looks: &[(String, Look)], i: usize) -> Panel {
+    let mut curves = Vec::new();
+    for ((label, look), (step, mark)) in looks.iter().flat_map(|look| steps(compared).map(move |s| (look, s)))
+    {
+        let here = of_role(compared, "run").filter(|c| c.label() == *label && c.time_step_s == step);
+        let mut points: Vec<_> = here.filter_map(|c| Some((c.tolerance, (c.cost()?, c.error(i)?)))).collect();
+        points.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let points = points.into_iter().map(|(_, point)| point);
+        curves.push(Curve::of("", Look { mark, ..*look }, points, Through::Points));
+    }
+    let floor = |floor: &Compared| {
+        let guide = Guide::new(At::Y(floor.error(i)?), TOLERANCE, "error of the time step alone");
+        Some(Guide { beside: format!("{} ms", milliseconds(floor.time_step_s)), ..guide })
     };
-    let error = format!("error of the {}", OBSERVABLES[i]);
-    let frame = room.frame(canvas, (Scale::Ten, x, "seconds per simulated second"), (Scale::Ten, y, &error));
-    for twin in twins {
-        frame.across(canvas, twin, TWINS);
-    }
-    for floor in of_role(compared, "floor") {
-        let Some(at) = floor.error(i) else { continue };
-        frame.across(canvas, at, TOLERANCE);
-        let text = format!("{} ms", milliseconds(floor.time_step_s));
-        // Beside the ticks.
-        let place = (room.left + 2.0, frame.y.place(at) - 0.2);
-        canvas.text(&text, place, TICK_TEXT, (HPos::Left, VPos::Bottom));
-    }
-    for (label, look) in looks {
-        for (step, mark) in time_steps(compared).iter().zip(MARKS.iter().cycle()) {
-            let mut points: Vec<(f64, Place)> = runs()
-                .filter(|c| c.label() == *label && c.time_step_s == *step)
-                .filter_map(|c| Some((c.tolerance, frame.place((c.cost()?, c.error(i)?)))))
-                .collect();
-            points.sort_by(|a, b| b.0.total_cmp(&a.0));
-            let places: Vec<Place> = points.into_iter().map(|(_, place)| place).collect();
-            canvas.line(&places, look.pen);
-            for place in places {
-                canvas.mark(*mark, place, look.pen);
-            }
-        }
-    }
-}
-
-/// Summarises the rows of a scene, in one sentence for each time step.
-fn sentences(scene: &str, compared: &[&Compared]) -> String {
-    let Some(twin) = of_role(compared, "twin").next().and_then(|c| c.errors) else {
-        return format!("{scene}: no reference was made, so no error is known.\n");
-    };
-    let words = |errors: &[f64; 4]| {
-        let [walls, energy, overlap, height] = errors.map(|e| number(e, 2));
-        format!(
-            "{walls} in the impulses of the walls, {energy} in kinetic energy, {overlap} d in overlap, {height} d in height"
-        )
-    };
-    let mut text = String::new();
-    for step in time_steps(compared) {
-        let at = |c: &&Compared| c.time_step_s == step;
-        let floor = of_role(compared, "floor").find(at).and_then(|c| c.errors);
-        let Some(floor) = floor else { continue };
-        let good = |c: &&Compared| {
-            c.errors.is_some_and(|e| e.iter().zip(floor).all(|(e, floor)| *e <= AT_THE_FLOOR * floor))
-        };
-        let cost = |c: &Compared| c.seconds_per_second().unwrap_or(f64::INFINITY);
-        let runs = of_role(compared, "run").filter(at).filter(good);
-        let cheapest = runs.min_by(|a, b| cost(a).total_cmp(&cost(b)));
-        let h = milliseconds(step);
-        text.extend([format!("{scene}: with h = {h} ms the time step alone costs {}; ", words(&floor))]);
-        text.extend([match cheapest {
-            Some(c) => format!(
-                "the cheapest run within a factor of {AT_THE_FLOOR} of all four is {} at a tolerance of {}, with {} s per simulated second.\n",
-                c.label(),
-                number(c.tolerance, 2),
-                number(cost(c), 2)
-            ),
-            None => format!("no run comes within a factor of {AT_THE_FLOOR} of all four.\n"),
-        }]);
-    }
-    // What the errors above may mean, after what they are.
-    text + &format!("{scene}: two references whose tolerances differ tenfold differ by {}.\n", words(&twin))
+    let floors: Vec<Guide> = of_role(compared, "floor").filter_map(floor).collect();
+    let holds = || floors.iter().filter_map(|floor| if let At::Y(y) = floor.at { Some(y) } else { None });
+    let errors = of_role(compared, "run").filter_map(|c| c.error(i));
+    let (low, high) = span(errors.chain(holds())).unwrap_or((0.0, 1.0));
+    let high = high.max(low + LEAST);
+    let uncertain = "uncertainty of the reference: smaller errors are not meaningful";
+    let twins = of_role(compared, "twin").filter_map(|c| c.error(i)).filter(|at| (low..=high).contains(at));
+    let guides = twins.map(|at| Guide::new(At::Y(at), TWINS, uncertain)).chain(floors.clone());
+    let y = Side::new(Scale::Ten, format!("error of the {}", OBSERVABLES[i])).holding([low, high]);
+    Panel::new(Side::new(Scale::Ten, "seconds per simulated second"), y, curves).guided(guides)
 }

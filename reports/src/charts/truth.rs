@@ -1,128 +1,111 @@
-//! Measures against the truth: where a measure is smaller than the velocity error, it promises too much.
-
-mod band;
+//! The tables of the charts against the truth: the first run to each accuracy, and the errors behind a small measure.
 
 use contact::Measure;
+use polars::df;
+use polars::prelude::{Column, DataFrame};
 
-use super::against_truth::AgainstTruth;
-use crate::draw::{
-    Axis, Canvas, HPos, INSIDE, LOWEST, Line, Lines, LogPoint, Place, RGBColor, Room, Scale, Sign, TICK_TEXT,
-    TOLERANCE, VPos, draw_lines, log, range, row, text_width, title,
+use super::declared::{TRUTH, WORK_PRECISION};
+use crate::draw::Lines;
+use crate::read::{
+    ACCURACIES, COSTS, Cost, Point, Problems, RunRow, WORK, accuracy_text, number, problems, reached,
+    repeats, span,
 };
-use crate::read::{Point, Problems, RunRow, accuracy_text, number, span};
-use crate::text::Part;
-use band::Band;
+use crate::text::{Part, frame};
 
-/// A measure that every method can be stopped by: its name on an axis, and in a sentence.
-type Named = (&'static str, &'static str, Measure);
-
-const MEASURES: [Named; 3] = [
-    ("ζ (–)", "ζ", Measure::Zeta),
-    ("natural map (–)", "the natural map", Measure::NaturalMap),
-    ("quadratic norm of LMGC90 (–)", "the quadratic norm", Measure::QuadDv),
-];
-
-/// The value of a measure at which the text says what it is worth.
+/// The measures that every method can be stopped by.
+const MEASURES: [(&str, Measure); 3] =
+    [("ζ", Measure::Zeta), ("natural map", Measure::NaturalMap), ("quadratic norm", Measure::QuadDv)];
+/// The value of a measure at which the table says what it is worth.
 const WORTH: f64 = 1e-4;
 
-/// `truth-<problem>` for each problem, and `truth` with the errors behind a measure of 10⁻⁴.
-pub(crate) fn parts(study: &Problems) -> Vec<Part> {
-    let lacks = "no truth to compare with";
-    AgainstTruth { name: "truth", lacks, figure, sentences, note: String::new() }.parts(study)
-}
-
-/// Content of a panel: lines, and behind them the bands of those that go up and down.
-struct Shown {
-    lines: Vec<Line>,
-    bands: Vec<(RGBColor, Band)>,
-    /// Ranges of the velocity error and of the measure.
-    x: (f64, f64),
-    y: (f64, f64),
-}
-
-fn figure(study: &Lines, problem: &str, runs: &[&RunRow]) -> String {
-    let panels = MEASURES.each_ref().map(|measure| shown(study, runs, measure));
-    let mut more = vec![(
-        Sign::Line(TOLERANCE),
-        "measure = velocity error; below it the measure promises too much".into(),
-    )];
-    if panels.iter().any(|shown| !shown.bands.is_empty()) {
-        let text = "A band holds a curve that goes up and down; the line in it is the median.";
-        more.push((Sign::Word, text.to_owned()));
-    }
-    let legend = study.legend_of_best(runs, more, INSIDE);
-    row(&[title(problem, runs)], MEASURES.len(), &legend, |canvas, i, room| {
-        panel(canvas, &panels[i], &MEASURES[i], room);
-    })
-}
-
-fn shown(study: &Lines, runs: &[&RunRow], measure: &Named) -> Shown {
-    let mut lines = study.lines_of_best(runs, |_, point| {
-        // At its start a run has measured nothing. An error of 0 is at the end of the axis, not beyond all others.
-        let pair = point.velocity_error().zip(point.get(measure.2));
-        (point.iteration > 0).then(|| pair.map(|(error, measure)| (log(error).max(LOWEST), log(measure))))
-    });
-    let turn = |line: &Line| Line {
-        points: line.points.iter().map(|point: &LogPoint| point.map(|(x, y)| (y, x))).collect(),
-        ..*line
-    };
-    let x = range(&lines.iter().map(turn).collect::<Vec<_>>(), &[]);
-    let y = range(&lines, &[]);
-    let mut bands = Vec::new();
-    for line in &mut lines {
-        if let Some(mut band) = Band::of(&line.points, x.1 - x.0) {
-            line.points = std::mem::take(&mut band.middle);
-            bands.push((pale(line.look.pen.color), band));
+/// The figures of a problem each, and the first to each accuracy.
+pub(crate) fn work_precision(study: &Problems) -> Vec<Part> {
+    let mut note = "\n".to_owned();
+    for given in &study.given {
+        if let Some(error) = given.end.velocity_error() {
+            let (problem, code, error) = (&given.problem, &given.variant, number(error, 2));
+            note.extend([
+                problem,
+                ": the impulses that ",
+                code,
+                " gave have a velocity error of ",
+                &error,
+                ".\n",
+            ]);
         }
     }
-    Shown { lines, bands, x, y }
+    note.extend(["\n", &repeats(&study.runs), " ", WORK, "\n"]);
+    with_table(WORK_PRECISION.parts(study), "work-precision", study, (firsts, note))
 }
 
-/// A colour on its way to white.
-fn pale(RGBColor(r, g, b): RGBColor) -> RGBColor {
-    let pale = |c: u8| 255 - (255 - c) / 4;
-    RGBColor(pale(r), pale(g), pale(b))
+/// The figures of a problem each, and the errors behind small measures.
+pub(crate) fn truth(study: &Problems) -> Vec<Part> {
+    let note =
+        format!("\nVelocity errors where the measure is {} for the first time.\n", accuracy_text(WORTH));
+    with_table(TRUTH.parts(study), "truth", study, (errors, note))
 }
 
-fn panel(canvas: &Canvas, Shown { lines, bands, x, y }: &Shown, measure: &Named, room: Room) {
-    let name = "velocity error (–)";
-    let frame = room.frame(canvas, (Scale::Ten, *x, name), (Scale::Ten, *y, measure.0));
-    for (color, band) in bands {
-        let edge = band.high.iter().chain(band.low.iter().rev());
-        let inside = |at: f64, axis: &Axis| axis.place(at.clamp(axis.low, axis.high));
-        let corners: Vec<Place> = edge.map(|(x, y)| (inside(*x, &frame.x), inside(*y, &frame.y))).collect();
-        canvas.polygon(&corners, *color, None);
+/// Rows of the problems whose truth is known.
+type Table = fn(&Lines, &[&str]) -> DataFrame;
+
+/// The parts with a table, which says where the truth is not known.
+fn with_table(
+    mut parts: Vec<Part>,
+    name: &str,
+    study: &Problems,
+    (table, note): (Table, String),
+) -> Vec<Part> {
+    let lines = Lines::of(&study.runs);
+    let (known, unknown): (Vec<&str>, Vec<&str>) =
+        problems(&study.runs).into_iter().partition(|problem| lines.knows_truth(problem));
+    let untold = unknown.iter().map(|problem| format!("\n{problem}: no velocity error in its rows.\n"));
+    let note = note + &untold.collect::<String>();
+    parts.push(Part::table(name, table(&lines, &known), note));
+    parts
+}
+
+/// The first run to each accuracy, in each cost.
+fn firsts(study: &Lines, problems: &[&str]) -> DataFrame {
+    let rows = || problems.iter().flat_map(|problem| ACCURACIES.map(|accuracy| (*problem, accuracy)));
+    let first = |cost: &Cost, (problem, accuracy): (&str, f64)| {
+        let price = |run: &RunRow| (cost.of)(run, reached(&run.curve, accuracy)?);
+        let prices = study.runs_of(problem).into_iter().filter_map(|run| Some((price(run)?, run)));
+        prices.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(price, run)| (run.label(), price))
+    };
+    let mut table = frame(df!(
+        "problem" => rows().map(|(problem, _)| problem).collect::<Vec<_>>(),
+        "velocity_error" => rows().map(|(_, accuracy)| accuracy).collect::<Vec<_>>(),
+    ));
+    for cost in &COSTS {
+        let (who, prices): (Vec<_>, Vec<_>) = rows().map(|row| first(cost, row).unzip()).unzip();
+        for column in [
+            Column::new(format!("first_in_{}", cost.name).into(), who),
+            Column::new(cost.name.into(), prices),
+        ] {
+            table = frame(table.hstack(&[column]));
+        }
     }
-    frame.draw_diagonal(canvas);
-    if frame.diagonal().is_some() {
-        // In the corner below the diagonal, where the curves of an honest measure do not come.
-        let text = "promises too much";
-        let place = (frame.x.to - text_width(text, TICK_TEXT) - 1.5, frame.y.from - 1.6);
-        canvas.text(text, place, TICK_TEXT, (HPos::Left, VPos::Bottom));
-    }
-    draw_lines(canvas, &frame, lines);
+    table
 }
 
-fn sentences(study: &Lines, problem: &str) -> String {
-    MEASURES.iter().map(|measure| sentence(study, problem, measure)).collect()
-}
-
-/// Between which velocity errors the runs are when the measure comes down to that value.
-fn sentence(study: &Lines, problem: &str, measure: &Named) -> String {
-    let small =
-        |point: &&Point| point.iteration > 0 && point.get(measure.2).is_some_and(|value| value <= WORTH);
-    let runs = study.runs_of(problem);
-    let error = |run: &&RunRow| run.curve.iter().find(small)?.velocity_error();
-    let errors: Vec<f64> = runs.iter().filter_map(error).collect();
-    let (short, value) = (measure.1, accuracy_text(WORTH));
-    match span(errors.iter().copied()) {
-        Some((least, greatest)) => format!(
-            "{problem}: where {short} is {value} for the first time, the velocity error is between {} and {} ({} of {} runs).\n",
-            number(least, 2),
-            number(greatest, 2),
-            errors.len(),
-            runs.len(),
-        ),
-        None => format!("{problem}: no run with a known velocity error brings {short} to {value}.\n"),
-    }
+/// Between which velocity errors the runs are when a measure first comes down to [`WORTH`].
+fn errors(study: &Lines, problems: &[&str]) -> DataFrame {
+    let rows = || problems.iter().flat_map(|problem| MEASURES.map(|measure| (*problem, measure)));
+    let of_row = |(problem, (_, measure)): (&str, (&str, Measure))| {
+        let small =
+            |point: &&Point| point.iteration > 0 && point.get(measure).is_some_and(|value| value <= WORTH);
+        let error = |run: &RunRow| run.curve.iter().find(small)?.velocity_error();
+        study.runs_of(problem).into_iter().filter_map(error).collect::<Vec<_>>()
+    };
+    let end = |of: fn((f64, f64)) -> f64| {
+        rows().map(|row| span(of_row(row).into_iter()).map(of)).collect::<Vec<_>>()
+    };
+    frame(df!(
+        "problem" => rows().map(|(problem, _)| problem).collect::<Vec<_>>(),
+        "measure" => rows().map(|(_, (short, _))| short).collect::<Vec<_>>(),
+        "runs" => rows().map(|(problem, _)| study.runs_of(problem).len() as u64).collect::<Vec<_>>(),
+        "runs_there" => rows().map(|row| of_row(row).len() as u64).collect::<Vec<_>>(),
+        "least_velocity_error" => end(|span| span.0),
+        "greatest_velocity_error" => end(|span| span.1),
+    ))
 }

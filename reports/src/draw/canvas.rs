@@ -1,90 +1,111 @@
 //! A sheet to draw on in millimetres. It becomes an SVG of that size on paper.
-//!
-//! What the drawing library leaves to be done by hand is done here and nowhere else: its coordinates are integers, hence fine
-//! units; its SVG has a size in pixels, one font and `ex`, hence a few replacements in the text. A backend of our own would
-//! have to write every element itself to save them.
 
-use std::sync::OnceLock;
+use std::cell::RefCell;
+use std::fmt::{self, Write};
+use std::sync::LazyLock;
 
-use plotters::coord::Shift;
-use plotters::drawing::{DrawingArea, IntoDrawingArea};
-use plotters::element::{Circle, PathElement, Polygon};
-use plotters::prelude::SVGBackend;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{
-    Color, FontDesc, FontFamily, FontStyle, RGBColor, ShapeStyle, TextStyle, register_font,
-};
+use ab_glyph::{Font, FontRef, ScaleFont};
 
-use crate::draw::{BLACK, Mark, Pen, WHITE};
+use crate::draw::{BLACK, Mark, Pen, RGBColor, WHITE};
 use crate::read::Ending;
 
-/// The drawing library rounds to integers, so its unit is a fiftieth of a millimetre.
+/// Coordinates are integers of a fiftieth of a millimetre.
 const UNITS_PER_MM: f64 = 50.0;
 const MM_PER_PT: f64 = 25.4 / 72.0;
-/// The drawing library writes a font's size divided by this.
-const SIZE_PER_EM: f64 = 1.24;
+/// Height of a line of the font over its size (–): widths are measured by it.
+const HEIGHT_PER_EM: f64 = 1.24;
 /// Fonts of nearly the same widths, for a reader without the font that the layout is made with.
 const FONTS: &str = "DejaVu Sans, Verdana, sans-serif";
+
+/// The font whose widths a layout is made with, on any machine.
+static FONT: LazyLock<FontRef> = LazyLock::new(|| {
+    let bytes = include_bytes!("../../fonts/DejaVuSans.ttf");
+    FontRef::try_from_slice(bytes).expect("the font that is part of this program is a font")
+});
 
 /// A place on the sheet (mm), from its upper left corner.
 pub(crate) type Place = (f64, f64);
 
-pub(crate) struct Canvas<'a> {
-    area: DrawingArea<SVGBackend<'a>, Shift>,
+/// Side of a text that stands at its place.
+#[derive(Clone, Copy)]
+pub(crate) enum HPos {
+    Left,
+    Center,
+    Right,
+}
+
+/// Height of a text that stands at its place.
+#[derive(Clone, Copy)]
+pub(crate) enum VPos {
+    Top,
+    Center,
+    Bottom,
+}
+
+/// The elements drawn so far.
+pub(crate) struct Canvas {
+    svg: RefCell<String>,
 }
 
 /// Draws a sheet of `width` by `height` mm on a white ground.
 pub(crate) fn svg((width, height): (f64, f64), draw: impl FnOnce(&Canvas)) -> String {
-    use_own_font();
-    let (columns, rows) = (units(width) as u32, units(height) as u32);
-    let mut text = String::new();
-    let canvas = Canvas { area: SVGBackend::with_string(&mut text, (columns, rows)).into_drawing_area() };
-    drawn(canvas.area.fill(&WHITE));
+    let (columns, rows) = (units(width), units(height));
+    let canvas = Canvas { svg: RefCell::default() };
+    canvas.add(format_args!(
+        "<svg width=\"{width}mm\" height=\"{height}mm\" stroke-linejoin=\"round\" viewBox=\"0 0 {columns} {rows}\" \
+         xmlns=\"http://www.w3.org/2000/svg\">\n<rect x=\"0\" y=\"0\" width=\"{columns}\" height=\"{rows}\" \
+         fill=\"{WHITE}\" stroke=\"none\"/>"
+    ));
     draw(&canvas);
-    drawn(canvas.area.present());
-    drop(canvas);
-    let size = |width: &str, height: &str| format!(r#"width="{width}" height="{height}""#);
-    let text: String = text.split_inclusive('\n').map(lowered).collect();
-    text.replacen(
-        &size(&columns.to_string(), &rows.to_string()),
-        &format!("{} stroke-linejoin=\"round\"", size(&format!("{width}mm"), &format!("{height}mm"))),
-        1,
-    )
-    .replace(r#"font-family="sans-serif""#, &format!(r#"font-family="{FONTS}""#))
-    // Half the height of a digit, which every renderer knows; few agree on `ex`.
-    .replace(r#"dy="0.5ex""#, r#"dy="0.36em""#)
-    .replace(r#" opacity="1""#, "")
+    canvas.svg.into_inner() + "</svg>\n"
 }
 
-/// A line of SVG with the index of each κ_l or κ_d set as one.
-fn lowered(line: &str) -> String {
-    let mut pieces = line.split("κ_");
-    let mut text = pieces.next().unwrap_or_default().to_owned();
+/// A text with the index of each κ_l or κ_d set as one.
+fn lowered(text: &str) -> String {
+    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let text = text.replace('"', "&quot;").replace('\'', "&apos;");
+    let mut pieces = text.split("κ_");
+    let mut lowered = pieces.next().unwrap_or_default().to_owned();
     for piece in pieces {
         let (index, rest) = piece.split_at(piece.chars().next().map_or(0, char::len_utf8));
         // Down by three tenths of the smaller letter, and up again.
-        text.extend([r#"κ<tspan font-size="70%" dy="0.3em">"#, index, r#"</tspan><tspan dy="-0.21em">"#]);
-        text.extend([rest.trim_end_matches('\n'), "</tspan>", if rest.ends_with('\n') { "\n" } else { "" }]);
+        lowered.extend([r#"κ<tspan font-size="70%" dy="0.3em">"#, index, r#"</tspan><tspan dy="-0.21em">"#]);
+        lowered.extend([rest, "</tspan>"]);
     }
-    text
+    lowered
 }
 
 /// Width of a text (mm).
 pub(crate) fn text_width(text: &str, size_pt: f64) -> f64 {
-    use_own_font();
-    f64::from(drawn(font(size_pt).box_size(text)).0) / UNITS_PER_MM
+    let font = FONT.as_scaled((font_size(size_pt) * HEIGHT_PER_EM) as f32);
+    let mut width = 0.0;
+    let mut before = None;
+    for glyph in text.chars().map(|letter| font.glyph_id(letter)) {
+        width += font.h_advance(glyph);
+        width += before.map_or(0.0, |before| font.kern(before, glyph));
+        before = Some(glyph);
+    }
+    f64::from(width as i32) / UNITS_PER_MM
 }
 
-impl Canvas<'_> {
+impl Canvas {
+    fn add(&self, element: fmt::Arguments) {
+        writeln!(self.svg.borrow_mut(), "{element}").expect("a text takes what is written to it");
+    }
+
     pub(crate) fn line(&self, places: &[Place], pen: Pen) {
-        let style = ShapeStyle::from(&pen.color).stroke_width(units(pen.width).max(1) as u32);
         for piece in dashes(places, pen.dash) {
-            drawn(self.area.draw(&PathElement::new(rounded(&piece), style)));
+            self.add(format_args!(
+                "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" points=\"{}\"/>",
+                pen.color,
+                units(pen.width).max(1),
+                points(&piece)
+            ));
         }
     }
 
     pub(crate) fn polygon(&self, corners: &[Place], fill: RGBColor, pen: Option<Pen>) {
-        drawn(self.area.draw(&Polygon::new(rounded(corners), fill.filled())));
+        self.add(format_args!("<polygon fill=\"{fill}\" points=\"{}\"/>", points(corners)));
         let closed: Vec<Place> = corners.iter().chain(corners.first()).copied().collect();
         if let Some(pen) = pen {
             self.line(&closed, pen);
@@ -92,11 +113,16 @@ impl Canvas<'_> {
     }
 
     pub(crate) fn disc(&self, centre: Place, radius: f64, fill: RGBColor, pen: Option<Pen>) {
-        let (centre, radius) = ((units(centre.0), units(centre.1)), units(radius).max(1));
-        drawn(self.area.draw(&Circle::new(centre, radius, fill.filled())));
-        let Some(pen) = pen else { return };
-        let style = ShapeStyle::from(&pen.color).stroke_width(units(pen.width).max(1) as u32);
-        drawn(self.area.draw(&Circle::new(centre, radius, style)));
+        let (x, y, r) = (units(centre.0), units(centre.1), units(radius).max(1));
+        self.add(format_args!(
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"{fill}\" stroke=\"none\" stroke-width=\"1\"/>"
+        ));
+        if let Some(Pen { color, width, .. }) = pen {
+            let width = units(width).max(1);
+            self.add(format_args!(
+                "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"/>"
+            ));
+        }
     }
 
     pub(crate) fn text(&self, text: &str, place: Place, size_pt: f64, anchor: (HPos, VPos)) {
@@ -109,10 +135,27 @@ impl Canvas<'_> {
         text: &str,
         place: Place,
         size_pt: f64,
-        anchor: (HPos, VPos),
+        (side, height): (HPos, VPos),
     ) {
-        let style = TextStyle::from(font(size_pt)).pos(Pos::new(anchor.0, anchor.1)).color(&color);
-        drawn(self.area.draw_text(text, &style, (units(place.0), units(place.1))));
+        let side = match side {
+            HPos::Left => "start",
+            HPos::Center => "middle",
+            HPos::Right => "end",
+        };
+        // Half the height of a digit in the middle, which every renderer knows; few agree on `ex`.
+        let height = match height {
+            VPos::Top => "0.76em",
+            VPos::Center => "0.36em",
+            VPos::Bottom => "-0.5ex",
+        };
+        self.add(format_args!(
+            "<text x=\"{}\" y=\"{}\" dy=\"{height}\" text-anchor=\"{side}\" font-family=\"{FONTS}\" \
+             font-size=\"{}\" fill=\"{color}\">\n{}\n</text>",
+            units(place.0),
+            units(place.1),
+            font_size(size_pt),
+            lowered(text)
+        ));
     }
 
     /// A sign on a line, white inside.
@@ -178,27 +221,19 @@ fn units(mm: f64) -> i32 {
     (mm * UNITS_PER_MM).round() as i32
 }
 
-fn rounded(places: &[Place]) -> Vec<(i32, i32)> {
+/// Places as an element has them, each but once in a row.
+fn points(places: &[Place]) -> String {
     let mut places: Vec<(i32, i32)> = places.iter().map(|&(x, y)| (units(x), units(y))).collect();
     places.dedup();
-    places
+    places.into_iter().fold(String::new(), |mut text, (x, y)| {
+        let _ = write!(text, "{x},{y} ");
+        text
+    })
 }
 
-fn font(size_pt: f64) -> FontDesc<'static> {
-    FontDesc::new(FontFamily::SansSerif, size_pt * MM_PER_PT * UNITS_PER_MM * SIZE_PER_EM, FontStyle::Normal)
-}
-
-/// Layout needs the widths of a font on machines that have none.
-fn use_own_font() {
-    static REGISTERED: OnceLock<bool> = OnceLock::new();
-    let bytes = include_bytes!("../../fonts/DejaVuSans.ttf");
-    let register = || register_font("sans-serif", FontStyle::Normal, bytes).is_ok();
-    assert!(*REGISTERED.get_or_init(register), "the font that is part of this program is a font");
-}
-
-/// Unwraps the result of a drawing: in memory, with a font that is there, no file, device or size can refuse it.
-fn drawn<T, E: std::fmt::Debug>(result: Result<T, E>) -> T {
-    result.expect("drawing in memory does not fail")
+/// Size of a font of so many points, in units.
+fn font_size(size_pt: f64) -> f64 {
+    size_pt * MM_PER_PT * UNITS_PER_MM
 }
 
 /// The drawn pieces of a line under a pattern of lengths drawn and left out.
@@ -212,7 +247,7 @@ fn dashes(places: &[Place], pattern: &[f64]) -> Vec<Vec<Place>> {
     for ends in places.windows(2) {
         let (mut from, to) = (ends[0], ends[1]);
         let mut length = (to.0 - from.0).hypot(to.1 - from.1);
-        while length > left {
+        while length > left && length.is_finite() {
             let t = left / length;
             from = (from.0 + t * (to.0 - from.0), from.1 + t * (to.1 - from.1));
             length -= left;

@@ -17,11 +17,6 @@ pub(crate) fn log(value: f64) -> f64 {
     value.max(0.0).log10().clamp(-BEYOND, BEYOND)
 }
 
-/// A point in logarithms. A cost of 0 has no place on the axis.
-pub(crate) fn log_point(cost: f64, measure: Option<f64>) -> Option<LogPoint> {
-    (cost > 0.0).then(|| measure.map(|value| (log(cost), log(value))))
-}
-
 /// Range of the curves and the tolerances, at least a decade: all that the settled runs reach between 10⁻¹² and 10³,
 /// and of the others what lies below ten, so that they are seen to leave the frame.
 pub(crate) fn range(lines: &[Line], tolerances: &[f64]) -> (f64, f64) {

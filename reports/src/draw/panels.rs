@@ -1,6 +1,8 @@
 //! A row of panels of one size, with lines of text above and a legend below.
 
-use crate::draw::{Axis, Canvas, Frame, HPos, LEADING, Legend, MARGIN, PAGE, Scale, TEXT, VPos, svg};
+use crate::draw::{
+    Axis, Canvas, Frame, HPos, LEADING, Legend, MARGIN, PAGE, PAGE_HEIGHT, Scale, TEXT, VPos, svg,
+};
 use crate::read::{RunRow, counted};
 
 /// Left of a panel for the labels of its ticks, and right of it (mm).
@@ -9,8 +11,9 @@ const RIGHT: f64 = 3.0;
 /// Above a panel for the name of its measure, and below it for the labels and the name of its axis (mm).
 const ABOVE: f64 = LEADING + 1.8;
 const BELOW: f64 = 10.0;
-/// Height of a panel, at most its width (mm).
+/// Height of a panel, at most its width, and the least of several rows (mm).
 const HEIGHT: f64 = 66.0;
+const LEAST: f64 = 32.0;
 
 /// Room of a panel on paper (mm).
 #[derive(Clone, Copy)]
@@ -38,14 +41,24 @@ type Span<'s> = (Scale, (f64, f64), &'s str);
 /// Width inside the margins, for legends (mm).
 pub(crate) const INSIDE: f64 = PAGE - 2.0 * MARGIN;
 
-/// A page as wide as a journal's, with `count` panels side by side, or four in two rows, each drawn by `panel`.
+/// A page as wide as a journal's, with `count` panels side by side, each drawn by `panel`.
 pub(crate) fn row(
     title: &[String],
     count: usize,
     legend: &Legend,
     panel: impl Fn(&Canvas, usize, Room),
 ) -> String {
-    grid(title, if count == 4 { (2, 2) } else { (count, 1) }, legend, panel)
+    grid(title, (count, 1), legend, panel)
+}
+
+/// Height of each of several rows of panels that fill a page (mm).
+fn high(rows: usize, taken: f64) -> f64 {
+    (PAGE_HEIGHT - 2.0 * MARGIN - taken) / rows as f64 - ABOVE - BELOW
+}
+
+/// Reports whether a page has room for so many rows of panels, above a legend of this height (mm), and a line of text for each.
+pub(crate) fn fits_a_page(rows: usize, legend: f64) -> bool {
+    high(rows, legend + LEADING * rows as f64) >= LEAST
 }
 
 /// Draws panels in columns and rows, row by row, with a title and a legend.
@@ -57,9 +70,13 @@ pub(crate) fn grid(
 ) -> String {
     let pitch = INSIDE / columns as f64;
     let wide = pitch - LEFT - RIGHT;
-    let first = MARGIN + LEADING * title.len() as f64 + ABOVE;
-    let high = HEIGHT.min(wide);
-    let bottom = first + high + (rows - 1) as f64 * (high + BELOW + ABOVE);
+    let taken = LEADING * title.len() as f64;
+    let high = match rows {
+        1 => HEIGHT.min(wide),
+        rows => HEIGHT.min(wide).min(high(rows, taken + legend.height()).max(LEAST)),
+    };
+    let first = MARGIN + taken + ABOVE;
+    let bottom = first + rows as f64 * (high + BELOW + ABOVE) - BELOW - ABOVE;
     svg((PAGE, (bottom + BELOW + legend.height() + MARGIN).ceil()), |canvas| {
         for (i, line) in title.iter().enumerate() {
             let place = (MARGIN, MARGIN + LEADING * i as f64);

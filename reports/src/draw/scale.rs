@@ -1,7 +1,5 @@
 //! Numbers as colours, on a logarithmic scale of which the lightness falls all the way: it also reads in grey.
 
-use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
-
 use crate::draw::{Axis, BLACK, Canvas, FRAME, HPos, Place, RGBColor, TEXT, TICK_TEXT, VPos, WHITE};
 
 /// Width of the bar (mm).
@@ -57,8 +55,24 @@ impl ColorScale {
     }
 }
 
+/// Viridis of matplotlib, from dark to light in even steps.
+const VIRIDIS: [(u8, u8, u8); 8] = [
+    (68, 1, 84),
+    (70, 50, 127),
+    (54, 92, 141),
+    (39, 127, 143),
+    (31, 162, 136),
+    (74, 194, 110),
+    (160, 219, 57),
+    (254, 232, 37),
+];
+
 fn shade(share: f64) -> RGBColor {
-    ViridisRGB.get_color((1.0 - share).clamp(0.0, 1.0))
+    let step = (1.0 - share).clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
+    let (low, high) = (VIRIDIS[step.floor() as usize], VIRIDIS[step.ceil() as usize]);
+    let less = step.ceil() - step;
+    let mixed = |low: u8, high: u8| (less * f64::from(low) + (1.0 - less) * f64::from(high)).round() as u8;
+    RGBColor(mixed(low.0, high.0), mixed(low.1, high.1), mixed(low.2, high.2))
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ const SAMPLE: f64 = 8.0;
 const NEXT: f64 = 4.0;
 
 /// Sign that an entry explains.
+#[derive(Clone, Copy)]
 pub(crate) enum Sign {
     /// Text alone.
     Word,

@@ -1,6 +1,16 @@
 //! Sizes, colours, dashes and marks of all figures, in one place. Lengths are millimetres on paper, text is in points.
 
-use plotters::style::RGBColor;
+use std::fmt;
+
+/// A colour: red, green and blue.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RGBColor(pub(crate) u8, pub(crate) u8, pub(crate) u8);
+
+impl fmt::Display for RGBColor {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "#{:02X}{:02X}{:02X}", self.0, self.1, self.2)
+    }
+}
 
 /// Width of a column of a journal.
 pub(crate) const COLUMN: f64 = 85.0;

@@ -25,22 +25,22 @@ fn made(runs: &Runs) -> String {
 fn no_row_one_row_only_failures_and_undefined_values_make_a_page_that_says_so() {
     assert!(made(&tables(&[], &[])).contains("No run of this study is stored."));
     let one = made(&tables(&[run(0, "cg", "", "converged")], &[(0, decay())]));
-    assert!(one.contains("cg (100) has the fewest iterations") && one.contains("failures: none."));
+    assert!(one.contains("1 converged.") && one.contains("failures: none."));
     let failed = Run { reason: "why </script> not".into(), ..run(0, "jacobi", "", "skipped") };
     let failed = made(&tables(&[failed, run(1, "cg", "", "diverged")], &[(1, explosion())]));
-    assert!(failed.contains("column: no run converged.") && failed.contains("why &lt;/script&gt; not"));
+    assert!(failed.contains("1 diverged, 1 skipped.") && failed.contains("why &lt;/script&gt; not"));
     let odd = Run { tolerance: f64::NAN, setup_s: f64::NAN, ..run(0, "cg", "", "converged") };
     made(&tables(&[odd], &[(0, vec![sample(0, f64::NAN, f64::NAN), sample(1, f64::INFINITY, f64::NAN)])]));
 }
 
 #[test]
 fn sentences_of_the_page_change_with_the_rows() {
-    let page = |iterations| {
-        let cg = Run { iterations, ..run(0, "cg", "", "converged") };
+    let page = |status| {
+        let cg = run(0, "cg", "", status);
         made(&tables(&[cg, run(1, "nsgs", "", "converged")], &[(0, decay()), (1, decay())]))
     };
-    assert!(page(7).contains("column: cg (7) has the fewest iterations"));
-    assert!(page(700).contains("column: nsgs (100) has the fewest iterations"));
+    assert!(page("converged").contains("in all of their runs: cg (1), nsgs (1)."));
+    assert!(page("diverged").contains("in all of their runs: nsgs (1)."));
 }
 
 #[test]

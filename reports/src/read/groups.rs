@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Map, Value};
 
-use crate::read::RunRow;
+use crate::draw::METHODS;
 
 /// Methods, each with a setting, other than those in `except`, in which some of its runs differ.
 pub(crate) fn differing<'r>(
@@ -24,16 +24,23 @@ pub(crate) fn differing<'r>(
     differing
 }
 
-/// Writes those settings of a run that are in `keys`: `4x2`, `4x2, relaxation=0.8`. What is unset or `none` is left out.
-pub(crate) fn settings_text(run: &RunRow, keys: &BTreeSet<(String, String)>) -> String {
-    let word = |(_, key): &(String, String)| match run.settings.get(key)? {
+/// Writes those settings of a run that are in `keys`: `4x2`, `4x2, relaxation=0.8`; the name of a method with its key, as in
+/// `start=cg`. What is unset or `none` is left out.
+pub(crate) fn settings_text(
+    (method, settings): (&str, &Map<String, Value>),
+    keys: &BTreeSet<(String, String)>,
+) -> String {
+    let word = |(_, key): &(String, String)| match settings.get(key)? {
         Value::Null => None,
         Value::Bool(true) => Some(key.clone()),
         Value::Bool(false) => Some(format!("no {key}")),
         Value::String(text) if text == "none" => None,
+        Value::String(text) if METHODS.iter().any(|(method, _)| method == text) => {
+            Some(format!("{key}={text}"))
+        }
         Value::String(text) => Some(text.clone()),
         // A whole number has no fraction.
         value => Some(format!("{key}={}", value.as_f64().map_or(value.to_string(), |x| x.to_string()))),
     };
-    keys.iter().filter(|(method, _)| *method == run.method).filter_map(word).collect::<Vec<_>>().join(", ")
+    keys.iter().filter(|(of, _)| of == method).filter_map(word).collect::<Vec<_>>().join(", ")
 }

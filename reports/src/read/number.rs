@@ -55,15 +55,5 @@ pub(crate) fn round_down(value: f64) -> f64 {
         .unwrap_or(decade)
 }
 
-/// The least of 1, 2, 5 times a power of ten that is not below `value > 0`.
-pub(crate) fn round_up(value: f64) -> f64 {
-    let decade = 10f64.powf(value.log10().floor());
-    [1.0, 2.0, 5.0]
-        .into_iter()
-        .map(|m| m * decade)
-        .find(|&rounded| rounded >= value * (1.0 - 1e-9))
-        .unwrap_or(10.0 * decade)
-}
-
 #[cfg(test)]
 mod tests;

@@ -1,14 +1,12 @@
 //! A run of a study on a problem, and the samples of its curve.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::HashSet;
 use std::ops::Deref;
 
 use contact::{Measure, Work};
 use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot};
-use serde_json::{Map, Value};
 
-use crate::draw::METHODS;
 use crate::read::{Ending, counted, number};
 
 /// A run with all that is stored of it, and what is read from that; a number that is undefined there is `None` here.
@@ -17,7 +15,7 @@ pub(crate) struct RunRow {
     row: Run,
     /// Its number in the study.
     pub(crate) run: u32,
-    /// The variant as it is read: a number or a truth value with the name of its setting.
+    /// The settings in which runs of its method differ, as they are read, and how it starts if they differ in that.
     pub(crate) words: String,
     pub(crate) ending: Ending,
     pub(crate) tolerance: Option<f64>,
@@ -74,9 +72,7 @@ impl RunRow {
     }
 
     pub(crate) fn label(&self) -> String {
-        // Such as a preconditioner that is none.
-        let words = self.words.strip_prefix("none").unwrap_or(&self.words);
-        label(&self.method, words.strip_prefix(", ").unwrap_or(words))
+        label(&self.method, &self.words)
     }
 
     pub(crate) fn has_converged(&self) -> bool {
@@ -104,6 +100,11 @@ impl RunRow {
     /// Returns the time of an iteration (s).
     pub(crate) fn seconds_per_iteration(&self) -> Option<f64> {
         self.iterating_s.filter(|_| self.iterations > 0).map(|seconds| seconds / self.iterations as f64)
+    }
+
+    /// Multiply-adds of an iteration on the longest subdomain.
+    pub(crate) fn path_per_iteration(&self) -> Option<f64> {
+        self.derived.get("critical_path")?.as_f64()
     }
 
     /// Set-up and iterations (s).
@@ -153,31 +154,6 @@ impl Point {
         let visits = contact_updates as f64 + contacts * delassus_products as f64;
         let work = visits + (triangular_solve_entries + of_factorisations) as f64 / 8.0;
         (few && (work > 0.0 || self.iteration == 0)).then_some(work / contacts)
-    }
-}
-
-/// A variant that is the value of one setting, such as `0.5` or `false`, or the name of a method, says of which: `relaxation=0.5`,
-/// `no polish`, `start=cg`.
-pub(crate) fn words(
-    variant: &str,
-    (method, settings): (&str, &Map<String, Value>),
-    differing: &BTreeSet<(String, String)>,
-) -> String {
-    let (value, start) = variant.find(',').map_or((variant, ""), |comma| variant.split_at(comma));
-    let number = value.parse::<f64>().ok();
-    let is = |of: &&Value| match of {
-        Value::Bool(truth) => truth.to_string() == value,
-        Value::Number(of) => number.is_some() && of.as_f64() == number,
-        Value::String(name) => name == value && METHODS.iter().any(|(method, _)| method == name),
-        _ => false,
-    };
-    let keys = differing.iter().filter(|(of, _)| of == method).map(|(_, key)| key);
-    let mut keys = keys.filter(|key| settings.get(*key).as_ref().is_some_and(is));
-    match (keys.next(), keys.next()) {
-        (Some(key), None) if value == "true" => format!("{key}{start}"),
-        (Some(key), None) if value == "false" => format!("no {key}{start}"),
-        (Some(key), None) => format!("{key}={value}{start}"),
-        _ => variant.to_owned(),
     }
 }
 

@@ -7,23 +7,27 @@ use results::simulation::{Observed, Simulated, Simulation as Row};
 use super::run::{defined, label};
 
 /// A simulation with its series.
-pub(crate) struct Simulation(Simulated);
+pub(crate) struct Simulation {
+    simulated: Simulated,
+    /// The settings in which runs of its method differ, as they are read.
+    pub(crate) words: String,
+}
 
 impl Deref for Simulation {
     type Target = Row;
 
     fn deref(&self) -> &Row {
-        &self.0.simulation
+        &self.simulated.simulation
     }
 }
 
 impl Simulation {
     pub(crate) fn of(simulated: &Simulated) -> Self {
-        Self(simulated.clone())
+        Self { simulated: simulated.clone(), words: String::new() }
     }
 
     pub(crate) fn series(&self) -> &[Observed] {
-        &self.0.series
+        &self.simulated.series
     }
 
     pub(crate) fn is_run(&self) -> bool {
@@ -31,14 +35,15 @@ impl Simulation {
     }
 
     pub(crate) fn label(&self) -> String {
-        // A truth value says of which setting it is, if that is the only one.
-        let mut truths = self.settings.iter().filter(|(_, value)| value.is_boolean());
-        match (self.variant.as_str(), truths.next(), truths.next()) {
-            (variant @ ("true" | "false"), Some((key, _)), None) => {
-                label(&self.method, &format!("{key}={variant}"))
-            }
-            (variant, ..) => label(&self.method, variant),
-        }
+        label(&self.method, &self.words)
+    }
+
+    /// Reports whether it came to its end, and missed its tolerance in few of its time steps.
+    pub(crate) fn is_solved(&self) -> bool {
+        /// The share of the time steps that may miss the tolerance.
+        const MISSED: f64 = 0.1;
+        self.status == "completed"
+            && self.totals.missed_time_steps as f64 <= MISSED * self.totals.time_steps as f64
     }
 
     /// Seconds in the method for each second simulated, as far as it came.

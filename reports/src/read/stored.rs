@@ -6,8 +6,8 @@ use results::schema::Run;
 use results::study::{Runs, Study as Stored};
 use serde_json::{Map, Value};
 
-use super::groups::differing;
-use super::run::{RunRow, words};
+use super::groups::{differing, settings_text};
+use super::run::RunRow;
 use super::scene::scenes;
 use super::{Problems, Simulation, Study};
 
@@ -18,7 +18,15 @@ impl From<&Stored> for Study {
     fn from(study: &Stored) -> Self {
         match study {
             Stored::Runs(runs) => Self::Problems(runs.into()),
-            Stored::Simulations(all) => Self::Simulations(all.iter().map(Simulation::of).collect()),
+            Stored::Simulations(all) => {
+                let mut all: Vec<Simulation> = all.iter().map(Simulation::of).collect();
+                let runs = all.iter().filter(|one| one.is_run());
+                let differing = differing(runs.map(|run| (&run.method, &run.settings)), &[]);
+                for one in &mut all {
+                    one.words = settings_text((&one.method, &one.settings), &differing);
+                }
+                Self::Simulations(all)
+            }
         }
     }
 }
@@ -28,8 +36,12 @@ impl From<&Runs> for Problems {
         let rows = (0..).zip(&study.records).map(|(number, record)| RunRow::of(number, record));
         let (given, mut runs): (Vec<RunRow>, Vec<RunRow>) = rows.partition(|row| row.status == GIVEN);
         let differing = differing(runs.iter().map(|run| (&run.method, &run.settings)), &[]);
+        let some_begin_cold = runs.iter().any(|run| !run.warm_start);
         for run in &mut runs {
-            run.words = words(&run.variant, (&run.method, &run.settings), &differing);
+            let start = (run.warm_start && some_begin_cold).then(|| "warm start".to_owned());
+            let settings =
+                Some(settings_text((&run.method, &run.settings), &differing)).filter(|text| !text.is_empty());
+            run.words = settings.into_iter().chain(start).collect::<Vec<_>>().join(", ");
         }
         Self { runs, given, scenes: scenes(&study.grains, &study.contacts) }
     }

@@ -79,28 +79,33 @@ impl Part {
         Self { on_page: false, ..self }
     }
 
-    /// A figure in the formats that are wanted, a table as CSV, Markdown and LaTeX, sentences as they are.
-    pub(crate) fn files(&self, formats: Formats) -> Result<Vec<File>, ReportError> {
-        let file = |ending: &str, content: Vec<u8>| File::new(format!("{}.{ending}", self.name), content);
-        let mut files = Vec::new();
+    /// Endings of its files: a figure in the formats that are wanted, a table as CSV, Markdown and LaTeX, sentences as they are.
+    pub(crate) fn endings(&self, formats: Formats) -> Vec<&'static str> {
         match &self.kind {
-            Kind::Figure(svg) => {
-                files.push(file("svg", svg.clone().into()));
-                if formats.png {
-                    files.push(file("png", png(svg)?));
-                }
-                if formats.pdf {
-                    files.push(file("pdf", pdf(svg)?));
-                }
+            Kind::Figure(_) => {
+                let more =
+                    [("pdf", formats.pdf), ("png", formats.png)].into_iter().filter(|(_, wanted)| *wanted);
+                std::iter::once("svg").chain(more.map(|(ending, _)| ending)).collect()
             }
-            Kind::Table(Table { all, shown, note }) => {
-                files.push(file("csv", table::csv(all)?.into()));
-                files.push(file("md", (table::markdown(shown)? + note).into()));
-                files.push(file("tex", table::latex(shown)?.into()));
-            }
-            Kind::Text(text) => files.push(file("md", text.clone().into())),
+            Kind::Table(_) => vec!["csv", "md", "tex"],
+            Kind::Text(_) => vec!["md"],
         }
-        Ok(files)
+    }
+
+    /// Its files.
+    pub(crate) fn files(&self, formats: Formats) -> Result<Vec<File>, ReportError> {
+        let file = |ending| {
+            let content = match (&self.kind, ending) {
+                (Kind::Figure(svg), "pdf") => pdf(svg)?,
+                (Kind::Figure(svg), "png") => png(svg)?,
+                (Kind::Table(Table { all, .. }), "csv") => table::csv(all)?.into(),
+                (Kind::Table(Table { shown, .. }), "tex") => table::latex(shown)?.into(),
+                (Kind::Table(Table { shown, note, .. }), _) => (table::markdown(shown)? + note).into(),
+                (Kind::Figure(text) | Kind::Text(text), _) => text.clone().into(),
+            };
+            Ok(File::new(format!("{}.{ending}", self.name), content))
+        };
+        self.endings(formats).into_iter().map(file).collect()
     }
 }
 

@@ -66,12 +66,13 @@ const RUNS: &str = "\
     problem method variant subdomains status iterations_to_zeta_1e_3 iterations_to_zeta_1e_4 \
     iterations_to_natural_map_1e_2 iterations_to_natural_map_1e_4 iterations contact_updates \
     delassus_products triangular_solve_entries factorisations setup_s iterating_s natural_map \
-    velocity_error reason id";
+    velocity_error last_change_moves cycle_iterations solutions spread polished_to polished_by reason id";
 
 /// Columns in the files of a table of simulations.
 const SIMULATIONS: &str = "\
     scene role time_step_s method variant warm_start tolerance max_iterations status time_steps \
-    missed_time_steps iterations contact_updates delassus_products setup_s iterating_s reason";
+    missed_time_steps iterations contact_updates delassus_products setup_s iterating_s walls_work_j gap_work_j shock_work_j sliding_work_j \
+    energy_moved_j energy_left_over_j reason";
 
 fn of_runs(study: &Problems) -> Result<Table, ReportError> {
     let rows = || study.runs.iter().chain(&study.given);

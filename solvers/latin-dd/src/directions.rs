@@ -34,7 +34,7 @@ impl Directions {
 /// For conjugate directions the best κ is 1/√(λ̃min λ̃max) over the spectrum of W_D^{-½} W W_D^{-½} on the active contacts.
 /// A column of n equal discs on a floor has λ̃min ≈ π²/8n² and λ̃max ≈ 2, hence κ = 2n/π, with one contact per grain. A
 /// packing has about two, and wants about twice as much: an observation, not a proof. A packing at the verge of moving has
-/// slower modes than its depth tells, and wants more still: plan `derived-direction` shows by how much, over sizes and
+/// slower modes than its depth tells, and wants more still: plan `search-directions` shows by how much, over sizes and
 /// seeds, and what adapting mends.
 ///
 /// n counts the grains on the longest of the shortest ways from a grain to a wall that pushes: one that grains approach
@@ -42,7 +42,7 @@ impl Directions {
 ///
 /// With friction it is that of the problem without, which no theory backs: on `rough-991-mu08` it does well with friction lowered to
 /// 0.3, and at 0.8, where κ = 3 comes to a natural map of 1e-3, it comes nowhere. Between 1,000 spheres it takes 0.8 to 1.3 times the
-/// iterations of the best directions of a grid, with friction of 0.3 as without (plan `search-directions-3d`, to 1e-3).
+/// iterations of the best directions of a grid, with friction of 0.3 as without (to 1e-3; plan `search-directions`).
 pub fn derived_kappa<M: Mechanics>(problem: &ContactProblem<M>) -> f64 {
     kappa_of(depth_of(problem), problem.contact_count() as u64, problem.grain_count() as u64)
 }

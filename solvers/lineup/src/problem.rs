@@ -5,9 +5,10 @@ use crate::facts::{Facts, Touching, facts};
 use crate::form::{Form, Law};
 use crate::methods::Ours;
 use crate::share::{OneShare, Part};
+use analysis::Meter;
 use anyhow::{Result, ensure};
 use cases::{AnyFrozen, Frozen, Homogenised};
-use contact::{Measures, Measuring, Mechanics, Place, Touch, Truth, Vector};
+use contact::{Measures, Mechanics, Place, Touch, Truth, Vector};
 use partition::{Decomposition, Grid, Partition, Scheme, Share, Team, Whole};
 use reference::{Certificate, Certified, distance};
 use runner::{Measured, Outcome, Progress, Stop, solve_against};
@@ -166,7 +167,7 @@ impl<M: Form> OneProblem for Frozen<M> {
 
     fn measures(&self, truths: &[Vec<f64>], r: &[f64]) -> Measures {
         let truths = truths.iter().map(|r| Truth::new(&self.problem, r));
-        let meter = M::Meter::new(&self.problem);
+        let meter = Meter::new(&self.problem);
         truths.fold(meter, |meter, truth| meter.against(&truth)).measure_after(&[], r, 0.0)
     }
 

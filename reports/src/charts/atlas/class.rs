@@ -1,13 +1,14 @@
-//! The class of a run: one rule for every method.
+//! The class of a run, and of a simulation beside the reference of its scene: one rule for every method.
 
 use contact::Measure;
+use results::simulation::Observed;
 
-use crate::draw::{BLACK, Cell, RGBColor, WHITE};
-use crate::read::{Ending, Point, RunRow};
+use crate::draw::{Cell, ColorScale, INK, RGBColor, WHITE};
+use crate::read::{Ending, Point, RunRow, Simulation, median};
 
-/// Outcome of a method on a problem.
+/// Outcome of a method on a problem, and then of a simulation, each from the best to the worst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Class {
+pub(super) enum Class {
     Converged,
     /// All iterations made, and the measure still falls.
     Slow,
@@ -22,28 +23,64 @@ pub(crate) enum Class {
     Skipped,
     /// Any way that this report does not know.
     Failed,
+    /// It stays as near to the reference as the others do not.
+    Stable,
+    /// Grains move that should not, or more than they should.
+    Jittering,
+    /// It sinks, rises, or its grains pass into each other.
+    Creeping,
+    /// It was stopped: see the reason.
+    Exploded,
+    /// Stopped, because the problem of a time step had no solution.
+    NoSolution,
+    /// Stopped, because the solver diverged.
+    SolverDiverged,
+    /// Not made, or without a reference.
+    Unjudged,
 }
 
 /// A run whose measure falls by less than this share while its iterations double is stalled (–).
 const STALLED: f64 = 0.01;
 /// A velocity error of more than this many times the tolerance is no convergence, as in the loop that stops runs (–).
 const FAR: f64 = 100.0;
+/// The mean height is off, or the greatest overlap larger than the reference's, by more than this many mean diameters.
+pub(super) const CREEP: f64 = 0.05;
+/// Kinetic energy is above that of the reference by more than this share of it, and more than grains have at this share of
+/// the speed that free fall gives in a time step.
+pub(super) const MORE_ENERGY: f64 = 1.0;
+pub(super) const SHARE_OF_FALL: f64 = 0.1;
+
+/// Name of a class, its letter and the ground of its cell, the darker the worse, so that it reads in grey.
+const LOOKS: [(Class, &str, &str, RGBColor); 15] = [
+    (Class::Converged, "converged", "c", RGBColor(222, 240, 232)),
+    (Class::Slow, "slow", "S", RGBColor(250, 214, 110)),
+    (Class::Stalled, "stalled", "T", RGBColor(224, 132, 44)),
+    (Class::Diverged, "diverged", "D", RGBColor(158, 28, 48)),
+    (Class::FalseConvergence, "false convergence", "F", RGBColor(62, 26, 98)),
+    (Class::Infeasible, "infeasible", "i", RGBColor(200, 222, 242)),
+    (Class::Skipped, "skipped", "–", WHITE),
+    (Class::Failed, "failed", "?", RGBColor(90, 90, 90)),
+    (Class::Stable, "stable", "s", RGBColor(225, 240, 232)),
+    (Class::Jittering, "jittering", "j", RGBColor(242, 205, 120)),
+    (Class::Creeping, "creeping", "c", RGBColor(205, 110, 50)),
+    (Class::Exploded, "exploded", "x", RGBColor(110, 45, 85)),
+    (Class::NoSolution, "no solution", "n", RGBColor(70, 20, 60)),
+    (Class::SolverDiverged, "solver diverged", "d", RGBColor(30, 8, 30)),
+    (Class::Unjudged, "not made, or nothing to judge it by", "–", RGBColor(248, 248, 248)),
+];
 
 impl Class {
-    /// All, as a key says them; in a cell, with a letter that says it without colour, on a ground that is the darker the worse.
-    pub(crate) const ALL: [(Self, &'static str, Cell); 8] = [
-        (Self::Converged, "converged", cell("c", RGBColor(222, 240, 232), RGBColor(90, 130, 112))),
-        (Self::Slow, "slow", cell("S", RGBColor(250, 214, 110), BLACK)),
-        (Self::Stalled, "stalled", cell("T", RGBColor(224, 132, 44), BLACK)),
-        (Self::Diverged, "diverged", cell("D", RGBColor(158, 28, 48), WHITE)),
-        (Self::FalseConvergence, "false convergence", cell("F", RGBColor(62, 26, 98), WHITE)),
-        (Self::Infeasible, "infeasible", cell("i", RGBColor(200, 222, 242), RGBColor(40, 80, 120))),
-        (Self::Skipped, "skipped", cell("–", WHITE, RGBColor(120, 120, 120))),
-        (Self::Failed, "failed", cell("?", RGBColor(90, 90, 90), WHITE)),
-    ];
+    pub(super) fn all() -> impl Iterator<Item = Self> {
+        LOOKS.into_iter().map(|(class, ..)| class)
+    }
+
+    /// Reports whether it is of a simulation that was judged.
+    pub(super) fn is_in_time(self) -> bool {
+        (Self::Stable..Self::Unjudged).contains(&self)
+    }
 
     /// The class of a run.
-    pub(crate) fn of(run: &RunRow) -> Self {
+    pub(super) fn of(run: &RunRow) -> Self {
         match run.ending {
             Ending::Converged if is_far(run, run.curve.last()) => Self::FalseConvergence,
             Ending::Converged => Self::Converged,
@@ -57,22 +94,44 @@ impl Class {
         }
     }
 
+    /// The class of a simulation; [`Class::Unjudged`] if it was refused, or where there is no reference to judge it by.
+    pub(super) fn in_time(simulation: &Simulation, reference: Option<&Simulation>) -> Self {
+        match &*simulation.status {
+            "exploded" => return Self::Exploded,
+            "no-solution" => return Self::NoSolution,
+            "solver-diverged" => return Self::SolverDiverged,
+            _ => {}
+        }
+        let Some(drift) = reference.and_then(|reference| Drift::of(simulation, reference)) else {
+            return Self::Unjudged;
+        };
+        let fall = SHARE_OF_FALL * simulation.gravity_m_per_s2 * simulation.time_step_s;
+        let noise = 0.5 * simulation.mass_kg * fall * fall;
+        let [energy, of_reference] = drift.energies;
+        if drift.height.abs() > CREEP || drift.overlap > CREEP {
+            Self::Creeping
+        } else if energy - of_reference > f64::max(noise, MORE_ENERGY * of_reference) {
+            Self::Jittering
+        } else {
+            Self::Stable
+        }
+    }
+
     /// Reports whether the method did well: it found the solution, or proved that there is none.
-    pub(crate) fn is_good(self) -> bool {
-        matches!(self, Self::Converged | Self::Infeasible)
+    pub(super) fn is_good(self) -> bool {
+        matches!(self, Self::Converged | Self::Infeasible | Self::Stable)
     }
 
-    pub(crate) fn text(self) -> &'static str {
-        Self::ALL[self as usize].1
+    pub(super) fn text(self) -> &'static str {
+        LOOKS[self as usize].1
     }
 
-    pub(crate) fn cell(self) -> Cell {
-        Self::ALL[self as usize].2
+    pub(super) fn cell(self) -> Cell {
+        let (_, _, letter, fill) = LOOKS[self as usize];
+        // What is well stands back.
+        let pale = self.is_good() || self == Self::Skipped;
+        Cell { fill, letter, ink: if pale { INK } else { ColorScale::ink_on(fill) } }
     }
-}
-
-const fn cell(letter: &'static str, fill: RGBColor, ink: RGBColor) -> Cell {
-    Cell { fill, letter, ink }
 }
 
 /// Reports whether a point is far from the true velocity; `false` where that is not known.
@@ -84,7 +143,7 @@ fn is_far(run: &RunRow, point: Option<&Point>) -> bool {
 }
 
 /// Reports whether ζ first met the tolerance at an iterate far from the solution, or of a problem that has none.
-pub(crate) fn zeta_lies(run: &RunRow) -> bool {
+pub(super) fn zeta_lies(run: &RunRow) -> bool {
     let met = |point: &&Point| {
         point.get(Measure::Zeta).zip(run.tolerance).is_some_and(|(zeta, tolerance)| zeta <= tolerance)
     };
@@ -101,4 +160,36 @@ fn falls(run: &RunRow) -> bool {
         points.filter_map(|point| point.stopped_on(run)).fold(f64::INFINITY, f64::min)
     };
     least(true) < (1.0 - STALLED) * least(false)
+}
+
+/// Differences of a simulation from the reference, over the second half of the common times.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Drift {
+    /// Median difference of the mean heights, over the mean diameter.
+    pub(super) height: f64,
+    /// Median excess of the greatest overlap over that of the reference, over the mean diameter.
+    pub(super) overlap: f64,
+    /// Median kinetic energies: the simulation's and the reference's (J).
+    pub(super) energies: [f64; 2],
+}
+
+impl Drift {
+    /// Drift over the second half; none if the simulation did not come to the end of the reference.
+    pub(super) fn of(simulation: &Simulation, reference: &Simulation) -> Option<Self> {
+        let (x, y) = (simulation.series(), reference.series());
+        if x.is_empty() || x.len() != y.len() {
+            return None;
+        }
+        let half = x.len() / 2;
+        let (x, y) = (&x[half..], &y[half..]);
+        let d = reference.mean_diameter_m;
+        let difference =
+            |of: fn(&Observed) -> f64| median(x.iter().zip(y).map(|(x, y)| of(x) - of(y)).collect());
+        let energy = |series: &[Observed]| median(series.iter().map(|row| row.kinetic_energy_j).collect());
+        Some(Self {
+            height: difference(|row| row.mean_height_m)? / d,
+            overlap: difference(|row| row.greatest_overlap_m)? / d,
+            energies: [energy(x)?, energy(y)?],
+        })
+    }
 }

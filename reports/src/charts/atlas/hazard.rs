@@ -1,54 +1,45 @@
 //! Hazards: problems of one case that are hard for one reason, and the values that vary among them.
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 
-use crate::read::{RunRow, problems};
+use crate::read::{RunRow, find_or_push, problems, unique};
 
-/// The problems of one case that differ in the same values.
+/// The problems of one case that replace the same values of it.
 pub(crate) struct Hazard {
-    /// Name of the case; of a frozen problem its own.
+    /// Name of the case; of a problem alone its own.
     pub(crate) name: String,
-    /// Varied parameters with their values; empty for a problem alone.
+    /// Values that differ among the problems.
     pub(crate) knob: String,
     pub(crate) problems: Vec<String>,
 }
 
 /// The problems of the study in its order, by hazard.
 pub(crate) fn hazards(runs: &[RunRow]) -> Vec<Hazard> {
-    // The case and its knobs, with the problems.
-    type Known = ((String, Vec<String>), Vec<String>);
-    let mut known: Vec<Known> = Vec::new();
+    let mut all: Vec<(Hazard, Vec<&Map<String, Value>>)> = Vec::new();
     for problem in problems(runs) {
-        let settings = runs.iter().find(|run| run.problem == problem).map(|run| &run.problem_settings);
-        let case =
-            settings.and_then(|settings| settings.get("case")).and_then(Value::as_str).unwrap_or(problem);
-        let keys = knobs(case, problem).into_iter().map(|(key, _)| key.to_owned()).collect();
-        let key = (case.to_owned(), keys);
-        match known.iter_mut().find(|(other, _)| *other == key) {
-            Some((_, problems)) => problems.push(problem.to_owned()),
-            None => known.push((key, vec![problem.to_owned()])),
-        }
-    }
-    known.into_iter().map(|((case, keys), problems)| Hazard::new(case, &keys, problems)).collect()
-}
-
-/// The `key=value` that distinguish a problem from the others of its case, by its name.
-fn knobs<'p>(case: &str, problem: &'p str) -> Vec<(&'p str, &'p str)> {
-    let rest = problem.strip_prefix(case).unwrap_or_default();
-    rest.split(' ').filter_map(|word| word.split_once('=')).collect()
-}
-
-impl Hazard {
-    fn new(case: String, keys: &[String], problems: Vec<String>) -> Self {
-        let of = |key: &String| {
-            let value = |problem: &String| {
-                knobs(&case, problem).iter().find(|(k, _)| k == key).map(|(_, v)| (*v).to_owned())
-            };
-            let mut values: Vec<String> = problems.iter().filter_map(value).collect();
-            values.dedup();
-            format!("{key} {}", values.join(", "))
+        let Some(run) = runs.iter().find(|run| run.problem == problem) else { continue };
+        let settings = &run.problem_settings;
+        let name = settings.get("case").and_then(Value::as_str).unwrap_or(problem);
+        let same = |(hazard, others): &(Hazard, Vec<&Map<String, Value>>)| {
+            hazard.name == name && others[0].keys().eq(settings.keys())
         };
-        let knob = keys.iter().map(of).collect::<Vec<_>>().join("; ");
-        Self { name: case, knob, problems }
+        let new =
+            || (Hazard { name: name.to_owned(), knob: String::new(), problems: Vec::new() }, Vec::new());
+        let (hazard, others) = find_or_push(&mut all, same, new);
+        hazard.problems.push(problem.to_owned());
+        others.push(settings);
     }
+    let varied = |(mut hazard, settings): (Hazard, Vec<&Map<String, Value>>)| {
+        let knob = |key: &String| {
+            let values = unique(settings.iter().map(|settings| settings[key].to_string()));
+            let key = key.rsplit_once('.').map_or(key.as_str(), |(_, last)| last);
+            (values.len() > 1).then(|| format!("{key} {}", values.join(", ")))
+        };
+        if let [problem] = &hazard.problems[..] {
+            problem.clone_into(&mut hazard.name);
+        }
+        hazard.knob = settings[0].keys().filter_map(knob).collect::<Vec<_>>().join("; ");
+        hazard
+    };
+    all.into_iter().map(varied).collect()
 }

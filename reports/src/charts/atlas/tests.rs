@@ -14,7 +14,7 @@ fn judged(id: u32, variant: &str, status: &str, problem: &str, curve: &[(u64, f6
     let run = Run {
         problem: problem.into(),
         problem_settings: object(&json!({ "case": case })),
-        settings: object(&json!({ "relaxation": 1.0 })),
+        settings: object(&json!({ "name": variant })),
         spectrum: object(&json!({ "lambda_max": 2.5 })),
         iterations: curve.last().map_or(0, |end| end.iteration),
         ..run(id, "jacobi", variant, status)
@@ -81,29 +81,7 @@ fn class_is_decided_by_the_ending_and_the_curve() {
         "failed",
     ];
     assert_eq!(classes(&files), expected);
-    let md = text(&files, "atlas-found.md");
-    assert!(md.contains("`subdomains` is 9x9"), "{md}");
-}
-
-#[test]
-fn sentence_tells_how_why_and_what_mends_it_and_follows_the_rows() {
-    let rows = |status: &str, lambda: f64| {
-        let mut rows = vec![
-            judged(0, "0.5", "converged", "crystal rows=5", &[(0, 1.0), (50, 1e-4)]),
-            judged(1, "1.0", status, "crystal rows=5", &[(0, 1.0), (9, 1e-5)]),
-            judged(2, "0.5", "converged", "crystal rows=9", &[(0, 1.0), (70, 1e-4)]),
-            judged(3, "1.0", status, "crystal rows=9", &[(0, 1.0), (8, 1e-5)]),
-        ];
-        rows[3].0.spectrum = object(&json!({ "lambda_max": lambda }));
-        rows
-    };
-    let told = |status, lambda| text(&made(rows(status, lambda)), "atlas-found.md").to_owned();
-    let diverged = told("diverged", 2.9);
-    let sentence = "jacobi, crystal (rows 5, 9): 1.0: diverged on 2 of 2 (ω λmax(W_D⁻¹W) = 2.50 to 2.90, above 2). Well on all of it: 0.5.";
-    assert!(diverged.contains(sentence), "{diverged}");
-    assert!(told("diverged", 1.5).contains("above 2; no spectral reason is known for 1)"));
-    let converged = told("converged", 2.9);
-    assert!(converged.contains("no setting of the plan fails"), "{converged}");
+    assert!(text(&files, "atlas.csv").contains("`subdomains` is 9x9"));
 }
 
 #[test]
@@ -122,20 +100,12 @@ fn failure_that_another_setting_mends_has_a_ring_in_the_matrix() {
 }
 
 #[test]
-fn setting_is_told_by_what_differs_from_the_first() {
-    let variants = vec!["grid=2x1 split=true", "grid=8x1 split=true", "grid=2x1 split=false"];
-    let kind = super::Kind { method: "nsgs-dd", variants };
-    let labels: Vec<String> = kind.variants.iter().map(|variant| kind.label(variant)).collect();
-    assert_eq!(labels, ["grid=2x1 split=true", "grid=8x1", "split=false"]);
-}
-
-#[test]
 fn zeta_that_met_the_tolerance_far_from_the_solution_is_told() {
     let (run, mut curve) = judged(0, "", "iteration-limit", "pile", &[(0, 1.0), (512, 0.4), (1000, 0.3)]);
     curve[1].measures.zeta = 1e-5;
-    assert!(text(&made(vec![(run.clone(), curve.clone())]), "atlas-found.md").contains(" in 1 of 1"));
+    assert!(text(&made(vec![(run.clone(), curve.clone())]), "atlas.csv").contains(",true,"));
     curve[1].measures.zeta = 1e-3;
-    assert!(text(&made(vec![(run, curve)]), "atlas-found.md").contains(" in 0 of 1"));
+    assert!(text(&made(vec![(run, curve)]), "atlas.csv").contains(",false,"));
 }
 
 #[test]
@@ -144,8 +114,7 @@ fn study_without_runs_has_tables_and_no_figure() {
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
     let tables =
         ["atlas-counts.csv", "atlas-counts.md", "atlas-counts.tex", "atlas.csv", "atlas.md", "atlas.tex"];
-    assert_eq!(names[0], "atlas-found.md");
-    assert_eq!(names[1..], tables);
+    assert_eq!(names, tables);
 }
 
 #[test]
@@ -154,4 +123,22 @@ fn undefined_and_infinite_measures_are_drawn_as_classes() {
         let files = made(vec![judged(0, "", "iteration-limit", "pile", &[(0, value), (1000, value)])]);
         assert_eq!(classes(&files), ["stalled"]);
     }
+}
+
+#[test]
+fn hazards_are_the_problems_of_a_case_with_what_differs_among_them() {
+    let on = |id, problem: &str, settings| Run {
+        problem_settings: object(&settings),
+        ..judged(id, "", "converged", problem, &[(0, 1e-5)]).0
+    };
+    let box_of = |grains: u32| json!({ "case": "box", "sample.grains": grains, "scene.law": "iqs" });
+    let rows = [
+        on(0, "box grains=5", box_of(5)),
+        on(1, "frozen", json!({})),
+        on(2, "box grains=9", box_of(9)),
+        on(3, "box", json!({ "case": "box" })),
+    ];
+    let hazards = super::hazards(&study(&rows, &[]).runs);
+    let told: Vec<_> = hazards.iter().map(|h| (h.name.as_str(), h.knob.as_str(), h.problems.len())).collect();
+    assert_eq!(told, [("box", "grains 5, 9", 2), ("frozen", "", 1), ("box", "", 1)]);
 }

@@ -1,10 +1,8 @@
 //! The runs of one method over its search directions, on one problem, all else being equal.
 
-use std::collections::BTreeSet;
-
 use serde_json::Value;
 
-use crate::read::{Ending, RunRow, differing, find_or_push, settings_text};
+use crate::read::{Ending, RunRow, differing, find_or_push, settings_text, span};
 
 /// Settings in which runs may differ inside a field, or that are written beside the group.
 const APART: [&str; 4] = ["kappa_l", "kappa_d", "relaxation", "adaptive"];
@@ -55,10 +53,8 @@ impl<'r> Field<'r> {
     pub(crate) fn edge(&self) -> Option<&'static str> {
         let best = self.best()?;
         let at_edge = |of: fn(&Cell) -> f64| {
-            let values = self.cells.iter().map(of);
-            let (low, high) =
-                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-            low < high && (of(best) == low || of(best) == high)
+            let ends = span(self.cells.iter().map(of));
+            ends.is_some_and(|(low, high)| low < high && (of(best) == low || of(best) == high))
         };
         // One subdomain has no interface for κ_d.
         let has_d = self.is_plane() && self.subdomains > 1;
@@ -82,7 +78,7 @@ impl<'r> Field<'r> {
     }
 }
 
-/// All fields, by problem in the order of the study, then by μ and subdomains.
+/// All fields, in the order of the study.
 pub(crate) fn fields(runs: &[RunRow]) -> Vec<Field<'_>> {
     let directed = |run: &&RunRow| {
         run.settings.contains_key("kappa_l")
@@ -91,55 +87,48 @@ pub(crate) fn fields(runs: &[RunRow]) -> Vec<Field<'_>> {
     let keys = differing(runs.iter().map(|run| (&run.method, &run.settings)), &APART);
     let mut fields: Vec<Field> = Vec::new();
     for run in runs.iter().filter(directed) {
-        add(&mut fields, run, &keys);
+        let relaxation = number(run, "relaxation").unwrap_or(1.0);
+        let group = settings_text((&run.method, &run.settings), &keys);
+        let same = |f: &Field| {
+            f.problem == run.problem
+                && f.method == run.method
+                && f.relaxation == relaxation
+                && f.group == group
+        };
+        let new = || Field {
+            problem: &run.problem,
+            method: &run.method,
+            grains: run.grains,
+            subdomains: run.subdomains,
+            relaxation,
+            group: group.clone(),
+            cells: Vec::new(),
+            derived: None,
+            adaptive: None,
+            kappa: None,
+        };
+        let field = find_or_push(&mut fields, same, new);
+        match (number(run, "kappa_l"), number(run, "kappa_d")) {
+            (Some(kappa_l), kappa_d) if kappa_l > 0.0 => {
+                field.cells.push(Cell { kappa_l, kappa_d: kappa_d.unwrap_or(kappa_l), run });
+            }
+            // A method that knows of no adapting keeps what it derives.
+            (None, None) if !matches!(run.settings.get("adaptive"), None | Some(Value::Bool(false))) => {
+                field.adaptive = Some(run);
+            }
+            (None, None) => {
+                field.derived = Some(run);
+                field.kappa = kappa(run, "kappa_l_minus").zip(kappa(run, "kappa_d_minus"));
+            }
+            _ => {}
+        }
     }
     for i in 0..fields.len() {
-        if fields[i].kappa.is_none() {
-            fields[i].kappa = fields.iter().filter(|f| f.problem == fields[i].problem).find_map(|f| f.kappa);
-        }
+        let of_problem = |f: &&Field| f.problem == fields[i].problem;
+        fields[i].kappa = fields[i].kappa.or(fields.iter().filter(of_problem).find_map(|f| f.kappa));
     }
     fields.retain(|field| !field.cells.is_empty());
-    let place = |problem: &str| runs.iter().position(|run| run.problem == problem);
-    fields.sort_by(|a, b| {
-        let order = |field: &Field| (place(field.problem), field.relaxation.to_bits(), field.subdomains);
-        order(a).cmp(&order(b)).then(a.group.cmp(&b.group))
-    });
     fields
-}
-
-fn add<'r>(fields: &mut Vec<Field<'r>>, run: &'r RunRow, keys: &BTreeSet<(String, String)>) {
-    let relaxation = number(run, "relaxation").unwrap_or(1.0);
-    let group = settings_text(run, keys);
-    let same = |f: &Field| {
-        f.problem == run.problem && f.method == run.method && f.relaxation == relaxation && f.group == group
-    };
-    let new = || Field {
-        problem: &run.problem,
-        method: &run.method,
-        grains: run.grains,
-        subdomains: run.subdomains,
-        relaxation,
-        group: group.clone(),
-        cells: Vec::new(),
-        derived: None,
-        adaptive: None,
-        kappa: None,
-    };
-    let field = find_or_push(fields, same, new);
-    match (number(run, "kappa_l"), number(run, "kappa_d")) {
-        (Some(kappa_l), kappa_d) if kappa_l > 0.0 => {
-            field.cells.push(Cell { kappa_l, kappa_d: kappa_d.unwrap_or(kappa_l), run });
-        }
-        // A method that knows of no adapting keeps what it derives.
-        (None, None) if !matches!(run.settings.get("adaptive"), None | Some(Value::Bool(false))) => {
-            field.adaptive = Some(run);
-        }
-        (None, None) => {
-            field.derived = Some(run);
-            field.kappa = kappa(run, "kappa_l_minus").zip(kappa(run, "kappa_d_minus"));
-        }
-        _ => {}
-    }
 }
 
 /// Iterations of a run that converged.

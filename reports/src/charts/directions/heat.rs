@@ -1,25 +1,25 @@
 //! Iterations over (κ_l, κ_d) as maps, one per μ and group, on pages with one scale of colours.
 
 use super::field::{Cell, Field};
-use super::words::{head, notes, signs, title};
 use crate::draw::{
     Axis, BEST, COLUMN, Canvas, ColorScale, DERIVED, FAILED_CELL, FAILED_SIGN, Frame, HALO, HPos, LEADING,
-    MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen, Place, RGBColor, Signs, TEXT, TICK_TEXT, Ticks, VPos, rectangle,
-    svg, text_width,
+    MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen, Place, RGBColor, Sign, Signs, TEXT, TICK_TEXT, Ticks, VPos,
+    endings, rectangle, svg, text_width,
 };
-use crate::read::count;
+use crate::read::{Ending, count, counted, span};
 
 /// Left of the panels for labels, right of them for the scale of colours, between them (mm).
 const LEFT: f64 = 13.0;
 const RIGHT: f64 = 15.0;
 const GAP: f64 = 2.5;
-/// Below a row of panels for labels (mm).
+/// Above a panel for its title and what the derived directions cost, and below it for labels (mm).
+const ABOVE: f64 = 2.0 * LEADING + 0.6;
 const BELOW: f64 = 5.5;
 /// Bounds of the side of a panel (mm).
 const LEAST: f64 = 21.0;
 const GREATEST: f64 = 52.0;
-/// Two lines of text above all, and the name of the x axis below (mm).
-const HEAD: f64 = 2.0 * LEADING;
+/// A line of text above all, and the name of the x axis below (mm).
+const HEAD: f64 = 1.5 * LEADING;
 const FOOT: f64 = LEADING + 1.0;
 /// A cell at least so wide and high has its number in it (mm).
 const ROOMY: (f64, f64) = (8.5, 6.0);
@@ -40,9 +40,7 @@ struct Page {
     columns: usize,
     rows: usize,
     side: f64,
-    /// Above a panel for its title and its notes (mm).
-    above: f64,
-    head: [String; 2],
+    head: String,
     /// Ranges of log κ_l and log κ_d.
     kappa_l: (f64, f64),
     kappa_d: (f64, f64),
@@ -53,31 +51,24 @@ struct Page {
 impl Page {
     fn of(problem: &str, fields: &[&Field]) -> Self {
         let mut least = LEAST;
-        let lines = fields.iter().map(|field| 1 + notes(field).len()).max().unwrap_or(1);
-        let above = LEADING * lines as f64 + 0.6;
-        for field in fields {
-            for line in title(field).iter().chain(&notes(field)) {
-                least = least.max(text_width(line, TICK_TEXT) + 0.5);
-            }
+        for line in fields.iter().flat_map(|field| [title(field), cost(field)]) {
+            least = least.max(text_width(&line, TICK_TEXT) + 0.5);
         }
         let room = |width: f64| width - 2.0 * MARGIN - LEFT - RIGHT + GAP;
         let first_row = fields.iter().take_while(|field| field.relaxation == fields[0].relaxation).count();
         let columns = first_row.clamp(1, ((room(PAGE) / (least + GAP)) as usize).max(1));
         let side = (room(PAGE) / columns as f64 - GAP).min(GREATEST);
         let head = head(problem, fields);
-        let mut width = COLUMN.max(PAGE - room(PAGE) + columns as f64 * (side + GAP));
-        for line in &head {
-            width = width.max(text_width(line, TEXT) + 2.0 * MARGIN);
-        }
+        let panels = PAGE - room(PAGE) + columns as f64 * (side + GAP);
+        let width = COLUMN.max(panels).max(text_width(&head, TEXT) + 2.0 * MARGIN);
         let signs = Signs::new(signs(fields), width - 2.0 * MARGIN);
         let free = PAGE_HEIGHT - 2.0 * MARGIN - HEAD - FOOT - signs.height();
         let iterations = || fields.iter().flat_map(|f| &f.cells).filter_map(converged);
         Self {
             width,
             columns,
-            rows: ((free / (above + side + BELOW)) as usize).max(1),
+            rows: ((free / (ABOVE + side + BELOW)) as usize).max(1),
             side,
-            above,
             head,
             kappa_l: range(fields, |cell| cell.kappa_l, |kappa| kappa.0),
             kappa_d: range(fields, |cell| cell.kappa_d, |kappa| kappa.1),
@@ -88,14 +79,12 @@ impl Page {
 
     fn draw(&self, fields: &[&Field], number: usize) -> String {
         let rows = fields.len().div_ceil(self.columns);
-        let panels = rows as f64 * (self.above + self.side + BELOW);
+        let panels = rows as f64 * (ABOVE + self.side + BELOW);
         let below = MARGIN + HEAD + panels + FOOT;
         svg((self.width, (below + self.signs.height() + MARGIN).ceil()), |canvas| {
-            for (i, line) in self.head.iter().enumerate() {
-                let line = if number > 0 && i == 0 { format!("{line} (continued)") } else { line.clone() };
-                let place = (MARGIN, MARGIN + LEADING * i as f64);
-                canvas.text(&line, place, TEXT, (HPos::Left, VPos::Top));
-            }
+            let more = if number > 0 { " (continued)" } else { "" };
+            let title = format!("{}{more}", self.head);
+            canvas.text(&title, (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top));
             for (i, field) in fields.iter().enumerate() {
                 // The last panel of a column has the labels of its κ_l.
                 self.panel(
@@ -110,12 +99,12 @@ impl Page {
             canvas.text("κ_l, at contacts (–)", (middle, below - FOOT), TEXT, (HPos::Center, VPos::Top));
             if let Some(scale) = &self.scale {
                 let left = MARGIN + LEFT + columns * (self.side + GAP) + 0.5;
-                let top = MARGIN + HEAD + self.above;
+                let top = MARGIN + HEAD + ABOVE;
                 scale.draw(
                     canvas,
                     "iterations",
                     (left, top),
-                    self.side.max(30.0).min(panels - self.above - BELOW),
+                    self.side.max(30.0).min(panels - ABOVE - BELOW),
                 );
             }
             self.signs.draw(canvas, (MARGIN, below));
@@ -124,14 +113,14 @@ impl Page {
 
     fn panel(&self, canvas: &Canvas, field: &Field, (row, column): (usize, usize), last: bool) {
         let left = MARGIN + LEFT + column as f64 * (self.side + GAP);
-        let top = MARGIN + HEAD + row as f64 * (self.above + self.side + BELOW) + self.above;
+        let top = MARGIN + HEAD + row as f64 * (ABOVE + self.side + BELOW) + ABOVE;
         let frame = Frame {
             x: Axis::log(self.kappa_l, left, left + self.side),
             y: Axis::log(self.kappa_d, top + self.side, top),
         };
-        for (i, line) in title(field).iter().chain(&notes(field)).enumerate() {
-            let place = (left, top - self.above + LEADING * i as f64);
-            canvas.text(line, place, TICK_TEXT, (HPos::Left, VPos::Top));
+        for (i, line) in [title(field), cost(field)].into_iter().enumerate() {
+            let place = (left, top - ABOVE + LEADING * i as f64);
+            canvas.text(&line, place, TICK_TEXT, (HPos::Left, VPos::Top));
         }
         self.cells(canvas, &frame, field);
         frame.draw_border(canvas, Ticks::Outside);
@@ -162,14 +151,7 @@ impl Page {
             self.cell(canvas, cell, corners(cell));
         }
         if let Some(best) = field.best() {
-            let ((x0, mut y0), (x1, mut y1)) = corners(best);
-            if field.subdomains == 1 {
-                // All of its κ_d.
-                for cell in field.cells.iter().filter(|cell| cell.kappa_l == best.kappa_l) {
-                    let ((_, low), (_, high)) = corners(cell);
-                    (y0, y1) = (y0.min(low), y1.max(high));
-                }
-            }
+            let ((x0, y0), (x1, y1)) = corners(best);
             let around = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)];
             canvas.line(&around, HALO);
             canvas.line(&around, BEST);
@@ -194,6 +176,54 @@ impl Page {
             canvas.text_in(ColorScale::ink_on(fill), &text, place, TICK_TEXT, (HPos::Center, VPos::Bottom));
         }
     }
+}
+
+/// Which panel it is.
+fn title(field: &Field) -> String {
+    let group = if field.group.is_empty() {
+        counted(field.subdomains as usize, "subdomain")
+    } else {
+        field.group.clone()
+    };
+    format!("{group}, relaxation {}", field.relaxation)
+}
+
+/// Cost of the derived and of the adapted directions.
+fn cost(field: &Field) -> String {
+    let times = |word, run: Option<_>| {
+        let ratio = field.ratio(Some(run?)).map_or("failed".to_owned(), |ratio| format!("×{ratio:.2}"));
+        Some(format!("{word} {ratio}"))
+    };
+    let words = [times("derived", field.derived), times("adapted", field.adaptive)];
+    words.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// Returns the title: the content of the figure.
+fn head(problem: &str, fields: &[&Field]) -> String {
+    let rule = fields[0].cells.first().and_then(|cell| cell.run.rule());
+    let stop = rule.map_or(String::new(), |rule| format!(" to {rule}"));
+    let runs = counted(fields.iter().map(|f| f.cells.len()).sum(), "run");
+    format!("{problem}, {}: iterations{stop}, over the search directions, {runs}", fields[0].method)
+}
+
+/// The key.
+fn signs(fields: &[&Field]) -> Vec<(Sign, String)> {
+    let mut signs = Vec::new();
+    if fields.iter().any(|f| f.best().is_some()) {
+        signs.push((Sign::Mark(Mark::Square, BEST), "best on the grid".to_owned()));
+    }
+    if fields.iter().any(|f| f.kappa.is_some()) {
+        let text = "derived directions, between the cells; ×: iterations over those of the best on the grid"
+            .to_owned();
+        signs.push((Sign::Mark(Mark::Diamond, DERIVED), text));
+    }
+    if fields.iter().any(|f| f.adaptive.is_some()) {
+        let text = "adapted: begun with the derived directions; it has no cell of its own".to_owned();
+        signs.push((Sign::Word, text));
+    }
+    let cells = fields.iter().flat_map(|f| &f.cells).map(|cell| cell.run.ending);
+    signs.extend(endings(cells.filter(|ending| *ending != Ending::Converged)));
+    signs
 }
 
 /// Covers the hairline that renderers leave between two cells.
@@ -228,14 +258,10 @@ fn around(edges: &[(f64, (f64, f64))], value: f64) -> (f64, f64) {
 /// Range of the logarithms of the cells with their edges, and of the derived directions.
 fn range(fields: &[&Field], of: fn(&Cell) -> f64, derived: fn((f64, f64)) -> f64) -> (f64, f64) {
     const ROOM: f64 = 0.15;
-    let cells = edges(fields.iter().flat_map(|f| &f.cells).map(of)).into_iter().map(|(_, around)| around);
-    let marks = fields.iter().filter_map(|f| f.kappa).map(|kappa| {
-        let log = derived(kappa).log10();
-        (log - ROOM, log + ROOM)
-    });
-    cells
-        .chain(marks)
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (from, to)| (low.min(from), high.max(to)))
+    let cells = edges(fields.iter().flat_map(|f| &f.cells).map(of)).into_iter();
+    let cells = cells.flat_map(|(_, (low, high))| [low, high]);
+    let derived = fields.iter().filter_map(|f| f.kappa).map(|kappa| derived(kappa).log10());
+    span(cells.chain(derived.flat_map(|log| [log - ROOM, log + ROOM]))).unwrap_or_default()
 }
 
 #[cfg(test)]

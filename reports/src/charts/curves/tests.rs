@@ -1,11 +1,12 @@
 use contact::Work;
 use results::schema::{Run, Sample, Timing};
+use serde_json::json;
 
-use super::{front, parts};
-use crate::charts::truth;
+use super::front;
+use crate::charts::truth::{truth, work_precision as parts};
 use crate::tests::assert_well_formed;
 use crate::tests::fixture::{
-    File, decay, end, explosion, files, read, run, sample, study, tables, without_truth,
+    File, decay, end, explosion, files, object, read, run, sample, study, tables, without_truth,
 };
 use crate::text::Part;
 
@@ -15,6 +16,11 @@ fn made(parts: &[Part]) -> Vec<File> {
         assert_well_formed(name, text);
     }
     files
+}
+
+/// The table as CSV.
+fn table(files: &[File]) -> &str {
+    &files.iter().find(|(name, _)| name.ends_with(".csv")).unwrap().1
 }
 
 #[test]
@@ -29,18 +35,21 @@ fn first_run_to_each_accuracy_is_named_with_its_cost() {
     let runs = [run(0, "nsgs", "", "converged"), Run { setup_s: 1.0, ..run(1, "cg", "none", "converged") }];
     let slow = (0..=50).map(|i| sample(i, 1.0, 10f64.powf(-4.0 * i as f64 / 50.0))).collect();
     let files = made(&parts(&study(&runs, &[(0, decay()), (1, slow)])));
-    let text = &files.last().unwrap().1;
     // 50 iterations of 1e-4 s and a set-up of 1e-5 s; 25 of 40 updates and 2 products on 20 contacts.
-    let said = "column: first to a velocity error of 10⁻² is nsgs (5·10⁻³ seconds); in counted work cg (100 sweeps).";
-    assert!(text.contains(said), "{text}");
-    assert!(text.contains("no run reaches a velocity error of 10⁻⁶"), "{text}");
+    let rows: Vec<&str> = table(&files).lines().collect();
+    assert_eq!(rows[1], "column,0.01,nsgs,0.00501,cg,100.0");
+    assert_eq!(rows[3], "column,1e-6,,,,", "no run reaches it");
 }
 
 /// Runs of one method, each with a longer set-up and less work than the one before.
 #[test]
 fn of_many_runs_the_first_to_the_finest_accuracy_is_told_apart() {
     let letter = |n: u32| char::from_u32(u32::from('a') + n).unwrap().to_string();
-    let variant = |n: u32| Run { setup_s: 1e-3 * f64::from(n), ..run(n, "nsgs", &letter(n), "converged") };
+    let variant = |n: u32| Run {
+        setup_s: 1e-3 * f64::from(n),
+        settings: object(&json!({ "letter": letter(n) })),
+        ..run(n, "nsgs", &letter(n), "converged")
+    };
     let work = |n: u32| {
         decay().into_iter().map(move |mut sample| {
             sample.work.contact_updates = sample.iteration * (99 - u64::from(n));
@@ -66,11 +75,7 @@ fn run_that_factorises_again_has_no_counted_work() {
     let again = decay().into_iter().map(again).collect();
     let only = [run(0, "interior-point", "", "converged")];
     let files = made(&parts(&study(&only, &[(0, again)])));
-    let text = &files.last().unwrap().1;
-    assert!(
-        text.contains("first to a velocity error of 10⁻² is interior-point (5·10⁻³ seconds).\n"),
-        "{text}"
-    );
+    assert!(table(&files).contains("column,0.01,interior-point,0.00501,,\n"), "{}", table(&files));
 }
 
 #[test]
@@ -81,10 +86,10 @@ fn rows_without_truth_or_with_failures_only_are_said_and_drawn() {
         &[run(0, "cg", "", "skipped"), run(1, "cg", "", "converged")],
         &[(1, vec![sample(0, f64::NAN, 0.0)])],
     );
-    for chart in [parts, truth::parts] {
+    for chart in [parts, truth] {
         let page = made(&chart(&untrue));
-        assert!(page[0].1.contains("no velocity error in its rows"));
-        assert!(made(&chart(&study(&[], &[])))[0].1.contains("no run in this study"));
+        assert!(page[1].1.contains("no velocity error in its rows"));
+        assert_eq!(table(&made(&chart(&study(&[], &[])))).lines().count(), 1);
         made(&chart(&failed));
         made(&chart(&lone));
     }
@@ -94,10 +99,8 @@ fn rows_without_truth_or_with_failures_only_are_said_and_drawn() {
 fn error_behind_a_small_measure_is_told() {
     let lies = (0..=10).map(|i| sample(i, 1e-5, 0.5)).collect();
     let runs = [run(0, "nsgs", "", "converged"), run(1, "jacobi", "", "iteration-limit")];
-    let files = made(&truth::parts(&study(&runs, &[(0, decay()), (1, lies)])));
-    let text = &files.last().unwrap().1;
-    let said = "column: where ζ is 10⁻⁴ for the first time, the velocity error is between 10⁻⁴ and 0.50 (2 of 2 runs).";
-    assert!(text.contains(said), "{text}");
+    let files = made(&truth(&study(&runs, &[(0, decay()), (1, lies)])));
+    assert!(table(&files).contains("column,ζ,2,2,0.0001,0.5\n"), "{}", table(&files));
 }
 
 #[test]
@@ -105,7 +108,7 @@ fn impulses_of_another_code_are_told_with_their_error_and_not_drawn() {
     let given =
         Run { variant: "other code".into(), end: end(sample(0, 1e-7, 2e-5)), ..run(1, "given", "", "given") };
     let made = made(&parts(&study(&[run(0, "nsgs", "", "converged"), given], &[(0, decay())])));
-    let text = &made.last().unwrap().1;
+    let text = &made[made.len() - 2].1;
     let said = "column: the impulses that other code gave have a velocity error of 2·10⁻⁵.\n";
     assert!(text.contains(said), "{text}");
     assert!(!made[0].1.contains("given"));
@@ -115,7 +118,7 @@ fn impulses_of_another_code_are_told_with_their_error_and_not_drawn() {
 fn run_that_tells_no_work_has_none_after_its_start() {
     let untold = decay().into_iter().map(|s| Sample { work: Work::default(), ..s }).collect();
     let made = made(&parts(&study(&[run(0, "interior-point", "", "converged")], &[(0, untold)])));
-    assert!(!made.last().unwrap().1.contains("in counted work"), "{}", made.last().unwrap().1);
+    assert!(table(&made).contains("column,0.01,interior-point,0.00501,,\n"), "{}", table(&made));
 }
 
 #[test]
@@ -125,7 +128,7 @@ fn note_says_how_often_runs_were_made() {
             let run = run(n, "nsgs", &n.to_string(), "converged");
             Run { timing: Timing { repeats: repeats[n as usize], ..run.timing.clone() }, ..run }
         });
-        made(&parts(&study(&runs, &[(0, decay()), (1, decay())]))).pop().unwrap().1
+        made(&parts(&study(&runs, &[(0, decay()), (1, decay())]))).swap_remove(2).1
     };
     assert!(note([1, 1]).contains("\nOne run each. "));
     assert!(note([3, 3]).contains("\nSeconds: medians of 3 runs each. "));
