@@ -7,6 +7,7 @@ pub(crate) mod stress;
 
 use crate::detect::Side;
 use bulk::Bulk;
+use contact::Place;
 use energy::Energy;
 use stress::Stress;
 
@@ -21,7 +22,7 @@ pub struct Observables {
     pub mean_height: f64,
     /// Greatest overlap at a contact of the problem just solved (m).
     pub greatest_overlap: f64,
-    /// All overlaps of that problem together, per grain (m).
+    /// Sum of the overlaps of that problem, per grain (m).
     pub mean_overlap: f64,
     /// Sums of the normal impulses that the floor with its bumps, or the drum, and all segments that no force drives gave in the time
     /// step, then the walls left and right, and in space those behind and before (N·s). Where there is a lid, left and right are its guides.
@@ -52,4 +53,13 @@ pub(crate) fn wall_impulses(sides: &[Side], r: &(impl Iterator<Item = f64> + Clo
         }
     }
     sums
+}
+
+/// Area or volume of the box around the grains (m², m³).
+pub(crate) fn room<P: Place>(position: &[P], radius: &[f64]) -> f64 {
+    let reach = |axis: usize, sign: f64| {
+        let reaches = position.iter().zip(radius).map(|(x, r)| sign * x[axis] + r);
+        reaches.fold(f64::NEG_INFINITY, f64::max)
+    };
+    (0..P::LEN).map(|axis| reach(axis, 1.0) + reach(axis, -1.0)).product()
 }

@@ -8,7 +8,8 @@
 //! F. Radjai, V. Richefeu, "Contact dynamics as a nonsmooth discrete element method", Mech. Mater. 41 (2009).
 
 use crate::detect::Side;
-use crate::problem::marched::Marched;
+use crate::observe::room;
+use crate::problem::marched::{Marched, to_candidate};
 use crate::problem::time_step::TimeStep;
 use crate::scene::Scene;
 use contact::{Touch, Vector};
@@ -36,7 +37,8 @@ impl Stress {
         r: &[f64],
     ) -> Self {
         let (radius, contacts) = (&time_step.frozen.radius, time_step.frozen.problem.contacts());
-        let area = area.or_else(|| scene.driven().next().map(|_| rectangle(time_step, grains)));
+        let position = &time_step.frozen.problem.position()[..grains];
+        let area = area.or_else(|| scene.driven().next().map(|_| room(position, radius)));
         let bumps = scene.bump_radius().unwrap_or(0.0);
         let (mut stress, mut touched) = (Self::default(), 0_u32);
         for (k, ((contact, side), gap)) in
@@ -55,7 +57,7 @@ impl Stress {
             touched += if matches!(side, Side::Grain(_)) { 2 } else { 1 };
             if let Some(area) = area {
                 let branch = contact.normal() * (radius[candidate] + beyond + gap);
-                let force = M::to_candidate(contact, r) / (scene.time_step_s * area);
+                let force = to_candidate::<M>(contact, r) / (scene.time_step_s * area);
                 stress.xx += force[0] * branch[0];
                 stress.xy += force[0] * branch[1];
                 stress.yy += force[1] * branch[1];
@@ -64,14 +66,4 @@ impl Stress {
         stress.coordination = f64::from(touched) / grains as f64;
         stress
     }
-}
-
-/// The area of the rectangle around the grains (m²).
-fn rectangle<M: Marched>(time_step: &TimeStep<M>, grains: usize) -> f64 {
-    let (radius, position) = (&time_step.frozen.radius, time_step.frozen.problem.position());
-    let reach = |axis: usize, sign: f64| {
-        let reaches = position.iter().zip(radius).take(grains).map(|(x, r)| sign * x[axis] + r);
-        reaches.fold(f64::NEG_INFINITY, f64::max)
-    };
-    (reach(0, 1.0) + reach(0, -1.0)) * (reach(1, 1.0) + reach(1, -1.0))
 }

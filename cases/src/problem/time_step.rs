@@ -36,9 +36,9 @@ impl<M: Mechanics> TimeStep<M> {
 /// Terms that a law adds to the offset of a contact (m/s).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Terms {
-    /// For its gap, c_g.
+    /// Term for its gap, c_g.
     pub(crate) gap: f64,
-    /// For its rebound, e v⁻.
+    /// Term for its rebound, e v⁻.
     pub(crate) rebound: f64,
 }
 

@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Sizes {
-    /// As many grains in each part of the range.
+    /// Equal numbers of grains in equal parts of the range.
     #[default]
     UniformByNumber,
-    /// As much mass in each part of the range, so that small grains are many.
+    /// Equal masses in equal parts of the range, so that small grains are many.
     UniformByMass,
     /// Logarithms of a normal distribution, cut at the ends of the range.
     LogNormal {
@@ -45,7 +45,7 @@ pub(crate) struct Radii<'s> {
 }
 
 impl Radii<'_> {
-    /// So many radii (m).
+    /// Draws so many radii (m).
     ///
     /// # Errors
     /// Names the key and the value that have no meaning.

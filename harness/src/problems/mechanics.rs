@@ -229,7 +229,7 @@ impl Studied for RoughDiscs {
     }
 
     fn to_json(frozen: &Frozen<Self>) -> serde_json::Result<String> {
-        frozen.to_rough_json()
+        frozen.to_json()
     }
 
     fn any(frozen: Frozen<Self>) -> AnyFrozen {
@@ -281,7 +281,7 @@ impl Studied for RoughSpheres {
     }
 
     fn to_json(frozen: &Frozen<Self>) -> serde_json::Result<String> {
-        frozen.to_rough_json()
+        frozen.to_json()
     }
 
     fn any(frozen: Frozen<Self>) -> AnyFrozen {

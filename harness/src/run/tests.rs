@@ -10,7 +10,7 @@ use runner::{Stop, solve};
 #[test]
 fn begin_end_and_some_iterates_between_are_kept() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/frozen/shear-box-991-onset.json");
-    let frozen = Frozen::read(std::path::Path::new(path)).unwrap();
+    let frozen = Frozen::<contact::Discs>::read(std::path::Path::new(path)).unwrap();
     let stop = Stop { max_iterations: 23, tolerance: 0.0, ..Stop::default() };
     let mut snapshots = Snapshots::of(&frozen.problem);
     let start = frozen.start(false);
