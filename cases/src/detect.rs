@@ -1,5 +1,6 @@
 //! Neighbours and gaps: which grains and walls are close, on a grid of cells, in time linear in the number of grains.
 
+pub(crate) mod extent;
 pub(crate) mod periodic;
 
 use crate::detect::periodic::Period;

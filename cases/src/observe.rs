@@ -7,7 +7,6 @@ pub(crate) mod stress;
 
 use crate::detect::Side;
 use bulk::Bulk;
-use contact::Place;
 use energy::Energy;
 use stress::Stress;
 
@@ -53,13 +52,4 @@ pub(crate) fn wall_impulses(sides: &[Side], r: &(impl Iterator<Item = f64> + Clo
         }
     }
     sums
-}
-
-/// Area or volume of the box around the grains (m², m³).
-pub(crate) fn room<P: Place>(position: &[P], radius: &[f64]) -> f64 {
-    let reach = |axis: usize, sign: f64| {
-        let reaches = position.iter().zip(radius).map(|(x, r)| sign * x[axis] + r);
-        reaches.fold(f64::NEG_INFINITY, f64::max)
-    };
-    (0..P::LEN).map(|axis| reach(axis, 1.0) + reach(axis, -1.0)).product()
 }

@@ -1,6 +1,6 @@
 //! Bumps that make a floor or a lid rough: discs side by side, in space spheres on a square lattice.
 
-use super::{Near, Seeker};
+use super::seeker::{Near, Seeker};
 use crate::detect::Side;
 use crate::detect::periodic::Period;
 use crate::scene::Scene;

@@ -6,7 +6,7 @@
 
 use super::bumps::Bumps;
 use super::drawn::outline;
-use super::{Near, Seeker};
+use super::seeker::{Near, Seeker};
 use crate::detect::{DetectedContact, Side};
 use crate::scene::Scene;
 use crate::scene::driven::Driven;

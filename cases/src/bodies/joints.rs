@@ -5,7 +5,7 @@
 //! thickest has the contact, the first of equal ones. Where the other is nearer, the end is hidden. If the line turns towards the disc
 //! beyond the hidden end, the disc may reach that side within the time step: it has a contact with the line of that side as well.
 
-use super::{Near, Seeker};
+use super::seeker::{Near, Seeker};
 use crate::detect::Side;
 use crate::scene::Scene;
 use crate::scene::segments::{Beside, Segment};

@@ -1,7 +1,8 @@
 //! The contacts of a time step: which are near, which the law lets in, and their impulses of the time step before.
 
 use super::March;
-use crate::bodies::{Bodies, Seeker};
+use crate::bodies::Bodies;
+use crate::bodies::seeker::Seeker;
 use crate::detect::{DetectedContact, Side};
 use crate::error::CaseError;
 use crate::problem::marched::{Marched, parts, translation};

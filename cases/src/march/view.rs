@@ -4,6 +4,7 @@ use super::March;
 use crate::bodies::drawn::drawn;
 use crate::bodies::driven::{DrivenSegment, PlacedLid};
 use crate::detect::Side;
+use crate::detect::extent::reach;
 use crate::observe::bulk::Bulk;
 use crate::observe::energy::Energy;
 use crate::observe::stress::Stress;
@@ -66,10 +67,7 @@ impl<M: Marched> March<M> {
     /// feet to as high as the highest grain. What is not between walls is as wide as the grains. In the plane each is a segment, in
     /// space of four corners.
     pub fn walls(&self) -> Vec<(Side, Vec<M::Place>)> {
-        let reach = |along: M::Place| {
-            let reaches = self.position.iter().zip(&self.radius).map(|(q, r)| along.dot_product(*q) + r);
-            reaches.fold(f64::NEG_INFINITY, f64::max)
-        };
+        let reach = |along: M::Place| reach(&self.position, &self.radius, along);
         let mut walls = drawn(&self.scene, self.done as f64 * self.scene.time_step_s, reach);
         let lid = PlacedLid::of(&self.scene, &self.position, &self.radius);
         walls.extend(lid.and_then(PlacedLid::drawn));

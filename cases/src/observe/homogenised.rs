@@ -10,7 +10,7 @@
 //!
 //! F. Radjai, V. Richefeu, "Contact dynamics as a nonsmooth discrete element method", Mech. Mater. 41 (2009).
 
-use crate::observe::room;
+use crate::detect::extent::room;
 use crate::problem::frozen::Frozen;
 use crate::problem::marched::{Marched, to_candidate};
 use contact::{Place, Touch, Vector};

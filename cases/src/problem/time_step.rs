@@ -3,7 +3,7 @@
 use crate::detect::Side;
 use crate::problem::frozen::Frozen;
 use crate::scene::Law;
-use contact::{Discs, Mechanics, Touch};
+use contact::{Discs, Mechanics, Touch, Vector};
 
 /// The contact problem of a time step that is not solved yet.
 #[derive(Clone, Debug)]
@@ -25,6 +25,18 @@ impl<M: Mechanics> TimeStep<M> {
     /// Terms that the law added to the offset of each contact.
     pub(crate) fn terms(&self) -> &[Terms] {
         &self.terms
+    }
+
+    /// Returns the contacts that push one of the first `grains`, each with its antagonist, gap (m) and impulse, of all `r` (N·s).
+    pub(crate) fn pushing<'t>(
+        &'t self,
+        grains: usize,
+        r: &'t [f64],
+    ) -> impl Iterator<Item = (&'t M::Contact, Side, f64, M::Impulse)> {
+        let Frozen { problem, gap, .. } = &self.frozen;
+        let all = problem.contacts().iter().zip(&self.sides).zip(gap).enumerate();
+        all.map(|(k, ((contact, side), gap))| (contact, *side, *gap, M::Impulse::at(r, k)))
+            .filter(move |(contact, .., r)| (contact.ends().0 as usize) < grains && r.first() > 0.0)
     }
 
     /// The candidate and the antagonist of each contact, by which it is known again.

@@ -1,5 +1,6 @@
 //! Radii of grains, drawn from a distribution; what is random comes from the sample's seed.
 
+use crate::file::values::{check, positive};
 use contact::{is_positive, shown};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -120,11 +121,7 @@ impl Radii<'_> {
         }
         match self.sizes {
             Sizes::LogNormal { median_m, deviation } => {
-                let keys = [("median_m", *median_m), ("deviation", *deviation)];
-                let wrong = keys.into_iter().find(|(_, value)| !is_positive(*value));
-                wrong.map_or(Ok(()), |(key, value)| {
-                    Err(format!("`sample.sizes.{key}` is {}: it must be positive and finite", shown(value)))
-                })
+                check("sample.sizes", [positive("median_m", *median_m), positive("deviation", *deviation)])
             }
             Sizes::Given { radii_m, shares } => given(self.range, radii_m, shares),
             Sizes::UniformByNumber | Sizes::UniformByMass => Ok(()),
