@@ -59,11 +59,6 @@ pub(crate) trait Studied: Marched + Bounded {
         &[]
     }
 
-    /// μ of a contact, if the mechanics has friction (–).
-    fn friction(_: &Self::Contact) -> Option<f64> {
-        None
-    }
-
     /// The sizes of the tangential impulses of `r` (N·s), in the plane with the sign along t = (−`n_y`, `n_x`); none without friction.
     fn tangential(_r: &[f64]) -> Option<Vec<f64>> {
         None
@@ -212,10 +207,6 @@ impl Studied for RoughDiscs {
         &velocity.as_slice()[2..]
     }
 
-    fn friction(contact: &RoughContact) -> Option<f64> {
-        Some(contact.friction)
-    }
-
     fn tangential(r: &[f64]) -> Option<Vec<f64>> {
         Some(r.iter().skip(1).step_by(2).copied().collect())
     }
@@ -262,10 +253,6 @@ impl Studied for RoughSpheres {
 
     fn spin(velocity: &Vector6<f64>) -> &[f64] {
         &velocity.as_slice()[3..]
-    }
-
-    fn friction(contact: &RoughContact<3>) -> Option<f64> {
-        Some(contact.friction)
     }
 
     fn tangential(r: &[f64]) -> Option<Vec<f64>> {
