@@ -274,7 +274,9 @@ impl<M: Marched> Frozen<M> {
             return Err(ProblemError::Value { key: "contacts.start", index, value, expected });
         }
         let mut flat = Vec::with_capacity(M::Impulse::LEN * start.len());
-        start.iter().for_each(|r| r.each(&mut |r| flat.push(r)));
+        for r in &start {
+            r.each(&mut |r| flat.push(r));
+        }
         let File { name, source, time_step, missed_before, .. } = file;
         Ok(Self { name, source, time_step, radius, gap, problem, start: flat, missed_before })
     }
