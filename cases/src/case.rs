@@ -5,9 +5,10 @@ use crate::error::CaseError;
 use crate::file::check_name;
 use crate::file::json::read_text;
 use crate::file::keys::all_missing;
+use crate::file::values::check_finite;
 use crate::sample::Sample;
 use crate::scene::Scene;
-use crate::scene::bodies::Drum;
+use crate::scene::drum::Drum;
 use contact::{Place, shown};
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
@@ -22,7 +23,7 @@ use std::sync::OnceLock;
 pub struct Case {
     /// Name, in results and in the names of its problems.
     pub name: String,
-    /// Why the case is here, in a sentence.
+    /// Reason for the case, in a sentence.
     pub why: String,
     /// Source of the case.
     pub source: String,
@@ -68,8 +69,8 @@ impl Case {
             |error: String| content.as_ref().map_or(error.clone(), |all| all_missing::<Self>(all, error));
         let mut case: Self =
             of_toml(&text).map_err(|(_, error)| CaseError::content(path, all(error.to_string())))?;
+        let mut table = content.map_err(|error| CaseError::content(path, error))?;
         if !overrides.is_empty() {
-            let mut table = content.map_err(|error| CaseError::content(path, error))?;
             for (key, value) in overrides {
                 set(&mut table, key, value).map_err(|message| CaseError::content(path, message))?;
             }
@@ -83,7 +84,11 @@ impl Case {
             })?;
         }
         path.clone_into(&mut case.path);
-        case.check().map_err(|message| CaseError::content(path, message))?;
+        let mut values = table.iter();
+        values
+            .try_for_each(|(key, value)| check_finite(key, value))
+            .and_then(|()| case.check())
+            .map_err(|message| CaseError::content(path, message))?;
         Ok(case)
     }
 
@@ -107,11 +112,7 @@ impl Case {
         if self.in_space()? != (P::LEN > 2) {
             return Err(wrong("`sample.kind` is that of grains in another number of dimensions".to_owned()));
         }
-        if P::LEN == 2 {
-            self.scene.check_in_plane().map_err(wrong)?;
-        } else {
-            self.scene.check_in_space().map_err(wrong)?;
-        }
+        self.scene.check_dimensions(P::LEN > 2).map_err(wrong)?;
         self.in_place(self.sample.grains_in(size, self.folder()).map_err(wrong)?)
     }
 

@@ -1,5 +1,6 @@
 //! Neighbours and gaps: which grains and walls are close, on a grid of cells, in time linear in the number of grains.
 
+pub(crate) mod extent;
 pub(crate) mod periodic;
 
 use crate::detect::periodic::Period;
@@ -28,7 +29,7 @@ pub enum Side {
     Right,
     /// The wall behind, at z = 0; in space only.
     Back,
-    /// The wall before, towards who looks.
+    /// The wall before, towards the viewer.
     Front,
     /// The drum.
     Drum,
@@ -62,7 +63,7 @@ pub struct DetectedContact<P = Vector2<f64>> {
     pub gap: f64,
 }
 
-/// All pairs of grains with a gap of at most `reach` (m), ordered by candidate, then antagonist.
+/// Returns all pairs of grains with a gap of at most `reach` (m), ordered by candidate, then antagonist.
 ///
 /// The cost is linear in the number of grains as long as they fill the box around them and the largest is not much
 /// larger than the others.
@@ -180,12 +181,12 @@ fn for_each_close<P: Place>(
 /// Grains sorted into cells as wide as they are high and deep.
 struct Cells<P> {
     low: P,
-    /// Along each axis (m).
+    /// Size along each axis (m).
     size: [f64; 3],
     period: Period,
     /// Columns, rows and, in space, layers.
     counts: [usize; 3],
-    /// By cell, row after row and layer after layer.
+    /// Grains by cell, row after row and layer after layer.
     grains: Groups,
 }
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod json;
 pub(crate) mod keys;
+pub(crate) mod values;
 
 /// Refuses a `name` that would lead elsewhere where files are named after it.
 ///

@@ -1,7 +1,8 @@
 //! From a scene to a contact problem: samples, neighbours, laws, time marching; and frozen problems.
 //!
-//! Each folder uses those before it only: `error`, `file`, `detect`, `scene`, `problem`, `sample`, `case`, `observe`, `march`.
+//! Each folder uses those before it only: `error`, `file`, `detect`, `scene`, `bodies`, `problem`, `sample`, `case`, `observe`, `march`.
 
+mod bodies;
 mod case;
 mod detect;
 mod error;
@@ -18,22 +19,25 @@ pub use error::{CaseError, Explosion, Missed};
 pub use file::check_name;
 pub use file::json::{of_json, read_text};
 pub use file::keys::{all_missing, schema};
-pub use march::parts::{Disc, InParts};
+pub use march::parts::InParts;
 pub use march::{March, Start};
 pub use observe::Observables;
 pub use observe::bulk::Bulk;
 pub use observe::energy::Energy;
 pub use observe::homogenised::{Homogenised, Tensor};
 pub use observe::stress::Stress;
-pub use problem::frozen::{Frozen, Listed};
-pub use problem::marched::Marched;
-pub use problem::rough::AnyFrozen;
+pub use problem::any::{AnyFrozen, OfAnyMechanics};
+pub use problem::frozen::Frozen;
+pub use problem::marched::{Inertia, Listed, Marched, Parts};
 pub use problem::time_step::TimeStep;
 pub use sample::Sample;
+pub use sample::deposit::Disc;
 pub use sample::sizes::Sizes;
-pub use scene::bodies::Drum;
+pub use sample::strips::Strips;
 pub use scene::driven::Driven;
+pub use scene::drum::Drum;
 pub use scene::lid::Lid;
+pub use scene::motion::{Direction, Vibration};
 pub use scene::segments::Segment;
-pub use scene::walls::{Direction, Vibration, WallMotion, Walls};
+pub use scene::walls::Walls;
 pub use scene::{Law, Scene};

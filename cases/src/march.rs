@@ -5,23 +5,19 @@ mod begin;
 mod contacts;
 pub(crate) mod parts;
 mod start;
+mod view;
 
+use crate::bodies::joints::Joints;
 use crate::case::Case;
 use crate::detect::{Grain, Neighbours, Side};
 use crate::error::{CaseError, Missed, explosion::explosion};
-use crate::observe::bulk::Bulk;
+use crate::observe::Observables;
 use crate::observe::energy::Energy;
-use crate::observe::stress::Stress;
-use crate::observe::{Observables, wall_impulses};
 use crate::problem::frozen::Frozen;
-use crate::problem::marched::Marched;
+use crate::problem::marched::{Marched, inertia, kept, translating, translation};
 use crate::problem::time_step::TimeStep;
-use crate::scene::drawn::drawn;
-use crate::scene::driven;
-use crate::scene::joints::Joints;
-use crate::scene::lid::Placed;
-use crate::scene::{Scene, too_far};
-use contact::{Discs, Mass, Mechanics, Packing, Place, Solver, Touch, Vector, greatest, shown};
+use crate::scene::Scene;
+use contact::{Discs, Mechanics, Packing, Place, Solver, Touch, Vector};
 use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
 pub use start::Start;
 use start::recall;
@@ -70,16 +66,10 @@ impl<M: Marched> March<M> {
         if let Some(highest) = (0..grains.len()).rev().max_by(|a, b| height(a).total_cmp(&height(b))) {
             velocity[highest] = M::Place::of([x, y - case.scene.impact_speed_m_per_s, 0.0]);
         }
-        let mut mass: Vec<_> = grains.iter().map(M::mass).collect();
-        if let Some(lid) = case.scene.lid() {
-            let body = lid.body(&grains, case.scene.bump_radius().unwrap_or(0.0));
-            mass.push(M::unturned(M::mass(&body)));
-            velocity.push(M::Place::of([lid.speed_m_per_s, 0.0, 0.0]));
-            grains.push(body);
-        }
-        for body in case.scene.driven_bodies(&grains) {
-            mass.push(M::unturned(M::mass(&body)));
-            velocity.push(M::Place::ZERO);
+        let mut mass: Vec<_> = grains.iter().map(|grain| inertia::<M>(grain, true)).collect();
+        for (body, at) in case.scene.bodies(&grains) {
+            mass.push(inertia::<M>(&body, false));
+            velocity.push(at);
             grains.push(body);
         }
         let march = Self {
@@ -89,7 +79,7 @@ impl<M: Marched> March<M> {
             radius: grains.iter().map(|grain| grain.radius).collect(),
             mass,
             position: grains.iter().map(|grain| grain.position).collect(),
-            velocity: velocity.into_iter().map(M::translating).collect(),
+            velocity: velocity.into_iter().map(translating::<M>).collect(),
             neighbours: RefCell::default(),
             done: 0,
             last: Vec::new(),
@@ -100,20 +90,6 @@ impl<M: Marched> March<M> {
         Ok(march)
     }
 
-    /// Returns the unusual values of its scene, each by its key.
-    pub fn warnings(&self) -> Vec<String> {
-        self.scene.warnings(self.radius.iter().copied().fold(f64::INFINITY, f64::min))
-    }
-
-    /// The warning of a grain that the last time step moved by more than its radius, if there is one.
-    pub fn moved_too_far(&self) -> Option<String> {
-        let h = self.scene.time_step_s;
-        let moved = (0..self.grain_count()).map(|k| (k, M::translation(self.velocity[k]).length() * h));
-        let (grain, by) = moved.into_iter().find(|(k, by)| *by > self.radius[*k])?;
-        let moves = format!("time step {} moves grain {grain} by {} m", self.done, shown(by));
-        Some(too_far(h, &moves, self.radius[grain]))
-    }
-
     /// Time steps done.
     pub fn time_steps(&self) -> u64 {
         self.done
@@ -122,64 +98,6 @@ impl<M: Marched> March<M> {
     /// Number of grains; a lid is none, nor is a driven segment.
     pub fn grain_count(&self) -> usize {
         self.radius.len() - self.scene.body_count()
-    }
-
-    /// Mean diameter of the grains (m).
-    pub fn mean_diameter(&self) -> f64 {
-        let radius = &self.radius[..self.grain_count()];
-        2.0 * radius.iter().sum::<f64>() / radius.len() as f64
-    }
-
-    /// Returns the position of another grain, or of its periodic image if that is nearer to a place; `None` for other bodies, which
-    /// extend across the scene.
-    pub fn beside(&self, place: M::Place, other: u32) -> Option<M::Place> {
-        let there = (self.position.get(other as usize)).filter(|_| (other as usize) < self.grain_count())?;
-        let period = self.scene.period();
-        // To the bit where nothing is periodic.
-        Some(period.0.map_or(*there, |_| place - period.nearest(place - *there)))
-    }
-
-    /// The lid among the bodies at these places.
-    fn lid(&self, position: &[M::Place]) -> Option<Placed<'_, M::Place>> {
-        self.scene.lid()?;
-        let body = self.grain_count();
-        let foot = position[body] - M::Place::of([0.0, self.radius[body], 0.0]);
-        Some(Placed { scene: &self.scene, body: body as u32, foot })
-    }
-
-    /// The grains, and last a lid or driven segments, as they are: radius (m), place (m) and velocity (m/s) of each.
-    pub fn grains(&self) -> impl Iterator<Item = (f64, M::Place, M::Place)> {
-        self.radius
-            .iter()
-            .zip(&self.position)
-            .zip(&self.velocity)
-            .map(|((r, q), v)| (*r, *q, M::translation(*v)))
-    }
-
-    /// Mass of each grain (kg), and its moment of inertia (kg m²), if it spins.
-    pub fn mass(&self) -> &[M::Mass] {
-        &self.mass
-    }
-
-    /// Velocity of each grain (m/s), and its spin (rad/s), if it has any.
-    pub fn velocity(&self) -> &[M::Velocity] {
-        &self.velocity
-    }
-
-    /// The walls and other bodies as they stand, to be drawn, by their corners (m): the floor from left to right, the others from their
-    /// feet to as high as the highest grain. What is not between walls is as wide as the grains. In the plane each is a segment, in
-    /// space of four corners.
-    pub fn walls(&self) -> Vec<(Side, Vec<M::Place>)> {
-        let reach = |along: M::Place| {
-            let reaches = self.position.iter().zip(&self.radius).map(|(q, r)| along.dot_product(*q) + r);
-            reaches.fold(f64::NEG_INFINITY, f64::max)
-        };
-        let mut walls = drawn(&self.scene, self.done as f64 * self.scene.time_step_s, reach);
-        walls.extend(self.lid(&self.position).and_then(Placed::drawn));
-        walls.extend(
-            self.scene.driven_at(&self.position, |_| M::Place::ZERO).iter().flat_map(driven::Placed::drawn),
-        );
-        walls
     }
 
     /// The contact problem of the next time step.
@@ -200,13 +118,13 @@ impl<M: Marched> March<M> {
             .position
             .iter()
             .zip(&self.velocity)
-            .map(|(q, v)| *q + M::translation(*v) * (h * (1.0 - theta)))
+            .map(|(q, v)| *q + translation::<M>(*v) * (h * (1.0 - theta)))
             .collect();
-        let taken = M::translating(self.scene.gravity::<M::Place>() * h);
+        let taken = translating::<M>(self.scene.gravity::<M::Place>() * h);
         let mut free_velocity: Vec<_> = self.velocity.iter().map(|v| *v - taken).collect();
         let grains = self.grain_count();
         for (free, (mass, force)) in free_velocity[grains..].iter_mut().zip(self.scene.forces::<M::Place>()) {
-            *free += M::translating(force * h / mass);
+            *free += translating::<M>(force * h / mass);
         }
         (position, free_velocity)
     }
@@ -253,11 +171,11 @@ impl<M: Marched> March<M> {
         let period = self.scene.period();
         let energy = Energy::of(time_step, &self.scene, (&self.velocity, velocity), r);
         for ((q, detected), v) in self.position.iter_mut().zip(problem.position()).zip(velocity) {
-            *q = period.wrapped(*detected + M::translation(*v) * (h * theta));
+            *q = period.wrapped(*detected + translation::<M>(*v) * (h * theta));
         }
         self.velocity.copy_from_slice(velocity);
-        let kept = |k: usize| M::kept(&problem.contacts()[k], M::Impulse::at(r, k));
-        let last = time_step.keys().enumerate().map(|(k, key)| (key, kept(k))).collect();
+        let kept_at = |k: usize| kept::<M>(&problem.contacts()[k], M::Impulse::at(r, k));
+        let last = time_step.keys().enumerate().map(|(k, key)| (key, kept_at(k))).collect();
         self.before = std::mem::replace(&mut self.last, last);
         self.done += 1;
         self.observe(time_step, r, energy)
@@ -306,7 +224,7 @@ impl<M: Marched> March<M> {
         }
         let before = std::mem::replace(&mut self.missed, missed);
         let contacts = problem.contacts().iter().map(Touch::ends);
-        let translations: Vec<_> = self.velocity.iter().map(|v| M::translation(*v)).collect();
+        let translations: Vec<_> = self.velocity.iter().map(|v| translation::<M>(*v)).collect();
         match explosion(contacts, gap, &self.radius, &translations, self.scene.time_step_s) {
             None => Ok((outcome, observables)),
             // Speeds are those of this time step; overlaps were found at its beginning, where the one before had led.
@@ -315,30 +233,6 @@ impl<M: Marched> March<M> {
                 let solved = recent().find(|missed| missed.failed()).or_else(|| recent().next());
                 Err(CaseError::Exploded { time_step, why, solved })
             }
-        }
-    }
-
-    fn observe(&self, time_step: &TimeStep<M>, r: &[f64], energy: Energy) -> Observables {
-        let kinetic = self.mass.iter().zip(&self.velocity).map(|(m, v)| 0.5 * m.squared(*v));
-        let grains = self.grain_count();
-        let mass = || self.mass[..grains].iter().map(|mass| M::weight(*mass));
-        let moment = mass().zip(&self.position).map(|(m, q)| m * q[1]);
-        let height = self.lid(time_step.frozen.problem.position()).map(|lid| lid.foot[1]);
-        let area = self.scene.period().0.zip(height).map(|(width, height)| width * height);
-        let overlaps = || time_step.frozen.gap.iter().map(|gap| f64::max(0.0, -gap));
-        let time = self.done as f64 * self.scene.time_step_s;
-        Observables {
-            time,
-            kinetic_energy: kinetic.sum(),
-            mean_height: moment.sum::<f64>() / mass().sum::<f64>(),
-            greatest_overlap: overlaps().fold(0.0, f64::max),
-            mean_overlap: overlaps().sum::<f64>() / grains as f64,
-            wall_impulses: wall_impulses(&time_step.sides, &r.iter().step_by(M::Impulse::LEN).copied()),
-            contacts: time_step.sides.len(),
-            energy,
-            stress: Stress::of(time_step, &self.scene, (grains, area), r),
-            bulk: Bulk::of(time_step, &self.scene, (grains, time), r),
-            greatest_speed: greatest(self.velocity.iter().map(|v| M::translation(*v).length())),
         }
     }
 }

@@ -21,7 +21,7 @@ pub struct Observables {
     pub mean_height: f64,
     /// Greatest overlap at a contact of the problem just solved (m).
     pub greatest_overlap: f64,
-    /// All overlaps of that problem together, per grain (m).
+    /// Sum of the overlaps of that problem, per grain (m).
     pub mean_overlap: f64,
     /// Sums of the normal impulses that the floor with its bumps, or the drum, and all segments that no force drives gave in the time
     /// step, then the walls left and right, and in space those behind and before (N·s). Where there is a lid, left and right are its guides.

@@ -1,6 +1,7 @@
-//! Contact problems of time steps, of each mechanics, and their files.
+//! Contact problems of time steps, of each mechanics, and their file.
 
+pub(crate) mod any;
+pub(crate) mod file;
 pub(crate) mod frozen;
 pub(crate) mod marched;
-pub(crate) mod rough;
 pub(crate) mod time_step;

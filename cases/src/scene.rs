@@ -1,20 +1,22 @@
 //! A scene: gravity, the box and its motion, the contact law, the time step.
 
-pub(crate) mod bodies;
-pub(crate) mod drawn;
 pub(crate) mod driven;
-pub(crate) mod joints;
+pub(crate) mod drum;
 pub(crate) mod lid;
 pub(crate) mod motion;
 pub(crate) mod segments;
 pub(crate) mod walls;
 
+use crate::detect::Grain;
 use crate::detect::periodic::Period;
-use crate::scene::bodies::Drum;
+use crate::file::values::{check, not_negative, positive};
+use crate::scene::driven::Driven;
+use crate::scene::drum::Drum;
 use crate::scene::lid::Lid;
+use crate::scene::motion::Direction;
 use crate::scene::segments::Segment;
-use crate::scene::walls::{Direction, Vibration, Walls};
-use contact::{Place, is_not_negative, is_positive, shown};
+use crate::scene::walls::{MovingWall, Walls};
+use contact::{Place, is_positive, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +24,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
-    /// Which contacts enter a problem, and with what offset.
+    /// Contact law: the contacts that enter a problem, and their offsets.
     pub law: Law,
     /// Newton's e: the part of its approach with which a contact parts (–), of the law `newton`.
     pub restitution: Option<f64>,
@@ -33,7 +35,7 @@ pub struct Scene {
     pub theta: f64,
     /// Downward acceleration (m/s²).
     pub gravity_m_per_s2: f64,
-    /// By how much gravity leans towards +x (rad): the floor is then a slope that falls that way.
+    /// Angle by which gravity leans towards +x (rad): the floor is then a slope that falls that way.
     #[serde(default)]
     pub slope_rad: f64,
     /// Coulomb's μ between grains, and at walls that have none of their own (–). Without the key there is no friction, and grains
@@ -77,7 +79,7 @@ fn once() -> u32 {
     1
 }
 
-/// Which contacts enter a problem, and with what offset (§1, §2).
+/// Contact law: the contacts that enter a problem, and their offsets (§1, §2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Law {
@@ -111,7 +113,7 @@ impl Scene {
             || self.segments.iter().any(|segment| segment.friction.is_some())
     }
 
-    /// After which width it repeats itself.
+    /// Period of the scene along x, if it has one.
     pub(crate) fn period(&self) -> Period {
         Period(self.walls.as_ref().filter(|walls| walls.periodic).and_then(|walls| walls.width_m))
     }
@@ -142,44 +144,68 @@ impl Scene {
         }
     }
 
-    /// Refuses values without meaning for discs, which lie in the plane of x and y.
-    pub(crate) fn check_in_plane(&self) -> Result<(), String> {
-        let Some(walls) = &self.walls else { return Ok(()) };
-        let along_z = |vibration: &Vibration| matches!(vibration.direction, Direction::Z);
-        if let Some(depth) = walls.depth_m {
-            Err(format!(
-                "`scene.box.depth_m` is {}: discs have no depth, so it must be left out",
-                shown(depth)
-            ))
-        } else if walls.depth_closing_speed_m_per_s != 0.0 {
-            Err(format!(
-                "`scene.box.depth_closing_speed_m_per_s` is {}: discs have no depth, so it must be left out",
-                shown(walls.depth_closing_speed_m_per_s)
-            ))
-        } else if walls.vibration.as_ref().is_some_and(along_z) {
-            Err("`scene.box.vibration.direction` is z: it must be x or y, since discs have no depth"
-                .to_owned())
-        } else {
-            Ok(())
-        }
+    /// Its segments that a force drives, with their numbers, in the order of their bodies.
+    pub(crate) fn driven(&self) -> impl Iterator<Item = (u32, &Segment, &Driven)> + Clone {
+        let all = (0_u32..).zip(&self.segments);
+        all.filter_map(|(number, segment)| Some((number, segment, segment.driven.as_ref()?)))
     }
 
-    /// Refuses values without meaning for spheres.
-    pub(crate) fn check_in_space(&self) -> Result<(), String> {
-        if !self.segments.is_empty() {
-            return Err("`scene.segments` is for discs, so it must be left out".to_owned());
-        }
-        let closing = self.walls.as_ref().filter(|walls| walls.depth_m.is_none());
-        if let Some(walls) = closing.filter(|walls| walls.depth_closing_speed_m_per_s != 0.0) {
-            return Err(format!(
+    /// Returns the mass (kg) of each of the last bodies and the force on it (N), in their order: a lid, or driven segments.
+    pub(crate) fn forces<P: Place>(&self) -> Vec<(f64, P)> {
+        let of_lid = self.lid().map(|lid| (lid.mass_kg, P::of([0.0, -lid.force_n, 0.0])));
+        let of_segments =
+            self.driven().map(|(_, _, driven)| (driven.mass_kg, driven.along::<P>() * driven.force_n));
+        of_lid.into_iter().chain(of_segments).collect()
+    }
+
+    /// Returns the number of bodies after the grains.
+    pub(crate) fn body_count(&self) -> usize {
+        usize::from(self.lid().is_some()) + self.driven().count()
+    }
+
+    /// The bodies after the grains as more of them, which speeds and overlaps judge as the largest, each with its velocity (m/s).
+    pub(crate) fn bodies<P: Place>(&self, grains: &[Grain<P>]) -> Vec<(Grain<P>, P)> {
+        let radius = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+        let of_lid = self.lid().map(|lid| {
+            let body = lid.body(grains, radius, self.bump_radius().unwrap_or(0.0));
+            (body, P::of([lid.speed_m_per_s, 0.0, 0.0]))
+        });
+        let of_segments = self.driven().map(|(_, segment, driven)| {
+            (Grain { radius, mass: driven.mass_kg, position: segment.middle() }, P::ZERO)
+        });
+        of_lid.into_iter().chain(of_segments).collect()
+    }
+
+    /// Its walls from a `time` (s) on, for a time step.
+    pub(crate) fn walls_from<P: Place>(&self, time: f64) -> [Option<MovingWall<P>>; 5] {
+        self.walls.as_ref().map_or([None; 5], |walls| walls.over(time, self.time_step_s))
+    }
+
+    /// Refuses what is only for spheres, or only for discs.
+    pub(crate) fn check_dimensions(&self, in_space: bool) -> Result<(), String> {
+        let walls = self.walls.as_ref();
+        let depth = walls.and_then(|walls| walls.depth_m);
+        let closing = walls.map_or(0.0, |walls| walls.depth_closing_speed_m_per_s);
+        let vibration = walls.and_then(|walls| walls.vibration.as_ref());
+        let no_depth = |key: &str, value: f64| {
+            format!("`scene.box.{key}` is {}: discs have no depth, so it must be left out", shown(value))
+        };
+        let discs_alone = |key: &str| format!("`scene.{key}` is for discs, so it must be left out");
+        Err(match depth {
+            Some(depth) if !in_space => no_depth("depth_m", depth),
+            None if !in_space && closing != 0.0 => no_depth("depth_closing_speed_m_per_s", closing),
+            _ if !in_space && vibration.is_some_and(|vibration| vibration.direction == Direction::Z) => {
+                "`scene.box.vibration.direction` is z: it must be x or y, since discs have no depth"
+                    .to_owned()
+            }
+            _ if in_space && !self.segments.is_empty() => discs_alone("segments"),
+            None if in_space && closing != 0.0 => format!(
                 "`scene.box.depth_closing_speed_m_per_s` is {}: it needs `scene.box.depth_m`",
-                shown(walls.depth_closing_speed_m_per_s)
-            ));
-        }
-        match self.lid() {
-            Some(_) => Err("`scene.box.lid` is for discs, so it must be left out".to_owned()),
-            None => Ok(()),
-        }
+                shown(closing)
+            ),
+            _ if in_space && self.lid().is_some() => discs_alone("box.lid"),
+            _ => return Ok(()),
+        })
     }
 
     /// Returns unusual values, for grains of at least this radius (m): key, value and why.
@@ -223,78 +249,36 @@ impl Scene {
         warnings
     }
 
-    fn check_segments(&self) -> Result<(), String> {
-        for (number, segment) in self.segments.iter().enumerate() {
-            segment.check(number, self.time_step_s)?;
-        }
-        if self.period().0.is_some() && !self.segments.is_empty() {
-            return Err("`scene.segments` is for boxes without `periodic` sides".to_owned());
-        }
-        Ok(())
-    }
-
     /// Refuses values outside the range of the model, with key, value and what would be accepted.
     pub(crate) fn check(&self) -> Result<(), String> {
+        let (walls, drum) = (self.walls.as_ref(), self.drum.as_ref());
+        let copies = self.contact_copies;
         let mut values = vec![
-            ("time_step_s", self.time_step_s, is_positive(self.time_step_s), "positive and finite"),
+            positive("time_step_s", self.time_step_s),
             ("theta", self.theta, (0.0..=1.0).contains(&self.theta), "between 0 and 1"),
-            ("contact_copies", f64::from(self.contact_copies), self.contact_copies > 0, "at least 1"),
+            ("contact_copies", copies.into(), copies > 0, "at least 1"),
         ];
-        let mut finite = |key, value: f64| values.push((key, value, value.is_finite(), "finite"));
-        finite("gravity_m_per_s2", self.gravity_m_per_s2);
-        finite("impact_speed_m_per_s", self.impact_speed_m_per_s);
-        finite("slope_rad", self.slope_rad);
-        finite("thrown_at_m_per_s", self.thrown_at_m_per_s[0]);
-        finite("thrown_at_m_per_s", self.thrown_at_m_per_s[1]);
-        if let Some(walls) = &self.walls {
-            finite("box.tilt_rate_rad_per_s", walls.tilt_rate_rad_per_s);
-            finite("box.tilt_start_s", walls.tilt_start_s);
-            finite("box.closing_speed_m_per_s", walls.closing_speed_m_per_s);
-            finite("box.depth_closing_speed_m_per_s", walls.depth_closing_speed_m_per_s);
-            finite("box.belt_speed_m_per_s", walls.belt_speed_m_per_s);
-            if let Some(vibration) = &walls.vibration {
-                finite("box.vibration.amplitude_m", vibration.amplitude_m);
-                finite("box.vibration.frequency_hz", vibration.frequency_hz);
-                finite("box.vibration.phase_rad", vibration.phase_rad);
-                finite("box.vibration.start_s", vibration.start_s);
-            }
-            for (key, length) in [("box.width_m", walls.width_m), ("box.depth_m", walls.depth_m)] {
-                values.extend(length.map(|length| (key, length, is_positive(length), "positive and finite")));
-            }
-        }
-        if let Some(drum) = &self.drum {
-            let (radius, spin) = (drum.radius_m, drum.spin_rad_per_s);
-            let expected = "positive and finite, and `scene.box` left out";
-            values.push(("drum.radius_m", radius, is_positive(radius) && self.walls.is_none(), expected));
-            values.push(("drum.spin_rad_per_s", spin, spin.is_finite(), "finite"));
-        }
+        values.extend(self.friction.map(|mu| not_negative("friction", mu)));
         values.extend(self.restitution.map(|e| {
             let valid = (0.0..=1.0).contains(&e) && self.law == Law::Newton;
             ("restitution", e, valid, "between 0 and 1, with the law `newton`")
         }));
-        if let Some(walls) = &self.walls
-            && let Some(bumps) = walls.bump_radius_m
-        {
-            let (expected, is_still) =
-                ("positive and finite, on a floor that is no belt", walls.belt_speed_m_per_s == 0.0);
-            values.push(("box.bump_radius_m", bumps, is_positive(bumps) && is_still, expected));
-        }
-        let of_walls = self.walls.as_ref().and_then(|walls| walls.friction);
-        for (key, friction) in [("friction", self.friction), ("box.friction", of_walls)] {
-            values.extend(friction.map(|mu| (key, mu, is_not_negative(mu), "finite and not negative")));
-        }
-        if let Some((key, value, _, expected)) = values.into_iter().find(|(_, _, valid, _)| !valid) {
-            return Err(format!("`scene.{key}` is {}: it must be {expected}", shown(value)));
-        }
+        values.extend(drum.map(|Drum { radius_m, .. }| {
+            let expected = "positive and finite, and `scene.box` left out";
+            ("drum.radius_m", *radius_m, is_positive(*radius_m) && walls.is_none(), expected)
+        }));
+        check("scene", values)?;
         if self.law == Law::Newton && self.restitution.is_none() {
             return Err(
                 "`scene.restitution` is missing: the law `newton` needs it, between 0 and 1".to_owned()
             );
         }
-        self.check_segments()?;
-        if let Some(vibration) = self.walls.as_ref().and_then(|walls| walls.vibration.as_ref()) {
-            vibration.check_resolved("box", self.time_step_s)?;
+        for (number, segment) in self.segments.iter().enumerate() {
+            segment.check(&format!("scene.segments[{number}]"), self.time_step_s)?;
         }
-        self.walls.as_ref().map_or(Ok(()), Walls::check_periodic)
+        if self.period().0.is_some() && !self.segments.is_empty() {
+            return Err("`scene.segments` is for boxes without `periodic` sides".to_owned());
+        }
+        walls.map_or(Ok(()), |walls| walls.check(self.time_step_s))
     }
 }

@@ -191,7 +191,7 @@ fn what_has_no_meaning_is_refused_by_key_and_number() {
         "motion = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]]",
         "`scene.segments[0].motion[1]` is [0, 1, 0]: its time",
     );
-    refused("motion = [[0.0, nan, 0.0]]", "`scene.segments[0].motion[0]` is [0, NaN, 0]: its values");
+    refused("motion = [[0.0, nan, 0.0]]", "`scene.segments[0].motion[0][1]` is NaN: it must be finite");
     refused("friction = -0.5", "`scene.segments[0].friction` is -0.5");
     refused(
         "vibration = { amplitude_m = 0.1, frequency_hz = 1.0, direction = \"z\" }",

@@ -19,7 +19,7 @@ use serde_json::Value;
 use std::ops::ControlFlow;
 
 pub(crate) fn rough(name: &str) -> Frozen<RoughDiscs> {
-    Frozen::read_rough(&frozen_path(&format!("{name}.json"))).unwrap()
+    Frozen::read(&frozen_path(&format!("{name}.json"))).unwrap()
 }
 
 /// The same contacts with another friction.

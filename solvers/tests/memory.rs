@@ -2,7 +2,7 @@
 
 use active_set::ActiveSet;
 use cases::Frozen;
-use contact::{Packing, Solver, memory};
+use contact::{Discs, Packing, Solver, memory};
 use latin_dd::LatinDd;
 use nsgs::Nsgs;
 use std::path::Path;
@@ -15,7 +15,7 @@ fn refusal(method: &dyn Solver, problem: &Packing) -> Option<String> {
 #[test]
 fn factors_take_no_more_memory_than_they_are_allowed() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/frozen/settled-991.json");
-    let problem = Frozen::read(&file).unwrap_or_else(|error| panic!("{error}")).problem;
+    let problem = Frozen::<Discs>::read(&file).unwrap_or_else(|error| panic!("{error}")).problem;
     let fixed = LatinDd { kappa_l: Some(40.0), adaptive: Some(false), ..LatinDd::default() };
     let adaptive = LatinDd { kappa_l: Some(40.0), adaptive: Some(true), ..LatinDd::default() };
     let [active_set, nsgs] = [&ActiveSet::default() as &dyn Solver, &Nsgs::default()];

@@ -1,7 +1,7 @@
 //! JSON and the texts that files hold, read so that errors name the key, the index and the value.
 
 use crate::error::CaseError;
-use crate::file::keys::all_missing;
+use crate::file::keys::{LACKS, all_missing_of, schema};
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -37,10 +37,23 @@ const BYTE_ORDER_MARK: char = '\u{feff}';
 /// # Errors
 /// Names what is no JSON, else the keys that are missing, else the key and the index of the first wrong value.
 pub fn of_json<T: DeserializeOwned + JsonSchema>(text: &str) -> Result<T, String> {
-    with_key(text).map_err(|error| match with_key::<Value>(text) {
+    of_json_with_keys(text, schema::<T>, |_| true)
+}
+
+/// Reads a `T` from JSON, whose keys are those of a schema, as its value says whether it `has_keys`.
+///
+/// # Errors
+/// Those of [`of_json`].
+pub(crate) fn of_json_with_keys<T: DeserializeOwned>(
+    text: &str,
+    schema: impl Fn() -> Value,
+    has_keys: impl Fn(&T) -> bool,
+) -> Result<T, String> {
+    let read = with_key(text).and_then(|read| if has_keys(&read) { Ok(read) } else { Err(LACKS.to_owned()) });
+    read.map_err(|error| match with_key::<Value>(text) {
         // A text that is no JSON lacks more than keys.
         Err(broken) => broken,
-        Ok(content) => all_missing::<T>(&content, error),
+        Ok(content) => all_missing_of(&schema(), &content, error),
     })
 }
 

@@ -14,9 +14,19 @@ pub fn schema<T: JsonSchema>() -> Value {
 /// The `error` of whoever tried to read a `T` from `content`. If what is wrong are its keys: all that it lacks, all that in it
 /// should be a table, and the first that has no meaning, so that nobody has to try once for each.
 pub fn all_missing<T: JsonSchema>(content: &impl Serialize, error: String) -> String {
-    let Ok(content) = serde_json::to_value(content) else { return error };
+    match serde_json::to_value(content) {
+        Ok(content) => all_missing_of(&schema::<T>(), &content, error),
+        Err(_) => error,
+    }
+}
+
+/// The words of serde about a missing key.
+pub(crate) const LACKS: &str = "missing field";
+
+/// The `error` about a `content` that a schema describes, as [`all_missing`] has it.
+pub(crate) fn all_missing_of(schema: &Value, content: &Value, error: String) -> String {
     let mut lacks = Lacks::default();
-    lacks.look(&schema::<T>(), &content, "");
+    lacks.look(schema, content, "");
     let missing = match lacks.keys.as_slice() {
         [] => None,
         [key] => Some(format!("missing key `{key}`")),
@@ -26,7 +36,7 @@ pub fn all_missing<T: JsonSchema>(content: &impl Serialize, error: String) -> St
     let is_unknown = error.contains("unknown field");
     if is_unknown {
         wrong.insert(0, error.trim_end().to_owned());
-    } else if wrong.is_empty() && !error.contains("missing field") {
+    } else if wrong.is_empty() && !error.contains(LACKS) {
         return error;
     }
     wrong.extend(missing);
@@ -44,7 +54,7 @@ struct Lacks {
 }
 
 impl Lacks {
-    /// Looks through `value`, which stands at `path`.
+    /// Checks `value`, which stands at `path`.
     fn look(&mut self, schema: &Value, value: &Value, path: &str) {
         let list = |key: &str| schema[key].as_array().map_or(&[] as &[Value], Vec::as_slice);
         // What may be left out is there or null.
@@ -90,6 +100,7 @@ impl Lacks {
                 Some(schema) => self.look(schema, value, &at(key)),
                 None if schema["additionalProperties"] == false && self.unknown.is_none() => {
                     let known = properties.keys().map(String::as_str).collect::<Vec<_>>().join("`, `");
+                    let key = at(key);
                     self.unknown = Some(format!("unknown field `{key}`, expected one of `{known}`"));
                 }
                 None => {}

@@ -1,14 +1,13 @@
 //! The contacts of a time step: which are near, which the law lets in, and their impulses of the time step before.
 
 use super::March;
+use crate::bodies::Bodies;
+use crate::bodies::seeker::Seeker;
 use crate::detect::{DetectedContact, Side};
 use crate::error::CaseError;
-use crate::problem::marched::Marched;
+use crate::problem::marched::{Marched, parts, translation};
 use crate::problem::time_step::{Terms, TimeStep};
-use crate::scene::bodies::bodies_near;
-use crate::scene::driven;
-use crate::scene::joints::{Disc, Line};
-use crate::scene::walls::{MovingWall, WallMotion, walls_near};
+use crate::scene::walls::{MovingWall, WallMotion};
 use crate::scene::{Law, Scene};
 use contact::{Place, Touch, Vector};
 
@@ -28,20 +27,15 @@ impl<M: Marched> March<M> {
         self.next_within(greatest_gap, position, free_velocity)
     }
 
-    /// When contacts are sought (s): gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
+    /// Returns the time at which contacts are sought (s): gaps are advanced from one detection to the next, over [t + (1−θ)h, t + (2−θ)h].
     pub(super) fn detection(&self) -> f64 {
         let Scene { time_step_s: h, theta, .. } = self.scene;
         (self.done as f64 + 1.0 - theta) * h
     }
 
-    /// The walls from a `time` (s) on, for a time step.
-    fn walls_from(&self, time: f64) -> [Option<MovingWall<M::Place>>; 5] {
-        self.scene.walls.as_ref().map_or([None; 5], |walls| walls.over(time, self.scene.time_step_s))
-    }
-
     /// The greatest gap that two bodies could close within the time step (m).
     pub(super) fn reach(&self, position: &[M::Place], free_velocity: &[M::Velocity]) -> f64 {
-        let walls = self.walls_from(self.detection());
+        let walls = self.scene.walls_from(self.detection());
         let approach = greatest_approach::<M>(free_velocity, position, &walls);
         2.0 * self.scene.time_step_s * f64::max(approach, self.scene.fastest_segment())
     }
@@ -67,7 +61,8 @@ impl<M: Marched> March<M> {
             // The guides of a lid and of driven segments are smooth.
             let is_guided = pair.candidate as usize >= self.grain_count();
             let friction = if is_guided { [0.0; 2] } else { of_segment.map_or(rough, |mu| [rough[0], mu]) };
-            let mut contact = M::contact(pair, &self.radius, motion, friction);
+            let mut parts = parts::<M>(pair, &self.radius, motion, friction);
+            let contact = M::contact(&parts);
             let enters = match law {
                 Law::PredictedGap | Law::Newton => {
                     let b = contact.relative(free_velocity).first() + contact.offset().first();
@@ -79,14 +74,14 @@ impl<M: Marched> March<M> {
                 let rebound =
                     restitution.map(|e| e * (contact.relative(&self.velocity) + contact.offset()).first());
                 let own = Terms::of(law, (pair.gap, motion.ahead, h), rebound);
-                M::widen(&mut contact, own.gap + own.rebound);
+                parts.offset[0] += own.gap + own.rebound;
                 for _ in 0..contact_copies {
-                    contacts.push(contact);
+                    contacts.push(M::contact(&parts));
                     near.push((*pair, own));
                 }
             }
         };
-        let ahead = |grain: u32| M::translation(free_velocity[grain as usize]) * h;
+        let ahead = |grain: u32| translation::<M>(free_velocity[grain as usize]) * h;
         self.for_each_near((self.detection(), self.since_detection()), (position, ahead), reach, enter);
         (contacts, near)
     }
@@ -101,30 +96,23 @@ impl<M: Marched> March<M> {
         mut visit: impl FnMut(&DetectedContact<M::Place>, &WallMotion<M::Place>),
     ) {
         let (grains, period) = (self.grain_count(), self.scene.period());
-        let walls = self.walls_from(time);
+        let came = |k: u32| translation::<M>(self.velocity[k as usize]) * since;
+        let scene = (&self.scene, &self.joints);
+        let bodies = Bodies::at(scene, (time, since), (position, &self.radius), came);
         let mut neighbours = self.neighbours.borrow_mut();
         let pairs = neighbours.contacts(&position[..grains], &self.radius[..grains], reach, period);
-        let came = |k: u32| M::translation(self.velocity[k as usize]) * since;
-        let line = Line::at((&self.scene, &self.joints), walls, (time, since));
-        let (lid, driven) = (self.lid(position), self.scene.driven_at(position, came));
         let mut rest = &pairs[..];
-        for (grain, (x, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)).take(grains) {
-            walls_near(&walls, grain, *x, *radius, reach).for_each(|(pair, motion)| visit(&pair, &motion));
-            let disc = Disc { place: *x, radius: *radius, came: came(grain), ahead: ahead(grain) };
-            let bodies = bodies_near((&self.scene, &line), walls[0], grain, disc, reach);
-            bodies.for_each(|(pair, motion)| visit(&pair, &motion));
+        for (grain, (place, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)).take(grains) {
+            let (place, radius) = (*place, *radius);
+            let seeker = Seeker { grain, place, radius, came: came(grain), ahead: ahead(grain), reach };
+            bodies.fixed(&seeker).for_each(|(pair, motion)| visit(&pair, &motion));
             while let Some((pair, others)) = rest.split_first().filter(|(pair, _)| pair.candidate == grain) {
                 visit(pair, &WallMotion::NONE);
                 rest = others;
             }
-            let below = lid.into_iter().flat_map(|lid| lid.near(grain, (*x, *radius), reach));
-            below.for_each(|pair| visit(&pair, &WallMotion::NONE));
-            let beside = driven.iter().filter_map(|segment| segment.near(grain, disc, reach));
-            beside.for_each(|pair| visit(&pair, &WallMotion::NONE));
+            bodies.driven(&seeker).for_each(|(pair, motion)| visit(&pair, &motion));
         }
-        let guides = lid.zip(self.scene.lid()).map(|(placed, lid)| placed.guides(lid.speed_m_per_s));
-        guides.iter().flatten().for_each(|(pair, motion)| visit(pair, motion));
-        driven.iter().flat_map(driven::Placed::guides).for_each(|pair| visit(&pair, &WallMotion::NONE));
+        bodies.guides().for_each(|(pair, motion)| visit(&pair, &motion));
     }
 
     /// The time since contacts were sought last, or since time began (s).
@@ -144,7 +132,7 @@ fn greatest_approach<M: Marched>(
     position: &[M::Place],
     walls: &[Option<MovingWall<M::Place>>; 5],
 ) -> f64 {
-    let grains = free_velocity.iter().map(|v| M::translation(*v).length());
+    let grains = free_velocity.iter().map(|v| translation::<M>(*v).length());
     let facing = walls.iter().flatten().flat_map(|wall| position.iter().map(|x| wall.opening_rate(*x).abs()));
     grains.chain(facing).fold(0.0, f64::max)
 }

@@ -4,12 +4,9 @@ use crate::case::Case;
 use crate::error::CaseError;
 use crate::march::March;
 use crate::problem::marched::Marched;
+use crate::sample::deposit::Disc;
 use crate::sample::strips::Strips;
-use nalgebra::Vector2;
-use std::ops::Range;
-
-/// Centre and radius of a disc before it is in its scene (m).
-pub type Disc = (Vector2<f64>, f64);
+use std::ops::Deref;
 
 /// A case whose sample is made in strips, by several who have some each. The union is the sample of the case, to the bit.
 pub struct InParts<'c> {
@@ -44,22 +41,15 @@ impl Case {
     }
 }
 
+impl<'c> Deref for InParts<'c> {
+    type Target = Strips<'c>;
+
+    fn deref(&self) -> &Strips<'c> {
+        &self.strips
+    }
+}
+
 impl InParts<'_> {
-    /// Returns the number of parts.
-    pub fn count(&self) -> u32 {
-        self.strips.count
-    }
-
-    /// The greatest radius (m).
-    pub fn greatest_radius(&self) -> f64 {
-        self.strips.radii.range[1]
-    }
-
-    /// The numbers of the grains of a part among all.
-    pub fn numbers(&self, part: u32) -> Range<u32> {
-        self.strips.numbers(part)
-    }
-
     /// The discs of a part before any are beside it.
     ///
     /// # Errors
@@ -68,22 +58,12 @@ impl InParts<'_> {
         self.strips.laid(part).map_err(|error| self.case.wrong(error))
     }
 
-    /// Returns those of the `laid` discs that the part before needs in order to be filled.
-    pub fn left_side(&self, part: u32, laid: &[Disc]) -> Vec<Disc> {
-        self.strips.left_side(part, laid)
-    }
-
     /// The discs of a part, with the left side of the `next` one, if there is one.
     ///
     /// # Errors
     /// Those of [`InParts::laid`].
     pub fn filled(&self, part: u32, laid: Vec<Disc>, next: &[Disc]) -> Result<Vec<Disc>, CaseError> {
         self.strips.filled(part, laid, next).map_err(|error| self.case.wrong(error))
-    }
-
-    /// Reports whether the part before needs a disc for its contacts, and whether the part after does.
-    pub fn matters(&self, part: u32, (at, _): &Disc) -> [bool; 2] {
-        self.strips.matters(part, *at)
     }
 
     /// The scene with some of its grains, at time 0.

@@ -45,18 +45,10 @@ impl Bulk {
         };
         let period = scene.period().0;
         let solid_fraction = solid_fraction(position, radius, [low, high], period.is_some());
-        let pushing: Vec<(u32, Option<u32>)> = problem
-            .contacts()
-            .iter()
-            .zip(time_step.sides())
-            .enumerate()
-            .filter(|(k, (contact, _))| {
-                (contact.ends().0 as usize) < grains && M::Impulse::at(r, *k).first() > 0.0
-            })
-            .map(|(_, (contact, side))| {
-                (contact.ends().0, if let Side::Grain(j) = side { Some(*j) } else { None })
-            })
-            .collect();
+        let pair = |(contact, side, ..): (&M::Contact, Side, _, _)| {
+            (contact.ends().0, if let Side::Grain(j) = side { Some(j) } else { None })
+        };
+        let pushing: Vec<(u32, Option<u32>)> = time_step.pushing(grains, r).map(pair).collect();
         let needed = needed::<M::Place>(scene);
         let held = held_contacts(grains, &pushing, needed);
         let within =

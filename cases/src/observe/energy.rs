@@ -13,7 +13,7 @@
 //!   the wall turns towards the grain: of a grain that slides along it, the gap gives back what the shock against the chord takes
 //! - sliding: ½ `r_t` (`v_t⁺` + `v_t⁻`), which is friction's
 
-use crate::problem::marched::Marched;
+use crate::problem::marched::{Marched, translation};
 use crate::problem::time_step::{Terms, TimeStep};
 use crate::scene::Scene;
 use contact::{Mass, Touch, Vector};
@@ -30,7 +30,7 @@ pub struct Energy {
     pub shocks: f64,
     /// Work of friction.
     pub sliding: f64,
-    /// All that changed hands: the sizes of the four, of the change of kinetic and of that of potential energy.
+    /// Sum of all that changed hands: the sizes of the four, of the change of kinetic and of that of potential energy.
     pub moved: f64,
     /// Size of what the balance leaves over: round-off where θ = ½, what the scheme itself takes or gives elsewhere.
     pub left_over: f64,
@@ -77,7 +77,7 @@ impl Energy {
         for ((before, after), mass) in before.iter().zip(after).zip(problem.mass()) {
             kinetic += 0.5 * (mass.squared(*after) - mass.squared(*before));
             // As far as it moves.
-            let moved = M::translation(*before * (1.0 - theta) + *after * theta) * h;
+            let moved = translation::<M>(*before * (1.0 - theta) + *after * theta) * h;
             potential += M::weight(*mass) * gravity.dot_product(moved);
         }
         let forces = scene.forces::<M::Place>();
@@ -85,7 +85,7 @@ impl Energy {
         for ((_, force), (before, after)) in
             forces.iter().zip(before[bodies.clone()].iter().zip(&after[bodies]))
         {
-            let moved = M::translation(*before * (1.0 - theta) + *after * theta) * h;
+            let moved = translation::<M>(*before * (1.0 - theta) + *after * theta) * h;
             energy.walls += force.dot_product(moved);
         }
         let parts = [energy.walls, energy.gap, energy.shocks, energy.sliding];

@@ -10,8 +10,9 @@
 //!
 //! F. Radjai, V. Richefeu, "Contact dynamics as a nonsmooth discrete element method", Mech. Mater. 41 (2009).
 
+use crate::detect::extent::room;
 use crate::problem::frozen::Frozen;
-use crate::problem::marched::Marched;
+use crate::problem::marched::{Marched, to_candidate};
 use contact::{Place, Touch, Vector};
 use std::collections::BTreeSet;
 
@@ -60,7 +61,7 @@ impl Homogenised {
             let antagonist = antagonist.filter(|j| (*j as usize) < grains);
             let both = [Some(candidate), antagonist].into_iter().flatten();
             let (r, gap) = (M::Impulse::at(r, k), frozen.gap[k]);
-            let (f, n) = (M::to_candidate(contact, r) / frozen.time_step, contact.normal());
+            let (f, n) = (to_candidate::<M>(contact, r) / frozen.time_step, contact.normal());
             // Half of a gap between two grains belongs to each.
             let gap = if antagonist.is_some() { 0.5 * gap } else { gap };
             for i in both.map(|i| i as usize).filter(|i| *i < grains) {
@@ -86,7 +87,7 @@ impl Homogenised {
             }
         }
         let touching: f64 = all.iter().map(|one| one.volume).sum();
-        let room = bounds(&problem.position()[..grains], radius);
+        let room = room(&problem.position()[..grains], radius);
         for one in all.iter_mut().filter(|one| one.grains > 0.0) {
             one.volume *= room / touching;
             one.stress = one.stress.map(|sum| sum / one.volume);
@@ -126,15 +127,6 @@ impl Sum for Tensor {
             *sum += share * value;
         }
     }
-}
-
-/// Area or volume of the box around the grains (m², m³).
-fn bounds<P: Place>(position: &[P], radius: &[f64]) -> f64 {
-    let reach = |axis: usize, sign: f64| {
-        let reaches = position.iter().zip(radius).map(|(x, r)| sign * x[axis] + r);
-        reaches.fold(f64::NEG_INFINITY, f64::max)
-    };
-    (0..P::LEN).map(|axis| reach(axis, 1.0) + reach(axis, -1.0)).product()
 }
 
 #[cfg(test)]

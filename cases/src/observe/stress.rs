@@ -8,10 +8,11 @@
 //! F. Radjai, V. Richefeu, "Contact dynamics as a nonsmooth discrete element method", Mech. Mater. 41 (2009).
 
 use crate::detect::Side;
-use crate::problem::marched::Marched;
+use crate::detect::extent::room;
+use crate::problem::marched::{Marched, to_candidate};
 use crate::problem::time_step::TimeStep;
 use crate::scene::Scene;
-use contact::{Touch, Vector};
+use contact::Touch;
 
 /// Stress (N/m) and coordination of a time step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,27 +36,21 @@ impl Stress {
         (grains, area): (usize, Option<f64>),
         r: &[f64],
     ) -> Self {
-        let (radius, contacts) = (&time_step.frozen.radius, time_step.frozen.problem.contacts());
-        let area = area.or_else(|| scene.driven().next().map(|_| rectangle(time_step, grains)));
+        let radius = &time_step.frozen.radius;
+        let position = &time_step.frozen.problem.position()[..grains];
+        let area = area.or_else(|| scene.driven().next().map(|_| room(position, radius)));
         let bumps = scene.bump_radius().unwrap_or(0.0);
         let (mut stress, mut touched) = (Self::default(), 0_u32);
-        for (k, ((contact, side), gap)) in
-            contacts.iter().zip(time_step.sides()).zip(&time_step.frozen.gap).enumerate()
-        {
-            let (candidate, r) = (contact.ends().0 as usize, M::Impulse::at(r, k));
-            // The guides of a lid.
-            if candidate >= grains || r.first() <= 0.0 {
-                continue;
-            }
-            let beyond = match *side {
+        for (contact, side, gap, r) in time_step.pushing(grains, r) {
+            let beyond = match side {
                 Side::Grain(j) => radius[j as usize],
                 Side::Bump(_) | Side::Lid(_, 0..) => bumps,
                 _ => 0.0,
             };
             touched += if matches!(side, Side::Grain(_)) { 2 } else { 1 };
             if let Some(area) = area {
-                let branch = contact.normal() * (radius[candidate] + beyond + gap);
-                let force = M::to_candidate(contact, r) / (scene.time_step_s * area);
+                let branch = contact.normal() * (radius[contact.ends().0 as usize] + beyond + gap);
+                let force = to_candidate::<M>(contact, r) / (scene.time_step_s * area);
                 stress.xx += force[0] * branch[0];
                 stress.xy += force[0] * branch[1];
                 stress.yy += force[1] * branch[1];
@@ -64,14 +59,4 @@ impl Stress {
         stress.coordination = f64::from(touched) / grains as f64;
         stress
     }
-}
-
-/// The area of the rectangle around the grains (m²).
-fn rectangle<M: Marched>(time_step: &TimeStep<M>, grains: usize) -> f64 {
-    let (radius, position) = (&time_step.frozen.radius, time_step.frozen.problem.position());
-    let reach = |axis: usize, sign: f64| {
-        let reaches = position.iter().zip(radius).take(grains).map(|(x, r)| sign * x[axis] + r);
-        reaches.fold(f64::NEG_INFINITY, f64::max)
-    };
-    (reach(0, 1.0) + reach(0, -1.0)) * (reach(1, 1.0) + reach(1, -1.0))
 }

@@ -1,259 +1,277 @@
-//! Interface of a mechanics to the time march.
+//! Interface of a mechanics to the time march, and what a march does in any of them.
 
 use crate::detect::{DetectedContact, Grain, Side};
 use crate::scene::walls::WallMotion;
-use contact::{Contact, Mechanics, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, Touch, frame};
-use nalgebra::{SVector, Vector2, Vector3, Vector6};
+use contact::{
+    Contact, Mechanics, Place, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, Touch, Vector,
+    frame,
+};
+use nalgebra::{SVector, Vector2, Vector3};
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
-/// A mechanics that scenes march with.
-pub trait Marched: Mechanics {
+/// A mechanics that scenes march with, and that files hold.
+pub trait Marched: Mechanics<Place: Listed, Velocity: Listed, Impulse: Listed, Mass: Inertia> {
     /// True where contacts have friction, as a scene with friction requires.
-    const HAS_FRICTION: bool;
+    const HAS_FRICTION: bool = Self::Impulse::LEN > 1;
 
-    /// Returns the mass of a homogeneous grain, and its moment of inertia if it spins.
-    fn mass(grain: &Grain<Self::Place>) -> Self::Mass;
+    /// Returns the contact with these numbers, of which it takes those that it has.
+    fn contact(parts: &Parts<Self::Place>) -> Self::Contact;
 
-    /// Its mass alone (kg).
-    fn weight(mass: Self::Mass) -> f64;
-
-    /// Returns this mass for a body that does not turn.
-    #[must_use]
-    fn unturned(mass: Self::Mass) -> Self::Mass {
-        mass
+    /// Returns the mass of a grain alone (kg).
+    fn weight(mass: Self::Mass) -> f64 {
+        mass.mass()
     }
 
-    /// A motion without spin (m/s).
-    fn translating(velocity: Self::Place) -> Self::Velocity;
-
-    /// The translation of a motion (m/s).
-    fn translation(velocity: Self::Velocity) -> Self::Place;
-
-    /// The contact of a pair, with the motion of its wall, if it has one, and μ between grains and at walls.
-    fn contact(
-        pair: &DetectedContact<Self::Place>,
-        radius: &[f64],
-        motion: &WallMotion<Self::Place>,
-        friction: [f64; 2],
-    ) -> Self::Contact;
-
-    /// Adds a law's own term to the offset of a contact along its normal (m/s).
-    fn widen(contact: &mut Self::Contact, term: f64);
-
-    /// Returns an impulse as the vector that acts on the candidate (N·s).
-    fn to_candidate(contact: &Self::Contact, r: Self::Impulse) -> Self::Place;
-
-    /// An impulse as it is kept for the next time step, in which the contact may face another way (N·s).
-    fn kept(_: &Self::Contact, r: Self::Impulse) -> Self::Impulse {
-        r
-    }
-
-    /// Returns an impulse `kept` from the time step before, clipped to those that the contact admits (N·s).
-    fn recalled(contact: &Self::Contact, kept: Self::Impulse) -> Self::Impulse;
+    /// μ of a contact, if the mechanics has friction (–).
+    fn friction(contact: &Self::Contact) -> Option<f64>;
 }
 
-impl<const D: usize> Marched for Smooth<D> {
-    const HAS_FRICTION: bool = false;
+/// A point, a direction, a velocity or an impulse as it stands in files.
+pub trait Listed: Vector {
+    /// Its components.
+    type List: Copy + JsonSchema + Serialize + DeserializeOwned;
 
-    fn mass(grain: &Grain<SVector<f64, D>>) -> f64 {
-        grain.mass
+    /// Returns its components for a file.
+    fn list(self) -> Self::List;
+
+    /// Builds it from those of a file.
+    fn of_list(list: Self::List) -> Self;
+}
+
+impl Listed for f64 {
+    type List = Self;
+
+    fn list(self) -> Self {
+        self
     }
 
-    fn weight(mass: f64) -> f64 {
+    fn of_list(list: Self) -> Self {
+        list
+    }
+}
+
+impl<const N: usize> Listed for SVector<f64, N>
+where
+    [f64; N]: Copy + JsonSchema + Serialize + DeserializeOwned,
+{
+    type List = [f64; N];
+
+    fn list(self) -> [f64; N] {
+        self.into()
+    }
+
+    fn of_list(list: [f64; N]) -> Self {
+        list.into()
+    }
+}
+
+/// The numbers of a contact in any mechanics.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts<P> {
+    /// Index of the candidate grain.
+    pub candidate: u32,
+    /// Index of the antagonist grain; `None` for a wall.
+    pub antagonist: Option<u32>,
+    /// Unit normal, from antagonist to candidate (–).
+    pub normal: P,
+    /// Distances from the centres of candidate and antagonist to the contact point (m).
+    pub arms: [f64; 2],
+    /// Relative velocity imposed along the normal and the tangents (m/s).
+    pub offset: [f64; 3],
+    /// μ (–).
+    pub friction: f64,
+}
+
+/// Mass of a grain, and its moment of inertia where it spins.
+pub trait Inertia {
+    /// Returns the inertia of a mass (kg) with a moment (kg m²).
+    fn of(mass: f64, moment: f64) -> Self;
+
+    /// Mass (kg).
+    fn mass(self) -> f64;
+
+    /// Moment of inertia (kg m²), if it spins.
+    fn moment(self) -> Option<f64>;
+}
+
+impl Inertia for f64 {
+    fn of(mass: f64, _: f64) -> Self {
         mass
     }
 
-    fn translating(velocity: SVector<f64, D>) -> SVector<f64, D> {
-        velocity
+    fn mass(self) -> f64 {
+        self
     }
 
-    fn translation(velocity: SVector<f64, D>) -> SVector<f64, D> {
-        velocity
+    fn moment(self) -> Option<f64> {
+        None
+    }
+}
+
+impl Inertia for RoughMass {
+    fn of(mass: f64, inertia: f64) -> Self {
+        Self { mass, inertia }
     }
 
-    fn contact(
-        pair: &DetectedContact<SVector<f64, D>>,
-        _: &[f64],
-        motion: &WallMotion<SVector<f64, D>>,
-        _: [f64; 2],
-    ) -> Contact<D> {
-        let DetectedContact { candidate, antagonist, normal, .. } = *pair;
-        Contact { candidate, antagonist: grain(antagonist), normal, offset: motion.opening }
+    fn mass(self) -> f64 {
+        self.mass
     }
 
-    fn widen(contact: &mut Contact<D>, term: f64) {
-        contact.offset += term;
+    fn moment(self) -> Option<f64> {
+        Some(self.inertia)
+    }
+}
+
+impl<const D: usize> Marched for Smooth<D>
+where
+    SVector<f64, D>: Listed,
+{
+    fn contact(parts: &Parts<SVector<f64, D>>) -> Contact<D> {
+        let Parts { candidate, antagonist, normal, offset, .. } = *parts;
+        Contact { candidate, antagonist, normal, offset: offset[0] }
     }
 
-    fn to_candidate(contact: &Contact<D>, r: f64) -> SVector<f64, D> {
-        contact.normal * r
-    }
-
-    /// To the bit where the solver's start is admitted.
-    fn recalled(_: &Contact<D>, kept: f64) -> f64 {
-        if kept < 0.0 { 0.0 } else { kept }
+    fn friction(_: &Contact<D>) -> Option<f64> {
+        None
     }
 }
 
 impl Marched for RoughDiscs {
-    const HAS_FRICTION: bool = true;
-
-    /// I = ½ m R².
-    fn mass(grain: &Grain<Vector2<f64>>) -> RoughMass {
-        RoughMass { mass: grain.mass, inertia: 0.5 * grain.mass * grain.radius * grain.radius }
+    fn contact(parts: &Parts<Vector2<f64>>) -> RoughContact {
+        frictional(parts)
     }
 
-    fn weight(mass: RoughMass) -> f64 {
-        mass.mass
-    }
-
-    fn unturned(mass: RoughMass) -> RoughMass {
-        RoughMass { inertia: mass.inertia * UNTURNED, ..mass }
-    }
-
-    fn translating(velocity: Vector2<f64>) -> Vector3<f64> {
-        Vector3::new(velocity.x, velocity.y, 0.0)
-    }
-
-    fn translation(velocity: Vector3<f64>) -> Vector2<f64> {
-        velocity.xy()
-    }
-
-    fn contact(
-        pair: &DetectedContact<Vector2<f64>>,
-        radius: &[f64],
-        motion: &WallMotion<Vector2<f64>>,
-        friction: [f64; 2],
-    ) -> RoughContact {
-        let antagonist = grain(pair.antagonist);
-        let arm = |grain: u32| radius[grain as usize];
-        let mut contact = RoughContact {
-            candidate: pair.candidate,
-            antagonist,
-            normal: pair.normal,
-            arms: Vector2::new(arm(pair.candidate), antagonist.map_or(0.0, arm)),
-            offset: Vector2::new(motion.opening, 0.0),
-            friction: friction[usize::from(!matches!(pair.antagonist, Side::Grain(_)))],
-        };
-        if antagonist.is_none() {
-            contact.offset.y = -contact.tangent().dot(&motion.sliding);
-        }
-        contact
-    }
-
-    fn widen(contact: &mut RoughContact, term: f64) {
-        contact.offset.x += term;
-    }
-
-    fn to_candidate(contact: &RoughContact, r: Vector2<f64>) -> Vector2<f64> {
-        contact.normal * r.x + contact.tangent() * r.y
-    }
-
-    /// Clips to Coulomb's cone: at a contact that opens, round-off of the earlier impulse can exceed μ times the remaining normal
-    /// impulse.
-    fn recalled(contact: &RoughContact, kept: Vector2<f64>) -> Vector2<f64> {
-        let bound = contact.friction * kept.x.max(0.0);
-        // To the bit where the solver's start is admitted.
-        if contact.is_admissible(kept) {
-            kept
-        } else {
-            Vector2::new(kept.x.max(0.0), kept.y.clamp(-bound, bound))
-        }
+    fn friction(contact: &RoughContact) -> Option<f64> {
+        Some(contact.friction)
     }
 }
 
 impl Marched for RoughSpheres {
-    const HAS_FRICTION: bool = true;
-
-    /// I = ⅖ m R².
-    fn mass(grain: &Grain<Vector3<f64>>) -> RoughMass {
-        RoughMass { mass: grain.mass, inertia: 0.4 * grain.mass * grain.radius * grain.radius }
+    fn contact(parts: &Parts<Vector3<f64>>) -> RoughContact<3> {
+        frictional(parts)
     }
 
-    fn weight(mass: RoughMass) -> f64 {
-        mass.mass
+    fn friction(contact: &RoughContact<3>) -> Option<f64> {
+        Some(contact.friction)
     }
+}
 
-    fn translating(velocity: Vector3<f64>) -> Vector6<f64> {
-        Vector6::new(velocity.x, velocity.y, velocity.z, 0.0, 0.0, 0.0)
-    }
-
-    fn translation(velocity: Vector6<f64>) -> Vector3<f64> {
-        Vector3::new(velocity[0], velocity[1], velocity[2])
-    }
-
-    fn contact(
-        pair: &DetectedContact<Vector3<f64>>,
-        radius: &[f64],
-        motion: &WallMotion<Vector3<f64>>,
-        friction: [f64; 2],
-    ) -> RoughContact<3> {
-        let antagonist = grain(pair.antagonist);
-        let arm = |grain: u32| radius[grain as usize];
-        let [first, second] = frame(&pair.normal);
-        let along = |t: Vector3<f64>| if antagonist.is_none() { -t.dot(&motion.sliding) } else { 0.0 };
-        RoughContact {
-            candidate: pair.candidate,
-            antagonist,
-            normal: pair.normal,
-            arms: Vector2::new(arm(pair.candidate), antagonist.map_or(0.0, arm)),
-            offset: Vector3::new(motion.opening, along(first), along(second)),
-            friction: friction[usize::from(antagonist.is_none())],
-        }
-    }
-
-    fn widen(contact: &mut RoughContact<3>, term: f64) {
-        contact.offset.x += term;
-    }
-
-    fn to_candidate(contact: &RoughContact<3>, r: Vector3<f64>) -> Vector3<f64> {
-        let [first, second] = frame(&contact.normal);
-        contact.normal * r.x + first * r.y + second * r.z
-    }
-
-    /// As a vector in space: the tangents of another normal are others.
-    fn kept(contact: &RoughContact<3>, r: Vector3<f64>) -> Vector3<f64> {
-        Self::to_candidate(contact, r)
-    }
-
-    fn recalled(contact: &RoughContact<3>, kept: Vector3<f64>) -> Vector3<f64> {
-        let normal = contact.normal.dot(&kept).max(0.0);
-        let [y, z] = frame(&contact.normal).map(|t| t.dot(&kept));
-        let (bound, size) = (contact.friction * normal, y.hypot(z));
-        let factor = if size > bound { bound / size } else { 1.0 };
-        Vector3::new(normal, factor * y, factor * z)
+fn frictional<const D: usize>(parts: &Parts<SVector<f64, D>>) -> RoughContact<D> {
+    let Parts { candidate, antagonist, normal, arms, offset, friction } = *parts;
+    RoughContact {
+        candidate,
+        antagonist,
+        normal,
+        arms: arms.into(),
+        offset: Vector::at(&offset, 0),
+        friction,
     }
 }
 
 /// 2¹⁰⁰: a body with so many times its moment of inertia turns by less than round-off shows.
 const UNTURNED: f64 = (1_u128 << 100) as f64;
 
-/// The grain, the lid or the driven segment that an antagonist is, unless it is a wall.
-fn grain(antagonist: Side) -> Option<u32> {
-    if let Side::Grain(j) | Side::Lid(j, _) | Side::Driven(j, _) = antagonist { Some(j) } else { None }
+/// Returns the inertia of a homogeneous grain: I = ½ m R² of a disc, ⅖ m R² of a sphere. A body that is not `turned` does not spin.
+pub(crate) fn inertia<M: Marched>(grain: &Grain<M::Place>, turned: bool) -> M::Mass {
+    let of_shape = if M::Place::LEN > 2 { 0.4 } else { 0.5 };
+    let moment = of_shape * grain.mass * grain.radius * grain.radius;
+    M::Mass::of(grain.mass, if turned { moment } else { moment * UNTURNED })
+}
+
+/// A motion without spin (m/s).
+pub(crate) fn translating<M: Marched>(velocity: M::Place) -> M::Velocity {
+    resized(velocity)
+}
+
+/// The translation of a motion (m/s).
+pub(crate) fn translation<M: Marched>(velocity: M::Velocity) -> M::Place {
+    resized(velocity)
+}
+
+/// The first components of a vector, or all of them and then zeros.
+fn resized<A: Vector, B: Vector>(vector: A) -> B {
+    let mut list = [0.0; 6];
+    vector.put(&mut list, 0);
+    B::at(&list, 0)
+}
+
+/// The tangents of a contact with this normal (–); in the plane the first alone.
+fn tangents<P: Place>(normal: P) -> [P; 2] {
+    if P::LEN > 2 {
+        frame(&Vector3::from(normal.space())).map(|tangent| P::of(tangent.into()))
+    } else {
+        [P::of([-normal[1], normal[0], 0.0]), P::ZERO]
+    }
+}
+
+/// The numbers of the contact of a pair, with the motion of its wall, if it has one, and μ between grains and at walls.
+pub(crate) fn parts<M: Marched>(
+    pair: &DetectedContact<M::Place>,
+    radius: &[f64],
+    motion: &WallMotion<M::Place>,
+    friction: [f64; 2],
+) -> Parts<M::Place> {
+    let DetectedContact { candidate, antagonist, normal, .. } = *pair;
+    let friction = friction[usize::from(!matches!(antagonist, Side::Grain(_)))];
+    // The grain, the lid or the driven segment, unless it is a wall.
+    let antagonist = match antagonist {
+        Side::Grain(j) | Side::Lid(j, _) | Side::Driven(j, _) => Some(j),
+        _ => None,
+    };
+    let arm = |grain: u32| radius[grain as usize];
+    let mut offset = [motion.opening, 0.0, 0.0];
+    if M::HAS_FRICTION && antagonist.is_none() {
+        for (along, tangent) in offset[1..].iter_mut().zip(tangents(normal)) {
+            *along = -tangent.dot_product(motion.sliding);
+        }
+    }
+    let arms = [arm(candidate), antagonist.map_or(0.0, arm)];
+    Parts { candidate, antagonist, normal, arms, offset, friction }
+}
+
+/// Returns an impulse as the vector that acts on the candidate (N·s).
+pub(crate) fn to_candidate<M: Marched>(contact: &M::Contact, r: M::Impulse) -> M::Place {
+    let normal = contact.normal();
+    let mut list = [0.0; 3];
+    r.put(&mut list, 0);
+    let along = normal * list[0];
+    let tangential = list[1..M::Impulse::LEN].iter().zip(tangents(normal));
+    tangential.fold(along, |sum, (r, tangent)| sum + tangent * *r)
+}
+
+/// An impulse as it is kept for the next time step, in which the contact may face another way (N·s): in space as a vector there, since
+/// the tangents of another normal are others.
+pub(crate) fn kept<M: Marched>(contact: &M::Contact, r: M::Impulse) -> M::Impulse {
+    if M::Impulse::LEN > 2 { resized(to_candidate::<M>(contact, r)) } else { r }
+}
+
+/// Returns an impulse `kept` from the time step before, clipped to those that the contact admits (N·s): at a contact that opens,
+/// round-off of the earlier impulse can exceed μ times the remaining normal impulse.
+pub(crate) fn recalled<M: Marched>(contact: &M::Contact, kept: M::Impulse) -> M::Impulse {
+    let mut r = [0.0; 3];
+    kept.put(&mut r, 0);
+    let bound = |normal: f64| M::friction(contact).unwrap_or(0.0) * normal;
+    match M::Impulse::LEN {
+        // To the bit where the solver's start is admitted.
+        1 if r[0] < 0.0 => r[0] = 0.0,
+        2 if !contact.is_admissible(kept) => {
+            r[0] = r[0].max(0.0);
+            r[1] = r[1].clamp(-bound(r[0]), bound(r[0]));
+        }
+        3 => {
+            let vector = M::Place::of(r);
+            let normal = contact.normal().dot_product(vector).max(0.0);
+            let [y, z] = tangents(contact.normal()).map(|tangent| tangent.dot_product(vector));
+            let size = y.hypot(z);
+            let factor = if size > bound(normal) { bound(normal) / size } else { 1.0 };
+            r = [normal, factor * y, factor * z];
+        }
+        _ => {}
+    }
+    M::Impulse::at(&r, 0)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::Marched;
-    use contact::{RoughContact, RoughDiscs, Touch};
-    use nalgebra::Vector2;
-
-    #[test]
-    fn round_off_of_a_contact_that_opened_is_admitted_in_the_next_time_step() {
-        let contact = RoughContact {
-            candidate: 0,
-            antagonist: None,
-            normal: Vector2::new(0.0, 1.0),
-            arms: Vector2::new(1.0, 0.0),
-            offset: Vector2::zeros(),
-            friction: 0.5,
-        };
-        let recalled = |r: [f64; 2]| RoughDiscs::recalled(&contact, Vector2::from(r));
-        // As Gauss-Seidel left it of impulses of 1 N·s.
-        let left = recalled([1.776_6e-16, 8.883_5e-17]);
-        assert!(contact.is_admissible(left) && left.x == 1.776_6e-16, "{left}");
-        for inside in [[2.0, 1.0], [2.0, -0.3], [0.0, 0.0]] {
-            assert_eq!(recalled(inside), Vector2::from(inside));
-        }
-    }
-}
+mod tests;

@@ -3,7 +3,7 @@
 use crate::detect::Side;
 use crate::problem::frozen::Frozen;
 use crate::scene::Law;
-use contact::{Discs, Mechanics, Touch};
+use contact::{Discs, Mechanics, Touch, Vector};
 
 /// The contact problem of a time step that is not solved yet.
 #[derive(Clone, Debug)]
@@ -27,6 +27,18 @@ impl<M: Mechanics> TimeStep<M> {
         &self.terms
     }
 
+    /// Returns the contacts that push one of the first `grains`, each with its antagonist, gap (m) and impulse, of all `r` (N·s).
+    pub(crate) fn pushing<'t>(
+        &'t self,
+        grains: usize,
+        r: &'t [f64],
+    ) -> impl Iterator<Item = (&'t M::Contact, Side, f64, M::Impulse)> {
+        let Frozen { problem, gap, .. } = &self.frozen;
+        let all = problem.contacts().iter().zip(&self.sides).zip(gap).enumerate();
+        all.map(|(k, ((contact, side), gap))| (contact, *side, *gap, M::Impulse::at(r, k)))
+            .filter(move |(contact, .., r)| (contact.ends().0 as usize) < grains && r.first() > 0.0)
+    }
+
     /// The candidate and the antagonist of each contact, by which it is known again.
     pub(crate) fn keys(&self) -> impl Iterator<Item = (u32, Side)> {
         self.frozen.problem.contacts().iter().zip(&self.sides).map(|(at, side)| (at.ends().0, *side))
@@ -36,9 +48,9 @@ impl<M: Mechanics> TimeStep<M> {
 /// Terms that a law adds to the offset of a contact (m/s).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Terms {
-    /// For its gap, c_g.
+    /// Term for its gap, c_g.
     pub(crate) gap: f64,
-    /// For its rebound, e v⁻.
+    /// Term for its rebound, e v⁻.
     pub(crate) rebound: f64,
 }
 

@@ -6,7 +6,7 @@
 //! The front is searched by columns of the box, the one that promises the lowest place first. What a column promises is the
 //! least height at which a smaller disc fitted there once. It stays true: the front only rises; and a disc that is larger by d
 //! lies higher by at least d, since the smaller one fits into it, bottom to bottom. So a few columns are looked at for each disc,
-//! some ten in a box of a thousand columns, and a tournament of the columns names the next of them.
+//! some ten in a box of a thousand columns, the lowest promise first.
 
 mod front;
 mod heights;
@@ -17,13 +17,13 @@ use front::{Front, Place};
 use heights::Heights;
 use nalgebra::Vector2;
 
-pub(crate) use front::Placed;
+pub use front::Disc;
 pub(crate) use seam::Seam;
 pub(crate) use spheres::deposit_spheres;
 
 /// Centres and radii (m) of discs with the given radii, in a box of `width` (m) with a floor at y = 0; `Err` is the
 /// radius of a disc that no place holds.
-pub(crate) fn deposit(radii: &[f64], width: f64) -> Result<Vec<Placed>, f64> {
+pub(crate) fn deposit(radii: &[f64], width: f64) -> Result<Vec<Disc>, f64> {
     laid(radii, width).map(|(front, _)| front.discs)
 }
 
@@ -54,7 +54,7 @@ const CLASSES: usize = 8;
 struct Promises {
     /// The least radius of each class, rising.
     radius: Vec<f64>,
-    /// By class and column: no disc of the least radius lies lower (m).
+    /// Heights by class and column (m): no disc of the least radius lies lower.
     height: Vec<Heights>,
     /// The changes of the column when the promise was made.
     made: Vec<Vec<Option<u32>>>,
@@ -83,8 +83,7 @@ impl Promises {
         let class = self.radius.partition_point(|least| *least <= radius) - 1;
         let larger = radius - self.radius[class];
         let (mut best, mut seen): (Option<Place>, Vec<(usize, f64)>) = (None, Vec::new());
-        loop {
-            let (column, promised) = self.height[class].lowest();
+        while let Some((column, promised)) = self.height[class].lowest() {
             let too_high = |best: &Place| promised + larger > best.at.y + front.slack();
             if promised == f64::INFINITY || best.as_ref().is_some_and(too_high) {
                 break;
@@ -105,7 +104,7 @@ impl Promises {
         best
     }
 
-    /// Looks how low a disc of the class can be in the column, which promises something to larger ones too.
+    /// Finds how low a disc of the class can be in the column, which promises something to larger ones too.
     fn promise(&mut self, front: &Front, column: usize, class: usize) {
         let lowest = front.lowest_height(column, self.radius[class]);
         self.made[class][column] = Some(front.changes[column]);

@@ -1,5 +1,6 @@
 //! Radii of grains, drawn from a distribution; what is random comes from the sample's seed.
 
+use crate::file::values::{check, positive};
 use contact::{is_positive, shown};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -10,10 +11,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Sizes {
-    /// As many grains in each part of the range.
+    /// Equal numbers of grains in equal parts of the range.
     #[default]
     UniformByNumber,
-    /// As much mass in each part of the range, so that small grains are many.
+    /// Equal masses in equal parts of the range, so that small grains are many.
     UniformByMass,
     /// Logarithms of a normal distribution, cut at the ends of the range.
     LogNormal {
@@ -45,7 +46,7 @@ pub(crate) struct Radii<'s> {
 }
 
 impl Radii<'_> {
-    /// So many radii (m).
+    /// Draws so many radii (m).
     ///
     /// # Errors
     /// Names the key and the value that have no meaning.
@@ -120,11 +121,7 @@ impl Radii<'_> {
         }
         match self.sizes {
             Sizes::LogNormal { median_m, deviation } => {
-                let keys = [("median_m", *median_m), ("deviation", *deviation)];
-                let wrong = keys.into_iter().find(|(_, value)| !is_positive(*value));
-                wrong.map_or(Ok(()), |(key, value)| {
-                    Err(format!("`sample.sizes.{key}` is {}: it must be positive and finite", shown(value)))
-                })
+                check("sample.sizes", [positive("median_m", *median_m), positive("deviation", *deviation)])
             }
             Sizes::Given { radii_m, shares } => given(self.range, radii_m, shares),
             Sizes::UniformByNumber | Sizes::UniformByMass => Ok(()),

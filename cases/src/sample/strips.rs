@@ -5,15 +5,14 @@
 //! left, which is filled up to their surface with discs that touch both. What is then too much, the highest discs of strip and
 //! seam, is taken away; so all strips are about as high, and the sample has its number of grains.
 
-use crate::sample::deposit::{self, Placed, Seam};
+use crate::sample::deposit::{self, Disc, Seam};
 use crate::sample::sizes::{Radii, with_room};
 use contact::shown;
-use nalgebra::Vector2;
 use std::ops::Range;
 
 /// A deposit in strips.
 #[derive(Clone, Copy)]
-pub(crate) struct Strips<'s> {
+pub struct Strips<'s> {
     pub(crate) radii: Radii<'s>,
     pub(crate) seed: u64,
     pub(crate) grains: u32,
@@ -33,7 +32,7 @@ const REACH: f64 = 12.0;
 impl Strips<'_> {
     /// Refuses strips that are too narrow.
     pub(crate) fn check(&self) -> Result<(), String> {
-        let least = LEAST * self.greatest();
+        let least = LEAST * self.greatest_radius();
         if self.pitch() < least {
             return Err(format!(
                 "`sample.strips` is {}: strips are to be at least 24 greatest radii wide, {} m, and `scene.box.width_m` is {}",
@@ -48,13 +47,19 @@ impl Strips<'_> {
         }
     }
 
-    fn greatest(&self) -> f64 {
+    /// Returns the number of strips.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// The greatest radius (m).
+    pub fn greatest_radius(&self) -> f64 {
         self.radii.range[1]
     }
 
     /// Width of a strip with its seam (m).
     fn pitch(&self) -> f64 {
-        (self.width + SEAM * self.greatest()) / f64::from(self.count)
+        (self.width + SEAM * self.greatest_radius()) / f64::from(self.count)
     }
 
     /// Returns the beginning of a strip, which is the end of the one before with its seam (m).
@@ -63,7 +68,7 @@ impl Strips<'_> {
     }
 
     /// The numbers of the grains of a strip with its seam among all.
-    pub(crate) fn numbers(&self, strip: u32) -> Range<u32> {
+    pub fn numbers(&self, strip: u32) -> Range<u32> {
         let before = |strip: u32| {
             let share = self.start(strip) / self.width;
             if strip == self.count { self.grains } else { (f64::from(self.grains) * share) as u32 }
@@ -73,17 +78,17 @@ impl Strips<'_> {
 
     /// The seam at the right of a strip.
     fn seam(&self, strip: u32) -> Seam {
-        let (end, greatest) = (self.start(strip + 1), self.greatest());
+        let (end, greatest) = (self.start(strip + 1), self.greatest_radius());
         Seam { ends: [end - SEAM * greatest, end], greatest, slack: 1e-12 * self.width }
     }
 
     /// The discs of a strip before there are any beside it.
-    pub(crate) fn laid(&self, strip: u32) -> Result<Vec<Placed>, String> {
+    pub(crate) fn laid(&self, strip: u32) -> Result<Vec<Disc>, String> {
         let start = self.start(strip);
-        let width = self.pitch() - SEAM * self.greatest();
+        let width = self.pitch() - SEAM * self.greatest_radius();
         let radii = self.radii.stream(self.seed, 2 * u64::from(strip))?.take(self.numbers(strip).len());
         let radii =
-            with_room(radii.collect::<Result<_, _>>()?, self.greatest(), None, &[("width_m", width)])?;
+            with_room(radii.collect::<Result<_, _>>()?, self.greatest_radius(), None, &[("width_m", width)])?;
         let mut discs = deposit::deposit(&radii, width).map_err(no_place)?;
         for (x, _) in &mut discs {
             x.x += start;
@@ -92,23 +97,18 @@ impl Strips<'_> {
     }
 
     /// Returns those of the discs `laid` in a strip that the seam at its left may touch.
-    pub(crate) fn left_side(&self, strip: u32, laid: &[Placed]) -> Vec<Placed> {
+    pub fn left_side(&self, strip: u32, laid: &[Disc]) -> Vec<Disc> {
         let seam = strip.checked_sub(1).map(|before| self.seam(before));
         laid.iter().filter(|disc| seam.as_ref().is_some_and(|seam| seam.is_beside(disc))).copied().collect()
     }
 
     /// The discs of a strip with its seam, which follows the side of the `next` one, if there is one.
-    pub(crate) fn filled(
-        &self,
-        strip: u32,
-        mut laid: Vec<Placed>,
-        next: &[Placed],
-    ) -> Result<Vec<Placed>, String> {
+    pub(crate) fn filled(&self, strip: u32, mut laid: Vec<Disc>, next: &[Disc]) -> Result<Vec<Disc>, String> {
         if strip + 1 == self.count {
             return Ok(laid);
         }
         let seam = self.seam(strip);
-        let side: Vec<Placed> = laid.iter().filter(|disc| seam.is_beside(disc)).copied().collect();
+        let side: Vec<Disc> = laid.iter().filter(|disc| seam.is_beside(disc)).copied().collect();
         let radii = self.radii.stream(self.seed, 2 * u64::from(strip) + 1)?;
         laid.extend(seam.filled([&side, next], radii, no_place)?);
         // The highest are too many.
@@ -120,16 +120,16 @@ impl Strips<'_> {
     }
 
     /// Reports whether a disc of a strip matters to the strip at its left, and whether to that at its right.
-    pub(crate) fn matters(&self, strip: u32, at: Vector2<f64>) -> [bool; 2] {
-        let reach = REACH * self.greatest();
+    pub fn matters(&self, strip: u32, (at, _): &Disc) -> [bool; 2] {
+        let reach = REACH * self.greatest_radius();
         [
             strip > 0 && at.x <= self.start(strip) + reach,
             strip + 1 < self.count && at.x >= self.start(strip + 1) - reach,
         ]
     }
 
-    /// All discs.
-    pub(crate) fn whole(&self) -> Result<Vec<Placed>, String> {
+    /// Returns all discs.
+    pub(crate) fn whole(&self) -> Result<Vec<Disc>, String> {
         let mut all = Vec::with_capacity(self.grains as usize);
         let mut laid = self.laid(0)?;
         for strip in 0..self.count {

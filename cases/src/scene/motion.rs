@@ -1,6 +1,8 @@
-//! Motion that is a given function of time: a table of velocities, read as piecewise linear.
+//! Motions that are a given function of time: a table of velocities, read as piecewise linear, and a vibration.
 
-use contact::shown;
+use contact::{Place, shown};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// A time (s) and the velocity then, as [t, `v_x`, `v_y`] (m/s).
 pub(crate) type Row = [f64; 3];
@@ -39,9 +41,6 @@ pub(crate) fn greatest_speed(table: &[Row]) -> f64 {
 pub(crate) fn check(table: &[Row], key: &str) -> Result<(), String> {
     for (k, row) in table.iter().enumerate() {
         let row_shown = row.map(shown).join(", ");
-        if !row.iter().all(|value| value.is_finite()) {
-            return Err(format!("`{key}[{k}]` is [{row_shown}]: its values must be finite"));
-        }
         if k > 0 && row[0] <= table[k - 1][0] {
             return Err(format!(
                 "`{key}[{k}]` is [{row_shown}]: its time must be later than that of the row before, {}",
@@ -51,3 +50,76 @@ pub(crate) fn check(table: &[Row], key: &str) -> Result<(), String> {
     }
     Ok(())
 }
+
+/// The fewest time steps in a period of a vibration: walls move by the mean velocity of each, which is then within 1/2 % of its
+/// greatest, and at a whole number of periods per time step they would stand still.
+const PER_PERIOD: f64 = 20.0;
+
+/// Motion by A (sin(2π f (t − start) + φ) − sin φ) from `start_s` on. It begins at its full speed with φ = 0, at
+/// rest with φ = −π/2. Its greatest acceleration is Γ = A (2π f)²/g times that of gravity.
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Vibration {
+    /// A (m).
+    pub amplitude_m: f64,
+    /// f (Hz).
+    pub frequency_hz: f64,
+    /// Direction: x, y or, for spheres, z.
+    pub direction: Direction,
+    /// φ (rad).
+    #[serde(default)]
+    pub phase_rad: f64,
+    /// Time at which it begins (s).
+    #[serde(default)]
+    pub start_s: f64,
+}
+
+/// An axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Direction {
+    /// Horizontal.
+    X,
+    /// Vertical.
+    Y,
+    /// Horizontal, towards the viewer.
+    Z,
+}
+
+impl Vibration {
+    /// 2π f A (m/s).
+    pub(crate) fn greatest_speed(&self) -> f64 {
+        (std::f64::consts::TAU * self.frequency_hz * self.amplitude_m).abs()
+    }
+
+    /// Refuses a vibration, that of a `place` in the scene, whose period is cut by the time step of `h` (s) into too few parts.
+    pub(crate) fn check_resolved(&self, place: &str, h: f64) -> Result<(), String> {
+        let period = 1.0 / self.frequency_hz.abs();
+        // To the rounding of decimal fractions.
+        if period >= PER_PERIOD * h * (1.0 - 1e-9) {
+            return Ok(());
+        }
+        Err(format!(
+            "`{place}.vibration.frequency_hz` is {}, a period of {} s, and `scene.time_step_s` is {}: a period must be at least \
+             {PER_PERIOD} time steps, {} s",
+            shown(self.frequency_hz),
+            shown(period),
+            shown(h),
+            shown(PER_PERIOD * h)
+        ))
+    }
+
+    /// Returns its displacement at a `time` (s), in metres.
+    pub(crate) fn displacement<P: Place>(&self, time: f64) -> P {
+        let turned = std::f64::consts::TAU * self.frequency_hz * (time - self.start_s).max(0.0);
+        let value = self.amplitude_m * (libm::sin(turned + self.phase_rad) - libm::sin(self.phase_rad));
+        match self.direction {
+            Direction::X => P::of([value, 0.0, 0.0]),
+            Direction::Y => P::of([0.0, value, 0.0]),
+            Direction::Z => P::of([0.0, 0.0, value]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,11 +1,9 @@
 //! Segments: straight walls with two ends that stand, move or are driven, and may be taken away; without length they are discs.
 
-use crate::detect::Side;
-use crate::scene::drawn::circle;
-use crate::scene::driven::{self, Driven};
-use crate::scene::motion::{self, Row};
-use crate::scene::walls::{Direction, Vibration};
-use contact::{Place, is_not_negative, shown};
+use crate::file::values::{check, not_negative};
+use crate::scene::driven::Driven;
+use crate::scene::motion::{self, Direction, Row, Vibration};
+use contact::{Place, is_not_negative};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +32,7 @@ pub struct Segment {
     pub driven: Option<Driven>,
     /// Coulomb's μ on it (–), where it is another than at walls.
     pub friction: Option<f64>,
-    /// When it is taken away (s); without it, never.
+    /// Time at which it is taken away (s); without it, never.
     pub removed_at_s: Option<f64>,
 }
 
@@ -136,64 +134,42 @@ impl Segment {
         })
     }
 
-    /// As it is drawn between these ends (m): a line, or two with circles at their ends.
-    pub(crate) fn outline<P: Place>(&self, side: Side, [from, to]: [P; 2]) -> Vec<(Side, Vec<P>)> {
-        let (along, radius) = (to - from, self.radius_m);
-        let length = along.length();
-        let aside = P::of([-along[1], along[0], 0.0]) * if length > 0.0 { radius / length } else { 0.0 };
-        let ends = if radius > 0.0 { vec![from, to] } else { Vec::new() };
-        let round = ends.into_iter().flat_map(|end| circle(side, [end[0], end[1]], radius));
-        let flat = if length == 0.0 {
-            Vec::new()
-        } else if radius > 0.0 {
-            vec![(side, vec![from + aside, to + aside]), (side, vec![from - aside, to - aside])]
-        } else {
-            vec![(side, vec![from, to])]
-        };
-        flat.into_iter().chain(round).collect()
+    /// Its middle when time begins (m).
+    pub(crate) fn middle<P: Place>(&self) -> P {
+        let [from, to] = self.ends_at::<P>(P::ZERO);
+        (from + to) * 0.5
     }
 
-    /// Refuses values without meaning.
-    pub(crate) fn check(&self, number: usize, time_step_s: f64) -> Result<(), String> {
-        let wrong = |key: &str, value: f64, expected: &str| {
-            Err(format!("`scene.segments[{number}].{key}` is {}: it must be {expected}", shown(value)))
-        };
-        let pairs = [
-            ("from_m", self.from_m),
-            ("to_m", self.to_m.unwrap_or(self.from_m)),
-            ("velocity_m_per_s", self.velocity_m_per_s),
-        ];
-        for (key, pair) in pairs {
-            if let Some(value) = pair.into_iter().find(|value| !value.is_finite()) {
-                return wrong(key, value, "finite");
-            }
-        }
+    /// Refuses values without meaning, of the segment that stands at `place` in the file.
+    pub(crate) fn check(&self, place: &str, time_step_s: f64) -> Result<(), String> {
         let is_point = self.to_m.is_none_or(|to| to == self.from_m);
-        if !is_not_negative(self.radius_m) || self.radius_m == 0.0 && is_point {
-            let expected = "positive for a segment without length, and not negative for any";
-            return wrong("radius_m", self.radius_m, expected);
-        }
-        let values = [("removed_at_s", self.removed_at_s), ("friction", self.friction)];
-        for (key, value) in values {
-            if let Some(value) = value.filter(|value| !is_not_negative(*value)) {
-                return wrong(key, value, "finite and not negative");
-            }
-        }
+        let is_thick = is_not_negative(self.radius_m) && !(self.radius_m == 0.0 && is_point);
+        let expected = "positive for a segment without length, and not negative for any";
+        let radius = [("radius_m", self.radius_m, is_thick, expected)];
+        let removed = self.removed_at_s.map(|removed| not_negative("removed_at_s", removed));
+        let friction = self.friction.map(|friction| not_negative("friction", friction));
+        check(place, radius.into_iter().chain(removed).chain(friction))?;
         if let Some(vibration) = &self.vibration {
-            if let Some((key, value)) = vibration.not_finite() {
-                return wrong(&format!("vibration.{key}"), value, "finite");
-            }
             if matches!(vibration.direction, Direction::Z) {
-                return Err(format!(
-                    "`scene.segments[{number}].vibration.direction` is z: it must be x or y"
-                ));
+                return Err(format!("`{place}.vibration.direction` is z: it must be x or y"));
             }
+            vibration.check_resolved(place, time_step_s)?;
         }
-        if let Some(vibration) = &self.vibration {
-            vibration.check_resolved(&format!("segments[{number}]"), time_step_s)?;
+        motion::check(&self.motion, &format!("{place}.motion"))?;
+        let Some(driven) = &self.driven else { return Ok(()) };
+        driven.check(place)?;
+        let given = [
+            ("velocity_m_per_s", self.velocity_m_per_s != [0.0; 2]),
+            ("motion", !self.motion.is_empty()),
+            ("vibration", self.vibration.is_some()),
+            ("removed_at_s", self.removed_at_s.is_some()),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            Some((key, _)) => Err(format!(
+                "`{place}.{key}` is given beside `driven`: a force moves the segment, so it must be left out"
+            )),
+            None => Ok(()),
         }
-        motion::check(&self.motion, &format!("scene.segments[{number}].motion"))?;
-        driven::check(self, number)
     }
 }
 
@@ -211,7 +187,7 @@ fn is_within(from: f64, to: f64, before: f64, after: f64) -> bool {
 pub(crate) struct Beside<P> {
     /// The end that is the nearest point, if it is one; none where the disc has passed through.
     pub(crate) end: Option<usize>,
-    /// From the nearest point to the centre (m).
+    /// Vector from the nearest point to the centre (m).
     pub(crate) between: P,
     /// Its length (m).
     distance: f64,

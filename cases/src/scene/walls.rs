@@ -1,8 +1,9 @@
 //! The box: a floor and walls that tilt, close, slide or vibrate, and how each moves where a grain is.
 
-use crate::detect::{DetectedContact, WALLS};
+use crate::file::values::{check, not_negative, positive};
 use crate::scene::lid::Lid;
-use contact::{Place, shown};
+use crate::scene::motion::Vibration;
+use contact::{Place, is_positive, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +16,7 @@ pub struct Walls {
     pub width_m: Option<f64>,
     /// Distance between the walls behind and before spheres (m); without it there are none.
     pub depth_m: Option<f64>,
-    /// In place of side walls: what leaves the box at one side comes in at the other.
+    /// Periodic sides in place of side walls: what leaves the box at one side comes in at the other.
     #[serde(default)]
     pub periodic: bool,
     /// A lid on the discs of a periodic box; it is the last grain of contact problems and frames.
@@ -23,7 +24,7 @@ pub struct Walls {
     /// Rate at which the side walls tilt about their feet, towards +x (rad/s).
     #[serde(default)]
     pub tilt_rate_rad_per_s: f64,
-    /// When they begin to tilt (s).
+    /// Time at which they begin to tilt (s).
     #[serde(default)]
     pub tilt_start_s: f64,
     /// Speed at which each side wall moves towards the other (m/s).
@@ -42,41 +43,6 @@ pub struct Walls {
     pub bump_radius_m: Option<f64>,
     /// Vibration of the whole box.
     pub vibration: Option<Vibration>,
-}
-
-/// The fewest time steps in a period of a vibration: walls move by the mean velocity of each, which is then within 1/2 % of its
-/// greatest, and at a whole number of periods per time step they would stand still.
-const PER_PERIOD: f64 = 20.0;
-
-/// It moves by A (sin(2π f (t − start) + φ) − sin φ) from `start_s` on. It begins at its full speed with φ = 0, at
-/// rest with φ = −π/2. Its greatest acceleration is Γ = A (2π f)²/g times that of gravity.
-#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Vibration {
-    /// A (m).
-    pub amplitude_m: f64,
-    /// f (Hz).
-    pub frequency_hz: f64,
-    /// Along x, y or, for spheres, z.
-    pub direction: Direction,
-    /// φ (rad).
-    #[serde(default)]
-    pub phase_rad: f64,
-    /// When it begins (s).
-    #[serde(default)]
-    pub start_s: f64,
-}
-
-/// An axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Direction {
-    /// Horizontal.
-    X,
-    /// Vertical.
-    Y,
-    /// Horizontal, towards who looks.
-    Z,
 }
 
 /// A wall at one instant: a straight line, or a plane.
@@ -137,7 +103,7 @@ pub(crate) struct MovingWall<P> {
 
 /// Motion of a wall at the place of a grain, on average over a span of time.
 #[derive(Clone, Copy, Debug)]
-pub struct WallMotion<P> {
+pub(crate) struct WallMotion<P> {
     /// Rate at which it opens the gap of a grain at rest (m/s).
     pub opening: f64,
     /// Velocity of its surface (m/s), of which the part along it counts.
@@ -149,6 +115,11 @@ pub struct WallMotion<P> {
 impl<P: Place> WallMotion<P> {
     /// None.
     pub(crate) const NONE: Self = Self { opening: 0.0, sliding: P::ZERO, ahead: None };
+
+    /// Returns the motion of a body with this velocity (m/s), where it has this normal (–).
+    pub(crate) fn sliding(velocity: P, normal: P) -> Self {
+        Self { opening: -normal.dot_product(velocity), sliding: velocity, ahead: None }
+    }
 }
 
 impl<P: Place> MovingWall<P> {
@@ -169,71 +140,20 @@ impl<P: Place> MovingWall<P> {
     }
 }
 
-impl Vibration {
-    /// 2π f A (m/s).
-    pub(crate) fn greatest_speed(&self) -> f64 {
-        (std::f64::consts::TAU * self.frequency_hz * self.amplitude_m).abs()
-    }
-
-    /// Refuses a vibration, that of a `place` in the scene, whose period is cut by the time step of `h` (s) into too few parts.
-    pub(crate) fn check_resolved(&self, place: &str, h: f64) -> Result<(), String> {
-        let period = 1.0 / self.frequency_hz.abs();
-        // To the rounding of decimal fractions.
-        if period >= PER_PERIOD * h * (1.0 - 1e-9) {
-            return Ok(());
-        }
-        Err(format!(
-            "`scene.{place}.vibration.frequency_hz` is {}, a period of {} s, and `scene.time_step_s` is {}: a period must be at least \
-             {PER_PERIOD} time steps, {} s",
-            shown(self.frequency_hz),
-            shown(period),
-            shown(h),
-            shown(PER_PERIOD * h)
-        ))
-    }
-
-    /// The first of its values that is not finite, with its key.
-    pub(crate) fn not_finite(&self) -> Option<(&'static str, f64)> {
-        let values = [
-            ("amplitude_m", self.amplitude_m),
-            ("frequency_hz", self.frequency_hz),
-            ("phase_rad", self.phase_rad),
-            ("start_s", self.start_s),
-        ];
-        values.into_iter().find(|(_, value)| !value.is_finite())
-    }
-
-    /// Returns its displacement at a `time` (s), in metres.
-    pub(crate) fn displacement<P: Place>(&self, time: f64) -> P {
-        let turned = std::f64::consts::TAU * self.frequency_hz * (time - self.start_s).max(0.0);
-        let value = self.amplitude_m * (libm::sin(turned + self.phase_rad) - libm::sin(self.phase_rad));
-        match self.direction {
-            Direction::X => P::of([value, 0.0, 0.0]),
-            Direction::Y => P::of([0.0, value, 0.0]),
-            Direction::Z => P::of([0.0, 0.0, value]),
-        }
-    }
-}
-
-/// The contacts of one grain with the walls that are within `reach` (m), and how each of these moves.
-pub(crate) fn walls_near<P: Place>(
-    walls: &[Option<MovingWall<P>>; 5],
-    grain: u32,
-    position: P,
-    radius: f64,
-    reach: f64,
-) -> impl Iterator<Item = (DetectedContact<P>, WallMotion<P>)> {
-    WALLS.into_iter().zip(*walls).filter_map(move |(antagonist, wall)| {
-        let wall = wall?;
-        let (gap, normal) = (wall.now.gap(position, radius), wall.now.normal);
-        let contact = DetectedContact { candidate: grain, antagonist, normal, gap };
-        (gap <= reach).then(|| (contact, wall.motion(position)))
-    })
-}
-
 impl Walls {
-    /// Refuses values that contradict periodic sides, or that need them.
-    pub(crate) fn check_periodic(&self) -> Result<(), String> {
+    /// Refuses values outside the range of the model, and those that contradict periodic sides or need them.
+    pub(crate) fn check(&self, time_step_s: f64) -> Result<(), String> {
+        let lengths = [("width_m", self.width_m), ("depth_m", self.depth_m)];
+        let lengths = lengths.into_iter().filter_map(|(key, length)| Some(positive(key, length?)));
+        let bumps = self.bump_radius_m.map(|bumps| {
+            let valid = is_positive(bumps) && self.belt_speed_m_per_s == 0.0;
+            ("bump_radius_m", bumps, valid, "positive and finite, on a floor that is no belt")
+        });
+        let friction = self.friction.map(|mu| not_negative("friction", mu));
+        check("scene.box", lengths.chain(bumps).chain(friction))?;
+        if let Some(vibration) = &self.vibration {
+            vibration.check_resolved("scene.box", time_step_s)?;
+        }
         if !self.periodic {
             return match self.lid {
                 Some(_) => Err("`scene.box.lid` asks for `scene.box.periodic` = true".to_owned()),

@@ -39,10 +39,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let schema = match args.what {
         What::Plan => plan(),
         What::Case => of::<Case>(),
-        What::Problem => Frozen::<Discs>::smooth_schema(),
-        What::RoughProblem => Frozen::<RoughDiscs>::rough_schema(),
-        What::SphereProblem => Frozen::<Spheres>::smooth_schema(),
-        What::RoughSphereProblem => Frozen::<RoughSpheres>::rough_schema(),
+        What::Problem => Frozen::<Discs>::schema(),
+        What::RoughProblem => Frozen::<RoughDiscs>::schema(),
+        What::SphereProblem => Frozen::<Spheres>::schema(),
+        What::RoughSphereProblem => Frozen::<RoughSpheres>::schema(),
     };
     if args.markdown {
         return say_table(&["key", "takes", "means"], &keys::rows(&schema));

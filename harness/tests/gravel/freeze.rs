@@ -2,6 +2,7 @@
 
 use crate::common::{checkout, entries, frozen_names, gravel, pair, text, write};
 use cases::{AnyFrozen, Frozen};
+use contact::Discs;
 use serde_json::{Value, json};
 use std::fs;
 use tempfile::TempDir;
@@ -58,7 +59,7 @@ fn existing_file_is_kept_unless_forced() {
     gravel(&freeze).refused(&["kept.json", "exists", "--force"]);
     assert_eq!(fs::read_to_string(&file).unwrap(), "what was there");
     gravel(&[&freeze[..], &["--force"]].concat()).succeeded();
-    assert_eq!(Frozen::read(&file).unwrap().name, "kept");
+    assert_eq!(Frozen::<Discs>::read(&file).unwrap().name, "kept");
     assert_eq!(entries(folder.path()), ["kept.json"], "nothing else is left");
 }
 
@@ -81,7 +82,7 @@ fn file_says_how_the_time_step_was_reached() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("packing.json");
     gravel(&[&["freeze", "--tolerance", "1e-3", "-o", text(&file)], &PACKING[..]].concat()).succeeded();
-    let Frozen { name, source, time_step, .. } = Frozen::read(&file).unwrap();
+    let Frozen { name, source, time_step, .. } = Frozen::<Discs>::read(&file).unwrap();
     assert_eq!((&*name, time_step), ("packing", 0.005));
     for word in ["settled-box", "time step 20", "iqs", "sample.grains = 40", "cg", "natural_map ≤ 1e-3"] {
         assert!(source.contains(word), "no `{word}` in: {source}");
@@ -96,10 +97,10 @@ fn file_says_how_many_time_steps_before_did_not_converge() {
     let words = "of the 19 time steps before did not converge.";
     let stopped = gravel(&[&freeze[..], &["--max-iterations", "1"]].concat()).succeeded();
     assert!(stopped.stderr.contains(words), "{}", stopped.stderr);
-    assert!(Frozen::read(&file).unwrap().source.ends_with(words));
+    assert!(Frozen::<Discs>::read(&file).unwrap().source.ends_with(words));
     let whole = gravel(&[&freeze[..], &["--force"]].concat()).succeeded();
     assert_eq!(whole.stderr, "");
-    assert!(!Frozen::read(&file).unwrap().source.contains("did not converge"));
+    assert!(!Frozen::<Discs>::read(&file).unwrap().source.contains("did not converge"));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::common::{command, gravel, pair, text, write};
 use cases::Frozen;
+use contact::Discs;
 use serde_json::Value;
 use std::fs;
 use std::os::unix::fs::{FileTypeExt, symlink};
@@ -80,7 +81,7 @@ fn standard_output_takes_a_file_before_what_is_said() {
         "{said}"
     );
     let file = write(&folder, "again.json", frozen);
-    assert_eq!(Frozen::read(&file).unwrap().name, "stdout");
+    assert_eq!(Frozen::<Discs>::read(&file).unwrap().name, "stdout");
 }
 
 #[test]

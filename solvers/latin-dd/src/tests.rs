@@ -6,7 +6,7 @@ use crate::run::Run;
 use crate::subdomain::Latin;
 use analysis::Spectrum;
 use cases::{Case, Frozen, March};
-use contact::Measure;
+use contact::{Measure, RoughDiscs};
 use nalgebra::{SVector, Vector2};
 use runner::{Status, Stop};
 use std::path::Path;
@@ -212,5 +212,7 @@ where
 fn the_coarse_problem_leaves_no_resultant_on_an_interface() {
     assert_leaves_no_resultant(&frozen("shear-box-991-sheared").problem);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/frozen");
-    assert_leaves_no_resultant(&Frozen::read_rough(&folder.join("rough-991-mu08.json")).unwrap().problem);
+    assert_leaves_no_resultant(
+        &Frozen::<RoughDiscs>::read(&folder.join("rough-991-mu08.json")).unwrap().problem,
+    );
 }

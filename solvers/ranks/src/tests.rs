@@ -312,7 +312,7 @@ fn tree(values: &[[f64; 2]]) -> [f64; 2] {
 #[test]
 fn ranks_prove_together_that_there_is_no_solution() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/hard/infeasible-c.json");
-    let problem = Frozen::read(&path).unwrap().problem;
+    let problem = Frozen::<Discs>::read(&path).unwrap().problem;
     let grid = Grid::of(2, 1);
     let r0 = vec![0.0; problem.contact_count()];
     let nsgs = NsgsDd { subdomains: grid, ..NsgsDd::default() };

@@ -7,7 +7,7 @@ fn places(spheres: &[[f64; 4]]) -> (Vec<Vector3<f64>>, Vec<f64>) {
     spheres.iter().map(|&[x, y, z, r]| (Vector3::new(x, y, z), r)).unzip()
 }
 
-/// All pairs that touch, and all that touch the faces of the box around them: without these a crystal falls apart from its corners.
+/// Returns all pairs that touch, and all grains that touch the faces of the box around them: without these a crystal falls apart from its corners.
 fn touching(position: &[Vector3<f64>], radius: &[f64]) -> Vec<(u32, Option<u32>)> {
     let other = |side: Side| if let Side::Grain(j) = side { Some(j) } else { None };
     let pairs = crate::detect(position, radius, 1e-9);

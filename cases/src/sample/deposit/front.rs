@@ -2,8 +2,8 @@
 
 use nalgebra::Vector2;
 
-/// Centre and radius (m).
-pub(crate) type Placed = (Vector2<f64>, f64);
+/// Centre and radius of a disc before it is in its scene (m).
+pub type Disc = (Vector2<f64>, f64);
 
 /// Place that can hold a disc.
 pub(super) struct Place {
@@ -14,17 +14,17 @@ pub(super) struct Place {
     pub(super) right: Option<u32>,
 }
 
-/// All discs laid so far, and which of them are the front.
+/// Discs laid so far, and the front among them.
 pub(super) struct Front {
     pub(super) width: f64,
     /// Greatest radius (m).
     greatest: f64,
     /// Width of a column: at least the greatest diameter, so that a disc reaches into the next column, not further.
     size: f64,
-    pub(super) discs: Vec<Placed>,
+    pub(super) discs: Vec<Disc>,
     /// First of the chain.
     pub(super) first: Option<u32>,
-    /// In the chain, what comes after each disc.
+    /// Successor of each disc in the chain.
     pub(super) after: Vec<Option<u32>>,
     /// The discs of the chain by column.
     columns: Vec<Vec<u32>>,
@@ -33,7 +33,7 @@ pub(super) struct Front {
 }
 
 impl Front {
-    /// Nothing laid yet of discs with the given radii (m), in a box of `width` (m).
+    /// Returns the empty front of discs with the given radii (m), in a box of `width` (m).
     pub(super) fn new(width: f64, radii: &[f64]) -> Self {
         let greatest = radii.iter().copied().fold(0.0, f64::max);
         let count = ((width / (2.0 * greatest)) as usize).min(radii.len()).max(1);
@@ -210,15 +210,15 @@ impl Front {
     }
 }
 
-/// Against a wall, with the centre at `x`, and on one disc.
-pub(super) fn beside_wall((centre, r): Placed, x: f64, radius: f64) -> Option<Vector2<f64>> {
+/// Place against a wall, with the centre at `x`, and on one disc.
+pub(super) fn beside_wall((centre, r): Disc, x: f64, radius: f64) -> Option<Vector2<f64>> {
     let (distance, across) = (r + radius, centre.x - x);
     let height = distance * distance - across * across;
     (height >= 0.0).then(|| Vector2::new(x, centre.y + height.sqrt()))
 }
 
-/// On two discs, between them.
-pub(super) fn on_two((left, r_left): Placed, (right, r_right): Placed, radius: f64) -> Option<Vector2<f64>> {
+/// Place on two discs, between them.
+pub(super) fn on_two((left, r_left): Disc, (right, r_right): Disc, radius: f64) -> Option<Vector2<f64>> {
     let (to_left, to_right) = (r_left + radius, r_right + radius);
     let between = right - left;
     let distance = between.norm();

@@ -1,56 +1,38 @@
 //! The heights of the columns of a box, of which the lowest is at hand.
 
-/// Heights (m) by column, in a tournament.
+use std::collections::BTreeSet;
+
+/// Heights by column (m), none negative.
 #[derive(Clone)]
 pub(super) struct Heights {
-    /// The lower of what is at 2 k and 2 k + 1 is at k, so that the lowest is at 1; the columns are last.
-    lower: Vec<f64>,
-    /// Number of entries of `lower` visited.
-    pub(super) steps: u64,
+    height: Vec<f64>,
+    /// Bits of each height, which rise with it, and its column.
+    rising: BTreeSet<(u64, usize)>,
 }
 
 impl Heights {
     /// Creates the heights of a number of columns, 0 each.
     pub(super) fn new(columns: usize) -> Self {
-        let mut heights = Self { lower: vec![f64::INFINITY; 2 * columns.next_power_of_two()], steps: 0 };
-        (0..columns).for_each(|column| heights.set(column, 0.0));
-        heights
-    }
-
-    /// Returns the index of the first column in `lower`.
-    fn first(&self) -> usize {
-        self.lower.len() / 2
+        let rising = (0..columns).map(|column| (0.0_f64.to_bits(), column));
+        Self { height: vec![0.0; columns], rising: rising.collect() }
     }
 
     /// Replaces the height of a column.
     pub(super) fn set(&mut self, column: usize, height: f64) {
-        let mut at = self.first() + column;
-        self.lower[at] = height;
-        while at > 1 {
-            at /= 2;
-            self.steps += 1;
-            let lower = self.lower[2 * at].min(self.lower[2 * at + 1]);
-            if self.lower[at] == lower {
-                break;
-            }
-            self.lower[at] = lower;
-        }
+        let before = std::mem::replace(&mut self.height[column], height);
+        self.rising.remove(&(before.to_bits(), column));
+        self.rising.insert((height.to_bits(), column));
     }
 
     /// Replaces the height of a column if it is lower.
     pub(super) fn raise(&mut self, column: usize, height: f64) {
-        if height > self.lower[self.first() + column] {
+        if height > self.height[column] {
             self.set(column, height);
         }
     }
 
     /// The first of the lowest columns, and its height.
-    pub(super) fn lowest(&mut self) -> (usize, f64) {
-        let (lowest, mut at) = (self.lower[1], 1);
-        while at < self.first() {
-            self.steps += 1;
-            at = 2 * at + usize::from(self.lower[2 * at] != lowest);
-        }
-        (at - self.first(), lowest)
+    pub(super) fn lowest(&self) -> Option<(usize, f64)> {
+        self.rising.first().map(|&(bits, column)| (column, f64::from_bits(bits)))
     }
 }

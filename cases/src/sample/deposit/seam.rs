@@ -1,7 +1,7 @@
 //! The gap between two deposits that stand side by side, filled with discs that touch both: each at the lowest place where two others,
 //! or one and the floor, hold it.
 
-use super::front::{Placed, on_two};
+use super::front::{Disc, on_two};
 use nalgebra::Vector2;
 
 /// A gap between the sides of two deposits.
@@ -26,7 +26,7 @@ impl Seam {
     }
 
     /// Reports whether a disc of a deposit is so near to the gap that discs in the gap may touch it.
-    pub(crate) fn is_beside(&self, (centre, radius): &Placed) -> bool {
+    pub(crate) fn is_beside(&self, (centre, radius): &Disc) -> bool {
         let reach = self.pocket() + self.greatest + radius;
         self.ends[0] - reach <= centre.x && centre.x <= self.ends[1] + reach
     }
@@ -38,18 +38,18 @@ impl Seam {
     /// Those of `radii`; and the radius of a disc that no place holds, by `no_place`.
     pub(crate) fn filled(
         &self,
-        sides: [&[Placed]; 2],
+        sides: [&[Disc]; 2],
         radii: impl Iterator<Item = Result<f64, String>>,
         no_place: impl Fn(f64) -> String,
-    ) -> Result<Vec<Placed>, String> {
-        let surface = |side: &[Placed]| side.iter().map(|(x, _)| x.y).fold(0.0, f64::max);
+    ) -> Result<Vec<Disc>, String> {
+        let surface = |side: &[Disc]| side.iter().map(|(x, _)| x.y).fold(0.0, f64::max);
         let surface = surface(sides[0]).min(surface(sides[1]));
         let mut rising = sides.concat();
         rising.sort_by(|(a, _), (b, _)| {
             (a.y, a.x).partial_cmp(&(b.y, b.x)).unwrap_or(std::cmp::Ordering::Equal)
         });
         let mut ahead = rising.into_iter().peekable();
-        let (mut laid, mut near, mut level): (Vec<Placed>, Vec<Placed>, f64) = (Vec::new(), Vec::new(), 0.0);
+        let (mut laid, mut near, mut level): (Vec<Disc>, Vec<Disc>, f64) = (Vec::new(), Vec::new(), 0.0);
         for radius in radii {
             let radius = radius?;
             near.retain(|(x, _)| x.y >= level - BELOW * self.greatest);
@@ -68,7 +68,7 @@ impl Seam {
     }
 
     /// The lowest place between discs that are near the level; of places as low, that at the left.
-    fn lowest_place(&self, near: &[Placed], radius: f64, level: f64) -> Option<Vector2<f64>> {
+    fn lowest_place(&self, near: &[Disc], radius: f64, level: f64) -> Option<Vector2<f64>> {
         let mut best: Option<Vector2<f64>> = None;
         for &(left, r) in near {
             // Beside a disc, both on the floor.
@@ -95,7 +95,7 @@ impl Seam {
     fn take(
         &self,
         best: &mut Option<Vector2<f64>>,
-        near: &[Placed],
+        near: &[Disc],
         at: Vector2<f64>,
         radius: f64,
         level: f64,
@@ -105,7 +105,7 @@ impl Seam {
             && heights.contains(&at.y)
             && self.ends[0] - self.pocket() <= at.x
             && at.x <= self.ends[1] + self.pocket();
-        let free = |(x, r): &Placed| {
+        let free = |(x, r): &Disc| {
             let distance = r + radius - self.slack;
             (x - at).norm_squared() >= distance * distance
         };

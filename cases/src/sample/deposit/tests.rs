@@ -78,13 +78,11 @@ fn equal_discs_lie_in_rows_of_five_and_four() {
 fn the_work_for_a_disc_hardly_grows_with_the_width_of_the_box() {
     let work = |discs: u32, width: f64| {
         let (_, promises) = laid(&radii(discs, 0.05, 0.1), width).unwrap();
-        let steps: u64 = promises.height.iter().map(|heights| heights.steps).sum();
-        [promises.looks, steps].map(|work| work as f64 / f64::from(discs))
+        promises.looks as f64 / f64::from(discs)
     };
-    // Sixteen times as many discs on four times as many columns, which have two binary digits more: 7 for 5.
-    let ([looks, steps], [looks_then, steps_then]) = (work(2_000, 6.8), work(32_000, 27.2));
+    // Sixteen times as many discs on four times as many columns.
+    let (looks, looks_then) = (work(2_000, 6.8), work(32_000, 27.2));
     assert!(looks_then < 1.5 * looks, "{looks} columns for a disc, then {looks_then}");
-    assert!(steps_then < 1.5 * 7.0 / 5.0 * steps, "{steps} steps for a disc, then {steps_then}");
 }
 
 #[test]
@@ -102,7 +100,7 @@ fn the_lowest_column_is_the_first_of_the_lowest() {
             }
             let lowest = listed.iter().copied().fold(f64::INFINITY, f64::min);
             let first = listed.iter().position(|height| *height == lowest).unwrap();
-            assert_eq!(heights.lowest(), (first, lowest));
+            assert_eq!(heights.lowest(), Some((first, lowest)));
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::detect::{Side, WALLS};
 use crate::scene::Scene;
+use crate::scene::segments::Segment;
 use crate::scene::walls::Wall;
 use contact::Place;
 
@@ -45,7 +46,7 @@ pub(crate) fn drawn<P: Place>(scene: &Scene, time: f64, reach: impl Fn(P) -> f64
         .collect()
 }
 
-/// Along a wall with this normal, which stands on an edge along z or along x.
+/// Direction up a wall with this normal, which stands on an edge along z or along x.
 fn upwards<P: Place>(normal: P) -> P {
     let [n_x, n_y, n_z] = normal.space();
     P::of(if n_z == 0.0 { [-n_y * n_x.signum(), n_x * n_x.signum(), 0.0] } else { [0.0, 1.0, 0.0] })
@@ -77,7 +78,7 @@ fn outlines<P: Place>(
     z: [f64; 2],
 ) -> Vec<(Side, Vec<P>)> {
     let drum = scene.drum.into_iter().flat_map(|drum| arc(Side::Drum, [0.0; 2], drum.radius_m, SIDES, z));
-    let bump_radius = scene.walls.as_ref().and_then(|walls| walls.bump_radius_m);
+    let bump_radius = scene.bump_radius();
     let bumps = bump_radius.into_iter().flat_map(|a| {
         let last = ((to_x - from[0]) / (2.0 * a)).ceil() as i32;
         let along = move |k: i32| from[0] + 2.0 * a * f64::from(k);
@@ -96,18 +97,26 @@ fn outlines<P: Place>(
         })
     });
     let segments = (0..).zip(&scene.segments).flat_map(|(number, segment)| {
-        segment.ends::<P>(time).map_or_else(Vec::new, |ends| segment.outline(Side::Segment(number), ends))
+        segment.ends::<P>(time).map_or_else(Vec::new, |ends| outline(segment, Side::Segment(number), ends))
     });
     drum.chain(bumps).chain(segments).collect()
 }
 
-/// A circle in the plane (m).
-pub(crate) fn circle<P: Place>(
-    side: Side,
-    centre: [f64; 2],
-    radius: f64,
-) -> impl Iterator<Item = (Side, Vec<P>)> {
-    arc(side, centre, radius, SIDES, [0.0; 2])
+/// Draws a segment between these ends (m): a line, or two with circles at their ends.
+pub(crate) fn outline<P: Place>(segment: &Segment, side: Side, [from, to]: [P; 2]) -> Vec<(Side, Vec<P>)> {
+    let (along, radius) = (to - from, segment.radius_m);
+    let length = along.length();
+    let aside = P::of([-along[1], along[0], 0.0]) * if length > 0.0 { radius / length } else { 0.0 };
+    let ends = if radius > 0.0 { vec![from, to] } else { Vec::new() };
+    let round = ends.into_iter().flat_map(|end| arc(side, [end[0], end[1]], radius, SIDES, [0.0; 2]));
+    let flat = if length == 0.0 {
+        Vec::new()
+    } else if radius > 0.0 {
+        vec![(side, vec![from + aside, to + aside]), (side, vec![from - aside, to - aside])]
+    } else {
+        vec![(side, vec![from, to])]
+    };
+    flat.into_iter().chain(round).collect()
 }
 
 /// The first of the sides that stand for a circle (m), and in space what they sweep between two z.

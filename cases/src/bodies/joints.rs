@@ -5,9 +5,9 @@
 //! thickest has the contact, the first of equal ones. Where the other is nearer, the end is hidden. If the line turns towards the disc
 //! beyond the hidden end, the disc may reach that side within the time step: it has a contact with the line of that side as well.
 
-use crate::detect::{DetectedContact, Side};
+use super::seeker::{Near, Seeker};
+use crate::detect::Side;
 use crate::scene::Scene;
-use crate::scene::bodies::Near;
 use crate::scene::segments::{Beside, Segment};
 use crate::scene::walls::{MovingWall, WallMotion, Walls};
 use contact::Place;
@@ -81,7 +81,7 @@ fn stands_in(segment: &Segment, walls: &Walls) -> bool {
 /// The segments that move as given, and the box, where contacts are sought.
 pub(crate) struct Line<'s, P> {
     joints: &'s Joints,
-    /// In the order of the scene's list; none of those that are driven or taken away.
+    /// Segments in the order of the scene's list; none of those that are driven or taken away.
     placed: Vec<Option<Placed<'s, P>>>,
     walls: [Option<MovingWall<P>>; 5],
     /// The time until contacts are sought again (s).
@@ -96,17 +96,6 @@ struct Placed<'s, P> {
     came: P,
     /// Its velocity until they are sought again, on average (m/s).
     velocity: P,
-}
-
-/// A disc where contacts are sought.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Disc<P> {
-    pub(crate) place: P,
-    pub(crate) radius: f64,
-    /// Displacement since contacts were detected last, or since time began (m).
-    pub(crate) came: P,
-    /// Displacement by the free velocity until the next detection (m).
-    pub(crate) ahead: P,
 }
 
 impl<'s, P: Place> Line<'s, P> {
@@ -125,15 +114,13 @@ impl<'s, P: Place> Line<'s, P> {
         Self { joints, placed: scene.segments.iter().map(place).collect(), walls, span }
     }
 
-    /// The contacts of a grain that are within `reach` (m), at most one with each segment, and how each of these moves.
-    pub(crate) fn near(&self, grain: u32, disc: Disc<P>, reach: f64) -> impl Iterator<Item = Near<P>> {
+    /// The contacts of a disc, at most one with each segment.
+    pub(crate) fn near(&self, disc: &Seeker<P>) -> impl Iterator<Item = Near<P>> {
         (0..).zip(&self.placed).filter_map(move |(number, placed)| {
             let placed = placed.as_ref()?;
-            let (normal, gap) = self.contact((number, placed), &placed.beside(&disc, reach)?, &disc)?;
-            let contact =
-                DetectedContact { candidate: grain, antagonist: Side::Segment(number), normal, gap };
-            let opening = -normal.dot_product(placed.velocity);
-            (gap <= reach).then_some((contact, WallMotion { opening, sliding: placed.velocity, ahead: None }))
+            let (normal, gap) = self.contact((number, placed), &placed.beside(disc, disc.reach)?, disc)?;
+            let motion = || WallMotion::sliding(placed.velocity, normal);
+            disc.meets(Side::Segment(number), (normal, gap), motion)
         })
     }
 
@@ -142,7 +129,7 @@ impl<'s, P: Place> Line<'s, P> {
         &self,
         (number, placed): (u32, &Placed<P>),
         beside: &Beside<P>,
-        disc: &Disc<P>,
+        disc: &Seeker<P>,
     ) -> Option<(P, f64)> {
         let own = Some((beside.towards(), beside.gap));
         let Some(end) = beside.end else { return own };
@@ -183,7 +170,7 @@ impl<'s, P: Place> Line<'s, P> {
         (number, placed): (u32, &Placed<P>),
         other: &Other,
         beside: &Beside<P>,
-        disc: &Disc<P>,
+        disc: &Seeker<P>,
     ) -> Hides<P> {
         match *other {
             Other::Segment(other, at) => {
@@ -220,17 +207,17 @@ fn is_above<P: Place>(direction: P, normal: P) -> bool {
 
 /// Effect of a body, on which the end of a segment lies, on the contact of this end with a disc.
 enum Hides<P> {
-    /// It does not.
+    /// No effect.
     No,
-    /// It ends there too, and has the contact.
+    /// The body ends there too, and has the contact.
     AtItsEnd,
-    /// It is nearer.
+    /// The body is nearer.
     Nearer(Nearer<P>),
 }
 
 /// Part of the line nearer to a disc than an end that lies on it.
 struct Nearer<P> {
-    /// From the centre (m).
+    /// Distance from the centre (m).
     distance: f64,
     /// Its nearest point (m).
     place: P,
@@ -241,7 +228,7 @@ struct Nearer<P> {
 }
 
 impl<P: Place> Placed<'_, P> {
-    fn beside(&self, disc: &Disc<P>, reach: f64) -> Option<Beside<P>> {
+    fn beside(&self, disc: &Seeker<P>, reach: f64) -> Option<Beside<P>> {
         self.segment.beside(self.ends, disc.came - self.came, (disc.place, disc.radius), reach)
     }
 

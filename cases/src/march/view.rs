@@ -1,0 +1,104 @@
+//! The state of a scene on its way through time, as others see it.
+
+use super::March;
+use crate::bodies::drawn::drawn;
+use crate::bodies::driven::{DrivenSegment, PlacedLid};
+use crate::detect::Side;
+use crate::detect::extent::reach;
+use crate::observe::bulk::Bulk;
+use crate::observe::energy::Energy;
+use crate::observe::stress::Stress;
+use crate::observe::{Observables, wall_impulses};
+use crate::problem::marched::{Marched, translation};
+use crate::problem::time_step::TimeStep;
+use crate::scene::too_far;
+use contact::{Mass, Place, Vector, greatest, shown};
+
+impl<M: Marched> March<M> {
+    /// Returns the unusual values of its scene, each by its key.
+    pub fn warnings(&self) -> Vec<String> {
+        self.scene.warnings(self.radius.iter().copied().fold(f64::INFINITY, f64::min))
+    }
+
+    /// The warning of a grain that the last time step moved by more than its radius, if there is one.
+    pub fn moved_too_far(&self) -> Option<String> {
+        let h = self.scene.time_step_s;
+        let moved = (0..self.grain_count()).map(|k| (k, translation::<M>(self.velocity[k]).length() * h));
+        let (grain, by) = moved.into_iter().find(|(k, by)| *by > self.radius[*k])?;
+        let moves = format!("time step {} moves grain {grain} by {} m", self.done, shown(by));
+        Some(too_far(h, &moves, self.radius[grain]))
+    }
+
+    /// Mean diameter of the grains (m).
+    pub fn mean_diameter(&self) -> f64 {
+        let radius = &self.radius[..self.grain_count()];
+        2.0 * radius.iter().sum::<f64>() / radius.len() as f64
+    }
+
+    /// Returns the position of another grain, or of its periodic image if that is nearer to a place; `None` for other bodies, which
+    /// extend across the scene.
+    pub fn beside(&self, place: M::Place, other: u32) -> Option<M::Place> {
+        let there = (self.position.get(other as usize)).filter(|_| (other as usize) < self.grain_count())?;
+        let period = self.scene.period();
+        // To the bit where nothing is periodic.
+        Some(period.0.map_or(*there, |_| place - period.nearest(place - *there)))
+    }
+
+    /// The grains, and last a lid or driven segments, as they are: radius (m), place (m) and velocity (m/s) of each.
+    pub fn grains(&self) -> impl Iterator<Item = (f64, M::Place, M::Place)> {
+        self.radius
+            .iter()
+            .zip(&self.position)
+            .zip(&self.velocity)
+            .map(|((r, q), v)| (*r, *q, translation::<M>(*v)))
+    }
+
+    /// Mass of each grain (kg), and its moment of inertia (kg m²), if it spins.
+    pub fn mass(&self) -> &[M::Mass] {
+        &self.mass
+    }
+
+    /// Velocity of each grain (m/s), and its spin (rad/s), if it has any.
+    pub fn velocity(&self) -> &[M::Velocity] {
+        &self.velocity
+    }
+
+    /// The walls and other bodies as they stand, to be drawn, by their corners (m): the floor from left to right, the others from their
+    /// feet to as high as the highest grain. What is not between walls is as wide as the grains. In the plane each is a segment, in
+    /// space of four corners.
+    pub fn walls(&self) -> Vec<(Side, Vec<M::Place>)> {
+        let reach = |along: M::Place| reach(&self.position, &self.radius, along);
+        let mut walls = drawn(&self.scene, self.done as f64 * self.scene.time_step_s, reach);
+        let lid = PlacedLid::of(&self.scene, &self.position, &self.radius);
+        walls.extend(lid.and_then(PlacedLid::drawn));
+        let driven = DrivenSegment::all(&self.scene, &self.position, |_| M::Place::ZERO);
+        walls.extend(driven.iter().flat_map(DrivenSegment::drawn));
+        walls
+    }
+
+    /// Observables after the time step, with its impulses `r` (N·s) and its energy.
+    pub(super) fn observe(&self, time_step: &TimeStep<M>, r: &[f64], energy: Energy) -> Observables {
+        let kinetic = self.mass.iter().zip(&self.velocity).map(|(m, v)| 0.5 * m.squared(*v));
+        let grains = self.grain_count();
+        let mass = || self.mass[..grains].iter().map(|mass| M::weight(*mass));
+        let moment = mass().zip(&self.position).map(|(m, q)| m * q[1]);
+        let height = PlacedLid::of(&self.scene, time_step.frozen.problem.position(), &self.radius);
+        let height = height.map(|lid| lid.foot[1]);
+        let area = self.scene.period().0.zip(height).map(|(width, height)| width * height);
+        let overlaps = || time_step.frozen.gap.iter().map(|gap| f64::max(0.0, -gap));
+        let time = self.done as f64 * self.scene.time_step_s;
+        Observables {
+            time,
+            kinetic_energy: kinetic.sum(),
+            mean_height: moment.sum::<f64>() / mass().sum::<f64>(),
+            greatest_overlap: overlaps().fold(0.0, f64::max),
+            mean_overlap: overlaps().sum::<f64>() / grains as f64,
+            wall_impulses: wall_impulses(&time_step.sides, &r.iter().step_by(M::Impulse::LEN).copied()),
+            contacts: time_step.sides.len(),
+            energy,
+            stress: Stress::of(time_step, &self.scene, (grains, area), r),
+            bulk: Bulk::of(time_step, &self.scene, (grains, time), r),
+            greatest_speed: greatest(self.velocity.iter().map(|v| translation::<M>(*v).length())),
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Frozen problems of any mechanics, each as what its file says that it is.
+
+use crate::detect::Grain;
+use crate::error::CaseError;
+use crate::file::json::{broken, read_text};
+use crate::problem::file::Head;
+use crate::problem::frozen::Frozen;
+use crate::problem::marched::Marched;
+use contact::{Discs, Mechanics, Place, RoughDiscs, RoughSpheres, Spheres, Vector};
+use std::ops::Deref;
+use std::path::Path;
+
+/// A frozen problem of any mechanics.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnyFrozen {
+    /// Discs without friction.
+    Discs(Frozen),
+    /// Discs with friction.
+    RoughDiscs(Frozen<RoughDiscs>),
+    /// Spheres without friction.
+    Spheres(Frozen<Spheres>),
+    /// Spheres with friction.
+    RoughSpheres(Frozen<RoughSpheres>),
+}
+
+impl AnyFrozen {
+    /// Reads a file of format `gravel/contact-problem/1` or `gravel/contact-problem/2`, and checks its checksum if it has one.
+    ///
+    /// # Errors
+    /// Names the file, the key, the index and the value.
+    pub fn read(path: &Path) -> Result<Self, CaseError> {
+        Self::of_text(path, &read_text(path)?)
+    }
+
+    /// The problem whose text this is, from the file at `path`.
+    ///
+    /// # Errors
+    /// Those of [`AnyFrozen::read`].
+    pub fn of_text(path: &Path, text: &str) -> Result<Self, CaseError> {
+        let opened = seal::opened(text.as_bytes()).map_err(|damaged| CaseError::content(path, damaged))?;
+        let opened = opened.and_then(|text| String::from_utf8(text).ok());
+        let text = opened.as_deref().unwrap_or(text);
+        let head: Option<Head> = serde_json::from_str(text).ok();
+        if head.is_none()
+            && let Some(message) = broken(text)
+        {
+            return Err(CaseError::content(path, message));
+        }
+        match head.as_ref().map_or(Discs::NAME, Head::mechanics) {
+            Discs::NAME => Frozen::of_text(path, text).map(Self::Discs),
+            Spheres::NAME => Frozen::of_text(path, text).map(Self::Spheres),
+            RoughSpheres::NAME => Frozen::of_text(path, text).map(Self::RoughSpheres),
+            _ => Frozen::of_text(path, text).map(Self::RoughDiscs),
+        }
+    }
+
+    /// Gives it another name.
+    pub fn rename(&mut self, to: &str) {
+        let name = match self {
+            Self::Discs(frozen) => &mut frozen.name,
+            Self::RoughDiscs(frozen) => &mut frozen.name,
+            Self::Spheres(frozen) => &mut frozen.name,
+            Self::RoughSpheres(frozen) => &mut frozen.name,
+        };
+        to.clone_into(name);
+    }
+
+    /// Its grains, at rest where they are.
+    pub(crate) fn grains<P: Place>(&self) -> Vec<Grain<P>> {
+        let grain = |k: usize| {
+            let (radius, mass, place) = self.body(k);
+            Grain { radius, mass, position: P::of(place) }
+        };
+        (0..self.size().0).map(grain).collect()
+    }
+}
+
+/// Properties of a frozen problem that it has in any mechanics.
+pub trait OfAnyMechanics {
+    /// Name of the problem.
+    fn name(&self) -> &str;
+
+    /// Returns the source of the problem, in a sentence.
+    fn source(&self) -> &str;
+
+    /// Grains and contacts.
+    fn size(&self) -> (usize, usize);
+
+    /// Reports whether the grains are spheres.
+    fn in_space(&self) -> bool;
+
+    /// Radius (m), mass (kg) and place (m) of a grain.
+    fn body(&self, grain: usize) -> (f64, f64, [f64; 3]);
+
+    /// The text of the file.
+    ///
+    /// # Errors
+    /// Those of JSON, which none of the validated values causes.
+    fn to_json(&self) -> serde_json::Result<String>;
+}
+
+impl<M: Marched> OfAnyMechanics for Frozen<M> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn source(&self) -> &str {
+        &self.source
+    }
+
+    fn size(&self) -> (usize, usize) {
+        (self.problem.grain_count(), self.problem.contact_count())
+    }
+
+    fn in_space(&self) -> bool {
+        M::Place::LEN > 2
+    }
+
+    fn body(&self, grain: usize) -> (f64, f64, [f64; 3]) {
+        let Self { radius, problem, .. } = self;
+        (radius[grain], M::weight(problem.mass()[grain]), problem.position()[grain].space())
+    }
+
+    fn to_json(&self) -> serde_json::Result<String> {
+        Self::to_json(self)
+    }
+}
+
+impl Deref for AnyFrozen {
+    type Target = dyn OfAnyMechanics;
+
+    fn deref(&self) -> &Self::Target {
+        match self {
+            Self::Discs(frozen) => frozen,
+            Self::RoughDiscs(frozen) => frozen,
+            Self::Spheres(frozen) => frozen,
+            Self::RoughSpheres(frozen) => frozen,
+        }
+    }
+}
