@@ -9,7 +9,7 @@ use common::scene_of_discs;
 use contact::{Discs, Measure};
 use nalgebra::Vector2;
 use nsgs::Nsgs;
-use runner::Stop;
+use runner::{Status, Stop};
 
 const H: f64 = 0.01;
 const LAWS: [&str; 3] = ["iqs", "predicted-gap", "newton"];
@@ -194,6 +194,41 @@ fn a_disc_does_not_pass_a_segment_unseen() {
                 panic!("{law}: {error:?} at {}", march.grains().next().unwrap().1)
             };
         }
+    }
+}
+
+/// Two plates without thickness leave a slot of this half width (m), through which a piston presses a disc of 0.1 m. Returns the greatest
+/// overlap of the time steps that were solved and how the march ended, if it did.
+fn through_a_slot(half: f64, law: &str) -> (f64, Option<CaseError>) {
+    let (above, below) = (chain(&[[0.0, half], [0.0, 1.0]]), chain(&[[0.0, -1.0], [0.0, -half]]));
+    let x = (0.01 - half * half).sqrt();
+    let at = x + 0.105;
+    let piston = format!(
+        "[[scene.segments]]\nfrom_m = [{at:?}, -1.0]\nto_m = [{at:?}, 1.0]\nvelocity_m_per_s = [-0.5, 0.0]\n"
+    );
+    let rest = format!("gravity_m_per_s2 = 0.0\n{above}{below}{piston}");
+    let mut march = March::<Discs>::new(&under(law, &format!("[[{x:?}, 0.0, 0.1]]"), &rest)).unwrap();
+    let mut deepest = 0.0_f64;
+    for _ in 0..60 {
+        match march.time_step(&Nsgs::default(), &stop()) {
+            Ok((outcome, seen)) if outcome.status == Status::Converged => {
+                deepest = deepest.max(seen.greatest_overlap);
+            }
+            Ok(_) => {}
+            Err(error) => return (deepest, Some(error)),
+        }
+    }
+    (deepest, None)
+}
+
+/// A free end has no thickness, so that no overlap with it exceeds the radius: it is passed where it is within half of that.
+#[test]
+fn a_disc_squeezed_round_the_free_end_of_a_segment_has_passed_it() {
+    for law in LAWS {
+        let (_, ended) = through_a_slot(0.04, law);
+        let Some(CaseError::Exploded { why: Explosion::Overlap { grain: 0, .. }, .. }) = ended else {
+            panic!("{law}: {ended:?}")
+        };
     }
 }
 

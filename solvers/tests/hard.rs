@@ -60,6 +60,18 @@ fn problems_that_are_hard_are_certified_or_proved_to_have_no_solution() {
     }
 }
 
+/// Two walls are opposite but for a lever of 2e-7, whose way out a third bars: sweeps meet that after a million iterations and more, and before
+/// that claim nothing.
+#[test]
+fn methods_end_with_a_proof_or_at_their_limit_where_a_fine_lever_is_barred() {
+    let problem = hard("infeasible-b");
+    for (method, solver) in all_methods() {
+        let sweeps = ["nsgs", "jacobi", "nsgs-dd"].contains(&method);
+        let expected = if sweeps { Status::IterationLimit } else { Status::Infeasible };
+        assert_eq!(run(&*solver, &problem, 20_000), expected, "{method}");
+    }
+}
+
 /// What no impulses in double precision prove, no method may claim.
 #[test]
 fn no_method_denies_a_solution_that_is_beyond_double_precision() {

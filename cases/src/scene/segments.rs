@@ -118,7 +118,8 @@ impl Segment {
             let upwards = P::of([-along[1], along[0], 0.0]) / length;
             let height = upwards.dot_product(position - from);
             let before = height - upwards.dot_product(came);
-            let passed = is_within(share - came.dot_product(along) / squared, share, before, height);
+            let room = PASSED * touching / length;
+            let passed = is_within(room, share - came.dot_product(along) / squared, share, before, height);
             let above = if passed && before != 0.0 { before > 0.0 } else { (height >= 0.0) != passed };
             (if above { upwards } else { -upwards }, passed)
         });
@@ -173,13 +174,15 @@ impl Segment {
     }
 }
 
-/// Checks whether a centre that moved from a height `before` above a line to `after` crossed it between 0 and 1 of its length; it was at the
-/// share `from` of it and is at `to`.
-fn is_within(from: f64, to: f64, before: f64, after: f64) -> bool {
-    // At a joint one of the two segments is crossed, whatever the rounding.
-    const SLACK: f64 = 1e-9;
+/// Share of the touching distance within which a centre that crosses the line beyond an end has passed the segment (–): a disc that goes
+/// round an end crosses it at the whole of that. An end without thickness would never be overlapped by more than a radius.
+const PASSED: f64 = 0.5;
+
+/// Checks whether a centre that moved from a height `before` above a line to `after` crossed it between 0 and 1 of its length, or within a
+/// `room` of its ends; it was at the share `from` of it and is at `to`.
+fn is_within(room: f64, from: f64, to: f64, before: f64, after: f64) -> bool {
     let crossed = before * after <= 0.0 && before != after;
-    crossed && (-SLACK..=1.0 + SLACK).contains(&(from + (to - from) * before / (before - after)))
+    crossed && (-room..=1.0 + room).contains(&(from + (to - from) * before / (before - after)))
 }
 
 /// A disc beside a segment.

@@ -15,7 +15,7 @@ use std::str::{FromStr, SplitAsciiWhitespace};
 /// # Errors
 /// Says which part of the file has no meaning, or which other problem it seems to hold.
 pub(crate) fn problem(text: &str, notes: &mut Vec<String>) -> Result<LocalProblem> {
-    let head: Vec<&str> = text.split_ascii_whitespace().take(5).collect();
+    let head: Vec<&str> = text.split_ascii_whitespace().take(6).collect();
     let mut words = Words(text.split_ascii_whitespace());
     let dimension: usize = words.next("the number of unknowns of a contact")?;
     let contacts: usize = words.next("the number of contacts")?;
@@ -37,6 +37,15 @@ pub(crate) fn problem(text: &str, notes: &mut Vec<String>) -> Result<LocalProble
             "a contact has {dimension} unknowns{is}: 2 or 3 are expected, as Coulomb's law has without rolling"
         );
     }
+    // Its law by a number, then one matrix.
+    if let [_, _, "0" | "1" | "2", "0" | "1" | "2", down, across] = head[..]
+        && [down, across] == [&*of_contacts; 2]
+        && head[3] != down
+    {
+        bail!(
+            "a number stands before the matrix, as in files of Siconos' plasticity: contacts by Coulomb's law are read"
+        );
+    }
     let first = matrix(&mut words, "W")?;
     let next: Vec<&str> = words.0.clone().take(3).collect();
     let is_matrix = matches!(next[..], ["0" | "1" | "2", _, across] if across == of_contacts);
@@ -50,9 +59,9 @@ pub(crate) fn problem(text: &str, notes: &mut Vec<String>) -> Result<LocalProble
     Ok(LocalProblem::new(dimension, first.entries, q, friction)?)
 }
 
-/// Checks that guesses follow μ, or that there are none.
+/// Checks that μ is followed by nothing of another law: by 1 and guesses of r and v, by 0, or by a 1 alone, whose guesses
+/// are not there, as in twenty of the dumps of Siconos' own tests. Also of one contact such an integer is no parameter: these are decimals.
 fn nothing_more(words: &mut Words, rows: usize, contacts: usize) -> Result<()> {
-    // Whether guesses follow, and these.
     let rest: Vec<&str> = words.0.clone().collect();
     match (rest.len(), rest.first()) {
         (0, _) | (1, Some(&("0" | "1"))) => Ok(()),

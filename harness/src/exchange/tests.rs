@@ -8,7 +8,7 @@ use cases::AnyFrozen;
 use contact::Measure;
 use lineup::{Global, OneProblem, Posed, Run, Triplets};
 use local::LocalProblem;
-use runner::{Measured, Outcome, Stop};
+use runner::{Measured, Outcome, Status, Stop};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -90,6 +90,68 @@ fn solution_on_w_alone_is_that_with_grains() {
     let [(r, map), (ours, _)] = iterated("settled-250", &method("active-set", &[]), 2000);
     let apart = problem("settled-250").distance(&ours, &r);
     assert!(map < 1e-12 && apart < 1e-11, "{map:e}, {apart:e}");
+}
+
+/// W = H Hᵗ of contacts of `d` unknowns each between two of half as many grains, any two: mostly singular. The same seed, the same W.
+fn between_any(d: usize, contacts: usize, seed: u64) -> LocalProblem {
+    let mut state = seed;
+    // PCG's multiplier; the upper bits from −1 to 1.
+    let mut number = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
+    };
+    let grains = contacts / 2 + 2;
+    let mut h = vec![vec![0.0; grains * d]; contacts * d];
+    for contact in h.chunks_mut(d) {
+        let first = ((number() + 1.0) * 0.5 * grains as f64) as usize % grains;
+        for row in contact {
+            for k in 0..d {
+                row[first * d + k] = number();
+                row[(first + 1) % grains * d + k] = number();
+            }
+        }
+    }
+    let q = (0..contacts * d).map(|_| number() - 0.25).collect();
+    let friction = (0..contacts).map(|_| if d > 1 { number().abs() } else { 0.0 }).collect();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let entry = |row: usize, column: usize| (row, column, dot(&h[row], &h[column]));
+    let size = contacts * d;
+    let entries = (0..size).flat_map(|row| (0..size).map(move |column| entry(row, column)));
+    LocalProblem::new(d, entries.filter(|(.., w)| *w != 0.0), q, friction).unwrap()
+}
+
+/// Blocks of 1, without friction, of 2 and of 3.
+#[test]
+fn w_alone_of_any_size_ends_within_its_iterations() {
+    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-8, max_iterations: 200 };
+    for d in 1..=3 {
+        for (contacts, seed) in
+            [(1, 1), (1, 2), (2, 1), (2, 2), (3, 1), (17, 1), (17, 2), (90, 1), (300, 1), (300, 2)]
+        {
+            let problem = between_any(d, contacts, seed);
+            let posed = Posed::W(Box::new(problem.clone()));
+            let parts = contacts.min(3).to_string();
+            for method in [
+                method("nsgs", &[]),
+                method("nsgs", &[("acceleration", "nesterov")]),
+                method("nsgs-dd", &[("subdomains", &parts)]),
+                method("cg", &[]),
+                method("cg", &[("preconditioner", "diagonal")]),
+                method("active-set", &[]),
+            ] {
+                let end = solved(&posed, &method, &stop).unwrap();
+                let name = format!("{} on {contacts} contacts of {d}, seed {seed}", method.name);
+                assert!(end.iterations <= stop.max_iterations, "{name}: {}", end.iterations);
+                let map = problem.natural_map(&end.impulses);
+                match end.status {
+                    Status::Converged => assert!(map <= stop.tolerance, "{name}: {map:e}"),
+                    Status::IterationLimit => assert_eq!(end.iterations, stop.max_iterations, "{name}"),
+                    Status::Stalled | Status::Diverged => {}
+                    other => panic!("{name}: {other:?}"),
+                }
+            }
+        }
+    }
 }
 
 #[test]
@@ -244,10 +306,18 @@ fn text_file_of_another_problem_is_named_as_what_it_seems_to_be() {
     assert!(why("2 0 2 2 2 2 1 0 0 1 -1 -1").contains("a linear complementarity problem of 2 unknowns"));
     assert!(why("5 2 0 10 10").contains("rolling friction"));
     assert!(why("2 1 0 3 3 3 3 1 0 0 0 1 0 0 0 1 0 0").contains("the M of a global problem"));
-    // Guesses may follow μ, or that there are none.
-    let guesses = format!("{DENSE} 1 {}", "0 ".repeat(8));
-    for text in [&guesses, &format!("{DENSE} 0"), &format!("{DENSE} 1")] {
-        assert_eq!(problem_of(text).unwrap(), problem_of(DENSE).unwrap());
+    assert!(why("2 1 1 0 2 2 2 2\n2 0 0 3\n-1 0\n0.3\n0.25").contains("Siconos' plasticity"));
+    // Guesses may follow μ, or that there are none, or that there are some and none.
+    const ONE: &str = "2 1 0 2 2 2 2\n2 0 0 3\n-1 0\n0.3\n";
+    for (whole, size) in [(DENSE, 8), (ONE, 4)] {
+        for guesses in [format!("1 {}", "0 ".repeat(size)), "0".to_owned(), "1".to_owned()] {
+            let guessed = problem_of(&format!("{whole} {guesses}")).unwrap();
+            assert_eq!(guessed, problem_of(whole).unwrap(), "{guesses}");
+        }
+    }
+    // A decimal is a parameter of the contact, whatever its value.
+    for parameter in ["1.0", "0e0", "2"] {
+        assert!(why(&format!("{ONE} {parameter}")).contains("one for each contact"), "{parameter}");
     }
 }
 
@@ -297,9 +367,13 @@ fn triangle_of_m_is_mirrored_and_that_of_w_refused() {
     let asymmetric = dat::problem(DENSE, &mut notes).unwrap();
     // ‖W − Wᵗ‖² = 2 · 0.125², ‖W‖² = 54.5 + 0.25² + 0.125²
     let note = super::symmetry::check(&asymmetric).unwrap().unwrap();
-    assert!(note.contains("‖W − Wᵗ‖ is 2.4e-2 of ‖W‖"), "{note}");
-    let symmetric = problem_of(&DENSE.replace("0.125", "0.25")).unwrap();
-    assert_eq!(super::symmetry::check(&symmetric).unwrap(), None);
+    assert!(note.contains("‖W − Wᵗ‖ is 2.4e-2 of ‖W‖") && note.contains("check what wrote it"), "{note}");
+    // Single precision and eight digits are no asymmetry; what spin leaves is said as such.
+    let said =
+        |entry: &str| super::symmetry::check(&problem_of(&DENSE.replace("0.125", entry)).unwrap()).unwrap();
+    assert_eq!([said("0.25"), said("0.250001"), said("0.24999999")], [None, None, None]);
+    let note = said("0.2495").unwrap();
+    assert!(note.contains("is 9.6e-5 of ‖W‖") && note.contains("gyroscopic terms"), "{note}");
 }
 
 /// The arrays of a file of ours are changed, as through h5py.

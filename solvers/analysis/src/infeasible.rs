@@ -5,7 +5,7 @@
 mod exact;
 mod regular;
 
-use exact::{Thrust, proves_exactly};
+use exact::{MULTIPLY_ADDS, ROUND_OFF, Thrust, proves_exactly};
 
 use contact::{ContactProblem, Mass, Mechanics, Touch, Vector, law};
 use partition::{CopySums, Decomposition, Partition, Share, Subdomain, Team};
@@ -21,8 +21,8 @@ const LEFT: f64 = 1e-10;
 const PRODUCTS: u32 = 200;
 const DESCENTS: u32 = 3;
 
-/// Numbers of a contact that are told to all ranks, and contacts of a proof that ranks share: more of them would fill the memory of
-/// a rank.
+/// Numbers of a contact that are told to all ranks, and contacts above one share of the greatest impulse of which a rank is told: some
+/// 15 MB. A proof has a tenth of them at most, the contacts of `UNKNOWNS` translations.
 const NUMBERS: usize = 7;
 const ACTING: u64 = 100_000;
 
@@ -143,9 +143,9 @@ impl<M: Mechanics> Local<M> {
         [work, terms]
     }
 
-    /// The contacts that act, as [`NUMBERS`] each.
-    fn acting(&self) -> Vec<f64> {
-        let contacts = self.contacts.iter().zip(&self.d).filter(|(_, d)| **d > 0.0);
+    /// The contacts whose impulses are above a bound, as [`NUMBERS`] each.
+    fn acting(&self, bound: f64) -> Vec<f64> {
+        let contacts = self.contacts.iter().zip(&self.d).filter(|(_, d)| **d > bound);
         let numbers = |(contact, d): (&M::Contact, &f64)| {
             let Thrust { ends: (i, j), normal: [x, y, z], offset, impulse } = Thrust::new::<M>(contact, *d);
             let grain = |local: u32| f64::from(self.grains[local as usize]);
@@ -249,16 +249,18 @@ impl<M: Mechanics> Proof<M> {
         left <= BALANCED * pressed && work > BALANCED * terms && self.proves_exactly()
     }
 
-    /// Decides whether the acting contacts of all ranks are a proof in exact arithmetic.
+    /// Decides whether the acting contacts of all ranks are a proof in exact arithmetic; the greatest impulse is 1.
     fn proves_exactly(&self) -> bool {
-        let acting: Vec<f64> = self.subdomains.iter().flat_map(Local::acting).collect();
-        let all = self.team.count((acting.len() / NUMBERS) as u64);
-        (self.team.size() == 1 || all <= ACTING) && {
-            let lists = self.team.gather(&acting);
-            proves_exactly(
-                &lists.iter().flat_map(|list| list.chunks_exact(NUMBERS)).map(thrust).collect::<Vec<_>>(),
-            )
-        }
+        let mut words = MULTIPLY_ADDS;
+        ROUND_OFF.into_iter().any(|share| {
+            let acting: Vec<f64> = self.subdomains.iter().flat_map(|e| e.acting(share)).collect();
+            let all = self.team.count((acting.len() / NUMBERS) as u64);
+            (self.team.size() == 1 || all <= ACTING) && {
+                let lists = self.team.gather(&acting);
+                let all = lists.iter().flat_map(|list| list.chunks_exact(NUMBERS)).map(thrust);
+                proves_exactly(&all.collect::<Vec<_>>(), &mut words)
+            }
+        })
     }
 
     /// H d or H p at all grains.

@@ -2,10 +2,11 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::{simulated, whole};
+use analysis::Proof;
 use cases::{AnyFrozen, Frozen};
 use cg::Cg;
 use contact::acceleration::Acceleration;
-use contact::{Discs, Measures, Mechanics, Packing, RoughDiscs, Vector};
+use contact::{Contact, Discs, Measures, Mechanics, Packing, Place, RoughDiscs, Vector};
 use latin_dd::LatinDd;
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Decomposition, Distributed, Grid, Partition, Scheme, Share, Team};
@@ -324,6 +325,35 @@ fn ranks_prove_together_that_there_is_no_solution() {
     for end in &ends {
         assert_eq!((end.status, end.iterations), (alone.status, ends[0].iterations));
         assert!(end.iterations.is_power_of_two() && end.iterations <= alone.iterations);
+    }
+}
+
+/// Discs that walls hold at rest, and one between walls that close: 100,002 contacts act, and two of them prove it.
+#[test]
+fn ranks_prove_it_where_more_contacts_act_than_each_is_told_of() {
+    const GRAINS: u32 = 50_001;
+    let at = |x: f64| Place::of([x, 0.0, 0.0]);
+    let between = |grain: u32| {
+        let offset = if grain == 0 { -1.0 } else { 0.0 };
+        [1.0, -1.0].map(|x| Contact { candidate: grain, antagonist: None, normal: at(x), offset })
+    };
+    let (mass, still) = (vec![1.0; GRAINS as usize], vec![at(0.0); GRAINS as usize]);
+    let position = (0..GRAINS).map(|grain| at(f64::from(grain))).collect();
+    let problem: Packing =
+        Packing::new(mass, position, still, (0..GRAINS).flat_map(between).collect()).unwrap();
+    let grid = Grid::of(2, 1);
+    let partition = Partition::of_contacts(&problem, Scheme::Boxes, grid).unwrap();
+    let decomposition = Decomposition::new(&problem, &partition);
+    let whole = whole(&problem, grid, Scheme::Boxes);
+    for size in [1, 2] {
+        let proved = simulated(size, |post| {
+            let team = Team::new(post, 2).unwrap();
+            let share = Share::of_rank(&problem, &decomposition, &team, whole).unwrap();
+            let ray = share.contacts.iter().map(|contact| if *contact < 2 { 1.0 } else { 1e-5 }).collect();
+            let mut proof = Proof::of(&share.problem, &share.decomposition, &share.grains, &team);
+            proof.any_proves_infeasible(&[ray])
+        });
+        assert_eq!(proved, vec![true; size]);
     }
 }
 

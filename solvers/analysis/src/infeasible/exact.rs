@@ -58,29 +58,23 @@ impl Entries {
 
 /// Shares of the greatest impulse up to which others are left out as round-off (–), tried one after the other. With 0, all act: an
 /// impulse that bars a fine lever may be as small as round-off.
-const ROUND_OFF: [f64; 4] = [1e-10, 1e-6, 1e-3, 0.0];
+pub(super) const ROUND_OFF: [f64; 4] = [1e-10, 1e-6, 1e-3, 0.0];
 
 /// Multiply-adds of 64-bit words that one proof may take, a tenth of a second: the digits of rationals grow with the
 /// contacts that balance each other. Then nothing is proved.
-const MULTIPLY_ADDS: u64 = 1_000_000;
+pub(super) const MULTIPLY_ADDS: u64 = 1_000_000;
 
 /// Translations of grains of one proof.
 const UNKNOWNS: usize = 4096;
 
 /// Decides whether impulses d̂ ≥ 0 near some of these `thrusts` balance exactly at every grain, H d̂ = 0, while contacts approach, cᵗ d̂ < 0:
-/// then no velocity is admissible. `false` says nothing.
-pub(super) fn proves_exactly(thrusts: &[Thrust]) -> bool {
-    let greatest = thrusts.iter().map(|thrust| thrust.impulse).fold(0.0, f64::max);
-    let mut words = MULTIPLY_ADDS;
-    ROUND_OFF.into_iter().any(|share| {
-        let acting = thrusts.iter().filter(|thrust| thrust.impulse > share * greatest);
-        let scaled = |thrust: &Thrust| Thrust { impulse: thrust.impulse / greatest, ..*thrust };
-        groups(acting.map(scaled)).iter().any(|group| balances(group, &mut words))
-    })
+/// then no velocity is admissible. `false` says nothing. Takes its multiply-adds from `words`.
+pub(super) fn proves_exactly(thrusts: &[Thrust], words: &mut u64) -> bool {
+    groups(thrusts).iter().any(|group| balances(group, words))
 }
 
 /// Returns the groups of thrusts that grains join, without groups that do not act against approach.
-fn groups(thrusts: impl Iterator<Item = Thrust> + Clone) -> Vec<Vec<Thrust>> {
+fn groups(thrusts: &[Thrust]) -> Vec<Vec<Thrust>> {
     fn top(above: &BTreeMap<u32, u32>, mut grain: u32) -> u32 {
         while let Some(next) = above.get(&grain) {
             grain = *next;
@@ -89,7 +83,7 @@ fn groups(thrusts: impl Iterator<Item = Thrust> + Clone) -> Vec<Vec<Thrust>> {
     }
     // Of each grain that is not the first of its group, one nearer to that.
     let mut above = BTreeMap::new();
-    for (i, j) in thrusts.clone().map(|thrust| thrust.ends) {
+    for (i, j) in thrusts.iter().map(|thrust| thrust.ends) {
         let (i, j) = (top(&above, i), top(&above, j.unwrap_or(i)));
         if i != j {
             above.insert(i.max(j), i.min(j));
@@ -97,7 +91,7 @@ fn groups(thrusts: impl Iterator<Item = Thrust> + Clone) -> Vec<Vec<Thrust>> {
     }
     let mut groups: BTreeMap<u32, Vec<Thrust>> = BTreeMap::new();
     for thrust in thrusts {
-        groups.entry(top(&above, thrust.ends.0)).or_default().push(thrust);
+        groups.entry(top(&above, thrust.ends.0)).or_default().push(*thrust);
     }
     let approaches =
         |group: &Vec<Thrust>| group.iter().map(|thrust| thrust.offset * thrust.impulse).sum::<f64>() < 0.0;
