@@ -145,6 +145,22 @@ fn add<V: Vector, const N: usize>(
     (0..N).for_each(|k| along[k] += of_g[k].with(z[k] - x[k], Mul::mul));
 }
 
+/// Adds |g|² and ⟨g, d⟩ of some rows, several at a time. The compiler must know that nothing else is where the `sums` are.
+#[inline(always)]
+fn add_all<V: Vector>(sums: &mut Sums<V>, x: &[V], y: &[V], z: &[V], weighed: impl Fn(usize, V) -> V) {
+    let ((x, last_x), (y, last_y)) = (x.as_chunks::<LANES>(), y.as_chunks::<LANES>());
+    let (z, last_z) = z.as_chunks::<LANES>();
+    let mut row = 0;
+    for ((x, y), z) in x.iter().zip(y).zip(z) {
+        add(sums, [x, y, z], |k, g| weighed(row + k, g));
+        row += LANES;
+    }
+    for ((x, y), z) in last_x.iter().zip(last_y).zip(last_z) {
+        add(sums, [x, y, z].map(from_ref), |_, g| weighed(row, g));
+        row += 1;
+    }
+}
+
 /// Impulses of an accelerated iteration, of a contact each: x and y of the formula, and its two sums.
 pub struct Lead<V> {
     /// x: the impulses after the sweep before.
@@ -179,18 +195,8 @@ impl<V: Vector> Lead<V> {
     /// D of the norm.
     #[inline(always)]
     pub fn judge(&mut self, s: &[V], here: Range<usize>, weighed: impl Fn(usize, V) -> V) {
-        let (x, last_x) = self.before[here.clone()].as_chunks::<LANES>();
-        let (y, last_y) = self.ahead[..here.len()].as_chunks::<LANES>();
-        let (z, last_z) = s[here.clone()].as_chunks::<LANES>();
-        let mut row = here.start;
-        for ((x, y), z) in x.iter().zip(y).zip(z) {
-            add(&mut self.sums, [x, y, z], |k, g| weighed(row + k, g));
-            row += LANES;
-        }
-        for ((x, y), z) in last_x.iter().zip(last_y).zip(last_z) {
-            add(&mut self.sums, [x, y, z].map(from_ref), |_, g| weighed(row, g));
-            row += 1;
-        }
+        let (x, y, z) = (&self.before[here.clone()], &self.ahead[..here.len()], &s[here.clone()]);
+        add_all(&mut self.sums, x, y, z, |k, g| weighed(here.start + k, g));
     }
 
     /// Returns |g|² and ⟨g, d⟩ of the iteration (J).
