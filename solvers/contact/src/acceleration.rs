@@ -19,11 +19,14 @@
 //! 715-732. Without friction the sweep that follows a restart is one of plain NSGS, so q(r) falls there or stays. With Coulomb's law
 //! q is no merit function and nothing is proved; ρ > 1 is a finding.
 
+#![expect(clippy::inline_always, reason = "else these lack the instructions that a sweep is made for")]
+
 use crate::error::SetupError;
 use crate::mechanics::{Mechanics, Vector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::ops::Range;
+use std::array::{from_fn, from_mut, from_ref};
+use std::ops::{Mul, Range};
 
 /// Extrapolation over the iterations of a method of sweeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
@@ -64,7 +67,7 @@ pub const SLACK: f64 = 1.2;
 /// then stays at 1e-7.
 const LONGEST_PAUSE: u32 = 64;
 
-/// Sums side by side.
+/// Rows, or grains, side by side: the processor's instructions take as many numbers.
 const LANES: usize = 4;
 
 /// The factor β of the extrapolation, from iteration to iteration.
@@ -111,61 +114,94 @@ impl Momentum {
     }
 }
 
+/// y = z + β (z − x), then x = z: `z` becomes y.
+#[inline(always)]
+fn extrapolate<V: Vector, const N: usize>(z: &mut [V; N], x: &mut [V; N], factor: f64) {
+    let y = from_fn(|k| z[k] + (z[k] - x[k]) * factor);
+    (*x, *z) = (*z, y);
+}
+
+/// y = z + β (z − x), then x = z, some vectors at a time.
+#[inline(always)]
+fn extrapolate_all<V: Vector>(z: &mut [V], x: &mut [V], factor: f64) {
+    let ((z, last_z), (x, last_x)) = (z.as_chunks_mut::<LANES>(), x.as_chunks_mut::<LANES>());
+    z.iter_mut().zip(x).for_each(|(z, x)| extrapolate(z, x, factor));
+    last_z.iter_mut().zip(last_x).for_each(|(z, x)| extrapolate(from_mut(z), from_mut(x), factor));
+}
+
+/// |g|² and ⟨g, d⟩ (J), component by component, of several rows side by side: no sum waits for another.
+type Sums<V> = [[V; LANES]; 2];
+
+/// Adds |g|² and ⟨g, d⟩ of some rows, g = y − z and d = z − x; `weighed` multiplies the g of a row by the D of the norm.
+#[inline(always)]
+fn add<V: Vector, const N: usize>(
+    [squared, along]: &mut Sums<V>,
+    [x, y, z]: [&[V; N]; 3],
+    weighed: impl Fn(usize, V) -> V,
+) {
+    let g: [V; N] = from_fn(|k| y[k] - z[k]);
+    let of_g: [V; N] = from_fn(|k| weighed(k, g[k]));
+    (0..N).for_each(|k| squared[k] += of_g[k].with(g[k], Mul::mul));
+    (0..N).for_each(|k| along[k] += of_g[k].with(z[k] - x[k], Mul::mul));
+}
+
+/// Adds |g|² and ⟨g, d⟩ of some rows, several at a time. The compiler must know that nothing else is where the `sums` are.
+#[inline(always)]
+fn add_all<V: Vector>(sums: &mut Sums<V>, x: &[V], y: &[V], z: &[V], weighed: impl Fn(usize, V) -> V) {
+    let ((x, last_x), (y, last_y)) = (x.as_chunks::<LANES>(), y.as_chunks::<LANES>());
+    let (z, last_z) = z.as_chunks::<LANES>();
+    let mut row = 0;
+    for ((x, y), z) in x.iter().zip(y).zip(z) {
+        add(sums, [x, y, z], |k, g| weighed(row + k, g));
+        row += LANES;
+    }
+    for ((x, y), z) in last_x.iter().zip(last_y).zip(last_z) {
+        add(sums, [x, y, z].map(from_ref), |_, g| weighed(row, g));
+        row += 1;
+    }
+}
+
 /// Impulses of an accelerated iteration, of a contact each: x and y of the formula, and its two sums.
 pub struct Lead<V> {
     /// x: the impulses after the sweep before.
     before: Vec<V>,
-    /// y: the impulses where this sweep began.
+    /// y of the rows that were extrapolated last, which are next to be judged.
     ahead: Vec<V>,
     /// β.
     factor: f64,
-    /// |g|² and ⟨g, d⟩ (J).
-    sums: [f64; 2],
+    sums: Sums<V>,
 }
 
 impl<V: Vector> Lead<V> {
     /// The lead of a sweep that begins at impulses `s`.
     pub fn new(s: &[V]) -> Self {
-        Self { before: s.to_vec(), ahead: s.to_vec(), factor: 0.0, sums: [0.0; 2] }
+        Self { before: s.to_vec(), ahead: s.to_vec(), factor: 0.0, sums: [[V::ZERO; LANES]; 2] }
     }
 
     /// Begins an iteration with `factor` β.
     pub fn begin(&mut self, factor: f64) {
-        (self.factor, self.sums) = (factor, [0.0; 2]);
+        (self.factor, self.sums) = (factor, [[V::ZERO; LANES]; 2]);
     }
 
     /// Extrapolates the impulses of some rows: y = z + β (z − x), x = z.
+    #[inline(always)]
     pub fn extrapolate(&mut self, s: &mut [V], here: Range<usize>) {
-        let (x, ahead) = (&mut self.before[here.clone()], &mut self.ahead[here.clone()]);
-        for ((s, x), ahead) in s[here].iter_mut().zip(x).zip(ahead) {
-            *ahead = *s + (*s - *x) * self.factor;
-            *x = *s;
-            *s = *ahead;
-        }
+        let s = &mut s[here.clone()];
+        extrapolate_all(s, &mut self.before[here], self.factor);
+        self.ahead[..s.len()].copy_from_slice(s);
     }
 
-    /// Adds |g|² and ⟨g, d⟩ of some rows, g = y − z and d = z − x, in sums that do not wait for each other; `weighed` multiplies the g of a
-    /// row by the D of the norm.
+    /// Adds |g|² and ⟨g, d⟩ of the rows that were extrapolated last, g = y − z and d = z − x; `weighed` multiplies the g of a row by the
+    /// D of the norm.
+    #[inline(always)]
     pub fn judge(&mut self, s: &[V], here: Range<usize>, weighed: impl Fn(usize, V) -> V) {
-        let [mut squared, mut along] = [[0.0; LANES]; 2];
-        let (first, s) = (here.start, &s[here.clone()]);
-        let (x, ahead) = (&self.before[here.clone()], &self.ahead[here]);
-        let chunks = s.chunks(LANES).zip(x.chunks(LANES)).zip(ahead.chunks(LANES));
-        for (chunk, ((s, x), ahead)) in chunks.enumerate() {
-            for (lane, ((s, x), ahead)) in s.iter().zip(x).zip(ahead).enumerate() {
-                let g = *ahead - *s;
-                let of_g = weighed(first + LANES * chunk + lane, g);
-                squared[lane] += g.dot_product(of_g);
-                along[lane] += of_g.dot_product(*s - *x);
-            }
-        }
-        self.sums[0] += squared.iter().sum::<f64>();
-        self.sums[1] += along.iter().sum::<f64>();
+        let (x, y, z) = (&self.before[here.clone()], &self.ahead[..here.len()], &s[here.clone()]);
+        add_all(&mut self.sums, x, y, z, |k, g| weighed(here.start + k, g));
     }
 
     /// Returns |g|² and ⟨g, d⟩ of the iteration (J).
     pub fn sums(&self) -> [f64; 2] {
-        self.sums
+        self.sums.map(|lanes| lanes.into_iter().sum::<V>().total())
     }
 }
 
@@ -175,6 +211,8 @@ pub struct Trail<M: Mechanics> {
     pub(crate) impulses: Lead<M::Impulse>,
     /// Mass-scaled velocities of x (√J).
     velocity: Vec<M::Velocity>,
+    /// Number of velocities that are extrapolated already.
+    reached: usize,
     /// Mass-scaled velocities without impulses (√J).
     free: Vec<M::Velocity>,
 }
@@ -182,7 +220,7 @@ pub struct Trail<M: Mechanics> {
 impl<M: Mechanics> Trail<M> {
     /// The trail of a sweep that begins at impulses `s` and velocities `y`, which are `free` without impulses (√J).
     pub(crate) fn new(s: &[M::Impulse], y: &[M::Velocity], free: Vec<M::Velocity>) -> Self {
-        Self { impulses: Lead::new(s), velocity: y.to_vec(), free }
+        Self { impulses: Lead::new(s), velocity: y.to_vec(), reached: 0, free }
     }
 
     /// Returns the mass-scaled velocities without impulses (√J).
@@ -190,14 +228,18 @@ impl<M: Mechanics> Trail<M> {
         &self.free
     }
 
-    /// Extrapolates the velocities `y`; the impulses follow as they are visited.
-    pub(crate) fn extrapolate(&mut self, y: &mut [M::Velocity], factor: f64) {
+    /// Begins an iteration with `factor` β.
+    pub fn begin(&mut self, factor: f64) {
         self.impulses.begin(factor);
-        for (y, before) in y.iter_mut().zip(&mut self.velocity) {
-            let z = *y;
-            *y = z + (z - *before) * factor;
-            *before = z;
-        }
+        self.reached = 0;
+    }
+
+    /// Extrapolates the first velocities of `y`, up to `reach`, unless they are extrapolated already.
+    #[inline(always)]
+    pub fn extrapolate(&mut self, y: &mut [M::Velocity], reach: usize) {
+        let here = self.reached..reach.max(self.reached);
+        extrapolate_all(&mut y[here.clone()], &mut self.velocity[here], self.impulses.factor);
+        self.reached = reach.max(self.reached);
     }
 
     /// Returns |g|² and ⟨g, d⟩ of the iteration (J).

@@ -76,6 +76,13 @@ pub trait Vector:
     /// The sum of the products, component by component.
     fn dot_product(self, other: Self) -> f64;
 
+    /// The sum of the components.
+    fn total(self) -> f64 {
+        let mut total = 0.0;
+        self.each(&mut |number| total += number);
+        total
+    }
+
     /// Each number.
     fn each(self, number: &mut dyn FnMut(f64));
 

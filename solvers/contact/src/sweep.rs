@@ -68,7 +68,7 @@ impl<M: Mechanics> Row<M> {
 /// without AVX2 17.4; alone, 21.7.
 pub const TOGETHER: usize = 8;
 
-/// Visits of an accelerated sweep between two looks at its trail: their impulses stay in the nearest cache.
+/// Visits of an accelerated sweep that are extrapolated and judged together: their impulses stay in the nearest cache.
 const NEAR: usize = 16 * TOGETHER;
 
 /// Contacts in the order of a sweep, with their impulses and the velocities of their grains.
@@ -85,6 +85,8 @@ pub struct Sweep<M: Mechanics = Discs> {
     pub y: Vec<M::Velocity>,
     /// Flags, one for each [`TOGETHER`] rows: true where no two share a grain; empty where visits are faster alone.
     apart: Vec<bool>,
+    /// Numbers of places in y that are visited by the end of each [`NEAR`] rows.
+    reach: Vec<u32>,
 }
 
 impl<M: Mechanics> Sweep<M> {
@@ -124,6 +126,7 @@ impl<M: Mechanics> Sweep<M> {
             s: Vec::new(),
             y,
             apart: Vec::new(),
+            reach: Vec::new(),
         };
         let mut ends = Vec::new();
         for (k, places) in contacts {
@@ -134,6 +137,12 @@ impl<M: Mechanics> Sweep<M> {
             sweep.unit.push(unit);
             sweep.s.push(unit.with(M::Impulse::at(r0, k as usize), |unit, r| unit * r));
         }
+        let greatest = |reach: u32, (i, j): &(u32, Option<u32>)| reach.max(i + 1).max(j.map_or(0, |j| j + 1));
+        let reach = ends.chunks(NEAR).scan(0, |reach, ends| {
+            *reach = ends.iter().fold(*reach, greatest);
+            Some(*reach)
+        });
+        sweep.reach = reach.collect();
         // In the plane without friction a visit takes 2.3 ns alone, and 2.6 in eights.
         if M::Velocity::LEN > 2 {
             sweep.apart = ends.chunks(TOGETHER).map(are_apart).collect();
@@ -153,39 +162,21 @@ impl<M: Mechanics> Sweep<M> {
         self.pass(relaxation, true, 0..self.rows.len());
     }
 
-    /// Extrapolates the velocities of an accelerated iteration by the `factor` β; the impulses follow as they are first visited.
-    pub fn extrapolate(&mut self, trail: &mut Trail<M>, factor: f64) {
-        trail.extrapolate(&mut self.y, factor);
+    /// Makes the passes of an iteration, each forward or `backward`.
+    #[inline]
+    pub fn iterate(&mut self, relaxation: f64, passes: impl Iterator<Item = bool>) {
+        passes.for_each(|backward| self.pass(relaxation, backward, 0..self.rows.len()));
     }
 
-    /// Makes the passes of an iteration, each forward or `backward`; with the `trail` of an accelerated one, whose first pass begins from
-    /// extrapolated impulses, and whose last is judged, some visits at a time: what these read is then near.
-    pub fn iterate(
+    /// Makes the passes of an accelerated iteration. A single pass forward extrapolates and judges some visits at a time, with the velocities
+    /// that they first read: what these need is then near.
+    pub fn iterate_ahead(
         &mut self,
         relaxation: f64,
-        passes: impl ExactSizeIterator<Item = bool>,
-        mut trail: Option<&mut Trail<M>>,
+        passes: impl Iterator<Item = bool> + Clone,
+        trail: &mut Trail<M>,
     ) {
-        let (rows, count) = (self.rows.len(), passes.len());
-        let length = if trail.is_some() { NEAR } else { rows.max(1) };
-        let chunks = rows.div_ceil(length);
-        for (pass, backward) in passes.enumerate() {
-            for k in 0..chunks {
-                let k = if backward { chunks - 1 - k } else { k };
-                let here = length * k..rows.min(length * (k + 1));
-                if let Some(trail) = &mut trail
-                    && pass == 0
-                {
-                    trail.impulses.extrapolate(&mut self.s, here.clone());
-                }
-                self.pass(relaxation, backward, here.clone());
-                if let Some(trail) = &mut trail
-                    && pass + 1 == count
-                {
-                    trail.impulses.judge(&self.s, here, |_, g| g);
-                }
-            }
-        }
+        Arch::new().dispatch(Ahead { sweep: self, relaxation, passes, trail });
     }
 
     /// Returns the trail of accelerated iterations that begin here; velocities are `free` without impulses (√J).
@@ -227,6 +218,32 @@ impl<M: Mechanics> Sweep<M> {
     /// Puts the impulses in the problem's order (N·s).
     pub fn impulses(&self, r: &mut [f64]) {
         M::Impulse::unscale((&self.s, &self.unit), &self.contacts, r);
+    }
+}
+
+/// An accelerated iteration.
+struct Ahead<'a, M: Mechanics, P> {
+    sweep: &'a mut Sweep<M>,
+    relaxation: f64,
+    passes: P,
+    trail: &'a mut Trail<M>,
+}
+
+impl<M: Mechanics, P: Iterator<Item = bool> + Clone> WithSimd for Ahead<'_, M, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { sweep, relaxation, passes, trail } = self;
+        let rows = sweep.rows.len();
+        let length = if passes.clone().eq([false]) { NEAR } else { rows.max(1) };
+        for first in (0..rows).step_by(length) {
+            let here = first..rows.min(first + length);
+            trail.extrapolate(&mut sweep.y, sweep.reach[here.end.div_ceil(NEAR) - 1] as usize);
+            trail.impulses.extrapolate(&mut sweep.s, here.clone());
+            passes.clone().for_each(|backward| sweep.pass(relaxation, backward, here.clone()));
+            trail.impulses.judge(&sweep.s, here, |_, g| g);
+        }
     }
 }
 

@@ -83,7 +83,8 @@ impl<M: Mechanics> Sweeper<M> {
     /// Begins an iteration, extrapolated by the `factor` β, if there is one.
     pub(crate) fn begin(&mut self, factor: Option<f64>) {
         if let Some((trail, factor)) = self.trail.as_mut().zip(factor) {
-            self.sweep.extrapolate(trail, factor);
+            trail.begin(factor);
+            trail.extrapolate(&mut self.sweep.y, self.sweep.y.len());
             for copy in &mut self.copies {
                 copy.glued = self.sweep.y[copy.local as usize];
             }
@@ -92,7 +93,11 @@ impl<M: Mechanics> Sweeper<M> {
 
     /// Makes the `sweeps` of an iteration.
     pub(crate) fn advance(&mut self, sweeps: u32, relaxation: f64) {
-        self.sweep.iterate(relaxation, (0..sweeps).map(|_| false), self.trail.as_mut());
+        let passes = (0..sweeps).map(|_| false);
+        match &mut self.trail {
+            Some(trail) => self.sweep.iterate_ahead(relaxation, passes, trail),
+            None => self.sweep.iterate(relaxation, passes),
+        }
     }
 
     /// |g|² and ⟨g, d⟩ of an accelerated iteration (J).

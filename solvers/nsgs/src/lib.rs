@@ -71,11 +71,11 @@ impl<M: Mechanics> Iteration for Run<M> {
                 self.sweep.renew(trail);
                 self.restarts += 1;
             }
-            self.sweep.extrapolate(trail, momentum.factor());
-            self.sweep.iterate(self.relaxation, backward, Some(trail));
+            trail.begin(momentum.factor());
+            self.sweep.iterate_ahead(self.relaxation, backward, trail);
             momentum.turn(trail.sums());
         } else {
-            self.sweep.iterate(self.relaxation, backward, None);
+            self.sweep.iterate(self.relaxation, backward);
         }
         self.sweeps += passes as u64;
     }
