@@ -84,7 +84,8 @@ impl<M: Mechanics> Sweeper<M> {
     pub(crate) fn begin(&mut self, factor: Option<f64>) {
         if let Some((trail, factor)) = self.trail.as_mut().zip(factor) {
             trail.begin(factor);
-            trail.extrapolate(&mut self.sweep.y, self.sweep.y.len());
+            let all = self.sweep.y.len();
+            trail.extrapolate(&mut self.sweep.y, all);
             for copy in &mut self.copies {
                 copy.glued = self.sweep.y[copy.local as usize];
             }

@@ -350,7 +350,7 @@ fn ranks_prove_it_where_more_contacts_act_than_each_is_told_of() {
             let team = Team::new(post, 2).unwrap();
             let share = Share::of_rank(&problem, &decomposition, &team, whole).unwrap();
             let ray = share.contacts.iter().map(|contact| if *contact < 2 { 1.0 } else { 1e-5 }).collect();
-            let mut proof = Proof::of(&share.problem, &share.decomposition, &share.grains, &team);
+            let mut proof = Proof::of(&share, &team);
             proof.any_proves_infeasible(&[ray])
         });
         assert_eq!(proved, vec![true; size]);
