@@ -80,7 +80,7 @@ fn say_one(
             print(certificate)?;
             continue;
         };
-        let measures = problem.measures(&[impulses.clone()], given);
+        let measures = problem.measures(std::slice::from_ref(impulses), given);
         say(format_args!("the given impulses beside it"))?;
         say(format_args!("  {:<17}{:>10.1e}", "velocity_error", measures.velocity_error))?;
         say(format_args!("  {:<17}{:>10.1e}", "energy_gap", measures.energy_gap))?;

@@ -297,6 +297,8 @@ fn file_that_is_no_problem_is_refused_with_what_is_wrong() {
 }
 
 /// A list after μ, a size and one matrix, five unknowns of a contact: the files of other laws.
+const ONE: &str = "2 1 0 2 2 2 2\n2 0 0 3\n-1 0\n0.3\n";
+
 #[test]
 fn text_file_of_another_problem_is_named_as_what_it_seems_to_be() {
     let why = |text: &str| format!("{:#}", problem_of(text).unwrap_err());
@@ -308,7 +310,6 @@ fn text_file_of_another_problem_is_named_as_what_it_seems_to_be() {
     assert!(why("2 1 0 3 3 3 3 1 0 0 0 1 0 0 0 1 0 0").contains("the M of a global problem"));
     assert!(why("2 1 1 0 2 2 2 2\n2 0 0 3\n-1 0\n0.3\n0.25").contains("Siconos' plasticity"));
     // Guesses may follow μ, or that there are none, or that there are some and none.
-    const ONE: &str = "2 1 0 2 2 2 2\n2 0 0 3\n-1 0\n0.3\n";
     for (whole, size) in [(DENSE, 8), (ONE, 4)] {
         for guesses in [format!("1 {}", "0 ".repeat(size)), "0".to_owned(), "1".to_owned()] {
             let guessed = problem_of(&format!("{whole} {guesses}")).unwrap();

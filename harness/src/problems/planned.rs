@@ -134,12 +134,15 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
 /// Adds to the names of problems that are not unique the method of the time steps before, where the plan names it.
 fn name_marches(problems: &mut [PlannedProblem]) {
     let mut count: BTreeMap<String, usize> = BTreeMap::new();
-    problems.iter().for_each(|problem| *count.entry(problem.name.clone()).or_default() += 1);
+    for problem in problems.iter() {
+        *count.entry(problem.name.clone()).or_default() += 1;
+    }
     for problem in problems.iter_mut().filter(|problem| count[&problem.name] > 1) {
         if let Source::Case(kept) = &problem.source
             && let Some(march) = kept.of.march_in_words()
         {
-            problem.name += &format!(" march={march}");
+            problem.name.push_str(" march=");
+            problem.name.push_str(&march);
         }
     }
 }

@@ -172,7 +172,9 @@ type Split = (Partition, Vec<u32>);
 fn grains(march: &dyn OneMarch, solved: Solved, split: Option<&Split>) -> Elements {
     let mut elements = Elements::default();
     let bodies = march.bodies();
-    bodies.iter().for_each(|body| elements.add(body.place));
+    for body in &bodies {
+        elements.add(body.place);
+    }
     let count = bodies.len();
     // Of a method without subdomains all is in one; before the first contacts, and without contact, a grain is in none.
     let (subdomain, copies) = match (solved, split) {

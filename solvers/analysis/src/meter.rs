@@ -79,7 +79,9 @@ impl<M: Mechanics> Part<M> {
                 if !r.is_empty() {
                     let numbers =
                         |k: &u32| M::Impulse::LEN * *k as usize..M::Impulse::LEN * (*k as usize + 1);
-                    contacts.iter().for_each(|k| own.extend_from_slice(&r[numbers(k)]));
+                    for k in contacts {
+                        own.extend_from_slice(&r[numbers(k)]);
+                    }
                 }
             }
         }

@@ -307,12 +307,14 @@ pub trait Column<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     fn pushes(&self, s: M::Impulse) -> [M::Velocity; 2];
 
     /// (H̃ᵗ y)_α.
+    #[expect(clippy::inline_always, reason = "it lies in the innermost loop of every method")]
     #[inline(always)]
     fn relative(&self, y: &[M::Velocity]) -> M::Impulse {
         self.between(self.places().map(|place| y[place as usize]))
     }
 
     /// y ← y + h̃_α s.
+    #[expect(clippy::inline_always, reason = "it lies in the innermost loop of every method")]
     #[inline(always)]
     fn push(&self, s: M::Impulse, y: &mut [M::Velocity]) {
         let ([i, j], [candidate, antagonist]) = (self.places(), self.pushes(s));

@@ -201,6 +201,7 @@ impl<M: Form> View<M> {
     }
 
     /// Returns a subdomain as the first line of its file, and as a problem of its own.
+    #[expect(clippy::needless_pass_by_value, reason = "a cut is made for its part")]
     fn part(&self, cut: Cut, problem_hash: &str, whole: Whole, source: &str) -> Result<(Part, AnyFrozen)> {
         let Frozen { name, time_step, radius, gap, problem, .. } = &self.frozen;
         let of = |all: &[u32], some: &[u32]| some.iter().map(|k| all[*k as usize]).collect();

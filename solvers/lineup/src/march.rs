@@ -124,6 +124,7 @@ impl<M: Form> OneMarch for March<M> {
         Ok(Attempt { frozen: M::any(time_step.frozen), solved })
     }
 
+    #[expect(clippy::type_complexity, reason = "the lists of the grains, zipped")]
     fn bodies(&self) -> Vec<Body> {
         let body = |(((radius, place, velocity), mass), motion): (
             ((_, M::Place, M::Place), &M::Mass),

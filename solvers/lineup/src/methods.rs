@@ -83,6 +83,7 @@ fn newton_schur(settings: &newton_schur::NewtonSchur) -> Ours {
     Ours { cut: Some(Cut { grid, scheme, splits_mass: true }), ..smooth(settings) }
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as the table calls every method")]
 fn cg(settings: &cg::Cg) -> Ours {
     let method = local::Method::Cg { preconditioner: settings.preconditioner };
     Ours { local: Some(OnW { settings: &["preconditioner"], method: Ok(method) }), ..on_ranks(settings) }

@@ -20,7 +20,11 @@ fn made(parts: &[Part]) -> Vec<File> {
 
 /// The table as CSV.
 fn table(files: &[File]) -> &str {
-    &files.iter().find(|(name, _)| name.ends_with(".csv")).unwrap().1
+    &files
+        .iter()
+        .find(|(name, _)| name.rsplit_once('.').is_some_and(|(_, ending)| ending == "csv"))
+        .unwrap()
+        .1
 }
 
 #[test]

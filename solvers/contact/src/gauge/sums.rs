@@ -43,7 +43,7 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// How many numbers they are.
+    /// Number of sums.
     pub const NUMBERS: usize = 11;
 
     /// Returns the measures with the `scale` of the problem (J), without those that need a solution.
