@@ -41,7 +41,7 @@ pub(crate) fn all_missing_of(schema: &Value, content: &Value, error: String) -> 
     }
     wrong.extend(missing);
     wrong.extend(lacks.unknown.filter(|_| !is_unknown));
-    wrong.join("; ")
+    if wrong.is_empty() { error } else { wrong.join("; ") }
 }
 
 #[derive(Default)]

@@ -72,7 +72,7 @@ fn answer_that_is_none_is_a_row_with_its_reason() {
     let does = "axes = { does = ['negative', 'missing', 'short', 'crashes', 'nothing'] }\n";
     let rows = ran(CODE, does);
     let reasons = [
-        "impulse of contact 1 is -1e-30: negative",
+        "impulse of contact 1 is -1e-30: it must be finite and not negative",
         "impulse of contact 0 is missing",
         "1 impulses where the problem has 2 contacts",
         "out of luck",
