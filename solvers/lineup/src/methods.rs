@@ -24,8 +24,8 @@ pub struct Entry {
     build: fn(Settings) -> Result<(Settings, Ours)>,
 }
 
-/// Every method.
-pub const METHODS: &[Entry] = &[
+/// Every method. A static, for a constant would be compiled again, methods and all, where it is used.
+pub static METHODS: &[Entry] = &[
     Entry::new::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem", |s| build(s, nsgs)),
     Entry::of_every::<jacobi::Jacobi>("jacobi", "projected Jacobi with relaxation"),
     Entry::new::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart", |s| build(s, cg)),
