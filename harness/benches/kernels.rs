@@ -7,7 +7,8 @@ mod common;
 use analysis::Meter;
 use cases::{Frozen, detect};
 use cg::Cg;
-use contact::{Iteration, Solver};
+use contact::acceleration::Acceleration;
+use contact::{Iteration, Mechanics, RoughSpheres, Solver, Spheres};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
@@ -54,6 +55,31 @@ fn iterations(criterion: &mut Criterion) {
         }
         group.finish();
     }
+}
+
+/// One sweep in each mechanics, plain and accelerated, after the first ten.
+fn sweeps(criterion: &mut Criterion) {
+    for grains in common::sizes() {
+        sweeps_of(criterion, "discs", &common::packing(grains));
+        sweeps_of(criterion, "discs with friction", &common::rough_packing(grains));
+        sweeps_of(criterion, "spheres", &common::packing_in_space::<Spheres>(grains, 0.0));
+        sweeps_of(criterion, "spheres with friction", &common::packing_in_space::<RoughSpheres>(grains, 0.3));
+    }
+}
+
+fn sweeps_of<M: Mechanics>(criterion: &mut Criterion, mechanics: &str, frozen: &Frozen<M>) {
+    let (problem, r0) = (&frozen.problem, frozen.start(false));
+    let mut group = criterion.benchmark_group(format!("sweep of {mechanics}"));
+    group.throughput(Throughput::Elements(problem.contact_count() as u64));
+    for (name, acceleration) in [("plain", Acceleration::None), ("accelerated", Acceleration::Nesterov)] {
+        let solver = Nsgs { acceleration, ..Nsgs::default() };
+        let mut iteration = solver.start(problem, &r0).unwrap_or_else(|error| panic!("{error}"));
+        (0..10).for_each(|_| iteration.advance());
+        group.bench_function(BenchmarkId::new(name, problem.grain_count()), |bencher| {
+            bencher.iter(|| iteration.advance());
+        });
+    }
+    group.finish();
 }
 
 /// The two stages of LATIN-DD, the gluing of the boundary grains in the second.
@@ -155,5 +181,5 @@ fn scenes(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(kernels, iterations, stages, starts, operators, scenes);
+criterion_group!(kernels, iterations, sweeps, stages, starts, operators, scenes);
 criterion_main!(kernels);

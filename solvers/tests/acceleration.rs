@@ -1,10 +1,11 @@
 //! Accelerated sweeps: the formula, the subdomains, the restart, and what it saves.
 
 use crate::problems::{difference, frozen, frozen_path, impulses, start};
+use analysis::Bounded;
 use cases::AnyFrozen;
-use contact::acceleration::{Acceleration, Momentum};
-use contact::sweep::Sweep;
-use contact::{ContactProblem, Mechanics, Packing, Solver};
+use contact::acceleration::{Acceleration, LAG, Momentum};
+use contact::{ContactProblem, Mechanics, Packing, Solver, Vector};
+use jacobi::Jacobi;
 use nsgs::{Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Grid, Scheme};
@@ -16,15 +17,16 @@ const ACCELERATED: Nsgs = Nsgs {
     relaxation: 1.0,
     symmetric: false,
     acceleration: Acceleration::Nesterov,
-    lag: 3.0,
-    slack: 1.5,
+    lag: LAG,
+    slack: Some(1.5),
 };
 
-/// An accelerated run, step by step from whole lists of impulses: each sweep begins from velocities computed anew.
+/// An accelerated run, step by step from whole lists of impulses: each iteration is the first of a plain run from y.
 struct Plain<'p, M: Mechanics> {
     problem: &'p Packing<M>,
-    order: Vec<u32>,
-    settings: Nsgs,
+    solver: &'p dyn Solver<M>,
+    lag: f64,
+    slack: Option<f64>,
     x: Vec<f64>,
     y: Vec<f64>,
     weight: Vec<f64>,
@@ -37,12 +39,13 @@ struct Plain<'p, M: Mechanics> {
 }
 
 impl<'p, M: Mechanics> Plain<'p, M> {
-    fn new(problem: &'p Packing<M>, settings: Nsgs) -> Self {
+    fn new(problem: &'p Packing<M>, solver: &'p dyn Solver<M>, slack: Option<f64>) -> Self {
         let zero = vec![0.0; problem.impulse_count()];
         Self {
             problem,
-            order: settings.order.of(problem, settings.seed),
-            settings,
+            solver,
+            lag: LAG,
+            slack,
             x: zero.clone(),
             y: zero,
             weight: problem.delassus_diagonal(),
@@ -55,13 +58,10 @@ impl<'p, M: Mechanics> Plain<'p, M> {
     }
 
     fn advance(&mut self) {
-        let mut sweep = Sweep::new(self.problem, &self.order, &self.y);
-        sweep.forward(self.settings.relaxation);
-        if self.settings.symmetric {
-            sweep.backward(self.settings.relaxation);
-        }
+        let mut run = self.solver.start(self.problem, &self.y).unwrap();
+        run.advance();
         let mut z = self.y.clone();
-        sweep.impulses(&mut z);
+        run.impulses(&mut z);
         let (mut squared, mut along) = (0.0, 0.0);
         for k in 0..z.len() {
             let g = self.y[k] - z[k];
@@ -72,7 +72,7 @@ impl<'p, M: Mechanics> Plain<'p, M> {
         if *paused > 0 {
             *paused -= 1;
             self.least = squared;
-        } else if squared > self.settings.slack.powi(2) * self.least || along > 0.0 {
+        } else if along > 0.0 || self.slack.is_some_and(|slack| squared > slack.powi(2) * self.least) {
             *pause = match (self.least < self.best, *pause) {
                 (true, _) => 0,
                 (false, 0) => 1,
@@ -85,16 +85,20 @@ impl<'p, M: Mechanics> Plain<'p, M> {
             self.j += 1.0;
             self.least = self.least.min(squared);
         }
-        let factor = self.j / (self.j + self.settings.lag);
+        let factor = self.j / (self.j + self.lag);
         self.y = (0..z.len()).map(|k| z[k] + factor * (z[k] - self.x[k])).collect();
         self.x = z;
     }
 }
 
-fn assert_is_the_formula<M: Mechanics>(problem: &Packing<M>, settings: Nsgs) {
+fn assert_is_the_formula<M: Mechanics>(
+    problem: &Packing<M>,
+    accelerated: &dyn Solver<M>,
+    (plain, slack): (&dyn Solver<M>, Option<f64>),
+) {
     let zero = vec![0.0; problem.impulse_count()];
-    let mut run = Solver::<M>::start(&settings, problem, &zero).unwrap();
-    let (mut plain, mut r) = (Plain::new(problem, settings), zero);
+    let mut run = accelerated.start(problem, &zero).unwrap();
+    let (mut plain, mut r) = (Plain::new(problem, plain, slack), zero);
     for k in 0..150 {
         run.advance();
         plain.advance();
@@ -106,20 +110,34 @@ fn assert_is_the_formula<M: Mechanics>(problem: &Packing<M>, settings: Nsgs) {
     assert!(plain.restarts > 0, "{}: no restart was tried", M::NAME);
 }
 
+fn assert_sweeps_are_the_formula<M: Mechanics>(problem: &Packing<M>, settings: Nsgs) {
+    let plain = Nsgs { acceleration: Acceleration::None, ..settings };
+    assert_is_the_formula(problem, &settings, (&plain, settings.slack));
+}
+
+fn assert_all_are_the_formula<M: Bounded>(problem: &Packing<M>) {
+    assert_sweeps_are_the_formula(problem, ACCELERATED);
+    let plain = Jacobi { bounded: true, ..Jacobi::default() };
+    let accelerated = Jacobi { acceleration: Acceleration::Nesterov, ..plain };
+    let slack = (M::Impulse::LEN > 1).then_some(1.2);
+    assert_is_the_formula(problem, &accelerated, (&plain, slack));
+}
+
 #[test]
-fn accelerated_sweeps_are_the_formula_in_every_mechanics() {
+fn accelerated_iterations_are_the_formula_in_every_mechanics() {
     for name in ["shear-box-991-sheared", "rough-250", "spheres-250", "rough-spheres-250"] {
         let file = frozen_path(&format!("{name}.json"));
         match AnyFrozen::read(&file).unwrap_or_else(|error| panic!("{error}")) {
             AnyFrozen::Discs(frozen) => {
-                assert_is_the_formula(&frozen.problem, ACCELERATED);
-                assert_is_the_formula(&frozen.problem, Nsgs { order: Order::Coloured, ..ACCELERATED });
-                let symmetric = Nsgs { symmetric: true, slack: 1.0, ..ACCELERATED };
-                assert_is_the_formula(&frozen.problem, symmetric);
+                assert_all_are_the_formula(&frozen.problem);
+                let coloured = Nsgs { order: Order::Coloured, ..ACCELERATED };
+                assert_sweeps_are_the_formula(&frozen.problem, coloured);
+                let symmetric = Nsgs { symmetric: true, slack: Some(1.0), ..ACCELERATED };
+                assert_sweeps_are_the_formula(&frozen.problem, symmetric);
             }
-            AnyFrozen::RoughDiscs(frozen) => assert_is_the_formula(&frozen.problem, ACCELERATED),
-            AnyFrozen::Spheres(frozen) => assert_is_the_formula(&frozen.problem, ACCELERATED),
-            AnyFrozen::RoughSpheres(frozen) => assert_is_the_formula(&frozen.problem, ACCELERATED),
+            AnyFrozen::RoughDiscs(frozen) => assert_all_are_the_formula(&frozen.problem),
+            AnyFrozen::Spheres(frozen) => assert_all_are_the_formula(&frozen.problem),
+            AnyFrozen::RoughSpheres(frozen) => assert_all_are_the_formula(&frozen.problem),
         }
     }
 }
@@ -190,6 +208,22 @@ fn accelerated_sweeps_come_to_round_off() {
     assert_eq!(outcome.status, Status::Converged, "{}", outcome.measures.natural_map);
 }
 
+/// Jacobi at ω = 1/Λ: what plain iterations do not reach in twenty times as many.
+#[test]
+fn acceleration_brings_jacobi_to_its_tolerance() {
+    let problem = frozen("shear-box-991-sheared").problem;
+    let r0 = vec![0.0; problem.contact_count()];
+    let plain = Jacobi { bounded: true, ..Jacobi::default() };
+    let accelerated = Jacobi { acceleration: Acceleration::Nesterov, ..plain };
+    for (solver, tolerance, max_iterations, status) in
+        [(accelerated, 1e-6, 1_200, Status::Converged), (plain, 1e-4, 20_000, Status::IterationLimit)]
+    {
+        let stop = Stop { tolerance, max_iterations, ..Stop::default() };
+        let outcome = solve(&solver, &problem, &r0, &stop, &mut |_| {}).unwrap();
+        assert_eq!(outcome.status, status, "{}", outcome.measures.natural_map);
+    }
+}
+
 /// Without friction the sweep after a restart is one of plain NSGS, which never increases q(r) = ½ rᵗ W r + bᵗ r.
 #[test]
 fn a_sweep_after_a_restart_never_increases_the_energy() {
@@ -202,7 +236,8 @@ fn a_sweep_after_a_restart_never_increases_the_energy() {
             problem.relative_velocity(&velocity, &mut v);
             ContactProblem::<contact::Discs>::energy(r, &v, &b)
         };
-        let mut plain = Plain::new(&problem, ACCELERATED);
+        let sweep = Nsgs::default();
+        let mut plain = Plain::new(&problem, &sweep, ACCELERATED.slack);
         let mut tried = 0;
         for _ in 0..400 {
             let (restarts, before) = (plain.restarts, plain.x.clone());
@@ -220,7 +255,8 @@ fn a_sweep_after_a_restart_never_increases_the_energy() {
 
 #[test]
 fn momentum_without_meaning_is_refused() {
-    let momentum = |lag, slack| Acceleration::Nesterov.momentum(lag, slack).map(|_: Option<Momentum>| ());
+    let momentum =
+        |lag, slack| Acceleration::Nesterov.momentum(lag, Some(slack)).map(|_: Option<Momentum>| ());
     assert!(momentum(3.0, 1.0).is_ok());
     for (lag, slack, key) in
         [(0.0, 1.5, "lag"), (f64::NAN, 1.5, "lag"), (3.0, 0.9, "slack"), (3.0, f64::NAN, "slack")]

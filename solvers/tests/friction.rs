@@ -150,7 +150,7 @@ fn methods_agree_on_the_law_where_they_converge() {
         ("nsgs", &Nsgs::default()),
         ("nsgs bottom-up", &Nsgs { order: Order::BottomUp, ..Nsgs::default() }),
         ("nsgs symmetric", &Nsgs { symmetric: true, ..Nsgs::default() }),
-        ("jacobi", &Jacobi { relaxation: 0.9, bounded: true }),
+        ("jacobi", &Jacobi { relaxation: 0.9, bounded: true, ..Jacobi::default() }),
         ("nsgs-dd", &NsgsDd { subdomains: grid, ..NsgsDd::default() }),
         (
             "nsgs-dd coloured",
@@ -181,7 +181,7 @@ fn without_friction_each_iterate_is_that_of_discs() {
     let grid = Grid::of(2, 2);
     let dd = NsgsDd { subdomains: grid, ..NsgsDd::default() };
     let diagonal = Cg { preconditioner: Preconditioner::Diagonal };
-    let jacobi = Jacobi { relaxation: 0.3, bounded: false };
+    let jacobi = Jacobi { relaxation: 0.3, bounded: false, ..Jacobi::default() };
     let pairs: [(&str, &dyn Solver<Discs>, &dyn Solver<RoughDiscs>); 5] = [
         ("nsgs", &Nsgs::default(), &Nsgs::default()),
         ("jacobi", &jacobi, &jacobi),
@@ -247,7 +247,7 @@ const UNITS: [(f64, f64); 3] = [(1.0, 1.0), (1e-3, 1.0), (1.0, 1e6)];
 fn every_method() -> Vec<(&'static str, Box<dyn Solver<RoughDiscs>>)> {
     vec![
         ("nsgs", Box::new(Nsgs::default())),
-        ("jacobi", Box::new(Jacobi { relaxation: 1.0, bounded: false })),
+        ("jacobi", Box::new(Jacobi { relaxation: 1.0, bounded: false, ..Jacobi::default() })),
         ("nsgs-dd", Box::new(NsgsDd::default())),
         ("cg", Box::new(Cg { preconditioner: Preconditioner::Diagonal })),
         ("active-set", Box::new(ActiveSet::default())),

@@ -147,7 +147,7 @@ fn runs_that_go_round_in_a_cycle_are_told_from_those_that_drift() {
         let r0 = vec![0.0; problem.impulse_count()];
         solve(solver, problem, &r0, &stop, &mut |_| {}).unwrap().cycle
     };
-    let jacobi = Jacobi { relaxation: 1.0, bounded: false };
+    let jacobi = Jacobi { relaxation: 1.0, bounded: false, ..Jacobi::default() };
     assert_eq!([401, 400, 100].map(|most| cycle(&jacobi, &thrice, most)), [Some(2), Some(2), None]);
     assert_eq!(cycle(&Jacobi::default(), &thrice, 400), None, "it converges");
     assert_eq!(cycle(&Nsgs::default(), &rough("rough-250").problem, 12_000), None, "it drifts");

@@ -30,7 +30,7 @@ pub(crate) fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
         ("nsgs, ω = 2.5", Box::new(Nsgs { relaxation: 2.5, order: Order::Coloured, ..Nsgs::default() })),
         ("jacobi", Box::new(Jacobi::default())),
         ("jacobi, ω = 3", Box::new(Jacobi { relaxation: 3.0, ..Jacobi::default() })),
-        ("jacobi, bounded", Box::new(Jacobi { relaxation: 0.95, bounded: true })),
+        ("jacobi, bounded", Box::new(Jacobi { relaxation: 0.95, bounded: true, ..Jacobi::default() })),
         ("cg", Box::new(Cg::default())),
         ("cg, preconditioned", Box::new(Cg { preconditioner: Preconditioner::Diagonal })),
         ("gradient", Box::new(Gradient::default())),

@@ -73,7 +73,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
     #[test]
     fn jacobi_below_its_bound_never_increases_q(problem in any_problem(), share in 0.05..1.0_f64) {
-        let bounded = Jacobi { relaxation: share, bounded: true };
+        let bounded = Jacobi { relaxation: share, bounded: true, ..Jacobi::default() };
         assert_never_increases(&energies(&bounded, &problem, 40), "jacobi, bounded");
     }
 }

@@ -179,6 +179,15 @@ impl<M: Mechanics> Sweep<M> {
         Arch::new().dispatch(Ahead { sweep: self, relaxation, passes, trail });
     }
 
+    /// Makes an accelerated iteration that reads all velocities before it changes one: all is extrapolated, and then judged.
+    pub fn iterate_after(&mut self, trail: &mut Trail<M>, iteration: impl FnOnce(&mut Self)) {
+        let grains = self.y.len();
+        trail.extrapolate(&mut self.y, grains);
+        trail.impulses.extrapolate(&mut self.s, 0..self.rows.len());
+        iteration(self);
+        trail.impulses.judge(&self.s, 0..self.rows.len(), |_, g| g);
+    }
+
     /// Returns the trail of accelerated iterations that begin here; velocities are `free` without impulses (√J).
     pub fn trail(&self, free: Vec<M::Velocity>) -> Trail<M> {
         Trail::new(&self.s, &self.y, free)

@@ -1,8 +1,11 @@
 //! Projected Jacobi: the sweep of NSGS with every relative velocity taken at the old impulses.
 //!
 //! Converges for ω < 2/λmax(`W_D`⁻¹ W) only; `bounded` keeps it there. Cost of an iteration: that of a sweep, and a copy of the velocities.
+//! With acceleration ([`contact::acceleration`]) and ω ≤ 1/λmax an iteration is Nesterov's projected gradient in the norm of D: without
+//! friction q(r) falls in the iteration after a restart, or stays.
 
 use analysis::Bounded;
+use contact::acceleration::{Accelerated, Acceleration, LAG};
 use contact::sweep::Sweep;
 use contact::{Iteration, Mechanics, Packing, SetupError, Solver, Work};
 use schemars::JsonSchema;
@@ -16,13 +19,20 @@ pub struct Jacobi {
     pub relaxation: f64,
     /// Bounded relaxation: ω is `relaxation` times 2/Λ instead, with Λ ≥ λmax(W_D⁻¹W): then any value below 1 converges, on any problem.
     pub bounded: bool,
+    /// Extrapolation over the iterations.
+    pub acceleration: Acceleration,
+    /// q (–): the extrapolation grows as β = j/(j + q) over the j iterations since the last restart.
+    pub lag: f64,
+    /// ρ (–): with friction acceleration restarts also where an iteration changes the impulses more than ρ times as much as the least
+    /// since the last restart; 1.2 unless given. Without friction it does so only if a value is given.
+    pub slack: Option<f64>,
 }
 
 /// ω = ½. Equal discs touch at most 6 others, so λmax(`W_D`⁻¹ W) ≤ 3 on them and any ω < 2/3 converges; ½ leaves a
 /// margin for unequal discs.
 impl Default for Jacobi {
     fn default() -> Self {
-        Self { relaxation: 0.5, bounded: false }
+        Self { relaxation: 0.5, bounded: false, acceleration: Acceleration::None, lag: LAG, slack: None }
     }
 }
 
@@ -32,18 +42,31 @@ struct Run<M: Mechanics> {
     old_y: Vec<M::Velocity>,
     relaxation: f64,
     bounded: bool,
+    accelerated: Option<Accelerated<M>>,
     iterations: u64,
+}
+
+/// Visits all contacts at the old velocities, which are kept in `old_y`:
+/// v = Hᵗ V_old + c;  r⁺ = max(0, r − ω v/W_αα);  V ← V + M⁻¹ h_α (r⁺ − r).
+fn visit_all<M: Mechanics>(sweep: &mut Sweep<M>, old_y: &mut [M::Velocity], relaxation: f64) {
+    let Sweep { rows, s, y, .. } = sweep;
+    old_y.copy_from_slice(y);
+    for (row, s) in rows.iter().zip(s) {
+        let change = row.change(*s, row.relative(old_y), relaxation);
+        row.push(change, y);
+        *s += change;
+    }
 }
 
 impl<M: Mechanics> Iteration for Run<M> {
     fn advance(&mut self) {
-        let Sweep { rows, s, y, .. } = &mut self.sweep;
-        self.old_y.copy_from_slice(y);
-        for (row, s) in rows.iter().zip(s) {
-            // v = Hᵗ V_old + c;  r⁺ = max(0, r − ω v/W_αα);  V ← V + M⁻¹ h_α (r⁺ − r)
-            let change = row.change(*s, row.relative(&self.old_y), self.relaxation);
-            row.push(change, y);
-            *s += change;
+        let Self { sweep, old_y, relaxation, .. } = self;
+        let mut iteration = |sweep: &mut Sweep<M>| visit_all(sweep, old_y, *relaxation);
+        match &mut self.accelerated {
+            Some(accelerated) => {
+                accelerated.iterate(sweep, |sweep, trail| sweep.iterate_after(trail, iteration));
+            }
+            None => iteration(sweep),
         }
         self.iterations += 1;
     }
@@ -57,7 +80,11 @@ impl<M: Mechanics> Iteration for Run<M> {
     }
 
     fn work(&self) -> Work {
-        Work { contact_updates: self.iterations * self.sweep.rows.len() as u64, ..Work::default() }
+        Work {
+            contact_updates: self.iterations * self.sweep.rows.len() as u64,
+            delassus_products: self.accelerated.as_ref().map_or(0, Accelerated::delassus_products),
+            ..Work::default()
+        }
     }
 }
 
@@ -67,9 +94,11 @@ impl<M: Bounded> Solver<M> for Jacobi {
         let order: Vec<u32> = (0..problem.contact_count() as u32).collect();
         let sweep = Sweep::new(problem, &order, r0);
         let bound = M::scaled_delassus_bound(problem);
+        let momentum = self.acceleration.momentum(self.lag, self.slack)?;
         let scale = if self.bounded && bound > 0.0 { 2.0 / bound } else { 1.0 };
         Ok(Box::new(Run {
             old_y: sweep.y.clone(),
+            accelerated: momentum.map(|momentum| Accelerated::new(momentum, &sweep)),
             sweep,
             relaxation: scale * self.relaxation,
             bounded: self.bounded,

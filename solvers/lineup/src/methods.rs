@@ -95,7 +95,7 @@ fn active_set(settings: &active_set::ActiveSet) -> Ours {
 }
 
 /// Sweeps where there is W alone.
-fn sweeps(subdomains: Grid, acceleration: Acceleration, lag: f64, slack: f64) -> OnW {
+fn sweeps(subdomains: Grid, acceleration: Acceleration, lag: f64, slack: Option<f64>) -> OnW {
     let count = usize::try_from(subdomains.count()).unwrap_or(usize::MAX);
     let method = acceleration.momentum(lag, slack);
     let method = method.map(|momentum| local::Method::Nsgs { subdomains: count, momentum });

@@ -78,7 +78,7 @@ impl<'p, const D: usize> Sweeps<'p, D> {
             interface += (D * needed_by.len()) as u64;
         }
         let r = vec![SVector::zeros(); of.len()];
-        let accelerated = momentum.map(|momentum| (momentum, Lead::new(&r)));
+        let accelerated = momentum.map(|momentum| (momentum.of_problem(D > 1), Lead::new(&r)));
         Ok(Self { problem, exact, subdomains: all, place, added, r, accelerated, iterations: 0, interface })
     }
 

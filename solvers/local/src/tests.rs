@@ -1,7 +1,7 @@
 //! The law at one contact, and methods on problems with known answers.
 
 use super::{LocalProblem, Method, Preconditioner, graph};
-use contact::acceleration::{Acceleration, LAG, SLACK};
+use contact::acceleration::{Acceleration, LAG};
 use proptest::prelude::*;
 
 /// Gauss-Seidel as it is.
@@ -240,7 +240,7 @@ fn accelerated_sweeps_solve_in_fewer_iterations_on_any_number_of_subdomains() {
     let line = LocalProblem::new(1, entries, vec![-1.0; 400], vec![0.0; 400]).unwrap();
     let a: Vec<f64> = (0..29).map(|k| (f64::from(k) * 2.3).sin()).collect();
     let q: Vec<f64> = (0..23).map(|k| (f64::from(k) * 1.7).sin() - 0.4).collect();
-    let momentum = Acceleration::Nesterov.momentum(LAG, SLACK).unwrap();
+    let momentum = Acceleration::Nesterov.momentum(LAG, None).unwrap();
     for (problem, gain) in [(line, 5), (chain(2, 60, &a, &q, 0.2), 1), (chain(3, 60, &a, &q, 0.2), 1)] {
         for subdomains in [1, 4] {
             let [plain, accelerated] = [None, momentum]

@@ -8,7 +8,7 @@
 
 mod subdomain;
 
-use contact::acceleration::{Acceleration, LAG, Momentum, SLACK};
+use contact::acceleration::{Acceleration, LAG, Momentum};
 use contact::{Iteration, Mass, Mechanics, Packing, SetupError, Solver, Vector, Work, threads};
 use partition::{CopySums, Decomposition, Distributed, Grid, Partition, Refused, Scheme, Share, Team};
 use schemars::JsonSchema;
@@ -36,9 +36,9 @@ pub struct NsgsDd {
     pub acceleration: Acceleration,
     /// q (–): the extrapolation grows as β = j/(j + q) over the j iterations since the last restart.
     pub lag: f64,
-    /// ρ (–): acceleration restarts where an iteration changes the impulses more than ρ times as much as the least since the last
-    /// restart.
-    pub slack: f64,
+    /// ρ (–): with friction acceleration restarts also where an iteration changes the impulses more than ρ times as much as the least
+    /// since the last restart; 1.2 unless given. Without friction it does so only if a value is given.
+    pub slack: Option<f64>,
 }
 
 /// The paper's choices, on one subdomain.
@@ -53,7 +53,7 @@ impl Default for NsgsDd {
             mass_splitting: true,
             acceleration: Acceleration::None,
             lag: LAG,
-            slack: SLACK,
+            slack: None,
         }
     }
 }
@@ -243,7 +243,7 @@ impl NsgsDd {
             sums: CopySums::over(decomposition, team),
             groups,
             settings: *self,
-            momentum,
+            momentum: momentum.map(|momentum| momentum.of_problem(M::Impulse::LEN > 1)),
             progress: vec![[0.0; 2]; subdomains.len()],
             iterations: 0,
             restarts: 0,

@@ -10,7 +10,7 @@ mod order;
 
 pub use order::Order;
 
-use contact::acceleration::{Acceleration, LAG, Momentum, SLACK, Trail};
+use contact::acceleration::{Accelerated, Acceleration, LAG};
 use contact::sweep::Sweep;
 use contact::{Iteration, Mechanics, Packing, SetupError, Solver, Work};
 use schemars::JsonSchema;
@@ -33,9 +33,9 @@ pub struct Nsgs {
     pub acceleration: Acceleration,
     /// q (–): the extrapolation grows as β = j/(j + q) over the j iterations since the last restart.
     pub lag: f64,
-    /// ρ (–): acceleration restarts where an iteration changes the impulses more than ρ times as much as the least since the last
-    /// restart.
-    pub slack: f64,
+    /// ρ (–): with friction acceleration restarts also where an iteration changes the impulses more than ρ times as much as the least
+    /// since the last restart; 1.2 unless given. Without friction it does so only if a value is given.
+    pub slack: Option<f64>,
 }
 
 /// The paper's method: the order of the list, ω = 1, forward sweeps.
@@ -48,7 +48,7 @@ impl Default for Nsgs {
             symmetric: false,
             acceleration: Acceleration::None,
             lag: LAG,
-            slack: SLACK,
+            slack: None,
         }
     }
 }
@@ -57,25 +57,20 @@ struct Run<M: Mechanics> {
     sweep: Sweep<M>,
     relaxation: f64,
     symmetric: bool,
-    accelerated: Option<(Momentum, Trail<M>)>,
+    accelerated: Option<Accelerated<M>>,
     sweeps: u64,
-    restarts: u64,
 }
 
 impl<M: Mechanics> Iteration for Run<M> {
     fn advance(&mut self) {
+        let Self { sweep, relaxation, .. } = self;
         let passes = 1 + usize::from(self.symmetric);
         let backward = (0..passes).map(|pass| pass == 1);
-        if let Some((momentum, trail)) = &mut self.accelerated {
-            if momentum.has_restarted() {
-                self.sweep.renew(trail);
-                self.restarts += 1;
+        match &mut self.accelerated {
+            Some(accelerated) => {
+                accelerated.iterate(sweep, |sweep, trail| sweep.iterate_ahead(*relaxation, backward, trail));
             }
-            trail.begin(momentum.factor());
-            self.sweep.iterate_ahead(self.relaxation, backward, trail);
-            momentum.turn(trail.sums());
-        } else {
-            self.sweep.iterate(self.relaxation, backward);
+            None => sweep.iterate(*relaxation, backward),
         }
         self.sweeps += passes as u64;
     }
@@ -87,8 +82,7 @@ impl<M: Mechanics> Iteration for Run<M> {
     fn work(&self) -> Work {
         Work {
             contact_updates: self.sweeps * self.sweep.rows.len() as u64,
-            // H r alone, half of a product.
-            delassus_products: self.restarts.div_ceil(2),
+            delassus_products: self.accelerated.as_ref().map_or(0, Accelerated::delassus_products),
             ..Work::default()
         }
     }
@@ -100,7 +94,7 @@ impl<M: Mechanics> Solver<M> for Nsgs {
         let sweep = Sweep::new(problem, &self.order.of(problem, self.seed), r0);
         let Self { relaxation, symmetric, .. } = *self;
         let momentum = self.acceleration.momentum(self.lag, self.slack)?;
-        let accelerated = momentum.map(|momentum| (momentum, sweep.trail(sweep.without_impulses())));
-        Ok(Box::new(Run { sweep, relaxation, symmetric, accelerated, sweeps: 0, restarts: 0 }))
+        let accelerated = momentum.map(|momentum| Accelerated::new(momentum, &sweep));
+        Ok(Box::new(Run { sweep, relaxation, symmetric, accelerated, sweeps: 0 }))
     }
 }
