@@ -17,7 +17,7 @@ const RATIO: &str = "iterations over those without subdomains (–)";
 /// Least number of iterations for a ratio: with fewer, one more or less would be a ratio of its own.
 const LEAST: u64 = 10;
 /// The least axis (in logarithms): less would show differences that are none.
-const NARROWEST: [f64; 2] = [-0.1, 0.302];
+const NARROWEST: [f64; 2] = [-0.02, 0.222];
 
 /// The figures `convergence`, and `ratios-<problem>` for each problem.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
@@ -50,8 +50,7 @@ fn panel(study: &Lines, pairs: &[(&RunRow, &RunRow)], measure: Measure, name: &s
         let (points, ending) = ratios(run, base, measure);
         Line { label: run.label(), look: study.looks.look(run), ending, points }
     };
-    let (x, y) =
-        (Side::new(Scale::Ten, name).holding([0.0]), Side::new(Scale::Ten, RATIO).holding(NARROWEST));
+    let (x, y) = (Side::new(Scale::Ten, name), Side::new(Scale::Ten, RATIO).holding(NARROWEST));
     let panel =
         Panel::new(x, y, Vec::new()).guided([Guide::new(At::Y(0.0), TOLERANCE, "as many iterations")]);
     Panel { lines: pairs.iter().map(line).collect(), ..panel }

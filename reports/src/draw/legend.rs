@@ -1,5 +1,7 @@
 //! Which line is which run, below the panels and covering nothing.
 
+use std::collections::BTreeMap;
+
 use crate::draw::{
     Canvas, DASHES, Family, HPos, LEADING, MARKS, METHODS, Mark, Pen, Place, SPARE, Sign, Signs, TEXT, VPos,
     text_width,
@@ -28,8 +30,8 @@ impl Look {
 
 /// Looks for all runs of a study, so that a method looks the same on every problem.
 pub(crate) struct Looks<'t> {
-    /// Methods in the order of the study, each with its kinds of run in the order of their subdomains.
-    methods: Vec<(&'t str, Vec<Kind<'t>>)>,
+    /// Methods in the order of the study, each with the places of its kinds of run in the order of their subdomains.
+    methods: Vec<(&'t str, BTreeMap<Kind<'t>, usize>)>,
 }
 
 /// Subdomains and variant: what tells two runs of a method on a problem apart.
@@ -41,15 +43,18 @@ fn kind(run: &RunRow) -> Kind<'_> {
 
 impl<'t> Looks<'t> {
     pub(crate) fn new(runs: impl IntoIterator<Item = &'t RunRow>) -> Self {
-        let mut methods: Vec<(&str, Vec<Kind>)> = Vec::new();
+        let mut methods: Vec<(&str, BTreeMap<Kind, usize>)> = Vec::new();
         for run in runs {
-            let new = || (run.method.as_str(), Vec::new());
+            let new = || (run.method.as_str(), BTreeMap::new());
             let (_, kinds) = find_or_push(&mut methods, |(method, _)| *method == run.method, new);
-            find_or_push(kinds, |known| *known == kind(run), || kind(run));
+            let next = kinds.len();
+            kinds.entry(kind(run)).or_insert(next);
         }
         for (_, kinds) in &mut methods {
             // Kinds with as many subdomains stay in the order of the study.
-            kinds.sort_by_key(|(subdomains, _)| *subdomains);
+            let mut order: Vec<(Kind, usize)> = kinds.iter().map(|(kind, place)| (*kind, *place)).collect();
+            order.sort_by_key(|((subdomains, _), place)| (*subdomains, *place));
+            kinds.extend(order.into_iter().enumerate().map(|(place, (kind, _))| (kind, place)));
         }
         Self { methods }
     }
@@ -57,7 +62,7 @@ impl<'t> Looks<'t> {
     /// Place of a run in the order of the legend.
     pub(crate) fn rank(&self, run: &RunRow) -> (usize, usize) {
         let method = self.methods.iter().position(|(method, _)| *method == run.method).unwrap_or(0);
-        let place = |(_, kinds): &(&str, Vec<Kind>)| kinds.iter().position(|known| *known == kind(run));
+        let place = |(_, kinds): &(&str, BTreeMap<Kind, usize>)| kinds.get(&kind(run)).copied();
         (method, self.methods.get(method).and_then(place).unwrap_or(0))
     }
 

@@ -153,7 +153,7 @@ impl Panel {
         for guide in &self.guides {
             guide.draw(canvas, &frame);
         }
-        if self.is_empty() {
+        if self.is_empty() && self.lines.is_empty() {
             return canvas.text("no value", frame.middle(), TEXT, (HPos::Center, VPos::Center));
         }
         if self.fits() {
