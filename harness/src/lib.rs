@@ -112,8 +112,8 @@ mod problems {
     pub(crate) use given::Given;
     pub(crate) use parts::{Impulses, write_parts};
     pub(crate) use planned::{MARCH, MISSED_BEFORE, PlannedProblem, Problem, planned};
-    pub(crate) use pool::{polished_to, pool};
-    pub(crate) use reference::{Known, answer};
+    pub(crate) use pool::polished_to;
+    pub(crate) use reference::{Found, Known, found};
     pub(crate) use scene::{Scene, TIME_STEP};
 }
 
@@ -132,7 +132,7 @@ mod plan {
     pub(crate) use axes::{MOST, Settings, combinations, count, values};
     pub(crate) use checks::MOST_REPEATS;
     pub(crate) use external::{External, Programme, last_line};
-    pub(crate) use file::{Curves, Plan, PlannedCase};
+    pub(crate) use file::{Curves, Plan, PlannedCase, chart};
     pub(crate) use methods::{
         Entry, Method, Runs, key_value, method, method_names, methods, read_external, refuse_repeated,
     };
@@ -150,8 +150,8 @@ mod terminal {
     mod tests;
 
     pub(crate) use output::{
-        check_apart, check_place, create_folder_of, merged, read_sealed, read_text, replaces, say, say_table,
-        write_instead, write_kept, write_sealed, write_whole,
+        at_hand, check_apart, check_place, create_folder_of, merged, read_sealed, read_text, replaces, say,
+        say_table, write_instead, write_kept, write_sealed, write_whole,
     };
     pub(crate) use progress::{Bars, Line};
 }

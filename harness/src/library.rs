@@ -58,7 +58,9 @@ pub fn problem(
     let read = || -> Result<String> {
         let path = root()?.problem_or_case(name)?;
         let frozen = if is_toml(&path) {
-            in_the_pool(|| CaseProblem::read(&path, scene, "time_step", time_step)?.problem_unless(&stops))?
+            let case = CaseProblem::read(&path, scene, "time_step", time_step)?;
+            let (method, stop) = case.before()?;
+            in_the_pool(|| case.marched(&method, &stop, "", &stops))?
         } else if scene.is_empty() && time_step.is_none() {
             AnyFrozen::read(&path)?
         } else {

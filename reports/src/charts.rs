@@ -22,9 +22,6 @@ mod trajectory;
 mod truth;
 
 use std::fmt;
-use std::str::FromStr;
-
-use thiserror::Error;
 
 use crate::read::{Problems, Simulation, Study};
 use crate::text::Part;
@@ -176,6 +173,11 @@ impl Chart {
         CHARTS
     }
 
+    /// The chart of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        CHARTS.iter().find(|chart| chart.name == name).copied()
+    }
+
     /// Declares a chart of a plan's own.
     ///
     /// # Errors
@@ -228,21 +230,4 @@ impl fmt::Debug for Chart {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(self.name)
     }
-}
-
-impl FromStr for Chart {
-    type Err = UnknownChart;
-
-    fn from_str(name: &str) -> Result<Self, UnknownChart> {
-        CHARTS.iter().find(|chart| chart.name == name).copied().ok_or_else(|| UnknownChart(name.to_owned()))
-    }
-}
-
-/// A name that no chart has.
-#[derive(Debug, Error)]
-#[error("no chart `{0}`: there are {names}", names = names())]
-pub struct UnknownChart(String);
-
-fn names() -> String {
-    CHARTS.iter().map(|chart| chart.name).collect::<Vec<_>>().join(", ")
 }

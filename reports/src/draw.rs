@@ -18,13 +18,13 @@ pub(crate) use canvas::{Canvas, HPos, Place, VPos, rectangle, svg, text_width};
 pub(crate) use curve::{LOWEST, LogPoint, along, inside, log, range};
 pub(crate) use legend::{Legend, Look, Looks, looks_in_time};
 pub(crate) use lines::{Line, Lines, draw_lines};
-pub(crate) use panels::{INSIDE, MOST_LINES, Room, fits_a_page, grid, row, title};
+pub(crate) use panels::{INSIDE, MOST_LINES, Room, fits_a_page, grid, title};
 pub use picture::Formats;
 pub(crate) use picture::{pdf, png};
 pub(crate) use plot::{At, Curve, Guide, Panel, Plot, Points, Side, Through, medians};
 pub(crate) use scale::ColorScale;
 pub(crate) use series::{Series, series};
-pub(crate) use signs::{Cell, Sign, Signs, endings, ring, wedge};
+pub(crate) use signs::{Cell, Sign, Signs, endings};
 pub(crate) use style::{
     BEST, BLACK, BOUNDARY_GRAIN, CHAIN, COLUMN, DASHES, DERIVED, FAILED_CELL, FAILED_SIGN, FRAME, Family,
     GRAIN, GRID, HALO, IDLE, INK, LEADING, MARGIN, MARKS, METHODS, Mark, OTHERS, PAGE, PAGE_HEIGHT, PARETO,

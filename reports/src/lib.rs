@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use results::study::Study as Stored;
 
-pub use charts::{Chart, OwnChart, UnknownChart, UnknownQuantity};
+pub use charts::{Chart, OwnChart, UnknownQuantity};
 pub use draw::Formats;
 pub use error::ReportError;
 pub use page::{About, Snapshots, made, view};

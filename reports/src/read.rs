@@ -13,14 +13,16 @@ pub(crate) mod stored;
 
 use std::collections::BTreeMap;
 
-pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, accuracy_text, reached};
+pub(crate) use results::schema::Sample;
+
+pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, accuracy_text};
 pub(crate) use ending::{Ending, Verdicts};
 pub(crate) use groups::{differing, settings_text};
 pub(crate) use number::{count, counted, number, power_of_ten, round_down};
-pub(crate) use run::{Point, RunRow, problems, repeats, stopped_at_1e_2, threads};
+pub(crate) use run::{RunRow, problems, repeats, stopped_at_1e_2, threads};
 pub(crate) use scene::{Scene, ends, impulse, scenes, walls};
 pub(crate) use simulation::{Simulation, in_role, milliseconds};
-pub(crate) use statistics::{distinct, find_or_push, median, padded, slope, span, unique};
+pub(crate) use statistics::{find_or_push, median, padded, rising, slope, span, unique};
 
 /// Samples by problem and partition.
 pub(crate) type Scenes = BTreeMap<(String, String), Scene>;

@@ -183,7 +183,7 @@ fn sample_shows_counts_scales_and_boundary_grains() {
         assert!(svg.contains(text), "{text}");
     }
     // Three grains, two in the key, two that bear a name; each with an outline.
-    assert_eq!(svg.matches("<circle").count(), 2 * (3 + 2 + 2));
+    assert_eq!(svg.matches("<circle").count(), 3 + 2 + 2);
 }
 
 #[test]

@@ -17,4 +17,4 @@ pub(crate) use rows::rows;
 pub use rows::summary;
 #[cfg(test)]
 pub(crate) use table::csv;
-pub(crate) use table::{columns, markdown};
+pub(crate) use table::{Column, columns, markdown};

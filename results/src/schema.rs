@@ -1,6 +1,6 @@
 //! The tables, one struct per row: every column's name ends in its unit, unless it has none.
 
-use contact::{Measures, Work, number};
+use contact::{Measure, Measures, Work, number};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -235,6 +235,18 @@ pub struct Sample {
     /// Counted so far.
     #[serde(flatten)]
     pub work: Work,
+}
+
+impl Sample {
+    /// A measure, where it is defined.
+    pub fn get(&self, measure: Measure) -> Option<f64> {
+        Some(self.measures.get(measure)).filter(|value| !value.is_nan())
+    }
+
+    /// The distance to the true velocity, where that is known.
+    pub fn velocity_error(&self) -> Option<f64> {
+        self.get(Measure::VelocityError)
+    }
 }
 
 /// Provenance of a row. A run without it is not stored.

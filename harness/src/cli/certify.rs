@@ -1,14 +1,13 @@
 //! `gravel certify`: what a solution leaves of the contact problem, condition by condition.
 
-use crate::problems::{Given, Root, answer, pool};
+use crate::problems::{Found, Given, Root, found};
 use crate::terminal::{exit, say};
 use anyhow::Result;
 use cases::AnyFrozen;
 use contact::{Packing, RoughDiscs};
 use lineup::{Law, OneProblem};
 use reference::{
-    Answer, Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, RoughSolution, existence,
-    isolation,
+    Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, RoughSolution, existence, isolation,
 };
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -33,25 +32,13 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let facts = problem.facts();
     let given = args.impulses.as_deref().map(|file| Given::read(file, &facts)).transpose()?;
     let given = given.map(|given| (problem.certify(&given.impulse), given.impulse));
-    // Certified solutions, or the best impulses; without friction the reason why none is certified.
-    let (found, why) = match problem.law() {
-        Law::Frictional { problem: law, .. } => (pool(root, problem, law, args.starts)?, String::new()),
-        Law::Frictionless(law) => match answer(root, problem, law)? {
-            Answer::Infeasible { .. } => (None, String::new()),
-            Answer::Solution { impulses, certificate } => {
-                (Some(vec![RoughSolution { impulses, certificate }]), String::new())
-            }
-            Answer::Unknown { impulses, certificate, why } => {
-                (Some(vec![RoughSolution { impulses, certificate }]), format!(": {why}"))
-            }
-        },
-    };
+    let found = found(root, problem, args.starts)?;
     say(format_args!("{name}: {}", facts.size()))?;
     if let Some((certificate, _)) = &given {
         say(format_args!("given impulses: {}", verdict(certificate)))?;
         print(certificate)?;
     }
-    let Some(solutions) = found else {
+    let Some(Found { solutions, why }) = found else {
         say(format_args!(
             "the problem has no solution: normal impulses balance, in exact arithmetic, while contacts approach"
         ))?;

@@ -47,7 +47,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let how = format!(
         " Time steps before it solved by {solver} to {on} ≤ {tolerance:e}, from the impulses of the one before."
     );
-    let mut frozen = case.problem_after(&method, &stop, &how)?;
+    let mut frozen = case.marched(&method, &stop, &how, &|| false)?;
     frozen.rename(&name);
     write_whole(&args.output, &frozen.to_json()?)?;
     let (grains, contacts) = frozen.size();

@@ -2,11 +2,11 @@
 //! running it.
 
 use crate::cli::args::PlanArgs;
-use crate::plan::{Plan, key_value};
+use crate::plan::{Plan, chart, key_value};
 use crate::problems::Root;
 use crate::store::{about, draw, runs_folder, tables_of};
-use crate::terminal::{check_place, read_text, say, suggest, write_whole};
-use anyhow::{Context, Result, anyhow, bail};
+use crate::terminal::{check_place, read_text, say, write_whole};
+use anyhow::{Context, Result, bail};
 use reports::{Chart, Formats, Pick, TableFormat, Wanted};
 use results::store::tables_folder;
 use results::study::Study as Rows;
@@ -56,13 +56,6 @@ pub(crate) struct TableArgs {
     output: Option<PathBuf>,
 }
 
-/// A chart by its name.
-fn chart(name: &str) -> Result<Chart> {
-    let names = Chart::all().iter().map(|chart| chart.name());
-    name.parse().map_err(|_| anyhow!("{}", suggest::among(&format!("no chart `{name}`"), name, names)))
-}
-
-/// Formats of figures on the command line.
 #[derive(clap::Args)]
 struct FormatArgs {
     /// Figures as PNG too, 300 pixels to the inch; from then on, until the files are deleted

@@ -66,12 +66,16 @@ pub(crate) struct Plan {
     quick: Option<toml::Table>,
 }
 
+/// The chart of this name, on the command line or in a plan.
+pub(crate) fn chart(name: &str) -> Result<Chart, String> {
+    let known = Chart::all().iter().map(|chart| chart.name());
+    Chart::named(name).ok_or_else(|| suggest::among(&format!("no chart `{name}`"), name, known))
+}
+
 fn charts<'de, D: Deserializer<'de>>(charts: D) -> Result<Option<Vec<Chart>>, D::Error> {
-    let known = || Chart::all().iter().map(|chart| chart.name());
-    let unknown = |name: &str| suggest::among(&format!("`charts`: unknown chart `{name}`"), name, known());
     let refused = |error: &dyn Display| D::Error::custom(format!("`charts`: {error}"));
-    let read = |chart: toml::Value| match chart {
-        toml::Value::String(name) => name.parse().map_err(|_| D::Error::custom(unknown(&name))),
+    let read = |one: toml::Value| match one {
+        toml::Value::String(name) => chart(&name).map_err(|error| refused(&error)),
         own => Chart::own(own.try_into().map_err(|error| refused(&error))?).map_err(|error| refused(&error)),
     };
     Vec::<toml::Value>::deserialize(charts)?.into_iter().map(read).collect::<Result<_, _>>().map(Some)

@@ -2,7 +2,7 @@
 
 use crate::identity::code_version;
 use crate::plan::external::{External, Programme};
-use crate::problems::Root;
+use crate::problems::{Kind, Root};
 use crate::terminal::suggest;
 use anyhow::{Context, Result, anyhow, bail};
 use lineup::{METHODS, Ours, Settings};
@@ -86,7 +86,7 @@ pub(crate) fn read_external(root: &Root) -> Result<()> {
         return Ok(());
     }
     let mut entries = Vec::new();
-    for path in root.external()? {
+    for path in root.all(Kind::External)? {
         // Once in the life of the program, and for as long.
         let external: &External = Box::leak(Box::new(External::read(&path)?));
         if METHODS.iter().any(|ours| ours.name == external.name) {

@@ -3,7 +3,7 @@
 use crate::identity::code_version;
 use crate::plan::{Method, Settings, as_typed};
 use crate::problems::Root;
-use crate::terminal::{progress, read_sealed, read_text, say, suggest, write_sealed};
+use crate::terminal::{at_hand, progress, read_sealed, read_text, say, suggest, write_sealed};
 use anyhow::{Context, Result, bail, ensure};
 use cases::{AnyFrozen, Case, Sample, Start};
 use contact::memory::gigabytes;
@@ -115,22 +115,18 @@ impl CaseProblem {
 
     /// The problem; the time steps before it are the same whichever method then solves it.
     pub(crate) fn problem(&self) -> Result<AnyFrozen> {
-        self.problem_unless(&|| false)
-    }
-
-    /// The problem, unless `halt` asks for an end after an iteration of a time step before it.
-    pub(crate) fn problem_unless(&self, halt: &dyn Fn() -> bool) -> Result<AnyFrozen> {
         let (method, stop) = self.before()?;
-        self.marched(&method, &stop, "", halt)
+        self.marched(&method, &stop, "", &|| false)
     }
 
-    /// The problem after time steps solved by `method`, with a bar on anything long. Its source names what was replaced,
-    /// `how` it was reached, and how many of the time steps before did not converge, which is printed as well.
-    pub(crate) fn problem_after(&self, method: &Method, stop: &Stop, how: &str) -> Result<AnyFrozen> {
-        self.marched(method, stop, how, &|| false)
-    }
-
-    fn marched(&self, method: &Method, stop: &Stop, how: &str, halt: &dyn Fn() -> bool) -> Result<AnyFrozen> {
+    /// The problem, after time steps that a method solves unless `halt` says stop, said in its source by `how`.
+    pub(crate) fn marched(
+        &self,
+        method: &Method,
+        stop: &Stop,
+        how: &str,
+        halt: &dyn Fn() -> bool,
+    ) -> Result<AnyFrozen> {
         let (mut march, before, mut missed) = (march(&self.case)?, self.time_step - 1, 0);
         warn(&self.case.name, march.warnings());
         let mut warned = false;
@@ -207,8 +203,7 @@ impl KeptProblem {
             ensure!(sealed, "{}: it has no checksum, so it may be damaged", file.display());
             Ok(AnyFrozen::of_text(&file, &text)?)
         };
-        let again = |error: &anyhow::Error| eprintln!("{error:#}; it is computed again");
-        file.is_file().then(|| read().inspect_err(again).ok())?
+        at_hand(&file, read)
     }
 
     /// The problem, kept or computed; a study calls it `name`.

@@ -28,6 +28,8 @@ pub(crate) enum Kind {
     Frozen,
     /// Problem of another code.
     Foreign,
+    /// Description of another code.
+    External,
 }
 
 impl Root {
@@ -77,7 +79,7 @@ impl Root {
         }
         let (_, folder, ending) = kind.words();
         let folder = self.join(folder);
-        if kind == Kind::Foreign && !folder.is_dir() {
+        if matches!(kind, Kind::Foreign | Kind::External) && !folder.is_dir() {
             return Ok(Vec::new());
         }
         let mut paths = Vec::new();
@@ -89,20 +91,6 @@ impl Root {
                 paths.push(path);
             }
         }
-        paths.sort();
-        Ok(paths)
-    }
-
-    /// Paths of the files that describe other codes, by name; none without a checkout, or in one without them.
-    pub(crate) fn external(&self) -> Result<Vec<PathBuf>> {
-        let Some(folder) = self.0.as_ref().map(|root| root.join("harness/external")).filter(|f| f.is_dir())
-        else {
-            return Ok(Vec::new());
-        };
-        let entries = std::fs::read_dir(&folder).and_then(Iterator::collect::<std::io::Result<Vec<_>>>);
-        let entries = entries.with_context(|| folder.display().to_string())?;
-        let mut paths: Vec<PathBuf> =
-            entries.iter().map(std::fs::DirEntry::path).filter(|path| is_toml(path)).collect();
         paths.sort();
         Ok(paths)
     }
@@ -215,6 +203,7 @@ impl Kind {
             Self::Plan => ("a plan", "harness/plans", ".toml"),
             Self::Frozen => ("a frozen problem", "cases/frozen", ".json"),
             Self::Foreign => ("a file of another code", "cases/foreign", ".hdf5"),
+            Self::External => ("a description of another code", "harness/external", ".toml"),
         }
     }
 

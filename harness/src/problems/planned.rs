@@ -180,7 +180,9 @@ fn of_case(root: &Root, plan: &Plan, planned: &PlannedCase) -> Result<Vec<Planne
         let (name, source) = if let Some(simulate) = &plan.simulate {
             let case = read_case(&path, &overrides(&settings))?;
             let (name, alone) = (named(&case.name, &settings, ""), named(&case.name, &settings, TIME_STEP));
-            let scene = Scene::planned(case, alone, settings.clone(), planned, simulate)?;
+            let duration = planned.duration_s.or(simulate.duration_s);
+            let duration = duration.context("neither the case nor `simulate` has a `duration_s`")?;
+            let scene = Scene::new(case, alone, settings.clone(), duration, simulate.sample_every_s)?;
             (name, Source::Simulated(Box::new(scene)))
         } else {
             let march = planned.march.as_ref();

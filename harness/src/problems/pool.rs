@@ -2,7 +2,7 @@
 
 use crate::identity::code_version;
 use crate::problems::{Known, Root};
-use crate::terminal::{progress, read_sealed, write_sealed};
+use crate::terminal::{at_hand, progress, read_sealed, write_sealed};
 use anyhow::{Context, Result};
 use lineup::{Frictional, Law, OneProblem, content_hash};
 use reference::{RoughSolution, is_same, take};
@@ -23,14 +23,8 @@ pub(crate) fn pool(
 ) -> Result<Option<Vec<RoughSolution>>> {
     let path = path(root, problem);
     let code = code_version("reference").unwrap_or_default();
-    let mut sealed = true;
-    let mut kept = Pool { starts: 0, code: code.to_owned(), solutions: Vec::new() };
-    if path.exists() {
-        match read(&path) {
-            Ok((read, is_sealed)) => (kept, sealed) = (read, is_sealed),
-            Err(error) => eprintln!("{error:#}: computed again"),
-        }
-    }
+    let none = Pool { starts: 0, code: code.to_owned(), solutions: Vec::new() };
+    let (mut kept, sealed) = at_hand(&path, || read(&path)).unwrap_or((none, true));
     let mut pool = certified(problem, std::mem::take(&mut kept.solutions));
     if !pool.iter().any(|solution| solution.certificate.certified()) && law.has_no_solution() {
         return Ok(None);

@@ -2,10 +2,10 @@
 
 use crate::problems::Root;
 use crate::problems::pool::{STARTS, pool};
-use crate::terminal::{read_sealed, write_sealed};
+use crate::terminal::{at_hand, read_sealed, write_sealed};
 use anyhow::{Context, Result, bail};
 use lineup::{Frictionless, Law, OneProblem, Posed, content_hash, solution};
-use reference::Answer;
+use reference::{Answer, RoughSolution};
 use results::schema::KnownSolutions;
 use runner::Status;
 use serde::{Deserialize, Serialize};
@@ -32,30 +32,17 @@ impl Known {
                 return Ok(Self { impulses: solution(problem).into_iter().collect(), ..sought });
             }
         };
-        let none = || {
+        let Some(Found { mut solutions, why }) = found(root, problem, STARTS)? else {
             eprintln!("{name}: the problem has no solution");
-            Self { is_infeasible: true, ..Self::default() }
+            return Ok(Self { is_infeasible: true, ..Self::default() });
         };
-        match problem.law() {
-            Law::Frictionless(law) => Ok(match answer(root, problem, law)? {
-                Answer::Solution { impulses, .. } => Self { impulses: vec![impulses], ..sought },
-                Answer::Infeasible { .. } => none(),
-                Answer::Unknown { impulses, certificate, why } => {
-                    eprintln!("{name}: no reference: {why}; the best impulses are {certificate}");
-                    Self { nearest: Some(impulses), ..sought }
-                }
-            }),
-            Law::Frictional { problem: law, .. } => {
-                let Some(pool) = pool(root, problem, law, STARTS)? else { return Ok(none()) };
-                if let [best] = &pool[..]
-                    && !best.certificate.certified()
-                {
-                    eprintln!("{name}: no certified solution; the best impulses are {}", best.certificate);
-                    return Ok(Self { nearest: Some(best.impulses.clone()), ..sought });
-                }
-                Ok(Self { impulses: pool.into_iter().map(|solution| solution.impulses).collect(), ..sought })
-            }
+        if let [RoughSolution { certificate, .. }] = &solutions[..]
+            && !certificate.certified()
+        {
+            eprintln!("{name}: no certified solution{why}; the best impulses are {certificate}");
+            return Ok(Self { nearest: solutions.pop().map(|best| best.impulses), ..sought });
         }
+        Ok(Self { impulses: solutions.into_iter().map(|solution| solution.impulses).collect(), ..sought })
     }
 
     /// Returns the impulses that are nearest to a solution, as far as is known (N·s): they show which contacts are closed.
@@ -80,6 +67,28 @@ impl Known {
     }
 }
 
+/// Certified solutions; else the best impulses alone, and what is known of the reason.
+pub(crate) struct Found {
+    pub(crate) solutions: Vec<RoughSolution>,
+    pub(crate) why: String,
+}
+
+/// Returns the solutions of a problem, with friction those of its pool after so many starts; none if it is proved to have none.
+pub(crate) fn found(root: &Root, problem: &dyn OneProblem, starts: u64) -> Result<Option<Found>> {
+    let (impulses, certificate, why) = match problem.law() {
+        Law::Frictional { problem: law, .. } => {
+            let pool = pool(root, problem, law, starts)?;
+            return Ok(pool.map(|solutions| Found { solutions, why: String::new() }));
+        }
+        Law::Frictionless(law) => match answer(root, problem, law)? {
+            Answer::Infeasible { .. } => return Ok(None),
+            Answer::Solution { impulses, certificate } => (impulses, certificate, String::new()),
+            Answer::Unknown { impulses, certificate, why } => (impulses, certificate, format!(": {why}")),
+        },
+    };
+    Ok(Some(Found { solutions: vec![RoughSolution { impulses, certificate }], why }))
+}
+
 /// A kept answer: impulses that solve the problem, or a ray that proves that nothing does (N·s).
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
@@ -89,13 +98,10 @@ enum Kept {
 }
 
 /// The reference of a problem, kept or computed.
-pub(crate) fn answer(root: &Root, problem: &dyn OneProblem, law: &dyn Frictionless) -> Result<Answer> {
+fn answer(root: &Root, problem: &dyn OneProblem, law: &dyn Frictionless) -> Result<Answer> {
     let kept = root.kept("results/references", &format!("{}.json", content_hash(problem)));
-    if let Some(path) = kept.as_deref().filter(|path| path.exists()) {
-        match read(path, problem, law) {
-            Ok(answer) => return Ok(answer),
-            Err(error) => eprintln!("{error:#}: computed again"),
-        }
+    if let Some(answer) = kept.as_deref().and_then(|path| at_hand(path, || read(path, problem, law))) {
+        return Ok(answer);
     }
     let answer = law.reference();
     let Some(path) = kept else { return Ok(answer) };

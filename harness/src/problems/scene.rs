@@ -1,6 +1,6 @@
 //! A scene of a study through time: a case with its values replaced, for a while.
 
-use crate::plan::{PlannedCase, Settings, Simulate};
+use crate::plan::Settings;
 use crate::problems::first_hash;
 use anyhow::{Context, Result};
 use cases::Case;
@@ -30,20 +30,14 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    /// The case of a plan with `settings`.
-    pub(crate) fn planned(
+    /// A case with `settings`, of this duration (s) and with a row in every so many seconds.
+    pub(crate) fn new(
         case: Case,
         name: String,
         settings: Settings,
-        planned: &PlannedCase,
-        simulate: &Simulate,
+        duration_s: f64,
+        every_s: f64,
     ) -> Result<Self> {
-        let duration = planned.duration_s.or(simulate.duration_s);
-        let duration = duration.context("neither the case nor `simulate` has a `duration_s`")?;
-        Self::new(case, name, settings, duration, simulate.sample_every_s)
-    }
-
-    fn new(case: Case, name: String, settings: Settings, duration_s: f64, every_s: f64) -> Result<Self> {
         let h = case.scene.time_step_s;
         let multiple = |key: &str, value: f64, of: &str, unit: f64| {
             let (ratio, value, unit) = (whole(value / unit), shown(value), shown(unit));

@@ -10,7 +10,7 @@ use crate::team::run::OnAllRanks;
 use crate::team::share::Posted;
 use crate::terminal::{exit, say};
 use anyhow::{Result, bail};
-use reports::{About, Formats, Wanted};
+use reports::{About, Chart, Formats, Wanted};
 use results::journal::Record;
 use results::schema::Run;
 use results::store::Store;
@@ -107,7 +107,7 @@ fn draw_all(root: &Root, study: &OnProblems, base: &str) -> Result<()> {
     let name = format!("{base}-on-ranks");
     let selection = study.selection();
     let about = About { name: name.clone(), draw: None, ..about(&selection.plan, &selection.again) };
-    let charts = ["ranks".parse()?];
+    let charts: Vec<Chart> = Chart::named("ranks").into_iter().collect();
     draw(root, &name, &stores, Formats::default(), |formats, out| {
         let wanted = Wanted { charts: &charts, formats, against: None };
         Ok(reports::report(&Rows::Runs(rows), &about, wanted, out)?)

@@ -8,11 +8,11 @@ use crate::team::share::{Posted, Shared, cut_of, of_whole};
 use crate::terminal::exit;
 use anyhow::{Context, Result};
 use lineup::Posed;
-use partition::{Refused, Traffic};
+use partition::Refused;
 use results::journal::Record;
 use results::provenance::load_average;
-use results::schema::{Exchange, Provenance, Run, Sample, Timing};
-use runner::{Beside, Measured, OnRanks, Outcome, Progress, Status, Stop};
+use results::schema::{Exchange, Provenance, Run, Timing};
+use runner::{Beside, Measured, Outcome, Progress, Status, Stop};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -23,7 +23,7 @@ pub(crate) fn on_ranks(
     stop: &Stop,
     measured: Measured,
     observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-) -> Result<OnRanks> {
+) -> Result<(Outcome, Exchange)> {
     let beside = Beside { start, solutions };
     let ended = share.solve(team, method.ours()?, beside, stop, measured, observe)?;
     // The reason is that of the rank which has one.
@@ -32,13 +32,31 @@ pub(crate) fn on_ranks(
         Err(Refused::Elsewhere) => Ok(None),
         Err(Refused::Here(reason)) => Err(reason.to_string()),
     };
-    team.agree(own).map_err(anyhow::Error::msg)?.context("another rank cannot start")
-}
-
-/// Messages, bytes and the longest waiting of a run (s).
-pub(crate) fn exchanged(traffic: &[Traffic]) -> (u64, u64, f64) {
-    let (messages, bytes) = traffic.iter().fold((0, 0), |(m, b), t| (m + t.messages, b + t.bytes));
-    (messages, bytes, traffic.iter().map(|t| t.waiting_ns).max().unwrap_or(0) as f64 * 1e-9)
+    let end = team.agree(own).map_err(anyhow::Error::msg)?.context("another rank cannot start")?;
+    let waiting_ns = end.traffic.iter().map(|of_rank| of_rank.waiting_ns).max().unwrap_or(0);
+    let exchange = Exchange {
+        ranks: team.size() as u32,
+        messages: end.traffic.iter().map(|of_rank| of_rank.messages).sum(),
+        message_bytes: end.traffic.iter().map(|of_rank| of_rank.bytes).sum(),
+        waiting_s: waiting_ns as f64 * 1e-9,
+        slowest_rank: end.slowest as u32,
+        ..Exchange::default()
+    };
+    let outcome = Outcome {
+        status: end.status,
+        iterations: end.iterations,
+        measures: end.measures,
+        impulses: end.impulses,
+        velocity: Vec::new(),
+        setup: end.setup,
+        iterating: end.iterating,
+        work: end.work,
+        derived: end.derived,
+        critical_path: end.critical_path,
+        last_change_moves: f64::NAN,
+        cycle: None,
+    };
+    Ok((outcome, exchange))
 }
 
 /// All ranks, and what their rows say of them.
@@ -91,32 +109,16 @@ impl OnAllRanks<'_> {
             });
             match ended {
                 Err(reason) => return skipped(&format!("{reason:#}")),
-                Ok(end) if end.status == Status::Interrupted => return Ok(None),
-                Ok(end) => all.push((end, recorder.finish())),
+                Ok((end, _)) if end.status == Status::Interrupted => return Ok(None),
+                Ok((end, exchange)) => all.push((end, exchange, recorder.finish())),
             }
         }
-        all.sort_by_key(|(end, _)| end.iterating);
-        let (end, curve): (OnRanks, Vec<Sample>) = all.swap_remove((all.len() - 1) / 2);
-        let (messages, message_bytes, waiting_s) = exchanged(&end.traffic);
-        let (ranks, slowest_rank) = (self.posted.size() as u32, end.slowest as u32);
+        all.sort_by_key(|(end, ..)| end.iterating);
+        let (end, exchange, curve) = all.swap_remove((all.len() - 1) / 2);
         let (latency_s, seconds_per_byte) = self.prices;
-        let exchange =
-            Exchange { ranks, messages, message_bytes, waiting_s, slowest_rank, latency_s, seconds_per_byte };
+        let exchange = Exchange { latency_s, seconds_per_byte, ..exchange };
         let timing = Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing };
-        let outcome: Outcome = Outcome {
-            status: known.ending(end.status),
-            iterations: end.iterations,
-            measures: end.measures,
-            impulses: Vec::new(),
-            velocity: Vec::new(),
-            setup: end.setup,
-            iterating: end.iterating,
-            work: end.work,
-            derived: end.derived,
-            critical_path: end.critical_path,
-            last_change_moves: f64::NAN,
-            cycle: None,
-        };
+        let outcome = Outcome { status: known.ending(end.status), ..end };
         let subdomains = shared.team.subdomains() as u32;
         let run = ended_row(Run { timing, exchange, subdomains, ..row }, &outcome, &curve);
         Ok(Some(Record { run, curve, snapshots: Vec::new() }))

@@ -4,14 +4,16 @@ use crate::cli::args::{SolverArgs, Start, read};
 use crate::cli::solve::{say_ending, say_measures};
 use crate::plan::Method;
 use crate::problems::{Impulses, Root};
+use crate::run::to_json;
 use crate::team::parts::read_impulses;
-use crate::team::run::{exchanged, on_ranks};
+use crate::team::run::on_ranks;
 use crate::team::share::{Posted, Shared, Source, cut_of, is_split, share, whole_of};
-use crate::terminal::{Line, exit, merged, say};
+use crate::terminal::{Line, exit, say};
 use anyhow::{Context, Result};
 use contact::Measure;
 use partition::Grid;
-use runner::{Measured, OnRanks, Progress, Stop};
+use results::schema::Exchange;
+use runner::{Measured, Outcome, Progress, Stop};
 use serde_json::{Value, json};
 use std::fs;
 use std::num::NonZeroU64;
@@ -71,19 +73,21 @@ pub(crate) fn run(posted: &Posted, root: &Root, args: &Args) -> Result<ExitCode>
         if exit::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let measured = Measured::OneIn(args.measure_every.get());
-    let end = on_ranks(&method, (&shared, &start), &stop, measured, &mut observe)?;
+    let (end, exchange) = on_ranks(&method, (&shared, &start), &stop, measured, &mut observe)?;
     let _whole = exit::whole();
     drop(line);
     if let Some(folder) = &args.impulses {
         posted.agree(Impulses::write_all(folder, &*shared.share, &shared.hash, &end.impulses))?;
     }
     let held = Held::of(&shared);
-    let told = match first {
-        true if args.json => say(format_args!("{}", to_json(&shared, &method, &stop, &end, &held)?)),
-        true => print(&shared, &method, &stop, &end, &held),
+    let said = match first {
+        true if args.json => {
+            say(format_args!("{}", told(&shared, &method, &stop, (&end, &exchange), &held)?))
+        }
+        true => print(&shared, &method, &stop, (&end, &exchange), &held),
         false => Ok(()),
     };
-    posted.agree(told)?;
+    posted.agree(said)?;
     Ok(if first { exit::code(end.status.name()) } else { ExitCode::SUCCESS })
 }
 
@@ -122,17 +126,15 @@ pub(crate) fn peak_memory_bytes() -> Option<f64> {
     kilobytes.trim().parse::<f64>().ok().map(|kilobytes| 1024.0 * kilobytes)
 }
 
-fn to_json(
+fn told(
     Shared { name, hash, share, team, .. }: &Shared,
     method: &Method,
     stop: &Stop,
-    end: &OnRanks,
+    (end, exchange): (&Outcome, &Exchange),
     held: &Held,
 ) -> Result<Value> {
-    let (messages, bytes, waiting_s) = exchanged(&end.traffic);
     let whole = share.whole();
-    let derived: Vec<Value> = end.derived.iter().map(|(key, value)| json!([key, value])).collect();
-    let object = json!({
+    let asked = json!({
         "problem": name,
         "mechanics": share.facts().mechanics,
         "problem_hash": hash,
@@ -141,34 +143,27 @@ fn to_json(
         "subdomains": whole.subdomains,
         "method": method.name,
         "settings": method.settings,
-        "derived": derived,
         "stop_on": stop.on,
         "tolerance": stop.tolerance,
         "max_iterations": stop.max_iterations,
-        "status": end.status,
-        "iterations": end.iterations,
-        "setup_s": end.setup.as_secs_f64(),
-        "iterating_s": end.iterating.as_secs_f64(),
-        "worst_contact": end.measures.worst_contact,
         "critical_path": end.critical_path,
         "ranks": team.size(),
-        "messages": messages,
-        "message_bytes": bytes,
-        "waiting_s": waiting_s,
-        "slowest_rank": end.slowest,
+        "messages": exchange.messages,
+        "message_bytes": exchange.message_bytes,
+        "waiting_s": exchange.waiting_s,
+        "slowest_rank": exchange.slowest_rank,
         "most_grains_of_a_rank": held.grains,
         "most_contacts_of_a_rank": held.contacts,
         "peak_memory_of_a_rank_bytes": held.memory_bytes,
     });
-    let object = merged(object, serde_json::to_value(end.measures)?);
-    Ok(merged(object, serde_json::to_value(end.work)?))
+    to_json(asked, end)
 }
 
 fn print(
     Shared { name, share, team, .. }: &Shared,
     method: &Method,
     stop: &Stop,
-    end: &OnRanks,
+    (end, exchange): (&Outcome, &Exchange),
     held: &Held,
 ) -> Result<()> {
     let whole = share.whole();
@@ -179,8 +174,7 @@ fn print(
     ))?;
     let seconds = [end.setup, end.iterating].map(|time| time.as_secs_f64());
     say_ending(method, stop, (end.status, end.iterations), seconds)?;
-    let (messages, bytes, waiting) = exchanged(&end.traffic);
-    let slowest = end.slowest;
+    let Exchange { messages, message_bytes: bytes, waiting_s: waiting, slowest_rank: slowest, .. } = exchange;
     say(format_args!(
         "  {messages} messages of {bytes} B in all; up to {waiting:.3e} s of waiting, least at rank {slowest}"
     ))?;

@@ -91,6 +91,11 @@ pub(crate) fn read_sealed(path: &Path) -> Result<(String, bool)> {
     Ok(opened.map_or((text, false), |text| (String::from_utf8_lossy(&text).into_owned(), true)))
 }
 
+/// Returns the content that `read` makes of a file that is kept to spare computing it again; says why where it cannot.
+pub(crate) fn at_hand<T>(path: &Path, read: impl FnOnce() -> Result<T>) -> Option<T> {
+    path.exists().then(|| read().inspect_err(|error| eprintln!("{error:#}: computed again")).ok())?
+}
+
 /// Writes an object of JSON with its checksum, whole, in a folder that need not be there.
 pub(crate) fn write_sealed(path: &Path, object: &str) -> Result<()> {
     write_kept(path, &sealed(object))

@@ -65,7 +65,7 @@ fn figure(pairs: &[Pair], looks: &Looks, (before, after): (usize, usize)) -> Str
         pairs.len()
     );
     let panels = MEASURES.iter().map(panel).collect();
-    Plot { title: vec![title], panels, entries: Vec::new(), signs: Vec::new() }.svg()
+    Plot { title: vec![title], panels, ..Plot::default() }.svg()
 }
 
 fn table(pairs: &[Pair]) -> DataFrame {

@@ -12,7 +12,7 @@ use polars::df;
 use polars::prelude::{Column, DataFrame};
 use serde_json::Value;
 
-use crate::read::{Point, Problems, RunRow, Verdicts, file_name, unique};
+use crate::read::{Problems, RunRow, Sample, Verdicts, file_name, unique};
 use crate::text::{Part, chosen, frame};
 use class::{Class, zeta_lies};
 use grid::{Grid, Head, Tile, counts};
@@ -147,7 +147,7 @@ fn table(judged: &[Judged], hazards: &[Hazard]) -> DataFrame {
         let of = hazards.iter().find(|hazard| hazard.problems.contains(&j.run.problem));
         of.map(|hazard| hazard.name.clone())
     };
-    let last = |of: fn(&Point) -> Option<f64>| -> Vec<Option<f64>> {
+    let last = |of: fn(&Sample) -> Option<f64>| -> Vec<Option<f64>> {
         judged.iter().map(|j| j.run.curve.last().and_then(of)).collect()
     };
     let own = frame(df!(
@@ -155,7 +155,7 @@ fn table(judged: &[Judged], hazards: &[Hazard]) -> DataFrame {
         "setting" => judged.iter().map(|j| setting(&j.run.words)).collect::<Vec<_>>(),
         "class" => judged.iter().map(|j| j.class.text()).collect::<Vec<_>>(),
         "natural_map" => last(|end| end.get(Measure::NaturalMap)),
-        "velocity_error" => last(Point::velocity_error),
+        "velocity_error" => last(Sample::velocity_error),
         "zeta_lies" => judged.iter().map(|j| j.zeta_lies).collect::<Vec<_>>(),
     ));
     let spectrum = "lambda_max closed_lambda_max closed_lambda_min redundant kappa_opt multiplicity coupling";

@@ -4,10 +4,9 @@ use contact::Measure;
 
 use super::declared::CONVERGENCE;
 use crate::draw::{
-    Canvas, INSIDE, Legend, Line, Lines, LogPoint, MOST_LINES, Room, Scale, Sign, TOLERANCE, draw_lines, row,
-    title,
+    At, Guide, Line, Lines, LogPoint, MOST_LINES, Panel, Plot, Scale, Side, Sign, TOLERANCE, title,
 };
-use crate::read::{Ending, Point, Problems, RunRow, file_name, problems, unique};
+use crate::read::{Ending, Problems, RunRow, Sample, file_name, problems, unique};
 use crate::text::Part;
 
 /// The panels and the names of their axes.
@@ -18,7 +17,7 @@ const RATIO: &str = "iterations over those without subdomains (–)";
 /// Least number of iterations for a ratio: with fewer, one more or less would be a ratio of its own.
 const LEAST: u64 = 10;
 /// The least axis (in logarithms): less would show differences that are none.
-const NARROWEST: (f64, f64) = (-0.1, 0.302);
+const NARROWEST: [f64; 2] = [-0.02, 0.222];
 
 /// The figures `convergence`, and `ratios-<problem>` for each problem.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
@@ -33,25 +32,28 @@ fn figure(study: &Lines, problem: &str) -> Option<Part> {
     let runs = study.runs_of(problem);
     let pairs: Vec<(&RunRow, &RunRow)> =
         runs.iter().filter_map(|run| Some((*run, without_subdomains(run, &runs)?))).collect();
-    let panels = MEASURES.map(|(measure, _)| {
-        let line = |&(run, base): &(&RunRow, &RunRow)| {
-            let (points, ending) = ratios(run, base, measure);
-            Line { look: study.looks.look(run), ending, points }
-        };
-        pairs.iter().map(line).collect::<Vec<_>>()
-    });
-    let drawn = |i: usize| panels.iter().any(|lines| !lines[i].points.is_empty());
+    let panels = MEASURES.map(|(measure, name)| panel(study, &pairs, measure, name));
+    let drawn = |i: usize| panels.iter().any(|panel| !panel.lines[i].points.is_empty());
     let shown: Vec<&RunRow> = (0..pairs.len()).filter(|&i| drawn(i)).map(|i| pairs[i].0).collect();
     if shown.is_empty() || shown.len() > MOST_LINES {
         return None;
     }
-    let legend = key(study, &shown);
-    let svg = row(&[title(problem, &shown)], MEASURES.len(), &legend, |canvas, i, room| {
-        panel(canvas, MEASURES[i].1, &panels[i], room);
-    });
+    let (title, signs) = (vec![title(problem, &shown)], words(&shown));
+    let svg = Plot { title, panels: panels.into(), signs, ..Plot::default() }.svg();
     let caption =
         format!("{problem}: iterations with subdomains over those without, against the accuracy reached.");
     Some(Part::figure(format!("ratios-{}", file_name(problem)), svg).captioned(caption))
+}
+
+fn panel(study: &Lines, pairs: &[(&RunRow, &RunRow)], measure: Measure, name: &str) -> Panel {
+    let line = |&(run, base): &(&RunRow, &RunRow)| {
+        let (points, ending) = ratios(run, base, measure);
+        Line { label: run.label(), look: study.looks.look(run), ending, points }
+    };
+    let (x, y) = (Side::new(Scale::Ten, name), Side::new(Scale::Ten, RATIO).holding(NARROWEST));
+    let panel =
+        Panel::new(x, y, Vec::new()).guided([Guide::new(At::Y(0.0), TOLERANCE, "as many iterations")]);
+    Panel { lines: pairs.iter().map(line).collect(), ..panel }
 }
 
 /// The run that `run` is NSGS-DD of, which is NSGS; or else its own method's on one subdomain, if that is another run. All
@@ -88,7 +90,7 @@ fn ratios(run: &RunRow, base: &RunRow, measure: Measure) -> (Vec<LogPoint>, Endi
 }
 
 /// Returns the first iteration with a measure of at most 10 to the power of `log`, from which on it stays there.
-fn first(curve: &[Point], measure: Measure, log: f64) -> Option<u64> {
+fn first(curve: &[Sample], measure: Measure, log: f64) -> Option<u64> {
     // Round-off of the power must not lose a whole decade.
     let accuracy = 10f64.powf(log) * (1.0 + 1e-12);
     let values = curve.iter().map(|point| point.get(measure).unwrap_or(f64::NAN));
@@ -100,29 +102,17 @@ fn has_gaps(run: &RunRow) -> bool {
     run.curve.windows(2).any(|pair| pair[1].iteration * 100 > pair[0].iteration * 102 + 100)
 }
 
-fn key(study: &Lines, shown: &[&RunRow]) -> Legend {
-    let mut more = vec![(Sign::Line(TOLERANCE), "as many iterations".to_owned())];
+/// Says which runs the shown ones are compared with.
+fn words(shown: &[&RunRow]) -> Vec<(Sign, String)> {
     let others = unique(shown.iter().map(|run| (run.method.as_str(), run.without_subdomains())));
-    let words = others.iter().filter(|(method, whole)| method != whole);
-    let words: Vec<String> = words.map(|(method, whole)| format!("{method}: over {whole}.")).collect();
+    let apart = others.iter().filter(|(method, whole)| method != whole);
+    let mut words: Vec<String> = apart.map(|(method, whole)| format!("{method}: over {whole}.")).collect();
     if others.len() > words.len() {
         let who = if words.is_empty() { "Each" } else { "Others" };
-        more.push((Sign::Word, format!("{who}: over the same method on one subdomain.")));
+        words.push(format!("{who}: over the same method on one subdomain."));
     }
-    let at = more.len().min(1);
-    more.splice(at..at, words.into_iter().map(|word| (Sign::Word, word)));
-    more.push((Sign::Word, format!("Drawn from {LEAST} iterations of these on.")));
-    study.legend(shown, more, INSIDE)
-}
-
-fn panel(canvas: &Canvas, name: &str, lines: &[Line], room: Room) {
-    let points = || lines.iter().flat_map(|line| line.points.iter().flatten());
-    let (low, high) = points().fold((0.0_f64, f64::NEG_INFINITY), |(l, h), (x, _)| (l.min(*x), h.max(*x)));
-    let x = if low < high { (low - 0.2, high + 0.2) } else { (-4.0, 0.0) };
-    let (least, most) = points().fold(NARROWEST, |(l, m), (_, y)| (l.min(*y), m.max(*y)));
-    let frame = room.frame(canvas, (Scale::Ten, x, name), (Scale::Ten, (least - 0.02, most + 0.02), RATIO));
-    frame.across(canvas, 0.0, TOLERANCE);
-    draw_lines(canvas, &frame, lines);
+    words.push(format!("Drawn from {LEAST} iterations of these on."));
+    words.into_iter().map(|text| (Sign::Word, text)).collect()
 }
 
 #[cfg(test)]

@@ -3,11 +3,10 @@
 use contact::Measure;
 
 use crate::draw::{
-    Axis, Canvas, Frame, HPos, INSIDE, LOWEST, Line, Lines, LogPoint, MOST_LINES, PARETO, Place, RGBColor,
-    Room, Scale, Sign, TICK_TEXT, TOLERANCE, VPos, draw_lines, fits_a_page, grid, log, range, text_width,
-    title,
+    At, Curve, Guide, LOWEST, Lines, LogPoint, Look, MOST_LINES, Mark, PARETO, Panel, Plot, RGBColor, Scale,
+    Side, Sign, TOLERANCE, Through, log, range, title,
 };
-use crate::read::{ACCURACIES, Point, Problems, RunRow, file_name, number, padded, problems};
+use crate::read::{ACCURACIES, Problems, RunRow, Sample, file_name, number, padded, problems, rising};
 use crate::text::{Part, nothing, too_many};
 
 use super::band::Band;
@@ -25,7 +24,7 @@ pub(super) struct Sampled {
 
 pub(super) enum Of {
     /// A cost: samples without any have no place.
-    Cost(fn(&RunRow, &Point) -> Option<f64>),
+    Cost(fn(&RunRow, &Sample) -> Option<f64>),
     Measure(Measure),
 }
 
@@ -43,18 +42,9 @@ pub(super) struct Curves {
     pub(super) key: &'static [&'static str],
 }
 
-/// Curves of a panel, its ranges, and the bands behind them.
-struct Shown {
-    lines: Vec<Line>,
-    bands: Vec<(RGBColor, Band)>,
-    x: (f64, f64),
-    y: (f64, f64),
-    tolerances: Vec<f64>,
-}
-
 impl Sampled {
     /// The logarithm at a sample, where it has a place; `None` inside where it is undefined.
-    fn at(&self, run: &RunRow, point: &Point) -> Option<Log> {
+    fn at(&self, run: &RunRow, point: &Sample) -> Option<Log> {
         match self.of {
             Of::Cost(of) => of(run, point).filter(|cost| *cost > 0.0).map(|cost| Some(log(cost))),
             Of::Measure(measure) => Some(point.get(measure).map(log)),
@@ -81,57 +71,48 @@ impl Curves {
                 (format!("{}-{}", self.name, file_name(problem)), lines.runs_of(problem).len());
             parts.push(match count {
                 many if many > MOST_LINES => too_many(name, problem, many),
-                _ => Part::figure(name, self.figure(&lines, &[problem])),
+                _ => Part::figure(name, self.plot(&lines, &[problem]).svg()),
             });
         }
         let few = all.iter().all(|problem| lines.runs_of(problem).len() <= MOST_LINES);
-        if !self.of_truth && few && fits_a_page(all.len(), self.legend(&lines, &all).height()) {
-            parts.push(Part::figure(self.name, self.figure(&lines, &all)).beside_the_page());
-        }
+        let plot = (!self.of_truth && few).then(|| self.plot(&lines, &all)).filter(Plot::fits_a_page);
+        parts.extend(plot.map(|plot| Part::figure(self.name, plot.svg()).beside_the_page()));
         parts
     }
 
-    /// A row of panels per problem, with one legend below.
-    fn figure(&self, study: &Lines, problems: &[&str]) -> String {
-        let titles: Vec<String> =
-            problems.iter().map(|problem| title(problem, &study.runs_of(problem))).collect();
-        let columns = self.panels.len();
+    fn plot(&self, study: &Lines, problems: &[&str]) -> Plot {
+        let of_problem = |problem: &&str| title(problem, &study.runs_of(problem));
         let several = problems.len() > 1;
-        grid(&titles, (columns, problems.len()), &self.legend(study, problems), |canvas, i, room| {
-            let ((x, y), problem) = (&self.panels[i % columns], problems[i / columns]);
+        let mut panels = Vec::new();
+        for (problem, (x, y)) in
+            problems.iter().flat_map(|of| self.panels.iter().map(move |panel| (of, panel)))
+        {
             let of = if several { format!("{problem}: ") } else { String::new() };
-            let name = if several || columns > 2 { y.short } else { y.title };
-            self.draw(canvas, &self.shown(study, problem, (x, y)), (x.title, &(of + name)), room);
-        })
-    }
-
-    /// One entry per kind of run, the signs, and the runs that have no line since nothing was left to do.
-    fn legend(&self, study: &Lines, problems: &[&str]) -> crate::draw::Legend {
-        let runs: Vec<&RunRow> = problems.iter().flat_map(|problem| study.runs_of(problem)).collect();
+            let name = if several || self.panels.len() > 2 { y.short } else { y.title };
+            panels.push(self.panel(study, problem, (x, y), of + name));
+        }
         let mut signs: Vec<(Sign, String)> = Vec::new();
         if self.of_truth && !self.promises {
             signs.push((Sign::Line(PARETO), "Pareto front: nothing is cheaper and as accurate".to_owned()));
         }
-        let of_line = match (self.of_truth, self.promises) {
-            (_, true) => "measure = velocity error; below it the measure promises too much",
-            (true, _) => "accuracies of the tables",
-            (false, _) => "stopping tolerance",
-        };
-        signs.push((Sign::Line(TOLERANCE), of_line.to_owned()));
         signs.extend(self.key.iter().map(|key| (Sign::Word, (*key).to_owned())));
-        if self.of_truth {
-            return study.legend_of_best(&runs, signs, INSIDE);
+        for problem in problems {
+            if self.of_truth {
+                signs.extend(study.others(problem));
+                continue;
+            }
+            let begun = |run: &&RunRow| run.has_converged() && run.iterations == 0;
+            signs.extend(study.runs_of(problem).into_iter().filter(begun).map(|run| {
+                (Sign::Word, format!("{} on {problem}: converged at its start, no line", run.label()))
+            }));
         }
-        let begun = runs.iter().filter(|run| run.has_converged() && run.iterations == 0);
-        signs.extend(begun.map(|run| {
-            (Sign::Word, format!("{} on {}: converged at its start, no line", run.label(), run.problem))
-        }));
-        study.legend(&runs, signs, INSIDE)
+        let title = problems.iter().map(of_problem).collect();
+        Plot { title, panels, signs, columns: self.panels.len(), ..Plot::default() }
     }
 
-    fn shown(&self, study: &Lines, problem: &str, (x, y): (&Sampled, &Sampled)) -> Shown {
+    fn panel(&self, study: &Lines, problem: &str, (x, y): (&Sampled, &Sampled), name: String) -> Panel {
         let runs = study.runs_of(problem);
-        let at = |run: &RunRow, point: &Point| {
+        let at = |run: &RunRow, point: &Sample| {
             // At its start a run has measured nothing. An error of 0 is at the end of the axis, not beyond all others.
             let (to, up) = (x.at(run, point)?, y.at(run, point)?);
             let is_begun = point.iteration > 0 || !self.promises;
@@ -139,68 +120,49 @@ impl Curves {
         };
         let mut lines = if self.of_truth { study.lines_of_best(&runs, at) } else { study.lines(&runs, at) };
         let stopped = |run: &&&RunRow| run.stopping_measure().is_some_and(|measure| y.is(measure));
-        let mut tolerances: Vec<f64> = if self.promises {
-            Vec::new()
-        } else if self.of_truth {
-            ACCURACIES.to_vec()
-        } else {
-            runs.iter().filter(stopped).filter_map(|run| run.tolerance).collect()
+        let (tolerances, key) = match (self.of_truth, self.promises) {
+            (_, true) => (Vec::new(), "measure = velocity error; below it the measure promises too much"),
+            (true, _) => (ACCURACIES.to_vec(), "accuracies of the tables"),
+            (false, _) => {
+                let asked = runs.iter().filter(stopped).filter_map(|run| run.tolerance);
+                (rising(asked.filter(|tolerance| *tolerance > 0.0)), "stopping tolerance")
+            }
         };
-        tolerances.retain(|tolerance| tolerance.is_finite() && *tolerance > 0.0);
-        tolerances.sort_by(f64::total_cmp);
-        tolerances.dedup();
-        let turn = |line: &Line| Line {
-            points: line.points.iter().map(|point: &LogPoint| point.map(|(x, y)| (y, x))).collect(),
-            ..*line
+        let reached = |of: fn(&(f64, f64)) -> f64| {
+            lines
+                .iter()
+                .flat_map(move |line| line.points.iter().flatten().map(move |at| (line.ending, of(at))))
         };
         let costs = runs.iter().flat_map(|run| run.curve.iter().filter_map(|point| x.at(run, point)));
-        let x = match x.of {
-            Of::Measure(_) => range(&lines.iter().map(turn).collect::<Vec<_>>(), &[]),
+        let wide = match x.of {
+            Of::Measure(_) => range(reached(|at| at.0), &[]),
             Of::Cost(_) => padded(costs.flatten(), 0.05),
         };
-        let y = range(&lines, if self.of_truth { &[] } else { &tolerances });
-        let mut bands = Vec::new();
+        let high = range(reached(|at| at.1), if self.of_truth { &[] } else { &tolerances });
+        let mut areas = Vec::new();
         for line in lines.iter_mut().filter(|_| self.promises) {
-            if let Some(mut band) = Band::of(&line.points, x.1 - x.0) {
-                line.points = std::mem::take(&mut band.middle);
-                bands.push((pale(line.look.pen.color), band));
+            if let Some(Band { low, high, middle }) = Band::of(&line.points, wide.1 - wide.0) {
+                line.points = middle;
+                areas.push((
+                    pale(line.look.pen.color),
+                    high.into_iter().chain(low.into_iter().rev()).collect(),
+                ));
             }
         }
-        Shown { lines, bands, x, y, tolerances }
-    }
-
-    fn draw(&self, canvas: &Canvas, shown: &Shown, (x, y): (&str, &str), room: Room) {
-        let frame = room.frame(canvas, (Scale::Ten, shown.x, x), (Scale::Ten, shown.y, y));
-        let clamped = |axis: &Axis, at: f64| axis.place(at.clamp(axis.low, axis.high));
-        let place = |(x, y): &(f64, f64)| -> Place { (clamped(&frame.x, *x), clamped(&frame.y, *y)) };
-        for (color, band) in &shown.bands {
-            let edge = band.high.iter().chain(band.low.iter().rev());
-            canvas.polygon(&edge.map(place).collect::<Vec<_>>(), *color, None);
-        }
-        for tolerance in shown.tolerances.iter().filter(|t| (shown.y.0..shown.y.1).contains(&t.log10())) {
-            frame.across(canvas, tolerance.log10(), TOLERANCE);
-            if !self.of_truth {
-                let beside = (frame.x.from + 1.0, frame.y.place(tolerance.log10()) - 0.2);
-                canvas.text(&number(*tolerance, 2), beside, TICK_TEXT, (HPos::Left, VPos::Bottom));
-            }
-        }
-        if self.promises {
-            draw_promises(canvas, &frame);
-        } else if self.of_truth {
-            let front = front(shown.lines.iter().flat_map(|line| &line.points));
-            canvas.line(&front.iter().map(place).collect::<Vec<_>>(), PARETO);
-        }
-        draw_lines(canvas, &frame, &shown.lines);
-    }
-}
-
-/// The diagonal, and in the corner below it, where the curves of an honest measure do not come, what it means.
-fn draw_promises(canvas: &Canvas, frame: &Frame) {
-    const TEXT: &str = "promises too much";
-    frame.draw_diagonal(canvas);
-    if frame.diagonal().is_some() {
-        let place = (frame.x.to - text_width(TEXT, TICK_TEXT) - 1.5, frame.y.from - 1.6);
-        canvas.text(TEXT, place, TICK_TEXT, (HPos::Left, VPos::Bottom));
+        let beside = |tolerance| if self.of_truth { String::new() } else { number(tolerance, 2) };
+        let tolerances =
+            tolerances.into_iter().filter(|tolerance| (high.0..high.1).contains(&tolerance.log10()));
+        let across = tolerances.map(|t| (At::Y(t.log10()), beside(t)));
+        let promises = self.promises.then(|| (At::Diagonal, "promises too much".to_owned()));
+        let guides = across.chain(promises);
+        let guides = guides.map(|(at, beside)| Guide { beside, ..Guide::new(at, TOLERANCE, key) });
+        let points = lines.iter().flat_map(|line| &line.points).filter(|_| self.of_truth && !self.promises);
+        let clamped = |(x, y): (f64, f64)| (x.clamp(wide.0, wide.1), y.clamp(high.0, high.1));
+        let front = front(points).into_iter().map(clamped);
+        let front = Curve::of("", Look { pen: PARETO, mark: Mark::None }, front, Through::Points);
+        let side = |name: String, range| Side { range: Some(range), ..Side::new(Scale::Ten, name) };
+        let panel = Panel::new(side(x.title.to_owned(), wide), side(name, high), vec![front]);
+        Panel { lines, areas, ..panel.guided(guides) }
     }
 }
 

@@ -5,9 +5,9 @@ use contact::Measure;
 use super::curves::{Curves, Of, Sampled};
 use super::lines::{Each, Ideal, Lines};
 use crate::draw::Through;
-use crate::read::{COSTS, Ending, Point, RunRow};
+use crate::read::{COSTS, Ending, RunRow, Sample};
 
-const fn cost(title: &'static str, of: fn(&RunRow, &Point) -> Option<f64>) -> Sampled {
+const fn cost(title: &'static str, of: fn(&RunRow, &Sample) -> Option<f64>) -> Sampled {
     Sampled { title, short: title, of: Of::Cost(of) }
 }
 

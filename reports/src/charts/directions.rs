@@ -87,7 +87,7 @@ fn against_size(fields: &[Field]) -> String {
     let stop = rule.map_or(String::new(), |rule| format!(", iterations to {rule}"));
     let (problems, runs) = (counted(fields.len(), "problem"), counted(runs, "run"));
     let title = vec![format!("{}: {problems}, {runs}{stop}", fields[0].method)];
-    Plot { title, panels, entries: Vec::new(), signs }.svg()
+    Plot { title, panels, signs, ..Plot::default() }.svg()
 }
 
 /// One row per problem, μ and group: the best of a field beside the derived ones.

@@ -281,7 +281,7 @@ impl Lines {
             titles.push(bracket(&mut panels));
         }
         signs.extend((!self.key.is_empty()).then(|| (Sign::Word, self.key.to_owned())));
-        Part::figure(format!("{name}{of}"), Plot { title: titles, panels, entries: Vec::new(), signs }.svg())
+        Part::figure(format!("{name}{of}"), Plot { title: titles, panels, signs, ..Plot::default() }.svg())
     }
 
     fn panel(&self, y: &Quantity, title: String, curves: Vec<Curve>) -> Panel {

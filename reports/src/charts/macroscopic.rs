@@ -7,7 +7,7 @@ use polars::df;
 use polars::prelude::DataFrame;
 
 use crate::draw::{Curve, Look, MARKS, Mark, Panel, Plot, Scale, Side, Sign, Through, log, looks_in_time};
-use crate::read::{Simulation, unique};
+use crate::read::{Simulation, rising};
 use crate::text::{Part, chosen};
 
 const KEY: &str = "macroscopic";
@@ -94,13 +94,6 @@ fn table(sheared: &[Sheared]) -> DataFrame {
     chosen(sheared.iter().map(|s| s.simulation), names, own)
 }
 
-/// The values, each once, by rising.
-fn rising(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values = unique(values);
-    values.sort_by(f64::total_cmp);
-    values
-}
-
 /// Left, at the least tolerance met, against the μ of the grains; right, at the middle μ, against the tolerance.
 fn figure(solved: &[Sheared], looks: &[(String, Look)], left_out: usize) -> String {
     let grains = rising(solved.iter().map(|s| s.grains));
@@ -137,7 +130,7 @@ fn figure(solved: &[Sheared], looks: &[(String, Look)], left_out: usize) -> Stri
             Scale::Ten,
         ),
     ];
-    Plot { title, panels, entries: Vec::new(), signs }.svg()
+    Plot { title, panels, signs, ..Plot::default() }.svg()
 }
 
 fn panel(shown: &[(&Sheared, f64)], looks: &[(String, Look)], name: &str, scale: Scale) -> Panel {

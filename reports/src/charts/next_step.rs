@@ -88,11 +88,6 @@ fn figure(all: &[Simulation]) -> String {
     let signs = if left_out > 0 { vec![(Sign::Word, text)] } else { Vec::new() };
     let title =
         "Cost of the time steps, started from earlier impulses, over that of the same started from nothing";
-    Plot {
-        title: vec![title.to_owned()],
-        panels: COSTS.iter().map(panel).collect(),
-        entries: Vec::new(),
-        signs,
-    }
-    .svg()
+    let panels = COSTS.iter().map(panel).collect();
+    Plot { title: vec![title.to_owned()], panels, signs, ..Plot::default() }.svg()
 }

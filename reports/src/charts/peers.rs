@@ -65,7 +65,7 @@ fn of_problem<'r>(runs: &'r [RunRow], problem: &str) -> Vec<Row<'r>> {
 /// The first sample that is accurate enough; of another code the run at one tolerance that it is, with both clocks.
 fn reached(run: &RunRow) -> Option<Reached> {
     let accurate = |error: Option<f64>| error.is_some_and(|error| error <= ACCURACY);
-    let at = run.curve.iter().position(|point| accurate(point.stopped_on(run)))?;
+    let at = run.curve.iter().position(|point| accurate(run.stopped_on(point)))?;
     let Some(rungs) = run.derived.get("rungs").and_then(Value::as_array) else {
         let seconds = run.setup_s? + run.curve[at].iterating_s;
         return Some(Reached { seconds, process_s: None, asked: None });

@@ -1,17 +1,14 @@
 //! Performance profiles (Dolan & Moré, Math. Program. 91 (2002) 201-213): the share of the problems that a method
 //! solves within τ times the cost of the best one.
 
-mod ratios;
-
 use polars::df;
 use polars::prelude::DataFrame;
 
 use crate::draw::{Curve, Look, MOST_LINES, Mark, Panel, Plot, Scale, Series, Side, Through, series};
 use crate::read::{
-    ACCURACIES, COSTS, Cost, Problems, RunRow, WORK, accuracy_text, counted, median, problems, repeats,
+    ACCURACIES, COSTS, Cost, Problems, RunRow, WORK, accuracy_text, counted, median, problems, repeats, span,
 };
 use crate::text::{Part, frame, nothing, too_many};
-use ratios::Ratios;
 
 /// A share of fewer problems than this moves by too much with each of them to be drawn.
 const PROBLEMS: usize = 10;
@@ -42,41 +39,63 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     parts
 }
 
+/// For each method and problem the cost over the least one; `None` where the accuracy is not reached.
+type Ratios = Vec<Vec<Option<f64>>>;
+
+fn ratios(runs: &[RunRow], methods: &[Series], cost: &Cost, accuracy: f64) -> Ratios {
+    let mut ratios = vec![Vec::new(); methods.len()];
+    for problem in problems(runs) {
+        let price = |method: &Series| {
+            let run = method.runs.iter().find(|run| run.problem == problem)?;
+            cost.to(run, accuracy)
+        };
+        let prices: Vec<Option<f64>> = methods.iter().map(price).collect();
+        let least = span(prices.iter().copied().flatten()).map_or(0.0, |(least, _)| least);
+        // A cost of 0 is the least, whatever others there are.
+        let over_least = |price: f64| if price <= least { 1.0 } else { (price / least).min(f64::MAX) };
+        for (of_method, price) in ratios.iter_mut().zip(prices) {
+            of_method.push(price.map(over_least));
+        }
+    }
+    ratios
+}
+
 fn figure(runs: &[RunRow], methods: &[Series], cost: &Cost) -> Part {
     let name = format!("profiles-{}", cost.name);
-    let all = ACCURACIES.map(|accuracy| Ratios::of(runs, methods, cost, accuracy));
-    if all.iter().all(|ratios| ratios.best().is_empty()) {
+    let all = ACCURACIES.map(|accuracy| ratios(runs, methods, cost, accuracy));
+    if all.iter().flatten().flatten().all(Option::is_none) {
         let why = "no run reaches a known velocity error of 10⁻² or less";
         return nothing(name, "performance profiles", why);
     }
     let not_reached = |(accuracy, ratios): (f64, &Ratios)| {
-        let (not_reached, runs) = ratios.not_reached();
-        format!("{} by {not_reached} of {runs}", accuracy_text(accuracy))
+        let pairs = || ratios.iter().flatten();
+        let not_reached = pairs().filter(|ratio| ratio.is_none()).count();
+        format!("{} by {not_reached} of {}", accuracy_text(accuracy), pairs().count())
     };
     let not_reached: Vec<String> = ACCURACIES.into_iter().zip(&all).map(not_reached).collect();
     let title = vec![
         format!(
             "Share of {} solved within τ times the least cost, against τ.",
-            counted(all[0].problems, "problem")
+            counted(problems(runs).len(), "problem")
         ),
         format!("Cost: {}, to a velocity error of 10⁻², 10⁻⁴, 10⁻⁶.", cost.title),
         format!("Not reached, in pairs of method and problem: {}.", not_reached.join(", ")),
     ];
     let panels = ACCURACIES.into_iter().zip(&all).map(|(accuracy, ratios)| panel(methods, ratios, accuracy));
-    let plot = Plot { title, panels: panels.collect(), entries: Vec::new(), signs: Vec::new() };
+    let plot = Plot { title, panels: panels.collect(), ..Plot::default() };
     Part::figure(name, plot.svg())
 }
 
 /// Returns the end of the axis: the greatest ratio, or less (logarithm).
 fn far(ratios: &Ratios) -> f64 {
     const FAR: f64 = 3.0;
-    let greatest = ratios.of_methods.iter().flatten().flatten().copied().fold(10.0, f64::max);
+    let greatest = ratios.iter().flatten().flatten().copied().fold(10.0, f64::max);
     greatest.log10().min(FAR) + 0.1
 }
 
 fn panel(methods: &[Series], ratios: &Ratios, accuracy: f64) -> Panel {
     let mut curves = Vec::new();
-    for (k, (method, of_method)) in methods.iter().zip(&ratios.of_methods).enumerate() {
+    for (k, (method, of_method)) in methods.iter().zip(ratios).enumerate() {
         let stairs = stairs(of_method, far(ratios));
         // Its sign where the line rises, at a height of its own: what is flat lies on what others have flat.
         let height = (k as f64 + 0.5) / methods.len() as f64 * stairs.last().map_or(0.0, |(_, share)| *share);
@@ -110,8 +129,8 @@ fn table(runs: &[RunRow], methods: &[Series]) -> DataFrame {
     let mut rows = Vec::new();
     for accuracy in ACCURACIES {
         for cost in &COSTS {
-            let ratios = Ratios::of(runs, methods, cost, accuracy);
-            for (method, of_method) in methods.iter().zip(&ratios.of_methods) {
+            let ratios = ratios(runs, methods, cost, accuracy);
+            for (method, of_method) in methods.iter().zip(&ratios) {
                 let reached: Vec<f64> = of_method.iter().flatten().copied().collect();
                 let best = reached.iter().filter(|ratio| **ratio <= 1.0).count() as u64;
                 rows.push((accuracy, cost.name, method.label(), reached.len() as u64, best, median(reached)));

@@ -70,7 +70,7 @@ const QUANTITIES: &[Quantity] = &[
         let visits = f64::from(run.contacts) * run.iterations as f64;
         Some(1e9 * run.iterating_s? / visits).filter(|ns| ns.is_finite())
     }),
-    quantity("work", "counted work (sweeps)", |_, run| run.curve.last()?.work(run)),
+    quantity("work", "counted work (sweeps)", |_, run| run.work(run.curve.last()?)),
     quantity("entries_per_grain", "entries of factors per grain", |_, run| {
         let solves = run.solves_with_factors()?;
         let entries = run.end.work.triangular_solve_entries as f64 / 2.0;

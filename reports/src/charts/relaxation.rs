@@ -129,7 +129,7 @@ fn figure(runs: &[&RunRow], all: &[Swept]) -> Part {
     let title = vec![format!("{}{}", counted(shown().count(), "run"), stop.unwrap_or_default())];
     let looks = looks(runs);
     let panels = all.iter().map(|swept| panel(swept, &looks)).collect();
-    Part::figure(KEY, Plot { title, panels, entries: Vec::new(), signs: Vec::new() }.svg())
+    Part::figure(KEY, Plot { title, panels, ..Plot::default() }.svg())
 }
 
 /// A line for each problem; a run that failed is at the upper edge, however many iterations it made. An ω of 2 or more has no place.

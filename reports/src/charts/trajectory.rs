@@ -13,7 +13,7 @@ use crate::draw::{
     At, Curve, Guide, INK, LOWEST, Look, Mark, Panel, Pen, Plot, Scale, Side, Sign, TOLERANCE, Through, log,
     looks_in_time,
 };
-use crate::read::{Simulation, file_name, in_role, milliseconds, number, span, unique};
+use crate::read::{Simulation, file_name, in_role, milliseconds, number, rising, span, unique};
 use crate::text::{Part, chosen};
 use error::{OBSERVABLES, errors};
 
@@ -101,15 +101,12 @@ fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> Stri
     let title =
         vec![format!("{scene}: errors of the trajectory against seconds of the method per simulated second")];
     let panels = (0..OBSERVABLES.len()).map(|i| panel(compared, looks, i)).collect();
-    Plot { title, panels, entries: looks.to_vec(), signs }.svg()
+    Plot { title, panels, entries: looks.to_vec(), signs, ..Plot::default() }.svg()
 }
 
 /// Returns the distinct values of the runs, the greatest first.
 fn falling(compared: &[&Compared], of: fn(&Simulation) -> f64) -> Vec<f64> {
-    let mut values: Vec<f64> = of_role(compared, "run").map(|c| of(c)).collect();
-    values.sort_by(|a, b| b.total_cmp(a));
-    values.dedup();
-    values
+    rising(of_role(compared, "run").map(|c| of(c))).into_iter().rev().collect()
 }
 
 fn of_role<'c>(

@@ -7,8 +7,7 @@ use polars::prelude::{Column, DataFrame};
 use super::declared::{TRUTH, WORK_PRECISION};
 use crate::draw::Lines;
 use crate::read::{
-    ACCURACIES, COSTS, Cost, Point, Problems, RunRow, WORK, accuracy_text, number, problems, reached,
-    repeats, span,
+    ACCURACIES, COSTS, Cost, Problems, RunRow, Sample, WORK, accuracy_text, number, problems, repeats, span,
 };
 use crate::text::{Part, frame};
 
@@ -68,8 +67,8 @@ fn with_table(
 fn firsts(study: &Lines, problems: &[&str]) -> DataFrame {
     let rows = || problems.iter().flat_map(|problem| ACCURACIES.map(|accuracy| (*problem, accuracy)));
     let first = |cost: &Cost, (problem, accuracy): (&str, f64)| {
-        let price = |run: &RunRow| (cost.of)(run, reached(&run.curve, accuracy)?);
-        let prices = study.runs_of(problem).into_iter().filter_map(|run| Some((price(run)?, run)));
+        let prices =
+            study.runs_of(problem).into_iter().filter_map(|run| Some((cost.to(run, accuracy)?, run)));
         prices.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(price, run)| (run.label(), price))
     };
     let mut table = frame(df!(
@@ -93,7 +92,7 @@ fn errors(study: &Lines, problems: &[&str]) -> DataFrame {
     let rows = || problems.iter().flat_map(|problem| MEASURES.map(|measure| (*problem, measure)));
     let of_row = |(problem, (_, measure)): (&str, (&str, Measure))| {
         let small =
-            |point: &&Point| point.iteration > 0 && point.get(measure).is_some_and(|value| value <= WORTH);
+            |point: &&Sample| point.iteration > 0 && point.get(measure).is_some_and(|value| value <= WORTH);
         let error = |run: &RunRow| run.curve.iter().find(small)?.velocity_error();
         study.runs_of(problem).into_iter().filter_map(error).collect::<Vec<_>>()
     };

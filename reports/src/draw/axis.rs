@@ -1,6 +1,6 @@
 //! Axes, and the frame that two of them span. A logarithmic axis is one of logarithms to base ten.
 
-use crate::draw::{Canvas, FRAME, GRID, HPos, LEADING, Pen, Place, TEXT, TICK_TEXT, TOLERANCE, VPos};
+use crate::draw::{Canvas, FRAME, GRID, HPos, LEADING, Pen, Place, TEXT, TICK_TEXT, VPos};
 use crate::read::{number, power_of_ten};
 
 /// Lengths of ticks at powers of ten and between them (mm).
@@ -183,13 +183,6 @@ impl Frame {
     pub(crate) fn across(&self, canvas: &Canvas, at: f64, pen: Pen) {
         let y = self.y.place(at);
         canvas.line(&[(self.x.from, y), (self.x.to, y)], pen);
-    }
-
-    /// The line on which both axes have the same value, if it is in the frame.
-    pub(crate) fn draw_diagonal(&self, canvas: &Canvas) {
-        if let Some(ends) = self.diagonal() {
-            canvas.line(&ends, TOLERANCE);
-        }
     }
 
     /// Grid, ticks and their labels; what is drawn next lies above them.

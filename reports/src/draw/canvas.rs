@@ -94,35 +94,22 @@ impl Canvas {
     }
 
     pub(crate) fn line(&self, places: &[Place], pen: Pen) {
-        for piece in dashes(places, pen.dash) {
-            self.add(format_args!(
-                "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" points=\"{}\"/>",
-                pen.color,
-                units(pen.width).max(1),
-                points(&piece)
-            ));
+        if places.is_empty() {
+            return;
         }
+        let (stroke, points) = (stroke(Some(pen)), points(places));
+        self.add(format_args!("<polyline fill=\"none\" {stroke} points=\"{points}\"/>"));
     }
 
     pub(crate) fn polygon(&self, corners: &[Place], fill: RGBColor, pen: Option<Pen>) {
-        self.add(format_args!("<polygon fill=\"{fill}\" points=\"{}\"/>", points(corners)));
-        let closed: Vec<Place> = corners.iter().chain(corners.first()).copied().collect();
-        if let Some(pen) = pen {
-            self.line(&closed, pen);
-        }
+        let (stroke, points) = (stroke(pen), points(corners));
+        self.add(format_args!("<polygon fill=\"{fill}\" {stroke} points=\"{points}\"/>"));
     }
 
     pub(crate) fn disc(&self, centre: Place, radius: f64, fill: RGBColor, pen: Option<Pen>) {
         let (x, y, r) = (units(centre.0), units(centre.1), units(radius).max(1));
-        self.add(format_args!(
-            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"{fill}\" stroke=\"none\" stroke-width=\"1\"/>"
-        ));
-        if let Some(Pen { color, width, .. }) = pen {
-            let width = units(width).max(1);
-            self.add(format_args!(
-                "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"/>"
-            ));
-        }
+        let stroke = stroke(pen);
+        self.add(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"{fill}\" {stroke}/>"));
     }
 
     pub(crate) fn text(&self, text: &str, place: Place, size_pt: f64, anchor: (HPos, VPos)) {
@@ -236,39 +223,13 @@ fn font_size(size_pt: f64) -> f64 {
     size_pt * MM_PER_PT * UNITS_PER_MM
 }
 
-/// The drawn pieces of a line under a pattern of lengths drawn and left out.
-fn dashes(places: &[Place], pattern: &[f64]) -> Vec<Vec<Place>> {
-    let Some(&first) = places.first() else { return Vec::new() };
-    if pattern.is_empty() {
-        return vec![places.to_vec()];
-    }
-    let (mut pieces, mut piece) = (Vec::new(), vec![first]);
-    let (mut index, mut left) = (0, pattern[0]);
-    for ends in places.windows(2) {
-        let (mut from, to) = (ends[0], ends[1]);
-        let mut length = (to.0 - from.0).hypot(to.1 - from.1);
-        while length > left && length.is_finite() {
-            let t = left / length;
-            from = (from.0 + t * (to.0 - from.0), from.1 + t * (to.1 - from.1));
-            length -= left;
-            if index % 2 == 0 {
-                piece.push(from);
-                pieces.push(std::mem::take(&mut piece));
-            } else {
-                piece = vec![from];
-            }
-            index = (index + 1) % pattern.len();
-            left = pattern[index];
-        }
-        left -= length;
-        if index % 2 == 0 {
-            piece.push(to);
-        }
-    }
-    if piece.len() > 1 {
-        pieces.push(piece);
-    }
-    pieces
+/// Attributes of what a pen draws; without one nothing is.
+fn stroke(pen: Option<Pen>) -> String {
+    let Some(Pen { color, width, dash }) = pen else { return "stroke=\"none\"".to_owned() };
+    let dash: Vec<String> = dash.iter().map(|length| units(*length).to_string()).collect();
+    let dash =
+        if dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{}\"", dash.join(" ")) };
+    format!("stroke=\"{color}\" stroke-width=\"{}\"{dash}", units(width).max(1))
 }
 
 #[cfg(test)]

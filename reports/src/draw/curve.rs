@@ -1,7 +1,6 @@
 //! Curves in logarithms: their range, and what of them lies in a frame.
 
-use crate::draw::Line;
-use crate::read::Ending;
+use crate::read::{Ending, span};
 
 /// Stands for the logarithms of zero and of infinity: beyond every number, and still fit to interpolate with.
 const BEYOND: f64 = 400.0;
@@ -19,21 +18,16 @@ pub(crate) fn log(value: f64) -> f64 {
 
 /// Range of the curves and the tolerances, at least a decade: all that the settled runs reach between 10⁻¹² and 10³,
 /// and of the others what lies below ten, so that they are seen to leave the frame.
-pub(crate) fn range(lines: &[Line], tolerances: &[f64]) -> (f64, f64) {
+pub(crate) fn range(values: impl Iterator<Item = (Ending, f64)>, tolerances: &[f64]) -> (f64, f64) {
     /// Room for the sign at the end of a line, and between the labels that meet in a corner.
     const ROOM: f64 = 0.3;
-    let reached = lines.iter().flat_map(|line| {
-        let settled = matches!(line.ending, Ending::Converged | Ending::IterationLimit | Ending::Stalled);
+    let reached = values.map(|(ending, value)| {
+        let settled = matches!(ending, Ending::Converged | Ending::IterationLimit | Ending::Stalled);
         let highest = if settled { 3.0 } else { 1.0 };
-        line.points.iter().flatten().map(move |&(_, y)| y.clamp(LOWEST, highest))
+        value.clamp(LOWEST, highest)
     });
     let logs = reached.chain(tolerances.iter().map(|tolerance| tolerance.log10()));
-    let (low, high) =
-        logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
-    if low > high {
-        return (-4.0, 0.0);
-    }
-    (low.min(high - 1.0) - ROOM, high + ROOM)
+    span(logs).map_or((-4.0, 0.0), |(low, high)| (low.min(high - 1.0) - ROOM, high + ROOM))
 }
 
 /// The pieces of a curve between two heights, cut where it crosses them; a lone point is a piece.

@@ -3,10 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::draw::{
-    Canvas, Frame, HPos, Legend, LogPoint, Look, Looks, Mark, OTHERS, Place, Sign, TEXT, VPos, along,
-    endings, inside,
+    Canvas, Frame, HPos, LogPoint, Look, Looks, Mark, OTHERS, Place, Sign, TEXT, VPos, along, inside,
 };
-use crate::read::{ACCURACIES, COSTS, Cost, Ending, Point, RunRow, accuracy_text, reached};
+use crate::read::{ACCURACIES, COSTS, Cost, Ending, RunRow, Sample, accuracy_text};
 
 /// Data shared by all panels of a study: its runs and their looks.
 pub(crate) struct Lines<'t> {
@@ -19,6 +18,8 @@ const MOST_TOLD_APART: usize = 12;
 
 /// The line of a run.
 pub(crate) struct Line {
+    /// Its name in the key; empty if it has none there.
+    pub(crate) label: String,
     pub(crate) look: Look,
     pub(crate) ending: Ending,
     pub(crate) points: Vec<LogPoint>,
@@ -39,59 +40,35 @@ impl<'t> Lines<'t> {
     pub(crate) fn runs_of(&self, problem: &str) -> Vec<&'t RunRow> {
         let has_line = |run: &&RunRow| run.problem == problem && run.ending != Ending::Skipped;
         let mut runs: Vec<&RunRow> = self.runs.iter().filter(has_line).collect();
-        runs.sort_by_key(|run| self.looks.rank(run));
+        runs.sort_by_cached_key(|run| self.looks.rank(run));
         runs
     }
 
-    /// One entry per kind of run, how they ended, and `more`.
-    pub(crate) fn legend(&self, runs: &[&RunRow], more: Vec<(Sign, String)>, width: f64) -> Legend {
-        let mut shown: BTreeMap<(usize, usize), &RunRow> = BTreeMap::new();
-        for run in runs {
-            shown.entry(self.looks.rank(run)).or_insert(run);
-        }
-        let entries = shown.values().map(|run| (run.label(), self.looks.look(run))).collect();
-        let mut signs = endings(runs.iter().map(|run| run.ending));
-        signs.extend(more);
-        Legend::new(entries, signs, width)
-    }
-
-    /// The legend of the best runs.
-    pub(crate) fn legend_of_best(
-        &self,
-        runs: &[&RunRow],
-        mut more: Vec<(Sign, String)>,
-        width: f64,
-    ) -> Legend {
-        let best = best(runs);
-        let coloured: Vec<&RunRow> = runs.iter().copied().filter(|run| best.contains(&run.run)).collect();
-        if coloured.len() < runs.len() {
-            let others = runs.len() - coloured.len();
-            let accuracies = ACCURACIES.map(accuracy_text);
-            let [coarser @ .., finest] = &accuracies;
-            let coarser: Vec<&str> = coarser.iter().rev().map(String::as_str).collect();
-            more.push((
-                Sign::Line(OTHERS),
-                format!(
-                    "{others} other runs. In colour: of each method the first to {finest} (else {}), in seconds and in work.",
-                    coarser.join(", ")
-                ),
-            ));
-        }
-        self.legend(&coloured, more, width)
+    /// Says how many runs on a problem are grey, and why the others are not.
+    pub(crate) fn others(&self, problem: &str) -> Option<(Sign, String)> {
+        let runs = self.runs_of(problem);
+        let others = runs.len() - best(&runs).len();
+        let [coarser @ .., finest] = &ACCURACIES.map(accuracy_text);
+        let coarser: Vec<&str> = coarser.iter().rev().map(String::as_str).collect();
+        let text = format!(
+            "{others} other runs. In colour: of each method the first to {finest} (else {}), in seconds and in work.",
+            coarser.join(", ")
+        );
+        (others > 0).then_some((Sign::Line(OTHERS), text))
     }
 
     /// Returns the lines of [`Lines::lines`], with those of all but the best runs behind the others, and grey.
     pub(crate) fn lines_of_best(
         &self,
         runs: &[&RunRow],
-        at: impl Fn(&RunRow, &Point) -> Option<LogPoint>,
+        at: impl Fn(&RunRow, &Sample) -> Option<LogPoint>,
     ) -> Vec<Line> {
         let best = best(runs);
         let (coloured, others): (Vec<&RunRow>, Vec<&RunRow>) =
             runs.iter().partition(|run| best.contains(&run.run));
         let mut lines = self.lines(&others, &at);
         for line in &mut lines {
-            line.look = Look { pen: OTHERS, mark: Mark::None };
+            (line.look, line.label) = (Look { pen: OTHERS, mark: Mark::None }, String::new());
         }
         lines.extend(self.lines(&coloured, at));
         lines
@@ -101,9 +78,10 @@ impl<'t> Lines<'t> {
     pub(crate) fn lines(
         &self,
         runs: &[&RunRow],
-        at: impl Fn(&RunRow, &Point) -> Option<LogPoint>,
+        at: impl Fn(&RunRow, &Sample) -> Option<LogPoint>,
     ) -> Vec<Line> {
         let line = |run: &&RunRow| Line {
+            label: run.label(),
             look: self.looks.look(run),
             ending: run.ending,
             points: run.curve.iter().filter_map(|point| at(run, point)).collect(),
@@ -131,7 +109,7 @@ fn first(runs: &[&RunRow], cost: &Cost) -> Option<u32> {
         let priced = runs.iter().filter_map(|run| Some((price(run)?, run.run)));
         priced.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, run)| run)
     };
-    let at = |accuracy: f64| least(&|run| (cost.of)(run, reached(&run.curve, accuracy)?));
+    let at = |accuracy: f64| least(&|run| cost.to(run, accuracy));
     let end = || least(&|run| run.curve.last()?.velocity_error());
     ACCURACIES.into_iter().rev().find_map(at).or_else(end)
 }

@@ -41,16 +41,6 @@ type Span<'s> = (Scale, (f64, f64), &'s str);
 /// Width inside the margins, for legends (mm).
 pub(crate) const INSIDE: f64 = PAGE - 2.0 * MARGIN;
 
-/// A page as wide as a journal's, with `count` panels side by side, each drawn by `panel`.
-pub(crate) fn row(
-    title: &[String],
-    count: usize,
-    legend: &Legend,
-    panel: impl Fn(&Canvas, usize, Room),
-) -> String {
-    grid(title, (count, 1), legend, panel)
-}
-
 /// Height of each of several rows of panels that fill a page (mm).
 fn high(rows: usize, taken: f64) -> f64 {
     (PAGE_HEIGHT - 2.0 * MARGIN - taken) / rows as f64 - ABOVE - BELOW

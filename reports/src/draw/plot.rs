@@ -1,15 +1,16 @@
 //! Panels of curves, declared by their axes, curves and guides; ranges and key follow from these.
 
 use crate::draw::{
-    Axis, Canvas, Frame, HPos, INSIDE, Legend, Look, Pen, Place, Room, Scale, Sign, TEXT, TICK_TEXT,
-    TOLERANCE, VPos, endings, grid,
+    Axis, Canvas, Frame, HPos, INSIDE, Legend, Line, Look, Pen, Place, RGBColor, Room, Scale, Sign, TEXT,
+    TICK_TEXT, TOLERANCE, VPos, draw_lines, endings, fits_a_page, grid,
 };
-use crate::read::{Ending, distinct, median, padded, slope, span, unique};
+use crate::read::{Ending, find_or_push, median, padded, rising, slope, span, unique};
 
 /// Points of a curve: how the run ended, and its place on the scales of the axes. One without bound is at the edge of its panel.
 pub(crate) type Points = Vec<(Ending, (f64, f64))>;
 
 /// A figure of panels with a key.
+#[derive(Default)]
 pub(crate) struct Plot {
     pub(crate) title: Vec<String>,
     pub(crate) panels: Vec<Panel>,
@@ -17,6 +18,8 @@ pub(crate) struct Plot {
     pub(crate) entries: Vec<(String, Look)>,
     /// Signs of the key after all others.
     pub(crate) signs: Vec<(Sign, String)>,
+    /// Panels side by side; as many as suit their number where it is 0.
+    pub(crate) columns: usize,
 }
 
 /// A frame with curves in it.
@@ -24,16 +27,21 @@ pub(crate) struct Panel {
     pub(crate) x: Side,
     pub(crate) y: Side,
     pub(crate) curves: Vec<Curve>,
+    /// Lines of runs, above all else.
+    pub(crate) lines: Vec<Line>,
     pub(crate) guides: Vec<Guide>,
+    /// Areas below all else, with their colours.
+    pub(crate) areas: Vec<(RGBColor, Vec<(f64, f64)>)>,
     /// Panels that share their axes have the range of all of them.
     pub(crate) shared: bool,
 }
 
-/// An axis: its scale and name, and the coordinates that its range holds beside those of the points.
+/// An axis: its scale and name, and the coordinates that its range holds beside those of the points; or its range as given.
 pub(crate) struct Side {
     pub(crate) scale: Scale,
     pub(crate) name: String,
     pub(crate) holds: Vec<f64>,
+    pub(crate) range: Option<(f64, f64)>,
 }
 
 /// Points of one look.
@@ -89,7 +97,7 @@ const ROOM: f64 = 0.08;
 
 impl Side {
     pub(crate) fn new(scale: Scale, name: impl Into<String>) -> Self {
-        Self { scale, name: name.into(), holds: Vec::new() }
+        Self { scale, name: name.into(), holds: Vec::new(), range: None }
     }
 
     pub(crate) fn holding(self, holds: impl IntoIterator<Item = f64>) -> Self {
@@ -105,7 +113,7 @@ impl Guide {
 
 impl Panel {
     pub(crate) fn new(x: Side, y: Side, curves: Vec<Curve>) -> Self {
-        Self { x, y, curves, guides: Vec::new(), shared: false }
+        Self { x, y, curves, lines: Vec::new(), guides: Vec::new(), areas: Vec::new(), shared: false }
     }
 
     pub(crate) fn guided(self, guides: impl IntoIterator<Item = Guide>) -> Self {
@@ -117,7 +125,8 @@ impl Panel {
     }
 
     fn points(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.curves.iter().flat_map(|curve| &curve.points).map(|(_, point)| *point)
+        let of_lines = self.lines.iter().flat_map(|line| line.points.iter().copied().flatten());
+        self.curves.iter().flat_map(|curve| &curve.points).map(|(_, point)| *point).chain(of_lines)
     }
 
     fn fits(&self) -> bool {
@@ -131,17 +140,21 @@ impl Panel {
         let other = |of: fn((f64, f64)) -> f64| points().filter(move |_| diagonal).map(of);
         let xs = points().map(|point| point.0).chain(self.x.holds.iter().copied());
         let x = padded(xs.chain(other(|point| point.1).filter(|_| !self.shared)), ROOM);
+        let x = self.x.range.unwrap_or(x);
         let ys = points().map(|point| point.1).chain(self.y.holds.iter().copied());
-        let mut y = padded(ys.chain(other(|point| point.0)), ROOM);
+        let mut y = self.y.range.unwrap_or_else(|| padded(ys.chain(other(|point| point.0)), ROOM));
         if self.fits() {
             y.0 -= BELOW / (1.0 - BELOW) * (y.1 - y.0);
         }
         let frame = room.frame(canvas, (self.x.scale, x, &self.x.name), (self.y.scale, y, &self.y.name));
+        for (color, corners) in &self.areas {
+            canvas.polygon(&corners.iter().map(|at| clamped(&frame, *at)).collect::<Vec<_>>(), *color, None);
+        }
         for guide in &self.guides {
             guide.draw(canvas, &frame);
         }
-        if self.is_empty() {
-            return draw_empty(canvas, &frame);
+        if self.is_empty() && self.lines.is_empty() {
+            return canvas.text("no value", frame.middle(), TEXT, (HPos::Center, VPos::Center));
         }
         if self.fits() {
             draw_slopes(canvas, &frame);
@@ -150,6 +163,9 @@ impl Panel {
             curve.draw_line(canvas, &frame);
         }
         draw_signs(canvas, &frame, &self.curves);
+        if !self.lines.is_empty() {
+            draw_lines(canvas, &frame, &self.lines);
+        }
     }
 }
 
@@ -166,7 +182,13 @@ impl Guide {
                 let place = (frame.x.from + 2.0, frame.y.place(y) - 0.2);
                 canvas.text(&self.beside, place, TICK_TEXT, (HPos::Left, VPos::Bottom));
             }
-            At::Diagonal => frame.draw_diagonal(canvas),
+            At::Diagonal => {
+                if let Some(ends) = frame.diagonal() {
+                    canvas.line(&ends, self.pen);
+                    let corner = (frame.x.to - 1.5, frame.y.from - 1.6);
+                    canvas.text(&self.beside, corner, TICK_TEXT, (HPos::Right, VPos::Bottom));
+                }
+            }
         }
     }
 }
@@ -195,7 +217,7 @@ impl Curve {
     /// Exponent of the power of x fitted to the points that converged, if they have so many x.
     pub(crate) fn exponent(&self, places: usize) -> Option<f64> {
         let points = self.converged();
-        slope(&points).filter(|_| distinct(points.iter().map(|point| point.0)) >= places)
+        slope(&points).filter(|_| rising(points.iter().map(|point| point.0)).len() >= places)
     }
 
     /// Points that a line joins, also thinly; none without bound.
@@ -235,9 +257,7 @@ impl Curve {
 
 impl Plot {
     pub(crate) fn svg(&self) -> String {
-        let count = self.panels.len();
-        let columns = if count == 4 { 2 } else { count.clamp(1, 3) };
-        grid(&self.title, (columns, count.div_ceil(columns)), &self.legend(), |canvas, i, room| {
+        grid(&self.title, self.shape(), &self.legend(), |canvas, i, room| {
             let Some(panel) = self.panels.get(i) else { return };
             let shared = self.panels.iter().filter(|other| other.shared).collect::<Vec<_>>();
             panel.draw(canvas, if panel.shared { &shared[..] } else { std::slice::from_ref(&panel) }, room);
@@ -245,8 +265,29 @@ impl Plot {
     }
 
     /// A line for each name, a sign where no line is drawn, a word where there is nothing; how runs ended, the guides and the rest.
+    /// Reports whether the panels have room on a page.
+    pub(crate) fn fits_a_page(&self) -> bool {
+        fits_a_page(self.shape().1, self.legend().height())
+    }
+
+    /// Panels side by side, and rows of them.
+    fn shape(&self) -> (usize, usize) {
+        let columns = match (self.columns, self.panels.len()) {
+            (0, 4) => 2,
+            (0, count) => count.clamp(1, 3),
+            (columns, _) => columns,
+        };
+        (columns, self.panels.len().div_ceil(columns))
+    }
+
     fn legend(&self) -> Legend {
         let (mut lines, mut signs) = (self.entries.clone(), Vec::new());
+        let runs = || {
+            self.panels.iter().flat_map(|p| &p.lines).filter(|l| !(l.label.is_empty() || l.points.is_empty()))
+        };
+        for run in runs() {
+            find_or_push(&mut lines, |(label, _)| *label == run.label, || (run.label.clone(), run.look));
+        }
         let curves = || self.panels.iter().flat_map(|panel| &panel.curves);
         for label in unique(curves().map(|curve| curve.label.as_str())).into_iter().filter(|l| !l.is_empty())
         {
@@ -261,7 +302,8 @@ impl Plot {
             }
         }
         let ended = curves().flat_map(|curve| &curve.points).map(|(ending, _)| *ending);
-        signs.extend(endings(ended.filter(|ending| *ending != Ending::Converged)));
+        let ended = ended.filter(|ending| *ending != Ending::Converged);
+        signs.extend(endings(ended.chain(runs().map(|run| run.ending))));
         let guides =
             || self.panels.iter().flat_map(|panel| &panel.guides).filter(|guide| !guide.key.is_empty());
         for key in unique(guides().map(|guide| guide.key.as_str())) {
@@ -282,11 +324,9 @@ fn several(points: &[(f64, f64)]) -> bool {
 
 /// The medians of equal x, by x.
 pub(crate) fn medians(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let mut xs: Vec<f64> = points.iter().map(|point| point.0).collect();
-    xs.sort_by(f64::total_cmp);
-    xs.dedup();
     let of = |x: f64| points.iter().filter(|point| point.0 == x).map(|point| point.1).collect();
-    xs.into_iter().filter_map(|x| Some((x, median(of(x))?))).collect()
+    let xs = rising(points.iter().map(|point| point.0)).into_iter();
+    xs.filter_map(|x| Some((x, median(of(x))?))).collect()
 }
 
 /// Ends of the fitted line over the places that there are; of two it joins the means.
@@ -314,8 +354,7 @@ fn draw_slopes(canvas: &Canvas, frame: &Frame) {
 /// The signs of all curves: that of the curve for a run that converged, that of its ending for another. What no line
 /// passes through comes last, and beside what it would cover.
 fn draw_signs(canvas: &Canvas, frame: &Frame, all: &[Curve]) {
-    let clamped = |axis: &Axis, at: f64| axis.place(at.clamp(axis.low, axis.high));
-    let place = |(x, y): (f64, f64)| (clamped(&frame.x, x), clamped(&frame.y, y));
+    let place = |point| clamped(frame, point);
     let mut taken = Vec::new();
     let is_fixed = |curve: &Curve| curve.through == Through::Nothing || several(&curve.converged());
     for curve in all.iter().filter(|curve| is_fixed(curve)) {
@@ -337,6 +376,12 @@ fn draw_signs(canvas: &Canvas, frame: &Frame, all: &[Curve]) {
     }
 }
 
+/// The place of a point, at the edge of the frame if it is beyond.
+fn clamped(frame: &Frame, (x, y): (f64, f64)) -> Place {
+    let clamped = |axis: &Axis, at: f64| axis.place(at.clamp(axis.low, axis.high));
+    (clamped(&frame.x, x), clamped(&frame.y, y))
+}
+
 /// The place beside (x, y), in the frame, that is nearest to it and not under a sign.
 fn free(taken: &[Place], (x, y): Place, frame: &Frame) -> Place {
     /// Two signs side by side (mm).
@@ -345,9 +390,4 @@ fn free(taken: &[Place], (x, y): Place, frame: &Frame) -> Place {
     let inside = |place: &Place| (frame.x.from + 1.0..=frame.x.to - 1.0).contains(&place.0);
     let beside = (1..=20).flat_map(|k| [1.0, -1.0].map(|side| (x + side * PITCH * f64::from(k), y)));
     std::iter::once((x, y)).chain(beside.filter(inside)).find(apart).unwrap_or((x, y))
-}
-
-/// Said in a panel without points.
-fn draw_empty(canvas: &Canvas, frame: &Frame) {
-    canvas.text("no value", frame.middle(), TEXT, (HPos::Center, VPos::Center));
 }

@@ -1,6 +1,7 @@
 //! Numbers as colours, on a logarithmic scale of which the lightness falls all the way: it also reads in grey.
 
 use crate::draw::{Axis, BLACK, Canvas, FRAME, HPos, Place, RGBColor, TEXT, TICK_TEXT, VPos, WHITE};
+use crate::read::span;
 
 /// Width of the bar (mm).
 const WIDTH: f64 = 3.0;
@@ -15,10 +16,7 @@ impl ColorScale {
     pub(crate) fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
         /// A range narrower than this (in logarithms) would show differences that are none.
         const NARROWEST: f64 = 0.3;
-        let (low, high) = values
-            .map(f64::log10)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-        (low <= high).then_some(Self { low, high: high.max(low + NARROWEST) })
+        span(values.map(f64::log10)).map(|(low, high)| Self { low, high: high.max(low + NARROWEST) })
     }
 
     /// Light for few, dark for many.

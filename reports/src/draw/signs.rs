@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::draw::{
-    BLACK, Canvas, FRAME, HPos, INK, LEADING, Mark, Pen, Place, RGBColor, TEXT, TICK_TEXT, VPos, WHITE,
-    rectangle, text_width,
+    Canvas, FRAME, HPos, INK, LEADING, Mark, Pen, Place, RGBColor, TEXT, TICK_TEXT, VPos, rectangle,
+    text_width,
 };
 use crate::read::Ending;
 
@@ -25,8 +25,6 @@ pub(crate) enum Sign {
     Cell(Cell),
     /// A grain: its fill and outline.
     Grain(RGBColor, Pen),
-    Ring,
-    Wedge,
 }
 
 impl Sign {
@@ -34,12 +32,12 @@ impl Sign {
         match self {
             Self::Word => 0.0,
             Self::Line(_) => SAMPLE + 1.2,
-            Self::Ending(_) | Self::Mark(..) | Self::Ring | Self::Wedge => SIGN,
+            Self::Ending(_) | Self::Mark(..) => SIGN,
             Self::Cell(_) | Self::Grain(..) => SIGN + 1.4,
         }
     }
 
-    fn draw(&self, canvas: &Canvas, (x, y): Place) {
+    pub(crate) fn draw(&self, canvas: &Canvas, (x, y): Place) {
         match self {
             Self::Word => {}
             Self::Ending(ending) => canvas.ending(*ending, (x + 0.9, y), INK),
@@ -49,8 +47,6 @@ impl Sign {
                 cell.draw(canvas, (x, y - 1.5), (x + 2.8, y + 1.5), Pen { width: 0.08, ..FRAME });
             }
             Self::Grain(fill, outline) => canvas.disc((x + 1.3, y), 1.3, *fill, Some(*outline)),
-            Self::Ring => ring(canvas, (x + 0.9, y)),
-            Self::Wedge => wedge(canvas, (x + 0.9, y)),
         }
     }
 }
@@ -96,17 +92,6 @@ impl Signs {
             canvas.text(text, (x + sign.width(), y), TEXT, (HPos::Left, VPos::Center));
         }
     }
-}
-
-/// The mark of a failure that another setting mends.
-pub(crate) fn ring(canvas: &Canvas, place: Place) {
-    canvas.disc(place, 0.5, WHITE, Some(Pen::solid(BLACK, 0.2)));
-}
-
-/// The mark of a ζ that promised too much.
-pub(crate) fn wedge(canvas: &Canvas, (x, y): Place) {
-    let corners = [(x - 0.6, y + 0.5), (x, y - 0.5), (x + 0.6, y + 0.5)];
-    canvas.polygon(&corners, BLACK, Some(Pen::solid(WHITE, 0.12)));
 }
 
 /// A cell of a matrix of classes.

@@ -4,7 +4,7 @@ use polars::prelude::DataFrame;
 use serde::Serialize;
 
 use crate::error::ReportError;
-use crate::text::columns;
+use crate::text::{Column, columns};
 
 /// More rows than this are left to the file: a browser would be slow.
 const MOST_ROWS: usize = 5000;
@@ -15,18 +15,12 @@ const LONG: usize = 28;
 #[derive(Serialize)]
 pub(crate) struct Rows {
     name: String,
-    headings: Vec<Heading>,
+    headings: Vec<Column>,
     /// The rows as HTML.
     body: String,
     shown: usize,
     of: usize,
     notes: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct Heading {
-    text: String,
-    numeric: bool,
 }
 
 impl Rows {
@@ -49,9 +43,8 @@ impl Rows {
             }
             body += "\n";
         }
-        let headings = columns.iter().map(|c| Heading { text: c.name.clone(), numeric: c.numeric }).collect();
         let notes = note.lines().filter(|line| !line.is_empty()).map(str::to_owned).collect();
-        Ok(Self { name: name.to_owned(), headings, body, shown, of: table.height(), notes })
+        Ok(Self { name: name.to_owned(), headings: columns, body, shown, of: table.height(), notes })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Cost of a run at a sample, and the first sample at which it was accurate.
 
 use crate::read::run::defined;
-use crate::read::{Point, RunRow, power_of_ten};
+use crate::read::{RunRow, Sample, power_of_ten};
 
 /// The accuracies that methods are compared at: the velocity error.
 pub(crate) const ACCURACIES: [f64; 3] = [1e-2, 1e-4, 1e-6];
@@ -16,7 +16,14 @@ pub(crate) struct Cost {
     pub(crate) name: &'static str,
     /// Name of its axis.
     pub(crate) title: &'static str,
-    pub(crate) of: fn(&RunRow, &Point) -> Option<f64>,
+    pub(crate) of: fn(&RunRow, &Sample) -> Option<f64>,
+}
+
+impl Cost {
+    /// The cost of a run to a velocity error, if it comes there.
+    pub(crate) fn to(&self, run: &RunRow, accuracy: f64) -> Option<f64> {
+        (self.of)(run, reached(&run.curve, accuracy)?)
+    }
 }
 
 pub(crate) const COSTS: [Cost; 2] = [
@@ -25,7 +32,7 @@ pub(crate) const COSTS: [Cost; 2] = [
         title: "set-up and iterations (s)",
         of: |run, point| Some(run.setup_s? + defined(point.iterating_s)?),
     },
-    Cost { name: "sweeps", title: "counted work (sweeps)", of: |run, point| point.work(run) },
+    Cost { name: "sweeps", title: "counted work (sweeps)", of: RunRow::work },
 ];
 
 /// Definition of a sweep of counted work.
@@ -35,7 +42,7 @@ pub(crate) const WORK: &str = "A sweep of counted work is eight multiply-adds pe
                                no counted work.";
 
 /// Returns the first sample with a velocity error of at most `accuracy`, from which on it stays there.
-pub(crate) fn reached(curve: &[Point], accuracy: f64) -> Option<&Point> {
+fn reached(curve: &[Sample], accuracy: f64) -> Option<&Sample> {
     let errors = curve.iter().map(|point| point.velocity_error().unwrap_or(f64::NAN));
     results::reached(errors, accuracy).map(|at| &curve[at])
 }

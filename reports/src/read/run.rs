@@ -22,9 +22,9 @@ pub(crate) struct RunRow {
     pub(crate) setup_s: Option<f64>,
     pub(crate) iterating_s: Option<f64>,
     /// The last sample, whether or not a curve is stored.
-    pub(crate) end: Point,
+    pub(crate) end: Sample,
     /// In the order of the iterations.
-    pub(crate) curve: Vec<Point>,
+    pub(crate) curve: Vec<Sample>,
     pub(crate) snapshots: Vec<Snapshot>,
 }
 
@@ -33,18 +33,6 @@ impl Deref for RunRow {
 
     fn deref(&self) -> &Run {
         &self.row
-    }
-}
-
-/// A sample of a curve.
-#[derive(Clone, Copy)]
-pub(crate) struct Point(Sample);
-
-impl Deref for Point {
-    type Target = Sample;
-
-    fn deref(&self) -> &Sample {
-        &self.0
     }
 }
 
@@ -64,8 +52,8 @@ impl RunRow {
             tolerance: defined(row.tolerance),
             setup_s: defined(row.setup_s),
             iterating_s: defined(row.iterating_s),
-            end: Point(end),
-            curve: curve.iter().copied().map(Point).collect(),
+            end,
+            curve: curve.clone(),
             snapshots: snapshots.clone(),
             row: row.clone(),
         }
@@ -111,6 +99,29 @@ impl RunRow {
     pub(crate) fn seconds(&self) -> Option<f64> {
         Some(self.setup_s? + self.iterating_s?)
     }
+
+    /// Returns the measure that the run was stopped on; the natural map, the working measure, stands for those that are no error.
+    pub(crate) fn stopped_on(&self, sample: &Sample) -> Option<f64> {
+        match self.stopping_measure() {
+            Some(error @ (Measure::Zeta | Measure::QuadDv | Measure::VelocityError)) => sample.get(error),
+            _ => sample.get(Measure::NaturalMap),
+        }
+    }
+
+    /// Counted work in sweeps over `contacts`: a contact updated counts as much as a contact passed in a product W p, that
+    /// is eight multiply-adds (two components of two grains, read and written back); an entry of a triangular factor is one.
+    /// So is a multiply-add of a factorisation. A run that makes more than a few without counting them, as rows of before they were
+    /// counted and solvers of others do, has no counted work; nor has one that counts none after an iteration.
+    pub(crate) fn work(&self, sample: &Sample) -> Option<f64> {
+        let Work { contact_updates, delassus_products, triangular_solve_entries, factorisations, .. } =
+            sample.work;
+        let of_factorisations = sample.work.factorisation_multiply_adds;
+        let few = factorisations <= 6 * (u64::from(self.subdomains) + 1) || of_factorisations > 0;
+        let contacts = f64::from(self.contacts.max(1));
+        let visits = contact_updates as f64 + contacts * delassus_products as f64;
+        let work = visits + (triangular_solve_entries + of_factorisations) as f64 / 8.0;
+        (few && (work > 0.0 || sample.iteration == 0)).then_some(work / contacts)
+    }
 }
 
 /// Method and variant, as a key says them.
@@ -119,41 +130,6 @@ pub(crate) fn label(method: &str, variant: &str) -> String {
         "" => method.to_owned(),
         grid if grid.starts_with(|c: char| c.is_ascii_digit()) => format!("{method} {grid}"),
         words => format!("{method}, {words}"),
-    }
-}
-
-impl Point {
-    /// A measure, where it is defined.
-    pub(crate) fn get(&self, measure: Measure) -> Option<f64> {
-        defined(self.measures.get(measure))
-    }
-
-    /// The distance to the true velocity, where that is known.
-    pub(crate) fn velocity_error(&self) -> Option<f64> {
-        self.get(Measure::VelocityError)
-    }
-
-    /// Returns the measure that a run was stopped on; the natural map, the working measure, stands for those that are no error.
-    pub(crate) fn stopped_on(&self, run: &RunRow) -> Option<f64> {
-        match run.stopping_measure() {
-            Some(error @ (Measure::Zeta | Measure::QuadDv | Measure::VelocityError)) => self.get(error),
-            _ => self.get(Measure::NaturalMap),
-        }
-    }
-
-    /// Counted work in sweeps over `contacts`: a contact updated counts as much as a contact passed in a product W p, that
-    /// is eight multiply-adds (two components of two grains, read and written back); an entry of a triangular factor is one.
-    /// So is a multiply-add of a factorisation. A run that makes more than a few without counting them, as rows of before they were
-    /// counted and solvers of others do, has no counted work; nor has one that counts none after an iteration.
-    pub(crate) fn work(&self, run: &RunRow) -> Option<f64> {
-        let Work { contact_updates, delassus_products, triangular_solve_entries, factorisations, .. } =
-            self.work;
-        let of_factorisations = self.work.factorisation_multiply_adds;
-        let few = factorisations <= 6 * (u64::from(run.subdomains) + 1) || of_factorisations > 0;
-        let contacts = f64::from(run.contacts.max(1));
-        let visits = contact_updates as f64 + contacts * delassus_products as f64;
-        let work = visits + (triangular_solve_entries + of_factorisations) as f64 / 8.0;
-        (few && (work > 0.0 || self.iteration == 0)).then_some(work / contacts)
     }
 }
 

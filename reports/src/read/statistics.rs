@@ -24,12 +24,12 @@ pub(crate) fn padded(values: impl Iterator<Item = f64>, room: f64) -> (f64, f64)
     (low - room, high + room)
 }
 
-/// Counts the values, equal ones once.
-pub(crate) fn distinct(values: impl Iterator<Item = f64>) -> usize {
+/// The values, each once, the least first.
+pub(crate) fn rising(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     values.dedup();
-    values.len()
+    values
 }
 
 /// Slope of the straight line of least squares through points, if they have two different x.

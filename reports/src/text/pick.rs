@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use polars::prelude::{AnyValue, BooleanChunked, Column, DataFrame, NewChunkedArray};
+use polars::prelude::{BooleanChunked, Column, DataFrame, NewChunkedArray};
 use wildmatch::WildMatch;
 
 use crate::error::ReportError;
@@ -40,7 +40,9 @@ impl Pick<'_> {
             let (column, wanted) = (self.column(from, name)?, WildMatch::new(pattern));
             let mut known = BTreeSet::new();
             for (i, chosen) in rows.iter_mut().enumerate().filter(|(_, chosen)| **chosen) {
-                let value = plain(&column.get(i)?);
+                let value = column.get(i)?;
+                // Nothing where there is none, as in its CSV file.
+                let value = if value.is_null() { String::new() } else { value.str_value().into_owned() };
                 *chosen = wanted.matches(&value);
                 known.insert(value);
             }
@@ -74,13 +76,3 @@ impl Pick<'_> {
 
 /// Greatest number of values that an error names.
 const NAMED: usize = 20;
-
-/// A value as its CSV file has it; nothing where there is none.
-fn plain(value: &AnyValue) -> String {
-    match value {
-        AnyValue::Null => String::new(),
-        AnyValue::String(text) => (*text).to_owned(),
-        AnyValue::StringOwned(text) => text.to_string(),
-        other => other.to_string(),
-    }
-}

@@ -1,6 +1,7 @@
 //! A table of a report as CSV for programs, as Markdown, and as LaTeX.
 
 use polars::prelude::{AnyValue, CsvWriter, DataFrame, SerWriter};
+use serde::Serialize;
 
 use crate::error::ReportError;
 use crate::read::{number, power_of_ten};
@@ -15,12 +16,14 @@ pub(crate) fn csv(table: &DataFrame) -> Result<String, ReportError> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// A column as people read it.
+/// A column as people read it; in a page its cells stand in rows.
+#[derive(Serialize)]
 pub(crate) struct Column {
     /// In words.
     pub(crate) name: String,
     /// Numbers stand to the right.
     pub(crate) numeric: bool,
+    #[serde(skip)]
     pub(crate) cells: Vec<String>,
 }
 

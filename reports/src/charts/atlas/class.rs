@@ -4,7 +4,7 @@ use contact::Measure;
 use results::simulation::Observed;
 
 use crate::draw::{Cell, ColorScale, INK, RGBColor, WHITE};
-use crate::read::{Ending, Point, RunRow, Simulation, median};
+use crate::read::{Ending, RunRow, Sample, Simulation, median};
 
 /// Outcome of a method on a problem, and then of a simulation, each from the best to the worst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -135,8 +135,8 @@ impl Class {
 }
 
 /// Reports whether a point is far from the true velocity; `false` where that is not known.
-fn is_far(run: &RunRow, point: Option<&Point>) -> bool {
-    let (Some(tolerance), Some(error)) = (run.tolerance, point.and_then(Point::velocity_error)) else {
+fn is_far(run: &RunRow, point: Option<&Sample>) -> bool {
+    let (Some(tolerance), Some(error)) = (run.tolerance, point.and_then(Sample::velocity_error)) else {
         return false;
     };
     error > FAR * tolerance
@@ -144,7 +144,7 @@ fn is_far(run: &RunRow, point: Option<&Point>) -> bool {
 
 /// Reports whether ζ first met the tolerance at an iterate far from the solution, or of a problem that has none.
 pub(super) fn zeta_lies(run: &RunRow) -> bool {
-    let met = |point: &&Point| {
+    let met = |point: &&Sample| {
         point.get(Measure::Zeta).zip(run.tolerance).is_some_and(|(zeta, tolerance)| zeta <= tolerance)
     };
     let first = run.curve.iter().find(met);
@@ -157,7 +157,7 @@ fn falls(run: &RunRow) -> bool {
     let half = run.iterations / 2;
     let least = |late: bool| {
         let points = run.curve.iter().filter(|point| (point.iteration > half) == late);
-        points.filter_map(|point| point.stopped_on(run)).fold(f64::INFINITY, f64::min)
+        points.filter_map(|point| run.stopped_on(point)).fold(f64::INFINITY, f64::min)
     };
     least(true) < (1.0 - STALLED) * least(false)
 }

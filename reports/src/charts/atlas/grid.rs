@@ -5,8 +5,8 @@ use polars::prelude::{Column, DataFrame};
 
 use super::class::Class;
 use crate::draw::{
-    Canvas, FRAME, HPos, INK, LEADING, MARGIN, PAGE, Pen, Place, Sign, Signs, TEXT, TICK_TEXT, VPos, WHITE,
-    ring, svg, text_width, wedge,
+    BLACK, Canvas, FRAME, HPos, INK, LEADING, MARGIN, Mark, PAGE, Pen, Place, Sign, Signs, TEXT, TICK_TEXT,
+    VPos, WHITE, svg, text_width,
 };
 use crate::text::frame;
 
@@ -16,6 +16,9 @@ const APART: f64 = 0.7;
 /// Greatest width of a column (mm).
 const WIDEST: f64 = 16.0;
 const THIN: Pen = Pen::solid(WHITE, 0.12);
+/// Marks of a failure that another setting mends, and of a ζ that promised too much.
+const MENDED: Sign = Sign::Mark(Mark::Ring, Pen::solid(BLACK, 0.2));
+const LIES: Sign = Sign::Mark(Mark::Triangle, Pen::solid(BLACK, 0.2));
 
 /// A head, and what it stands for where that is a number.
 pub(super) struct Head {
@@ -114,10 +117,10 @@ impl<'g> Grid<'g> {
         let mut entries: Vec<(Sign, String)> =
             classes.map(|class| (Sign::Cell(class.cell()), class.text().to_owned())).collect();
         if tiles.iter().any(|tile| tile.mended) {
-            entries.push((Sign::Ring, "another setting of the method mends it".to_owned()));
+            entries.push((MENDED, "another setting of the method mends it".to_owned()));
         }
         if tiles.iter().any(|tile| tile.zeta_lies) {
-            entries.push((Sign::Wedge, "ζ met the tolerance far from the solution".to_owned()));
+            entries.push((LIES, "ζ met the tolerance far from the solution".to_owned()));
         }
         entries.extend(self.notes.iter().map(|note| (Sign::Word, note.clone())));
         if numbered {
@@ -133,10 +136,10 @@ impl Tile {
         self.class.cell().draw(canvas, from, to, THIN);
         let middle = f64::midpoint(from.0, to.0);
         if self.mended {
-            ring(canvas, (middle, from.1 + 0.8));
+            MENDED.draw(canvas, (middle - 0.9, from.1 + 0.8));
         }
         if self.zeta_lies {
-            wedge(canvas, (middle, to.1 - 0.8));
+            LIES.draw(canvas, (middle - 0.9, to.1 - 0.8));
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::draw::{
     MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen, Place, RGBColor, Sign, Signs, TEXT, TICK_TEXT, Ticks, VPos,
     endings, rectangle, svg, text_width,
 };
-use crate::read::{Ending, count, counted, span};
+use crate::read::{Ending, count, counted, rising, span};
 
 /// Left of the panels for labels, right of them for the scale of colours, between them (mm).
 const LEFT: f64 = 13.0;
@@ -238,9 +238,7 @@ fn converged(cell: &Cell) -> Option<f64> {
 /// Edges between the values on a logarithmic axis, half a step beyond the first and the last; with each its value.
 fn edges(values: impl Iterator<Item = f64>) -> Vec<(f64, (f64, f64))> {
     const ALONE: f64 = 0.25;
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.dedup();
+    let values = rising(values);
     let logs: Vec<f64> = values.iter().map(|value| value.log10()).collect();
     let half = |i: usize| logs.get(i + 1).map(|next| (next - logs[i]) / 2.0);
     let around = |i: usize| {

@@ -1,16 +1,12 @@
 use super::*;
 
 #[test]
-fn dashes_turn_corners_and_keep_their_lengths() {
-    let corner = [(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)];
-    let pieces = dashes(&corner, &[2.0, 0.5, 1.0, 0.5]);
-    let expected = [
-        vec![(0.0, 0.0), (2.0, 0.0)],
-        vec![(2.5, 0.0), (3.0, 0.0), (3.0, 0.5)],
-        vec![(3.0, 1.0), (3.0, 3.0)],
-        vec![(3.0, 3.5), (3.0, 4.0)],
-    ];
-    assert_eq!(pieces, expected);
+fn dashes_have_their_lengths() {
+    let pen = Pen { dash: &[2.0, 0.5], ..Pen::solid(BLACK, 0.1) };
+    let sheet = svg((10.0, 10.0), |canvas| canvas.line(&[(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)], pen));
+    let line =
+        "stroke=\"#000000\" stroke-width=\"5\" stroke-dasharray=\"100 25\" points=\"0,0 150,0 150,200 \"";
+    assert!(sheet.contains(line), "{sheet}");
 }
 
 #[test]
@@ -20,12 +16,6 @@ fn index_of_a_search_direction_is_lowered() {
         |letter| format!(r#"κ<tspan font-size="70%" dy="0.3em">{letter}</tspan><tspan dy="-0.21em">"#);
     assert_eq!(both, format!("{}, </tspan>{} (–)</tspan>", index('l'), index('d')));
     assert_eq!(lowered("kappa_d=0.3"), "kappa_d=0.3");
-}
-
-#[test]
-fn solid_line_is_one_piece_and_no_line_is_none() {
-    assert_eq!(dashes(&[(0.0, 0.0), (1.0, 0.0)], &[]).len(), 1);
-    assert!(dashes(&[], &[1.0, 1.0]).is_empty());
 }
 
 #[test]

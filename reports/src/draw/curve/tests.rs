@@ -1,9 +1,4 @@
 use super::*;
-use crate::draw::{GRID, Look, Mark};
-
-fn line(ending: Ending, points: Vec<LogPoint>) -> Line {
-    Line { look: Look { pen: GRID, mark: Mark::None }, ending, points }
-}
 
 #[test]
 fn curve_is_cut_where_it_leaves_and_enters_the_frame() {
@@ -31,17 +26,19 @@ fn zero_and_infinity_leave_the_frame_at_its_edges() {
 
 #[test]
 fn range_holds_values_and_tolerance_with_a_little_room() {
-    let curve = vec![Some((0.0, -0.5)), None, Some((1.0, -2.5))];
-    assert_eq!(range(&[line(Ending::Converged, curve.clone())], &[1e-4]), (-4.3, -0.2));
-    assert_eq!(range(&[line(Ending::Converged, curve)], &[]), (-2.8, -0.2));
-    assert_eq!(range(&[line(Ending::Converged, vec![Some((0.0, 0.0))])], &[]), (-1.3, 0.3));
-    assert_eq!(range(&[], &[]), (-4.0, 0.0));
+    let of = |values: &[f64], tolerances: &[f64]| {
+        range(values.iter().map(|value| (Ending::Converged, *value)), tolerances)
+    };
+    assert_eq!(of(&[-0.5, -2.5], &[1e-4]), (-4.3, -0.2));
+    assert_eq!(of(&[-0.5, -2.5], &[]), (-2.8, -0.2));
+    assert_eq!(of(&[0.0], &[]), (-1.3, 0.3));
+    assert_eq!(of(&[], &[]), (-4.0, 0.0));
 }
 
 #[test]
 fn failed_run_does_not_stretch_the_range() {
-    let explosion = vec![Some((0.0, -0.5)), Some((1.0, 300.0))];
-    assert_eq!(range(&[line(Ending::Diverged, explosion)], &[]), (-0.8, 1.3));
+    let explosion = [-0.5, 300.0].map(|value| (Ending::Diverged, value));
+    assert_eq!(range(explosion.into_iter(), &[]), (-0.8, 1.3));
 }
 
 #[test]

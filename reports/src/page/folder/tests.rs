@@ -1,4 +1,5 @@
 use super::*;
+use tempfile::TempDir;
 
 fn file(name: &str, text: &str) -> File {
     File::new(name.to_owned(), text)
@@ -77,24 +78,18 @@ fn file_in_place_of_the_folder_is_refused_and_kept() {
 }
 
 #[test]
-fn drafts_of_a_report_that_was_killed_go_and_what_is_of_others_comes_back() {
+fn files_of_a_report_that_was_killed_are_replaced_by_the_next() {
     let root = TempDir::new().unwrap();
     let out = root.path().join("study");
-    // Killed between the two moves: the folder is gone.
-    let old = root.path().join(".unfinished-study-aB3xYz/old");
-    fs::create_dir_all(&old).unwrap();
-    for (name, text) in [("a.svg", "1"), (MADE, "a.svg\n"), ("notes.txt", "mine")] {
-        fs::write(old.join(name), text).unwrap();
+    fs::create_dir(&out).unwrap();
+    // Killed while it wrote its third file, with one of the report before still there.
+    for (name, text) in
+        [(MADE, "a.svg\nc.svg\nb.svg\n"), ("a.svg", "2"), ("b.svg", "1"), (".unfinished-x", "2")]
+    {
+        fs::write(out.join(name), text).unwrap();
     }
-    let another = root.path().join(".unfinished-study-quick-aB3xYz");
-    fs::create_dir_all(another.join("new")).unwrap();
-    replace(&[file("b.svg", "2")], &out).unwrap();
-    assert_eq!(entries(&out), [".report", "b.svg", "notes.txt"]);
-    assert_eq!(entries(root.path()), [".unfinished-study-quick-aB3xYz", "study"]);
-    // What has another file in its place stays where it is.
-    fs::create_dir_all(&old).unwrap();
-    fs::write(old.join("notes.txt"), "mine too").unwrap();
-    replace(&[file("b.svg", "3")], &out).unwrap();
-    assert_eq!(fs::read_to_string(out.join("notes.txt")).unwrap(), "mine");
-    assert_eq!(fs::read_to_string(old.join("notes.txt")).unwrap(), "mine too");
+    fs::write(out.join("notes.txt"), "mine").unwrap();
+    replace(&[file("a.svg", "3"), file("c.svg", "3")], &out).unwrap();
+    assert_eq!(entries(&out), [".report", "a.svg", "c.svg", "notes.txt"]);
+    assert_eq!(fs::read_to_string(out.join("a.svg")).unwrap(), "3");
 }
