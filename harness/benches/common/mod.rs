@@ -22,26 +22,26 @@ fn scene_of<M: Marched>(case: &str, grains: usize, sides: &[(&str, f64)], fricti
 }
 
 /// The first problem of a scene.
-fn first<M: Marched>(scene: March<M>) -> Frozen<M> {
+fn first<M: Marched>(scene: &March<M>) -> Frozen<M> {
     scene.next().unwrap_or_else(|error| panic!("{error}")).frozen
 }
 
 /// The first problem of [`scene`].
 pub(crate) fn packing(grains: usize) -> Frozen {
-    first(scene(grains))
+    first(&scene(grains))
 }
 
 /// The first problem of [`scene`] with a friction of 0.3.
 #[allow(dead_code, reason = "not all benchmarks have friction")]
 pub(crate) fn rough_packing(grains: usize) -> Frozen<RoughDiscs> {
-    first(scene_of("deposited-box", grains, &[("width_m", 0.152 * (grains as f64).sqrt())], 0.3))
+    first(&scene_of("deposited-box", grains, &[("width_m", 0.152 * (grains as f64).sqrt())], 0.3))
 }
 
 /// The first problem of `sphere-box` with so many grains, in a box about as wide and as deep as high, and with `friction`.
 #[allow(dead_code, reason = "not all benchmarks are of spheres")]
 pub(crate) fn packing_in_space<M: Marched>(grains: usize, friction: f64) -> Frozen<M> {
     let side = 0.2 * (grains as f64).cbrt();
-    first(scene_of("sphere-box", grains, &[("width_m", side), ("depth_m", side)], friction))
+    first(&scene_of("sphere-box", grains, &[("width_m", side), ("depth_m", side)], friction))
 }
 
 /// The numbers of grains of the environment variable `GRAINS`, such as "1000 1000000", or else 1000 and 100,000.
