@@ -42,7 +42,7 @@ pub enum Acceleration {
 }
 
 impl Acceleration {
-    /// The momentum, if any, with the lag q and the slack ρ (–), which without a value is [`SLACK`] with friction and none without.
+    /// The momentum, if any, with the lag q and the slack ρ (–), which unless given is 1.2 with friction, and none without.
     ///
     /// # Errors
     /// q ≤ 0, or ρ < 1, which would restart at every sweep.
