@@ -4,7 +4,7 @@ use crate::problems::{difference, frozen, frozen_path, impulses, start};
 use analysis::Bounded;
 use cases::AnyFrozen;
 use contact::acceleration::{Acceleration, LAG, Momentum};
-use contact::{ContactProblem, Mechanics, Packing, Solver, Vector};
+use contact::{ContactProblem, Mechanics, Packing, Solver};
 use jacobi::Jacobi;
 use nsgs::{Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
@@ -122,7 +122,7 @@ fn assert_all_are_the_formula<M: Bounded>(problem: &Packing<M>) {
     assert_sweeps_are_the_formula(problem, ACCELERATED);
     let plain = Jacobi { bounded: true, ..Jacobi::default() };
     let accelerated = Jacobi { acceleration: Acceleration::Nesterov, ..plain };
-    let slack = (M::Impulse::LEN > 1).then_some(1.2);
+    let slack = M::HAS_FRICTION.then_some(1.2);
     assert_is_the_formula(problem, &accelerated, (&plain, slack));
 }
 

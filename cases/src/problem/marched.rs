@@ -13,9 +13,6 @@ use serde::de::DeserializeOwned;
 
 /// A mechanics that scenes march with, and that files hold.
 pub trait Marched: Mechanics<Place: Listed, Velocity: Listed, Impulse: Listed, Mass: Inertia> {
-    /// True where contacts have friction, as a scene with friction requires.
-    const HAS_FRICTION: bool = Self::Impulse::LEN > 1;
-
     /// Returns the contact with these numbers, of which it takes those that it has.
     fn contact(parts: &Parts<Self::Place>) -> Self::Contact;
 

@@ -56,6 +56,7 @@ pub(crate) struct TableArgs {
     output: Option<PathBuf>,
 }
 
+/// Formats of figures on the command line.
 #[derive(clap::Args)]
 struct FormatArgs {
     /// Figures as PNG too, 300 pixels to the inch; from then on, until the files are deleted

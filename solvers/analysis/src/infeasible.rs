@@ -216,7 +216,7 @@ impl<M: Mechanics> Proof<M> {
         for e in &mut self.subdomains {
             for (d, contact) in e.d.iter_mut().zip(&e.numbers) {
                 let r = M::Impulse::at(ray, *contact as usize).first();
-                *d = if M::Impulse::LEN > 1 { law::non_negative(r) } else { r };
+                *d = if M::HAS_FRICTION { law::non_negative(r) } else { r };
             }
         }
         self

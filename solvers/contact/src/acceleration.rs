@@ -57,15 +57,15 @@ impl Acceleration {
     }
 }
 
-/// q of β = j/(j + q) (–). On 19 packings without friction, of 60 to 16,000 discs and 250 to 1,000 spheres, 1, 1.5 and 2 take 0.93,
-/// 0.94 and 0.91 of the iterations of conjugate gradients to 1e-6 in the geometric mean, 3 takes 1.05. With friction 2 takes 0.93 of
-/// the sweeps of 3 to 1e-4 on eight frozen problems; over 200 time steps each of `heap`, `drum` and `biaxial` with five seeds they miss
+/// q of β = j/(j + q) (–). On 19 problems without friction, of 250 to 16,000 discs and 250 to 1,000 spheres, a column and a crystal,
+/// 1, 1.5 and 2 take 0.93, 0.94 and 0.91 of the iterations of conjugate gradients to 1e-6 in the geometric mean, 3 takes 1.05. With friction 2 takes 0.93 of
+/// the sweeps of 3 to 1e-4 on the seven of eight frozen problems that get there; over 200 time steps each of `heap`, `drum` and `biaxial` with five seeds they miss
 /// 29 and 28 of the 3,000, in as many sweeps to within 2 %.
 pub const LAG: f64 = 2.0;
 
 /// ρ with friction (–). On 14 frictional problems of 250 to 1,000 grains, μ from 0.1 to 0.8, 1.5 takes a fifth fewer sweeps to 1e-3 and
 /// 1e-4, and 2 fails to reach these on two to four of them; but through time 1.5 misses twice as many time steps as 1.2. Without
-/// friction a ρ only restarts too early: on the 19 packings 1.2 takes 9 % more iterations to 1e-6 than none.
+/// friction a ρ only restarts too early: on the 19 problems, at q = 3, 1.2 takes 9 % more iterations to 1e-6 than none.
 const SLACK: f64 = 1.2;
 
 /// Plain iterations at most between two cycles. Through those 3,000 time steps, at q = 3 and with other round-off, 20 missed 1e-4 in
@@ -271,7 +271,7 @@ pub struct Accelerated<M: Mechanics> {
 impl<M: Mechanics> Accelerated<M> {
     /// The acceleration of iterations that begin where `sweep` is.
     pub fn new(momentum: Momentum, sweep: &Sweep<M>) -> Self {
-        let momentum = momentum.of_problem(M::Impulse::LEN > 1);
+        let momentum = momentum.of_problem(M::HAS_FRICTION);
         Self { momentum, trail: sweep.trail(sweep.without_impulses()), restarts: 0 }
     }
 

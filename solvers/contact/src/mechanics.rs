@@ -33,6 +33,9 @@ pub trait Mechanics: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// Name in files.
     const NAME: &'static str;
 
+    /// True where contacts have friction, as a scene with friction requires.
+    const HAS_FRICTION: bool = Self::Impulse::LEN > 1;
+
     /// True where all solutions of a problem have the same velocity: far from a known one is then far from any.
     const HAS_ONE_VELOCITY: bool;
 }

@@ -12,7 +12,6 @@
 use crate::directions::Directions;
 use crate::stages::Stages;
 use crate::subdomain::{Iterate, Latin};
-use contact::Vector;
 use nalgebra::SVector;
 use partition::Team;
 use std::ops::RangeInclusive;
@@ -37,7 +36,7 @@ impl Balance {
     pub(crate) fn new<M: Stages>(scaled_delassus_bound: f64, iterates: usize, kappa_t: f64) -> Self {
         let room = || Vec::with_capacity(iterates);
         // A tangent's l is κ_t times that of W_D.
-        let steepest = if M::Impulse::LEN > 1 { kappa_t.max(1.0) } else { 1.0 };
+        let steepest = if M::HAS_FRICTION { kappa_t.max(1.0) } else { 1.0 };
         let eigenvalue_bound = steepest * scaled_delassus_bound;
         Self { previous: room(), current: room(), eigenvalue_bound }
     }

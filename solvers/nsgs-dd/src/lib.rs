@@ -243,7 +243,7 @@ impl NsgsDd {
             sums: CopySums::over(decomposition, team),
             groups,
             settings: *self,
-            momentum: momentum.map(|momentum| momentum.of_problem(M::Impulse::LEN > 1)),
+            momentum: momentum.map(|momentum| momentum.of_problem(M::HAS_FRICTION)),
             progress: vec![[0.0; 2]; subdomains.len()],
             iterations: 0,
             restarts: 0,

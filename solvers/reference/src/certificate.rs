@@ -303,7 +303,7 @@ pub fn certify<M: Certified>(problem: &ContactProblem<M>, r: &[f64]) -> Certific
         let bound = M::law(contact).1 * law::non_negative(r.first());
         Residual::new(law::non_negative(tangential(r) - bound), terms.impulse.max(TERMS * bound))
     });
-    let is_rough = M::Impulse::LEN > 1;
+    let is_rough = M::HAS_FRICTION;
     Certificate {
         approach: worst(
             approaches.map(|((.., v), (.., scale))| Residual::new(law::non_negative(-v.first()), *scale)),
