@@ -1,15 +1,18 @@
 //! The active set: where it ends, what it shows on the way, and what it costs when it knows the set.
 
+use crate::friction::{rough, with_friction};
+use crate::friction_latin::smooth;
 use crate::problems::{PACKINGS, first_problem, frozen, impulses, start};
 use active_set::{ActiveSet, Start};
 use analysis::Meter;
-use contact::{Iteration, Packing, Solver};
+use contact::{Iteration, Measure, Packing, RoughDiscs, Solver};
 use reference::{InteriorPoint, certify};
+use runner::{Stop, solve};
 
 const STARTS: [Start; 3] = [Start::Cg, Start::ColdSet, Start::InteriorPoint];
 
 fn method(start: Start) -> ActiveSet {
-    ActiveSet { start, ..ActiveSet::default() }
+    ActiveSet { start: Some(start), ..ActiveSet::default() }
 }
 
 /// Advances until no further iteration helps; returns the impulses.
@@ -146,5 +149,49 @@ fn work_of_the_active_set_is_counted() {
         alone.advance();
         assert_eq!(run.work().delassus_products, alone.work().delassus_products + at_start);
         assert_eq!(impulses(&*run, &problem), impulses(&*alone, &problem));
+    }
+}
+
+/// Solves `problem` from r = 0 in at most so many iterations, and certifies the end.
+fn ends_certified(problem: &Packing<RoughDiscs>, most: u64) {
+    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-12, max_iterations: most };
+    let (method, none) = (ActiveSet::default(), vec![0.0; problem.impulse_count()]);
+    let outcome = solve(&method, problem, &none, &stop, &mut |_| ()).unwrap();
+    let certificate = certify(problem, &outcome.impulses);
+    assert!(certificate.certified(), "{:?}, {certificate}", outcome.status);
+}
+
+#[test]
+fn with_friction_it_ends_certified() {
+    let problem = rough("rough-991-mu08").problem;
+    for friction in [0.1, 0.3, 0.5] {
+        ends_certified(&with_friction(&problem, friction), 4000);
+    }
+}
+
+/// As walls move conjugate gradients stay at 1e-3, the fixed point over convex programmes and plain sweeps likewise.
+#[test]
+fn where_conjugate_gradients_stall_it_ends_certified() {
+    for name in ["rough-991-onset-unconverged", "rough-991-sheared-unconverged"] {
+        ends_certified(&rough(name).problem, 6000);
+    }
+}
+
+#[test]
+fn starts_that_a_mechanics_lacks_are_refused() {
+    let frictional = rough("rough-250").problem;
+    let frictionless = smooth(&frictional);
+    let refusal = |begin, has_friction: bool| {
+        let method = method(begin);
+        let refused = if has_friction {
+            Solver::start(&method, &frictional, &vec![0.0; frictional.impulse_count()]).err()
+        } else {
+            Solver::start(&method, &frictionless, &vec![0.0; frictionless.impulse_count()]).err()
+        };
+        refused.unwrap().to_string()
+    };
+    assert!(refusal(Start::Sweeps, false).contains("its sweeps are for problems with friction"));
+    for begin in [Start::Cg, Start::InteriorPoint] {
+        assert!(refusal(begin, true).contains("its interior point are for problems without friction"));
     }
 }

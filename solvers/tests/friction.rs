@@ -373,7 +373,7 @@ fn a_floor_that_slides_takes_a_disc_along() {
 }
 
 #[test]
-fn the_active_set_comes_through_where_impulses_drift_and_ends_at_a_floor() {
+fn the_active_set_comes_through_where_impulses_drift() {
     // Gauss-Seidel takes 129,100 sweeps; of the second, a packing at rest in which more contacts stick than motion allows, it comes to
     // a floor of 2e-7.
     for name in ["rough-991-mu08", "rough-250"] {
@@ -383,11 +383,11 @@ fn the_active_set_comes_through_where_impulses_drift_and_ends_at_a_floor() {
         assert!(outcome.iterations < 60_000, "{name}: {}", outcome.iterations);
         assert!(certify(&problem, &outcome.impulses).certified(), "{name}");
     }
-    // Friction that a packing has all of a sudden: no solution was found, and it is not called converged.
+    // Friction that a packing has all of a sudden: from conjugate gradients it ended at a floor.
     let settings =
         [("sample.file", "frozen/settled-250.json"), ("scene.box.width_m", "2.4"), ("scene.friction", "0.8")];
     let problem = first_problem_of("friction-switched-on", &settings).problem;
     let outcome = run(&ActiveSet::default(), &problem, 1e-12);
-    assert_eq!(outcome.status, Status::Stalled);
-    assert!(outcome.measures.natural_map < 1e-9, "{:?}", outcome.measures);
+    assert_eq!(outcome.status, Status::Converged);
+    assert!(certify(&problem, &outcome.impulses).certified());
 }

@@ -2,17 +2,15 @@
 
 use crate::friction::{given, rough, with_friction};
 use crate::problems::frozen_path;
-use active_set::{ActiveSet, Start};
 use analysis::Meter;
 use contact::{Measure, Packing, RoughContact, RoughDiscs, RoughMass, Solver};
 use latin_dd::LatinDd;
 use nalgebra::{Vector2, Vector3};
 use partition::{Decomposition, Grid, Partition, Scheme};
-use reference::certify;
 use runner::{Status, Stop, solve};
 
 /// The same packing whose contacts have no tangent.
-fn smooth(problem: &Packing<RoughDiscs>) -> Packing {
+pub(crate) fn smooth(problem: &Packing<RoughDiscs>) -> Packing {
     let smooth = problem.without_friction().unwrap();
     let (mass, v_free) = (smooth.mass().to_vec(), smooth.free_velocity().to_vec());
     Packing::new(mass, problem.position().to_vec(), v_free, smooth.contacts().to_vec()).unwrap()
@@ -157,48 +155,4 @@ fn disc_thrown_along_a_floor_rolls_at_two_thirds_or_slides() {
         assert_eq!(outcome.status, Status::Converged);
         assert!((outcome.velocity[0] - expected).amax() < 1e-12, "μ = {friction}: {}", outcome.velocity[0]);
     }
-}
-
-/// Where the active set ends, and the iterations that it takes at most.
-fn ends_certified(method: ActiveSet, problem: &Packing<RoughDiscs>, most: u64) {
-    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-12, max_iterations: most };
-    let outcome = solve(&method, problem, &vec![0.0; problem.impulse_count()], &stop, &mut |_| ()).unwrap();
-    let certificate = certify(problem, &outcome.impulses);
-    assert!(certificate.certified(), "{method:?}: {:?}, {certificate}", outcome.status);
-}
-
-#[test]
-fn the_active_set_begun_by_latin_ends_certified() {
-    let problem = rough("rough-991-mu08").problem;
-    for (friction, most) in [(0.1, 300), (0.3, 700), (0.5, 1500)] {
-        let method = ActiveSet { start: Start::Latin, ..ActiveSet::default() };
-        ends_certified(method, &with_friction(&problem, friction), most);
-    }
-}
-
-/// As walls move conjugate gradients stay at 1e-3, the fixed point over convex programmes and sweeps likewise.
-#[test]
-fn where_conjugate_gradients_stall_paths_lead_the_active_set_to_a_solution() {
-    for name in ["rough-991-onset-unconverged", "rough-991-sheared-unconverged"] {
-        ends_certified(ActiveSet::default(), &rough(name).problem, 4000);
-    }
-}
-
-#[test]
-fn starts_that_a_mechanics_lacks_are_refused() {
-    let rough = rough("rough-250").problem;
-    let refusal = |start, rough_one: bool| {
-        let method = ActiveSet { start, ..ActiveSet::default() };
-        let refused = if rough_one {
-            Solver::start(&method, &rough, &vec![0.0; rough.impulse_count()]).err()
-        } else {
-            let smooth = smooth(&rough);
-            Solver::start(&method, &smooth, &vec![0.0; smooth.impulse_count()]).err()
-        };
-        refused.unwrap().to_string()
-    };
-    assert!(refusal(Start::Latin, false).contains("LATIN is for problems with friction"));
-    assert!(
-        refusal(Start::InteriorPoint, true).contains("its interior point is for problems without friction")
-    );
 }

@@ -47,10 +47,10 @@ pub(crate) fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
         ),
         ("nncg", Box::new(Nncg::default())),
         ("active-set", Box::new(ActiveSet::default())),
-        ("active-set, cold", Box::new(ActiveSet { start: Start::ColdSet, ..ActiveSet::default() })),
+        ("active-set, cold", Box::new(ActiveSet { start: Some(Start::ColdSet), ..ActiveSet::default() })),
         (
             "active-set, from inside",
-            Box::new(ActiveSet { start: Start::InteriorPoint, ..ActiveSet::default() }),
+            Box::new(ActiveSet { start: Some(Start::InteriorPoint), ..ActiveSet::default() }),
         ),
         ("interior-point", Box::new(InteriorPoint::default())),
         ("nsgs-dd", Box::new(NsgsDd { subdomains: grid, partition: Scheme::Balanced, ..NsgsDd::default() })),

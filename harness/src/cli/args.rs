@@ -44,7 +44,7 @@ pub(crate) struct SceneArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
     /// The time step of a case, counted from 1, or one of its moments [default: the case's `solve_at`]; those before
-    /// it are solved by preconditioned cg, or with friction by accelerated nsgs, whatever the method
+    /// it are solved by preconditioned cg, or with friction by active-set, whatever the method
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub(crate) time_step: Option<String>,
 }
@@ -53,7 +53,7 @@ pub(crate) struct SceneArgs {
 #[derive(clap::Args)]
 pub(crate) struct SolverArgs {
     /// A method; `gravel list methods` shows them with their settings [default: cg; with friction
-    /// nsgs with acceleration=nesterov in simulate and freeze]
+    /// active-set in simulate and freeze]
     #[arg(long, value_name = "M")]
     method: Option<String>,
     /// A setting of the method, such as relaxation=0.8 or subdomains=4x2; may be repeated

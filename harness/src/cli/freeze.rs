@@ -10,9 +10,8 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(
     after_help = "Without --method the time steps before are solved as `gravel solve CASE` solves them: by cg with the \
-                  preconditioner `diagonal`, with friction by nsgs with acceleration=nesterov. Whatever the method, with friction \
-                  each stops after 5000 iterations unless --max-iterations says otherwise. The problem's key `missed_before` says how \
-                  many did not converge."
+                  preconditioner `diagonal`, with friction by active-set. Whatever the method, with friction each stops at 1e-4 unless \
+                  --tolerance says otherwise. The problem's key `missed_before` says how many did not converge."
 )]
 pub(crate) struct Args {
     /// A case: its name, or the path of its file

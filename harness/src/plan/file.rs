@@ -117,7 +117,7 @@ pub(crate) struct PlannedCase {
     /// The time to simulate, in a study through time; the plan's where there is none (s).
     pub(crate) duration_s: Option<f64>,
     /// The method that solves the time steps before, such as `{ method = "active-set", stop = { tolerance = 1e-4 } }`; without it
-    /// accelerated `nsgs` where there is friction, `cg` where there is none.
+    /// `active-set`, to 1e-4, where there is friction, `cg` where there is none.
     pub(crate) march: Option<Marcher>,
     /// Values that are the same for all, such as `"scene.law" = "iqs"`.
     #[serde(default)]

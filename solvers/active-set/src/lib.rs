@@ -11,6 +11,9 @@
 //! interior point would have been cheaper; of the active set, as long as each few sets leave less than all before; of an interior
 //! point, which finds its way from anywhere, until what is left is a hundredth of what it was, and the active set tries again. Where
 //! the interior point finds no way on either, conjugate gradients go on from the best impulses, twice as long each time.
+//!
+//! With friction accelerated sweeps of Gauss-Seidel take the place of conjugate gradients, Newton's method on the statuses open, stick
+//! and slide that of the set, and proximal points that of the interior point ([`stages`]).
 
 mod inner;
 mod interior;
@@ -33,29 +36,41 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Method that finds the first set.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
-    /// By conjugate gradients, preconditioned by the diagonal of W.
-    #[default]
+    /// By conjugate gradients, preconditioned by the diagonal of W; for problems without friction, whose default it is.
     Cg,
+    /// By accelerated sweeps of Gauss-Seidel; for problems with friction, whose default it is.
+    Sweeps,
     /// By the law from the start impulses: without any, the contacts that approach.
     ColdSet,
     /// By an interior point; for problems without friction.
     InteriorPoint,
-    /// By LATIN with κ = 10; for problems with friction. `cg` goes that way too where all else leads nowhere.
-    Latin,
+}
+
+impl Start {
+    /// Name in files.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Cg => "cg",
+            Self::Sweeps => "sweeps",
+            Self::ColdSet => "cold-set",
+            Self::InteriorPoint => "interior-point",
+        }
+    }
 }
 
 /// Settings of the active set.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ActiveSet {
-    /// Method that finds the first set.
-    pub start: Start,
-    /// Residual of the law at which the conjugate gradient ends, as a natural map (–).
+    /// Method that finds the first set: unless given `cg`, with friction `sweeps`.
+    pub start: Option<Start>,
+    /// Residual of the law at which the first set is taken, as a natural map (–).
     pub start_accuracy: f64,
-    /// Warm start: start impulses, where there are some, take the place of `start`: the first set is theirs.
+    /// Warm start: start impulses, where there are some, take the place of `start`: the first set is theirs, with friction if they
+    /// reach `start_accuracy`.
     pub warm: bool,
 }
 
@@ -63,7 +78,7 @@ pub struct ActiveSet {
 /// 1e-1 to 1e-3 for each, and never more than 2.1 times; 1e-2 likewise, but up to 2.8 times.
 impl Default for ActiveSet {
     fn default() -> Self {
-        Self { start: Start::Cg, start_accuracy: 3e-3, warm: true }
+        Self { start: None, start_accuracy: 3e-3, warm: true }
     }
 }
 
@@ -279,14 +294,14 @@ impl ActiveSet {
         set.begin(r0);
         let is_warm = self.warm && r0.iter().any(|r| *r > 0.0);
         let phase = match self.start {
-            Start::Latin => {
-                let expected = "cg, cold-set or interior-point: LATIN is for problems with friction";
-                return Err(SetupError::new("start", "latin", expected));
+            Some(start @ Start::Sweeps) => {
+                let expected = "cg, cold-set or interior-point: its sweeps are for problems with friction";
+                return Err(SetupError::new("start", start.name(), expected));
             }
-            Start::ColdSet => Phase::Set,
+            Some(Start::ColdSet) => Phase::Set,
             _ if is_warm => Phase::Set,
-            Start::InteriorPoint => Phase::Interior { until: NEARER * NEARER * scale },
-            Start::Cg => {
+            Some(Start::InteriorPoint) => Phase::Interior { until: NEARER * NEARER * scale },
+            None | Some(Start::Cg) => {
                 let run = Cg { preconditioner: Preconditioner::Diagonal }.run(problem, r0)?;
                 Phase::Gradient { run: Box::new(run), iterations: 0, most }
             }

@@ -16,11 +16,9 @@ use layout::terms_of_b;
 use proximal::Proximal;
 use statuses::Statuses;
 
-impl<'p> Newton<'p, 2> for Statuses {
+impl<'p> Newton<'p> for Statuses {
     type Mechanics = RoughDiscs;
     type Points = Proximal<'p>;
-
-    const HAS_ONE_TRY: bool = true;
 
     fn new(problem: &'p Packing<RoughDiscs>) -> Result<Self, SetupError> {
         Self::new(problem)
@@ -68,10 +66,6 @@ impl<'p> Newton<'p, 2> for Statuses {
     fn work(&self) -> Work {
         self.work()
     }
-
-    fn programmes(problem: &'p Packing<RoughDiscs>) -> Option<Convex> {
-        Convex::new(problem).ok()
-    }
 }
 
 impl Solver<RoughDiscs> for ActiveSet {
@@ -80,6 +74,6 @@ impl Solver<RoughDiscs> for ActiveSet {
         problem: &'p Packing<RoughDiscs>,
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        self.rough::<Statuses, 2>(problem, r0)
+        self.with_friction::<Statuses>(problem, r0)
     }
 }

@@ -27,11 +27,9 @@ struct InSpace {
     s: Vec<Vector3<f64>>,
 }
 
-impl<'p> stages::Newton<'p, 3> for InSpace {
+impl<'p> stages::Newton<'p> for InSpace {
     type Mechanics = RoughSpheres;
     type Points = Proximal;
-
-    const HAS_ONE_TRY: bool = false;
 
     fn new(problem: &'p Packing<RoughSpheres>) -> Result<Self, SetupError> {
         Ok(Self { newton: Newton::new(problem)?, s: Vec::new() })
@@ -82,6 +80,6 @@ impl Solver<RoughSpheres> for ActiveSet {
         problem: &'p Packing<RoughSpheres>,
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        self.rough::<InSpace, 3>(problem, r0)
+        self.with_friction::<InSpace>(problem, r0)
     }
 }

@@ -1,104 +1,93 @@
 //! With friction: the stages that lead to where Newton's method ends, one after the other, in the plane and in space.
 //!
-//! Nothing is minimised, and no way is known that always leads to that neighbourhood. So conjugate gradients come first, with a try of
-//! Newton's method from where they come to the accuracy of the start, or to a rung of a ladder below it. Where they come no nearer,
-//! proximal points follow; where those lead nowhere, LATIN has a try from the start impulses, with Newton's method at each rung, then,
-//! in the plane, a fixed point over convex programmes, then proximal points once more. Where all of that brings nothing nearer, that is
-//! the floor, and the end.
+//! Nothing is minimised, and no way is known that always leads to that neighbourhood. Accelerated sweeps of Gauss-Seidel come first.
+//! Where their residual reaches the accuracy of the start, or a tenth of the threshold before, Newton's method is tried, and sweeps
+//! resume where it stalls. Where sweeps stall, proximal points follow; where these stall too, that is the floor, and the end. Where
+//! factors do not fit in memory, sweeps are the only stage.
 
 mod newton;
 
 pub(crate) use newton::{Approach, Newton, Step};
 
 use crate::progress::Progress;
-use crate::{ActiveSet, Best, Convex, Start};
-use cg::{Cg, Preconditioner, RoughRun};
-use contact::{Iteration, Packing, SetupError, Solver, Work};
-use latin_dd::LatinDd;
+use crate::{ActiveSet, Best, Start};
+use contact::acceleration::Acceleration;
+use contact::gauge::Gauge;
+use contact::{Iteration, Mechanics, Packing, SetupError, Solver, Touch, Vector, Work};
+use nsgs::Nsgs;
 
-/// One rung of the ladder over the one before (–).
+/// Ratio of a residual threshold to the one before (–).
 pub(crate) const RUNG: f64 = 0.1;
 
-/// Iterations in which the conjugate gradient must halve what is left, or proximal points follow; and those of LATIN, or what comes after
-/// it does.
+/// Sweeps in which the residual must be halved, or proximal points follow.
 const PATIENCE: u64 = 1000;
-const PATIENCE_WITH_LATIN: u64 = 4000;
 
-/// Iterations of LATIN from one look at what it leaves to the next.
+/// Sweeps from one look at the residual to the next: a look costs about as much as two.
 const LOOK: u64 = 25;
-
-/// κ of LATIN (–): of 3, 10, 30 and 100 the one that leads to the neighbourhood of a solution on most of fourteen packings of 250 and
-/// 991 discs with friction of 0.1 to 0.8, at rest and with moving walls: on four, where 3 and 30 do on three and two.
-const KAPPA: f64 = 10.0;
-
-/// Programmes of the fixed point that do not halve what is left, after which sweeps take their place.
-const IN_VAIN: u32 = 4;
-
-/// Residual, over the problem's scale, from which proximal points are the last stage (–): where they come no nearer, neither LATIN nor
-/// convex programmes do.
-const AT_THE_FLOOR: f64 = 1e-6;
 
 /// Largest residual of the law at an end where no step reduces it, over the problem's scale (–): else it is no end.
 const ROUND_OFF: f64 = 1e-12;
 
 /// Phase of an iteration.
-enum Phase<'p, N: Newton<'p, D>, const D: usize> {
-    /// Conjugate gradients.
-    Gradient { run: Box<RoughRun<N::Mechanics, D>>, progress: Progress },
-    /// LATIN.
-    Latin { run: Box<dyn Iteration + 'p>, progress: Progress },
-    /// The fixed point over convex programmes; the least that one left (√J), and how many since have not halved it.
-    Convex { convex: Box<Convex>, least: f64, in_vain: u32 },
-    /// Proximal points; whether they are the last that is tried.
-    Proximal { points: Box<N::Points>, is_last: bool },
+#[derive(Clone, Copy)]
+enum Phase {
+    /// Accelerated sweeps.
+    Sweeps,
+    /// Proximal points.
+    Proximal,
     /// Newton's method, from what was left before (√J).
     Newton { before: f64 },
     /// No further iteration helps.
     Ended,
 }
 
-struct Run<'p, N: Newton<'p, D>, const D: usize> {
+/// Accelerated sweeps, and the residual that they leave.
+struct Sweeps<'p, M: Mechanics> {
+    run: Box<dyn Iteration + 'p>,
+    progress: Progress,
+    gauge: M::Gauge,
+    /// Velocities that the impulses add, in the unit of the gauge.
+    y: Vec<M::Velocity>,
+}
+
+impl<'p, M: Mechanics> Sweeps<'p, M> {
+    /// Begins at impulses `r0` (N·s).
+    fn new(problem: &'p Packing<M>, r0: &[f64]) -> Result<Self, SetupError> {
+        let ends = problem.contacts().iter().map(Touch::ends).enumerate();
+        let gauge = M::Gauge::new(problem, ends, 0..problem.grain_count());
+        let y = vec![M::Velocity::ZERO; gauge.places()];
+        let method = Nsgs { acceleration: Acceleration::Nesterov, ..Nsgs::default() };
+        let run = method.start(problem, r0)?;
+        Ok(Self { run, progress: Progress::from(f64::INFINITY), gauge, y })
+    }
+
+    /// Returns the residual of the law that impulses `r` (N·s) leave: the natural map (√J).
+    fn left(&mut self, r: &[f64]) -> f64 {
+        let contacts = r.len() / M::Impulse::LEN;
+        self.gauge.push(r, &mut self.y);
+        self.gauge.sums(0..contacts, r, &self.y, true).natural_map(1.0)
+    }
+}
+
+struct Run<'p, N: Newton<'p>> {
     problem: &'p Packing<N::Mechanics>,
-    newton: N,
-    phase: Phase<'p, N, D>,
-    /// Phase that resumes where Newton's method, which has a try, does not end.
-    waiting: Option<Phase<'p, N, D>>,
-    /// From which LATIN begins (N·s).
-    r0: Vec<f64>,
+    sweeps: Sweeps<'p, N::Mechanics>,
+    /// Newton's method, from its first try on.
+    newton: Option<N>,
+    /// Proximal points, once sweeps have stalled.
+    points: Option<N::Points>,
+    phase: Phase,
     /// Next residual threshold (√J).
     rung: f64,
     /// √(Σ max(0, −b)²/`W_αα`) (√J).
     scale: f64,
     best: Best,
-    /// Work of the phases that ended.
-    work: Work,
 }
 
-impl<'p, N: Newton<'p, D>, const D: usize> Run<'p, N, D>
-where
-    LatinDd: Solver<N::Mechanics>,
-    RoughRun<N::Mechanics, D>: Iteration,
-{
-    fn gradient(&mut self) {
-        let Phase::Gradient { run, progress } = &mut self.phase else { return };
-        run.advance();
-        progress.iterations += 1;
-        let left = run.left();
-        let is_in_vain = progress.is_in_vain(left, PATIENCE);
-        self.best.take(left, |r| run.impulses(r));
-        if left <= self.rung {
-            run.impulses(&mut self.best.impulses);
-            self.best.left = left;
-            self.try_newton();
-        } else if is_in_vain {
-            self.work += run.work();
-            self.phase = self.points(false);
-        }
-    }
-
-    /// One iteration of LATIN, and at times a look at what it leaves.
-    fn latin(&mut self) {
-        let Phase::Latin { run, progress } = &mut self.phase else { return };
+impl<'p, N: Newton<'p>> Run<'p, N> {
+    /// One sweep, and at times a look at what it leaves.
+    fn sweep(&mut self) {
+        let Sweeps { run, progress, .. } = &mut self.sweeps;
         run.advance();
         progress.iterations += 1;
         if !progress.iterations.is_multiple_of(LOOK) {
@@ -106,116 +95,85 @@ where
         }
         let mut r = vec![0.0; self.best.impulses.len()];
         run.impulses(&mut r);
-        let left = self.newton.begin(&r);
-        let is_in_vain = progress.is_in_vain(left, PATIENCE_WITH_LATIN);
+        let left = self.sweeps.left(&r);
+        let is_in_vain = self.sweeps.progress.is_in_vain(left, PATIENCE);
         self.best.take(left, |best| best.copy_from_slice(&r));
         if left <= self.rung {
+            self.best = Best { left, impulses: r };
             self.try_newton();
         } else if is_in_vain {
-            self.work += run.work();
-            self.phase = match N::programmes(self.problem) {
-                Some(convex) => Phase::Convex { convex: Box::new(convex), least: f64::INFINITY, in_vain: 0 },
-                None => self.points(true),
-            };
+            self.begin_points();
         }
     }
 
-    /// One programme of the fixed point, and Newton's method from where it ends.
-    fn convex(&mut self) {
-        let Phase::Convex { convex, least, in_vain } = &mut self.phase else { return };
-        let solved = convex.advance();
-        let mut r = vec![0.0; self.best.impulses.len()];
-        convex.impulses(&mut r);
-        let left = self.newton.begin(&r);
-        self.best.take(left, |best| best.copy_from_slice(&r));
-        *in_vain = if left < 0.5 * *least { 0 } else { *in_vain + 1 };
-        *least = least.min(left);
-        let gives_up = !solved || *in_vain >= IN_VAIN;
-        if gives_up {
-            self.work += convex.work();
-            self.phase = self.points(true);
+    /// Lays Newton's method out, unless it is; `None` where it does not fit in memory.
+    fn newton(&mut self) -> Option<&mut N> {
+        if self.newton.is_none() {
+            self.newton = N::new(self.problem).ok();
         }
-        if left <= self.rung {
-            self.try_newton();
-        }
+        self.newton.as_mut()
     }
 
     /// Proximal points from the best impulses.
-    fn points(&self, is_last: bool) -> Phase<'p, N, D> {
-        let points = self.newton.points(self.problem, &self.best);
-        points.map_or(Phase::Ended, |points| Phase::Proximal { points: Box::new(points), is_last })
+    fn begin_points(&mut self) {
+        let (problem, best) =
+            (self.problem, Best { left: self.best.left, impulses: self.best.impulses.clone() });
+        self.points = self.newton().and_then(|newton| newton.points(problem, &best));
+        if self.points.is_some() {
+            self.phase = Phase::Proximal;
+        }
     }
 
     /// One proximal point, or a step towards it.
     fn proximal(&mut self) {
-        let Phase::Proximal { points, is_last } = &mut self.phase else { return };
-        let approach = self.newton.approach(points, &mut self.best, ROUND_OFF * self.scale);
-        let is_last = *is_last || self.best.left <= AT_THE_FLOOR * self.scale;
-        if matches!(approach, Approach::On) {
-            return;
-        }
-        self.work += N::work_of(points);
-        self.phase = match approach {
-            Approach::InVain if !is_last => latin::<N, D>(self.problem, &self.r0).unwrap_or(Phase::Ended),
-            _ => Phase::Ended,
-        };
-        if matches!(approach, Approach::Nearly) {
-            self.try_newton();
+        let (Some(points), Some(newton)) = (&mut self.points, &mut self.newton) else { return };
+        match newton.approach(points, &mut self.best, ROUND_OFF * self.scale) {
+            Approach::On => {}
+            Approach::Nearly => self.try_newton(),
+            Approach::Solved | Approach::InVain => self.phase = Phase::Ended,
         }
     }
 
     /// Newton's method from the best impulses.
     fn try_newton(&mut self) {
         self.rung *= RUNG;
-        let before = self.newton.begin(&self.best.impulses);
-        self.best.left = before;
-        self.waiting = Some(std::mem::replace(&mut self.phase, Phase::Newton { before }));
+        let impulses = self.best.impulses.clone();
+        if let Some(newton) = self.newton() {
+            let before = newton.begin(&impulses);
+            self.best.left = before;
+            self.phase = Phase::Newton { before };
+        }
     }
 
-    /// One step of Newton's method. Where it is in vain, what waited goes on at once: an iterate that stays would look like one that needs
-    /// no change.
-    fn newton(&mut self, before: f64) {
-        match self.newton.step(before, &mut self.best) {
-            Step::Solved => self.phase = Phase::Ended,
-            Step::On(before) => self.phase = Phase::Newton { before },
+    /// One step of Newton's method. Where it stalls, sweeps resume at once: an iterate that stays would look like one that needs no
+    /// change.
+    fn newton_step(&mut self, before: f64) {
+        let Some(newton) = &mut self.newton else { return };
+        self.phase = match newton.step(before, &mut self.best) {
+            Step::Solved => Phase::Ended,
+            Step::On(before) => Phase::Newton { before },
+            Step::InVain if self.points.is_some() || self.best.left <= ROUND_OFF * self.scale => Phase::Ended,
             Step::InVain => {
-                let is_round_off = self.best.left <= ROUND_OFF * self.scale;
-                self.phase = match self.waiting.take() {
-                    Some(Phase::Gradient { run, progress })
-                        if N::HAS_ONE_TRY && !is_round_off && progress.iterations > 0 =>
-                    {
-                        self.work += run.work();
-                        self.points(false)
-                    }
-                    Some(waiting) if !is_round_off => waiting,
-                    _ => Phase::Ended,
-                };
-                self.advance();
+                self.phase = Phase::Sweeps;
+                return self.sweep();
             }
-        }
+        };
     }
 }
 
-impl<'p, N: Newton<'p, D>, const D: usize> Iteration for Run<'p, N, D>
-where
-    LatinDd: Solver<N::Mechanics>,
-    RoughRun<N::Mechanics, D>: Iteration,
-{
+impl<'p, N: Newton<'p>> Iteration for Run<'p, N> {
     fn advance(&mut self) {
         match self.phase {
-            Phase::Gradient { .. } => self.gradient(),
-            Phase::Latin { .. } => self.latin(),
-            Phase::Convex { .. } => self.convex(),
-            Phase::Proximal { .. } => self.proximal(),
-            Phase::Newton { before } => self.newton(before),
+            Phase::Sweeps => self.sweep(),
+            Phase::Proximal => self.proximal(),
+            Phase::Newton { before } => self.newton_step(before),
             Phase::Ended => {}
         }
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        match &self.phase {
-            Phase::Gradient { run, .. } => run.impulses(r),
-            Phase::Latin { run, .. } => run.impulses(r),
+        match self.phase {
+            Phase::Sweeps => self.sweeps.run.impulses(r),
             _ => r.copy_from_slice(&self.best.impulses),
         }
     }
@@ -225,70 +183,42 @@ where
     }
 
     fn work(&self) -> Work {
-        let mut work = self.work;
-        work += self.newton.work();
-        for phase in std::iter::once(&self.phase).chain(&self.waiting) {
-            match phase {
-                Phase::Gradient { run, .. } => work += run.work(),
-                Phase::Latin { run, .. } => work += run.work(),
-                Phase::Convex { convex, .. } => work += convex.work(),
-                Phase::Proximal { points, .. } => work += N::work_of(points),
-                Phase::Newton { .. } | Phase::Ended => {}
-            }
-        }
+        let mut work = self.sweeps.run.work();
+        self.newton.iter().for_each(|newton| work += newton.work());
+        self.points.iter().for_each(|points| work += N::work_of(points));
         work
     }
 }
 
-/// LATIN from impulses `r0` (N·s).
-fn latin<'p, N: Newton<'p, D>, const D: usize>(
-    problem: &'p Packing<N::Mechanics>,
-    r0: &[f64],
-) -> Result<Phase<'p, N, D>, SetupError>
-where
-    LatinDd: Solver<N::Mechanics>,
-{
-    let method = LatinDd { kappa_l: Some(KAPPA), adaptive: Some(false), ..LatinDd::default() };
-    let run = method.start(problem, r0)?;
-    Ok(Phase::Latin { run, progress: Progress::from(f64::INFINITY) })
-}
-
 impl ActiveSet {
     /// A run with friction from the impulses `r0` (N·s).
-    pub(crate) fn rough<'p, N: Newton<'p, D> + 'p, const D: usize>(
+    pub(crate) fn with_friction<'p, N: Newton<'p> + 'p>(
         &self,
         problem: &'p Packing<N::Mechanics>,
         r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError>
-    where
-        LatinDd: Solver<N::Mechanics>,
-        RoughRun<N::Mechanics, D>: Iteration,
-    {
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_not_negative("start_accuracy", self.start_accuracy)?;
-        let expected = "cg, latin or cold-set: its interior point is for problems without friction";
-        SetupError::unless(self.start != Start::InteriorPoint, "start", "interior-point", expected)?;
-        let mut newton = N::new(problem)?;
-        let left = newton.begin(r0);
-        let first = if self.start == Start::Latin {
-            latin::<N, D>(problem, r0)?
-        } else {
-            let run = Cg { preconditioner: Preconditioner::Diagonal }.rough_run(problem, r0)?;
-            Phase::Gradient { run: Box::new(run), progress: Progress::from(left) }
+        let at_once = match self.start {
+            None | Some(Start::Sweeps) => false,
+            Some(Start::ColdSet) => true,
+            Some(start @ (Start::Cg | Start::InteriorPoint)) => {
+                let expected =
+                    "sweeps or cold-set: cg and its interior point are for problems without friction";
+                return Err(SetupError::new("start", start.name(), expected));
+            }
         };
-        let at_once = self.start == Start::ColdSet || self.warm && r0.iter().any(|r| *r != 0.0);
-        let (phase, waiting) =
-            if at_once { (Phase::Newton { before: left }, Some(first)) } else { (first, None) };
-        let scale = problem.scale().sqrt();
-        Ok(Box::new(Run {
-            problem,
-            newton,
-            phase,
-            waiting,
-            r0: r0.to_vec(),
-            rung: self.start_accuracy * scale,
-            scale,
-            best: Best { left, impulses: r0.to_vec() },
-            work: Work::default(),
-        }))
+        let mut sweeps = Sweeps::new(problem, r0)?;
+        let (left, scale) = (sweeps.left(r0), problem.scale().sqrt());
+        let rung = self.start_accuracy * scale;
+        let best = Best { left, impulses: r0.to_vec() };
+        let mut run =
+            Run { problem, sweeps, newton: None, points: None, phase: Phase::Sweeps, rung, scale, best };
+        if at_once {
+            run.newton = Some(N::new(problem)?);
+        }
+        if at_once || self.warm && left <= rung && r0.iter().any(|r| *r != 0.0) {
+            run.try_newton();
+        }
+        Ok(Box::new(run))
     }
 }

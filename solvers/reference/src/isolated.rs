@@ -30,10 +30,10 @@ const BEYOND: f64 = 10.0;
 const STEPS: u32 = 30;
 
 impl Isolation {
-    /// Reports whether a solution is near that is the only one around: the impulses are away from it by what they leave of the law over the
-    /// least singular value, and the next change of status is farther.
+    /// Reports whether a solution is near that is the only one around: the impulses are away from it by what they leave of the law, which
+    /// is known to round-off, over the least singular value, and the next change of status is farther.
     pub fn is_isolated(&self) -> bool {
-        self.margin * self.least_singular_value > BEYOND * self.left
+        self.margin * self.least_singular_value > BEYOND * self.left.max(f64::EPSILON)
     }
 }
 

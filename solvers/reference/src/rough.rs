@@ -111,7 +111,7 @@ pub fn polished<M: Rough>(problem: &Packing<M>, r: &[f64]) -> Option<RoughSoluti
 where
     ActiveSet: Solver<M>,
 {
-    let method = ActiveSet { start: Start::ColdSet, ..ActiveSet::default() };
+    let method = ActiveSet { start: Some(Start::ColdSet), ..ActiveSet::default() };
     let mut newton = Solver::<M>::start(&method, problem, r).ok()?;
     let mut impulses = r.to_vec();
     for _ in 0..POLISH {

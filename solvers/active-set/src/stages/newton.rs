@@ -1,16 +1,12 @@
 //! Interface of the frictional stages to the plane and to space: Newton's method and proximal points.
 
-use crate::{Best, Convex};
-use cg::Frictional;
-use contact::{Packing, SetupError, Work};
+use crate::Best;
+use contact::{Mechanics, Packing, SetupError, Work};
 
-/// Newton's method and proximal points, which differ between the plane and space, with D impulses of a contact.
-pub(crate) trait Newton<'p, const D: usize>: Sized {
-    type Mechanics: Frictional<D>;
+/// Newton's method and proximal points, which differ between the plane and space.
+pub(crate) trait Newton<'p>: Sized {
+    type Mechanics: Mechanics;
     type Points;
-
-    /// True where conjugate gradients give way to proximal points once a try of Newton's method from them was in vain.
-    const HAS_ONE_TRY: bool;
 
     /// Lays the problem out.
     ///
@@ -37,11 +33,6 @@ pub(crate) trait Newton<'p, const D: usize>: Sized {
 
     /// Work so far.
     fn work(&self) -> Work;
-
-    /// The fixed point over convex programmes, where it can be laid out.
-    fn programmes(_: &'p Packing<Self::Mechanics>) -> Option<Convex> {
-        None
-    }
 }
 
 /// Result of a step of Newton's method.
