@@ -28,6 +28,9 @@ pub struct Scene {
     pub law: Law,
     /// Newton's e: the part of its approach with which a contact parts (–), of the law `newton`.
     pub restitution: Option<f64>,
+    /// Rate at which contacts recover from an overlap (1/s), at most 1/h, of the law `iqs`: they part at this rate times the overlap.
+    /// Without it overlaps stay, and what the tolerance of the solves leaves of approach adds up.
+    pub recovery_per_s: Option<f64>,
     /// h (s).
     pub time_step_s: f64,
     /// θ of the θ-scheme (–).
@@ -87,7 +90,7 @@ pub enum Law {
     /// positive; c has no gap term.
     PredictedGap,
     /// Inelastic quasi-shock: a contact enters if its gap is no more than what the two fastest bodies of the scene could
-    /// close within the time step; c has max(0, gap)/h.
+    /// close within the time step; c has max(0, gap)/h, and where there is an overlap `scene.recovery_per_s` times the gap.
     Iqs,
     /// Newton's law of impact in Moreau's form: contacts enter as with `predicted-gap`, and c has e v⁻, so that
     /// 0 ≤ v⁺ + e v⁻ ⊥ r ≥ 0, which without friction never gives energy. It needs `scene.restitution`.
@@ -262,6 +265,10 @@ impl Scene {
         values.extend(self.restitution.map(|e| {
             let valid = (0.0..=1.0).contains(&e) && self.law == Law::Newton;
             ("restitution", e, valid, "between 0 and 1, with the law `newton`")
+        }));
+        values.extend(self.recovery_per_s.map(|rate| {
+            let valid = rate >= 0.0 && rate * self.time_step_s <= 1.0 && self.law == Law::Iqs;
+            ("recovery_per_s", rate, valid, "not negative and at most 1/h, with the law `iqs`")
         }));
         values.extend(drum.map(|Drum { radius_m, .. }| {
             let expected = "positive and finite, and `scene.box` left out";

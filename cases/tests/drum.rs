@@ -48,10 +48,24 @@ fn a_disc_slides_round_a_drum_for_ever_and_stays_at_its_wall() {
     }
 }
 
-/// Marches a case of the folder and gives its greatest overlap over the least radius, in the first half of the time and in the second.
-fn overlaps(name: &str, time_steps: u64) -> [f64; 2] {
+#[test]
+fn a_disc_recovers_from_an_overlap_with_the_floor_at_the_rate_of_the_scene() {
+    let rest = "gravity_m_per_s2 = 9.81\nrecovery_per_s = 2.0\n[scene.box]\nwidth_m = 1.0\n";
+    let case = scene_of_discs("[[0.5, 0.095, 0.1]]", H, rest).unwrap();
+    let mut march = March::<Discs>::new(&case).unwrap();
+    let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-14, max_iterations: 100 };
+    let mut expected = 0.005;
+    for k in 0..50 {
+        let (_, seen) = march.time_step(&Nsgs::default(), &stop).unwrap();
+        assert!((seen.greatest_overlap - expected).abs() < 1e-12, "{k}: {} m", seen.greatest_overlap);
+        expected *= 1.0 - 2.0 * H;
+    }
+}
+
+/// Marches a case and gives its greatest overlap over the least radius, in the first half of the time and in the second.
+fn overlaps(name: &str, time_steps: u64, overrides: &[(String, String)]) -> [f64; 2] {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name).with_extension("toml");
-    let case = Case::read(&file, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let case = Case::read(&file, overrides).unwrap_or_else(|error| panic!("{error}"));
     // A scene without friction marches alike, with spins that nothing moves.
     let mut march = March::<RoughDiscs>::new(&case).unwrap();
     let least = march.grains().take(march.grain_count()).map(|(radius, _, _)| radius).fold(1.0, f64::min);
@@ -72,9 +86,18 @@ fn overlaps(name: &str, time_steps: u64) -> [f64; 2] {
 #[test]
 fn shipped_drums_and_segments_do_not_sink() {
     for name in ["drum", "arch", "hopper"] {
-        let [first, second] = overlaps(name, 400);
+        let [first, second] = overlaps(name, 400, &[]);
         assert!(first < 1e-2 && second < 1e-2, "{name}: {first} and {second} of the least radius");
     }
+}
+
+#[test]
+fn overlaps_of_a_pressed_packing_add_up_unless_it_recovers_from_them() {
+    let of = |rate: &str| {
+        overlaps("literature/radjai-1996", 800, &[("scene.recovery_per_s".to_owned(), rate.to_owned())])
+    };
+    let ([_, staying], [_, recovering]) = (of("0.0"), of("10.0"));
+    assert!(recovering < 0.2 * staying, "{recovering} and {staying} of the least radius");
 }
 
 /// 20 s of every shipped scene with a drum or segments: minutes, so it is asked for by name.
@@ -106,7 +129,7 @@ fn shipped_drums_and_segments_do_not_sink_in_twenty_seconds() {
     for name in names.into_iter().filter(|name| only.as_ref().is_none_or(|only| only == name)) {
         let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name).with_extension("toml");
         let h = Case::read(&file, &[]).unwrap().scene.time_step_s;
-        let [first, second] = overlaps(name, (20.0 / h).round() as u64);
+        let [first, second] = overlaps(name, (20.0 / h).round() as u64, &[]);
         println!("{name}: {first:.2e}, then {second:.2e} of the least radius");
         assert!(first.max(second) < 0.05, "{name}");
     }

@@ -73,7 +73,7 @@ impl<M: Marched> March<M> {
             if enters {
                 let rebound =
                     restitution.map(|e| e * (contact.relative(&self.velocity) + contact.offset()).first());
-                let own = Terms::of(law, (pair.gap, motion.ahead, h), rebound);
+                let own = Terms::of(&self.scene, (pair.gap, motion.ahead), rebound);
                 parts.offset[0] += own.gap + own.rebound;
                 for _ in 0..contact_copies {
                     contacts.push(M::contact(&parts));

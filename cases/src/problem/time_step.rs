@@ -2,7 +2,7 @@
 
 use crate::detect::Side;
 use crate::problem::frozen::Frozen;
-use crate::scene::Law;
+use crate::scene::{Law, Scene};
 use contact::{Discs, Mechanics, Touch, Vector};
 
 /// The contact problem of a time step that is not solved yet.
@@ -55,12 +55,13 @@ pub(crate) struct Terms {
 }
 
 impl Terms {
-    /// Returns the terms of a contact with a gap, which at a curved wall is another `ahead` (m), over a time step of `h` (s), with its `rebound` if
-    /// the law has one (m/s). At a curved wall the gap ahead enters as it is: what the wall turns towards the grain, and what is left of
-    /// an overlap. Elsewhere overlaps are let be.
-    pub(crate) fn of(law: Law, (gap, ahead, h): (f64, Option<f64>, f64), rebound: Option<f64>) -> Self {
-        let gap = match (law, ahead) {
-            (Law::Iqs, None) => gap.max(0.0) / h,
+    /// Returns the terms of a contact with a gap, which at a curved wall is another `ahead` (m), in a scene, with its `rebound` if the law
+    /// has one (m/s). At a curved wall the gap ahead enters as it is: what the wall turns towards the grain, and what is left of an
+    /// overlap. Elsewhere contacts recover from an overlap at the rate of the scene.
+    pub(crate) fn of(scene: &Scene, (gap, ahead): (f64, Option<f64>), rebound: Option<f64>) -> Self {
+        let h = scene.time_step_s;
+        let gap = match (scene.law, ahead) {
+            (Law::Iqs, None) => gap.max(0.0) / h + gap.min(0.0) * scene.recovery_per_s.unwrap_or(0.0),
             (Law::Iqs, Some(ahead)) => ahead / h,
             (Law::PredictedGap | Law::Newton, ahead) => ahead.map_or(0.0, |ahead| ahead.min(0.0) / h),
         };

@@ -15,6 +15,7 @@ use contact::acceleration::Acceleration;
 use contact::gauge::Gauge;
 use contact::{Iteration, Mechanics, Packing, SetupError, Solver, Touch, Vector, Work};
 use nsgs::Nsgs;
+use std::cell::OnceCell;
 
 /// Ratio of a residual threshold to the one before (–).
 pub(crate) const RUNG: f64 = 0.1;
@@ -72,8 +73,8 @@ impl<'p, M: Mechanics> Sweeps<'p, M> {
 struct Run<'p, N: Newton<'p>> {
     problem: &'p Packing<N::Mechanics>,
     sweeps: Sweeps<'p, N::Mechanics>,
-    /// Newton's method, from its first try on.
-    newton: Option<N>,
+    /// Newton's method, from its first try on; none where it does not fit in memory.
+    newton: OnceCell<Option<N>>,
     /// Proximal points, once sweeps have stalled.
     points: Option<N::Points>,
     phase: Phase,
@@ -108,10 +109,8 @@ impl<'p, N: Newton<'p>> Run<'p, N> {
 
     /// Lays Newton's method out, unless it is; `None` where it does not fit in memory.
     fn newton(&mut self) -> Option<&mut N> {
-        if self.newton.is_none() {
-            self.newton = N::new(self.problem).ok();
-        }
-        self.newton.as_mut()
+        self.newton.get_or_init(|| N::new(self.problem).ok());
+        self.newton.get_mut()?.as_mut()
     }
 
     /// Proximal points from the best impulses.
@@ -126,7 +125,7 @@ impl<'p, N: Newton<'p>> Run<'p, N> {
 
     /// One proximal point, or a step towards it.
     fn proximal(&mut self) {
-        let (Some(points), Some(newton)) = (&mut self.points, &mut self.newton) else { return };
+        let (Some(points), Some(Some(newton))) = (&mut self.points, self.newton.get_mut()) else { return };
         match newton.approach(points, &mut self.best, ROUND_OFF * self.scale) {
             Approach::On => {}
             Approach::Nearly => self.try_newton(),
@@ -148,7 +147,7 @@ impl<'p, N: Newton<'p>> Run<'p, N> {
     /// One step of Newton's method. Where it stalls, sweeps resume at once: an iterate that stays would look like one that needs no
     /// change.
     fn newton_step(&mut self, before: f64) {
-        let Some(newton) = &mut self.newton else { return };
+        let Some(Some(newton)) = self.newton.get_mut() else { return };
         self.phase = match newton.step(before, &mut self.best) {
             Step::Solved => Phase::Ended,
             Step::On(before) => Phase::Newton { before },
@@ -184,7 +183,7 @@ impl<'p, N: Newton<'p>> Iteration for Run<'p, N> {
 
     fn work(&self) -> Work {
         let mut work = self.sweeps.run.work();
-        self.newton.iter().for_each(|newton| work += newton.work());
+        self.newton.get().into_iter().flatten().for_each(|newton| work += newton.work());
         self.points.iter().for_each(|points| work += N::work_of(points));
         work
     }
@@ -211,10 +210,18 @@ impl ActiveSet {
         let (left, scale) = (sweeps.left(r0), problem.scale().sqrt());
         let rung = self.start_accuracy * scale;
         let best = Best { left, impulses: r0.to_vec() };
-        let mut run =
-            Run { problem, sweeps, newton: None, points: None, phase: Phase::Sweeps, rung, scale, best };
+        let mut run = Run {
+            problem,
+            sweeps,
+            newton: OnceCell::new(),
+            points: None,
+            phase: Phase::Sweeps,
+            rung,
+            scale,
+            best,
+        };
         if at_once {
-            run.newton = Some(N::new(problem)?);
+            run.newton = OnceCell::from(Some(N::new(problem)?));
         }
         if at_once || self.warm && left <= rung && r0.iter().any(|r| *r != 0.0) {
             run.try_newton();
