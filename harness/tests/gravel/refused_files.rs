@@ -350,6 +350,24 @@ fn impulses_in_another_form_are_refused() {
 }
 
 #[test]
+fn overlaps_of_a_frozen_sample_are_refused_as_those_of_any_other() {
+    let folder = TempDir::new().unwrap();
+    let simulate = |high: f64| {
+        let problem = pair_with("/grains/position", json!([[1.2, 0.5], [1.2, high]]));
+        let file = format!("sample.file={}", text(&write(&folder, "pair.json", &problem.to_string())));
+        gravel(&["simulate", "shaken-box", "--time-steps", "1", "--scene", &file])
+    };
+    // A twentieth of a radius is what another code may leave.
+    simulate(1.475).succeeded();
+    simulate(1.0).refused(&[
+        "`sample`: grain 0, of radius 0.5 m",
+        "overlaps grain 1",
+        "by 0.5 m",
+        "0.1 of the smaller radius",
+    ]);
+}
+
+#[test]
 fn folder_given_as_a_file_is_refused() {
     let folder = TempDir::new().unwrap();
     gravel(&["solve", text(folder.path())]).refused(&[text(folder.path()), "is a folder"]);
