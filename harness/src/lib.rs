@@ -150,7 +150,7 @@ mod terminal {
     mod tests;
 
     pub(crate) use output::{
-        at_hand, check_apart, check_place, create_folder_of, merged, read_sealed, read_text, replaces, say,
+        at_hand, check_apart, create_folder_of, merged, prepare_place, read_sealed, read_text, replaces, say,
         say_table, write_instead, write_kept, write_sealed, write_whole,
     };
     pub(crate) use progress::{Bars, Line};

@@ -4,7 +4,7 @@ use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::plan::{Method, Rule};
 use crate::problems::{Root, read_case, warn};
 use crate::run::{End, Frames, Seen, missed, observed, through_time};
-use crate::terminal::{check_place, exit, merged, progress, say, write_sealed};
+use crate::terminal::{exit, merged, prepare_place, progress, say, write_sealed};
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Case, Start};
 use indicatif::ProgressBar;
@@ -59,7 +59,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         if file.exists() {
             bail!("{} exists: give another file", file.display());
         }
-        check_place(file)?;
+        prepare_place(file)?;
     }
     let case = read_case(&root.case(&args.case)?, &args.changes.overrides)?;
     let (method, stop) = args.solver.through(&case)?;

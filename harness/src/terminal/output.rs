@@ -32,8 +32,9 @@ pub(crate) fn merged(mut object: Value, more: Value) -> Value {
     object
 }
 
-/// Refuses a place where no file can be: known before the work, not after it.
-pub(crate) fn check_place(path: &Path) -> Result<()> {
+/// Refuses a place where no file can be: known before the work, not after it. What programs that were killed did not finish
+/// there is removed.
+pub(crate) fn prepare_place(path: &Path) -> Result<()> {
     if path.is_dir() {
         bail!("{} is a folder: give the path of a file", path.display());
     }
@@ -41,6 +42,8 @@ pub(crate) fn check_place(path: &Path) -> Result<()> {
     if !folder(&target).is_dir() {
         bail!("{}: there is no folder {}", path.display(), folder(&target).display());
     }
+    // A folder that cannot be listed may still take a file.
+    let _ = remove_abandoned(folder(&target));
     Ok(())
 }
 
