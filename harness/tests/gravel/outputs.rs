@@ -102,6 +102,10 @@ fn two_outputs_to_one_file_and_an_output_over_its_problem_are_refused_before_the
         assert!(!out.exists());
     }
     gravel(&[&solve[..], &[text(&problem)]].concat()).refused(&["the problem and --impulses are one file"]);
+    let simulate = ["simulate", "two-discs", "--time-steps", "2", "-o", text(&out), "--vtk"];
+    gravel(&[&simulate[..], &[text(&link)]].concat())
+        .refused(&["--output and --vtk are one", "give another path"]);
+    assert!(!out.exists());
     gravel(&["convert", text(&problem), text(&problem)]).refused(&["the problem and FILE are one file"]);
     assert_eq!(fs::read(&problem).unwrap(), before);
     gravel(&[&solve[..], &["/dev/null", "--homogenised", "/dev/null"]].concat()).succeeded();
