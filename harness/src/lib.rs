@@ -267,7 +267,21 @@ pub fn gravel_mpi(commit: &'static str) -> ExitCode {
 /// Share of the free memory that factorisations may take (–); the rest is for problems, impulses and curves.
 const FOR_FACTORS: f64 = 0.8;
 
+impl Command {
+    /// Returns what is kept of it where it is stopped and does not end in time.
+    fn kept(&self) -> &'static str {
+        match self {
+            Self::Bench(_) => "the runs that had ended are kept, and the same command goes on",
+            Self::Simulate(_) => "the time steps that had ended are kept",
+            Self::Regress(_) | Self::Bless(_) => "nothing was compared",
+            Self::Solve(_) | Self::Freeze(_) | Self::Convert(_) | Self::View(_) => "nothing of it is kept",
+            _ => "what it had written is kept",
+        }
+    }
+}
+
 fn run(cli: Cli) -> Result<ExitCode> {
+    exit::listen_for_interrupts(cli.command.kept())?;
     if let Some(threads) = cli.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global()?;
     }

@@ -77,7 +77,6 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         _ => Start::Previous,
     };
     let rule = Rule { stop, warm_start };
-    exit::listen_for_interrupts("the time steps that had ended are kept")?;
     let mut kept = Kept::new(args, &case, &method)?;
     if let Some(frames) = &mut kept.frames {
         frames.begin(&*march)?;

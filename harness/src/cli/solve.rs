@@ -63,7 +63,6 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         start => problem.start(*start == Start::Warm),
     };
     let known = problem.known(root)?;
-    exit::listen_for_interrupts("nothing of it is kept")?;
     let mut line = Line::alone(method.name.to_owned());
     let mut observe = |progress: &Progress| {
         line.show(progress, stop.on);

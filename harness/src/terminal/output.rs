@@ -1,5 +1,6 @@
 //! Lines on standard output, and files that appear whole or not at all.
 
+use crate::terminal::exit;
 use anyhow::{Context, Result, bail};
 use results::whole::{self, behind_links, remove_abandoned};
 use seal::{opened, sealed};
@@ -122,7 +123,7 @@ pub(crate) fn write_instead(path: &Path, content: impl AsRef<[u8]>) -> Result<()
 /// Writes `content` to a file beside `path` and gives it that name once it is complete. A link stays and its target is
 /// written; what is no regular file, such as a pipe or a terminal, is written to as it is.
 pub(crate) fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
-    let content = content.as_ref();
+    let (content, _whole) = (content.as_ref(), exit::whole());
     let write = || -> io::Result<()> {
         if is_stdout(path) {
             return io::stdout().write_all(content);
