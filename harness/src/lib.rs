@@ -226,7 +226,7 @@ enum Command {
     #[command(after_help = exit::HELP)]
     Solve(solve::Args),
     /// Print the residuals of a contact problem at the reference solution, or at impulses you supply
-    #[command(after_help = exit::HELP)]
+    #[command(after_help = format!("{}\n\n{}", certify::HELP, exit::HELP))]
     Certify(certify::Args),
     /// Write the contact problem of one time step of a case as a file
     Freeze(freeze::Args),
