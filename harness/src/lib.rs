@@ -150,7 +150,7 @@ mod terminal {
     mod tests;
 
     pub(crate) use output::{
-        at_hand, check_apart, check_place, create_folder_of, merged, read_sealed, read_text, replaces, say,
+        at_hand, check_apart, create_folder_of, merged, prepare_place, read_sealed, read_text, replaces, say,
         say_table, write_instead, write_kept, write_sealed, write_whole,
     };
     pub(crate) use progress::{Bars, Line};
@@ -226,7 +226,7 @@ enum Command {
     #[command(after_help = exit::HELP)]
     Solve(solve::Args),
     /// Print the residuals of a contact problem at the reference solution, or at impulses you supply
-    #[command(after_help = exit::HELP)]
+    #[command(after_help = format!("{}\n\n{}", certify::HELP, exit::HELP))]
     Certify(certify::Args),
     /// Write the contact problem of one time step of a case as a file
     Freeze(freeze::Args),
@@ -267,7 +267,21 @@ pub fn gravel_mpi(commit: &'static str) -> ExitCode {
 /// Share of the free memory that factorisations may take (–); the rest is for problems, impulses and curves.
 const FOR_FACTORS: f64 = 0.8;
 
+impl Command {
+    /// Returns what is kept of it where it is stopped and does not end in time.
+    fn kept(&self) -> &'static str {
+        match self {
+            Self::Bench(_) => "the runs that had ended are kept, and the same command goes on",
+            Self::Simulate(_) => "the time steps that had ended are kept",
+            Self::Regress(_) | Self::Bless(_) => "nothing was compared",
+            Self::Solve(_) | Self::Freeze(_) | Self::Convert(_) | Self::View(_) => "nothing of it is kept",
+            _ => "what it had written is kept",
+        }
+    }
+}
+
 fn run(cli: Cli) -> Result<ExitCode> {
+    exit::listen_for_interrupts(cli.command.kept())?;
     if let Some(threads) = cli.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global()?;
     }

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-/// Prefix of the names of incomplete files.
+/// Prefix of the names of incomplete files, and the number of random letters and digits after it.
 const UNFINISHED: &str = ".unfinished-";
+const RANDOM: usize = 6;
 
 /// Writes a file beside its place and gives it its name once it is complete; a link stays, and its target is written.
 ///
@@ -21,7 +22,7 @@ pub fn write<E: From<io::Error>>(
     let target = behind_links(path)?;
     let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty());
     let mut builder = tempfile::Builder::new();
-    builder.prefix(UNFINISHED);
+    builder.prefix(UNFINISHED).rand_bytes(RANDOM);
     // A temporary file is closed to other users unless it asks for what files usually get.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -55,7 +56,13 @@ fn locked(builder: &tempfile::Builder, folder: &Path) -> io::Result<NamedTempFil
 pub fn remove_abandoned(folder: &Path) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
-        if !entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
+        let is_ours = |name: &str| {
+            let random = name.strip_prefix(UNFINISHED).unwrap_or_default();
+            random.len() == RANDOM && random.bytes().all(|byte| byte.is_ascii_alphanumeric())
+        };
+        if !entry.file_name().to_str().is_some_and(is_ours)
+            || !entry.file_type().is_ok_and(|kind| kind.is_file())
+        {
             continue;
         }
         // It stays locked until it is gone, so that whoever has just made it sees that.

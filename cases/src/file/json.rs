@@ -13,6 +13,10 @@ use std::path::Path;
 /// Names the file, and the byte that belongs to no text.
 pub fn read_text(path: &Path) -> Result<String, CaseError> {
     let bytes = std::fs::read(path).map_err(|source| CaseError::File { path: path.to_owned(), source })?;
+    if bytes.starts_with(HDF5) {
+        let is = "it is an HDF5 file, and its name must end in .hdf5 or .h5, as those of FCLIB do";
+        return Err(CaseError::content(path, is));
+    }
     let mut text = String::from_utf8(bytes).map_err(|error| {
         let (bytes, at) = (error.as_bytes(), error.utf8_error().valid_up_to());
         let line = bytes[..at].split(|byte| *byte == b'\n').count();
@@ -29,6 +33,9 @@ pub fn read_text(path: &Path) -> Result<String, CaseError> {
     }
     Ok(text)
 }
+
+/// First bytes of every HDF5 file.
+const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
@@ -65,8 +72,10 @@ pub(crate) fn broken(text: &str) -> Option<String> {
 fn with_key<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     let mut json = serde_json::Deserializer::from_str(text);
     let value = serde_path_to_error::deserialize(&mut json).map_err(|error| {
-        let (key, error) = (error.path().to_string(), error.inner());
-        let key = if key == "." { String::new() } else { format!("`{key}`") };
+        let (path, error) = (error.path().to_string(), error.inner());
+        // "?" is a key that was not read.
+        let key = path.strip_suffix('?').unwrap_or(&path).trim_end_matches('.');
+        let key = if key.is_empty() { String::new() } else { format!("`{key}`") };
         if let Some(word) = infinite_or_undefined(text, error) {
             let (line, column) = (error.line(), error.column());
             return format!("{key} is {word}, line {line} column {column}: a finite number is expected")
@@ -74,7 +83,8 @@ fn with_key<T: DeserializeOwned>(text: &str) -> Result<T, String> {
                 .to_owned();
         }
         let colon = if key.is_empty() { "" } else { ": " };
-        let ends = if error.is_eof() { ", where the file ends" } else { "" };
+        let ends =
+            if error.is_eof() { ", where the file ends: write or copy the whole of it again" } else { "" };
         format!("{key}{colon}{error}{ends}")
     })?;
     json.end().map_err(|error| error.to_string())?;

@@ -9,15 +9,11 @@ use crate::sample::placed::OVERLAP;
 use contact::{Vector, shown};
 
 impl<M: Marched> March<M> {
-    /// Refuses an overlap that no contact can mend, unless the sample has its own.
+    /// Refuses an overlap that no contact can mend, unless the sample asks for it.
     pub(super) fn check_begin(&self, sample: &Sample) -> Result<(), String> {
         let of_segment =
             |pair: &DetectedContact<_>| matches!(pair.antagonist, Side::Segment(_) | Side::Driven(..));
-        let own = match sample {
-            Sample::Frozen { .. } => true,
-            Sample::Triangular { overlap, .. } => *overlap > 0.0,
-            _ => false,
-        };
+        let own = matches!(sample, Sample::Triangular { overlap, .. } if *overlap > 0.0);
         let here = |_| M::Place::ZERO;
         let found = self.too_deep((0.0, 0.0), (&self.position, here, 0.0), |pair| !own || of_segment(pair));
         if let Some((text, key)) = found {

@@ -1,66 +1,33 @@
 //! Grains whose places and radii are in a CSV file.
 
 use crate::detect::{Side, detect};
+use crate::file::json::read_text;
 use contact::shown;
 use nalgebra::Vector3;
-use serde::Deserialize;
 use std::path::Path;
-
-/// A line of the file; other columns are ignored.
-#[derive(Deserialize)]
-struct Line {
-    #[serde(rename = "x_m")]
-    x: f64,
-    #[serde(rename = "y_m")]
-    y: f64,
-    #[serde(default, rename = "z_m")]
-    z: Option<f64>,
-    #[serde(rename = "radius_m")]
-    radius: f64,
-}
 
 /// The share of the smaller radius by which two grains may overlap (–): what another code left of its contacts.
 pub(crate) const OVERLAP: f64 = 0.1;
 
+/// Advice on the form of a file.
+const ADVICE: &str = "commas are asked between values, and points in decimals, as in 0.25";
+
 /// [x, y, z, radius] of each grain (m); discs have z = 0.
 ///
 /// # Errors
-/// Names the file, and the line or the column of it that has no meaning.
+/// Names the file, the line, the column and the value that has no meaning.
 pub(crate) fn placed(file: &Path, in_space: bool) -> Result<Vec<[f64; 4]>, String> {
     let wrong = |error: &dyn std::fmt::Display| format!("`sample.file`: {}: {error}", file.display());
+    let text = read_text(file).map_err(|error| format!("`sample.file`: {error}"))?;
     let mut reader =
-        csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(file).map_err(|error| wrong(&error))?;
+        csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(text.as_bytes());
     let headers = reader.headers().map_err(|error| wrong(&error))?.clone();
-    if let Some(name) = separated_otherwise(&headers) {
-        let line = headers.as_slice();
-        return Err(wrong(&format!(
-            "line 1 is {line:?}, with {name} between values: commas are asked there, and points in decimals, as in 0.25"
-        )));
-    }
+    let columns = Columns::of(&headers, in_space).map_err(|error| wrong(&error))?;
     let (mut grains, mut lines) = (Vec::new(), Vec::new());
-    for record in reader.records() {
-        let record = record.map_err(|error| match error.kind() {
-            csv::ErrorKind::UnequalLengths { expected_len, len, .. } if len > expected_len => wrong(
-                &format!("{error}: commas are asked between values, and points in decimals, as in 0.25"),
-            ),
-            _ => wrong(&error),
-        })?;
-        let number = record.position().map_or(0, csv::Position::line);
-        let Line { x, y, z, radius } = record.deserialize(Some(&headers)).map_err(|error| wrong(&error))?;
-        let z = match (z, in_space) {
-            (Some(z), true) => z,
-            (None, false) => 0.0,
-            (None, true) => return Err(wrong(&"a sphere needs the column `z_m`")),
-            (Some(_), false) => return Err(wrong(&"a disc has no `z_m`: spheres are `placed-spheres`")),
-        };
-        let grain = [x, y, z, radius];
-        if !(grain.iter().all(|x| x.is_finite()) && radius > 0.0) {
-            let found = grain.map(shown).join(", ");
-            return Err(wrong(&format!(
-                "line {number}: [x, y, z, radius] is [{found}]: finite numbers and a positive radius are asked"
-            )));
-        }
-        grains.push(grain);
+    for row in reader.records() {
+        let row = row.map_err(|error| wrong(&error))?;
+        let number = row.position().map_or(0, csv::Position::line);
+        grains.push(columns.grain(&row).map_err(|error| wrong(&format!("line {number}{error}")))?);
         lines.push(number);
     }
     if grains.is_empty() {
@@ -73,6 +40,78 @@ pub(crate) fn placed(file: &Path, in_space: bool) -> Result<Vec<[f64; 4]>, Strin
         ))),
         None => Ok(grains),
     }
+}
+
+/// Places of the columns in a line.
+struct Columns<'f> {
+    headers: &'f csv::StringRecord,
+    x: usize,
+    y: usize,
+    z: Option<usize>,
+    radius: usize,
+    in_space: bool,
+}
+
+impl<'f> Columns<'f> {
+    fn of(headers: &'f csv::StringRecord, in_space: bool) -> Result<Self, String> {
+        let head = format!("line 1 is {:?}", joined(headers));
+        if let Some(name) = separated_otherwise(headers) {
+            return Err(format!("{head}, with {name} between values: {ADVICE}"));
+        }
+        let column = |name: &str| {
+            let mut found = (0..headers.len()).filter(|k| &headers[*k] == name);
+            let first = found.next();
+            if found.next().is_some() {
+                return Err(format!("{head}: the column `{name}` is there twice"));
+            }
+            Ok(first)
+        };
+        let needed = |name| column(name)?.ok_or_else(|| format!("{head}: the column `{name}` is missing"));
+        let (x, y, radius, z) = (needed("x_m")?, needed("y_m")?, needed("radius_m")?, column("z_m")?);
+        if in_space && z.is_none() {
+            return Err("a sphere needs the column `z_m`".to_owned());
+        }
+        Ok(Self { headers, x, y, z, radius, in_space })
+    }
+
+    /// [x, y, z, radius] of the grain in a row (m).
+    fn grain(&self, row: &csv::StringRecord) -> Result<[f64; 4], String> {
+        let (count, columns) = (row.len(), self.headers.len());
+        if let Some(name) = self.headers.get(count) {
+            return Err(format!(
+                " is {:?}: `{name}` is missing, since it has {count} values and line 1 has {columns}: one is asked for each column",
+                joined(row)
+            ));
+        }
+        if count > columns {
+            return Err(format!(
+                " is {:?}, of {count} values, where line 1 has {columns}: {ADVICE}",
+                joined(row)
+            ));
+        }
+        let value = |k: usize| {
+            let (name, is) = (&self.headers[k], &row[k]);
+            is.parse::<f64>().map_err(|_| format!(": `{name}` is {is:?}: a number is asked; {ADVICE}"))
+        };
+        let z = match self.z {
+            Some(z) if self.in_space => value(z)?,
+            Some(z) if !row[z].is_empty() => {
+                return Err(": a disc has no `z_m`: spheres are `placed-spheres`".to_owned());
+            }
+            _ => 0.0,
+        };
+        let grain = [value(self.x)?, value(self.y)?, z, value(self.radius)?];
+        if grain.iter().all(|x| x.is_finite()) && grain[3] > 0.0 {
+            return Ok(grain);
+        }
+        let found = grain.map(shown).join(", ");
+        Err(format!(": [x, y, z, radius] is [{found}]: finite numbers and a positive radius are asked"))
+    }
+}
+
+/// The values of a line, with commas between them.
+fn joined(line: &csv::StringRecord) -> String {
+    line.iter().collect::<Vec<_>>().join(",")
 }
 
 /// Returns the separator of the names of columns where it is no comma.

@@ -7,7 +7,7 @@ use crate::problems::Root;
 use crate::run::{How, few};
 use crate::store::{finish, open, runs_folder};
 use crate::study::{Kind, OnProblems, Selection, ThroughTime, by_id, left_s, missing, run_all};
-use crate::terminal::{exit, say};
+use crate::terminal::say;
 use anyhow::{Context, Result, bail};
 use results::store::Store;
 use runner::Measured;
@@ -66,7 +66,6 @@ fn bench<K: Kind>(root: &Root, args: &Args, selection: Selection) -> Result<Exit
     let Selection { plan, notes, again, .. } = study.selection();
     let done = if args.rerun { HashSet::new() } else { by_id(store.records()).into_keys().collect() };
     let tasks = missing(&study.tasks(), &done);
-    exit::listen_for_interrupts("the runs that had ended are kept, and the same command goes on")?;
     let left = left_s(&tasks, store.records()).filter(|s| *s >= 1.0 && !args.rerun);
     let left = left.map_or(String::new(), |s| format!(", about {s:.0} s"));
     let (asks, size) = (study.asks(), study.size());

@@ -12,6 +12,12 @@ use reference::{
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+/// Text below the help, above that of the exit codes.
+pub(crate) const HELP: &str = "\
+That a method has converged is no claim that a solution exists: where contacts close more slowly than its tolerance
+tells, `gravel solve` may say converged, and this command prove that there is no solution. `gravel solve --truth` looks
+for that proof as well.";
+
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// A frozen problem: its name, or the path of its file

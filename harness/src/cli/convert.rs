@@ -3,7 +3,7 @@
 use crate::cli::args::SceneArgs;
 use crate::exchange::{Held, converted, is_foreign, read};
 use crate::problems::{Root, is_toml};
-use crate::terminal::{check_apart, check_place, read_text, write_instead};
+use crate::terminal::{check_apart, prepare_place, read_text, write_instead};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
-    check_place(&args.to)?;
+    prepare_place(&args.to)?;
     let (from, held) = held(root, args)?;
     check_apart(&[("the problem", from.as_path()), ("FILE", args.to.as_path())])?;
     let bytes = converted(&from, held, &args.to)?;

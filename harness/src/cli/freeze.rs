@@ -2,7 +2,7 @@
 
 use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::problems::{Root, stem};
-use crate::terminal::{check_apart, check_place, replaces, say, write_whole};
+use crate::terminal::{check_apart, prepare_place, replaces, say, write_whole};
 use anyhow::{Result, anyhow, bail};
 use cases::check_name;
 use std::path::PathBuf;
@@ -36,7 +36,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     if replaces(&args.output) && !args.force {
         bail!("{file} exists: give another file, or --force to replace it");
     }
-    check_place(&args.output)?;
+    prepare_place(&args.output)?;
     check_apart(&[("the case", root.case(&args.case)?.as_path()), ("--output", args.output.as_path())])?;
     let name = stem(&args.output);
     check_name(&name).map_err(|why| anyhow!("{file}: the problem's {why}"))?;

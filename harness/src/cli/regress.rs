@@ -81,7 +81,6 @@ fn count(root: &Root, args: &Args, selection: Selection) -> Result<(Vec<Counts>,
     let expected = expected_failures(&root.join("results/baseline/expected-failures.toml"), plan)?;
     let jobs = args.jobs.or_else(|| std::thread::available_parallelism().ok());
     let jobs = jobs.unwrap_or(NonZeroUsize::MIN);
-    exit::listen_for_interrupts("nothing was compared")?;
     let (tasks, provenance, mut records) = (study.tasks(), provenance()?, Vec::new());
     // So that it is exact where measures pass the powers of ten.
     let how =

@@ -5,7 +5,7 @@ use crate::cli::args::PlanArgs;
 use crate::plan::{Plan, chart, key_value};
 use crate::problems::Root;
 use crate::store::{about, draw, runs_folder, tables_of};
-use crate::terminal::{check_place, read_text, say, write_whole};
+use crate::terminal::{prepare_place, read_text, say, write_whole};
 use anyhow::{Context, Result, bail};
 use reports::{Chart, Formats, Pick, TableFormat, Wanted};
 use results::store::tables_folder;
@@ -119,7 +119,7 @@ pub(crate) fn table(root: &Root, args: &TableArgs) -> Result<()> {
     let format = match output {
         None => TableFormat::Markdown,
         Some(file) => {
-            check_place(file)?;
+            prepare_place(file)?;
             format_of(file)?
         }
     };

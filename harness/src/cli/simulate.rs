@@ -4,7 +4,7 @@ use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::plan::{Method, Rule};
 use crate::problems::{Root, read_case, warn};
 use crate::run::{End, Frames, Seen, missed, observed, through_time};
-use crate::terminal::{check_place, exit, merged, progress, say, write_sealed};
+use crate::terminal::{check_apart, exit, merged, prepare_place, progress, say, write_sealed};
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Case, Start};
 use indicatif::ProgressBar;
@@ -59,8 +59,12 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         if file.exists() {
             bail!("{} exists: give another file", file.display());
         }
-        check_place(file)?;
+        prepare_place(file)?;
     }
+    let outputs = [("--output", &args.output), ("--vtk", &args.vtk)];
+    check_apart(
+        &outputs.iter().filter_map(|(name, path)| Some((*name, path.as_deref()?))).collect::<Vec<_>>(),
+    )?;
     let case = read_case(&root.case(&args.case)?, &args.changes.overrides)?;
     let (method, stop) = args.solver.through(&case)?;
     let mut march = march(&case)?;
@@ -73,7 +77,6 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         _ => Start::Previous,
     };
     let rule = Rule { stop, warm_start };
-    exit::listen_for_interrupts("the time steps that had ended are kept")?;
     let mut kept = Kept::new(args, &case, &method)?;
     if let Some(frames) = &mut kept.frames {
         frames.begin(&*march)?;

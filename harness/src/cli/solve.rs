@@ -5,7 +5,7 @@ use crate::exchange::{self, Held, is_foreign};
 use crate::plan::{Method, Settings};
 use crate::problems::{Given, Problem, Root, stem};
 use crate::run::{asked, homogenised, outcome, to_json};
-use crate::terminal::{Line, check_apart, check_place, exit, say, write_instead};
+use crate::terminal::{Line, check_apart, exit, prepare_place, say, write_instead};
 use anyhow::{Context, Result, bail};
 use cases::AnyFrozen;
 use contact::{Measure, Measures};
@@ -49,7 +49,7 @@ pub(crate) struct Args {
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let (method, stop) = args.solver.read()?;
     for file in args.impulses.iter().chain(&args.homogenised) {
-        check_place(file)?;
+        prepare_place(file)?;
     }
     let path = root.any_problem_or_case(&args.problem)?;
     let outputs = [("--impulses", &args.impulses), ("--homogenised", &args.homogenised)];
@@ -63,7 +63,6 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         start => problem.start(*start == Start::Warm),
     };
     let known = problem.known(root)?;
-    exit::listen_for_interrupts("nothing of it is kept")?;
     let mut line = Line::alone(method.name.to_owned());
     let mut observe = |progress: &Progress| {
         line.show(progress, stop.on);

@@ -2,7 +2,7 @@
 
 use crate::cli::args::{SceneArgs, read};
 use crate::problems::{Impulses, Problem, Root, write_parts};
-use crate::terminal::{check_place, say, write_whole};
+use crate::terminal::{prepare_place, say, write_whole};
 use anyhow::{Context, Result, bail};
 use partition::{Grid, Scheme};
 use serde_json::json;
@@ -65,7 +65,7 @@ pub(crate) fn make_folder(folder: &Path) -> Result<()> {
 }
 
 pub(crate) fn join(args: &JoinArgs) -> Result<()> {
-    check_place(&args.output)?;
+    prepare_place(&args.output)?;
     let impulses = Impulses::join_all(&args.folder)?;
     write_whole(&args.output, json!({ "impulse": impulses }).to_string())
 }

@@ -6,7 +6,7 @@ use crate::plan::{Method, Variant, key_value};
 use crate::problems::{Known, Problem, Root};
 use crate::run::{Ended, Snapshots, ended, partitions, scene_rows};
 use crate::store::{is_id, problem_of_run, stored_run};
-use crate::terminal::{check_place, create_folder_of, say, write_whole};
+use crate::terminal::{create_folder_of, prepare_place, say, write_whole};
 use anyhow::{Context, Result, anyhow, bail};
 use partition::{Grid, Scheme};
 use results::journal::Record;
@@ -63,7 +63,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     if args.output.is_none() {
         create_folder_of(&page)?;
     }
-    check_place(&page)?;
+    prepare_place(&page)?;
 
     let known = problem.known(root)?;
     let mut filmed = Vec::new();

@@ -17,6 +17,9 @@ use std::str::{FromStr, SplitAsciiWhitespace};
 pub(crate) fn problem(text: &str, notes: &mut Vec<String>) -> Result<LocalProblem> {
     let head: Vec<&str> = text.split_ascii_whitespace().take(6).collect();
     let mut words = Words(text.split_ascii_whitespace());
+    if let Some(size) = complementarity(text) {
+        bail!("{}", seems_complementarity(size));
+    }
     let dimension: usize = words.next("the number of unknowns of a contact")?;
     let contacts: usize = words.next("the number of contacts")?;
     let rows = dimension.saturating_mul(contacts);
@@ -27,9 +30,7 @@ pub(crate) fn problem(text: &str, notes: &mut Vec<String>) -> Result<LocalProble
         && size == across
         && (!(2..=3).contains(&dimension) || head.get(4) != Some(&&*of_contacts))
     {
-        bail!(
-            "it seems to be a linear complementarity problem of {size} unknowns: contacts of 2 or 3 unknowns are read, with their μ"
-        );
+        bail!("{}", seems_complementarity(size));
     }
     if !(2..=3).contains(&dimension) {
         let is = if dimension == 5 { ", as one with rolling friction has" } else { "" };
@@ -57,6 +58,35 @@ pub(crate) fn problem(text: &str, notes: &mut Vec<String>) -> Result<LocalProble
     let friction = words.list("mu", contacts)?;
     nothing_more(&mut words, rows, contacts)?;
     Ok(LocalProblem::new(dimension, first.entries, q, friction)?)
+}
+
+/// The unknowns of a linear complementarity problem in its oldest form: their number, M and q, and guesses or none. No file of contacts
+/// has as few words, or a decimal in second place.
+fn complementarity(text: &str) -> Option<&str> {
+    let mut words = text.split_ascii_whitespace();
+    let word = words.next()?;
+    let size: usize = word.parse().ok()?;
+    let least = size.checked_mul(size)?.checked_add(size)?;
+    let second = words.clone().next()?;
+    let (contacts, count) = (second.parse::<usize>(), words.clone().count());
+    let is_complementarity = match contacts {
+        Err(_) => second.parse::<f64>().is_ok() && count >= least,
+        // Contacts whose file was cut off may be as many words: how W is stored and its size, before W.
+        Ok(contacts) => {
+            let rows = size.saturating_mul(contacts).to_string();
+            let head: Vec<&str> = words.skip(1).take(3).collect();
+            let is_cut_off =
+                matches!(head[..], ["0" | "1" | "2", down, across] if [down, across] == [&*rows; 2]);
+            count == least && !is_cut_off
+        }
+    };
+    (size > 0 && is_complementarity).then_some(word)
+}
+
+fn seems_complementarity(size: &str) -> String {
+    format!(
+        "it seems to be a linear complementarity problem of {size} unknowns: contacts of 2 or 3 unknowns are read, with their μ"
+    )
 }
 
 /// Checks that μ is followed by nothing of another law: by 1 and guesses of r and v, by 0, or by a 1 alone, whose guesses

@@ -306,6 +306,16 @@ fn text_file_of_another_problem_is_named_as_what_it_seems_to_be() {
     assert!(why("2 1 0 2 2 2 2\n2 0 0 3\n-1 0\n0.3\n0.25").contains("\"0.25\" first, one for each contact"));
     assert!(why("4 0 4 4 4 4 1 0 0 0").contains("a linear complementarity problem of 4 unknowns"));
     assert!(why("2 0 2 2 2 2 1 0 0 1 -1 -1").contains("a linear complementarity problem of 2 unknowns"));
+    // As Siconos wrote them: their size, M and q, decimals or not.
+    for old in [
+        "2\n1.0 0\n0 1.0\n-1 -1\n",
+        "3 1 0 0 0 1 0 0 0 1 -1 -1 -1",
+        "3\n2.0 1 0\n1 2 0\n0 0 1\n-1 -1 -1\n0 0 0\n",
+    ] {
+        assert!(why(old).contains("a linear complementarity problem of"), "{old}: {}", why(old));
+    }
+    assert!(why("2 1 0 2 2 2 2").contains("the file ends before W"));
+    assert!(why("3 1.0 0").contains("the number of contacts: \"1.0\""));
     assert!(why("5 2 0 10 10").contains("rolling friction"));
     assert!(why("2 1 0 3 3 3 3 1 0 0 0 1 0 0 0 1 0 0").contains("the M of a global problem"));
     assert!(why("2 1 1 0 2 2 2 2\n2 0 0 3\n-1 0\n0.3\n0.25").contains("Siconos' plasticity"));

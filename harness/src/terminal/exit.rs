@@ -1,8 +1,8 @@
 //! The end of the program: exit codes, which a script may ask for without reading what is printed; and Ctrl-C or SIGTERM.
 //!
 //! The first signal requests an end after the current iteration. Where that has not come within a second, as inside the factors of a
-//! large problem, the program ends without, once nothing is being written; so does the second signal, at once. What is kept in
-//! files by then, such as the runs of a study that had ended, is whole.
+//! large problem or before the first iteration, the program ends without, once nothing is being written; so does the second signal, at
+//! once. What is kept in files by then, such as the runs of a study that had ended, is whole.
 
 use anyhow::{Context, Result};
 use std::process::ExitCode;
@@ -68,13 +68,13 @@ pub(crate) fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// Ends the program if it is still inside an iteration after the time that it has for it.
+/// Ends the program if it has not ended after the time that an iteration has for it.
 fn end_after_grace(kept: &str) {
     thread::sleep(GRACE);
     loop {
         let writing = writing();
         if *writing == 0 {
-            eprintln!("stopped inside an iteration, which takes longer than a second; {kept}");
+            eprintln!("stopped, since no iteration ended within a second; {kept}");
             // Whoever wants to write waits for the guard, and the program ends before.
             std::process::exit(INTERRUPTED.into());
         }

@@ -1,5 +1,6 @@
 //! Lines on standard output, and files that appear whole or not at all.
 
+use crate::terminal::exit;
 use anyhow::{Context, Result, bail};
 use results::whole::{self, behind_links, remove_abandoned};
 use seal::{opened, sealed};
@@ -32,8 +33,9 @@ pub(crate) fn merged(mut object: Value, more: Value) -> Value {
     object
 }
 
-/// Refuses a place where no file can be: known before the work, not after it.
-pub(crate) fn check_place(path: &Path) -> Result<()> {
+/// Refuses a place where no file can be: known before the work, not after it. What programs that were killed did not finish
+/// there is removed.
+pub(crate) fn prepare_place(path: &Path) -> Result<()> {
     if path.is_dir() {
         bail!("{} is a folder: give the path of a file", path.display());
     }
@@ -41,6 +43,8 @@ pub(crate) fn check_place(path: &Path) -> Result<()> {
     if !folder(&target).is_dir() {
         bail!("{}: there is no folder {}", path.display(), folder(&target).display());
     }
+    // A folder that cannot be listed may still take a file.
+    let _ = remove_abandoned(folder(&target));
     Ok(())
 }
 
@@ -119,7 +123,7 @@ pub(crate) fn write_instead(path: &Path, content: impl AsRef<[u8]>) -> Result<()
 /// Writes `content` to a file beside `path` and gives it that name once it is complete. A link stays and its target is
 /// written; what is no regular file, such as a pipe or a terminal, is written to as it is.
 pub(crate) fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
-    let content = content.as_ref();
+    let (content, _whole) = (content.as_ref(), exit::whole());
     let write = || -> io::Result<()> {
         if is_stdout(path) {
             return io::stdout().write_all(content);

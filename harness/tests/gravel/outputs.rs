@@ -1,6 +1,6 @@
 //! Files that a command writes where something is already: links stay, pipes and devices are written to.
 
-use crate::common::{command, gravel, pair, text, write};
+use crate::common::{command, entries, gravel, pair, text, write};
 use cases::Frozen;
 use contact::Discs;
 use serde_json::Value;
@@ -102,11 +102,43 @@ fn two_outputs_to_one_file_and_an_output_over_its_problem_are_refused_before_the
         assert!(!out.exists());
     }
     gravel(&[&solve[..], &[text(&problem)]].concat()).refused(&["the problem and --impulses are one file"]);
+    let simulate = ["simulate", "two-discs", "--time-steps", "2", "-o", text(&out), "--vtk"];
+    gravel(&[&simulate[..], &[text(&link)]].concat())
+        .refused(&["--output and --vtk are one", "give another path"]);
+    assert!(!out.exists());
     gravel(&["convert", text(&problem), text(&problem)]).refused(&["the problem and FILE are one file"]);
     assert_eq!(fs::read(&problem).unwrap(), before);
     gravel(&[&solve[..], &["/dev/null", "--homogenised", "/dev/null"]].concat()).succeeded();
     gravel(&[&solve[..], &[text(&out), "--homogenised", text(&folder.path().join("other"))]].concat())
         .succeeded();
+}
+
+/// Name of a file that a program which was killed did not finish.
+const ABANDONED: &str = ".unfinished-aB3xYz";
+
+#[test]
+fn what_killed_programs_left_beside_an_output_is_removed_and_no_other_file() {
+    let folder = TempDir::new().unwrap();
+    let problem = write(&folder, "pair.json", &pair().to_string());
+    let out = folder.path().join("out.hdf5");
+    // Files of others, and one to which a program still writes.
+    write(&folder, ".unfinished-chapter.tex", "mine");
+    fs::create_dir(folder.path().join(".unfinished-folder")).unwrap();
+    let under_way = fs::File::create(folder.path().join(".unfinished-000000")).unwrap();
+    under_way.lock().unwrap();
+    for writer in [
+        &["freeze", "column", "--time-step", "1", "-o"][..],
+        &["convert", text(&problem)],
+        &["simulate", "two-discs", "--time-steps", "1", "-o"],
+        &["solve", text(&problem), "--impulses"],
+    ] {
+        write(&folder, ABANDONED, "half");
+        run(&writer.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>(), &out);
+        let kept =
+            [".unfinished-000000", ".unfinished-chapter.tex", ".unfinished-folder", "out.hdf5", "pair.json"];
+        assert_eq!(entries(folder.path()), kept, "{writer:?}");
+        fs::remove_file(&out).unwrap();
+    }
 }
 
 #[test]

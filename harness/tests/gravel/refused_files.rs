@@ -248,6 +248,11 @@ fn empty_truncated_and_continued_files_are_refused() {
         refused(&whole[..whole.len() * quarters / 4], &["EOF", "line 1 column"]);
     }
     refused(&whole[..whole.len() - 1], &["EOF", "line 1 column"]);
+    let (to_a_key, _) = whole.split_once("\"gap\"").unwrap();
+    refused(
+        to_a_key,
+        &["`contacts`: EOF while parsing", "where the file ends: write or copy the whole of it again"],
+    );
     refused(&format!("{whole}\n{whole}"), &["trailing characters", "line 2 column 1"]);
     refused("gravel", &["line 1 column 1"]);
 }
@@ -295,6 +300,10 @@ fn file_that_is_not_text_is_refused() {
         latin,
         &["bad.json: it is no text in UTF-8, by the byte 0xe9 on line 2", "save it in UTF-8"],
     );
+    for name in ["bad.dat", "bad.json"] {
+        let is = format!("{name}: it is an HDF5 file, and its name must end in .hdf5 or .h5");
+        refused(name, b"\x89HDF\r\n\x1a\n\0\0", &[&is]);
+    }
     refused("bad.dat", &[b'2', 0xfe], &["bad.dat: it is no text in UTF-8"]);
     refused("bad.toml", &[b'2', 0xfe], &["bad.toml: it is no text in UTF-8"]);
     let problem = write(&folder, "pair.json", &pair().to_string());
@@ -347,6 +356,24 @@ fn impulses_in_another_form_are_refused() {
         &["`impulse[0]` has 1 values where each of 1 contacts has 3"],
     );
     refused(&rough, r#"{"impulse": [[0.5, 0.1, "x"]]}"#, &["`impulse[0][2]`: invalid type: string \"x\""]);
+}
+
+#[test]
+fn overlaps_of_a_frozen_sample_are_refused_as_those_of_any_other() {
+    let folder = TempDir::new().unwrap();
+    let simulate = |high: f64| {
+        let problem = pair_with("/grains/position", json!([[1.2, 0.5], [1.2, high]]));
+        let file = format!("sample.file={}", text(&write(&folder, "pair.json", &problem.to_string())));
+        gravel(&["simulate", "shaken-box", "--time-steps", "1", "--scene", &file])
+    };
+    // A twentieth of a radius is what another code may leave.
+    simulate(1.475).succeeded();
+    simulate(1.0).refused(&[
+        "`sample`: grain 0, of radius 0.5 m",
+        "overlaps grain 1",
+        "by 0.5 m",
+        "0.1 of the smaller radius",
+    ]);
 }
 
 #[test]

@@ -169,6 +169,34 @@ pub(crate) fn closing_walls() -> Value {
     })
 }
 
+/// Walls that close a ten-millionth as fast as a disc beside them falls.
+#[test]
+fn converged_is_no_claim_that_a_solution_exists() {
+    let mut problem = closing_walls();
+    problem["grains"] = json!({
+        "mass": [1.0, 1.0], "radius": [0.5, 0.5], "position": [[0.0, 0.5], [3.0, 0.5]],
+        "free_velocity": [[0.0, 0.0], [0.0, -1.0]]
+    });
+    problem["contacts"] = json!({
+        "candidate": [0, 0, 1],
+        "antagonist": [null, null, null],
+        "normal": [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0]],
+        "offset": [-1e-7, -1e-7, 0.0],
+        "gap": [0.0, 0.0, 0.0]
+    });
+    let study = Study::new();
+    write(study.folder(), "cases/frozen/closing.json", &problem.to_string());
+    let solve = |more: &[&str]| {
+        study.gravel(&[&["solve", "closing", "--method", "nsgs", "--json"], more].concat()).json()["status"]
+            .clone()
+    };
+    assert_eq!(solve(&[]), "converged");
+    study.gravel(&["certify", "closing"]).ended(4);
+    assert_eq!(solve(&["--truth"]), "false-convergence");
+    let help = study.gravel(&["certify", "--help"]).succeeded().stdout;
+    assert!(help.contains("no claim that a solution exists"), "{help}");
+}
+
 #[test]
 fn solve_says_that_a_measure_was_met_where_there_is_no_solution() {
     let study = Study::new();

@@ -248,7 +248,7 @@ fn tables_of_two_times_are_not_read_as_one_study() {
 fn what_a_program_that_was_killed_did_not_finish_is_removed_by_the_next() {
     let root = TempDir::new().unwrap();
     let folder = Store::open(root.path(), "paper").unwrap().folder().to_owned();
-    for name in [".unfinished-aB3xYz", ".unfinished-mine", "notes.txt"] {
+    for name in [".unfinished-aB3xYz", ".unfinished-000000", "notes.txt"] {
         fs::write(folder.join(name), "half").unwrap();
     }
     let _store = Store::open(root.path(), "paper").unwrap();

@@ -18,9 +18,17 @@ fn columns_stand_in_any_order_beside_others() {
 #[test]
 fn what_has_no_meaning_is_named_with_its_line() {
     let refused = |text: &str, in_space: bool| read(text, in_space).unwrap_err();
-    assert!(refused("x_m,y_m\n1,2\n", false).contains("missing field `radius_m`"));
+    assert!(
+        refused("x_m,y_m\n1,2\n", false).contains("line 1 is \"x_m,y_m\": the column `radius_m` is missing")
+    );
+    assert!(refused("x_m,x_m,y_m,radius_m\n1,2,3,4\n", false).contains("the column `x_m` is there twice"));
     let word = refused("x_m,y_m,radius_m\n0,0,1\n0,high,1\n", false);
-    assert!(word.contains("grains.csv: ") && word.contains("line: 3"), "{word}");
+    assert!(word.contains("grains.csv: line 3: `y_m` is \"high\": a number is asked"), "{word}");
+    let commas = refused("x_m,y_m,radius_m\n\"0,0\",\"0,1\",\"0,1\"\n", false);
+    assert!(commas.contains("line 2: `x_m` is \"0,0\"") && commas.contains("points in decimals"), "{commas}");
+    assert!(refused("x_m,y_m,radius_m\n0,,1\n", false).contains("line 2: `y_m` is \"\""));
+    let short = refused("x_m,y_m,radius_m\n0,0.1\n", false);
+    assert!(short.contains("line 2 is \"0,0.1\": `radius_m` is missing, since it has 2 values"), "{short}");
     let none = refused("x_m,y_m,radius_m\n0,0,1\n0,4,-1\n", false);
     assert!(none.contains("line 3: [x, y, z, radius] is [0, 4, 0, -1]"), "{none}");
     let overlapping = refused("x_m,y_m,radius_m\n0,0,1\n9,9,1\n0,1.8,1\n", false);
@@ -38,5 +46,22 @@ fn what_has_no_meaning_is_named_with_its_line() {
     );
     assert!(refused("x_m\ty_m\tradius_m\n0\t0\t1\n", false).contains("with tabs between values"));
     let decimals = refused("x_m,y_m,radius_m\n0,0,0,1,0,1\n", false);
-    assert!(decimals.contains("line: 2") && decimals.contains("points in decimals"), "{decimals}");
+    assert!(
+        decimals.contains("line 2 is \"0,0,0,1,0,1\"") && decimals.contains("points in decimals"),
+        "{decimals}"
+    );
+}
+
+#[test]
+fn file_that_is_no_text_in_utf_8_is_named_with_its_byte() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("grains.csv");
+    std::fs::write(&file, b"x_m,y_m,radius_m,name\n0,0,1,\xe9t\xe9\n").unwrap();
+    let latin = placed(&file, false).unwrap_err();
+    assert!(
+        latin.contains("grains.csv: it is no text in UTF-8, by the byte 0xe9 on line 2: save it"),
+        "{latin}"
+    );
+    std::fs::write(&file, "\u{feff}x_m,y_m,radius_m\n0,0,1\n").unwrap();
+    assert_eq!(placed(&file, false), Ok(vec![[0.0, 0.0, 0.0, 1.0]]));
 }

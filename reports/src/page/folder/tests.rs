@@ -84,7 +84,7 @@ fn files_of_a_report_that_was_killed_are_replaced_by_the_next() {
     fs::create_dir(&out).unwrap();
     // Killed while it wrote its third file, with one of the report before still there.
     for (name, text) in
-        [(MADE, "a.svg\nc.svg\nb.svg\n"), ("a.svg", "2"), ("b.svg", "1"), (".unfinished-x", "2")]
+        [(MADE, "a.svg\nc.svg\nb.svg\n"), ("a.svg", "2"), ("b.svg", "1"), (".unfinished-xxxxxx", "2")]
     {
         fs::write(out.join(name), text).unwrap();
     }
