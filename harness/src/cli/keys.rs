@@ -1,6 +1,6 @@
 //! The keys of a file as a table, from its schema: what each takes and means.
 
-use crate::cli::schema::takes;
+use crate::cli::schema::{present, takes};
 use serde_json::Value;
 
 /// A row for each key of a schema, those of tables inside it below theirs: the key, what it takes, what it means.
@@ -21,14 +21,9 @@ fn add(rows: &mut Vec<Vec<String>>, schema: &Value, path: &str) {
     let required = list(schema, "required");
     for (key, of) in schema["properties"].as_object().into_iter().flatten() {
         let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-        // What may be left out is there or null.
-        let of = list(of, "anyOf").into_iter().find(|some| some["type"] != "null").map_or_else(
-            || of.clone(),
-            |mut some| {
-                some["description"] = of["description"].clone();
-                some
-            },
-        );
+        let description = of["description"].clone();
+        let mut of = present(of).clone();
+        of["description"] = description;
         let left_out = match (required.iter().any(|name| name == key), &of["default"]) {
             (true, _) => String::new(),
             (false, Value::Null) => "; may be left out".to_owned(),

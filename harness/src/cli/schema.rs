@@ -90,8 +90,15 @@ fn axis(value: &Value) -> Value {
     ] })
 }
 
+/// Returns the schema of a value that may be null, for where it is not; other schemas as they are.
+pub(crate) fn present(schema: &Value) -> &Value {
+    let mut several = schema["anyOf"].as_array().into_iter().flatten();
+    several.find(|some| some["type"] != "null").unwrap_or(schema)
+}
+
 /// Returns, in words, the kind of value that the schema of a setting allows.
 pub(crate) fn takes(setting: &Value) -> String {
+    let setting = present(setting);
     if let Some(words) = setting["title"].as_str() {
         return words.to_owned();
     }

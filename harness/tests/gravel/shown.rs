@@ -69,6 +69,7 @@ fn every_setting_is_listed_with_its_default_what_it_takes_and_what_it_is() {
     for line in [
         "  order = \"natural\": natural, bottom-up, shuffled, coloured",
         "  kappa_l = none: a number",
+        "  start = none: cg, sweeps, cold-set, interior-point",
         "  symmetric = false: true or false",
         "  inner_sweeps = 1: a whole number, not negative",
     ] {
