@@ -9,21 +9,30 @@ pub(crate) fn power_of_ten(exponent: i32) -> String {
     "10".chars().chain((exponent < 0).then_some('⁻')).chain(raised).collect()
 }
 
-/// `m·10ⁿ` with up to `digits` significant digits, as `10ⁿ` if m = 1; plain between 0.01 and 10,000.
-pub(crate) fn number(value: f64, digits: u8) -> String {
+/// Returns the mantissa of a number with up to `digits` significant digits, and its power of ten; plain between 0.01 and 10,000.
+pub(crate) fn mantissa_and_power(value: f64, digits: u8) -> (String, Option<i32>) {
     if value == 0.0 || !value.is_finite() {
-        return value.to_string();
+        return (value.to_string(), None);
     }
     let scientific = format!("{value:.*e}", usize::from(digits.saturating_sub(1)));
-    let Some((mantissa, exponent)) = scientific.split_once('e') else { return scientific };
+    let Some((mantissa, exponent)) = scientific.split_once('e') else { return (scientific, None) };
     let exponent: i32 = exponent.parse().unwrap_or(0);
-    let mantissa =
-        if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
     if (-2..4).contains(&exponent) {
         let decimals = i32::from(digits) - 1 - exponent;
-        return format!("{value:.*}", decimals.max(0) as usize);
+        return (format!("{value:.*}", decimals.max(0) as usize), None);
     }
-    if mantissa == "1" { power_of_ten(exponent) } else { format!("{mantissa}·{}", power_of_ten(exponent)) }
+    let mantissa =
+        if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
+    (mantissa.to_owned(), Some(exponent))
+}
+
+/// `m·10ⁿ` with up to `digits` significant digits, as `10ⁿ` if m = 1; plain between 0.01 and 10,000.
+pub(crate) fn number(value: f64, digits: u8) -> String {
+    match mantissa_and_power(value, digits) {
+        (plain, None) => plain,
+        (mantissa, Some(power)) if mantissa == "1" => power_of_ten(power),
+        (mantissa, Some(power)) => format!("{mantissa}·{}", power_of_ten(power)),
+    }
 }
 
 /// Groups of three digits, kept together by a narrow space.

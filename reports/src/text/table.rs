@@ -4,7 +4,7 @@ use polars::prelude::{AnyValue, CsvWriter, DataFrame, SerWriter};
 use serde::Serialize;
 
 use crate::error::ReportError;
-use crate::read::{number, power_of_ten};
+use crate::read::{mantissa_and_power, number, power_of_ten};
 
 /// Significant digits of a measured number where people read it.
 const DIGITS: u8 = 3;
@@ -79,21 +79,22 @@ const ROWS_OF_A_PAGE: usize = 40;
 
 /// A `tabular` for `\input`, a `longtable` if it is longer than a page: rules of booktabs, numbers in columns of siunitx.
 pub(crate) fn latex(table: &DataFrame) -> Result<String, ReportError> {
-    let columns = columns(table, usize::MAX)?;
-    let align: Vec<String> = columns.iter().map(alignment).collect();
-    let row = |cell: &dyn Fn(&Column) -> String| {
-        columns.iter().map(cell).collect::<Vec<_>>().join(" & ") + " \\\\\n"
-    };
-    // What stands in braces is text to siunitx.
-    let heading = row(&|column| format!("{{{}}}", tex(&column.name)));
-    let body = (0..table.height()).map(|i| {
-        row(&|column: &Column| {
-            let cell = &column.cells[i];
-            if column.numeric { siunitx(cell) } else { tex(cell) }
-        })
-    });
-    let body: String = body.collect();
-    let align = align.join(" ");
+    let mut rows = vec![Vec::new(); table.height() + 1];
+    let mut align = Vec::new();
+    for column in table.columns() {
+        let numeric = column.dtype().is_primitive_numeric();
+        let mut format = Format::default();
+        // What stands in braces is text to siunitx.
+        rows[0].push(format!("{{{}}}", tex(&words(column.name()))));
+        for (i, row) in rows[1..].iter_mut().enumerate() {
+            let value = column.get(i)?;
+            row.push(if numeric { format.siunitx(&value) } else { tex(&cell(&value)) });
+        }
+        align.push(if numeric { format.column() } else { "l".to_owned() });
+    }
+    let mut rows = rows.into_iter().map(|row| row.join(" & ") + " \\\\\n");
+    let heading = rows.next().unwrap_or_default();
+    let (body, align) = (rows.collect::<String>(), align.join(" "));
     let (name, head, foot) = if table.height() > ROWS_OF_A_PAGE {
         ("longtable", "\\midrule\n\\endhead\n\\bottomrule\n\\endfoot\n", "")
     } else {
@@ -105,42 +106,43 @@ pub(crate) fn latex(table: &DataFrame) -> Result<String, ReportError> {
     ))
 }
 
-/// Returns the alignment of a column: text to the left, numbers at their decimal marker, with room for the longest.
-fn alignment(column: &Column) -> String {
-    if !column.numeric {
-        return "l".to_owned();
-    }
-    let numbers: Vec<String> = column.cells.iter().map(|cell| siunitx(cell)).collect();
-    let written = numbers.iter().filter(|number| !number.starts_with('{'));
-    let (mut sign, mut whole, mut decimals, mut exponent) = ("", 1, 0, String::new());
-    for number in written {
-        let (mantissa, power) = number.split_once('e').unwrap_or((number, ""));
-        let (before, after) = mantissa.split_once('.').unwrap_or((mantissa, ""));
-        if before.starts_with('-') {
-            sign = "-";
-        }
-        whole = whole.max(before.trim_start_matches('-').len());
-        decimals = decimals.max(after.len());
-        // As wide as the widest, with its sign.
-        if power.len() > exponent.len() {
-            power.clone_into(&mut exponent);
-        }
-    }
-    let decimals = if decimals > 0 { format!(".{decimals}") } else { String::new() };
-    let exponent = if exponent.is_empty() { exponent } else { format!("e{exponent}") };
-    format!("S[table-format={sign}{whole}{decimals}{exponent}]")
+/// Room that the numbers of a column take on both sides of their decimal marker.
+#[derive(Default)]
+struct Format {
+    negative: bool,
+    whole: usize,
+    decimals: usize,
+    /// As wide as the widest, with its sign.
+    power: String,
 }
 
-/// A number as siunitx reads it, from how people read it; text in braces where there is none.
-fn siunitx(cell: &str) -> String {
-    let plain: String = cell.chars().filter(|c| *c != '\u{202f}').collect();
-    if !plain.contains(|c: char| c.is_ascii_digit()) {
-        return format!("{{{}}}", tex(cell));
+impl Format {
+    /// Returns a number as siunitx reads it, and makes room for it; text in braces where there is none.
+    fn siunitx(&mut self, value: &AnyValue) -> String {
+        let (mantissa, power) = match value {
+            AnyValue::Float64(x) if x.is_finite() => mantissa_and_power(*x, DIGITS),
+            AnyValue::Float64(_) | AnyValue::Null => return format!("{{{}}}", tex(&cell(value))),
+            count => (count.to_string(), None),
+        };
+        let (before, after) = mantissa.split_once('.').unwrap_or((&mantissa, ""));
+        self.negative |= before.starts_with('-');
+        self.whole = self.whole.max(before.trim_start_matches('-').len());
+        self.decimals = self.decimals.max(after.len());
+        let power = power.map_or(String::new(), |power| format!("e{power}"));
+        let number = mantissa + &power;
+        if power.len() > self.power.len() {
+            self.power = power;
+        }
+        number
     }
-    let Some(at) = plain.find(|c| raised(c).is_some()) else { return plain };
-    let power: String = plain[at..].chars().filter_map(raised).collect();
-    let mantissa = plain[..at].strip_suffix("10").unwrap_or(&plain[..at]).trim_end_matches('·');
-    format!("{}e{power}", if mantissa.is_empty() { "1" } else { mantissa })
+
+    /// Returns the alignment of the column: numbers at their decimal marker.
+    fn column(&self) -> String {
+        let Self { negative, whole, decimals, power } = self;
+        let sign = if *negative { "-" } else { "" };
+        let decimals = if *decimals > 0 { format!(".{decimals}") } else { String::new() };
+        format!("S[table-format={sign}{}{decimals}{power}]", whole.max(&1))
+    }
 }
 
 /// The digit or minus sign that is raised.
