@@ -6,8 +6,8 @@ use polars::df;
 use polars::prelude::DataFrame;
 
 use crate::draw::{
-    At, BEST, Curve, DASHES, Guide, Look, MARKS, MOST_LINES, Mark, Panel, Pen, Plot, SPARE, Scale, Side,
-    TOLERANCE, Through, series,
+    At, BEST, Curve, Guide, Look, MARKS, MOST_LINES, Mark, Panel, Plot, SPARE, Scale, Side, TOLERANCE,
+    Through, series,
 };
 use crate::read::{Ending, Problems, RunRow, counted, problems, unique};
 use crate::text::{Part, frame, nothing, too_many};
@@ -108,9 +108,7 @@ fn kind(run: &RunRow) -> String {
 /// Looks of the kinds of problem, in the order of the study: none of a method.
 fn looks(runs: &[&RunRow]) -> BTreeMap<String, Look> {
     let look = |(n, kind): (usize, String)| {
-        let color = SPARE[n % SPARE.len()].shades[0];
-        let pen = Pen { color, width: 0.3, dash: DASHES[n % DASHES.len()] };
-        (kind, Look { pen, mark: MARKS[n % MARKS.len()] })
+        (kind, Look { mark: MARKS[n % MARKS.len()], ..SPARE[n % SPARE.len()].dashed(n) })
     };
     unique(runs.iter().map(|run| kind(run))).into_iter().enumerate().map(look).collect()
 }

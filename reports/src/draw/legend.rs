@@ -28,6 +28,14 @@ impl Look {
     }
 }
 
+impl Family {
+    /// Returns the look with the family's own shade and sign, and the n-th dashes.
+    pub(crate) fn dashed(&self, n: usize) -> Look {
+        let pen = Pen { color: self.shades[0], width: self.width, dash: DASHES[n % DASHES.len()] };
+        Look { pen, mark: self.mark }
+    }
+}
+
 /// Looks for all runs of a study, so that a method looks the same on every problem.
 pub(crate) struct Looks<'t> {
     /// Methods in the order of the study, each with the places of its kinds of run in the order of their subdomains.
@@ -81,9 +89,10 @@ impl<'t> Looks<'t> {
 
     /// The look of the n-th variant of a method: a shade of its hue, with dashes and the method's sign.
     pub(crate) fn variant(&self, name: &str, n: usize) -> Look {
-        let Family { width, mark, shades } = self.family(name);
-        let (color, dash) = (shades[n % shades.len()], DASHES[n % DASHES.len()]);
-        Look { pen: Pen { color, width: *width, dash }, mark: *mark }
+        let family = self.family(name);
+        let dashed = family.dashed(n);
+        let color = family.shades[n % family.shades.len()];
+        Look { pen: Pen { color, ..dashed.pen }, ..dashed }
     }
 
     /// Returns the look of a variant where no other method is drawn, and signs are free to tell variants apart.
@@ -147,8 +156,7 @@ pub(crate) fn looks_in_time(all: &[Simulation]) -> Vec<(String, Look)> {
     let look = |(n, (label, method)): (usize, (String, &str))| {
         let spare = methods.iter().position(|other| *other == method).unwrap_or(0);
         let own = family(method).unwrap_or(&SPARE[spare % SPARE.len()]);
-        let pen = Pen { color: own.shades[0], width: own.width, dash: DASHES[n % DASHES.len()] };
-        (label, Look { pen, mark: Mark::None })
+        (label, Look { mark: Mark::None, ..own.dashed(n) })
     };
     let labels = unique(runs().map(|run| (run.label(), run.method.as_str())));
     labels.into_iter().enumerate().map(look).collect()
