@@ -13,10 +13,10 @@ pub(crate) mod stored;
 
 use std::collections::BTreeMap;
 
-pub(crate) use results::schema::Sample;
+pub(crate) use results::schema::{Ending, Sample};
 
 pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, accuracy_text};
-pub(crate) use ending::{Ending, Verdicts};
+pub(crate) use ending::{Verdicts, ending_text};
 pub(crate) use groups::{differing, settings_text};
 pub(crate) use number::{count, counted, mantissa_and_power, number, power_of_ten, round_down};
 pub(crate) use run::{RunRow, problems, repeats, stopped_at_1e_2, threads};

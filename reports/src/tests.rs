@@ -3,6 +3,9 @@
 pub(crate) mod fixture;
 pub(crate) mod fixture_in_time;
 
+use contact::Measure;
+use results::name::StopOn;
+use results::schema::Ending;
 use std::fs;
 
 use crate::tests::fixture::{
@@ -49,10 +52,10 @@ fn study() -> Runs {
         Run { subdomains, settings, ..run }
     };
     let runs = [
-        run(0, "nsgs", "", "converged"),
-        on(8, run(1, "nsgs-dd", "4x2", "iteration-limit")),
-        on(2, run(2, "nsgs-dd", "2x1", "converged")),
-        run(3, "cg", "", "diverged"),
+        run(0, "nsgs", "", Ending::Converged),
+        on(8, run(1, "nsgs-dd", "4x2", Ending::IterationLimit)),
+        on(2, run(2, "nsgs-dd", "2x1", Ending::Converged)),
+        run(3, "cg", "", Ending::Diverged),
     ];
     tables(&runs, &[(0, decay()), (1, decay()), (2, decay()), (3, explosion())])
 }
@@ -80,8 +83,10 @@ fn study_without_runs_says_so() {
 
 #[test]
 fn each_problem_has_a_figure_and_a_page_has_all() {
-    let runs =
-        [run(0, "nsgs", "", "converged"), Run { problem: "a b/c".into(), ..run(1, "nsgs", "", "converged") }];
+    let runs = [
+        run(0, "nsgs", "", Ending::Converged),
+        Run { problem: "a b/c".into(), ..run(1, "nsgs", "", Ending::Converged) },
+    ];
     let figures = figures(&tables(&runs, &[(0, decay())]));
     let names: Vec<&str> = figures.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["convergence-column.svg", "convergence-a-b-c.svg", "convergence.svg"]);
@@ -90,14 +95,15 @@ fn each_problem_has_a_figure_and_a_page_has_all() {
 
 #[test]
 fn more_problems_than_a_page_holds_are_not_squeezed() {
-    let many: Vec<Run> =
-        (0..9).map(|i| Run { problem: format!("problem {i}"), ..run(i, "nsgs", "", "converged") }).collect();
+    let many: Vec<Run> = (0..9)
+        .map(|i| Run { problem: format!("problem {i}"), ..run(i, "nsgs", "", Ending::Converged) })
+        .collect();
     assert!(figures(&tables(&many, &[])).iter().all(|(name, _)| name != "convergence.svg"));
 }
 
 #[test]
 fn runs_that_only_fail_are_drawn_until_they_leave_the_frame() {
-    let failed = tables(&[run(0, "jacobi", "", "diverged")], &[(0, explosion())]);
+    let failed = tables(&[run(0, "jacobi", "", Ending::Diverged)], &[(0, explosion())]);
     let svg = &figures(&failed)[0].1;
     assert!(svg.contains("10¹") && !svg.contains("10³⁰"), "one decade above 1 shows that it grew");
     assert!(!svg.contains("no value in this range"));
@@ -107,8 +113,8 @@ fn runs_that_only_fail_are_drawn_until_they_leave_the_frame() {
 fn undefined_infinite_zero_and_negative_values_are_no_obstacle() {
     let values = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -1.0, 1e300, 1e-300];
     let curve: Vec<Sample> = (0..).zip(values).map(|(i, value)| sample(i, value, value)).collect();
-    let odd = Run { tolerance: f64::NAN, ..run(0, "nsgs", "", "converged") };
-    let none = Run { tolerance: 0.0, ..run(1, "cg", "", "converged") };
+    let odd = Run { tolerance: f64::NAN, ..run(0, "nsgs", "", Ending::Converged) };
+    let none = Run { tolerance: 0.0, ..run(1, "cg", "", Ending::Converged) };
     figures(&tables(&[odd, none], &[(0, curve), (1, vec![sample(0, f64::NAN, f64::NAN)])]));
 }
 
@@ -121,8 +127,8 @@ fn legend_orders_variants_by_subdomains() {
 #[test]
 fn skipped_run_has_its_reason_below_the_table_and_no_place_in_the_figure() {
     let reason = "`subdomains` is 8x8: it must be at most 20 subdomains, the number of contacts";
-    let skipped = Run { reason: reason.into(), ..run(1, "nsgs-dd", "8x8", "skipped") };
-    let study = tables(&[run(0, "nsgs", "", "converged"), skipped], &[(0, decay())]);
+    let skipped = Run { reason: reason.into(), ..run(1, "nsgs-dd", "8x8", Ending::Skipped) };
+    let study = tables(&[run(0, "nsgs", "", Ending::Converged), skipped], &[(0, decay())]);
     let text = summary(&stored(&study)).unwrap();
     assert!(text.ends_with(&format!("\nskipped: nsgs-dd 8x8 on column: {reason}\n")), "{text}");
     let svg = &figures(&study)[0].1;
@@ -131,16 +137,19 @@ fn skipped_run_has_its_reason_below_the_table_and_no_place_in_the_figure() {
 
 #[test]
 fn run_that_begins_converged_is_told_for_it_has_no_line() {
-    let begun = Run { iterations: 0, ..run(0, "cg", "none", "converged") };
+    let begun = Run { iterations: 0, ..run(0, "cg", "none", Ending::Converged) };
     let svg = figures(&tables(&[begun], &[(0, vec![sample(0, f64::NAN, 0.0)])])).remove(0).1;
     assert!(svg.contains("cg on column: converged at its start, no line"), "{svg}");
 }
 
 #[test]
 fn method_looks_the_same_in_every_study() {
-    let alone = [run(0, "cg", "", "converged")];
-    let beside =
-        [run(0, "nsgs", "", "converged"), run(1, "mine", "", "converged"), run(2, "cg", "", "converged")];
+    let alone = [run(0, "cg", "", Ending::Converged)];
+    let beside = [
+        run(0, "nsgs", "", Ending::Converged),
+        run(1, "mine", "", Ending::Converged),
+        run(2, "cg", "", Ending::Converged),
+    ];
     let color = |runs: &[Run], method: &str| {
         let study = read(&tables(runs, &[]));
         crate::draw::Looks::new(&study.runs).of_method(method).pen.color
@@ -151,11 +160,12 @@ fn method_looks_the_same_in_every_study() {
 
 #[test]
 fn tolerance_is_written_beside_the_measure_that_stops() {
-    let texts = |stop_on: &str| {
-        let asked = Run { stop_on: stop_on.into(), tolerance: 3e-5, ..run(0, "nsgs", "", "converged") };
+    let texts = |stop_on: Measure| {
+        let asked =
+            Run { stop_on: StopOn(stop_on), tolerance: 3e-5, ..run(0, "nsgs", "", Ending::Converged) };
         figures(&tables(&[asked], &[(0, decay())]))[0].1.matches("3·10⁻⁵").count()
     };
-    assert_eq!((texts("zeta"), texts("natural_map"), texts("quad_dv")), (1, 1, 0));
+    assert_eq!((texts(Measure::Zeta), texts(Measure::NaturalMap), texts(Measure::QuadDv)), (1, 1, 0));
 }
 
 #[test]
@@ -164,7 +174,7 @@ fn sample_shows_counts_scales_and_boundary_grains() {
     let scene = Runs {
         grains,
         contacts,
-        ..tables(&[Run { problem: "pair".into(), ..run(0, "cg", "diagonal", "converged") }], &[])
+        ..tables(&[Run { problem: "pair".into(), ..run(0, "cg", "diagonal", Ending::Converged) }], &[])
     };
     let (name, svg) = figures(&scene).pop().unwrap();
     assert_eq!(name, "sample-pair-2x1.svg");

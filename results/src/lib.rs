@@ -4,6 +4,7 @@ pub mod columns;
 pub mod error;
 pub mod journal;
 mod json;
+pub mod name;
 pub mod provenance;
 mod reached;
 pub mod schema;

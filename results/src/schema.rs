@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::json;
+use crate::name::{self, Name, StopOn};
 
 /// One run: a method with its parameters on a problem, stopped by a rule; where it ended and what it cost.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -53,17 +54,16 @@ pub struct Run {
     /// True where the run began from the impulses of the previous time step.
     pub warm_start: bool,
     /// The measure that was asked to stop the run.
-    pub stop_on: String,
+    #[serde(with = "name")]
+    pub stop_on: StopOn,
     /// Value of that measure at which the run was to stop.
     #[serde(with = "number")]
     pub tolerance: f64,
     /// Greatest number of iterations allowed.
     pub max_iterations: u64,
-    /// `converged`, `iteration-limit`, `stalled`, `diverged` or `infeasible`; `false-convergence` if the measure met the tolerance
-    /// far from a solution, or where there is none (`solvers/runner/src/convergence.rs` has the rule); `failed` if another
-    /// code gave no answer; `skipped` if the method could not start on the problem; `given` for impulses of another code, which no
-    /// run here made.
-    pub status: String,
+    /// Ending of the run.
+    #[serde(with = "name")]
+    pub status: Ending,
     /// Why the run was skipped: the setting, its value, what would be accepted; or why another code gave no answer; empty for
     /// a run that ended.
     pub reason: String,
@@ -269,17 +269,56 @@ pub struct Provenance {
     pub other_code: String,
 }
 
-/// Every [`Run::status`] that a journal can hold.
-pub const STATUSES: [&str; 8] = [
-    "converged",
-    "iteration-limit",
-    "stalled",
-    "diverged",
-    "infeasible",
-    "false-convergence",
-    "failed",
-    "skipped",
-];
+/// Ending of a run; in keys of figures in this order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Ending {
+    /// The measure met the tolerance.
+    Converged,
+    /// All iterations made.
+    IterationLimit,
+    /// No further iteration changes anything.
+    Stalled,
+    /// The iterate is not finite, or far above q(0).
+    Diverged,
+    /// Claimed that there is no solution.
+    Infeasible,
+    /// The measure met the tolerance far from a solution, or where there is none: `solvers/runner/src/convergence.rs` has the rule.
+    FalseConvergence,
+    /// The method could not start on the problem.
+    Skipped,
+    /// Another code gave no answer.
+    #[default]
+    Failed,
+    /// Impulses of another code, which no run here made.
+    Given,
+}
+
+impl Name for Ending {
+    const COLUMN: &'static str = "status";
+
+    fn all() -> impl Iterator<Item = Self> {
+        use Ending::{
+            Converged, Diverged, Failed, FalseConvergence, Given, Infeasible, IterationLimit, Skipped,
+            Stalled,
+        };
+        [Converged, IterationLimit, Stalled, Diverged, Infeasible, FalseConvergence, Skipped, Failed, Given]
+            .into_iter()
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::IterationLimit => "iteration-limit",
+            Self::Stalled => "stalled",
+            Self::Diverged => "diverged",
+            Self::Infeasible => "infeasible",
+            Self::FalseConvergence => "false-convergence",
+            Self::Skipped => "skipped",
+            Self::Failed => "failed",
+            Self::Given => "given",
+        }
+    }
+}
 
 impl Provenance {
     /// Reports whether seconds of the two can be compared: the same build on the same processor with as many threads. Codes that

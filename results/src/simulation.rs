@@ -8,6 +8,7 @@ use std::ops::AddAssign;
 use crate::error::RowError;
 use crate::journal::{Entry, named};
 use crate::json;
+use crate::name::{self, Name, StopOn};
 use crate::schema::{Provenance, Timing};
 
 /// One simulation: a scene through time, each time step solved by one method until one stop rule.
@@ -25,9 +26,9 @@ pub struct Simulation {
     pub scene_settings: Map<String, Value>,
     /// Hash of the scene's content.
     pub scene_hash: String,
-    /// `run`; `reference`, which the others are compared with; `twin`, the same with ten times its tolerance; `floor`, the
-    /// reference's method and tolerance with a time step of the plan.
-    pub role: String,
+    /// Its part in the study.
+    #[serde(with = "name")]
+    pub role: Role,
     /// Number of grains.
     pub grains: u32,
     /// Mass of all grains (kg).
@@ -59,15 +60,16 @@ pub struct Simulation {
     #[serde(default)]
     pub start: String,
     /// The measure that was asked to stop each time step.
-    pub stop_on: String,
+    #[serde(with = "name")]
+    pub stop_on: StopOn,
     /// Value of that measure at which a time step was to stop.
     #[serde(with = "number")]
     pub tolerance: f64,
     /// Greatest number of iterations allowed in a time step.
     pub max_iterations: u64,
-    /// `completed`; `exploded`, or what made it explode: `solver-diverged`, or `no-solution` of a time step's problem;
-    /// `skipped` if the method refused a time step.
-    pub status: String,
+    /// Ending of the simulation.
+    #[serde(with = "name")]
+    pub status: SimulationEnding,
     /// Evidence of the explosion, or the reason why the method refused; empty for a simulation that was completed.
     pub reason: String,
     /// The problem of the last good state, a file in the folder of the study; empty unless it exploded.
@@ -149,8 +151,70 @@ impl AddAssign for Energy {
     }
 }
 
-/// Every [`Simulation::status`] that a journal can hold.
-const STATUSES: [&str; 5] = ["completed", "exploded", "solver-diverged", "no-solution", "skipped"];
+/// Part of a simulation in a study.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Role {
+    /// A simulation that the study asks for.
+    #[default]
+    Run,
+    /// The simulation that the others are compared with.
+    Reference,
+    /// The reference with ten times its tolerance.
+    Twin,
+    /// The reference's method and tolerance with a time step of the plan.
+    Floor,
+}
+
+impl Name for Role {
+    const COLUMN: &'static str = "role";
+
+    fn all() -> impl Iterator<Item = Self> {
+        [Self::Run, Self::Reference, Self::Twin, Self::Floor].into_iter()
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Run => "run",
+            Self::Reference => "reference",
+            Self::Twin => "twin",
+            Self::Floor => "floor",
+        }
+    }
+}
+
+/// Ending of a simulation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SimulationEnding {
+    /// All time steps made.
+    Completed,
+    /// Not finite, or overlaps or motion beyond all bounds.
+    Exploded,
+    /// Exploded because the solver diverged.
+    SolverDiverged,
+    /// Exploded because the problem of a time step has no solution.
+    NoSolution,
+    /// The method refused a time step.
+    #[default]
+    Skipped,
+}
+
+impl Name for SimulationEnding {
+    const COLUMN: &'static str = "status";
+
+    fn all() -> impl Iterator<Item = Self> {
+        [Self::Completed, Self::Exploded, Self::SolverDiverged, Self::NoSolution, Self::Skipped].into_iter()
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Completed => "completed",
+            Self::Exploded => "exploded",
+            Self::SolverDiverged => "solver-diverged",
+            Self::NoSolution => "no-solution",
+            Self::Skipped => "skipped",
+        }
+    }
+}
 
 /// A row of a series: what a simulation shows of itself at an instant, and the extremes since the row before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -289,11 +353,10 @@ impl Entry for Simulated {
         let counts = steps.into_iter().chain(totals.work.named());
         // NaN is what it is, here.
         let rows = self.series.iter().map(|row| (format!("series at {} s", row.time_s), format!("{row:?}")));
-        named(status, counts).into_iter().chain(rows).collect()
+        named(status.name(), counts).into_iter().chain(rows).collect()
     }
 
     fn check(&self) -> Result<(), RowError> {
-        RowError::unless_known("status", &self.simulation.status, &STATUSES)?;
         if self.simulation.scene_hash.is_empty() {
             return Err(RowError::Untraced("scene_hash"));
         }

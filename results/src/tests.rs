@@ -3,11 +3,11 @@
 use crate::columns::{keyed, keys, rows, table};
 use crate::error::RowError;
 use crate::journal::Record;
-use crate::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
+use crate::schema::{ContactRow, End, Ending, GrainRow, Provenance, Run, Sample, Snapshot, Timing};
 use crate::simulation::{Observed, Simulation};
 use contact::{Measures, Work};
 use jiff::Timestamp;
-use polars::prelude::DataFrame;
+use polars::prelude::{Column, DataFrame};
 use serde_json::json;
 use std::path::PathBuf;
 use tempfile::TempDir;
@@ -41,10 +41,9 @@ pub(crate) fn run(number: u32) -> Run {
         method: "nsgs".into(),
         settings: json!({ "sweeps": 1 }).as_object().unwrap().clone(),
         subdomains: 1,
-        stop_on: "natural_map".into(),
         tolerance: 1e-4,
         max_iterations: 1000,
-        status: "converged".into(),
+        status: Ending::Converged,
         iterations: 7,
         setup_s: 1e-5,
         iterating_s: 7e-4,
@@ -192,4 +191,15 @@ fn empty_processor_is_refused() {
 fn time_is_an_rfc_3339_instant() {
     let provenance = Provenance::gather("0123abc", "1.95.0", "release", 2).unwrap();
     assert!(provenance.started_utc.parse::<Timestamp>().is_ok());
+}
+
+#[test]
+fn unknown_name_in_a_table_is_an_error_that_names_row_column_and_value() {
+    let mut stored = table(&[run(0), run(1)]).unwrap();
+    stored.with_column(Column::new("status".into(), ["converged", "convergud"])).unwrap();
+    let error = rows::<Run>(&stored).unwrap_err().to_string();
+    assert!(
+        error.contains("row 1: ") && error.contains("`status` is \"convergud\": it must be one of"),
+        "{error}"
+    );
 }

@@ -269,7 +269,7 @@ pub(crate) fn read<T: for<'v> Deserialize<'v>>(text: &str) -> Result<T, String> 
     T::deserialize(value).map_err(|error| error.to_string())
 }
 
-pub(crate) fn measure(name: &str) -> Result<Measure, String> {
+fn measure(name: &str) -> Result<Measure, String> {
     Measure::ALL.into_iter().find(|measure| measure.name() == name).ok_or_else(|| {
         let names: Vec<&str> = Measure::ALL.iter().map(|measure| measure.name()).collect();
         format!("there are {}", names.join(", "))

@@ -1,15 +1,16 @@
 //! `gravel view`: a page that shows how runs come to the impulses of a problem, or how a stored run did, iteration by
 //! iteration.
 
-use crate::cli::args::{SceneArgs, StopArgs, measure};
+use crate::cli::args::{SceneArgs, StopArgs};
 use crate::plan::{Method, Variant, key_value};
 use crate::problems::{Known, Problem, Root};
 use crate::run::{Ended, Snapshots, ended, partitions, scene_rows};
 use crate::store::{is_id, problem_of_run, stored_run};
 use crate::terminal::{create_folder_of, prepare_place, say, write_whole};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use partition::{Grid, Scheme};
 use results::journal::Record;
+use results::name::Name;
 use results::schema::Run;
 use runner::{Measured, Progress, Stop};
 use std::ops::ControlFlow;
@@ -104,7 +105,7 @@ impl Args {
         let warm_start = run.warm_start;
         let name = format!("run {} ({} on {})", run.id, run.method, run.problem);
         self.scene.refused(&format!("{name} is stored"))?;
-        let stop = self.stop.of(stop_of(run)?)?;
+        let stop = self.stop.of(stop_of(run))?;
         let method = Method::new(&run.method, run.settings.clone()).with_context(|| name.clone())?;
         let mut variants =
             vec![Variant { method, warm_start, name: run.variant.clone(), problems: Vec::new() }];
@@ -131,9 +132,9 @@ impl Shown {
     ) -> Result<reports::Snapshots> {
         let problem = &self.problem;
         let label = variant.label();
-        let as_stored = stored.filter(|record| stop_of(&record.run).is_ok_and(|stop| stop == self.stop));
+        let as_stored = stored.filter(|record| stop_of(&record.run) == self.stop);
         if let Some(Record { run, snapshots, .. }) = as_stored.filter(|record| !record.snapshots.is_empty()) {
-            let ending = run.status.replace('-', " ");
+            let ending = run.status.name().replace('-', " ");
             say(format_args!("{label}: {ending} after {} iterations, as stored", run.iterations))?;
             return Ok(reports::Snapshots { label, ending, snapshots: snapshots.clone() });
         }
@@ -165,10 +166,8 @@ impl Shown {
 }
 
 /// The stop rule of a stored run.
-fn stop_of(run: &Run) -> Result<Stop> {
-    let on = measure(&run.stop_on)
-        .map_err(|known| anyhow!("run {}: measure `{}`: {known}", run.id, run.stop_on))?;
-    Ok(Stop { on, tolerance: run.tolerance, max_iterations: run.max_iterations })
+fn stop_of(run: &Run) -> Stop {
+    Stop { on: run.stop_on.0, tolerance: run.tolerance, max_iterations: run.max_iterations }
 }
 
 /// A method and its settings in one text.

@@ -8,7 +8,7 @@ use crate::run::{
 use anyhow::Result;
 use lineup::{Law, Ours, Posed};
 use results::journal::Record;
-use results::schema::{Run, Snapshot};
+use results::schema::{Ending, Run, Snapshot};
 use runner::{Outcome, Progress};
 use serde_json::json;
 use std::ops::ControlFlow;
@@ -65,7 +65,7 @@ pub(crate) fn run_on_problem(
         run.derived.insert("rungs".to_owned(), serde_json::to_value(&ended.rungs)?);
     }
     if let Some(why) = ended.failed {
-        (run.status, run.reason) = ("failed".to_owned(), why);
+        (run.status, run.reason) = (Ending::Failed, why);
     }
     Ok(Some(Record { run, curve, snapshots }))
 }

@@ -7,8 +7,9 @@ use anyhow::Result;
 use contact::{Measure, Work};
 use lineup::{OneProblem, Posed, Settings, Touching};
 use partition::{Grid, Partition, Scheme};
-use results::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample};
-use runner::Outcome;
+use results::name::StopOn;
+use results::schema::{ContactRow, End, Ending, GrainRow, Provenance, Run, Sample};
+use runner::{Outcome, Status};
 
 /// The row of what another code answered, if that lies beside the problem: measured as ours are, with nothing run.
 pub(crate) fn given_row(
@@ -23,7 +24,7 @@ pub(crate) fn given_row(
     Ok(Some(Run {
         method: "given".to_owned(),
         variant: given.from.clone(),
-        status: "given".to_owned(),
+        status: Ending::Given,
         end: End { measures, work: Work::default() },
         ..nothing_done(plan, problem, known, provenance)
     }))
@@ -41,7 +42,7 @@ fn nothing_done(plan: &Plan, problem: &Problem, known: &Known, provenance: Prove
         grains: facts.grains as u32,
         contacts: facts.contacts as u32,
         subdomains: 1,
-        stop_on: plan.stop.on.name().to_owned(),
+        stop_on: StopOn(plan.stop.on),
         tolerance: plan.stop.tolerance,
         max_iterations: plan.stop.max_iterations,
         setup_s: f64::NAN,
@@ -66,7 +67,7 @@ pub(crate) fn skipped_row(plan: &Plan, task: &Task<&Problem>, known: &Known, pro
             .partition()
             .map_or(1, |(grid, _)| u32::try_from(grid.count()).unwrap_or(u32::MAX)),
         warm_start: variant.warm_start,
-        status: "skipped".to_owned(),
+        status: Ending::Skipped,
         ..nothing_done(plan, problem, known, provenance)
     }
 }
@@ -77,7 +78,7 @@ pub(crate) fn ended_row(row: Run, outcome: &Outcome, curve: &[Sample]) -> Run {
     let Sample { measures, work, .. } = curve[curve.len() - 1];
     Run {
         derived: derived(outcome),
-        status: outcome.status.name().to_owned(),
+        status: ending(outcome.status),
         iterations: outcome.iterations,
         setup_s: outcome.setup.as_secs_f64(),
         iterating_s: outcome.iterating.as_secs_f64(),
@@ -91,6 +92,19 @@ pub(crate) fn ended_row(row: Run, outcome: &Outcome, curve: &[Sample]) -> Run {
         cycle_iterations: outcome.cycle,
         end: End { measures, work },
         ..row
+    }
+}
+
+/// Returns the ending of a run that nobody interrupted.
+fn ending(status: Status) -> Ending {
+    match status {
+        Status::Converged => Ending::Converged,
+        Status::FalseConvergence => Ending::FalseConvergence,
+        Status::IterationLimit => Ending::IterationLimit,
+        Status::Stalled => Ending::Stalled,
+        Status::Diverged => Ending::Diverged,
+        Status::Infeasible => Ending::Infeasible,
+        Status::Interrupted => unreachable!("a run that was interrupted has no row"),
     }
 }
 

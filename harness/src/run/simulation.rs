@@ -7,8 +7,9 @@ use crate::terminal::write_sealed;
 use anyhow::Result;
 use cases::{AnyFrozen, CaseError, Observables, Start};
 use lineup::{Attempt, OneMarch, OneProblem, Ours, march};
+use results::name::{Name, StopOn};
 use results::schema::{Provenance, Timing};
-use results::simulation::{Energy, Observed, Simulated, Simulation, Stress, Totals};
+use results::simulation::{Energy, Observed, Role, Simulated, Simulation, SimulationEnding, Stress, Totals};
 use results::store::LAST_STATES;
 use runner::{Outcome, Status, Stop};
 use std::path::Path;
@@ -19,8 +20,8 @@ use std::time::Instant;
 pub(crate) struct Through<'s> {
     pub(crate) scene: &'s Scene,
     pub(crate) rule: Rule,
-    /// Its part in the study, as the column `role` says it.
-    pub(crate) role: &'static str,
+    /// Its part in the study.
+    pub(crate) role: Role,
 }
 
 impl Through<'_> {
@@ -58,13 +59,13 @@ pub(crate) fn run_simulation(
         line.show_time_step(seen.totals.time_steps, *time_steps);
         Ok(())
     })?;
+    let Some(status) = end.ending() else { return Ok(None) };
     let last_state = match (&end, how.folder) {
-        (End::Interrupted(_), _) => return Ok(None),
         (End::Exploded { last, .. }, Some(folder)) => keep(last, folder, &task.id)?,
         _ => String::new(),
     };
     let simulation = Simulation {
-        status: end.status().to_owned(),
+        status,
         reason: end.reason().to_owned(),
         last_state,
         totals,
@@ -98,7 +99,7 @@ fn nothing_done(
         scene: scene.name.clone(),
         scene_settings: settings,
         scene_hash: scene.hash.clone(),
-        role: (*role).to_owned(),
+        role: *role,
         grains: bodies.len() as u32,
         mass_kg: bodies.iter().map(|body| body.mass).sum(),
         mean_diameter_m: march.mean_diameter(),
@@ -110,7 +111,7 @@ fn nothing_done(
         variant: variant.name.clone(),
         warm_start: rule.warm_start.is_warm(),
         start: rule.warm_start.name().to_owned(),
-        stop_on: rule.stop.on.name().to_owned(),
+        stop_on: StopOn(rule.stop.on),
         tolerance: rule.stop.tolerance,
         max_iterations: rule.stop.max_iterations,
         provenance,
@@ -214,8 +215,8 @@ pub(crate) enum End {
     Completed,
     /// A simulation that exploded, with the problem of its last good state.
     Exploded {
-        /// `exploded`; or why it exploded, `solver-diverged` or `no-solution`.
-        status: &'static str,
+        /// [`SimulationEnding::Exploded`], or the reason.
+        status: SimulationEnding,
         why: String,
         last: Box<AnyFrozen>,
     },
@@ -261,9 +262,9 @@ fn ended(error: CaseError, k: u64, frozen: AnyFrozen) -> Result<End> {
     Ok(match error {
         CaseError::Exploded { solved, .. } => {
             let status = match solved.map(|missed| missed.status) {
-                Some(Status::Diverged) => "solver-diverged",
-                Some(Status::Infeasible) => "no-solution",
-                _ => "exploded",
+                Some(Status::Diverged) => SimulationEnding::SolverDiverged,
+                Some(Status::Infeasible) => SimulationEnding::NoSolution,
+                _ => SimulationEnding::Exploded,
             };
             End::Exploded { status, why, last: Box::new(frozen) }
         }
@@ -274,20 +275,25 @@ fn ended(error: CaseError, k: u64, frozen: AnyFrozen) -> Result<End> {
 }
 
 impl End {
+    /// Returns the ending of the simulation, unless the user stopped it.
+    fn ending(&self) -> Option<SimulationEnding> {
+        match self {
+            Self::Completed => Some(SimulationEnding::Completed),
+            Self::Exploded { status, .. } => Some(*status),
+            Self::Refused(_) => Some(SimulationEnding::Skipped),
+            Self::Interrupted(_) => None,
+        }
+    }
+
     /// Name in files.
     pub(crate) fn status(&self) -> &'static str {
-        match self {
-            Self::Completed => "completed",
-            Self::Exploded { status, .. } => status,
-            Self::Refused(_) => "skipped",
-            Self::Interrupted(_) => "interrupted",
-        }
+        self.ending().map_or(Status::Interrupted.name(), Name::name)
     }
 
     /// Returns the status that decides the exit code: that of the worst time step, where all were made.
     pub(crate) fn worst(&self, totals: &Totals) -> &'static str {
         match self {
-            Self::Completed if totals.infeasible_time_steps > 0 => "no-solution",
+            Self::Completed if totals.infeasible_time_steps > 0 => SimulationEnding::NoSolution.name(),
             Self::Completed if totals.missed_time_steps > 0 => Status::IterationLimit.name(),
             end => end.status(),
         }

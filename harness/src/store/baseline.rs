@@ -9,6 +9,7 @@ use anyhow::{Context, Result, bail};
 use contact::{Measure, Work};
 use csv::StringRecord;
 use results::journal::Record;
+use results::name::Name;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -43,7 +44,7 @@ impl Counts {
             };
             let mut row = vec![problem.clone(), run.method.clone()];
             row.push(not_default(&run.method, &variant.method.settings)?);
-            row.extend([run.problem_hash.clone(), run.status.clone(), run.iterations.to_string()]);
+            row.extend([run.problem_hash.clone(), run.status.name().to_owned(), run.iterations.to_string()]);
             row.extend([Measure::Zeta, Measure::NaturalMap].map(decades));
             row.extend(run.end.work.named().map(|(_, count)| count.to_string()));
             all.push(Self(row));

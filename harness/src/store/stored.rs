@@ -8,7 +8,7 @@ use cases::AnyFrozen;
 use lineup::content_hash;
 use results::error::StoreError;
 use results::journal::{Record, Texts, entry};
-use results::schema::Run;
+use results::schema::{Ending, Run};
 use results::simulation::Simulated;
 use results::store::journals;
 use serde::Deserialize;
@@ -30,7 +30,7 @@ pub(crate) fn stored_run(root: &Root, begin: &str) -> Result<Record> {
     let names: Vec<String> = found.values().map(|(name, _)| name.clone()).collect();
     match (names.as_slice(), found.pop_first()) {
         ([name], Some((_, (_, Some(record))))) => {
-            if record.run.status == "skipped" {
+            if record.run.status == Ending::Skipped {
                 bail!("run {name} was skipped, it has no iterations to show: {}", record.run.reason);
             }
             // One of them may be a later run of this id.

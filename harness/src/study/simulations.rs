@@ -8,7 +8,7 @@ use crate::run::{Conditions, Task, Through, run_simulation};
 use crate::study::{Kind, Listed, Selection, missing};
 use anyhow::{Context, Result};
 use lineup::hash_of;
-use results::simulation::Simulated;
+use results::simulation::{Role, Simulated};
 use results::study::Study as Rows;
 use serde_json::json;
 use std::collections::{BTreeMap, HashSet};
@@ -32,8 +32,8 @@ impl ThroughTime {
     }
 
     /// Reports whether a simulation is selected: a run, or the reference of selected runs.
-    fn selects(&self, scene: &Scene, variant: &Variant, role: &str) -> bool {
-        let (selection, is_run) = (&self.selection, role == "run");
+    fn selects(&self, scene: &Scene, variant: &Variant, role: Role) -> bool {
+        let (selection, is_run) = (&self.selection, role == Role::Run);
         let variants = || selection.variants.iter().filter(|v| !is_run || std::ptr::eq(*v, variant));
         let same = |other: &Scene| if is_run { std::ptr::eq(other, scene) } else { other.name == scene.name };
         let mut scenes = self.scenes().filter(|(_, other)| same(other));
@@ -45,7 +45,7 @@ impl ThroughTime {
         scene: &'s Scene,
         variant: &'s Variant,
         rule: Rule,
-        role: &'static str,
+        role: Role,
     ) -> Task<'s, Through<'s>> {
         let method = &variant.method;
         // Sorted, whatever the map of the JSON crate does with its keys.
@@ -92,15 +92,15 @@ impl Kind for ThroughTime {
         loose.stop.tolerance *= 10.0;
         let mut tasks = Vec::new();
         for scene in &self.refined {
-            tasks.push(self.task(scene, method, *tight, "reference"));
-            tasks.push(self.task(scene, method, loose, "twin"));
+            tasks.push(self.task(scene, method, *tight, Role::Reference));
+            tasks.push(self.task(scene, method, loose, Role::Twin));
         }
         for (_, scene) in self.scenes() {
-            tasks.push(self.task(scene, method, *tight, "floor"));
+            tasks.push(self.task(scene, method, *tight, Role::Floor));
         }
         for (name, scene) in self.scenes() {
             for variant in self.selection.variants.iter().filter(|variant| variant.meets(name)) {
-                tasks.extend(self.rules.iter().map(|rule| self.task(scene, variant, *rule, "run")));
+                tasks.extend(self.rules.iter().map(|rule| self.task(scene, variant, *rule, Role::Run)));
             }
         }
         tasks
@@ -116,7 +116,7 @@ impl Kind for ThroughTime {
 
     fn asks(&self) -> String {
         let tasks = self.tasks();
-        let runs = tasks.iter().filter(|task| task.what.role == "run").count();
+        let runs = tasks.iter().filter(|task| task.what.role == Role::Run).count();
         format!("{runs} simulations, and {} to compare them with", tasks.len() - runs)
     }
 
@@ -137,7 +137,7 @@ impl Kind for ThroughTime {
             simulation.plan.clone_from(&self.selection.plan.name);
             simulation.scene.clone_from(&scene.name);
             simulation.variant.clone_from(&variant.name);
-            role.clone_into(&mut simulation.role);
+            simulation.role = role;
             rows.push(simulated);
         }
         Ok(Rows::Simulations(rows))

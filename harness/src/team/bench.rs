@@ -12,6 +12,7 @@ use crate::terminal::{exit, say};
 use anyhow::{Result, bail};
 use reports::{About, Chart, Formats, Wanted};
 use results::journal::Record;
+use results::name::Name;
 use results::schema::Run;
 use results::store::Store;
 use results::study::{Runs, Study as Rows};
@@ -65,6 +66,7 @@ pub(crate) fn run(posted: &Posted, root: &Root, args: &Args) -> Result<ExitCode>
         let whole = exit::whole();
         let kept = store.as_mut().map_or(Ok(()), |store| {
             let Run { problem, method, variant, status, iterations, .. } = &record.run;
+            let status = status.name();
             say(format_args!("{problem}, {method} {variant}: {status} after {iterations} iterations"))?;
             Ok(store.append(record)?)
         });

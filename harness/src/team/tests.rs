@@ -13,6 +13,7 @@ use clap::Parser;
 use lineup::Run;
 use ranks::simulated;
 use results::journal::Record;
+use results::name::Name;
 use results::store::Store;
 use runner::{Measured, Outcome, Stop};
 use std::fs;
@@ -187,7 +188,7 @@ fn a_study_on_ranks_is_one_row_a_run() {
         let store: Store<Record> =
             open(&Root::find(Some(root.path().into())).unwrap(), "few-on-2-ranks").unwrap();
         let runs: Vec<_> = store.records().iter().map(|record| &record.run).collect();
-        let ends: Vec<_> = runs.iter().map(|run| (&*run.method, run.subdomains, &*run.status)).collect();
+        let ends: Vec<_> = runs.iter().map(|run| (&*run.method, run.subdomains, run.status.name())).collect();
         // What is there is not run again.
         let expected = [
             ("nsgs-dd", 1, "skipped"),

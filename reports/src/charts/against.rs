@@ -6,7 +6,7 @@ use polars::df;
 use polars::prelude::DataFrame;
 
 use crate::draw::{At, Curve, Guide, Looks, Panel, Plot, Scale, Side, TOLERANCE, Through};
-use crate::read::{Problems, RunRow, counted, unique};
+use crate::read::{Problems, RunRow, counted, ending_text, unique};
 use crate::text::{Part, frame};
 
 /// Quantity that a panel compares: its name and its value for a run.
@@ -74,8 +74,8 @@ fn table(pairs: &[Pair]) -> DataFrame {
         "problem" => pairs.iter().map(|(_, run)| run.problem.as_str()).collect::<Vec<_>>(),
         "method" => pairs.iter().map(|(_, run)| run.method.as_str()).collect::<Vec<_>>(),
         "variant" => pairs.iter().map(|(_, run)| run.variant.as_str()).collect::<Vec<_>>(),
-        "ended_before" => pairs.iter().map(|(run, _)| run.ending.text()).collect::<Vec<_>>(),
-        "ended_after" => pairs.iter().map(|(_, run)| run.ending.text()).collect::<Vec<_>>(),
+        "ended_before" => pairs.iter().map(|(run, _)| ending_text(run.status)).collect::<Vec<_>>(),
+        "ended_after" => pairs.iter().map(|(_, run)| ending_text(run.status)).collect::<Vec<_>>(),
         "iterations_before" => pairs.iter().map(|(run, _)| run.iterations).collect::<Vec<_>>(),
         "iterations_after" => pairs.iter().map(|(_, run)| run.iterations).collect::<Vec<_>>(),
         "iterations_ratio" => of_both(0),

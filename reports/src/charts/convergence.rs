@@ -80,13 +80,13 @@ fn ratios(run: &RunRow, base: &RunRow, measure: Measure) -> (Vec<LogPoint>, Endi
     let mut points = Vec::new();
     for tenth in (-20..=120).filter(|tenth| tenth % step == 0) {
         let log = -f64::from(tenth) / 10.0;
-        let Some(of_base) = first(&base.curve, measure, log) else { return (points, base.ending) };
-        let Some(of_run) = first(&run.curve, measure, log) else { return (points, run.ending) };
+        let Some(of_base) = first(&base.curve, measure, log) else { return (points, base.status) };
+        let Some(of_run) = first(&run.curve, measure, log) else { return (points, run.status) };
         if of_base >= LEAST {
             points.push(Some((log, (of_run as f64 / of_base as f64).log10())));
         }
     }
-    (points, run.ending)
+    (points, run.status)
 }
 
 /// Returns the first iteration with a measure of at most 10 to the power of `log`, from which on it stays there.

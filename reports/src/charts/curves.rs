@@ -119,7 +119,7 @@ impl Curves {
             is_begun.then(|| to.zip(up).map(|(to, up)| (if self.promises { to.max(LOWEST) } else { to }, up)))
         };
         let mut lines = if self.of_truth { study.lines_of_best(&runs, at) } else { study.lines(&runs, at) };
-        let stopped = |run: &&&RunRow| run.stopping_measure().is_some_and(|measure| y.is(measure));
+        let stopped = |run: &&&RunRow| y.is(run.stop_on.0);
         let (tolerances, key) = match (self.of_truth, self.promises) {
             (_, true) => (Vec::new(), "measure = velocity error; below it the measure promises too much"),
             (true, _) => (ACCURACIES.to_vec(), "accuracies of the tables"),

@@ -75,7 +75,7 @@ pub(super) const OF_SUBDOMAINS: Lines = Lines {
 pub(super) const CRITICAL_PATH: Lines = Lines {
     name: "critical-path",
     y: "counted_speed_up measured_speed_up",
-    of: |run| run.ending != Ending::Skipped && run.path_per_iteration().is_some(),
+    of: |run| run.status != Ending::Skipped && run.path_per_iteration().is_some(),
     ideals: &[("counted_speed_up", AS_MANY), ("measured_speed_up", AS_MANY)],
     key: "Counted: multiply-adds of the longest subdomain, no communication cost.",
     columns: "problem method contacts subdomains status iterations path_per_iteration counted_speed_up \
@@ -92,7 +92,7 @@ pub(super) const WEAK: Lines = Lines {
     y: "to_natural_map_1e_2 iterations longest_subdomain time",
     apart: Some(|run| format!("{} grains each", f64::from(run.grains) / f64::from(run.subdomains))),
     each: Each::Study,
-    of: |run| run.ending != Ending::Skipped && run.path_per_iteration().is_some(),
+    of: |run| run.status != Ending::Skipped && run.path_per_iteration().is_some(),
     key: "As many grains in each subdomain along a line.",
     columns: "method grains_per_subdomain subdomains grains status to_natural_map_1e_2 iterations growth \
               longest_subdomain seconds_per_iteration",

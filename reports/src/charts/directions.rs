@@ -11,7 +11,7 @@ use polars::prelude::DataFrame;
 use crate::draw::{
     BLACK, Curve, DASHES, DERIVED, Look, Mark, Panel, Pen, Plot, Scale, Side, Sign, Through, medians,
 };
-use crate::read::{Ending, Problems, counted, file_name, number, problems};
+use crate::read::{Ending, Problems, counted, ending_text, file_name, number, problems};
 use crate::text::{Part, frame};
 use field::{Field, fields, iterations, kappa};
 
@@ -113,7 +113,7 @@ fn table(fields: &[Field]) -> DataFrame {
         "best_iterations" => iterations(&|f| Some(f.best()?.run.iterations)),
         "derived_kappa_l" => number(&|f| Some(f.kappa?.0)),
         "derived_kappa_d" => number(&|f| Some(f.kappa?.1)),
-        "derived_status" => fields.iter().map(|f| f.derived.map(|run| run.ending.text())).collect::<Vec<_>>(),
+        "derived_status" => fields.iter().map(|f| f.derived.map(|run| ending_text(run.status))).collect::<Vec<_>>(),
         "derived_iterations" => iterations(&|f| self::iterations(f.derived)),
         "derived_over_best" => number(&|f| f.ratio(f.derived)),
         "adaptive_kappa_l" => number(&|f| kappa(f.adaptive?, "kappa_l_minus")),

@@ -121,7 +121,7 @@ impl Lines {
         let all = self.series(study.runs.iter().filter(|run| (self.of)(run)).collect());
         let mut made = all.clone();
         for series in &mut made {
-            series.runs.retain(|run| run.ending != Ending::Skipped);
+            series.runs.retain(|run| run.status != Ending::Skipped);
         }
         let mut parts = Vec::new();
         if self.each == Each::Problem {
@@ -231,7 +231,7 @@ impl Lines {
     fn points(&self, series: &Series, y: &Quantity, problem: Option<&str>) -> Points {
         let on = series.runs.iter().filter(|run| problem.is_none_or(|problem| run.problem == problem));
         let point = |run: &&RunRow| {
-            let ending = if y.on_the_way { Ending::Converged } else { run.ending };
+            let ending = if y.on_the_way { Ending::Converged } else { run.status };
             Some((ending, ((self.x().of)(series, run)?.log10(), (y.of)(series, run)?.log10())))
         };
         let finite = |(_, (x, y)): &(Ending, (f64, f64))| x.is_finite() && y.is_finite();

@@ -5,6 +5,7 @@ mod tests;
 
 use polars::df;
 use polars::prelude::DataFrame;
+use results::simulation::SimulationEnding;
 
 use crate::draw::{Curve, Look, MARKS, Mark, Panel, Plot, Scale, Side, Sign, Through, log, looks_in_time};
 use crate::read::{Simulation, rising};
@@ -38,7 +39,7 @@ struct Flow {
 fn flow(simulation: &Simulation) -> Option<Flow> {
     let series = simulation.series();
     let half = &series[series.len() / 2..];
-    if simulation.status != "completed" || half.len() < 2 {
+    if simulation.status != SimulationEnding::Completed || half.len() < 2 {
         return None;
     }
     let ratios: Vec<f64> = half.iter().map(|row| row.stress.ratio()).collect::<Option<_>>()?;

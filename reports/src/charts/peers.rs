@@ -6,7 +6,7 @@ use polars::prelude::DataFrame;
 use serde_json::Value;
 
 use crate::read::{
-    ACCURACIES, Ending, Problems, RunRow, accuracy_text, median, problems, repeats, span, unique,
+    ACCURACIES, Ending, Problems, RunRow, accuracy_text, ending_text, median, problems, repeats, span, unique,
 };
 use crate::text::{Part, chosen, frame};
 
@@ -34,7 +34,7 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
 
 /// Names the accuracy that is enough, in the measure that the study is stopped on.
 fn there(runs: &[RunRow]) -> String {
-    let on = runs.first().and_then(RunRow::stopping_measure).filter(|on| *on == Measure::VelocityError);
+    let on = runs.first().map(|run| run.stop_on.0).filter(|on| *on == Measure::VelocityError);
     let name = if on.is_some() { "a velocity error" } else { "a natural map" };
     format!("{name} of {}", accuracy_text(ACCURACY))
 }
@@ -80,10 +80,10 @@ fn reached(run: &RunRow) -> Option<Reached> {
 fn table(rows: &[Row]) -> DataFrame {
     let of = |value: &dyn Fn(&Row) -> Option<f64>| rows.iter().map(value).collect::<Vec<_>>();
     // What was not begun has none.
-    let end = |row: &Row, measure| row.run.end.get(measure).filter(|_| row.run.ending != Ending::Skipped);
+    let end = |row: &Row, measure| row.run.end.get(measure).filter(|_| row.run.status != Ending::Skipped);
     let own = df!(
         "method" => rows.iter().map(|row| row.run.label()).collect::<Vec<_>>(),
-        "ending" => rows.iter().map(|row| row.run.ending.text()).collect::<Vec<_>>(),
+        "ending" => rows.iter().map(|row| ending_text(row.run.status)).collect::<Vec<_>>(),
         "velocity_error" => of(&|row| end(row, Measure::VelocityError)),
         "natural_map" => of(&|row| end(row, Measure::NaturalMap)),
         "seconds" => of(&|row| Some(row.reached?.seconds)),
@@ -100,7 +100,7 @@ fn ratios(rows: &[Row]) -> DataFrame {
     let of_method = |method: String| {
         let of = || rows.iter().filter(|row| row.run.label() == method);
         let (ratios, skipped) =
-            (of().filter_map(|row| row.ratio), of().filter(|row| row.run.ending == Ending::Skipped));
+            (of().filter_map(|row| row.ratio), of().filter(|row| row.run.status == Ending::Skipped));
         let (reached, ratio, skipped) =
             (ratios.clone().count() as u64, median(ratios.collect()), skipped.count() as u64);
         let made = of().count() as u64 - skipped;
@@ -120,7 +120,7 @@ fn ratios(rows: &[Row]) -> DataFrame {
 
 /// Why other codes gave no answer.
 fn reasons(runs: &[RunRow]) -> String {
-    let failed = runs.iter().filter(|run| run.ending == Ending::Failed);
+    let failed = runs.iter().filter(|run| run.status == Ending::Failed);
     let reason = |run: &RunRow| format!("\nfailed: {} on {}: {}\n", run.label(), run.problem, run.reason);
     failed.map(reason).collect::<Vec<_>>().concat()
 }

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::ranks::predicted;
 use crate::draw::{Scale, Series};
-use crate::read::RunRow;
+use crate::read::{RunRow, ending_text};
 use crate::text::chosen;
 
 /// Value of a run, beside the others of its series.
@@ -155,7 +155,7 @@ pub(super) fn table(all: &[Series], names: &'static str) -> DataFrame {
         Some(match (name, named(name)) {
             ("method", _) => Column::new(title, rows.iter().map(|(s, _)| s.label()).collect::<Vec<_>>()),
             ("status", _) => {
-                Column::new(title, rows.iter().map(|(_, r)| r.ending.text()).collect::<Vec<_>>())
+                Column::new(title, rows.iter().map(|(_, r)| ending_text(r.status)).collect::<Vec<_>>())
             }
             (_, Some(Quantity { of, whole: true, .. })) => {
                 Column::new(title, values(*of).map(|value| Some(value? as u64)).collect::<Vec<_>>())

@@ -73,7 +73,7 @@ fn has_ranks<'r>(runs: impl IntoIterator<Item = &'r RunRow>) -> bool {
 
 /// The runs; those whose iterates do not depend on subdomains, on as many as others have too.
 fn shared(runs: &[RunRow]) -> Vec<RunRow> {
-    let made = || runs.iter().filter(|run| run.ending != Ending::Skipped);
+    let made = || runs.iter().filter(|run| run.status != Ending::Skipped);
     let shared = made().filter(|run| run.is_shared_anyhow()).flat_map(|run| {
         let mut seen = vec![run.subdomains];
         let others = made().filter(move |other| {

@@ -32,7 +32,7 @@ struct Overall {
 
 /// The figure and the table `relaxation`.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
-    let swept_over = |run: &&RunRow| run.ending != Ending::Skipped && omega(run).is_some();
+    let swept_over = |run: &&RunRow| run.status != Ending::Skipped && omega(run).is_some();
     let runs: Vec<&RunRow> = study.runs.iter().filter(swept_over).collect();
     let all = swept(&runs);
     let rule = "\nThe best fixed ω fails on the fewest problems, and among such has the least geometric mean of iterations; a \
@@ -135,7 +135,7 @@ fn panel(swept: &Swept, looks: &BTreeMap<String, Look>) -> Panel {
     let place = |omega: f64| Some(Scale::of_relaxation(omega)).filter(|place| place.is_finite());
     let point = |run: &&RunRow| {
         let y = if run.has_converged() { (run.iterations as f64).log10() } else { f64::INFINITY };
-        Some((run.ending, (place(omega(run)?)?, y)))
+        Some((run.status, (place(omega(run)?)?, y)))
     };
     let curve = |runs: &Vec<&RunRow>| {
         let kind = kind(runs[0]);

@@ -1,5 +1,6 @@
 //! The charts over subdomains, sizes and sets of problems, of small studies.
 
+use results::schema::Ending;
 use std::collections::BTreeSet;
 
 use crate::charts::declared::{CRITICAL_PATH, DIMENSIONS, OF_SUBDOMAINS, SIZE, WEAK};
@@ -23,7 +24,7 @@ pub(super) fn text<'f>(files: &'f [File], name: &str) -> &'f str {
 pub(super) fn on(id: u32, subdomains: u32, kappa: &str, iterations: u64) -> Run {
     let kappa: Value = serde_json::from_str(kappa).unwrap();
     let settings = object(&json!({ "kappa_d": kappa, "subdomains": format!("{subdomains}x1") }));
-    Run { settings, subdomains, iterations, ..run(id, "latin-dd", "", "converged") }
+    Run { settings, subdomains, iterations, ..run(id, "latin-dd", "", Ending::Converged) }
 }
 
 #[test]
@@ -32,8 +33,8 @@ fn growth_with_subdomains_is_told_for_each_setting_apart() {
         on(0, 1, "null", 100),
         on(1, 8, "null", 125),
         on(2, 1, "0.3", 100),
-        Run { status: "iteration-limit".into(), ..on(3, 8, "0.3", 1000) },
-        Run { status: "skipped".into(), iterating_s: f64::NAN, ..on(4, 64, "0.3", 0) },
+        Run { status: Ending::IterationLimit, ..on(3, 8, "0.3", 1000) },
+        Run { status: Ending::Skipped, iterating_s: f64::NAN, ..on(4, 64, "0.3", 0) },
     ];
     let files = files(&OF_SUBDOMAINS.parts(&study(&runs, &[])));
     let rows: Vec<&str> = text(&files, "subdomains.csv").lines().skip(1).collect();
@@ -51,8 +52,8 @@ fn speed_up_is_counted_on_the_longest_subdomain_and_measured_in_seconds() {
     let runs = [
         path(800, Run { iterating_s: 3.0, ..on(0, 1, "null", 100) }),
         path(250, Run { iterating_s: 2.0, ..on(1, 4, "null", 128) }),
-        path(9, Run { status: "iteration-limit".into(), ..on(2, 16, "null", 1000) }),
-        run(3, "cg", "", "converged"),
+        path(9, Run { status: Ending::IterationLimit, ..on(2, 16, "null", 1000) }),
+        run(3, "cg", "", Ending::Converged),
     ];
     let files = files(&CRITICAL_PATH.parts(&study(&runs, &[])));
     let rows: Vec<&str> = text(&files, "critical-path.csv").lines().skip(1).collect();
@@ -82,7 +83,7 @@ fn weak_series_have_as_many_grains_in_each_subdomain() {
 /// A run on a problem of its size.
 fn sized(id: u32, method: &str, grains: u32, iterations: u64) -> Run {
     let problem = format!("{grains} grains");
-    Run { problem, grains, iterations, ..run(id, method, "", "converged") }
+    Run { problem, grains, iterations, ..run(id, method, "", Ending::Converged) }
 }
 
 #[test]
@@ -92,7 +93,7 @@ fn best_relaxation_is_that_of_each_problem_and_one_fixed_is_that_of_all() {
         problem_settings: object(&json!({ "sample.seed": problem.parse::<u32>().unwrap() })),
         settings: object(&json!({ "order": "natural", "relaxation": relaxation })),
         iterations,
-        ..run(id, "nsgs", "", "converged")
+        ..run(id, "nsgs", "", Ending::Converged)
     };
     let runs = [
         on(0, "1", 1.0, 900),
@@ -100,9 +101,9 @@ fn best_relaxation_is_that_of_each_problem_and_one_fixed_is_that_of_all() {
         on(2, "1", 1.9, 40),
         on(3, "2", 1.0, 800),
         on(4, "2", 1.8, 100),
-        Run { status: "iteration-limit".into(), ..on(5, "2", 1.9, 1000) },
-        Run { status: "diverged".into(), ..on(6, "2", 1.95, 7) },
-        run(7, "cg", "", "converged"),
+        Run { status: Ending::IterationLimit, ..on(5, "2", 1.9, 1000) },
+        Run { status: Ending::Diverged, ..on(6, "2", 1.95, 7) },
+        run(7, "cg", "", Ending::Converged),
     ];
     let files = files(&relaxation::parts(&study(&runs, &[])));
     let rows: Vec<&str> = text(&files, "relaxation.csv").lines().skip(1).collect();
@@ -123,9 +124,13 @@ fn exponents_are_those_of_runs_that_converged_on_three_sizes() {
         sized(0, "nsgs", 10, 100),
         sized(1, "nsgs", 1000, 100_000),
         sized(2, "nsgs", 100_000, 100_000_000),
-        Run { status: "iteration-limit".into(), ..sized(3, "nsgs", 100_000, 7) },
+        Run { status: Ending::IterationLimit, ..sized(3, "nsgs", 100_000, 7) },
         // A proof that there is no solution is no failure.
-        Run { problem: "wedge".into(), end: end(sample(9, 1.0, f64::NAN)), ..run(4, "cg", "", "infeasible") },
+        Run {
+            problem: "wedge".into(),
+            end: end(sample(9, 1.0, f64::NAN)),
+            ..run(4, "cg", "", Ending::Infeasible)
+        },
         sized(5, "jacobi", 10, 1001),
         sized(6, "jacobi", 1000, 1000),
         sized(7, "jacobi", 100_000, 1000),
@@ -156,16 +161,20 @@ fn size_has_no_panel_twice_nor_an_empty_one_and_is_a_sentence_on_one_size() {
     };
     // Without curves there is no counted work, and no panel of it.
     assert_eq!((panels(1e-2), panels(1e-4)), (2, 3));
-    let files = files(&SIZE.parts(&study(&[run(0, "cg", "", "converged")], &[])));
+    let files = files(&SIZE.parts(&study(&[run(0, "cg", "", Ending::Converged)], &[])));
     assert_eq!(names(&files), ["size-found.md", "size.csv", "size.md", "size.tex"]);
     assert!(text(&files, "size-found.md").contains("every problem has 20\u{a0}grains"));
 }
 
 #[test]
 fn few_problems_have_a_table_of_profiles_that_counts_what_is_reached() {
-    let other = |id, method| Run { problem: "other".into(), ..run(id, method, "", "converged") };
-    let runs =
-        [run(0, "nsgs", "", "converged"), run(1, "cg", "", "converged"), other(2, "nsgs"), other(3, "cg")];
+    let other = |id, method| Run { problem: "other".into(), ..run(id, method, "", Ending::Converged) };
+    let runs = [
+        run(0, "nsgs", "", Ending::Converged),
+        run(1, "cg", "", Ending::Converged),
+        other(2, "nsgs"),
+        other(3, "cg"),
+    ];
     let twice = || (0..=200).map(|i| sample(i, 1.0, 10f64.powf(-4.0 * i as f64 / 200.0))).collect();
     let curves = [(0, decay()), (1, twice()), (2, decay()), (3, explosion())];
     let files = files(&profiles::parts(&study(&runs, &curves)));
@@ -185,7 +194,7 @@ fn profile_names_its_axis_what_is_not_reached_and_who_has_no_line() {
     let runs: Vec<Run> = (0..20)
         .map(|i| {
             let method = ["nsgs", "jacobi"][i as usize % 2];
-            Run { problem: format!("problem {}", i / 2), ..run(i, method, "", "converged") }
+            Run { problem: format!("problem {}", i / 2), ..run(i, method, "", Ending::Converged) }
         })
         .collect();
     let curves: Vec<_> = (0..20).step_by(2).map(|i| (i, decay())).collect();
@@ -221,7 +230,7 @@ fn variants_of_a_method_wear_its_hue_alone() {
 
 #[test]
 fn failures_stand_beside_each_other_and_methods_without_subdomains_are_levels() {
-    let limit = |id, kappa| Run { status: "iteration-limit".into(), ..on(id, 8, kappa, 1000) };
+    let limit = |id, kappa| Run { status: Ending::IterationLimit, ..on(id, 8, kappa, 1000) };
     let mut runs = vec![on(0, 1, "0.1", 100), on(1, 1, "0.3", 110), limit(2, "0.1"), limit(3, "0.3")];
     let drawn = |runs: &[Run]| {
         let files = files(&OF_SUBDOMAINS.parts(&study(runs, &[])));
@@ -240,7 +249,7 @@ fn failures_stand_beside_each_other_and_methods_without_subdomains_are_levels() 
     assert!(!alone.contains("Level lines"));
     for (i, omega) in (10..).zip([0.8, 1.0, 1.2, 1.4, 1.6]) {
         let settings = object(&json!({ "relaxation": omega }));
-        runs.push(Run { settings, iterations: u64::from(10 * i), ..run(i, "nsgs", "", "converged") });
+        runs.push(Run { settings, iterations: u64::from(10 * i), ..run(i, "nsgs", "", Ending::Converged) });
     }
     let beside = drawn(&runs);
     assert!(beside.contains("Level lines: methods without subdomains."));
@@ -266,8 +275,8 @@ fn both_speed_ups_have_the_same_axes_with_the_ideal_and_the_threads() {
 
 #[test]
 fn no_run_only_failures_and_undefined_values_are_no_obstacle() {
-    let failed = Run { setup_s: f64::NAN, iterations: 0, ..run(0, "jacobi", "", "diverged") };
-    let skipped = Run { grains: 0, ..run(1, "cg", "", "skipped") };
+    let failed = Run { setup_s: f64::NAN, iterations: 0, ..run(0, "jacobi", "", Ending::Diverged) };
+    let skipped = Run { grains: 0, ..run(1, "cg", "", Ending::Skipped) };
     let one = tables(&[failed, skipped], &[(0, explosion())]);
     for study in [tables(&[], &[]), without_truth(one.clone()), one].iter().map(read) {
         let charts = [OF_SUBDOMAINS, SIZE, CRITICAL_PATH, WEAK, DIMENSIONS]

@@ -8,6 +8,7 @@ use std::ops::Deref;
 
 use polars::df;
 use polars::prelude::DataFrame;
+use results::simulation::Role;
 
 use crate::draw::{
     At, Curve, Guide, INK, LOWEST, Look, Mark, Panel, Pen, Plot, Scale, Side, Sign, TOLERANCE, Through, log,
@@ -52,14 +53,14 @@ impl Compared<'_> {
 
 /// `trajectory-<scene>` for each scene, and the table `trajectory` with all errors.
 pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
-    let beside = |s: &Simulation| errors(s, in_role(all, &s.scene, "reference")?);
+    let beside = |s: &Simulation| errors(s, in_role(all, &s.scene, Role::Reference)?);
     let compared: Vec<Compared> =
         all.iter().map(|simulation| Compared { simulation, errors: beside(simulation) }).collect();
     let looks = looks_in_time(all);
     let mut parts = Vec::new();
     for scene in unique(all.iter().map(|s| s.scene.as_str())) {
         let of_scene: Vec<&Compared> = compared.iter().filter(|c| c.scene == scene).collect();
-        if of_scene.iter().any(|c| c.errors.is_some() && c.role != "reference") {
+        if of_scene.iter().any(|c| c.errors.is_some() && c.role != Role::Reference) {
             let name = format!("trajectory-{}", file_name(scene));
             parts.push(Part::figure(name, figure(scene, &of_scene, &looks)));
         }
@@ -94,7 +95,7 @@ fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> Stri
     let text = format!("Tolerances along a line, from loose to tight: {}.", tolerances.join(", "));
     signs.push((Sign::Word, text));
     signs.push((Sign::Word, "d: mean diameter of the grains.".to_owned()));
-    let failed = of_role(compared, "run").filter(|c| c.errors.is_none()).count();
+    let failed = of_role(compared, Role::Run).filter(|c| c.errors.is_none()).count();
     if failed > 0 {
         signs.push((Sign::Word, format!("Not drawn, since they did not come to the end: {failed}.")));
     }
@@ -106,13 +107,10 @@ fn figure(scene: &str, compared: &[&Compared], looks: &[(String, Look)]) -> Stri
 
 /// Returns the distinct values of the runs, the greatest first.
 fn falling(compared: &[&Compared], of: fn(&Simulation) -> f64) -> Vec<f64> {
-    rising(of_role(compared, "run").map(|c| of(c))).into_iter().rev().collect()
+    rising(of_role(compared, Role::Run).map(|c| of(c))).into_iter().rev().collect()
 }
 
-fn of_role<'c>(
-    compared: &'c [&'c Compared<'c>],
-    role: &'static str,
-) -> impl Iterator<Item = &'c Compared<'c>> {
+fn of_role<'c>(compared: &'c [&'c Compared<'c>], role: Role) -> impl Iterator<Item = &'c Compared<'c>> {
     compared.iter().copied().filter(move |c| c.role == role)
 }
 
@@ -126,7 +124,7 @@ fn panel(compared: &[&Compared], looks: &[(String, Look)], i: usize) -> Panel {
     let mut curves = Vec::new();
     for ((label, look), (step, mark)) in looks.iter().flat_map(|look| steps(compared).map(move |s| (look, s)))
     {
-        let here = of_role(compared, "run").filter(|c| c.label() == *label && c.time_step_s == step);
+        let here = of_role(compared, Role::Run).filter(|c| c.label() == *label && c.time_step_s == step);
         let mut points: Vec<_> = here.filter_map(|c| Some((c.tolerance, (c.cost()?, c.error(i)?)))).collect();
         points.sort_by(|a, b| b.0.total_cmp(&a.0));
         let points = points.into_iter().map(|(_, point)| point);
@@ -136,13 +134,14 @@ fn panel(compared: &[&Compared], looks: &[(String, Look)], i: usize) -> Panel {
         let guide = Guide::new(At::Y(floor.error(i)?), TOLERANCE, "error of the time step alone");
         Some(Guide { beside: format!("{} ms", milliseconds(floor.time_step_s)), ..guide })
     };
-    let floors: Vec<Guide> = of_role(compared, "floor").filter_map(floor).collect();
+    let floors: Vec<Guide> = of_role(compared, Role::Floor).filter_map(floor).collect();
     let holds = || floors.iter().filter_map(|floor| if let At::Y(y) = floor.at { Some(y) } else { None });
-    let errors = of_role(compared, "run").filter_map(|c| c.error(i));
+    let errors = of_role(compared, Role::Run).filter_map(|c| c.error(i));
     let (low, high) = span(errors.chain(holds())).unwrap_or((0.0, 1.0));
     let high = high.max(low + LEAST);
     let uncertain = "uncertainty of the reference: smaller errors are not meaningful";
-    let twins = of_role(compared, "twin").filter_map(|c| c.error(i)).filter(|at| (low..=high).contains(at));
+    let twins =
+        of_role(compared, Role::Twin).filter_map(|c| c.error(i)).filter(|at| (low..=high).contains(at));
     let guides = twins.map(|at| Guide::new(At::Y(at), TWINS, uncertain)).chain(floors.clone());
     let y = Side::new(Scale::Ten, format!("error of the {}", OBSERVABLES[i])).holding([low, high]);
     Panel::new(Side::new(Scale::Ten, "seconds per simulated second"), y, curves).guided(guides)

@@ -183,7 +183,9 @@ impl Canvas {
             }
             Ending::FalseConvergence => self.disc(place, 0.7, WHITE, Some(pen)),
             Ending::Skipped => stroke(HALF, ACROSS),
-            Ending::Failed => [ACROSS, UPRIGHT].into_iter().for_each(|ends| stroke(HALF, ends)),
+            Ending::Failed | Ending::Given => {
+                [ACROSS, UPRIGHT].into_iter().for_each(|ends| stroke(HALF, ends))
+            }
         }
     }
 }

@@ -38,7 +38,7 @@ impl<'t> Lines<'t> {
 
     /// The runs on a problem in the order of the legend; one that was skipped has no line.
     pub(crate) fn runs_of(&self, problem: &str) -> Vec<&'t RunRow> {
-        let has_line = |run: &&RunRow| run.problem == problem && run.ending != Ending::Skipped;
+        let has_line = |run: &&RunRow| run.problem == problem && run.status != Ending::Skipped;
         let mut runs: Vec<&RunRow> = self.runs.iter().filter(has_line).collect();
         runs.sort_by_cached_key(|run| self.looks.rank(run));
         runs
@@ -83,7 +83,7 @@ impl<'t> Lines<'t> {
         let line = |run: &&RunRow| Line {
             label: run.label(),
             look: self.looks.look(run),
-            ending: run.ending,
+            ending: run.status,
             points: run.curve.iter().filter_map(|point| at(run, point)).collect(),
         };
         runs.iter().map(line).collect()

@@ -6,7 +6,7 @@ use crate::draw::{
     Canvas, FRAME, HPos, INK, LEADING, Mark, Pen, Place, RGBColor, TEXT, TICK_TEXT, VPos, rectangle,
     text_width,
 };
-use crate::read::Ending;
+use crate::read::{Ending, ending_text};
 
 /// Room of a sign, of the sample of a line, and between entries (mm).
 const SIGN: f64 = 2.6;
@@ -54,7 +54,7 @@ impl Sign {
 /// An entry for each way in which some of the runs ended.
 pub(crate) fn endings(runs: impl IntoIterator<Item = Ending>) -> Vec<(Sign, String)> {
     let seen: BTreeSet<Ending> = runs.into_iter().collect();
-    seen.into_iter().map(|ending| (Sign::Ending(ending), ending.text().to_owned())).collect()
+    seen.into_iter().map(|ending| (Sign::Ending(ending), ending_text(ending))).collect()
 }
 
 /// Entries, each with its place from the upper left corner of the key.

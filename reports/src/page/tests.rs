@@ -1,3 +1,4 @@
+use results::schema::Ending;
 use results::schema::{Run, Snapshot};
 use results::study::Runs;
 use serde_json::json;
@@ -24,12 +25,12 @@ fn made(runs: &Runs) -> String {
 #[test]
 fn no_row_one_row_only_failures_and_undefined_values_make_a_page_that_says_so() {
     assert!(made(&tables(&[], &[])).contains("No run of this study is stored."));
-    let one = made(&tables(&[run(0, "cg", "", "converged")], &[(0, decay())]));
+    let one = made(&tables(&[run(0, "cg", "", Ending::Converged)], &[(0, decay())]));
     assert!(one.contains("1 converged.") && one.contains("failures: none."));
-    let failed = Run { reason: "why </script> not".into(), ..run(0, "jacobi", "", "skipped") };
-    let failed = made(&tables(&[failed, run(1, "cg", "", "diverged")], &[(1, explosion())]));
+    let failed = Run { reason: "why </script> not".into(), ..run(0, "jacobi", "", Ending::Skipped) };
+    let failed = made(&tables(&[failed, run(1, "cg", "", Ending::Diverged)], &[(1, explosion())]));
     assert!(failed.contains("1 diverged, 1 skipped.") && failed.contains("why &lt;/script&gt; not"));
-    let odd = Run { tolerance: f64::NAN, setup_s: f64::NAN, ..run(0, "cg", "", "converged") };
+    let odd = Run { tolerance: f64::NAN, setup_s: f64::NAN, ..run(0, "cg", "", Ending::Converged) };
     made(&tables(&[odd], &[(0, vec![sample(0, f64::NAN, f64::NAN), sample(1, f64::INFINITY, f64::NAN)])]));
 }
 
@@ -37,10 +38,10 @@ fn no_row_one_row_only_failures_and_undefined_values_make_a_page_that_says_so() 
 fn sentences_of_the_page_change_with_the_rows() {
     let page = |status| {
         let cg = run(0, "cg", "", status);
-        made(&tables(&[cg, run(1, "nsgs", "", "converged")], &[(0, decay()), (1, decay())]))
+        made(&tables(&[cg, run(1, "nsgs", "", Ending::Converged)], &[(0, decay()), (1, decay())]))
     };
-    assert!(page("converged").contains("in all of their runs: cg (1), nsgs (1)."));
-    assert!(page("diverged").contains("in all of their runs: nsgs (1)."));
+    assert!(page(Ending::Converged).contains("in all of their runs: cg (1), nsgs (1)."));
+    assert!(page(Ending::Diverged).contains("in all of their runs: nsgs (1)."));
 }
 
 #[test]
@@ -53,7 +54,7 @@ fn viewer_holds_the_sample_and_the_snapshots_of_its_runs() {
         sliding: vec![1],
         spins_rad_per_s: vec![impulse, -4.0],
     };
-    let mut study = tables(&[Run { problem: "pair".into(), ..run(0, "cg", "", "converged") }], &[]);
+    let mut study = tables(&[Run { problem: "pair".into(), ..run(0, "cg", "", Ending::Converged) }], &[]);
     (study.grains, study.contacts) = (grains, contacts);
     study.records[0].snapshots = vec![kept(0, 0.0), kept(3, 2.0)];
     let page = made(&study);
@@ -66,7 +67,7 @@ fn viewer_holds_the_sample_and_the_snapshots_of_its_runs() {
 
 #[test]
 fn more_rows_than_a_browser_likes_are_left_to_the_file() {
-    let runs: Vec<Run> = (0..6000).map(|i| run(i, "cg", "", "converged")).collect();
+    let runs: Vec<Run> = (0..6000).map(|i| run(i, "cg", "", Ending::Converged)).collect();
     let study = whole(&tables(&runs, &[]));
     let chapters = [Chapter::new("iterations", vec![text::rows(&study).unwrap()])];
     assert!(
@@ -81,7 +82,7 @@ fn hundred_thousand_runs_of_as_many_kinds_are_a_page_that_leaves_lines_and_rows_
     let many: Vec<Run> = (0..100_000)
         .map(|i| {
             let settings = object(&json!({ "relaxation": i }));
-            Run { settings, ..run(i, "nsgs", &format!("relaxation={i}"), "converged") }
+            Run { settings, ..run(i, "nsgs", &format!("relaxation={i}"), Ending::Converged) }
         })
         .collect();
     let study = whole(&tables(&many, &[(0, decay())]));

@@ -6,7 +6,7 @@ use results::schema::{GrainRow, Snapshot};
 use serde::Serialize;
 
 use crate::draw::{RGBColor, SUBDOMAINS, subdomain_fill};
-use crate::read::{Problems, Scene, Scenes, ends, span, walls};
+use crate::read::{Problems, Scene, Scenes, ending_text, ends, span, walls};
 
 /// A page holds samples of at most so many contacts together; others are left to `gravel view`.
 const MOST_CONTACTS: usize = 60_000;
@@ -82,7 +82,7 @@ impl Viewer {
     pub(crate) fn of(study: &Problems) -> Self {
         let mut shown: BTreeMap<String, Vec<Snapshots>> = BTreeMap::new();
         for run in study.runs.iter().filter(|run| !run.snapshots.is_empty()) {
-            let (label, ending) = (run.label(), run.ending.text().to_owned());
+            let (label, ending) = (run.label(), ending_text(run.status));
             let of_run = Snapshots { label, ending, snapshots: run.snapshots.clone() };
             shown.entry(run.problem.clone()).or_default().push(of_run);
         }

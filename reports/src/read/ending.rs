@@ -1,48 +1,14 @@
-//! Ending of a run, and whether it holds for the problem whatever the run claims.
+//! Ending of a run in words, and the evidence for or against it.
 
 use std::collections::BTreeSet;
 
-use crate::read::RunRow;
+use results::name::Name;
 
-/// Ending of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Ending {
-    Converged,
-    IterationLimit,
-    /// No further iteration changes anything.
-    Stalled,
-    Diverged,
-    Infeasible,
-    /// Stopped by a measure that was met far from the solution.
-    FalseConvergence,
-    /// Not begun.
-    Skipped,
-    /// Any way that this report does not know.
-    #[default]
-    Failed,
-}
+use crate::read::{Ending, RunRow};
 
-impl Ending {
-    /// All, as a key says them.
-    pub(crate) const ALL: [(Self, &'static str); 8] = [
-        (Self::Converged, "converged"),
-        (Self::IterationLimit, "iteration limit"),
-        (Self::Stalled, "stalled"),
-        (Self::Diverged, "diverged"),
-        (Self::Infeasible, "infeasible"),
-        (Self::FalseConvergence, "false convergence"),
-        (Self::Skipped, "skipped"),
-        (Self::Failed, "failed"),
-    ];
-
-    pub(crate) fn of(status: &str) -> Self {
-        let same = |(_, text): &(Self, &str)| text.replace(' ', "-") == status;
-        Self::ALL.into_iter().find(same).map_or(Self::Failed, |(ending, _)| ending)
-    }
-
-    pub(crate) fn text(self) -> &'static str {
-        Self::ALL[self as usize].1
-    }
+/// Returns an ending as a key says it.
+pub(crate) fn ending_text(ending: Ending) -> String {
+    ending.name().replace('-', " ")
 }
 
 /// Known facts on the problems of a study.
@@ -59,7 +25,7 @@ impl<'r> Verdicts<'r> {
 
     /// Reports whether a run proved that there is no solution, and nothing speaks against it.
     pub(crate) fn is_proof(&self, run: &RunRow) -> bool {
-        run.ending == Ending::Infeasible && !self.solved.contains(run.problem.as_str())
+        run.status == Ending::Infeasible && !self.solved.contains(run.problem.as_str())
     }
 
     /// Reports whether a run is right: it found the solution, or proved that there is none.

@@ -17,7 +17,6 @@ pub(crate) struct RunRow {
     pub(crate) run: u32,
     /// The settings in which runs of its method differ, as they are read, and how it starts if they differ in that.
     pub(crate) words: String,
-    pub(crate) ending: Ending,
     pub(crate) tolerance: Option<f64>,
     pub(crate) setup_s: Option<f64>,
     pub(crate) iterating_s: Option<f64>,
@@ -48,7 +47,6 @@ impl RunRow {
         Self {
             run,
             words: String::new(),
-            ending: Ending::of(&row.status),
             tolerance: defined(row.tolerance),
             setup_s: defined(row.setup_s),
             iterating_s: defined(row.iterating_s),
@@ -64,17 +62,12 @@ impl RunRow {
     }
 
     pub(crate) fn has_converged(&self) -> bool {
-        self.ending == Ending::Converged
-    }
-
-    /// The measure that was to stop it.
-    pub(crate) fn stopping_measure(&self) -> Option<Measure> {
-        Measure::ALL.into_iter().find(|measure| measure.name() == self.stop_on)
+        self.status == Ending::Converged
     }
 
     /// Returns the stopping rule as a sentence has it.
     pub(crate) fn rule(&self) -> Option<String> {
-        Some(format!("{} ≤ {}", self.stop_on.replace('_', " "), number(self.tolerance?, 2)))
+        Some(format!("{} ≤ {}", self.stop_on.0.name().replace('_', " "), number(self.tolerance?, 2)))
     }
 
     /// Copies the run with the partition of another: for a method whose iterates do not depend on that.
@@ -102,8 +95,8 @@ impl RunRow {
 
     /// Returns the measure that the run was stopped on; the natural map, the working measure, stands for those that are no error.
     pub(crate) fn stopped_on(&self, sample: &Sample) -> Option<f64> {
-        match self.stopping_measure() {
-            Some(error @ (Measure::Zeta | Measure::QuadDv | Measure::VelocityError)) => sample.get(error),
+        match self.stop_on.0 {
+            error @ (Measure::Zeta | Measure::QuadDv | Measure::VelocityError) => sample.get(error),
             _ => sample.get(Measure::NaturalMap),
         }
     }
@@ -157,7 +150,7 @@ fn range(runs: &[RunRow], of: fn(&RunRow) -> u32) -> (u32, u32) {
 
 /// Reports whether the tolerance of all runs is a natural map of 10⁻², which figures show beside tighter ones.
 pub(crate) fn stopped_at_1e_2<'r>(runs: impl IntoIterator<Item = &'r RunRow>) -> bool {
-    runs.into_iter().all(|run| run.stop_on == "natural_map" && run.tolerance == Some(1e-2))
+    runs.into_iter().all(|run| run.stop_on.0 == Measure::NaturalMap && run.tolerance == Some(1e-2))
 }
 
 /// The problems in the order of the study.

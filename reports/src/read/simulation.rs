@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use results::simulation::{Observed, Simulated, Simulation as Row};
+use results::simulation::{Observed, Role, Simulated, Simulation as Row, SimulationEnding};
 
 use super::run::{defined, label};
 
@@ -31,7 +31,7 @@ impl Simulation {
     }
 
     pub(crate) fn is_run(&self) -> bool {
-        self.role == "run"
+        self.role == Role::Run
     }
 
     pub(crate) fn label(&self) -> String {
@@ -42,7 +42,7 @@ impl Simulation {
     pub(crate) fn is_solved(&self) -> bool {
         /// The share of the time steps that may miss the tolerance.
         const MISSED: f64 = 0.1;
-        self.status == "completed"
+        self.status == SimulationEnding::Completed
             && self.totals.missed_time_steps as f64 <= MISSED * self.totals.time_steps as f64
     }
 
@@ -55,7 +55,7 @@ impl Simulation {
 }
 
 /// The simulation of a scene in this role, if there is one.
-pub(crate) fn in_role<'s>(all: &'s [Simulation], scene: &str, role: &str) -> Option<&'s Simulation> {
+pub(crate) fn in_role<'s>(all: &'s [Simulation], scene: &str, role: Role) -> Option<&'s Simulation> {
     all.iter().find(|other| other.scene == scene && other.role == role)
 }
 

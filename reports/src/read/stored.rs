@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use results::schema::Run;
+use results::schema::{Ending, Run};
 use results::study::{Runs, Study as Stored};
 use serde_json::{Map, Value};
 
@@ -10,9 +10,6 @@ use super::groups::{differing, settings_text};
 use super::run::RunRow;
 use super::scene::scenes;
 use super::{Problems, Simulation, Study};
-
-/// Impulses that another code gave are no run.
-const GIVEN: &str = "given";
 
 impl From<&Stored> for Study {
     fn from(study: &Stored) -> Self {
@@ -34,7 +31,7 @@ impl From<&Stored> for Study {
 impl From<&Runs> for Problems {
     fn from(study: &Runs) -> Self {
         let rows = (0..).zip(&study.records).map(|(number, record)| RunRow::of(number, record));
-        let (given, mut runs): (Vec<RunRow>, Vec<RunRow>) = rows.partition(|row| row.status == GIVEN);
+        let (given, mut runs): (Vec<RunRow>, Vec<RunRow>) = rows.partition(|row| row.status == Ending::Given);
         let differing = differing(runs.iter().map(|run| (&run.method, &run.settings)), &[]);
         let some_begin_cold = runs.iter().any(|run| !run.warm_start);
         for run in &mut runs {

@@ -3,8 +3,11 @@
 use crate::draw::Formats;
 use crate::read::{Problems, Study};
 use crate::text::Part;
+use contact::Measure;
 use contact::{Measures, Work};
 use results::journal::Record;
+use results::name::StopOn;
+use results::schema::Ending;
 use results::schema::{ContactRow, End, GrainRow, Provenance, Run, Sample, Timing};
 use results::study::{Runs, Study as Stored};
 use serde_json::{Map, Value};
@@ -32,7 +35,7 @@ pub(crate) fn object(value: &Value) -> Map<String, Value> {
 }
 
 /// A run on `column`, stopped by the natural map at 10⁻⁴.
-pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
+pub(crate) fn run(run: u32, method: &str, variant: &str, status: Ending) -> Run {
     let Sample { measures, work, .. } = sample(100, 1e-3, 1e-4);
     Run {
         id: format!("{run:016x}"),
@@ -44,10 +47,10 @@ pub(crate) fn run(run: u32, method: &str, variant: &str, status: &str) -> Run {
         method: method.into(),
         variant: variant.into(),
         subdomains: 1,
-        stop_on: "natural_map".into(),
+        stop_on: StopOn(Measure::NaturalMap),
         tolerance: 1e-4,
         max_iterations: 1000,
-        status: status.into(),
+        status,
         iterations: 100,
         setup_s: 1e-5,
         iterating_s: 0.0123,

@@ -2,18 +2,23 @@
 
 use crate::read;
 use crate::tests::fixture;
+use contact::Measure;
+use results::name::StopOn;
+use results::schema::Ending;
+use results::simulation::Role;
+use results::simulation::SimulationEnding;
 use results::simulation::{Observed, Simulated, Simulation, Totals};
 
 /// A simulation of `box` by `nsgs` with a mean diameter of 0.1 m and 10 kg, 1 s long with rows of 0.1 s; it lies still at a
 /// height of 1 m and presses on the floor.
-pub(crate) fn simulated(role: &str, time_step_s: f64, tolerance: f64) -> Simulated {
+pub(crate) fn simulated(role: Role, time_step_s: f64, tolerance: f64) -> Simulated {
     let time_steps = (1.0 / time_step_s).round() as u64;
     let simulation = Simulation {
         id: "0".into(),
         plan: "time".into(),
         scene: "box".into(),
         scene_hash: "c0ffee".into(),
-        role: role.into(),
+        role,
         grains: 5,
         mass_kg: 10.0,
         mean_diameter_m: 0.1,
@@ -23,10 +28,10 @@ pub(crate) fn simulated(role: &str, time_step_s: f64, tolerance: f64) -> Simulat
         method: "nsgs".into(),
         warm_start: true,
         start: "previous".into(),
-        stop_on: "natural_map".into(),
+        stop_on: StopOn(Measure::NaturalMap),
         tolerance,
         max_iterations: 100,
-        status: "completed".into(),
+        status: SimulationEnding::Completed,
         totals: Totals {
             time_steps,
             iterations: 7 * time_steps,
@@ -34,8 +39,8 @@ pub(crate) fn simulated(role: &str, time_step_s: f64, tolerance: f64) -> Simulat
             iterating_s: 1e-3 / tolerance,
             ..Totals::default()
         },
-        timing: fixture::run(0, "nsgs", "", "converged").timing,
-        provenance: fixture::run(0, "nsgs", "", "converged").provenance,
+        timing: fixture::run(0, "nsgs", "", Ending::Converged).timing,
+        provenance: fixture::run(0, "nsgs", "", Ending::Converged).provenance,
         ..Simulation::default()
     };
     let row = |k: u64| Observed {
@@ -65,7 +70,7 @@ pub(crate) fn with(mut simulated: Simulated, change: impl Fn(&mut Observed)) -> 
 /// One that came to half its time.
 pub(crate) fn exploded(mut simulated: Simulated) -> Simulated {
     simulated.series.truncate(5);
-    simulated.simulation.status = "exploded".into();
+    simulated.simulation.status = SimulationEnding::Exploded;
     simulated.simulation.reason = "exploded in time step 6: a velocity is not finite".into();
     simulated
 }

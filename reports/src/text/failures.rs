@@ -3,7 +3,7 @@
 use polars::df;
 use polars::prelude::DataFrame;
 
-use crate::read::{RunRow, Simulation, Study, Verdicts};
+use crate::read::{RunRow, Simulation, Study, Verdicts, ending_text};
 use crate::text::chosen;
 
 /// One row per run that failed, or per simulation that did not come to its end.
@@ -19,7 +19,7 @@ fn of_runs(runs: &[RunRow]) -> DataFrame {
     let failed: Vec<&RunRow> = runs.iter().filter(|run| !verdicts.is_right(run)).collect();
     let own = df!(
         "variant" => failed.iter().map(|run| run.words.as_str()).collect::<Vec<_>>(),
-        "ended" => failed.iter().map(|run| run.ending.text()).collect::<Vec<_>>(),
+        "ended" => failed.iter().map(|run| ending_text(run.status)).collect::<Vec<_>>(),
         "run" => failed.iter().map(|run| run.id.as_str()).collect::<Vec<_>>(),
     );
     chosen(

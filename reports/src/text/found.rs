@@ -2,9 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use results::name::Name;
+
 use crate::draw::series;
 use crate::read::{
-    Ending, RunRow, Simulation, Study, Verdicts, count, counted, find_or_push, number, problems, span, unique,
+    Ending, RunRow, Simulation, Study, Verdicts, count, counted, ending_text, find_or_push, number, problems,
+    span, unique,
 };
 
 /// Returns the answer, which is also of what subdomains cost if that is asked for, and then what was found beside it.
@@ -21,7 +24,7 @@ pub(crate) fn found(study: &Study, of_subdomains: bool) -> [Vec<String>; 2] {
 /// Endings of the runs of a method that were neither skipped nor right, with the numbers of skipped and of all runs.
 struct Ended<'r> {
     method: &'r str,
-    failed: BTreeMap<(Ending, &'static str), usize>,
+    failed: BTreeMap<(Ending, String), usize>,
     skipped: usize,
     all: usize,
 }
@@ -34,9 +37,9 @@ fn of_runs(runs: &[RunRow], of_subdomains: bool) -> [Vec<String>; 2] {
         let new = || Ended { method: &run.method, failed: BTreeMap::new(), skipped: 0, all: 0 };
         let of_method = find_or_push(&mut methods, |ended| ended.method == run.method, new);
         of_method.all += 1;
-        let how = (run.ending, how(run, &verdicts));
-        *ended.entry(how).or_default() += 1;
-        if run.ending == Ending::Skipped {
+        let how = (run.status, how(run, &verdicts));
+        *ended.entry(how.clone()).or_default() += 1;
+        if run.status == Ending::Skipped {
             of_method.skipped += 1;
         } else if !verdicts.is_right(run) {
             *of_method.failed.entry(how).or_default() += 1;
@@ -59,15 +62,15 @@ fn of_runs(runs: &[RunRow], of_subdomains: bool) -> [Vec<String>; 2] {
 }
 
 /// Describes the ending of a run; a claim that there is no solution is a proof unless a run or the reference refutes it.
-fn how(run: &RunRow, verdicts: &Verdicts) -> &'static str {
-    match run.ending {
-        Ending::Infeasible if verdicts.is_proof(run) => "proved that there is no solution",
-        Ending::Infeasible => "claimed wrongly that there is no solution",
-        ending => ending.text(),
+fn how(run: &RunRow, verdicts: &Verdicts) -> String {
+    match run.status {
+        Ending::Infeasible if verdicts.is_proof(run) => "proved that there is no solution".to_owned(),
+        Ending::Infeasible => "claimed wrongly that there is no solution".to_owned(),
+        ending => ending_text(ending),
     }
 }
 
-fn kinds(ended: &BTreeMap<(Ending, &'static str), usize>) -> String {
+fn kinds(ended: &BTreeMap<(Ending, String), usize>) -> String {
     ended.iter().map(|((_, how), n)| format!("{} {how}", count(*n))).collect::<Vec<_>>().join(", ")
 }
 
@@ -118,7 +121,7 @@ fn more_subdomains(runs: &[RunRow], method: &str) -> Option<String> {
     let [least, greatest] = [least, greatest].map(|growth| number(growth, 3));
     let times = if least == greatest { least } else { format!("{least} to {greatest}") };
     let (on, rule) = (unique(grown.iter().map(|(run, _)| &run.problem)).len(), grown[0].0.rule()?);
-    let failed = of_method().filter(|run| !run.has_converged() && run.ending != Ending::Skipped).count();
+    let failed = of_method().filter(|run| !run.has_converged() && run.status != Ending::Skipped).count();
     let failed = match failed {
         0 => String::new(),
         failed => format!("; {} did not converge", counted(failed, "run")),
@@ -133,7 +136,7 @@ fn more_subdomains(runs: &[RunRow], method: &str) -> Option<String> {
 fn of_simulations(all: &[Simulation]) -> Vec<String> {
     let mut ended: BTreeMap<&str, usize> = BTreeMap::new();
     for simulation in all {
-        *ended.entry(&simulation.status).or_default() += 1;
+        *ended.entry(simulation.status.name()).or_default() += 1;
     }
     if ended.is_empty() {
         return vec!["No simulation of this study is stored.".to_owned()];

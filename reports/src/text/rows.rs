@@ -3,7 +3,8 @@
 use polars::df;
 use polars::prelude::{DataFrame, PolarsResult};
 use results::columns::table;
-use results::schema::Run;
+use results::name::Name;
+use results::schema::{Ending, Run};
 use results::simulation::Simulation as Row;
 use results::study::Study as Stored;
 
@@ -77,7 +78,7 @@ const SIMULATIONS: &str = "\
 fn of_runs(study: &Problems) -> Result<Table, ReportError> {
     let rows = || study.runs.iter().chain(&study.given);
     let all = table::<Run>(rows().map(|run| &**run))?.select(RUNS.split(' '))?;
-    let skipped = rows().filter(|run| run.status == "skipped").map(|run| {
+    let skipped = rows().filter(|run| run.status == Ending::Skipped).map(|run| {
         let method = format!("{} {}", run.method, run.variant);
         format!("\nskipped: {} on {}: {}\n", method.trim_end(), run.problem, run.reason)
     });
@@ -90,7 +91,7 @@ fn of_simulations(simulations: &[Simulation]) -> Result<Table, ReportError> {
     let costs: Vec<Option<f64>> = simulations.iter().map(Simulation::seconds_per_second).collect();
     let note = simulations.iter().filter(|s| !s.reason.is_empty()).map(|s| {
         let method = format!("{} {}", s.method, s.variant);
-        format!("\n{}: {} on {}: {}\n", s.status, method.trim_end(), s.scene, s.reason)
+        format!("\n{}: {} on {}: {}\n", s.status.name(), method.trim_end(), s.scene, s.reason)
     });
     let shown = shown(&all, &OF_SIMULATIONS)?.hstack(df!("s per s" => costs)?.columns())?;
     Ok(Table { all, shown, note: note.collect() })

@@ -13,7 +13,7 @@ fn simulated(number: u32) -> Simulated {
         scene: "column".into(),
         scene_settings: Map::new(),
         scene_hash: row.problem_hash,
-        role: "run".into(),
+        role: Role::Run,
         grains: 20,
         mass_kg: 1.0,
         mean_diameter_m: 0.1,
@@ -28,7 +28,7 @@ fn simulated(number: u32) -> Simulated {
         stop_on: row.stop_on,
         tolerance: row.tolerance,
         max_iterations: row.max_iterations,
-        status: "exploded".into(),
+        status: SimulationEnding::Exploded,
         reason: "exploded in time step 7".into(),
         last_state: "last-states/7.json".into(),
         totals: Totals {

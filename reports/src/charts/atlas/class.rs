@@ -1,7 +1,7 @@
 //! The class of a run, and of a simulation beside the reference of its scene: one rule for every method.
 
 use contact::Measure;
-use results::simulation::Observed;
+use results::simulation::{Observed, SimulationEnding};
 
 use crate::draw::{Cell, ColorScale, INK, RGBColor, WHITE};
 use crate::read::{Ending, RunRow, Sample, Simulation, median};
@@ -81,7 +81,7 @@ impl Class {
 
     /// The class of a run.
     pub(super) fn of(run: &RunRow) -> Self {
-        match run.ending {
+        match run.status {
             Ending::Converged if is_far(run, run.curve.last()) => Self::FalseConvergence,
             Ending::Converged => Self::Converged,
             Ending::IterationLimit if falls(run) => Self::Slow,
@@ -90,17 +90,17 @@ impl Class {
             Ending::Infeasible => Self::Infeasible,
             Ending::FalseConvergence => Self::FalseConvergence,
             Ending::Skipped => Self::Skipped,
-            Ending::Failed => Self::Failed,
+            Ending::Failed | Ending::Given => Self::Failed,
         }
     }
 
     /// The class of a simulation; [`Class::Unjudged`] if it was refused, or where there is no reference to judge it by.
     pub(super) fn in_time(simulation: &Simulation, reference: Option<&Simulation>) -> Self {
-        match &*simulation.status {
-            "exploded" => return Self::Exploded,
-            "no-solution" => return Self::NoSolution,
-            "solver-diverged" => return Self::SolverDiverged,
-            _ => {}
+        match simulation.status {
+            SimulationEnding::Exploded => return Self::Exploded,
+            SimulationEnding::NoSolution => return Self::NoSolution,
+            SimulationEnding::SolverDiverged => return Self::SolverDiverged,
+            SimulationEnding::Completed | SimulationEnding::Skipped => {}
         }
         let Some(drift) = reference.and_then(|reference| Drift::of(simulation, reference)) else {
             return Self::Unjudged;
@@ -148,7 +148,7 @@ pub(super) fn zeta_lies(run: &RunRow) -> bool {
         point.get(Measure::Zeta).zip(run.tolerance).is_some_and(|(zeta, tolerance)| zeta <= tolerance)
     };
     let first = run.curve.iter().find(met);
-    first.is_some_and(|point| run.ending == Ending::Infeasible || is_far(run, Some(point)))
+    first.is_some_and(|point| run.status == Ending::Infeasible || is_far(run, Some(point)))
 }
 
 /// Reports whether the measure still falls: its least value in the second half of the iterations is more than 1 % below

@@ -5,7 +5,7 @@ mod tests;
 
 use polars::df;
 use polars::prelude::DataFrame;
-use results::simulation::Simulation as Row;
+use results::simulation::{Role, Simulation as Row};
 
 use super::class::{CREEP, Class, Drift, MORE_ENERGY, SHARE_OF_FALL};
 use super::grid::{Grid, Head, Tile, counts};
@@ -27,9 +27,9 @@ pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
     let judged: Vec<Judged> = all
         .iter()
         // The floors are as exact as their time step lets them: where they are not stable, no tolerance is to blame.
-        .filter(|simulation| simulation.is_run() || simulation.role == "floor")
+        .filter(|simulation| simulation.is_run() || simulation.role == Role::Floor)
         .map(|simulation| {
-            let reference = in_role(all, &simulation.scene, "reference");
+            let reference = in_role(all, &simulation.scene, Role::Reference);
             let drift = reference.and_then(|reference| Drift::of(simulation, reference));
             Judged { simulation, class: Class::in_time(simulation, reference), drift }
         })

@@ -1,5 +1,6 @@
 //! Classes by their rule; matrices, tables and sentences of small studies.
 
+use results::schema::Ending;
 use results::schema::{Run, Sample};
 
 use super::parts;
@@ -8,7 +9,7 @@ use crate::tests::fixture::{File, end, files, object, run, sample, study};
 use serde_json::json;
 
 /// A run on `problem` with a curve of (iteration, natural map).
-fn judged(id: u32, variant: &str, status: &str, problem: &str, curve: &[(u64, f64)]) -> (Run, Vec<Sample>) {
+fn judged(id: u32, variant: &str, status: Ending, problem: &str, curve: &[(u64, f64)]) -> (Run, Vec<Sample>) {
     let curve: Vec<Sample> = curve.iter().map(|(i, value)| sample(*i, *value, *value)).collect();
     let case = problem.split(' ').next().unwrap_or_default();
     let run = Run {
@@ -50,22 +51,22 @@ fn class_is_decided_by_the_ending_and_the_curve() {
         }
         (run, curve)
     };
-    let proof = judged(6, "g", "infeasible", "wedge", &[(0, 1.0), (1024, 1e-2)]);
+    let proof = judged(6, "g", Ending::Infeasible, "wedge", &[(0, 1.0), (1024, 1e-2)]);
     let files = made(vec![
-        judged(0, "a", "converged", "pile", &[(0, 1.0), (50, 1e-4)]),
-        judged(1, "b", "iteration-limit", "pile", &[(0, 1.0), (512, 0.5), (1000, 0.49)]),
-        judged(2, "c", "iteration-limit", "pile", &[(0, 1.0), (500, 0.5), (1000, 0.499)]),
-        judged(3, "d", "diverged", "pile", &[(0, 1.0), (9, 1e30)]),
-        far(judged(4, "e", "converged", "pile", &[(0, 1.0), (50, 1e-4)])),
-        judged(5, "f", "false-convergence", "pile", &[(0, 1.0), (50, 1e-4)]),
+        judged(0, "a", Ending::Converged, "pile", &[(0, 1.0), (50, 1e-4)]),
+        judged(1, "b", Ending::IterationLimit, "pile", &[(0, 1.0), (512, 0.5), (1000, 0.49)]),
+        judged(2, "c", Ending::IterationLimit, "pile", &[(0, 1.0), (500, 0.5), (1000, 0.499)]),
+        judged(3, "d", Ending::Diverged, "pile", &[(0, 1.0), (9, 1e30)]),
+        far(judged(4, "e", Ending::Converged, "pile", &[(0, 1.0), (50, 1e-4)])),
+        judged(5, "f", Ending::FalseConvergence, "pile", &[(0, 1.0), (50, 1e-4)]),
         // Of a problem that no run solves, and of one that has a solution.
         (Run { end: end(sample(1024, 1e-2, f64::NAN)), ..proof.0 }, proof.1),
-        judged(9, "j", "infeasible", "pile", &[(0, 1.0), (1024, 1e-2)]),
+        judged(9, "j", Ending::Infeasible, "pile", &[(0, 1.0), (1024, 1e-2)]),
         (
-            Run { reason: "`subdomains` is 9x9".into(), ..judged(7, "h", "skipped", "pile", &[]).0 },
+            Run { reason: "`subdomains` is 9x9".into(), ..judged(7, "h", Ending::Skipped, "pile", &[]).0 },
             Vec::new(),
         ),
-        judged(8, "i", "elsewise", "pile", &[(0, 1.0)]),
+        judged(8, "i", Ending::Failed, "pile", &[(0, 1.0)]),
     ]);
     let expected = [
         "converged",
@@ -87,10 +88,10 @@ fn class_is_decided_by_the_ending_and_the_curve() {
 #[test]
 fn failure_that_another_setting_mends_has_a_ring_in_the_matrix() {
     let ring = "another setting of the method mends it";
-    let first = judged(0, "1.0", "diverged", "pile", &[(0, 1.0), (9, 1e30)]);
+    let first = judged(0, "1.0", Ending::Diverged, "pile", &[(0, 1.0), (9, 1e30)]);
     let alone = made(vec![first.clone()]);
     assert!(!text(&alone, "atlas.svg").contains(ring));
-    let mended = made(vec![first, judged(1, "0.5", "converged", "pile", &[(0, 1.0), (50, 1e-4)])]);
+    let mended = made(vec![first, judged(1, "0.5", Ending::Converged, "pile", &[(0, 1.0), (50, 1e-4)])]);
     assert!(text(&mended, "atlas.svg").contains(ring));
     let settings = text(&mended, "atlas-jacobi.svg");
     assert!(
@@ -101,7 +102,8 @@ fn failure_that_another_setting_mends_has_a_ring_in_the_matrix() {
 
 #[test]
 fn zeta_that_met_the_tolerance_far_from_the_solution_is_told() {
-    let (run, mut curve) = judged(0, "", "iteration-limit", "pile", &[(0, 1.0), (512, 0.4), (1000, 0.3)]);
+    let (run, mut curve) =
+        judged(0, "", Ending::IterationLimit, "pile", &[(0, 1.0), (512, 0.4), (1000, 0.3)]);
     curve[1].measures.zeta = 1e-5;
     assert!(text(&made(vec![(run.clone(), curve.clone())]), "atlas.csv").contains(",true,"));
     curve[1].measures.zeta = 1e-3;
@@ -120,7 +122,7 @@ fn study_without_runs_has_tables_and_no_figure() {
 #[test]
 fn undefined_and_infinite_measures_are_drawn_as_classes() {
     for value in [f64::NAN, f64::INFINITY] {
-        let files = made(vec![judged(0, "", "iteration-limit", "pile", &[(0, value), (1000, value)])]);
+        let files = made(vec![judged(0, "", Ending::IterationLimit, "pile", &[(0, value), (1000, value)])]);
         assert_eq!(classes(&files), ["stalled"]);
     }
 }
@@ -129,7 +131,7 @@ fn undefined_and_infinite_measures_are_drawn_as_classes() {
 fn hazards_are_the_problems_of_a_case_with_what_differs_among_them() {
     let on = |id, problem: &str, settings| Run {
         problem_settings: object(&settings),
-        ..judged(id, "", "converged", problem, &[(0, 1e-5)]).0
+        ..judged(id, "", Ending::Converged, problem, &[(0, 1e-5)]).0
     };
     let box_of = |grains: u32| json!({ "case": "box", "sample.grains": grains, "scene.law": "iqs" });
     let rows = [

@@ -1,6 +1,7 @@
 use super::parts;
 use crate::tests::assert_well_formed;
 use crate::tests::fixture::{File, files, object, run, sample, study};
+use results::schema::Ending;
 use results::schema::{Run, Sample};
 use serde_json::json;
 
@@ -10,14 +11,14 @@ fn decay(decade: u64, decades: u64) -> Vec<Sample> {
     (0..=decade * decades).map(|i| sample(i, value(i), value(i))).collect()
 }
 
-fn on(number: u32, method: &str, subdomains: u32, status: &str) -> Run {
+fn on(number: u32, method: &str, subdomains: u32, status: Ending) -> Run {
     let grid = format!("{subdomains}x1");
     let settings = object(&json!({ "relaxation": 1.0, "subdomains": grid }));
     Run { settings, subdomains, ..run(number, method, &grid, status) }
 }
 
 fn nsgs(number: u32) -> Run {
-    Run { settings: object(&json!({ "relaxation": 1.0 })), ..run(number, "nsgs", "", "converged") }
+    Run { settings: object(&json!({ "relaxation": 1.0 })), ..run(number, "nsgs", "", Ending::Converged) }
 }
 
 fn figures(runs: &[Run], curves: &[(u32, Vec<Sample>)]) -> Vec<File> {
@@ -34,7 +35,7 @@ fn ratios(files: &[File]) -> Option<&str> {
 
 #[test]
 fn a_run_of_twice_the_iterations_has_the_ratio_two_at_every_accuracy() {
-    let runs = [nsgs(0), on(1, "nsgs-dd", 2, "converged")];
+    let runs = [nsgs(0), on(1, "nsgs-dd", 2, Ending::Converged)];
     let study = study(&runs, &[(0, decay(20, 4)), (1, decay(40, 4))]);
     let (points, ending) = super::ratios(&study.runs[1], &study.runs[0], contact::Measure::NaturalMap);
     assert_eq!(ending, crate::read::Ending::Converged);
@@ -47,8 +48,8 @@ fn a_run_of_twice_the_iterations_has_the_ratio_two_at_every_accuracy() {
 #[test]
 fn ratios_are_those_of_runs_that_have_one_without_subdomains() {
     let curves = || vec![(0, decay(20, 4)), (1, decay(30, 4)), (2, decay(30, 4)), (3, decay(60, 4))];
-    let dd = |number| on(number, "nsgs-dd", 4, "converged");
-    let latin = |number, subdomains| on(number, "latin-dd", subdomains, "converged");
+    let dd = |number| on(number, "nsgs-dd", 4, Ending::Converged);
+    let latin = |number, subdomains| on(number, "latin-dd", subdomains, Ending::Converged);
     let all = figures(&[nsgs(0), dd(1), latin(2, 1), latin(3, 4)], &curves());
     let svg = ratios(&all).unwrap();
     assert!(svg.contains("\nnsgs-dd\n") && svg.contains("latin-dd 4x1") && !svg.contains("latin-dd 1x1"));
@@ -64,7 +65,7 @@ fn ratios_are_those_of_runs_that_have_one_without_subdomains() {
 
 #[test]
 fn a_ratio_ends_as_the_run_that_reached_less() {
-    let runs = [nsgs(0), on(1, "nsgs-dd", 2, "iteration-limit"), on(2, "nsgs-dd", 4, "converged")];
+    let runs = [nsgs(0), on(1, "nsgs-dd", 2, Ending::IterationLimit), on(2, "nsgs-dd", 4, Ending::Converged)];
     let svg = |curves: &[(u32, Vec<Sample>)]| ratios(&figures(&runs, curves)).unwrap().to_owned();
     assert!(svg(&[(0, decay(20, 4)), (1, decay(40, 2)), (2, decay(20, 4))]).contains("iteration limit"));
     let nothing = svg(&[(0, decay(20, 4)), (2, decay(20, 4))]);
@@ -77,7 +78,7 @@ fn curves_with_gaps_are_compared_at_whole_decades() {
         let kept = |s: &Sample| s.iteration.is_power_of_two() || s.iteration.is_multiple_of(decade);
         decay(decade, 4).into_iter().filter(kept).collect()
     };
-    let study = study(&[nsgs(0), on(1, "nsgs-dd", 2, "converged")], &[(0, ends(20)), (1, ends(60))]);
+    let study = study(&[nsgs(0), on(1, "nsgs-dd", 2, Ending::Converged)], &[(0, ends(20)), (1, ends(60))]);
     let (points, _) = super::ratios(&study.runs[1], &study.runs[0], contact::Measure::Zeta);
     let all: Vec<(f64, f64)> = points.into_iter().flatten().collect();
     assert_eq!(all.len(), 4);

@@ -1,4 +1,5 @@
 use contact::Work;
+use results::schema::Ending;
 use results::schema::{Run, Sample, Timing};
 use serde_json::json;
 
@@ -36,7 +37,10 @@ fn front_is_below_every_point() {
 
 #[test]
 fn first_run_to_each_accuracy_is_named_with_its_cost() {
-    let runs = [run(0, "nsgs", "", "converged"), Run { setup_s: 1.0, ..run(1, "cg", "none", "converged") }];
+    let runs = [
+        run(0, "nsgs", "", Ending::Converged),
+        Run { setup_s: 1.0, ..run(1, "cg", "none", Ending::Converged) },
+    ];
     let slow = (0..=50).map(|i| sample(i, 1.0, 10f64.powf(-4.0 * i as f64 / 50.0))).collect();
     let files = made(&parts(&study(&runs, &[(0, decay()), (1, slow)])));
     // 50 iterations of 1e-4 s and a set-up of 1e-5 s; 25 of 40 updates and 2 products on 20 contacts.
@@ -52,7 +56,7 @@ fn of_many_runs_the_first_to_the_finest_accuracy_is_told_apart() {
     let variant = |n: u32| Run {
         setup_s: 1e-3 * f64::from(n),
         settings: object(&json!({ "letter": letter(n) })),
-        ..run(n, "nsgs", &letter(n), "converged")
+        ..run(n, "nsgs", &letter(n), Ending::Converged)
     };
     let work = |n: u32| {
         decay().into_iter().map(move |mut sample| {
@@ -77,17 +81,17 @@ fn of_many_runs_the_first_to_the_finest_accuracy_is_told_apart() {
 fn run_that_factorises_again_has_no_counted_work() {
     let again = |s: Sample| Sample { work: Work { factorisations: s.iteration, ..s.work }, ..s };
     let again = decay().into_iter().map(again).collect();
-    let only = [run(0, "interior-point", "", "converged")];
+    let only = [run(0, "interior-point", "", Ending::Converged)];
     let files = made(&parts(&study(&only, &[(0, again)])));
     assert!(table(&files).contains("column,0.01,interior-point,0.00501,,\n"), "{}", table(&files));
 }
 
 #[test]
 fn rows_without_truth_or_with_failures_only_are_said_and_drawn() {
-    let untrue = read(&without_truth(tables(&[run(0, "nsgs", "", "converged")], &[(0, decay())])));
-    let failed = study(&[run(0, "jacobi", "", "diverged")], &[(0, explosion())]);
+    let untrue = read(&without_truth(tables(&[run(0, "nsgs", "", Ending::Converged)], &[(0, decay())])));
+    let failed = study(&[run(0, "jacobi", "", Ending::Diverged)], &[(0, explosion())]);
     let lone = study(
-        &[run(0, "cg", "", "skipped"), run(1, "cg", "", "converged")],
+        &[run(0, "cg", "", Ending::Skipped), run(1, "cg", "", Ending::Converged)],
         &[(1, vec![sample(0, f64::NAN, 0.0)])],
     );
     for chart in [parts, truth] {
@@ -102,16 +106,19 @@ fn rows_without_truth_or_with_failures_only_are_said_and_drawn() {
 #[test]
 fn error_behind_a_small_measure_is_told() {
     let lies = (0..=10).map(|i| sample(i, 1e-5, 0.5)).collect();
-    let runs = [run(0, "nsgs", "", "converged"), run(1, "jacobi", "", "iteration-limit")];
+    let runs = [run(0, "nsgs", "", Ending::Converged), run(1, "jacobi", "", Ending::IterationLimit)];
     let files = made(&truth(&study(&runs, &[(0, decay()), (1, lies)])));
     assert!(table(&files).contains("column,ζ,2,2,0.0001,0.5\n"), "{}", table(&files));
 }
 
 #[test]
 fn impulses_of_another_code_are_told_with_their_error_and_not_drawn() {
-    let given =
-        Run { variant: "other code".into(), end: end(sample(0, 1e-7, 2e-5)), ..run(1, "given", "", "given") };
-    let made = made(&parts(&study(&[run(0, "nsgs", "", "converged"), given], &[(0, decay())])));
+    let given = Run {
+        variant: "other code".into(),
+        end: end(sample(0, 1e-7, 2e-5)),
+        ..run(1, "given", "", Ending::Given)
+    };
+    let made = made(&parts(&study(&[run(0, "nsgs", "", Ending::Converged), given], &[(0, decay())])));
     let text = &made[made.len() - 2].1;
     let said = "column: the impulses that other code gave have a velocity error of 2·10⁻⁵.\n";
     assert!(text.contains(said), "{text}");
@@ -121,7 +128,7 @@ fn impulses_of_another_code_are_told_with_their_error_and_not_drawn() {
 #[test]
 fn run_that_tells_no_work_has_none_after_its_start() {
     let untold = decay().into_iter().map(|s| Sample { work: Work::default(), ..s }).collect();
-    let made = made(&parts(&study(&[run(0, "interior-point", "", "converged")], &[(0, untold)])));
+    let made = made(&parts(&study(&[run(0, "interior-point", "", Ending::Converged)], &[(0, untold)])));
     assert!(table(&made).contains("column,0.01,interior-point,0.00501,,\n"), "{}", table(&made));
 }
 
@@ -129,7 +136,7 @@ fn run_that_tells_no_work_has_none_after_its_start() {
 fn note_says_how_often_runs_were_made() {
     let note = |repeats: [u32; 2]| {
         let runs = [0, 1].map(|n| {
-            let run = run(n, "nsgs", &n.to_string(), "converged");
+            let run = run(n, "nsgs", &n.to_string(), Ending::Converged);
             Run { timing: Timing { repeats: repeats[n as usize], ..run.timing.clone() }, ..run }
         });
         made(&parts(&study(&runs, &[(0, decay()), (1, decay())]))).swap_remove(2).1

@@ -74,7 +74,7 @@ impl<'r> Field<'r> {
 
     /// Runs with given directions that ended so.
     pub(crate) fn count(&self, ending: Ending) -> usize {
-        self.cells.iter().filter(|cell| cell.run.ending == ending).count()
+        self.cells.iter().filter(|cell| cell.run.status == ending).count()
     }
 }
 

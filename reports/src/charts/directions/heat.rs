@@ -163,7 +163,7 @@ impl Page {
         let Some((iterations, scale)) = converged(cell).zip(self.scale.as_ref()) else {
             canvas.polygon(&corners, FAILED_CELL, Some(seam(FAILED_CELL)));
             return canvas.ending(
-                cell.run.ending,
+                cell.run.status,
                 (f64::midpoint(x0, x1), f64::midpoint(y0, y1)),
                 FAILED_SIGN,
             );
@@ -221,7 +221,7 @@ fn signs(fields: &[&Field]) -> Vec<(Sign, String)> {
         let text = "adapted: begun with the derived directions; it has no cell of its own".to_owned();
         signs.push((Sign::Word, text));
     }
-    let cells = fields.iter().flat_map(|f| &f.cells).map(|cell| cell.run.ending);
+    let cells = fields.iter().flat_map(|f| &f.cells).map(|cell| cell.run.status);
     signs.extend(endings(cells.filter(|ending| *ending != Ending::Converged)));
     signs
 }

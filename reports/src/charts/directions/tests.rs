@@ -1,5 +1,6 @@
 //! Maps and tables of small studies of search directions.
 
+use results::schema::Ending;
 use results::schema::Run;
 
 use super::parts;
@@ -19,7 +20,7 @@ fn directed(id: u32, kappa_l: &str, kappa_d: &str, subdomains: u32, iterations: 
         "subdomains": format!("{subdomains}x1"),
     }));
     let derived = object(&json!({ "kappa_l_minus": 12.5, "kappa_d_minus": 12.5 }));
-    Run { settings, derived, subdomains, iterations, ..run(id, "latin-dd", "", "converged") }
+    Run { settings, derived, subdomains, iterations, ..run(id, "latin-dd", "", Ending::Converged) }
 }
 
 fn plane() -> Vec<Run> {
@@ -27,13 +28,13 @@ fn plane() -> Vec<Run> {
         directed(0, "1.0", "1.0", 1, 900),
         directed(1, "1.0", "10.0", 1, 40),
         directed(2, "10.0", "1.0", 1, 80),
-        Run { status: "diverged".into(), ..directed(3, "10.0", "10.0", 1, 7) },
+        Run { status: Ending::Diverged, ..directed(3, "10.0", "10.0", 1, 7) },
         directed(4, "null", "null", 1, 50),
-        Run { status: "iteration-limit".into(), ..directed(5, "1.0", "10.0", 2, 1000) },
-        Run { status: "infeasible".into(), ..directed(6, "10.0", "1.0", 2, 3) },
-        Run { status: "iteration-limit".into(), ..directed(7, "null", "null", 2, 1000) },
+        Run { status: Ending::IterationLimit, ..directed(5, "1.0", "10.0", 2, 1000) },
+        Run { status: Ending::Infeasible, ..directed(6, "10.0", "1.0", 2, 3) },
+        Run { status: Ending::IterationLimit, ..directed(7, "null", "null", 2, 1000) },
     ];
-    runs.push(run(8, "nsgs", "", "converged"));
+    runs.push(run(8, "nsgs", "", Ending::Converged));
     let derived = directed(9, "null", "null", 1, 30);
     let mut settings = derived.settings.clone();
     settings.insert("adaptive".to_owned(), Value::Null);
@@ -77,7 +78,7 @@ fn best_and_derived_directions_are_read_off_the_rows() {
 #[test]
 fn only_failures_are_a_map_of_signs_without_a_scale() {
     let failed = |mut run: Run| {
-        run.status = "diverged".into();
+        run.status = Ending::Diverged;
         run
     };
     let files = made(&plane().into_iter().map(failed).collect::<Vec<_>>());
@@ -94,7 +95,7 @@ fn one_run_without_derived_ones_is_drawn() {
 
 #[test]
 fn study_without_directions_says_so() {
-    for runs in [vec![], vec![run(0, "nsgs", "", "converged")]] {
+    for runs in [vec![], vec![run(0, "nsgs", "", Ending::Converged)]] {
         let files = made(&runs);
         assert_eq!(names(&files), ["directions.csv", "directions.md", "directions.tex"]);
         assert!(text(&files, "directions.md").contains("no such run"));

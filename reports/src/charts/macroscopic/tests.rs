@@ -1,3 +1,4 @@
+use results::simulation::Role;
 use results::simulation::{Simulated, Stress};
 
 use super::*;
@@ -6,7 +7,7 @@ use crate::tests::fixture_in_time::{exploded, read, simulated, with};
 
 /// A packing whose friction is first another one, and then `friction` ± `spread`.
 fn sheared(grains: f64, tolerance: f64, friction: f64, spread: f64) -> Simulated {
-    let mut one = with(simulated("run", 0.01, tolerance), |row| {
+    let mut one = with(simulated(Role::Run, 0.01, tolerance), |row| {
         let k = row.time_step / 10;
         let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
         let ratio = if k > 5 { friction + sign * spread } else { 5.0 };
@@ -29,7 +30,7 @@ fn friction_is_the_mean_ratio_of_the_second_half_with_its_spread() {
 
 #[test]
 fn one_that_exploded_or_is_not_pressed_says_nothing_and_is_told() {
-    let still = simulated("run", 0.01, 1e-4);
+    let still = simulated(Role::Run, 0.01, 1e-4);
     let all = read(&[exploded(sheared(0.3, 1e-1, 0.2, 0.0)), still, sheared(0.3, 1e-4, 0.25, 0.0)]);
     assert!(flow(&all[0]).is_none() && flow(&all[1]).is_none());
     let files = files(&parts(&all));

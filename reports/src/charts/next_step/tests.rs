@@ -1,11 +1,12 @@
 use super::*;
 use crate::tests::fixture::files;
 use crate::tests::fixture_in_time::{read, simulated};
+use results::simulation::Role;
 use results::simulation::Simulated;
 
 /// One run with so many iterations in its 100 time steps, and as many seconds.
 fn from(start: &str, iterations: u64) -> Simulated {
-    let mut one = simulated("run", 0.01, 1e-3);
+    let mut one = simulated(Role::Run, 0.01, 1e-3);
     one.simulation.start = start.into();
     let totals = &mut one.simulation.totals;
     (totals.iterations, totals.setup_s, totals.iterating_s) = (iterations, 0.0, iterations as f64);

@@ -1,5 +1,6 @@
 //! Tests of the table of other codes.
 
+use results::schema::Ending;
 use results::schema::{End, Run, Sample};
 use serde_json::json;
 
@@ -17,7 +18,7 @@ fn other() -> (Run, Vec<Sample>) {
     let last = sample(7, 1e-7, 1e-7);
     let end = End { measures: last.measures, work: last.work };
     (
-        Run { derived, end, ..run(0, "piqp", "", "converged") },
+        Run { derived, end, ..run(0, "piqp", "", Ending::Converged) },
         vec![sample(0, 1.0, 1.0), sample(5, 0.1, 0.1), last],
     )
 }
@@ -32,7 +33,7 @@ fn no_run_makes_a_table_without_rows() {
 #[test]
 fn seconds_of_another_code_are_those_of_the_tolerance_that_came_there_by_both_clocks() {
     let (other, curve) = other();
-    let ours = Run { setup_s: 0.25, ..run(1, "cg", "", "converged") };
+    let ours = Run { setup_s: 0.25, ..run(1, "cg", "", Ending::Converged) };
     let fast = vec![sample(0, 1.0, 1.0), Sample { iterating_s: 0.25, ..sample(1, 1e-7, 1e-7) }];
     let files = files(&parts(&study(&[other, ours], &[(0, curve), (1, fast)])));
     let csv = file(&files, "peers.csv");
@@ -48,9 +49,10 @@ fn seconds_of_another_code_are_those_of_the_tolerance_that_came_there_by_both_cl
 #[test]
 fn run_that_does_not_come_there_has_no_seconds_and_a_failed_one_its_reason() {
     let reason = "at the tolerance 1e-2: no answer within 1 s".to_owned();
-    let failed = Run { reason, ..run(1, "osqp", "", "failed") };
-    let skipped = Run { reason: "highs is not installed".to_owned(), ..run(2, "highs", "", "skipped") };
-    let files = files(&parts(&study(&[run(0, "nsgs", "", "converged"), failed, skipped], &[(0, decay())])));
+    let failed = Run { reason, ..run(1, "osqp", "", Ending::Failed) };
+    let skipped = Run { reason: "highs is not installed".to_owned(), ..run(2, "highs", "", Ending::Skipped) };
+    let files =
+        files(&parts(&study(&[run(0, "nsgs", "", Ending::Converged), failed, skipped], &[(0, decay())])));
     let csv = file(&files, "peers.csv");
     for row in ["column,nsgs,converged,", "column,osqp,failed,", "column,highs,skipped,,"] {
         assert!(csv.lines().any(|line| line.starts_with(row) && line.ends_with(",,,,")), "{csv}");

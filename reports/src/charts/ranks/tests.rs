@@ -3,6 +3,7 @@
 use super::parts;
 use crate::charts::sweep_tests::{on, text};
 use crate::tests::fixture::{files, object, run, study};
+use results::schema::Ending;
 use results::schema::{Exchange, Run};
 use serde_json::json;
 
@@ -13,7 +14,7 @@ fn ranks_are_predicted_from_work_messages_and_sums() {
         spectrum: object(&json!({ "neighbours": 3, "sent_bytes": 1200 })),
         ..run
     };
-    let mut cg = Run { iterating_s: 0.2, iterations: 50, ..run(2, "cg", "", "converged") };
+    let mut cg = Run { iterating_s: 0.2, iterations: 50, ..run(2, "cg", "", Ending::Converged) };
     cg.end.work.delassus_products = 100;
     let runs = [
         counted(800, Run { iterating_s: 1.0, ..on(0, 1, "null", 100) }),
@@ -38,9 +39,9 @@ fn ranks_are_predicted_from_work_messages_and_sums() {
 
 #[test]
 fn ranks_are_not_predicted_where_exchanges_are_not_known_or_the_tolerance_was_not_met() {
-    let counted = |method: &str, exchange: &str, status: &str, run: Run| Run {
+    let counted = |method: &str, exchange: &str, status: Ending, run: Run| Run {
         method: method.into(),
-        status: status.into(),
+        status,
         settings: object(&json!({ "exchange": exchange, "subdomains": format!("{}x1", run.subdomains) })),
         derived: object(&json!({ "critical_path": 800 / run.subdomains })),
         spectrum: object(&json!({ "neighbours": 3, "sent_bytes": 1200 })),
@@ -56,11 +57,11 @@ fn ranks_are_not_predicted_where_exchanges_are_not_known_or_the_tolerance_was_no
         let rows: Vec<String> = text(&files, "ranks.csv").lines().skip(1).map(str::to_owned).collect();
         rows.iter().map(|row| row.split(',').nth(10).unwrap().parse::<f64>().is_ok()).collect::<Vec<_>>()
     };
-    assert_eq!(predicted("nsgs-dd", "jacobi", "converged", 1), [true, true]);
-    assert_eq!(predicted("nsgs-dd", "gauss-seidel", "converged", 1), [false, false]);
-    assert_eq!(predicted("newton-schur", "jacobi", "converged", 1), [false, false]);
-    assert_eq!(predicted("nsgs-dd", "jacobi", "iteration-limit", 1), [false, false]);
-    assert_eq!(predicted("nsgs-dd", "jacobi", "converged", 2), [false, false]);
+    assert_eq!(predicted("nsgs-dd", "jacobi", Ending::Converged, 1), [true, true]);
+    assert_eq!(predicted("nsgs-dd", "gauss-seidel", Ending::Converged, 1), [false, false]);
+    assert_eq!(predicted("newton-schur", "jacobi", Ending::Converged, 1), [false, false]);
+    assert_eq!(predicted("nsgs-dd", "jacobi", Ending::IterationLimit, 1), [false, false]);
+    assert_eq!(predicted("nsgs-dd", "jacobi", Ending::Converged, 2), [false, false]);
 }
 
 #[test]
@@ -77,7 +78,7 @@ fn what_ranks_took_stands_beside_what_is_predicted_of_them() {
             seconds_per_byte: 1e-10,
             ..Exchange::default()
         },
-        ..run(number, "nsgs-dd", "", "iteration-limit")
+        ..run(number, "nsgs-dd", "", Ending::IterationLimit)
     };
     let runs = [on_ranks(0, 1, 0.1), on_ranks(1, 2, 0.06), on_ranks(2, 4, 0.02)];
     let of = |runs: &[Run]| {

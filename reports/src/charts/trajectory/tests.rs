@@ -15,13 +15,13 @@ fn study() -> Vec<Simulated> {
         })
     };
     vec![
-        off("reference", 0.0025, 1e-10, 0.0),
-        off("twin", 0.0025, 1e-9, 1e-9),
-        off("floor", 0.01, 1e-10, 1e-4),
-        off("run", 0.01, 1e-1, 1e-2),
-        off("run", 0.01, 1e-3, 1.2e-4),
-        off("run", 0.01, 1e-4, 1.1e-4),
-        exploded(off("run", 0.02, 1e-1, 1e-1)),
+        off(Role::Reference, 0.0025, 1e-10, 0.0),
+        off(Role::Twin, 0.0025, 1e-9, 1e-9),
+        off(Role::Floor, 0.01, 1e-10, 1e-4),
+        off(Role::Run, 0.01, 1e-1, 1e-2),
+        off(Role::Run, 0.01, 1e-3, 1.2e-4),
+        off(Role::Run, 0.01, 1e-4, 1.1e-4),
+        exploded(off(Role::Run, 0.02, 1e-1, 1e-1)),
     ]
 }
 
@@ -30,7 +30,7 @@ fn reference_compared_with_itself_has_no_error() {
     let all = read(&study());
     assert_eq!(errors(&all[0], &all[0]), Some([0.0; 4]));
     // At rest the reference has no kinetic energy to measure errors with.
-    let still = read(&[simulated("reference", 0.01, 1e-9)]);
+    let still = read(&[simulated(Role::Reference, 0.01, 1e-9)]);
     assert_eq!(errors(&still[0], &still[0]), Some([0.0; 4]));
 }
 
@@ -64,7 +64,7 @@ fn key_has_the_uncertainty_of_the_reference_only_where_its_line_is_drawn() {
     assert!(!drawn(&study()));
     let mut near = study();
     near[1] = Simulated { ..near[2].clone() };
-    near[1].simulation.role = "twin".into();
+    near[1].simulation.role = Role::Twin;
     assert!(drawn(&near));
 }
 

@@ -9,7 +9,7 @@ fn labels(all: &[(Value, bool)]) -> Vec<String> {
     let row = |(settings, warm_start): &(Value, bool)| Run {
         settings: object(settings),
         warm_start: *warm_start,
-        ..run(0, "m", "", "converged")
+        ..run(0, "m", "", Ending::Converged)
     };
     let study = study(&all.iter().map(row).collect::<Vec<_>>(), &[]);
     study.runs.iter().map(RunRow::label).collect()

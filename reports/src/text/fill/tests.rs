@@ -1,3 +1,4 @@
+use results::schema::Ending;
 use results::schema::Run;
 use serde_json::json;
 
@@ -6,8 +7,8 @@ use crate::tests::fixture::{object, run, sample, stored, tables};
 
 fn filled(template: &str) -> Result<String, String> {
     let runs = [
-        Run { iterations: 1234, ..run(0, "nsgs", "", "converged") },
-        Run { iterations: 2468, ..run(1, "nsgs-dd", "4x2", "converged") },
+        Run { iterations: 1234, ..run(0, "nsgs", "", Ending::Converged) },
+        Run { iterations: 2468, ..run(1, "nsgs-dd", "4x2", Ending::Converged) },
     ];
     fill(&stored(&tables(&runs, &[])), template).map_err(|error| error.to_string())
 }
@@ -25,7 +26,7 @@ fn numbers_and_verdicts_come_from_the_rows() {
 fn what_a_column_holds_as_json_is_an_object() {
     let settings = object(&json!({ "relaxation": 0.5 }));
     let derived = object(&json!({ "rungs": [{ "tolerance": 1e-2 }, { "tolerance": 1e-4 }] }));
-    let runs = [Run { settings, derived, ..run(0, "osqp", "", "converged") }];
+    let runs = [Run { settings, derived, ..run(0, "osqp", "", Ending::Converged) }];
     let text = r#"{{ run(method="osqp").settings.relaxation }}, {{ run(method="osqp").derived.rungs[1].tolerance|number(1) }}"#;
     assert_eq!(fill(&stored(&tables(&runs, &[])), text).unwrap(), "0.5, 10⁻⁴");
 }
@@ -43,7 +44,7 @@ fn first_comes_what_reaches_the_accuracy_most_often_then_what_is_never_far_behin
     let on = |problem: &str, id, method, seconds| Run {
         problem: problem.into(),
         setup_s: seconds,
-        ..run(id, method, "", "converged")
+        ..run(id, method, "", Ending::Converged)
     };
     let runs = [
         on("column", 0, "slow", 3.0),

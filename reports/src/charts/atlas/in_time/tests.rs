@@ -1,3 +1,5 @@
+use results::name::Name;
+use results::simulation::SimulationEnding;
 use results::simulation::{Observed, Simulated};
 
 use super::*;
@@ -5,11 +7,11 @@ use crate::tests::fixture::files;
 use crate::tests::fixture_in_time::{exploded, read, simulated, with};
 
 fn reference() -> Simulated {
-    simulated("reference", 0.01, 1e-9)
+    simulated(Role::Reference, 0.01, 1e-9)
 }
 
 fn run(change: impl Fn(&mut Observed)) -> Simulated {
-    with(simulated("run", 0.01, 1e-2), change)
+    with(simulated(Role::Run, 0.01, 1e-2), change)
 }
 
 fn class_of(change: impl Fn(&mut Observed)) -> Class {
@@ -70,13 +72,13 @@ fn explosion_needs_no_reference_and_all_else_does() {
 
 #[test]
 fn what_made_a_simulation_explode_has_a_class_of_its_own() {
-    let because = |status: &str| {
+    let because = |status: SimulationEnding| {
         let mut one = exploded(run(|_| {}));
-        one.simulation.status = status.into();
-        one.simulation.scene = status.into();
+        one.simulation.status = status;
+        one.simulation.scene = status.name().into();
         one
     };
-    let all = [reference(), because("solver-diverged"), because("no-solution")];
+    let all = [reference(), because(SimulationEnding::SolverDiverged), because(SimulationEnding::NoSolution)];
     let classes: Vec<_> = read(&all).iter().map(|s| Class::in_time(s, None)).collect();
     assert_eq!(classes, [Class::Unjudged, Class::SolverDiverged, Class::NoSolution]);
     let files = files(&parts(&read(&all)));
