@@ -77,7 +77,7 @@ pub fn rows<Row: Serialize + DeserializeOwned + Default + Send>(table: &DataFram
         // Each part takes its own columns.
         let whole = if parts.is_empty() { Value::Null } else { Value::Map(row.clone()) };
         row.extend(parts.iter().map(|part| (part.clone(), whole.clone())));
-        Value::Map(row).deserialized().map_err(|error| wrong(&format!("row {index}: {error}")))
+        Value::Map(row).deserialized().map_err(|Error::Custom(why)| wrong(&format!("row {index}: {why}")))
     };
     (0..table.height()).into_par_iter().map(row).collect()
 }
