@@ -184,7 +184,9 @@ impl Canvas {
             Ending::FalseConvergence => self.disc(place, 0.7, WHITE, Some(pen)),
             Ending::Skipped => stroke(HALF, ACROSS),
             Ending::Failed | Ending::Given => {
-                [ACROSS, UPRIGHT].into_iter().for_each(|ends| stroke(HALF, ends))
+                for ends in [ACROSS, UPRIGHT] {
+                    stroke(HALF, ends);
+                }
             }
         }
     }
