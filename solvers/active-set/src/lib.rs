@@ -13,7 +13,7 @@
 //! the interior point finds no way on either, conjugate gradients go on from the best impulses, twice as long each time.
 //!
 //! With friction accelerated sweeps of Gauss-Seidel take the place of conjugate gradients, Newton's method on the statuses open, stick
-//! and slide that of the set, and proximal points that of the interior point ([`stages`]).
+//! and slide that of the set, and proximal points that of the interior point (`stages.rs`).
 
 mod inner;
 mod interior;
