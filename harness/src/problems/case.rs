@@ -34,8 +34,9 @@ pub(crate) struct CaseProblem {
     marcher: Option<Marcher>,
 }
 
-/// Natural map to which a frictional time step on the way to a problem is solved (–): every one of `heap`, `drum`, `biaxial`,
-/// `sphere-box` and `chute` reaches it; 1e-6 takes ten times as long in space, where some packings at rest do not reach it.
+/// Natural map to which a frictional time step on the way to a problem is solved (–): all of the first 200 of
+/// `heap`, `drum`, `biaxial`, `sphere-box` and `chute` reach it. 1e-6 takes three times as long in `chute` and more than ten times in
+/// `sphere-box`, where some at rest do not reach it.
 const WITH_FRICTION: f64 = 1e-4;
 
 /// The method that solves the time steps before the problem of a case, each from the impulses of the one before.

@@ -49,18 +49,6 @@ pub enum Start {
     InteriorPoint,
 }
 
-impl Start {
-    /// Name in files.
-    fn name(self) -> &'static str {
-        match self {
-            Self::Cg => "cg",
-            Self::Sweeps => "sweeps",
-            Self::ColdSet => "cold-set",
-            Self::InteriorPoint => "interior-point",
-        }
-    }
-}
-
 /// Settings of the active set.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -294,9 +282,9 @@ impl ActiveSet {
         set.begin(r0);
         let is_warm = self.warm && r0.iter().any(|r| *r > 0.0);
         let phase = match self.start {
-            Some(start @ Start::Sweeps) => {
+            Some(Start::Sweeps) => {
                 let expected = "cg, cold-set or interior-point: its sweeps are for problems with friction";
-                return Err(SetupError::new("start", start.name(), expected));
+                return Err(SetupError::new("start", "sweeps", expected));
             }
             Some(Start::ColdSet) => Phase::Set,
             _ if is_warm => Phase::Set,

@@ -107,17 +107,16 @@ impl<'p, N: Newton<'p>> Run<'p, N> {
         }
     }
 
-    /// Lays Newton's method out, unless it is; `None` where it does not fit in memory.
-    fn newton(&mut self) -> Option<&mut N> {
+    /// Lays Newton's method out, unless it is, and returns it beside the best impulses; `None` where it does not fit in memory.
+    fn newton(&mut self) -> Option<(&mut N, &mut Best)> {
         self.newton.get_or_init(|| N::new(self.problem).ok());
-        self.newton.get_mut()?.as_mut()
+        Some((self.newton.get_mut()?.as_mut()?, &mut self.best))
     }
 
     /// Proximal points from the best impulses.
     fn begin_points(&mut self) {
-        let (problem, best) =
-            (self.problem, Best { left: self.best.left, impulses: self.best.impulses.clone() });
-        self.points = self.newton().and_then(|newton| newton.points(problem, &best));
+        let problem = self.problem;
+        self.points = self.newton().and_then(|(newton, best)| newton.points(problem, best));
         if self.points.is_some() {
             self.phase = Phase::Proximal;
         }
@@ -136,10 +135,9 @@ impl<'p, N: Newton<'p>> Run<'p, N> {
     /// Newton's method from the best impulses.
     fn try_newton(&mut self) {
         self.rung *= RUNG;
-        let impulses = self.best.impulses.clone();
-        if let Some(newton) = self.newton() {
-            let before = newton.begin(&impulses);
-            self.best.left = before;
+        if let Some((newton, best)) = self.newton() {
+            let before = newton.begin(&best.impulses);
+            best.left = before;
             self.phase = Phase::Newton { before };
         }
     }
@@ -197,15 +195,11 @@ impl ActiveSet {
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_not_negative("start_accuracy", self.start_accuracy)?;
-        let at_once = match self.start {
-            None | Some(Start::Sweeps) => false,
-            Some(Start::ColdSet) => true,
-            Some(start @ (Start::Cg | Start::InteriorPoint)) => {
-                let expected =
-                    "sweeps or cold-set: cg and its interior point are for problems without friction";
-                return Err(SetupError::new("start", start.name(), expected));
-            }
-        };
+        let expected = "sweeps or cold-set: cg and its interior point are for problems without friction";
+        for (start, name) in [(Start::Cg, "cg"), (Start::InteriorPoint, "interior-point")] {
+            SetupError::unless(self.start != Some(start), "start", name, expected)?;
+        }
+        let at_once = self.start == Some(Start::ColdSet);
         let mut sweeps = Sweeps::new(problem, r0)?;
         let (left, scale) = (sweeps.left(r0), problem.scale().sqrt());
         let rung = self.start_accuracy * scale;
