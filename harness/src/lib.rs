@@ -107,7 +107,7 @@ mod problems {
     #[cfg(test)]
     mod tests;
 
-    pub(crate) use case::{CaseProblem, KeptProblem, Marcher, first_hash, overrides, read_case, warn};
+    pub(crate) use case::{CaseProblem, KeptProblem, Marcher, Once, first_hash, overrides, read_case, warn};
     pub(crate) use files::{Kind, Root, is_toml, stem};
     pub(crate) use given::Given;
     pub(crate) use parts::{Impulses, write_parts};

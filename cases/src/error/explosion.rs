@@ -76,16 +76,27 @@ pub(crate) fn explosion<P: Place>(
     if !velocity.iter().all(|v| v.dot_product(*v).is_finite()) {
         return Some(Explosion::NotFinite);
     }
+    let speeds =
+        (0_u32..).zip(velocity).map(|(grain, v)| (grain, v.length(), 2.0 * radius[grain as usize] / h));
+    let overlap = |(grain, overlap, bound)| Explosion::Overlap { grain, overlap, bound };
+    let speed = |(grain, speed, bound)| Explosion::Speed { grain, speed, bound };
+    deepest(contacts, gap, radius, 1.0).map(overlap).or_else(|| worst(speeds).map(speed))
+}
+
+/// Returns the grain whose overlap (m) exceeds `share` of its radius by the greatest factor, with the overlap and that bound (m); of
+/// the two grains of a contact the smaller one counts.
+pub(crate) fn deepest(
+    contacts: impl Iterator<Item = (u32, Option<u32>)>,
+    gap: &[f64],
+    radius: &[f64],
+    share: f64,
+) -> Option<(u32, f64, f64)> {
     let size = |grain: u32| radius[grain as usize];
     let smaller = |(candidate, antagonist): (u32, Option<u32>)| {
         antagonist.filter(|j| size(*j) < size(candidate)).unwrap_or(candidate)
     };
     let overlaps = contacts.zip(gap).map(|(contact, gap)| (smaller(contact), -gap));
-    let overlaps = overlaps.map(|(grain, overlap)| (grain, overlap, size(grain)));
-    let speeds = (0_u32..).zip(velocity).map(|(grain, v)| (grain, v.length(), 2.0 * size(grain) / h));
-    let overlap = |(grain, overlap, bound)| Explosion::Overlap { grain, overlap, bound };
-    let speed = |(grain, speed, bound)| Explosion::Speed { grain, speed, bound };
-    worst(overlaps).map(overlap).or_else(|| worst(speeds).map(speed))
+    worst(overlaps.map(|(grain, overlap)| (grain, overlap, share * size(grain))))
 }
 
 /// Returns the grain whose value exceeds its bound by the greatest factor; of equal ones the first.

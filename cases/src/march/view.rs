@@ -11,7 +11,8 @@ use crate::observe::stress::Stress;
 use crate::observe::{Observables, wall_impulses};
 use crate::problem::marched::{Marched, translation};
 use crate::problem::time_step::TimeStep;
-use crate::scene::too_far;
+use crate::sample::placed::OVERLAP;
+use crate::scene::{Law, too_far};
 use contact::{Mass, Place, Vector, greatest, shown};
 
 impl<M: Marched> March<M> {
@@ -20,13 +21,31 @@ impl<M: Marched> March<M> {
         self.scene.warnings(self.radius.iter().copied().fold(f64::INFINITY, f64::min))
     }
 
-    /// The warning of a grain that the last time step moved by more than its radius, if there is one.
-    pub fn moved_too_far(&self) -> Option<String> {
+    /// Returns the warnings of the last time step: of a grain that moved by more than its radius, and of a deep overlap.
+    pub fn time_step_warnings(&self) -> [Option<String>; 2] {
+        [self.moved_too_far(), self.overlapped()]
+    }
+
+    fn moved_too_far(&self) -> Option<String> {
         let h = self.scene.time_step_s;
         let moved = (0..self.grain_count()).map(|k| (k, translation::<M>(self.velocity[k]).length() * h));
         let (grain, by) = moved.into_iter().find(|(k, by)| *by > self.radius[*k])?;
         let moves = format!("time step {} moves grain {grain} by {} m", self.done, shown(by));
         Some(too_far(h, &moves, self.radius[grain]))
+    }
+
+    fn overlapped(&self) -> Option<String> {
+        let (grain, overlap, bound) = self.overlap?;
+        let advice = match self.scene.law {
+            Law::Iqs if self.scene.recovery_per_s.is_none() => "`scene.recovery_per_s` lets it recover",
+            _ => "a smaller `scene.time_step_s` or tolerance lets less of it arise",
+        };
+        Some(format!(
+            "time step {} found an overlap of {} m at grain {grain}, more than {OVERLAP} of its radius, {} m: {advice}",
+            self.done,
+            shown(overlap),
+            shown(bound / OVERLAP)
+        ))
     }
 
     /// Mean diameter of the grains (m).

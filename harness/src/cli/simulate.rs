@@ -2,7 +2,7 @@
 
 use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::plan::{Method, Rule};
-use crate::problems::{Root, read_case, warn};
+use crate::problems::{Once, Root, read_case, warn};
 use crate::run::{End, Frames, Seen, missed, observed, through_time};
 use crate::terminal::{check_apart, exit, merged, prepare_place, progress, say, write_sealed};
 use anyhow::{Context, Result, bail};
@@ -70,7 +70,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let mut march = march(&case)?;
     march.check(method.ours()?)?;
     warn(&case.name, march.warnings());
-    let mut warned = false;
+    let mut once = Once::default();
     let warm_start = match (args.cold, args.extrapolate) {
         (true, _) => Start::Nothing,
         (_, true) => Start::Extrapolated,
@@ -85,7 +85,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         say(format_args!("{HEADING}"))?;
     }
     let see = &mut |seen: &Seen| {
-        warned = warned || kept.bar.suspend(|| warn(&case.name, seen.march.moved_too_far()));
+        once.warn(&case.name, seen.march, &kept.bar);
         kept.see(args, seen)
     };
     let ended = through_time(&mut *march, method.ours()?, &rule, args.time_steps, &exit::requested, see);

@@ -7,7 +7,8 @@ use crate::terminal::{at_hand, progress, read_sealed, read_text, say, suggest, w
 use anyhow::{Context, Result, bail, ensure};
 use cases::{AnyFrozen, Case, Sample, Start};
 use contact::memory::gigabytes;
-use lineup::{content_hash, hash_of, march};
+use indicatif::ProgressBar;
+use lineup::{OneMarch, content_hash, hash_of, march};
 use results::provenance::available_memory;
 use runner::{Status, Stop};
 use schemars::JsonSchema;
@@ -130,11 +131,11 @@ impl CaseProblem {
     ) -> Result<AnyFrozen> {
         let (mut march, before, mut missed) = (march(&self.case)?, self.time_step - 1, 0);
         warn(&self.case.name, march.warnings());
-        let mut warned = false;
+        let mut once = Once::default();
         let bar = progress::bar(before, "time steps");
         for _ in 0..before {
             let (outcome, _) = march.solve(method.ours()?, stop, Start::Previous, halt)?.solved?;
-            warned = warned || bar.suspend(|| warn(&self.case.name, march.moved_too_far()));
+            once.warn(&self.case.name, &*march, &bar);
             missed += u64::from(outcome.status != Status::Converged);
             bar.set_message(format!("{} iterations", outcome.iterations));
             bar.inc(1);
@@ -154,6 +155,19 @@ impl CaseProblem {
 /// Says on stderr what rarely is meant in a case, a line each; returns whether anything was said.
 pub(crate) fn warn(case: &str, warnings: impl IntoIterator<Item = String>) -> bool {
     warnings.into_iter().inspect(|warning| eprintln!("warning: {case}: {warning}")).count() > 0
+}
+
+/// Warnings of time steps, each kind said once.
+#[derive(Default)]
+pub(crate) struct Once([bool; 2]);
+
+impl Once {
+    /// Says on stderr what the last time step of a march makes doubtful, unless that was said before.
+    pub(crate) fn warn(&mut self, case: &str, march: &dyn OneMarch, bar: &ProgressBar) {
+        for (said, warning) in self.0.iter_mut().zip(march.time_step_warnings()) {
+            *said = *said || bar.suspend(|| warn(case, warning));
+        }
+    }
 }
 
 /// Returns the values replaced in a case, as text for the source of its problem.

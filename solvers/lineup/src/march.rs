@@ -36,8 +36,8 @@ pub trait OneMarch {
     /// Returns the unusual values of its scene, each by its key.
     fn warnings(&self) -> Vec<String>;
 
-    /// Returns the warning of a grain that the last time step moved by more than its radius, if there is one.
-    fn moved_too_far(&self) -> Option<String>;
+    /// Returns the warnings of the last time step, see [`March::time_step_warnings`].
+    fn time_step_warnings(&self) -> [Option<String>; 2];
 
     /// Refuses a method that the mechanics lacks.
     ///
@@ -85,8 +85,8 @@ impl<M: Form> OneMarch for March<M> {
         self.warnings()
     }
 
-    fn moved_too_far(&self) -> Option<String> {
-        self.moved_too_far()
+    fn time_step_warnings(&self) -> [Option<String>; 2] {
+        self.time_step_warnings()
     }
 
     fn check(&self, ours: &Ours) -> Result<()> {
