@@ -25,10 +25,11 @@
 use crate::error::SetupError;
 use crate::mechanics::{Mechanics, Vector};
 use crate::sweep::Sweep;
+use bytemuck::{cast_slice, cast_slice_mut};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::array::{from_fn, from_mut, from_ref};
-use std::ops::{Mul, Range};
+use std::array::from_fn;
+use std::ops::Range;
 
 /// Extrapolation over the iterations of a method of sweeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
@@ -74,7 +75,7 @@ const SLACK: f64 = 1.2;
 /// then stays at 1e-7.
 const LONGEST_PAUSE: u32 = 64;
 
-/// Rows, or grains, side by side: the processor's instructions take as many numbers.
+/// Numbers side by side: the processor's instructions take as many.
 const LANES: usize = 4;
 
 /// The factor β of the extrapolation, from iteration to iteration.
@@ -129,49 +130,28 @@ impl Momentum {
 
 /// y = z + β (z − x), then x = z: `z` becomes y.
 #[inline(always)]
-fn extrapolate<V: Vector, const N: usize>(z: &mut [V; N], x: &mut [V; N], factor: f64) {
-    let y = from_fn(|k| z[k] + (z[k] - x[k]) * factor);
-    (*x, *z) = (*z, y);
-}
-
-/// y = z + β (z − x), then x = z, some vectors at a time.
-#[inline(always)]
-fn extrapolate_all<V: Vector>(z: &mut [V], x: &mut [V], factor: f64) {
-    let ((z, last_z), (x, last_x)) = (z.as_chunks_mut::<LANES>(), x.as_chunks_mut::<LANES>());
-    z.iter_mut().zip(x).for_each(|(z, x)| extrapolate(z, x, factor));
-    last_z.iter_mut().zip(last_x).for_each(|(z, x)| extrapolate(from_mut(z), from_mut(x), factor));
-}
-
-/// |g|² and ⟨g, d⟩ (J), component by component, of several rows side by side: no sum waits for another.
-type Sums<V> = [[V; LANES]; 2];
-
-/// Adds |g|² and ⟨g, d⟩ of some rows, g = y − z and d = z − x; `weighed` multiplies the g of a row by the D of the norm.
-#[inline(always)]
-fn add<V: Vector, const N: usize>(
-    [squared, along]: &mut Sums<V>,
-    [x, y, z]: [&[V; N]; 3],
-    weighed: impl Fn(usize, V) -> V,
-) {
-    let g: [V; N] = from_fn(|k| y[k] - z[k]);
-    let of_g: [V; N] = from_fn(|k| weighed(k, g[k]));
-    (0..N).for_each(|k| squared[k] += of_g[k].with(g[k], Mul::mul));
-    (0..N).for_each(|k| along[k] += of_g[k].with(z[k] - x[k], Mul::mul));
-}
-
-/// Adds |g|² and ⟨g, d⟩ of some rows, several at a time. The compiler must know that nothing else is where the `sums` are.
-#[inline(always)]
-fn add_all<V: Vector>(sums: &mut Sums<V>, x: &[V], y: &[V], z: &[V], weighed: impl Fn(usize, V) -> V) {
-    let ((x, last_x), (y, last_y)) = (x.as_chunks::<LANES>(), y.as_chunks::<LANES>());
-    let (z, last_z) = z.as_chunks::<LANES>();
-    let mut row = 0;
-    for ((x, y), z) in x.iter().zip(y).zip(z) {
-        add(sums, [x, y, z], |k, g| weighed(row + k, g));
-        row += LANES;
+fn extrapolate<V: Vector>(z: &mut [V], x: &mut [V], factor: f64) {
+    for (z, x) in cast_slice_mut::<V, f64>(z).iter_mut().zip(cast_slice_mut::<V, f64>(x)) {
+        (*x, *z) = (*z, *z + (*z - *x) * factor);
     }
-    for ((x, y), z) in last_x.iter().zip(last_y).zip(last_z) {
-        add(sums, [x, y, z].map(from_ref), |_, g| weighed(row, g));
-        row += 1;
+}
+
+/// |g|² and ⟨g, d⟩ (J) of several numbers side by side: no sum waits for another.
+type Sums = [[f64; LANES]; 2];
+
+/// Adds |g|² and ⟨g, d⟩ of some numbers, g = y − z and d = z − x.
+#[inline(always)]
+fn add([squared, along]: &mut Sums, [x, y, z]: [&[f64; LANES]; 3]) {
+    for k in 0..LANES {
+        let g = y[k] - z[k];
+        squared[k] += g * g;
+        along[k] += g * (z[k] - x[k]);
     }
+}
+
+/// The last numbers of a list, and zeros.
+fn filled(last: &[f64]) -> [f64; LANES] {
+    from_fn(|k| last.get(k).copied().unwrap_or(0.0))
 }
 
 /// Impulses of an accelerated iteration, of a contact each: x and y of the formula, and its two sums.
@@ -182,39 +162,57 @@ pub struct Lead<V> {
     ahead: Vec<V>,
     /// β.
     factor: f64,
-    sums: Sums<V>,
+    sums: Sums,
 }
 
 impl<V: Vector> Lead<V> {
     /// The lead of a sweep that begins at impulses `s`.
     pub fn new(s: &[V]) -> Self {
-        Self { before: s.to_vec(), ahead: s.to_vec(), factor: 0.0, sums: [[V::ZERO; LANES]; 2] }
+        Self { before: s.to_vec(), ahead: s.to_vec(), factor: 0.0, sums: [[0.0; LANES]; 2] }
     }
 
     /// Begins an iteration with `factor` β.
     pub fn begin(&mut self, factor: f64) {
-        (self.factor, self.sums) = (factor, [[V::ZERO; LANES]; 2]);
+        (self.factor, self.sums) = (factor, [[0.0; LANES]; 2]);
     }
 
     /// Extrapolates the impulses of some rows: y = z + β (z − x), x = z.
     #[inline(always)]
     pub fn extrapolate(&mut self, s: &mut [V], here: Range<usize>) {
         let s = &mut s[here.clone()];
-        extrapolate_all(s, &mut self.before[here], self.factor);
+        extrapolate(s, &mut self.before[here], self.factor);
         self.ahead[..s.len()].copy_from_slice(s);
     }
 
-    /// Adds |g|² and ⟨g, d⟩ of the rows that were extrapolated last, g = y − z and d = z − x; `weighed` multiplies the g of a row by the
-    /// D of the norm.
+    /// Adds |g|² and ⟨g, d⟩ of the rows that were extrapolated last, g = y − z and d = z − x.
     #[inline(always)]
-    pub fn judge(&mut self, s: &[V], here: Range<usize>, weighed: impl Fn(usize, V) -> V) {
-        let (x, y, z) = (&self.before[here.clone()], &self.ahead[..here.len()], &s[here.clone()]);
-        add_all(&mut self.sums, x, y, z, |k, g| weighed(here.start + k, g));
+    pub fn judge(&mut self, s: &[V], here: Range<usize>) {
+        let lists = [&self.before[here.clone()], &self.ahead[..here.len()], &s[here]];
+        let [(x, last_x), (y, last_y), (z, last_z)] =
+            lists.map(|list| cast_slice::<V, f64>(list).as_chunks::<LANES>());
+        // The compiler must know that nothing else is where the sums are.
+        let mut sums = self.sums;
+        for ((x, y), z) in x.iter().zip(y).zip(z) {
+            add(&mut sums, [x, y, z]);
+        }
+        add(&mut sums, [last_x, last_y, last_z].map(filled).each_ref());
+        self.sums = sums;
+    }
+
+    /// Adds those sums of all rows where D is no unit: `weighed` multiplies the g of a row by its D.
+    pub fn judge_weighed(&mut self, s: &[V], weighed: impl Fn(usize, V) -> V) {
+        let [squared, along] = &mut self.sums;
+        for (row, ((x, y), z)) in self.before.iter().zip(&self.ahead).zip(s).enumerate() {
+            let (g, d) = (*y - *z, *z - *x);
+            let of_g = weighed(row, g);
+            squared[row % LANES] += of_g.dot_product(g);
+            along[row % LANES] += of_g.dot_product(d);
+        }
     }
 
     /// Returns |g|² and ⟨g, d⟩ of the iteration (J).
     pub fn sums(&self) -> [f64; 2] {
-        self.sums.map(|lanes| lanes.into_iter().sum::<V>().total())
+        self.sums.map(|lanes| lanes.into_iter().sum())
     }
 }
 
@@ -251,7 +249,7 @@ impl<M: Mechanics> Trail<M> {
     #[inline(always)]
     pub fn extrapolate(&mut self, y: &mut [M::Velocity], reach: usize) {
         let here = self.reached..reach.max(self.reached);
-        extrapolate_all(&mut y[here.clone()], &mut self.velocity[here], self.impulses.factor);
+        extrapolate(&mut y[here.clone()], &mut self.velocity[here], self.impulses.factor);
         self.reached = reach.max(self.reached);
     }
 

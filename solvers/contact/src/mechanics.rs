@@ -7,6 +7,7 @@ use crate::error::shown;
 use crate::gauge::Gauge;
 use crate::scaled::unscale;
 use crate::sweep::{Row, TOGETHER, look_then_push};
+use bytemuck::Pod;
 use nalgebra::{ArrayStorage, SVector};
 use pulp::Simd;
 use std::fmt::Debug;
@@ -55,6 +56,7 @@ pub trait Vector:
     + Div<f64, Output = Self>
     + AddAssign
     + SubAssign
+    + Pod
     + 'static
 {
     /// Number of components.

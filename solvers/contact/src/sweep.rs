@@ -185,7 +185,7 @@ impl<M: Mechanics> Sweep<M> {
         trail.extrapolate(&mut self.y, grains);
         trail.impulses.extrapolate(&mut self.s, 0..self.rows.len());
         iteration(self);
-        trail.impulses.judge(&self.s, 0..self.rows.len(), |_, g| g);
+        trail.impulses.judge(&self.s, 0..self.rows.len());
     }
 
     /// Returns the trail of accelerated iterations that begin here; velocities are `free` without impulses (√J).
@@ -251,7 +251,7 @@ impl<M: Mechanics, P: Iterator<Item = bool> + Clone> WithSimd for Ahead<'_, M, P
             trail.extrapolate(&mut sweep.y, sweep.reach[here.end.div_ceil(NEAR) - 1] as usize);
             trail.impulses.extrapolate(&mut sweep.s, here.clone());
             passes.clone().for_each(|backward| sweep.pass(relaxation, backward, here.clone()));
-            trail.impulses.judge(&sweep.s, here, |_, g| g);
+            trail.impulses.judge(&sweep.s, here);
         }
     }
 }

@@ -133,7 +133,7 @@ impl<const D: usize> Iteration for Sweeps<'_, D> {
             }
         }
         if let Some((momentum, lead)) = &mut self.accelerated {
-            lead.judge(&self.r, 0..contacts, |contact, g| self.problem.own::<D>(contact) * g);
+            lead.judge_weighed(&self.r, |contact, g| self.problem.own::<D>(contact) * g);
             momentum.turn(lead.sums());
         }
         self.iterations += 1;
