@@ -12,6 +12,7 @@ pub use spheres::{RoughSpheres, SphereColumn, frame};
 use crate::discs::{Contact, Discs};
 use crate::error::{ProblemError, is_not_negative, is_positive};
 use crate::gauge::Scaled;
+use crate::law::tangential;
 use crate::mechanics::{Mass, Mechanics, Touch, Vector};
 use crate::problem::ContactProblem;
 use nalgebra::{SVector, Vector2, Vector3};
@@ -142,6 +143,14 @@ fn tangent(n: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-n.y, n.x)
 }
 
+/// Least size of what has a square (–): below, that underflows, and a norm with it.
+const LEAST_ROOT: f64 = 1e-150;
+
+/// Reports whether impulses r (N·s), the normal one first, are in Coulomb's cone of friction μ, but for round-off.
+pub(crate) fn obeys_friction<const D: usize>(r: SVector<f64, D>, friction: f64) -> bool {
+    is_not_negative(r[0]) && tangential(r).1 <= (1.0 + 1e-9) * friction * r[0] + LEAST_ROOT
+}
+
 /// Description of the impulses that Coulomb's law admits.
 const ADMISSIBLE: &str =
     "finite, with a normal part that is not negative and a tangential part of at most μ times it";
@@ -189,7 +198,7 @@ impl Touch<RoughDiscs> for RoughContact {
     }
 
     fn is_admissible(&self, r: Vector2<f64>) -> bool {
-        is_not_negative(r.x) && r.y.abs() <= (1.0 + 1e-9) * self.friction * r.x
+        obeys_friction(r, self.friction)
     }
 
     fn fault(&self) -> Option<(&'static str, f64, &'static str)> {

@@ -6,9 +6,9 @@ mod column;
 
 pub use column::SphereColumn;
 
-use super::{RoughContact, RoughMass};
+use super::{RoughContact, RoughMass, obeys_friction};
 use crate::discs::{Contact, Spheres};
-use crate::error::{ProblemError, is_not_negative};
+use crate::error::ProblemError;
 use crate::gauge::Scaled;
 use crate::mechanics::{Mass, Mechanics, Touch};
 use crate::problem::ContactProblem;
@@ -148,7 +148,7 @@ impl Touch<RoughSpheres> for RoughContact<3> {
     }
 
     fn is_admissible(&self, r: Vector3<f64>) -> bool {
-        is_not_negative(r.x) && r.yz().norm() <= (1.0 + 1e-9) * self.friction * r.x
+        obeys_friction(r, self.friction)
     }
 
     fn fault(&self) -> Option<(&'static str, f64, &'static str)> {
