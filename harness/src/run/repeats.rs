@@ -65,7 +65,8 @@ fn counts(Ended { outcome, .. }: &Ended) -> (Status, u64, Work) {
     (outcome.status, outcome.iterations, outcome.work)
 }
 
-/// The repeat with the median time in `advance`, with the median time in `start` and the spreads of both; `None` of none.
+/// The repeat with the median time in `advance`, with the median times in `start` and of each sample, and the spreads of both; `None`
+/// of none.
 fn median(mut all: Vec<(Ended, Kept)>, timing: &Timing) -> Option<(Ended, Kept, Timing)> {
     let mut setup: Vec<_> = all.iter().map(|(ended, _)| ended.outcome.setup).collect();
     setup.sort_unstable();
@@ -80,7 +81,25 @@ fn median(mut all: Vec<(Ended, Kept)>, timing: &Timing) -> Option<(Ended, Kept, 
         iterating_spread_s: spread(iterating(0), iterating(last)),
         ..timing.clone()
     };
-    let (mut ended, kept) = all.swap_remove(middle);
+    let curves: Vec<_> = all.iter().map(|(_, (curve, _))| &curve[..]).collect();
+    let times = median_times(&curves);
+    let (mut ended, mut kept) = all.swap_remove(middle);
     ended.outcome.setup = setup[middle];
+    kept.0.iter_mut().zip(times).for_each(|(sample, time)| sample.iterating_s = time);
     Some((ended, kept, timing))
+}
+
+/// Returns the median time of each sample (s): a pause of one repeat is no plateau of the curve. None where curves have different
+/// samples, as those of another code may.
+pub(super) fn median_times(curves: &[&[Sample]]) -> Vec<f64> {
+    let iterations = |curve: &[Sample]| curve.iter().map(|sample| sample.iteration).collect::<Vec<_>>();
+    if curves.windows(2).any(|pair| iterations(pair[0]) != iterations(pair[1])) {
+        return Vec::new();
+    }
+    let median = |k: usize| {
+        let mut times: Vec<_> = curves.iter().map(|curve| curve[k].iterating_s).collect();
+        times.sort_by(f64::total_cmp);
+        times[(times.len() - 1) / 2]
+    };
+    (0..curves[0].len()).map(median).collect()
 }

@@ -2,10 +2,12 @@
 
 use crate::plan::Method;
 use crate::problems::{Problem, Root};
+use crate::run::repeats::median_times;
 use crate::run::{Snapshots, scene_rows};
 use cases::{AnyFrozen, Case};
 use lineup::march;
 use partition::{Grid, Scheme};
+use results::schema::Sample;
 use runner::{Measured, Stop};
 use std::ops::ControlFlow;
 
@@ -48,4 +50,19 @@ fn a_contact_is_drawn_no_longer_than_two_grains() {
         let length = (row.x1_m - row.x0_m).hypot(row.y1_m - row.y0_m);
         assert!(length < 0.2 + 0.05, "{length} m");
     }
+}
+
+/// A pause within one of three repeats, and a curve that another code cut short.
+#[test]
+fn curves_have_the_median_times_of_their_repeats() {
+    let curve = |times: &[f64]| -> Vec<Sample> {
+        let samples = times.iter().zip(0..);
+        samples
+            .map(|(time, iteration)| Sample { iteration, iterating_s: *time, ..Sample::default() })
+            .collect()
+    };
+    let [first, paused, last] =
+        [[0.0, 1.0, 2.0], [0.0, 9.0, 10.0], [0.0, 1.5, 2.5]].map(|times| curve(&times));
+    assert_eq!(median_times(&[&first, &paused, &last]), [0.0, 1.5, 2.5]);
+    assert_eq!(median_times(&[&first, &curve(&[0.0, 1.0])]), [0.0; 0]);
 }

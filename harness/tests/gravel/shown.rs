@@ -130,6 +130,19 @@ fn what_is_rarely_meant_in_a_case_is_a_line_on_stderr() {
 }
 
 #[test]
+fn a_deep_overlap_is_a_line_on_stderr_once() {
+    let said = |sets: &[&str]| {
+        let sets = sets.iter().flat_map(|set| ["--scene", *set]).collect::<Vec<_>>();
+        let words = [&["simulate", "biaxial", "--time-steps", "60", "--tolerance", "1e-4"], &sets[..]];
+        gravel(&words.concat()).succeeded().stderr
+    };
+    assert!(!said(&[]).contains("overlap"));
+    let deep = said(&["scene.law=predicted-gap", "scene.time_step_s=0.02"]);
+    assert_eq!(deep.matches("found an overlap of").count(), 1, "{deep}");
+    assert!(deep.contains("a smaller `scene.time_step_s`"), "{deep}");
+}
+
+#[test]
 fn simulation_refuses_to_replace_a_file() {
     let folder = TempDir::new().unwrap();
     let file = write(&folder, "kept.csv", "what was there");
