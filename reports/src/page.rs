@@ -53,7 +53,7 @@ impl Chapter {
     }
 
     pub(crate) fn of_chart(chart: Chart, study: &Study) -> Self {
-        Self { name: chart.name().to_owned(), chart: Some(chart), parts: chart.parts(study) }
+        Self { name: chart.name.to_owned(), chart: Some(chart), parts: chart.parts(study) }
     }
 }
 
@@ -217,7 +217,7 @@ fn sentence(text: &str) -> String {
 /// Returns the caption of a figure: its content and its subject.
 fn caption(chapter: &Chapter, name: &str) -> String {
     // What follows a semicolon is in its tables and sentences.
-    let shows = chapter.chart.map(|chart| chart.shows().split(';').next().unwrap_or_default());
+    let shows = chapter.chart.map(|chart| chart.shows.split(';').next().unwrap_or_default());
     let (shows, of) = match (shows, name.strip_prefix(&chapter.name)) {
         (Some(shows), Some(of)) => (shows.to_owned(), of.trim_start_matches('-')),
         _ => (name.replace('-', " "), ""),
