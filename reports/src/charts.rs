@@ -32,9 +32,12 @@ pub use quantities::UnknownQuantity;
 /// A kind of figure, with the tables that belong to it.
 #[derive(Clone, Copy)]
 pub struct Chart {
-    name: &'static str,
-    makes: &'static str,
-    shows: &'static str,
+    /// Its name in plans and on the command line.
+    pub name: &'static str,
+    /// The figures and tables that it makes, in Markdown.
+    pub makes: &'static str,
+    /// A sentence on its content.
+    pub shows: &'static str,
     parts: Parts,
 }
 
@@ -198,21 +201,6 @@ impl Chart {
     /// Reports whether the chart is drawn from simulations.
     pub fn through_time(self) -> bool {
         matches!(self.parts, Parts::Simulations(_))
-    }
-
-    /// Its name in plans and on the command line.
-    pub fn name(self) -> &'static str {
-        self.name
-    }
-
-    /// The figures and tables that it makes, in Markdown.
-    pub fn makes(self) -> &'static str {
-        self.makes
-    }
-
-    /// Returns a sentence on the content of the chart.
-    pub fn shows(self) -> &'static str {
-        self.shows
     }
 
     /// Nothing of a study of the other kind.

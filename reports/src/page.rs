@@ -16,7 +16,7 @@ use crate::charts::Chart;
 use crate::draw::Formats;
 use crate::error::ReportError;
 use crate::read::{Scenes, Study, file_name, scenes};
-use crate::text::{Kind, Part, failures, found};
+use crate::text::{Kind, Part, answer, failures};
 pub use folder::made;
 pub(crate) use folder::replace;
 use provenance::{Origin, provenance};
@@ -53,7 +53,7 @@ impl Chapter {
     }
 
     pub(crate) fn of_chart(chart: Chart, study: &Study) -> Self {
-        Self { name: chart.name().to_owned(), chart: Some(chart), parts: chart.parts(study) }
+        Self { name: chart.name.to_owned(), chart: Some(chart), parts: chart.parts(study) }
     }
 }
 
@@ -95,8 +95,6 @@ pub(crate) fn page(
     let shown = |figure: &str| viewer.samples.iter().any(|sample| sample_of(figure, &sample.problem));
     let sections = chapters.iter().map(|chapter| section(chapter, about, formats, &shown));
     let mut sections: Vec<Section> = sections.collect::<Result<_, _>>()?;
-    let asks = |chart: &str| sections.iter().any(|section| section.name == chart);
-    let [answer, found] = found(study, OF_SUBDOMAINS.iter().any(|chart| asks(chart)));
     // What the viewer shows has its place there, and nothing is left for a section.
     let empty = |s: &Section| s.figures.is_empty() && s.tables.is_empty() && s.sentences.is_empty();
     let of_viewer: Vec<Section> = sections.extract_if(.., |section| empty(section)).collect();
@@ -109,18 +107,14 @@ pub(crate) fn page(
         context! {
             about => context! { name => &about.name, why => &about.why, bench => &about.bench, rows => &about.rows },
             through_time => matches!(study, Study::Simulations(_)),
-            answer,
+            answer => answer(study),
             of_viewer,
-            found,
             sections => Serde(&sections),
             failed => Serde(&failed),
             provenance => Serde(&provenance),
         },
     )
 }
-
-/// The charts of studies that ask what subdomains cost.
-const OF_SUBDOMAINS: [&str; 5] = ["convergence", "subdomains", "weak", "critical-path", "ranks"];
 
 /// A page with the viewer alone: the sample of one problem of its `grains` and `contacts`, and runs on it.
 ///
@@ -223,7 +217,7 @@ fn sentence(text: &str) -> String {
 /// Returns the caption of a figure: its content and its subject.
 fn caption(chapter: &Chapter, name: &str) -> String {
     // What follows a semicolon is in its tables and sentences.
-    let shows = chapter.chart.map(|chart| chart.shows().split(';').next().unwrap_or_default());
+    let shows = chapter.chart.map(|chart| chart.shows.split(';').next().unwrap_or_default());
     let (shows, of) = match (shows, name.strip_prefix(&chapter.name)) {
         (Some(shows), Some(of)) => (shows.to_owned(), of.trim_start_matches('-')),
         _ => (name.replace('-', " "), ""),

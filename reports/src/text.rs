@@ -1,16 +1,16 @@
 //! Tables, sentences and templates: what a report says in words and numbers.
 
+mod answer;
 mod failures;
 mod fill;
-mod found;
 mod part;
 mod pick;
 mod rows;
 mod table;
 
+pub(crate) use answer::answer;
 pub(crate) use failures::failures;
 pub use fill::fill;
-pub(crate) use found::found;
 pub(crate) use part::{File, Kind, Part, Table, chosen, frame, nothing, too_many};
 pub use pick::{Pick, TableFormat};
 pub(crate) use rows::rows;

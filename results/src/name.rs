@@ -2,40 +2,30 @@
 
 use contact::Measure;
 use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A value that a column holds by its name.
-pub trait Name: Copy + 'static {
+pub trait Name: Copy + PartialEq + 'static {
     /// The column.
     const COLUMN: &'static str;
 
-    /// Returns every value, in the order in which errors list them.
-    fn all() -> impl Iterator<Item = Self>;
+    /// Every value with its name in files, in the order in which errors list them.
+    const NAMES: &'static [(Self, &'static str)];
 
     /// Returns the name in files.
-    fn name(self) -> &'static str;
+    fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(value, _)| *value == self).map_or("", |(_, name)| name)
+    }
 }
 
 /// The measure that is asked to stop a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StopOn(pub Measure);
 
 /// The working measure.
 impl Default for StopOn {
     fn default() -> Self {
         Self(Measure::NaturalMap)
-    }
-}
-
-impl Name for StopOn {
-    const COLUMN: &'static str = "stop_on";
-
-    fn all() -> impl Iterator<Item = Self> {
-        Measure::ALL.into_iter().map(Self)
-    }
-
-    fn name(self) -> &'static str {
-        self.0.name()
     }
 }
 
@@ -46,8 +36,8 @@ pub(crate) fn serialize<N: Name, S: Serializer>(value: &N, serializer: S) -> Res
 pub(crate) fn deserialize<'de, N: Name, D: Deserializer<'de>>(deserializer: D) -> Result<N, D::Error> {
     let name = String::deserialize(deserializer)?;
     let unknown = || {
-        let known: Vec<&str> = N::all().map(N::name).collect();
+        let known: Vec<&str> = N::NAMES.iter().map(|(_, name)| *name).collect();
         D::Error::custom(format!("`{}` is \"{name}\": it must be one of {}", N::COLUMN, known.join(", ")))
     };
-    N::all().find(|value| value.name() == name).ok_or_else(unknown)
+    N::NAMES.iter().find(|(_, known)| *known == name).map(|(value, _)| *value).ok_or_else(unknown)
 }

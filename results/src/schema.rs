@@ -54,7 +54,6 @@ pub struct Run {
     /// True where the run began from the impulses of the previous time step.
     pub warm_start: bool,
     /// The measure that was asked to stop the run.
-    #[serde(with = "name")]
     pub stop_on: StopOn,
     /// Value of that measure at which the run was to stop.
     #[serde(with = "number")]
@@ -296,28 +295,17 @@ pub enum Ending {
 impl Name for Ending {
     const COLUMN: &'static str = "status";
 
-    fn all() -> impl Iterator<Item = Self> {
-        use Ending::{
-            Converged, Diverged, Failed, FalseConvergence, Given, Infeasible, IterationLimit, Skipped,
-            Stalled,
-        };
-        [Converged, IterationLimit, Stalled, Diverged, Infeasible, FalseConvergence, Skipped, Failed, Given]
-            .into_iter()
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::IterationLimit => "iteration-limit",
-            Self::Stalled => "stalled",
-            Self::Diverged => "diverged",
-            Self::Infeasible => "infeasible",
-            Self::FalseConvergence => "false-convergence",
-            Self::Skipped => "skipped",
-            Self::Failed => "failed",
-            Self::Given => "given",
-        }
-    }
+    const NAMES: &'static [(Self, &'static str)] = &[
+        (Self::Converged, "converged"),
+        (Self::IterationLimit, "iteration-limit"),
+        (Self::Stalled, "stalled"),
+        (Self::Diverged, "diverged"),
+        (Self::Infeasible, "infeasible"),
+        (Self::FalseConvergence, "false-convergence"),
+        (Self::Skipped, "skipped"),
+        (Self::Failed, "failed"),
+        (Self::Given, "given"),
+    ];
 }
 
 impl Provenance {

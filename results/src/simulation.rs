@@ -60,7 +60,6 @@ pub struct Simulation {
     #[serde(default)]
     pub start: String,
     /// The measure that was asked to stop each time step.
-    #[serde(with = "name")]
     pub stop_on: StopOn,
     /// Value of that measure at which a time step was to stop.
     #[serde(with = "number")]
@@ -168,18 +167,8 @@ pub enum Role {
 impl Name for Role {
     const COLUMN: &'static str = "role";
 
-    fn all() -> impl Iterator<Item = Self> {
-        [Self::Run, Self::Reference, Self::Twin, Self::Floor].into_iter()
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Run => "run",
-            Self::Reference => "reference",
-            Self::Twin => "twin",
-            Self::Floor => "floor",
-        }
-    }
+    const NAMES: &'static [(Self, &'static str)] =
+        &[(Self::Run, "run"), (Self::Reference, "reference"), (Self::Twin, "twin"), (Self::Floor, "floor")];
 }
 
 /// Ending of a simulation.
@@ -201,19 +190,13 @@ pub enum SimulationEnding {
 impl Name for SimulationEnding {
     const COLUMN: &'static str = "status";
 
-    fn all() -> impl Iterator<Item = Self> {
-        [Self::Completed, Self::Exploded, Self::SolverDiverged, Self::NoSolution, Self::Skipped].into_iter()
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Completed => "completed",
-            Self::Exploded => "exploded",
-            Self::SolverDiverged => "solver-diverged",
-            Self::NoSolution => "no-solution",
-            Self::Skipped => "skipped",
-        }
-    }
+    const NAMES: &'static [(Self, &'static str)] = &[
+        (Self::Completed, "completed"),
+        (Self::Exploded, "exploded"),
+        (Self::SolverDiverged, "solver-diverged"),
+        (Self::NoSolution, "no-solution"),
+        (Self::Skipped, "skipped"),
+    ];
 }
 
 /// A row of a series: what a simulation shows of itself at an instant, and the extremes since the row before.

@@ -67,7 +67,7 @@ fn methods_in_brief() -> Vec<Vec<String>> {
 }
 
 fn charts() -> Vec<Vec<String>> {
-    let row = |chart: &Chart| vec![code(chart.name()), chart.makes().to_owned(), chart.shows().to_owned()];
+    let row = |chart: &Chart| vec![code(chart.name), chart.makes.to_owned(), chart.shows.to_owned()];
     Chart::all().iter().map(row).collect()
 }
 

@@ -107,7 +107,7 @@ pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
     let plan = Plan::read(&args.study.path(root)?, args.study.quick)?;
     plan.suits(args.chart)?;
     let stored = stored(root, &plan)?;
-    let name = format!("{}-{}", plan.name, args.chart.name());
+    let name = format!("{}-{}", plan.name, args.chart.name);
     draw(root, &name, &stored, args.formats.formats(), |formats, out| {
         Ok(reports::figure(&tables_of(&stored)?, args.chart, formats, out)?)
     })

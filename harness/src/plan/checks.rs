@@ -118,7 +118,7 @@ impl Plan {
 
     /// Refuses a chart of the other kind of study.
     pub(crate) fn suits(&self, chart: Chart) -> Result<()> {
-        let name = chart.name();
+        let name = chart.name;
         match (chart.through_time(), self.through_time()) {
             (true, false) => bail!("chart `{name}` is of simulations, and the plan has no table [simulate]"),
             (false, true) => bail!("chart `{name}` is of problems, and the plan is of simulations"),

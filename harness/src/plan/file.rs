@@ -68,7 +68,7 @@ pub(crate) struct Plan {
 
 /// The chart of this name, on the command line or in a plan.
 pub(crate) fn chart(name: &str) -> Result<Chart, String> {
-    let known = Chart::all().iter().map(|chart| chart.name());
+    let known = Chart::all().iter().map(|chart| chart.name);
     Chart::named(name).ok_or_else(|| suggest::among(&format!("no chart `{name}`"), name, known))
 }
 
@@ -82,7 +82,7 @@ fn charts<'de, D: Deserializer<'de>>(charts: D) -> Result<Option<Vec<Chart>>, D:
 }
 
 fn charts_schema(_: &mut SchemaGenerator) -> Schema {
-    let names: Vec<&str> = Chart::all().iter().map(|chart| chart.name()).collect();
+    let names: Vec<&str> = Chart::all().iter().map(|chart| chart.name).collect();
     let own = json_schema!({
         "type": "object",
         "required": ["name", "x", "y"],

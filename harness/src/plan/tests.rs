@@ -290,7 +290,7 @@ fn a_plan_declares_charts_of_its_own() {
         PLAN.replace("[stop]", &format!("charts = [\"size\", {chart}]\n\n[stop]"))
     };
     let plan = read(&own("contacts"), false).unwrap();
-    assert_eq!(plan.charts().iter().map(|chart| chart.name()).collect::<Vec<_>>(), ["size", "mine"]);
+    assert_eq!(plan.charts().iter().map(|chart| chart.name).collect::<Vec<_>>(), ["size", "mine"]);
     refused(&own("beauty"), false, &["`charts`", "no quantity `beauty`", "contacts, ranks"]);
     let nameless = own("contacts").replace("name = \"mine\", ", "");
     refused(&nameless, false, &["`charts`", "missing field `name`"]);

@@ -98,42 +98,40 @@ fn find<'j, 'r>(
 /// Each method by the first of its settings in the plan, with a ring where another one mends it.
 fn matrix(judged: &[Judged], hazards: &[Hazard], kinds: &[Kind]) -> String {
     let several = kinds.iter().filter(|kind| kind.variants.len() > 1);
-    let tile = |kind: &Kind, problem: &str| {
-        let Judged { class, zeta_lies, .. } = *find(judged, kind.method, kind.variants[0], problem)?;
-        let mut others = kind.variants.iter().filter_map(|v| find(judged, kind.method, v, problem));
+    let notes = several.map(|kind| format!("{}: {}", kind.method, setting(kind.variants[0]))).collect();
+    let heads = kinds.iter().map(|kind| Head { short: kind.method.to_owned(), long: None }).collect();
+    let title = "Every method, by the first of its settings in the plan".to_owned();
+    of_hazards(hazards, (title, notes, heads), &|column, problem| {
+        let Kind { method, variants } = &kinds[column];
+        let Judged { class, zeta_lies, .. } = *find(judged, method, variants[0], problem)?;
+        let mut others = variants.iter().filter_map(|variant| find(judged, method, variant, problem));
         let mended = !class.is_good() && others.any(|other| other.class.is_good());
         Some(Tile { class, mended, zeta_lies })
-    };
-    Grid {
-        title: "Every method, by the first of its settings in the plan".to_owned(),
-        notes: several.map(|kind| format!("{}: {}", kind.method, setting(kind.variants[0]))).collect(),
-        rows: hazards.iter().map(|hazard| (hazard.name.as_str(), hazard.knob.as_str())).collect(),
-        height: ROW,
-        columns: kinds.iter().map(|kind| Head { short: kind.method.to_owned(), long: None }).collect(),
-        tiles: &|row, column| {
-            hazards[row].problems.iter().map(|problem| tile(&kinds[column], problem)).collect()
-        },
-    }
-    .svg()
+    })
 }
 
 /// Every setting of one method.
-fn map(judged: &[Judged], hazards: &[Hazard], kind: &Kind) -> String {
-    let head =
+fn map(judged: &[Judged], hazards: &[Hazard], Kind { method, variants }: &Kind) -> String {
+    let long =
         |(i, variant): (usize, &&str)| Head { short: (i + 1).to_string(), long: Some(setting(variant)) };
-    let tile = |variant: &str, problem: &String| {
-        let Judged { class, zeta_lies, .. } = *find(judged, kind.method, variant, problem)?;
+    let heads = variants.iter().enumerate().map(long).collect();
+    let title = format!("{method}, every setting in the plan");
+    of_hazards(hazards, (title, Vec::new(), heads), &|column, problem| {
+        let Judged { class, zeta_lies, .. } = *find(judged, method, variants[column], problem)?;
         Some(Tile { class, mended: false, zeta_lies })
-    };
-    Grid {
-        title: format!("{}, every setting in the plan", kind.method),
-        notes: Vec::new(),
-        rows: hazards.iter().map(|hazard| (hazard.name.as_str(), hazard.knob.as_str())).collect(),
-        height: ROW,
-        columns: kind.variants.iter().enumerate().map(head).collect(),
-        tiles: &|row, column| hazards[row].problems.iter().map(|p| tile(kind.variants[column], p)).collect(),
-    }
-    .svg()
+    })
+}
+
+/// A grid of hazards, with the tile of a column on each of their problems.
+fn of_hazards(
+    hazards: &[Hazard],
+    (title, notes, columns): (String, Vec<String>, Vec<Head>),
+    tile: &dyn Fn(usize, &str) -> Option<Tile>,
+) -> String {
+    let rows = hazards.iter().map(|hazard| (hazard.name.as_str(), hazard.knob.as_str())).collect();
+    let tiles: &dyn Fn(usize, usize) -> Vec<Option<Tile>> =
+        &|row, column| hazards[row].problems.iter().map(|problem| tile(column, problem)).collect();
+    Grid { title, notes, rows, height: ROW, columns, tiles }.svg()
 }
 
 /// A variant as it is read: one without words has the method's defaults.

@@ -24,7 +24,7 @@ fn made(runs: &Runs) -> String {
 
 #[test]
 fn no_row_one_row_only_failures_and_undefined_values_make_a_page_that_says_so() {
-    assert!(made(&tables(&[], &[])).contains("No run of this study is stored."));
+    assert!(made(&tables(&[], &[])).contains("0\u{a0}runs of 0\u{a0}methods"));
     let one = made(&tables(&[run(0, "cg", "", Ending::Converged)], &[(0, decay())]));
     assert!(one.contains("1 converged.") && one.contains("failures: none."));
     let failed = Run { reason: "why </script> not".into(), ..run(0, "jacobi", "", Ending::Skipped) };

@@ -1,6 +1,7 @@
 //! Numbers as a reader of a figure or table expects them.
 
-const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+/// Raised digits.
+pub(crate) const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
 
 /// 10ⁿ.
 pub(crate) fn power_of_ten(exponent: i32) -> String {

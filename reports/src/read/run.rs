@@ -1,13 +1,12 @@
 //! A run of a study on a problem, and the samples of its curve.
 
-use std::collections::HashSet;
 use std::ops::Deref;
 
 use contact::{Measure, Work};
 use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot};
 
-use crate::read::{Ending, counted, number};
+use crate::read::{Ending, counted, number, unique};
 
 /// A run with all that is stored of it, and what is read from that; a number that is undefined there is `None` here.
 #[derive(Clone)]
@@ -155,8 +154,7 @@ pub(crate) fn stopped_at_1e_2<'r>(runs: impl IntoIterator<Item = &'r RunRow>) ->
 
 /// The problems in the order of the study.
 pub(crate) fn problems<'r>(runs: impl IntoIterator<Item = &'r RunRow>) -> Vec<&'r str> {
-    let mut seen = HashSet::new();
-    runs.into_iter().map(|run| run.problem.as_str()).filter(|problem| seen.insert(*problem)).collect()
+    unique(runs.into_iter().map(|run| run.problem.as_str()))
 }
 
 #[cfg(test)]

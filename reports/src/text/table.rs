@@ -4,7 +4,7 @@ use polars::prelude::{AnyValue, CsvWriter, DataFrame, SerWriter};
 use serde::Serialize;
 
 use crate::error::ReportError;
-use crate::read::{mantissa_and_power, number, power_of_ten};
+use crate::read::{SUPERSCRIPTS, mantissa_and_power, number, power_of_ten};
 
 /// Significant digits of a measured number where people read it.
 const DIGITS: u8 = 3;
@@ -147,10 +147,9 @@ impl Format {
 
 /// The digit or minus sign that is raised.
 fn raised(c: char) -> Option<char> {
-    const SUPERSCRIPTS: &str = "⁰¹²³⁴⁵⁶⁷⁸⁹";
     match c {
         '⁻' => Some('-'),
-        c => SUPERSCRIPTS.chars().zip('0'..='9').find(|(known, _)| *known == c).map(|(_, digit)| digit),
+        c => SUPERSCRIPTS.into_iter().zip('0'..='9').find(|(known, _)| *known == c).map(|(_, digit)| digit),
     }
 }
 
