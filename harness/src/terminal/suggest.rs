@@ -1,5 +1,7 @@
 //! "Did you mean …?", for every unknown name. Errors of serde are read as texts, since serde hands on nothing else of them.
 
+use regex::{Captures, Regex};
+
 /// Names that are less alike than this are not meant for each other (Jaro and Winkler's similarity, 1 for equal names).
 const ALIKE: f64 = 0.8;
 
@@ -57,7 +59,12 @@ pub(crate) fn among<'a>(what: &str, given: &str, known: impl IntoIterator<Item =
 /// An error, with the name that was meant where it is one of serde about a name: unknown field `relax`, expected one of
 /// `order`, `relaxation`. Where none of these is, it may be the last part of one of the `keys` of a case.
 pub(crate) fn in_error(text: &str, keys: impl Fn() -> Vec<String>) -> String {
-    let Some((before, given, known)) = unknown(text) else { return text.to_owned() };
+    let unknown = Regex::new("(?s)^(.*unknown (?:field|variant) `([^`]*)`), expected (.*)$").ok();
+    let Some((_, [before, given, known])) =
+        unknown.and_then(|unknown| Some(unknown.captures(text)?.extract()))
+    else {
+        return text.to_owned();
+    };
     // Between backticks is every second part.
     let nearest = of(given, known.split('`').skip(1).step_by(2));
     if !nearest.is_empty() {
@@ -74,40 +81,20 @@ pub(crate) fn in_error(text: &str, keys: impl Fn() -> Vec<String>) -> String {
         .map_or_else(|| text.to_owned(), |what| format!("{before}; {what}. Expected {known}"))
 }
 
-/// Returns an error up to the unknown name, that name, and the known ones.
-fn unknown(text: &str) -> Option<(&str, &str, &str)> {
-    let ends = ["unknown field `", "unknown variant `"].map(|kind| Some(text.rfind(kind)? + kind.len()));
-    let from = ends.into_iter().flatten().max()?;
-    let given = text[from..].split('`').next()?;
-    let (before, known) = text.split_at_checked(from + given.len() + 1)?;
-    Some((before, given, known.strip_prefix(", expected ")?))
-}
-
-/// Types in errors of serde, in the words of a file; the name of a type follows its kind, as in: struct Stop with 3 elements.
-const TYPES: [(&str, &str); 10] = [
-    ("a nonzero u32", "a whole number from 1 to 4294967295"),
-    ("f64", "a number"),
-    ("u8", "a whole number from 0 to 255"),
-    ("u32", "a whole number from 0 to 4294967295"),
-    ("i64", "a whole number"),
-    ("u64", "a whole number, not negative"),
-    ("usize", "a whole number, not negative"),
-    ("struct", "keys with values"),
-    ("tuple struct", "a list"),
-    ("internally tagged enum", "keys with values"),
-];
-
 /// An error without the types of the program: what serde expects of a value, in the words of a file.
 pub(crate) fn without_types(text: &str) -> String {
-    let plain = |piece: &str| {
-        TYPES.iter().find_map(|(of, words)| {
-            let rest = piece.strip_prefix(of)?;
-            let named = rest.strip_prefix(' ').filter(|_| of.ends_with("struct") || of.ends_with("enum"));
-            let rest = named.map_or(rest, |named| named.trim_start_matches(char::is_alphanumeric));
-            (!rest.starts_with(char::is_alphanumeric)).then(|| format!("{words}{rest}"))
-        })
+    // The name of a type follows its kind, as in: struct Stop with 3 elements.
+    let types = "\\bexpected (a nonzero u32|f64|u8|u32|u64|usize|i64|\
+                 (?:struct|tuple struct|internally tagged enum)(?: [[:alnum:]]+)?)\\b";
+    let plain = |found: &Captures| match &found[1] {
+        "a nonzero u32" => "expected a whole number from 1 to 4294967295",
+        "f64" => "expected a number",
+        "u8" => "expected a whole number from 0 to 255",
+        "u32" => "expected a whole number from 0 to 4294967295",
+        "i64" => "expected a whole number",
+        word if word.starts_with("tuple") => "expected a list",
+        word if word.starts_with("struct") || word.starts_with("internally") => "expected keys with values",
+        _ => "expected a whole number, not negative",
     };
-    let pieces = text.split("expected ").enumerate();
-    let pieces = pieces.map(|(n, piece)| plain(piece).filter(|_| n > 0).unwrap_or_else(|| piece.to_owned()));
-    pieces.collect::<Vec<_>>().join("expected ")
+    Regex::new(types).map_or(text.to_owned(), |types| types.replace_all(text, plain).into_owned())
 }
