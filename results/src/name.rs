@@ -2,7 +2,7 @@
 
 use contact::Measure;
 use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serializer};
 
 /// A value that a column holds by its name.
 pub trait Name: Copy + PartialEq + 'static {
@@ -19,7 +19,7 @@ pub trait Name: Copy + PartialEq + 'static {
 }
 
 /// The measure that is asked to stop a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StopOn(pub Measure);
 
 /// The working measure.
@@ -27,6 +27,20 @@ impl Default for StopOn {
     fn default() -> Self {
         Self(Measure::NaturalMap)
     }
+}
+
+impl Name for StopOn {
+    const COLUMN: &'static str = "stop_on";
+
+    const NAMES: &'static [(Self, &'static str)] = &{
+        let mut names = [(Self(Measure::NaturalMap), ""); Measure::ALL.len()];
+        let mut k = 0;
+        while k < names.len() {
+            names[k] = (Self(Measure::ALL[k]), Measure::ALL[k].name());
+            k += 1;
+        }
+        names
+    };
 }
 
 pub(crate) fn serialize<N: Name, S: Serializer>(value: &N, serializer: S) -> Result<S::Ok, S::Error> {

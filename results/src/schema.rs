@@ -54,6 +54,7 @@ pub struct Run {
     /// True where the run began from the impulses of the previous time step.
     pub warm_start: bool,
     /// The measure that was asked to stop the run.
+    #[serde(with = "name")]
     pub stop_on: StopOn,
     /// Value of that measure at which the run was to stop.
     #[serde(with = "number")]

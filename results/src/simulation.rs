@@ -60,6 +60,7 @@ pub struct Simulation {
     #[serde(default)]
     pub start: String,
     /// The measure that was asked to stop each time step.
+    #[serde(with = "name")]
     pub stop_on: StopOn,
     /// Value of that measure at which a time step was to stop.
     #[serde(with = "number")]

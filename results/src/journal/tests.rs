@@ -181,7 +181,7 @@ fn status_and_method_that_are_none_are_refused_by_line_and_value() {
     refused(
         "natural_map\",\"tol",
         "natural\",\"tol",
-        "unknown variant `natural`, expected one of `zeta`, `natural_map`",
+        "`stop_on` is \"natural\": it must be one of zeta, natural_map",
     );
     refused("nsgs", "nsgr", "`method` is \"nsgr\": it must be one of nsgs");
     // One that was known when the line was written may be gone since.

@@ -27,7 +27,7 @@ impl Measure {
         [Self::Zeta, Self::NaturalMap, Self::PenetrationRate, Self::QuadDv, Self::MaxDv, Self::VelocityError];
 
     /// Name in files and on the command line.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Zeta => "zeta",
             Self::NaturalMap => "natural_map",
