@@ -19,7 +19,6 @@ use crate::observe::energy::Energy;
 use crate::problem::frozen::Frozen;
 use crate::problem::marched::{Marched, inertia, kept, translating, translation};
 use crate::problem::time_step::TimeStep;
-use crate::sample::placed::OVERLAP;
 use crate::scene::Scene;
 use contact::{Discs, Mechanics, Packing, Place, Solver, Touch, Vector};
 use runner::{Measured, Outcome, Progress, Status, Stop, solve_against};
@@ -48,7 +47,7 @@ pub struct March<M: Mechanics = Discs> {
     before: Vec<((u32, Side), M::Impulse)>,
     /// Status of the last time step, if it did not converge.
     missed: Option<Missed>,
-    /// Deepest overlap of the problem last solved, see [`deepest`], if it is beyond what grains may begin with.
+    /// Deepest overlap of the problem last solved, see [`deepest`].
     overlap: Option<(u32, f64, f64)>,
 }
 
@@ -230,10 +229,9 @@ impl<M: Marched> March<M> {
             self.last.clear();
         }
         let before = std::mem::replace(&mut self.missed, missed);
-        let contacts = || problem.contacts().iter().map(Touch::ends);
-        self.overlap = deepest(contacts(), gap, &self.radius, OVERLAP);
+        self.overlap = deepest(problem.contacts().iter().map(Touch::ends), gap, &self.radius);
         let translations: Vec<_> = self.velocity.iter().map(|v| translation::<M>(*v)).collect();
-        match explosion(contacts(), gap, &self.radius, &translations, self.scene.time_step_s) {
+        match explosion(self.overlap, &self.radius, &translations, self.scene.time_step_s) {
             None => Ok((outcome, observables)),
             // Speeds are those of this time step; overlaps were found at its beginning, where the one before had led.
             Some(why) => {

@@ -1,5 +1,6 @@
 //! Explosions of simulations, and the solves that they go back to.
 
+use crate::sample::placed::OVERLAP;
 use contact::Place;
 use runner::Status;
 use std::fmt;
@@ -62,12 +63,11 @@ pub enum Explosion {
     },
 }
 
-/// Detects an explosion of grains of these radii (m), from the gaps (m) of the problem just solved or the velocities (m/s) found
-/// for it, over a time step of `h` (s). Each grain is judged by its own size: a bound from the mean diameter would notice too late
+/// Detects an explosion of grains of these radii (m), from the deepest overlap of the problem just solved or the velocities (m/s)
+/// found for it, over a time step of `h` (s). Each grain is judged by its own size: a bound from the mean diameter would notice too late
 /// that a small grain is inside a large one.
 pub(crate) fn explosion<P: Place>(
-    contacts: impl Iterator<Item = (u32, Option<u32>)>,
-    gap: &[f64],
+    deepest: Option<(u32, f64, f64)>,
     radius: &[f64],
     velocity: &[P],
     h: f64,
@@ -79,24 +79,25 @@ pub(crate) fn explosion<P: Place>(
     let speeds =
         (0_u32..).zip(velocity).map(|(grain, v)| (grain, v.length(), 2.0 * radius[grain as usize] / h));
     let overlap = |(grain, overlap, bound)| Explosion::Overlap { grain, overlap, bound };
+    let deepest = deepest.filter(|(_, overlap, radius)| overlap > radius);
     let speed = |(grain, speed, bound)| Explosion::Speed { grain, speed, bound };
-    deepest(contacts, gap, radius, 1.0).map(overlap).or_else(|| worst(speeds).map(speed))
+    deepest.map(overlap).or_else(|| worst(speeds).map(speed))
 }
 
-/// Returns the grain whose overlap (m) exceeds `share` of its radius by the greatest factor, with the overlap and that bound (m); of
-/// the two grains of a contact the smaller one counts.
+/// Returns the grain with the greatest overlap over its radius, if that is more than grains may begin with: the grain, the overlap
+/// and the radius (m). Of the two grains of a contact the smaller one counts.
 pub(crate) fn deepest(
     contacts: impl Iterator<Item = (u32, Option<u32>)>,
     gap: &[f64],
     radius: &[f64],
-    share: f64,
 ) -> Option<(u32, f64, f64)> {
     let size = |grain: u32| radius[grain as usize];
     let smaller = |(candidate, antagonist): (u32, Option<u32>)| {
         antagonist.filter(|j| size(*j) < size(candidate)).unwrap_or(candidate)
     };
     let overlaps = contacts.zip(gap).map(|(contact, gap)| (smaller(contact), -gap));
-    worst(overlaps.map(|(grain, overlap)| (grain, overlap, share * size(grain))))
+    let deepest = worst(overlaps.map(|(grain, overlap)| (grain, overlap, OVERLAP * size(grain))));
+    deepest.map(|(grain, overlap, _)| (grain, overlap, size(grain)))
 }
 
 /// Returns the grain whose value exceeds its bound by the greatest factor; of equal ones the first.

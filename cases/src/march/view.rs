@@ -35,18 +35,17 @@ impl<M: Marched> March<M> {
     }
 
     fn overlapped(&self) -> Option<String> {
-        let (grain, overlap, bound) = self.overlap?;
-        let advice = match (self.scene.law, self.scene.recovery_per_s) {
-            (Law::Iqs, None) => "`scene.recovery_per_s` lets it recover",
-            (Law::Iqs, _) => "a smaller tolerance lets less of it arise",
+        let (grain, overlap, radius) = self.overlap?;
+        let key = match (self.scene.law, self.scene.recovery_per_s) {
+            (Law::Iqs, None) => "`scene.recovery_per_s`",
+            (Law::Iqs, _) => "a smaller tolerance",
             // These laws leave out a contact that closes only as another grain is pushed.
-            _ => "a smaller `scene.time_step_s` lets less of it arise",
+            _ => "a smaller `scene.time_step_s`",
         };
         Some(format!(
-            "time step {} found an overlap of {} m at grain {grain}, more than {OVERLAP} of its radius, {} m: {advice}",
-            self.done,
-            shown(overlap),
-            shown(bound / OVERLAP)
+            "time step {} found an overlap of {overlap:.3e} m at grain {grain}, more than {OVERLAP} of its radius, {radius:.3e} m: \
+             {key} may reduce it",
+            self.done
         ))
     }
 

@@ -157,7 +157,7 @@ pub(crate) fn warn(case: &str, warnings: impl IntoIterator<Item = String>) -> bo
     warnings.into_iter().inspect(|warning| eprintln!("warning: {case}: {warning}")).count() > 0
 }
 
-/// Warnings of time steps, each kind said once.
+/// Warnings of time steps, each kind given once.
 #[derive(Default)]
 pub(crate) struct Once([bool; 2]);
 

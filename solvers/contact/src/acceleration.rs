@@ -199,7 +199,7 @@ impl<V: Vector> Lead<V> {
         self.sums = sums;
     }
 
-    /// Adds those sums of all rows where D is no unit: `weighed` multiplies the g of a row by its D.
+    /// Adds |g|² and ⟨g, d⟩ of all rows where D is not the identity: `weighed` multiplies the g of a row by its D.
     pub fn judge_weighed(&mut self, s: &[V], weighed: impl Fn(usize, V) -> V) {
         let [squared, along] = &mut self.sums;
         for (row, ((x, y), z)) in self.before.iter().zip(&self.ahead).zip(s).enumerate() {

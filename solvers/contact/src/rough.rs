@@ -143,12 +143,12 @@ fn tangent(n: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-n.y, n.x)
 }
 
-/// Least size of what has a square (–): below, that underflows, and a norm with it.
-const LEAST_ROOT: f64 = 1e-150;
+/// Size below which the norm of an impulse may be wrong, since squares underflow (N·s).
+const UNDERFLOW: f64 = 1e-150;
 
 /// Reports whether impulses r (N·s), the normal one first, are in Coulomb's cone of friction μ, but for round-off.
 pub(crate) fn obeys_friction<const D: usize>(r: SVector<f64, D>, friction: f64) -> bool {
-    is_not_negative(r[0]) && tangential(r).1 <= (1.0 + 1e-9) * friction * r[0] + LEAST_ROOT
+    is_not_negative(r[0]) && tangential(r).1 <= (1.0 + 1e-9) * friction * r[0] + UNDERFLOW
 }
 
 /// Description of the impulses that Coulomb's law admits.

@@ -7,7 +7,8 @@ const H: f64 = 0.01;
 /// A large grain and a small one with a contact between them, and one of the large grain with a wall.
 fn exploded(gap: [f64; 2], speed: [f64; 2]) -> Option<Explosion> {
     let velocity = speed.map(|v| Vector2::new(0.0, -v));
-    explosion([(0, Some(1)), (0, None)].into_iter(), &gap, &RADIUS, &velocity, H)
+    let deepest = deepest([(0, Some(1)), (0, None)].into_iter(), &gap, &RADIUS);
+    explosion(deepest, &RADIUS, &velocity, H)
 }
 
 #[test]
