@@ -41,8 +41,8 @@ pub struct Scene {
     /// Angle by which gravity leans towards +x (rad): the floor is then a slope that falls that way.
     #[serde(default)]
     pub slope_rad: f64,
-    /// Coulomb's μ between grains, and at walls that have none of their own (–). Without the key there is no friction, and grains
-    /// have no spin.
+    /// Coulomb's μ between grains, and at walls that have none of their own (–). Where all are 0 or left out there is no friction, and
+    /// grains have no spin.
     pub friction: Option<f64>,
     /// Velocity at which every grain begins (m/s).
     #[serde(default)]
@@ -109,11 +109,11 @@ impl Law {
 }
 
 impl Scene {
-    /// Reports whether the scene has friction.
+    /// Reports whether the scene has friction: a μ above 0 somewhere.
     pub fn is_rough(&self) -> bool {
-        self.friction.is_some()
-            || self.walls.as_ref().is_some_and(|walls| walls.friction.is_some())
-            || self.segments.iter().any(|segment| segment.friction.is_some())
+        let of_walls = self.walls.as_ref().and_then(|walls| walls.friction);
+        let of_segments = self.segments.iter().filter_map(|segment| segment.friction);
+        of_segments.chain(self.friction).chain(of_walls).any(|mu| mu > 0.0)
     }
 
     /// Period of the scene along x, if it has one.

@@ -111,7 +111,7 @@ mod problems {
     pub(crate) use files::{Kind, Root, is_toml, stem};
     pub(crate) use given::Given;
     pub(crate) use parts::{Impulses, write_parts};
-    pub(crate) use planned::{MARCH, MISSED_BEFORE, PlannedProblem, Problem, planned};
+    pub(crate) use planned::{AT, MARCH, MISSED_BEFORE, MOMENT, PlannedProblem, Problem, planned};
     pub(crate) use pool::polished_to;
     pub(crate) use reference::{Found, Known, found};
     pub(crate) use scene::{Scene, TIME_STEP};

@@ -7,6 +7,7 @@ mod convergence;
 mod curves;
 mod declared;
 mod directions;
+mod grid;
 mod lines;
 mod macroscopic;
 mod next_step;
@@ -20,6 +21,7 @@ mod sample;
 mod sweep_tests;
 mod trajectory;
 mod truth;
+mod winners;
 
 use std::fmt;
 
@@ -95,6 +97,12 @@ const CHARTS: &[Chart] = &[
         makes: "`profiles-seconds`, `profiles-sweeps`, `profiles`",
         shows: "performance profiles over ten problems or more, of fewer the table alone: which method for which accuracy",
         parts: Parts::Problems(profiles::parts),
+    },
+    Chart {
+        name: "winners",
+        makes: "`winners-<case>`, `winners`",
+        shows: "the fastest method of each kind of problem, number of grains and accuracy, over its samples; ties share a field",
+        parts: Parts::Problems(winners::parts),
     },
     Chart {
         name: "subdomains",

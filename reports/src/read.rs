@@ -2,7 +2,9 @@
 
 mod cost;
 mod ending;
+mod fastest;
 mod groups;
+mod kinds;
 mod methods;
 mod number;
 mod run;
@@ -17,7 +19,9 @@ pub(crate) use results::schema::{Ending, Sample};
 
 pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, accuracy_text};
 pub(crate) use ending::{Verdicts, ending_text};
+pub(crate) use fastest::{Standing, natural_maps, standings};
 pub(crate) use groups::{differing, settings_text};
+pub(crate) use kinds::{Kind, kinds};
 pub(crate) use number::{SUPERSCRIPTS, count, counted, mantissa_and_power, number, power_of_ten, round_down};
 pub(crate) use run::{RunRow, problems, repeats, stopped_at_1e_2, threads};
 pub(crate) use scene::{Scene, ends, impulse, scenes, walls};

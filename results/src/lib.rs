@@ -4,6 +4,7 @@ pub mod columns;
 pub mod error;
 pub mod journal;
 mod json;
+mod median;
 pub mod name;
 pub mod provenance;
 mod reached;
@@ -16,4 +17,5 @@ pub mod study;
 mod tests;
 pub mod whole;
 
+pub use median::Median;
 pub use reached::{STAYED, reached};

@@ -1,5 +1,7 @@
 //! Provenance of a row: build, machine, time.
 
+use std::thread::available_parallelism;
+
 use jiff::Timestamp;
 use sysinfo::{CpuRefreshKind, MemoryRefreshKind, RefreshKind, System};
 
@@ -16,6 +18,7 @@ impl Provenance {
         let provenance = Self {
             commit: commit.trim().to_owned(),
             processor: processor()?,
+            processors: available_parallelism().map_or(0, |number| number.get() as u32),
             threads,
             rustc: rustc.trim().to_owned(),
             profile: profile.trim().to_owned(),

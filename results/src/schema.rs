@@ -178,14 +178,16 @@ impl Default for Exchange {
 /// Timing of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
-    /// Number of repeats of the run for its seconds; one more, before them, is not counted if there are several.
+    /// Number of repeats of the run for its seconds: as many as the plan has, or more of a run that takes less than 1 ms; one more,
+    /// before them, is not counted if there are several.
     pub repeats: u32,
     /// True where no other run of the study was made at the same time.
     pub timed_alone: bool,
-    /// Longest less shortest `setup_s` of the repeats; undefined for a single one (s).
+    /// Width of the interval that holds the median of `setup_s` with a probability of 90 %: of five repeats the longest less the
+    /// shortest; undefined for a single one (s).
     #[serde(with = "number")]
     pub setup_spread_s: f64,
-    /// Longest less shortest `iterating_s` of the repeats; undefined for a single one (s).
+    /// Width of that interval of `iterating_s`; undefined for a single one (s).
     #[serde(with = "number")]
     pub iterating_spread_s: f64,
     /// From the run's begin to its end: all repeats, with their measures (s).
@@ -256,6 +258,9 @@ pub struct Provenance {
     pub commit: String,
     /// The processor's own name.
     pub processor: String,
+    /// Number of processors; 0 in rows older than this column.
+    #[serde(default)]
+    pub processors: u32,
     /// Threads that the run could use.
     pub threads: u32,
     /// Version of the compiler.

@@ -62,6 +62,7 @@ pub(crate) fn run(number: u32) -> Run {
         provenance: Provenance {
             commit: "0123abc".into(),
             processor: "a processor".into(),
+            processors: 8,
             threads: 1,
             rustc: "1.95.0".into(),
             profile: "release".into(),

@@ -125,7 +125,7 @@ pub(crate) struct PlannedCase {
     /// Values that are taken together.
     #[serde(default)]
     pub(crate) zip: Settings,
-    /// Values that are combined.
+    /// Values that are combined; `time_step` may be one of them.
     #[serde(default)]
     pub(crate) axes: Settings,
 }

@@ -20,6 +20,11 @@ pub(crate) const MARCH: &str = "march";
 /// The key of rows that counts the time steps before a problem whose solve did not converge.
 pub(crate) const MISSED_BEFORE: &str = "missed_before";
 
+/// The keys of rows that hold the time step of a problem, which a plan may vary like values of the case, and its name among the
+/// moments of the case, if the plan has that.
+pub(crate) const AT: &str = "time_step";
+pub(crate) const MOMENT: &str = "moment";
+
 /// A problem of a study, before it is computed; or a scene of a study through time.
 pub(crate) struct PlannedProblem {
     /// Its name, in results.
@@ -175,7 +180,7 @@ fn of_case(root: &Root, plan: &Plan, planned: &PlannedCase) -> Result<Vec<Planne
         format!("{case} {}", pairs(named.map(|(short, key)| (short, &settings[*key])))).trim_end().to_owned()
     };
     let mut problems = Vec::new();
-    for settings in combinations(&planned.scene, &planned.zip, &planned.axes)? {
+    for mut settings in combinations(&planned.scene, &planned.zip, &planned.axes)? {
         let mut all = Settings::new();
         let (name, source) = if let Some(simulate) = &plan.simulate {
             let case = read_case(&path, &overrides(&settings))?;
@@ -185,15 +190,20 @@ fn of_case(root: &Root, plan: &Plan, planned: &PlannedCase) -> Result<Vec<Planne
             let scene = Scene::new(case, alone, settings.clone(), duration, simulate.sample_every_s)?;
             (name, Source::Simulated(Box::new(scene)))
         } else {
+            let varied = settings.clone();
+            let moment = settings.remove(AT).or_else(|| planned.time_step.clone());
             let march = planned.march.as_ref();
-            let kept = KeptProblem::read(&path, &settings, planned.time_step.as_ref(), march)?;
+            let kept = KeptProblem::read(&path, &settings, moment.as_ref(), march)?;
             let name = &kept.of.case.name;
             all.insert("case".to_owned(), json!(name));
-            all.insert("time_step".to_owned(), json!(kept.of.time_step));
+            all.insert(AT.to_owned(), json!(kept.of.time_step));
+            if let Some(Value::String(moment)) = moment {
+                all.insert(MOMENT.to_owned(), json!(moment));
+            }
             if let Some(march) = march {
                 all.insert(MARCH.to_owned(), json!(march));
             }
-            (named(name, &settings, ""), Source::Case(Box::new(kept)))
+            (named(name, &varied, ""), Source::Case(Box::new(kept)))
         };
         all.extend(settings);
         problems.push(PlannedProblem { name, settings: all, source, reference: plan.reference });

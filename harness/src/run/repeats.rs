@@ -1,8 +1,10 @@
 //! A run, repeated for its seconds.
 
+use crate::plan::MOST_REPEATS;
 use crate::run::Ended;
 use anyhow::{Context, Result, bail};
 use contact::Work;
+use results::Median;
 use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot, Timing};
 use runner::Status;
@@ -27,7 +29,12 @@ pub(crate) fn refused(row: Run, reason: &str) -> Record {
     Record { run, curve: Vec::new(), snapshots: Vec::new() }
 }
 
-/// Makes the run `name` as often as `timing` says, by calls of `once`; a method of ours must count the same each time.
+/// Time that the method takes in all repeats of a run, over their number as the plan has it, at least (s): clocks and caches make
+/// seconds of less uncertain.
+const SURE: f64 = 1e-3;
+
+/// Makes the run `name` as often as `timing` says, by calls of `once`, and more often where it is short; a method of ours must count
+/// the same each time.
 pub(crate) fn repeated(
     name: &str,
     ours: bool,
@@ -37,19 +44,23 @@ pub(crate) fn repeated(
     let clock = Instant::now();
     let mut all = Vec::new();
     // The first of several brings code and data into the caches.
-    let warm_ups = u32::from(timing.repeats > 1);
-    for repeat in 0..warm_ups + timing.repeats {
+    let mut warm_ups = usize::from(timing.repeats > 1);
+    let asked = timing.repeats as usize;
+    let is_sure = |all: &[(Ended, Kept)]| {
+        let took: f64 = all.iter().map(|(ended, _)| seconds(ended)).sum();
+        asked == 1 || !ours || took >= SURE * asked as f64
+    };
+    let most = MOST_REPEATS.get() as usize;
+    while all.len() < asked || all.len() < most && !is_sure(&all) {
         match once() {
             Err(reason) => return Ok(Made::Refused(format!("{reason:#}"))),
             Ok((ended, _)) if ended.outcome.status == Status::Interrupted => return Ok(Made::Halted),
-            // Another code that gave no answer would give none again.
-            Ok(one) if repeat >= warm_ups || one.0.failed.is_some() => {
-                all.push(one);
-                if all.iter().any(|(ended, _)| ended.failed.is_some()) {
-                    break;
-                }
-            }
-            Ok(_) => {}
+            Ok(one) if warm_ups == 0 || one.0.failed.is_some() => all.push(one),
+            Ok(_) => warm_ups -= 1,
+        }
+        // Another code that gave no answer would give none again.
+        if all.last().is_some_and(|(ended, _)| ended.failed.is_some()) {
+            break;
         }
     }
     // Another code need not count the same twice.
@@ -60,25 +71,31 @@ pub(crate) fn repeated(
     Ok(Made::Ended(Box::new(ended), kept, Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing }))
 }
 
+/// Returns the time in the method (s).
+fn seconds(Ended { outcome, .. }: &Ended) -> f64 {
+    (outcome.setup + outcome.iterating).as_secs_f64()
+}
+
 /// Returns the counts, which are the same in every repeat.
 fn counts(Ended { outcome, .. }: &Ended) -> (Status, u64, Work) {
     (outcome.status, outcome.iterations, outcome.work)
 }
 
-/// The repeat with the median time in `advance`, with the median times in `start` and of each sample, and the spreads of both; `None`
-/// of none.
+/// The repeat with the median time in `advance`, with the median times in `start` and of each sample, and the widths of the intervals
+/// of both; `None` of none.
 fn median(mut all: Vec<(Ended, Kept)>, timing: &Timing) -> Option<(Ended, Kept, Timing)> {
     let mut setup: Vec<_> = all.iter().map(|(ended, _)| ended.outcome.setup).collect();
     setup.sort_unstable();
     all.sort_by_key(|(ended, _)| ended.outcome.iterating);
-    let (last, middle) = (all.len().checked_sub(1)?, (all.len() - 1) / 2);
-    let spread = |least: Duration, greatest: Duration| {
-        if last == 0 { f64::NAN } else { greatest.abs_diff(least).as_secs_f64() }
-    };
-    let iterating = |k: usize| all[k].0.outcome.iterating;
+    let (repeats, middle) = (u32::try_from(all.len()).ok()?, all.len().checked_sub(1)? / 2);
+    let spread =
+        |times: Vec<f64>| Median::of(times).filter(|_| repeats > 1).map_or(f64::NAN, |of| of.high - of.low);
     let timing = Timing {
-        setup_spread_s: spread(setup[0], setup[last]),
-        iterating_spread_s: spread(iterating(0), iterating(last)),
+        repeats,
+        setup_spread_s: spread(setup.iter().map(Duration::as_secs_f64).collect()),
+        iterating_spread_s: spread(
+            all.iter().map(|(ended, _)| ended.outcome.iterating.as_secs_f64()).collect(),
+        ),
         ..timing.clone()
     };
     let curves: Vec<_> = all.iter().map(|(_, (curve, _))| &curve[..]).collect();

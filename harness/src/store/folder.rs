@@ -164,6 +164,16 @@ fn notes<K: Kind>(study: &K, tasks: &[Task<K::What<'_>>], records: &[K::Record])
         timed().filter(|timing| !timing.timed_alone).count(),
         &format!("Not alone on the machine: {{}} {what}; their seconds are not those of a run alone."),
     );
+    let is_crowded = |record: &&&K::Record| {
+        let processors = record.provenance().processors;
+        processors > 0 && record.timing().load_average > f64::from(processors)
+    };
+    note(
+        ended.iter().filter(is_crowded).count(),
+        &format!(
+            "More processes than processors when it began: {{}} {what}; their seconds are longer than those of a run alone."
+        ),
+    );
     let repeats = study.selection().plan.repeats.get();
     note(
         timed().filter(|timing| timing.repeats < repeats).count(),

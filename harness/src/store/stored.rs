@@ -1,7 +1,7 @@
 //! A run of any study in `results/runs`, found by its id.
 
 use crate::plan::as_typed;
-use crate::problems::{KeptProblem, MARCH, MISSED_BEFORE, Marcher, Root};
+use crate::problems::{AT, KeptProblem, MARCH, MISSED_BEFORE, MOMENT, Marcher, Root};
 use crate::store::runs_folder;
 use anyhow::{Context, Result, bail};
 use cases::AnyFrozen;
@@ -100,11 +100,11 @@ pub(crate) fn problem_of_run(root: &Root, run: &Run) -> Result<AnyFrozen> {
         bail!("its problem is W alone: there are no grains to show");
     }
     let mut settings = run.problem_settings.clone();
-    settings.remove(MISSED_BEFORE);
+    settings.retain(|key, _| key != MISSED_BEFORE && key != MOMENT);
     let mut problem = match settings.remove("case") {
         None => AnyFrozen::read(&root.problem(&run.problem)?)?,
         Some(case) => {
-            let time_step = settings.remove("time_step");
+            let time_step = settings.remove(AT);
             let path = root.case(&as_typed(&case))?;
             let march = settings.remove(MARCH).map(Marcher::deserialize).transpose()?;
             KeptProblem::read(&path, &settings, time_step.as_ref(), march.as_ref())?

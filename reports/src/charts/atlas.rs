@@ -1,7 +1,6 @@
 //! The atlas of stability: where each method converges, is slow, stalls, diverges or lies.
 
 mod class;
-mod grid;
 mod hazard;
 pub(super) mod in_time;
 #[cfg(test)]
@@ -12,14 +11,16 @@ use polars::df;
 use polars::prelude::{Column, DataFrame};
 use serde_json::Value;
 
+use super::grid::{Grid, Head, Tile};
 use crate::read::{Problems, RunRow, Sample, Verdicts, file_name, unique};
 use crate::text::{Part, chosen, frame};
-use class::{Class, zeta_lies};
-use grid::{Grid, Head, Tile, counts};
+use class::{Class, counts, zeta_lies};
 use hazard::{Hazard, hazards};
 
 /// Height of a hazard (mm).
 const ROW: f64 = 7.0;
+/// Greatest width of a column (mm).
+const WIDEST: f64 = 16.0;
 
 /// A run with its class.
 struct Judged<'r> {
@@ -106,7 +107,7 @@ fn matrix(judged: &[Judged], hazards: &[Hazard], kinds: &[Kind]) -> String {
         let Judged { class, zeta_lies, .. } = *find(judged, method, variants[0], problem)?;
         let mut others = variants.iter().filter_map(|variant| find(judged, method, variant, problem));
         let mended = !class.is_good() && others.any(|other| other.class.is_good());
-        Some(Tile { class, mended, zeta_lies })
+        Some(Tile { cells: vec![class.cell()], marks: [mended, zeta_lies] })
     })
 }
 
@@ -118,7 +119,7 @@ fn map(judged: &[Judged], hazards: &[Hazard], Kind { method, variants }: &Kind) 
     let title = format!("{method}, every setting in the plan");
     of_hazards(hazards, (title, Vec::new(), heads), &|column, problem| {
         let Judged { class, zeta_lies, .. } = *find(judged, method, variants[column], problem)?;
-        Some(Tile { class, mended: false, zeta_lies })
+        Some(Tile { cells: vec![class.cell()], marks: [false, zeta_lies] })
     })
 }
 
@@ -131,7 +132,9 @@ fn of_hazards(
     let rows = hazards.iter().map(|hazard| (hazard.name.as_str(), hazard.knob.as_str())).collect();
     let tiles: &dyn Fn(usize, usize) -> Vec<Option<Tile>> =
         &|row, column| hazards[row].problems.iter().map(|problem| tile(column, problem)).collect();
-    Grid { title, notes, rows, height: ROW, columns, tiles }.svg()
+    let cells = Class::cells();
+    let marks = ["another setting of the method mends it", "ζ met the tolerance far from the solution"];
+    Grid { title, notes, rows, height: ROW, widest: WIDEST, columns, cells, marks, tiles }.svg()
 }
 
 /// A variant as it is read: one without words has the method's defaults.

@@ -94,8 +94,8 @@ impl Signs {
     }
 }
 
-/// A cell of a matrix of classes.
-#[derive(Clone, Copy)]
+/// A cell of a grid.
+#[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Cell {
     pub(crate) fill: RGBColor,
     pub(crate) letter: &'static str,

@@ -16,6 +16,8 @@ pub(crate) struct RunRow {
     pub(crate) run: u32,
     /// The settings in which runs of its method differ, as they are read, and how it starts if they differ in that.
     pub(crate) words: String,
+    /// The settings alone.
+    pub(crate) set: String,
     pub(crate) tolerance: Option<f64>,
     pub(crate) setup_s: Option<f64>,
     pub(crate) iterating_s: Option<f64>,
@@ -46,6 +48,7 @@ impl RunRow {
         Self {
             run,
             words: String::new(),
+            set: String::new(),
             tolerance: defined(row.tolerance),
             setup_s: defined(row.setup_s),
             iterating_s: defined(row.iterating_s),
@@ -58,6 +61,11 @@ impl RunRow {
 
     pub(crate) fn label(&self) -> String {
         label(&self.method, &self.words)
+    }
+
+    /// Returns the method and its settings, however the run starts.
+    pub(crate) fn own_label(&self) -> String {
+        label(&self.method, &self.set)
     }
 
     pub(crate) fn has_converged(&self) -> bool {

@@ -36,8 +36,8 @@ impl From<&Runs> for Problems {
         let some_begin_cold = runs.iter().any(|run| !run.warm_start);
         for run in &mut runs {
             let start = (run.warm_start && some_begin_cold).then(|| "warm start".to_owned());
-            let settings =
-                Some(settings_text((&run.method, &run.settings), &differing)).filter(|text| !text.is_empty());
+            run.set = settings_text((&run.method, &run.settings), &differing);
+            let settings = Some(run.set.clone()).filter(|text| !text.is_empty());
             run.words = settings.into_iter().chain(start).collect::<Vec<_>>().join(", ");
         }
         Self { runs, given, scenes: scenes(&study.grains, &study.contacts) }

@@ -70,6 +70,7 @@ pub(crate) fn run(run: u32, method: &str, variant: &str, status: Ending) -> Run 
         provenance: Provenance {
             commit: "0123abc".into(),
             processor: "a processor".into(),
+            processors: 8,
             threads: 1,
             rustc: "1.95.0".into(),
             profile: "release".into(),

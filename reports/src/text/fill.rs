@@ -1,24 +1,23 @@
 //! A text with numbers from the rows of a study in it: a template that names runs, so that none is typed.
 
-mod ranking;
-
 use std::collections::BTreeMap;
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::{Kwargs, Serde};
 use minijinja::{Environment, Error, ErrorKind, UndefinedBehavior, Value, context};
+use results::Median;
 use results::journal::Record;
 use results::study::Study;
 
 use crate::error::ReportError;
 use crate::read::stored::by_column;
-use crate::read::{count, number};
+use crate::read::{Kind, Problems, Standing, count, kinds, natural_maps, number, standings};
 
 /// A run by the names of its columns.
 type Row = BTreeMap<String, Value>;
 
-/// Fills a template: `run(problem=…, method=…, …)` is the one row with these values, `runs(…)` all of them, `ranking(problems=[…],
-/// accuracy=…)` what comes first for a natural map; the filter `number` writes up to so many digits, `count` groups them by three.
+/// Fills a template: `run(problem=…, method=…, …)` is the one row with these values, `runs(…)` all of them, `kinds` the kinds of
+/// problem, each with its methods ranked; the filter `number` writes up to so many digits, `count` groups them by three.
 /// A name that is not there is an error.
 ///
 /// # Errors
@@ -41,13 +40,31 @@ pub fn fill(study: &Study, template: &str) -> Result<String, ReportError> {
     templates.set_syntax(syntax.map_err(refused)?);
     let all = rows.clone();
     templates.add_function("runs", move |wanted: Kwargs| chosen(&all, &wanted).map(Value::from));
-    let curves = records.to_vec();
-    templates.add_function("ranking", move |wanted: Kwargs| ranking::ranking(&curves, &wanted));
+    if let Study::Runs(runs) = study {
+        templates.add_global("kinds", ranked(&runs.into()));
+    }
     templates.add_function("run", move |wanted: Kwargs| one(&rows, &wanted));
     templates.add_filter("number", |value: f64, digits: u8| number(value, digits));
     templates.add_filter("count", |value: usize| count(value));
     templates.add_template("text", template).map_err(refused)?;
     templates.get_template("text").and_then(|text| text.render(context! {})).map_err(refused)
+}
+
+/// The kinds of problem of a study. Each has `name`, `case`, `grains`, `problems`, how many they are, and `ranked`: for each natural map
+/// its `accuracy` and `methods`, the first first. A method has its `label`; `reached`, on how many problems; `low`, `median` and `high`
+/// of its seconds there; `worst`, the greatest ratio to the fastest; and `ties`, true of those that the first is not faster than.
+fn ranked(study: &Problems) -> Value {
+    let method =
+        |Standing { label, reached, seconds: Median { low, median, high }, worst, ties, .. }: Standing| context! { label, reached, low, median, high, worst, ties };
+    let of_kind = |kind: &Kind| {
+        let ranked = |accuracy: f64| {
+            let methods: Vec<Value> = standings(&kind.runs, accuracy).into_iter().map(method).collect();
+            context! { accuracy, methods }
+        };
+        let ranked: Vec<Value> = natural_maps(&study.runs).into_iter().map(ranked).collect();
+        context! { name => kind.name.clone(), case => kind.case.clone(), grains => kind.grains, problems => kind.problems(), ranked }
+    };
+    kinds(&study.runs).iter().map(of_kind).collect()
 }
 
 fn chosen(rows: &[Row], wanted: &Kwargs) -> Result<Vec<Value>, Error> {

@@ -3,8 +3,12 @@
 use contact::Measure;
 use results::simulation::{Observed, SimulationEnding};
 
+use polars::df;
+use polars::prelude::{Column, DataFrame};
+
 use crate::draw::{Cell, ColorScale, INK, RGBColor, WHITE};
 use crate::read::{Ending, RunRow, Sample, Simulation, median};
+use crate::text::frame;
 
 /// Outcome of a method on a problem, and then of a simulation, each from the best to the worst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -72,6 +76,11 @@ const LOOKS: [(Class, &str, &str, RGBColor); 15] = [
 impl Class {
     pub(super) fn all() -> impl Iterator<Item = Self> {
         LOOKS.into_iter().map(|(class, ..)| class)
+    }
+
+    /// Every class with its name.
+    pub(super) fn cells() -> Vec<(Cell, String)> {
+        Self::all().map(|class| (class.cell(), class.text().to_owned())).collect()
     }
 
     /// Reports whether it is of a simulation that was judged.
@@ -192,4 +201,20 @@ impl Drift {
             energies: [energy(x)?, energy(y)?],
         })
     }
+}
+
+/// One row per method: its settings or rules, and how many of its runs have each of `classes`.
+pub(super) fn counts(
+    methods: &[(String, usize, Vec<Class>)],
+    classes: impl Iterator<Item = Class>,
+) -> DataFrame {
+    let table = frame(df!(
+        "method" => methods.iter().map(|(method, ..)| method.as_str()).collect::<Vec<_>>(),
+        "settings" => methods.iter().map(|(_, settings, _)| *settings as u64).collect::<Vec<_>>(),
+    ));
+    let count = |class: Class| {
+        let of = |(.., all): &(_, _, Vec<Class>)| all.iter().filter(|other| **other == class).count() as u64;
+        Column::new(class.text().replace(' ', "_").into(), methods.iter().map(of).collect::<Vec<_>>())
+    };
+    frame(table.hstack(&classes.map(count).collect::<Vec<_>>()))
 }

@@ -7,8 +7,8 @@ use polars::df;
 use polars::prelude::DataFrame;
 use results::simulation::{Role, Simulation as Row};
 
-use super::class::{CREEP, Class, Drift, MORE_ENERGY, SHARE_OF_FALL};
-use super::grid::{Grid, Head, Tile, counts};
+use super::class::{CREEP, Class, Drift, MORE_ENERGY, SHARE_OF_FALL, counts};
+use crate::charts::grid::{Grid, Head, Tile};
 use crate::read::{Simulation, counted, in_role, milliseconds, number, unique};
 use crate::text::{Part, chosen};
 
@@ -125,7 +125,7 @@ fn figure(judged: &[Judged]) -> String {
             j.simulation.scene == scene && j.simulation.time_step_s == step && Line::of(j.simulation) == *line
         };
         let class = judged.iter().find(here).map_or(Class::Unjudged, |j| j.class);
-        Tile { class, mended: false, zeta_lies: false }
+        Tile { cells: vec![class.cell()], marks: [false; 2] }
     };
     let head = |(i, scene): (usize, &&str)| {
         let steps: Vec<String> = steps(scene).into_iter().map(|h| milliseconds(h).to_string()).collect();
@@ -137,7 +137,10 @@ fn figure(judged: &[Judged]) -> String {
         notes: Vec::new(),
         rows: texts.iter().map(|text| (text.as_str(), "")).collect(),
         height: ROW,
+        widest: super::WIDEST,
         columns: scenes.iter().enumerate().map(head).collect(),
+        cells: Class::cells(),
+        marks: [""; 2],
         tiles: &|row, column| {
             let scene = scenes[column];
             steps(scene).into_iter().map(|step| Some(tile(&lines[row], scene, step))).collect()

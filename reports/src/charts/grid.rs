@@ -1,24 +1,19 @@
-//! A grid of classes: a tile for each of what a row and a column have in common.
+//! A grid of cells: tiles for what each row and each column have in common.
 
-use polars::df;
-use polars::prelude::{Column, DataFrame};
-
-use super::class::Class;
 use crate::draw::{
-    BLACK, Canvas, FRAME, HPos, INK, LEADING, MARGIN, Mark, PAGE, Pen, Place, Sign, Signs, TEXT, TICK_TEXT,
-    VPos, WHITE, svg, text_width,
+    BLACK, Canvas, Cell, FRAME, HPos, INK, LEADING, MARGIN, Mark, PAGE, Pen, Place, Sign, Signs, TEXT,
+    TICK_TEXT, VPos, WHITE, svg, text_width,
 };
-use crate::text::frame;
 
 /// Gaps between tiles: share of the height of a row (–), and part of the width of a column (mm).
 const FREE: f64 = 0.1;
 const APART: f64 = 0.7;
-/// Greatest width of a column (mm).
-const WIDEST: f64 = 16.0;
+/// Part of the width of a tile that is left free (–).
+const BETWEEN: f64 = 0.06;
 const THIN: Pen = Pen::solid(WHITE, 0.12);
-/// Marks of a failure that another setting mends, and of a ζ that promised too much.
-const MENDED: Sign = Sign::Mark(Mark::Ring, Pen::solid(BLACK, 0.2));
-const LIES: Sign = Sign::Mark(Mark::Triangle, Pen::solid(BLACK, 0.2));
+/// Marks in the upper and the lower half of a tile.
+const MARKS: [Sign; 2] =
+    [Sign::Mark(Mark::Ring, Pen::solid(BLACK, 0.2)), Sign::Mark(Mark::Triangle, Pen::solid(BLACK, 0.2))];
 
 /// A head, and what it stands for where that is a number.
 pub(super) struct Head {
@@ -26,12 +21,10 @@ pub(super) struct Head {
     pub(super) long: Option<String>,
 }
 
-/// A class with its marks: another setting mends it, ζ met its tolerance far from the solution.
-#[derive(Clone, Copy)]
+/// Cells side by side, and whether they have each of the marks.
 pub(super) struct Tile {
-    pub(super) class: Class,
-    pub(super) mended: bool,
-    pub(super) zeta_lies: bool,
+    pub(super) cells: Vec<Cell>,
+    pub(super) marks: [bool; 2],
 }
 
 pub(super) struct Grid<'g> {
@@ -41,7 +34,12 @@ pub(super) struct Grid<'g> {
     pub(super) rows: Vec<(&'g str, &'g str)>,
     /// Height of a row (mm).
     pub(super) height: f64,
+    /// Greatest width of a column (mm).
+    pub(super) widest: f64,
     pub(super) columns: Vec<Head>,
+    /// Meaning of each cell, of which the key names those that occur, and of the marks.
+    pub(super) cells: Vec<(Cell, String)>,
+    pub(super) marks: [&'g str; 2],
     /// Tiles of a row and a column.
     pub(super) tiles: &'g dyn Fn(usize, usize) -> Vec<Option<Tile>>,
 }
@@ -58,12 +56,12 @@ impl<'g> Grid<'g> {
         let keys = Signs::new(self.entries(!in_words), inside);
         let head = |head: &'g Head| match &head.long {
             Some(long) if in_words => vec![long.as_str()],
-            _ => head.short.split_inclusive('-').collect(),
+            _ => head.short.split_inclusive(['-', '\n']).collect(),
         };
         let heads: Vec<Vec<&str>> = self.columns.iter().map(head).collect();
         let lines = heads.iter().map(Vec::len).max().unwrap_or(0);
         let top = MARGIN + 1.5 * LEADING + LEADING * lines as f64;
-        let wide = room.min(if in_words { longest.max(WIDEST) } else { WIDEST });
+        let wide = room.min(if in_words { longest.max(self.widest) } else { self.widest });
         let bottom = top + self.height * self.rows.len() as f64;
         svg((PAGE, bottom + 1.5 + keys.height() + MARGIN), |canvas| {
             canvas.text(&self.title, (MARGIN, MARGIN + 0.5 * LEADING), TEXT, (HPos::Left, VPos::Center));
@@ -108,20 +106,15 @@ impl<'g> Grid<'g> {
         }
     }
 
-    /// The key: classes that occur, the marks, the columns if they are numbered.
+    /// The key: cells and marks that occur, the columns if they are numbered.
     fn entries(&self, numbered: bool) -> Vec<(Sign, String)> {
         let places = (0..self.rows.len()).flat_map(|i| (0..self.columns.len()).map(move |k| (i, k)));
         let tiles: Vec<Tile> = places.flat_map(|(i, k)| (self.tiles)(i, k)).flatten().collect();
-        let occurs = |class: &Class| tiles.iter().any(|tile| tile.class == *class);
-        let classes = Class::all().filter(occurs);
+        let cells = self.cells.iter().filter(|(cell, _)| tiles.iter().any(|tile| tile.cells.contains(cell)));
         let mut entries: Vec<(Sign, String)> =
-            classes.map(|class| (Sign::Cell(class.cell()), class.text().to_owned())).collect();
-        if tiles.iter().any(|tile| tile.mended) {
-            entries.push((MENDED, "another setting of the method mends it".to_owned()));
-        }
-        if tiles.iter().any(|tile| tile.zeta_lies) {
-            entries.push((LIES, "ζ met the tolerance far from the solution".to_owned()));
-        }
+            cells.map(|(cell, meaning)| (Sign::Cell(*cell), meaning.clone())).collect();
+        let marks = (0..2).filter(|mark| tiles.iter().any(|tile| tile.marks[*mark]));
+        entries.extend(marks.map(|mark| (MARKS[mark], self.marks[mark].to_owned())));
         entries.extend(self.notes.iter().map(|note| (Sign::Word, note.clone())));
         if numbered {
             let entry = |head: &Head| Some((Sign::Word, format!("{} {}", head.short, head.long.as_ref()?)));
@@ -133,29 +126,16 @@ impl<'g> Grid<'g> {
 
 impl Tile {
     fn draw(self, canvas: &Canvas, from: Place, to: Place) {
-        self.class.cell().draw(canvas, from, to, THIN);
-        let middle = f64::midpoint(from.0, to.0);
-        if self.mended {
-            MENDED.draw(canvas, (middle - 0.9, from.1 + 0.8));
+        let width = (1.0 - BETWEEN) * (to.0 - from.0) / self.cells.len() as f64;
+        for (k, cell) in self.cells.into_iter().enumerate() {
+            let left = from.0 + width * k as f64;
+            cell.draw(canvas, (left, from.1), (left + width, to.1), THIN);
         }
-        if self.zeta_lies {
-            LIES.draw(canvas, (middle - 0.9, to.1 - 0.8));
+        let middle = f64::midpoint(from.0, to.0);
+        for ((has, mark), y) in self.marks.into_iter().zip(MARKS).zip([from.1 + 0.8, to.1 - 0.8]) {
+            if has {
+                mark.draw(canvas, (middle - 0.9, y));
+            }
         }
     }
-}
-
-/// One row per method: its settings or rules, and how many of its runs have each of `classes`.
-pub(super) fn counts(
-    methods: &[(String, usize, Vec<Class>)],
-    classes: impl Iterator<Item = Class>,
-) -> DataFrame {
-    let table = frame(df!(
-        "method" => methods.iter().map(|(method, ..)| method.as_str()).collect::<Vec<_>>(),
-        "settings" => methods.iter().map(|(_, settings, _)| *settings as u64).collect::<Vec<_>>(),
-    ));
-    let count = |class: Class| {
-        let of = |(.., all): &(_, _, Vec<Class>)| all.iter().filter(|other| **other == class).count() as u64;
-        Column::new(class.text().replace(' ', "_").into(), methods.iter().map(of).collect::<Vec<_>>())
-    };
-    frame(table.hstack(&classes.map(count).collect::<Vec<_>>()))
 }

@@ -1,0 +1,160 @@
+//! The fastest method of each kind of problem, size and accuracy, with ties.
+
+use std::collections::BTreeMap;
+
+use polars::df;
+use polars::prelude::DataFrame;
+
+use super::grid::{Grid, Head, Tile};
+use crate::draw::{Cell, ColorScale, INK, Looks, WHITE};
+use crate::read::{
+    Kind, Problems, RunRow, Standing, accuracy_text, counted, file_name, kinds, natural_maps, repeats, span,
+    standings, unique,
+};
+use crate::text::{Part, frame};
+
+/// Height of a row (mm).
+const ROW: f64 = 7.0;
+/// Greatest width of a column (mm): four accuracies, three methods that tie in each, with their letters.
+const WIDEST: f64 = 34.0;
+
+/// Signs of methods, in the order of the study.
+const LETTERS: [&str; 16] = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "m", "n", "o", "p", "q"];
+const NONE: Cell = Cell { fill: WHITE, letter: "–", ink: INK };
+
+/// The standings of a kind at an accuracy.
+struct Ranked<'k, 'r> {
+    kind: &'k Kind<'r>,
+    accuracy: f64,
+    standings: Vec<Standing>,
+}
+
+/// The figures `winners-<case>`, one for each case, and the table `winners`.
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
+    let kinds = kinds(&study.runs);
+    let accuracies = natural_maps(&study.runs);
+    let ranked = |kind| {
+        let ranked = |accuracy: &f64| Ranked {
+            kind,
+            accuracy: *accuracy,
+            standings: standings(&kind.runs, *accuracy),
+        };
+        accuracies.iter().map(ranked).collect::<Vec<_>>()
+    };
+    let ranked: Vec<Ranked> = kinds.iter().flat_map(ranked).collect();
+    let note = format!(
+        "\nThe natural map is at most the accuracy and stays below ten times that. First: the method that reaches it on most problems of \
+         the kind, and of those the one whose median ratio to the fastest of each problem is least. Ties: those that reach it on as many, \
+         and of which no difference shows: an interval of at least 90 % of the median over the problems of how much slower they are, \
+         less the intervals of both times, does not lie above 1. Of up to seven problems a method must be slower on each, on one by more \
+         than the spread of its repeats. Seconds: median over the problems, and its interval. {}\n",
+        repeats(&study.runs)
+    );
+    let signs = Signs::new(&study.runs);
+    let mut parts = Vec::new();
+    for case in unique(kinds.iter().map(|kind| kind.case.as_str())) {
+        let of_case: Vec<&Ranked> = ranked.iter().filter(|ranked| ranked.kind.case == case).collect();
+        parts.push(Part::figure(
+            format!("winners-{}", file_name(case)),
+            figure(&of_case, &accuracies, &signs),
+        ));
+    }
+    parts.push(Part::table("winners", table(&ranked), note));
+    parts
+}
+
+/// Signs of the methods of a study.
+struct Signs(Vec<(String, Cell)>);
+
+impl Signs {
+    /// Letters in the order of the study; the settings of a method in shades of its colour.
+    fn new(runs: &[RunRow]) -> Self {
+        let looks = Looks::new(runs);
+        let mut signs: Vec<(String, Cell)> = Vec::new();
+        let mut of_method: BTreeMap<&str, usize> = BTreeMap::new();
+        for run in runs {
+            if signs.iter().all(|(label, _)| *label != run.own_label()) {
+                let place = of_method.entry(&run.method).or_default();
+                let fill = looks.variant(&run.method, *place).pen.color;
+                *place += 1;
+                let letter = LETTERS[signs.len() % LETTERS.len()];
+                signs.push((run.own_label(), Cell { fill, letter, ink: ColorScale::ink_on(fill) }));
+            }
+        }
+        Self(signs)
+    }
+
+    fn of(&self, standing: &Standing) -> Option<Cell> {
+        self.0.iter().find(|(label, _)| *label == standing.label).map(|(_, cell)| *cell)
+    }
+}
+
+/// A row for each kind, a column for each size, in it the accuracies from left to right.
+fn figure(ranked: &[&Ranked], accuracies: &[f64], signs: &Signs) -> String {
+    let names = unique(ranked.iter().map(|ranked| ranked.kind.name.as_str()));
+    let sizes = unique(ranked.iter().map(|ranked| ranked.kind.grains));
+    let samples = |name: &str| {
+        let of = ranked.iter().filter(|ranked| ranked.kind.name == name).map(|ranked| ranked.kind.problems());
+        match span(of.map(|problems| problems as f64)) {
+            Some((least, most)) if least == most => counted(least as usize, "packing"),
+            Some((least, most)) => format!("{least} to {most} packings"),
+            None => String::new(),
+        }
+    };
+    let samples: Vec<String> = names.iter().map(|name| samples(name)).collect();
+    let tile = |ranked: &Ranked| {
+        let ties: Vec<&Standing> = ranked.standings.iter().filter(|standing| standing.ties).collect();
+        let is_on_some = ties.first().is_some_and(|first| first.reached < ranked.kind.problems());
+        let cells = ties.iter().filter_map(|standing| signs.of(standing)).collect();
+        Tile { cells: if ties.is_empty() { vec![NONE] } else { cells }, marks: [is_on_some, false] }
+    };
+    let tiles: &dyn Fn(usize, usize) -> Vec<Option<Tile>> = &|row, column| {
+        let here = |ranked: &&&Ranked| ranked.kind.name == names[row] && ranked.kind.grains == sizes[column];
+        ranked.iter().filter(here).map(|ranked| Some(tile(ranked))).collect()
+    };
+    let all: Vec<String> = accuracies.iter().map(|accuracy| accuracy_text(*accuracy)).collect();
+    let key = (NONE, "no method reaches it".to_owned());
+    Grid {
+        title: format!(
+            "{}: fastest to a natural map of {}, from left to right; ties share a field",
+            ranked[0].kind.case,
+            all.join(", ")
+        ),
+        notes: Vec::new(),
+        rows: names.iter().zip(&samples).map(|(name, samples)| (*name, samples.as_str())).collect(),
+        height: ROW,
+        widest: WIDEST,
+        columns: sizes
+            .iter()
+            .map(|grains| Head { short: counted(*grains as usize, "grain"), long: None })
+            .collect(),
+        cells: signs.0.iter().map(|(label, cell)| (*cell, label.clone())).chain([key]).collect(),
+        marks: ["on some of the packings alone", ""],
+        tiles,
+    }
+    .svg()
+}
+
+fn table(ranked: &[Ranked]) -> DataFrame {
+    let column = |of: fn(&Ranked) -> Option<f64>| ranked.iter().map(of).collect::<Vec<_>>();
+    let ties = |ranked: &Ranked| {
+        let ties = ranked.standings.iter().skip(1).filter(|standing| standing.ties);
+        ties.map(|standing| standing.label.as_str()).collect::<Vec<_>>().join("; ")
+    };
+    frame(df!(
+        "case" => ranked.iter().map(|ranked| ranked.kind.case.as_str()).collect::<Vec<_>>(),
+        "kind" => ranked.iter().map(|ranked| ranked.kind.name.as_str()).collect::<Vec<_>>(),
+        "grains" => ranked.iter().map(|ranked| ranked.kind.grains).collect::<Vec<_>>(),
+        "problems" => ranked.iter().map(|ranked| ranked.kind.problems() as u64).collect::<Vec<_>>(),
+        "natural_map" => ranked.iter().map(|ranked| ranked.accuracy).collect::<Vec<_>>(),
+        "first" => ranked.iter().map(|ranked| ranked.standings.first().map(|first| first.label.as_str())).collect::<Vec<_>>(),
+        "ties" => ranked.iter().map(ties).collect::<Vec<_>>(),
+        "reached" => ranked.iter().map(|ranked| ranked.standings.first().map_or(0, |first| first.reached as u64)).collect::<Vec<_>>(),
+        "seconds" => column(|ranked| Some(ranked.standings.first()?.seconds.median)),
+        "seconds_low" => column(|ranked| Some(ranked.standings.first()?.seconds.low)),
+        "seconds_high" => column(|ranked| Some(ranked.standings.first()?.seconds.high)),
+    ))
+}
+
+#[cfg(test)]
+mod tests;
