@@ -20,6 +20,7 @@ mod cli {
     #[cfg(test)]
     mod tests;
     pub(crate) mod view;
+    pub(crate) mod which;
 }
 
 /// The commands of `gravel-mpi`: those of `gravel` where ranks share each problem.
@@ -178,7 +179,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use cli::{
     bench, certify, convert, freeze, list, merge, plan as show, regress, report, schema, simulate, solve,
-    split, view,
+    split, view, which,
 };
 use contact::memory;
 use results::provenance::available_memory;
@@ -225,6 +226,9 @@ enum Command {
     /// Solve one contact problem with one method
     #[command(after_help = exit::HELP)]
     Solve(solve::Args),
+    /// Find the method for a contact problem: brief runs of those that lead on problems like it
+    #[command(after_help = exit::HELP)]
+    Which(which::Args),
     /// Print the residuals of a contact problem at the reference solution, or at impulses you supply
     #[command(after_help = format!("{}\n\n{}", certify::HELP, exit::HELP))]
     Certify(certify::Args),
@@ -274,7 +278,9 @@ impl Command {
             Self::Bench(_) => "the runs that had ended are kept, and the same command goes on",
             Self::Simulate(_) => "the time steps that had ended are kept",
             Self::Regress(_) | Self::Bless(_) => "nothing was compared",
-            Self::Solve(_) | Self::Freeze(_) | Self::Convert(_) | Self::View(_) => "nothing of it is kept",
+            Self::Solve(_) | Self::Freeze(_) | Self::Convert(_) | Self::View(_) | Self::Which(_) => {
+                "nothing of it is kept"
+            }
             _ => "what it had written is kept",
         }
     }
@@ -301,6 +307,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
         Command::Regress(args) => return regress::regress(root.needed()?, &args),
         Command::Bless(args) => return regress::bless(root.needed()?, &args),
         Command::Solve(args) => return in_the_pool(|| solve::run(&root, &args)),
+        Command::Which(args) => return in_the_pool(|| which::run(&root, &args)),
         Command::Certify(args) => return certify::run(&root, &args),
         Command::Freeze(args) => in_the_pool(|| freeze::run(&root, &args))?,
         Command::Convert(args) => in_the_pool(|| convert::run(&root, &args))?,

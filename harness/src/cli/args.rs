@@ -1,11 +1,13 @@
 //! Arguments that several commands share.
 
-use crate::plan::{Method, Plan, key_value, refuse_repeated};
-use crate::problems::{CaseProblem, Root, is_toml, planned};
+use crate::exchange::{Held, is_foreign, read as read_foreign};
+use crate::plan::{Method, Plan, Settings, key_value, refuse_repeated};
+use crate::problems::{CaseProblem, Given, Problem, Root, is_toml, planned, stem};
 use crate::study::Selection;
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Case};
 use contact::Measure;
+use lineup::Posed;
 use runner::Stop;
 use serde::Deserialize;
 use serde_json::Value;
@@ -103,6 +105,14 @@ impl Start {
             "warm" => Self::Warm,
             place => Self::From(place.into()),
         })
+    }
+
+    /// Returns the impulses (N·s).
+    pub(crate) fn impulses(&self, problem: &Problem) -> Result<Vec<f64>> {
+        match self {
+            Self::From(file) => Ok(Given::read(file, &problem.posed.facts())?.impulse),
+            start => Ok(problem.start(*start == Self::Warm)),
+        }
     }
 }
 
@@ -206,6 +216,26 @@ impl SceneArgs {
         }
         self.refused(&format!("{} is a frozen problem", path.display()))?;
         Ok(AnyFrozen::read(path)?)
+    }
+
+    /// The problem of a file, ours or of another code; nothing of its solutions is known unless the `truth` is asked for.
+    pub(crate) fn given(&self, path: &Path, truth: bool) -> Result<Problem> {
+        let frozen = if is_foreign(path) {
+            match read_foreign(path)? {
+                Held::Local(problem) => {
+                    self.refused(&format!("{} is a problem of W alone", path.display()))?;
+                    let posed = Posed::W(Box::new(problem));
+                    return Ok(Problem::new(stem(path), posed, Settings::new(), truth));
+                }
+                Held::Ours(text) => {
+                    self.refused(&format!("{} is a frozen problem", path.display()))?;
+                    AnyFrozen::of_text(path, &text)?
+                }
+            }
+        } else {
+            self.problem(path)?
+        };
+        Ok(Problem::alone(frozen, truth))
     }
 }
 

@@ -1,13 +1,11 @@
 //! `gravel solve`: one contact problem, one method.
 
 use crate::cli::args::{SceneArgs, SolverArgs, Start};
-use crate::exchange::{self, Held, is_foreign};
-use crate::plan::{Method, Settings};
-use crate::problems::{Given, Problem, Root, stem};
+use crate::plan::Method;
+use crate::problems::{Problem, Root};
 use crate::run::{asked, homogenised, outcome, to_json};
 use crate::terminal::{Line, check_apart, exit, prepare_place, say, write_instead};
 use anyhow::{Context, Result, bail};
-use cases::AnyFrozen;
 use contact::{Measure, Measures};
 use lineup::Posed;
 use runner::{Outcome, Progress, Status, Stop};
@@ -56,12 +54,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let outputs = outputs.iter().filter_map(|(name, file)| Some((*name, file.as_deref()?)));
     check_apart(&[("the problem", &*path)].into_iter().chain(outputs).collect::<Vec<_>>())?;
     let truth = args.truth || stop.on == Measure::VelocityError;
-    let problem = args.problem(&path, truth)?;
+    let problem = args.scene.given(&path, truth)?;
+    args.check(&problem, &path)?;
     let (posed, facts) = (&problem.posed, problem.posed.facts());
-    let r0 = match &args.start {
-        Start::From(file) => Given::read(file, &facts)?.impulse,
-        start => problem.start(*start == Start::Warm),
-    };
+    let r0 = args.start.impulses(&problem)?;
     let known = problem.known(root)?;
     let mut line = Line::alone(method.name.to_owned());
     let mut observe = |progress: &Progress| {
@@ -92,33 +88,18 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
 }
 
 impl Args {
-    /// The problem at `path`; nothing of its solutions is known unless the `truth` is asked for.
-    fn problem(&self, path: &Path, truth: bool) -> Result<Problem> {
+    /// Refuses what a problem of W alone has not: grains, and a time step before.
+    fn check(&self, problem: &Problem, path: &Path) -> Result<()> {
         let file = path.display();
-        let frozen = if is_foreign(path) {
-            match exchange::read(path)? {
-                Held::Local(problem) => {
-                    self.scene.refused(&format!("{file} is a problem of W alone"))?;
-                    if self.homogenised.is_some() {
-                        bail!("--homogenised: {file} has W alone, no grains and no contacts in space");
-                    }
-                    if self.start != Start::Cold {
-                        bail!(
-                            "--start: {file} is a problem of W alone: it has no impulses of a time step before, and takes none"
-                        );
-                    }
-                    let posed = Posed::W(Box::new(problem));
-                    return Ok(Problem::new(stem(path), posed, Settings::new(), truth));
-                }
-                Held::Ours(text) => {
-                    self.scene.refused(&format!("{file} is a frozen problem"))?;
-                    AnyFrozen::of_text(path, &text)?
-                }
+        match &problem.posed {
+            Posed::W(_) if self.homogenised.is_some() => {
+                bail!("--homogenised: {file} has W alone, no grains and no contacts in space")
             }
-        } else {
-            self.scene.problem(path)?
-        };
-        Ok(Problem::alone(frozen, truth))
+            Posed::W(_) if self.start != Start::Cold => bail!(
+                "--start: {file} is a problem of W alone: it has no impulses of a time step before, and takes none"
+            ),
+            _ => Ok(()),
+        }
     }
 }
 

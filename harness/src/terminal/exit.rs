@@ -23,11 +23,12 @@ const INTERRUPTED: u8 = 130;
 /// Text below the help of every command whose answer is one of them.
 pub(crate) const HELP: &str = "\
 Exit codes:
-    0  solve: converged; certify: certified; simulate: every time step converged; else: done
+    0  solve: converged; which: a method converges; certify: certified; simulate: every time step
+       converged; else: done
     1  an error: a file, a key or a value is wrong; regress: a count has changed
     2  wrong arguments
     3  solve: not converged (iteration-limit, stalled, diverged, false-convergence);
-       certify: not certified; simulate: exploded, solver-diverged, or a time step did not converge
+       which: no method converges; certify: not certified; simulate: exploded, solver-diverged, or a time step did not converge
     4  solve, certify: it is proved that the problem has no solution; simulate: so for a time step
   130  stopped by Ctrl-C or SIGTERM; what was reached is kept, but no run inside an iteration
        of more than a second

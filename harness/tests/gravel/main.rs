@@ -27,3 +27,4 @@ mod store;
 mod truth;
 mod view;
 mod w_alone;
+mod which;
