@@ -8,6 +8,7 @@ mod curves;
 mod declared;
 mod directions;
 mod grid;
+mod growth;
 mod lines;
 mod macroscopic;
 mod next_step;
@@ -103,6 +104,12 @@ const CHARTS: &[Chart] = &[
         makes: "`winners-<case>`, `winners`",
         shows: "the fastest method of each kind of problem, number of grains and accuracy, over its samples; ties share a field",
         parts: Parts::Problems(winners::parts),
+    },
+    Chart {
+        name: "growth",
+        makes: "`growth-<kind>`, `growth`",
+        shows: "what subdomains cost over several packings: iterations to each accuracy over those without, medians with intervals",
+        parts: Parts::Problems(growth::parts),
     },
     Chart {
         name: "subdomains",

@@ -10,12 +10,12 @@ use crate::read::{Ending, Problems, RunRow, Sample, file_name, problems, unique}
 use crate::text::Part;
 
 /// The panels and the names of their axes.
-const MEASURES: [(Measure, &str); 2] =
+pub(super) const MEASURES: [(Measure, &str); 2] =
     [(Measure::Zeta, "ζ reached (–)"), (Measure::NaturalMap, "natural map reached (–)")];
-const RATIO: &str = "iterations over those without subdomains (–)";
+pub(super) const RATIO: &str = "iterations over those without subdomains (–)";
 
 /// Least number of iterations for a ratio: with fewer, one more or less would be a ratio of its own.
-const LEAST: u64 = 10;
+pub(super) const LEAST: u64 = 10;
 /// The least axis (in logarithms): less would show differences that are none.
 const NARROWEST: [f64; 2] = [-0.02, 0.222];
 
@@ -58,7 +58,7 @@ fn panel(study: &Lines, pairs: &[(&RunRow, &RunRow)], measure: Measure, name: &s
 
 /// The run that `run` is NSGS-DD of, which is NSGS; or else its own method's on one subdomain, if that is another run. All
 /// settings that both have are the same.
-fn without_subdomains<'r>(run: &RunRow, runs: &[&'r RunRow]) -> Option<&'r RunRow> {
+pub(super) fn without_subdomains<'r>(run: &RunRow, runs: &[&'r RunRow]) -> Option<&'r RunRow> {
     let agrees = |other: &RunRow| {
         let mut settings = run.settings.iter().filter(|(key, _)| *key != "subdomains");
         settings.all(|(key, value)| other.settings.get(key).is_none_or(|of| of == value))
@@ -90,7 +90,7 @@ fn ratios(run: &RunRow, base: &RunRow, measure: Measure) -> (Vec<LogPoint>, Endi
 }
 
 /// Returns the first iteration with a measure of at most 10 to the power of `log`, from which on it stays there.
-fn first(curve: &[Sample], measure: Measure, log: f64) -> Option<u64> {
+pub(super) fn first(curve: &[Sample], measure: Measure, log: f64) -> Option<u64> {
     // Round-off of the power must not lose a whole decade.
     let accuracy = 10f64.powf(log) * (1.0 + 1e-12);
     let values = curve.iter().map(|point| point.get(measure).unwrap_or(f64::NAN));
