@@ -101,7 +101,7 @@ const CHARTS: &[Chart] = &[
     },
     Chart {
         name: "winners",
-        makes: "`winners-<case>`, `winners`",
+        makes: "`winners-<case>`, `winners-counts`, `winners`",
         shows: "the fastest method of each kind of problem, number of grains and accuracy, over its samples; ties share a field",
         parts: Parts::Problems(winners::parts),
     },

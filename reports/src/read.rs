@@ -19,14 +19,14 @@ pub(crate) use results::schema::{Ending, Sample};
 
 pub(crate) use cost::{ACCURACIES, COSTS, Cost, WORK, accuracy_text};
 pub(crate) use ending::{Verdicts, ending_text};
-pub(crate) use fastest::{Standing, natural_maps, standings};
+pub(crate) use fastest::{Standing, Tally, natural_maps, standings, tallies};
 pub(crate) use groups::{differing, settings_text};
 pub(crate) use kinds::{Kind, kinds};
 pub(crate) use number::{SUPERSCRIPTS, count, counted, mantissa_and_power, number, power_of_ten, round_down};
 pub(crate) use run::{RunRow, problems, repeats, stopped_at_1e_2, threads};
 pub(crate) use scene::{Scene, ends, impulse, scenes, walls};
 pub(crate) use simulation::{Simulation, in_role, milliseconds};
-pub(crate) use statistics::{find_or_push, median, padded, rising, slope, span, unique};
+pub(crate) use statistics::{Mean, OF_90, OF_95, find_or_push, median, padded, rising, slope, span, unique};
 
 /// Samples by problem and partition.
 pub(crate) type Scenes = BTreeMap<(String, String), Scene>;

@@ -126,7 +126,7 @@ fn figure(kind: &Kind, ratios: &[&Ratio], looks: &Looks) -> String {
                     .unzip();
                 low.into_iter().chain(high.into_iter().rev()).collect()
             };
-            let (x, y) = (Side::new(Scale::Ten, name), Side::new(Scale::Ten, RATIO));
+            let (x, y) = (Side::new(Scale::Ten, name), Side::new(Scale::Ten, format!("{label}: {RATIO}")));
             let guide = Guide::new(At::Y(0.0), TOLERANCE, "as many iterations");
             let curves = numbers.iter().filter_map(|number| curve(*number as u32)).collect();
             let ends = interval.iter().map(|(_, y)| *y).chain([-0.02, 0.222]).collect::<Vec<_>>();

@@ -5,17 +5,23 @@ mod tests;
 
 use polars::df;
 use polars::prelude::DataFrame;
-use results::simulation::SimulationEnding;
+use results::simulation::{SimulationEnding, Stress};
 
-use crate::draw::{Curve, Look, MARKS, Mark, Panel, Plot, Scale, Side, Sign, Through, log, looks_in_time};
-use crate::read::{Simulation, rising};
-use crate::text::{Part, chosen};
+use crate::draw::{
+    At, Curve, Guide, Look, MARKS, Mark, Panel, Plot, Scale, Side, Sign, TOLERANCE, Through, log,
+    looks_in_time,
+};
+use crate::read::{Ending, Mean, OF_90, OF_95, Simulation, number, rising, span, unique};
+use crate::text::{Part, chosen, frame};
 
 const KEY: &str = "macroscopic";
 /// Setting of a scene for the friction of its grains.
 const FRICTION: &str = "scene.friction";
 /// Distance between methods that share a place, over the width of an axis.
 const APART: f64 = 0.012;
+/// Difference of the friction of a packing that is none to who uses it (–): what the friction of two packings of 200 discs differs by
+/// is twice as much.
+const MARGIN: f64 = 0.01;
 /// A simulation whose second half says something.
 struct Sheared<'s> {
     simulation: &'s Simulation,
@@ -33,6 +39,8 @@ struct Flow {
     drift: f64,
     /// Contacts that push, per grain (–).
     coordination: f64,
+    /// Volume of grains over volume in the bulk (–).
+    solid_fraction: f64,
 }
 
 /// Averages the rows after half of its time; `None` if it did not come to its end, or if nothing presses.
@@ -47,12 +55,13 @@ fn flow(simulation: &Simulation) -> Option<Flow> {
     let friction = mean(&ratios);
     let squares: Vec<f64> = ratios.iter().map(|ratio| (ratio - friction).powi(2)).collect();
     let (first, last) = ratios.split_at(ratios.len() / 2);
-    let coordination: Vec<f64> = half.iter().map(|row| row.stress.coordination).collect();
+    let of = |of: fn(&Stress) -> f64| mean(&half.iter().map(|row| of(&row.stress)).collect::<Vec<_>>());
     Some(Flow {
         friction,
         spread: mean(&squares).sqrt(),
         drift: (mean(last) - mean(first)).abs(),
-        coordination: mean(&coordination),
+        coordination: of(|stress| stress.coordination),
+        solid_fraction: of(|stress| stress.bulk_solid_fraction),
     })
 }
 
@@ -64,21 +73,107 @@ fn sheared<'s>(all: &'s [Simulation]) -> Vec<Sheared<'s>> {
     all.iter().filter(|simulation| simulation.is_run()).filter_map(of).collect()
 }
 
-/// The figure and the table `macroscopic`.
+/// The figure and the tables `macroscopic` and `macroscopic-differences`.
 pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
     let sheared = sheared(all);
     let table = Part::table(KEY, table(&sheared), format!("\n{MEANING}\n"));
     let solved: Vec<Sheared> = sheared.into_iter().filter(|s| s.simulation.is_solved()).collect();
-    let drawn = solved.len();
-    let left_out = all.iter().filter(|simulation| simulation.is_run()).count() - drawn;
-    let figure =
-        (!solved.is_empty()).then(|| Part::figure(KEY, figure(&solved, &looks_in_time(all), left_out)));
-    figure.into_iter().chain([table]).collect()
+    let left_out = all.iter().filter(|simulation| simulation.is_run()).count() - solved.len();
+    let differences = differences(&solved);
+    let figure = (!solved.is_empty())
+        .then(|| Part::figure(KEY, figure(&solved, &differences, &looks_in_time(all), left_out)));
+    let note = format!(
+        "\nDifference of a packing at a tolerance less the same packing, by the same method, at the least tolerance of the plan; of those \
+         that met it in every time step of both. Low and high: Student's interval of 95 % of the mean, of five packings or more. \
+         Equivalent: the interval of 90 % lies within ±{MARGIN} (two one-sided tests at 5 %); differs: that of 95 % does not hold 0, and \
+         it is not equivalent; else not resolved.\n"
+    );
+    let differences = Part::table(format!("{KEY}-differences"), table_of_differences(&differences), note);
+    figure.into_iter().chain([differences, table]).collect()
 }
 
 const MEANING: &str = "Friction of the packing is the mean of shear over normal stress (Love-Weber) in the second half of the time, \
                        its spread the standard deviation in time, its drift the distance of the means of the third and of the \
                        fourth quarter of the time.";
+
+/// Differences of packings at a tolerance from themselves at the least one.
+struct Difference {
+    method: String,
+    /// μ of the grains (–).
+    grains: f64,
+    tolerance: f64,
+    packings: usize,
+    /// Of friction, coordination and solid fraction.
+    of: [Option<Mean>; 3],
+    /// Interval of 90 % of the friction.
+    narrow: Option<Mean>,
+}
+
+impl Difference {
+    fn verdict(&self) -> &'static str {
+        match (self.of[0], self.narrow) {
+            (Some(_), Some(narrow)) if narrow.low >= -MARGIN && narrow.high <= MARGIN => "equivalent",
+            (Some(of), _) if of.low > 0.0 || of.high < 0.0 => "differs",
+            (Some(_), _) => "not resolved",
+            (None, _) => "fewer than five packings",
+        }
+    }
+}
+
+fn differences(solved: &[Sheared]) -> Vec<Difference> {
+    let least = solved.iter().map(|s| s.simulation.tolerance).fold(f64::INFINITY, f64::min);
+    // Label, μ and tolerance, and what differs.
+    type Pair = ((String, f64, f64), [f64; 3]);
+    let pair = |s: &Sheared| -> Option<Pair> {
+        let is_same = |other: &&Sheared| {
+            other.simulation.scene == s.simulation.scene
+                && other.simulation.label() == s.simulation.label()
+                && other.simulation.tolerance == least
+        };
+        let (flow, exact) = (&s.flow, &solved.iter().find(is_same)?.flow);
+        let differences = [
+            flow.friction - exact.friction,
+            flow.coordination - exact.coordination,
+            flow.solid_fraction - exact.solid_fraction,
+        ];
+        Some(((s.simulation.label(), s.grains, s.simulation.tolerance), differences))
+    };
+    let coarser = solved.iter().filter(|s| s.simulation.tolerance > least);
+    let pairs: Vec<Pair> = coarser.filter_map(pair).collect();
+    let of_kind = |kind: (String, f64, f64)| {
+        let own: Vec<[f64; 3]> = pairs.iter().filter(|pair| pair.0 == kind).map(|pair| pair.1).collect();
+        let mean =
+            |k: usize, quantile| Mean::of(&own.iter().map(|pair| pair[k]).collect::<Vec<_>>(), quantile);
+        let (method, grains, tolerance) = kind;
+        let of = [0, 1, 2].map(|k| mean(k, OF_95));
+        Difference { method, grains, tolerance, packings: own.len(), of, narrow: mean(0, OF_90) }
+    };
+    unique(pairs.iter().map(|pair| pair.0.clone())).into_iter().map(of_kind).collect()
+}
+
+fn table_of_differences(all: &[Difference]) -> DataFrame {
+    let of = |k: usize, of: fn(&Mean) -> f64| {
+        let value =
+            |difference: &Difference| difference.of[k].as_ref().map(of).filter(|value| value.is_finite());
+        all.iter().map(value).collect::<Vec<_>>()
+    };
+    frame(df!(
+        "method" => all.iter().map(|d| d.method.as_str()).collect::<Vec<_>>(),
+        "friction_of_grains" => all.iter().map(|d| d.grains).collect::<Vec<_>>(),
+        "tolerance" => all.iter().map(|d| d.tolerance).collect::<Vec<_>>(),
+        "packings" => all.iter().map(|d| d.packings as u64).collect::<Vec<_>>(),
+        "friction" => of(0, |mean| mean.mean),
+        "friction_low" => of(0, |mean| mean.low),
+        "friction_high" => of(0, |mean| mean.high),
+        "verdict" => all.iter().map(Difference::verdict).collect::<Vec<_>>(),
+        "coordination" => of(1, |mean| mean.mean),
+        "coordination_low" => of(1, |mean| mean.low),
+        "coordination_high" => of(1, |mean| mean.high),
+        "solid_fraction" => of(2, |mean| mean.mean),
+        "solid_fraction_low" => of(2, |mean| mean.low),
+        "solid_fraction_high" => of(2, |mean| mean.high),
+    ))
+}
 
 fn table(sheared: &[Sheared]) -> DataFrame {
     let of = |value: fn(&Sheared) -> f64| sheared.iter().map(value).collect::<Vec<_>>();
@@ -89,62 +184,110 @@ fn table(sheared: &[Sheared]) -> DataFrame {
         "spread" => of(|s| s.flow.spread),
         "drift" => of(|s| s.flow.drift),
         "coordination" => of(|s| s.flow.coordination),
+        "solid_fraction" => of(|s| s.flow.solid_fraction),
     );
-    let names = "scene method tolerance friction_of_grains friction_of_packing spread drift coordination time_steps \
+    let names = "scene method tolerance friction_of_grains friction_of_packing spread drift coordination solid_fraction time_steps \
                  missed_time_steps iterations iterating_s";
     chosen(sheared.iter().map(|s| s.simulation), names, own)
 }
 
-/// Left, at the least tolerance met, against the μ of the grains; right, at the middle μ, against the tolerance.
-fn figure(solved: &[Sheared], looks: &[(String, Look)], left_out: usize) -> String {
+/// A place on the x axis, and a mean there.
+type Place = (f64, Mean);
+
+/// Left, at the least tolerance, against the μ of the grains; right, at the middle μ, the differences against the tolerance.
+fn figure(
+    solved: &[Sheared],
+    differences: &[Difference],
+    looks: &[(String, Look)],
+    left_out: usize,
+) -> String {
     let grains = rising(solved.iter().map(|s| s.grains));
     let middle = grains[grains.len() / 2];
-    let tightest = |grains: f64| {
-        let tolerances = solved.iter().filter(|s| s.grains == grains).map(|s| s.simulation.tolerance);
-        tolerances.fold(f64::INFINITY, f64::min)
+    let tolerances = rising(solved.iter().map(|s| s.simulation.tolerance));
+    let of_grains = |label: &str| {
+        let at = |mu: &f64| {
+            let here = solved.iter().filter(|s| s.grains == *mu && s.simulation.tolerance == tolerances[0]);
+            let values: Vec<f64> =
+                here.filter(|s| s.simulation.label() == label).map(|s| s.flow.friction).collect();
+            Some((*mu, Mean::of(&values, OF_95)?))
+        };
+        grains.iter().filter_map(at).collect()
     };
-    let of_grains = solved.iter().filter(|s| s.simulation.tolerance == tightest(s.grains));
-    let of_tolerance = solved.iter().filter(|s| s.grains == middle);
-    let words =
-        "A point for each packing; lines join medians. Methods stand a little apart to be seen.".to_owned();
-    let mut signs = vec![(Sign::Word, words)];
+    let of_tolerance = |label: &str| {
+        let here = differences.iter().filter(|d| d.grains == middle && d.method == label);
+        here.filter_map(|d| Some((log(d.tolerance), d.of[0]?))).collect()
+    };
+    let packings = unique(solved.iter().map(|s| s.simulation.scene.as_str())).len() / grains.len();
+    let mut signs = vec![(
+        Sign::Word,
+        format!(
+            "Means over packings, about {packings} for each μ, with intervals of 95 %; methods stand a little apart to be seen."
+        ),
+    )];
     if left_out > 0 {
-        let text = format!(
-            "Left out, not completed or with more than a tenth of their time steps missed: {left_out}."
-        );
+        let text = format!("Left out, not completed or with a time step missed: {left_out}.");
         signs.push((Sign::Word, text));
     }
-    let title = vec![format!(
-        "Friction of the packing: at the least tolerance met, against μ of its grains; with μ = {middle}, against the tolerance"
-    )];
-    let panels = vec![
-        panel(
-            &of_grains.map(|s| (s, s.grains)).collect::<Vec<_>>(),
-            looks,
-            "friction μ of the grains (–)",
-            Scale::Share,
+    let title = vec![
+        format!(
+            "Friction of the packing against that of its grains, solved to {};",
+            number(tolerances[0], 1)
         ),
-        panel(
-            &of_tolerance.map(|s| (s, log(s.simulation.tolerance))).collect::<Vec<_>>(),
-            looks,
-            "tolerance of a time step (–)",
-            Scale::Ten,
-        ),
+        format!("and, with μ = {middle}, what a coarser tolerance changes, packing by packing."),
     ];
+    let x = |scale, name: &str, values: &[f64]| Side::new(scale, name).holding(values.to_vec());
+    let logs: Vec<f64> = tolerances.iter().skip(1).map(|tolerance| log(*tolerance)).collect();
+    let left = panel(
+        looks,
+        &of_grains,
+        &grains,
+        x(Scale::Share, "friction μ of the grains (–)", &grains),
+        "friction τ/σ of the packing (–)",
+        &[0.0],
+    );
+    let right = panel(
+        looks,
+        &of_tolerance,
+        &logs,
+        x(Scale::Ten, "tolerance of a time step (–)", &logs),
+        "change of τ/σ (–)",
+        &[-MARGIN, MARGIN],
+    );
+    let margins = [-MARGIN, MARGIN]
+        .map(|y| Guide::new(At::Y(y), TOLERANCE, format!("±{MARGIN}, the margin of equivalence")));
+    let panels = vec![left, right.guided(margins)];
     Plot { title, panels, signs, ..Plot::default() }.svg()
 }
 
-fn panel(shown: &[(&Sheared, f64)], looks: &[(String, Look)], name: &str, scale: Scale) -> Panel {
-    let values = rising(shown.iter().map(|(_, x)| *x));
-    let wide = values[values.len() - 1] - values[0];
+/// Means of each method, with their intervals as bars.
+fn panel(
+    looks: &[(String, Look)],
+    places: &dyn Fn(&str) -> Vec<Place>,
+    values: &[f64],
+    x: Side,
+    name: &str,
+    holds: &[f64],
+) -> Panel {
+    let wide = match values {
+        [first, .., last] => last - first,
+        _ => 1.0,
+    };
     let marks = [Mark::Disc, Mark::Diamond, Mark::Square].into_iter().chain(MARKS).cycle();
     let mut curves = Vec::new();
     for (n, ((label, look), mark)) in looks.iter().zip(marks).enumerate() {
         let beside = (n as f64 - 0.5 * (looks.len() - 1) as f64) * APART * wide;
-        let own = shown.iter().filter(|(s, _)| s.simulation.label() == *label);
-        let places = own.map(|(s, x)| (x + beside, s.flow.friction));
-        curves.push(Curve::of(label.clone(), Look { mark, ..*look }, places, Through::Medians));
+        let places = places(label);
+        let point = |x: f64, y: f64| (Ending::Converged, (x + beside, y));
+        let means = places.iter().map(|(x, mean)| point(*x, mean.mean)).collect();
+        curves.push(Curve::new(label.clone(), Look { mark, ..*look }, means, Through::Nothing));
+        let bare = Look { mark: Mark::None, ..*look };
+        curves.extend(places.iter().map(|(x, mean)| {
+            Curve::new("", bare, vec![point(*x, mean.low), point(*x, mean.high)], Through::Points)
+        }));
     }
-    let y = Side::new(Scale::Share, "friction τ/σ of the packing (–)").holding([0.0]);
-    Panel::new(Side::new(scale, name), y, curves)
+    // Differences are small beside the room that an axis of shares leaves.
+    let ends =
+        curves.iter().flat_map(|curve| &curve.points).map(|(_, (_, y))| *y).chain(holds.iter().copied());
+    let range = span(ends).map(|(low, high)| (low - 0.1 * (high - low), high + 0.1 * (high - low)));
+    Panel::new(x, Side { range, ..Side::new(Scale::Share, name) }, curves)
 }

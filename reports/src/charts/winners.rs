@@ -6,10 +6,10 @@ use polars::df;
 use polars::prelude::DataFrame;
 
 use super::grid::{Grid, Head, Tile};
-use crate::draw::{Cell, ColorScale, INK, Looks, WHITE};
+use crate::draw::{Cell, ColorScale, INK, Looks, RGBColor, WHITE};
 use crate::read::{
-    Kind, Problems, RunRow, Standing, accuracy_text, counted, file_name, kinds, natural_maps, repeats, span,
-    standings, unique,
+    Kind, Problems, RunRow, Standing, Tally, accuracy_text, counted, file_name, kinds, natural_maps, repeats,
+    span, standings, tallies, unique,
 };
 use crate::text::{Part, frame};
 
@@ -20,6 +20,9 @@ const WIDEST: f64 = 34.0;
 
 /// Signs of methods, in the order of the study.
 const LETTERS: [&str; 16] = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "m", "n", "o", "p", "q"];
+/// Number of methods that tie at most and are told apart.
+const TOLD_APART: usize = 4;
+const MORE: Cell = Cell { fill: RGBColor(225, 225, 225), letter: "≈", ink: INK };
 const NONE: Cell = Cell { fill: WHITE, letter: "–", ink: INK };
 
 /// The standings of a kind at an accuracy.
@@ -59,6 +62,9 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
             figure(&of_case, &accuracies, &signs),
         ));
     }
+    let tally = "\nFirst: number of kinds of problem, sizes apart, in which the method is first or ties, alone: in which none ties; of those that \
+                 some method solves. Reached: number of problems. Worst: seconds over those of the fastest method of a problem, at most.\n";
+    parts.push(Part::table("winners-counts", counts(&tallies(&kinds, &accuracies)), tally));
     parts.push(Part::table("winners", table(&ranked), note));
     parts
 }
@@ -105,15 +111,20 @@ fn figure(ranked: &[&Ranked], accuracies: &[f64], signs: &Signs) -> String {
     let tile = |ranked: &Ranked| {
         let ties: Vec<&Standing> = ranked.standings.iter().filter(|standing| standing.ties).collect();
         let is_on_some = ties.first().is_some_and(|first| first.reached < ranked.kind.problems());
-        let cells = ties.iter().filter_map(|standing| signs.of(standing)).collect();
-        Tile { cells: if ties.is_empty() { vec![NONE] } else { cells }, marks: [is_on_some, false] }
+        let cells = match ties.len() {
+            0 => vec![NONE],
+            number if number <= TOLD_APART => ties.iter().filter_map(|standing| signs.of(standing)).collect(),
+            _ => vec![MORE],
+        };
+        Tile { cells, marks: [is_on_some, false] }
     };
     let tiles: &dyn Fn(usize, usize) -> Vec<Option<Tile>> = &|row, column| {
         let here = |ranked: &&&Ranked| ranked.kind.name == names[row] && ranked.kind.grains == sizes[column];
         ranked.iter().filter(here).map(|ranked| Some(tile(ranked))).collect()
     };
     let all: Vec<String> = accuracies.iter().map(|accuracy| accuracy_text(*accuracy)).collect();
-    let key = (NONE, "no method reaches it".to_owned());
+    let key =
+        [(MORE, format!("more than {TOLD_APART} methods tie")), (NONE, "no method reaches it".to_owned())];
     Grid {
         title: format!(
             "{}: fastest to a natural map of {}, from left to right; ties share a field",
@@ -128,11 +139,25 @@ fn figure(ranked: &[&Ranked], accuracies: &[f64], signs: &Signs) -> String {
             .iter()
             .map(|grains| Head { short: counted(*grains as usize, "grain"), long: None })
             .collect(),
-        cells: signs.0.iter().map(|(label, cell)| (*cell, label.clone())).chain([key]).collect(),
+        cells: signs.0.iter().map(|(label, cell)| (*cell, label.clone())).chain(key).collect(),
         marks: ["on some of the packings alone", ""],
         tiles,
     }
     .svg()
+}
+
+fn counts(tallies: &[Tally]) -> DataFrame {
+    let number = |of: fn(&Tally) -> usize| tallies.iter().map(|tally| of(tally) as u64).collect::<Vec<_>>();
+    frame(df!(
+        "natural_map" => tallies.iter().map(|tally| tally.accuracy).collect::<Vec<_>>(),
+        "method" => tallies.iter().map(|tally| tally.label.as_str()).collect::<Vec<_>>(),
+        "kinds" => number(|tally| tally.kinds),
+        "first" => number(|tally| tally.first),
+        "alone" => number(|tally| tally.alone),
+        "problems" => number(|tally| tally.problems),
+        "reached" => number(|tally| tally.reached),
+        "worst" => tallies.iter().map(|tally| Some(tally.worst).filter(|_| tally.reached > 0)).collect::<Vec<_>>(),
+    ))
 }
 
 fn table(ranked: &[Ranked]) -> DataFrame {

@@ -3,7 +3,7 @@
 use contact::Measure;
 use results::{Median, reached};
 
-use crate::read::{RunRow, problems, unique};
+use crate::read::{Ending, Kind, RunRow, problems, unique};
 
 /// Returns the values of the natural map at which methods are ranked: none below the tolerance at which all of `runs` stop.
 pub(crate) fn natural_maps(runs: &[RunRow]) -> Vec<f64> {
@@ -25,6 +25,57 @@ pub(crate) struct Standing {
     /// True where no difference from the first shows: it reached the accuracy on as many problems, and is not slower on enough of them
     /// by more than the intervals of both times.
     pub(crate) ties: bool,
+}
+
+/// A method over all kinds of problem and sizes, at an accuracy.
+pub(crate) struct Tally {
+    pub(crate) label: String,
+    pub(crate) accuracy: f64,
+    /// Number of kinds, those of a size apart, that it has runs on and some method solves.
+    pub(crate) kinds: usize,
+    /// Number of those in which it is first alone, and in which it is first or ties.
+    pub(crate) alone: usize,
+    pub(crate) first: usize,
+    /// Number of problems on which it reached the accuracy, of all that it was run on.
+    pub(crate) reached: usize,
+    pub(crate) problems: usize,
+    /// Its seconds over those of the fastest method of each problem, where they are most.
+    pub(crate) worst: f64,
+}
+
+/// Counts in how many of `kinds` each method is first at an accuracy, in the order of the study.
+pub(crate) fn tallies(kinds: &[Kind], accuracies: &[f64]) -> Vec<Tally> {
+    let labels = unique(kinds.iter().flat_map(|kind| &kind.runs).map(|run| run.own_label()));
+    let mut all = Vec::new();
+    for accuracy in accuracies {
+        let ranked: Vec<Vec<Standing>> = kinds.iter().map(|kind| standings(&kind.runs, *accuracy)).collect();
+        for label in &labels {
+            let mut tally = Tally {
+                label: label.clone(),
+                accuracy: *accuracy,
+                kinds: 0,
+                alone: 0,
+                first: 0,
+                reached: 0,
+                problems: 0,
+                worst: 1.0,
+            };
+            for (kind, ranked) in kinds.iter().zip(&ranked) {
+                let made = |run: &&&RunRow| run.own_label() == *label && run.status != Ending::Skipped;
+                let runs = kind.runs.iter().filter(made).count();
+                tally.problems += runs;
+                tally.kinds += usize::from(runs > 0 && !ranked.is_empty());
+                let Some(own) = ranked.iter().find(|standing| standing.label == *label) else { continue };
+                let ties = ranked.iter().filter(|standing| standing.ties).count();
+                tally.first += usize::from(own.ties);
+                tally.alone += usize::from(own.ties && ties == 1);
+                tally.reached += own.reached;
+                tally.worst = tally.worst.max(own.worst);
+            }
+            all.push(tally);
+        }
+    }
+    all
 }
 
 /// Seconds of a run to an accuracy, set-up included, between the bounds of their interval (s).

@@ -38,9 +38,11 @@ pub(crate) fn kinds(runs: &[RunRow]) -> Vec<Kind<'_>> {
         let others = settings
             .iter()
             .filter(|(key, _)| !["case", "moment"].contains(&key.as_str()) && !is_of_the_sample(key));
+        // A whole number has no fraction.
+        let shown = |value: &Value| value.as_f64().map_or(value.to_string(), |value| value.to_string());
         let others = others.map(|(key, value)| match key.as_str() {
-            "scene.friction" => format!("μ = {value}"),
-            key => format!("{} = {value}", key.rsplit('.').next().unwrap_or(key)),
+            "scene.friction" => format!("μ = {}", shown(value)),
+            key => format!("{} = {}", key.rsplit('.').next().unwrap_or(key), shown(value)),
         });
         let warm = run.warm_start.then(|| "warm".to_owned());
         let name = moment

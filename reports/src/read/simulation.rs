@@ -38,12 +38,9 @@ impl Simulation {
         label(&self.method, &self.words)
     }
 
-    /// Reports whether it came to its end, and missed its tolerance in few of its time steps.
+    /// Reports whether it came to its end, and met its tolerance in every time step.
     pub(crate) fn is_solved(&self) -> bool {
-        /// The share of the time steps that may miss the tolerance.
-        const MISSED: f64 = 0.1;
-        self.status == SimulationEnding::Completed
-            && self.totals.missed_time_steps as f64 <= MISSED * self.totals.time_steps as f64
+        self.status == SimulationEnding::Completed && self.totals.missed_time_steps == 0
     }
 
     /// Seconds in the method for each second simulated, as far as it came.

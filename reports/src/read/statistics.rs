@@ -11,6 +11,42 @@ pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     }
 }
 
+/// The mean of a sample of a normal distribution, between the bounds of its interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Mean {
+    pub(crate) low: f64,
+    pub(crate) mean: f64,
+    pub(crate) high: f64,
+}
+
+/// Normal quantiles that leave 2.5 and 5 % above them: bounds of intervals of 95 and 90 %.
+pub(crate) const OF_95: f64 = 1.959_963_985;
+pub(crate) const OF_90: f64 = 1.644_853_627;
+
+impl Mean {
+    /// Returns the mean of `values` with Student's interval, where `quantile` is that of the normal distribution; `None` of fewer than
+    /// five. Student's quantile is by the expansion of M. Abramowitz, I. A. Stegun, Handbook of Mathematical Functions, 26.7.5, which is
+    /// within 0.3 % from four degrees of freedom on.
+    pub(crate) fn of(values: &[f64], quantile: f64) -> Option<Self> {
+        let n = values.len() as f64;
+        if n < 5.0 {
+            return None;
+        }
+        let mean = values.iter().sum::<f64>() / n;
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let (z, free) = (quantile, n - 1.0);
+        let terms = [
+            z,
+            (z.powi(3) + z) / 4.0,
+            (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0,
+            (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / 384.0,
+        ];
+        let student = terms.into_iter().rev().fold(0.0, |sum, term| sum / free + term);
+        let half = student * (variance / n).sqrt();
+        Some(Self { low: mean - half, mean, high: mean + half })
+    }
+}
+
 /// The least and the greatest of the values that are numbers.
 pub(crate) fn span(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let finite = values.filter(|value| value.is_finite()).map(|value| (value, value));

@@ -11,13 +11,13 @@ use results::study::Study;
 
 use crate::error::ReportError;
 use crate::read::stored::by_column;
-use crate::read::{Kind, Problems, Standing, count, kinds, natural_maps, number, standings};
+use crate::read::{Kind, Problems, Standing, Tally, count, kinds, natural_maps, number, standings, tallies};
 
 /// A run by the names of its columns.
 type Row = BTreeMap<String, Value>;
 
 /// Fills a template: `run(problem=…, method=…, …)` is the one row with these values, `runs(…)` all of them, `kinds` the kinds of
-/// problem, each with its methods ranked; the filter `number` writes up to so many digits, `count` groups them by three.
+/// problem, each with its methods ranked, `tallies` in how many of them each method is first; the filter `number` writes up to so many digits, `count` groups them by three.
 /// A name that is not there is an error.
 ///
 /// # Errors
@@ -41,7 +41,9 @@ pub fn fill(study: &Study, template: &str) -> Result<String, ReportError> {
     let all = rows.clone();
     templates.add_function("runs", move |wanted: Kwargs| chosen(&all, &wanted).map(Value::from));
     if let Study::Runs(runs) = study {
-        templates.add_global("kinds", ranked(&runs.into()));
+        let study = runs.into();
+        templates.add_global("kinds", ranked(&study));
+        templates.add_global("tallies", counted(&study));
     }
     templates.add_function("run", move |wanted: Kwargs| one(&rows, &wanted));
     templates.add_filter("number", |value: f64, digits: u8| number(value, digits));
@@ -65,6 +67,12 @@ fn ranked(study: &Problems) -> Value {
         context! { name => kind.name.clone(), case => kind.case.clone(), grains => kind.grains, problems => kind.problems(), ranked }
     };
     kinds(&study.runs).iter().map(of_kind).collect()
+}
+
+/// In how many kinds of problem each method is first at each accuracy: the fields of [`Tally`].
+fn counted(study: &Problems) -> Value {
+    let of = |Tally { label, accuracy, kinds, alone, first, reached, problems, worst }: Tally| context! { label, accuracy, kinds, alone, first, reached, problems, worst };
+    tallies(&kinds(&study.runs), &natural_maps(&study.runs)).into_iter().map(of).collect()
 }
 
 fn chosen(rows: &[Row], wanted: &Kwargs) -> Result<Vec<Value>, Error> {

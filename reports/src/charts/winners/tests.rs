@@ -37,7 +37,7 @@ fn made(all: &[(&str, &[Option<f64>])]) -> (String, String) {
     let Study::Problems(study) = study else { panic!("it is of runs") };
     let parts = parts(&study);
     let Made::Figure(svg) = &parts[0].kind else { panic!("it is a figure") };
-    let Made::Table(table) = &parts[1].kind else { panic!("it is a table") };
+    let Made::Table(table) = &parts[2].kind else { panic!("it is a table") };
     (svg.clone(), crate::text::csv(&table.all).unwrap())
 }
 

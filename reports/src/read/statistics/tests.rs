@@ -26,3 +26,30 @@ fn span_leaves_out_what_is_no_number() {
     assert_eq!(span([f64::NAN, 2.0, f64::INFINITY, 1.0].into_iter()), Some((1.0, 2.0)));
     assert_eq!(span(std::iter::empty()), None);
 }
+
+/// By tables of Student's distribution: 2.776 of 4 degrees of freedom, 2.262 of 9, 2.030 of 35.
+#[test]
+fn the_interval_of_a_mean_is_students() {
+    for (n, student) in [(5, 2.776), (10, 2.262), (36, 2.030)] {
+        // Half of them one above the mean of 3, half one below, or in the middle of an odd number.
+        let sign = |k: i32| {
+            if 2 * k + 1 == n {
+                0.0
+            } else if 2 * k < n {
+                1.0
+            } else {
+                -1.0
+            }
+        };
+        let values: Vec<f64> = (0..n).map(|k| 3.0 + sign(k)).collect();
+        let squares: f64 = (0..n).map(|k| sign(k).powi(2)).sum();
+        let half = student * (squares / f64::from(n - 1) / f64::from(n)).sqrt();
+        let mean = Mean::of(&values, OF_95).unwrap();
+        assert!(
+            (mean.mean - 3.0).abs() < 1e-12 && (mean.high - 3.0 - half).abs() < 3e-3 * half,
+            "{n}: {mean:?}"
+        );
+        assert!((mean.high + mean.low - 6.0).abs() < 1e-12);
+    }
+    assert_eq!(Mean::of(&[1.0; 4], OF_95), None);
+}
