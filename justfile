@@ -62,11 +62,21 @@ paper: readme
     cargo run --release -- report paper --png --pdf --fill reports/giens2009.md.in
     .ci/paper
 
-# Which method for which problem: every run, the figure and the numbers of reports/which-method.md from nothing
+# Which method for which problem: every run (hours), its rows into results/archive, and the page
 which-method:
     cargo run --release -- bench which-method
-    cargo run --release -- report which-method --fill reports/which-method.md.in
-    cp reports/out/which-method/work-precision-shear-box-991-sheared.svg reports/which-method.svg
+    mkdir -p results/archive/which-method && cp results/runs/which-method/*.parquet results/archive/which-method
+    .ci/pages || true
+
+# The paper's comparison on ten packings: every run, its rows into results/archive, and the page
+packings:
+    cargo run --release -- bench paper-packings
+    mkdir -p results/archive/paper-packings && cp results/runs/paper-packings/*.parquet results/archive/paper-packings
+    .ci/pages || true
+
+# Draw the pages and figures of the tree anew from the study `paper` and from results/archive; an error if one changes
+pages:
+    .ci/pages
 
 # What users of other codes ask: every run and the numbers of reports/questions.md from nothing; needs the other codes installed
 questions:

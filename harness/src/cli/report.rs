@@ -18,6 +18,9 @@ pub(crate) struct Args {
     study: PlanArgs,
     #[command(flatten)]
     formats: FormatArgs,
+    /// Draw from the tables in FOLDER, such as one of results/archive, not from the newest study in results/runs
+    #[arg(long, value_name = "FOLDER")]
+    rows: Option<PathBuf>,
     /// Compare with an earlier study of the plan, run by run: the folder of its tables
     #[arg(long, value_name = "FOLDER")]
     against: Option<PathBuf>,
@@ -75,7 +78,7 @@ impl FormatArgs {
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let plan = Plan::read(&args.study.path(root)?, args.study.quick)?;
-    let stored = stored(root, &plan)?;
+    let stored = args.rows.clone().map_or_else(|| stored(root, &plan), Ok)?;
     let rows = tables_of(&stored)?;
     let earlier = args.against.as_deref().map(tables_of).transpose().context("--against")?;
     if (args.fill.is_some() || earlier.is_some()) && !matches!(rows, Rows::Runs(_)) {

@@ -6,16 +6,14 @@ use super::declared::CONVERGENCE;
 use crate::draw::{
     At, Guide, Line, Lines, LogPoint, MOST_LINES, Panel, Plot, Scale, Side, Sign, TOLERANCE, title,
 };
-use crate::read::{Ending, Problems, RunRow, Sample, file_name, problems, unique};
+use crate::read::{Ending, LEAST, Problems, RunRow, file_name, first, problems, unique, without_subdomains};
 use crate::text::Part;
 
 /// The panels and the names of their axes.
 pub(super) const MEASURES: [(Measure, &str); 2] =
     [(Measure::Zeta, "ζ reached (–)"), (Measure::NaturalMap, "natural map reached (–)")];
-pub(super) const RATIO: &str = "iterations over those without subdomains (–)";
+const RATIO: &str = "iterations over those without subdomains (–)";
 
-/// Least number of iterations for a ratio: with fewer, one more or less would be a ratio of its own.
-pub(super) const LEAST: u64 = 10;
 /// The least axis (in logarithms): less would show differences that are none.
 const NARROWEST: [f64; 2] = [-0.02, 0.222];
 
@@ -56,23 +54,6 @@ fn panel(study: &Lines, pairs: &[(&RunRow, &RunRow)], measure: Measure, name: &s
     Panel { lines: pairs.iter().map(line).collect(), ..panel }
 }
 
-/// The run that `run` is NSGS-DD of, which is NSGS; or else its own method's on one subdomain, if that is another run. All
-/// settings that both have are the same.
-pub(super) fn without_subdomains<'r>(run: &RunRow, runs: &[&'r RunRow]) -> Option<&'r RunRow> {
-    let agrees = |other: &RunRow| {
-        let mut settings = run.settings.iter().filter(|(key, _)| *key != "subdomains");
-        settings.all(|(key, value)| other.settings.get(key).is_none_or(|of| of == value))
-    };
-    let is_base = |other: &&&RunRow| {
-        other.method == run.without_subdomains()
-            && other.subdomains == 1
-            && other.run != run.run
-            && other.warm_start == run.warm_start
-            && agrees(other)
-    };
-    run.settings.contains_key("subdomains").then(|| runs.iter().find(is_base).copied())?
-}
-
 /// Logarithms of accuracies that both reach, ten to a decade, and of the ratio of iterations; and how the run ended that does
 /// not reach the next. Of curves with gaps the whole decades alone, which are kept exactly.
 fn ratios(run: &RunRow, base: &RunRow, measure: Measure) -> (Vec<LogPoint>, Ending) {
@@ -87,14 +68,6 @@ fn ratios(run: &RunRow, base: &RunRow, measure: Measure) -> (Vec<LogPoint>, Endi
         }
     }
     (points, run.status)
-}
-
-/// Returns the first iteration with a measure of at most 10 to the power of `log`, from which on it stays there.
-pub(super) fn first(curve: &[Sample], measure: Measure, log: f64) -> Option<u64> {
-    // Round-off of the power must not lose a whole decade.
-    let accuracy = 10f64.powf(log) * (1.0 + 1e-12);
-    let values = curve.iter().map(|point| point.get(measure).unwrap_or(f64::NAN));
-    results::reached(values, accuracy).map(|at| curve[at].iteration)
 }
 
 /// Reports whether two neighbouring points of a curve are more than one iteration and 2 % apart.

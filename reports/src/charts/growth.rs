@@ -1,48 +1,30 @@
 //! The cost of subdomains over several packings: iterations to each accuracy over those without subdomains, as medians with intervals.
 
-use contact::Measure;
 use polars::df;
 use polars::prelude::DataFrame;
 use results::Median;
 
-use super::convergence::{LEAST, MEASURES, RATIO, first, without_subdomains};
-use crate::draw::{At, Curve, Guide, Looks, Panel, Plot, RGBColor, Scale, Side, TOLERANCE, Through, series};
-use crate::read::{Ending, Kind, Problems, RunRow, file_name, kinds, rising, unique};
+use super::convergence::MEASURES;
+use crate::draw::{At, Curve, Guide, Looks, Panel, Plot, RGBColor, Scale, Side, TOLERANCE, Through};
+use crate::read::{Ending, Growth, Kind, LEAST, Problems, file_name, growth, kinds, rising, unique};
 use crate::text::{Part, frame};
 
-/// Accuracies, in decades.
-const DECADES: std::ops::RangeInclusive<i32> = 1..=8;
 /// Ground of the interval of the most subdomains.
 const INTERVAL: RGBColor = RGBColor(228, 228, 228);
-
-/// The ratios of a method with so many subdomains at an accuracy.
-struct Ratio<'r> {
-    kind: &'r Kind<'r>,
-    /// Method and settings, without its subdomains.
-    label: String,
-    /// One of its runs.
-    run: &'r RunRow,
-    subdomains: u32,
-    measure: Measure,
-    /// Logarithm of the accuracy.
-    log: f64,
-    /// Number of packings that have a run with subdomains and one without.
-    pairs: usize,
-    /// Number of those of which both reach the accuracy, the one without in as many iterations as a ratio needs.
-    packings: usize,
-    ratio: Option<Median>,
-}
 
 /// The figures `growth-<kind>`, and the table `growth`.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let kinds = kinds(&study.runs);
-    let ratios: Vec<Ratio> = kinds.iter().flat_map(ratios).collect();
+    let ratios: Vec<Growth> = kinds.iter().flat_map(growth).collect();
     let looks = Looks::new(&study.runs);
     let mut parts = Vec::new();
     for kind in &kinds {
-        let of_kind: Vec<&Ratio> = ratios.iter().filter(|ratio| std::ptr::eq(ratio.kind, kind)).collect();
+        let of_kind: Vec<&Growth> = ratios.iter().filter(|ratio| std::ptr::eq(ratio.kind, kind)).collect();
         if of_kind.iter().any(|ratio| ratio.ratio.is_some()) {
-            let name = format!("growth-{}", file_name(&format!("{} {}", kind.case, kind.name)));
+            let words = kind.name.replace([',', '='], "");
+            let words: Vec<&str> =
+                std::iter::once(kind.case.as_str()).chain(words.split_whitespace()).collect();
+            let name = format!("growth-{}", file_name(&words.join("-")));
             parts.push(Part::figure(name, figure(kind, &of_kind, &looks)));
         }
     }
@@ -55,54 +37,16 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     parts
 }
 
-fn ratios<'r>(kind: &'r Kind<'r>) -> Vec<Ratio<'r>> {
-    let mut all = Vec::new();
-    for series in series(kind.runs.iter().copied(), &["subdomains"]) {
-        let bases = |run: &&'r RunRow| {
-            let same: Vec<&RunRow> =
-                kind.runs.iter().filter(|other| other.problem == run.problem).copied().collect();
-            Some((*run, without_subdomains(run, &same)?))
-        };
-        let pairs: Vec<(&RunRow, &RunRow)> = series.runs.iter().filter_map(bases).collect();
-        for subdomains in rising(pairs.iter().map(|(run, _)| f64::from(run.subdomains))) {
-            let pairs: Vec<_> =
-                pairs.iter().filter(|(run, _)| f64::from(run.subdomains) == subdomains).collect();
-            for (measure, _) in MEASURES {
-                for log in DECADES.map(|decade| -f64::from(decade)) {
-                    let ratio = |(run, base): &&(&RunRow, &RunRow)| {
-                        let of_base =
-                            first(&base.curve, measure, log).filter(|iterations| *iterations >= LEAST)?;
-                        Some(first(&run.curve, measure, log)? as f64 / of_base as f64)
-                    };
-                    let of_packings: Vec<f64> = pairs.iter().filter_map(ratio).collect();
-                    all.push(Ratio {
-                        kind,
-                        label: series.label(),
-                        run: pairs[0].0,
-                        subdomains: subdomains as u32,
-                        measure,
-                        log,
-                        pairs: pairs.len(),
-                        packings: of_packings.len(),
-                        ratio: Median::of(of_packings),
-                    });
-                }
-            }
-        }
-    }
-    all
-}
-
 /// A row of panels for each method, a line for each number of subdomains, as far as all packings reach the accuracy.
-fn figure(kind: &Kind, ratios: &[&Ratio], looks: &Looks) -> String {
+fn figure(kind: &Kind, ratios: &[&Growth], looks: &Looks) -> String {
     let mut panels = Vec::new();
     for label in unique(ratios.iter().map(|ratio| ratio.label.as_str())) {
-        let of_method: Vec<&Ratio> = ratios.iter().filter(|ratio| ratio.label == label).copied().collect();
+        let of_method: Vec<&Growth> = ratios.iter().filter(|ratio| ratio.label == label).copied().collect();
         let most = of_method.iter().map(|ratio| ratio.subdomains).max().unwrap_or(1);
         for (measure, name) in MEASURES {
             let line = |subdomains: u32| -> Vec<(f64, Median)> {
-                let here = |ratio: &&&Ratio| ratio.subdomains == subdomains && ratio.measure == measure;
-                let whole = |ratio: &&Ratio| {
+                let here = |ratio: &&&Growth| ratio.subdomains == subdomains && ratio.measure == measure;
+                let whole = |ratio: &&Growth| {
                     Some((ratio.log, ratio.ratio.filter(|_| ratio.packings == ratio.pairs)?))
                 };
                 of_method.iter().filter(here).filter_map(whole).collect()
@@ -126,7 +70,10 @@ fn figure(kind: &Kind, ratios: &[&Ratio], looks: &Looks) -> String {
                     .unzip();
                 low.into_iter().chain(high.into_iter().rev()).collect()
             };
-            let (x, y) = (Side::new(Scale::Ten, name), Side::new(Scale::Ten, format!("{label}: {RATIO}")));
+            let (x, y) = (
+                Side::new(Scale::Ten, name),
+                Side::new(Scale::Ten, format!("{label}: ratio of iterations (–)")),
+            );
             let guide = Guide::new(At::Y(0.0), TOLERANCE, "as many iterations");
             let curves = numbers.iter().filter_map(|number| curve(*number as u32)).collect();
             let ends = interval.iter().map(|(_, y)| *y).chain([-0.02, 0.222]).collect::<Vec<_>>();
@@ -143,8 +90,8 @@ fn figure(kind: &Kind, ratios: &[&Ratio], looks: &Looks) -> String {
     Plot { title, panels, columns: MEASURES.len(), ..Plot::default() }.svg()
 }
 
-fn table(ratios: &[Ratio]) -> DataFrame {
-    let ratios: Vec<&Ratio> = ratios.iter().filter(|ratio| ratio.ratio.is_some()).collect();
+fn table(ratios: &[Growth]) -> DataFrame {
+    let ratios: Vec<&Growth> = ratios.iter().filter(|ratio| ratio.ratio.is_some()).collect();
     let of =
         |of: fn(&Median) -> f64| ratios.iter().map(|ratio| ratio.ratio.as_ref().map(of)).collect::<Vec<_>>();
     frame(df!(

@@ -11,13 +11,15 @@ use results::study::Study;
 
 use crate::error::ReportError;
 use crate::read::stored::by_column;
-use crate::read::{Kind, Problems, Standing, Tally, count, kinds, natural_maps, number, standings, tallies};
+use crate::read::{
+    Growth, Kind, Problems, Standing, Tally, count, growth, kinds, natural_maps, number, standings, tallies,
+};
 
 /// A run by the names of its columns.
 type Row = BTreeMap<String, Value>;
 
 /// Fills a template: `run(problem=…, method=…, …)` is the one row with these values, `runs(…)` all of them, `kinds` the kinds of
-/// problem, each with its methods ranked, `tallies` in how many of them each method is first; the filter `number` writes up to so many digits, `count` groups them by three.
+/// problem, each with its methods ranked, `tallies` in how many of them each method is first, `growth` what subdomains cost on them; the filter `number` writes up to so many digits, `count` groups them by three.
 /// A name that is not there is an error.
 ///
 /// # Errors
@@ -44,6 +46,7 @@ pub fn fill(study: &Study, template: &str) -> Result<String, ReportError> {
         let study = runs.into();
         templates.add_global("kinds", ranked(&study));
         templates.add_global("tallies", counted(&study));
+        templates.add_global("growth", grown(&study));
     }
     templates.add_function("run", move |wanted: Kwargs| one(&rows, &wanted));
     templates.add_filter("number", |value: f64, digits: u8| number(value, digits));
@@ -73,6 +76,29 @@ fn ranked(study: &Problems) -> Value {
 fn counted(study: &Problems) -> Value {
     let of = |Tally { label, accuracy, kinds, alone, first, reached, problems, worst }: Tally| context! { label, accuracy, kinds, alone, first, reached, problems, worst };
     tallies(&kinds(&study.runs), &natural_maps(&study.runs)).into_iter().map(of).collect()
+}
+
+/// What subdomains cost over several packings: each has the `case`, the `kind`, the `method`, the `subdomains`, the `measure` and the
+/// `accuracy`; `packings`, and on how many of them it is `reached`; and `low`, `median` and `high` of the ratio of iterations.
+fn grown(study: &Problems) -> Value {
+    let of = |growth: &Growth| {
+        let Median { low, median, high } = growth.ratio?;
+        Some(context! {
+            case => growth.kind.case.clone(),
+            kind => growth.kind.name.clone(),
+            method => growth.label.clone(),
+            subdomains => growth.subdomains,
+            measure => growth.measure.name(),
+            accuracy => 10f64.powf(growth.log),
+            packings => growth.pairs,
+            reached => growth.packings,
+            low, median, high
+        })
+    };
+    kinds(&study.runs)
+        .iter()
+        .flat_map(|kind| growth(kind).iter().filter_map(of).collect::<Vec<_>>())
+        .collect()
 }
 
 fn chosen(rows: &[Row], wanted: &Kwargs) -> Result<Vec<Value>, Error> {
