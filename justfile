@@ -62,20 +62,13 @@ paper: readme
     cargo run --release -- report paper --png --pdf --fill reports/giens2009.md.in
     .ci/paper
 
-# Which method for which problem: every run (hours), its rows into results/archive, and the page
-which-method:
-    cargo run --release -- bench which-method
-    mkdir -p results/archive/which-method && cp results/runs/which-method/*.parquet results/archive/which-method
-    .ci/pages || true
+# Make the runs of a page and put their rows into results/archive; for `which-method` this takes hours
+archive plan:
+    cargo run --release -- bench {{plan}}
+    mkdir -p results/archive/{{plan}} && cp results/runs/{{plan}}/*.parquet results/archive/{{plan}}
 
-# The paper's comparison on ten packings: every run, its rows into results/archive, and the page
-packings:
-    cargo run --release -- bench paper-packings
-    mkdir -p results/archive/paper-packings && cp results/runs/paper-packings/*.parquet results/archive/paper-packings
-    .ci/pages || true
-
-# Draw the pages and figures of the tree anew from the study `paper` and from results/archive; an error if one changes
-pages:
+# Draw the pages and figures of the tree anew, from studies of counts and from results/archive; an error if one changes
+pages: bench
     .ci/pages
 
 # What users of other codes ask: every run and the numbers of reports/questions.md from nothing; needs the other codes installed

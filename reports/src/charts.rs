@@ -76,6 +76,12 @@ const CHARTS: &[Chart] = &[
         parts: Parts::Problems(directions::parts),
     },
     Chart {
+        name: "speed",
+        makes: "`speed-<problem>`; `speed` if a page holds all",
+        shows: "the natural map against seconds, whether or not a solution is known",
+        parts: Parts::Problems(convergence::speed),
+    },
+    Chart {
         name: "work-precision",
         makes: "`work-precision-<problem>`, `work-precision`",
         shows: "velocity error against seconds and counted work, the Pareto front; of more than twelve runs the first of each method in colour, the others grey; the first to 10⁻², 10⁻⁴, 10⁻⁶",

@@ -96,7 +96,7 @@ fn find<'j, 'r>(
     judged.iter().find(|j| j.run.problem == problem && j.run.method == method && j.run.words == variant)
 }
 
-/// Each method by the first of its settings in the plan, with a ring where another one mends it.
+/// Each method by the first of its settings in the plan, with a ring where another one converges.
 fn matrix(judged: &[Judged], hazards: &[Hazard], kinds: &[Kind]) -> String {
     let several = kinds.iter().filter(|kind| kind.variants.len() > 1);
     let notes = several.map(|kind| format!("{}: {}", kind.method, setting(kind.variants[0]))).collect();
@@ -133,7 +133,7 @@ fn of_hazards(
     let tiles: &dyn Fn(usize, usize) -> Vec<Option<Tile>> =
         &|row, column| hazards[row].problems.iter().map(|problem| tile(column, problem)).collect();
     let cells = Class::cells();
-    let marks = ["another setting of the method mends it", "ζ met the tolerance far from the solution"];
+    let marks = ["converges with another setting", "ζ met the tolerance far from the solution"];
     Grid { title, notes, rows, height: ROW, widest: WIDEST, columns, cells, marks, tiles }.svg()
 }
 

@@ -2,7 +2,7 @@
 
 use contact::Measure;
 
-use super::declared::CONVERGENCE;
+use super::declared::{CONVERGENCE, SPEED};
 use crate::draw::{
     At, Guide, Line, Lines, LogPoint, MOST_LINES, Panel, Plot, Scale, Side, Sign, TOLERANCE, title,
 };
@@ -23,6 +23,11 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let lines = Lines::of(&study.runs);
     parts.extend(problems(&study.runs).into_iter().filter_map(|problem| figure(&lines, problem)));
     parts
+}
+
+/// The figures `speed`, and `speed-<problem>` for each problem.
+pub(crate) fn speed(study: &Problems) -> Vec<Part> {
+    SPEED.parts(study)
 }
 
 /// `ratios-<problem>`; nothing where no run has another to be compared with.

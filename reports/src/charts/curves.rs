@@ -107,7 +107,8 @@ impl Curves {
             }));
         }
         let title = problems.iter().map(of_problem).collect();
-        Plot { title, panels, signs, columns: self.panels.len(), ..Plot::default() }
+        let columns = if self.panels.len() == 1 { 0 } else { self.panels.len() };
+        Plot { title, panels, signs, columns, ..Plot::default() }
     }
 
     fn panel(&self, study: &Lines, problem: &str, (x, y): (&Sampled, &Sampled), name: String) -> Panel {

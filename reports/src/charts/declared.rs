@@ -34,6 +34,9 @@ pub(super) const CONVERGENCE: Curves = Curves {
     key: &[],
 };
 
+/// Speed and accuracy: the natural map against seconds, of problems whose solutions need not be known.
+pub(super) const SPEED: Curves = Curves { name: "speed", panels: &[(SECONDS, NATURAL_MAP)], ..CONVERGENCE };
+
 /// Work and precision: the velocity error against seconds and against counted work.
 pub(super) const WORK_PRECISION: Curves = Curves {
     name: "work-precision",

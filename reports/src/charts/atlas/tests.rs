@@ -86,8 +86,8 @@ fn class_is_decided_by_the_ending_and_the_curve() {
 }
 
 #[test]
-fn failure_that_another_setting_mends_has_a_ring_in_the_matrix() {
-    let ring = "another setting of the method mends it";
+fn failure_with_another_setting_that_converges_has_a_ring_in_the_matrix() {
+    let ring = "converges with another setting";
     let first = judged(0, "1.0", Ending::Diverged, "pile", &[(0, 1.0), (9, 1e30)]);
     let alone = made(vec![first.clone()]);
     assert!(!text(&alone, "atlas.svg").contains(ring));
