@@ -107,8 +107,8 @@ const CHARTS: &[Chart] = &[
     },
     Chart {
         name: "winners",
-        makes: "`winners-<case>`, `winners-counts`, `winners`",
-        shows: "the fastest method of each kind of problem, number of grains and accuracy, over its samples; ties share a field",
+        makes: "`winners-<case>`, `winners-counts`, `winners`, `norms`",
+        shows: "the fastest method of each kind of problem, number of grains and accuracy, over its samples; ties share a field; what LMGC90's norm is worth there",
         parts: Parts::Problems(winners::parts),
     },
     Chart {

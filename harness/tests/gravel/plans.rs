@@ -122,6 +122,26 @@ fn computed_problem_is_kept_and_one_that_does_not_read_is_computed_again() {
     assert_eq!(made(&bench().stdout), 6);
 }
 
+/// Time steps of a case that a plan varies are problems of their own, and a stored run of one leads back to it.
+#[test]
+fn time_step_may_be_an_axis() {
+    let study = Study::new();
+    let case = study.folder().path().join("cases/column.toml");
+    let moments = "[moments]\nlate = 3\n\n[sample]";
+    fs::write(&case, fs::read_to_string(&case).unwrap().replacen("[sample]", moments, 1)).unwrap();
+    let axes = format!("[[cases]]\ncase = \"column\"\naxes = {{ time_step = [1, \"late\"] }}\n\n{CG}");
+    write(study.folder(), "harness/plans/steps.toml", &plan("steps", &[], &axes));
+    study.bench("steps");
+    let rows = rows(study.runs("steps").join("runs.csv"));
+    let steps = rows.iter().map(|row| (row["problem"].as_str(), row["problem_settings"].as_str()));
+    let steps: Vec<(&str, &str)> = steps.collect();
+    assert_eq!(steps[0].0, "column time_step=1");
+    assert_eq!(steps[1].0, "column time_step=late");
+    assert!(!steps[0].1.contains("moment") && steps[1].1.contains(r#""moment":"late""#), "{steps:?}");
+    assert!(steps[1].1.contains(r#""time_step":3"#), "{steps:?}");
+    study.gravel(&["view", &rows[1]["id"], "-o", text(&study.folder().path().join("late.html"))]).succeeded();
+}
+
 #[test]
 fn time_step_of_a_case_is_a_number_or_a_moment() {
     let study = Study::new();

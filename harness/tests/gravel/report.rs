@@ -48,6 +48,22 @@ fn report_draws_the_charts_of_the_plan_from_its_stored_rows() {
     assert_eq!(fs::read_to_string(out.join("mine.txt")).unwrap(), "mine");
 }
 
+/// A copy of the tables gives the same files, without the study.
+#[test]
+fn report_draws_from_the_tables_of_a_folder() {
+    let study = Study::new();
+    write(study.folder(), "harness/plans/drawn.toml", PLAN);
+    study.bench("drawn");
+    let out = study.folder().path().join("reports/out/drawn");
+    let drawn = fs::read(out.join("subdomains.csv")).unwrap();
+    let archive = study.folder().path().join("archive");
+    fs::rename(study.runs("drawn"), &archive).unwrap();
+    fs::remove_dir_all(&out).unwrap();
+    study.gravel(&["report", "drawn", "--rows", text(&archive)]).succeeded();
+    assert_eq!(fs::read(out.join("subdomains.csv")).unwrap(), drawn);
+    study.gravel(&["report", "drawn", "--rows", "nowhere"]).refused(&["nowhere"]);
+}
+
 #[test]
 fn figure_draws_one_chart_beside_the_report() {
     let study = Study::new();

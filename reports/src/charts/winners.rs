@@ -8,8 +8,8 @@ use polars::prelude::DataFrame;
 use super::grid::{Grid, Head, Tile};
 use crate::draw::{Cell, ColorScale, INK, Looks, RGBColor, WHITE};
 use crate::read::{
-    Kind, Problems, RunRow, Standing, Tally, accuracy_text, counted, file_name, kinds, natural_maps, repeats,
-    span, standings, tallies, unique,
+    Kind, Norm, Problems, RunRow, Standing, Tally, accuracy_text, counted, file_name, kinds, natural_maps,
+    norms, repeats, span, standings, tallies, unique,
 };
 use crate::text::{Part, frame};
 
@@ -66,6 +66,10 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
                  some method solves. Reached: number of problems. Worst: seconds over those of the fastest method of a problem, at most.\n";
     parts.push(Part::table("winners-counts", counts(&tallies(&kinds, &accuracies)), tally));
     parts.push(Part::table("winners", table(&ranked), note));
+    let of_norms = "\nThe natural map at the first sample at which LMGC90's quadratic norm is at most its tolerance: median over the packings of \
+                    which it is, with an interval as above.\n";
+    let norms: Vec<Norm> = kinds.iter().flat_map(norms).collect();
+    parts.push(Part::table("norms", table_of_norms(&norms), of_norms));
     parts
 }
 
@@ -144,6 +148,22 @@ fn figure(ranked: &[&Ranked], accuracies: &[f64], signs: &Signs) -> String {
         tiles,
     }
     .svg()
+}
+
+fn table_of_norms(all: &[Norm]) -> DataFrame {
+    let of = |of: fn(&Norm) -> f64| all.iter().map(of).collect::<Vec<_>>();
+    frame(df!(
+        "case" => all.iter().map(|norm| norm.kind.case.as_str()).collect::<Vec<_>>(),
+        "kind" => all.iter().map(|norm| norm.kind.name.as_str()).collect::<Vec<_>>(),
+        "grains" => all.iter().map(|norm| norm.kind.grains).collect::<Vec<_>>(),
+        "method" => all.iter().map(|norm| norm.label.as_str()).collect::<Vec<_>>(),
+        "quad_dv" => of(|norm| norm.tolerance),
+        "packings" => all.iter().map(|norm| norm.packings as u64).collect::<Vec<_>>(),
+        "met" => all.iter().map(|norm| norm.met as u64).collect::<Vec<_>>(),
+        "natural_map" => of(|norm| norm.natural_map.median),
+        "natural_map_low" => of(|norm| norm.natural_map.low),
+        "natural_map_high" => of(|norm| norm.natural_map.high),
+    ))
 }
 
 fn counts(tallies: &[Tally]) -> DataFrame {

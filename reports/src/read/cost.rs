@@ -37,9 +37,9 @@ pub(crate) const COSTS: [Cost; 2] = [
 
 /// Definition of a sweep of counted work.
 pub(crate) const WORK: &str = "A sweep of counted work is eight multiply-adds per contact of the problem: a contact updated \
-                               counts as much as a contact passed in a product with W, an entry of a triangular factor an \
-                               eighth. Factorisations are in the seconds alone; a run that factorises many times has \
-                               no counted work.";
+                               counts as much as a contact passed in a product with W, an entry of a triangular factor and \
+                               a multiply-add of a factorisation an eighth. A run with many factorisations that a \
+                               library makes, which are not counted, has no counted work.";
 
 /// Returns the first sample with a velocity error of at most `accuracy`, from which on it stays there.
 fn reached(curve: &[Sample], accuracy: f64) -> Option<&Sample> {

@@ -12,14 +12,15 @@ use results::study::Study;
 use crate::error::ReportError;
 use crate::read::stored::by_column;
 use crate::read::{
-    Growth, Kind, Problems, Standing, Tally, count, growth, kinds, natural_maps, number, standings, tallies,
+    Growth, Kind, Norm, Problems, Standing, Tally, count, growth, kinds, natural_maps, norms, number,
+    standings, tallies,
 };
 
 /// A run by the names of its columns.
 type Row = BTreeMap<String, Value>;
 
 /// Fills a template: `run(problem=…, method=…, …)` is the one row with these values, `runs(…)` all of them, `kinds` the kinds of
-/// problem, each with its methods ranked, `tallies` in how many of them each method is first, `growth` what subdomains cost on them; the filter `number` writes up to so many digits, `count` groups them by three.
+/// problem, each with its methods ranked, `tallies` in how many of them each method is first, `growth` what subdomains cost on them, `norms` what LMGC90's norm is worth; the filter `number` writes up to so many digits, `count` groups them by three.
 /// A name that is not there is an error.
 ///
 /// # Errors
@@ -47,6 +48,7 @@ pub fn fill(study: &Study, template: &str) -> Result<String, ReportError> {
         templates.add_global("kinds", ranked(&study));
         templates.add_global("tallies", counted(&study));
         templates.add_global("growth", grown(&study));
+        templates.add_global("norms", worth(&study));
     }
     templates.add_function("run", move |wanted: Kwargs| one(&rows, &wanted));
     templates.add_filter("number", |value: f64, digits: u8| number(value, digits));
@@ -99,6 +101,13 @@ fn grown(study: &Problems) -> Value {
         .iter()
         .flat_map(|kind| growth(kind).iter().filter_map(of).collect::<Vec<_>>())
         .collect()
+}
+
+/// What LMGC90's norm is worth: the fields of [`Norm`], with the `case`, the `name` and the `grains` of its kind.
+fn worth(study: &Problems) -> Value {
+    let of =
+        |Norm { kind, label, tolerance, packings, met, natural_map: Median { low, median, high } }: Norm| context! { case => kind.case.clone(), name => kind.name.clone(), grains => kind.grains, label, tolerance, packings, met, low, median, high };
+    kinds(&study.runs).iter().flat_map(|kind| norms(kind).into_iter().map(of).collect::<Vec<_>>()).collect()
 }
 
 fn chosen(rows: &[Row], wanted: &Kwargs) -> Result<Vec<Value>, Error> {
