@@ -1,6 +1,7 @@
 //! The charts by name. To add one: its `mod`, and its line in [`CHARTS`].
 
 mod against;
+mod answers;
 mod atlas;
 mod band;
 mod convergence;
@@ -176,6 +177,12 @@ const CHARTS: &[Chart] = &[
         makes: "`macroscopic`",
         shows: "friction of a sheared packing against that of its grains, and against the tolerance, each method",
         parts: Parts::Simulations(macroscopic::parts),
+    },
+    Chart {
+        name: "answers",
+        makes: "`answers`",
+        shows: "what friction and the third dimension change: height, load of the walls, contacts; and what they cost; over packings",
+        parts: Parts::Simulations(answers::parts),
     },
     Chart {
         name: "next-step",

@@ -16,7 +16,7 @@ use crate::text::{Part, chosen, frame};
 
 const KEY: &str = "macroscopic";
 /// Setting of a scene for the friction of its grains.
-const FRICTION: &str = "scene.friction";
+pub(super) const FRICTION: &str = "scene.friction";
 /// Distance between methods that share a place, over the width of an axis.
 const APART: f64 = 0.012;
 /// Difference of the friction of a packing that is none to who uses it (–): what the friction of two packings of 200 discs differs by
@@ -192,7 +192,7 @@ fn table(sheared: &[Sheared]) -> DataFrame {
 }
 
 /// A place on the x axis, and a mean there.
-type Place = (f64, Mean);
+pub(super) type Place = (f64, Mean);
 
 /// Left, at the least tolerance, against the μ of the grains; right, at the middle μ, the differences against the tolerance.
 fn figure(
@@ -260,7 +260,7 @@ fn figure(
 }
 
 /// Means of each method, with their intervals as bars.
-fn panel(
+pub(super) fn panel(
     looks: &[(String, Look)],
     places: &dyn Fn(&str) -> Vec<Place>,
     values: &[f64],
