@@ -21,7 +21,7 @@ pub use charts::{Chart, OwnChart, UnknownQuantity};
 pub use draw::Formats;
 pub use error::ReportError;
 pub use page::{About, Snapshots, made, view};
-pub use text::{Pick, TableFormat, fill, summary};
+pub use text::{Pick, TableFormat, summary};
 
 use page::{Chapter, replace};
 use read::Study;
@@ -67,6 +67,21 @@ pub fn report(
     let of_parts = parts.par_iter().map(|part| part.files(wanted.formats));
     files.extend(of_parts.collect::<Result<Vec<_>, _>>()?.into_iter().flatten());
     replace(&files, out)
+}
+
+/// Fills a template with numbers of a study: of its rows, and of the tables of its `charts`.
+///
+/// # Errors
+///
+/// If the template is none, or asks for what is not there.
+pub fn fill(study: &Stored, charts: &[Chart], template: &str) -> Result<String, ReportError> {
+    let read = Study::from(study);
+    let parts = charts.iter().flat_map(|chart| chart.parts(&read));
+    let table = |part: Part| match part.kind {
+        Kind::Table(table) => Some((part.name, table.all)),
+        Kind::Figure(_) | Kind::Text(_) => None,
+    };
+    text::fill(study, &parts.filter_map(table).collect::<Vec<_>>(), template)
 }
 
 /// Some columns and rows of a table that [`report`] makes of a study.

@@ -10,7 +10,7 @@ mod table;
 
 pub(crate) use answer::answer;
 pub(crate) use failures::failures;
-pub use fill::fill;
+pub(crate) use fill::fill;
 pub(crate) use part::{File, Kind, Part, Table, chosen, frame, nothing, too_many};
 pub use pick::{Pick, TableFormat};
 pub(crate) use rows::rows;

@@ -85,7 +85,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         bail!("--against and --fill are for studies of problems, and `{}` is one through time", plan.name);
     }
     if let Some(template) = &args.fill {
-        fill(&rows, template)?;
+        fill(&rows, &plan.charts(), template)?;
     }
     let (charts, about) = (plan.charts(), about(&plan, &args.study.again()));
     draw(root, &plan.name, &stored, args.formats.formats(), |formats, out| {
@@ -94,12 +94,13 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     })
 }
 
-fn fill(rows: &Rows, template: &Path) -> Result<()> {
+fn fill(rows: &Rows, charts: &[Chart], template: &Path) -> Result<()> {
     if template.extension().is_none_or(|ending| ending != "in") {
         bail!("--fill {}: the name of a template ends in .in", template.display());
     }
     let text = read_text(template).context("--fill")?;
-    let filled = reports::fill(rows, &text).with_context(|| format!("--fill {}", template.display()))?;
+    let filled =
+        reports::fill(rows, charts, &text).with_context(|| format!("--fill {}", template.display()))?;
     let page = template.with_extension("");
     write_whole(&page, &filled)?;
     say(format_args!("{}", page.display()))

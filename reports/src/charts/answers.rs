@@ -1,4 +1,4 @@
-//! What each mechanics costs, and what it changes: means over packings of what a simulation ends with and takes.
+//! Cost of each mechanics and what it changes: means over packings of the ends of simulations and of their times.
 
 use polars::df;
 use polars::prelude::DataFrame;

@@ -103,7 +103,7 @@ struct Difference {
     grains: f64,
     tolerance: f64,
     packings: usize,
-    /// Of friction, coordination and solid fraction.
+    /// Differences of friction, coordination and solid fraction.
     of: [Option<Mean>; 3],
     /// Interval of 90 % of the friction.
     narrow: Option<Mean>,

@@ -1,4 +1,4 @@
-//! What LMGC90's norm is worth: the natural map where that norm first meets a tolerance, over packings.
+//! Worth of LMGC90's norm: the natural map where it first meets a tolerance, over packings.
 
 use contact::Measure;
 use results::Median;

@@ -5,28 +5,29 @@ use std::collections::BTreeMap;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::{Kwargs, Serde};
 use minijinja::{Environment, Error, ErrorKind, UndefinedBehavior, Value, context};
-use results::Median;
+use polars::prelude::{AnyValue, Column, DataFrame};
 use results::journal::Record;
 use results::study::Study;
 
 use crate::error::ReportError;
 use crate::read::stored::by_column;
-use crate::read::{
-    Growth, Kind, Norm, Problems, Standing, Tally, count, growth, kinds, natural_maps, norms, number,
-    standings, tallies,
-};
+use crate::read::{count, number};
 
 /// A run by the names of its columns.
 type Row = BTreeMap<String, Value>;
 
-/// Fills a template: `run(problem=…, method=…, …)` is the one row with these values, `runs(…)` all of them, `kinds` the kinds of
-/// problem, each with its methods ranked, `tallies` in how many of them each method is first, `growth` what subdomains cost on them, `norms` what LMGC90's norm is worth; the filter `number` writes up to so many digits, `count` groups them by three.
-/// A name that is not there is an error.
+/// Fills a template: `run(problem=…, method=…, …)` is the one row with these values, `runs(…)` all of them, `table(NAME)` the rows of
+/// one of the `tables`; the filter `number` writes up to so many digits, `count` groups them by three. A name that is not there is an
+/// error.
 ///
 /// # Errors
 ///
 /// If the template is none, asks for what is not in the rows, or a table lacks a column.
-pub fn fill(study: &Study, template: &str) -> Result<String, ReportError> {
+pub(crate) fn fill(
+    study: &Study,
+    tables: &[(String, DataFrame)],
+    template: &str,
+) -> Result<String, ReportError> {
     let refused = |error: Error| ReportError::Template(format!("{error:#}"));
     let records = if let Study::Runs(runs) = study { &runs.records[..] } else { &[] };
     let row = |record: &Record| {
@@ -43,13 +44,14 @@ pub fn fill(study: &Study, template: &str) -> Result<String, ReportError> {
     templates.set_syntax(syntax.map_err(refused)?);
     let all = rows.clone();
     templates.add_function("runs", move |wanted: Kwargs| chosen(&all, &wanted).map(Value::from));
-    if let Study::Runs(runs) = study {
-        let study = runs.into();
-        templates.add_global("kinds", ranked(&study));
-        templates.add_global("tallies", counted(&study));
-        templates.add_global("growth", grown(&study));
-        templates.add_global("norms", worth(&study));
-    }
+    let tables: BTreeMap<String, Value> =
+        tables.iter().map(|(name, table)| (name.clone(), rows_of(table))).collect();
+    templates.add_function("table", move |name: &str| {
+        let known = || tables.keys().cloned().collect::<Vec<_>>().join(", ");
+        let unknown =
+            || Error::new(ErrorKind::InvalidOperation, format!("no table `{name}`: there are {}", known()));
+        tables.get(name).cloned().ok_or_else(unknown)
+    });
     templates.add_function("run", move |wanted: Kwargs| one(&rows, &wanted));
     templates.add_filter("number", |value: f64, digits: u8| number(value, digits));
     templates.add_filter("count", |value: usize| count(value));
@@ -57,57 +59,18 @@ pub fn fill(study: &Study, template: &str) -> Result<String, ReportError> {
     templates.get_template("text").and_then(|text| text.render(context! {})).map_err(refused)
 }
 
-/// The kinds of problem of a study. Each has `name`, `case`, `grains`, `problems`, how many they are, and `ranked`: for each natural map
-/// its `accuracy` and `methods`, the first first. A method has its `label`; `reached`, on how many problems; `low`, `median` and `high`
-/// of its seconds there; `worst`, the greatest ratio to the fastest; and `ties`, true of those that the first is not faster than.
-fn ranked(study: &Problems) -> Value {
-    let method =
-        |Standing { label, reached, seconds: Median { low, median, high }, worst, ties, .. }: Standing| context! { label, reached, low, median, high, worst, ties };
-    let of_kind = |kind: &Kind| {
-        let ranked = |accuracy: f64| {
-            let methods: Vec<Value> = standings(&kind.runs, accuracy).into_iter().map(method).collect();
-            context! { accuracy, methods }
-        };
-        let ranked: Vec<Value> = natural_maps(&study.runs).into_iter().map(ranked).collect();
-        context! { name => kind.name.clone(), case => kind.case.clone(), grains => kind.grains, problems => kind.problems(), ranked }
+/// The rows of a table by the names of their columns, numbers as they are.
+fn rows_of(table: &DataFrame) -> Value {
+    let cell = |column: &Column, row: usize| match column.get(row) {
+        Ok(AnyValue::Boolean(is)) => Value::from(is),
+        Ok(value) if value.is_integer() => Value::from(value.extract::<i64>()),
+        Ok(value) => value.get_str().map_or_else(|| Value::from(value.extract::<f64>()), Value::from),
+        Err(_) => Value::UNDEFINED,
     };
-    kinds(&study.runs).iter().map(of_kind).collect()
-}
-
-/// In how many kinds of problem each method is first at each accuracy: the fields of [`Tally`].
-fn counted(study: &Problems) -> Value {
-    let of = |Tally { label, accuracy, kinds, alone, first, reached, problems, worst }: Tally| context! { label, accuracy, kinds, alone, first, reached, problems, worst };
-    tallies(&kinds(&study.runs), &natural_maps(&study.runs)).into_iter().map(of).collect()
-}
-
-/// What subdomains cost over several packings: each has the `case`, the `kind`, the `method`, the `subdomains`, the `measure` and the
-/// `accuracy`; `packings`, and on how many of them it is `reached`; and `low`, `median` and `high` of the ratio of iterations.
-fn grown(study: &Problems) -> Value {
-    let of = |growth: &Growth| {
-        let Median { low, median, high } = growth.ratio?;
-        Some(context! {
-            case => growth.kind.case.clone(),
-            kind => growth.kind.name.clone(),
-            method => growth.label.clone(),
-            subdomains => growth.subdomains,
-            measure => growth.measure.name(),
-            accuracy => 10f64.powf(growth.log),
-            packings => growth.pairs,
-            reached => growth.packings,
-            low, median, high
-        })
+    let row = |row: usize| -> Row {
+        table.columns().iter().map(|column| (column.name().to_string(), cell(column, row))).collect()
     };
-    kinds(&study.runs)
-        .iter()
-        .flat_map(|kind| growth(kind).iter().filter_map(of).collect::<Vec<_>>())
-        .collect()
-}
-
-/// What LMGC90's norm is worth: the fields of [`Norm`], with the `case`, the `name` and the `grains` of its kind.
-fn worth(study: &Problems) -> Value {
-    let of =
-        |Norm { kind, label, tolerance, packings, met, natural_map: Median { low, median, high } }: Norm| context! { case => kind.case.clone(), name => kind.name.clone(), grains => kind.grains, label, tolerance, packings, met, low, median, high };
-    kinds(&study.runs).iter().flat_map(|kind| norms(kind).into_iter().map(of).collect::<Vec<_>>()).collect()
+    (0..table.height()).map(row).map(Value::from).collect()
 }
 
 fn chosen(rows: &[Row], wanted: &Kwargs) -> Result<Vec<Value>, Error> {

@@ -10,7 +10,7 @@ fn filled(template: &str) -> Result<String, String> {
         Run { iterations: 1234, ..run(0, "nsgs", "", Ending::Converged) },
         Run { iterations: 2468, ..run(1, "nsgs-dd", "4x2", Ending::Converged) },
     ];
-    fill(&stored(&tables(&runs, &[])), template).map_err(|error| error.to_string())
+    fill(&stored(&tables(&runs, &[])), &[], template).map_err(|error| error.to_string())
 }
 
 #[test]
@@ -28,7 +28,7 @@ fn what_a_column_holds_as_json_is_an_object() {
     let derived = object(&json!({ "rungs": [{ "tolerance": 1e-2 }, { "tolerance": 1e-4 }] }));
     let runs = [Run { settings, derived, ..run(0, "osqp", "", Ending::Converged) }];
     let text = r#"{{ run(method="osqp").settings.relaxation }}, {{ run(method="osqp").derived.rungs[1].tolerance|number(1) }}"#;
-    assert_eq!(fill(&stored(&tables(&runs, &[])), text).unwrap(), "0.5, 10⁻⁴");
+    assert_eq!(fill(&stored(&tables(&runs, &[])), &[], text).unwrap(), "0.5, 10⁻⁴");
 }
 
 #[test]
@@ -38,20 +38,19 @@ fn what_is_not_there_is_an_error_that_names_it() {
     assert!(filled(r#"{{ run(method="nsgs").iteration }}"#).is_err());
 }
 
-/// `slow` reaches the accuracy on both problems, `fast` on one alone.
 #[test]
-fn kinds_rank_their_methods() {
-    let on = |seed: u32, id, method, seconds| Run {
-        problem: format!("box seed={seed}"),
-        problem_settings: object(&json!({ "case": "box", "sample.grains": 60, "sample.seed": seed })),
-        setup_s: seconds,
-        iterating_s: 0.0,
-        ..run(id, method, "", Ending::Converged)
-    };
-    let runs = [on(1, 0, "slow", 3.0), on(1, 1, "fast", 1.0), on(2, 2, "slow", 2.0), on(2, 3, "fast", 1.0)];
-    let ends = [(0, 1e-5), (1, 1e-5), (2, 1e-5), (3, 1e-2)];
-    let curves = ends.map(|(run, map)| (run, vec![sample(0, 0.1, map)]));
-    let text = r#"{% for kind in kinds %}{{ kind.case }} {{ kind.grains }} {{ kind.problems }}:{% for at in kind.ranked if at.accuracy == 1e-4 %}{% for m in at.methods %} {{ m.label }} {{ m.reached }} {{ m.worst|number(2) }};{% endfor %}{% endfor %}{% endfor %}"#;
-    let filled = fill(&stored(&tables(&runs, &curves)), text).unwrap();
-    assert_eq!(filled, "box 60 2: slow 2 3.0; fast 1 1.0;");
+fn tables_are_rows_by_their_columns() {
+    let table =
+        polars::df!("method" => ["nsgs", "cg"], "worst" => [Some(1.5), None], "reached" => [2_u64, 0])
+            .unwrap();
+    let text = r#"{% for row in table("counts") %}{{ row.method }} {{ row.reached }} {{ row.worst|number(2) if row.reached > 0 else "–" }}; {% endfor %}"#;
+    let runs = tables(&[run(0, "nsgs", "", Ending::Converged)], &[]);
+    let filled = |text| fill(&stored(&runs), &[("counts".to_owned(), table.clone())], text);
+    assert_eq!(filled(text).unwrap(), "nsgs 2 1.5; cg 0 –; ");
+    assert!(
+        filled(r#"{{ table("count")|length }}"#)
+            .unwrap_err()
+            .to_string()
+            .contains("no table `count`: there are counts")
+    );
 }
