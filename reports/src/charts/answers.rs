@@ -1,12 +1,13 @@
-//! Cost of each mechanics and what it changes: means over packings of the ends of simulations and of their times.
+//! Cost of each mechanics and what it changes: medians over packings of the ends of simulations and of their times.
 
 use polars::df;
 use polars::prelude::DataFrame;
+use results::Median;
 use results::simulation::{Observed, SimulationEnding};
 
 use super::macroscopic::{FRICTION, panel};
-use crate::draw::{Look, Plot, SPARE, Scale, Side};
-use crate::read::{Mean, OF_95, Simulation, rising, unique};
+use crate::draw::{Look, Plot, SPARE, Scale, Side, log};
+use crate::read::{Simulation, rising, unique};
 use crate::text::{Part, frame};
 
 /// A simulation that came to its end, by what it is a sample of.
@@ -34,7 +35,7 @@ const ANSWERS: [Answer; 5] = [
     },
     Answer {
         name: "side_walls_share",
-        title: "impulse of the side walls over that of the floor (–)",
+        title: "side walls over floor (–)",
         of: |s| {
             let sum = |of: fn(&Observed) -> f64| late(s).iter().map(of).sum::<f64>();
             let sides = sum(|row| row.left_impulse_n_s) + sum(|row| row.right_impulse_n_s);
@@ -49,12 +50,12 @@ const ANSWERS: [Answer; 5] = [
     },
     Answer {
         name: "iterations_per_time_step",
-        title: "iterations of a time step",
+        title: "iterations of a step",
         of: |s| Some(s.totals.iterations as f64 / s.totals.time_steps as f64),
     },
     Answer {
         name: "microseconds_per_grain",
-        title: "time of a time step, over its grains (µs)",
+        title: "time of a step, a grain (µs)",
         of: |s| {
             let seconds = s.totals.setup_s + s.totals.iterating_s;
             Some(1e6 * seconds / s.totals.time_steps as f64 / f64::from(s.grains))
@@ -92,8 +93,8 @@ fn ended(all: &[Simulation]) -> Vec<Ended<'_>> {
 /// The figure and the table `answers`.
 pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
     let ended = ended(all);
-    let note = "\nMeans over packings, with Student's intervals of 95 %, of five or more; of simulations that came to their end. The mean height and \
-                the contacts are those at the end; the walls' impulses those of the second half of the time. Time: set-up and iterations.\n";
+    let note = "\nMedians over packings, with intervals that hold them with a probability of 90 % or more, of fewer than five the least and the \
+                greatest; of simulations that came to their end. The mean height and the contacts are those at the end; the walls' impulses those of the second half of the time. Time: set-up and iterations.\n";
     let mut parts = Vec::new();
     if !ended.is_empty() {
         parts.push(Part::figure("answers", figure(&ended)));
@@ -102,10 +103,10 @@ pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
     parts
 }
 
-/// The mean of an answer in a case with a friction; `None` of fewer than five packings.
-fn mean(ended: &[Ended], (case, grains): (&str, f64), answer: &Answer) -> Option<Mean> {
+/// The median of an answer in a case with a friction.
+fn median(ended: &[Ended], (case, grains): (&str, f64), answer: &Answer) -> Option<Median> {
     let own = ended.iter().filter(|one| one.case == case && one.grains == grains);
-    Mean::of(&own.filter_map(|one| (answer.of)(one.simulation)).collect::<Vec<_>>(), OF_95)
+    Median::of(own.filter_map(|one| (answer.of)(one.simulation)).collect())
 }
 
 /// A panel for each answer, against the friction of the grains.
@@ -116,13 +117,16 @@ fn figure(ended: &[Ended]) -> String {
     let looks: Vec<(String, Look)> = cases.iter().enumerate().map(look).collect();
     let panels = ANSWERS.iter().map(|answer| {
         let places = |case: &str| {
-            let at = |grains: &f64| Some((*grains, mean(ended, (case, *grains), answer)?));
+            let at = |grains: &f64| {
+                let Median { low, median, high } = median(ended, (case, *grains), answer)?;
+                Some((*grains, [low, median, high].map(log)))
+            };
             frictions.iter().filter_map(at).collect()
         };
         let x = Side::new(Scale::Share, "friction μ of the grains (–)").holding(frictions.clone());
-        panel(&looks, &places, &frictions, x, answer.title, &[0.0])
+        panel(&looks, &places, &frictions, [x, Side::new(Scale::Ten, answer.title)])
     });
-    let title = vec!["What friction and the third dimension change, and what they cost: means over packings, intervals of 95 %.".to_owned()];
+    let title = vec!["What friction and the third dimension change, and what they cost: medians over packings, with intervals.".to_owned()];
     Plot { title, panels: panels.collect(), ..Plot::default() }.svg()
 }
 
@@ -132,21 +136,21 @@ fn table(ended: &[Ended]) -> DataFrame {
         for grains in rising(ended.iter().filter(|one| one.case == case).map(|one| one.grains)) {
             let packings = ended.iter().filter(|one| one.case == case && one.grains == grains).count();
             rows.extend(
-                ANSWERS
-                    .iter()
-                    .map(|answer| (case, grains, packings, answer.name, mean(ended, (case, grains), answer))),
+                ANSWERS.iter().map(|answer| {
+                    (case, grains, packings, answer.name, median(ended, (case, grains), answer))
+                }),
             );
         }
     }
-    let of = |of: fn(&Mean) -> f64| rows.iter().map(|row| row.4.as_ref().map(of)).collect::<Vec<_>>();
+    let of = |of: fn(&Median) -> f64| rows.iter().map(|row| row.4.as_ref().map(of)).collect::<Vec<_>>();
     frame(df!(
         "case" => rows.iter().map(|row| row.0).collect::<Vec<_>>(),
         "friction_of_grains" => rows.iter().map(|row| row.1).collect::<Vec<_>>(),
         "packings" => rows.iter().map(|row| row.2 as u64).collect::<Vec<_>>(),
         "answer" => rows.iter().map(|row| row.3).collect::<Vec<_>>(),
-        "mean" => of(|mean| mean.mean),
-        "low" => of(|mean| mean.low),
-        "high" => of(|mean| mean.high),
+        "median" => of(|of| of.median),
+        "low" => of(|of| of.low),
+        "high" => of(|of| of.high),
     ))
 }
 

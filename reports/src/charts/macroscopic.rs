@@ -191,8 +191,8 @@ fn table(sheared: &[Sheared]) -> DataFrame {
     chosen(sheared.iter().map(|s| s.simulation), names, own)
 }
 
-/// A place on the x axis, and a mean there.
-pub(super) type Place = (f64, Mean);
+/// A place on the x axis, and a value there between the bounds of its interval.
+pub(super) type Place = (f64, [f64; 3]);
 
 /// Left, at the least tolerance, against the μ of the grains; right, at the middle μ, the differences against the tolerance.
 fn figure(
@@ -209,13 +209,13 @@ fn figure(
             let here = solved.iter().filter(|s| s.grains == *mu && s.simulation.tolerance == tolerances[0]);
             let values: Vec<f64> =
                 here.filter(|s| s.simulation.label() == label).map(|s| s.flow.friction).collect();
-            Some((*mu, Mean::of(&values, OF_95)?))
+            Some((*mu, bounds(Mean::of(&values, OF_95)?)))
         };
         grains.iter().filter_map(at).collect()
     };
     let of_tolerance = |label: &str| {
         let here = differences.iter().filter(|d| d.grains == middle && d.method == label);
-        here.filter_map(|d| Some((log(d.tolerance), d.of[0]?))).collect()
+        here.filter_map(|d| Some((log(d.tolerance), bounds(d.of[0]?)))).collect()
     };
     let packings = unique(solved.iter().map(|s| s.simulation.scene.as_str())).len() / grains.len();
     let mut signs = vec![(
@@ -237,36 +237,31 @@ fn figure(
     ];
     let x = |scale, name: &str, values: &[f64]| Side::new(scale, name).holding(values.to_vec());
     let logs: Vec<f64> = tolerances.iter().skip(1).map(|tolerance| log(*tolerance)).collect();
-    let left = panel(
-        looks,
-        &of_grains,
-        &grains,
+    let y = |name: &str, holds: &[f64]| Side::new(Scale::Share, name).holding(holds.to_vec());
+    let of_grains_sides = [
         x(Scale::Share, "friction μ of the grains (–)", &grains),
-        "friction τ/σ of the packing (–)",
-        &[0.0],
-    );
-    let right = panel(
-        looks,
-        &of_tolerance,
-        &logs,
-        x(Scale::Ten, "tolerance of a time step (–)", &logs),
-        "change of τ/σ (–)",
-        &[-MARGIN, MARGIN],
-    );
+        y("friction τ/σ of the packing (–)", &[0.0]),
+    ];
+    let of_tolerance_sides =
+        [x(Scale::Ten, "tolerance of a time step (–)", &logs), y("change of τ/σ (–)", &[-MARGIN, MARGIN])];
+    let left = panel(looks, &of_grains, &grains, of_grains_sides);
+    let right = panel(looks, &of_tolerance, &logs, of_tolerance_sides);
     let margins = [-MARGIN, MARGIN]
         .map(|y| Guide::new(At::Y(y), TOLERANCE, format!("±{MARGIN}, the margin of equivalence")));
     let panels = vec![left, right.guided(margins)];
     Plot { title, panels, signs, ..Plot::default() }.svg()
 }
 
-/// Means of each method, with their intervals as bars.
+fn bounds(Mean { low, mean, high }: Mean) -> [f64; 3] {
+    [low, mean, high]
+}
+
+/// Values of each of some looks, with their intervals as bars.
 pub(super) fn panel(
     looks: &[(String, Look)],
     places: &dyn Fn(&str) -> Vec<Place>,
     values: &[f64],
-    x: Side,
-    name: &str,
-    holds: &[f64],
+    [x, y]: [Side; 2],
 ) -> Panel {
     let wide = match values {
         [first, .., last] => last - first,
@@ -278,16 +273,16 @@ pub(super) fn panel(
         let beside = (n as f64 - 0.5 * (looks.len() - 1) as f64) * APART * wide;
         let places = places(label);
         let point = |x: f64, y: f64| (Ending::Converged, (x + beside, y));
-        let means = places.iter().map(|(x, mean)| point(*x, mean.mean)).collect();
-        curves.push(Curve::new(label.clone(), Look { mark, ..*look }, means, Through::Nothing));
+        let middle = places.iter().map(|(x, [_, middle, _])| point(*x, *middle)).collect();
+        curves.push(Curve::new(label.clone(), Look { mark, ..*look }, middle, Through::Nothing));
         let bare = Look { mark: Mark::None, ..*look };
-        curves.extend(places.iter().map(|(x, mean)| {
-            Curve::new("", bare, vec![point(*x, mean.low), point(*x, mean.high)], Through::Points)
+        curves.extend(places.iter().map(|(x, [low, _, high])| {
+            Curve::new("", bare, vec![point(*x, *low), point(*x, *high)], Through::Points)
         }));
     }
     // Differences are small beside the room that an axis of shares leaves.
     let ends =
-        curves.iter().flat_map(|curve| &curve.points).map(|(_, (_, y))| *y).chain(holds.iter().copied());
+        curves.iter().flat_map(|curve| &curve.points).map(|(_, (_, y))| *y).chain(y.holds.iter().copied());
     let range = span(ends).map(|(low, high)| (low - 0.1 * (high - low), high + 0.1 * (high - low)));
-    Panel::new(x, Side { range, ..Side::new(Scale::Share, name) }, curves)
+    Panel::new(x, Side { range, ..y }, curves)
 }

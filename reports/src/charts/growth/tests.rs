@@ -29,8 +29,9 @@ fn ratios_are_medians_over_the_packings() {
     // Of five packings, 1.0, 1.1, 1.2, 1.3 and 2.0 times the iterations of NSGS.
     let mut all = Vec::new();
     for (seed, iterations) in (1..).zip([100, 110, 120, 130, 200]) {
-        all.push(on_packing(10 * seed, seed, ("nsgs", ""), 100));
-        all.push(on_packing(10 * seed + 1, seed, ("nsgs-dd", "4x2"), iterations));
+        let id = all.len() as u32;
+        all.push(on_packing(id, seed, ("nsgs", ""), 100));
+        all.push(on_packing(id + 1, seed, ("nsgs-dd", "4x2"), iterations));
     }
     let (runs, curves): (Vec<_>, Vec<_>) = all.into_iter().unzip();
     let study = Study::from(&stored(&tables(&runs, &curves)));

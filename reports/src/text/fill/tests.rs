@@ -3,7 +3,7 @@ use results::schema::Run;
 use serde_json::json;
 
 use super::*;
-use crate::tests::fixture::{object, run, sample, stored, tables};
+use crate::tests::fixture::{object, run, stored, tables};
 
 fn filled(template: &str) -> Result<String, String> {
     let runs = [
