@@ -2,7 +2,7 @@
 
 use crate::cli::args::{SceneArgs, SolverArgs, Start};
 use crate::plan::Method;
-use crate::problems::{Problem, Root};
+use crate::problems::Root;
 use crate::run::{asked, homogenised, outcome, to_json};
 use crate::terminal::{Line, check_apart, exit, prepare_place, say, write_instead};
 use anyhow::{Context, Result, bail};
@@ -11,7 +11,7 @@ use lineup::Posed;
 use runner::{Outcome, Progress, Status, Stop};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
@@ -55,7 +55,9 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     check_apart(&[("the problem", &*path)].into_iter().chain(outputs).collect::<Vec<_>>())?;
     let truth = args.truth || stop.on == Measure::VelocityError;
     let problem = args.scene.given(&path, truth)?;
-    args.check(&problem, &path)?;
+    if args.homogenised.is_some() && matches!(problem.posed, Posed::W(_)) {
+        bail!("--homogenised: {} has W alone, no grains and no contacts in space", path.display());
+    }
     let (posed, facts) = (&problem.posed, problem.posed.facts());
     let r0 = args.start.impulses(&problem)?;
     let known = problem.known(root)?;
@@ -85,22 +87,6 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         print(&method, &stop, &outcome)?;
     }
     Ok(exit::code(outcome.status.name()))
-}
-
-impl Args {
-    /// Refuses what a problem of W alone has not: grains, and a time step before.
-    fn check(&self, problem: &Problem, path: &Path) -> Result<()> {
-        let file = path.display();
-        match &problem.posed {
-            Posed::W(_) if self.homogenised.is_some() => {
-                bail!("--homogenised: {file} has W alone, no grains and no contacts in space")
-            }
-            Posed::W(_) if self.start != Start::Cold => bail!(
-                "--start: {file} is a problem of W alone: it has no impulses of a time step before, and takes none"
-            ),
-            _ => Ok(()),
-        }
-    }
 }
 
 /// Returns what to check where no impulse at all ended a run at once.

@@ -144,7 +144,13 @@ fn answer(
     let found = tried.first().filter(|first| first.seconds.is_some());
     // Those of which no difference shows.
     let ties: Vec<&Tried> = tried.iter().skip(1).filter(|one| is_tie(found, one)).collect();
-    let code = exit::code(if found.is_some() { "converged" } else { "stalled" });
+    let proved = tried.iter().find(|one| one.outcome.status == Status::Infeasible);
+    let status = match (found, proved) {
+        (Some(_), _) => Status::Converged,
+        (None, Some(_)) => Status::Infeasible,
+        (None, None) => Status::Stalled,
+    };
+    let code = exit::code(status.name());
     if json {
         let of = |one: &Tried| {
             let of_seconds = |of: fn(&Median) -> f64| one.seconds.as_ref().map(of);
@@ -191,6 +197,10 @@ fn answer(
     for why in skipped {
         say(format_args!("  {why}"))?;
     }
+    if let (None, Some(one)) = (found, proved) {
+        say(format_args!("{} proves that the problem has no solution", one.method.name))?;
+        return Ok(code);
+    }
     let Some(first) = found else {
         say(format_args!(
             "none of them converges in the time that `--seconds` gives each; the nearest is above"
@@ -201,7 +211,7 @@ fn answer(
         .iter()
         .find(|(name, _)| *name == first.method.name)
         .map_or(&[][..], |(_, settings)| settings);
-    let set: String = set.iter().map(|(key, value)| format!(" --set {key}={value}")).collect();
+    let set: Vec<String> = set.iter().map(|(key, value)| format!(" --set {key}={value}")).collect();
     let why = match &ties[..] {
         [] => "the fastest of those that converge".to_owned(),
         ties => format!(
@@ -209,7 +219,7 @@ fn answer(
             ties.iter().map(|one| one.method.name).collect::<Vec<_>>().join(", ")
         ),
     };
-    say(format_args!("take --method {}{set}: {why}", first.method.name))?;
+    say(format_args!("take --method {}{}: {why}", first.method.name, set.concat()))?;
     Ok(code)
 }
 

@@ -36,8 +36,12 @@ fn what_cannot_solve_the_problem_says_why() {
     assert!(answer["skipped"].to_string().contains("needs grains"), "{answer}");
 }
 
+/// Where no method converges, a proof that there is no solution is the answer.
 #[test]
 fn where_none_converges_it_says_so() {
+    let proof = gravel(&["which", "closing-walls"]).ended(4);
+    assert!(proof.stdout.contains("proves that the problem has no solution"), "{}", proof.stdout);
+    gravel(&["which", "Box_Stacks-i0122-82-5", "--start", "warm"]).refused(&["--start", "W alone"]);
     let none = gravel(&["which", "rough-250", "--max-iterations", "1"]).ended(3);
     assert!(none.stdout.contains("none of them converges"), "{}", none.stdout);
     gravel(&["which", "rough-250", "--seconds", "-1"]).refused(&["--seconds -1: it must be positive"]);

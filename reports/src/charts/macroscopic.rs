@@ -120,10 +120,11 @@ impl Difference {
     }
 }
 
+/// Method, μ and tolerance of a packing, and the differences of its friction, coordination and solid fraction.
+type Pair = ((String, f64, f64), [f64; 3]);
+
 fn differences(solved: &[Sheared]) -> Vec<Difference> {
     let least = solved.iter().map(|s| s.simulation.tolerance).fold(f64::INFINITY, f64::min);
-    // Label, μ and tolerance, and what differs.
-    type Pair = ((String, f64, f64), [f64; 3]);
     let pair = |s: &Sheared| -> Option<Pair> {
         let is_same = |other: &&Sheared| {
             other.simulation.scene == s.simulation.scene
@@ -162,14 +163,14 @@ fn table_of_differences(all: &[Difference]) -> DataFrame {
         "friction_of_grains" => all.iter().map(|d| d.grains).collect::<Vec<_>>(),
         "tolerance" => all.iter().map(|d| d.tolerance).collect::<Vec<_>>(),
         "packings" => all.iter().map(|d| d.packings as u64).collect::<Vec<_>>(),
-        "friction" => of(0, |mean| mean.mean),
+        "friction" => of(0, |mean| mean.middle),
         "friction_low" => of(0, |mean| mean.low),
         "friction_high" => of(0, |mean| mean.high),
         "verdict" => all.iter().map(Difference::verdict).collect::<Vec<_>>(),
-        "coordination" => of(1, |mean| mean.mean),
+        "coordination" => of(1, |mean| mean.middle),
         "coordination_low" => of(1, |mean| mean.low),
         "coordination_high" => of(1, |mean| mean.high),
-        "solid_fraction" => of(2, |mean| mean.mean),
+        "solid_fraction" => of(2, |mean| mean.middle),
         "solid_fraction_low" => of(2, |mean| mean.low),
         "solid_fraction_high" => of(2, |mean| mean.high),
     ))
@@ -252,8 +253,8 @@ fn figure(
     Plot { title, panels, signs, ..Plot::default() }.svg()
 }
 
-fn bounds(Mean { low, mean, high }: Mean) -> [f64; 3] {
-    [low, mean, high]
+fn bounds(Mean { low, middle, high }: Mean) -> [f64; 3] {
+    [low, middle, high]
 }
 
 /// Values of each of some looks, with their intervals as bars.

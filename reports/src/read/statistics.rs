@@ -15,7 +15,7 @@ pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mean {
     pub(crate) low: f64,
-    pub(crate) mean: f64,
+    pub(crate) middle: f64,
     pub(crate) high: f64,
 }
 
@@ -43,7 +43,7 @@ impl Mean {
         ];
         let student = terms.into_iter().rev().fold(0.0, |sum, term| sum / free + term);
         let half = student * (variance / n).sqrt();
-        Some(Self { low: mean - half, mean, high: mean + half })
+        Some(Self { low: mean - half, middle: mean, high: mean + half })
     }
 }
 

@@ -46,7 +46,7 @@ fn the_interval_of_a_mean_is_students() {
         let half = student * (squares / f64::from(n - 1) / f64::from(n)).sqrt();
         let mean = Mean::of(&values, OF_95).unwrap();
         assert!(
-            (mean.mean - 3.0).abs() < 1e-12 && (mean.high - 3.0 - half).abs() < 3e-3 * half,
+            (mean.middle - 3.0).abs() < 1e-12 && (mean.high - 3.0 - half).abs() < 3e-3 * half,
             "{n}: {mean:?}"
         );
         assert!((mean.high + mean.low - 6.0).abs() < 1e-12);
