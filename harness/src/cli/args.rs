@@ -107,12 +107,12 @@ impl Start {
         })
     }
 
-    /// Returns the impulses (N·s).
-    pub(crate) fn impulses(&self, problem: &Problem) -> Result<Vec<f64>> {
+    /// Returns the impulses (N·s) from which the `problem` of a file is begun.
+    pub(crate) fn impulses(&self, path: &Path, problem: &Problem) -> Result<Vec<f64>> {
         match self {
             Self::Warm | Self::From(_) if matches!(problem.posed, Posed::W(_)) => bail!(
                 "--start: {} is a problem of W alone: it has no impulses of a time step before, and takes none",
-                problem.name
+                path.display()
             ),
             Self::From(file) => Ok(Given::read(file, &problem.posed.facts())?.impulse),
             start => Ok(problem.start(*start == Self::Warm)),

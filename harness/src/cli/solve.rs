@@ -59,7 +59,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         bail!("--homogenised: {} has W alone, no grains and no contacts in space", path.display());
     }
     let (posed, facts) = (&problem.posed, problem.posed.facts());
-    let r0 = args.start.impulses(&problem)?;
+    let r0 = args.start.impulses(&path, &problem)?;
     let known = problem.known(root)?;
     let mut line = Line::alone(method.name.to_owned());
     let mut observe = |progress: &Progress| {

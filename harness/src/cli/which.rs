@@ -14,19 +14,20 @@ use std::ops::ControlFlow;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// The methods that are first in a field of the map of the plan `which-method`, each with its settings there.
+/// The methods that are first in a field of the maps of the plan `which-method`, or not told from the first in many, each with its
+/// settings there.
 const CANDIDATES: [(&str, &[(&str, &str)]); 6] = [
     ("nsgs", &[("acceleration", "nesterov")]),
     ("cg", &[("preconditioner", "diagonal")]),
     ("nncg", &[]),
     ("mprgp", &[("preconditioner", "diagonal")]),
-    ("latin-dd", &[]),
+    ("apgd", &[]),
     ("active-set", &[]),
 ];
 
 /// Multiple of the least time so far after which a method is stopped (–).
 const BEHIND: f64 = 2.0;
-/// Multiple of the least time within which a method is run again for its interval (–); and number of these runs.
+/// Multiple of the least time within which a method is run again for its interval, and may tie (–); and number of these runs.
 const NEAR: f64 = 1.5;
 const REPEATS: usize = 5;
 /// Time within which no method is stopped, and all are run again (s): the first run of a program waits for its threads and caches.
@@ -68,9 +69,9 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         bail!("--seconds {}: it must be positive", args.seconds);
     }
     let stop = args.stop.of(Stop::default())?;
-    let problem =
-        args.scene.given(&root.any_problem_or_case(&args.problem)?, stop.on == Measure::VelocityError)?;
-    let r0 = args.start.impulses(&problem)?;
+    let path = root.any_problem_or_case(&args.problem)?;
+    let problem = args.scene.given(&path, stop.on == Measure::VelocityError)?;
+    let r0 = args.start.impulses(&path, &problem)?;
     let once = |method: &Method, limit: f64| once(root, &problem, (method, &stop), &r0, limit);
     let mut least = args.seconds / BEHIND;
     let (mut tried, mut skipped) = (Vec::new(), Vec::new());
@@ -223,10 +224,10 @@ fn answer(
     Ok(code)
 }
 
-/// Reports whether the interval of a method's time overlaps that of the first.
+/// Reports whether a method is near the first and the intervals of both times overlap: one run that was disturbed makes no tie.
 fn is_tie(first: Option<&Tried>, one: &Tried) -> bool {
     let both = first.and_then(|first| first.seconds).zip(one.seconds);
-    both.is_some_and(|(first, seconds)| seconds.low <= first.high)
+    both.is_some_and(|(first, seconds)| seconds.low <= first.high && seconds.median <= NEAR * first.median)
 }
 
 /// Ending of a method's run.

@@ -9,7 +9,7 @@ use super::grid::{Grid, Head, Tile};
 use crate::draw::{Cell, ColorScale, INK, Looks, RGBColor, WHITE};
 use crate::read::{
     Kind, Norm, Problems, RunRow, Standing, Tally, accuracy_text, counted, file_name, kinds, natural_maps,
-    norms, repeats, span, standings, tallies, unique,
+    norms, number, repeats, span, standings, tallies, unique,
 };
 use crate::text::{Part, frame};
 
@@ -49,8 +49,8 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
         "\nThe natural map is at most the accuracy and stays below ten times that. First: the method that reaches it on most problems of \
          the kind, and of those the one whose median ratio to the fastest of each problem is least. Ties: those that reach it on as many, \
          and of which no difference shows: an interval of at least 90 % of the median over the problems of how much slower they are, \
-         less the intervals of both times, does not lie above 1. Of up to seven problems a method must be slower on each, on one by more \
-         than the spread of its repeats. Seconds: median over the problems, and its interval. {}\n",
+         less the intervals of both times, does not lie above 1; each with its median ratio to the fastest. Of up to seven problems a method \
+         must be slower on each by more than both intervals allow. Seconds: median over the problems, and its interval. {}\n",
         repeats(&study.runs)
     );
     let signs = Signs::new(&study.runs);
@@ -184,7 +184,8 @@ fn table(ranked: &[Ranked]) -> DataFrame {
     let column = |of: fn(&Ranked) -> Option<f64>| ranked.iter().map(of).collect::<Vec<_>>();
     let ties = |ranked: &Ranked| {
         let ties = ranked.standings.iter().skip(1).filter(|standing| standing.ties);
-        ties.map(|standing| standing.label.as_str()).collect::<Vec<_>>().join("; ")
+        let named = |standing: &Standing| format!("{} ×{}", standing.label, number(standing.ratio, 2));
+        ties.map(named).collect::<Vec<_>>().join("; ")
     };
     frame(df!(
         "case" => ranked.iter().map(|ranked| ranked.kind.case.as_str()).collect::<Vec<_>>(),

@@ -20,7 +20,8 @@ pub(crate) struct Standing {
     pub(crate) reached: usize,
     /// Seconds there.
     pub(crate) seconds: Median,
-    /// Its seconds over those of the fastest method of each problem, where they are most.
+    /// Its seconds over those of the fastest method of each problem: median, and where they are most.
+    pub(crate) ratio: f64,
     pub(crate) worst: f64,
     /// True where no difference from the first shows: it reached the accuracy on as many problems, and is not slower on enough of them
     /// by more than the intervals of both times.
@@ -81,15 +82,14 @@ pub(crate) fn tallies(kinds: &[Kind], accuracies: &[f64]) -> Vec<Tally> {
 /// Seconds of a run to an accuracy, set-up included, between the bounds of their interval (s).
 type Seconds = Median;
 
-/// Returns the seconds after which the natural map of a run is at most `accuracy` and stays there. The interval is as wide, in
-/// proportion, as that of the whole run, to either side; of a run timed once nothing is known.
+/// Returns the seconds after which the natural map of a run is at most `accuracy` and stays there. The interval is as wide, as a
+/// factor to either side, as that of the whole run in proportion; of a run timed once nothing is known.
 fn seconds(run: &RunRow, accuracy: f64) -> Option<Seconds> {
     let first = reached(run.curve.iter().map(|sample| sample.measures.natural_map), accuracy)?;
     let (whole, median) = (run.seconds()?, run.setup_s? + run.curve[first].iterating_s);
     let width = (run.timing.setup_spread_s + run.timing.iterating_spread_s) / whole;
-    let (low, high) =
-        if width.is_nan() { (0.0, f64::INFINITY) } else { ((1.0 - width).max(0.0), 1.0 + width) };
-    Some(Seconds { low: low * median, median, high: high * median })
+    let factor = if width.is_nan() { f64::INFINITY } else { 1.0 + width };
+    Some(Seconds { low: median / factor, median, high: median * factor })
 }
 
 /// Ranks the methods of `runs` by a natural map of `accuracy`: those that reach it on more problems first, then those whose
@@ -116,12 +116,13 @@ pub(crate) fn standings(runs: &[&RunRow], accuracy: f64) -> Vec<Standing> {
         b.reached().cmp(&a.reached()).then(of_a.median.total_cmp(&of_b.median))
     };
     all.sort_by(order);
-    let standing = |(times, _): &(&Times, Median)| {
+    let standing = |(times, of): &(&Times, Median)| {
         let (first, _) = all[0];
         Some(Standing {
             label: times.label.clone(),
             reached: times.reached(),
             seconds: Median::of(times.seconds.iter().flatten().map(|seconds| seconds.median).collect())?,
+            ratio: of.median,
             worst: times.over(&fastest).into_iter().fold(1.0, f64::max),
             ties: times.reached() == first.reached() && !times.is_slower_than(first),
         })
