@@ -68,7 +68,7 @@ archive plan:
     mkdir -p results/archive/{{plan}} && cp results/runs/{{plan}}/*.parquet results/archive/{{plan}}
 
 # Draw the pages and figures of the tree anew, from studies of counts and from results/archive; an error if one changes
-pages: bench
+pages:
     .ci/pages
 
 # What users of other codes ask: every run and the numbers of reports/questions.md from nothing; needs the other codes installed

@@ -11,6 +11,7 @@ mod cli {
     pub(crate) mod list;
     pub(crate) mod merge;
     pub(crate) mod plan;
+    pub(crate) mod posed;
     pub(crate) mod regress;
     pub(crate) mod report;
     pub(crate) mod schema;
@@ -112,10 +113,10 @@ mod problems {
     pub(crate) use files::{Kind, Root, is_toml, stem};
     pub(crate) use given::Given;
     pub(crate) use parts::{Impulses, write_parts};
-    pub(crate) use planned::{AT, MARCH, MISSED_BEFORE, MOMENT, PlannedProblem, Problem, planned};
+    pub(crate) use planned::{PlannedProblem, Problem, planned};
     pub(crate) use pool::polished_to;
     pub(crate) use reference::{Found, Known, found};
-    pub(crate) use scene::{Scene, TIME_STEP};
+    pub(crate) use scene::Scene;
 }
 
 /// The plan file: methods with their settings, axes, rules.

@@ -13,12 +13,14 @@ mod growth;
 mod lines;
 mod macroscopic;
 mod next_step;
+mod norms;
 mod peers;
 mod profiles;
 mod quantities;
 mod ranks;
 mod relaxation;
 mod sample;
+mod sound;
 #[cfg(test)]
 mod sweep_tests;
 mod trajectory;
@@ -50,6 +52,8 @@ pub struct Chart {
 enum Parts {
     /// Runs on problems, drawn as declared.
     Lines(&'static lines::Lines),
+    /// Samples of runs on problems, drawn as declared.
+    Curves(&'static curves::Curves),
     /// Runs on problems.
     Problems(fn(&Problems) -> Vec<Part>),
     /// Simulations.
@@ -80,7 +84,7 @@ const CHARTS: &[Chart] = &[
         name: "speed",
         makes: "`speed-<problem>`; `speed` if a page holds all",
         shows: "the natural map against seconds, whether or not a solution is known",
-        parts: Parts::Problems(convergence::speed),
+        parts: Parts::Curves(&declared::SPEED),
     },
     Chart {
         name: "work-precision",
@@ -91,7 +95,7 @@ const CHARTS: &[Chart] = &[
     Chart {
         name: "truth",
         makes: "`truth-<problem>`, `truth`",
-        shows: "ζ, the natural map and LMGC90's norm against the velocity error: where they promise too much; a curve that goes up and down is a band with its median",
+        shows: "ζ, the natural map and LMGC90's norm against the velocity error: where they are smaller than it; a curve that goes up and down is a band with its median",
         parts: Parts::Problems(truth::truth),
     },
     Chart {
@@ -108,9 +112,15 @@ const CHARTS: &[Chart] = &[
     },
     Chart {
         name: "winners",
-        makes: "`winners-<case>`, `winners-counts`, `winners`, `norms`",
-        shows: "the fastest method of each kind of problem, number of grains and accuracy, over its samples; ties share a field; what LMGC90's norm is worth there",
+        makes: "`winners-<case>`, `winners-counts`, `winners`",
+        shows: "the fastest method of each kind of problem, number of grains and accuracy, over its samples; ties share a field",
         parts: Parts::Problems(winners::parts),
+    },
+    Chart {
+        name: "norms",
+        makes: "`norms`",
+        shows: "what LMGC90's norm is worth: the natural map where it meets a tolerance, over the samples of each kind of problem",
+        parts: Parts::Problems(norms::parts),
     },
     Chart {
         name: "growth",
@@ -174,8 +184,8 @@ const CHARTS: &[Chart] = &[
     },
     Chart {
         name: "macroscopic",
-        makes: "`macroscopic`",
-        shows: "friction of a sheared packing against that of its grains, and against the tolerance, each method",
+        makes: "`macroscopic`, `macroscopic-differences`, `macroscopic-means`",
+        shows: "friction of a sheared packing against that of its grains; what a coarser tolerance changes of it, packing by packing",
         parts: Parts::Simulations(macroscopic::parts),
     },
     Chart {
@@ -183,6 +193,12 @@ const CHARTS: &[Chart] = &[
         makes: "`answers`",
         shows: "what friction and the third dimension change: height, load of the walls, contacts; and what they cost; over packings",
         parts: Parts::Simulations(answers::parts),
+    },
+    Chart {
+        name: "sound",
+        makes: "`sound`",
+        shows: "the speed of sound that few iterations of a time step give to rigid grains: how fast a weight comes to the floor",
+        parts: Parts::Simulations(sound::parts),
     },
     Chart {
         name: "next-step",
@@ -235,6 +251,7 @@ impl Chart {
     pub(crate) fn parts(self, study: &Study) -> Vec<Part> {
         match (self.parts, study) {
             (Parts::Lines(lines), Study::Problems(study)) => lines.parts(study),
+            (Parts::Curves(curves), Study::Problems(study)) => curves.parts(study),
             (Parts::Problems(parts), Study::Problems(study)) => parts(study),
             (Parts::Simulations(parts), Study::Simulations(all)) => parts(all),
             _ => Vec::new(),

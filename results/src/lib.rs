@@ -10,6 +10,7 @@ pub mod provenance;
 mod reached;
 pub mod schema;
 mod seal;
+pub mod settings;
 pub mod simulation;
 pub mod store;
 pub mod study;

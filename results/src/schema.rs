@@ -19,8 +19,9 @@ pub struct Run {
     pub problem: String,
     /// Hash of the problem's content.
     pub problem_hash: String,
-    /// Settings that made the problem, as JSON: `case`, `time_step`, and replacements of values of the case by their keys, such as
-    /// `sample.seed`; `{}` for a frozen one.
+    /// Settings that made the problem, as JSON: `case`, `time_step`, its `moment` and the `march` before it where the plan names them,
+    /// `missed_before`, the number of time steps before that missed their tolerance, and replacements of values of the case by their
+    /// keys, such as `sample.seed`; `{}` for a frozen one.
     #[serde(with = "json")]
     pub problem_settings: Map<String, Value>,
     /// Number of grains.

@@ -81,6 +81,29 @@ fn nsgs_dd_on_one_subdomain_is_nsgs() {
     }
 }
 
+/// With whole masses what every contact changes is added up, in whichever subdomain it is.
+#[test]
+fn nsgs_dd_of_contacts_at_once_is_jacobi() {
+    for name in PACKINGS {
+        let problem = frozen(name).problem;
+        for (grid, mass_splitting) in [(Grid::ONE, true), (Grid::of(4, 2), false)] {
+            let mut jacobi = start(&Jacobi::default(), &problem);
+            let mut advance = || {
+                jacobi.advance();
+                impulses(&*jacobi, &problem)
+            };
+            let settings = NsgsDd {
+                subdomains: grid,
+                relaxation: Jacobi::default().relaxation,
+                contact_exchange: Exchange::Jacobi,
+                mass_splitting,
+                ..NsgsDd::default()
+            };
+            assert_same_iterates(&problem, &mut *start(&settings, &problem), &mut advance, 100);
+        }
+    }
+}
+
 /// Subdomains of one colour share no grain, so whole masses and one colour after the other make one Gauss-Seidel
 /// sweep over the contacts, subdomain by subdomain.
 #[test]

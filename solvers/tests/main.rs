@@ -6,6 +6,7 @@ mod active_set;
 mod agreement;
 mod column;
 mod decomposition;
+mod elasticity;
 mod equation_map;
 mod equivalences;
 mod existence;

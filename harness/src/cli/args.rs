@@ -1,13 +1,11 @@
 //! Arguments that several commands share.
 
-use crate::exchange::{Held, is_foreign, read as read_foreign};
-use crate::plan::{Method, Plan, Settings, key_value, refuse_repeated};
-use crate::problems::{CaseProblem, Given, Problem, Root, is_toml, planned, stem};
+use crate::plan::{Method, Plan, key_value, refuse_repeated};
+use crate::problems::{CaseProblem, Root, is_toml, planned};
 use crate::study::Selection;
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Case};
 use contact::Measure;
-use lineup::Posed;
 use runner::Stop;
 use serde::Deserialize;
 use serde_json::Value;
@@ -86,38 +84,6 @@ pub(crate) struct CaseArgs {
     /// A value of the case file to replace, such as sample.grains=250 or scene.law=iqs; may be repeated
     #[arg(long = "scene", value_name = "KEY=VALUE", value_parser = key_value)]
     pub(crate) overrides: Vec<(String, String)>,
-}
-
-/// The impulses to begin from.
-#[derive(Clone, PartialEq, Eq)]
-pub(crate) enum Start {
-    Cold,
-    Warm,
-    From(PathBuf),
-}
-
-impl Start {
-    /// Any word but the two is a place.
-    pub(crate) fn read(text: &str) -> Result<Self, String> {
-        Ok(match text {
-            "" => return Err("cold, warm, or where impulses are".to_owned()),
-            "cold" => Self::Cold,
-            "warm" => Self::Warm,
-            place => Self::From(place.into()),
-        })
-    }
-
-    /// Returns the impulses (N·s) from which the `problem` of a file is begun.
-    pub(crate) fn impulses(&self, path: &Path, problem: &Problem) -> Result<Vec<f64>> {
-        match self {
-            Self::Warm | Self::From(_) if matches!(problem.posed, Posed::W(_)) => bail!(
-                "--start: {} is a problem of W alone: it has no impulses of a time step before, and takes none",
-                path.display()
-            ),
-            Self::From(file) => Ok(Given::read(file, &problem.posed.facts())?.impulse),
-            start => Ok(problem.start(*start == Self::Warm)),
-        }
-    }
 }
 
 /// A number on the command line.
@@ -220,26 +186,6 @@ impl SceneArgs {
         }
         self.refused(&format!("{} is a frozen problem", path.display()))?;
         Ok(AnyFrozen::read(path)?)
-    }
-
-    /// The problem of a file, ours or of another code; nothing of its solutions is known unless the `truth` is asked for.
-    pub(crate) fn given(&self, path: &Path, truth: bool) -> Result<Problem> {
-        let frozen = if is_foreign(path) {
-            match read_foreign(path)? {
-                Held::Local(problem) => {
-                    self.refused(&format!("{} is a problem of W alone", path.display()))?;
-                    let posed = Posed::W(Box::new(problem));
-                    return Ok(Problem::new(stem(path), posed, Settings::new(), truth));
-                }
-                Held::Ours(text) => {
-                    self.refused(&format!("{} is a frozen problem", path.display()))?;
-                    AnyFrozen::of_text(path, &text)?
-                }
-            }
-        } else {
-            self.problem(path)?
-        };
-        Ok(Problem::alone(frozen, truth))
     }
 }
 

@@ -81,8 +81,8 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let stored = args.rows.clone().map_or_else(|| stored(root, &plan), Ok)?;
     let rows = tables_of(&stored)?;
     let earlier = args.against.as_deref().map(tables_of).transpose().context("--against")?;
-    if (args.fill.is_some() || earlier.is_some()) && !matches!(rows, Rows::Runs(_)) {
-        bail!("--against and --fill are for studies of problems, and `{}` is one through time", plan.name);
+    if earlier.is_some() && !matches!(rows, Rows::Runs(_)) {
+        bail!("--against is for studies of problems, and `{}` is one through time", plan.name);
     }
     if let Some(template) = &args.fill {
         fill(&rows, &plan.charts(), template)?;

@@ -1,6 +1,7 @@
 //! `gravel solve`: one contact problem, one method.
 
-use crate::cli::args::{SceneArgs, SolverArgs, Start};
+use crate::cli::args::SolverArgs;
+use crate::cli::posed::{ProblemArgs, Start};
 use crate::plan::Method;
 use crate::problems::Root;
 use crate::run::{asked, homogenised, outcome, to_json};
@@ -16,17 +17,10 @@ use std::process::ExitCode;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A frozen problem or a case: its name, or the path of its file; or a file of another code, FCLIB (.hdf5) or Siconos (.dat)
-    #[arg(value_name = "PROBLEM-OR-CASE")]
-    problem: String,
     #[command(flatten)]
-    scene: SceneArgs,
+    posed: ProblemArgs,
     #[command(flatten)]
     solver: SolverArgs,
-    /// Start from r = 0 (cold), from the impulses of the time step before, if there are any (warm), or from those in a FILE as
-    /// `--impulses` writes it
-    #[arg(long, value_name = "START", default_value = "cold", value_parser = Start::read)]
-    start: Start,
     /// Measure the distance to the reference solution as well, which is kept in results/references; so does
     /// `--on velocity_error`
     #[arg(long)]
@@ -49,20 +43,27 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     for file in args.impulses.iter().chain(&args.homogenised) {
         prepare_place(file)?;
     }
-    let path = root.any_problem_or_case(&args.problem)?;
+    let path = args.posed.path(root)?;
     let outputs = [("--impulses", &args.impulses), ("--homogenised", &args.homogenised)];
     let outputs = outputs.iter().filter_map(|(name, file)| Some((*name, file.as_deref()?)));
     check_apart(&[("the problem", &*path)].into_iter().chain(outputs).collect::<Vec<_>>())?;
     let truth = args.truth || stop.on == Measure::VelocityError;
-    let problem = args.scene.given(&path, truth)?;
+    let problem = args.posed.read(&path, truth)?;
     if args.homogenised.is_some() && matches!(problem.posed, Posed::W(_)) {
         bail!("--homogenised: {} has W alone, no grains and no contacts in space", path.display());
     }
     let (posed, facts) = (&problem.posed, problem.posed.facts());
-    let r0 = args.start.impulses(&path, &problem)?;
+    let r0 = args.posed.impulses(&path, &problem)?;
     let known = problem.known(root)?;
     let mut line = Line::alone(method.name.to_owned());
+    // The least natural map of the iterates that were measured, and its iteration.
+    let mut least = (f64::INFINITY, 0);
     let mut observe = |progress: &Progress| {
+        if let Some(natural_map) =
+            progress.measures.map(|measures| measures.natural_map).filter(|map| *map < least.0)
+        {
+            least = (natural_map, progress.iteration);
+        }
         line.show(progress, stop.on);
         if exit::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
@@ -80,11 +81,11 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         eprintln!("warning: {why}");
     }
     if args.json {
-        let asked = asked(&problem, &method, &stop, args.start != Start::Cold);
+        let asked = asked(&problem, &method, &stop, args.posed.start != Start::Cold);
         say(format_args!("{}", to_json(asked, &outcome)?))?;
     } else {
         say(format_args!("{}: {}", problem.name, facts.size()))?;
-        print(&method, &stop, &outcome)?;
+        print(&method, &stop, &outcome, least)?;
     }
     Ok(exit::code(outcome.status.name()))
 }
@@ -119,9 +120,10 @@ pub(crate) fn say_ending(
     [setup_s, iterating_s]: [f64; 2],
 ) -> Result<()> {
     let (on, tolerance, plural) = (stop.on, stop.tolerance, if iterations == 1 { "" } else { "s" });
-    let status = status.name();
     say(format_args!("{} {}", method.name, Value::Object(method.settings.clone())))?;
-    say(format_args!("{status} after {iterations} iteration{plural} ({on} ≤ {tolerance:e} asked)"))?;
+    let asked = if status == Status::Converged { "the first iterate with" } else { "asked:" };
+    let status = status.name();
+    say(format_args!("{status} after {iterations} iteration{plural} ({asked} {on} ≤ {tolerance:e})"))?;
     say(format_args!("  set-up {setup_s:.3e} s, iterating {iterating_s:.3e} s"))
 }
 
@@ -138,12 +140,15 @@ pub(crate) fn say_measures(measures: &Measures) -> Result<()> {
     Ok(())
 }
 
-fn print(method: &Method, stop: &Stop, outcome: &Outcome) -> Result<()> {
+fn print(method: &Method, stop: &Stop, outcome: &Outcome, (least, at): (f64, u64)) -> Result<()> {
     let Outcome { status, iterations, measures, setup, iterating, .. } = outcome;
     say_ending(method, stop, (*status, *iterations), [*setup, *iterating].map(|time| time.as_secs_f64()))?;
     say_measures(measures)?;
     if let Some(contact) = measures.worst_contact {
         say(format_args!("  {:<17}{contact}", "worst_contact"))?;
+    }
+    if least < measures.natural_map {
+        say(format_args!("  the least natural_map was {least:.3e}, at iteration {at}"))?;
     }
     Ok(())
 }

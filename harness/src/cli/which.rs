@@ -1,6 +1,7 @@
 //! `gravel which`: the method for a problem, from brief runs of those that lead on problems like it.
 
-use crate::cli::args::{SceneArgs, Start, StopArgs};
+use crate::cli::args::StopArgs;
+use crate::cli::posed::ProblemArgs;
 use crate::plan::Method;
 use crate::problems::{Problem, Root};
 use crate::run::outcome;
@@ -14,9 +15,12 @@ use std::ops::ControlFlow;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
+/// Keys of settings with their values.
+type Set = &'static [(&'static str, &'static str)];
+
 /// The methods that are first in a field of the maps of the plan `which-method`, or not told from the first in many, each with its
 /// settings there.
-const CANDIDATES: [(&str, &[(&str, &str)]); 6] = [
+const CANDIDATES: [(&str, Set); 6] = [
     ("nsgs", &[("acceleration", "nesterov")]),
     ("cg", &[("preconditioner", "diagonal")]),
     ("nncg", &[]),
@@ -35,17 +39,10 @@ const SHORT: f64 = 0.05;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A frozen problem or a case: its name, or the path of its file; or a file of another code, FCLIB (.hdf5) or Siconos (.dat)
-    #[arg(value_name = "PROBLEM-OR-CASE")]
-    problem: String,
     #[command(flatten)]
-    scene: SceneArgs,
+    posed: ProblemArgs,
     #[command(flatten)]
     stop: StopArgs,
-    /// Start from r = 0 (cold), from the impulses of the time step before, if there are any (warm), or from those in a FILE as
-    /// `--impulses` of `solve` writes it
-    #[arg(long, value_name = "START", default_value = "cold", value_parser = Start::read)]
-    start: Start,
     /// Stop a method that has not converged after this time, or after twice the time of the fastest so far (s)
     #[arg(long, value_name = "S", default_value_t = 10.0, allow_negative_numbers = true)]
     seconds: f64,
@@ -57,6 +54,8 @@ pub(crate) struct Args {
 /// A candidate and its runs.
 struct Tried {
     method: Method,
+    /// Its named settings.
+    set: Set,
     outcome: Outcome,
     /// True where it was stopped since others are faster, or for its time.
     is_stopped: bool,
@@ -64,19 +63,26 @@ struct Tried {
     seconds: Option<Median>,
 }
 
+/// The answers of the candidates: first those that converged, the fastest at the head, then those that came nearest.
+struct Answer {
+    tried: Vec<Tried>,
+    /// Reasons why candidates do not take the problem.
+    skipped: Vec<String>,
+}
+
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     if !(args.seconds > 0.0) {
         bail!("--seconds {}: it must be positive", args.seconds);
     }
     let stop = args.stop.of(Stop::default())?;
-    let path = root.any_problem_or_case(&args.problem)?;
-    let problem = args.scene.given(&path, stop.on == Measure::VelocityError)?;
-    let r0 = args.start.impulses(&path, &problem)?;
+    let path = args.posed.path(root)?;
+    let problem = args.posed.read(&path, stop.on == Measure::VelocityError)?;
+    let r0 = args.posed.impulses(&path, &problem)?;
     let once = |method: &Method, limit: f64| once(root, &problem, (method, &stop), &r0, limit);
     let mut least = args.seconds / BEHIND;
     let (mut tried, mut skipped) = (Vec::new(), Vec::new());
-    for (name, settings) in CANDIDATES {
-        let settings = settings.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned()));
+    for (name, set) in CANDIDATES {
+        let settings = set.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned()));
         let method = Method::parse(name, &settings.collect::<Vec<_>>())?;
         match once(&method, f64::max(BEHIND * least, SHORT)) {
             Err(why) => skipped.push(format!("{name}: {why:#}")),
@@ -87,7 +93,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
                 let seconds = (outcome.status == Status::Converged).then(|| time(&outcome));
                 least = seconds.map_or(least, |seconds| seconds.min(least));
                 let seconds = seconds.and_then(|seconds| Median::of(vec![seconds]));
-                tried.push(Tried { method, outcome, is_stopped, seconds });
+                tried.push(Tried { method, set, outcome, is_stopped, seconds });
             }
         }
     }
@@ -100,8 +106,21 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
             return Ok(exit::code(Status::Interrupted.name()));
         }
     }
-    tried.sort_by(|a, b| order(a).total_cmp(&order(b)));
-    answer(&problem, &stop, &tried, &skipped, args.json)
+    let order = |one: &Tried| {
+        let seconds = one.seconds.map_or(f64::INFINITY, |seconds| seconds.median);
+        (seconds, one.outcome.measures.get(stop.on))
+    };
+    tried.sort_by(|a, b| {
+        let ((a, left), (b, right)) = (order(a), order(b));
+        a.total_cmp(&b).then(left.total_cmp(&right))
+    });
+    let answer = Answer { tried, skipped };
+    if args.json {
+        answer.say_json(&problem, &stop)?
+    } else {
+        answer.say(&problem, &stop)?
+    }
+    Ok(exit::code(answer.status().name()))
 }
 
 /// Runs a method once, for so many seconds at most; true if it was stopped for them.
@@ -129,111 +148,106 @@ fn time(outcome: &Outcome) -> f64 {
     (outcome.setup + outcome.iterating).as_secs_f64()
 }
 
-/// Orders what converged by its time, before all that did not.
-fn order(tried: &Tried) -> f64 {
-    tried.seconds.map_or(f64::INFINITY, |seconds| seconds.median)
-}
+impl Answer {
+    /// The fastest of those that converged.
+    fn first(&self) -> Option<&Tried> {
+        self.tried.first().filter(|first| first.seconds.is_some())
+    }
 
-/// Prints the methods, the first first, and what to take.
-fn answer(
-    problem: &Problem,
-    stop: &Stop,
-    tried: &[Tried],
-    skipped: &[String],
-    json: bool,
-) -> Result<ExitCode> {
-    let found = tried.first().filter(|first| first.seconds.is_some());
-    // Those of which no difference shows.
-    let ties: Vec<&Tried> = tried.iter().skip(1).filter(|one| is_tie(found, one)).collect();
-    let proved = tried.iter().find(|one| one.outcome.status == Status::Infeasible);
-    let status = match (found, proved) {
-        (Some(_), _) => Status::Converged,
-        (None, Some(_)) => Status::Infeasible,
-        (None, None) => Status::Stalled,
-    };
-    let code = exit::code(status.name());
-    if json {
-        let of = |one: &Tried| {
-            let of_seconds = |of: fn(&Median) -> f64| one.seconds.as_ref().map(of);
+    /// Methods that are near the first, and whose interval overlaps its own: one run that was disturbed makes no tie.
+    fn ties(&self) -> impl Iterator<Item = &Tried> {
+        let first = self.first().and_then(|first| first.seconds);
+        let is_tie = move |one: &&Tried| {
+            let both = first.zip(one.seconds);
+            both.is_some_and(|(first, own)| own.low <= first.high && own.median <= NEAR * first.median)
+        };
+        self.tried.iter().skip(1).filter(is_tie)
+    }
+
+    /// The method that proved that there is no solution: a proof is exact, and a tolerance is not.
+    fn proof(&self) -> Option<&Tried> {
+        self.tried.iter().find(|one| one.outcome.status == Status::Infeasible)
+    }
+
+    fn status(&self) -> Status {
+        match (self.proof(), self.first()) {
+            (Some(_), _) => Status::Infeasible,
+            (None, Some(_)) => Status::Converged,
+            (None, None) => Status::Stalled,
+        }
+    }
+
+    fn say_json(&self, problem: &Problem, stop: &Stop) -> Result<()> {
+        let tried = |one: &Tried| {
+            let seconds = |of: fn(&Median) -> f64| one.seconds.as_ref().map(of);
             json!({
                 "method": one.method.name,
                 "settings": one.method.settings,
-                "status": ending(one),
+                "status": one.ending(),
                 "iterations": one.outcome.iterations,
                 stop.on.name(): one.outcome.measures.get(stop.on),
-                "seconds": of_seconds(|seconds| seconds.median),
-                "seconds_low": of_seconds(|seconds| seconds.low),
-                "seconds_high": of_seconds(|seconds| seconds.high),
+                "seconds": seconds(|seconds| seconds.median),
+                "seconds_low": seconds(|seconds| seconds.low),
+                "seconds_high": seconds(|seconds| seconds.high),
             })
         };
         let answer = json!({
             "problem": problem.name,
             "stop_on": stop.on,
             "tolerance": stop.tolerance,
-            "take": found.map(|first| first.method.name),
-            "ties": ties.iter().map(|one| one.method.name).collect::<Vec<_>>(),
-            "tried": tried.iter().map(of).collect::<Vec<_>>(),
-            "skipped": skipped,
+            "status": self.status(),
+            "take": self.first().map(|first| first.method.name),
+            "ties": self.ties().map(|one| one.method.name).collect::<Vec<_>>(),
+            "tried": self.tried.iter().map(tried).collect::<Vec<_>>(),
+            "skipped": self.skipped,
         });
-        say(format_args!("{answer}"))?;
-        return Ok(code);
+        say(format_args!("{answer}"))
     }
-    say(format_args!(
-        "{}: {}; {} ≤ {:e}",
-        problem.name,
-        problem.posed.facts().size(),
-        stop.on,
-        stop.tolerance
-    ))?;
-    for one in tried {
-        let seconds = match one.seconds {
-            Some(Median { low, median, high }) if low < high => {
-                format!("{median:.2e} s ({low:.2e} to {high:.2e})")
-            }
-            Some(Median { median, .. }) => format!("{median:.2e} s"),
-            None => format!("{}, {} {:.1e}", ending(one), stop.on, one.outcome.measures.get(stop.on)),
+
+    /// Prints the methods in their order, and which to take.
+    fn say(&self, problem: &Problem, stop: &Stop) -> Result<()> {
+        let (name, size) = (&problem.name, problem.posed.facts().size());
+        say(format_args!("{name}: {size}; {} ≤ {:e}", stop.on, stop.tolerance))?;
+        for one in &self.tried {
+            let seconds = match one.seconds {
+                Some(Median { low, median, high }) if low < high => {
+                    format!("{median:.2e} s ({low:.2e} to {high:.2e})")
+                }
+                Some(Median { median, .. }) => format!("{median:.2e} s"),
+                None => format!("{}, {} {:.1e}", one.ending(), stop.on, one.outcome.measures.get(stop.on)),
+            };
+            let (name, iterations) = (one.method.name, one.outcome.iterations);
+            say(format_args!("  {name:<12}{iterations:>9} iterations   {seconds}"))?;
+        }
+        for why in &self.skipped {
+            say(format_args!("  {why}"))?;
+        }
+        if let Some(one) = self.proof() {
+            return say(format_args!("{} proves that the problem has no solution", one.method.name));
+        }
+        let Some(first) = self.first() else {
+            return say(format_args!(
+                "none of them converges, the first comes nearest; `--seconds` or `--max-iterations` may be too few"
+            ));
         };
-        say(format_args!("  {:<12}{:>9} iterations   {seconds}", one.method.name, one.outcome.iterations))?;
+        let set: Vec<String> = first.set.iter().map(|(key, value)| format!(" --set {key}={value}")).collect();
+        let ties: Vec<&str> = self.ties().map(|one| one.method.name).collect();
+        let why = match &ties[..] {
+            [] => "the least median time here".to_owned(),
+            ties => {
+                format!("not told from {}: the intervals of {REPEATS} runs each overlap", ties.join(", "))
+            }
+        };
+        say(format_args!("take --method {}{}: {why}", first.method.name, set.concat()))
     }
-    for why in skipped {
-        say(format_args!("  {why}"))?;
-    }
-    if let (None, Some(one)) = (found, proved) {
-        say(format_args!("{} proves that the problem has no solution", one.method.name))?;
-        return Ok(code);
-    }
-    let Some(first) = found else {
-        say(format_args!(
-            "none of them converges in the time that `--seconds` gives each; the nearest is above"
-        ))?;
-        return Ok(code);
-    };
-    let set = CANDIDATES
-        .iter()
-        .find(|(name, _)| *name == first.method.name)
-        .map_or(&[][..], |(_, settings)| settings);
-    let set: Vec<String> = set.iter().map(|(key, value)| format!(" --set {key}={value}")).collect();
-    let why = match &ties[..] {
-        [] => "the fastest of those that converge".to_owned(),
-        ties => format!(
-            "as fast as {}: the intervals of {REPEATS} runs each overlap",
-            ties.iter().map(|one| one.method.name).collect::<Vec<_>>().join(", ")
-        ),
-    };
-    say(format_args!("take --method {}{}: {why}", first.method.name, set.concat()))?;
-    Ok(code)
 }
 
-/// Reports whether a method is near the first and the intervals of both times overlap: one run that was disturbed makes no tie.
-fn is_tie(first: Option<&Tried>, one: &Tried) -> bool {
-    let both = first.and_then(|first| first.seconds).zip(one.seconds);
-    both.is_some_and(|(first, seconds)| seconds.low <= first.high && seconds.median <= NEAR * first.median)
-}
-
-/// Ending of a method's run.
-fn ending(one: &Tried) -> &'static str {
-    match one.outcome.status {
-        Status::Interrupted if one.is_stopped => "stopped, too slow",
-        status => status.name(),
+impl Tried {
+    /// Ending of its run.
+    fn ending(&self) -> &'static str {
+        match self.outcome.status {
+            Status::Interrupted if self.is_stopped => "stopped",
+            status => status.name(),
+        }
     }
 }

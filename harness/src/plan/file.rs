@@ -36,7 +36,7 @@ pub(crate) struct Plan {
     /// True where rows hold the eigenvalues of their problems, which explain failures.
     #[serde(default)]
     pub(crate) spectra: bool,
-    /// Number of repeats of each run for its seconds, which are then medians.
+    /// Number of repeats of each run for its seconds, which are then medians; a run of less than a millisecond is repeated more often.
     #[serde(default = "once")]
     pub(crate) repeats: NonZeroU32,
     /// Threads that methods may use, where `--threads` does not say it.

@@ -3,27 +3,18 @@
 use crate::exchange::{Held, is_foreign, read};
 use crate::identity::code_version;
 use crate::plan::{Plan, PlannedCase, Settings, combinations, last_parts, pairs, values};
-use crate::problems::{Given, KeptProblem, Kind, Known, Root, Scene, TIME_STEP, overrides, read_case, stem};
+use crate::problems::scene;
+use crate::problems::{Given, KeptProblem, Kind, Known, Root, Scene, overrides, read_case, stem};
 use crate::terminal::read_text;
 use anyhow::{Context, Result, bail};
 use cases::AnyFrozen;
 use lineup::{Law, Posed, content_hash, hash_of_w};
 use local::LocalProblem;
+use results::settings::{CASE, MARCH, MISSED_BEFORE, MOMENT, TIME_STEP};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-
-/// The key of rows that holds the method of the time steps before a problem, if the plan names it.
-pub(crate) const MARCH: &str = "march";
-
-/// The key of rows that counts the time steps before a problem whose solve did not converge.
-pub(crate) const MISSED_BEFORE: &str = "missed_before";
-
-/// The keys of rows that hold the time step of a problem, which a plan may vary like values of the case, and its name among the
-/// moments of the case, if the plan has that.
-pub(crate) const AT: &str = "time_step";
-pub(crate) const MOMENT: &str = "moment";
 
 /// A problem of a study, before it is computed; or a scene of a study through time.
 pub(crate) struct PlannedProblem {
@@ -184,19 +175,20 @@ fn of_case(root: &Root, plan: &Plan, planned: &PlannedCase) -> Result<Vec<Planne
         let mut all = Settings::new();
         let (name, source) = if let Some(simulate) = &plan.simulate {
             let case = read_case(&path, &overrides(&settings))?;
-            let (name, alone) = (named(&case.name, &settings, ""), named(&case.name, &settings, TIME_STEP));
+            let (name, alone) =
+                (named(&case.name, &settings, ""), named(&case.name, &settings, scene::TIME_STEP));
             let duration = planned.duration_s.or(simulate.duration_s);
             let duration = duration.context("neither the case nor `simulate` has a `duration_s`")?;
             let scene = Scene::new(case, alone, settings.clone(), duration, simulate.sample_every_s)?;
             (name, Source::Simulated(Box::new(scene)))
         } else {
             let varied = settings.clone();
-            let moment = settings.remove(AT).or_else(|| planned.time_step.clone());
+            let moment = settings.remove(TIME_STEP).or_else(|| planned.time_step.clone());
             let march = planned.march.as_ref();
             let kept = KeptProblem::read(&path, &settings, moment.as_ref(), march)?;
             let name = &kept.of.case.name;
-            all.insert("case".to_owned(), json!(name));
-            all.insert(AT.to_owned(), json!(kept.of.time_step));
+            all.insert(CASE.to_owned(), json!(name));
+            all.insert(TIME_STEP.to_owned(), json!(kept.of.time_step));
             if let Some(Value::String(moment)) = moment {
                 all.insert(MOMENT.to_owned(), json!(moment));
             }

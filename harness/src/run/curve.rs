@@ -15,6 +15,8 @@ pub(crate) struct Recorder {
     samples: Vec<Sample>,
     /// The iterate seen last, if it is not in `samples`.
     pending: Option<Sample>,
+    /// The first iterate with the least natural map.
+    least: Option<Sample>,
     /// Number of the [`DECADES`] that each measure has reached and not left again by a decade.
     reached: [usize; Measure::ALL.len()],
     /// The greatest that this number was.
@@ -27,12 +29,13 @@ impl Recorder {
             curves,
             samples: Vec::new(),
             pending: None,
+            least: None,
             reached: [0; Measure::ALL.len()],
             most: [0; Measure::ALL.len()],
         }
     }
 
-    /// Sees every iterate. Of those that are measured, kept are the first, and those at which a measure first passes one of the
+    /// Sees every iterate. Of those that are measured, kept are the first, that with the least natural map, and those at which a measure first passes one of the
     /// [`DECADES`]; of whole curves all of the first hundred too, then one in each hundredth of the iterations; of ends those of
     /// the iterations 1, 2, 4, …, which tell whether a measure still falls, and those that leave a decade by another or pass it again,
     /// at most one in each hundredth.
@@ -40,6 +43,10 @@ impl Recorder {
         let Progress { iteration, iterating, measures: Some(measures), work, .. } = *progress else { return };
         let (iterating_s, measures) = (iterating.as_secs_f64(), *measures);
         let sample = Sample { iteration, iterating_s, measures, work };
+        let is_less = |least: Sample| !(least.measures.natural_map <= measures.natural_map);
+        if !measures.natural_map.is_nan() && self.least.is_none_or(is_less) {
+            self.least = Some(sample);
+        }
         let octave = self.curves == Curves::Ends && progress.iteration.is_power_of_two();
         let mut keep = progress.iteration == 0 || octave;
         let mut turned = false;
@@ -72,6 +79,12 @@ impl Recorder {
     /// The curve; its last sample is the last iterate.
     pub(crate) fn finish(mut self) -> Vec<Sample> {
         self.samples.extend(self.pending);
+        if let Some(least) = self.least {
+            let at = self.samples.partition_point(|sample| sample.iteration < least.iteration);
+            if self.samples[at].iteration != least.iteration {
+                self.samples.insert(at, least);
+            }
+        }
         self.samples
     }
 }

@@ -46,20 +46,23 @@ pub(crate) fn repeated(
     // The first of several brings code and data into the caches.
     let mut warm_ups = usize::from(timing.repeats > 1);
     let asked = timing.repeats as usize;
-    let is_sure = |all: &[(Ended, Kept)]| {
-        let took: f64 = all.iter().map(|(ended, _)| seconds(ended)).sum();
-        asked == 1 || !ours || took >= SURE * asked as f64
-    };
-    let most = MOST_REPEATS.get() as usize;
-    while all.len() < asked || all.len() < most && !is_sure(&all) {
-        match once() {
+    // Time that the repeats still have to take (s).
+    let mut left = if ours && asked > 1 { SURE * asked as f64 } else { 0.0 };
+    while all.len() < asked || left > 0.0 && all.len() < MOST_REPEATS.get() as usize {
+        let one = match once() {
             Err(reason) => return Ok(Made::Refused(format!("{reason:#}"))),
             Ok((ended, _)) if ended.outcome.status == Status::Interrupted => return Ok(Made::Halted),
-            Ok(one) if warm_ups == 0 || one.0.failed.is_some() => all.push(one),
-            Ok(_) => warm_ups -= 1,
-        }
+            Ok(one) => one,
+        };
         // Another code that gave no answer would give none again.
-        if all.last().is_some_and(|(ended, _)| ended.failed.is_some()) {
+        let has_failed = one.0.failed.is_some();
+        if warm_ups > 0 && !has_failed {
+            warm_ups -= 1;
+            continue;
+        }
+        left -= (one.0.outcome.setup + one.0.outcome.iterating).as_secs_f64();
+        all.push(one);
+        if has_failed {
             break;
         }
     }
@@ -69,11 +72,6 @@ pub(crate) fn repeated(
     }
     let (ended, kept, timing) = median(all, timing).context("a run is made at least once")?;
     Ok(Made::Ended(Box::new(ended), kept, Timing { wall_s: clock.elapsed().as_secs_f64(), ..timing }))
-}
-
-/// Returns the time in the method (s).
-fn seconds(Ended { outcome, .. }: &Ended) -> f64 {
-    (outcome.setup + outcome.iterating).as_secs_f64()
 }
 
 /// Returns the counts, which are the same in every repeat.

@@ -9,6 +9,7 @@ use cases::{AnyFrozen, CaseError, Observables, Start};
 use lineup::{Attempt, OneMarch, OneProblem, Ours, march};
 use results::name::{Name, StopOn};
 use results::schema::{Provenance, Timing};
+use results::settings::CASE;
 use results::simulation::{Energy, Observed, Role, Simulated, Simulation, SimulationEnding, Stress, Totals};
 use results::store::LAST_STATES;
 use runner::{Outcome, Status, Stop};
@@ -92,7 +93,7 @@ fn nothing_done(
     let Task { id, variant, what: Through { scene, rule, role }, .. } = task;
     let bodies = march.bodies();
     let mut settings = scene.settings.clone();
-    settings.insert("case".to_owned(), scene.case.name.as_str().into());
+    settings.insert(CASE.to_owned(), scene.case.name.as_str().into());
     Simulation {
         id: id.clone(),
         plan: plan.to_owned(),

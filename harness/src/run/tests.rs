@@ -2,19 +2,25 @@
 
 use crate::plan::Method;
 use crate::problems::{Problem, Root};
-use crate::run::repeats::median_times;
-use crate::run::{Snapshots, scene_rows};
+use crate::run::repeats::{Made, median_times, repeated};
+use crate::run::{Ended, Snapshots, ended, scene_rows};
 use cases::{AnyFrozen, Case};
 use lineup::march;
 use partition::{Grid, Scheme};
-use results::schema::Sample;
-use runner::{Measured, Stop};
+use results::schema::{Sample, Timing};
+use runner::{Measured, Outcome, Stop};
 use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// The path of a frozen problem.
+fn frozen(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../cases/frozen/{name}.json"))
+}
 
 #[test]
 fn begin_end_and_some_iterates_between_are_kept() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/frozen/shear-box-991-onset.json");
-    let problem = Problem::alone(AnyFrozen::read(std::path::Path::new(path)).unwrap(), false);
+    let problem = Problem::alone(AnyFrozen::read(&frozen("shear-box-991-onset")).unwrap(), false);
     let stop = Stop { max_iterations: 23, tolerance: 0.0, ..Stop::default() };
     let mut snapshots = Snapshots::of(&problem.posed);
     let start = problem.start(false);
@@ -50,6 +56,33 @@ fn a_contact_is_drawn_no_longer_than_two_grains() {
         let length = (row.x1_m - row.x0_m).hypot(row.y1_m - row.y0_m);
         assert!(length < 0.2 + 0.05, "{length} m");
     }
+}
+
+/// Three repeats of less than a millisecond are more of them, until they take three.
+#[test]
+fn short_runs_are_repeated_more_often() {
+    let problem = Problem::alone(AnyFrozen::read(&frozen("settled-60")).unwrap(), false);
+    let start = problem.start(false);
+    let run = lineup::Run { truths: &[], r0: &start, stop: &Stop::default(), measured: Measured::Needed };
+    let nsgs = Method::parse("nsgs", &[]).unwrap();
+    let made = ended(&nsgs, &problem, run, &mut |_| ControlFlow::Continue(())).unwrap().outcome;
+    let repeats = |ours: bool, asked: u32, microseconds: u64| {
+        let iterating = Duration::from_micros(microseconds);
+        let once = || {
+            let outcome = Outcome { setup: Duration::ZERO, iterating, ..made.clone() };
+            let ended = Ended { outcome, rungs: Vec::new(), samples: Vec::new(), failed: None };
+            Ok((ended, (Vec::new(), Vec::new())))
+        };
+        let timing = Timing { repeats: asked, ..Timing::default() };
+        match repeated("a run", ours, &timing, once).unwrap() {
+            Made::Ended(_, _, timing) => timing.repeats,
+            Made::Halted | Made::Refused(_) => panic!("it ended"),
+        }
+    };
+    assert_eq!([repeats(true, 3, 2000), repeats(true, 3, 700), repeats(true, 3, 70)], [3, 5, 43]);
+    assert_eq!(repeats(true, 3, 1), 1000, "and no more than that");
+    // One run is no sample, and another code is a process each time.
+    assert_eq!([repeats(true, 1, 70), repeats(false, 3, 70)], [1, 3]);
 }
 
 /// A pause within one of three repeats, and a curve that another code cut short.

@@ -1,7 +1,7 @@
 //! A run of any study in `results/runs`, found by its id.
 
 use crate::plan::as_typed;
-use crate::problems::{AT, KeptProblem, MARCH, MISSED_BEFORE, MOMENT, Marcher, Root};
+use crate::problems::{KeptProblem, Marcher, Root};
 use crate::store::runs_folder;
 use anyhow::{Context, Result, bail};
 use cases::AnyFrozen;
@@ -9,6 +9,7 @@ use lineup::content_hash;
 use results::error::StoreError;
 use results::journal::{Record, Texts, entry};
 use results::schema::{Ending, Run};
+use results::settings::{CASE, MARCH, MISSED_BEFORE, MOMENT, TIME_STEP};
 use results::simulation::Simulated;
 use results::store::journals;
 use serde::Deserialize;
@@ -101,10 +102,10 @@ pub(crate) fn problem_of_run(root: &Root, run: &Run) -> Result<AnyFrozen> {
     }
     let mut settings = run.problem_settings.clone();
     settings.retain(|key, _| key != MISSED_BEFORE && key != MOMENT);
-    let mut problem = match settings.remove("case") {
+    let mut problem = match settings.remove(CASE) {
         None => AnyFrozen::read(&root.problem(&run.problem)?)?,
         Some(case) => {
-            let time_step = settings.remove(AT);
+            let time_step = settings.remove(TIME_STEP);
             let path = root.case(&as_typed(&case))?;
             let march = settings.remove(MARCH).map(Marcher::deserialize).transpose()?;
             KeptProblem::read(&path, &settings, time_step.as_ref(), march.as_ref())?

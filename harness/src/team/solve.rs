@@ -1,6 +1,7 @@
 //! `gravel-mpi solve`: one contact problem, one method, on ranks of which each has its own subdomains alone.
 
-use crate::cli::args::{SolverArgs, Start, read};
+use crate::cli::args::{SolverArgs, read};
+use crate::cli::posed::Start;
 use crate::cli::solve::{say_ending, say_measures};
 use crate::plan::Method;
 use crate::problems::{Impulses, Root};

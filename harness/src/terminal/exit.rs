@@ -27,9 +27,10 @@ Exit codes:
        converged; else: done
     1  an error: a file, a key or a value is wrong; regress: a count has changed
     2  wrong arguments
-    3  solve: not converged (iteration-limit, stalled, diverged, false-convergence);
-       which: no method converges; certify: not certified; simulate: exploded, solver-diverged, or a time step did not converge
-    4  solve, certify: it is proved that the problem has no solution; simulate: so for a time step
+    3  solve: not converged (iteration-limit, stalled, diverged, false-convergence); which: no method
+       converges; certify: not certified; simulate: exploded, solver-diverged, or a time step did
+       not converge
+    4  solve, which, certify: it is proved that the problem has no solution; simulate: so for a time step
   130  stopped by Ctrl-C or SIGTERM; what was reached is kept, but no run inside an iteration
        of more than a second
 A run of `bench` that fails is a row like any other: exit code 0.";

@@ -262,8 +262,8 @@ fn repeats_give_medians_with_their_spreads() {
     let curves = rows(study.runs("small").join("curves.csv"));
     for row in repeated.iter().filter(|row| row["status"] == "converged") {
         let seconds = |column: &str| row[column].parse::<f64>().unwrap();
-        // A run of a pair of discs takes much less than a millisecond.
-        assert!(row["repeats"].parse::<u32>().unwrap() > 3, "{}", row["repeats"]);
+        // A short one is repeated more often.
+        assert!(row["repeats"].parse::<u32>().unwrap() >= 3, "{}", row["repeats"]);
         assert!(seconds("setup_spread_s") >= 0.0 && seconds("iterating_spread_s") >= 0.0);
         // Four times: once before the three, which is not counted.
         assert!(seconds("wall_s") >= 3.0 * seconds("iterating_s") - 2.0 * seconds("iterating_spread_s"));

@@ -42,6 +42,9 @@ fn what_cannot_solve_the_problem_says_why() {
 fn where_none_converges_it_says_so() {
     let proof = gravel(&["which", "closing-walls"]).ended(4);
     assert!(proof.stdout.contains("proves that the problem has no solution"), "{}", proof.stdout);
+    // A tolerance that is met far from any solution is no answer.
+    let far = gravel(&["which", "closing-walls", "--on", "zeta", "--tolerance", "0.1"]).ended(3);
+    assert!(far.stdout.contains("false-convergence") && !far.stdout.contains("take"), "{}", far.stdout);
     gravel(&["which", "Box_Stacks-i0122-82-5", "--start", "warm"]).refused(&["--start", "W alone"]);
     let none = gravel(&["which", "rough-250", "--max-iterations", "1"]).ended(3);
     assert!(none.stdout.contains("none of them converges"), "{}", none.stdout);

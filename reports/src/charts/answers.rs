@@ -3,11 +3,13 @@
 use polars::df;
 use polars::prelude::DataFrame;
 use results::Median;
+use results::settings::CASE;
 use results::simulation::{Observed, SimulationEnding};
+use serde_json::Value;
 
-use super::macroscopic::{FRICTION, panel};
+use super::macroscopic::panel;
 use crate::draw::{Look, Plot, SPARE, Scale, Side, log};
-use crate::read::{Simulation, rising, unique};
+use crate::read::{FRICTION, Simulation, rising, unique};
 use crate::text::{Part, frame};
 
 /// A simulation that came to its end, by what it is a sample of.
@@ -27,7 +29,7 @@ struct Answer {
     of: fn(&Simulation) -> Option<f64>,
 }
 
-const ANSWERS: [Answer; 5] = [
+const ANSWERS: [Answer; 6] = [
     Answer {
         name: "height_mean_diameters",
         title: "mean height (mean diameters)",
@@ -35,7 +37,7 @@ const ANSWERS: [Answer; 5] = [
     },
     Answer {
         name: "side_walls_share",
-        title: "side walls over floor (–)",
+        title: "impulses, side walls / floor (–)",
         of: |s| {
             let sum = |of: fn(&Observed) -> f64| late(s).iter().map(of).sum::<f64>();
             let sides = sum(|row| row.left_impulse_n_s) + sum(|row| row.right_impulse_n_s);
@@ -50,12 +52,20 @@ const ANSWERS: [Answer; 5] = [
     },
     Answer {
         name: "iterations_per_time_step",
-        title: "iterations of a step",
+        title: "iterations per time step",
         of: |s| Some(s.totals.iterations as f64 / s.totals.time_steps as f64),
     },
     Answer {
+        name: "nanoseconds_per_visit",
+        title: "time per contact visited (ns)",
+        of: |s| {
+            Some(1e9 * s.totals.iterating_s / s.totals.work.contact_updates as f64)
+                .filter(|time| time.is_finite())
+        },
+    },
+    Answer {
         name: "microseconds_per_grain",
-        title: "time of a step, a grain (µs)",
+        title: "time per step and grain (µs)",
         of: |s| {
             let seconds = s.totals.setup_s + s.totals.iterating_s;
             Some(1e6 * seconds / s.totals.time_steps as f64 / f64::from(s.grains))
@@ -77,16 +87,16 @@ fn late(simulation: &Simulation) -> &[Observed] {
 fn ended(all: &[Simulation]) -> Vec<Ended<'_>> {
     let runs = || all.iter().filter(|simulation| simulation.is_run());
     let several = unique(runs().map(Simulation::label)).len() > 1;
-    let of = |simulation: &'_ Simulation| {
-        // A scene has the name of its case, and what is replaced in it.
-        let case = simulation.scene.split(' ').next().unwrap_or_default();
+    let ended = |simulation: &'_ Simulation| {
+        let settings = &simulation.scene_settings;
+        let case = settings.get(CASE).and_then(Value::as_str).unwrap_or(&simulation.scene);
         let case = if several { format!("{case}, {}", simulation.label()) } else { case.to_owned() };
-        (case, simulation.scene_settings.get(FRICTION).and_then(serde_json::Value::as_f64).unwrap_or(0.0))
+        (case, settings.get(FRICTION).and_then(Value::as_f64).unwrap_or(0.0))
     };
     let completed = runs().filter(|simulation| simulation.status == SimulationEnding::Completed);
     completed
-        .map(|simulation| (of(simulation), simulation))
-        .map(|((case, grains), simulation)| Ended { simulation, case, grains })
+        .map(|simulation| (simulation, ended(simulation)))
+        .map(|(simulation, (case, grains))| Ended { simulation, case, grains })
         .collect()
 }
 
@@ -94,7 +104,9 @@ fn ended(all: &[Simulation]) -> Vec<Ended<'_>> {
 pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
     let ended = ended(all);
     let note = "\nMedians over packings, with intervals that hold them with a probability of 90 % or more, of fewer than five the least and the \
-                greatest; of simulations that came to their end. The mean height and the contacts are those at the end; the walls' impulses those of the second half of the time. Time: set-up and iterations.\n";
+                greatest; of simulations that came to their end, of which some time step missed the tolerance in as many as `missed` says. \
+                The mean height and the contacts are those at the end; the walls' impulses those of the second half of the time. Time: \
+                set-up and iterations.\n";
     let mut parts = Vec::new();
     if !ended.is_empty() {
         parts.push(Part::figure("answers", figure(&ended)));
@@ -134,24 +146,40 @@ fn table(ended: &[Ended]) -> DataFrame {
     let mut rows = Vec::new();
     for case in unique(ended.iter().map(|one| one.case.as_str())) {
         for grains in rising(ended.iter().filter(|one| one.case == case).map(|one| one.grains)) {
-            let packings = ended.iter().filter(|one| one.case == case && one.grains == grains).count();
-            rows.extend(
-                ANSWERS.iter().map(|answer| {
-                    (case, grains, packings, answer.name, median(ended, (case, grains), answer))
-                }),
-            );
+            let own = || ended.iter().filter(|one| one.case == case && one.grains == grains);
+            let missed = own().filter(|one| one.simulation.totals.missed_time_steps > 0).count();
+            rows.extend(ANSWERS.iter().map(|answer| Row {
+                case,
+                grains,
+                packings: own().count(),
+                missed,
+                answer: answer.name,
+                median: median(ended, (case, grains), answer),
+            }));
         }
     }
-    let of = |of: fn(&Median) -> f64| rows.iter().map(|row| row.4.as_ref().map(of)).collect::<Vec<_>>();
+    let of = |of: fn(&Median) -> f64| rows.iter().map(|row| row.median.as_ref().map(of)).collect::<Vec<_>>();
     frame(df!(
-        "case" => rows.iter().map(|row| row.0).collect::<Vec<_>>(),
-        "friction_of_grains" => rows.iter().map(|row| row.1).collect::<Vec<_>>(),
-        "packings" => rows.iter().map(|row| row.2 as u64).collect::<Vec<_>>(),
-        "answer" => rows.iter().map(|row| row.3).collect::<Vec<_>>(),
+        "case" => rows.iter().map(|row| row.case).collect::<Vec<_>>(),
+        "friction_of_grains" => rows.iter().map(|row| row.grains).collect::<Vec<_>>(),
+        "packings" => rows.iter().map(|row| row.packings as u64).collect::<Vec<_>>(),
+        "missed" => rows.iter().map(|row| row.missed as u64).collect::<Vec<_>>(),
+        "answer" => rows.iter().map(|row| row.answer).collect::<Vec<_>>(),
         "median" => of(|of| of.median),
         "low" => of(|of| of.low),
         "high" => of(|of| of.high),
     ))
+}
+
+/// A row of the table.
+struct Row<'e> {
+    case: &'e str,
+    grains: f64,
+    packings: usize,
+    /// Number of packings of which a time step missed the tolerance.
+    missed: usize,
+    answer: &'static str,
+    median: Option<Median>,
 }
 
 #[cfg(test)]

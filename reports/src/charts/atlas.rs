@@ -1,4 +1,4 @@
-//! The atlas of stability: where each method converges, is slow, stalls, diverges or lies.
+//! The atlas of stability: where each method converges, is slow, stalls, diverges or converges falsely.
 
 mod class;
 mod hazard;
@@ -14,7 +14,7 @@ use serde_json::Value;
 use super::grid::{Grid, Head, Tile};
 use crate::read::{Problems, RunRow, Sample, Verdicts, file_name, unique};
 use crate::text::{Part, chosen, frame};
-use class::{Class, counts, zeta_lies};
+use class::{Class, counts, zeta_is_false};
 use hazard::{Hazard, hazards};
 
 /// Height of a hazard (mm).
@@ -27,7 +27,7 @@ struct Judged<'r> {
     run: &'r RunRow,
     class: Class,
     /// True where ζ met the tolerance far from the solution on the way.
-    zeta_lies: bool,
+    zeta_is_false: bool,
 }
 
 /// A method with its settings, in the order of the study.
@@ -41,7 +41,7 @@ const RULE: &str = "\nConverged: the measure met the tolerance; false convergenc
 tolerances, or where there is no solution. Infeasible: it was proved that there is no solution; failed: it was claimed, and \
 there is one. Slow: all iterations were made, and the least measure of \
 their second half is at least 1 % below that of the first; stalled: it is not. Diverged: not finite, or an energy beyond all \
-scales. Skipped: the method cannot start, and says why. ζ lies: it met the tolerance at an iterate with a velocity error of more \
+scales. Skipped: the method cannot start, and says why. False ζ: it met the tolerance at an iterate with a velocity error of more \
 than 100 tolerances, or of a problem without solution. λmax is the greatest eigenvalue of W_D⁻¹W, where W_D is the diagonal of W; \
 closed: over the contacts that the solution keeps closed, λ̃; κ_opt = 1/√(λ̃min λ̃max); the coupling is that of what of W couples \
 contacts of different subdomains. All are computed, where the contacts are few enough; elsewhere λmax is a lower bound by power \
@@ -58,7 +58,7 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
             Class::Infeasible if !verdicts.is_proof(run) => Class::Failed,
             class => class,
         };
-        Judged { run, class, zeta_lies: zeta_lies(run) }
+        Judged { run, class, zeta_is_false: zeta_is_false(run) }
     };
     let judged: Vec<Judged> = runs.iter().map(judge).collect();
     let hazards = hazards(runs);
@@ -104,10 +104,10 @@ fn matrix(judged: &[Judged], hazards: &[Hazard], kinds: &[Kind]) -> String {
     let title = "Every method, by the first of its settings in the plan".to_owned();
     of_hazards(hazards, (title, notes, heads), &|column, problem| {
         let Kind { method, variants } = &kinds[column];
-        let Judged { class, zeta_lies, .. } = *find(judged, method, variants[0], problem)?;
+        let Judged { class, zeta_is_false, .. } = *find(judged, method, variants[0], problem)?;
         let mut others = variants.iter().filter_map(|variant| find(judged, method, variant, problem));
         let mended = !class.is_good() && others.any(|other| other.class.is_good());
-        Some(Tile { cells: vec![class.cell()], marks: [mended, zeta_lies] })
+        Some(Tile { cells: vec![class.cell()], marks: [mended, zeta_is_false] })
     })
 }
 
@@ -118,8 +118,8 @@ fn map(judged: &[Judged], hazards: &[Hazard], Kind { method, variants }: &Kind) 
     let heads = variants.iter().enumerate().map(long).collect();
     let title = format!("{method}, every setting in the plan");
     of_hazards(hazards, (title, Vec::new(), heads), &|column, problem| {
-        let Judged { class, zeta_lies, .. } = *find(judged, method, variants[column], problem)?;
-        Some(Tile { cells: vec![class.cell()], marks: [false, zeta_lies] })
+        let Judged { class, zeta_is_false, .. } = *find(judged, method, variants[column], problem)?;
+        Some(Tile { cells: vec![class.cell()], marks: [false, zeta_is_false] })
     })
 }
 
@@ -129,7 +129,7 @@ fn of_hazards(
     (title, notes, columns): (String, Vec<String>, Vec<Head>),
     tile: &dyn Fn(usize, &str) -> Option<Tile>,
 ) -> String {
-    let rows = hazards.iter().map(|hazard| (hazard.name.as_str(), hazard.knob.as_str())).collect();
+    let rows = hazards.iter().map(|hazard| (hazard.name.as_str(), hazard.setting.as_str())).collect();
     let tiles: &dyn Fn(usize, usize) -> Vec<Option<Tile>> =
         &|row, column| hazards[row].problems.iter().map(|problem| tile(column, problem)).collect();
     let cells = Class::cells();
@@ -157,7 +157,7 @@ fn table(judged: &[Judged], hazards: &[Hazard]) -> DataFrame {
         "class" => judged.iter().map(|j| j.class.text()).collect::<Vec<_>>(),
         "natural_map" => last(|end| end.get(Measure::NaturalMap)),
         "velocity_error" => last(Sample::velocity_error),
-        "zeta_lies" => judged.iter().map(|j| j.zeta_lies).collect::<Vec<_>>(),
+        "zeta_is_false" => judged.iter().map(|j| j.zeta_is_false).collect::<Vec<_>>(),
     ));
     let spectrum = "lambda_max closed_lambda_max closed_lambda_min redundant kappa_opt multiplicity coupling";
     let spectral = |key: &str| {
@@ -165,7 +165,6 @@ fn table(judged: &[Judged], hazards: &[Hazard]) -> DataFrame {
         Column::new(key.into(), judged.iter().map(of).collect::<Vec<Option<f64>>>())
     };
     let own = own.hstack(&spectrum.split(' ').map(spectral).collect::<Vec<_>>());
-    let names =
-        "hazard problem contacts method setting class reason iterations natural_map velocity_error zeta_lies";
+    let names = "hazard problem contacts method setting class reason iterations natural_map velocity_error zeta_is_false";
     chosen(judged.iter().map(|j| j.run), &format!("{names} {spectrum}"), own)
 }

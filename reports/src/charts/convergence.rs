@@ -2,7 +2,7 @@
 
 use contact::Measure;
 
-use super::declared::{CONVERGENCE, SPEED};
+use super::declared::CONVERGENCE;
 use crate::draw::{
     At, Guide, Line, Lines, LogPoint, MOST_LINES, Panel, Plot, Scale, Side, Sign, TOLERANCE, title,
 };
@@ -23,11 +23,6 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let lines = Lines::of(&study.runs);
     parts.extend(problems(&study.runs).into_iter().filter_map(|problem| figure(&lines, problem)));
     parts
-}
-
-/// The figures `speed`, and `speed-<problem>` for each problem.
-pub(crate) fn speed(study: &Problems) -> Vec<Part> {
-    SPEED.parts(study)
 }
 
 /// `ratios-<problem>`; nothing where no run has another to be compared with.
@@ -89,7 +84,7 @@ fn words(shown: &[&RunRow]) -> Vec<(Sign, String)> {
         let who = if words.is_empty() { "Each" } else { "Others" };
         words.push(format!("{who}: over the same method on one subdomain."));
     }
-    words.push(format!("Drawn from {LEAST} iterations of these on."));
+    words.push(format!("Shown from iteration {LEAST} of these."));
     words.into_iter().map(|text| (Sign::Word, text)).collect()
 }
 

@@ -32,12 +32,16 @@ pub(super) enum Of {
 pub(super) struct Curves {
     /// Name of its figures.
     pub(super) name: &'static str,
+    /// First line of its figures.
+    pub(super) title: &'static str,
     /// The axes of its panels, to the right and upwards.
     pub(super) panels: &'static [(Sampled, Sampled)],
     /// True where it needs a known solution; of many runs then the best alone are told apart.
     pub(super) of_truth: bool,
-    /// True where below equal values a measure promises too much, and curves that go up and down are bands.
-    pub(super) promises: bool,
+    /// True where the x axis is the velocity error: curves that go up and down are bands, and a line is where measure and error are equal.
+    pub(super) against_error: bool,
+    /// True where a run has the value of a sample until the next one; false where values are joined.
+    pub(super) stairs: bool,
     /// Said in the key.
     pub(super) key: &'static [&'static str],
 }
@@ -92,8 +96,11 @@ impl Curves {
             panels.push(self.panel(study, problem, (x, y), of + name));
         }
         let mut signs: Vec<(Sign, String)> = Vec::new();
-        if self.of_truth && !self.promises {
-            signs.push((Sign::Line(PARETO), "Pareto front: nothing is cheaper and as accurate".to_owned()));
+        if self.of_truth && !self.against_error {
+            signs.push((
+                Sign::Line(PARETO),
+                "Pareto front: no run reaches this error at lower cost".to_owned(),
+            ));
         }
         signs.extend(self.key.iter().map(|key| (Sign::Word, (*key).to_owned())));
         for problem in problems {
@@ -106,7 +113,7 @@ impl Curves {
                 (Sign::Word, format!("{} on {problem}: converged at its start, no line", run.label()))
             }));
         }
-        let title = problems.iter().map(of_problem).collect();
+        let title = std::iter::once(self.title.to_owned()).chain(problems.iter().map(of_problem)).collect();
         let columns = if self.panels.len() == 1 { 0 } else { self.panels.len() };
         Plot { title, panels, signs, columns, ..Plot::default() }
     }
@@ -116,13 +123,20 @@ impl Curves {
         let at = |run: &RunRow, point: &Sample| {
             // At its start a run has measured nothing. An error of 0 is at the end of the axis, not beyond all others.
             let (to, up) = (x.at(run, point)?, y.at(run, point)?);
-            let is_begun = point.iteration > 0 || !self.promises;
-            is_begun.then(|| to.zip(up).map(|(to, up)| (if self.promises { to.max(LOWEST) } else { to }, up)))
+            let is_begun = point.iteration > 0 || !self.against_error;
+            is_begun.then(|| {
+                to.zip(up).map(|(to, up)| (if self.against_error { to.max(LOWEST) } else { to }, up))
+            })
         };
         let mut lines = if self.of_truth { study.lines_of_best(&runs, at) } else { study.lines(&runs, at) };
+        if self.stairs {
+            for line in &mut lines {
+                line.points = stairs(&line.points);
+            }
+        }
         let stopped = |run: &&&RunRow| y.is(run.stop_on.0);
-        let (tolerances, key) = match (self.of_truth, self.promises) {
-            (_, true) => (Vec::new(), "measure = velocity error; below it the measure promises too much"),
+        let (tolerances, key) = match (self.of_truth, self.against_error) {
+            (_, true) => (Vec::new(), "measure = velocity error; below it the measure is the smaller"),
             (true, _) => (ACCURACIES.to_vec(), "accuracies of the tables"),
             (false, _) => {
                 let asked = runs.iter().filter(stopped).filter_map(|run| run.tolerance);
@@ -141,7 +155,7 @@ impl Curves {
         };
         let high = range(reached(|at| at.1), if self.of_truth { &[] } else { &tolerances });
         let mut areas = Vec::new();
-        for line in lines.iter_mut().filter(|_| self.promises) {
+        for line in lines.iter_mut().filter(|_| self.against_error) {
             if let Some(Band { low, high, middle }) = Band::of(&line.points, wide.1 - wide.0) {
                 line.points = middle;
                 areas.push((
@@ -154,10 +168,11 @@ impl Curves {
         let tolerances =
             tolerances.into_iter().filter(|tolerance| (high.0..high.1).contains(&tolerance.log10()));
         let across = tolerances.map(|t| (At::Y(t.log10()), beside(t)));
-        let promises = self.promises.then(|| (At::Diagonal, "promises too much".to_owned()));
-        let guides = across.chain(promises);
+        let equal = self.against_error.then(|| (At::Diagonal, "measure < error below".to_owned()));
+        let guides = across.chain(equal);
         let guides = guides.map(|(at, beside)| Guide { beside, ..Guide::new(at, TOLERANCE, key) });
-        let points = lines.iter().flat_map(|line| &line.points).filter(|_| self.of_truth && !self.promises);
+        let points =
+            lines.iter().flat_map(|line| &line.points).filter(|_| self.of_truth && !self.against_error);
         let clamped = |(x, y): (f64, f64)| (x.clamp(wide.0, wide.1), y.clamp(high.0, high.1));
         let front = front(points).into_iter().map(clamped);
         let front = Curve::of("", Look { pen: PARETO, mark: Mark::None }, front, Through::Points);
@@ -171,6 +186,17 @@ impl Curves {
 fn pale(RGBColor(r, g, b): RGBColor) -> RGBColor {
     let pale = |c: u8| 255 - (255 - c) / 4;
     RGBColor(pale(r), pale(g), pale(b))
+}
+
+/// The points of a line with a corner between each two: the first value holds until the next.
+fn stairs(points: &[LogPoint]) -> Vec<LogPoint> {
+    let corner = |(before, next): (&LogPoint, &LogPoint)| before.zip(*next).map(|((_, y), (x, _))| (x, y));
+    let mut all = Vec::with_capacity(2 * points.len());
+    for (k, point) in points.iter().enumerate() {
+        all.extend(k.checked_sub(1).and_then(|k| corner((&points[k], point))).map(Some));
+        all.push(*point);
+    }
+    all
 }
 
 /// Corners of the stairs below which no sample lies, from the cheapest to the most accurate.

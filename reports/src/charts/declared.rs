@@ -28,39 +28,53 @@ const ERROR: Sampled = measure("velocity error (–)", "velocity error (–)", M
 /// Measures against iterations: ζ, the paper's indicator, on the left, and the natural map of the same runs.
 pub(super) const CONVERGENCE: Curves = Curves {
     name: "convergence",
+    title: "How the paper's indicator and a distance to a solution fall with the iterations",
     panels: &[(ITERATION, ZETA), (ITERATION, NATURAL_MAP)],
     of_truth: false,
-    promises: false,
+    against_error: false,
+    stairs: false,
     key: &[],
 };
 
 /// Speed and accuracy: the natural map against seconds, of problems whose solutions need not be known.
-pub(super) const SPEED: Curves = Curves { name: "speed", panels: &[(SECONDS, NATURAL_MAP)], ..CONVERGENCE };
+pub(super) const SPEED: Curves = Curves {
+    name: "speed",
+    title: "How near a solution each method is after so many seconds",
+    panels: &[(SECONDS, NATURAL_MAP)],
+    stairs: true,
+    ..CONVERGENCE
+};
 
 /// Work and precision: the velocity error against seconds and against counted work.
 pub(super) const WORK_PRECISION: Curves = Curves {
     name: "work-precision",
+    title: "The error that is left after so many seconds, and after so much counted work",
     panels: &[(SECONDS, ERROR), (WORK, ERROR)],
     of_truth: true,
+    stairs: true,
     key: &[
         "Counted work is without factorisations that a library makes; runs with more than a few have none.",
     ],
     ..CONVERGENCE
 };
 
-/// Measures against the truth: where a measure is smaller than the velocity error, it promises too much.
+/// Measures against the velocity error.
 pub(super) const TRUTH: Curves = Curves {
     name: "truth",
+    title: "Each measure against the velocity error of the same iterate",
     panels: &[(ERROR, ZETA), (ERROR, NATURAL_MAP), (ERROR, QUAD_DV)],
     of_truth: true,
-    promises: true,
+    against_error: true,
+    stairs: false,
     key: &["A band holds a curve that goes up and down; the line in it is the median."],
 };
 
-const AS_MANY: Ideal = Ideal::X("ideal: as many times faster as there are subdomains");
+const AS_MANY_TIMES: &str = "ideal: as many times faster as there are subdomains";
+const AS_MANY: Ideal = Ideal::X(AS_MANY_TIMES);
 
 pub(super) const OF_SUBDOMAINS: Lines = Lines {
     name: "subdomains",
+    title: "What subdomains cost: iterations to the tolerance, and seconds of one",
     figures: "",
     x: "subdomains",
     y: "iterations seconds_per_iteration",
@@ -72,14 +86,16 @@ pub(super) const OF_SUBDOMAINS: Lines = Lines {
     ideals: &[],
     key: "",
     columns: "problem method subdomains status iterations growth seconds_per_iteration setup_s seconds",
-    note: "\nGrowth: iterations over those of the same method and settings with the fewest subdomains.\n",
+    note: "\nGrowth: iterations over those of the same method and settings with the fewest subdomains. Iterations of different \
+           methods are different work: one of active-set, convex, interior-point or newton-schur may factorise.\n",
 };
 
 pub(super) const CRITICAL_PATH: Lines = Lines {
     name: "critical-path",
+    title: "Speed-up by subdomains, counted on the longest of them and measured",
     y: "counted_speed_up measured_speed_up",
     of: |run| run.status != Ending::Skipped && run.path_per_iteration().is_some(),
-    ideals: &[("counted_speed_up", AS_MANY), ("measured_speed_up", AS_MANY)],
+    ideals: &[("counted_speed_up", AS_MANY), ("measured_speed_up", Ideal::OnThreads(AS_MANY_TIMES))],
     key: "Counted: multiply-adds of the longest subdomain, no communication cost.",
     columns: "problem method contacts subdomains status iterations path_per_iteration counted_speed_up \
               measured_speed_up ns_per_contact",
@@ -92,6 +108,7 @@ pub(super) const CRITICAL_PATH: Lines = Lines {
 
 pub(super) const WEAK: Lines = Lines {
     name: "weak",
+    title: "What more subdomains of the same size cost",
     y: "to_natural_map_1e_2 iterations longest_subdomain time",
     apart: Some(|run| format!("{} grains each", f64::from(run.grains) / f64::from(run.subdomains))),
     each: Each::Study,
@@ -108,6 +125,7 @@ pub(super) const WEAK: Lines = Lines {
 
 pub(super) const SIZE: Lines = Lines {
     name: "size",
+    title: "How cost grows with the number of grains",
     x: "grains",
     y: "to_natural_map_1e_2 iterations seconds work",
     varied: "",
@@ -124,6 +142,7 @@ pub(super) const SIZE: Lines = Lines {
 /// The plane and space side by side, with and without friction, for as many subdomains.
 pub(super) const DIMENSIONS: Lines = Lines {
     name: "dimensions",
+    title: "Cost in the plane and in space, for as many subdomains",
     x: "dimensions",
     y: "iterations work entries_per_grain boundary_share",
     apart: Some(in_each_dimension),
@@ -150,6 +169,7 @@ fn in_each_dimension(run: &RunRow) -> String {
 /// With a rank for each subdomain, from counts.
 pub(super) const ON_RANKS: Lines = Lines {
     name: "ranks",
+    title: "Predicted speed-up with a rank for each subdomain",
     y: "iterations predicted_s predicted_speed_up",
     ideals: &[("predicted_speed_up", AS_MANY)],
     key: "Predicted for a rank per subdomain, messages of 1.5 µs and 12 GB/s.",
@@ -167,6 +187,7 @@ pub(super) const ON_RANKS: Lines = Lines {
 /// Seconds of runs on ranks over their prediction.
 pub(super) const MEASURED_ON_RANKS: Lines = Lines {
     name: "ranks",
+    title: "Seconds of an iteration on ranks, measured over predicted",
     figures: "ranks-measured",
     x: "ranks",
     y: "measured_over_predicted",

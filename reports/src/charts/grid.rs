@@ -56,7 +56,7 @@ impl<'g> Grid<'g> {
         let keys = Signs::new(self.entries(!in_words), inside);
         let head = |head: &'g Head| match &head.long {
             Some(long) if in_words => vec![long.as_str()],
-            _ => head.short.split_inclusive(['-', '\n']).collect(),
+            _ => head.short.split_inclusive('-').collect(),
         };
         let heads: Vec<Vec<&str>> = self.columns.iter().map(head).collect();
         let lines = heads.iter().map(Vec::len).max().unwrap_or(0);
@@ -80,19 +80,19 @@ impl<'g> Grid<'g> {
     }
 
     fn label_width(&self) -> f64 {
-        let of = |(name, knob): &(&str, &str)| text_width(name, TEXT).max(text_width(knob, TICK_TEXT));
+        let of = |(name, setting): &(&str, &str)| text_width(name, TEXT).max(text_width(setting, TICK_TEXT));
         let width = self.rows.iter().map(of).fold(0.0, f64::max);
         // Beyond a third of the page, labels would leave no room for what they label.
         (width + 2.0).min(PAGE / 3.0)
     }
 
     fn draw_row(&self, canvas: &Canvas, i: usize, (left, top): Place, wide: f64) {
-        let ((name, knob), height) = (self.rows[i], self.height);
-        let middle = if knob.is_empty() { 0.5 } else { 0.28 };
+        let ((name, setting), height) = (self.rows[i], self.height);
+        let middle = if setting.is_empty() { 0.5 } else { 0.28 };
         let right = left + wide * self.columns.len() as f64;
         canvas.line(&[(MARGIN, top), (right, top)], Pen { width: 0.08, ..FRAME });
         canvas.text(name, (MARGIN, top + middle * height), TEXT, (HPos::Left, VPos::Center));
-        canvas.text_in(INK, knob, (MARGIN, top + 0.72 * height), TICK_TEXT, (HPos::Left, VPos::Center));
+        canvas.text_in(INK, setting, (MARGIN, top + 0.72 * height), TICK_TEXT, (HPos::Left, VPos::Center));
         for column in 0..self.columns.len() {
             let tiles = (self.tiles)(i, column);
             let width = (wide - APART) / tiles.len().max(1) as f64;

@@ -6,7 +6,7 @@ use results::Median;
 
 use super::convergence::MEASURES;
 use crate::draw::{At, Curve, Guide, Looks, Panel, Plot, RGBColor, Scale, Side, TOLERANCE, Through};
-use crate::read::{Ending, Growth, Kind, LEAST, Problems, file_name, growth, kinds, rising, unique};
+use crate::read::{Ending, Growth, Kind, LEAST, Problems, counted, file_name, growth, kinds, rising, unique};
 use crate::text::{Part, frame};
 
 /// Ground of the interval of the most subdomains.
@@ -84,7 +84,7 @@ fn figure(kind: &Kind, ratios: &[&Growth], looks: &Looks) -> String {
         }
     }
     let title = vec![
-        format!("{}, {}, {} packings: medians of iterations over those without subdomains.", kind.case, kind.name, kind.problems()),
+        format!("{}, {}, {}: medians of iterations over those without subdomains.", kind.case, kind.name, counted(kind.problems(), "packing")),
         "Grey: the interval of the median, with the most subdomains. A line ends where not every packing reaches the accuracy.".to_owned(),
     ];
     Plot { title, panels, columns: MEASURES.len(), ..Plot::default() }.svg()

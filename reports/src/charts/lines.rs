@@ -2,6 +2,7 @@
 //! figures, lines or fits, ideals, and the columns of its table.
 
 use polars::prelude::{Column, DataFrame};
+use results::settings::CASE;
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -24,6 +25,8 @@ pub(crate) struct Lines {
     pub(crate) name: &'static str,
     /// Name of its figures, if that is another.
     pub(crate) figures: &'static str,
+    /// First line of its figures.
+    pub(crate) title: &'static str,
     /// The quantity on the x axis.
     pub(crate) x: &'static str,
     /// The quantities on the y axes, a panel each.
@@ -52,6 +55,8 @@ pub(crate) struct Lines {
 pub struct OwnChart {
     /// Name of its table, and begin of those of its figures.
     pub name: String,
+    /// First line of its figures; without it the names of its quantities.
+    pub title: Option<String>,
     /// Quantity on the x axis.
     pub x: String,
     /// Quantities on the y axes, a panel each.
@@ -68,6 +73,8 @@ pub struct OwnChart {
 pub(crate) enum Ideal {
     /// As many times as x says, measured by a run at x = 1.
     X(&'static str),
+    /// As many times as x says, where all runs had as many threads.
+    OnThreads(&'static str),
     /// One, in the midst of at least a factor of two.
     One(&'static str),
 }
@@ -101,6 +108,7 @@ impl Lines {
             if own.fit { (Each::Study, Through::Fit) } else { (Each::Problem, Through::Points) };
         Ok(Self {
             name: kept(own.name),
+            title: kept(own.title.unwrap_or_else(|| format!("{} against {x}", y.replace(' ', ", ")))),
             x,
             y,
             varied: own.varied.map_or(x, kept),
@@ -156,7 +164,7 @@ impl Lines {
     fn series<'r>(&self, runs: Vec<&'r RunRow>) -> Vec<Series<'r>> {
         let whole = series(runs.iter().copied(), &[self.varied]);
         let Some(apart) = self.apart else { return whole };
-        let case = |run: &RunRow| run.problem_settings.get("case").and_then(Value::as_str).map(str::to_owned);
+        let case = |run: &RunRow| run.problem_settings.get(CASE).and_then(Value::as_str).map(str::to_owned);
         let several = unique(runs.iter().map(|run| case(run))).len() > 1;
         let apart = |run: &RunRow| {
             let words = [case(run).filter(|_| several), Some(apart(run)).filter(|words| !words.is_empty())];
@@ -270,9 +278,10 @@ impl Lines {
             let run = study.runs.iter().find(|run| problem.is_none_or(|problem| run.problem == problem));
             let grains = counted(run.map_or(0, |run| run.grains as usize), "grain");
             let title = y.title.replace("{threads}", &threads(&study.runs)).replace("{grains}", &grains);
-            panels.push(self.panel(y, title, curves));
+            let fewest = study.runs.iter().map(|run| run.provenance.threads).min();
+            panels.push(self.panel(y, title, curves, fewest.unwrap_or(1)));
         }
-        let mut titles = vec![title];
+        let mut titles = vec![self.title.to_owned(), title];
         let mut signs = Vec::new();
         if fitting {
             if !panels.iter().all(Panel::is_empty) {
@@ -284,11 +293,17 @@ impl Lines {
         Part::figure(format!("{name}{of}"), Plot { title: titles, panels, signs, ..Plot::default() }.svg())
     }
 
-    fn panel(&self, y: &Quantity, title: String, curves: Vec<Curve>) -> Panel {
+    fn panel(&self, y: &Quantity, title: String, curves: Vec<Curve>, threads: u32) -> Panel {
         let ideal = self.ideals.iter().find(|(name, _)| *name == y.name).map(|(_, ideal)| *ideal);
         let has_one = curves.iter().flat_map(|curve| &curve.points).any(|(_, (log, _))| *log == 0.0);
+        let most =
+            curves.iter().flat_map(|curve| &curve.points).fold(0.0, |most: f64, (_, (x, _))| most.max(*x));
+        let has_threads = f64::from(threads).log10() >= most;
         let (guide, holds) = match ideal {
             Some(Ideal::X(key)) if has_one => (Some(Guide::new(At::Diagonal, TOLERANCE, key)), vec![]),
+            Some(Ideal::OnThreads(key)) if has_one && has_threads => {
+                (Some(Guide::new(At::Diagonal, TOLERANCE, key)), vec![])
+            }
             Some(Ideal::One(key)) => {
                 (Some(Guide::new(At::Y(0.0), TOLERANCE, key)), vec![-AROUND_ONE, AROUND_ONE])
             }

@@ -23,7 +23,7 @@ const COSTS: [(&str, Cost); 2] = [
 
 const MEANING: &str = "\nStarts: nothing, the previous impulses r⁻, or 2 r⁻ − r⁻⁻ extrapolated from the last two time steps, \
                        contact by contact and clipped into its cone. Seconds are those in the method alone. Over nothing: over \
-                       those of the same started from nothing, where both met the tolerance in nine tenths of their time steps.\n";
+                       those of the same started from nothing, where both met the tolerance in every time step.\n";
 
 /// The simulation that differs from `one` in its start alone.
 fn started<'s>(all: &'s [Simulation], one: &Simulation, start: &str) -> Option<&'s Simulation> {
@@ -83,7 +83,7 @@ fn figure(all: &[Simulation]) -> String {
     };
     let left_out = extrapolated().filter(|one| point(one, COSTS[0].1).is_none()).count();
     let text = format!(
-        "Not drawn, since they missed their tolerance in more than a tenth of the time steps: {left_out}."
+        "Not drawn, since they missed their tolerance in a time step or have nothing to be compared with: {left_out}."
     );
     let signs = if left_out > 0 { vec![(Sign::Word, text)] } else { Vec::new() };
     let title =

@@ -22,7 +22,7 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
         "\nEnding, velocity error, with friction that from the nearest solution that is known, and natural map: of the whole \
          run. Seconds: set-up and solver to {there}, by the code's own clock; process: the whole process of another code by \
          ours, with what starts it and what it reads and writes, which ours has not. Ratio: of the seconds to the least on the \
-         problem. Asked: the code's own tolerance at which it first came there. {}\n{}",
+         problem. Asked: the code's own tolerance at which it first reached that. {}\n{}",
         repeats(&study.runs),
         reasons(&study.runs)
     );
@@ -62,15 +62,16 @@ fn of_problem<'r>(runs: &'r [RunRow], problem: &str) -> Vec<Row<'r>> {
     reached.into_iter().map(|(run, reached)| Row { run, reached, ratio: ratio(reached) }).collect()
 }
 
-/// The first sample that is accurate enough; of another code the run at one tolerance that it is, with both clocks.
+/// The first sample that is accurate enough and after which no other leaves the accuracy by a decade; of another code the run at one tolerance that it is, with both clocks.
 fn reached(run: &RunRow) -> Option<Reached> {
-    let accurate = |error: Option<f64>| error.is_some_and(|error| error <= ACCURACY);
-    let at = run.curve.iter().position(|point| accurate(run.stopped_on(point)))?;
+    let errors = run.curve.iter().map(|point| run.stopped_on(point).unwrap_or(f64::NAN));
     let Some(rungs) = run.derived.get("rungs").and_then(Value::as_array) else {
+        let at = results::reached(errors, ACCURACY)?;
         let seconds = run.setup_s? + run.curve[at].iterating_s;
         return Some(Reached { seconds, process_s: None, asked: None });
     };
-    // Before the first of them the curve has r = 0.
+    // Each sample is a run of its own. Before the first of them the curve has r = 0.
+    let at = errors.into_iter().position(|error| error <= ACCURACY)?;
     let rung = at.checked_sub(1).and_then(|at| rungs.get(at))?;
     let value = |key: &str| rung[key].as_f64();
     let seconds = value("setup_s")? + value("solve_s")?;
@@ -95,7 +96,7 @@ fn table(rows: &[Row]) -> DataFrame {
     chosen(rows.iter().map(|row| row.run), names, own)
 }
 
-/// A row for each method: on how many of the problems that it was run on it came there, and its median ratio, the least first.
+/// A row for each method: on how many of the problems that it was run on it reached that, and its median ratio, the least first.
 fn ratios(rows: &[Row]) -> DataFrame {
     let of_method = |method: String| {
         let of = || rows.iter().filter(|row| row.run.label() == method);

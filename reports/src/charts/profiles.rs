@@ -1,53 +1,101 @@
 //! Performance profiles (Dolan & Moré, Math. Program. 91 (2002) 201-213): the share of the problems that a method
 //! solves within τ times the cost of the best one.
 
+use std::collections::BTreeSet;
+
+use contact::Measure;
 use polars::df;
 use polars::prelude::DataFrame;
+use serde_json::Value;
 
 use crate::draw::{Curve, Look, MOST_LINES, Mark, Panel, Plot, Scale, Series, Side, Through, series};
 use crate::read::{
-    ACCURACIES, COSTS, Cost, Problems, RunRow, WORK, accuracy_text, counted, median, problems, repeats, span,
+    ACCURACIES, COSTS, Cost, Ending, FRICTION, Problems, RunRow, WORK, accuracy_text, counted, file_name,
+    find_or_push, median, problems, repeats, span,
 };
 use crate::text::{Part, frame, nothing, too_many};
 
 /// A share of fewer problems than this moves by too much with each of them to be drawn.
 const PROBLEMS: usize = 10;
 
-/// `profiles-seconds`, `profiles-sweeps`, of enough problems, and the table `profiles`: which method for which accuracy.
-pub(crate) fn parts(study: &Problems) -> Vec<Part> {
-    let runs = &study.runs;
-    let methods = series(runs, &[]);
-    let (mut parts, mut why) = (Vec::new(), String::new());
-    let problems = problems(runs);
-    if problems.len() < PROBLEMS {
-        let there_are = counted(problems.len(), "problem");
-        why = format!("A performance profile needs {PROBLEMS} problems; of {there_are} the table says all. ");
-    } else if methods.len() > MOST_LINES {
-        parts.push(too_many("profiles-found", "performance profiles", methods.len()));
-    } else {
-        for cost in &COSTS {
-            parts.push(figure(runs, &methods, cost));
-        }
+/// Problems whose profiles are drawn together.
+struct Group<'r> {
+    /// With or without friction, warm or not, where a study has both; empty elsewhere.
+    words: String,
+    runs: Vec<&'r RunRow>,
+}
+
+fn groups(runs: &[RunRow]) -> Vec<Group<'_>> {
+    let words = |run: &RunRow| {
+        let friction = run.problem_settings.get(FRICTION).and_then(Value::as_f64);
+        let friction = friction.map(|mu| if mu > 0.0 { "with friction" } else { "without friction" });
+        friction.into_iter().chain(run.warm_start.then_some("warm")).collect::<Vec<_>>().join(", ")
+    };
+    let mut groups: Vec<Group> = Vec::new();
+    // A method that takes none of the problems has no share of them.
+    for run in runs.iter().filter(|run| run.status != Ending::Skipped) {
+        let words = words(run);
+        let new = || Group { words: words.clone(), runs: Vec::new() };
+        find_or_push(&mut groups, |group| group.words == words, new).runs.push(run);
     }
-    let table = table(runs, &methods);
-    let (set, repeats) = (problems.join(", "), repeats(runs));
+    if let [only] = &mut groups[..] {
+        only.words.clear();
+    }
+    groups
+}
+
+/// `profiles-seconds`, `profiles-sweeps`, of enough problems, and the table `profiles`: which method for which accuracy; with and without
+/// friction, and warm, apart.
+pub(crate) fn parts(study: &Problems) -> Vec<Part> {
+    let groups = groups(&study.runs);
+    let mut parts: Vec<Part> = groups.iter().flat_map(figures).collect();
+    let few = groups.iter().any(|group| problems(group.runs.iter().copied()).len() < PROBLEMS);
+    let why = if few || groups.is_empty() {
+        format!("A performance profile needs {PROBLEMS} problems; of fewer the table says all. ")
+    } else {
+        String::new()
+    };
     let note = format!(
-        "\n{why}Problems: {set}. Reached: on so many of them the accuracy was reached. Best: with no method cheaper. \
-         Median ratio: of the cost to the least, where reached. {repeats} {WORK}\n"
+        "\n{why}Reached: on so many of the problems the accuracy was reached. Best: the cheapest, or in seconds one whose \
+         interval overlaps its own; undefined where none reaches it, or runs are repeated less than five times. \
+         Median ratio: of the cost to the least, where reached. {} {WORK}\n",
+        repeats(&study.runs)
     );
-    parts.push(Part::table("profiles", table, note));
+    parts.push(Part::table("profiles", table(&groups, measure(study.runs.iter())), note));
     parts
+}
+
+fn figures(group: &Group) -> Vec<Part> {
+    let methods = series(group.runs.iter().copied(), &[]);
+    if problems(group.runs.iter().copied()).len() < PROBLEMS {
+        Vec::new()
+    } else if methods.len() > MOST_LINES {
+        vec![too_many(named("profiles-found", group), "performance profiles", methods.len())]
+    } else {
+        COSTS.iter().map(|cost| figure(group, &methods, cost)).collect()
+    }
+}
+
+/// A name with the words of a group.
+fn named(name: &str, group: &Group) -> String {
+    if group.words.is_empty() { name.to_owned() } else { format!("{name}-{}", file_name(&group.words)) }
+}
+
+/// Returns the velocity error if it is known of some run, else the natural map.
+fn measure<'r>(mut runs: impl Iterator<Item = &'r RunRow>) -> Measure {
+    let is_known = |run: &RunRow| run.curve.iter().any(|point| point.velocity_error().is_some());
+    if runs.any(is_known) { Measure::VelocityError } else { Measure::NaturalMap }
 }
 
 /// For each method and problem the cost over the least one; `None` where the accuracy is not reached.
 type Ratios = Vec<Vec<Option<f64>>>;
 
-fn ratios(runs: &[RunRow], methods: &[Series], cost: &Cost, accuracy: f64) -> Ratios {
+fn ratios(group: &Group, methods: &[Series], cost: &Cost, (measure, accuracy): (Measure, f64)) -> Ratios {
     let mut ratios = vec![Vec::new(); methods.len()];
-    for problem in problems(runs) {
+    for problem in problems(group.runs.iter().copied()) {
         let price = |method: &Series| {
             let run = method.runs.iter().find(|run| run.problem == problem)?;
-            cost.to(run, accuracy)
+            cost.to(run, measure, accuracy)
         };
         let prices: Vec<Option<f64>> = methods.iter().map(price).collect();
         let least = span(prices.iter().copied().flatten()).map_or(0.0, |(least, _)| least);
@@ -60,12 +108,14 @@ fn ratios(runs: &[RunRow], methods: &[Series], cost: &Cost, accuracy: f64) -> Ra
     ratios
 }
 
-fn figure(runs: &[RunRow], methods: &[Series], cost: &Cost) -> Part {
-    let name = format!("profiles-{}", cost.name);
-    let all = ACCURACIES.map(|accuracy| ratios(runs, methods, cost, accuracy));
+fn figure(group: &Group, methods: &[Series], cost: &Cost) -> Part {
+    let name = named(&format!("profiles-{}", cost.name), group);
+    let measure = measure(group.runs.iter().copied());
+    let said = if measure == Measure::VelocityError { "velocity error" } else { "natural map" };
+    let all = ACCURACIES.map(|accuracy| ratios(group, methods, cost, (measure, accuracy)));
     if all.iter().flatten().flatten().all(Option::is_none) {
-        let why = "no run reaches a known velocity error of 10⁻² or less";
-        return nothing(name, "performance profiles", why);
+        let why = format!("no run reaches a {said} of 10⁻² or less");
+        return nothing(name, "performance profiles", &why);
     }
     let not_reached = |(accuracy, ratios): (f64, &Ratios)| {
         let pairs = || ratios.iter().flatten();
@@ -73,12 +123,11 @@ fn figure(runs: &[RunRow], methods: &[Series], cost: &Cost) -> Part {
         format!("{} by {not_reached} of {}", accuracy_text(accuracy), pairs().count())
     };
     let not_reached: Vec<String> = ACCURACIES.into_iter().zip(&all).map(not_reached).collect();
+    let problems = counted(problems(group.runs.iter().copied()).len(), "problem");
+    let of = if group.words.is_empty() { String::new() } else { format!(" {}", group.words) };
     let title = vec![
-        format!(
-            "Share of {} solved within τ times the least cost, against τ.",
-            counted(problems(runs).len(), "problem")
-        ),
-        format!("Cost: {}, to a velocity error of 10⁻², 10⁻⁴, 10⁻⁶.", cost.title),
+        format!("Share of {problems}{of} solved within τ times the least cost, against τ."),
+        format!("Cost: {}, to a {said} of 10⁻², 10⁻⁴, 10⁻⁶.", cost.title),
         format!("Not reached, in pairs of method and problem: {}.", not_reached.join(", ")),
     ];
     let panels = ACCURACIES.into_iter().zip(&all).map(|(accuracy, ratios)| panel(methods, ratios, accuracy));
@@ -124,26 +173,57 @@ fn stairs(ratios: &[Option<f64>], end: f64) -> Vec<(f64, f64)> {
     if logs.is_empty() { Vec::new() } else { stairs }
 }
 
-fn table(runs: &[RunRow], methods: &[Series]) -> DataFrame {
-    let problems = problems(runs).len() as u64;
+fn table(groups: &[Group], measure: Measure) -> DataFrame {
     let mut rows = Vec::new();
-    for accuracy in ACCURACIES {
-        for cost in &COSTS {
-            let ratios = ratios(runs, methods, cost, accuracy);
-            for (method, of_method) in methods.iter().zip(&ratios) {
-                let reached: Vec<f64> = of_method.iter().flatten().copied().collect();
-                let best = reached.iter().filter(|ratio| **ratio <= 1.0).count() as u64;
-                rows.push((accuracy, cost.name, method.label(), reached.len() as u64, best, median(reached)));
-            }
+    for (group, accuracy, cost) in groups
+        .iter()
+        .flat_map(|group| ACCURACIES.map(|a| COSTS.iter().map(move |cost| (group, a, cost))))
+        .flatten()
+    {
+        let problems = problems(group.runs.iter().copied());
+        let methods = series(group.runs.iter().copied(), &[]);
+        let ratios = ratios(group, &methods, cost, (measure, accuracy));
+        let on = |problem: &&str| -> Vec<&RunRow> {
+            group.runs.iter().copied().filter(|run| run.problem == *problem).collect()
+        };
+        let first = problems.iter().flat_map(|problem| cost.least(&on(problem), measure, accuracy));
+        let first: BTreeSet<u32> = first.map(|run| run.run).collect();
+        for (method, of_method) in methods.iter().zip(&ratios) {
+            let reached: Vec<f64> = of_method.iter().flatten().copied().collect();
+            let best = method.runs.iter().filter(|run| first.contains(&run.run)).count() as u64;
+            rows.push(Row {
+                words: &group.words,
+                accuracy,
+                cost: cost.name,
+                method: method.label(),
+                problems: problems.len() as u64,
+                reached: reached.len() as u64,
+                best: (!first.is_empty()).then_some(best),
+                ratio: median(reached),
+            });
         }
     }
     frame(df!(
-        "velocity_error" => rows.iter().map(|row| row.0).collect::<Vec<_>>(),
-        "cost" => rows.iter().map(|row| row.1).collect::<Vec<_>>(),
-        "method" => rows.iter().map(|row| row.2.as_str()).collect::<Vec<_>>(),
-        "problems" => vec![problems; rows.len()],
-        "reached" => rows.iter().map(|row| row.3).collect::<Vec<_>>(),
-        "best" => rows.iter().map(|row| row.4).collect::<Vec<_>>(),
-        "median_ratio" => rows.iter().map(|row| row.5).collect::<Vec<_>>(),
+        measure.name() => rows.iter().map(|row| row.accuracy).collect::<Vec<_>>(),
+        "cost" => rows.iter().map(|row| row.cost).collect::<Vec<_>>(),
+        "method" => rows.iter().map(|row| row.method.as_str()).collect::<Vec<_>>(),
+        "problems" => rows.iter().map(|row| row.problems).collect::<Vec<_>>(),
+        "reached" => rows.iter().map(|row| row.reached).collect::<Vec<_>>(),
+        "best" => rows.iter().map(|row| row.best).collect::<Vec<_>>(),
+        "median_ratio" => rows.iter().map(|row| row.ratio).collect::<Vec<_>>(),
+        "problems_of" => rows.iter().map(|row| row.words).collect::<Vec<_>>(),
     ))
+}
+
+/// A row of the table.
+struct Row<'g> {
+    words: &'g str,
+    accuracy: f64,
+    cost: &'static str,
+    method: String,
+    problems: u64,
+    reached: u64,
+    /// `None` where none is ranked.
+    best: Option<u64>,
+    ratio: Option<f64>,
 }

@@ -57,6 +57,20 @@ const QUANTITIES: &[Quantity] = &[
     })
     .on_the_way()
     .whole(),
+    quantity("to_zeta_1e_3", "iterations to ζ = 10⁻³", |_, run| {
+        run.iterations_to_zeta_1e_3.map(|iterations| iterations as f64)
+    })
+    .on_the_way()
+    .whole(),
+    quantity("to_natural_map_1e_4", "iterations to a natural map of 10⁻⁴", |_, run| {
+        run.iterations_to_natural_map_1e_4.map(|iterations| iterations as f64)
+    })
+    .on_the_way()
+    .whole(),
+    // Of NSGS l⁺ = 1/W_αα.
+    quantity("kappa_l", "κ_l, search direction at contacts over 1/W_αα (–)", |_, run| {
+        run.settings.get("kappa_l").map_or(Some(1.0), serde_json::Value::as_f64)
+    }),
     quantity("growth", "iterations over those with the fewest subdomains (–)", |series, run| {
         series.growth(run)
     }),
@@ -86,7 +100,9 @@ const QUANTITIES: &[Quantity] = &[
     quantity("path_per_iteration", "longest subdomain of an iteration (multiply-adds)", |_, run| {
         run.path_per_iteration()
     }),
-    quantity("longest_subdomain", "longest subdomain (multiply-adds)", |_, run| path(run)),
+    quantity("longest_subdomain", "multiply-adds on the longest subdomain, all iterations", |_, run| {
+        path(run)
+    }),
     quantity("counted_speed_up", "counted speed-up, a machine per subdomain (–)", |series, run| {
         Some(path(series.fewest_converged(run)?)? / path(run)?)
     }),

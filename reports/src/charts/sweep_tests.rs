@@ -11,7 +11,7 @@ use crate::tests::assert_well_formed;
 use crate::tests::fixture::{
     File, decay, end, explosion, files, object, read, run, sample, study, tables, without_truth,
 };
-use results::schema::Run;
+use results::schema::{Run, Sample};
 use serde_json::{Value, json};
 
 pub(super) fn text<'f>(files: &'f [File], name: &str) -> &'f str {
@@ -179,14 +179,47 @@ fn few_problems_have_a_table_of_profiles_that_counts_what_is_reached() {
     let curves = [(0, decay()), (1, twice()), (2, decay()), (3, explosion())];
     let files = files(&profiles::parts(&study(&runs, &curves)));
     let row = |start: &str| text(&files, "profiles.csv").lines().find(|row| row.starts_with(start)).unwrap();
-    assert_eq!(row("0.01,sweeps,nsgs"), "0.01,sweeps,nsgs,2,2,2,1.0");
-    assert_eq!(row("0.01,sweeps,cg"), "0.01,sweeps,cg,2,1,0,2.0");
-    assert_eq!(row("1e-6,sweeps,cg"), "1e-6,sweeps,cg,2,0,0,");
+    assert_eq!(row("0.01,sweeps,nsgs"), "0.01,sweeps,nsgs,2,2,2,1.0,\"\"");
+    assert_eq!(row("0.01,sweeps,cg"), "0.01,sweeps,cg,2,1,0,2.0,\"\"");
+    assert_eq!(row("1e-6,sweeps,cg"), "1e-6,sweeps,cg,2,0,,,\"\"");
     assert!(files.iter().all(|(name, _)| !name.contains(".svg")), "two problems are no profile");
     let note = text(&files, "profiles.md");
-    assert!(
-        note.contains("needs 10 problems; of 2\u{a0}problems") && note.contains("Problems: column, other.")
-    );
+    assert!(note.contains("needs 10 problems; of fewer the table says all."), "{note}");
+    assert_eq!(row("0.01,seconds,nsgs"), "0.01,seconds,nsgs,2,2,,1.0,\"\"", "timed once, none is the best");
+}
+
+/// Timed five times, with as wide intervals: whose overlap is a tie. Friction, warm starts and skipped runs are told apart.
+#[test]
+fn profiles_have_ties_and_groups() {
+    let of = |id: u32, method: &str, friction: f64, iterating_s: f64| {
+        let mut row = Run { iterating_s, ..run(id, method, "", Ending::Converged) };
+        row.problem_settings = object(&json!({ "scene.friction": friction }));
+        row.problem = format!("box {friction}");
+        (row.timing.repeats, row.timing.setup_spread_s, row.timing.iterating_spread_s) =
+            (5, 0.0, 0.3 * iterating_s);
+        row
+    };
+    let mut runs = vec![of(0, "nsgs", 0.0, 1.0), of(1, "cg", 0.0, 1.1), of(2, "jacobi", 0.0, 9.0)];
+    runs.push(of(3, "nsgs", 0.3, 1.0));
+    runs.push(Run { status: Ending::Skipped, ..of(4, "apgd", 0.3, 1.0) });
+    let lasting = |seconds: f64| -> Vec<_> {
+        decay()
+            .into_iter()
+            .map(|s| Sample { iterating_s: seconds * s.iteration as f64 / 100.0, ..s })
+            .collect()
+    };
+    let curves: Vec<_> = (0..4).zip([1.0, 1.1, 9.0, 1.0].map(lasting)).collect();
+    let files = files(&profiles::parts(&study(&runs, &curves)));
+    let csv = text(&files, "profiles.csv");
+    let best = |method: &str, words: &str| {
+        let row = csv
+            .lines()
+            .find(|row| row.starts_with(&format!("0.01,seconds,{method},")) && row.ends_with(words));
+        row.map(|row| row.split(',').nth(5).unwrap().to_owned())
+    };
+    let of = |method| best(method, ",without friction");
+    assert_eq!([of("nsgs"), of("cg"), of("jacobi")], ["1", "1", "0"].map(|n| Some(n.to_owned())), "{csv}");
+    assert_eq!((best("nsgs", ",with friction").as_deref(), best("apgd", "")), (Some("1"), None), "{csv}");
 }
 
 #[test]
@@ -252,7 +285,7 @@ fn failures_stand_beside_each_other_and_methods_without_subdomains_are_levels() 
         runs.push(Run { settings, iterations: u64::from(10 * i), ..run(i, "nsgs", "", Ending::Converged) });
     }
     let beside = drawn(&runs);
-    assert!(beside.contains("Level lines: methods without subdomains."));
+    assert!(beside.contains("Level lines: methods without what varies."));
     // As dots are drawn, with an edge; one in the key for each, and one in each panel.
     assert_eq!(beside.matches("<circle").count(), 5 * 3, "{beside}");
 }
@@ -322,6 +355,7 @@ fn chart_of_a_plan_is_drawn_as_it_is_declared() {
     let own = |fit| OwnChart {
         name: "mine".into(),
         x: "grains".into(),
+        title: None,
         y: vec!["iterations".into(), "work".into()],
         varied: None,
         fit,

@@ -127,8 +127,10 @@ fn panel(compared: &[&Compared], looks: &[(String, Look)], i: usize) -> Panel {
         let here = of_role(compared, Role::Run).filter(|c| c.label() == *label && c.time_step_s == step);
         let mut points: Vec<_> = here.filter_map(|c| Some((c.tolerance, (c.cost()?, c.error(i)?)))).collect();
         points.sort_by(|a, b| b.0.total_cmp(&a.0));
+        // Two tolerances are no curve.
+        let through = if points.len() < 3 { Through::Nothing } else { Through::Points };
         let points = points.into_iter().map(|(_, point)| point);
-        curves.push(Curve::of("", Look { mark, ..*look }, points, Through::Points));
+        curves.push(Curve::of("", Look { mark, ..*look }, points, through));
     }
     let floor = |floor: &Compared| {
         let guide = Guide::new(At::Y(floor.error(i)?), TOLERANCE, "error of the time step alone");

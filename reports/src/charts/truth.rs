@@ -33,7 +33,8 @@ pub(crate) fn work_precision(study: &Problems) -> Vec<Part> {
             ]);
         }
     }
-    note.extend(["\n", &repeats(&study.runs), " ", WORK, "\n"]);
+    note.extend(["\nFirst in seconds: those whose intervals overlap that of the least; none where runs are repeated less than five times. "]);
+    note.extend([&*repeats(&study.runs), " ", WORK, "\n"]);
     with_table(WORK_PRECISION.parts(study), "work-precision", study, (firsts, note))
 }
 
@@ -63,20 +64,25 @@ fn with_table(
     parts
 }
 
-/// The first run to each accuracy, in each cost.
+/// The first runs to each accuracy, in each cost, and the least cost.
 fn firsts(study: &Lines, problems: &[&str]) -> DataFrame {
     let rows = || problems.iter().flat_map(|problem| ACCURACIES.map(|accuracy| (*problem, accuracy)));
     let first = |cost: &Cost, (problem, accuracy): (&str, f64)| {
-        let prices =
-            study.runs_of(problem).into_iter().filter_map(|run| Some((cost.to(run, accuracy)?, run)));
-        prices.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(price, run)| (run.label(), price))
+        let runs = study.runs_of(problem);
+        let least = runs
+            .iter()
+            .filter_map(|run| cost.to(run, Measure::VelocityError, accuracy))
+            .min_by(f64::total_cmp);
+        let first: Vec<String> =
+            cost.least(&runs, Measure::VelocityError, accuracy).into_iter().map(RunRow::label).collect();
+        (first.join("; "), least)
     };
     let mut table = frame(df!(
         "problem" => rows().map(|(problem, _)| problem).collect::<Vec<_>>(),
         "velocity_error" => rows().map(|(_, accuracy)| accuracy).collect::<Vec<_>>(),
     ));
     for cost in &COSTS {
-        let (who, prices): (Vec<_>, Vec<_>) = rows().map(|row| first(cost, row).unzip()).unzip();
+        let (who, prices): (Vec<_>, Vec<_>) = rows().map(|row| first(cost, row)).unzip();
         for column in [
             Column::new(format!("first_in_{}", cost.name).into(), who),
             Column::new(cost.name.into(), prices),

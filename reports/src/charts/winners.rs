@@ -8,10 +8,10 @@ use polars::prelude::DataFrame;
 use super::grid::{Grid, Head, Tile};
 use crate::draw::{Cell, ColorScale, INK, Looks, RGBColor, WHITE};
 use crate::read::{
-    Kind, Norm, Problems, RunRow, Standing, Tally, accuracy_text, counted, file_name, kinds, natural_maps,
-    norms, number, repeats, span, standings, tallies, unique,
+    Problems, Ranked, RunRow, Standing, Tally, accuracy_text, counted, file_name, kinds, natural_maps,
+    number, ranked, repeats, span, tallies, unique,
 };
-use crate::text::{Part, frame};
+use crate::text::{Part, frame, too_many};
 
 /// Height of a row (mm).
 const ROW: f64 = 7.0;
@@ -25,26 +25,12 @@ const TOLD_APART: usize = 4;
 const MORE: Cell = Cell { fill: RGBColor(225, 225, 225), letter: "≈", ink: INK };
 const NONE: Cell = Cell { fill: WHITE, letter: "–", ink: INK };
 
-/// The standings of a kind at an accuracy.
-struct Ranked<'k, 'r> {
-    kind: &'k Kind<'r>,
-    accuracy: f64,
-    standings: Vec<Standing>,
-}
-
-/// The figures `winners-<case>`, one for each case, and the table `winners`.
+/// The figures `winners-<case>`, one for each case, and the tables `winners-counts` and `winners`.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let kinds = kinds(&study.runs);
     let accuracies = natural_maps(&study.runs);
-    let ranked = |kind| {
-        let ranked = |accuracy: &f64| Ranked {
-            kind,
-            accuracy: *accuracy,
-            standings: standings(&kind.runs, *accuracy),
-        };
-        accuracies.iter().map(ranked).collect::<Vec<_>>()
-    };
-    let ranked: Vec<Ranked> = kinds.iter().flat_map(ranked).collect();
+    let ranked = ranked(&kinds, &accuracies);
+    let labels = unique(study.runs.iter().map(RunRow::own_label));
     let note = format!(
         "\nThe natural map is at most the accuracy and stays below ten times that. First: the method that reaches it on most problems of \
          the kind, and of those the one whose median ratio to the fastest of each problem is least. Ties: those that reach it on as many, \
@@ -53,54 +39,48 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
          must be slower on each by more than both intervals allow. Seconds: median over the problems, and its interval. {}\n",
         repeats(&study.runs)
     );
-    let signs = Signs::new(&study.runs);
     let mut parts = Vec::new();
-    for case in unique(kinds.iter().map(|kind| kind.case.as_str())) {
-        let of_case: Vec<&Ranked> = ranked.iter().filter(|ranked| ranked.kind.case == case).collect();
-        parts.push(Part::figure(
-            format!("winners-{}", file_name(case)),
-            figure(&of_case, &accuracies, &signs),
-        ));
+    match signs(&study.runs, &labels) {
+        None => parts.push(too_many("winners-maps", "fastest methods", labels.len())),
+        Some(signs) => {
+            for case in unique(kinds.iter().map(|kind| kind.case.as_str())) {
+                let of_case: Vec<&Ranked> = ranked.iter().filter(|ranked| ranked.kind.case == case).collect();
+                let name = format!("winners-{}", file_name(case));
+                parts.push(Part::figure(name, figure(&of_case, &accuracies, &signs)));
+            }
+        }
     }
     let tally = "\nFirst: number of kinds of problem, sizes apart, in which the method is first or ties, alone: in which none ties; of those that \
                  some method solves. Reached: number of problems. Worst: seconds over those of the fastest method of a problem, at most.\n";
-    parts.push(Part::table("winners-counts", counts(&tallies(&kinds, &accuracies)), tally));
+    let tallies = tallies(&ranked, &labels, &accuracies);
+    parts.push(Part::table("winners-counts", counts(&tallies), tally));
     parts.push(Part::table("winners", table(&ranked), note));
-    let of_norms = "\nThe natural map at the first sample at which LMGC90's quadratic norm is at most its tolerance: median over the packings of \
-                    which it is, with an interval as above.\n";
-    let norms: Vec<Norm> = kinds.iter().flat_map(norms).collect();
-    parts.push(Part::table("norms", table_of_norms(&norms), of_norms));
     parts
 }
 
-/// Signs of the methods of a study.
-struct Signs(Vec<(String, Cell)>);
+/// Signs of methods with their settings.
+type Signs = [(String, Cell)];
 
-impl Signs {
-    /// Letters in the order of the study; the settings of a method in shades of its colour.
-    fn new(runs: &[RunRow]) -> Self {
-        let looks = Looks::new(runs);
-        let mut signs: Vec<(String, Cell)> = Vec::new();
-        let mut of_method: BTreeMap<&str, usize> = BTreeMap::new();
-        for run in runs {
-            if signs.iter().all(|(label, _)| *label != run.own_label()) {
-                let place = of_method.entry(&run.method).or_default();
-                let fill = looks.variant(&run.method, *place).pen.color;
-                *place += 1;
-                let letter = LETTERS[signs.len() % LETTERS.len()];
-                signs.push((run.own_label(), Cell { fill, letter, ink: ColorScale::ink_on(fill) }));
-            }
-        }
-        Self(signs)
-    }
-
-    fn of(&self, standing: &Standing) -> Option<Cell> {
-        self.0.iter().find(|(label, _)| *label == standing.label).map(|(_, cell)| *cell)
-    }
+/// Letters of the methods `labels` in the order of the study, the settings of a method in shades of its colour; `None` of more methods
+/// than there are letters.
+fn signs(runs: &[RunRow], labels: &[String]) -> Option<Vec<(String, Cell)>> {
+    let looks = Looks::new(runs);
+    let mut of_method: BTreeMap<&str, usize> = BTreeMap::new();
+    let sign = |(label, letter): (&String, &'static str)| {
+        let run = runs.iter().find(|run| run.own_label() == *label)?;
+        let place = of_method.entry(&run.method).or_default();
+        let fill = looks.variant(&run.method, *place).pen.color;
+        *place += 1;
+        Some((label.clone(), Cell { fill, letter, ink: ColorScale::ink_on(fill) }))
+    };
+    (labels.len() <= LETTERS.len()).then(|| labels.iter().zip(LETTERS).filter_map(sign).collect())
 }
 
 /// A row for each kind, a column for each size, in it the accuracies from left to right.
 fn figure(ranked: &[&Ranked], accuracies: &[f64], signs: &Signs) -> String {
+    let sign = |standing: &&Standing| {
+        signs.iter().find(|(label, _)| *label == standing.label).map(|(_, cell)| *cell)
+    };
     let names = unique(ranked.iter().map(|ranked| ranked.kind.name.as_str()));
     let sizes = unique(ranked.iter().map(|ranked| ranked.kind.grains));
     let samples = |name: &str| {
@@ -117,7 +97,7 @@ fn figure(ranked: &[&Ranked], accuracies: &[f64], signs: &Signs) -> String {
         let is_on_some = ties.first().is_some_and(|first| first.reached < ranked.kind.problems());
         let cells = match ties.len() {
             0 => vec![NONE],
-            number if number <= TOLD_APART => ties.iter().filter_map(|standing| signs.of(standing)).collect(),
+            number if number <= TOLD_APART => ties.iter().filter_map(sign).collect(),
             _ => vec![MORE],
         };
         Tile { cells, marks: [is_on_some, false] }
@@ -143,27 +123,11 @@ fn figure(ranked: &[&Ranked], accuracies: &[f64], signs: &Signs) -> String {
             .iter()
             .map(|grains| Head { short: counted(*grains as usize, "grain"), long: None })
             .collect(),
-        cells: signs.0.iter().map(|(label, cell)| (*cell, label.clone())).chain(key).collect(),
+        cells: signs.iter().map(|(label, cell)| (*cell, label.clone())).chain(key).collect(),
         marks: ["on some of the packings alone", ""],
         tiles,
     }
     .svg()
-}
-
-fn table_of_norms(all: &[Norm]) -> DataFrame {
-    let of = |of: fn(&Norm) -> f64| all.iter().map(of).collect::<Vec<_>>();
-    frame(df!(
-        "case" => all.iter().map(|norm| norm.kind.case.as_str()).collect::<Vec<_>>(),
-        "kind" => all.iter().map(|norm| norm.kind.name.as_str()).collect::<Vec<_>>(),
-        "grains" => all.iter().map(|norm| norm.kind.grains).collect::<Vec<_>>(),
-        "method" => all.iter().map(|norm| norm.label.as_str()).collect::<Vec<_>>(),
-        "quad_dv" => of(|norm| norm.tolerance),
-        "packings" => all.iter().map(|norm| norm.packings as u64).collect::<Vec<_>>(),
-        "met" => all.iter().map(|norm| norm.met as u64).collect::<Vec<_>>(),
-        "natural_map" => of(|norm| norm.natural_map.median),
-        "natural_map_low" => of(|norm| norm.natural_map.low),
-        "natural_map_high" => of(|norm| norm.natural_map.high),
-    ))
 }
 
 fn counts(tallies: &[Tally]) -> DataFrame {

@@ -161,7 +161,7 @@ impl Canvas {
             Mark::Ring => self.disc(place, HALF, WHITE, Some(pen)),
             Mark::Triangle => closed(1.1 * HALF, &[(-1.0, 1.0), (0.0, -1.0), (1.0, 1.0)]),
             Mark::Cross => [FALLING, RISING].into_iter().for_each(|ends| stroke(0.8 * HALF, ends)),
-            Mark::Bar => stroke(HALF, UPRIGHT),
+            Mark::Bar => stroke(1.7 * HALF, UPRIGHT),
         }
     }
 

@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use contact::Measure;
+
 use crate::draw::{
     Canvas, Frame, HPos, LogPoint, Look, Looks, Mark, OTHERS, Place, Sign, TEXT, VPos, along, inside,
 };
@@ -109,7 +111,7 @@ fn first(runs: &[&RunRow], cost: &Cost) -> Option<u32> {
         let priced = runs.iter().filter_map(|run| Some((price(run)?, run.run)));
         priced.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, run)| run)
     };
-    let at = |accuracy: f64| least(&|run| cost.to(run, accuracy));
+    let at = |accuracy: f64| least(&|run| cost.to(run, Measure::VelocityError, accuracy));
     let end = || least(&|run| run.curve.last()?.velocity_error());
     ACCURACIES.into_iter().rev().find_map(at).or_else(end)
 }

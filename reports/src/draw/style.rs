@@ -100,9 +100,9 @@ pub(crate) struct Family {
 pub(crate) const METHODS: [(&str, Family); 11] = [
     ("nsgs", family(0.6, Mark::None, [(0, 0, 0), (62, 62, 62), (92, 92, 92)])),
     ("nsgs-dd", family(0.3, Mark::Square, [(230, 159, 0), (180, 125, 0), (246, 196, 90)])),
-    ("latin-dd", family(0.3, Mark::Diamond, [(0, 96, 160), (0, 52, 104), (38, 114, 174)])),
-    ("jacobi", family(0.3, Mark::Ring, [(190, 70, 0), (235, 105, 30), (150, 50, 0)])),
-    ("cg", family(0.3, Mark::Plus, [(0, 150, 110), (0, 105, 78), (85, 190, 155)])),
+    ("latin-dd", family(0.3, Mark::Diamond, [(0, 84, 148), (0, 48, 98), (38, 106, 166)])),
+    ("jacobi", family(0.3, Mark::Ring, [(178, 62, 0), (228, 100, 30), (148, 50, 0)])),
+    ("cg", family(0.3, Mark::Plus, [(0, 164, 112), (0, 112, 77), (85, 200, 160)])),
     ("mprgp", family(0.3, Mark::Cross, [(0, 200, 200), (0, 165, 165), (70, 232, 222)])),
     ("apgd", family(0.3, Mark::Bar, [(86, 180, 233), (140, 205, 245), (66, 165, 218)])),
     ("nncg", family(0.3, Mark::Cross, [(110, 60, 30), (75, 38, 15), (145, 95, 65)])),

@@ -1,9 +1,12 @@
 //! Cost of a run at a sample, and the first sample at which it was accurate.
 
+use contact::Measure;
+use results::Median;
+
 use crate::read::run::defined;
 use crate::read::{RunRow, Sample, power_of_ten};
 
-/// The accuracies that methods are compared at: the velocity error.
+/// The accuracies that methods are compared at: the velocity error, or where it is not known the natural map.
 pub(crate) const ACCURACIES: [f64; 3] = [1e-2, 1e-4, 1e-6];
 
 /// An accuracy as a power of ten.
@@ -17,12 +20,33 @@ pub(crate) struct Cost {
     /// Name of its axis.
     pub(crate) title: &'static str,
     pub(crate) of: fn(&RunRow, &Sample) -> Option<f64>,
+    /// True where it is measured, with a spread; false where it is counted.
+    is_timed: bool,
 }
 
+/// Fewest repeats of which the least and the greatest hold the median with a probability of 90 % or more: 1 − 2/2⁵.
+const REPEATS: u32 = 5;
+
 impl Cost {
-    /// The cost of a run to a velocity error, if it comes there.
-    pub(crate) fn to(&self, run: &RunRow, accuracy: f64) -> Option<f64> {
-        (self.of)(run, reached(&run.curve, accuracy)?)
+    /// The cost of a run to an accuracy of a measure, if it comes there.
+    pub(crate) fn to(&self, run: &RunRow, measure: Measure, accuracy: f64) -> Option<f64> {
+        let values = run.curve.iter().map(|point| point.get(measure).unwrap_or(f64::NAN));
+        (self.of)(run, &run.curve[results::reached(values, accuracy)?])
+    }
+
+    /// The runs with the least cost to an accuracy of a measure: one, or those whose intervals overlap its own. None where seconds are of fewer
+    /// than five repeats.
+    pub(crate) fn least<'r>(&self, runs: &[&'r RunRow], measure: Measure, accuracy: f64) -> Vec<&'r RunRow> {
+        let ranked = |run: &&&RunRow| !self.is_timed || run.timing.repeats >= REPEATS;
+        let priced = |run: &'_ &'r RunRow| {
+            let cost = self.to(run, measure, accuracy)?;
+            let exact = Median { low: cost, median: cost, high: cost };
+            Some((if self.is_timed { run.interval(cost)? } else { exact }, *run))
+        };
+        let priced: Vec<(Median, &RunRow)> = runs.iter().filter(ranked).filter_map(priced).collect();
+        let first = priced.iter().min_by(|(a, _), (b, _)| a.median.total_cmp(&b.median));
+        let Some(high) = first.map(|(first, _)| first.high) else { return Vec::new() };
+        priced.iter().filter(|(cost, _)| cost.low <= high).map(|(_, run)| *run).collect()
     }
 }
 
@@ -31,8 +55,9 @@ pub(crate) const COSTS: [Cost; 2] = [
         name: "seconds",
         title: "set-up and iterations (s)",
         of: |run, point| Some(run.setup_s? + defined(point.iterating_s)?),
+        is_timed: true,
     },
-    Cost { name: "sweeps", title: "counted work (sweeps)", of: RunRow::work },
+    Cost { name: "sweeps", title: "counted work (sweeps)", of: RunRow::work, is_timed: false },
 ];
 
 /// Definition of a sweep of counted work.
@@ -40,9 +65,3 @@ pub(crate) const WORK: &str = "A sweep of counted work is eight multiply-adds pe
                                counts as much as a contact passed in a product with W, an entry of a triangular factor and \
                                a multiply-add of a factorisation an eighth. A run with many factorisations that a \
                                library makes, which are not counted, has no counted work.";
-
-/// Returns the first sample with a velocity error of at most `accuracy`, from which on it stays there.
-fn reached(curve: &[Sample], accuracy: f64) -> Option<&Sample> {
-    let errors = curve.iter().map(|point| point.velocity_error().unwrap_or(f64::NAN));
-    results::reached(errors, accuracy).map(|at| &curve[at])
-}

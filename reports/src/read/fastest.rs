@@ -29,6 +29,7 @@ pub(crate) struct Standing {
 }
 
 /// A method over all kinds of problem and sizes, at an accuracy.
+#[derive(Default)]
 pub(crate) struct Tally {
     pub(crate) label: String,
     pub(crate) accuracy: f64,
@@ -44,57 +45,53 @@ pub(crate) struct Tally {
     pub(crate) worst: f64,
 }
 
-/// Counts in how many of `kinds` each method is first at an accuracy, in the order of the study.
-pub(crate) fn tallies(kinds: &[Kind], accuracies: &[f64]) -> Vec<Tally> {
-    let labels = unique(kinds.iter().flat_map(|kind| &kind.runs).map(|run| run.own_label()));
-    let mut all = Vec::new();
-    for accuracy in accuracies {
-        let ranked: Vec<Vec<Standing>> = kinds.iter().map(|kind| standings(&kind.runs, *accuracy)).collect();
-        for label in &labels {
-            let mut tally = Tally {
-                label: label.clone(),
-                accuracy: *accuracy,
-                kinds: 0,
-                alone: 0,
-                first: 0,
-                reached: 0,
-                problems: 0,
-                worst: 1.0,
-            };
-            for (kind, ranked) in kinds.iter().zip(&ranked) {
-                let made = |run: &&&RunRow| run.own_label() == *label && run.status != Ending::Skipped;
-                let runs = kind.runs.iter().filter(made).count();
-                tally.problems += runs;
-                tally.kinds += usize::from(runs > 0 && !ranked.is_empty());
-                let Some(own) = ranked.iter().find(|standing| standing.label == *label) else { continue };
-                let ties = ranked.iter().filter(|standing| standing.ties).count();
-                tally.first += usize::from(own.ties);
-                tally.alone += usize::from(own.ties && ties == 1);
-                tally.reached += own.reached;
-                tally.worst = tally.worst.max(own.worst);
-            }
-            all.push(tally);
-        }
-    }
-    all
+/// The standings of a kind at an accuracy.
+pub(crate) struct Ranked<'k, 'r> {
+    pub(crate) kind: &'k Kind<'r>,
+    pub(crate) accuracy: f64,
+    pub(crate) standings: Vec<Standing>,
 }
 
-/// Seconds of a run to an accuracy, set-up included, between the bounds of their interval (s).
-type Seconds = Median;
+/// Ranks the methods of each kind at each accuracy.
+pub(crate) fn ranked<'k, 'r>(kinds: &'k [Kind<'r>], accuracies: &[f64]) -> Vec<Ranked<'k, 'r>> {
+    let at = |kind: &'k Kind<'r>, accuracy: f64| Ranked {
+        kind,
+        accuracy,
+        standings: standings(&kind.runs, accuracy),
+    };
+    kinds.iter().flat_map(|kind| accuracies.iter().map(move |accuracy| at(kind, *accuracy))).collect()
+}
 
-/// Returns the seconds after which the natural map of a run is at most `accuracy` and stays there. The interval is as wide, as a
-/// factor to either side, as that of the whole run in proportion; of a run timed once nothing is known.
-fn seconds(run: &RunRow, accuracy: f64) -> Option<Seconds> {
+/// Counts in how many kinds each of the methods `labels` is first, at each accuracy.
+pub(crate) fn tallies(ranked: &[Ranked], labels: &[String], accuracies: &[f64]) -> Vec<Tally> {
+    let tally = |accuracy: f64, label: &String| {
+        let mut tally = Tally { label: label.clone(), accuracy, ..Tally::default() };
+        for Ranked { kind, standings, .. } in ranked.iter().filter(|ranked| ranked.accuracy == accuracy) {
+            let made = |run: &&&RunRow| run.own_label() == *label && run.status != Ending::Skipped;
+            let runs = kind.runs.iter().filter(made).count();
+            tally.problems += runs;
+            tally.kinds += usize::from(runs > 0 && !standings.is_empty());
+            let Some(own) = standings.iter().find(|standing| standing.label == *label) else { continue };
+            let ties = standings.iter().filter(|standing| standing.ties).count();
+            tally.first += usize::from(own.ties);
+            tally.alone += usize::from(own.ties && ties == 1);
+            tally.reached += own.reached;
+            tally.worst = tally.worst.max(own.worst);
+        }
+        tally
+    };
+    accuracies.iter().flat_map(|accuracy| labels.iter().map(|label| tally(*accuracy, label))).collect()
+}
+
+/// Returns the seconds after which the natural map of a run is at most `accuracy` and stays there, set-up included.
+fn seconds(run: &RunRow, accuracy: f64) -> Option<Median> {
     let first = reached(run.curve.iter().map(|sample| sample.measures.natural_map), accuracy)?;
-    let (whole, median) = (run.seconds()?, run.setup_s? + run.curve[first].iterating_s);
-    let width = (run.timing.setup_spread_s + run.timing.iterating_spread_s) / whole;
-    let factor = if width.is_nan() { f64::INFINITY } else { 1.0 + width };
-    Some(Seconds { low: median / factor, median, high: median * factor })
+    run.interval(run.setup_s? + run.curve[first].iterating_s)
 }
 
 /// Ranks the methods of `runs` by a natural map of `accuracy`: those that reach it on more problems first, then those whose
 /// median ratio to the fastest of each problem is less. One that reaches it on none is not among them.
-pub(crate) fn standings(runs: &[&RunRow], accuracy: f64) -> Vec<Standing> {
+fn standings(runs: &[&RunRow], accuracy: f64) -> Vec<Standing> {
     let problems = problems(runs.iter().copied());
     let labels = unique(runs.iter().map(|run| run.own_label()));
     let of_label = |label: &String| {
@@ -133,7 +130,7 @@ pub(crate) fn standings(runs: &[&RunRow], accuracy: f64) -> Vec<Standing> {
 /// Seconds of a method on each of some problems, `None` where it does not reach the accuracy.
 struct Times {
     label: String,
-    seconds: Vec<Option<Seconds>>,
+    seconds: Vec<Option<Median>>,
 }
 
 impl Times {

@@ -1,8 +1,13 @@
 //! Kinds of problem: those of a case that differ in their samples alone.
 
+use results::settings::{CASE, MARCH, MISSED_BEFORE, MOMENT, TIME_STEP};
 use serde_json::Value;
 
 use crate::read::{RunRow, find_or_push, problems};
+
+/// Settings of a case for its friction and its number of grains.
+pub(crate) const FRICTION: &str = "scene.friction";
+const GRAINS: &str = "sample.grains";
 
 /// Problems that differ in their samples alone.
 pub(crate) struct Kind<'r> {
@@ -21,40 +26,32 @@ impl Kind<'_> {
     }
 }
 
-/// Settings of a problem that make it another sample of its kind, or say its size.
+/// Reports whether a setting of a problem makes it another sample of its kind, or says its size or how it was reached.
 fn is_of_the_sample(key: &str) -> bool {
-    ["sample.seed", "sample.grains", "time_step", "missed_before", "march"].contains(&key)
+    ["sample.seed", GRAINS, CASE, TIME_STEP, MOMENT, MISSED_BEFORE, MARCH].contains(&key)
         || key.starts_with("scene.box.")
 }
 
 /// The kinds of problem of a study, in its order; those of a size apart.
 pub(crate) fn kinds(runs: &[RunRow]) -> Vec<Kind<'_>> {
+    // A whole number has no fraction.
+    let shown = |value: &Value| value.as_f64().map_or(value.to_string(), |value| value.to_string());
     let mut kinds: Vec<Kind> = Vec::new();
     for run in runs {
         let settings = &run.problem_settings;
-        let case = settings.get("case").and_then(Value::as_str).unwrap_or(&run.problem);
-        let step = |key: &str| settings.get(key).map(|step| format!("time step {step}"));
-        let moment = settings.get("moment").and_then(Value::as_str).map(str::to_owned);
-        let others = settings
-            .iter()
-            .filter(|(key, _)| !["case", "moment"].contains(&key.as_str()) && !is_of_the_sample(key));
-        // A whole number has no fraction.
-        let shown = |value: &Value| value.as_f64().map_or(value.to_string(), |value| value.to_string());
+        let text = |key: &str| settings.get(key).and_then(Value::as_str);
+        let case = text(CASE).unwrap_or(&run.problem);
+        let step = || settings.get(TIME_STEP).map(|step| format!("time step {step}"));
+        let when = text(MOMENT).map(str::to_owned).or_else(step);
+        let others = settings.iter().filter(|(key, _)| !is_of_the_sample(key));
         let others = others.map(|(key, value)| match key.as_str() {
-            "scene.friction" => format!("μ = {}", shown(value)),
+            FRICTION => format!("μ = {}", shown(value)),
             key => format!("{} = {}", key.rsplit('.').next().unwrap_or(key), shown(value)),
         });
         let warm = run.warm_start.then(|| "warm".to_owned());
-        let name = moment
-            .or_else(|| step("time_step"))
-            .into_iter()
-            .chain(others)
-            .chain(warm)
-            .collect::<Vec<_>>()
-            .join(", ");
+        let name = when.into_iter().chain(others).chain(warm).collect::<Vec<_>>().join(", ");
         // Another sample of as many grains may have one more or less that touches.
-        let grains =
-            settings.get("sample.grains").and_then(Value::as_u64).map_or(run.grains, |grains| grains as u32);
+        let grains = settings.get(GRAINS).and_then(Value::as_u64).map_or(run.grains, |grains| grains as u32);
         let same = |kind: &Kind| kind.name == name && kind.case == case && kind.grains == grains;
         let new = || Kind { name: name.clone(), case: case.to_owned(), grains, runs: Vec::new() };
         find_or_push(&mut kinds, same, new).runs.push(run);

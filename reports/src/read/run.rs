@@ -3,6 +3,7 @@
 use std::ops::Deref;
 
 use contact::{Measure, Work};
+use results::Median;
 use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot};
 
@@ -98,6 +99,21 @@ impl RunRow {
     /// Set-up and iterations (s).
     pub(crate) fn seconds(&self) -> Option<f64> {
         Some(self.setup_s? + self.iterating_s?)
+    }
+
+    /// Returns seconds up to a sample with their interval: as wide, as a factor to either side, as that of the whole run in proportion; of
+    /// a run timed once nothing is known.
+    pub(crate) fn interval(&self, median: f64) -> Option<Median> {
+        let width = (self.timing.setup_spread_s + self.timing.iterating_spread_s) / self.seconds()?;
+        let factor = if width.is_nan() { f64::INFINITY } else { 1.0 + width };
+        Some(Median { low: median / factor, median, high: median * factor })
+    }
+
+    /// Returns the least natural map of its samples, and the first iteration with it.
+    pub(crate) fn least(&self) -> Option<(f64, u64)> {
+        let measured =
+            self.curve.iter().filter_map(|sample| Some((sample.get(Measure::NaturalMap)?, sample.iteration)));
+        measured.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Returns the measure that the run was stopped on; the natural map, the working measure, stands for those that are no error.

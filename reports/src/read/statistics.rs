@@ -1,14 +1,10 @@
 //! Small statistics of what is drawn.
 
+use results::Median;
+
 /// The middle value; the mean of the two in the middle of an even number; none without values.
-pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match values.len() {
-        0 => None,
-        odd if odd % 2 == 1 => Some(values[middle]),
-        _ => Some(f64::midpoint(values[middle - 1], values[middle])),
-    }
+pub(crate) fn median(values: Vec<f64>) -> Option<f64> {
+    Median::of(values).map(|of| of.median)
 }
 
 /// The mean of a sample of a normal distribution, between the bounds of its interval.

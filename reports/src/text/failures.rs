@@ -19,12 +19,14 @@ fn of_runs(runs: &[RunRow]) -> DataFrame {
     let failed: Vec<&RunRow> = runs.iter().filter(|run| !verdicts.is_right(run)).collect();
     let own = df!(
         "variant" => failed.iter().map(|run| run.words.as_str()).collect::<Vec<_>>(),
+        "least_natural_map" => failed.iter().map(|run| run.least().map(|(least, _)| least)).collect::<Vec<_>>(),
+        "at_iteration" => failed.iter().map(|run| run.least().map(|(_, at)| at)).collect::<Vec<_>>(),
         "ended" => failed.iter().map(|run| ending_text(run.status)).collect::<Vec<_>>(),
         "run" => failed.iter().map(|run| run.id.as_str()).collect::<Vec<_>>(),
     );
     chosen(
         failed,
-        "problem method variant ended iterations stop_on tolerance natural_map velocity_error run reason",
+        "problem method variant ended iterations stop_on tolerance natural_map least_natural_map at_iteration velocity_error run reason",
         own,
     )
 }

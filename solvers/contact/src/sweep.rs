@@ -168,6 +168,17 @@ impl<M: Mechanics> Sweep<M> {
         passes.for_each(|backward| self.pass(relaxation, backward, 0..self.rows.len()));
     }
 
+    /// Visits all contacts at the velocities that it begins with, kept in `old`: v = Hᵗ `V_old` + c; r⁺ = max(0, r − ω v/`W_αα`), or
+    /// what the law says; V ← V + M⁻¹ `h_α` (r⁺ − r).
+    pub fn at_once(&mut self, old: &mut [M::Velocity], relaxation: f64) {
+        old.copy_from_slice(&self.y);
+        for (row, s) in self.rows.iter().zip(&mut self.s) {
+            let change = row.change(*s, row.relative(old), relaxation);
+            row.push(change, &mut self.y);
+            *s += change;
+        }
+    }
+
     /// Makes the passes of an accelerated iteration. A single pass forward extrapolates and judges some visits at a time, with the velocities
     /// that they first read: what these need is then near.
     pub fn iterate_ahead(

@@ -46,22 +46,10 @@ struct Run<M: Mechanics> {
     iterations: u64,
 }
 
-/// Visits all contacts at the old velocities, which are kept in `old_y`:
-/// v = Hᵗ V_old + c;  r⁺ = max(0, r − ω v/W_αα);  V ← V + M⁻¹ h_α (r⁺ − r).
-fn visit_all<M: Mechanics>(sweep: &mut Sweep<M>, old_y: &mut [M::Velocity], relaxation: f64) {
-    let Sweep { rows, s, y, .. } = sweep;
-    old_y.copy_from_slice(y);
-    for (row, s) in rows.iter().zip(s) {
-        let change = row.change(*s, row.relative(old_y), relaxation);
-        row.push(change, y);
-        *s += change;
-    }
-}
-
 impl<M: Mechanics> Iteration for Run<M> {
     fn advance(&mut self) {
         let Self { sweep, old_y, relaxation, .. } = self;
-        let mut iteration = |sweep: &mut Sweep<M>| visit_all(sweep, old_y, *relaxation);
+        let mut iteration = |sweep: &mut Sweep<M>| sweep.at_once(old_y, *relaxation);
         match &mut self.accelerated {
             Some(accelerated) => {
                 accelerated.iterate(sweep, |sweep, trail| sweep.iterate_after(trail, iteration));

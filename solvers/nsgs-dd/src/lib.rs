@@ -2,7 +2,8 @@
 //! masses, the interface impulses kept; then the copies of the boundary grains are glued, eq. (3).
 //!
 //! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §4.2. With split masses and 0 < ω < 2, q(r) never increases without friction, for
-//! any number of subdomains and of inner sweeps. Cost of an iteration: `inner_sweeps` sweeps over all contacts, and the gluing. With
+//! any number of subdomains and of inner sweeps; where contacts wait for each other as well (`contact_exchange`, a reading that the paper's words
+//! leave open), only for small ω. Cost of an iteration: `inner_sweeps` sweeps over all contacts, and the gluing. With
 //! acceleration ([`contact::acceleration`]) impulses and glued velocities are extrapolated at the beginning of an iteration: copies of
 //! a grain have one velocity there, and one β, so nothing more is exchanged but two sums.
 
@@ -29,6 +30,8 @@ pub struct NsgsDd {
     pub relaxation: f64,
     /// When a subdomain sees what the others did.
     pub exchange: Exchange,
+    /// When a contact sees what the others of its subdomain did.
+    pub contact_exchange: Exchange,
     /// Mass splitting: each copy of a boundary grain has its share `M_i/m_i` of the mass. Without it (Schwarz) each copy has
     /// the whole mass and the changes of velocity are added up; nothing bounds q(r) then.
     pub mass_splitting: bool,
@@ -50,6 +53,7 @@ impl Default for NsgsDd {
             inner_sweeps: 1,
             relaxation: 1.0,
             exchange: Exchange::Jacobi,
+            contact_exchange: Exchange::GaussSeidel,
             mass_splitting: true,
             acceleration: Acceleration::None,
             lag: LAG,
@@ -58,13 +62,14 @@ impl Default for NsgsDd {
     }
 }
 
-/// When a subdomain sees what the others did.
+/// When one sees what the others did: a subdomain, or a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Exchange {
-    /// After all of them: all subdomains at once, then one gluing. The paper's.
+    /// After all of them. Subdomains all at once, then one gluing: the paper's. Contacts all at once: converges for ω < 2/λmax(`W_D`⁻¹ W)
+    /// only, as `jacobi`.
     Jacobi,
-    /// After each colour of subdomains, which share no grain: one gluing per colour.
+    /// After each colour of subdomains, which share no grain: one gluing per colour. After each contact.
     GaussSeidel,
 }
 
@@ -231,6 +236,7 @@ impl NsgsDd {
         let sweeper = |e: usize| {
             let mut sweeper =
                 Sweeper::new(problem, &subdomains[e], of_subdomain[e], &inverse_mass, multiplicity, start);
+            sweeper.old_y = (self.contact_exchange == Exchange::Jacobi).then(|| sweeper.sweep.y.clone());
             sweeper.trail = momentum.map(|_| {
                 let free = scaled(problem.free_velocity(), &subdomains[e], &inverse_mass);
                 sweeper.sweep.trail(free)

@@ -19,6 +19,8 @@ pub(crate) struct Sweeper<M: Mechanics> {
     pub(crate) velocity_jump: f64,
     /// The iteration before, if iterations are accelerated.
     pub(crate) trail: Option<Trail<M>>,
+    /// y before the sweep, if all contacts are visited at it.
+    pub(crate) old_y: Option<Vec<M::Velocity>>,
 }
 
 /// A copy of a boundary grain.
@@ -68,7 +70,7 @@ impl<M: Mechanics> Sweeper<M> {
         };
         let copies = subdomain.boundary.iter().map(copy).collect();
         let sweep = Sweep::between(problem, contacts, inverse_mass, r0, y);
-        Self { group: group as usize, sweep, copies, velocity_jump: 0.0, trail: None }
+        Self { group: group as usize, sweep, copies, velocity_jump: 0.0, trail: None, old_y: None }
     }
 
     /// Makes y anew from the impulses of an accelerated run, as if no copy were glued.
@@ -94,6 +96,14 @@ impl<M: Mechanics> Sweeper<M> {
 
     /// Makes the `sweeps` of an iteration.
     pub(crate) fn advance(&mut self, sweeps: u32, relaxation: f64) {
+        if let Some(old) = &mut self.old_y {
+            let mut all_at_once =
+                |sweep: &mut Sweep<M>| (0..sweeps).for_each(|_| sweep.at_once(old, relaxation));
+            return match &mut self.trail {
+                Some(trail) => self.sweep.iterate_after(trail, all_at_once),
+                None => all_at_once(&mut self.sweep),
+            };
+        }
         let passes = (0..sweeps).map(|_| false);
         match &mut self.trail {
             Some(trail) => self.sweep.iterate_ahead(relaxation, passes, trail),

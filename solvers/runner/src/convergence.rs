@@ -24,7 +24,7 @@ const LEAST: f64 = 1e-9;
 /// natural map falls (–): with a coarse tolerance a run ends before it can stay.
 const HARDLY_FALLEN: f64 = 0.1;
 
-/// Reports whether `stop`, which the last iterate met, promises too much.
+/// Reports whether `stop`, which the last iterate met, is met falsely.
 ///
 /// The truth decides where it is known, and there is no other. Elsewhere the natural map does: it is far above the tolerance, or it
 /// stays (`stays`), or has hardly fallen, while one of the `rays`, the impulses and their growth, proves that there is no solution.

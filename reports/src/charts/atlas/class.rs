@@ -66,7 +66,7 @@ const LOOKS: [(Class, &str, &str, RGBColor); 15] = [
     (Class::Failed, "failed", "?", RGBColor(90, 90, 90)),
     (Class::Stable, "stable", "s", RGBColor(225, 240, 232)),
     (Class::Jittering, "jittering", "j", RGBColor(242, 205, 120)),
-    (Class::Creeping, "creeping", "c", RGBColor(205, 110, 50)),
+    (Class::Creeping, "creeping", "k", RGBColor(205, 110, 50)),
     (Class::Exploded, "exploded", "x", RGBColor(110, 45, 85)),
     (Class::NoSolution, "no solution", "n", RGBColor(70, 20, 60)),
     (Class::SolverDiverged, "solver diverged", "d", RGBColor(30, 8, 30)),
@@ -152,7 +152,7 @@ fn is_far(run: &RunRow, point: Option<&Sample>) -> bool {
 }
 
 /// Reports whether ζ first met the tolerance at an iterate far from the solution, or of a problem that has none.
-pub(super) fn zeta_lies(run: &RunRow) -> bool {
+pub(super) fn zeta_is_false(run: &RunRow) -> bool {
     let met = |point: &&Sample| {
         point.get(Measure::Zeta).zip(run.tolerance).is_some_and(|(zeta, tolerance)| zeta <= tolerance)
     };
@@ -217,4 +217,17 @@ pub(super) fn counts(
         Column::new(class.text().replace(' ', "_").into(), methods.iter().map(of).collect::<Vec<_>>())
     };
     frame(table.hstack(&classes.map(count).collect::<Vec<_>>()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_tell_all_classes_apart() {
+        let letters: Vec<&str> =
+            LOOKS.iter().map(|(_, _, letter, _)| *letter).filter(|letter| *letter != "–").collect();
+        let apart: std::collections::BTreeSet<&str> = letters.iter().copied().collect();
+        assert_eq!(apart.len(), letters.len(), "{letters:?}");
+    }
 }

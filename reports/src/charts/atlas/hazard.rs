@@ -1,5 +1,6 @@
 //! Hazards: problems of one case that are hard for one reason, and the values that vary among them.
 
+use results::settings::CASE;
 use serde_json::{Map, Value};
 
 use crate::read::{RunRow, find_or_push, problems, unique};
@@ -9,7 +10,7 @@ pub(crate) struct Hazard {
     /// Name of the case; of a problem alone its own.
     pub(crate) name: String,
     /// Values that differ among the problems.
-    pub(crate) knob: String,
+    pub(crate) setting: String,
     pub(crate) problems: Vec<String>,
 }
 
@@ -19,18 +20,18 @@ pub(crate) fn hazards(runs: &[RunRow]) -> Vec<Hazard> {
     for problem in problems(runs) {
         let Some(run) = runs.iter().find(|run| run.problem == problem) else { continue };
         let settings = &run.problem_settings;
-        let name = settings.get("case").and_then(Value::as_str).unwrap_or(problem);
+        let name = settings.get(CASE).and_then(Value::as_str).unwrap_or(problem);
         let same = |(hazard, others): &(Hazard, Vec<&Map<String, Value>>)| {
             hazard.name == name && others[0].keys().eq(settings.keys())
         };
         let new =
-            || (Hazard { name: name.to_owned(), knob: String::new(), problems: Vec::new() }, Vec::new());
+            || (Hazard { name: name.to_owned(), setting: String::new(), problems: Vec::new() }, Vec::new());
         let (hazard, others) = find_or_push(&mut all, same, new);
         hazard.problems.push(problem.to_owned());
         others.push(settings);
     }
     let varied = |(mut hazard, settings): (Hazard, Vec<&Map<String, Value>>)| {
-        let knob = |key: &String| {
+        let setting = |key: &String| {
             let values = unique(settings.iter().map(|settings| settings[key].to_string()));
             let key = key.rsplit_once('.').map_or(key.as_str(), |(_, last)| last);
             (values.len() > 1).then(|| format!("{key} {}", values.join(", ")))
@@ -38,7 +39,7 @@ pub(crate) fn hazards(runs: &[RunRow]) -> Vec<Hazard> {
         if let [problem] = &hazard.problems[..] {
             problem.clone_into(&mut hazard.name);
         }
-        hazard.knob = settings[0].keys().filter_map(knob).collect::<Vec<_>>().join("; ");
+        hazard.setting = settings[0].keys().filter_map(setting).collect::<Vec<_>>().join("; ");
         hazard
     };
     all.into_iter().map(varied).collect()

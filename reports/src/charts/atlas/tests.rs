@@ -141,6 +141,7 @@ fn hazards_are_the_problems_of_a_case_with_what_differs_among_them() {
         on(3, "box", json!({ "case": "box" })),
     ];
     let hazards = super::hazards(&study(&rows, &[]).runs);
-    let told: Vec<_> = hazards.iter().map(|h| (h.name.as_str(), h.knob.as_str(), h.problems.len())).collect();
+    let told: Vec<_> =
+        hazards.iter().map(|h| (h.name.as_str(), h.setting.as_str(), h.problems.len())).collect();
     assert_eq!(told, [("box", "grains 5, 9", 2), ("frozen", "", 1), ("box", "", 1)]);
 }

@@ -3,7 +3,7 @@ use results::schema::Ending;
 use results::schema::{Run, Sample, Timing};
 use serde_json::json;
 
-use super::front;
+use super::{front, stairs};
 use crate::charts::truth::{truth, work_precision as parts};
 use crate::tests::assert_well_formed;
 use crate::tests::fixture::{
@@ -33,6 +33,17 @@ fn front_is_below_every_point() {
     let points = [(1.0, 0.0), (0.0, 0.0), (2.0, -2.0), (1.5, -1.0), (3.0, -1.5)].map(Some);
     assert_eq!(front(points.iter()), [(0.0, 0.0), (1.5, 0.0), (1.5, -1.0), (2.0, -1.0), (2.0, -2.0)]);
     assert!(front([None].iter()).is_empty());
+}
+
+#[test]
+fn value_holds_until_the_next_sample() {
+    let line = [Some((0.0, 0.0)), Some((1.0, -1.0)), None, Some((3.0, 1.0)), Some((4.0, -2.0))];
+    let corners: Vec<_> =
+        stairs(&line).into_iter().map(|point| point.unwrap_or((f64::NAN, f64::NAN))).collect();
+    assert_eq!(stairs(&line).len(), line.len() + 2);
+    let joined = corners.windows(2).filter(|pair| !pair[0].0.is_nan() && !pair[1].0.is_nan());
+    assert!(joined.clone().all(|pair| pair[0].0 == pair[1].0 || pair[0].1 == pair[1].1), "{corners:?}");
+    assert_eq!(corners[1], (1.0, 0.0), "not before it is measured");
 }
 
 #[test]

@@ -43,5 +43,5 @@ fn ratios_are_medians_over_the_packings() {
     // ζ stays above 1e-2.
     assert!(csv.contains("nsgs-dd,8,zeta,0.1,5,5,") && !csv.contains("zeta,0.01"), "{csv}");
     let Made::Figure(svg) = &parts[0].kind else { panic!("it is a figure") };
-    assert!(svg.contains("5 packings") && svg.contains("nsgs-dd, 8 subdomains"), "{svg}");
+    assert!(svg.contains("5\u{a0}packings") && svg.contains("nsgs-dd, 8 subdomains"), "{svg}");
 }

@@ -71,3 +71,22 @@ fn tolerance_is_enough_where_packing_by_packing_nothing_changes() {
     assert_eq!(verdict(&[0.002, 0.0021, 0.0019, 0.002, 0.0021]), "equivalent");
     assert_eq!(verdict(&[0.0; 4]), "fewer than five packings");
 }
+
+#[test]
+fn means_are_over_the_packings_that_met_their_tolerance() {
+    let mut all: Vec<Simulated> =
+        (0..5).map(|k| sheared(0.3, 1e-4, 0.24 + 0.005 * f64::from(k), 0.0)).collect();
+    let mut missed = sheared(0.3, 1e-4, 9.0, 0.0);
+    missed.simulation.totals.missed_time_steps = 1;
+    all.push(missed);
+    let files = files(&parts(&read(&all)));
+    let csv = &files.iter().find(|(name, _)| name == "macroscopic-means.csv").unwrap().1;
+    let row: Vec<&str> = csv.lines().nth(1).unwrap().split(',').collect();
+    assert_eq!(row[..5], ["nsgs", "0.3", "0.0001", "5", "1"], "{csv}");
+    let [mean, low, high] = [5, 6, 7].map(|k| row[k].parse::<f64>().unwrap());
+    // Standard error 0.005 √(2.5/5), Student's 2.776 of 4 degrees of freedom.
+    assert!(
+        (mean - 0.25).abs() < 1e-12 && (high - low - 2.0 * 2.776 * 0.005 * 0.5_f64.sqrt()).abs() < 1e-5,
+        "{csv}"
+    );
+}

@@ -55,6 +55,17 @@ fn lightness(fill: usize) -> f64 {
 }
 
 #[test]
+fn methods_of_the_paper_differ_in_grey() {
+    let grey = |method: &str| {
+        let RGBColor(r, g, b) = METHODS.iter().find(|(name, _)| *name == method).unwrap().1.shades[0];
+        0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b)
+    };
+    let mut greys = ["nsgs", "nsgs-dd", "latin-dd", "jacobi", "cg"].map(grey);
+    greys.sort_by(f64::total_cmp);
+    assert!(greys.windows(2).all(|pair| pair[1] - pair[0] >= 18.0), "{greys:?}");
+}
+
+#[test]
 fn subdomains_side_by_side_differ_in_grey_and_those_across_differ_too() {
     for (columns, rows) in [(2, 1), (4, 2), (2, 4), (3, 2), (8, 1), (1, 8), (8, 8), (1, 16), (16, 1), (5, 5)]
     {

@@ -43,12 +43,12 @@ fn each_failure_has_its_reason_and_success_is_not_among_them() {
     assert_eq!(rows.len(), 5, "{text}");
     let starts = [
         "cg,\"\",infeasible",
-        "nsgs,\"\",iteration limit,100,natural_map,0.0001,0.03,0.03",
+        "nsgs,\"\",iteration limit,100,natural_map,0.0001,0.03,,,0.03",
         "nsgs-dd,\"\",skipped",
     ];
     for (row, start) in rows.iter().zip(starts) {
         assert!(row.starts_with(&format!("column,{start}")), "{row}");
     }
     assert!(rows[2].ends_with("`subdomains` is 8x8"), "{text}");
-    assert!(rows[3].contains("false convergence,100,zeta,0.0001,0.5,0.5,"), "{text}");
+    assert!(rows[3].contains("false convergence,100,zeta,0.0001,0.5,,,0.5,"), "{text}");
 }

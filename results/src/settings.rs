@@ -1,0 +1,12 @@
+//! Keys of the settings of a problem that its case does not have.
+
+/// Name of the case.
+pub const CASE: &str = "case";
+/// The time step, counted from 1.
+pub const TIME_STEP: &str = "time_step";
+/// Name of the time step among the moments of the case, if the plan has that.
+pub const MOMENT: &str = "moment";
+/// Method of the time steps before, if the plan names it.
+pub const MARCH: &str = "march";
+/// Number of the time steps before whose solve did not converge.
+pub const MISSED_BEFORE: &str = "missed_before";
