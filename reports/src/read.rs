@@ -30,7 +30,9 @@ pub(crate) use number::{SUPERSCRIPTS, count, counted, mantissa_and_power, number
 pub(crate) use run::{RunRow, problems, repeats, stopped_at_1e_2, threads};
 pub(crate) use scene::{Scene, ends, impulse, scenes, walls};
 pub(crate) use simulation::{Simulation, in_role, milliseconds};
-pub(crate) use statistics::{Mean, OF_90, OF_95, find_or_push, median, padded, rising, slope, span, unique};
+pub(crate) use statistics::{
+    Mean, OF_90, OF_95, find_or_push, median, padded, rising, slope, slope_within, span, unique,
+};
 
 /// Samples by problem and partition.
 pub(crate) type Scenes = BTreeMap<(String, String), Scene>;

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 type Set = &'static [(&'static str, &'static str)];
 
 /// The methods that are first in a field of the maps of the plan `which-method`, or not told from the first in many, each with its
-/// settings there.
+/// settings there. `nsgs` with ω = 1.93 is first alone in none.
 const CANDIDATES: [(&str, Set); 6] = [
     ("nsgs", &[("acceleration", "nesterov")]),
     ("cg", &[("preconditioner", "diagonal")]),

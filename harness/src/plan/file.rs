@@ -89,6 +89,7 @@ fn charts_schema(_: &mut SchemaGenerator) -> Schema {
         "additionalProperties": false,
         "properties": {
             "name": { "type": "string" },
+            "title": { "type": "string" },
             "x": { "type": "string" },
             "y": { "type": "array", "items": { "type": "string" } },
             "varied": { "type": "string" },

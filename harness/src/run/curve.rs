@@ -100,3 +100,35 @@ pub(crate) fn first_at(curve: &[Sample], measure: Measure, tolerance: f64) -> Op
 pub(crate) fn decades(curve: &[Sample], measure: Measure) -> Vec<u64> {
     DECADES.iter().map_while(|decade| first_at(curve, measure, *decade)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contact::{Measures, Work};
+    use std::time::Duration;
+
+    /// A residual that falls to a point between two samples, and rises again by less than a decade.
+    #[test]
+    fn least_natural_map_is_kept() {
+        let map = |k: u64| 5e-2 + if k == 777 { -1e-2 } else { 0.0 };
+        for curves in [Curves::Whole, Curves::Ends] {
+            let mut recorder = Recorder::new(curves);
+            for iteration in 0..=1000 {
+                let measures = Measures { natural_map: map(iteration), zeta: 1.0, ..Measures::default() };
+                let (iterating, work) = (Duration::ZERO, Work::default());
+                recorder.observe(&Progress {
+                    iteration,
+                    iterating,
+                    measures: Some(&measures),
+                    work,
+                    impulses: &[],
+                });
+            }
+            let curve = recorder.finish();
+            assert!(curve.len() < 500 && curve.is_sorted_by_key(|sample| sample.iteration), "thinned");
+            assert!(
+                curve.iter().any(|sample| sample.iteration == 777 && sample.measures.natural_map == map(777))
+            );
+        }
+    }
+}

@@ -135,7 +135,8 @@ pub(super) const SIZE: Lines = Lines {
     through: Through::Fit,
     columns: "",
     note: "\nCost = a · grains^exponent, least squares in logarithms over the runs that converged, or reached 10⁻² on their \
-           way; none on fewer than 3 sizes. {WORK}\n",
+           way; none on fewer than 3 sizes. Low and high: Student's interval of 95 %, of six runs or more; those that did not \
+           converge are not in it. {WORK}\n",
     ..OF_SUBDOMAINS
 };
 

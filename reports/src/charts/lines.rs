@@ -13,8 +13,8 @@ use crate::draw::{
     Through, series, title,
 };
 use crate::read::{
-    Ending, Problems, RunRow, Verdicts, WORK, counted, file_name, find_or_push, problems, stopped_at_1e_2,
-    threads, unique,
+    Ending, Mean, Problems, RunRow, Verdicts, WORK, counted, file_name, find_or_push, problems,
+    stopped_at_1e_2, threads, unique,
 };
 use crate::text::{Part, frame, nothing, too_many};
 
@@ -329,6 +329,18 @@ impl Lines {
             };
             let name = format!("{}_exponent", y.name).into();
             Column::new(name, all.iter().map(exponent).collect::<Vec<Option<f64>>>())
+        }));
+        columns.extend(self.y.split_whitespace().filter_map(named).flat_map(|y| {
+            let of = |series: &Series| {
+                Curve::new("", series.look, self.points(series, y, None), self.through)
+                    .exponent_within(PLACES)
+            };
+            let ends: [(&str, fn(&Mean) -> f64); 2] = [("low", |mean| mean.low), ("high", |mean| mean.high)];
+            ends.map(|(end, bound)| {
+                let bounds: Vec<Option<f64>> =
+                    all.iter().map(|series| of(series).as_ref().map(bound)).collect();
+                Column::new(format!("{}_exponent_{end}", y.name).into(), bounds)
+            })
         }));
         let table = frame(DataFrame::new(all.len(), columns));
         Part::table(self.name, table, self.note.replace("{WORK}", WORK))

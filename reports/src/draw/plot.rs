@@ -4,7 +4,9 @@ use crate::draw::{
     Axis, Canvas, Frame, HPos, INSIDE, Legend, Line, Look, Pen, Place, RGBColor, Room, Scale, Sign, TEXT,
     TICK_TEXT, TOLERANCE, VPos, draw_lines, endings, fits_a_page, grid,
 };
-use crate::read::{Ending, find_or_push, median, padded, rising, slope, span, unique};
+use crate::read::{
+    Ending, Mean, OF_95, find_or_push, median, padded, rising, slope, slope_within, span, unique,
+};
 
 /// Points of a curve: how the run ended, and its place on the scales of the axes. One without bound is at the edge of its panel.
 pub(crate) type Points = Vec<(Ending, (f64, f64))>;
@@ -218,6 +220,11 @@ impl Curve {
     pub(crate) fn exponent(&self, places: usize) -> Option<f64> {
         let points = self.converged();
         slope(&points).filter(|_| rising(points.iter().map(|point| point.0)).len() >= places)
+    }
+
+    /// That exponent with its interval of 95 %, of six points or more.
+    pub(crate) fn exponent_within(&self, places: usize) -> Option<Mean> {
+        slope_within(&self.converged(), OF_95).filter(|_| self.exponent(places).is_some())
     }
 
     /// Points that a line joins, also thinly; none without bound.

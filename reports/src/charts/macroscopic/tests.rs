@@ -86,7 +86,7 @@ fn means_are_over_the_packings_that_met_their_tolerance() {
     let [mean, low, high] = [5, 6, 7].map(|k| row[k].parse::<f64>().unwrap());
     // Standard error 0.005 √(2.5/5), Student's 2.776 of 4 degrees of freedom.
     assert!(
-        (mean - 0.25).abs() < 1e-12 && (high - low - 2.0 * 2.776 * 0.005 * 0.5_f64.sqrt()).abs() < 1e-5,
+        (mean - 0.25).abs() < 1e-12 && (high - low - 2.0 * 2.776 * 0.005 * 0.5_f64.sqrt()).abs() < 1e-4,
         "{csv}"
     );
 }

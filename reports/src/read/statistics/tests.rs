@@ -53,3 +53,15 @@ fn the_interval_of_a_mean_is_students() {
     }
     assert_eq!(Mean::of(&[1.0; 4], OF_95), None);
 }
+
+#[test]
+fn slope_has_the_interval_of_its_residuals() {
+    // y = 2x ± 1 at x = 0 to 5, twice: slope 2, residuals ±1, Σ(x − 2.5)² = 35.
+    let points: Vec<(f64, f64)> =
+        (0..6).flat_map(|k| [1.0, -1.0].map(|up| (f64::from(k), 2.0 * f64::from(k) + up))).collect();
+    let slope = slope_within(&points, OF_95).unwrap();
+    // Student's quantile of 10 degrees of freedom is 2.228.
+    let half = 2.228 * (12.0_f64 / 10.0 / 35.0).sqrt();
+    assert!((slope.middle - 2.0).abs() < 1e-12 && (slope.high - 2.0 - half).abs() < 2e-3 * half, "{slope:?}");
+    assert_eq!(slope_within(&points[..5], OF_95), None);
+}
