@@ -36,7 +36,10 @@ pub use measures::Measures;
 pub use mechanics::{Column, Mass, Mechanics, Place, Touch, Vector};
 pub use packing::Packing;
 pub use problem::ContactProblem;
-pub use rough::{RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughSpheres, SphereColumn, frame};
+pub use rough::{
+    Cone, Frictional, Rough, RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughSpheres, SphereColumn,
+    frame,
+};
 pub use scaled::ScaledContact;
 pub use solver::{Iteration, Solver};
 pub use truth::Truth;

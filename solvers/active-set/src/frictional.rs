@@ -1,24 +1,37 @@
-//! With friction: the stages that lead to where Newton's method ends, one after the other, in the plane and in space.
+//! With friction: the stages that lead to where Newton's method ends, one after the other.
 //!
 //! Nothing is minimised, and no way is known that always leads to that neighbourhood. Accelerated sweeps of Gauss-Seidel come first.
 //! Where their residual reaches the accuracy of the start, or a tenth of the threshold before, Newton's method is tried, and sweeps
 //! resume where it stalls. Where sweeps stall, proximal points follow; where these stall too, that is the floor, and the end. Where
 //! factors do not fit in memory, sweeps are the only stage.
 
+mod exact;
+mod layout;
+mod matrix;
 mod newton;
+mod path;
+mod proximal;
+mod status;
 
-pub(crate) use newton::{Approach, Newton, Step};
+pub(crate) use layout::Layout;
 
 use crate::progress::Progress;
 use crate::{ActiveSet, Best, Start};
 use contact::acceleration::Acceleration;
 use contact::gauge::Gauge;
-use contact::{Iteration, Mechanics, Packing, SetupError, Solver, Touch, Vector, Work};
+use contact::{
+    Frictional, Iteration, Mechanics, Packing, Rough, RoughDiscs, RoughSpheres, SetupError, Solver, Touch,
+    Vector, Work,
+};
+use exact::Exact;
+use nalgebra::SVector;
+use newton::{Newton, Step};
 use nsgs::Nsgs;
+use proximal::Proximal;
 use std::cell::OnceCell;
 
 /// Ratio of a residual threshold to the one before (–).
-pub(crate) const RUNG: f64 = 0.1;
+const RUNG: f64 = 0.1;
 
 /// Sweeps in which the residual must be halved, or proximal points follow.
 const PATIENCE: u64 = 1000;
@@ -36,8 +49,8 @@ enum Phase {
     Sweeps,
     /// Proximal points.
     Proximal,
-    /// Newton's method, from what was left before (√J).
-    Newton { before: f64 },
+    /// Newton's method.
+    Newton,
     /// No further iteration helps.
     Ended,
 }
@@ -70,13 +83,44 @@ impl<'p, M: Mechanics> Sweeps<'p, M> {
     }
 }
 
-struct Run<'p, N: Newton<'p>> {
-    problem: &'p Packing<N::Mechanics>,
-    sweeps: Sweeps<'p, N::Mechanics>,
+/// Proximal points, which differ between plane and space.
+trait Points<const D: usize, const N: usize>: Sized
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    /// Begins at the best impulses; none, where the problem is too large.
+    fn new(newton: &Newton<D, N>, best: &Best) -> Option<Self>;
+
+    /// One proximal point, or a step towards it; what leaves at most `round_off` (√J) is nearly a solution.
+    fn advance(&mut self, newton: &mut Newton<D, N>, best: &mut Best, round_off: f64) -> Approach;
+
+    /// Work that is not Newton's method's.
+    fn work(&self) -> Work {
+        Work::default()
+    }
+}
+
+/// Result of a proximal point, or of a step towards it.
+enum Approach {
+    /// Residual at round-off.
+    Solved,
+    /// Newton's method ends it.
+    Nearly,
+    On,
+    /// Nothing leads on.
+    InVain,
+}
+
+struct Run<'p, P, const D: usize, const N: usize>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    problem: &'p Packing<Rough<D>>,
+    sweeps: Sweeps<'p, Rough<D>>,
     /// Newton's method, from its first try on; none where it does not fit in memory.
-    newton: OnceCell<Option<N>>,
+    newton: OnceCell<Option<Newton<D, N>>>,
     /// Proximal points, once sweeps have stalled.
-    points: Option<N::Points>,
+    points: Option<P>,
     phase: Phase,
     /// Next residual threshold (√J).
     rung: f64,
@@ -85,7 +129,10 @@ struct Run<'p, N: Newton<'p>> {
     best: Best,
 }
 
-impl<'p, N: Newton<'p>> Run<'p, N> {
+impl<P: Points<D, N>, const D: usize, const N: usize> Run<'_, P, D, N>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
     /// One sweep, and at times a look at what it leaves.
     fn sweep(&mut self) {
         let Sweeps { run, progress, .. } = &mut self.sweeps;
@@ -108,15 +155,14 @@ impl<'p, N: Newton<'p>> Run<'p, N> {
     }
 
     /// Lays Newton's method out, unless it is, and returns it beside the best impulses; `None` where it does not fit in memory.
-    fn newton(&mut self) -> Option<(&mut N, &mut Best)> {
-        self.newton.get_or_init(|| N::new(self.problem).ok());
+    fn newton(&mut self) -> Option<(&mut Newton<D, N>, &mut Best)> {
+        self.newton.get_or_init(|| Newton::new(self.problem).ok());
         Some((self.newton.get_mut()?.as_mut()?, &mut self.best))
     }
 
     /// Proximal points from the best impulses.
     fn begin_points(&mut self) {
-        let problem = self.problem;
-        self.points = self.newton().and_then(|(newton, best)| newton.points(problem, best));
+        self.points = self.newton().and_then(|(newton, best)| P::new(newton, best));
         if self.points.is_some() {
             self.phase = Phase::Proximal;
         }
@@ -125,7 +171,7 @@ impl<'p, N: Newton<'p>> Run<'p, N> {
     /// One proximal point, or a step towards it.
     fn proximal(&mut self) {
         let (Some(points), Some(Some(newton))) = (&mut self.points, self.newton.get_mut()) else { return };
-        match newton.approach(points, &mut self.best, ROUND_OFF * self.scale) {
+        match points.advance(newton, &mut self.best, ROUND_OFF * self.scale) {
             Approach::On => {}
             Approach::Nearly => self.try_newton(),
             Approach::Solved | Approach::InVain => self.phase = Phase::Ended,
@@ -136,19 +182,18 @@ impl<'p, N: Newton<'p>> Run<'p, N> {
     fn try_newton(&mut self) {
         self.rung *= RUNG;
         if let Some((newton, best)) = self.newton() {
-            let before = newton.begin(&best.impulses);
-            best.left = before;
-            self.phase = Phase::Newton { before };
+            best.left = newton.begin(&best.impulses);
+            self.phase = Phase::Newton;
         }
     }
 
     /// One step of Newton's method. Where it stalls, sweeps resume at once: an iterate that stays would look like one that needs no
     /// change.
-    fn newton_step(&mut self, before: f64) {
+    fn newton_step(&mut self) {
         let Some(Some(newton)) = self.newton.get_mut() else { return };
-        self.phase = match newton.step(before, &mut self.best) {
+        self.phase = match newton.advance(&mut self.best) {
             Step::Solved => Phase::Ended,
-            Step::On(before) => Phase::Newton { before },
+            Step::On => Phase::Newton,
             Step::InVain if self.points.is_some() || self.best.left <= ROUND_OFF * self.scale => Phase::Ended,
             Step::InVain => {
                 self.phase = Phase::Sweeps;
@@ -158,12 +203,15 @@ impl<'p, N: Newton<'p>> Run<'p, N> {
     }
 }
 
-impl<'p, N: Newton<'p>> Iteration for Run<'p, N> {
+impl<P: Points<D, N>, const D: usize, const N: usize> Iteration for Run<'_, P, D, N>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
     fn advance(&mut self) {
         match self.phase {
             Phase::Sweeps => self.sweep(),
             Phase::Proximal => self.proximal(),
-            Phase::Newton { before } => self.newton_step(before),
+            Phase::Newton => self.newton_step(),
             Phase::Ended => {}
         }
     }
@@ -182,18 +230,21 @@ impl<'p, N: Newton<'p>> Iteration for Run<'p, N> {
     fn work(&self) -> Work {
         let mut work = self.sweeps.run.work();
         self.newton.get().into_iter().flatten().for_each(|newton| work += newton.work());
-        self.points.iter().for_each(|points| work += N::work_of(points));
+        self.points.iter().for_each(|points| work += points.work());
         work
     }
 }
 
 impl ActiveSet {
     /// A run with friction from the impulses `r0` (N·s).
-    pub(crate) fn with_friction<'p, N: Newton<'p> + 'p>(
+    fn with_friction<'p, P: Points<D, N> + 'static, const D: usize, const N: usize>(
         &self,
-        problem: &'p Packing<N::Mechanics>,
+        problem: &'p Packing<Rough<D>>,
         r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError>
+    where
+        Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+    {
         SetupError::unless_not_negative("start_accuracy", self.start_accuracy)?;
         let expected = "sweeps or cold-set: cg and its interior point are for problems without friction";
         for (start, name) in [(Start::Cg, "cg"), (Start::InteriorPoint, "interior-point")] {
@@ -204,7 +255,7 @@ impl ActiveSet {
         let (left, scale) = (sweeps.left(r0), problem.scale().sqrt());
         let rung = self.start_accuracy * scale;
         let best = Best { left, impulses: r0.to_vec() };
-        let mut run = Run {
+        let mut run: Run<P, D, N> = Run {
             problem,
             sweeps,
             newton: OnceCell::new(),
@@ -215,11 +266,31 @@ impl ActiveSet {
             best,
         };
         if at_once {
-            run.newton = OnceCell::from(Some(N::new(problem)?));
+            run.newton = OnceCell::from(Some(Newton::new(problem)?));
         }
         if at_once || self.warm && left <= rung && r0.iter().any(|r| *r != 0.0) {
             run.try_newton();
         }
         Ok(Box::new(run))
+    }
+}
+
+impl Solver<RoughDiscs> for ActiveSet {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<RoughDiscs>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        self.with_friction::<Exact, 2, 3>(problem, r0)
+    }
+}
+
+impl Solver<RoughSpheres> for ActiveSet {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<RoughSpheres>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        self.with_friction::<Proximal, 3, 6>(problem, r0)
     }
 }
