@@ -44,12 +44,10 @@ impl Edges {
     }
 
     /// h̃ of an edge at both grains.
-    fn column(&self, edge: usize) -> (Vector3<f64>, Vector3<f64>) {
+    fn column(&self, edge: usize) -> [Vector3<f64>; 2] {
         let column = &self.layout.columns[edge / 2];
         let sign = if edge.is_multiple_of(2) { 1.0 } else { -1.0 };
-        let at = |[n, t]: [Vector3<f64>; 2]| (n + sign * column.friction() * t) / self.length[edge / 2];
-        let [first, second] = column.at_ends();
-        (at(first), at(second))
+        column.pushes(Vector2::new(1.0, sign * column.friction()) / self.length[edge / 2])
     }
 }
 
@@ -83,7 +81,7 @@ impl Space for Edges {
         let mut factor = self.factor.take();
         let coupling = |contact: usize| {
             let dyad = |edge: usize| {
-                let (first, second) = self.column(edge);
+                let [first, second] = self.column(edge);
                 Coupling::dyad(weight(edge), first, second)
             };
             Some(dyad(2 * contact) + dyad(2 * contact + 1))

@@ -11,24 +11,17 @@ mod matrix;
 mod newton;
 mod path;
 mod proximal;
-mod status;
 
 pub(crate) use layout::Layout;
 
-use crate::progress::Progress;
 use crate::{ActiveSet, Best, Start};
 use contact::acceleration::Acceleration;
-use contact::gauge::Gauge;
-use contact::{
-    Frictional, Iteration, Mechanics, Packing, Rough, RoughDiscs, RoughSpheres, SetupError, Solver, Touch,
-    Vector, Work,
-};
+use contact::{Frictional, Iteration, Packing, Rough, RoughDiscs, RoughSpheres, SetupError, Solver, Work};
 use exact::Exact;
 use nalgebra::SVector;
 use newton::{Newton, Step};
 use nsgs::Nsgs;
 use proximal::Proximal;
-use std::cell::OnceCell;
 
 /// Ratio of a residual threshold to the one before (–).
 const RUNG: f64 = 0.1;
@@ -53,34 +46,6 @@ enum Phase {
     Newton,
     /// No further iteration helps.
     Ended,
-}
-
-/// Accelerated sweeps, and the residual that they leave.
-struct Sweeps<'p, M: Mechanics> {
-    run: Box<dyn Iteration + 'p>,
-    progress: Progress,
-    gauge: M::Gauge,
-    /// Velocities that the impulses add, in the unit of the gauge.
-    y: Vec<M::Velocity>,
-}
-
-impl<'p, M: Mechanics> Sweeps<'p, M> {
-    /// Begins at impulses `r0` (N·s).
-    fn new(problem: &'p Packing<M>, r0: &[f64]) -> Result<Self, SetupError> {
-        let ends = problem.contacts().iter().map(Touch::ends).enumerate();
-        let gauge = M::Gauge::new(problem, ends, 0..problem.grain_count());
-        let y = vec![M::Velocity::ZERO; gauge.places()];
-        let method = Nsgs { acceleration: Acceleration::Nesterov, ..Nsgs::default() };
-        let run = method.start(problem, r0)?;
-        Ok(Self { run, progress: Progress::from(f64::INFINITY), gauge, y })
-    }
-
-    /// Returns the residual of the law that impulses `r` (N·s) leave: the natural map (√J).
-    fn left(&mut self, r: &[f64]) -> f64 {
-        let contacts = r.len() / M::Impulse::LEN;
-        self.gauge.push(r, &mut self.y);
-        self.gauge.sums(0..contacts, r, &self.y, true).natural_map(1.0)
-    }
 }
 
 /// Proximal points, which differ between plane and space.
@@ -115,10 +80,12 @@ struct Run<'p, P, const D: usize, const N: usize>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
-    problem: &'p Packing<Rough<D>>,
-    sweeps: Sweeps<'p, Rough<D>>,
-    /// Newton's method, from its first try on; none where it does not fit in memory.
-    newton: OnceCell<Option<Newton<D, N>>>,
+    /// Accelerated sweeps, and how many.
+    sweeps: Box<dyn Iteration + 'p>,
+    swept: u64,
+    /// Residual of the sweeps when it was last halved (√J), and after how many of them.
+    halved: (f64, u64),
+    newton: Newton<D, N>,
     /// Proximal points, once sweeps have stalled.
     points: Option<P>,
     phase: Phase,
@@ -135,34 +102,31 @@ where
 {
     /// One sweep, and at times a look at what it leaves.
     fn sweep(&mut self) {
-        let Sweeps { run, progress, .. } = &mut self.sweeps;
-        run.advance();
-        progress.iterations += 1;
-        if !progress.iterations.is_multiple_of(LOOK) {
+        self.sweeps.advance();
+        self.swept += 1;
+        if !self.swept.is_multiple_of(LOOK) {
             return;
         }
         let mut r = vec![0.0; self.best.impulses.len()];
-        run.impulses(&mut r);
-        let left = self.sweeps.left(&r);
-        let is_in_vain = self.sweeps.progress.is_in_vain(left, PATIENCE);
+        self.sweeps.impulses(&mut r);
+        let left = self.newton.left_by(&r);
+        if left <= 0.5 * self.halved.0 {
+            self.halved = (left, self.swept);
+        }
         self.best.take(left, |best| best.copy_from_slice(&r));
         if left <= self.rung {
             self.best = Best { left, impulses: r };
             self.try_newton();
-        } else if is_in_vain {
+        } else if self.swept >= self.halved.1 + PATIENCE || !left.is_finite() {
             self.begin_points();
         }
     }
 
-    /// Lays Newton's method out, unless it is, and returns it beside the best impulses; `None` where it does not fit in memory.
-    fn newton(&mut self) -> Option<(&mut Newton<D, N>, &mut Best)> {
-        self.newton.get_or_init(|| Newton::new(self.problem).ok());
-        Some((self.newton.get_mut()?.as_mut()?, &mut self.best))
-    }
-
     /// Proximal points from the best impulses.
     fn begin_points(&mut self) {
-        self.points = self.newton().and_then(|(newton, best)| P::new(newton, best));
+        if self.newton.prepare().is_ok() {
+            self.points = P::new(&self.newton, &self.best);
+        }
         if self.points.is_some() {
             self.phase = Phase::Proximal;
         }
@@ -170,8 +134,8 @@ where
 
     /// One proximal point, or a step towards it.
     fn proximal(&mut self) {
-        let (Some(points), Some(Some(newton))) = (&mut self.points, self.newton.get_mut()) else { return };
-        match points.advance(newton, &mut self.best, ROUND_OFF * self.scale) {
+        let Some(points) = &mut self.points else { return };
+        match points.advance(&mut self.newton, &mut self.best, ROUND_OFF * self.scale) {
             Approach::On => {}
             Approach::Nearly => self.try_newton(),
             Approach::Solved | Approach::InVain => self.phase = Phase::Ended,
@@ -181,8 +145,8 @@ where
     /// Newton's method from the best impulses.
     fn try_newton(&mut self) {
         self.rung *= RUNG;
-        if let Some((newton, best)) = self.newton() {
-            best.left = newton.begin(&best.impulses);
+        if self.newton.prepare().is_ok() {
+            self.best.left = self.newton.begin(&self.best.impulses);
             self.phase = Phase::Newton;
         }
     }
@@ -190,8 +154,7 @@ where
     /// One step of Newton's method. Where it stalls, sweeps resume at once: an iterate that stays would look like one that needs no
     /// change.
     fn newton_step(&mut self) {
-        let Some(Some(newton)) = self.newton.get_mut() else { return };
-        self.phase = match newton.advance(&mut self.best) {
+        self.phase = match self.newton.advance(&mut self.best) {
             Step::Solved => Phase::Ended,
             Step::On => Phase::Newton,
             Step::InVain if self.points.is_some() || self.best.left <= ROUND_OFF * self.scale => Phase::Ended,
@@ -218,7 +181,7 @@ where
 
     fn impulses(&self, r: &mut [f64]) {
         match self.phase {
-            Phase::Sweeps => self.sweeps.run.impulses(r),
+            Phase::Sweeps => self.sweeps.impulses(r),
             _ => r.copy_from_slice(&self.best.impulses),
         }
     }
@@ -228,8 +191,8 @@ where
     }
 
     fn work(&self) -> Work {
-        let mut work = self.sweeps.run.work();
-        self.newton.get().into_iter().flatten().for_each(|newton| work += newton.work());
+        let mut work = self.sweeps.work();
+        work += self.newton.work();
         self.points.iter().for_each(|points| work += points.work());
         work
     }
@@ -251,22 +214,22 @@ impl ActiveSet {
             SetupError::unless(self.start != Some(start), "start", name, expected)?;
         }
         let at_once = self.start == Some(Start::ColdSet);
-        let mut sweeps = Sweeps::new(problem, r0)?;
-        let (left, scale) = (sweeps.left(r0), problem.scale().sqrt());
-        let rung = self.start_accuracy * scale;
-        let best = Best { left, impulses: r0.to_vec() };
+        let method = Nsgs { acceleration: Acceleration::Nesterov, ..Nsgs::default() };
+        let (newton, scale) = (Newton::new(problem), problem.scale().sqrt());
+        let (left, rung) = (newton.left_by(r0), self.start_accuracy * scale);
         let mut run: Run<P, D, N> = Run {
-            problem,
-            sweeps,
-            newton: OnceCell::new(),
+            sweeps: method.start(problem, r0)?,
+            swept: 0,
+            halved: (f64::INFINITY, 0),
+            newton,
             points: None,
             phase: Phase::Sweeps,
             rung,
             scale,
-            best,
+            best: Best { left, impulses: r0.to_vec() },
         };
         if at_once {
-            run.newton = OnceCell::from(Some(Newton::new(problem)?));
+            run.newton.prepare()?;
         }
         if at_once || self.warm && left <= rung && r0.iter().any(|r| *r != 0.0) {
             run.try_newton();

@@ -19,7 +19,6 @@ mod convex;
 mod frictional;
 mod inner;
 mod interior;
-mod progress;
 mod scaled;
 mod set;
 

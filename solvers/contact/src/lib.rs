@@ -21,6 +21,7 @@ mod problem;
 mod rough;
 pub mod scaled;
 mod solver;
+pub mod status;
 pub mod sweep;
 pub mod threads;
 mod truth;

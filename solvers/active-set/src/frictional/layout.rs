@@ -1,8 +1,8 @@
 //! A packing with friction in mass-scaled unknowns, where every `W_αα` is 1.
 
-use super::status::Status;
 use contact::law::admissible;
 use contact::scaled::scaled_velocity;
+use contact::status::Status;
 use contact::{Column, Cone, Frictional, Mass, Mechanics, Packing, Rough, Touch, Vector};
 use nalgebra::SVector;
 

@@ -2,8 +2,8 @@
 //! solves with the factors that it had and what changed.
 
 use super::layout::{ColumnOf, Layout};
-use super::status::{Slide, Status, unit};
 use cholesky::{Lu, OneWay, Order, Structure};
+use contact::status::{Slide, Status, unit};
 use contact::{Column, Cone, Frictional, Rough, RoughColumn, SetupError, Work};
 use nalgebra::{DMatrix, DVector, Dyn, LU, SMatrix, SVector, Vector2};
 use std::sync::Arc;

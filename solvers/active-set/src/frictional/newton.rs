@@ -6,8 +6,8 @@
 
 use super::layout::{Drawn, Layout};
 use super::matrix::Matrix;
-use super::status::wanted;
 use crate::Best;
+use contact::status::wanted;
 use contact::{Cone, Frictional, Packing, Rough, SetupError, Work};
 use nalgebra::SVector;
 
@@ -35,7 +35,8 @@ where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
     pub(super) layout: Layout<D, N>,
-    matrix: Matrix<D, N>,
+    /// Matrix, from its first use on; an error where it does not fit in memory.
+    matrix: Option<Result<Matrix<D, N>, SetupError>>,
     /// √J.
     s: Vec<SVector<f64, D>>,
     /// Sweeps over the contacts.
@@ -63,12 +64,22 @@ where
     const SHORTENED: u32 = if D == 2 { 0 } else { 3 };
 
     /// Lays the problem out.
+    pub(super) fn new(problem: &Packing<Rough<D>>) -> Self {
+        Self { layout: Layout::new(problem), matrix: None, s: Vec::new(), sweeps: 0 }
+    }
+
+    /// Prepares the matrix, unless it is prepared.
     ///
     /// # Errors
-    /// Where it is too large for that.
-    pub(super) fn new(problem: &Packing<Rough<D>>) -> Result<Self, SetupError> {
-        let layout = Layout::new(problem);
-        Ok(Self { matrix: Matrix::new(&layout)?, layout, s: Vec::new(), sweeps: 0 })
+    /// Where the problem is too large for that.
+    pub(super) fn prepare(&mut self) -> Result<(), SetupError> {
+        let matrix = self.matrix.get_or_insert_with(|| Matrix::new(&self.layout));
+        matrix.as_ref().map(|_| ()).map_err(Clone::clone)
+    }
+
+    /// Returns the residual of the law that impulses `r` (N·s) leave (√J).
+    pub(super) fn left_by(&self, r: &[f64]) -> f64 {
+        self.left(Self::ALONE, &self.layout.scaled(r))
     }
 
     /// Takes the impulses `r` (N·s); returns what they leave of the law (√J).
@@ -119,7 +130,7 @@ where
     /// The impulses to which a step of Newton leads from s, for the statuses of s − v: those that s has to first order. v comes from s
     /// each time, so that no error of K stays. `None` if the matrix has no factor.
     fn step(&mut self, drawn: Drawn<D>, s: &[SVector<f64, D>]) -> Option<Vec<SVector<f64, D>>> {
-        let Self { layout, matrix, .. } = self;
+        let Self { layout, matrix: Some(Ok(matrix)), .. } = self else { return None };
         let status = layout.statuses(s, &drawn.velocity(layout, s));
         if !matrix.is_of(&status, drawn.epsilon) && !matrix.factorise(&layout.columns, &status, drawn.epsilon)
         {
@@ -133,7 +144,9 @@ where
             matrix.correct(&layout.columns, &v, &mut s);
             v = drawn.velocity(layout, &s);
             let before = std::mem::replace(&mut left, wanted(&status, &s, &v));
-            if !(left < WORTH_ANOTHER * before) {
+            // An impulse in a new direction changes the statuses again.
+            let is_new = status.iter().zip(&s).zip(&v).any(|((status, s), v)| status.is_new(*s, *v));
+            if !(left < WORTH_ANOTHER * before) || is_new {
                 break;
             }
         }
@@ -154,6 +167,7 @@ where
     /// Work so far.
     pub(super) fn work(&self) -> Work {
         let contact_updates = self.sweeps * self.layout.columns.len() as u64;
-        Work { contact_updates, ..self.matrix.work() }
+        let matrix = self.matrix.iter().flatten().map(Matrix::work).next().unwrap_or_default();
+        Work { contact_updates, ..matrix }
     }
 }

@@ -13,7 +13,7 @@ mod tests;
 
 use super::layout::{Drawn, Layout, norm};
 use super::matrix::Matrix;
-use super::status::{Status, wanted};
+use contact::status::{Status, wanted};
 use contact::{Column, SetupError, Work};
 use line::{End, Line};
 use nalgebra::{Vector2, Vector3};

@@ -64,16 +64,6 @@ impl Cone for RoughColumn {
     }
 }
 
-impl RoughColumn {
-    /// h̃ of the normal and of the tangent, at the candidate and at the antagonist: 0 at a wall.
-    pub fn at_ends(&self) -> [[Vector3<f64>; 2]; 2] {
-        let (n, t) = (self.normal, tangent(self.normal) * self.slant);
-        let [i, j] = self.arms;
-        let at = |v: Vector2<f64>, factor: f64, spin: f64| Vector3::new(factor * v.x, factor * v.y, spin);
-        [[at(n, 1.0, 0.0), at(t, 1.0, -i)], [at(n, -self.ratio, 0.0), at(t, -self.ratio, -j)]]
-    }
-}
-
 impl Column<RoughDiscs> for RoughColumn {
     fn new(
         contact: &RoughContact,

@@ -1,8 +1,8 @@
 //! A line of a path: where it leads, and which contact ends it.
 
 use super::Path;
-use crate::frictional::status::Status;
 use contact::Cone;
+use contact::status::Status;
 use nalgebra::Vector2;
 
 /// End of a line: the contact, and the status that it then has.

@@ -2,9 +2,9 @@
 
 use super::super::layout::Layout;
 use super::super::matrix::Matrix;
-use super::super::status::Status;
 use super::{Change, Path};
 use contact::law::admissible;
+use contact::status::Status;
 use contact::{Cone, Packing, RoughContact, RoughMass};
 use nalgebra::{Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
