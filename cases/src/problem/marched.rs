@@ -3,10 +3,9 @@
 use crate::detect::{DetectedContact, Grain, Side};
 use crate::scene::walls::WallMotion;
 use contact::{
-    Contact, Mechanics, Place, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Smooth, Touch, Vector,
-    frame,
+    Contact, Frictional, Mechanics, Place, Rough, RoughContact, RoughMass, Smooth, Touch, Vector, frame,
 };
-use nalgebra::{SVector, Vector2, Vector3};
+use nalgebra::{SVector, Vector3};
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -135,35 +134,25 @@ where
     }
 }
 
-impl Marched for RoughDiscs {
-    fn contact(parts: &Parts<Vector2<f64>>) -> RoughContact {
-        frictional(parts)
+impl<const D: usize> Marched for Rough<D>
+where
+    Rough<D>: Frictional<D, Velocity: Listed>,
+    SVector<f64, D>: Listed,
+{
+    fn contact(parts: &Parts<SVector<f64, D>>) -> RoughContact<D> {
+        let Parts { candidate, antagonist, normal, arms, offset, friction } = *parts;
+        RoughContact {
+            candidate,
+            antagonist,
+            normal,
+            arms: arms.into(),
+            offset: Vector::at(&offset, 0),
+            friction,
+        }
     }
 
-    fn friction(contact: &RoughContact) -> Option<f64> {
+    fn friction(contact: &RoughContact<D>) -> Option<f64> {
         Some(contact.friction)
-    }
-}
-
-impl Marched for RoughSpheres {
-    fn contact(parts: &Parts<Vector3<f64>>) -> RoughContact<3> {
-        frictional(parts)
-    }
-
-    fn friction(contact: &RoughContact<3>) -> Option<f64> {
-        Some(contact.friction)
-    }
-}
-
-fn frictional<const D: usize>(parts: &Parts<SVector<f64, D>>) -> RoughContact<D> {
-    let Parts { candidate, antagonist, normal, arms, offset, friction } = *parts;
-    RoughContact {
-        candidate,
-        antagonist,
-        normal,
-        arms: arms.into(),
-        offset: Vector::at(&offset, 0),
-        friction,
     }
 }
 

@@ -13,19 +13,17 @@
 //! the interior point finds no way on either, conjugate gradients go on from the best impulses, twice as long each time.
 //!
 //! With friction accelerated sweeps of Gauss-Seidel take the place of conjugate gradients, Newton's method on the statuses open, stick
-//! and slide that of the set, and proximal points that of the interior point (`stages.rs`).
+//! and slide that of the set, and proximal points that of the interior point (`frictional.rs`).
 
+mod convex;
+mod frictional;
 mod inner;
 mod interior;
-mod progress;
-mod rough;
 mod scaled;
 mod set;
-mod space;
-mod stages;
 
+pub use convex::Convex;
 pub use inner::{Inner, PENALTY, Whole};
-pub use rough::Convex;
 pub use scaled::Scaled;
 pub use set::Set;
 

@@ -1,8 +1,10 @@
 //! Upper bounds of the greatest eigenvalues of W and of W_D⁻¹ W, in one pass over the contacts: cheap enough for a method to
 //! take its step length from.
 
-use contact::{Contact, ContactProblem, Mechanics, Place, RoughDiscs, RoughSpheres, Smooth, Touch, frame};
-use nalgebra::{Matrix3, Matrix6, Vector2, Vector3, Vector6};
+use contact::{
+    Contact, ContactProblem, Frictional, Mechanics, Place, Rough, RoughDiscs, RoughSpheres, Smooth, Touch,
+};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 
 /// Λ ≥ λmax(W_D⁻¹ W), in one pass over the contacts (–).
 ///
@@ -65,46 +67,45 @@ impl<const D: usize> Bounded for Smooth<D> {
     }
 }
 
-/// Grain by grain as without friction: rᵗ W_D r = `Σ_i` `Σ_α` (`r_n²` + (1 + m R²/I) `r_t²`)/`m_i`, so the matrix of grain i is the sum
-/// over its contacts of n nᵗ + h hᵗ/(1 + m R²/I), with h = (t, ∓R √(m/I)).
 impl Bounded for RoughDiscs {
     fn scaled_delassus_bound(problem: &ContactProblem<Self>) -> f64 {
-        let mut sums = vec![Matrix3::zeros(); problem.grain_count()];
-        for contact in problem.contacts() {
-            for (k, grain) in contact.grains().enumerate() {
-                let mass = problem.mass()[grain as usize];
-                let arm = contact.arms[k] * (mass.mass / mass.inertia).sqrt();
-                let sign = if k == 0 { -1.0 } else { 1.0 };
-                let (n, t) = (contact.normal, contact.tangent());
-                let (n, h) = (Vector3::new(n.x, n.y, 0.0), Vector3::new(t.x, t.y, sign * arm));
-                sums[grain as usize] += n * n.transpose() + h * h.transpose() / (1.0 + arm * arm);
-            }
-        }
-        sums.iter().map(|sum| sum.symmetric_eigenvalues().max()).fold(0.0, f64::max)
+        bound(problem, |sum| sum.symmetric_eigenvalues().max())
     }
 }
 
-/// Bound in space, with h = (t, ∓R √(m/I) n × t) of either tangent.
 impl Bounded for RoughSpheres {
     fn scaled_delassus_bound(problem: &ContactProblem<Self>) -> f64 {
-        let mut sums = vec![Matrix6::zeros(); problem.grain_count()];
-        for contact in problem.contacts() {
-            let tangents = frame(&contact.normal);
-            for (k, grain) in contact.grains().enumerate() {
-                let mass = problem.mass()[grain as usize];
-                let arm = contact.arms[k] * (mass.mass / mass.inertia).sqrt();
-                let sign = if k == 0 { 1.0 } else { -1.0 };
-                let sum: &mut Matrix6<f64> = &mut sums[grain as usize];
-                let column =
-                    |v: Vector3<f64>, spin: Vector3<f64>| Vector6::new(v.x, v.y, v.z, spin.x, spin.y, spin.z);
-                let n = column(contact.normal * sign, Vector3::zeros());
-                *sum += n * n.transpose();
-                for t in tangents {
-                    let h = column(t * sign, t.cross(&contact.normal) * arm);
-                    *sum += h * h.transpose() / (1.0 + arm * arm);
-                }
+        bound(problem, |sum| sum.symmetric_eigenvalues().max())
+    }
+}
+
+/// Bound with friction, from the `greatest` eigenvalue of a matrix of a grain, as without friction: rᵗ W_D r =
+/// `Σ_i` `Σ_α` (`r_n²` + (1 + m R²/I) `r_t²`)/`m_i`, so the matrix of grain i is the sum over its contacts of n nᵗ and, for each tangent,
+/// h hᵗ/(1 + m R²/I), with n and h what an impulse along either does to the grain, its spin in units of √(m/I).
+fn bound<const D: usize, const N: usize>(
+    problem: &ContactProblem<Rough<D>>,
+    greatest: impl Fn(&SMatrix<f64, N, N>) -> f64,
+) -> f64
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    let mut sums = vec![SMatrix::zeros(); problem.grain_count()];
+    for contact in problem.contacts() {
+        for (k, grain) in contact.grains().enumerate() {
+            let mass = problem.mass()[grain as usize];
+            let arm = contact.arms[k] * (mass.mass / mass.inertia).sqrt();
+            let sign = if k == 0 { 1.0 } else { -1.0 };
+            for unknown in 0..D {
+                let h = Rough::at_grain(
+                    contact,
+                    SVector::from_fn(|k, _| f64::from(u8::from(k == unknown))),
+                    arm,
+                    sign,
+                );
+                let weight = if unknown == 0 { 1.0 } else { 1.0 + arm * arm };
+                sums[grain as usize] += h * h.transpose() / weight;
             }
         }
-        sums.iter().map(|sum| sum.symmetric_eigenvalues().max()).fold(0.0, f64::max)
     }
+    sums.iter().map(greatest).fold(0.0, f64::max)
 }

@@ -16,7 +16,7 @@ mod state;
 
 pub use product::Preconditioner;
 pub use products::Products;
-pub use rough::{ConeRun, Frictional, RoughRun};
+pub use rough::{ConeRun, RoughRun};
 pub use state::State;
 
 use analysis::{delassus_bound, scaled_delassus_bound};

@@ -6,24 +6,13 @@
 
 use crate::{Cg, Products, State};
 use analysis::Bounded;
-use contact::{
-    Iteration, Mechanics, Packing, RoughContact, RoughDiscs, RoughSpheres, SetupError, Solver, Vector, Work,
-};
+use contact::{Frictional, Iteration, Packing, Rough, SetupError, Solver, Vector, Work};
 use nalgebra::SVector;
 use partition::{Distributed, Refused, Share, Team};
 use product::{Layout, Product};
 
-/// A mechanics with Coulomb's law, and D unknowns at a contact.
-pub trait Frictional<const D: usize>:
-    Bounded + Mechanics<Impulse = SVector<f64, D>, Contact = RoughContact<D>>
-{
-}
-
-impl Frictional<2> for RoughDiscs {}
-impl Frictional<3> for RoughSpheres {}
-
 /// A run on one problem of grains with friction.
-pub type RoughRun<M = RoughDiscs, const D: usize = 2> = ConeRun<Product<State<D>, M>, D>;
+pub type RoughRun<const D: usize = 2> = ConeRun<Product<State<D>, Rough<D>>, D>;
 
 /// A run on one problem whose law is a cone at each contact.
 pub struct ConeRun<P, const D: usize> {
@@ -137,20 +126,13 @@ impl<P: Products<D>, const D: usize> Iteration for ConeRun<P, D> {
     }
 }
 
-impl Solver<RoughDiscs> for Cg {
+impl<const D: usize> Solver<Rough<D>> for Cg
+where
+    Rough<D>: Frictional<D> + Bounded,
+{
     fn start<'p>(
         &self,
-        problem: &'p Packing<RoughDiscs>,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        Ok(Box::new(self.rough_run(problem, r0)?))
-    }
-}
-
-impl Solver<RoughSpheres> for Cg {
-    fn start<'p>(
-        &self,
-        problem: &'p Packing<RoughSpheres>,
+        problem: &'p Packing<Rough<D>>,
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         Ok(Box::new(self.rough_run(problem, r0)?))
@@ -162,24 +144,30 @@ impl Cg {
     ///
     /// # Errors
     /// Those of [`Product::new`].
-    pub fn rough_run<M: Frictional<D>, const D: usize>(
+    pub fn rough_run<const D: usize>(
         &self,
-        problem: &Packing<M>,
+        problem: &Packing<Rough<D>>,
         r0: &[f64],
-    ) -> Result<RoughRun<M, D>, SetupError> {
-        let (bound, w) = (M::scaled_delassus_bound(problem), problem.delassus_diagonal());
+    ) -> Result<RoughRun<D>, SetupError>
+    where
+        Rough<D>: Frictional<D> + Bounded,
+    {
+        let (bound, w) = (Rough::scaled_delassus_bound(problem), problem.delassus_diagonal());
         let greatest = if self.is_scaled() { bound } else { bound * w.iter().copied().fold(0.0, f64::max) };
         Ok(self.rough_over(Layout::new(problem)?, problem, greatest, r0))
     }
 
     /// A run on the blocks of a layout of `problem`, with Λ.
-    fn rough_over<M: Frictional<D>, const D: usize>(
+    fn rough_over<const D: usize>(
         self,
-        layout: Layout<M>,
-        problem: &Packing<M>,
+        layout: Layout<Rough<D>>,
+        problem: &Packing<Rough<D>>,
         greatest: f64,
         r0: &[f64],
-    ) -> RoughRun<M, D> {
+    ) -> RoughRun<D>
+    where
+        Rough<D>: Frictional<D>,
+    {
         let b = problem.b();
         let state = |contact: usize, unit: SVector<f64, D>| {
             State::new(
@@ -190,38 +178,20 @@ impl Cg {
         };
         ConeRun::new(Product::over(layout, problem, self.is_scaled(), state), greatest)
     }
+}
 
-    /// A run on the share of a rank.
-    fn rough_start_in<'p, M: Frictional<D>, const D: usize>(
-        self,
-        share: &'p Share<M>,
+impl<const D: usize> Distributed<Rough<D>> for Cg
+where
+    Rough<D>: Frictional<D> + Bounded,
+{
+    fn start_in<'p>(
+        &self,
+        share: &'p Share<Rough<D>>,
         r0: &[f64],
         team: &Team,
-    ) -> Box<dyn Iteration + 'p> {
+    ) -> Result<Box<dyn Iteration + 'p>, Refused> {
         let layout = Layout::of_share(share, team);
         let greatest = self.greatest_of(share, &layout);
-        Box::new(self.rough_over(layout, &share.problem, greatest, r0))
-    }
-}
-
-impl Distributed<RoughDiscs> for Cg {
-    fn start_in<'p>(
-        &self,
-        share: &'p Share<RoughDiscs>,
-        r0: &[f64],
-        team: &Team,
-    ) -> Result<Box<dyn Iteration + 'p>, Refused> {
-        Ok(self.rough_start_in(share, r0, team))
-    }
-}
-
-impl Distributed<RoughSpheres> for Cg {
-    fn start_in<'p>(
-        &self,
-        share: &'p Share<RoughSpheres>,
-        r0: &[f64],
-        team: &Team,
-    ) -> Result<Box<dyn Iteration + 'p>, Refused> {
-        Ok(self.rough_start_in(share, r0, team))
+        Ok(Box::new(self.rough_over(layout, &share.problem, greatest, r0)))
     }
 }

@@ -44,6 +44,21 @@ pub fn tangential<const D: usize>(mut s: SVector<f64, D>) -> (SVector<f64, D>, f
     (s, s.norm())
 }
 
+/// The nearest impulse of the cone along its own tangent, of one with its normal component first.
+#[inline]
+pub fn admissible<const D: usize>(s: SVector<f64, D>, friction: f64) -> SVector<f64, D> {
+    let normal = non_negative(s[0]);
+    let bound = friction * normal;
+    let (mut r, size) = tangential(s);
+    if D == 2 {
+        r[1] = clip(s[1], bound);
+    } else if size > bound {
+        r *= bound / size;
+    }
+    r[0] = normal;
+    r
+}
+
 /// The greatest value; NaN if there is one, 0 for none.
 pub fn greatest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |greatest: f64, x| if greatest.is_nan() || x <= greatest { greatest } else { x })

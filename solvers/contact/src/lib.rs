@@ -21,6 +21,7 @@ mod problem;
 mod rough;
 pub mod scaled;
 mod solver;
+pub mod status;
 pub mod sweep;
 pub mod threads;
 mod truth;
@@ -36,7 +37,10 @@ pub use measures::Measures;
 pub use mechanics::{Column, Mass, Mechanics, Place, Touch, Vector};
 pub use packing::Packing;
 pub use problem::ContactProblem;
-pub use rough::{RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughSpheres, SphereColumn, frame};
+pub use rough::{
+    Cone, Frictional, Rough, RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughSpheres, SphereColumn,
+    frame,
+};
 pub use scaled::ScaledContact;
 pub use solver::{Iteration, Solver};
 pub use truth::Truth;

@@ -1,7 +1,8 @@
 //! Interface of the stages to a mechanics: H of a contact between two places, the law, and directions of its own unknowns.
 
 use analysis::Bounded;
-use contact::{Contact, Mechanics, RoughContact, RoughDiscs, RoughSpheres, Smooth, Touch, law};
+use contact::law::{self, tangential};
+use contact::{Contact, Frictional, Mechanics, Rough, RoughContact, RoughDiscs, RoughSpheres, Smooth, Touch};
 use nalgebra::{SVector, Vector2, Vector3, Vector6};
 use std::fmt::Debug;
 
@@ -92,147 +93,103 @@ impl<const D: usize> Form<Smooth<D>> for Normal<D> {
     }
 }
 
-/// A contact with friction.
+/// A contact with friction: the contact itself, between its own two grains.
 #[derive(Clone, Copy, Debug)]
-pub struct Rough {
-    /// n (–).
-    normal: Vector2<f64>,
-    /// `R_i` and `R_j`, 0 at a wall (m).
-    arms: [f64; 2],
-    /// μ (–).
-    friction: f64,
-}
+pub struct Rubbing<const D: usize>(RoughContact<D>);
 
 /// Tolerance by which |`r_t`| may be below μ `r_n` at the bound, for round-off of either (–).
 const ROUND_OFF: f64 = 1e-9;
 
-impl Stages for RoughDiscs {
-    type Form = Rough;
-
-    fn numbers(r: Vector2<f64>) -> impl Iterator<Item = f64> {
-        [r.x, r.y].into_iter()
-    }
+/// Relative velocities of two grains, in the order of operations that each dimension has.
+trait Pair<const D: usize>: Frictional<D> + Bounded {
+    /// (Hᵗ V)_α of the velocities of i and j (m/s).
+    fn relative(contact: &RoughContact<D>, i: Self::Velocity, j: Self::Velocity) -> SVector<f64, D>;
 }
 
-impl Form<RoughDiscs> for Rough {
-    fn new(contact: &RoughContact) -> Self {
-        let arm_of_antagonist = contact.antagonist.map_or(0.0, |_| contact.arms.y);
-        let arms = [contact.arms.x, arm_of_antagonist];
-        Self { normal: contact.normal, arms, friction: contact.friction }
-    }
-
-    /// Without friction no tangential impulse is ever needed: `l_t` = 0 takes it out of the linear stage, which then leaves the
-    /// spins as they are.
-    fn direction(&self, w: Vector2<f64>, kappa_t: f64) -> Vector2<f64> {
-        Vector2::new(1.0 / w.x, if self.friction > 0.0 { kappa_t / w.y } else { 0.0 })
-    }
-
+impl Pair<2> for RoughDiscs {
     #[inline]
-    fn relative(&self, i: Vector3<f64>, j: Vector3<f64>) -> Vector2<f64> {
-        let (n, x, y) = (self.normal, i.x - j.x, i.y - j.y);
-        let spins = self.arms[0] * i.z + self.arms[1] * j.z;
+    fn relative(contact: &RoughContact, i: Vector3<f64>, j: Vector3<f64>) -> Vector2<f64> {
+        let (n, x, y) = (contact.normal, i.x - j.x, i.y - j.y);
+        let spins = contact.arms.x * i.z + contact.arms.y * j.z;
         Vector2::new(n.x * x + n.y * y, n.x * y - n.y * x - spins)
     }
+}
 
-    fn terms(&self, i: Vector3<f64>, j: Vector3<f64>) -> Vector2<f64> {
-        let translations = i.xy().norm() + j.xy().norm();
-        let spins = self.arms[0] * i.z.abs() + self.arms[1] * j.z.abs();
-        Vector2::new(translations, translations + spins)
-    }
-
+impl Pair<3> for RoughSpheres {
     #[inline]
-    fn at_ends(&self, r: Vector2<f64>) -> [Vector3<f64>; 2] {
-        let n = self.normal;
-        let (x, y) = (n.x * r.x - n.y * r.y, n.y * r.x + n.x * r.y);
-        [Vector3::new(x, y, -self.arms[0] * r.y), Vector3::new(-x, -y, -self.arms[1] * r.y)]
-    }
-
-    fn columns(&self) -> impl Iterator<Item = [Vector3<f64>; 2]> {
-        [Vector2::x(), Vector2::y()].map(|r| self.at_ends(r)).into_iter()
-    }
-
-    /// `r̂_n` = max(0, `g_n`),   `r̂_t` = clip(`g_t`, μ `r̂_n`)     (2′) (6)
-    #[inline]
-    fn admissible(&self, g: Vector2<f64>) -> Vector2<f64> {
-        let normal = law::non_negative(g.x);
-        Vector2::new(normal, law::clip(g.y, self.friction * normal))
-    }
-
-    /// Along the tangent a contact slides against a `r_t` that is at its bound, and sticks elsewhere.
-    fn beside(&self, r: Vector2<f64>, v: Vector2<f64>) -> Vector2<f64> {
-        let normal = if r.x > 0.0 { 0.0 } else { law::non_negative(v.x) };
-        let bound = (1.0 - ROUND_OFF) * self.friction * r.x;
-        let slides = if v.y < 0.0 { r.y >= bound } else { r.y <= -bound };
-        Vector2::new(normal, if slides { v.y } else { 0.0 })
+    fn relative(contact: &RoughContact<3>, i: Vector6<f64>, j: Vector6<f64>) -> Vector3<f64> {
+        contact.relative(&[i, j])
     }
 }
 
-/// A contact of spheres with friction: the contact itself, between its own two grains.
-#[derive(Clone, Copy, Debug)]
-pub struct RoughInSpace(RoughContact<3>);
+impl<const D: usize, const N: usize> Stages for Rough<D>
+where
+    Rough<D>: Pair<D, Velocity = SVector<f64, N>>,
+{
+    type Form = Rubbing<D>;
 
-impl Stages for RoughSpheres {
-    type Form = RoughInSpace;
-
-    fn numbers(r: Vector3<f64>) -> impl Iterator<Item = f64> {
-        [r.x, r.y, r.z].into_iter()
+    fn numbers(r: SVector<f64, D>) -> impl Iterator<Item = f64> {
+        (0..D).map(move |k| r[k])
     }
 }
 
-impl Form<RoughSpheres> for RoughInSpace {
-    fn new(contact: &RoughContact<3>) -> Self {
+impl<const D: usize, const N: usize> Form<Rough<D>> for Rubbing<D>
+where
+    Rough<D>: Pair<D, Velocity = SVector<f64, N>>,
+{
+    fn new(contact: &RoughContact<D>) -> Self {
         let arm_of_antagonist = contact.antagonist.map_or(0.0, |_| contact.arms.y);
         let arms = Vector2::new(contact.arms.x, arm_of_antagonist);
         Self(RoughContact { candidate: 0, antagonist: Some(1), arms, ..*contact })
     }
 
-    fn direction(&self, w: Vector3<f64>, kappa_t: f64) -> Vector3<f64> {
-        let along = if self.0.friction > 0.0 { kappa_t / w.y } else { 0.0 };
-        Vector3::new(1.0 / w.x, along, along)
+    /// Without friction no tangential impulse is ever needed: `l_t` = 0 takes it out of the linear stage, which then leaves the
+    /// spins as they are.
+    fn direction(&self, w: SVector<f64, D>, kappa_t: f64) -> SVector<f64, D> {
+        let along = if self.0.friction > 0.0 { kappa_t } else { 0.0 };
+        SVector::from_fn(|k, _| if k == 0 { 1.0 } else { along } / w[k])
     }
 
     #[inline]
-    fn relative(&self, i: Vector6<f64>, j: Vector6<f64>) -> Vector3<f64> {
-        self.0.relative(&[i, j])
+    fn relative(&self, i: SVector<f64, N>, j: SVector<f64, N>) -> SVector<f64, D> {
+        Rough::relative(&self.0, i, j)
     }
 
-    fn terms(&self, i: Vector6<f64>, j: Vector6<f64>) -> Vector3<f64> {
-        let [translations, spins] = [0, 3].map(|first| [i, j].map(|v| v.fixed_rows::<3>(first).norm()));
-        let (translations, spins) =
-            (translations[0] + translations[1], self.0.arms.x * spins[0] + self.0.arms.y * spins[1]);
-        Vector3::new(translations, translations + spins, translations + spins)
+    fn terms(&self, i: SVector<f64, N>, j: SVector<f64, N>) -> SVector<f64, D> {
+        let size = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let [i, j] = [&i, &j].map(|v| v.as_slice().split_at(D)).map(|(v, spin)| (size(v), size(spin)));
+        let (translations, spins) = (i.0 + j.0, self.0.arms.x * i.1 + self.0.arms.y * j.1);
+        SVector::from_fn(|k, _| if k == 0 { translations } else { translations + spins })
     }
 
     #[inline]
-    fn at_ends(&self, r: Vector3<f64>) -> [Vector6<f64>; 2] {
-        let mut ends = [Vector6::zeros(); 2];
-        self.0.push(r, &mut ends);
-        ends
+    fn at_ends(&self, r: SVector<f64, D>) -> [SVector<f64, N>; 2] {
+        let at = |arm: f64, sign: f64| Rough::at_grain(&self.0, r, arm, sign);
+        [at(self.0.arms.x, 1.0), at(self.0.arms.y, -1.0)]
     }
 
-    fn columns(&self) -> impl Iterator<Item = [Vector6<f64>; 2]> {
-        [Vector3::x(), Vector3::y(), Vector3::z()].map(|r| self.at_ends(r)).into_iter()
+    fn columns(&self) -> impl Iterator<Item = [SVector<f64, N>; 2]> {
+        (0..D).map(|unknown| self.at_ends(SVector::from_fn(|k, _| f64::from(u8::from(k == unknown)))))
     }
 
-    /// As in the plane, with the tangential part clipped to a disc.
+    /// `r̂_n` = max(0, `g_n`),   `r̂_t` = clip(`g_t`, μ `r̂_n`)     (2′) (6)
     #[inline]
-    fn admissible(&self, g: Vector3<f64>) -> Vector3<f64> {
-        let normal = law::non_negative(g.x);
-        let (bound, size) = (self.0.friction * normal, g.yz().norm());
-        let factor = if size > bound { bound / size } else { 1.0 };
-        Vector3::new(normal, factor * g.y, factor * g.z)
+    fn admissible(&self, g: SVector<f64, D>) -> SVector<f64, D> {
+        law::admissible(g, self.0.friction)
     }
 
     /// Along the tangents a contact slides against a `r_t` that is at its bound, and sticks elsewhere.
-    fn beside(&self, r: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
-        let normal = if r.x > 0.0 { 0.0 } else { law::non_negative(v.x) };
-        let (size, bound) = (r.yz().norm(), (1.0 - ROUND_OFF) * self.0.friction * r.x);
-        let slides = if size == 0.0 {
-            v.yz()
+    fn beside(&self, r: SVector<f64, D>, v: SVector<f64, D>) -> SVector<f64, D> {
+        let ((along, size), bound) = (tangential(r), (1.0 - ROUND_OFF) * self.0.friction * r[0]);
+        let mut beside = if size < bound {
+            SVector::zeros()
+        } else if size == 0.0 {
+            v
         } else {
-            let against = r.yz() / size;
-            against * f64::min(0.0, against.dot(&v.yz()))
+            let against = along / size;
+            against * f64::min(0.0, against.dot(&v))
         };
-        if size >= bound { Vector3::new(normal, slides.x, slides.y) } else { Vector3::new(normal, 0.0, 0.0) }
+        beside[0] = if r[0] > 0.0 { 0.0 } else { law::non_negative(v[0]) };
+        beside
     }
 }

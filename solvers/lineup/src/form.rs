@@ -5,7 +5,7 @@ use active_set::ActiveSet;
 use analysis::{Bounded, Spectrum, proves_infeasible};
 use cases::{AnyFrozen, Frozen, Marched};
 use contact::{Discs, Packing, RoughDiscs, RoughSpheres, Smooth, Solver, Spheres};
-use reference::{Answer, Certified, Rough, RoughSolution, polished, solve_rough};
+use reference::{Answer, Certified, Coulomb, RoughSolution, polished, solve_rough};
 use std::ops::RangeInclusive;
 
 /// A mechanics in which problems are solved, marched and certified.
@@ -85,7 +85,7 @@ pub trait Frictional {
     fn polished(&self, r: &[f64]) -> Option<RoughSolution>;
 }
 
-impl<M: Rough> Frictional for Packing<M>
+impl<M: Coulomb> Frictional for Packing<M>
 where
     ActiveSet: Solver<M>,
 {

@@ -131,9 +131,7 @@ impl<'p, const D: usize> ActiveSet<'p, D> {
     /// One step of Newton's method; where it leaves no less, what came before goes on.
     fn newton(&mut self, before: f64) {
         let has_factor = self.newton.step();
-        let mut r = vec![0.0; self.best.0.len()];
-        self.newton.impulses(&mut r);
-        let left = self.take(r);
+        let left = self.take(self.newton.impulses());
         if self.newton.is_round_off(left) {
             self.trying = None;
             self.next_to_end();

@@ -2,10 +2,10 @@
 //! mechanics: without friction there is no tangential part.
 
 use contact::{
-    Column, Contact, ContactProblem, Mass, Mechanics, RoughContact, RoughDiscs, RoughMass, RoughSpheres,
-    Smooth, Touch, Vector, greatest, law,
+    Column, Contact, ContactProblem, Frictional, Mass, Mechanics, Rough, RoughContact, RoughMass, Smooth,
+    Touch, Vector, greatest, law,
 };
-use nalgebra::{SVector, Vector2, Vector3, Vector6};
+use nalgebra::{SVector, Vector2};
 use serde::Serialize;
 use std::fmt;
 
@@ -146,30 +146,19 @@ impl<const D: usize> Certified for Smooth<D> {
     }
 }
 
-impl Certified for RoughDiscs {
-    fn parts(velocity: &Vector3<f64>) -> (&[f64], &[f64]) {
-        velocity.as_slice().split_at(2)
+impl<const D: usize, const N: usize> Certified for Rough<D>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    fn parts(velocity: &SVector<f64, N>) -> (&[f64], &[f64]) {
+        velocity.as_slice().split_at(D)
     }
 
     fn mass(mass: RoughMass) -> RoughMass {
         mass
     }
 
-    fn law(contact: &RoughContact) -> (Vector2<f64>, f64) {
-        (contact.arms, contact.friction)
-    }
-}
-
-impl Certified for RoughSpheres {
-    fn parts(velocity: &Vector6<f64>) -> (&[f64], &[f64]) {
-        velocity.as_slice().split_at(3)
-    }
-
-    fn mass(mass: RoughMass) -> RoughMass {
-        mass
-    }
-
-    fn law(contact: &RoughContact<3>) -> (Vector2<f64>, f64) {
+    fn law(contact: &RoughContact<D>) -> (Vector2<f64>, f64) {
         (contact.arms, contact.friction)
     }
 }

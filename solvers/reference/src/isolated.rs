@@ -6,7 +6,7 @@
 
 use cholesky::General;
 use contact::scaled::scaled_velocity;
-use contact::{Column, Mass, Packing, RoughColumn, RoughDiscs, Touch, Vector};
+use contact::{Column, Cone, Mass, Packing, RoughColumn, RoughDiscs, Touch, Vector};
 use nalgebra::{Vector2, Vector3};
 
 /// Measures of the isolation of a solution from others.
@@ -63,8 +63,7 @@ pub fn isolation(problem: &Packing<RoughDiscs>, r: &[f64]) -> Isolation {
         if moved.x <= 0.0 {
             continue;
         }
-        let ends = column.at_ends();
-        let (normal, tangent) = (ends.map(|[n, _]| n), ends.map(|[_, t]| t));
+        let [normal, tangent] = [Vector2::x(), Vector2::y()].map(|s| column.pushes(s));
         let bound = friction * moved.x;
         if friction > 0.0 {
             margin = margin.min((moved.y.abs() - bound).abs());
@@ -73,8 +72,8 @@ pub fn isolation(problem: &Packing<RoughDiscs>, r: &[f64]) -> Isolation {
             unknowns.push((column.places(), Unknown { push: normal, pull: normal }));
             unknowns.push((column.places(), Unknown { push: tangent, pull: tangent }));
         } else {
-            let along = |[n, t]: [Vector3<f64>; 2]| n + moved.y.signum() * friction * t;
-            unknowns.push((column.places(), Unknown { push: ends.map(along), pull: normal }));
+            let push = column.pushes(Vector2::new(1.0, moved.y.signum() * friction));
+            unknowns.push((column.places(), Unknown { push, pull: normal }));
         }
     }
     let scale = problem.scale().sqrt();

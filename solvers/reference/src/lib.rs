@@ -17,7 +17,7 @@ pub use certificate::{Certificate, Certified, ENERGY_ROUND_OFF, ROUND_OFF, Resid
 pub use existence::{Existence, existence};
 pub use isolated::{Isolation, isolation};
 pub use method::InteriorPoint;
-pub use rough::{Rough, RoughSolution, distance, is_same, polished, solve_rough, take};
+pub use rough::{Coulomb, RoughSolution, distance, is_same, polished, solve_rough, take};
 
 use active_set::ActiveSet;
 use analysis::proves_infeasible;

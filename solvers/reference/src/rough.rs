@@ -5,7 +5,7 @@ use crate::certificate::{Certificate, Certified, certify};
 use crate::{Answer, solve};
 use active_set::{ActiveSet, Start};
 use contact::{
-    ContactProblem, Mechanics, Packing, RoughDiscs, RoughMass, RoughSpheres, Smooth, Solver, Truth, Vector,
+    ContactProblem, Frictional, Mechanics, Packing, Rough, RoughMass, Smooth, Solver, Truth, Vector,
     greatest, law,
 };
 use nalgebra::SVector;
@@ -14,19 +14,16 @@ use rand_chacha::ChaCha8Rng;
 use std::ops::RangeInclusive;
 
 /// A mechanics with Coulomb's law.
-pub trait Rough: Certified<Mass = RoughMass> {
+pub trait Coulomb: Certified<Mass = RoughMass> {
     /// Decides whether the normal parts alone prove that `problem` has no solution: where no velocity keeps the contacts from approaching,
     /// friction does not help. `false` says nothing.
     fn has_no_solution(problem: &Packing<Self>) -> bool;
 }
 
-impl Rough for RoughDiscs {
-    fn has_no_solution(problem: &Packing<Self>) -> bool {
-        problem.without_friction().is_ok_and(|normal| has_none(&normal, problem.position()))
-    }
-}
-
-impl Rough for RoughSpheres {
+impl<const D: usize, const N: usize> Coulomb for Rough<D>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
     fn has_no_solution(problem: &Packing<Self>) -> bool {
         problem.without_friction().is_ok_and(|normal| has_none(&normal, problem.position()))
     }
@@ -57,7 +54,7 @@ const MANY: u32 = 300_000;
 
 /// Solutions of `problem` that are different, from these `starts`: 0 is r = 0, of the others each is a seed of impulses within the
 /// cones, of up to twice the size that the problem's scale suggests. If none is certified, the impulses that leave least.
-pub fn solve_rough<M: Rough>(
+pub fn solve_rough<M: Coulomb>(
     problem: &Packing<M>,
     starts: RangeInclusive<u64>,
     mut seen: impl FnMut(),
@@ -107,7 +104,7 @@ const POLISH: u32 = 8;
 
 /// The certified solution to which Newton's method leads from the impulses `r` (N·s) at which a run ended, if it does. It may be far
 /// from them.
-pub fn polished<M: Rough>(problem: &Packing<M>, r: &[f64]) -> Option<RoughSolution>
+pub fn polished<M: Coulomb>(problem: &Packing<M>, r: &[f64]) -> Option<RoughSolution>
 where
     ActiveSet: Solver<M>,
 {
@@ -134,7 +131,7 @@ pub fn distance<M: Mechanics>(problem: &ContactProblem<M>, r: &[f64], other: &[f
 }
 
 /// Returns the solution at which the active set ends, begun from impulses `r0` with conjugate gradients.
-fn from<M: Rough>(problem: &Packing<M>, r0: &[f64]) -> RoughSolution
+fn from<M: Coulomb>(problem: &Packing<M>, r0: &[f64]) -> RoughSolution
 where
     ActiveSet: Solver<M>,
 {
@@ -153,7 +150,7 @@ where
 }
 
 /// Impulses within the cones, the same for the same seed.
-fn drawn<M: Rough>(problem: &Packing<M>, seed: u64) -> Vec<f64> {
+fn drawn<M: Coulomb>(problem: &Packing<M>, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (b, w) = (problem.b(), problem.delassus_diagonal());
     let greatest =

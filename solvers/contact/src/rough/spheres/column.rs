@@ -5,10 +5,11 @@
     reason = "a call for each contact would cost a third of a visit, and lack the instructions that a sweep is made for"
 )]
 
-use super::{RoughContact, RoughMass, RoughSpheres, frame, joined, parts};
+use super::{frame, joined, parts};
 use crate::lanes::{Four, Lanes};
 use crate::law;
 use crate::mechanics::{Column, Touch};
+use crate::rough::{Cone, RoughContact, RoughMass, RoughSpheres};
 use crate::sweep::{Row, TOGETHER, look_then_push};
 use nalgebra::{Vector3, Vector6};
 use pulp::Simd;
@@ -105,10 +106,9 @@ impl<S: Simd> Columns<Four<S>> {
     }
 }
 
-impl SphereColumn {
-    /// μ √(`w_t`/`w_n`) (–).
+impl Cone for SphereColumn {
     #[inline]
-    pub fn friction(&self) -> f64 {
+    fn friction(&self) -> f64 {
         self.columns.friction
     }
 }

@@ -1,9 +1,43 @@
-//! A contact with friction in mass-scaled unknowns: 64 bytes.
+//! Discs with friction; a contact in mass-scaled unknowns is 64 bytes.
 
-use super::{RoughContact, RoughDiscs, RoughMass, tangent};
+use super::{Cone, Frictional, RoughContact, RoughDiscs, RoughMass};
+use crate::gauge::Scaled;
 use crate::law;
-use crate::mechanics::{Column, Touch};
+use crate::mechanics::{Column, Mechanics, Touch};
 use nalgebra::{Vector2, Vector3};
+
+impl Mechanics for RoughDiscs {
+    type Place = Vector2<f64>;
+    type Velocity = Vector3<f64>;
+    type Mass = RoughMass;
+    type Impulse = Vector2<f64>;
+    type Contact = RoughContact;
+    type Column = RoughColumn;
+    type Gauge = Scaled<Self>;
+
+    const NAME: &'static str = "rough-discs";
+    const HAS_ONE_VELOCITY: bool = false;
+}
+
+impl Frictional<2> for RoughDiscs {
+    #[inline]
+    fn of_grain(contact: &RoughContact, v: &Vector3<f64>, arm: f64, sign: f64) -> Vector2<f64> {
+        let (n, t) = (contact.normal.dot(&v.xy()), tangent(contact.normal).dot(&v.xy()));
+        Vector2::new(sign * n, sign * t - arm * v.z)
+    }
+
+    #[inline]
+    fn at_grain(contact: &RoughContact, r: Vector2<f64>, arm: f64, sign: f64) -> Vector3<f64> {
+        let impulse = contact.normal * r.x + tangent(contact.normal) * r.y;
+        Vector3::new(sign * impulse.x, sign * impulse.y, -arm * r.y)
+    }
+}
+
+/// (−`n_y`, `n_x`).
+#[inline]
+fn tangent(n: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(-n.y, n.x)
+}
 
 /// The two columns of H̃ of a contact: along its normal, and along its tangent with the spins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,19 +57,10 @@ pub struct RoughColumn {
     friction: f64,
 }
 
-impl RoughColumn {
-    /// μ √(`w_t`/`w_n`) (–).
+impl Cone for RoughColumn {
     #[inline]
-    pub fn friction(&self) -> f64 {
+    fn friction(&self) -> f64 {
         self.friction
-    }
-
-    /// h̃ of the normal and of the tangent, at the candidate and at the antagonist: 0 at a wall.
-    pub fn at_ends(&self) -> [[Vector3<f64>; 2]; 2] {
-        let (n, t) = (self.normal, tangent(self.normal) * self.slant);
-        let [i, j] = self.arms;
-        let at = |v: Vector2<f64>, factor: f64, spin: f64| Vector3::new(factor * v.x, factor * v.y, spin);
-        [[at(n, 1.0, 0.0), at(t, 1.0, -i)], [at(n, -self.ratio, 0.0), at(t, -self.ratio, -j)]]
     }
 }
 

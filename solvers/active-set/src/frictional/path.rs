@@ -11,11 +11,12 @@ mod line;
 #[cfg(test)]
 mod tests;
 
-use super::layout::{Layout, Status, held, moving, norm};
+use super::layout::{Drawn, Layout, norm};
 use super::matrix::Matrix;
+use contact::status::{Status, wanted};
 use contact::{Column, SetupError, Work};
 use line::{End, Line};
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
 /// Lines of one path, at most.
 const LINES: u32 = 400;
@@ -39,12 +40,12 @@ const ROUND_OFF: f64 = 1e-15;
 
 /// A solution of the law, and the path's place on it.
 pub(super) struct Path {
-    pub(super) layout: Layout,
-    pub(super) status: Vec<Status>,
+    pub(super) layout: Layout<2, 3>,
+    pub(super) status: Vec<Status<2>>,
     pub(super) s: Vec<Vector2<f64>>,
-    matrix: Matrix,
+    matrix: Matrix<2, 3>,
     /// Sweeps over contacts.
-    pub(super) sweeps: u64,
+    sweeps: u64,
 }
 
 /// Part of the problem that a path changes.
@@ -62,10 +63,10 @@ impl Path {
     ///
     /// # Errors
     /// Where it is too large for that.
-    pub(super) fn new(layout: Layout) -> Result<Self, SetupError> {
+    pub(super) fn new(layout: Layout<2, 3>) -> Result<Self, SetupError> {
         let count = layout.columns.len();
         Ok(Self {
-            matrix: Matrix::new(&layout.columns, layout.grains())?,
+            matrix: Matrix::new(&layout)?,
             status: vec![Status::Open; count],
             s: vec![Vector2::zeros(); count],
             layout,
@@ -77,8 +78,8 @@ impl Path {
     /// comes back to where it began, goes away, or has too many.
     pub(super) fn follow(&mut self, change: &Change) -> Option<u32> {
         let start = self.status.clone();
-        let (mut t, mut crossed, mut away_from_start) = (1.0, None::<(usize, Status)>, 0_usize);
-        if !self.matrix.is_of(&self.status, 1.0 / change.epsilon) && !self.factorise(change.epsilon) {
+        let (mut t, mut crossed, mut away_from_start) = (1.0, None::<(usize, Status<2>)>, 0_usize);
+        if !self.matrix.is_of(&self.status, change.epsilon) && !self.factorise(change.epsilon) {
             return None;
         }
         for line in 0..LINES {
@@ -114,9 +115,9 @@ impl Path {
 
     /// v + ε (s − centre) + t p of s, which the law holds for.
     pub(super) fn velocity(&self, change: &Change, t: f64) -> Vec<Vector2<f64>> {
-        let mut v = self.layout.velocity(&self.s);
-        let drawn = self.s.iter().zip(change.centre).zip(change.perturbation);
-        v.iter_mut().zip(drawn).for_each(|(v, ((s, c), p))| *v += change.epsilon * (s - c) + t * p);
+        let drawn = Drawn { epsilon: change.epsilon, centre: Some(change.centre) };
+        let mut v = drawn.velocity(&self.layout, &self.s);
+        v.iter_mut().zip(change.perturbation).for_each(|(v, p)| *v += t * p);
         v
     }
 
@@ -126,11 +127,11 @@ impl Path {
         let mut dv = added.to_vec();
         let mut moves = f64::INFINITY;
         for _ in 0..SOLVES {
-            self.matrix.stop(&self.layout.columns, &dv, &mut ds);
-            let y = self.layout.pushed(&ds);
+            self.matrix.correct(&self.layout.columns, &dv, &mut ds);
+            let y = self.layout.pushed(vec![Vector3::zeros(); self.layout.grains()], &ds);
             let of = self.layout.columns.iter().zip(&ds).zip(added);
             dv = of.map(|((column, ds), added)| column.relative(&y) + epsilon * ds + added).collect();
-            let before = std::mem::replace(&mut moves, moving(&self.status, &dv));
+            let before = std::mem::replace(&mut moves, wanted(&self.status, &ds, &dv));
             if moves <= ALONG * (norm(&ds) + norm(added)) || moves > WORTH_ANOTHER * before {
                 break;
             }
@@ -144,18 +145,17 @@ impl Path {
         let mut moves = f64::INFINITY;
         for _ in 0..SOLVES {
             let v = self.velocity(change, t);
-            let before = std::mem::replace(&mut moves, moving(&self.status, &v));
-            if moves <= allowed * (norm(&self.s) + self.layout.terms_of_b()) || moves > WORTH_ANOTHER * before
-            {
+            let before = std::mem::replace(&mut moves, wanted(&self.status, &self.s, &v));
+            if moves <= allowed * (norm(&self.s) + self.layout.terms_of_b) || moves > WORTH_ANOTHER * before {
                 break;
             }
-            self.matrix.stop(&self.layout.columns, &v, &mut self.s);
+            self.matrix.correct(&self.layout.columns, &v, &mut self.s);
         }
     }
 
     /// The matrix of the statuses that there are; says whether it has an inverse.
     fn factorise(&mut self, epsilon: f64) -> bool {
-        self.matrix.factorise(&self.layout.columns, &self.status, 1.0 / epsilon)
+        self.matrix.factorise(&self.layout.columns, &self.status, epsilon)
     }
 
     /// Updates the factor after a contact changed its status; reports whether there is one.
@@ -173,10 +173,7 @@ impl Path {
         let v = self.layout.velocity(&self.s);
         self.status = self.layout.statuses(&self.s, &v);
         let moved: Vec<_> = self.s.iter().zip(&v).map(|(s, v)| s - v).collect();
-        let admit = |(moved, column): (&Vector2<f64>, &contact::RoughColumn)| {
-            super::layout::admissible(*moved, column.friction())
-        };
-        self.s = moved.iter().zip(&self.layout.columns).map(admit).collect();
+        self.s = self.layout.admitted(&moved);
         self.s.iter().zip(&moved).map(|(s, moved)| s - moved).collect()
     }
 
@@ -187,32 +184,31 @@ impl Path {
         work
     }
 
-    /// Velocities without those of what is held.
+    /// Takes from velocities what contacts must not have.
     pub(super) fn free_of_held(&self, v: &mut [Vector2<f64>]) {
-        v.iter_mut().zip(&self.status).for_each(|(v, status)| *v -= held(*status, *v));
+        for (v, status) in v.iter_mut().zip(&self.status) {
+            match status {
+                Status::Open => {}
+                Status::Stick => *v = Vector2::zeros(),
+                Status::Slide(_) => v.x = 0.0,
+            }
+        }
+    }
+
+    /// Sweeps over the contacts.
+    pub(super) fn sweep(&mut self, sweeps: u32) {
+        self.sweeps += u64::from(sweeps);
+        self.layout.sweep(Drawn { epsilon: 0.0, centre: None }, &mut self.s, sweeps);
     }
 
     /// Returns the residual of s, made admissible (√J).
     pub(super) fn left(&self) -> f64 {
-        let s = self.admitted();
+        let s = self.layout.admitted(&self.s);
         self.layout.left(&s, &self.layout.velocity(&s))
-    }
-
-    /// The nearest impulses to s that the law admits (√J).
-    pub(super) fn admitted(&self) -> Vec<Vector2<f64>> {
-        let admit = |(s, column): (&Vector2<f64>, &contact::RoughColumn)| {
-            super::layout::admissible(*s, column.friction())
-        };
-        self.s.iter().zip(&self.layout.columns).map(admit).collect()
     }
 
     /// Reports whether the residual of s is round-off.
     pub(super) fn is_solved(&self) -> bool {
         self.layout.is_round_off(self.left(), &self.s)
-    }
-
-    /// Returns the distance of s from another (√J).
-    pub(super) fn distance(&self, other: &[Vector2<f64>]) -> f64 {
-        norm(&self.s.iter().zip(other).map(|(a, b)| a - b).collect::<Vec<_>>())
     }
 }

@@ -4,10 +4,12 @@
 //! time; a proximal point goes 1/ε times as far at once, through all that opens and slides on its way. So ε falls while paths arrive;
 //! where one does not, ε grows; where that does not help either, sweeps look for another beginning.
 
-use super::layout::{Layout, norm};
+use super::layout::{distance, norm};
+use super::newton::Newton;
 use super::path::{Change, Path};
-use contact::sweep::Sweep;
-use contact::{Packing, RoughDiscs, SetupError, Work};
+use super::{Approach, Points};
+use crate::Best;
+use contact::Work;
 use nalgebra::Vector2;
 
 /// ε of the first path, the least and the greatest (–).
@@ -42,8 +44,7 @@ const BEGUN_ANEW: u32 = 40;
 const ROUND_OFF: f64 = 1e-14;
 
 /// The points.
-pub(crate) struct Proximal<'p> {
-    problem: &'p Packing<RoughDiscs>,
+pub(super) struct Exact {
     path: Path,
     epsilon: f64,
     /// For which the law holds with s (√J).
@@ -58,32 +59,9 @@ pub(crate) struct Proximal<'p> {
     last: Option<Vec<Vector2<f64>>>,
 }
 
-impl<'p> Proximal<'p> {
-    /// From the impulses `r` (N·s), in the problem's order.
-    ///
-    /// # Errors
-    /// Where the problem is too large.
-    pub(super) fn new(problem: &'p Packing<RoughDiscs>, r: &[f64]) -> Result<Self, SetupError> {
-        let mut path = Path::new(Layout::new(problem))?;
-        path.s = path.layout.scaled(r);
-        let least = path.left();
-        let v = path.begin();
-        Ok(Self {
-            problem,
-            path,
-            epsilon: FIRST,
-            v,
-            in_vain: 0,
-            begun_anew: 0,
-            least,
-            halved: least,
-            points: 0,
-            last: None,
-        })
-    }
-
+impl Exact {
     /// One point. Returns what it leaves of the law (√J), `None` where the path did not arrive.
-    pub(super) fn advance(&mut self) -> Option<f64> {
+    fn step(&mut self) -> Option<f64> {
         if self.least <= 0.5 * self.halved {
             (self.halved, self.points) = (self.least, 0);
         }
@@ -95,9 +73,9 @@ impl<'p> Proximal<'p> {
         let change = Change { epsilon: self.epsilon, centre: &centre, perturbation: &perturbation };
         let lines = self.path.follow(&change);
         let left = self.path.left();
-        let moved = self.path.distance(&centre);
+        let moved = distance(&self.path.s, &centre);
         if let Some(lines) = lines {
-            if left <= 2.0 * self.epsilon * moved + ROUND_OFF * self.path.layout.terms_of_b() {
+            if left <= 2.0 * self.epsilon * moved + ROUND_OFF * self.path.layout.terms_of_b {
                 self.least = self.least.min(left);
                 self.in_vain = 0;
                 self.v = self.path.velocity(&change, 0.0);
@@ -112,7 +90,7 @@ impl<'p> Proximal<'p> {
                 self.begun_anew += 1;
                 self.last = None;
                 self.least = self.least.min(left);
-                self.path.s = self.path.admitted();
+                self.path.s = self.path.layout.admitted(&self.path.s);
                 self.v = self.path.begin();
                 self.epsilon = self.epsilon.max(1e-7);
                 return Some(left);
@@ -139,9 +117,7 @@ impl<'p> Proximal<'p> {
         // ε drives, so that twice the ε goes half as far.
         let now: Vec<_> =
             self.path.s.iter().zip(before).map(|(now, before)| self.epsilon * (now - before)).collect();
-        let apart =
-            |last: &Vec<Vector2<f64>>| norm(&now.iter().zip(last).map(|(a, b)| a - b).collect::<Vec<_>>());
-        if last.is_some_and(|last| apart(&last) < DRIFT * norm(&now)) {
+        if last.is_some_and(|last| distance(&now, &last) < DRIFT * norm(&now)) {
             let times = self.path.room(&now) * (1.0 - 1e-7);
             if times.is_finite() && times * self.epsilon > 1.0 {
                 self.path.s.iter_mut().zip(&now).for_each(|(s, now)| *s += times * now);
@@ -155,40 +131,45 @@ impl<'p> Proximal<'p> {
 
     /// Begins anew from where sweeps lead.
     fn sweep(&mut self, sweeps: u32) {
-        let mut r = vec![0.0; 2 * self.path.s.len()];
-        self.path.layout.impulses(&self.path.s, &mut r);
-        let order: Vec<u32> = (0..self.path.s.len() as u32).collect();
-        let mut sweep = Sweep::new(self.problem, &order, &r);
-        for _ in 0..sweeps {
-            let Sweep { rows, s, y, .. } = &mut sweep;
-            rows.iter().zip(s).for_each(|(row, s)| {
-                row.solve(s, y, 1.0);
-            });
-        }
-        self.path.sweeps += u64::from(sweeps);
-        sweep.impulses(&mut r);
-        self.path.s = self.path.layout.scaled(&r);
+        self.path.sweep(sweeps);
         self.v = self.path.begin();
         self.epsilon = (10.0 * self.epsilon.max(1e-6)).min(GREATEST);
     }
+}
 
-    /// Reports whether nothing leads on.
-    pub(super) fn is_in_vain(&self) -> bool {
-        self.in_vain >= IN_VAIN || self.points > PATIENCE
+impl Points<2, 3> for Exact {
+    fn new(newton: &Newton<2, 3>, best: &Best) -> Option<Self> {
+        let mut path = Path::new(newton.layout.clone()).ok()?;
+        path.s = path.layout.scaled(&best.impulses);
+        let least = path.left();
+        let v = path.begin();
+        Some(Self {
+            path,
+            epsilon: FIRST,
+            v,
+            in_vain: 0,
+            begun_anew: 0,
+            least,
+            halved: least,
+            points: 0,
+            last: None,
+        })
     }
 
-    /// Reports whether the residual is round-off.
-    pub(super) fn is_solved(&self) -> bool {
-        self.path.is_solved()
+    fn advance(&mut self, _: &mut Newton<2, 3>, best: &mut Best, _: f64) -> Approach {
+        if let Some(left) = self.step() {
+            best.take(left, |r| self.path.layout.impulses(&self.path.s, r));
+        }
+        if self.path.is_solved() {
+            Approach::Solved
+        } else if self.in_vain >= IN_VAIN || self.points > PATIENCE {
+            Approach::InVain
+        } else {
+            Approach::On
+        }
     }
 
-    /// The impulses (N·s).
-    pub(super) fn impulses(&self, r: &mut [f64]) {
-        self.path.layout.impulses(&self.path.s, r);
-    }
-
-    /// Work so far.
-    pub(super) fn work(&self) -> Work {
+    fn work(&self) -> Work {
         self.path.work()
     }
 }

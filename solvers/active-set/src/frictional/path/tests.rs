@@ -1,9 +1,11 @@
 //! Properties of paths by their theory, and changes of the matrix.
 
-use super::super::layout::{Layout, Status, admissible};
+use super::super::layout::Layout;
 use super::super::matrix::Matrix;
 use super::{Change, Path};
-use contact::{Packing, RoughContact, RoughMass};
+use contact::law::admissible;
+use contact::status::Status;
+use contact::{Cone, Packing, RoughContact, RoughMass};
 use nalgebra::{Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -69,24 +71,24 @@ fn a_path_from_open_contacts_ends_at_a_solution_of_coulombs_law() {
 fn a_matrix_that_followed_changes_solves_as_one_made_anew() {
     let layout = Layout::new(&packing(7, 8));
     let columns = &layout.columns;
-    let kappa = 1e3;
+    let epsilon = 1e-3;
     let mut status = vec![Status::Stick; columns.len()];
-    let mut followed = Matrix::new(columns, layout.grains()).unwrap();
-    assert!(followed.factorise(columns, &status, kappa));
+    let mut followed = Matrix::new(&layout).unwrap();
+    assert!(followed.factorise(columns, &status, epsilon));
     let changes = [
-        (3, Status::Slide(1.0)),
-        (5, Status::Slide(-1.0)),
+        (3, Status::slide(1.0)),
+        (5, Status::slide(-1.0)),
         (3, Status::Open),
-        (11, Status::Slide(1.0)),
-        (3, Status::Slide(-1.0)),
+        (11, Status::slide(1.0)),
+        (3, Status::slide(-1.0)),
         (5, Status::Stick),
     ];
     for (contact, next) in changes {
         status[contact] = next;
         assert!(followed.change(columns, contact, next));
     }
-    let mut anew = Matrix::new(columns, layout.grains()).unwrap();
-    assert!(anew.factorise(columns, &status, kappa));
+    let mut anew = Matrix::new(&layout).unwrap();
+    assert!(anew.factorise(columns, &status, epsilon));
     let mut x: Vec<_> = (0..layout.grains()).map(|k| Vector3::new(1.0, k as f64, -0.5)).collect();
     let mut y = x.clone();
     followed.solve(columns, &mut x);
@@ -94,7 +96,7 @@ fn a_matrix_that_followed_changes_solves_as_one_made_anew() {
     let apart = x.iter().zip(&y).map(|(x, y)| (x - y).norm()).fold(0.0, f64::max);
     assert!(apart < 1e-9, "{apart}");
     // From stick to open leads no product of one column: it is then the matrix of nothing.
-    assert!(followed.is_of(&status, kappa));
+    assert!(followed.is_of(&status, epsilon));
     status[0] = Status::Open;
-    assert!(!followed.change(columns, 0, Status::Open) && !followed.is_of(&status, kappa));
+    assert!(!followed.change(columns, 0, Status::Open) && !followed.is_of(&status, epsilon));
 }

@@ -8,13 +8,12 @@
 //! V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, A formulation of the linear discrete Coulomb friction problem via convex
 //! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175.
 
-use super::terms_of_b;
+use crate::frictional::Layout;
 use crate::interior::Interior;
 use crate::scaled::Space;
 use crate::set::Set;
 use cholesky::{Coupling, Factor, Order, Structure};
-use contact::scaled::scaled_velocity;
-use contact::{Column, Mass, Packing, RoughColumn, RoughDiscs, SetupError, Touch, Vector, Work};
+use contact::{Column, Cone, Packing, RoughDiscs, SetupError, Touch, Vector, Work};
 use nalgebra::{Vector2, Vector3};
 use std::sync::Arc;
 
@@ -22,13 +21,11 @@ use std::sync::Arc;
 struct Edges {
     structure: Arc<Structure<3>>,
     factor: Option<Factor<3>>,
-    contacts: Vec<RoughColumn>,
+    layout: Layout<2, 3>,
     /// √(1 + μ²) with the friction of the column: the length of an edge.
     length: Vec<f64>,
-    /// c/√`W_αα`, and σ/√`w_n` (√J).
-    offset: Vec<Vector2<f64>>,
+    /// σ/√`w_n` (√J).
     sigma: Vec<f64>,
-    free: Vec<Vector3<f64>>,
     y: Vec<Vector3<f64>>,
     work: Work,
 }
@@ -37,44 +34,42 @@ impl Edges {
     /// The impulse of a contact from those of its edges.
     fn impulse(&self, contact: usize, z: &[f64]) -> Vector2<f64> {
         let ([one, other], length) = ([z[2 * contact], z[2 * contact + 1]], self.length[contact]);
-        Vector2::new(one + other, self.contacts[contact].friction() * (one - other)) / length
+        Vector2::new(one + other, self.layout.columns[contact].friction() * (one - other)) / length
     }
 
     /// Returns the components of a relative velocity along the two edges.
     fn along(&self, contact: usize, v: Vector2<f64>) -> [f64; 2] {
-        let tangential = self.contacts[contact].friction() * v.y;
+        let tangential = self.layout.columns[contact].friction() * v.y;
         [(v.x + tangential) / self.length[contact], (v.x - tangential) / self.length[contact]]
     }
 
     /// h̃ of an edge at both grains.
-    fn column(&self, edge: usize) -> (Vector3<f64>, Vector3<f64>) {
-        let column = &self.contacts[edge / 2];
+    fn column(&self, edge: usize) -> [Vector3<f64>; 2] {
+        let column = &self.layout.columns[edge / 2];
         let sign = if edge.is_multiple_of(2) { 1.0 } else { -1.0 };
-        let at = |[n, t]: [Vector3<f64>; 2]| (n + sign * column.friction() * t) / self.length[edge / 2];
-        let [first, second] = column.at_ends();
-        (at(first), at(second))
+        column.pushes(Vector2::new(1.0, sign * column.friction()) / self.length[edge / 2])
     }
 }
 
 impl Space for Edges {
     fn contacts(&self) -> usize {
-        2 * self.contacts.len()
+        2 * self.layout.columns.len()
     }
 
     fn terms_of_b(&self) -> f64 {
         // Two edges.
-        2.0 * terms_of_b(&self.contacts, &self.offset, &self.free)
+        2.0 * self.layout.terms_of_b
     }
 
     fn velocities(&mut self, z: &[f64], v: &mut [f64]) {
         self.work.delassus_products += 1;
-        self.y.copy_from_slice(&self.free);
-        for k in 0..self.contacts.len() {
+        self.y.copy_from_slice(&self.layout.free);
+        for k in 0..self.layout.columns.len() {
             let s = self.impulse(k, z);
-            self.contacts[k].push(s, &mut self.y);
+            self.layout.columns[k].push(s, &mut self.y);
         }
-        for k in 0..self.contacts.len() {
-            let along = self.contacts[k].relative(&self.y) + self.offset[k];
+        for k in 0..self.layout.columns.len() {
+            let along = self.layout.columns[k].relative(&self.y) + self.layout.offset[k];
             let along = self.along(k, along + Vector2::new(self.sigma[k], 0.0));
             v[2 * k..2 * k + 2].copy_from_slice(&along);
         }
@@ -86,7 +81,7 @@ impl Space for Edges {
         let mut factor = self.factor.take();
         let coupling = |contact: usize| {
             let dyad = |edge: usize| {
-                let (first, second) = self.column(edge);
+                let [first, second] = self.column(edge);
                 Coupling::dyad(weight(edge), first, second)
             };
             Some(dyad(2 * contact) + dyad(2 * contact + 1))
@@ -100,15 +95,15 @@ impl Space for Edges {
     fn solve(&mut self, p: impl Fn(usize) -> f64, mut take: impl FnMut(usize, f64)) {
         self.y.fill(Vector3::zeros());
         let pairs: Vec<f64> = (0..self.contacts()).map(p).collect();
-        for k in 0..self.contacts.len() {
+        for k in 0..self.layout.columns.len() {
             let s = self.impulse(k, &pairs);
-            self.contacts[k].push(s, &mut self.y);
+            self.layout.columns[k].push(s, &mut self.y);
         }
         let Some(factor) = &self.factor else { return };
         factor.solve(&mut self.y);
         self.work.triangular_solve_entries += 2 * factor.entries() as u64;
-        for k in 0..self.contacts.len() {
-            let [one, other] = self.along(k, self.contacts[k].relative(&self.y));
+        for k in 0..self.layout.columns.len() {
+            let [one, other] = self.along(k, self.layout.columns[k].relative(&self.y));
             take(2 * k, one);
             take(2 * k + 1, other);
         }
@@ -118,7 +113,6 @@ impl Space for Edges {
 /// The fixed point: first the programme with σ = 0, the convex relaxation, then those with the σ that the one before leaves.
 pub struct Convex {
     set: Set<Edges>,
-    unit: Vec<Vector2<f64>>,
     /// √(Σ max(0, −`b_n`)²/`w_n`) (√J).
     scale: f64,
 }
@@ -143,41 +137,23 @@ impl Convex {
         let ends: Vec<_> = problem.contacts().iter().map(Touch::ends).collect();
         let order = Order::fill_reducing(problem.position(), &ends)?;
         let structure = Structure::new(&ends, &order)?;
-        let place = structure.position();
-        let inverse_mass = |grain: u32| Mass::<Vector3<f64>>::inverse(problem.mass()[grain as usize], 1.0);
-        let column = |contact: &contact::RoughContact| {
-            let (i, j) = contact.ends();
-            let places = (place[i as usize], j.map(|j| place[j as usize]));
-            RoughColumn::new(contact, places, inverse_mass, true)
-        };
-        let (contacts, unit): (Vec<RoughColumn>, Vec<Vector2<f64>>) =
-            problem.contacts().iter().map(column).unzip();
-        let mut free = vec![Vector3::zeros(); problem.grain_count()];
-        for (place, y) in place.iter().zip(scaled_velocity(problem, &vec![0.0; problem.impulse_count()])) {
-            free[*place as usize] = y;
-        }
+        let layout = Layout::placed(problem, |grain| structure.position()[grain as usize]);
         let edges = Edges {
-            length: contacts.iter().map(|column| column.friction().hypot(1.0)).collect(),
-            offset: problem
-                .contacts()
-                .iter()
-                .zip(&unit)
-                .map(|(at, unit)| at.offset.component_div(unit))
-                .collect(),
-            sigma: vec![0.0; contacts.len()],
-            y: free.clone(),
+            length: layout.columns.iter().map(|column| column.friction().hypot(1.0)).collect(),
+            sigma: vec![0.0; layout.columns.len()],
+            y: layout.free.clone(),
             factor: None,
             work: Work::default(),
             structure,
-            contacts,
-            free,
+            layout,
         };
-        Ok(Self { set: Set::on(edges), unit, scale: problem.scale().sqrt() })
+        Ok(Self { set: Set::on(edges), scale: problem.scale().sqrt() })
     }
 
     /// Asks of the next programme that `v_n` be above μ|`v_t`| by a margin at each contact (m/s).
     pub fn ask_for(&mut self, margin: f64) {
-        for (sigma, unit) in self.set.scaled.sigma.iter_mut().zip(&self.unit) {
+        let Edges { sigma, layout, .. } = &mut self.set.scaled;
+        for (sigma, unit) in sigma.iter_mut().zip(&layout.unit) {
             *sigma = -margin / unit.x;
         }
     }
@@ -189,7 +165,7 @@ impl Convex {
         let edges = &mut self.set.scaled;
         let mut v = vec![0.0; edges.contacts()];
         edges.velocities(&self.set.s, &mut v);
-        for k in 0..edges.contacts.len() {
+        for k in 0..edges.layout.columns.len() {
             // Along both edges v differs by 2 μ v_t.
             edges.sigma[k] = (0.5 * edges.length[k] * (v[2 * k] - v[2 * k + 1])).abs();
         }
@@ -242,7 +218,7 @@ impl Convex {
     /// Impulses in the problem's order (N·s), within the cones.
     pub fn impulses(&self, r: &mut [f64]) {
         let z: Vec<f64> = self.set.s.iter().map(|z| z.max(0.0)).collect();
-        for (k, unit) in self.unit.iter().enumerate() {
+        for (k, unit) in self.set.scaled.layout.unit.iter().enumerate() {
             self.set.scaled.impulse(k, &z).component_div(unit).put(r, k);
         }
     }

@@ -1,7 +1,8 @@
 //! A line of a path: where it leads, and which contact ends it.
 
 use super::Path;
-use crate::rough::layout::Status;
+use contact::Cone;
+use contact::status::Status;
 use nalgebra::Vector2;
 
 /// End of a line: the contact, and the status that it then has.
@@ -9,7 +10,7 @@ use nalgebra::Vector2;
 pub(super) struct End {
     pub(super) at: f64,
     pub(super) contact: usize,
-    pub(super) next: Status,
+    pub(super) next: Status<2>,
 }
 
 /// The direction of a line: the change of s and that of v (√J), for dt = 1.
@@ -20,13 +21,13 @@ pub(super) struct Line {
 
 impl Path {
     /// Reports whether a contact comes into the status that it now has, from the one before, as t grows.
-    pub(super) fn enters(&self, contact: usize, before: Status, along: &Line) -> bool {
+    pub(super) fn enters(&self, contact: usize, before: Status<2>, along: &Line) -> bool {
         let (ds, dv) = (along.ds[contact], along.dv[contact]);
         let friction = self.layout.columns[contact].friction();
         let inwards = match (before, self.status[contact]) {
             (Status::Slide(_), Status::Open) => dv.x,
-            (Status::Slide(sign), _) => friction * ds.x - sign * ds.y,
-            (Status::Stick, Status::Slide(sign)) => -sign * dv.y,
+            (Status::Slide(slide), _) => friction * ds.x - slide.along.y * ds.y,
+            (Status::Stick, Status::Slide(slide)) => -slide.along.y * dv.y,
             _ => ds.x,
         };
         inwards > 0.0
@@ -35,7 +36,7 @@ impl Path {
     /// Returns the end of the line from s and `v`, if it has one, as t grows or falls with its `sign`. It does not end where it began.
     pub(super) fn end(
         &self,
-        crossed: Option<(usize, Status)>,
+        crossed: Option<(usize, Status<2>)>,
         v: &[Vector2<f64>],
         sign: f64,
         along: &Line,
@@ -45,7 +46,7 @@ impl Path {
             let (s, v) = (self.s[contact], v[contact]);
             let (ds, dv) = (sign * along.ds[contact], sign * along.dv[contact]);
             let friction = self.layout.columns[contact].friction();
-            let mut meet = |room: f64, closing: f64, next: Status| {
+            let mut meet = |room: f64, closing: f64, next: Status<2>| {
                 let at = room.max(0.0) / closing;
                 let is_where_it_began = crossed == Some((contact, next));
                 if closing > 0.0 && !is_where_it_began && first.is_none_or(|first| at < first.at) {
@@ -57,16 +58,17 @@ impl Path {
                     let at = v.x / -dv.x;
                     let side = if v.y + at * dv.y < 0.0 { 1.0 } else { -1.0 };
                     if !matches!(crossed, Some((c, Status::Slide(_))) if c == contact) {
-                        meet(v.x, -dv.x, Status::Slide(side));
+                        meet(v.x, -dv.x, Status::slide(side));
                     }
                 }
                 Status::Stick => {
                     for side in [1.0, -1.0] {
                         let (room, closing) = (friction * s.x - side * s.y, side * ds.y - friction * ds.x);
-                        meet(room, closing, Status::Slide(side));
+                        meet(room, closing, Status::slide(side));
                     }
                 }
-                Status::Slide(side) => {
+                Status::Slide(slide) => {
+                    let side = slide.along.y;
                     meet(s.x, -ds.x, Status::Open);
                     meet(-side * v.y, side * dv.y, Status::Stick);
                 }

@@ -1,0 +1,259 @@
+//! With friction: the stages that lead to where Newton's method ends, one after the other.
+//!
+//! Nothing is minimised, and no way is known that always leads to that neighbourhood. Accelerated sweeps of Gauss-Seidel come first.
+//! Where their residual reaches the accuracy of the start, or a tenth of the threshold before, Newton's method is tried, and sweeps
+//! resume where it stalls. Where sweeps stall, proximal points follow; where these stall too, that is the floor, and the end. Where
+//! factors do not fit in memory, sweeps are the only stage.
+
+mod exact;
+mod layout;
+mod matrix;
+mod newton;
+mod path;
+mod proximal;
+
+pub(crate) use layout::Layout;
+
+use crate::{ActiveSet, Best, Start};
+use contact::acceleration::Acceleration;
+use contact::{Frictional, Iteration, Packing, Rough, RoughDiscs, RoughSpheres, SetupError, Solver, Work};
+use exact::Exact;
+use nalgebra::SVector;
+use newton::{Newton, Step};
+use nsgs::Nsgs;
+use proximal::Proximal;
+
+/// Ratio of a residual threshold to the one before (–).
+const RUNG: f64 = 0.1;
+
+/// Sweeps in which the residual must be halved, or proximal points follow.
+const PATIENCE: u64 = 1000;
+
+/// Sweeps from one look at the residual to the next: a look costs about as much as two.
+const LOOK: u64 = 25;
+
+/// Largest residual of the law at an end where no step reduces it, over the problem's scale (–): else it is no end.
+const ROUND_OFF: f64 = 1e-12;
+
+/// Phase of an iteration.
+#[derive(Clone, Copy)]
+enum Phase {
+    /// Accelerated sweeps.
+    Sweeps,
+    /// Proximal points.
+    Proximal,
+    /// Newton's method.
+    Newton,
+    /// No further iteration helps.
+    Ended,
+}
+
+/// Proximal points, which differ between plane and space.
+trait Points<const D: usize, const N: usize>: Sized
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    /// Begins at the best impulses; none, where the problem is too large.
+    fn new(newton: &Newton<D, N>, best: &Best) -> Option<Self>;
+
+    /// One proximal point, or a step towards it; what leaves at most `round_off` (√J) is nearly a solution.
+    fn advance(&mut self, newton: &mut Newton<D, N>, best: &mut Best, round_off: f64) -> Approach;
+
+    /// Work that is not Newton's method's.
+    fn work(&self) -> Work {
+        Work::default()
+    }
+}
+
+/// Result of a proximal point, or of a step towards it.
+enum Approach {
+    /// Residual at round-off.
+    Solved,
+    /// Newton's method ends it.
+    Nearly,
+    On,
+    /// Nothing leads on.
+    InVain,
+}
+
+struct Run<'p, P, const D: usize, const N: usize>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    /// Accelerated sweeps, and how many.
+    sweeps: Box<dyn Iteration + 'p>,
+    swept: u64,
+    /// Residual of the sweeps when it was last halved (√J), and after how many of them.
+    halved: (f64, u64),
+    newton: Newton<D, N>,
+    /// Proximal points, once sweeps have stalled.
+    points: Option<P>,
+    phase: Phase,
+    /// Next residual threshold (√J).
+    rung: f64,
+    /// √(Σ max(0, −b)²/`W_αα`) (√J).
+    scale: f64,
+    best: Best,
+}
+
+impl<P: Points<D, N>, const D: usize, const N: usize> Run<'_, P, D, N>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    /// One sweep, and at times a look at what it leaves.
+    fn sweep(&mut self) {
+        self.sweeps.advance();
+        self.swept += 1;
+        if !self.swept.is_multiple_of(LOOK) {
+            return;
+        }
+        let mut r = vec![0.0; self.best.impulses.len()];
+        self.sweeps.impulses(&mut r);
+        let left = self.newton.left_by(&r);
+        if left <= 0.5 * self.halved.0 {
+            self.halved = (left, self.swept);
+        }
+        self.best.take(left, |best| best.copy_from_slice(&r));
+        if left <= self.rung {
+            self.best = Best { left, impulses: r };
+            self.try_newton();
+        } else if self.swept >= self.halved.1 + PATIENCE || !left.is_finite() {
+            self.begin_points();
+        }
+    }
+
+    /// Proximal points from the best impulses.
+    fn begin_points(&mut self) {
+        if self.newton.prepare().is_ok() {
+            self.points = P::new(&self.newton, &self.best);
+        }
+        if self.points.is_some() {
+            self.phase = Phase::Proximal;
+        }
+    }
+
+    /// One proximal point, or a step towards it.
+    fn proximal(&mut self) {
+        let Some(points) = &mut self.points else { return };
+        match points.advance(&mut self.newton, &mut self.best, ROUND_OFF * self.scale) {
+            Approach::On => {}
+            Approach::Nearly => self.try_newton(),
+            Approach::Solved | Approach::InVain => self.phase = Phase::Ended,
+        }
+    }
+
+    /// Newton's method from the best impulses.
+    fn try_newton(&mut self) {
+        self.rung *= RUNG;
+        if self.newton.prepare().is_ok() {
+            self.best.left = self.newton.begin(&self.best.impulses);
+            self.phase = Phase::Newton;
+        }
+    }
+
+    /// One step of Newton's method. Where it stalls, sweeps resume at once: an iterate that stays would look like one that needs no
+    /// change.
+    fn newton_step(&mut self) {
+        self.phase = match self.newton.advance(&mut self.best) {
+            Step::Solved => Phase::Ended,
+            Step::On => Phase::Newton,
+            Step::InVain if self.points.is_some() || self.best.left <= ROUND_OFF * self.scale => Phase::Ended,
+            Step::InVain => {
+                self.phase = Phase::Sweeps;
+                return self.sweep();
+            }
+        };
+    }
+}
+
+impl<P: Points<D, N>, const D: usize, const N: usize> Iteration for Run<'_, P, D, N>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    fn advance(&mut self) {
+        match self.phase {
+            Phase::Sweeps => self.sweep(),
+            Phase::Proximal => self.proximal(),
+            Phase::Newton => self.newton_step(),
+            Phase::Ended => {}
+        }
+    }
+
+    fn impulses(&self, r: &mut [f64]) {
+        match self.phase {
+            Phase::Sweeps => self.sweeps.impulses(r),
+            _ => r.copy_from_slice(&self.best.impulses),
+        }
+    }
+
+    fn stalled(&self) -> bool {
+        matches!(self.phase, Phase::Ended)
+    }
+
+    fn work(&self) -> Work {
+        let mut work = self.sweeps.work();
+        work += self.newton.work();
+        self.points.iter().for_each(|points| work += points.work());
+        work
+    }
+}
+
+impl ActiveSet {
+    /// A run with friction from the impulses `r0` (N·s).
+    fn with_friction<'p, P: Points<D, N> + 'static, const D: usize, const N: usize>(
+        &self,
+        problem: &'p Packing<Rough<D>>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError>
+    where
+        Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+    {
+        SetupError::unless_not_negative("start_accuracy", self.start_accuracy)?;
+        let expected = "sweeps or cold-set: cg and its interior point are for problems without friction";
+        for (start, name) in [(Start::Cg, "cg"), (Start::InteriorPoint, "interior-point")] {
+            SetupError::unless(self.start != Some(start), "start", name, expected)?;
+        }
+        let at_once = self.start == Some(Start::ColdSet);
+        let method = Nsgs { acceleration: Acceleration::Nesterov, ..Nsgs::default() };
+        let (newton, scale) = (Newton::new(problem), problem.scale().sqrt());
+        let (left, rung) = (newton.left_by(r0), self.start_accuracy * scale);
+        let mut run: Run<P, D, N> = Run {
+            sweeps: method.start(problem, r0)?,
+            swept: 0,
+            halved: (f64::INFINITY, 0),
+            newton,
+            points: None,
+            phase: Phase::Sweeps,
+            rung,
+            scale,
+            best: Best { left, impulses: r0.to_vec() },
+        };
+        if at_once {
+            run.newton.prepare()?;
+        }
+        if at_once || self.warm && left <= rung && r0.iter().any(|r| *r != 0.0) {
+            run.try_newton();
+        }
+        Ok(Box::new(run))
+    }
+}
+
+impl Solver<RoughDiscs> for ActiveSet {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<RoughDiscs>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        self.with_friction::<Exact, 2, 3>(problem, r0)
+    }
+}
+
+impl Solver<RoughSpheres> for ActiveSet {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<RoughSpheres>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        self.with_friction::<Proximal, 3, 6>(problem, r0)
+    }
+}

@@ -1,0 +1,197 @@
+//! K = 1 + Σ H̃ P H̃ᵗ of the contacts that are held, in blocks of grains: it has factors, and after single contacts changed their status
+//! solves with the factors that it had and what changed.
+
+use super::layout::{ColumnOf, Layout};
+use cholesky::{Lu, OneWay, Order, Structure};
+use contact::status::{Slide, Status, unit};
+use contact::{Column, Cone, Frictional, Rough, RoughColumn, SetupError, Work};
+use nalgebra::{DMatrix, DVector, Dyn, LU, SMatrix, SVector, Vector2};
+use std::sync::Arc;
+
+/// K, of which the structure never changes.
+pub(super) struct Matrix<const D: usize, const N: usize> {
+    structure: Arc<Structure<N>>,
+    factors: Lu<N>,
+    is_factorised: bool,
+    changes: Changes<D, N>,
+    /// Statuses and ε (–) of the matrix.
+    status: Vec<Status<D>>,
+    epsilon: f64,
+    work: Work,
+}
+
+/// Changes since the factor was made: K is the factor's matrix and Σ push pullᵗ/ε of these.
+struct Changes<const D: usize, const N: usize> {
+    /// By contact, what pushes and what pulls, as impulses of the contact.
+    of: Vec<(usize, SVector<f64, D>, SVector<f64, D>)>,
+    /// K₀⁻¹ push/ε of each.
+    solved: Vec<Vec<SVector<f64, N>>>,
+    /// 1 + pullᵗ K₀⁻¹ push/ε.
+    small: Option<LU<f64, Dyn, Dyn>>,
+}
+
+impl<const D: usize, const N: usize> Default for Changes<D, N> {
+    fn default() -> Self {
+        Self { of: Vec::new(), solved: Vec::new(), small: None }
+    }
+}
+
+impl<const D: usize, const N: usize> Matrix<D, N>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    /// Prepares the matrix of a packing.
+    ///
+    /// # Errors
+    /// Where it is too large for that.
+    pub(super) fn new(layout: &Layout<D, N>) -> Result<Self, SetupError> {
+        let ends: Vec<_> = layout
+            .columns
+            .iter()
+            .map(ColumnOf::<D>::places)
+            .map(|[i, j]| (i, (j != i).then_some(j)))
+            .collect();
+        let order = Order::minimum_degree(layout.grains(), &ends)?;
+        let structure = Structure::new(&ends, &order)?;
+        Ok(Self {
+            factors: Lu::new(Arc::clone(&structure))?,
+            structure,
+            is_factorised: false,
+            changes: Changes::default(),
+            status: Vec::new(),
+            epsilon: 0.0,
+            work: Work::default(),
+        })
+    }
+
+    /// Reports whether it solves with the matrix of these statuses and ε (–).
+    pub(super) fn is_of(&self, status: &[Status<D>], epsilon: f64) -> bool {
+        self.is_factorised && self.epsilon == epsilon && self.status == status
+    }
+
+    /// Factorises the matrix of these statuses with ε (–) and reports whether it has a factor.
+    pub(super) fn factorise(&mut self, columns: &[ColumnOf<D>], status: &[Status<D>], epsilon: f64) -> bool {
+        self.changes = Changes::default();
+        self.epsilon = epsilon;
+        self.status.clear();
+        self.status.extend_from_slice(status);
+        let coupling = |contact: usize| {
+            let column = &columns[contact];
+            let weights = status[contact].weights(column.friction(), epsilon)?;
+            let of_unknowns: [_; D] = std::array::from_fn(|unknown| column.pushes(unit(unknown)));
+            let ends = [0, 1].map(|end| SMatrix::<f64, N, D>::from_columns(&of_unknowns.map(|of| of[end])));
+            Some(OneWay::product(ends.map(|end| end * weights), ends))
+        };
+        self.work.factorisations += 1;
+        self.work.factorisation_multiply_adds += 2 * self.structure.work();
+        self.is_factorised = self.factors.renew(|_| SVector::repeat(1.0), coupling).is_ok();
+        self.is_factorised
+    }
+
+    /// Takes from the impulses s what the velocities v of the contacts call for (√J), to first order and but for ε δs:
+    ///
+    /// K δy = −Σ H̃ g(v),   δs = −g(v + H̃ᵗ δy),   K = 1 + Σ H̃ P H̃ᵗ,   P = ∂g/∂v
+    ///
+    /// with g the [answer](Status::answer) of the status of each contact.
+    pub(super) fn correct(
+        &mut self,
+        columns: &[ColumnOf<D>],
+        v: &[SVector<f64, D>],
+        s: &mut [SVector<f64, D>],
+    ) {
+        let mut change = vec![SVector::zeros(); self.structure.position().len()];
+        for (k, column) in columns.iter().enumerate() {
+            column.push(-self.answer(columns, k, s[k], v[k]), &mut change);
+        }
+        self.solve(columns, &mut change);
+        for (k, column) in columns.iter().enumerate() {
+            s[k] -= self.answer(columns, k, s[k], v[k] + column.relative(&change));
+        }
+    }
+
+    /// Returns the answer of a contact.
+    fn answer(
+        &self,
+        columns: &[ColumnOf<D>],
+        contact: usize,
+        s: SVector<f64, D>,
+        v: SVector<f64, D>,
+    ) -> SVector<f64, D> {
+        self.status[contact].answer(columns[contact].friction(), self.epsilon, s, v)
+    }
+
+    /// x ← K⁻¹ x.
+    pub(super) fn solve(&mut self, columns: &[ColumnOf<D>], x: &mut [SVector<f64, N>]) {
+        self.solve_with_factor(x);
+        let Changes { of, solved, small } = &self.changes;
+        let Some(small) = small else { return };
+        let pulled = of.iter().map(|(contact, _, pull)| pull.dot(&columns[*contact].relative(x)));
+        let mut weights = DVector::from_iterator(of.len(), pulled);
+        if small.solve_mut(&mut weights) {
+            for (weight, solved) in weights.iter().zip(solved) {
+                x.iter_mut().zip(solved).for_each(|(x, solved)| *x -= *weight * solved);
+            }
+        }
+    }
+
+    fn solve_with_factor(&mut self, x: &mut [SVector<f64, N>]) {
+        let mut placed = vec![SVector::zeros(); x.len()];
+        self.work.triangular_solve_entries += self.factors.entries() as u64;
+        let position = self.structure.position();
+        position.iter().zip(&*x).for_each(|(place, x)| placed[*place as usize] = *x);
+        self.factors.solve(&mut placed);
+        x.iter_mut().zip(position).for_each(|(x, place)| *x = placed[*place as usize]);
+    }
+
+    /// Work so far.
+    pub(super) fn work(&self) -> Work {
+        self.work
+    }
+}
+
+impl Matrix<2, 3> {
+    /// Number of changes since the factor was made.
+    pub(super) fn changes(&self) -> usize {
+        self.changes.of.len()
+    }
+
+    /// Gives a contact another status; says whether K then has an inverse. If not, it is the matrix of none.
+    pub(super) fn change(&mut self, columns: &[RoughColumn], contact: usize, now: Status<2>) -> bool {
+        let before = std::mem::replace(&mut self.status[contact], now);
+        self.is_factorised = parts(before, now, columns[contact].friction())
+            .is_some_and(|parts| self.add(columns, contact, parts));
+        self.is_factorised
+    }
+
+    /// Adds push pullᵗ/ε of a contact, given as impulses of it; says whether K then has an inverse.
+    fn add(&mut self, columns: &[RoughColumn], contact: usize, [push, pull]: [Vector2<f64>; 2]) -> bool {
+        let mut solved = vec![SVector::zeros(); self.structure.position().len()];
+        columns[contact].push(push / self.epsilon, &mut solved);
+        self.solve_with_factor(&mut solved);
+        let Changes { of, solved: all, small } = &mut self.changes;
+        of.push((contact, push, pull));
+        all.push(solved);
+        let entry = |row: usize, col: usize| {
+            let (contact, _, pull) = of[row];
+            f64::from(u8::from(row == col)) + pull.dot(&columns[contact].relative(&all[col]))
+        };
+        let lu = DMatrix::from_fn(of.len(), of.len(), entry).lu();
+        let is_regular = lu.is_invertible();
+        *small = Some(lu);
+        is_regular
+    }
+}
+
+/// push and pull of the product that K gains with a change of status, by their parts along normal and tangent: none where it has no
+/// such form.
+fn parts(before: Status<2>, now: Status<2>, friction: f64) -> Option<[Vector2<f64>; 2]> {
+    let edge = |slide: Slide<2>| Vector2::new(1.0, slide.along.y * friction);
+    let slipping = |slide: Slide<2>| Vector2::new(slide.along.y * friction, -1.0);
+    match (before, now) {
+        (Status::Stick, Status::Slide(slide)) => Some([Vector2::y(), slipping(slide)]),
+        (Status::Slide(slide), Status::Stick) => Some([Vector2::y(), -slipping(slide)]),
+        (Status::Open, Status::Slide(slide)) => Some([edge(slide), Vector2::x()]),
+        (Status::Slide(slide), Status::Open) => Some([edge(slide), -Vector2::x()]),
+        _ => None,
+    }
+}

@@ -1,0 +1,173 @@
+//! Newton's method on the statuses of contacts: which are open, stick, or slide, and in which direction.
+//!
+//! P. Alart, A. Curnier, A mixed formulation for frictional contact problems prone to Newton like solution methods, Comput. Methods
+//! Appl. Mech. Engrg. 92 (1991) 353-375; in the space of grains, and with the proximal term of R. T. Rockafellar (SIAM J. Control
+//! Optim. 14 (1976) 877-898), since W is singular where contacts depend on each other.
+
+use super::layout::{Drawn, Layout};
+use super::matrix::Matrix;
+use crate::Best;
+use contact::status::wanted;
+use contact::{Cone, Frictional, Packing, Rough, SetupError, Work};
+use nalgebra::SVector;
+
+/// ε of Newton's method alone (–): what sticks more than motion allows keeps its impulses but for so much.
+const EPSILON: f64 = 1e-6;
+
+/// Solves with one factor, at most: each makes good what ε or round-off left of the one before.
+const SOLVES: u32 = 6;
+
+/// The share of what a solve had before it that is left after it, at most, or no other follows (–).
+const WORTH_ANOTHER: f64 = 0.1;
+
+/// A shorter step over the one before (–).
+const SHORTER: f64 = 0.2;
+
+/// The share of a step that must come off what is left, times the length of the step (–).
+const WORTH_IT: f64 = 0.1;
+
+/// Sweeps after a step of Newton towards a point that draws: they take a tenth of the time of its factor.
+pub(super) const SMOOTHING: u32 = 20;
+
+/// Newton's method, and its iterate.
+pub(super) struct Newton<const D: usize, const N: usize>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    pub(super) layout: Layout<D, N>,
+    /// Matrix, from its first use on; an error where it does not fit in memory.
+    matrix: Option<Result<Matrix<D, N>, SetupError>>,
+    /// √J.
+    s: Vec<SVector<f64, D>>,
+    /// Sweeps over the contacts.
+    sweeps: u64,
+}
+
+/// Result of a step of Newton's method.
+pub(super) enum Step {
+    /// Residual at round-off.
+    Solved,
+    /// A residual below the one before.
+    On,
+    /// No smaller residual.
+    InVain,
+}
+
+impl<const D: usize, const N: usize> Newton<D, N>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    /// Without a point that draws.
+    const ALONE: Drawn<'static, D> = Drawn { epsilon: EPSILON, centre: None };
+
+    /// Shorter steps that are tried. In the plane, where the law is piecewise linear, a whole step ends it, or sweeps lead on.
+    const SHORTENED: u32 = if D == 2 { 0 } else { 3 };
+
+    /// Lays the problem out.
+    pub(super) fn new(problem: &Packing<Rough<D>>) -> Self {
+        Self { layout: Layout::new(problem), matrix: None, s: Vec::new(), sweeps: 0 }
+    }
+
+    /// Prepares the matrix, unless it is prepared.
+    ///
+    /// # Errors
+    /// Where the problem is too large for that.
+    pub(super) fn prepare(&mut self) -> Result<(), SetupError> {
+        let matrix = self.matrix.get_or_insert_with(|| Matrix::new(&self.layout));
+        matrix.as_ref().map(|_| ()).map_err(Clone::clone)
+    }
+
+    /// Returns the residual of the law that impulses `r` (N·s) leave (√J).
+    pub(super) fn left_by(&self, r: &[f64]) -> f64 {
+        self.left(Self::ALONE, &self.layout.scaled(r))
+    }
+
+    /// Takes the impulses `r` (N·s); returns what they leave of the law (√J).
+    pub(super) fn begin(&mut self, r: &[f64]) -> f64 {
+        self.s = self.layout.scaled(r);
+        self.left(Self::ALONE, &self.s)
+    }
+
+    /// Advances the iterate by one step.
+    pub(super) fn advance(&mut self, best: &mut Best) -> Step {
+        let before = self.left(Self::ALONE, &self.s);
+        if self.layout.is_round_off(before, &self.s) {
+            return Step::Solved;
+        }
+        let s = std::mem::take(&mut self.s);
+        let Some((next, left)) = self.shortened(Self::ALONE, &s, before) else {
+            return Step::InVain;
+        };
+        self.s = next;
+        best.take(left, |r| self.layout.impulses(&self.s, r));
+        if self.layout.is_round_off(left, &self.s) { Step::Solved } else { Step::On }
+    }
+
+    /// A step of Newton from s, which leaves `before` (√J), with what it leaves: shortened until it leaves less. Where no part of it
+    /// does, none.
+    pub(super) fn shortened(
+        &mut self,
+        drawn: Drawn<D>,
+        s: &[SVector<f64, D>],
+        before: f64,
+    ) -> Option<(Vec<SVector<f64, D>>, f64)> {
+        let whole = self.step(drawn, s)?;
+        let mut share = 1.0;
+        for _ in 0..=Self::SHORTENED {
+            let mut next: Vec<_> = s.iter().zip(&whole).map(|(s, whole)| s + share * (whole - s)).collect();
+            if drawn.centre.is_some() {
+                self.sweep(drawn, &mut next, SMOOTHING);
+            }
+            let left = self.left(drawn, &next);
+            if left < before * (1.0 - WORTH_IT * share) {
+                return Some((next, left));
+            }
+            share *= SHORTER;
+        }
+        None
+    }
+
+    /// The impulses to which a step of Newton leads from s, for the statuses of s − v: those that s has to first order. v comes from s
+    /// each time, so that no error of K stays. `None` if the matrix has no factor.
+    fn step(&mut self, drawn: Drawn<D>, s: &[SVector<f64, D>]) -> Option<Vec<SVector<f64, D>>> {
+        let Self { layout, matrix: Some(Ok(matrix)), .. } = self else { return None };
+        let status = layout.statuses(s, &drawn.velocity(layout, s));
+        if !matrix.is_of(&status, drawn.epsilon) && !matrix.factorise(&layout.columns, &status, drawn.epsilon)
+        {
+            return None;
+        }
+        let own = s.iter().zip(&status).zip(&layout.columns);
+        let mut s: Vec<_> = own.map(|((s, status), column)| status.project(*s, column.friction())).collect();
+        let mut v = drawn.velocity(layout, &s);
+        let mut left = wanted(&status, &s, &v);
+        for _ in 0..SOLVES {
+            matrix.correct(&layout.columns, &v, &mut s);
+            v = drawn.velocity(layout, &s);
+            let before = std::mem::replace(&mut left, wanted(&status, &s, &v));
+            // An impulse in a new direction changes the statuses again.
+            let is_new = status.iter().zip(&s).zip(&v).any(|((status, s), v)| status.is_new(*s, *v));
+            if !(left < WORTH_ANOTHER * before) || is_new {
+                break;
+            }
+        }
+        s.iter().all(|s| s.iter().all(|x| x.is_finite())).then_some(s)
+    }
+
+    /// Sweeps over the contacts.
+    pub(super) fn sweep(&mut self, drawn: Drawn<D>, s: &mut [SVector<f64, D>], sweeps: u32) {
+        self.sweeps += u64::from(sweeps);
+        self.layout.sweep(drawn, s, sweeps);
+    }
+
+    /// Returns the residual of s in the law, with v + ε (s − centre) in the place of v (√J).
+    pub(super) fn left(&self, drawn: Drawn<D>, s: &[SVector<f64, D>]) -> f64 {
+        self.layout.left(s, &drawn.velocity(&self.layout, s))
+    }
+
+    /// Work so far.
+    pub(super) fn work(&self) -> Work {
+        let contact_updates = self.sweeps * self.layout.columns.len() as u64;
+        let matrix = self.matrix.iter().flatten().map(Matrix::work).next().unwrap_or_default();
+        Work { contact_updates, ..matrix }
+    }
+}
