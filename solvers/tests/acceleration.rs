@@ -1,6 +1,6 @@
 //! Accelerated sweeps: the formula, the subdomains, the restart, and what it saves.
 
-use crate::problems::{difference, frozen, frozen_path, impulses, start};
+use crate::problems::{difference, first_problem, frozen, frozen_path, impulses, start};
 use analysis::Bounded;
 use cases::AnyFrozen;
 use contact::acceleration::{Acceleration, LAG, Momentum};
@@ -113,17 +113,21 @@ fn assert_is_the_formula<M: Mechanics>(
     }
 }
 
+/// ρ unless it is given.
+fn slack<M: Mechanics>() -> f64 {
+    if M::HAS_FRICTION { 1.2 } else { 5.0 }
+}
+
 fn assert_sweeps_are_the_formula<M: Mechanics>(problem: &Packing<M>, settings: Nsgs) {
     let plain = Nsgs { acceleration: Acceleration::None, ..settings };
-    assert_is_the_formula(problem, &settings, (&plain, settings.slack));
+    assert_is_the_formula(problem, &settings, (&plain, settings.slack.or(Some(slack::<M>()))));
 }
 
 fn assert_all_are_the_formula<M: Bounded>(problem: &Packing<M>) {
     assert_sweeps_are_the_formula(problem, ACCELERATED);
     let plain = Jacobi { bounded: true, ..Jacobi::default() };
     let accelerated = Jacobi { acceleration: Acceleration::Nesterov, ..plain };
-    let slack = M::HAS_FRICTION.then_some(1.2);
-    assert_is_the_formula(problem, &accelerated, (&plain, slack));
+    assert_is_the_formula(problem, &accelerated, (&plain, Some(slack::<M>())));
 }
 
 #[test]
@@ -254,6 +258,23 @@ fn a_sweep_after_a_restart_never_increases_the_energy() {
         }
         assert!(tried > 0, "{name}");
     }
+}
+
+/// In a large crystal extrapolated sweeps oscillate and grow, and ⟨g, d⟩ stays negative.
+#[test]
+fn acceleration_does_not_diverge_in_a_crystal() {
+    let scene = [("sample.columns", "24"), ("sample.rows", "120"), ("scene.box.width_m", "24.0")];
+    let problem = first_problem("triangular", &scene).problem;
+    let r0 = vec![0.0; problem.contact_count()];
+    let ends = |slack: Option<f64>, max_iterations: u64| {
+        let settings = Nsgs { acceleration: Acceleration::Nesterov, slack, ..Nsgs::default() };
+        let stop = Stop { max_iterations, ..Stop::default() };
+        let outcome = solve(&settings, &problem, &r0, &stop, &mut |_| {}).unwrap();
+        (outcome.status, outcome.measures.natural_map)
+    };
+    assert_eq!(ends(Some(1e9), 300).0, Status::Diverged);
+    let (early, late) = (ends(None, 300), ends(None, 1000));
+    assert!(early.1 < 1.0 && late.1 < 0.5 * early.1, "{early:?}, {late:?}");
 }
 
 #[test]

@@ -1,12 +1,13 @@
 //! Elasticity of rigid grains after few iterations: what N iterations a time step, from the impulses of the step before, make of a contact.
 //!
-//! In a wave much longer than √N diameters all contacts near one another approach at the same v, as they would at the old impulses. W
-//! does next to nothing to a change of such impulses, so each iteration changes them by the same: r ← r − a v/W_αα, with a = ω for Jacobi;
-//! a = 2ω/(2 − ω) for Gauss-Seidel, whose matrix W_D/ω + L is W_D (1/ω − ½) but for W/2 and an antisymmetric part; a = 2μκ for LATIN, whose
-//! stages contract by (1 − κW/W_αα)/(1 + κW/W_αα), relaxed by μ from the second iteration on. Extrapolated by β = j/(j + 2), iteration j of N changes by (j + 3)/3 times as
-//! much as one of Gauss-Seidel: N(N + 5)/6 together. The force r/h then grows like a spring's, dF/dt = −k v, with k = aN/(W_αα h²); in a
-//! column of discs W_αα = 2/m, and waves run c = d √(k/m) = √(aN/2) diameters a time step. (Brendel, Unger, Wolf and others found the
-//! elasticity for random orders: Unger, Brendel, Wolf, Kertész 2002, Phys. Rev. E 65, 061305.)
+//! In a wave much longer than it travels in a time step all contacts near one another approach at the same v, as they would at the old
+//! impulses. W does next to nothing to a change of such impulses, so each iteration changes them by the same: r ← r − a v/W_αα, with a = ω
+//! for Jacobi; a = 2ω/(2 − ω) for Gauss-Seidel, whose matrix W_D/ω + L is W_D (1/ω − ½) + W/2 + (L − Lᵗ)/2, of which the last has no mean effect in
+//! an order along the chain (in another order that stays the same it costs a constant); a = 2κ for LATIN, whose stages contract by
+//! (1 − κW/W_αα)/(1 + κW/W_αα), relaxed by μ from the second iteration on. Extrapolated by β = (j − 1)/(j + 1), iteration j = 1…N changes by
+//! (j + 2)/3 times as much as one of Gauss-Seidel, N(N + 5)/6 together, as long as no restart happens. The force r/h then grows like a spring's,
+//! dF/dt = −k v, with k = Σa/(W_αα h²); in a column of discs W_αα = 2/m, and waves run c = d √(k/m) = √(Σa/2) diameters a time step. Elasticity of a
+//! chain from few iterations: Unger, Brendel, Wolf, Kertész 2002, Phys. Rev. E 65, 061305.
 
 use crate::problems::first_problem;
 use contact::acceleration::Acceleration;

@@ -116,9 +116,9 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     });
     let answer = Answer { tried, skipped };
     if args.json {
-        answer.say_json(&problem, &stop)?
+        answer.say_json(&problem, &stop)?;
     } else {
-        answer.say(&problem, &stop)?
+        answer.say(&problem, &stop)?;
     }
     Ok(exit::code(answer.status().name()))
 }

@@ -330,18 +330,17 @@ impl Lines {
             let name = format!("{}_exponent", y.name).into();
             Column::new(name, all.iter().map(exponent).collect::<Vec<Option<f64>>>())
         }));
-        columns.extend(self.y.split_whitespace().filter_map(named).flat_map(|y| {
-            let of = |series: &Series| {
+        let bound = |y: &Quantity, end: &str, of: fn(&Mean) -> f64| {
+            let within = |series: &Series| {
                 Curve::new("", series.look, self.points(series, y, None), self.through)
                     .exponent_within(PLACES)
             };
-            let ends: [(&str, fn(&Mean) -> f64); 2] = [("low", |mean| mean.low), ("high", |mean| mean.high)];
-            ends.map(|(end, bound)| {
-                let bounds: Vec<Option<f64>> =
-                    all.iter().map(|series| of(series).as_ref().map(bound)).collect();
-                Column::new(format!("{}_exponent_{end}", y.name).into(), bounds)
-            })
-        }));
+            let bounds: Vec<Option<f64>> = all.iter().map(|series| within(series).as_ref().map(of)).collect();
+            Column::new(format!("{}_exponent_{end}", y.name).into(), bounds)
+        };
+        for y in self.y.split_whitespace().filter_map(named) {
+            columns.extend([bound(y, "low", |mean| mean.low), bound(y, "high", |mean| mean.high)]);
+        }
         let table = frame(DataFrame::new(all.len(), columns));
         Part::table(self.name, table, self.note.replace("{WORK}", WORK))
     }

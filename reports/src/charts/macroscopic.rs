@@ -17,8 +17,7 @@ use crate::text::{Part, chosen, frame};
 const KEY: &str = "macroscopic";
 /// Distance between methods that share a place, over the width of an axis.
 const APART: f64 = 0.012;
-/// Greatest difference in friction that counts as none (–): half the standard deviation over packings of 200 discs, which was 0.018 and
-/// 0.019 of 12 at μ = 0.3.
+/// Greatest difference in friction that counts as none (–): 0.4 to 1.2 standard deviations over packings of 200 discs.
 const MARGIN: f64 = 0.01;
 
 /// A simulation whose second half says something.
@@ -281,7 +280,8 @@ fn figure(
     let left = panel(looks, &of_grains, &grains, of_grains_sides);
     let right = panel(looks, &of_tolerance, &logs, of_tolerance_sides);
     let margins = [-MARGIN, MARGIN]
-        .map(|y| Guide::new(At::Y(y), TOLERANCE, format!("±{MARGIN}, the margin of equivalence")));
+        .map(|y| (y, Guide::new(At::Y(y), TOLERANCE, format!("±{MARGIN}, the margin of equivalence"))))
+        .map(|(y, guide)| Guide { beside: y.to_string().replace('-', "−"), ..guide });
     let panels = vec![left, right.guided(margins)];
     Plot { title, panels, signs, ..Plot::default() }.svg()
 }

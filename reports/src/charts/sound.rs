@@ -4,7 +4,7 @@
 use polars::df;
 use polars::prelude::DataFrame;
 use results::settings::CASE;
-use results::simulation::Observed;
+use results::simulation::{Observed, SimulationEnding};
 use serde_json::Value;
 
 use crate::draw::{Curve, Look, MARKS, Panel, Plot, Scale, Side, Through, log, looks_in_time};
@@ -13,15 +13,16 @@ use crate::text::{Part, frame};
 
 const KEY: &str = "sound";
 
-/// Force on the floor, over the weight, that no wave brings before the weight is borne (–): it grows to 1 there, give or take short waves.
-const SHAKEN: f64 = 1.5;
+/// Greatest distance of the time at which the floor first bears the whole weight from that at which it has borne half of it, over either (–):
+/// under a wave they are the same but for short waves, and within 6 % at any speed that more than five time steps tell.
+const APART: f64 = 0.2;
 
 /// The theory of long waves, by which a contact is a spring; equations and tests: `solvers/tests/elasticity.rs`.
 const NOTE: &str = "\nSpeed: the height, twice that of the centres of mass at the start, over the time until which the floor has borne less than half of \
                     the weight, which begins to act at once; in mean diameters and time steps. Where a wave carries it, the force at the \
-                    floor grows like the time, and is then the weight. Exact contacts bear it in the first time step. Left out where the floor before bore one and a half weights: where iterations are too few to damp what \
-                    they amplify, grains are thrown. Theory, of N iterations from the impulses of the step before, for waves much longer than √N diameters: in a \
-                    column √(ωN/2) of jacobi, √(ωN/(2 − ω)) of nsgs, √(N(N + 5)/6) of nsgs with acceleration at ω = 1, √(κ(1 + μ(N − 1))) of latin-dd with relaxation \
+                    floor grows like the time, and is then the weight. Exact contacts bear it in the first time step. Left out where the simulation exploded, and where the floor bears the whole weight a fifth sooner or later than that: \
+                    iterations too few to damp what they amplify throw grains. Theory, of N iterations from the impulses of the step before, for waves much longer than they travel in a \
+                    time step: in a column √(ωN/2) of jacobi, √(ωN/(2 − ω)) of nsgs, √(N(N + 5)/6) of nsgs with acceleration at ω = 1, √(κ(1 + μ(N − 1))) of latin-dd with relaxation \
                     μ and κ_l = κ; in a wide triangular lattice √(9/8) times as much.\n";
 
 /// A simulation in which the floor came to bear the weight.
@@ -33,9 +34,12 @@ struct Loaded<'s> {
 }
 
 /// Returns the speed at which the weight came to the floor, in mean diameters a time step (–); `None` if it never did, did at once,
-/// or shook the floor before.
+/// or not as a wave does.
 fn speed(simulation: &Simulation) -> Option<f64> {
     let series = simulation.series();
+    if simulation.status != SimulationEnding::Completed {
+        return None;
+    }
     let height = 2.0 * series.first()?.mean_height_m / simulation.mean_diameter_m;
     let weight = simulation.mass_kg * simulation.gravity_m_per_s2;
     // What the floor lacks of half the weight since the start (N·s).
@@ -49,11 +53,10 @@ fn speed(simulation: &Simulation) -> Option<f64> {
     let last = lacks.iter().rposition(|(_, lack)| *lack > 0.0)?;
     let ((before_s, before), (after_s, after)) = (lacks[last], *lacks.get(last + 1)?);
     let step_s = after_s - before_s;
-    if series[..=last].iter().any(|row| row.floor_impulse_n_s > SHAKEN * weight * step_s) {
-        return None;
-    }
     let time_s = before_s + before / (before - after) * step_s;
-    Some(height * simulation.time_step_s / time_s)
+    let first = series.iter().find(|row| row.floor_impulse_n_s >= (1.0 - 1e-9) * weight * step_s)?;
+    let is_wave = (first.time_s - time_s).abs() <= APART * time_s + step_s;
+    is_wave.then_some(height * simulation.time_step_s / time_s)
 }
 
 fn loaded(all: &[Simulation]) -> Vec<Loaded<'_>> {

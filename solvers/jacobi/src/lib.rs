@@ -23,8 +23,8 @@ pub struct Jacobi {
     pub acceleration: Acceleration,
     /// q (–): the extrapolation grows as β = j/(j + q) over the j iterations since the last restart.
     pub lag: f64,
-    /// ρ (–): with friction acceleration restarts also where an iteration changes the impulses more than ρ times as much as the least
-    /// since the last restart; 1.2 unless given. Without friction it does so only if a value is given.
+    /// ρ (–): acceleration restarts also where an iteration changes the impulses more than ρ times as much as the least since the last
+    /// restart; unless given 1.2 with friction, and 5 without.
     pub slack: Option<f64>,
 }
 
