@@ -33,8 +33,8 @@ pub(crate) fn work_precision(study: &Problems) -> Vec<Part> {
             ]);
         }
     }
-    note.extend(["\nFirst in seconds: those whose intervals overlap that of the least; none where runs are repeated less than five times. "]);
-    note.extend([&*repeats(&study.runs), " ", WORK, "\n"]);
+    let first = " First in seconds: all whose intervals overlap that of the least; none where runs are repeated less than five times. ";
+    note.extend(["\n", &*repeats(&study.runs), first, WORK, "\n"]);
     with_table(WORK_PRECISION.parts(study), "work-precision", study, (firsts, note))
 }
 
@@ -75,7 +75,7 @@ fn firsts(study: &Lines, problems: &[&str]) -> DataFrame {
             .min_by(f64::total_cmp);
         let first: Vec<String> =
             cost.least(&runs, Measure::VelocityError, accuracy).into_iter().map(RunRow::label).collect();
-        (first.join("; "), least)
+        ((!first.is_empty()).then(|| first.join("; ")), least)
     };
     let mut table = frame(df!(
         "problem" => rows().map(|(problem, _)| problem).collect::<Vec<_>>(),

@@ -34,16 +34,18 @@ impl Cost {
         (self.of)(run, &run.curve[results::reached(values, accuracy)?])
     }
 
-    /// The runs with the least cost to an accuracy of a measure: one, or those whose intervals overlap its own. None where seconds are of fewer
-    /// than five repeats.
+    /// The runs with the least cost to an accuracy of a measure: one, or those whose intervals overlap its own. None where seconds of one
+    /// of them are of fewer than five repeats.
     pub(crate) fn least<'r>(&self, runs: &[&'r RunRow], measure: Measure, accuracy: f64) -> Vec<&'r RunRow> {
-        let ranked = |run: &&&RunRow| !self.is_timed || run.timing.repeats >= REPEATS;
         let priced = |run: &'_ &'r RunRow| {
             let cost = self.to(run, measure, accuracy)?;
             let exact = Median { low: cost, median: cost, high: cost };
             Some((if self.is_timed { run.interval(cost)? } else { exact }, *run))
         };
-        let priced: Vec<(Median, &RunRow)> = runs.iter().filter(ranked).filter_map(priced).collect();
+        let priced: Vec<(Median, &RunRow)> = runs.iter().filter_map(priced).collect();
+        if self.is_timed && priced.iter().any(|(_, run)| run.timing.repeats < REPEATS) {
+            return Vec::new();
+        }
         let first = priced.iter().min_by(|(a, _), (b, _)| a.median.total_cmp(&b.median));
         let Some(high) = first.map(|(first, _)| first.high) else { return Vec::new() };
         priced.iter().filter(|(cost, _)| cost.low <= high).map(|(_, run)| *run).collect()

@@ -46,18 +46,37 @@ fn value_holds_until_the_next_sample() {
     assert_eq!(corners[1], (1.0, 0.0), "not before it is measured");
 }
 
+/// A run that was repeated five times.
+fn repeated(run: Run) -> Run {
+    Run {
+        timing: Timing { repeats: 5, setup_spread_s: 0.0, iterating_spread_s: 0.0, ..run.timing.clone() },
+        ..run
+    }
+}
+
 #[test]
 fn first_run_to_each_accuracy_is_named_with_its_cost() {
-    let runs = [
-        run(0, "nsgs", "", Ending::Converged),
-        Run { setup_s: 1.0, ..run(1, "cg", "none", Ending::Converged) },
+    let mut runs = [
+        repeated(run(0, "nsgs", "", Ending::Converged)),
+        Run { setup_s: 1.0, ..repeated(run(1, "cg", "none", Ending::Converged)) },
     ];
-    let slow = (0..=50).map(|i| sample(i, 1.0, 10f64.powf(-4.0 * i as f64 / 50.0))).collect();
-    let files = made(&parts(&study(&runs, &[(0, decay()), (1, slow)])));
+    let slow = || (0..=50).map(|i| sample(i, 1.0, 10f64.powf(-4.0 * i as f64 / 50.0))).collect();
+    let first = |runs: &[Run]| {
+        let files = made(&parts(&study(runs, &[(0, decay()), (1, slow())])));
+        table(&files).lines().nth(1).unwrap().to_owned()
+    };
+    assert_eq!(
+        first(&[run(0, "nsgs", "", Ending::Converged), runs[1].clone()]),
+        "column,0.01,,0.00501,cg,100.0"
+    );
+    let files = made(&parts(&study(&runs, &[(0, decay()), (1, slow())])));
     // 50 iterations of 1e-4 s and a set-up of 1e-5 s; 25 of 40 updates and 2 products on 20 contacts.
     let rows: Vec<&str> = table(&files).lines().collect();
     assert_eq!(rows[1], "column,0.01,nsgs,0.00501,cg,100.0");
     assert_eq!(rows[3], "column,1e-6,,,,", "no run reaches it");
+    // Intervals that overlap: a thousand times either way.
+    runs[1].timing.iterating_spread_s = 1e3;
+    assert_eq!(first(&runs), "column,0.01,nsgs; cg,0.00501,cg,100.0");
 }
 
 /// Runs of one method, each with a longer set-up and less work than the one before.
@@ -92,7 +111,7 @@ fn of_many_runs_the_first_to_the_finest_accuracy_is_told_apart() {
 fn run_that_factorises_again_has_no_counted_work() {
     let again = |s: Sample| Sample { work: Work { factorisations: s.iteration, ..s.work }, ..s };
     let again = decay().into_iter().map(again).collect();
-    let only = [run(0, "interior-point", "", Ending::Converged)];
+    let only = [repeated(run(0, "interior-point", "", Ending::Converged))];
     let files = made(&parts(&study(&only, &[(0, again)])));
     assert!(table(&files).contains("column,0.01,interior-point,0.00501,,\n"), "{}", table(&files));
 }
@@ -139,7 +158,8 @@ fn impulses_of_another_code_are_told_with_their_error_and_not_drawn() {
 #[test]
 fn run_that_tells_no_work_has_none_after_its_start() {
     let untold = decay().into_iter().map(|s| Sample { work: Work::default(), ..s }).collect();
-    let made = made(&parts(&study(&[run(0, "interior-point", "", Ending::Converged)], &[(0, untold)])));
+    let made =
+        made(&parts(&study(&[repeated(run(0, "interior-point", "", Ending::Converged))], &[(0, untold)])));
     assert!(table(&made).contains("column,0.01,interior-point,0.00501,,\n"), "{}", table(&made));
 }
 
