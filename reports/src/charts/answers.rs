@@ -3,13 +3,11 @@
 use polars::df;
 use polars::prelude::DataFrame;
 use results::Median;
-use results::settings::CASE;
 use results::simulation::{Observed, SimulationEnding};
-use serde_json::Value;
 
 use super::macroscopic::panel;
 use crate::draw::{Look, Plot, SPARE, Scale, Side, log};
-use crate::read::{FRICTION, Simulation, rising, unique};
+use crate::read::{Simulation, rising, unique};
 use crate::text::{Part, frame};
 
 /// A simulation that came to its end, by what it is a sample of.
@@ -87,17 +85,12 @@ fn late(simulation: &Simulation) -> &[Observed] {
 fn ended(all: &[Simulation]) -> Vec<Ended<'_>> {
     let runs = || all.iter().filter(|simulation| simulation.is_run());
     let several = unique(runs().map(Simulation::label)).len() > 1;
-    let ended = |simulation: &'_ Simulation| {
-        let settings = &simulation.scene_settings;
-        let case = settings.get(CASE).and_then(Value::as_str).unwrap_or(&simulation.scene);
+    let ended = |simulation| {
+        let case = Simulation::case(simulation);
         let case = if several { format!("{case}, {}", simulation.label()) } else { case.to_owned() };
-        (case, settings.get(FRICTION).and_then(Value::as_f64).unwrap_or(0.0))
+        Ended { simulation, case, grains: simulation.friction().unwrap_or(0.0) }
     };
-    let completed = runs().filter(|simulation| simulation.status == SimulationEnding::Completed);
-    completed
-        .map(|simulation| (simulation, ended(simulation)))
-        .map(|(simulation, (case, grains))| Ended { simulation, case, grains })
-        .collect()
+    runs().filter(|simulation| simulation.status == SimulationEnding::Completed).map(ended).collect()
 }
 
 /// The figure and the table `answers`.

@@ -2,9 +2,7 @@
 //! figures, lines or fits, ideals, and the columns of its table.
 
 use polars::prelude::{Column, DataFrame};
-use results::settings::CASE;
 use serde::Deserialize;
-use serde_json::Value;
 
 use super::declared::OF_SUBDOMAINS;
 use super::quantities::{Quantity, UnknownQuantity, named, table};
@@ -164,7 +162,7 @@ impl Lines {
     fn series<'r>(&self, runs: Vec<&'r RunRow>) -> Vec<Series<'r>> {
         let whole = series(runs.iter().copied(), &[self.varied]);
         let Some(apart) = self.apart else { return whole };
-        let case = |run: &RunRow| run.problem_settings.get(CASE).and_then(Value::as_str).map(str::to_owned);
+        let case = |run: &RunRow| run.case().map(str::to_owned);
         let several = unique(runs.iter().map(|run| case(run))).len() > 1;
         let apart = |run: &RunRow| {
             let words = [case(run).filter(|_| several), Some(apart(run)).filter(|words| !words.is_empty())];
@@ -323,23 +321,24 @@ impl Lines {
             Column::new("runs".into(), all.iter().map(|s| s.runs.len() as u64).collect::<Vec<_>>()),
             Column::new("failed".into(), all.iter().map(failed).collect::<Vec<_>>()),
         ];
-        columns.extend(self.y.split_whitespace().filter_map(named).map(|y| {
-            let exponent = |series: &Series| {
-                Curve::new("", series.look, self.points(series, y, None), self.through).exponent(PLACES)
-            };
-            let name = format!("{}_exponent", y.name).into();
-            Column::new(name, all.iter().map(exponent).collect::<Vec<Option<f64>>>())
-        }));
-        let bound = |y: &Quantity, end: &str, of: fn(&Mean) -> f64| {
-            let within = |series: &Series| {
-                Curve::new("", series.look, self.points(series, y, None), self.through)
-                    .exponent_within(PLACES)
-            };
-            let bounds: Vec<Option<f64>> = all.iter().map(|series| within(series).as_ref().map(of)).collect();
-            Column::new(format!("{}_exponent_{end}", y.name).into(), bounds)
+        let curve = |y: &Quantity, series: &Series| {
+            Curve::new("", series.look, self.points(series, y, None), self.through)
         };
-        for y in self.y.split_whitespace().filter_map(named) {
-            columns.extend([bound(y, "low", |mean| mean.low), bound(y, "high", |mean| mean.high)]);
+        let fits = self.y.split_whitespace().filter_map(named);
+        let fits = fits.map(|y| (y.name, all.iter().map(|series| curve(y, series)).collect::<Vec<_>>()));
+        let fits: Vec<(&str, Vec<Curve>)> = fits.collect();
+        columns.extend(fits.iter().map(|(name, curves)| {
+            let exponents: Vec<Option<f64>> = curves.iter().map(|curve| curve.exponent(PLACES)).collect();
+            Column::new(format!("{name}_exponent").into(), exponents)
+        }));
+        for (name, curves) in fits {
+            let within: Vec<Option<Mean>> =
+                curves.iter().map(|curve| curve.exponent_within(PLACES)).collect();
+            let bound = |end: &str, of: fn(&Mean) -> f64| {
+                let bounds: Vec<Option<f64>> = within.iter().map(|mean| mean.as_ref().map(of)).collect();
+                Column::new(format!("{name}_exponent_{end}").into(), bounds)
+            };
+            columns.extend([bound("low", |mean| mean.low), bound("high", |mean| mean.high)]);
         }
         let table = frame(DataFrame::new(all.len(), columns));
         Part::table(self.name, table, self.note.replace("{WORK}", WORK))

@@ -1,5 +1,6 @@
 //! Friction of a sheared packing: against that of its grains, and against the tolerance of the solver.
 
+mod means;
 #[cfg(test)]
 mod tests;
 
@@ -11,7 +12,7 @@ use crate::draw::{
     At, Curve, Guide, Look, MARKS, Mark, Panel, Plot, Scale, Side, Sign, TOLERANCE, Through, log,
     looks_in_time,
 };
-use crate::read::{Ending, FRICTION, Mean, OF_90, OF_95, Simulation, number, rising, span, unique};
+use crate::read::{Ending, Mean, OF_90, OF_95, Simulation, number, rising, span, unique};
 use crate::text::{Part, chosen, frame};
 
 const KEY: &str = "macroscopic";
@@ -65,8 +66,7 @@ fn flow(simulation: &Simulation) -> Option<Flow> {
 
 fn sheared<'s>(all: &'s [Simulation]) -> Vec<Sheared<'s>> {
     let of = |simulation: &'s Simulation| {
-        let grains = simulation.scene_settings.get(FRICTION)?.as_f64()?;
-        Some(Sheared { simulation, grains, flow: flow(simulation)? })
+        Some(Sheared { simulation, grains: simulation.friction()?, flow: flow(simulation)? })
     };
     all.iter().filter(|simulation| simulation.is_run()).filter_map(of).collect()
 }
@@ -75,9 +75,7 @@ fn sheared<'s>(all: &'s [Simulation]) -> Vec<Sheared<'s>> {
 pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
     let sheared = sheared(all);
     let table = Part::table(KEY, table(&sheared), format!("\n{MEANING}\n"));
-    let means = "\nMeans over the packings that met the tolerance in every time step, of five or more; `missed`: those that did not. Low and \
-                 high: Student's interval of 95 %. Seconds: in the method, of a simulation.\n";
-    let means = Part::table(format!("{KEY}-means"), table_of_means(&sheared), means);
+    let means = means::part(&sheared);
     let solved: Vec<Sheared> = sheared.into_iter().filter(|s| s.simulation.is_solved()).collect();
     let left_out = all.iter().filter(|simulation| simulation.is_run()).count() - solved.len();
     let differences = differences(&solved);
@@ -174,39 +172,6 @@ fn table_of_differences(all: &[Difference]) -> DataFrame {
         "solid_fraction" => of(2, |mean| mean.middle),
         "solid_fraction_low" => of(2, |mean| mean.low),
         "solid_fraction_high" => of(2, |mean| mean.high),
-    ))
-}
-
-/// Means over the packings of a μ that met a tolerance in every time step, with Student's intervals of 95 %.
-fn table_of_means(sheared: &[Sheared]) -> DataFrame {
-    let kind = |s: &Sheared| (s.simulation.label(), s.grains, s.simulation.tolerance);
-    let kinds = unique(sheared.iter().map(kind));
-    let own = |k: usize| {
-        sheared.iter().filter(|s| kind(s) == kinds[k] && s.simulation.is_solved()).collect::<Vec<_>>()
-    };
-    let own: Vec<Vec<&Sheared>> = (0..kinds.len()).map(own).collect();
-    let missed = |k: usize| (sheared.iter().filter(|s| kind(s) == kinds[k]).count() - own[k].len()) as u64;
-    let mean = |value: fn(&Sheared) -> f64| -> Vec<Option<Mean>> {
-        own.iter().map(|own| Mean::of(&own.iter().map(|s| value(s)).collect::<Vec<_>>(), OF_95)).collect()
-    };
-    let (friction, coordination) = (mean(|s| s.flow.friction), mean(|s| s.flow.coordination));
-    let solid_fraction = mean(|s| s.flow.solid_fraction);
-    let seconds = mean(|s| s.simulation.totals.setup_s + s.simulation.totals.iterating_s);
-    let of = |means: &[Option<Mean>], of: fn(&Mean) -> f64| -> Vec<Option<f64>> {
-        means.iter().map(|mean| mean.as_ref().map(of)).collect()
-    };
-    frame(df!(
-        "method" => kinds.iter().map(|kind| kind.0.as_str()).collect::<Vec<_>>(),
-        "friction_of_grains" => kinds.iter().map(|kind| kind.1).collect::<Vec<_>>(),
-        "tolerance" => kinds.iter().map(|kind| kind.2).collect::<Vec<_>>(),
-        "packings" => own.iter().map(|own| own.len() as u64).collect::<Vec<_>>(),
-        "missed" => (0..kinds.len()).map(missed).collect::<Vec<_>>(),
-        "friction" => of(&friction, |mean| mean.middle),
-        "friction_low" => of(&friction, |mean| mean.low),
-        "friction_high" => of(&friction, |mean| mean.high),
-        "coordination" => of(&coordination, |mean| mean.middle),
-        "solid_fraction" => of(&solid_fraction, |mean| mean.middle),
-        "seconds" => of(&seconds, |mean| mean.middle),
     ))
 }
 

@@ -6,7 +6,8 @@ use polars::prelude::DataFrame;
 use serde_json::Value;
 
 use crate::read::{
-    ACCURACIES, Ending, Problems, RunRow, accuracy_text, ending_text, median, problems, repeats, span, unique,
+    ACCURACIES, COSTS, Ending, Problems, RunRow, accuracy_text, ending_text, median, problems, repeats, span,
+    unique,
 };
 use crate::text::{Part, chosen, frame};
 
@@ -62,16 +63,15 @@ fn of_problem<'r>(runs: &'r [RunRow], problem: &str) -> Vec<Row<'r>> {
     reached.into_iter().map(|(run, reached)| Row { run, reached, ratio: ratio(reached) }).collect()
 }
 
-/// The first sample that is accurate enough and after which no other leaves the accuracy by a decade; of another code the run at one tolerance that it is, with both clocks.
+/// The first sample that is accurate enough and stays so; of another code the run at one tolerance that it is, with both clocks.
 fn reached(run: &RunRow) -> Option<Reached> {
-    let errors = run.curve.iter().map(|point| run.stopped_on(point).unwrap_or(f64::NAN));
+    let error = run.stopped_on();
     let Some(rungs) = run.derived.get("rungs").and_then(Value::as_array) else {
-        let at = results::reached(errors, ACCURACY)?;
-        let seconds = run.setup_s? + run.curve[at].iterating_s;
+        let seconds = COSTS[0].to(run, error, ACCURACY)?;
         return Some(Reached { seconds, process_s: None, asked: None });
     };
     // Each sample is a run of its own. Before the first of them the curve has r = 0.
-    let at = errors.into_iter().position(|error| error <= ACCURACY)?;
+    let at = run.curve.iter().position(|point| point.get(error).is_some_and(|error| error <= ACCURACY))?;
     let rung = at.checked_sub(1).and_then(|at| rungs.get(at))?;
     let value = |key: &str| rung[key].as_f64();
     let seconds = value("setup_s")? + value("solve_s")?;

@@ -6,12 +6,11 @@ use std::collections::BTreeSet;
 use contact::Measure;
 use polars::df;
 use polars::prelude::DataFrame;
-use serde_json::Value;
 
 use crate::draw::{Curve, Look, MOST_LINES, Mark, Panel, Plot, Scale, Series, Side, Through, series};
 use crate::read::{
-    ACCURACIES, COSTS, Cost, Ending, FRICTION, Problems, RunRow, WORK, accuracy_text, counted, file_name,
-    find_or_push, median, problems, repeats, span,
+    ACCURACIES, COSTS, Cost, Ending, Problems, RunRow, WORK, accuracy_text, counted, file_name, find_or_push,
+    median, problems, repeats, span,
 };
 use crate::text::{Part, frame, nothing, too_many};
 
@@ -27,8 +26,7 @@ struct Group<'r> {
 
 fn groups(runs: &[RunRow]) -> Vec<Group<'_>> {
     let words = |run: &RunRow| {
-        let friction = run.problem_settings.get(FRICTION).and_then(Value::as_f64);
-        let friction = friction.map(|mu| if mu > 0.0 { "with friction" } else { "without friction" });
+        let friction = run.friction().map(|mu| if mu > 0.0 { "with friction" } else { "without friction" });
         friction.into_iter().chain(run.warm_start.then_some("warm")).collect::<Vec<_>>().join(", ")
     };
     let mut groups: Vec<Group> = Vec::new();
@@ -48,7 +46,9 @@ fn groups(runs: &[RunRow]) -> Vec<Group<'_>> {
 /// friction, and warm, apart.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let groups = groups(&study.runs);
-    let mut parts: Vec<Part> = groups.iter().flat_map(figures).collect();
+    let is_known = |run: &RunRow| run.curve.iter().any(|point| point.velocity_error().is_some());
+    let error = if study.runs.iter().any(is_known) { Measure::VelocityError } else { Measure::NaturalMap };
+    let mut parts: Vec<Part> = groups.iter().flat_map(|group| figures(group, error)).collect();
     let few = groups.iter().any(|group| problems(group.runs.iter().copied()).len() < PROBLEMS);
     let why = if few || groups.is_empty() {
         format!("A performance profile needs {PROBLEMS} problems; of fewer the table says all. ")
@@ -61,30 +61,25 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
          Median ratio: of the cost to the least, where reached. {} {WORK}\n",
         repeats(&study.runs)
     );
-    parts.push(Part::table("profiles", table(&groups, measure(study.runs.iter())), note));
+    parts.push(Part::table("profiles", table(&groups, error), note));
     parts
 }
 
-fn figures(group: &Group) -> Vec<Part> {
+/// The profiles of a group, by the velocity error, or the natural map where that is not known of any run.
+fn figures(group: &Group, error: Measure) -> Vec<Part> {
     let methods = series(group.runs.iter().copied(), &[]);
     if problems(group.runs.iter().copied()).len() < PROBLEMS {
         Vec::new()
     } else if methods.len() > MOST_LINES {
         vec![too_many(named("profiles-found", group), "performance profiles", methods.len())]
     } else {
-        COSTS.iter().map(|cost| figure(group, &methods, cost)).collect()
+        COSTS.iter().map(|cost| figure(group, &methods, cost, error)).collect()
     }
 }
 
 /// A name with the words of a group.
 fn named(name: &str, group: &Group) -> String {
     if group.words.is_empty() { name.to_owned() } else { format!("{name}-{}", file_name(&group.words)) }
-}
-
-/// Returns the velocity error if it is known of some run, else the natural map.
-fn measure<'r>(mut runs: impl Iterator<Item = &'r RunRow>) -> Measure {
-    let is_known = |run: &RunRow| run.curve.iter().any(|point| point.velocity_error().is_some());
-    if runs.any(is_known) { Measure::VelocityError } else { Measure::NaturalMap }
 }
 
 /// For each method and problem the cost over the least one; `None` where the accuracy is not reached.
@@ -108,11 +103,10 @@ fn ratios(group: &Group, methods: &[Series], cost: &Cost, (measure, accuracy): (
     ratios
 }
 
-fn figure(group: &Group, methods: &[Series], cost: &Cost) -> Part {
+fn figure(group: &Group, methods: &[Series], cost: &Cost, error: Measure) -> Part {
     let name = named(&format!("profiles-{}", cost.name), group);
-    let measure = measure(group.runs.iter().copied());
-    let said = if measure == Measure::VelocityError { "velocity error" } else { "natural map" };
-    let all = ACCURACIES.map(|accuracy| ratios(group, methods, cost, (measure, accuracy)));
+    let said = error.name().replace('_', " ");
+    let all = ACCURACIES.map(|accuracy| ratios(group, methods, cost, (error, accuracy)));
     if all.iter().flatten().flatten().all(Option::is_none) {
         let why = format!("no run reaches a {said} of 10⁻² or less");
         return nothing(name, "performance profiles", &why);

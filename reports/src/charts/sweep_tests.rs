@@ -285,7 +285,7 @@ fn failures_stand_beside_each_other_and_methods_without_subdomains_are_levels() 
         runs.push(Run { settings, iterations: u64::from(10 * i), ..run(i, "nsgs", "", Ending::Converged) });
     }
     let beside = drawn(&runs);
-    assert!(beside.contains("Level lines: methods without what varies."));
+    assert!(beside.contains("Level lines: methods without the setting that varies."));
     // As dots are drawn, with an edge; one in the key for each, and one in each panel.
     assert_eq!(beside.matches("<circle").count(), 5 * 3, "{beside}");
 }

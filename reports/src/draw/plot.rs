@@ -318,7 +318,7 @@ impl Plot {
                 .extend(guides().find(|guide| guide.key == key).map(|g| (Sign::Line(g.pen), key.to_owned())));
         }
         if curves().any(|curve| curve.through == Through::Level) {
-            signs.push((Sign::Word, "Level lines: methods without what varies.".to_owned()));
+            signs.push((Sign::Word, "Level lines: methods without the setting that varies.".to_owned()));
         }
         Legend::new(lines, signs.into_iter().chain(self.signs.clone()).collect(), INSIDE)
     }

@@ -1,9 +1,9 @@
 //! The fastest methods to an accuracy on problems of one kind, with ties.
 
 use contact::Measure;
-use results::{Median, reached};
+use results::Median;
 
-use crate::read::{Ending, Kind, RunRow, problems, unique};
+use crate::read::{COSTS, Ending, Kind, RunRow, problems, unique};
 
 /// Returns the values of the natural map at which methods are ranked: none below the tolerance at which all of `runs` stop.
 pub(crate) fn natural_maps(runs: &[RunRow]) -> Vec<f64> {
@@ -85,8 +85,7 @@ pub(crate) fn tallies(ranked: &[Ranked], labels: &[String], accuracies: &[f64]) 
 
 /// Returns the seconds after which the natural map of a run is at most `accuracy` and stays there, set-up included.
 fn seconds(run: &RunRow, accuracy: f64) -> Option<Median> {
-    let first = reached(run.curve.iter().map(|sample| sample.measures.natural_map), accuracy)?;
-    run.interval(run.setup_s? + run.curve[first].iterating_s)
+    run.interval(COSTS[0].to(run, Measure::NaturalMap, accuracy)?)
 }
 
 /// Ranks the methods of `runs` by a natural map of `accuracy`: those that reach it on more problems first, then those whose

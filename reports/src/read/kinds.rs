@@ -40,7 +40,7 @@ pub(crate) fn kinds(runs: &[RunRow]) -> Vec<Kind<'_>> {
     for run in runs {
         let settings = &run.problem_settings;
         let text = |key: &str| settings.get(key).and_then(Value::as_str);
-        let case = text(CASE).unwrap_or(&run.problem);
+        let case = run.case().unwrap_or(&run.problem);
         let step = || settings.get(TIME_STEP).map(|step| format!("time step {step}"));
         let when = text(MOMENT).map(str::to_owned).or_else(step);
         let others = settings.iter().filter(|(key, _)| !is_of_the_sample(key));

@@ -6,8 +6,9 @@ use contact::{Measure, Work};
 use results::Median;
 use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot};
+use results::settings::CASE;
 
-use crate::read::{Ending, counted, number, unique};
+use crate::read::{Ending, FRICTION, counted, number, unique};
 
 /// A run with all that is stored of it, and what is read from that; a number that is undefined there is `None` here.
 #[derive(Clone)]
@@ -117,11 +118,21 @@ impl RunRow {
     }
 
     /// Returns the measure that the run was stopped on; the natural map, the working measure, stands for those that are no error.
-    pub(crate) fn stopped_on(&self, sample: &Sample) -> Option<f64> {
+    pub(crate) fn stopped_on(&self) -> Measure {
         match self.stop_on.0 {
-            error @ (Measure::Zeta | Measure::QuadDv | Measure::VelocityError) => sample.get(error),
-            _ => sample.get(Measure::NaturalMap),
+            error @ (Measure::Zeta | Measure::QuadDv | Measure::VelocityError) => error,
+            _ => Measure::NaturalMap,
         }
+    }
+
+    /// The name of the case of its problem, if that is of one.
+    pub(crate) fn case(&self) -> Option<&str> {
+        self.problem_settings.get(CASE)?.as_str()
+    }
+
+    /// μ of its grains, where the study sets it (–).
+    pub(crate) fn friction(&self) -> Option<f64> {
+        self.problem_settings.get(FRICTION)?.as_f64()
     }
 
     /// Counted work in sweeps over `contacts`: a contact updated counts as much as a contact passed in a product W p, that

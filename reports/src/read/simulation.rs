@@ -4,6 +4,10 @@ use std::ops::Deref;
 
 use results::simulation::{Observed, Role, Simulated, Simulation as Row, SimulationEnding};
 
+use results::settings::CASE;
+use serde_json::Value;
+
+use super::kinds::FRICTION;
 use super::run::{defined, label};
 
 /// A simulation with its series.
@@ -36,6 +40,16 @@ impl Simulation {
 
     pub(crate) fn label(&self) -> String {
         label(&self.method, &self.words)
+    }
+
+    /// The name of its case; of its scene, where that has none.
+    pub(crate) fn case(&self) -> &str {
+        self.scene_settings.get(CASE).and_then(Value::as_str).unwrap_or(&self.scene)
+    }
+
+    /// μ of its grains, where the study sets it (–).
+    pub(crate) fn friction(&self) -> Option<f64> {
+        self.scene_settings.get(FRICTION)?.as_f64()
     }
 
     /// Reports whether it came to its end, and met its tolerance in every time step.

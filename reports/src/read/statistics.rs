@@ -68,25 +68,37 @@ pub(crate) fn rising(values: impl Iterator<Item = f64>) -> Vec<f64> {
     values
 }
 
+/// A straight line of least squares: its slope, a point of it, and the sum of squares of the distances of all x from that.
+struct Line {
+    slope: f64,
+    at: (f64, f64),
+    along: f64,
+}
+
+impl Line {
+    /// The line through points with two different x.
+    fn through(points: &[(f64, f64)]) -> Option<Self> {
+        let n = points.len() as f64;
+        let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
+        let at @ (x, y) = (mean(|p| p.0), mean(|p| p.1));
+        let along: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+        let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / along;
+        (along > 0.0).then_some(Self { slope, at, along })
+    }
+}
+
 /// Slope of the straight line of least squares through points, if they have two different x.
 pub(crate) fn slope(points: &[(f64, f64)]) -> Option<f64> {
-    let n = points.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let along: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
-    let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / along;
-    (along > 0.0).then_some(slope)
+    Line::through(points).map(|line| line.slope)
 }
 
 /// That slope with Student's interval, where `quantile` is that of the normal distribution; `None` of fewer than six points.
 pub(crate) fn slope_within(points: &[(f64, f64)], quantile: f64) -> Option<Mean> {
-    let (n, middle) = (points.len() as f64, slope(points)?);
-    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let along: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+    let Line { slope: middle, at: (x, y), along } = Line::through(points).filter(|_| points.len() >= 6)?;
+    let free = points.len() as f64 - 2.0;
     let left: f64 = points.iter().map(|p| (p.1 - y - middle * (p.0 - x)).powi(2)).sum();
-    let half = student(quantile, n - 2.0) * (left / (n - 2.0) / along).sqrt();
-    (n >= 6.0).then_some(Mean { low: middle - half, middle, high: middle + half })
+    let half = student(quantile, free) * (left / free / along).sqrt();
+    Some(Mean { low: middle - half, middle, high: middle + half })
 }
 
 /// The values, each once, in the order in which they come first.

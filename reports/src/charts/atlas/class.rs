@@ -166,7 +166,7 @@ fn falls(run: &RunRow) -> bool {
     let half = run.iterations / 2;
     let least = |late: bool| {
         let points = run.curve.iter().filter(|point| (point.iteration > half) == late);
-        points.filter_map(|point| run.stopped_on(point)).fold(f64::INFINITY, f64::min)
+        points.filter_map(|point| point.get(run.stopped_on())).fold(f64::INFINITY, f64::min)
     };
     least(true) < (1.0 - STALLED) * least(false)
 }

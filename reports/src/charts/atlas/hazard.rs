@@ -1,6 +1,5 @@
 //! Hazards: problems of one case that are hard for one reason, and the values that vary among them.
 
-use results::settings::CASE;
 use serde_json::{Map, Value};
 
 use crate::read::{RunRow, find_or_push, problems, unique};
@@ -20,7 +19,7 @@ pub(crate) fn hazards(runs: &[RunRow]) -> Vec<Hazard> {
     for problem in problems(runs) {
         let Some(run) = runs.iter().find(|run| run.problem == problem) else { continue };
         let settings = &run.problem_settings;
-        let name = settings.get(CASE).and_then(Value::as_str).unwrap_or(problem);
+        let name = run.case().unwrap_or(problem);
         let same = |(hazard, others): &(Hazard, Vec<&Map<String, Value>>)| {
             hazard.name == name && others[0].keys().eq(settings.keys())
         };

@@ -2,6 +2,7 @@ use results::simulation::Role;
 use results::simulation::{Simulated, Stress};
 
 use super::*;
+use crate::read::FRICTION;
 use crate::tests::fixture::files;
 use crate::tests::fixture_in_time::{exploded, read, simulated, with};
 
