@@ -6,9 +6,7 @@ use anyhow::Result;
 use cases::AnyFrozen;
 use contact::{Packing, RoughDiscs};
 use lineup::{Law, OneProblem};
-use reference::{
-    Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, RoughSolution, existence, isolation,
-};
+use reference::{Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, RoughSolution, isolation};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -53,7 +51,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let r = given.as_ref().map(|(_, r)| &**r);
     match problem.law() {
         Law::Frictionless(_) => say_one(problem, &solutions, &why, r)?,
-        Law::Frictional { discs, .. } => say_several(problem, discs, &solutions, r)?,
+        Law::Frictional { problem: law, discs } => {
+            say(format_args!("{}", existence_in_words(law.existence())))?;
+            say_several(problem, discs, &solutions, r)?;
+        }
     }
     // Where there is a solution, the given impulses are what is asked about; `take` keeps no other beside one that is certified.
     let found = solutions.first().map(|solution| &solution.certificate);
@@ -88,9 +89,6 @@ fn say_several(
     pool: &[RoughSolution],
     given: Option<&[f64]>,
 ) -> Result<()> {
-    let unknown =
-        "whether a solution exists, and whether one stands alone, is looked into between discs alone";
-    say(format_args!("{}", discs.map_or(unknown, existence_in_words)))?;
     let apart = |given| pool.iter().map(move |solution| problem.distance(&solution.impulses, given));
     let nearest = given.and_then(|given| apart(given).enumerate().min_by(|a, b| a.1.total_cmp(&b.1)));
     if let Some((n, apart)) = nearest {
@@ -110,6 +108,9 @@ fn say_several(
             say(format_args!("  {}", isolation_in_words(&isolation(discs, &solution.impulses))))?;
         }
     }
+    if discs.is_none() {
+        say(format_args!("whether a solution stands alone is looked into between discs alone"))?;
+    }
     if pool.len() > 1 {
         let all: Vec<&[f64]> = pool.iter().map(|solution| &*solution.impulses).collect();
         let spread = problem.spread(&all);
@@ -119,8 +120,8 @@ fn say_several(
 }
 
 /// Returns, in words, whether a solution exists.
-fn existence_in_words(problem: &Packing<RoughDiscs>) -> &'static str {
-    match existence(problem) {
+fn existence_in_words(existence: Option<Existence>) -> &'static str {
+    match existence {
         Some(Existence::AtRest) => {
             "a solution exists: no wall drives a contact at rest, and no gap is negative"
         }

@@ -1,226 +1,270 @@
 //! The convex neighbour of Coulomb's law, and the fixed point over it: with σ = μ|`v_t`| of each contact frozen,
 //!
-//! 0 ≤ `v_n` + σ ± μ `v_t` ⊥ z± ≥ 0,    r = (z₊ + z₋, μ (z₊ − z₋))
+//! (μ `r_n`, `r_t`) ∈ C,   ((`v_n` + σ)/μ, `v_t`) ∈ C,   their product 0,   C = {x₀ ≥ |x₁|}
 //!
-//! is a quadratic programme on the edges of the cones, for the active set and the interior point of problems without friction.
-//! Where it leaves σ as it was, the law holds. Nothing moves along its tangent in a packing at rest: there σ = 0 does it at once.
+//! is a convex programme, for a primal-dual interior point in the velocities of grains. Where it leaves σ as it was, the law holds.
+//! Nothing moves along its tangent in a packing at rest: there σ = 0 does it at once.
 //!
 //! V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, A formulation of the linear discrete Coulomb friction problem via convex
-//! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175.
+//! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175; S. Mehrotra, On the implementation of a primal-dual interior point method,
+//! SIAM J. Optim. 2 (1992) 575-601.
 
+use crate::cone::{Scaling, product, quotient, reach};
 use crate::frictional::Layout;
-use crate::interior::Interior;
-use crate::scaled::Space;
-use crate::set::Set;
 use cholesky::{Coupling, Factor, Order, Structure};
-use contact::{Column, Cone, Packing, RoughDiscs, SetupError, Touch, Vector, Work};
-use nalgebra::{Vector2, Vector3};
+use contact::law::tangential;
+use contact::status::unit;
+use contact::{Column, Cone, Frictional, Packing, Rough, SetupError, Touch, Work};
+use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
-/// The edges of the cones as columns of unit length, two for each contact, one after the other; grains in the order of the factor.
-struct Edges {
-    structure: Arc<Structure<3>>,
-    factor: Option<Factor<3>>,
-    layout: Layout<2, 3>,
-    /// √(1 + μ²) with the friction of the column: the length of an edge.
-    length: Vec<f64>,
+/// The programme for some σ, and the interior point's iterate: x = T⁻¹ s and z in the place of T (v + σ n) in the cones of all contacts,
+/// with T = diag(1/μ, 1, …) and, where there is no friction, diag(1, 0, …). Grains are in the order of the factor.
+pub struct Convex<const D: usize, const N: usize>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    structure: Arc<Structure<N>>,
+    factor: Option<Factor<N>>,
+    layout: Layout<D, N>,
+    /// Diagonal of each T (–).
+    shape: Vec<SVector<f64, D>>,
     /// σ/√`w_n` (√J).
     sigma: Vec<f64>,
-    y: Vec<Vector3<f64>>,
+    /// √J.
+    x: Vec<SVector<f64, D>>,
+    z: Vec<SVector<f64, D>>,
+    steps: u32,
+    /// The least residual (√J), its x, and after how many steps.
+    best: (f64, Vec<SVector<f64, D>>, u32),
+    /// √(Σ max(0, −`b_n`)²/`w_n`) (√J).
+    scale: f64,
     work: Work,
 }
 
-impl Edges {
-    /// The impulse of a contact from those of its edges.
-    fn impulse(&self, contact: usize, z: &[f64]) -> Vector2<f64> {
-        let ([one, other], length) = ([z[2 * contact], z[2 * contact + 1]], self.length[contact]);
-        Vector2::new(one + other, self.layout.columns[contact].friction() * (one - other)) / length
-    }
+/// Limit of steps: where there is a solution, a fifth of so many leads to it.
+const MOST_STEPS: u32 = 150;
 
-    /// Returns the components of a relative velocity along the two edges.
-    fn along(&self, contact: usize, v: Vector2<f64>) -> [f64; 2] {
-        let tangential = self.layout.columns[contact].friction() * v.y;
-        [(v.x + tangential) / self.length[contact], (v.x - tangential) / self.length[contact]]
-    }
+/// Steps that leave no less than one before, after which round-off leads nowhere.
+const PATIENCE: u32 = 8;
 
-    /// h̃ of an edge at both grains.
-    fn column(&self, edge: usize) -> [Vector3<f64>; 2] {
-        let column = &self.layout.columns[edge / 2];
-        let sign = if edge.is_multiple_of(2) { 1.0 } else { -1.0 };
-        column.pushes(Vector2::new(1.0, sign * column.friction()) / self.length[edge / 2])
-    }
-}
+/// The impulses and slacks to begin with, over the quadratic mean of what r = 0 leaves (–): impulses add up in a packing, so
+/// that those of a hundred layers are a hundred times those of one.
+const FROM: f64 = 100.0;
 
-impl Space for Edges {
-    fn contacts(&self) -> usize {
-        2 * self.layout.columns.len()
-    }
+/// Fraction of the way to the boundary that a step takes (–).
+const SHORT_OF_IT: f64 = 0.99;
 
-    fn terms_of_b(&self) -> f64 {
-        // Two edges.
-        2.0 * self.layout.terms_of_b
-    }
+/// The steps are so short that there is no way on (–).
+const NO_WAY: f64 = 1e-6;
 
-    fn velocities(&mut self, z: &[f64], v: &mut [f64]) {
-        self.work.delassus_products += 1;
-        self.y.copy_from_slice(&self.layout.free);
-        for k in 0..self.layout.columns.len() {
-            let s = self.impulse(k, z);
-            self.layout.columns[k].push(s, &mut self.y);
-        }
-        for k in 0..self.layout.columns.len() {
-            let along = self.layout.columns[k].relative(&self.y) + self.layout.offset[k];
-            let along = self.along(k, along + Vector2::new(self.sigma[k], 0.0));
-            v[2 * k..2 * k + 2].copy_from_slice(&along);
-        }
-    }
-
-    fn factorise(&mut self, weight: impl Fn(usize) -> f64 + Sync) -> bool {
-        self.work.factorisations += 1;
-        self.work.factorisation_multiply_adds += self.structure.work();
-        let mut factor = self.factor.take();
-        let coupling = |contact: usize| {
-            let dyad = |edge: usize| {
-                let [first, second] = self.column(edge);
-                Coupling::dyad(weight(edge), first, second)
-            };
-            Some(dyad(2 * contact) + dyad(2 * contact + 1))
-        };
-        let ones = |_| Vector3::repeat(1.0);
-        let done = Factor::replace(&mut factor, &self.structure, ones, coupling);
-        self.factor = factor;
-        done
-    }
-
-    fn solve(&mut self, p: impl Fn(usize) -> f64, mut take: impl FnMut(usize, f64)) {
-        self.y.fill(Vector3::zeros());
-        let pairs: Vec<f64> = (0..self.contacts()).map(p).collect();
-        for k in 0..self.layout.columns.len() {
-            let s = self.impulse(k, &pairs);
-            self.layout.columns[k].push(s, &mut self.y);
-        }
-        let Some(factor) = &self.factor else { return };
-        factor.solve(&mut self.y);
-        self.work.triangular_solve_entries += 2 * factor.entries() as u64;
-        for k in 0..self.layout.columns.len() {
-            let [one, other] = self.along(k, self.layout.columns[k].relative(&self.y));
-            take(2 * k, one);
-            take(2 * k + 1, other);
-        }
-    }
-}
-
-/// The fixed point: first the programme with σ = 0, the convex relaxation, then those with the σ that the one before leaves.
-pub struct Convex {
-    set: Set<Edges>,
-    /// √(Σ max(0, −`b_n`)²/`w_n`) (√J).
-    scale: f64,
-}
-
-/// Sets of one programme that may leave more than one before, or the interior point leads on.
-const SETS: u32 = 8;
-
-/// Residual of the interior point, over the problem's scale, where it has come near enough; and where it has come too far to be called
-/// nearly solved (–). Where edges depend on each other it ends between the two.
-const NEAR: f64 = 1e-10;
+/// Residual over the problem's scale where it has come near enough; and where it has come too far to be called nearly solved (–). Where
+/// contacts depend on each other round-off ends it between the two.
+const NEAR: f64 = 1e-13;
 const NEARLY: f64 = 1e-3;
 
-/// Level of round-off, over the problem's scale (–).
-const ROUND_OFF: f64 = 1e-12;
+/// Direction of x and z.
+type Direction<const D: usize> = (Vec<SVector<f64, D>>, Vec<SVector<f64, D>>);
 
-impl Convex {
-    /// Lays the problem out.
+impl<const D: usize, const N: usize> Convex<D, N>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    /// Lays the problem out, for σ = 0, the relaxation.
     ///
     /// # Errors
     /// Where it is too large for that.
-    pub fn new(problem: &Packing<RoughDiscs>) -> Result<Self, SetupError> {
+    pub fn new(problem: &Packing<Rough<D>>) -> Result<Self, SetupError> {
         let ends: Vec<_> = problem.contacts().iter().map(Touch::ends).collect();
         let order = Order::fill_reducing(problem.position(), &ends)?;
         let structure = Structure::new(&ends, &order)?;
         let layout = Layout::placed(problem, |grain| structure.position()[grain as usize]);
-        let edges = Edges {
-            length: layout.columns.iter().map(|column| column.friction().hypot(1.0)).collect(),
-            sigma: vec![0.0; layout.columns.len()],
-            y: layout.free.clone(),
+        let shape = |friction: f64| {
+            let mut shape = SVector::repeat(if friction > 0.0 { 1.0 } else { 0.0 });
+            shape[0] = if friction > 0.0 { friction.recip() } else { 1.0 };
+            shape
+        };
+        let contacts = layout.columns.len();
+        let mut convex = Self {
+            shape: layout.columns.iter().map(|column| shape(column.friction())).collect(),
+            sigma: vec![0.0; contacts],
+            x: vec![SVector::zeros(); contacts],
+            z: vec![SVector::zeros(); contacts],
+            steps: 0,
+            best: (f64::INFINITY, Vec::new(), 0),
+            scale: problem.scale().sqrt(),
             factor: None,
             work: Work::default(),
             structure,
             layout,
         };
-        Ok(Self { set: Set::on(edges), scale: problem.scale().sqrt() })
+        convex.begin();
+        Ok(convex)
+    }
+
+    /// Begins away from all bounds.
+    fn begin(&mut self) {
+        let away = FROM * self.scale / (self.x.len().max(1) as f64).sqrt();
+        self.x = self.shape.iter().map(|shape| unit(0) * (away / shape[0])).collect();
+        self.z = self.slack();
+        for z in &mut self.z {
+            z[0] = z[0].max(tangential(*z).1 + away);
+        }
+        (self.steps, self.best) = (0, (self.left(), self.x.clone(), 0));
     }
 
     /// Asks of the next programme that `v_n` be above μ|`v_t`| by a margin at each contact (m/s).
     pub fn ask_for(&mut self, margin: f64) {
-        let Edges { sigma, layout, .. } = &mut self.set.scaled;
-        for (sigma, unit) in sigma.iter_mut().zip(&layout.unit) {
-            *sigma = -margin / unit.x;
+        for (sigma, unit) in self.sigma.iter_mut().zip(&self.layout.unit) {
+            *sigma = -margin / unit[0];
         }
+        self.begin();
     }
 
-    /// Solves the programme for the present σ, from the impulses of the last; then takes σ = μ|`v_t`|. Whether it was solved, or
-    /// nearly.
+    /// s = T x (√J).
+    fn impulse(&self) -> Vec<SVector<f64, D>> {
+        self.x.iter().zip(&self.shape).map(|(x, shape)| x.component_mul(shape)).collect()
+    }
+
+    /// T (v + σ n) of the impulses (√J).
+    fn slack(&mut self) -> Vec<SVector<f64, D>> {
+        self.work.delassus_products += 1;
+        let mut slack = self.layout.velocity(&self.impulse());
+        for ((v, sigma), shape) in slack.iter_mut().zip(&self.sigma).zip(&self.shape) {
+            v[0] += sigma;
+            v.component_mul_assign(shape);
+        }
+        slack
+    }
+
+    /// √(Σ x · z + |T (v + σ n) − z|²): the residual of the programme (√J).
+    fn left(&mut self) -> f64 {
+        let slack = self.slack();
+        let of = |((x, z), slack): ((&SVector<f64, D>, &SVector<f64, D>), &SVector<f64, D>)| {
+            x.dot(z) + (slack - z).norm_squared()
+        };
+        self.x.iter().zip(&self.z).zip(&slack).map(of).sum::<f64>().sqrt()
+    }
+
+    /// One step of the interior point, with one factorisation of 1 + Σ H̃ T W² T H̃ᵗ and two solves: towards x ∘ z = 0, and then towards
+    /// what the way there allows. `false` if there is no way on, or no need: then the iterate is the best so far.
+    pub fn step(&mut self) -> bool {
+        self.steps += 1;
+        let goes_on = self.best.0 > NEAR * self.scale && self.steps <= MOST_STEPS && self.advance_by_newton();
+        let left = if goes_on { self.left() } else { f64::INFINITY };
+        if left < self.best.0 {
+            self.best = (left, self.x.clone(), self.steps);
+        }
+        let goes_on = goes_on && self.steps < self.best.2 + PATIENCE;
+        if !goes_on {
+            self.x.clone_from(&self.best.1);
+        }
+        goes_on
+    }
+
+    fn advance_by_newton(&mut self) -> bool {
+        let scaling: Vec<_> = self.x.iter().zip(&self.z).map(|(x, z)| Scaling::new(x, z)).collect();
+        let square: Vec<_> = scaling.iter().map(Scaling::square).collect();
+        if !self.factorise(&square) {
+            return false;
+        }
+        let slack = self.slack();
+        let apart: Vec<_> = slack.iter().zip(&self.z).map(|(slack, z)| slack - z).collect();
+        let (dx, dz) = self.towards(&square, &apart, &self.x.iter().map(|x| -x).collect::<Vec<_>>());
+        let lengths = self.reach(&dx, &dz).map(|reach| reach.min(1.0));
+        let mean = self.mean(&dx, &dz, [0.0; 2]);
+        let centring = (self.mean(&dx, &dz, lengths) / mean).clamp(0.0, 1.0).powi(3);
+        let goal = |k: usize| {
+            let (scaling, lambda) = (&scaling[k], scaling[k].times(&self.z[k]));
+            let mut goal = -product(&lambda, &lambda);
+            goal -= product(&scaling.inverse_times(&dx[k]), &scaling.times(&dz[k]));
+            goal[0] += centring * mean;
+            scaling.times(&quotient(&goal, &lambda))
+        };
+        let goals: Vec<_> = (0..self.x.len()).map(goal).collect();
+        let (dx, dz) = self.towards(&square, &apart, &goals);
+        let [of_x, of_z] = self.reach(&dx, &dz).map(|reach| (SHORT_OF_IT * reach).min(1.0));
+        if !(of_x.max(of_z) > NO_WAY) {
+            return false;
+        }
+        self.x.iter_mut().zip(&dx).for_each(|(x, dx)| *x += of_x * dx);
+        self.z.iter_mut().zip(&dz).for_each(|(z, dz)| *z += of_z * dz);
+        true
+    }
+
+    fn factorise(&mut self, square: &[SMatrix<f64, D, D>]) -> bool {
+        self.work.factorisations += 1;
+        self.work.factorisation_multiply_adds += self.structure.work();
+        let Self { layout, shape, structure, factor, .. } = self;
+        let coupling = |contact: usize| {
+            let pushes: [_; D] =
+                std::array::from_fn(|c| layout.columns[contact].pushes(unit(c) * shape[contact][c]));
+            let rows = [0, 1].map(|end| SMatrix::<f64, N, D>::from_columns(&pushes.map(|of| of[end])));
+            Some(Coupling::product(rows, square[contact]))
+        };
+        Factor::replace(factor, structure, |_| SVector::repeat(1.0), coupling)
+    }
+
+    /// Newton's direction towards dx + W² dz = `goal`:
+    ///
+    /// (1 + Σ H̃ T W² T H̃ᵗ) dy = Σ H̃ T (goal − W² apart),   dz = T H̃ᵗ dy + apart,   dx = goal − W² dz
+    fn towards(
+        &self,
+        square: &[SMatrix<f64, D, D>],
+        apart: &[SVector<f64, D>],
+        goal: &[SVector<f64, D>],
+    ) -> Direction<D> {
+        let contacts = || self.layout.columns.iter().zip(&self.shape).enumerate();
+        let mut y = vec![SVector::zeros(); self.layout.free.len()];
+        for (k, (column, shape)) in contacts() {
+            column.push((goal[k] - square[k] * apart[k]).component_mul(shape), &mut y);
+        }
+        if let Some(factor) = &self.factor {
+            factor.solve(&mut y);
+        }
+        let of = |(k, (column, shape)): (usize, (&_, &SVector<f64, D>))| {
+            let dz = Column::<Rough<D>>::relative(column, &y).component_mul(shape) + apart[k];
+            (goal[k] - square[k] * dz, dz)
+        };
+        contacts().map(of).unzip()
+    }
+
+    /// Returns the longest steps that keep x and z in their cones.
+    fn reach(&self, dx: &[SVector<f64, D>], dz: &[SVector<f64, D>]) -> [f64; 2] {
+        let least = |x: &[SVector<f64, D>], dx: &[SVector<f64, D>]| {
+            x.iter().zip(dx).map(|(x, dx)| reach(x, dx)).fold(f64::INFINITY, f64::min)
+        };
+        [least(&self.x, dx), least(&self.z, dz)]
+    }
+
+    /// The mean of x · z after steps of these lengths.
+    fn mean(&self, dx: &[SVector<f64, D>], dz: &[SVector<f64, D>], [of_x, of_z]: [f64; 2]) -> f64 {
+        let of = |k: usize| (self.x[k] + of_x * dx[k]).dot(&(self.z[k] + of_z * dz[k]));
+        (0..self.x.len()).map(of).sum::<f64>() / self.x.len() as f64
+    }
+
+    /// Solves the programme for the present σ; then takes σ = μ|`v_t`|. Returns whether it was solved, or nearly.
     pub fn advance(&mut self) -> bool {
-        let solved = self.sets() || self.interior();
-        let edges = &mut self.set.scaled;
-        let mut v = vec![0.0; edges.contacts()];
-        edges.velocities(&self.set.s, &mut v);
-        for k in 0..edges.layout.columns.len() {
-            // Along both edges v differs by 2 μ v_t.
-            edges.sigma[k] = (0.5 * edges.length[k] * (v[2 * k] - v[2 * k + 1])).abs();
+        self.begin();
+        while self.step() {}
+        let solved = self.best.0 <= NEARLY * self.scale;
+        for (v, (sigma, column)) in
+            self.layout.velocity(&self.impulse()).iter().zip(self.sigma.iter_mut().zip(&self.layout.columns))
+        {
+            *sigma = column.friction() * tangential(*v).1;
         }
-        self.set.measure();
         solved
-    }
-
-    /// Sets, as long as they leave less; whether what is left is round-off.
-    fn sets(&mut self) -> bool {
-        let mut least = f64::INFINITY;
-        for _ in 0..SETS {
-            let changed = self.set.step();
-            let left = self.set.left();
-            if self.set.is_solved() || changed == Some(0) && left < ROUND_OFF * self.scale {
-                return true;
-            }
-            if changed.is_none() || changed == Some(0) && !(left < least) {
-                break;
-            }
-            least = least.min(left);
-        }
-        false
-    }
-
-    /// An interior point as near as it comes, and sets from there.
-    fn interior(&mut self) -> bool {
-        let edges = self.set.lend_factor();
-        let mut interior = Interior::new(edges, self.scale);
-        let mut best = (interior.left(), interior.s.clone());
-        while best.0 > NEAR * self.scale && interior.step(edges) {
-            if interior.left() < best.0 {
-                best = (interior.left(), interior.s.clone());
-            }
-        }
-        self.set.s.copy_from_slice(&best.1);
-        self.set.measure();
-        if self.sets() {
-            return true;
-        }
-        self.set.s.copy_from_slice(&best.1);
-        self.set.measure();
-        best.0 <= NEARLY * self.scale
     }
 
     /// Work so far.
     pub fn work(&self) -> Work {
-        self.set.scaled.work
+        let entries = self.factor.as_ref().map_or(0, Factor::entries) as u64;
+        Work { triangular_solve_entries: 4 * entries * self.work.factorisations, ..self.work }
     }
 
     /// Impulses in the problem's order (N·s), within the cones.
     pub fn impulses(&self, r: &mut [f64]) {
-        let z: Vec<f64> = self.set.s.iter().map(|z| z.max(0.0)).collect();
-        for (k, unit) in self.set.scaled.layout.unit.iter().enumerate() {
-            self.set.scaled.impulse(k, &z).component_div(unit).put(r, k);
-        }
+        self.layout.impulses(&self.impulse(), r);
     }
 }
 

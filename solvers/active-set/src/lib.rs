@@ -15,6 +15,7 @@
 //! With friction accelerated sweeps of Gauss-Seidel take the place of conjugate gradients, Newton's method on the statuses open, stick
 //! and slide that of the set, and proximal points that of the interior point (`frictional.rs`).
 
+mod cone;
 mod convex;
 mod frictional;
 mod inner;

@@ -22,6 +22,17 @@ pub struct Coupling<const D: usize = 2> {
 }
 
 impl<const D: usize> Coupling<D> {
+    /// A W Aᵗ with a symmetric W, and A given by its rows at the first grain and at the second.
+    #[inline]
+    pub fn product<const C: usize>(rows: [SMatrix<f64, D, C>; 2], weights: SMatrix<f64, C, C>) -> Self {
+        let [first, second] = rows.map(|rows| rows * weights);
+        Self {
+            first: first * rows[0].transpose(),
+            second: second * rows[1].transpose(),
+            between: first * rows[1].transpose(),
+        }
+    }
+
     /// w h hᵗ, with h at the first grain, and at the second.
     #[inline]
     pub fn dyad(weight: f64, first: SVector<f64, D>, second: SVector<f64, D>) -> Self {

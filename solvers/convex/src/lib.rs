@@ -11,7 +11,10 @@
 //! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175.
 
 use active_set::{ActiveSet, Convex as Programmes};
-use contact::{Iteration, Packing, RoughDiscs, SetupError, Smooth, Solver, Work};
+use contact::{
+    Frictional, Iteration, Packing, Rough, RoughDiscs, RoughSpheres, SetupError, Smooth, Solver, Work,
+};
+use nalgebra::SVector;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -33,8 +36,11 @@ impl Default for Convex {
 /// Programmes in which the change of the impulses must halve, or the fixed point leads nowhere.
 const PATIENCE: u32 = 1000;
 
-struct Run {
-    programmes: Programmes,
+struct Run<const D: usize, const N: usize>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    programmes: Programmes<D, N>,
     fixed_point: bool,
     /// N·s.
     r: Vec<f64>,
@@ -45,7 +51,10 @@ struct Run {
     has_ended: bool,
 }
 
-impl Run {
+impl<const D: usize, const N: usize> Run<D, N>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
     /// Reports whether the last programmes lead nowhere.
     fn is_in_vain(&mut self) -> bool {
         let changed = self.r.iter().zip(&self.before).map(|(r, before)| (r - before).powi(2)).sum::<f64>();
@@ -58,7 +67,10 @@ impl Run {
     }
 }
 
-impl Iteration for Run {
+impl<const D: usize, const N: usize> Iteration for Run<D, N>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
     fn advance(&mut self) {
         if !self.has_ended {
             // One that is not solved leaves a σ that means nothing.
@@ -82,17 +94,40 @@ impl Iteration for Run {
     }
 }
 
+impl Convex {
+    /// A run with friction; the start impulses `r0` (N·s) are what is shown before the first programme, and no more.
+    fn with_friction<const D: usize, const N: usize>(
+        self,
+        problem: &Packing<Rough<D>>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration>, SetupError>
+    where
+        Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+    {
+        let programmes = Programmes::new(problem)?;
+        let Self { fixed_point } = self;
+        let (r, before, quartered) = (r0.to_vec(), r0.to_vec(), (f64::INFINITY, 0));
+        Ok(Box::new(Run { programmes, fixed_point, r, before, quartered, has_ended: false }))
+    }
+}
+
 impl Solver<RoughDiscs> for Convex {
-    /// The start impulses are what is shown before the first programme, and no more.
     fn start<'p>(
         &self,
         problem: &'p Packing<RoughDiscs>,
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        let programmes = Programmes::new(problem)?;
-        let Self { fixed_point } = *self;
-        let (r, before, quartered) = (r0.to_vec(), r0.to_vec(), (f64::INFINITY, 0));
-        Ok(Box::new(Run { programmes, fixed_point, r, before, quartered, has_ended: false }))
+        self.with_friction(problem, r0)
+    }
+}
+
+impl Solver<RoughSpheres> for Convex {
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<RoughSpheres>,
+        r0: &[f64],
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        self.with_friction(problem, r0)
     }
 }
 

@@ -5,7 +5,7 @@ use active_set::ActiveSet;
 use analysis::{Bounded, Spectrum, proves_infeasible};
 use cases::{AnyFrozen, Frozen, Marched};
 use contact::{Discs, Packing, RoughDiscs, RoughSpheres, Smooth, Solver, Spheres};
-use reference::{Answer, Certified, Coulomb, RoughSolution, polished, solve_rough};
+use reference::{Answer, Certified, Coulomb, Existence, RoughSolution, polished, solve_rough};
 use std::ops::RangeInclusive;
 
 /// A mechanics in which problems are solved, marched and certified.
@@ -81,6 +81,9 @@ pub trait Frictional {
     /// Reports whether it is proved that it has no solution.
     fn has_no_solution(&self) -> bool;
 
+    /// Returns the reason why it is known to have a solution: [`reference::existence`].
+    fn existence(&self) -> Option<Existence>;
+
     /// Returns the certified solution to which the end of a run (N·s) is polished, if there is one: [`polished`].
     fn polished(&self, r: &[f64]) -> Option<RoughSolution>;
 }
@@ -95,6 +98,10 @@ where
 
     fn has_no_solution(&self) -> bool {
         M::has_no_solution(self)
+    }
+
+    fn existence(&self) -> Option<Existence> {
+        M::existence(self)
     }
 
     fn polished(&self, r: &[f64]) -> Option<RoughSolution> {

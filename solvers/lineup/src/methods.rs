@@ -46,7 +46,7 @@ pub static METHODS: &[Entry] = &[
         "primal-dual active set, begun by conjugate gradients",
         |s| build(s, active_set),
     ),
-    Entry::with_friction::<convex::Convex>(
+    Entry::of_every::<convex::Convex>(
         "convex",
         "convex relaxation of Coulomb's law, and the fixed point over it",
     ),
@@ -206,14 +206,6 @@ impl Entry {
         Self::new::<S>(name, what, |settings| build(settings, smooth::<S>))
     }
 
-    /// A method for problems with and without friction; between spheres without.
-    const fn with_friction<S>(name: &'static str, what: &'static str) -> Self
-    where
-        S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Configured,
-    {
-        Self::new::<S>(name, what, |settings| build(settings, rough::<S>))
-    }
-
     /// A method for every mechanics.
     const fn of_every<S>(name: &'static str, what: &'static str) -> Self
     where
@@ -282,15 +274,15 @@ fn smooth<S: Solver + Solver<Spheres> + Clone + 'static>(solver: &S) -> Ours {
     }
 }
 
-fn rough<S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Clone + 'static>(solver: &S) -> Ours {
-    Ours { rough_discs: Some(Engine::Here(Box::new(solver.clone()))), ..smooth(solver) }
-}
-
 fn every<S>(solver: &S) -> Ours
 where
     S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Solver<RoughSpheres> + Clone + 'static,
 {
-    Ours { rough_spheres: Some(Engine::Here(Box::new(solver.clone()))), ..rough(solver) }
+    Ours {
+        rough_discs: Some(Engine::Here(Box::new(solver.clone()))),
+        rough_spheres: Some(Engine::Here(Box::new(solver.clone()))),
+        ..smooth(solver)
+    }
 }
 
 fn on_ranks<S>(solver: &S) -> Ours

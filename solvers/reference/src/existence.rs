@@ -6,8 +6,8 @@
 //! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175.
 
 use active_set::Convex;
-use contact::{Packing, RoughDiscs, Touch, Vector, greatest, law};
-use nalgebra::{Vector2, Vector3};
+use contact::{Frictional, Mechanics, Packing, Rough, Touch, greatest, law};
+use nalgebra::SVector;
 
 /// Reason why a problem with friction is known to have a solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,20 +23,23 @@ pub enum Existence {
 const MARGIN: f64 = 1e-4;
 
 /// Returns the reason why `problem` is known to have a solution; `None` where no velocity was found that says so.
-pub fn existence(problem: &Packing<RoughDiscs>) -> Option<Existence> {
-    let room = |velocity: &[Vector3<f64>]| {
-        let of = |contact: &contact::RoughContact| {
-            let v: Vector2<f64> = contact.relative(velocity) + contact.offset();
-            v.x - contact.friction * v.y.abs()
+pub fn existence<const D: usize, const N: usize>(problem: &Packing<Rough<D>>) -> Option<Existence>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    let room = |velocity: &[SVector<f64, N>]| {
+        let of = |contact: &<Rough<D> as Mechanics>::Contact| {
+            let v = contact.relative(velocity) + contact.offset();
+            v[0] - contact.friction * law::tangential(v).1
         };
         problem.contacts().iter().map(of).fold(f64::INFINITY, f64::min)
     };
-    let mut velocity = vec![Vector3::zeros(); problem.grain_count()];
+    let mut velocity = vec![SVector::zeros(); problem.grain_count()];
     if room(&velocity) >= 0.0 {
         return Some(Existence::AtRest);
     }
-    let margin =
-        MARGIN * greatest(problem.b().iter().step_by(Vector2::<f64>::LEN).map(|b| law::non_negative(-b)));
+    let approach = problem.b().into_iter().step_by(D).map(|b| law::non_negative(-b));
+    let margin = MARGIN * greatest(approach);
     let mut convex = Convex::new(problem).ok()?;
     convex.ask_for(margin);
     convex.advance();

@@ -2,7 +2,7 @@
 //! velocities are unique.
 
 use crate::certificate::{Certificate, Certified, certify};
-use crate::{Answer, solve};
+use crate::{Answer, Existence, existence, solve};
 use active_set::{ActiveSet, Start};
 use contact::{
     ContactProblem, Frictional, Mechanics, Packing, Rough, RoughMass, Smooth, Solver, Truth, Vector,
@@ -18,6 +18,9 @@ pub trait Coulomb: Certified<Mass = RoughMass> {
     /// Decides whether the normal parts alone prove that `problem` has no solution: where no velocity keeps the contacts from approaching,
     /// friction does not help. `false` says nothing.
     fn has_no_solution(problem: &Packing<Self>) -> bool;
+
+    /// Returns the reason why `problem` is known to have a solution: [`existence`].
+    fn existence(problem: &Packing<Self>) -> Option<Existence>;
 }
 
 impl<const D: usize, const N: usize> Coulomb for Rough<D>
@@ -26,6 +29,10 @@ where
 {
     fn has_no_solution(problem: &Packing<Self>) -> bool {
         problem.without_friction().is_ok_and(|normal| has_none(&normal, problem.position()))
+    }
+
+    fn existence(problem: &Packing<Self>) -> Option<Existence> {
+        existence(problem)
     }
 }
 

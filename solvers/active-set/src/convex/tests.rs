@@ -18,7 +18,7 @@ fn one_programme_lifts_a_disc_that_slides_and_the_fixed_point_lays_it_down() {
     let mass = vec![RoughMass { mass: 2.0, inertia: 0.25 }];
     let free = vec![Vector3::new(3.0, -0.1, 0.0)];
     let problem = Packing::new(mass, vec![Vector2::new(0.0, 0.5)], free, vec![contact]).unwrap();
-    let mut convex = Convex::new(&problem).unwrap();
+    let mut convex = Convex::<2, 3>::new(&problem).unwrap();
     let mut velocity = || {
         assert!(convex.advance());
         let mut r = [0.0; 2];

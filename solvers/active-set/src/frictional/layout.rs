@@ -76,7 +76,7 @@ where
     }
 
     /// The nearest impulses to s that the law admits (N·s).
-    pub(super) fn impulses(&self, s: &[SVector<f64, D>], r: &mut [f64]) {
+    pub(crate) fn impulses(&self, s: &[SVector<f64, D>], r: &mut [f64]) {
         for (k, (s, unit)) in self.admitted(s).iter().zip(&self.unit).enumerate() {
             s.component_div(unit).put(r, k);
         }
@@ -93,7 +93,7 @@ where
     }
 
     /// v of s (√J).
-    pub(super) fn velocity(&self, s: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+    pub(crate) fn velocity(&self, s: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
         let y = self.pushed(self.free.clone(), s);
         self.columns.iter().zip(&self.offset).map(|(column, c)| column.relative(&y) + c).collect()
     }

@@ -4,9 +4,10 @@
 //! Appl. Mech. Engrg. 92 (1991) 353-375; in the space of grains, and with the proximal term of R. T. Rockafellar (SIAM J. Control
 //! Optim. 14 (1976) 877-898), since W is singular where contacts depend on each other.
 
-use super::layout::{Drawn, Layout};
+use super::layout::{ColumnOf, Drawn, Layout};
 use super::matrix::Matrix;
 use crate::Best;
+use contact::law::tangential;
 use contact::status::wanted;
 use contact::{Cone, Frictional, Packing, Rough, SetupError, Work};
 use nalgebra::SVector;
@@ -80,6 +81,17 @@ where
     /// Returns the residual of the law that impulses `r` (N·s) leave (√J).
     pub(super) fn left_by(&self, r: &[f64]) -> f64 {
         self.left(Self::ALONE, &self.layout.scaled(r))
+    }
+
+    /// Returns what the convex relaxation lifts contacts by that carry the impulses `r` (N·s) and slide: √(Σ min(σ, `s_n`)²) with
+    /// σ = μ|`v_t`| (√J).
+    pub(super) fn lift_of(&self, r: &[f64]) -> f64 {
+        let s = self.layout.scaled(r);
+        let v = self.layout.velocity(&s);
+        let of = |((s, v), column): ((&SVector<f64, D>, &SVector<f64, D>), &ColumnOf<D>)| {
+            (column.friction() * tangential(*v).1).min(s[0]).powi(2)
+        };
+        s.iter().zip(&v).zip(&self.layout.columns).map(of).sum::<f64>().sqrt()
     }
 
     /// Takes the impulses `r` (N·s); returns what they leave of the law (√J).
