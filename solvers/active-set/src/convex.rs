@@ -202,7 +202,10 @@ where
             let rows = [0, 1].map(|end| SMatrix::<f64, N, D>::from_columns(&pushes.map(|of| of[end])));
             Some(Coupling::product(rows, square[contact]))
         };
-        Factor::replace(factor, structure, |_| SVector::repeat(1.0), coupling)
+        let done = Factor::replace(factor, structure, |_| SVector::repeat(1.0), coupling);
+        // Two solves, each with the factor and its transpose.
+        self.work.triangular_solve_entries += if done { 4 * self.structure.entries() as u64 } else { 0 };
+        done
     }
 
     /// Newton's direction towards dx + W² dz = `goal`:
@@ -258,8 +261,7 @@ where
 
     /// Work so far.
     pub fn work(&self) -> Work {
-        let entries = self.factor.as_ref().map_or(0, Factor::entries) as u64;
-        Work { triangular_solve_entries: 4 * entries * self.work.factorisations, ..self.work }
+        self.work
     }
 
     /// Impulses in the problem's order (N·s), within the cones.
