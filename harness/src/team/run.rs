@@ -1,7 +1,8 @@
 //! A run on a problem that ranks share: one row, with what they sent each other.
 
 use crate::plan::{Method, Plan};
-use crate::problems::{Problem, Root};
+use crate::problems::Problem;
+use crate::root::Root;
 use crate::run::problem::NO_START;
 use crate::run::{Recorder, Task, ended_row, refused, skipped_row};
 use crate::team::share::{Posted, Shared, cut_of, of_whole};

@@ -3,7 +3,8 @@
 use super::{Solve, Split, checkout, reason};
 use crate::cli::split;
 use crate::plan::Method;
-use crate::problems::{Impulses, Root};
+use crate::problems::Impulses;
+use crate::root::Root;
 use crate::store::open;
 use crate::team::share::Posted;
 use crate::team::{bench, solve};

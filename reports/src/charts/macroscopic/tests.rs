@@ -2,9 +2,9 @@ use results::simulation::Role;
 use results::simulation::{Simulated, Stress};
 
 use super::*;
-use crate::read::FRICTION;
 use crate::tests::fixture::files;
 use crate::tests::fixture_in_time::{exploded, read, simulated, with};
+use results::settings::FRICTION;
 
 /// A packing whose friction is first another one, and then `friction` ± `spread`.
 fn sheared(grains: f64, tolerance: f64, friction: f64, spread: f64) -> Simulated {
