@@ -23,15 +23,11 @@ fn frozen(name: &str) -> AnyFrozen {
 }
 
 fn discs(name: &str) -> Packing {
-    let AnyFrozen::Discs(Frozen { problem, .. }) = frozen(name) else { panic!("{name} has friction") };
-    problem
+    frozen(name).of().expect("a problem without friction").problem
 }
 
 fn rough(name: &str) -> Packing<RoughDiscs> {
-    let AnyFrozen::RoughDiscs(Frozen { problem, .. }) = frozen(name) else {
-        panic!("{name} has no friction")
-    };
-    problem
+    frozen(name).of().expect("a problem with friction").problem
 }
 
 /// A run on so many ranks from r = 0: what came out, with the impulses of all.
