@@ -43,21 +43,7 @@ pub(crate) fn on_ranks(
         slowest_rank: end.slowest as u32,
         ..Exchange::default()
     };
-    let outcome = Outcome {
-        status: end.status,
-        iterations: end.iterations,
-        measures: end.measures,
-        impulses: end.impulses,
-        velocity: Vec::new(),
-        setup: end.setup,
-        iterating: end.iterating,
-        work: end.work,
-        derived: end.derived,
-        critical_path: end.critical_path,
-        last_change_moves: f64::NAN,
-        cycle: None,
-    };
-    Ok((outcome, exchange))
+    Ok((end.outcome, exchange))
 }
 
 /// All ranks, and what their rows say of them.

@@ -3,7 +3,6 @@
 use crate::facts::facts;
 use crate::form::Form;
 use crate::methods::Ours;
-use crate::problem::plain;
 use anyhow::Result;
 use cases::{AnyFrozen, CaseError, March, Observables, Side, Start};
 use contact::{Place, Vector};
@@ -120,7 +119,6 @@ impl<M: Form> OneMarch for March<M> {
         let solver = ours.engine_of(&facts::<M>(0, 0).in_words())?.solver();
         let time_step = self.next()?;
         let solved = self.solve(&time_step, solver, stop, start, halt);
-        let solved = solved.map(|(outcome, observables)| (plain(outcome), observables));
         Ok(Attempt { frozen: time_step.frozen.into(), solved })
     }
 

@@ -162,7 +162,7 @@ impl<M: Form> OneProblem for Frozen<M> {
         let Run { truths, r0, stop, measured } = run;
         let solver = ours.engine_of(&self.facts().in_words())?.solver();
         let truths: Vec<Truth<M>> = truths.iter().map(|r| Truth::new(&self.problem, r)).collect();
-        Ok(plain(solve_against(&truths, solver, &self.problem, r0, stop, measured, observe)?))
+        Ok(solve_against(&truths, solver, &self.problem, r0, stop, measured, observe)?)
     }
 
     fn measures(&self, truths: &[Vec<f64>], r: &[f64]) -> Measures {
@@ -341,24 +341,6 @@ impl<M: Form> OneProblem for Frozen<M> {
 
     fn share(&self, cut: &Decomposition, team: &Team, whole: Whole) -> Result<Box<dyn OneShare>> {
         Ok(Box::new(Share::of_rank(&self.problem, cut, team, whole)?))
-    }
-}
-
-/// The outcome of a run in any mechanics; what tells these apart, the velocity, [`OneProblem::velocity`] computes.
-pub(crate) fn plain<M: Mechanics>(outcome: Outcome<M>) -> Outcome {
-    Outcome {
-        status: outcome.status,
-        iterations: outcome.iterations,
-        measures: outcome.measures,
-        impulses: outcome.impulses,
-        velocity: Vec::new(),
-        setup: outcome.setup,
-        iterating: outcome.iterating,
-        work: outcome.work,
-        derived: outcome.derived,
-        critical_path: outcome.critical_path,
-        last_change_moves: outcome.last_change_moves,
-        cycle: outcome.cycle,
     }
 }
 
