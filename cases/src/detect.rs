@@ -7,6 +7,9 @@ use crate::detect::periodic::Period;
 use contact::{Groups, Place};
 use nalgebra::Vector2;
 
+/// The share of the smaller radius by which two grains may overlap at first (–): what another code left of its contacts.
+pub(crate) const OVERLAP: f64 = 0.1;
+
 /// A rigid disc or sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grain<P = Vector2<f64>> {

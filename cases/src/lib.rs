@@ -1,6 +1,6 @@
 //! From a scene to a contact problem: samples, neighbours, laws, time marching; and frozen problems.
 //!
-//! Each folder uses those before it only: `error`, `file`, `detect`, `scene`, `bodies`, `problem`, `sample`, `case`, `observe`, `march`.
+//! Each folder uses those before it only: `detect`, `error`, `file`, `scene`, `bodies`, `problem`, `sample`, `case`, `observe`, `march`.
 
 mod bodies;
 mod case;

@@ -164,22 +164,22 @@ impl<M: Marched> March<M> {
         Ok(TimeStep { frozen, sides, terms })
     }
 
-    /// Ends the time step with the impulses `r` (N·s) and velocities `velocity` (m/s) found for it:
-    /// q ← q + h((1−θ)V⁻ + θV).
+    /// Ends the time step with the impulses `r` (N·s) found for it: q ← q + h((1−θ)V⁻ + θV).
     ///
     /// # Panics
-    /// If the impulses or velocities are not those of the time step's problem.
-    pub fn advance(&mut self, time_step: &TimeStep<M>, r: &[f64], velocity: &[M::Velocity]) -> Observables {
+    /// If the impulses are not those of the time step's problem.
+    pub fn advance(&mut self, time_step: &TimeStep<M>, r: &[f64]) -> Observables {
         let Scene { time_step_s: h, theta, .. } = self.scene;
         let problem = &time_step.frozen.problem;
         assert_eq!(r.len(), problem.impulse_count(), "one impulse per contact");
-        assert_eq!(velocity.len(), problem.grain_count(), "one velocity per grain");
+        let mut velocity = vec![M::Velocity::ZERO; problem.grain_count()];
+        problem.velocity(r, &mut velocity);
         let period = self.scene.period();
-        let energy = Energy::of(time_step, &self.scene, (&self.velocity, velocity), r);
-        for ((q, detected), v) in self.position.iter_mut().zip(problem.position()).zip(velocity) {
+        let energy = Energy::of(time_step, &self.scene, (&self.velocity, &velocity), r);
+        for ((q, detected), v) in self.position.iter_mut().zip(problem.position()).zip(&velocity) {
             *q = period.wrapped(*detected + translation::<M>(*v) * (h * theta));
         }
-        self.velocity.copy_from_slice(velocity);
+        self.velocity = velocity;
         let kept_at = |k: usize| kept::<M>(&problem.contacts()[k], M::Impulse::at(r, k));
         let last = time_step.keys().enumerate().map(|(k, key)| (key, kept_at(k))).collect();
         self.before = std::mem::replace(&mut self.last, last);
@@ -195,7 +195,7 @@ impl<M: Marched> March<M> {
         &mut self,
         solver: &dyn Solver<M>,
         stop: &Stop,
-    ) -> Result<(Outcome<M>, Observables), CaseError> {
+    ) -> Result<(Outcome, Observables), CaseError> {
         let next = self.next()?;
         self.solve(&next, solver, stop, Start::Previous, &|| false)
     }
@@ -213,7 +213,7 @@ impl<M: Marched> March<M> {
         stop: &Stop,
         start: Start,
         halt: &dyn Fn() -> bool,
-    ) -> Result<(Outcome<M>, Observables), CaseError> {
+    ) -> Result<(Outcome, Observables), CaseError> {
         let (Frozen { problem, gap, .. }, start) = (&next.frozen, self.start(next, start));
         let mut observe =
             |_: &Progress| if halt() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
@@ -223,7 +223,7 @@ impl<M: Marched> March<M> {
         if status == Status::Interrupted {
             return Err(CaseError::Interrupted { time_step, iterations: outcome.iterations });
         }
-        let observables = self.advance(next, &outcome.impulses, &outcome.velocity);
+        let observables = self.advance(next, &outcome.impulses);
         let missed = (status != Status::Converged).then_some(Missed { time_step, status });
         if missed.is_some_and(Missed::failed) {
             self.last.clear();

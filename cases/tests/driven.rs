@@ -17,7 +17,7 @@ fn scene(discs: &str, rest: &str) -> Result<Case, String> {
     scene_of_discs(discs, H, rest)
 }
 
-fn time_step<M: Marched<Place = Vector2<f64>>>(march: &mut March<M>) -> (Outcome<M>, Observables)
+fn time_step<M: Marched<Place = Vector2<f64>>>(march: &mut March<M>) -> (Outcome, Observables)
 where
     Nsgs: Solver<M>,
 {

@@ -23,7 +23,7 @@ fn scene(discs: &str, segments: &str) -> Result<Case, String> {
 }
 
 /// The last of so many time steps, and how the first disc moves after it.
-fn after(case: &Case, time_steps: u32) -> (Outcome<Discs>, Observables, Vector2<f64>) {
+fn after(case: &Case, time_steps: u32) -> (Outcome, Observables, Vector2<f64>) {
     let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-14, max_iterations: 10_000 };
     let mut march = March::<Discs>::new(case).unwrap();
     let mut last = None;

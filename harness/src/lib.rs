@@ -99,7 +99,6 @@ mod run {
 /// Frozen problems, cases, scenes, and what is known of their solutions.
 mod problems {
     pub(crate) mod case;
-    mod files;
     mod given;
     pub(crate) mod parts;
     mod planned;
@@ -109,8 +108,7 @@ mod problems {
     #[cfg(test)]
     mod tests;
 
-    pub(crate) use case::{CaseProblem, KeptProblem, Marcher, Once, first_hash, overrides, read_case, warn};
-    pub(crate) use files::{Kind, Root, is_toml, stem};
+    pub(crate) use case::{CaseProblem, KeptProblem, Once, first_hash, overrides, read_case, warn};
     pub(crate) use given::Given;
     pub(crate) use parts::{Impulses, write_parts};
     pub(crate) use planned::{PlannedProblem, Problem, planned};
@@ -125,6 +123,7 @@ mod plan {
     mod checks;
     mod external;
     mod file;
+    mod marcher;
     mod methods;
     mod rules;
     #[cfg(test)]
@@ -135,6 +134,7 @@ mod plan {
     pub(crate) use checks::MOST_REPEATS;
     pub(crate) use external::{External, Programme, last_line};
     pub(crate) use file::{Curves, Plan, PlannedCase, chart};
+    pub(crate) use marcher::Marcher;
     pub(crate) use methods::{
         Entry, Method, Runs, key_value, method, method_names, methods, read_external, refuse_repeated,
     };
@@ -175,6 +175,7 @@ mod exchange {
 
 mod identity;
 pub mod library;
+mod root;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -295,7 +296,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
     if let Some(free) = available_memory() {
         memory::allow((FOR_FACTORS * free as f64) as u64);
     }
-    let root = problems::Root::find(cli.root)?;
+    let root = root::Root::find(cli.root)?;
     plan::read_external(&root)?;
     match cli.command {
         Command::Bench(args) => return bench::run(root.needed()?, &args),

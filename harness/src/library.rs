@@ -2,7 +2,8 @@
 //! text, an error is what `gravel` would print.
 
 use crate::plan::{Curves, Method, read_external};
-use crate::problems::{CaseProblem, Problem, Root, is_toml};
+use crate::problems::{CaseProblem, Problem};
+use crate::root::{Root, is_toml};
 use crate::run::{Recorder, asked, in_the_pool, outcome, to_json};
 use anyhow::{Context, Result, anyhow, bail};
 use cases::AnyFrozen;

@@ -15,6 +15,7 @@ mod macroscopic;
 mod next_step;
 mod norms;
 mod peers;
+mod predicted;
 mod profiles;
 mod quantities;
 mod ranks;
@@ -32,7 +33,7 @@ use std::fmt;
 use crate::read::{Problems, Simulation, Study};
 use crate::text::Part;
 pub(crate) use against::parts as against;
-pub use lines::OwnChart;
+pub use declared::OwnChart;
 pub use quantities::UnknownQuantity;
 
 /// A kind of figure, with the tables that belong to it.
@@ -231,7 +232,7 @@ impl Chart {
     ///
     /// Names a quantity that is not there, with those that are.
     pub fn own(own: OwnChart) -> Result<Self, UnknownQuantity> {
-        let lines = Box::leak(Box::new(lines::Lines::own(own)?));
+        let lines = Box::leak(Box::new(declared::own(own)?));
         let shows = format!("{} against {}", lines.y, lines.x).leak();
         Ok(Self { name: lines.name, makes: lines.name, shows, parts: Parts::Lines(lines) })
     }

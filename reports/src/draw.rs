@@ -13,6 +13,7 @@ mod series;
 mod signs;
 mod style;
 
+pub(crate) use crate::families::{Family, METHODS, Mark, RGBColor, SPARE};
 pub(crate) use axis::{Axis, Frame, Scale, Ticks};
 pub(crate) use canvas::{Canvas, HPos, Place, VPos, rectangle, svg, text_width};
 pub(crate) use curve::{LOWEST, LogPoint, along, inside, log, range};
@@ -26,7 +27,7 @@ pub(crate) use scale::ColorScale;
 pub(crate) use series::{Series, series};
 pub(crate) use signs::{Cell, Sign, Signs, endings};
 pub(crate) use style::{
-    BEST, BLACK, BOUNDARY_GRAIN, CHAIN, COLUMN, DASHES, DERIVED, FAILED_CELL, FAILED_SIGN, FRAME, Family,
-    GRAIN, GRID, HALO, IDLE, INK, LEADING, MARGIN, MARKS, METHODS, Mark, OTHERS, PAGE, PAGE_HEIGHT, PARETO,
-    Pen, RGBColor, SCALE_BAR, SPARE, SUBDOMAINS, TEXT, TICK_TEXT, TOLERANCE, WALL, WHITE, subdomain_fill,
+    BEST, BLACK, BOUNDARY_GRAIN, CHAIN, COLUMN, DASHES, DERIVED, FAILED_CELL, FAILED_SIGN, FRAME, GRAIN,
+    GRID, HALO, IDLE, INK, LEADING, MARGIN, MARKS, OTHERS, PAGE, PAGE_HEIGHT, PARETO, Pen, SCALE_BAR,
+    SUBDOMAINS, TEXT, TICK_TEXT, TOLERANCE, WALL, WHITE, subdomain_fill,
 };

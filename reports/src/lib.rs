@@ -1,11 +1,12 @@
 //! Tables and figures, each one a function of stored rows.
 //!
-//! Each folder uses those before it: `read` (rows, and what is true of them) → `draw` (lines, axes, keys on paper) → `text`
+//! Each folder uses those before it: `families` (looks of methods), `read` (rows, and what is true of them) → `draw` (lines, axes, keys on paper) → `text`
 //! (tables, sentences, files) → `charts` (one for each name in [`Chart`]) → `page` (the page, and the folder of a report).
 
 mod charts;
 mod draw;
 mod error;
+mod families;
 mod page;
 mod read;
 #[cfg(test)]

@@ -24,7 +24,7 @@ pub(crate) use ending::{Verdicts, ending_text};
 pub(crate) use fastest::{Ranked, Standing, Tally, natural_maps, ranked, tallies};
 pub(crate) use groups::{differing, settings_text};
 pub(crate) use growth::{Growth, LEAST, first, growth, without_subdomains};
-pub(crate) use kinds::{FRICTION, Kind, kinds};
+pub(crate) use kinds::{Kind, kinds};
 pub(crate) use norms::{Norm, norms};
 pub(crate) use number::{SUPERSCRIPTS, count, counted, mantissa_and_power, number, power_of_ten, round_down};
 pub(crate) use run::{RunRow, problems, repeats, stopped_at_1e_2, threads};

@@ -1,5 +1,7 @@
-//! Keys of the settings of a problem that its case does not have.
+//! Keys of the settings of a problem: friction of its case, and those that its case does not have.
 
+/// Friction of the scene (–).
+pub const FRICTION: &str = "scene.friction";
 /// Name of the case.
 pub const CASE: &str = "case";
 /// The time step, counted from 1.

@@ -1,9 +1,9 @@
 //! Simulations: a row for each, and the series of what it showed of itself.
 
+pub use cases::{Bulk, Energy, Stress};
 use contact::{Work, number};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use std::ops::AddAssign;
 
 use crate::error::RowError;
 use crate::journal::{Entry, named};
@@ -115,42 +115,6 @@ pub struct Totals {
     pub energy: Energy,
 }
 
-/// Energy balance (J): what gives energy to the grains is positive. In a series, since the row before.
-/// `cases/src/observe/energy.rs` has the formulas; 0 in journals older than the balance.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Energy {
-    /// Work of the walls' motion (J).
-    #[serde(with = "number")]
-    pub walls_work_j: f64,
-    /// Work of the law's gap term: what a gap that closes within its time step takes (J).
-    #[serde(with = "number")]
-    pub gap_work_j: f64,
-    /// Work of shocks (J).
-    #[serde(with = "number")]
-    pub shock_work_j: f64,
-    /// Work of friction (J).
-    #[serde(with = "number")]
-    pub sliding_work_j: f64,
-    /// All that changed hands: for each time step the sizes of the four, of the change of kinetic and of that of potential energy (J).
-    #[serde(with = "number")]
-    pub energy_moved_j: f64,
-    /// Residual of the balance, in absolute value for each time step: round-off where θ = ½ (J).
-    #[serde(with = "number")]
-    pub energy_left_over_j: f64,
-}
-
-impl AddAssign for Energy {
-    fn add_assign(&mut self, other: Self) {
-        self.walls_work_j += other.walls_work_j;
-        self.gap_work_j += other.gap_work_j;
-        self.shock_work_j += other.shock_work_j;
-        self.sliding_work_j += other.sliding_work_j;
-        self.energy_moved_j += other.energy_moved_j;
-        self.energy_left_over_j += other.energy_left_over_j;
-    }
-}
-
 /// Part of a simulation in a study.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Role {
@@ -239,60 +203,12 @@ pub struct Observed {
     /// Energy balance since the row before.
     #[serde(flatten)]
     pub energy: Energy,
-    /// Stress and coordination since the row before.
+    /// Stress and coordination, the means of all time steps since the row before; 0 in journals older than these, as below.
     #[serde(flatten)]
     pub stress: Stress,
-}
-
-/// Stress, coordination and bulk properties, the means of all time steps since the row before. Pressure is positive.
-/// `cases/src/observe/stress.rs` has the formulas; 0 in journals older than these.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Stress {
-    /// Normal stress along x, of discs (N/m); 0 without a lid and without a driven segment, as below.
-    #[serde(with = "number")]
-    pub stress_xx_n_per_m: f64,
-    /// Shear stress along x across y (N/m).
-    #[serde(with = "number")]
-    pub stress_xy_n_per_m: f64,
-    /// Normal stress along y (N/m).
-    #[serde(with = "number")]
-    pub stress_yy_n_per_m: f64,
-    /// Contacts that push, per grain (–).
-    #[serde(with = "number")]
-    pub coordination: f64,
-    /// Volume of grains over volume, away from walls and surface (–); `cases/src/observe/bulk.rs` says where that is, and so below. NaN where
-    /// it is not defined in one of the time steps.
-    #[serde(with = "number")]
-    pub bulk_solid_fraction: f64,
-    /// Contacts that push, per grain that is no rattler (–).
-    #[serde(with = "number")]
-    pub bulk_coordination: f64,
-    /// Share of grains that are rattlers (–).
-    #[serde(with = "number")]
-    pub bulk_rattlers: f64,
-}
-
-impl Stress {
-    /// The mean of so many time steps with this one and one more with another.
-    #[must_use]
-    pub fn and_then(self, time_steps: u64, next: Self) -> Self {
-        let mean = |before: f64, next: f64| before + (next - before) / (time_steps + 1) as f64;
-        Self {
-            stress_xx_n_per_m: mean(self.stress_xx_n_per_m, next.stress_xx_n_per_m),
-            stress_xy_n_per_m: mean(self.stress_xy_n_per_m, next.stress_xy_n_per_m),
-            stress_yy_n_per_m: mean(self.stress_yy_n_per_m, next.stress_yy_n_per_m),
-            coordination: mean(self.coordination, next.coordination),
-            bulk_solid_fraction: mean(self.bulk_solid_fraction, next.bulk_solid_fraction),
-            bulk_coordination: mean(self.bulk_coordination, next.bulk_coordination),
-            bulk_rattlers: mean(self.bulk_rattlers, next.bulk_rattlers),
-        }
-    }
-
-    /// Size of the shear stress over the normal stress (–), where something presses.
-    pub fn ratio(self) -> Option<f64> {
-        (self.stress_yy_n_per_m > 0.0).then(|| (self.stress_xy_n_per_m / self.stress_yy_n_per_m).abs())
-    }
+    /// Properties away from walls and surface, likewise; NaN where one is not defined in one of the time steps.
+    #[serde(flatten)]
+    pub bulk: Bulk,
 }
 
 /// A simulation with its series: one line of the journal.

@@ -1,10 +1,9 @@
 //! Accelerated sweeps: the formula, the subdomains, the restart, and what it saves.
 
-use crate::problems::{difference, first_problem, frozen, frozen_path, impulses, start};
+use crate::problems::{difference, first_problem, frozen, impulses, packing, start};
 use analysis::Bounded;
-use cases::AnyFrozen;
 use contact::acceleration::{Acceleration, LAG, Momentum};
-use contact::{ContactProblem, Mechanics, Packing, Solver};
+use contact::{ContactProblem, Mechanics, Packing, RoughDiscs, RoughSpheres, Solver, Spheres};
 use jacobi::Jacobi;
 use nsgs::{Nsgs, Order};
 use nsgs_dd::{Exchange, NsgsDd};
@@ -132,21 +131,15 @@ fn assert_all_are_the_formula<M: Bounded>(problem: &Packing<M>) {
 
 #[test]
 fn accelerated_iterations_are_the_formula_in_every_mechanics() {
-    for name in ["shear-box-991-sheared", "rough-250", "spheres-250", "rough-spheres-250"] {
-        let file = frozen_path(&format!("{name}.json"));
-        match AnyFrozen::read(&file).unwrap_or_else(|error| panic!("{error}")) {
-            AnyFrozen::Discs(frozen) => {
-                assert_all_are_the_formula(&frozen.problem);
-                let coloured = Nsgs { order: Order::Coloured, ..ACCELERATED };
-                assert_sweeps_are_the_formula(&frozen.problem, coloured);
-                let symmetric = Nsgs { symmetric: true, slack: Some(1.0), ..ACCELERATED };
-                assert_sweeps_are_the_formula(&frozen.problem, symmetric);
-            }
-            AnyFrozen::RoughDiscs(frozen) => assert_all_are_the_formula(&frozen.problem),
-            AnyFrozen::Spheres(frozen) => assert_all_are_the_formula(&frozen.problem),
-            AnyFrozen::RoughSpheres(frozen) => assert_all_are_the_formula(&frozen.problem),
-        }
-    }
+    let discs: Packing = packing("shear-box-991-sheared");
+    assert_all_are_the_formula(&discs);
+    let coloured = Nsgs { order: Order::Coloured, ..ACCELERATED };
+    assert_sweeps_are_the_formula(&discs, coloured);
+    let symmetric = Nsgs { symmetric: true, slack: Some(1.0), ..ACCELERATED };
+    assert_sweeps_are_the_formula(&discs, symmetric);
+    assert_all_are_the_formula::<RoughDiscs>(&packing("rough-250"));
+    assert_all_are_the_formula::<Spheres>(&packing("spheres-250"));
+    assert_all_are_the_formula::<RoughSpheres>(&packing("rough-spheres-250"));
 }
 
 /// One momentum over all subdomains: on one of them it is that of NSGS.

@@ -11,7 +11,7 @@
 
 use crate::problems::first_problem;
 use contact::acceleration::Acceleration;
-use contact::{Packing, Solver};
+use contact::{Packing, Solver, Truth};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use nsgs::Nsgs;
@@ -35,7 +35,7 @@ fn speed(solver: &dyn Solver, iterations: u64, expected: f64) -> f64 {
     for _ in 0..steps {
         let outcome = solve(solver, &problem, &r, &stop, &mut |_| {}).unwrap();
         r = outcome.impulses;
-        let next = outcome.velocity.iter().map(|v| v + gained).collect();
+        let next = Truth::new(&problem, &r).velocity().iter().map(|v| v + gained).collect();
         let (mass, position) = (problem.mass().to_vec(), problem.position().to_vec());
         problem = Packing::new(mass, position, next, problem.contacts().to_vec()).unwrap();
     }

@@ -1,13 +1,10 @@
 //! Layouts that make methods fast must not change them: mass-scaled unknowns, sweeps by levels, blocks.
 
-use crate::problems::{
-    PACKINGS, any_problem, difference, first_problem, frozen, frozen_path, impulses, start,
-};
-use cases::AnyFrozen;
+use crate::problems::{PACKINGS, any_problem, difference, first_problem, frozen, impulses, packing, start};
 use cg::{Cg, Preconditioner};
 use contact::scaled::{ScaledContact, by_levels, scaled_velocity};
 use contact::sweep::Sweep;
-use contact::{Column, Mechanics, Packing, Vector, law};
+use contact::{Column, Discs, Mechanics, Packing, RoughDiscs, RoughSpheres, Spheres, Vector, law};
 use nalgebra::Vector2;
 use nsgs::{Nsgs, Order};
 use proptest::prelude::*;
@@ -68,15 +65,10 @@ fn assert_visits_together_are_single_ones<M: Mechanics>(problem: &Packing<M>) {
 
 #[test]
 fn visits_made_together_give_the_bits_of_single_ones() {
-    for name in ["settled-250", "rough-991-mu08", "spheres-250", "rough-spheres-250"] {
-        let file = frozen_path(&format!("{name}.json"));
-        match AnyFrozen::read(&file).unwrap_or_else(|error| panic!("{error}")) {
-            AnyFrozen::Discs(frozen) => assert_visits_together_are_single_ones(&frozen.problem),
-            AnyFrozen::RoughDiscs(frozen) => assert_visits_together_are_single_ones(&frozen.problem),
-            AnyFrozen::Spheres(frozen) => assert_visits_together_are_single_ones(&frozen.problem),
-            AnyFrozen::RoughSpheres(frozen) => assert_visits_together_are_single_ones(&frozen.problem),
-        }
-    }
+    assert_visits_together_are_single_ones::<Discs>(&packing("settled-250"));
+    assert_visits_together_are_single_ones::<RoughDiscs>(&packing("rough-991-mu08"));
+    assert_visits_together_are_single_ones::<Spheres>(&packing("spheres-250"));
+    assert_visits_together_are_single_ones::<RoughSpheres>(&packing("rough-spheres-250"));
 }
 
 proptest! {

@@ -30,6 +30,13 @@ pub(crate) fn frozen(name: &str) -> Frozen {
     Frozen::read(&frozen_path(&format!("{name}.json"))).unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// A frozen packing of any mechanics by name.
+pub(crate) fn packing<M: Marched>(name: &str) -> Packing<M> {
+    let frozen: Frozen<M> =
+        Frozen::read(&frozen_path(&format!("{name}.json"))).unwrap_or_else(|error| panic!("{error}"));
+    frozen.problem
+}
+
 /// The first contact problem of a case without friction, with some of its values replaced.
 pub(crate) fn first_problem(case: &str, overrides: &[(&str, &str)]) -> Frozen {
     first_problem_of(case, overrides)

@@ -4,7 +4,9 @@ use crate::friction::rough;
 use crate::spheres::{in_step, sphere_problem_of};
 use analysis::Meter;
 use cg::{Cg, Preconditioner};
-use contact::{Contact, Packing, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Solver, Spheres, frame};
+use contact::{
+    Contact, Packing, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Solver, Spheres, Truth, frame,
+};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use nalgebra::{Vector2, Vector3, Vector6};
@@ -154,7 +156,7 @@ fn rolled(mut motion: Vector6<f64>, gravity: Vector3<f64>, friction: f64, scale:
         let stop = Stop { tolerance: 1e-13, max_iterations: 100, ..Stop::default() };
         let outcome = solve(&Nsgs::default(), &problem, &[0.0; 3], &stop, &mut |_| {}).unwrap();
         assert_eq!(outcome.status, Status::Converged);
-        motion = outcome.velocity[0];
+        motion = Truth::new(&problem, &outcome.impulses).velocity()[0];
     }
     motion.fixed_rows_mut::<3>(0).unscale_mut(length);
     motion

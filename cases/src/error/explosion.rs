@@ -1,6 +1,6 @@
 //! Explosions of simulations, and the solves that they go back to.
 
-use crate::sample::placed::OVERLAP;
+use crate::detect::OVERLAP;
 use contact::Place;
 use runner::Status;
 use std::fmt;

@@ -2,10 +2,9 @@
 //! past it, before contacts are sought for the first time.
 
 use super::March;
-use crate::detect::{DetectedContact, Side};
+use crate::detect::{DetectedContact, OVERLAP, Side};
 use crate::problem::marched::Marched;
 use crate::sample::Sample;
-use crate::sample::placed::OVERLAP;
 use contact::{Vector, shown};
 
 impl<M: Marched> March<M> {

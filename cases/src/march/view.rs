@@ -3,15 +3,14 @@
 use super::March;
 use crate::bodies::drawn::drawn;
 use crate::bodies::driven::{DrivenSegment, PlacedLid};
-use crate::detect::Side;
 use crate::detect::extent::reach;
+use crate::detect::{OVERLAP, Side};
 use crate::observe::bulk::Bulk;
 use crate::observe::energy::Energy;
 use crate::observe::stress::Stress;
 use crate::observe::{Observables, wall_impulses};
 use crate::problem::marched::{Marched, translation};
 use crate::problem::time_step::TimeStep;
-use crate::sample::placed::OVERLAP;
 use crate::scene::{Law, too_far};
 use contact::{Mass, Place, Vector, greatest, shown};
 

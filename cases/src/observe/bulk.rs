@@ -13,16 +13,21 @@ use crate::detect::Side;
 use crate::problem::marched::Marched;
 use crate::problem::time_step::TimeStep;
 use crate::scene::Scene;
-use contact::{Place, Touch, Vector};
+use contact::{Place, Touch, Vector, number};
+use serde::{Deserialize, Serialize};
 
-/// The bulk of a packing; NaN is what is not defined, as where there is no bulk or no grain's centre is in it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The bulk of a packing, with its columns in results; NaN is what is not defined, as where there is no bulk or no grain's centre is in it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Bulk {
     /// Volume of grains over volume (–).
+    #[serde(rename = "bulk_solid_fraction", with = "number")]
     pub solid_fraction: f64,
     /// Contacts per grain that is no rattler (–).
+    #[serde(rename = "bulk_coordination", with = "number")]
     pub coordination: f64,
     /// Share of grains that are rattlers (–).
+    #[serde(rename = "bulk_rattlers", with = "number")]
     pub rattlers: f64,
 }
 
@@ -30,6 +35,17 @@ pub struct Bulk {
 const MARGIN: f64 = 2.0;
 
 impl Bulk {
+    /// The mean of so many time steps with this one and one more with another.
+    #[must_use]
+    pub fn and_then(self, time_steps: u64, next: Self) -> Self {
+        let mean = |before: f64, next: f64| before + (next - before) / (time_steps + 1) as f64;
+        Self {
+            solid_fraction: mean(self.solid_fraction, next.solid_fraction),
+            coordination: mean(self.coordination, next.coordination),
+            rattlers: mean(self.rattlers, next.rattlers),
+        }
+    }
+
     /// Computes the properties of the bulk from the impulses `r` (N·s) of a time step, for the first `grains` of its bodies, at
     /// `time` (s).
     pub(crate) fn of<M: Marched>(

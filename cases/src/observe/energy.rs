@@ -16,23 +16,31 @@
 use crate::problem::marched::{Marched, translation};
 use crate::problem::time_step::{Terms, TimeStep};
 use crate::scene::Scene;
-use contact::{Mass, Touch, Vector};
+use contact::{Mass, Touch, Vector, number};
+use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
-/// The energy of a time step, or of several (J). What gives energy to the grains is positive.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Energy of a time step, or of several (J), with its columns in results. What gives energy to the grains is positive.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Energy {
     /// Work of the walls' motion, and of the forces on a lid and on driven segments.
+    #[serde(rename = "walls_work_j", with = "number")]
     pub walls: f64,
     /// Work of the law's gap term.
+    #[serde(rename = "gap_work_j", with = "number")]
     pub gap: f64,
     /// Work of shocks: negative.
+    #[serde(rename = "shock_work_j", with = "number")]
     pub shocks: f64,
     /// Work of friction.
+    #[serde(rename = "sliding_work_j", with = "number")]
     pub sliding: f64,
     /// Sum of all that changed hands: the sizes of the four, of the change of kinetic and of that of potential energy.
+    #[serde(rename = "energy_moved_j", with = "number")]
     pub moved: f64,
     /// Size of what the balance leaves over: round-off where θ = ½, what the scheme itself takes or gives elsewhere.
+    #[serde(rename = "energy_left_over_j", with = "number")]
     pub left_over: f64,
 }
 

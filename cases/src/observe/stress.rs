@@ -12,22 +12,45 @@ use crate::detect::extent::room;
 use crate::problem::marched::{Marched, to_candidate};
 use crate::problem::time_step::TimeStep;
 use crate::scene::Scene;
-use contact::Touch;
+use contact::{Touch, number};
+use serde::{Deserialize, Serialize};
 
-/// Stress (N/m) and coordination of a time step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Stress (N/m) and coordination of a time step, or their means over several, with their columns in results. Pressure is positive.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Stress {
     /// `σ_xx` (N/m); 0 without a lid and without a driven segment, as below.
+    #[serde(rename = "stress_xx_n_per_m", with = "number")]
     pub xx: f64,
     /// `σ_xy`: what acts along x across y (N/m).
+    #[serde(rename = "stress_xy_n_per_m", with = "number")]
     pub xy: f64,
     /// `σ_yy` (N/m).
+    #[serde(rename = "stress_yy_n_per_m", with = "number")]
     pub yy: f64,
     /// Contacts that push, per grain: one between two grains counts for both (–).
+    #[serde(with = "number")]
     pub coordination: f64,
 }
 
 impl Stress {
+    /// The mean of so many time steps with this one and one more with another.
+    #[must_use]
+    pub fn and_then(self, time_steps: u64, next: Self) -> Self {
+        let mean = |before: f64, next: f64| before + (next - before) / (time_steps + 1) as f64;
+        Self {
+            xx: mean(self.xx, next.xx),
+            xy: mean(self.xy, next.xy),
+            yy: mean(self.yy, next.yy),
+            coordination: mean(self.coordination, next.coordination),
+        }
+    }
+
+    /// Size of the shear stress over the normal stress (–), where something presses.
+    pub fn ratio(self) -> Option<f64> {
+        (self.yy > 0.0).then(|| (self.xy / self.yy).abs())
+    }
+
     /// Computes stress and coordination from the impulses `r` (N·s) of a time step, over an area (m²); without one, the stress of a
     /// scene with a driven segment is over the rectangle around the grains.
     pub(crate) fn of<M: Marched>(

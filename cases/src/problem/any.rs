@@ -7,20 +7,24 @@ use crate::problem::file::Head;
 use crate::problem::frozen::Frozen;
 use crate::problem::marched::Marched;
 use contact::{Discs, Mechanics, Place, RoughDiscs, RoughSpheres, Spheres, Vector};
-use std::ops::Deref;
+use std::any::Any;
+use std::fmt::Debug;
+use std::ops::{Deref, DerefMut};
 use std::path::Path;
 
 /// A frozen problem of any mechanics.
-#[derive(Clone, Debug, PartialEq)]
-pub enum AnyFrozen {
-    /// Discs without friction.
-    Discs(Frozen),
-    /// Discs with friction.
-    RoughDiscs(Frozen<RoughDiscs>),
-    /// Spheres without friction.
-    Spheres(Frozen<Spheres>),
-    /// Spheres with friction.
-    RoughSpheres(Frozen<RoughSpheres>),
+#[derive(Debug)]
+pub struct AnyFrozen(Box<dyn OfAnyMechanics>);
+
+/// Function that reads the text of a file of one mechanics.
+type Reader = fn(&Path, &str) -> Result<AnyFrozen, CaseError>;
+
+/// Readers by the name of the mechanics; the first is that of a name that is none, which it refuses.
+const READERS: [(&str, Reader); 4] =
+    [reader::<RoughDiscs>(), reader::<Discs>(), reader::<Spheres>(), reader::<RoughSpheres>()];
+
+const fn reader<M: Marched>() -> (&'static str, Reader) {
+    (M::NAME, |path, text| Frozen::<M>::of_text(path, text).map(AnyFrozen::from))
 }
 
 impl AnyFrozen {
@@ -46,23 +50,15 @@ impl AnyFrozen {
         {
             return Err(CaseError::content(path, message));
         }
-        match head.as_ref().map_or(Discs::NAME, Head::mechanics) {
-            Discs::NAME => Frozen::of_text(path, text).map(Self::Discs),
-            Spheres::NAME => Frozen::of_text(path, text).map(Self::Spheres),
-            RoughSpheres::NAME => Frozen::of_text(path, text).map(Self::RoughSpheres),
-            _ => Frozen::of_text(path, text).map(Self::RoughDiscs),
-        }
+        let name = head.as_ref().map_or(Discs::NAME, Head::mechanics);
+        let (_, read) = READERS.iter().find(|(known, _)| *known == name).unwrap_or(&READERS[0]);
+        read(path, text)
     }
 
-    /// Gives it another name.
-    pub fn rename(&mut self, to: &str) {
-        let name = match self {
-            Self::Discs(frozen) => &mut frozen.name,
-            Self::RoughDiscs(frozen) => &mut frozen.name,
-            Self::Spheres(frozen) => &mut frozen.name,
-            Self::RoughSpheres(frozen) => &mut frozen.name,
-        };
-        to.clone_into(name);
+    /// Returns the problem, if it is of this mechanics.
+    pub fn of<M: Marched>(self) -> Option<Frozen<M>> {
+        let frozen: Box<dyn Any> = self.0;
+        frozen.downcast().ok().map(|frozen| *frozen)
     }
 
     /// Its grains, at rest where they are.
@@ -76,9 +72,18 @@ impl AnyFrozen {
 }
 
 /// Properties of a frozen problem that it has in any mechanics.
-pub trait OfAnyMechanics {
+pub trait OfAnyMechanics: Any + Debug + Send + Sync {
+    /// Returns a copy.
+    fn copied(&self) -> AnyFrozen;
+
+    /// Name of the mechanics in files.
+    fn mechanics(&self) -> &'static str;
+
     /// Name of the problem.
     fn name(&self) -> &str;
+
+    /// Gives it another name.
+    fn rename(&mut self, to: &str);
 
     /// Returns the source of the problem, in a sentence.
     fn source(&self) -> &str;
@@ -100,8 +105,20 @@ pub trait OfAnyMechanics {
 }
 
 impl<M: Marched> OfAnyMechanics for Frozen<M> {
+    fn copied(&self) -> AnyFrozen {
+        self.clone().into()
+    }
+
+    fn mechanics(&self) -> &'static str {
+        M::NAME
+    }
+
     fn name(&self) -> &str {
         &self.name
+    }
+
+    fn rename(&mut self, to: &str) {
+        to.clone_into(&mut self.name);
     }
 
     fn source(&self) -> &str {
@@ -126,15 +143,28 @@ impl<M: Marched> OfAnyMechanics for Frozen<M> {
     }
 }
 
+impl<M: Marched> From<Frozen<M>> for AnyFrozen {
+    fn from(frozen: Frozen<M>) -> Self {
+        Self(Box::new(frozen))
+    }
+}
+
+impl Clone for AnyFrozen {
+    fn clone(&self) -> Self {
+        self.copied()
+    }
+}
+
 impl Deref for AnyFrozen {
     type Target = dyn OfAnyMechanics;
 
     fn deref(&self) -> &Self::Target {
-        match self {
-            Self::Discs(frozen) => frozen,
-            Self::RoughDiscs(frozen) => frozen,
-            Self::Spheres(frozen) => frozen,
-            Self::RoughSpheres(frozen) => frozen,
-        }
+        &*self.0
+    }
+}
+
+impl DerefMut for AnyFrozen {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut *self.0
     }
 }

@@ -1,13 +1,10 @@
 //! Grains whose places and radii are in a CSV file.
 
-use crate::detect::{Side, detect};
+use crate::detect::{OVERLAP, Side, detect};
 use crate::file::json::read_text;
 use contact::shown;
 use nalgebra::Vector3;
 use std::path::Path;
-
-/// The share of the smaller radius by which two grains may overlap (–): what another code left of its contacts.
-pub(crate) const OVERLAP: f64 = 0.1;
 
 /// Advice on the form of a file.
 const ADVICE: &str = "commas are asked between values, and points in decimals, as in 0.25";

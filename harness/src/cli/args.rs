@@ -1,7 +1,8 @@
 //! Arguments that several commands share.
 
 use crate::plan::{Method, Plan, key_value, refuse_repeated};
-use crate::problems::{CaseProblem, Root, is_toml, planned};
+use crate::problems::{CaseProblem, planned};
+use crate::root::{Root, is_toml};
 use crate::study::Selection;
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Case};

@@ -3,7 +3,7 @@
 use crate::cli::args::StudyArgs;
 use crate::identity::provenance;
 use crate::plan::MOST_REPEATS;
-use crate::problems::Root;
+use crate::root::Root;
 use crate::run::{How, few};
 use crate::store::{finish, open, runs_folder};
 use crate::study::{Kind, OnProblems, Selection, ThroughTime, by_id, left_s, missing, run_all};

@@ -1,6 +1,7 @@
 //! `gravel certify`: what a solution leaves of the contact problem, condition by condition.
 
-use crate::problems::{Found, Given, Root, found};
+use crate::problems::{Found, Given, found};
+use crate::root::Root;
 use crate::terminal::{exit, say};
 use anyhow::Result;
 use cases::AnyFrozen;

@@ -2,7 +2,7 @@
 
 use crate::cli::args::SceneArgs;
 use crate::exchange::{Held, converted, is_foreign, read};
-use crate::problems::{Root, is_toml};
+use crate::root::{Root, is_toml};
 use crate::terminal::{check_apart, prepare_place, read_text, write_instead};
 use anyhow::Result;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! `gravel freeze`: the contact problem of one time step of a case, as a file.
 
 use crate::cli::args::{CaseArgs, SolverArgs};
-use crate::problems::{Root, stem};
+use crate::root::{Root, stem};
 use crate::terminal::{check_apart, prepare_place, replaces, say, write_whole};
 use anyhow::{Result, anyhow, bail};
 use cases::check_name;

@@ -1,6 +1,5 @@
 //! The keys of a file as a table, from its schema: what each takes and means.
 
-use crate::cli::schema::{present, takes};
 use serde_json::Value;
 
 /// A row for each key of a schema, those of tables inside it below theirs: the key, what it takes, what it means.
@@ -96,4 +95,28 @@ fn meaning(schema: &Value) -> String {
         Some(format!(" `{}`: {}", one.get("const")?.as_str()?, one["description"].as_str()?))
     });
     (text.to_owned() + &names.collect::<String>()).replace('\n', " ").replace('|', "\\|")
+}
+
+/// Returns the schema of a value that may be null, for where it is not; other schemas as they are.
+fn present(schema: &Value) -> &Value {
+    let mut several = schema["anyOf"].as_array().into_iter().flatten();
+    several.find(|some| some["type"] != "null").unwrap_or(schema)
+}
+
+/// Returns, in words, the kind of value that the schema of a setting allows.
+pub(crate) fn takes(setting: &Value) -> String {
+    let setting = present(setting);
+    if let Some(words) = setting["title"].as_str() {
+        return words.to_owned();
+    }
+    let consts = setting["oneOf"].as_array().into_iter().flatten().map(|one| &one["const"]);
+    let names = consts.chain(setting["enum"].as_array().into_iter().flatten());
+    let names: Vec<&str> = names.filter_map(Value::as_str).collect();
+    // One that may be left open has two types, and the other is none.
+    match setting["type"].as_str().or_else(|| setting["type"][0].as_str()) {
+        Some("number") => "a number".to_owned(),
+        Some("integer") => "a whole number, not negative".to_owned(),
+        Some("boolean") => "true or false".to_owned(),
+        _ => names.join(", "),
+    }
 }

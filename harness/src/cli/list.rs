@@ -1,11 +1,11 @@
 //! `gravel list`: what there is.
 
 use crate::cli::args::StudyArgs;
+use crate::cli::keys::takes;
 use crate::cli::plan::runs;
-use crate::cli::schema::takes;
 use crate::exchange::{Held, read};
 use crate::plan::{Entry, External, Plan, methods};
-use crate::problems::{Kind, Root, stem};
+use crate::root::{Kind, Root, stem};
 use crate::terminal::{say, say_table};
 use anyhow::Result;
 use cases::{AnyFrozen, Case};

@@ -1,7 +1,7 @@
 //! `gravel merge`: the runs of other stores of a plan, such as those of another machine, join this one.
 
 use crate::cli::args::StudyArgs;
-use crate::problems::Root;
+use crate::root::Root;
 use crate::store::{finish, open, records_of};
 use crate::study::{Kind, OnProblems, Selection, ThroughTime};
 use crate::terminal::say;

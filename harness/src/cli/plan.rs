@@ -1,7 +1,7 @@
 //! `gravel plan`: the runs of a plan, which of them are done, and how long the others take, with nothing run.
 
 use crate::cli::args::StudyArgs;
-use crate::problems::Root;
+use crate::root::Root;
 use crate::store::{records_of, runs_folder};
 use crate::study::{Kind, Listed, OnProblems, Selection, ThroughTime, by_id, left_s, missing};
 use crate::terminal::say;

@@ -3,7 +3,8 @@
 use crate::cli::args::SceneArgs;
 use crate::exchange::{Held, is_foreign, read};
 use crate::plan::Settings;
-use crate::problems::{Given, Problem, Root, stem};
+use crate::problems::{Given, Problem};
+use crate::root::{Root, stem};
 use anyhow::{Result, bail};
 use cases::AnyFrozen;
 use lineup::Posed;

@@ -2,7 +2,7 @@
 
 use crate::cli::args::StudyArgs;
 use crate::identity::provenance;
-use crate::problems::Root;
+use crate::root::Root;
 use crate::run::How;
 use crate::store::{Counts, ExpectedFailure, baseline_text, expected_failures, read_baseline};
 use crate::study::{Kind, OnProblems, Selection, missing, run_all};

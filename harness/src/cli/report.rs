@@ -3,7 +3,7 @@
 
 use crate::cli::args::PlanArgs;
 use crate::plan::{Plan, chart, key_value};
-use crate::problems::Root;
+use crate::root::Root;
 use crate::store::{about, draw, runs_folder, tables_of};
 use crate::terminal::{prepare_place, read_text, say, write_whole};
 use anyhow::{Context, Result, bail};

@@ -1,4 +1,4 @@
-//! `gravel schema`: JSON schemas of plans, cases and problems, for editors; and what a setting takes, in words.
+//! `gravel schema`: JSON schemas of plans, cases and problems, for editors.
 
 use crate::cli::keys;
 use crate::plan::{Entry, Plan, PlannedMethod, methods};
@@ -88,28 +88,4 @@ fn axis(value: &Value) -> Value {
         { "type": "array", "items": value, "minItems": 1 },
         { "type": "string", "pattern": r"^(lin|geom)\(.*\)$|^-?[0-9]+\.\.-?[0-9]+$" },
     ] })
-}
-
-/// Returns the schema of a value that may be null, for where it is not; other schemas as they are.
-pub(crate) fn present(schema: &Value) -> &Value {
-    let mut several = schema["anyOf"].as_array().into_iter().flatten();
-    several.find(|some| some["type"] != "null").unwrap_or(schema)
-}
-
-/// Returns, in words, the kind of value that the schema of a setting allows.
-pub(crate) fn takes(setting: &Value) -> String {
-    let setting = present(setting);
-    if let Some(words) = setting["title"].as_str() {
-        return words.to_owned();
-    }
-    let consts = setting["oneOf"].as_array().into_iter().flatten().map(|one| &one["const"]);
-    let names = consts.chain(setting["enum"].as_array().into_iter().flatten());
-    let names: Vec<&str> = names.filter_map(Value::as_str).collect();
-    // One that may be left open has two types, and the other is none.
-    match setting["type"].as_str().or_else(|| setting["type"][0].as_str()) {
-        Some("number") => "a number".to_owned(),
-        Some("integer") => "a whole number, not negative".to_owned(),
-        Some("boolean") => "true or false".to_owned(),
-        _ => names.join(", "),
-    }
 }

@@ -2,7 +2,8 @@
 
 use crate::cli::args::{CaseArgs, SolverArgs};
 use crate::plan::{Method, Rule};
-use crate::problems::{Once, Root, read_case, warn};
+use crate::problems::{Once, read_case, warn};
+use crate::root::Root;
 use crate::run::{End, Frames, Seen, missed, observed, through_time};
 use crate::terminal::{check_apart, exit, merged, prepare_place, progress, say, write_sealed};
 use anyhow::{Context, Result, bail};

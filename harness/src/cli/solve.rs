@@ -3,7 +3,7 @@
 use crate::cli::args::SolverArgs;
 use crate::cli::posed::{ProblemArgs, Start};
 use crate::plan::Method;
-use crate::problems::Root;
+use crate::root::Root;
 use crate::run::{asked, homogenised, outcome, to_json};
 use crate::terminal::{Line, check_apart, exit, prepare_place, say, write_instead};
 use anyhow::{Context, Result, bail};

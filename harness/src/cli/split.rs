@@ -1,7 +1,8 @@
 //! `gravel split` and `gravel join`: a problem as one file per subdomain, and the impulses of all subdomains as one file.
 
 use crate::cli::args::{SceneArgs, read};
-use crate::problems::{Impulses, Problem, Root, write_parts};
+use crate::problems::{Impulses, Problem, write_parts};
+use crate::root::Root;
 use crate::terminal::{prepare_place, say, write_whole};
 use anyhow::{Context, Result, bail};
 use partition::{Grid, Scheme};

@@ -3,7 +3,8 @@
 
 use crate::cli::args::{SceneArgs, StopArgs};
 use crate::plan::{Method, Variant, key_value};
-use crate::problems::{Known, Problem, Root};
+use crate::problems::{Known, Problem};
+use crate::root::Root;
 use crate::run::{Ended, Snapshots, ended, partitions, scene_rows};
 use crate::store::{is_id, problem_of_run, stored_run};
 use crate::terminal::{create_folder_of, prepare_place, say, write_whole};

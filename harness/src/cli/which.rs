@@ -3,7 +3,8 @@
 use crate::cli::args::StopArgs;
 use crate::cli::posed::ProblemArgs;
 use crate::plan::Method;
-use crate::problems::{Problem, Root};
+use crate::problems::Problem;
+use crate::root::Root;
 use crate::run::outcome;
 use crate::terminal::{Line, exit, say};
 use anyhow::{Result, bail};

@@ -1,13 +1,15 @@
 //! A file that this program wrote and others may have edited since. Its arrays are the problem; the text in it says only what FCLIB
 //! has no place for, such as normals, radii and names.
 
-use super::fclib::OURS;
 use anyhow::{Result, bail};
 use cases::AnyFrozen;
 use lineup::{Global, Triplets};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+
+/// Dataset of a file that holds the text of a problem file of ours.
+pub(super) const OURS: &str = "gravel/problem";
 
 /// Numbers that differ by less, relative to the greater, are the same (–): a product and its quotient are rounded.
 const ROUND_OFF: f64 = 1e-12;

@@ -4,7 +4,7 @@
 //! A local problem is v = W r + q; a global one M V = H r + f, v = Hᵗ V + w. The normal component of a contact comes first. Sparse
 //! matrices are of CSparse: `nz` is the number of triplets, −1 for compressed columns, −2 for compressed rows.
 
-use super::edited;
+use super::edited::{OURS, reconciled};
 use super::global::local;
 use super::symmetry::mirror;
 use anyhow::{Context, Result, anyhow, bail};
@@ -12,9 +12,6 @@ use hdf5_pure::{Error, File, FileBuilder, FormatError, GroupBuilder};
 use lineup::{Global, Triplets};
 use local::LocalProblem;
 use std::path::Path;
-
-/// Dataset of a file that holds the text of a problem file of ours.
-pub(super) const OURS: &str = "gravel/problem";
 
 /// Content of a file.
 pub(crate) enum Held {
@@ -40,7 +37,7 @@ pub(crate) fn read(path: &Path, notes: &mut Vec<String>) -> Result<Held> {
         if let Ok(ours) = file.dataset(OURS) {
             let bytes = ours.read_u8().map_err(|error| anyhow!("`{OURS}`: {error}"))?;
             let text = String::from_utf8(bytes).with_context(|| format!("`{OURS}` is no text"))?;
-            return edited::reconciled(&text, dimension, &global, notes).map(Held::Ours);
+            return reconciled(&text, dimension, &global, notes).map(Held::Ours);
         }
         notes.extend(mirror(&mut global.mass));
         local(global, dimension).context(folder.name)?

@@ -5,7 +5,7 @@ use super::global::local;
 use super::{converted, dat, read};
 use crate::plan::Method;
 use cases::AnyFrozen;
-use contact::Measure;
+use contact::{Measure, Spheres};
 use lineup::{Global, OneProblem, Posed, Run, Triplets};
 use local::LocalProblem;
 use runner::{Measured, Outcome, Status, Stop};
@@ -435,12 +435,9 @@ fn edited_arrays_are_the_problem_and_the_text_is_the_rest() {
     let gaps = |of: &dyn OneProblem| of.touching().iter().map(|contact| contact.gap).collect::<Vec<_>>();
     assert_eq!(gaps(&*now), gaps(&*before));
     // Without friction an offset is one number.
-    let AnyFrozen::Spheres(now) = edited("spheres-250", |global| global.w[6] += 0.5).unwrap() else {
-        panic!("spheres")
-    };
-    let AnyFrozen::Spheres(before) = AnyFrozen::read(&frozen("spheres-250")).unwrap() else {
-        panic!("likewise")
-    };
+    let now = edited("spheres-250", |global| global.w[6] += 0.5).unwrap();
+    let before = AnyFrozen::read(&frozen("spheres-250")).unwrap();
+    let [now, before] = [now, before].map(|frozen| frozen.of::<Spheres>().expect("spheres"));
     assert_eq!(now.problem.contacts()[2].offset, before.problem.contacts()[2].offset + 0.5);
 }
 

@@ -1,7 +1,6 @@
 //! A plan: which methods meet which problems, along which axes, until when.
 
-use crate::plan::{PlannedMethod, Rule, Settings, Simulate, Variant};
-use crate::problems::Marcher;
+use crate::plan::{Marcher, PlannedMethod, Rule, Settings, Simulate, Variant};
 use crate::terminal::{read_text, suggest};
 use anyhow::{Context, Result, anyhow, bail};
 use cases::{Start, all_missing, of_toml};

@@ -2,7 +2,7 @@
 
 use crate::identity::code_version;
 use crate::plan::external::{External, Programme};
-use crate::problems::{Kind, Root};
+use crate::root::{Kind, Root};
 use crate::terminal::suggest;
 use anyhow::{Context, Result, anyhow, bail};
 use lineup::{METHODS, Ours, Settings};

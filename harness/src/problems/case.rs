@@ -1,18 +1,16 @@
 //! The contact problem of one time step of a case: which one it is, how it is reached, and where a study keeps it.
 
 use crate::identity::code_version;
-use crate::plan::{Method, Settings, as_typed};
-use crate::problems::Root;
+use crate::plan::{Marcher, Method, Settings, as_typed};
+use crate::root::Root;
 use crate::terminal::{at_hand, progress, read_sealed, read_text, say, suggest, write_sealed};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
 use cases::{AnyFrozen, Case, Sample, Start};
 use contact::memory::gigabytes;
 use indicatif::ProgressBar;
 use lineup::{OneMarch, content_hash, hash_of, march};
 use results::provenance::available_memory;
 use runner::{Status, Stop};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -39,40 +37,6 @@ pub(crate) struct CaseProblem {
 /// `heap`, `drum`, `biaxial`, `sphere-box` and `chute` reach it. 1e-6 takes three times as long in `chute` and more than ten times in
 /// `sphere-box`, where some at rest do not reach it.
 const WITH_FRICTION: f64 = 1e-4;
-
-/// The method that solves the time steps before the problem of a case, each from the impulses of the one before.
-#[derive(Clone, Debug, JsonSchema, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Marcher {
-    /// Its name.
-    method: String,
-    /// Its settings; those left out have their defaults.
-    #[serde(default)]
-    set: Settings,
-    /// Stop rule of the solve of a time step.
-    #[serde(default)]
-    stop: Stop,
-}
-
-impl Marcher {
-    /// Returns the method, and when the solve of a time step ends.
-    fn read(&self) -> Result<(Method, Stop)> {
-        self.stop.check().context("`march.stop`")?;
-        Ok((Method::new(&self.method, self.set.clone()).context("`march`")?, self.stop))
-    }
-
-    /// Returns its method, settings and stop rule in a word: what is not left out, or not the default.
-    fn in_words(&self) -> String {
-        let (Stop { on, tolerance, max_iterations }, default) = (self.stop, Stop::default());
-        let mut words = vec![self.method.clone()];
-        words.extend(self.set.iter().map(|(key, value)| format!("{key}={}", as_typed(value))));
-        words.extend((on != default.on).then(|| format!("on={on}")));
-        words.extend((tolerance != default.tolerance).then(|| format!("tolerance={tolerance:e}")));
-        let changed = max_iterations != default.max_iterations;
-        words.extend(changed.then(|| format!("max_iterations={max_iterations}")));
-        words.join(",")
-    }
-}
 
 impl CaseProblem {
     /// The time step is the one that `moment`, the value of `key`, names: by its number, or as one of the case's moments;

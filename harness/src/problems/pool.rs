@@ -1,7 +1,8 @@
 //! Pools of certified solutions of problems with friction: kept in `results/references`, certified again each time they are read.
 
 use crate::identity::code_version;
-use crate::problems::{Known, Root};
+use crate::problems::Known;
+use crate::root::Root;
 use crate::terminal::{at_hand, progress, read_sealed, write_sealed};
 use anyhow::{Context, Result};
 use lineup::{Frictional, Law, OneProblem, content_hash};

@@ -1,7 +1,7 @@
 //! Reference solutions: computed once for each problem, kept in `results/references`, certified again each time they are read.
 
-use crate::problems::Root;
 use crate::problems::pool::{STARTS, pool};
+use crate::root::Root;
 use crate::terminal::{at_hand, read_sealed, write_sealed};
 use anyhow::{Context, Result, bail};
 use lineup::{Frictionless, Law, OneProblem, Posed, content_hash, solution};

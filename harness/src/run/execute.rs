@@ -1,7 +1,7 @@
 //! Work in threads: that of methods, and several tasks at a time.
 
 use crate::plan::Variant;
-use crate::problems::Root;
+use crate::root::Root;
 use crate::terminal::{Bars, exit};
 use anyhow::Result;
 use results::provenance::load_average;

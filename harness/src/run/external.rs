@@ -148,7 +148,6 @@ impl Ladder<'_> {
             iterations: 0,
             measures: self.problem.measures(self.run.truths, &r),
             impulses: r,
-            velocity: Vec::new(),
             setup: Duration::ZERO,
             iterating: Duration::ZERO,
             work: Work::default(),

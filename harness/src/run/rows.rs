@@ -1,7 +1,8 @@
 //! From what the harness holds to the rows of the results.
 
 use crate::plan::{Plan, Variant};
-use crate::problems::{Known, Problem, Root};
+use crate::problems::{Known, Problem};
+use crate::root::Root;
 use crate::run::{Task, first_at};
 use anyhow::Result;
 use contact::{Measure, Work};

@@ -10,7 +10,7 @@ use lineup::{Attempt, OneMarch, OneProblem, Ours, march};
 use results::name::{Name, StopOn};
 use results::schema::{Provenance, Timing};
 use results::settings::CASE;
-use results::simulation::{Energy, Observed, Role, Simulated, Simulation, SimulationEnding, Stress, Totals};
+use results::simulation::{Observed, Role, Simulated, Simulation, SimulationEnding, Totals};
 use results::store::LAST_STATES;
 use runner::{Outcome, Status, Stop};
 use std::path::Path;
@@ -159,29 +159,9 @@ pub(crate) fn observed(seen: &Seen) -> Observed {
         floor_impulse_n_s,
         left_impulse_n_s,
         right_impulse_n_s,
-        energy: energy(o),
-        stress: Stress {
-            stress_xx_n_per_m: o.stress.xx,
-            stress_xy_n_per_m: o.stress.xy,
-            stress_yy_n_per_m: o.stress.yy,
-            coordination: o.stress.coordination,
-            bulk_solid_fraction: o.bulk.solid_fraction,
-            bulk_coordination: o.bulk.coordination,
-            bulk_rattlers: o.bulk.rattlers,
-        },
-    }
-}
-
-/// Returns the energy balance of a time step, as rows hold it.
-fn energy(observables: &Observables) -> Energy {
-    let cases::Energy { walls, gap, shocks, sliding, moved, left_over } = observables.energy;
-    Energy {
-        walls_work_j: walls,
-        gap_work_j: gap,
-        shock_work_j: shocks,
-        sliding_work_j: sliding,
-        energy_moved_j: moved,
-        energy_left_over_j: left_over,
+        energy: o.energy,
+        stress: o.stress,
+        bulk: o.bulk,
     }
 }
 
@@ -193,6 +173,7 @@ fn joined(earlier: &Observed, later: Observed, time_steps: u64) -> Observed {
     Observed {
         energy,
         stress: earlier.stress.and_then(time_steps, later.stress),
+        bulk: earlier.bulk.and_then(time_steps, later.bulk),
         greatest_overlap_m: earlier.greatest_overlap_m.max(later.greatest_overlap_m),
         greatest_speed_m_per_s: earlier.greatest_speed_m_per_s.max(later.greatest_speed_m_per_s),
         floor_impulse_n_s: earlier.floor_impulse_n_s + later.floor_impulse_n_s,
@@ -248,7 +229,7 @@ pub(crate) fn through_time(
             Err(error) => return Ok((totals, ended(error, k, frozen)?)),
         };
         add(&mut totals, &outcome);
-        totals.energy += energy(&observables);
+        totals.energy += observables.energy;
         totals.restarted_time_steps += u64::from(failed && rule.warm_start.is_warm());
         failed = matches!(outcome.status, Status::Diverged | Status::Infeasible);
         let (problem, outcome, observables) = (&*lineup::problem(frozen), &outcome, &observables);

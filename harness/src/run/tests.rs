@@ -1,7 +1,8 @@
 //! Which iterates are kept, and where contacts are drawn.
 
 use crate::plan::Method;
-use crate::problems::{Problem, Root};
+use crate::problems::Problem;
+use crate::root::Root;
 use crate::run::repeats::{Made, median_times, repeated};
 use crate::run::{Ended, Snapshots, ended, scene_rows};
 use cases::{AnyFrozen, Case};

@@ -1,7 +1,7 @@
 //! The folder of a study: opened, gone on with, its tables and report written.
 
 use crate::plan::{Plan, method_names};
-use crate::problems::Root;
+use crate::root::Root;
 use crate::run::Task;
 use crate::study::{Kind, Selection, by_id, missing};
 use crate::terminal::{exit, say};

@@ -1,7 +1,8 @@
 //! A run of any study in `results/runs`, found by its id.
 
-use crate::plan::as_typed;
-use crate::problems::{KeptProblem, Marcher, Root};
+use crate::plan::{Marcher, as_typed};
+use crate::problems::KeptProblem;
+use crate::root::Root;
 use crate::store::runs_folder;
 use anyhow::{Context, Result, bail};
 use cases::AnyFrozen;

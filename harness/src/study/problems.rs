@@ -2,7 +2,8 @@
 
 use crate::identity::{code_version, provenance};
 use crate::plan::Variant;
-use crate::problems::{PlannedProblem, Problem, Root};
+use crate::problems::{PlannedProblem, Problem};
+use crate::root::Root;
 use crate::run::{Conditions, Task, given_row, partitions, run_on_problem, scene_rows};
 use crate::study::{Kind, Listed, Selection};
 use anyhow::Result;

@@ -3,7 +3,8 @@
 
 use crate::identity::code_version;
 use crate::plan::{Rule, Variant};
-use crate::problems::{PlannedProblem, Root, Scene};
+use crate::problems::{PlannedProblem, Scene};
+use crate::root::Root;
 use crate::run::{Conditions, Task, Through, run_simulation};
 use crate::study::{Kind, Listed, Selection, missing};
 use anyhow::{Context, Result};

@@ -1,7 +1,7 @@
 //! A study is a list of tasks, each with its id; what runs them, and what becomes of them, does not ask of which kind they
 //! are: runs on problems, or simulations.
 
-use crate::problems::Root;
+use crate::root::Root;
 use crate::run::{Conditions, How, Task, in_parallel};
 use crate::study::Selection;
 use crate::terminal::{Bars, exit};

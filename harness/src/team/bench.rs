@@ -2,7 +2,7 @@
 
 use crate::cli::args::StudyArgs;
 use crate::identity::provenance;
-use crate::problems::Root;
+use crate::root::Root;
 use crate::store::{about, draw, finish, open, records_of, runs_folder};
 use crate::study::{Kind, OnProblems, by_id, missing};
 use crate::team::ping;

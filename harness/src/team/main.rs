@@ -2,7 +2,7 @@
 
 use crate::cli::split::Args as SplitArgs;
 use crate::plan::read_external;
-use crate::problems::Root;
+use crate::root::Root;
 use crate::run::{few, in_the_pool};
 use crate::team::share::Posted;
 use crate::team::{bench, ping, solve, split};

@@ -1,7 +1,8 @@
 //! A run on a problem that ranks share: one row, with what they sent each other.
 
 use crate::plan::{Method, Plan};
-use crate::problems::{Problem, Root};
+use crate::problems::Problem;
+use crate::root::Root;
 use crate::run::problem::NO_START;
 use crate::run::{Recorder, Task, ended_row, refused, skipped_row};
 use crate::team::share::{Posted, Shared, cut_of, of_whole};
@@ -42,21 +43,7 @@ pub(crate) fn on_ranks(
         slowest_rank: end.slowest as u32,
         ..Exchange::default()
     };
-    let outcome = Outcome {
-        status: end.status,
-        iterations: end.iterations,
-        measures: end.measures,
-        impulses: end.impulses,
-        velocity: Vec::new(),
-        setup: end.setup,
-        iterating: end.iterating,
-        work: end.work,
-        derived: end.derived,
-        critical_path: end.critical_path,
-        last_change_moves: f64::NAN,
-        cycle: None,
-    };
-    Ok((outcome, exchange))
+    Ok((end.outcome, exchange))
 }
 
 /// All ranks, and what their rows say of them.

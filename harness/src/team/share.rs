@@ -3,7 +3,8 @@
 
 use crate::plan::Method;
 use crate::problems::parts::solution_folder;
-use crate::problems::{Known, Problem, Root};
+use crate::problems::{Known, Problem};
+use crate::root::Root;
 use crate::team::parts::{first_line, read_impulses, read_part};
 use anyhow::{Context, Error, Result, bail};
 use cases::AnyFrozen;

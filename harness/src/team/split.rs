@@ -4,7 +4,7 @@ use crate::cli::args::SceneArgs;
 use crate::cli::split::{Args, make_folder};
 use crate::problems::case::replaced;
 use crate::problems::parts::write_part;
-use crate::problems::{Root, is_toml};
+use crate::root::{Root, is_toml};
 use crate::team::share::Posted;
 use crate::team::solve::peak_memory_bytes;
 use crate::terminal::say;

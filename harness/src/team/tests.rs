@@ -3,7 +3,8 @@
 
 use crate::cli::split;
 use crate::plan::Method;
-use crate::problems::{Impulses, Problem, Root};
+use crate::problems::{Impulses, Problem};
+use crate::root::Root;
 use crate::store::open;
 use crate::team::share::Posted;
 use crate::team::{bench, ping, solve};

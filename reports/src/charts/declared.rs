@@ -1,9 +1,11 @@
 //! The declared charts: a new one is one more declaration here, and its line in `CHARTS`.
 
 use contact::Measure;
+use serde::Deserialize;
 
 use super::curves::{Curves, Of, Sampled};
 use super::lines::{Each, Ideal, Lines};
+use super::quantities::{UnknownQuantity, named};
 use crate::draw::Through;
 use crate::read::{COSTS, Ending, RunRow, Sample};
 
@@ -203,3 +205,46 @@ pub(super) const MEASURED_ON_RANKS: Lines = Lines {
            knows nothing of ranks that share a memory's bandwidth or a processor, of caches, nor of those that are late.\n",
     ..OF_SUBDOMAINS
 };
+
+/// A chart "y against x by series" that a plan declares; quantities stand by their names.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OwnChart {
+    /// Name of its table, and begin of those of its figures.
+    pub name: String,
+    /// First line of its figures; without it the names of its quantities.
+    pub title: Option<String>,
+    /// Quantity on the x axis.
+    pub x: String,
+    /// Quantities on the y axes, a panel each.
+    pub y: Vec<String>,
+    /// Setting in which the runs of a line differ; the name of x without it.
+    pub varied: Option<String>,
+    /// True where a figure of all problems has powers of x fitted to the runs; false where each problem has a figure.
+    #[serde(default)]
+    pub fit: bool,
+}
+
+/// Declares what a plan asks for; its texts are kept as long as the program runs, as those of other charts are.
+pub(super) fn own(own: OwnChart) -> Result<Lines, UnknownQuantity> {
+    let unknown = |name: &&String| named(name).is_none();
+    if let Some(name) = std::iter::once(&own.x).chain(&own.y).find(unknown) {
+        return Err(UnknownQuantity(name.clone()));
+    }
+    let kept = |text: String| -> &'static str { text.leak() };
+    let (x, y) = (kept(own.x), kept(own.y.join(" ")));
+    let (each, through) =
+        if own.fit { (Each::Study, Through::Fit) } else { (Each::Problem, Through::Points) };
+    Ok(Lines {
+        name: kept(own.name),
+        title: kept(own.title.unwrap_or_else(|| format!("{} against {x}", y.replace(' ', ", ")))),
+        x,
+        y,
+        varied: own.varied.map_or(x, kept),
+        each,
+        through,
+        columns: if own.fit { "" } else { kept(format!("problem method {x} status {y}")) },
+        note: "",
+        ..OF_SUBDOMAINS
+    })
+}

@@ -2,10 +2,8 @@
 //! figures, lines or fits, ideals, and the columns of its table.
 
 use polars::prelude::{Column, DataFrame};
-use serde::Deserialize;
 
-use super::declared::OF_SUBDOMAINS;
-use super::quantities::{Quantity, UnknownQuantity, named, table};
+use super::quantities::{Quantity, named, table};
 use crate::draw::{
     At, Curve, DASHES, Guide, MOST_LINES, Panel, Pen, Plot, Points, Scale, Series, Side, Sign, TOLERANCE,
     Through, series, title,
@@ -47,25 +45,6 @@ pub(crate) struct Lines {
     pub(crate) note: &'static str,
 }
 
-/// A chart "y against x by series" that a plan declares; quantities stand by their names.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OwnChart {
-    /// Name of its table, and begin of those of its figures.
-    pub name: String,
-    /// First line of its figures; without it the names of its quantities.
-    pub title: Option<String>,
-    /// Quantity on the x axis.
-    pub x: String,
-    /// Quantities on the y axes, a panel each.
-    pub y: Vec<String>,
-    /// Setting in which the runs of a line differ; the name of x without it.
-    pub varied: Option<String>,
-    /// True where a figure of all problems has powers of x fitted to the runs; false where each problem has a figure.
-    #[serde(default)]
-    pub fit: bool,
-}
-
 /// A line to compare with.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Ideal {
@@ -94,30 +73,6 @@ const PLACES: usize = 3;
 const AROUND_ONE: f64 = 0.35;
 
 impl Lines {
-    /// Declares what a plan asks for; its texts are kept as long as the program runs, as those of other charts are.
-    pub(crate) fn own(own: OwnChart) -> Result<Self, UnknownQuantity> {
-        let unknown = |name: &&String| named(name).is_none();
-        if let Some(name) = std::iter::once(&own.x).chain(&own.y).find(unknown) {
-            return Err(UnknownQuantity(name.clone()));
-        }
-        let kept = |text: String| -> &'static str { text.leak() };
-        let (x, y) = (kept(own.x), kept(own.y.join(" ")));
-        let (each, through) =
-            if own.fit { (Each::Study, Through::Fit) } else { (Each::Problem, Through::Points) };
-        Ok(Self {
-            name: kept(own.name),
-            title: kept(own.title.unwrap_or_else(|| format!("{} against {x}", y.replace(' ', ", ")))),
-            x,
-            y,
-            varied: own.varied.map_or(x, kept),
-            each,
-            through,
-            columns: if own.fit { "" } else { kept(format!("problem method {x} status {y}")) },
-            note: "",
-            ..OF_SUBDOMAINS
-        })
-    }
-
     fn x(&self) -> &'static Quantity {
         named(self.x).expect("a declared quantity has a name")
     }

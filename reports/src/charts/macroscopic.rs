@@ -6,7 +6,7 @@ mod tests;
 
 use polars::df;
 use polars::prelude::DataFrame;
-use results::simulation::{SimulationEnding, Stress};
+use results::simulation::{Observed, SimulationEnding};
 
 use crate::draw::{
     At, Curve, Guide, Look, MARKS, Mark, Panel, Plot, Scale, Side, Sign, TOLERANCE, Through, log,
@@ -54,13 +54,13 @@ fn flow(simulation: &Simulation) -> Option<Flow> {
     let friction = mean(&ratios);
     let squares: Vec<f64> = ratios.iter().map(|ratio| (ratio - friction).powi(2)).collect();
     let (first, last) = ratios.split_at(ratios.len() / 2);
-    let of = |of: fn(&Stress) -> f64| mean(&half.iter().map(|row| of(&row.stress)).collect::<Vec<_>>());
+    let of = |of: fn(&Observed) -> f64| mean(&half.iter().map(of).collect::<Vec<_>>());
     Some(Flow {
         friction,
         spread: mean(&squares).sqrt(),
         drift: (mean(last) - mean(first)).abs(),
-        coordination: of(|stress| stress.coordination),
-        solid_fraction: of(|stress| stress.bulk_solid_fraction),
+        coordination: of(|row| row.stress.coordination),
+        solid_fraction: of(|row| row.bulk.solid_fraction),
     })
 }
 

@@ -3,7 +3,7 @@
 use polars::prelude::{Column, DataFrame};
 use thiserror::Error;
 
-use super::ranks::predicted;
+use super::predicted::predicted;
 use crate::draw::{Scale, Series};
 use crate::read::{RunRow, ending_text};
 use crate::text::chosen;

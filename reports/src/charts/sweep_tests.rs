@@ -4,7 +4,7 @@ use results::schema::Ending;
 use std::collections::BTreeSet;
 
 use crate::charts::declared::{CRITICAL_PATH, DIMENSIONS, OF_SUBDOMAINS, SIZE, WEAK};
-use crate::charts::lines::{Lines, OwnChart};
+use crate::charts::declared::{OwnChart, own as declared};
 use crate::charts::{profiles, relaxation};
 use crate::draw::{METHODS, RGBColor};
 use crate::tests::assert_well_formed;
@@ -363,7 +363,7 @@ fn chart_of_a_plan_is_drawn_as_it_is_declared() {
     let runs = [sized(0, "cg", 10, 100), sized(1, "cg", 1000, 200)];
     let study = study(&runs, &[(0, decay()), (1, decay())]);
     let names = |fit| {
-        let files = files(&Lines::own(own(fit)).unwrap().parts(&study));
+        let files = files(&declared(own(fit)).unwrap().parts(&study));
         files
             .into_iter()
             .map(|(name, _)| name)
@@ -372,6 +372,6 @@ fn chart_of_a_plan_is_drawn_as_it_is_declared() {
     };
     assert_eq!(names(true), ["mine.svg", "mine.csv", "mine.md"]);
     assert_eq!(names(false), ["mine-10-grains.svg", "mine-1000-grains.svg", "mine.csv", "mine.md"]);
-    let unknown = Lines::own(OwnChart { x: "beauty".into(), ..own(true) }).map(drop);
+    let unknown = declared(OwnChart { x: "beauty".into(), ..own(true) }).map(drop);
     assert!(unknown.unwrap_err().to_string().starts_with("no quantity `beauty`: there are subdomains, "));
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Map, Value};
 
-use crate::draw::METHODS;
+use crate::families::METHODS;
 
 /// Methods, each with a setting, other than those in `except`, in which some of its runs differ.
 pub(crate) fn differing<'r>(

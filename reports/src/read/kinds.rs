@@ -1,12 +1,11 @@
 //! Kinds of problem: those of a case that differ in their samples alone.
 
-use results::settings::{CASE, MARCH, MISSED_BEFORE, MOMENT, TIME_STEP};
+use results::settings::{CASE, FRICTION, MARCH, MISSED_BEFORE, MOMENT, TIME_STEP};
 use serde_json::Value;
 
 use crate::read::{RunRow, find_or_push, problems};
 
-/// Settings of a case for its friction and its number of grains.
-pub(crate) const FRICTION: &str = "scene.friction";
+/// Setting of a case for its number of grains.
 const GRAINS: &str = "sample.grains";
 
 /// Problems that differ in their samples alone.

@@ -6,9 +6,9 @@ use contact::{Measure, Work};
 use results::Median;
 use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot};
-use results::settings::CASE;
+use results::settings::{CASE, FRICTION};
 
-use crate::read::{Ending, FRICTION, counted, number, unique};
+use crate::read::{Ending, counted, number, unique};
 
 /// A run with all that is stored of it, and what is read from that; a number that is undefined there is `None` here.
 #[derive(Clone)]

@@ -4,10 +4,9 @@ use std::ops::Deref;
 
 use results::simulation::{Observed, Role, Simulated, Simulation as Row, SimulationEnding};
 
-use results::settings::CASE;
+use results::settings::{CASE, FRICTION};
 use serde_json::Value;
 
-use super::kinds::FRICTION;
 use super::run::{defined, label};
 
 /// A simulation with its series.

@@ -41,7 +41,7 @@ fn simulated(number: u32) -> Simulated {
             setup_s: 0.1,
             iterating_s: 0.2,
             work: Work { contact_updates: 1, interface_values: 5, ..Work::default() },
-            energy: Energy { shock_work_j: -1.0 / 3.0, ..Energy::default() },
+            energy: Energy { shocks: -1.0 / 3.0, ..Energy::default() },
         },
         timing: row.timing,
         provenance: row.provenance,
@@ -59,8 +59,9 @@ fn simulated(number: u32) -> Simulated {
         floor_impulse_n_s: 1.0,
         left_impulse_n_s: 2.0,
         right_impulse_n_s: 3.0,
-        energy: Energy { walls_work_j: 0.1 + 0.2, sliding_work_j: f64::NAN, ..Energy::default() },
-        stress: Stress { stress_xy_n_per_m: -1.0 / 3.0, coordination: 3.2, ..Stress::default() },
+        energy: Energy { walls: 0.1 + 0.2, sliding: f64::NAN, ..Energy::default() },
+        stress: Stress { xy: -1.0 / 3.0, coordination: 3.2, ..Stress::default() },
+        bulk: Bulk::default(),
     };
     Simulated { simulation, series: vec![observed] }
 }
@@ -133,13 +134,9 @@ fn tables_number_the_simulations_and_are_kept_aside_whole() {
 
 #[test]
 fn the_mean_stress_of_time_steps_does_not_depend_on_how_it_is_gathered() {
-    let each = [1.0, 2.0, 6.0].map(|xy| Stress {
-        stress_xy_n_per_m: xy,
-        stress_yy_n_per_m: -4.0 * xy,
-        ..Stress::default()
-    });
+    let each = [1.0, 2.0, 6.0].map(|xy| Stress { xy, yy: -4.0 * xy, ..Stress::default() });
     let mean = each[0].and_then(1, each[1]).and_then(2, each[2]);
-    assert_eq!((mean.stress_xy_n_per_m, mean.stress_yy_n_per_m), (3.0, -12.0));
+    assert_eq!((mean.xy, mean.yy), (3.0, -12.0));
     assert_eq!(mean.ratio(), None, "nothing presses");
-    assert_eq!(Stress { stress_yy_n_per_m: 12.0, ..mean }.ratio(), Some(0.25));
+    assert_eq!(Stress { yy: 12.0, ..mean }.ratio(), Some(0.25));
 }

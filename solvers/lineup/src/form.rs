@@ -1,26 +1,36 @@
 //! Requirements of the line-up on a mechanics.
 
-use crate::methods::{Engine, Ours};
 use active_set::ActiveSet;
 use analysis::{Bounded, Spectrum, proves_infeasible};
-use cases::{AnyFrozen, Frozen, Marched};
-use contact::{Discs, Packing, RoughDiscs, RoughSpheres, Smooth, Solver, Spheres};
+use cases::Marched;
+use contact::{Packing, Rough, RoughDiscs, Smooth, Solver};
 use reference::{Answer, Certified, Coulomb, Existence, RoughSolution, polished, solve_rough};
+use std::any::Any;
 use std::ops::RangeInclusive;
 
 /// A mechanics in which problems are solved, marched and certified.
 pub(crate) trait Form: Marched + Bounded + Certified {
-    /// The method in this mechanics, if it has it.
-    fn engine(ours: &Ours) -> Option<&Engine<Self>>;
-
-    /// Wraps a problem as one of any mechanics, as files hold it.
-    fn any(frozen: Frozen<Self>) -> AnyFrozen;
-
-    /// Returns the problem, if it is of this mechanics.
-    fn of(frozen: AnyFrozen) -> Option<Frozen<Self>>;
-
     /// Returns the problem under the law of its contacts.
     fn under(problem: &Packing<Self>) -> Law<'_>;
+}
+
+impl<const D: usize> Form for Smooth<D>
+where
+    Self: Marched + Bounded + Certified,
+{
+    fn under(problem: &Packing<Self>) -> Law<'_> {
+        Law::Frictionless(problem)
+    }
+}
+
+impl<const D: usize> Form for Rough<D>
+where
+    Self: Marched + Bounded + Certified,
+    Packing<Self>: Frictional,
+{
+    fn under(problem: &Packing<Self>) -> Law<'_> {
+        Law::Frictional { problem, discs: (problem as &dyn Any).downcast_ref() }
+    }
 }
 
 /// Law of the contacts of a problem, and what is known where it holds.
@@ -54,7 +64,7 @@ pub trait Frictionless {
 
 impl<const D: usize> Frictionless for Packing<Smooth<D>>
 where
-    Smooth<D>: Form,
+    Smooth<D>: Marched + Bounded + Certified,
 {
     fn reference(&self) -> Answer {
         reference::solve(self)
@@ -106,77 +116,5 @@ where
 
     fn polished(&self, r: &[f64]) -> Option<RoughSolution> {
         polished(self, r)
-    }
-}
-
-impl Form for Discs {
-    fn engine(ours: &Ours) -> Option<&Engine<Self>> {
-        ours.discs.as_ref()
-    }
-
-    fn any(frozen: Frozen) -> AnyFrozen {
-        AnyFrozen::Discs(frozen)
-    }
-
-    fn of(frozen: AnyFrozen) -> Option<Frozen> {
-        if let AnyFrozen::Discs(frozen) = frozen { Some(frozen) } else { None }
-    }
-
-    fn under(problem: &Packing) -> Law<'_> {
-        Law::Frictionless(problem)
-    }
-}
-
-impl Form for Spheres {
-    fn engine(ours: &Ours) -> Option<&Engine<Self>> {
-        ours.spheres.as_ref()
-    }
-
-    fn any(frozen: Frozen<Self>) -> AnyFrozen {
-        AnyFrozen::Spheres(frozen)
-    }
-
-    fn of(frozen: AnyFrozen) -> Option<Frozen<Self>> {
-        if let AnyFrozen::Spheres(frozen) = frozen { Some(frozen) } else { None }
-    }
-
-    fn under(problem: &Packing<Self>) -> Law<'_> {
-        Law::Frictionless(problem)
-    }
-}
-
-impl Form for RoughDiscs {
-    fn engine(ours: &Ours) -> Option<&Engine<Self>> {
-        ours.rough_discs.as_ref()
-    }
-
-    fn any(frozen: Frozen<Self>) -> AnyFrozen {
-        AnyFrozen::RoughDiscs(frozen)
-    }
-
-    fn of(frozen: AnyFrozen) -> Option<Frozen<Self>> {
-        if let AnyFrozen::RoughDiscs(frozen) = frozen { Some(frozen) } else { None }
-    }
-
-    fn under(problem: &Packing<Self>) -> Law<'_> {
-        Law::Frictional { problem, discs: Some(problem) }
-    }
-}
-
-impl Form for RoughSpheres {
-    fn engine(ours: &Ours) -> Option<&Engine<Self>> {
-        ours.rough_spheres.as_ref()
-    }
-
-    fn any(frozen: Frozen<Self>) -> AnyFrozen {
-        AnyFrozen::RoughSpheres(frozen)
-    }
-
-    fn of(frozen: AnyFrozen) -> Option<Frozen<Self>> {
-        if let AnyFrozen::RoughSpheres(frozen) = frozen { Some(frozen) } else { None }
-    }
-
-    fn under(problem: &Packing<Self>) -> Law<'_> {
-        Law::Frictional { problem, discs: None }
     }
 }

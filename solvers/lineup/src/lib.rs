@@ -8,6 +8,7 @@ mod hash;
 #[cfg(feature = "on-ranks")]
 mod made;
 mod march;
+mod mechanics;
 mod methods;
 mod problem;
 mod share;
@@ -19,8 +20,9 @@ pub use form::{Frictional, Frictionless, Law};
 pub use hash::{content_hash, hash_of, hash_of_w};
 #[cfg(feature = "on-ranks")]
 pub use made::{MadeOf, make};
-pub use march::{Attempt, Body, OneMarch, march};
+pub use march::{Attempt, Body, OneMarch};
+pub use mechanics::{joined, march, problem};
 pub use methods::{Cut, Entry, METHODS, Ours, Settings};
-pub use problem::{Observe, OneProblem, Run, problem};
-pub use share::{FORMAT, OneShare, Part, joined};
+pub use problem::{Observe, OneProblem, Run};
+pub use share::{FORMAT, Joined, OneShare, Part, Read};
 pub use w::{Posed, solution};

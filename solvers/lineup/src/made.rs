@@ -226,7 +226,7 @@ impl<M: Form> View<M> {
             contacts: of(&self.contacts, &cut.contacts),
             boundary: cut.boundary.iter().map(|(grain, copies)| (place(*grain), copies.clone())).collect(),
         };
-        Ok((part, M::any(alone)))
+        Ok((part, alone.into()))
     }
 }
 

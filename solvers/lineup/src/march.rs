@@ -3,10 +3,9 @@
 use crate::facts::facts;
 use crate::form::Form;
 use crate::methods::Ours;
-use crate::problem::plain;
 use anyhow::Result;
-use cases::{AnyFrozen, Case, CaseError, March, Observables, Side, Start};
-use contact::{Discs, Place, RoughDiscs, RoughSpheres, Spheres, Vector};
+use cases::{AnyFrozen, CaseError, March, Observables, Side, Start};
+use contact::{Place, Vector};
 use runner::{Outcome, Stop};
 
 /// A grain, a lid or a driven segment, as it is.
@@ -90,7 +89,7 @@ impl<M: Form> OneMarch for March<M> {
     }
 
     fn check(&self, ours: &Ours) -> Result<()> {
-        ours.engine(M::engine(ours), &facts::<M>(0, 0).in_words()).map(drop)
+        ours.engine_of::<M>(&facts::<M>(0, 0).in_words()).map(drop)
     }
 
     fn dimensions(&self) -> usize {
@@ -113,15 +112,14 @@ impl<M: Form> OneMarch for March<M> {
         let mut frozen = self.next()?.frozen;
         frozen.source += how;
         frozen.missed_before = missed_before;
-        Ok(M::any(frozen))
+        Ok(frozen.into())
     }
 
     fn solve(&mut self, ours: &Ours, stop: &Stop, start: Start, halt: &dyn Fn() -> bool) -> Result<Attempt> {
-        let solver = ours.engine(M::engine(ours), &facts::<M>(0, 0).in_words())?.solver();
+        let solver = ours.engine_of(&facts::<M>(0, 0).in_words())?.solver();
         let time_step = self.next()?;
         let solved = self.solve(&time_step, solver, stop, start, halt);
-        let solved = solved.map(|(outcome, observables)| (plain(outcome), observables));
-        Ok(Attempt { frozen: M::any(time_step.frozen), solved })
+        Ok(Attempt { frozen: time_step.frozen.into(), solved })
     }
 
     #[expect(clippy::type_complexity, reason = "the lists of the grains, zipped")]
@@ -147,17 +145,4 @@ impl<M: Form> OneMarch for March<M> {
         let corners = |ends: Vec<M::Place>| ends.into_iter().map(Place::space).collect();
         self.walls().into_iter().map(|(side, ends)| (side, corners(ends))).collect()
     }
-}
-
-/// Returns the march of a case, at time 0.
-///
-/// # Errors
-/// Names the value of which no sample can be made.
-pub fn march(case: &Case) -> Result<Box<dyn OneMarch>, CaseError> {
-    Ok(match (case.in_space()?, case.scene.is_rough()) {
-        (false, false) => Box::new(March::<Discs>::new(case)?),
-        (false, true) => Box::new(March::<RoughDiscs>::new(case)?),
-        (true, false) => Box::new(March::<Spheres>::new(case)?),
-        (true, true) => Box::new(March::<RoughSpheres>::new(case)?),
-    })
 }

@@ -8,6 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
+use std::any::Any;
 
 /// Settings by their keys.
 pub type Settings = Map<String, Value>;
@@ -134,10 +135,8 @@ pub struct Ours {
     name: &'static str,
     /// Other than the defaults.
     changed: Settings,
-    pub(crate) discs: Option<Engine<Discs>>,
-    pub(crate) spheres: Option<Engine<Spheres>>,
-    pub(crate) rough_discs: Option<Engine<RoughDiscs>>,
-    pub(crate) rough_spheres: Option<Engine<RoughSpheres>>,
+    /// An [`Engine`] for each mechanics.
+    engines: Vec<Box<dyn Any + Send + Sync>>,
     local: Option<OnW>,
     /// Its subdomains, if it has some.
     pub cut: Option<Cut>,
@@ -153,14 +152,15 @@ impl<M: Mechanics> Engine<M> {
 }
 
 impl Ours {
+    /// Returns the method in a mechanics, if it has it.
+    fn engine<M: Mechanics>(&self) -> Option<&Engine<M>> {
+        self.engines.iter().find_map(|engine| engine.downcast_ref())
+    }
+
     /// Returns the method in a mechanics, which is `in_words` in the error.
-    pub(crate) fn engine<'o, M: Mechanics>(
-        &'o self,
-        engine: Option<&'o Engine<M>>,
-        in_words: &str,
-    ) -> Result<&'o Engine<M>> {
-        engine.with_context(|| {
-            if self.rough_discs.is_none() {
+    pub(crate) fn engine_of<M: Mechanics>(&self, in_words: &str) -> Result<&Engine<M>> {
+        self.engine().with_context(|| {
+            if self.engine::<RoughDiscs>().is_none() {
                 format!("method `{}` minimises an energy: with friction there is none", self.name)
             } else {
                 format!("method `{}` has no form for {in_words}", self.name)
@@ -170,14 +170,17 @@ impl Ours {
 
     /// Returns the method on ranks.
     #[cfg(feature = "on-ranks")]
-    pub(crate) fn distributed<'o, M: Mechanics>(
-        &'o self,
-        engine: Option<&'o Engine<M>>,
-    ) -> Result<&'o dyn Distributed<M>> {
-        match engine {
+    pub(crate) fn distributed<M: Mechanics>(&self) -> Result<&dyn Distributed<M>> {
+        match self.engine() {
             Some(Engine::OnRanks(solver)) => Ok(&**solver),
             _ => bail!("method `{}` has no subdomains: nsgs-dd, latin-dd and cg run on ranks", self.name),
         }
+    }
+
+    /// Adds an engine.
+    fn and<M: Mechanics>(mut self, engine: Engine<M>) -> Self {
+        self.engines.push(Box::new(engine));
+        self
     }
 
     /// Returns the method where there is W alone.
@@ -267,22 +270,14 @@ fn build<S: Configured>(settings: Settings, ours: impl Fn(&S) -> Ours) -> Result
 }
 
 fn smooth<S: Solver + Solver<Spheres> + Clone + 'static>(solver: &S) -> Ours {
-    Ours {
-        discs: Some(Engine::Here(Box::new(solver.clone()))),
-        spheres: Some(Engine::Here(Box::new(solver.clone()))),
-        ..Ours::default()
-    }
+    Ours::default().and(here::<S, Discs>(solver)).and(here::<S, Spheres>(solver))
 }
 
 fn every<S>(solver: &S) -> Ours
 where
     S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Solver<RoughSpheres> + Clone + 'static,
 {
-    Ours {
-        rough_discs: Some(Engine::Here(Box::new(solver.clone()))),
-        rough_spheres: Some(Engine::Here(Box::new(solver.clone()))),
-        ..smooth(solver)
-    }
+    smooth(solver).and(here::<S, RoughDiscs>(solver)).and(here::<S, RoughSpheres>(solver))
 }
 
 fn on_ranks<S>(solver: &S) -> Ours
@@ -290,11 +285,14 @@ where
     S: Distributed<Discs> + Distributed<Spheres> + Distributed<RoughDiscs> + Distributed<RoughSpheres>,
     S: Clone + 'static,
 {
-    Ours {
-        discs: Some(Engine::OnRanks(Box::new(solver.clone()))),
-        spheres: Some(Engine::OnRanks(Box::new(solver.clone()))),
-        rough_discs: Some(Engine::OnRanks(Box::new(solver.clone()))),
-        rough_spheres: Some(Engine::OnRanks(Box::new(solver.clone()))),
-        ..Ours::default()
-    }
+    let smooth = Ours::default().and(shared::<S, Discs>(solver)).and(shared::<S, Spheres>(solver));
+    smooth.and(shared::<S, RoughDiscs>(solver)).and(shared::<S, RoughSpheres>(solver))
+}
+
+fn here<S: Solver<M> + Clone + 'static, M: Mechanics>(solver: &S) -> Engine<M> {
+    Engine::Here(Box::new(solver.clone()))
+}
+
+fn shared<S: Distributed<M> + Clone + 'static, M: Mechanics>(solver: &S) -> Engine<M> {
+    Engine::OnRanks(Box::new(solver.clone()))
 }

@@ -160,9 +160,9 @@ impl<M: Form> OneProblem for Frozen<M> {
 
     fn solve(&self, ours: &Ours, run: Run, observe: &mut Observe) -> Result<Outcome> {
         let Run { truths, r0, stop, measured } = run;
-        let solver = ours.engine(M::engine(ours), &self.facts().in_words())?.solver();
+        let solver = ours.engine_of(&self.facts().in_words())?.solver();
         let truths: Vec<Truth<M>> = truths.iter().map(|r| Truth::new(&self.problem, r)).collect();
-        Ok(plain(solve_against(&truths, solver, &self.problem, r0, stop, measured, observe)?))
+        Ok(solve_against(&truths, solver, &self.problem, r0, stop, measured, observe)?)
     }
 
     fn measures(&self, truths: &[Vec<f64>], r: &[f64]) -> Measures {
@@ -261,7 +261,7 @@ impl<M: Form> OneProblem for Frozen<M> {
     }
 
     fn to_json(&self) -> serde_json::Result<String> {
-        M::any(self.clone()).to_json()
+        Self::to_json(self)
     }
 
     fn relative_velocity(&self, r: &[f64]) -> Vec<f64> {
@@ -336,29 +336,11 @@ impl<M: Form> OneProblem for Frozen<M> {
             problem: share.problem.clone(),
             missed_before: self.missed_before,
         };
-        Ok((Box::new(share), part, M::any(alone)))
+        Ok((Box::new(share), part, alone.into()))
     }
 
     fn share(&self, cut: &Decomposition, team: &Team, whole: Whole) -> Result<Box<dyn OneShare>> {
         Ok(Box::new(Share::of_rank(&self.problem, cut, team, whole)?))
-    }
-}
-
-/// The outcome of a run in any mechanics; what tells these apart, the velocity, [`OneProblem::velocity`] computes.
-pub(crate) fn plain<M: Mechanics>(outcome: Outcome<M>) -> Outcome {
-    Outcome {
-        status: outcome.status,
-        iterations: outcome.iterations,
-        measures: outcome.measures,
-        impulses: outcome.impulses,
-        velocity: Vec::new(),
-        setup: outcome.setup,
-        iterating: outcome.iterating,
-        work: outcome.work,
-        derived: outcome.derived,
-        critical_path: outcome.critical_path,
-        last_change_moves: outcome.last_change_moves,
-        cycle: outcome.cycle,
     }
 }
 
@@ -367,14 +349,4 @@ pub(crate) fn flat<V: Vector>(list: impl IntoIterator<Item = V>) -> Vec<f64> {
     let mut numbers = Vec::new();
     list.into_iter().for_each(|vector| vector.each(&mut |x| numbers.push(x)));
     numbers
-}
-
-/// Returns a problem whatever its mechanics.
-pub fn problem(frozen: AnyFrozen) -> Box<dyn OneProblem> {
-    match frozen {
-        AnyFrozen::Discs(frozen) => Box::new(frozen),
-        AnyFrozen::RoughDiscs(frozen) => Box::new(frozen),
-        AnyFrozen::Spheres(frozen) => Box::new(frozen),
-        AnyFrozen::RoughSpheres(frozen) => Box::new(frozen),
-    }
 }

@@ -5,7 +5,7 @@ use crate::form::Form;
 use crate::problem::admits;
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
-use contact::{Discs, Mechanics, RoughDiscs, RoughSpheres, Spheres, Vector};
+use contact::{Mechanics, Vector};
 use partition::{Decomposition, Partition, Share, Whole};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -163,35 +163,22 @@ impl<M: Form> OneShare for Share<M> {
         measured: Measured,
         observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Result<OnRanks, Refused>> {
-        let solver = ours.distributed(M::engine(ours))?;
+        let solver = ours.distributed()?;
         Ok(solve_on_ranks(solver, self, team, beside, stop, measured, observe))
     }
 }
 
 /// A subdomain as its file holds it, with the path of that.
-type Read = (PathBuf, Part, AnyFrozen);
+pub type Read = (PathBuf, Part, AnyFrozen);
 
-/// Joins subdomains that follow each other to the share of a rank, and returns with it their impulses of the time step before (N·s), 0
-/// where they are not known.
-///
-/// # Errors
-/// Names the file of a subdomain that contradicts itself or the first.
-///
-/// # Panics
-/// Of no subdomain.
-pub fn joined(parts: Vec<Read>) -> Result<(Box<dyn OneShare>, Vec<f64>)> {
-    match parts[0].2 {
-        AnyFrozen::Discs(_) => joined_of::<Discs>(parts),
-        AnyFrozen::RoughDiscs(_) => joined_of::<RoughDiscs>(parts),
-        AnyFrozen::Spheres(_) => joined_of::<Spheres>(parts),
-        AnyFrozen::RoughSpheres(_) => joined_of::<RoughSpheres>(parts),
-    }
-}
+/// The share of a rank, and its impulses of the time step before (N·s), 0 where they are not known.
+pub type Joined = (Box<dyn OneShare>, Vec<f64>);
 
-fn joined_of<M: Form>(parts: Vec<Read>) -> Result<(Box<dyn OneShare>, Vec<f64>)> {
+/// Joins the subdomains of a mechanics to the share of a rank.
+pub(crate) fn joined_of<M: Form>(parts: Vec<Read>) -> Result<Joined> {
     let (mut shares, mut starts) = (Vec::new(), Vec::new());
     for (path, part, frozen) in parts {
-        let frozen = M::of(frozen).with_context(|| format!("its subdomains are not all {}", M::NAME))?;
+        let frozen = frozen.of::<M>().with_context(|| format!("its subdomains are not all {}", M::NAME))?;
         starts.push((part.contacts.clone(), frozen.start(true)));
         shares.push(part.share(frozen).with_context(|| path.display().to_string())?);
     }

@@ -10,7 +10,7 @@ use contact::{Contact, Discs, Measures, Mechanics, Packing, Place, RoughDiscs, V
 use latin_dd::LatinDd;
 use nsgs_dd::{Exchange, NsgsDd};
 use partition::{Decomposition, Distributed, Grid, Partition, Scheme, Share, Team};
-use runner::{Beside, Measured, OnRanks, Status, Stop, solve, solve_on_ranks};
+use runner::{Beside, Measured, OnRanks, Outcome, Status, Stop, solve, solve_on_ranks};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -23,15 +23,11 @@ fn frozen(name: &str) -> AnyFrozen {
 }
 
 fn discs(name: &str) -> Packing {
-    let AnyFrozen::Discs(Frozen { problem, .. }) = frozen(name) else { panic!("{name} has friction") };
-    problem
+    frozen(name).of().expect("a problem without friction").problem
 }
 
 fn rough(name: &str) -> Packing<RoughDiscs> {
-    let AnyFrozen::RoughDiscs(Frozen { problem, .. }) = frozen(name) else {
-        panic!("{name} has no friction")
-    };
-    problem
+    frozen(name).of().expect("a problem with friction").problem
 }
 
 /// A run on so many ranks from r = 0: what came out, with the impulses of all.
@@ -40,9 +36,9 @@ fn on_ranks<M: Mechanics + analysis::Bounded>(
     solver: &dyn Distributed<M>,
     cut: (Grid, usize),
     stop: &Stop,
-) -> OnRanks {
+) -> Outcome {
     let r0 = vec![0.0; problem.impulse_count()];
-    on_ranks_beside(problem, solver, cut, Beside { start: &r0, solutions: &[] }, stop).unwrap()
+    on_ranks_beside(problem, solver, cut, Beside { start: &r0, solutions: &[] }, stop).unwrap().outcome
 }
 
 /// Runs ranks from a start and beside solutions, all of the whole problem.
@@ -77,15 +73,15 @@ fn on_ranks_beside<M: Mechanics + analysis::Bounded>(
     let mut impulses = vec![f64::NAN; problem.impulse_count()];
     for (contacts, end) in &of_ranks {
         for (k, contact) in contacts.iter().enumerate() {
-            M::Impulse::at(&end.impulses, k).put(&mut impulses, *contact as usize);
+            M::Impulse::at(&end.outcome.impulses, k).put(&mut impulses, *contact as usize);
         }
     }
     assert!(impulses.iter().all(|r| r.is_finite()), "each contact is of a rank");
-    let ends: Vec<_> =
-        of_ranks.iter().map(|(_, end)| (end.status, end.iterations, bits(&end.measures))).collect();
+    let ended = |end: &Outcome| (end.status, end.iterations, bits(&end.measures));
+    let ends: Vec<_> = of_ranks.iter().map(|(_, end)| ended(&end.outcome)).collect();
     assert!(ends.iter().all(|end| *end == ends[0]), "all ranks say the same: {ends:?}");
     let (_, end) = of_ranks.remove(0);
-    Ok(OnRanks { impulses, ..end })
+    Ok(OnRanks { outcome: Outcome { impulses, ..end.outcome }, ..end })
 }
 
 fn bits(measures: &Measures) -> Vec<u64> {
@@ -112,11 +108,13 @@ fn as_on_one_machine<M: Mechanics + analysis::Bounded>(
     let alone = solve(solver, problem, &r0, &stop, &mut |_| {}).unwrap();
     let first = on_ranks(problem, solver, (GRID, 1), &stop);
     for size in SIZES {
-        let end = on_ranks(problem, solver, (GRID, size), &stop);
+        let beside = Beside { start: &r0, solutions: &[] };
+        let OnRanks { outcome: end, traffic, .. } =
+            on_ranks_beside(problem, solver, (GRID, size), beside, &stop).unwrap();
         assert!(end.impulses == first.impulses, "{name}, {size} ranks: impulses have other bits");
         assert_eq!(bits(&end.measures), bits(&first.measures), "{name}, {size} ranks");
         assert_eq!((end.work, end.critical_path), (first.work, first.critical_path), "{name}, {size} ranks");
-        let messages: u64 = end.traffic.iter().map(|traffic| traffic.messages).sum();
+        let messages: u64 = traffic.iter().map(|traffic| traffic.messages).sum();
         assert_eq!(messages > 0, size > 1, "{name}, {size} ranks: {messages} messages");
     }
     if same_bits {
@@ -242,7 +240,7 @@ fn what_stops_a_run_at_one_rank_stops_it_at_all() {
         let beside = Beside { start: &r0, solutions: &[] };
         solve_on_ranks(&nsgs, &share, &team, beside, &Stop::default(), Measured::Needed, observe).unwrap()
     });
-    assert!(ends.iter().all(|end| (end.status, end.iterations) == (Status::Interrupted, 7)));
+    assert!(ends.iter().all(|end| (end.outcome.status, end.outcome.iterations) == (Status::Interrupted, 7)));
 }
 
 #[test]

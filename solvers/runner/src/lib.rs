@@ -10,9 +10,7 @@ mod looks;
 mod ranks;
 
 use analysis::Meter;
-use contact::{
-    Discs, Iteration, Measure, Measures, Mechanics, Packing, SetupError, Solver, Truth, Vector, Work,
-};
+use contact::{Iteration, Measure, Measures, Mechanics, Packing, SetupError, Solver, Truth, Vector, Work};
 use convergence::is_false;
 use cycle::cycle;
 use judge::Judge;
@@ -108,7 +106,7 @@ pub struct Progress<'a> {
 
 /// Result of a run.
 #[derive(Clone, Debug)]
-pub struct Outcome<M: Mechanics = Discs> {
+pub struct Outcome {
     /// Status at the end.
     pub status: Status,
     /// Number of iterations.
@@ -117,8 +115,6 @@ pub struct Outcome<M: Mechanics = Discs> {
     pub measures: Measures,
     /// r of the last iterate (N·s).
     pub impulses: Vec<f64>,
-    /// V = `V_free` + M⁻¹ H r of the last iterate (m/s).
-    pub velocity: Vec<M::Velocity>,
     /// Time in `start`.
     pub setup: Duration,
     /// Time in `advance`.
@@ -155,7 +151,7 @@ pub fn solve<M: Mechanics>(
     r0: &[f64],
     stop: &Stop,
     observe: &mut dyn FnMut(&Progress),
-) -> Result<Outcome<M>, SetupError> {
+) -> Result<Outcome, SetupError> {
     solve_against(None, solver, problem, r0, stop, Measured::Every, &mut |progress| {
         observe(progress);
         ControlFlow::Continue(())
@@ -176,7 +172,7 @@ pub fn solve_against<'t, M: Mechanics>(
     stop: &Stop,
     measured: Measured,
     observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-) -> Result<Outcome<M>, SetupError> {
+) -> Result<Outcome, SetupError> {
     SetupError::unless_admissible(problem, r0)?;
     stop.check()?;
     let mut known = known.into_iter().peekable();
@@ -187,48 +183,21 @@ pub fn solve_against<'t, M: Mechanics>(
     let clock = Instant::now();
     let mut iteration = solver.start(problem, r0)?;
     let setup = clock.elapsed();
-    let End { status, iterations, measures, before, impulses, iterating } =
-        run(&mut meter, &mut *iteration, r0.to_vec(), stop, measured, observe);
-    let mut velocity = vec![M::Velocity::ZERO; problem.grain_count()];
-    let last_change_moves = moving_share(&before, &impulses, &problem.delassus_diagonal(), |change| {
-        let mut moved = vec![0.0; change.len()];
+    let (end, before) = run(&mut meter, &mut *iteration, r0.to_vec(), stop, measured, observe);
+    let last_change_moves = moving_share(&before, &end.impulses, &problem.delassus_diagonal(), |change| {
+        let (mut moved, mut velocity) =
+            (vec![0.0; change.len()], vec![M::Velocity::ZERO; problem.grain_count()]);
         problem.delassus_product(change, &mut moved, &mut velocity);
         moved
     });
-    problem.velocity(&impulses, &mut velocity);
-    let work = iteration.work();
-    let (derived, critical_path) = (iteration.derived(), iteration.critical_path());
-    let cycle = (status == Status::IterationLimit)
-        .then(|| cycle(&mut *iteration, iterations, &before, &impulses))
+    let cycle = (end.status == Status::IterationLimit)
+        .then(|| cycle(&mut *iteration, end.iterations, &before, &end.impulses))
         .flatten();
-    Ok(Outcome {
-        status,
-        iterations,
-        measures,
-        impulses,
-        velocity,
-        setup,
-        iterating,
-        work,
-        derived,
-        critical_path,
-        last_change_moves,
-        cycle,
-    })
+    Ok(Outcome { setup, last_change_moves, cycle, ..end })
 }
 
-/// Result of the loop.
-struct End {
-    status: Status,
-    iterations: u64,
-    measures: Measures,
-    /// The iterate before the last; empty if there is none.
-    before: Vec<f64>,
-    impulses: Vec<f64>,
-    iterating: Duration,
-}
-
-/// The loop, from the impulses r (N·s) that the method has begun with.
+/// The loop, from the impulses r (N·s) that the method has begun with. Returns its outcome, of which the set-up is not known yet nor what
+/// the last change moves, and the iterate before the last, empty if there is none.
 fn run(
     judge: &mut impl Judge,
     iteration: &mut dyn Iteration,
@@ -236,7 +205,7 @@ fn run(
     stop: &Stop,
     measured: Measured,
     observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-) -> End {
+) -> (Outcome, Vec<f64>) {
     let scale = judge.scale();
     if scale == 0.0 {
         r.fill(0.0);
@@ -303,7 +272,20 @@ fn run(
     if !is_measured {
         measures = judge.measure_after(&before, &r, iteration.velocity_jump());
     }
-    End { status, iterations, measures, before, impulses: r, iterating }
+    let outcome = Outcome {
+        status,
+        iterations,
+        measures,
+        impulses: r,
+        setup: Duration::ZERO,
+        iterating,
+        work: iteration.work(),
+        derived: iteration.derived(),
+        critical_path: iteration.critical_path(),
+        last_change_moves: f64::NAN,
+        cycle: None,
+    };
+    (outcome, before)
 }
 
 /// √(dᵗ W d / dᵗ `W_D` d) of the change d from impulses `before`, if there are some, to `r` (–), with the `diagonal` of W and its

@@ -1,7 +1,7 @@
 //! The loop on a problem that is W alone.
 
 use crate::judge::Judge;
-use crate::{End, Measured, Outcome, Progress, Stop, moving_share, run};
+use crate::{Measured, Outcome, Progress, Stop, moving_share, run};
 use contact::{ContactProblem, Discs, Measure, Measures, SetupError, law, ratio, zeta};
 use local::{LocalProblem, Method};
 use std::ops::ControlFlow;
@@ -98,7 +98,7 @@ impl Judge for OnW<'_> {
 }
 
 /// Runs `method` on a problem of W alone from r = 0 until `stop`, beside a solution if one is known; as of other runs, the observer
-/// sees every iterate. The outcome has no velocity, since there are no grains.
+/// sees every iterate.
 ///
 /// # Errors
 /// Names the setting or the stop rule that has no meaning: of the measures, LMGC90's two are for grains.
@@ -123,22 +123,8 @@ pub fn solve_local(
     let setup = clock.elapsed();
     let mut judge = OnW { problem, scale: problem.scale(), truth };
     let r0 = vec![0.0; problem.q().len()];
-    let End { status, iterations, measures, before, impulses, iterating } =
-        run(&mut judge, &mut *iteration, r0, stop, measured, observe);
-    Ok(Outcome {
-        status,
-        iterations,
-        measures,
-        velocity: Vec::new(),
-        setup,
-        iterating,
-        work: iteration.work(),
-        derived: iteration.derived(),
-        critical_path: iteration.critical_path(),
-        last_change_moves: moving_share(&before, &impulses, &problem.diagonal(), |d| {
-            problem.delassus_product(d)
-        }),
-        cycle: None,
-        impulses,
-    })
+    let (end, before) = run(&mut judge, &mut *iteration, r0, stop, measured, observe);
+    let product = |d: &[f64]| problem.delassus_product(d);
+    let last_change_moves = moving_share(&before, &end.impulses, &problem.diagonal(), product);
+    Ok(Outcome { setup, last_change_moves, ..end })
 }

@@ -1,8 +1,8 @@
 //! The loop where ranks share a problem: each advances its own subdomains, and all measure and decide together.
 
-use crate::{End, Measured, Progress, Status, Stop, run};
+use crate::{Measured, Outcome, Progress, Stop, run};
 use analysis::Meter;
-use contact::{Iteration, Measure, Measures, Mechanics, SetupError, Work};
+use contact::{Iteration, Measure, Mechanics, SetupError, Work};
 use partition::{Distributed, Refused, Share, Team, Traffic};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -13,24 +13,9 @@ const SOLVED: f64 = 1e-8;
 /// Result of a run on ranks: the same at all of them, but for the impulses.
 #[derive(Clone, Debug)]
 pub struct OnRanks {
-    /// Status at the end.
-    pub status: Status,
-    /// Number of iterations.
-    pub iterations: u64,
-    /// Measures of the last iterate.
-    pub measures: Measures,
-    /// r of the last iterate, of this rank's contacts (N·s).
-    pub impulses: Vec<f64>,
-    /// Time in `start`, of the rank that took longest.
-    pub setup: Duration,
-    /// Time in `advance`, of the rank that took longest.
-    pub iterating: Duration,
-    /// Counted work of all ranks.
-    pub work: Work,
-    /// The values that the method worked with where its settings leave one open.
-    pub derived: Vec<(&'static str, f64)>,
-    /// Multiply-adds of an iteration on the longest subdomain.
-    pub critical_path: Option<u64>,
+    /// Outcome of the run: the impulses of this rank's contacts, seconds of the rank that took longest, work of all ranks. What the
+    /// last change moves is not computed.
+    pub outcome: Outcome,
     /// Data that each rank sent while it advanced, and the time it waited.
     pub traffic: Vec<Traffic>,
     /// The rank that worked longest while it advanced: all others waited for it, in the end.
@@ -73,6 +58,14 @@ impl Iteration for Counted<'_> {
 
     fn stalled(&self) -> bool {
         self.iteration.stalled()
+    }
+
+    fn derived(&self) -> Vec<(&'static str, f64)> {
+        self.iteration.derived()
+    }
+
+    fn critical_path(&self) -> Option<u64> {
+        self.iteration.critical_path()
     }
 
     /// Returns the work of all ranks, which all must ask for.
@@ -119,12 +112,9 @@ pub fn solve_on_ranks<M: Mechanics>(
     let iteration = solver.start_in(share, start, team)?;
     let setup = clock.elapsed();
     let mut counted = Counted { iteration, team: team.clone(), traffic: Traffic::default() };
-    let End { status, iterations, measures, impulses, before: _, iterating } =
-        run(&mut judge, &mut counted, start.to_vec(), stop, measured, observe);
-
-    let Counted { iteration, traffic, .. } = counted;
-    let Traffic { messages, bytes, waiting_ns } = traffic;
-    let nanoseconds = [setup, iterating].map(|time| time.as_nanos() as f64);
+    let (end, _) = run(&mut judge, &mut counted, start.to_vec(), stop, measured, observe);
+    let Traffic { messages, bytes, waiting_ns } = counted.traffic;
+    let nanoseconds = [setup, end.iterating].map(|time| time.as_nanos() as f64);
     let counts = [messages, bytes, waiting_ns].map(|count| count as f64);
     let of_ranks = team.gather(&[&nanoseconds[..], &counts[..]].concat());
     let longest = |k: usize| {
@@ -137,19 +127,8 @@ pub fn solve_on_ranks<M: Mechanics>(
         let [messages, bytes, waiting_ns] = [2, 3, 4].map(|k| of_rank[k] as u64);
         Traffic { messages, bytes, waiting_ns }
     });
-    Ok(OnRanks {
-        status,
-        iterations,
-        measures,
-        impulses,
-        setup: longest(0),
-        iterating: longest(1),
-        work: of_all(iteration.work(), team),
-        derived: iteration.derived(),
-        critical_path: iteration.critical_path(),
-        traffic: traffic.collect(),
-        slowest,
-    })
+    let outcome = Outcome { setup: longest(0), iterating: longest(1), ..end };
+    Ok(OnRanks { outcome, traffic: traffic.collect(), slowest })
 }
 
 /// The work of all ranks; a product W p is one of all.

@@ -3,7 +3,8 @@
 use super::{Solve, Split, checkout, reason};
 use crate::cli::split;
 use crate::plan::Method;
-use crate::problems::{Impulses, Root};
+use crate::problems::Impulses;
+use crate::root::Root;
 use crate::store::open;
 use crate::team::share::Posted;
 use crate::team::{bench, solve};
@@ -61,8 +62,7 @@ fn ended_in(root: &TempDir, size: usize, arguments: &[&str], folder: &Path) {
 
 fn frozen(name: &str) -> Frozen {
     let path = checkout().join("cases/frozen").join(name).with_extension("json");
-    let AnyFrozen::Discs(frozen) = AnyFrozen::read(&path).unwrap() else { panic!("{name} has friction") };
-    frozen
+    AnyFrozen::read(&path).unwrap().of().expect("a problem of discs without friction")
 }
 
 /// Solves on one machine, and measures the distance to the solution.

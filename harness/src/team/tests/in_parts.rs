@@ -2,7 +2,7 @@
 
 use super::{Split, checkout};
 use crate::cli::split;
-use crate::problems::Root;
+use crate::root::Root;
 use crate::team::share::Posted;
 use crate::team::split as on_ranks;
 use anyhow::Result;

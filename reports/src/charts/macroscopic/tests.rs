@@ -2,9 +2,9 @@ use results::simulation::Role;
 use results::simulation::{Simulated, Stress};
 
 use super::*;
-use crate::read::FRICTION;
 use crate::tests::fixture::files;
 use crate::tests::fixture_in_time::{exploded, read, simulated, with};
+use results::settings::FRICTION;
 
 /// A packing whose friction is first another one, and then `friction` ± `spread`.
 fn sheared(grains: f64, tolerance: f64, friction: f64, spread: f64) -> Simulated {
@@ -12,7 +12,7 @@ fn sheared(grains: f64, tolerance: f64, friction: f64, spread: f64) -> Simulated
         let k = row.time_step / 10;
         let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
         let ratio = if k > 5 { friction + sign * spread } else { 5.0 };
-        row.stress = Stress { stress_xy_n_per_m: -2.0 * ratio, stress_yy_n_per_m: 2.0, ..Stress::default() };
+        row.stress = Stress { xy: -2.0 * ratio, yy: 2.0, ..Stress::default() };
     });
     one.simulation.scene_settings.insert(FRICTION.to_owned(), grains.into());
     one

@@ -1,6 +1,7 @@
 use std::collections::BTreeSet;
 
 use super::*;
+use crate::families::{METHODS, SPARE};
 
 fn parts(RGBColor(r, g, b): RGBColor) -> [f64; 3] {
     [r, g, b].map(f64::from)

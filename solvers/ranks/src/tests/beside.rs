@@ -25,7 +25,7 @@ fn begin_alike<M: Mechanics + Bounded>(problem: &Packing<M>, solver: &dyn Distri
     let alone = solve(solver, problem, &start, &FEW, &mut |_| {}).unwrap();
     let beside = Beside { start: &start, solutions: &[] };
     for size in SIZES {
-        let end = on_ranks_beside(problem, solver, (GRID, size), beside, &FEW).unwrap();
+        let end = on_ranks_beside(problem, solver, (GRID, size), beside, &FEW).unwrap().outcome;
         assert!(end.impulses == alone.impulses, "{name}, {size} ranks: other bits than on one machine");
     }
 }
@@ -54,7 +54,9 @@ fn conjugate_gradients_begin_alike_on_any_number_of_ranks() {
     let problem = discs("shear-box-991-sheared");
     let start = iterate::<Discs>(&problem, &Cg::default());
     let beside = Beside { start: &start, solutions: &[] };
-    let on = |size| on_ranks_beside::<Discs>(&problem, &Cg::default(), (GRID, size), beside, &FEW).unwrap();
+    let on = |size| {
+        on_ranks_beside::<Discs>(&problem, &Cg::default(), (GRID, size), beside, &FEW).unwrap().outcome
+    };
     let first = on(1);
     for size in SIZES {
         assert!(on(size).impulses == first.impulses, "{size} ranks");
@@ -103,7 +105,7 @@ fn errors_alike<M: Mechanics + Bounded>(
     let go_on = &mut |_: &runner::Progress| ControlFlow::Continue(());
     let alone = solve_against(&truths, solver, problem, &start, stop, Measured::Needed, go_on).unwrap();
     let beside = Beside { start: &start, solutions };
-    let on = |size| on_ranks_beside(problem, solver, (GRID, size), beside, stop).unwrap();
+    let on = |size| on_ranks_beside(problem, solver, (GRID, size), beside, stop).unwrap().outcome;
     let first = on(1);
     for size in SIZES {
         let end = on(size);
@@ -150,7 +152,8 @@ fn with_friction_the_error_is_that_of_the_nearest_solution() {
     for (k, start) in solutions.iter().enumerate() {
         let error = |solutions| {
             let beside = Beside { start, solutions };
-            let end = on_ranks_beside::<RoughDiscs>(&problem, &nsgs, (GRID, 3), beside, &stop).unwrap();
+            let end =
+                on_ranks_beside::<RoughDiscs>(&problem, &nsgs, (GRID, 3), beside, &stop).unwrap().outcome;
             end.measures.velocity_error
         };
         assert!(error(&solutions) < 1e-9, "{:e}", error(&solutions));
@@ -177,6 +180,6 @@ fn what_is_no_solution_or_no_start_is_refused_at_all_ranks() {
     refused(&pulls, &[], FEW);
     let none = Stop { max_iterations: 0, ..FEW };
     let beside = Beside { start: &start, solutions: &[] };
-    let end = on_ranks_beside::<Discs>(&problem, &nsgs, (GRID, 4), beside, &none).unwrap();
+    let end = on_ranks_beside::<Discs>(&problem, &nsgs, (GRID, 4), beside, &none).unwrap().outcome;
     assert!(end.status == Status::IterationLimit && end.measures.velocity_error.is_nan());
 }
