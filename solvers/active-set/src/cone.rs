@@ -52,7 +52,7 @@ pub(crate) struct Scaling<const D: usize> {
 }
 
 impl<const D: usize> Scaling<D> {
-    /// Of two points within the cone.
+    /// Returns the scaling of two points within the cone.
     pub(crate) fn new(x: &SVector<f64, D>, z: &SVector<f64, D>) -> Self {
         let [of_x, of_z] = [x, z].map(determinant);
         let (x, z) = (x / of_x.sqrt(), z / of_z.sqrt());

@@ -30,7 +30,7 @@ use proximal::Proximal;
 /// Ratio of a residual threshold to the residual of the last try (–).
 const RUNG: f64 = 0.1;
 
-/// Sweeps in which the residual must be halved, or proximal points follow.
+/// Sweeps in which the residual must be halved, or the next stage follows.
 const PATIENCE: u64 = 1000;
 
 /// Largest [lift](Newton::lift_of) at which the relaxation is near the law, over the problem's scale (–): in frozen packings at rest
