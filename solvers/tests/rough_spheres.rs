@@ -2,6 +2,7 @@
 
 use crate::friction::rough;
 use crate::spheres::{in_step, sphere_problem_of};
+use active_set::Convex;
 use analysis::Meter;
 use cg::{Cg, Preconditioner};
 use contact::{
@@ -13,6 +14,7 @@ use nalgebra::{Vector2, Vector3, Vector6};
 use nsgs::Nsgs;
 use nsgs_dd::NsgsDd;
 use partition::Grid;
+use reference::existence;
 use runner::{Status, Stop, solve};
 
 /// A problem of the plane, laid into space: a disc becomes a body that spins about z as it does, and about the other axes alike.
@@ -86,6 +88,26 @@ fn layer_with_friction_in_space_gives_the_iterates_of_the_plane() {
     let measures = |zeta: &[f64]| Meter::new(&flat).measure_after(&[], zeta, 0.0);
     let in_space = Meter::new(&laid).measure_after(&[], &none, 0.0);
     assert!((measures(&zeros).natural_map - in_space.natural_map).abs() < 1e-12);
+}
+
+#[test]
+fn relaxation_of_a_layer_in_space_is_that_of_the_plane() {
+    let flat = rough("rough-250").problem;
+    let laid = embedded(&flat);
+    assert_eq!(existence(&flat), existence(&laid));
+    let [mut in_plane, mut in_space] = [vec![0.0; flat.impulse_count()], vec![0.0; laid.impulse_count()]];
+    let (mut one, mut other) = (Convex::new(&flat).unwrap(), Convex::new(&laid).unwrap());
+    assert!(one.advance() && other.advance());
+    one.impulses(&mut in_plane);
+    other.impulses(&mut in_space);
+    let left = Meter::new(&flat).measure_after(&[], &in_plane, 0.0).natural_map;
+    let left_in_space = Meter::new(&laid).measure_after(&[], &in_space, 0.0).natural_map;
+    // The packing is at rest, where the relaxation is the law.
+    assert!(left < 1e-5 && left_in_space < 1e-5, "{left:e}, {left_in_space:e}");
+    let greatest = in_plane.iter().copied().fold(0.0, f64::max);
+    for k in 0..flat.contact_count() {
+        assert!((in_plane[2 * k] - in_space[3 * k]).abs() < 1e-3 * greatest, "contact {k}");
+    }
 }
 
 /// The same spheres with friction.
