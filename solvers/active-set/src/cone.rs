@@ -63,21 +63,14 @@ impl<const D: usize> Scaling<D> {
 
     /// W x.
     pub(crate) fn times(&self, x: &SVector<f64, D>) -> SVector<f64, D> {
-        self.rotate(&self.w, x) * self.beta
+        rotate(&self.w, x) * self.beta
     }
 
     /// W⁻¹ x.
     pub(crate) fn inverse_times(&self, x: &SVector<f64, D>) -> SVector<f64, D> {
         let mut w = -self.w;
         w[0] = -w[0];
-        self.rotate(&w, x) / self.beta
-    }
-
-    fn rotate(&self, w: &SVector<f64, D>, x: &SVector<f64, D>) -> SVector<f64, D> {
-        let first = w.dot(x);
-        let mut rotated = x + w * (x[0] + (first - w[0] * x[0]) / (1.0 + w[0]));
-        rotated[0] = first;
-        rotated
+        rotate(&w, x) / self.beta
     }
 
     /// W².
@@ -86,6 +79,14 @@ impl<const D: usize> Scaling<D> {
         square[(0, 0)] -= 2.0;
         square * (self.beta * self.beta)
     }
+}
+
+/// W x/β of the scaling with this w.
+fn rotate<const D: usize>(w: &SVector<f64, D>, x: &SVector<f64, D>) -> SVector<f64, D> {
+    let first = w.dot(x);
+    let mut rotated = x + w * (x[0] + (first - w[0] * x[0]) / (1.0 + w[0]));
+    rotated[0] = first;
+    rotated
 }
 
 #[cfg(test)]

@@ -37,6 +37,10 @@ const PATIENCE: u64 = 1000;
 /// of 250 and 1,000 discs and spheres it is at most 0.24, in driven ones at least 0.36.
 const LIFT: f64 = 0.3;
 
+/// Largest impulses of the relaxation over the best so far (–): between walls that hold, an interior point may let a self-stress grow
+/// without bound.
+const MOST: f64 = 10.0;
+
 /// Sweeps from one look at the residual to the next: a look costs about as much as two.
 const LOOK: u64 = 25;
 
@@ -165,6 +169,10 @@ where
         }
         let mut r = vec![0.0; self.best.impulses.len()];
         relaxation.impulses(&mut r);
+        let size = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>().sqrt();
+        if !(size(&r) <= MOST * size(&self.best.impulses)) {
+            return self.begin_points();
+        }
         self.ended += self.sweeps.work();
         // What was possible once is so again.
         if let Ok(sweeps) = accelerated(self.problem, &r) {
