@@ -14,7 +14,7 @@ use nalgebra::{Vector2, Vector3, Vector6};
 use nsgs::Nsgs;
 use nsgs_dd::NsgsDd;
 use partition::Grid;
-use reference::existence;
+use reference::{Existence, existence};
 use runner::{Status, Stop, solve};
 
 /// A problem of the plane, laid into space: a disc becomes a body that spins about z as it does, and about the other axes alike.
@@ -94,7 +94,9 @@ fn layer_with_friction_in_space_gives_the_iterates_of_the_plane() {
 fn relaxation_of_a_layer_in_space_is_that_of_the_plane() {
     let flat = rough("rough-250").problem;
     let laid = embedded(&flat);
-    assert_eq!(existence(&flat), existence(&laid));
+    assert_eq!([existence(&flat), existence(&laid)], [Some(Existence::AtRest); 2]);
+    let driven = rough("rough-991-onset-unconverged").problem;
+    assert_eq!([existence(&driven), existence(&embedded(&driven))], [Some(Existence::Moving); 2]);
     let [mut in_plane, mut in_space] = [vec![0.0; flat.impulse_count()], vec![0.0; laid.impulse_count()]];
     let (mut one, mut other) = (Convex::new(&flat).unwrap(), Convex::new(&laid).unwrap());
     assert!(one.advance() && other.advance());

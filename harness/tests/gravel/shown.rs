@@ -133,7 +133,7 @@ fn what_is_rarely_meant_in_a_case_is_a_line_on_stderr() {
 fn a_deep_overlap_is_a_line_on_stderr_once() {
     let said = |sets: &[&str]| {
         let sets = sets.iter().flat_map(|set| ["--scene", *set]).collect::<Vec<_>>();
-        let words = [&["simulate", "biaxial", "--time-steps", "10", "--tolerance", "1e-4"], &sets[..]];
+        let words = [&["simulate", "biaxial", "--time-steps", "60", "--tolerance", "1e-4"], &sets[..]];
         gravel(&words.concat()).succeeded().stderr
     };
     assert!(!said(&[]).contains("overlap"));

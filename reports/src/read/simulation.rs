@@ -2,9 +2,8 @@
 
 use std::ops::Deref;
 
-use results::simulation::{Observed, Role, Simulated, Simulation as Row, SimulationEnding};
-
 use results::settings::{CASE, FRICTION};
+use results::simulation::{Observed, Role, Simulated, Simulation as Row, SimulationEnding};
 use serde_json::Value;
 
 use super::run::{defined, label};

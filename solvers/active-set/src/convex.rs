@@ -11,10 +11,12 @@
 
 use crate::cone::{Scaling, product, quotient, reach};
 use crate::frictional::Layout;
-use cholesky::{Coupling, Factor, Order, Structure};
+use crate::inner::ordered;
+use crate::interior::{FROM, MOST_STEPS, NO_WAY, SHORT_OF_IT};
+use cholesky::{Coupling, Factor, Structure};
 use contact::law::tangential;
 use contact::status::unit;
-use contact::{Column, Cone, Frictional, Packing, Rough, SetupError, Touch, Work};
+use contact::{Column, Cone, Frictional, Packing, Rough, SetupError, Work};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
@@ -34,6 +36,8 @@ where
     /// √J.
     x: Vec<SVector<f64, D>>,
     z: Vec<SVector<f64, D>>,
+    /// T (v + σ n) − z (√J).
+    apart: Vec<SVector<f64, D>>,
     steps: u32,
     /// The least residual (√J), its x, and after how many steps.
     best: (f64, Vec<SVector<f64, D>>, u32),
@@ -42,21 +46,8 @@ where
     work: Work,
 }
 
-/// Limit of steps: where there is a solution, a fifth of so many leads to it.
-const MOST_STEPS: u32 = 150;
-
 /// Steps that leave no less than one before, after which round-off leads nowhere.
 const PATIENCE: u32 = 8;
-
-/// The impulses and slacks to begin with, over the quadratic mean of what r = 0 leaves (–): impulses add up in a packing, so
-/// that those of a hundred layers are a hundred times those of one.
-const FROM: f64 = 100.0;
-
-/// Fraction of the way to the boundary that a step takes (–).
-const SHORT_OF_IT: f64 = 0.99;
-
-/// The steps are so short that there is no way on (–).
-const NO_WAY: f64 = 1e-6;
 
 /// Residual over the problem's scale where it has come near enough; and where it has come too far to be called nearly solved (–). Where
 /// contacts depend on each other round-off ends it between the two.
@@ -75,8 +66,7 @@ where
     /// # Errors
     /// Where it is too large for that.
     pub fn new(problem: &Packing<Rough<D>>) -> Result<Self, SetupError> {
-        let ends: Vec<_> = problem.contacts().iter().map(Touch::ends).collect();
-        let order = Order::fill_reducing(problem.position(), &ends)?;
+        let (ends, order) = ordered(problem)?;
         let structure = Structure::new(&ends, &order)?;
         let layout = Layout::placed(problem, |grain| structure.position()[grain as usize]);
         let shape = |friction: f64| {
@@ -90,6 +80,7 @@ where
             sigma: vec![0.0; contacts],
             x: vec![SVector::zeros(); contacts],
             z: vec![SVector::zeros(); contacts],
+            apart: Vec::new(),
             steps: 0,
             best: (f64::INFINITY, Vec::new(), 0),
             scale: problem.scale().sqrt(),
@@ -106,9 +97,13 @@ where
     fn begin(&mut self) {
         let away = FROM * self.scale / (self.x.len().max(1) as f64).sqrt();
         self.x = self.shape.iter().map(|shape| unit(0) * (away / shape[0])).collect();
-        self.z = self.slack();
-        for z in &mut self.z {
+        // With z = 0.
+        self.z.fill(SVector::zeros());
+        self.measure();
+        for (z, apart) in self.z.iter_mut().zip(&mut self.apart) {
+            *z = *apart;
             z[0] = z[0].max(tangential(*z).1 + away);
+            *apart -= *z;
         }
         (self.steps, self.best) = (0, (self.left(), self.x.clone(), 0));
     }
@@ -118,7 +113,6 @@ where
         for (sigma, unit) in self.sigma.iter_mut().zip(&self.layout.unit) {
             *sigma = -margin / unit[0];
         }
-        self.begin();
     }
 
     /// s = T x (√J).
@@ -126,24 +120,22 @@ where
         self.x.iter().zip(&self.shape).map(|(x, shape)| x.component_mul(shape)).collect()
     }
 
-    /// T (v + σ n) of the impulses (√J).
-    fn slack(&mut self) -> Vec<SVector<f64, D>> {
+    /// Measures how far z is from T (v + σ n) of the impulses.
+    fn measure(&mut self) {
         self.work.delassus_products += 1;
-        let mut slack = self.layout.velocity(&self.impulse());
-        for ((v, sigma), shape) in slack.iter_mut().zip(&self.sigma).zip(&self.shape) {
-            v[0] += sigma;
-            v.component_mul_assign(shape);
+        self.apart = self.layout.velocity(&self.impulse());
+        let contacts = self.sigma.iter().zip(&self.shape).zip(&self.z);
+        for (apart, ((sigma, shape), z)) in self.apart.iter_mut().zip(contacts) {
+            apart[0] += sigma;
+            apart.component_mul_assign(shape);
+            *apart -= z;
         }
-        slack
     }
 
     /// √(Σ x · z + |T (v + σ n) − z|²): the residual of the programme (√J).
-    fn left(&mut self) -> f64 {
-        let slack = self.slack();
-        let of = |((x, z), slack): ((&SVector<f64, D>, &SVector<f64, D>), &SVector<f64, D>)| {
-            x.dot(z) + (slack - z).norm_squared()
-        };
-        self.x.iter().zip(&self.z).zip(&slack).map(of).sum::<f64>().sqrt()
+    fn left(&self) -> f64 {
+        let products = self.x.iter().zip(&self.z).map(|(x, z)| x.dot(z));
+        products.zip(&self.apart).map(|(product, apart)| product + apart.norm_squared()).sum::<f64>().sqrt()
     }
 
     /// One step of the interior point, with one factorisation of 1 + Σ H̃ T W² T H̃ᵗ and two solves: towards x ∘ z = 0, and then towards
@@ -168,9 +160,7 @@ where
         if !self.factorise(&square) {
             return false;
         }
-        let slack = self.slack();
-        let apart: Vec<_> = slack.iter().zip(&self.z).map(|(slack, z)| slack - z).collect();
-        let (dx, dz) = self.towards(&square, &apart, &self.x.iter().map(|x| -x).collect::<Vec<_>>());
+        let (dx, dz) = self.towards(&square, &self.x.iter().map(|x| -x).collect::<Vec<_>>());
         let lengths = self.reach(&dx, &dz).map(|reach| reach.min(1.0));
         let mean = self.mean(&dx, &dz, [0.0; 2]);
         let centring = (self.mean(&dx, &dz, lengths) / mean).clamp(0.0, 1.0).powi(3);
@@ -182,13 +172,14 @@ where
             scaling.times(&quotient(&goal, &lambda))
         };
         let goals: Vec<_> = (0..self.x.len()).map(goal).collect();
-        let (dx, dz) = self.towards(&square, &apart, &goals);
+        let (dx, dz) = self.towards(&square, &goals);
         let [of_x, of_z] = self.reach(&dx, &dz).map(|reach| (SHORT_OF_IT * reach).min(1.0));
         if !(of_x.max(of_z) > NO_WAY) {
             return false;
         }
         self.x.iter_mut().zip(&dx).for_each(|(x, dx)| *x += of_x * dx);
         self.z.iter_mut().zip(&dz).for_each(|(z, dz)| *z += of_z * dz);
+        self.measure();
         true
     }
 
@@ -211,12 +202,8 @@ where
     /// Newton's direction towards dx + W² dz = `goal`:
     ///
     /// (1 + Σ H̃ T W² T H̃ᵗ) dy = Σ H̃ T (goal − W² apart),   dz = T H̃ᵗ dy + apart,   dx = goal − W² dz
-    fn towards(
-        &self,
-        square: &[SMatrix<f64, D, D>],
-        apart: &[SVector<f64, D>],
-        goal: &[SVector<f64, D>],
-    ) -> Direction<D> {
+    fn towards(&self, square: &[SMatrix<f64, D, D>], goal: &[SVector<f64, D>]) -> Direction<D> {
+        let apart = &self.apart;
         let contacts = || self.layout.columns.iter().zip(&self.shape).enumerate();
         let mut y = vec![SVector::zeros(); self.layout.free.len()];
         for (k, (column, shape)) in contacts() {

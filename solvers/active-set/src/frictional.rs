@@ -148,16 +148,17 @@ where
         }
     }
 
-    /// The relaxation, or proximal points where it has been tried, is far from the law, or does not fit in memory.
+    /// The relaxation, or proximal points where it has been tried or is far from the law; neither, where factors do not fit in memory.
     fn begin_relaxation(&mut self) {
-        if self.relaxation.is_none() && self.newton.lift_of(&self.best.impulses) <= LIFT * self.scale {
+        let is_new = self.relaxation.is_none() && self.newton.prepare().is_ok();
+        if is_new && self.newton.lift_of(&self.best.impulses) <= LIFT * self.scale {
             self.relaxation = Convex::new(self.problem).ok();
-            if self.relaxation.is_some() {
-                self.phase = Phase::Relaxation;
-                return;
-            }
         }
-        self.begin_points();
+        if is_new && self.relaxation.is_some() {
+            self.phase = Phase::Relaxation;
+        } else {
+            self.begin_points();
+        }
     }
 
     /// One step of the interior point. Where it ends, sweeps resume from its impulses, and must leave less than the best so far before
@@ -167,6 +168,7 @@ where
         if relaxation.step() {
             return;
         }
+        self.phase = Phase::Sweeps;
         let mut r = vec![0.0; self.best.impulses.len()];
         relaxation.impulses(&mut r);
         let size = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>().sqrt();
@@ -179,7 +181,6 @@ where
             self.sweeps = sweeps;
         }
         self.halved = (2.0 * self.best.left, self.swept);
-        self.phase = Phase::Sweeps;
     }
 
     /// Proximal points from the best impulses.

@@ -2,7 +2,7 @@
 //! of grains.
 
 use cholesky::{Coupling, Factor, Order, Structure};
-use contact::{Contact, Packing, SetupError, Smooth, Work};
+use contact::{Mechanics, Packing, SetupError, Smooth, Touch, Work};
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -69,8 +69,8 @@ impl<const D: usize> Whole<D> {
 }
 
 /// The ends of all contacts, and an order of the grains in which a factor has few entries.
-fn ordered<const D: usize>(problem: &Packing<Smooth<D>>) -> Result<(Vec<Ends>, Order), SetupError> {
-    let ends: Vec<Ends> = problem.contacts().iter().map(Contact::ends).collect();
+pub(crate) fn ordered<M: Mechanics>(problem: &Packing<M>) -> Result<(Vec<Ends>, Order), SetupError> {
+    let ends: Vec<Ends> = problem.contacts().iter().map(Touch::ends).collect();
     let order = Order::fill_reducing(problem.position(), &ends)?;
     Ok((ends, order))
 }

@@ -2,7 +2,8 @@
 //!
 //! S. Mehrotra, On the implementation of a primal-dual interior point method, SIAM J. Optim. 2 (1992) 575-601.
 
-use crate::scaled::{Space, left};
+use crate::inner::Inner;
+use crate::scaled::{Scaled, left};
 
 /// Impulses s > 0 and slacks t > 0 of H̃ᵗ y + c − t = 0, with y = M^½ `V_free` + H̃ s throughout.
 pub(crate) struct Interior {
@@ -16,21 +17,21 @@ pub(crate) struct Interior {
 }
 
 /// Limit of steps: where there is a solution, a fifth of so many leads to it.
-const MOST_STEPS: u32 = 150;
+pub(crate) const MOST_STEPS: u32 = 150;
 
 /// The impulses and slacks to begin with, over the quadratic mean of what r = 0 leaves (–): impulses add up in a packing, so
 /// that those of a hundred layers are a hundred times those of one.
-const FROM: f64 = 100.0;
+pub(crate) const FROM: f64 = 100.0;
 
 /// Fraction of the way to the boundary that a step takes (–).
-const SHORT_OF_IT: f64 = 0.99;
+pub(crate) const SHORT_OF_IT: f64 = 0.99;
 
 /// The steps are so short that there is no way on (–).
-const NO_WAY: f64 = 1e-6;
+pub(crate) const NO_WAY: f64 = 1e-6;
 
 impl Interior {
     /// Begins away from all bounds; `scale` is √(Σ max(0, −b̃)²).
-    pub(crate) fn new(scaled: &mut impl Space, scale: f64) -> Self {
+    pub(crate) fn new<const D: usize, K: Inner<D>>(scaled: &mut Scaled<D, K>, scale: f64) -> Self {
         let contacts = scaled.contacts();
         let away = FROM * scale / (contacts.max(1) as f64).sqrt();
         let s = vec![away; contacts];
@@ -47,7 +48,7 @@ impl Interior {
 
     /// One step, with one factorisation of K = 1 + Σ (s/t) h̃ h̃ᵗ and two solves: towards s t = 0, and then towards what the way
     /// there allows, s t = σ μ. `false` if there is no way on.
-    pub(crate) fn step(&mut self, scaled: &mut impl Space) -> bool {
+    pub(crate) fn step<const D: usize, K: Inner<D>>(&mut self, scaled: &mut Scaled<D, K>) -> bool {
         self.steps += 1;
         let (s, t) = (&self.s, &self.t);
         if self.steps > MOST_STEPS || !scaled.factorise(|k| s[k] / t[k]) {
@@ -75,7 +76,11 @@ impl Interior {
     /// Newton's direction towards s t = `goal`, of which each contact's last changes may be part:
     ///
     /// K δy = H̃ (goal/t − s + (s/t) (t − v)),   δt = H̃ᵗ δy − (t − v),   δs = goal/t − s − (s/t) δt.
-    fn towards(&mut self, scaled: &mut impl Space, goal: impl Fn(f64, f64) -> f64) {
+    fn towards<const D: usize, K: Inner<D>>(
+        &mut self,
+        scaled: &mut Scaled<D, K>,
+        goal: impl Fn(f64, f64) -> f64,
+    ) {
         let Self { s, t, v, change_of_s, change_of_t, .. } = self;
         let goals: Vec<f64> = change_of_s.iter().zip(&*change_of_t).map(|(s, t)| goal(*s, *t)).collect();
         let p = |k: usize| (goals[k] - s[k] * v[k]) / t[k];

@@ -25,12 +25,12 @@ mod set;
 
 pub use convex::Convex;
 pub use inner::{Inner, PENALTY, Whole};
-pub use scaled::Scaled;
 pub use set::Set;
 
 use cg::{Cg, Preconditioner};
 use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work};
 use interior::Interior;
+use scaled::Scaled;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -94,7 +94,7 @@ enum Phase<const D: usize> {
 /// A run of the active set, with what solves with the matrices of its sets.
 pub struct Run<'p, const D: usize, K: Inner<D> = Whole<D>> {
     problem: &'p Packing<Smooth<D>>,
-    set: Set<Scaled<D, K>>,
+    set: Set<D, K>,
     phase: Phase<D>,
     interior: Option<Interior>,
     /// True where the interior point found no way on.

@@ -1,13 +1,13 @@
 //! A problem in mass-scaled unknowns, s = √`W_αα` r and v/√`W_αα`, in which M = 1 and `W_αα` = 1. All in √J; contacts and grains
 //! are in the order of what solves with K.
 
-use crate::inner::{Inner, PENALTY, Whole};
+use crate::inner::{Inner, Whole};
 use cholesky::Coupling;
 use contact::{Column, Packing, ScaledContact, Smooth, Work, law};
 use nalgebra::SVector;
 
 /// The problem, and what solves with K = 1 + Σ d h̃ h̃ᵗ for some weights d ≥ 0 of the contacts.
-pub struct Scaled<const D: usize = 2, K: Inner<D> = Whole<D>> {
+pub(crate) struct Scaled<const D: usize = 2, K: Inner<D> = Whole<D>> {
     pub(crate) inner: K,
     /// h̃ of each contact, between two places of the factor.
     columns: Vec<ScaledContact<D>>,
@@ -23,7 +23,7 @@ pub struct Scaled<const D: usize = 2, K: Inner<D> = Whole<D>> {
     /// M^½ V, or a change of it.
     y: Vec<SVector<f64, D>>,
     /// √(Σ (|h̃ᵗ| |y| + |c|)²) of `V_free`: the terms of which v without impulses is the sum.
-    terms_of_b: f64,
+    pub(crate) terms_of_b: f64,
     products: u64,
 }
 
@@ -84,46 +84,19 @@ impl<const D: usize, K: Inner<D>> Scaled<D, K> {
         let step = 0.1 * multiply_adds as f64 + 3.0 * entries as f64 + 30.0 * contacts;
         step / (6.0 * contacts)
     }
-}
-
-/// Columns of unit length on which impulses s ≥ 0 act against relative velocities, and factors of K = 1 + Σ d h̃ h̃ᵗ for weights d ≥ 0
-/// of them: where 0 ≤ v ⊥ s ≥ 0 is solved.
-pub trait Space {
-    /// Number of contacts, or of columns.
-    fn contacts(&self) -> usize;
 
     /// κ of a closed contact (–).
-    fn penalty(&self) -> f64 {
-        PENALTY
-    }
-
-    /// √(Σ (|h̃ᵗ| |y| + |c|)²) of `V_free`: the terms of which v without impulses is the sum (√J).
-    fn terms_of_b(&self) -> f64;
-
-    /// v of the impulses `s`.
-    fn velocities(&mut self, s: &[f64], v: &mut [f64]);
-
-    /// Factorises K with the `weight` of each contact; says whether it could.
-    fn factorise(&mut self, weight: impl Fn(usize) -> f64 + Sync) -> bool;
-
-    /// δy = K⁻¹ H̃ p, for the `p` of each contact; then gives (H̃ᵗ δy)_α of each to `take`.
-    fn solve(&mut self, p: impl Fn(usize) -> f64, take: impl FnMut(usize, f64));
-}
-
-impl<const D: usize, K: Inner<D>> Space for Scaled<D, K> {
-    fn penalty(&self) -> f64 {
+    pub(crate) fn penalty(&self) -> f64 {
         self.inner.penalty()
     }
 
-    fn terms_of_b(&self) -> f64 {
-        self.terms_of_b
-    }
-
-    fn contacts(&self) -> usize {
+    /// Number of contacts.
+    pub(crate) fn contacts(&self) -> usize {
         self.columns.len()
     }
 
-    fn velocities(&mut self, s: &[f64], v: &mut [f64]) {
+    /// v of the impulses `s`.
+    pub(crate) fn velocities(&mut self, s: &[f64], v: &mut [f64]) {
         self.products += 1;
         self.y.copy_from_slice(&self.free);
         for (column, s) in self.columns.iter().zip(s) {
@@ -134,7 +107,8 @@ impl<const D: usize, K: Inner<D>> Space for Scaled<D, K> {
         }
     }
 
-    fn factorise(&mut self, weight: impl Fn(usize) -> f64 + Sync) -> bool {
+    /// Factorises K = 1 + Σ d h̃ h̃ᵗ with the `weight` d ≥ 0 of each contact; says whether it could.
+    pub(crate) fn factorise(&mut self, weight: impl Fn(usize) -> f64 + Sync) -> bool {
         let Self { inner, columns, column, .. } = self;
         inner.factorise(|contact| {
             let k = column[contact] as usize;
@@ -144,7 +118,8 @@ impl<const D: usize, K: Inner<D>> Space for Scaled<D, K> {
         })
     }
 
-    fn solve(&mut self, p: impl Fn(usize) -> f64, mut take: impl FnMut(usize, f64)) {
+    /// δy = K⁻¹ H̃ p, for the `p` of each contact; then gives (H̃ᵗ δy)_α of each to `take`.
+    pub(crate) fn solve(&mut self, p: impl Fn(usize) -> f64, mut take: impl FnMut(usize, f64)) {
         self.y.fill(SVector::zeros());
         for (k, column) in self.columns.iter().enumerate() {
             column.push(p(k), &mut self.y);

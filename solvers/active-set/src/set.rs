@@ -1,7 +1,7 @@
 //! The primal-dual active set: Newton's method on s = max(0, s − v).
 
 use crate::inner::{Inner, Whole};
-use crate::scaled::{Scaled, Space, left};
+use crate::scaled::{Scaled, left};
 use contact::{ContactProblem, Packing, SetupError, Smooth, Work};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -15,8 +15,8 @@ const HELD: f64 = 1e-2;
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 
 /// The contacts that are held closed, and the impulses that hold them.
-pub struct Set<S: Space = Scaled> {
-    pub(crate) scaled: S,
+pub struct Set<const D: usize = 2, K: Inner<D> = Whole<D>> {
+    pub(crate) scaled: Scaled<D, K>,
     closed: Vec<bool>,
     /// True where the factor is that of the set.
     is_factorised: bool,
@@ -27,9 +27,19 @@ pub struct Set<S: Space = Scaled> {
     before: Vec<f64>,
 }
 
-impl<S: Space> Set<S> {
+impl<const D: usize> Set<D> {
+    /// Lays the problem out, with r = 0.
+    ///
+    /// # Errors
+    /// Where it is too large for that.
+    pub fn new(problem: &Packing<Smooth<D>>) -> Result<Self, SetupError> {
+        Ok(Self::on(Scaled::new(problem, Whole::new(problem)?)))
+    }
+}
+
+impl<const D: usize, K: Inner<D>> Set<D, K> {
     /// No contact closed, no impulse.
-    pub(crate) fn on(scaled: S) -> Self {
+    pub(crate) fn on(scaled: Scaled<D, K>) -> Self {
         let (zeros, closed) = (vec![0.0; scaled.contacts()], vec![false; scaled.contacts()]);
         let (v, before) = (zeros.clone(), zeros.clone());
         let mut set = Self { scaled, closed, is_factorised: false, s: zeros, v, before };
@@ -45,7 +55,7 @@ impl<S: Space> Set<S> {
     /// Reports whether the residual of the law is round-off.
     pub fn is_solved(&self) -> bool {
         let of_s = self.s.iter().map(|s| s * s).sum::<f64>().sqrt();
-        self.left() <= ROUND_OFF * (of_s + self.scaled.terms_of_b())
+        self.left() <= ROUND_OFF * (of_s + self.scaled.terms_of_b)
     }
 
     /// The set, as a number.
@@ -105,23 +115,11 @@ impl<S: Space> Set<S> {
     }
 
     /// The factor is about to be that of another matrix.
-    pub(crate) fn lend_factor(&mut self) -> &mut S {
+    pub(crate) fn lend_factor(&mut self) -> &mut Scaled<D, K> {
         self.is_factorised = false;
         &mut self.scaled
     }
-}
 
-impl<const D: usize> Set<Scaled<D>> {
-    /// Lays the problem out, with r = 0.
-    ///
-    /// # Errors
-    /// Where it is too large for that.
-    pub fn new(problem: &Packing<Smooth<D>>) -> Result<Self, SetupError> {
-        Ok(Self::on(Scaled::new(problem, Whole::new(problem)?)))
-    }
-}
-
-impl<const D: usize, K: Inner<D>> Set<Scaled<D, K>> {
     /// Takes the impulses `r` (N·s).
     pub fn begin(&mut self, r: &[f64]) {
         self.s = self.scaled.scale(r);

@@ -2,7 +2,7 @@
 
 use crate::constraint::Constraint;
 use crate::interior::{Interior, Verdict};
-use active_set::{Scaled, Set};
+use active_set::Set;
 use analysis::proves_infeasible;
 use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work};
 use schemars::JsonSchema;
@@ -29,7 +29,7 @@ pub(crate) struct Run<'p, const D: usize> {
     problem: &'p Packing<Smooth<D>>,
     /// None where no contact pushes: r = 0.
     interior: Option<Interior>,
-    polish: Set<Scaled<D>>,
+    polish: Set<D>,
     polishes: bool,
     r: Vec<f64>,
     ran: bool,

@@ -56,6 +56,7 @@ fn loop_stops_at_the_first_iterate_that_meets_the_tolerance() {
     let outcome = outcome.unwrap();
     assert_eq!((outcome.status, outcome.iterations), (Status::Converged, 3));
     assert_eq!(outcome.impulses, [2.0]);
+    assert_eq!(Truth::new(&falling_on_a_floor(), &outcome.impulses).velocity(), [Vector2::zeros()]);
     assert_eq!(seen, [0, 1, 2, 3]);
 }
 

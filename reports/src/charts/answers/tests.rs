@@ -3,8 +3,7 @@ use results::simulation::{Role, Simulated};
 use super::*;
 use crate::tests::fixture::files;
 use crate::tests::fixture_in_time::{exploded, read, simulated, with};
-use results::settings::CASE;
-use results::settings::FRICTION;
+use results::settings::{CASE, FRICTION};
 
 /// A packing of `case` at rest at so many mean diameters.
 fn at_rest(case: &str, seed: u32, friction: f64, height: f64) -> Simulated {
