@@ -203,7 +203,7 @@ def changed(table, key, value):
         (lambda: gravel.solve(changed("contacts", "gap", np.zeros(4))), "`contacts.gap`"),
         (lambda: gravel.solve(changed("contacts", "antagonist", np.full(N, 9))), "`contacts.antagonist[0]` is 9"),
         (lambda: gravel.solve({"name": "mine"}), "missing"),
-        (lambda: gravel.solve(FROZEN / "rough-spheres-250.json", "convex"), "`convex` has no form for spheres with friction"),
+        (lambda: gravel.solve(FROZEN / "rough-spheres-250.json", "apgd"), "`apgd` minimises an energy: with friction there is none"),
         (lambda: gravel.load("no-such-problem"), "no problem or case `no-such-problem`"),
         (lambda: gravel.load(FROZEN / "settled-60.json", time_step=3), "it has no scene and no other time step"),
         (lambda: gravel.load(FROZEN), "no study is stored in this folder"),
