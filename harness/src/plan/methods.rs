@@ -17,8 +17,8 @@ pub(crate) struct Method {
     /// Every parameter, defaults spelled out.
     pub(crate) settings: Settings,
     pub(crate) runs: Runs,
-    /// Version of its code.
-    pub(crate) code: &'static str,
+    /// Version of its crate; none of another code, which tells its own when asked.
+    pub(crate) own_code: Option<&'static str>,
 }
 
 /// Code that runs a method.
@@ -121,19 +121,27 @@ impl Method {
             bail!("{}", suggest::among(&format!("unknown method `{name}`"), name, method_names()));
         };
         let wrong = |error| anyhow!("method `{name}`, {error}");
-        let (settings, runs, code) = match entry {
+        let (settings, runs, own_code) = match entry {
             Entry::Ours(entry) => {
                 let (settings, ours) = entry.build(settings).map_err(wrong)?;
                 let code = code_version(entry.crate_name);
                 let code = code.with_context(|| format!("method `{name}` is not of a crate in solvers/"))?;
-                (settings, Runs::Here(ours), code)
+                (settings, Runs::Here(ours), Some(code))
             }
             Entry::File(external) => {
                 let (settings, programme) = external.build(settings).map_err(wrong)?;
-                (settings, Runs::Elsewhere(programme), external.code_version())
+                (settings, Runs::Elsewhere(programme), None)
             }
         };
-        Ok(Self { name: entry.name(), settings, runs, code })
+        Ok(Self { name: entry.name(), settings, runs, own_code })
+    }
+
+    /// Returns the version of its code. Another code is started for that, once.
+    pub(crate) fn code(&self) -> &str {
+        match (&self.own_code, &self.runs) {
+            (None, Runs::Elsewhere(programme)) => programme.code.code_version(),
+            (code, _) => code.unwrap_or_default(),
+        }
     }
 
     /// Returns the method that marches scenes unless another is named: conjugate gradients with this `preconditioner`; with friction the

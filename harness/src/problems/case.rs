@@ -165,7 +165,7 @@ impl KeptProblem {
         };
         // The code that computes it.
         let (method, stop) = of.before()?;
-        let march = (code_version("cases"), method.name, method.code, method.settings, stop);
+        let march = (code_version("cases"), method.name, method.code(), &method.settings, stop);
         let identity = hash_of(&json!([read_text(path)?, of.overrides, first, of.time_step, march]));
         Ok(Self { of, identity })
     }

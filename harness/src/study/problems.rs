@@ -125,5 +125,5 @@ pub(crate) fn run_id(problem_hash: &str, variant: &Variant, stop: &Stop) -> Stri
     // What stops on the error needs the solution, and whether ζ lied is judged by it.
     let truth = matches!(stop.on, Measure::VelocityError | Measure::Zeta).then(|| code_version("reference"));
     let stop = (stop.on, stop.tolerance, stop.max_iterations);
-    hash_of(&json!([problem_hash, method.name, method.code, settings, stop, warm_start, truth]))
+    hash_of(&json!([problem_hash, method.name, method.code(), settings, stop, warm_start, truth]))
 }

@@ -52,7 +52,7 @@ impl ThroughTime {
         // Sorted, whatever the map of the JSON crate does with its keys.
         let settings: BTreeMap<_, _> = method.settings.iter().collect();
         let time = [scene.time_steps, scene.every];
-        let all = json!([scene.hash, time, method.name, method.code, settings, rule.keys(), self.march]);
+        let all = json!([scene.hash, time, method.name, method.code(), settings, rule.keys(), self.march]);
         let selected = self.selects(scene, variant, role);
         Task { id: hash_of(&all), variant, selected, what: Through { scene, rule, role } }
     }

@@ -21,7 +21,7 @@ fn defaults_spelled_out_do_not_change_the_id_and_every_part_does() {
     let id = |settings: &[(&str, &str)]| run_id("c0ffee", &nsgs(settings), &stop);
     let defaults = id(&[]);
     assert_eq!(defaults, id(&[("relaxation", "1.0")]));
-    let changed = Method { code: "changed", ..nsgs(&[]).method };
+    let changed = Method { own_code: Some("changed"), ..nsgs(&[]).method };
     let others = [
         id(&[("relaxation", "1.5")]),
         run_id("decaf", &nsgs(&[]), &stop),
@@ -36,7 +36,7 @@ fn defaults_spelled_out_do_not_change_the_id_and_every_part_does() {
 
 #[test]
 fn every_method_has_the_version_of_its_own_crate() {
-    let code = |name: &str| Method::parse(name, &[]).unwrap().code;
+    let code = |name: &str| Method::parse(name, &[]).unwrap().code().to_owned();
     for method in METHODS {
         assert_eq!(code(method.name).len(), 16);
     }

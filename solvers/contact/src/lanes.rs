@@ -57,14 +57,20 @@ impl<S: Simd> Four<S> {
         Self { simd, numbers: bytemuck::cast([of(0), of(1), of(2), of(3)]) }
     }
 
-    /// Four vectors: component n of vector k is `of` k and n.
+    /// The first numbers `of` 0 to 3, and the second: where each pair lies side by side in memory, a third of the instructions
+    /// that [`Self::new`] takes for both.
     #[inline(always)]
-    pub(crate) fn vector(simd: S, of: impl Fn(usize, usize) -> f64) -> Vector3<Self> {
-        Vector3::new(
-            Self::new(simd, |k| of(k, 0)),
-            Self::new(simd, |k| of(k, 1)),
-            Self::new(simd, |k| of(k, 2)),
-        )
+    pub(crate) fn pair(simd: S, of: impl Fn(usize) -> [f64; 2]) -> [Self; 2] {
+        let beside = |[a, b]: [f64; 2], [c, d]: [f64; 2]| Self::new(simd, |n| [a, b, c, d][n]).numbers;
+        let pairs = [beside(of(0), of(2)), beside(of(1), of(3))];
+        simd.deinterleave_shfl_f64s(pairs).map(|numbers| Self { simd, numbers })
+    }
+
+    /// Four vectors, of 0 to 3.
+    #[inline(always)]
+    pub(crate) fn vector(simd: S, of: impl Fn(usize) -> [f64; 3]) -> Vector3<Self> {
+        let [x, y] = Self::pair(simd, |k| [of(k)[0], of(k)[1]]);
+        Vector3::new(x, y, Self::new(simd, |k| of(k)[2]))
     }
 
     /// The four vectors one by one.

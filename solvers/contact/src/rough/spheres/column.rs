@@ -25,7 +25,9 @@ pub struct SphereColumn {
 
 const _: () = assert!(size_of::<SphereColumn>() == 128);
 
-/// Coefficients of the equations of a contact; or of four, where `N` is [`Four`].
+/// Coefficients of the equations of a contact; or of four, where `N` is [`Four`]. They lie in this order, since four contacts are
+/// read by pairs.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Columns<N = f64> {
     /// n (–).
@@ -92,15 +94,19 @@ impl<S: Simd> Columns<Four<S>> {
     #[inline(always)]
     fn new(simd: S, rows: &[Row<RoughSpheres>; 4]) -> Self {
         let of = |k: usize| &rows[k].column.columns;
+        let pair = |numbers: fn(&Columns) -> [f64; 2]| Four::pair(simd, |k| numbers(of(k)));
+        let [n_x, n_y] = pair(|of| [of.normal.x, of.normal.y]);
+        let [n_z, first_x] = pair(|of| [of.normal.z, of.tangents[0].x]);
+        let [first_y, first_z] = pair(|of| [of.tangents[0].y, of.tangents[0].z]);
+        let [second_x, second_y] = pair(|of| [of.tangents[1].x, of.tangents[1].y]);
+        let [second_z, of_normal] = pair(|of| [of.tangents[1].z, of.roots[0]]);
+        let [of_tangents, ratio] = pair(|of| [of.roots[1], of.ratio]);
         Self {
-            normal: Four::vector(simd, |k, n| of(k).normal[n]),
-            tangents: [
-                Four::vector(simd, |k, n| of(k).tangents[0][n]),
-                Four::vector(simd, |k, n| of(k).tangents[1][n]),
-            ],
-            roots: [Four::new(simd, |k| of(k).roots[0]), Four::new(simd, |k| of(k).roots[1])],
-            ratio: Four::new(simd, |k| of(k).ratio),
-            arms: [Four::new(simd, |k| of(k).arms[0]), Four::new(simd, |k| of(k).arms[1])],
+            normal: Vector3::new(n_x, n_y, n_z),
+            tangents: [Vector3::new(first_x, first_y, first_z), Vector3::new(second_x, second_y, second_z)],
+            roots: [of_normal, of_tangents],
+            ratio,
+            arms: pair(|of| of.arms),
             friction: Four::new(simd, |k| of(k).friction),
         }
     }
@@ -194,10 +200,13 @@ impl Column<RoughSpheres> for SphereColumn {
     }
 }
 
-/// Three components of each of four velocities.
+/// Translation and spin of each of four velocities.
 #[inline(always)]
-fn part<'y, S: Simd>(simd: S, from: usize, of: impl Fn(usize) -> &'y Vector6<f64>) -> Vector3<Four<S>> {
-    Four::vector(simd, |k, n| of(k)[from + n])
+fn four<'y, S: Simd>(simd: S, of: impl Fn(usize) -> &'y Vector6<f64>) -> [Vector3<Four<S>>; 2] {
+    let [a, b] = Four::pair(simd, |k| [of(k)[0], of(k)[1]]);
+    let [c, d] = Four::pair(simd, |k| [of(k)[2], of(k)[3]]);
+    let [e, f] = Four::pair(simd, |k| [of(k)[4], of(k)[5]]);
+    [Vector3::new(a, b, c), Vector3::new(d, e, f)]
 }
 
 /// Four visits at once.
@@ -212,12 +221,9 @@ fn visit_four<S: Simd>(
     let i = |k: usize| rows[k].column.candidate as usize;
     let j = |k: usize| rows[k].column.antagonist as usize;
     let columns = Columns::new(simd, rows);
-    let ends = [
-        [part(simd, 0, |k| &y[i(k)]), part(simd, 3, |k| &y[i(k)])],
-        [part(simd, 0, |k| &y[j(k)]), part(simd, 3, |k| &y[j(k)])],
-    ];
-    let v = columns.between(ends) + Four::vector(simd, |k, n| rows[k].offset[n]);
-    let before = Four::vector(simd, |k, n| s[k][n]);
+    let ends = [four(simd, |k| &y[i(k)]), four(simd, |k| &y[j(k)])];
+    let v = columns.between(ends) + Four::vector(simd, |k| rows[k].offset.into());
+    let before = Four::vector(simd, |k| s[k].into());
     let change = columns.change(before, v, relaxation);
     *s = Four::apart(before + change);
     let [[push_i, turn_i], [push_j, turn_j]] = columns.at_ends(change);
