@@ -34,11 +34,11 @@ pub(crate) fn plane(w: &Matrix2<f64>, q: &Vector2<f64>, friction: f64) -> Vector
     if first.1 <= 0.0 || first.1 <= second.1 { first.0 } else { second.0 }
 }
 
-/// Two tangents: the direction of sliding is a root of a quartic. (O. Bonnefon, G. Daviet, Quartic formulation of Coulomb 3D
-/// frictional contact, INRIA technical report RT-0400 (2011).)
+/// Two tangents. With `r_t` = μ `r_n` e, |e| = 1, v_n = 0 gives `r_n` = −`q_n`/d(e), d = `w_nn` + μ `w_nT` · e; and d v_T = a + B e,
+/// with a = `w_nn` `q_T` − `q_n` `w_Tn`, B = μ (`q_T` `w_nT` − `q_n` `W_TT`), must be against e.
 ///
-/// With `r_t` = μ `r_n` e, |e| = 1, v_n = 0 gives `r_n` = −`q_n`/d(e), d = `w_nn` + μ `w_nT` · e; and d v_T = a + B e, with
-/// a = `w_nn` `q_T` − `q_n` `w_Tn`, B = μ (`q_T` `w_nT` − `q_n` `W_TT`), must be against e.
+/// Where the symmetric part of B is positive definite there is one such e, [`against`]; else the directions are roots of a quartic.
+/// (O. Bonnefon, G. Daviet, Quartic formulation of Coulomb 3D frictional contact, INRIA technical report RT-0400 (2011).)
 pub(crate) fn space(w: &Matrix3<f64>, q: &Vector3<f64>, friction: f64) -> Vector3<f64> {
     if q.x >= 0.0 {
         return Vector3::zeros();
@@ -54,6 +54,9 @@ pub(crate) fn space(w: &Matrix3<f64>, q: &Vector3<f64>, friction: f64) -> Vector
     let b = (q_t * w_nt.transpose() - w_tt * q.x) * friction;
     let sum = |e: Vector2<f64>| w[(0, 0)] + friction * w_nt.dot(&e);
     let slide = |e: Vector2<f64>| Vector3::new(1.0, friction * e.x, friction * e.y) * (-q.x / sum(e));
+    if let Some(e) = against(&a, &b).filter(|e| sum(*e) > 0.0) {
+        return slide(e);
+    }
     let mut best: Option<(f64, Vector2<f64>)> = None;
     for half in [1.0, -1.0] {
         // e = ±[1 − t², 2t]/(1 + t²)
@@ -69,6 +72,46 @@ pub(crate) fn space(w: &Matrix3<f64>, q: &Vector3<f64>, friction: f64) -> Vector
     // All directions are roots where nothing moves along the tangents.
     let else_along = || tangential.try_normalize(0.0).unwrap_or_else(Vector2::x);
     slide(best.map_or_else(else_along, |(_, e)| e))
+}
+
+/// The e, |e| = 1, with a + B e = λ e and λ ≤ 0, where the symmetric part of B is positive definite; `None` else, and where |B⁻¹ a| is
+/// below 1.
+///
+/// |x| of x = −(B − λ)⁻¹ a then rises from 0 with λ, since d|x|²/dλ = 2 xᵗ (B − λ)⁻¹ x > 0, and is 1 once below λ = 0. 1/|x| is nearly
+/// a line: Newton's method on it takes a few steps, within [−|a|, 0], where that must be. (J. J. Moré, D. C. Sorensen, Computing a trust
+/// region step, SIAM J. Sci. Stat. Comput. 4 (1983) 553-572.)
+fn against(a: &Vector2<f64>, b: &Matrix2<f64>) -> Option<Vector2<f64>> {
+    let off = 0.5 * (b[(0, 1)] + b[(1, 0)]);
+    if !(b[(0, 0)] > 0.0 && b[(0, 0)] * b[(1, 1)] > off * off) {
+        return None;
+    }
+    let (mut low, mut high, mut lambda) = (-a.norm(), 0.0, 0.0);
+    // Halving alone would take as many steps as a number has bits.
+    for _ in 0..100 {
+        let (first, second) = (b[(0, 0)] - lambda, b[(1, 1)] - lambda);
+        let per_determinant = 1.0 / (first * second - b[(0, 1)] * b[(1, 0)]);
+        let solve = |of: &Vector2<f64>| {
+            Vector2::new(second * of.x - b[(0, 1)] * of.y, first * of.y - b[(1, 0)] * of.x) * per_determinant
+        };
+        let x = -solve(a);
+        let squared = x.norm_squared();
+        let size = squared.sqrt();
+        if lambda == 0.0 && !(size >= 1.0) {
+            return None;
+        }
+        if size > 1.0 {
+            high = lambda;
+        } else {
+            low = lambda;
+        }
+        let newton = lambda + squared * (1.0 - size) / x.dot(&solve(&x));
+        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        if (next - lambda).abs() <= 2.0 * f64::EPSILON * lambda.abs() || size == 1.0 {
+            return Some(x / size);
+        }
+        lambda = next;
+    }
+    None
 }
 
 /// (1 + t²)² times the part of a + B e across e, e = [1 − t², 2t]/(1 + t²).

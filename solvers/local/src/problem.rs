@@ -101,8 +101,8 @@ impl LocalProblem {
     fn is_definite(&self, contact: usize) -> bool {
         match self.dimension {
             1 => self.own::<1>(contact)[0] > 0.0,
-            2 => definite(&self.own::<2>(contact)),
-            _ => definite(&self.own::<3>(contact)),
+            2 => definite(self.own::<2>(contact)),
+            _ => definite(self.own::<3>(contact)),
         }
     }
 
@@ -158,14 +158,22 @@ impl LocalProblem {
         &self.blocks[size * at..size * (at + 1)]
     }
 
+    /// All blocks (1/kg).
+    #[inline]
+    fn matrices<const D: usize>(&self) -> &[SMatrix<f64, D, D>] {
+        bytemuck::cast_slice(&self.blocks)
+    }
+
     /// `W_αα` (1/kg).
-    pub(crate) fn own<const D: usize>(&self, contact: usize) -> SMatrix<f64, D, D> {
-        SMatrix::from_column_slice(self.block(self.diagonal[contact]))
+    #[inline]
+    pub(crate) fn own<const D: usize>(&self, contact: usize) -> &SMatrix<f64, D, D> {
+        &self.matrices()[self.diagonal[contact]]
     }
 
     /// `W_αβ` (1/kg) of a block, and β.
-    pub(crate) fn entry<const D: usize>(&self, at: usize) -> (SMatrix<f64, D, D>, usize) {
-        (SMatrix::from_column_slice(self.block(at)), self.column[at] as usize)
+    #[inline]
+    pub(crate) fn entry<const D: usize>(&self, at: usize) -> (&SMatrix<f64, D, D>, usize) {
+        (&self.matrices()[at], self.column[at] as usize)
     }
 
     /// (W r)_α (m/s), where `r` gives the impulse of each contact (N·s).
@@ -208,7 +216,7 @@ impl LocalProblem {
     /// `w_n` = `W_nn` and `w_t` = `λ_max(W_TT)` of a contact, one for each unknown (1/kg): what its impulses are weighed by.
     pub(crate) fn weight<const D: usize>(&self, contact: usize) -> SVector<f64, D> {
         let w = self.own::<D>(contact);
-        SVector::from_fn(|k, _| if k == 0 { w[(0, 0)] } else { greatest_tangential(&w) })
+        SVector::from_fn(|k, _| if k == 0 { w[(0, 0)] } else { greatest_tangential(w) })
     }
 
     /// Σ max(0, −`q_n`)²/`w_n` (J): what the law makes of r = 0.

@@ -112,7 +112,7 @@ impl<const D: usize> Iteration for Sweeps<'_, D> {
         threads::each(subdomains, place.len() * NANOSECONDS, &|own, subdomain| {
             for k in 0..subdomain.contacts.len() {
                 let contact = subdomain.contacts[k] as usize;
-                let mut w = problem.own::<D>(contact);
+                let mut w = *problem.own::<D>(contact);
                 // What is added acts on the change of r alone.
                 let mut v = SVector::at(problem.q(), contact) - added[contact].component_mul(&subdomain.r[k]);
                 (0..D).for_each(|k| w[(k, k)] += added[contact][k]);
