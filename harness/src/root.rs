@@ -129,6 +129,14 @@ impl Root {
         self.file(name, "problem or case", &[Kind::Case, Kind::Frozen, Kind::Foreign])
     }
 
+    /// Returns the file of a problem of the collection by its id; one that is not stored there has been made before.
+    pub(crate) fn collected(&self, id: &str) -> Option<PathBuf> {
+        let is_id = !id.is_empty() && id.bytes().all(|byte| byte.is_ascii_hexdigit());
+        let folders = ["cases/collection/problems", "results/problems"];
+        let files = folders.map(|folder| self.kept(folder, &format!("{id}.json.gz")));
+        files.into_iter().flatten().find(|file| is_id && file.is_file())
+    }
+
     /// Finds a file of this name that is of none of the `wanted` kinds; a path is no name.
     fn of_another_kind(&self, name: &str, wanted: &[Kind]) -> Result<Option<(Kind, PathBuf)>> {
         for kind in [Kind::Case, Kind::Plan, Kind::Frozen, Kind::Foreign] {
@@ -159,7 +167,9 @@ impl Root {
             };
             bail!("`{name}` is {}, not a {what}{freeze}", other.words().0);
         }
-        let path = named.map_or_else(|| typed(name, what, &known), |path| Ok(path.clone()))?;
+        let collected = || wanted.contains(&Kind::Frozen).then(|| self.collected(name)).flatten();
+        let named = named.cloned().or_else(collected);
+        let path = named.map_or_else(|| typed(name, what, &known), Ok)?;
         let found = Kind::of(&path);
         // Whoever reads a file says what is wrong inside it.
         let unclear = found.is_none() && is_toml(&path) && wanted != [Kind::Frozen];
@@ -213,7 +223,8 @@ impl Kind {
             return Some(Self::Foreign);
         }
         if !is_toml(path) {
-            return path.extension().is_some_and(|ending| ending == "json").then_some(Self::Frozen);
+            let name = path.to_string_lossy();
+            return name.trim_end_matches(".gz").ends_with(".json").then_some(Self::Frozen);
         }
         let table: toml::Table = read_text(path).ok()?.parse().ok()?;
         let has = |key| table.contains_key(key);
@@ -225,8 +236,10 @@ impl Kind {
     }
 }
 
-/// Name of a file without its ending.
+/// Name of a file without its ending, and without that of its compression.
 pub(crate) fn stem(path: &Path) -> String {
+    let is_compressed = path.extension().is_some_and(|ending| ending == "gz");
+    let path = if is_compressed { &path.with_extension("") } else { path };
     path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
 }
 
