@@ -194,8 +194,8 @@ mod root;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use cli::{
-    bench, certify, collection as collected, convert, freeze, list, merge, plan as show, regress, report, schema, simulate, solve,
-    split, submit, view, which,
+    bench, certify, collection as collected, convert, freeze, list, merge, plan as show, regress, report,
+    schema, simulate, solve, split, submit, view, which,
 };
 use contact::memory;
 use results::provenance::available_memory;
@@ -347,7 +347,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
 }
 
 /// The error, then its causes, without those that the text before them says already.
-fn in_one_paragraph(error: &anyhow::Error) -> String {
+pub(crate) fn in_one_paragraph(error: &anyhow::Error) -> String {
     let mut text = error.to_string().trim_end().to_owned();
     for cause in error.chain().skip(1).map(ToString::to_string) {
         if !text.ends_with(cause.trim_end()) {

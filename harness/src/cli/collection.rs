@@ -1,17 +1,20 @@
 //! `gravel collection`: problems with ids, and what is known of their solutions.
 
-use crate::collection::{About, Collection, Entry, Foreign, Recipe, State, Status, Submission, distance, facts};
+use crate::collection::{
+    About, Collection, Entry, Foreign, Recipe, State, Status, Submission, distance, facts,
+};
 use crate::exchange::is_foreign;
+use crate::in_one_paragraph;
 use crate::plan::key_value;
 use crate::problems::{CaseProblem, Problem};
-use crate::root::Root;
-use crate::terminal::{exit, progress, read_text, say, say_table};
+use crate::root::{Kind, Root};
+use crate::terminal::{progress, read_text, say, say_table};
 use anyhow::{Context, Result, bail, ensure};
 use cases::AnyFrozen;
 use lineup::{Posed, content_hash, hash_of};
 use serde_json::json;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use wildmatch::WildMatch;
 
@@ -95,7 +98,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     match &args.command {
         Command::List(list) => list.run(&collection)?,
         Command::Show { id } => show(&collection, id)?,
-        Command::Add(add) => add.run(&collection)?,
+        Command::Add(add) => add.run(root, &collection)?,
         Command::Make(make) => make.run(root, &collection, args.folder.is_some())?,
         Command::Check(check) => return check.run(&collection),
     }
@@ -107,11 +110,7 @@ impl List {
         let mut entries = collection.entries()?;
         for (key, pattern) in &self.only {
             let pattern = WildMatch::new(pattern);
-            ensure!(
-                KEYS.contains(&key.as_str()),
-                "--only {key}: there is {}",
-                KEYS.join(", ")
-            );
+            ensure!(KEYS.contains(&key.as_str()), "--only {key}: there is {}", KEYS.join(", "));
             entries.retain(|entry| pattern.matches(&value(entry, key)));
         }
         if self.ids {
@@ -121,7 +120,13 @@ impl List {
             return summary(&entries);
         }
         for entry in &entries {
-            say(format_args!("{}  {:<11} {}; {}", entry.id, entry.known.status.name(), size(entry), entry.name))?;
+            say(format_args!(
+                "{}  {:<11} {}; {}",
+                entry.id,
+                entry.known.status.name(),
+                size(entry),
+                entry.name
+            ))?;
         }
         let of = |status| entries.iter().filter(|entry| entry.known.status == status).count();
         let counts = Status::ALL.map(|status| format!("{} {}", of(status), status.name()));
@@ -169,7 +174,8 @@ fn summary(entries: &[Entry]) -> Result<()> {
         total.iter_mut().zip(counts).for_each(|(total, count)| *total += count);
     }
     rows.push(row(["all".to_owned(), String::new(), String::new()], &total));
-    let headings = [&["mechanics", "grains", "state", "problems"][..], &Status::ALL.map(Status::name)].concat();
+    let headings =
+        [&["mechanics", "grains", "state", "problems"][..], &Status::ALL.map(Status::name)].concat();
     say_table(&headings, &rows)
 }
 
@@ -203,7 +209,8 @@ fn show(collection: &Collection, id: &str) -> Result<()> {
             Some(Posed::Grains(grains)) => distance(&**grains, &answers, &submission.impulse),
             _ => None,
         };
-        let apart = apart.map_or_else(String::new, |apart| format!(", {apart:.1e} from the nearest solution"));
+        let apart =
+            apart.map_or_else(String::new, |apart| format!(", {apart:.1e} from the nearest solution"));
         let certified = if verified.certified { ", certified" } else { "" };
         let seconds = submission.claimed.seconds.map_or_else(String::new, |s| format!("; claimed: {s} s"));
         say(format_args!(
@@ -218,7 +225,7 @@ fn show(collection: &Collection, id: &str) -> Result<()> {
 }
 
 impl Add {
-    fn run(&self, collection: &Collection) -> Result<()> {
+    fn run(&self, root: &Root, collection: &Collection) -> Result<()> {
         let about = About { state: self.state, licence: self.licence.clone() };
         for file in &self.files {
             let entry = if is_foreign(file) {
@@ -230,12 +237,18 @@ impl Add {
                 collection.write(&entry, &answers)?;
                 entry
             } else {
-                about.add(collection, AnyFrozen::read(file)?, None, true)?
+                // One that is a frozen problem already is not stored twice.
+                let frozen = root.all(Kind::Frozen)?.iter().any(|known| is_same(known, file));
+                about.add(collection, AnyFrozen::read(file)?, None, !frozen)?
             };
             say(format_args!("{} {}: {}", entry.id, entry.name, entry.known.status.name()))?;
         }
         Ok(())
     }
+}
+
+fn is_same(a: &Path, b: &Path) -> bool {
+    a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 impl Make {
@@ -246,7 +259,10 @@ impl Make {
         }
         let mut recipe = Recipe::read(&path)?;
         if let Some(file) = &self.seeds_from {
-            ensure!(elsewhere, "--seeds-from: secret seeds make a hidden collection: name its folder by --in");
+            ensure!(
+                elsewhere,
+                "--seeds-from: secret seeds make a hidden collection: name its folder by --in"
+            );
             recipe = recipe.seeded(&seeds(file)?);
         }
         let [made, there] = recipe.make(root, collection)?;
@@ -259,7 +275,8 @@ fn seeds(file: &PathBuf) -> Result<Vec<u64>> {
     let text = read_text(file)?;
     let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
     let seed = |(k, line): (usize, &str)| {
-        let name = || format!("{}: line {k} is {line:?}: it must be a whole number, not negative", file.display());
+        let name =
+            || format!("{}: line {k} is {line:?}: it must be a whole number, not negative", file.display());
         line.trim().parse().with_context(name)
     };
     let seeds = lines.map(seed).collect::<Result<Vec<u64>>>()?;
@@ -274,13 +291,14 @@ fn again(root: &Root, collection: &Collection, id: &str) -> Result<()> {
         return say(format_args!("{} is there", place.display()));
     }
     let Some(made) = &entry.made else {
-        let file = entry.foreign.map(|foreign| format!(": it is {}, sha256 {}", foreign.file, foreign.sha256));
+        let file =
+            entry.foreign.map(|foreign| format!(": it is {}, sha256 {}", foreign.file, foreign.sha256));
         bail!("{id} has no recipe{}", file.unwrap_or_default());
     };
     let case = made.case(root)?;
     let (method, stop) = case.before()?;
     let how = CaseProblem::solved_by(&method, &stop);
-    let mut frozen = case.marched(&method, &stop, &how, &exit::requested)?;
+    let mut frozen = case.marched(&method, &stop, &how, &|| false)?;
     frozen.rename(&entry.name);
     let found = content_hash(&*lineup::problem(frozen.clone()));
     ensure!(
@@ -305,18 +323,24 @@ impl Check {
             match checked(collection, id) {
                 Ok(true) => {}
                 Ok(false) => absent += 1,
-                Err(why) => faults.push(format!("{id}: {why:#}")),
+                Err(why) => faults.push(format!("{id}: {}", in_one_paragraph(&why))),
             }
             bar.inc(1);
         }
         bar.finish_and_clear();
         let submissions = collection.names("submissions")?;
         for name in &submissions {
-            faults.extend(submitted(collection, name).err().map(|why| format!("{name}: {why:#}")));
+            faults.extend(
+                submitted(collection, name).err().map(|why| format!("{name}: {}", in_one_paragraph(&why))),
+            );
         }
         faults.iter().try_for_each(|fault| say(format_args!("{fault}")))?;
         let (all, of) = (ids.len(), submissions.len());
-        let absent = if absent > 0 { format!(", of which {absent} are not stored and were not made") } else { String::new() };
+        let absent = if absent > 0 {
+            format!(", of which {absent} are not stored and were not made")
+        } else {
+            String::new()
+        };
         say(format_args!("{all} problems{absent}, {of} submissions: {} faults", faults.len()))?;
         Ok(if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
@@ -337,7 +361,10 @@ fn checked(collection: &Collection, id: &str) -> Result<bool> {
     let entry = collection.entry(id)?;
     let answers = collection.answers(id)?;
     let Some(problem) = collection.problem(&entry)? else {
-        ensure!(entry.made.is_some() || entry.foreign.is_some(), "its problem is missing, and it has no recipe");
+        ensure!(
+            entry.made.is_some() || entry.foreign.is_some(),
+            "its problem is missing, and it has no recipe"
+        );
         return Ok(false);
     };
     let (mechanics, grains, contacts, friction) = facts(&problem.posed);

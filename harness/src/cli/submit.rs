@@ -1,6 +1,7 @@
 //! `gravel submit` and `gravel accept`: impulses of another code for a problem of the collection, handed in and judged.
 
 use crate::collection::{Claimed, Collection, Division, FORMAT, Submission};
+use crate::in_one_paragraph;
 use crate::problems::Given;
 use crate::root::Root;
 use crate::terminal::{check_apart, exit, prepare_place, replaces, say, write_sealed};
@@ -107,7 +108,7 @@ pub(crate) fn accept(root: &Root, args: &AcceptArgs) -> Result<ExitCode> {
             }
             Err(why) => {
                 refused += 1;
-                say(format_args!("refused {why:#}"))?;
+                say(format_args!("refused {}", in_one_paragraph(&why)))?;
             }
         }
     }
@@ -145,7 +146,8 @@ fn one(collection: &Collection, file: &Path, dry_run: bool) -> Result<String> {
     let name = || file.display().to_string();
     let submission = Submission::read(file)?;
     let entry = collection.entry(&submission.problem).with_context(|| format!("{}: `problem`", name()))?;
-    let problem = collection.problem(&entry)?.with_context(|| format!("{}: {}", name(), not_here(&entry.id)))?;
+    let problem =
+        collection.problem(&entry)?.with_context(|| format!("{}: {}", name(), not_here(&entry.id)))?;
     let answers = collection.answers(&entry.id)?;
     let judged = submission.judged(&entry, &problem, &answers).with_context(name)?;
     let (verified, id) = (judged.verified, &entry.id);
@@ -163,7 +165,9 @@ fn one(collection: &Collection, file: &Path, dry_run: bool) -> Result<String> {
     if let Some((better, _)) = &judged.better {
         let (before, now) = (entry.known, better.known);
         words += &match (before.status == now.status, now.solutions > before.solutions) {
-            (false, _) => format!("; the problem was {}, and is {} now", before.status.name(), now.status.name()),
+            (false, _) => {
+                format!("; the problem was {}, and is {} now", before.status.name(), now.status.name())
+            }
             (true, true) => format!("; a new solution, the {}. that is known", now.solutions),
             (true, false) => "; the least natural map that is known".to_owned(),
         };

@@ -17,8 +17,10 @@ use std::path::{Path, PathBuf};
 /// A collection of problems, as a folder.
 pub(crate) struct Collection {
     folder: PathBuf,
-    /// Folder of problems that were made and are not stored.
+    /// Folders of problems that are stored elsewhere: those that were made and are kept to save time, frozen ones, those of other codes.
     made: PathBuf,
+    frozen: PathBuf,
+    foreign: PathBuf,
 }
 
 /// Facts about a problem and its status, as its file in `entries` has them.
@@ -47,7 +49,7 @@ pub(crate) struct Entry {
     pub(crate) by: String,
     /// Method of the best known answer.
     pub(crate) how: String,
-    /// What is known of its solutions, recomputed from the stored answers.
+    /// Knowledge of its solutions, recomputed from the stored answers.
     pub(crate) known: Standing,
     /// Recipe by which the problem is made again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -58,7 +60,9 @@ pub(crate) struct Entry {
 }
 
 /// State of a packing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum, JsonSchema, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum, JsonSchema, Serialize, Deserialize,
+)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum State {
     /// At rest, before any wall moves.
@@ -117,7 +121,7 @@ impl Status {
     }
 }
 
-/// What is known of the solutions of a problem.
+/// Knowledge of the solutions of a problem.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Standing {
@@ -225,7 +229,9 @@ impl Answers {
         let problem = match posed {
             Posed::Grains(problem) => &**problem,
             Posed::W(problem) => {
-                let Self::Best(r) = self else { bail!("W alone has no certificate, and its best impulses alone") };
+                let Self::Best(r) = self else {
+                    bail!("W alone has no certificate, and its best impulses alone")
+                };
                 let wanted = posed.facts().of_contact * posed.facts().contacts;
                 ensure!(r.len() == wanted, "stored impulses have {} values, not {wanted}", r.len());
                 let natural_map = Some(problem.natural_map(r));
@@ -256,7 +262,10 @@ impl Answers {
                 }
             }
             (Self::Best(r), _) => {
-                ensure!(!problem.certify(r).certified(), "the best impulses of an open problem are certified");
+                ensure!(
+                    !problem.certify(r).certified(),
+                    "the best impulses of an open problem are certified"
+                );
                 Standing { status: Status::Open, natural_map: Some(natural_map(r)), ..none }
             }
             (Self::Ray(ray), Law::Frictionless(law)) if law.proves_infeasible(ray) => none,
@@ -279,10 +288,8 @@ impl Answers {
 pub(crate) fn pool(problem: &dyn OneProblem, all: &[Vec<f64>]) -> Vec<reference::RoughSolution> {
     let mut pool = Vec::new();
     for impulses in all {
-        let solution = reference::RoughSolution {
-            certificate: problem.certify(impulses),
-            impulses: impulses.clone(),
-        };
+        let solution =
+            reference::RoughSolution { certificate: problem.certify(impulses), impulses: impulses.clone() };
         take(&mut pool, solution, |a, b| problem.distance(a, b));
     }
     pool
@@ -317,7 +324,9 @@ impl Collection {
         }
         let here = || root.needed().map(|root| root.join("cases/collection"));
         let folder = folder.map_or_else(here, |folder| Ok(folder.to_owned()))?;
-        Ok(Self { folder, made: root.join("results/problems") })
+        let [made, frozen, foreign] =
+            ["results/problems", "cases/frozen", "cases/foreign"].map(|at| root.join(at));
+        Ok(Self { folder, made, frozen, foreign })
     }
 
     /// A file of it, of a `kind`: `entries`, `problems`, `answers` or `submissions`.
@@ -368,15 +377,23 @@ impl Collection {
             })
         };
         let entry = read().with_context(|| file.display().to_string())?;
-        ensure!(entry.id == id, "{}: `id` is {:?}, and the file is named after another", file.display(), entry.id);
+        ensure!(
+            entry.id == id,
+            "{}: `id` is {:?}, and the file is named after another",
+            file.display(),
+            entry.id
+        );
         Ok(entry)
     }
 
     /// Returns the place of the problem of an entry, if it is stored here or was made.
     pub(crate) fn place(&self, entry: &Entry) -> Option<PathBuf> {
         let name = format!("{}.json.gz", entry.id);
-        let foreign = entry.foreign.iter().map(|foreign| self.folder.join("../foreign").join(&foreign.file));
-        let places = [self.file("problems", &name), self.made.join(&name)].into_iter().chain(foreign);
+        if let Some(foreign) = &entry.foreign {
+            return Some(self.foreign.join(&foreign.file)).filter(|place| place.is_file());
+        }
+        let frozen = self.frozen.join(format!("{}.json", entry.name));
+        let places = [self.file("problems", &name), self.made.join(&name), frozen];
         places.into_iter().find(|place| place.is_file())
     }
 
@@ -407,7 +424,10 @@ impl Collection {
     /// Writes an entry and the answers to its problem.
     pub(crate) fn write(&self, entry: &Entry, answers: &Answers) -> Result<()> {
         let text = toml::to_string(entry)?;
-        write_sealed(&self.file("answers", &format!("{}.json.gz", entry.id)), &serde_json::to_string(answers)?)?;
+        write_sealed(
+            &self.file("answers", &format!("{}.json.gz", entry.id)),
+            &serde_json::to_string(answers)?,
+        )?;
         write_kept(&self.file("entries", &format!("{}.toml", entry.id)), &text)
     }
 

@@ -1,11 +1,11 @@
 //! Recipes: a file that says which time steps of which cases are the problems of a collection.
 
-use super::entry::{Answers, Collection, Entry, Made, Standing, State, facts};
+use super::entry::{Answers, Collection, Entry, Made, State, facts};
 use super::sought::sought;
 use crate::plan::{PlannedCase, Settings};
 use crate::problems::{CaseProblem, Problem, combined};
 use crate::root::Root;
-use crate::terminal::{exit, read_text, say};
+use crate::terminal::{read_text, say};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use cases::{AnyFrozen, all_missing, of_toml};
 use results::settings::TIME_STEP;
@@ -84,8 +84,7 @@ impl Recipe {
             let (method, stop) = case.before()?;
             let how = CaseProblem::solved_by(&method, &stop);
             let time_steps: Vec<u64> = new.iter().map(|wanted| wanted.made.time_step).collect();
-            let problems =
-                case.marched_through(&time_steps, (&method, &stop, &how), &exit::requested)?;
+            let problems = case.marched_through(&time_steps, (&method, &stop, &how), &|| false)?;
             for (wanted, mut frozen) in new.into_iter().zip(problems) {
                 frozen.rename(&wanted.name);
                 let about = About { state: wanted.state, licence: self.licence.clone() };
@@ -142,7 +141,9 @@ impl About {
         let (entry, answers) = self.entry(collection, &problem, origin)?;
         let entry = Entry { made, ..entry };
         // The entry last: without it the other files are nothing.
-        collection.write_problem(&entry.id, &copy, stored)?;
+        if stored || entry.made.is_some() {
+            collection.write_problem(&entry.id, &copy, stored)?;
+        }
         collection.write(&entry, &answers)?;
         Ok(entry)
     }
@@ -158,21 +159,28 @@ impl About {
             bail!("{} is in the collection already, as {} ({})", problem.name, there.id, there.name);
         }
         let (answers, how) = sought(problem)?;
-        let (answers, known) = certain(problem, answers)?;
+        let known = answers.standing(&problem.posed).with_context(|| problem.name.clone())?;
         let (mechanics, grains, contacts, friction) = facts(&problem.posed);
         let by = format!("gravel {}", env!("CARGO_PKG_VERSION"));
         let (id, name) = (problem.hash.clone(), problem.name.clone());
         let (state, licence) = (self.state, self.licence.clone());
         let (made, foreign) = (None, None);
         let entry = Entry {
-            id, name, mechanics, grains, contacts, friction, state, origin, licence, by, how, known, made, foreign,
+            id,
+            name,
+            mechanics,
+            grains,
+            contacts,
+            friction,
+            state,
+            origin,
+            licence,
+            by,
+            how,
+            known,
+            made,
+            foreign,
         };
         Ok((entry, answers))
     }
-}
-
-/// Returns answers with what they say.
-fn certain(problem: &Problem, answers: Answers) -> Result<(Answers, Standing)> {
-    let known = answers.standing(&problem.posed).with_context(|| problem.name.clone())?;
-    Ok((answers, known))
 }

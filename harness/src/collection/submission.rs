@@ -37,7 +37,7 @@ pub(crate) struct Submission {
     /// Claims of the submitter, none of which is verified but the natural map.
     #[serde(default)]
     pub(crate) claimed: Claimed,
-    /// What gravel computed from the impulses as it accepted them.
+    /// Residual and certificate that gravel computed from the impulses as it accepted them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) verified: Option<Verified>,
     /// Impulses in the problem's contact order, a flat list (N·s).
@@ -76,7 +76,7 @@ pub(crate) struct Claimed {
     pub(crate) machine: String,
 }
 
-/// What was computed from the impulses.
+/// Residual and certificate of impulses.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Verified {
@@ -86,7 +86,7 @@ pub(crate) struct Verified {
     pub(crate) certified: bool,
 }
 
-/// What an accepted submission changed.
+/// Judgement of a submission, and what it changes.
 pub(crate) struct Accepted {
     pub(crate) verified: Verified,
     /// Distance in velocity to the nearest stored solution (–).
@@ -117,7 +117,10 @@ impl Submission {
         let is_silent = *division == Division::Open && how.trim().is_empty();
         ensure!(!is_silent, "`how` is empty: in the open division it must say what was tuned, and on what");
         let seconds = claimed.seconds.unwrap_or(0.0);
-        ensure!(seconds >= 0.0 && seconds.is_finite(), "`claimed.seconds` is {seconds}: it must be finite and not negative");
+        ensure!(
+            seconds >= 0.0 && seconds.is_finite(),
+            "`claimed.seconds` is {seconds}: it must be finite and not negative"
+        );
         Ok(())
     }
 
@@ -150,7 +153,10 @@ impl Submission {
             }
         };
         let natural_map = verified.natural_map;
-        ensure!(natural_map.is_finite(), "`impulse`: its natural map is {natural_map}: the impulses are beyond all measure");
+        ensure!(
+            natural_map.is_finite(),
+            "`impulse`: its natural map is {natural_map}: the impulses are beyond all measure"
+        );
         if let Some(claimed) = self.claimed.natural_map
             && !agree(claimed, natural_map)
         {
@@ -173,7 +179,11 @@ impl Submission {
     pub(crate) fn judged(&self, entry: &Entry, problem: &Problem, answers: &Answers) -> Result<Accepted> {
         let verified = self.verify(&problem.posed)?;
         let by = format!("{} {}", self.code, self.version);
-        let how = format!("{}, {} division", if self.how.is_empty() { "not said" } else { &self.how }, self.division.name());
+        let how = format!(
+            "{}, {} division",
+            if self.how.is_empty() { "not said" } else { &self.how },
+            self.division.name()
+        );
         let new = match &problem.posed {
             Posed::Grains(grains) => self.on_grains(&**grains, verified, answers)?,
             Posed::W(_) => self.is_least(entry, verified).then(|| (Answers::Best(self.impulse.clone()), "")),
@@ -187,7 +197,8 @@ impl Submission {
             Some((answers, polished)) => {
                 let known = answers.standing(&problem.posed)?;
                 let was_open = matches!(entry.known.status, super::entry::Status::Open);
-                let (by, how) = if was_open { (by, how + polished) } else { (entry.by.clone(), entry.how.clone()) };
+                let (by, how) =
+                    if was_open { (by, how + polished) } else { (entry.by.clone(), entry.how.clone()) };
                 Some((Entry { by, how, known, ..entry.clone() }, answers))
             }
         };
@@ -213,7 +224,9 @@ impl Submission {
         };
         Ok(match (answers, solution) {
             (Answers::Ray(_) | Answers::NormalParts {}, Some(_)) => {
-                bail!("the impulses are certified, and it is proved that there is no solution: the keeper must look into both")
+                bail!(
+                    "the impulses are certified, and it is proved that there is no solution: the keeper must look into both"
+                )
             }
             (Answers::Solutions(pool), Some(new)) => {
                 let is_known = pool.iter().any(|known| is_same(problem.distance(known, &new)));

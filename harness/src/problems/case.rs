@@ -138,7 +138,9 @@ impl CaseProblem {
     /// Returns how the time steps before it are solved, as text for the source of its problem.
     pub(crate) fn solved_by(method: &Method, stop: &Stop) -> String {
         let (solver, on, tolerance) = (method.name, stop.on, stop.tolerance);
-        format!(" Time steps before it solved by {solver} to {on} ≤ {tolerance:e}, from the impulses of the one before.")
+        format!(
+            " Time steps before it solved by {solver} to {on} ≤ {tolerance:e}, from the impulses of the one before."
+        )
     }
 }
 

@@ -181,8 +181,10 @@ fn of_case(root: &Root, plan: &Plan, planned: &PlannedCase) -> Result<Vec<Planne
         let mut all = Settings::new();
         let (name, source) = if let Some(simulate) = &plan.simulate {
             let case = read_case(&path, &overrides(&settings))?;
-            let (name, alone) =
-                (named(&case.name, &naming, &settings, ""), named(&case.name, &naming, &settings, scene::TIME_STEP));
+            let (name, alone) = (
+                named(&case.name, &naming, &settings, ""),
+                named(&case.name, &naming, &settings, scene::TIME_STEP),
+            );
             let duration = planned.duration_s.or(simulate.duration_s);
             let duration = duration.context("neither the case nor `simulate` has a `duration_s`")?;
             let scene = Scene::new(case, alone, settings.clone(), duration, simulate.sample_every_s)?;
